@@ -1,5 +1,5 @@
-# A CMake toolchain: builds on Debian 12 for 64-bit ARM, against what scripts/sysroot fetched, UMBRAGE_SYSROOT, and
-# runs by qemu what was built.
+# CMake toolchain file: cross-compiles on Debian 12 for 64-bit ARM with the sysroot of scripts/sysroot, UMBRAGE_SYSROOT.
+# The programs run under qemu.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES UMBRAGE_SYSROOT)
@@ -8,7 +8,7 @@ set(CMAKE_CXX_COMPILER aarch64-linux-gnu-g++)
 set(CMAKE_LIBRARY_ARCHITECTURE aarch64-linux-gnu)
 set(CMAKE_CROSSCOMPILING_EMULATOR qemu-aarch64 -L ${UMBRAGE_SYSROOT})
 
-# Programs are those of this machine, all else is that of the other.
+# Build tools come from this machine; libraries, headers and packages from the sysroot.
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)

@@ -1,7 +1,7 @@
-# What `cmake --install` puts where, in three components: program, library (the shared one), development.
+# Install rules, in four components: program, library (shared), development, python (only on request).
 include(CMakePackageConfigHelpers)
 install(TARGETS umbrage RUNTIME COMPONENT program)
-# What the program and the library start to read models.
+# The program and the library start umbrage-import to read models.
 install(TARGETS umbrage-import RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/umbrage COMPONENT program)
 if(TARGET umbrage_shared)
   install(TARGETS umbrage_shared EXPORT umbrage-shared LIBRARY COMPONENT library NAMELINK_COMPONENT development)
@@ -12,14 +12,14 @@ endif()
 install(DIRECTORY include/umbrage TYPE INCLUDE COMPONENT development)
 install(FILES LICENSE README.md CHANGELOG.md TYPE DOC COMPONENT program)
 install(DIRECTORY docs TYPE DOC COMPONENT program)
-# The manual page and the shells' completions, which apps/CMakeLists.txt has the program make.
+# The manual page and shell completions, which apps/CMakeLists.txt generates with the program.
 if(NOT CMAKE_CROSSCOMPILING)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/share/ TYPE DATA COMPONENT program)
 endif()
 install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT development
         FILES_MATCHING PATTERN "*.cpp" PATTERN "*.c" PATTERN CMakeLists.txt)
 
-# For Debian's interpreter; elsewhere PYTHONPATH or scripts/wheel serves.
+# For the Python of Debian; elsewhere use PYTHONPATH or scripts/wheel.
 install(DIRECTORY python/umbrage DESTINATION lib/python3/dist-packages COMPONENT python EXCLUDE_FROM_ALL
         FILES_MATCHING PATTERN "*.py" PATTERN py.typed PATTERN .mypy_cache EXCLUDE)
 install(FILES examples/gallery.ipynb DESTINATION share/doc/python3-umbrage/examples COMPONENT python EXCLUDE_FROM_ALL)
@@ -33,13 +33,13 @@ foreach(kind ${UMBRAGE_KINDS})
 endforeach()
 configure_package_config_file(cmake/umbrage-config.cmake.in generated/umbrage-config.cmake INSTALL_DESTINATION ${package}
                               NO_SET_AND_CHECK_MACRO)
-# Before 1.0 a minor version may change what programs were written for.
+# Before 1.0 a minor version may change the API.
 write_basic_package_version_file(generated/umbrage-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/generated/umbrage-config.cmake ${PROJECT_BINARY_DIR}/generated/umbrage-config-version.cmake
         DESTINATION ${package} COMPONENT development)
 
-# pkg-config. Paths are told from where the file itself lies, so that the tree may be moved; folders outside of the
-# prefix stay as they are.
+# pkg-config. Paths are relative to the .pc file, so that the installed tree can be moved. Folders outside the prefix
+# are absolute.
 set(pkgconfig ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 cmake_path(IS_ABSOLUTE CMAKE_INSTALL_LIBDIR absolute_lib)
 cmake_path(IS_ABSOLUTE CMAKE_INSTALL_INCLUDEDIR absolute_include)
@@ -57,11 +57,11 @@ endif()
 if(absolute_include)
   set(pc_include ${CMAKE_INSTALL_INCLUDEDIR})
 endif()
-# What a program that links statically has to name itself. Not Requires.private: that wants the other libraries' headers
-# even of programs that link dynamically.
+# Libraries for static linking. Requires.private is not used: it would require the development packages of these
+# libraries for dynamic linking too.
 pkg_check_modules(PC_PRIVATE QUIET fmt libhwy libpng OpenEXR tbb)
 if(NOT PC_PRIVATE_FOUND)
-  message(STATUS "pkg-config knows not all libraries: umbrage.pc will not do for static linking")
+  message(STATUS "pkg-config does not find all libraries: umbrage.pc will not support static linking")
 endif()
 list(JOIN PC_PRIVATE_LDFLAGS " " pc_private)
 string(APPEND pc_private " -lembree3 -lstdc++ -lm -ldl -pthread")

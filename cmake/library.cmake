@@ -1,12 +1,13 @@
-# libumbrage: the public interface and all that it stands on, as one library. Both kinds are made of the same objects;
-# BUILD_SHARED_LIBS, where it is set, leaves out one of them.
-set(UMBRAGE_ABI 1) # the number of the shared library
+# libumbrage: the public API and all internal libraries as one library, shared and static. Both are made of the same
+# objects. If BUILD_SHARED_LIBS is set, it selects one of them.
+set(UMBRAGE_ABI 1) # ABI version, the SOVERSION of the shared library
 set(objects "")
 foreach(folder core system kernel lines effects looks scene scene_readers generators rays reference devices_shared devices_cpu devices_vulkan io renderer library)
   list(APPEND objects $<TARGET_OBJECTS:umbrage_${folder}>)
 endforeach()
 
-# What the objects need besides. Highway comes without a CMake package that others could find: by its name alone.
+# umbrage_library(shared|static KIND): adds one kind of the library. Highway has no CMake package that users of the
+# installed library could find, so it is linked by name.
 function(umbrage_library kind)
   add_library(umbrage_${kind} ${ARGN} ${objects})
   set_target_properties(umbrage_${kind} PROPERTIES OUTPUT_NAME umbrage EXPORT_NAME ${kind} LINKER_LANGUAGE CXX)
@@ -23,7 +24,7 @@ set(UMBRAGE_KINDS "")
 if(BUILD_SHARED_LIBS OR NOT DEFINED BUILD_SHARED_LIBS)
   umbrage_library(shared SHARED)
   set(map ${CMAKE_CURRENT_LIST_DIR}/library.map)
-  # What templates of others leave in the objects is hidden too.
+  # The version script also hides symbols of third-party templates.
   target_link_options(umbrage_shared PRIVATE LINKER:--version-script=${map} LINKER:--no-undefined LINKER:--exclude-libs,ALL)
   set_target_properties(umbrage_shared PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${UMBRAGE_ABI} LINK_DEPENDS ${map})
   list(APPEND UMBRAGE_KINDS shared)

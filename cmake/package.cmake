@@ -1,5 +1,6 @@
-# Debian packages by CPack, as Debian parts them: umbrage, the programs and their pages; libumbrage1, the shared library;
-# libumbrage-dev, what programs are compiled with; python3-umbrage, the Python package. scripts/package makes them.
+# Debian packages by CPack, divided by the rules of Debian: umbrage, the programs and manual pages; libumbrage1, the
+# shared library; libumbrage-dev, headers and static library; python3-umbrage, the Python package. scripts/package
+# builds them.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_CONTACT "The Umbrage authors <umbrage@localhost>")
 set(CPACK_PACKAGE_VENDOR "Umbrage")
@@ -16,12 +17,12 @@ set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY >=)
 
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME umbrage)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION graphics)
-# Vulkan is loaded where there is one.
+# Vulkan is loaded at run time if it is installed.
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS libvulkan1)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libumbrage${UMBRAGE_ABI})
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS libvulkan1)
-# It has models read by a program, of the same version, that comes with the other one.
+# The library starts a program of package umbrage to read models; it must have the same version.
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "umbrage (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libumbrage-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
@@ -37,7 +38,7 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
     "libumbrage${UMBRAGE_ABI} (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), python3 (>= 3.8), python3-numpy")
-# What Python compiles is made with the package and goes with it.
+# Maintainer scripts compile the Python files at installation and remove the result with the package.
 foreach(script "postinst configure py3compile" "prerm remove|upgrade|deconfigure py3clean")
   string(REPLACE " " ";" script "${script}")
   list(GET script 0 name)
@@ -55,32 +56,32 @@ esac
   list(APPEND CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/generated/debian/python/${name})
 endforeach()
 
-# Below the project's own description, which is the first line of each.
+# Long descriptions; the first line of each package's description is that of the project.
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
     "Umbrage draws 3D models so that their shape can be read: ambient occlusion,
-light between surfaces, soft shadows, toon bands, outlines. It reads OBJ, PLY,
+indirect light, soft shadows, toon shading, outlines. It reads OBJ, PLY,
 STL, glTF and more, writes PNG, OpenEXR and PFM, and runs on any CPU, without
 a display, or on a Vulkan GPU.")
 set(CPACK_COMPONENT_LIBRARY_DESCRIPTION
     "Umbrage draws 3D models so that their shape can be read, and shades what other
-programs have drawn. This package is its shared library.")
+programs have drawn. This package contains the shared library.")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
     "Umbrage draws 3D models so that their shape can be read, and shades what other
-programs have drawn. This package is what programs are compiled with: headers,
+programs have drawn. This package contains the development files: headers,
 static library, packages for CMake and pkg-config, examples.")
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION
     "Umbrage draws 3D models so that their shape can be read, and shades what other
-programs have drawn. This package is its Python package: models become
-pictures, arrays of NumPy and others become shaded.")
+programs have drawn. This package contains the Python package, which renders
+models and shades arrays of NumPy and other libraries.")
 
-# What Debian wants of every package: licence and changelog in a folder of its own. No plain install makes them.
+# Debian requires license and changelog in a folder of each package. They are not part of a plain install.
 find_program(GZIP gzip)
 if(GZIP)
   file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/generated/debian)
   file(CONFIGURE OUTPUT generated/debian/changelog.Debian CONTENT
 "umbrage (@PROJECT_VERSION@-@CPACK_DEBIAN_PACKAGE_RELEASE@) unstable; urgency=medium
 
-  * Built from source; what changed stands in /usr/share/doc/umbrage/CHANGELOG.md.
+  * Built from source; see /usr/share/doc/umbrage/CHANGELOG.md for the changes.
 
  -- @CPACK_PACKAGE_CONTACT@  Thu, 01 Jan 2026 00:00:00 +0000
 " @ONLY)

@@ -1,9 +1,9 @@
-# What the folders' CMakeLists share.
+# Functions for the CMakeLists.txt of all folders.
 
-# umbrage_folder(NAME SOURCES... [USES targets...]): the static library umbrage_NAME made of this folder. It sees the
-# headers of the folders that it uses and no others: include paths are staged per target.
-# -Wno-restrict: g++ 12 warns of std::string concatenation without cause (GCC bug 105651).
-# -Wno-missing-field-initializers: rows of tables name the fields that matter.
+# umbrage_folder(NAME SOURCES... [USES targets...]): adds the static library umbrage_NAME of this folder. It can include
+# headers of its own folder and of the folders that it uses only: include paths are staged per target.
+# -Wno-restrict: g++ 12 has false positives for std::string concatenation (GCC bug 105651).
+# -Wno-missing-field-initializers: table rows set the relevant fields only.
 function(umbrage_folder name)
   cmake_parse_arguments(ARG "" "" "SOURCES;USES" ${ARGN})
   if(ARG_SOURCES)
@@ -14,7 +14,7 @@ function(umbrage_folder name)
     add_library(umbrage_${name} INTERFACE)
     set(scope INTERFACE)
   endif()
-  # The target sees its own folder as <folder>/file.h through a directory that holds nothing but that one link.
+  # The target includes its own headers as <folder>/file.h through a directory that contains only a link to the folder.
   file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   set(stage ${PROJECT_BINARY_DIR}/include/${name})
   get_filename_component(parent ${stage}/${folder} DIRECTORY)
@@ -24,9 +24,10 @@ function(umbrage_folder name)
   target_link_libraries(umbrage_${name} ${scope} ${ARG_USES})
 endfunction()
 
-# umbrage_spirv(OUT shaders...): compiles shaders (NAME.comp, .vert, .frag) of this folder to build/spirv/spirv/NAME.inc;
-# OUT is the list of those. Their words are NAME_spirv() of spirv/NAME.h. Where a NAME.cpu.cpp stands beside a shader, both
-# are one kernel, NAME_kernel() of kernels/NAME.h. The templates of the two headers lie beside this file.
+# umbrage_spirv(OUT shaders...): compiles shaders (NAME.comp, .vert, .frag) of this folder to build/spirv/spirv/NAME.inc
+# and sets OUT to the list of those files. NAME_spirv() in spirv/NAME.h returns the SPIR-V. If a NAME.cpu.cpp exists
+# beside a shader, both are one kernel, which NAME_kernel() in kernels/NAME.h returns. The templates of both headers are
+# in cmake/.
 function(umbrage_spirv out)
   set(all "")
   set(build ${PROJECT_BINARY_DIR}/spirv)

@@ -13,7 +13,7 @@ glm::mat4 look_at(glm::vec3 eye, glm::vec3 target, glm::vec3 up) {
   const float distance = glm::length(forward);
   forward = distance > 0.0f ? forward / distance : glm::vec3(0.0f, 0.0f, -1.0f);
   glm::vec3 right = glm::cross(forward, up);
-  constexpr float kParallel = 1e-4f;  // sine of the angle below which `up` says nothing
+  constexpr float kParallel = 1e-4f;  // sine of the angle below which `up` is unusable
   if (!(glm::length(right) > kParallel * glm::length(up))) {
     const glm::vec3 other = std::abs(forward.z) < 0.9f ? glm::vec3(0.0f, 0.0f, 1.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
     right = glm::cross(forward, other);

@@ -13,20 +13,20 @@ struct Camera {
   glm::mat4 view_from_world{1.0f};
   Projection projection = Projection::kPerspective;
   /// The window that the image fills: at depth 1 for a perspective camera, in scene units for an orthographic one.
-  /// Off-centre windows are allowed; top lies above bottom.
+  /// Off-centre windows are allowed; top > bottom.
   float left = -1.0f, right = 1.0f, bottom = -1.0f, top = 1.0f;
 
-  /// World position of the eye.
+  /// Returns the position of the camera in world space.
   glm::vec3 eye() const;
 
   bool operator==(const Camera&) const = default;
 };
 
-/// A camera at `eye` that looks at `target`. `up` may be parallel to the view; another axis is taken then.
-/// `angle_deg` is the vertical field of view; aspect is width over height.
+/// Returns a camera at `eye` that looks at `target`. If `up` is parallel to the view direction, another axis is used.
+/// `angle_deg` is the vertical field of view; `aspect` is width / height.
 Camera perspective_camera(glm::vec3 eye, glm::vec3 target, glm::vec3 up, float angle_deg, float aspect);
 
-/// The same without perspective: the image is `height` scene units high.
+/// Returns the same camera with an orthographic projection: the image is `height` scene units high.
 Camera orthographic_camera(glm::vec3 eye, glm::vec3 target, glm::vec3 up, float height, float aspect);
 
 }  // namespace umbrage

@@ -1,5 +1,5 @@
-// Checks for the case that the programmer is wrong: they throw an InternalError that says both values, in release
-// builds too. Who calls the library never sees it: core/guarded.h makes an Error of it.
+// Checks for programming errors, in release builds too. They throw an InternalError that contains both values;
+// core/guarded.h turns it into an Error before it reaches the caller of the library.
 #pragma once
 #include <fmt/format.h>
 
@@ -8,13 +8,13 @@
 
 namespace umbrage {
 
-/// Where a function was called, as its default argument. std::source_location, which Debian 12's clang does not have.
+/// The source location of a call, as a default argument. Replaces std::source_location, which clang of Debian 12 lacks.
 struct CalledAt {
   const char* file = __builtin_FILE();
   int line = __builtin_LINE();
 };
 
-/// Something is wrong inside Umbrage.
+/// A programming error inside Umbrage.
 class InternalError : public std::logic_error {
  public:
   using std::logic_error::logic_error;
@@ -24,13 +24,13 @@ class InternalError : public std::logic_error {
   throw InternalError(fmt::format("{} ({}:{})", what, at.file, at.line));
 }
 
-/// Fails with both values unless they are equal.
+/// Throws InternalError with both values unless a == b.
 template <class A, class B>
 void check_equal(const A& a, const B& b, std::string_view what, CalledAt at = {}) {
   if (!(a == b)) fail_check(fmt::format("{}: {} != {}", what, a, b), at);
 }
 
-/// Fails with both values unless a < b.
+/// Throws InternalError with both values unless a < b.
 template <class A, class B>
 void check_less(const A& a, const B& b, std::string_view what, CalledAt at = {}) {
   if (!(a < b)) fail_check(fmt::format("{}: {} is not below {}", what, a, b), at);

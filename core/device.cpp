@@ -7,7 +7,7 @@ Result<int> layer_count(const CaptureSettings& settings) {
   const int count = settings.layers * sides + settings.extra_views;
   const bool mixed = settings.back_sides || settings.extra_views > 0;
   if (mixed && count > kMaxMixedLayers)
-    return usage_error("{}{}{} are {}: together at most {} can be captured",
+    return usage_error("{}{}{} are {} layers; at most {} can be captured",
                        settings.layers == 1 ? "one layer" : fmt::format("{} layers", settings.layers),
                        settings.back_sides ? " with back sides" : "",
                        settings.extra_views == 0   ? ""

@@ -1,4 +1,4 @@
-// Device: where effects run. Looks get one handed in; devices/ has those that there are.
+// Device: the interface of the backends that capture scenes and run effects. The implementations are in devices/.
 #pragma once
 #include <functional>
 #include <memory>
@@ -7,114 +7,119 @@
 #include <string_view>
 #include <vector>
 
-#include "core/band.h"
 #include "core/effect.h"
 #include "core/gbuffer.h"
 #include "core/progress.h"
 #include "core/result.h"
+#include "core/strip.h"
 
 namespace umbrage {
 
 struct Scene;  // scene/scene.h
 
-/// A picture in the making: its information, and its planes on the device that made them. A plane of depth layer n > 0
-/// is called `layerN.NAME`.
+/// A picture being rendered: its information, and its planes in the memory of the device that made them. A plane of
+/// depth layer n > 0 is named `layerN.NAME`.
 struct Frame {
   PictureInfo info;
-  std::shared_ptr<void> storage;  ///< the device's own
+  std::shared_ptr<void> storage;  ///< planes, in a type private to the device
 };
 
 inline constexpr int kMaxLayers = 16;
 
 inline constexpr int kMaxExtraViews = 4;
-/// The most layers, all kinds together, of a capture with back sides or extra views: as many as kernels read.
+/// Max layers of all kinds in a capture with back sides or extra views: the number that kernels can read.
 inline constexpr int kMaxMixedLayers = 8;
 
 struct CaptureSettings {
   int width = 1024, height = 1024;  ///< without the guard band
-  int shadows = kMaxShadows;  ///< of how many lights, from the first on, shadows are traced: 1 is the key light alone
-  // Layers come in this order: `layers`, then as many of `back_sides`, then `extra_views`.
+  int shadows = kMaxShadows;        ///< shadows are traced for this many lights, from the first; 1: key light only
+  // Order of the layers: `layers`, then as many back sides if `back_sides` is set, then `extra_views`.
   int layers = 1;           ///< surfaces along each primary ray, 1 to kMaxLayers
-  bool back_sides = false;  ///< a layer of the other side of each of those too
+  bool back_sides = false;  ///< one more layer for each of these: the other side of its surfaces
   int extra_views = 0;      ///< further cameras, one layer each, 0 to kMaxExtraViews
-  int guard = 0;            ///< pixels drawn beyond each side: see PictureInfo::guard
-  /// Rays of a pixel to a light that has a size; where there are several, and the light is seen whole or not at all,
-  /// one. What arrives is averaged along surfaces, over 4 x 4 pixels, or more where penumbrae are wide. 0: points.
+  int guard = 0;            ///< guard band, pixels on each side; see PictureInfo::guard
+  /// Shadow rays per pixel to each light that has a size. With two or more, blocks of 4 x 4 pixels take one ray per
+  /// pixel where the light is either fully visible or fully blocked. Shadows are then averaged along surfaces, over 4 x
+  /// 4 pixels, or more where penumbrae are wide. 0: lights are points.
   int shadow_rays = 0;
-  std::optional<Lighting> lighting = {};  ///< in place of the scene's own
-  int sample = 0;                         ///< of pictures that are averaged: each has other shadow rays
-  /// Planes of materials and ids, by their names on the first layer, that alone are captured; nothing: all. Depth,
-  /// normals and shadows always are.
+  std::optional<Lighting> lighting = {};  ///< replaces the lighting of the scene
+  int sample = 0;                         ///< sample index of an accumulation; selects the shadow rays
+  /// Names, as on the first layer, of the material and id planes to capture; nullopt: all. Depth, normals and shadows
+  /// are always captured.
   std::optional<std::vector<std::string>> planes = {};
-  std::optional<Band> band = {};  ///< draw this band of the picture alone, on devices that can
+  std::optional<Strip> strip = {};  ///< draw only this strip; requires Device::draws_strips()
 
   bool operator==(const CaptureSettings&) const = default;
 };
 
-/// How many layers such a capture has. Errors: kUsage where they are too many.
+/// Returns the number of layers of a capture, all kinds together. Errors: kUsage if there are more than kMaxMixedLayers
+/// with back sides or extra views.
 Result<int> layer_count(const CaptureSettings& settings);
 
-/// What a pass took on a device that measures it itself.
-struct PassTime {
-  std::string effect, pass;
+/// The time of one dispatch, on a device that measures it itself.
+struct DispatchTime {
+  std::string effect, dispatch;
   double ms = 0.0;
 };
 
 class Device {
  public:
   virtual ~Device() = default;
-  /// "cpu", "vulkan:0".
+  /// Returns the name: "cpu", "vulkan:0".
   virtual std::string_view name() const = 0;
-  /// One line for people: model, driver, SIMD target, threads.
+  /// Returns one line for users: model, driver, SIMD target, threads.
   virtual std::string description() const = 0;
-  /// CPU threads that work for it.
+  /// Returns the number of CPU threads that work for the device.
   virtual int threads() const = 0;
-  /// Memory for the planes of its pictures: hold it by KeptPlanes while pictures are drawn one after the other.
+  /// Returns the plane pool for the planes of its pictures. Hold it with ScopedPlanePool while several pictures are
+  /// drawn.
   virtual PlanePoolPtr pool() const = 0;
-  /// Whether it draws pictures band by band. Of a frame that is one all functions work on its rows.
-  virtual bool draws_bands() const { return false; }
-  /// Gets the scene ready (acceleration structure, textures); capture does it when it has not been done. The scene
-  /// must live until the next prepare or the last capture. After kInterrupted it is not ready.
+  /// Returns whether the device can draw pictures in strips. On the frame of a strip all functions work on the rows of
+  /// the strip.
+  virtual bool draws_strips() const { return false; }
+  /// Prepares the scene for capture (acceleration structure, textures). The scene must outlive the last capture or the
+  /// next prepare. After an error nothing is prepared, and capture throws InternalError. Errors: kDevice, kInterrupted.
   virtual Result<void> prepare(const Scene& scene, const ProgressMonitor& monitor = {}) = 0;
-  /// Frees what prepare made, where the device can: capture takes a prepare again.
+  /// Frees what prepare made, if the device can. Before the next capture, prepare must be called again.
   virtual void forget_scene() {}
-  /// Draws the prepared scene into a frame with the planes of core/gbuffer.h.
+  /// Captures the prepared scene. Returns a frame with the planes of core/gbuffer.h.
   virtual Result<Frame> capture(const Camera& camera, const CaptureSettings& settings,
                                 const ProgressMonitor& monitor = {}) = 0;
-  /// A frame from planes on the host. Planes that are views are read as long as the frame lives, and not written.
+  /// Returns a frame with planes from the host. Planes that are views are read during the lifetime of the frame, and
+  /// never written.
   virtual Result<Frame> upload(GBuffer gbuffer) = 0;
-  /// A frame that starts with the planes of another one, of a whole picture, and shares their memory. What is run on it
-  /// leaves the other one as it is. While it or a branch of it lives, nothing may be run on the other one, added to it
-  /// or placed there: that throws InternalError.
+  /// Returns a frame that starts with the planes of another frame, of a whole picture, and shares their memory. Effects
+  /// that run on the branch leave the original unchanged. While the branch or a branch of it lives, calling run, add or
+  /// place on the original throws InternalError.
   virtual Frame branch(const Frame& frame) = 0;
-  /// Adds planes from the host to a frame, in place of those of the same names. They are of the frame's whole size, its
-  /// guard band included; of a band's, those rows that it holds: held_rows.
+  /// Adds planes from the host to a frame and replaces those of the same names. Their size is that of the frame, guard
+  /// band included; for a strip, its held_rows.
   virtual Result<void> add(const Image& planes, Frame& frame) = 0;
-  /// Runs an effect's passes; its outputs become planes of the frame. Errors: kUsage where an input plane is missing.
-  /// On layer n > 0 all its inputs and outputs are that layer's. For missing pixels only an effect can run of which
-  /// runs_for_missing holds. A band may not be finished: where WholePlanes have to be completed first, or its margin is
-  /// too small. After kInterrupted what was to be made is not whole.
-  virtual Result<Progression> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer = 0,
-                                  PixelSet pixels = PixelSet::kAll, const ProgressMonitor& monitor = {}) = 0;
-  /// A frame that holds every `factor`th pixel, across and down, of these planes in all the layers that have them: see
+  /// Runs the passes of an effect; its outputs become planes of the frame. On layer n > 0 all its inputs and outputs
+  /// are planes of that layer. PixelSet::kMissing requires runs_for_missing. On a strip the effect may remain
+  /// unfinished, if WholePlanes must be completed first or the margin is too small. After kInterrupted the outputs are
+  /// incomplete. Errors: kUsage if an input plane is missing; kInterrupted.
+  virtual Result<RunState> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer = 0,
+                               PixelSet pixels = PixelSet::kAll, const ProgressMonitor& monitor = {}) = 0;
+  /// Returns a frame with one pixel in `factor`, across and down, of these planes in all layers that have them: see
   /// reduced_info. Planes that no layer has are left out.
   virtual Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) = 0;
-  /// Makes planes of a reduced frame planes of the one that it was made from, called reduced_plane(name), at their
-  /// upper left corner, since all planes of a frame have one size; the rest of them is 0. Errors: kUsage for one that
-  /// is missing.
+  /// Copies planes of a reduced frame into the frame that it was made from, under the name reduced_plane(name). They
+  /// lie in the upper left corner, since all planes of a frame have one size; the remainder is 0. Errors: kUsage if a
+  /// plane is missing.
   virtual Result<void> place(const Frame& small, const std::vector<std::string>& names, Frame& full) = 0;
-  /// Waits until all that was asked for is done. Devices that work on their own put off what they were asked for until
-  /// then, or until a download, and report only there what went wrong with it.
+  /// Waits until all submitted work is done. A device that works asynchronously may defer work until this call or a
+  /// download, and reports its errors only there.
   virtual Result<void> finish() { return {}; }
-  /// What the passes took that ran since this was last asked, in order, of devices that measure it themselves.
-  virtual std::vector<PassTime> take_pass_times() { return {}; }
-  /// Names of all planes that a frame has: those that were captured, added or made, and then those of one value that a
-  /// pass asked for.
+  /// Returns the times of all dispatches since the last call, in order, if the device measures them itself.
+  virtual std::vector<DispatchTime> take_dispatch_times() { return {}; }
+  /// Returns the names of all planes of a frame: first those captured, added or made, then the constant planes that
+  /// passes read in place of missing ones.
   virtual std::vector<std::string> plane_names(const Frame& frame) const = 0;
-  /// The planes of these names, in this order, without the guard band. Errors: kUsage for one that is missing. Of a
-  /// band its own rows, of which missing_rows says whether they are all there.
+  /// Returns the planes of these names, in this order, without the guard band; for a strip, its own rows, whose
+  /// validity missing_rows reports. Errors: kUsage if a plane is missing.
   virtual Result<Image> download(const Frame& frame, const std::vector<std::string>& names) = 0;
-  /// Hands such planes on one after the other, by their place in `names`, without a copy where the device can.
+  /// Calls `take` with each of these planes and its index in `names`, without a copy if the device can.
   virtual Result<void> visit(const Frame& frame, const std::vector<std::string>& names,
                              const std::function<void(std::size_t name, const Plane& plane)>& take) {
     const auto image = download(frame, names);
@@ -122,9 +127,10 @@ class Device {
     for (std::size_t k = 0; k < names.size(); ++k) take(k, image->planes[k]);
     return {};
   }
-  /// All planes that a frame has.
+  /// Returns all planes of a frame.
   Result<Image> download_all(const Frame& frame) { return download(frame, plane_names(frame)); }
-  /// By how many rows a band's margin is too small for its own rows of these planes to be right; 0: they are.
+  /// Returns the number of rows that the margin of a strip lacks for its own rows of these planes to be valid; 0: they
+  /// are valid.
   virtual int missing_rows(const Frame&, const std::vector<std::string>& /*names*/) const { return 0; }
 };
 

@@ -6,19 +6,20 @@
 
 namespace umbrage {
 
-Pass sampling_pass(const Kernel& kernel) {
+Dispatch sampling_dispatch(const Kernel& kernel) {
   return {.inputs = {"depth", "normal.x", "normal.y", "normal.z"},
           .outputs = {"ao"},
           .kernel = kernel,
           .tile = kSquareTile,
           .reach = own_row,
-          .far_inputs = {"depth"},
+          .unbounded_inputs = {"depth"},
           .for_missing = true};
 }
 
 bool runs_for_missing(const Effect& effect, const ParameterBytes& params) {
-  return std::any_of(effect.passes.begin(), effect.passes.end(),
-                     [&](const Pass& pass) { return pass.for_missing && (!pass.needed || pass.needed(params)); });
+  return std::any_of(effect.dispatches.begin(), effect.dispatches.end(), [&](const Dispatch& dispatch) {
+    return dispatch.for_missing && (!dispatch.needed || dispatch.needed(params));
+  });
 }
 
 float length_px(const Length& length, float whole_px, const PictureInfo& info) {

@@ -8,7 +8,7 @@
 namespace umbrage {
 namespace {
 
-/// The camera's window moved outwards by so many pixels on each side.
+/// Returns the camera with its window extended by `pixels` on each side.
 Camera widened(Camera camera, int width, int height, int pixels) {
   const float across = (camera.right - camera.left) / float(width) * float(pixels);
   const float down = (camera.top - camera.bottom) / float(height) * float(pixels);
@@ -19,12 +19,12 @@ Camera widened(Camera camera, int width, int height, int pixels) {
   return camera;
 }
 
-/// The window of every `factor`th pixel from the first on. A pixel's ray goes through its centre, hence the half
-/// pixels.
-Camera thinned(Camera camera, int width, int height, int factor) {
+/// Returns the camera of one pixel in `factor`, from the first one on. The ray of a pixel goes through its centre,
+/// hence the half pixels.
+Camera camera_of_every_nth(Camera camera, int width, int height, int factor) {
   const double across = (double(camera.right) - camera.left) / width;
   const double down = (double(camera.top) - camera.bottom) / height;
-  const double before = (factor - 1) / 2.0;  // pixels that the first one grows by on each side
+  const double before = (factor - 1) / 2.0;  // pixels by which the first one grows on each side
   const double left = camera.left - before * across, top = camera.top + before * down;
   camera.left = float(left);
   camera.top = float(top);
@@ -66,8 +66,9 @@ PictureInfo reduced_info(const PictureInfo& whole, int factor) {
   out.guard = 0;
   out.width = reduced_side(whole.width, factor);
   out.height = reduced_side(whole.height, factor);
-  out.camera = thinned(whole.camera, whole.width, whole.height, factor);
-  for (LayerInfo& layer : out.more_layers) layer.camera = thinned(layer.camera, whole.width, whole.height, factor);
+  out.camera = camera_of_every_nth(whole.camera, whole.width, whole.height, factor);
+  for (LayerInfo& layer : out.more_layers)
+    layer.camera = camera_of_every_nth(layer.camera, whole.width, whole.height, factor);
   return out;
 }
 
@@ -85,7 +86,7 @@ PictureInfo layer_info(const PictureInfo& info, int layer) {
     light.direction = glm::mat3(other_from_view) * light.direction;
     light.position = glm::vec3(other_from_view * glm::vec4(light.position, 1.0f));
   }
-  out.ground_middle = glm::vec3(other_from_view * glm::vec4(out.ground_middle, 1.0f));
+  out.ground_center = glm::vec3(other_from_view * glm::vec4(out.ground_center, 1.0f));
   out.ambient_shape = turned(out.ambient_shape, glm::mat3(other_from_view));
   return out;
 }
@@ -103,7 +104,7 @@ int layer_of_plane(std::string_view name) {
   return layer;
 }
 
-std::string_view of_first_layer(std::string_view plane) {
+std::string_view name_on_first_layer(std::string_view plane) {
   return layer_of_plane(plane) > 0 ? plane.substr(plane.find('.') + 1) : plane;
 }
 

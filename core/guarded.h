@@ -1,4 +1,4 @@
-// The border between Umbrage and its host: no exception of Umbrage's crosses it, and nothing ends the host's process.
+// The boundary between Umbrage and its host: no exception leaves Umbrage, and nothing ends the host's process.
 #pragma once
 #include <atomic>
 #include <new>
@@ -10,8 +10,8 @@
 
 namespace umbrage {
 
-/// The Result of `work`, or the exception that it throws as an Error: kDevice where memory is short, kInternal
-/// otherwise. `asked()` says what memory was asked for, such as "a picture of 64 x 48 pixels".
+/// Returns the Result of `work`, or converts the exception that it throws: kDevice if memory is exhausted, kInternal
+/// otherwise. `asked()` returns what the memory was requested for, such as "a picture of 64 x 48 pixels".
 template <class Asked, class Work>
 std::invoke_result_t<Work> guarded(const Asked& asked, const Work& work) {
   try {
@@ -21,15 +21,15 @@ std::invoke_result_t<Work> guarded(const Asked& asked, const Work& work) {
       return device_error("not enough memory for {}", asked());
     } catch (const std::exception& error) {
       return Error{ErrorKind::kInternal, fmt::format("internal error: {}", error.what())};
-    } catch (...) {  // a caller's callback threw something else
+    } catch (...) {  // a callback of the caller threw something else
       return Error{ErrorKind::kInternal, "internal error: an exception of unknown kind"};
     }
-  } catch (const std::exception&) {  // no memory even for the sentence; a string this short needs none
+  } catch (const std::exception&) {  // no memory for the message; a string this short allocates none
     return Error{ErrorKind::kDevice, "out of memory"};
   }
 }
 
-/// For tests of this border: called, where it is set, by the threads that draw. It throws.
+/// Fault injection for tests of this boundary: if set, the drawing threads call it. It throws.
 inline std::atomic<void (*)()> injected_fault{nullptr};
 
 inline void fault_point() {

@@ -1,4 +1,4 @@
-// The border between the library and its host: whatever fails inside comes back as an Outcome.
+// The boundary between the library and its host: every failure inside becomes an Outcome.
 #include "core/guarded.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 #include "run_program.h"
 #include "umbrage/umbrage.hpp"
 #include "vulkan_support.h"
-using namespace umb;  // the public interface, whose names umbrage has not
+using namespace umb;  // the public interface, which shares no names with umbrage
 
 namespace umbrage {
 namespace {
@@ -33,8 +33,8 @@ class Guarded : public testing::TestWithParam<Fault> {
  protected:
   void TearDown() override { injected_fault = nullptr; }
 
-  /// Calls with the fault, which must be told, and then without it.
-  void expect_told(const std::function<Outcome(Picture&)>& call) {
+  /// Makes the call with the fault, which must be reported, and then without it.
+  void expect_reported(const std::function<Outcome(Picture&)>& call) {
     Picture picture{1, 1, {0.25f, 0.5f, 0.75f, 1.0f}, {}};
     injected_fault = GetParam().inject;
     const Outcome failed = call(picture);
@@ -54,26 +54,26 @@ RenderRequest solids(const char* device) {
 }
 
 TEST_P(Guarded, Render) {
-  expect_told([](Picture& picture) { return render(solids("cpu"), picture); });
+  expect_reported([](Picture& picture) { return render(solids("cpu"), picture); });
 }
 
 TEST_P(Guarded, VulkanRender) {
   UMBRAGE_NEEDS_VULKAN(test::vulkan_device());
-  expect_told([](Picture& picture) { return render(solids("vulkan"), picture); });
+  expect_reported([](Picture& picture) { return render(solids("vulkan"), picture); });
 }
 
 TEST_P(Guarded, Frames) {
   FrameRenderer renderer;
   ASSERT_EQ(renderer.open(solids("cpu")).code, 0);
-  expect_told([&](Picture& picture) { return renderer.draw({}, picture); });
+  expect_reported([&](Picture& picture) { return renderer.draw({}, picture); });
 }
 
-// What was recorded before the fault is still there.
+// Work recorded before the fault must not break later pictures.
 TEST_P(Guarded, VulkanFrames) {
   UMBRAGE_NEEDS_VULKAN(test::vulkan_device());
   FrameRenderer renderer;
   ASSERT_EQ(renderer.open(solids("vulkan")).code, 0);
-  expect_told([&](Picture& picture) { return renderer.draw({}, picture); });
+  expect_reported([&](Picture& picture) { return renderer.draw({}, picture); });
 }
 
 TEST_P(Guarded, Shade) {
@@ -84,14 +84,14 @@ TEST_P(Guarded, Shade) {
   request.arrays = {{.name = "depth", .values = depth.data()}};
   request.look = "ao";
   request.device = "cpu";
-  expect_told([&](Picture& picture) { return shade(request, picture); });
+  expect_reported([&](Picture& picture) { return shade(request, picture); });
 }
 
 INSTANTIATE_TEST_SUITE_P(Faults, Guarded, testing::ValuesIn(kFaults), [](const auto& info) { return info.param.name; });
 
 TEST(KernelFrame, RefusesPlanesThatAPassDoesNotList) { EXPECT_THROW(KernelFrame{}.plane("x"), std::logic_error); }
 
-// Where memory ends is not where a test puts it: the program is given less and less.
+// The limit at which memory runs out is unknown: the program runs with several.
 class ShortMemory : public test::ProgramTest {};
 
 TEST_F(ShortMemory, IsCodeFourAndWritesNothing) {

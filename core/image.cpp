@@ -17,19 +17,19 @@ constexpr std::size_t kCacheLine = 64;
 constexpr std::size_t kHugePage = std::size_t(2) << 20;
 constexpr std::size_t kPage = 4096;
 
-/// Rows and planes that start a multiple of this apart fall on the same lines of the first-level cache, and a pass over
-/// a dozen planes then evicts itself.
+/// Rows and planes that start a multiple of this distance apart, bytes, map to the same lines of the first-level cache,
+/// and a pass over a dozen planes then evicts its own data.
 constexpr std::size_t kCacheWay = 1024;
 constexpr std::size_t kStagger = 17 * kCacheLine;
 constexpr unsigned kStaggers = 32;
 
-/// Where in its memory a large plane starts, bytes: another place for each that a thread makes.
+/// Returns the offset at which a large plane starts in its memory, bytes: a different one for each plane of a thread.
 std::size_t next_stagger() {
   thread_local unsigned count = 0;
   return count++ % kStaggers * kStagger;
 }
 
-/// The pool of the planes that this thread makes; null: none. What it points to is a KeptPlanes' own.
+/// The pool of the planes that this thread makes, owned by a ScopedPlanePool; null: none.
 thread_local const PlanePoolPtr* pool_of_thread = nullptr;
 
 }  // namespace
@@ -74,21 +74,21 @@ void PlanePool::drop_all() {
   blocks_.clear();
 }
 
-HeldPool::HeldPool(PlanePoolPtr pool) : pool_(std::move(pool)) {
+PlanePoolLock::PlanePoolLock(PlanePoolPtr pool) : pool_(std::move(pool)) {
   const std::lock_guard lock(pool_->mutex_);
   ++pool_->holders_;
 }
 
-HeldPool::~HeldPool() {
+PlanePoolLock::~PlanePoolLock() {
   const std::lock_guard lock(pool_->mutex_);
   if (--pool_->holders_ == 0) pool_->drop_all();
 }
 
-KeptPlanes::KeptPlanes(PlanePoolPtr pool) : held_(pool), own_(std::move(pool)), before_(pool_of_thread) {
+ScopedPlanePool::ScopedPlanePool(PlanePoolPtr pool) : held_(pool), own_(std::move(pool)), before_(pool_of_thread) {
   pool_of_thread = &own_;
 }
 
-KeptPlanes::~KeptPlanes() { pool_of_thread = before_; }
+ScopedPlanePool::~ScopedPlanePool() { pool_of_thread = before_; }
 
 void Plane::Free::operator()(float*) {
   if (const PlanePoolPtr kept = pool.lock(); kept && kept->give(size, base)) return;
@@ -98,14 +98,13 @@ void Plane::Free::operator()(float*) {
 Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(plane_stride(width_)) {
   const std::size_t bytes = std::size_t(stride) * height * sizeof(float);
   if (bytes == 0) return;
-  // Large planes ask for huge pages: a picture's planes are fresh memory, whose page faults cost as much as an effect.
-  // What is left over takes small ones: of a huge page the system clears all, and a plane of 1024 x 1024 is a little
-  // more than two.
+  // Large planes use huge pages: fresh memory costs page faults, which take as long as an effect. The remainder uses
+  // small pages: the system clears whole huge pages, and a plane of 1024 x 1024 is slightly larger than two.
   const bool large = bytes >= kHugePage;
   const std::size_t offset = large ? next_stagger() : 0;
   const std::size_t alignment = large ? kHugePage : kCacheLine;
   const std::size_t rounding = large ? kPage : kCacheLine;
-  // The same for all planes of one size, so that one serves the next.
+  // The same for all planes of one size, so that their memory is interchangeable.
   const std::size_t needed = bytes + (large ? (kStaggers - 1) * kStagger : 0);
   const std::size_t whole = (needed + rounding - 1) / rounding * rounding;
   const PlanePoolPtr pool = large && pool_of_thread ? *pool_of_thread : nullptr;
@@ -136,7 +135,7 @@ Plane::Plane(int width_, int height_, float value) : Plane(width_, height_) {
 }
 
 Plane::Plane(const Plane& other) : Plane(other.width, other.height) {
-  // Behind a view's last row nothing need be.
+  // After the last row of a view there may be no memory.
   if (data_) std::memcpy(data(), other.data(), (std::size_t(stride) * (height - 1) + width) * sizeof(float));
 }
 

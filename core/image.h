@@ -10,62 +10,63 @@
 
 namespace umbrage {
 
-/// Rows start a multiple of this many floats apart, so that a vector of the widest machine (16 lanes) may be
-/// stored over the end of a row.
+/// Rows start at multiples of this many floats, so that a vector of the widest machine (16 lanes) may be stored across
+/// the end of a row.
 inline constexpr int kRowAlignment = 16;
 
-/// Memory of planes that are gone, for the next ones of their size: fresh memory costs its page faults, which are half
-/// of the time of pictures that are drawn one after the other. A device has one; threads may share it. It keeps nothing
-/// unless somebody holds it, and what it has kept goes with the last who does.
+/// Memory of released planes, kept for new planes of the same size: fresh memory costs page faults, which take half the
+/// time when pictures are drawn one after the other. Each device has one; threads may share it. It keeps memory only
+/// while a PlanePoolLock exists, and frees it with the last one.
 class PlanePool {
  public:
   PlanePool() = default;
   ~PlanePool();
   PlanePool(const PlanePool&) = delete;
   PlanePool& operator=(const PlanePool&) = delete;
-  /// What is kept now.
+  /// Returns the bytes that are kept now.
   std::size_t bytes() const;
 
  private:
   friend class Plane;
-  friend class HeldPool;
-  void* take(std::size_t size);             // null where there is none
-  bool give(std::size_t size, void* base);  // false where it is not kept
-  void drop_all();                          // under the lock
+  friend class PlanePoolLock;
+  void* take(std::size_t size);             // null if none is kept
+  bool give(std::size_t size, void* base);  // false if the pool does not keep it
+  void drop_all();                          // requires the lock
   mutable std::mutex mutex_;
   int holders_ = 0;
   std::multimap<std::size_t, void*> blocks_;
 };
 using PlanePoolPtr = std::shared_ptr<PlanePool>;
 
-/// While one of these lives, the pool keeps memory. It may be made on one thread and end on another.
-class HeldPool {
+/// Makes the pool keep memory during its lifetime. It may be created and destroyed on different threads.
+class PlanePoolLock {
  public:
-  explicit HeldPool(PlanePoolPtr pool);
-  ~HeldPool();
-  HeldPool(const HeldPool&) = delete;
-  HeldPool& operator=(const HeldPool&) = delete;
+  explicit PlanePoolLock(PlanePoolPtr pool);
+  ~PlanePoolLock();
+  PlanePoolLock(const PlanePoolLock&) = delete;
+  PlanePoolLock& operator=(const PlanePoolLock&) = delete;
 
  private:
   PlanePoolPtr pool_;
 };
 
-/// The same, and the planes that this thread makes meanwhile are the pool's: they take their memory from it, and give
-/// it back on whichever thread they end. They may outlive the pool. Of several, the last made counts.
-class KeptPlanes {
+/// A PlanePoolLock that also makes the planes of this thread use the pool: they take their memory from it, and return
+/// it on any thread. Planes may outlive the pool. Of several, the last created is in effect.
+class ScopedPlanePool {
  public:
-  explicit KeptPlanes(PlanePoolPtr pool);
-  ~KeptPlanes();
-  KeptPlanes(const KeptPlanes&) = delete;
-  KeptPlanes& operator=(const KeptPlanes&) = delete;
+  explicit ScopedPlanePool(PlanePoolPtr pool);
+  ~ScopedPlanePool();
+  ScopedPlanePool(const ScopedPlanePool&) = delete;
+  ScopedPlanePool& operator=(const ScopedPlanePool&) = delete;
 
  private:
-  HeldPool held_;
+  PlanePoolLock held_;
   PlanePoolPtr own_;
-  const PlanePoolPtr* before_;  // of this thread
+  const PlanePoolPtr* before_;  // the previous one of this thread
 };
 
-/// The stride of planes of that width, floats. It is the same for all, since a kernel has one stride for its planes.
+/// Returns the stride of planes of that width, floats. It is the same for all, since a kernel has one stride for its
+/// planes.
 int plane_stride(int width);
 
 /// One float per pixel. Row y starts at data() + y * stride; row 0 is the top one.
@@ -78,8 +79,8 @@ class Plane {
   Plane(const Plane& other);
   Plane(Plane&&) noexcept = default;
   Plane& operator=(Plane other) noexcept;
-  /// The caller's floats, rows plane_stride(width) apart, which outlive it. A copy has memory of its own. The width is
-  /// a multiple of kRowAlignment.
+  /// Returns a plane that refers to the caller's floats, rows plane_stride(width) apart, which must outlive it. Copies
+  /// own their memory. The width must be a multiple of kRowAlignment.
   static Plane view(const float* data, int width, int height);
   bool is_view() const { return data_ && !data_.get_deleter().base; }
 
@@ -94,8 +95,8 @@ class Plane {
 
  private:
   struct Free {
-    void* base;        // what was allocated; pixels start a little later
-    std::size_t size;  // of it, bytes
+    void* base;        // start of the allocation; pixels start at an offset
+    std::size_t size;  // of the allocation, bytes
     std::weak_ptr<PlanePool> pool = {};
     void operator()(float* data);
   };
@@ -110,20 +111,20 @@ struct Image {
 
   Image() = default;
   Image(int width_, int height_) : width(width_), height(height_) {}
-  /// The plane of that name, or null.
+  /// Returns the plane of that name, or null.
   Plane* find(std::string_view name);
   const Plane* find(std::string_view name) const;
-  /// The plane of that name; throws InternalError where there is none.
+  /// Returns the plane of that name; throws InternalError if there is none.
   Plane& plane(std::string_view name);
   const Plane& plane(std::string_view name) const;
-  /// The plane of that name, added uninitialised if it is missing.
+  /// Returns the plane of that name; adds it, uninitialised, if it is missing.
   Plane& add(std::string_view name);
 };
 
-/// The pixels that remain when `margin` of them are cut off on each side.
+/// Returns the plane without `margin` pixels on each side.
 Plane cropped(const Plane& plane, int margin);
 
-/// Area-averages blocks of factor x factor pixels; the size is divided by the factor, rounded down.
+/// Averages blocks of factor x factor pixels; the size is divided by the factor, rounded down.
 Image downsample(const Image& image, int factor);
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// Memory of planes, and whose it is.
+// Memory of planes and its ownership.
 #include "core/image.h"
 
 #include <gtest/gtest.h>
@@ -14,13 +14,13 @@
 namespace umbrage {
 namespace {
 
-// Large enough to be kept: 4 MB.
+// Large enough for the pool to keep: 4 MB.
 constexpr int kSide = 1024;
 
 TEST(PlanePool, MemoryServesTheNextPlanesOfItsSize) {
   const auto pool = std::make_shared<PlanePool>();
   {
-    const KeptPlanes kept(pool);
+    const ScopedPlanePool kept(pool);
     { const Plane plane(kSide, kSide); }
     const std::size_t one = pool->bytes();
     EXPECT_GE(one, std::size_t(kSide) * kSide * sizeof(float));
@@ -36,13 +36,13 @@ TEST(PlanePool, MemoryServesTheNextPlanesOfItsSize) {
   EXPECT_EQ(pool->bytes(), 0u);
 }
 
-TEST(PlanePool, WhoHoldsItNeedNotMakePlanes) {
+TEST(PlanePool, HoldingThePoolDoesNotPoolOwnPlanes) {
   const auto pool = std::make_shared<PlanePool>();
-  const HeldPool held(pool);
+  const PlanePoolLock held(pool);
   { const Plane plane(kSide, kSide); }
   EXPECT_EQ(pool->bytes(), 0u) << "this thread's planes are nobody's";
   {
-    const KeptPlanes kept(pool);
+    const ScopedPlanePool kept(pool);
     const Plane plane(kSide, kSide);
   }
   EXPECT_GT(pool->bytes(), 0u) << "from picture to picture";
@@ -50,13 +50,13 @@ TEST(PlanePool, WhoHoldsItNeedNotMakePlanes) {
 
 TEST(PlanePool, ThreadsHaveTheirOwn) {
   const auto first = std::make_shared<PlanePool>(), second = std::make_shared<PlanePool>();
-  const HeldPool held(first);
-  const KeptPlanes kept(second);
+  const PlanePoolLock held(first);
+  const ScopedPlanePool kept(second);
   std::optional<Plane> handed_on;
   std::thread([&] {
     { const Plane plane(kSide, kSide); }
     EXPECT_EQ(second->bytes(), 0u) << "of another thread";
-    const KeptPlanes own(first);
+    const ScopedPlanePool own(first);
     handed_on.emplace(kSide, kSide);
   }).join();
   handed_on.reset();
@@ -66,10 +66,10 @@ TEST(PlanePool, ThreadsHaveTheirOwn) {
 
 TEST(PlanePool, TheLastMadeCountsAndPlanesMayOutliveIt) {
   auto outer = std::make_shared<PlanePool>();
-  const KeptPlanes kept(outer);
+  const ScopedPlanePool kept(outer);
   std::optional<Plane> plane;
   {
-    const KeptPlanes inner(std::make_shared<PlanePool>());
+    const ScopedPlanePool inner(std::make_shared<PlanePool>());
     plane.emplace(kSide, kSide, 0.5f);
   }
   EXPECT_EQ(plane->at(kSide - 1, kSide - 1), 0.5f);
@@ -80,7 +80,7 @@ TEST(PlanePool, TheLastMadeCountsAndPlanesMayOutliveIt) {
   EXPECT_GT(outer->bytes(), 0u);
 }
 
-TEST(PlanePool, IsADevices) {
+TEST(PlanePool, EachDeviceHasItsOwn) {
   Scene scene;
   scene.meshes.emplace_back();
   scene.meshes[0].positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -89,7 +89,7 @@ TEST(PlanePool, IsADevices) {
   const auto first = make_cpu_device(), second = make_cpu_device();
   EXPECT_NE(first->pool(), second->pool());
   ASSERT_TRUE(first->prepare(scene));
-  const KeptPlanes kept(first->pool());
+  const ScopedPlanePool kept(first->pool());
   { ASSERT_TRUE(first->capture(frame_scene(scene, {}, kSide, kSide), {.width = kSide, .height = kSide})); }
   EXPECT_GT(first->pool()->bytes(), 10 * std::size_t(kSide) * kSide * sizeof(float)) << "of depth, normals and others";
   EXPECT_EQ(second->pool()->bytes(), 0u);

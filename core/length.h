@@ -1,9 +1,9 @@
-// Length: a number that is absolute or a share. Shared by C++ and GLSL: 4-byte scalars only.
+// Length: an absolute or relative number. Shared by C++ and GLSL: 4-byte scalars only.
 #ifndef UMBRAGE_CORE_LENGTH_H
 #define UMBRAGE_CORE_LENGTH_H
 
-// An absolute length in the unit of its parameter, or (relative != 0) a share of a whole in percent. The parameter's
-// help says of what.
+// An absolute length in the unit of its parameter, or (relative != 0) a percentage of a whole that the parameter's help
+// names.
 struct Length {
   float value;
   int relative;

@@ -1,4 +1,4 @@
-// Light: what shines on a scene.
+// Light: the light sources of a scene.
 #pragma once
 #include <array>
 #include <glm/mat3x3.hpp>
@@ -11,47 +11,47 @@ namespace umbrage {
 enum class LightKind {
   kDirectional,  ///< parallel light; `direction` points from the surface to the light
   kPoint,        ///< falls off with the square of the distance; colour is the irradiance at distance `reach`
-  kHead,         ///< at the eye, shining along the view axis, without falloff
+  kHead,         ///< at the camera, shining along the view axis, without falloff
 };
 
-/// One light, in world space or in view space as its holder says. Colours are linear Rec.709.
+/// One light, in world space or in view space as its owner states. Colours are linear Rec.709.
 struct Light {
   LightKind kind = LightKind::kDirectional;
   glm::vec3 direction{0.0f, 1.0f, 0.0f};  ///< unit, towards the light (directional)
   glm::vec3 position{0.0f};               ///< (point)
   glm::vec3 color{1.0f};
-  float reach = 0.0f;         ///< (point) distance at which `color` holds; 0 means no falloff
-  float angle_deg = 0.0f;     ///< (directional) what its disc spans in the sky; 0: a point, with hard shadows
-  float radius = 0.0f;        ///< (point) of the ball that shines, scene units; 0: a point, with hard shadows
+  float reach = 0.0f;         ///< (point) distance at which the irradiance is `color`; 0: no falloff
+  float angle_deg = 0.0f;     ///< (directional) angular diameter; 0: hard shadows
+  float radius = 0.0f;        ///< (point) radius of the emitting sphere, scene units; 0: hard shadows
   bool casts_shadow = false;  ///< its shadow is captured if it is one of the first kMaxShadows lights
 
   bool operator==(const Light&) const = default;
 };
 
-/// How ambient light depends on the normal of the surface that it falls on: in each colour it differs from its mean by
-/// (n, 1) M (n, 1) [Ramamoorthi and Hanrahan 2001]. All 0: it comes alike from everywhere.
+/// The dependence of ambient light on the surface normal n: in each colour it differs from its mean by (n, 1) M (n, 1)
+/// [Ramamoorthi and Hanrahan 2001]. All 0: ambient light is uniform.
 struct AmbientShape {
   std::array<glm::mat4, 3> by_color{glm::mat4(0.0f), glm::mat4(0.0f),
                                     glm::mat4(0.0f)};  ///< red, green, blue; symmetric
 
   bool even() const;
-  /// What is added to the mean where the normal is `n`, a unit vector.
+  /// Returns the difference from the mean for the normal `n`, a unit vector.
   glm::vec3 at(glm::vec3 n) const;
   bool operator==(const AmbientShape&) const = default;
 };
 
-/// The same light in other axes.
+/// Returns the same light, rotated.
 AmbientShape turned(const AmbientShape& shape, const glm::mat3& rotation);
 
-/// Lights whose shadows a capture can hold, one plane each.
+/// Max lights whose shadows a capture can hold, one plane each.
 inline constexpr int kMaxShadows = 8;
 
-/// What shines on a scene, in world space.
+/// The lights of a scene, in world space.
 struct Lighting {
   std::vector<Light> lights;  ///< the first one is the key light
-  glm::vec3 ambient{0.3f};    ///< radiance from everywhere, the mean over all normals
+  glm::vec3 ambient{0.3f};    ///< ambient radiance, mean over all normals
   AmbientShape ambient_shape;
-  float usual_light = 1.0f;  ///< luminance of white that is turned to the light: pictures are exposed for it
+  float lit_white_luminance = 1.0f;  ///< luminance of a white surface that faces the light; pictures are exposed for it
 
   bool operator==(const Lighting&) const = default;
 };

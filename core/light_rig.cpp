@@ -9,7 +9,7 @@ LightRig light_rig(Rig rig, const PictureInfo& info) {
   LightRig out{.lights = {}, .ambient = info.ambient, .ambient_shape = info.ambient_shape};
   std::vector<Light> lights = info.lights;
   if (rig != Rig::kScene) {
-    // The light of [Chamberlin 2011]: ambient 0.3 and diffuse 0.7, so that white seen head on is white.
+    // The light of [Chamberlin 2011]: ambient 0.3 and diffuse 0.7, so that white facing the camera is white.
     constexpr float kAmbient = 0.3f, kLight = 0.7f;
     const glm::vec3 above_left = glm::normalize(glm::vec3(-0.45f, 0.65f, 0.62f));
     const LightKind kind = rig == Rig::kHead ? LightKind::kHead : LightKind::kDirectional;
@@ -20,12 +20,12 @@ LightRig light_rig(Rig rig, const PictureInfo& info) {
   }
   for (int k = 0; k < std::min(int(lights.size()), kMaxRigLights); ++k) {
     const Light& light = lights[k];
-    // A head light is parallel along the view axis for an orthographic camera and a point at the eye otherwise.
+    // A head light is parallel along the view axis for an orthographic camera and a point at the camera otherwise.
     const bool head = light.kind == LightKind::kHead;
     const bool point = light.kind == LightKind::kPoint || (head && info.camera.projection == Projection::kPerspective);
     glm::vec3 where = point ? light.position : light.direction;
     if (head) where = point ? glm::vec3(0.0f) : glm::vec3(0.0f, 0.0f, 1.0f);
-    // Both rigs stand by the first camera, as does a head light, whoever looks on.
+    // Both rigs and head lights are fixed to the first camera, for every layer.
     if (head && point)
       where = glm::vec3(info.view_from_first[3]);
     else if (head || rig == Rig::kKey)

@@ -1,4 +1,4 @@
-// Light rig: the lights of a picture as kernels read them, and the rigs that may stand in for the scene's own.
+// Light rig: the lights of a picture as kernels read them, and the rigs that can replace those of the scene.
 #pragma once
 #include <vector>
 
@@ -6,19 +6,19 @@
 
 namespace umbrage {
 
-/// Values of the parameter `rig` that effects with lights have, in the order of its choices.
+/// Values of the parameter `rig` of effects with lights, in the order of its choices.
 enum class Rig {
   kScene,  ///< the scene's lights
-  kHead,   ///< one white light at the eye, without shadow
+  kHead,   ///< one white light at the camera, without shadow
   kKey,    ///< one white parallel light from above and to the left of the camera, without shadow
 };
 
 /// One light, in view space.
 struct RigLight {
-  bool point = false;  ///< it stands at `where`; otherwise `where` is the unit direction towards it
+  bool point = false;  ///< a point light at `where`; otherwise `where` is the unit direction towards the light
   glm::vec3 where{0.0f};
   glm::vec3 color{1.0f};
-  float reach_squared = 0.0f;  ///< (point) of the distance at which the colour holds; 0: no falloff
+  float reach_squared = 0.0f;  ///< (point) square of the distance at which the irradiance is `color`; 0: no falloff
 };
 
 struct LightRig {
@@ -28,12 +28,12 @@ struct LightRig {
   bool shadows = true;  ///< whether the captured shadows are those of these lights
 };
 
-/// Lights that shine; those after them do not.
+/// Max lights that are used; further ones are ignored.
 inline constexpr int kMaxRigLights = 16;
 
 LightRig light_rig(Rig rig, const PictureInfo& info);
 
-/// Where light k is, in constants that hold kind (1 for a point) and x, y, z of every light.
+/// Stores light k in constants with arrays for kind (1 for a point) and x, y, z.
 template <class Constants>
 void set_place(const RigLight& light, int k, Constants& c) {
   c.kind[k] = light.point ? 1 : 0;

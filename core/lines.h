@@ -5,9 +5,9 @@
 namespace umbrage {
 
 enum class LineKind {
-  kOutline,  ///< an object ends: before another one, another material or the background
-  kFold,     ///< an object hides a part of itself
-  kCrease,   ///< two faces meet
+  kOutline,  ///< border of an object against another one, another material or the background
+  kFold,     ///< an object occludes part of itself
+  kCrease,   ///< two faces meet at an angle
 };
 
 struct LinePoint {
@@ -17,9 +17,9 @@ struct LinePoint {
 
 /// A polyline with round ends and joins, whose width changes linearly from point to point.
 struct Line {
-  LineKind kind = LineKind::kOutline;  ///< of most of it
-  int object = 0;                      ///< object_id of the nearer surface in its middle
-  bool closed = false;                 ///< the last point is the first one again
+  LineKind kind = LineKind::kOutline;  ///< kind of most of the line
+  int object = 0;                      ///< object_id of the nearer surface at its middle
+  bool closed = false;                 ///< the last point equals the first
   std::vector<LinePoint> points;
 };
 

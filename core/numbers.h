@@ -1,4 +1,4 @@
-// Numbers as people write them.
+// Parsing and ranges of numbers in user input.
 #pragma once
 #include <fmt/core.h>
 
@@ -10,7 +10,7 @@
 
 namespace umbrage {
 
-/// The number that the whole text is; nothing where it is none, or not finite.
+/// Parses the whole text as a number; nullopt if it is none, or not finite.
 inline std::optional<double> parse_number(std::string_view text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -18,9 +18,9 @@ inline std::optional<double> parse_number(std::string_view text) {
   return value;
 }
 
-enum class NumberKind { kReal, kWhole, kEven };
+enum class NumberKind { kReal, kInteger, kEven };
 
-/// The numbers of a kind from `min` to `max`, both included.
+/// The numbers of a kind in [min, max].
 struct Interval {
   double min = 0.0, max = 0.0;
   NumberKind kind = NumberKind::kReal;
@@ -30,7 +30,7 @@ struct Interval {
     return value >= min && value <= max && (kind == NumberKind::kReal || std::fmod(value, step) == 0.0);
   }
 
-  /// "a whole number from 1 to 16"
+  /// Returns the range as text: "a whole number from 1 to 16".
   std::string words() const {
     if (kind == NumberKind::kReal) return fmt::format("a number from {:g} to {:g}", min, max);
     return fmt::format("{} number from {} to {}", kind == NumberKind::kEven ? "an even" : "a whole", long(min),
@@ -38,7 +38,7 @@ struct Interval {
   }
 };
 
-/// The number that a text is, where the interval has it.
+/// Parses the whole text as a number; nullopt unless it is in the interval.
 inline std::optional<double> parse_number(std::string_view text, const Interval& interval) {
   const auto value = parse_number(text);
   return value && interval.has(*value) ? value : std::nullopt;

@@ -55,8 +55,8 @@ Parameter number_row(ParameterType type, std::string_view name, std::size_t offs
           .type = type,
           .offset = offset,
           .initial = range.initial,
-          .least = range.min,
-          .most = range.max,
+          .min = range.min,
+          .max = range.max,
           .unit = range.unit,
           .zero_means = range.zero_means};
 }
@@ -77,10 +77,10 @@ std::string parameter_range(const Parameter& row) {
     case ParameterType::kChoice:
       return join_choices(row.choices);
     case ParameterType::kLength:
-      if (row.above_zero) return fmt::format("a number above 0{} or a share up to {:g}%", of_unit, kMaxPercent);
-      return fmt::format("{:g} to {:g}{} or 0% to {:g}%{}", row.least, row.most, unit, kMaxPercent, zero);
+      if (row.above_zero) return fmt::format("a number above 0{} or a percentage up to {:g}%", of_unit, kMaxPercent);
+      return fmt::format("{:g} to {:g}{} or 0% to {:g}%{}", row.min, row.max, unit, kMaxPercent, zero);
     default:
-      return fmt::format("{:g} to {:g}{}{}", row.least, row.most, unit, zero);
+      return fmt::format("{:g} to {:g}{}{}", row.min, row.max, unit, zero);
   }
 }
 
@@ -106,7 +106,7 @@ Result<void> set_parameter(std::string_view owner, const Parameter& row, std::st
   if (!parsed) return wrong();
   const double value = *parsed;
   if (row.above_zero && !(value > 0.0)) return wrong();
-  if (percent ? (value < 0.0 || value > kMaxPercent) : (value < row.least || value > row.most)) return wrong();
+  if (percent ? (value < 0.0 || value > kMaxPercent) : (value < row.min || value > row.max)) return wrong();
   if (row.type == ParameterType::kLength)
     store(bytes, row.offset, Length{float(value), percent ? 1 : 0});
   else if (row.type == ParameterType::kReal)
@@ -135,11 +135,11 @@ std::string parameter_text(const Parameter& row, const ParameterBytes& bytes) {
   }
 }
 
-int whole_value(const Parameter& row, const ParameterBytes& bytes) { return load<int>(bytes, row.offset); }
+int int_value(const Parameter& row, const ParameterBytes& bytes) { return load<int>(bytes, row.offset); }
 
 float real_value(const Parameter& row, const ParameterBytes& bytes) { return load<float>(bytes, row.offset); }
 
-void set_whole(const Parameter& row, int value, ParameterBytes& bytes) { store(bytes, row.offset, value); }
+void set_int(const Parameter& row, int value, ParameterBytes& bytes) { store(bytes, row.offset, value); }
 
 void copy_parameter(const Parameter& row, const ParameterBytes& from, ParameterBytes& to) {
   std::memcpy(to.data() + row.offset, from.data() + row.offset, parameter_size(row.type));

@@ -1,4 +1,5 @@
-// The parameter table: one row per field of an effect's params struct. It drives command line, help, docs and tests.
+// The parameter table: one row per field of an effect's params struct. Command line, help, docs and tests are generated
+// from it.
 #pragma once
 #include <cstddef>
 #include <span>
@@ -17,50 +18,50 @@ enum class ParameterType {
   kInt,     ///< int
   kBool,    ///< int, 0 or 1; written on, off, true, false, yes, no, 1, 0
   kChoice,  ///< int, an index into `choices`; written as the choice's name
-  kLength,  ///< Length: an absolute number in `unit`, or a share written with %
+  kLength,  ///< Length: an absolute number in `unit`, or a percentage written with %
 };
 
 /// One field of a params struct. Tables are made of the rows below.
 struct Parameter {
   std::string_view name, help;
   ParameterType type = ParameterType::kReal;
-  std::size_t offset = 0;          ///< in bytes, from the start of the struct
-  double initial = 0.0;            ///< the value when nobody sets it (index of the choice; absolute length)
-  double least = 0.0, most = 0.0;  ///< inclusive range; of the number before % for a relative length: 0 to 1000
-  std::string_view unit = {};      ///< "px", "deg", "" for a plain number
+  std::size_t offset = 0;       ///< bytes from the start of the struct
+  double initial = 0.0;         ///< default (index of the choice; absolute length)
+  double min = 0.0, max = 0.0;  ///< inclusive range; of the number before % for a relative length: 0 to 1000
+  std::string_view unit = {};   ///< "px", "deg", "" for a plain number
   std::vector<std::string_view> choices = {};  ///< for kChoice
   bool initially_relative = false;             ///< for kLength: `initial` is in percent
-  bool above_zero = false;                     ///< 0 itself is refused, of a share too
-  std::string_view zero_means = {};            ///< what 0 stands for, such as "automatic"; empty: nothing special
+  bool above_zero = false;                     ///< 0 itself is refused, also as 0%
+  std::string_view zero_means = {};            ///< meaning of 0, such as "automatic"; empty: none
 };
 
-/// What a row of numbers takes, ends included, and starts with.
+/// The range of a number, ends included, and its default.
 struct NumberRange {
   double initial = 0.0, min = 0.0, max = 0.0;
   std::string_view unit = {}, zero_means = {};
 };
 
-/// What a row of a length takes: absolute from `min` to `max`, or any share. It starts with a share where
-/// `initial_percent` is not 0.
+/// The range of a length: absolute from `min` to `max`, or any percentage. The default is `initial_percent` if that is
+/// not 0, else `initial`.
 struct LengthRange {
   double initial = 0.0, initial_percent = 0.0, min = 0.0, max = 0.0;
   std::string_view unit = {}, zero_means = {};
   bool above_zero = false;
 };
 
-/// Where a field lies in its struct, in bytes. Structs of params are plain data.
+/// Returns the offset of a field in its struct, bytes. Params structs are plain data.
 template <class Params, class Field>
 std::size_t offset_of(Field Params::*field) {
   const Params params{};
   return std::size_t(reinterpret_cast<const char*>(&(params.*field)) - reinterpret_cast<const char*>(&params));
 }
 
-/// A row of kReal or kInt; real_row and int_row below take the type from the field.
+/// Returns a row of kReal or kInt; real_row and int_row below derive the type from the field.
 Parameter number_row(ParameterType type, std::string_view name, std::size_t offset, const NumberRange& range,
                      std::string_view help);
 
-/// One row of a parameter table each: its name as in `settings`, its field, from which its place follows, what it
-/// takes, and its help. Choices and switches are fields of type int; the initial choice is given by its index.
+/// Return one row of a parameter table: its name as in `settings`, its field, its range and its help. Choices and
+/// switches are fields of type int; the initial choice is an index.
 template <class Params>
 Parameter real_row(std::string_view name, float Params::*field, const NumberRange& range, std::string_view help) {
   return number_row(ParameterType::kReal, name, offset_of(field), range, help);
@@ -79,8 +80,8 @@ Parameter length_row(std::string_view name, Length Params::*field, const LengthR
           .type = ParameterType::kLength,
           .offset = offset_of(field),
           .initial = share ? range.initial_percent : range.initial,
-          .least = range.min,
-          .most = range.max,
+          .min = range.min,
+          .max = range.max,
           .unit = range.unit,
           .initially_relative = share,
           .above_zero = range.above_zero,
@@ -112,27 +113,28 @@ using ParameterBytes = std::vector<std::byte>;
 
 std::size_t parameter_size(ParameterType type);
 
-/// The bytes of a params struct with every field at its initial value.
+/// Returns the bytes of a params struct with all defaults.
 ParameterBytes initial_parameters(std::span<const Parameter> table, std::size_t size);
 
-/// Sets one field from text. `owner` is named in errors ("unsharp"). Errors: kUsage, naming field, value and range.
+/// Sets one field from text. `owner` prefixes the name in errors ("unsharp"). Errors: kUsage, with field, value and
+/// range.
 Result<void> set_parameter(std::string_view owner, const Parameter& row, std::string_view text, ParameterBytes& bytes);
 
-/// The text that would set the field to its present value.
+/// Returns the text that sets the field to its current value.
 std::string parameter_text(const Parameter& row, const ParameterBytes& bytes);
 
-/// The value of a field that is an int (kInt, kBool, kChoice), and of one that is a float.
-int whole_value(const Parameter& row, const ParameterBytes& bytes);
+/// Return the value of an int field (kInt, kBool, kChoice) and of a float field.
+int int_value(const Parameter& row, const ParameterBytes& bytes);
 float real_value(const Parameter& row, const ParameterBytes& bytes);
-void set_whole(const Parameter& row, int value, ParameterBytes& bytes);
+void set_int(const Parameter& row, int value, ParameterBytes& bytes);
 
-/// Makes one field what it is in other params of the same struct.
+/// Copies one field from other params of the same struct.
 void copy_parameter(const Parameter& row, const ParameterBytes& from, ParameterBytes& to);
 
-/// What may be written: "1 to 1023 px", "on or off", "skip, zero, clamp or repeat".
+/// Returns the accepted values as text: "1 to 1023 px", "on or off", "skip, zero, clamp or repeat".
 std::string parameter_range(const Parameter& row);
 
-/// The params struct itself. T must be the struct that the table describes.
+/// Returns the bytes as their params struct. T must be the struct that the table describes.
 template <class T>
 T& as(ParameterBytes& bytes) {
   return *reinterpret_cast<T*>(bytes.data());

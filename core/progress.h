@@ -1,4 +1,4 @@
-// ProgressMonitor: who asked for long work hears how far it is, and may end it.
+// ProgressMonitor: reports the progress of long work to its caller, who may cancel it.
 #pragma once
 #include <algorithm>
 #include <chrono>
@@ -9,40 +9,40 @@
 
 namespace umbrage {
 
-/// Told now and then, by the thread that asked for the work and by no other, the share of it that is done, from 0 to 1.
-/// Returns whether to go on: after false the work ends with `interrupted`. Null: nobody listens.
+/// Called repeatedly with the fraction of the work that is done, 0 to 1, only on the thread that requested the work.
+/// Returns whether to continue: after false the work ends with `interrupted`. Null: no monitor.
 using ProgressMonitor = std::function<bool(double done)>;
 
 inline Error interrupted() { return {ErrorKind::kInterrupted, "interrupted"}; }
 
-/// How often a monitor is asked at most: no more often than people see.
-inline constexpr std::chrono::milliseconds kAskEvery(40);
+/// Min time between two calls of a monitor; faster than users can see.
+inline constexpr std::chrono::milliseconds kMonitorInterval(40);
 
-/// Asks a monitor from within work of one thread. After false the work is ended: what it makes is thrown away, so that
-/// loops may stop where they are. What is told never falls.
+/// Calls a monitor from work of one thread. After false the result is discarded, so that loops may stop at once. The
+/// reported progress never decreases.
 class Poll {
  public:
-  /// The monitor lives longer.
+  /// `monitor` must outlive this object.
   explicit Poll(const ProgressMonitor& monitor) : monitor_(monitor) {}
 
-  /// What follows is this share of the whole, and begins.
+  /// Starts a part of the work, from this fraction of the whole to that one.
   void part(double from, double to) {
     from_ = from;
     to_ = to;
     ask(0.0);
   }
 
-  /// Asks at once, with this share of the part done. Whether the work is ended.
+  /// Calls the monitor now with this fraction of the part. Returns whether the work is cancelled.
   bool ask(double done) {
     if (!monitor_ || ended_) return ended_;
     last_ = std::chrono::steady_clock::now();
-    told_ = std::max(told_, from_ + (to_ - from_) * std::min(done, 1.0));
-    return ended_ = !monitor_(told_);
+    reported_ = std::max(reported_, from_ + (to_ - from_) * std::min(done, 1.0));
+    return ended_ = !monitor_(reported_);
   }
 
-  /// The same where it is time to ask.
+  /// Does the same if kMonitorInterval has passed.
   bool passing(double done) {
-    if (!monitor_ || ended_ || std::chrono::steady_clock::now() - last_ < kAskEvery) return ended_;
+    if (!monitor_ || ended_ || std::chrono::steady_clock::now() - last_ < kMonitorInterval) return ended_;
     return ask(done);
   }
 
@@ -50,14 +50,14 @@ class Poll {
 
  private:
   const ProgressMonitor& monitor_;
-  double from_ = 0.0, to_ = 1.0, told_ = 0.0;
+  double from_ = 0.0, to_ = 1.0, reported_ = 0.0;
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
   bool ended_ = false;
 };
 
-/// In loops over `count` items, before each: whether to stop. Null: nobody asks.
+/// Returns whether a loop over `count` items should stop before `item`. Null: never.
 inline bool stops(Poll* poll, std::size_t item, std::size_t count) {
-  constexpr std::size_t kItems = 4096;  // take far less than kAskEvery
+  constexpr std::size_t kItems = 4096;  // they take far less than kMonitorInterval
   return poll && (poll->ended() || (item % kItems == 0 && poll->passing(double(item) / double(count))));
 }
 

@@ -1,4 +1,4 @@
-// What the registries of effects and looks share: lists of what has a name.
+// Functions shared by the registries of effects and looks: lists of named entries.
 #pragma once
 #include <cstddef>
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace umbrage {
 
-/// Where the entries of a list are. The list must last as long as the result is used.
+/// Returns pointers to the entries of a list, which must outlive the result.
 template <class Entry, std::size_t count>
 std::vector<const Entry*> pointers_to(const Entry (&list)[count]) {
   std::vector<const Entry*> pointers;
@@ -18,7 +18,7 @@ std::vector<const Entry*> pointers_to(const Entry (&list)[count]) {
   return pointers;
 }
 
-/// The entry of that name, or null.
+/// Returns the entry of that name, or null.
 template <class Entry>
 const Entry* find_named(std::span<const Entry* const> entries, std::string_view name) {
   for (const Entry* entry : entries)
@@ -26,7 +26,7 @@ const Entry* find_named(std::span<const Entry* const> entries, std::string_view 
   return nullptr;
 }
 
-/// The same, for a name that somebody wrote. `kind` says what the entries are, such as "effect". Errors: kUsage, with a
+/// Returns the entry of a name given by a user. `kind` describes the entries, such as "effect". Errors: kUsage, with a
 /// suggestion.
 template <class Entry>
 Result<const Entry*> require_named(std::string_view kind, std::span<const Entry* const> entries,

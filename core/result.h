@@ -1,4 +1,4 @@
-// What a function returns that can fail because the world is wrong: a value, or one sentence for the user.
+// Result: a value, or an error caused by input or environment as one sentence for the user.
 #pragma once
 #include <fmt/core.h>
 
@@ -14,11 +14,11 @@ enum class ErrorKind {
   kInternal = 1,
   kUsage = 2,   ///< wrong option, value or name
   kFile = 3,    ///< a file that cannot be read, used or written
-  kDevice = 4,  ///< the device is missing or cannot do it
+  kDevice = 4,  ///< the device is missing or lacks a capability
   kInterrupted = 130,
 };
 
-/// A failure: its kind and one sentence that names file, field, value and what would be right.
+/// A failure: its kind and one sentence that names file, field, value and remedy.
 struct Error {
   ErrorKind kind = ErrorKind::kInternal;
   std::string message;
@@ -37,7 +37,7 @@ Error device_error(fmt::format_string<Args...> text, Args&&... args) {
   return {ErrorKind::kDevice, fmt::format(text, std::forward<Args>(args)...)};
 }
 
-/// A value or an Error. Test with `if (!result)`, then read `*result` or `result.error()`.
+/// A value or an Error. Check `if (!result)`, then read `*result` or `result.error()`.
 template <class T>
 class [[nodiscard]] Result {
  public:

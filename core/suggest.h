@@ -1,4 +1,4 @@
-// "did you mean": the nearest of some names.
+// "did you mean": the closest of several names.
 #pragma once
 #include <algorithm>
 #include <numeric>
@@ -9,8 +9,8 @@
 
 namespace umbrage {
 
-/// Number of letters inserted, deleted, changed or swapped with their neighbour between two words (optimal string
-/// alignment distance).
+/// Returns the number of letters inserted, deleted, changed or swapped with their neighbour between two words (optimal
+/// string alignment distance).
 inline int edit_distance(std::string_view a, std::string_view b) {
   std::vector<int> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   std::iota(last.begin(), last.end(), 0);
@@ -26,10 +26,10 @@ inline int edit_distance(std::string_view a, std::string_view b) {
   return last.back();
 }
 
-/// " (did you mean 'x'?)" for the nearest of `names` if it is near, otherwise " (there are: a, b, c)".
+/// Returns " (did you mean 'x'?)" for the closest of `names` if it is close, otherwise " (available: a, b, c)".
 template <class Names>
 std::string suggestion(std::string_view word, const Names& names) {
-  constexpr int kMaxSlips = 2;  // more, or two in a word of up to four letters, is another word
+  constexpr int kMaxSlips = 2;  // more, or two in a word of up to four letters, is a different word
   int best = kMaxSlips + 1;
   std::string_view nearest;
   std::string all;
@@ -39,7 +39,7 @@ std::string suggestion(std::string_view word, const Names& names) {
     all += (all.empty() ? "" : ", ") + std::string(name);
   }
   if (!nearest.empty()) return " (did you mean '" + std::string(nearest) + "'?)";
-  return " (there are: " + all + ")";
+  return " (available: " + all + ")";
 }
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// Watch: many threads work, one asks now and then whether to go on.
+// Watch: progress and cancellation of work on several threads.
 #pragma once
 #include <algorithm>
 #include <atomic>
@@ -9,41 +9,41 @@
 
 namespace umbrage {
 
-/// One piece of work of so many parts, which any threads do. The thread that made the watch asks the monitor, as long
-/// as it does parts itself, after its own ones and no more often than people see.
+/// Progress of work in `parts` parts, which any thread may do. The thread that creates the watch calls the monitor
+/// whenever it has finished a part itself, at most once per kMonitorInterval.
 class Watch {
  public:
-  /// The monitor lives longer than the watch.
+  /// `monitor` must outlive the watch.
   Watch(const ProgressMonitor& monitor, long parts) : monitor_(monitor), parts_(double(parts)) {
     if (monitor_ && !monitor_(0.0)) ended_ = true;
   }
 
-  /// Whether the work has been ended: parts need not be done any more. From any thread.
+  /// Returns whether the work is cancelled: remaining parts may be skipped. Thread-safe.
   bool ended() const { return ended_.load(std::memory_order_relaxed); }
 
-  /// So many parts have been done. From any thread.
+  /// Reports that `parts` more parts are done. Thread-safe.
   void done(long parts) {
     if (!monitor_) return;
     const long all = done_.fetch_add(parts, std::memory_order_relaxed) + parts;
     reached(double(all) / parts_);
   }
 
-  /// This share of the work has been done, as who divides it says. From any thread.
+  /// Reports the fraction of the work that is done. Thread-safe.
   void reached(double share) {
-    if (!monitor_ || std::this_thread::get_id() != asking_) return;
+    if (!monitor_ || std::this_thread::get_id() != monitor_thread_) return;
     const auto now = std::chrono::steady_clock::now();
-    if (ended() || now - last_ < kAskEvery) return;
+    if (ended() || now - last_ < kMonitorInterval) return;
     last_ = now;
-    told_ = std::max(told_, std::min(share, 1.0));
-    if (!monitor_(told_)) ended_ = true;
+    reported_ = std::max(reported_, std::min(share, 1.0));
+    if (!monitor_(reported_)) ended_ = true;
   }
 
  private:
   const ProgressMonitor& monitor_;
   const double parts_;
-  const std::thread::id asking_ = std::this_thread::get_id();
+  const std::thread::id monitor_thread_ = std::this_thread::get_id();
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-  double told_ = 0.0;  // by that thread
+  double reported_ = 0.0;  // reported by that thread
   std::atomic<long> done_ = 0;
   std::atomic<bool> ended_ = false;
 };

@@ -1,4 +1,4 @@
-// The registry: every effect there is.
+// The registry of all effects.
 #pragma once
 #include <span>
 #include <string_view>
@@ -7,10 +7,10 @@
 
 namespace umbrage {
 
-/// All effects, in the order of their names.
+/// Returns all effects, sorted by name.
 std::span<const Effect* const> effects();
 
-/// The effect of that name, or null.
+/// Returns the effect of that name, or null.
 const Effect* find_effect(std::string_view name);
 
 }  // namespace umbrage

@@ -5,7 +5,7 @@
 
 namespace umbrage {
 
-// effects.inc is made by CMake: one line per folder.
+// CMake generates effects.inc, with one line per folder of effects/.
 #define UMBRAGE_EFFECT(name) Effect effect_##name();
 #include "effects.inc"
 #undef UMBRAGE_EFFECT

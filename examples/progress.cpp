@@ -1,4 +1,4 @@
-// Shows how far a slow picture is, and gives up after some seconds: progress MODEL SECONDS
+// Shows the progress of a slow rendering and cancels it after some seconds: progress MODEL SECONDS
 #include <chrono>
 #include <cstdio>
 
@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
   request.progress = [&](double done) {
     std::printf("\r%3.0f %%", 100.0 * done);
     std::fflush(stdout);
-    return Clock::now() < end;  // false ends the work
+    return Clock::now() < end;  // false cancels the rendering
   };
   umb::Picture picture;
   const umb::Outcome outcome = umb::render(request, picture);

@@ -1,4 +1,4 @@
-// A model becomes a picture file: render_file MODEL OUT.png
+// Renders a model to a picture file: render_file MODEL OUT.png
 #include <cstdio>
 
 #include "umbrage/umbrage.hpp"
@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
   request.width = 640;
   request.height = 480;
   request.camera.azimuth_deg = 20.0f;
-  request.passes = {"depth", "normal"};  // written where the file can hold them: to .exr
+  request.passes = {"depth", "normal"};  // only .exr files store them
 
   umb::Picture picture;
   umb::Outcome outcome = umb::render(request, picture);

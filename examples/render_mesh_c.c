@@ -1,4 +1,4 @@
-/* A mesh from memory becomes a picture, in C, without a file: a pyramid in two places. render_mesh_c OUT.png */
+/* Renders a mesh from memory, in C: a pyramid in two places. render_mesh_c OUT.png */
 #include <stdint.h>
 #include <stdio.h>
 
@@ -25,9 +25,9 @@ int main(int argc, char** argv) {
   umbAddMeshInstance(scene, mesh, kPlaces[1]);
   umbSetJobInt(job, "width", 320);
   umbSetJobInt(job, "height", 240);
-  umbSetJobOutput(job, name, &picture); /* into the program's own memory */
+  umbSetJobOutput(job, name, &picture); /* writes to memory of the program */
   umbExecuteJob(job);
-  code = umbGetSceneError(scene, &message); /* the first call on it that failed */
+  code = umbGetSceneError(scene, &message); /* the first error of the scene */
   if (code != UMB_ERROR_NONE) fprintf(stderr, "scene: %s\n", message);
   if (code == UMB_ERROR_NONE) {
     code = umbGetJobError(job, &message);

@@ -1,4 +1,4 @@
-// Arrays that another program has drawn become shaded: here the depth of a ball in a corner. shade_arrays OUT.png
+// Shades the depth array of another renderer, here of a sphere in a corner: shade_arrays OUT.png
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
   std::vector<float> depth;  // along the view axis, row by row from the top
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      // A ball of radius 1 about (0, 0, -5), a floor at y = -1, a wall at z = -7; rays (a, b, -1) from the eye.
+      // A sphere of radius 1 at (0, 0, -5), a floor at y = -1, a wall at z = -7; rays (a, b, -1) from the camera.
       const float a = 0.8f * (2.0f * (float(x) + 0.5f) / width - 1.0f),
                   b = 0.6f * (1.0f - 2.0f * (float(y) + 0.5f) / height);
       const float square = a * a + b * b + 1.0f, inside = 25.0f - 24.0f * square;
@@ -24,13 +24,13 @@ int main(int argc, char** argv) {
   request.height = height;
   request.left = -0.8f, request.right = 0.8f, request.bottom = -0.6f, request.top = 0.6f;  // at distance 1
   request.arrays.push_back({"depth", depth.data()});
-  request.passes = {"ao"};  // besides the picture that the look makes
+  request.passes = {"ao"};  // in addition to the picture of the look
 
   umb::Picture picture;
   umb::Outcome outcome = umb::shade(request, picture);
   if (outcome.code == 0) {
     const std::vector<float>& ao = picture.passes[0].values;
-    std::printf("the least open pixel: %.2f\n", double(*std::min_element(ao.begin(), ao.end())));
+    std::printf("min ambient visibility: %.2f\n", double(*std::min_element(ao.begin(), ao.end())));
   }
   if (outcome.code == 0 && argc > 1) outcome = umb::save(picture, argv[1]);
   if (outcome.code != 0) std::fprintf(stderr, "%s\n", outcome.message.c_str());

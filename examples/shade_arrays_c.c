@@ -1,4 +1,4 @@
-/* Arrays that another program has drawn become shaded, in C: the depth of a ball in a corner. shade_arrays_c OUT.png */
+/* Shades the depth array of another renderer, in C, here of a sphere in a corner: shade_arrays_c OUT.png */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -7,7 +7,7 @@
 
 enum { kWidth = 320, kHeight = 240 };
 
-/* Distance along the view axis to a ball of radius 1 about (0, 0, -5), a floor at y = -1 and a wall at z = -7. */
+/* Returns the view depth of a sphere of radius 1 at (0, 0, -5), a floor at y = -1 and a wall at z = -7. */
 static float depth_at(int x, int y) {
   const float a = 0.8f * (2.0f * ((float)x + 0.5f) / kWidth - 1.0f); /* the ray is (a, b, -1) */
   const float b = 0.6f * (1.0f - 2.0f * ((float)y + 0.5f) / kHeight);
@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
   umbSetJobFloats(job, "window", window, 4);
   umbSetJobString(job, "look", "studio");
   umbExecuteJob(job);
-  code = umbGetJobError(job, &message); /* the first of all these calls that failed */
+  code = umbGetJobError(job, &message); /* the first error of the job */
   if (code != UMB_ERROR_NONE) fprintf(stderr, "%s\n", message);
   if (code == UMB_ERROR_NONE) code = umbGetJobOutput(job, name, &picture);
   if (code == UMB_ERROR_NONE && argc > 1) code = umbWriteImages(argv[1], &name, &picture, 1, 8, false);

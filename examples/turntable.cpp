@@ -1,4 +1,4 @@
-// Turns a model before the camera and says what a frame takes: turntable MODEL FRAMES [DEVICE]
+// Renders a turntable of a model and prints the time of each frame: turntable MODEL FRAMES [DEVICE]
 #include <chrono>
 #include <cmath>
 #include <cstdio>

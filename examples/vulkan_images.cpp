@@ -1,5 +1,5 @@
-// Occlusion for an engine's own images: opens a Vulkan device as an engine would, fills images of depth and normals
-// with a ball on a floor, has Umbrage shade them on that device, and writes the result: vulkan_images OUT.pgm
+// Shades Vulkan images of an engine: opens a Vulkan device as an engine would, fills depth and normal images with a
+// sphere on a floor, has Umbrage compute ambient occlusion on that device, and writes the result: vulkan_images OUT.pgm
 #include <vulkan/vulkan.h>
 
 #include <cmath>
@@ -44,7 +44,7 @@ Engine open_engine() {
   VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
   queue.queueCount = 1;
   queue.pQueuePriorities = &priority;
-  // What Umbrage asks of a device.
+  // The features that Umbrage requires.
   VkPhysicalDeviceVulkan12Features features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
   features.bufferDeviceAddress = VK_TRUE;
   features.scalarBlockLayout = VK_TRUE;
@@ -101,7 +101,8 @@ Image make_image(const Engine& e, VkFormat format) {
   return out;
 }
 
-/// Runs `record` with a buffer of the host's memory and waits.
+/// Records commands that use a host-visible buffer, submits them and waits. Copies `bytes` to the buffer before
+/// (`upload`) or from the buffer afterwards.
 template <class Record>
 void with_buffer(const Engine& e, VkDeviceSize size, const Record& record, void* bytes, bool upload) {
   VkBufferCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
@@ -143,7 +144,7 @@ VkBufferImageCopy whole() {
   return region;
 }
 
-/// Leaves the image as a shader would read it.
+/// Uploads texels to an image and leaves it in the layout that shaders read.
 void fill(const Engine& e, const Image& image, std::vector<float>& texels) {
   with_buffer(
       e, texels.size() * sizeof(float),
@@ -168,7 +169,7 @@ void fill(const Engine& e, const Image& image, std::vector<float>& texels) {
       texels.data(), true);
 }
 
-/// A ball of radius 1 that stands on a floor, from a little above: reversed window depth, and view-space normals.
+/// Draws a sphere of radius 1 on a floor: reversed window depth and view-space normals.
 void draw_ball(std::vector<float>& depth, std::vector<float>& normals) {
   const float tangent = 0.5f, aspect = float(kWidth) / kHeight;
   for (int y = 0; y < kHeight; ++y)
@@ -226,7 +227,7 @@ int main(int argc, char** argv) {
     umb::VulkanShadeRequest request;
     request.effects = {"bitmask", "denoise"};
     request.settings = {"bitmask.radius=1"};
-    // What the image holds need not be kept: it comes in any layout.
+    // The old content of the image may be discarded: its layout is undefined.
     request.outputs = {
         {{"ao"}, {ao.image, VK_FORMAT_R32_SFLOAT, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL}}};
     for (int frame = 0; frame < 3; ++frame)
@@ -234,7 +235,7 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "vulkan_images: %s\n", shaded.message.c_str());
         return shaded.code;
       }
-    // The same queue: what is submitted next comes after it.
+    // Same queue: the copy runs after the shading.
     with_buffer(
         e, result.size() * sizeof(float),
         [&](VkBuffer buffer) {
@@ -260,9 +261,9 @@ int main(int argc, char** argv) {
   std::fprintf(file, "P5 %d %d 255\n", kWidth, kHeight);
   for (const float v : result) std::fputc(int(std::fmin(std::fmax(v, 0.0f), 1.0f) * 255.0f + 0.5f), file);
   std::fclose(file);
-  // The floor below the ball is dark, the floor in front and the ball's top are open.
+  // The floor below the sphere is occluded; the floor in front and the top of the sphere are not.
   const float below = result[126 * kWidth + kWidth / 2], front = result[185 * kWidth + kWidth / 4],
               top = result[60 * kWidth + kWidth / 2];
-  std::printf("below the ball %.2f, floor in front %.2f, top of the ball %.2f\n", below, front, top);
+  std::printf("below the sphere %.2f, floor in front %.2f, top of the sphere %.2f\n", below, front, top);
   return below < 0.8f && front > 0.9f && top > 0.9f ? 0 : 1;
 }

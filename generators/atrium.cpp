@@ -1,6 +1,6 @@
 // The atrium: an open court of 9 by 24 metres between two storeys of round arches, with vaulted galleries behind,
-// drapes, plants and a fountain. Made to have what occlusion and colour bleeding are judged by: long corners, thin
-// rails, fluting, folds of coloured cloth near plain stone, cut-out leaves, sun and deep shade.
+// drapes, plants and a fountain. It has features for judging occlusion and color bleeding: long corners, thin rails,
+// fluting, folds of coloured cloth near plain stone, cut-out leaves, sun and deep shadow.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -32,8 +32,8 @@ constexpr float kWall = 0.6f;     // thickness of the arcade walls
 constexpr float kOpening = 2.3f;  // of an arch
 constexpr float kPier = 0.84f;    // corner piers, a little wider than the walls that end in them
 
-// The section: heights of what stands on what.
-constexpr float kStep = 0.15f;        // the galleries lie one step above the court
+// The section: heights of the parts, metres.
+constexpr float kStep = 0.15f;        // the galleries are one step above the court
 constexpr float kSpring = 3.5f;       // lower arches
 constexpr float kFloor = 5.3f;        // upper storey
 constexpr float kRail = 6.35f;        // top of the balustrade and of the upper columns' pedestals
@@ -48,13 +48,14 @@ struct Lantern {
 constexpr std::array<Lantern, 4> kBurning = {{{1, 4, 1}, {1, 2, 2}, {0, 5, 0}, {0, 3, 3}}};
 constexpr std::array<vec3, 4> kGlassColour = {
     {{1.00f, 0.58f, 0.20f}, {1.00f, 0.24f, 0.22f}, {0.16f, 0.78f, 0.66f}, {0.34f, 0.42f, 1.00f}}};
-constexpr float kGlassHeight = 2.95f;  // of a lantern's middle
-// Glass is brighter than the walls that it lights, and not white in the picture.
+constexpr float kGlassHeight = 2.95f;  // of a lantern's centre
+// Glass is brighter than the walls that it lights, but not white in the picture.
 constexpr float kGlassShine = 0.85f;
-// Of a lantern's light at kLanternReach, the distance of the nearest columns: less than the sun's, more than the sky's.
+// Brightness of a lantern's light at kLanternReach, the distance of the nearest columns: less than the sun's, more than
+// the sky's.
 constexpr float kLanternLight = 0.8f, kLanternReach = 1.3f;
-// The light comes from under the lantern, whose glass and metal would swallow it: from so far that their shadow is
-// narrow and falls on the arch's crown alone.
+// The light is below the lantern, whose glass and metal would block it: far enough that their shadow is narrow and
+// falls only on the arch's crown.
 constexpr float kFlameDrop = 0.55f, kFlameRadius = 0.05f;
 
 struct Materials {
@@ -101,7 +102,7 @@ Materials add_materials(Scene& scene) {
   return m;
 }
 
-/// One bay of the arcades: a frame with x along the wall, z towards the court, and the middle of the bay at the origin.
+/// One bay of the arcades: a frame with x along the wall, z towards the court, and the bay's centre at the origin.
 struct Bay {
   mat4 place;
   int side;   ///< 0, 1: the long sides at -x and +x; 2, 3: the ends at -z and +z
@@ -128,7 +129,7 @@ std::vector<Bay> all_bays() {
   return bays;
 }
 
-/// Feet of the columns: between the bays of each side, not in the corners.
+/// Returns the feet of the columns: between the bays of each side, not in the corners.
 std::vector<mat4> column_places() {
   std::vector<mat4> places;
   const auto add = [&places](vec3 at, float turn_deg) {
@@ -145,7 +146,7 @@ std::vector<mat4> column_places() {
   return places;
 }
 
-/// A square or rectangular path round the origin; a moulding on it faces outwards, or inwards.
+/// A square or rectangular path around the origin; a moulding on it faces outwards, or inwards.
 Points3 ring(vec2 half, float y, bool outwards) {
   if (outwards) return {{-half.x, y, -half.y}, {-half.x, y, half.y}, {half.x, y, half.y}, {half.x, y, -half.y}};
   return {{-half.x, y, -half.y}, {half.x, y, -half.y}, {half.x, y, half.y}, {-half.x, y, half.y}};
@@ -153,7 +154,7 @@ Points3 ring(vec2 half, float y, bool outwards) {
 
 // ----------------------------------------------------------------------------------------------------------- columns
 
-/// A bell between two radii, set about with two rows of eight leaves that curl outwards at their tips.
+/// A bell between two radii, surrounded by two rows of eight leaves that curl outwards at their tips.
 Mesh leafy_capital(float radius_low, float radius_high, float height, const Detail& d) {
   const auto leaf_row = [](float turn, float v, float from, float to) {
     const float t = (v - from) / (to - from);
@@ -189,7 +190,7 @@ Mesh column(float height, float radius, int flutes, const Detail& d) {
   append(mesh, lathe(join({low, hollow, high, {{radius, plinth + base}}}), d(32, 8)));
   // Shaft with entasis: straight for a third, then drawn in along a curve.
   const float from = plinth + base, to = height - capital - abacus;
-  if (d(4) < 3) flutes = 0;  // too coarse to show them
+  if (d(4) < 3) flutes = 0;  // too coarse for fluting
   const int slices = flutes > 0 ? flutes * d(4) : d(32, 8);
   append(mesh, surface(slices, d(12, 3),
                        [&](float u, float v) {
@@ -217,7 +218,7 @@ Mesh pier(float low, float high, const Detail& d) {
   return mesh;
 }
 
-/// The moulding that carries an arch where it starts from a pier: the same outline as a capital's abacus.
+/// The moulding at the spring of an arch on a pier, with the outline of a capital's abacus.
 Mesh impost(float y, const Detail& d) {
   const Points2 section = join({arc({0.0f, -0.22f}, 0.07f, -80.0f, 0.0f, d(4, 2)),
                                 {{0.09f, -0.13f}, {0.09f, 0.0f}, {0.09f, 0.0f}, {0.0f, 0.0f}}});
@@ -226,7 +227,7 @@ Mesh impost(float y, const Detail& d) {
 
 // ------------------------------------------------------------------------------------------------------------- walls
 
-/// A plain band with a rounded edge along the arch, standing out of the wall, and its keystone.
+/// A plain band with a rounded edge along the arch that projects from the wall, and its keystone.
 Mesh archivolt(float spring, const Detail& d) {
   const float radius = 0.5f * kOpening, front = 0.5f * kWall;
   Points3 path;
@@ -244,7 +245,7 @@ Mesh rosette(float radius, const Detail& d) {
   return surface(
       d(40, 10), d(10, 3),
       [&](float u, float v) {
-        const float r = radius * (1.0f - v);  // from the rim to the middle, so that the front is +z
+        const float r = radius * (1.0f - v);  // from the edge to the centre, so that the front is +z
         const float turn = 2.0f * kPi * u, share = 1.0f - v;
         const float outer = std::abs(std::cos(4.0f * turn)), inner = std::abs(std::sin(4.0f * turn));
         float z = 0.05f * glm::smoothstep(1.0f, 0.93f, share);
@@ -286,14 +287,14 @@ Mesh arched_panel(float width, float spring, const Detail& d) {
   return mesh;
 }
 
-/// Groin vault over a rectangle round the origin, springing at y = 0 and seen from below: two barrels that meet.
+/// Groin vault over a rectangle around the origin, springing at y = 0, facing down: two barrels that intersect.
 Mesh groin_vault(vec2 half, float rise, const Detail& d) {
   Mesh mesh;
   for (int quarter = 0; quarter < 4; ++quarter) {
     const bool along_z = quarter % 2 == 0;
     const float sign = quarter < 2 ? 1.0f : -1.0f;
     Mesh part = surface(d(16, 4), d(6, 2), [&](float u, float v) {
-      // In this quarter the barrel runs towards the edge, and its height depends on the place across alone.
+      // In this quarter the barrel runs towards the edge, and its height depends only on the position across.
       const float across = std::sin(0.5f * kPi * (2.0f * u - 1.0f)) * v;
       const float y = rise * std::sqrt(std::max(1.0f - across * across, 0.0f));
       const vec2 p = along_z ? vec2(across, sign * v) : vec2(sign * v, across);
@@ -328,7 +329,7 @@ Mesh tied_curtain(float width, float height, float tie, std::uint32_t seed, cons
   return surface(d(72, 10), d(40, 4), [&](float u, float v) {
     const float down = 1.0f - v, y = -height * down;
     const float at_tie = tie / height;
-    // Share of the full width: the free edge falls in an arc to the tie, then opens again a little.
+    // Fraction of the full width: the free edge falls in an arc to the tie, then opens again a little.
     const float above = std::clamp(down / at_tie, 0.0f, 1.0f);
     const float below = std::clamp((down - at_tie) / (1.0f - at_tie), 0.0f, 1.0f);
     const float narrow =
@@ -344,8 +345,8 @@ Mesh tied_curtain(float width, float height, float tie, std::uint32_t seed, cons
   });
 }
 
-/// A cloth laid over the balustrade, whose rail is `rail` deep with its top round the origin: from behind the rail over
-/// its top, out over the ledge (`ledge` = how far out and how far down), and straight down from there.
+/// A cloth laid over the balustrade, whose rail is `rail` deep with its top around the origin: from behind the rail
+/// over its top, out over the ledge (`ledge` = how far out and how far down), and straight down from there.
 Mesh rail_banner(float width, float rail, vec2 ledge, float drop, std::uint32_t seed, const Detail& d) {
   constexpr float kBehind = 0.55f, kOff = 0.015f;  // metres behind the rail, and off the stone
   const float half = 0.5f * rail + kOff;
@@ -398,7 +399,7 @@ Mesh fern(float size, int fronds, std::uint32_t seed, const Detail& d) {
     const float length = size * random.between(0.75f, 1.1f), width = 0.26f * length;
     const float bow = random.between(1.5f, 2.4f), twist = random.between(-0.3f, 0.3f);
     Mesh blade = surface(d(2), d(8, 3), [&](float u, float v) {
-      // A bow: the angle to the ground falls evenly along the frond. Integrated in closed form.
+      // The angle to the ground decreases linearly along the frond. Integrated in closed form.
       const float end = steep - bow * v;
       const float out = length * (std::sin(steep) - std::sin(end)) / bow,
                   up = length * (std::cos(end) - std::cos(steep)) / bow;
@@ -410,7 +411,7 @@ Mesh fern(float size, int fronds, std::uint32_t seed, const Detail& d) {
   return mesh;
 }
 
-/// A crown of leaves scattered over and inside a lumpy ball round the origin.
+/// A crown of leaves scattered over and inside a lumpy sphere around the origin.
 Mesh crown(float radius, int leaves, std::uint32_t seed, const Detail& d) {
   Mesh mesh;
   noise::Random random{noise::hash(seed)};
@@ -447,7 +448,7 @@ Mesh trunk(float height, const Detail& d) {
 
 Points3 octagon(float radius, float y) {
   Points3 path;
-  for (int i = 0; i < 8; ++i) {  // clockwise from above, so that a moulding's outside is outside
+  for (int i = 0; i < 8; ++i) {  // clockwise from above, so that a moulding faces outwards
     const float angle = 2.0f * kPi * (float(i) + 0.5f) / 8.0f;
     path.emplace_back(radius * std::sin(angle), y, radius * std::cos(angle));
   }
@@ -497,13 +498,13 @@ void add_fountain(Scene& scene, const Materials& m, vec3 at, const Detail& d) {
 
 // ---------------------------------------------------------------------------------------------------------- the whole
 
-constexpr float kKerb = kFloor + 0.2f;  // the balustrade stands on it
+constexpr float kKerb = kFloor + 0.2f;  // base of the balustrade
 constexpr float kRailDepth = 0.30f, kRailOut = 0.12f;
-constexpr float kString = 0.24f;  // how far the string course stands out
+constexpr float kString = 0.24f;  // projection of the string course
 constexpr float kGalleryMiddle = 0.5f * (0.5f * kWall + kGallery);
 constexpr float kGalleryHalf = 0.5f * (kGallery - 0.5f * kWall);
 
-/// Meshes gathered by material, for what is built bay by bay.
+/// Meshes collected by material, for parts that are built bay by bay.
 struct Parts {
   Mesh stone, blocks, plaster, vault, wood, door, iron, brass;
 };
@@ -550,7 +551,7 @@ void add_upper_bay(Parts& parts, const Bay& bay, const Detail& d) {
   put(parts.stone,
       box({-end, kKerb, kRailOut - 0.9f * deep}, {end, kKerb + 0.09f, kRailOut + 0.9f * deep}, 0.015f, d(1, 0)));
   put(parts.stone, box({-end, kRail - 0.13f, kRailOut - deep}, {end, kRail, kRailOut + deep}, 0.03f, d(1, 0)));
-  const int balusters = std::min(d(16, 3), 9);  // a closer row than nine is no longer a balustrade
+  const int balusters = std::min(d(16, 3), 9);  // more than nine would be too dense
   const Mesh one = baluster(kRail - 0.13f - kKerb - 0.09f, d);
   for (int i = 0; i < balusters; ++i)
     put(parts.stone, moved(one, {-end + 2.0f * end * (float(i) + 0.5f) / float(balusters), kKerb + 0.09f, kRailOut}));
@@ -650,7 +651,7 @@ void add_cornices(Scene& scene, const Materials& m, const Detail& d) {
     for (int i = 0; i < count; ++i)
       append(dentils, moved(turned_y(dentil, turn_deg), from + (to - from) * ((float(i) + 0.5f) / float(count))));
   };
-  const float in = 0.11f;  // dentils stand on the band under the corona
+  const float in = 0.11f;  // dentils are on the band under the corona
   const vec2 f = face - vec2(in);
   row({-f.x, 0, -f.y}, {f.x, 0, -f.y}, 0.0f);
   row({f.x, 0, f.y}, {-f.x, 0, f.y}, 180.0f);
@@ -816,7 +817,7 @@ Scene build(const Materials& m, const Detail& d) {
   for (Mesh* mesh : {&parts.blocks, &parts.plaster}) scale_uvs(*mesh, vec2(0.5f));
   scale_uvs(parts.stone, vec2(0.6f));
   scale_uvs(parts.vault, vec2(0.33f));
-  for (vec2& uv : parts.door.uvs) uv = {uv.y, uv.x};  // boards stand upright
+  for (vec2& uv : parts.door.uvs) uv = {uv.y, uv.x};  // boards are vertical
   add_mesh(scene, "arch walls", std::move(parts.blocks), m.blocks);
   add_mesh(scene, "mouldings and balustrade", std::move(parts.stone), m.stone);
   add_mesh(scene, "plaster walls", std::move(parts.plaster), m.plaster);
@@ -834,7 +835,7 @@ Scene build(const Materials& m, const Detail& d) {
   return scene;
 }
 
-/// What the lanterns shine.
+/// Returns the lights of the lanterns.
 std::vector<Light> lantern_lights() {
   std::vector<Light> lights;
   for (const Bay& bay : all_bays())
@@ -855,7 +856,7 @@ std::vector<Light> lantern_lights() {
 Scene make_atrium(int triangles) {
   Scene scene = build_with_materials("atrium", triangles, add_materials, build);
   // A high sun from behind the camera's right shoulder: it lights the left side, the far end and part of the floor.
-  // The last light stands for what lit walls send across, and is as wide as they are.
+  // The last light represents the light reflected by lit walls, and is as wide as they are.
   scene.lights = {{.direction = glm::normalize(vec3(0.41f, 0.84f, 0.36f)),
                    .color = {1.12f, 1.00f, 0.80f},
                    .angle_deg = kSunAngleDeg,

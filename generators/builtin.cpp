@@ -1,4 +1,4 @@
-// The reading of scene:NAME?detail=N.
+// Parses scene:NAME?detail=N and makes the scene.
 #include "generators/builtin.h"
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace {
 constexpr std::string_view kScheme = "scene:";
 constexpr double kMinDetail = 1e3, kMaxDetail = 1e7;
 
-/// The number after detail=: an integer or like 1e6, all of the text, within the limits.
+/// Parses the number after detail=: an integer or a form like 1e6, the whole text, within the limits.
 Result<int> parse_detail(std::string_view uri, std::string_view text) {
   double value = 0.0;
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);

@@ -1,4 +1,4 @@
-// Built-in scenes, made in code.
+// Built-in scenes, generated in code.
 #pragma once
 #include <span>
 #include <string_view>
@@ -8,19 +8,19 @@
 
 namespace umbrage {
 
-/// A scene that needs no file. `make` gets the number of triangles to aim for (a thousand to ten million).
+/// A scene that needs no file. `make` gets the approximate number of triangles (a thousand to ten million).
 struct BuiltinScene {
   std::string_view name, summary;
   int default_triangles;
   Scene (*make)(int triangles);
 };
 
-/// All of them, by name.
+/// Returns all built-in scenes, by name.
 std::span<const BuiltinScene> builtin_scenes();
 
-/// Makes `scene:NAME` or `scene:NAME?detail=N`, finished. N is the number of triangles to aim for, 1e3 to 1e7; the
-/// result holds between half and twice as many, unless the scene's least is more.
-/// Errors: kUsage for an unknown name (with a suggestion) or a bad detail.
+/// Makes `scene:NAME` or `scene:NAME?detail=N`, finished. N is the approximate number of triangles, 1e3 to 1e7; the
+/// result has between N / 2 and 2 N, unless the minimum of the scene is larger.
+/// Errors: kUsage for an unknown name (with a suggestion) or an invalid detail.
 Result<Scene> make_builtin_scene(std::string_view uri);
 
 }  // namespace umbrage

@@ -1,5 +1,5 @@
-// The figures among the built-in scenes, and the two meshers that they are made with: closed surfaces in the right
-// place, parts that stand where the papers' figures need them.
+// The figures among the built-in scenes, and their two meshers: closed surfaces at the right place, and parts at the
+// positions that the papers' figures need.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -21,7 +21,7 @@ using glm::vec3;
 
 using EdgeEnd = std::array<float, 3>;
 
-/// Directed edges, by position, that have no partner in the other direction.
+/// Returns the number of directed edges, by position, without a partner in the opposite direction.
 int open_edges(const Mesh& mesh) {
   std::map<std::pair<EdgeEnd, EdgeEnd>, int> balance;
   const auto end = [&](std::size_t i) {
@@ -43,7 +43,7 @@ struct Box {
   vec3 low{1e30f}, high{-1e30f};
 };
 
-/// The bounds of all meshes of a name.
+/// Returns the bounds of all meshes of a name.
 Box bounds(const Scene& scene, std::string_view name) {
   Box box;
   for (const Mesh& mesh : scene.meshes)
@@ -63,8 +63,8 @@ Scene made(const char* uri) {
 
 class ImplicitBall : public testing::TestWithParam<float> {};
 
-// A ball off the origin: every vertex on it, normals radial, no hole, and as many triangles as promised. The finest
-// cell needs more than the grid's 96 cells a side, so that triangles are split.
+// A sphere off the origin: every vertex on it, normals radial, no hole, and as many triangles as promised. The finest
+// cell needs more than the grid's 96 cells per side, so that triangles are split.
 TEST_P(ImplicitBall, IsRoundAndClosed) {
   const float cell = GetParam();
   constexpr float kRadius = 0.8f;
@@ -93,7 +93,7 @@ TEST(ImplicitBlends, JoinContainsBothAndCutRemovesTheTool) {
     }
 }
 
-// A box with rounded edges: its volume is the inner box, slabs, quarter cylinders and one ball.
+// A box with rounded edges: its volume is the inner box, slabs, quarter cylinders and one sphere.
 TEST(RoundedHull, BoxHasTheVolumeOfARoundedBox) {
   constexpr double kX = 1.0, kY = 2.0, kZ = 3.0, kR = 0.2;
   std::vector<vec3> points;
@@ -110,7 +110,7 @@ TEST(RoundedHull, BoxHasTheVolumeOfARoundedBox) {
   for (const vec3& normal : mesh.normals) EXPECT_NEAR(glm::length(normal), 1.0f, 1e-5f);
 }
 
-// Quads that are not quite flat, and corners where more than three faces meet, are what plates typed by hand have.
+// Quads that are not quite flat, and corners where more than three faces meet, occur in hand-written plates.
 TEST(RoundedHull, SurvivesFacesThatAreNearlyFlat) {
   const std::vector<vec3> half = {{0.60f, 1.80f, 1.38f},  {1.20f, 1.80f, 0.62f},  {1.30f, 1.92f, 0.50f},
                                   {0.62f, 1.96f, 1.42f},  {1.22f, 1.80f, -1.00f}, {1.32f, 1.94f, -1.05f},
@@ -132,7 +132,7 @@ TEST(RoundedHull, WithoutPointsIsEmpty) { EXPECT_TRUE(rounded_hull(std::span<con
 
 class Figures : public testing::TestWithParam<const char*> {};
 
-// Making a scene twice gives the same to the bit; triangles face the way of their normals.
+// Making a scene twice gives bitwise identical results; triangles face the way of their normals.
 TEST_P(Figures, AreRepeatableAndRightSideOut) {
   const Scene one = made(GetParam()), two = made(GetParam());
   ASSERT_EQ(one.meshes.size(), two.meshes.size());
@@ -147,7 +147,7 @@ TEST_P(Figures, AreRepeatableAndRightSideOut) {
       turned += glm::dot(face, mesh.normals[a] + mesh.normals[b] + mesh.normals[c]) < 0.0f;
     }
   }
-  // Where a coarse triangle bridges a sharp crease, its face may look away from the crease's own normals.
+  // Where a coarse triangle bridges a sharp crease, its face may be opposite to the crease's own normals.
   EXPECT_LT(double(turned), 0.003 * double(one.triangle_count()));
   EXPECT_GE(one.views.size(), 2u);
 }
@@ -160,7 +160,7 @@ TEST(FigureLayout, ClawIsWellBeforeTheBody) {
   const View view = scene.views.at(0);
   const vec3 ahead = glm::normalize(view.target - view.eye);
   const auto depth = [&](const Box& box) { return glm::dot(0.5f * (box.low + box.high) - view.eye, ahead); };
-  Box claw;  // of the two claws, the one that reaches forwards
+  Box claw;  // the claw that reaches forwards
   for (const Mesh& mesh : scene.meshes)
     if (mesh.name == "claw") {
       Box box;

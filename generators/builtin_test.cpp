@@ -1,5 +1,5 @@
-// Built-in scenes keep their contract (counts, clean meshes, one result for one name), and the mesh kit's shapes are
-// closed, face outwards and have the volume that they should.
+// Built-in scenes satisfy their contract (counts, valid meshes, reproducible results), and the kit's shapes are closed,
+// face outwards and have the expected volume.
 #include "generators/builtin.h"
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ std::string message_of(std::string_view uri) {
 
 bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
 
-/// Everything that a device relies on without looking.
+/// Checks the properties that devices rely on without checking.
 void expect_sound(const Scene& scene) {
   ASSERT_FALSE(scene.meshes.empty());
   for (const Texture& texture : scene.textures) {
@@ -119,14 +119,14 @@ TEST_P(BuiltinScenes, FollowsDetail) {
   const std::string uri = "scene:" + std::string(GetParam().name) + "?detail=";
   const Scene coarse = make(uri + "1000");
   expect_sound(coarse);
-  // Below its least a scene stays at its least, which a thousand asks of all but the simplest.
-  const double least = double(coarse.triangle_count());
-  EXPECT_GE(least, 500.0);
+  // Below its minimum a scene stays at its minimum, which exceeds a thousand for all but the simplest scenes.
+  const double min = double(coarse.triangle_count());
+  EXPECT_GE(min, 500.0);
   for (const double wanted : {3e4, 1e6}) {
     const Scene scene = make(uri + std::to_string(int(wanted)));
     const double count = double(scene.triangle_count());
     EXPECT_GE(count, 0.5 * wanted);
-    EXPECT_LE(count, std::max(2.0 * wanted, least));
+    EXPECT_LE(count, std::max(2.0 * wanted, min));
     if (wanted > 5e5) expect_sound(scene);
   }
 }
@@ -184,8 +184,8 @@ TEST(BuiltinDetail, ReadsScientificNumbers) {
 
 using namespace shapes;
 
-/// A closed surface's area vectors add up to nothing; the sum's length over the total says how open it is.
-double openness(const Mesh& mesh) {
+/// Returns how open a surface is: the length of the sum of its area vectors over the total area; 0 if it is closed.
+double assumed_visibility(const Mesh& mesh) {
   glm::dvec3 sum(0.0);
   double total = 0.0;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
@@ -197,7 +197,7 @@ double openness(const Mesh& mesh) {
   return glm::length(sum) / total;
 }
 
-/// Normals are unit and lie on the front side of every face round them.
+/// Expects that normals are unit and on the front side of every face around them.
 void expect_outward(const Mesh& mesh) {
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
@@ -241,7 +241,7 @@ TEST(Shapes, SolidsAreClosedAndHaveTheirVolume) {
   for (const Solid& solid : solids) {
     SCOPED_TRACE(solid.name);
     EXPECT_NEAR(volume(solid.mesh), solid.volume, solid.tolerance * solid.volume);
-    EXPECT_LT(openness(solid.mesh), 1e-5);
+    EXPECT_LT(assumed_visibility(solid.mesh), 1e-5);
     expect_outward(solid.mesh);
     EXPECT_EQ(solid.mesh.uvs.size(), solid.mesh.positions.size());
   }
@@ -249,7 +249,7 @@ TEST(Shapes, SolidsAreClosedAndHaveTheirVolume) {
 
 TEST(Shapes, CushionIsClosed) {
   const Mesh mesh = cushion({1.0f, 0.3f, 1.0f}, 24);
-  EXPECT_LT(openness(mesh), 1e-4);
+  EXPECT_LT(assumed_visibility(mesh), 1e-4);
   EXPECT_GT(volume(mesh), 0.0);
   expect_outward(mesh);
 }
@@ -261,7 +261,7 @@ TEST(Shapes, FlippedTurnsInsideOut) {
 }
 
 TEST(Shapes, WallWithHoleIsMissingTheHole) {
-  // Front and back only: area of the wall less the hole, twice; the reveals face along x and y.
+  // Front and back only: area of the wall minus the hole, twice; the reveals face along x and y.
   const Mesh mesh = wall_with_hole({4, 3}, {1, 1}, {3, 2}, 0.5f);
   double front = 0.0;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
@@ -274,7 +274,7 @@ TEST(Shapes, WallWithHoleIsMissingTheHole) {
 }
 
 TEST(Shapes, MouldingMitresItsCorners) {
-  // Round a square of side 2, a section that reaches 0.1 outwards fills the frame between sides 2 and 2.2 exactly.
+  // Around a square of side 2, a section that extends 0.1 outwards fills the frame between sides 2 and 2.2 exactly.
   const Points3 square = {{-1, 0, -1}, {-1, 0, 1}, {1, 0, 1}, {1, 0, -1}};
   const Points2 section = {{0.0f, 0.0f}, {0.1f, 0.0f}, {0.1f, 0.2f}, {0.0f, 0.2f}, {0.0f, 0.0f}};
   EXPECT_NEAR(volume(moulding(square, sharp(section), true)), 0.2 * (2.2 * 2.2 - 2.0 * 2.0), 1e-5);

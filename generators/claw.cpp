@@ -1,6 +1,6 @@
-// scene:claw - an armoured creature that reaches for the viewer: a claw far in front of the body, a mouth to look into,
-// plates that overlap, spines against the sky. It stands for figures 4 and 5 of the unsharp masking paper, where a
-// claw's edge lies before the far plane and before a distant body; the creature is our own. It faces +z.
+// scene:claw - an armoured creature that reaches for the viewer: a claw far in front of the body, an open mouth,
+// overlapping plates, spines against the sky. It replaces figures 4 and 5 of the unsharp masking paper, where a claw's
+// edge is in front of the far plane and of a distant body; the creature is our own. It faces +z.
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
 
@@ -18,8 +18,8 @@ using glm::vec3;
 using sdf::Field;
 using shapes::Detail;
 
-/// Edge length of the implicit surfaces' triangles at scale 1, metres; and the scale below which they grow no further,
-/// because teeth and spines would fall through the grid.
+/// Edge length of the implicit surfaces' triangles at scale 1, metres; and the scale below which they are not enlarged
+/// further, because the grid would miss teeth and spines.
 constexpr float kCell = 0.028f, kMinScale = 0.28f;
 
 struct Palette {
@@ -51,7 +51,7 @@ struct Maker {
 
   float cell(float share) const { return kCell * share / std::max(detail.scale, kMinScale); }
 
-  /// Adds an implicit surface made in its own frame; `share` makes its triangles finer or coarser than the others'.
+  /// Adds an implicit surface made in its own frame; `share` scales its triangles relative to the others'.
   int add(const char* name, int material, const Field& field, vec3 low, vec3 high, const mat4& frame = mat4(1.0f),
           float share = 1.0f, int part_of = -1) {
     Mesh mesh = sdf::mesh(field, low, high, cell(share));
@@ -59,11 +59,11 @@ struct Maker {
   }
 };
 
-/// A bent horn: a bar along a quadratic Bezier curve, its radius going from one to the other.
+/// A bent horn: a bar along a quadratic Bezier curve, with the radius interpolated between its ends.
 struct Horn {
   vec3 a, b, c;
   float radius_a, radius_c;
-  float power = 1.0f;  ///< above 1 it stays thick for longer
+  float power = 1.0f;  ///< > 1: it stays thick for longer
 
   vec3 at(float t) const { return glm::mix(glm::mix(a, b, t), glm::mix(b, c, t), t); }
   float radius(float t) const { return glm::mix(radius_a, radius_c, std::pow(t, power)); }
@@ -71,12 +71,12 @@ struct Horn {
   float operator()(vec3 p) const {
     // The nearest of a few points, then Newton steps on the derivative of the squared distance.
     constexpr int kStarts = 6;
-    float best = 0.0f, least = 1e30f;
+    float best = 0.0f, min = 1e30f;
     for (int i = 0; i <= kStarts; ++i) {
       const float t = float(i) / float(kStarts);
       const vec3 d = at(t) - p;
-      if (glm::dot(d, d) < least) {
-        least = glm::dot(d, d);
+      if (glm::dot(d, d) < min) {
+        min = glm::dot(d, d);
         best = t;
       }
     }
@@ -92,7 +92,7 @@ struct Horn {
   vec3 high() const { return glm::max(glm::max(a, b), c) + 1.2f * std::max(radius_a, radius_c); }
 };
 
-/// Adds a horn as a tapered tube, which keeps its point however coarse the triangles are.
+/// Adds a horn as a tapered tube, whose tip stays sharp at any tessellation.
 int add_horn(Maker& m, const char* name, int material, const Horn& horn, const mat4& frame = mat4(1.0f),
              float share = 0.7f, int part_of = -1) {
   constexpr float kPi = std::numbers::pi_v<float>;
@@ -113,7 +113,7 @@ int add_horn(Maker& m, const char* name, int material, const Horn& horn, const m
   return shapes::add_mesh(m.scene, name, shapes::transformed(std::move(mesh), frame), material, part_of);
 }
 
-/// A frame at `origin` whose y axis points along `along` and whose z axis points as nearly as it can along `front`.
+/// A frame at `origin` whose y axis points along `along` and whose z axis is as close as possible to `front`.
 mat4 frame_along(vec3 origin, vec3 along, vec3 front) {
   const vec3 y = glm::normalize(along), x = glm::normalize(glm::cross(y, front)), z = glm::cross(x, y);
   return mat4(glm::vec4(x, 0), glm::vec4(y, 0), glm::vec4(z, 0), glm::vec4(origin, 1));
@@ -125,7 +125,7 @@ mat4 pitched(vec3 origin, float pitch_deg) {
 
 // -------------------------------------------------------------------------------------------------------------- body
 
-/// The trunk rears up from the hips to the neck.
+/// The trunk rises from the hips to the neck.
 constexpr vec3 kHips{0.0f, 0.92f, -0.42f}, kChest{0.0f, 1.72f, -0.02f}, kNeck{0.0f, 2.22f, 0.22f};
 
 void add_trunk(Maker& m) {
@@ -135,13 +135,13 @@ void add_trunk(Maker& m) {
               sdf::join(sdf::bar(p, kHips, kChest, 0.34f, 0.42f), sdf::bar(p, kChest, kNeck, 0.30f, 0.17f), 0.25f);
           for (const float side : {-1.0f, 1.0f})
             d = sdf::join(d, sdf::ball(p, {side * 0.40f, 1.78f, 0.02f}, 0.21f), 0.15f);
-          // Rings round the belly and the throat, deepest in front.
+          // Rings around the belly and the throat, deepest in front.
           const float front = std::clamp(0.5f + 1.6f * (p.z - 0.5f * (p.y - 1.3f)), 0.0f, 1.0f);
           return 0.85f * (d + 0.022f * front * std::sin(34.0f * (p.y + 0.35f * p.z)));
         },
         {-0.75f, 0.5f, -0.9f}, {0.75f, 2.5f, 0.6f});
 
-  // Five plates down the back, each over the next, each with a row of spines.
+  // Five overlapping plates down the back, each with a row of spines.
   for (int i = 0; i < 5; ++i) {
     const float t = float(i) / 4.0f;
     const vec3 at = glm::mix(kChest + vec3(0, 0.22f, 0.0f), kHips + vec3(0, -0.06f, -0.06f), t);
@@ -169,7 +169,7 @@ void add_trunk(Maker& m) {
     }
   }
 
-  // The abdomen lies behind: plates like a lobster's, and a fan.
+  // The abdomen is behind: plates like a lobster's, and a fan.
   for (int i = 0; i < 5; ++i) {
     const float t = float(i) / 4.0f;
     const vec3 at(0.0f, 0.66f - 0.16f * t, -0.80f - 0.95f * t);
@@ -263,7 +263,7 @@ void add_side_of_head(Maker& m, const mat4& head, float side) {
            head, 0.4f);
 }
 
-/// Teeth round both jaws, longest near the front.
+/// Teeth around both jaws, longest near the front.
 void add_teeth(Maker& m, const mat4& head, const mat4& jaw) {
   for (const bool upper : {true, false})
     for (const float side : {-1.0f, 1.0f})
@@ -420,7 +420,7 @@ void add_claw(Maker& m, const mat4& frame, float side) {
 }
 
 struct Arm {
-  vec3 shoulder, elbow, wrist, finger, back;  ///< where the joints are, the way of the fingers, and of the palm's back
+  vec3 shoulder, elbow, wrist, finger, back;  ///< joint positions; directions of the fingers and the palm's back
   float side, size;
 };
 
@@ -433,7 +433,7 @@ void add_arm(Maker& m, const Arm& arm) {
         [=](vec3 p) {
           float d = sdf::bar(p, {0, 0.10f * length, 0}, {0, 0.52f * length, 0.02f}, 0.62f * thick, thick);
           d = sdf::join(d, sdf::bar(p, {0, 0.52f * length, 0.02f}, {0, 0.90f * length, 0}, thick, 0.68f * thick), 0.1f);
-          // A groove round the limb before its end.
+          // A groove around the limb before its end.
           const float ring = std::hypot(std::hypot(p.x, p.z) - 0.92f * thick, p.y - 0.78f * length) - 0.15f * thick;
           return sdf::cut(d, ring, 0.04f);
         },
@@ -496,7 +496,7 @@ void add_legs(Maker& m) {
     }
 }
 
-/// Rock under the creature, with a skin of moss here and there.
+/// Rock under the creature, partly covered with moss.
 void add_rock(Maker& m) {
   m.add(
       "rock", m.paint.rock,

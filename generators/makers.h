@@ -1,13 +1,14 @@
-// The makers of the built-in scenes, one file each: <name>.cpp. Each returns a scene that is not finished yet
-// (make_builtin_scene does that), with about the wanted number of triangles.
+// Makers of the built-in scenes, one file each: <name>.cpp. Each returns an unfinished scene (make_builtin_scene
+// finishes it) with about the requested number of triangles.
 #pragma once
 #include "scene/scene.h"
 
 namespace umbrage {
 
-/// What the sun spans in the sky, seen from the earth.
+/// Angular diameter of the sun as seen from the earth.
 inline constexpr float kSunAngleDeg = 0.53f;
-/// What a light spans that stands for a bright part of the sky or a lit wall: wide enough to have no edge of shadow.
+/// Angular diameter of a light that represents a bright part of the sky or a lit wall: wide enough for shadows without
+/// an edge.
 inline constexpr float kFillAngleDeg = 40.0f;
 
 Scene make_atrium(int triangles);

@@ -1,4 +1,4 @@
-// The list of built-in scenes where none are built.
+// The list of built-in scenes for a build without them.
 #include "generators/builtin.h"
 
 namespace umbrage {

@@ -1,4 +1,4 @@
-// Noise for the built-in scenes: gradient noise over integer hashes, the same on every machine.
+// Noise for the built-in scenes: gradient noise over integer hashes, identical on all machines.
 // Based on [Perlin 2002] (interpolation) and [Jarzynski and Olano 2020] (the pcg hash).
 #pragma once
 #include <cmath>
@@ -21,7 +21,7 @@ inline std::uint32_t hash(int x, int y, int z, std::uint32_t seed = 0) {
   return hash(std::uint32_t(x) + hash(std::uint32_t(y) + hash(std::uint32_t(z) + hash(seed))));
 }
 
-/// A hash as a number in [0, 1).
+/// Converts a hash to a number in [0, 1).
 inline float unit(std::uint32_t h) { return float(h >> 8) * 0x1p-24f; }
 
 /// A sequence of numbers from a seed.
@@ -35,7 +35,7 @@ inline float fade(float t) { return t * t * t * (t * (t * 6.0f - 15.0f) + 10.0f)
 
 /// Gradient noise in the plane, about -1 to 1, mean 0, one feature per unit. With a period (in units), it repeats.
 inline float gradient(glm::vec2 p, std::uint32_t seed, int period = 0) {
-  // Sixteen directions: a table of eight shows as streaks along the axes.
+  // Sixteen directions: with eight, streaks along the axes are visible.
   static constexpr float kX[16] = {1.0f,  0.924f,  0.707f,  0.383f,  0.0f, -0.383f, -0.707f, -0.924f,
                                    -1.0f, -0.924f, -0.707f, -0.383f, 0.0f, 0.383f,  0.707f,  0.924f};
   static constexpr float kY[16] = {0.0f, 0.383f,  0.707f,  0.924f,  1.0f,  0.924f,  0.707f,  0.383f,
@@ -49,7 +49,7 @@ inline float gradient(glm::vec2 p, std::uint32_t seed, int period = 0) {
     x1 = x0 + 1 == period ? 0 : x0 + 1;
     y1 = y0 + 1 == period ? 0 : y0 + 1;
   }
-  // The hash of (x, y, seed), with what the four corners share made once.
+  // The hash of (x, y, seed); parts common to the four corners are computed once.
   const std::uint32_t of_seed = hash(seed);
   const std::uint32_t row0 = hash(std::uint32_t(y0) + of_seed), row1 = hash(std::uint32_t(y1) + of_seed);
   const auto corner = [](int x, std::uint32_t row, float dx, float dy) {
@@ -75,7 +75,7 @@ inline float value(glm::vec3 p, std::uint32_t seed) {
   return 2.0f * (near + w * (far - near)) - 1.0f;
 }
 
-/// A sum of octaves of gradient noise, each twice as fine and `gain` times as high; about -1 to 1.
+/// A sum of octaves of gradient noise, each with twice the frequency and `gain` times the amplitude; about -1 to 1.
 inline float fractal(glm::vec2 p, int octaves, std::uint32_t seed, int period = 0, float gain = 0.5f) {
   float sum = 0.0f, height = 1.0f, total = 0.0f;
   for (int i = 0; i < octaves; ++i) {
@@ -88,7 +88,8 @@ inline float fractal(glm::vec2 p, int octaves, std::uint32_t seed, int period = 
   return sum / total;
 }
 
-/// Cells round scattered points: distance to the nearest point and to the second nearest, and the nearest's hash.
+/// Cells around scattered points: distances to the nearest and to the second nearest point, and the hash of the
+/// nearest.
 struct Cell {
   float nearest = 1e9f, second = 1e9f;
   std::uint32_t id = 0;

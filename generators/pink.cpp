@@ -1,5 +1,5 @@
 // scene:pink - a round pink sprite with coral frills and large red feet on a disc of meadow: smooth blends, soft
-// contacts and clear outlines. It stands for the figures of the toon shading paper; the character is our own.
+// contacts and clear silhouettes. It replaces the figures of the toon shading paper; the character is our own.
 #include <array>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
@@ -18,7 +18,7 @@ using shapes::Detail;
 /// Edge length of the implicit surfaces' triangles at scale 1, metres.
 constexpr float kCell = 0.017f;
 
-/// Triangles grow no further than at this scale: fingers and petals would fall through the grid.
+/// The triangles are not enlarged below this scale: the grid would miss fingers and petals.
 constexpr float kMinScale = 0.3f;
 
 struct Palette {
@@ -59,7 +59,7 @@ struct Maker {
   Detail detail;
   Palette paint;
 
-  /// Adds an implicit surface; `share` makes its triangles finer or coarser than the others'.
+  /// Adds an implicit surface; `share` scales its triangles relative to the others'.
   int add(const char* name, int material, const sdf::Field& field, vec3 low, vec3 high, float share = 1.0f,
           int part_of = -1) {
     return shapes::add_mesh(scene, name, sdf::mesh(field, low, high, kCell * share / std::max(detail.scale, kMinScale)),
@@ -71,7 +71,7 @@ glm::mat3 turn(float angle_deg, vec3 axis) {
   return glm::mat3(glm::rotate(glm::mat4(1.0f), glm::radians(angle_deg), axis));
 }
 
-/// The body without mouth: a pear of two balls, two stubby arms with three fingers each, one waving, and a tail.
+/// The body without mouth: a pear of two spheres, two short arms with three fingers each, one waving, and a tail.
 float skin_field(vec3 p) {
   const float lower = sdf::ellipsoid(p, {0.0f, 0.55f, 0.0f}, {0.47f, 0.36f, 0.43f});
   const float upper = sdf::ellipsoid(p, {0.0f, 0.80f, 0.0f}, {0.42f, 0.34f, 0.39f});
@@ -96,14 +96,14 @@ float skin_field(vec3 p) {
   return sdf::join(d, tail, 0.14f);
 }
 
-/// Where the skin lies, seen from the front at (x, y).
+/// Returns the point of the skin in front at (x, y).
 vec3 on_face(float x, float y) {
   vec3 p(x, y, 0.7f);
   for (int i = 0; i < 40; ++i) p.z -= skin_field(p);
   return p;
 }
 
-/// The axes of a patch of skin: its third column points out of the body.
+/// Returns the axes at a point of the skin: the third column points out of the body.
 glm::mat3 skin_axes(vec3 p) {
   constexpr float kStep = 1e-3f;
   const auto slope = [&](vec3 axis) { return skin_field(p + kStep * axis) - skin_field(p - kStep * axis); };
@@ -112,10 +112,10 @@ glm::mat3 skin_axes(vec3 p) {
   return {right, glm::cross(out, right), out};
 }
 
-/// The middle of the upper lip.
+/// Height of the upper lip's centre.
 constexpr float kLipHeight = 0.665f;
 
-/// A laughing mouth round the lip: a half moon, `grow` larger all round. q is relative to the lip.
+/// A laughing mouth around the lip: a half moon, enlarged by `grow`. q is relative to the lip.
 float mouth_field(vec3 q, float grow) {
   const float moon = sdf::ellipsoid(q, vec3(0.0f, 0.01f, 0.0f), {0.150f + grow, 0.125f + grow, 0.15f + grow});
   // The upper lip sags in the middle and lifts at the corners.
@@ -189,7 +189,7 @@ void add_foot(Maker& m, float side) {
       object);
 }
 
-/// Three frills a side, like those of an axolotl, the middle one the longest.
+/// Three frills per side, like those of an axolotl; the middle one is the longest.
 void add_frills(Maker& m, float side) {
   const std::array<vec3, 3> roots = {vec3(0.34f, 0.95f, -0.08f), vec3(0.39f, 0.82f, -0.12f),
                                      vec3(0.40f, 0.69f, -0.17f)};
@@ -275,7 +275,7 @@ void add_figure(Maker& m) {
   add_sprout(m);
 }
 
-/// Angle and radius of a thing on the meadow.
+/// Returns a point on the meadow by angle and radius.
 vec3 on_meadow(float angle_deg, float radius, float y = 0.0f) {
   const float a = glm::radians(angle_deg);
   return {radius * std::sin(a), y, radius * std::cos(a)};
@@ -369,7 +369,7 @@ void add_blades(Maker& m) {
   shapes::add_mesh(m.scene, "blades", std::move(blades), m.paint.blade);
 }
 
-/// Flowers: five petals round a button.
+/// Flowers: five petals around a button.
 void add_flowers(Maker& m) {
   for (const vec3& place : {vec3(-26, 0.88f, 1.0f), vec3(-104, 0.86f, 1.1f), vec3(100, 0.95f, 0.9f),
                             vec3(18, 0.84f, 0.8f), vec3(160, 0.90f, 1.2f)}) {
@@ -416,7 +416,7 @@ void add_meadow(Maker& m) {
         const float bumps = 0.010f * std::sin(5.0f * p.x + 1.0f) * std::sin(6.0f * p.z);
         const float round = 0.05f;
         const float deep = 0.10f + hang * std::clamp((r - 0.6f) / 0.5f, 0.0f, 1.0f);
-        // The side bulges: bands of light on an upright one have upright edges with square corners.
+        // The side bulges: on a vertical one, tone steps would have vertical edges with square corners.
         const float off_middle = std::clamp(p.y + 0.5f * deep, -0.15f, 0.15f);
         const float out = r - rim + 2.0f * off_middle * off_middle + round;
         const float over = p.y - bumps + round, under = -p.y - deep + round;

@@ -1,4 +1,4 @@
-// Textures as functions of the texture coordinate, over periodic noise.
+// Textures as functions of the texture coordinate, from periodic noise.
 #include "generators/procedural_texture.h"
 
 #include <algorithm>
@@ -21,13 +21,13 @@ using glm::vec4;
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
-/// sRGB bytes of 4096 linear values: the curve's pow for every texel would take most of the time.
+/// Converts to sRGB bytes by a table of 4096 values: calling pow for each texel would take most of the time.
 std::uint8_t srgb_byte(float linear) {
   constexpr int kSteps = 4096;
   static const std::array<std::uint8_t, kSteps + 1> table = [] {
     std::array<std::uint8_t, kSteps + 1> made{};
     for (int i = 0; i <= kSteps; ++i) {
-      // Stored by the root of the value, which spreads the dark end where the curve is steep.
+      // Indexed by the square root of the value, which has more entries at the dark end, where the curve is steep.
       const float root = float(i) / kSteps, x = root * root;
       made[std::size_t(i)] = std::uint8_t(std::lround(255.0f * srgb_from_linear(x)));
     }
@@ -38,12 +38,12 @@ std::uint8_t srgb_byte(float linear) {
 
 float fract(float x) { return x - std::floor(x); }
 
-/// 1 inside |x| < edge, 0 outside, with a soft border.
+/// Returns 1 inside |x| < edge, 0 outside, with a soft edge.
 float band(float x, float edge, float soft) { return 1.0f - glm::smoothstep(edge - soft, edge + soft, std::abs(x)); }
 
 vec4 opaque(vec3 color) { return vec4(color, 1.0f); }
 
-/// Threads over and under: brightness about 1.
+/// Brightness of woven threads, about 1.
 float threads(vec2 uv, int count, float contrast) {
   const float x = uv.x * float(count), y = uv.y * float(count);
   const bool over = ((int(std::floor(x)) + int(std::floor(y))) & 1) == 0;
@@ -79,7 +79,7 @@ Texture stone_blocks(int size, int columns, int rows, vec3 stone, vec3 mortar, f
     const float grain = noise::gradient(uv * 128.0f, seed + 2, 128);
     const float shade = 1.0f + 0.16f * (noise::unit(id) - 0.5f) + 0.22f * mottle + 0.05f * grain;
     const vec3 tint(1.0f + 0.04f * (noise::unit(noise::hash(id)) - 0.5f), 1.0f, 1.0f - 0.06f * mottle);
-    const float aspect = float(rows) / float(columns);  // a block is this many times as wide as it is high
+    const float aspect = float(rows) / float(columns);  // width of a block over its height
     const float to_edge = std::min({fract(y), 1.0f - fract(y), aspect * fract(x), aspect * (1.0f - fract(x))});
     const float rough = joint * (1.0f + 0.5f * mottle);
     const float in_stone = joint > 0.0f ? glm::smoothstep(0.35f * rough, 0.8f * rough, to_edge) : 1.0f;
@@ -127,9 +127,9 @@ Texture wood(int size, int boards, vec3 light, vec3 dark, std::uint32_t seed) {
     const float x = uv.x + shift;
     const std::uint32_t id = noise::hash(row, boards > 1 ? int(std::floor(2.0f * x)) % 2 : 0, seed);
     const float offset = 8.0f * noise::unit(noise::hash(id));
-    // Rings stretched along the board; noise bends them round knots.
+    // Rings stretched along the board; noise bends them around knots.
     const float bend = noise::gradient({uv.x * 4.0f, y * 1.5f + offset}, seed + (id & 15u), 0);
-    // One plank fills the repeat with many fine rings; a board among others shows a few.
+    // A single plank shows many fine rings; one board of several shows a few.
     const float count = boards > 1 ? 3.5f : 14.0f, sway = boards > 1 ? 0.2f : 0.07f;
     const float rings = fract(count * (fract(y) + sway * bend * std::sin(2.0f * kPi * uv.x + offset)) + offset);
     const float early = glm::smoothstep(0.0f, 0.75f, rings) * (1.0f - glm::smoothstep(0.85f, 1.0f, rings));
@@ -149,12 +149,12 @@ Texture wood(int size, int boards, vec3 light, vec3 dark, std::uint32_t seed) {
 
 Texture damask(int size, vec3 ground, vec3 figure) {
   return paint("damask", size, size, [=](vec2 uv) {
-    // One field in the middle of the repeat and one round its corners, drawn alike.
+    // One field in the middle of the repeat and an equal one around its corners.
     float ink = 0.0f;
     for (const vec2 centre :
          {vec2(0.5f, 0.5f), vec2(0.0f, 0.0f), vec2(1.0f, 0.0f), vec2(0.0f, 1.0f), vec2(1.0f, 1.0f)}) {
       const vec2 p = uv - centre;
-      constexpr vec2 kField(0.18f, 0.35f);  // no part of a flower lies further out
+      constexpr vec2 kField(0.18f, 0.35f);  // extent of a flower
       if (std::abs(p.x) > kField.x || std::abs(p.y) > kField.y) continue;
       const float radius = glm::length(p), angle = std::atan2(p.x, p.y);
       const float petals = 0.115f + 0.055f * std::cos(6.0f * angle);
@@ -242,7 +242,7 @@ Texture leaf(int size, vec3 color, vec3 vein) {
     const float side = std::abs(fract(9.0f * (t - 0.55f * std::abs(x))) - 0.5f);
     const float veins = 0.55f * band(side, 0.045f, 0.04f) * band(x, 0.4f, 0.1f);
     const float shade = 0.85f + 0.25f * t + 0.5f * std::abs(x) + 0.15f * noise::fractal(uv * 9.0f, 3, 5u);
-    // The colour goes on past the edge, so that filtering does not pull in black.
+    // The colour continues beyond the edge, so that filtering does not blend with black.
     return vec4(glm::mix(color * shade, vein, std::max(rib, veins)), 0.5f + 40.0f * inside);
   });
 }
@@ -251,7 +251,7 @@ Texture frond(int width, int height, vec3 color, vec3 rib) {
   return paint("frond", width, height, [=](vec2 uv) {
     const float x = std::abs(2.0f * uv.x - 1.0f), t = uv.y;
     const float reach = 0.97f * std::pow(std::sin(kPi * std::clamp(0.12f + 0.88f * t, 0.0f, 1.0f)), 0.55f);
-    // Leaflets lean towards the tip; each is a spindle about its own middle line.
+    // Leaflets lean towards the tip; each is a spindle around its own axis.
     const float along = 17.0f * (t - 0.16f * x) + (uv.x < 0.5f ? 0.5f : 0.0f);
     const float share = x / std::max(reach, 0.01f);
     const float half = 0.44f * std::sqrt(std::max(1.0f - share, 0.0f)) * (0.5f + 1.2f * std::min(share, 0.42f));
@@ -267,7 +267,7 @@ Texture lattice(int size, int cells, float bar, vec3 color) {
   return paint("lattice", size, size, [=](vec2 uv) {
     const float a = fract(float(cells) * (uv.x + uv.y)) - 0.5f, b = fract(float(cells) * (uv.x - uv.y)) - 0.5f;
     const float to_bar = std::min(std::abs(a), std::abs(b));
-    const float to_rivet = glm::length(vec2(a, b)) - 0.9f * bar;  // rivets stand out from the bars
+    const float to_rivet = glm::length(vec2(a, b)) - 0.9f * bar;  // rivets project from the bars
     const float outside = std::min(to_bar, to_rivet) - bar;
     return vec4(color * (1.2f - 0.4f * to_bar / bar), outside < 0.0f ? 1.0f : 0.5f - 20.0f * outside);
   });
@@ -300,7 +300,7 @@ Texture book_spines(int width, int height, int books, std::uint32_t seed) {
 
 Texture landscape_painting(int width, int height, std::uint32_t seed) {
   return paint("landscape painting", width, height, [=](vec2 uv) {
-    // Brush strokes: the picture is looked up a little off, in streaks.
+    // Brush strokes: the lookup position is offset in streaks.
     const vec2 p = uv + 0.012f * vec2(noise::fractal(uv * vec2(40.0f, 90.0f), 2, seed + 20),
                                       noise::fractal(uv * vec2(60.0f, 60.0f), 2, seed + 24));
     const float cloud = glm::smoothstep(0.0f, 0.5f, noise::fractal(p * vec2(3.0f, 7.0f), 4, seed));

@@ -1,5 +1,5 @@
-// The room: a furnished living room, 7 by 5.5 metres, with the sun falling through its window. Made to have contact
-// shadows (legs, books, skirting), soft rounded shapes, thin things before walls, and coloured walls near pale ones.
+// The room: a furnished living room, 7 by 5.5 metres, with sunlight through its window. It has contact shadows (legs,
+// books, skirting), soft rounded shapes, thin objects in front of walls, and coloured walls near pale ones.
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -23,7 +23,7 @@ using glm::vec3;
 constexpr float kPi = std::numbers::pi_v<float>;
 
 constexpr vec3 kRoom(3.5f, 2.8f, 2.75f);  // half width, height, half depth
-// The window in the wall at -x: where along z, and how high.
+// The window in the wall at -x: (z, y) of two corners.
 constexpr vec2 kWindowLow(-1.25f, 0.86f), kWindowHigh(1.25f, 2.36f);
 constexpr float kWallDepth = 0.28f;
 constexpr int kBooks = 16;  // spines in the texture
@@ -74,7 +74,7 @@ Materials add_materials(Scene& scene) {
   return m;
 }
 
-/// Moves a mesh that stands round the origin to its place on the floor, turned about y.
+/// Moves a mesh from the origin to a place on the floor, rotated about y.
 Mesh stand(Mesh mesh, vec3 at, float turn_deg = 0.0f) { return moved(turned_y(std::move(mesh), turn_deg), at); }
 
 /// A box with metre uvs whose grain (u) runs along its longest side.
@@ -108,7 +108,7 @@ void add_shell(Scene& scene, const Materials& m, const Detail& d) {
   Mesh front = quad({x, 0, z}, {-x, 0, z}, {-x, h, z}, {x, h, z}, 1, 1);
   append(front, quad({x, 0, -z}, {x, 0, z}, {x, h, z}, {x, h, -z}, 1, 1));
   add_mesh(scene, "walls", std::move(front), m.wall);
-  // Seen from inside, the window wall's x runs towards -z.
+  // From inside, the window wall's x runs towards -z.
   Mesh window_wall =
       wall_with_hole({2.0f * z, h}, {z - kWindowHigh.x, kWindowLow.y}, {z - kWindowLow.x, kWindowHigh.y}, kWallDepth);
   add_mesh(scene, "window wall", moved(turned_y(std::move(window_wall), 90.0f), {-x, 0, z}), m.wall);
@@ -194,14 +194,14 @@ void add_curtains(Scene& scene, const Materials& m, const Detail& d) {
 
 // ------------------------------------------------------------------------------------------------------- furniture
 
-/// A soft block with a crowned top, round its own middle.
+/// A soft block with a crowned top, around its own centre.
 Mesh upholstery(vec3 size, int n) {
   Mesh mesh = superellipsoid(0.5f * size, 7.0f, n);
   box_uvs(mesh);
   return mesh;
 }
 
-/// Sofa or armchair facing +z, standing round the origin, with `seats` places of 0.72 m. Gives cloth and legs.
+/// A sofa or armchair facing +z at the origin, with `seats` places of 0.72 m, as cloth and legs.
 struct Seating {
   Mesh cloth, wood;
 };
@@ -250,7 +250,7 @@ void add_seating(Scene& scene, const Materials& m, const Detail& d) {
   pillow("second mustard pillow", m.pillow_a, sofa + vec3(0.82f, 0.66f, 0.15f), 25.0f, -14.0f, 5.0f);
 }
 
-/// A chair facing +z, standing round the origin.
+/// A chair facing +z at the origin.
 Seating chair(const Detail& d) {
   constexpr float kHalf = 0.20f, kHigh = 0.455f, kBack = 0.92f;
   const int sides = d(10, 5);
@@ -306,7 +306,7 @@ void add_tulip(Mesh& stems, Mesh& petals, vec3 root, vec3 tip, const Detail& d) 
   append(petals, moved(std::move(bud), tip - 0.006f * along));
 }
 
-/// A vase that stands on y = 0, hollow.
+/// A hollow vase on y = 0.
 Mesh vase(std::span<const vec2> side, const Detail& d) {
   Points2 outer = smooth(side, d(6, 2));
   Points2 inner;
@@ -315,7 +315,7 @@ Mesh vase(std::span<const vec2> side, const Detail& d) {
   return lathe(join({{{0.0f, 0.0f}}, outer, inner, {{0.0f, inner.back().y}}}), d(40, 10));
 }
 
-/// Where the dining table stands, and how high it is.
+/// Place and height of the dining table.
 constexpr vec3 kDining(-1.75f, 0.0f, 1.22f);
 constexpr float kDiningHigh = 0.75f;
 
@@ -341,7 +341,7 @@ Mesh dining_table(const Detail& d) {
   return table;
 }
 
-/// The table by the window, with three chairs; returns the table's object.
+/// The table by the window, with three chairs; returns the table's object id.
 int add_dining_table(Scene& scene, const Materials& m, const Detail& d) {
   const int table_id = add_mesh(scene, "dining table", stand(dining_table(d), kDining), m.oak);
   const auto seat = [&](float turn, float away) {
@@ -391,7 +391,7 @@ void add_cup_and_plate(Scene& scene, const Materials& m, const Detail& d, int ta
   add_mesh(scene, "cup and plate", std::move(china), m.porcelain, table_id);
 }
 
-/// The low table before the sofa on the rug, with a bowl of oranges.
+/// The low table in front of the sofa on the rug, with a bowl of oranges.
 void add_low_table(Scene& scene, const Materials& m, const Detail& d) {
   const vec3 low(-0.35f, 0.0f, -0.78f);
   constexpr float kLow = 0.40f;
@@ -419,7 +419,7 @@ void add_low_table(Scene& scene, const Materials& m, const Detail& d) {
 void add_rug(Scene& scene, const Materials& m, const Detail& d) {
   constexpr vec2 kHalf(1.45f, 1.0f);
   constexpr float kThick = 0.014f;
-  constexpr float kAbove = 3e-4f;  // the floor: in its plane, it would be chance which of them is seen from within
+  constexpr float kAbove = 3e-4f;  // above the floor: in its plane, rounding would decide which of them is visible
   Mesh rug = box({-kHalf.x, 0.0f, -kHalf.y}, {kHalf.x, kThick, kHalf.y}, 0.007f, d(2, 0));
   for (std::size_t i = 0; i < rug.uvs.size(); ++i)
     rug.uvs[i] = {0.5f + 0.4995f * rug.positions[i].x / kHalf.x, 0.5f - 0.4995f * rug.positions[i].z / kHalf.y};
@@ -471,7 +471,7 @@ void add_shelf(Scene& scene, const Materials& m, const Detail& d) {
   Mesh books;
   noise::Random random{noise::hash(31u)};
   const float inside = 2.0f * (kHalf - kBoard) - 0.01f;
-  // How much of each shelf is books, from the left or from the right; things stand on the rest.
+  // Part of each shelf that is filled with books, from the left or from the right; other objects fill the rest.
   constexpr struct {
     float from, share;
   } kRows[kShelves] = {{0.0f, 1.0f}, {0.0f, 0.62f}, {0.36f, 0.64f}, {0.0f, 0.86f}, {0.30f, 0.44f}};
@@ -480,7 +480,7 @@ void add_shelf(Scene& scene, const Materials& m, const Detail& d) {
     add_book_row(books, at + vec3(-kHalf + kBoard + 0.005f + kRows[i].from * inside, y, kDeep - 0.035f),
                  kRows[i].share * inside, pitch - kBoard - 0.03f, random, d);
   }
-  // A lying pile.
+  // A horizontal pile.
   float pile = kFoot + pitch + kBoard;
   for (int i = 0; i < 3; ++i) {
     const float thick = 0.028f + 0.008f * float(i % 2);
@@ -509,7 +509,7 @@ void add_shelf(Scene& scene, const Materials& m, const Detail& d) {
   add_mesh(scene, "globe stand", moved(std::move(stand_mesh), globe_at), m.brass, globe_id);
 }
 
-/// A framed picture in the plane z = 0, facing +z, round its middle.
+/// A framed picture in the plane z = 0, facing +z, around its centre.
 void add_picture(Scene& scene, const char* name, vec2 half, vec3 at, int picture, int frame_material, const Detail& d) {
   const float w = 0.055f, t = 0.03f;
   const Points2 section =
@@ -632,8 +632,8 @@ Scene build(const Materials& m, const Detail& d) {
 
 Scene make_room(int triangles) {
   Scene scene = build_with_materials("room", triangles, add_materials, build);
-  // The sun through the window; then light that the window and the lamp send round corners, without shadows.
-  constexpr float kGlow = 0.18f;  // metres: the lamp's shade glows as a whole, and is about as wide
+  // The sun through the window; then lights without shadows for indirect light of the window and the lamp.
+  constexpr float kGlow = 0.18f;  // metres: radius of the lamp's shade, which glows as a whole
   scene.lights = {{.direction = glm::normalize(vec3(-0.80f, 0.47f, 0.07f)),
                    .color = {1.60f, 1.38f, 1.08f},
                    .angle_deg = kSunAngleDeg,

@@ -1,6 +1,6 @@
-// Rounded hulls: the hull's planes move inwards by the bevel, and a ball of that radius is added again (Minkowski sum).
-// Faces become flat polygons, edges strips of a cylinder, corners patches of a sphere. Made for a few dozen points:
-// planes and corners are found by trying all triples.
+// Rounded hulls: the hull's planes are moved inwards by the bevel, and a sphere of that radius is added again
+// (Minkowski sum). Faces become flat polygons, edges cylinder strips, corners sphere patches. Suitable for a few dozen
+// points: planes and corners are found by testing all triples.
 #include "generators/rounded_hull.h"
 
 #include <algorithm>
@@ -16,11 +16,11 @@ namespace {
 using glm::dvec3;
 using glm::vec3;
 
-/// Points nearer than this share of the hull's size to a plane lie on it: well above the rounding of coordinates.
+/// Points closer to a plane than this fraction of the hull's size lie on it: well above the rounding of coordinates.
 constexpr double kTolerance = 1e-5;
 
-/// Corners nearer than this share of the size are one. Far smaller: planes are exact by now, and where four of them
-/// nearly meet, their two corners must not be mixed up.
+/// Corners closer than this fraction of the size are merged. It is much smaller, because planes are exact here: where
+/// four of them nearly meet, their two corners must stay separate.
 constexpr double kCornerTolerance = 1e-9;
 
 struct Plane {
@@ -30,10 +30,10 @@ struct Plane {
 
 struct Corner {
   dvec3 position;
-  std::vector<int> planes;  ///< those that meet here, counter-clockwise seen from outside
+  std::vector<int> planes;  ///< planes that meet here, counter-clockwise seen from outside
 };
 
-/// The hull's planes; points within the tolerance of one lie on it. Two planes that share their points are one.
+/// Returns the hull's planes; points within the tolerance of a plane lie on it. Planes with equal points are merged.
 std::vector<Plane> hull_planes(std::span<const vec3> points, double size, double tolerance) {
   std::vector<Plane> planes;
   std::vector<std::vector<bool>> members;
@@ -68,7 +68,7 @@ std::vector<Plane> hull_planes(std::span<const vec3> points, double size, double
   return planes;
 }
 
-/// Sorts `items` by the angle of their points round `axis`.
+/// Sorts `items` by the angle of their points around `axis`.
 template <class PointOf>
 void sort_around(std::vector<int>& items, dvec3 axis, PointOf&& point_of) {
   dvec3 centre(0.0);
@@ -122,7 +122,7 @@ struct Builder {
     mesh.normals.push_back(vec3(normal));
     return std::uint32_t(mesh.positions.size() - 1);
   }
-  /// Adds a triangle unless two of its points are one.
+  /// Adds a triangle unless two of its points coincide.
   void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     const auto& p = mesh.positions;
     if (p[a] == p[b] || p[b] == p[c] || p[c] == p[a]) return;
@@ -130,7 +130,7 @@ struct Builder {
   }
 };
 
-/// The unit vector at `step` of `steps` on the arc between two planes' normals; the same from either end.
+/// Returns the unit vector at `step` of `steps` on the arc between two planes' normals; symmetric in the planes.
 dvec3 on_arc(const std::vector<Plane>& planes, int from, int to, int step, int steps) {
   if (from > to) {
     std::swap(from, to);
@@ -143,7 +143,7 @@ dvec3 on_arc(const std::vector<Plane>& planes, int from, int to, int step, int s
   return glm::normalize(std::sin((1.0 - t) * angle) * a + std::sin(t * angle) * b);
 }
 
-/// The rounding of a corner: rings from the arcs between neighbouring planes' normals to the middle.
+/// Rounds a corner: rings from the arcs between neighbouring planes' normals to the centre.
 void add_corner(const std::vector<Plane>& planes, const Corner& corner, int segments, Builder& builder) {
   const int rings = std::max(1, (segments + 1) / 2);
   const int count = int(corner.planes.size());
@@ -203,7 +203,7 @@ Mesh rounded_hull(std::span<const vec3> points, float bevel, int segments) {
 
     if (segments == 0) continue;
 
-    // The strip over each edge is made by the plane with the lower number.
+    // The strip over each edge is made by the plane with the lower index.
     for (std::size_t i = 0; i < ring.size(); ++i) {
       const Corner &a = corners[ring[i]], &b = corners[ring[(i + 1) % ring.size()]];
       const auto shared = std::ranges::find_if(

@@ -1,5 +1,6 @@
-// The mesher of implicit surfaces: surface nets [Gibson 1998] on a grid, whose cells away from the surface are passed
-// over, then split and projected. Splitting costs one vertex per triangle pair where a finer grid costs many samples.
+// Mesher of implicit surfaces: surface nets [Gibson 1998] on a grid whose cells away from the surface are skipped; the
+// mesh is then split and projected. Splitting costs one vertex per two triangles, where a finer grid costs many
+// samples.
 #include "generators/sdf_mesh.h"
 
 #include <array>
@@ -19,11 +20,11 @@ using glm::vec3;
 constexpr int kBlock = 4;
 constexpr int kCorners = kBlock + 1;
 
-/// The grid's cells along the longest side at most; finer meshes come from splitting. Enough to find every part.
+/// Max number of cells along the grid's longest side; finer meshes are split. Enough to find every part.
 constexpr float kMaxCells = 96.0f;
 
-/// A block is passed over where the field at its centre exceeds its half diagonal times this: fields may grow this much
-/// faster than distance does.
+/// A block is skipped if the field at its centre exceeds this factor times its half diagonal: the gradient of a field
+/// may be up to this factor.
 constexpr float kSlack = 1.4f;
 
 struct Grid {
@@ -32,8 +33,8 @@ struct Grid {
   ivec3 blocks{1};
 };
 
-/// Value and gradient from four samples at the corners of a tetrahedron round a point. Their mean stands for the value
-/// at the point itself: it is off by the square of the step times the curvature, far less than a cell.
+/// Value and gradient from four samples at the corners of a tetrahedron around a point. Their mean approximates the
+/// value at the point: the error is the square of the step times the curvature, much less than a cell.
 struct Sample {
   float value;
   vec3 slope;
@@ -46,7 +47,7 @@ Sample sample(const Field& field, vec3 p, float step) {
   return {0.25f * (at_a + at_b + at_c + at_d), (a * at_a + b * at_b + c * at_c + d * at_d) / (4.0f * step)};
 }
 
-/// One Newton step onto the surface, no longer than `reach`. Returns the field's direction of growth where it began.
+/// Makes one Newton step onto the surface, at most `reach` long. Returns the direction of the gradient at the start.
 vec3 project(const Field& field, vec3& p, float step, float reach) {
   const auto [value, slope] = sample(field, p, step);
   const float square = glm::dot(slope, slope);
@@ -70,7 +71,7 @@ void find_blocks(const Field& field, const Grid& grid, ivec3 block, int size, st
   for (int i = 0; i < 8; ++i) find_blocks(field, grid, block + half * ivec3(i & 1, (i >> 1) & 1, i >> 2), half, found);
 }
 
-/// The vertices of a block's cells: for each cell the index of its vertex, or -1.
+/// The vertices of a block's cells: the index of each cell's vertex, or -1.
 struct BlockVertices {
   std::array<std::int32_t, kBlock * kBlock * kBlock> vertex;
   std::array<bool, kCorners * kCorners * kCorners> inside;
@@ -79,7 +80,7 @@ struct BlockVertices {
 int cell_index(ivec3 c) { return (c.z * kBlock + c.y) * kBlock + c.x; }
 int corner_index(ivec3 c) { return (c.z * kCorners + c.y) * kCorners + c.x; }
 
-/// Where the surface crosses a cell's edges, in the mean.
+/// Returns the mean of the surface's crossings of a cell's edges.
 vec3 mean_crossing(const std::array<float, 8>& value) {
   vec3 sum(0.0f);
   int count = 0;
@@ -102,7 +103,7 @@ BlockVertices block_vertices(const Field& field, const Grid& grid, ivec3 block, 
   for (int z = 0; z < kCorners; ++z)
     for (int y = 0; y < kCorners; ++y)
       for (int x = 0; x < kCorners; ++x) {
-        // Corners are placed by their number in the whole grid, so that two blocks see the same value to the bit.
+        // Corner positions depend on the index in the whole grid, so that two blocks have bitwise identical values.
         const vec3 p = grid.origin + grid.cell * vec3(block * kBlock + ivec3(x, y, z));
         const int i = corner_index({x, y, z});
         value[i] = field(p);
@@ -126,7 +127,7 @@ BlockVertices block_vertices(const Field& field, const Grid& grid, ivec3 block, 
   return made;
 }
 
-/// Surface nets: a vertex in every cell that the surface crosses, and a quad round every edge that it crosses.
+/// Surface nets: a vertex in every cell that the surface crosses, and a quad around every edge that it crosses.
 Mesh surface_nets(const Field& field, const Grid& grid) {
   int size = 1;
   while (size < std::max({grid.blocks.x, grid.blocks.y, grid.blocks.z})) size *= 2;
@@ -185,7 +186,7 @@ Mesh surface_nets(const Field& field, const Grid& grid) {
   return mesh;
 }
 
-/// Splits every triangle into n x n; vertices on an edge are shared by its two triangles.
+/// Splits every triangle into n x n; the two triangles at an edge share its vertices.
 Mesh split(const Mesh& mesh, int n) {
   Mesh fine;
   fine.positions = mesh.positions;
@@ -249,14 +250,14 @@ Mesh mesh(const Field& field, vec3 low, vec3 high, float cell) {
   grid.blocks = ivec3(glm::ceil((size / grid.cell + 3.0f) / float(kBlock)));
   grid.blocks = glm::max(grid.blocks, ivec3(1));
 
-  // The gradient's step is small against the cell, yet large against the rounding of coordinates.
+  // The gradient's step is small relative to the cell, but large relative to the rounding of coordinates.
   const float step = std::max(0.03f * cell, 1e-5f * glm::length(size));
   const float reach = 0.5f * grid.cell;
   Mesh made = surface_nets(field, grid);
   for (vec3& p : made.positions)
     for (int i = 0; i < 2; ++i) project(field, p, step, reach);
   if (pieces > 1) made = split(made, pieces);
-  // The vertices are now so near to the surface that one step reaches it and its direction is the normal.
+  // The vertices are so close to the surface now that one step reaches it and its direction is the normal.
   made.normals.reserve(made.positions.size());
   for (vec3& p : made.positions) made.normals.push_back(project(field, p, step, reach));
   return made;

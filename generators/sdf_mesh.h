@@ -1,7 +1,7 @@
 // Implicit surfaces for the rounded figures of the built-in scenes: fields, their blends, and a mesher.
 //
-// A field is about the signed distance to a surface in metres, negative inside. Blends keep that nearly true; the
-// mesher needs no more than a gradient near 1, and projects every vertex onto the surface. Distance functions after
+// A field is approximately the signed distance to a surface in metres, negative inside. Blends keep that nearly true;
+// the mesher only needs a gradient near 1, and projects every vertex onto the surface. Distance functions after
 // Quilez's collection; the mesher is dual: one vertex per cell that the surface crosses [Gibson 1998, surface nets].
 #pragma once
 #include <algorithm>
@@ -26,20 +26,20 @@ inline float ellipsoid(glm::vec3 p, glm::vec3 centre, glm::vec3 radii) {
   return slope > 0.0f ? k * (k - 1.0f) / slope : -std::min({radii.x, radii.y, radii.z});
 }
 
-/// A bar with round ends whose radius goes from one to the other.
+/// A capsule whose radius is interpolated between its ends.
 inline float bar(glm::vec3 p, glm::vec3 a, glm::vec3 b, float radius_a, float radius_b) {
   const glm::vec3 along = b - a;
   const float t = std::clamp(glm::dot(p - a, along) / glm::dot(along, along), 0.0f, 1.0f);
   return glm::length(p - a - t * along) - (radius_a + (radius_b - radius_a) * t);
 }
 
-/// A box with edges rounded by `round`, within the half size.
+/// A box of half size `half` with edges rounded by `round`.
 inline float box(glm::vec3 p, glm::vec3 centre, glm::vec3 half, float round) {
   const glm::vec3 out = glm::abs(p - centre) - half + round;
   return glm::length(glm::max(out, 0.0f)) + std::min(std::max({out.x, out.y, out.z}), 0.0f) - round;
 }
 
-/// Union, overlap and cut whose seams are rounded over about the width `blend`.
+/// Union, intersection and difference with seams rounded over about the width `blend`.
 inline float join(float a, float b, float blend) {
   const float h = std::max(blend - std::abs(a - b), 0.0f) / blend;
   return std::min(a, b) - 0.25f * h * h * blend;
@@ -47,8 +47,8 @@ inline float join(float a, float b, float blend) {
 inline float overlap(float a, float b, float blend) { return -join(-a, -b, blend); }
 inline float cut(float from, float tool, float blend) { return -join(-from, tool, blend); }
 
-/// The surface of a field inside a box, as a mesh with smooth normals. The field must be positive on the box' sides.
-/// `cell` is the edge length of the triangles to aim for; the mesh has about 3 triangles per cell^2 of surface.
+/// Makes the surface of a field inside a box as a mesh with smooth normals. The field must be positive on the box's
+/// sides. `cell` is the approximate edge length of the triangles; the mesh has about 3 triangles per cell^2 of surface.
 Mesh mesh(const Field& field, glm::vec3 low, glm::vec3 high, float cell);
 
 }  // namespace umbrage::sdf

@@ -1,4 +1,4 @@
-// The kit of the built-in scenes. Everything curved is a lattice of quads, whose normals come from its faces.
+// Modelling kit of the built-in scenes. Curved surfaces are lattices of quads, with normals from their faces.
 // Based on [Wang et al. 2008] (frames along a path) and ear clipping for flat polygons.
 #include "generators/shapes.h"
 
@@ -22,7 +22,7 @@ using glm::vec3;
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
-/// Sine of the smallest angle of a triangle that is kept; thinner ones stand at poles, where a row is one point.
+/// Sine of the min angle of a triangle that is kept; thinner ones occur at poles, where a row is one point.
 constexpr float kThinnest = 1e-6f;
 
 float radians(float degrees) { return degrees * (kPi / 180.0f); }
@@ -32,8 +32,8 @@ vec3 unit_or(vec3 v, vec3 otherwise) {
   return length > 0.0f ? v / length : otherwise;
 }
 
-/// Any unit vector at right angles to a unit vector.
-vec3 some_side(vec3 n) {
+/// Returns a unit vector perpendicular to a unit vector.
+vec3 perpendicular_to(vec3 n) {
   return glm::normalize(std::abs(n.y) < 0.9f ? glm::cross(vec3(0, 1, 0), n) : glm::cross(vec3(1, 0, 0), n));
 }
 
@@ -41,7 +41,7 @@ void add_triangle(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c)
   mesh.indices.insert(mesh.indices.end(), {a, b, c});
 }
 
-/// Adds a triangle unless it is as thin as those at a pole.
+/// Adds a triangle unless it is degenerate, as at a pole.
 void add_solid_triangle(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
   const vec3 ab = mesh.positions[b] - mesh.positions[a], ac = mesh.positions[c] - mesh.positions[a];
   const vec3 bc = ac - ab;
@@ -56,7 +56,7 @@ std::uint32_t add_vertex(Mesh& mesh, vec3 position, vec3 normal, vec2 uv) {
   return std::uint32_t(mesh.positions.size() - 1);
 }
 
-/// The sum of the face normals round each vertex, longer for larger faces.
+/// Returns the sum of the face normals around each vertex, weighted by area.
 std::vector<vec3> summed_normals(const Mesh& mesh) {
   std::vector<vec3> sums(mesh.positions.size(), vec3(0.0f));
   for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
@@ -69,7 +69,7 @@ std::vector<vec3> summed_normals(const Mesh& mesh) {
   return sums;
 }
 
-/// (nu + 1) x (nv + 1) vertices and the quads between; `at(i, j)` gives a SurfacePoint.
+/// Makes (nu + 1) x (nv + 1) vertices and the quads between; `at(i, j)` returns a SurfacePoint.
 template <class At>
 Mesh lattice(int nu, int nv, const At& at, Wrap wrap = {}) {
   nu = std::max(nu, 1);
@@ -115,7 +115,7 @@ Mesh lattice(int nu, int nv, const At& at, Wrap wrap = {}) {
   return mesh;
 }
 
-/// A profile or outline, cut at its sharp edges.
+/// A part of a profile or outline between sharp edges.
 struct Run {
   Points2 points;
   std::vector<float> length;  ///< from the start of the whole line
@@ -160,8 +160,8 @@ Points2 without_doubles(std::span<const vec2> points) {
 
 float turn_of(vec2 a, vec2 b, vec2 c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
 
-/// Triangles of a simple counter-clockwise polygon. Ears are cut from the corner with the widest ear, so that round
-/// outlines do not become fans of slivers.
+/// Returns the triangles of a simple counter-clockwise polygon. Ears are cut at the corner with the widest ear, so that
+/// round outlines do not become fans of slivers.
 std::vector<std::uint32_t> ear_clip(const Points2& polygon) {
   std::vector<std::uint32_t> left(polygon.size()), triangles;
   for (std::uint32_t i = 0; i < left.size(); ++i) left[i] = i;
@@ -179,7 +179,7 @@ std::vector<std::uint32_t> ear_clip(const Points2& polygon) {
       });
       if (free) best = i, shortest = glm::length(c - a);
     }
-    if (best == left.size()) break;  // not simple: what is left stays open
+    if (best == left.size()) break;  // not simple: the rest stays open
     triangles.insert(triangles.end(),
                      {left[(best + left.size() - 1) % left.size()], left[best], left[(best + 1) % left.size()]});
     left.erase(left.begin() + std::ptrdiff_t(best));
@@ -188,7 +188,7 @@ std::vector<std::uint32_t> ear_clip(const Points2& polygon) {
   return triangles;
 }
 
-/// A flat polygon placed in space by an origin and two axes; the front is where x_axis x y_axis points.
+/// Adds a flat polygon placed by an origin and two axes; the front is where x_axis x y_axis points.
 void add_polygon(Mesh& mesh, const Points2& polygon, vec3 origin, vec3 x_axis, vec3 y_axis, bool back) {
   const vec3 normal = glm::normalize(glm::cross(x_axis, y_axis)) * (back ? -1.0f : 1.0f);
   const std::uint32_t base = std::uint32_t(mesh.positions.size());
@@ -207,10 +207,10 @@ constexpr CubeFace kCubeFaces[6] = {{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, {{-1, 0,
                                     {{0, 1, 0}, {1, 0, 0}, {0, 0, -1}}, {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}},
                                     {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}},  {{0, 0, -1}, {-1, 0, 0}, {0, 1, 0}}};
 
-/// Warps a cube face's coordinate so that steps are even in angle; the ends stay exactly -1 and 1.
+/// Warps a cube face's coordinate to steps of equal angle; the ends stay exactly -1 and 1.
 float even_in_angle(float t) { return std::abs(t) == 1.0f ? t : std::tan(0.25f * kPi * t); }
 
-/// Directions of travel along a path, and how far along each point is.
+/// Tangents and axes along a path, and the length up to each point.
 struct PathFrames {
   std::vector<vec3> tangent, side, over;
   std::vector<float> length;
@@ -243,7 +243,7 @@ PathFrames frames_of(std::span<const vec3> path, vec3 side, bool closed) {
       carried = c2 > 1e-12f ? side_l - 2.0f / c2 * glm::dot(v2, side_l) * v2 : side_l;
     }
     const vec3 flat = carried - glm::dot(carried, f.tangent[i]) * f.tangent[i];
-    f.side.push_back(glm::length(flat) > 1e-6f ? glm::normalize(flat) : some_side(f.tangent[i]));
+    f.side.push_back(glm::length(flat) > 1e-6f ? glm::normalize(flat) : perpendicular_to(f.tangent[i]));
     f.over.push_back(glm::cross(f.tangent[i], f.side[i]));
   }
   return f;
@@ -299,7 +299,7 @@ Mesh box(vec3 low, vec3 high, float bevel, int bevel_segments) {
   const int n = bevel > 0.0f ? std::max(bevel_segments, 0) : 0;
   Mesh mesh;
   for (const CubeFace& face : kCubeFaces) {
-    // Along each edge direction: n steps round the low edge, one over the flat, n round the high edge.
+    // Along each edge direction: n steps around the low edge, one over the flat, n around the high edge.
     const int side = 2 * n + 2;
     const std::uint32_t base = std::uint32_t(mesh.positions.size());
     const auto slope = [n](int i) {  // tangent of the angle to the face's normal
@@ -342,7 +342,7 @@ Mesh sphere(float radius, int slices, int stacks) {
 Mesh cube_sphere(int n, const std::function<float(vec3)>& displace) {
   n = std::max(n, 2);
   Mesh mesh;
-  std::vector<std::uint64_t> keys;  // vertices of neighbouring faces at one place have one key
+  std::vector<std::uint64_t> keys;  // vertices of neighbouring faces at one position have the same key
   for (const CubeFace& face : kCubeFaces) {
     const std::uint32_t base = std::uint32_t(mesh.positions.size());
     for (int j = 0; j <= n; ++j)
@@ -385,12 +385,12 @@ Mesh superellipsoid(vec3 radii, float power, int n) {
 
 Mesh cushion(vec3 size, int n) {
   n = std::max(n, 2);
-  constexpr float kSeam = 0.06f;    // thickness left at the seam, as a share
-  constexpr float kPulled = 0.07f;  // how far the sides draw in between the corners
+  constexpr float kSeam = 0.06f;    // thickness at the seam, as a fraction
+  constexpr float kPulled = 0.07f;  // indentation of the sides between the corners
   Mesh mesh;
   for (const float side : {1.0f, -1.0f}) {
     Mesh half = surface(n, n, [&](float u, float v) {
-      // Steps are closer towards the seam, where the cloth turns.
+      // Steps are smaller towards the seam, where the cloth turns.
       const float a = std::sin(0.5f * kPi * (2.0f * u - 1.0f)), b = -side * std::sin(0.5f * kPi * (2.0f * v - 1.0f));
       const float full = std::pow(std::max((1.0f - a * a) * (1.0f - b * b), 0.0f), 0.36f);
       const float x = a * (1.0f - kPulled * (1.0f - b * b) * std::abs(a)),
@@ -437,7 +437,7 @@ Mesh lathe(std::span<const vec2> profile, int slices, float turn_deg) {
     append(mesh, lattice(slices, int(run.points.size()) - 1,
                          [&](int i, int j) {
                            const float turn = radians(turn_deg) * float(i) / float(slices);
-                           // The last slice stands exactly on the first, so that no crack is left.
+                           // The last slice coincides exactly with the first, so that there is no crack.
                            const float angle = turn_deg >= 360.0f && i == slices ? 0.0f : turn;
                            const vec2 p = run.points[std::size_t(j)];
                            return SurfacePoint{{p.x * std::sin(angle), p.y, p.x * std::cos(angle)},
@@ -527,7 +527,7 @@ Mesh moulding(std::span<const vec3> path, std::span<const vec2> section, bool cl
 
 Mesh arch(float opening, float width, float height, float depth, int segments, bool closed) {
   const float radius = 0.5f * opening, half = 0.5f * width, front = 0.5f * depth;
-  // Even steps, and one step exactly into each corner of the wall.
+  // Equal steps, and one step exactly into each corner of the wall.
   std::vector<float> angles;
   segments = std::max(segments, 4);
   const float corner = std::atan2(height, half);
@@ -678,7 +678,7 @@ Points2 join(std::initializer_list<Points2> pieces) {
   Points2 out;
   for (const Points2& piece : pieces) {
     if (piece.empty()) continue;
-    // Pieces that do not meet get a straight line between, sharp at both of its ends.
+    // Parts that do not meet are connected by a straight line, sharp at both ends.
     if (!out.empty() && out.back() != piece.front()) out.insert(out.end(), {out.back(), piece.front()});
     out.insert(out.end(), piece.begin(), piece.end());
   }
@@ -721,7 +721,7 @@ void append(Mesh& mesh, const Mesh& part) {
   for (const std::uint32_t index : part.indices) mesh.indices.push_back(base + index);
 }
 
-void renew_normals(Mesh& mesh) {
+void recompute_normals(Mesh& mesh) {
   const std::vector<vec3> sums = summed_normals(mesh);
   mesh.normals.resize(sums.size(), {0, 1, 0});
   for (std::size_t i = 0; i < sums.size(); ++i) mesh.normals[i] = unit_or(sums[i], mesh.normals[i]);
@@ -729,7 +729,7 @@ void renew_normals(Mesh& mesh) {
 
 void displace(Mesh& mesh, const std::function<vec3(vec3)>& move) {
   for (vec3& position : mesh.positions) position = move(position);
-  renew_normals(mesh);
+  recompute_normals(mesh);
 }
 
 void scale_uvs(Mesh& mesh, vec2 by) {
@@ -789,12 +789,12 @@ int add_mesh(Scene& scene, std::string name, Mesh mesh, int material, int part_o
   return object;
 }
 
-int Detail::operator()(float base, int least) const { return std::max(least, int(std::lround(base * scale))); }
+int Detail::operator()(float base, int min) const { return std::max(min, int(std::lround(base * scale))); }
 
 Scene build_to_count(int triangles, const std::function<Scene(const Detail&)>& build) {
-  constexpr float kNear = 1.2f;  // half to twice is promised; a fifth leaves room and is met at the second go
+  constexpr float kNear = 1.2f;  // a factor of 2 is promised; 1.2 leaves a margin and is met at the second attempt
   constexpr int kMaxTries = 6;
-  constexpr float kMaxAtOnce = 64.0f;  // counts are rounded, so no leap further than this rests on one count
+  constexpr float kMaxAtOnce = 64.0f;  // counts are rounded, so that one count does not justify a larger step
   Detail detail;
   float count_before = 0.0f;
   for (int i = 0;; ++i) {

@@ -1,6 +1,5 @@
-// scene:solids - a still life of simple solids on a round table: every kind of contact, gap, hole and overhang that
-// occlusion has to show, in shapes that everyone knows. Things that lean or lie are placed by their contact, not by
-// eye.
+// scene:solids - a still life of simple solids on a round table: all kinds of contacts, gaps, holes and overhangs that
+// occlusion has to show, in familiar shapes. Objects that lean or lie are placed by computing their contacts.
 #include <algorithm>
 #include <array>
 #include <glm/gtc/matrix_transform.hpp>
@@ -42,14 +41,14 @@ Palette add_palette(Scene& scene) {
   return p;
 }
 
-/// Moved up or down until it stands on the table, y = 0.
+/// Moves a mesh up or down until it stands on the table, y = 0.
 Mesh grounded(Mesh mesh) {
   float low = 1e30f;
   for (const vec3& p : mesh.positions) low = std::min(low, p.y);
   return shapes::moved(std::move(mesh), {0, -low, 0});
 }
 
-/// Turned so that `down` points to the table, and stood on it.
+/// Rotates a mesh so that `down` points to the table, and places it on the table.
 Mesh on_face(Mesh mesh, vec3 down) {
   down = glm::normalize(down);
   const vec3 axis = glm::cross(down, vec3(0, -1, 0));
@@ -89,7 +88,7 @@ struct Table {
   Palette paint;
 
   int add(const char* name, Mesh mesh, int material, int part_of = -1) {
-    mesh.uvs.clear();  // nothing here has a texture, and the rounded hulls bring no coordinates
+    mesh.uvs.clear();  // nothing here has a texture, and rounded hulls have no texture coordinates
     return shapes::add_mesh(scene, name, std::move(mesh), material, part_of);
   }
   Mesh ball(float radius, vec3 centre, float base = 14.0f) const {
@@ -97,13 +96,13 @@ struct Table {
   }
   Mesh block(vec3 low, vec3 high, float bevel) const { return shapes::box(low, high, bevel, detail(2.0f, 1)); }
   Mesh torus(float ring, float tube) const { return shapes::torus(ring, tube, detail(56.0f, 12), detail(22.0f, 8)); }
-  /// A cylinder or cone on the table, its rims rounded.
+  /// A cylinder or cone on the table with rounded edges.
   Mesh turned_solid(float bottom, float top, float height, float bevel, float slices = 48.0f) const {
     const int steps = detail(3.0f, 1);
     const vec2 side = glm::normalize(vec2(top - bottom, height));
     const float lean_deg = glm::degrees(std::atan2(-side.x, side.y));  // how far the flank's normal points up
     const auto rim = [&](float radius, float y, bool upper) {
-      // The ball that rolls round the rim touches both the cap and the flank.
+      // The sphere that rounds the edge touches both the cap and the flank.
       const float turn_deg = upper ? 90.0f - lean_deg : 90.0f + lean_deg;
       const vec2 centre(radius - bevel * std::tan(glm::radians(0.5f * turn_deg)), upper ? y - bevel : y + bevel);
       return upper ? shapes::arc(centre, bevel, lean_deg, 90.0f, steps)
@@ -111,7 +110,7 @@ struct Table {
     };
     const shapes::Points2 low = rim(bottom, 0.0f, false);
     if (top <= bevel) {
-      // A cone ends in a small ball.
+      // A cone ends in a small sphere.
       const shapes::Points2 round =
           shapes::arc({0.0f, (bevel - bottom * side.y) / side.x}, bevel, lean_deg, 90.0f, steps);
       return shapes::lathe(shapes::join({{{0.0f, 0.0f}, low.front()}, low, {low.back(), round.front()}, round}),
@@ -144,7 +143,7 @@ void add_stairs(Table& t) {
   t.add("icosahedron", place(shapes::moved(gem, {-0.08f, kSteps * kRise, -4.25f * kTread})), t.paint.blue);
 }
 
-/// Two columns that carry a slab, and what stands on it.
+/// Two columns that carry a slab, and the objects on it.
 void add_portal(Table& t) {
   constexpr float kHeight = 1.18f, kSlab = 0.16f, kBack = -1.18f;
   const shapes::Points2 column = {{0.0f, 0.0f},    {0.20f, 0.0f},    {0.20f, 0.0f},    {0.205f, 0.02f},
@@ -175,12 +174,12 @@ void add_leaning_torus(Table& t) {
         t.paint.mustard);
   const float lean = glm::radians(kLeanDeg);
   const float y = kRing * std::cos(lean) + kTube, out = kRadius + kTube + kRing * std::sin(lean);
-  // It leans along its way to the cylinder's axis, which comes from the right of the camera.
+  // It leans towards the cylinder's axis, from the right of the camera.
   const Mesh ring = shapes::moved(shapes::turned_x(t.torus(kRing, kTube), 90.0f - kLeanDeg), {0.0f, y, out});
   t.add("leaning torus", shapes::moved(shapes::turned_y(ring, -14.0f), {axis.x, 0.0f, axis.y}), t.paint.lilac);
 }
 
-/// The large ball, a cube that touches it, a cone before both.
+/// The large sphere, a cube that touches it, a cone in front of both.
 void add_middle(Table& t) {
   constexpr float kBall = 0.56f, kHalf = 0.36f;
   const vec3 centre(-0.10f, kBall, -0.05f);
@@ -223,14 +222,14 @@ void add_rings(Table& t) {
   t.add("standing ring",
         place(shapes::moved(shapes::turned_x(t.torus(kRing, kTube), 90.0f), {0.0f, kRing + kTube, 0.0f})),
         t.paint.brass);
-  // Where they touch, the lying ring's tube crosses on top of the standing one's.
+  // At their contact, the lying ring's tube crosses on top of the standing one's.
   const float tilt = std::asin(kTube * 2.0f / (2.0f * kRing));
   const Mesh lying = shapes::turned_x(t.torus(kRing, kTube), glm::degrees(tilt));
   t.add("lying ring", place(shapes::moved(lying, {0.0f, kTube + kRing * std::sin(tilt), kRing * std::cos(tilt)})),
         t.paint.teal);
 }
 
-/// A bowl with four balls: three that touch each other and the bowl, and one on top.
+/// A bowl with four spheres: three that touch each other and the bowl, and one on top.
 void add_bowl(Table& t) {
   constexpr float kInner = 0.42f, kWall = 0.035f, kBall = 0.135f;
   const float middle = kInner + kWall + 0.03f;
@@ -292,13 +291,13 @@ void add_small_things(Table& t) {
   const int count = t.detail(150.0f, 50);
   for (int i = 0; i <= count; ++i) {
     const float u = float(i) / float(count), a = 2.0f * kPi * kTurns * u;
-    // The ends lie flat, as a ground spring's do.
+    // The ends are flat, as those of a ground spring.
     const float rise = kPitch * kTurns * std::clamp((u - 0.1f) / 0.8f, 0.0f, 1.0f);
     path.push_back({kRadius * std::cos(a), rise, kRadius * std::sin(a)});
   }
   t.add("spring", shapes::moved(grounded(shapes::tube(path, kWire, t.detail(12.0f, 6))), {-2.30f, 0.0f, 0.42f}),
         t.paint.brass);
-  // Marbles that have rolled away.
+  // Marbles on the table.
   struct Marble {
     vec2 at;
     float radius;

@@ -1,6 +1,6 @@
 // scene:tank - a siege tank on a round pad, its two rear legs let down: hard surfaces with rounded edges, deep gaps and
-// many small parts that touch. It stands for figures 1 and 6 of the unsharp masking paper, which show such a tank from
-// behind; the design is our own. The tank looks along +z, x is to its left.
+// many small parts that touch. It replaces figures 1 and 6 of the unsharp masking paper, which show such a tank from
+// behind; the design is our own. The tank faces +z, x is to its left.
 #include <array>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
@@ -28,8 +28,8 @@ constexpr float kTubHalfWidth = 1.02f;  // leaves 9 cm between tub and track
 constexpr float kFender = 1.25f, kDeck = 1.72f, kTurretFloor = 1.80f, kRoof = 2.42f;
 constexpr float kRear = -2.86f;  // the rear plate
 
-/// Below these scales small blocks and then all plates have sharp edges, and screws are left out: they would be most
-/// of a coarse scene's triangles.
+/// Below these scales small blocks and then all plates have sharp edges, and screws are left out: they would be most of
+/// the triangles of a coarse scene.
 constexpr float kSharpBlocksBelow = 0.60f, kNoScrewsBelow = 0.50f, kSharpPlatesBelow = 0.40f;
 
 struct Paint {
@@ -42,15 +42,15 @@ struct Workshop {
   Paint paint;
 
   int add(const char* name, Mesh mesh, int material, int part_of = -1) {
-    mesh.uvs.clear();  // nothing here has a texture, and the rounded hulls bring no coordinates
+    mesh.uvs.clear();  // nothing here has a texture, and rounded hulls have no texture coordinates
     return shapes::add_mesh(scene, name, std::move(mesh), material, part_of);
   }
-  /// The mesh and its mirror image, two objects.
+  /// Adds the mesh and its mirror image as two objects.
   void add_pair(const char* name, const Mesh& mesh, int material) {
     add(name, mesh, material);
     add(name, shapes::scaled(mesh, {-1, 1, 1}), material);
   }
-  /// Steps round a plate's edge.
+  /// Returns the number of steps around a plate's edge.
   int steps(float base) const { return detail.scale < kSharpPlatesBelow ? 0 : detail(base, 1); }
   Mesh block(vec3 low, vec3 high, float bevel = 0.012f) const {
     return rounded_hull({low,
@@ -66,7 +66,7 @@ struct Workshop {
   Mesh hull(std::initializer_list<vec3> points, float bevel = 0.02f) const {
     return rounded_hull(points, bevel, steps(2.0f));
   }
-  /// A block from a floor to a roof of another size.
+  /// The floor or roof of a block.
   struct Face {
     float half_width, rear, front;  ///< metres along x and z
   };
@@ -77,13 +77,13 @@ struct Workshop {
                  at + vec3(-roof.half_width, height, roof.front), at + vec3(roof.half_width, height, roof.front)},
                 bevel);
   }
-  /// The hull of points and their mirror images.
-  Mesh even_hull(std::initializer_list<vec3> half, float bevel = 0.02f) const {
+  /// Makes the hull of points and their mirror images.
+  Mesh symmetric_hull(std::initializer_list<vec3> half, float bevel = 0.02f) const {
     std::vector<vec3> points(half);
     for (const vec3& p : half) points.push_back(p * vec3(-1, 1, 1));
     return rounded_hull(points, bevel, steps(2.0f));
   }
-  /// A round part between two points, its rims rounded.
+  /// A round part between two points, with rounded edges.
   Mesh drum(vec3 from, vec3 to, float radius, float bevel = 0.012f, float slices = 20.0f) const {
     const float length = glm::distance(from, to);
     bevel = std::min({bevel, 0.5f * length, 0.9f * radius});
@@ -96,7 +96,7 @@ struct Workshop {
                       detail(slices, 8)),
         from, to);
   }
-  /// A lathe profile placed with its axis from one point towards another.
+  /// Places a lathe profile with its axis from one point towards another.
   Mesh between(Mesh mesh, vec3 from, vec3 to) const {
     const vec3 y = glm::normalize(to - from);
     const vec3 x = glm::normalize(glm::cross(std::abs(y.z) < 0.9f ? vec3(0, 0, 1) : vec3(1, 0, 0), y));
@@ -107,7 +107,7 @@ struct Workshop {
     const std::vector<vec3> points(through);
     return shapes::tube(shapes::smooth(points, detail(5.0f, 2)), radius, detail(sides, 5));
   }
-  /// A screw head with six sides that stands out of a face at `at`.
+  /// A hexagonal screw head that projects from a face at `at`.
   Mesh bolt(vec3 at, vec3 out, float radius = 0.022f) const {
     if (detail.scale < kNoScrewsBelow) return {};
     const shapes::Points2 profile = {{radius, -0.01f},
@@ -147,7 +147,7 @@ Paint add_paint(Scene& scene) {
 
 // ------------------------------------------------------------------------------------------------------ running gear
 
-/// A wheel that the track runs round; the place is (z, y).
+/// A wheel that the track runs around; `centre` is (z, y).
 struct Roller {
   vec2 centre;
   float radius;
@@ -157,12 +157,12 @@ constexpr Roller kSprocket{{2.56f, 0.80f}, 0.355f}, kIdler{{-2.60f, 0.76f}, 0.33
 constexpr int kRoadWheels = 6;
 constexpr float kRoadFirst = -1.86f, kRoadPitch = 0.742f;
 
-/// A point on the track's inner side, with the way out and the way along, in (z, y).
+/// A point on the track's inner side, with the outward and forward directions, in (z, y).
 struct BeltPoint {
   vec2 position, out, along;
 };
 
-/// The track as a rubber band round its rollers, in `count` evenly spaced points.
+/// Returns the track as a belt around its rollers, in `count` evenly spaced points.
 std::vector<BeltPoint> belt(int count) {
   const float ground = kGrouser + kWheelRadius;
   const std::array<Roller, 4> rollers = {Roller{{kRoadFirst, ground}, kWheelRadius},
@@ -239,7 +239,7 @@ Mesh track_link(const Workshop& w) {
   return link;
 }
 
-/// A wheel of two discs round the x axis, with bolts and hub cap on its outside (+x).
+/// A wheel of two discs around the x axis, with bolts and hub cap on its outside (+x).
 void add_wheel(Workshop& w, const char* name, vec3 centre, float radius, float side) {
   const vec3 out(side, 0, 0);
   const int slices = w.detail(26.0f, 10);
@@ -288,7 +288,7 @@ void add_sprocket(Workshop& w, float side) {
   }
   for (const float offset : {-0.21f, 0.15f}) {
     const vec3 from = centre + out * offset;
-    // An extrusion runs along z; stood up along y it is placed as the lathed parts are.
+    // An extrusion runs along z; rotated to y, it is placed like the lathed parts.
     w.add("sprocket",
           w.between(shapes::turned_x(shapes::extrusion(shapes::sharp(gear), 0.06f), -90.0f), from, from + out),
           w.paint.steel);
@@ -346,7 +346,7 @@ void add_running_gear(Workshop& w) {
                           {side * (kTrackCentre - 0.24f), kSprocket.centre.y, kSprocket.centre.x}, 0.26f, 0.03f);
     w.add("final drive", std::move(gearbox), w.paint.plate);
     for (const float z : {-1.35f, 0.0f, 1.35f}) {
-      // Return rollers hold up the track where it runs back.
+      // Return rollers support the upper run of the track.
       const float t = (z - kIdler.centre.x) / (kSprocket.centre.x - kIdler.centre.x);
       const float top = glm::mix(kIdler.centre.y + kIdler.radius, kSprocket.centre.y + kSprocket.radius, t);
       const vec3 centre(side * kTrackCentre, top - 0.10f, z);
@@ -360,7 +360,7 @@ void add_running_gear(Workshop& w) {
 
 // -------------------------------------------------------------------------------------------------------------- hull
 
-/// Fenders with bent ends; the rear flaps leave the tracks open to the view from behind.
+/// Fenders with bent ends; the rear flaps do not hide the tracks from behind.
 void add_fenders(Workshop& w) {
   const float t = kTubHalfWidth;
   Mesh fender = w.hull({{t, kFender - 0.02f, -2.75f},
@@ -478,25 +478,25 @@ void add_headlamps(Workshop& w) {
 void add_hull(Workshop& w) {
   const float t = kTubHalfWidth;
   w.add("tub",
-        w.even_hull({{t, 0.44f, -2.45f},
-                     {t, 0.66f, kRear},
-                     {t, 1.27f, kRear - 0.02f},
-                     {t, 0.44f, 2.15f},
-                     {t, 0.98f, 3.00f},
-                     {t, 1.27f, 2.70f}},
-                    0.03f),
+        w.symmetric_hull({{t, 0.44f, -2.45f},
+                          {t, 0.66f, kRear},
+                          {t, 1.27f, kRear - 0.02f},
+                          {t, 0.44f, 2.15f},
+                          {t, 0.98f, 3.00f},
+                          {t, 1.27f, 2.70f}},
+                         0.03f),
         w.paint.plate);
   const int deck = w.add("hull",
-                         w.even_hull({{1.78f, kFender + 0.02f, -2.92f},
-                                      {1.78f, 1.40f, -2.92f},
-                                      {1.42f, kDeck, -2.78f},
-                                      {1.78f, kFender + 0.02f, 2.05f},
-                                      {1.78f, 1.36f, 1.95f},
-                                      {1.42f, kDeck, 1.25f},
-                                      {1.02f, kFender + 0.02f, 2.74f},
-                                      {1.02f, 1.02f, 3.02f},
-                                      {0.95f, kDeck, 1.30f}},
-                                     0.03f),
+                         w.symmetric_hull({{1.78f, kFender + 0.02f, -2.92f},
+                                           {1.78f, 1.40f, -2.92f},
+                                           {1.42f, kDeck, -2.78f},
+                                           {1.78f, kFender + 0.02f, 2.05f},
+                                           {1.78f, 1.36f, 1.95f},
+                                           {1.42f, kDeck, 1.25f},
+                                           {1.02f, kFender + 0.02f, 2.74f},
+                                           {1.02f, 1.02f, 3.02f},
+                                           {0.95f, kDeck, 1.30f}},
+                                          0.03f),
                          w.paint.armour);
   add_fenders(w);
   add_side_armour(w);
@@ -512,10 +512,10 @@ void add_hull(Workshop& w) {
   w.add("hull bolts", std::move(bolts), w.paint.plate, deck);
 }
 
-/// Where the rear plate is, of which things stand off.
+/// z of the rear plate, on which parts are mounted.
 constexpr float kRearPlate = kRear - 0.02f;
 
-/// Two gratings on the deck: a frame, and slats that lean.
+/// Two gratings on the deck: a frame, and slanted slats.
 void add_gratings(Workshop& w) {
   for (const float x : {-0.72f, 0.72f}) {
     const float y = kDeck - 0.01f;
@@ -537,7 +537,7 @@ void add_gratings(Workshop& w) {
   }
 }
 
-/// A silencer lies across the plate under the deck's edge; its pipe turns out and up.
+/// A silencer across the plate under the deck's edge; its pipe turns out and up.
 void add_silencer(Workshop& w, float side) {
   const float z = kRearPlate;
   const vec3 inner(side * 0.46f, 1.40f, z - 0.19f), outer(side * 1.22f, 1.40f, z - 0.19f);
@@ -646,7 +646,7 @@ void add_leg(Workshop& w, float side) {
         w.paint.rubber);
 }
 
-/// Deck over the engine, and all that hangs on the rear plate.
+/// The deck over the engine, and the parts on the rear plate.
 void add_rear(Workshop& w) {
   add_gratings(w);
   // The rear plate: a grille in the middle, between two silencers.
@@ -678,10 +678,10 @@ void add_rear(Workshop& w) {
   w.add("rear bolts", std::move(bolts), w.paint.steel);
 }
 
-/// What the crew carries on the fenders.
+/// Stowage on the fenders.
 void add_stowage(Workshop& w) {
   for (const float side : {-1.0f, 1.0f}) {
-    // Boxes on the sloped flank stand on small shelves.
+    // Boxes on the sloped flank are on small shelves.
     for (const float z : {-1.95f, -0.95f}) {
       const float x0 = side > 0 ? 1.44f : -1.82f, x1 = side > 0 ? 1.82f : -1.44f;
       Mesh box = w.block({x0, 1.36f, z}, {x1, 1.72f, z + 0.82f}, 0.025f);
@@ -740,23 +740,23 @@ void add_stowage(Workshop& w) {
 
 // ------------------------------------------------------------------------------------------------------------ turret
 
-/// The gun's parts are built along +z from the trunnion, then raised.
+/// Raises a part of the gun: the parts are built along +z from the trunnion.
 Mesh raised(Mesh mesh) { return shapes::moved(shapes::turned_x(std::move(mesh), -5.0f), {0.0f, 2.10f, 1.0f}); }
 
-/// A part of the gun that is round: radii at distances from the trunnion.
+/// A round part of the gun: radii at distances from the trunnion.
 Mesh raised_lathe(const Workshop& w, const shapes::Points2& profile) {
   return raised(w.between(shapes::lathe(profile, w.detail(30.0f, 10)), vec3(0.0f), {0, 0, 1}));
 }
 
 void add_mantlet(Workshop& w) {
   w.add("mantlet",
-        raised(w.even_hull({{0.46f, -0.24f, -0.15f},
-                            {0.46f, 0.24f, -0.15f},
-                            {0.46f, -0.16f, 0.30f},
-                            {0.46f, 0.16f, 0.30f},
-                            {0.30f, -0.20f, 0.46f},
-                            {0.30f, 0.20f, 0.46f}},
-                           0.05f)),
+        raised(w.symmetric_hull({{0.46f, -0.24f, -0.15f},
+                                 {0.46f, 0.24f, -0.15f},
+                                 {0.46f, -0.16f, 0.30f},
+                                 {0.46f, 0.16f, 0.30f},
+                                 {0.30f, -0.20f, 0.46f},
+                                 {0.30f, 0.20f, 0.46f}},
+                                0.05f)),
         w.paint.plate);
   const shapes::Points2 rim = {{0.0f, 0.40f},  {0.23f, 0.40f}, {0.23f, 0.40f}, {0.235f, 0.42f}, {0.235f, 0.56f},
                                {0.22f, 0.58f}, {0.22f, 0.58f}, {0.17f, 0.60f}, {0.0f, 0.60f}};
@@ -809,7 +809,7 @@ void add_muzzle(Workshop& w) {
                                            {x * 0.075f + 0.05f, y * 0.112f + 0.035f, 4.06f}},
                                           0.015f)));
   w.add("muzzle brake", std::move(brake), w.paint.dark);
-  // The bore, seen from the front, ends deep inside.
+  // The bore, visible from the front, ends deep inside.
   const shapes::Points2 bore = {{0.0f, 3.40f},   {0.058f, 3.40f}, {0.058f, 3.40f}, {0.062f, 3.60f}, {0.062f, 3.60f},
                                 {0.052f, 3.60f}, {0.052f, 3.60f}, {0.05f, 3.42f},  {0.05f, 3.42f},  {0.0f, 3.42f}};
   w.add("bore", raised_lathe(w, bore), w.paint.rubber);
@@ -825,7 +825,7 @@ void add_gun(Workshop& w) {
   w.add("coaxial gun", std::move(second), w.paint.dark);
 }
 
-/// Armour bricks on the cheeks, following them with a gap.
+/// Reactive armour bricks on the cheeks, at a small distance.
 void add_cheek_bricks(Workshop& w) {
   for (const float side : {-1.0f, 1.0f})
     for (int row = 0; row < 2; ++row)
@@ -849,7 +849,7 @@ void add_cheek_bricks(Workshop& w) {
       }
 }
 
-/// The commander's cupola with periscopes and a lid that stands open a little.
+/// The commander's cupola with periscopes and a slightly open lid.
 void add_cupola(Workshop& w) {
   const vec3 cupola(0.48f, kRoof - 0.02f, -0.42f);
   const shapes::Points2 ring = {{0.40f, 0.0f},   {0.40f, 0.0f},   {0.38f, 0.12f}, {0.36f, 0.15f}, {0.33f, 0.165f},
@@ -907,7 +907,7 @@ void add_machine_gun(Workshop& w) {
         w.paint.plate);
 }
 
-/// Smoke dischargers, four tubes a side, and lifting eyes.
+/// Smoke dischargers, four tubes per side, and lifting eyes.
 void add_smoke_dischargers(Workshop& w) {
   for (const float side : {-1.0f, 1.0f}) {
     Mesh tubes = w.block({side * 1.21f - 0.06f, 2.00f, -0.62f}, {side * 1.21f + 0.06f, 2.10f, 0.10f});
@@ -938,7 +938,7 @@ void add_sight(Workshop& w) {
         w.paint.glass);
 }
 
-/// The rack behind: two rails on posts, floor bars, and what lies in it.
+/// The rack at the rear: two rails on posts, floor bars, and its load.
 void add_rack(Workshop& w) {
   Mesh rack;
   for (const float y : {1.98f, 2.20f, 2.36f})
@@ -1010,19 +1010,19 @@ void add_turret(Workshop& w) {
   w.add("turret ring", w.drum({0, kDeck - 0.03f, -0.1f}, {0, kTurretFloor + 0.04f, -0.1f}, 1.12f, 0.03f, 44.0f),
         w.paint.dark);
   w.add("turret",
-        w.even_hull({{0.60f, kTurretFloor, 1.38f},
-                     {1.20f, kTurretFloor, 0.62f},
-                     {1.30f, 1.92f, 0.50f},
-                     {0.62f, 1.96f, 1.42f},
-                     {1.22f, kTurretFloor, -1.00f},
-                     {1.32f, 1.94f, -1.05f},
-                     {0.85f, 1.84f, -1.72f},
-                     {0.92f, 1.98f, -1.80f},
-                     {0.42f, kRoof, 0.62f},
-                     {0.92f, kRoof, 0.20f},
-                     {0.98f, kRoof, -0.95f},
-                     {0.78f, kRoof - 0.03f, -1.62f}},
-                    0.035f),
+        w.symmetric_hull({{0.60f, kTurretFloor, 1.38f},
+                          {1.20f, kTurretFloor, 0.62f},
+                          {1.30f, 1.92f, 0.50f},
+                          {0.62f, 1.96f, 1.42f},
+                          {1.22f, kTurretFloor, -1.00f},
+                          {1.32f, 1.94f, -1.05f},
+                          {0.85f, 1.84f, -1.72f},
+                          {0.92f, 1.98f, -1.80f},
+                          {0.42f, kRoof, 0.62f},
+                          {0.92f, kRoof, 0.20f},
+                          {0.98f, kRoof, -0.95f},
+                          {0.78f, kRoof - 0.03f, -1.62f}},
+                         0.035f),
         w.paint.armour);
   add_cheek_bricks(w);
   add_cupola(w);
@@ -1035,7 +1035,7 @@ void add_turret(Workshop& w) {
   add_aerials(w);
 }
 
-/// A round pad of concrete with a joint, a raised rim and a marked ring.
+/// A round concrete pad with a joint, a raised edge and a marked ring.
 void add_pad(Workshop& w) {
   const int slices = w.detail(80.0f, 24);
   const shapes::Points2 slab = {{0.0f, -0.30f},   {4.95f, -0.30f}, {4.95f, -0.30f}, {5.0f, -0.26f},   {5.0f, -0.05f},

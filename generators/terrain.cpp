@@ -1,6 +1,6 @@
-// The terrain: a square kilometre of mountains round a lake, with a wood on the lower slopes. A height field of ridged
-// multifractal noise [Musgrave et al. 1989], worn by rain drops that carry sediment downhill [Beyer 2015]; made to have
-// occlusion at every scale, from the valley to the gullies.
+// The terrain: a square kilometre of mountains around a lake, with a wood on the lower slopes. A height field of ridged
+// multifractal noise [Musgrave et al. 1989], eroded by rain drops that carry sediment downhill [Beyer 2015]. It has
+// occlusion at all scales, from the valley to the gullies.
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
@@ -23,11 +23,11 @@ using glm::vec3;
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
-constexpr float kHalf = 500.0f;  // the land lies in x, z = +-kHalf
+constexpr float kHalf = 500.0f;  // the land is x, z = +-kHalf
 constexpr float kLake = 14.0f;   // height of the water
 constexpr float kTreeLine = 115.0f, kSnowLine = 165.0f;
-constexpr float kBase = -40.0f;  // the block of land is cut off here
-constexpr int kField = 400;      // samples of the worn field along a side: 2.5 m
+constexpr float kBase = -40.0f;  // bottom of the block of land
+constexpr int kField = 400;      // samples of the eroded field along a side: 2.5 m
 
 /// Heights on a square grid over the land.
 struct Field {
@@ -40,15 +40,15 @@ struct Field {
   float step() const { return 2.0f * kHalf / float(n - 1); }
 };
 
-/// A height and its change per metre along x and z.
+/// A height and its derivatives along x and z, metres per metre.
 struct Slope {
   float height = 0.0f;
   vec2 rise{0.0f};
   vec3 normal() const { return glm::normalize(vec3(-rise.x, 1.0f, -rise.y)); }
 };
 
-/// A cubic B-spline through the neighbourhood of a place: smooth to the second derivative, so that finer meshes get
-/// rounder, not more faceted.
+/// Evaluates a cubic B-spline around a point. Its second derivative is continuous, so that finer meshes are rounder,
+/// not more faceted.
 Slope smooth_slope(const Field& field, vec2 p) {
   const vec2 q = (p + vec2(kHalf)) / field.step();
   const int x = int(std::floor(q.x)), z = int(std::floor(q.y));
@@ -80,22 +80,22 @@ Slope smooth_slope(const Field& field, vec2 p) {
   return slope;
 }
 
-/// Where the valley's middle line runs at a given z.
+/// Returns x of the valley's centre line at z.
 float valley_middle(float z) { return 55.0f * std::sin(z / 150.0f + 0.4f) + 0.10f * z; }
 
-/// Mountains before the rain: ridges all round, lower towards a winding valley that opens to the viewer at +z.
+/// Returns the height before erosion: ridges all around, lower towards a winding valley that opens to the viewer at +z.
 float raw_height(vec2 p) {
   const vec2 warp = 55.0f * vec2(noise::fractal(p / 260.0f, 3, 101), noise::fractal(p / 260.0f, 3, 211));
   vec2 q = (p + warp) / 330.0f;
   float sum = 0.0f, size = 1.0f, weight = 1.0f;
   for (std::uint32_t octave = 0; octave < 7; ++octave) {
-    // A ridge is a fold of the noise; rough only where the coarser octave is already high.
+    // A ridge is a fold of the noise; it is rough only where the coarser octave is already high.
     float ridge = 1.0f - std::abs(noise::gradient(q, 17u + octave));
     ridge *= ridge * weight;
     sum += ridge * size;
     weight = std::clamp(1.9f * ridge, 0.0f, 1.0f);
     size *= 0.48f;
-    q = vec2(0.8f * q.x - 0.6f * q.y, 0.6f * q.x + 0.8f * q.y) * 2.03f;  // turned, so that no axis shows through
+    q = vec2(0.8f * q.x - 0.6f * q.y, 0.6f * q.x + 0.8f * q.y) * 2.03f;  // rotated, so that no axis is visible
   }
   const float from_valley = std::abs(p.x + 0.5f * warp.x - valley_middle(p.y));
   const vec2 from_lake = (p + 0.8f * warp - vec2(valley_middle(60.0f) - 15.0f, 50.0f)) * vec2(1.0f, 0.8f);
@@ -110,7 +110,8 @@ float raw_height(vec2 p) {
   return floor + high * (14.0f + 118.0f * (0.30f + 0.70f * high) * sum);
 }
 
-/// The river leaves the lake towards +z, cut into the worn valley floor down below the water's level.
+/// Returns the height with the river, which leaves the lake towards +z: a bed cut into the valley floor below the
+/// water.
 float river_bed(vec2 p, float height) {
   constexpr float kHalfWidth = 8.0f, kDepth = 3.0f;
   const float middle = valley_middle(p.y) + 24.0f * std::sin(p.y / 38.0f) * glm::smoothstep(110.0f, 220.0f, p.y);
@@ -121,12 +122,12 @@ float river_bed(vec2 p, float height) {
   return low - cut * std::max(low - (kLake - kDepth), 0.0f);
 }
 
-/// Rain: drops run down the field, take up earth where they are fast and leave it where they are slow.
+/// Simulates rain: drops run downhill, take up earth where they are fast and deposit it where they are slow.
 void erode(Field& field) {
   constexpr int kDrops = 70'000, kSteps = 60;
   constexpr float kInertia = 0.06f, kCapacity = 5.0f, kMinSlope = 0.01f, kErosion = 0.28f, kDeposit = 0.25f,
                   kEvaporation = 0.018f, kGravity = 5.0f;
-  constexpr int kBrush = 2;  // samples round a drop that are worn with it: single ones would leave needles
+  constexpr int kBrush = 2;  // samples around a drop that are eroded with it: single ones would leave needles
   float brush[2 * kBrush + 1][2 * kBrush + 1], total = 0.0f;
   for (int j = -kBrush; j <= kBrush; ++j)
     for (int i = -kBrush; i <= kBrush; ++i)
@@ -157,7 +158,7 @@ void erode(Field& field) {
       const float fall = scale * (bilinear(next) - bilinear(p));
       const float capacity = std::max(-fall, kMinSlope) * speed * water * kCapacity;
       if (fall > 0.0f || load > capacity) {
-        // Uphill: fill the pit behind, but no higher than the rim.
+        // Uphill: fill the pit behind, but no higher than its edge.
         const float left = fall > 0.0f ? std::min(fall, load) : (load - capacity) * kDeposit;
         load -= left;
         const float lift = left / scale;
@@ -179,17 +180,17 @@ void erode(Field& field) {
   }
 }
 
-/// Frost: ground steeper than it can lie slides down to its neighbours, and gathers as scree below the cliffs.
+/// Simulates frost: ground that is too steep slides down to its neighbours, and gathers as scree below the cliffs.
 void weather(Field& field) {
   constexpr int kRounds = 28;
-  constexpr float kShare = 0.18f;  // of what is too much; above a quarter, four neighbours together overshoot
+  constexpr float kShare = 0.18f;  // fraction of the excess that moves; above 1/4, four neighbours overshoot
   std::vector<float> change(field.height.size());
   for (int round = 0; round < kRounds; ++round) {
     std::fill(change.begin(), change.end(), 0.0f);
     for (int z = 0; z < field.n; ++z)
       for (int x = 0; x < field.n; ++x) {
         const std::size_t here = std::size_t(z) * std::size_t(field.n) + std::size_t(x);
-        // Rock holds steeper in some places than in others: crags stay between the screes.
+        // The max slope of rock varies: crags stay between the screes.
         const float holds = field.step() * (0.75f + 1.0f * noise::unit(noise::hash(x / 9, z / 9, 331u)));
         for (const glm::ivec2 to : {glm::ivec2(1, 0), glm::ivec2(0, 1)}) {
           if (x + to.x >= field.n || z + to.y >= field.n) continue;
@@ -219,11 +220,11 @@ Field worn_field() {
   return field;
 }
 
-/// What the worn field is too coarse for: broken rock on steep ground, down to what a mesh of that spacing can show.
+/// Returns detail finer than the eroded field: broken rock on steep ground, down to the resolution of `spacing`.
 float fine_height(vec2 p, float steepness, float spacing) {
   float sum = 0.0f, size = 2.4f, wavelength = 26.0f;
   for (std::uint32_t octave = 0; octave < 6 && wavelength > 2.0f * spacing; ++octave) {
-    // Folded noise has edges, as broken rock has.
+    // Folded noise has edges, like broken rock.
     sum += size * (0.5f - 1.6f * std::abs(noise::gradient(p / wavelength, 401u + octave)));
     size *= 0.52f;
     wavelength *= 0.5f;
@@ -231,7 +232,7 @@ float fine_height(vec2 p, float steepness, float spacing) {
   return sum * (0.05f + 1.1f * glm::smoothstep(0.45f, 1.1f, steepness));
 }
 
-/// The field that the mesh shows, n samples along a side.
+/// Returns the field of the mesh, n samples along a side.
 Field shown_field(const Field& worn, int n) {
   Field field{n, std::vector<float>(std::size_t(n) * std::size_t(n))};
   const float step = field.step();
@@ -244,7 +245,7 @@ Field shown_field(const Field& worn, int n) {
   return field;
 }
 
-/// Height and upward normal of the field's surface, between its samples as the mesh's triangles are.
+/// Height and upward normal of the field's surface, interpolated like the mesh's triangles.
 struct Ground {
   float height = 0.0f;
   vec3 normal{0, 1, 0};
@@ -254,13 +255,13 @@ Ground ground_at(const Field& field, vec2 p) {
   const int x = int(q.x), z = int(q.y);
   const float u = q.x - float(x), v = q.y - float(z);
   const float a = field.at(x, z), b = field.at(x + 1, z), c = field.at(x, z + 1), d = field.at(x + 1, z + 1);
-  // The quads are cut from (x, z + 1) to (x + 1, z).
+  // The quads are split from (x, z + 1) to (x + 1, z).
   const float dx = u + v < 1.0f ? b - a : d - c, dz = u + v < 1.0f ? c - a : d - b;
   const float height = u + v < 1.0f ? a + u * dx + v * dz : d - (1.0f - u) * dx - (1.0f - v) * dz;
   return {height, glm::normalize(vec3(-dx, field.step(), -dz))};
 }
 
-/// How wooded a place is, 0 to 1.
+/// Returns the density of the wood at a point, 0 to 1.
 float woods(vec2 p, const Ground& ground) {
   const float patches = glm::smoothstep(-0.12f, 0.22f, noise::fractal(p / 120.0f, 3, 501));
   const float low =
@@ -269,7 +270,7 @@ float woods(vec2 p, const Ground& ground) {
   return patches * low * dry * glm::smoothstep(0.66f, 0.82f, ground.normal.y);
 }
 
-/// Colour of the ground by height and slope: sand, meadow, forest floor, scree, rock, snow.
+/// Returns the colour of the ground by height and slope: sand, meadow, forest floor, scree, rock, snow.
 vec3 ground_color(const Field& worn, vec2 p) {
   const Slope slope = smooth_slope(worn, p);
   const float height = slope.height;
@@ -303,7 +304,7 @@ struct Materials {
 };
 
 Materials add_materials(Scene& scene, const Field& worn) {
-  constexpr int kTexels = 1024;  // a metre each
+  constexpr int kTexels = 1024;  // one metre each
   Materials m{};
   Texture ground = procedural::paint("ground", kTexels, kTexels, [&worn](vec2 uv) {
     return glm::vec4(ground_color(worn, vec2(2.0f * uv.x - 1.0f, 1.0f - 2.0f * uv.y) * kHalf), 1.0f);
@@ -328,7 +329,7 @@ Materials add_materials(Scene& scene, const Field& worn) {
   return m;
 }
 
-/// The land as a sheet, and the four sides of the block that it is cut from.
+/// The land as a sheet, and the four sides of its block.
 void add_land(Scene& scene, const Materials& m, const Field& field) {
   const int n = field.n - 1;
   const float step = field.step();
@@ -353,7 +354,7 @@ void add_land(Scene& scene, const Materials& m, const Field& field) {
   add_mesh(scene, "lake", plane(vec2(-kHalf + 0.5f), vec2(kHalf - 0.5f), kLake, 1, 1), m.water);
 }
 
-/// A fir on the origin, one metre high: tiers of drooping branches, ragged at their rims.
+/// A fir at the origin, one metre high: tiers of drooping branches with ragged edges.
 Mesh fir(int slices, int tiers, std::uint32_t seed) {
   Points2 profile;
   for (int i = 0; i < tiers; ++i) {
@@ -379,7 +380,7 @@ Mesh fir(int slices, int tiers, std::uint32_t seed) {
                  {.u = true});
 }
 
-/// Firs where the wood is and boulders below the cliffs, for about `budget` triangles.
+/// Firs in the wood and boulders below the cliffs, with about `budget` triangles.
 void add_cover(Scene& scene, const Materials& m, const Field& field, int budget) {
   constexpr int kMaxFirs = 9000, kKinds = 4;
   constexpr int kMinSlices = 4, kMaxSlices = 24;
@@ -393,13 +394,13 @@ void add_cover(Scene& scene, const Materials& m, const Field& field, int budget)
   for (int i = 0; i < kKinds; ++i) kinds.push_back(fir(slices, tiers, std::uint32_t(i)));
   Mesh wood;
   noise::Random random{noise::hash(801u)};
-  constexpr int kTries = 40;  // per fir; enough to fill the wood, and an end if there were none
+  constexpr int kTries = 40;  // per fir; enough to fill the wood, and a limit if there is none
   for (int placed = 0, tries = 0; placed < firs && tries < firs * kTries; ++tries) {
     const vec2 p(random.between(-kHalf + 6.0f, kHalf - 6.0f), random.between(-kHalf + 6.0f, kHalf - 6.0f));
     const Ground ground = ground_at(field, p);
     if (random.next() > woods(p, ground)) continue;
     const float size = random.between(6.0f, 12.5f) * (1.0f - 0.35f * glm::smoothstep(60.0f, kTreeLine, ground.height));
-    // Sunk a little, so that the foot is in the ground on a slope too.
+    // Lowered a little, so that the foot is in the ground on a slope, too.
     Mesh tree = turned_y(scaled(kinds[std::size_t(placed % kKinds)], {size * random.between(0.85f, 1.15f), size, size}),
                          360.0f * random.next());
     append(wood, moved(std::move(tree), {p.x, ground.height - 0.06f * size, p.y}));
@@ -432,7 +433,7 @@ void add_cover(Scene& scene, const Materials& m, const Field& field, int budget)
 }  // namespace
 
 Scene make_terrain(int triangles) {
-  // The land gets six tenths of the triangles, two for each of its quads; the wood and the boulders get the rest.
+  // The land gets six tenths of the triangles, two per quad; the wood and the boulders get the rest.
   constexpr float kLandShare = 0.6f;
   Scene scene;
   scene.name = "terrain";
@@ -442,7 +443,7 @@ Scene make_terrain(int triangles) {
   const Field field = shown_field(worn, n + 1);
   add_land(scene, m, field);
   add_cover(scene, m, field, std::max(triangles - 2 * n * n, 0));
-  // The sun, and the bright part of the sky across from it.
+  // The sun, and the bright part of the sky opposite to it.
   scene.lights = {{.direction = glm::normalize(vec3(-0.72f, 0.52f, 0.30f)),
                    .color = {1.12f, 1.02f, 0.86f},
                    .angle_deg = kSunAngleDeg,

@@ -19,13 +19,13 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// How a .glb file begins.
+/// The start of a .glb file.
 struct GlbStart {
   char magic[4];
   std::uint32_t version, length, json_length, json_type;
 };
 
-/// The JSON text of a .gltf or .glb file.
+/// Returns the JSON text of a .gltf or .glb file; empty if it cannot be read.
 std::string json_text(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::error_code error;
@@ -46,7 +46,7 @@ std::string json_text(const std::filesystem::path& file) {
   return text;
 }
 
-/// A member that may not be there, or not be what it should.
+/// Returns a member of an object, or null if it is missing or `object` is no object.
 const Json& member(const Json& object, const char* name) {
   static const Json nothing;
   if (!object.is_object()) return nothing;
@@ -61,7 +61,7 @@ float number(const Json& value, float otherwise) {
   const float v = value.is_number() ? value.get<float>() : otherwise;
   return std::isfinite(v) ? v : otherwise;
 }
-/// An index, or -1.
+/// Returns an index, or -1 if `value` is none.
 int index_in(const Json& value) {
   constexpr int kMax = 1 << 28;
   const bool fits = value.is_number_integer() && value.get<std::int64_t>() >= 0 && value.get<std::int64_t>() < kMax;
@@ -122,7 +122,7 @@ glm::dmat4 matrix_of(const Json& node) {
   return m;
 }
 
-/// The camera at a node, if it is one that can be drawn with.
+/// Adds the camera at a node, if it can be used.
 void add_camera(const Json& json, const Json& node, const glm::dmat4& place, std::vector<View>& cameras) {
   const Json& camera = member(json, "cameras");
   const int index = index_in(member(node, "camera"));
@@ -143,7 +143,7 @@ void add_camera(const Json& json, const Json& node, const glm::dmat4& place, std
   cameras.push_back(std::move(view));
 }
 
-/// The cameras of a scene, in the order of its nodes.
+/// Reads the cameras of a scene, in the order of its nodes.
 void read_cameras(const Json& json, int scene, std::vector<View>& cameras) {
   const Json& nodes = member(json, "nodes");
   if (!nodes.is_array() || !member(json, "cameras").is_array()) return;
@@ -174,7 +174,7 @@ void read_cameras(const Json& json, int scene, std::vector<View>& cameras) {
 }  // namespace
 
 glm::vec2 GltfPlacement::placed(glm::vec2 uv) const {
-  // glTF counts v from the top.
+  // glTF measures v from the top.
   const glm::vec2 given = scale * glm::vec2(uv.x, 1.0f - uv.y);
   const float c = std::cos(rotation), s = std::sin(rotation);
   const glm::vec2 turned(c * given.x + s * given.y, -s * given.x + c * given.y);
@@ -210,7 +210,7 @@ std::string gltf_with_scene(const std::filesystem::path& file, int scene) {
   const std::size_t rest = sizeof start + old_text.size();
   if (bytes.size() < rest) return "";
   std::memcpy(&start, bytes.data(), sizeof start);
-  constexpr std::size_t kAlignment = 4;  // of chunks
+  constexpr std::size_t kAlignment = 4;  // alignment of chunks
   text.resize((text.size() + kAlignment - 1) / kAlignment * kAlignment, ' ');
   start.json_length = std::uint32_t(text.size());
   start.length = std::uint32_t(sizeof start + text.size() + bytes.size() - rest);

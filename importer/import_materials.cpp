@@ -1,5 +1,5 @@
-// Import of materials. Where a format speaks of metalness and roughness, they become a Blinn-Phong highlight: exponent
-// 2 / roughness^4 - 2, peak F0 * exponent / 8 [Karis 2013, "Specular BRDF Reference"].
+// Import of materials. Metalness and roughness become a Blinn-Phong highlight: exponent 2 / roughness^4 - 2, peak F0 *
+// exponent / 8 [Karis 2013, "Specular BRDF Reference"].
 #include "importer/import_materials.h"
 
 #include <assimp/GltfMaterial.h>
@@ -24,16 +24,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr glm::vec3 kNeutral{0.8f};      ///< surfaces of which the file says nothing
+constexpr glm::vec3 kNeutral{0.8f};      ///< surfaces without a colour in the file
 constexpr float kMinExponent = 1.0f;     ///< below, a highlight is as wide as the diffuse lobe
 constexpr float kMaxExponent = 2048.0f;  ///< above, a highlight is smaller than a pixel
 constexpr float kDielectricReflectance = 0.04f;
 
-/// A texture counts as a cut-out when at least this share of its texels is nearly clear or nearly opaque, and at least
-/// the other share is nearly clear.
-constexpr double kBinaryShare = 0.9, kClearShare = 0.001;
-// Of a surface that a file blends: over which share of its texture's width alpha is averaged.
-constexpr double kBlendShare = 1.0 / 64.0;
+/// A texture is a cut-out if at least kBinaryFraction of its texels are nearly clear or nearly opaque, and at least
+/// kClearFraction are nearly clear.
+constexpr double kBinaryFraction = 0.9, kClearFraction = 0.001;
+// Width over which the alpha of a blended surface is averaged, as a fraction of its texture's width.
+constexpr double kBlendFraction = 1.0 / 64.0;
 constexpr std::uint8_t kNearlyClear = 16, kNearlyOpaque = 239;
 
 float linear_of_srgb(float x) { return linear_from_srgb(std::clamp(x, 0.0f, 1.0f)); }
@@ -64,7 +64,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// "%20" and the like, as URIs have them.
+/// Replaces URI escapes such as "%20".
 std::string without_escapes(const std::string& text) {
   std::string plain;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -82,7 +82,7 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, ignored);
 }
 
-/// The file of this name in a folder, whatever the case of its letters.
+/// Returns the file of this name in a folder, ignoring case.
 std::optional<fs::path> find_in(const fs::path& folder, const std::string& name) {
   std::error_code error;
   const std::string wanted = lower(name);
@@ -93,12 +93,12 @@ std::optional<fs::path> find_in(const fs::path& folder, const std::string& name)
   return std::nullopt;
 }
 
-/// Looks for a texture where the model says, then by any case, then by its bare name beside the model: paths in model
+/// Searches a texture at the path in the model, then ignoring case, then by file name beside the model: paths in model
 /// files are often those of the machine that wrote them.
 std::optional<fs::path> find_texture(const fs::path& folder, std::string name) {
   std::replace(name.begin(), name.end(), '\\', '/');
   name.erase(name.find_last_not_of(" \t\r") + 1);
-  // The last word, for options of MTL that the parser takes for a part of the name: "-colorspace sRGB wood.png".
+  // The last word, for MTL options that the parser includes in the name: "-colorspace sRGB wood.png".
   const std::string last_word = name.substr(name.find_last_of(' ') + 1);
   for (const std::string& spelling : {name, without_escapes(name), last_word}) {
     if (spelling.empty()) continue;
@@ -110,15 +110,15 @@ std::optional<fs::path> find_texture(const fs::path& folder, std::string name) {
   return std::nullopt;
 }
 
-/// Reads the textures of one file, each once.
-struct TextureShelf {
-  const aiScene* source;  // null for formats that embed none
+/// Reads the textures of one file, each of them once.
+struct TextureCache {
+  const aiScene* source;  // null for formats without embedded textures
   fs::path folder;
   Scene& scene;
-  std::map<std::string, int> index_of;  // by the name that the file gives; kNoTexture for those that failed
+  std::map<std::string, int> index_of;  // by the name in the file; kNoTexture if reading failed
 
   Result<Texture> embedded(const aiTexture& texture, const std::string& name) {
-    if (!texture.pcData) return file_error("the embedded texture '{}' holds no pixels", name);
+    if (!texture.pcData) return file_error("the embedded texture '{}' has no pixels", name);
     if (texture.mHeight == 0) {
       return decode_texture({reinterpret_cast<const std::uint8_t*>(texture.pcData), texture.mWidth},
                             "the embedded texture " + name);
@@ -140,12 +140,12 @@ struct TextureShelf {
       return embedded(*texture, name);
     }
     const std::optional<fs::path> path = find_texture(folder, name);
-    if (!path) return file_error("the texture '{}' is not there", name);
-    allow_for(*path);
+    if (!path) return file_error("the texture '{}' does not exist", name);
+    raise_limits_for(*path);
     return read_texture(*path);
   }
 
-  /// The index of a texture in the scene, or kNoTexture and a warning.
+  /// Returns the index of a texture in the scene, or kNoTexture after adding a warning.
   int find(const std::string& name) {
     if (const auto known = index_of.find(name); known != index_of.end()) return known->second;
     Result<Texture> texture = read(name);
@@ -160,7 +160,8 @@ struct TextureShelf {
     return index;
   }
 
-  /// The colour of one texture with the alpha of another: alpha where the other has any, else its brightness.
+  /// Returns a texture with the colour of one and the alpha of another: its alpha channel if it has one, else its
+  /// brightness.
   int find_with_mask(const std::string& color_name, const std::string& mask_name) {
     const std::string key = color_name + '\n' + mask_name;
     if (const auto known = index_of.find(key); known != index_of.end()) return known->second;
@@ -191,11 +192,11 @@ struct TextureShelf {
     return index_of[key] = int(scene.textures.size()) - 1;
   }
 
-  /// A texture with its alpha averaged over kBlendShare of its width: where a surface is more clear than opaque on the
-  /// whole, rather than in each grain of dirt, whose edges would be speckles. Small ones, such as palettes, have no
-  /// grain: they stay as they are.
+  /// Returns a copy of a texture with its alpha averaged over kBlendFraction of its width, to cut out regions that are
+  /// mostly clear and not each small spot, which would give a speckled border. Small textures, such as palettes, have
+  /// no such spots and stay unchanged.
   int find_blended(int index) {
-    const int radius = int(0.5 * kBlendShare * scene.textures[std::size_t(index)].width);
+    const int radius = int(0.5 * kBlendFraction * scene.textures[std::size_t(index)].width);
     if (radius < 1) return index;
     const std::string key = scene.textures[std::size_t(index)].name + "\nblended";
     if (const auto known = index_of.find(key); known != index_of.end()) return known->second;
@@ -208,7 +209,7 @@ struct TextureShelf {
   }
 
  private:
-  /// Twice the mean over 2 radius + 1 texels of each of `lines` lines of `length` texels, which repeat.
+  /// Applies a box filter of 2 radius + 1 texels twice to each of `lines` lines of `length` texels, which repeat.
   static void average_alpha(Texture& texture, int length, int lines, std::ptrdiff_t step, std::ptrdiff_t next,
                             int radius) {
     constexpr int kRounds = 2;
@@ -236,7 +237,7 @@ bool is_cut_out(const Texture& texture) {
     opaque += texture.rgba[i] > kNearlyOpaque;
   }
   const double count = double(texture.rgba.size() / 4);
-  return double(clear + opaque) >= kBinaryShare * count && double(clear) >= kClearShare * count;
+  return double(clear + opaque) >= kBinaryFraction * count && double(clear) >= kClearFraction * count;
 }
 
 bool has_clear_texels(const Texture& texture) {
@@ -251,7 +252,7 @@ void set_highlight_of_roughness(const aiMaterial& source, Material& material) {
   const std::optional<float> metalness = number_of(source, AI_MATKEY_METALLIC_FACTOR),
                              roughness = number_of(source, AI_MATKEY_ROUGHNESS_FACTOR);
   if (!metalness && !roughness) return;
-  // A map of roughness is not read, and the factors beside it say nothing; matte is right on the average.
+  // Roughness maps are not read, and the factors beside them have no meaning; matte is right on average.
   if (!texture_path(source, aiTextureType_DIFFUSE_ROUGHNESS).empty() ||
       !texture_path(source, aiTextureType_METALNESS).empty() || !texture_path(source, aiTextureType_UNKNOWN).empty()) {
     return;
@@ -277,8 +278,8 @@ void set_highlight(const aiMaterial& source, Material& material) {
   material.specular_exponent = std::clamp(*exponent, kMinExponent, kMaxExponent);
 }
 
-/// What a surface sends out by itself: where a texture says it, `gltf` does, too.
-void set_emission(const aiMaterial& source, const GltfMaterial* gltf, TextureShelf& shelf, Material& material) {
+/// Sets the emission. Emission textures are used only for glTF.
+void set_emission(const aiMaterial& source, const GltfMaterial* gltf, TextureCache& shelf, Material& material) {
   const std::string map = texture_path(source, aiTextureType_EMISSIVE);
   const auto emission = color_of(source, AI_MATKEY_COLOR_EMISSIVE);
   if (!emission || (!map.empty() && !gltf)) return;
@@ -294,13 +295,13 @@ void set_emission(const aiMaterial& source, const GltfMaterial* gltf, TextureShe
 }
 
 Material material_of(const aiMaterial& source, const std::string& format, const GltfMaterial* gltf,
-                     TextureShelf& shelf) {
+                     TextureCache& shelf) {
   Material material;
   aiString name;
   if (source.Get(AI_MATKEY_NAME, name) == AI_SUCCESS) material.name = name.C_Str();
   const bool is_gltf = format == "gltf" || format == "glb", unlit = gltf && gltf->unlit;
 
-  // STL, PLY and OFF know no materials, 3DS may have none: what stands there is a default of Assimp.
+  // STL, PLY and OFF have no materials, 3DS may have none: the material is then Assimp's default.
   constexpr const char* kDefaultOf3ds = "%%%DEFAULT";
   const bool made_up = (material.name == AI_DEFAULT_MATERIAL_NAME && !is_gltf) || material.name == kDefaultOf3ds;
   std::optional<glm::vec3> color = color_of(source, AI_MATKEY_BASE_COLOR);
@@ -309,7 +310,7 @@ Material material_of(const aiMaterial& source, const std::string& format, const 
   if (format == "3ds") albedo = {linear_of_srgb(albedo.x), linear_of_srgb(albedo.y), linear_of_srgb(albedo.z)};
   material.albedo = albedo;
   if (is_gltf) {
-    if (!unlit) set_highlight_of_roughness(source, material);  // what is drawn unlit elsewhere is matte here
+    if (!unlit) set_highlight_of_roughness(source, material);  // unlit materials are drawn matte
   } else if (!made_up) {
     set_highlight(source, material);
   }
@@ -325,7 +326,7 @@ Material material_of(const aiMaterial& source, const std::string& format, const 
     material.albedo = kNeutral;
     return material;
   }
-  // Some exporters write black beside a texture, which replaces the colour in their view.
+  // Some exporters write black beside a texture, which replaces the colour in their viewer.
   if (!is_gltf && albedo == glm::vec3(0.0f)) material.albedo = glm::vec3(1.0f);
 
   const Texture& texture = shelf.scene.textures[std::size_t(material.texture)];
@@ -337,7 +338,7 @@ Material material_of(const aiMaterial& source, const std::string& format, const 
     aiColor4D factor;
     if (source.Get(AI_MATKEY_BASE_COLOR, factor) == AI_SUCCESS && factor.a > 0.0f) material.alpha_cutoff /= factor.a;
   } else if (!has_mode || std::strcmp(mode.C_Str(), "OPAQUE") != 0) {
-    // Nothing is blended here: of a surface that the file blends, what is more clear than opaque is not drawn.
+    // There is no blending: of a blended surface only the parts with alpha of at least one half are drawn.
     material.alpha_mask = is_cut_out(texture);
     if (!material.alpha_mask && has_mode && has_clear_texels(texture)) {
       const int blended = shelf.find_blended(material.texture);
@@ -351,20 +352,20 @@ Material material_of(const aiMaterial& source, const std::string& format, const 
 }  // namespace
 
 void import_materials(const aiScene& source, const fs::path& file, const std::string& format, const GltfFacts& gltf,
-                      Scene& scene, std::vector<bool>& left_out) {
-  TextureShelf shelf{&source, file.parent_path(), scene, {}};
+                      Scene& scene, std::vector<bool>& not_drawn) {
+  TextureCache shelf{&source, file.parent_path(), scene, {}};
   for (unsigned i = 0; i < source.mNumMaterials; ++i) {
     const GltfMaterial* facts = i < gltf.materials.size() ? &gltf.materials[i] : nullptr;
     scene.materials.push_back(material_of(*source.mMaterials[i], format, facts, shelf));
     constexpr float kHalf = 0.5f;
     const bool blended = facts && facts->mode == "BLEND" && facts->alpha < kHalf,
                masked = facts && facts->mode == "MASK" && facts->alpha < facts->cutoff;
-    left_out.push_back(blended || masked);
+    not_drawn.push_back(blended || masked);
   }
 }
 
 int import_texture(const fs::path& file, const std::string& name, Scene& scene) {
-  TextureShelf shelf{nullptr, file.parent_path(), scene, {}};
+  TextureCache shelf{nullptr, file.parent_path(), scene, {}};
   return shelf.find(name);
 }
 

@@ -1,4 +1,4 @@
-// Import of materials: what Assimp says of a surface becomes a Material, and its textures are found and read.
+// Import of materials: converts Assimp's materials to Material, and finds and reads their textures.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -10,16 +10,17 @@ struct aiScene;
 
 namespace umbrage {
 
-/// Appends one Material per material of `source`, in order, with the textures they need; textures used twice are read
-/// once. What is missing becomes a sentence in scene.warnings. `format` is the file's ending in lower case.
+/// Appends one Material per material of `source`, in order, and the textures they need; a texture used twice is read
+/// once. Anything missing adds a sentence to scene.warnings. `format` is the file's extension in lower case.
 ///
-/// Colours: 3DS keeps what was picked on a screen and is taken as sRGB; the factors of all other formats are linear.
+/// Colours: 3DS stores colours as picked on a screen, taken as sRGB; the factors of all other formats are linear.
 ///
-/// Nothing is blended here: `left_out` gets, of each material, whether it is more clear than opaque everywhere.
+/// There is no blending: `not_drawn` receives, for each material, whether it is not drawn: its alpha factor is below
+/// 0.5 (BLEND) or below the cutoff (MASK).
 void import_materials(const aiScene& source, const std::filesystem::path& file, const std::string& format,
-                      const GltfFacts& gltf, Scene& scene, std::vector<bool>& left_out);
+                      const GltfFacts& gltf, Scene& scene, std::vector<bool>& not_drawn);
 
-/// Appends the texture `name` that the model `file` refers to. Returns its index, or kNoTexture after a warning.
+/// Appends the texture `name` that the model `file` refers to. Returns its index, or kNoTexture after adding a warning.
 int import_texture(const std::filesystem::path& file, const std::string& name, Scene& scene);
 
 }  // namespace umbrage

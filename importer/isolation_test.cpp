@@ -1,4 +1,4 @@
-// Import in a process of its own: whatever becomes of the reader, the program goes on and has a sentence to say.
+// Import in a separate process: whatever the reader does, the host continues and gets an error.
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
@@ -10,10 +10,10 @@
 #include <glm/geometric.hpp>
 #include <thread>
 
-#include "importer/import_here.h"
+#include "importer/import_in_process.h"
 #include "importer/limits.h"
 #include "run_program.h"
-#include "scene/readers/import_apart.h"
+#include "scene/readers/import_in_child_process.h"
 #include "scene/readers/transfer.h"
 
 namespace umbrage::test {
@@ -21,7 +21,7 @@ namespace {
 
 constexpr const char* kFaulty = "UMBRAGE_IMPORT=" UMBRAGE_FAULTY_IMPORT;
 
-/// The faulty reader instead of ours.
+/// Uses the faulty reader instead of umbrage-import.
 class IsolatedImport : public ProgramTest {
  protected:
   void SetUp() override {
@@ -33,7 +33,7 @@ class IsolatedImport : public ProgramTest {
     ProgramTest::TearDown();
   }
 
-  /// A model that is sound but for its name.
+  /// Returns a valid model under this name, which selects the fault.
   fs::path model(const std::string& name) {
     fs::copy_file(folder_ / "tri.obj", folder_ / name, fs::copy_options::overwrite_existing);
     return folder_ / name;
@@ -54,8 +54,8 @@ TEST_F(IsolatedImport, SurvivesWhatItsReaderDoes) {
   expect_error("abort.obj", "its reader crashed on it (Aborted)");
   expect_error("throw.obj", "its reader crashed on it (Aborted)");
   expect_error("exit.obj", "its reader crashed on it");
-  expect_error("killed.obj", "more memory than there is");
-  expect_error("liar.obj", "of another version");
+  expect_error("killed.obj", "more memory than is available");
+  expect_error("liar.obj", "another version");
 }
 
 TEST_F(IsolatedImport, StopsAReaderWithoutEnd) {
@@ -65,7 +65,7 @@ TEST_F(IsolatedImport, StopsAReaderWithoutEnd) {
 
 TEST_F(IsolatedImport, RefusesMemoryToAHungryReader) {
   if (!memory_can_be_limited()) GTEST_SKIP() << "a sanitizer has reserved all memory there is";
-  expect_error("hunger.obj", "needs more memory than there is");
+  expect_error("hunger.obj", "needs more memory than is available");
 }
 
 TEST_F(IsolatedImport, IsASentenceOfTheProgram) {
@@ -76,7 +76,7 @@ TEST_F(IsolatedImport, IsASentenceOfTheProgram) {
 }
 
 TEST_F(IsolatedImport, LeavesNoProcessBehind) {
-  // The program is killed while its reader lingers; what the reader has opened closes when it ends, too.
+  // The host is killed while its reader waits; the reader's open files close when it ends, too.
   int ends[2];
   ASSERT_EQ(::pipe(ends), 0);
   const std::string file = model("linger.obj").string(), started = file + ".started";
@@ -112,7 +112,7 @@ TEST_F(IsolatedImport, EndsWithItsReaderWhereItIsToldTo) {
 }
 
 TEST_F(IsolatedImport, WorksInAnyProgram) {
-  // One that ignores its children, has closed its standard files, and imports in several threads.
+  // A host that ignores its children, has closed its standard files, and imports in several threads.
   ::signal(SIGCHLD, SIG_IGN);
   const int input = ::dup(STDIN_FILENO);
   ::close(STDIN_FILENO);
@@ -171,7 +171,7 @@ Scene small_scene() {
 }
 
 TEST(Transfer, KeepsEveryField) {
-  // What is written, read and written again is the same to the last byte.
+  // Data that is written, read and written again is bitwise identical.
   Memory first, second;
   ASSERT_TRUE(send_import(first.file, small_scene()));
   const auto scene = receive_import(first.file);
@@ -197,7 +197,7 @@ TEST(Transfer, RefusesWhatIsNotWholeOrNotSound) {
     changed.fill(bytes.substr(0, size));
     EXPECT_FALSE(receive_import(changed.file)) << size << " of " << bytes.size();
   }
-  // Any byte may be another: then it is refused, or what is read is sound all the same.
+  // Any byte may change: the data is then rejected, or it is still consistent.
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     std::string other = bytes;
     other[i] = char(other[i] ^ 0xff);

@@ -1,3 +1,4 @@
+// Limits of processor time and address space, set with setrlimit and alarm.
 #include "importer/limits.h"
 
 #include <sys/resource.h>
@@ -10,13 +11,13 @@
 namespace umbrage {
 namespace {
 
-// OBJ, STL, 3DS and glTF take 0.01 to 0.1 s per megabyte and at most 20 bytes of memory per byte (docs/reliability.md):
-// a machine may be slow, a texture or a buffer tightly packed.
+// OBJ, STL, 3DS and glTF take 0.01 to 0.1 s per megabyte and at most 20 bytes of memory per byte (docs/reliability.md).
+// The limits allow for slow machines and for highly compressed textures or buffers.
 constexpr double kSecondsAtOnce = 8.0, kSecondsPerMegabyte = 2.0;
 constexpr double kMemoryAtOnce = 1.5e9, kMemoryPerByte = 200.0;
-constexpr double kWaitingPerSecond = 8.0;  ///< of elapsed time, on a machine where others work, too
+constexpr double kWaitingPerSecond = 8.0;  ///< elapsed time per second of processor time, for a busy machine
 
-double bytes_allowed = -1.0;  // below 0: limit_process was not called
+double bytes_allowed = -1.0;  // below 0: limit_process has not been called
 
 void set(int resource, double value) {
   rlimit limit{};
@@ -48,7 +49,7 @@ void limit_process() {
   apply();
 }
 
-void allow_for(const std::filesystem::path& file) {
+void raise_limits_for(const std::filesystem::path& file) {
   if (bytes_allowed < 0.0) return;
   std::error_code error;
   const auto size = std::filesystem::file_size(file, error);

@@ -1,17 +1,18 @@
-// What a process that imports may use: processor time and memory in proportion to the files that it reads.
+// Limits for an importing process: processor time and memory in proportion to the files that it reads.
 #pragma once
 #include <filesystem>
 
 namespace umbrage {
 
-/// Limits this process from here on to what no sound model needs: some processor time and memory at once, and more for
-/// each megabyte that allow_for names. It is ended by SIGXCPU, or by SIGALRM where it only waits; memory is refused.
+/// Limits this process to more than any valid model needs: a base amount of processor time and memory, plus an amount
+/// per megabyte passed to raise_limits_for. Exceeded time ends the process by SIGXCPU, or by SIGALRM if it only waits;
+/// exceeded memory makes allocations fail.
 void limit_process();
 
-/// Allows for a file that is about to be read. Does nothing before limit_process.
-void allow_for(const std::filesystem::path& file);
+/// Raises the limits for a file that is about to be read. Does nothing before limit_process.
+void raise_limits_for(const std::filesystem::path& file);
 
-/// Whether memory can be limited: not where a sanitizer has reserved terabytes.
+/// Returns whether memory can be limited: not with sanitizers, which reserve terabytes of address space.
 bool memory_can_be_limited();
 
 }  // namespace umbrage

@@ -1,5 +1,5 @@
-// umbrage-import: reads a model, or an image of what is around it, for the program that starts it.
-#include "importer/import_here.h"
+// umbrage-import: reads a model or a panorama for the host that starts it.
+#include "importer/import_in_process.h"
 #include "importer/serve.h"
 #include "scene/readers/texture_file.h"
 
@@ -8,7 +8,7 @@ int main(int argc, char** argv) {
   umbrage::serve_import(
       argc, argv,
       [](const std::filesystem::path& file, const umbrage::ImportSettings& settings) {
-        return umbrage::import_here(file, settings, kProcessEnds);
+        return umbrage::import_in_process(file, settings, kProcessEnds);
       },
       umbrage::read_panorama);
 }

@@ -1,4 +1,4 @@
-// The program umbrage-import, but for who reads.
+// The main function of umbrage-import, without the reader.
 #pragma once
 #include <functional>
 
@@ -10,8 +10,8 @@ namespace umbrage {
 using ImportFunction = std::function<Result<Scene>(const std::filesystem::path&, const ImportSettings&)>;
 using PanoramaFunction = std::function<Result<Panorama>(const std::filesystem::path&)>;
 
-/// Reads what import_apart or read_panorama_apart says on the command line, under the limits of importer/limits.h, and
-/// hands it over. Does not return.
+/// Parses the command line that import_in_child_process or read_panorama_in_child_process built, reads the file within
+/// the limits of importer/limits.h and sends the result. Does not return.
 [[noreturn]] void serve_import(int argc, char** argv, const ImportFunction& import, const PanoramaFunction& panorama);
 
 }  // namespace umbrage

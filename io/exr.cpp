@@ -1,14 +1,17 @@
-// OpenEXR images through the OpenEXR 3.1 library, float or half. Rests on "Technical Introduction to OpenEXR" (channel
-// and layer names, windows, parts) and on ImfStandardAttributes.h (what the camera attributes mean).
+// OpenEXR images through the OpenEXR 3.1 library, float or half. Based on "Technical Introduction to OpenEXR" (channel
+// and layer names, windows, parts) and on ImfStandardAttributes.h (meaning of the camera attributes).
 //
-// Names. Plane <-> channel: color.r <-> R (g, b, a alike), depth <-> depth.Z and layer1.depth <-> layer1.depth.Z,
-// normal.x <-> normal.X (endings r, g, b, a, x, y, z alike); other names are the same in the file. In a file of several
-// parts the channels of the first part and names with a dot are taken as they are, the others behind their part's name:
-// Z of the part Depth is Depth.z. Windows. An image is as large as the display window. Where the data window does not
-// reach, planes are 0 and depth is +infinity; what lies outside the display window is dropped. Values. Integer channels
-// become floats, exact up to 2^24. Deep and subsampled channels are refused.
+// Names. Plane <-> channel: color.r <-> R (the same for g, b, a), depth <-> depth.Z and layer1.depth <->
+// layer1.depth.Z, normal.x <-> normal.X (the same for endings r, g, b, a, x, y, z); other names are unchanged. In a
+// file of several parts the channels of the first part and names with a dot are unchanged; other names follow the name
+// of their part: Z of the part Depth is Depth.z.
 //
-// Compression is chosen for speed at a usual size. Processor time of one core of an AMD EPYC (Zen 4), OpenEXR 3.1.5,
+// Windows. An image has the size of the display window. Outside the data window, planes are 0 and depth is +infinity;
+// pixels outside the display window are dropped.
+//
+// Values. Integer channels become floats, exact up to 2^24. Deep and subsampled channels are rejected.
+//
+// Compression is chosen for speed at a typical size. Processor time of one core of an AMD EPYC (Zen 4), OpenEXR 3.1.5,
 // 1024 x 1024, 12 planes (shaded colour, depth, normal, albedo, noisy occlusion, id), median of 5:
 //                  float                            half
 //   ZIP, level 1   write 394 ms,  read 214 ms,  15.6 MB     193 ms,   88 ms,   6.2 MB    <- used
@@ -18,10 +21,10 @@
 //   RLE            write 136 ms,  read 185 ms,  37.5 MB      96 ms,   66 ms,  12.3 MB
 //   none           write  40 ms,  read 120 ms,  50.3 MB      53 ms,   37 ms,  29.4 MB
 //
-// Threads. The library's own are one pool of the whole process, whose size is its host's business; with none in it, as
-// it comes, the number that a file is opened with changes nothing. Blocks are therefore compressed here, by oneTBB's
-// threads, each as a file in memory of that block alone, and their bytes, which are the same as in a whole file, are
-// put one after the other; rows are read through a file for each thread.
+// Threads. The library's threads are one pool of the process, and its size is up to the host; in the default pool
+// without threads, the thread number given for a file has no effect. Blocks are therefore compressed here, by oneTBB's
+// threads, each as a file in memory of that block alone; its bytes, which are the same as in a complete file, are
+// concatenated. Rows are read through one file object per thread.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -55,7 +58,7 @@ namespace {
 
 constexpr Imf::Compression kCompression = Imf::ZIP_COMPRESSION;
 constexpr int kZipLevel = 1;
-constexpr int kBlockRows = 16;  // of ZIP
+constexpr int kBlockRows = 16;  // rows per block of ZIP
 constexpr int kReadThreads = 2;
 constexpr bool kNoRepair = false;  // an unfinished file is an error, not a picture with holes
 
@@ -63,16 +66,16 @@ constexpr std::string_view kColor = "color.";
 constexpr std::string_view kDepth = "depth", kDepthEnding = ".Z";
 constexpr std::string_view kSmallLetters = "rgbaxyz", kCapitals = "RGBAXYZ";
 
-/// As many as asked for, 0 being all, but no more than the machine has.
+/// Returns the requested number of threads, 0 being all, but at most the number of the machine.
 int thread_count(int wish) {
-  const int most = tbb::info::default_concurrency();
-  return wish > 0 ? std::min(wish, most) : most;
+  const int max = tbb::info::default_concurrency();
+  return wish > 0 ? std::min(wish, max) : max;
 }
 
-/// The letter after the last dot where that is all there is, or 0.
+/// Returns the last letter if a dot precedes it, else 0.
 char last_letter(std::string_view name) { return name.size() > 2 && name[name.size() - 2] == '.' ? name.back() : '\0'; }
 
-/// What follows the last dot.
+/// Returns the text after the last dot.
 std::string_view last_word(std::string_view name) { return name.substr(name.rfind('.') + 1); }
 
 std::string channel_of(std::string_view plane) {
@@ -98,13 +101,13 @@ std::string plane_of(std::string_view channel) {
   return plane;
 }
 
-/// Planes that half would spoil: ids above 2048 are no longer told apart, depth gets steps.
+/// Returns whether half is too coarse for a plane: ids above 2048 become ambiguous, depth becomes stepped.
 bool needs_float(std::string_view plane) {
   const std::string_view word = last_word(plane);
   return word == "depth" || word == "id" || word.ends_with("_id");
 }
 
-/// A text from a file, fit for a terminal.
+/// Replaces control characters, so that a text from a file is safe for a terminal.
 std::string printable(std::string_view text) {
   std::string out(text);
   for (char& c : out)
@@ -112,14 +115,14 @@ std::string printable(std::string_view text) {
   return out;
 }
 
-/// What the library says without its first sentence, which repeats the file's name.
+/// Returns the library's message without its first sentence, which repeats the file's name.
 std::string cause(const std::exception& exception) {
   const std::string text = exception.what();
   const std::size_t end = text.find("\". ");
   return printable(end == std::string::npos ? text : text.substr(end + 3));
 }
 
-/// A file in memory.
+/// An output file in memory.
 class Stream : public Imf::OStream {
  public:
   Stream() : Imf::OStream("image") {}
@@ -155,18 +158,18 @@ void add_camera(Imf::Header& header, const Camera& camera) {
   Imf::addWorldToCamera(header, imath(matrices.camera_from_world));
   Imf::addWorldToNDC(header, imath(matrices.ndc_from_world));
   if (camera.projection != Projection::kPerspective) return;
-  // OpenEXR's screen window lies at distance 1, as ours does.
+  // OpenEXR's screen window is at distance 1, as in Camera.
   header.screenWindowWidth() = camera.right - camera.left;
   header.screenWindowCenter() = Imath::V2f((camera.left + camera.right) / 2, (camera.bottom + camera.top) / 2);
 }
 
-/// Some rows of an image: row `row` of `image` is the file's row `first`.
+/// Rows of an image: row `row` of `image` is the file's row `first`.
 struct Rows {
   const Image* image;
   int row, first, count;
 };
 
-/// The bytes of a file of these rows alone, as these channels, of which the first `before` are header and table.
+/// Returns the bytes of a file with only these rows, as these channels. The first `before` bytes are header and table.
 std::string file_of(const Rows& rows, const std::vector<std::string>& channels, Imf::Header header,
                     std::size_t& before) {
   header.dataWindow().min.y = rows.first;
@@ -190,7 +193,8 @@ std::string file_of(const Rows& rows, const std::vector<std::string>& channels, 
     pixels.insert(channels[p], Imf::Slice::Make(type, start, origin, plane.width, rows.count, step, stride));
   }
   Stream stream;
-  constexpr std::size_t kUsualRatio = 2;  // of floats; memory that is not used costs nothing
+  // Typical compression ratio of floats; reserved memory that is not used costs nothing.
+  constexpr std::size_t kUsualRatio = 2;
   stream.bytes.reserve(channels.size() * std::size_t(rows.image->width) * rows.count * sizeof(float) / kUsualRatio);
   {
     Imf::OutputFile output(stream, header, 0);
@@ -201,7 +205,7 @@ std::string file_of(const Rows& rows, const std::vector<std::string>& channels, 
   return std::move(stream.bytes);
 }
 
-/// Takes an image's rows from its top down and writes the file, whose blocks so many threads compress.
+/// Takes an image's rows from top to bottom and writes the file; `threads` threads compress its blocks.
 class BlockWriter {
  public:
   BlockWriter(std::FILE* out, const Imf::Header& header, const std::vector<std::string>& channels, int threads)
@@ -225,7 +229,7 @@ class BlockWriter {
         row += whole;
         continue;
       }
-      // Part of a block: it waits for the rest.
+      // An incomplete block waits for the remaining rows.
       const int count = std::min(left, std::min(kBlockRows - in_block, height_ - next_));
       if (in_block == 0) part_ = Image(width_, kBlockRows);
       for (std::size_t p = 0; p < channels_.size(); ++p) {
@@ -239,7 +243,7 @@ class BlockWriter {
     }
   }
 
-  /// After all rows.
+  /// Writes the table of offsets. Call it after all rows.
   void finish() {
     if (::fseeko(out_, off_t(table_at_), SEEK_SET) != 0) throw std::runtime_error(std::strerror(errno));
     std::string table;
@@ -254,14 +258,14 @@ class BlockWriter {
     at_ += count;
   }
 
-  /// Whole blocks, and the image's last one.
+  /// Compresses and appends complete blocks, or the image's last one.
   void compress(const Rows& rows) {
     struct Part {
       std::string file;
       std::size_t before = 0;
     };
-    // The library makes room anew for each file: a few blocks share one.
-    constexpr int kParts = 8, kMaxBlocks = 8;  // parts of each thread
+    // The library allocates buffers for each file: several blocks share one.
+    constexpr int kParts = 8, kMaxBlocks = 8;  // kParts: per thread
     const int blocks = (rows.count + kBlockRows - 1) / kBlockRows;
     const int together = kBlockRows * std::clamp(blocks / (kParts * arena_.max_concurrency()), 1, kMaxBlocks);
     int begun = 0;
@@ -282,7 +286,7 @@ class BlockWriter {
     arena_.execute([&] { tbb::parallel_pipeline(2 * std::size_t(arena_.max_concurrency()), next & file & append); });
   }
 
-  /// Blocks as they lie in a file: row, size and that many bytes.
+  /// Appends blocks in the file's form: row, size and that many bytes.
   void add(std::string_view blocks) {
     constexpr std::size_t kSizeAt = 4, kBytesAt = 8;
     for (std::size_t at = 0; at + kBytesAt <= blocks.size();) {
@@ -300,9 +304,9 @@ class BlockWriter {
   const std::vector<std::string>& channels_;
   tbb::task_arena arena_;
   int width_ = 0, height_ = 0;
-  int next_ = 0;          // row
-  Image part_;            // of a block
-  std::uint64_t at_ = 0;  // in the file
+  int next_ = 0;          // next row
+  Image part_;            // an incomplete block
+  std::uint64_t at_ = 0;  // position in the file
   std::size_t table_at_ = 0;
   std::vector<std::uint64_t> offsets_;
 };
@@ -320,9 +324,9 @@ Result<void> write(const fs::path& file, const ImageShape& image, const WriteSet
   std::vector<std::string> channels;
   for (const std::string& name : image.names) {
     const std::string channel = channel_of(name);
-    if (channel.empty() || channel.size() > 255)  // the format's longest name
-      return file_error("'{}' cannot be written: '{}' is no channel name, which has 1 to 255 bytes", file.string(),
-                        name);
+    if (channel.empty() || channel.size() > 255)  // the format's limit for names
+      return file_error("'{}' cannot be written: '{}' is not a channel name; it must have 1 to 255 bytes",
+                        file.string(), name);
     if (header.channels().findChannel(channel))
       return file_error("'{}' cannot be written: '{}' and another plane would both be the channel '{}'", file.string(),
                         name, channel);
@@ -333,7 +337,7 @@ Result<void> write(const fs::path& file, const ImageShape& image, const WriteSet
     header.channels().insert(channel, Imf::Channel(type));
     channels.push_back(channel);
   }
-  return write_whole(file, [&](std::FILE* out) -> Result<void> {
+  return write_atomically(file, [&](std::FILE* out) -> Result<void> {
     BlockWriter writer(out, header, channels, settings.threads);
     const auto made = make([&](const Image& rows) -> Result<void> {
       writer.take(rows);
@@ -345,7 +349,7 @@ Result<void> write(const fs::path& file, const ImageShape& image, const WriteSet
   });
 }
 
-/// Whether a channel is depth: one of that name, or Z without X beside it.
+/// Returns whether a channel is depth: its name is depth, or Z without an X beside it.
 bool is_depth(std::string_view channel, const Imf::ChannelList& channels) {
   if (last_word(channel) == kDepth) return true;
   if (last_word(channel) != "Z") return false;
@@ -354,7 +358,7 @@ bool is_depth(std::string_view channel, const Imf::ChannelList& channels) {
   return !channels.findChannel(beside);
 }
 
-/// `plane`, which covers `data`, moved to where it lies in `display`.
+/// Returns `plane`, which covers `data`, moved to its position in `display`.
 Plane placed(const Plane& plane, const Imath::Box2i& data, const Imath::Box2i& display, float outside) {
   Plane out(display.max.x - display.min.x + 1, display.max.y - display.min.y + 1, outside);
   const int x0 = std::max(data.min.x, display.min.x), x1 = std::min(data.max.x, display.max.x);
@@ -369,10 +373,10 @@ Result<void> check_window(const fs::path& file, const Imath::Box2i& window) {
   return check_size(file, std::int64_t(window.max.x) - window.min.x + 1, std::int64_t(window.max.y) - window.min.y + 1);
 }
 
-/// Reads a part's rows by several threads, each through a file of its own.
+/// Reads a part's rows with several threads, each through its own file object.
 void read_rows(const fs::path& file, int index, const Imath::Box2i& data, const Imf::FrameBuffer& pixels,
                Imf::MultiPartInputFile& input) {
-  constexpr int kMaxBlock = 256;  // rows, of DWAB; a block that two threads want is decompressed by both
+  constexpr int kMaxBlock = 256;  // rows per block of DWAB; a block needed by two threads is decompressed twice
   const auto read_from = [&](Imf::MultiPartInputFile& from, int first, int last) {
     Imf::InputPart reader(from, index);
     reader.setFrameBuffer(pixels);
@@ -400,7 +404,7 @@ Result<void> read_part(const fs::path& file, Imf::MultiPartInputFile& input, int
     return file_error("'{}' has {} data in its part '{}': only flat images can be read, so flatten it first",
                       file.string(), printable(header.type()), printable(part));
   const Imath::Box2i& data = header.dataWindow();
-  const Imath::Box2i& display = input.header(0).displayWindow();  // all parts share it
+  const Imath::Box2i& display = input.header(0).displayWindow();  // common to all parts
   if (Result<void> sane = check_window(file, data); !sane) return sane;
   const int width = data.max.x - data.min.x + 1, height = data.max.y - data.min.y + 1;
   Imf::FrameBuffer pixels;
@@ -408,8 +412,8 @@ Result<void> read_part(const fs::path& file, Imf::MultiPartInputFile& input, int
   for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
     const Imf::Channel& channel = it.channel();
     if (channel.xSampling != 1 || channel.ySampling != 1)
-      return file_error("'{}' has the channel '{}' at {} x {} subsampling: every pixel needs its value", file.string(),
-                        printable(it.name()), channel.xSampling, channel.ySampling);
+      return file_error("'{}' has the channel '{}' at {} x {} subsampling: subsampled channels cannot be read",
+                        file.string(), printable(it.name()), channel.xSampling, channel.ySampling);
     Plane& plane = planes.emplace(it.name(), Plane(width, height)).first->second;
     pixels.insert(it.name(),
                   Imf::Slice::Make(Imf::FLOAT, plane.data(), data, sizeof(float), plane.stride * sizeof(float)));
@@ -418,7 +422,8 @@ Result<void> read_part(const fs::path& file, Imf::MultiPartInputFile& input, int
   for (auto& [channel, plane] : planes) {
     const std::string full = index > 0 ? part + "." + channel : channel;
     std::string name = plane_of(channel.find('.') == std::string::npos ? full : channel);
-    // Where a file has both forms of a name, as N.X and N.x, or two parts the same name, all are kept apart.
+    // If a file has both forms of a name, such as N.X and N.x, or two parts with the same name, all of them are kept
+    // under different names.
     if ((name != channel && header.channels().findChannel(name)) || image.find(printable(name))) name = full;
     name = printable(name);
     if (image.find(name))
@@ -430,7 +435,7 @@ Result<void> read_part(const fs::path& file, Imf::MultiPartInputFile& input, int
   return {};
 }
 
-/// Reads up to a zero byte; false where the file ends before or the text is no name.
+/// Reads a name up to a zero byte. Returns false if the file ends before, or if the name is too long.
 bool read_name(std::FILE* stream, std::string& name) {
   constexpr int kMaxLength = 256;
   name.clear();
@@ -443,7 +448,7 @@ bool read_name(std::FILE* stream, std::string& name) {
   return false;
 }
 
-/// The next numbers of four bytes; false where the file ends before.
+/// Reads the next 4-byte numbers. Returns false if the file ends before.
 bool read_numbers(std::FILE* stream, std::span<std::int64_t> numbers) {
   for (std::int64_t& number : numbers) {
     unsigned char bytes[4];
@@ -454,7 +459,7 @@ bool read_numbers(std::FILE* stream, std::span<std::int64_t> numbers) {
   return true;
 }
 
-/// Bytes of a value of that type; 0 where they are not always as many.
+/// Returns the size of a value of that type in bytes; 0 if it varies.
 std::int64_t size_of(std::string_view type) {
   static constexpr std::pair<std::string_view, std::int64_t> kSizes[] = {{"box2f", 16},
                                                                          {"box2i", 16},
@@ -485,8 +490,9 @@ std::int64_t size_of(std::string_view type) {
   return 0;
 }
 
-/// Whether a value, at which the stream stands, takes the bytes that the header claims. The library trusts the claim of
-/// some types and for others reads what it needs, after which it would see other attributes than check_headers.
+/// Returns whether the value at the stream's position has the size that the header claims. The library relies on the
+/// claim for some types and reads what it needs for others; with a wrong claim it would see other attributes than
+/// check_headers.
 bool takes(std::FILE* stream, std::string_view type, std::int64_t claimed) {
   const std::int64_t end = std::ftell(stream) + claimed;
   if (type == "preview") {
@@ -507,7 +513,7 @@ bool takes(std::FILE* stream, std::string_view type, std::int64_t claimed) {
   return size == 0 || size == claimed;
 }
 
-/// Whether the value is a window or the size of tiles for which the library would make huge tables.
+/// Returns whether the value is a window or a tile size for which the library would allocate huge tables.
 bool is_huge(std::FILE* stream, std::string_view name, std::string_view type) {
   std::array<std::int64_t, 4> numbers{};
   if (type == "box2i" && (name == "dataWindow" || name == "displayWindow"))
@@ -517,16 +523,16 @@ bool is_huge(std::FILE* stream, std::string_view name, std::string_view type) {
   return std::uint32_t(numbers[0]) > kMaxSide || std::uint32_t(numbers[1]) > kMaxSide;
 }
 
-/// Walks the headers before the library sees them, which makes room for what a damaged one claims before it looks: up
-/// to 2 GB for an attribute, and tables for windows of any size. Errors: kFile.
+/// Checks the headers before the library reads them, since it allocates what a damaged header claims without a check:
+/// up to 2 GB for an attribute, and tables for windows of any size. Errors: kFile.
 Result<void> check_headers(const fs::path& file, std::FILE* stream, std::int64_t size) {
-  constexpr int kFlags = 5, kHeaders = 8;  // where they stand
+  constexpr int kFlags = 5, kHeaders = 8;  // byte offsets
   constexpr int kSeveralParts = 0x10;      // in the second byte of the version
   const Error damaged = file_error("'{}' cannot be read as EXR: its header is cut short or damaged", file.string());
   std::fseek(stream, kFlags, SEEK_SET);
   const int flags = std::fgetc(stream);
   std::fseek(stream, kHeaders, SEEK_SET);
-  // A header is attributes and an empty name; several headers end with an empty one.
+  // A header is a list of attributes and an empty name; several headers end with another empty name.
   std::string name, type;
   bool first = true;
   while (true) {
@@ -542,15 +548,15 @@ Result<void> check_headers(const fs::path& file, std::FILE* stream, std::int64_t
     std::fseek(stream, value, SEEK_SET);
     if (is_huge(stream, name, type))
       return file_error(
-          "'{}' says that its windows or tiles are larger than {} pixels a side, which is the most that "
-          "can be read",
+          "'{}' has windows or tiles in its header that are larger than {} pixels a side, the maximum that can "
+          "be read",
           file.string(), kMaxSide);
     if (std::fseek(stream, value + long(bytes), SEEK_SET) != 0) return damaged;
   }
 }
 
-/// How often smaller a compression can make pixels at best: deflate 1032 times, and DWA and PIZ what run lengths have
-/// shortened 64 times before. A shorter file cannot hold what a damaged header promises.
+/// Returns the maximum compression ratio: 1032 for deflate, times 64 for the preceding run-length step of DWA and PIZ.
+/// A shorter file cannot contain the pixels that a damaged header claims.
 std::int64_t best_ratio(Imf::Compression compression) {
   constexpr std::int64_t kDeflate = 1032, kRuns = 64;
   const bool runs_first = compression == Imf::PIZ_COMPRESSION || compression == Imf::DWAA_COMPRESSION ||
@@ -588,17 +594,17 @@ Result<Image> read(const fs::path& file) {
     if (values > kMaxValues)
       return file_error("'{}' has {} values in {} x {} pixels: at most {} can be read", file.string(), values,
                         image.width, image.height, kMaxValues);
-    // A crop may be a small part of its frame, but a frame of gigabytes with next to nothing in it is a damaged header.
+    // A crop may be a small part of its frame, but a frame of gigabytes with almost no data is a damaged header.
     constexpr std::int64_t kMaxEmpty = std::int64_t(1) << 27, kMaxTimes = 64;
     if (values > kMaxEmpty + kMaxTimes * stored)
-      return file_error("'{}' says that its frame is {} x {} pixels, of which it holds too few", file.string(),
+      return file_error("'{}' has a frame of {} x {} pixels in its header, but data for too few of them", file.string(),
                         image.width, image.height);
     for (int part = 0; part < input.parts(); ++part)
       if (Result<void> done = read_part(file, input, part, image); !done) return done.error();
     if (image.planes.empty()) return file_error("'{}' has no channels", file.string());
     return image;
   } catch (const std::bad_alloc&) {
-    throw;  // read_image has a sentence for that
+    throw;  // read_image returns an error for it
   } catch (const std::exception& exception) {
     return file_error("'{}' cannot be read as EXR: {}", file.string(), cause(exception));
   }

@@ -1,4 +1,4 @@
-// Rests on OpenEXR's ImfStandardAttributes.h, which defines both matrices.
+// Conversion between Camera and OpenEXR's matrices, as ImfStandardAttributes.h defines them.
 #include "io/exr_camera.h"
 
 #include <cmath>
@@ -8,10 +8,10 @@
 namespace umbrage {
 namespace {
 
-/// Matrices come from float attributes, the inverse of one adds to their error.
+/// Matrices come from float attributes; inverting one of them adds to their error.
 constexpr double kTolerance = 1e-3;
 
-/// Our view space looks along -z, OpenEXR's along +z.
+/// Flips z: Camera's view space looks along -z, OpenEXR's along +z.
 glm::dmat4 with_z_turned(glm::dmat4 m) {
   for (int i = 0; i < 4; ++i) m[i][2] = -m[i][2];
   return m;
@@ -23,7 +23,7 @@ bool is_rigid(const glm::dmat4& m) {
   double worst = std::abs(m[0][3]) + std::abs(m[1][3]) + std::abs(m[2][3]) + std::abs(m[3][3] - 1.0);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) worst += std::abs(product[i][j] - (i == j ? 1.0 : 0.0));
-  return worst <= kTolerance;  // not for NaN
+  return worst <= kTolerance;  // false for NaN
 }
 
 }  // namespace
@@ -50,12 +50,12 @@ ExrCamera exr_camera(const Camera& camera) {
 std::optional<Camera> camera_from(const ExrCamera& matrices) {
   if (!is_rigid(matrices.camera_from_world)) return std::nullopt;
   const glm::dmat4 ndc = matrices.ndc_from_world * glm::inverse(matrices.camera_from_world);
-  // Of w = ndc[.][3] only depth (perspective) or only the constant (parallel) may count, and of u and v that one and
-  // x or y: the column `used` holds the offset of the window, the other of the two is empty.
+  // In w = ndc[.][3] only the depth (perspective) or only the constant (parallel) may be non-zero; in u and v only that
+  // one and x or y. The column `used` holds the offset of the window, the column `other` must be zero.
   const bool perspective = std::abs(ndc[2][3]) > std::abs(ndc[3][3]);
   const int used = perspective ? 2 : 3, other = perspective ? 3 : 2;
   const double w = ndc[used][3];
-  // Rounding of the constants grows with the distance from the world's origin.
+  // Rounding errors of the constants grow with the distance from the world's origin.
   const double reach = 1.0 + glm::length(glm::dvec3(matrices.camera_from_world[3]));
   const double apart = std::abs(ndc[other][0]) + std::abs(ndc[other][1]) + std::abs(ndc[other][3]);
   const double strays = std::abs(ndc[0][3]) + std::abs(ndc[1][3]) + std::abs(ndc[1][0]) + std::abs(ndc[0][1]) +

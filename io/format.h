@@ -1,5 +1,5 @@
-// What the image formats share: the entry of each in the table, the choice of planes for a picture, limits on what is
-// read, and files that appear whole or not at all.
+// Parts that the image formats have in common: their table entries, the choice of planes for a picture, limits for
+// reading, and atomic writing of files.
 #pragma once
 #include <cstdint>
 #include <cstdio>
@@ -14,38 +14,42 @@ namespace umbrage {
 
 extern const ImageFormat kPng, kExr, kPfm;
 
-/// Larger pictures are refused before memory is asked for: no camera makes them, damaged headers do.
+/// Larger pictures are rejected before memory is allocated: only damaged headers have such sizes.
 inline constexpr std::int64_t kMaxSide = 65536, kMaxPixels = std::int64_t(1) << 28;
 
-/// Whether a size read from a file is sane; the error names the file.
+/// Checks the size of a picture that is read from a file. Errors: kFile, naming the file.
 Result<void> check_size(const std::filesystem::path& file, std::int64_t width, std::int64_t height);
 
-/// How a file's name ends, without the dot and in lower case, such as "png"; empty where there is no ending.
+/// Returns the file's extension in lower case without the dot, such as "png"; empty if there is none.
 std::string ending_of(const std::filesystem::path& file);
 
-/// The planes of a picture: color.r, color.g, color.b and, if wanted and there, color.a; or the only plane.
+/// Returns the planes of a picture: color.r, color.g, color.b and, with `with_alpha` and if present, color.a; or the
+/// only plane. Errors: kFile for an image without pixels, and for one that has neither the colour planes nor a single
+/// plane.
 Result<std::vector<const Plane*>> picture_planes(const std::filesystem::path& file, const Image& image,
                                                  bool with_alpha);
 
-/// An image of that shape whose planes have no pixels.
-Image bare_image(const ImageShape& shape);
+/// Returns an image of that shape with planes without pixels.
+Image image_without_pixels(const ImageShape& shape);
 
-/// The shape of an image, and its rows all at once.
+/// Returns the shape of an image.
 ImageShape shape_of(const Image& image);
+/// Returns a source of rows that passes on the whole image at once.
 MakeImageRows rows_of(const Image& image);
 
-/// An image with planes for `channels` values per pixel: one is `grey`, more are color.r, color.g, color.b, color.a.
+/// Returns an image with `channels` planes: `grey` for one, else color.r, color.g, color.b, color.a.
 Image picture(int width, int height, int channels);
 
-/// Lets `write` fill a file beside `file`, then renames it. On any failure the new file is removed and an older `file`
-/// stays as it was. Devices and pipes are written to directly. `write` may leave errors of the disk to this function.
-Result<void> write_whole(const std::filesystem::path& file, const std::function<Result<void>(std::FILE*)>& write);
+/// Calls `write` on a temporary file beside `file`, then renames it. On any failure the temporary file is removed and
+/// an existing `file` is unchanged. Devices and pipes are written directly. `write` need not report disk errors.
+Result<void> write_atomically(const std::filesystem::path& file, const std::function<Result<void>(std::FILE*)>& write);
 
-/// A file that another program fills beside `file`, under the name path(); keep() makes it `file`. What is not kept is
-/// removed, also by abandon_writes.
+/// A temporary file beside `file` that another program fills, under the name path(); keep() renames it to `file`.
+/// Without keep() it is removed, also by abandon_writes.
 class PartFile {
  public:
-  /// Errors: kFile, as of check_writable, and for devices and pipes.
+  /// Checks that `file` can be written and chooses the temporary name. Errors: kFile, as check_writable, and for
+  /// devices and pipes.
   static Result<std::unique_ptr<PartFile>> begin(const std::filesystem::path& file);
   ~PartFile();
   PartFile(const PartFile&) = delete;
@@ -58,13 +62,13 @@ class PartFile {
   std::unique_ptr<State> state_;
 };
 
-/// An open file that closes itself.
+/// Deleter for an open file.
 struct CloseFile {
   void operator()(std::FILE* stream) const { std::fclose(stream); }
 };
 using InputFile = std::unique_ptr<std::FILE, CloseFile>;
 
-/// Opens a file to read; the error names it and says why not. `size` becomes its length in bytes.
+/// Opens a file for reading; `size` receives its length in bytes. Errors: kFile, naming the file and the cause.
 Result<InputFile> open_to_read(const std::filesystem::path& file, std::int64_t& size);
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// The table of image formats, the choice among them, and files that appear whole or not at all.
+// The table of image formats, the choice of a format, and atomic writing of files.
 #include "io/image_file.h"
 
 #include <fcntl.h>
@@ -19,7 +19,7 @@ namespace umbrage {
 namespace fs = std::filesystem;
 namespace {
 
-/// "a, b or c".
+/// Returns the words as "a, b or c".
 std::string listed(const std::vector<std::string>& words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i)
@@ -31,8 +31,8 @@ fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.
 
 bool allowed(const fs::path& path, int access) { return ::faccessat(AT_FDCWD, path.c_str(), access, AT_EACCESS) == 0; }
 
-/// The name of the file that is filled before it becomes `file`. The counter keeps threads apart, the process number
-/// programs; the name is cut so that the addition still fits where names may have 255 bytes.
+/// Returns the name of the temporary file beside `file`. The counter distinguishes threads, the process number
+/// programs; the name is truncated so that the suffix fits where names may have 255 bytes.
 fs::path part_of(const fs::path& file) {
   static std::atomic<int> count = 0;
   constexpr std::size_t kMaxStemLength = 200;
@@ -44,7 +44,8 @@ Error write_error(const fs::path& file, int cause) {
   return file_error("'{}' cannot be written: {}", file.string(), std::strerror(cause));
 }
 
-/// Runs `write` on the stream and closes it. Exceptions end here: a library's mean that the file cannot be written.
+/// Runs `write` on the stream and closes it. Catches exceptions: one of a library becomes the error that the file
+/// cannot be written.
 Result<void> fill(const fs::path& file, std::FILE* stream, const std::function<Result<void>(std::FILE*)>& write) {
   errno = 0;
   Result<void> done;
@@ -57,7 +58,7 @@ Result<void> fill(const fs::path& file, std::FILE* stream, const std::function<R
   } catch (const std::exception& exception) {
     done = file_error("'{}' cannot be written: {}", file.string(), exception.what());
   }
-  // A short write is known here by its cause; what a library made of it says less.
+  // For a short write errno names the cause better than a library's message.
   int cause = std::ferror(stream) ? errno : 0;
   if (std::fclose(stream) != 0 && cause == 0) cause = errno;
   if (cause != 0) return write_error(file, cause);
@@ -88,10 +89,10 @@ Result<const ImageFormat*> format_of(const fs::path& file) {
     dotted.push_back("." + endings.back());
   }
   if (ending.empty())
-    return usage_error("'{}' has no ending that names an image format: it should be {}", file.string(), listed(dotted));
+    return usage_error("'{}' has no ending of an image format; it should be {}", file.string(), listed(dotted));
   const std::string nearest = suggestion(ending, endings);
   const bool near = nearest.find("did you mean") != std::string::npos;
-  return usage_error("'{}' ends in '.{}', which is no image format here: it should be {}{}", file.string(), ending,
+  return usage_error("'{}' ends in '.{}', which is not a known image format; it should be {}{}", file.string(), ending,
                      listed(dotted), near ? nearest : "");
 }
 
@@ -108,7 +109,7 @@ Result<void> check_writable(const fs::path& file) {
   }
   const bool exists = fs::exists(file, ignored);
   if (exists && !allowed(file, W_OK))
-    return file_error("'{}' cannot be written: the file is there and write-protected", file.string());
+    return file_error("'{}' cannot be written: the file exists and is write-protected", file.string());
   if ((!exists || fs::is_regular_file(file, ignored)) && !allowed(folder, W_OK | X_OK))
     return file_error("'{}' cannot be written: {} on folder '{}'", file.string(), std::strerror(errno),
                       folder.string());
@@ -117,7 +118,7 @@ Result<void> check_writable(const fs::path& file) {
 
 Result<void> check_size(const fs::path& file, std::int64_t width, std::int64_t height) {
   if (width >= 1 && height >= 1 && width <= kMaxSide && height <= kMaxSide && width * height <= kMaxPixels) return {};
-  return file_error("'{}' says that it is {} x {} pixels: 1 to {} a side and at most {} in all can be read",
+  return file_error("'{}' has {} x {} pixels in its header: 1 to {} a side and at most {} in total can be read",
                     file.string(), width, height, kMaxSide, kMaxPixels);
 }
 
@@ -133,12 +134,12 @@ Result<std::vector<const Plane*>> picture_planes(const fs::path& file, const Ima
   std::string names;
   for (const std::string& name : image.names) names += (names.empty() ? "" : ", ") + name;
   return file_error(
-      "'{}' cannot be written: a picture needs the planes color.r, color.g and color.b, or one plane alone, and this "
+      "'{}' cannot be written: a picture needs the planes color.r, color.g and color.b, or a single plane, and this "
       "image has {}; an .exr file takes any planes",
       file.string(), names.empty() ? "none" : names);
 }
 
-Image bare_image(const ImageShape& shape) {
+Image image_without_pixels(const ImageShape& shape) {
   Image image(shape.width, shape.height);
   image.names = shape.names;
   image.planes.resize(shape.names.size());
@@ -164,13 +165,13 @@ Image picture(int width, int height, int channels) {
 
 namespace {
 
-/// The temporary files being written, for a signal handler, which may read nothing but lock-free atomics. A write that
-/// finds no place free is only not tidied up after.
+/// The temporary files being written, for a signal handler, which may only access lock-free atomics. If the list is
+/// full, a temporary file is written normally but abandon_writes does not remove it.
 constexpr int kMaxUnfinished = 64;
 std::atomic<const char*> unfinished[kMaxUnfinished];
 static_assert(std::atomic<const char*>::is_always_lock_free);
 
-/// Keeps a path in the list for as long as it lives.
+/// Keeps a path in the list during its lifetime.
 class Unfinished {
  public:
   explicit Unfinished(const fs::path& part) {
@@ -190,17 +191,17 @@ class Unfinished {
   std::atomic<const char*>* place_ = nullptr;
 };
 
-/// Where a file is to appear. A link stays a link: what it points at is replaced.
+/// Returns the path of the file to write. A symbolic link is kept: its target is replaced.
 fs::path target_of(const fs::path& file) {
   std::error_code code;
   fs::path resolved = fs::canonical(file, code);
   if (!code) return resolved;
   if (!fs::is_symlink(fs::symlink_status(file, code))) return file;
-  const fs::path aim = fs::read_symlink(file, code);  // of a link that leads nowhere yet
+  const fs::path aim = fs::read_symlink(file, code);  // target of a dangling link
   return aim.is_absolute() ? aim : file.parent_path() / aim;
 }
 
-/// Makes the finished part the file; `file` is its name for people. A file that is replaced keeps its permissions.
+/// Renames the finished temporary file to the target; errors name `file`. A replaced file keeps its permissions.
 Result<void> put_in_place(const fs::path& part, const fs::path& target, const fs::path& file) {
   std::error_code code;
   if (const fs::file_status old = fs::status(target, code); fs::exists(old))
@@ -216,7 +217,7 @@ void abandon_writes() {
     if (const char* part = place) ::unlink(part);
 }
 
-Result<void> write_whole(const fs::path& file, const std::function<Result<void>(std::FILE*)>& write) {
+Result<void> write_atomically(const fs::path& file, const std::function<Result<void>(std::FILE*)>& write) {
   if (Result<void> ok = check_writable(file); !ok) return ok;
   std::error_code code;
   const fs::path target = target_of(file);
@@ -226,8 +227,8 @@ Result<void> write_whole(const fs::path& file, const std::function<Result<void>(
   }
   fs::path part;
   std::FILE* stream = nullptr;
-  std::optional<Unfinished> listed;  // before the file is there, so that a signal finds it at any time
-  constexpr int kAttempts = 16;      // a killed program of the same number may have left such names
+  std::optional<Unfinished> listed;  // before the file is created, so that a signal handler always finds it
+  constexpr int kAttempts = 16;      // an earlier process of the same number may have left such names
   for (int i = 0; i < kAttempts && !stream; ++i) {
     listed.reset();
     part = part_of(target);
@@ -309,12 +310,12 @@ Result<Image> read_image(const fs::path& file) {
     return file_error("'{}' {}: its content should be that of {}", file.string(),
                       size == 0 ? "is empty" : "is no image that can be read", listed(endings));
   } catch (const std::bad_alloc&) {
-    return file_error("'{}' cannot be read: its pixels need more memory than there is", file.string());
+    return file_error("'{}' cannot be read: its pixels need more memory than is available", file.string());
   }
 }
 
 Result<void> write_text(const fs::path& file, std::string_view text) {
-  return write_whole(file, [&](std::FILE* stream) -> Result<void> {
+  return write_atomically(file, [&](std::FILE* stream) -> Result<void> {
     std::fwrite(text.data(), 1, text.size(), stream);
     return {};
   });

@@ -1,4 +1,4 @@
-// Image files: what goes out comes back, nothing half-written stays, and bad files end in a sentence.
+// Image files: written images are read back unchanged, no partial files remain, and bad files give an error.
 #include <ImfArray.h>
 #include <ImfChannelList.h>
 #include <ImfDeepScanLineOutputFile.h>
@@ -40,14 +40,14 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr std::pair<int, int> kSizes[] = {{1, 1}, {3, 2}, {17, 5}, {191, 347}};
 
-/// A folder of its own for every test.
+/// A separate folder for each test.
 class Files : public testing::Test {
  protected:
   void SetUp() override {
     std::string name = (fs::temp_directory_path() / "umbrage_io_XXXXXX").string();
     ASSERT_TRUE(::mkdtemp(name.data()));
     folder = name;
-    fs::permissions(folder, fs::perms(0755));  // others may look in, for the test of permissions
+    fs::permissions(folder, fs::perms(0755));  // readable by other users, for the test of permissions
   }
   void TearDown() override { fs::remove_all(folder); }
 
@@ -78,7 +78,7 @@ void put(const fs::path& file, std::string_view bytes) {
   std::ofstream(file, std::ios::binary).write(bytes.data(), std::streamsize(bytes.size()));
 }
 
-/// Random planes in [low, high]; the floats behind the end of a row are NaN, so that a reader of them is found out.
+/// Random planes in [low, high]. The padding behind the end of a row is NaN, to detect code that reads it.
 Image random_image(int width, int height, std::initializer_list<const char*> names, float low = 0.0f,
                    float high = 1.0f) {
   Image image(width, height);
@@ -99,7 +99,7 @@ Image read_or_fail(const fs::path& file) {
   return image ? std::move(*image) : Image();
 }
 
-/// The largest difference of a plane of `image` from the plane of `expected`; infinite where there is none.
+/// Returns the maximum difference of a plane of `image` from `expected`; infinity if the plane is missing.
 float difference(const Image& image, const std::string& name, const Plane& expected) {
   const Plane* plane = image.find(name);
   if (!plane || plane->width != expected.width || plane->height != expected.height) return kInfinity;
@@ -112,7 +112,7 @@ float difference(const Image& image, const std::string& name, const Plane& expec
   return worst;
 }
 
-/// Whether every plane came back to the bit, NaN included.
+/// Expects that every plane is bitwise identical, NaN included.
 void expect_same(const Image& got, const Image& expected) {
   ASSERT_EQ(got.width, expected.width);
   ASSERT_EQ(got.height, expected.height);
@@ -126,7 +126,7 @@ void expect_same(const Image& got, const Image& expected) {
   }
 }
 
-/// Expects a kFile error whose sentence holds all of `words`.
+/// Expects a kFile error with a message that contains all of `words`.
 template <class T>
 void expect_error(const Result<T>& result, std::initializer_list<std::string_view> words,
                   ErrorKind kind = ErrorKind::kFile) {
@@ -138,7 +138,7 @@ void expect_error(const Result<T>& result, std::initializer_list<std::string_vie
   EXPECT_EQ(result.error().message.find('\n'), std::string::npos) << result.error().message;
 }
 
-// --- The choice of the format ---------------------------------------------------------------------------------------
+// --- Choice of the format -------------------------------------------------------------------------------------------
 
 TEST_F(ImageFile, EndingsNameFormats) {
   for (const ImageFormat& format : image_formats()) {
@@ -179,7 +179,7 @@ TEST_F(ImageFile, ExrHeadersPromiseNoMoreThanTheFileHolds) {
   std::string frame = sound;
   for (const std::size_t side : {0u, 4u})
     for (std::size_t i = 0; i < 2; ++i) frame[at + side + i] = side == 4 && i == 1 ? '\x0f' : '\xff';
-  expect_refused(frame, "its frame is 65536 x 4096 pixels, of which it holds too few");
+  expect_refused(frame, "a frame of 65536 x 4096 pixels in its header, but data for too few");
 }
 
 TEST_F(ImageFile, ExrHeadersOfHugeWindowsAreRefusedBeforeTheLibrarySeesThem) {
@@ -193,7 +193,7 @@ TEST_F(ImageFile, ExrHeadersOfHugeWindowsAreRefusedBeforeTheLibrarySeesThem) {
   }
 }
 
-// The library's threads and limits are the whole process's, which a host sets for its own files.
+// The library's thread number and limits belong to the whole process; a host sets them for its own files.
 TEST_F(ImageFile, ExrLeavesTheLibrarysSettingsAlone) {
   for (const int threads : {0, 3}) {
     Imf::setGlobalThreadCount(threads);
@@ -212,7 +212,7 @@ TEST_F(ImageFile, ExrLeavesTheLibrarysSettingsAlone) {
   Imf::setGlobalThreadCount(0);
   Imf::Header wide(100000, 1);
   wide.channels().insert("Z", Imf::Channel(Imf::FLOAT));
-  EXPECT_NO_THROW(wide.sanityCheck()) << "a size that we do not read, and that the host may";
+  EXPECT_NO_THROW(wide.sanityCheck()) << "a size that umbrage rejects and the host may use";
 }
 
 TEST_F(ImageFile, ExrFilesDoNotDependOnThreadsNorOnThePiecesTheyAreMadeOf) {
@@ -226,7 +226,7 @@ TEST_F(ImageFile, ExrFilesDoNotDependOnThreadsNorOnThePiecesTheyAreMadeOf) {
     for (const bool half : {false, true}) {
       ASSERT_TRUE(write_image(*this / "whole.exr", image, {.half = half, .threads = 1}));
       const std::string whole = bytes_of(*this / "whole.exr");
-      // As the library itself writes a whole picture.
+      // A file of the complete picture, written by the library itself.
       Imf::Header header = Imf::InputFile((*this / "whole.exr").c_str()).header();
       header.zipCompressionLevel() = 1;
       {
@@ -318,7 +318,7 @@ TEST_F(ImageFile, DamagedFilesDoNotCrash) {
     int errors = 0;
     for (int i = 0; i < 400; ++i) {
       std::string bytes = whole;
-      // Mostly the header, where one byte matters most.
+      // Mostly in the header, where one byte matters most.
       const std::size_t range = i % 4 ? std::min<std::size_t>(whole.size(), 400) : whole.size();
       for (int k = i % 3; k >= 0; --k) bytes[random() % range] = char(random());
       put(file, bytes);
@@ -359,7 +359,7 @@ TEST_F(PngFile, RoundTripsWithinHalfAStep) {
         for (const std::string& name : image.names)
           EXPECT_LE(difference(back, channels == 1 ? "grey" : name, image.plane(name)), 0.5001f * step)
               << width << " x " << height << ", " << bits << " bits, " << name;
-        // What was read is a fixed point.
+        // An image that was read is a fixed point.
         ASSERT_TRUE(write_image(*this / "y.png", back, {.bits = bits}));
         expect_same(read_or_fail(*this / "y.png"), back);
       }
@@ -461,11 +461,11 @@ TEST_F(PngFile, ReadsAllColourTypes) {
     for (int i = 0; i < 11; ++i) ASSERT_EQ(image.plane("grey").at(i, y), float(y * 20 + i) / 255) << i << ", " << y;
 }
 
-/// A PNG file of one white pixel whose header says another size.
+/// Returns a PNG file of one white pixel with another size in its header.
 std::string png_of_size(const fs::path& file, std::uint32_t width, std::uint32_t height) {
   put_png(file, 1, 1, 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, {{255}});
   std::string bytes = content(file);
-  constexpr std::size_t kHeader = 12, kLength = 17;  // "IHDR" and its 13 bytes
+  constexpr std::size_t kHeader = 12, kLength = 17;  // "IHDR" and its 13 bytes of data
   for (int i = 0; i < 4; ++i) {
     bytes[kHeader + 4 + i] = char(width >> (24 - 8 * i));
     bytes[kHeader + 8 + i] = char(height >> (24 - 8 * i));
@@ -509,7 +509,7 @@ TEST_F(PngFile, EncodesSmoothShadingSmallAndFast) {
   const auto size = fs::file_size(*this / "x.png");
   std::printf("write_image, 1024 x 1024 RGB, 8 bit: median %.1f ms, %zu kB\n", times[2], std::size_t(size / 1000));
   EXPECT_LT(size, 400'000u);
-  EXPECT_LT(times[2], 500.0);  // the budget of a whole run; a usual machine takes 25 ms
+  EXPECT_LT(times[2], 500.0);  // the budget of a whole run; a typical machine takes 25 ms
 }
 
 // --- PFM ------------------------------------------------------------------------------------------------------------
@@ -553,7 +553,7 @@ TEST_F(PfmFile, RefusesBadHeaders) {
   expect_error(try_it("Pf\n70000 1\n-1\n"), {"70000 x 1"});
   expect_error(try_it("Pf\n65536 65536\n-1\n"), {"65536 x 65536"});
   expect_error(try_it("PF\n5000 5000\n-1\n"), {"cut short", "300000000 bytes", "has 64"});
-  expect_error(try_it("Pf\nfour 4\n-1\n"), {"'four 4'", "whole numbers"});
+  expect_error(try_it("Pf\nfour 4\n-1\n"), {"'four 4'", "two integers"});
   expect_error(try_it("Pf\n4.5 4\n-1\n"), {"'4.5 4'"});
   expect_error(try_it("Pf\nnan 1e400\n-1\n"), {"'nan 1e400'"});
   expect_error(try_it("Pf\n4 4\n0\n"), {"scale '0'"});
@@ -639,7 +639,7 @@ TEST_F(ExrFile, RefusesNamesThatCollide) {
   EXPECT_TRUE(listing().empty());
 }
 
-/// At (10, 0, 0), looking along -x with +y up, so that right is -z; the window is off centre.
+/// A camera at (10, 0, 0) that looks along -x with +y up, so that right is -z; the window is off centre.
 Camera sideways(Projection projection) {
   Camera camera = perspective_camera({10, 0, 0}, {0, 0, 0}, {0, 1, 0}, 50, 1);
   camera.projection = projection;
@@ -652,7 +652,7 @@ void expect_at(const Imath::V3f& point, float x, float y, float bound) {
   EXPECT_NEAR(point.y, y, bound);
 }
 
-/// The header of a picture that is written with this camera.
+/// Writes a picture with this camera and returns its header.
 Imf::Header header_with_camera(const std::filesystem::path& path, const Camera& camera) {
   EXPECT_TRUE(write_image(path, random_image(8, 4, {"ao"}), {.camera = &camera}));
   return Imf::InputFile(path.c_str()).header();
@@ -661,16 +661,16 @@ Imf::Header header_with_camera(const std::filesystem::path& path, const Camera& 
 TEST_F(ExrFile, PerspectiveCameraAttributes) {
   const Imf::Header header = header_with_camera(*this / "x.exr", sideways(Projection::kPerspective));
   const Imath::M44f to_camera = Imf::worldToCamera(header), to_ndc = Imf::worldToNDC(header);
-  // 4 before the eye, 2 to the right, 1 up: at distance 1 that is (0.5, 0.25) in a window of 4 by 2.
+  // 4 in front of the camera, 2 to the right, 1 up: at distance 1 that is (0.5, 0.25) in a window of 4 by 2.
   const Imath::V3f point(6, 1, -2);
   const Imath::V3f seen = point * to_camera, ndc = point * to_ndc;
   expect_at(seen, 2, 1, 1e-5f);
   EXPECT_NEAR(seen.z, 4, 1e-5f);
   expect_at(ndc, 0.375f, 0.625f, 1e-6f);
-  // The window's upper left corner, 5 before the eye: x = -5 is z = 5, y = 7.5.
+  // The window's upper left corner, 5 in front of the camera: x = -5 is z = 5, y = 7.5.
   const Imath::V3f corner = Imath::V3f(5, 7.5f, 5) * to_ndc;
   expect_at(corner, 0, 0, 1e-6f);
-  // The lower right corner, 2 before it: x = 6 is z = -6, y = -1.
+  // The lower right corner, 2 in front of it: x = 6 is z = -6, y = -1.
   const Imath::V3f other = Imath::V3f(8, -1, -6) * to_ndc;
   expect_at(other, 1, 1, 1e-6f);
   EXPECT_GT(std::abs(to_ndc.determinant()), 1e-3f);
@@ -685,7 +685,7 @@ TEST_F(ExrFile, OrthographicCameraAttributes) {
   const Imath::V3f seen = point * to_camera, ndc = point * to_ndc;
   EXPECT_NEAR(seen.z, 4, 1e-5f);
   expect_at(ndc, 0.75f, 0.25f, 1e-6f);
-  // Twice as far it lies in the same place.
+  // A point at twice the distance has the same position.
   const Imath::V3f farther = Imath::V3f(2, 1, -2) * to_ndc;
   expect_at(farther, 0.75f, 0.25f, 1e-6f);
   EXPECT_GT(std::abs(to_ndc.determinant()), 1e-3f);
@@ -745,7 +745,7 @@ TEST_F(ExrFile, OnlyUsableCamerasComeBack) {
   expect_error(read_camera(*this / "cut.exr"), {"cut.exr"});
 }
 
-/// Channels of a part: name and the value of the pixel (x, y), which is `base` + x + 100 * y.
+/// Channels of a part: name and base value; the value of the pixel (x, y) is `base` + x + 100 * y.
 struct Channels {
   Imath::Box2i window;
   std::vector<std::pair<std::string, float>> channels;
@@ -792,7 +792,7 @@ TEST_F(ExrFile, SmallDataWindowIsPadded) {
   EXPECT_EQ(image.plane("N.z").at(3, 2), 5 + 3 + 200);
   for (auto [x, y] : {std::pair(0, 0), std::pair(1, 2), std::pair(6, 2), std::pair(3, 0), std::pair(3, 5)}) {
     EXPECT_EQ(image.plane("color.r").at(x, y), 0.0f);
-    EXPECT_EQ(image.plane("N.z").at(x, y), 0.0f) << "Z beside X is no depth";
+    EXPECT_EQ(image.plane("N.z").at(x, y), 0.0f) << "Z beside X is not depth";
     EXPECT_EQ(image.plane("Z").at(x, y), kInfinity);
     EXPECT_EQ(image.plane("depth").at(x, y), kInfinity);
   }
@@ -946,7 +946,7 @@ TEST_F(ExrFile, RefusesHostileSizes) {
   expect_error(read_image(*this / "z.exr"), {"z.exr", "5368709120 values"});
 }
 
-// --- Whole or not at all --------------------------------------------------------------------------------------------
+// --- Atomic writing -------------------------------------------------------------------------------------------------
 
 TEST_F(WholeFile, ReplacesWhatWasThere) {
   put(*this / "x.txt", "old");
@@ -991,7 +991,7 @@ TEST_F(WholeFile, BadPlacesAreNamed) {
   EXPECT_FALSE(fs::exists("no_folder_given.png"));
 }
 
-/// Gives up the rights of root, if the tests have them, for one block.
+/// Drops the rights of root, if the tests have them, for one block.
 class Unprivileged {
  public:
   Unprivileged() {
@@ -1028,7 +1028,7 @@ TEST_F(WholeFile, MissingRightsAreNamed) {
   fs::permissions(*this / "locked", fs::perms(0755));
 }
 
-/// Lets no file grow beyond a size for one block.
+/// Limits the size of files for one block.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -1084,9 +1084,9 @@ TEST_F(WholeFile, FullDeviceIsAnError) {
 
 TEST_F(WholeFile, AbandonedWritesLeaveNothing) {
   put(*this / "x.txt", "older");
-  abandon_writes();  // nothing is under way
+  abandon_writes();  // no write is in progress
   std::size_t during = 0, after = 0;
-  const Result<void> done = write_whole(*this / "x.txt", [&](std::FILE* stream) -> Result<void> {
+  const Result<void> done = write_atomically(*this / "x.txt", [&](std::FILE* stream) -> Result<void> {
     std::fputs("newer", stream);
     during = listing().size();
     abandon_writes();

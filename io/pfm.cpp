@@ -1,6 +1,6 @@
 // PFM, float maps: a text header ("PF" colour or "Pf" grey, width, height, scale), then rows of floats, the bottom one
-// first. A negative scale says little-endian. Its magnitude is not applied: writers put anything there, and readers
-// that care for depth want the numbers as stored. Based on Debevec's description (HDR Shop).
+// first. A negative scale means little-endian. Its magnitude is not applied: writers store arbitrary values there, and
+// for depth the stored numbers are needed. Based on Debevec's description (HDR Shop).
 #include <bit>
 #include <cerrno>
 #include <cmath>
@@ -22,11 +22,11 @@ void swap_bytes(std::vector<float>& values) {
 }
 
 Result<void> write(const fs::path& file, const ImageShape& shape, const WriteSettings&, const MakeImageRows& make) {
-  const Image bare = bare_image(shape);
+  const Image bare = image_without_pixels(shape);
   const Result<std::vector<const Plane*>> picture = picture_planes(file, bare, false);
   if (!picture) return picture.error();
   const std::size_t channels = picture->size();
-  return write_whole(file, [&](std::FILE* stream) -> Result<void> {
+  return write_atomically(file, [&](std::FILE* stream) -> Result<void> {
     const bool little = std::endian::native == std::endian::little;
     fmt::print(stream, "{}\n{} {}\n{}\n", channels == 1 ? "Pf" : "PF", shape.width, shape.height,
                little ? "-1.0" : "1.0");
@@ -37,7 +37,8 @@ Result<void> write(const fs::path& file, const ImageShape& shape, const WriteSet
       const auto planes = picture_planes(file, rows, false);
       if (!planes) return planes.error();
       first += rows.height;
-      // What is written at once is whole rows from the lowest up. Pipes, which cannot seek, take all of them at once.
+      // Rows arrive in groups from the top; the file starts with the bottom row. Pipes, which cannot seek, get all rows
+      // at once.
       const off_t place = start + off_t(row.size() * sizeof(float)) * (shape.height - first);
       if (rows.height < shape.height && ::fseeko(stream, place, SEEK_SET) != 0)
         return file_error("'{}' cannot be written: {}", file.string(), std::strerror(errno));
@@ -52,7 +53,7 @@ Result<void> write(const fs::path& file, const ImageShape& shape, const WriteSet
   });
 }
 
-/// The next word of the header, without the white space before it and with the one character after it.
+/// Returns the next word of the header. Skips white space before it and one character after it.
 std::string word(std::FILE* stream) {
   constexpr std::size_t kMaxLength = 32;
   std::string text;
@@ -64,7 +65,7 @@ std::string word(std::FILE* stream) {
   return text;
 }
 
-/// A number that is the whole word, or NaN.
+/// Returns the number if it is the whole word, else NaN.
 double number(const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
@@ -78,13 +79,13 @@ Result<Image> read(const fs::path& file) {
   std::FILE* in = stream->get();
   const std::string kind = word(in);
   if (kind != "PF" && kind != "Pf")
-    return file_error("'{}' is no PFM file: it should begin with PF or Pf", file.string());
+    return file_error("'{}' is not a PFM file: it should begin with PF or Pf", file.string());
   const std::string words[3] = {word(in), word(in), word(in)};
   const double width = number(words[0]), height = number(words[1]), scale = number(words[2]);
   if (!(std::abs(width) < 1e9 && width == std::floor(width)) ||
       !(std::abs(height) < 1e9 && height == std::floor(height)))
-    return file_error("'{}' has the size '{} {}' in its header: it should be two whole numbers", file.string(),
-                      words[0], words[1]);
+    return file_error("'{}' has the size '{} {}' in its header: it should be two integers", file.string(), words[0],
+                      words[1]);
   if (!(std::isfinite(scale) && scale != 0.0))
     return file_error("'{}' has the scale '{}' in its header: it should be a number other than 0", file.string(),
                       words[2]);

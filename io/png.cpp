@@ -10,8 +10,8 @@
 //   paeth, run lengths     24 ms,  341 kB     38 ms, 3148 kB     46 ms, 1801 kB
 //   all, level 1           34 ms,  431 kB     97 ms, 3148 kB     71 ms, 1935 kB
 //   all, level 3           53 ms,  381 kB     87 ms, 3148 kB    110 ms, 1890 kB
-// The test PngFile.EncodesSmoothShadingSmallAndFast prints time and size of such a sphere, file and conversion
-// included.
+// The test PngFile.EncodesSmoothShadingSmallAndFast prints time and size of such a sphere, including conversion and
+// file.
 #include <png.h>
 #include <zlib.h>
 
@@ -27,20 +27,21 @@ namespace umbrage {
 namespace fs = std::filesystem;
 namespace {
 
-/// What libpng said last. It reports by longjmp, so the functions that call setjmp own nothing with a destructor.
-struct Complaint {
+/// The last error message of libpng. libpng reports errors by longjmp, so functions that call setjmp own nothing with a
+/// destructor.
+struct PngError {
   char text[128] = "";
 };
 
 [[noreturn]] void on_error(png_structp png, png_const_charp text) {
-  auto* complaint = static_cast<Complaint*>(png_get_error_ptr(png));
-  std::snprintf(complaint->text, sizeof complaint->text, "%s", text);
+  auto* png_error = static_cast<PngError*>(png_get_error_ptr(png));
+  std::snprintf(png_error->text, sizeof png_error->text, "%s", text);
   png_longjmp(png, 1);
 }
 
 void on_warning(png_structp, png_const_charp) {}
 
-/// A row of Channels planes as Integers side by side: [0, 1] rounded to nearest, NaN as 0.
+/// Converts a row of Channels planes to interleaved Integers: [0, 1] rounded to nearest, NaN as 0.
 template <class Integer, int Channels>
 void quantise(const float* const* rows, int width, Integer* out) {
   constexpr float kMax = float(Integer(~Integer(0)));
@@ -71,15 +72,15 @@ void dequantise(const Integer* values, int count, int step, float* out) {
 struct Writer {
   png_structp png = nullptr;
   png_infop info = nullptr;
-  Complaint complaint;
+  PngError png_error;
   ~Writer() { png_destroy_write_struct(&png, &info); }
 };
 
 bool start(Writer& writer, std::FILE* stream, int width, int height, int channels, const WriteSettings& settings) {
-  writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer.complaint, on_error, on_warning);
+  writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer.png_error, on_error, on_warning);
   if (writer.png) writer.info = png_create_info_struct(writer.png);
   if (!writer.info) {
-    std::snprintf(writer.complaint.text, sizeof writer.complaint.text, "libpng does not start");
+    std::snprintf(writer.png_error.text, sizeof writer.png_error.text, "libpng cannot be started");
     return false;
   }
   png_structp png = writer.png;
@@ -92,7 +93,7 @@ bool start(Writer& writer, std::FILE* stream, int width, int height, int channel
   png_set_filter(png, PNG_FILTER_TYPE_BASE, settings.small ? PNG_ALL_FILTERS : PNG_FILTER_UP);
   png_set_compression_level(png, settings.small ? Z_BEST_COMPRESSION : Z_BEST_SPEED);
   png_set_compression_strategy(png, settings.small ? Z_FILTERED : Z_RLE);
-  constexpr int kChunkBytes = 1 << 16;  // libpng's 8 kB make many small chunks
+  constexpr int kChunkBytes = 1 << 16;  // libpng's default of 8 kB makes many small chunks
   png_set_compression_buffer_size(png, kChunkBytes);
   png_write_info(png, writer.info);
   if (settings.bits == 16 && std::endian::native == std::endian::little) png_set_swap(png);
@@ -117,18 +118,18 @@ bool finish(Writer& writer) {
   return true;
 }
 
-/// Writes a picture to an open file; `name` is what errors call it.
+/// Writes a picture to an open file; `name` is its name in errors.
 Result<void> write_to(std::FILE* stream, const fs::path& name, const ImageShape& shape, const WriteSettings& settings,
                       const MakeImageRows& make) {
   if (settings.bits != 8 && settings.bits != 16)
     return file_error("'{}' cannot be written with {} bits: PNG takes 8 or 16", name.string(), settings.bits);
-  const Image bare = bare_image(shape);
+  const Image bare = image_without_pixels(shape);
   const Result<std::vector<const Plane*>> picture = picture_planes(name, bare, true);
   if (!picture) return picture.error();
   const int channels = int(picture->size());
   Writer writer;
   const auto failed = [&] {
-    return file_error("'{}' cannot be written as PNG: {}", name.string(), writer.complaint.text);
+    return file_error("'{}' cannot be written as PNG: {}", name.string(), writer.png_error.text);
   };
   if (!start(writer, stream, shape.width, shape.height, channels, settings)) return failed();
   std::vector<png_byte> row(std::size_t(shape.width) * channels * (settings.bits / 8));
@@ -143,30 +144,30 @@ Result<void> write_to(std::FILE* stream, const fs::path& name, const ImageShape&
 
 Result<void> write(const fs::path& file, const ImageShape& shape, const WriteSettings& settings,
                    const MakeImageRows& make) {
-  const Image bare = bare_image(shape);
+  const Image bare = image_without_pixels(shape);
   if (const auto planes = picture_planes(file, bare, true); !planes) return planes.error();
-  return write_whole(file, [&](std::FILE* stream) { return write_to(stream, file, shape, settings, make); });
+  return write_atomically(file, [&](std::FILE* stream) { return write_to(stream, file, shape, settings, make); });
 }
 
-/// A PNG being read: the header first, the pixels when there is a place for them.
+/// A PNG being read: first the header, then the pixels.
 struct Reader {
   png_structp png = nullptr;
   png_infop info = nullptr;
-  Complaint complaint;
+  PngError png_error;
   ~Reader() { png_destroy_read_struct(&png, &info, nullptr); }
 };
 
-/// Reads up to the pixels and asks libpng for 8 or 16 bit grey, RGB or RGBA.
+/// Reads the header, up to the pixels.
 bool start(Reader& reader, std::FILE* stream) {
-  reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader.complaint, on_error, on_warning);
+  reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader.png_error, on_error, on_warning);
   if (reader.png) reader.info = png_create_info_struct(reader.png);
   if (!reader.info) {
-    std::snprintf(reader.complaint.text, sizeof reader.complaint.text, "libpng does not start");
+    std::snprintf(reader.png_error.text, sizeof reader.png_error.text, "libpng cannot be started");
     return false;
   }
   if (setjmp(png_jmpbuf(reader.png))) return false;
   png_init_io(reader.png, stream);
-  png_set_user_limits(reader.png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // check_size has the say
+  png_set_user_limits(reader.png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // check_size applies the limits
   png_read_info(reader.png, reader.info);
   return true;
 }
@@ -174,6 +175,7 @@ bool start(Reader& reader, std::FILE* stream) {
 void expand(png_structp png, png_infop info) {
   const int type = png_get_color_type(png, info);
   png_set_expand(png);  // palettes, fewer than 8 bits, transparency
+  /// Expands palettes, fewer than 8 bits, transparency.
   const bool alpha = (type & PNG_COLOR_MASK_ALPHA) || png_get_valid(png, info, PNG_INFO_tRNS);
   if (type == PNG_COLOR_TYPE_GRAY_ALPHA || (type == PNG_COLOR_TYPE_GRAY && alpha)) png_set_gray_to_rgb(png);
   if (std::endian::native == std::endian::little) png_set_swap(png);
@@ -200,13 +202,13 @@ Result<Image> read(const fs::path& file) {
   if (!stream) return stream.error();
   Reader reader;
   const auto failed = [&] {
-    return file_error("'{}' cannot be read as PNG: {}", file.string(), reader.complaint.text);
+    return file_error("'{}' cannot be read as PNG: {}", file.string(), reader.png_error.text);
   };
   if (!start(reader, stream->get())) return failed();
   const int width = int(png_get_image_width(reader.png, reader.info));
   const int height = int(png_get_image_height(reader.png, reader.info));
   if (Result<void> sane = check_size(file, width, height); !sane) return sane.error();
-  // Deflate shrinks 1032 times at best, so a short file cannot hold what a damaged header promises.
+  // Deflate compresses by a factor of at most 1032, so a short file cannot contain the size in a damaged header.
   constexpr std::int64_t kBestRatio = 1032;
   const std::int64_t stored = std::int64_t(png_get_rowbytes(reader.png, reader.info)) * height;
   if (stored / kBestRatio > size)

@@ -1,3 +1,4 @@
+// Writes lines as SVG paths: a line of varying width is split into paths of constant width.
 #include "io/svg.h"
 
 #include <fmt/format.h>
@@ -13,17 +14,17 @@
 namespace umbrage {
 namespace {
 
-constexpr float kTolerance = 0.05f;    // pixels that a path's width may leave the line's by,
-constexpr float kMaxShare = 0.02f;     // or this share of it; but
-constexpr float kMinRun = 2.0f;        // pixels that a path is long at least
-constexpr float kMaxOverlap = 0.25f;   // pixels that it goes on into the next: so no slit is seen between them
-constexpr float kOverlapShare = 0.1f;  // of the width, of thin lines: less is darkened twice
-constexpr int kMaxParts = 64;          // of one segment whose width changes
-constexpr float kMinWidth = 0.005f;    // pixels: narrower would be written as 0
+constexpr float kTolerance = 0.05f;       // pixels: max. deviation of a path's width from the line's,
+constexpr float kMaxFraction = 0.02f;     // or this fraction of the width if that is more
+constexpr float kMinRun = 2.0f;           // pixels: min. length of a path
+constexpr float kMaxOverlap = 0.25f;      // pixels: overlap of a path with the next, so that no gap is visible
+constexpr float kOverlapFraction = 0.1f;  // overlap of thin lines, as a fraction of the width: less is darkened twice
+constexpr int kMaxParts = 64;             // of one segment of varying width
+constexpr float kMinWidth = 0.005f;       // pixels: a smaller width would be written as 0
 
-constexpr float kFarthest = 1e9f;  // pixels
+constexpr float kFarthest = 1e9f;  // pixels: limit of coordinates and widths
 
-float tolerance_of(float width) { return std::max(kTolerance, kMaxShare * width); }
+float tolerance_of(float width) { return std::max(kTolerance, kMaxFraction * width); }
 
 std::string_view name_of(LineKind kind) {
   switch (kind) {
@@ -37,26 +38,26 @@ std::string_view name_of(LineKind kind) {
   return "crease";
 }
 
-/// From 0 to 1; 0 for NaN.
+/// Clamps to [0, 1]; NaN becomes 0.
 float share(float v) { return std::fmin(std::fmax(v, 0.0f), 1.0f); }
 
-/// "#rrggbb".
+/// Returns the colour as "#rrggbb".
 std::string hex_of(const std::array<float, 3>& color) {
   std::string text = "#";
   for (const float v : color) text += fmt::format("{:02x}", int(std::lround(255.0f * share(v))));
   return text;
 }
 
-/// A number without a minus before 0.
+/// Rounds to two decimals, without a minus sign before 0.
 double rounded(float v) { return std::round(double(v) * 100.0) / 100.0 + 0.0; }
 
-/// A point of a line, or one between two of them.
+/// A point of a line, or an intermediate point of a segment.
 struct Knot {
   LinePoint at;
-  bool corner;  ///< the line may turn here
+  bool corner;  ///< true for a point of the line, where it may turn
 };
 
-/// The line's points, and at least one between any two, more where the width changes.
+/// Returns the line's points and at least one intermediate point per segment, more where the width changes.
 std::vector<Knot> knots_of(const Line& line) {
   std::vector<Knot> knots = {{line.points[0], true}};
   for (std::size_t k = 1; k < line.points.size(); ++k) {
@@ -74,24 +75,24 @@ std::vector<Knot> knots_of(const Line& line) {
 
 float distance(const LinePoint& a, const LinePoint& b) { return std::hypot(b.x - a.x, b.y - a.y); }
 
-/// Part of a line that is about as wide everywhere: knots [first, last].
+/// Part of a line with nearly constant width: knots [first, last].
 struct Run {
   std::size_t first, last;
   float width;
 };
 
-/// As few as hold the line's width. They meet between its points, where it does not turn.
+/// Splits a line into as few runs as its width permits. They meet at intermediate points, where the line is straight.
 std::vector<Run> runs_of(const std::vector<Knot>& knots) {
   std::vector<Run> runs;
   for (std::size_t first = 0;;) {
     Run run{first, first, knots[first].at.width};
-    float least = run.width, most = least, length = 0.0f;
+    float min = run.width, max = min, length = 0.0f;
     for (std::size_t k = first + 1; k < knots.size(); ++k) {
       const float width = knots[k].at.width;
       length += distance(knots[k - 1].at, knots[k].at);
-      least = std::min(least, width), most = std::max(most, width);
-      if (run.last > first && length > kMinRun && most - least > 2.0f * tolerance_of(0.5f * (least + most))) break;
-      if (!knots[k].corner || k + 1 == knots.size()) run.last = k, run.width = 0.5f * (least + most);
+      min = std::min(min, width), max = std::max(max, width);
+      if (run.last > first && length > kMinRun && max - min > 2.0f * tolerance_of(0.5f * (min + max))) break;
+      if (!knots[k].corner || k + 1 == knots.size()) run.last = k, run.width = 0.5f * (min + max);
     }
     runs.push_back(run);
     if (run.last + 1 >= knots.size()) return runs;
@@ -99,7 +100,7 @@ std::vector<Run> runs_of(const std::vector<Knot>& knots) {
   }
 }
 
-/// A knot between two points of the line, moved along it.
+/// Returns an intermediate point moved along its segment by `along` pixels.
 LinePoint moved(const std::vector<Knot>& knots, std::size_t k, float along) {
   const LinePoint &a = knots[k - 1].at, &b = knots[k + 1].at;
   const float length = distance(a, b), f = length > 0.0f ? along / length : 0.0f;
@@ -111,22 +112,23 @@ void add_path(const std::vector<LinePoint>& points, float width, bool round, boo
   auto to = std::back_inserter(out);
   fmt::format_to(to, "<path {}stroke-width=\"{:.2f}\" d=\"M{:.2f} {:.2f}", round ? "" : "stroke-linecap=\"butt\" ",
                  width, rounded(points[0].x), rounded(points[0].y));
-  // A single point is a dot.
+  // A single point becomes a dot.
   const std::size_t begin = std::min<std::size_t>(1, points.size() - 1), end = points.size() - (closed ? 1 : 0);
   for (std::size_t k = begin; k < end; ++k)
     fmt::format_to(to, "{}{:.2f} {:.2f}", k == begin ? 'L' : ' ', rounded(points[k].x), rounded(points[k].y));
   out += closed ? "Z\"/>\n" : "\"/>\n";
 }
 
-/// The paths of a line. Where two of them meet they overlap as little as hides it: edges that are smoothed twice are
-/// darker. So those within the line have flat ends; the others have the line's round ones.
+/// Appends the paths of a line. Adjacent paths overlap only as much as hides the seam, since an antialiased border
+/// drawn twice is darker. For the same reason paths inside the line have butt caps; only the ends of the line have
+/// round caps.
 void add_line(const Line& line, std::string& out) {
   if (line.points.empty()) return;
   const std::vector<Knot> knots = knots_of(line);
   const std::vector<Run> runs = runs_of(knots);
   for (const Run& run : runs) {
     const bool starts = run.first == 0, ends = run.last + 1 == knots.size();
-    const float overlap = std::min(kMaxOverlap, kOverlapShare * run.width);
+    const float overlap = std::min(kMaxOverlap, kOverlapFraction * run.width);
     std::vector<LinePoint> points = {starts ? knots[0].at : moved(knots, run.first, -overlap)};
     for (std::size_t k = run.first + 1; k < run.last; ++k)
       if (knots[k].corner) points.push_back(knots[k].at);
@@ -136,13 +138,13 @@ void add_line(const Line& line, std::string& out) {
   }
 }
 
-/// Errors: kUsage where no file can say what they are.
+/// Checks that all numbers can be written. Errors: kUsage.
 Result<void> check_lines(const Lines& lines) {
   for (std::size_t k = 0; k < lines.lines.size(); ++k)
     for (const LinePoint& p : lines.lines[k].points)
       if (!(std::abs(p.x) <= kFarthest && std::abs(p.y) <= kFarthest && p.width >= 0.0f && p.width <= kFarthest))
         return usage_error(
-            "stroke {} has a point at {}, {} of width {}: it takes numbers up to {:g}, and no width below 0", k, p.x,
+            "stroke {} has a point at {}, {} of width {}: numbers must be at most {:g}, and widths at least 0", k, p.x,
             p.y, p.width, kFarthest);
   return {};
 }

@@ -1,5 +1,4 @@
-// Lines of a picture as an SVG file, as Scalable Vector Graphics 1.1 has them: paths without fill, whose strokes are as
-// wide as the lines.
+// Lines of a picture as an SVG 1.1 file: paths without fill, with strokes as wide as the lines.
 #pragma once
 #include <array>
 #include <filesystem>
@@ -11,22 +10,22 @@
 
 namespace umbrage {
 
-/// Colours are sRGB, red, green and blue from 0 to 1.
+/// Style of the file. Colours are sRGB: red, green and blue, 0 to 1.
 struct SvgStyle {
-  std::array<float, 3> color = {0.0f, 0.0f, 0.0f};  ///< of the lines
-  float opacity = 1.0f;                             ///< of all lines together: where they overlap they are no darker
-  std::optional<std::array<float, 3>> background;   ///< of a rectangle below them
+  std::array<float, 3> color = {0.0f, 0.0f, 0.0f};  ///< colour of the lines
+  float opacity = 1.0f;                             ///< opacity of all lines as a group: overlaps are not darker
+  std::optional<std::array<float, 3>> background;   ///< colour of a rectangle behind the lines
 };
 
-/// Whether the file's ending is .svg, in letters of either case.
+/// Returns whether the file's extension is .svg, upper or lower case.
 bool is_svg(const std::filesystem::path& file);
 
-/// The file's text: one group for each kind of line and object, in that order, with class "outline", "fold" or "crease"
-/// and the object's number in data-object. A line of changing width becomes several paths. Errors: kUsage for lines
-/// with points that are no numbers, or a negative width.
+/// Returns the file's text: one group per kind of line and object, in that order, with class "outline", "fold" or
+/// "crease" and the object id in data-object. A line of varying width becomes several paths. Errors: kUsage for points
+/// or widths that are not finite or beyond 1e9, and for negative widths.
 Result<std::string> svg_text(const Lines& lines, const SvgStyle& style);
 
-/// Writes it whole or not at all. Errors: kFile besides.
+/// Writes svg_text to a file atomically. Errors: also kFile.
 Result<void> write_svg(const std::filesystem::path& file, const Lines& lines, const SvgStyle& style);
 
 }  // namespace umbrage

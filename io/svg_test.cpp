@@ -1,4 +1,4 @@
-// Lines as .svg files and as strokes: what librsvg draws of them is what the picture has.
+// Lines as .svg files and as strokes: librsvg draws them as they are in the picture.
 #include "io/svg.h"
 
 #include <sys/stat.h>
@@ -6,7 +6,7 @@
 #include "run_program.h"
 #include "support.h"
 #include "umbrage/umbrage.hpp"
-using namespace umb;  // the public interface, whose names umbrage has not
+using namespace umb;  // the public interface; its names do not occur in umbrage
 
 namespace umbrage {
 namespace {
@@ -16,7 +16,7 @@ using test::text_of;
 
 class SvgTest : public test::ProgramTest {
  protected:
-  /// The cover of the lines as librsvg draws them in black. Fails where the file is no SVG.
+  /// Returns the coverage of the lines as librsvg draws them in black. Fails if the file is not valid SVG.
   Plane drawn(const std::string& svg) {
     const std::string png = svg + ".png";
     const std::string line = fmt::format("cd {} && rsvg-convert --background-color=white {} -o {}",
@@ -43,7 +43,7 @@ double rmse(const Plane& a, const Plane& b) {
   return std::sqrt(sum / (double(a.width) * a.height));
 }
 
-/// How often a text holds another one.
+/// Returns the number of occurrences of a part in a text.
 long count_of(const std::string& text, const std::string& part) {
   long count = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
@@ -61,7 +61,8 @@ TEST_F(SvgTest, IsDrawnAsThePictureHasIt) {
             "{} --device cpu --look cartoon --ao none --anti-aliasing 1 --resolution {},{} --set outline.width={} ",
             model, size, size, width);
         good(line + "--passes outline -o lines.pfm --svg lines.svg");
-        // Lines of a thirtieth of the picture's height lie on each other, and soft edges are mixed twice there.
+        // Lines as wide as a thirtieth of the picture's height overlap, and antialiased borders are blended twice
+        // there.
         const bool crowded = model == "scene:solids" && size == 256 && width == 8;
         EXPECT_LE(rmse(drawn("lines.svg"), image("lines.pfm").planes[0]), crowded ? 0.03 : 0.02) << line;
       }
@@ -71,19 +72,19 @@ TEST_F(SvgTest, IsTheSameHoweverItIsMade) {
   good(kSmall + "-o picture.png --svg beside.svg");
   good("scene:solids?detail=2000 --device cpu --resolution 128x96 -o alone.svg");
   good(kSmall + "--anti-aliasing 4 --threads 1 --no-background -o averaged.exr --svg averaged.svg");
-  good(kSmall + "--memory 1K -o bands.svg");
-  good(kSmall + "--memory 1K --anti-aliasing 2 -o bands.png --svg bands_beside.svg");
+  good(kSmall + "--memory 1K -o strips.svg");
+  good(kSmall + "--memory 1K --anti-aliasing 2 -o strips.png --svg strips_beside.svg");
   good(kSmall + "-o turn.svg --turntable 2");
   const std::string lines = text_of(folder_ / "alone.svg");
   for (const char* kind : {"outline", "fold", "crease"})
     EXPECT_GE(count_of(lines, fmt::format("class=\"{}\" data-object=", kind)), 1) << kind;
-  for (const char* name : {"beside.svg", "averaged.svg", "bands.svg", "bands_beside.svg", "turn_0000.svg"})
+  for (const char* name : {"beside.svg", "averaged.svg", "strips.svg", "strips_beside.svg", "turn_0000.svg"})
     EXPECT_EQ(text_of(folder_ / name), lines) << name;
   EXPECT_NE(text_of(folder_ / "turn_0001.svg"), lines);
-  // What lies in the guard band is seen, but not written.
+  // Lines in the guard band are detected, but not written.
   good(kSmall + "--guard-band 10% -o guard.svg");
-  good(kSmall + "--guard-band 10% --memory 1K -o guard_bands.svg");
-  EXPECT_EQ(text_of(folder_ / "guard_bands.svg"), text_of(folder_ / "guard.svg"));
+  good(kSmall + "--guard-band 10% --memory 1K -o guard_strips.svg");
+  EXPECT_EQ(text_of(folder_ / "guard_strips.svg"), text_of(folder_ / "guard.svg"));
   EXPECT_LE(rmse(drawn("guard.svg"), drawn("alone.svg")), 0.1);
 }
 
@@ -114,7 +115,7 @@ TEST_F(SvgTest, HasColorsAndNothingWhereNothingIsSeen) {
 }
 
 TEST_F(SvgTest, RefusesWhatCannotBe) {
-  // Found before the model is read.
+  // Detected before the model is read.
   const std::string lines = "nothere.obj -o lines.svg ";
   bad(lines + "--bits 16", 2, {"--bits", ".svg"});
   bad(lines + "--half", 2, {"--half", ".svg"});
@@ -156,7 +157,7 @@ TEST_F(SvgTest, StrokesOfTheLibraryAreThoseOfTheFile) {
     for (std::size_t s = 0; s < frame.strokes.size(); ++s)
       ASSERT_EQ(frame.strokes[s].points.size(), picture.strokes[s].points.size());
   }
-  // Without strokes there are none to write, nor can a look without lines have some.
+  // Without strokes there is nothing to write, and a look without lines has no strokes.
   request.strokes = false;
   ASSERT_EQ(render(request, frame).code, 0);
   EXPECT_TRUE(frame.strokes.empty());
@@ -170,7 +171,7 @@ TEST_F(SvgTest, StrokesOfTheLibraryAreThoseOfTheFile) {
 }
 
 TEST_F(SvgTest, ArraysHaveStrokesByEffectsAndByLooks) {
-  // A square before the background, whose outline is 64 pixels long.
+  // A square in front of the background; its outline is 64 pixels long.
   constexpr int kSize = 32;
   std::vector<float> depth(kSize * kSize, INFINITY);
   for (int y = 8; y < 24; ++y)

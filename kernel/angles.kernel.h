@@ -1,11 +1,11 @@
-// Numbers of noise and angles in the dialect, by operations that round alike on every machine. For kernels that include
-// it.
+// Random numbers and angles in the kernel dialect, by operations that round identically on every machine. For kernels
+// that include it.
 
-// In [0, 1).
+// Converts random bits to a number in [0, 1).
 FN Real share_of_one(Uint v) { return to_real(v >> 8) * 5.9604645e-8f; }  // 2^-24
 
-// The sine of u quarters of a turn, u in [-0.5, 0.5], by series; error below 1e-6.
-FN Real sine_of_quarters(Real u) {
+// Returns the sine of u quarter turns, u in [-0.5, 0.5], by a series; error below 1e-6.
+FN Real sine_of_quarter_turns(Real u) {
   Real x = u * 1.57079633f;
   Real squared = x * x;
   Real sum = mad(squared, Real(2.7557319e-6f), Real(-1.9841270e-4f));
@@ -14,9 +14,9 @@ FN Real sine_of_quarters(Real u) {
   return mad(sum * squared, x, x);
 }
 
-// Cosine and sine of a share of a whole turn, in [0, 1).
+// Returns cosine and sine of a fraction of a full turn, in [0, 1).
 FN Vec2 direction_of_turn(Real turn) {
-  Real s = sine_of_quarters(turn - 0.5f);
+  Real s = sine_of_quarter_turns(turn - 0.5f);
   Real c = sqrt(mad(-s, s, Real(1.0f)));
   Real half_s = 2.0f * s * c;
   Real half_c = mad(s * s, Real(-2.0f), Real(1.0f));

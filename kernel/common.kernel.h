@@ -1,25 +1,25 @@
-// Functions in the dialect that any kernel may call. F is the FrameConstants.
+// Functions in the kernel dialect for all kernels. F is the FrameConstants.
 
-// v, or 0 where it is NaN or infinite.
+// Returns v, or 0 where it is NaN or infinite.
 FN Real finite_or_zero(Real v) { return select(is_finite(v), v, Real(0.0f)); }
 FN Vec3 finite_or_zero(Vec3 v) { return Vec3(finite_or_zero(v.x), finite_or_zero(v.y), finite_or_zero(v.z)); }
 
-// v scaled to length 1; the zero vector stays zero.
+// Returns v scaled to length 1; the zero vector stays zero.
 FN Vec3 normalized(Vec3 v) {
   Real squared = dot(v, v);
   return v * select(squared > 1e-30f, rsqrt(max(squared, 1e-30f)), Real(0.0f));
 }
 
-// Whether a pixel's depth is that of a surface.
+// Returns whether a pixel's depth is that of a surface.
 FN Bool is_surface(Real depth) { return depth > 0.0f && is_finite(depth); }
 
-// Light beyond it is no number, nor is occlusion: sums must stay finite.
+// Occlusion and light beyond this count as NaN: sums must stay finite.
 CONST float kMaxCleanValue = 1e30f;
 
-// Occlusion, or 1 (open) where it is no number.
+// Returns the visibility, or 1 (unoccluded) where it is NaN.
 FN Real clean_ao(Real ao) { return select(abs(ao) <= kMaxCleanValue, ao, Real(1.0f)); }
 
-// Light, or none where it is no number.
+// Returns the light, or 0 where it is NaN.
 FN Real clean_light(Real light) { return select(abs(light) <= kMaxCleanValue, light, Real(0.0f)); }
 FN Vec3 clean_light(Vec3 light) { return Vec3(clean_light(light.x), clean_light(light.y), clean_light(light.z)); }
 
@@ -30,7 +30,8 @@ FN Uint scrambled(Uint v) {
   return v ^ (v >> 16);
 }
 
-// Scaled to length 1; towards the eye where it is 0 or no number. Rounds alike on every machine: no rsqrt.
+// Returns n scaled to length 1; the direction to the camera where n is 0 or NaN. Rounds identically on every machine:
+// no rsqrt.
 FN Vec3 unit_normal(Vec3 n, Vec3 position) {
   Real squared = dot(n, n);
   Bool usable = squared > 1e-20f && squared < 1e20f;
@@ -40,7 +41,7 @@ FN Vec3 unit_normal(Vec3 n, Vec3 position) {
   return n * (Real(1.0f) / length);
 }
 
-// View-space position of the centre of pixel (x, y) at a depth.
+// Returns the view-space position of the centre of pixel (x, y) at a depth.
 FN Vec3 view_position(Int x, Int y, Real depth) {
   Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
   Real px = mad(to_real(x) + 0.5f, Real(F.ray_scale_x), Real(F.ray_offset_x)) * spread;
@@ -48,26 +49,26 @@ FN Vec3 view_position(Int x, Int y, Real depth) {
   return Vec3(px, py, -depth);
 }
 
-// Unit vector from a view-space position to the eye.
+// Returns the unit vector from a view-space position to the camera.
 FN Vec3 to_eye(Vec3 position) {
   if (F.orthographic != 0) return Vec3(Real(0.0f), Real(0.0f), Real(1.0f));
   return normalized(-position);
 }
 
-// Two lights mixed as their square roots, near to how displays encode light and to how the eye judges it: a black line
-// between two pixels is as dark as one on a pixel. Mixed as light each of the two would look three quarters as light as
-// what lies beside them.
-FN Real mixed_for_the_eye(Real light, Real line, Real share) {
+// Blends two linear values by their square roots, which is close to display encodings and to perception: a black line
+// between two pixels looks as dark as one on a pixel. Blended linearly, each of the two would look three quarters as
+// bright as its surroundings.
+FN Real mixed_as_square_roots(Real light, Real line, Real share) {
   Real root = sqrt(max(light, Real(0.0f)));
   root = mad(sqrt(line) - root, share, root);
   return root * root;
 }
-FN Vec3 mixed_for_the_eye(Vec3 light, Vec3 line, Real share) {
-  return Vec3(mixed_for_the_eye(light.x, line.x, share), mixed_for_the_eye(light.y, line.y, share),
-              mixed_for_the_eye(light.z, line.z, share));
+FN Vec3 mixed_as_square_roots(Vec3 light, Vec3 line, Real share) {
+  return Vec3(mixed_as_square_roots(light.x, line.x, share), mixed_as_square_roots(light.y, line.y, share),
+              mixed_as_square_roots(light.z, line.z, share));
 }
 
-// A linear value as a display's sRGB curve shows it.
+// Converts a linear value to its sRGB encoding.
 FN Real display_from_linear(Real v) {
   Real curve = mad(pow(v, Real(0.416666667f)), Real(1.055f), Real(-0.055f));
   return select(v > 0.0031308f, curve, v * 12.92f);

@@ -1,8 +1,8 @@
-// Compiles one kernel text for the CPU. A NAME.cpu.cpp defines, before it includes this,
-//   UMBRAGE_KERNEL            its name: the text's entry is NAME_pixel(Int x, Int y)
-//   UMBRAGE_KERNEL_TEXT       the path of the text
+// Compiles one kernel for the CPU. A NAME.cpu.cpp defines, before it includes this,
+//   UMBRAGE_KERNEL            its name: its entry point is NAME_pixel(Int x, Int y)
+//   UMBRAGE_KERNEL_TEXT       the path of the kernel
 //   UMBRAGE_KERNEL_CONSTANTS  the constants struct
-// and gets run_scalar_NAME and run_lanes_NAME, which kernels/NAME.h declares. Included once per SIMD target.
+// and this defines run_scalar_NAME and run_lanes_NAME, which kernels/NAME.h declares. Included once per SIMD target.
 #include <algorithm>
 
 #include "kernel/lanes.h"
@@ -16,7 +16,7 @@ void UMBRAGE_CONCAT(run_scalar_, UMBRAGE_KERNEL)(const KernelFrame& frame, const
 }  // namespace umbrage
 
 #if HWY_TARGET == HWY_SCALAR
-// For machines without vectors the text is compiled once.
+// On machines without vectors only the scalar form is compiled.
 namespace umbrage {
 namespace HWY_NAMESPACE {
 namespace {
@@ -43,11 +43,11 @@ struct Kernel {
 
 void Run(const KernelFrame& frame, const Tile& tile) {
   TilePixels pixels(frame, tile);
-  // Where nothing is to be computed, not even planes are looked up by their names.
+  // A tile without pixels skips even the lookup of planes by name.
   if (!pixels.next()) return;
   const bool packs = pixels.packs;
   Kernel kernel{{frame}};
-  const auto lane = hn::Iota(DI(), 0);  // once: it is made number by number
+  const auto lane = hn::Iota(DI(), 0);  // outside the loop: it is expensive
   do {
     const int y = pixels.y, end = pixels.end;
     for (int x = pixels.x; x < end; x += kLanes) {

@@ -1,4 +1,4 @@
-// The dialect's own operations on every SIMD target against scalar.h, which defines them.
+// The operations of the kernel dialect on every SIMD target, compared with scalar.h, which defines them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,17 +17,17 @@
 #ifndef UMBRAGE_DIALECT_TEST_RESULTS
 #define UMBRAGE_DIALECT_TEST_RESULTS
 struct DialectInput {
-  std::vector<unsigned> bits;  // a multiple of 16 of them
-  std::vector<float> reals;    // positive, as many
+  std::vector<unsigned> bits;  // their number is a multiple of 16
+  std::vector<float> reals;    // positive, as many as bits
 };
 struct DialectResults {
   std::vector<int> popcount, to_int;
   std::vector<unsigned> ones_from, shifted;
   std::vector<float> real_of_uint, real_of_int, mad, rsqrt, pow, floor, fract;
   std::vector<int> less;
-  // Of the pixels that run together, `lanes` of them.
+  // For the `lanes` pixels that run together.
   int lanes = 0;
-  std::vector<int> how_many, this_lane;
+  std::vector<int> count_lanes, this_lane;
   std::vector<float> packed, of_lane, added[3];
   std::vector<unsigned> packed_bits, bits_of;
 };
@@ -61,7 +61,7 @@ void RunDialect(const DialectInput& in, DialectResults& out) {
     hn::StoreU(select(bits < Uint(0x80000001u), Int(1), Int(0)).v, di, out.less.data() + i);
     const Bool odd = to_signed(bits & Uint(1u)) == Int(1);
     const Int lane = to_signed((bits >> 9) & Uint(unsigned(kLanes - 1)));
-    hn::StoreU(Int(how_many(odd)).v, di, out.how_many.data() + i);
+    hn::StoreU(Int(count_lanes(odd)).v, di, out.count_lanes.data() + i);
     hn::StoreU(this_lane().v, di, out.this_lane.data() + i);
     hn::StoreU(packed(odd, real).v, d, out.packed.data() + i);
     hn::StoreU(packed(odd, bits).v, du, out.packed_bits.data() + i);
@@ -89,7 +89,7 @@ namespace {
 
 HWY_EXPORT(RunDialect);
 
-/// Expects what pixels that run together, from the first on, tell each other.
+/// Checks the operations across the pixels that run together, starting at `first`.
 void expect_lanes_together(const DialectInput& in, const DialectResults& out, std::size_t first,
                            const std::string& target) {
   std::vector<float> odd, sums[3];
@@ -107,7 +107,7 @@ void expect_lanes_together(const DialectInput& in, const DialectResults& out, st
     const std::size_t i = first + std::size_t(lane);
     const unsigned other = in.bits[i] >> 9 & unsigned(out.lanes - 1);
     ASSERT_EQ(out.this_lane[i], lane) << target;
-    ASSERT_EQ(out.how_many[i], int(odd.size())) << target;
+    ASSERT_EQ(out.count_lanes[i], int(odd.size())) << target;
     ASSERT_EQ(out.of_lane[i], in.reals[first + other]) << target;
     for (int channel = 0; channel < 3; ++channel) sums[channel][other] += in.reals[i] * float(channel + 1);
   }
@@ -152,7 +152,7 @@ TEST(Dialect, LanesMeanWhatScalarMeans) {
                        std::vector<unsigned>(n),
                        std::vector<unsigned>(n)};
     HWY_DYNAMIC_DISPATCH(RunDialect)(in, out);
-    EXPECT_EQ(out.rsqrt[0], 1.0f) << target;  // unit normals stay what they are
+    EXPECT_EQ(out.rsqrt[0], 1.0f) << target;  // unit normals remain unit
     for (std::size_t i = 0; i < n; ++i) {
       const unsigned bits = in.bits[i];
       const float real = in.reals[i];

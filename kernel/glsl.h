@@ -1,15 +1,14 @@
-// The dialect of kernel texts as GLSL. A NAME.comp includes this, its constants, and then
+// The kernel dialect in GLSL. A NAME.comp includes this, its constants, and then
 //   UMBRAGE_CONSTANTS(NameConstants)
 //   #include "kernel/common.kernel.h"
 //   #include "effects/NAME/NAME.kernel.h"
 //   UMBRAGE_MAIN(NAME)
 //
-// A pass reads up to a hundred planes, more than drivers bind at once. The first of those that it reads are bound
-// buffers, which are read fastest; the others, those that it writes, and those that it chooses by their layer's number
-// it reaches by their addresses, which stand in the table `planes`. Where in it a plane stands, the device says through
-// the specialization constant NAME_slot. Its number is made of the line that declares the plane, so that nothing is
-// numbered by hand: two planes must not be declared on lines of the same number, which the compiler refuses ("id
-// already used").
+// A pass reads up to a hundred planes, more than drivers bind at once. Its first input planes are bound buffers, which
+// are fastest; all others, its outputs, and planes chosen by layer number are reached by their addresses in the table
+// `planes`. The device passes the index of a plane in the table as the specialization constant NAME_slot. The id of
+// this constant is derived from the line that declares the plane, so that nothing is numbered by hand: two planes must
+// not be declared on lines of the same number, which the compiler refuses ("id already used").
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
@@ -32,7 +31,7 @@
 #define real_of_bits uintBitsToFloat
 #define popcount bitCount
 #define some(mask) (mask)
-#define how_many(mask) ((mask) ? 1 : 0)
+#define count_lanes(mask) ((mask) ? 1 : 0)
 #define this_lane() 0
 #define of_lane(v, lane) (v)
 #define select(mask, a, b) ((mask) ? (a) : (b))
@@ -42,7 +41,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 ivec2 here;
 const int kLanes = 1;
-const int kListLength = 8;  // a GPU keeps a list where it keeps what registers cannot hold
+const int kListLength = 8;  // a GPU keeps lists where it keeps spilled registers
 
 float pow_of(float a, float b) { return a > 0.0f ? exp2(b * log2(a)) : 0.0f; }
 uint ones_from(int b) { return b < 32 ? 0xffffffffu << b : 0u; }
@@ -51,16 +50,16 @@ bool is_finite(float a) { return abs(a) <= 3.402823466e38f; }
 layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly buffer InPlane { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer OutPlane { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer InOutPlane { float at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer UintPlane { uint at[]; };  // of ways of a GPU alone
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer UintPlane { uint at[]; };  // only in GPU steps
 layout(set = 0, binding = 1, scalar) uniform planes_block { uvec2 planes[kMaxPlanes]; };
 
-// How many of the first planes are bound: none where they are larger than the device binds.
+// Number of the first planes that are bound; 0 if they are larger than the device can bind.
 layout(constant_id = 0) const int bound_planes = 0;
 layout(set = 1, binding = 0, scalar) restrict readonly buffer bound_block { float at[]; }
 bound[kBoundPlanes];
 
-// The plane NAME becomes name_plane; `n` tells apart those that one line declares. Two texts of a kernel may not
-// declare planes on lines of the same number.
+// Plane NAME becomes name_plane; `n` distinguishes planes declared on one line. Two texts of a kernel must not declare
+// planes on lines of the same number.
 #define PLANE(type, name, n)                                         \
   layout(constant_id = __LINE__ * 32 + n) const int name##_slot = 0; \
   type name##_plane() { return type(planes[name##_slot]); }
@@ -82,7 +81,7 @@ bound[kBoundPlanes];
   type near_##name(int i, int j) { return load_##name(here.x + i, here.y + j); }                              \
   type corner_##name(int f, int i, int j) { return load_##name((here.x / f + i) * f, (here.y / f + j) * f); } \
   type block_##name(int f, int i, int j) { return load_##name(here.x / f + i, here.y / f + j); }
-// One float of a plane that is bound or not: which is known when the shader is compiled.
+// Reads one float of a plane, bound or not, which is known when the shader is compiled.
 #define READ_AT(name)                                                     \
   const int name##_bound = name##_slot < kBoundPlanes ? name##_slot : 0;  \
   float name##_at(int place) {                                            \
@@ -106,8 +105,8 @@ bound[kBoundPlanes];
 #define IN_REAL(name) IN_REAL_AT(name, 0)
 #define IN_VECTOR(name) IN_TRIPLE_AT(name, 0, x, y, z)
 #define IN_COLOR(name) IN_TRIPLE_AT(name, 0, r, g, b)
-// A plane of every layer: read_NAME_of(layer, place), layer the same for all pixels. The plane is chosen, not what is
-// read: lavapipe runs all cases of a switch.
+// A plane of every layer: read_NAME_of(layer, place), with the same layer for all pixels. Selects the plane, not the
+// value read: lavapipe runs all cases of a switch.
 #define SLOT_OF_LAYER(name)                      \
   int name##_slot_of(int layer) {                \
     int slot = name##_slot;                      \

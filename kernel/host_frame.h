@@ -1,5 +1,5 @@
-// HostFrame: what a host step gets, a pass that is a function of whole planes and runs on the host, whatever device
-// the frame is on.
+// HostFrame: input and output of a host step, a pass that computes whole planes on the host, on whatever device the
+// frame is.
 #pragma once
 #include <cstddef>
 #include <span>
@@ -13,14 +13,14 @@ struct PictureInfo;  // core/gbuffer.h
 
 struct HostPlane {
   std::string_view name;
-  float* data;  ///< pixel (0, 0); of an output on a layer that is not there null
-  int stride;   ///< floats from one row to the next
+  float* data;  ///< pixel (0, 0); null for an output on a layer that does not exist
+  int stride;   ///< floats between rows
 
   float* row(int y) const { return data + std::ptrdiff_t(y) * stride; }
 };
 
-/// All planes have frame.width x frame.height pixels, their rows HostPlane::stride apart. Inputs are for reading alone;
-/// outputs are not initialised, share no memory with inputs, not even those of the same name, and are filled wholly.
+/// All planes have frame.width x frame.height pixels, their rows HostPlane::stride apart. Inputs are read-only. Outputs
+/// are uninitialised, share no memory with inputs, not even those of the same name, and must be filled completely.
 struct HostFrame {
   const PictureInfo& info;
   FrameConstants frame;
@@ -28,7 +28,7 @@ struct HostFrame {
   std::span<const HostPlane> inputs;  ///< in the order of the pass's table
   std::span<const HostPlane> outputs;
 
-  /// The plane of that name. Throws std::logic_error where the pass's table does not list it.
+  /// Returns the plane of that name. Throws std::logic_error if the pass's table does not list it.
   const HostPlane& input(std::string_view name) const;
   const HostPlane& output(std::string_view name) const;
 };

@@ -1,21 +1,21 @@
-// Whether two pixels show the same surface, on the host: by the text of kernel/surface.kernel.h, which says what the
-// functions of its names are.
+// The functions of kernel/surface.kernel.h on the host: whether two pixels show the same surface. They are documented
+// there.
 #pragma once
 #include "kernel/frame_constants.h"
 #include "kernel/scalar.h"
 
 namespace umbrage {
 
-/// Of a picture: `frame` must have `orthographic` and the rays' scales and offsets. Positions and normals are in view
-/// space; normals are unit.
+/// Functions for one picture: `frame` must have `orthographic` and the scales and offsets of rays. Positions and
+/// normals are in view space; normals are unit vectors.
 struct HostSurface {
   FrameConstants frame{};
 
-  /// Whether a pixel's depth is that of a surface.
+  /// Returns whether a pixel's depth is that of a surface.
   static bool is_surface(float depth);
-  /// Of the centre of pixel (x, y) at a depth.
+  /// Returns the position of the centre of pixel (x, y) at a depth.
   scalar::Vec3 view_position(int x, int y, float depth) const;
-  /// Scaled to length 1; towards the eye where it is 0 or no number.
+  /// Returns the normal scaled to length 1; the direction to the camera where it is 0 or NaN.
   scalar::Vec3 unit_normal(scalar::Vec3 normal, scalar::Vec3 position) const;
   float plane_distance_px(scalar::Vec3 position, scalar::Vec3 normal, scalar::Vec3 there) const;
   float plane_distance(scalar::Vec3 position, scalar::Vec3 normal, scalar::Vec3 there, float tolerance_px) const;

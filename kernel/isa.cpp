@@ -12,7 +12,7 @@ namespace {
 
 struct Isa {
   std::string_view name;
-  std::int64_t target;  ///< Highway's; it numbers wider ones lower
+  std::int64_t target;  ///< Highway's number; lower for wider targets
 };
 
 #if HWY_ARCH_X86
@@ -26,14 +26,14 @@ const Isa* find(std::string_view name) {
   return found == std::end(kIsas) ? nullptr : found;
 }
 
-/// What the process has to start with, found once.
+/// The instruction sets of the process, determined once.
 struct Machine {
   std::vector<std::string_view> usable;
-  std::string_view bound;  ///< the widest, or what UMBRAGE_ISA says
-  std::string wrong;       ///< what UMBRAGE_ISA says where the CPU has no such
+  std::string_view bound;  ///< the widest, or that of UMBRAGE_ISA
+  std::string wrong;       ///< the value of UMBRAGE_ISA if the CPU lacks it
 
   Machine() {
-    // One target alone is dispatched to without asking the CPU; Highway's NEON asks for AES, too, which no lane needs.
+    // A single target is dispatched to without querying the CPU; Highway's NEON requires AES, which no kernel needs.
     constexpr bool kOneTarget = ((HWY_TARGETS) & ((HWY_TARGETS)-1)) == 0;
     const std::int64_t targets = kOneTarget ? (HWY_TARGETS) : hwy::SupportedTargets() & (HWY_TARGETS);
     for (const Isa& isa : kIsas)
@@ -51,8 +51,8 @@ struct Machine {
 std::atomic<const Isa*> in_use{nullptr};
 std::atomic<bool> chosen{false};  ///< by choose_isa
 
-/// Highway's switch counts for everything in the process that shares its library, so it is not touched unless somebody
-/// asks for a bound. Highway calls it "for test", and has no other that can be taken back.
+/// Highway's switch affects everything in the process that shares its library, so it stays untouched unless a bound is
+/// requested. Highway calls it "for test", and has no other that can be undone.
 void dispatch_to(const Isa& isa) {
   hwy::SetSupportedTargetsForTest(isa.target);
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());

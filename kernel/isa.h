@@ -1,5 +1,5 @@
 // The instruction set of kernels and rays: one for the whole process, the widest that the machine has unless
-// UMBRAGE_ISA or choose_isa bounds it.
+// UMBRAGE_ISA or choose_isa limits it.
 #pragma once
 #include <string>
 #include <string_view>
@@ -7,22 +7,22 @@
 
 namespace umbrage {
 
-/// All names: "avx512", "avx2", "sse4" of x86, widest first, "neon" of ARM, and "scalar", which is plain C++, in which
-/// a kernel takes one pixel at a time.
+/// Returns all names: "avx512", "avx2", "sse4" of x86, widest first, "neon" of ARM, and "scalar", plain C++ that
+/// computes one pixel at a time.
 const std::vector<std::string_view>& known_isas();
 
-/// Names of those that this CPU has, widest first.
+/// Returns the names of those that this CPU supports, widest first.
 const std::vector<std::string_view>& usable_isas();
 
-/// The one in use.
+/// Returns the name of the one in use.
 std::string_view isa_in_use();
 
-/// Bounds what is dispatched from now on, and devices that are made from now on; the empty name means what the process
-/// started with. False for a name that is not among usable_isas(). Not while another thread uses Umbrage.
+/// Limits kernels that run, and devices that are created, from now on; the empty name restores the state at process
+/// start. Returns false for a name that is not in usable_isas(). No other thread may use Umbrage meanwhile.
 bool choose_isa(std::string_view name);
 
-/// The value of UMBRAGE_ISA where this CPU has no such instruction set, until choose_isa takes a name; else empty.
-/// Whoever makes devices for people makes an error of it.
+/// Returns the value of UMBRAGE_ISA if this CPU lacks that instruction set and choose_isa has not set one; else empty.
+/// Code that creates devices for users must report it as an error.
 std::string_view wrong_isa_setting();
 
 }  // namespace umbrage

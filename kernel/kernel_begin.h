@@ -1,18 +1,18 @@
-// Opens the dialect inside the body of a C++ struct: what the struct offers (`view`, of scalar_view.h or lanes_view.h)
-// becomes the constants F and C, of the type UMBRAGE_KERNEL_CONSTANTS, and the loads and stores that a kernel text
-// declares. kernel_end.h closes it. GLSL's counterpart is glsl.h.
+// Starts the kernel dialect inside the body of a C++ struct: from its `view` (scalar_view.h or lanes_view.h) it defines
+// the constants F and C, of type UMBRAGE_KERNEL_CONSTANTS, and the loads and stores that a kernel declares.
+// kernel_end.h ends it. The GLSL counterpart is glsl.h.
 #define FN HWY_INLINE HWY_MAYBE_UNUSED
-// A function that few pixels need and that is long: called, not inlined, where that can be chosen.
+// A long function that few pixels need: called, not inlined, where there is a choice.
 #define FN_RARE HWY_NOINLINE HWY_MAYBE_UNUSED
 const FrameConstants F = view.frame.frame;
 const UMBRAGE_KERNEL_CONSTANTS& C = *static_cast<const UMBRAGE_KERNEL_CONSTANTS*>(view.frame.constants);
-// Where the pixel of these coordinates, whole numbers inside the picture, is in every plane: for read_NAME(place),
-// which is load_NAME without a look at the borders.
+// Index of the pixel at these coordinates, integers inside the picture, in every plane: for read_NAME(place), which is
+// load_NAME without border checks.
 FN Int place_of(Real X, Real Y) const { return view.place_of(X, Y); }
-// A list that pixels note numbers down in for later, of at most `length` x kLanes. Either in slots, one number of each
-// of the pixels that run together: keep_NAME(slot, v), kept_NAME(slot). Or in entries, one for each pixel where a mask
-// holds, in their order: append_NAME(at, mask, v) from entry `at` on, as many as how_many(mask); and then
-// entries_NAME(at), the next kLanes of them, one to each pixel.
+// A list in which pixels store numbers for later, at most `length` x kLanes. Either in slots of one number for each
+// pixel that runs together: keep_NAME(slot, v), kept_NAME(slot). Or in entries, one for each pixel whose mask is set,
+// in order: append_NAME(at, mask, v) from entry `at` on, as many as count_lanes(mask); and then entries_NAME(at), the
+// next kLanes of them, one for each pixel.
 #define LIST(type, number, name, length)                                                                \
   alignas(64) number name##_list[((length) + 1) * kLanes];                                              \
   FN void keep_##name(int slot, type v) { view.write(name##_list + slot * kLanes, v); }                 \
@@ -21,8 +21,8 @@ FN Int place_of(Real X, Real Y) const { return view.place_of(X, Y); }
   FN type entries_##name(int at) const { return view.listed(name##_list + at); }
 #define LIST_REAL(name, length) LIST(Real, float, name, length)
 #define LIST_UINT(name, length) LIST(Uint, std::uint32_t, name, length)
-// Sums of three numbers, one for each of the pixels that run together, that any of these may add to: clear_NAME(), each
-// pixel's v to the sum of the pixel `lane` by add_to_NAME(lane, v), and each pixel's own by sum_of_NAME().
+// Sums of three numbers for each of the pixels that run together, which any of them may add to: clear_NAME();
+// add_to_NAME(lane, v) adds each pixel's v to the sum of pixel `lane`; sum_of_NAME() returns each pixel's own sum.
 #define SUMS(name)                                                                \
   LaneSums name##_sums;                                                           \
   FN void clear_##name() { clear(name##_sums); }                                  \
@@ -60,7 +60,7 @@ FN Bool near_inside(int i, int j) const { return view.inside(i, j); }
   }
 #define IN_VECTOR(name) IN_TRIPLE(name, "x", "y", "z")
 #define IN_COLOR(name) IN_TRIPLE(name, "r", "g", "b")
-// A plane of every layer, of which a kernel reads those that its constants name: read_NAME_of(layer, place),
+// A plane of every layer; a kernel reads the layers that its constants name: read_NAME_of(layer, place),
 // near_NAME_of(layer, i, j).
 #define OF_LAYERS(text)                                                                                                \
   {                                                                                                                    \
@@ -90,7 +90,7 @@ FN Bool near_inside(int i, int j) const { return view.inside(i, j); }
 #define OUT_REAL(name)                     \
   float* name##_plane = view.plane(#name); \
   FN void store_##name(Real v) const { view.store(name##_plane, v); }
-// A plane of every layer that the picture has: the others cannot be stored to.
+// A plane of every layer of the picture; layers that it lacks must not be stored to.
 #define OUT_LAYERS_REAL(name)                                 \
   float* const name##_layers[kLayersRead] = OF_LAYERS(#name); \
   FN void store_##name##_of(int layer, Real v) const { view.store(name##_layers[layer], v); }
@@ -106,7 +106,7 @@ FN Bool near_inside(int i, int j) const { return view.inside(i, j); }
     view.store(name##_plane_1, v.y);               \
     view.store(name##_plane_2, v.z);               \
   }
-// What the pass changes in place: a pixel reads its own alone.
+// A plane that the pass modifies in place: a pixel reads only its own value.
 #define INOUT_REAL(name) \
   OUT_REAL(name)         \
   FN Real own_##name() const { return view.near(name##_plane, 0, 0); }

@@ -1,3 +1,4 @@
+// Ends the kernel dialect that kernel_begin.h starts.
 #undef FN
 #undef FN_RARE
 #undef CONST

@@ -1,4 +1,4 @@
-// KernelFrame: what a compiled kernel gets on the CPU.
+// KernelFrame: input and output of a compiled kernel on the CPU.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -16,28 +16,28 @@ struct Tile {
 
 struct KernelPlane {
   std::string_view name;
-  float* data;  ///< pixel (0, 0), whether it is held or not; rows are FrameConstants::stride floats apart
+  float* data;  ///< pixel (0, 0), even if it is not held; rows are FrameConstants::stride floats apart
 };
 
 struct KernelFrame {
   FrameConstants frame;
   const void* constants;  ///< the effect's constants struct
   std::span<const KernelPlane> planes;
-  const float* ao = nullptr;              ///< where FrameConstants::missing is set
-  int first_row = 0, last_row = 1 << 30;  ///< what load_NAME reads at most of the picture: the rows that are held
+  const float* ao = nullptr;              ///< set if FrameConstants::missing is
+  int first_row = 0, last_row = 1 << 30;  ///< rows that are held; load_NAME clamps to them
 
-  /// The plane of that name. Throws std::logic_error where the effect's table does not list it.
+  /// Returns the plane of that name. Throws std::logic_error if the effect's table does not list it.
   float* plane(std::string_view name) const;
 };
 
-/// Where row 0 of a plane would be of which row `first` and those below are held, from `data` on.
+/// Returns the address that row 0 of a plane would have if row `first` is at `data`.
 inline float* row_zero(float* data, int stride, int first) {
-  // As a number, since it may lie outside all that is there: NOLINTNEXTLINE(performance-no-int-to-ptr)
+  // In integers, since it may lie outside the allocation: NOLINTNEXTLINE(performance-no-int-to-ptr)
   return reinterpret_cast<float*>(reinterpret_cast<std::uintptr_t>(data) -
                                   std::uintptr_t(first) * std::uintptr_t(stride) * sizeof(float));
 }
 
-/// Planes of which a kernel reads every layer (IN_LAYERS_REAL and its like), as a pass lists them: `depth`,
+/// Returns the planes of every layer (for IN_LAYERS_REAL and the like) in the form that a pass lists them: `depth`,
 /// `layer1.depth` and so on.
 std::vector<std::string_view> of_all_layers(const std::vector<std::string_view>& planes);
 

@@ -1,6 +1,6 @@
-// The dialect of kernel texts as SIMD lanes by Highway: as many pixels of one row at a time as a vector holds.
-// Included once per SIMD target, after hwy/foreach_target.h. Structs around Highway's vectors fit x86 and NEON, where a
-// vector has a size; they do not fit SVE or RVV.
+// The kernel dialect as SIMD lanes with Highway: as many pixels of one row at a time as a vector has lanes. Included
+// once per SIMD target, after hwy/foreach_target.h. Structs around Highway's vectors work on x86 and NEON, where
+// vectors have a fixed size, but not on SVE or RVV.
 #if defined(UMBRAGE_MACHINE_LANES_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef UMBRAGE_MACHINE_LANES_H
 #undef UMBRAGE_MACHINE_LANES_H
@@ -100,13 +100,13 @@ OP Bool operator==(Int a, Int b) { return {hn::RebindMask(D(), hn::Eq(a.v, b.v))
 OP Bool operator&&(Bool a, Bool b) { return {hn::And(a.m, b.m)}; }
 OP Bool operator||(Bool a, Bool b) { return {hn::Or(a.m, b.m)}; }
 OP Bool operator!(Bool a) { return {hn::Not(a.m)}; }
-/// Unsigned order, by moving both to signed.
+/// Unsigned order, by an offset to signed.
 OP Bool operator<(Uint a, Uint b) {
   const auto flip = hn::Set(DU(), 0x80000000u);
   return {hn::RebindMask(D(), hn::Lt(hn::BitCast(DI(), hn::Xor(a.v, flip)), hn::BitCast(DI(), hn::Xor(b.v, flip))))};
 }
 
-// What NaN gives is the machine's own choice in Highway's; scalar.h gives the second operand, and so does x86.
+// In Highway the result for NaN depends on the machine; scalar.h returns the second operand, and so does x86.
 #if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR
 OP Real min(Real a, Real b) { return hn::Min(a.v, b.v); }
 OP Real max(Real a, Real b) { return hn::Max(a.v, b.v); }
@@ -116,15 +116,15 @@ OP Real max(Real a, Real b) { return hn::IfThenElse(hn::Lt(b.v, a.v), a.v, b.v);
 #endif
 OP Int min(Int a, Int b) { return hn::Min(a.v, b.v); }
 OP Int max(Int a, Int b) { return hn::Max(a.v, b.v); }
-OP Real clamp(Real x, Real least, Real most) { return min(max(x, least), most); }
-OP Int clamp(Int x, Int least, Int most) { return min(max(x, least), most); }
+OP Real clamp(Real x, Real min_value, Real max_value) { return min(max(x, min_value), max_value); }
+OP Int clamp(Int x, Int min_value, Int max_value) { return min(max(x, min_value), max_value); }
 OP Real abs(Real a) { return hn::Abs(a.v); }
 OP Real floor(Real a) { return hn::Floor(a.v); }
 OP Real fract(Real a) { return hn::Sub(a.v, hn::Floor(a.v)); }
 OP Real sqrt(Real a) { return hn::Sqrt(a.v); }
-/// The machine's estimate refined by Newton steps: relative error below 2e-7, and 1 for 1. Makers' estimates differ in
-/// their last bits: AVX-512's has 14 and takes one step, others have 8 to 12 and take two. Without vectors there is no
-/// estimate worth the name.
+/// The machine's estimate refined by Newton steps: relative error below 2e-7, and exactly 1 for 1. Estimates of vendors
+/// differ in the last bits: AVX-512's has 14 bits and takes one step, others have 8 to 12 and take two. Without vectors
+/// there is no useful estimate.
 OP Real rsqrt(Real a) {
 #if HWY_TARGET == HWY_SCALAR
   return hn::Div(hn::Set(D(), 1.0f), hn::Sqrt(a.v));
@@ -143,8 +143,8 @@ OP Real mad(Real a, Real b, Real c) {
 #elif HWY_TARGET == HWY_SCALAR
   return float(double(hn::GetLane(a.v)) * double(hn::GetLane(b.v)) + double(hn::GetLane(c.v)));
 #else
-  // SSE has no fused multiply-add. In double the product is exact and the sum nearly so: a last bit can differ from
-  // fusing where a sum falls next to the middle between two floats.
+  // SSE has no fused multiply-add. In double precision the product is exact and the sum nearly so: the last bit can
+  // differ from a fused result if a sum falls next to the middle between two floats.
   const hn::Half<D> half;
   const hn::Repartition<double, D> wide;
   const auto in_double = [&](hn::Vec<hn::Half<D> > x, hn::Vec<hn::Half<D> > y, hn::Vec<hn::Half<D> > z) HWY_ATTR {
@@ -154,7 +154,7 @@ OP Real mad(Real a, Real b, Real c) {
                      in_double(hn::LowerHalf(half, a.v), hn::LowerHalf(half, b.v), hn::LowerHalf(half, c.v)));
 #endif
 }
-// Highway's conversion spends four more instructions on numbers that do not fit.
+// Highway's conversion spends four more instructions on values out of range.
 #if HWY_TARGET == HWY_AVX3
 OP Int to_int(Real a) { return hn::Vec512<std::int32_t>{_mm512_cvttps_epi32(a.v.raw)}; }
 #elif HWY_TARGET == HWY_AVX2
@@ -175,7 +175,7 @@ OP Real to_real(Uint a) {
 OP Uint bits_of(Real a) { return hn::BitCast(DU(), a.v); }
 OP Real real_of_bits(Uint a) { return hn::BitCast(D(), a.v); }
 OP Int popcount(Uint a) { return hn::BitCast(DI(), hn::PopulationCount(a.v)); }
-/// In two halves, because a shift by 32 is undefined; but x86's own vector shift gives 0 then.
+/// In two halves, because a shift by 32 is undefined; x86's own vector shift returns 0 for it.
 #if HWY_TARGET == HWY_AVX3
 OP Uint ones_from(Int b) { return hn::Vec512<std::uint32_t>{_mm512_sllv_epi32(_mm512_set1_epi32(-1), b.v.raw)}; }
 #elif HWY_TARGET == HWY_AVX2
@@ -188,13 +188,13 @@ OP Uint ones_from(Int b) {
   return hn::Shl(hn::Shl(hn::Set(du, ~0u), half), hn::Sub(count, half));
 }
 #endif
-/// a + b where the mask holds, a elsewhere; for vectors of 32-bit integers of any length.
+/// Returns a + b where the mask is set, else a; for vectors of 32-bit integers of any length.
 template <class V, class M>
 OP V add_where(M mask, V a, V b) {
   return hn::Add(a, hn::IfThenElseZero(mask, b));
 }
 #if HWY_TARGET == HWY_AVX3
-// One instruction, which the compiler does not find by itself.
+// One instruction, which the compiler does not generate by itself.
 OP hn::Vec512<std::int32_t> add_where(hn::Mask512<std::int32_t> mask, hn::Vec512<std::int32_t> a,
                                       hn::Vec512<std::int32_t> b) {
   return hn::Vec512<std::int32_t>{_mm512_mask_add_epi32(a.raw, mask.raw, a.raw, b.raw)};
@@ -206,7 +206,7 @@ OP hn::Vec256<std::int32_t> add_where(hn::Mask256<std::int32_t> mask, hn::Vec256
 #endif
 OP Bool is_finite(Real a) { return {hn::Le(hn::Abs(a.v), hn::Set(D(), 3.402823466e38f))}; }
 OP bool some(Bool a) { return !hn::AllFalse(D(), a.m); }
-OP int how_many(Bool a) { return int(hn::CountTrue(D(), a.m)); }
+OP int count_lanes(Bool a) { return int(hn::CountTrue(D(), a.m)); }
 OP Int this_lane() { return hn::Iota(DI(), 0); }
 OP Real of_lane(Real v, Int lane) { return hn::TableLookupLanes(v.v, hn::IndicesFromVec(D(), lane.v)); }
 OP Real packed(Bool where, Real v) { return hn::Compress(v.v, where.m); }
@@ -226,7 +226,7 @@ OP Real pow(Real a, Real b) {
 #include "kernel/vectors.h"
 #undef inline
 
-/// A sum for each pixel that runs, channels side by side: a vector of four takes them at once.
+/// A sum for each pixel that runs together, with interleaved channels: a vector of four adds them at once.
 struct LaneSums {
   HWY_ALIGN float sums[4 * kLanes];
 };

@@ -1,4 +1,4 @@
-// The planes of a frame as lanes see them: this pixel and its right-hand neighbours. Included once per SIMD target.
+// Access of lanes to the planes of a frame: this pixel and its right-hand neighbours. Included once per SIMD target.
 #if defined(UMBRAGE_MACHINE_LANES_VIEW_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef UMBRAGE_MACHINE_LANES_VIEW_H
 #undef UMBRAGE_MACHINE_LANES_VIEW_H
@@ -16,21 +16,21 @@ namespace umbrage {
 namespace HWY_NAMESPACE {
 namespace {
 
-// Neighbours up to so many pixels away are read without looking for the border, where it is farther.
+// Neighbours up to this many pixels away are read without border checks if the border is farther away.
 constexpr int kMargin = 16;
-// The same in blocks of up to 4 x 4 pixels, with room for the one that holds the pixel.
+// The same in blocks of up to 4 x 4 pixels, including the block of the pixel itself.
 constexpr int kMarginBlocks = 3;
 
 struct LanesView {
   const KernelFrame& frame;
   float real_stride = float(frame.frame.stride);
-  // Floats hold all places in a plane.
+  // All plane indices are exact as floats.
   bool exact = (std::int64_t(frame.frame.height) + 1) * frame.frame.stride <= 1 << 24;
   int first_row = frame.first_row, last_row = HWY_MIN(frame.last_row, frame.frame.height - 1);
-  int x = 0, y = 0;         // the first lane's pixel
-  bool inner = false;       // all lanes lie kMargin or more inside the picture
-  std::ptrdiff_t here = 0;  // of pixel (x, y) in a plane
-  // Lanes are pixels from anywhere, these; x, y and here are then without meaning, and there is no corner and no block.
+  int x = 0, y = 0;         // pixel of the first lane
+  bool inner = false;       // all lanes are at least kMargin inside the picture
+  std::ptrdiff_t here = 0;  // index of pixel (x, y) in a plane
+  // Lanes are the pixels (column, row), anywhere; x, y and here are then invalid, and corner and block unavailable.
   bool scattered = false;
   Int column = 0, row = 0;
 
@@ -76,7 +76,7 @@ struct LanesView {
     if (first >= 0 && first + kLanes <= frame.frame.width) return hn::LoadU(D(), start + first);
     return hn::GatherIndex(D(), start, clamp(Int(hn::Iota(DI(), first)), Int(0), Int(frame.frame.width - 1)).v);
   }
-  // Loads by steps of f, 1, 2 or 4: lanes start at a multiple of it wherever they are as many as f.
+  // Loads with step f, 1, 2 or 4: lanes start at a multiple of f if there are at least f of them.
   HWY_INLINE Real corner(const float* plane, int f, int i, int j) const {
 #if HWY_TARGET != HWY_SCALAR
     const bool close =
@@ -130,19 +130,19 @@ struct LanesView {
   }
 };
 
-/// What a tile computes, in steps of kLanes pixels: its rows or, wherever they are in the tile, those pixels where `ao`
-/// is kMissing. Where fewer of these are left than lanes, the last of them stands in all other lanes: they compute the
-/// same, and store it to the same place.
+/// The pixels of a tile, in steps of kLanes: its rows or, wherever they are in the tile, the pixels where `ao` is
+/// kMissing. If fewer of these than lanes are left, the last one fills the remaining lanes: they compute the same value
+/// and store it to the same place.
 class TilePixels {
  public:
   TilePixels(const KernelFrame& frame, const Tile& tile)
       : packs(frame.frame.missing != 0), frame_(frame), tile_(tile), column_(tile.x0), row_(tile.y0) {}
 
   const bool packs;
-  int y = 0, x = 0, end = 0;  // of a row
-  Int columns = 0, rows = 0;  // of packed pixels, for which x to end is one step
+  int y = 0, x = 0, end = 0;  // a row
+  Int columns = 0, rows = 0;  // packed pixels, for which x to end is one step
 
-  /// The next row or packed pixels; false after the last.
+  /// Moves to the next row or packed pixels; returns false after the last.
   HWY_NOINLINE bool next() {
     if (packs) return pack();
     if (row_ >= tile_.y1) return false;
@@ -175,7 +175,7 @@ class TilePixels {
     return true;
   }
 
-  /// Finds what is missing of the next kLanes pixels.
+  /// Collects the missing ones of the next kLanes pixels.
   HWY_INLINE void take() {
     const Int here = hn::Iota(DI(), column_);
     const auto ao = hn::LoadU(D(), frame_.ao + std::ptrdiff_t(row_) * frame_.frame.stride + column_);
@@ -183,13 +183,13 @@ class TilePixels {
     if (HWY_LIKELY(!some(missing))) return;
     hn::StoreU(packed(missing, to_uint(here)).v, DU(), found_columns_ + count_);
     hn::StoreU(to_uint(Int(row_)).v, DU(), found_rows_ + count_);
-    count_ += how_many(missing);
+    count_ += count_lanes(missing);
   }
 
   const KernelFrame& frame_;
   const Tile& tile_;
-  int column_, row_;  // that are looked at next
-  int count_ = 0;     // of pixels found, and not yet handed out
+  int column_, row_;  // next to be examined
+  int count_ = 0;     // pixels collected and not yet returned
   HWY_ALIGN std::uint32_t found_columns_[2 * kLanes];
   HWY_ALIGN std::uint32_t found_rows_[2 * kLanes];
 };

@@ -1,5 +1,5 @@
-// The dialect of kernel texts as plain C++: one pixel at a time. It defines what the dialect means; lanes.h and glsl.h
-// follow it.
+// The kernel dialect as plain C++: one pixel at a time. It is the definition of the dialect; lanes.h and glsl.h follow
+// it.
 #pragma once
 #include <bit>
 #include <cmath>
@@ -12,45 +12,45 @@ using Int = std::int32_t;
 using Uint = std::uint32_t;
 using Bool = bool;
 constexpr int kLanes = 1;
-/// How long lists are that pay on the machine, in numbers per pixel.
+/// Length up to which lists are efficient on the machine, numbers per pixel.
 constexpr int kListLength = 8;
 
 inline Real min(Real a, Real b) { return a < b ? a : b; }
 inline Real max(Real a, Real b) { return a > b ? a : b; }
 inline Int min(Int a, Int b) { return a < b ? a : b; }
 inline Int max(Int a, Int b) { return a > b ? a : b; }
-inline Real clamp(Real x, Real least, Real most) { return min(max(x, least), most); }
-inline Int clamp(Int x, Int least, Int most) { return min(max(x, least), most); }
+inline Real clamp(Real x, Real min_value, Real max_value) { return min(max(x, min_value), max_value); }
+inline Int clamp(Int x, Int min_value, Int max_value) { return min(max(x, min_value), max_value); }
 inline Real abs(Real a) { return std::fabs(a); }
 inline Real floor(Real a) { return std::floor(a); }
 inline Real fract(Real a) { return a - std::floor(a); }
 inline Real sqrt(Real a) { return std::sqrt(a); }
 inline Real rsqrt(Real a) { return 1.0f / std::sqrt(a); }
-/// a^b for a > 0; 0 for a <= 0.
+/// Returns a^b for a > 0; 0 for a <= 0.
 inline Real pow(Real a, Real b) { return a > 0.0f ? std::pow(a, b) : 0.0f; }
-/// a b + c, rounded once, on every machine.
+/// Returns a b + c, rounded once, on every machine.
 inline Real mad(Real a, Real b, Real c) { return std::fma(a, b, c); }
-/// Towards zero. The argument must fit.
+/// Rounds towards zero. The argument must fit.
 inline Int to_int(Real a) { return Int(a); }
 inline Uint to_uint(Int a) { return Uint(a); }
 inline Int to_signed(Uint a) { return Int(a); }
-/// Rounded to nearest even.
+/// Rounds to nearest even.
 inline Real to_real(Int a) { return Real(a); }
 inline Real to_real(Uint a) { return Real(a); }
 inline Uint bits_of(Real a) { return std::bit_cast<Uint>(a); }
-/// The bits must be those of a normal number: a machine may turn others into 0 or another NaN.
+/// The bits must be those of a normal number: machines may turn others into 0 or another NaN.
 inline Real real_of_bits(Uint a) { return std::bit_cast<Real>(a); }
 inline Int popcount(Uint a) { return __builtin_popcount(a); }
-/// Bits b and up; none for b = 32. b in [0, 32].
+/// Returns a word with the bits b and up set, none for b = 32; b in [0, 32].
 inline Uint ones_from(Int b) { return b < 32 ? 0xffffffffu << b : 0u; }
 inline bool is_finite(Real a) { return std::fabs(a) <= 3.402823466e38f; }
-/// Whether the mask holds anywhere among the pixels that run together.
+/// Returns whether the mask is set for any of the pixels that run together.
 inline bool some(Bool a) { return a; }
-/// At how many of them it holds.
-inline int how_many(Bool a) { return a ? 1 : 0; }
-/// Which one of them this pixel is, from 0 to kLanes - 1.
+/// Returns for how many of them it is set.
+inline int count_lanes(Bool a) { return a ? 1 : 0; }
+/// Returns the index of this pixel among them, 0 to kLanes - 1.
 inline Int this_lane() { return 0; }
-/// A value of another of them.
+/// Returns the value of another of them.
 inline Real of_lane(Real v, Int) { return v; }
 
 struct Vec2 {
@@ -67,7 +67,7 @@ inline T select(Bool mask, T a, T b) {
 
 #include "kernel/vectors.h"
 
-/// The numbers of pixels where the mask holds come first, in their order; what follows is anything.
+/// Moves the values of pixels whose mask is set to the front, in order; the rest is undefined.
 template <class T>
 inline T packed(Bool, T v) {
   return v;
@@ -77,7 +77,7 @@ struct LaneSums {
   Vec3 sum;
 };
 inline void clear(LaneSums& s) { s.sum = Vec3{0.0f, 0.0f, 0.0f}; }
-/// Each pixel's v is added to the sum of the pixel `lane`, in the pixels' order.
+/// Adds each pixel's v to the sum of pixel `lane`, in the order of the pixels.
 inline void add_to_lanes(LaneSums& s, Int, Vec3 v) { s.sum = s.sum + v; }
 inline Vec3 sums_of(const LaneSums& s) { return s.sum; }
 

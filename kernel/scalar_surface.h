@@ -1,11 +1,11 @@
-// kernel/surface.kernel.h in its scalar form, outside of a kernel: for host_surface.cpu.cpp, and for tests.
+// The scalar form of kernel/surface.kernel.h outside of kernels: for host_surface.cpu.cpp and tests.
 #pragma once
 #include "kernel/frame_constants.h"
 #include "kernel/scalar.h"
 
 namespace umbrage::scalar {
 
-/// Of a picture: F must have `orthographic` and the rays' scales and offsets.
+/// Functions for one picture: F must have `orthographic` and the scales and offsets of rays.
 struct SurfaceText {
   FrameConstants F{};
 #define FN inline

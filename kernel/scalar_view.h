@@ -1,4 +1,4 @@
-// The planes of a frame as the scalar dialect sees them.
+// Access of the scalar dialect to the planes of a frame.
 #pragma once
 #include <algorithm>
 
@@ -16,23 +16,23 @@ struct ScalarView {
   }
 
   float* plane(std::string_view name) const { return frame.plane(name); }
-  /// Any pixel; coordinates outside are clamped to the border.
+  /// Returns the value at any pixel; coordinates outside are clamped to the border.
   Real load(const float* plane, Int X, Int Y) const {
     X = clamp(X, 0, frame.frame.width - 1);
     Y = clamp(Y, frame.first_row, std::min(frame.last_row, frame.frame.height - 1));
     return plane[std::ptrdiff_t(Y) * frame.frame.stride + X];
   }
-  /// The neighbour (i, j) pixels right and down of this one, clamped to the border.
+  /// Returns the value at the neighbour (i, j) pixels right and down of this one, clamped to the border.
   Real near(const float* plane, int i, int j) const { return load(plane, x + i, y + j); }
-  /// Of the block of f x f pixels that lies i blocks right and j down of this pixel's block, its upper left pixel,
-  /// clamped to the border; f is 1, 2 or 4.
+  /// Returns the value at the upper left pixel of the block of f x f pixels that is i blocks right and j blocks down of
+  /// this pixel's block, clamped to the border; f is 1, 2 or 4.
   Real corner(const float* plane, int f, int i, int j) const { return load(plane, (x / f + i) * f, (y / f + j) * f); }
-  /// What a picture of those corners alone holds for that block, from the plane's upper left corner on.
+  /// Returns the value of that block in a reduced picture of such corners, which lies in the plane's upper left corner.
   Real block(const float* plane, int f, int i, int j) const { return load(plane, x / f + i, y / f + j); }
   Bool inside(int i, int j) const {
     return x + i >= 0 && x + i < frame.frame.width && y + j >= 0 && y + j < frame.frame.height;
   }
-  /// Where the pixel of these coordinates, whole numbers inside the picture, is in a plane.
+  /// Returns the index of the pixel at these coordinates, integers inside the picture, in a plane.
   Int place_of(Real X, Real Y) const { return Int(Y) * frame.frame.stride + Int(X); }
   Real read(const float* plane, Int place) const { return plane[place]; }
   template <class T>

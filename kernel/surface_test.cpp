@@ -1,4 +1,4 @@
-// kernel/surface.kernel.h: what counts as one surface.
+// kernel/surface.kernel.h: which pixels count as one surface.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +16,8 @@ using scalar::Vec3;
 constexpr int kSize = 512;
 constexpr double kDepth = 5.0;
 
-/// What a picture of kSize pixels shows of a plane that is seen at an angle to its normal in the picture's middle.
+/// The points of a picture of kSize pixels that shows a plane at an angle to the view axis at the centre of the
+/// picture.
 struct Seen {
   scalar::SurfaceText surface{};
   double pixel, scale, n[3];
@@ -31,7 +32,7 @@ struct Seen {
     const double unit = pixel * (orthographic ? kDepth * scale : 1.0);
     surface.F.ray_scale_x = float(unit);
     surface.F.ray_scale_y = float(-unit);
-    surface.F.ray_offset_x = float(-0.5 * unit);  // the pixel (0, 0) is the middle
+    surface.F.ray_offset_x = float(-0.5 * unit);  // pixel (0, 0) is the centre
     surface.F.ray_offset_y = float(0.5 * unit);
   }
 
@@ -42,7 +43,7 @@ struct Seen {
     return {float(n[0] / steep * std::sin(angle)), float(n[1] / steep * std::sin(angle)), float(std::cos(angle))};
   }
 
-  /// The point that pixel (x, y) shows, so many sizes of the middle's pixel before the plane.
+  /// Returns the point at pixel (x, y), moved `before_px` central pixel sizes in front of the plane.
   Vec3 point(int x, int y, double before_px = 0.0) {
     const double u = x * pixel, v = -y * pixel;
     const double lean = n[0] * u + n[1] * v, before = before_px * pixel;
@@ -87,19 +88,19 @@ TEST(Surface, StepsAreTwoByTheirSizeInPixels) {
         const Vec3 here = facing.point(0, 0), normal = facing.normal();
         for (const double step_px : {0.5, 3.0, -3.0}) {
           const Vec3 there = facing.point(1, 0, step_px);
-          // In perspective of the smaller pixel of the two: that of the nearer point.
+          // In perspective relative to the smaller pixel of the two: that of the nearer point.
           const double nearer = orthographic ? 1.0 : std::min(1.0, -there.z / (kDepth * scale));
           const double expected = step_px / nearer;
           EXPECT_NEAR(facing.surface.plane_distance(here, normal, there, 1.0f), expected, 0.01);
           EXPECT_NEAR(facing.surface.plane_distance(here, normal, there, 2.0f), 0.5 * expected, 0.01);
           EXPECT_NEAR(facing.surface.surface_distance(here, normal, there, normal, 1.0f), std::abs(expected), 0.01);
         }
-        // The steeper a surface, the more may be wrong with its normals; no step explains itself.
+        // The steeper a surface, the larger the tolerance for its normals; no step may explain itself.
         for (const double angle_deg : {85.0, 87.0, 89.0}) {
           Seen tilted(angle_deg, orthographic, scale, height);
           if (height < 512) continue;  // the horizon is a few pixels away
           for (const double step_px : {-30.0, 30.0, 200.0}) {
-            if (step_px * tilted.pixel > 0.8 * tilted.n[2]) continue;  // it would lie behind the eye
+            if (step_px * tilted.pixel > 0.8 * tilted.n[2]) continue;  // it would be behind the camera
             const Vec3 there = tilted.point(0, 1, step_px);
             if (!(there.z < 0.0f)) continue;
             EXPECT_GT(
@@ -119,7 +120,7 @@ TEST(Surface, EitherPixelFindsTheOtherEquallyFar) {
   }
 }
 
-TEST(Surface, BackgroundAndWhatIsNoNumberAreOnNone) {
+TEST(Surface, BackgroundAndNonFinitePointsAreOnNoSurface) {
   Seen seen(0.0, false);
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
   const Vec3 here = seen.point(0, 0), normal = seen.normal();
@@ -131,9 +132,9 @@ TEST(Surface, BackgroundAndWhatIsNoNumberAreOnNone) {
   }
   for (const float odd : {kNan, kInfinity})
     EXPECT_EQ(seen.surface.surface_distance(here, {odd, 0.0f, 1.0f}, seen.point(1, 0), normal, 1.0f), none);
-  EXPECT_EQ(seen.surface.joint_of(none), 0.0f);
-  EXPECT_EQ(seen.surface.joint_of(1.0f), 1.0f);
-  EXPECT_EQ(seen.surface.joint_of(1.25f), 0.75f);
+  EXPECT_EQ(seen.surface.same_surface_weight(none), 0.0f);
+  EXPECT_EQ(seen.surface.same_surface_weight(1.0f), 1.0f);
+  EXPECT_EQ(seen.surface.same_surface_weight(1.25f), 0.75f);
 }
 
 }  // namespace

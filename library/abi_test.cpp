@@ -1,5 +1,5 @@
-// The layout of what crosses the C interface: within a number of the interface it does not change. The functions stand
-// in symbols.txt, which the package's test compares.
+// Checks the layout of the C interface's structs, which must not change within a version of the interface. The
+// functions are listed in symbols.txt, which the package's test compares.
 #include <gtest/gtest.h>
 
 #include <cstddef>

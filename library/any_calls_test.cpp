@@ -1,5 +1,5 @@
-// Calls of the C interface in any order, with any arguments: tests/fuzz/calls.h, by a few seeds; and what such calls
-// have found.
+// Random sequences of calls of the C interface with random arguments (tests/fuzz/calls.h) for a few seeds, and tests of
+// the defects that such calls have found.
 #include <gtest/gtest.h>
 #include <malloc.h>
 #include <unistd.h>
@@ -70,7 +70,7 @@ struct Picture {
     umbGetSceneError(scene, &message);
     return message;
   }
-  /// Executes, and does something at the first progress.
+  /// Executes the job and calls `act` at the first report of progress.
   UmbError execute(std::function<void()> act) {
     umbSetJobProgressCallback(job, once, &act);
     const UmbError code = umbExecuteJob(job);
@@ -86,12 +86,13 @@ struct Picture {
   }
 };
 
-/// The sentence is the thread's: the object's first error is that of the call at work.
+/// Expects the error of an object in use. It is stored with the thread, since the object's errors belong to the call
+/// that uses the object.
 void expect_in_use(UmbError code) {
   EXPECT_EQ(code, UMB_ERROR_USAGE);
   const char* message = "";
   EXPECT_EQ(umbGetError(&message), UMB_ERROR_USAGE);
-  EXPECT_NE(std::string(message).find("at work"), std::string::npos) << message;
+  EXPECT_NE(std::string(message).find("in use"), std::string::npos) << message;
 }
 
 TEST(AnyCalls, CallbacksCannotUseWhatIsAtWork) {
@@ -100,7 +101,7 @@ TEST(AnyCalls, CallbacksCannotUseWhatIsAtWork) {
   const UmbImage image{pixels.data(), UMB_TYPE_FLOAT32, 24, 24, 4, 0, 0, 0};
   ASSERT_EQ(umbSetJobOutput(p.job, "color", &image), UMB_ERROR_NONE);
   const auto act = [&] {
-    // Another output would be written where the first one fits.
+    // If this output were accepted, the picture would be written to an image that is too small.
     const UmbImage wrong{small.data(), UMB_TYPE_FLOAT32, 1, 1, 4, 0, 0, 0};
     expect_in_use(umbSetJobOutput(p.job, "color", &wrong));
     expect_in_use(umbSetJobInt(p.job, "width", 8));
@@ -113,7 +114,7 @@ TEST(AnyCalls, CallbacksCannotUseWhatIsAtWork) {
     EXPECT_EQ(umbGetSceneBounds(p.scene, box, box + 3), UMB_ERROR_NONE) << "read beside";
     EXPECT_GE(umbGetJobCounter(p.job, "hierarchies_built"), 0);
     EXPECT_EQ(umbGetJobOutputName(p.job, 0), nullptr);
-    // Two devices could wait for each other.
+    // Otherwise two devices could wait for each other.
     EXPECT_EQ(umbExecuteJob(other.job), UMB_ERROR_USAGE);
     EXPECT_NE(other.error().find("a callback cannot execute"), std::string::npos);
     EXPECT_EQ(umbPrepareJob(other.job), UMB_ERROR_USAGE);
@@ -161,7 +162,7 @@ TEST(AnyCalls, AChangeWaitsForThoseThatRead) {
 }
 
 TEST(AnyCalls, WhatIsReleasedIsFreed) {
-  const auto kilobytes = [] {  // that the process has
+  const auto kilobytes = [] {  // resident memory of the process
     ::malloc_trim(0);
     long pages = 0, resident = 0;
     std::ifstream("/proc/self/statm") >> pages >> resident;
@@ -174,7 +175,7 @@ TEST(AnyCalls, WhatIsReleasedIsFreed) {
   for (const char* side : {"width", "height"}) umbSetJobInt(job, side, 24);
   ASSERT_EQ(umbPrepareJob(job), UMB_ERROR_NONE);
   const long before = kilobytes();
-  umbReleaseJob(job);  // its scene and the hierarchy
+  umbReleaseJob(job);  // frees its copy of the scene and the acceleration structure
   EXPECT_LT(kilobytes(), before - 20000);
   umbReleaseScene(scene);
   umbReleaseDevice(device);
@@ -271,7 +272,7 @@ TEST(AnyCalls, PointsHaveTheRadiiThatTheyAreGiven) {
 TEST(AnyCalls, TheBoxIsThatOfWhatIsDrawn) {
   const UmbDevice device = umbNewDevice("cpu", 1);
   const UmbScene scene = umbNewScene(device);
-  // A triangle, one without an area, one that is not finite, and a vertex that none has.
+  // A triangle, a triangle without area, a triangle that is not finite, and a vertex that no triangle uses.
   const float at[8][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {9, 9, 9}, {8, 8, 8}, {NAN, 0, 0}, {7, 7, 7}, {-7, 0, 0}};
   const std::uint8_t corners[9] = {0, 1, 2, 3, 4, 3, 5, 0, 1};
   const int mesh = umbAddMesh(scene, "mesh", 8, 3);

@@ -1,4 +1,4 @@
-// The C interface by itself: what its C++ layer does not reach, and calls that cannot be.
+// Tests of the C interface: functions that the C++ layer does not use, and invalid calls.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace umbrage {
 namespace {
 
-/// Objects that are released at the end.
+/// Objects that are released by the destructor.
 struct Objects {
   UmbDevice device = umbNewDevice("cpu", 2);
   UmbScene scene = umbNewScene(device);
@@ -54,7 +54,7 @@ UmbImage floats(float* data, int width, int height, int channels = 1) {
   return {data, UMB_TYPE_FLOAT32, width, height, channels, 0, 0, 0};
 }
 
-/// A render job of 48 x 36 pixels.
+/// Creates a render job of 48 x 36 pixels.
 void make_render_job(Objects& o, const char* look = "ao") {
   o.job = umbNewRenderJob(o.device, o.scene);
   umbSetJobString(o.job, "look", look);
@@ -96,7 +96,7 @@ TEST(CInterface, EffectsChangeOnWhatIsKept) {
   ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE);
   EXPECT_EQ(umbGetJobCounter(o.job, "captures_made"), captures + 1);
   EXPECT_EQ(umbGetJobCounter(o.job, "hierarchies_built"), 1);
-  // A new job draws the same.
+  // A new job draws the same picture.
   const auto kept = output(o.job, "color");
   umbReleaseJob(o.job);
   make_render_job(o, "studio");
@@ -210,7 +210,7 @@ TEST(CInterface, OutputsComeInEveryTypeAndLayout) {
   expect(
       {words.data(), UMB_TYPE_UINT16, 48, 36, 4, 0, 0, 0},
       [&](int x, int y, int c) { return words[std::size_t(4 * (48 * y + x) + c)] / 65535.0; }, 1e-5);
-  // Plane after plane, the bottom row first.
+  // Planar, bottom row first.
   expect(
       {planes.data() + 48 * 35, UMB_TYPE_FLOAT32, 48, 36, 4, 48 * 36 * 4, 4, -48 * 4},
       [&](int x, int y, int c) { return planes[std::size_t(48 * 36 * c + 48 * (35 - y) + x)]; }, 0.0);
@@ -255,10 +255,10 @@ TEST(CInterface, InputsComeInEveryTypeAndLayout) {
             expected);
 }
 
-/// Planes of a sphere before a wall, as an engine has them.
+/// The G-buffer of a sphere in front of a wall, as an engine provides it.
 struct Drawn {
   int width, height;
-  std::vector<float> depth, normal, albedo;  // plane after plane
+  std::vector<float> depth, normal, albedo;  // planar
 
   Drawn(int w, int h) : width(w), height(h), depth(count()), normal(3 * count()), albedo(3 * count(), 0.6f) {
     for (int y = 0; y < h; ++y)
@@ -295,7 +295,7 @@ TEST(CInterface, PlanesAreReadWhereTheyLie) {
     ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
     EXPECT_EQ(umbGetJobCounter(o.job, "planes_copied"), 0);
   }
-  // A pixel that has no depth, written as such, makes a copy of the plane.
+  // A pixel with a negative depth, which means no surface, makes the library copy the plane.
   std::vector<float> all = drawn.depth;
   const UmbImage image = drawn.image(all, 1);
   all[0] = -1.0f;
@@ -305,8 +305,8 @@ TEST(CInterface, PlanesAreReadWhereTheyLie) {
   EXPECT_EQ(umbGetJobCounter(o.job, "planes_copied"), 1);
 }
 
-/// Packed planes against interleaved pixels, which are copied. Of widths that are multiples of 256 the library's own
-/// planes have wider rows.
+/// Compares packed planes with interleaved pixels, which are copied. At widths that are multiples of 256 the library's
+/// own planes have padded rows.
 TEST(CInterface, PlanesOfAllWidthsAreShadedAlike) {
   for (const int width : {16, 64, 250, 256, 496, 512, 768, 1024}) {
     SCOPED_TRACE(width);
@@ -347,7 +347,7 @@ TEST(CInterface, HandlesAreCounted) {
   UmbScene scene = umbNewScene(device);
   UmbJob job = umbNewRenderJob(device, scene);
   umbReleaseDevice(device);
-  umbReleaseScene(scene);  // the job has them
+  umbReleaseScene(scene);  // the job retains them
   umbRetainJob(job);
   umbReleaseJob(job);
   EXPECT_EQ(umbSetJobInt(job, "width", 8), UMB_ERROR_NONE);
@@ -356,7 +356,7 @@ TEST(CInterface, HandlesAreCounted) {
   const char* message = nullptr;
   EXPECT_EQ(umbGetError(&message), UMB_ERROR_USAGE);
   EXPECT_NE(std::string(message).find("umbSetJobInt"), std::string::npos) << message;
-  umbReleaseJob(job);  // nothing happens
+  umbReleaseJob(job);  // does nothing
   umbReleaseJob(nullptr);
   EXPECT_EQ(umbGetDeviceDescription(device), nullptr);
   EXPECT_EQ(umbExecuteJob(reinterpret_cast<UmbJob>(&message)), UMB_ERROR_USAGE);
@@ -537,7 +537,7 @@ TEST(CInterface, ListsWhatThereIs) {
   EXPECT_EQ(umbGetPassChannels("color"), 4);
   EXPECT_EQ(umbGetPassChannels("nothing"), 0);
   EXPECT_EQ(umbGetPassChannels(nullptr), 0);
-  // What is listed can be set.
+  // Listed choices can be set.
   Objects o;
   make_render_job(o);
   for (int k = 0; umbGetParameter("render", k, &parameter) == UMB_ERROR_NONE; ++k) {

@@ -1,5 +1,5 @@
-// Calls of the C++ interface that meet others: other threads on one object, errors that nobody asked for, callbacks
-// that stay, handles of the C interface, and frames that follow frames.
+// Tests of interactions in the C++ interface: threads that use one object, errors that were not read, persistent
+// callbacks, handles of the C interface, and sequences of frames.
 #include "umbrage/umbrage.hpp"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ umb::Job small_job(const umb::Device& device) {
   return job;
 }
 
-/// The error that the call throws; code 0: none.
+/// Returns the error that the call throws; code 0: none.
 template <class Call>
 umb::Outcome thrown(const Call& call) {
   try {
@@ -47,9 +47,9 @@ bool count_calls(void* user, double) {
   return true;
 }
 
-constexpr std::chrono::seconds kMaxLength(20);  // that a thread waits for another one
+constexpr std::chrono::seconds kMaxLength(20);  // max time that a thread waits for another
 
-// A second thread is at work on the job when the first one's call ends, so that its callback cannot be taken away.
+// A second thread uses the job when the first thread's call ends, so that the callback of the first cannot be removed.
 struct TwoThreads {
   umb::Device device{"cpu", 1};
   umb::Job job = small_job(device);
@@ -57,14 +57,14 @@ struct TwoThreads {
   std::promise<void> at_work, may_end;
   std::atomic<bool> is_at_work = false;
 
-  // The second one warns of a setting that does nothing, and waits.
+  // The second thread's execution warns of a setting without effect. The callback waits.
   static void warned(void* user, const char*) {
     auto* all = static_cast<TwoThreads*>(user);
     if (all->is_at_work.exchange(true)) return;
     all->at_work.set_value();
     all->may_end.get_future().wait_for(kMaxLength);
   }
-  // The first one is at the end of its call.
+  // The first thread is at the end of its call.
   static void failed(void* user, UmbError code, const char*) {
     auto* all = static_cast<TwoThreads*>(user);
     if (code != UMB_ERROR_CANCELLED) return;
@@ -75,7 +75,7 @@ struct TwoThreads {
 
 TEST(CppCalls, AnotherThreadsWorkCallsNoProgressThatHasEnded) {
   TwoThreads all;
-  all.job.set("outline.width", 3);  // does nothing in the look ao
+  all.job.set("outline.width", 3);  // has no effect in the look ao
   int kept = 0;
   all.job.set_progress_callback(count_calls, &kept);
   all.device.set_log_callback(TwoThreads::warned, &all);
@@ -95,7 +95,7 @@ TEST(CppCalls, AnotherThreadsWorkCallsNoProgressThatHasEnded) {
   EXPECT_EQ(astray, 0) << "the second thread's work told the first one's function";
   all.device.set_error_callback(nullptr);
   all.device.set_log_callback(nullptr);
-  // And what had been set tells again.
+  // The callback that was set is called again.
   all.job.set("camera.azimuth_deg", 10);
   kept = 0;
   all.job.execute();
@@ -110,7 +110,7 @@ TEST(CppCalls, TheCallbackThatWasSetStays) {
   int kept = 0, once = 0;
   const auto counts = [&](double) { return ++once, true; };
   job.set_progress_callback(count_calls, &kept);
-  umb::Job(copy).execute(counts);  // a copy is of the same object
+  umb::Job(copy).execute(counts);  // a copy refers to the same object
   EXPECT_EQ(kept, 0);
   EXPECT_GT(once, 0);
   job.set("camera.azimuth_deg", 10);
@@ -147,7 +147,7 @@ TEST(CppCalls, ACallThrowsItsOwnErrorAndNoOlderOne) {
   EXPECT_FALSE(ended.message.empty());
   job.execute();
 
-  // One that another call on the object refuses says so.
+  // A call that was refused because the object is in use reports that.
   umb::Outcome refused;
   job.set("camera.azimuth_deg", 10);
   job.execute([&](double) {
@@ -215,7 +215,7 @@ TEST(CppCalls, FramesReadNothingAgain) {
   const umb::Outcome moved = renderer.draw(camera, placed);
   ASSERT_EQ(moved.code, 0) << moved.message;
   EXPECT_NE(placed.rgba, first.rgba);
-  // A camera that cannot be leaves nothing behind, and the request's own comes back.
+  // An invalid camera has no lasting effect, and the request's own camera is restored.
   camera.up[1] = 0.0f;
   EXPECT_EQ(renderer.draw(camera, again).code, 2);
   ASSERT_EQ(renderer.draw({}, again).code, 0);
@@ -223,7 +223,8 @@ TEST(CppCalls, FramesReadNothingAgain) {
 }
 
 TEST(CppCalls, LargeIdsComeWithTheirPlaces) {
-  constexpr std::uint32_t kLow = 16777217, kNext = 16777218, kHigh = 4000000001;  // of which floats tell one from two
+  // Floats cannot distinguish the first two.
+  constexpr std::uint32_t kLow = 16777217, kNext = 16777218, kHigh = 4000000001;
   const std::vector<float> depth = {2, 2, 2, 2, 2, std::numeric_limits<float>::infinity()};
   const std::vector<std::uint32_t> ids = {kHigh, kHigh, kLow, kNext, kLow, kHigh};
   umb::ShadeRequest request;

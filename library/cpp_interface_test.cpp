@@ -1,4 +1,4 @@
-// umb::Device, Scene and Job, the layer of C++ over the C interface: each of its members, and what it does.
+// Tests of all members of umb::Device, Scene and Job, the C++ layer over the C interface.
 #include "umbrage/umbrage.hpp"
 
 #include <gtest/gtest.h>
@@ -40,7 +40,7 @@ void look_at_it(umb::Job& job) {
   job.set("camera.focal_point", {0, 0, 0});
 }
 
-/// The middle of a pass that the last execution made.
+/// Returns the central pixel of a pass of the last execution.
 std::vector<float> middle(const umb::Job& job, const char* name) {
   const UmbImage image = job.output(name);
   const float* values = static_cast<const float*>(image.data) +
@@ -48,7 +48,7 @@ std::vector<float> middle(const umb::Job& job, const char* name) {
   return {values, values + image.channels};
 }
 
-/// Whether the call throws Error of the code, with a sentence that has the text.
+/// Returns whether the call throws an Error with the code, and with a message that contains the text.
 template <class Call>
 testing::AssertionResult refuses(const Call& call, UmbError code, const std::string& text) {
   try {
@@ -72,7 +72,7 @@ static_assert(CanSet<unsigned>::value && CanSet<const char*>::value && CanSet<st
 
 enum Plain { kThree = 3 };
 
-/// A square and a job that looks at it.
+/// A scene with a square, and a job that renders it.
 struct Square {
   umb::Device device{"cpu", 1};
   umb::Scene scene{device};
@@ -111,7 +111,7 @@ TEST(CppInterface, NumbersOfAllTypes) {
   EXPECT_EQ(width(3.0f), 3);
   EXPECT_EQ(width(3.0), 3);
   EXPECT_EQ(width(3.0l), 3);
-  // What no int holds is no other int.
+  // Integers that do not fit an int are refused, not truncated.
   for (const auto& call : {std::function<void()>([&] { job.set("layers", (std::uint64_t(1) << 32) + 1); }),
                            std::function<void()>([&] { job.set("layers", (std::int64_t(-1) << 32) + 1); }),
                            std::function<void()>([&] { job.set("layers", 4294967295u); })})
@@ -384,7 +384,7 @@ TEST(CppInterface, EmptyAndMovedFromOnesAreHarmless) {
   EXPECT_TRUE(is_null([&] { device.set_log_callback(nullptr); }));
   EXPECT_TRUE(is_null([&] { umb::Scene{umb::Device()}; }));
   EXPECT_TRUE(is_null([&] { umb::Job(gone, umb::Scene()); }));
-  // Copies count, of empty ones too, and of one into itself.
+  // Copies are counted references, also of empty objects and after self-assignment.
   umb::Job copy = job;
   copy = moved;
   copy = static_cast<const umb::Job&>(copy);

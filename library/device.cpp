@@ -7,8 +7,8 @@
 namespace umbrage {
 namespace {
 
-thread_local bool has_turn = false;     // of a device
-thread_local bool tells_error = false;  // to a callback
+thread_local bool holds_turn = false;         // this thread holds the Turn of a device
+thread_local bool in_error_callback = false;  // this thread runs an error callback
 
 }  // namespace
 
@@ -28,17 +28,17 @@ Result<std::shared_ptr<Object>> DeviceObject::make(const char* name, int threads
 }
 
 DeviceObject::Turn::Turn(DeviceObject& device) : device_(device) {
-  nested_ = has_turn;
+  nested_ = holds_turn;
   if (nested_) return;
   device.in_use_.lock();
-  has_turn = true;
-  device.drop_left();
+  holds_turn = true;
+  device.free_deferred();
 }
 
 DeviceObject::Turn::~Turn() {
   if (nested_) return;
-  device_.drop_left();
-  has_turn = false;
+  device_.free_deferred();
+  holds_turn = false;
   device_.in_use_.unlock();
 }
 
@@ -48,19 +48,19 @@ Result<void> DeviceObject::Turn::begun() const {
 
 void DeviceObject::leave(std::list<Left> left) noexcept {
   {
-    const std::lock_guard lock(left_mutex_);
-    left_.splice(left_.end(), left);
+    const std::lock_guard lock(deferred_mutex_);
+    deferred_.splice(deferred_.end(), left);
   }
-  if (has_turn || !in_use_.try_lock()) return;  // whose turn it is drops it
-  drop_left();
+  if (holds_turn || !in_use_.try_lock()) return;  // the holder of the Turn frees the memory at its end
+  free_deferred();
   in_use_.unlock();
 }
 
-void DeviceObject::drop_left() {
-  decltype(left_) left;
+void DeviceObject::free_deferred() {
+  decltype(deferred_) left;
   {
-    const std::lock_guard lock(left_mutex_);
-    left.swap(left_);
+    const std::lock_guard lock(deferred_mutex_);
+    left.swap(deferred_);
   }
   for (const auto& [scene, frames] : left)
     if (scene && scene.get() == prepared) {
@@ -77,7 +77,7 @@ void DeviceObject::keep_memory_for(int width, int height) {
   kept_height_ = height;
 }
 
-void DeviceObject::tell_error(const Error& error) {
+void DeviceObject::report_error(const Error& error) {
   UmbErrorCallback callback = nullptr;
   void* user = nullptr;
   {
@@ -85,15 +85,15 @@ void DeviceObject::tell_error(const Error& error) {
     callback = on_error_;
     user = error_user_;
   }
-  if (!callback || tells_error) return;
-  tells_error = true;
+  if (!callback || in_error_callback) return;
+  in_error_callback = true;
   struct Done {
-    ~Done() { tells_error = false; }  // a callback of C++ may throw
+    ~Done() { in_error_callback = false; }  // runs also if a C++ callback throws
   } done;
   callback(user, UmbError(error.kind), error.message.c_str());
 }
 
-void DeviceObject::tell_warning(const std::string& message) {
+void DeviceObject::report_warning(const std::string& message) {
   UmbLogCallback callback = nullptr;
   void* user = nullptr;
   {

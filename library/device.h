@@ -1,4 +1,4 @@
-// DeviceObject: a device of the C interface, and who hears of errors and warnings.
+// DeviceObject: a device of the C interface, with its callbacks for errors and warnings.
 #pragma once
 #include <tbb/task_arena.h>
 
@@ -21,15 +21,15 @@ class DeviceObject final : public Object {
   /// Errors: those of make_device.
   static Result<std::shared_ptr<Object>> make(const char* name, int threads);
 
-  void tell_error(const Error& error);
-  void tell_warning(const std::string& message);
+  void report_error(const Error& error);
+  void report_warning(const std::string& message);
   void set_error_callback(UmbErrorCallback callback, void* user);
   void set_log_callback(UmbLogCallback callback, void* user);
 
   std::unique_ptr<Device> device;
   std::string description;
-  /// A picture's turn: jobs of one device execute one after the other. Errors: kUsage from within a callback of a job
-  /// of any device, since two of them could wait for each other.
+  /// Exclusive use of a device for one picture: jobs of one device execute one after the other. Errors: kUsage from
+  /// within a callback of a job of any device, since two jobs could wait for each other.
   class Turn {
    public:
     explicit Turn(DeviceObject& device);
@@ -40,29 +40,30 @@ class DeviceObject final : public Object {
     DeviceObject& device_;
     bool nested_ = false;
   };
-  /// What a job has of the device's memory.
+  /// Device memory of a job that is to be freed.
   struct Left {
     std::unique_ptr<Scene> scene;
     std::vector<Frame> frames;
   };
-  /// Frees it now, or at the end of the picture that is being made.
+  /// Frees the memory now, or at the end of the current picture.
   void leave(std::list<Left> left) noexcept;
-  /// Memory of planes stays from picture to picture of one size; under Turn.
+  /// Keeps the memory of planes for pictures of one size. The caller holds a Turn.
   void keep_memory_for(int width, int height);
 
-  const Scene* prepared = nullptr;  ///< with which scene; under Turn
-  tbb::task_arena arena{1};         ///< of as many threads, for work on images; making one costs memory each time
-  std::optional<HeldPool> held_pool;
+  const Scene* prepared = nullptr;  ///< scene that the device is prepared for; guarded by Turn
+  /// Has as many threads as the device, for work on images. It is kept since each creation allocates memory.
+  tbb::task_arena arena{1};
+  std::optional<PlanePoolLock> held_pool;
 
  protected:
-  DeviceObject* teller() override { return this; }
+  DeviceObject* reporting_device() override { return this; }
 
  private:
-  void drop_left();
+  void free_deferred();
 
   std::mutex in_use_;
-  std::mutex left_mutex_;
-  std::list<Left> left_;
+  std::mutex deferred_mutex_;
+  std::list<Left> deferred_;
   int kept_width_ = 0, kept_height_ = 0;
   std::mutex callbacks_;
   UmbErrorCallback on_error_ = nullptr;

@@ -1,4 +1,4 @@
-// Executing a job: from its parameters to its outputs, and what is kept for the next time.
+// Execution of a job: from its parameters to its outputs, and the data that is kept for the next execution.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,13 +16,13 @@ namespace {
 
 const std::vector<std::string> kColor = {"color.r", "color.g", "color.b", "color.a"};
 
-/// What an effect makes, without the planes by which its own passes hand on to each other.
-std::vector<std::string> passes_made(const Effect& effect, const ParameterBytes& params) {
+/// Returns the passes that an effect makes, without planes that only its own dispatches read.
+std::vector<std::string> passes_of_effect(const Effect& effect, const ParameterBytes& params) {
   std::vector<std::string> planes;
-  for (const Pass& pass : effect.passes) {
-    if (pass.needed && !pass.needed(params)) continue;
-    for (const std::string_view input : pass.inputs) std::erase(planes, input);
-    for (const std::string_view plane : pass.outputs)
+  for (const Dispatch& dispatch : effect.dispatches) {
+    if (dispatch.needed && !dispatch.needed(params)) continue;
+    for (const std::string_view input : dispatch.inputs) std::erase(planes, input);
+    for (const std::string_view plane : dispatch.outputs)
       if (layer_of_plane(plane) == 0 && pass_of(plane) != "color") planes.emplace_back(plane);
   }
   std::vector<std::string> names;
@@ -30,26 +30,26 @@ std::vector<std::string> passes_made(const Effect& effect, const ParameterBytes&
   return names;
 }
 
-/// The image that lights a scene.
-std::string image_key(const Recipe& recipe, long version) {
+/// Returns a key of the scene version and the environment image that lights it.
+std::string environment_key(const Recipe& recipe, long version) {
   const Hdri& hdri = recipe.hdri;
   return hdri.lights() ? fmt::format("{} {} {} {}", version, hdri.file, hdri.rotation_deg, hdri.intensity)
                        : fmt::format("{}", version);
 }
 
-/// What the light of a scene without lights depends on, besides the first picture's camera.
+/// Returns a key of everything that the lights of a scene without lights depend on, except the first picture's camera.
 std::string light_key(const Recipe& recipe) {
-  return fmt::format("{} {} {} {}", image_key(recipe, 0), recipe.look->name, recipe.occlusion,
+  return fmt::format("{} {} {} {}", environment_key(recipe, 0), recipe.look->name, recipe.occlusion,
                      recipe.light_size_deg.value_or(-1.0f));
 }
 
-/// An id that a plane holds as a number; where there is none, or more than fits, all bits set.
+/// Converts an id that a plane stores as a float. Values that are negative, NaN or too large give all bits set.
 std::uint32_t id_of(float place) {
   constexpr float kBeyond = 4294967296.0f;
   return place >= 0.0f && place < kBeyond ? std::uint32_t(place) : ~std::uint32_t(0);
 }
 
-/// Whether outputs can be what a picture of that size makes. Errors: kUsage.
+/// Checks the outputs against the size of the picture. Errors: kUsage.
 Result<void> check_outputs(std::span<const Output> outputs, int width, int height) {
   for (const Output& output : outputs) {
     const SharedImage& image = output.image;
@@ -58,7 +58,7 @@ Result<void> check_outputs(std::span<const Output> outputs, int width, int heigh
       return usage_error("the output '{}' has {} x {} pixels: the picture has {} x {}", output.pass, image.width,
                          image.height, width, height);
     if (image.type == PixelType::kUint32 && !is_id(output.pass))
-      return usage_error("the output '{}' cannot be of 32-bit integers: ids alone are", output.pass);
+      return usage_error("the output '{}' cannot be of 32-bit integers: only ids can", output.pass);
     if (output.pass == "color" ? image.channels == 3 || image.channels == 4
                                : image.channels == int(channels_of(output.pass).size()))
       continue;
@@ -68,16 +68,17 @@ Result<void> check_outputs(std::span<const Output> outputs, int width, int heigh
   return {};
 }
 
-/// A scene while a picture is made of it, or none.
+/// Marks a scene as being drawn while this object exists. The scene may be null.
 class SceneInUse {
  public:
   explicit SceneInUse(SceneObject* scene) {
     if (scene) held_.emplace(scene->workers, Use::kDraws);
   }
-  /// Errors: kUsage where the scene is changed at the same time.
+  /// Errors: kUsage if the scene is being changed.
   Result<void> begun() const {
-    return !held_ || *held_ ? Result<void>()
-                            : usage_error("the scene is changed by another thread, or by the call that calls back");
+    return !held_ || *held_
+               ? Result<void>()
+               : usage_error("the scene is being changed by another thread or by the call that runs this callback");
   }
 
  private:
@@ -87,8 +88,8 @@ class SceneInUse {
 }  // namespace
 
 JobObject::~JobObject() {
-  last_left_.front() = {std::move(furnished_), std::move(captures_)};
-  device_->leave(std::move(last_left_));
+  deferred_release_.front() = {std::move(scene_copy_), std::move(captures_)};
+  device_->leave(std::move(deferred_release_));
 }
 
 const NamedImage* JobObject::find_image(std::string_view name) const {
@@ -116,7 +117,7 @@ Result<Recipe> JobObject::recipe_of(const Request& request) const {
   const bool color = std::any_of(outputs_.begin(), outputs_.end(), [](const Output& o) { return o.pass == "color"; });
   std::vector<std::string_view> besides;
   if (request.strokes) besides.assign(edge_planes().begin(), edge_planes().end());
-  if (!color && renders()) keep_passes_alone(*recipe, besides);
+  if (!color && renders()) keep_only_passes(*recipe, besides);
   return recipe;
 }
 
@@ -126,7 +127,7 @@ Result<JobObject::Order> JobObject::order() const {
   if (!recipe) return recipe.error();
   auto lines_wanted = request.strokes ? line_parameters(*recipe) : Result<ParameterBytes>(ParameterBytes());
   if (!lines_wanted) return lines_wanted.error();
-  // The size of a picture that is shaded is that of its depth.
+  // A shaded picture has the size of its depth image.
   if (renders() || find_image("depth"))
     if (auto fine = check_outputs(outputs_, request.width, request.height); !fine) return fine.error();
   return Order{std::move(request), std::move(*recipe), std::move(*lines_wanted)};
@@ -146,10 +147,10 @@ Result<void> JobObject::execute() {
   if (auto begun = turn.begun(); !begun) return begun;
   if (auto free = in_use.begun(); !free) return free;
   device_->keep_memory_for(request.width, request.height);
-  const KeptPlanes kept(device_->device->pool());
+  const ScopedPlanePool kept(device_->device->pool());
   const auto frame = renders() ? rendered(recipe) : shaded(request, recipe);
   if (!frame) return frame.error();
-  tell_unused(request, recipe);
+  warn_of_unused_settings(request, recipe);
   Lines traced;
   if (!of_lines.empty()) {
     auto found = traced_lines(*device_->device, *frame, of_lines);
@@ -158,7 +159,7 @@ Result<void> JobObject::execute() {
     if (const auto ids = ids_.find("object_id"); ids != ids_.end() && !renders())
       for (Line& line : traced.lines) line.object = int(callers_id(ids->second, float(line.object)));
   }
-  if (auto done = hand_out(*frame, outputs_.empty() ? usual_outputs(recipe) : outputs_); !done) return done;
+  if (auto done = write_outputs(*frame, outputs_.empty() ? default_outputs(recipe) : outputs_); !done) return done;
   lines = std::move(traced);
   line_color = of_lines.empty() ? std::array<float, 3>() : umbrage::line_color(of_lines);
   line_opacity = of_lines.empty() ? 0.0f : umbrage::line_opacity(of_lines);
@@ -172,113 +173,113 @@ Result<void> JobObject::prepare() {
   const DeviceObject::Turn turn(*device_);
   if (auto begun = turn.begun(); !begun) return begun;
   if (auto free = in_use.begun(); !free) return free;
-  if (auto ready = make_scene_ready(*recipe, before_drawing()); !ready) return ready;
-  return prepare_device(before_drawing());
+  if (auto ready = prepare_scene(*recipe, preparation_progress()); !ready) return ready;
+  return prepare_device(preparation_progress());
 }
 
-void JobObject::tell_unused(const Request& request, const Recipe& recipe) {
-  auto sentences = unused_settings(request, recipe, furnished_.get(), [](std::string_view) { return true; });
-  if (sentences == told_) return;
-  told_ = std::move(sentences);
-  constexpr std::string_view kSettings = "`settings` ";  // which here are parameters by their own names
-  for (std::string sentence : told_) {
+void JobObject::warn_of_unused_settings(const Request& request, const Recipe& recipe) {
+  auto sentences = unused_settings(request, recipe, scene_copy_.get(), [](std::string_view) { return true; });
+  if (sentences == reported_) return;
+  reported_ = std::move(sentences);
+  constexpr std::string_view kSettings = "`settings` ";  // the C interface has no `settings`: names are parameters
+  for (std::string sentence : reported_) {
     if (sentence.starts_with(kSettings)) sentence.erase(0, kSettings.size());
-    device_->tell_warning(sentence);
+    device_->report_warning(sentence);
   }
 }
 
-ProgressMonitor JobObject::before_drawing() const {
+ProgressMonitor JobObject::preparation_progress() const {
   if (!progress) return {};
   return [this](double) { return progress(0.0); };
 }
 
 Result<Frame> JobObject::rendered(Recipe recipe) {
-  const ProgressMonitor before = before_drawing();
-  if (auto ready = make_scene_ready(recipe, before); !ready) return ready.error();
+  const ProgressMonitor before = preparation_progress();
+  if (auto ready = prepare_scene(recipe, before); !ready) return ready.error();
   const std::string key = light_key(recipe);
   if (const auto lit = lightings_.find(key); lit != lightings_.end()) recipe.capture.lighting = lit->second;
-  const auto plan = make_plan(recipe, *furnished_, device_->device->threads(), before);
+  const auto plan = make_plan(recipe, *scene_copy_, device_->device->threads(), before);
   if (!plan) return plan.error();
   auto frame = drawn(*plan);
   if (frame) lightings_.emplace(key, plan->lighting());
   return frame;
 }
 
-Result<void> JobObject::make_scene_ready(Recipe& recipe, const ProgressMonitor& before) {
+Result<void> JobObject::prepare_scene(Recipe& recipe, const ProgressMonitor& before) {
   if (recipe.hdri.file == hdri_.file) recipe.hdri.panorama = hdri_.panorama;
   if (!recipe.hdri.panorama) {
     const auto warnings = read_hdri(recipe.hdri, before);
     if (!warnings) return warnings.error();
-    for (const std::string& warning : *warnings) device_->tell_warning(warning);
+    for (const std::string& warning : *warnings) device_->report_warning(warning);
   }
   hdri_ = recipe.hdri;
-  const std::string key = image_key(recipe, scene_->version());
-  if (furnished_ && key == furnished_for_) {
+  const std::string key = environment_key(recipe, scene_->version());
+  if (scene_copy_ && key == scene_copy_key_) {
     if (auto viewed = choose_view(recipe); !viewed) return viewed;
-    if (wants_ground(*furnished_, lacks_ground_, recipe) == (furnished_->ground_object >= 0)) return {};
+    if (needs_ground(*scene_copy_, scene_lacks_ground_, recipe) == (scene_copy_->ground_object >= 0)) return {};
   }
   std::vector<std::string> warnings;
   auto copied = scene_->copied(warnings);
   if (!copied) return copied.error();
-  for (const std::string& warning : warnings) device_->tell_warning(warning);
-  if (scene_->version() != furnished_version_) lightings_.clear();
+  for (const std::string& warning : warnings) device_->report_warning(warning);
+  if (scene_->version() != scene_copy_version_) lightings_.clear();
   captured_plan_.reset();
   std::list<DeviceObject::Left> left(1);
-  left.front() = {std::move(furnished_), std::move(captures_)};
+  left.front() = {std::move(scene_copy_), std::move(captures_)};
   device_->leave(std::move(left));
   captures_.clear();
-  furnished_ = std::make_unique<Scene>(std::move(*copied));
-  furnished_for_.clear();
-  views_ = furnished_->views;
+  scene_copy_ = std::make_unique<Scene>(std::move(*copied));
+  scene_copy_key_.clear();
+  views_ = scene_copy_->views;
   if (auto viewed = choose_view(recipe); !viewed) return viewed;
-  lacks_ground_ = lacks_ground(*furnished_);
-  furnish(*furnished_, recipe);
-  furnished_for_ = key;
-  furnished_version_ = scene_->version();
+  scene_lacks_ground_ = lacks_ground(*scene_copy_);
+  complete_scene(*scene_copy_, recipe);
+  scene_copy_key_ = key;
+  scene_copy_version_ = scene_->version();
   return {};
 }
 
 Result<void> JobObject::choose_view(const Recipe& recipe) {
-  furnished_->views = views_;
-  return recipe.camera_index ? use_camera(*recipe.camera_index, *furnished_) : Result<void>();
+  scene_copy_->views = views_;
+  return recipe.camera_index ? use_camera(*recipe.camera_index, *scene_copy_) : Result<void>();
 }
 
 Result<void> JobObject::prepare_device(const ProgressMonitor& before) {
-  if (device_->prepared == furnished_.get()) return {};
+  if (device_->prepared == scene_copy_.get()) return {};
   device_->prepared = nullptr;
-  if (auto ready = device_->device->prepare(*furnished_, before); !ready) return ready;
+  if (auto ready = device_->device->prepare(*scene_copy_, before); !ready) return ready;
   ++counters.hierarchies_built;
-  device_->prepared = furnished_.get();
+  device_->prepared = scene_copy_.get();
   return {};
 }
 
 Result<Frame> JobObject::drawn(const Plan& plan) {
   StageTimes times;
   Device& device = *device_->device;
-  if (plan.averages()) {  // captures of many samples would fill the memory
+  if (plan.averages()) {  // captures of many samples would need too much memory
     captured_plan_.reset();
     captures_.clear();
-    if (auto ready = prepare_device(before_drawing()); !ready) return ready.error();
+    if (auto ready = prepare_device(preparation_progress()); !ready) return ready.error();
     counters.captures_made += plan.recipe.frames;
-    auto drawn = draw(device, *furnished_, plan, times, progress);
+    auto drawn = draw(device, *scene_copy_, plan, times, progress);
     return drawn ? Result<Frame>(std::move(drawn->frame)) : drawn.error();
   }
   if (!captured_plan_ || !same_captures(*captured_plan_, plan)) {
     captures_.clear();
     captured_plan_.reset();
-    if (auto ready = prepare_device(before_drawing()); !ready) return ready.error();
-    auto made = capture(device, plan, times, before_drawing());
+    if (auto ready = prepare_device(preparation_progress()); !ready) return ready.error();
+    auto made = capture(device, plan, times, preparation_progress());
     if (!made) return made.error();
     captures_ = std::move(*made);
     captured_plan_ = plan;
     ++counters.captures_made;
   }
-  auto drawn = draw_captured(device, *furnished_, plan, captures_, times, progress);
+  auto drawn = draw_captured(device, *scene_copy_, plan, captures_, times, progress);
   return drawn ? Result<Frame>(std::move(drawn->frame)) : drawn.error();
 }
 
 Result<Frame> JobObject::shaded(const Request& request, const Recipe& recipe) {
-  for (const Output& output : outputs_)  // images are read where they lie until all outputs are written
+  for (const Output& output : outputs_)  // images are read until all outputs are written
     for (const NamedImage& named : images_)
       if (overlap(output.image, named.image))
         return usage_error("the output '{}' shares memory with the image '{}'", output.pass, named.name);
@@ -290,13 +291,13 @@ Result<Frame> JobObject::shaded(const Request& request, const Recipe& recipe) {
   return shade_planes(*device_->device, std::move(shared->gbuffer), recipe, times, progress);
 }
 
-std::vector<Output> JobObject::usual_outputs(const Recipe& recipe) const {
+std::vector<Output> JobObject::default_outputs(const Recipe& recipe) const {
   std::vector<std::string> passes = {"color"};
   if (recipe.own_look) {
     const auto& effects = recipe.own_look->effects;
     if (std::find(effects.begin(), effects.end(), "output") == effects.end()) passes.clear();
     for (const std::string& name :
-         passes_made(*find_effect(effects.back()), params_of(recipe.settings, effects.back())))
+         passes_of_effect(*find_effect(effects.back()), params_of(recipe.settings, effects.back())))
       passes.push_back(name);
   }
   std::vector<Output> outputs;
@@ -304,7 +305,7 @@ std::vector<Output> JobObject::usual_outputs(const Recipe& recipe) const {
   return outputs;
 }
 
-Result<void> JobObject::hand_out(const Frame& frame, std::vector<Output> wanted) {
+Result<void> JobObject::write_outputs(const Frame& frame, std::vector<Output> wanted) {
   Device& device = *device_->device;
   std::vector<std::string> names;
   std::vector<Output> outputs;
@@ -316,13 +317,13 @@ Result<void> JobObject::hand_out(const Frame& frame, std::vector<Output> wanted)
   std::vector<std::vector<std::string>> planes(outputs.size(), kColor);
   const std::vector<std::string> there = device.plane_names(frame);
   if (!outputs.empty() && std::find(there.begin(), there.end(), "color.r") == there.end())
-    return usage_error("these effects make no picture: the output 'color' takes a look, or the effect 'output'");
+    return usage_error("the effects make no picture: the output 'color' requires a look or the effect 'output'");
   if (!names.empty()) {
     const auto chosen = chosen_planes(names, there, frame.info);
     if (!chosen) return chosen.error();
     for (const PassPlanes& pass : *chosen) {
       if (std::any_of(outputs.begin(), outputs.end(), [&](const Output& o) { return o.pass == pass.name; }))
-        continue;  // it is one of "all", too
+        continue;  // requested by name and by "all"
       const auto set = std::find_if(wanted.begin(), wanted.end(), [&](const Output& o) { return o.pass == pass.name; });
       outputs.push_back(set != wanted.end() ? std::move(*set) : Output{.pass = pass.name, .image = {}, .own = {}});
       planes.push_back(pass.planes);
@@ -330,7 +331,7 @@ Result<void> JobObject::hand_out(const Frame& frame, std::vector<Output> wanted)
   }
   for (std::size_t k = 0; k < outputs.size(); ++k)
     if (outputs[k].image.data) planes[k].resize(std::size_t(outputs[k].image.channels));
-  // From here on memory of the last time serves again, and what was there is gone.
+  // From here on the memory of the last outputs is reused, and their contents are lost.
   std::vector<Output> last = std::move(made_);
   made_.clear();
   for (Output& output : outputs)
@@ -345,7 +346,7 @@ Result<void> JobObject::hand_out(const Frame& frame, std::vector<Output> wanted)
 Result<void> JobObject::fill(const Frame& frame, const std::vector<std::string>& planes, Output& output) {
   Device& device = *device_->device;
   SharedImage& to = output.image;
-  const auto known = renders() ? ids_.end() : ids_.find(of_first_layer(output.pass));
+  const auto known = renders() ? ids_.end() : ids_.find(name_on_first_layer(output.pass));
   if (!to.data) {
     to = {.data = nullptr,
           .type = known != ids_.end() ? PixelType::kUint32 : PixelType::kFloat32,

@@ -1,4 +1,4 @@
-// Jobs: their parameters, inputs and outputs.
+// The parameters, inputs and outputs of jobs, and the C functions of jobs.
 #include "library/job.h"
 
 #include <fmt/format.h>
@@ -20,7 +20,7 @@ const Option* find_parameter_row(const std::string& name, bool renders) {
   return nullptr;
 }
 
-/// Whether the field is text that is no number.
+/// Returns whether the field is text that is not a length.
 bool is_word(const Option& row) {
   return std::holds_alternative<FieldOf<std::string>>(row.where) && row.form != OptionForm::kLength;
 }
@@ -35,7 +35,7 @@ Result<void> set_row(const Option& row, std::span<const double> numbers, Request
   if (is_word(row) || numbers.empty())
     return usage_error("`{}` takes a string, not {}", row.field, numbers.empty() ? "no numbers" : number_text(numbers));
   if (std::holds_alternative<FieldOf<bool>>(row.where)) return usage_error("`{}` takes true or false", row.field);
-  if (row.form == OptionForm::kSize || row.field == "height") {  // one side of it
+  if (row.form == OptionForm::kSize || row.field == "height") {  // width or height
     if (numbers.size() != 1 || numbers[0] != std::floor(numbers[0]) || std::abs(numbers[0]) > 1e9)
       return usage_error("`{}` takes a whole number", row.field);
     std::get<FieldOf<int>>(row.where)(request) = int(numbers[0]);
@@ -49,10 +49,10 @@ Result<void> set_row(const Option& row, const std::string& text, Request& reques
   return side ? set_row(row, std::array{*side}, request) : set_option(row, text, request);
 }
 
-/// Whether an effect's parameter takes that text. Errors: kUsage.
+/// Checks an assignment to an effect's parameter. Errors: kUsage.
 Result<void> check_setting(const std::string& assignment) {
-  EffectSettings settings = initial_settings(handed_in());
-  return apply_setting(settings, assignment, handed_in());
+  EffectSettings settings = initial_settings(external_effects());
+  return apply_setting(settings, assignment, external_effects());
 }
 
 }  // namespace
@@ -94,7 +94,7 @@ Result<void> JobObject::set(const std::string& name, const std::string& text) {
 Result<void> JobObject::set(const std::string& name, std::span<const double> numbers) {
   const Option* row = find_parameter_row(name, renders());
   if (!row) {
-    const auto setting = parse_setting(name + "=", handed_in());
+    const auto setting = parse_setting(name + "=", external_effects());
     const ParameterType type = setting ? setting->parameter->type : ParameterType::kReal;
     if (type == ParameterType::kBool || type == ParameterType::kChoice)
       return usage_error("`{}` takes {}, not {}", name, type == ParameterType::kBool ? "true or false" : "a string",
@@ -110,7 +110,7 @@ Result<void> JobObject::set(const std::string& name, std::span<const double> num
 Result<void> JobObject::set(const std::string& name, bool value) {
   const Option* row = find_parameter_row(name, renders());
   if (row && !std::holds_alternative<FieldOf<bool>>(row->where))
-    return usage_error("`{}` cannot be {}: it is no flag", row->field, value);
+    return usage_error("`{}` cannot be {}: it is not a flag", row->field, value);
   return set(name, std::string(value ? "true" : "false"));
 }
 
@@ -125,8 +125,8 @@ Result<void> JobObject::reset(const char* name) {
     return {};
   }
   if (settings_.erase(name) > 0) return {};
-  // One that is not set stays as it is, if there is one.
-  const auto setting = parse_setting(std::string(name) + "=", handed_in());
+  // A setting that is not set needs no reset, but its name must exist.
+  const auto setting = parse_setting(std::string(name) + "=", external_effects());
   return setting ? Result<void>() : unknown_parameter(name, renders() ? "render" : "shade");
 }
 
@@ -152,7 +152,8 @@ Result<void> JobObject::set_output(const std::string& name, const UmbImage* imag
   if (name != "color" && name != "all" && channels_of(name).empty()) return unknown_image(name);
   std::optional<SharedImage> shared;
   if (image && image->data) {
-    if (name == "all") return usage_error("the output 'all' is many images: it takes no memory of one");
+    if (name == "all")
+      return usage_error("the output 'all' cannot have memory of the caller: it stands for several images");
     UmbImage whole = *image;
     if (whole.channels == 0) whole.channels = umbGetPassChannels(name.c_str());
     auto made = shared_image("the output '" + name + "'", whole);
@@ -192,7 +193,7 @@ Result<std::shared_ptr<Object>> new_job(UmbDevice device, UmbScene scene, bool r
   return std::shared_ptr<Object>(std::make_shared<JobObject>(std::move(of_device), std::move(of_scene)));
 }
 
-/// Sets a parameter, given as text or as numbers.
+/// Sets a parameter from text, numbers or a flag.
 template <class Value>
 UmbError set_parameter(UmbJob job, const char* call, const char* name, const Value& value) {
   return call_on<JobObject>(job, call, Use::kChanges,
@@ -294,7 +295,7 @@ UmbError umbGetJobStroke(UmbJob job, size_t index, UmbStroke* stroke) {
   return call_on<JobObject>(job, "umbGetJobStroke", Use::kReads, [&](JobObject& object) -> Result<void> {
     const auto& lines = object.lines.lines;
     if (index >= lines.size() || !stroke)
-      return usage_error("there is no stroke {}: there are {}", index, lines.size());
+      return usage_error("there is no stroke {}: the last execution made {}", index, lines.size());
     const Line& line = lines[index];
     static_assert(sizeof(LinePoint) == sizeof(UmbStrokePoint));
     *stroke = {reinterpret_cast<const UmbStrokePoint*>(line.points.data()), line.points.size(), int32_t(line.kind),

@@ -1,4 +1,4 @@
-// JobObject: a picture of the C interface that is made again and again, and what it keeps from one to the next.
+// JobObject: a job of the C interface, with the data that it keeps from one picture to the next.
 #pragma once
 #include <atomic>
 #include <list>
@@ -16,20 +16,20 @@
 
 namespace umbrage {
 
-/// Whether a row is a parameter of "render", "shade" or "scene": see umbGetParameter.
+/// Returns whether an option is a parameter of "render", "shade" or "scene": see umbGetParameter.
 bool is_parameter(const Option& row, std::string_view owner);
 
-/// That "render", "shade" or "scene" has no such parameter.
+/// Returns the error for a parameter that "render", "shade" or "scene" does not have.
 Error unknown_parameter(const std::string& name, std::string_view owner);
 
-/// A pass that is wanted, and where.
+/// A requested pass and the memory that it is written to.
 struct Output {
   std::string pass;
-  SharedImage image;       ///< without data: in `own`
-  std::vector<float> own;  ///< the library's memory
+  SharedImage image;       ///< without data: `own` is used
+  std::vector<float> own;  ///< memory of the library
 };
 
-/// See umbGetJobCounter. Callbacks and other threads may look while the job executes.
+/// See umbGetJobCounter. Callbacks and other threads may read the counters while the job executes.
 struct Counters {
   std::atomic<std::int64_t> hierarchies_built = 0, captures_made = 0, planes_copied = 0;
 };
@@ -42,11 +42,11 @@ class JobObject final : public Object {
 
   std::string asked(const char* call) const override;
   bool renders() const { return scene_ != nullptr; }
-  /// A parameter from text, numbers or a flag. Empty text resets it. Errors: kUsage.
+  /// Sets a parameter from text, numbers or a flag. Empty text resets it. Errors: kUsage.
   Result<void> set(const std::string& name, const std::string& text);
   Result<void> set(const std::string& name, std::span<const double> numbers);
   Result<void> set(const std::string& name, bool value);
-  /// Null: all.
+  /// Resets a parameter; null: all parameters.
   Result<void> reset(const char* name);
   Result<void> set_image(const std::string& name, const UmbImage* image);
   Result<void> set_output(const std::string& name, const UmbImage* image);
@@ -55,7 +55,7 @@ class JobObject final : public Object {
   Result<void> prepare();
   Result<void> execute();
   Result<UmbImage> output(const std::string& name) const;
-  /// Null beyond the last.
+  /// Returns the name of an output; null beyond the last one.
   const char* output_name(int index) const;
 
   ProgressMonitor progress;
@@ -65,55 +65,56 @@ class JobObject final : public Object {
   float line_opacity = 0.0f;
 
  protected:
-  DeviceObject* teller() override { return device_.get(); }
+  DeviceObject* reporting_device() override { return device_.get(); }
 
  private:
-  /// What an execution is to do, as far as the parameters tell.
+  /// The work of an execution, as far as the parameters determine it.
   struct Order {
-    Request request;  ///< with the passes that are wanted
+    Request request;  ///< with the requested passes
     Recipe recipe;
-    ParameterBytes lines;  ///< of the lines where strokes are wanted; else empty
+    ParameterBytes lines;  ///< parameters of the lines if strokes are requested; otherwise empty
   };
   /// Errors: kUsage.
   Result<Order> order() const;
   Request full_request() const;
-  /// Null where it is not set.
+  /// Returns an input image; null if it is not set.
   const NamedImage* find_image(std::string_view name) const;
   Result<Recipe> recipe_of(const Request& request) const;
-  /// Warns of settings that do nothing, but of the same ones once.
-  void tell_unused(const Request& request, const Recipe& recipe);
+  /// Warns of settings that have no effect. Does not repeat the warnings of the last execution.
+  void warn_of_unused_settings(const Request& request, const Recipe& recipe);
   Result<Frame> rendered(Recipe recipe);
   Result<Frame> shaded(const Request& request, const Recipe& recipe);
-  /// The caller's progress for what comes before the drawing, which is what shares are told of.
-  ProgressMonitor before_drawing() const;
-  /// Gives the recipe the image around the scene, too.
-  Result<void> make_scene_ready(Recipe& recipe, const ProgressMonitor& before);
+  /// Returns a monitor for the work that precedes drawing. It reports 0, since the reported fractions are those of
+  /// drawing.
+  ProgressMonitor preparation_progress() const;
+  /// Prepares the scene, and reads the environment image into the recipe.
+  Result<void> prepare_scene(Recipe& recipe, const ProgressMonitor& before);
   Result<void> choose_view(const Recipe& recipe);
   Result<void> prepare_device(const ProgressMonitor& before);
   Result<Frame> drawn(const Plan& plan);
-  Result<void> hand_out(const Frame& frame, std::vector<Output> outputs);
+  Result<void> write_outputs(const Frame& frame, std::vector<Output> outputs);
   Result<void> fill(const Frame& frame, const std::vector<std::string>& planes, Output& output);
-  /// What is wanted where no output is set.
-  std::vector<Output> usual_outputs(const Recipe& recipe) const;
+  /// Returns the outputs of a job for which no output is set.
+  std::vector<Output> default_outputs(const Recipe& recipe) const;
 
   std::shared_ptr<DeviceObject> device_;
-  std::list<DeviceObject::Left> last_left_{1};  // memory for the end, when there may be none
+  std::list<DeviceObject::Left> deferred_release_{1};  // allocated in advance, since the destructor cannot fail
   std::shared_ptr<SceneObject> scene_;
   Request request_;
   std::map<std::string, std::string> settings_;  // of effects, by "effect.parameter"
   std::vector<NamedImage> images_;
-  std::vector<Output> outputs_;    // that are set
-  std::vector<Output> made_;       // by the last execution
-  SharedIds ids_;                  // of the last G-buffer
-  std::vector<std::string> told_;  // of settings that do nothing
+  std::vector<Output> outputs_;        // requested by the caller
+  std::vector<Output> made_;           // by the last execution
+  SharedIds ids_;                      // of the last G-buffer
+  std::vector<std::string> reported_;  // the last warnings of settings without effect
 
-  // Of the last picture of a scene:
-  std::unique_ptr<Scene> furnished_;
-  std::string furnished_for_;                  // what of the request and the scene it was made for
-  bool lacks_ground_ = false;                  // the scene that was furnished
-  long furnished_version_ = -1;                // of the scene
-  std::vector<View> views_;                    // that it suggests by itself
-  std::map<std::string, Lighting> lightings_;  // that were made for a scene without lights, by light_key
+  // Data of the last picture of a scene:
+  std::unique_ptr<Scene> scene_copy_;
+  std::string scene_copy_key_;                 // key of the request and the scene version that scene_copy_ was made for
+  bool scene_lacks_ground_ = false;            // of scene_copy_
+  long scene_copy_version_ = -1;               // SceneObject::version of scene_copy_
+  std::vector<View> views_;                    // suggested by the scene itself
+  std::map<std::string, Lighting> lightings_;  // made for a scene without lights, by light_key
   Hdri hdri_;                                  // with its panorama
   std::optional<Plan> captured_plan_;
   Captures captures_;

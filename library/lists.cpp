@@ -1,4 +1,4 @@
-// What there is: looks, effects, devices, and all parameters.
+// Lists of looks, effects, devices, formats and parameters.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -41,7 +41,7 @@ Result<std::vector<Entry>> entries(int list) {
       for (const Effect* effect : effects()) all.push_back({std::string(effect->name), std::string(effect->summary)});
       return all;
     case UMB_LIST_OCCLUSIONS:
-      for (const std::string_view name : occlusion_names(handed_in())) {
+      for (const std::string_view name : occlusion_names(external_effects())) {
         const Effect* effect = find_named<Effect>(every_effect(), name);
         all.push_back({std::string(name), effect ? std::string(effect->summary) : "no occlusion"});
       }
@@ -73,7 +73,7 @@ std::string_view type_of(const Option& row) {
   return kTypes[row.where.index()];
 }
 
-/// What holds where nobody sets it, in words; of the picture's size and of flags as setters take it.
+/// Returns the default of a parameter in words; for the picture's size and for flags as the setters accept it.
 std::string initial_of(const Option& row) {
   Request request;
   if (const auto* flag = std::get_if<FieldOf<bool>>(&row.where)) return (*flag)(request) ? "true" : "false";
@@ -90,12 +90,12 @@ std::string joined(const auto& words) {
 
 UmbParameter parameter_of(const Option& row) {
   return {sizeof(UmbParameter),
-          kept_text(row.field),
-          kept_text(type_of(row)),
-          kept_text(row.form == OptionForm::kSize ? "width of the picture" : row.help),
-          kept_text(row.unit),
-          kept_text(initial_of(row)),
-          kept_text(joined(words_of(row))),
+          interned_text(row.field),
+          interned_text(type_of(row)),
+          interned_text(row.form == OptionForm::kSize ? "width of the picture" : row.help),
+          interned_text(row.unit),
+          interned_text(initial_of(row)),
+          interned_text(joined(words_of(row))),
           row.min,
           row.max};
 }
@@ -104,15 +104,15 @@ UmbParameter parameter_of(const Effect& effect, const Parameter& row) {
   constexpr std::array<std::string_view, 5> kTypes = {"float", "int", "bool", "choice", "length"};
   const ParameterBytes initial = initial_parameters(effect.parameters, effect.params_size);
   return {sizeof(UmbParameter),
-          kept_text(fmt::format("{}.{}", effect.name, row.name)),
-          kept_text(kTypes[std::size_t(row.type)]),
-          kept_text(row.help),
-          kept_text(row.unit),
-          kept_text(row.type == ParameterType::kBool ? (parameter_text(row, initial) == "on" ? "true" : "false")
-                                                     : parameter_text(row, initial)),
-          kept_text(joined(row.choices)),
-          row.least,
-          row.most};
+          interned_text(fmt::format("{}.{}", effect.name, row.name)),
+          interned_text(kTypes[std::size_t(row.type)]),
+          interned_text(row.help),
+          interned_text(row.unit),
+          interned_text(row.type == ParameterType::kBool ? (parameter_text(row, initial) == "on" ? "true" : "false")
+                                                         : parameter_text(row, initial)),
+          interned_text(joined(row.choices)),
+          row.min,
+          row.max};
 }
 
 Result<std::vector<UmbParameter>> parameters_of(const std::string& owner) {
@@ -123,7 +123,7 @@ Result<std::vector<UmbParameter>> parameters_of(const std::string& owner) {
     return all;
   }
   const Effect* effect = find_named<Effect>(every_effect(), owner);
-  if (!effect) return usage_error("'{}' has no parameters: render, shade, scene and effects have", owner);
+  if (!effect) return usage_error("'{}' has no parameters: it takes render, shade, scene or an effect", owner);
   for (const Parameter& row : effect->parameters) all.push_back(parameter_of(*effect, row));
   return all;
 }
@@ -135,12 +135,12 @@ using namespace umbrage;  // the functions below are C's
 
 UmbError umbGetListEntry(UmbList list, int index, const char** name, const char** summary) {
   bool there = false;
-  const UmbError code = call_alone("umbGetListEntry", [&]() -> Result<void> {
+  const UmbError code = call_without_object("umbGetListEntry", [&]() -> Result<void> {
     const auto all = entries(list);
     if (!all) return all.error();
     there = index >= 0 && std::size_t(index) < all->size();
-    if (there && name) *name = kept_text((*all)[std::size_t(index)].name);
-    if (there && summary) *summary = kept_text((*all)[std::size_t(index)].summary);
+    if (there && name) *name = interned_text((*all)[std::size_t(index)].name);
+    if (there && summary) *summary = interned_text((*all)[std::size_t(index)].summary);
     return {};
   });
   return code == UMB_ERROR_NONE && !there ? UMB_ERROR_USAGE : code;
@@ -148,7 +148,7 @@ UmbError umbGetListEntry(UmbList list, int index, const char** name, const char*
 
 int umbGetPassChannels(const char* pass) {
   int count = 0;
-  call_alone("umbGetPassChannels", [&]() -> Result<void> {
+  call_without_object("umbGetPassChannels", [&]() -> Result<void> {
     count = text_of(pass) == "color" ? 4 : int(channels_of(text_of(pass)).size());
     return {};
   });
@@ -157,7 +157,7 @@ int umbGetPassChannels(const char* pass) {
 
 UmbError umbGetParameter(const char* owner, int index, UmbParameter* parameter) {
   bool there = false;
-  const UmbError code = call_alone("umbGetParameter", [&]() -> Result<void> {
+  const UmbError code = call_without_object("umbGetParameter", [&]() -> Result<void> {
     const auto all = parameters_of(text_of(owner));
     if (!all) return all.error();
     if (!parameter) return usage_error("umbGetParameter: parameter cannot be NULL");
@@ -168,7 +168,7 @@ UmbError umbGetParameter(const char* owner, int index, UmbParameter* parameter) 
     there = index >= 0 && std::size_t(index) < all->size();
     if (there) {
       const std::size_t size = parameter->size;
-      std::memset(parameter, 0, size);  // what a newer header has besides
+      std::memset(parameter, 0, size);  // members that only a newer header has
       std::memcpy(parameter, &(*all)[std::size_t(index)], std::min(size, sizeof(UmbParameter)));
       parameter->size = size;
     }

@@ -1,4 +1,4 @@
-// Meshes from memory: their buffers, materials, textures and places.
+// Meshes from memory: buffers, materials, textures and instances.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +13,7 @@
 namespace umbrage {
 namespace {
 
-/// A caller's buffer as an image of one row for each element.
+/// A buffer of the caller. `stride`: bytes from one element to the next.
 struct Buffer {
   const std::byte* data = nullptr;
   PixelType type = PixelType::kFloat32;
@@ -38,7 +38,7 @@ Result<void> expect(const Buffer& buffer, const std::string& name, std::initiali
   return {};
 }
 
-/// Copies floats, `channels` of each element, to vectors of as many.
+/// Copies floats to vectors, one vector for each element.
 template <class Vector>
 void copy_floats(const Buffer& buffer, std::size_t count, std::vector<Vector>& to) {
   to.resize(count);
@@ -58,7 +58,8 @@ Result<void> set_indices(const Buffer& buffer, SharedMesh& shared) {
   for (std::size_t k = 0; k < indices.size(); ++k) {
     indices[k] = index(k / 3, int(k % 3));
     if (indices[k] >= shared.vertices)
-      return usage_error("triangle {} has the vertex {}: the mesh has {}", k / 3, indices[k], shared.vertices);
+      return usage_error("triangle {} refers to vertex {}: the mesh has {} vertices", k / 3, indices[k],
+                         shared.vertices);
   }
   shared.mesh.indices = std::move(indices);
   return {};
@@ -94,13 +95,13 @@ Result<void> set_buffer(const std::string& name, const Buffer& buffer, SharedMes
     std::vector<float> radii;
     copy_floats(buffer, count, radii);
     for (const float r : radii)
-      if (!(r > 0.0f) || !std::isfinite(r)) return usage_error("a point's radius cannot be {}: it is above 0", r);
+      if (!(r > 0.0f) || !std::isfinite(r)) return usage_error("a point's radius cannot be {}: it must be above 0", r);
     mesh.radii = std::move(radii);
   } else if (name == "color") {
     if (auto fine = expect(buffer, name, {kFloat, PixelType::kUint8, PixelType::kUint16}, 3, 4); !fine) return fine;
     set_colors(buffer, count, mesh);
   } else if (name == "index") {
-    if (mesh.points) return usage_error("the mesh has no triangles that an index buffer could make");
+    if (mesh.points) return usage_error("the buffer 'index' is for triangles: the mesh has none");
     if (auto fine = expect(buffer, name, {PixelType::kUint8, PixelType::kUint16, PixelType::kUint32}, 3, 3); !fine)
       return fine;
     if (auto set = set_indices(buffer, shared); !set) return set;
@@ -118,7 +119,8 @@ Result<void> set_floats(const std::string& name, std::span<const float> values, 
     return usage_error("a mesh has no parameter '{}'{}", name, suggestion(name, kNames));
   if (values.size() != count) return usage_error("'{}' of a mesh takes {} numbers, not {}", name, count, values.size());
   for (const float v : values)
-    if (!(v >= 0.0f) || !std::isfinite(v)) return usage_error("'{}' of a mesh cannot be {}: it is 0 or more", name, v);
+    if (!(v >= 0.0f) || !std::isfinite(v))
+      return usage_error("'{}' of a mesh cannot be {}: it must be 0 or more", name, v);
   Material& material = shared.material;
   if (name == "albedo") {
     material.albedo = {values[0], values[1], values[2]};
@@ -149,7 +151,7 @@ Result<Texture> texture_of(const std::string& name, const UmbImage& from) {
   return texture;
 }
 
-/// Changes a mesh of a scene; `change` gets the mesh.
+/// Runs `change` on a mesh of a scene.
 template <class Change>
 UmbError change_mesh(UmbScene scene, int mesh, const char* call, const Change& change) {
   return call_on<SceneObject>(scene, call, Use::kChanges, [&](SceneObject& object) -> Result<void> {
@@ -200,12 +202,12 @@ UmbError umbSetMeshTexture(UmbScene scene, int mesh, const char* name, const Umb
 
 UmbError umbAddMeshInstance(UmbScene scene, int mesh, const float world_from_mesh[12]) {
   return change_mesh(scene, mesh, "umbAddMeshInstance", [&](SharedMesh& shared) -> Result<void> {
-    if (!world_from_mesh) return usage_error("the place of an instance is NULL");
+    if (!world_from_mesh) return usage_error("the matrix of an instance is NULL");
     glm::mat4 matrix(1.0f);
     for (int row = 0; row < 3; ++row)
       for (int column = 0; column < 4; ++column) {
         const float value = world_from_mesh[4 * row + column];
-        if (!std::isfinite(value)) return usage_error("the place of an instance holds a number that is not finite");
+        if (!std::isfinite(value)) return usage_error("the matrix of an instance has a value that is not finite");
         matrix[column][row] = value;
       }
     shared.instances.push_back(matrix);

@@ -12,7 +12,7 @@ struct Table {
   std::unordered_map<const void*, std::shared_ptr<Object>> objects;
 };
 
-/// It is never ended: handles may be released while the process ends.
+/// Returns the table of objects. It is never destroyed: handles may be released during process exit.
 Table& table() {
   static Table& all = *new Table;
   return all;
@@ -42,7 +42,7 @@ ErrorSlot& thread_errors() {
   return errors;
 }
 
-bool Workers::begin(Use use) {
+bool UseLock::begin(Use use) {
   if (use == Use::kFree) return true;
   std::unique_lock lock(mutex_);
   if (is_changed_ || (use == Use::kChanges && drawers_ > 0)) return false;
@@ -55,7 +55,7 @@ bool Workers::begin(Use use) {
   return true;
 }
 
-void Workers::end(Use use) {
+void UseLock::end(Use use) {
   if (use == Use::kFree) return;
   const std::lock_guard lock(mutex_);
   if (use == Use::kChanges) is_changed_ = false;
@@ -66,18 +66,18 @@ void Workers::end(Use use) {
 UmbError Object::fail(Error error) {
   const auto code = UmbError(error.kind);
   try {
-    DeviceObject* device = teller();
+    DeviceObject* device = reporting_device();
     if (device && device != this) device->errors.note(error);
     errors.note(error);
-    if (device) device->tell_error(error);
-  } catch (...) {  // a callback's, or memory for the sentence is short: it must not go on to C
+    if (device) device->report_error(error);
+  } catch (...) {  // an exception of a callback, or memory for the message ran out; neither may reach C code
   }
   return code;
 }
 
 void* add_object(std::shared_ptr<Object> object) {
   static std::atomic<std::uintptr_t> last = 0;
-  constexpr std::uintptr_t kStep = 16;  // no address is handed out twice, nor one that looks like memory
+  constexpr std::uintptr_t kStep = 16;  // handles are never reused and do not look like addresses
   void* handle = reinterpret_cast<void*>(last += kStep);
   const std::lock_guard lock(table().mutex);
   table().objects.emplace(handle, std::move(object));
@@ -91,7 +91,7 @@ std::shared_ptr<Object> find_object(const void* handle) {
 }
 
 void release_found(const void* handle) {
-  std::shared_ptr<Object> last;  // ends outside the lock
+  std::shared_ptr<Object> last;  // is destroyed outside the lock
   {
     const std::lock_guard lock(table().mutex);
     const auto found = table().objects.find(handle);

@@ -1,6 +1,6 @@
-// Object: what a handle of the C interface stands for; its references, its errors, and the border around each call.
+// Object: the object behind a handle of the C interface, with its references and errors, and the wrapper of each call.
 //
-// Handles are numbers in a table of all objects that live: one that was released, or is none, is found out.
+// Handles are keys in a table of all live objects. A released or invalid handle is therefore detected.
 #pragma once
 #include <atomic>
 #include <condition_variable>
@@ -14,12 +14,13 @@
 
 namespace umbrage {
 
-/// An error until somebody asks: the first of an object, whose calls follow from each other; the last of a thread.
+/// Stores an error until it is read: the first one of an object, since later ones may follow from it; the last one of a
+/// thread.
 class ErrorSlot {
  public:
   explicit ErrorSlot(bool keeps_first) : keeps_first_(keeps_first) {}
   UmbError note(Error error);
-  /// Gives it away. The text lives until the next call.
+  /// Returns and clears the error. The text is valid until the next call.
   UmbError take(const char** message);
 
  private:
@@ -30,22 +31,22 @@ class ErrorSlot {
   std::string taken_;
 };
 
-/// Of calls that have no object.
+/// Returns the errors of this thread's calls that have no object.
 ErrorSlot& thread_errors();
 
 /// How a call uses its object.
 enum class Use {
-  kChanges,  ///< alone
-  kReads,    ///< beside others that read; it is short, and calls nobody back
-  kDraws,    ///< beside others that read or draw; it may call back
-  kFree,     ///< what it uses has locks of its own
+  kChanges,  ///< exclusive
+  kReads,    ///< concurrent with reads and draws; short, runs no callbacks
+  kDraws,    ///< concurrent with reads and other draws; may run callbacks
+  kFree,     ///< always allowed; the data that the call uses have their own locks
 };
 
-/// Who is at work on an object. A change waits for those that read, and for nobody else: no callback waits for the call
-/// that it is a part of.
-class Workers {
+/// The uses of an object that are in progress. A change waits for reads and for nothing else, so that no callback waits
+/// for the call that it is a part of.
+class UseLock {
  public:
-  /// Whether the use may begin; then it has to end.
+  /// Returns whether the use may begin. If so, the caller must end it.
   bool begin(Use use);
   void end(Use use);
 
@@ -56,10 +57,10 @@ class Workers {
   bool is_changed_ = false;
 };
 
-/// A use of an object, from begin to end, unless it is refused.
+/// A use of an object that lasts as long as this guard, unless it is refused.
 class Held {
  public:
-  Held(Workers& workers, Use use) : workers_(workers), use_(use), begun_(workers.begin(use)) {}
+  Held(UseLock& workers, Use use) : workers_(workers), use_(use), begun_(workers.begin(use)) {}
   ~Held() {
     if (begun_) workers_.end(use_);
   }
@@ -68,7 +69,7 @@ class Held {
   explicit operator bool() const { return begun_; }
 
  private:
-  Workers& workers_;
+  UseLock& workers_;
   const Use use_;
   const bool begun_;
 };
@@ -78,28 +79,29 @@ class DeviceObject;
 class Object {
  public:
   virtual ~Object() = default;
-  /// What a call is for, where memory is short: the call's name, or "a picture of 64 x 48 pixels".
+  /// Returns the purpose of a call's memory, for the message if memory runs out: the call's name, or "a picture of
+  /// 64 x 48 pixels".
   virtual std::string asked(const char* call) const { return call; }
-  /// Notes an error and tells the device's callback.
+  /// Stores an error and reports it to the device's callback.
   UmbError fail(Error error);
 
   ErrorSlot errors{true};
-  Workers workers;
+  UseLock workers;
   std::atomic<long> references{1};
 
  protected:
-  /// Whose callback is told.
-  virtual DeviceObject* teller() = 0;
+  /// Returns the device whose callback receives errors; null: none.
+  virtual DeviceObject* reporting_device() = 0;
 };
 
-/// Makes an object known. Returns its handle, a number that no other object gets.
+/// Adds an object to the table. Returns its handle, which is never reused.
 void* add_object(std::shared_ptr<Object> object);
-/// The object of a handle; null where there is none.
+/// Returns the object of a handle; null if there is none.
 std::shared_ptr<Object> find_object(const void* handle);
-/// Takes a reference of an object that is there.
+/// Removes a reference of an object in the table.
 void release_found(const void* handle);
 
-/// The object of that kind; null where the handle is none.
+/// Returns the object of type T; null if the handle is not one of such an object.
 template <class T>
 std::shared_ptr<T> object_of(const void* handle) {
   return std::dynamic_pointer_cast<T>(find_object(handle));
@@ -114,19 +116,19 @@ void release_object(const void* handle) {
   if (object_of<T>(handle)) release_found(handle);
 }
 
-/// Runs a call that has no object. Errors are the thread's.
+/// Runs a call that has no object. Errors are stored with the thread.
 template <class Work>
-UmbError call_alone(const char* call, const Work& work) {
+UmbError call_without_object(const char* call, const Work& work) {
   Result<void> done = guarded([&] { return std::string(call); }, work);
   return done ? UMB_ERROR_NONE : thread_errors().note(std::move(done.error()));
 }
 
-/// Runs a call on an object, by the name of its function. Errors are the object's, but for kUsage where others are at
-/// work on it: that is the thread's, since the object's belong to those.
+/// Runs a call on an object. `call`: the name of its function. Errors are stored with the object, except kUsage for an
+/// object that is in use: it is stored with the thread, since the object's errors belong to the users of the object.
 template <class T, class Work>
 UmbError call_on(const void* handle, const char* call, Use use, const Work& work) {
   std::shared_ptr<T> object;
-  const UmbError found = call_alone(call, [&]() -> Result<void> {
+  const UmbError found = call_without_object(call, [&]() -> Result<void> {
     object = object_of<T>(handle);
     if (!object) return usage_error("{}: the handle is NULL, or was released, or is of another kind", call);
     return {};
@@ -136,35 +138,36 @@ UmbError call_on(const void* handle, const char* call, Use use, const Work& work
   {
     const Held held(object->workers, use);
     if (!held)
-      return call_alone(call, [&]() -> Result<void> {
-        return usage_error("{}: another thread is at work on the object, or the call that calls back", call);
+      return call_without_object(call, [&]() -> Result<void> {
+        return usage_error("{}: the object is in use by another thread or by the call that runs this callback", call);
       });
     done = guarded([&] { return object->asked(call); }, [&]() -> Result<void> { return work(*object); });
   }
-  return done ? UMB_ERROR_NONE : object->fail(std::move(done.error()));  // whose callback may use the object
+  return done ? UMB_ERROR_NONE : object->fail(std::move(done.error()));  // the callback may use the object
 }
 
-/// What `get` reads of an object; `otherwise` where the handle is none, or others change the object.
+/// Returns what `get` reads of an object; `otherwise` if the handle is invalid or the object is being changed.
 template <class T, class Value, class Get>
 Value read_of(const void* handle, Value otherwise, const Get& get) {
   const auto object = object_of<T>(handle);
   if (!object) return otherwise;
   const Held held(object->workers, Use::kReads);
-  return held ? get(*object) : otherwise;  // which throws nothing
+  return held ? get(*object) : otherwise;  // `get` does not throw
 }
 
-/// The first error of an object, or, where the handle is none of that kind, the thread's: see umbGetError.
+/// Returns and clears the first error of an object, or the thread's error if the handle is not of type T: see
+/// umbGetError.
 template <class T>
 UmbError take_error(const void* handle, const char** message) {
   const auto object = object_of<T>(handle);
   return object ? object->errors.take(message) : umbGetError(message);
 }
 
-/// Makes an object; `make` gives a Result of it. Null on an error, which is the thread's.
+/// Creates an object from the Result that `make` returns. Returns null on failure; the error is stored with the thread.
 template <class Handle, class Make>
 Handle make_object(const char* call, const Make& make) {
   Handle handle = nullptr;
-  call_alone(call, [&]() -> Result<void> {
+  call_without_object(call, [&]() -> Result<void> {
     auto made = make();
     if (!made) return made.error();
     handle = reinterpret_cast<Handle>(add_object(std::move(*made)));
@@ -173,7 +176,7 @@ Handle make_object(const char* call, const Make& make) {
   return handle;
 }
 
-/// Text of a caller's; null is empty.
+/// Converts a string of the caller; null is empty.
 inline std::string text_of(const char* text) { return text ? text : ""; }
 
 }  // namespace umbrage

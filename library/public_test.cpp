@@ -1,4 +1,4 @@
-// The public interface, through its header alone.
+// Tests of the public interface; uses only its header.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -17,7 +17,7 @@ namespace {
 
 const std::string kSolids = "scene:solids?detail=3000";
 
-/// The values of a pass; fails where the picture has none of that name and number of channels.
+/// Returns the values of a pass. Fails if the picture has no pass of that name and number of channels.
 const std::vector<float>& pass(const umb::Picture& picture, const std::string& name, int channels) {
   static const std::vector<float> none;
   for (const auto& each : picture.passes)
@@ -38,10 +38,10 @@ TEST(Public, DrawsAPicture) {
   EXPECT_EQ(picture.width, 48);
   EXPECT_EQ(picture.height, 32);
   ASSERT_EQ(picture.rgba.size(), 48u * 32u * 4u);
-  float least = 1.0f, most = 0.0f;
-  for (const float v : picture.rgba) least = std::min(least, v), most = std::max(most, v);
-  EXPECT_LT(least, 0.5f);
-  EXPECT_GT(most, 0.9f);
+  float min = 1.0f, max = 0.0f;
+  for (const float v : picture.rgba) min = std::min(min, v), max = std::max(max, v);
+  EXPECT_LT(min, 0.5f);
+  EXPECT_GT(max, 0.9f);
 }
 
 TEST(Public, SaysWhatIsWrongAndLeavesThePicture) {
@@ -140,12 +140,12 @@ TEST(Public, TakesTheCommandLinesOptions) {
   EXPECT_EQ(drawn({.look = "cartoon", .anti_aliasing = 4}), cartoon);
   EXPECT_NE(drawn({.look = "cartoon", .anti_aliasing = 1}), cartoon);
   const auto cut = drawn({.transparent = true});
-  float least = 1.0f;
-  for (std::size_t k = 3; k < cut.size(); k += 4) least = std::min(least, cut[k]);
-  EXPECT_LT(least, 1e-6f);
+  float min = 1.0f;
+  for (std::size_t k = 3; k < cut.size(); k += 4) min = std::min(min, cut[k]);
+  EXPECT_LT(min, 1e-6f);
 }
 
-/// A rendered picture, and the request that shades its depth and normals again.
+/// A rendered picture, and a request that shades its depth and normals.
 struct Rendered {
   umb::Picture picture;
   umb::ShadeRequest again;
@@ -170,7 +170,7 @@ Rendered rendered_solids(bool orthographic) {
   umb::ShadeRequest& request = r.again;
   request.width = 64;
   request.height = 48;
-  // As orthographic_camera has it: as high as what is seen at the focal point.
+  // The same window as orthographic_camera: its height is that of the view at the focal point.
   request.top = std::tan(20.0f * 3.14159265f / 180.0f) * (orthographic ? 8.0f : 1.0f);
   request.bottom = -request.top;
   request.right = request.top * float(request.width) / float(request.height);
@@ -182,7 +182,7 @@ Rendered rendered_solids(bool orthographic) {
   return r;
 }
 
-/// Expects of the request with these arrays the occlusion that was rendered.
+/// Expects that the request, with these arrays, gives the rendered occlusion.
 void expect_same_occlusion(const Rendered& r, const umb::ShadeRequest& request, const std::vector<float>& depths,
                            const umb::PixelArray& normals, double tolerance) {
   umb::ShadeRequest with = request;
@@ -198,14 +198,14 @@ void expect_same_occlusion(const Rendered& r, const umb::ShadeRequest& request, 
   EXPECT_LE(sum / double(ao.size()), tolerance) << request.orthographic << int(request.depth_kind);
 }
 
-// What was rendered, handed back as arrays in all the ways in which arrays may lie in memory, is shaded as it was.
+// Shading a rendered G-buffer gives the rendered occlusion, whatever the memory layout of the arrays.
 TEST(Public, ShadesArraysAsItShadesModels) {
   for (const bool orthographic : {false, true}) {
     const Rendered r = rendered_solids(orthographic);
     const auto &depth = pass(r.picture, "depth", 1), &normal = pass(r.picture, "normal", 3);
     const umb::PixelArray packed = {.name = "normal", .values = normal.data()};
     expect_same_occlusion(r, r.again, depth, packed, 1e-7);
-    // Planes one after the other, bottom up, in world space with -z up, not of length 1.
+    // Planar, bottom up, in world space with -z up, not of length 1.
     const int width = r.again.width, height = r.again.height;
     const std::size_t pixels = depth.size();
     std::vector<float> planes(3 * pixels);
@@ -260,8 +260,8 @@ TEST(Public, ShadesDepthsOfAllKinds) {
   }
 }
 
-/// A ball before a wall: depth alone.
-std::vector<float> ball_depth(int side) {
+/// Returns the depth of a sphere in front of a wall.
+std::vector<float> sphere_depth(int side) {
   std::vector<float> depth(std::size_t(side) * std::size_t(side));
   for (int y = 0; y < side; ++y)
     for (int x = 0; x < side; ++x) {
@@ -274,7 +274,7 @@ std::vector<float> ball_depth(int side) {
 
 TEST(Public, ShadesDepthAloneWithEveryKindOfLook) {
   const int side = 48;
-  const auto depth = ball_depth(side);
+  const auto depth = sphere_depth(side);
   umb::ShadeRequest request;
   request.width = request.height = side;
   request.arrays = {{.name = "depth", .values = depth.data()}};
@@ -288,18 +288,18 @@ TEST(Public, ShadesDepthAloneWithEveryKindOfLook) {
     const auto outcome = umb::shade(request, picture);
     ASSERT_EQ(outcome.code, 0) << look << ": " << outcome.message;
     ASSERT_EQ(picture.rgba.size(), std::size_t(side) * side * 4);
-    float least = 1.0f, most = 0.0f;
+    float min = 1.0f, max = 0.0f;
     for (std::size_t k = 0; k < picture.rgba.size(); k += 4) {
       ASSERT_TRUE(std::isfinite(picture.rgba[k])) << look;
-      least = std::min(least, picture.rgba[k]), most = std::max(most, picture.rgba[k]);
+      min = std::min(min, picture.rgba[k]), max = std::max(max, picture.rgba[k]);
     }
-    EXPECT_GT(most - least, 0.1f) << look;
+    EXPECT_GT(max - min, 0.1f) << look;
     if (look != std::string("studio") && look != std::string("bleeding")) continue;
-    // The wall beside the ball is darker than the wall in the corner.
+    // The wall next to the sphere is darker than the wall in the corner.
     const auto& ao = pass(picture, "ao", 1);
     EXPECT_LT(ao[side / 2 * side + 2], ao[3 * side + 3]) << look;
   }
-  // A picture of nothing at all is one, too.
+  // A picture without any surface is valid.
   const std::vector<float> empty(std::size_t(side) * side, std::numeric_limits<float>::infinity());
   request.arrays[0].values = empty.data();
   umb::Picture picture;
@@ -307,7 +307,7 @@ TEST(Public, ShadesDepthAloneWithEveryKindOfLook) {
 }
 
 TEST(Public, SaysWhatIsWrongWithArrays) {
-  const auto depth = ball_depth(8);
+  const auto depth = sphere_depth(8);
   umb::ShadeRequest good;
   good.width = good.height = 8;
   good.arrays = {{.name = "depth", .values = depth.data()}};
@@ -372,7 +372,8 @@ TEST(Public, TellsItsProgressOnTheThreadThatCalled) {
   }
 }
 
-// Wherever it is ended, nothing is told any more, the picture stays, and the next one is as if nothing had been.
+// Wherever drawing is cancelled, progress is not called again, the picture is unchanged, and the next picture is not
+// affected.
 TEST(Public, EndsWhereverItIsToldTo) {
   int calls = 0, last = 0;
   umb::RenderRequest request = {.model = kSolids,
@@ -393,7 +394,7 @@ TEST(Public, EndsWhereverItIsToldTo) {
     umb::Picture picture{1, 1, {0.25f, 0.5f, 0.75f, 1.0f}, {}};
     calls = 0;
     const auto outcome = renderer.draw({}, picture);
-    if (calls < last) continue;  // how often it asks within a pass depends on time
+    if (calls < last) continue;  // the number of calls within a dispatch depends on time
     EXPECT_EQ(outcome.code, 130);
     EXPECT_EQ(calls, last);
     EXPECT_EQ(picture.rgba.size(), 4u);
@@ -402,14 +403,14 @@ TEST(Public, EndsWhereverItIsToldTo) {
   umb::Picture again;
   ASSERT_EQ(renderer.draw({}, again).code, 0);
   EXPECT_EQ(again.rgba, whole.rgba);
-  // Before a model is read.
+  // Cancelled before the model is read.
   last = 1;
   calls = 0;
   request.model = "missing.obj";
   EXPECT_EQ(umb::render(request, again).code, 130);
 }
 
-// A long pass ends within: what is left of it is not done.
+// Cancelling ends a long dispatch early.
 TEST(Public, EndsWithinAPass) {
   using Clock = std::chrono::steady_clock;
   const auto drawn = [&](bool end) {
@@ -547,7 +548,7 @@ TEST_F(PublicFiles, SavesInTheFormatOfTheName) {
 TEST(Public, HasAVersion) { EXPECT_EQ(std::string(umb::version()).find('.'), 1u); }
 
 TEST(Public, IdsOfAllBitsSurvive) {
-  // Two objects on one plane, told apart by the last of 32 bits, and nothing in the last column.
+  // Two objects on one plane whose ids differ in the last of 32 bits, and no surface in the last column.
   const int width = 12, height = 6;
   const std::uint32_t left = 0xfffffffe, right = 0xffffffff;
   std::vector<float> depth;
@@ -577,7 +578,7 @@ TEST(Public, IdsOfAllBitsSurvive) {
   for (const umb::Stroke& stroke : picture.strokes)
     EXPECT_TRUE(std::uint32_t(stroke.object) == left || std::uint32_t(stroke.object) == right) << stroke.object;
 
-  // And in a file.
+  // The same in a file.
   const std::string file = testing::TempDir() + "umbrage_ids.exr";
   ASSERT_EQ(umb::save(picture, file).code, 0);
   {
@@ -593,7 +594,7 @@ TEST(Public, IdsOfAllBitsSurvive) {
   }
   std::remove(file.c_str());
 
-  // What cannot be.
+  // Invalid arrays.
   request.arrays[1] = {.name = "ao", .ids = ids.data()};
   EXPECT_EQ(umb::shade(request, picture).code, 2);
   request.arrays[1] = {.name = "object_id", .values = depth.data(), .ids = ids.data()};

@@ -12,7 +12,7 @@
 namespace umbrage {
 namespace {
 
-/// The mesh at a place.
+/// Returns a transformed copy of a mesh.
 Mesh placed(const Mesh& mesh, const glm::mat4& world_from_mesh) {
   Mesh at = mesh;
   const glm::mat3 turn(world_from_mesh);
@@ -22,18 +22,18 @@ Mesh placed(const Mesh& mesh, const glm::mat4& world_from_mesh) {
   for (glm::vec3& n : at.normals)
     if (const glm::vec3 v = of_normals * n; glm::length(v) > 0.0f) n = glm::normalize(v);
   for (float& r : at.radii) r *= scale;
-  // A mirrored triangle turns its back.
+  // A reflection reverses the winding of triangles.
   if (glm::determinant(turn) < 0.0f)
     for (std::size_t k = 0; k + 2 < at.indices.size(); k += 3) std::swap(at.indices[k + 1], at.indices[k + 2]);
   return at;
 }
 
-/// A scene of one mesh, at all of its places, but unfinished.
+/// Returns an unfinished scene with all instances of one mesh.
 Scene scene_of(const SharedMesh& shared) {
   Scene scene;
   scene.name = shared.mesh.name;
   scene.materials.push_back(shared.material);
-  // Colours and textures multiply it, as in files.
+  // Colours and textures multiply the albedo, as in files.
   if (!shared.has_albedo && (!shared.mesh.colors.empty() || !shared.albedo.rgba.empty()))
     scene.materials[0].albedo = glm::vec3(1.0f);
   const auto add = [&](const Texture& texture, int& index) {
@@ -52,7 +52,7 @@ Scene scene_of(const SharedMesh& shared) {
   return scene;
 }
 
-/// The box of a mesh at all of its places, as finish_scene would find it; empty where nothing is left.
+/// Returns the bounding box of all instances of a mesh, equal to that of finish_scene; empty if nothing can be drawn.
 SceneBox box_of(const SharedMesh& shared) {
   SceneBox box;
   if (!shared.mesh.points) {
@@ -60,7 +60,7 @@ SceneBox box_of(const SharedMesh& shared) {
     for (const glm::mat4& instance : shared.instances) add_triangles(shared.mesh, instance, box);
     return box;
   }
-  Scene cloud = scene_of(shared);  // how large points are depends on their neighbours
+  Scene cloud = scene_of(shared);  // the size of points depends on their neighbours
   finish_scene(cloud, shared.settings.crease_angle_deg, shared.settings.points);
   if (!cloud.meshes.empty()) box = {cloud.bounds_min, cloud.bounds_max};
   return box;
@@ -89,9 +89,9 @@ Result<void> SceneObject::load(const std::string& model) {
   if (progress && !progress(0.0)) return interrupted();
   auto scene = load_scene(model, *settings, progress);
   if (!scene) return scene.error();
-  for (const std::string& warning : scene->warnings) device_->tell_warning(warning);
+  for (const std::string& warning : scene->warnings) device_->report_warning(warning);
   if (has_models_) {
-    Scene both = models_;  // so that the scene stays as it is where memory ends
+    Scene both = models_;  // so that the scene is unchanged if memory runs out
     append_scene(std::move(*scene), both);
     models_ = std::move(both);
   } else {
@@ -133,14 +133,14 @@ Result<void> SceneObject::remove_mesh(int index) {
   return {};
 }
 
-Error SceneObject::nothing_there() const {
+Error SceneObject::empty_scene_error() const {
   for (std::size_t k = 0; k < meshes_.size(); ++k)
     if (!meshes_[k].is_removed && !meshes_[k].is_whole())
       return usage_error("the scene is empty: its mesh {} lacks its {}", k,
                          meshes_[k].mesh.positions.empty() ? "positions" : "indices");
   const bool has_meshes = std::any_of(meshes_.begin(), meshes_.end(), [](const SharedMesh& m) { return m.is_whole(); });
   return has_meshes ? usage_error("the scene has nothing to draw: all of it is degenerate or not finite")
-                    : usage_error("the scene is empty: umbLoadModel and umbAddMesh fill it");
+                    : usage_error("the scene is empty: call umbLoadModel or umbAddMesh");
 }
 
 Result<Scene> SceneObject::copied(std::vector<std::string>& warnings) const {
@@ -161,7 +161,7 @@ Result<Scene> SceneObject::copied(std::vector<std::string>& warnings) const {
       append_scene(std::move(part), all);
     is_empty = false;
   }
-  if (is_empty) return nothing_there();
+  if (is_empty) return empty_scene_error();
   return all;
 }
 
@@ -173,7 +173,7 @@ Result<SceneBox> SceneObject::bounds() const {
     const SceneBox box = box_of(shared);
     all = {glm::min(all.low, box.low), glm::max(all.high, box.high)};
   }
-  if (all.is_empty()) return nothing_there();
+  if (all.is_empty()) return empty_scene_error();
   return all;
 }
 

@@ -1,4 +1,4 @@
-// SceneObject: a scene of the C interface, as models and meshes from memory are added to it.
+// SceneObject: a scene of the C interface, to which models and meshes from memory are added.
 #pragma once
 #include <glm/mat4x4.hpp>
 #include <memory>
@@ -14,16 +14,16 @@
 
 namespace umbrage {
 
-/// A mesh from memory, as its buffers are set. Lists that nobody has set are empty: numbers alone take no memory.
+/// A mesh from memory. Buffers that the caller has not set are empty; the counts alone use no memory.
 struct SharedMesh {
   std::size_t vertices = 0, triangles = 0;
-  ImportSettings settings;  ///< as they were when it was added
+  ImportSettings settings;  ///< those at the time of umbAddMesh
   Mesh mesh;
   Material material;
-  bool has_albedo = false;   ///< that the caller set
-  Texture albedo, emission;  ///< without pixels: none
+  bool has_albedo = false;   ///< whether the caller set an albedo
+  Texture albedo, emission;  ///< without pixels: no texture
   std::vector<glm::mat4> instances;
-  bool is_removed = false;  ///< its number stays
+  bool is_removed = false;  ///< its number is not reused
 
   bool is_whole() const { return !mesh.positions.empty() && (mesh.points || !mesh.indices.empty()); }
 };
@@ -32,12 +32,12 @@ class SceneObject final : public Object {
  public:
   explicit SceneObject(std::shared_ptr<DeviceObject> device) : device_(std::move(device)) {}
 
-  /// The models and all meshes that are whole, finished. A copy: what a picture adds to it is that picture's.
-  /// Adds warnings of what was left out of meshes. Errors: kUsage for an empty scene.
+  /// Returns a finished copy of the models and all complete meshes, to which a picture may add objects. Appends
+  /// warnings of parts of meshes that were left out. Errors: kUsage for an empty scene.
   Result<Scene> copied(std::vector<std::string>& warnings) const;
-  /// The box of that. Errors: the same.
+  /// Returns the bounding box of the same scene. Errors: as for copied.
   Result<SceneBox> bounds() const;
-  /// Changes with each change.
+  /// Returns a number that changes with each change of the scene.
   long version() const { return version_; }
 
   Result<void> set_parameter(const std::string& name, const char* value);
@@ -53,20 +53,20 @@ class SceneObject final : public Object {
   ProgressMonitor progress;
 
  protected:
-  DeviceObject* teller() override { return device_.get(); }
+  DeviceObject* reporting_device() override { return device_.get(); }
 
  private:
-  Error nothing_there() const;
+  Error empty_scene_error() const;
 
   std::shared_ptr<DeviceObject> device_;
-  Request request_;  // how what follows is read
+  Request request_;  // parameters for models and meshes added later
   Scene models_;
   bool has_models_ = false;
   std::vector<SharedMesh> meshes_;
   long version_ = 0;
 };
 
-/// Has a caller's callback told of the progress of a scene or a job; null: nobody.
+/// Sets a caller's callback for the progress of a scene or a job; null removes it.
 template <class T>
 UmbError set_progress(const void* handle, const char* call, UmbProgressCallback callback, void* user) {
   return call_on<T>(handle, call, Use::kChanges, [&](T& object) -> Result<void> {

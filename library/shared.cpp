@@ -13,7 +13,7 @@
 namespace umbrage {
 namespace {
 
-/// The first byte of an image's pixels, and the one after the last.
+/// Returns the first byte of an image's pixels, and the byte after the last.
 std::pair<std::intptr_t, std::intptr_t> bytes_of(const SharedImage& image) {
   auto first = reinterpret_cast<std::intptr_t>(image.data), last = first;
   const auto reach = [&](std::ptrdiff_t stride, int count) {
@@ -28,7 +28,7 @@ std::pair<std::intptr_t, std::intptr_t> bytes_of(const SharedImage& image) {
 
 }  // namespace
 
-const char* kept_text(std::string_view text) {
+const char* interned_text(std::string_view text) {
   static std::mutex& mutex = *new std::mutex;
   static auto& texts = *new std::map<std::string, std::unique_ptr<std::string>, std::less<>>;
   const std::lock_guard lock(mutex);
@@ -87,13 +87,13 @@ UmbImage as_umb(const SharedImage& image) {
 
 namespace {
 
-/// Whether a number of one channel of `a` shares a byte with one of a channel of `b`, `byte` after it, where both
-/// images have the same strides.
+/// Returns whether a value of one channel of `a` shares a byte with a value of one channel of `b`. `byte`: offset of
+/// the channel of `b` from that of `a`. Both images have the same strides.
 bool channels_meet(const SharedImage& a, const SharedImage& b, std::ptrdiff_t byte) {
   const auto size_a = std::ptrdiff_t(size_of(a.type)), size_b = std::ptrdiff_t(size_of(b.type));
   for (std::ptrdiff_t dy = -(a.height - 1); dy < b.height; ++dy) {
     const std::ptrdiff_t rest = byte + a.row_stride * dy;
-    // The columns between which the distance changes its sign, and one to either side.
+    // The columns between which the distance changes its sign, and one more on either side.
     const std::ptrdiff_t near = -rest / a.pixel_stride;
     for (std::ptrdiff_t dx = near - 2; dx <= near + 2; ++dx) {
       const std::ptrdiff_t apart = rest + a.pixel_stride * dx;
@@ -110,7 +110,7 @@ bool overlap(const SharedImage& a, const SharedImage& b) {
   const auto [a_first, a_end] = bytes_of(a);
   const auto [b_first, b_end] = bytes_of(b);
   if (a_end <= b_first || b_end <= a_first) return false;
-  // Images of one array may lie between each other's pixels.
+  // Images that are parts of one array may be interleaved.
   if (a.pixel_stride != b.pixel_stride || a.row_stride != b.row_stride || a.pixel_stride == 0) return true;
   const auto start = [](const SharedImage& image, int channel) {
     return reinterpret_cast<std::intptr_t>(image.data) + image.channel_stride * channel;

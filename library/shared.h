@@ -1,4 +1,4 @@
-// What calls hand over by pointer, checked.
+// Checked conversions of pointers and images that callers pass to the C interface.
 #pragma once
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
@@ -11,22 +11,24 @@
 
 namespace umbrage {
 
-/// Errors: kUsage for a number that names no type.
+/// Converts a UmbType. Errors: kUsage for an unknown number.
 Result<PixelType> pixel_type(int type);
-/// "32-bit floats".
+/// Returns a name for messages, such as "32-bit floats".
 std::string_view name_of(PixelType type);
 
-/// An image of the caller's; `what` begins the sentence where it cannot be. `data` may be null. Errors: kUsage.
+/// Converts and checks an image of the caller. `what`: the subject of an error message. `data` may be null. Errors:
+/// kUsage.
 Result<SharedImage> shared_image(std::string_view what, const UmbImage& image);
 UmbImage as_umb(const SharedImage& image);
 
-/// Whether the pixels of two images share a byte; with different strides, whether they may.
+/// Returns whether the pixels of two images share a byte; for images with different strides, whether they may share
+/// one.
 bool overlap(const SharedImage& a, const SharedImage& b);
-/// Whether numbers of one image do.
+/// Returns whether values of one image share a byte.
 bool overlaps_itself(const SharedImage& image);
 
-/// The same text, which lives as long as the library: of names, of which there are few.
-const char* kept_text(std::string_view text);
+/// Returns a copy of a text that is never freed; for names, of which there are few.
+const char* interned_text(std::string_view text);
 
 inline glm::vec3 unit_or_zero(glm::vec3 v) {
   const float length = glm::length(v);

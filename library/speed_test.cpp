@@ -1,4 +1,5 @@
-// What a job takes besides its effects. Disabled: machines are noisy. docs/performance.md has the figures.
+// Measures the overhead of a job beyond its effects. Disabled, since timings are noisy. docs/performance.md has
+// results.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,7 +28,7 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// A sphere before a wall, plane after plane.
+/// A sphere in front of a wall, in planar arrays.
 struct Planes {
   std::vector<float> depth = std::vector<float>(kPixels), normal = std::vector<float>(3 * kPixels),
                      albedo = std::vector<float>(3 * kPixels, 0.6f), color = std::vector<float>(4 * kPixels);
@@ -72,19 +73,19 @@ TEST(JobSpeed, DISABLED_OfASecondShade) {
     umbSetJobOutput(job, "color", &color);
     umbSetJobString(job, "look", look);
 
-    // The same effects, on planes that are there.
+    // The same effects without a job.
     Request request;
     request.look = look;
     request.width = kWidth;
     request.height = kHeight;
     const Recipe recipe = *make_shading_recipe(request);
     const auto own = make_cpu_device();
-    const KeptPlanes kept(own->pool());
+    const ScopedPlanePool kept(own->pool());
     const std::vector<NamedImage> images = {{"depth", Planes::image(planes.depth, 1)},
                                             {"normal", Planes::image(planes.normal, 3)},
                                             {"albedo", Planes::image(planes.albedo, 3)}};
     std::vector<double> of_job, of_effects, of_inputs, of_upload;
-    for (int k = 0; k < kRuns; ++k) {  // in turns, so that both see the same noise
+    for (int k = 0; k < kRuns; ++k) {  // alternating, so that both see the same noise
       const double begin = now_ms();
       ASSERT_EQ(umbExecuteJob(job), UMB_ERROR_NONE);
       of_job.push_back(now_ms() - begin);

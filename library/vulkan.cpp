@@ -23,10 +23,10 @@ class VulkanShadingObject final : public Object {
   std::string asked(const char*) const override { return "a G-buffer of " + size; }
 
   std::unique_ptr<Device> device;
-  std::string size = "no pixels";  ///< of the G-buffer that is shaded
+  std::string size = "no pixels";  ///< of the G-buffer of the current call
 
  protected:
-  DeviceObject* teller() override { return nullptr; }
+  DeviceObject* reporting_device() override { return nullptr; }
 };
 
 namespace {
@@ -72,8 +72,9 @@ PictureInfo info_of(const Lens& lens) {
   PictureInfo info;
   set_lens(lens, info);
   info.scene_radius = lens.scene_radius;
-  // Without a look at the depths: what the planes say, as far as the scene reaches.
-  const bool planes = has_planes(lens.depth_kind);
+  // Depth is not read here. The depth range is that of the near and far planes; without them, or if the far plane is at
+  // infinity, it follows from the scene's radius.
+  const bool planes = has_depth_planes(lens.depth_kind);
   constexpr float kNearest = 1e-3f;
   info.depth_min = planes ? lens.near_plane : kNearest * lens.scene_radius;
   info.depth_max = planes && std::isfinite(lens.far_plane) ? lens.far_plane : info.depth_min + 2.0f * lens.scene_radius;
@@ -81,11 +82,12 @@ PictureInfo info_of(const Lens& lens) {
 }
 
 Result<void> check(const UmbVulkanGBuffer& g, const Lens& lens) {
-  if (!g.depth.image) return usage_error("a G-buffer needs an image of depth");
+  if (!g.depth.image) return usage_error("a G-buffer needs a depth image");
   if (g.depth_kind < UMB_DEPTH_VIEW || g.depth_kind > UMB_DEPTH_REVERSED)
-    return usage_error("there is no kind of depth {}: see UmbDepthKind", g.depth_kind);
+    return usage_error("`depth_kind` cannot be {}: see UmbDepthKind", g.depth_kind);
   if (auto fine = check_lens(lens); !fine) return fine;
-  if (!(lens.scene_radius > 0.0f)) return usage_error("`scene_radius` cannot be {}: it is above 0", lens.scene_radius);
+  if (!(lens.scene_radius > 0.0f))
+    return usage_error("`scene_radius` cannot be {}: it must be above 0", lens.scene_radius);
   return {};
 }
 
@@ -149,10 +151,10 @@ Result<void> shade_images(Device& device, const UmbVulkanGBuffer& g, const UmbVu
       return usage_error("an output takes one to four planes, not {}", planes.size());
     if (auto written = write_image(device, *frame, planes, device_image(output.image)); !written) return written;
   }
-  return hand_over(device, request.signal);
+  return submit_without_waiting(device, request.signal);
 }
 
-/// What a device was asked for by a call that fails, with an exception, too.
+/// Discards the work that a failed call recorded on a device, also if an exception is thrown.
 struct DropUnlessDone {
   Device& device;
   bool done = false;

@@ -1,4 +1,4 @@
-// Pictures and strokes become files.
+// Writing of images and strokes to files.
 #include <bit>
 
 #include "io/image_file.h"
@@ -12,7 +12,7 @@
 namespace umbrage {
 namespace {
 
-/// A pass's channels by name, or by number where nobody knows the name.
+/// Returns the channel suffixes of a pass; for an unknown pass they are chosen by the number of channels.
 std::vector<std::string> channels_to_write(const std::string& pass, int channels) {
   auto names = channels_of(pass);
   if (int(names.size()) == channels) return names;
@@ -32,13 +32,13 @@ bool is_opaque(const Plane& alpha) {
 /// Adds an image to the planes of a file. Errors: kUsage.
 Result<void> add_image(const std::string& name, const SharedImage& from, Image& image, WriteSettings& settings) {
   if (from.width != image.width || from.height != image.height)
-    return usage_error("the image '{}' has {} x {} pixels, another one {} x {}", name, from.width, from.height,
+    return usage_error("the image '{}' has {} x {} pixels: the first image has {} x {}", name, from.width, from.height,
                        image.width, image.height);
   const auto channels = channels_to_write(name, from.channels);
   if (int(channels.size()) != from.channels)
     return usage_error("the image '{}' cannot have {} channels: a pass has 1 to 4", name, from.channels);
   if (from.type == PixelType::kUint32 && !is_id(name))
-    return usage_error("the image '{}' cannot be of 32-bit integers: ids alone are", name);
+    return usage_error("the image '{}' cannot be of 32-bit integers: only ids can", name);
   if (name == "color" && from.channels < 3)
     return usage_error("the image 'color' cannot have {} channels: it has 3 or 4", from.channels);
   const bool whole_numbers = is_id(name) && is_whole(from.type);
@@ -61,7 +61,7 @@ Result<void> add_image(const std::string& name, const SharedImage& from, Image& 
 
 Result<void> write_images(const std::string& file, std::span<const std::pair<std::string, SharedImage>> images,
                           WriteSettings settings) {
-  Request ignored;  // `bits` has no field in it
+  Request ignored;  // set_option checks the value; `bits` has no field in it
   if (auto fine = set_option(option_of("bits"), fmt::format("{}", settings.bits), ignored); !fine) return fine;
   const auto format = format_of(file);
   if (!format) return Error{ErrorKind::kUsage, format.error().message};
@@ -95,7 +95,7 @@ Result<void> write_strokes(const std::string& file, int width, int height, std::
       return usage_error("stroke {} cannot be of the kind {}: see UmbStrokeKind", &stroke - strokes.data(),
                          stroke.kind);
     if (!stroke.points && stroke.point_count)
-      return usage_error("stroke {} has {} points at NULL", &stroke - strokes.data(), stroke.point_count);
+      return usage_error("stroke {} has {} points, but `points` is NULL", &stroke - strokes.data(), stroke.point_count);
     line.kind = LineKind(stroke.kind);
     line.object = int(stroke.object_id);
     line.closed = stroke.closed != 0;
@@ -112,7 +112,7 @@ using namespace umbrage;  // the functions below are C's
 
 UmbError umbWriteImages(const char* file, const char* const* names, const UmbImage* images, int count, int bits,
                         bool half) {
-  return call_alone("umbWriteImages", [&]() -> Result<void> {
+  return call_without_object("umbWriteImages", [&]() -> Result<void> {
     if (!file || !names || !images || count < 1) return usage_error("umbWriteImages: there is no file or no image");
     std::vector<std::pair<std::string, SharedImage>> all;
     for (int k = 0; k < count; ++k) {
@@ -127,7 +127,7 @@ UmbError umbWriteImages(const char* file, const char* const* names, const UmbIma
 
 UmbError umbWriteStrokes(const char* file, int width, int height, const UmbStroke* strokes, size_t count,
                          const float rgb[3], float opacity) {
-  return call_alone("umbWriteStrokes", [&]() -> Result<void> {
+  return call_without_object("umbWriteStrokes", [&]() -> Result<void> {
     if (!file || (!strokes && count > 0) || !rgb) return usage_error("umbWriteStrokes: an argument is NULL");
     return write_strokes(file, width, height, {strokes, count}, rgb, opacity);
   });

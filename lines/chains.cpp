@@ -5,9 +5,9 @@
 namespace umbrage {
 namespace {
 
-constexpr int kLead = 10;  // points of an end that tell where it leads
+constexpr int kLead = 10;  // points at an end that determine its direction
 
-/// Points between two ends, a pixel apart.
+/// Appends points between two ends, a pixel apart.
 void bridge(std::vector<ChainPoint>& points, const ChainPoint& to) {
   const ChainPoint from = points.back();
   const int count = int(length_of(to.x - from.x, to.y - from.y));
@@ -33,7 +33,8 @@ void append(Chain& to, const Chain& from, bool reversed) {
   to.points.back().node = -1;
 }
 
-/// How many chains meet at each node: one that ends there once, one that passes twice.
+/// Returns the number of chains that meet at each node: a chain that ends there counts once, one that passes counts
+/// twice.
 std::vector<int> meetings(const Tracing& t) {
   std::vector<int> count(2 * std::size_t(t.graph.size()), 0);
   for (const Chain& chain : t.chains) {
@@ -66,7 +67,7 @@ float length_of(const Chain& chain) {
   return sum;
 }
 
-Direction way_at(const Chain& chain, int point) {
+Direction chain_direction_at(const Chain& chain, int point) {
   constexpr int kAround = 4;
   const auto& first = chain.points[std::max(0, point - kAround)];
   const auto& last = chain.points[std::size_t(std::min(int(chain.points.size()) - 1, point + kAround))];
@@ -91,7 +92,7 @@ Direction lead(const Chain& chain, int last) {
     xy += x * y;
     yy += y * y;
   }
-  // The direction in which they spread most, outwards.
+  // The principal direction of the points, outwards.
   const float apart = length_of(xx - yy, 2.0f * xy);
   float dx = xx > yy ? xx - yy + apart : 2.0f * xy, dy = xx > yy ? 2.0f * xy : yy - xx + apart;
   const ChainPoint& inner = end[(count - 1) * step];
@@ -108,7 +109,7 @@ void concatenate(Tracing& t, const std::vector<int>& mate, bool over_gaps) {
       Chain& first = t.chains[start / 2];
       if (used[start / 2] || first.points.empty()) continue;
       if (!closed && (first.closed || mate[start] >= 0)) continue;
-      if (mate[start] < 0 && mate[start ^ 1] < 0) {  // as it is
+      if (mate[start] < 0 && mate[start ^ 1] < 0) {  // unchanged
         used[start / 2] = 1;
         linked.push_back(std::move(first));
         continue;

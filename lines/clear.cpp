@@ -1,4 +1,4 @@
-// Which parts of chains are clear enough to stay.
+// Keeps the parts of chains that are clear enough.
 #include <algorithm>
 
 #include "lines/trace.h"
@@ -17,17 +17,17 @@ void keep_clear_parts(Tracing& t, const Clarity& clarity) {
       return (sum[end] - sum[first]) / float(end - first);
     };
     for (int first = 0, end; first < count; first = end) {
-      float most = 0.0f;
-      for (end = first; end < count && mean(end) >= clarity.faint; ++end) most = std::max(most, mean(end));
-      if (most > clarity.clear) {
+      float max = 0.0f;
+      for (end = first; end < count && mean(end) >= clarity.faint; ++end) max = std::max(max, mean(end));
+      if (max > clarity.clear) {
         Chain part;
         const bool whole = first == 0 && end == count;
         part.closed = chain.closed && whole;
-        part.weight = std::min((most - clarity.clear) / (clarity.full - clarity.clear), 1.0f);
+        part.weight = std::min((max - clarity.clear) / (clarity.full - clarity.clear), 1.0f);
         part.points.assign(chain.points.begin() + first, chain.points.begin() + end);
         if (first == 0) part.node[0] = chain.node[0];
         if (end == count) part.node[1] = chain.node[1];
-        if (!whole) part.points.back().node = -1;  // nor is the seam of a closed one a junction any more
+        if (!whole) part.points.back().node = -1;  // the seam of a closed chain is no junction any more either
         kept.push_back(std::move(part));
       }
       end = std::max(end, first + 1);

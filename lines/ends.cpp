@@ -1,10 +1,10 @@
-// Where chains end exactly: at what they meet.
+// Extends chains to what they meet.
 #include "lines/trace.h"
 
 namespace umbrage {
 namespace {
 
-/// The mean place of what meets at a node: of chains that pass, or else of ends.
+/// The mean position of the chains that meet at a node: of those that pass, or else of the ends.
 struct Meeting {
   float x = 0.0f, y = 0.0f;
   int passing = 0, ends = 0;
@@ -21,7 +21,7 @@ struct Meeting {
   }
 };
 
-void lead_to(Chain& chain, int last, std::array<float, 2> place) {
+void extend_to(Chain& chain, int last, std::array<float, 2> place) {
   constexpr float kSame = 0.75f;  // pixels
   ChainPoint& end = last ? chain.points.back() : chain.points.front();
   ChainPoint p = end;
@@ -35,7 +35,7 @@ void lead_to(Chain& chain, int last, std::array<float, 2> place) {
 }  // namespace
 
 void meet(Tracing& t) {
-  constexpr float kBeyond = 2.0f;  // pixels that a line goes on at the picture's border
+  constexpr float kBeyond = 2.0f;  // pixels that a line extends beyond the picture's border
   std::vector<std::array<float, 2>> of_edge(std::size_t(t.graph.size()));
   std::vector<Meeting> meetings(2 * std::size_t(t.graph.size()));
   for (const Chain& chain : t.chains) {
@@ -51,12 +51,12 @@ void meet(Tracing& t) {
     for (int last = 0; last < 2 && !chain.closed; ++last) {
       const int node = chain.node[last];
       if (chain.joined[last] >= 0) {
-        lead_to(chain, last, of_edge[chain.joined[last]]);
+        extend_to(chain, last, of_edge[chain.joined[last]]);
       } else if (node >= 0 && meetings[node].passing + meetings[node].ends > 1) {
-        lead_to(chain, last, meetings[node].place());
+        extend_to(chain, last, meetings[node].place());
       } else if (node >= 0 && t.graph.at_border(t.graph.node(node))) {
         const auto [dx, dy] = lead(chain, last);
-        lead_to(chain, last, {chain.end(last).x + kBeyond * dx, chain.end(last).y + kBeyond * dy});
+        extend_to(chain, last, {chain.end(last).x + kBeyond * dx, chain.end(last).y + kBeyond * dy});
       }
     }
     if (chain.closed) chain.points.push_back(ChainPoint(chain.points.front()));

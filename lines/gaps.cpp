@@ -1,4 +1,4 @@
-// What joins chains over gaps: by one cost of length, turning and depth.
+// Bridges gaps between chains, by one cost of length, turning and depth.
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -9,19 +9,19 @@
 namespace umbrage {
 namespace {
 
-constexpr float kTurning = 2.0f;        // what a turn of a radian, squared, adds to a gap, times its length
-constexpr float kMaxSteepness = 10.0f;  // pixel sizes of depth per pixel of a gap
+constexpr float kTurning = 2.0f;        // cost of a squared turn in radians, relative to the gap's length
+constexpr float kMaxSteepness = 10.0f;  // max depth step per pixel of a gap, in pixel sizes
 
-/// A way to go on from a free end, 2 * chain + last: to another one, or to the side of another chain at an edge.
+/// A continuation of a free end, 2 * chain + last: to another free end, or to the side of another chain at an edge.
 struct Link {
   float cost;
-  int end, other, edge;  // other, edge: -1 where it is the other kind
+  int end, other, edge;  // other, edge: -1 if the link is of the other kind
 };
 
-/// What is known of ends.
+/// The ends of all chains, by number.
 struct Ends {
   std::vector<std::uint8_t> free;
-  std::vector<Direction> lead;  // of those that are free
+  std::vector<Direction> lead;  // of free ends
 };
 
 Ends ends_of(const Tracing& t) {
@@ -31,14 +31,14 @@ Ends ends_of(const Tracing& t) {
   return ends;
 }
 
-/// Where links are looked for.
+/// The domain of the search for links.
 struct Search {
   const PointGrid& grid;
   float reach;
   PixelSize pixel;
 };
 
-/// Finds links of a free end. Each turn is the cosine between where an end leads and where the link does.
+/// Finds links of a free end. A turn is the cosine between the directions of an end and of the link.
 void find_links(const Tracing& t, const Search& search, const Ends& ends, int end, std::vector<Link>& links) {
   const Chain& own = t.chains[end / 2];
   const ChainPoint& from = own.end(end % 2);
@@ -50,16 +50,16 @@ void find_links(const Tracing& t, const Search& search, const Ends& ends, int en
     const auto turn_of = [&](const Direction& lead, float sign) {
       return d > 0.1f ? sign * (lead[0] * dx + lead[1] * dy) / d : 1.0f;
     };
-    const auto squared_angle = [](float cosine) { return 2.0f - 2.0f * cosine; };  // about
+    const auto squared_angle = [](float cosine) { return 2.0f - 2.0f * cosine; };  // approximate
     const float turn = turn_of(ends.lead[end], 1.0f);
-    if (turn < kStraightOn) return;
+    if (turn < kMinStraightCosine) return;
     const Chain& other = t.chains[e.chain];
     const float behind = (other.points[e.point].depth - from.depth) / (search.pixel.at(from.depth) * (d + 1.0f));
     const bool at_first = e.point == 0, at_last = e.point + 1 == int(other.points.size());
     const int other_end = 2 * e.chain + (at_first ? 0 : 1);
     if ((at_first || at_last) && ends.free[other_end] && other_end != end) {
       const float other_turn = turn_of(ends.lead[other_end], -1.0f);
-      if (other_end < end || other_turn < kStraightOn || std::abs(behind) > kMaxSteepness) return;
+      if (other_end < end || other_turn < kMinStraightCosine || std::abs(behind) > kMaxSteepness) return;
       const float bend = squared_angle(turn) + squared_angle(other_turn);
       const float cost = d * (1.0f + kTurning * bend) + std::abs(behind) / kMaxSteepness;
       if (cost < search.reach) links.push_back({cost, end, other_end, -1});

@@ -32,20 +32,20 @@ void EdgeGraph::number_edges(const std::vector<Edge>& all) {
       there = e;
 }
 
-// A line whose place was found within rows or columns may move on by a pixel from one to the next without a side
-// between.
+// A line whose position was found within rows or columns may move by a pixel from one to the next, without a side
+// between them.
 void EdgeGraph::fill_steps(std::vector<Edge>& edges) {
   const std::size_t count = edges.size();
   for (std::size_t k = 0; k < count; ++k)
     for (const Node node : {first_node(edges[k]), last_node(edges[k])}) {
       if (at_border(node) || degree(node) != 1) continue;
       const int from = std::countr_zero(ways(node));
-      int best = -1, least = 2 * kWays + 1;
+      int best = -1, min = 2 * kWays + 1;
       for (int turn = 1; turn < kWays; ++turn) {
         const int way = (from + turn) % kWays, met = degree(next(node, way));
-        const int cost = met + (turn == 2 ? 0 : 1);  // straight on before aside
-        if (met == 0 || cost >= least) continue;
-        least = cost;
+        const int cost = met + (turn == 2 ? 0 : 1);  // prefers straight on
+        if (met == 0 || cost >= min) continue;
+        min = cost;
         best = way;
       }
       if (best < 0) continue;
@@ -59,7 +59,7 @@ void EdgeGraph::fill_steps(std::vector<Edge>& edges) {
 
 Edge EdgeGraph::side(Node node, int way) {
   const int x = column(node), y = row(node);
-  const bool across = way % 2 == 0;  // up and down lie between a pixel and the one to its right
+  const bool across = way % 2 == 0;  // up and down are between a pixel and its right neighbour
   return {.x = way == 1 ? x : x - 1, .y = way == 2 ? y : y - 1, .below = !across};
 }
 

@@ -22,7 +22,7 @@ PointGrid::PointGrid(const std::vector<Chain>& chains, int width, int height)
   tbb::parallel_for(std::size_t(0), chains.size(), [&](std::size_t c) {
     for (std::size_t k = 0; k < chains[c].points.size(); ++k) {
       const ChainPoint& p = chains[c].points[k];
-      const auto [dx, dy] = way_at(chains[c], int(k));
+      const auto [dx, dy] = chain_direction_at(chains[c], int(k));
       entries_[place[begin[c] + k]] = {p.x, p.y, dx, dy, int(c), int(k), p.edge};
     }
   });

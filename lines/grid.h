@@ -1,4 +1,4 @@
-// Points of chains by their place, to find those near one.
+// A grid of the points of chains, to find those near a position.
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -10,14 +10,14 @@ namespace umbrage {
 class PointGrid {
  public:
   struct Entry {
-    float x, y, dx, dy;  // place, and way of its chain there
+    float x, y, dx, dy;  // position, and unit direction of the chain there
     int chain, point, edge;
   };
 
-  /// Of chains in a picture of that size. Points outside lie in the cells along its border.
+  /// Takes all points of chains in a picture of that size. Points outside it are put into the cells along its border.
   PointGrid(const std::vector<Chain>& chains, int width, int height);
 
-  /// Calls visit(entry, squared distance) for all points nearer than `reach`.
+  /// Calls visit(entry, squared distance) for all points nearer than `reach` pixels.
   template <class Visit>
   void near(float x, float y, float reach, const Visit& visit) const {
     const int x0 = column(x - reach), x1 = column(x + reach), y0 = row(y - reach), y1 = row(y + reach);
@@ -31,7 +31,7 @@ class PointGrid {
     }
   }
 
-  /// How many points lie in the 4 x 4 cells around a place, 16 pixels wide and high.
+  /// Returns the number of points in the 4 x 4 cells around a position, 16 pixels wide and high.
   int crowd(float x, float y) const {
     const int x0 = column(x - 1.5f * kCell), x1 = column(x + 1.5f * kCell);
     int count = 0;
@@ -51,7 +51,7 @@ class PointGrid {
   }
 
   int columns_, rows_;
-  std::vector<int> first_;  // entry of each cell
+  std::vector<int> first_;  // index of each cell's first entry
   std::vector<Entry> entries_;
 };
 

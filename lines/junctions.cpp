@@ -1,4 +1,4 @@
-// Chains of edges between the nodes of the graph, and which of them are one line.
+// Finds the chains of edges between the nodes of the graph and joins those that are one line.
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -11,15 +11,16 @@
 namespace umbrage {
 namespace {
 
-/// Fills in what is known of a point by its edge.
+/// Fills in a point from its edge.
 void describe(const Edge& e, ChainPoint& p) {
   p.x = float(e.x) + 0.5f, p.y = float(e.y) + 0.5f;
   (e.below ? p.y : p.x) += e.place;
   p.strength = e.strength, p.kind = e.kind;
 }
 
-/// Where a chain leads at its end in a node, outwards. Of one of few points that is the way from its other node.
-Direction lead_at_node(const Tracing& t, int end) {
+/// Returns the outward direction of a chain at its end in a node. For a chain of few points it is the direction from
+/// its other node.
+Direction end_direction_at_node(const Tracing& t, int end) {
   constexpr int kFew = 3;
   const Chain& chain = t.chains[end / 2];
   if (int(chain.points.size()) >= kFew) return lead(chain, end % 2);
@@ -29,17 +30,18 @@ Direction lead_at_node(const Tracing& t, int end) {
   return {dx / length, dy / length};
 }
 
-/// Which ends at one node go on in each other: the straightest first, but two that alone are surest always.
+/// Pairs the ends at one node that continue each other: the straightest first, but always two that alone have the
+/// highest kind.
 void pair_node(const Tracing& t, std::span<const int> ends, const std::vector<float>& strength,
                std::vector<int>& mate) {
   const auto kind = [&](std::size_t k) { return t.chains[ends[k] / 2].end(ends[k] % 2).kind; };
-  int surest_kind = 0, count = 0;
+  int max_kind = 0, count = 0;
   std::array<Direction, EdgeGraph::kWays> leads;
   for (std::size_t k = 0; k < ends.size(); ++k) {
-    if (kind(k) > surest_kind) count = 0;
-    surest_kind = std::max(surest_kind, int(kind(k)));
-    count += kind(k) == surest_kind;
-    leads[k] = lead_at_node(t, ends[k]);
+    if (kind(k) > max_kind) count = 0;
+    max_kind = std::max(max_kind, int(kind(k)));
+    count += kind(k) == max_kind;
+    leads[k] = end_direction_at_node(t, ends[k]);
   }
   std::array<std::tuple<float, int, int>, EdgeGraph::kWays*(EdgeGraph::kWays - 1) / 2> pairs;
   std::size_t found = 0;
@@ -48,11 +50,11 @@ void pair_node(const Tracing& t, std::span<const int> ends, const std::vector<fl
       const int chain_a = ends[a] / 2, chain_b = ends[b] / 2;
       if (chain_a == chain_b) continue;
       const float cosine = -(leads[a][0] * leads[b][0] + leads[a][1] * leads[b][1]);
-      const bool surest = count == 2 && kind(a) == surest_kind && kind(b) == surest_kind;
-      if (cosine < kStraightOn && !surest) continue;
+      const bool both_max_kind = count == 2 && kind(a) == max_kind && kind(b) == max_kind;
+      if (cosine < kMinStraightCosine && !both_max_kind) continue;
       const float sa = strength[chain_a], sb = strength[chain_b];
       const float likeness = (kind(a) == kind(b) ? 1.0f : 0.9f) * std::sqrt(2.0f * std::min(sa, sb) / (sa + sb));
-      pairs[found++] = {surest ? -2.0f : -cosine * likeness, ends[a], ends[b]};
+      pairs[found++] = {both_max_kind ? -2.0f : -cosine * likeness, ends[a], ends[b]};
     }
   for (int pair = 0; pair < EdgeGraph::kWays / 2; ++pair) {
     const std::tuple<float, int, int>* best = nullptr;
@@ -75,7 +77,7 @@ void find_chains(Tracing& t) {
     if (!closed) chain.node[0] = graph.number_of(node);
     for (;;) {
       const int edge = graph.edge(node, way);
-      if (seen[edge]) return;  // once around
+      if (seen[edge]) return;  // closed
       seen[edge] = 1;
       chain.points.push_back({.edge = edge});
       node = EdgeGraph::next(node, way);
@@ -85,7 +87,7 @@ void find_chains(Tracing& t) {
     }
     chain.node[1] = graph.number_of(node);
   };
-  for (const bool closed : {false, true})  // what has no node is closed
+  for (const bool closed : {false, true})  // chains without a node are closed
     for (int edge = 0; edge < graph.size(); ++edge) {
       if (seen[edge]) continue;
       const int way = graph[edge].below ? 1 : 2;  // from its first node to its last
@@ -100,7 +102,8 @@ void find_chains(Tracing& t) {
 }
 
 void join_at_junctions(Tracing& t) {
-  std::vector<int> first(2 * std::size_t(t.graph.size()) + 1, 0), ends;  // of each node; ends by node
+  // First entry of each node in `ends`; ends sorted by node
+  std::vector<int> first(2 * std::size_t(t.graph.size()) + 1, 0), ends;
   const auto for_ends = [&](const auto& work) {
     for (int end = 0; end < 2 * int(t.chains.size()); ++end)
       if (const int node = t.chains[end / 2].node[end % 2]; node >= 0) work(end, std::size_t(node));
@@ -110,7 +113,7 @@ void join_at_junctions(Tracing& t) {
   ends.resize(std::size_t(first.back()));
   std::vector<int> next = first;
   for_ends([&](int end, std::size_t node) { ends[next[node]++] = end; });
-  std::vector<float> strength(t.chains.size(), 0.0f);  // in the mean
+  std::vector<float> strength(t.chains.size(), 0.0f);  // mean strength of each chain
   tbb::parallel_for(std::size_t(0), strength.size(), [&](std::size_t k) {
     for (const ChainPoint& p : t.chains[k].points) strength[k] += p.strength / float(t.chains[k].points.size());
   });

@@ -1,4 +1,4 @@
-// Which chains are too short for what they lead to.
+// Drops chains that are too short.
 #include <algorithm>
 
 #include "lines/trace.h"
@@ -6,9 +6,9 @@
 namespace umbrage {
 namespace {
 
-constexpr float kAllLong = 1.5f;  // times the length that a chain must have, from which on it has all of its weight
+constexpr float kFullWeightLength = 1.5f;  // from this multiple of the min length on, a chain has full weight
 
-/// Forgets chains without points, and what was joined to them.
+/// Removes chains without points, and references to their edges.
 void drop_empty(Tracing& t) {
   std::erase_if(t.chains, [](const Chain& chain) { return chain.points.empty(); });
   std::vector<std::uint8_t> alive(std::size_t(t.graph.size()), 0);
@@ -22,22 +22,22 @@ void drop_empty(Tracing& t) {
 
 }  // namespace
 
-void drop_short(Tracing& t, const std::function<float(const Chain& chain, int free_ends)>& least_px) {
-  std::vector<float> share;                                   // how long a chain is, in units of what it must be
-  for (std::size_t before = 0; t.chains.size() != before;) {  // what went can leave others free
+void drop_short(Tracing& t, const std::function<float(const Chain& chain, int free_ends)>& min_px) {
+  std::vector<float> share;                                   // length of each chain, relative to its min length
+  for (std::size_t before = 0; t.chains.size() != before;) {  // removed chains can leave others free
     before = t.chains.size();
     const std::vector<std::uint8_t> free = t.free_ends();
-    share.assign(before, kAllLong);
+    share.assign(before, kFullWeightLength);
     for (std::size_t k = 0; k < before; ++k) {
       Chain& chain = t.chains[k];
-      const float least = least_px(chain, free[2 * k] + free[2 * k + 1]);
-      if (least > 0.0f) share[k] = length_of(chain) / least;
+      const float min = min_px(chain, free[2 * k] + free[2 * k + 1]);
+      if (min > 0.0f) share[k] = length_of(chain) / min;
       if (share[k] <= 1.0f) chain.points.clear();
     }
     drop_empty(t);
   }
   for (std::size_t k = 0; k < share.size(); ++k)
-    t.chains[k].weight *= std::min((share[k] - 1.0f) / (kAllLong - 1.0f), 1.0f);
+    t.chains[k].weight *= std::min((share[k] - 1.0f) / (kFullWeightLength - 1.0f), 1.0f);
 }
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// Polylines of fewer points.
+// Simplification of polylines.
 #pragma once
 #include <vector>
 
@@ -6,7 +6,7 @@
 
 namespace umbrage {
 
-/// The points of a polyline without those that it hardly leaves when they go: by less than a twentieth of a pixel.
+/// Returns the polyline without the points whose removal moves it by less than a twentieth of a pixel.
 std::vector<LinePoint> simplified(const std::vector<LinePoint>& points);
 
 }  // namespace umbrage

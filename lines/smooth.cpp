@@ -1,4 +1,4 @@
-// Where chains lie exactly: straight where they are straight, round where they are round.
+// Smooths chains: straight parts become straight, round parts round.
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -8,10 +8,10 @@
 namespace umbrage {
 namespace {
 
-constexpr float kTube = 0.6f;     // pixels that points may lie beside the curve that they are fitted to
-constexpr float kMaxBend = 0.4f;  // of such a parabola, its bend against its length
-constexpr int kMaxRun = 256;      // points of one
-constexpr int kRunsOver = 16;     // runs that hold a point, at least
+constexpr float kTube = 0.6f;         // max distance of points from the parabola fitted to them, pixels
+constexpr float kMaxBend = 0.4f;      // max ratio of a parabola's bend to its length
+constexpr int kMaxRun = 256;          // max points per parabola
+constexpr int kMinRunsPerPoint = 16;  // min number of runs that contain a point
 
 /// A parabola over u in [-1, 1], by polynomials that are orthogonal on evenly spaced points.
 struct Curve {
@@ -41,17 +41,17 @@ Curve fitted(const Places& p, int first, int last) {
   }
   c.x0 = c.x0 / float(count) + ox, c.y0 = c.y0 / float(count) + oy;
   c.x1 /= u2, c.y1 /= u2;
-  const float bend = count > 6 ? 1.0f / q2 : 0.0f;  // few points make a line
+  const float bend = count > 6 ? 1.0f / q2 : 0.0f;  // few points are fitted by a line
   c.x2 *= bend, c.y2 *= bend;
   return c;
 }
 
-/// Whether all points of a run lie within the tube about their parabola.
+/// Returns whether all points of a run are within kTube of their parabola.
 bool fits(const Places& p, int first, int last) {
   if (last - first < 2) return true;
   const Curve c = fitted(p, first, last);
   const float length = length_of(c.x1, c.y1);
-  constexpr float kMinAdvance = 0.4f;  // pixels per point: or else it turns back
+  constexpr float kMinAdvance = 0.4f;  // pixels per point: otherwise the run turns back
   if (length_of(c.x2, c.y2) > kMaxBend * length || length * c.step < kMinAdvance) return false;
   for (int k = first; k <= last; ++k) {
     const float u = c.u_of(k - first);
@@ -63,14 +63,14 @@ bool fits(const Places& p, int first, int last) {
   return true;
 }
 
-/// Moves places to the curves through their neighbours: of all longest runs that fit a parabola each moves the places
-/// that it holds, the more the longer it is and the nearer they are to its middle.
+/// Moves points to the curves through their neighbours. Each of the longest runs that fit a parabola moves the points
+/// that it contains; the weight is greater the longer the run is and the nearer the point is to its middle.
 void smooth_places(Places& p) {
   const int count = int(p.size());
   if (count < 3) return;
   std::vector<std::array<float, 3>> sum(p.size(), {0.0f, 0.0f, 0.0f});
   int last = 0, before = -1;
-  for (int first = 0; first < count && before < count - 1; first += std::max(1, (last - first) / kRunsOver)) {
+  for (int first = 0; first < count && before < count - 1; first += std::max(1, (last - first) / kMinRunsPerPoint)) {
     last = std::max(last, first);
     for (int by = 1; by > 0;) {
       const bool longer = last + by < count && last + by - first <= kMaxRun && fits(p, first, last + by);

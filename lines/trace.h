@@ -1,7 +1,8 @@
-// The steps that make lines of a graph of pixels' sides: chains of edges, joined at junctions, kept where they are
-// clear, linked over gaps, smoothed and led to what they meet. Each step changes the tracing in place and may be left
-// out; the order below is the one they are made for. All are the same to the bit at any number of threads, take time
-// about linear in the number of edges, and do not fail. Places and lengths are in pixels of the graph's picture.
+// The steps that turn a graph of pixel edges into lines: they find chains of edges, join them at junctions, keep their
+// clear parts, bridge gaps, smooth them and connect their ends. Each step changes the tracing in place and may be
+// omitted; the order below is the intended one. All results are bitwise identical at any number of threads. All steps
+// take time about linear in the number of edges and do not fail. Positions and lengths are in pixels of the graph's
+// picture.
 #pragma once
 #include <functional>
 
@@ -9,47 +10,48 @@
 
 namespace umbrage {
 
-/// How large a pixel is at a depth, in units of depth.
+/// The size of a pixel at a depth, in units of depth.
 struct PixelSize {
-  float scale = 1.0f;  // at any depth, or, in perspective, at depth 1
+  float scale = 1.0f;  // at any depth, or with perspective at depth 1
   bool perspective = false;
 
   float at(float depth) const { return perspective ? scale * depth : scale; }
 };
 
-/// What must be clear of a chain for it to stay: hysteresis of its mean strength.
+/// Thresholds of the mean strength of a chain: hysteresis.
 struct Clarity {
-  float faint;  // where it falls below, the chain ends;
-  float clear;  // what is left must exceed this somewhere,
-  float full;   // and has weight 1 from here on
-  int around;   // points to either side, of that mean
+  float faint;  // a chain is cut where the mean falls below this
+  float clear;  // a part is kept if its maximum of the mean exceeds this
+  float full;   // a part has weight 1 if its maximum of the mean is at least this
+  int around;   // points to either side in the mean
 };
 
-/// Chains from junction to junction, of all edges of the graph. Points have place, strength, kind and edge.
+/// Finds the chains from junction to junction of all edges of the graph. Sets position, strength, kind and edge of
+/// their points.
 void find_chains(Tracing& t);
 
-/// Joins the ends that go on in each other at a junction, the straightest and likest first: kinds and strengths of
-/// points count. Where two alone have the highest kind they are joined however they turn.
+/// Joins ends that continue each other at a junction, the straightest and most similar first; similarity is that of
+/// kinds and strengths. Two ends that alone have the highest kind are joined at any angle.
 void join_at_junctions(Tracing& t);
 
-/// Cuts chains where they are faint, and drops the parts that are nowhere clear.
+/// Cuts chains where they are faint and drops the parts that are clear nowhere.
 void keep_clear_parts(Tracing& t, const Clarity& clarity);
 
-/// Joins free ends that face each other within `reach` pixels, or that face a side of another chain, half as far and no
-/// farther than half their own length. Depths of points count: what would step too steeply stays apart.
-/// Where they are unknown, all 0, `pixel` is to be without perspective.
+/// Joins free ends that face each other within `reach` pixels. A free end also joins the side of another chain that it
+/// faces, within half of `reach` and half of its own length. Ends are not joined if the depths of the points differ too
+/// steeply. If the depths are unknown (all 0), `pixel.perspective` must be false.
 void bridge_gaps(Tracing& t, float reach, const PixelSize& pixel);
 
-/// Drops chains that are no longer than `least_px` says, by how many of their ends are free, and those that this frees
-/// in turn. What is hardly longer weighs less; of what need not be long it says 0.
-void drop_short(Tracing& t, const std::function<float(const Chain& chain, int free_ends)>& least_px);
+/// Drops chains of at most `min_px` pixels, which depends on the number of free ends (0: any length is kept), and
+/// repeats this for the chains whose ends it frees. Chains that are hardly longer get less weight.
+void drop_short(Tracing& t, const std::function<float(const Chain& chain, int free_ends)>& min_px);
 
-/// Moves points to the parabolas through their neighbours: what is straight becomes straight, what is round round, and
-/// corners stay.
+/// Moves points to parabolas fitted to their neighbours: straight parts become straight, round parts round, and corners
+/// stay.
 void smooth_chains(Tracing& t);
 
-/// Leads ends to what they meet or beyond the picture's border, and repeats the first point of closed chains as the
-/// last.
+/// Extends ends to the lines that they meet or beyond the picture's border, and repeats the first point of closed
+/// chains as the last.
 void meet(Tracing& t);
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// Lines of small pictures whose edges are known.
+// Tests line tracing on small pictures with known edges.
 #include "lines/trace.h"
 
 #include "core/check.h"
@@ -17,7 +17,7 @@ Edge below(int x, int y, int kind = 1, float strength = 2.0f) {
   return e;
 }
 
-/// The sides between pixels that differ.
+/// Returns the sides between pixels that differ.
 std::vector<Edge> edges_of(int width, int height, const std::function<bool(int, int)>& bitmap) {
   std::vector<Edge> edges;
   for (int y = 0; y < height; ++y)
@@ -28,7 +28,7 @@ std::vector<Edge> edges_of(int width, int height, const std::function<bool(int, 
   return edges;
 }
 
-/// What begins tracing, in a picture 64 x 64 pixels.
+/// Runs the first steps of tracing on a picture of 64 x 64 pixels.
 Tracing joined(std::vector<Edge> edges) {
   Tracing t{EdgeGraph(std::move(edges), 64, 64)};
   find_chains(t);
@@ -36,7 +36,7 @@ Tracing joined(std::vector<Edge> edges) {
   return t;
 }
 
-/// A line along row y, between it and the next, from column x on.
+/// Returns a line between rows y and y + 1, from column x on.
 std::vector<Edge> row(int x, int y, int count, int kind = 1) {
   std::vector<Edge> edges;
   for (int k = 0; k < count; ++k) edges.push_back(below(x + k, y, kind));
@@ -142,28 +142,28 @@ TEST(LineTracing, EndsGoOnToTheSideThatTheyFace) {
   EXPECT_EQ(count_free(t), 0);
   smooth_chains(t);
   meet(t);
-  float most = 0.0f;
+  float max = 0.0f;
   for (const Chain& chain : t.chains)
     if (chain.joined[0] >= 0 || chain.joined[1] >= 0)
-      for (const ChainPoint& p : chain.points) most = std::max(most, p.x);
-  EXPECT_NEAR(most, 32.0f, 0.01f);
+      for (const ChainPoint& p : chain.points) max = std::max(max, p.x);
+  EXPECT_NEAR(max, 32.0f, 0.01f);
 }
 
-// A bar that goes takes the branch with it that ended at it.
+// A short bar is dropped, and then the branch that ended at it.
 TEST(LineTracing, ShortChainsGoAndWhatTheyFree) {
-  const auto least = [](const Chain&, int free_ends) { return free_ends == 2 ? 24.0f : 6.0f; };
+  const auto min = [](const Chain&, int free_ends) { return free_ends == 2 ? 24.0f : 6.0f; };
   Tracing t = joined(together({column(20, 20, 12), row(21, 25, 10), row(5, 50, 30), row(30, 5, 24)}));
   ASSERT_EQ(t.chains.size(), 4u);
   drop_short(t, [](const Chain&, int) { return 0.0f; });
   ASSERT_EQ(t.chains.size(), 4u);
-  drop_short(t, least);
+  drop_short(t, min);
   ASSERT_EQ(t.chains.size(), 1u);
   EXPECT_EQ(t.chains[0].points.size(), 30u);
   EXPECT_NEAR(t.chains[0].weight, 2.0f * (29.7f / 24.0f - 1.0f), 1e-4f);
 }
 
-// A square with two tails, whose left side is faint for a stretch: what is left of it is open, and its lines end there
-// and nowhere else.
+// A square with two tails whose left side is faint for a stretch: the rest of the square is open, and its lines end
+// there and nowhere else.
 TEST(LineTracing, ClosedChainsAreCutWhereTheyAreFaint) {
   constexpr int kLow = 60, kHigh = 180;
   std::vector<Edge> edges;

@@ -1,11 +1,11 @@
-// The occlusion alone, as grey values without a transfer function: white is open.
+// Look `ao`: the occlusion alone, as grey values without a transfer function. White is open.
 #include "core/look.h"
 
 namespace umbrage {
 
 Look look_ao() {
   return {.name = "ao",
-          .summary = "the occlusion alone: white is open, black is closed in",
+          .summary = "the occlusion alone: white is open, black is occluded",
           .occlusion = "unsharp",
           .effects = {"occlusion", "composite", "output"},
           .presets = {"unsharp.kernel=5%", "unsharp.threshold=0.15", "unsharp.linearization=extent",

@@ -1,6 +1,6 @@
-// The paper preset of [Colliander and Törnquist 2015]: a hemisphere of samples from its random table, turned by a tile
-// of 4 x 4, quadratic range in window depth, one size of fragment for every occluder, a box blur, bounced light damped
-// where little direct light arrives; no transfer function.
+// Look `bleeding-paper`: the settings of [Colliander and Törnquist 2015]. A hemisphere of samples from the paper's
+// random table, rotated by a 4 x 4 tile; quadratic range in window depth; one fragment size for all occluders; a box
+// blur; bounced light damped where direct light is weak; no transfer function.
 #include "core/look.h"
 
 namespace umbrage {
@@ -8,7 +8,7 @@ namespace umbrage {
 Look look_bleeding_paper() {
   return {
       .name = "bleeding-paper",
-      .summary = "ambient occlusion and colour bleeding from one hemisphere of samples, as the paper has it",
+      .summary = "ambient occlusion and colour bleeding from one hemisphere of samples, as in the paper",
       .occlusion = "hemisphere",
       .effects = {"lighting", "occlusion", "box", "composite", "output"},
       .presets = {"lighting.material=display", "hemisphere.distribution=paper", "hemisphere.range=quadratic",

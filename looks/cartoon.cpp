@@ -1,15 +1,15 @@
-// Toon bands with coloured shadows, soft contact shade from a hemisphere of samples, and outlines that hold up: our own
-// settings for what [Lajzer and Nottingham] set out to do. Four pictures are averaged: strips of tone that are hardly a
-// pixel wide would be dashes in one. They are mixed as lines are, so that antialiased lines keep their weight.
-// Occlusion of any technique is near what casts it: in bands, its faint outer part would be wide patches with wandering
-// borders.
+// Look `cartoon`: tone steps with coloured shadows, soft contact shadows from a hemisphere of samples, and clean
+// outlines. After the idea of [Lajzer and Nottingham], with our own settings. Four pictures are averaged, because tone
+// areas that are about one pixel wide would look dashed in one. They are averaged as square roots of light, as lines
+// are, so that antialiased lines keep their weight. The radius of every occlusion technique is small: quantized to tone
+// steps, the faint outer part of wide occlusion would become large patches with unsteady borders.
 #include "core/look.h"
 
 namespace umbrage {
 
 Look look_cartoon() {
   return {.name = "cartoon",
-          .summary = "toon bands with coloured shadows, contact shade and clean outlines",
+          .summary = "toon shading with coloured shadows, contact shadows and clean outlines",
           .occlusion = "sphere",
           .effects = {"occlusion", "denoise", "gaussian", "toon", "outline", "output"},
           .presets = {"sphere.samples=32",        "sphere.shape=hemisphere",
@@ -26,12 +26,12 @@ Look look_cartoon() {
                       "denoise.for_height=512",   "gaussian.rounds=4",
                       "gaussian.edges=on",        "outline.width=0.2%",
                       "outline.recede=0.8",       "outline.inner=0.7",
-                      "outline.ids=both",         "toon.bands=5",
+                      "outline.ids=both",         "toon.steps=5",
                       "toon.ambient=0.25",        "toon.extra=0.1",
                       "output.background_r=0.93", "output.background_g=0.91",
                       "output.background_b=0.87"},
           .frames = 4,
-          .averages_for_eye = true};
+          .averages_square_roots = true};
 }
 
 }  // namespace umbrage

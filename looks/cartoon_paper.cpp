@@ -1,12 +1,13 @@
-// The paper preset of [Lajzer and Nottingham]: eight samples in a sphere, blurred four times, steps of a quarter of the
-// object's colour, black outlines by the rule of eight neighbours; no transfer function, no shadow.
+// Look `cartoon-paper`: the settings of [Lajzer and Nottingham]. Eight samples in a sphere, blurred four times; tone
+// steps of a quarter of the object's colour; black outlines by the rule of eight neighbours; no transfer function, no
+// shadow.
 #include "core/look.h"
 
 namespace umbrage {
 
 Look look_cartoon_paper() {
   return {.name = "cartoon-paper",
-          .summary = "occlusion and cartoon rendering combined, as the paper has it",
+          .summary = "occlusion and cartoon rendering combined, as in the paper",
           .occlusion = "sphere",
           .effects = {"occlusion", "gaussian", "toon", "outline", "output"},
           .presets = {"gaussian.rounds=4", "toon.mode=paper", "toon.rig=key", "toon.shadow=0", "toon.albedo=display",

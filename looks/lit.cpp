@@ -1,4 +1,4 @@
-// The scene as it is: its materials, its lights with their shadows, darkened by occlusion.
+// Look `lit`: the scene's own materials and lights, with shadows, darkened by occlusion.
 #include "core/look.h"
 
 namespace umbrage {

@@ -1,4 +1,4 @@
-// The registry of looks, and what runs them.
+// The registry of looks, and functions that run a look on a frame.
 #pragma once
 #include <functional>
 #include <optional>
@@ -15,56 +15,59 @@
 
 namespace umbrage {
 
-/// All looks, in the order of their names.
+/// Returns all looks, sorted by name.
 std::span<const Look* const> looks();
 
-/// The look of that name, or null.
+/// Returns the look of that name, or null.
 const Look* find_look(std::string_view name);
 
-/// No occlusion at all: `ao` is 1 everywhere.
+/// Name of "no occlusion": `ao` is 1 everywhere.
 inline constexpr std::string_view kNoOcclusion = "none";
 
-/// Names that `occlusion` takes: every occlusion technique, also those handed in, and `none`.
-std::vector<std::string_view> occlusion_names(std::span<const Effect* const> handed_in = {});
+/// Returns the valid values of `occlusion`: the names of all occlusion techniques, including external ones, and `none`.
+std::vector<std::string_view> occlusion_names(std::span<const Effect* const> external_effects = {});
 
-/// Runs a technique that no device can run, since it needs more than a frame: it adds its planes to the frame.
-using RunHandedIn = std::function<Result<void>(const Effect&, const ParameterBytes&, Frame&)>;
+/// Runs an external technique, which no device can run because it needs more than a frame. Adds its planes to the
+/// frame.
+using RunExternalEffect = std::function<Result<void>(const Effect&, const ParameterBytes&, Frame&)>;
 
-/// The stops that suit a picture; nothing: of a band, whose picture has not been seen whole.
+/// Returns the stops to add to the exposure of a picture, or nullopt for a strip whose picture is not complete yet.
 using Meter = std::function<Result<std::optional<float>>(Device&, const Frame&)>;
 
+/// What to run and with which settings.
 struct LookRun {
   const Look* look = nullptr;
-  std::string_view occlusion;  ///< the technique, or kNoOcclusion
-  /// The technique, and filters that follow it, run on every so manieth pixel across and down: 1, 2 or 4. Techniques
-  /// that are handed in run on all.
-  int occlusion_every = 1;
+  std::string_view occlusion;  ///< name of the technique, or kNoOcclusion
+  /// Downsampling factor of the technique and of the filters that follow it: 1, 2 or 4. External techniques always run
+  /// at full resolution.
+  int occlusion_downsampling = 1;
   const EffectSettings* settings = nullptr;
-  /// The planes that are wanted: effects that none of them comes from are left out. Nothing: all are run.
+  /// Requested planes; effects that contribute to none of them are skipped. nullopt: all effects run.
   std::optional<std::vector<std::string>> wanted = {};
-  /// Called with the name of each effect once it is done.
+  /// Called with the name of each effect when the effect is done.
   std::function<void(std::string_view)> after = [](std::string_view) {};
-  ProgressMonitor monitor = {};     ///< of each effect
-  std::optional<float> stops = {};  ///< exposure to add in place of metering, where the look is exposed by something
-  Meter meter = metered_stops;      ///< where it is exposed by what is seen
-  std::span<const Effect* const> handed_in = {};
-  RunHandedIn run_handed_in = {};  ///< of the techniques in `handed_in`
+  ProgressMonitor monitor = {};                          ///< passed to every effect
+  std::optional<float> stops = {};                       ///< to add in place of metering; unused if Exposure::kAsSet
+  Meter meter = metered_stops;                           ///< used with Exposure::kPicture
+  std::span<const Effect* const> external_effects = {};  ///< external techniques
+  RunExternalEffect run_external_effect = {};            ///< required if an external technique is used
 };
 
-/// The effects that such a run takes, in their order, the technique in its place.
+/// Returns the effects of a run in order, with the occlusion technique in its place.
 std::vector<const Effect*> steps_of(const LookRun& run);
 
-/// The planes that such a run asks a frame for, of so many layers: what of these nobody made is there afterwards with
-/// one value everywhere, if there is one. Without those that are reduced first.
+/// Returns the planes that a run reads from a frame of `layers` layers. Those that nothing has written exist after the
+/// run with their neutral value everywhere, if they have one. Planes that the run downsamples first are not included.
 std::set<std::string> planes_read(const LookRun& run, int layers);
 
-struct LookDone : Progression {
-  float stops = 0.0f;  ///< that metering added to the exposure; 0 without
+/// The result of a run.
+struct LookDone : RunState {
+  float stops = 0.0f;  ///< stops added to the exposure by metering; 0: none
 };
 
-/// Runs a look's effects on a frame; afterwards the frame has color.r, color.g, color.b and color.a. An effect whose
-/// planes a later one reads on further layers, `layer1.direct.r`, runs on all that the frame has, else on the first. On
-/// a band it may not be finished: see Device::run.
+/// Runs a look's effects on a frame. Afterwards the frame has color.r, color.g, color.b and color.a. If a later effect
+/// reads an effect's planes on further layers, such as `layer1.direct.r`, that effect runs on all layers of the frame,
+/// otherwise on the first only. On a strip the run may be unfinished: see Device::run.
 Result<LookDone> run_look(const LookRun& run, Device& device, Frame& frame);
 
 }  // namespace umbrage

@@ -6,12 +6,14 @@
 
 namespace umbrage {
 
-float usual_stops(const PictureInfo& info) {
-  return info.usual_light > 0.0f && std::isfinite(info.usual_light) ? -std::log2(info.usual_light) : 0.0f;
+float stops_from_lights(const PictureInfo& info) {
+  return info.lit_white_luminance > 0.0f && std::isfinite(info.lit_white_luminance)
+             ? -std::log2(info.lit_white_luminance)
+             : 0.0f;
 }
 
 void Metering::add(const Image& rows, int first, int height) {
-  constexpr int kEvery = 3;  // pixels across and down: a tenth of them tells as much
+  constexpr int kEvery = 3;  // one pixel in 3, across and down, is enough
   seen_.reserve(std::size_t(rows.width / kEvery + 1) * std::size_t(height / kEvery + 1));
   int y = std::min(kEvery / 2, height - 1);
   if (y < first) y += (first - y + kEvery - 1) / kEvery * kEvery;
@@ -25,11 +27,11 @@ void Metering::add(const Image& rows, int first, int height) {
 }
 
 float Metering::stops(float usual) {
-  constexpr double kHighlights = 0.03;  // share of the surfaces that may be brighter than white
-  constexpr float kHowFar = 0.7f;       // of the way to white, in stops
-  constexpr float kMaxStops = 2.5f;     // up or down
-  constexpr float kMaxBeyond = 1.0f;    // stops
-  constexpr float kBlack = 1e-4f;       // of the brightest: what is darker tells nothing
+  constexpr double kHighlights = 0.03;      // fraction of the surface pixels that may be brighter than white
+  constexpr float kAppliedFraction = 0.7f;  // fraction of the correction, in stops, that is applied
+  constexpr float kMaxStops = 2.5f;         // bound of the correction, up or down
+  constexpr float kMaxBeyond = 1.0f;        // stops beyond white
+  constexpr float kBlack = 1e-4f;           // relative to the brightest; darker values are clamped
   std::vector<float> seen;
   seen.swap(seen_);
   if (seen.empty()) return usual;
@@ -41,7 +43,7 @@ float Metering::stops(float usual) {
   const float to_white = std::log2(kMeteredWhite / *bright) - usual;
   const float to_grey = std::log2(kMeteredGrey) - float(logs / double(seen.size())) - usual;
   const float stops = std::max(to_white, std::min(to_grey, to_white + kMaxBeyond));
-  return usual + std::clamp(kHowFar * stops, -kMaxStops, kMaxStops);
+  return usual + std::clamp(kAppliedFraction * stops, -kMaxStops, kMaxStops);
 }
 
 Result<std::optional<float>> metered_stops(Device& device, const Frame& frame) {
@@ -49,7 +51,7 @@ Result<std::optional<float>> metered_stops(Device& device, const Frame& frame) {
   if (!image) return image.error();
   Metering metering;
   metering.add(*image, 0, image->height);
-  return std::optional<float>(metering.stops(usual_stops(frame.info)));
+  return std::optional<float>(metering.stops(stops_from_lights(frame.info)));
 }
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// Metering: the exposure that suits a picture, from how bright the surfaces in view are.
+// Metering: computes the exposure of a picture from the luminance of its visible surfaces.
 #pragma once
 #include <optional>
 #include <string>
@@ -8,32 +8,35 @@
 
 namespace umbrage {
 
-/// Stops that bring white which is turned to the light to about 1: 0 but for a light that came with a file.
-float usual_stops(const PictureInfo& info);
+/// Returns the stops that bring a white surface facing the light to about 1: -log2(info.lit_white_luminance). 0 unless
+/// the light comes from a file.
+float stops_from_lights(const PictureInfo& info);
 
-/// What is seen of a picture, row by row.
+/// Collects the luminance of the visible surfaces of a picture, row by row.
 class Metering {
  public:
-  /// Adds rows of a picture of that height, the first of them `first`. Reads `lit`, linear, and `depth`.
+  /// Adds rows of a picture that is `height` pixels high; `first` is the number of the first of these rows. The planes
+  /// are those of kMeteredPlanes, in that order: linear `lit`, and `depth`.
   void add(const Image& rows, int first, int height);
 
-  /// Stops to add. From `usual`, those of usual_stops, on: the brightest surfaces, highlights left aside, are brought
-  /// towards kMeteredWhite, or beyond by up to a stop where most of the picture is far darker than they are and its
-  /// middle, the geometric mean, below kMeteredGrey; though only so far: what is dark is to look dark. Those alone
-  /// where nothing is in view. The rows are then forgotten.
+  /// Returns the stops to add to the exposure, and clears the collected rows. `usual` is the result of
+  /// stops_from_lights. Metering moves the exposure from there so that the brightest surfaces, without highlights,
+  /// approach kMeteredWhite; it goes up to one stop beyond if most of the picture is far darker than they are and the
+  /// geometric mean is below kMeteredGrey. The correction is partial and limited, so that a dark scene still looks
+  /// dark. Returns `usual` if no surface is visible.
   float stops(float usual);
 
  private:
-  std::vector<float> seen_;  ///< luminance of surfaces
+  std::vector<float> seen_;  ///< luminance of one surface pixel each, linear
 };
 
-/// The planes that it reads.
+/// The planes that Metering reads.
 inline const std::vector<std::string> kMeteredPlanes = {"lit.r", "lit.g", "lit.b", "depth"};
 
-/// Stops to add to a whole picture.
+/// Returns the stops to add to the exposure of a whole picture.
 Result<std::optional<float>> metered_stops(Device& device, const Frame& frame);
 
-inline constexpr float kMeteredWhite = 0.72f;
-inline constexpr float kMeteredGrey = 0.2f;
+inline constexpr float kMeteredWhite = 0.72f;  ///< target luminance of the brightest surfaces
+inline constexpr float kMeteredGrey = 0.2f;    ///< target of the geometric mean of the luminance
 
 }  // namespace umbrage

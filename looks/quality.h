@@ -1,4 +1,4 @@
-// Quality: presets of how much time a picture may take, for the techniques `bitmask`, `hemisphere` and `sphere`.
+// Quality: presets that trade time for quality, for the techniques `bitmask`, `hemisphere` and `sphere`.
 #pragma once
 #include <span>
 #include <string_view>
@@ -8,19 +8,19 @@ namespace umbrage {
 
 struct Quality {
   std::string_view name, summary;
-  int frames = 1;           ///< pictures that are averaged
-  int occlusion_every = 1;  ///< see Look
-  int layers = 1;           ///< at least, see CaptureSettings
-  int shadow_rays = 0;      ///< see CaptureSettings
-  /// Settings, "effect.parameter=value", of a picture of one frame, and of each frame where several are averaged.
+  int frames = 1;                  ///< number of samples of a picture that are averaged
+  int occlusion_downsampling = 1;  ///< downsampling factor, see Look
+  int layers = 1;                  ///< min, see CaptureSettings
+  int shadow_rays = 0;             ///< see CaptureSettings
+  /// Settings, "effect.parameter=value": for a single picture, and for each of several averaged ones.
   std::vector<std::string_view> settings, settings_of_frames;
 };
 
-/// From the fastest to the best: draft, normal, high, ultra. What each costs and how far it is from the truth stands in
-/// docs/performance.md.
+/// Returns the presets from the fastest to the best: draft, normal, high, ultra. docs/performance.md lists the time and
+/// the error of each.
 std::span<const Quality> qualities();
 
-/// The quality of that name, or null.
+/// Returns the preset of that name, or null.
 const Quality* find_quality(std::string_view name);
 
 }  // namespace umbrage

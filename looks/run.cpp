@@ -10,7 +10,7 @@
 
 namespace umbrage {
 
-// looks.inc is made by CMake: one line per file.
+// CMake generates looks.inc, with one line per look.
 #define UMBRAGE_LOOK(name) Look look_##name();
 #include "looks.inc"
 #undef UMBRAGE_LOOK
@@ -27,9 +27,9 @@ std::span<const Look* const> looks() {
 
 const Look* find_look(std::string_view name) { return find_named(looks(), name); }
 
-std::vector<std::string_view> occlusion_names(std::span<const Effect* const> handed_in) {
+std::vector<std::string_view> occlusion_names(std::span<const Effect* const> external_effects) {
   std::vector<std::string_view> names;
-  for (const Effect* effect : all_effects(handed_in))
+  for (const Effect* effect : all_effects(external_effects))
     if (effect->kind == EffectKind::kOcclusion) names.push_back(effect->name);
   names.push_back(kNoOcclusion);
   return names;
@@ -41,15 +41,17 @@ bool contains(const auto& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-bool runs(const Pass& pass, const ParameterBytes& params) { return !pass.needed || pass.needed(params); }
+bool runs(const Dispatch& dispatch, const ParameterBytes& params) {
+  return !dispatch.needed || dispatch.needed(params);
+}
 
-/// Whether a pass reads, on a layer beyond the first, what `effect` makes.
+/// Returns whether a pass of `reader` reads an output of `effect` on a layer beyond the first.
 bool reads_on_layers(const Effect& reader, const ParameterBytes& params, const Effect& effect) {
-  for (const Pass& pass : reader.passes) {
-    if (!runs(pass, params)) continue;
-    for (const Pass& made : effect.passes)
+  for (const Dispatch& dispatch : reader.dispatches) {
+    if (!runs(dispatch, params)) continue;
+    for (const Dispatch& made : effect.dispatches)
       for (const std::string_view output : made.outputs)
-        if (contains(pass.inputs, layer_plane(1, output))) return true;
+        if (contains(dispatch.inputs, layer_plane(1, output))) return true;
   }
   return false;
 }
@@ -60,54 +62,54 @@ const ParameterBytes& params_of(const LookRun& run, const Effect& effect) {
   return umbrage::params_of(*run.settings, effect.name);
 }
 
-/// Leaves out steps that make nothing of what is wanted, nor of what later steps read.
+/// Removes steps that write neither a requested plane nor a plane that a later step reads.
 void keep_needed(const LookRun& run, Steps& steps) {
   std::set<std::string_view> read;
-  for (const std::string& plane : *run.wanted) read.insert(of_first_layer(plane));
+  for (const std::string& plane : *run.wanted) read.insert(name_on_first_layer(plane));
   Steps kept;
   for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
     const ParameterBytes& params = params_of(run, **step);
-    const auto makes_some = [&](const Pass& pass) {
-      return runs(pass, params) && std::any_of(pass.outputs.begin(), pass.outputs.end(), [&](std::string_view plane) {
-               return read.contains(of_first_layer(plane));
-             });
+    const auto makes_some = [&](const Dispatch& dispatch) {
+      return runs(dispatch, params) &&
+             std::any_of(dispatch.outputs.begin(), dispatch.outputs.end(),
+                         [&](std::string_view plane) { return read.contains(name_on_first_layer(plane)); });
     };
-    if (std::none_of((*step)->passes.begin(), (*step)->passes.end(), makes_some)) continue;
+    if (std::none_of((*step)->dispatches.begin(), (*step)->dispatches.end(), makes_some)) continue;
     kept.insert(kept.begin(), *step);
-    for (const Pass& pass : (*step)->passes)
-      if (runs(pass, params))
-        for (const std::string_view plane : pass.inputs) read.insert(of_first_layer(plane));
+    for (const Dispatch& dispatch : (*step)->dispatches)
+      if (runs(dispatch, params))
+        for (const std::string_view plane : dispatch.inputs) read.insert(name_on_first_layer(plane));
   }
   steps = std::move(kept);
 }
 
-/// Whether a later step reads what this one makes on layers beyond the first.
+/// Returns whether a later step reads outputs of this step on layers beyond the first.
 bool runs_on_layers(const LookRun& run, const Steps& steps, std::size_t step) {
   return std::any_of(steps.begin() + long(step) + 1, steps.end(), [&](const Effect* later) {
     return reads_on_layers(*later, params_of(run, *later), *steps[step]);
   });
 }
 
-/// The step after those that run at reduced resolution from `step` on, or `step` itself where that does not.
+/// Returns the end of the steps that run at reduced resolution from `step` on; `step` itself if it does not.
 std::size_t reduced_end(const LookRun& run, const Steps& steps, std::size_t step) {
-  const bool of_others = find_named(run.handed_in, steps[step]->name) != nullptr;
-  if (steps[step]->name != run.occlusion || run.occlusion_every == 1 || of_others) return step;
+  const bool of_others = find_named(run.external_effects, steps[step]->name) != nullptr;
+  if (steps[step]->name != run.occlusion || run.occlusion_downsampling == 1 || of_others) return step;
   ++step;
   while (step < steps.size() && steps[step]->kind == EffectKind::kFilter) ++step;
   return step;
 }
 
-/// Whether a technique computes, after its run at reduced resolution, what no pixel shows there.
+/// Returns whether a technique, after its run at reduced resolution, computes the pixels that no reduced pixel covers.
 bool fills_missing(const LookRun& run, const Effect& technique) {
-  return run.occlusion_every == 2 && runs_for_missing(technique, params_of(run, technique));
+  return run.occlusion_downsampling == 2 && runs_for_missing(technique, params_of(run, technique));
 }
 
-/// Runs one step, on every layer where a later one reads what it makes there.
-Result<Progression> run_step(const LookRun& run, const Steps& steps, std::size_t step, Device& device, Frame& frame) {
+/// Runs one step: on every layer if a later step reads its outputs there, otherwise on the first.
+Result<RunState> run_step(const LookRun& run, const Steps& steps, std::size_t step, Device& device, Frame& frame) {
   const Effect& effect = *steps[step];
   const ParameterBytes& params = params_of(run, effect);
-  if (find_named(run.handed_in, effect.name)) {
-    if (auto done = run.run_handed_in(effect, params, frame); !done) return done.error();
+  if (find_named(run.external_effects, effect.name)) {
+    if (auto done = run.run_external_effect(effect, params, frame); !done) return done.error();
   } else {
     const int layers = runs_on_layers(run, steps, step) ? 1 + int(frame.info.more_layers.size()) : 1;
     for (int layer = 0; layer < layers; ++layer) {
@@ -116,63 +118,66 @@ Result<Progression> run_step(const LookRun& run, const Steps& steps, std::size_t
     }
   }
   run.after(effect.name);
-  return Progression();
+  return RunState();
 }
 
-/// What the steps from `first` to before `last` read of a frame that is reduced for them, and whether they make light.
+/// The planes that a range of steps reads from a frame at reduced resolution, and whether the steps write `indirect`.
 struct ReducedPlanes {
   std::vector<std::string> read;
   bool light = false;
 };
 
+/// Collects the planes of the steps in [first, last).
 ReducedPlanes reduced_planes(const LookRun& run, const Steps& steps, std::size_t first, std::size_t last,
                              const PictureInfo& small_info) {
   ReducedPlanes planes;
-  std::vector<std::string_view> made;  // by the technique: of an earlier run at full resolution nothing is taken
-  for (const Pass& pass : steps[first]->passes)
-    if (runs(pass, params_of(run, *steps[first]))) made.insert(made.end(), pass.outputs.begin(), pass.outputs.end());
+  std::vector<std::string_view> made;  // by the technique; an earlier run's planes are not reused
+  for (const Dispatch& dispatch : steps[first]->dispatches)
+    if (runs(dispatch, params_of(run, *steps[first])))
+      made.insert(made.end(), dispatch.outputs.begin(), dispatch.outputs.end());
   for (std::size_t step = first; step < last; ++step)
-    for (const Pass& pass : steps[step]->passes) {
+    for (const Dispatch& dispatch : steps[step]->dispatches) {
       const ParameterBytes& params = params_of(run, *steps[step]);
-      if (!pass.for_all || !runs(pass, params)) continue;
+      if (!dispatch.for_all || !runs(dispatch, params)) continue;
       const bool once = !steps[step]->rounds || steps[step]->rounds(params, small_info) == 1;
-      for (std::string_view input : pass.inputs) {
-        if (once && contains(pass.later_inputs, input)) continue;
-        // Every layer's plane of that name is reduced with the first one's.
+      for (std::string_view input : dispatch.inputs) {
+        if (once && contains(dispatch.later_inputs, input)) continue;
+        // Downsampling a plane of the first layer also downsamples it on all other layers.
         if (layer_of_plane(input) == 0 && !contains(made, input) && !contains(planes.read, input))
           planes.read.emplace_back(input);
       }
-      planes.light |= contains(pass.outputs, "indirect.r");
+      planes.light |= contains(dispatch.outputs, "indirect.r");
     }
   return planes;
 }
 
-/// The effect that fills in a picture from one of reduced resolution.
+/// Returns the effect that upsamples from reduced to full resolution.
 const Effect& filling_effect() {
   const auto all = effects();
   return **std::find_if(all.begin(), all.end(), [](const Effect* effect) { return effect->set_reduction; });
 }
 
-/// Runs the steps from `first` to before `last` at reduced resolution, and brings the occlusion and the light that they
-/// make to the frame. What no computed pixel shows, a technique that can computes at full resolution; at a quarter that
-/// would be too much.
-Result<Progression> run_reduced(const LookRun& run, const Steps& steps, std::size_t first, std::size_t last,
-                                Device& device, Frame& frame) {
-  const ReducedPlanes planes = reduced_planes(run, steps, first, last, reduced_info(frame.info, run.occlusion_every));
-  auto small = device.reduced(frame, run.occlusion_every, planes.read);
+/// Runs the steps in [first, last) at reduced resolution and upsamples their occlusion and indirect light to the frame.
+/// At factor 2, a technique that supports it computes pixels that no reduced pixel covers at full resolution; at factor
+/// 4 there are too many of them.
+Result<RunState> run_reduced(const LookRun& run, const Steps& steps, std::size_t first, std::size_t last,
+                             Device& device, Frame& frame) {
+  const ReducedPlanes planes =
+      reduced_planes(run, steps, first, last, reduced_info(frame.info, run.occlusion_downsampling));
+  auto small = device.reduced(frame, run.occlusion_downsampling, planes.read);
   if (!small) return small.error();
   for (std::size_t step = first; step < last; ++step) {
     const auto done = run_step(run, steps, step, device, *small);
     if (!done || !done->finished) return done;
   }
-  std::vector<std::string> taken_back = {"ao"};
-  if (planes.light) taken_back.insert(taken_back.end(), {"indirect.r", "indirect.g", "indirect.b"});
-  if (auto done = device.place(*small, taken_back, frame); !done) return done.error();
+  std::vector<std::string> upsampled_planes = {"ao"};
+  if (planes.light) upsampled_planes.insert(upsampled_planes.end(), {"indirect.r", "indirect.g", "indirect.b"});
+  if (auto done = device.place(*small, upsampled_planes, frame); !done) return done.error();
   const Effect& technique = *steps[first];
   const bool leave = fills_missing(run, technique);
   const Effect& filling = filling_effect();
   ParameterBytes params = params_of(run, filling);
-  filling.set_reduction({run.occlusion_every, planes.light, leave}, params);
+  filling.set_reduction({run.occlusion_downsampling, planes.light, leave}, params);
   auto done = device.run(filling, params, frame, 0, PixelSet::kAll, run.monitor);
   if (done && done->finished && leave)
     done = device.run(technique, params_of(run, technique), frame, 0, PixelSet::kMissing, run.monitor);
@@ -180,13 +185,13 @@ Result<Progression> run_reduced(const LookRun& run, const Steps& steps, std::siz
   return done;
 }
 
-/// Runs an effect that exposes the picture.
+/// Runs the effect that exposes the picture, after metering if its parameters ask for it.
 Result<LookDone> run_exposed(const LookRun& run, const Effect& effect, Device& device, Frame& frame) {
   ParameterBytes params = params_of(run, effect);
   LookDone done;
   if (const Exposure by = effect.exposed_by(params); by != Exposure::kAsSet) {
     std::optional<float> stops = run.stops;
-    if (!stops && by == Exposure::kLights) stops = usual_stops(frame.info);
+    if (!stops && by == Exposure::kLights) stops = stops_from_lights(frame.info);
     if (!stops) {
       const auto metered = run.meter(device, frame);
       if (!metered) return metered.error();
@@ -199,7 +204,7 @@ Result<LookDone> run_exposed(const LookRun& run, const Effect& effect, Device& d
   }
   const auto ran = device.run(effect, params, frame, 0, PixelSet::kAll, run.monitor);
   if (!ran) return ran.error();
-  static_cast<Progression&>(done) = *ran;
+  static_cast<RunState&>(done) = *ran;
   if (done.finished) run.after(effect.name);
   return done;
 }
@@ -210,12 +215,12 @@ std::vector<const Effect*> steps_of(const LookRun& run) {
   Steps steps;
   for (std::string_view name : run.look->effects) {
     if (name == kOcclusionStep) {
-      if (run.occlusion == kNoOcclusion) continue;  // `ao` is then the device's neutral 1
+      if (run.occlusion == kNoOcclusion) continue;  // `ao` then has its neutral value 1
       name = run.occlusion;
     }
-    const Effect* of_others = find_named(run.handed_in, name);
+    const Effect* of_others = find_named(run.external_effects, name);
     steps.push_back(of_others ? of_others : find_effect(name));
-    if (!steps.back()) fail_check(fmt::format("look {} names no effect: {}", run.look->name, name));
+    if (!steps.back()) fail_check(fmt::format("look {}: there is no effect '{}'", run.look->name, name));
   }
   if (run.wanted) keep_needed(run, steps);
   return steps;
@@ -223,20 +228,20 @@ std::vector<const Effect*> steps_of(const LookRun& run) {
 
 std::set<std::string> planes_read(const LookRun& run, int layers) {
   std::set<std::string> read;
-  const auto add = [&](const Effect& effect, int layer, bool Pass::*of_pass) {
-    for (const Pass& pass : effect.passes)
-      if (pass.*of_pass && runs(pass, params_of(run, effect)))
-        for (const std::string_view input : pass.inputs) read.insert(layer_plane(layer, input));
+  const auto add = [&](const Effect& effect, int layer, bool Dispatch::*of_dispatch) {
+    for (const Dispatch& dispatch : effect.dispatches)
+      if (dispatch.*of_dispatch && runs(dispatch, params_of(run, effect)))
+        for (const std::string_view input : dispatch.inputs) read.insert(layer_plane(layer, input));
   };
   const Steps steps = steps_of(run);
   for (std::size_t step = 0; step < steps.size(); ++step) {
     const Effect& effect = *steps[step];
     if (const std::size_t last = reduced_end(run, steps, step); last > step) {
-      if (fills_missing(run, effect)) add(effect, 0, &Pass::for_missing);
+      if (fills_missing(run, effect)) add(effect, 0, &Dispatch::for_missing);
       step = last - 1;
-    } else if (!find_named(run.handed_in, effect.name)) {
+    } else if (!find_named(run.external_effects, effect.name)) {
       const int of_step = !effect.exposed_by && runs_on_layers(run, steps, step) ? layers : 1;
-      for (int layer = 0; layer < of_step; ++layer) add(effect, layer, &Pass::for_all);
+      for (int layer = 0; layer < of_step; ++layer) add(effect, layer, &Dispatch::for_all);
     }
   }
   return read;
@@ -247,8 +252,9 @@ Result<LookDone> run_look(const LookRun& run, Device& device, Frame& frame) {
   const Steps steps = steps_of(run);
   for (std::size_t step = 0; step < steps.size();) {
     const Effect& effect = *steps[step];
-    const bool of_others = find_named(run.handed_in, effect.name) != nullptr;
-    if (of_others && !run.run_handed_in) fail_check(fmt::format("nobody runs {}", effect.name));
+    const bool of_others = find_named(run.external_effects, effect.name) != nullptr;
+    if (of_others && !run.run_external_effect)
+      fail_check(fmt::format("LookRun::run_external_effect is not set; effect '{}' requires it", effect.name));
     std::size_t next = step + 1;
     if (effect.exposed_by) {
       const auto done = run_exposed(run, effect, device, frame);
@@ -260,7 +266,7 @@ Result<LookDone> run_look(const LookRun& run, Device& device, Frame& frame) {
       const auto done =
           last > step ? run_reduced(run, steps, step, last, device, frame) : run_step(run, steps, step, device, frame);
       if (!done) return done.error();
-      static_cast<Progression&>(all) = *done;
+      static_cast<RunState&>(all) = *done;
       if (!done->finished) return all;
     }
     step = next;

@@ -1,4 +1,4 @@
-// Settings: the parameters of every effect of a picture, and the text that sets one, "effect.parameter=value".
+// Settings: the parameter values of all effects, and the text form that sets one, "effect.parameter=value".
 #pragma once
 #include <map>
 #include <span>
@@ -12,10 +12,10 @@
 
 namespace umbrage {
 
-/// Parameters by the effect's name.
+/// Parameter values, by the name of the effect.
 using EffectSettings = std::map<std::string, ParameterBytes, std::less<>>;
 
-/// Those of an effect, which must be among them.
+/// Returns the parameters of an effect, which must be in `settings`.
 inline ParameterBytes& params_of(EffectSettings& settings, std::string_view effect) {
   return settings.find(effect)->second;
 }
@@ -23,31 +23,31 @@ inline const ParameterBytes& params_of(const EffectSettings& settings, std::stri
   return settings.find(effect)->second;
 }
 
-/// All effects, and those that are handed in.
-std::vector<const Effect*> all_effects(std::span<const Effect* const> handed_in);
+/// Returns all effects: the registered ones, then `external_effects`.
+std::vector<const Effect*> all_effects(std::span<const Effect* const> external_effects);
 
-/// What "effect.parameter=value" names.
+/// A parsed "effect.parameter=value".
 struct Setting {
   const Effect* effect = nullptr;
   const Parameter* parameter = nullptr;
-  std::string_view value;  ///< of the text that was parsed
+  std::string_view value;  ///< view into the parsed text
 };
 
-/// Errors: kUsage, with a suggestion for a misspelt name. The value is not looked at.
-Result<Setting> parse_setting(std::string_view assignment, std::span<const Effect* const> handed_in = {});
+/// Parses a setting without checking its value. Errors: kUsage, with a suggestion for a misspelt name.
+Result<Setting> parse_setting(std::string_view assignment, std::span<const Effect* const> external_effects = {});
 
-/// Applies one. Errors: kUsage.
+/// Applies one setting. Errors: kUsage.
 Result<void> apply_setting(EffectSettings& settings, std::string_view assignment,
-                           std::span<const Effect* const> handed_in = {});
+                           std::span<const Effect* const> external_effects = {});
 
-/// Every effect's own settings, also of those handed in.
-EffectSettings initial_settings(std::span<const Effect* const> handed_in = {});
+/// Returns the defaults of all effects, including `external_effects`.
+EffectSettings initial_settings(std::span<const Effect* const> external_effects = {});
 
-/// The same with the look's presets applied.
-EffectSettings look_settings(const Look& look, std::span<const Effect* const> handed_in = {});
+/// Returns the defaults of all effects with the presets of a look applied.
+EffectSettings look_settings(const Look& look, std::span<const Effect* const> external_effects = {});
 
-/// Applies presets of the look of that name, which must be right.
+/// Applies presets of the look named `look`; an invalid preset is a programming error (fail_check).
 void apply_presets(std::string_view look, const LookPresets& presets, EffectSettings& settings,
-                   std::span<const Effect* const> handed_in = {});
+                   std::span<const Effect* const> external_effects = {});
 
 }  // namespace umbrage

@@ -1,13 +1,12 @@
-// A model as on a photographer's table: soft key and fill light with shadows, what stands in the open on a ground that
-// shows the shade alone, light between surfaces, exposure by the picture.
+// Look `studio`: a model as in a photo studio. Soft key and fill lights with shadows, a shadow catcher as ground under
+// models that stand in the open, indirect light, exposure by metering of the picture.
 #include "core/look.h"
 
 namespace umbrage {
 
 Look look_studio() {
   return {.name = "studio",
-          .summary =
-              "soft light with shadows, occlusion and light between surfaces, on a ground that shows the shade alone",
+          .summary = "soft light with shadows, occlusion and indirect light, on a ground that shows only its shadow",
           .occlusion = "bitmask",
           .effects = {"lighting", "occlusion", "denoise", "composite", "ground", "hide_ground", "output"},
           .presets = {"bitmask.bleeding=1", "bitmask.radius=25%", "denoise.indirect=1", "denoise.light_rounds=3",

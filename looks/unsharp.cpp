@@ -1,13 +1,13 @@
-// The paper preset of [Chamberlin 2011]: white material, ambient 0.3 and diffuse 0.7, shade subtracted from the whole
-// lit colour, no transfer function, no shadow. The window is the paper's 40 pixels at its 1024, and keeps its share of
-// the picture at other sizes.
+// Look `unsharp`: the settings of [Chamberlin 2011]. White material, ambient 0.3 and diffuse 0.7, occlusion subtracted
+// from the whole lit colour, no transfer function, no shadow. The window is the paper's 40 pixels of 1024, and the same
+// fraction of the picture at other sizes.
 #include "core/look.h"
 
 namespace umbrage {
 
 Look look_unsharp() {
   return {.name = "unsharp",
-          .summary = "white clay with the unsharp mask of the depth buffer subtracted, as the paper has it",
+          .summary = "white clay with the unsharp mask of the depth buffer subtracted, as in the paper",
           .occlusion = "unsharp",
           .effects = {"lighting", "occlusion", "composite", "output"},
           .presets = {"lighting.material=clay", "lighting.rig=key", "lighting.shadow=0", "unsharp.kernel=3.90625%",

@@ -1,4 +1,4 @@
-"""Makes the wheel: scripts/wheel puts the library beside the package first."""
+"""Builds the wheel: scripts/wheel puts the library into the package first."""
 import os
 import re
 
@@ -9,7 +9,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 
 
 class Wheel(bdist_wheel):  # type: ignore[misc]
-    """For any Python 3, but for one kind of machine: it holds a library and no module that is compiled."""
+    """A wheel for any Python 3 on one platform: it contains the library but no compiled Python module."""
 
     def get_tag(self):  # type: ignore[no-untyped-def]
         return ("py3", "none", super().get_tag()[2])
@@ -21,13 +21,13 @@ class Binary(Distribution):  # type: ignore[misc]
 
 
 def version() -> str:
-    """That of the C interface."""
+    """Returns the version of the C interface."""
     with open(os.environ["UMBRAGE_HEADER"]) as header:
         return ".".join(re.findall(r"define UMB_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)", header.read()))
 
 
 def needs() -> str:
-    """The system's packages, which scripts/wheel has looked up."""
+    """Returns the names of the required system packages, which scripts/wheel has found."""
     with open(os.path.join(HERE, "umbrage", "NEEDS")) as names:
         return names.read().strip()
 
@@ -36,7 +36,7 @@ setup(
     name="umbrage",
     version=version(),
     description="Screen-space shading for 3D models and G-buffers",
-    long_description=f"Besides NumPy it needs what these packages of Debian 12 hold: {needs()}.",
+    long_description=f"Requires NumPy and these Debian 12 packages: {needs()}.",
     license="MIT",
     python_requires=">=3.8",
     install_requires=["numpy>=1.17"],

@@ -30,7 +30,7 @@ CameraRays camera_rays(const TracedScene& traced, const PictureInfo& info) {
   return rays;
 }
 
-bool within_reach(const CameraRays& rays, const PictureInfo& info) {
+bool rays_within_limit(const CameraRays& rays, const PictureInfo& info) {
   for (const float x : {0.0f, float(info.width)})
     for (const float y : {0.0f, float(info.height)}) {
       if (!within_ray_limit(rays.origin_at(x, y)) || !within_ray_limit(rays.direction_at(x, y))) return false;
@@ -40,7 +40,7 @@ bool within_reach(const CameraRays& rays, const PictureInfo& info) {
 
 namespace {
 
-/// The texture averaged over the pixel. The mesh must have texture coordinates.
+/// Returns the texture averaged over the pixel. The mesh must have texture coordinates.
 glm::vec3 pixel_texel(const TracedScene& traced, const CameraRays& rays, const Surface& surface, int texture, float px,
                       float py) {
   const Mesh& mesh = *surface.mesh;
@@ -49,11 +49,13 @@ glm::vec3 pixel_texel(const TracedScene& traced, const CameraRays& rays, const S
   const glm::vec3 e1 = (mesh.positions[i[1]] - p0) * traced.scale, e2 = (mesh.positions[i[2]] - p0) * traced.scale;
   const glm::vec3 ng = glm::cross(e1, e2);
   const glm::vec2 t0 = mesh.uvs[i[0]], t1 = mesh.uvs[i[1]] - t0, t2 = mesh.uvs[i[2]] - t0;
-  // How texture coordinates change along the triangle: the barycentric weights' gradients, times the edges' changes.
+  // Gradients of the texture coordinates on the triangle: gradients of the barycentric weights times the differences
+  // along the edges.
   const float inverse = 1.0f / glm::dot(ng, ng);
   const glm::vec3 gradient1 = glm::cross(e2, ng) * inverse, gradient2 = glm::cross(ng, e1) * inverse;
   const glm::vec3 gradient_u = gradient1 * t1.x + gradient2 * t2.x, gradient_v = gradient1 * t1.y + gradient2 * t2.y;
-  // Where the neighbouring pixels' rays meet this triangle's plane, and how far texture coordinates moved.
+  // Intersect the neighbouring pixels' rays with the triangle's plane, and return the change of the texture
+  // coordinates.
   const auto change = [&](float x, float y) {
     const glm::vec3 origin = rays.origin_at(x, y), direction = rays.direction_at(x, y);
     const float t = glm::dot(ng, surface.position - origin) / glm::dot(ng, direction);

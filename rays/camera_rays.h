@@ -1,4 +1,4 @@
-// Camera rays: the rays through the pixels of a picture, in the unit space of a traced scene.
+// Camera rays: the rays through the pixels of a picture, in unit space (rays/traced_scene.h).
 #pragma once
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
@@ -8,9 +8,9 @@
 
 namespace umbrage {
 
-/// The ray through the point (x, y) of the picture, in pixels from its top left corner, starts at
-/// origin + x origin_x + y origin_y and has the direction direction + x direction_x + y direction_y. A direction's
-/// component along the view axis is `scale` of the traced scene, so that a ray's parameter is depth in scene units.
+/// The ray through the point (x, y) of the picture, in pixels from its top left corner, starts at origin + x origin_x +
+/// y origin_y and has the direction direction + x direction_x + y direction_y. The component of the direction along the
+/// view axis equals TracedScene::scale, so that a ray's parameter is depth in scene units.
 struct CameraRays {
   glm::mat3 world_from_view;
   glm::vec3 eye;
@@ -21,16 +21,17 @@ struct CameraRays {
   glm::vec3 direction_at(float x, float y) const { return direction + direction_x * x + direction_y * y; }
 };
 
+/// Returns the rays of a picture's camera.
 CameraRays camera_rays(const TracedScene& traced, const PictureInfo& info);
 
-/// Whether every ray of the picture lies where Embree's numbers end later than ours: it ends the program otherwise.
-bool within_reach(const CameraRays& rays, const PictureInfo& info);
+/// Returns whether every ray of the picture is within kRayLimit; beyond it Embree ends the program.
+bool rays_within_limit(const CameraRays& rays, const PictureInfo& info);
 
-/// Albedo of what the pixel with the centre (px, py) sees: the material's, times the mesh's colour, times the texture
-/// averaged over the pixel.
+/// Returns the albedo at the surface that the pixel with the centre (px, py) shows: the material's, times the mesh's
+/// colour, times the texture averaged over the pixel.
 glm::vec3 pixel_albedo(const TracedScene& traced, const CameraRays& rays, const Surface& surface, float px, float py);
 
-/// Light that it sends out by itself: the material's, times the texture of it averaged over the pixel.
+/// Returns the emission at that surface: the material's, times the emission texture averaged over the pixel.
 glm::vec3 pixel_emission(const TracedScene& traced, const CameraRays& rays, const Surface& surface, float px, float py);
 
 }  // namespace umbrage

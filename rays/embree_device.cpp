@@ -7,8 +7,8 @@
 namespace umbrage {
 namespace {
 
-/// What bounds Embree, in its own words; null: nothing does. Embree takes a word that it does not know, or a set that
-/// the machine lacks, for the least there is, without an error.
+/// Returns Embree's configuration string for an instruction set; null: no limit. For an unknown name, or a set that the
+/// machine lacks, Embree silently uses its lowest set.
 const char* embree_bound(std::string_view isa) {
   if (isa == "avx2") return "isa=avx2";
   if (isa == "sse4") return "isa=sse4.2";

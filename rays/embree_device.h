@@ -1,4 +1,4 @@
-// Embree's device: where all of them are made, bounded by the instruction set in use.
+// Creation of Embree devices, limited to the instruction set in use.
 #pragma once
 #include <embree3/rtcore.h>
 
@@ -9,14 +9,14 @@
 
 namespace umbrage {
 
-/// A device that uses no wider instructions than isa_in_use() (kernel/isa.h). Throws std::bad_alloc where memory is
-/// short. Errors: kDevice where Embree cannot start otherwise.
+/// Creates a device that uses no wider instructions than isa_in_use() (kernel/isa.h). Throws std::bad_alloc if memory
+/// is exhausted. Errors: kDevice if Embree cannot start for another reason.
 Result<RTCDevice> new_embree_device();
 
-/// What went wrong where Embree could not build a hierarchy of the scene. kDevice.
+/// Returns the error for a hierarchy of the scene that Embree could not build. kDevice.
 Error build_error(const Scene& scene, RTCError error);
 
-/// The name of the widest instruction set that Embree's kernels use on this machine, as kernel/isa.h has it, or
+/// Returns the name of the widest instruction set that Embree's kernels use on this machine, as in kernel/isa.h, or
 /// "sse2".
 std::string_view isa_of_rays();
 

@@ -16,25 +16,25 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr int kSides = 4;
-constexpr int kGrid = 32;              // rays per side of the picture that measure its depth
-constexpr float kShareOfRoom = 0.95f;  // of the free distance: the eye does not stand in the wall
-constexpr float kMaxTan = 1.428148f;   // of half of 110 degrees
-constexpr float kGap = 0.03f;          // between c and a surface, as a share of the median depth
-constexpr float kFarthest = 1.6f;      // c from the eye, in median depths
+constexpr int kGrid = 32;               // grid of rays, per side of the picture, that measure its depth
+constexpr float kFreeFraction = 0.95f;  // of the free distance: keeps the camera out of the wall
+constexpr float kMaxTan = 1.428148f;    // tangent of half of 110 degrees
+constexpr float kGap = 0.03f;           // between c and a surface, as a fraction of the median depth
+constexpr float kFarthest = 1.6f;       // maximum distance of c from the picture's camera, in median depths
 constexpr float kClearlyBetter = 1.1f;
-constexpr float kNearest = 1e-3f;  // least distance of an eye from c, as a share of the picture's own
+constexpr float kNearest = 1e-3f;  // minimum distance of a camera from c, as a fraction of that of the picture's camera
 
-/// Distance to the first surface, in lengths of `direction`.
+/// Returns the distance to the first surface, in lengths of `direction`.
 float free_distance(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction) {
   alignas(16) RTCRayHit hit;
   return first_hit(traced, origin, direction, hit) ? hit.ray.tfar : kInfinity;
 }
 
-/// Median of the depths that the picture shows, or of nothing the scene's distance.
+/// Returns the median depth of the visible surfaces, or the middle of the scene's depth range if nothing is visible.
 float median_depth(const TracedScene& traced, const PictureInfo& info) {
   const CameraRays rays = camera_rays(traced, info);
   std::vector<float> depths;
-  if (within_reach(rays, info))
+  if (rays_within_limit(rays, info))
     for (int j = 0; j < kGrid; ++j)
       for (int i = 0; i < kGrid; ++i) {
         const float x = (float(i) + 0.5f) / kGrid * float(info.width),
@@ -48,24 +48,24 @@ float median_depth(const TracedScene& traced, const PictureInfo& info) {
   return *middle;
 }
 
-/// Depths of the surfaces that the axis meets, up to `most`.
-std::vector<float> crossings_of(const TracedScene& traced, glm::vec3 start, glm::vec3 axis, float most) {
+/// Returns the depths at which the axis meets surfaces, up to `most`.
+std::vector<float> crossings_of(const TracedScene& traced, glm::vec3 start, glm::vec3 axis, float max) {
   constexpr int kMaxCrossings = 16;
-  constexpr float kStep = 1e-4f;  // behind a surface the next one is looked for, as a share of `most`
+  constexpr float kStep = 1e-4f;  // offset behind a surface for the next search, as a fraction of `most`
   std::vector<float> crossings;
   for (float from = 0.0f; int(crossings.size()) < kMaxCrossings;) {
     const float depth = from + free_distance(traced, traced.unit_of(start + axis * from), axis * traced.scale);
-    if (!(depth < most)) break;
+    if (!(depth < max)) break;
     crossings.push_back(depth);
-    from = depth + kStep * most;
+    from = depth + kStep * max;
   }
   return crossings;
 }
 
-/// From c to the eyes, unit: from behind it, both sides, above.
+/// Returns the unit directions from c to the cameras: behind c, both sides, above.
 std::array<glm::vec3, kSides> sides_of(const Camera& camera, glm::vec3 to_eye, glm::vec3 up) {
   constexpr float kNearlyParallel = 0.95f;
-  // Who looks down on a scene sees its sides from where the picture's edges are.
+  // Looking down on a scene, use the picture's vertical axis: the sides are then at the picture's edges.
   if (!(glm::length(up) > 0.0f) || std::abs(glm::dot(glm::normalize(up), to_eye)) > kNearlyParallel)
     up = glm::vec3(glm::row(camera.view_from_world, 1));
   up = glm::normalize(up);
@@ -90,17 +90,18 @@ std::vector<Camera> extra_cameras(const TracedScene& traced, const PictureInfo& 
   const float axis_length = glm::length(axis);
   const std::array<glm::vec3, kSides> sides = sides_of(own, -axis / axis_length, traced.scene->up);
 
-  // c lies a little before the median depth, or else a little behind or before one of the surfaces that the axis meets,
-  // where that leaves clearly more room: a drape that hangs in the middle would stand close behind c.
+  // Candidates for c: slightly in front of the median depth, and slightly in front of or behind each surface on the
+  // axis. The others are used if they have clearly more free space: a drape in the middle would otherwise be close
+  // behind c.
   const float median = median_depth(traced, inner);
   const float gap = kGap * median, own_distance = (median - gap) * axis_length;
   std::vector<float> depths = {median - gap};
   const std::vector<float> crossings = crossings_of(traced, start, axis, kFarthest * median);
   if (!crossings.empty()) depths.push_back(crossings[0] - std::min(gap, 0.5f * crossings[0]));
   for (const float crossing : crossings) depths.push_back(crossing + gap);
-  std::array<bool, kSides> eye_sees_out{};
+  std::array<bool, kSides> camera_sees_out{};
   for (int k = 0; k < kSides; ++k)
-    eye_sees_out[k] = !std::isfinite(free_distance(traced, traced.unit_of(start), sides[k]));
+    camera_sees_out[k] = !std::isfinite(free_distance(traced, traced.unit_of(start), sides[k]));
   glm::vec3 c = start + axis * depths[0];
   float best_room = -1.0f;
   std::array<float, kSides> distances{};
@@ -108,16 +109,17 @@ std::vector<Camera> extra_cameras(const TracedScene& traced, const PictureInfo& 
     const glm::vec3 point = start + axis * depth;
     std::array<float, kSides> free{};
     float room = 0.0f;
-    bool left_the_house = false;
+    bool outside_room = false;
     for (int k = 0; k < kSides; ++k) {
       const float ahead = free_distance(traced, traced.unit_of(point), sides[k]) / traced.scale;
-      // From outside a room nothing in it is seen. Straight ahead the way out may be one that the eye has not.
-      left_the_house = left_the_house || (k > 0 && !std::isfinite(ahead) && !eye_sees_out[k]);
-      free[k] = std::max(std::min(kShareOfRoom * ahead, depth * axis_length), kNearest * own_distance);
-      room +=
-          std::sqrt(std::min(free[k] / own_distance, 1.0f));  // a little room for each is worth more than much for one
+      // A camera outside a room sees nothing in it, so c must not have an open direction that the picture's camera
+      // lacks. k = 0, straight ahead, is exempt.
+      outside_room = outside_room || (k > 0 && !std::isfinite(ahead) && !camera_sees_out[k]);
+      free[k] = std::max(std::min(kFreeFraction * ahead, depth * axis_length), kNearest * own_distance);
+      // The square root makes some space for each camera worth more than much space for one.
+      room += std::sqrt(std::min(free[k] / own_distance, 1.0f));
     }
-    if (!(room > best_room * kClearlyBetter) || (left_the_house && best_room >= 0.0f)) continue;
+    if (!(room > best_room * kClearlyBetter) || (outside_room && best_room >= 0.0f)) continue;
     best_room = room;
     c = point;
     distances = free;

@@ -1,4 +1,4 @@
-// Extra cameras: where further cameras stand that see what a picture's own cannot, such as the back of a drape.
+// Extra cameras: further viewpoints for surfaces that the picture's camera does not see, such as the back of a drape.
 #pragma once
 #include <vector>
 
@@ -7,12 +7,12 @@
 
 namespace umbrage {
 
-/// Cameras that look at one point c on the axis of the picture's camera: a little before the median depth of what that
-/// one sees, or where there is clearly more room around it, such as behind a drape that hangs in the middle. They look
-/// from behind c, from both sides, from above, in this order; `count` of them, at most 4. Each stands as far from c as
-/// the picture's eye, or nearer, so that nothing stands between it and c, and sees as much as that one around c, within
-/// 110 degrees. Their projection and the picture's size, guard band included, are the picture's. They do not depend on
-/// `count`.
+/// Returns `count` cameras, at most 4, that look at one point c on the axis of the picture's camera. c is slightly in
+/// front of the median depth of the visible surfaces, or at a depth with clearly more free space around it, such as
+/// behind a drape in the middle of the picture. The cameras look from behind c, from both sides, and from above, in
+/// this order. Each is as far from c as the picture's camera, or nearer, so that nothing is between it and c, and shows
+/// as much as that camera around c, with a view angle of at most 110 degrees. Projection and picture size, guard band
+/// included, are those of the picture. The cameras do not depend on `count`.
 std::vector<Camera> extra_cameras(const TracedScene& traced, const PictureInfo& info, int count);
 
 }  // namespace umbrage

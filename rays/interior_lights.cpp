@@ -17,28 +17,28 @@ namespace umbrage {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr int kGrid = 32;                // rays per side of the picture
-constexpr float kReachesEnough = 0.15f;  // mean cosine with which the usual light falls on what is seen
-constexpr float kNoWayIn = 0.02f;        // the same of the sun
-constexpr float kLikeUsual = 0.2f;       // how much better a sun may be that stands where the usual light would
-// Brighter than the usual light, which is all that there is: here much of what is seen lies in shadow.
+constexpr int kGrid = 32;                   // grid of rays, per side of the picture
+constexpr float kMinDefaultCosine = 0.15f;  // mean cosine of the default light on the visible surfaces that suffices
+constexpr float kMinSunCosine = 0.02f;      // mean cosine of the best sun below which sunlight cannot enter
+constexpr float kDefaultDirectionBonus = 0.2f;  // bonus of a sun in the direction of the default light
+// Brighter than the default light, since many visible surfaces are in shadow and there is only this light.
 constexpr glm::vec3 kSun(1.5f, 1.38f, 1.18f), kLamp(1.1f, 1.0f, 0.85f);
-// Light that falls aslant shapes what it meets: as much better as it stands nearer to this height.
+// Oblique light shows shapes better: a sun at this height scores best; the loss per degree of deviation.
 constexpr float kBestHeightDeg = 50.0f, kWorseByDeg = 0.01f;
-constexpr float kSunDeg = 0.53f;      // what the sun's disc spans
-constexpr float kLampHeight = 0.85f;  // of the way from the eye to the ceiling
-constexpr float kLampRadius = 0.05f;  // of the median distance of what is seen
+constexpr float kSunDeg = 0.53f;      // width of the sun's disc
+constexpr float kLampHeight = 0.85f;  // fraction of the way from the camera to the ceiling
+constexpr float kLampRadius = 0.05f;  // fraction of the median distance of the visible surfaces
 
 struct Seen {
   Surface surface;
-  glm::vec3 start;  // of rays that leave it, unit space
-  float distance;   // from the eye, scene units
+  glm::vec3 start;  // origin of rays that leave it, unit space
+  float distance;   // from the camera, scene units
 };
 
-std::vector<Seen> seen_surfaces(const TracedScene& traced, const PictureInfo& info) {
+std::vector<Seen> visible_surfaces(const TracedScene& traced, const PictureInfo& info) {
   const CameraRays rays = camera_rays(traced, info);
   std::vector<Seen> seen;
-  if (!within_reach(rays, info)) return seen;
+  if (!rays_within_limit(rays, info)) return seen;
   for (int j = 0; j < kGrid; ++j)
     for (int i = 0; i < kGrid; ++i) {
       const float x = (float(i) + 0.5f) / kGrid * float(info.width), y = (float(j) + 0.5f) / kGrid * float(info.height);
@@ -47,13 +47,13 @@ std::vector<Seen> seen_surfaces(const TracedScene& traced, const PictureInfo& in
       if (!first_hit(traced, origin, direction, hit)) continue;
       const Surface surface = surface_at(traced, hit.hit.geomID, hit.hit.primID, hit.hit.u, hit.hit.v, origin,
                                          direction, {hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z}, hit.ray.tfar);
-      seen.push_back(
-          {surface, start_above(traced, surface, rays.eye), glm::distance(surface.position, rays.eye) / traced.scale});
+      seen.push_back({surface, ray_origin_above(traced, surface, rays.eye),
+                      glm::distance(surface.position, rays.eye) / traced.scale});
     }
   return seen;
 }
 
-/// Mean cosine with which parallel light falls on what is seen, 0 where it does not arrive.
+/// Returns the mean cosine of parallel light on the visible surfaces, 0 where it is blocked.
 float mean_light(const TracedScene& traced, const std::vector<Seen>& seen, glm::vec3 direction) {
   float sum = 0.0f;
   for (std::size_t first = 0; first < seen.size(); first += kPacket) {
@@ -83,9 +83,9 @@ float median_distance(std::vector<Seen>& seen) {
 
 std::vector<Light> interior_lights(const TracedScene& traced, const PictureInfo& info,
                                    const std::vector<Light>& usual) {
-  std::vector<Seen> seen = seen_surfaces(traced, info);
+  std::vector<Seen> seen = visible_surfaces(traced, info);
   if (seen.empty() || usual.empty()) return {};
-  if (mean_light(traced, seen, usual[0].direction) >= kReachesEnough) return {};
+  if (mean_light(traced, seen, usual[0].direction) >= kMinDefaultCosine) return {};
 
   const glm::vec3 up = glm::normalize(traced.scene->up);
   const glm::vec3 some = std::abs(up.x) < 0.7f ? glm::vec3(1, 0, 0) : glm::vec3(0, 0, 1);
@@ -99,13 +99,13 @@ std::vector<Light> interior_lights(const TracedScene& traced, const PictureInfo&
       const glm::vec3 direction = glm::normalize(
           up * std::sin(height) + (across * std::cos(angle) + along * std::sin(angle)) * std::cos(height));
       const float light = mean_light(traced, seen, direction);
-      const float score = light * (1.0f + kLikeUsual * glm::dot(direction, usual[0].direction)) *
+      const float score = light * (1.0f + kDefaultDirectionBonus * glm::dot(direction, usual[0].direction)) *
                           (1.0f - kWorseByDeg * std::abs(height_deg - kBestHeightDeg));
       if (score > best_score) best_score = score, best_light = light, best = direction;
     }
   Light light;
   light.casts_shadow = true;
-  if (best_light > kNoWayIn) {
+  if (best_light > kMinSunCosine) {
     light.direction = best;
     light.color = kSun;
     light.angle_deg = kSunDeg;

@@ -1,4 +1,4 @@
-// Interior lights: what shines on a scene without lights of its own whose camera stands inside it.
+// Interior lights: lights for a scene without lights of its own when the camera is inside it.
 #pragma once
 #include <vector>
 
@@ -7,9 +7,10 @@
 
 namespace umbrage {
 
-/// Lights, in world space, for a picture that the usual lights hardly reach, such as a court or a hall: the sun from
-/// where most of its light falls on what is seen; or, where it finds no way in, a lamp below the ceiling. Empty where
-/// the first of `usual` (in world space, parallel) reaches enough, or nothing is seen.
+/// Returns lights, in world space, for a picture that the default lights hardly reach, such as a court or a hall: the
+/// sun from the direction from which most of its light reaches visible surfaces, or, if sunlight cannot enter, a lamp
+/// below the ceiling. Empty if the first of `usual` (world space, directional) reaches enough, or if nothing is
+/// visible.
 std::vector<Light> interior_lights(const TracedScene& traced, const PictureInfo& info, const std::vector<Light>& usual);
 
 }  // namespace umbrage

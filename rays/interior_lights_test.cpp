@@ -1,4 +1,4 @@
-// Lights for scenes without any, seen from inside.
+// Lights for scenes without lights, with the camera inside.
 #include "rays/interior_lights.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace umbrage {
 namespace {
 
-/// A hall of 8 x 4 x 8 with walls, its roof open along the middle or closed.
+/// A hall of 8 x 4 x 8 with walls; its roof is closed or has a gap along the middle.
 Scene hall(bool open) {
   Scene scene;
   scene.materials = {Material{}};
@@ -32,7 +32,7 @@ Scene hall(bool open) {
 }
 
 std::vector<Light> lights_in(const Scene& scene, const Camera& camera) {
-  const auto traced = trace_ready(scene);
+  const auto traced = build_traced_scene(scene);
   return interior_lights(**traced, {.width = 64, .height = 48, .camera = camera}, default_lights(scene, camera));
 }
 
@@ -62,7 +62,7 @@ TEST(InteriorLights, WhatTheUsualLightReachesKeepsIt) {
   scene.meshes = {shapes::box({-4, -0.1f, -4}, {4, 0, 4}), shapes::box({-1, 0, -1}, {1, 1, 1})};
   finish_scene(scene);
   EXPECT_TRUE(lights_in(scene, kInside).empty());
-  // Nothing is seen.
+  // Nothing is visible.
   EXPECT_TRUE(lights_in(scene, perspective_camera({0, 9, 0}, {0, 10, 0}, {0, 0, 1}, 40.0f, 1.0f)).empty());
 }
 

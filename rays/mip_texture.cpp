@@ -11,7 +11,7 @@
 namespace umbrage {
 namespace {
 
-constexpr int kMaxTaps = 8;  // along the longer axis: an anisotropy of 8, as games set it
+constexpr int kMaxTaps = 8;  // along the longer axis: an anisotropy of 8, as usual in games
 
 const std::array<float, 256> kLinearFromSrgb = [] {
   std::array<float, 256> t{};
@@ -19,7 +19,7 @@ const std::array<float, 256> kLinearFromSrgb = [] {
   return t;
 }();
 
-// A conversion costs more than a read here.
+// n / 255; the conversion costs more than a table lookup here.
 const std::array<float, 256> kShare = [] {
   std::array<float, 256> t{};
   for (int i = 0; i < 256; ++i) t[i] = float(i) * (1.0f / 255.0f);
@@ -40,26 +40,26 @@ struct Bilinear {
   float fx, fy;
 };
 
-/// Largest whole number not above x, for |x| below 2^31; the library's floor is a call on machines without SSE4.
+/// Returns the largest integer not above x, for |x| below 2^31. std::floor is a function call on machines without SSE4.
 int floor_of(float x) {
   const int i = int(x);
   return float(i) > x ? i - 1 : i;
 }
 
-/// The fraction of a texture coordinate; 0 for what is not finite or too large to have one.
+/// Returns the fractional part of a texture coordinate; 0 if it is not finite or too large to have one.
 float fraction_of(float x) {
   constexpr float kNoFraction = 8388608.0f;  // 2^23
   return std::abs(x) < kNoFraction ? x - float(floor_of(x)) : 0.0f;
 }
 
-/// Two neighbouring texels, the first at least -1 and below the size, repeated.
+/// Returns two neighbouring texels with repetition; `first` is at least -1 and below `size`.
 void neighbours(int first, int size, int& low, int& high) {
   low = first < 0 ? size - 1 : first;
   high = first + 1 >= size ? 0 : first + 1;
 }
 
-/// Texture coordinates as shares of the texture from its top left corner, repeated first so that far ones keep their
-/// fraction's bits.
+/// Converts texture coordinates to fractions of the texture from its top left corner. They are repeated first, so that
+/// large ones keep the bits of their fraction.
 glm::vec2 within(glm::vec2 uv) { return {fraction_of(uv.x), 1.0f - fraction_of(uv.y)}; }
 
 Bilinear bilinear_at(const MipLevel& level, glm::vec2 share) {
@@ -74,8 +74,8 @@ Bilinear bilinear_at(const MipLevel& level, glm::vec2 share) {
   return b;
 }
 
-/// Adds what a level shows at a place, times a weight. Inlined where it is called once: a vec4 that a function returns
-/// goes through memory in halves, and reading it whole has to wait.
+/// Adds the bilinear value of a level at a place, times a weight. Inlined: a vec4 that a function returns goes through
+/// memory in halves, and reading it as a whole stalls.
 inline void add_level(const MipLevel& level, glm::vec2 share, float weight, glm::vec4& sum) {
   const Bilinear b = bilinear_at(level, share);
   const float lower = b.fy * weight, upper = weight - lower;
@@ -83,7 +83,7 @@ inline void add_level(const MipLevel& level, glm::vec2 share, float weight, glm:
          texel(level, b.x0, b.y1) * (lower - lower * b.fx) + texel(level, b.x1, b.y1) * (lower * b.fx);
 }
 
-/// log2(x) of a finite x >= 1, within 5e-5: exact at powers of two, a polynomial between.
+/// Computes log2(x) of a finite x >= 1, within 5e-5: exact at powers of two, a polynomial between.
 float log2_of(float x) {
   const auto bits = std::bit_cast<std::uint32_t>(x);
   const float t = std::bit_cast<float>((bits & 0x7fffffu) | 0x3f800000u) - 1.0f;
@@ -96,7 +96,7 @@ MipLevel half_of(const MipLevel& level) {
   half.rgba.resize(std::size_t(half.width) * half.height * 4);
   for (int y = 0; y < half.height; ++y)
     for (int x = 0; x < half.width; ++x) {
-      // Each texel averages the ones that it covers: two per axis, three at the end of an odd side.
+      // Each texel averages the texels that it covers: two per axis, three at the end of an odd side.
       const int x0 = x * level.width / half.width, x1 = (x + 1) * level.width / half.width;
       const int y0 = y * level.height / half.height, y1 = (y + 1) * level.height / half.height;
       glm::vec3 weighted(0.0f), plain(0.0f);
@@ -139,7 +139,7 @@ glm::vec4 sample_filtered(const MipTexture& texture, glm::vec2 uv, glm::vec2 rig
   int taps = 1, fine = last, used = 1;
   float blend = 0.0f;
   if (std::isfinite(longer)) {
-    // Rounded to the nearest number of taps: a footprint that is square but for rounding takes one.
+    // Rounded to nearest, so that a footprint that is square up to rounding takes one tap.
     const float ratio = std::clamp(longer / std::max(shorter, 1e-6f), 1.0f, longer > 1.0f ? float(kMaxTaps) : 1.0f);
     taps = int(ratio + 0.5f);
     const float width = std::max(longer / float(taps), 1.0f);

@@ -1,5 +1,5 @@
-// Packets of rays: up to 16 rays that Embree traces together. Everything that traces more than one ray stands on this.
-// 16 everywhere: where Embree's kernels are 8 or 4 wide it splits packets itself, and is as fast (docs/performance.md).
+// Ray packets: up to 16 rays that Embree traces together. All code that traces more than one ray uses them. The size is
+// always 16: where Embree's kernels are 8 or 4 wide it splits packets itself and is as fast (docs/performance.md).
 #pragma once
 #include <embree3/rtcore.h>
 
@@ -10,18 +10,18 @@
 
 namespace umbrage {
 
-/// Whether the rays of a packet run alike, such as those of neighbouring pixels through one eye.
+/// Whether the rays of a packet have similar paths, such as those of neighbouring pixels from one camera.
 enum class Coherence { kCoherent, kIncoherent };
 
-/// Rays in unit space, one for each lane that has been set; the others are idle. All lanes hold defined numbers all the
-/// time, since Embree looks at idle lanes, too: where it has no kernels for 16 rays, its stream filter ignores the mask
-/// and takes a lane for idle only where tnear > tfar (RenderKit/embree issues 301 and 520).
+/// Rays in unit space, one for each lane that has been set; the others are idle. All lanes always contain valid
+/// numbers, since Embree reads idle lanes, too: where it has no kernels for 16 rays, its stream filter ignores the mask
+/// and treats a lane as idle only if tnear > tfar (RenderKit/embree issues 301 and 520).
 class alignas(64) RayPacket {
  public:
   RayPacket();
 
-  /// Lane k meets what lies on origin + t direction for t from `near` to `far`. It stays idle where that is no ray:
-  /// where components are no numbers or beyond kRayLimit, or `far` is no number.
+  /// Sets lane k to the ray origin + t direction, with t from `near` to `far`. The lane stays idle if the ray is
+  /// invalid: components that are NaN or beyond kRayLimit, or `far` is NaN.
   void set(int k, glm::vec3 origin, glm::vec3 direction, float near, float far) {
     if (!within_ray_limit(origin) || !within_ray_limit(direction) || std::isnan(far)) return set_idle(k);
     for (int axis = 0; axis < 3; ++axis) {
@@ -30,7 +30,7 @@ class alignas(64) RayPacket {
     }
     set_range(k, near, far);
   }
-  /// The same, with the origin and direction that the lane has.
+  /// Sets the range only; the lane keeps its origin and direction.
   void set_range(int k, float near, float far) {
     rays_.ray.tnear[k] = near;
     rays_.ray.tfar[k] = far;
@@ -40,7 +40,7 @@ class alignas(64) RayPacket {
   }
   void set_idle(int k);
 
-  /// One component of the origins and directions of all lanes, for loops that become vectors.
+  /// One component of the origins and directions of all lanes, for vectorized loops.
   float* origins(int axis) { return axis == 0 ? rays_.ray.org_x : axis == 1 ? rays_.ray.org_y : rays_.ray.org_z; }
   float* directions(int axis) { return axis == 0 ? rays_.ray.dir_x : axis == 1 ? rays_.ray.dir_y : rays_.ray.dir_z; }
 
@@ -49,7 +49,7 @@ class alignas(64) RayPacket {
 
   /// Finds the nearest hit of each ray.
   void find_hits(const TracedScene& traced, Coherence coherence);
-  /// Finds for each ray whether anything lies in its way.
+  /// Finds for each ray whether anything blocks it.
   void find_blocked(const TracedScene& traced, Coherence coherence);
 
   /// After find_hits.

@@ -13,8 +13,9 @@ float light_size(const Light& light) {
   return light.kind == LightKind::kPoint ? light.radius : std::tan(glm::radians(0.5f * light.angle_deg));
 }
 
-bool casts_from_afar(const Light& light) {
-  return light.casts_shadow && light.kind != LightKind::kHead;  // a head light shines from the eye: what is seen is lit
+bool casts_visible_shadow(const Light& light) {
+  // A head light is at the camera: its shadows are not visible.
+  return light.casts_shadow && light.kind != LightKind::kHead;
 }
 
 std::pair<glm::vec3, glm::vec3> disc_axes(const glm::vec3& direction) {
@@ -26,7 +27,8 @@ std::pair<glm::vec3, glm::vec3> disc_axes(const glm::vec3& direction) {
 
 void narrow(PenumbraSize& size, const CameraRays& rays, const Surface& surface, float depth, glm::vec3 direction,
             glm::vec3 toward, float radius) {
-  // From one pixel to the next the surface's point moves by `moved`, of which the light sees what lies across its rays.
+  // From one pixel to the next the point on the surface moves by `moved`; only its component perpendicular to the
+  // light's rays counts.
   const auto pixels = [&](glm::vec3 origin_step, glm::vec3 direction_step) {
     glm::vec3 moved = origin_step + depth * direction_step;
     moved -= direction * (glm::dot(surface.normal, moved) / glm::dot(surface.normal, direction));
@@ -46,12 +48,12 @@ std::vector<ShadowLight> shadow_lights(const TracedScene& traced, const CameraRa
   std::vector<ShadowLight> lights;
   for (int k = 0; k < std::min({int(info.lights.size()), settings.shadows, kMaxShadows}); ++k) {
     const Light& light = info.lights[k];
-    if (!casts_from_afar(light)) continue;
+    if (!casts_visible_shadow(light)) continue;
     const bool point = light.kind == LightKind::kPoint;
     const glm::vec3 where = rays.world_from_view * (point ? light.position * traced.scale : light.direction);
     const float size = light_size(light) * (point ? traced.scale : 1.0f);
     const auto [right, up] = disc_axes(where);
-    // The noise of a faint light shows less.
+    // The noise of a faint light is less visible.
     const float share = brightest > 0.0f ? std::sqrt(brightness(light) / brightest) : 1.0f;
     const bool soft = size > 0.0f && settings.shadow_rays > 0;
     const int rays_of = soft ? std::clamp(int(std::lround(float(settings.shadow_rays) * share)), 1, kDiscPoints) : 0;
@@ -61,7 +63,7 @@ std::vector<ShadowLight> shadow_lights(const TracedScene& traced, const CameraRa
 }
 
 DiscPoints disc_points() {
-  const auto first = [](std::uint32_t n) {  // the bits of n in reverse
+  const auto first = [](std::uint32_t n) {  // reverses the bits of n
     std::uint32_t v = 0;
     for (int bit = 0; bit < 32; ++bit) v |= (n >> bit & 1u) << (31 - bit);
     return v;
@@ -73,7 +75,7 @@ DiscPoints disc_points() {
     return v;
   };
   constexpr double kScale = 1.0 / 4294967296.0;
-  // Where a pixel's point lies among a ray's sixteen: turned from ray to ray.
+  // Permutation of the pixels within a ray's 16 points, different from ray to ray.
   constexpr std::array<std::uint32_t, 4> kTurned = {0, 3, 1, 2};
   DiscPoints points;
   for (std::uint32_t n = 0; n < kDiscPoints; ++n)
@@ -88,7 +90,7 @@ DiscPoints disc_points() {
   return points;
 }
 
-std::array<glm::vec2, kPacket> rim_points() {
+std::array<glm::vec2, kPacket> disc_border_points() {
   std::array<glm::vec2, kPacket> points;
   for (int k = 0; k < kPacket; ++k) {
     const double angle = 2.0 * glm::pi<double>() * k / kPacket;

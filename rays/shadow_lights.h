@@ -1,4 +1,4 @@
-// Shadow lights: the lights whose shadows a capture holds, and where rays to them end.
+// Shadow lights: the lights with captured shadows, and the end points of rays to them.
 #pragma once
 #include <array>
 #include <glm/vec2.hpp>
@@ -17,46 +17,47 @@ namespace umbrage {
 struct ShadowLight {
   int index = 0;
   bool point = false;
-  glm::vec3 where{0.0f};            ///< in unit space: where it stands, or the direction to it
-  glm::vec3 right{0.0f}, up{0.0f};  ///< (parallel) the axes of its disc
-  int rays = 0;                     ///< of a pixel that it reaches in part; 0: it is a point
-  float size = 0.0f;                ///< in unit space: radius of its ball; or half its disc's angle, as a tangent
+  glm::vec3 where{0.0f};            ///< unit space: (point) position; (directional) direction to the light
+  glm::vec3 right{0.0f}, up{0.0f};  ///< (directional) axes of its disc
+  int rays = 0;                     ///< rays per pixel that the light reaches partly; 0: it is a point
+  float size = 0.0f;  ///< unit space: (point) radius of its sphere; (directional) tangent of half its disc's angle
 };
 
-/// The size of a light: of its ball's radius, or of half its disc's angle, as a tangent; 0: it is a point.
+/// Returns the size of a light: the radius of its sphere, or the tangent of half its disc's angle; 0: it is a point.
 float light_size(const Light& light);
 
-/// Whether it throws shadows that a camera sees.
-bool casts_from_afar(const Light& light);
+/// Returns whether a light casts shadows that the camera can see.
+bool casts_visible_shadow(const Light& light);
 
-/// Two directions across a third.
+/// Returns two unit directions perpendicular to `direction` and to each other.
 std::pair<glm::vec3, glm::vec3> disc_axes(const glm::vec3& direction);
 
-/// How wide a penumbra is on a surface: squares of its radius along a row and along a column, in pixels.
+/// Size of a penumbra on a surface: squared radius along a row and along a column, in pixels.
 struct PenumbraSize {
   float across = std::numeric_limits<float>::infinity(), down = std::numeric_limits<float>::infinity();
 };
 
-/// Makes `size` the smaller of itself and the penumbra of what stops a ray from a pixel's surface towards a light.
-/// `depth` is the surface's, `direction` that of the camera's ray, `toward` leads to the light or to its middle, and
-/// the penumbra's radius across that is `radius`, in unit space. [Fernando 2005]
+/// Reduces `size` to at most the penumbra of an occluder on a pixel's shadow ray. `depth` is the depth of the surface,
+/// `direction` the direction of the camera ray, `toward` the vector from the surface to the light or the centre of its
+/// disc, and `radius` the penumbra's radius perpendicular to it, in unit space. [Fernando 2005]
 void narrow(PenumbraSize& size, const CameraRays& rays, const Surface& surface, float depth, glm::vec3 direction,
             glm::vec3 toward, float radius);
 
-/// The lights are in view space; shadow rays run along world axes.
+/// Returns the shadow lights of a picture. The lights in `info` are in view space; shadow rays are in world axes.
 std::vector<ShadowLight> shadow_lights(const TracedScene& traced, const CameraRays& rays, const PictureInfo& info,
                                        const CaptureSettings& settings);
 
-inline constexpr int kDiscPoints = 256;  // rays to a light after which their places repeat
+inline constexpr int kDiscPoints = 256;  // number of rays to a light after which their end points repeat
 
-/// Points of the unit disc for the rays of a packet's pixels, by ray and pixel. Together they are a digital
-/// (0, 2)-sequence [Sobol 1967], mapped to the disc [Shirley and Chiu 1997]: each ray's sixteen points are spread
-/// evenly, those of several rays more finely, and any four that a pixel has in a row lie in four quarters.
+/// Points on the unit disc for the rays of a packet, indexed by ray and pixel. Together they form a digital
+/// (0, 2)-sequence [Sobol 1967], mapped to the disc [Shirley and Chiu 1997]: the 16 points of each ray are evenly
+/// distributed, those of several rays more finely, and any four consecutive points of a pixel lie in four different
+/// quadrants.
 using DiscPoints = std::array<std::array<glm::vec2, kPacket>, kDiscPoints>;
 
 DiscPoints disc_points();
 
-/// Points around the rim of the disc, one for each pixel of a packet.
-std::array<glm::vec2, kPacket> rim_points();
+/// Returns points on the border of the unit disc, one for each pixel of a packet.
+std::array<glm::vec2, kPacket> disc_border_points();
 
 }  // namespace umbrage

@@ -22,8 +22,8 @@ void FreeTracedScene::operator()(TracedScene* traced) const {
 
 namespace {
 
-// A ray that leaves a surface starts this share of the hit's distance from the scene's origin and from the eye away
-// from it; float positions are exact to 6e-8 of their size.
+// Offset of a ray that leaves a surface, as a fraction of the hit's distance from the scene's origin and from the
+// camera; float positions are accurate to 6e-8 of their size.
 constexpr float kStartOffset = 4e-6f;
 
 bool is_masked(const TracedScene& traced, const Mesh& mesh) {
@@ -31,7 +31,7 @@ bool is_masked(const TracedScene& traced, const Mesh& mesh) {
   return material.alpha_mask && material.texture != kNoTexture && !mesh.uvs.empty();
 }
 
-/// Lets rays through where a texture's alpha is cut away.
+/// Filter function of Embree: rejects hits where the texture's alpha is below the cutoff.
 void cut_away(const RTCFilterFunctionNArguments* args) {
   const auto& traced = *static_cast<const TracedScene*>(args->geometryUserPtr);
   for (unsigned k = 0; k < args->N; ++k) {
@@ -44,7 +44,7 @@ void cut_away(const RTCFilterFunctionNArguments* args) {
   }
 }
 
-/// v at length 1, also where its square leaves the range of floats, as for the normal of a tiny triangle.
+/// Normalizes v, also if its square is outside the range of floats, as for the normal of a tiny triangle.
 glm::vec3 unit(glm::vec3 v) {
   const glm::vec3 size = glm::abs(v);
   const float largest = std::max({size.x, size.y, size.z});
@@ -66,7 +66,7 @@ Surface surface_at(const TracedScene& traced, unsigned mesh_index, unsigned tria
   surface.position = origin + direction * t;
   glm::vec3 geometric = across, normal = across;
   if (mesh.points) {
-    // The normal of a sphere is that of its surface, and of no length in particular.
+    // Embree's normal of a sphere has arbitrary length.
     normal = geometric = mesh.spheres ? unit(across) : mesh.normals[triangle];
   } else {
     const std::uint32_t* i = mesh.indices.data() + std::size_t(triangle) * 3;
@@ -77,7 +77,7 @@ Surface surface_at(const TracedScene& traced, unsigned mesh_index, unsigned tria
   surface.geometric = unit(geometric);
   const float length = glm::length(normal);
   normal = length > 1e-12f ? normal / length : surface.geometric;
-  // Interpolation may not turn a normal past the horizon.
+  // Interpolation must not tilt a normal past the horizon.
   if (const float away = glm::dot(normal, direction); away > 0.0f) {
     constexpr float kPastHorizon = 1.001f;
     normal = glm::normalize(normal - direction * (away / glm::dot(direction, direction) * kPastHorizon));
@@ -86,11 +86,11 @@ Surface surface_at(const TracedScene& traced, unsigned mesh_index, unsigned tria
   return surface;
 }
 
-glm::vec3 start_above(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from) {
+glm::vec3 ray_origin_above(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from) {
   const glm::vec3 extent = glm::abs(surface.position) + glm::abs(surface.position - seen_from);
   float height = kStartOffset * std::max({extent.x, extent.y, extent.z});
   const Mesh& mesh = *surface.mesh;
-  if (mesh.points && !mesh.spheres) height += kAboveDisc * traced.scale * mesh.radii[surface.triangle];
+  if (mesh.points && !mesh.spheres) height += kDiscRayOffset * traced.scale * mesh.radii[surface.triangle];
   return surface.position + surface.geometric * height;
 }
 
@@ -103,20 +103,20 @@ glm::vec3 mesh_color(const Surface& surface) {
          mesh.colors[i[2]] * surface.v;
 }
 
-glm::vec3 start_to_light(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from) {
+glm::vec3 ray_origin_to_light(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from) {
   const Mesh& mesh = *surface.mesh;
-  if (mesh.points) return start_above(traced, surface, seen_from);
+  if (mesh.points) return ray_origin_above(traced, surface, seen_from);
   const std::uint32_t* i = mesh.indices.data() + std::size_t(surface.triangle) * 3;
   const float weights[3] = {1.0f - surface.u - surface.v, surface.u, surface.v};
-  const glm::vec3 start = start_above(traced, surface, seen_from);
-  constexpr float kFlat = 1.0f - 1e-6f;  // cosine: a triangle is then cut off by less than 0.1 % of its size
+  const glm::vec3 start = ray_origin_above(traced, surface, seen_from);
+  constexpr float kFlat = 1.0f - 1e-6f;  // cosine: at most 0.1 % of a triangle's size is cut off
   const auto is_flat = [&](int k) { return std::abs(glm::dot(mesh.normals[i[k]], surface.geometric)) > kFlat; };
   if (is_flat(0) && is_flat(1) && is_flat(2)) return start;
   glm::vec3 lift(0.0f);
   for (int k = 0; k < 3; ++k) {
     glm::vec3 normal = mesh.normals[i[k]];
     if (glm::dot(normal, surface.geometric) < 0.0f) normal = -normal;
-    // How far the point is below the plane of the vertex.
+    // Distance of the point below the tangent plane of the vertex.
     const float below = -glm::dot(surface.position - traced.unit_of(mesh.positions[i[k]]), normal);
     lift += normal * (weights[k] * std::max(below, 0.0f));
   }
@@ -125,9 +125,9 @@ glm::vec3 start_to_light(const TracedScene& traced, const Surface& surface, glm:
 
 namespace {
 
-/// Hands a mesh over to Embree, moved to unit space. False where memory is short.
+/// Passes a mesh to Embree, moved to unit space. Returns false if memory is exhausted.
 bool fill_triangles(const TracedScene& traced, const Mesh& mesh, RTCGeometry geometry) {
-  // Embree's own buffers: it reads 16 bytes per vertex, past the end of a shared array of 12.
+  // Embree's own buffers: it reads 16 bytes per vertex, beyond the end of a shared array of 12.
   void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3),
                                            mesh.positions.size());
   void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
@@ -156,12 +156,12 @@ bool fill_points(const TracedScene& traced, const Mesh& mesh, RTCGeometry geomet
 
 }  // namespace
 
-Result<TracedScenePtr> trace_ready(const Scene& scene, int threads, const ProgressMonitor& monitor) {
+Result<TracedScenePtr> build_traced_scene(const Scene& scene, int threads, const ProgressMonitor& monitor) {
   tbb::task_arena arena(threads);
-  return arena.execute([&] { return trace_ready(scene, monitor); });
+  return arena.execute([&] { return build_traced_scene(scene, monitor); });
 }
 
-Result<TracedScenePtr> trace_ready(const Scene& scene, const ProgressMonitor& monitor) {
+Result<TracedScenePtr> build_traced_scene(const Scene& scene, const ProgressMonitor& monitor) {
   Watch watch(monitor, 1);
   TracedScenePtr traced(new TracedScene);
   traced->scene = &scene;
@@ -198,7 +198,7 @@ Result<TracedScenePtr> trace_ready(const Scene& scene, const ProgressMonitor& mo
     rtcAttachGeometryByID(traced->rtc, geometry, unsigned(m));
     rtcReleaseGeometry(geometry);
   }
-  // Called by all threads that build; the one that asks builds, too.
+  // Called by all threads that build, including the calling one.
   if (monitor)
     rtcSetSceneProgressMonitorFunction(
         traced->rtc,

@@ -1,11 +1,11 @@
-// classify(): silhouettes, thin things and open surfaces from depth and normals.
+// classify(): silhouettes, thin objects and open surfaces from depth and normals.
 //
-// All rests on one question: is there a jump in depth between two neighbouring pixels? Each has a tangent plane. On one
-// smooth surface, however steep, either point lies on the other's plane. In a corner each lies in front of the other's
-// plane, on a convex edge each behind it: the planes meet between the pixels. Only where the nearer point lies in front
-// of the farther one's plane, and the farther one behind the nearer one's, is there a gap that neither plane explains.
-// At the rim of a round thing the last pixel's plane may be so steep that it explains anything; there the pixel before
-// it is asked too.
+// The basis is a test for a depth discontinuity between two neighbouring pixels. Each pixel has a tangent plane. On one
+// smooth surface, however steep, each point lies on the other's plane. At a concave crease each lies in front of the
+// other's plane, at a convex one each lies behind it: the planes meet between the pixels. Only where the nearer point
+// lies in front of the farther one's plane, and the farther point behind the nearer one's, is there a gap that neither
+// plane explains. At the silhouette of a round object the last pixel's plane may be so steep that it explains any gap;
+// there the pixel before it is tested, too.
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -21,33 +21,33 @@
 namespace umbrage {
 namespace {
 
-// A point lies off a plane by more than this many sizes of a pixel (kernel/surface.kernel.h) for each pixel between the
-// two points. 1 is what a round thing explains: where it turns edge-on within n pixels of the picture, it falls behind
-// its tangent plane by n of them.
+// Tolerance of a point's distance from a plane, in pixel sizes (kernel/surface.kernel.h) per pixel between the two
+// points. 1 allows for a round object: where it turns edge-on within n pixels of the picture, it falls behind its
+// tangent plane by n pixel sizes.
 constexpr float kTolerancePx = 1.0f;
 
-// Silhouettes reach 2 pixels to either side of a jump in a picture 1024 high: the width over which a screen-space
-// technique mixes both sides when it filters or lacks a neighbour.
-constexpr double kSilhouetteShare = 2.0 / 1024.0;
-constexpr int kSilhouetteLeast = 1;
+// Silhouettes extend 2 pixels to either side of a discontinuity in a picture 1024 pixels high: the width over which a
+// screen-space technique mixes both sides when it filters or lacks a neighbour.
+constexpr double kSilhouetteFraction = 2.0 / 1024.0;
+constexpr int kSilhouetteMin = 1;
 
-// Thin is what a tenth of a usual radius (a tenth of the height) spans: samples step over it or take it for a wall.
-constexpr double kThinShare = 0.01;
-constexpr int kThinLeast = 2;
+// Thin is a tenth of a usual radius (a tenth of the height): samples step over it or take it for a wall.
+constexpr double kThinFraction = 0.01;
+constexpr int kThinMin = 2;
 
-// The frame's border: as far as the inner half of a usual radius reaches, where samples lie that count most.
-constexpr double kBorderShare = 0.04;
-constexpr int kBorderLeast = 1;
+// The picture's border: as wide as the inner half of a usual radius, where the samples with the largest weight lie.
+constexpr double kBorderFraction = 0.04;
+constexpr int kBorderMin = 1;
 
-int share_of(int size, double share, int least) { return std::max(least, int(std::lround(size * share))); }
+int share_of(int size, double share, int min) { return std::max(min, int(std::lround(size * share))); }
 
-/// What a pixel shows: a point of a surface in view space.
+/// The visible surface point of a pixel, view space.
 struct Surfel {
   bool covered = false;
   scalar::Vec3 point{}, normal{};
 };
 
-/// Reads the surfels of one row.
+/// Computes the surfels of one row.
 class SurfelRows {
  public:
   explicit SurfelRows(const GBuffer& gbuffer) : depth_(gbuffer.layers[0].plane("depth")) {
@@ -67,14 +67,15 @@ class SurfelRows {
     for (int x = 0; x < depth_.width; ++x) out[x] = at(x, y);
   }
 
-  /// Whether a point, the next pixel's, lies off a surfel's plane towards the viewer, and no wrong normal explains it.
-  bool lies_before(const Surfel& surfel, const Surfel& point) const {
+  /// Returns whether the next pixel's point is in front of the surfel's plane by more than an error of the normal
+  /// explains.
+  bool is_in_front(const Surfel& surfel, const Surfel& point) const {
     return surface_.plane_distance(surfel.point, surfel.normal, point.point, kTolerancePx) > 1.0f;
   }
 
-  /// Whether a point, so many pixels away, lies off it away from the viewer, as the normal says: a rim's plane, steep
-  /// as it is, would be wrong by enough to explain anything.
-  bool lies_behind(const Surfel& surfel, const Surfel& point, int pixels) const {
+  /// Returns whether a point `pixels` pixels away is behind the surfel's plane. The normal is taken as exact: with an
+  /// allowance for its error, the steep plane at a silhouette would explain any gap.
+  bool is_behind(const Surfel& surfel, const Surfel& point, int pixels) const {
     return surface_.plane_distance_px(surfel.point, surfel.normal, point.point) < -kTolerancePx * float(pixels);
   }
 
@@ -94,47 +95,47 @@ class SurfelRows {
   std::array<const Plane*, 3> normal_{};
 };
 
-/// Between a pixel and its neighbour: the jump's direction, or none.
-enum class Jump : std::int8_t { kNone, kDown, kUp };  // kDown: the neighbour is farther
+/// The direction of a depth discontinuity from a pixel to its neighbour, or none.
+enum class Discontinuity : std::int8_t { kNone, kDown, kUp };  // kDown: the neighbour is farther
 
-/// The middle two of four surfels in a line.
-Jump jump_between(const SurfelRows& rows, const Surfel& before, const Surfel& pixel, const Surfel& neighbour,
-                  const Surfel& beyond) {
-  if (!pixel.covered && !neighbour.covered) return Jump::kNone;
+/// Returns the discontinuity between the middle two of four surfels in a line.
+Discontinuity discontinuity_between(const SurfelRows& rows, const Surfel& before, const Surfel& pixel,
+                                    const Surfel& neighbour, const Surfel& beyond) {
+  if (!pixel.covered && !neighbour.covered) return Discontinuity::kNone;
   const bool down = !neighbour.covered || (pixel.covered && pixel.point.z >= neighbour.point.z);
   if (pixel.covered && neighbour.covered) {
     const Surfel &near = down ? pixel : neighbour, &far = down ? neighbour : pixel;
     const Surfel& next_to_near = down ? before : beyond;
-    if (!rows.lies_before(far, near)) return Jump::kNone;
-    if (!rows.lies_behind(near, far, 1) && !(next_to_near.covered && rows.lies_behind(next_to_near, far, 2)))
-      return Jump::kNone;
+    if (!rows.is_in_front(far, near)) return Discontinuity::kNone;
+    if (!rows.is_behind(near, far, 1) && !(next_to_near.covered && rows.is_behind(next_to_near, far, 2)))
+      return Discontinuity::kNone;
   }
-  return down ? Jump::kDown : Jump::kUp;
+  return down ? Discontinuity::kDown : Discontinuity::kUp;
 }
 
-/// The neighbours that each pixel is compared with; the others are theirs.
+/// The neighbours with which each pixel is compared; the opposite ones compare with it.
 struct Step {
   int x, y;
 };
 constexpr std::array<Step, 4> kSteps = {{{1, 0}, {0, 1}, {1, 1}, {-1, 1}}};
-constexpr int kStraightSteps = 2;  // those along the axes come first
-constexpr int kMargin = 2;         // how far a step's line of four surfels reaches beyond the frame
+constexpr int kStraightSteps = 2;  // the steps along the axes come first
+constexpr int kMargin = 2;         // reach of a step's line of four surfels beyond the picture
 
-/// The jumps between each pixel and its neighbours.
-struct JumpMap {
+/// The discontinuities between each pixel and its neighbours.
+struct DiscontinuityMap {
   int width, height;
-  std::array<std::vector<Jump>, kSteps.size()> jumps;  ///< kNone beyond the frame
+  std::array<std::vector<Discontinuity>, kSteps.size()> jumps;  ///< kNone beyond the picture
 
   bool inside(int x, int y) const { return x >= 0 && x < width && y >= 0 && y < height; }
-  Jump at(int step, int x, int y) const { return jumps[step][std::size_t(y) * width + x]; }
+  Discontinuity at(int step, int x, int y) const { return jumps[step][std::size_t(y) * width + x]; }
 };
 
-JumpMap find_jumps(const SurfelRows& surfels, int width, int height) {
-  JumpMap map{width, height, {}};
-  for (auto& jumps : map.jumps) jumps.assign(std::size_t(width) * height, Jump::kNone);
-  constexpr int kGrain = 32;  // rows of one task: enough to outweigh the rows that it reads above and below
+DiscontinuityMap find_discontinuities(const SurfelRows& surfels, int width, int height) {
+  DiscontinuityMap map{width, height, {}};
+  for (auto& jumps : map.jumps) jumps.assign(std::size_t(width) * height, Discontinuity::kNone);
+  constexpr int kGrain = 32;  // rows per task: enough to outweigh the extra rows read above and below
   tbb::parallel_for(tbb::blocked_range<int>(0, height, kGrain), [&](const tbb::blocked_range<int>& rows) {
-    // Rows y - 1 to y + 2, of which row r is kept at r mod 4.
+    // Rows y - 1 to y + 2; row r is stored at index r mod 4.
     std::array<std::vector<Surfel>, 4> kept;
     const auto row = [&](int r) -> std::vector<Surfel>& { return kept[(r + 4) % 4]; };
     const auto read = [&](int r) {
@@ -151,22 +152,23 @@ JumpMap find_jumps(const SurfelRows& surfels, int width, int height) {
         };
         for (int x = 0; x < width; ++x)
           if (map.inside(x + dx, y + dy))
-            map.jumps[s][std::size_t(y) * width + x] = jump_between(surfels, at(x, -1), at(x, 0), at(x, 1), at(x, 2));
+            map.jumps[s][std::size_t(y) * width + x] =
+                discontinuity_between(surfels, at(x, -1), at(x, 0), at(x, 1), at(x, 2));
       }
     }
   });
   return map;
 }
 
-/// Marks the pixels that are at most `reach` from a jump along the axes; 1 is beside it.
-std::vector<char> mark_silhouettes(const JumpMap& map, int reach) {
+/// Marks pixels at most `reach` pixels along the axes from a discontinuity; 1: only the pixels beside it.
+std::vector<char> mark_silhouettes(const DiscontinuityMap& map, int reach) {
   const int width = map.width, height = map.height;
   const std::size_t size = std::size_t(width) * height;
   std::vector<char> beside(size, 0), along(size, 0), marked(size, 0);
   for (int s = 0; s < kStraightSteps; ++s)
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) {
-        if (map.at(s, x, y) == Jump::kNone) continue;
+        if (map.at(s, x, y) == Discontinuity::kNone) continue;
         beside[std::size_t(y) * width + x] = 1;
         beside[std::size_t(y + kSteps[s].y) * width + x + kSteps[s].x] = 1;
       }
@@ -186,8 +188,8 @@ std::vector<char> mark_silhouettes(const JumpMap& map, int reach) {
   return marked;
 }
 
-/// Marks runs of at most `most` pixels along the step that begin with a jump up and end with a jump down.
-void mark_runs(const JumpMap& map, int step, int most, std::vector<char>& marked) {
+/// Marks runs of at most `most` pixels along the step that begin with a kUp and end with a kDown.
+void mark_runs(const DiscontinuityMap& map, int step, int max, std::vector<char>& marked) {
   const auto [dx, dy] = kSteps[step];
   for (int y0 = 0; y0 < map.height; ++y0)
     for (int x0 = 0; x0 < map.width; ++x0) {
@@ -195,16 +197,16 @@ void mark_runs(const JumpMap& map, int step, int most, std::vector<char>& marked
       constexpr int kNoRun = -1;
       int begin = kNoRun;
       for (int i = 0; map.inside(x0 + i * dx, y0 + i * dy); ++i) {
-        const Jump jump = map.at(step, x0 + i * dx, y0 + i * dy);
-        if (jump == Jump::kNone) continue;
-        if (jump == Jump::kDown && begin != kNoRun && i - begin < most)
+        const Discontinuity jump = map.at(step, x0 + i * dx, y0 + i * dy);
+        if (jump == Discontinuity::kNone) continue;
+        if (jump == Discontinuity::kDown && begin != kNoRun && i - begin < max)
           for (int j = begin; j <= i; ++j) marked[std::size_t(y0 + j * dy) * map.width + x0 + j * dx] = 1;
-        begin = jump == Jump::kUp ? i + 1 : kNoRun;
+        begin = jump == Discontinuity::kUp ? i + 1 : kNoRun;
       }
     }
 }
 
-std::vector<char> mark_thin(const JumpMap& map, int width) {
+std::vector<char> mark_thin(const DiscontinuityMap& map, int width) {
   std::vector<char> marked(std::size_t(map.width) * map.height, 0);
   const int diagonal = std::max(1, int(width / std::numbers::sqrt2));
   for (int s = 0; s < int(kSteps.size()); ++s) mark_runs(map, s, s < kStraightSteps ? width : diagonal, marked);
@@ -222,10 +224,10 @@ ClassMap classify(const GBuffer& gbuffer) {
   if (!depth) return map;
 
   const SurfelRows surfels(gbuffer);
-  const JumpMap jumps = find_jumps(surfels, width, height);
-  const auto silhouette = mark_silhouettes(jumps, share_of(height, kSilhouetteShare, kSilhouetteLeast));
-  const auto thin = mark_thin(jumps, share_of(height, kThinShare, kThinLeast));
-  const int border = share_of(std::min(width, height), kBorderShare, kBorderLeast);
+  const DiscontinuityMap jumps = find_discontinuities(surfels, width, height);
+  const auto silhouette = mark_silhouettes(jumps, share_of(height, kSilhouetteFraction, kSilhouetteMin));
+  const auto thin = mark_thin(jumps, share_of(height, kThinFraction, kThinMin));
+  const int border = share_of(std::min(width, height), kBorderFraction, kBorderMin);
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
       if (!surfels.is_surface(x, y)) continue;

@@ -1,4 +1,4 @@
-// What counts in a comparison: the covered pixels of a plane, with numbers in place of what is none.
+// The values that count in a comparison: those of covered pixels, with NaN and infinity replaced.
 #pragma once
 #include <cmath>
 
@@ -10,7 +10,7 @@ inline bool is_counted(PixelClass pixel) { return pixel != PixelClass::kBackgrou
 
 inline float finite_or_zero(float value) { return std::isfinite(value) ? value : 0.0f; }
 
-/// One row of a plane as it counts: `background` where there is no surface, 0 where there is no number.
+/// Copies a row of a plane: `background` where there is no surface, 0 where the value is not finite.
 inline void counted_row(const float* values, const PixelClass* classes, int width, float background, float* out) {
   for (int x = 0; x < width; ++x) out[x] = is_counted(classes[x]) ? finite_or_zero(values[x]) : background;
 }

@@ -1,10 +1,10 @@
-// FLIP for low dynamic range [Andersson et al. 2020]: how much two pictures seem to differ to somebody who flips
-// between them on a screen.
+// FLIP for low dynamic range [Andersson et al. 2020]: the difference that a viewer perceives when flipping between two
+// pictures on a screen.
 //
-// Colour: both pictures are blurred as the eye does at that distance, each opponent channel by its own contrast
-// sensitivity, and compared in a perceptual space. Features: edges and points that only one of them shows add to that.
-// All filters are Gaussians, derivatives of Gaussians or sums of them, hence separable. At the frame's border the last
-// pixel is repeated. Grey pictures need only the achromatic channel: in the others they are 0.
+// Colour: both pictures are blurred by the contrast sensitivity of the eye at that distance, per opponent channel, and
+// compared in a perceptual space. Features: edges and points that only one of them shows increase the error. All
+// filters are Gaussians, derivatives of Gaussians or sums of them, hence separable. At the border the last pixel is
+// repeated. Grey pictures need only the achromatic channel: the other ones are 0.
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -29,8 +29,8 @@ using std::numbers::pi;
 // The paper's viewer sits 0.7 m from a screen 0.7 m wide of 3840 pixels.
 constexpr double kPixelsPerDegree = 3840.0 * (0.7 / 0.7) * pi / 180.0;
 
-// The paper's parameters of the colour difference: exponent, and the share of the largest difference that is mapped to
-// the share kPointT of the error's range.
+// The paper's parameters of the colour difference: exponent, and the fraction of the max difference that is mapped to
+// the fraction kPointT of the error's range.
 constexpr float kColourExponent = 0.7f, kPointC = 0.4f, kPointT = 0.95f;
 
 // The paper's parameters of the feature difference: exponent, and the width in degrees between the peaks of the
@@ -47,26 +47,26 @@ const std::vector<Sensitivity> kRedGreen = {{1.0, 0.0053}};
 const std::vector<Sensitivity> kBlueYellow = {{34.1, 0.04}, {13.5, 0.025}};
 constexpr double kMaxB = 0.04;
 
-constexpr int kGrain = 16;  // rows of one task: enough to outweigh its scratch memory
+constexpr int kGrain = 16;  // rows per task: enough to outweigh its scratch memory
 
-/// A filter along one axis: weights at distance 0, 1, ... on the far side, and sign times those on the near side.
+/// A filter along one axis: weights at distances 0, 1, ... on the far side; `sign` times those on the near side.
 struct Kernel {
   std::vector<float> weights;
   float sign = 1.0f;
 };
 
-/// A Gaussian blur: share x the Gaussian along both axes, summed over the terms.
+/// A term of a blur: `share` times the Gaussian along both axes.
 struct Blur {
   float share;
   Kernel gaussian;
 };
 
-/// Reach of a filter: 3 standard deviations, given in pixels.
+/// Returns the reach of a filter with a standard deviation in pixels: 3 standard deviations.
 int reach(double deviation) { return int(std::ceil(3.0 * deviation)); }
 
 int blur_reach() { return reach(std::sqrt(kMaxB / (2.0 * pi * pi)) * kPixelsPerDegree); }
 
-/// Weights at 0 to `radius`, divided by the sum over both sides.
+/// Normalizes weights at 0 to `radius` by the sum over both sides.
 Kernel even_kernel(const std::vector<double>& weights) {
   double sum = weights[0];
   for (std::size_t k = 1; k < weights.size(); ++k) sum += 2.0 * weights[k];
@@ -95,7 +95,7 @@ std::vector<Blur> blur_of(const std::vector<Sensitivity>& terms) {
   return blurs;
 }
 
-/// The feature detectors along their axis, and the Gaussian that both have across it. Positive weights sum to 1 and
+/// The feature detectors along their axis, and the Gaussian across it, which both use. Positive weights sum to 1,
 /// negative ones to -1.
 struct Detectors {
   Kernel across, edge, point;
@@ -120,7 +120,7 @@ Detectors make_detectors() {
   return detectors;
 }
 
-/// How far any of the filters looks.
+/// Returns the max reach of all filters.
 int farthest_reach() {
   const auto reach = [](const Kernel& kernel) { return int(kernel.weights.size()) - 1; };
   static const int farthest = [&] {
@@ -130,7 +130,7 @@ int farthest_reach() {
   return farthest;
 }
 
-/// A row with its ends repeated beyond either side, so that filters need not look where they are.
+/// A row whose end values are repeated on either side, so that filters need no bounds checks.
 struct Row {
   explicit Row(int width) : values(width + 2 * farthest_reach()) {}
   std::vector<float> values;
@@ -153,7 +153,7 @@ void filter_down(const Plane& plane, int y, const Kernel& kernel, Row& out) {
   std::fill(sums + width, out.values.data() + out.values.size(), sums[width - 1]);
 }
 
-/// Filters along a row; adds to `out`.
+/// Filters along a row and adds the result to `out`.
 void filter_along(const Row& row, const Kernel& kernel, float share, std::vector<float>& out) {
   const int width = int(out.size());
   const float* centre = row.begin();
@@ -187,7 +187,7 @@ const Matrices& matrices() {
   return made;
 }
 
-/// The curve of L*a*b*: a cube root with a straight foot.
+/// The curve of L*a*b*: a cube root with a linear segment near 0.
 float lab_curve(float t) {
   constexpr float kFoot = 6.0f / 29.0f;
   return t > kFoot * kFoot * kFoot ? std::cbrt(t) : t / (3.0f * kFoot * kFoot) + 4.0f / 29.0f;
@@ -203,10 +203,10 @@ glm::vec3 hunt_lab(glm::vec3 rgb) {
   return {l, hunt * 500.0f * (f.x - f.y), hunt * 200.0f * (f.y - f.z)};
 }
 
-/// The HyAB distance: lightness counts beside hue and chroma, not with them.
+/// Returns the HyAB distance: the difference of lightness is added to the distance of hue and chroma.
 float hyab(glm::vec3 a, glm::vec3 b) { return std::abs(a.x - b.x) + std::hypot(a.y - b.y, a.z - b.z); }
 
-/// The error from 0 to 1 of a HyAB distance: most of the range goes to differences below those of pure colours.
+/// Maps a HyAB distance to an error from 0 to 1: most of the range is for differences below those of pure colours.
 float colour_error(float distance) {
   static const float largest =
       std::pow(hyab(hunt_lab({0.0f, 1.0f, 0.0f}), hunt_lab({0.0f, 0.0f, 1.0f})), kColourExponent);
@@ -215,7 +215,7 @@ float colour_error(float distance) {
   return kPointT + (power - knee) / (largest - knee) * (1.0f - kPointT);
 }
 
-/// A picture's opponent channels, YCxCz less the scale and offset of each: a grey picture has Y alone.
+/// Returns a picture's opponent channels: YCxCz without the scale and offset of each. A grey picture has only Y.
 std::vector<Plane> opponent_channels(const Image& image, const ClassMap& classes) {
   const int width = classes.width, height = classes.height;
   const std::size_t channels = image.planes.size();
@@ -241,7 +241,7 @@ std::vector<Plane> opponent_channels(const Image& image, const ClassMap& classes
   return out;
 }
 
-/// What the eye sees along one row of a picture.
+/// Filtered values of one row of a picture.
 struct Seen {
   std::array<std::vector<float>, 3> colour;  ///< blurred opponent channels
   std::array<std::vector<float>, 2> edge, point;
@@ -252,7 +252,7 @@ struct Eye {
   Detectors detectors = make_detectors();
 };
 
-void see_row(const Eye& eye, const std::vector<Plane>& channels, int y, Row& scratch, Seen& seen) {
+void filter_row(const Eye& eye, const std::vector<Plane>& channels, int y, Row& scratch, Seen& seen) {
   const int width = channels[0].width;
   for (std::size_t c = 0; c < channels.size(); ++c) {
     seen.colour[c].assign(width, 0.0f);
@@ -275,7 +275,7 @@ void see_row(const Eye& eye, const std::vector<Plane>& channels, int y, Row& scr
   filter_along(scratch, detectors.across, 1.0f, seen.point[1]);
 }
 
-/// Distance of the colours that the eye sees in pixel x.
+/// Returns the distance of the blurred colours of pixel x.
 float colour_distance(const Seen& a, const Seen& b, int x, bool grey) {
   if (grey) return std::abs(lightness(a.colour[0][x]) - lightness(b.colour[0][x]));
   const auto lab = [x](const Seen& seen) {
@@ -286,14 +286,14 @@ float colour_distance(const Seen& a, const Seen& b, int x, bool grey) {
   return hyab(lab(a), lab(b));
 }
 
-/// Difference of the features in pixel x, from 0 to 1.
+/// Returns the difference of the features of pixel x, 0 to 1.
 float feature_error(const Seen& a, const Seen& b, int x) {
   const auto strength = [x](const std::array<std::vector<float>, 2>& feature) {
     return std::sqrt(feature[0][x] * feature[0][x] + feature[1][x] * feature[1][x]);
   };
-  const float most =
+  const float max =
       std::max(std::abs(strength(a.edge) - strength(b.edge)), std::abs(strength(a.point) - strength(b.point)));
-  return std::pow(most / std::numbers::sqrt2_v<float>, kFeatureExponent);
+  return std::pow(max / std::numbers::sqrt2_v<float>, kFeatureExponent);
 }
 
 }  // namespace
@@ -306,18 +306,18 @@ Plane flip_map(const Image& picture, const Image& truth, const ClassMap& classes
   static const Eye eye;
   const bool grey = picture.planes.size() == 1;
   const std::vector<Plane> channels = opponent_channels(picture, classes);
-  const std::vector<Plane> true_channels = opponent_channels(truth, classes);
+  const std::vector<Plane> reference_channels = opponent_channels(truth, classes);
   tbb::parallel_for(tbb::blocked_range<int>(0, height, kGrain), [&](const tbb::blocked_range<int>& rows) {
     Row scratch(width);
-    Seen seen, truly_seen;
+    Seen seen, reference_seen;
     for (int y = rows.begin(); y < rows.end(); ++y) {
-      see_row(eye, channels, y, scratch, seen);
-      see_row(eye, true_channels, y, scratch, truly_seen);
+      filter_row(eye, channels, y, scratch, seen);
+      filter_row(eye, reference_channels, y, scratch, reference_seen);
       for (int x = 0; x < width; ++x) {
         if (!is_counted(classes.row(y)[x])) continue;
-        const float distance = colour_distance(seen, truly_seen, x, grey);
+        const float distance = colour_distance(seen, reference_seen, x, grey);
         if (distance == 0.0f) continue;
-        map.row(y)[x] = std::pow(colour_error(distance), 1.0f - feature_error(seen, truly_seen, x));
+        map.row(y)[x] = std::pow(colour_error(distance), 1.0f - feature_error(seen, reference_seen, x));
       }
     }
   });

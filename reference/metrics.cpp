@@ -1,4 +1,4 @@
-// score(): sums per row and class, then over the rows in order, so that the number of threads changes no bit.
+// score(): sums per row and class, then over the rows in order, so that the result is independent of the threads.
 #include "reference/metrics.h"
 
 #include <tbb/parallel_for.h>
@@ -15,7 +15,7 @@
 namespace umbrage {
 namespace {
 
-/// Sums over pixels; errors also over the planes.
+/// Sums over pixels; errors are also summed over the planes.
 struct Sums {
   long pixels = 0;
   double squares = 0.0, errors = 0.0, ssim = 0.0, flip = 0.0;
@@ -53,7 +53,7 @@ ClassSums sum_row(const Image& picture, const Image& truth, const ClassMap& clas
   return sums;
 }
 
-/// The absolute errors of each class, all planes in one.
+/// Returns the absolute errors of each class, over all planes.
 std::array<std::vector<float>, kPixelClasses> absolute_errors(const Image& picture, const Image& truth,
                                                               const ClassMap& classes) {
   std::array<std::vector<float>, kPixelClasses> errors;
@@ -67,7 +67,7 @@ std::array<std::vector<float>, kPixelClasses> absolute_errors(const Image& pictu
   return errors;
 }
 
-/// The smallest value that 99 % of `values` do not exceed; reorders them.
+/// Returns the 99th percentile of `values`, which it reorders.
 double percentile_99(std::vector<float>& values) {
   if (values.empty()) return 0.0;
   const std::size_t rank = (values.size() * 99 + 99) / 100;

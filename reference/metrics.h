@@ -1,8 +1,7 @@
-// Metrics: how far a picture is from the truth, over all that is covered and by class of pixel.
+// Metrics: the error of a picture against the reference, over all covered pixels and by class of pixel.
 //
-// A picture is one plane (occlusion, shown on a screen as it is) or three (light, linear Rec.709, shown through the
-// sRGB curve). Values are meant for [0, 1]; what lies outside counts as it is in the errors and is clamped where the
-// eye is asked (FLIP).
+// A picture is one plane (occlusion, display values) or three (light, linear Rec.709, displayed with the sRGB curve).
+// Values are expected in [0, 1]; others count unchanged in the errors and are clamped in the perceptual metric (FLIP).
 #pragma once
 #include <array>
 #include <cstddef>
@@ -15,15 +14,15 @@
 
 namespace umbrage {
 
-/// Where in the picture a pixel lies. Each covered pixel has one class: the first of this order that fits.
+/// The class of a covered pixel: the first of this order that applies.
 enum class PixelClass : std::uint8_t {
-  kBorder,      ///< near the frame's border, behind which a screen-space technique sees nothing
-  kThin,        ///< on something narrow that stands before something farther
-  kSilhouette,  ///< beside a jump in depth, on either side
+  kBorder,      ///< near the picture's border, beyond which a screen-space technique has no data
+  kThin,        ///< on a narrow surface in front of a farther one
+  kSilhouette,  ///< beside a depth discontinuity, on either side
   kOpen,        ///< all other surfaces
   kBackground,  ///< no surface: never counted
 };
-inline constexpr int kPixelClasses = 4;  // those that are counted
+inline constexpr int kPixelClasses = 4;  // without kBackground
 inline constexpr std::array<std::string_view, kPixelClasses> kPixelClassNames = {"border", "thin", "silhouette",
                                                                                  "open"};
 
@@ -34,19 +33,19 @@ struct ClassMap {
   const PixelClass* row(int y) const { return classes.data() + std::size_t(y) * width; }
 };
 
-/// Sorts the pixels of a G-buffer's first layer by its planes `depth` and `normal` and the camera. Nothing depends on
-/// the scene's scale; widths follow the picture's height, so that a thing keeps its class at any resolution. Without a
-/// depth all is background; a normal that is missing, 0 or no number counts as facing the viewer.
+/// Classifies the pixels of a G-buffer's first layer by its planes `depth` and `normal` and the camera. The result does
+/// not depend on the scene's scale; widths are proportional to the picture's height, so that an object keeps its class
+/// at any resolution. Without a depth plane all is background; a normal that is missing, 0 or NaN faces the viewer.
 ClassMap classify(const GBuffer& gbuffer);
 
-/// Scores over a set of pixels; channels count alike. Of no pixels: all 0, psnr infinite, ssim 1.
+/// Scores over a set of pixels; all channels have the same weight. For no pixels: all 0, psnr infinite, ssim 1.
 struct Scores {
   long pixels = 0;
   double rmse = 0.0;  ///< root of the mean squared error
-  double bias = 0.0;  ///< mean of picture minus truth: below 0 is too dark
-  double psnr = 0.0;  ///< dB, for a peak of 1; infinite where the pictures are equal
+  double bias = 0.0;  ///< mean of picture minus reference; < 0: too dark
+  double psnr = 0.0;  ///< dB, for a peak of 1; infinite if the pictures are equal
   double ssim = 1.0;  ///< mean structural similarity [Wang et al. 2004]
-  double p99 = 0.0;   ///< the smallest number that 99 % of the absolute errors do not exceed
+  double p99 = 0.0;   ///< 99th percentile of the absolute errors
   double flip = 0.0;  ///< mean of the perceptual error [Andersson et al. 2020], 0 to 1
 };
 
@@ -55,23 +54,23 @@ struct ScoreCard {
   std::array<Scores, kPixelClasses> by_class;
 };
 
-/// Compares a picture with the truth: both one plane or both three, in the same order, of the map's size. A value that
-/// is infinite or no number counts as 0. The scores are the same to the bit on any number of threads.
+/// Compares a picture with the reference. Both have one or both have three planes, in the same order, of the map's
+/// size. Values that are not finite count as 0. The scores are bitwise identical for any number of threads.
 ScoreCard score(const Image& picture, const Image& truth, const ClassMap& classes);
 
-/// The mean of the truth's light is shown as this much: middle grey.
+/// Display value of the mean of the reference's light: middle grey.
 inline constexpr double kMiddleGrey = 0.18;
 
-/// Mean over the counted pixels and all planes; 0 of none.
+/// Returns the mean over the counted pixels and all planes; 0 if there are none.
 double mean_of(const Image& picture, const ClassMap& classes);
 
-/// Compares light, whose unit means nothing: errors are shares of the truth's mean (a black picture has the bias -1),
-/// and the eye is asked (SSIM, FLIP) at the exposure at which the truth's mean is middle grey. Of a truth that is black
-/// all over: as score().
+/// Compares light of arbitrary unit: errors are relative to the reference's mean (a black picture has a bias of -1),
+/// and the perceptual metrics (SSIM, FLIP) use the exposure at which the reference's mean is middle grey. For a
+/// reference that is black everywhere, as score().
 ScoreCard score_light(const Image& picture, const Image& truth, const ClassMap& classes);
 
-/// The perceptual error of each pixel, as score() uses it. What is background in the map counts as white in both
-/// pictures, and has no error.
+/// Returns the perceptual error of each pixel, as score() uses it. Background of the map counts as white in both
+/// pictures and has no error.
 Plane flip_map(const Image& picture, const Image& truth, const ClassMap& classes);
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// Image metrics on pictures with known answers: closed forms, literal oracles in double, and analytic scenes.
+// Image metrics on pictures with known results: closed forms, literal implementations in double, and analytic scenes.
 #include "reference/metrics.h"
 
 #include <gtest/gtest.h>
@@ -64,7 +64,7 @@ ClassMap all_open(int width, int height) {
   return {width, height, std::vector<PixelClass>(std::size_t(width) * height, PixelClass::kOpen)};
 }
 
-/// Holes of background strewn over a map, a block and single pixels.
+/// Makes a map with holes of background: a block and scattered single pixels.
 ClassMap with_holes(int width, int height) {
   ClassMap map = all_open(width, height);
   for (int y = 0; y < height; ++y)
@@ -78,7 +78,7 @@ Texel noise(unsigned seed) {
   return [seed](int x, int y) { return random_value(seed, x, y); };
 }
 
-/// Smooth waves with a little noise: what pictures are like.
+/// Smooth waves with a little noise, similar to real pictures.
 Texel waves(unsigned seed) {
   return [seed](int x, int y) {
     return 0.5f + 0.3f * std::sin(0.4f * float(x) + float(seed)) * std::cos(0.3f * float(y)) +
@@ -118,7 +118,7 @@ TEST(Metrics, SomePixelsOff) {
   constexpr float kError = -0.5f;
   for (const int off : {90, 100, 110, 2500}) {
     const Image picture = grey(kSide, kSide, [off](int x, int y) {
-      // 7919 is prime to the number of pixels, so that this strews exactly `off` of them.
+      // 7919 is coprime to the number of pixels, so that this scatters exactly `off` of them.
       return 0.75f + ((y * kSide + x) * 7919 % (kSide * kSide) < off ? kError : 0.0f);
     });
     const Scores s = score(picture, flat(kSide, kSide, 0.75f), all_open(kSide, kSide)).covered;
@@ -171,12 +171,12 @@ TEST(Metrics, LightIsMeasuredInItsMean) {
   const Image truth = colour(40, 30, waves(1), waves(2), noise(3)),
               picture = colour(40, 30, noise(4), waves(5), waves(6));
   const ScoreCard card = score_light(picture, truth, map);
-  // The unit means nothing.
+  // The unit does not matter.
   const ScoreCard brighter = score_light(times(picture, 16.0f), times(truth, 16.0f), map);
   EXPECT_NEAR(brighter.covered.rmse, card.covered.rmse, 1e-6);
   EXPECT_NEAR(brighter.covered.flip, card.covered.flip, 1e-6);
   EXPECT_NEAR(brighter.covered.ssim, card.covered.ssim, 1e-6);
-  // Errors are those of score() over the mean.
+  // Errors are those of score(), relative to the mean.
   const double mean = mean_of(truth, map);
   const ScoreCard plain = score(picture, truth, map);
   for (int c = 0; c < kPixelClasses; ++c) {
@@ -185,14 +185,14 @@ TEST(Metrics, LightIsMeasuredInItsMean) {
   }
   EXPECT_NEAR(card.covered.bias, plain.covered.bias / mean, 1e-5);
   EXPECT_NEAR(card.covered.psnr, -20.0 * std::log10(card.covered.rmse), 1e-9);
-  // The eye sees the truth's mean as middle grey.
+  // FLIP shows the reference's mean as middle grey.
   EXPECT_NEAR(
       card.covered.flip,
       score(times(picture, float(kMiddleGrey / mean)), times(truth, float(kMiddleGrey / mean)), map).covered.flip,
       1e-6);
   EXPECT_NEAR(score_light(times(picture, 0.0f), truth, map).covered.bias, -1.0, 1e-6);
   EXPECT_NEAR(score_light(times(truth, 3.0f), truth, map).covered.bias, 2.0, 1e-6);
-  // A black truth has no mean to be measured in.
+  // Errors cannot be relative to the mean of a black reference.
   EXPECT_EQ(score_light(picture, times(truth, 0.0f), map).covered.rmse,
             score(picture, times(truth, 0.0f), map).covered.rmse);
 }
@@ -223,7 +223,7 @@ TEST(Metrics, ClassesAreScoredApart) {
   EXPECT_GT(border.flip, 0.0);
   EXPECT_NEAR(card.covered.bias, (400 * 0.25 + 200 * 0.5) / 1400.0, 1e-12);
   EXPECT_EQ(card.covered.p99, 0.5);
-  // Nothing to count.
+  // No pixels to count.
   EXPECT_EQ(silhouette.rmse, 0.0);
   EXPECT_EQ(silhouette.psnr, kInfinity);
   EXPECT_EQ(silhouette.ssim, 1.0);
@@ -302,7 +302,7 @@ TEST(Metrics, SameBitsOnAnyNumberOfThreads) {
 
 // ---- SSIM
 
-/// The definition: windows of 11 x 11 with Gaussian weights over what is covered, two passes for the variances.
+/// Computes SSIM by its definition: Gaussian windows of 11 x 11 over covered pixels, two passes for the variances.
 double literal_ssim(const Plane& a, const Plane& b, const ClassMap& map) {
   double total = 0.0;
   int pixels = 0;
@@ -365,11 +365,11 @@ TEST(Metrics, SsimKeepsSmallVariances) {
   EXPECT_LT(exact, 1.0 - 1e-5);
 }
 
-// ---- FLIP, literally and in double: two-dimensional kernels, pixel by pixel
+// ---- FLIP, implemented literally in double: two-dimensional kernels, pixel by pixel
 
 using Colour = std::array<double, 3>;
 
-/// A picture as a matrix of colours; beyond the border stands the last pixel.
+/// A picture as a matrix of colours; the last pixel is repeated beyond the border.
 struct Matrix {
   int width, height;
   std::vector<Colour> texels;
@@ -382,7 +382,7 @@ constexpr double kDegree = 3840.0 * kPi / 180.0;  // pixels
 
 double curve(double t) { return t > std::pow(6.0 / 29.0, 3) ? std::cbrt(t) : t * 841.0 / 108.0 + 4.0 / 29.0; }
 
-/// XYZ relative to white at D65, with the matrix of the sRGB primaries in decimals.
+/// Returns XYZ relative to white at D65, with the matrix of the sRGB primaries in decimals.
 Colour relative_xyz(const Colour& c) {
   return {(0.4123865632 * c[0] + 0.3575914909 * c[1] + 0.1804504912 * c[2]) / 0.950428545,
           0.2126368254 * c[0] + 0.7151829819 * c[1] + 0.0721801928 * c[2],
@@ -404,7 +404,7 @@ double literal_colour_error(const Colour& rgb_a, const Colour& rgb_b) {
   return e < 0.4 * largest ? 0.95 * e / (0.4 * largest) : 0.95 + 0.05 * (e - 0.4 * largest) / (0.6 * largest);
 }
 
-/// What the contrast sensitivity leaves of the colour in a pixel, in linear light.
+/// Returns the colour of a pixel, linear light, after filtering with the contrast sensitivity.
 Colour literal_seen(const Matrix& ycxcz, int x, int y) {
   constexpr int kRadius = 10;
   constexpr std::array<std::array<double, 4>, 3> kTerms = {
@@ -428,7 +428,7 @@ Colour literal_seen(const Matrix& ycxcz, int x, int y) {
           std::clamp(0.055639423 * rx - 0.204011202 * ry + 1.057148933 * rz, 0.0, 1.0)};
 }
 
-/// Length of the response to edges (order 1) or points (order 2) in a pixel.
+/// Returns the magnitude of the response to edges (order 1) or points (order 2) in a pixel.
 double literal_feature(const Matrix& ycxcz, int x, int y, int order) {
   const double sd = 0.5 * 0.082 * kDegree;
   const int radius = int(std::ceil(3.0 * sd));
@@ -464,11 +464,11 @@ Matrix literal_ycxcz(const Image& image, const ClassMap& map) {
   return out;
 }
 
-/// Largest difference between flip_map() and the literal error, over what is covered.
+/// Returns the max difference between flip_map() and the literal error, over covered pixels.
 double flip_difference(const Image& picture, const Image& truth, const ClassMap& map) {
   const Plane fast = flip_map(picture, truth, map);
   const Matrix a = literal_ycxcz(picture, map), b = literal_ycxcz(truth, map);
-  double most = 0.0;
+  double max = 0.0;
   for (int y = 0; y < map.height; ++y)
     for (int x = 0; x < map.width; ++x) {
       if (map.row(y)[x] == PixelClass::kBackground) {
@@ -479,9 +479,9 @@ double flip_difference(const Image& picture, const Image& truth, const ClassMap&
       const double point = std::abs(literal_feature(a, x, y, 2) - literal_feature(b, x, y, 2));
       const double feature = std::sqrt(std::max(edge, point) / std::sqrt(2.0));
       const double error = std::pow(literal_colour_error(literal_seen(a, x, y), literal_seen(b, x, y)), 1.0 - feature);
-      most = std::max(most, std::abs(error - fast.at(x, y)));
+      max = std::max(max, std::abs(error - fast.at(x, y)));
     }
-  return most;
+  return max;
 }
 
 TEST(Metrics, FlipIsThePaper) {
@@ -498,8 +498,8 @@ TEST(Metrics, FlipIsThePaper) {
 
 TEST(Metrics, FlipOfConstants) {
   const auto flip = [](const Image& a, const Image& b) { return score(a, b, all_open(30, 30)).covered.flip; };
-  // White and black differ by 100 in L* and by nothing else. L*a*b* of pure green is (87.73, -86.18, 83.18), of pure
-  // blue (32.30, 79.19, -107.86), as colour tables have them.
+  // White and black differ by 100 in L* and in nothing else. L*a*b* of pure green is (87.73, -86.18, 83.18), of pure
+  // blue (32.30, 79.19, -107.86), as in published tables.
   const double chroma = std::hypot(0.8773 * -86.18 - 0.3230 * 79.19, 0.8773 * 83.18 - 0.3230 * -107.86);
   const double largest = std::pow(87.73 - 32.30 + chroma, 0.7);
   const double expected = 0.95 + 0.05 * (std::pow(100.0, 0.7) - 0.4 * largest) / (0.6 * largest);
@@ -507,7 +507,7 @@ TEST(Metrics, FlipOfConstants) {
   EXPECT_NEAR(flip(flat(30, 30, 0.0f), flat(30, 30, 1.0f)), literal_colour_error({0, 0, 0}, {1, 1, 1}), 1e-5);
   // The scale ends at pure green against pure blue.
   EXPECT_NEAR(flip(flat_colour(30, 30, {0, 1, 0}), flat_colour(30, 30, {0, 0, 1})), 1.0, 1e-5);
-  // What lies outside [0, 1] is shown as 0 or 1.
+  // Values outside [0, 1] are displayed as 0 or 1.
   EXPECT_NEAR(flip(flat(30, 30, -3.0f), flat(30, 30, 7.0f)), flip(flat(30, 30, 0.0f), flat(30, 30, 1.0f)), 1e-7);
   EXPECT_EQ(flip(flat(30, 30, 1.0f), flat(30, 30, 7.0f)), 0.0);
 }
@@ -519,7 +519,7 @@ TEST(Metrics, FlipIsSymmetric) {
 }
 
 TEST(Metrics, FlipShowsGreyAsItIs) {
-  // A grey picture is what the screen gets; light passes through the sRGB curve first.
+  // A grey picture holds display values; light passes through the sRGB curve first.
   const Texel a = waves(1), b = waves(2);
   const auto light = [](const Texel& shown) {
     return [shown](int x, int y) {
@@ -554,7 +554,7 @@ TEST(Metrics, FlipSeesALineRatherThanAHaze) {
   EXPECT_GT(soft.at(40, 40), 0.0f);
 }
 
-// ---- classes, on scenes whose every ray is known
+// ---- classes, on analytic scenes
 
 struct Hit {
   double t = kInfinity;
@@ -562,7 +562,7 @@ struct Hit {
   int object = -1;
 };
 
-/// What a ray meets, in view space.
+/// Returns the first hit of a ray, in view space.
 using Scene = std::function<Hit(glm::dvec3 origin, glm::dvec3 direction)>;
 
 Hit nearer(const Hit& a, const Hit& b) { return a.t <= b.t ? a : b; }
@@ -574,7 +574,7 @@ Hit hit_plane(glm::dvec3 o, glm::dvec3 d, glm::dvec3 normal, double offset, int 
   return {t, glm::dot(normal, d) < 0.0 ? normal : -normal, object};
 }
 
-/// A sphere, or an endless cylinder around `axis` (of length 1).
+/// Intersects a sphere, or an infinite cylinder around `axis` (of length 1).
 Hit hit_round(glm::dvec3 o, glm::dvec3 d, glm::dvec3 centre, double radius, int object, glm::dvec3 axis = {0, 0, 0}) {
   const auto across = [axis](glm::dvec3 v) { return v - axis * glm::dot(axis, v); };
   const glm::dvec3 from = across(o - centre), along = across(d);
@@ -591,7 +591,7 @@ struct Cast {
   int object(int x, int y) const { return objects[std::size_t(y) * gbuffer.info.width + x]; }
 };
 
-/// A picture of a scene around depth 10, whose window is there 8 high.
+/// Renders a scene around depth 10, where the window is 8 high.
 Cast cast(int width, int height, Projection projection, const Scene& scene, double scale = 1.0) {
   Cast out;
   out.gbuffer.info.width = width;
@@ -627,7 +627,7 @@ Scene sphere_before_wall(double radius, double gap) {
   };
 }
 
-/// Pixels that see another object than a neighbour, within `reach` along each axis.
+/// Returns whether a pixel within `reach` along each axis shows another object.
 bool near_other(const Cast& picture, int x, int y, int reach) {
   const PictureInfo& info = picture.gbuffer.info;
   for (int j = std::max(y - reach, 0); j <= std::min(y + reach, info.height - 1); ++j)
@@ -643,8 +643,8 @@ bool beside_other(const Cast& picture, int x, int y) {
          (y > 0 && picture.object(x, y - 1) != object) || (y + 1 < info.height && picture.object(x, y + 1) != object);
 }
 
-/// Silhouettes all along the borders of objects, on both sides, and nowhere else. (Where a rim is cut off by the grid
-/// so that few pixels stand side by side, these may count as thin.)
+/// Expects silhouettes along all borders of objects, on both sides, and nowhere else. (Where the grid cuts an outline
+/// so that only a few pixels are side by side, they may count as thin.)
 void expect_outlines(const Cast& picture) {
   const PictureInfo& info = picture.gbuffer.info;
   const ClassMap map = classify(picture.gbuffer);
@@ -693,7 +693,7 @@ TEST(MetricsClasses, SilhouettesAreAsWideAsTheResolutionAsks) {
 }
 
 TEST(MetricsClasses, HalfSunkSphereHasNone) {
-  // Only without perspective: with it, the outline lies before the circle where sphere and wall meet.
+  // Only orthographic: in perspective, the outline is in front of the circle where sphere and wall meet.
   for (const double radius : {0.1, 0.5, 2.0}) {
     const Scene scene = sphere_before_wall(radius, 0.0);
     const ClassMap map = classify(cast(400, 400, Projection::kOrthographic, scene).gbuffer);
@@ -729,7 +729,7 @@ TEST(MetricsClasses, GrazingPlanesWithRoughNormalsHaveNoneAndStepsHave) {
 }
 
 TEST(MetricsClasses, GroundToTheHorizonHasItsEdgeThere) {
-  // The horizon lies between rows 149 and 150, a little above the middle of the picture.
+  // The horizon lies between rows 149 and 150, just above the middle of the picture.
   const Cast ground = cast(300, 300, Projection::kPerspective, [](glm::dvec3 o, glm::dvec3 d) {
     return hit_plane(o, d, {0, 1, 0}, -1.0, 0);
   });
@@ -742,12 +742,12 @@ TEST(MetricsClasses, GroundToTheHorizonHasItsEdgeThere) {
 }
 
 TEST(MetricsClasses, CreasesHaveNone) {
-  // Three planes at random that all face the viewer: the farthest hit is a convex corner, the nearest a room's.
+  // Three random planes that all face the camera: the farthest hit forms a convex corner, the nearest a concave one.
   for (unsigned seed = 0; seed < 24; ++seed) {
     std::array<glm::dvec3, 3> normals;
     for (unsigned i = 0; i < 3; ++i) {
       const double turn = 2.0 * kPi * (i + 0.8 * random_value(seed, 1, int(i))) / 3.0;
-      // Steeper ones would face away, or reach the camera, in a corner of the picture.
+      // Steeper planes would face away, or reach the camera, in a corner of the picture.
       const double tilt = 0.2 + 1.3 * random_value(seed, 2, int(i));
       normals[i] = glm::dvec3(tilt * std::cos(turn), tilt * std::sin(turn), 1.0);
     }
@@ -772,7 +772,7 @@ TEST(MetricsClasses, CreasesHaveNone) {
 }
 
 TEST(MetricsClasses, RodIsThinAtAnyResolution) {
-  // 0.8 % of the height across, before a wall; one of 4 % is not thin.
+  // A rod of 0.8 % of the height in front of a wall is thin; one of 4 % is not.
   for (const Projection projection : kProjections)
     for (const double angle : {0.0, 0.4, kPi / 4.0, kPi / 2.0, 2.5})
       for (const int size : {512, 1024}) {
@@ -836,7 +836,7 @@ TEST(MetricsClasses, AnyInputHasAClass) {
       const bool surface = std::isfinite(depth.at(x, y)) && depth.at(x, y) > 0.0f;
       EXPECT_EQ(map.row(y)[x] != PixelClass::kBackground, surface);
     }
-  // A picture without normals still has its outlines; one without depth has nothing.
+  // A picture without normals still has its silhouettes; one without depth has none.
   GBuffer bare = cast(256, 256, Projection::kPerspective, sphere_before_wall(2.0, 2.0)).gbuffer;
   const int outlines = count(classify(bare), PixelClass::kSilhouette);
   GBuffer no_normals = bare;

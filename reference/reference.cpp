@@ -12,23 +12,23 @@ const std::vector<Parameter> kTable = {
     int_row("samples", &ReferenceParams::samples, {.initial = kSamples, .min = 1, .max = kMaxSamples},
             "rays per pixel"),
     radius_row("radius", &ReferenceParams::radius,
-               "what lies farther away does not occlude; a share is of the scene's radius, 200% the whole scene"),
+               "max distance of an occluder; percentages are of the scene's radius, 200% is the whole scene"),
     choice_row("falloff", &ReferenceParams::falloff, 0, {"none", "linear", "smooth"},
-               "how much an occluder within the radius counts: whole, or less the farther it is"),
+               "weight of an occluder within the radius: 1, or falling with distance"),
     choice_row("normal", &ReferenceParams::normal, 0, {"triangle", "shading"},
-               "around which normal rays go out: the triangle's own, or the interpolated one"),
+               "normal of the hemisphere: that of the triangle, or the interpolated one"),
     choice_row("light", &ReferenceParams::light, 0, {"off", "direct", "bounce"},
-               "also trace the lights with soft shadows, and their bounce"),
+               "also trace the lights with soft shadows, and one bounce of their light"),
     choice_row("bounce_from", &ReferenceParams::bounce_from, 0, {"anywhere", "radius"},
                "where bounced light comes from: surfaces at any distance, or within the radius"),
     choice_row(
         "shadows", &ReferenceParams::shadows, 0, {"soft", "captured"},
-        "soft: every light throws one; captured: lights are points, and only those throw one whose shadow a capture "
-        "holds, as screen-space techniques have it"),
+        "soft: every light casts one; captured: lights are points, and only those cast one whose shadow a capture "
+        "holds, as for screen-space techniques"),
     real_row("sun_angle", &ReferenceParams::sun_angle_deg,
-             {.max = 90, .unit = "deg", .zero_means = "as the light has it"},
-             "what a parallel light's disc spans in the sky: the larger, the softer its shadow"),
-    int_row("seed", &ReferenceParams::seed, {.max = kMaxSeed}, "another one gives other, equally good noise"),
+             {.max = 90, .unit = "deg", .zero_means = "that of the light"},
+             "angular diameter of directional lights: the larger, the softer their shadows"),
+    int_row("seed", &ReferenceParams::seed, {.max = kMaxSeed}, "seed of the noise"),
 };
 
 }  // namespace
@@ -36,7 +36,7 @@ const std::vector<Parameter> kTable = {
 const Effect& reference_effect() {
   static const Effect effect = {
       .name = "reference",
-      .summary = "the truth by ray tracing: slow, and what every technique is measured against",
+      .summary = "ground truth by ray tracing: slow; the reference for all techniques",
       .source = "Zhukov et al. 1998",
       .kind = EffectKind::kOcclusion,
       .parameters = kTable,
@@ -44,9 +44,9 @@ const Effect& reference_effect() {
       .set_radius = set_radius_of<&ReferenceParams::radius>,
       .noise = "seed",
       .variants = {"", "samples=1", "samples=4", "samples=16"},
-      .passes = {{.name = "trace",
-                  .outputs = {"ao", "bent_normal.x", "bent_normal.y", "bent_normal.z", "direct.r", "direct.g",
-                              "direct.b", "shadow", "indirect.r", "indirect.g", "indirect.b"}}},
+      .dispatches = {{.name = "trace",
+                      .outputs = {"ao", "bent_normal.x", "bent_normal.y", "bent_normal.z", "direct.r", "direct.g",
+                                  "direct.b", "shadow", "indirect.r", "indirect.g", "indirect.b"}}},
   };
   return effect;
 }
@@ -56,7 +56,7 @@ Result<Image> trace_reference(const TracedScene& scene, const PictureInfo& info,
   const auto& params = as<ReferenceParams>(bytes);
   const auto radius = radius_in_scene("reference.radius", params.radius, info);
   if (!radius) return radius.error();
-  // Occlusion and light each cost about as many rays as they have kinds; progress is told as one.
+  // Occlusion and light each trace about as many rays as they have kinds of planes; both report one progress.
   const bool light = params.light != kReferenceOcclusion, bounce = params.light == kReferenceBounce;
   const double occlusion_share = light ? bounce ? 0.2 : 0.5 : 1.0;
   TraceControl first = control, second = control;

@@ -1,4 +1,4 @@
-// The reference as an occlusion technique: what a person sets of `reference`, its table, and one call that traces it.
+// The reference as an occlusion technique: its parameters, their table, and the function that traces it.
 #pragma once
 #include "core/effect.h"
 #include "core/length.h"
@@ -14,21 +14,21 @@ inline constexpr int kReferenceSoftShadows = 0, kReferenceCapturedShadows = 1;
 /// One row of the table in reference.cpp per field.
 struct ReferenceParams {
   int samples;
-  Length radius;        // scene units, or share of the scene's radius
+  Length radius;        // scene units, or relative to the bounding-sphere radius
   int falloff;          // a Falloff
   int normal;           // a HemisphereNormal
-  int light;            // occlusion alone, direct light too, or its bounce too
+  int light;            // occlusion only, also direct light, or also its bounce
   int bounce_from;      // surfaces at any distance, or within the radius
-  int shadows;          // soft ones of every light, or what a capture holds
-  float sun_angle_deg;  // 0: what each light says
+  int shadows;          // soft ones of all lights, or those that a capture holds
+  float sun_angle_deg;  // 0: that of each light
   int seed;
 };
 
-/// Name, summary, table, and the planes that it may write. Its pass has no kernel: it needs the scene, which no frame
-/// holds, and is handed to looks.
+/// Returns name, summary, parameter table and output planes. Its dispatch has no kernel, because it needs the scene,
+/// which no frame holds: looks run it by LookRun::run_external_effect.
 const Effect& reference_effect();
 
-/// Traces what the parameters ask for: the planes of trace_occlusion, and of trace_light.
+/// Traces the planes that the parameters select: those of trace_occlusion and of trace_light.
 /// Errors: kUsage for a radius larger than the scene, kInterrupted.
 Result<Image> trace_reference(const TracedScene& scene, const PictureInfo& info, const ParameterBytes& params,
                               const TraceControl& control = {});

@@ -1,6 +1,5 @@
-// Rung 2 of the reference: scenes whose occlusion and light are known in closed form or by quadrature in double. What
-// is random is held to three standard errors, and those are measured: every pixel's noise is independent of every
-// other's.
+// The reference on scenes whose occlusion and light are known in closed form or by quadrature in double. Random results
+// are compared within three standard errors, which are measured: the noise of all pixels is independent.
 #include "reference/reference.h"
 
 #include <gtest/gtest.h>
@@ -38,12 +37,12 @@ using test::PixelRay;
 using test::ray_of;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-// Of walls that stand for infinite ones. Seen from a distance of 1, what lies beyond counts for less than 1e-5.
+// Size of walls that represent infinite ones. At a distance of 1 the missing part contributes less than 1e-5.
 constexpr float kFar = 1e5f;
 
 // ---- statistics ----
 
-/// Numbers drawn independently of each other: their mean, and how far it may be from the truth.
+/// Mean and standard error of independent samples.
 struct Tally {
   double sum = 0.0, squares = 0.0;
   long count = 0;
@@ -58,19 +57,19 @@ struct Tally {
   double standard_error() const { return std::sqrt(variance() / double(count)); }
 };
 
-/// That what was added is `expected` in the mean, within three standard errors and what floats add. The error itself
-/// must be below `most_error`, or the test would prove nothing.
-void expect_mean(const Tally& tally, double expected, double most_error, std::string_view what) {
+/// Expects that the mean is `expected`, within three standard errors and rounding. The standard error must be below
+/// `max_error`; otherwise the test would prove nothing.
+void expect_mean(const Tally& tally, double expected, double max_error, std::string_view what) {
   constexpr double kFloats = 1e-6;
   ASSERT_GE(tally.count, 30) << what;
-  EXPECT_LT(tally.standard_error(), most_error) << what;
+  EXPECT_LT(tally.standard_error(), max_error) << what;
   EXPECT_NEAR(tally.mean(), expected, 3.0 * tally.standard_error() + kFloats)
       << what << ": " << (tally.mean() - expected) / tally.standard_error() << " standard errors";
 }
 
-// ---- scenes: z is up, the floor lies in z = 0 ----
+// ---- scenes: z is up, the floor is at z = 0 ----
 
-/// The parallelogram origin + s u + t v for s, t in [0, 1], with texture coordinates (s, t).
+/// Makes the parallelogram origin + s u + t v for s, t in [0, 1], with texture coordinates (s, t).
 Mesh parallelogram(glm::vec3 origin, glm::vec3 u, glm::vec3 v) {
   Mesh mesh;
   mesh.positions = {origin, origin + u, origin + u + v, origin + v};
@@ -80,20 +79,20 @@ Mesh parallelogram(glm::vec3 origin, glm::vec3 u, glm::vec3 v) {
   return mesh;
 }
 
-/// A horizontal square of side 2 half.
+/// Makes a horizontal square of side 2 half.
 Mesh level_square(float half, float height = 0.0f) {
   return parallelogram({-half, -half, height}, {2 * half, 0, 0}, {0, 2 * half, 0});
 }
 
-/// A wall in the plane x = where, from -height to height. It goes below the floor so that the scene's middle, where
-/// floats are finest, is the floor's.
+/// Makes a wall in the plane x = where, from -height to height. It extends below the floor so that the scene's centre,
+/// where floats are most precise, is on the floor.
 Mesh wall_x(float where, float height = kFar, float half_length = kFar) {
   return parallelogram({where, -half_length, -height}, {0, 2 * half_length, 0}, {0, 0, 2 * height});
 }
 
 Mesh wall_y(float where) { return parallelogram({-kFar, where, -kFar}, {2 * kFar, 0, 0}, {0, 0, 2 * kFar}); }
 
-/// A scene ready for rays. It must not move, since the traced one points into it.
+/// A traced scene. The scene must not move, since the traced one points into it.
 struct Stage {
   std::unique_ptr<Scene> scene;
   TracedScenePtr traced;
@@ -106,13 +105,13 @@ struct Stage {
 
 Stage stage_of(Scene scene) {
   Stage stage{std::make_unique<Scene>(std::move(scene)), {}};
-  auto traced = trace_ready(*stage.scene);
+  auto traced = build_traced_scene(*stage.scene);
   EXPECT_TRUE(traced);
   stage.traced = std::move(*traced);
   return stage;
 }
 
-/// A finished scene: mesh k is object k of material k, or of the last one.
+/// Finishes a scene: mesh k is object k of material k, or of the last one.
 Scene scene_of(std::vector<Mesh> meshes, std::vector<Material> materials = {Material{}}, std::vector<Light> lights = {},
                std::vector<Texture> textures = {}) {
   Scene scene;
@@ -129,12 +128,12 @@ Scene scene_of(std::vector<Mesh> meshes, std::vector<Material> materials = {Mate
   return scene;
 }
 
-/// Looks straight down on the part of the floor around (x, y) from a height.
+/// Returns a camera above (x, y) that looks straight down on the floor.
 Camera from_above(float width, float height, glm::vec2 at = {0, 0}, float from = 10.0f) {
   return orthographic_camera({at.x, at.y, from}, {at.x, at.y, 0}, {0, 1, 0}, height, width / height);
 }
 
-/// Where a pixel's ray meets the floor, z = 0.
+/// Returns the intersection of a pixel's ray with the floor, z = 0.
 glm::dvec3 on_floor(const PixelRay& ray) { return ray.origin - ray.direction * (ray.origin.z / ray.direction.z); }
 
 glm::dvec3 vector_at(const Image& image, std::string_view name, std::array<const char*, 3> parts, int x, int y) {
@@ -147,7 +146,7 @@ glm::dvec3 color_at(const Image& image, std::string_view name, int x, int y) {
   return vector_at(image, name, {"r", "g", "b"}, x, y);
 }
 
-/// The bent normal in world space.
+/// Returns the bent normal in world space.
 glm::dvec3 bent_at(const Image& image, const PictureInfo& info, int x, int y) {
   return glm::transpose(glm::dmat3(glm::mat3(info.camera.view_from_world))) *
          vector_at(image, "bent_normal", {"x", "y", "z"}, x, y);
@@ -170,7 +169,7 @@ void for_each_pixel(const PictureInfo& info, const std::function<void(int x, int
     for (int x = 0; x < info.width; ++x) visit(x, y);
 }
 
-/// How many pixels differ, and whether by more than nothing counts as different.
+/// Returns how many pixels differ by more than `bound`.
 long differing_pixels(const Plane& a, const Plane& b, double bound = 0.0) {
   return std::lround(test::difference(a, b, bound).share_over * a.width * a.height);
 }
@@ -178,14 +177,14 @@ long differing_pixels(const Plane& a, const Plane& b, double bound = 0.0) {
 void expect_equal(const Image& a, const Image& b, std::string_view what) {
   ASSERT_EQ(a.names, b.names) << what;
   for (std::size_t p = 0; p < a.planes.size(); ++p)
-    EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).most, 0.0) << what << ": " << a.names[p];
+    EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).max, 0.0) << what << ": " << a.names[p];
 }
 
-/// Traces occlusion and compares it, over all pixels that see the floor, with what is true at that point of the floor.
-/// `sees_floor` leaves out the pixels that something else covers.
+/// Traces occlusion and compares it with `truth` at the floor point of each pixel. `sees_floor` excludes pixels in
+/// which something else covers the floor.
 void expect_occlusion(
     const Stage& stage, const PictureInfo& info, const OcclusionSettings& settings,
-    const std::function<double(glm::dvec3)>& truth, std::string_view what, double most_error = 1e-3,
+    const std::function<double(glm::dvec3)>& truth, std::string_view what, double max_error = 1e-3,
     const std::function<bool(const PixelRay&)>& sees_floor = [](const PixelRay&) { return true; }) {
   const Image image = occlusion(stage, info, settings);
   Tally error;
@@ -193,32 +192,31 @@ void expect_occlusion(
     const PixelRay ray = ray_of(info, x, y);
     if (sees_floor(ray)) error.add(image.plane("ao").at(x, y) - truth(on_floor(ray)));
   });
-  expect_mean(error, 0.0, most_error, what);
+  expect_mean(error, 0.0, max_error, what);
 }
 
-// ---- truth ----
-// A direction's cosine-weighted share of the hemisphere is the area of its projection on the floor's unit disc, over
-// pi.
+// ---- ground truth ---- The cosine-weighted fraction of the hemisphere of a set of directions is the area of its
+// projection on the floor's unit disc, over pi.
 
-/// The share of a disc beyond a chord at distance k from its middle.
+/// Returns the fraction of a disc beyond a chord at distance k from its centre.
 double segment(double k) {
   if (k >= 1.0) return 0.0;
   return (std::acos(k) - k * std::sqrt(1.0 - k * k)) / M_PI;
 }
 
-/// An infinite vertical wall: its direction as seen from the floor, and how far away it is.
+/// An infinite vertical wall: its direction from the floor point, and its distance.
 struct Wall {
   double azimuth, distance;
 };
 
-/// What a point on the floor between walls and below a ceiling sees open within a radius: the share of directions, and
-/// the mean of these as a vector.
+/// Visibility of a point on the floor between walls and below a ceiling, within a radius: the fraction of open
+/// directions, and their mean as a vector.
 struct Openness {
   double share = 0.0;
   glm::dvec3 moment{0.0};
 };
 
-Openness openness(const std::vector<Wall>& walls, double ceiling, double radius) {
+Openness assumed_visibility(const std::vector<Wall>& walls, double ceiling, double radius) {
   constexpr int kAzimuths = 4000;
   Openness open;
   // A direction that projects to r at this azimuth meets the ceiling at ceiling / sqrt(1 - r^2).
@@ -250,10 +248,10 @@ double weight_of(Falloff falloff, double share) {
 // ---- occlusion ----
 
 TEST(Reference, QuadratureAgreesWithTheClosedForms) {
-  EXPECT_NEAR(openness({{0.0, 0.4}}, 9.0, 1.0).share, 1.0 - segment(0.4), 1e-6);
-  EXPECT_NEAR(openness({}, 0.6, 1.0).share, 0.36, 1e-12);
-  EXPECT_NEAR(openness({}, 9.0, 1.0).moment.z, 2.0 / 3.0, 1e-12);
-  EXPECT_NEAR(openness({{0.0, 0.0}, {M_PI / 2, 0.0}}, 9.0, 1.0).share, 0.25, 1e-12);
+  EXPECT_NEAR(assumed_visibility({{0.0, 0.4}}, 9.0, 1.0).share, 1.0 - segment(0.4), 1e-6);
+  EXPECT_NEAR(assumed_visibility({}, 0.6, 1.0).share, 0.36, 1e-12);
+  EXPECT_NEAR(assumed_visibility({}, 9.0, 1.0).moment.z, 2.0 / 3.0, 1e-12);
+  EXPECT_NEAR(assumed_visibility({{0.0, 0.0}, {M_PI / 2, 0.0}}, 9.0, 1.0).share, 0.25, 1e-12);
 }
 
 TEST(Reference, APlaneIsOpenToTheBit) {
@@ -300,7 +298,7 @@ TEST(Reference, BackgroundIsOpenAndHasNoNormal) {
 }
 
 TEST(Reference, WallOfFiniteHeight) {
-  // (1 + cos E) / 2 for a wall that stands E high in the sky.
+  // (1 + cos E) / 2 for a wall of elevation E.
   constexpr double kDistance = 2.0, kHeight = 1.0;
   const Stage stage = stage_of(scene_of({level_square(4.0f), wall_x(kDistance, kHeight)}));
   const auto truth = [&](glm::dvec3 p) {
@@ -313,7 +311,7 @@ TEST(Reference, WallOfFiniteHeight) {
 }
 
 TEST(Reference, WallWithinARadius) {
-  // Within R lies what projects beyond a chord at distance / R.
+  // Hits within R project beyond a chord at distance / R.
   constexpr double kRadius = 1.3;
   const Stage stage = stage_of(scene_of({level_square(4.0f), wall_x(1.5f, 3.0f, 6.0f)}));
   const auto truth = [&](glm::dvec3 p) { return 1.0 - segment((1.5 - p.x) / kRadius); };
@@ -324,18 +322,18 @@ TEST(Reference, WallWithinARadius) {
 }
 
 TEST(Reference, CornersOfInfiniteWalls) {
-  // An infinite wall closes half of the disc, two a corner's three quarters, three all but a strip's half.
+  // An infinite wall blocks half of the disc, two walls at a corner three quarters, three walls all of it.
   const Mesh floor = level_square(4.0f);
   const PictureInfo info = stage_of(scene_of({floor})).info(from_above(1, 1), 24, 24);
-  const auto expect_share = [&](std::vector<Mesh> walls, double share) {
+  const auto expect_fraction = [&](std::vector<Mesh> walls, double share) {
     walls.push_back(floor);
     const Stage stage = stage_of(scene_of(walls));
     expect_occlusion(
         stage, info, {.samples = 256}, [&](glm::dvec3) { return share; }, "infinite walls");
   };
-  expect_share({wall_x(1)}, 0.5);
-  expect_share({wall_x(1), wall_y(1)}, 0.25);
-  expect_share({wall_x(1), wall_y(1), wall_y(-2)}, 0.0);
+  expect_fraction({wall_x(1)}, 0.5);
+  expect_fraction({wall_x(1), wall_y(1)}, 0.25);
+  expect_fraction({wall_x(1), wall_y(1), wall_y(-2)}, 0.0);
 }
 
 TEST(Reference, CornersWithinARadius) {
@@ -346,7 +344,7 @@ TEST(Reference, CornersWithinARadius) {
     const auto truth = [&](glm::dvec3 p) {
       std::vector<Wall> all = {{0.0, 1.0 - p.x}, {M_PI / 2, 0.8 - p.y}, {M_PI, p.x + 1.2}};
       all.resize(std::size_t(walls));
-      return openness(all, 100.0, kRadius).share;
+      return assumed_visibility(all, 100.0, kRadius).share;
     };
     const Stage stage = stage_of(scene_of(meshes));
     expect_occlusion(stage, stage.info(from_above(1.8f, 1.2f), 30, 20), {.samples = 256, .radius = kRadius}, truth,
@@ -354,7 +352,7 @@ TEST(Reference, CornersWithinARadius) {
   }
 }
 
-/// A ball of radius 1 that touches the floor. Its 384 facets around make it smaller by less than 1e-4.
+/// Makes a sphere of radius 1 that touches the floor. Its 384 facets around reduce it by less than 1e-4.
 Stage ball_on_floor() {
   return stage_of(scene_of({level_square(20.0f), shapes::moved(shapes::sphere(1.0f, 384, 192), {0, 0, 1})}));
 }
@@ -365,8 +363,8 @@ bool misses_ball(const PixelRay& ray) {
 }
 
 TEST(Reference, BallOnAPlane) {
-  // It fills a cone whose sine is r / d, and its cosine-weighted share is sine^2 cos(theta). Within R lies the inner
-  // part of that cone: the way into the ball is longer the farther from the axis.
+  // The sphere fills a cone of sine r / d; its cosine-weighted fraction is sine^2 cos(theta). Hits within R fill the
+  // inner part of that cone: the distance to the sphere increases with the angle to the axis.
   const Stage stage = ball_on_floor();
   for (const float radius : {kInfinity, 1.5f}) {
     const auto truth = [&](glm::dvec3 p) {
@@ -388,7 +386,7 @@ TEST(Reference, BallOnAPlane) {
 }
 
 TEST(Reference, FloatingSlab) {
-  // A slab with a round underside of radius r at height h, seen from a apart from its axis.
+  // A slab with a round underside of radius r at height h, from distance a to its axis.
   constexpr double kDisc = 1.0, kHeight = 0.7;
   const Mesh slab = shapes::moved(shapes::turned_x(shapes::cylinder(kDisc, 0.4f, 512), 90.0f), {0, 0, kHeight});
   const Stage stage = stage_of(scene_of({level_square(5.0f), slab}));
@@ -397,12 +395,12 @@ TEST(Reference, FloatingSlab) {
     return 1.0 - 0.5 * (1.0 - (a + h - r) / std::sqrt((a + h + r) * (a + h + r) - 4.0 * a * r));
   };
   EXPECT_NEAR(truth({0, 0, 0}), 1.0 - kDisc * kDisc / (kDisc * kDisc + kHeight * kHeight), 1e-12);
-  // Both cameras stand below the slab, and see what its sides do not darken.
+  // Both cameras are below the slab; the sides of the slab occlude nothing that they see.
   expect_occlusion(stage, stage.info(from_above(1.4f, 1.4f, {0.2f, 0}, 0.5f), 32, 32), {.samples = 256}, truth,
                    "below");
   const Camera camera = perspective_camera({0.1f, -0.2f, 0.4f}, {0.1f, -0.2f, 0}, {0, 1, 0}, 70.0f, 1.0f);
   expect_occlusion(stage, stage.info(camera, 32, 32), {.samples = 256}, truth, "perspective");
-  // On the axis, within R: R reaches the underside up to the cosine h / R, if that is not beyond the rim.
+  // On the axis, within R: R reaches the underside up to the cosine h / R, if that is inside the disc.
   const double radius = 0.9;
   expect_occlusion(
       stage, stage.info(from_above(1e-3f, 1e-3f, {0, 0}, 0.5f), 24, 24), {.samples = 256, .radius = 0.9f},
@@ -432,7 +430,7 @@ TEST(Reference, FalloffBesideAWall) {
   const Stage stage = stage_of(scene_of({level_square(4.0f), wall_x(1.5f, 3.0f, 6.0f)}));
   const PictureInfo info = stage.info(from_above(1.6f, 1.6f, {0.65f, 0}), 24, 24);
   for (const Falloff falloff : {Falloff::kLinear, Falloff::kSmooth}) {
-    std::vector<double> columns;  // the truth depends on x alone
+    std::vector<double> columns;  // the truth depends only on x
     for (int x = 0; x < info.width; ++x) {
       constexpr int kSteps = 400;
       const double k = (1.5 - on_floor(ray_of(info, x, 0)).x) / kRadius;
@@ -460,7 +458,7 @@ TEST(Reference, BentNormalBesideAWall) {
       for_each_pixel(info, [&](int x, int y) {
         const glm::dvec3 bent = bent_at(image, info, x, y);
         const double distance = 1.0 - on_floor(ray_of(info, x, y)).x;
-        const glm::dvec3 expected = glm::normalize(openness({{0.0, distance}}, 1e9, radius).moment);
+        const glm::dvec3 expected = glm::normalize(assumed_visibility({{0.0, distance}}, 1e9, radius).moment);
         ASSERT_NEAR(glm::length(bent), 1.0, 1e-6);
         ASSERT_GT(glm::dot(bent, expected), 0.99);
         towards.add(glm::dot(bent, glm::dvec3(expected.z, 0.0, -expected.x)));
@@ -511,7 +509,7 @@ TEST(Reference, ConvexMeshesAreOpenAroundTheirTriangles) {
 }
 
 TEST(Reference, DirectionsBelowTheTriangleAreClosed) {
-  // A plane whose shading normals lean by an angle: (1 + cos angle) / 2 of their hemisphere lies above it.
+  // A plane whose shading normals are tilted by an angle: (1 + cos angle) / 2 of their hemisphere lies above the plane.
   for (const double lean : {0.3, 0.8}) {
     Mesh floor = level_square(2.0f);
     floor.normals.assign(4, glm::vec3(std::sin(lean), 0.0, std::cos(lean)));
@@ -526,7 +524,7 @@ TEST(Reference, DirectionsBelowTheTriangleAreClosed) {
 }
 
 TEST(Reference, CutAwayTexelsLetRaysThrough) {
-  // A ceiling whose left half is cut away, seen from below its middle: half of it remains.
+  // A ceiling whose left half is cut away, from below its centre: half of it remains.
   Texture halves;
   halves.name = "halves";
   halves.width = 64;
@@ -538,11 +536,11 @@ TEST(Reference, CutAwayTexelsLetRaysThrough) {
   for (const bool masked : {true, false}) {
     leaf.alpha_mask = masked;
     Mesh ceiling = level_square(4.0f, 1.0f), leaf_below = level_square(0.3f, 0.5f);
-    for (glm::vec2& uv : leaf_below.uvs) uv = glm::vec2(0.25f);  // it is cut away whole
+    for (glm::vec2& uv : leaf_below.uvs) uv = glm::vec2(0.25f);  // all of it is cut away
     const Stage stage =
         stage_of(scene_of({ceiling, leaf_below, level_square(4.0f)}, {leaf, leaf, Material{}}, {}, {halves}));
-    // The camera above the lower leaf sees the floor through it, and so do the rays. Not cut away, the leaf is what is
-    // seen, 0.5 below the ceiling.
+    // The camera above the lower leaf sees the floor through it, and so do the rays. If the leaf is not cut away, it is
+    // the visible surface, 0.5 below the ceiling.
     const double truth = masked ? 1.0 - 0.5 * (1.0 - 1.0 / 4.0) : 1.0 / 16.0;
     expect_occlusion(
         stage, stage.info(from_above(1e-3f, 1e-3f, {0, 0}, 0.8f), 24, 24), {.samples = 256, .radius = 2.0f},
@@ -619,7 +617,7 @@ TEST(Reference, LampsFallOffWithTheSquare) {
   }
 }
 
-/// A floor with waves in its normals alone: nothing is in the way of light, and yet every pixel faces elsewhere.
+/// Makes a floor with waves only in its normals: nothing blocks light, but the normals of all pixels differ.
 Mesh wavy_floor() {
   Mesh mesh = shapes::quad({-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}, 40, 40);
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
@@ -639,7 +637,7 @@ TEST(Reference, WithoutShadowsDirectLightIsTheLightingEffects) {
   const Scene scene = scene_of({wavy_floor()}, {shiny}, lights);
   const auto device = make_cpu_device();
   ASSERT_TRUE(device->prepare(scene));
-  const auto traced = trace_ready(scene);
+  const auto traced = build_traced_scene(scene);
   const Effect& effect = *find_effect("lighting");
   for (const Camera& camera : {perspective_camera({1, -3, 3}, {0, 0, 0}, {0, 0, 1}, 40.0f, 1.0f),
                                orthographic_camera({1, -3, 3}, {0, 0, 0}, {0, 0, 1}, 3.0f, 1.0f)}) {
@@ -650,14 +648,14 @@ TEST(Reference, WithoutShadowsDirectLightIsTheLightingEffects) {
     const auto image = trace_light(**traced, frame->info, {.samples = 1, .bounce = false});
     ASSERT_TRUE(image);
     for (const char* name : {"direct.r", "direct.g", "direct.b"}) {
-      EXPECT_LT(test::difference(image->plane(name), expected.plane(name), 0.0).most, 1e-4) << name;
+      EXPECT_LT(test::difference(image->plane(name), expected.plane(name), 0.0).max, 1e-4) << name;
       EXPECT_GT(expected.plane(name).at(30, 30), 0.1f);
     }
   }
 }
 
 TEST(Reference, WhatTheEyesOwnLightShowsIsLit) {
-  // An orthographic eye in the middle of a room: nothing behind it throws a shadow forward.
+  // An orthographic camera in the middle of a room: geometry behind it casts no shadow forward.
   const Stage stage =
       stage_of(scene_of({shapes::box({-1, -1, 0}, {1, 1, 1})}, {matt(glm::vec3(0.5f))}, {{.kind = LightKind::kHead}}));
   for (const Camera& camera :
@@ -672,7 +670,7 @@ TEST(Reference, WhatTheEyesOwnLightShowsIsLit) {
 }
 
 TEST(Reference, LargeLightsShineAsBrightlyAsPoints) {
-  // Above the horizon and with nothing in the way, a disc or ball of one radiance lights as if it were at its middle.
+  // Above the horizon and unoccluded, a disc or sphere of constant radiance illuminates as if it were at its centre.
   const glm::dvec3 where(0.4, 0.3, 1.5);
   const glm::vec3 towards = glm::normalize(glm::vec3(0.5f, -0.2f, 0.8f));
   const Mesh floor = level_square(3.0f);
@@ -706,19 +704,19 @@ TEST(Reference, LargeLightsShineAsBrightlyAsPoints) {
 }
 
 TEST(Reference, PenumbraOfAnEdge) {
-  // A half plane at height h below a sun in the zenith: from x = -h tan(angle / 2) to h tan(angle / 2) the disc comes
-  // out.
+  // A half plane at height h below a sun in the zenith: the disc emerges from x = -h tan(angle / 2) to h tan(angle /
+  // 2).
   constexpr double kHeight = 1.0;
   for (const float angle_deg : {0.05f, 0.53f, 30.0f}) {
     const double half = glm::radians(0.5 * angle_deg), width = kHeight * std::tan(half);
-    // No larger than the picture needs: where an edge lies is rounded as the ends of its triangle are.
+    // No larger than necessary: the position of an edge is rounded as the ends of its triangle are.
     const float reach = float(4.0 * width);
     const Mesh edge = parallelogram({-reach, -reach, kHeight}, {reach, 0, 0}, {0, 2 * reach, 0});
     const Stage stage = stage_of(
         scene_of({level_square(reach), edge}, {matt(glm::vec3(1.0f))}, {sun({0, 0, 1}, glm::vec3(1.0f), angle_deg)}));
     const PictureInfo info = stage.info(from_above(float(2.6 * width), float(1.3 * width), {0, 0}, 0.5f), 40, 20);
     const Image image = light(stage, info, {.samples = 144, .bounce = false});
-    std::array<Tally, 4> errors;  // by where on the ramp
+    std::array<Tally, 4> errors;  // by position on the ramp
     for_each_pixel(info, [&](int x, int y) {
       constexpr int kSteps = 200;
       const double at = on_floor(ray_of(info, x, y)).x / kHeight;
@@ -760,8 +758,8 @@ TEST(Reference, TheSunsAngleCanBeSet) {
 }
 
 TEST(Reference, BallsThrowSoftShadows) {
-  // Where the edge of a half plane cuts the ball through its middle, half of it is seen. What stands behind the ball
-  // throws no shadow.
+  // Where the edge of a half plane cuts the sphere through its centre, half of it is visible. Geometry behind the light
+  // casts no shadow.
   const Mesh edge = parallelogram({-50, -50, 1}, {50, 0, 0}, {0, 100, 0});
   const Stage stage = stage_of(scene_of({level_square(50.0f), edge, level_square(20.0f, 5.0f)}, {matt(glm::vec3(1.0f))},
                                         {lamp({0, 0, 3}, 0.0f, glm::vec3(1.0f), 0.8f)}));
@@ -778,7 +776,7 @@ TEST(Reference, BallsThrowSoftShadows) {
 // ---- the bounce ----
 
 TEST(Reference, WallOfConstantRadiance) {
-  // It gives its radiance times the share of the hemisphere that it fills: (1 - cos E) / 2.
+  // The wall contributes its radiance times the fraction of the hemisphere that it fills: (1 - cos E) / 2.
   const glm::dvec3 radiance(2.0, 1.0, 0.25);
   for (const double height : {1.0, 20.0}) {
     const Stage stage = stage_of(
@@ -804,7 +802,7 @@ TEST(Reference, FurnaceGivesItsRadianceEverywhere) {
       stage.info(perspective_camera({0.9f, 0.8f, 0.7f}, {0, 0, 0}, {0, 0, 1}, 100.0f, 1.0f), 32, 32);
   for (const int samples : {1, 7, 64}) {
     const Image image = light(stage, info, {.samples = samples});
-    long off = 0;  // interpolated normals of the sphere: what lies below its triangles gives nothing
+    long off = 0;  // interpolated normals of the sphere: directions below its triangles contribute nothing
     for_each_pixel(info, [&](int x, int y) { off += std::fabs(image.plane("indirect.g").at(x, y) - 0.7f) > 1e-6f; });
     const Image ball = *capture_planes(*stage, info, {.width = 32, .height = 32});
     long on_ball = 0;
@@ -815,12 +813,12 @@ TEST(Reference, FurnaceGivesItsRadianceEverywhere) {
 }
 
 TEST(Reference, SunlitFloorLightsAWall) {
-  // Half of what a wall sees is the floor: albedo x colour x cosine / 2, whether the sun is a point or a disc. A sun
-  // before the wall, so that the wall hides no part of it.
+  // The floor fills half of the wall's hemisphere: albedo x colour x cosine / 2, whether the sun is a point or a disc.
+  // The sun is in front of the wall, so that the wall hides no part of it.
   const glm::vec3 albedo(0.9f, 0.5f, 0.1f), towards = glm::normalize(glm::vec3(0.6f, 0.2f, 1.0f));
   const Mesh floor = parallelogram({0, -kFar, 0}, {kFar, 0, 0}, {0, 2 * kFar, 0});
   const Mesh wall = parallelogram({0, -3, 0}, {0, 6, 0}, {0, 0, 3});
-  // Looks along -x, from before the wall.
+  // Looks along -x, from in front of the wall.
   const Camera camera = orthographic_camera({1, 0, 0.5f}, {0, 0, 0.5f}, {0, 0, 1}, 0.6f, 1.0f);
   for (const float angle_deg : {0.0f, 20.0f}) {
     const Stage stage = stage_of(
@@ -876,8 +874,8 @@ TEST(Reference, TexturesColourTheBounce) {
 }
 
 TEST(Reference, BounceEndsAtItsReach) {
-  // Of a ceiling at height 1 that shines, what lies within R of a point of the floor fills 1 - 1 / R^2 of the
-  // hemisphere, cosine-weighted.
+  // For an emissive ceiling at height 1, the part within R of a point on the floor fills 1 - 1 / R^2 of the hemisphere,
+  // cosine-weighted.
   const Stage stage = stage_of(
       scene_of({level_square(4.0f), level_square(200.0f, 1.0f)}, {Material{}, matt(glm::vec3(0.8f), glm::vec3(3.0f))}));
   const PictureInfo info = stage.info(from_above(2, 2, {0, 0}, 0.5f), 24, 24);
@@ -895,15 +893,15 @@ TEST(Reference, BounceAloneIsTheSameBounce) {
   const PictureInfo info = stage.info(from_above(3, 3), 16, 16);
   const Image both = light(stage, info, {.samples = 16}), alone = light(stage, info, {.samples = 16, .direct = false});
   EXPECT_EQ(alone.names, (std::vector<std::string>{"indirect.r", "indirect.g", "indirect.b"}));
-  double most = 0.0;
+  double max = 0.0;
   for (const std::string& name : alone.names)
-    EXPECT_EQ(test::difference(alone.plane(name), both.plane(name), 0.0).most, 0.0) << name;
-  for_each_pixel(info, [&](int x, int y) { most = std::max(most, color_at(alone, "indirect", x, y).g); });
-  EXPECT_GT(most, 0.1);
+    EXPECT_EQ(test::difference(alone.plane(name), both.plane(name), 0.0).max, 0.0) << name;
+  for_each_pixel(info, [&](int x, int y) { max = std::max(max, color_at(alone, "indirect", x, y).g); });
+  EXPECT_GT(max, 0.1);
 }
 
 TEST(Reference, CapturedShadowsAreTheCaptures) {
-  // A lamp with a radius and a sun that throws no shadow: hard, and none.
+  // A lamp with a radius and a sun that casts no shadow: a hard shadow, and none.
   Light fill = sun({0.2f, 0.1f, 1.0f}, glm::vec3(0.5f), 30.0f);
   fill.casts_shadow = false;
   const Stage stage = stage_of(scene_of({level_square(8.0f), level_square(1.0f, 2.0f)}, {matt(glm::vec3(0.8f))},
@@ -949,7 +947,7 @@ TEST(Sampler, EveryElementaryBoxHoldsOnePoint) {
 }
 
 TEST(Sampler, PointsLieInsideTheSquare) {
-  // A point on its rim would be a direction along the surface, which is neither open nor closed.
+  // A point on the square's edge would be a direction along the surface, which is neither open nor blocked.
   const SampleTable table = sample_table(kMaxSamples);
   float low = 1.0f, high = 0.0f;
   for (unsigned seed = 0; seed < 4000; ++seed)
@@ -1004,7 +1002,8 @@ TEST(Sampler, ShufflingMakesTwoSetsIndependent) {
   }
 }
 
-/// A plane's variance over seeds, the mean over its pixels and its standard error. Pixels and seeds are independent.
+/// The variance of a plane over seeds, the mean over its pixels and its standard error. Pixels and seeds are
+/// independent.
 struct Spread {
   double variance = 0.0, mean = 0.0, standard_error = 0.0;
 };
@@ -1042,7 +1041,7 @@ Camera solids_camera(const Scene& scene, float scale = 1.0f) {
   return perspective_camera(view.eye * scale, view.target * scale, {0, 1, 0}, view.angle_deg, 1.0f);
 }
 
-/// By how much the variance may fall at least when samples double: by half, and what measuring it adds.
+/// Max ratio of the variances when the number of samples doubles: a half, and the error of measuring it.
 constexpr double kMinGain = 0.55;
 
 TEST(Reference, DoublingSamplesHalvesTheVarianceOfOcclusion) {
@@ -1065,7 +1064,7 @@ TEST(Reference, DoublingSamplesHalvesTheVarianceOfOcclusion) {
     expect_same_mean(next, first, fmt::format("{} samples", samples));
     last = next;
   }
-  // Counts that are no powers of two, and one ray alone, are right in the mean too.
+  // Counts that are not powers of two, including a single ray, are unbiased, too.
   for (const int samples : {1, 3, 7, 100})
     expect_same_mean(spread(samples, 6), last, fmt::format("{} samples", samples));
   EXPECT_GT(spread(1, 6).variance, 8.0 * first.variance);
@@ -1095,7 +1094,7 @@ TEST(Reference, DoublingSamplesHalvesTheVarianceOfLight) {
                               parallelogram({0, -3, 0}, {0, 6, 0}, {0, 0, 2})};
   for (int k = 0; k < 8; ++k) meshes.push_back(parallelogram({0.6f * k, -4, 2}, {0.3f, 0, 0}, {0, 8, 0}));
   const Stage stage = stage_of(scene_of(meshes, {Material{}}, {sun({0.3f, 0, 1}, glm::vec3(1.0f), 40.0f)}));
-  // Before the wall, below the roof, above the floor: both are in sight.
+  // In front of the wall, below the roof, above the floor: wall and floor are both visible.
   const PictureInfo info = stage.info(perspective_camera({3, 0, 1.2f}, {0, 0, 0.4f}, {0, 0, 1}, 50.0f, 1.0f), 24, 24);
   expect_light_converges(stage, info, "direct.g", false);
   expect_light_converges(stage, info, "shadow", false);
@@ -1103,8 +1102,8 @@ TEST(Reference, DoublingSamplesHalvesTheVarianceOfLight) {
 }
 
 TEST(Reference, TheBouncesTwoChoicesAreIndependent) {
-  // A fin above the floor, seen from a low wall behind it: the floor's left half sees the sun's left half alone, so
-  // that what arrives depends on both of a sample's choices together, which way the ray goes and where on the sun.
+  // A fin above the floor, seen from a low wall behind it: the floor's left half sees only the sun's left half, so that
+  // the result depends on both choices of a sample together: the direction of the ray and the point on the sun.
   const Mesh wall = parallelogram({0, -3, 0}, {0, 6, 0}, {0, 0, 0.9f}), floor = level_square(8.0f);
   const Mesh fin = parallelogram({-8, 0, 1}, {16, 0, 0}, {0, 0, 40});
   const Stage stage = stage_of(scene_of({wall, floor, fin}, {Material{}}, {sun({0, 0, 1}, glm::vec3(1.0f), 80.0f)}));
@@ -1115,15 +1114,15 @@ TEST(Reference, TheBouncesTwoChoicesAreIndependent) {
 TEST(Reference, TheMostSamplesComeNearestToTheTruth) {
   const Stage stage = stage_of(scene_of({level_square(4.0f), wall_x(1.5f, 3.0f, 6.0f)}));
   const PictureInfo info = stage.info(from_above(0.8f, 0.8f, {0.9f, 0}), 8, 8);
-  for (const auto& [samples, most] : {std::pair{64, 0.06}, {kMaxSamples, 3e-3}}) {
+  for (const auto& [samples, max] : {std::pair{64, 0.06}, {kMaxSamples, 3e-3}}) {
     const Image image = occlusion(stage, info, {.samples = samples, .radius = 1.3f});
     for_each_pixel(info, [&](int x, int y) {
-      EXPECT_NEAR(image.plane("ao").at(x, y), 1.0 - segment((1.5 - on_floor(ray_of(info, x, y)).x) / 1.3), most);
+      EXPECT_NEAR(image.plane("ao").at(x, y), 1.0 - segment((1.5 - on_floor(ray_of(info, x, y)).x) / 1.3), max);
     });
   }
 }
 
-// ---- what must not matter ----
+// ---- invariance ----
 
 TEST(Reference, ThreadsAndRunsDoNotMatter) {
   Scene scene = small_solids();
@@ -1206,7 +1205,7 @@ TEST(Reference, TheGuardBandIsLeftOut) {
     EXPECT_EQ(color_at(lit, "indirect", x, y), glm::dvec3(0.0));
     EXPECT_EQ(lit.plane("shadow").at(x, y), 1.0f);
   });
-  // Inside, the band changes the last bits of positions, and through them a ray here and there.
+  // Inside, the guard band changes the last bits of positions, and through them a few rays.
   const Plane inside = cropped(occluded.plane("ao"), kGuard);
   EXPECT_LT(differing_pixels(occlusion(stage, bare, {.samples = 16, .radius = 1.0f}).plane("ao"), inside), 40);
   EXPECT_LT(differing_pixels(light(stage, bare, {.samples = 4}).plane("shadow"), cropped(lit.plane("shadow"), kGuard)),
@@ -1241,13 +1240,13 @@ TEST(Reference, ProgressNeverFallsAndEndsAtOne) {
       const auto progress = [&](double done) {
         EXPECT_EQ(++inside, 1) << "two threads at once";
         told.push_back(done);
-        // Long enough for others to come by meanwhile, the last among them.
+        // Long enough for other threads, including the one with the last tile, to arrive.
         if (threads == 0) std::this_thread::sleep_for(std::chrono::microseconds(200));
         --inside;
         return true;
       };
       ASSERT_TRUE(trace_reference(*stage, info, bytes, {threads, progress}));
-      // How often depends on who gets a processor: all tiles of one thread may be done while another tells.
+      // The number of calls depends on scheduling: one thread may finish all its tiles while another reports.
       ASSERT_FALSE(told.empty());
       EXPECT_TRUE(std::is_sorted(told.begin(), told.end())) << threads << " threads, light " << light;
       EXPECT_GT(told.front(), 0.0);
@@ -1288,7 +1287,7 @@ TEST(Reference, PlanesFollowTheLightParameter) {
   const Stage stage = stage_of(scene_of({level_square(1.0f)}));
   const PictureInfo info = stage.info(from_above(1, 1), 4, 4);
   ParameterBytes bytes = initial_parameters(reference_effect().parameters, reference_effect().params_size);
-  const auto& outputs = reference_effect().passes[0].outputs;
+  const auto& outputs = reference_effect().dispatches[0].outputs;
   const std::vector<std::string> all(outputs.begin(), outputs.end());
   for (const auto& [light, planes] : {std::pair{0, 4}, {1, 8}, {2, 11}}) {
     as<ReferenceParams>(bytes).light = light;
@@ -1335,7 +1334,7 @@ TEST(Reference, RefusesValuesThatItCannotUse) {
   };
   for (const char* value : {"0", "4097", "-1", "1.5", "many", "nan"}) expect_refused("samples", value, "1 to 4096");
   for (const char* value : {"0", "0%", "-1", "-5%", "1001%", "nan", "inf", "wide"})
-    expect_refused("radius", value, "a number above 0 in scene units or a share up to 1000%");
+    expect_refused("radius", value, "a number above 0 in scene units or a percentage up to 1000%");
   for (const char* value : {"-1", "91"}) expect_refused("sun_angle", value, "0 to 90 deg");
   expect_refused("falloff", "smoth", "did you mean 'smooth'");
   for (const char* value : {"1", "4096"})
@@ -1397,7 +1396,7 @@ TEST(Reference, TableCoversEveryFieldAndIsExplained) {
     EXPECT_NE(readme.str().find(fmt::format("`{}`", name)), std::string::npos) << "README.md does not explain " << name;
   };
   for (const Parameter& row : effect.parameters) expect_named(row.name);
-  for (const std::string_view output : effect.passes[0].outputs) expect_named(output.substr(0, output.find('.')));
+  for (const std::string_view output : effect.dispatches[0].outputs) expect_named(output.substr(0, output.find('.')));
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
     if ((!name.ends_with(".h") && !name.ends_with(".cpp")) || name.ends_with("_test.cpp")) continue;

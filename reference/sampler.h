@@ -1,6 +1,6 @@
-// Sampler: the points of the unit square at which a pixel's integrals are evaluated. Sobol' points with nested uniform
-// scrambling, by hash [Owen 1997, Burley 2020]: any number of them is spread evenly, every power of two of them is
-// stratified in all elementary boxes, and each pixel's are independent of every other's.
+// Sampler: points of the unit square at which a pixel's integrals are evaluated. Sobol' points with nested uniform
+// scrambling, by hashing [Owen 1997, Burley 2020]: any number of them is evenly distributed, every power of two of them
+// is stratified in all elementary boxes, and the points of different pixels are independent.
 #pragma once
 #include <bit>
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace umbrage {
 
-/// A random 32-bit number from two.
+/// Returns a hash of two numbers.
 inline std::uint32_t hash(std::uint32_t a, std::uint32_t b) {
   std::uint32_t v = a ^ (b * 0x9e3779b9u + 0x7f4a7c15u);
   v = (v ^ (v >> 16)) * 0x7feb352du;
@@ -25,8 +25,8 @@ inline std::uint32_t reversed(std::uint32_t v) {
   return ((v & 0x55555555u) << 1) | ((v & 0xaaaaaaaau) >> 1);
 }
 
-/// Permutes numbers so that a bit depends on itself and lower bits alone [Laine and Karras 2011], with the constants of
-/// [Vegdahl 2021].
+/// Permutes numbers such that each bit depends only on itself and lower bits [Laine and Karras 2011], with the
+/// constants of [Vegdahl 2021].
 inline std::uint32_t scrambled_low_to_high(std::uint32_t v, std::uint32_t seed) {
   v ^= v * 0x3d20adeau;
   v += seed;
@@ -36,8 +36,8 @@ inline std::uint32_t scrambled_low_to_high(std::uint32_t v, std::uint32_t seed) 
   return v;
 }
 
-/// Two Sobol' coordinates of the first points, as many as the least power of two that holds the count wanted; their
-/// bits reversed for scrambling.
+/// Two Sobol' coordinates of the first points, up to the next power of two of the requested count. The bits are
+/// reversed for scrambling.
 struct SampleTable {
   std::vector<std::uint32_t> first, second;
 };
@@ -54,17 +54,17 @@ inline SampleTable sample_table(int count) {
   return table;
 }
 
-/// Point i of the set that `seed` names, inside the unit square: neither 0 nor 1.
+/// Returns point i of the set `seed`, strictly inside the unit square.
 inline glm::vec2 sample_point(const SampleTable& table, int i, std::uint32_t seed) {
-  constexpr float kStep = 0x1p-23f;  // floats hold 24 bits: 23 to name a step, one for its middle
+  constexpr float kStep = 0x1p-23f;  // floats have 24 bits: 23 for the step, one for its centre
   const std::uint32_t x = reversed(scrambled_low_to_high(table.first[i], hash(seed, 1u)));
   const std::uint32_t y = reversed(scrambled_low_to_high(table.second[i], hash(seed, 2u)));
   return {(float(x >> 9) + 0.5f) * kStep, (float(y >> 9) + 0.5f) * kStep};
 }
 
-/// The i-th point's number in another order, in which runs of a power of two are the same runs [Burley 2020]. Where one
-/// ray takes points of two sets, one of them must be shuffled: scrambling alone leaves both in the same halves,
-/// quarters and so on together, and their integral would not converge.
+/// Returns the index of the i-th point in a permuted order that maps aligned runs of a power of two to such runs
+/// [Burley 2020]. If one ray uses points of two sets, one of them must be shuffled: scrambling alone keeps both in
+/// the same halves, quarters and so on, and their integral would not converge.
 inline int shuffled(const SampleTable& table, int i, std::uint32_t seed) {
   const std::uint32_t mixed = reversed(scrambled_low_to_high(reversed(std::uint32_t(i)), hash(seed, 3u)));
   return int(mixed & std::uint32_t(table.first.size() - 1));

@@ -1,5 +1,5 @@
 // Means, variances and the covariance under a Gaussian window, which is separable: down the columns, then along the
-// row. In double, since variances are small differences of large sums.
+// row. Uses double, since variances are small differences of large sums.
 #include "reference/ssim.h"
 
 #include <tbb/blocked_range.h>
@@ -21,7 +21,7 @@ constexpr double kSigma = 1.5;
 constexpr double kC1 = 0.01 * 0.01;
 constexpr double kC2 = 0.03 * 0.03;
 
-constexpr int kGrain = 16;  // rows of one task: enough to outweigh its scratch memory
+constexpr int kGrain = 16;  // rows per task: enough to outweigh its scratch memory
 
 enum Moment { kWeight, kA, kB, kAA, kBB, kAB, kMoments };
 
@@ -31,7 +31,7 @@ std::array<double, kRadius + 1> window() {
   return weights;
 }
 
-/// Two planes as they count, and 1 where they do.
+/// Two planes with the counted values, and their weight: 1 where a pixel counts, else 0.
 struct Pair {
   Plane a, b, weight;
 };

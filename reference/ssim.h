@@ -5,8 +5,8 @@
 
 namespace umbrage {
 
-/// The similarity around each covered pixel, from -1 to 1, averaged over the planes; 1 at background. Windows hold
-/// covered pixels only: neither the background nor what lies outside the frame counts.
+/// Returns the similarity around each covered pixel, -1 to 1, averaged over the planes; 1 at background pixels. Windows
+/// contain only covered pixels inside the picture.
 Plane ssim_map(const Image& picture, const Image& truth, const ClassMap& classes);
 
 }  // namespace umbrage

@@ -22,21 +22,21 @@
 namespace umbrage {
 namespace {
 
-constexpr int kTile = 16;  // side of what one task traces
+constexpr int kTile = 16;  // side of the tile of one task, pixels
 constexpr float kPi = 3.14159265f;
 
 /// Independent sets of sample points of one pixel.
 enum SampleSet : std::uint32_t { kHemisphere = 1, kBounceLight = 2, kFirstLight = 3 };
 
-/// An orthonormal basis with z = n, continuous but for n.z = 0 [Duff et al. 2017].
+/// Returns an orthonormal basis with z = n, continuous except at n.z = 0 [Duff et al. 2017].
 glm::mat3 basis_around(glm::vec3 n) {
   const float sign = std::copysign(1.0f, n.z);
   const float a = -1.0f / (sign + n.z), b = n.x * n.y * a;
   return {{1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
 }
 
-/// A direction about +z with probability in proportion to its cosine: a point of the disc, concentric so that
-/// neighbouring samples stay neighbours [Shirley and Chiu 1997], lifted to the sphere.
+/// Returns a direction about +z with a probability density proportional to its cosine: a point of the disc, by the
+/// concentric map, which keeps neighbouring samples close [Shirley and Chiu 1997], projected to the sphere.
 glm::vec3 cosine_direction(glm::vec2 sample) {
   const float a = 2.0f * sample.x - 1.0f, b = 2.0f * sample.y - 1.0f;
   float radius = 0.0f, angle = 0.0f;
@@ -47,24 +47,24 @@ glm::vec3 cosine_direction(glm::vec2 sample) {
     radius = b;
     angle = kPi / 2.0f - kPi / 4.0f * (a / b);
   }
-  // No sample lies on the disc's rim, so that every direction rises: (1 - r) (1 + r) keeps that, 1 - x x - y y may not.
+  // No sample is on the disc's edge, so that z > 0: (1 - r) (1 + r) preserves that, 1 - x x - y y may not.
   return {radius * std::cos(angle), radius * std::sin(angle), std::sqrt((1.0f - radius) * (1.0f + radius))};
 }
 
-/// A direction about +z within a cone, uniform in solid angle. The cone is given by 1 minus the cosine of its half
-/// angle, which floats hold for the narrowest cone too.
+/// Returns a direction about +z within a cone, uniform in solid angle. `cone_height` is 1 minus the cosine of its half
+/// angle, which floats represent even for the narrowest cone.
 glm::vec3 cone_direction(glm::vec2 sample, float cone_height) {
   const float below = sample.x * cone_height;
   const float across = std::sqrt(below * (2.0f - below)), angle = 2.0f * kPi * sample.y;
   return {across * std::cos(angle), across * std::sin(angle), 1.0f - below};
 }
 
-/// Pixels are counted without the guard band, which changes nothing inside it.
+/// Pixels are counted from inside the guard band, so that it does not change the noise.
 std::uint32_t pixel_seed(const PictureInfo& info, int x, int y, std::uint32_t seed) {
   return hash(hash(std::uint32_t(x - info.guard), seed), std::uint32_t(y - info.guard));
 }
 
-/// What a pixel's centre sees, if anything.
+/// Finds the surface on the ray through a pixel's centre, if any.
 bool primary_surface(const TracedScene& traced, const CameraRays& rays, int x, int y, Surface& surface) {
   const float px = float(x) + 0.5f, py = float(y) + 0.5f;
   const glm::vec3 origin = rays.origin_at(px, py), direction = rays.direction_at(px, py);
@@ -75,12 +75,12 @@ bool primary_surface(const TracedScene& traced, const CameraRays& rays, int x, i
   return true;
 }
 
-/// Calls trace(x, y, surface, rays) for every pixel inside the guard band that sees a surface, from all threads.
+/// Calls trace(x, y, surface, rays) for every pixel inside the guard band that has a surface, from all threads.
 template <class Trace>
 Result<void> for_each_surface(const TracedScene& traced, const PictureInfo& info, const TraceControl& control,
                               const Trace& trace) {
   const CameraRays rays = camera_rays(traced, info);
-  if (!within_reach(rays, info)) {  // from there nothing is seen
+  if (!rays_within_limit(rays, info)) {  // no surface is visible from there
     if (!control.progress(1.0)) return Error{ErrorKind::kInterrupted, "interrupted"};
     return {};
   }
@@ -88,8 +88,8 @@ Result<void> for_each_surface(const TracedScene& traced, const PictureInfo& info
   std::atomic<int> done = 0;
   std::atomic<bool> ended = false;
   std::mutex telling;
-  const int most = tbb::info::default_concurrency();
-  tbb::task_arena arena(control.threads > 0 ? std::min(control.threads, most) : most);
+  const int max = tbb::info::default_concurrency();
+  tbb::task_arena arena(control.threads > 0 ? std::min(control.threads, max) : max);
   arena.execute([&] {
     tbb::parallel_for(
         tbb::blocked_range<int>(0, rows * columns, 1),
@@ -99,7 +99,7 @@ Result<void> for_each_surface(const TracedScene& traced, const PictureInfo& info
             for (int y = y0; y < std::min(y0 + kTile, info.height - info.guard); ++y)
               for (int x = x0; x < std::min(x0 + kTile, info.width - info.guard); ++x)
                 if (Surface surface; primary_surface(traced, rays, x, y, surface)) trace(x, y, surface, rays);
-            // Nobody waits to tell but the last. What is told is read under the lock, so that it never falls.
+            // Only the last task waits to report. The count is read under the lock, so that it never decreases.
             const bool last = ++done == rows * columns;
             std::unique_lock lock(telling, std::try_to_lock);
             if (last && !lock.owns_lock()) lock.lock();
@@ -112,7 +112,7 @@ Result<void> for_each_surface(const TracedScene& traced, const PictureInfo& info
   return {};
 }
 
-/// Three planes of an image that are one vector or colour.
+/// Three planes of an image that hold a vector or a colour.
 struct VectorPlanes {
   std::array<Plane*, 3> planes;
 
@@ -121,7 +121,7 @@ struct VectorPlanes {
   }
 };
 
-/// An image of these planes, each filled with one value.
+/// Makes an image of these planes, each filled with one value.
 Image filled_image(const PictureInfo& info, std::initializer_list<std::pair<const char*, float>> planes) {
   Image image(info.width, info.height);
   for (const auto& [name, value] : planes) image.add(name) = Plane(info.width, info.height, value);
@@ -132,22 +132,22 @@ VectorPlanes vector_planes(Image& image, std::array<const char*, 3> names) {
   return {{&image.plane(names[0]), &image.plane(names[1]), &image.plane(names[2])}};
 }
 
-/// How much a hit at this share of the radius counts.
+/// Returns the weight of a hit at distance `share` times the radius.
 float weight_of(Falloff falloff, float share) {
   if (falloff == Falloff::kNone) return 1.0f;
   if (falloff == Falloff::kLinear) return 1.0f - share;
   return 1.0f - share * share * (3.0f - 2.0f * share);
 }
 
-/// A light in unit space.
+/// A light in the unit space of TracedScene.
 struct TracedLight {
   bool point = false;
-  bool from_eye = false;  ///< of parallel light: it starts at the plane of the eye
-  glm::vec3 where{0.0f};  ///< direction to it, unit, or its centre
+  bool from_camera = false;  ///< directional light that starts at the plane of the camera
+  glm::vec3 where{0.0f};     ///< direction to the light, unit, or its centre
   glm::vec3 color{0.0f};
-  float reach_squared = 0.0f;  ///< 0: no falloff
-  float radius = 0.0f;         ///< of a point light's ball
-  float cone_height = 0.0f;    ///< 1 minus the cosine of the half angle that a directional light spans
+  float reach_squared = 0.0f;  ///< 0: no distance falloff
+  float radius = 0.0f;         ///< of a spherical light
+  float cone_height = 0.0f;    ///< 1 minus the cosine of the half angle of a directional light
   bool throws_shadow = true;
 };
 
@@ -161,7 +161,7 @@ std::vector<TracedLight> traced_lights(const TracedScene& traced, const CameraRa
     out.point = light.kind == LightKind::kPoint || (head && info.camera.projection == Projection::kPerspective);
     if (head) {
       out.where = out.point ? rays.eye : rays.world_from_view[2];
-      out.from_eye = !out.point;
+      out.from_camera = !out.point;
     } else if (out.point) {
       out.where = rays.eye + rays.world_from_view * (light.position * traced.scale);
       out.reach_squared = light.reach * light.reach * traced.scale * traced.scale;
@@ -178,10 +178,10 @@ std::vector<TracedLight> traced_lights(const TracedScene& traced, const CameraRa
   return lights;
 }
 
-/// How far the ray to a light goes: one of no length meets nothing.
+/// Returns the length of the ray to a light; a ray of length 0 hits nothing.
 float ray_length(const TracedLight& light, float distance) { return light.throws_shadow ? distance : 0.0f; }
 
-/// One sample of a light from a place: the direction to it, unit, how far it is, and the radiance of a white surface
+/// One sample of a light from a point: the direction to it, unit, its distance, and the radiance of a white surface
 /// that faces this direction.
 struct LightSample {
   glm::vec3 direction;
@@ -189,26 +189,26 @@ struct LightSample {
   glm::vec3 color;
 };
 
-/// What makes a white surface that faces the cone's axis as bright as one that faces a point of the same colour: 1 over
-/// the mean cosine of the cone's directions to its axis.
+/// Returns the factor that makes a white surface that faces the cone's axis as bright as under a point light of the
+/// same colour: 1 over the mean cosine of the cone's directions to its axis.
 float cone_gain(float cone_height) { return 1.0f / (1.0f - 0.5f * cone_height); }
 
 LightSample sample_light(const TracedLight& light, const CameraRays& rays, glm::vec3 from, glm::vec2 sample) {
   if (!light.point) {
     const glm::vec3 direction = basis_around(light.where) * cone_direction(sample, light.cone_height);
     const float distance =
-        light.from_eye ? glm::dot(rays.eye - from, light.where) : std::numeric_limits<float>::infinity();
+        light.from_camera ? glm::dot(rays.eye - from, light.where) : std::numeric_limits<float>::infinity();
     return {direction, distance, light.color * cone_gain(light.cone_height)};
   }
   const glm::vec3 to_center = light.where - from;
   const float squared = std::max(glm::dot(to_center, to_center), 1e-20f), distance = std::sqrt(squared);
   const glm::vec3 toward = to_center / distance;
-  // A ball is nowhere brighter than on its surface: what stands inside a lamp would be a firefly.
+  // The falloff is clamped at the sphere's surface: points inside a light would be fireflies.
   const float falloff_squared = std::max(squared, light.radius * light.radius);
   const glm::vec3 color =
       light.reach_squared > 0.0f ? light.color * (light.reach_squared / falloff_squared) : light.color;
   if (!(light.radius > 0.0f)) return {toward, distance, color};
-  // The cone that the ball fills, seen from outside; what lies inside the ball has it all around.
+  // The cone that the sphere subtends from outside; from inside, a hemisphere.
   const float sine_squared = std::min(1.0f, light.radius * light.radius / squared);
   const float cone_height = sine_squared / (1.0f + std::sqrt(1.0f - sine_squared));
   const glm::vec3 local = cone_direction(sample, cone_height);
@@ -217,7 +217,7 @@ LightSample sample_light(const TracedLight& light, const CameraRays& rays, glm::
   return {basis_around(toward) * local, std::max(to_ball, 0.0f), color * cone_gain(cone_height)};
 }
 
-/// The finest texel of a surface that no pixel sees; white where it has no such texture.
+/// Returns the finest texel of a surface that is not seen by a pixel; white without such a texture.
 glm::vec3 plain_texel(const TracedScene& traced, const Surface& surface, int texture) {
   if (texture == kNoTexture || surface.mesh->uvs.empty()) return glm::vec3(1.0f);
   const glm::vec2 uv = uv_at(*surface.mesh, surface.triangle, surface.u, surface.v);
@@ -228,7 +228,7 @@ glm::vec3 plain_albedo(const TracedScene& traced, const Surface& surface) {
   return surface.material->albedo * mesh_color(surface) * plain_texel(traced, surface, surface.material->texture);
 }
 
-/// Blinn-Phong's highlight of a sample, as effects/lighting has it.
+/// Returns Blinn-Phong's highlight of a sample, as in effects/lighting.
 float highlight_of(const Surface& surface, glm::vec3 to_light, glm::vec3 to_eye) {
   const Material& material = *surface.material;
   if (!(material.specular_strength > 0.0f)) return 0.0f;
@@ -238,22 +238,22 @@ float highlight_of(const Surface& surface, glm::vec3 to_light, glm::vec3 to_eye)
   return material.specular_strength * std::pow(cosine, material.specular_exponent);
 }
 
-/// What one pixel gets of the lights.
+/// Direct light at one pixel.
 struct DirectLight {
   glm::vec3 diffuse{0.0f};  ///< before the albedo
   glm::vec3 highlight{0.0f};
-  float key_arrives = 1.0f;
+  float key_visibility = 1.0f;
 };
 
 DirectLight direct_light(const TracedScene& traced, const CameraRays& rays, const Surface& surface, glm::vec3 to_eye,
                          const std::vector<TracedLight>& lights, const SampleTable& table, int samples,
                          std::uint32_t seed) {
   DirectLight sum;
-  const glm::vec3 start = start_to_light(traced, surface, rays.eye);
+  const glm::vec3 start = ray_origin_to_light(traced, surface, rays.eye);
   for (std::size_t l = 0; l < lights.size(); ++l) {
     const TracedLight& light = lights[l];
     const bool hard = light.point ? !(light.radius > 0.0f) : !(light.cone_height > 0.0f);
-    const int count = hard ? 1 : samples;  // all samples of a point are one
+    const int count = hard ? 1 : samples;  // all samples of a point light are equal
     int arrived = 0;
     for (int first = 0; first < count; first += kPacket) {
       const int n = std::min(kPacket, count - first);
@@ -276,18 +276,18 @@ DirectLight direct_light(const TracedScene& traced, const CameraRays& rays, cons
         sum.highlight += color * highlight_of(surface, sample[k].direction, to_eye);
       }
     }
-    if (l == 0) sum.key_arrives = float(arrived) / float(count);
+    if (l == 0) sum.key_visibility = float(arrived) / float(count);
   }
   return sum;
 }
 
-/// Mean radiance from the hemisphere: what the surfaces there, within `reach`, emit and reflect of the lights, one
-/// light sample each.
+/// Returns the mean radiance from the hemisphere: emission of the surfaces within `reach`, and their reflection of the
+/// lights, with one sample per light.
 glm::vec3 bounced_light(const TracedScene& traced, const CameraRays& rays, const Surface& surface,
                         const std::vector<TracedLight>& lights, const SampleTable& table, int samples, float reach,
                         std::uint32_t seed) {
   glm::vec3 sum(0.0f);
-  const glm::vec3 start = start_above(traced, surface, rays.eye);
+  const glm::vec3 start = ray_origin_above(traced, surface, rays.eye);
   const glm::mat3 basis = basis_around(surface.normal);
   for (int first = 0; first < samples; first += kPacket) {
     const int n = std::min(kPacket, samples - first);
@@ -316,7 +316,7 @@ glm::vec3 bounced_light(const TracedScene& traced, const CameraRays& rays, const
         const float lambert = glm::dot(hits[k].normal, sample.direction);
         if (!(lambert > 0.0f)) continue;
         reflected[k] = albedo[k] * sample.color * lambert;
-        to_light.set(k, start_to_light(traced, hits[k], surface.position), sample.direction, 0.0f,
+        to_light.set(k, ray_origin_to_light(traced, hits[k], surface.position), sample.direction, 0.0f,
                      ray_length(lights[l], sample.distance));
       }
       to_light.find_blocked(traced, Coherence::kIncoherent);
@@ -342,7 +342,7 @@ Result<Image> trace_occlusion(const TracedScene& traced, const PictureInfo& info
   const glm::mat3 view_from_world(info.camera.view_from_world);
   const auto done =
       for_each_surface(traced, info, control, [&](int x, int y, const Surface& surface, const CameraRays& rays) {
-        const glm::vec3 start = start_above(traced, surface, rays.eye);
+        const glm::vec3 start = ray_origin_above(traced, surface, rays.eye);
         const glm::vec3 normal = settings.normal == HemisphereNormal::kTriangle ? surface.geometric : surface.normal;
         const glm::mat3 basis = basis_around(normal);
         const std::uint32_t seed = hash(pixel_seed(info, x, y, settings.seed), kHemisphere);
@@ -407,7 +407,7 @@ Result<Image> trace_light(const TracedScene& traced, const PictureInfo& info, co
         const DirectLight light = direct_light(traced, rays, surface, to_eye, lights, table, settings.samples, seed);
         const glm::vec3 emission = pixel_emission(traced, rays, surface, float(x) + 0.5f, float(y) + 0.5f);
         direct.store(x, y, light.diffuse * albedo + light.highlight + emission);
-        shadow->at(x, y) = light.key_arrives;
+        shadow->at(x, y) = light.key_visibility;
       });
   if (!done) return done.error();
   return image;

@@ -1,5 +1,5 @@
-// Trace: the truth by rays, slow and literal. Occlusion, direct light with soft shadows, and one bounce of it, at the
-// surface that each pixel's centre sees.
+// Trace: ground truth by ray tracing, slow and literal. Occlusion, direct light with soft shadows, and one bounce, at
+// the surface on the ray through each pixel's centre.
 #pragma once
 #include <functional>
 #include <limits>
@@ -13,63 +13,62 @@ namespace umbrage {
 
 inline constexpr int kMaxSamples = 4096;
 
-/// How much an occluder at distance t counts.
+/// Weight of an occluder at distance t.
 enum class Falloff {
   kNone,    ///< 1 within the radius
   kLinear,  ///< 1 - t / radius
   kSmooth,  ///< 1 - smoothstep(0, radius, t)
 };
 
-/// Around which normal the hemisphere lies.
+/// The normal around which the hemisphere lies.
 enum class HemisphereNormal {
-  kTriangle,  ///< the surface as it is, facets and all: the truth that techniques are measured against
-  kShading,   ///< the interpolated normal; directions below the triangle are closed
+  kTriangle,  ///< of the actual facets: the reference for techniques
+  kShading,   ///< interpolated; directions below the triangle are blocked
 };
 
 struct OcclusionSettings {
   int samples = 64;                                       ///< rays per pixel, 1 to kMaxSamples
-  float radius = std::numeric_limits<float>::infinity();  ///< scene units, above 0
+  float radius = std::numeric_limits<float>::infinity();  ///< scene units, > 0
   Falloff falloff = Falloff::kNone;
   HemisphereNormal normal = HemisphereNormal::kTriangle;
   std::uint32_t seed = 0;
 };
 
 struct LightSettings {
-  int samples = 64;                                      ///< rays per pixel to each light, and for the bounce
-  bool direct = true;                                    ///< trace `direct` and `shadow`
-  bool bounce = true;                                    ///< trace `indirect`
-  float reach = std::numeric_limits<float>::infinity();  ///< of the bounce: what lies farther away sends nothing
-  /// Lights are points, and only those throw a shadow of which a capture holds one: what `shadow` planes say.
+  int samples = 64;    ///< rays per pixel to each light of nonzero size, and for the bounce
+  bool direct = true;  ///< trace `direct` and `shadow`
+  bool bounce = true;  ///< trace `indirect`
+  float reach = std::numeric_limits<float>::infinity();  ///< max distance of bounced light, scene units
+  /// Lights are points, and only those cast a shadow for which a capture holds a `shadow` plane.
   bool captured_shadows = false;
-  float sun_angle_deg = 0.0f;  ///< what directional lights span in the sky; 0: what each light says
+  float sun_angle_deg = 0.0f;  ///< angular diameter of directional lights; 0: that of each light
   std::uint32_t seed = 0;
 };
 
 struct TraceControl {
-  int threads = 0;  ///< 0: all that the process may use. The result does not depend on it
-  /// Told the share that is done, now and then from any one thread at a time. It never falls and ends at 1; false ends
-  /// the work, and nothing more is told.
+  int threads = 0;  ///< 0: all that the process may use; the result does not depend on it
+  /// Called with the finished fraction, by one thread at a time, not always the same. It never decreases and ends at 1.
+  /// If it returns false, tracing stops and there are no more calls.
   std::function<bool(double)> progress = [](double) { return true; };
 };
 
-/// Occlusion: the share of the hemisphere's directions, weighted with their cosine to the normal, in which nothing lies
-/// within the radius; by falloff an occluder counts in part. Planes, of the picture's whole size:
-///   ao                     1 open, 0 closed; 1 where there is no surface, and in the guard band
-///   bent_normal.x .y .z    mean open direction, unit, view space; the normal where nothing is open, 0 without surface
+/// Traces visibility: the cosine-weighted fraction of the hemisphere in which nothing lies within the radius; with a
+/// falloff, an occluder counts partly. Planes, of the picture's whole size:
+///   ao                     1 open, 0 blocked; 1 where there is no surface, and in the guard band
+///   bent_normal.x .y .z    mean open direction, unit, view space; the normal where nothing is open; 0 without surface
 /// Errors: kInterrupted.
 Result<Image> trace_occlusion(const TracedScene& scene, const PictureInfo& info, const OcclusionSettings& settings,
                               const TraceControl& control = {});
 
-/// Light: planes, of the picture's whole size, 0 without surface and in the guard band:
-///   direct.r .g .b     (with direct) what the surface emits, and what the lights send to the eye by diffuse reflection
-///   and
-///                      highlight, as effects/lighting has it, with shadows as soft as the lights are large. A light's
-///                      size does not change its brightness: a surface that sees all of it gets what a point of the
-///                      same colour would give
-///   shadow             (with direct) share of the key light that arrives; 1 without surface
-///   indirect.r .g .b   (with bounce) mean radiance from the shading normal's hemisphere, cosine-weighted: what the
-///                      surfaces in sight, within reach, reflect diffusely of the lights, and emit. Times the albedo it
-///                      is light to the eye
+/// Traces light. Planes, of the picture's whole size, 0 where there is no surface and in the guard band:
+///   direct.r .g .b     (with direct) emission, and diffuse reflection and highlight of the lights towards the camera,
+///                      as in effects/lighting, with shadows as soft as the lights are large. A light's size does not
+///                      change its brightness: a surface that sees all of it gets as much as from a point of the same
+///                      colour
+///   shadow             (with direct) visible fraction of the key light; 1 where there is no surface
+///   indirect.r .g .b   (with bounce) mean radiance from the shading normal's hemisphere, cosine-weighted: emission and
+///                      diffuse reflection of the lights by the surfaces within reach. Times the albedo it is the
+///                      indirect light towards the camera
 /// Errors: kInterrupted.
 Result<Image> trace_light(const TracedScene& scene, const PictureInfo& info, const LightSettings& settings,
                           const TraceControl& control = {});

@@ -21,7 +21,7 @@ glm::vec2 r2(int k) {
 
 }  // namespace
 
-glm::vec2 frame_offset(int frame, int count) {
+glm::vec2 sample_offset(int frame, int count) {
   if (frame == 0 || count < 3) return frame == 0 ? glm::vec2(0.0f) : glm::vec2(0.5f, 0.5f) * 0.999f;
   glm::vec2 mean(0.0f);
   for (int k = 1; k < count; ++k) mean += r2(k) / float(count - 1);
@@ -57,7 +57,7 @@ void add_rows(PictureSum& total, const Image& rows, int first, int height) {
       const float* in = rows.planes[k].row(y);
       const float* share = alpha ? alpha->row(y) : nullptr;
       float* out = total.sum.planes[k].row(first + y);
-      if (multiplied && total.for_eye)
+      if (multiplied && total.as_square_roots)
         for (int x = 0; x < rows.width; ++x) out[x] += std::sqrt(std::max(in[x], 0.0f)) * share[x];
       else if (multiplied)
         for (int x = 0; x < rows.width; ++x) out[x] += in[x] * share[x];
@@ -68,7 +68,7 @@ void add_rows(PictureSum& total, const Image& rows, int first, int height) {
 }
 
 PictureSum rows_of(const PictureSum& total, int first, int count) {
-  PictureSum rows{.for_eye = total.for_eye, .count = total.count, .sum = Image(total.sum.width, count)};
+  PictureSum rows{.as_square_roots = total.as_square_roots, .count = total.count, .sum = Image(total.sum.width, count)};
   for (const std::string& name : total.sum.names) {
     const Plane& from = total.sum.plane(name);
     Plane& to = rows.sum.add(name);
@@ -97,12 +97,12 @@ GBuffer mean_picture(const PictureSum& total, const PictureInfo& info) {
   const Plane alpha = mean_plane(total, "color.a");
   for (const std::string channel : {"r", "g", "b"}) image.add("lit." + channel) = mean_plane(total, "color." + channel);
   const std::array<Plane*, 3> lit = {&image.plane("lit.r"), &image.plane("lit.g"), &image.plane("lit.b")};
-  if (total.for_eye)
+  if (total.as_square_roots)
     for (Plane* plane : lit)
       for (int y = 0; y < plane->height; ++y)
         for (int x = 0; x < plane->width; ++x)
           if (const float share = alpha.row(y)[x]; share > 0.0f) plane->row(y)[x] *= plane->row(y)[x] / share;
-  image.add(total.for_eye ? "cover_for_eye" : "cover") = alpha;
+  image.add(total.as_square_roots ? "cover_for_eye" : "cover") = alpha;
   image.add("depth") = Plane(image.width, image.height, std::numeric_limits<float>::infinity());
   return g;
 }

@@ -1,4 +1,4 @@
-// Averaged frames: what of them is averaged, and the lines that lie over the average.
+// Averaged pictures: which planes are averaged, and the lines drawn over the average.
 #include <algorithm>
 
 #include "effects/effects.h"
@@ -10,15 +10,15 @@ namespace umbrage {
 std::vector<std::string> line_planes(const Plan& plan) {
   std::vector<std::string> names;
   if (plan.lines.empty()) return names;
-  const auto& read = find_effect("output")->passes[0].inputs;
-  for (const Pass& pass : find_effect("outline")->passes)
-    if (!pass.needed || pass.needed(plan.lines))
-      for (const std::string_view plane : pass.outputs)
+  const auto& read = find_effect("output")->dispatches[0].inputs;
+  for (const Dispatch& dispatch : find_effect("outline")->dispatches)
+    if (!dispatch.needed || dispatch.needed(plan.lines))
+      for (const std::string_view plane : dispatch.outputs)
         if (std::find(read.begin(), read.end(), plane) != read.end()) names.emplace_back(plane);
   return names;
 }
 
-std::vector<std::string> also_averaged(const Plan& plan) {
+std::vector<std::string> other_averaged_planes(const Plan& plan) {
   std::vector<std::string> names = plan.recipe.averaged;
   for (const std::string& plane : line_planes(plan)) std::erase(names, plane);
   return names;
@@ -27,14 +27,14 @@ std::vector<std::string> also_averaged(const Plan& plan) {
 std::vector<std::string> averaged_planes(const Plan& plan) {
   std::vector<std::string> names;
   if (plan.recipe.wants("color.r")) names = {"color.r", "color.g", "color.b", "color.a"};
-  const auto also = also_averaged(plan);
+  const auto also = other_averaged_planes(plan);
   names.insert(names.end(), also.begin(), also.end());
   return names;
 }
 
-Result<Progression> draw_lines(Device& device, const Plan& plan, Frame& frame, const ProgressMonitor& monitor,
-                               StageTimes& times) {
-  if (plan.lines.empty() || plan.capture.sample > 0) return Progression();
+Result<RunState> draw_lines(Device& device, const Plan& plan, Frame& frame, const ProgressMonitor& monitor,
+                            StageTimes& times) {
+  if (plan.lines.empty() || plan.capture.sample > 0) return RunState();
   auto done = device.run(*find_effect("outline"), plan.lines, frame, 0, PixelSet::kAll, monitor);
   times.done("outline");
   return done;
@@ -46,7 +46,7 @@ Result<Image> finished_color(Device& device, const PictureSum& total, const Plan
   auto mean = device.upload(mean_picture(total, info));
   if (!mean) return mean.error();
   if (auto done = device.add(lines, *mean); !done) return done.error();
-  as<OutputParams>(output).exposure = 0.0f;  // each frame had them
+  as<OutputParams>(output).exposure = 0.0f;  // already applied to each sample
   as<OutputParams>(output).shoulder = 1.0f;
   as<OutputParams>(output).sky = 0;
   if (auto done = device.run(*find_effect("output"), output, *mean); !done) return done.error();
@@ -55,8 +55,8 @@ Result<Image> finished_color(Device& device, const PictureSum& total, const Plan
 
 namespace {
 
-/// Planes as a frame with a guard band has them: as much around, of what is at the rim.
-Image with_band(const Image& inner, int band) {
+/// Extends planes by a guard band of `band` pixels, repeating the border pixels.
+Image with_guard_band(const Image& inner, int band) {
   Image whole(inner.width + 2 * band, inner.height + 2 * band);
   for (std::size_t k = 0; k < inner.names.size(); ++k) {
     Plane& plane = whole.add(inner.names[k]) = Plane(whole.width, whole.height);
@@ -71,7 +71,8 @@ Image with_band(const Image& inner, int band) {
 }  // namespace
 
 Result<void> finish_average(Device& device, const PictureSum& total, const Plan& plan, Frame& frame) {
-  if (auto done = device.add(with_band(mean_planes(total, also_averaged(plan)), frame.info.guard), frame); !done)
+  if (auto done = device.add(with_guard_band(mean_planes(total, other_averaged_planes(plan)), frame.info.guard), frame);
+      !done)
     return done;
   if (!plan.recipe.wants("color.r")) return {};
   Image lines;
@@ -82,7 +83,7 @@ Result<void> finish_average(Device& device, const PictureSum& total, const Plan&
   }
   const auto color = finished_color(device, total, plan, lines, inner_info(frame.info));
   if (!color) return color.error();
-  return device.add(with_band(*color, frame.info.guard), frame);
+  return device.add(with_guard_band(*color, frame.info.guard), frame);
 }
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// A picture of averaged frames: what of them is averaged, and the lines that lie over the average. For renderer/ alone.
+// Averaged pictures: which planes are averaged, and the lines drawn over the average. Internal to renderer/.
 #pragma once
 #include <string>
 #include <vector>
@@ -9,23 +9,23 @@
 
 namespace umbrage {
 
-/// The planes of a frame that are averaged; and those of them that are no colour.
+/// Returns the planes that are averaged; other_averaged_planes returns only those that are not colour.
 std::vector<std::string> averaged_planes(const Plan& plan);
-std::vector<std::string> also_averaged(const Plan& plan);
+std::vector<std::string> other_averaged_planes(const Plan& plan);
 
-/// Draws the lines that lie over averaged frames, on frame 0: on others nothing.
-Result<Progression> draw_lines(Device& device, const Plan& plan, Frame& frame, const ProgressMonitor& monitor,
-                               StageTimes& times);
+/// Draws the lines that lie over the average. Runs at sample index 0; does nothing at the others.
+Result<RunState> draw_lines(Device& device, const Plan& plan, Frame& frame, const ProgressMonitor& monitor,
+                            StageTimes& times);
 
-/// The planes of frame 0 that `output` draws them from.
+/// Returns the planes of sample 0 from which `output` draws the lines.
 std::vector<std::string> line_planes(const Plan& plan);
 
-/// The finished colour of averaged frames, as planes color.r, .g, .b and .a. `lines`: their line_planes. `info`: of a
-/// picture of the sum's size.
+/// Returns the finished colour of averaged pictures as planes color.r, .g, .b and .a. `lines`: their line_planes.
+/// `info`: of a picture of the size of the sum.
 Result<Image> finished_color(Device& device, const PictureSum& total, const Plan& plan, const Image& lines,
                              const PictureInfo& info);
 
-/// Makes the finished picture of averaged frames, and puts it and what else was averaged into frame 0.
+/// Computes the finished colour and the other means, and stores them in `frame`, the frame of sample 0.
 Result<void> finish_average(Device& device, const PictureSum& total, const Plan& plan, Frame& frame);
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// Reading a model and making it ready end soon after their monitor says so, and tell what is right until then.
+// Importing and preparing a model stop soon after the monitor returns false, and report valid progress until then.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// A wavy square of two triangles for each of side x side cells.
+/// Makes a wavy square of side x side cells, two triangles each.
 Mesh waves(int side) {
   Mesh mesh;
   for (int j = 0; j <= side; ++j)
@@ -47,8 +47,8 @@ Mesh waves(int side) {
 /// Work that reports to a monitor and ends when the monitor returns false.
 using Work = std::function<Result<void>(const ProgressMonitor& monitor)>;
 
-/// Expects rising progress in [0, 1], told on the calling thread, and that work ends within a tenth of its time, or
-/// within kAtOnce seconds, of the monitor's false.
+/// Expects rising progress in [0, 1], reported on the calling thread, and that work stops within a tenth of its total
+/// time, or within kAtOnce seconds, after the monitor returns false.
 void expect_ends(const Work& work, const char* what) {
   SCOPED_TRACE(what);
   const auto thread = std::this_thread::get_id();
@@ -64,32 +64,32 @@ void expect_ends(const Work& work, const char* what) {
   EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
   EXPECT_GE(told.front(), 0.0);
   EXPECT_LE(told.back(), 1.0);
-  double most = 0.0, most_told = 0.0;
+  double max = 0.0, max_told = 0.0;
   for (const double share : {0.0, 0.3, 0.7}) {
     const Clock::time_point start = Clock::now();
     Clock::time_point ended;
     bool said = false;
     const auto done = work([&](double at) {
       EXPECT_FALSE(said) << "nothing is asked after false";
-      most_told = std::max(most_told, at);
+      max_told = std::max(max_told, at);
       if (seconds_since(start) < share * whole) return true;
       said = true;
       ended = Clock::now();
       return false;
     });
-    if (!said) continue;  // it was done before
-    most = std::max(most, seconds_since(ended));
+    if (!said) continue;  // it finished first
+    max = std::max(max, seconds_since(ended));
     ASSERT_FALSE(done);
     EXPECT_EQ(done.error().kind, ErrorKind::kInterrupted);
   }
-  std::printf("%s: %.0f ms, ends within %.0f ms, asked %zu times\n", what, 1e3 * whole, 1e3 * most, told.size());
+  std::printf("%s: %.0f ms, ends within %.0f ms, asked %zu times\n", what, 1e3 * whole, 1e3 * max, told.size());
   constexpr double kAtOnce = 0.3;
-  EXPECT_LT(most, std::max(kAtOnce, 0.1 * whole));
+  EXPECT_LT(max, std::max(kAtOnce, 0.1 * whole));
 }
 
 class Cancel : public test::ProgramTest {
  protected:
-  /// A quarter of a million triangles in a file of this kind.
+  /// Writes a quarter of a million triangles to a file of this kind.
   fs::path file_of(const std::string& ending) {
     constexpr int kSide = 350;
     const Mesh mesh = waves(kSide);
@@ -153,10 +153,10 @@ TEST_F(Cancel, AHierarchyIsNotBuiltToItsEnd) {
     expect_ends([&](const ProgressMonitor& monitor) { return device->prepare(scene, monitor); }, "prepare");
     expect_ends(
         [&](const ProgressMonitor& monitor) {
-          const auto traced = trace_ready(scene, threads, monitor);
+          const auto traced = build_traced_scene(scene, threads, monitor);
           return traced ? Result<void>() : traced.error();
         },
-        "trace_ready");
+        "build_traced_scene");
   }
   expect_ends(
       [&](const ProgressMonitor& monitor) {
@@ -164,7 +164,7 @@ TEST_F(Cancel, AHierarchyIsNotBuiltToItsEnd) {
         return built ? Result<void>() : built.error();
       },
       "build_hierarchy");
-  // What was interrupted is as if it had never begun.
+  // Interrupted work leaves no trace.
   const auto device = make_cpu_device({});
   int calls = 0;
   EXPECT_FALSE(device->prepare(scene, [&](double) { return ++calls < 2; }));

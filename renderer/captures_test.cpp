@@ -1,4 +1,4 @@
-// Captures are kept while effects change: each picture is the one that a new drawing gives.
+// Captures are reused while effects change: each picture is identical to one drawn anew.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -20,15 +20,14 @@ struct Case {
   std::string scale = {};
 };
 
-/// A scene as a look has it furnished, with a ground for one that hides its depth, and one device that is ready to draw
-/// it.
+/// A scene furnished for a look, with a ground for a look that hides it, and a device that is prepared with it.
 class Stage {
  public:
   Stage(Device& device, const std::string& look, Ground ground = Ground::kOn)
       : device_(device), scene_(*load_scene("scene:solids?detail=2000")) {
     Recipe recipe = recipe_of({look, {}});
     recipe.ground = ground;
-    furnish(scene_, recipe);
+    complete_scene(scene_, recipe);
     EXPECT_TRUE(device.prepare(scene_));
   }
 

@@ -11,7 +11,7 @@
 namespace umbrage {
 namespace {
 
-/// Who captures for a Vulkan device, and how: UMBRAGE_VULKAN_CAPTURE; else the device decides.
+/// Returns how a Vulkan device captures, from UMBRAGE_VULKAN_CAPTURE; by default the device decides.
 Result<VulkanCapture> vulkan_capture() {
   const char* wish = std::getenv("UMBRAGE_VULKAN_CAPTURE");
   if (!wish || *wish == '\0') return VulkanCapture::kAuto;
@@ -40,7 +40,7 @@ Result<std::unique_ptr<Device>> make_device(const std::string& name, int threads
     const auto [stop, failed] = std::from_chars(name.data() + prefix.size(), end, index);
     if (failed == std::errc() && stop == end && index >= 0)
       return make_vulkan_device({.index = index, .capture = *capture}, cpu());
-    return usage_error("there is no device '{}': a number follows vulkan:, such as vulkan:0", name);
+    return usage_error("there is no device '{}': vulkan: takes a number, such as vulkan:0", name);
   }
   constexpr std::string_view kNames[] = {"cpu", "vulkan", "auto"};
   return usage_error("there is no device '{}'{}", name, suggestion(name, kNames));

@@ -11,7 +11,8 @@
 namespace umbrage {
 namespace {
 
-/// The reference tells whoever traces; this tells the thread that made it alone, and not more often than people see.
+/// Returns a callback for the reference, which may call it from any thread. It forwards only calls of the thread that
+/// created it, at most every 40 ms.
 std::function<bool(double)> own_thread_only(const ProgressMonitor& monitor) {
   using Clock = std::chrono::steady_clock;
   return [&monitor, own = std::this_thread::get_id(), last = Clock::time_point()](double done) mutable {
@@ -22,14 +23,14 @@ std::function<bool(double)> own_thread_only(const ProgressMonitor& monitor) {
   };
 }
 
-/// What a device's share of one step is of the whole drawing.
+/// Converts the progress of one step on a device to that of the whole drawing.
 class DrawProgress {
  public:
-  /// A frame has so many steps; what comes between is part of the next one.
+  /// `steps` is the number of steps of a sample. Work between two steps counts as part of the second.
   DrawProgress(const ProgressMonitor& monitor, std::size_t steps, int frames)
       : monitor_(monitor), steps_(double(steps)), frames_(frames) {}
 
-  /// Of each step.
+  /// Returns the monitor for each step.
   ProgressMonitor of_step() {
     return [this](double share) { return tell(share); };
   }
@@ -44,19 +45,19 @@ class DrawProgress {
  private:
   bool tell(double share) {
     const double of_frame = std::min((step_ + share) / steps_, 1.0);
-    // An effect of several passes, or on several layers, begins again with each: what was told stays.
-    told_ = std::max(told_, std::min((frame_ + of_frame) / frames_, 1.0));
-    return !monitor_ || monitor_(told_);
+    // An effect of several dispatches or on several layers restarts at 0 for each; reported progress never decreases.
+    reported_ = std::max(reported_, std::min((frame_ + of_frame) / frames_, 1.0));
+    return !monitor_ || monitor_(reported_);
   }
 
   const ProgressMonitor& monitor_;
   const double steps_;
   const int frames_;
   int step_ = 0, frame_ = 0;
-  double told_ = 0.0;
+  double reported_ = 0.0;
 };
 
-/// The recipe's look, whose effects are told to `times` and `progress` as they are done.
+/// Returns the run of the recipe's look; finished effects are reported to `times` and `progress`.
 LookRun timed_look_run(const Recipe& recipe, StageTimes& times, DrawProgress& progress) {
   LookRun run = look_run(recipe);
   run.after = [&times, &progress](std::string_view name) {
@@ -69,36 +70,36 @@ LookRun timed_look_run(const Recipe& recipe, StageTimes& times, DrawProgress& pr
 
 std::size_t effect_count(const Plan& plan) { return steps_of(look_run(plan.recipe)).size(); }
 
-/// The frame of a sample, for which a plan has begun, before any effect has run.
+/// Returns the frame of a sample before any effect has run. The plan is at that sample.
 using FrameOfSample = std::function<Result<Frame>(const Plan& plan, const Camera& camera)>;
 
 Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& planned, const FrameOfSample& frame_of,
                            DrawProgress& progress, StageTimes& times, std::optional<float> stops) {
-  Plan plan = planned;  // each sample has noise of its own
+  Plan plan = planned;  // each sample has its own noise
   const ProgressMonitor of_step = progress.of_step();
-  TracedScenePtr hierarchy;  // of the reference, for all samples
+  TracedScenePtr hierarchy;  // of the reference; built once for all samples
   LookRun run = timed_look_run(plan.recipe, times, progress);
   run.stops = stops;
-  run.run_handed_in = [&](const Effect&, const ParameterBytes& params, Frame& on) -> Result<void> {
+  run.run_external_effect = [&](const Effect&, const ParameterBytes& params, Frame& on) -> Result<void> {
     if (!hierarchy) {
-      auto traced = trace_ready(scene, device.threads(), [&](double) { return of_step(0.0); });
+      auto traced = build_traced_scene(scene, device.threads(), [&](double) { return of_step(0.0); });
       if (!traced) return traced.error();
       hierarchy = std::move(*traced);
     }
     const auto planes = trace_reference(*hierarchy, on.info, params, {device.threads(), own_thread_only(of_step)});
     return planes ? device.add(*planes, on) : planes.error();
   };
-  PictureSum total{.for_eye = plan.recipe.look->averages_for_eye};
-  // The last frame stays.
+  PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots};
+  // Sample 0 is drawn last; its frame is returned.
   for (int k = plan.recipe.frames - 1;; --k) {
-    const Camera camera = begin_frame(plan, k);
+    const Camera camera = begin_sample(plan, k);
     auto frame = frame_of(plan, camera);
     if (!frame) return frame.error();
     if (auto added = add_sky(device, plan, *frame); !added) return added.error();
     if (plan.recipe.hdri.shown()) times.done("sky");
     const auto done = run_look(run, device, *frame);
     if (!done) return done.error();
-    run.stops = done->stops;  // one exposure for all
+    run.stops = done->stops;  // one exposure for all samples
     if (plan.averages()) {
       const auto picture = device.download(*frame, averaged_planes(plan));
       if (!picture) return picture.error();
@@ -120,13 +121,13 @@ Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& plann
 Result<void> add_sky(Device& device, const Plan& plan, Frame& frame) {
   if (!plan.recipe.hdri.shown()) return {};
   const int height = frame.info.height;
-  const Rows rows = plan.capture.band ? held_rows(*plan.capture.band, height) : Rows{0, height};
+  const Rows rows = plan.capture.strip ? held_rows(*plan.capture.strip, height) : Rows{0, height};
   return device.add(sky_planes(plan.recipe.hdri, plan.up, plan.sky_gain, frame.info, rows), frame);
 }
 
 Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
                    const ProgressMonitor& monitor, std::optional<float> stops) {
-  const KeptPlanes kept(device.pool());
+  const ScopedPlanePool kept(device.pool());
   DrawProgress progress(monitor, 1 + effect_count(plan), plan.recipe.frames);
   const ProgressMonitor of_step = progress.of_step();
   const auto captured = [&](const Plan& sample, const Camera& camera) {
@@ -139,19 +140,19 @@ Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTi
 }
 
 Result<Captures> capture(Device& device, const Plan& planned, StageTimes& times, const ProgressMonitor& monitor) {
-  const KeptPlanes kept(device.pool());
+  const ScopedPlanePool kept(device.pool());
   Plan plan = planned;
   DrawProgress progress(monitor, 1, plan.recipe.frames);
   const ProgressMonitor of_step = progress.of_step();
   Captures captures;
   for (int k = 0; k < plan.recipe.frames; ++k) {
-    auto frame = device.capture(begin_frame(plan, k), plan.capture, of_step);
+    auto frame = device.capture(begin_sample(plan, k), plan.capture, of_step);
     if (!frame) return frame.error();
     captures.push_back(std::move(*frame));
     times.done("capture");
     progress.frame_done();
   }
-  // Devices put off what they were asked for.
+  // Devices may defer work; errors appear when it finishes.
   if (auto done = device.finish(); !done) return done.error();
   if (auto ended = progress.end(); !ended) return ended.error();
   return captures;
@@ -165,7 +166,7 @@ bool same_captures(const Plan& a, const Plan& b) {
 Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan, const Captures& captures,
                             StageTimes& times, const ProgressMonitor& monitor, std::optional<float> stops) {
   check_equal(captures.size(), std::size_t(plan.recipe.frames), "captures of a picture");
-  const KeptPlanes kept(device.pool());
+  const ScopedPlanePool kept(device.pool());
   DrawProgress progress(monitor, std::max<std::size_t>(effect_count(plan), 1), plan.recipe.frames);
   const auto kept_frame = [&](const Plan& sample, const Camera&) {
     return Result<Frame>(device.branch(captures[std::size_t(sample.capture.sample)]));
@@ -187,7 +188,7 @@ Result<Frame> draw(Device& device, const Scene& scene, const Request& request, S
 
 namespace {
 
-/// Uploads a G-buffer and makes the normals that it may lack.
+/// Uploads a G-buffer and reconstructs missing normals.
 Result<Frame> uploaded(Device& device, GBuffer gbuffer, const EffectSettings& settings) {
   std::vector<bool> has_normals;
   for (const Image& layer : gbuffer.layers) has_normals.push_back(layer.find("normal.x") != nullptr);
@@ -205,9 +206,9 @@ Result<Frame> uploaded(Device& device, GBuffer gbuffer, const EffectSettings& se
 
 Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const Recipe& asked, StageTimes& times,
                            const ProgressMonitor& monitor) {
-  Recipe recipe = asked;  // whose radius is to be in scene units
+  Recipe recipe = asked;  // its radius is converted to scene units
   if (gbuffer.info.lights.empty() && !recipe.own_look) {
-    // View space is the camera's own: what is above and to the left of it does not depend on where it stands.
+    // In view space the lights do not depend on the camera's position.
     Camera at_origin = gbuffer.info.camera;
     at_origin.view_from_world = glm::mat4(1.0f);
     gbuffer.info.lights = recipe.look->studio_lights ? studio_lights(at_origin) : default_lights({}, at_origin);

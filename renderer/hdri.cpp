@@ -13,7 +13,7 @@
 #include "core/check.h"
 #include "core/srgb.h"
 #include "io/format.h"
-#include "scene/readers/import_apart.h"
+#include "scene/readers/import_in_child_process.h"
 #include "scene/readers/texture_file.h"
 
 namespace umbrage {
@@ -24,12 +24,12 @@ const Panorama& panorama_of(const Hdri& hdri) {
   return *hdri.panorama;
 }
 
-/// Whether a reader of io/ knows the file by how it begins. Errors: kFile where it cannot be opened.
+/// Returns whether a reader of io/ recognises the first bytes of the file. Errors: kFile if it cannot be opened.
 Result<bool> is_own_format(const std::filesystem::path& file) {
   std::int64_t size = 0;
   const auto stream = open_to_read(file, size);
   if (!stream) return stream.error();
-  if (size == 0) return file_error("'{}' is empty, which is no image", file.string());
+  if (size == 0) return file_error("'{}' is empty: it is not an image", file.string());
   char start[8] = {};
   const std::size_t got = std::fread(start, 1, sizeof start, stream->get());
   for (const ImageFormat& format : image_formats())
@@ -69,7 +69,7 @@ Result<Panorama> read_file(const std::string& file, const ProgressMonitor& monit
   if (!own) return own.error();
   if (*own) return read_own_format(file);
   Poll poll(monitor);
-  return read_panorama_apart(file, &poll);
+  return read_panorama_in_child_process(file, &poll);
 }
 
 }  // namespace
@@ -81,11 +81,11 @@ Result<std::vector<std::string>> read_hdri(Hdri& hdri, const ProgressMonitor& mo
   if (!read) return read.error();
   if (const std::size_t changed = clean_panorama(*read); changed > 0)
     warnings.push_back(fmt::format(
-        "'{}': {} of its pixels are not finite or below 0 somewhere, which becomes 0, or 65504 where it is infinite",
+        "'{}': {} of its pixels have values that are not finite or below 0: they become 0, or 65504 if infinite",
         hdri.file, changed));
   if (read->width != 2 * read->height)
     warnings.push_back(
-        fmt::format("'{}' is {} x {} pixels; an image of all directions is twice as wide as it is high, and "
+        fmt::format("'{}' is {} x {} pixels; an environment image is twice as wide as it is high: "
                     "this one is stretched to that",
                     hdri.file, read->width, read->height));
   Panorama panorama = reduced_panorama(*read, kMaxPanoramaWidth, kMaxPanoramaHeight);
@@ -102,7 +102,7 @@ Lighting image_lighting(const Hdri& hdri, glm::vec3 up) {
   lighting.lights = light.lights;
   for (Light& each : lighting.lights) {
     each.direction = glm::normalize(axes * each.direction);
-    // A disc that reaches below the horizon would leave the ground dark from its edge on.
+    // A disc that extends below the horizon would darken the ground from its edge on.
     const float height = std::asin(std::clamp(glm::dot(each.direction, glm::normalize(up)), -1.0f, 1.0f));
     if (height > 0.0f) each.angle_deg = std::min(each.angle_deg, 2.0f * glm::degrees(height));
     each.color *= hdri.intensity;
@@ -110,7 +110,7 @@ Lighting image_lighting(const Hdri& hdri, glm::vec3 up) {
   lighting.ambient = light.ambient * hdri.intensity;
   lighting.ambient_shape = turned(light.shape, axes);
   for (glm::mat4& matrix : lighting.ambient_shape.by_color) matrix *= hdri.intensity;
-  lighting.usual_light = light.brightest > 0.0f ? light.brightest : 1.0f;
+  lighting.lit_white_luminance = light.brightest > 0.0f ? light.brightest : 1.0f;
   return lighting;
 }
 

@@ -1,38 +1,38 @@
-// An image around a scene: lights it, and lies behind it.
+// Environment image: lights a scene and is its background.
 #pragma once
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "core/band.h"
 #include "core/gbuffer.h"
 #include "core/progress.h"
 #include "core/result.h"
+#include "core/strip.h"
 #include "scene/environment.h"
 
 namespace umbrage {
 
-/// Names as of the request's fields.
+/// Fields are named as those of Request.
 struct Hdri {
-  std::string file;  ///< empty: none. "sky:" is the one that is built in
+  std::string file;  ///< empty: none; "sky:": the built-in sky
   bool ambient = true, skybox = false;
   float rotation_deg = 0.0f;
   float intensity = 1.0f;
-  std::shared_ptr<const Panorama> panorama;  ///< what the file holds, once read_hdri has read it
+  std::shared_ptr<const Panorama> panorama;  ///< pixels of the file; set by read_hdri
 
   bool lights() const { return !file.empty() && ambient; }
   bool shown() const { return !file.empty() && skybox; }
 };
 
-/// Reads the file of `hdri`, if there is one: EXR, PNG and PFM by io/, others in a process of their own. Gives
-/// sentences for people who may have meant another one. Errors: kFile.
+/// Reads the file of `hdri`, if any: EXR, PNG and PFM with io/, other formats in a separate process. Returns warnings.
+/// Errors: kFile.
 Result<std::vector<std::string>> read_hdri(Hdri& hdri, const ProgressMonitor& monitor = {});
 
-/// The light of the image, which must have been read, over a scene with that upward direction.
+/// Returns the light of an image that has been read, for a scene whose upward direction is `up`.
 Lighting image_lighting(const Hdri& hdri, glm::vec3 up);
 
-/// The planes sky.r, sky.g and sky.b of a picture: the image's radiance, times `gain`, as each pixel's ray sees it.
-/// Those rows of them alone.
+/// Returns the planes sky.r, sky.g and sky.b of a picture: the image's radiance times `gain` along each pixel's ray.
+/// Contains `rows` only.
 Image sky_planes(const Hdri& hdri, glm::vec3 up, float gain, const PictureInfo& info, const Rows& rows);
 
 }  // namespace umbrage

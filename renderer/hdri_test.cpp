@@ -1,5 +1,4 @@
-// Light from an image of what is around a scene: its parts against quadrature, its readers, and what it makes of
-// pictures.
+// Light from environment images: their decomposition against quadrature, their readers, and their effect on pictures.
 #include <glm/gtc/constants.hpp>
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
@@ -8,7 +7,7 @@
 
 #include "run_program.h"
 #include "scene/environment.h"
-#include "scene/readers/import_apart.h"
+#include "scene/readers/import_in_child_process.h"
 #include "umbrage/umbrage.hpp"
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
@@ -28,7 +27,7 @@ constexpr double kPi = std::numbers::pi;
 
 double luminance(const dvec3& color) { return glm::dot(color, dvec3(0.2126, 0.7152, 0.0722)); }
 
-/// Radiance by direction, in a panorama's own axes, averaged over 3 x 3 points of each pixel.
+/// Makes a panorama of radiance by direction in its own axes, averaged over samples x samples points of each pixel.
 Panorama panorama_of(int width, int height, const std::function<dvec3(dvec3)>& radiance, int samples = 3) {
   Panorama panorama{"made", width, height, {}};
   for (int y = 0; y < height; ++y)
@@ -43,7 +42,7 @@ Panorama panorama_of(int width, int height, const std::function<dvec3(dvec3)>& r
   return panorama;
 }
 
-/// Sums over fine points of the panorama's pixels, each of even colour: of radiance times weight(direction).
+/// Integrates radiance times weight(direction) over fine points of the panorama's pixels, each of constant colour.
 dvec3 quadrature(const Panorama& panorama, const std::function<double(dvec3)>& weight) {
   const int across = std::max(1, 512 / panorama.width), down = std::max(1, 256 / panorama.height);
   dvec3 sum(0.0);
@@ -68,7 +67,7 @@ dvec3 irradiance(const Panorama& panorama, dvec3 normal) {
   return quadrature(panorama, [&](dvec3 d) { return std::max(glm::dot(d, normal), 0.0); });
 }
 
-/// The irradiance that lights and ambient light together make.
+/// Returns the irradiance of lights and ambient light together.
 dvec3 irradiance(const EnvironmentLight& light, dvec3 normal) {
   dvec3 sum(light.ambient + light.shape.at(glm::vec3(normal)));
   for (const Light& each : light.lights)
@@ -88,9 +87,9 @@ dvec3 direction_at(double right_deg, double up_deg) {
   return {std::cos(right) * std::cos(up), std::sin(right) * std::cos(up), std::sin(up)};
 }
 
-/// A disc of even colour on an even ground.
+/// Makes a disc of constant colour on a constant background.
 Panorama disc(int width, int height, dvec3 middle, double half_angle_deg, dvec3 inside, dvec3 outside) {
-  // Fine where the edge is, as fast as may be elsewhere.
+  // Fine sampling at the edge, one sample elsewhere.
   const double edge = std::cos(glm::radians(half_angle_deg));
   Panorama out{"disc", width, height, {}};
   for (int y = 0; y < height; ++y)
@@ -113,7 +112,7 @@ Panorama disc(int width, int height, dvec3 middle, double half_angle_deg, dvec3 
   return out;
 }
 
-// ---- how an image is parted
+// ---- decomposition of an image
 
 TEST(Environment, AnEvenSkyIsAmbientLightAlone) {
   for (const auto& [width, height] : {std::pair(1, 1), {2, 1}, {7, 3}, {33, 20}, {64, 32}, {101, 400}, {1500, 700}}) {
@@ -147,7 +146,7 @@ TEST(Environment, ASmallDiscIsOneLight) {
         const Light& sun = light.lights[0];
         EXPECT_TRUE(sun.casts_shadow);
         EXPECT_LT(glm::degrees(std::acos(std::min(1.0, glm::dot(middle, dvec3(sun.direction))))), 0.1);
-        // What the image holds, whose pixels are even; and the disc itself, where it has pixels enough.
+        // The expected size is that of the disc as sampled by the image; also of the disc itself if it is large.
         double flux = 0.0, squares = 0.0;
         for (int y = 0; y < height; ++y)
           for (int x = 0; x < width; ++x) {
@@ -166,7 +165,7 @@ TEST(Environment, ASmallDiscIsOneLight) {
         const dvec3 white = radiance * std::pow(std::sin(glm::radians(half_deg)), 2.0);
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(sun.color[c], facing[c], 0.005 * facing[c]) << c;
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(sun.color[c], white[c], (half_deg > 5.0 ? 0.01 : 0.45) * white[c]) << c;
-        // What is left is next to nothing.
+        // The remainder is small.
         EXPECT_LT(luminance(light.ambient), 0.02 * luminance(white));
       }
 }
@@ -175,7 +174,7 @@ TEST(Environment, NothingIsLost) {
   const Panorama images[] = {
       reduced_panorama(sky_panorama(), 512, 256),
       disc(400, 200, direction_at(40, 20), 6, {40, 40, 60}, {0.5, 0.4, 0.3}),
-      // Windows of a dark room, a band along the horizon, and colours that grow to one side.
+      // Windows of a dark room, a bright stripe along the horizon, and a colour gradient.
       panorama_of(
           301, 77,
           [](dvec3 d) { return std::abs(d.y) < 0.3 && std::abs(d.z) < 0.2 && d.x > 0 ? dvec3(9, 8, 7) : dvec3(0.2); }),
@@ -185,24 +184,24 @@ TEST(Environment, NothingIsLost) {
   for (const Panorama& image : images) {
     SCOPED_TRACE(image.name + fmt::format(" {} x {}", image.width, image.height));
     const EnvironmentLight light = environment_light(image);
-    // The mean irradiance of all normals is a quarter of the flux, of lights too.
+    // The mean irradiance over all normals is a quarter of the flux; this is true of lights, too.
     dvec3 mean(light.ambient);
     for (const Light& each : light.lights) mean += 0.25 * dvec3(each.color);
     const dvec3 expected = mean_radiance(image);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c], expected[c], 2e-4 * expected[c]) << c;
-    // By normal up to what harmonics of the second degree and a few lights can say.
-    double most = 0.0, worst = 0.0;
-    for (const dvec3& n : normals_all_around()) most = std::max(most, luminance(irradiance(image, n)));
+    // By normal: as closely as second-degree harmonics and a few lights can represent.
+    double max = 0.0, worst = 0.0;
+    for (const dvec3& n : normals_all_around()) max = std::max(max, luminance(irradiance(image, n)));
     for (const dvec3& n : normals_all_around())
       worst = std::max(worst, std::abs(luminance(irradiance(image, n)) - luminance(irradiance(light, n))));
-    EXPECT_LT(worst, (&image == &images[3] ? 0.07 : 0.04) * most);
-    EXPECT_GE(light.brightest * kPi, 0.97 * most);
-    EXPECT_LE(light.brightest * kPi, 1.1 * most);
+    EXPECT_LT(worst, (&image == &images[3] ? 0.07 : 0.04) * max);
+    EXPECT_GE(light.brightest * kPi, 0.97 * max);
+    EXPECT_LE(light.brightest * kPi, 1.1 * max);
   }
 }
 
 TEST(Environment, PolesCountByTheirSolidAngle) {
-  // A row at the pole is bright: of 32 rows it is one, of all directions 0.24 percent.
+  // A bright row at the pole: one of 32 rows, but 0.24 percent of the sphere.
   Panorama top = panorama_of(
       64, 32, [](dvec3) { return dvec3(1.0); }, 1);
   for (int x = 0; x < 64 * 3; ++x) top.rgb[std::size_t(x)] = 3.0f;
@@ -225,7 +224,7 @@ TEST(Environment, PartsWhatIsApart) {
   EXPECT_GT(glm::dot(dvec3(light.lights[1].direction), b), 0.9999);
   EXPECT_GT(glm::dot(dvec3(light.lights[2].direction), c), 0.9999);
   EXPECT_NEAR(light.lights[1].angle_deg, 16.0f, 0.7f);
-  // A long lamp becomes several, none of them much wider than it is high; never more than there may be.
+  // A long lamp becomes several lights, none much wider than it is high; the number of lights is limited.
   const EnvironmentLight strip = environment_light(
       panorama_of(512, 256, [](dvec3 d) { return std::abs(d.z) < 0.03 && d.x > 0.0 ? dvec3(10.0) : dvec3(0.0); }));
   EXPECT_GE(strip.lights.size(), 3u);
@@ -241,7 +240,7 @@ TEST(Environment, OddPixelsHaveDefinedResults) {
   const float infinity = std::numeric_limits<float>::infinity();
   Panorama odd{"odd", 2, 2, {NAN, 1, 1, -1, 2, 2, infinity, 3, 3, 4, 4, 3e38f}};
   EXPECT_EQ(clean_panorama(odd), 4u);
-  EXPECT_EQ(odd.rgb, (std::vector<float>{0, 1, 1, 0, 2, 2, 65504, 3, 3, 4, 4, kBrightestSky}));
+  EXPECT_EQ(odd.rgb, (std::vector<float>{0, 1, 1, 0, 2, 2, 65504, 3, 3, 4, 4, kMaxRadiance}));
   EXPECT_EQ(clean_panorama(odd), 0u);
   const EnvironmentLight light = environment_light(odd);
   for (const dvec3& n : normals_all_around()) EXPECT_TRUE(std::isfinite(luminance(irradiance(light, n))));
@@ -253,7 +252,7 @@ TEST(Environment, OddPixelsHaveDefinedResults) {
   EXPECT_EQ(black.brightest, 0.0f);
 }
 
-// ---- where it lies
+// ---- orientation
 
 void expect_near(glm::vec3 a, glm::vec3 b) { EXPECT_LT(glm::distance(a, b), 1e-5f) << a.x << " " << a.y << " " << a.z; }
 
@@ -332,19 +331,19 @@ class HdriFile : public test::ProgramTest {
 
 TEST_F(HdriFile, ReadsWhatDecodersRead) {
   write_hdr("sky.hdr");
-  const auto hdr = read_panorama_apart(path("sky.hdr"));
+  const auto hdr = read_panorama_in_child_process(path("sky.hdr"));
   ASSERT_TRUE(hdr) << hdr.error().message;
   const auto expected = values(sky_image());
   ASSERT_EQ(hdr->rgb.size(), expected.size());
   for (std::size_t k = 0; k < expected.size(); k += 3) {
-    const float most = std::max({expected[k], expected[k + 1], expected[k + 2]});
-    for (std::size_t c = k; c < k + 3; ++c) EXPECT_NEAR(hdr->rgb[c], expected[c], most / 120.0f);
+    const float max = std::max({expected[k], expected[k + 1], expected[k + 2]});
+    for (std::size_t c = k; c < k + 3; ++c) EXPECT_NEAR(hdr->rgb[c], expected[c], max / 120.0f);
   }
-  // Others as sRGB: 188 is half the light.
+  // Other formats are sRGB: 188 is half the light.
   ASSERT_TRUE(stbi_write_jpg(path("grey.jpg").c_str(), 32, 16, 3, grey(32, 16, 188).data(), 95));
   ASSERT_TRUE(stbi_write_tga(path("grey.tga").c_str(), 32, 16, 3, grey(32, 16, 188).data()));
   for (const char* name : {"grey.jpg", "grey.tga"}) {
-    const auto grey = read_panorama_apart(path(name));
+    const auto grey = read_panorama_in_child_process(path(name));
     ASSERT_TRUE(grey) << grey.error().message;
     for (const float v : grey->rgb) EXPECT_NEAR(v, 0.5029f, 0.01f) << name;
   }
@@ -355,7 +354,7 @@ TEST_F(HdriFile, ReadsRadianceHoweverItLies) {
   const std::string head = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n";
   const auto read = [&](const std::string& bytes) {
     write("two.hdr", bytes);
-    const auto panorama = read_panorama_apart(path("two.hdr"));
+    const auto panorama = read_panorama_in_child_process(path("two.hdr"));
     EXPECT_TRUE(panorama) << panorama.error().message;
     return panorama ? panorama->rgb : std::vector<float>();
   };
@@ -453,7 +452,7 @@ TEST_F(HdriFile, WarnsOfWhatIsOdd) {
 
 // ---- pictures
 
-/// White, without highlights.
+/// A white sphere, without highlights.
 class HdriPicture : public HdriFile {
  protected:
   void SetUp() override {
@@ -474,7 +473,7 @@ class HdriPicture : public HdriFile {
       }
     write("ball.obj", ball);
   }
-  /// A panorama file of a function of the direction in the panorama's axes.
+  /// Writes a panorama file of a function of the direction in the panorama's axes.
   void write_panorama(const std::string& name, const std::function<dvec3(dvec3)>& radiance) {
     const Panorama made = panorama_of(256, 128, radiance);
     Image image(made.width, made.height);
@@ -495,7 +494,7 @@ TEST_F(HdriPicture, AWhiteSurfaceUnderAWhiteSkyIsWhite) {
         "{}",
         device);
     const test::Outcome outcome = run(line);
-    if (std::string(device) == "vulkan" && outcome.code == 4) continue;  // there is none
+    if (std::string(device) == "vulkan" && outcome.code == 4) continue;  // no Vulkan device
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const Image planes = image("out.exr");
     int seen = 0;
@@ -507,7 +506,7 @@ TEST_F(HdriPicture, AWhiteSurfaceUnderAWhiteSkyIsWhite) {
         }
     EXPECT_GT(seen, 1000);
   }
-  // Twice the light is twice as bright; the picture shows it, since it is exposed for the image as it is.
+  // Twice the light is twice as bright: the exposure is for the unscaled image, whatever the intensity.
   good("ball.obj --look lit --ao none --resolution 64x64 --hdri-file white.pfm --hdri-intensity 0.5 -o out.png");
   EXPECT_NEAR(image("out.png").planes[0].at(32, 32), 0.7354f, 0.01f);  // half of the light, in sRGB
   good("ball.obj --look lit --ao none --resolution 64x64 --hdri-file white.pfm -o out.png");
@@ -515,7 +514,7 @@ TEST_F(HdriPicture, AWhiteSurfaceUnderAWhiteSkyIsWhite) {
 }
 
 TEST_F(HdriPicture, LooksAreExposedForAnyStrength) {
-  // The same image in other units is the same picture, and the key light and shadow are there.
+  // The same image in other units gives the same picture, with the key light and its shadow.
   for (const char* look : {"studio", "lit", "bleeding", "cartoon"}) {
     Image first;
     for (const double gain : {1.0, 300.0}) {
@@ -525,27 +524,27 @@ TEST_F(HdriPicture, LooksAreExposedForAnyStrength) {
       good(fmt::format("ball.obj --look {} --resolution 64x64 --hdri-file sun.pfm -o out.png", look));
       const Image picture = image("out.png");
       if (first.planes.empty()) first = picture;
-      float most = 0.0f, least = 1.0f;
+      float max = 0.0f, min = 1.0f;
       for (int y = 0; y < 64; ++y)
         for (int x = 0; x < 64; ++x) {
           ASSERT_NEAR(picture.planes[1].at(x, y), first.planes[1].at(x, y), 0.012f) << look;
           if (x > 14 && x < 50 && y > 14 && y < 50) {
-            most = std::max(most, picture.planes[1].at(x, y));
-            least = std::min(least, picture.planes[1].at(x, y));
+            max = std::max(max, picture.planes[1].at(x, y));
+            min = std::min(min, picture.planes[1].at(x, y));
           }
         }
-      EXPECT_GT(most, 0.75f) << look;
-      EXPECT_LT(least, 0.75f * most) << look << " shows no form";
+      EXPECT_GT(max, 0.75f) << look;
+      EXPECT_LT(min, 0.75f * max) << look << " shows no form";
     }
   }
 }
 
 TEST_F(HdriPicture, LightComesFromWhereTheImageHasIt) {
-  // A lamp at the image's middle is at +x; turned by 90 degrees it is at -z, and up is the model's up.
+  // A lamp at the image's middle is at +x; turned by 90 degrees it is at -z. Up is the model's up.
   write_panorama("lamp.pfm",
                  [](dvec3 d) { return glm::dot(d, dvec3(1, 0, 0)) > std::cos(0.1) ? dvec3(100.0) : dvec3(0.01); });
   const auto brightest_normal = [&](const std::string& more) {
-    // Seen from +x, +z and +y at once: three pictures, the brightest mean tells.
+    // One picture from each side; the largest sum identifies the direction.
     std::vector<double> sums;
     for (const char* from : {"-1,0,0", "1,0,0", "0,-1,0", "0,1,0", "0,0,-1", "0,0,1"}) {
       good(
@@ -579,17 +578,17 @@ TEST_F(HdriPicture, TheSkyIsSeenWhereItIsAskedFor) {
     good(line + "-o bare.png --look " + look);
     const Image without = image("plain.png");
     EXPECT_NEAR(without.planes[2].at(3, 3), without.planes[2].at(3, 60), 0.01f) << look;
-    // The model is the same.
+    // The model is unchanged.
     EXPECT_NEAR(with.planes[1].at(32, 32), without.planes[1].at(32, 32), 0.005f) << look;
   }
-  // Shown and no light: the lights are the model's or the look's own.
+  // Background but no light: the lights are those of the model or the look.
   good(line + "--look lit --hdri-skybox --hdri-ambient=false -o sky.png");
   good("ball.obj --resolution 64x64 --camera-direction=-1,0,0 --camera-zoom-factor 0.5 --look lit -o own.png");
   EXPECT_NEAR(image("sky.png").planes[1].at(32, 32), image("own.png").planes[1].at(32, 32), 0.005f);
 }
 
 TEST_F(HdriPicture, TheGroundOfALowLightHasNoEdge) {
-  // A setting sun: the shadow is longer than any ground. Neither it nor the ground ends in a line.
+  // A setting sun: the shadow is longer than any ground. Neither it nor the ground may end in a line.
   write_panorama("low.pfm", [](dvec3 d) {
     return glm::dot(d, direction_at(100, 6)) > std::cos(0.06) ? dvec3(200.0) : dvec3(0.2);
   });
@@ -598,20 +597,20 @@ TEST_F(HdriPicture, TheGroundOfALowLightHasNoEdge) {
       "--camera-elevation-angle 10 "
       "--passes cover -o cover.exr");
   const Image cover = image("cover.exr");
-  float most = 0.0f, steepest = 0.0f;
+  float max = 0.0f, steepest = 0.0f;
   for (int y = 1; y < 120; ++y)
     for (int x = 0; x < 160; ++x) {
-      // Far from the ball and what it hides.
+      // Skip the sphere and the area behind it.
       if (std::abs(x - 80) < 30 && std::abs(y - 60) < 30) continue;
-      most = std::max(most, cover.planes[0].at(x, y));
+      max = std::max(max, cover.planes[0].at(x, y));
       steepest = std::max(steepest, std::abs(cover.planes[0].at(x, y) - cover.planes[0].at(x, y - 1)));
     }
-  EXPECT_GT(most, 0.05f);
+  EXPECT_GT(max, 0.05f);
   EXPECT_LT(steepest, 0.1f);
 }
 
 TEST_F(HdriPicture, TheKeyLightsSizeCanBeSet) {
-  // A plate above a plane: its shadow's edge is as wide as the light is large.
+  // A plate above a plane: the penumbra is as wide as the light is large.
   write("plate.obj",
         "v -4 0 -4\nv 4 0 -4\nv 4 0 4\nv -4 0 4\nf 4 3 2 1\nv -1 2 -1\nv 1 2 -1\nv 1 2 1\nv -1 2 1\nf 8 7 6 5\n");
   const auto partly = [&](const std::string& size) {
@@ -630,7 +629,7 @@ TEST_F(HdriPicture, TheKeyLightsSizeCanBeSet) {
 }
 
 TEST_F(HdriPicture, AShadowOfTheSunLeavesNoTraceBesideItsEdge) {
-  // Its penumbra is narrower than a pixel here: what is neither lit nor dark lies at the edge, or at an object's.
+  // The penumbra is narrower than a pixel here: partly lit pixels are only at its edge or at an object's.
   write("plate.obj",
         "v -4 0 -4\nv 4 0 -4\nv 4 0 4\nv -4 0 4\nf 4 3 2 1\nv -1 2 -1\nv 1 2 -1\nv 1 2 1\nv -1 2 1\nf 8 7 6 5\n");
   good(

@@ -1,4 +1,4 @@
-// What people say of the instruction set, `isa` and UMBRAGE_ISA, in sentences where it cannot be.
+// Applies the instruction set that the user sets with `isa` or UMBRAGE_ISA, and reports values that are not usable.
 #pragma once
 #include <string_view>
 
@@ -6,10 +6,10 @@
 
 namespace umbrage {
 
-/// Bounds kernels and rays of this process to an instruction set of kernel/isa.h. Errors: kUsage for a name that there
-/// is not, kDevice for one that this CPU lacks; both name those that it has.
+/// Limits kernels and ray tracing of this process to an instruction set of kernel/isa.h. Errors: kUsage for an unknown
+/// name, kDevice for one that this CPU lacks; both list the usable ones.
 Result<void> use_isa(std::string_view name);
-/// The same for what UMBRAGE_ISA says.
+/// Does the same for the value of UMBRAGE_ISA, if it is set.
 Result<void> check_isa_setting();
 
 }  // namespace umbrage

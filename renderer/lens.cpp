@@ -11,7 +11,7 @@ Lens lens_of(const Request& request) {
   const GBufferSettings& g = request.gbuffer;
   return {.width = request.width,
           .height = request.height,
-          .depth_kind = DepthMeaning(choice_of("depth_kind", g.depth_kind)),
+          .depth_kind = DepthMeaning(choice_index("depth_kind", g.depth_kind)),
           .near_plane = g.near_plane,
           .far_plane = g.far_plane != 0.0f ? g.far_plane : std::numeric_limits<float>::infinity(),
           .orthographic = g.orthographic,
@@ -25,18 +25,18 @@ Lens lens_of(const Request& request) {
 Result<void> check_lens(const Lens& lens) {
   for (const int side : {lens.width, lens.height})
     if (side < 1 || side > kMaxSide)
-      return usage_error("a G-buffer cannot be {} pixels wide or high: 1 to {} can", side, kMaxSide);
-  const bool planes = has_planes(lens.depth_kind);
+      return usage_error("a G-buffer cannot be {} pixels wide or high: it takes 1 to {}", side, kMaxSide);
+  const bool planes = has_depth_planes(lens.depth_kind);
   if (planes && !(lens.near_plane > 0.0f && std::isfinite(lens.near_plane) && lens.far_plane > lens.near_plane))
-    return usage_error("`near_plane` {} and `far_plane` {} cannot be: 0 < near_plane < far_plane can", lens.near_plane,
-                       lens.far_plane);
+    return usage_error("`near_plane` {} and `far_plane` {} are not valid: it takes 0 < near_plane < far_plane",
+                       lens.near_plane, lens.far_plane);
   if (planes && lens.orthographic && !std::isfinite(lens.far_plane))
     return usage_error("an orthographic G-buffer needs a `far_plane` that is not at infinity");
   const bool sound = std::isfinite(lens.left) && std::isfinite(lens.right) && std::isfinite(lens.bottom) &&
                      std::isfinite(lens.top) && lens.right != lens.left && lens.top != lens.bottom;
   if (!sound)
-    return usage_error("the camera's window cannot be {} to {} and {} to {}: it has a size", lens.left, lens.right,
-                       lens.bottom, lens.top);
+    return usage_error("the camera's window cannot be {} to {} and {} to {}: its size must not be 0", lens.left,
+                       lens.right, lens.bottom, lens.top);
   if (!std::isfinite(lens.scene_radius)) return usage_error("`scene_radius` cannot be {}", lens.scene_radius);
   return {};
 }

@@ -5,21 +5,22 @@
 #include <algorithm>
 
 #include "core/srgb.h"
+#include "devices/shared/dispatches.h"
 #include "devices/shared/host_steps.h"
-#include "devices/shared/passes.h"
 #include "effects/effects.h"
 #include "effects/outline/outline_draw.h"
 
 namespace umbrage {
 namespace {
 
-/// The host step that traces lines and draws them.
-const Pass& tracing_pass() {
-  const auto& passes = find_effect("outline")->passes;
-  return *std::find_if(passes.begin(), passes.end(), [](const Pass& pass) { return pass.host != nullptr; });
+/// Returns the dispatch of `outline` that runs on the host: it traces and draws the lines.
+const Dispatch& tracing_dispatch() {
+  const auto& dispatches = find_effect("outline")->dispatches;
+  return *std::find_if(dispatches.begin(), dispatches.end(),
+                       [](const Dispatch& dispatch) { return dispatch.host != nullptr; });
 }
 
-/// Whether a part of the line may be seen in a picture of that size.
+/// Returns whether a part of the line may be visible in a picture of that size.
 bool is_inside(const Line& line, int width, int height) {
   if (line.points.empty()) return false;
   float left = line.points[0].x, right = left, top = line.points[0].y, bottom = top;
@@ -47,18 +48,18 @@ Result<ParameterBytes> line_parameters(std::string_view who, std::span<const std
 
 Result<ParameterBytes> line_parameters(const Recipe& recipe) {
   const std::string who =
-      recipe.own_look ? "the effects asked for draw" : fmt::format("the look '{}' draws", recipe.look->name);
+      recipe.own_look ? "the requested effects draw" : fmt::format("the look '{}' draws", recipe.look->name);
   return line_parameters(who, recipe.look->effects, recipe.settings);
 }
 
-std::span<const std::string_view> edge_planes() { return tracing_pass().inputs; }
+std::span<const std::string_view> edge_planes() { return tracing_dispatch().inputs; }
 
 Lines traced_lines(const PictureInfo& info, const Image& planes, const ParameterBytes& outline_params, int threads) {
   OutlineConstants constants{};
   find_effect("outline")->constants(outline_params, info, &constants);
   std::vector<const Plane*> of_table;
   for (const std::string_view name : edge_planes()) of_table.push_back(&planes.plane(name));
-  const std::vector<HostPlane> inputs = host_inputs(tracing_pass(), of_table);
+  const std::vector<HostPlane> inputs = host_inputs(tracing_dispatch(), of_table);
   const HostFrame frame{info, frame_constants(info, inputs[0].stride, 0), &constants, inputs, {}};
   Lines lines;
   tbb::task_arena arena(std::max(threads, 1));
@@ -73,7 +74,7 @@ Lines traced_lines(const PictureInfo& info, const Image& planes, const Parameter
 
 Result<Lines> traced_lines(Device& device, const Frame& frame, const ParameterBytes& outline_params) {
   Frame whole = frame;
-  whole.info.guard = 0;  // so that the guard band is handed out too
+  whole.info.guard = 0;  // download returns the guard band, too
   const auto planes = device.download(whole, {edge_planes().begin(), edge_planes().end()});
   if (!planes) return planes.error();
   return traced_lines(frame.info, *planes, outline_params, device.threads());

@@ -64,7 +64,7 @@ Result<void> use_camera(int index, Scene& scene) {
                        : cameras.size() == 1 ? "one camera, 0"
                                              : fmt::format("cameras 0 to {}", cameras.size() - 1));
   View view = cameras[std::size_t(index)];
-  // It turns around what is in the middle of the scene, as far as it looks there.
+  // A file's camera orbits the point on its axis that is closest to the centre of the scene, if that is in front of it.
   const glm::vec3 along = glm::normalize(view.target - view.eye);
   const float distance = glm::dot(scene.center() - view.eye, along);
   if (!scene.cameras.empty())

@@ -1,4 +1,4 @@
-// Models by name: files, and built-in scenes.
+// Loads models by name: files and built-in scenes.
 #pragma once
 #include <string>
 #include <vector>
@@ -9,20 +9,20 @@
 
 namespace umbrage {
 
-/// A file's scene, or a built-in one for `scene:NAME?detail=N`.
-/// Errors: kInterrupted besides. A built-in scene asks before alone.
+/// Loads a file, or a built-in scene for `scene:NAME?detail=N`. Errors: those of import_scene; kInterrupted. For a
+/// built-in scene the monitor is called only once, before it is made.
 Result<Scene> load_scene(const std::string& model, const ImportSettings& settings = {},
                          const ProgressMonitor& monitor = {});
 
-/// Puts a finished scene beside another one, whose lights and name's beginning stay.
+/// Appends a finished scene to another, which keeps its lights and the start of its name.
 void append_scene(Scene next, Scene& all);
 
-/// Several models side by side in one scene, as they are placed in their files.
+/// Loads several models into one scene, placed as in their files.
 Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSettings& settings = {},
                           const ProgressMonitor& monitor = {});
 
-/// Makes the camera of that number the scene's own view: one of the file's, or else of those that a built-in scene
-/// suggests. Errors: kUsage for one that there is not.
+/// Makes camera `index` the scene's view: one of the file's, or of those that a built-in scene suggests. Errors: kUsage
+/// if there is no such camera.
 Result<void> use_camera(int index, Scene& scene);
 
 }  // namespace umbrage

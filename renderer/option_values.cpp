@@ -1,4 +1,4 @@
-// Values of options: from text, and checked.
+// Parses and checks the values of options.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -9,10 +9,10 @@
 namespace umbrage {
 namespace {
 
-constexpr std::string_view kLengthTaken = "a length above 0 in scene units, or a share such as 5%";
-constexpr float kMaxPosition = 1e15f;  // as for models: rays beyond leave what Embree takes
+constexpr std::string_view kLengthTaken = "a length above 0 in scene units, or a percentage such as 5%";
+constexpr float kMaxPosition = 1e15f;  // as for models: Embree cannot trace rays beyond
 
-/// So many numbers, separated by commas.
+/// Parses `count` numbers separated by commas.
 std::optional<std::vector<float>> parse_numbers(std::string_view text, std::size_t count) {
   std::vector<float> v(count);
   std::size_t start = 0;
@@ -32,12 +32,12 @@ std::optional<Vector3> parse_three(std::string_view text) {
   return v ? std::optional(Vector3{(*v)[0], (*v)[1], (*v)[2]}) : std::nullopt;
 }
 
-/// Of a field that is a list of numbers.
+/// Returns the length of a field that is a list of numbers.
 std::size_t count_of(OptionForm form) { return form == OptionForm::kRotation ? 9 : 4; }
 
 bool is_zero(const Vector3& v) { return v[0] == 0.0f && v[1] == 0.0f && v[2] == 0.0f; }
 
-/// Whether a vector is what such an option takes.
+/// Returns whether a vector is a valid value for this form.
 bool is_within(OptionForm form, const Vector3& v) {
   const auto all = [&](auto fits) { return std::all_of(v.begin(), v.end(), fits); };
   if (form == OptionForm::kColor) return all([](float x) { return x >= 0.0f && x <= 1.0f; });
@@ -51,7 +51,7 @@ std::string joined(const std::vector<std::string_view>& words) {
   return text;
 }
 
-/// What an option takes, in words.
+/// Returns a description of the valid values.
 std::string taken(const Option& o) {
   if (!o.choices.empty()) return joined(o.choices);
   switch (o.form) {
@@ -84,7 +84,7 @@ Result<void> check_choice(const Option& o, std::string_view text) {
   return o.choices.empty() || known ? Result<void>() : wrong(o, text);
 }
 
-/// The value of an option in a request, checked. Errors: kUsage.
+/// Checks the value of an option in a request. Errors: kUsage.
 class CheckValue {
  public:
   CheckValue(const Option& option, Request& request) : o_(option), request_(request) {}
@@ -198,7 +198,7 @@ class SetValue {
   Request& request_;
 };
 
-/// What two options say of the same thing. Errors: kUsage.
+/// Checks options that contradict each other. Errors: kUsage.
 Result<void> check_together(const Request& r) {
   const CameraSettings& camera = r.camera;
   if (camera.index && (camera.position || camera.focal_point || camera.direction))
@@ -228,12 +228,12 @@ Result<void> check_together(const Request& r) {
 Interval interval_of(const Option& option) {
   const bool whole = std::holds_alternative<FieldOf<int>>(option.where) ||
                      std::holds_alternative<FieldOf<std::optional<int>>>(option.where);
-  return {.min = option.min, .max = option.max, .kind = whole ? NumberKind::kWhole : NumberKind::kReal};
+  return {.min = option.min, .max = option.max, .kind = whole ? NumberKind::kInteger : NumberKind::kReal};
 }
 
 Result<void> set_option(const Option& option, std::string_view text, Request& request) {
   if (option.form == OptionForm::kSize) {
-    const auto size = parse_size(option.field, text, kMaxBandPixels);
+    const auto size = parse_size(option.field, text, kMaxStripPixels);
     if (!size) return size.error();
     std::tie(request.width, request.height) = *size;
     return {};
@@ -253,14 +253,14 @@ Result<void> check_option(const Option& option, Request& request) {
   return std::visit(CheckValue(option, request), option.where);
 }
 
-Result<void> check_request(const Request& request, long most_pixels) {
-  // Fields are found in requests that may be written, and only read here.
+Result<void> check_request(const Request& request, long max_pixels) {
+  // Field accessors need a mutable request; it is only read here.
   auto& fields = const_cast<Request&>(request);
   for (const Option& option : options())
     if (auto fine = std::visit(CheckValue(option, fields), option.where); !fine) return fine;
-  if (long(request.width) * request.height > most_pixels)
-    return usage_error("a picture cannot have {} x {} pixels: {} together are the most", request.width, request.height,
-                       most_pixels);
+  if (long(request.width) * request.height > max_pixels)
+    return usage_error("a picture cannot have {} x {} pixels: the max is {} in total", request.width, request.height,
+                       max_pixels);
   return check_together(request);
 }
 
@@ -274,7 +274,7 @@ std::vector<std::string> split(std::string_view text) {
   return words;
 }
 
-Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view text, long most_pixels) {
+Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view text, long max_pixels) {
   const std::size_t part = text.find_first_of(",x");
   const auto side = [&](std::string_view number) {
     int pixels = 0;
@@ -282,9 +282,9 @@ Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view 
     return error == std::errc() && end == number.data() + number.size() && pixels <= kMaxSide ? pixels : 0;
   };
   const int width = side(text.substr(0, part)), height = part == text.npos ? 0 : side(text.substr(part + 1));
-  if (width >= 1 && height >= 1 && long(width) * height <= most_pixels) return std::pair(width, height);
+  if (width >= 1 && height >= 1 && long(width) * height <= max_pixels) return std::pair(width, height);
   return usage_error("`{}` cannot be '{}': it takes width,height from 1 to {} pixels, together at most {}", field, text,
-                     kMaxSide, std::min(most_pixels, long(kMaxSide) * kMaxSide));
+                     kMaxSide, std::min(max_pixels, long(kMaxSide) * kMaxSide));
 }
 
 Result<Length> parse_length(std::string_view field, std::string_view text) {

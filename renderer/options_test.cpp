@@ -1,4 +1,4 @@
-// The table of options: every row can be set, says what it takes, and is stated once.
+// The table of options: every row can be set, reports its valid values, and is unique.
 #include "renderer/options.h"
 
 #include <gtest/gtest.h>
@@ -40,7 +40,7 @@ TEST(Options, NumbersTakeTheirRangeAndNoMore) {
     for (const double value : {o.min, o.max}) {
       Request request;
       EXPECT_TRUE(set_option(o, text_of(o, value), request)) << value;
-      EXPECT_TRUE(check_request(request, kMaxBandPixels)) << value;
+      EXPECT_TRUE(check_request(request, kMaxStripPixels)) << value;
     }
     for (const double value : {o.min - beyond, o.max + beyond}) {
       Request request;
@@ -104,7 +104,7 @@ TEST(Options, MessagesAreSaidInOtherWords) {
   EXPECT_EQ(with_fields_renamed("", dashed), "");
 }
 
-// Files may be called as fields are.
+// File names may contain field names.
 TEST(Options, WhatIsQuotedIsSaidAsItIs) {
   const auto dashed = [](const Option& o) { return "--" + std::string(o.option); };
   const auto stays = [&](const std::string& quoted, const std::string& before, const std::string& after) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::string_view kAll = "all";
 
-/// The layers that a picture must have for a pass, where they are all that it lacks, or 0.
+/// Returns the number of layers that would provide the pass, if `names` has it on another layer; else 0.
 int layers_for(std::string_view pass, std::span<const std::string> names) {
   for (int layer = 1; layer < kMaxLayers; ++layer) {
     const std::string start = layer_plane(layer, "");
@@ -24,8 +24,7 @@ int layers_for(std::string_view pass, std::span<const std::string> names) {
   return 0;
 }
 
-/// Of the passes asked for, those that are averaged where the picture is of several frames: light and occlusion, not
-/// what a pixel shows.
+/// Returns the planes that are averaged if the picture averages samples: light and occlusion, not surface properties.
 std::vector<std::string> averaged_passes(const std::vector<std::string>& words) {
   std::vector<std::string> planes;
   for (const std::string& word : words) {
@@ -36,13 +35,13 @@ std::vector<std::string> averaged_passes(const std::vector<std::string>& words) 
   return planes;
 }
 
-/// The first look that writes a pass of that name, or empty.
-std::string_view look_with(std::string_view pass) {
+/// Returns the name of the first look that writes the pass; empty if none does.
+std::string_view look_with_pass(std::string_view pass) {
   for (const Look* look : looks())
     for (const std::string_view name : look->effects) {
       const Effect* effect = find_effect(name == kOcclusionStep ? look->occlusion : name);
       if (!effect) continue;
-      for (const Pass& each : effect->passes)
+      for (const Dispatch& each : effect->dispatches)
         for (const std::string_view plane : each.outputs)
           if (pass_of(plane) == pass) return look->name;
     }
@@ -75,9 +74,9 @@ const std::vector<std::string>& known_planes() {
     for (const char* channel : {".x", ".y", ".z"}) names.insert(std::string("normal") + channel);
     for (int light = 0; light < kMaxShadows; ++light) names.insert(shadow_plane(light));
     for (const Effect* effect : every_effect())
-      for (const Pass& pass : effect->passes)
-        for (const auto& planes : {pass.inputs, pass.outputs})
-          for (const std::string_view plane : planes) names.emplace(of_first_layer(plane));
+      for (const Dispatch& dispatch : effect->dispatches)
+        for (const auto& planes : {dispatch.inputs, dispatch.outputs})
+          for (const std::string_view plane : planes) names.emplace(name_on_first_layer(plane));
     return std::vector<std::string>(names.begin(), names.end());
   }();
   return all;
@@ -85,7 +84,7 @@ const std::vector<std::string>& known_planes() {
 
 std::vector<std::string> channels_of(std::string_view pass) {
   std::vector<std::string> channels;
-  const std::string_view name = of_first_layer(pass);
+  const std::string_view name = name_on_first_layer(pass);
   for (const char* channel : {"", ".x", ".y", ".z", ".r", ".g", ".b", ".a"})
     if (std::binary_search(known_planes().begin(), known_planes().end(), std::string(name) + channel))
       channels.emplace_back(channel);
@@ -94,7 +93,7 @@ std::vector<std::string> channels_of(std::string_view pass) {
 
 namespace {
 
-/// The words for what a capture holds of one layer.
+/// Returns the passes that a capture may contain in one layer.
 std::vector<std::string> captured_passes() {
   std::vector<std::string> captured = {"depth",     "normal",    "albedo",      "specular",
                                        "shininess", "object_id", "material_id", "emission"};
@@ -102,19 +101,19 @@ std::vector<std::string> captured_passes() {
   return captured;
 }
 
-/// The words that a picture of this recipe has passes for.
+/// Returns the passes of a picture of this recipe.
 std::vector<std::string> passes_of(const Recipe& recipe) {
   std::vector<std::string> names;
   for (int layer = 0; layer < *layer_count(recipe.capture); ++layer)
     for (const std::string& name : captured_passes()) names.push_back(layer_plane(layer, name));
   for (const Effect* effect : steps_of(look_run(recipe))) {
-    // What the technique and its filters make at reduced resolution stays there but for what is upsampled.
-    const bool reduced =
-        recipe.occlusion_every > 1 && (effect->kind == EffectKind::kOcclusion || effect->kind == EffectKind::kFilter);
-    for (const Pass& pass : effect->passes) {
-      if (pass.needed && !pass.needed(params_of(recipe.settings, effect->name))) continue;
-      for (std::string_view plane : pass.outputs) {
-        if (layer_of_plane(plane) > 0) continue;  // one that was captured, or nobody's
+    // Planes that the technique and its filters write at reduced resolution are unavailable, except the upsampled ones.
+    const bool reduced = recipe.occlusion_downsampling > 1 &&
+                         (effect->kind == EffectKind::kOcclusion || effect->kind == EffectKind::kFilter);
+    for (const Dispatch& dispatch : effect->dispatches) {
+      if (dispatch.needed && !dispatch.needed(params_of(recipe.settings, effect->name))) continue;
+      for (std::string_view plane : dispatch.outputs) {
+        if (layer_of_plane(plane) > 0) continue;  // a captured layer, or one that does not exist
         const std::string group = pass_of(plane);
         if (reduced && group != "ao" && group != "indirect") continue;
         if (std::find(names.begin(), names.end(), group) == names.end()) names.push_back(group);
@@ -126,8 +125,9 @@ std::vector<std::string> passes_of(const Recipe& recipe) {
   return names;
 }
 
-/// Why there is no such pass.
-Error no_pass(const std::string& word, std::vector<std::string> names, const Request& request, const Recipe& recipe) {
+/// Returns the error for an unknown pass, with its reason.
+Error unknown_pass_error(const std::string& word, std::vector<std::string> names, const Request& request,
+                         const Recipe& recipe) {
   const Look& look = *recipe.look;
   const int captured_layers = *layer_count(recipe.capture);
   const int layers = layers_for(word, captured_passes());
@@ -135,9 +135,9 @@ Error no_pass(const std::string& word, std::vector<std::string> names, const Req
     return usage_error("there is no pass '{}': this picture has {} layers, counted from 0", word, captured_layers);
   if (layers > 0)
     return usage_error("there is no pass '{}' with `layers` {}: it takes `layers` {}", word, captured_layers, layers);
-  if (const std::string_view other = look_with(word); !other.empty() && other != look.name)
+  if (const std::string_view other = look_with_pass(word); !other.empty() && other != look.name)
     return usage_error("the look '{}' writes no pass '{}': the look {} does", look.name, word, other);
-  // Of further layers only what is misspelt: there are too many to list.
+  // Passes of further layers are suggested only for a misspelling: the full list would be too long.
   std::string hint = suggestion(word, names);
   if (!hint.starts_with(" (did")) {
     std::erase_if(names, [](const std::string& name) { return layer_of_plane(name) > 0; });
@@ -161,25 +161,26 @@ Result<void> take_passes(const Request& request, Recipe& recipe) {
   if (words.empty() || all) return {};
   const std::vector<std::string> names = passes_of(recipe);
   for (const std::string& word : words) {
-    if (std::find(names.begin(), names.end(), word) == names.end()) return no_pass(word, names, request, recipe);
+    if (std::find(names.begin(), names.end(), word) == names.end())
+      return unknown_pass_error(word, names, request, recipe);
     if (std::count(words.begin(), words.end(), word) > 1) return usage_error("`passes` names '{}' twice", word);
   }
   if (words.size() > 1 && std::find(words.begin(), words.end(), kAll) != words.end())
-    return usage_error("`passes` all stands alone: it names every pass");
+    return usage_error("`passes` all must be the only name: it selects every pass");
   return {};
 }
 
 namespace {
 
-/// Why a capture lacks a pass.
-Error not_captured(const std::string& word, std::span<const std::string> captured) {
-  if (of_first_layer(word) == "emission")
-    return usage_error(
-        "there is no pass '{}' in this picture, where no material sends out light: leave it out of `passes`", word);
+/// Returns the error for a pass that a capture lacks.
+Error missing_pass_error(const std::string& word, std::span<const std::string> captured) {
+  if (name_on_first_layer(word) == "emission")
+    return usage_error("there is no pass '{}' in this picture: no material emits light; leave it out of `passes`",
+                       word);
   std::vector<std::string> shadows;
   for (const std::string& plane : captured)
     if (plane.starts_with("shadow")) shadows.push_back(layer_plane(layer_of_plane(word), plane));
-  return usage_error("there is no pass '{}' in this picture, whose lights cast fewer shadows: `passes` takes {}", word,
+  return usage_error("there is no pass '{}' in this picture: its lights cast fewer shadows; `passes` takes {}", word,
                      fmt::join(shadows, ", "));
 }
 
@@ -193,13 +194,13 @@ Result<void> check_captured(const Recipe& recipe, std::span<const std::string> c
   for (int layer = 0; layer < layers; ++layer)
     for (const std::string& plane : captured) there.insert(layer_plane(layer, pass_of(plane)));
   for (const std::string& word : recipe.passes)
-    if (can_be_lacking(of_first_layer(word)) && !there.contains(word)) return not_captured(word, captured);
+    if (can_be_lacking(name_on_first_layer(word)) && !there.contains(word)) return missing_pass_error(word, captured);
   return {};
 }
 
 namespace {
 
-/// Whether a plane that is wanted is a mean of frames. Lines that are curves are of frame 0.
+/// Returns whether a needed plane is a mean of samples. Lines that are curves come from sample 0.
 bool averages_something(const Recipe& recipe) {
   if (recipe.wants("color.r")) return true;
   const bool curves = as<OutlineParams>(params_of(recipe.settings, "outline")).mode != kOutlinePaper;
@@ -209,28 +210,28 @@ bool averages_something(const Recipe& recipe) {
 
 }  // namespace
 
-void keep_passes_alone(Recipe& recipe, std::span<const std::string_view> besides) {
+void keep_only_passes(Recipe& recipe, std::span<const std::string_view> besides) {
   if (recipe.passes.empty() || recipe.passes[0] == kAll) return;
   recipe.wanted.emplace(besides.begin(), besides.end());
-  int deepest = 0;  // layer that is handed out
+  int deepest = 0;  // highest requested layer
   for (const std::string& pass : recipe.passes) {
     deepest = std::max(deepest, layer_of_plane(pass));
     for (const std::string& channel : channels_of(pass)) recipe.wanted->push_back(pass + channel);
   }
   const auto steps = steps_of(look_run(recipe));
-  if (!averages_something(recipe)) recipe.frames = 1;  // the one that has its samples at the pixels' centres
+  if (!averages_something(recipe)) recipe.frames = 1;  // sample 0, at the pixel centres
   std::vector<std::string>& captured = recipe.capture.planes.emplace();
-  for (const std::string& plane : *recipe.wanted) captured.emplace_back(of_first_layer(plane));
+  for (const std::string& plane : *recipe.wanted) captured.emplace_back(name_on_first_layer(plane));
   for (const Effect* effect : steps)
-    for (const Pass& pass : effect->passes)
-      for (const std::string_view plane : pass.inputs) captured.emplace_back(of_first_layer(plane));
+    for (const Dispatch& dispatch : effect->dispatches)
+      for (const std::string_view plane : dispatch.inputs) captured.emplace_back(name_on_first_layer(plane));
   int shadows = 0;
   for (int light = 0; light < kMaxShadows; ++light)
     for (const std::string& pass : recipe.passes)
-      if (pass_of(of_first_layer(pass)) == shadow_plane(light)) shadows = light + 1;
+      if (pass_of(name_on_first_layer(pass)) == shadow_plane(light)) shadows = light + 1;
   recipe.capture.shadows = std::min(recipe.capture.shadows, std::max(shadows, shadows_read(recipe, steps)));
   if (!steps.empty() || deepest > 0) return;
-  // Nothing reads other layers.
+  // Nothing reads the other layers.
   recipe.capture.layers = 1;
   recipe.capture.back_sides = false;
   recipe.capture.extra_views = 0;
@@ -242,7 +243,7 @@ Result<std::vector<PassPlanes>> chosen_planes(const std::vector<std::string>& wo
   std::vector<PassPlanes> chosen;
   for (const std::string& word : words) {
     if (word == kAll) {
-      // Of layers that nobody captured there are but neutral planes.
+      // Layers that were not captured have only uniform planes.
       for (const PassPlanes& group : groups)
         if (layer_of_plane(group.name) <= int(info.more_layers.size())) chosen.push_back(group);
       continue;

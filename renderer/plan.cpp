@@ -21,13 +21,13 @@
 namespace umbrage {
 namespace {
 
-/// Whether the camera stands inside the scene.
-bool stands_inside(const Camera& camera, const Scene& scene) {
+/// Returns whether the camera is inside the scene's bounding box.
+bool is_inside_scene(const Camera& camera, const Scene& scene) {
   const glm::vec3 eye = camera.eye();
   return glm::all(glm::greaterThan(eye, scene.bounds_min)) && glm::all(glm::lessThan(eye, scene.bounds_max));
 }
 
-/// How high above the horizon the lowest light stands, of those above it; nothing where there is none.
+/// Returns the elevation of the lowest light above the horizon; empty if there is none.
 std::optional<float> lowest_light_deg(const Scene& scene) {
   std::optional<float> lowest;
   for (const Light& light : scene.lights) {
@@ -38,9 +38,9 @@ std::optional<float> lowest_light_deg(const Scene& scene) {
   return lowest;
 }
 
-/// Gives lights to a scene that has none.
+/// Adds lights for a scene that has none.
 Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& monitor, Plan& plan) {
-  // In a court or a hall little of the sky is seen, and what is seen lies in light that others send on.
+  // In a courtyard or a hall little of the sky is visible; what is visible is lit by indirect light.
   constexpr glm::vec3 kAmbientInside(0.46f, 0.50f, 0.56f);
   const Recipe& recipe = plan.recipe;
   Lighting& lighting = plan.lighting();
@@ -55,10 +55,10 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
     const Effect* effect = find_effect(name);
     seen = seen || (effect && by_scene_lights(*effect, recipe.settings));
   }
-  const bool inside = stands_inside(plan.camera, scene);
+  const bool inside = is_inside_scene(plan.camera, scene);
   plan.lit_from_camera = !inside;
   if (!inside || !seen) return {};
-  const auto traced = trace_ready(scene, threads, monitor);
+  const auto traced = build_traced_scene(scene, threads, monitor);
   if (!traced) return traced.error();
   const PictureInfo info{.width = recipe.width, .height = recipe.height, .camera = plan.camera};
   std::vector<Light> lights = interior_lights(**traced, info, lighting.lights);
@@ -68,17 +68,17 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
   return {};
 }
 
-/// In a court or a hall little of an image's light arrives: there a look that was to be exposed for the light, unless
-/// the request says so, is exposed by the picture.
-void meter_inside(const Scene& scene, Plan& plan) {
-  if (!plan.recipe.hdri.lights() || !stands_inside(plan.camera, scene)) return;
+/// In a courtyard or a hall little of an environment image's light arrives: a look with light metering uses picture
+/// metering there, unless the request sets `metering`.
+void meter_indoors(const Scene& scene, Plan& plan) {
+  if (!plan.recipe.hdri.lights() || !is_inside_scene(plan.camera, scene)) return;
   for (const Setting& said : plan.recipe.said)
     if (said.effect->exposed_by && said.parameter->name == "metering") return;
   auto& output = as<OutputParams>(params_of(plan.recipe.settings, "output"));
   if (output.metering == kMeteringLight) output.metering = kMeteringPicture;
 }
 
-/// The key light's disc or ball, as wide as that many degrees of what the scene's middle sees.
+/// Sets the angular diameter of the key light, a disc or a sphere, as seen from the centre of the scene.
 void widen_key_light(float angle_deg, const Scene& scene, Lighting& lighting) {
   if (lighting.lights.empty()) return;
   Light& key = lighting.lights[0];
@@ -86,8 +86,8 @@ void widen_key_light(float angle_deg, const Scene& scene, Lighting& lighting) {
   key.radius = glm::distance(key.position, scene.center()) * std::tan(glm::radians(0.5f * angle_deg));
 }
 
-/// Makes lengths that are shares of the scene, or may be larger than it, scene units. Errors: kUsage.
-Result<void> measure_lengths(const Scene& scene, Plan& plan) {
+/// Converts relative lengths to scene units and checks that lengths fit the scene. Errors: kUsage.
+Result<void> resolve_lengths(const Scene& scene, Plan& plan) {
   Recipe& recipe = plan.recipe;
   const PictureInfo info = picture_info(scene, plan.camera, plan.capture);
   if (recipe.radius) {
@@ -101,21 +101,21 @@ Result<void> measure_lengths(const Scene& scene, Plan& plan) {
   return radius ? Result<void>() : radius.error();
 }
 
-/// Looks that do not show how bright lights are show a sky as if white lay in it.
+/// Returns the gain of the background. Looks that ignore the brightness of lights show the sky relative to white.
 float sky_gain(const Plan& plan) {
-  const float intensity = plan.recipe.hdri.intensity, usual = plan.lighting().usual_light;
+  const float intensity = plan.recipe.hdri.intensity, usual = plan.lighting().lit_white_luminance;
   return shows_light(plan.recipe) || !(usual > 0.0f) ? intensity : intensity / usual;
 }
 
-/// The technique's parameter of noise, or null.
+/// Returns the noise parameter of the technique, or null.
 const Parameter* noise_of(const Recipe& recipe) {
   const Effect* technique = find_named<Effect>(every_effect(), recipe.occlusion);
   return technique && !technique->noise.empty() ? find_parameter(*technique, technique->noise) : nullptr;
 }
 
-/// Sets the parameters of lines aside that are drawn once, over the average; each frame goes without. Those of the
-/// paper's rule are in each.
-void keep_lines(Plan& plan) {
+/// Moves the parameters of lines that are drawn once, over the average, to plan.lines; the samples draw none. Lines of
+/// outline.mode=paper are drawn in each sample.
+void separate_lines(Plan& plan) {
   const auto steps = steps_of(look_run(plan.recipe));
   if (!find_named<Effect>(steps, "outline")) return;
   ParameterBytes& params = params_of(plan.recipe.settings, "outline");
@@ -127,24 +127,24 @@ void keep_lines(Plan& plan) {
 
 }  // namespace
 
-bool wants_ground(const Scene& scene, bool lacks_one, const Recipe& recipe) {
+bool needs_ground(const Scene& scene, bool lacks_one, const Recipe& recipe) {
   if (!recipe.look->ground || recipe.ground == Ground::kOff) return false;
   if (recipe.ground == Ground::kOn) return true;
   const Camera camera = frame_scene(scene, recipe.framing, recipe.width, recipe.height);
   const glm::vec3 eye = camera.eye();
-  // From below a ground would hide the model.
+  // A ground would hide a model that is seen from below.
   const glm::vec3 looks_along = -glm::vec3(glm::transpose(camera.view_from_world)[2]);
   const glm::vec3 lowest = scene.center() - glm::normalize(scene.up) * scene.radius();
   const bool below = camera.projection == Projection::kOrthographic
                          ? glm::dot(looks_along, scene.up) > 0.0f
                          : glm::dot(eye - lowest, scene.up) < 0.0f || (glm::dot(looks_along, scene.up) > 0.0f &&
                                                                        glm::dot(eye - scene.center(), scene.up) < 0.0f);
-  return lacks_one && !below && !stands_inside(camera, scene);
+  return lacks_one && !below && !is_inside_scene(camera, scene);
 }
 
-void furnish(Scene& scene, const Recipe& recipe) {
+void complete_scene(Scene& scene, const Recipe& recipe) {
   if (recipe.hdri.lights()) set_lighting(image_lighting(recipe.hdri, scene.up), scene);
-  if (wants_ground(scene, lacks_ground(scene), recipe))
+  if (needs_ground(scene, lacks_ground(scene), recipe))
     add_ground(scene, recipe.hdri.lights() ? lowest_light_deg(scene) : std::nullopt);
 }
 
@@ -160,21 +160,21 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
     if (scene.lights.empty() && !recipe.hdri.lights())
       if (auto added = add_lights(scene, threads, monitor, plan); !added) return added.error();
   }
-  meter_inside(scene, plan);
+  meter_indoors(scene, plan);
   if (recipe.light_size_deg) widen_key_light(*recipe.light_size_deg, scene, plan.lighting());
-  if (auto measured = measure_lengths(scene, plan); !measured) return measured.error();
+  if (auto measured = resolve_lengths(scene, plan); !measured) return measured.error();
   plan.sky_gain = sky_gain(plan);
   if (const Parameter* noise = noise_of(recipe))
-    plan.first_noise = whole_value(*noise, params_of(settings, recipe.occlusion));
+    plan.first_noise = int_value(*noise, params_of(settings, recipe.occlusion));
   const PictureInfo info = picture_info(scene, plan.camera, plan.capture);
   if (auto fine = check_captured(plan.recipe, captured_planes(scene, info, plan.capture)); !fine) return fine.error();
   plan.output = params_of(settings, "output");
   if (!plan.averages()) return plan;
-  // Light with alpha, so that edges mix with the background as light does, or for the eye.
+  // Samples hold linear light with alpha, so that edges blend with the background as light (or as square roots of it).
   auto& output = as<OutputParams>(params_of(settings, "output"));
   output.transfer = kTransferNone;
   if (!recipe.hdri.shown()) output.transparent = 1;
-  keep_lines(plan);
+  separate_lines(plan);
   return plan;
 }
 
@@ -197,16 +197,16 @@ Plan turned(const Plan& first, const Scene& scene, float angle_deg) {
   }
   if (recipe.light_size_deg) widen_key_light(*recipe.light_size_deg, scene, plan.lighting());
   plan.sky_gain = sky_gain(plan);
-  if (auto measured = measure_lengths(scene, plan); !measured) fail_check(measured.error().message);
+  if (auto measured = resolve_lengths(scene, plan); !measured) fail_check(measured.error().message);
   return plan;
 }
 
-Camera begin_frame(Plan& plan, int frame) {
+Camera begin_sample(Plan& plan, int frame) {
   plan.capture.sample = frame;
   Recipe& recipe = plan.recipe;
   if (const Parameter* noise = noise_of(recipe); noise && plan.averages())
-    set_whole(*noise, (plan.first_noise + frame) % kMaxFrames, params_of(recipe.settings, recipe.occlusion));
-  return shifted_camera(plan.camera, frame_offset(frame, recipe.frames), recipe.width, recipe.height);
+    set_int(*noise, (plan.first_noise + frame) % kMaxFrames, params_of(recipe.settings, recipe.occlusion));
+  return shifted_camera(plan.camera, sample_offset(frame, recipe.frames), recipe.width, recipe.height);
 }
 
 }  // namespace umbrage

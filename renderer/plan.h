@@ -1,46 +1,47 @@
-// Plan: how one scene is drawn by a recipe. Camera, lights and every effect's parameters are fixed, lengths are in
-// scene units, the scene makes what passes want, and all that can be wrong with a request has been told: drawing reads
-// the plan alone.
+// Plan: a recipe resolved for one scene. Camera, lights and all effect parameters are fixed, lengths are in scene
+// units, the requested passes exist, and all errors of the request are reported. Drawing depends on the plan only.
 #pragma once
 #include "renderer/recipe.h"
 
 namespace umbrage {
 
 struct Plan {
-  Recipe recipe;  ///< of one frame
+  Recipe recipe;  ///< for one sample of the picture
   Camera camera;
-  CaptureSettings capture;         ///< with the lighting
-  bool lit_from_camera = false;    ///< that was made for the camera, and goes around the scene with it
-  glm::vec3 up{0.0f, 1.0f, 0.0f};  ///< of the scene
-  bool has_ground = false;         ///< the scene was furnished with one
-  float sky_gain = 1.0f;           ///< on the image around the scene, where that is seen
-  ParameterBytes output;           ///< how the finished picture is made of averaged frames
-  ParameterBytes lines;  ///< of `outline`, where that is drawn once, by frame 0, over averaged frames; or empty
-  int first_noise = 0;   ///< of frame 0: see Effect::noise
+  CaptureSettings capture;       ///< includes the lighting
+  bool lit_from_camera = false;  ///< the lights were placed relative to the camera and rotate with it around the scene
+  glm::vec3 up{0.0f, 1.0f, 0.0f};  ///< up direction of the scene
+  bool has_ground = false;         ///< the scene has a ground that `complete_scene` added
+  float sky_gain = 1.0f;           ///< factor on the radiance of the environment image as background
+  ParameterBytes output;           ///< parameters of `output` for the averaged picture
+  /// Parameters of `outline` if it is drawn once, by sample 0, over the averaged picture; else empty.
+  ParameterBytes lines;
+  int first_noise = 0;  ///< noise index of sample 0: see Effect::noise
 
   Lighting& lighting() { return *capture.lighting; }
   const Lighting& lighting() const { return *capture.lighting; }
-  /// Frames are drawn from the last to the first, which has its samples at the pixels' centres.
+  /// Returns whether the picture averages samples. Samples are drawn in descending order; index 0, which samples the
+  /// pixel centres, is the last.
   bool averages() const { return recipe.frames > 1; }
 };
 
-/// Whether the picture wants a ground below a scene, which may lack one.
-bool wants_ground(const Scene& scene, bool lacks_one, const Recipe& recipe);
+/// Returns whether a ground is added below the scene. `lacks_one`: the scene has none of its own.
+bool needs_ground(const Scene& scene, bool lacks_one, const Recipe& recipe);
 
-/// Adds to a scene what the picture wants besides the model: the ground, and the light of the image around it, which
-/// takes the place of the scene's own. Before a device is prepared.
-void furnish(Scene& scene, const Recipe& recipe);
+/// Adds to a scene what the picture needs besides the model: the ground, and the light of the environment image, which
+/// replaces the scene's lights. Call it before Device::prepare.
+void complete_scene(Scene& scene, const Recipe& recipe);
 
-/// The plan of a furnished scene, in the light of recipe.capture where that has one. Lights that the scene lacks are
-/// found with so many threads; 0: all. Errors: kUsage; kInterrupted.
+/// Plans a scene that `complete_scene` has completed. Uses the lighting of recipe.capture if it has one. Missing lights
+/// are placed using `threads` threads; 0: all. Errors: kUsage; kInterrupted.
 Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, const ProgressMonitor& monitor = {});
 
-/// The plan of a model that has turned before the camera: this has gone so far around, counterclockwise as seen from
-/// above. The light of an image around the scene goes along, and so does the light that a scene without any got from
-/// the first plan; what a scene brings, and what was made for a camera inside it, is part of the model.
+/// Returns the plan with the model turned in front of the camera: the camera moves by `angle_deg` around it,
+/// counterclockwise as seen from above. The environment image and lights that were placed relative to the camera move
+/// with it; the scene's own lights, and those placed for a camera inside the scene, belong to the model.
 Plan turned(const Plan& first, const Scene& scene, float angle_deg);
 
-/// Makes it that frame of several that are averaged, and returns its camera.
-Camera begin_frame(Plan& plan, int frame);
+/// Sets the plan to sample index `frame` and returns the camera of that sample.
+Camera begin_sample(Plan& plan, int frame);
 
 }  // namespace umbrage

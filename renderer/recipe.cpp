@@ -16,7 +16,7 @@
 namespace umbrage {
 namespace {
 
-/// The quality that the request or else the look names, or null.
+/// Returns the quality that the request, or else the look, names; or null.
 const Quality* quality_of(const Request& request, const Look& look) {
   return find_quality(request.quality.empty() ? look.quality : std::string_view(request.quality));
 }
@@ -25,20 +25,20 @@ bool is_lit_by_image(const Request& request) { return !request.hdri_file.empty()
 
 glm::vec3 vector_of(const Vector3& v) { return {v[0], v[1], v[2]}; }
 
-/// Whether the look's own technique gathers light that surfaces send each other.
-bool gathers_light(const Look& look, const EffectSettings& settings) {
+/// Returns whether the look's own technique computes indirect light.
+bool computes_indirect_light(const Look& look, const EffectSettings& settings) {
   const Effect* technique = find_effect(look.occlusion);
   if (!technique) return false;
   const ParameterBytes& params = params_of(settings, technique->name);
-  return std::any_of(technique->passes.begin(), technique->passes.end(), [&](const Pass& pass) {
-    const bool runs = !pass.needed || pass.needed(params);
-    return runs && std::find(pass.outputs.begin(), pass.outputs.end(), "indirect.r") != pass.outputs.end();
+  return std::any_of(technique->dispatches.begin(), technique->dispatches.end(), [&](const Dispatch& dispatch) {
+    const bool runs = !dispatch.needed || dispatch.needed(params);
+    return runs && std::find(dispatch.outputs.begin(), dispatch.outputs.end(), "indirect.r") != dispatch.outputs.end();
   });
 }
 
-/// What an image around the scene changes in a look: one that it lights takes its light as it is, and is exposed for
-/// it.
-void use_image(const Request& request, Recipe& recipe) {
+/// Applies the changes that an environment image makes to a look: a look that is lit by it and depends on the
+/// brightness of lights uses its light unchanged, with an exposure to match.
+void apply_environment(const Request& request, Recipe& recipe) {
   const Look& look = *recipe.look;
   auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
   if (recipe.hdri.shown()) output.sky = 1;
@@ -47,10 +47,10 @@ void use_image(const Request& request, Recipe& recipe) {
   if (output.metering == kMeteringNone) apply_presets(look.name, look.image_exposed_presets, recipe.settings);
 }
 
-/// Applies "effect.parameter=value" of a request. Errors: kUsage.
+/// Applies "effect.parameter=value" assignments of a request. Errors: kUsage.
 Result<void> apply_settings(const std::vector<std::string>& assignments, Recipe& recipe) {
   for (const std::string& assignment : assignments) {
-    const auto setting = parse_setting(assignment, handed_in());
+    const auto setting = parse_setting(assignment, external_effects());
     if (!setting) return setting.error();
     const Effect& effect = *setting->effect;
     const Parameter& row = *setting->parameter;
@@ -63,7 +63,7 @@ Result<void> apply_settings(const std::vector<std::string>& assignments, Recipe&
   return {};
 }
 
-/// Applies what the request sets by options and by assignments. Errors: kUsage.
+/// Applies options and assignments of a request to the settings. Errors: kUsage.
 Result<void> apply_request(const Request& request, Recipe& recipe) {
   auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
   if (request.background) {
@@ -73,46 +73,47 @@ Result<void> apply_request(const Request& request, Recipe& recipe) {
   }
   if (request.transparent) output.transparent = 1;
   if (auto done = apply_settings(request.settings, recipe); !done) return done;
-  // The shade on an unseen ground that is written with alpha is mixed by who shows it, in the file's values.
+  // A transparent picture is composited later by its viewer, in display values: blend the ground's shadow likewise.
   if (output.transparent && output.transfer == kTransferSrgb)
     as<GroundParams>(params_of(recipe.settings, "ground")).blend = kGroundBlendDisplay;
   return {};
 }
 
-/// The look and the technique. Errors: kUsage.
-Result<void> find_names(const Request& request, Recipe& recipe) {
+/// Resolves the look and the technique. Errors: kUsage.
+Result<void> resolve_names(const Request& request, Recipe& recipe) {
   const auto look = require_named("look", looks(), request.look);
   if (!look) return look.error();
   recipe.look = *look;
   recipe.occlusion = request.occlusion.empty() ? std::string(recipe.look->occlusion) : request.occlusion;
-  const auto techniques = occlusion_names(handed_in());
+  const auto techniques = occlusion_names(external_effects());
   if (std::find(techniques.begin(), techniques.end(), recipe.occlusion) == techniques.end())
     return usage_error("there is no occlusion technique '{}'{}", recipe.occlusion,
                        suggestion(recipe.occlusion, techniques));
   if (request.ground == "on" && !recipe.look->ground)
-    return usage_error("`ground` on is for looks that show the shade alone, such as studio, not '{}'", request.look);
+    return usage_error("`ground` on is for looks that show the ground only by its shadow, such as studio, not '{}'",
+                       request.look);
   if (request.quality.empty() || find_quality(request.quality)) return {};
   std::vector<std::string_view> names;
   for (const Quality& each : qualities()) names.push_back(each.name);
   return usage_error("`quality` cannot be '{}'{}", request.quality, suggestion(request.quality, names));
 }
 
-/// At which resolution occlusion is computed. Errors: kUsage.
-Result<void> choose_scale(const Request& request, const Quality* quality, Recipe& recipe) {
-  const bool traced = !find_effect(recipe.occlusion);  // or none at all
-  recipe.occlusion_every = quality ? quality->occlusion_every : recipe.look->occlusion_every;
-  if (traced) recipe.occlusion_every = 1;
+/// Sets the downsampling factor of occlusion. Errors: kUsage.
+Result<void> resolve_scale(const Request& request, const Quality* quality, Recipe& recipe) {
+  const bool traced = !find_effect(recipe.occlusion);  // or there is no technique
+  recipe.occlusion_downsampling = quality ? quality->occlusion_downsampling : recipe.look->occlusion_downsampling;
+  if (traced) recipe.occlusion_downsampling = 1;
   if (request.occlusion_scale.empty()) return {};
   const auto every = parse_scale("occlusion_scale", request.occlusion_scale);
   if (!every) return every.error();
   if (traced && *every > 1)
     return usage_error("`occlusion_scale` cannot be '{}' with `occlusion` {}: it takes full, or another technique",
                        request.occlusion_scale, recipe.occlusion);
-  recipe.occlusion_every = *every;
+  recipe.occlusion_downsampling = *every;
   return {};
 }
 
-/// The effects of these names as a look. Errors: kUsage.
+/// Makes a look of the effects of these names. Errors: kUsage.
 Result<Look> look_of(const std::vector<std::string>& names) {
   Look look{.name = "effects"};
   for (const std::string& name : names) {
@@ -123,7 +124,7 @@ Result<Look> look_of(const std::vector<std::string>& names) {
   return look;
 }
 
-/// A recipe of effects alone: nothing of a look. Errors: kUsage.
+/// Makes a recipe of effects only, without the presets of a look. Errors: kUsage.
 Result<Recipe> recipe_of_effects(const Request& request) {
   if (auto fine = check_request(request, kMaxPixels); !fine) return fine.error();
   if (const auto known = require_named("look", looks(), request.look); !known) return known.error();
@@ -133,7 +134,7 @@ Result<Recipe> recipe_of_effects(const Request& request) {
   recipe.own_look = std::make_shared<const Look>(std::move(*look));
   recipe.look = recipe.own_look.get();
   recipe.occlusion = kNoOcclusion;
-  recipe.settings = initial_settings(handed_in());
+  recipe.settings = initial_settings(external_effects());
   if (auto done = apply_request(request, recipe); !done) return done.error();
   if (!request.occlusion_radius.empty()) recipe.radius = *parse_length("occlusion_radius", request.occlusion_radius);
   return recipe;
@@ -141,7 +142,7 @@ Result<Recipe> recipe_of_effects(const Request& request) {
 
 }  // namespace
 
-std::span<const Effect* const> handed_in() {
+std::span<const Effect* const> external_effects() {
   static const Effect* const all[] = {&reference_effect()};
   return all;
 }
@@ -149,33 +150,33 @@ std::span<const Effect* const> handed_in() {
 LookRun look_run(const Recipe& recipe) {
   return {.look = recipe.look,
           .occlusion = recipe.occlusion,
-          .occlusion_every = recipe.occlusion_every,
+          .occlusion_downsampling = recipe.occlusion_downsampling,
           .settings = &recipe.settings,
           .wanted = recipe.wanted,
-          .handed_in = handed_in()};
+          .external_effects = external_effects()};
 }
 
 int shadows_read(const Recipe& recipe, std::span<const Effect* const> steps) {
   int wanted = 0;
   for (const Effect* effect : steps) {
-    if (find_named(handed_in(), effect->name)) continue;
+    if (find_named(external_effects(), effect->name)) continue;
     const ParameterBytes& params = params_of(recipe.settings, effect->name);
     const Parameter* strength = find_parameter(*effect, "shadow");
     if (strength && real_value(*strength, params) == 0.0f) continue;
     if (find_parameter(*effect, "rig") && !by_scene_lights(*effect, recipe.settings)) continue;
-    for (const Pass& pass : effect->passes)
+    for (const Dispatch& dispatch : effect->dispatches)
       for (int light = wanted; light < kMaxShadows; ++light)
-        if (std::find(pass.inputs.begin(), pass.inputs.end(), shadow_plane(light)) != pass.inputs.end())
+        if (std::find(dispatch.inputs.begin(), dispatch.inputs.end(), shadow_plane(light)) != dispatch.inputs.end())
           wanted = light + 1;
   }
   return wanted;
 }
 
-std::vector<const Effect*> every_effect() { return all_effects(handed_in()); }
+std::vector<const Effect*> every_effect() { return all_effects(external_effects()); }
 
 bool by_scene_lights(const Effect& effect, const EffectSettings& settings) {
   const Parameter* rig = find_parameter(effect, "rig");
-  return rig && whole_value(*rig, params_of(settings, effect.name)) == int(Rig::kScene);
+  return rig && int_value(*rig, params_of(settings, effect.name)) == int(Rig::kScene);
 }
 
 bool shows_light(const Recipe& recipe) {
@@ -183,7 +184,7 @@ bool shows_light(const Recipe& recipe) {
   return lighting && by_scene_lights(*lighting, recipe.settings);
 }
 
-int choice_of(std::string_view field, std::string_view text) {
+int choice_index(std::string_view field, std::string_view text) {
   const auto& choices = option_of(field).choices;
   const auto found = std::find(choices.begin(), choices.end(), text);
   if (found == choices.end()) fail_check(fmt::format("{} is no choice of {}", text, field));
@@ -210,21 +211,21 @@ Framing framing_of(const CameraSettings& camera) {
 
 Result<ImportSettings> import_settings(const Request& request) {
   ImportSettings settings;
-  if (auto fine = check_request(request, kMaxBandPixels); !fine) return fine.error();
+  if (auto fine = check_request(request, kMaxStripPixels); !fine) return fine.error();
   if (request.up) settings.up = glm::normalize(vector_of(*request.up));
   settings.scene_index = request.scene_index;
   if (!request.point_size.empty()) settings.points.size = *parse_length("point_size", request.point_size);
-  settings.points.shape = PointShape(choice_of("point_sprites", request.point_sprites));
+  settings.points.shape = PointShape(choice_index("point_sprites", request.point_sprites));
   if (request.crease_angle_deg) settings.crease_angle_deg = *request.crease_angle_deg;
   return settings;
 }
 
-Result<CaptureSettings> capture_settings(const Request& request, const Look& look, int shadows, long most_pixels) {
+Result<CaptureSettings> capture_settings(const Request& request, const Look& look, int shadows, long max_pixels) {
   const int guard = int(std::ceil(request.guard_band / 100.0f * float(std::max(request.width, request.height))));
   const long width = request.width + 2L * guard, height = request.height + 2L * guard;
   const Quality* quality = quality_of(request, look);
   int shadow_rays = quality ? quality->shadow_rays : look.shadow_rays;
-  // Lights that are given a size show it.
+  // A light of nonzero size needs shadow rays for its penumbra.
   if ((is_lit_by_image(request) && !look.lit_by.empty()) || request.light_size_deg.value_or(0.0f) > 0.0f)
     shadow_rays = std::max(shadow_rays, 1);
   CaptureSettings settings{.width = request.width,
@@ -235,29 +236,29 @@ Result<CaptureSettings> capture_settings(const Request& request, const Look& loo
                            .extra_views = request.extra_views.value_or(look.extra_views),
                            .guard = guard,
                            .shadow_rays = shadow_rays};
-  // A quality wants no more layers than there is room for.
+  // A quality does not request more layers than are possible.
   while (!request.layers && settings.layers > look.layers && !layer_count(settings)) --settings.layers;
   const auto layers = layer_count(settings);
   if (!layers) return layers.error();
-  if (width * height * *layers > most_pixels)
+  if (width * height * *layers > max_pixels)
     return usage_error("{} of {} x {} pixels {} too many: together at most {} pixels",
                        *layers == 1 ? "one layer" : fmt::format("{} layers", *layers), width, height,
-                       *layers == 1 ? "is" : "are", most_pixels);
+                       *layers == 1 ? "is" : "are", max_pixels);
   return settings;
 }
 
-Result<Recipe> make_recipe(const Request& request, long most_pixels) {
-  if (auto fine = check_request(request, most_pixels); !fine) return fine.error();
+Result<Recipe> make_recipe(const Request& request, long max_pixels) {
+  if (auto fine = check_request(request, max_pixels); !fine) return fine.error();
   Recipe recipe{.width = request.width, .height = request.height};
-  if (auto found = find_names(request, recipe); !found) return found.error();
+  if (auto found = resolve_names(request, recipe); !found) return found.error();
   const Look& look = *recipe.look;
   const Quality* quality = quality_of(request, look);
   recipe.frames = request.anti_aliasing.value_or(quality ? quality->frames : look.frames);
-  if (auto fine = choose_scale(request, quality, recipe); !fine) return fine.error();
+  if (auto fine = resolve_scale(request, quality, recipe); !fine) return fine.error();
   if (!request.occlusion_radius.empty()) recipe.radius = *parse_length("occlusion_radius", request.occlusion_radius);
   recipe.framing = framing_of(request.camera);
   recipe.camera_index = request.camera.index;
-  recipe.ground = Ground(choice_of("ground", request.ground));
+  recipe.ground = Ground(choice_index("ground", request.ground));
   recipe.hdri = {.file = request.hdri_file,
                  .ambient = request.hdri_ambient,
                  .skybox = request.hdri_skybox,
@@ -265,15 +266,15 @@ Result<Recipe> make_recipe(const Request& request, long most_pixels) {
                  .intensity = request.hdri_intensity,
                  .panorama = nullptr};
   recipe.light_size_deg = request.light_size_deg;
-  recipe.settings = look_settings(look, handed_in());
+  recipe.settings = look_settings(look, external_effects());
   if (quality)
     apply_presets(quality->name, recipe.frames > 1 ? quality->settings_of_frames : quality->settings, recipe.settings);
-  use_image(request, recipe);
-  // A look whose own technique gathers light gets it from the reference too, unless the request says otherwise.
-  if (recipe.occlusion == reference_effect().name && gathers_light(look, recipe.settings))
+  apply_environment(request, recipe);
+  // The reference computes indirect light, too, if the look's technique does, unless the request sets it.
+  if (recipe.occlusion == reference_effect().name && computes_indirect_light(look, recipe.settings))
     as<ReferenceParams>(params_of(recipe.settings, recipe.occlusion)).light = kReferenceBounce;
   if (auto done = apply_request(request, recipe); !done) return done.error();
-  const auto capture = capture_settings(request, look, shadows_read(recipe, steps_of(look_run(recipe))), most_pixels);
+  const auto capture = capture_settings(request, look, shadows_read(recipe, steps_of(look_run(recipe))), max_pixels);
   if (!capture) return capture.error();
   recipe.capture = *capture;
   if (auto fine = take_passes(request, recipe); !fine) return fine.error();
@@ -283,8 +284,8 @@ Result<Recipe> make_recipe(const Request& request, long most_pixels) {
 Result<Recipe> make_shading_recipe(const Request& request) {
   if (!request.effects.empty()) return recipe_of_effects(request);
   Request picture = request;
-  picture.anti_aliasing = 1;  // the camera that would be moved is another's
-  picture.passes.clear();     // found among the planes that shading makes
+  picture.anti_aliasing = 1;  // the G-buffer has a fixed camera
+  picture.passes.clear();     // checked later against the planes of the shaded frame
   auto recipe = make_recipe(picture);
   if (!recipe) return recipe;
   if (!find_effect(recipe->occlusion) && recipe->occlusion != kNoOcclusion)
@@ -293,9 +294,9 @@ Result<Recipe> make_shading_recipe(const Request& request) {
 }
 
 Result<EffectSettings> effect_settings(std::span<const std::string> assignments) {
-  EffectSettings settings = initial_settings(handed_in());
+  EffectSettings settings = initial_settings(external_effects());
   for (const std::string& assignment : assignments)
-    if (auto done = apply_setting(settings, assignment, handed_in()); !done) return done.error();
+    if (auto done = apply_setting(settings, assignment, external_effects()); !done) return done.error();
   return settings;
 }
 
@@ -303,7 +304,7 @@ Result<void> apply_variant(EffectSettings& settings, const Effect& effect, std::
   for (std::size_t start = 0; start < variant.size();) {
     const std::size_t end = std::min(variant.find(' ', start), variant.size());
     const std::string setting = fmt::format("{}.{}", effect.name, variant.substr(start, end - start));
-    if (auto set = apply_setting(settings, setting, handed_in()); !set) return set;
+    if (auto set = apply_setting(settings, setting, external_effects()); !set) return set;
     start = end + 1;
   }
   return {};

@@ -1,5 +1,4 @@
-// Recipe: what a request asks for, as far as it can be known without its model. Every name in it is found, every value
-// parsed and checked.
+// Recipe: a request resolved as far as possible without its model. Names are resolved, values are parsed and checked.
 #pragma once
 #include <algorithm>
 #include <memory>
@@ -17,80 +16,84 @@
 
 namespace umbrage {
 
-/// Whether a model gets a ground to stand on.
+/// Whether a ground is added below the model.
 enum class Ground {
-  kAuto,  ///< where the look wants one and the model stands in the open without one of its own
+  kAuto,  ///< if the look has a ground and the model is outdoors without a ground of its own
   kOn,
   kOff,
 };
 
 struct Recipe {
-  int width = 0, height = 0;  ///< without the guard band
+  int width = 0, height = 0;  ///< pixels, without the guard band
   const Look* look = nullptr;
-  std::shared_ptr<const Look> own_look;  ///< what `look` is where the request names effects in place of a look; or null
+  std::shared_ptr<const Look> own_look;  ///< owns `look` if the request names effects in place of a look; else null
   std::string occlusion;                 ///< the technique, or kNoOcclusion
-  int occlusion_every = 1;               ///< see LookRun
-  int frames = 1;                        ///< pictures that are averaged
-  EffectSettings settings;               ///< with all that the request says; `radius` is not in them yet
-  std::vector<Setting> said;     ///< what the request sets: it holds whatever follows from something else. No values
-  std::optional<Length> radius;  ///< of occlusion; nothing: as the settings have it
+  int occlusion_downsampling = 1;        ///< downsampling factor of occlusion: 1, 2 or 4; see LookRun
+  int frames = 1;                        ///< number of averaged pictures
+  EffectSettings settings;               ///< all settings of the request are applied; `radius` is not
+  /// The parameters that the request sets, without values. They take precedence over derived values.
+  std::vector<Setting> said;
+  std::optional<Length> radius;  ///< radius of occlusion; empty: as in the settings
   Framing framing;
   std::optional<int> camera_index;  ///< for use_camera
   Ground ground = Ground::kAuto;
   Hdri hdri;
-  std::optional<float> light_size_deg;             ///< of the key light; nothing: as it is
-  CaptureSettings capture;                         ///< of a frame
-  std::vector<std::string> passes;                 ///< that are wanted, by the words of renderer/passes.h
-  std::optional<std::vector<std::string>> wanted;  ///< planes that alone are; nothing: the picture, and all behind it
-  std::vector<std::string> averaged;  ///< planes besides the picture that are averaged, too, where it is of frames
+  std::optional<float> light_size_deg;  ///< angular diameter of the key light; empty: unchanged
+  CaptureSettings capture;              ///< for one sample
+  std::vector<std::string> passes;      ///< requested passes, by the names of renderer/passes.h
+  /// The only planes that are needed; empty: the picture and all its intermediate planes.
+  std::optional<std::vector<std::string>> wanted;
+  std::vector<std::string> averaged;  ///< planes besides the picture that are averaged if frames > 1
 
-  /// Whether a plane of the first layer is.
+  /// Returns whether a plane of the first layer is needed.
   bool wants(std::string_view plane) const {
     return !wanted || std::find(wanted->begin(), wanted->end(), plane) != wanted->end();
   }
 };
 
-/// Occlusion techniques that no device runs, since they need the scene: the ray-traced reference.
-std::span<const Effect* const> handed_in();
+/// Returns the occlusion techniques that no device runs because they need the scene: the ray-traced reference.
+std::span<const Effect* const> external_effects();
 
-/// All effects and what is handed in.
+/// Returns all effects and the techniques of external_effects.
 std::vector<const Effect*> every_effect();
 
-/// Errors: kUsage, also for a picture of more than `most_pixels`, all layers and its guard band included.
-Result<Recipe> make_recipe(const Request& request, long most_pixels = kMaxPixels);
+/// Resolves a request. Errors: kUsage, also for more than `max_pixels` pixels in all layers, guard band included.
+Result<Recipe> make_recipe(const Request& request, long max_pixels = kMaxPixels);
 
-/// Of what another renderer drew: one frame, of a look or of effects in its place, without lights and framing.
+/// Resolves a request to shade a G-buffer: one sample, a look or a list of effects, no lights and no framing.
+/// Errors: kUsage.
 Result<Recipe> make_shading_recipe(const Request& request);
 
-/// The index of a text among what an option takes, which check_request has found good.
-int choice_of(std::string_view field, std::string_view text);
+/// Returns the index of a text in the choices of an option; check_request must have accepted it.
+int choice_index(std::string_view field, std::string_view text);
 
 Framing framing_of(const CameraSettings& camera);
-/// How its model is read. Errors: kUsage.
+/// Returns how to import the model of a request. Errors: kUsage.
 Result<ImportSettings> import_settings(const Request& request);
 
-/// What the device is to capture for a look. Errors: kUsage for too many layers or pixels.
+/// Returns what the device captures for a look. Errors: kUsage for too many layers or pixels.
 Result<CaptureSettings> capture_settings(const Request& request, const Look& look, int shadows,
-                                         long most_pixels = kMaxPixels);
+                                         long max_pixels = kMaxPixels);
 
-/// Every effect's own settings with these assignments, "effect.parameter=value", applied. Errors: kUsage.
+/// Returns the default settings of all effects with these assignments, "effect.parameter=value", applied.
+/// Errors: kUsage.
 Result<EffectSettings> effect_settings(std::span<const std::string> assignments);
 
-/// Applies the words of a variant, "kernel=15 window=gaussian", to an effect's settings. Errors: kUsage.
+/// Applies a variant, "kernel=15 window=gaussian", to an effect's settings. Errors: kUsage.
 Result<void> apply_variant(EffectSettings& settings, const Effect& effect, std::string_view variant);
 
-/// Applies the radius, in scene units, to every technique that has one; what the request says of them holds.
+/// Applies the radius, in scene units, to all techniques that have one, except for parameters that the request sets.
 void apply_radius(float radius, const PictureInfo& info, Recipe& recipe);
 
-/// What runs the recipe's look. It refers to the recipe.
+/// Returns the run of the recipe's look. It refers to the recipe, which must outlive it.
 LookRun look_run(const Recipe& recipe);
 
-/// The shadows that these effects read and do not leave out, as so many of the first lights: others are not traced.
+/// Returns the number of shadow planes to trace: 1 + the largest light index whose shadow these effects use.
 int shadows_read(const Recipe& recipe, std::span<const Effect* const> steps);
 
-/// Whether an effect sees by the scene's lights, or brings its own.
+/// Returns whether an effect uses the scene's lights rather than a light rig of its own.
 bool by_scene_lights(const Effect& effect, const EffectSettings& settings);
-/// Whether the look shows how bright the scene's lights are.
+/// Returns whether the picture depends on the brightness of the scene's lights.
 bool shows_light(const Recipe& recipe);
 
 }  // namespace umbrage

@@ -16,10 +16,10 @@
 namespace umbrage {
 namespace {
 
-constexpr std::size_t kMaxIds = 1 << 24;  // whole numbers that floats hold
+constexpr std::size_t kMaxIds = 1 << 24;  // integers that a float represents exactly
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 
-/// The distance along the view axis of one pixel, infinity where there is nothing.
+/// Computes the view depth of one pixel; infinity where there is no surface.
 class ViewDepth {
  public:
   explicit ViewDepth(const Lens& r) : r_(r) {}
@@ -56,16 +56,17 @@ class ViewDepth {
 Result<void> check(const Request& request, const Lens& lens) {
   if (auto fine = check_lens(lens); !fine) return fine;
   if (!(lens.right > lens.left && lens.top > lens.bottom))
-    return usage_error("the camera's window cannot be {} to {} and {} to {}: right lies beyond left, top above bottom",
+    return usage_error("the camera's window cannot be {} to {} and {} to {}: right must exceed left, top bottom",
                        lens.left, lens.right, lens.bottom, lens.top);
   if (lens.scene_radius < 0.0f)
-    return usage_error("`scene_radius` cannot be {}: it is above 0, or 0 to be found", lens.scene_radius);
+    return usage_error("`scene_radius` cannot be {}: it takes a number above 0, or 0 to derive it from the depth",
+                       lens.scene_radius);
   for (const float v : request.gbuffer.view_from_normal)
     if (!std::isfinite(v)) return usage_error("`view_from_normal` holds a number that is not finite");
   return {};
 }
 
-/// What is said of an image. Errors: kUsage.
+/// Checks the description of an image. Errors: kUsage.
 Result<void> check_image(const Lens& lens, std::span<const NamedImage> images, const NamedImage& named) {
   const SharedImage& image = named.image;
   const auto channels = channels_of(named.name);
@@ -74,17 +75,18 @@ Result<void> check_image(const Lens& lens, std::span<const NamedImage> images, c
   if (image.width != lens.width || image.height != lens.height)
     return usage_error("the image '{}' has {} x {} pixels: the picture has {} x {}", named.name, image.width,
                        image.height, lens.width, lens.height);
-  // Alpha may come with a colour, and is not read.
+  // A colour may have an alpha channel, which is ignored.
   if (image.channels < int(channels.size()))
     return usage_error("the image '{}' cannot have {} channels: it takes {}", named.name, image.channels,
                        channels.size());
   if (image.type == PixelType::kUint32 && !is_id(named.name))
     return usage_error("the image '{}' cannot be of 32-bit integers: ids alone are", named.name);
   if (std::any_of(images.begin(), images.end(), [&](const NamedImage& other) {
-        return is_id(named.name) && of_first_layer(other.name) == of_first_layer(named.name) &&
+        return is_id(named.name) && name_on_first_layer(other.name) == name_on_first_layer(named.name) &&
                is_whole(other.image.type) != is_whole(image.type);
       }))
-    return usage_error("the image '{}' and that of another layer cannot be of integers and of floats", named.name);
+    return usage_error("the image '{}' has integers in one layer and floats in another: all layers take the same",
+                       named.name);
   if (std::count_if(images.begin(), images.end(), [&](const NamedImage& other) { return other.name == named.name; }) >
       1)
     return usage_error("there are two images '{}'", named.name);
@@ -93,12 +95,12 @@ Result<void> check_image(const Lens& lens, std::span<const NamedImage> images, c
 
 bool holds_ids(const NamedImage& named) { return is_id(named.name) && is_whole(named.image.type); }
 
-/// Floats do not tell all ids of 32 bits apart: planes hold their places in a list of those that there are. All layers
-/// share it.
+/// Floats cannot represent all 32-bit ids: planes hold indices into a sorted list of the ids that occur. All layers
+/// share the list.
 std::vector<std::uint32_t> ids_of(std::span<const NamedImage> images, std::string_view name) {
   std::vector<std::uint32_t> ids;
   for (const NamedImage& named : images)
-    if (holds_ids(named) && of_first_layer(named.name) == name)
+    if (holds_ids(named) && name_on_first_layer(named.name) == name)
       read_ids(named.image, [&](int, int, std::uint32_t id) {
         if (ids.empty() || ids.back() != id) ids.push_back(id);
       });
@@ -107,8 +109,8 @@ std::vector<std::uint32_t> ids_of(std::span<const NamedImage> images, std::strin
   return ids;
 }
 
-/// Whether the pixels of an image lie as those of planes do: then they need not be copied.
-bool lies_as_planes(const NamedImage& named, int channels) {
+/// Returns whether the image has the memory layout of a plane, so that it can be used without a copy.
+bool has_plane_layout(const NamedImage& named, int channels) {
   const SharedImage& image = named.image;
   const auto size = std::ptrdiff_t(sizeof(float));
   return image.type == PixelType::kFloat32 && image.pixel_stride == size && image.width % kRowAlignment == 0 &&
@@ -117,13 +119,13 @@ bool lies_as_planes(const NamedImage& named, int channels) {
          (channels == 1 || image.channel_stride % size == 0);
 }
 
-/// Makes the planes of an image, as views of it where that can be.
+/// Adds the planes of an image to a layer, as views of the image where possible.
 void add_image(const NamedImage& named, const SharedIds& ids, Image& layer) {
   const auto channels = channels_of(named.name);
-  const std::string name(of_first_layer(named.name));
+  const std::string name(name_on_first_layer(named.name));
   for (std::size_t c = 0; c < channels.size(); ++c) {
     Plane& plane = layer.add(name + channels[c]);
-    if (lies_as_planes(named, int(channels.size()))) {
+    if (has_plane_layout(named, int(channels.size()))) {
       plane =
           Plane::view(reinterpret_cast<const float*>(place_of(named.image, int(c), 0, 0)), layer.width, layer.height);
       continue;
@@ -140,7 +142,7 @@ void add_image(const NamedImage& named, const SharedIds& ids, Image& layer) {
   }
 }
 
-/// Whether a test holds for every pixel of a row: test(x, y). Each pixel is tested, so that vectors of them can be.
+/// Returns whether test(x, y) is true for every pixel. All pixels of a row are tested, so that the loop vectorizes.
 template <class Test>
 bool holds_everywhere(const Plane& plane, const Test& test) {
   std::atomic<bool> all = true;
@@ -152,12 +154,12 @@ bool holds_everywhere(const Plane& plane, const Test& test) {
   return all;
 }
 
-/// Gives a plane memory of its own before it is written.
+/// Copies a view, so that the plane can be written.
 void own(Plane& plane) {
   if (plane.is_view()) plane = Plane(plane);
 }
 
-/// The nearest and the farthest finite depth; infinity and 0 where there is none.
+/// The min and max finite depth; infinity and 0 if there is none.
 struct DepthRange {
   float nearest = kNothing, farthest = 0.0f;
 
@@ -167,7 +169,8 @@ struct DepthRange {
   }
 };
 
-/// Of depths above 0, infinity among them. Their bits have the order of their values, and integers make vectors.
+/// Returns the range of depths > 0, infinity included. Positive floats have the order of their bits, and integer
+/// comparisons vectorize.
 DepthRange range_of(const float* depths, int count) {
   constexpr auto kInfinity = std::bit_cast<std::int32_t>(kNothing);
   std::int32_t nearest = kInfinity, farthest = 0;
@@ -179,8 +182,8 @@ DepthRange range_of(const float* depths, int count) {
   return {std::bit_cast<float>(nearest), std::bit_cast<float>(farthest)};
 }
 
-/// Makes depth distances along the view axis.
-DepthRange take_depth(const Lens& lens, Plane& depth) {
+/// Converts depth to view depth, in place. Returns its range.
+DepthRange convert_depth(const Lens& lens, Plane& depth) {
   std::vector<DepthRange> of_rows(std::size_t(depth.height));
   const auto whole_range = [&] {
     DepthRange range;
@@ -191,7 +194,7 @@ DepthRange take_depth(const Lens& lens, Plane& depth) {
   if (is_taken)
     for_rows(depth.height, [&](int y) {
       int wrong = 0;
-      for (int x = 0; x < depth.width; ++x) wrong |= int(!(depth.row(y)[x] > 0.0f));  // infinity is right
+      for (int x = 0; x < depth.width; ++x) wrong |= int(!(depth.row(y)[x] > 0.0f));  // infinity is valid
       if (wrong != 0) is_taken = false;
       of_rows[std::size_t(y)] = range_of(depth.row(y), depth.width);
     });
@@ -205,9 +208,9 @@ DepthRange take_depth(const Lens& lens, Plane& depth) {
   return whole_range();
 }
 
-/// Turns normals to view space and makes them unit vectors; what is no direction is zero.
-void turn_normals(const std::vector<float>& turn, Image& layer) {
-  constexpr float kUnit = 2e-6f;  // by how much the squared length of a unit vector may differ from 1
+/// Rotates normals to view space and normalizes them; invalid ones become zero.
+void rotate_normals(const std::vector<float>& turn, Image& layer) {
+  constexpr float kUnit = 2e-6f;  // tolerance of the squared length of a unit vector
   Plane &nx = layer.plane("normal.x"), &ny = layer.plane("normal.y"), &nz = layer.plane("normal.z");
   const bool turned = turn != GBufferSettings().view_from_normal;
   const auto is_unit = [](const glm::vec3& n) { return std::abs(glm::dot(n, n) - 1.0f) <= kUnit; };
@@ -235,10 +238,10 @@ void turn_normals(const std::vector<float>& turn, Image& layer) {
   });
 }
 
-/// Fills in how far the scene reaches, from the first layer's depth and the range of it.
-void measure_extent(const Lens& request, const Plane& depth, const DepthRange& range, PictureInfo& info) {
-  constexpr int kSamples = 1 << 16;   // pixels that tell the extent: more tell no more
-  constexpr double kOutliers = 0.01;  // share of the pixels, on either side, that may lie anywhere
+/// Computes the extent of the scene from the depth of the first layer and its range.
+void compute_extent(const Lens& request, const Plane& depth, const DepthRange& range, PictureInfo& info) {
+  constexpr int kSamples = 1 << 16;          // pixels to sample: more do not improve the estimate
+  constexpr double kOutlierFraction = 0.01;  // fraction of the pixels to ignore, on either side
   const int every = std::max(1, int(std::sqrt(double(depth.width) * depth.height / kSamples)));
   std::vector<float> along[3];
   for (int y = 0; y < depth.height; y += every)
@@ -251,7 +254,7 @@ void measure_extent(const Lens& request, const Plane& depth, const DepthRange& r
       along[2].push_back(d);
     }
   if (request.scene_radius > 0.0f) info.scene_radius = request.scene_radius;
-  if (range.nearest > range.farthest) return;  // nothing is seen: as good as any
+  if (range.nearest > range.farthest) return;  // no surface is visible: the defaults remain
   info.depth_min = range.nearest;
   info.depth_max = range.farthest;
   if (request.scene_radius > 0.0f) return;
@@ -264,11 +267,11 @@ void measure_extent(const Lens& request, const Plane& depth, const DepthRange& r
       std::nth_element(values.begin(), place, values.end());
       return *place;
     };
-    const float size = at(1.0 - kOutliers) - at(kOutliers);
+    const float size = at(1.0 - kOutlierFraction) - at(kOutlierFraction);
     squares[axis] = size * size;
   });
   const float square = squares[0] + squares[1] + squares[2];
-  // One pixel, or all of them in one place: what there is to see is as large as it is far.
+  // All samples coincide (for example, there is one pixel): use the distance as the size.
   info.scene_radius = square > 0.0f ? 0.5f * std::sqrt(square) : range.farthest;
 }
 
@@ -281,7 +284,7 @@ Error unknown_image(const std::string& name) {
 }
 
 bool is_id(std::string_view pass) {
-  const std::string_view name = of_first_layer(pass);
+  const std::string_view name = name_on_first_layer(pass);
   return name == "object_id" || name == "material_id";
 }
 
@@ -317,9 +320,9 @@ Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedIm
   DepthRange first_range;
   for (Image& layer : gbuffer.layers) {
     Plane& depth = layer.plane("depth");
-    const DepthRange range = take_depth(lens, depth);
+    const DepthRange range = convert_depth(lens, depth);
     if (&layer == &gbuffer.layers[0]) first_range = range;
-    if (layer.find("normal.x")) turn_normals(request.gbuffer.view_from_normal, layer);
+    if (layer.find("normal.x")) rotate_normals(request.gbuffer.view_from_normal, layer);
     for (const auto& [name, ids] : shared.ids)
       if (Plane* plane = layer.find(name)) {
         own(*plane);
@@ -334,7 +337,7 @@ Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedIm
   PictureInfo& info = gbuffer.info;
   set_lens(lens, info);
   for (LayerInfo& layer : info.more_layers) layer.camera = info.camera;
-  measure_extent(lens, gbuffer.layers[0].plane("depth"), first_range, info);
+  compute_extent(lens, gbuffer.layers[0].plane("depth"), first_range, info);
   return shared;
 }
 

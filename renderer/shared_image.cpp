@@ -40,7 +40,7 @@ void write_as(const Plane& plane, int channel, const SharedImage& image, const V
   });
 }
 
-/// From 0 to 1 to whole numbers up to `max`.
+/// Converts [0, 1] to an integer from 0 to `max`.
 template <class T>
 T rounded(float value, float max) {
   return T(value > 0.0f ? std::min(value, 1.0f) * max + 0.5f : 0.0f);

@@ -1,4 +1,4 @@
-// SharedImage: pixels in memory of somebody else's, in the types and with the strides that they have there.
+// SharedImage: pixels in the caller's memory, in the caller's type and with the caller's strides.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -13,18 +13,18 @@ namespace umbrage {
 enum class PixelType {
   kFloat32 = 1,
   kFloat16 = 2,
-  kUint8 = 3,   ///< 0 to 255 mean 0 to 1; of ids the number itself
-  kUint16 = 4,  ///< 0 to 65535 mean 0 to 1; of ids the number itself
-  kUint32 = 5,  ///< of ids alone
+  kUint8 = 3,   ///< 0 to 255 represent 0 to 1; for ids, the id itself
+  kUint16 = 4,  ///< 0 to 65535 represent 0 to 1; for ids, the id itself
+  kUint32 = 5,  ///< only for ids
 };
 
-/// Whether it is one of integers.
+/// Returns whether the type is an integer type.
 inline bool is_whole(PixelType type) { return type != PixelType::kFloat32 && type != PixelType::kFloat16; }
 
-/// Bytes of one number.
+/// Returns the size of one channel value, in bytes.
 std::size_t size_of(PixelType type);
 
-/// Strides are in bytes, and may be negative. `data` is channel 0 of the upper left pixel.
+/// Strides are in bytes and may be negative. `data` points to channel 0 of the upper left pixel.
 struct SharedImage {
   void* data = nullptr;
   PixelType type = PixelType::kFloat32;
@@ -32,30 +32,30 @@ struct SharedImage {
   std::ptrdiff_t channel_stride = 0, pixel_stride = 0, row_stride = 0;
 };
 
-/// The same with strides in place of those that are 0: channels side by side, then pixels, then rows.
+/// Replaces strides of 0: channels are adjacent, then pixels, then rows.
 SharedImage with_strides(SharedImage image);
 
-/// An image that stands for the planes of a pass: "normal" with three channels.
+/// An image that holds the planes of a pass: "normal" with three channels.
 struct NamedImage {
   std::string name;
   SharedImage image;
 };
 
-/// Reads one channel as numbers from 0 to 1, or floats as they are.
+/// Reads one channel: integers as numbers from 0 to 1, floats unchanged.
 void read_channel(const SharedImage& image, int channel, Plane& plane);
 
-/// Writes one channel. Of integers values are clamped to 0 to 1 and rounded, NaN is 0.
+/// Writes one channel. For 8- and 16-bit integers, values are clamped to [0, 1] and rounded; NaN becomes 0.
 void write_channel(const Plane& plane, int channel, const SharedImage& image);
 
-/// Calls take(x, y, id) for one channel of integers.
+/// Calls take(x, y, id) for each pixel of a one-channel image of integers.
 template <class Take>
 void read_ids(const SharedImage& image, const Take& take);
-/// The id of a pixel, in its type's range.
+/// Writes the id of a pixel, clamped to the range of an integer type.
 void write_id(const SharedImage& image, int x, int y, std::uint32_t id);
 
 // ---
 
-/// Pixels need not be aligned.
+/// Returns the address of a channel value. It need not be aligned.
 inline std::byte* place_of(const SharedImage& image, int channel, int x, int y) {
   return static_cast<std::byte*>(image.data) + image.channel_stride * channel + image.pixel_stride * x +
          image.row_stride * y;

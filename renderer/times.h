@@ -1,4 +1,4 @@
-// StageTimes: milliseconds spent in each stage of a picture.
+// StageTimes: milliseconds spent in each stage of drawing a picture.
 #pragma once
 #include <chrono>
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace umbrage {
 
-/// In the order of their first ends. Stages of one name add up.
+/// Stages are in the order of their first completion. Stages of the same name are added up.
 struct StageTimes {
   struct Stage {
     std::string name;
@@ -16,7 +16,7 @@ struct StageTimes {
   std::vector<Stage> stages;
   std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
 
-  /// Ends a stage that began when the one before ended.
+  /// Ends a stage that began when the previous one ended.
   void done(std::string_view name);
   double total() const;
 };

@@ -14,18 +14,18 @@ bool contains(const auto& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// Whether the picture has the effect. Upsampling belongs to all: what is computed at full resolution now may be
-/// computed at half of it with another quality.
+/// Returns whether the picture uses the effect. `upsample` always counts as used: another quality may compute occlusion
+/// at reduced resolution.
 bool runs(const Recipe& recipe, std::string_view effect) {
   return effect == recipe.occlusion || effect == "upsample" || contains(recipe.look->effects, effect);
 }
 
-void add_of_effects(const Request& request, const Recipe& recipe, const std::function<bool(std::string_view)>& is_told,
-                    std::vector<std::string>& sentences) {
-  const auto techniques = occlusion_names(handed_in());
+void add_of_effects(const Request& request, const Recipe& recipe,
+                    const std::function<bool(std::string_view)>& is_reported, std::vector<std::string>& sentences) {
+  const auto techniques = occlusion_names(external_effects());
   for (const std::string& setting : request.settings) {
     const std::string effect = setting.substr(0, setting.find('.'));
-    if (runs(recipe, effect) || !is_told(setting)) continue;
+    if (runs(recipe, effect) || !is_reported(setting)) continue;
     if (recipe.own_look)
       sentences.push_back(fmt::format("`settings` {} does nothing: {} is not among the `effects`", setting, effect));
     else if (contains(techniques, effect))
@@ -39,7 +39,7 @@ void add_of_effects(const Request& request, const Recipe& recipe, const std::fun
   }
 }
 
-/// Of a look, where the request names effects in its place.
+/// Reports settings of looks, for a request that names effects in place of a look.
 void add_of_looks(const Request& request, std::vector<std::string>& sentences) {
   const Request initial;
   const std::pair<const char*, bool> all[] = {{"look", request.look != initial.look},
@@ -47,7 +47,7 @@ void add_of_looks(const Request& request, std::vector<std::string>& sentences) {
                                               {"occlusion", request.occlusion != initial.occlusion},
                                               {"occlusion_scale", request.occlusion_scale != initial.occlusion_scale}};
   for (const auto& [field, is_set] : all)
-    if (is_set) sentences.push_back(fmt::format("`{}` does nothing: `effects` stand in place of the look", field));
+    if (is_set) sentences.push_back(fmt::format("`{}` does nothing: `effects` replace the look", field));
 }
 
 void add_of_images(const Request& request, const Recipe& recipe, std::vector<std::string>& sentences) {
@@ -69,15 +69,15 @@ void add_of_images(const Request& request, const Recipe& recipe, std::vector<std
   if (hdri.skybox || (shines && hdri.ambient)) return;
   sentences.push_back(hdri.ambient
                           ? fmt::format("`hdri_file` does nothing: the look {} brings its own light", recipe.look->name)
-                          : "`hdri_file` does nothing: it is to be neither light nor background");
+                          : "`hdri_file` does nothing: it is used neither as light nor as background");
 }
 
 }  // namespace
 
 std::vector<std::string> unused_settings(const Request& request, const Recipe& recipe, const Scene* scene,
-                                         const std::function<bool(std::string_view setting)>& is_told) {
+                                         const std::function<bool(std::string_view setting)>& is_reported) {
   std::vector<std::string> sentences;
-  add_of_effects(request, recipe, is_told, sentences);
+  add_of_effects(request, recipe, is_reported, sentences);
   if (recipe.own_look) add_of_looks(request, sentences);
   if (recipe.radius && recipe.occlusion == kNoOcclusion && !recipe.own_look)
     sentences.push_back(

@@ -1,4 +1,4 @@
-// Settings of a request that do not change its picture.
+// Reports settings of a request that do not affect its picture.
 #pragma once
 #include <functional>
 #include <string>
@@ -10,9 +10,9 @@
 
 namespace umbrage {
 
-/// One sentence for each of them. `scene`: null for a G-buffer. `is_told`: of which "effect.parameter=value" to speak;
-/// others may be meant for other looks.
+/// Returns one sentence for each of them. `scene`: null for a G-buffer. `is_reported`: whether to report this
+/// "effect.parameter=value"; settings for other looks may be intended.
 std::vector<std::string> unused_settings(const Request& request, const Recipe& recipe, const Scene* scene,
-                                         const std::function<bool(std::string_view setting)>& is_told);
+                                         const std::function<bool(std::string_view setting)>& is_reported);
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// Only what is asked for is captured and made.
+// Only requested passes are captured and computed.
 #include <gtest/gtest.h>
 
 #include "devices/cpu/cpu_device.h"
@@ -13,17 +13,17 @@ struct Made {
   std::vector<std::string> stages;
   Recipe recipe;
   Image planes;
-  std::vector<std::string> names;  // of all that the frame has
+  std::vector<std::string> names;  // all planes of the frame
 };
 
-/// Draws these passes of a look alone, or everything where there are none.
+/// Draws only these passes of a look, or everything if there are none.
 Made made_for(const std::string& look, const std::vector<std::string>& passes, const std::vector<std::string>& planes) {
   Request request{.look = look, .width = 48, .height = 36, .passes = passes};
   Made made{.stages = {}, .recipe = *make_recipe(request), .planes = {}, .names = {}};
-  keep_passes_alone(made.recipe);
+  keep_only_passes(made.recipe);
   auto scene = load_scene("scene:solids?detail=2000");
   const auto device = make_cpu_device();
-  furnish(*scene, made.recipe);
+  complete_scene(*scene, made.recipe);
   EXPECT_TRUE(device->prepare(*scene));
   StageTimes times;
   const auto frame = draw(*device, *scene, made.recipe, times);
@@ -65,7 +65,7 @@ TEST(Wanted, PassesAreThoseOfTheWholePicture) {
       auto scene = load_scene("scene:solids?detail=2000");
       const auto device = make_cpu_device();
       const auto recipe = make_recipe(request);
-      furnish(*scene, *recipe);
+      complete_scene(*scene, *recipe);
       ASSERT_TRUE(device->prepare(*scene));
       StageTimes times;
       const auto frame = draw(*device, *scene, *recipe, times);
@@ -88,8 +88,7 @@ TEST(Wanted, OcclusionAloneNeedsNoLightOfAnother) {
   EXPECT_EQ(made.recipe.frames, 4) << "it is averaged";
 }
 
-// What the capture or a neutral plane will not give is told with the plan; what that lets through is found in the
-// picture.
+// make_plan reports passes that neither the capture nor a uniform plane provides; the picture has all that it accepts.
 TEST(Wanted, PlansTellOfPassesThatNothingInTheSceneMakes) {
   auto scene = load_scene("scene:solids?detail=2000");
   const auto device = make_cpu_device();
@@ -111,7 +110,7 @@ TEST(Wanted, PlansTellOfPassesThatNothingInTheSceneMakes) {
         request.anti_aliasing = 1;
         auto recipe = make_recipe(request);
         if (!recipe) continue;  // the look has no such pass
-        keep_passes_alone(*recipe);
+        keep_only_passes(*recipe);
         const auto plan = make_plan(*recipe, *scene, device->threads());
         Recipe unchecked = *recipe;
         unchecked.passes.clear();

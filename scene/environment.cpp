@@ -1,5 +1,5 @@
-// Based on [Ramamoorthi and Hanrahan 2001] for ambient light, [Viriyothai and Debevec 2009] for the lights, [CIE 2003]
-// for the sky.
+// Splits a panorama into lights and ambient light. Based on [Ramamoorthi and Hanrahan 2001] for ambient light,
+// [Viriyothai and Debevec 2009] for the lights, [CIE 2003] for the sky.
 #include "scene/environment.h"
 
 #include <algorithm>
@@ -23,40 +23,40 @@ constexpr double kPi = 3.14159265358979;
 
 double luminance(const dvec3& color) { return glm::dot(color, dvec3(0.2126, 0.7152, 0.0722)); }
 
-/// What is summed has at least, and at most, so many pixels: small enough for sums over their centres, and a sixth of a
-/// degree, a third of the sun's disc.
+/// Size at which a panorama is summed: large enough for sums over pixel centres, and at most a sixth of a degree per
+/// pixel, a third of the sun's diameter.
 constexpr int kMinWidth = 512, kMinHeight = 256, kMaxWidth = 2048, kMaxHeight = 1024;
 
-// ---- which parts of it are lights
+// ---- selection and splitting of lights
 
-constexpr double kBright = 4.0;        // of the mean luminance over all directions: what shines
-constexpr double kFaint = 0.02;        // of all light: a part that has less is no light of its own
-constexpr double kApart = 0.4;         // of a part's variance, at most what is left where it falls in two
-constexpr double kNarrowDeg = 2.0;     // half the angle of a disc that is never parted
-constexpr double kWideDeg = 20.0;      // half the angle of one that always is
-constexpr float kMaxLightDeg = 90.0f;  // of a light's disc: its rays must not start from below the horizon
+constexpr double kBright = 4.0;        // times the mean luminance over all directions: brighter pixels belong to lights
+constexpr double kFaint = 0.02;        // fraction of all light: a weaker part becomes no light of its own
+constexpr double kApart = 0.4;         // a part is split if its variance falls below this fraction
+constexpr double kNarrowDeg = 2.0;     // half angle of a disc, degrees: narrower parts are never split
+constexpr double kWideDeg = 20.0;      // half angle of a disc, degrees: wider parts are always split
+constexpr float kMaxLightDeg = 90.0f;  // width of a light's disc: its rays must not start below the horizon
 
-/// A pixel that shines, or a part of it that does.
+/// The part of a pixel's light that belongs to a light.
 struct Cell {
   dvec3 direction;
-  dvec3 flux;     ///< radiance beyond what is left, times solid angle
-  double weight;  ///< its luminance
+  dvec3 flux;     ///< (radiance - mean of the dim pixels) times solid angle
+  double weight;  ///< luminance of `flux`
   double solid_angle;
 };
 
-/// Cells that are one light.
+/// Cells that form one light.
 struct Part {
   std::vector<Cell> cells;
   double weight = 0.0;
-  dvec3 mean{0.0};        ///< of the directions, weighted: as long as the part is narrow
-  dvec3 axis{0.0};        ///< along which it is widest
-  double variance = 0.0;  ///< of the directions, all axes together
+  dvec3 mean{0.0};        ///< weighted mean of the directions, not unit
+  dvec3 axis{0.0};        ///< unit, the direction of the largest variance
+  double variance = 0.0;  ///< of the directions, summed over all axes
 
-  /// Half the angle of a disc of that variance.
+  /// Returns the half angle of a disc with that variance, radians.
   double half_angle() const { return std::sqrt(2.0 * variance); }
 };
 
-/// The eigenvector of the largest eigenvalue of a symmetric matrix, by powers of it.
+/// Returns the eigenvector of the largest eigenvalue of a symmetric matrix, by power iteration.
 dvec3 main_axis(const dmat3& m) {
   constexpr int kRounds = 64;
   dvec3 v(0.577, 0.578, 0.576);
@@ -87,13 +87,13 @@ Part part_of(std::vector<Cell> cells) {
   return part;
 }
 
-/// Parts it in two across its axis, where the parts' variances, weighted, are least in sum. Returns what share of its
-/// variance is left; 1 where it cannot be parted.
+/// Splits a part in two across its axis, where the weighted sum of the halves' variances is smallest. Returns the
+/// remaining fraction of the variance; 1 if the part cannot be split. Sorts the part's cells.
 double parted(Part& part, std::array<Part, 2>& halves) {
   std::sort(part.cells.begin(), part.cells.end(), [&](const Cell& a, const Cell& b) {
     return glm::dot(a.direction, part.axis) < glm::dot(b.direction, part.axis);
   });
-  // The variance within two groups is that of all less that between their means.
+  // The variance within two groups is the total variance minus the variance between their means.
   double before = 0.0, best = 0.0;
   dvec3 sum(0.0);
   std::size_t split = 0;
@@ -113,7 +113,8 @@ double parted(Part& part, std::array<Part, 2>& halves) {
          (part.weight * part.variance);
 }
 
-/// The widest parts first: those that gather most of what would be lost by taking each for one direction.
+/// Splits the cells into at most kMaxEnvironmentLights parts. The part with the largest weight times variance is split
+/// first.
 std::vector<Part> parts_of(std::vector<Cell> cells) {
   const double narrow = glm::radians(kNarrowDeg), wide = glm::radians(kWideDeg);
   std::vector<Part> parts, done;
@@ -138,10 +139,10 @@ std::vector<Part> parts_of(std::vector<Cell> cells) {
   return done;
 }
 
-/// A part as a light. Its irradiance on a surface that faces it is that of the part, exactly; its disc has the solid
-/// angle over which the part's light is spread.
+/// Converts a part to a light. Its irradiance on a surface that faces it equals that of the part; its disc has the
+/// solid angle over which the part's light is spread.
 Light light_of(const Part& part) {
-  std::array<dvec3, 3> vectors{};  // each colour's irradiance, as a vector
+  std::array<dvec3, 3> vectors{};  // irradiance of each colour, as a vector
   double squares = 0.0;
   for (const Cell& cell : part.cells) {
     for (int c = 0; c < 3; ++c) vectors[c] += cell.flux[c] * cell.direction;
@@ -158,9 +159,9 @@ Light light_of(const Part& part) {
   return light;
 }
 
-// ---- harmonics
+// ---- spherical harmonics
 
-/// Real spherical harmonics up to the second degree.
+/// Returns the real spherical harmonics up to degree 2.
 constexpr int kHarmonics = 9;
 std::array<double, kHarmonics> harmonics(const dvec3& d) {
   return {0.282095,
@@ -181,10 +182,10 @@ void add(Coefficients& sum, const dvec3& direction, const dvec3& flux) {
   for (int k = 0; k < kHarmonics; ++k) sum[std::size_t(k)] += y[std::size_t(k)] * flux;
 }
 
-/// What a matt white surface makes of light with these coefficients: each degree times its share of the cosine's, over
-/// pi [Ramamoorthi and Hanrahan 2001].
+/// Stores the radiance of a white diffuse surface under light with these coefficients: each degree times its factor of
+/// the clamped cosine, over pi [Ramamoorthi and Hanrahan 2001].
 void store_ambient(const Coefficients& light, EnvironmentLight& out) {
-  constexpr double kFirst = 2.0 / 3.0, kSecond = 1.0 / 4.0;  // the mean's is 1
+  constexpr double kFirst = 2.0 / 3.0, kSecond = 1.0 / 4.0;  // factors of degrees 1 and 2; that of the mean is 1
   out.ambient = glm::vec3(0.282095 * light[0]);
   for (int c = 0; c < 3; ++c) {
     const auto factor = [&](int k) { return float(light[std::size_t(k)][c]); };
@@ -198,14 +199,14 @@ void store_ambient(const Coefficients& light, EnvironmentLight& out) {
     both(1, 2, 0.5 * kSecond * 1.092548 * factor(5));
     both(2, 0, 0.5 * kSecond * 1.092548 * factor(6));
     const double xx_yy = kSecond * 0.546274 * factor(7), zz = kSecond * 0.315392 * factor(8);
-    // 3 z z - 1 is 2 z z - x x - y y on the unit sphere.
+    // 3 z z - 1 = 2 z z - x x - y y on the unit sphere.
     m[0][0] = float(xx_yy - zz);
     m[1][1] = float(-xx_yy - zz);
     m[2][2] = float(2.0 * zz);
   }
 }
 
-/// Solid angle of one pixel of each row.
+/// Returns the solid angle of one pixel of each row.
 std::vector<double> solid_angles(int width, int height) {
   std::vector<double> rows;
   rows.reserve(std::size_t(height));
@@ -214,10 +215,10 @@ std::vector<double> solid_angles(int width, int height) {
   return rows;
 }
 
-/// Directions of the pixels' centres, by their angles.
+/// Directions of the pixel centres, factored into columns and rows.
 struct Directions {
-  std::vector<dvec3> around;             ///< of columns, on the horizon
-  std::vector<glm::dvec2> below_zenith;  ///< of rows: cosine and sine
+  std::vector<dvec3> around;             ///< direction of each column, on the horizon
+  std::vector<glm::dvec2> below_zenith;  ///< (cosine, sine) of the polar angle of each row
 
   Directions(int width, int height) {
     for (int x = 0; x < width; ++x) {
@@ -225,7 +226,7 @@ struct Directions {
       around.emplace_back(std::cos(angle), std::sin(angle), 0.0);
     }
     for (int y = 0; y < height; ++y) {
-      // The mean height of the row, where its solid angle is halved.
+      // The row's centre halves its solid angle.
       const double cosine = 0.5 * (std::cos(kPi * y / height) + std::cos(kPi * (y + 1) / height));
       below_zenith.emplace_back(cosine, std::sqrt(std::max(0.0, 1.0 - cosine * cosine)));
     }
@@ -251,9 +252,9 @@ std::size_t clean_panorama(Panorama& panorama) {
     bool other = false;
     for (std::size_t k = p; k < p + 3; ++k) {
       float& v = panorama.rgb[k];
-      if (v >= 0.0f && v <= kBrightestSky) continue;
+      if (v >= 0.0f && v <= kMaxRadiance) continue;
       other = true;
-      v = !(v > 0.0f) ? 0.0f : std::isinf(v) ? kMaxHalf : kBrightestSky;
+      v = !(v > 0.0f) ? 0.0f : std::isinf(v) ? kMaxHalf : kMaxRadiance;
     }
     changed += other;
   }
@@ -262,10 +263,11 @@ std::size_t clean_panorama(Panorama& panorama) {
 
 namespace {
 
-/// Each pixel is the mean of what it covers, by solid angle, of pixels of even colour.
+/// Resamples a panorama: each pixel is the mean of the pixels it covers, weighted by solid angle; pixels have constant
+/// colour.
 Panorama resampled(const Panorama& panorama, int width, int height) {
   if (width == panorama.width && height == panorama.height) return panorama;
-  // What share of a pixel each pixel of the new image covers, one axis at a time.
+  // The weights of the source pixels that a new pixel covers, separately for each axis.
   struct Span {
     int first;
     std::vector<double> weights;
@@ -307,8 +309,8 @@ Panorama resampled(const Panorama& panorama, int width, int height) {
 
 }  // namespace
 
-Panorama reduced_panorama(const Panorama& panorama, int most_width, int most_height) {
-  return resampled(panorama, std::min(panorama.width, most_width), std::min(panorama.height, most_height));
+Panorama reduced_panorama(const Panorama& panorama, int max_width, int max_height) {
+  return resampled(panorama, std::min(panorama.width, max_width), std::min(panorama.height, max_height));
 }
 
 glm::mat3 panorama_axes(glm::vec3 up, float rotation_deg) {
@@ -333,7 +335,7 @@ glm::vec3 panorama_radiance(const Panorama& panorama, glm::vec3 direction) {
   const float x = u * float(panorama.width) - 0.5f, y = v * float(panorama.height) - 0.5f;
   const float x0 = std::floor(x), y0 = std::floor(y);
   const auto pixel = [&](int i, int j) {
-    // Beyond a pole the other side follows.
+    // Rows beyond a pole continue on the opposite side.
     if (j < 0 || j >= panorama.height) i += panorama.width / 2;
     i = (i % panorama.width + panorama.width) % panorama.width;
     return panorama.at(i, std::clamp(j, 0, panorama.height - 1));
@@ -360,7 +362,7 @@ EnvironmentLight environment_light(const Panorama& panorama) {
     add(rest, direction, radiance * solid_angle);
     all += radiance * solid_angle;
   });
-  // Lights take what is beyond the mean of what does not shine.
+  // Lights take the radiance above the mean of the dim pixels.
   const double bright = kBright * luminance(all) / (4.0 * kPi);
   dvec3 dim(0.0);
   double dim_angle = 0.0;
@@ -385,7 +387,7 @@ EnvironmentLight environment_light(const Panorama& panorama) {
   }
   for (const Light& light : out.lights) add(rest, dvec3(light.direction), dvec3(light.color) * -kPi);
   store_ambient(rest, out);
-  // Of normals all around, and those of the lights.
+  // Maximum over normals in all directions and towards the lights.
   const auto white = [&](const glm::vec3& n) {
     glm::vec3 sum = glm::max(out.ambient + out.shape.at(n), glm::vec3(0.0f));
     for (const Light& light : out.lights) sum += light.color * std::max(glm::dot(light.direction, n), 0.0f);
@@ -423,13 +425,14 @@ Panorama sky_panorama() {
       const dvec3 d = directions.at(x, y);
       irradiance += luminance_at(d) * d.z * solid[std::size_t(y)];
     }
-  const dvec3 zenith(0.55, 0.92, 1.75), horizon(0.92, 1.0, 1.14), sunlight(1.12, 0.98, 0.80);  // of luminance about 1
+  // Each of luminance about 1.
+  const dvec3 zenith(0.55, 0.92, 1.75), horizon(0.92, 1.0, 1.14), sunlight(1.12, 0.98, 0.80);
   const double sun_radiance = kSunIrradiance / (kPi * std::pow(std::sin(glm::radians(kSunAngle)), 2.0));
   const dvec3 ground = kGround / kPi * (kSkyIrradiance + kSunIrradiance * sun.z) * dvec3(1.03, 1.0, 0.93);
   Panorama sky{"sky:", kWidth, kHeight, {}};
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) {
-      // The sun is smaller than two pixels: each has its share.
+      // The sun is smaller than two pixels: it is sampled within each pixel.
       constexpr int kSamples = 8;
       dvec3 sum(0.0);
       const dvec3 middle = directions.at(x, y);

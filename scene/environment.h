@@ -1,5 +1,5 @@
-// Environment: an image of everything around a scene, and the light that it sends: the brightest places as lights with
-// a size, the rest as ambient light by normal.
+// Environment: a panorama of a scene's surroundings and the light that it emits: directional lights with an angular
+// size for its brightest regions, ambient light by normal for the rest.
 #pragma once
 #include <glm/mat3x3.hpp>
 #include <string>
@@ -9,57 +9,58 @@
 
 namespace umbrage {
 
-/// An equirectangular image: row 0 is what is above, the last row what is below; from left to right it runs once
-/// around, to the right of who looks at its middle.
+/// An equirectangular image. Row 0 is the zenith, the last row the nadir. From left to right the columns run once
+/// around; seen from inside, x increases to the right.
 struct Panorama {
   std::string name;  ///< file or description, for messages
   int width = 0, height = 0;
-  std::vector<float> rgb;  ///< width * height * 3, radiance, linear Rec.709, finite and not below 0 once it is cleaned
+  std::vector<float> rgb;  ///< width * height * 3, radiance, linear Rec.709; finite and at least 0 after clean_panorama
 
   glm::vec3 at(int x, int y) const;
 };
 
-/// What Panorama::rgb may hold at most: more is a mistake, and its sums would leave what floats hold.
-inline constexpr float kBrightestSky = 1e10f;
+/// Upper limit of Panorama::rgb. Larger values are errors of the file, and their sums would exceed the range of floats.
+inline constexpr float kMaxRadiance = 1e10f;
 
-/// Makes every value finite: NaN and what is below 0 become 0, infinity the largest half float, 65504. Returns the
-/// pixels that it changed.
+/// Makes every value finite: NaN and negative values become 0, infinity becomes 65504 (the largest half float), other
+/// values above kMaxRadiance become kMaxRadiance. Returns the number of changed pixels.
 std::size_t clean_panorama(Panorama& panorama);
 
-/// The same light on fewer pixels: each is the mean of what it covers, by solid angle. Not larger than it was.
-Panorama reduced_panorama(const Panorama& panorama, int most_width, int most_height);
+/// Downsamples a panorama to at most that size: each pixel is the mean of the pixels it covers, weighted by solid
+/// angle. Never enlarges.
+Panorama reduced_panorama(const Panorama& panorama, int max_width, int max_height);
 
-/// Where a panorama lies in world space; its columns are what its middle, the place a quarter to the right of it and
-/// its upper side point to. Its middle is +x, or +y where that is up, turned about `up`, to the left seen from inside,
-/// by `rotation_deg`.
+/// Returns the orientation of a panorama in world space. The columns of the matrix are the world directions of the
+/// panorama's centre, of the point a quarter turn to the right of it, and of its upper edge. The centre is +x (+y where
+/// +x is up), rotated about `up` by `rotation_deg`, to the left as seen from inside.
 glm::mat3 panorama_axes(glm::vec3 up, float rotation_deg);
 
-/// The direction, unit, in a panorama's own axes, of a point of it: x and y from 0 to 1, from its upper left corner.
+/// Returns the unit direction, in the panorama's axes, of the point (x, y): 0 to 1, from the upper left corner.
 glm::vec3 panorama_direction(float x, float y);
 
-/// Radiance from a direction in its own axes, not 0, between its pixels' centres interpolated.
+/// Returns the radiance from `direction` (panorama axes, not zero), bilinear between pixel centres.
 glm::vec3 panorama_radiance(const Panorama& panorama, glm::vec3 direction);
 
-/// What shines out of a panorama. In its own axes.
+/// The light that a panorama emits, in the panorama's axes.
 struct EnvironmentLight {
-  /// Parallel lights whose discs are as wide as what shines, the brightest first; each casts a shadow. Colours are the
-  /// radiance of white that faces the light, as those of all lights.
+  /// Directional lights as wide as the bright regions, brightest first; each casts a shadow. `color` is, as for all
+  /// lights, the radiance of a white surface that faces the light.
   std::vector<Light> lights;
-  glm::vec3 ambient{0.0f};  ///< the mean over all normals of the radiance of white; of an even white sky it is 1
-  AmbientShape shape;       ///< its change with the normal
-  /// Luminance of white that is turned to the most light, all lights arriving; 0 where all is black.
+  glm::vec3 ambient{0.0f};  ///< radiance of a white surface, averaged over all normals; 1 for a uniform white sky
+  AmbientShape shape;       ///< change of ambient light with the normal
+  /// Maximum luminance of a white surface over all normals, with all lights unoccluded; 0 for a black panorama.
   float brightest = 0.0f;
 };
 
 inline constexpr int kMaxEnvironmentLights = 6;
 
-/// Parts a panorama into lights and ambient light, so that nothing is lost: all spherical harmonics up to the second
-/// degree, which are nearly all that a matt surface shows [Ramamoorthi and Hanrahan 2001], are those of the panorama.
-/// What is brighter than four times the mean over all directions shines as lights; it is parted where that narrows its
-/// parts most [Viriyothai and Debevec 2009]. The panorama must be clean.
+/// Splits a panorama into lights and ambient light without losing energy: their sum has the panorama's spherical
+/// harmonics up to degree 2, which are nearly all that a diffuse surface shows [Ramamoorthi and Hanrahan 2001]. Pixels
+/// brighter than four times the mean over all directions become lights; they are split where that reduces the variance
+/// of direction most [Viriyothai and Debevec 2009]. The panorama must be clean (see clean_panorama).
 EnvironmentLight environment_light(const Panorama& panorama);
 
-/// A clear sky with a sun, above a grey ground, so that one may try without a file.
+/// Returns the built-in panorama: a clear sky with a sun above grey ground.
 Panorama sky_panorama();
 
 }  // namespace umbrage

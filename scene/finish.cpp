@@ -1,5 +1,5 @@
-// Normals, clean triangles and bounds. Normals are weighted by the angle of the face at the vertex
-// [Thürmer and Wüthrich 1998], so that they do not depend on how a polygon was cut into triangles.
+// Normals, removal of unusable triangles, bounds. Normals are weighted by the angle of the face at the vertex [Thürmer
+// and Wüthrich 1998], so that they do not depend on how a polygon was triangulated.
 #include "scene/finish.h"
 
 #include <algorithm>
@@ -20,14 +20,14 @@ namespace {
 using Index = std::uint32_t;
 constexpr Index kNone = std::numeric_limits<Index>::max();
 
-/// A triangle is degenerate when its doubled area is below this share of its longest edge squared: its width is then
-/// a ten-millionth of its length, the precision of a float, and its normal is noise.
+/// A triangle is degenerate if its doubled area is below this fraction of its longest edge squared: its width is then a
+/// ten-millionth of its length, the precision of a float, and its normal is noise.
 constexpr double kDegenerate = 1e-7;
 
 /// Squares of lengths above this are infinite in a float; coordinates beyond it count as not finite.
 constexpr float kMaxCoordinate = 1e15f;
 
-/// A normal of a file shorter than this is taken for missing.
+/// Shorter normals of a file count as missing.
 constexpr float kMinNormalLength = 1e-12f;
 
 constexpr glm::vec3 kAnyNormal{0.0f, 1.0f, 0.0f};
@@ -38,7 +38,7 @@ bool usable(const glm::vec3& p) {
 
 struct Face {
   glm::vec3 normal{0.0f};      ///< unit, or zero for a face without area
-  float angle[3] = {0, 0, 0};  ///< at its corners, radians
+  float angle[3] = {0, 0, 0};  ///< angles at its corners, radians
 };
 
 bool is_degenerate(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
@@ -48,7 +48,7 @@ bool is_degenerate(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   return !(glm::dot(area, area) > kDegenerate * kDegenerate * longest * longest);
 }
 
-/// Whether a triangle can be drawn.
+/// Returns whether a triangle can be drawn.
 bool stays(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   return usable(a) && usable(b) && usable(c) && !is_degenerate(a, b, c);
 }
@@ -60,7 +60,7 @@ Face face_of(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   Face face;
   if (!(length > 0.0) || !std::isfinite(length)) return face;
   face.normal = glm::vec3(area / length);
-  // Ratios first: products of tiny lengths would leave the range of a float.
+  // Divide first: products of tiny lengths would leave the range of floats.
   const double largest = std::max({length, std::abs(glm::dot(ab, ac)), std::abs(glm::dot(ab, bc))});
   const float sine = float(length / largest);
   face.angle[0] = std::atan2(sine, float(glm::dot(ab, ac) / largest));
@@ -69,7 +69,7 @@ Face face_of(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   return face;
 }
 
-/// The bits of a float, the same for 0 and -0.
+/// Returns the bits of a float, the same for 0 and -0.
 std::uint32_t bits_of(float x) { return std::bit_cast<std::uint32_t>(x + 0.0f); }
 
 std::uint64_t mixed(std::uint64_t x) {
@@ -79,7 +79,7 @@ std::uint64_t mixed(std::uint64_t x) {
   return x;
 }
 
-/// Numbers things by equality: result[i] is the number of thing i, numbers count from zero in order of appearance.
+/// Numbers items by equality: result[i] is the number of item i; numbers start at 0, in order of appearance.
 template <class Hash, class Equal>
 std::vector<Index> numbered(std::size_t count, Index& distinct, Hash hash, Equal equal) {
   const std::size_t slots = std::bit_ceil(std::max<std::size_t>(16, count + count / 2));
@@ -109,7 +109,7 @@ bool same(const glm::vec2& a, const glm::vec2& b) {
   return bits_of(a.x) == bits_of(b.x) && bits_of(a.y) == bits_of(b.y);
 }
 
-/// Groups the corners around one point: `group[i]` is the first corner of i's group. Two corners belong together when
+/// Groups the corners around one point: `group[i]` is the first corner of i's group. Two corners belong to one group if
 /// their faces share an edge there and meet within the crease angle.
 struct CornerGroups {
   struct Spoke {
@@ -136,7 +136,7 @@ struct CornerGroups {
     std::sort(spokes.begin(), spokes.end(), [](const Spoke& a, const Spoke& b) {
       return a.neighbor != b.neighbor ? a.neighbor < b.neighbor : a.corner < b.corner;
     });
-    constexpr std::size_t kMaxFacesCompared = 8;  // bounds the work where thousands of faces share one edge
+    constexpr std::size_t kMaxFacesCompared = 8;  // bounds the work if thousands of faces share one edge
     std::size_t run = 0;
     for (std::size_t i = 1; i < spokes.size(); ++i) {
       if (spokes[i].neighbor != spokes[run].neighbor) run = i;
@@ -170,7 +170,7 @@ void compact(Mesh& mesh, const std::vector<std::uint8_t>& used) {
   for (Index& index : mesh.indices) index = number_of[index];
 }
 
-/// Removes triangles that cannot be drawn and vertices that none uses. Returns how many triangles went.
+/// Removes triangles that cannot be drawn and vertices without triangles. Returns the number of removed triangles.
 std::size_t clean_triangles(Mesh& mesh) {
   const std::size_t before = (mesh.indices.size() + 2) / 3;
   std::vector<std::uint8_t> used(mesh.positions.size(), 0);
@@ -190,8 +190,8 @@ std::size_t clean_triangles(Mesh& mesh) {
   return before - kept / 3;
 }
 
-/// Makes the given normals unit, and replaces those that are zero or not finite by the average of the faces that use
-/// the vertex. Returns false when there is no good one among them.
+/// Normalizes the normals. Replaces those that are zero or not finite by the angle-weighted average of the faces at the
+/// vertex. Returns false if no normal is valid.
 bool repair_normals(Mesh& mesh) {
   std::vector<Index> bad;
   for (Index v = 0; v < mesh.normals.size(); ++v) {
@@ -226,10 +226,10 @@ bool repair_normals(Mesh& mesh) {
 bool has_uvs(const Mesh& mesh) { return mesh.uvs.size() == mesh.positions.size() && !mesh.uvs.empty(); }
 bool has_colors(const Mesh& mesh) { return mesh.colors.size() == mesh.positions.size() && !mesh.colors.empty(); }
 
-/// Vertices at one place are one point; those that agree in texture coordinate and colour too can become one vertex
-/// again.
+/// Vertices at equal positions are one point; vertices that also have equal texture coordinates and colours can become
+/// one vertex again.
 struct JoinedVertices {
-  std::vector<Index> point_of, joined;  ///< joined: empty where points are vertices
+  std::vector<Index> point_of, joined;  ///< joined: empty if points are vertices
   Index point_count = 0, vertex_count = 0;
   const std::vector<Index>& vertex_of() const { return joined.empty() ? point_of : joined; }
 };
@@ -267,7 +267,7 @@ std::vector<Face> faces_of(const Mesh& mesh) {
   return faces;
 }
 
-/// The corners around each point, one list after the other.
+/// The corners around each point, stored in one array.
 struct CornerLists {
   std::vector<Index> first, corners;
   std::span<const Index> around(Index point) const {
@@ -285,7 +285,7 @@ CornerLists corner_lists(const std::vector<Index>& indices, const JoinedVertices
   return made;
 }
 
-/// Makes vertices anew, of groups of corners that share a normal.
+/// Creates vertices from groups of corners that share a normal.
 class VertexMaker {
  public:
   VertexMaker(const Mesh& mesh, const std::vector<Face>& faces, const JoinedVertices& vertices)
@@ -315,11 +315,11 @@ class VertexMaker {
     ++group_number_;
   }
 
-  /// Positions, normals, texture coordinates, colours and indices.
+  /// Returns positions, normals, texture coordinates, colours and indices.
   Mesh take() { return std::move(made_); }
 
  private:
-  /// The new vertex that the latest group of corners made of an old one; groups are numbered one after the other.
+  /// The new vertex that the latest group of corners created for an old one; groups have consecutive numbers.
   struct Latest {
     Index group = kNone, vertex = 0;
   };
@@ -344,13 +344,14 @@ class VertexMaker {
   Mesh made_;
 };
 
-/// Most points are smooth: where all faces lie within half the angle of their mean, each pair lies within the angle.
+/// Returns whether all faces at a point are within half the crease angle of their mean, so that each pair is within the
+/// crease angle. A fast test that is true for most points.
 bool is_smooth(std::span<const Index> corners, const std::vector<Face>& faces, float half_crease_cos) {
   glm::vec3 mean(0.0f);
   for (const Index corner : corners) mean += faces[corner / 3].normal;
-  const float least = half_crease_cos * glm::length(mean);
-  return least > 0.0f && std::all_of(corners.begin(), corners.end(),
-                                     [&](Index corner) { return glm::dot(mean, faces[corner / 3].normal) >= least; });
+  const float min = half_crease_cos * glm::length(mean);
+  return min > 0.0f && std::all_of(corners.begin(), corners.end(),
+                                   [&](Index corner) { return glm::dot(mean, faces[corner / 3].normal) >= min; });
 }
 
 }  // namespace
@@ -358,7 +359,7 @@ bool is_smooth(std::span<const Index> corners, const std::vector<Face>& faces, f
 void make_normals(Mesh& mesh, float crease_angle_deg, Poll* poll) {
   for (Index index : mesh.indices) check_less(index, mesh.positions.size(), "vertex index");
   const float crease_deg = std::clamp(crease_angle_deg, 0.0f, 180.0f);
-  constexpr float kRounding = 1e-5f;  // faces that are parallel but for rounding stay together at a crease angle of 0
+  constexpr float kRounding = 1e-5f;  // keeps faces together that are parallel up to rounding, at a crease angle of 0
   const float crease_cos = std::cos(glm::radians(crease_deg)) - kRounding;
   const float half_crease_cos = std::cos(glm::radians(crease_deg / 2.0f));
   const bool all_smooth = crease_deg >= 180.0f;

@@ -1,5 +1,4 @@
-// Framing: fits the camera to the projected extent of the scene's vertices, so that the picture is filled whatever the
-// model's shape.
+// Fits the camera to the projected extent of the scene's vertices, so that a model of any shape fills the picture.
 #include "scene/framing.h"
 
 #include <algorithm>
@@ -14,14 +13,14 @@
 namespace umbrage {
 namespace {
 
-constexpr float kMargin = 0.06f;            ///< share of the picture left free on each side
+constexpr float kMargin = 0.06f;            ///< fraction of the picture left free on each side
 constexpr float kAzimuthDeg = 30.0f;        ///< to the right of the model's front
 constexpr float kElevationDeg = 20.0f;      ///< above the horizon
-constexpr float kFlatElevationDeg = 45.0f;  ///< for scenes that lie flat, which from 20 degrees are a thin strip
-constexpr float kFlat = 0.3f;               ///< height over width below which the camera begins to rise
-constexpr float kViewAngleDeg = 30.0f;      ///< vertical; narrow enough to keep shapes true
+constexpr float kFlatElevationDeg = 45.0f;  ///< for flat scenes, which from 20 degrees are a thin strip
+constexpr float kFlat = 0.3f;               ///< height over width below which the elevation increases
+constexpr float kViewAngleDeg = 30.0f;      ///< vertical; narrow, for little perspective distortion
 constexpr float kMinAngleDeg = 0.01f, kMaxAngleDeg = 175.0f;
-constexpr float kNearest = 0.02f;  ///< least distance from eye to scene, as a share of its radius
+constexpr float kNearest = 0.02f;  ///< min. distance from the camera to the scene, as a fraction of its radius
 
 bool is_direction(const glm::vec3& v) {
   const float length = glm::length(v);
@@ -33,14 +32,14 @@ glm::vec3 unit_or(const std::optional<glm::vec3>& wish, const glm::vec3& otherwi
   return is_direction(otherwise) ? glm::normalize(otherwise) : glm::vec3(0.0f, 1.0f, 0.0f);
 }
 
-/// Where models face: +z, as most files with +y up have it, or -y where z is up.
+/// Returns the direction that models face: +z, as in most files with +y up, or -y where z is up.
 glm::vec3 front_of(const glm::vec3& up) {
   constexpr float kNearlyParallel = 0.9f;
   const glm::vec3 front = std::abs(up.z) < kNearlyParallel ? glm::vec3(0, 0, 1) : glm::vec3(0, -1, 0);
   return glm::normalize(front - glm::dot(front, up) * up);
 }
 
-/// From the scene towards the camera, where nobody said.
+/// Returns the default direction from the scene to the camera.
 glm::vec3 default_side(const Scene& scene, const glm::vec3& up) {
   const glm::vec3 front = front_of(up), right = glm::cross(up, front);
   const glm::vec3 size = scene.bounds_max - scene.bounds_min;
@@ -56,16 +55,16 @@ glm::vec3 rotated(const glm::vec3& v, const glm::vec3& axis, float angle_deg) {
   return glm::vec3(glm::rotate(glm::mat4(1.0f), glm::radians(angle_deg), axis) * glm::vec4(v, 0.0f));
 }
 
-/// Turns `side` about `up` and then towards it. Past the pole the picture would flip; it stops short of it.
+/// Rotates `side` about `up` and then towards it. Stops short of the pole, past which the picture would flip.
 glm::vec3 turned(glm::vec3 side, const glm::vec3& up, float azimuth_deg, float elevation_deg) {
   if (azimuth_deg != 0.0f) side = rotated(side, up, azimuth_deg);
   if (elevation_deg != 0.0f) {
-    constexpr float kHighestDeg = 89.9f;
+    constexpr float kMaxElevationDeg = 89.9f;
     const float distance = glm::length(side);
     const float now = glm::degrees(std::asin(std::clamp(glm::dot(side, up) / distance, -1.0f, 1.0f)));
     const glm::vec3 flat = side - glm::dot(side, up) * up;
     const glm::vec3 level = is_direction(flat) ? glm::normalize(flat) : front_of(up);
-    const float goal = glm::radians(std::clamp(now + elevation_deg, -kHighestDeg, kHighestDeg));
+    const float goal = glm::radians(std::clamp(now + elevation_deg, -kMaxElevationDeg, kMaxElevationDeg));
     side = distance * (std::cos(goal) * level + std::sin(goal) * up);
   }
   return side;
@@ -103,14 +102,14 @@ struct Interval {
   double size() const { return high - low; }
 };
 
-/// What a fit leaves: the middle of the picture at the scene's depth, and the distance of the eye from there.
+/// Result of a fit: the picture's centre at the scene's depth, and the distance of the camera from there.
 struct Fit {
   glm::vec3 target;
   float distance = 1.0f;
-  float height = 1.0f;  ///< of the window, orthographic
+  float height = 1.0f;  ///< height of the window, orthographic only
 };
 
-/// Axes of a camera that looks along `-side`, relative to `origin`.
+/// Axes of a camera that looks along -side, relative to `origin`.
 struct Axes {
   glm::dvec3 origin, right, up, forward;
   glm::dvec3 view(const glm::vec3& p) const {
@@ -125,7 +124,7 @@ Axes axes_of(const glm::vec3& origin, const glm::vec3& side, const glm::vec3& up
           glm::dvec3(glm::row(camera.view_from_world, 1)), -glm::dvec3(glm::row(camera.view_from_world, 2))};
 }
 
-/// Fits a camera that looks along -side. With `keep_middle` the origin of the axes stays in the middle of the picture.
+/// Fits an orthographic camera. With `keep_middle` the origin of the axes stays in the middle of the picture.
 Fit fit_orthographic(const Scene& scene, const Axes& axes, float aspect, bool keep_middle) {
   Interval x, y, z;
   for_each_vertex(scene, [&](const glm::vec3& p) {
@@ -141,9 +140,9 @@ Fit fit_orthographic(const Scene& scene, const Axes& axes, float aspect, bool ke
   return fit;
 }
 
-/// The same in perspective. The four planes of the view cone, each pushed out to the vertex that touches it, give the
-/// eye's place in closed form: one pass over the vertices. Only the axis that has room to spare is then centred in
-/// the picture by iteration.
+/// Fits a perspective camera. Each of the four side planes of the view frustum is moved outwards until it touches a
+/// vertex, which gives the camera's position in closed form from one traversal of the vertices. The axis with space to
+/// spare is then centred by iteration.
 Fit fit_perspective(const Scene& scene, const Axes& axes, float angle_deg, float aspect, bool keep_middle) {
   const double tan_y = std::tan(glm::radians(double(angle_deg)) / 2.0) * (1.0 - 2.0 * kMargin), tan_x = tan_y * aspect;
   constexpr double kLowest = std::numeric_limits<double>::lowest();
@@ -165,7 +164,7 @@ Fit fit_perspective(const Scene& scene, const Axes& axes, float angle_deg, float
     eye_x = 0.5 * (right - left);
     eye_y = 0.5 * (top - bottom);
     eye_z = std::min({eye_z, -0.5 * (right + left) / tan_x, -0.5 * (top + bottom) / tan_y});
-    constexpr int kRounds = 3;  // each cuts the offset to a few per cent of what it was
+    constexpr int kRounds = 3;  // each reduces the offset to a few percent
     for (int round = 0; round < kRounds; ++round) {
       Interval x, y;
       double depth_left = 1.0, depth_right = 1.0, depth_bottom = 1.0, depth_top = 1.0;
@@ -177,7 +176,7 @@ Fit fit_perspective(const Scene& scene, const Axes& axes, float angle_deg, float
         if (v < y.low) y.low = v, depth_bottom = depth;
         if (v > y.high) y.high = v, depth_top = depth;
       });
-      // A step s moves the extremes by -s / depth; this one makes them equal and opposite.
+      // A step s moves the extremes by -s / depth; this step makes them equal and opposite.
       eye_x += (x.low + x.high) / (1.0 / depth_left + 1.0 / depth_right);
       eye_y += (y.low + y.high) / (1.0 / depth_bottom + 1.0 / depth_top);
     }
@@ -197,14 +196,14 @@ Camera camera_at(const glm::vec3& eye, const glm::vec3& target, const glm::vec3&
   return camera;
 }
 
-/// A camera whose place is given: no fit; an orthographic window is as large as the view cone at the target, unless its
-/// height is given too.
+/// Returns a camera at a given position, without a fit. An orthographic window is as large as the view frustum at the
+/// target, unless its height is given.
 Camera placed(glm::vec3 eye, const glm::vec3& target, const glm::vec3& up, float angle_deg, float aspect,
               Framing framing, float window_height = 0.0f) {
   if (is_direction(eye - target)) {
     eye = target + turned(eye - target, up, framing.azimuth_deg, framing.elevation_deg);
   }
-  // From the target itself there is no distance to measure a window by: one unit stands in.
+  // A camera at the target itself has no distance to derive the window from: use one unit.
   const float distance = is_direction(eye - target) ? glm::distance(eye, target) : 1.0f;
   if (window_height > 0.0f) framing.orthographic = true;
   const float height =
@@ -212,12 +211,12 @@ Camera placed(glm::vec3 eye, const glm::vec3& target, const glm::vec3& up, float
   return camera_at(eye, target, up, angle_deg, height, aspect, framing);
 }
 
-/// Whether the scene's own view is to be used.
-bool by_own_view(const Scene& scene, const Framing& framing) {
+/// Returns whether the scene's own view is used.
+bool uses_scene_view(const Scene& scene, const Framing& framing) {
   return !scene.views.empty() && !framing.position && !framing.focal_point && !framing.direction;
 }
 
-/// What a camera at a given place looks at.
+/// Returns the point that a camera at a given position looks at.
 glm::vec3 target_of(const Scene& scene, const Framing& framing) {
   if (framing.focal_point) return *framing.focal_point;
   if (!framing.direction || !is_direction(*framing.direction)) return scene.center();
@@ -228,11 +227,11 @@ glm::vec3 target_of(const Scene& scene, const Framing& framing) {
 
 Camera camera_before_turn(const Scene& scene, const Framing& framing, int width, int height) {
   const float aspect = float(std::max(width, 1)) / float(std::max(height, 1));
-  const bool by_view = by_own_view(scene, framing);
+  const bool by_view = uses_scene_view(scene, framing);
   const glm::vec3 up =
       unit_or(framing.view_up, by_view && is_direction(scene.views[0].up) ? scene.views[0].up : scene.up);
-  const float wished_angle = framing.view_angle_deg.value_or(by_view ? scene.views[0].angle_deg : kViewAngleDeg);
-  const float angle_deg = std::clamp(wished_angle, kMinAngleDeg, kMaxAngleDeg);
+  const float requested_angle = framing.view_angle_deg.value_or(by_view ? scene.views[0].angle_deg : kViewAngleDeg);
+  const float angle_deg = std::clamp(requested_angle, kMinAngleDeg, kMaxAngleDeg);
   if (by_view) {
     const View& view = scene.views[0];
     return placed(view.eye, view.target, up, angle_deg, aspect, framing, view.height);
@@ -252,7 +251,7 @@ Camera camera_before_turn(const Scene& scene, const Framing& framing, int width,
 }  // namespace
 
 glm::vec3 turn_center(const Scene& scene, const Framing& framing) {
-  if (by_own_view(scene, framing)) return scene.views[0].target;
+  if (uses_scene_view(scene, framing)) return scene.views[0].target;
   return framing.position ? target_of(scene, framing) : framing.focal_point.value_or(scene.center());
 }
 
@@ -260,7 +259,7 @@ Camera frame_scene(const Scene& scene, const Framing& framing, int width, int he
   Camera camera = camera_before_turn(scene, framing, width, height);
   if (framing.turn_deg == 0.0f) return camera;
   const glm::dvec3 center(turn_center(scene, framing)), axis(unit_or(std::nullopt, scene.up));
-  // The world turned back is the camera turned.
+  // Rotating the camera is rotating the world backwards.
   glm::dmat4 turn = glm::translate(glm::dmat4(1.0), center);
   turn = glm::rotate(turn, -glm::radians(double(framing.turn_deg)), axis);
   turn = glm::translate(turn, -center);
@@ -270,7 +269,8 @@ Camera frame_scene(const Scene& scene, const Framing& framing, int width, int he
 
 namespace {
 
-/// A parallel light from `left` and `up` degrees of where the camera looks from, whose disc spans so many degrees.
+/// Returns a directional light from `left_deg` and `up_deg` degrees off the camera's direction, with a disc of
+/// `disc_deg` degrees.
 Light light_from(const Camera& camera, float left_deg, float up_deg, glm::vec3 color, float disc_deg) {
   const float left = glm::radians(left_deg), up = glm::radians(up_deg);
   const glm::vec3 in_view(-std::cos(up) * std::sin(left), std::sin(up), std::cos(up) * std::cos(left));
@@ -285,13 +285,14 @@ Light light_from(const Camera& camera, float left_deg, float up_deg, glm::vec3 c
 }  // namespace
 
 std::vector<Light> default_lights(const Scene&, const Camera& camera) {
-  constexpr float kKey = 0.7f;      // with the default ambient light of 0.3, white turned to the light is just white
-  constexpr float kDiscDeg = 4.0f;  // a lamp of 35 cm at 5 m: shadows begin sharp and end soft
+  // With the default ambient light of 0.3, a white surface that faces the light is just white.
+  constexpr float kKey = 0.7f;
+  constexpr float kDiscDeg = 4.0f;  // a lamp of 35 cm at 5 m: shadows are sharp at contact and soft farther away
   return {light_from(camera, 35.0f, 40.0f, glm::vec3(kKey), kDiscDeg)};
 }
 
 std::vector<Light> studio_lights(const Camera& camera) {
-  // A soft box of 1 m at 3 m, and a large reflector across from it.
+  // A soft box of 1 m at 3 m, and a large reflector on the opposite side.
   return {light_from(camera, 38.0f, 48.0f, glm::vec3(0.70f, 0.685f, 0.66f), 18.0f),
           light_from(camera, -60.0f, 25.0f, glm::vec3(0.13f, 0.135f, 0.145f), 35.0f)};
 }

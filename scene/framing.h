@@ -1,4 +1,4 @@
-// Framing: where the camera stands when nobody said, and the options that move it.
+// Framing: the default camera and the options that change it; the default lights, which depend on the camera.
 #pragma once
 #include <optional>
 
@@ -7,34 +7,36 @@
 
 namespace umbrage {
 
-/// What a person may say of the camera; what is not said is chosen. Positions in scene units, angles in degrees.
+/// A user's request for the camera; members that are not set are chosen automatically. Positions in scene units, angles
+/// in degrees.
 struct Framing {
   std::optional<glm::vec3> position, focal_point, view_up, direction;
   std::optional<float> view_angle_deg;  ///< vertical field of view
   float azimuth_deg = 0.0f, elevation_deg = 0.0f;
   float zoom = 1.0f;  ///< above 1: the model fills more of the picture
   bool orthographic = false;
-  /// The camera that all this makes is turned as it is, not fitted anew, about the scene's up axis through what it
-  /// looks at, or through the scene's middle where it was fitted. Counterclockwise as seen from above.
+  /// Rotates the camera that the other members define, without a new fit, about the scene's up axis through
+  /// turn_center. Counterclockwise as seen from above.
   float turn_deg = 0.0f;
 };
 
-/// The axis of Framing::turn_deg: a point on it; its direction is Scene::up.
+/// Returns a point on the axis of Framing::turn_deg, whose direction is Scene::up: the point the camera looks at, or
+/// the scene's center if the camera was fitted without a focal point.
 glm::vec3 turn_center(const Scene& scene, const Framing& framing);
 
-/// The camera for an image of width x height pixels. Without any wish: the scene's first suggested view, or else the
+/// Returns the camera for a picture of width x height pixels. By default: the scene's first suggested view, or else the
 /// whole scene from slightly above and to the side, fitted to the picture with a small margin.
 Camera frame_scene(const Scene& scene, const Framing& framing, int width, int height);
 
-/// The lights of a scene that brings none: a white key light from above and to the left of the camera, with a shadow.
-/// Its disc spans four degrees, so that ray-traced shadows are a little soft.
+/// Returns the lights of a scene without lights: one white key light from above and to the left of the camera, with a
+/// shadow. Its disc spans 4 degrees, so that ray-traced shadows are slightly soft.
 std::vector<Light> default_lights(const Scene& scene, const Camera& camera);
 
-/// A photographer's: a large white key light from above and to the left, a weaker and larger fill light from the other
-/// side, both with soft shadows.
+/// Returns studio lights: a large white key light from above and to the left, and a weaker, larger fill light from the
+/// other side, both with soft shadows.
 std::vector<Light> studio_lights(const Camera& camera);
 
-/// Ambient light that goes with studio_lights.
+/// Ambient light to use with studio_lights.
 inline constexpr float kStudioAmbient = 0.42f;
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// Framing: the whole scene stands in the picture and fills it, whatever its shape, size and place; and the options.
+// Framing: the whole scene is inside the picture and fills it, for any shape, size and position; and the options.
 #include "scene/framing.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 namespace umbrage {
 namespace {
 
-/// Vertices in a box, as a lumpy body, finished.
+/// Returns a finished scene of random vertices in an ellipsoid.
 Scene lump(const glm::vec3& half, const glm::vec3& center, unsigned seed = 1) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> at(-1.0f, 1.0f);
@@ -36,7 +36,7 @@ Scene lump(const glm::vec3& half, const glm::vec3& center, unsigned seed = 1) {
 
 struct Extent {
   float left = 1e30f, right = -1e30f, bottom = 1e30f, top = -1e30f;  ///< -1 to 1 is the picture
-  float nearest = 1e30f;                                             ///< depth
+  float nearest = 1e30f;                                             ///< depth of the nearest vertex
   float fill() const { return std::max(right - left, top - bottom) / 2.0f; }
 };
 
@@ -134,7 +134,7 @@ TEST(Framing, TakesDirectionAngleAndUp) {
   EXPECT_LE(std::max({-extent.left, extent.right, -extent.bottom, extent.top}), 0.95f);
   EXPECT_GE(extent.fill(), 0.8f);
 
-  framing.direction = glm::vec3(1, 0, 0);  // along the wished up: another up is found
+  framing.direction = glm::vec3(1, 0, 0);  // along the requested up: another up is used
   const Camera along = frame_scene(scene, framing, 640, 480);
   expect_near(forward_of(along), {1, 0, 0}, 1e-5f);
   EXPECT_GE(extent_of(scene, along).fill(), 0.8f);

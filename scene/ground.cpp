@@ -1,3 +1,4 @@
+// Ground: detection of a scene's own ground on a grid seen from above, and the disc below models without ground.
 #include "scene/ground.h"
 
 #include <algorithm>
@@ -11,7 +12,7 @@
 namespace umbrage {
 namespace {
 
-/// Two directions that span the plan.
+/// The up direction and two directions that span the horizontal plane (the plan).
 struct Plan {
   glm::vec3 up, right, front;
 };
@@ -23,9 +24,9 @@ Plan plan_of(const Scene& scene) {
   return {up, right, glm::cross(up, right)};
 }
 
-/// The extent of the model in the plan's directions.
+/// The bounds of the model in the axes right, up and front of the plan.
 struct Extent {
-  glm::vec3 least{std::numeric_limits<float>::infinity()}, most{-std::numeric_limits<float>::infinity()};
+  glm::vec3 min{std::numeric_limits<float>::infinity()}, max{-std::numeric_limits<float>::infinity()};
 };
 
 Extent extent_of(const Scene& scene, const Plan& plan) {
@@ -33,17 +34,17 @@ Extent extent_of(const Scene& scene, const Plan& plan) {
   for (const Mesh& mesh : scene.meshes)
     for (const glm::vec3& p : mesh.positions) {
       const glm::vec3 q(glm::dot(p, plan.right), glm::dot(p, plan.up), glm::dot(p, plan.front));
-      extent.least = glm::min(extent.least, q);
-      extent.most = glm::max(extent.most, q);
+      extent.min = glm::min(extent.min, q);
+      extent.max = glm::max(extent.max, q);
     }
   return extent;
 }
 
-/// What is on top at each place of the plan, seen from straight above: the floor of a house is not.
-class FromAbove {
+/// Height and slope of the top surface in each cell of the plan, seen from straight above.
+class PlanGrid {
  public:
-  FromAbove(const Plan& plan, const Extent& extent)
-      : plan_(plan), least_(extent.least), scale_(float(kCells) / glm::max(extent.most - extent.least, 1e-30f)) {}
+  PlanGrid(const Plan& plan, const Extent& extent)
+      : plan_(plan), min_(extent.min), scale_(float(kCells) / glm::max(extent.max - extent.min, 1e-30f)) {}
 
   void add_triangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, bool floor) {
     const glm::vec3 p = cell_of(a), q = cell_of(b), r = cell_of(c);
@@ -62,7 +63,7 @@ class FromAbove {
       }
   }
 
-  /// Of a disc that is turned, the ellipse is taken for a disc as large.
+  /// Adds a disc. A tilted disc is replaced by a horizontal one of the same projected area.
   void add_disc(glm::vec3 center, float radius, float cosine) {
     const glm::vec3 p = cell_of(center);
     const float seen = radius * std::sqrt(cosine), wide = seen * scale_.x, deep = seen * scale_.z;
@@ -73,16 +74,16 @@ class FromAbove {
       }
   }
 
-  /// The share of the plan on whose top lies something at most so high that is at least so level.
-  float share(float height, float least_cosine) const {
+  /// Returns the fraction of the plan whose top surface is at most `height` high and level: its cosine is at least
+  /// `min_cosine`.
+  float share(float height, float min_cosine) const {
     int count = 0;
-    for (const Top& top : tops_)
-      count += std::isfinite(top.height) && top.height <= height && top.cosine >= least_cosine;
+    for (const Top& top : tops_) count += std::isfinite(top.height) && top.height <= height && top.cosine >= min_cosine;
     return float(count) / float(kCells * kCells);
   }
 
-  /// The share of the plan where what is on top lies more than so high over the lowest floor.
-  float share_under_roofs(float height) const {
+  /// Returns the fraction of the plan whose top surface is more than `height` above the lowest upward-facing surface.
+  float fraction_under_roofs(float height) const {
     int count = 0;
     for (const Top& top : tops_) count += top.height - top.floor > height;
     return float(count) / float(kCells * kCells);
@@ -92,15 +93,15 @@ class FromAbove {
   static constexpr int kCells = 64;
   struct Top {
     float height = -std::numeric_limits<float>::infinity(), cosine = 0.0f;
-    float floor = std::numeric_limits<float>::infinity();  // the lowest of what faces up
+    float floor = std::numeric_limits<float>::infinity();  // height of the lowest upward-facing surface
   };
 
-  /// x and z in cells, y as it is.
+  /// Converts to grid coordinates: x and z in cells, y unchanged.
   glm::vec3 cell_of(glm::vec3 p) const {
     const glm::vec3 q(glm::dot(p, plan_.right), glm::dot(p, plan_.up), glm::dot(p, plan_.front));
-    return {(q.x - least_.x) * scale_.x, q.y, (q.z - least_.z) * scale_.z};
+    return {(q.x - min_.x) * scale_.x, q.y, (q.z - min_.z) * scale_.z};
   }
-  /// The first and last cell whose middle is not before or after it.
+  /// Returns the first or last cell with its centre not before or not after `x`.
   static int first(float x) { return int(std::ceil(std::clamp(x - 0.5f, 0.0f, float(kCells)))); }
   static int last(float x) { return int(std::floor(std::clamp(x - 0.5f, -1.0f, float(kCells - 1)))); }
   void put(int row, int column, float height, float cosine, bool floor) {
@@ -113,28 +114,29 @@ class FromAbove {
   }
 
   Plan plan_;
-  glm::vec3 least_, scale_;
+  glm::vec3 min_, scale_;
   std::vector<Top> tops_ = std::vector<Top>(std::size_t(kCells * kCells));
 };
 
 }  // namespace
 
 bool lacks_ground(const Scene& scene) {
-  constexpr float kFlat = 0.25f;    // height over width of what is a landscape
-  constexpr float kFilled = 0.95f;  // how much of its plan it fills
-  constexpr float kLow = 0.12f;     // share of the width within which a slab's top lies over the bottom
-  constexpr float kLevel = 0.9f;    // cosine of a slope that one stands on
-  // How much of the plan a slab may fill at most: a round one fills 0.79 of its square, less what stands on it.
-  constexpr float kMaxPlanShare = 0.4f;
-  constexpr float kMaxValley = 0.2f;      // the same of the low land between hills
-  constexpr float kMaxUnderRoofs = 0.5f;  // of hills: trees are roofs
+  constexpr float kFlat = 0.25f;    // height over width of a landscape
+  constexpr float kFilled = 0.95f;  // fraction of its plan that a landscape fills
+  constexpr float kLow = 0.12f;     // maximum height of a slab's top over the bottom, as a fraction of the width
+  constexpr float kLevel = 0.9f;    // minimum cosine of the slope of a level surface
+  // Maximum fraction of the plan that a slab fills in a scene without ground. A round slab fills 0.79 of its square,
+  // minus the objects on it.
+  constexpr float kMaxPlanFraction = 0.4f;
+  constexpr float kMaxValley = 0.2f;      // the same for low land between hills
+  constexpr float kMaxUnderRoofs = 0.5f;  // for hills: trees count as roofs
   if (scene.meshes.empty()) return false;
   const Plan plan = plan_of(scene);
   const Extent extent = extent_of(scene, plan);
-  const glm::vec3 size = extent.most - extent.least;
+  const glm::vec3 size = extent.max - extent.min;
   const float width = std::max(size.x, size.z);
   if (!(width > 0.0f) || !std::isfinite(width)) return false;
-  FromAbove seen(plan, extent);
+  PlanGrid seen(plan, extent);
   for (const Mesh& mesh : scene.meshes) {
     for (std::size_t i = 0; i < mesh.radii.size(); ++i)
       seen.add_disc(mesh.positions[i], mesh.radii[i],
@@ -146,18 +148,18 @@ bool lacks_ground(const Scene& scene) {
       seen.add_triangle(a, b, c, glm::dot(n, plan.up) > 0.0f);
     }
   }
-  const bool filled = seen.share(extent.most.y, 0.0f) > kFilled;
+  const bool filled = seen.share(extent.max.y, 0.0f) > kFilled;
   if (filled && size.y < kFlat * width) return false;
-  // Hills: what is low is a valley, not a floor under a roof.
-  const bool hills = filled && seen.share_under_roofs(kLow * width) < kMaxUnderRoofs;
-  return seen.share(extent.least.y + kLow * width, kLevel) <= (hills ? kMaxValley : kMaxPlanShare);
+  // In a hilly landscape low ground is a valley, not a floor under a roof.
+  const bool hills = filled && seen.fraction_under_roofs(kLow * width) < kMaxUnderRoofs;
+  return seen.share(extent.min.y + kLow * width, kLevel) <= (hills ? kMaxValley : kMaxPlanFraction);
 }
 
 void add_ground(Scene& scene, std::optional<float> lowest_light_deg) {
   constexpr int kCorners = 96;
-  constexpr float kUsual = 3.0f;  // radii of the model: its shadow ends before
+  constexpr float kUsual = 3.0f;  // in radii of the model, enough for its shadow at usual light directions
   constexpr float kMaxWidth = 16.0f;
-  constexpr float kBelow = 1e-4f;  // of the radius: faces that lie on the ground stay in front of it
+  constexpr float kBelow = 1e-4f;  // fraction of the radius: faces on the ground stay in front of it
   const Plan plan = plan_of(scene);
   const Extent extent = extent_of(scene, plan);
   const float radius = scene.radius();
@@ -165,11 +167,11 @@ void add_ground(Scene& scene, std::optional<float> lowest_light_deg) {
   if (lowest_light_deg) {
     const float longest = 4.0f / std::tan(glm::radians(std::clamp(*lowest_light_deg, 1.0f, 90.0f)));
     wide = std::clamp(kUsual + longest, kUsual, kMaxWidth);
-    scene.ground_fades = wide * radius;
+    scene.ground_fade_distance = wide * radius;
   }
-  const float height = extent.least.y - kBelow * radius;
+  const float height = extent.min.y - kBelow * radius;
   const glm::vec3 middle = scene.center() + plan.up * (height - glm::dot(scene.center(), plan.up));
-  scene.ground_middle = middle;
+  scene.ground_center = middle;
   Mesh disc;
   disc.name = "ground";
   disc.positions.push_back(middle);

@@ -1,4 +1,4 @@
-// Ground: what a model in the open is put on, so that it stands and does not float.
+// Ground: a disc below a model that has no ground of its own.
 #pragma once
 #include <optional>
 
@@ -6,13 +6,15 @@
 
 namespace umbrage {
 
-/// Whether a scene has no ground of its own: seen from straight above, along Scene::up, it is neither flat and wide as
-/// a landscape, nor stands on a slab that fills most of its plan. The floor of a house lies under its roof and is none.
+/// Returns whether a scene has no ground of its own. Seen from straight above, along Scene::up, a scene with ground is
+/// flat and wide like a landscape, or has a level slab near its bottom that is visible in a large part of its plan. The
+/// floor of a house is below its roof and does not count.
 bool lacks_ground(const Scene& scene);
 
-/// Adds a white matte disc under the scene, far wider than it, of an object of its own (Scene::ground_object). Bounds
-/// stay those of the model. Where some light stands low, so many degrees above the horizon, the disc reaches as far as
-/// its shadows do, up to a limit, and shade fades over its outer half (Scene::ground_fades).
+/// Adds a white diffuse disc under the scene, several times wider than it, as an object of its own
+/// (Scene::ground_object). The bounds stay those of the model. `lowest_light_deg` is the height of the lowest light
+/// above the horizon: the disc then extends as far as its shadows do, up to a limit, and shadows fade over its outer
+/// half (Scene::ground_fade_distance).
 void add_ground(Scene& scene, std::optional<float> lowest_light_deg = {});
 
 }  // namespace umbrage

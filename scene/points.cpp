@@ -1,4 +1,4 @@
-// Points get normals and sizes from their nearest neighbours, which a tree finds [Bentley 1975].
+// Normals and sizes of points, estimated from their nearest neighbours, which a k-d tree finds [Bentley 1975].
 #include "scene/points.h"
 
 #include <tbb/blocked_range.h>
@@ -22,22 +22,22 @@ namespace umbrage {
 namespace {
 
 constexpr int kNeighbors = 12;           // enough for a plane through noise, few enough to stay on one side of a wall
-constexpr float kMaxCoordinate = 1e15f;  // as for triangles
+constexpr float kMaxCoordinate = 1e15f;  // as for triangles (scene/finish.cpp)
 constexpr float kMinNormalLength = 1e-12f;
-// In units of the spacing: how far a hole may reach that is none of the surface's, and the widest disc. A few pinholes
-// are better than plates.
+// In units of the spacing: the maximum half width of a hole that is closed, and the maximum radius of a disc. A few
+// pinholes look better than oversized discs.
 constexpr double kMaxHoleWidth = 2.5, kMaxDisc = 1.5;
-// At the rim of a surface, beyond which there are no neighbours, a disc is so wide, in units of the mean distance of so
-// many that there are.
-constexpr double kRimRadius = 0.75;
-constexpr int kAtRim = 3;
-constexpr float kSlack = 1.05f;        // of a disc: those of a curved surface are tilted against each other
+// At the border of a surface, with no neighbours beyond it: the radius of a disc, in units of the mean distance of the
+// kBorderNeighbors nearest neighbours.
+constexpr double kBorderRadius = 0.75;
+constexpr int kBorderNeighbors = 3;
+constexpr float kSlack = 1.05f;        // factor for discs: those of a curved surface are tilted against each other
 constexpr float kSphereRadius = 0.5f;  // in units of the spacing: spheres on a grid touch
-// A lonely point has no neighbour to measure by: no disc is larger than so many times what nine of ten stay below.
+// An isolated point has no neighbour to derive its size from: discs are limited to this ratio to the kMax quantile.
 constexpr float kMaxRatioToQuantile = 3.0f;
 constexpr double kMax = 0.9;
-// Points lie on surfaces where the neighbours of the median one spread so little along their normal, as a share of
-// their whole variance: 1/3 would be a cloud, 0 a plane.
+// Points lie on surfaces if the median fraction of the neighbours' variance along the normal is at most this. It is 1/3
+// for a cloud, 0 for a plane.
 constexpr float kFlat = 0.06f;
 
 struct Placed {
@@ -51,11 +51,11 @@ bool usable(const glm::vec3& p) {
 
 bool usable(float radius) { return radius > 0.0f && radius <= kMaxCoordinate; }
 
-/// Orders points as a balanced tree: the middle of each range divides it along the axis in which it is widest.
+/// Orders points as a balanced k-d tree: the middle of each range splits it along the axis of its largest extent.
 struct Tree {
-  static constexpr std::size_t kLeaf = 12;  // points in a range that is searched one by one
+  static constexpr std::size_t kLeaf = 12;  // ranges up to this size are searched linearly
   std::vector<Placed> points;
-  std::vector<std::uint8_t> axes;  // of the middles
+  std::vector<std::uint8_t> axes;  // split axis of each range's middle
 
   explicit Tree(std::vector<Placed> all) : points(std::move(all)), axes(points.size()) { divide(0, points.size()); }
 
@@ -74,8 +74,8 @@ struct Tree {
       return a.position[axis] != b.position[axis] ? a.position[axis] < b.position[axis] : a.index < b.index;
     });
     axes[middle] = std::uint8_t(axis);
-    constexpr std::size_t kWorthAThread = 20000;
-    if (end - begin > kWorthAThread) {
+    constexpr std::size_t kMinParallelSize = 20000;
+    if (end - begin > kMinParallelSize) {
       tbb::parallel_invoke([&] { divide(begin, middle); }, [&] { divide(middle + 1, end); });
     } else {
       divide(begin, middle);
@@ -84,7 +84,7 @@ struct Tree {
   }
 };
 
-/// The nearest points found so far, nearest first.
+/// The nearest points found so far, sorted by distance.
 struct Nearest {
   glm::vec3 from;
   std::uint32_t self;
@@ -122,15 +122,15 @@ struct Nearest {
   }
 };
 
-/// A direction in which a symmetric matrix stretches least, and its share of the whole.
-struct Thinnest {
+/// The direction of the smallest variance of a symmetric matrix, and its fraction of the total.
+struct SmallestVariance {
   glm::vec3 direction{0.0f, 1.0f, 0.0f};
   float share = 0.0f;
 };
 
-/// Eigenvalues in closed form [Smith 1961].
-Thinnest thinnest_of(const glm::dmat3& m) {
-  Thinnest thinnest;
+/// Computes the eigenvalues in closed form [Smith 1961].
+SmallestVariance smallest_variance_of(const glm::dmat3& m) {
+  SmallestVariance thinnest;
   const double mean = (m[0][0] + m[1][1] + m[2][2]) / 3.0;
   if (!(mean > 0.0) || !std::isfinite(mean)) return thinnest;
   const glm::dmat3 deviation = m / mean - glm::dmat3(1.0);
@@ -143,10 +143,11 @@ Thinnest thinnest_of(const glm::dmat3& m) {
   }
   const double cosine = std::clamp(glm::determinant(deviation) / (2.0 * spread * spread * spread), -1.0, 1.0);
   const double angle = std::acos(cosine) / 3.0;
-  const double least = 2.0 * spread * std::cos(angle + 2.0 * std::numbers::pi / 3.0);
-  thinnest.share = float(std::max(0.0, (1.0 + least) / 3.0));
-  // Across the two longest rows of what is left once the least is taken away.
-  const glm::dmat3 left = deviation - glm::dmat3(least);
+  const double min = 2.0 * spread * std::cos(angle + 2.0 * std::numbers::pi / 3.0);
+  thinnest.share = float(std::max(0.0, (1.0 + min) / 3.0));
+  // The eigenvector is perpendicular to the rows of the matrix without the smallest eigenvalue: take the
+  // best-conditioned cross product of two rows.
+  const glm::dmat3 left = deviation - glm::dmat3(min);
   glm::dvec3 best(0.0);
   for (const auto& [i, j] : {std::pair(0, 1), std::pair(1, 2), std::pair(2, 0)}) {
     const glm::dvec3 across = glm::cross(left[i], left[j]);
@@ -156,7 +157,7 @@ Thinnest thinnest_of(const glm::dmat3& m) {
     thinnest.direction = glm::vec3(glm::normalize(best));
     return thinnest;
   }
-  // The points lie on a line: any direction across it.
+  // The points lie on a line: any perpendicular direction.
   glm::dvec3 along = left[0];
   for (int i = 1; i < 3; ++i)
     if (glm::dot(left[i], left[i]) > glm::dot(along, along)) along = left[i];
@@ -182,9 +183,9 @@ void reorder(std::vector<T>& values, const std::vector<Placed>& order) {
 
 using Offsets = std::array<glm::dvec3, kNeighbors>;
 
-/// The least radius with which a disc covers what lies nearer to its point than to any neighbour, in its plane: the
-/// discs of all points then leave no hole. It is that of the Voronoi cell, which is cut out of a square one neighbour
-/// after the other. `spacing` is the mean distance of neighbours.
+/// Returns the smallest radius of a disc that covers the point's Voronoi cell in its plane, so that the discs of all
+/// points leave no hole. The cell is clipped from a square, one neighbour after the other. `spacing` is the mean
+/// distance of neighbours.
 double covering_radius(const Offsets& offsets, int count, const glm::dvec3& normal, double spacing) {
   const glm::dvec3 other = std::abs(normal.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 right = glm::normalize(glm::cross(normal, other)), up = glm::cross(normal, right);
@@ -214,30 +215,30 @@ double covering_radius(const Offsets& offsets, int count, const glm::dvec3& norm
     corners = kept;
   }
   double rim = 0.0;
-  for (int k = 0; k < std::min(count, kAtRim); ++k) rim += glm::length(offsets[std::size_t(k)]);
-  rim *= kRimRadius / std::min(count, kAtRim);
+  for (int k = 0; k < std::min(count, kBorderNeighbors); ++k) rim += glm::length(offsets[std::size_t(k)]);
+  rim *= kBorderRadius / std::min(count, kBorderNeighbors);
   double furthest = 0.0;
   for (int i = 0; i < corners; ++i) {
     const Corner& c = cell[std::size_t(i)];
-    // A side of the square is left: there is no neighbour in that direction.
+    // A side of the square remains: there is no neighbour in that direction.
     const bool open = std::max(std::abs(c.x), std::abs(c.y)) >= side * (1.0 - 1e-9);
     furthest = std::max(furthest, open ? rim : std::hypot(c.x, c.y));
   }
   return std::min(furthest, kMaxDisc * spacing);
 }
 
-/// What a point's neighbours say.
-struct Surroundings {
+/// Estimates from each point's neighbours.
+struct NeighborEstimates {
   std::vector<float> spacing;  ///< mean distance of neighbours on a surface
   std::vector<float> cover;    ///< see covering_radius
-  std::vector<Thinnest> planes;
+  std::vector<SmallestVariance> planes;
   int count = 0;
 };
 
-Surroundings surroundings_of(const Mesh& mesh) {
+NeighborEstimates neighbor_estimates_of(const Mesh& mesh) {
   const std::size_t size = mesh.positions.size();
-  Surroundings around{std::vector<float>(size), std::vector<float>(size), std::vector<Thinnest>(size),
-                      int(std::min<std::size_t>(kNeighbors, size - 1))};
+  NeighborEstimates around{std::vector<float>(size), std::vector<float>(size), std::vector<SmallestVariance>(size),
+                           int(std::min<std::size_t>(kNeighbors, size - 1))};
   if (around.count == 0) return around;
   std::vector<Placed> placed(size);
   for (std::size_t i = 0; i < size; ++i) placed[i] = {mesh.positions[i], std::uint32_t(i)};
@@ -249,7 +250,7 @@ Surroundings surroundings_of(const Mesh& mesh) {
       Nearest nearest{.from = positions[i], .self = std::uint32_t(i)};
       nearest.search(positions.data(), tree.axes, 0, size);
       const std::size_t out = tree.points[i].index;
-      // As many points as there are neighbours share the disc that reaches to the furthest of them.
+      // The disc that reaches to the farthest of n neighbours has the area of n points.
       const double reach = std::sqrt(double(nearest.squares[std::size_t(nearest.count) - 1]));
       const double spacing = reach * std::sqrt(std::numbers::pi / nearest.count);
       around.spacing[out] = float(spacing);
@@ -260,12 +261,12 @@ Surroundings surroundings_of(const Mesh& mesh) {
         sum += offsets[std::size_t(k)];
       }
       const glm::dvec3 middle = sum / double(nearest.count + 1);
-      glm::dmat3 variance = glm::outerProduct(middle, middle);  // of the point itself
+      glm::dmat3 variance = glm::outerProduct(middle, middle);  // contribution of the point itself
       for (int k = 0; k < nearest.count; ++k) {
         const glm::dvec3 away = offsets[std::size_t(k)] - middle;
         variance += glm::outerProduct(away, away);
       }
-      around.planes[out] = thinnest_of(variance);
+      around.planes[out] = smallest_variance_of(variance);
       const glm::vec3 own = mesh.normals.empty() ? glm::vec3(0.0f) : mesh.normals[out];
       const glm::vec3 normal = own == glm::vec3(0.0f) ? around.planes[out].direction : own;
       around.cover[out] = float(covering_radius(offsets, nearest.count, glm::dvec3(normal), spacing));
@@ -320,13 +321,13 @@ void shape_points(Mesh& mesh, const PointSettings& settings, float scene_radius)
   const bool given_radii = !mesh.radii.empty();
   const bool given_size = given_radii || settings.size.value > 0.0f;
   const bool wants_planes = settings.shape != PointShape::kSpheres && (!has_normals || !lacking.empty());
-  Surroundings around;
-  if (wants_planes || !given_size) around = surroundings_of(mesh);
+  NeighborEstimates around;
+  if (wants_planes || !given_size) around = neighbor_estimates_of(mesh);
   mesh.spheres = settings.shape == PointShape::kSpheres;
   if (settings.shape == PointShape::kAuto && !has_normals) {
     std::vector<float> shares(size);
     std::transform(around.planes.begin(), around.planes.end(), shares.begin(),
-                   [](const Thinnest& plane) { return plane.share; });
+                   [](const SmallestVariance& plane) { return plane.share; });
     mesh.spheres = nth_of(std::move(shares), 0.5) > kFlat;
   }
   if (mesh.spheres) {
@@ -349,16 +350,16 @@ void shape_points(Mesh& mesh, const PointSettings& settings, float scene_radius)
     return;
   }
   if (mesh.spheres) {
-    // All alike: the points of a cloud are marks, and where they lie close they may overlap. As many as there are
-    // neighbours share the ball that reaches to the furthest of them.
+    // All of one size: the points of a cloud are marks, and may overlap where they are dense. The sphere that reaches
+    // to the farthest of n neighbours has the volume of n points.
     const double reach = nth_of(around.spacing, 0.5) / std::sqrt(std::numbers::pi / around.count);
     const double spacing = reach * std::cbrt(4.0 / 3.0 * std::numbers::pi / around.count);
     mesh.radii.assign(size, float(kSphereRadius * spacing));
     return;
   }
   mesh.radii = std::move(around.cover);
-  const float most = kMaxRatioToQuantile * nth_of(mesh.radii, kMax);
-  for (float& radius : mesh.radii) radius = kSlack * std::min(radius, most);
+  const float max = kMaxRatioToQuantile * nth_of(mesh.radii, kMax);
+  for (float& radius : mesh.radii) radius = kSlack * std::min(radius, max);
 }
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// Points: what a file of bare vertices becomes, such as a scan.
+// Points: sizes, normals and shapes for files of vertices without faces, such as scans.
 #pragma once
 #include "core/length.h"
 #include "scene/scene.h"
@@ -6,24 +6,27 @@
 namespace umbrage {
 
 enum class PointShape {
-  kAuto,   ///< discs where the points have normals or lie on surfaces, else spheres
-  kDiscs,  ///< across the normals, which are made where the file has none
+  kAuto,   ///< discs if the points have normals or lie on surfaces, else spheres
+  kDiscs,  ///< perpendicular to the normals, which are estimated where the file has none
   kSpheres,
 };
 
+/// How points are drawn.
 struct PointSettings {
   PointShape shape = PointShape::kAuto;
-  Length size{0.0f, 0};  ///< across, in scene units or as a share of the scene's radius; 0: from the points' spacing
+  /// Diameter, scene units or percent of the bounding-sphere radius; 0: from the points' spacing.
+  Length size{0.0f, 0};
 };
 
-/// Drops points that are not finite, or whose given radius is not above 0 and finite, or that stand where another one
-/// does; the others get a new order, in which neighbours are near each other. Returns how many were not finite.
+/// Drops points that are not finite, points with a given radius that is not positive and finite, and duplicates of
+/// other positions. Reorders the rest so that neighbours are close in memory. Returns the number of points dropped as
+/// not finite.
 std::size_t clean_points(Mesh& mesh);
 
-/// Gives cleaned points their radii, unless they have some, and, if they are discs, the normals that they lack. Radii
-/// from spacing are such that the discs of a surface leave no hole, and spheres, all alike, would touch on a grid. A
-/// normal is that of the plane nearest to a point's neighbours [Hoppe et al. 1992], on either side: what sees it turns
-/// it towards itself.
+/// Sets the radii of cleaned points, unless they have some, and, for discs, the missing normals. With radii from the
+/// spacing, the discs of a surface leave no hole, and spheres, all of one size, would touch on a grid. A missing normal
+/// is that of the plane fitted to a point's neighbours [Hoppe et al. 1992], with either sign: renderers flip it towards
+/// the viewer.
 void shape_points(Mesh& mesh, const PointSettings& settings, float scene_radius);
 
 }  // namespace umbrage

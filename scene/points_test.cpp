@@ -1,4 +1,4 @@
-// Points: the sizes and normals that they get from each other.
+// Points: sizes and normals estimated from the neighbours.
 #include "scene/points.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace umbrage {
 namespace {
 
-/// A finished scene of these points.
+/// Returns a finished scene of these points.
 Scene scene_of(std::vector<glm::vec3> positions, const PointSettings& settings = {}) {
   Scene scene;
   Mesh mesh;
@@ -60,8 +60,9 @@ TEST(Points, OfARoughlyEvenSurfaceLeaveNoHole) {
   const Mesh& mesh = scene.meshes.at(0);
   ASSERT_FALSE(mesh.spheres);
   for (std::size_t i = 0; i < mesh.positions.size(); ++i)
-    EXPECT_GT(std::abs(glm::dot(mesh.normals[i], mesh.positions[i])), 0.97f) << "the normal of a ball is its radius";
-  // Directions all around: how many meet no disc.
+    EXPECT_GT(std::abs(glm::dot(mesh.normals[i], mesh.positions[i])), 0.97f)
+        << "the normal of a sphere is along its radius";
+  // Count the directions that meet no disc.
   const std::vector<glm::vec3> directions = random_ball(3000, false, 2);
   int open = 0;
   double area = 0.0;
@@ -83,7 +84,7 @@ TEST(Points, OfACloudAreSpheresOfOneSize) {
   const Mesh& mesh = scene.meshes.at(0);
   EXPECT_TRUE(mesh.spheres);
   EXPECT_TRUE(mesh.normals.empty());
-  // 3000 in a ball of volume 4.19: one in a cube of side 0.112.
+  // 3000 in a sphere of volume 4.19: one per cube of side 0.112.
   for (const float radius : mesh.radii) EXPECT_EQ(radius, mesh.radii[0]);
   EXPECT_NEAR(mesh.radii[0], 0.056f, 0.008f);
 }

@@ -1,4 +1,4 @@
-// What a Scene can say of itself.
+// Functions of Scene: bounds, counts, size text, lighting.
 #include "scene/scene.h"
 
 #include <cmath>
@@ -30,14 +30,14 @@ std::string size_text(const Scene& scene) {
 }
 
 Lighting lighting_of(const Scene& scene) {
-  return {scene.lights, scene.ambient, scene.ambient_shape, scene.usual_light};
+  return {scene.lights, scene.ambient, scene.ambient_shape, scene.lit_white_luminance};
 }
 
 void set_lighting(Lighting lighting, Scene& scene) {
   scene.lights = std::move(lighting.lights);
   scene.ambient = lighting.ambient;
   scene.ambient_shape = lighting.ambient_shape;
-  scene.usual_light = lighting.usual_light;
+  scene.lit_white_luminance = lighting.lit_white_luminance;
 }
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// Other programs, started beside this one.
+// Child processes.
 #pragma once
 #include <sys/types.h>
 
@@ -9,17 +9,18 @@ namespace umbrage {
 
 struct ChildProgram {
   struct File {
-    int number;     ///< in the program
-    int from = -1;  ///< open file of this process that it is; below 0: the empty file, to read and to write
+    int number;     ///< file descriptor in the child
+    int from = -1;  ///< file descriptor of this process to duplicate; < 0: /dev/null, for reading and writing
   };
 
-  std::string program;             ///< a path, or a name to look for on PATH
-  std::vector<std::string> words;  ///< what it is told, after its own name
-  std::vector<File> files;         ///< those that it has; all that is marked close-on-exec is closed
-  bool own_group = false;          ///< not what the terminal sends signals to
+  std::string program;             ///< a path, or a name that is looked up on PATH
+  std::vector<std::string> words;  ///< arguments, without the program name
+  std::vector<File> files;         ///< open files of the child; all that is marked close-on-exec is closed
+  bool own_group = false;          ///< own process group, which gets no signals from the terminal
 };
 
-/// Starts it, with no signal blocked and none ignored. 0 and its number in `child`, or an error as of errno.
+/// Starts the program with all signals unblocked and at their defaults. Returns 0 and its process id in `child`, or an
+/// errno value.
 int start_child(const ChildProgram& program, pid_t& child);
 
 }  // namespace umbrage

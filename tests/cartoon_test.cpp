@@ -40,7 +40,7 @@ TEST(Cartoon, LinesAreDrawnOnceOverTheMean) {
   for (const int frames : {2, 4})
     for (const char* exposure : {"output.exposure=0", "output.exposure=-1"}) {
       const Image picture = drawn(frames, {exposure}, frames == 4);
-      EXPECT_EQ(test::difference(single.planes[0], picture.planes[0], 0.0).most, 0.0);
+      EXPECT_EQ(test::difference(single.planes[0], picture.planes[0], 0.0).max, 0.0);
       const float line[] = {0.6f, 0.3f, 0.05f};
       int lines = 0;
       for (int y = 0; y < 200; ++y)

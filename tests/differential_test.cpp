@@ -57,14 +57,14 @@ ParameterBytes variant_of(const Effect& effect, unsigned variant) {
         text = r % 2 ? "on" : "off";
         break;
       case ParameterType::kLength:
-        text = fmt::format("{}", 1 + r % int(std::min(kMaxWindow, row.most)));
+        text = fmt::format("{}", 1 + r % int(std::min(kMaxWindow, row.max)));
         break;
       case ParameterType::kInt:
-        text = fmt::format("{}", row.least + r % int(std::min(row.most - row.least, 8.0) + 1));
+        text = fmt::format("{}", row.min + r % int(std::min(row.max - row.min, 8.0) + 1));
         break;
       default: {
-        const double most = std::min(row.most, row.least + kMaxNumber);
-        text = fmt::format("{}", r % 4 == 0 ? row.initial : row.least + (most - row.least) * (r % 1000) / 999.0);
+        const double max = std::min(row.max, row.min + kMaxNumber);
+        text = fmt::format("{}", r % 4 == 0 ? row.initial : row.min + (max - row.min) * (r % 1000) / 999.0);
       }
     }
     EXPECT_TRUE(set_parameter(effect.name, row, text, bytes)) << row.name << " = " << text;
@@ -92,11 +92,11 @@ Image outputs(const Effect& effect, const ParameterBytes& params, const GBuffer&
 
 /// Adds inputs of an effect that other effects write: inputs of a dispatch that no earlier dispatch writes.
 void add_made_inputs(const Effect& effect, GBuffer& gbuffer) {
-  for (std::size_t reader = 0; reader < effect.passes.size(); ++reader)
-    for (std::string_view input : effect.passes[reader].inputs) {
+  for (std::size_t reader = 0; reader < effect.dispatches.size(); ++reader)
+    for (std::string_view input : effect.dispatches[reader].inputs) {
       bool made_here = false;
       for (std::size_t k = 0; k < reader; ++k)
-        for (std::string_view output : effect.passes[k].outputs) made_here |= output == input;
+        for (std::string_view output : effect.dispatches[k].outputs) made_here |= output == input;
       if (made_here || gbuffer.layers[0].find(input)) continue;
       Plane& plane = gbuffer.layers[0].add(input);
       for (int y = 0; y < plane.height; ++y)
@@ -146,9 +146,9 @@ TEST_P(Differential, LanesAgreeWithScalarOnEveryTarget) {
                                              variant, size.width, size.height);
         if (effect.quantum > 0.0) {
           EXPECT_LE(d.share_over, kMaxFlips) << what;
-          EXPECT_LE(d.most, 2.0 * effect.quantum * scale) << what;
+          EXPECT_LE(d.max, 2.0 * effect.quantum * scale) << what;
         } else {
-          EXPECT_LE(d.most, 1e-4 * scale) << what;
+          EXPECT_LE(d.max, 1e-4 * scale) << what;
           EXPECT_LE(d.mean, 1e-6 * scale) << what;
         }
       }
@@ -158,7 +158,8 @@ TEST_P(Differential, LanesAgreeWithScalarOnEveryTarget) {
 
 TEST_P(Differential, TunedKernelsAreEqualToTheBit) {
   const Effect& effect = *GetParam();
-  if (std::none_of(effect.passes.begin(), effect.passes.end(), [](const Pass& pass) { return pass.tuned != nullptr; }))
+  if (std::none_of(effect.dispatches.begin(), effect.dispatches.end(),
+                   [](const Dispatch& dispatch) { return dispatch.tuned != nullptr; }))
     return;
   for (const auto& [size, variant] : runs(12)) {
     GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 70 + variant);
@@ -169,7 +170,7 @@ TEST_P(Differential, TunedKernelsAreEqualToTheBit) {
       const Image plain = outputs(effect, params, gbuffer, {.tuned = false});
       const Image tuned = outputs(effect, params, gbuffer, {.tuned = true});
       for (std::size_t p = 0; p < plain.planes.size(); ++p)
-        EXPECT_EQ(test::difference(plain.planes[p], tuned.planes[p], 0.0).most, 0.0)
+        EXPECT_EQ(test::difference(plain.planes[p], tuned.planes[p], 0.0).max, 0.0)
             << effect.name << ' ' << plain.names[p] << ' ' << target << " variant " << variant << " at " << size.width
             << 'x' << size.height;
     }
@@ -185,7 +186,7 @@ TEST_P(Differential, ThreadsAndRunsDoNotMatter) {
   for (int threads : {1, 2, 5}) {
     const Image many = outputs(effect, params, gbuffer, {.threads = threads});
     for (std::size_t p = 0; p < one.planes.size(); ++p)
-      EXPECT_EQ(test::difference(one.planes[p], many.planes[p], 0.0).most, 0.0) << effect.name << ' ' << threads;
+      EXPECT_EQ(test::difference(one.planes[p], many.planes[p], 0.0).max, 0.0) << effect.name << ' ' << threads;
   }
 }
 
@@ -222,7 +223,7 @@ TEST_P(Differential, VulkanAgreesWithScalar) {
       const double bound = std::max(kSeen, effect.quantum) * test::scale_of(oracle.planes[p]);
       const auto d = test::difference(oracle.planes[p], image.planes[p], bound);
       EXPECT_LE(d.share_over, kMaxOver) << effect.name << ' ' << oracle.names[p] << " variant " << variant << " at "
-                                        << size.width << 'x' << size.height << ", most " << d.most;
+                                        << size.width << 'x' << size.height << ", most " << d.max;
     }
   }
 }
@@ -239,14 +240,14 @@ TEST_P(Differential, VulkanRunsAreEqualToTheBitAndDefined) {
     const Image again = outputs(effect, variant_of(effect, variant), gbuffer, *device);
     for (std::size_t p = 0; p < once.planes.size(); ++p) {
       EXPECT_EQ(undefined_pixels(once, p), 0) << effect.name << ' ' << once.names[p] << " variant " << variant;
-      EXPECT_EQ(test::difference(once.planes[p], again.planes[p], 0.0).most, 0.0) << effect.name << once.names[p];
+      EXPECT_EQ(test::difference(once.planes[p], again.planes[p], 0.0).max, 0.0) << effect.name << once.names[p];
     }
   }
 }
 
 bool has_gpu_ways(const Effect& effect) {
-  return std::any_of(effect.passes.begin(), effect.passes.end(),
-                     [](const Pass& pass) { return !pass.gpu_ways.empty(); });
+  return std::any_of(effect.dispatches.begin(), effect.dispatches.end(),
+                     [](const Dispatch& dispatch) { return !dispatch.gpu_variants.empty(); });
 }
 
 TEST_P(Differential, WaysOfAGpuAreEqualToTheBit) {
@@ -274,7 +275,7 @@ TEST_P(Differential, WaysOfAGpuAreEqualToTheBit) {
         const Image a = outputs(effect, all[k], gbuffer, *plain), b = outputs(effect, all[k], gbuffer, *tuned);
         ASSERT_EQ(a.names, b.names);
         for (std::size_t p = 0; p < a.planes.size(); ++p)
-          EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).most, 0.0)
+          EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).max, 0.0)
               << effect.name << ' ' << a.names[p] << " setting " << k << " at " << size.width << 'x' << size.height;
       }
 }
@@ -295,7 +296,7 @@ TEST_P(Differential, PlanesTooLargeToBindAreEqualToTheBit) {
     const Image a = outputs(effect, params, gbuffer, *bound), b = outputs(effect, params, gbuffer, *unbound);
     ASSERT_EQ(a.names, b.names);
     for (std::size_t p = 0; p < a.planes.size(); ++p)
-      EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).most, 0.0)
+      EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).max, 0.0)
           << effect.name << ' ' << a.names[p] << " variant " << variant;
   }
 }
@@ -336,7 +337,7 @@ TEST_P(HighPictures, LinesAgreeWithScalar) {
   EXPECT_GT(drawn, 100.0);
 }
 
-TEST_P(HighPictures, BandsAgreeWithScalar) {
+TEST_P(HighPictures, StripsAgreeWithScalar) {
   Device* const device = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(device);
   const test::NoMessages no_messages;

@@ -8,9 +8,9 @@
 #include <fstream>
 #include <vector>
 
-#include "importer/import_here.h"
+#include "importer/import_in_process.h"
 #include "importer/serve.h"
-#include "scene/readers/import_apart.h"
+#include "scene/readers/import_in_child_process.h"
 #include "scene/readers/texture_file.h"
 
 namespace {
@@ -47,7 +47,7 @@ void fail(const std::filesystem::path& file) {
 
 umbrage::Result<umbrage::Scene> import(const std::filesystem::path& file, const umbrage::ImportSettings& settings) {
   fail(file);
-  return umbrage::import_here(file, settings);
+  return umbrage::import_in_process(file, settings);
 }
 
 umbrage::Result<umbrage::Panorama> panorama(const std::filesystem::path& file) {

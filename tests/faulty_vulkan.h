@@ -16,7 +16,7 @@ struct Faults {
   std::uint64_t memory_left = ~std::uint64_t(0);         ///< bytes, for all allocations from now on
   bool reuses_memory = false;                            ///< freed memory can be allocated again
   std::uint32_t loader_version = 0, device_version = 0;  ///< 0: the real ones
-  VkDeviceSize largest_allocation = 0;                   ///< bytes; 0: the real one
+  VkDeviceSize max_allocation = 0;                       ///< bytes; 0: the real one
   std::uint32_t largest_bound = 0, bound_buffers = 0;    ///< max storage buffer, bytes; max count; 0: real
   bool has_addresses = true;
   bool draws = true;  ///< queues support graphics
@@ -88,9 +88,9 @@ inline VKAPI_ATTR void VKAPI_CALL faulty_properties2(VkPhysicalDevice gpu, VkPhy
   faulty().properties2(gpu, out);
   put_in_limits(out->properties.limits);
   for (auto* next = static_cast<VkBaseOutStructure*>(out->pNext); next; next = next->pNext)
-    if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES && faulty().faults.largest_allocation)
+    if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES && faulty().faults.max_allocation)
       reinterpret_cast<VkPhysicalDeviceMaintenance3Properties*>(next)->maxMemoryAllocationSize =
-          faulty().faults.largest_allocation;
+          faulty().faults.max_allocation;
 }
 inline VKAPI_ATTR void VKAPI_CALL faulty_features(VkPhysicalDevice gpu, VkPhysicalDeviceFeatures2* out) {
   faulty().features(gpu, out);

@@ -140,7 +140,7 @@ TEST(GuardBand, SharesOfThePictureKeepTheirSize) {
   const Frame frame = stage.capture(camera, {.width = 100, .height = 100, .guard = 25});
   const Plane share = stage.unsharp(frame, "12%"), pixels = stage.unsharp(frame, "12"),
               larger = stage.unsharp(frame, "18");
-  EXPECT_EQ(test::difference(share, pixels, 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(share, pixels, 0.0).max, 0.0);
   EXPECT_GT(test::difference(share, larger, 1e-3).share_over, 0.01);
 }
 
@@ -155,16 +155,16 @@ TEST(GuardBand, BordersAreAsTheMiddleOfALargerPicture) {
       stage.unsharp(stage.capture(camera, {.width = kWidth, .height = kHeight, .guard = kGuard}), kernel);
   const Plane larger =
       cropped(stage.unsharp(stage.capture(wide.camera, {.width = wide.width, .height = wide.height}), kernel), kGuard);
-  EXPECT_EQ(test::difference(guarded, larger, 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(guarded, larger, 0.0).max, 0.0);
   // Without the guard band the window ends at the border.
   const Plane bare = stage.unsharp(stage.capture(camera, {.width = kWidth, .height = kHeight}), kernel);
   double at_border = 0.0, inside = 0.0;
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) {
       const int to_border = std::min({x, y, kWidth - 1 - x, kHeight - 1 - y});
-      double& most = to_border < kGuard ? at_border : inside;
+      double& max = to_border < kGuard ? at_border : inside;
       if (to_border == 0 || to_border >= kGuard)
-        most = std::max(most, std::fabs(double(bare.at(x, y)) - larger.at(x, y)));
+        max = std::max(max, std::fabs(double(bare.at(x, y)) - larger.at(x, y)));
     }
   EXPECT_GT(at_border, 0.02);
   EXPECT_LT(inside, 0.02);
@@ -183,7 +183,7 @@ TEST(GuardBand, UploadedPlanesHaveOneToo) {
   const Image image = *device->download(*frame, {"depth", "ao"});
   EXPECT_EQ(image.width, 29);
   EXPECT_EQ(image.height, 15);
-  EXPECT_EQ(test::difference(image.planes[0], cropped(g.layers[0].plane("depth"), 4), 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(image.planes[0], cropped(g.layers[0].plane("depth"), 4), 0.0).max, 0.0);
   EXPECT_EQ(image.plane("ao").at(0, 0), 0.75f);
   EXPECT_EQ(image.plane("ao").at(28, 14), 0.25f);
 }
@@ -215,7 +215,7 @@ TEST(GuardBand, ThreadsDoNotMatter) {
   ASSERT_TRUE(stage.device->prepare(stage.scene));
   const Image one = *stage.device->download_all(stage.capture(camera, settings));
   for (std::size_t p = 0; p < all.planes.size(); ++p)
-    EXPECT_EQ(test::difference(all.planes[p], one.planes[p], 0.0).most, 0.0) << all.names[p];
+    EXPECT_EQ(test::difference(all.planes[p], one.planes[p], 0.0).max, 0.0) << all.names[p];
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ class Isa : public test::ProgramTest {
       for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
         const double scale = test::scale_of(oracle.planes[p]);
         const auto d = test::difference(oracle.planes[p], picture.planes[p], kSmooth * scale);
-        EXPECT_LE(d.most, kSeen * scale) << oracle.names[p];
+        EXPECT_LE(d.max, kSeen * scale) << oracle.names[p];
         EXPECT_LE(d.share_over, kMaxShareOver) << oracle.names[p];
         EXPECT_LE(d.mean, kMaxMean * scale) << oracle.names[p];
       }

@@ -26,7 +26,7 @@ std::vector<std::string> planes_with(const Effect& technique, const CaptureSetti
   EXPECT_TRUE(device->prepare(scene));
   auto frame = device->capture(frame_scene(scene, {}, settings.width, settings.height), settings);
   EXPECT_TRUE(frame);
-  const Effect* const handed_in[] = {&technique};
+  const Effect* const external_effects[] = {&technique};
   EffectSettings effect_settings = look_settings(*find_look("lit"));
   effect_settings["reader"] = {};
   std::vector<std::string> stages;
@@ -35,8 +35,8 @@ std::vector<std::string> planes_with(const Effect& technique, const CaptureSetti
                 .occlusion = "reader",
                 .settings = &effect_settings,
                 .after = [&](std::string_view name) { stages.emplace_back(name); },
-                .handed_in = handed_in,
-                .run_handed_in = [](const Effect&, const ParameterBytes&, Frame&) -> Result<void> { return {}; }},
+                .external_effects = external_effects,
+                .run_external_effect = [](const Effect&, const ParameterBytes&, Frame&) -> Result<void> { return {}; }},
                *device, *frame);
   EXPECT_TRUE(done);
   EXPECT_EQ(stages, (std::vector<std::string>{"lighting", "reader", "composite", "output"}));

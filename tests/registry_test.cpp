@@ -43,20 +43,21 @@ TEST(Registry, RowsAreUsable) {
 
 TEST(Registry, PassesHaveAllTheirKernelsAndConsistentPlanes) {
   for (const Effect* effect : effects())
-    for (const Pass& pass : effect->passes) {
-      EXPECT_FALSE(pass.outputs.empty()) << effect->name;
-      if (pass.host) {
-        EXPECT_TRUE(!pass.kernel.scalar && !pass.kernel.lanes && !pass.tuned && pass.kernel.spirv.empty() &&
-                    pass.gpu_ways.empty())
+    for (const Dispatch& dispatch : effect->dispatches) {
+      EXPECT_FALSE(dispatch.outputs.empty()) << effect->name;
+      if (dispatch.host) {
+        EXPECT_TRUE(!dispatch.kernel.scalar && !dispatch.kernel.lanes && !dispatch.tuned &&
+                    dispatch.kernel.spirv.empty() && dispatch.gpu_variants.empty())
             << effect->name << ": a host step has no kernel";
-        EXPECT_TRUE(!pass.reach && pass.for_all && !pass.for_missing) << effect->name << ": it is of whole planes";
+        EXPECT_TRUE(!dispatch.reach && dispatch.for_all && !dispatch.for_missing)
+            << effect->name << ": it is of whole planes";
         continue;
       }
-      EXPECT_NE(pass.kernel.scalar, nullptr) << effect->name;
-      EXPECT_NE(pass.kernel.lanes, nullptr) << effect->name;
-      ASSERT_GT(pass.kernel.spirv.size(), 5u) << effect->name;
-      EXPECT_EQ(pass.kernel.spirv[0], 0x07230203u) << effect->name << ": not SPIR-V";
-      EXPECT_EQ(pass.tile.width % 16, 0) << effect->name;
+      EXPECT_NE(dispatch.kernel.scalar, nullptr) << effect->name;
+      EXPECT_NE(dispatch.kernel.lanes, nullptr) << effect->name;
+      ASSERT_GT(dispatch.kernel.spirv.size(), 5u) << effect->name;
+      EXPECT_EQ(dispatch.kernel.spirv[0], 0x07230203u) << effect->name << ": not SPIR-V";
+      EXPECT_EQ(dispatch.tile.width % 16, 0) << effect->name;
     }
 }
 
@@ -74,19 +75,20 @@ void expect_exactly_its_planes(const GpuStep& step, std::string_view effect) {
 
 TEST(Registry, ShadersReachExactlyTheirPlanes) {
   for (const Effect* effect : effects())
-    for (const Pass& pass : effect->passes) {
-      if (!pass.host) expect_exactly_its_planes(plain_step(pass), effect->name);
-      for (std::string_view name : pass.later_inputs)
-        EXPECT_NE(std::find(pass.inputs.begin(), pass.inputs.end(), name), pass.inputs.end()) << effect->name << name;
-      for (const GpuWay& way : pass.gpu_ways) {
-        std::set<std::string_view> there(pass.inputs.begin(), pass.inputs.end()), made;
+    for (const Dispatch& dispatch : effect->dispatches) {
+      if (!dispatch.host) expect_exactly_its_planes(plain_step(dispatch), effect->name);
+      for (std::string_view name : dispatch.later_inputs)
+        EXPECT_NE(std::find(dispatch.inputs.begin(), dispatch.inputs.end(), name), dispatch.inputs.end())
+            << effect->name << name;
+      for (const GpuVariant& way : dispatch.gpu_variants) {
+        std::set<std::string_view> there(dispatch.inputs.begin(), dispatch.inputs.end()), made;
         for (const GpuStep& step : way.steps) {
           expect_exactly_its_planes(step, effect->name);
           for (std::string_view name : step.inputs) EXPECT_TRUE(there.contains(name)) << effect->name << ' ' << name;
           made.insert(step.outputs.begin(), step.outputs.end());
           there.insert(step.outputs.begin(), step.outputs.end());
         }
-        for (std::string_view name : pass.outputs) EXPECT_TRUE(made.contains(name)) << effect->name << ' ' << name;
+        for (std::string_view name : dispatch.outputs) EXPECT_TRUE(made.contains(name)) << effect->name << ' ' << name;
       }
     }
 }
@@ -96,7 +98,7 @@ TEST(Registry, EveryEffectHasItsFolderWhole) {
     const std::string folder = fmt::format("{}/effects/{}/", UMBRAGE_SOURCE, effect->name);
     // A host step has no kernel text.
     const bool on_host =
-        std::any_of(effect->passes.begin(), effect->passes.end(), [](const Pass& p) { return p.host; });
+        std::any_of(effect->dispatches.begin(), effect->dispatches.end(), [](const Dispatch& p) { return p.host; });
     const std::string text = fmt::format("{}.{}", effect->name, on_host ? "cpp" : "kernel.h");
     for (const std::string& file :
          {std::string("README.md"), fmt::format("{}.h", effect->name), text, fmt::format("{}_test.cpp", effect->name)})

@@ -56,9 +56,9 @@ Constants constants_of(std::string_view name, const PictureInfo& info, const Set
 /// Returns the names of the planes that an effect writes: those of the dispatches that it needs, each once.
 inline std::vector<std::string> made_planes(const Effect& effect, const ParameterBytes& params) {
   std::vector<std::string> names;
-  for (const Pass& pass : effect.passes) {
-    if (pass.needed && !pass.needed(params)) continue;
-    for (std::string_view name : pass.outputs)
+  for (const Dispatch& dispatch : effect.dispatches) {
+    if (dispatch.needed && !dispatch.needed(params)) continue;
+    for (std::string_view name : dispatch.outputs)
       if (std::find(names.begin(), names.end(), name) == names.end()) names.emplace_back(name);
   }
   return names;

@@ -27,12 +27,12 @@ TEST(Frames, OffsetsAreSpreadOverThePixel) {
     glm::dvec2 mean(0.0);
     int quarters[2][2] = {};
     for (int k = 0; k < count; ++k) {
-      const glm::vec2 offset = frame_offset(k, count);
+      const glm::vec2 offset = sample_offset(k, count);
       EXPECT_LE(std::max(std::fabs(offset.x), std::fabs(offset.y)), 0.5f);
       mean += glm::dvec2(offset) / double(count);
       ++quarters[offset.x < 0.0f][offset.y < 0.0f];
     }
-    EXPECT_EQ(frame_offset(0, count), glm::vec2(0.0f));
+    EXPECT_EQ(sample_offset(0, count), glm::vec2(0.0f));
     if (count < 3) continue;
     EXPECT_NEAR(mean.x, 0.0, 0.02) << count;
     EXPECT_NEAR(mean.y, 0.0, 0.02) << count;
@@ -76,7 +76,7 @@ TEST(Frames, ColourIsAveragedByItsAlpha) {
 }
 
 TEST(Frames, ColourIsAveragedForTheEyeWhereALookIs) {
-  PictureSum total{.for_eye = true};
+  PictureSum total{.as_square_roots = true};
   add_picture(total, one_pixel(0.64f, 1.0f, 0.25f));
   add_picture(total, one_pixel(0.3f, 0.0f, 0.75f));
   add_picture(total, one_pixel(0.04f, 1.0f, 0.5f));
@@ -113,7 +113,7 @@ Image silhouette(Scene scene, int frames, const std::vector<std::string>& settin
 // White in front of black: the coverage of a pixel mixes the two as square roots of light.
 TEST(Frames, CartoonMixesAsTheEyeDoes) {
   const Scene scene = *make_builtin_scene("scene:solids?detail=2000");
-  const std::vector<std::string> settings = {"outline.opacity=0", "toon.bands=1", "toon.albedo=clay"};
+  const std::vector<std::string> settings = {"outline.opacity=0", "toon.steps=1", "toon.albedo=clay"};
   const Image shares = silhouette(scene, 16), mixed = silhouette(scene, 16, settings, "cartoon");
   std::vector<std::string> transparent = settings;
   transparent.push_back("output.transparent=on");
@@ -281,10 +281,10 @@ TEST(SoftShadows, ALongPenumbraHasNoStreaks) {
   const Camera camera = orthographic_camera({0, 5, 0}, {0, 0, 0}, {0, 0, -1}, 0.5f, 1.0f);
   struct Case {
     int frames;
-    double rms, most;
+    double rms, max;
   };
   // Without the second filter the RMS and max errors are 0.028 and 0.064 in one picture, 0.016 and 0.043 in four.
-  for (const auto& [frames, rms, most] : {Case{1, 0.025, 0.04}, Case{4, 0.0105, 0.02}}) {
+  for (const auto& [frames, rms, max] : {Case{1, 0.025, 0.04}, Case{4, 0.0105, 0.02}}) {
     const Plane mean = mean_shadow(*device, camera, 1, frames);
     double squares = 0.0, worst = 0.0;
     int count = 0;
@@ -296,7 +296,7 @@ TEST(SoftShadows, ALongPenumbraHasNoStreaks) {
         worst = std::max(worst, std::fabs(off));
       }
     EXPECT_LT(std::sqrt(squares / count), rms) << frames;
-    EXPECT_LT(worst, most) << frames;
+    EXPECT_LT(worst, max) << frames;
   }
 }
 
@@ -311,7 +311,7 @@ TEST(SoftShadows, PlainAndVectorFiltersAgree) {
     ASSERT_TRUE(frame);
     shadows.push_back(device->download(*frame, {"shadow"})->planes[0]);
   }
-  EXPECT_LT(test::difference(shadows[0], shadows[1], 0.0).most, 1e-5);
+  EXPECT_LT(test::difference(shadows[0], shadows[1], 0.0).max, 1e-5);
 }
 
 TEST(SoftShadows, AveragedFramesHaveOtherRays) {
@@ -324,7 +324,7 @@ TEST(SoftShadows, AveragedFramesHaveOtherRays) {
         device->capture(camera, {.width = 32, .height = 32, .shadows = 1, .shadow_rays = 1, .sample = sample});
     return device->download(*frame, {"shadow"})->planes[0];
   };
-  EXPECT_EQ(test::difference(shadow(1), shadow(1), 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(shadow(1), shadow(1), 0.0).max, 0.0);
   EXPECT_GT(test::difference(shadow(0), shadow(1), 0.0).share_over, 0.02);
 }
 
@@ -382,10 +382,10 @@ TEST(GroundUnderModels, HidesNothingFromBelow) {
     draw_with.look = "studio";
     draw_with.camera.elevation_deg = -60.0f;
     draw_with.camera.orthographic = orthographic;
-    furnish(scene, *make_recipe(draw_with));
+    complete_scene(scene, *make_recipe(draw_with));
     EXPECT_LT(scene.ground_object, 0) << orthographic;
     draw_with.camera.elevation_deg = 20.0f;
-    furnish(scene, *make_recipe(draw_with));
+    complete_scene(scene, *make_recipe(draw_with));
     EXPECT_EQ(scene.ground_object, 1) << orthographic;
   }
 }
@@ -398,7 +398,7 @@ Image studio_picture(Scene scene, const std::string& ground, const std::vector<s
   draw_with.look = "studio";
   draw_with.ground = ground;
   draw_with.settings = settings;
-  furnish(scene, *make_recipe(draw_with));
+  complete_scene(scene, *make_recipe(draw_with));
   EXPECT_TRUE(device->prepare(scene));
   StageTimes times;
   const auto frame = draw(*device, scene, draw_with, times);

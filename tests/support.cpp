@@ -152,7 +152,7 @@ Difference difference(const Plane& a, const Plane& b, double bound) {
         e = std::numeric_limits<double>::infinity();
       else if (u != v && !std::isnan(u))
         e = std::fabs(double(u) - double(v));
-      d.most = std::max(d.most, e);
+      d.max = std::max(d.max, e);
       sum += e;
       over += e > bound;
     }

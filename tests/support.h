@@ -23,7 +23,7 @@ GBuffer bumpy_gbuffer(int width, int height, unsigned seed);
 GBuffer hostile_gbuffer(int width, int height, unsigned seed);
 
 struct Difference {
-  double most = 0.0, mean = 0.0;
+  double max = 0.0, mean = 0.0;
   double share_over = 0.0;  ///< fraction of pixels that differ by more than the bound
 };
 

@@ -38,8 +38,8 @@ bool is_model(const fs::path& file) {
 
 /// Runs in the child. The limit of processor time ends it if it does not end by itself.
 [[noreturn]] void run(const fs::path& file, const fs::path& output) {
-  const rlimit most{rlim_t(4 * kMaxSeconds), RLIM_INFINITY}, no_core{0, 0};
-  ::setrlimit(RLIMIT_CPU, &most);
+  const rlimit max{rlim_t(4 * kMaxSeconds), RLIM_INFINITY}, no_core{0, 0};
+  ::setrlimit(RLIMIT_CPU, &max);
   ::setrlimit(RLIMIT_CORE, &no_core);
   const int nowhere = ::open("/dev/null", O_RDWR);
   for (const int standard : {0, 1, 2}) ::dup2(nowhere, standard);

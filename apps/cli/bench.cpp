@@ -1,4 +1,4 @@
-// umbrage bench: time of every effect, device and size.
+// umbrage bench: measures the time of every effect at several sizes.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -23,29 +23,30 @@ struct BenchOptions : CommonOptions {
   bool json = false;
 };
 
+/// Times over several runs, milliseconds.
 struct Times {
-  double median = 0.0, least = 0.0;
-  std::optional<double> gpu_median;  ///< of the passes alone, where the device measures them
+  double median = 0.0, min = 0.0;
+  std::optional<double> gpu_median;  ///< median of the dispatches alone, if the device measures them
 };
 
-/// Runs something again and again. The first run, which is not counted, warms caches and pays for fresh memory; the
-/// others take it over, as frames do that are drawn one after the other.
+/// Measures `runs` runs after one uncounted run, which warms caches and allocates planes. The plane pool keeps the
+/// planes between runs, as for frames that are drawn one after the other.
 template <class Run>
 Result<Times> time_of(int runs, Device& device, const Run& run) {
-  const KeptPlanes kept(device.pool());
+  const ScopedPlanePool kept(device.pool());
   std::vector<double> ms, gpu_ms;
   if (auto done = device.finish(); !done) return done.error();
   for (int i = 0; i <= runs; ++i) {
-    device.take_pass_times();
+    device.take_dispatch_times();
     StageTimes times;
     if (Result<void> done = run(); !done) return done.error();
     if (Result<void> done = device.finish(); !done) return done.error();
     times.done("run");
-    const auto passes = device.take_pass_times();
+    const auto passes = device.take_dispatch_times();
     if (i == 0) continue;
     ms.push_back(times.total());
     if (!passes.empty()) gpu_ms.push_back(0.0);
-    for (const PassTime& pass : passes) gpu_ms.back() += pass.ms;
+    for (const DispatchTime& dispatch : dispatches) gpu_ms.back() += dispatch.ms;
   }
   std::sort(ms.begin(), ms.end());
   std::sort(gpu_ms.begin(), gpu_ms.end());
@@ -54,23 +55,23 @@ Result<Times> time_of(int runs, Device& device, const Run& run) {
   return times;
 }
 
-/// What --ao-scale holds for.
-bool runs_reduced(const Effect& effect) {
+/// Returns whether --ao-scale applies to the effect.
+bool supports_scale(const Effect& effect) {
   return effect.kind == EffectKind::kOcclusion || effect.kind == EffectKind::kFilter;
 }
 
-/// The frame at reduced resolution, all its planes.
+/// Returns the frame at reduced resolution with all its planes except further layers. `every`: downsampling factor.
 Result<Frame> reduced_frame(Device& device, const Frame& frame, int every) {
   std::vector<std::string> names = device.plane_names(frame);
   std::erase_if(names, [](const std::string& name) { return name.starts_with("layer"); });
   return device.reduced(frame, every, names);
 }
 
-/// The options, checked.
+/// The checked options.
 struct BenchPlan {
   std::vector<std::pair<int, int>> sizes;
   std::string scale;  ///< full, half or quarter
-  int every = 1;      ///< the same as a number
+  int every = 1;      ///< downsampling factor of `scale`: 1, 2 or 4
 };
 
 Result<BenchPlan> plan_of(const BenchOptions& o) {
@@ -83,7 +84,7 @@ Result<BenchPlan> plan_of(const BenchOptions& o) {
   const auto every = parse_scale("occlusion_scale", plan.scale);
   if (!every) return every.error();
   plan.every = *every;
-  if (plan.every > 1 && !o.effect.empty() && (o.effect == "capture" || !runs_reduced(*find_effect(o.effect))))
+  if (plan.every > 1 && !o.effect.empty() && (o.effect == "capture" || !supports_scale(*find_effect(o.effect))))
     return usage_error("--ao-scale cannot be '{}' with --effect {}: it takes full, or a technique or filter",
                        plan.scale, o.effect);
   for (const std::string& text : o.sizes) {
@@ -94,12 +95,12 @@ Result<BenchPlan> plan_of(const BenchOptions& o) {
   return plan;
 }
 
-/// The times of one size after the other, printed or kept for JSON.
+/// Measures one size after the other. Prints the times and keeps them for JSON.
 class Bench {
  public:
   Bench(const BenchOptions& options, const BenchPlan& plan, Device& device, ProgressLine& line)
       : o_(options), plan_(plan), device_(device), line_(line) {
-    // As if all took the same time.
+    // For progress, all effects count alike.
     steps_ = double(plan.sizes.size()) * (o_.effect.empty() ? double(effects().size() + 1) : 1.0);
   }
 
@@ -125,7 +126,7 @@ class Bench {
     for (const Effect* effect : effects()) {
       if (!is_wanted(effect->name)) continue;
       show(effect->name);
-      if (plan_.every > 1 && !runs_reduced(*effect)) continue;
+      if (plan_.every > 1 && !supports_scale(*effect)) continue;
       if (auto done = time_effect(*effect, *frame); !done) return done;
     }
     return {};
@@ -148,17 +149,17 @@ class Bench {
                         {"height", size_.second},
                         {"threads", device_.threads()},
                         {"ms", t.median},
-                        {"ms_min", t.least}});
+                        {"ms_min", t.min}});
     if (plan_.every > 1) records_.back()["scale"] = plan_.scale;
     if (t.gpu_median) records_.back()["gpu_ms"] = *t.gpu_median;
     line_.wipe();
     if (!o_.json)
       fmt::print("{:<10} {:<28} {:>11} {:9.2f} {:9.2f}{}\n", effect, setting,
-                 fmt::format("{}x{}", size_.first, size_.second), t.median, t.least,
+                 fmt::format("{}x{}", size_.first, size_.second), t.median, t.min,
                  t.gpu_median ? fmt::format(" {:9.3f} on the GPU", *t.gpu_median) : "");
   }
 
-  /// Times what it is told to run, and reports that.
+  /// Measures `run` and reports its times.
   template <class Run>
   Result<void> time_run(std::string_view effect, const std::string& setting, const Run& run) {
     const auto times = time_of(o_.runs, device_, run);
@@ -178,7 +179,7 @@ class Bench {
     return {};
   }
 
-  /// All variants of an effect, and of a technique at half resolution as well.
+  /// Measures all variants of an effect; those of a technique at half resolution as well.
   Result<void> time_effect(const Effect& effect, Frame& frame) {
     const std::vector<std::string_view> only_own = {""};
     for (const std::string_view variant : effect.variants.empty() ? only_own : effect.variants) {
@@ -190,10 +191,11 @@ class Bench {
       });
       if (!done) return done;
       if (effect.kind != EffectKind::kOcclusion || plan_.every > 1) continue;
-      // All that --ao-scale half does: taking pixels out, the technique, putting back, and filling between.
+      // Includes all work of --ao-scale half: downsampling, the technique, upsampling and filling in between.
       Look alone;
       alone.effects = {"occlusion"};
-      const LookRun half = {.look = &alone, .occlusion = effect.name, .occlusion_every = 2, .settings = &settings};
+      const LookRun half = {
+          .look = &alone, .occlusion = effect.name, .occlusion_downsampling = 2, .settings = &settings};
       const std::string setting = variant.empty() ? "scale=half" : fmt::format("{} scale=half", variant);
       done = time_run(effect.name, setting, [&]() -> Result<void> {
         const auto drawn = run_look(half, device_, frame);
@@ -226,7 +228,7 @@ Result<void> bench(const BenchOptions& o) {
   if (auto ready = device.prepare(*scene); !ready) return ready;
   line.wipe();
   if (!o.json)
-    fmt::print("{} ({} triangles), {}, median and least of {} runs\n{:<10} {:<28} {:>11} {:>9} {:>9}\n", scene->name,
+    fmt::print("{} ({} triangles), {}, median and min of {} runs\n{:<10} {:<28} {:>11} {:>9} {:>9}\n", scene->name,
                scene->triangle_count(), device.description(), o.runs, "effect", "setting", "size", "ms", "ms_min");
   Bench all(o, *plan, device, line);
   for (const auto& size : plan->sizes)
@@ -238,14 +240,14 @@ Result<void> bench(const BenchOptions& o) {
 }  // namespace
 
 void add_bench(CLI::App& app, std::function<Result<void>()>& run) {
-  CLI::App* command = app.add_subcommand("bench", "time every effect");
+  CLI::App* command = app.add_subcommand("bench", "measure the time of every effect");
   auto options = std::make_shared<BenchOptions>();
   command->add_option("MODEL", options->models, "model or built-in scene [scene:claw]")->expected(0, 1);
-  command->add_option("--effect", options->effect, "time this one only; capture is one too");
+  command->add_option("--effect", options->effect, "measure this effect only; capture is allowed too");
   add_one(*command, *options, "occlusion_scale", "",
-          "full, or half or quarter: techniques and filters alone, at that share of the resolution", "full");
+          "full; half or quarter measure techniques and filters alone, at that resolution", "full");
   add_sizes(*command, options->sizes, "1024,1024");
-  add_number(*command, "--runs", options->runs, {1, 10000, NumberKind::kWhole}, "runs behind each time");
+  add_number(*command, "--runs", options->runs, {1, 10000, NumberKind::kInteger}, "runs per measured time");
   command->add_flag("--json", options->json, "print JSON");
   add_device_options(*command, *options, kBench);
   command->callback([options, &run] { run = with_options(options, bench); });

@@ -1,4 +1,4 @@
-// The program with depth layers, a guard band and the reference.
+// Tests of the program with depth layers, a guard band and the reference technique.
 #include <gtest/gtest.h>
 
 #include "cli_support.h"
@@ -37,7 +37,7 @@ TEST_F(CliLayers, LayersArePlanes) {
         "layer1.shininess", "layer2.shadow", "layer1.object_id", "layer2.material_id", "ao", "color.r"})
     EXPECT_NE(all.find(name), nullptr) << name;
   EXPECT_EQ(all.find("layer3.depth"), nullptr);
-  EXPECT_EQ(test::difference(all.plane("layer1.depth"), some.plane("layer1.depth"), 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(all.plane("layer1.depth"), some.plane("layer1.depth"), 0.0).max, 0.0);
   // Layers do not change the picture.
   good(kSolids + " -o one.png" + kSmall);
   good(kSolids + " -o many.png --layers 16" + kSmall);
@@ -60,7 +60,7 @@ TEST_F(CliLayers, RefusesLayers) {
   bad("tri.obj -o out.exr --layers 3 --passes depth,layer3.normal", 2, {"'layer3.normal'", "--layers 4"});
   bad("tri.obj -o out.exr --layers 3 --passes layer2.dept", 2, {"'layer2.dept'", "did you mean 'layer2.depth'"});
   bad("tri.obj -o out.exr --passes layer16.depth", 2, {"'layer16.depth'"});
-  // Found before the model is read.
+  // These errors are found before the model is read.
   bad("nothere.obj -o out.png --layers 16 --resolution 8192x8192", 2, {"16 layers", "8192 x 8192", "at most"});
   bad("nothere.obj -o out.png --guard-band 100% --resolution 8192x8192", 2, {"24576 x 24576", "at most"});
 }
@@ -75,7 +75,7 @@ TEST_F(CliLayers, ExtraViewsAreLayers) {
       others += std::isfinite(planes.plane("layer2.depth").at(x, y)) &&
                 planes.plane("layer2.depth").at(x, y) != planes.plane("depth").at(x, y);
   EXPECT_GT(others, 500);
-  // They do not change a picture that reads one layer.
+  // Extra views do not change a picture that reads one layer.
   good(kSolids + " -o one.png" + kSmall);
   good(kSolids + " -o many.png --extra-views 4" + kSmall);
   EXPECT_EQ(text_of(folder_ / "one.png"), text_of(folder_ / "many.png"));
@@ -108,7 +108,7 @@ TEST_F(CliLayers, TheGuardBandIsNotWritten) {
 }
 
 TEST_F(CliLayers, TheGuardBandIsSeenByEffects) {
-  // Zoomed in, the scene goes on beyond the picture; with the band its border is shaded as if it were the middle.
+  // Zoomed in, the scene continues beyond the picture. With a guard band, border pixels are shaded like all others.
   const std::string line =
       kSolids + " --look ao --camera-zoom-factor 2 --resolution 64x64 --passes ao --set unsharp.kernel=15 -o ";
   good(line + "plain.exr");
@@ -134,13 +134,13 @@ TEST_F(CliLayers, TheReferenceIsATechnique) {
             (std::set<std::string>{"ao", "bent_normal.x", "bent_normal.y", "bent_normal.z"}));
   good(kSolids + " -o light.exr --look lit --set reference.light=bounce --passes all" + few);
   const Image light = image("light.exr");
-  float most = 0.0f;
+  float max = 0.0f;
   for (int y = 0; y < 24; ++y)
-    for (int x = 0; x < 24; ++x) most = std::max(most, light.plane("indirect.g").at(x, y));
-  EXPECT_GT(most, 0.0f);
+    for (int x = 0; x < 24; ++x) max = std::max(max, light.plane("indirect.g").at(x, y));
+  EXPECT_GT(max, 0.0f);
   good(kSolids + " -o plain.exr --look lit --passes all" + few);
-  EXPECT_EQ(test::difference(image("plain.exr").plane("indirect.g"), Plane(24, 24, 0.0f), 0.0).most, 0.0);
-  EXPECT_GT(test::difference(image("plain.exr").plane("lit.g"), light.plane("lit.g"), 0.0).most, 0.01);
+  EXPECT_EQ(test::difference(image("plain.exr").plane("indirect.g"), Plane(24, 24, 0.0f), 0.0).max, 0.0);
+  EXPECT_GT(test::difference(image("plain.exr").plane("lit.g"), light.plane("lit.g"), 0.0).max, 0.01);
 }
 
 TEST_F(CliLayers, TheReferenceBouncesLightWhereTheLookDoes) {
@@ -148,10 +148,10 @@ TEST_F(CliLayers, TheReferenceBouncesLightWhereTheLookDoes) {
   const auto brightest = [&](const std::string& options) {
     good(kSolids + " -o light.exr" + options + few);
     const Image light = image("light.exr");
-    float most = 0.0f;
+    float max = 0.0f;
     for (int y = 0; y < 24; ++y)
-      for (int x = 0; x < 24; ++x) most = std::max(most, light.plane("indirect.g").at(x, y));
-    return most;
+      for (int x = 0; x < 24; ++x) max = std::max(max, light.plane("indirect.g").at(x, y));
+    return max;
   };
   EXPECT_GT(brightest(" --look bleeding"), 0.0f);
   EXPECT_GT(brightest(" --look bleeding-paper"), 0.0f);
@@ -177,16 +177,16 @@ TEST_F(CliLayers, LinesAloneHaveAlpha) {
        kSmall);
   const Image lines = image("lines.png");
   ASSERT_NE(lines.find("color.a"), nullptr);
-  double least = 1.0, most = 0.0;
+  double min = 1.0, max = 0.0;
   for (int y = 0; y < lines.height; ++y)
     for (int x = 0; x < lines.width; ++x) {
-      least = std::min<double>(least, lines.plane("color.a").at(x, y));
-      most = std::max<double>(most, lines.plane("color.a").at(x, y));
+      min = std::min<double>(min, lines.plane("color.a").at(x, y));
+      max = std::max<double>(max, lines.plane("color.a").at(x, y));
       EXPECT_EQ(lines.plane("color.r").at(x, y), 1.0f);
       EXPECT_NEAR(lines.plane("color.b").at(x, y), 0.537, 0.003);  // 0.25 as sRGB
     }
-  EXPECT_EQ(least, 0.0);
-  EXPECT_GT(most, 0.9);
+  EXPECT_EQ(min, 0.0);
+  EXPECT_GT(max, 0.9);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What the program refuses, and what it says then.
+// Tests of invalid input to the program, and of its error messages.
 #include <gtest/gtest.h>
 
 #include "cli_support.h"
@@ -46,7 +46,7 @@ TEST_F(CliRefusals, RefusesModelsThatAreNone) {
 }
 
 TEST_F(CliRefusals, RefusesModelsThatAreCutShort) {
-  // Files that say they hold 1000 triangles and end before.
+  // Files whose headers promise 1000 triangles, but which end earlier.
   const std::string stl = std::string(80, ' ') + std::string("\xe8\x03\0\0", 4) + std::string(120, '\1');
   write("cut.stl", stl);
   write("cut.ply",
@@ -87,7 +87,7 @@ TEST_F(CliRefusals, RefusesPlacesToWrite) {
   }
 }
 
-TEST_F(CliRefusals, RefusesPlacesBeyondReach) {
+TEST_F(CliRefusals, RefusesValuesOutOfRange) {
   bad_option("--camera-position 1e19,0,0", {"--camera-position", "'1e19,0,0'", "1e+15"});
   bad_option("--camera-focal-point 0,1e30,0", {"--camera-focal-point", "1e+15"});
   bad_option("--ao-radius 0", {"--ao-radius", "'0'"});
@@ -121,7 +121,7 @@ TEST_F(CliRefusals, RefusesNamesThatDoNotExist) {
   bad_option("--passes xyzzy", {"'xyzzy'", "there are", "normal"});
   good("tri.obj -o half.exr --look bleeding --ao-scale half --passes ao,indirect" + kSmall);
   bad_option("--look bleeding --ao-scale half --passes denoise_ao", {"'bleeding'", "'denoise_ao'"});
-  // What other looks write.
+  // Passes of other looks.
   bad_option("--look bleeding --passes outline", {"'bleeding'", "'outline'", "the look cartoon does"});
   bad_option("--look bleeding --passes zzz", {"'zzz'", "there are", "indirect"});
   bad_option("--set unshar.kernel=4", {"'unshar'", "did you mean 'unsharp'"});
@@ -167,7 +167,7 @@ TEST_F(CliRefusals, RefusesValues) {
   bad_option("--verbose=perhaps", {"--verbose", "'perhaps'"});
   bad_option("--passes all", {"--passes all", ".exr"});
   bad_option("--passes depth,normal", {"depth,normal", ".exr"});
-  // Only the model tells of these: all the same nothing is drawn.
+  // Only the model shows that these passes do not exist. Nothing is drawn all the same.
   const std::string none = "there is no pass ";
   for (const char* way : {"", " --turntable 2", " --memory 1M", " --anti-aliasing 4"}) {
     bad_option("--passes emission" + std::string(way), {none + "'emission'", "leave it out of --passes"});
@@ -185,7 +185,7 @@ TEST_F(CliRefusals, RefusesValues) {
   bad_option("--camera-position 1,2,3 --camera-focal-point 0,0,0 --camera-direction 1,0,0",
              {"--camera-position", "--camera-focal-point and --camera-direction both"});
   bad_option("--look= studio", {"--look needs a value after its '='"});
-  bad_option("--set toon.bands=2.5", {"toon.bands", "'2.5'", "a whole number from"});
+  bad_option("--set toon.steps=2.5", {"toon.steps", "'2.5'", "a whole number from"});
   bad("tri.obj -o out.bmp", 2, {"'out.bmp'", ".png, .exr or .pfm"});
   bad_option("--camera-zoom-factor 0", {"--camera-zoom-factor", "'0'"});
   bad_option("--camera-azimuth-angle x", {"--camera-azimuth-angle", "'x'"});
@@ -195,7 +195,7 @@ TEST_F(CliRefusals, RefusesValues) {
                {"--background-color", fmt::format("'{}'", text), "three numbers from 0 to 1"});
 }
 
-TEST_F(CliRefusals, RefusesWhatIsMissingOrTooMuch) {
+TEST_F(CliRefusals, RefusesMissingAndExtraArguments) {
   bad("", 2, {"name a model", "umbrage --help"});
   bad("render", 2, {"required", "umbrage render --help"});
   bad("-o out.png", 2, {"MODEL", "required"});

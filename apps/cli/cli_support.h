@@ -1,4 +1,4 @@
-// The program's tests: small pictures, and what they show.
+// Shared by the tests of the program: small pictures and checks of their content.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,7 @@ namespace umbrage::test {
 inline const std::string kSmall = " --resolution 64x64";
 inline const std::string kSolids = "scene:solids?detail=2000";
 
-/// That pictures show depth, near light and far dark, and the normal.
+/// Expects `depth_picture` to show depth (near is light, far is dark) and `normal_picture` to show the normal.
 inline void expect_pictures_of(const Plane& depth, const Plane& normal_y, const Image& depth_picture,
                                const Image& normal_picture) {
   float nearest = 1e9f, farthest = 0.0f, light = 0.0f, dark = 1.0f;

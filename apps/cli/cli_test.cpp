@@ -1,4 +1,4 @@
-// The program as people run it: what it writes, what it prints, what it lists.
+// Tests of the program: the files it writes, its output and its lists.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -22,9 +22,9 @@ using test::Words;
 
 class Cli : public test::ProgramTest {};
 
-// ---- what it draws
+// ---- Rendering
 
-TEST_F(Cli, SaysWhoItIs) {
+TEST_F(Cli, PrintsHelpAndVersion) {
   for (const char* line : {"--help", "-h", "render --help", "list --help", "bench --help", "figures --help"}) {
     const Outcome help = good(line);
     EXPECT_NE(help.out.find("Usage: umbrage"), std::string::npos) << line << ": " << help.out;
@@ -44,11 +44,11 @@ TEST_F(Cli, DrawsABuiltInSceneInEveryFormat) {
     ASSERT_EQ(picture.width, 64);
     ASSERT_EQ(picture.height, 64);
     const Plane& grey = picture.plane("color.r");
-    float least = 1.0f, most = 0.0f;
+    float min = 1.0f, max = 0.0f;
     for (int y = 0; y < 64; ++y)
-      for (int x = 0; x < 64; ++x) least = std::min(least, grey.at(x, y)), most = std::max(most, grey.at(x, y));
-    EXPECT_LT(least, 0.8f) << name << ": nothing is occluded";
-    EXPECT_GT(most, 0.95f) << name << ": nothing is open";
+      for (int x = 0; x < 64; ++x) min = std::min(min, grey.at(x, y)), max = std::max(max, grey.at(x, y));
+    EXPECT_LT(min, 0.8f) << name << ": nothing is occluded";
+    EXPECT_GT(max, 0.95f) << name << ": nothing is open";
   }
 }
 
@@ -101,7 +101,7 @@ TEST_F(Cli, TheEnvironmentNamesDeviceThreadsAndVerbosity) {
   const std::string line = "tri.obj -o out.png" + kSmall;
   EXPECT_NE(run(line, "UMBRAGE_NUM_THREADS=1 UMBRAGE_VERBOSE=1").err.find("1 threads"), std::string::npos);
   EXPECT_NE(run(line + " --verbose", "UMBRAGE_NUM_THREADS=1").err.find("1 threads"), std::string::npos);
-  // What is said on the command line counts.
+  // The command line takes precedence.
   good(line + " --device cpu", "UMBRAGE_DEVICE=nonsense");
   good(line + " --threads 1", "UMBRAGE_NUM_THREADS=nonsense");
   fs::remove(folder_ / "out.png");
@@ -119,7 +119,7 @@ TEST_F(Cli, PassesArePlanes) {
   const Image two = image("two.exr");
   EXPECT_EQ(std::set<std::string>(two.names.begin(), two.names.end()),
             (std::set<std::string>{"depth", "normal.x", "normal.y", "normal.z"}));
-  EXPECT_EQ(test::difference(two.plane("depth"), all.plane("depth"), 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(two.plane("depth"), all.plane("depth"), 0.0).max, 0.0);
   EXPECT_TRUE(*read_camera(folder_ / "two.exr")) << "the camera is missing";
 }
 
@@ -157,7 +157,7 @@ TEST_F(Cli, JsonTellsTheTimeOfEachStage) {
     EXPECT_TRUE(stages.count(stage)) << stage;
 }
 
-TEST_F(Cli, BackgroundIsAsAsked) {
+TEST_F(Cli, BackgroundOptionsApply) {
   good("tri.obj -o color.exr --background-color 0.25,0.5,0.75" + kSmall);
   EXPECT_EQ(image("color.exr").plane("color.r").at(0, 0), 0.25f);
   EXPECT_EQ(image("color.exr").plane("color.b").at(0, 0), 0.75f);
@@ -198,7 +198,7 @@ TEST_F(Cli, OptionsChangeThePicture) {
   }
   good(line + "none.exr --ao none");
   const Image none = image("none.exr");
-  EXPECT_EQ(test::difference(none.plane("ao"), Plane(64, 64, 1.0f), 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(none.plane("ao"), Plane(64, 64, 1.0f), 0.0).max, 0.0);
 }
 
 TEST_F(Cli, BitsAndHalfAreWritten) {
@@ -209,7 +209,7 @@ TEST_F(Cli, BitsAndHalfAreWritten) {
   const Image exact = image("float.exr"), eight = image("eight.png"), sixteen = image("sixteen.png"),
               half = image("half.exr");
   const auto off = [&](const Image& other) {
-    return test::difference(exact.plane("color.r"), other.plane("color.r"), 0.0).most;
+    return test::difference(exact.plane("color.r"), other.plane("color.r"), 0.0).max;
   };
   EXPECT_LE(off(eight), 0.5 / 255 + 1e-6);
   EXPECT_GT(off(eight), 1e-3);
@@ -243,7 +243,7 @@ TEST_F(Cli, MissingTexturesAreAWarning) {
   EXPECT_EQ(outcome.err.rfind("umbrage: warning: ", 0), 0u) << outcome.err;
   EXPECT_NE(outcome.err.find("nothere.png"), std::string::npos) << outcome.err;
   EXPECT_EQ(image("out.png").width, 64);
-  // A material library that is missing, too.
+  // A missing material library is a warning too.
   write("lib.obj", "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl skin\nf 1 2 3\n");
   const Outcome library = run("lib.obj -o out.png" + kSmall);
   EXPECT_EQ(library.code, 0);
@@ -284,7 +284,7 @@ TEST_F(Cli, BenchTimesEffects) {
   }
   EXPECT_TRUE(timed.count("capture"));
   for (const Effect* effect : effects()) EXPECT_TRUE(timed.count(std::string(effect->name))) << effect->name;
-  // At reduced resolution techniques and filters alone.
+  // At reduced resolution only techniques and filters run.
   const auto half = nlohmann::json::parse(good("bench tri.obj --resolution 32,16 --runs 1 --json --ao-scale half").out,
                                           nullptr, false);
   std::set<std::string> timed_half;
@@ -314,7 +314,7 @@ TEST_F(Cli, FiguresRefuseWhatTheyCannotDo) {
   bad("figures extra", 2, {"'extra'", "too many"});
 }
 
-// ---- what it lists
+// ---- Lists
 
 TEST_F(Cli, ListsWhatThereIs) {
   Words looks_there, effects_there, scenes_there, formats_there = {".png", ".exr", ".pfm"};

@@ -1,4 +1,4 @@
-// The commands: each adds itself to the command line, and runs when it was named.
+// The commands of the program. Each one registers itself with the command line and runs if the user names it.
 #pragma once
 #include <functional>
 
@@ -10,10 +10,10 @@ class App;
 
 namespace umbrage::cli {
 
-/// The command line as one would type it again, quoted for a shell.
+/// The command line as the user typed it, quoted for a shell.
 extern std::string command_line;
 
-/// Adds a command and sets `run` to what it does if it is the one that was named.
+/// Adds a command to `app`. Parsing sets `run` to the action of the command that the user names.
 using AddCommand = void (*)(CLI::App& app, std::function<Result<void>()>& run);
 
 void add_render(CLI::App& app, std::function<Result<void>()>& run);

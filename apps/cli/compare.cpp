@@ -1,4 +1,4 @@
-// umbrage compare: each technique against ray-traced truth: numbers, error maps, an HTML page.
+// umbrage compare: measures each technique against ray-traced ground truth; writes scores and an HTML page.
 #include "apps/compare/compare.h"
 
 #include <CLI/CLI.hpp>
@@ -24,18 +24,18 @@ struct CompareOptions : MeasureOptions {
   std::vector<std::string> sizes = {"960,540", "480,270"};
 };
 
-/// A setting as a column of the table holds it.
+/// Shortens a setting to the width of its table column.
 std::string shown_setting(const std::string& setting) {
   constexpr std::size_t kMaxWidth = 27;
-  if (setting.empty()) return "(as the look has it)";
+  if (setting.empty()) return "(look defaults)";
   return setting.size() <= kMaxWidth ? setting : setting.substr(0, kMaxWidth - 2) + "..";
 }
 
-/// One line per technique and setting: means over all pictures of one size.
+/// Prints one line per technique and setting: means over all pictures of one size.
 void print_table(const Comparison& comparison, Quantity quantity, std::pair<int, int> size) {
   fmt::print("{}, {}x{}, means over all scenes and cameras{}\n{:<11} {:<27} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7}\n",
              kQuantityNames[int(quantity)], size.first, size.second,
-             quantity == Quantity::kLight ? "; rmse, bias and p99 as shares of the mean light" : "", "technique",
+             quantity == Quantity::kLight ? "; rmse, bias and p99 as fractions of the mean light" : "", "technique",
              "setting", "ms", "rmse", "bias", "ssim", "p99", "flip");
   std::vector<std::pair<std::string, std::string>> shown;
   for (const Score& first : comparison.scores) {
@@ -107,26 +107,27 @@ Result<void> run_compare(const CompareOptions& o) {
   line.wipe();
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) return file_error("'{}': the report's folder cannot be made: {}", folder.string(), error.message());
+  if (error) return file_error("'{}': the report's folder cannot be created: {}", folder.string(), error.message());
   if (auto written = write_text(folder / "scores.json", scores_text(scores)); !written) return written;
   if (auto written = write_text(folder / "index.html", *page); !written) return written;
 
   for (const Quantity quantity : {Quantity::kOcclusion, Quantity::kLight})
     if (quantity == Quantity::kOcclusion || o.light)
       for (const auto& size : settings.sizes) print_table(*comparison, quantity, size);
-  fmt::print("truth: mean {:.4f} over all surfaces, {} rays a pixel within {}, standard error of a pixel {:.4f}\n",
-             comparison->mean, comparison->terms.samples, comparison->terms.radius, comparison->noise);
+  fmt::print(
+      "ground truth: mean {:.4f} over all surfaces, {} rays per pixel within {}, standard error of a pixel {:.4f}\n",
+      comparison->mean, comparison->terms.samples, comparison->terms.radius, comparison->noise);
   if (o.light)
-    fmt::print("truth of light: one bounce from within {}, standard error of a pixel {:.4f} of the mean light\n",
+    fmt::print("ground truth of light: one bounce within {}, standard error of a pixel {:.4f} of the mean light\n",
                comparison->terms.radius, comparison->light_noise);
-  fmt::print("{} shows it all; the numbers are in {}\n", (folder / "index.html").string(),
+  fmt::print("the report is {}; the numbers are in {}\n", (folder / "index.html").string(),
              (folder / "scores.json").string());
   if (o.baseline.empty()) return {};
   const auto check = check_baseline(baseline, scores, o.baseline);
   if (!check) return check.error();
   for (const std::string& sentence : check->worse) fmt::print(stderr, "worse: {}\n", sentence);
   if (check->missing > 0)
-    fmt::print(stderr, "umbrage: warning: {} scores of {} were not measured this time\n", check->missing, o.baseline);
+    fmt::print(stderr, "umbrage: warning: {} scores of {} were not measured in this run\n", check->missing, o.baseline);
   if (!check->worse.empty())
     return Error{ErrorKind::kInternal, fmt::format("{} scores got worse than in {}", check->worse.size(), o.baseline)};
   fmt::print("no score is worse than in {}: {} records compared\n", o.baseline, check->compared);
@@ -136,23 +137,24 @@ Result<void> run_compare(const CompareOptions& o) {
 }  // namespace
 
 void add_compare(CLI::App& app, std::function<Result<void>()>& run) {
-  const auto [command, options] =
-      add_model_command(app, run, "compare", "measure each technique against ray-traced truth", kCompare, run_compare);
+  const auto [command, options] = add_model_command(
+      app, run, "compare", "measure each technique against ray-traced ground truth", kCompare, run_compare);
   const auto comparison = "Comparison";
   command->add_option("--ao", options->techniques, "techniques, such as unsharp,reference, or all [all]")
       ->group(comparison);
   command
-      ->add_flag("--light", options->light, "compare the light that techniques gather too, with the reference's bounce")
+      ->add_flag("--light", options->light,
+                 "also compare the indirect light of techniques, with the bounce of the reference")
       ->group(comparison);
   add_one(*command, *options, "occlusion_scale", comparison,
           "resolution at which techniques run: full, half or quarter", "full");
-  command->add_option("--filter", options->filter, "an effect that smooths what each technique made, such as denoise")
+  command->add_option("--filter", options->filter, "effect that filters the result of each technique, such as denoise")
       ->group(comparison);
   command->add_option("-o,--output", options->output, "folder for index.html and scores.json [report]")
       ->group(comparison);
   add_sizes(*command, options->sizes, "960,540 and 480,270")->group(comparison);
   add_measure_options(*command, *options, comparison);
-  command->add_option("--baseline", options->baseline, "an earlier scores.json: fail where a score is worse than there")
+  command->add_option("--baseline", options->baseline, "an earlier scores.json: fail if a score is worse than in it")
       ->group(comparison);
   add_group(*command, *options, kCompare, "Technique");
   add_device_options(*command, *options, kCompare);

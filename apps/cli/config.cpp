@@ -24,23 +24,23 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(0, text.find_last_not_of(kBlank) + 1);
 }
 
-/// Whether what follows the end of something, less the blanks around it, says nothing.
+/// Returns whether trimmed text is empty or a comment.
 bool is_comment(std::string_view rest) { return rest.empty() || rest[0] == '#'; }
 
-/// What stands behind `=`: without a comment, and without the quotation marks around it. Errors: kUsage, still without
-/// the line.
+/// Returns the value after `=`, without a comment and enclosing quotation marks. Errors: kUsage; the caller adds the
+/// line number.
 Result<std::string> value_of(std::string_view text) {
   text = trimmed(text);
   if (!text.empty() && (text[0] == '"' || text[0] == '\''))
     if (const auto end = text.find(text[0], 1); end != std::string_view::npos) {
       const std::string_view rest = trimmed(text.substr(end + 1));
       if (is_comment(rest)) return std::string(text.substr(1, end - 1));
-      return usage_error("'{}' follows {}, where only a comment may stand", rest, text.substr(0, end + 1));
+      return usage_error("'{}' follows {}; only a comment may follow", rest, text.substr(0, end + 1));
     }
   return std::string(trimmed(text.substr(0, text.find(" #"))));
 }
 
-/// The last value of --config on a command line.
+/// Returns the last value of --config on a command line.
 std::optional<std::string> named_file(const std::vector<std::string>& words) {
   std::optional<std::string> named;
   const std::string start = std::string(kOption) + "=";
@@ -51,14 +51,14 @@ std::optional<std::string> named_file(const std::vector<std::string>& words) {
   return named;
 }
 
-fs::path usual_file() {
+fs::path default_file() {
   if (const char* folder = std::getenv("XDG_CONFIG_HOME"); folder && *folder)
     return fs::path(folder) / "umbrage/config";
   if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".config/umbrage/config";
   return {};
 }
 
-/// Whether the user has given the option in one of its spellings.
+/// Returns whether the command line has the option in one of its spellings.
 bool is_given(const CLI::Option& option, const std::vector<std::string>& words) {
   return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
     for (const std::string& name : option.get_lnames())
@@ -69,7 +69,7 @@ bool is_given(const CLI::Option& option, const std::vector<std::string>& words) 
   });
 }
 
-/// What is wrong with a value, as far as can be said without the others. Errors: kUsage.
+/// Checks the value of one option, independently of other options. Errors: kUsage.
 Result<void> check_value(CLI::Option& option, std::string value) {
   if (option.get_type_name().empty()) {  // a flag
     try {
@@ -82,7 +82,7 @@ Result<void> check_value(CLI::Option& option, std::string value) {
   try {
     const std::string wrong = (*option.get_validator())(value);
     return wrong.empty() ? Result<void>() : Error{ErrorKind::kUsage, wrong};
-  } catch (const CLI::OptionNotFound&) {  // there is none: it takes any text
+  } catch (const CLI::OptionNotFound&) {  // no validator: any text is valid
     return {};
   }
 }
@@ -94,7 +94,7 @@ void add_config_option(CLI::App& command) {
   static std::string ignored;
   command
       .add_option(kOption, ignored,
-                  "file of options, or none [umbrage/config in XDG_CONFIG_HOME or ~/.config, if it is there]")
+                  "configuration file, or none [umbrage/config in XDG_CONFIG_HOME or ~/.config, if it exists]")
       ->group("Configuration");
 }
 
@@ -106,7 +106,7 @@ Result<std::vector<std::string>> with_config(CLI::App& app, std::vector<std::str
   if (!command || !command->get_option_no_throw(kOption)) return words;
   const auto named = named_file(words);
   if (named && *named == kNone) return words;
-  const fs::path file = named ? fs::path(*named) : usual_file();
+  const fs::path file = named ? fs::path(*named) : default_file();
   std::error_code ignored;
   if (!named && (file.empty() || !fs::is_regular_file(file, ignored))) return words;
   std::ifstream stream(file);
@@ -114,7 +114,7 @@ Result<std::vector<std::string>> with_config(CLI::App& app, std::vector<std::str
     return file_error("'{}' cannot be read as a configuration", file.string());
 
   std::vector<std::string> added;
-  std::map<std::string, std::string> heading_of;  // of what was added, by option
+  std::map<std::string, std::string> heading_of;  // heading of each added option, by option name
   std::string section, line;
   for (int number = 1; std::getline(stream, line); ++number) {
     const std::string_view text = trimmed(line);
@@ -131,19 +131,18 @@ Result<std::vector<std::string>> with_config(CLI::App& app, std::vector<std::str
       if (end == text.size() || std::find(names.begin(), names.end(), section) == names.end())
         return wrong(fmt::format("there is no command '{}'{}", section, suggestion(section, names)));
       const std::string_view rest = trimmed(text.substr(end + 1));
-      if (!is_comment(rest))
-        return wrong(fmt::format("'{}' follows [{}], where only a comment may stand", rest, section));
+      if (!is_comment(rest)) return wrong(fmt::format("'{}' follows [{}]; only a comment may follow", rest, section));
       continue;
     }
     const std::size_t equals = text.find('=');
     std::string name(trimmed(text.substr(0, equals)));
-    if (equals == std::string_view::npos || name.empty()) return wrong("it takes option = value");
+    if (equals == std::string_view::npos || name.empty()) return wrong("a line must have the form option = value");
     if (name.starts_with("--")) name.erase(0, 2);
     const auto given = value_of(text.substr(equals + 1));
     if (!given) return wrong(given.error().message);
     const std::string& value = *given;
     if (value.empty()) return wrong(fmt::format("{} needs a value after its '='", name));
-    // Known to this command, or at least to the one it is for.
+    // The name must be an option of the section's command or, before the first heading, of any command.
     bool known = false;
     std::vector<std::string> names;
     for (const CLI::App* each : app.get_subcommands([](const CLI::App*) { return true; })) {
@@ -160,11 +159,12 @@ Result<std::vector<std::string>> with_config(CLI::App& app, std::vector<std::str
     CLI::Option* option = command->get_option_no_throw("--" + name);
     if (!option) continue;
     const bool several = option->get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
-    const bool adds_up = name == option_of("settings").option;  // everywhere, since each value is of another parameter
+    // Values of --set add up across headings and the command line, since each sets another parameter.
+    const bool adds_up = name == option_of("settings").option;
     const char* variable = option->get_envname().empty() ? nullptr : std::getenv(option->get_envname().c_str());
     if ((is_given(*option, words) && !adds_up) || (variable && *variable)) continue;
     if (const auto fine = check_value(*option, value); !fine) return wrong(fine.error().message);
-    // A later line goes before an earlier one, unless both are values of one option under one heading.
+    // A later line overrides an earlier one, unless both are values of a repeatable option under the same heading.
     const auto [earlier, first] = heading_of.emplace(name, section);
     if (!first && !adds_up && !(several && earlier->second == section))
       std::erase_if(added, [&](const std::string& word) { return word.starts_with("--" + name + "="); });

@@ -1,4 +1,4 @@
-// umbrage figures: the papers' figures and tables, with the numbers that they must show.
+// umbrage figures: reproduces the figures and tables of the papers and checks numbers measured from them.
 #include "apps/figures/figures.h"
 
 #include <CLI/CLI.hpp>
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 struct FiguresOptions : CommonOptions {
   std::string paper = "unsharp", output = "figures", bunny = kBunnyFile;
-  int size = 0;  // pixels; 0: the paper's own
+  int size = 0;  // side in pixels; 0: that of the paper
   int runs = 5;
 };
 
@@ -26,8 +26,8 @@ using Progress = std::function<void(const std::string&)>;
 
 struct Paper {
   std::string_view name, title;
-  int size;         // pixels: the paper's own
-  bool with_bunny;  // needs the file that --bunny names
+  int size;         // side in pixels in the paper
+  bool with_bunny;  // whether the figures need the file of --bunny
   Result<std::vector<Figure>> (*figures)(Device&, const FiguresOptions&, const Progress&);
   Result<std::vector<FigureTable>> (*tables)(Device&, const FiguresOptions&, const Progress&);
 };
@@ -65,8 +65,8 @@ std::string report_of(const Paper& paper, const std::vector<Figure>& figures, co
       text += fmt::format("* [{}]({}): `{}`\n", picture.caption, picture.file, picture.command);
     text += "\n| number | value | bound | holds |\n| --- | --- | --- | --- |\n";
     for (const FigureNumber& number : figure.numbers) {
-      const std::string bound = number.most > 1e29 ? fmt::format("at least {:g}", number.least)
-                                                   : fmt::format("{:g} to {:g}", number.least, number.most);
+      const std::string bound = number.max > 1e29 ? fmt::format("at least {:g}", number.min)
+                                                  : fmt::format("{:g} to {:g}", number.min, number.max);
       text +=
           fmt::format("| {} | {:.4g} | {} | {} |\n", number.what, number.value, bound, number.holds() ? "yes" : "no");
     }
@@ -95,7 +95,7 @@ Result<void> make_figures(const FiguresOptions& asked) {
   auto device = device_of(o);
   if (!device) return device.error();
   if (paper->with_bunny && !fs::exists(o.bunny))
-    return file_error("'{}': the bunny of figure 3 is missing; install glmark2-data or name it with --bunny", o.bunny);
+    return file_error("'{}': the Stanford bunny is missing; install glmark2-data or name it with --bunny", o.bunny);
   const fs::path folder(o.output);
   if (auto writable = check_folder(folder, {"contact-sheet.png", "numbers.json", "index.md"}); !writable)
     return writable;
@@ -109,7 +109,7 @@ Result<void> make_figures(const FiguresOptions& asked) {
   line.wipe();
   std::error_code error;
   fs::create_directories(folder, error);
-  if (!fs::is_directory(folder)) return file_error("'{}': the folder cannot be made", o.output);
+  if (!fs::is_directory(folder)) return file_error("'{}': the folder cannot be created", o.output);
 
   nlohmann::json records = nlohmann::json::array();
   int missed = 0;
@@ -140,21 +140,21 @@ Result<void> make_figures(const FiguresOptions& asked) {
     return written;
   fmt::print("{} pictures, contact-sheet.png and index.md are in {}\n", picture_count, o.output);
   if (missed > 0)
-    return Error{ErrorKind::kInternal,
-                 fmt::format("{} of {} numbers are not what the paper shows", missed, records.size())};
+    return Error{ErrorKind::kInternal, fmt::format("{} of {} numbers are out of bounds", missed, records.size())};
   return {};
 }
 
 }  // namespace
 
 void add_figures(CLI::App& app, std::function<Result<void>()>& run) {
-  CLI::App* command = app.add_subcommand("figures", "make the figures and tables of a paper");
+  CLI::App* command = app.add_subcommand("figures", "reproduce the figures and tables of a paper");
   auto options = std::make_shared<FiguresOptions>();
   command->add_option("--paper", options->paper, "unsharp, cartoon or bleeding [unsharp]");
   command->add_option("-o,--output", options->output, "folder to write to [figures]");
-  add_number(*command, "--size", options->size, {128, 4096, NumberKind::kWhole}, "side of the pictures in pixels",
+  add_number(*command, "--size", options->size, {128, 4096, NumberKind::kInteger}, "side of the pictures in pixels",
              "the paper's: unsharp 1024, cartoon 512, bleeding 768");
-  add_number(*command, "--runs", options->runs, {1, 1000, NumberKind::kWhole}, "runs behind each time in the tables");
+  add_number(*command, "--runs", options->runs, {1, 1000, NumberKind::kInteger},
+             "runs per measured time in the tables");
   command->add_option("--bunny", options->bunny, "the Stanford bunny, for unsharp [Debian's glmark2-data]");
   add_device_options(*command, *options, kFigures);
   command->callback([options, &run] { run = with_options(options, make_figures); });

@@ -9,7 +9,8 @@ std::string FrameNames::of(int frame) const { return fmt::format("{}{:0{}}{}", b
 
 Result<FrameNames> frame_names(const std::string& output) {
   const auto wrong = [&] {
-    return usage_error("--output cannot be '{}': the number of a frame is one %04d, a sign of its own is %%", output);
+    return usage_error("--output cannot be '{}': it takes one frame number, such as %04d; write %% for a percent sign",
+                       output);
   };
   FrameNames names;
   bool numbered = false;
@@ -33,11 +34,11 @@ Result<FrameNames> frame_names(const std::string& output) {
     at = end;
   }
   if (numbered) return names;
-  constexpr int kUsualDigits = 4;
+  constexpr int kDefaultDigits = 4;
   const std::filesystem::path plain(names.before);
   names.after = plain.extension().string();
   names.before = names.before.substr(0, names.before.size() - names.after.size()) + "_";
-  names.digits = kUsualDigits;
+  names.digits = kDefaultDigits;
   return names;
 }
 

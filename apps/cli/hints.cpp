@@ -7,7 +7,7 @@ namespace umbrage::cli {
 
 void Seen::add(const Plane& depth, const Plane* ao) {
   has_ao = ao != nullptr;
-  constexpr float kVisible = 1.0f / 255.0f;  // of an 8-bit picture
+  constexpr float kVisible = 1.0f / 255.0f;  // one step of an 8-bit picture
   for (int y = 0; y < depth.height; ++y)
     for (int x = 0; x < depth.width; ++x) {
       if (!std::isfinite(depth.at(x, y))) continue;
@@ -16,7 +16,7 @@ void Seen::add(const Plane& depth, const Plane* ao) {
     }
 }
 
-std::vector<std::string> seen_planes(const Recipe& recipe) {
+std::vector<std::string> hint_planes(const Recipe& recipe) {
   std::vector<std::string> planes = {"depth"};
   if (recipe.radius && recipe.occlusion != kNoOcclusion && recipe.wants("ao")) planes.emplace_back("ao");
   return planes;
@@ -24,16 +24,16 @@ std::vector<std::string> seen_planes(const Recipe& recipe) {
 
 namespace {
 
-/// A sentence where the radius that the user chose leaves hardly any occlusion; else nothing.
+/// Returns a hint if the radius set by the user leaves hardly any occlusion; else an empty string.
 std::string radius_hint(const Recipe& recipe, const Seen& seen, float scene_radius) {
-  constexpr double kHardlyAny = 1e-3;              // of the pixels that show a surface
-  constexpr double kTooSmall = 0.5, kUsual = 5.0;  // percent of the scene's radius
+  constexpr double kMinChangedFraction = 1e-3;     // fraction of the pixels that show a surface
+  constexpr double kTooSmall = 0.5, kUsual = 5.0;  // percent of the bounding-sphere radius
   const auto& length = recipe.radius;
   if (!length || recipe.occlusion == kNoOcclusion || !seen.has_ao) return "";
   const double percent =
       length->relative ? double(length->value) : 100.0 * double(length->value) / double(scene_radius);
   const double pixels = double(seen.surfaces), changed = double(seen.changed);
-  if (seen.surfaces == 0 || percent >= kTooSmall || changed > kHardlyAny * pixels) return "";
+  if (seen.surfaces == 0 || percent >= kTooSmall || changed > kMinChangedFraction * pixels) return "";
   return fmt::format(
       "occlusion changes {:.2g} % of the model's pixels: its radius is {:.2g} % of the scene's; try --ao-radius {:g}%",
       100.0 * changed / pixels, percent, kUsual);
@@ -43,7 +43,7 @@ std::string radius_hint(const Recipe& recipe, const Seen& seen, float scene_radi
 
 void print_hints(const Recipe& recipe, const Seen& seen, const Scene& scene) {
   if (seen.surfaces == 0)
-    fmt::print(stderr, "umbrage: warning: nothing of {} is in view; move the camera or leave it to be placed\n",
+    fmt::print(stderr, "umbrage: warning: nothing of {} is in view; move the camera or omit the camera options\n",
                scene.name);
   if (const std::string hint = radius_hint(recipe, seen, scene.radius()); !hint.empty())
     fmt::print(stderr, "umbrage: warning: {}\n", hint);

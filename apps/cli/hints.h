@@ -1,4 +1,4 @@
-// Hints on standard error: what is odd about a picture.
+// Hints on standard error about a picture that is probably not what the user intends.
 #pragma once
 #include <string>
 #include <vector>
@@ -8,19 +8,20 @@
 
 namespace umbrage::cli {
 
-/// What is seen in a picture, for hints.
+/// Statistics of a picture, for hints.
 struct Seen {
-  long surfaces = 0;  ///< pixels that show one
+  long surfaces = 0;  ///< pixels that show a surface
   bool has_ao = false;
-  long changed = 0;  ///< that occlusion changes, where it is known
+  long changed = 0;  ///< surface pixels that occlusion changes visibly; 0 without `ao`
 
+  /// Adds the pixels of a picture or of some of its rows. `ao` may be null.
   void add(const Plane& depth, const Plane* ao);
 };
 
-/// The planes that tell it; occlusion only where it is asked for.
-std::vector<std::string> seen_planes(const Recipe& recipe);
+/// Returns the planes that the statistics need: depth, and ao if the user set its radius and the picture has occlusion.
+std::vector<std::string> hint_planes(const Recipe& recipe);
 
-/// Says on standard error what is odd about a picture.
+/// Prints hints about a picture to standard error.
 void print_hints(const Recipe& recipe, const Seen& seen, const Scene& scene);
 
 }  // namespace umbrage::cli

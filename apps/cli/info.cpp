@@ -1,4 +1,4 @@
-// umbrage info: what a model holds, and how it was understood.
+// umbrage info: prints the content of a model and how it was interpreted.
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
@@ -17,7 +17,7 @@ struct InfoOptions : CommonOptions {
   bool json = false;
 };
 
-/// How many meshes have something.
+/// Returns the number of meshes for which `has` is true.
 template <class Has>
 int count_meshes(const Scene& scene, Has has) {
   int count = 0;
@@ -31,7 +31,8 @@ std::string axis_text(glm::vec3 up) {
   return fmt::format("{:.3g},{:.3g},{:.3g}", up.x, up.y, up.z);
 }
 
-/// Formats that say what a unit is; Assimp turns none of the others' into metres.
+/// Returns the unit of length of formats that define one; else an empty string. Assimp converts no other format to
+/// metres.
 std::string units_of(const std::string& format) {
   if (format == "GLTF" || format == "GLB") return "m";
   return "";
@@ -45,7 +46,8 @@ std::string format_of_model(const std::string& model) {
   return format;
 }
 
-/// Records of `what` (model, mesh, material, texture, scene, camera, light, warning) and its facts.
+/// Returns the JSON records. Each has a kind, `what` (model, mesh, material, texture, scene, camera, light, warning),
+/// and the properties of that kind.
 nlohmann::json records_of(const Scene& scene, const std::string& format) {
   nlohmann::json records = nlohmann::json::array();
   std::set<int> objects;
@@ -123,7 +125,7 @@ nlohmann::json records_of(const Scene& scene, const std::string& format) {
                        {"color_b", light.color.b},
                        {"shadow", light.casts_shadow}});
   for (const std::string& warning : scene.warnings)
-    records.push_back({{"what", "warning"}, {"text", in_options(warning)}});
+    records.push_back({{"what", "warning"}, {"text", with_option_names(warning)}});
   return records;
 }
 
@@ -136,7 +138,7 @@ std::string vector_text(glm::vec3 v) { return fmt::format("{:.4g}, {:.4g}, {:.4g
 void print_line(std::string_view name, const std::string& text) { fmt::print("{:<11}{}\n", name, text); }
 
 void print_text(const Scene& scene, const std::string& format) {
-  constexpr std::size_t kMaxShown = 24;  // of each kind; --json has all
+  constexpr std::size_t kMaxShown = 24;  // max entries of each kind; --json has all
   const auto more = [&](std::size_t count) {
     if (count > kMaxShown) fmt::print("  ... and {} more (--json lists all)\n", count - kMaxShown);
   };
@@ -145,7 +147,7 @@ void print_text(const Scene& scene, const std::string& format) {
   print_line("bounds", fmt::format("{} to {}, radius {:.4g}", vector_text(scene.bounds_min),
                                    vector_text(scene.bounds_max), scene.radius()));
   print_line("up", axis_text(scene.up));
-  print_line("units", units_of(format).empty() ? "not said" : units_of(format));
+  print_line("units", units_of(format).empty() ? "unknown" : units_of(format));
   if (scene.point_count() > 0) {
     const int spheres = count_meshes(scene, [](const Mesh& mesh) { return mesh.spheres; });
     print_line("points", spheres > 0 ? "drawn as spheres" : "drawn as discs");
@@ -186,8 +188,9 @@ void print_text(const Scene& scene, const std::string& format) {
                            vector_text(view.eye), vector_text(view.target), lens));
   }
   more(cameras.size());
-  print_line("lights", scene.lights.empty() ? "none: looks bring their own" : fmt::format("{}", scene.lights.size()));
-  for (const std::string& warning : scene.warnings) print_line("warning", in_options(warning));
+  print_line("lights",
+             scene.lights.empty() ? "none: the lights of the look are used" : fmt::format("{}", scene.lights.size()));
+  for (const std::string& warning : scene.warnings) print_line("warning", with_option_names(warning));
 }
 
 Result<void> info(const InfoOptions& o) {
@@ -211,7 +214,7 @@ Result<void> info(const InfoOptions& o) {
 
 void add_info(CLI::App& app, std::function<Result<void>()>& run) {
   const auto [command, options] =
-      add_model_command(app, run, "info", "say what a model holds and how it was understood", kInfo, info);
+      add_model_command(app, run, "info", "print the content of a model and how it was interpreted", kInfo, info);
   command->add_flag("--json", options->json, "print JSON");
   add_config_option(*command);
 }

@@ -16,7 +16,7 @@ Result<LineFile> line_file_of(const RenderOptions& o, int frames) {
   LineFile lines;
   lines.alone = is_svg(o.output);
   if (lines.alone && !o.svg.empty())
-    return usage_error("--svg '{}' is for lines beside a picture, and --output '{}' has no picture: give one of them",
+    return usage_error("--svg '{}' writes lines beside a picture, and --output '{}' has no picture: give one of them",
                        o.svg, o.output);
   if (lines.alone && o.writes_passes())
     return usage_error("--passes {} needs a file that holds planes, such as .exr, and '{}' holds lines alone",
@@ -49,9 +49,9 @@ Result<void> take_recipe(const RenderOptions& o, const Recipe& recipe, LineFile&
   return {};
 }
 
-void draw_lines_alone(Request& request) {
+void disable_unused_effects(Request& request) {
   request.anti_aliasing = 1;
-  if (!request.occlusion_radius.empty()) return;  // of which a hint may have something to say
+  if (!request.occlusion_radius.empty()) return;  // a hint about the radius needs occlusion
   request.occlusion = kNoOcclusion;
   request.occlusion_scale.clear();
 }

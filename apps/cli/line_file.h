@@ -1,4 +1,4 @@
-// Lines of a picture as an .svg file: -o lines.svg, alone, or --svg lines.svg, beside the picture.
+// The lines of a picture as an .svg file: -o lines.svg (lines alone) or --svg lines.svg (in addition to the picture).
 #pragma once
 #include <string>
 
@@ -9,33 +9,34 @@
 
 namespace umbrage::cli {
 
-/// Where the lines go.
+/// The file that receives the lines, and their style.
 struct LineFile {
-  std::string file;       ///< empty: nowhere
-  bool alone = false;     ///< there is no other file
-  FrameNames names;       ///< of a turntable's frames
-  ParameterBytes params;  ///< of `outline`
+  std::string file;       ///< empty: no lines are written
+  bool alone = false;     ///< no other file is written
+  FrameNames names;       ///< file names of a turntable's frames
+  ParameterBytes params;  ///< parameters of the effect `outline`
   SvgStyle style;
 
   explicit operator bool() const { return !file.empty(); }
 };
 
-/// Lines alone are those of `cartoon`, unless --look was given.
+/// Selects the look `cartoon` if lines alone are written and --look is not given.
 void choose_line_look(RenderOptions& o);
 
-/// Checked before the model is read. `frames`: of a turntable; 0: there is none. Errors: kUsage; kFile for one that
-/// cannot be written.
+/// Returns the line file of the options, checked before the model is read. `frames`: number of frames of a turntable;
+/// 0: no turntable. Errors: kUsage; kFile for a file that cannot be written.
 Result<LineFile> line_file_of(const RenderOptions& o, int frames);
 
-/// The same of what the recipe says. Errors: kUsage where it draws no lines that are curves.
+/// Fills in the parameters and style from the recipe. Errors: kUsage if the recipe draws no lines that can be curves.
 Result<void> take_recipe(const RenderOptions& o, const Recipe& recipe, LineFile& lines);
 
-/// What else a picture has takes no time where lines are all that is written: they do not depend on it.
-void draw_lines_alone(Request& request);
+/// Turns off anti-aliasing and occlusion for lines alone, which do not depend on them. Occlusion stays on if its radius
+/// is given, for the hint about it.
+void disable_unused_effects(Request& request);
 
-/// Traces and writes the lines of a frame, or those that there are of a picture in bands. Errors: kFile; those of
-/// Device::download.
+/// Traces the lines of a frame and writes them. Errors: kFile; those of Device::download.
 Result<void> write_lines(const LineFile& lines, int frame_number, Device& device, const Frame& frame);
+/// Writes lines that are traced already, of a picture drawn in strips. Errors: kFile.
 Result<void> write_lines(const LineFile& lines, const Lines& traced);
 
 }  // namespace umbrage::cli

@@ -1,4 +1,4 @@
-// umbrage list: what there is.
+// umbrage list: lists looks, effects, scenes, devices and formats.
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
@@ -34,8 +34,8 @@ nlohmann::json list_effects() {
     const ParameterBytes initial = initial_parameters(effect->parameters, effect->params_size);
     for (const Parameter& row : effect->parameters)
       records.push_back({{"name", fmt::format("{}.{}", effect->name, row.name)},
-                         {"summary", in_options(fmt::format("{}: {} [{}]", row.help, parameter_range(row),
-                                                            parameter_text(row, initial)))}});
+                         {"summary", with_option_names(fmt::format("{}: {} [{}]", row.help, parameter_range(row),
+                                                                   parameter_text(row, initial)))}});
   }
   return records;
 }
@@ -56,7 +56,7 @@ Result<nlohmann::json> list_devices() {
   nlohmann::json records = nlohmann::json::array({{{"name", "cpu"}, {"summary", summary}}});
   const auto gpus = vulkan_gpus();
   if (!gpus) {
-    records.push_back({{"name", "vulkan"}, {"summary", "not available: " + in_options(gpus.error().message)}});
+    records.push_back({{"name", "vulkan"}, {"summary", "not available: " + with_option_names(gpus.error().message)}});
     return records;
   }
   for (const VulkanGpu& gpu : *gpus) records.push_back({{"name", gpu.name}, {"summary", gpu.summary}});
@@ -103,7 +103,7 @@ Result<void> list(const ListOptions& o) {
 }  // namespace
 
 void add_list(CLI::App& app, std::function<Result<void>()>& run) {
-  CLI::App* command = app.add_subcommand("list", "say what looks, effects, scenes, devices or formats there are");
+  CLI::App* command = app.add_subcommand("list", "list looks, effects, scenes, devices or formats");
   auto options = std::make_shared<ListOptions>();
   command->add_option("WHAT", options->what, "looks, effects, scenes, devices or formats")->required();
   command->add_flag("--json", options->json, "print JSON");

@@ -1,4 +1,4 @@
-// umbrage: the command line.
+// The program umbrage: parses the command line, runs a command and reports errors.
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::string_view kDashes = "--";
 
-/// Every option of a command, without its dashes, for suggestions.
+/// Returns the long option names of a command, without dashes, for suggestions.
 std::vector<std::string> option_names(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::Option* option : app.get_options())
@@ -31,7 +31,7 @@ Error unknown_option(const CLI::App& app, std::string word) {
   if (const std::size_t equals = word.find('='); equals != std::string::npos) word.resize(equals);
   if (!word.starts_with('-')) return usage_error("'{}' is one word too many", word);
   const auto names = option_names(*command);
-  // Dashes are alike in all of them: they make no two names alike.
+  // Compare names without dashes, which would make all long names similar.
   const bool is_long = word.starts_with(kDashes);
   std::string hint = suggestion(is_long ? word.substr(kDashes.size()) : word, names);
   if (!hint.starts_with(" (did"))
@@ -41,7 +41,7 @@ Error unknown_option(const CLI::App& app, std::string word) {
   return usage_error("there is no option '{}'{}", word, hint);
 }
 
-/// What CLI11 has to say of a command line, in our words.
+/// Converts an error of CLI11 to a message of this program.
 Error wrong_words(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
   const std::string help = command == &app ? "umbrage --help" : "umbrage " + command->get_name() + " --help";
@@ -52,10 +52,10 @@ Error wrong_words(const CLI::App& app, const CLI::ParseError& error) {
     if (text.ends_with("missing")) return usage_error("{} needs a value; see {}", option, help);
     if (text.find("At Most") != std::string::npos) return usage_error("{} is given twice; give it once", option);
   }
-  if (dynamic_cast<const CLI::ValidationError*>(&error))  // "--option: ", and what a Check says
+  if (dynamic_cast<const CLI::ValidationError*>(&error))  // "--option: " and the message of a Check
     return Error{ErrorKind::kUsage, text.substr(std::min(text.find(": ") + 2, text.size()))};
   if (dynamic_cast<const CLI::ConversionError*>(&error)) {
-    // "Could not convert: --option = value", of flags: all others are texts
+    // "Could not convert: --option = value": only flags, since all other options are texts.
     const std::size_t start = text.find("--"), equals = text.find(" = ");
     if (start != std::string::npos && equals != std::string::npos && start < equals) {
       return usage_error("{} cannot be '{}': it takes true or false", text.substr(start, equals - start),
@@ -65,7 +65,7 @@ Error wrong_words(const CLI::App& app, const CLI::ParseError& error) {
   return usage_error("{}; see {}", text, help);
 }
 
-/// `umbrage MODEL ...` is short for `umbrage render MODEL ...`.
+/// Inserts the command render if none is named: `umbrage MODEL ...` is short for `umbrage render MODEL ...`.
 std::vector<std::string> with_command(int argc, char** argv, const std::vector<std::string>& commands) {
   std::vector<std::string> words(argv + 1, argv + argc);
   const bool named = !words.empty() && std::find(commands.begin(), commands.end(), words[0]) != commands.end();
@@ -74,7 +74,7 @@ std::vector<std::string> with_command(int argc, char** argv, const std::vector<s
   return words;
 }
 
-/// The first word may be a misspelt command rather than a model.
+/// Returns an error if the first word is a misspelt command rather than a model.
 std::optional<Error> misspelt_command(const std::vector<std::string>& words, const std::vector<std::string>& commands) {
   if (words.size() < 2 || words[0] != "render") return std::nullopt;
   const std::string& word = words[1];
@@ -85,18 +85,18 @@ std::optional<Error> misspelt_command(const std::vector<std::string>& words, con
   return usage_error("there is no command and no file '{}'{}", word, hint);
 }
 
-/// An option that is given without anything in it, which is not the same as left out.
+/// Returns an error if an option has an empty value. An option that is not given is no error.
 std::optional<Error> empty_option(const CLI::App& app) {
   for (const CLI::App* command : app.get_subcommands())
     for (const CLI::Option* option : command->get_options())
       for (const std::string& value : option->results())
-        // Of files there is more to say, where they are read and written.
+        // Empty file names are reported in more detail where files are read and written.
         if (value.empty() && !option->get_positional() && option->get_name() != "--output")
           return usage_error("{} needs a value; see umbrage {} --help", option->get_name(), command->get_name());
   return std::nullopt;
 }
 
-/// `--name=`, which CLI11 would give the next word for a value.
+/// Returns an error for `--name=`, to which CLI11 would assign the next word as value.
 std::optional<Error> option_without_value(const std::vector<std::string>& words) {
   for (const std::string& word : words)
     if (word.starts_with(kDashes) && word.size() > kDashes.size() + 1 && word.find('=') == word.size() - 1)
@@ -104,7 +104,7 @@ std::optional<Error> option_without_value(const std::vector<std::string>& words)
   return std::nullopt;
 }
 
-/// One word of a command line, in quotes where a shell would take it apart.
+/// Quotes a word of a command line if a shell requires it.
 std::string quoted(const std::string& word) {
   const bool plain = !word.empty() && word.find_first_not_of(
                                           "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
@@ -116,15 +116,15 @@ std::string quoted(const std::string& word) {
 }
 
 int report(const Error& error) {
-  // Not fmt: it throws where standard error is full.
-  std::fputs(("umbrage: " + in_options(error.message) + "\n").c_str(), stderr);
+  // fmt::print would throw if standard error cannot be written.
+  std::fputs(("umbrage: " + with_option_names(error.message) + "\n").c_str(), stderr);
   return int(error.kind);
 }
 
-/// The exit code of a run that has printed all it had to say.
+/// Flushes standard output and returns the exit code of a successful run.
 int printed() {
   if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return 0;
-  return report(file_error("what was to be printed could not be written"));
+  return report(file_error("standard output cannot be written"));
 }
 
 int run(int argc, char** argv) {
@@ -150,7 +150,7 @@ int run(int argc, char** argv) {
   auto configured = with_config(app, std::move(words));
   if (!configured) return report(configured.error());
   words = std::move(*configured);
-  std::reverse(words.begin(), words.end());  // as CLI11 wants them
+  std::reverse(words.begin(), words.end());  // the order that CLI11 expects
   try {
     app.parse(words);
   } catch (const CLI::CallForHelp&) {
@@ -171,7 +171,7 @@ int run(int argc, char** argv) {
   try {
     if (const Result<void> done = command(); !done) return report(done.error());
   } catch (const std::system_error&) {
-    if (!std::ferror(stdout)) throw;  // else fmt::print's
+    if (!std::ferror(stdout)) throw;  // otherwise it is from fmt::print, and printed() reports it
   }
   return printed();
 }
@@ -185,8 +185,8 @@ std::string command_line;
 int main(int argc, char** argv) {
   using namespace umbrage;
   cli::end_on_signals();
-  const auto code = guarded(
-      [] { return cli::command_line + "; try a smaller picture or model, or to render with a smaller --memory"; },
-      [&]() -> Result<int> { return cli::run(argc, argv); });
+  const auto code =
+      guarded([] { return cli::command_line + "; try a smaller picture or model, or a smaller --memory of render"; },
+              [&]() -> Result<int> { return cli::run(argc, argv); });
   return code ? *code : cli::report(code.error());
 }

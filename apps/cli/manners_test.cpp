@@ -1,4 +1,4 @@
-// The program among others: standard input and output, info, configuration, completion, warnings that help.
+// Tests of the program in its environment: standard input and output, info, configuration, completion, warnings.
 #include <nlohmann/json.hpp>
 
 #include "run_program.h"
@@ -12,7 +12,7 @@ using test::Words;
 
 class Manners : public test::ProgramTest {
  protected:
-  /// Runs a line of the shell in the folder, where $UMBRAGE is the program.
+  /// Runs a shell command in the folder; $UMBRAGE is the program.
   Outcome shell(const std::string& line) {
     const fs::path out = root_ / "out", err = root_ / "err";
     const std::string whole = fmt::format("cd {} && export UMBRAGE={} XDG_CONFIG_HOME={} TMPDIR={} && ({}) >{} 2>{}",
@@ -77,7 +77,7 @@ TEST_F(Manners, TellsFormatsByContent) {
     EXPECT_EQ(outcome.out.rfind("stdin", 0), 0u) << outcome.out;
     EXPECT_NE(outcome.out.find(": " + format + ", "), std::string::npos) << outcome.out;
   }
-  // Of these no more than the beginning: their readers say what they take it for.
+  // Only the beginnings of files: the error message shows which reader was chosen.
   const std::pair<std::string, std::string> beginnings[] = {
       {"GLB", std::string("glTF\2\0\0\0", 8)},
       {"GLTF", "{ \"asset\": {} }"},
@@ -91,7 +91,7 @@ TEST_F(Manners, TellsFormatsByContent) {
     EXPECT_TRUE(outcome.err.find(format) != std::string::npos ||
                 outcome.err.find("umbrage: standard input ") != std::string::npos)
         << outcome.err;
-    EXPECT_EQ(outcome.err.find("cannot be told"), std::string::npos) << format << ": " << outcome.err;
+    EXPECT_EQ(outcome.err.find("unknown format"), std::string::npos) << format << ": " << outcome.err;
   }
 }
 
@@ -148,7 +148,7 @@ TEST_F(Manners, InfoSaysWhatAModelHolds) {
 }
 
 TEST_F(Manners, CamerasAreChosenByIndex) {
-  // The same as --camera-position and the like.
+  // The cameras equal those of --camera-position and related options.
   write("a.gltf",
         R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1,2]}],
 "nodes":[{"mesh":0},{"name":"front","camera":0,"translation":[0.25,0.25,4]},{"camera":1,"translation":[0.25,0.25,4]}],
@@ -170,7 +170,7 @@ TEST_F(Manners, CamerasAreChosenByIndex) {
     for (int x = 0; x < 40; ++x) ASSERT_EQ(std::isfinite(a.planes[0].at(x, y)), std::isfinite(b.planes[0].at(x, y)));
   EXPECT_NEAR(a.planes[0].at(20, 15), 4.0f, 1e-4f);
   good("a.gltf --camera-index 1 -o c.pfm" + more);
-  // Two units high: 15 pixels each.
+  // The view is two units high: 15 pixels per unit.
   const Image c = image("c.pfm");
   int seen = 0;
   for (int y = 0; y < 30; ++y) seen += std::isfinite(c.planes[0].at(20, y));
@@ -182,7 +182,8 @@ TEST_F(Manners, CamerasAreChosenByIndex) {
   bad("a.gltf -o x.png --camera-index 0 --camera-position 1,2,3", 2, {"--camera-index", "--camera-position"});
 }
 
-/// Three scenes: one triangle at x = 0 to 1, the same at x = 10, nodes 0 and 1; both. The second one is the file's own.
+/// A file of three scenes: a triangle at x = 0 to 1 (node 0), the same at x = 10 (node 1), and both. The default scene
+/// is the second.
 std::string three_scenes() {
   return R"({"asset":{"version":"2.0"},"scene":1,"scenes":[{"name":"left","nodes":[0]},{"name":"right","nodes":[1]},
 {"nodes":[0,1]}],
@@ -194,7 +195,7 @@ std::string three_scenes() {
 "buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
 }
 
-/// The same as a .glb file, whose triangle is in its second chunk.
+/// Converts that file to a .glb file, with the triangle in the second chunk.
 std::string as_glb(std::string json) {
   const std::size_t uri = json.find(",\"uri\""), end = json.find("\"}]", uri + 8);
   json.erase(uri, end + 1 - uri);
@@ -235,7 +236,7 @@ TEST_F(Manners, ScenesAreChosenByIndex) {
     EXPECT_EQ(bounds(both), std::pair(0.0f, 11.0f));
     EXPECT_EQ(record_of(both, "model")["triangles"], 2);
     EXPECT_TRUE(record_of(left, "warning").is_null());
-    // A camera belongs to the scenes that its node is in.
+    // A camera belongs to the scenes that contain its node.
     EXPECT_EQ(record_of(left, "model")["cameras"], 0);
     EXPECT_EQ(record_of(right, "camera")["eye_x"], 10.0f);
     EXPECT_NE(good("info " + file + " --scene-index 0").out.find("--scene-index 0 (left): this one"),
@@ -276,7 +277,7 @@ TEST_F(Manners, CompareAndTuneTakeACameraAndStandardInput) {
   EXPECT_EQ(shell("$UMBRAGE tune - --trials 2 --input-format gltf <a.gltf" + few).code, 0);
 }
 
-TEST_F(Manners, TheConfigurationStandsForWordsOfTheCommandLine) {
+TEST_F(Manners, ConfigurationFileSetsOptions) {
   write(
       "mine",
       "# a comment\nresolution = 20x10  # at its end\ndevice = cpu\n\n[render] # and here\nlook = \"ao\" # too\nset = "
@@ -287,11 +288,11 @@ TEST_F(Manners, TheConfigurationStandsForWordsOfTheCommandLine) {
   EXPECT_EQ(test::text_of(folder_ / "a.png"), test::text_of(folder_ / "b.png"));
   good("tri.obj -o c.png --config=mine --resolution 30x10");
   EXPECT_EQ(image("c.png").width, 30) << "the command line wins";
-  good("tri.obj -o c.png --config=mine --ao none");  // what the file sets without need is nobody's mistake
+  good("tri.obj -o c.png --config=mine --ao none");  // unused settings of the file cause no warning
   good("tri.obj -o d.png --look ao --device cpu --resolution 16x16 --config none");
   bad("tri.obj -o e.png --config mine", 2, {"there is no device 'nowhere'"}, "UMBRAGE_DEVICE=nowhere");
 
-  // The usual place, which need not be there.
+  // The default file, which is optional.
   fs::create_directories(root_ / "config/umbrage");
   std::ofstream(root_ / "config/umbrage/config") << "look = ao\nresolution = 24x8\n";
   const Outcome usual = shell("$UMBRAGE tri.obj -o f.png --device cpu && $UMBRAGE list looks");
@@ -311,8 +312,8 @@ TEST_F(Manners, TheConfigurationStandsForWordsOfTheCommandLine) {
   bad("tri.obj -o x.png --config nothere", 3, {"'nothere'"});
 }
 
-// Those of an option that takes several values count all of them, of one heading and until the command line has others.
-TEST_F(Manners, LinesOfTheConfigurationAddUpWhereTheOptionTakesSeveralValues) {
+// Lines of a repeatable option add up within one heading. Values on the command line replace them.
+TEST_F(Manners, ConfigurationLinesOfRepeatableOptionsAddUp) {
   write("mine", "resolution = 24x24\n[bench]\nresolution = 32x32\nresolution = 40x40\n[render]\nresolution = 48x48\n");
   const auto sizes = [&](const std::string& more) {
     std::set<int> widths;
@@ -327,7 +328,7 @@ TEST_F(Manners, LinesOfTheConfigurationAddUpWhereTheOptionTakesSeveralValues) {
   EXPECT_EQ(image("g.png").width, 48);
 }
 
-TEST_F(Manners, WrongValuesOfTheConfigurationAreSaidWithTheirLine) {
+TEST_F(Manners, InvalidConfigurationValuesNameTheLine) {
   const auto refused = [&](const std::string& command, const std::string& line, const std::string& text) {
     write("wrong", "# a comment\n" + line + "\n");
     bad(command + " --config wrong", 2, {"umbrage: 'wrong', line 2: " + text});
@@ -352,13 +353,13 @@ TEST_F(Manners, WrongValuesOfTheConfigurationAreSaidWithTheirLine) {
   refused("compare tri.obj", "cameras = 0", "--cameras cannot be '0': it takes a whole number from 1 to 100");
   refused("compare tri.obj", "samples = 3", "--samples cannot be '3': it takes an even number from 2 to 4096");
   refused("bench", "resolution = 0x0", "--resolution cannot be '0x0'");
-  // What the command line says in its place, or is for another command, is not looked at.
+  // Values that the command line overrides, or that are for another command, are not checked.
   write("wrong", "layers = 17\n[bench]\nruns = 0\n");
   good(render + " --config wrong --layers 1" + std::string(kSmall));
 }
 
-// No name of an option appears in what somebody has named.
-TEST_F(Manners, FilesMayBeCalledAsOptionsAre) {
+// File names in messages are not rewritten to option names.
+TEST_F(Manners, FileNamesLikeOptionsAreNotReplaced) {
   bad(Words{"`width`.obj", "-o", "x.png"}, 3, {"'`width`.obj'", "no such file"});
   bad(Words{"a `look` b.obj", "-o", "x.png"}, 3, {"'a `look` b.obj'", "no such file"});
   write("`look`.ply", "ply\n");
@@ -370,7 +371,7 @@ TEST_F(Manners, FilesMayBeCalledAsOptionsAre) {
   bad(Words{"tri.obj", "-o", "x.png", "--config", "`up`"}, 2, {"'`up`', line 1: --layers cannot be '17'"});
 }
 
-TEST_F(Manners, WhatCannotBePrintedIsAnErrorOfTheFile) {
+TEST_F(Manners, UnwritableOutputIsAFileError) {
   for (const char* words : {"list effects", "manual", "--help", "--version", "render --help"}) {
     const int status = std::system((std::string(UMBRAGE_PROGRAM) + " " + words + " > /dev/full 2> /dev/null").c_str());
     ASSERT_TRUE(WIFEXITED(status)) << words;
@@ -422,7 +423,7 @@ TEST_F(Manners, ShellsCompleteEveryOption) {
   EXPECT_EQ(completed("umbrage tri.obj --look nothing"), "  \n");
   bad("completion tcsh", 2, {"tcsh", "bash"});
 
-  // Where these are installed, they say whether they understand it.
+  // Shells and groff check the syntax, if they are installed.
   write("_umbrage", zsh);
   write("umbrage.fish", fish);
   write("umbrage.1", man);

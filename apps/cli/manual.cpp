@@ -1,4 +1,4 @@
-// umbrage completion and umbrage manual: what a shell and man want to know, made from the options that there are.
+// umbrage completion and umbrage manual: shell completion scripts and the manual page, generated from the options.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
@@ -34,7 +34,7 @@ Words effect_names() {
   for (const Effect* effect : effects()) names.emplace_back(effect->name);
   return names;
 }
-/// What --set takes: each parameter, with its choices where it has some.
+/// Returns the words that complete --set: each parameter, with its values if it is a choice or a switch.
 Words parameter_names() {
   Words names;
   for (const Effect* effect : every_effect())
@@ -55,7 +55,7 @@ Words scene_names() {
   return names;
 }
 
-/// What an option, or the word of a command (WHAT), can be; empty where it is a number, a file or anything else.
+/// Returns the possible values of an option or positional argument; empty for numbers, files and other open values.
 Words values_of(const CLI::App& command, std::string_view option) {
   const std::string& name = command.get_name();
   if (option == "WHAT" && name == "list") return {"looks", "effects", "scenes", "devices", "formats"};
@@ -78,7 +78,7 @@ Words values_of(const CLI::App& command, std::string_view option) {
 
 bool is_flag(const CLI::Option& option) { return option.get_type_name().empty(); }
 
-/// Options that have a name, --help among them.
+/// Returns the options that are not positional, including --help.
 std::vector<const CLI::Option*> named_options(const CLI::App& command) {
   std::vector<const CLI::Option*> options;
   for (const CLI::Option* option : command.get_options())
@@ -98,7 +98,7 @@ std::string joined(const Words& words, std::string_view between) {
   return text;
 }
 
-/// With a backslash before each of these characters.
+/// Returns the text with a backslash before each character of `which`.
 std::string escaped(std::string_view text, std::string_view which) {
   std::string out;
   for (const char c : text) {
@@ -108,7 +108,7 @@ std::string escaped(std::string_view text, std::string_view which) {
   return out;
 }
 
-/// A description without what stands in brackets at its end, its default.
+/// Returns a description without the default in brackets at its end.
 std::string without_default(const std::string& text) {
   const auto bracket = text.rfind(" [");
   return bracket == std::string_view::npos ? text : text.substr(0, bracket);
@@ -267,7 +267,7 @@ std::string fish_of(const std::vector<const CLI::App*>& commands) {
 
 // ---- man ----
 
-/// Text for roff: what it would take for its own stays what it is.
+/// Escapes the characters of a text that roff would interpret.
 std::string roff(std::string_view text) {
   std::string out;
   for (const char c : text) {
@@ -320,23 +320,22 @@ std::string man_of(const CLI::App& app, const std::vector<const CLI::App*>& comm
   for (const CLI::App* command : commands)
     out += ".SH " + upper("umbrage " + command->get_name()) + "\n" + roff(command->get_description()) + "\n" +
            man_options(*command);
-  out += ".SH PARAMETERS\n" + roff("What --set takes, as effect.parameter=value.") + "\n";
+  out += ".SH PARAMETERS\n" + roff("Parameters of --set, as effect.parameter=value.") + "\n";
   for (const Effect* effect : every_effect()) {
     const ParameterBytes initial = initial_parameters(effect->parameters, effect->params_size);
     out += ".SS " + std::string(effect->name) + "\n" + roff(effect->summary) + "\n";
     for (const Parameter& row : effect->parameters)
-      out += fmt::format(
-          ".TP\n\\fB{}.{}\\fR\n{}\n", effect->name, roff(row.name),
-          roff(in_options(fmt::format("{}: {} [{}]", row.help, parameter_range(row), parameter_text(row, initial)))));
+      out += fmt::format(".TP\n\\fB{}.{}\\fR\n{}\n", effect->name, roff(row.name),
+                         roff(with_option_names(fmt::format("{}: {} [{}]", row.help, parameter_range(row),
+                                                            parameter_text(row, initial)))));
   }
   out += ".SH EXIT STATUS\n";
-  const std::pair<int, const char*> codes[] = {
-      {0, "done"},
-      {1, "internal error, or a score or figure that is worse than it must be"},
-      {2, "wrong usage: an option, value or name"},
-      {3, "a file that cannot be read, used or written"},
-      {4, "a device that is missing or cannot do it"},
-      {130, "interrupted"}};
+  const std::pair<int, const char*> codes[] = {{0, "done"},
+                                               {1, "internal error, or a score or figure out of bounds"},
+                                               {2, "wrong usage: an option, value or name"},
+                                               {3, "a file that cannot be read, used or written"},
+                                               {4, "a device that is missing or lacks a required feature"},
+                                               {130, "interrupted"}};
   for (const auto& [code, text] : codes) out += fmt::format(".TP\n.B {}\n{}\n", code, roff(text));
   out += ".SH ENVIRONMENT\n";
   Words seen;
@@ -345,12 +344,12 @@ std::string man_of(const CLI::App& app, const std::vector<const CLI::App*>& comm
       const std::string& variable = option->get_envname();
       if (variable.empty() || std::find(seen.begin(), seen.end(), variable) != seen.end()) continue;
       seen.push_back(variable);
-      out += fmt::format(".TP\n.B {}\n{}\n", variable, roff("stands for --" + option->get_lnames()[0]));
+      out += fmt::format(".TP\n.B {}\n{}\n", variable, roff("default of --" + option->get_lnames()[0]));
     }
   out += ".SH FILES\n.TP\n.I $XDG_CONFIG_HOME/umbrage/config, ~/.config/umbrage/config\n" +
          roff(
-             "lines option = value, and headings [command]; what stands before the first heading is for every command "
-             "that has the option. The environment and the command line win.") +
+             "lines option = value, and headings [command]; options before the first heading apply to every command "
+             "that has them. The environment and the command line take precedence.") +
          "\n";
   return out;
 }
@@ -378,7 +377,7 @@ Result<void> completion(const CLI::App& app, const ManualOptions& o) {
 
 void add_manual(CLI::App& app, std::function<Result<void>()>& run) {
   auto options = std::make_shared<ManualOptions>();
-  CLI::App* shell = app.add_subcommand("completion", "print what a shell needs to complete umbrage's words");
+  CLI::App* shell = app.add_subcommand("completion", "print the completion script of a shell");
   shell->add_option("SHELL", options->shell, "bash, zsh or fish")->required();
   shell->callback([&app, options, &run] { run = [&app, options] { return completion(app, *options); }; });
   CLI::App* manual = app.add_subcommand("manual", "print the manual page, for man -l");

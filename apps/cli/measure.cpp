@@ -5,9 +5,10 @@
 namespace umbrage::cli {
 
 void add_measure_options(CLI::App& command, MeasureOptions& o, const std::string& group) {
-  add_number(command, "--cameras", o.cameras, kCameras, "at most so many views of each scene")->group(group);
-  add_number(command, "--samples", o.samples, kSamples, "rays per pixel of the truth, an even number")->group(group);
-  add_number(command, "--runs", o.runs, kRuns, "runs behind each time")->group(group);
+  add_number(command, "--cameras", o.cameras, kCameras, "max number of views of each scene")->group(group);
+  add_number(command, "--samples", o.samples, kSamples, "rays per pixel of the ground truth, an even number")
+      ->group(group);
+  add_number(command, "--runs", o.runs, kRuns, "runs per measured time")->group(group);
 }
 
 Result<void> set_measure(const MeasureOptions& o, MeasureSettings& settings) {
@@ -33,7 +34,7 @@ std::function<bool(const std::string&, double)> shown_on(ProgressLine& line) {
 void print_measured(const MeasureOptions& o, const std::vector<std::string>& warnings, const Device& device,
                     ProgressLine& line) {
   line.wipe();
-  for (const std::string& warning : warnings) fmt::print(stderr, "umbrage: warning: {}\n", in_options(warning));
+  for (const std::string& warning : warnings) fmt::print(stderr, "umbrage: warning: {}\n", with_option_names(warning));
   if (o.verbose) fmt::print(stderr, "{}\n", device.description());
 }
 

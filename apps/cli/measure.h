@@ -1,4 +1,4 @@
-// What umbrage compare and umbrage tune share.
+// Options and output shared by umbrage compare and umbrage tune.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <functional>
@@ -15,13 +15,13 @@ struct MeasureOptions : CommonOptions {
   int cameras = 2, samples = 256, runs = 3;
 };
 
-/// --cameras, --samples and --runs, in this group of the help.
+/// Adds --cameras, --samples and --runs to a group of the help.
 void add_measure_options(CLI::App& command, MeasureOptions& o, const std::string& group);
 
-/// Fills in what the options say. Errors: kUsage.
+/// Fills in the settings from the options. Errors: kUsage.
 Result<void> set_measure(const MeasureOptions& o, MeasureSettings& settings);
 
-/// MeasureSettings::progress on a line, which must last longer.
+/// Returns a MeasureSettings::progress that shows on `line`, which must outlive it.
 std::function<bool(const std::string&, double)> shown_on(ProgressLine& line);
 
 /// Ends the progress, and prints warnings and, with --verbose, the device.

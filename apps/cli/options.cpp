@@ -15,16 +15,16 @@
 namespace umbrage::cli {
 namespace {
 
-/// Help with the range, where people want to know it, and with what holds where nobody says.
+/// Returns the help text with the range of an integer, if its upper end is below kMaxShownRange, and the default.
 std::string help_with(std::string_view help, const Interval& takes, std::string_view initial) {
-  constexpr double kTold = 2000.0;
+  constexpr double kMaxShownRange = 2000.0;
   std::string text(help);
-  if (takes.kind != NumberKind::kReal && takes.max < kTold)
+  if (takes.kind != NumberKind::kReal && takes.max < kMaxShownRange)
     text += fmt::format(", {} to {}", long(takes.min), long(takes.max));
   return initial.empty() ? text : fmt::format("{} [{}]", text, initial);
 }
 
-/// As help shows it.
+/// Returns the type name that the help shows.
 std::string type_of(const Interval& takes) { return takes.kind == NumberKind::kReal ? "FLOAT" : "INT"; }
 
 template <class Number>
@@ -42,16 +42,16 @@ CLI::Option* add_any_number(CLI::App& command, const std::string& name, Number& 
   return option;
 }
 
-/// What is wrong with the text for a row of the table. Of names too, that there are none such; but a device is looked
-/// for later.
+/// Checks the text of an option of the table, including that named looks, techniques and settings exist. Devices are
+/// checked later.
 Result<void> check_text(const Option& row, const std::string& text) {
-  // CLI11 has all commands look at the environment, also those that are not run: take_options looks at it for the one.
+  // CLI11 reads the environment for all commands, not only for the one that runs. take_options checks the latter.
   const char* named = row.environment.empty() ? nullptr : std::getenv(std::string(row.environment).c_str());
   if (named && text == named) return {};
   Request alone;
   if (auto set = set_option(row, text, alone); !set) return set;
   if (const auto settings = effect_settings(alone.settings); !settings) return settings.error();
-  // Others may need each other: no recipe is made of them alone.
+  // Other options may depend on each other and are not checked alone.
   if (row.field != "look" && row.field != "occlusion" && row.field != "quality") return {};
   const auto recipe = make_recipe(alone);
   return recipe ? Result<void>() : recipe.error();
@@ -61,7 +61,7 @@ Result<void> check_text(const Option& row, const std::string& text) {
 
 void add_check(CLI::Option& option, Check check) {
   option.check([check = std::move(check)](const std::string& text) -> std::string {
-    const auto fine = text.empty() ? Result<void>() : check(text);  // of an empty text main has something to say
+    const auto fine = text.empty() ? Result<void>() : check(text);  // main reports empty texts
     return fine ? "" : fine.error().message;
   });
 }
@@ -93,8 +93,8 @@ void add_one(CLI::App& command, CommonOptions& o, std::string_view field, std::s
              std::string_view initial) {
   const Option& row = option_of(field);
   const std::string name = "--" + std::string(row.option);
-  const std::string text =
-      in_options(help_with(help.empty() ? row.help : help, interval_of(row), initial.empty() ? row.initial : initial));
+  const std::string text = with_option_names(
+      help_with(help.empty() ? row.help : help, interval_of(row), initial.empty() ? row.initial : initial));
   CLI::Option* option = nullptr;
   if (const auto* of = std::get_if<FieldOf<bool>>(&row.where)) {
     bool& flag = o.flags[row.option];
@@ -134,7 +134,7 @@ CLI::App* add_model_command(CLI::App& app, const std::string& name, const std::s
 
 void add_device_options(CLI::App& command, CommonOptions& o, OptionCommand which) {
   add_group(command, o, which, "Device");
-  command.add_flag("--verbose", o.verbose, "say what is done and how long each stage took")
+  command.add_flag("--verbose", o.verbose, "print what is done and the time of each stage")
       ->envname("UMBRAGE_VERBOSE")
       ->group("Output");
   add_config_option(command);
@@ -157,14 +157,14 @@ Result<void> take_options(CommonOptions& o) {
   return {};
 }
 
-std::string in_options(std::string_view message) {
+std::string with_option_names(std::string_view message) {
   return with_fields_renamed(message, [](const Option& row) { return "--" + std::string(row.option); });
 }
 
 Result<std::unique_ptr<Device>> device_of(const CommonOptions& o) {
   if (o.is_given("isa"))
     if (auto valid = use_isa(o.text_of("isa")); !valid) return valid.error();
-  // Also for work that no device does: hierarchies, metrics.
+  // Limits work outside the device too, such as hierarchies and metrics.
   static std::optional<tbb::global_control> limit;
   if (o.request.threads > 0)
     limit.emplace(tbb::global_control::max_allowed_parallelism, std::size_t(o.request.threads));
@@ -182,7 +182,7 @@ Result<void> check_folder(const std::filesystem::path& folder, std::initializer_
   fs::path parent = fs::absolute(folder, ignored);
   while (!fs::exists(parent, ignored) && parent != parent.parent_path()) parent = parent.parent_path();
   if (folder.empty() || !fs::is_directory(parent, ignored) || ::access(parent.c_str(), W_OK | X_OK) != 0)
-    return file_error("'{}': the folder cannot be made", folder.string());
+    return file_error("'{}': the folder cannot be created", folder.string());
   return {};
 }
 

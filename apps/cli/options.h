@@ -1,4 +1,4 @@
-// Options that several commands share: the table of renderer/options.h as words of a command line.
+// Options shared by several commands: the option table of renderer/options.h as command-line options.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -24,9 +24,9 @@ struct CommonOptions {
   std::vector<std::string> models;
   std::string input_format;
   bool verbose = false;
-  Request request;  ///< what the table's options say, once take_options has read them
+  Request request;  ///< values of the table's options; take_options fills it
 
-  // As written, by the options' names.
+  // Option values as the user wrote them, by option name.
   std::map<std::string_view, std::string> texts;
   std::map<std::string_view, std::vector<std::string>> lists;
   std::map<std::string_view, bool> flags;
@@ -35,38 +35,38 @@ struct CommonOptions {
     const auto text = texts.find(option);
     return text != texts.end() && !text->second.empty();
   }
-  /// What was written; nothing: "".
+  /// Returns the text of the option; "" if it was not given.
   std::string text_of(std::string_view option) const { return is_given(option) ? texts.find(option)->second : ""; }
 };
 
-/// Finds what is wrong with the text of an option, whatever the others say. Errors: kUsage.
+/// Checks the text of one option, independently of other options. Errors: kUsage.
 using Check = std::function<Result<void>(const std::string&)>;
 
-/// Has an option refuse what the check refuses, whether it stands on the command line, in a configuration file or in
-/// the environment.
+/// Applies `check` to the values of an option from the command line, a configuration file or the environment.
 void add_check(CLI::Option& option, Check check);
 
-/// Adds the options of a group that this command has.
+/// Adds the options of a group that the command `which` has.
 void add_group(CLI::App& command, CommonOptions& options, OptionCommand which, std::string_view group);
-/// The group Device, --verbose and --config.
+/// Adds the group Device, --verbose and --config.
 void add_device_options(CLI::App& command, CommonOptions& options, OptionCommand which);
-/// One option, in that group; its help and what holds where nobody says, where they differ from the table's.
+/// Adds one option to a group. `help` and `initial` (the default as the help shows it) override the table's if not
+/// empty.
 void add_one(CLI::App& command, CommonOptions& options, std::string_view field, std::string_view group,
              std::string_view help = {}, std::string_view initial = {});
 
-/// An option that is a number, and not of the table. It holds what `value` is now where nobody says, or what `initial`
-/// says in words.
+/// Adds a numeric option that is not in the table. The default is the present `value`; the help shows `initial` in its
+/// place if that is not empty.
 CLI::Option* add_number(CLI::App& command, const std::string& name, int& value, const Interval& takes,
                         std::string_view help, std::string_view initial = {});
 CLI::Option* add_number(CLI::App& command, const std::string& name, double& value, const Interval& takes,
                         std::string_view help, std::string_view initial = {});
-/// --resolution, any number of times.
+/// Adds --resolution, which may be given several times.
 CLI::Option* add_sizes(CLI::App& command, std::vector<std::string>& sizes, std::string_view initial);
 
-/// Reads what was written into the request. Errors: kUsage, naming the field and what it takes.
+/// Parses the option texts into the request. Errors: kUsage, naming the field and its valid values.
 Result<void> take_options(CommonOptions& options);
 
-/// What runs a command once its options are read.
+/// Returns a function that parses the options and then runs the command.
 template <class Options>
 std::function<Result<void>()> with_options(std::shared_ptr<Options> options, Result<void> (*command)(const Options&)) {
   return [options, command] {
@@ -75,8 +75,7 @@ std::function<Result<void>()> with_options(std::shared_ptr<Options> options, Res
   };
 }
 
-/// Adds a command that takes models, with the groups Scene and Camera; `named` is called if it is the one that was
-/// named.
+/// Adds a command that takes models, with the groups Scene and Camera. `named` is called if the user names the command.
 CLI::App* add_model_command(CLI::App& app, const std::string& name, const std::string& help, CommonOptions& options,
                             OptionCommand which, std::function<void()> named);
 
@@ -85,7 +84,7 @@ struct ModelCommand {
   CLI::App* command;
   std::shared_ptr<Options> options;
 };
-/// Such a command, which sets `run` to `function` of its options.
+/// Adds a command that takes models and sets `run` to a call of `function` with its options.
 template <class Options>
 ModelCommand<Options> add_model_command(CLI::App& app, std::function<Result<void>()>& run, const std::string& name,
                                         const std::string& help, OptionCommand which,
@@ -96,12 +95,14 @@ ModelCommand<Options> add_model_command(CLI::App& app, std::function<Result<void
           options};
 }
 
-/// A message of the library with the options' names in place of the fields'.
-std::string in_options(std::string_view message);
+/// Returns a message of the library with field names replaced by option names.
+std::string with_option_names(std::string_view message);
 
+/// Creates the requested device and applies --isa and --threads to the process.
 Result<std::unique_ptr<Device>> device_of(const CommonOptions& options);
 
-/// Whether a folder can be made, or these files written into the one that is there, before any work; makes nothing.
+/// Checks that a folder can be created or, if it exists, that these files can be written into it. Creates nothing.
+/// Errors: kFile.
 Result<void> check_folder(const std::filesystem::path& folder, std::initializer_list<const char*> files);
 
 }  // namespace umbrage::cli

@@ -12,11 +12,12 @@
 namespace umbrage::cli {
 namespace {
 
-/// One pass as a picture: vectors from [-1, 1] to [0, 1], depth from white (near) to black (far).
+/// Converts one pass to a picture: vectors map from [-1, 1] to [0, 1], depth from white (near) to black (far).
 Image picture_of_pass(const Image& frame, const std::vector<std::string>& names, const PictureInfo& info) {
   Image out(frame.width, frame.height);
   constexpr std::array kChannels = {"color.r", "color.g", "color.b", "color.a"};
-  constexpr float kThinnest = 1e-4f;  // of the depth: a scene that is one plane facing the camera is near, not 0 / 0
+  // Min depth range, relative to the max depth. Avoids 0 / 0 for a scene that is one plane facing the camera.
+  constexpr float kThinnest = 1e-4f;
   const float span = std::max(info.depth_max - info.depth_min, kThinnest * info.depth_max);
   for (std::size_t k = 0; k < names.size(); ++k) {
     const Plane& in = frame.plane(names[k]);
@@ -34,7 +35,7 @@ Image picture_of_pass(const Image& frame, const std::vector<std::string>& names,
   return out;
 }
 
-/// The lines alone, in their colour, with alpha.
+/// Returns the lines alone, in their colour, with alpha.
 Image picture_of_lines(const Plane& cover, const EffectSettings& settings) {
   const auto& line = as<OutlineParams>(params_of(settings, "outline"));
   const Parameter& transfer = *find_parameter(*find_effect("output"), "transfer");

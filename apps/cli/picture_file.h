@@ -1,4 +1,4 @@
-// A picture as a file, standard output or a frame of a video.
+// Writes a picture to a file, to standard output or as a frame of a video.
 #pragma once
 #include <string>
 #include <string_view>
@@ -12,27 +12,27 @@
 
 namespace umbrage::cli {
 
-inline constexpr std::string_view kStandardOutput = "-";  // as --output
+inline constexpr std::string_view kStandardOutput = "-";  // value of --output
 
-/// Of a file that can be written. Errors: kUsage.
+/// Returns the extension of a file name, without the dot. Errors: kUsage for a format that cannot be written.
 Result<std::string> extension_of(const std::string& file);
 
-/// Where a picture goes.
+/// The destination of a picture.
 struct Place {
-  std::string file;        ///< or kStandardOutput
-  Video* video = nullptr;  ///< a frame of it, in place of a file
-  PictureInfo first;       ///< of the first of several frames
+  std::string file;        ///< file name or kStandardOutput
+  Video* video = nullptr;  ///< receives the picture as a frame in place of the file; null: none
+  PictureInfo first;       ///< info of the first frame of a turntable
   std::string extension() const { return video || file == kStandardOutput ? "png" : *extension_of(file); }
 };
 
-/// Writes the file, or standard output, from rows that are made meanwhile.
+/// Writes the file or standard output from rows that `make` delivers.
 Result<void> put_rows(const Place& place, const ImageShape& shape, const WriteSettings& settings,
                       const MakeImageRows& make);
 
-/// Writes the file, or standard output, or adds a frame to a video.
+/// Writes the file or standard output, or adds a frame to the video.
 Result<void> put_image(const Place& place, const Image& image, const WriteSettings& settings);
 
-/// What the file holds of a picture, or of some of its rows.
+/// Converts a drawn picture, or some of its rows, to the planes that the file holds. `names` are the chosen planes.
 Image picture_in_file(const RenderOptions& o, const Place& place, const Image& drawn,
                       const std::vector<std::string>& names, const EffectSettings& settings, const PictureInfo& info);
 

@@ -15,12 +15,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kPatience = 1s;     // what is done sooner needs no line
-constexpr auto kOften = 200ms;     // between two drawings of it
-constexpr double kMinSeen = 0.01;  // share of the work behind an estimate of the time that is left
+constexpr auto kShowDelay = 1s;  // delay before the line appears
+constexpr auto kOften = 200ms;   // interval between two updates of the line
+constexpr double kMinFractionForEstimate =
+    0.01;  // min fraction of the work that an estimate of the time left is based on
 constexpr std::size_t kUsualWidth = 80;
 
-// For the signal handler: whether a line is on the terminal, and whether there may be one.
+// For the signal handler: whether a line is on the terminal, and whether no line may be drawn any more.
 std::atomic<bool> on_screen = false, dropped = false;
 static_assert(std::atomic<bool>::is_always_lock_free);
 
@@ -40,7 +41,7 @@ std::string duration_text(double seconds) {
 
 ProgressLine::ProgressLine() : on_terminal_(::isatty(STDERR_FILENO) != 0) {
   if (!on_terminal_) return;
-  // Signals are for the threads that work.
+  // Block all signals in the new thread, so that other threads handle them.
   sigset_t all, before;
   sigfillset(&all);
   ::pthread_sigmask(SIG_SETMASK, &all, &before);
@@ -61,11 +62,11 @@ ProgressLine::~ProgressLine() {
 void ProgressLine::tick() {
   std::unique_lock lock(mutex_);
   while (!changed_.wait_for(lock, kOften, [this] { return ends_; }))
-    if (wanted_ && Clock::now() - made_ >= kPatience) draw();
+    if (wanted_ && Clock::now() - made_ >= kShowDelay) draw();
 }
 
 void ProgressLine::draw() {
-  // The last column stays free: some terminals go on to the next line when it is written.
+  // The last column stays free: some terminals move to the next line when it is written.
   const std::string line = text(Clock::now(), terminal_width() - 1);
   if (dropped) return;
   on_screen = true;
@@ -78,10 +79,10 @@ std::string ProgressLine::text(Clock::time_point now, std::size_t room) const {
   std::string numbers;
   if (share_) {
     numbers = fmt::format(": {:.0f} %", std::floor(100.0 * *share_));
-    const double done = *share_ - first_share_;
-    const double took = std::chrono::duration<double>(told_ - first_told_).count();
-    const double since = std::chrono::duration<double>(now - told_).count();
-    if (done >= kMinSeen && took > 0.0)
+    const double done = *share_ - first_fraction_;
+    const double took = std::chrono::duration<double>(reported_ - first_report_time_).count();
+    const double since = std::chrono::duration<double>(now - reported_).count();
+    if (done >= kMinFractionForEstimate && took > 0.0)
       numbers += fmt::format(", {} left", duration_text(took * (1.0 - *share_) / done - since));
   } else {
     numbers = fmt::format(" ({})", duration_text(std::chrono::duration<double>(now - made_).count()));
@@ -98,12 +99,12 @@ void ProgressLine::show(std::string what, std::optional<double> share) {
   if (!on_terminal_) return;
   const std::lock_guard lock(mutex_);
   if (share && !share_) {
-    first_share_ = *share;
-    first_told_ = Clock::now();
+    first_fraction_ = *share;
+    first_report_time_ = Clock::now();
   }
   what_ = std::move(what);
   share_ = share;
-  told_ = Clock::now();
+  reported_ = Clock::now();
   wanted_ = true;
 }
 
@@ -119,7 +120,7 @@ void ProgressLine::wipe() {
   on_screen = false;
 }
 
-void drop_progress() {
+void wipe_progress() {
   dropped = true;
   constexpr char kWiped[] = "\r\033[K";
   if (on_screen && ::write(STDERR_FILENO, kWiped, sizeof kWiped - 1) < 0) on_screen = false;

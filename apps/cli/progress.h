@@ -1,4 +1,4 @@
-// One line of progress on a terminal: what is done, how much of it, the time that is left.
+// A progress line on a terminal: the activity, the percentage done and the time left.
 #pragma once
 #include <chrono>
 #include <condition_variable>
@@ -9,16 +9,16 @@
 
 namespace umbrage::cli {
 
-/// The line, on standard error. It appears a second after it was made, and is wiped at the end; where standard error is
-/// no terminal there is nothing. Where the terminal is narrow, what is done is cut short.
+/// The progress line, on standard error. It appears one second after construction; the destructor wipes it. If standard
+/// error is not a terminal, nothing is printed. The activity is shortened to the width of the terminal.
 class ProgressLine {
  public:
   ProgressLine();
   ~ProgressLine();
   ProgressLine(const ProgressLine&) = delete;
-  /// What is done now and, where it is known, the share of the whole work that is done, 0 to 1. From any thread.
+  /// Sets the activity and, if known, the fraction of the whole work that is done, 0 to 1. Any thread.
   void show(std::string what, std::optional<double> share = std::nullopt);
-  /// Clears the line, before anything else is printed. It comes back with the next show.
+  /// Clears the line, before other output is printed. The next `show` brings it back.
   void wipe();
 
  private:
@@ -33,16 +33,16 @@ class ProgressLine {
   bool ends_ = false, wanted_ = false;
   std::string what_;
   std::optional<double> share_;
-  double first_share_ = 0.0;  // when somebody told one for the first time
-  Clock::time_point made_ = Clock::now(), first_told_, told_;
-  std::size_t width_ = 0;  // of what is on the terminal
+  double first_fraction_ = 0.0;  // the first reported fraction
+  Clock::time_point made_ = Clock::now(), first_report_time_, reported_;
+  std::size_t width_ = 0;  // width of the text on the terminal
   std::thread ticker_;
 };
 
-/// "1:05", "2:00:00".
+/// Formats a duration in seconds: "1:05", "2:00:00".
 std::string duration_text(double seconds);
 
-/// Wipes the line for good. For signal handlers.
-void drop_progress();
+/// Wipes the line; nothing is drawn afterwards. Async-signal-safe.
+void wipe_progress();
 
 }  // namespace umbrage::cli

@@ -1,4 +1,4 @@
-// umbrage render: a model in, a picture out.
+// umbrage render: draws a model to a picture, a turntable or a video.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -20,10 +20,10 @@
 #include "core/numbers.h"
 #include "effects/effects.h"
 #include "io/image_file.h"
-#include "renderer/bands.h"
 #include "renderer/draw.h"
 #include "renderer/lines.h"
 #include "renderer/passes.h"
+#include "renderer/strips.h"
 #include "renderer/unused_settings.h"
 
 namespace umbrage::cli {
@@ -31,7 +31,7 @@ namespace {
 
 const std::vector<std::string> kColor = {"color.r", "color.g", "color.b"};
 
-/// Bytes of "6G", "512M" or "100000". Errors: kUsage.
+/// Parses a number of bytes, such as "6G", "512M" or "100000". Errors: kUsage.
 Result<double> parse_memory(std::string_view text) {
   constexpr std::string_view kUnits = "KMGT";
   const std::size_t unit = text.empty() ? kUnits.npos : kUnits.find(text.back());
@@ -58,24 +58,24 @@ Result<void> write_output(const RenderOptions& o, const Place& place, const Effe
   return put_image(place, picture_in_file(o, place, *image, names, effect_settings, place.first), settings);
 }
 
-/// What is written, and how many frames; checked before the model is read.
+/// The files to write and the number of frames, checked before the model is read.
 struct Output {
   int frames = 1;
-  bool turns = false, is_video = false;
-  FrameNames names;  ///< of frames that are files
+  bool turns = false, is_video = false;  ///< whether it is a turntable; whether that is a video
+  FrameNames names;                      ///< file names of a turntable that is not a video
 };
 
-/// Everything that can be known of a picture before its model is read.
+/// Everything that is known about a picture before its model is read.
 struct Order {
   Output output;
   LineFile lines;
-  Recipe asked;   ///< as the options say, for hints
-  Recipe recipe;  ///< with what the output needs, and no more
+  Recipe asked;   ///< recipe of the options, for hints
+  Recipe recipe;  ///< recipe reduced to the planes that the output needs
   ImportSettings import_with;
   double memory = 0.0;
 };
 
-/// The planes of the passes that are wanted, as a small copy of the picture has them.
+/// Returns the planes of the requested passes. Draws a small copy of the picture to find them.
 Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& device, const Scene& scene,
                                              const Plan& plan) {
   constexpr int kSmall = 16;  // pixels a side
@@ -84,7 +84,7 @@ Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& dev
   auto recipe = make_recipe(small);
   if (!recipe) return recipe.error();
   recipe->hdri = plan.recipe.hdri;
-  keep_passes_alone(*recipe);
+  keep_only_passes(*recipe);
   StageTimes times;
   const auto frame = draw(device, scene, *recipe, times);
   if (!frame) return frame.error();
@@ -95,9 +95,9 @@ Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& dev
   return names;
 }
 
-/// Draws the picture in bands, into its file. Progress is shown meanwhile, on `line`.
+/// Draws the picture in strips directly into its file. Shows progress on `line`.
 Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& device, const Scene& scene,
-                            const Plan& plan, int band_rows, ProgressLine& line, StageTimes& times) {
+                            const Plan& plan, int strip_rows, ProgressLine& line, StageTimes& times) {
   const Recipe& recipe = order.recipe;
   const LineFile& lines = order.lines;
   const Place place{o.output, nullptr, {}};
@@ -109,9 +109,9 @@ Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& 
     names = std::move(*planes);
   }
   std::vector<std::string> wanted = names;
-  for (const std::string& name : seen_planes(recipe))
+  for (const std::string& name : hint_planes(recipe))
     if (std::find(names.begin(), names.end(), name) == names.end()) wanted.push_back(name);
-  // Of the size that it has in the file, but one pixel.
+  // The planes of the file are found from a picture of one pixel.
   Image pixel(1, 1);
   for (const std::string& name : wanted) pixel.add(name) = Plane(1, 1, 0.0f);
   const ImageShape shape{recipe.width, recipe.height,
@@ -130,14 +130,14 @@ Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& 
       times.done("write");
       return taken;
     };
-    // Here, since it is not the file that cannot be written.
+    // Guarded here: an exception of the drawing must not be reported as a failure to write the file.
     return guarded(
         [&] {
-          return fmt::format("{} x {} pixels in bands; try a smaller --memory, --resolution or model", recipe.width,
+          return fmt::format("{} x {} pixels in strips; try a smaller --memory, --resolution or model", recipe.width,
                              recipe.height);
         },
         [&]() -> Result<void> {
-          auto drawn = draw_bands(device, plan, band_rows, wanted, bool(lines), take_rows, times, monitor);
+          auto drawn = draw_strips(device, plan, strip_rows, wanted, bool(lines), take_rows, times, monitor);
           if (!drawn) return drawn.error();
           traced = std::move(*drawn);
           return {};
@@ -151,33 +151,34 @@ Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& 
   return written;
 }
 
-/// What each pass took in all, in the order of their first runs.
-std::vector<PassTime> added_up(const std::vector<PassTime>& passes) {
-  std::vector<PassTime> sums;
-  for (const PassTime& pass : passes) {
-    const auto same = std::find_if(sums.begin(), sums.end(), [&](const PassTime& sum) {
-      return sum.effect == pass.effect && sum.pass == pass.pass;
+/// Returns the total time of each dispatch, in the order of their first runs.
+std::vector<DispatchTime> added_up(const std::vector<DispatchTime>& dispatches) {
+  std::vector<DispatchTime> sums;
+  for (const DispatchTime& dispatch : dispatches) {
+    const auto same = std::find_if(sums.begin(), sums.end(), [&](const DispatchTime& sum) {
+      return sum.effect == dispatch.effect && sum.dispatch == dispatch.dispatch;
     });
     if (same == sums.end())
-      sums.push_back(pass);
+      sums.push_back(dispatch);
     else
-      same->ms += pass.ms;
+      same->ms += dispatch.ms;
   }
   return sums;
 }
 
-void print_times(const StageTimes& times, const std::vector<PassTime>& passes, bool json) {
+void print_times(const StageTimes& times, const std::vector<DispatchTime>& dispatches, bool json) {
   if (!json) {
     for (const auto& stage : times.stages) fmt::print(stderr, "{:<12}{:9.1f} ms\n", stage.name, stage.ms);
     fmt::print(stderr, "{:<12}{:9.1f} ms\n", "total", times.total());
-    for (const PassTime& pass : passes)
-      fmt::print(stderr, "{:<34}{:9.3f} ms on the GPU\n", fmt::format("{} / {}", pass.effect, pass.pass), pass.ms);
+    for (const DispatchTime& dispatch : dispatches)
+      fmt::print(stderr, "{:<34}{:9.3f} ms on the GPU\n", fmt::format("{} / {}", dispatch.effect, dispatch.dispatch),
+                 dispatch.ms);
     return;
   }
   nlohmann::json records = nlohmann::json::array();
   for (const auto& stage : times.stages) records.push_back({{"stage", stage.name}, {"ms", stage.ms}});
-  for (const PassTime& pass : passes)
-    records.push_back({{"stage", pass.effect}, {"pass", pass.pass}, {"gpu_ms", pass.ms}});
+  for (const DispatchTime& dispatch : dispatches)
+    records.push_back({{"stage", dispatch.effect}, {"pass", dispatch.dispatch}, {"gpu_ms", dispatch.ms}});
   records.push_back({{"stage", "total"}, {"ms", times.total()}});
   fmt::print("{}\n", records.dump(2));
 }
@@ -186,11 +187,12 @@ Result<Output> output_of(const RenderOptions& o) {
   Output output;
   const bool piped = o.output == kStandardOutput;
   if (piped && ::isatty(STDOUT_FILENO))
-    return usage_error("-o - writes a PNG to standard output, which is a terminal: send it to a file or a program");
-  if (piped && o.json) return usage_error("-o - and --json cannot both have standard output");
+    return usage_error("-o - writes a PNG to standard output, which is a terminal: redirect it to a file or a program");
+  if (piped && o.json) return usage_error("-o - and --json cannot both write to standard output");
   if (o.turntable == 0) {
     if (is_video(o.output) && !format_of(o.output))
-      return usage_error("'{}' is a video, of several frames: --turntable 120 makes it", o.output);
+      return usage_error("'{}' is a video, which needs several frames: give --turntable, such as --turntable 120",
+                         o.output);
     if (piped) return output;
     if (auto writable = check_writable(o.output); !writable) return writable.error();
     if (const auto known = extension_of(o.output); !known) return known.error();
@@ -201,7 +203,7 @@ Result<Output> output_of(const RenderOptions& o) {
   output.is_video = is_video(o.output);
   if (output.is_video) return output;
   if (piped)
-    return usage_error("--turntable {} makes several pictures, and -o - takes one: name files, such as turn.png",
+    return usage_error("--turntable {} writes several pictures, and -o - takes one: name a file, such as turn.png",
                        o.turntable);
   auto names = frame_names(o.output);
   if (!names) return names.error();
@@ -231,7 +233,7 @@ Result<void> draw_frames(const RenderOptions& o, const Order& order, Device& dev
               (frame_number + done) / output.frames);
     return true;
   };
-  const KeptPlanes kept(device.pool());
+  const ScopedPlanePool kept(device.pool());
   std::unique_ptr<Video> video;
   Place place{o.output, nullptr, {}};
   if (output.is_video) {
@@ -240,7 +242,7 @@ Result<void> draw_frames(const RenderOptions& o, const Order& order, Device& dev
     video = std::move(*begun);
     place.video = video.get();
   }
-  std::optional<float> stops;  // one exposure for all
+  std::optional<float> stops;  // exposure of the first frame, used for all
   constexpr float kWholeTurnDeg = 360.0f;
   for (; frame_number < output.frames; ++frame_number) {
     const float angle_deg = kWholeTurnDeg * float(frame_number) / float(output.frames);
@@ -250,7 +252,7 @@ Result<void> draw_frames(const RenderOptions& o, const Order& order, Device& dev
     stops = drawn->stops;
     if (frame_number == 0) {
       line.wipe();
-      const auto planes = device.download(frame, seen_planes(order.recipe));
+      const auto planes = device.download(frame, hint_planes(order.recipe));
       if (!planes) return planes.error();
       Seen seen;
       seen.add(planes->plane("depth"), planes->find("ao"));
@@ -272,20 +274,20 @@ Result<void> draw_frames(const RenderOptions& o, const Order& order, Device& dev
   return {};
 }
 
-/// What the file can hold. Errors: kUsage.
+/// Checks that the file format supports the requested passes, bits and half floats. Errors: kUsage.
 Result<void> check_output(const RenderOptions& o, const Output& output) {
   const std::string extension = output.is_video ? std::filesystem::path(o.output).extension().string().substr(1)
                                 : o.output == kStandardOutput ? "png"
                                                               : *extension_of(o.output);
   if (extension != "exr" && (o.request.passes.size() > 1 || o.writes_only("all")))
-    return usage_error("--passes {} needs a file that holds layers: write to a name that ends in .exr",
+    return usage_error("--passes {} needs a file that holds several passes: write to a name that ends in .exr",
                        o.text_of("passes"));
   if (o.bits() != 8 && extension != "png") return usage_error("--bits is for .png files, not .{}", extension);
   if (o.half && extension != "exr") return usage_error("--half is for .exr files, not .{}", extension);
   return {};
 }
 
-/// Errors: kUsage; kFile for a file that cannot be written.
+/// Checks the options. Errors: kUsage; kFile for a file that cannot be written.
 Result<Order> order_of(const RenderOptions& o) {
   Order order;
   const auto output = output_of(o);
@@ -294,7 +296,7 @@ Result<Order> order_of(const RenderOptions& o) {
   auto lines = line_file_of(o, output->turns ? output->frames : 0);
   if (!lines) return lines.error();
   order.lines = std::move(*lines);
-  auto recipe = make_recipe(o.request, kMaxBandPixels);
+  auto recipe = make_recipe(o.request, kMaxStripPixels);
   if (!recipe) return recipe.error();
   order.asked = order.recipe = std::move(*recipe);
   if (auto fine = check_output(o, *output); !fine) return fine.error();
@@ -302,14 +304,14 @@ Result<Order> order_of(const RenderOptions& o) {
     if (auto taken = take_recipe(o, order.asked, order.lines); !taken) return taken.error();
   if (order.lines.alone) {
     Request of_lines = o.request;
-    draw_lines_alone(of_lines);
-    auto alone = make_recipe(of_lines, kMaxBandPixels);
+    disable_unused_effects(of_lines);
+    auto alone = make_recipe(of_lines, kMaxStripPixels);
     if (!alone) return alone.error();
     order.recipe = std::move(*alone);
-    order.recipe.wanted = seen_planes(order.recipe);
+    order.recipe.wanted = hint_planes(order.recipe);
     order.recipe.wanted->insert(order.recipe.wanted->end(), edge_planes().begin(), edge_planes().end());
   }
-  keep_passes_alone(order.recipe, order.lines ? edge_planes() : std::span<const std::string_view>());
+  keep_only_passes(order.recipe, order.lines ? edge_planes() : std::span<const std::string_view>());
   if (output->is_video)
     if (auto fine = check_video(o.output, video_settings(o)); !fine) return fine.error();
   const auto import_with = import_settings(o.request);
@@ -318,34 +320,35 @@ Result<Order> order_of(const RenderOptions& o) {
   return order;
 }
 
-/// How the picture is drawn with so much memory, on the device or, where that is free to choose, another one that can.
-Result<BandSizes> planned_bands(const RenderOptions& o, const Order& order, std::unique_ptr<Device>& device) {
+/// Returns the strips that keep the picture within --memory. Switches to the CPU if `device` cannot draw strips and
+/// --device is auto. Errors: kUsage for a picture that needs strips but cannot be drawn in strips.
+Result<StripSizes> planned_strips(const RenderOptions& o, const Order& order, std::unique_ptr<Device>& device) {
   const auto memory = parse_memory(o.memory);
   if (!memory) return memory.error();
-  auto bands = plan_bands(*device, order.recipe, *memory);
-  if (!bands && o.request.device == "auto" && !device->draws_bands()) {
+  auto strips = plan_strips(*device, order.recipe, *memory);
+  if (!strips && o.request.device == "auto" && !device->draws_strips()) {
     RenderOptions on_cpu = o;
     on_cpu.request.device = "cpu";
     auto other = device_of(on_cpu);
     if (!other) return other.error();
     device = std::move(*other);
-    bands = plan_bands(*device, order.recipe, *memory);
+    strips = plan_strips(*device, order.recipe, *memory);
   }
-  if (!bands || bands->rows == 0) return bands;
+  if (!strips || strips->rows == 0) return strips;
   const auto too_large = [&](std::string_view what, std::string_view advice) {
     return usage_error("{} of {} x {} pixels takes more than --memory {}: {}", what, o.request.width, o.request.height,
                        o.memory, advice);
   };
-  if (o.writes_only("all")) return too_large("--passes all", "name the passes, or allow more");
-  if (order.output.turns) return too_large("--turntable", "allow more, or draw smaller pictures");
-  return bands;
+  if (o.writes_only("all")) return too_large("--passes all", "name the passes, or raise --memory");
+  if (order.output.turns) return too_large("--turntable", "raise --memory, or lower --resolution");
+  return strips;
 }
 
-/// Reads the model and what is around it, and says what is odd about them.
+/// Reads the environment map and the model. Prints their warnings and those about unused settings.
 Result<Scene> read_scene(const RenderOptions& o, Order& order, ProgressLine& line) {
   const auto warn = [&](const std::string& warning) {
     line.wipe();
-    fmt::print(stderr, "umbrage: warning: {}\n", in_options(warning));
+    fmt::print(stderr, "umbrage: warning: {}\n", with_option_names(warning));
   };
   if (!order.recipe.hdri.file.empty()) line.show("reading " + order.recipe.hdri.file);
   const auto hdri_warnings = read_hdri(order.recipe.hdri);
@@ -357,10 +360,10 @@ Result<Scene> read_scene(const RenderOptions& o, Order& order, ProgressLine& lin
   if (order.recipe.camera_index)
     if (auto used = use_camera(*order.recipe.camera_index, *scene); !used) return used.error();
   for (const std::string& warning : scene->warnings) warn(warning);
-  // Settings of a configuration file may be meant for other looks.
+  // Warn only about settings on the command line: those of a configuration file may be for other looks.
   const auto is_typed = [](std::string_view setting) { return command_line.find(setting) != std::string::npos; };
   for (const std::string& sentence : unused_settings(o.request, order.asked, &*scene, is_typed))
-    warn(in_options(sentence));
+    warn(with_option_names(sentence));
   return scene;
 }
 
@@ -373,8 +376,8 @@ Result<void> render(const RenderOptions& given) {
   auto opened = device_of(o);
   if (!opened) return opened.error();
   std::unique_ptr<Device> device = std::move(*opened);
-  const auto bands = planned_bands(o, *order, device);
-  if (!bands) return bands.error();
+  const auto strips = planned_strips(o, *order, device);
+  if (!strips) return strips.error();
 
   std::optional<ProgressLine> line(std::in_place);
   auto scene = read_scene(o, *order, *line);
@@ -383,23 +386,24 @@ Result<void> render(const RenderOptions& given) {
   const std::size_t meshes = scene->meshes.size();
   const std::string size = size_text(*scene);
   line->show("preparing " + scene->name);
-  furnish(*scene, order->recipe);
+  complete_scene(*scene, order->recipe);
   if (auto ready = device->prepare(*scene); !ready) return ready;
   const auto plan = make_plan(order->recipe, *scene, device->threads());
   if (!plan) return plan.error();
   line.reset();
   times.done("prepare");
-  if (bands->rows > 0 && o.verbose)
-    fmt::print(stderr, "drawn in bands of {} rows, by about {:.1f} GB; whole it would take more than --memory {}\n",
-               bands->rows, bands->bytes * 1e-9, o.memory);
+  if (strips->rows > 0 && o.verbose)
+    fmt::print(stderr,
+               "drawn in strips of {} rows with about {:.1f} GB; the whole picture would take more than --memory {}\n",
+               strips->rows, strips->bytes * 1e-9, o.memory);
   ProgressLine drawing;
-  if (auto drawn = bands->rows > 0 ? draw_into_file(o, *order, *device, *scene, *plan, bands->rows, drawing, times)
-                                   : draw_frames(o, *order, *device, *scene, *plan, times);
+  if (auto drawn = strips->rows > 0 ? draw_into_file(o, *order, *device, *scene, *plan, strips->rows, drawing, times)
+                                    : draw_frames(o, *order, *device, *scene, *plan, times);
       !drawn)
     return drawn;
   drawing.wipe();
   if (o.verbose) fmt::print(stderr, "{}: {} in {} meshes\n{}\n", scene->name, size, meshes, device->description());
-  if (o.verbose || o.json) print_times(times, added_up(device->take_pass_times()), o.json);
+  if (o.verbose || o.json) print_times(times, added_up(device->take_dispatch_times()), o.json);
   return {};
 }
 
@@ -412,22 +416,22 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   command
       ->add_option(
           "-o,--output", options->output,
-          "file to write: .png, .exr or .pfm; .svg for the lines alone, of the look cartoon unless --look says "
-          "another; - for a PNG on standard output; of --turntable also .mp4, .webm or .gif")
+          "file to write: .png, .exr or .pfm; .svg for lines alone, of the look cartoon by default; - for a PNG on "
+          "standard output; with --turntable also .mp4, .webm or .gif")
       ->required()
       ->group(output);
-  command->add_option("--svg", options->svg, "write the look's lines as curves, too, to this .svg file")->group(output);
+  command->add_option("--svg", options->svg, "also write the look's lines as curves to this .svg file")->group(output);
   add_one(*command, *options, "passes", output);
-  add_number(*command, "--turntable", options->turntable, {1, 100000, NumberKind::kWhole},
+  add_number(*command, "--turntable", options->turntable, {1, 100000, NumberKind::kInteger},
              "frames of one turn of the model, written as turn_0000.png and so on, or as a video", "one picture")
       ->group(output);
-  add_number(*command, "--frame-rate", options->frame_rate, {0.1, 1000}, "of a video: frames per second")
-      ->group(output);
+  add_number(*command, "--frame-rate", options->frame_rate, {0.1, 1000}, "frames per second of a video")->group(output);
   add_one(*command, *options, "bits", output);
-  command->add_flag("--half", options->half, "half floats in an EXR, where they suffice")->group(output);
+  command->add_flag("--half", options->half, "half floats in an EXR, for planes where their precision suffices")
+      ->group(output);
   CLI::Option* memory = command->add_option(
       "--memory", options->memory,
-      fmt::format("draw in bands what would take more memory at once, about, such as 6G or 500M [{}]",
+      fmt::format("approximate memory limit, such as 6G or 500M; a picture that needs more is drawn in strips [{}]",
                   options->memory));
   memory->group(output);
   add_check(*memory, [](const std::string& text) -> Result<void> {

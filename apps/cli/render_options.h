@@ -1,4 +1,4 @@
-// What `umbrage render` was told.
+// The options of `umbrage render`.
 #pragma once
 #include <string>
 
@@ -8,13 +8,13 @@ namespace umbrage::cli {
 
 struct RenderOptions : CommonOptions {
   std::string output, svg, memory = "6G";
-  int turntable = 0;  ///< frames; 0: one picture
-  double frame_rate = 30.0;
+  int turntable = 0;         ///< number of frames; 0: one picture
+  double frame_rate = 30.0;  ///< frames per second of a video
   bool half = false, json = false;
 
   int bits() const { return text_of("bits") == "16" ? 16 : 8; }
   bool writes_passes() const { return !request.passes.empty(); }
-  /// Whether one pass is all that is written, or "all", which stands alone.
+  /// Returns whether `pass` is the only entry of --passes; it may be "all".
   bool writes_only(std::string_view pass) const { return request.passes.size() == 1 && request.passes[0] == pass; }
 };
 

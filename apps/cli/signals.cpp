@@ -21,29 +21,29 @@ pthread_t main_thread;
 std::atomic<pid_t> child = 0;
 static_assert(std::atomic<pid_t>::is_always_lock_free);
 
-/// Only what signal handlers may call. The main thread, which writes the files, stands still meanwhile.
+/// The signal handler; calls async-signal-safe functions only. Runs on the main thread, which writes the files.
 void ended(int signal) {
   if (!::pthread_equal(::pthread_self(), main_thread)) {
     ::pthread_kill(main_thread, signal);
     return;
   }
-  drop_progress();
+  wipe_progress();
   constexpr char kLine[] = "umbrage: interrupted\n";
   const bool told = ::write(STDERR_FILENO, kLine, sizeof kLine - 1) > 0;
   static_cast<void>(told);
-  // It is gone before its file is removed, or it would make that again.
+  // The child must have ended before its file is removed; otherwise it could create the file again.
   if (const pid_t one = child; one > 0) {
     ::kill(one, SIGKILL);
     int status = 0;
     while (::waitpid(one, &status, 0) < 0 && errno == EINTR) continue;
   }
   abandon_writes();
-  drop_standard_input();
-  constexpr int kBySignal = 128;
-  std::_Exit(kBySignal + signal);
+  remove_standard_input_copy();
+  constexpr int kExitBySignal = 128;
+  std::_Exit(kExitBySignal + signal);
 }
 
-sigset_t our_signals() {
+sigset_t handled_signals() {
   sigset_t set;
   sigemptyset(&set);
   for (const int signal : kSignals) sigaddset(&set, signal);
@@ -59,18 +59,18 @@ void end_on_signals() {
     if (::sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) continue;
     struct sigaction action {};
     action.sa_handler = ended;
-    action.sa_mask = our_signals();
+    action.sa_mask = handled_signals();
     action.sa_flags = SA_RESTART;
     ::sigaction(signal, &action, nullptr);
   }
 }
 
-SignalsHeld::SignalsHeld() {
-  const sigset_t ours = our_signals();
+BlockSignals::BlockSignals() {
+  const sigset_t ours = handled_signals();
   ::pthread_sigmask(SIG_BLOCK, &ours, &before_);
 }
 
-SignalsHeld::~SignalsHeld() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+BlockSignals::~BlockSignals() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
 
 void set_child(pid_t process) { child = process; }
 

@@ -1,26 +1,27 @@
-// What happens when somebody ends the program: nothing half done stays behind.
+// Signal handling: an interrupted program leaves no temporary or partial files.
 #pragma once
 #include <sys/types.h>
 #include <csignal>
 
 namespace umbrage::cli {
 
-/// Ends the program on SIGINT, SIGTERM and SIGHUP, unless who started it wants these ignored: removes temporary files,
-/// ends child processes, says one line, exits with 128 and the signal's number. For the main thread, before any other.
+/// Installs handlers for SIGINT, SIGTERM and SIGHUP, except those that the parent process ignores. A handler removes
+/// temporary files, ends the child process, prints one line and exits with 128 + the signal's number. Call it on the
+/// main thread before other threads start.
 void end_on_signals();
 
-/// Holds those signals back for as long as it lives. For the main thread.
-class SignalsHeld {
+/// Blocks those signals during its lifetime. Main thread only.
+class BlockSignals {
  public:
-  SignalsHeld();
-  ~SignalsHeld();
-  SignalsHeld(const SignalsHeld&) = delete;
+  BlockSignals();
+  ~BlockSignals();
+  BlockSignals(const BlockSignals&) = delete;
 
  private:
   sigset_t before_;
 };
 
-/// The child process that a signal is to end, too; 0: none. Set it while signals are held.
+/// Sets the child process that the handlers end; 0: none. Call it while signals are held.
 void set_child(pid_t child);
 
 }  // namespace umbrage::cli

@@ -1,4 +1,4 @@
-// People who do not wait: Ctrl-C at any moment, a terminal's progress line.
+// Tests of interrupts at any moment and of the progress line on a terminal.
 #include <fcntl.h>
 #include <poll.h>
 #include <pty.h>
@@ -30,13 +30,13 @@ class Signals : public test::ProgramTest {
     fs::create_directory(temporary_);
   }
 
-  /// A program under way. What it and its children hold open is told by `alive`.
+  /// A running program. `alive` is the read end of a pipe that it and its children hold open.
   struct Running {
     pid_t pid = -1;
     int alive = -1, terminal = -1;
   };
 
-  /// Starts the program in the folder; on a terminal of its own where that is asked for.
+  /// Starts the program in the folder, with its own terminal if requested. `path`: value of PATH; empty: unchanged.
   Running start(const Words& words, const std::string& input = "/dev/null", bool on_terminal = false,
                 const std::string& path = "") {
     Running running;
@@ -71,7 +71,7 @@ class Signals : public test::ProgramTest {
     if (end >= 0) ::close(end);
     running.alive = ends[0];
     running.terminal = terminal;
-    // From when on it has its say; before that it has made nothing.
+    // Wait until its signal handlers are installed. It creates no files before.
     wait_for([&] {
       const std::string status = text_of(fmt::format("/proc/{}/status", running.pid));
       const std::size_t caught = status.find("SigCgt:");
@@ -83,7 +83,7 @@ class Signals : public test::ProgramTest {
     return start(test::words_of(line), input);
   }
 
-  /// Its exit code, once it and all its children have ended; -1 where a child lives on.
+  /// Waits until the program and its children have ended. Returns the exit code; -1 if a child is still running.
   int code_of(const Running& running) {
     int status = 0;
     ::waitpid(running.pid, &status, 0);
@@ -91,11 +91,11 @@ class Signals : public test::ProgramTest {
     constexpr int kPatienceMs = 20'000;
     const bool ended = ::poll(&alive, 1, kPatienceMs) == 1;
     ::close(running.alive);
-    EXPECT_TRUE(ended) << "a child process lives on";
+    EXPECT_TRUE(ended) << "a child process is still running";
     return ended && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
 
-  /// Interrupts it and expects what should be: a code, one line, nothing left.
+  /// Interrupts the program. Expects the exit code, one line of output and no files left.
   void interrupt(const Running& running, const std::set<std::string>& files_before, int signal = SIGINT) {
     ::kill(running.pid, signal);
     EXPECT_EQ(code_of(running), 128 + signal);
@@ -123,16 +123,16 @@ TEST_F(Signals, EndTheReaderOfAModel) {
   ::unsetenv("UMBRAGE_IMPORT");
 }
 
-TEST_F(Signals, RemoveWhatCameFromStandardInput) {
+TEST_F(Signals, RemoveTheCopyOfStandardInput) {
   const auto before = files();
-  // While it is copied, for which it waits here,
+  // While standard input is copied: the program waits for the pipe.
   ASSERT_EQ(::mkfifo((root_ / "pipe").c_str(), 0600), 0);
   const int held = ::open((root_ / "pipe").c_str(), O_RDWR);
   const Running copying = start("- -o out.png", (root_ / "pipe").string());
   std::this_thread::sleep_for(200ms);
   interrupt(copying, before);
   ::close(held);
-  // and while it is read, or drawn.
+  // While the copy is read, or drawn.
   const Running drawing =
       start("- -o out.png --resolution 4000x4000 --ao reference --input-format obj", (folder_ / "tri.obj").string());
   wait_for([&] { return !fs::is_empty(temporary_) || ::kill(drawing.pid, 0) != 0; });
@@ -170,10 +170,10 @@ TEST_F(Signals, LeaveWholeFramesOfATurntable) {
   }
 }
 
-TEST_F(Signals, EndTheMakerOfAVideo) {
+TEST_F(Signals, EndFfmpeg) {
   const fs::path bin = root_ / "bin";
   fs::create_directory(bin);
-  // It would go on to the end of what it reads, and writes its file meanwhile.
+  // This ffmpeg ignores signals; it writes its file until its input ends.
   std::ofstream(bin / "ffmpeg") << "#!/bin/sh\nfor last; do :; done\ntrap '' INT TERM HUP\nexec cat >\"$last\"\n";
   ::chmod((bin / "ffmpeg").c_str(), 0755);
   const auto before = files();
@@ -187,9 +187,9 @@ TEST_F(Signals, EndTheMakerOfAVideo) {
   }
 }
 
-// ---- the progress line ----
+// ---- Progress line ----
 
-/// What a terminal's line shows after all that was written to it, and whether this was ever on it.
+/// The final content of a terminal's line, and whether `text` was ever on it.
 struct Shown {
   std::string line;
   bool seen = false;
@@ -217,7 +217,7 @@ Shown shown(const std::string& written, const std::string& text) {
   return shown;
 }
 
-/// What is written to a terminal until `text` is, or nobody writes any more.
+/// Reads a terminal until `text` appears or the other end is closed. Returns all that was read.
 std::string read_terminal(int terminal, const std::string& text) {
   std::string written;
   char bytes[4096];
@@ -226,7 +226,7 @@ std::string read_terminal(int terminal, const std::string& text) {
   while (text.empty() || written.find(text) == std::string::npos) {
     if (::poll(&there, 1, kPatienceMs) != 1) break;
     const ssize_t got = ::read(terminal, bytes, sizeof bytes);
-    if (got <= 0) break;  // EIO, where the other end is closed
+    if (got <= 0) break;  // EIO if the other end is closed
     written.append(bytes, std::size_t(got));
   }
   return written;
@@ -262,7 +262,7 @@ TEST_F(Signals, ProgressSaysWhatIsLeftAndFitsTheTerminal) {
     EXPECT_EQ(code_of(running), 130);
     ::close(running.terminal);
     EXPECT_TRUE(written.ends_with("umbrage: interrupted\r\n")) << written;
-    // Before the last line everything is wiped, and no line is wider than the terminal.
+    // The progress line is wiped before the last line, and no line is wider than the terminal.
     const std::string before = written.substr(0, written.rfind("umbrage: interrupted"));
     EXPECT_EQ(shown(before, "").line, "") << written;
     EXPECT_EQ(before.find('\n'), std::string::npos) << written;

@@ -20,11 +20,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What drop_standard_input removes: a folder and the file in it.
+// The folder and file that remove_standard_input_copy removes; empty: none.
 constexpr std::size_t kMaxPathLength = 4096;
 char dropped_folder[kMaxPathLength], dropped_file[kMaxPathLength];
 
-/// The words of a text's first lines that are no comment.
+/// Returns the first words of a text, without comment lines.
 std::vector<std::string_view> first_words(std::string_view text) {
   std::vector<std::string_view> words;
   constexpr int kEnough = 8;
@@ -49,15 +49,16 @@ bool is_number(std::string_view word) {
   return end != text.c_str() && *end == '\0';
 }
 
-Error about_standard_input(Error error) {
+/// Replaces the name of the temporary file in a message by "standard input".
+Error name_standard_input(Error error) {
   const std::string name = fmt::format("'{}'", dropped_file);
   if (const auto at = error.message.find(name); at != std::string::npos)
     error.message.replace(at, name.size(), "standard input");
   return error;
 }
 
-/// Copies standard input into a file. Its name is that of the file.
-Result<fs::path> take_standard_input(const std::string& format) {
+/// Copies standard input to a temporary file and returns its path.
+Result<fs::path> copy_standard_input(const std::string& format) {
   if (::isatty(STDIN_FILENO)) return usage_error("- reads a model from standard input, which is a terminal");
   std::string bytes;
   constexpr std::size_t kStep = 1 << 20;
@@ -70,15 +71,15 @@ Result<fs::path> take_standard_input(const std::string& format) {
   }
   if (bytes.empty()) return file_error("standard input is empty");
   const std::string ending = format.empty() ? format_of_content(bytes) : format;
-  if (ending.empty()) return file_error("the format of standard input cannot be told; name it with --input-format");
+  if (ending.empty()) return file_error("standard input has an unknown format; name it with --input-format");
   std::error_code code;
   const fs::path place = fs::temp_directory_path(code);
   std::random_device random;
   const std::string folder = (place / fmt::format("umbrage-{:08x}{:08x}", random(), random())).string();
   const std::string file = folder + "/stdin." + ending;
   if (code || file.size() >= kMaxPathLength)
-    return file_error("there is no folder for standard input's temporary file");
-  // Known to the signal handler before they are there: the first byte makes a name of the others.
+    return file_error("the temporary folder for standard input cannot be created");
+  // The signal handler knows the names before the folder and file exist. The first byte, written last, enables a name.
   for (const auto& [dropped, name] : {std::pair(dropped_folder, &folder), {dropped_file, &file}}) {
     std::strcpy(dropped + 1, name->c_str() + 1);
     std::atomic_signal_fence(std::memory_order_seq_cst);
@@ -87,22 +88,22 @@ Result<fs::path> take_standard_input(const std::string& format) {
   constexpr mode_t kOwnerOnly = 0700;
   if (::mkdir(folder.c_str(), kOwnerOnly) != 0) {
     dropped_file[0] = dropped_folder[0] = '\0';
-    return file_error("there is no folder for standard input's temporary file");
+    return file_error("the temporary folder for standard input cannot be created");
   }
   std::FILE* stream = std::fopen(file.c_str(), "wbx");
   const bool written = stream && std::fwrite(bytes.data(), 1, bytes.size(), stream) == bytes.size();
   if (!stream || std::fclose(stream) != 0 || !written)
-    return file_error("there is no room for standard input in '{}'", folder);
+    return file_error("standard input cannot be copied to '{}'", folder);
   return fs::path(file);
 }
 
 struct DropAtEnd {
-  ~DropAtEnd() { drop_standard_input(); }
+  ~DropAtEnd() { remove_standard_input_copy(); }
 };
 
 }  // namespace
 
-void drop_standard_input() {
+void remove_standard_input_copy() {
   if (dropped_file[0]) ::unlink(dropped_file);
   if (dropped_folder[0]) ::rmdir(dropped_folder);
   dropped_file[0] = dropped_folder[0] = '\0';
@@ -113,7 +114,7 @@ std::string format_of_content(std::string_view bytes) {
   if (begins("ply")) return "ply";
   if (begins("glTF")) return "glb";
   if (begins("Kaydara FBX Binary") || begins("; FBX")) return "fbx";
-  // A binary STL file has a header of 80 bytes, a count, and 50 bytes for each triangle.
+  // A binary STL file has a header of 80 bytes, a 32-bit count and 50 bytes per triangle.
   constexpr std::size_t kHeader = 84, kTriangle = 50;
   if (bytes.size() >= kHeader) {
     std::uint32_t count = 0;
@@ -121,8 +122,8 @@ std::string format_of_content(std::string_view bytes) {
     if (bytes.size() == kHeader + std::size_t(count) * kTriangle) return "stl";
   }
   if (begins("\x4d\x4d")) return "3ds";
-  constexpr std::size_t kLooked = 4096;
-  const std::string_view start = bytes.substr(0, kLooked);
+  constexpr std::size_t kDetectionBytes = 4096;
+  const std::string_view start = bytes.substr(0, kDetectionBytes);
   if (start.find('\0') != std::string_view::npos) return "";
   const std::vector<std::string_view> words = first_words(start);
   if (words.empty()) return "";
@@ -143,7 +144,7 @@ Result<void> check_standard_input(const std::vector<std::string>& models, const 
   const auto count = std::count(models.begin(), models.end(), "-");
   if (count > 1) return usage_error("- stands for standard input, which can be read once");
   if (count == 0 && !format.empty())
-    return usage_error("--input-format is for a model on standard input: name the model -");
+    return usage_error("--input-format applies to a model on standard input only: name the model -");
   return {};
 }
 
@@ -152,12 +153,12 @@ Result<Scene> load_models(const std::vector<std::string>& models, const std::str
   if (auto fine = check_standard_input(models, format); !fine) return fine.error();
   if (std::find(models.begin(), models.end(), "-") == models.end()) return load_scenes(models, settings);
   const DropAtEnd drop;
-  const auto file = take_standard_input(format);
+  const auto file = copy_standard_input(format);
   if (!file) return file.error();
   std::vector<std::string> files = models;
   std::replace(files.begin(), files.end(), std::string("-"), file->string());
   auto scene = load_scenes(files, settings);
-  if (!scene) return about_standard_input(scene.error());
+  if (!scene) return name_standard_input(scene.error());
   return scene;
 }
 

@@ -1,4 +1,4 @@
-// A model on standard input: put into a file, since most readers want one.
+// A model on standard input. It is copied to a temporary file, since most readers need a file.
 #pragma once
 #include <functional>
 #include <string>
@@ -10,21 +10,22 @@
 
 namespace umbrage::cli {
 
-/// The format of a model by its first bytes, as its file's name would end; empty where they say nothing.
+/// Returns the format of a model, detected from its content, as a file extension without the dot; empty if unknown.
 std::string format_of_content(std::string_view bytes);
 
-/// Errors: kUsage for `-` given twice, or a format that is none or of no use.
+/// Checks the models and --input-format. Errors: kUsage for `-` given twice, an unknown format, or a format without
+/// `-`.
 Result<void> check_standard_input(const std::vector<std::string>& models, const std::string& format);
 
-/// load_scenes, where `-` stands for standard input: its format is `format`, or told by its content where that is
-/// empty. Errors: those of check_standard_input and load_scenes.
+/// Calls load_scenes with `-` as standard input. `format` is the format of standard input; if empty, it is detected
+/// from the content. Errors: those of check_standard_input and load_scenes.
 Result<Scene> load_models(const std::vector<std::string>& models, const std::string& format,
                           const ImportSettings& settings);
 
-/// What reads each of the models alone, where they have passed check_standard_input.
+/// Returns a function that reads one of the models. The models must have passed check_standard_input.
 std::function<Result<Scene>(const std::string&, const ImportSettings&)> loader_of(const CommonOptions& options);
 
-/// Removes the file behind standard input, if there is one. For signal handlers.
-void drop_standard_input();
+/// Removes the temporary copy of standard input, if it exists. Async-signal-safe.
+void remove_standard_input_copy();
 
 }  // namespace umbrage::cli

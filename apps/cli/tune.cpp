@@ -1,4 +1,4 @@
-// umbrage tune: the best settings of a technique for a scene, against ray-traced truth, as options.
+// umbrage tune: searches the settings of a technique for a scene that come closest to the ray-traced ground truth.
 #include "apps/compare/tune.h"
 
 #include <fmt/ranges.h>
@@ -22,7 +22,7 @@ struct TuneOptions : MeasureOptions {
   bool json = false;
 };
 
-/// A trial's settings as one would write them; "as it is" where nothing differs from the start.
+/// Returns the settings of a trial as on a command line; "as it is" if they equal the start.
 std::string words_of(const Trial& trial, const Trial& start) {
   std::string words = trial.scale == start.scale ? "" : trial.scale;
   for (const std::string& setting : trial.settings) words += (words.empty() ? "" : " ") + setting;
@@ -50,7 +50,7 @@ void print_table(const Tuning& tuning) {
   for (const Trial& trial : tuning.trials)
     if (trial.frontier) shown.push_back(trial);
   std::sort(shown.begin(), shown.end(), [](const Trial& a, const Trial& b) { return a.ms < b.ms; });
-  // What is slower and hardly closer is not shown.
+  // Omit trials that are slower and hardly closer.
   constexpr double kSeen = 0.01;
   double last = std::numeric_limits<double>::infinity();
   std::erase_if(shown, [&](const Trial& trial) {
@@ -58,20 +58,19 @@ void print_table(const Tuning& tuning) {
     last = trial.rmse;
     return false;
   });
-  fmt::print("{}{}, {} settings tried; those to which none was both faster and closer\n{:>9} {:>7} {:>7}  {}\n",
+  fmt::print("{}{}, {} settings tried; shown if no other was both faster and closer\n{:>9} {:>7} {:>7}  {}\n",
              tuning.technique, tuning.filter.empty() ? "" : " with " + tuning.filter, tuning.trials.size(), "ms",
              "rmse", "bias", "setting");
   for (const Trial& trial : shown)
     fmt::print("{:9.1f} {:7.4f} {:7.4f}  {}\n", trial.ms, trial.rmse, trial.bias, words_of(trial, tuning.start));
   if (tuning.best.ms > tuning.budget_ms)
-    fmt::print("nothing that was tried takes {:.1f} ms or less: give --time more, or try more with --trials\n",
-               tuning.budget_ms);
+    fmt::print("no setting that was tried takes {:.1f} ms or less: raise --time or --trials\n", tuning.budget_ms);
   else if (tuning.best.settings.empty() && tuning.best.scale == tuning.start.scale)
-    fmt::print("within {:.1f} ms nothing comes closer than the settings as they are: RMSE {:.4f}\n", tuning.budget_ms,
+    fmt::print("within {:.1f} ms no setting comes closer than the initial ones: RMSE {:.4f}\n", tuning.budget_ms,
                tuning.start.rmse);
   else
-    fmt::print("the closest one within {:.1f} ms: RMSE {:.4f} in {:.1f} ms; as it is, {:.4f} in {:.1f} ms\n",
-               tuning.budget_ms, tuning.best.rmse, tuning.best.ms, tuning.start.rmse, tuning.start.ms);
+    fmt::print("closest within {:.1f} ms: RMSE {:.4f} in {:.1f} ms; initially {:.4f} in {:.1f} ms\n", tuning.budget_ms,
+               tuning.best.rmse, tuning.best.ms, tuning.start.rmse, tuning.start.ms);
   fmt::print("{}\n", fmt::join(tuning.options, " "));
 }
 
@@ -99,15 +98,15 @@ Result<void> run_tune(const TuneOptions& o) {
 
 void add_tune(CLI::App& app, std::function<Result<void>()>& run) {
   const auto [command, options] = add_model_command(
-      app, run, "tune", "search the best settings for a scene, against ray-traced truth", kTune, run_tune);
+      app, run, "tune", "search the best settings for a scene, against ray-traced ground truth", kTune, run_tune);
   std::tie(options->request.width, options->request.height) = std::pair(960, 540);
   const auto search = "Search";
-  add_number(*command, "--time", options->budget_ms, kBudgetMs, "milliseconds that occlusion may take, with its filter",
-             "as it does")
+  add_number(*command, "--time", options->budget_ms, kBudgetMs, "max milliseconds of occlusion with its filter",
+             "time of the initial settings")
       ->group(search);
-  add_number(*command, "--trials", options->trials, kTrials, "settings that are tried, at most")->group(search);
+  add_number(*command, "--trials", options->trials, kTrials, "max number of settings to try")->group(search);
   add_one(*command, *options, "width", search, "", "960,540");
-  add_one(*command, *options, "look", search, "recipe whose technique, filter and settings it begins with");
+  add_one(*command, *options, "look", search, "look that provides the technique, filter and initial settings");
   add_one(*command, *options, "occlusion", search);
   add_one(*command, *options, "occlusion_scale", search, "", "all are tried");
   add_measure_options(*command, *options, search);

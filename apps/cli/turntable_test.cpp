@@ -1,4 +1,4 @@
-// Turntables: numbered pictures and videos of a model that turns.
+// Tests of turntables: numbered pictures and videos of a turning model.
 #include <sys/stat.h>
 
 #include <nlohmann/json.hpp>
@@ -16,8 +16,7 @@ const std::string kSolids = "scene:solids?detail=2000 --device cpu --resolution 
 
 class TurntableTest : public test::ProgramTest {
  protected:
-  /// A program named ffmpeg that keeps what it is told in ffmpeg.txt and what it reads in the file that it is to make.
-  /// Returns what puts it on PATH.
+  /// Writes a shell script named ffmpeg. Returns the assignment to PATH that makes the program find it.
   std::string fake_ffmpeg(const std::string& script) {
     const fs::path bin = root_ / "bin", program = bin / "ffmpeg";
     fs::create_directories(bin);
@@ -25,6 +24,7 @@ class TurntableTest : public test::ProgramTest {
     ::chmod(program.c_str(), 0755);
     return fmt::format("PATH={}:/usr/bin:/bin", test::quoted(bin.string()));
   }
+  /// Writes an ffmpeg that stores its arguments in ffmpeg.txt and its input in its output file.
   std::string keeping_ffmpeg() {
     return fake_ffmpeg(fmt::format("echo \"$@\" >{}\nfor last; do :; done\ncat >\"$last\"",
                                    test::quoted((root_ / "ffmpeg.txt").string())));
@@ -35,7 +35,7 @@ class TurntableTest : public test::ProgramTest {
     names.erase("tri.obj");
     return names;
   }
-  /// A cube, whose sides look the same after a quarter of a turn; its materials are those of the file cube.mtl.
+  /// Writes a cube, which looks the same after a quarter turn. `materials` is the content of cube.mtl.
   void write_cube(const std::string& materials) {
     write("cube.mtl", materials);
     write("cube.obj",
@@ -44,7 +44,7 @@ class TurntableTest : public test::ProgramTest {
   }
 };
 
-/// The mean difference of two pictures.
+/// Returns the mean absolute difference of two pictures.
 double difference(const Image& a, const Image& b) {
   double sum = 0.0;
   for (std::size_t p = 0; p < a.planes.size(); ++p)
@@ -63,7 +63,7 @@ TEST_F(TurntableTest, WritesNumberedPictures) {
   EXPECT_EQ(b.height, 48);
   for (const auto& [first, second] : {std::pair(&a, &b), {&b, &c}, {&a, &c}})
     EXPECT_GT(difference(*first, *second), 0.01);
-  // Each stage is one record, of all frames.
+  // Each stage has one record, for all frames.
   const auto records = nlohmann::json::parse(outcome.out);
   std::set<std::string> stages;
   for (const auto& record : records) EXPECT_TRUE(stages.insert(record["stage"]).second) << record;
@@ -76,13 +76,13 @@ TEST_F(TurntableTest, WritesNumberedPictures) {
     EXPECT_TRUE(names().count(name)) << name;
   EXPECT_EQ(names().size(), 9u);
   EXPECT_TRUE(image("plane_0001.exr").find("normal.x"));
-  // Without --turntable a % is no more than that.
+  // Without --turntable, % has no special meaning.
   good(kSolids + "--look ao -o c%03d.png");
   EXPECT_TRUE(names().count("c%03d.png"));
 }
 
 TEST_F(TurntableTest, TurnsTheCameraAboutTheModel) {
-  // From a place that is given the camera goes around as --camera-azimuth-angle has it.
+  // A camera at a given position turns in the same direction as with --camera-azimuth-angle.
   const std::string camera = kSolids + "--look ao --passes depth --camera-position 2,3,8 --camera-focal-point 0,1,0 ";
   good(camera + "-o turn.pfm --turntable 4");
   good(camera + "-o quarter.pfm --camera-azimuth-angle 90");
@@ -97,20 +97,20 @@ TEST_F(TurntableTest, TurnsTheCameraAboutTheModel) {
 }
 
 TEST_F(TurntableTest, LightStaysWithTheCamera) {
-  // After a quarter of a turn a cube looks as before, unless the light has turned with it.
+  // After a quarter turn a cube looks as before, unless the light has turned with it.
   write_cube("newmtl side\nKd 0.6 0.5 0.4\nnewmtl back\nKd 0.6 0.5 0.4\nnewmtl top\nKd 0.3 0.6 0.3\n");
   for (const std::string look : {"--look studio", "--look lit", "--look studio --hdri-file sky: --hdri-skybox"}) {
     good("cube.obj --device cpu --resolution 96x72 -o turn.png --turntable 4 " + look);
     for (const char* name : {"turn_0001.png", "turn_0002.png", "turn_0003.png"})
       EXPECT_LT(difference(image("turn_0000.png"), image(name)), 0.004) << look << " " << name;
-    // What shines from elsewhere would show more.
+    // An eighth of a turn shows a difference.
     good("cube.obj --device cpu --resolution 96x72 -o eighth.png --turntable 8 " + look);
     EXPECT_GT(difference(image("eighth_0000.png"), image("eighth_0001.png")), 0.012) << look;
   }
 }
 
 TEST_F(TurntableTest, AllFramesHaveOneExposure) {
-  // Of this cube one side shines: metered alone, frames that show it would be darker.
+  // One side of this cube is emissive. If frames were metered one by one, those that show this side would be darker.
   write_cube("newmtl side\nKd 0.2 0.2 0.2\nnewmtl back\nKd 0.2 0.2 0.2\nKe 3 3 3\nnewmtl top\nKd 0.2 0.2 0.2\n");
   const std::string line =
       "cube.obj --device cpu --resolution 96x72 --ao none --camera-position 0,9,4 --camera-focal-point 0,1,0 ";

@@ -38,12 +38,13 @@ bool is_on_path(const char* program) {
   return false;
 }
 
-/// As PNG files have it: nearest of 256, NaN as 0.
+/// Quantizes [0, 1] to 8 bits as PNG files do: rounds to the nearest of 256 values; NaN becomes 0.
 std::uint8_t byte_of(float v) {
   constexpr float kMax = 255.0f;
   return v > 0.0f ? std::uint8_t(std::min(v, 1.0f) * kMax + 0.5f) : std::uint8_t(0);
 }
 
+/// Returns the arguments of ffmpeg.
 std::vector<std::string> words_for(const std::string& ending, const VideoSettings& settings, const fs::path& part) {
   std::vector<std::string> words = {"-hide_banner", "-nostdin", "-loglevel", "error", "-y"};
   const auto add = [&](std::initializer_list<std::string> more) { words.insert(words.end(), more); };
@@ -51,10 +52,10 @@ std::vector<std::string> words_for(const std::string& ending, const VideoSetting
        fmt::format("{}x{}", settings.width, settings.height), "-framerate", fmt::format("{:g}", settings.frame_rate),
        "-i", "pipe:0", "-an"});
   if (ending == "gif") {
-    // Colours of its own, of all frames.
+    // One palette, computed from all frames.
     add({"-filter_complex", "split[a][b];[a]palettegen[p];[b][p]paletteuse", "-loop", "0"});
   } else {
-    // Pictures are sRGB, whose primaries are Rec.709's; players take the matrix of untagged ones for another.
+    // sRGB has the primaries of Rec. 709. Without the tags, players assume another conversion matrix.
     add({"-vf", "scale=out_color_matrix=bt709:out_range=tv", "-pix_fmt", settings.alpha ? "yuva420p" : "yuv420p",
          "-color_primaries", "bt709", "-color_trc", "bt709", "-colorspace", "bt709", "-color_range", "tv"});
     if (ending == "webm")
@@ -75,14 +76,15 @@ bool is_video(const fs::path& file) {
 Result<void> check_video(const fs::path& file, const VideoSettings& settings) {
   const std::string ending = ending_of(file);
   if (ending != "gif" && (settings.width % 2 != 0 || settings.height % 2 != 0))
-    return usage_error("--resolution cannot be {},{}: a .{} has sides of even numbers of pixels", settings.width,
+    return usage_error("--resolution cannot be {},{}: width and height of a .{} must be even", settings.width,
                        settings.height, ending);
   if (ending == "mp4" && settings.alpha)
-    return usage_error("--no-background is for a .webm or .gif, or pictures: a .mp4 has no alpha");
+    return usage_error(
+        "--no-background cannot be used with a .mp4, which has no alpha; write a .webm, a .gif or pictures");
   if (!is_on_path(kProgram))
     return file_error(
         "'{}' cannot be written: it needs the program {}, which is not on PATH; numbered pictures, such "
-        "as -o turn.png, do not",
+        "as -o turn.png, do not need it",
         file.string(), kProgram);
   return check_writable(file);
 }
@@ -100,18 +102,18 @@ Result<std::unique_ptr<Video>> Video::begin(const fs::path& file, const VideoSet
 
 Result<void> Video::start() {
   int ends[2] = {-1, -1};
-  said_ = ::memfd_create("umbrage-ffmpeg", MFD_CLOEXEC);
-  if (said_ < 0 || ::pipe2(ends, O_CLOEXEC) != 0)
+  error_output_ = ::memfd_create("umbrage-ffmpeg", MFD_CLOEXEC);
+  if (error_output_ < 0 || ::pipe2(ends, O_CLOEXEC) != 0)
     return file_error("'{}' cannot be written: {}", file_.string(), std::strerror(errno));
   frames_ = ends[1];
-  // In a group of its own: what is typed at the terminal ends this program, which then ends it.
+  // ffmpeg gets its own process group: Ctrl-C at the terminal ends this program, which then ends ffmpeg.
   const ChildProgram program{.program = kProgram,
                              .words = words_for(ending_of(file_), settings_, part_->path()),
-                             .files = {{STDIN_FILENO, ends[0]}, {STDOUT_FILENO}, {STDERR_FILENO, said_}},
+                             .files = {{STDIN_FILENO, ends[0]}, {STDOUT_FILENO}, {STDERR_FILENO, error_output_}},
                              .own_group = true};
   int failed = 0;
   {
-    const SignalsHeld held;
+    const BlockSignals held;
     failed = start_child(program, child_);
     if (failed != 0) child_ = 0;
     set_child(child_);
@@ -131,14 +133,14 @@ Result<void> Video::wait() {
   do waited = ::waitpid(child_, &status, 0);
   while (waited < 0 && errno == EINTR);
   {
-    const SignalsHeld held;
+    const BlockSignals held;
     set_child(0);
     child_ = 0;
   }
   if (waited > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
-  // The first line says what is wrong; those after it what follows from that.
+  // The first line of the output names the cause; the lines after it are consequences.
   std::array<char, 4096> said{};
-  const ssize_t got = ::pread(said_, said.data(), said.size(), 0);
+  const ssize_t got = ::pread(error_output_, said.data(), said.size(), 0);
   std::string_view text(said.data(), std::size_t(std::max<ssize_t>(got, 0)));
   text = text.substr(0, text.find('\n'));
   if (text.starts_with('[') && text.find("] ") != std::string_view::npos) text.remove_prefix(text.find("] ") + 2);
@@ -153,17 +155,17 @@ Result<void> Video::wait() {
 Video::~Video() {
   if (child_ != 0) ::kill(child_, SIGKILL);
   static_cast<void>(bool(wait()));
-  if (said_ >= 0) ::close(said_);
+  if (error_output_ >= 0) ::close(error_output_);
 }
 
 Result<void> Video::add(const Image& frame) {
   if (frame.width != settings_.width || frame.height != settings_.height)
-    return Error{ErrorKind::kInternal, "a frame of a video is not of its size"};
+    return Error{ErrorKind::kInternal, "a frame and its video differ in size"};
   const auto planes = picture_planes(file_, frame, settings_.alpha);
   if (!planes) return planes.error();
   const std::size_t channels = settings_.alpha ? 4 : 3;
   std::vector<std::uint8_t> row(std::size_t(frame.width) * channels);
-  // A program that has ended must not end this one.
+  // Ignore SIGPIPE while writing: if ffmpeg has ended, the write must fail and not end this program.
   struct sigaction ignore {
   }, before{};
   ignore.sa_handler = SIG_IGN;
@@ -185,7 +187,7 @@ Result<void> Video::add(const Image& frame) {
   ::sigaction(SIGPIPE, &before, nullptr);
   if (written) return {};
   if (auto ended = wait(); !ended) return ended;
-  return file_error("'{}' cannot be written: {} reads no more frames", file_.string(), kProgram);
+  return file_error("'{}' cannot be written: {} stopped reading frames", file_.string(), kProgram);
 }
 
 Result<void> Video::finish() {

@@ -10,12 +10,12 @@
 namespace umbrage {
 namespace {
 
-/// Records of earlier versions are of occlusion, and do not say so.
+/// Returns the quantity of a record. Records of earlier versions have no such field and are of occlusion.
 std::string quantity_of(const nlohmann::json& record) {
   return record.value("quantity", std::string(kQuantityNames[int(Quantity::kOcclusion)]));
 }
 
-/// What makes two records the same measurement.
+/// Returns a key that is equal for two records of the same measurement.
 std::string key_of(const nlohmann::json& record) {
   std::string key = quantity_of(record) + '\n';
   for (const char* field : {"scene", "camera", "technique", "setting"})
@@ -23,7 +23,7 @@ std::string key_of(const nlohmann::json& record) {
   return key + fmt::format("{}x{}", record.at("width").get<int>(), record.at("height").get<int>());
 }
 
-/// How much a score may grow before it counts as worse: what rounding on another SIMD target changes, and no more.
+/// Max increase of a score that does not count as worse. It covers differences in rounding between SIMD targets only.
 struct Tolerance {
   const char* field;
   double absolute, relative;
@@ -31,14 +31,14 @@ struct Tolerance {
 constexpr Tolerance kTolerances[] = {
     {"rmse", 5e-4, 0.01}, {"flip", 5e-4, 0.01}, {"p99", 4e-3, 0.01}, {"bias", 5e-4, 0.01}, {"ssim", 1e-3, 0.0}};
 
-/// A score such that less is better.
-double badness(const nlohmann::json& record, std::string_view field) {
+/// Converts a score so that less is better.
+double lower_is_better(const nlohmann::json& record, std::string_view field) {
   const double value = record.at(field).get<double>();
   if (field == "ssim") return 1.0 - value;
   return std::abs(value);
 }
 
-/// A value of a file in an error: on one line, short, whatever it holds.
+/// Returns a JSON value for an error message, on one line and shortened.
 std::string shown(const nlohmann::json& value) {
   if (value.is_structured()) return value.is_array() ? "a list" : "an object";
   constexpr std::size_t kMaxLength = 200;
@@ -50,7 +50,7 @@ std::string shown(const nlohmann::json& value) {
 nlohmann::json terms_json(const Terms& terms) {
   nlohmann::json json = {{"radius", terms.radius}, {"samples", terms.samples},   {"falloff", terms.falloff},
                          {"normal", terms.normal}, {"settings", terms.settings}, {"guard", terms.guard}};
-  // Named only where they are not as usual.
+  // Written only if they differ from the default.
   if (terms.layers != 1) json["layers"] = terms.layers;
   if (terms.extra_views != 0) json["extra_views"] = terms.extra_views;
   if (terms.scale != "full") json["scale"] = terms.scale;
@@ -66,15 +66,15 @@ Result<nlohmann::json> read_baseline(const std::filesystem::path& file) {
   text << stream.rdbuf();
   nlohmann::json baseline = nlohmann::json::parse(text.str(), nullptr, false);
   const auto no_scores = [&] {
-    return file_error("'{}': this is no list of scores, as compare writes into scores.json", file.string());
+    return file_error("'{}': the file is no list of scores; use a scores.json that compare wrote", file.string());
   };
   if (!baseline.is_array() || baseline.empty()) return no_scores();
   for (const nlohmann::json& record : baseline) {
     if (!record.is_object() || !record.contains("format")) return no_scores();
     if (record["format"] != kScoresFormat)
       return file_error(
-          "'{}': its scores are of format {}, which another version measured; this one measures format {}: make it "
-          "anew",
+          "'{}': its scores have format {}, written by another version; this version writes format {}: measure the "
+          "baseline again",
           file.string(), shown(record["format"]), kScoresFormat);
     for (const char* field :
          {"scene", "camera", "technique", "setting", "view", "radius", "falloff", "normal", "settings", "guard"})
@@ -95,13 +95,13 @@ Result<void> check_terms(const nlohmann::json& baseline, const Terms& terms, con
   now["scale"] = terms.scale;
   now["filter"] = terms.filter;
   now["quality"] = terms.quality;
-  const nlohmann::json seldom_named = {
+  const nlohmann::json default_terms = {
       {"layers", 1}, {"extra_views", 0}, {"scale", "full"}, {"filter", ""}, {"quality", ""}};
   for (const nlohmann::json& record : baseline)
     for (const auto& [field, value] : now.items()) {
-      const nlohmann::json& before = record.contains(field) ? record.at(field) : seldom_named.at(field);
+      const nlohmann::json& before = record.contains(field) ? record.at(field) : default_terms.at(field);
       if (before != value)
-        return file_error("'{}': it was measured on other terms: {} {}, now {}", name, field, shown(before),
+        return file_error("'{}': the baseline was measured on other terms: {} {}, now {}", name, field, shown(before),
                           shown(value));
     }
   return {};
@@ -120,26 +120,25 @@ Result<BaselineCheck> check_baseline(const nlohmann::json& baseline, const nlohm
     }
     const nlohmann::json& after = *found->second;
     if (before.at("view") != after.at("view"))
-      return file_error("'{}': its camera '{}' of '{}' looked elsewhere: {}, now {}", name,
+      return file_error("'{}': its camera '{}' of '{}' has another view: {}, now {}", name,
                         before.at("camera").get<std::string>(), before.at("scene").get<std::string>(),
                         shown(before.at("view")), shown(after.at("view")));
     ++check.compared;
     for (const auto& [field, absolute, relative] : kTolerances) {
-      const double bad_before = badness(before, field), bad_now = badness(after, field);
+      const double bad_before = lower_is_better(before, field), bad_now = lower_is_better(after, field);
       if (!(bad_now > bad_before + absolute + relative * bad_before)) continue;
       check.worse.push_back(fmt::format(
           "{}, camera {}, {}x{}, {} {}: {}{} was {:.4f} and is {:.4f}", after.at("scene").get<std::string>(),
           after.at("camera").get<std::string>(), after.at("width").get<int>(), after.at("height").get<int>(),
           after.at("technique").get<std::string>(),
-          after.at("setting").get<std::string>().empty() ? "as the look has it"
-                                                         : after.at("setting").get<std::string>(),
+          after.at("setting").get<std::string>().empty() ? "look defaults" : after.at("setting").get<std::string>(),
           quantity_of(after) == "light" ? "light's " : "", field, before.at(field).get<double>(),
           after.at(field).get<double>()));
     }
   }
   if (check.compared == 0)
-    return file_error("'{}': none of its {} scores is of a scene, camera, size and technique that were compared now",
-                      name, check.missing);
+    return file_error("'{}': none of its {} scores has a scene, camera, size and technique of this comparison", name,
+                      check.missing);
   return check;
 }
 

@@ -1,4 +1,4 @@
-// Baseline: the scores of an earlier comparison, read and held against those of now.
+// Baseline: reads the scores of an earlier comparison and compares new scores with them.
 #pragma once
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -11,28 +11,30 @@ namespace umbrage {
 
 struct Terms;
 
-/// Number of the records' meaning: it grows when the truth or a metric is defined anew, and scores no longer compare.
+/// Version of the records. It increases when the definition of the ground truth or of a metric changes, so that scores
+/// are no longer comparable.
 inline constexpr int kScoresFormat = 2;
 
-/// What became of an earlier run's scores.
+/// Result of a comparison with a baseline.
 struct BaselineCheck {
-  std::vector<std::string> worse;  ///< a sentence for each score that got worse
-  int compared = 0, missing = 0;   ///< records of the baseline that were measured again, and that were not
+  std::vector<std::string> worse;  ///< one sentence for each score that is worse
+  int compared = 0, missing = 0;   ///< records of the baseline with and without a new score
 };
 
-/// Reads what scores_json made. Errors: kFile for a file that is no list of scores, or of another format.
+/// Reads records written by scores_json. Errors: kFile for a file that is not a list of scores or has another format.
 Result<nlohmann::json> read_baseline(const std::filesystem::path& file);
 
-/// The fields that say on what terms scores were measured.
+/// Returns the fields of `terms` as JSON; those with their default value may be omitted.
 nlohmann::json terms_json(const Terms& terms);
 
-/// Whether a baseline was measured on these terms. Errors: kFile, naming the first that differs. `name` is what errors
-/// call the baseline.
+/// Checks that a baseline was measured on these terms. Errors: kFile, naming the first field that differs. `name` is
+/// the name of the baseline in errors.
 Result<void> check_terms(const nlohmann::json& baseline, const Terms& terms, const std::string& name);
 
-/// Holds scores against those of a baseline, which `name` is called in errors. A score got worse where rmse, flip, p99,
-/// 1 - ssim or |bias| grew by more than its tolerance, which covers what another SIMD target's rounding changes. Times
-/// do not count. Errors: kFile where a camera of the same name looked elsewhere, or nothing was measured again.
+/// Compares scores with those of a baseline. `name` is the name of the baseline in errors. A score is worse if rmse,
+/// flip, p99, 1 - ssim or |bias| increased by more than its tolerance, which covers differences in rounding between
+/// SIMD targets. Times are not compared. Errors: kFile if a camera of the same name has another view, or if no record
+/// was measured again.
 Result<BaselineCheck> check_baseline(const nlohmann::json& baseline, const nlohmann::json& scores,
                                      const std::string& name);
 

@@ -36,11 +36,11 @@ Result<std::vector<const Effect*>> techniques_of(const CompareSettings& settings
   return chosen;
 }
 
-/// Whether a technique writes `indirect` at these settings.
-bool gathers_light(const Effect& effect, const ParameterBytes& params) {
-  return std::any_of(effect.passes.begin(), effect.passes.end(), [&](const Pass& pass) {
-    return (!pass.needed || pass.needed(params)) &&
-           std::find(pass.outputs.begin(), pass.outputs.end(), kQuantityPlanes[1][0]) != pass.outputs.end();
+/// Returns whether a technique writes `indirect` at these settings.
+bool computes_indirect_light(const Effect& effect, const ParameterBytes& params) {
+  return std::any_of(effect.dispatches.begin(), effect.dispatches.end(), [&](const Dispatch& dispatch) {
+    return (!dispatch.needed || dispatch.needed(params)) &&
+           std::find(dispatch.outputs.begin(), dispatch.outputs.end(), kQuantityPlanes[1][0]) != dispatch.outputs.end();
   });
 }
 
@@ -55,7 +55,7 @@ Result<const Effect*> filter_of(const CompareSettings& settings) {
   return find_effect(settings.filter);
 }
 
-/// What the device is to capture.
+/// Returns the capture settings; with light also shadows, and back sides if there is more than one layer.
 Result<CaptureSettings> capture_with(const CompareSettings& settings, const Request& draw, const Look& look) {
   Look wanted = look;
   auto capture = capture_settings(draw, wanted, settings.light ? kMaxShadows : 0);
@@ -64,12 +64,12 @@ Result<CaptureSettings> capture_with(const CompareSettings& settings, const Requ
   return capture_settings(draw, wanted, kMaxShadows);
 }
 
-/// The look's settings with everything the user said, and what light needs: a filter that filters it, no ambient light
-/// and no highlights.
+/// Returns the recipe of the look `ao` with the user's settings. With light: the filter also filters `indirect`, and
+/// there is no ambient light and no highlights.
 Result<Recipe> recipe_of(const CompareSettings& settings) {
   Request draw = settings.draw;
   draw.look = "ao";
-  draw.anti_aliasing = 1;  // a technique is scored alone
+  draw.anti_aliasing = 1;  // score the technique without averaging
   if (const auto filter = filter_of(settings); !filter)
     return filter.error();
   else if (*filter && settings.light && find_parameter(**filter, "indirect"))
@@ -81,12 +81,12 @@ Result<Recipe> recipe_of(const CompareSettings& settings) {
   return make_recipe(draw);
 }
 
-/// The radius as it would be written: the reference's own where nobody says.
+/// Returns the radius as an option value; default: that of the reference.
 std::string radius_text(const CompareSettings& settings) {
   return settings.draw.occlusion_radius.empty() ? reference_radius() : settings.draw.occlusion_radius;
 }
 
-/// A camera in numbers, rounded so that another compiler's last bits do not matter.
+/// Formats a camera, rounded so that differences in floating-point rounding between compilers do not matter.
 std::string view_text(const Camera& camera) {
   const glm::vec3 eye = camera.eye();
   const glm::mat4& m = camera.view_from_world;
@@ -95,7 +95,7 @@ std::string view_text(const Camera& camera) {
                      eye.z, -m[0][2], -m[1][2], -m[2][2], camera.left, camera.right, camera.bottom, camera.top);
 }
 
-/// Everything about one run that does not change from picture to picture.
+/// The state of one comparison.
 struct Run {
   Device& device;
   const CompareSettings& settings;
@@ -106,8 +106,8 @@ struct Run {
   double error_sum = 0.0, light_error_sum = 0.0, truth_sum = 0.0;
   long pictures = 0, light_pictures = 0, pixels = 0;
 
-  // Of the whole work: where the picture in hand begins, what it is, and how many of its units of time are done. A unit
-  // is what a ray of each pixel takes, about.
+  // Progress. start, span: beginning and length of the present picture, as fractions of the whole work. units, done:
+  // all work units of the picture and those that are done. A unit is about the time of one ray per pixel.
   double start = 0.0, span = 1.0, units = 1.0, done = 0.0;
 
   bool tell(const std::string& what, double more = 0.0) const {
@@ -118,21 +118,22 @@ struct Run {
   }
 };
 
-/// What a variant of a technique takes, in units of a Run. Those that trace nothing take a fraction of a second.
+/// Returns the estimated work of a variant of a technique, in units of Run. Techniques without ray tracing take a
+/// fraction of a second.
 double units_of(const Run& run, const Effect& effect) {
   constexpr double kQuick = 2.0;
   if (&effect != &reference_effect()) return kQuick;
   return double(as<ReferenceParams>(params_of(run.recipe.settings, effect.name)).samples);
 }
 
-/// What a picture takes.
+/// Returns the estimated work of a picture, in units of Run.
 double units_of_picture(const Run& run) {
   double sum = double(run.settings.samples) * (run.settings.light ? 2.0 : 1.0);
   for (const Effect* effect : run.techniques) sum += double(effect->variants.size()) * units_of(run, *effect);
   return sum;
 }
 
-/// Runs one technique, with its filter; what it writes is then in the frame. Gives the median time.
+/// Runs one technique with its filter; the results are then in the frame. Returns the median time, milliseconds.
 Result<double> run_technique(const Run& run, const TracedScene& traced, const Effect& effect,
                              const EffectSettings& settings, Frame& frame, const std::string& what) {
   const bool traces = &effect == &reference_effect();
@@ -145,10 +146,10 @@ Result<double> run_technique(const Run& run, const TracedScene& traced, const Ef
   };
   const LookRun look_run{.look = &look,
                          .occlusion = effect.name,
-                         .occlusion_every = run.recipe.occlusion_every,
+                         .occlusion_downsampling = run.recipe.occlusion_downsampling,
                          .settings = &settings,
-                         .handed_in = handed_in(),
-                         .run_handed_in = run_reference};
+                         .external_effects = external_effects(),
+                         .run_external_effect = run_reference};
   std::vector<double> ms;
   for (int k = traces ? 1 : 0; k <= (traces ? 1 : run.settings.runs); ++k) {
     StageTimes times;
@@ -161,7 +162,8 @@ Result<double> run_technique(const Run& run, const TracedScene& traced, const Ef
   return ms[ms.size() / 2];
 }
 
-/// The truths of a picture, one per quantity; light's is missing where it is not asked for, or where there is none.
+/// Traces the ground truths of a picture, one per quantity. Light is missing if it is not requested, or if no surface
+/// receives any.
 Result<std::vector<Truth>> trace_truths(Run& run, const TracedScene& traced, const PictureInfo& info, float radius,
                                         const ClassMap& classes, const std::string& what) {
   const auto& reference = as<ReferenceParams>(params_of(run.recipe.settings, "reference"));
@@ -178,7 +180,8 @@ Result<std::vector<Truth>> trace_truths(Run& run, const TracedScene& traced, con
     return traced_half;
   });
   if (!occlusion) return occlusion.error();
-  if (occlusion->pixels == 0) return usage_error("'{}' shows nothing: move the camera or leave it to be placed", what);
+  if (occlusion->pixels == 0)
+    return usage_error("'{}' shows nothing: move the camera or omit the camera options", what);
   run.error_sum += occlusion->error;
   ++run.pictures;
   run.truth_sum += occlusion->sum;
@@ -196,9 +199,8 @@ Result<std::vector<Truth>> trace_truths(Run& run, const TracedScene& traced, con
   if (!light) return light.error();
   const double mean = mean_of(light->planes, classes);
   if (!(mean > 0.0)) {
-    run.result.warnings.push_back(
-        fmt::format("'{}': no surface sends light to another one within {:.4g} scene units: its light is not compared",
-                    what, radius));
+    run.result.warnings.push_back(fmt::format(
+        "'{}': no surface receives indirect light within {:.4g} scene units: its light is not compared", what, radius));
     return truths;
   }
   run.light_error_sum += light->error / (mean * mean);
@@ -207,7 +209,7 @@ Result<std::vector<Truth>> trace_truths(Run& run, const TracedScene& traced, con
   return truths;
 }
 
-/// Lights the frame, all layers of it, as the user and recipe_of have it.
+/// Runs the effect `lighting` on all layers of the frame, with the settings of the recipe.
 Result<void> light_frame(const Run& run, Frame& frame) {
   const Effect& lighting = *find_effect("lighting");
   const ParameterBytes& params = params_of(run.recipe.settings, lighting.name);
@@ -256,7 +258,7 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
       ParameterBytes& params = params_of(settings, effect->name);
       if (effect->set_radius) effect->set_radius(*radius, frame->info, params);
       for (const std::string& setting : draw.settings)
-        if (auto done = apply_setting(settings, setting, handed_in()); !done) return done;
+        if (auto done = apply_setting(settings, setting, external_effects()); !done) return done;
       if (auto done = apply_variant(settings, *effect, variant); !done) return done;
       if (effect == &reference_effect()) {
         auto& reference = as<ReferenceParams>(params);
@@ -271,10 +273,10 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
       run.done += units_of(run, *effect);
       for (ComparedView& view : views) {
         const bool light = view.quantity == Quantity::kLight;
-        if (light && !gathers_light(*effect, params)) continue;
+        if (light && !computes_indirect_light(*effect, params)) continue;
         auto picture = run.device.download(*frame, kQuantityPlanes[int(view.quantity)]);
         if (!picture) return picture.error();
-        if (!light) clamp_to_shown(*picture);
+        if (!light) clamp_occlusion(*picture);
         run.result.scores.push_back(
             {view.quantity, model, shot.name, std::string(effect->name), std::string(variant),
              std::string(run.device.name()), view_text(inner_camera(frame->info)), size.first, size.second, *ms,
@@ -288,14 +290,14 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
   return {};
 }
 
-/// Whether any of the techniques gathers light at any of its settings.
+/// Checks that at least one variant of the techniques gathers light. Errors: kUsage.
 Result<void> check_light(const CompareSettings& settings, const Recipe& recipe) {
   const auto techniques = techniques_of(settings);
   for (const Effect* effect : *techniques)
     for (const std::string_view variant : effect->variants) {
       EffectSettings with = recipe.settings;
       if (auto done = apply_variant(with, *effect, variant); !done) return done;
-      if (gathers_light(*effect, params_of(with, effect->name))) return {};
+      if (computes_indirect_light(*effect, params_of(with, effect->name))) return {};
     }
   return usage_error("--light needs a technique that gathers light, and {} does not: name hemisphere too",
                      fmt::join(settings.techniques, ", "));
@@ -336,9 +338,9 @@ Terms terms_of(const CompareSettings& settings) {
           .guard = fmt::format("{:g}%", settings.draw.guard_band),
           .layers = captured ? captured->layers : 1,
           .extra_views = settings.draw.extra_views.value_or(recipe->look->extra_views),
-          .scale = recipe->occlusion_every == 1   ? "full"
-                   : recipe->occlusion_every == 2 ? "half"
-                                                  : "quarter",
+          .scale = recipe->occlusion_downsampling == 1   ? "full"
+                   : recipe->occlusion_downsampling == 2 ? "half"
+                                                         : "quarter",
           .filter = settings.filter,
           .quality = settings.draw.quality};
 }
@@ -361,7 +363,7 @@ Result<Comparison> compare(Device& device, const CompareSettings& settings) {
     auto scene = read_model(settings, model, model_start, result.warnings);
     if (!scene) return scene.error();
     if (auto ready = device.prepare(*scene); !ready) return ready.error();
-    const auto traced = trace_ready(*scene);
+    const auto traced = build_traced_scene(*scene);
     if (!traced) return traced.error();
     const std::vector<Light> own_lights = scene->lights;
     const std::vector<CameraShot> shots = shots_of(*scene, framing_of(settings.draw.camera), settings.cameras);

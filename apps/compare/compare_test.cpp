@@ -1,4 +1,5 @@
-// `umbrage compare`: scores, page, baseline, bad input; and rung 4, the recorded scores of every technique.
+// Tests of `umbrage compare`: scores, page, baseline, invalid input, and the recorded scores of every technique (rung
+// 4).
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -22,12 +23,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// ---- rung 4
+// ---- Recorded scores (rung 4)
 // --------------------------------------------------------------------------------------------------------------------
 
-// The scores that tests/scores.json holds were made, and are made anew where a technique became better, by
+// The scores in tests/scores.json are a copy of the scores.json of
 //   umbrage compare $(models) --ao all --resolution 240,135 --cameras 1 --samples 64 --runs 1 -o FOLDER
-// with the models below; scores.json is then copied.
+// with the models below. They are recorded again when a technique improves.
 std::vector<std::string> recorded_models() {
   std::vector<std::string> models;
   for (const BuiltinScene& scene : builtin_scenes()) models.push_back(fmt::format("scene:{}?detail=20000", scene.name));
@@ -53,9 +54,9 @@ void expect_none_worse(const char* file, CompareSettings settings) {
   const auto check = check_baseline(*baseline, scores_json(*comparison), recorded.string());
   ASSERT_TRUE(check) << check.error().message;
   for (const std::string& sentence : check->worse) ADD_FAILURE() << sentence;
-  EXPECT_EQ(check->missing, 0) << "scores are recorded of what is no longer there";
+  EXPECT_EQ(check->missing, 0) << "scores are recorded of a technique, variant or scene that no longer exists";
   EXPECT_EQ(check->compared, int(comparison->scores.size()))
-      << "a technique, variant or scene has no recorded score: record them as the top of this file says";
+      << "a technique, variant or scene has no recorded score: record them as described at the top of this file";
 }
 
 TEST(RecordedScores, NoTechniqueGotWorse) {
@@ -64,7 +65,7 @@ TEST(RecordedScores, NoTechniqueGotWorse) {
   expect_none_worse("scores.json", settings);
 }
 
-// Those of light, in tests/light_scores.json, by
+// The scores of light, in tests/light_scores.json, are those of
 //   umbrage compare "scene:atrium?detail=20000" "scene:solids?detail=20000" --ao hemisphere,bitmask --light --layers 2
 //     --resolution 240,135 --cameras 1 --samples 64 --runs 1 -o FOLDER
 TEST(RecordedScores, NoLightGotWorse) {
@@ -76,10 +77,10 @@ TEST(RecordedScores, NoLightGotWorse) {
   expect_none_worse("light_scores.json", settings);
 }
 
-// ---- scores and baseline
+// ---- Scores and baseline
 // -------------------------------------------------------------------------------------------------------
 
-/// A comparison over one picture of `solids`, timed once.
+/// Returns settings for one picture of scene:solids, timed once.
 CompareSettings of_solids(int detail, std::pair<int, int> size, int samples) {
   CompareSettings settings;
   settings.models = {fmt::format("scene:solids?detail={}", detail)};
@@ -97,7 +98,7 @@ Comparison compared(const CompareSettings& settings) {
   return *made;
 }
 
-/// A comparison of one small picture.
+/// A comparison of a small scene at two sizes, shared by several tests.
 const Comparison& small_comparison() {
   static const Comparison comparison = [] {
     CompareSettings settings = of_solids(7000, {96, 64}, 16);
@@ -135,11 +136,11 @@ TEST(Compare, MoreRaysComeCloserToTheTruth) {
   EXPECT_GT(rmse["samples=1"], 1.5 * rmse["samples=4"]);
   EXPECT_GT(rmse["samples=4"], 1.5 * rmse["samples=16"]);
   EXPECT_GT(rmse["samples=16"], rmse[""]);
-  EXPECT_GT(rmse[""], 0.0) << "the technique's rays must not be the truth's own";
+  EXPECT_GT(rmse[""], 0.0) << "the technique must not use the rays of the ground truth";
 }
 
 TEST(Compare, TheTruthKnowsItsNoise) {
-  // 64 rays against 16: their difference is the root of the sum of both variances, and the truth's part is its noise.
+  // The RMSE is the root of the sum of the variances of technique and ground truth, which includes the latter's noise.
   const Comparison& comparison = small_comparison();
   EXPECT_GT(comparison.noise, 0.005);
   EXPECT_LT(comparison.noise, 0.1);
@@ -213,7 +214,7 @@ TEST(Compare, BaselineOfSomethingElseIsAnError) {
     EXPECT_EQ(wrong.error().kind, ErrorKind::kFile);
     EXPECT_NE(wrong.error().message.find(field + " " + value.dump()), std::string::npos) << wrong.error().message;
   }
-  // Scores of one layer do not name it.
+  // Scores of one layer have no field `layers`.
   Terms deep = terms;
   deep.layers = 2;
   const auto shallow = check_terms(scores, deep, "old.json");
@@ -281,16 +282,17 @@ TEST(Compare, EachQualityComesCloserToTheTruth) {
 TEST(Compare, GuardBandIsCutOffBeforeScoring) {
   auto device = make_device("cpu", 0);
   CompareSettings settings = of_solids(7000, {64, 48}, 16);
-  settings.draw.camera.zoom = 3.0f;  // surfaces fill the picture up to its border
+  settings.draw.camera.zoom = 3.0f;  // surfaces fill the picture
   const auto without = compare(**device, settings);
   settings.draw.guard_band = 25.0f;
   const auto with = compare(**device, settings);
   ASSERT_TRUE(without && with);
   EXPECT_EQ(with->views[0].truth.width, 64);
   EXPECT_EQ(with->views[0].truth.height, 48);
-  // The same surfaces are counted.
+  // The same surface pixels count.
   EXPECT_EQ(with->scores[0].card.covered.pixels, without->scores[0].card.covered.pixels);
-  // The truth is the same but where rounding moves a silhouette, and a window at the frame's border sees more.
+  // The ground truth is the same except where rounding moves a silhouette. Kernel windows at the border cover more
+  // pixels.
   long different = 0;
   const Plane &a = with->views[0].truth.plane("ao"), &b = without->views[0].truth.plane("ao");
   for (int y = 0; y < a.height; ++y)
@@ -303,7 +305,7 @@ TEST(Compare, GuardBandIsCutOffBeforeScoring) {
   EXPECT_GT(changed, 0);
 }
 
-/// The same picture's light, by hemisphere and reference.
+/// A comparison of light of one small picture, shared by several tests.
 const Comparison& light_comparison() {
   static const Comparison comparison = [] {
     CompareSettings settings = of_solids(7000, {96, 64}, 64);
@@ -314,7 +316,7 @@ const Comparison& light_comparison() {
   return comparison;
 }
 
-TEST(Compare, LightIsScoredOfWhatGathersIt) {
+TEST(Compare, LightIsScoredForTechniquesThatGatherIt) {
   const Comparison& comparison = light_comparison();
   std::map<std::string, ScoreCard> light;
   std::size_t occlusion = 0;
@@ -334,14 +336,14 @@ TEST(Compare, LightIsScoredOfWhatGathersIt) {
   EXPECT_EQ(occlusion, variants);
   EXPECT_EQ(light.size(), bleeding);
   EXPECT_GT(bleeding, 5u);
-  // More rays come closer, and no side is favoured.
+  // More rays come closer, without bias.
   EXPECT_GT(light["reference samples=1"].covered.rmse, 1.5 * light["reference samples=4"].covered.rmse);
   EXPECT_GT(light["reference samples=4"].covered.rmse, 1.3 * light["reference samples=16"].covered.rmse);
   EXPECT_GT(light["reference samples=16"].covered.rmse, light["reference "].covered.rmse);
   EXPECT_LT(std::abs(light["reference "].covered.bias), 0.03);
   EXPECT_LT(light["reference "].covered.rmse, 2.0 * comparison.light_noise);
   EXPECT_GT(light["reference "].covered.rmse, 0.7 * comparison.light_noise);
-  // What is gathered is nearer to the truth than none is, whose bias is -1.
+  // The gathered light is closer to the ground truth than no light, which has a bias of -1.
   const ScoreCard& gathered = light["hemisphere samples=64 bleeding=1"];
   EXPECT_LT(std::abs(gathered.covered.bias), 0.5);
   EXPECT_GT(gathered.covered.rmse, 3.0 * light["reference "].covered.rmse);
@@ -389,7 +391,7 @@ TEST(Compare, LightHasItsOwnRecordsAndPictures) {
   EXPECT_EQ(found->worse.size(), of_light);
   ASSERT_GT(of_light, 0u);
   EXPECT_NE(found->worse[0].find("light's rmse"), std::string::npos) << found->worse[0];
-  // Records of earlier versions are of occlusion.
+  // Records of earlier versions without `quantity` are of occlusion.
   nlohmann::json old = nlohmann::json::array();
   for (nlohmann::json record : scores)
     if (record.at("quantity") == "occlusion") {
@@ -403,8 +405,8 @@ TEST(Compare, LightHasItsOwnRecordsAndPictures) {
   EXPECT_TRUE(with_old->worse.empty());
 }
 
-TEST(Compare, WhereNoLightIsSentNoneIsScored) {
-  // A single square: nothing sends light to it.
+TEST(Compare, PicturesWithoutLightHaveNoLightScore) {
+  // A single square receives no indirect light.
   const auto folder = fs::temp_directory_path() / fmt::format("umbrage_flat_{}", ::getpid());
   fs::create_directories(folder);
   std::ofstream(folder / "flat.obj") << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
@@ -455,14 +457,14 @@ TEST(Compare, FiltersAndScaleChangeWhatTheySay) {
     EXPECT_LT(filtered[row], 0.95 * plain[row]) << row;
     EXPECT_GT(std::abs(quarter[row] - plain[row]), 0.01 * plain[row]) << row;
   }
-  // The yardstick is neither filtered nor reduced.
+  // The reference is neither filtered nor run at reduced resolution.
   for (const char* row : {"occlusion reference samples=1", "light reference samples=1"}) {
     EXPECT_EQ(filtered[row], plain[row]) << row;
     EXPECT_EQ(quarter[row], plain[row]) << row;
   }
 }
 
-TEST(Compare, PageHoldsItsDataAndNothingElseFromOutside) {
+TEST(Compare, PageIsSelfContained) {
   auto device = make_device("cpu", 0);
   const auto page = report_page(small_comparison(), "umbrage compare </script><!-- \xff", **device);
   ASSERT_TRUE(page);
@@ -563,7 +565,7 @@ TEST_F(CompareCli, BadBaselineGetsASentence) {
   // Another view has the same name.
   const auto moved = run(kQuick + " --camera-azimuth-angle 50 -o r --baseline one/scores.json");
   EXPECT_EQ(moved.code, 3);
-  EXPECT_NE(moved.err.find("looked elsewhere"), std::string::npos) << moved.err;
+  EXPECT_NE(moved.err.find("has another view"), std::string::npos) << moved.err;
 }
 
 }  // namespace

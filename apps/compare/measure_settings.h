@@ -1,4 +1,4 @@
-// What comparing and tuning share: scenes, views, the truth, and how often a time is taken.
+// Settings shared by compare and tune: models, cameras, ground truth and number of timed runs.
 #pragma once
 #include <functional>
 #include <string>
@@ -12,26 +12,27 @@
 
 namespace umbrage {
 
-inline constexpr Interval kCameras{1, 100, NumberKind::kWhole}, kSamples{2, kMaxSamples, NumberKind::kEven},
-    kRuns{1, 1000, NumberKind::kWhole};
+inline constexpr Interval kCameras{1, 100, NumberKind::kInteger}, kSamples{2, kMaxSamples, NumberKind::kEven},
+    kRuns{1, 1000, NumberKind::kInteger};
 
-/// Numbers lie in the intervals above.
+/// Settings of a measurement. The numbers are in the intervals above.
 struct MeasureSettings {
   std::vector<std::string> models;  ///< as for load_scene
   ImportSettings import;
   Request draw;
-  int cameras = 2;    ///< at most so many per scene: its suggested views, or turns around a file's model
-  int samples = 256;  ///< of the truth, per pixel; even
-  int runs = 3;       ///< behind each time, after one that does not count; the reference runs once
-  /// Reads a model; its camera, where `draw` names one, is chosen afterwards.
+  int cameras = 2;    ///< max cameras per scene: its suggested views, or turns around a file's model
+  int samples = 256;  ///< rays per pixel of the ground truth; even
+  int runs = 3;       ///< timed runs, after one that does not count; the reference runs once
+  /// Reads a model. The camera that `draw` names is chosen afterwards.
   std::function<Result<Scene>(const std::string&, const ImportSettings&)> load =
       [](const std::string& model, const ImportSettings& settings) { return load_scene(model, settings); };
-  /// Told what is done now, and about the share of the whole that is done; false ends the work.
+  /// Receives the activity and the approximate fraction of the whole work that is done, 0 to 1. Returning false ends
+  /// the work with kInterrupted.
   std::function<bool(const std::string&, double)> progress = [](const std::string&, double) { return true; };
 };
 
-/// Reads a model, with the camera that `draw` names. `done` is the share of the whole that is done before. Errors: as
-/// `load`, and kInterrupted.
+/// Reads a model and selects the camera that `draw` names. Appends the warnings. `done`: fraction of the whole work
+/// that is done before, for progress. Errors: those of `load` and use_camera; kInterrupted.
 inline Result<Scene> read_model(const MeasureSettings& settings, const std::string& model, double done,
                                 std::vector<std::string>& warnings) {
   if (!settings.progress("reading " + model, done)) return interrupted();

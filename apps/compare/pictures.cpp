@@ -7,9 +7,9 @@
 namespace umbrage {
 namespace {
 
-constexpr float kTurnDeg = 120.0f;  // from one camera around a file's model to the next
-constexpr int kTurns = 3;           // after which the first one comes again
-// Seeds of the truth's two halves, away from those that people give to the technique `reference`.
+constexpr float kTurnDeg = 120.0f;  // angle between two cameras around a file's model
+constexpr int kTurns = 3;           // number of such cameras: 3 * 120 degrees is a full turn
+// Seeds of the two halves of the ground truth, unlikely to be used with the technique `reference`.
 constexpr std::uint32_t kFirstSeed = 0x51ed2701u, kSecondSeed = 0x0b5e77edu;
 
 }  // namespace
@@ -68,7 +68,7 @@ Result<GBuffer> downloaded(Device& device, const Frame& frame) {
   return GBuffer{inner_info(frame.info), {std::move(*planes)}};
 }
 
-void clamp_to_shown(Image& image) {
+void clamp_occlusion(Image& image) {
   Plane& ao = image.plane("ao");
   for (int y = 0; y < ao.height; ++y)
     for (int x = 0; x < ao.width; ++x) ao.at(x, y) = std::clamp(ao.at(x, y), 0.0f, 1.0f);
@@ -79,7 +79,7 @@ Result<void> check_pictures(const std::vector<std::string>& models, int cameras,
   if (!kRuns.has(runs)) return usage_error("--runs cannot be '{}': it takes {}", runs, kRuns.words());
   if (!kSamples.has(samples)) return usage_error("--samples cannot be '{}': it takes {}", samples, kSamples.words());
   for (const std::string& model : models)
-    if (std::count(models.begin(), models.end(), model) > 1) return usage_error("the model '{}' is named twice", model);
+    if (std::count(models.begin(), models.end(), model) > 1) return usage_error("the model '{}' is given twice", model);
   return {};
 }
 

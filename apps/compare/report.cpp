@@ -10,7 +10,7 @@
 namespace umbrage {
 namespace {
 
-/// page.html, made a string by the build.
+/// The content of page.html, which the build converts to a string literal.
 constexpr std::string_view kPage =
 #include "compare_page.inc"
     ;
@@ -32,7 +32,7 @@ std::string base64(std::string_view bytes) {
   return out;
 }
 
-/// A PNG of one plane as it is, or of three of linear light, exposed, as a display shows them.
+/// Returns a PNG as a data URL: of one plane unchanged, or of three planes of linear light after exposure and sRGB.
 Result<std::string> data_url(const Image& picture, float exposure) {
   constexpr const char* kColor[] = {"color.r", "color.g", "color.b"};
   const bool light = picture.planes.size() == 3;
@@ -49,7 +49,7 @@ Result<std::string> data_url(const Image& picture, float exposure) {
   return "data:image/png;base64," + base64(*bytes);
 }
 
-/// Classes as greys: 60, 120, 180, 240 of 255 in the order of PixelClass, 0 for the background.
+/// Returns the pixel classes as grey values: 60, 120, 180, 240 of 255 in the order of PixelClass, 0 for the background.
 Image class_picture(const ClassMap& classes) {
   constexpr float kStep = 60.0f / 255.0f;
   Image image(classes.width, classes.height);
@@ -134,7 +134,7 @@ Result<std::string> report_page(const Comparison& comparison, const std::string&
     }
     data["views"].push_back(std::move(record));
   }
-  // Names come from the command line: they may hold what ends a script, or bytes that are no UTF-8.
+  // Names come from the command line. They may contain text that ends a script, or bytes that are not UTF-8.
   std::string text = data.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   for (std::size_t at = text.find("</"); at != std::string::npos; at = text.find("</", at + 3))
     text.insert(at + 1, "\\");

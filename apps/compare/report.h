@@ -1,4 +1,4 @@
-// Report: a comparison as flat JSON records and as one HTML page that opens offline.
+// Report: writes a comparison as flat JSON records and as one self-contained HTML page.
 #pragma once
 #include <nlohmann/json.hpp>
 #include <string>
@@ -8,16 +8,16 @@
 
 namespace umbrage {
 
-/// One record per score: quantity (one of kQuantityNames), scene, camera, technique, setting, device, width, height,
-/// ms, rmse, bias, psnr (null where it is infinite), ssim, p99, flip, the same for each class of pixel as rmse_open ...
-/// (null where a class has no pixels), `view`, the camera in numbers, and what the scores rest on: `format` and the
-/// fields of Terms.
+/// Returns one record per score: quantity (one of kQuantityNames), scene, camera, technique, setting, device, width,
+/// height, ms, rmse, bias, psnr (null if infinite), ssim, p99, flip; the same scores for each class of pixels as
+/// rmse_open
+/// ... (null if a class has no pixels); `view`, the camera as text; `format` and the fields of Terms.
 nlohmann::json scores_json(const Comparison& comparison);
 
-/// The text of scores.json: the records, one per line.
+/// Returns the text of scores.json: the records, one per line.
 std::string scores_text(const nlohmann::json& scores);
 
-/// The page, whole: scores, pictures, script. `command` is shown in its head.
+/// Returns the complete page: scores, pictures and script. `command` is shown in its head.
 Result<std::string> report_page(const Comparison& comparison, const std::string& command, const Device& device);
 
 }  // namespace umbrage

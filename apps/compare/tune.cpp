@@ -15,29 +15,29 @@
 namespace umbrage {
 namespace {
 
-constexpr double kTruthShare = 0.3;  // of the time, before the first trial; it is as good as any
+constexpr double kTruthFraction = 0.3;  // fraction of the progress before the first trial; a rough guess
 constexpr std::array<std::string_view, 3> kScales = {"full", "half", "quarter"};
-// Of the budget: up to here settings that are too slow are still searched from.
-constexpr double kTooSlow = 1.3;
-// Errors that differ by no more than this share are as good as each other.
-constexpr double kAsClose = 0.005;
-// A step of a number.
+// Max time, relative to the budget, of a trial that the search continues from.
+constexpr double kMaxTimeFactor = 1.3;
+// Errors count as equal if they differ by at most this fraction.
+constexpr double kEqualErrorTolerance = 0.005;
+// Factor of one step of a number.
 constexpr double kStep = 1.4142135623730951;
 
-/// What a trial is made of.
+/// The settings of a trial.
 struct Candidate {
   EffectSettings settings;
-  int every = 1;  ///< see LookRun
+  int every = 1;  ///< downsampling factor of occlusion, see LookRun
 };
 
-/// One picture, ready to be shaded, with its truth.
+/// A captured picture, ready to be shaded, with its ground truth.
 struct Picture {
   Frame frame;
   Truth truth;
   ClassMap classes;
 };
 
-/// Everything that stays while candidates come and go.
+/// The state of a search.
 struct Search {
   Device& device;
   const TuneSettings& settings;
@@ -45,16 +45,16 @@ struct Search {
   const Effect* technique;
   const Effect* filter;
   std::vector<Picture> pictures;
-  std::vector<Candidate> candidates;  ///< of the trials, in their order
+  std::vector<Candidate> candidates;  ///< candidates of the trials, in the same order
   std::vector<Trial> trials;
-  std::set<std::string> known;  ///< the names of all candidates that were tried
+  std::set<std::string> known;  ///< names of all candidates that were tried
 };
 
-/// The neighbours of a number on a ladder of steps: 1, 2, 3, 4, 6, 8, 12... for whole ones.
-std::vector<double> stepped(double value, bool whole) {
+/// Returns the next lower and higher value of a number. Integers step through 1, 2, 3, 4, 6, 8, 12 ...
+std::vector<double> step_values(double value, bool whole) {
   if (!whole) return {value / kStep, value * kStep};
   const auto rung = [](double v, bool up) {
-    // Powers of 2 and one and a half times those.
+    // Powers of 2, and 1.5 times powers of 2.
     double best = up ? 1e9 : 0.0;
     for (double power = 1.0; power < 1e6; power *= 2.0)
       for (const double r : {power, 1.5 * power}) {
@@ -67,7 +67,7 @@ std::vector<double> stepped(double value, bool whole) {
   return {rung(value, false), rung(value, true)};
 }
 
-/// The values beside a parameter's, as text.
+/// Returns the values one step away from a parameter's value, as text.
 std::vector<std::string> beside(const Parameter& row, const ParameterBytes& bytes) {
   const std::string now = parameter_text(row, bytes);
   std::vector<std::string> texts;
@@ -81,15 +81,15 @@ std::vector<std::string> beside(const Parameter& row, const ParameterBytes& byte
   double value = 0.0;
   std::from_chars(now.data(), now.data() + now.size(), value);
   if (value == 0.0) return {};
-  for (double next : stepped(value, row.type == ParameterType::kInt)) {
-    if (!share) next = std::clamp(next, row.least, row.most);
+  for (double next : step_values(value, row.type == ParameterType::kInt)) {
+    if (!share) next = std::clamp(next, row.min, row.max);
     std::string text = fmt::format("{:.3g}{}", next, share ? "%" : "");
     if (text != now) texts.push_back(std::move(text));
   }
   return texts;
 }
 
-/// The settings of the technique and of the filter that can be searched, "effect.parameter=value" each.
+/// Returns the tunable settings of technique and filter as "effect.parameter=value".
 std::vector<std::string> settings_of(const Search& search, const Candidate& candidate) {
   std::vector<std::string> all;
   for (const Effect* effect : {search.technique, search.filter}) {
@@ -104,16 +104,16 @@ std::vector<std::string> settings_of(const Search& search, const Candidate& cand
 
 std::string scale_name(int every) { return std::string(kScales[every == 1 ? 0 : every == 2 ? 1 : 2]); }
 
-/// Runs a candidate on all pictures.
+/// Runs and scores a candidate on all pictures and adds it to the trials. Does nothing if it was tried before.
 Result<void> attempt(Search& search, Candidate candidate) {
   const std::vector<std::string> settings = settings_of(search, candidate);
   std::string name = scale_name(candidate.every);
   for (const std::string& setting : settings) name += ' ' + setting;
   if (!search.known.insert(name).second) return {};
-  const int most = search.settings.trials;
-  const double tried = double(search.trials.size()) / double(most);
-  if (!search.settings.progress(fmt::format("trial {} of at most {}", search.trials.size() + 1, most),
-                                kTruthShare + (1.0 - kTruthShare) * tried))
+  const int max = search.settings.trials;
+  const double tried = double(search.trials.size()) / double(max);
+  if (!search.settings.progress(fmt::format("trial {} of at most {}", search.trials.size() + 1, max),
+                                kTruthFraction + (1.0 - kTruthFraction) * tried))
     return interrupted();
 
   Look look{
@@ -121,7 +121,7 @@ Result<void> attempt(Search& search, Candidate candidate) {
   if (search.filter) look.effects.push_back(search.filter->name);
   const LookRun look_run{.look = &look,
                          .occlusion = search.technique->name,
-                         .occlusion_every = candidate.every,
+                         .occlusion_downsampling = candidate.every,
                          .settings = &candidate.settings};
   Trial trial{.settings = {}, .scale = scale_name(candidate.every)};
   double squares = 0.0, sum = 0.0;
@@ -139,7 +139,7 @@ Result<void> attempt(Search& search, Candidate candidate) {
     trial.ms += ms[ms.size() / 2] / double(search.pictures.size());
     auto made = search.device.download(picture.frame, kQuantityPlanes[int(Quantity::kOcclusion)]);
     if (!made) return made.error();
-    clamp_to_shown(*made);
+    clamp_occlusion(*made);
     const ScoreCard card = score(*made, picture.truth.planes, picture.classes);
     squares += card.covered.rmse * card.covered.rmse * double(picture.truth.pixels);
     sum += card.covered.bias * double(picture.truth.pixels);
@@ -164,14 +164,14 @@ void mark_frontier(std::vector<Trial>& trials) {
     });
 }
 
-/// Whether the user said what it is to be.
+/// Returns whether the user set this parameter.
 bool is_fixed(const Request& draw, std::string_view effect, std::string_view name) {
   const std::string start = fmt::format("{}.{}=", effect, name);
   return std::any_of(draw.settings.begin(), draw.settings.end(),
                      [&](const std::string& setting) { return setting.starts_with(start); });
 }
 
-/// The candidates one step away.
+/// Returns the candidates one step away from another.
 Result<std::vector<Candidate>> steps_from(const Search& search, const Candidate& from) {
   const Request& draw = search.settings.draw;
   std::vector<Candidate> next;
@@ -192,7 +192,8 @@ Result<std::vector<Candidate>> steps_from(const Search& search, const Candidate&
   return next;
 }
 
-/// The radius as written: the user's, or else the technique's in this look, or else the reference's own.
+/// Returns the radius as an option value: the user's, else that of the technique in this look, else that of the
+/// reference.
 std::string radius_text(const Request& draw, const Recipe& recipe, const Effect& technique) {
   if (!draw.occlusion_radius.empty()) return draw.occlusion_radius;
   const Parameter* own = find_parameter(technique, "radius");
@@ -215,21 +216,21 @@ Result<const Effect*> technique_of(const Recipe& recipe) {
   return technique;
 }
 
-/// Captures all pictures and traces their truth.
+/// Captures all pictures of a model and traces their ground truth.
 Result<void> take_pictures(Search& search, std::size_t model_index, Scene& scene,
                            const std::string& radius_as_written) {
   const std::string& model = search.settings.models[model_index];
   const TuneSettings& settings = search.settings;
   if (auto ready = search.device.prepare(scene); !ready) return ready;
-  const auto traced = trace_ready(scene);
+  const auto traced = build_traced_scene(scene);
   if (!traced) return traced.error();
   const auto capture = capture_settings(settings.draw, *search.recipe.look, 0);
   if (!capture) return capture.error();
   const auto length = parse_length("occlusion_radius", radius_as_written);
   if (!length) return length.error();
   const std::vector<CameraShot> shots = shots_of(scene, framing_of(settings.draw.camera), settings.cameras);
-  // Each truth is traced in two halves.
-  const double half_span = kTruthShare / double(settings.models.size()) / double(2 * shots.size());
+  // Each ground truth is traced in two halves.
+  const double half_span = kTruthFraction / double(settings.models.size()) / double(2 * shots.size());
   double halves = double(2 * shots.size()) * double(model_index);
   for (const CameraShot& shot : shots) {
     scene.views = shot.views;
@@ -252,13 +253,13 @@ Result<void> take_pictures(Search& search, std::size_t model_index, Scene& scene
     });
     if (!truth) return truth.error();
     if (truth->pixels == 0)
-      return usage_error("'{}', camera {} shows nothing: move the camera or leave it to be placed", model, shot.name);
+      return usage_error("'{}', camera {} shows nothing: move the camera or omit the camera options", model, shot.name);
     search.pictures.push_back({std::move(*frame), std::move(*truth), std::move(classes)});
   }
   return {};
 }
 
-/// Words for `umbrage render`.
+/// Returns the options of `umbrage render` that select a trial.
 std::vector<std::string> options_of(const Search& search, const Trial& best, const std::string& radius) {
   const Request& draw = search.settings.draw;
   std::vector<std::string> words = {"--look", draw.look};
@@ -280,7 +281,7 @@ std::vector<std::string> options_of(const Search& search, const Trial& best, con
 }  // namespace
 
 Result<void> check_tune(const TuneSettings& settings) {
-  if (settings.models.empty()) return usage_error("name a model to tune for");
+  if (settings.models.empty()) return usage_error("name a model to tune");
   if (auto fine = check_pictures(settings.models, settings.cameras, settings.samples, settings.runs); !fine)
     return fine;
   if (!kTrials.has(settings.trials))
@@ -307,12 +308,12 @@ Result<Tuning> tune(Device& device, const TuneSettings& settings) {
                 .radius = radius_text(settings.draw, *recipe, *technique)};
 
   for (std::size_t m = 0; m < settings.models.size(); ++m) {
-    const double done = kTruthShare * double(m) / double(settings.models.size());
+    const double done = kTruthFraction * double(m) / double(settings.models.size());
     auto scene = read_model(settings, settings.models[m], done, result.warnings);
     if (!scene) return scene.error();
     if (auto taken = take_pictures(search, m, *scene, result.radius); !taken) return taken.error();
   }
-  Candidate start{recipe->settings, recipe->occlusion_every};
+  Candidate start{recipe->settings, recipe->occlusion_downsampling};
   const Frame& first = search.pictures[0].frame;
   if (technique->set_radius)
     if (const auto length = parse_length("occlusion_radius", result.radius); length)
@@ -321,14 +322,14 @@ Result<Tuning> tune(Device& device, const TuneSettings& settings) {
   if (auto done = attempt(search, start); !done) return done.error();
   result.budget_ms = settings.budget_ms > 0.0 ? settings.budget_ms : search.trials[0].ms;
 
-  // From the frontier, closest first, for as long as there is something on it that was not searched from.
+  // Search from the closest trial on the frontier that was not searched from yet, until there is none.
   std::set<std::size_t> searched;
   while (int(search.trials.size()) < settings.trials) {
     mark_frontier(search.trials);
     std::size_t from = search.trials.size();
     for (std::size_t k = 0; k < search.trials.size(); ++k) {
       const Trial& trial = search.trials[k];
-      if (!trial.frontier || trial.ms > kTooSlow * result.budget_ms || searched.count(k)) continue;
+      if (!trial.frontier || trial.ms > kMaxTimeFactor * result.budget_ms || searched.count(k)) continue;
       if (from == search.trials.size() || trial.rmse < search.trials[from].rmse) from = k;
     }
     if (from == search.trials.size()) break;
@@ -341,10 +342,10 @@ Result<Tuning> tune(Device& device, const TuneSettings& settings) {
     }
   }
   mark_frontier(search.trials);
-  std::optional<double> closest;  // within the time
+  std::optional<double> closest;  // min error within the budget
   for (const Trial& trial : search.trials)
     if (trial.ms <= result.budget_ms && (!closest || trial.rmse < *closest)) closest = trial.rmse;
-  // Of those that are about as close, the one with the fewest changes.
+  // Among trials with about the same error, choose the one with the fewest changes.
   std::size_t best = 0;
   const auto worse_than = [&](std::size_t k, std::size_t other) {
     const auto changes = [&](const Trial& trial) {
@@ -354,7 +355,7 @@ Result<Tuning> tune(Device& device, const TuneSettings& settings) {
     return std::pair(changes(a), a.rmse) > std::pair(changes(b), b.rmse);
   };
   const auto as_close = [&](const Trial& trial) {
-    return closest && trial.ms <= result.budget_ms && trial.rmse <= *closest * (1.0 + kAsClose);
+    return closest && trial.ms <= result.budget_ms && trial.rmse <= *closest * (1.0 + kEqualErrorTolerance);
   };
   for (std::size_t k = 1; k < search.trials.size(); ++k)
     if (as_close(search.trials[k]) && (!as_close(search.trials[best]) || worse_than(best, k))) best = k;

@@ -1,5 +1,5 @@
-// Tune: searches the settings of an occlusion technique, and of the filter behind it, for those that come closest to
-// the ray-traced truth of a scene in a given time.
+// Tune: searches the settings of an occlusion technique and its filter that come closest to the ray-traced ground truth
+// of a scene within a given time.
 #pragma once
 #include <string>
 #include <vector>
@@ -8,42 +8,42 @@
 
 namespace umbrage {
 
-inline constexpr Interval kTrials{2, 10000, NumberKind::kWhole}, kBudgetMs{0, 1e6};
+inline constexpr Interval kTrials{2, 10000, NumberKind::kInteger}, kBudgetMs{0, 1e6};
 
-/// `draw` holds size, framing, look, technique, radius, and the settings to begin with. The filter is that of the look.
-/// The radius is that of the technique, if it has one, and else the reference's.
+/// Settings of a search. `draw` has size, framing, look, technique, radius and the initial settings. The filter is that
+/// of the look. The radius is by default that of the technique, if it has one, else that of the reference.
 struct TuneSettings : MeasureSettings {
-  double budget_ms = 0.0;  ///< of technique, filter and upsampling, in the mean over all pictures; 0: what it takes now
-  int trials = 100;        ///< settings that are tried, at most
+  double budget_ms = 0.0;  ///< max mean time of technique, filter and upsampling; 0: time of the initial settings
+  int trials = 100;        ///< max number of trials
 };
 
-/// One way to set the technique.
+/// The settings of a technique that were tried, and their score.
 struct Trial {
-  std::vector<std::string> settings;  ///< "effect.parameter=value", where they differ from the start's
+  std::vector<std::string> settings;  ///< "effect.parameter=value" for those that differ from the start
   std::string scale;                  ///< full, half or quarter
   double ms = 0.0;                    ///< mean over all pictures of the median time
-  double rmse = 0.0, bias = 0.0;      ///< of occlusion as it is seen, over the surfaces of all pictures
-  bool frontier = false;              ///< nothing that was tried is both faster and closer
+  double rmse = 0.0, bias = 0.0;      ///< of occlusion clamped to [0, 1], over the surface pixels of all pictures
+  bool frontier = false;              ///< no other trial is both faster and closer
 };
 
+/// Result of a search.
 struct Tuning {
-  std::string technique, filter;  ///< filter: empty where the look has none
-  std::string radius;             ///< as written
-  Trial start, best;              ///< best: the closest one within the time, or, of those
-                                  ///< within half a percent of that, the one with the fewest changes
+  std::string technique, filter;  ///< filter: empty if the look has none
+  std::string radius;             ///< as an option value
+  Trial start, best;  ///< best: fewest changes among trials within the time and 0.5 % of the min error there
   double budget_ms = 0.0;
-  std::vector<Trial> trials;          ///< all, the start first
-  std::vector<std::string> options;   ///< what to write behind `umbrage render` to get the best, word by word
-  std::vector<std::string> warnings;  ///< of the models, one sentence each
+  std::vector<Trial> trials;          ///< all trials, the start first
+  std::vector<std::string> options;   ///< options of `umbrage render` that select the best trial, one word each
+  std::vector<std::string> warnings;  ///< warnings about the models, one sentence each
 };
 
-/// Finds what is wrong with the settings before any work. Errors: kUsage.
+/// Checks the settings before any work. Errors: kUsage.
 Result<void> check_tune(const TuneSettings& settings);
 
-/// Draws, traces and searches: from each of the settings that are on the frontier of error against time, one parameter
-/// is changed by one step. What `draw` sets (settings, scale) stays as it is. Numbers are stepped by about the square
-/// root of 2, choices to each other one, the resolution of occlusion to each other one. Errors: kUsage, kFile for
-/// models, kInterrupted.
+/// Draws, traces and searches. The search changes one parameter by one step, starting from each trial on the frontier
+/// of error against time. Settings and scale that `draw` sets stay fixed. A step multiplies or divides a number by
+/// about the square root of 2, or selects another choice or another scale. Errors: kUsage, kFile for models,
+/// kInterrupted.
 Result<Tuning> tune(Device& device, const TuneSettings& settings);
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// `umbrage tune`: the search for settings, what it prints, bad input.
+// Tests of `umbrage tune`: the search, its output, invalid input.
 #include <gtest/gtest.h>
 
 #include <fmt/ranges.h>
@@ -40,7 +40,7 @@ std::string name_of(const Trial& trial) { return trial.scale + fmt::format(" {}"
 
 TEST(Tune, FindsWhatIsCloserThanTheStart) {
   TuneSettings settings = quick(30);
-  settings.budget_ms = 1e5;  // time is no object: the closest of all is the best
+  settings.budget_ms = 1e5;  // no time limit: the closest trial is the best
   const Tuning tuning = tuned(settings);
   EXPECT_EQ(tuning.technique, "bitmask");
   EXPECT_EQ(tuning.filter, "denoise");
@@ -77,7 +77,7 @@ TEST(Tune, OptionsMakeTheBestOneAgain) {
   TuneSettings settings = quick(25);
   settings.budget_ms = 1e5;
   const Tuning tuning = tuned(settings);
-  // The options, put back as the start, give the same score.
+  // With these options as the start, the score is the same.
   TuneSettings again = quick(2);
   for (std::size_t k = 0; k + 1 < tuning.options.size(); k += 2) {
     const std::string &option = tuning.options[k], &value = tuning.options[k + 1];

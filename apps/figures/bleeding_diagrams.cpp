@@ -23,9 +23,9 @@ constexpr vec3 kOpen{0.62f}, kSolid{0.9f}, kLight{0.95f, 0.6f, 0.1f}, kNormal{0.
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr double kAnything = 1e30;
 constexpr std::string_view kFewPoints = "hemisphere.samples=24", kSmallRadius = "hemisphere.radius=1%";
-constexpr float kRounding = 2e-6f;  // share of the depth by which depths differ at least, as in hemisphere.kernel.h
+constexpr float kRounding = 2e-6f;  // min relative difference of two depths, as in hemisphere.kernel.h
 
-/// Width of thin lines and size of letters for a diagram of so many pixels.
+/// Returns the width of thin lines, and the scale of text, for a diagram of `size` pixels a side.
 float thin(int size) { return std::max(1.0f, float(size) / 350.0f); }
 int letters(int size) { return std::max(1, size / 380); }
 
@@ -35,7 +35,7 @@ void write_centered(Image& image, float x, float y, std::string text, vec3 color
   write_text(image, left, int(y) - 4 * scale, scale, std::move(text), color);
 }
 
-/// The tables that `hemisphere` reads with these settings.
+/// Returns the constants of `hemisphere`, with its sample tables, for these settings.
 Result<HemisphereConstants> tables_of(const Request& draw, const PictureInfo& info) {
   const auto recipe = make_recipe(draw);
   if (!recipe) return recipe.error();
@@ -44,7 +44,7 @@ Result<HemisphereConstants> tables_of(const Request& draw, const PictureInfo& in
   return c;
 }
 
-/// Place and length of a sample point in a basis whose z is the normal, in radii, for a pixel without a shift.
+/// Returns sample point k in a basis whose z axis is the normal, in units of the radius, for a pixel without a shift.
 vec3 sample_point(const HemisphereConstants& c, int k) {
   return vec3(c.points[5 * k], c.points[5 * k + 1], c.points[5 * k + 2]) * (c.even ? c.points[5 * k + 3] : 1.0f);
 }
@@ -59,7 +59,7 @@ FigurePicture points_diagram(const HemisphereConstants& c, int size, std::string
   draw_arc(image, center, radius, 0.0f, kPi, line, kOpen);
   draw_arrow(image, center, center - vec2(0.0f, 1.2f * radius), 2.0f * line, kNormal);
   write_centered(image, center.x, center.y - 1.27f * radius, "normal", kNormal);
-  // What lies farther away is paler.
+  // Farther points are paler.
   for (int k = 0; k < c.samples; ++k) {
     const vec3 p = sample_point(c, k);
     draw_disc(image, center + radius * vec2(p.x, -p.z), 3.0f * line,
@@ -78,7 +78,7 @@ Image shrunk(const Image& image, int side) {
   return out;
 }
 
-/// Planes as a picture: factor times value plus offset.
+/// Returns three planes as an image: factor * value + offset.
 Image shown(const Shot& shot, std::array<const char*, 3> planes, float factor, float offset) {
   Image out(shot.image.width, shot.image.height);
   constexpr std::array kChannels = {"color.r", "color.g", "color.b"};
@@ -90,7 +90,7 @@ Image shown(const Shot& shot, std::array<const char*, 3> planes, float factor, f
   return out;
 }
 
-/// Where each pixel's surface lies between the ends of all that is seen, as a colour.
+/// Returns the world position of each pixel's surface as a colour, normalized to the bounds of the visible surfaces.
 Image positions(const Shot& shot) {
   Image out = blank_paper(shot.image.width, shot.image.height);
   vec3 low(1e30f), high(-1e30f);
@@ -108,28 +108,28 @@ Image positions(const Shot& shot) {
   return out;
 }
 
-/// Depth, near ones bright.
+/// Returns the depth as an image: near is bright.
 Image depths(const Shot& shot) {
   Image out = blank_paper(shot.image.width, shot.image.height);
-  float least = 1e30f, most = 0.0f;
+  float min = 1e30f, max = 0.0f;
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x)
       if (shot.surface(x, y)) {
-        least = std::min(least, shot.value("depth", x, y));
-        most = std::max(most, shot.value("depth", x, y));
+        min = std::min(min, shot.value("depth", x, y));
+        max = std::max(max, shot.value("depth", x, y));
       }
   for (Plane& plane : out.planes)
     for (int y = 0; y < out.height; ++y)
       for (int x = 0; x < out.width; ++x)
         plane.at(x, y) =
-            shot.surface(x, y) ? 1.0f - (shot.value("depth", x, y) - least) / std::max(most - least, 1e-6f) : 0.0f;
+            shot.surface(x, y) ? 1.0f - (shot.value("depth", x, y) - min) / std::max(max - min, 1e-6f) : 0.0f;
   return out;
 }
 
-/// The tile of noise: where each pixel of a wall that faces the camera turns its sample points.
+/// Returns the noise tile as an image: the tangents of the pixels of one flat face.
 Image noise_tile(const Shot& shot, int tile, int side) {
   Image out = blank_paper(side, side);
-  // On a face whose normal is n the tangent is a point of a circle; of any face of one normal the tile shows all.
+  // On a face of constant normal the tangents are points of one circle, so one tile of any flat face shows all of them.
   const int cell = side / tile, width = shot.image.width, height = shot.image.height;
   const VectorPlanes normal(shot.image, "normal"), tangent(shot.image, "tangent");
   const auto flat = [&](int x, int y) {
@@ -162,7 +162,7 @@ FigurePicture pipeline_diagram(const Shot& raw, const Shot& blurred, const Image
     put(image, shrunk(picture, side), left_of(column), top_of(line), side);
     write_centered(image, float(left_of(column)) + 0.5f * float(side), float(top_of(line) + side + label), name);
   };
-  constexpr float kShown = 2.0f;  // bounced light is dim
+  constexpr float kShown = 2.0f;  // brightens indirect light, which is dim
   place(0, 0, positions(raw), "position");
   place(0, 1, shown(raw, {"normal.x", "normal.y", "normal.z"}, 0.5f, 0.5f), "normal");
   place(0, 2, depths(raw), "depth");
@@ -185,20 +185,21 @@ FigurePicture pipeline_diagram(const Shot& raw, const Shot& blurred, const Image
   across(1, 3, 2);
   const float x = float(left_of(3)) + 0.5f * float(side);
   draw_arrow(image, {x, float(top_of(1) + side + 2 * label)}, {x, float(top_of(2)) - pad}, line, kInk);
-  // Direct light is what bounces.
+  // Direct light is the source of the indirect light.
   draw_arrow(image, {float(left_of(1) + side) + pad, float(top_of(2)) + 0.2f * float(side)},
              {float(left_of(2)) + 0.15f * float(side), float(top_of(1) + side + 2 * label)}, line, kInk);
   return {"bleeding-3-pipeline.png", "3: the steps", "", std::move(image)};
 }
 
-/// A pixel with its sample points, as the kernel places them.
+/// A sample point of a pixel, as the kernel places it.
 struct Tap {
   vec3 point;         // view space
-  vec3 seen, facing;  // what the picture holds at its place, and the normal there
+  vec3 seen, facing;  // position and normal of the visible surface at the point's pixel, view space
   bool inside = false, hidden = false;
   float cos_emitter = 0.0f, cos_receiver = 0.0f;
   bool sends() const { return hidden && cos_emitter > 0.0f && cos_receiver > 0.0f; }
 };
+/// A pixel with its sample points; position and normal in view space.
 struct Gathered {
   int x = 0, y = 0;
   vec3 position, normal;
@@ -240,13 +241,13 @@ Gathered gather(const Shot& shot, const HemisphereConstants& c, int x, int y) {
   return g;
 }
 
-/// Across the plane that holds the eye and the pixel's row.
-vec3 off_section(const Gathered& g) { return glm::normalize(vec3(0.0f, 1.0f, g.position.y / -g.position.z)); }
+/// Returns the normal of the section: the plane through the camera and the pixel's row.
+vec3 section_normal(const Gathered& g) { return glm::normalize(vec3(0.0f, 1.0f, g.position.y / -g.position.z)); }
 
-/// Whether a sample point is near enough to that plane to be drawn in it.
-bool near_section(const Gathered& g, const Tap& tap, float radius) {
-  constexpr float kNear = 0.3f;  // of the radius
-  return std::abs(glm::dot(tap.point - g.position, off_section(g))) < kNear * radius;
+/// Returns whether a sample point is close enough to the section to be drawn in it.
+bool is_near_section(const Gathered& g, const Tap& tap, float radius) {
+  constexpr float kNear = 0.3f;  // max distance, relative to the radius
+  return std::abs(glm::dot(tap.point - g.position, section_normal(g))) < kNear * radius;
 }
 
 FigurePicture section_diagram(const Shot& shot, const HemisphereConstants& c, const Gathered& g) {
@@ -254,7 +255,7 @@ FigurePicture section_diagram(const Shot& shot, const HemisphereConstants& c, co
   Image image = blank_paper(size, size);
   const float line = thin(size), scale = 0.36f * float(size) / c.radius;
   const float across = -g.position.z;
-  // From above: x to the right, the eye below.
+  // The view is from above: x to the right, the camera below.
   const vec2 center(0.5f * float(size), 0.385f * float(size));  // above the legend
   const auto at = [&](vec3 p) { return center + scale * vec2(p.x - g.position.x, p.z - g.position.z); };
   for (int j = 0; j < size; ++j)
@@ -268,14 +269,14 @@ FigurePicture section_diagram(const Shot& shot, const HemisphereConstants& c, co
   for (int u = 0; u + 1 < size; ++u) {
     if (!shot.surface(u, y) || !shot.surface(u + 1, y)) continue;
     const vec3 a = view_position(shot, u, y), b = view_position(shot, u + 1, y);
-    constexpr float kOneSurface = 0.02f;  // of the radius: farther apart they are two
+    constexpr float kOneSurface = 0.02f;  // max depth difference within one surface, relative to the radius
     if (std::abs(a.z - b.z) < kOneSurface * c.radius + 4.0f * std::abs(a.x - b.x))
       draw_line(image, at(a), at(b), 2.0f * line, kInk);
   }
-  // The ball cut by the section.
+  // The section of the sampling sphere.
   draw_arc(image, center, scale * c.radius, 0.0f, 2.0f * kPi, line, kOpen);
   for (const Tap& tap : g.taps) {
-    if (!near_section(g, tap, c.radius)) continue;
+    if (!is_near_section(g, tap, c.radius)) continue;
     if (tap.hidden) {
       draw_line(image, at(tap.point), at(tap.seen), line, kSurface);
       const vec2 to(tap.facing.x, tap.facing.z);
@@ -306,13 +307,13 @@ FigurePicture section_diagram(const Shot& shot, const HemisphereConstants& c, co
 FigurePicture angles_diagram(const Gathered& g, const Tap& tap, int size) {
   Image image = blank_paper(size, size);
   const float line = thin(size), s = float(size);
-  // In the plane of the receiver's normal and the way; the emitter's normal is turned into it.
+  // Drawn in the plane of the receiver's normal and the connecting direction; the emitter's normal is rotated into it.
   const float receiver = std::acos(std::clamp(tap.cos_receiver, -1.0f, 1.0f));
   const float emitter = std::acos(std::clamp(tap.cos_emitter, -1.0f, 1.0f));
   const vec2 p(0.2f * s, 0.75f * s);
   const auto toward = [](float angle_rad) { return vec2(std::cos(angle_rad), -std::sin(angle_rad)); };
   const float up = 0.5f * kPi, way = std::max(up - receiver, 0.12f * kPi);
-  const float normal = way + receiver;  // of the receiver
+  const float normal = way + receiver;  // direction of the receiver's normal
   const vec2 q = p + 0.58f * s * toward(way);
   const float back = way + kPi, facing = back - emitter;
   const auto surface = [&](vec2 at, float normal_rad) {
@@ -340,31 +341,31 @@ FigurePicture angles_diagram(const Gathered& g, const Tap& tap, int size) {
   return {"bleeding-6-angles.png", "6: angles of a real pair", "", std::move(image)};
 }
 
-/// The pixel that the section goes through: of the middle rows, the one that gets most light from what the section cuts
-/// across. Without taps where there is none.
+/// Returns the pixel for the section: in the middle rows, the one that receives the most indirect light from surfaces
+/// that are perpendicular to the section. It has no taps if no such pixel exists.
 Gathered best_section(const Shot& folds, const HemisphereConstants& c) {
   const int size = folds.info.width;
   Gathered best;
-  float most = 0.0f;
+  float max = 0.0f;
   for (int y = size / 4; y < size * 3 / 4; y += std::max(1, size / 64))
     for (int x = 0; x < size; x += std::max(1, size / 128)) {
       if (!folds.surface(x, y)) continue;
       Gathered g = gather(folds, c, x, y);
       if (!std::all_of(g.taps.begin(), g.taps.end(), [](const Tap& tap) { return tap.inside; })) continue;
-      const vec3 off = off_section(g);
+      const vec3 off = section_normal(g);
       float worth = 0.0f;
       for (const Tap& tap : g.taps)
-        if (tap.sends() && near_section(g, tap, c.radius))
+        if (tap.sends() && is_near_section(g, tap, c.radius))
           worth += tap.cos_emitter * (1.0f - std::abs(glm::dot(tap.facing, off)));
       worth *= 1.0f - std::abs(glm::dot(g.normal, off));
-      if (worth <= most) continue;
-      most = worth;
+      if (worth <= max) continue;
+      max = worth;
       best = std::move(g);
     }
   return best;
 }
 
-/// The tap that makes the clearest picture: both angles far from 0 and from 90 degrees.
+/// Returns the tap that makes the clearest diagram: both angles far from 0 and from 90 degrees.
 const Tap& clearest_pair(const Gathered& g) {
   const auto clear = [](float cosine) { return cosine * std::sqrt(std::max(1.0f - cosine * cosine, 0.0f)); };
   const auto worth = [&](const Tap& tap) {
@@ -374,9 +375,9 @@ const Tap& clearest_pair(const Gathered& g) {
                            [&](const Tap& a, const Tap& b) { return worth(a) < worth(b); });
 }
 
-/// The share of the sample points that lie in some part of the sphere around the pixel.
+/// Returns the fraction of the sample points for which `part` is true.
 template <class Part>
-double share_of_points(const HemisphereConstants& c, const Part& part) {
+double fraction_of_points(const HemisphereConstants& c, const Part& part) {
   int count = 0;
   for (int k = 0; k < c.samples; ++k) count += part(sample_point(c, k));
   return double(count) / c.samples;
@@ -403,7 +404,8 @@ Result<Figure> bleeding_diagrams(Studio& studio, const Framing& view) {
   if (const auto error = error_of(raw, blurred)) return *error;
   const auto paper = tables_of(many, raw->info);
   if (!paper) return paper.error();
-  // The section is one of a drape's folds, with a radius of their size and not too many sample points.
+  // The section cuts the folds of a drape. The radius is about the size of a fold; few points keep the diagram
+  // readable.
   many.settings = {std::string(kFewPoints), std::string(kSmallRadius)};
   const auto folds = studio.shoot(
       {"hemisphere.tangents=on", std::string(kFewPoints), std::string(kSmallRadius), "box.size=1"}, "", planes);
@@ -418,7 +420,7 @@ Result<Figure> bleeding_diagrams(Studio& studio, const Framing& view) {
 
   const Gathered best = best_section(*folds, *small);
   if (best.taps.empty())
-    return Error{ErrorKind::kInternal, "no pixel of the section's rows gets light from its neighbours"};
+    return Error{ErrorKind::kInternal, "no pixel in the rows of the section receives light from its neighbours"};
   figure.pictures.push_back(section_diagram(*folds, *small, best));
   const Tap& pair = clearest_pair(best);
   figure.pictures.push_back(angles_diagram(best, pair, size));
@@ -429,10 +431,10 @@ Result<Figure> bleeding_diagrams(Studio& studio, const Framing& view) {
   const double drawn = 1.0 - double(hidden) / small->samples, made = folds->value("ao", best.x, best.y);
   figure.numbers = {
       {"2: share of the points not below the surface, within the radius (paper preset)",
-       share_of_points(*paper, is_above), 1.0, 1.0},
-      {"2: the same (our own)", share_of_points(*ours, is_above), 1.0, 1.0},
+       fraction_of_points(*paper, is_above), 1.0, 1.0},
+      {"2: the same (our own)", fraction_of_points(*ours, is_above), 1.0, 1.0},
       {"2: share within half of the radius: points crowd to the centre (paper preset)",
-       share_of_points(*paper, is_inner), 0.6, 1.0},
+       fraction_of_points(*paper, is_inner), 0.6, 1.0},
       {"4: occlusion of the pixel as drawn, against the plane's", std::abs(drawn - made), 0.0, 1e-5},
       {"4: sample points that send light to the pixel",
        double(std::count_if(best.taps.begin(), best.taps.end(), [](const Tap& tap) { return tap.sends(); })), 1.0,

@@ -1,5 +1,5 @@
 // Figures 1 to 16 and table 1 of [Colliander and Törnquist 2015], in the paper's preset and in ours. They show
-// scene:atrium, which stands for the paper's Sponza.
+// scene:atrium in place of the paper's Sponza.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,7 +20,7 @@ constexpr const char* kScene = "scene:atrium";
 constexpr double kAnything = 1e30;
 
 struct Preset {
-  std::string_view look, name, tag;  // tag: of figure ids and files
+  std::string_view look, name, tag;  // tag: suffix of figure ids and file names
 };
 constexpr Preset kPaper = {"bleeding-paper", "paper preset", ""}, kOurs = {"bleeding", "our own", "-ours"};
 constexpr std::array kPresets = {kPaper, kOurs};
@@ -33,18 +33,19 @@ Framing view(glm::vec3 eye, glm::vec3 target, float angle_deg) {
   return {.position = eye, .focal_point = target, .view_angle_deg = angle_deg};
 }
 
-/// What a detail shows: a drape, from where, and the colour in which it differs most from stone.
-struct Motif {
+/// The subject of a detail: a camera that shows a drape, and the color planes in which cloth and stone differ most.
+struct Subject {
   Framing framing;
-  const char *cloth, *stone;  // planes of the finished picture: the cloth's colour, and one that it lacks
+  const char *cloth, *stone;  // color planes: the cloth's colour, and one that it lacks
 };
-// The paper's bleeding is left only where the sun shines on both: the green drape of the left arcade, from the sun's
-// side. Ours is seen best in the shade: the last pillar beside a red drape that is lit from the other side.
-Motif pillar_of(const Preset& preset) {
+// The paper's color bleeding is visible only where the sun reaches both surfaces: at the green drape of the left
+// arcade, from the sun's side. Ours is most visible in shadow: at the last pillar beside a red drape lit from the other
+// side.
+Subject pillar_of(const Preset& preset) {
   if (is_paper(preset)) return {view({-2.2f, 1.2f, -3.3f}, {-4.5f, 0.9f, -3.3f}, 40.0f), "color.g", "color.b"};
   return {view({-2.9f, 2.4f, -11.0f}, {-4.6f, 1.6f, -9.2f}, 45.0f), "color.r", "color.g"};
 }
-Motif floor_of(const Preset& preset) {
+Subject floor_of(const Preset& preset) {
   if (is_paper(preset)) return {view({-3.7f, 1.1f, -2.7f}, {-4.6f, 0.15f, -4.2f}, 40.0f), "color.g", "color.b"};
   return {view({-3.1f, 1.1f, -11.3f}, {-4.65f, 0.2f, -9.7f}, 45.0f), "color.r", "color.g"};
 }
@@ -53,10 +54,10 @@ bool is_cloth(const Mesh& mesh) {
   return mesh.name == "curtain" || mesh.name == "upper curtain" || mesh.name == "banner";
 }
 
-/// Where cloth hangs, to a tenth of a metre.
-class Cloths {
+/// The positions of all cloth in the scene, on a grid of 0.1 m.
+class ClothGrid {
  public:
-  explicit Cloths(const Scene& scene) {
+  explicit ClothGrid(const Scene& scene) {
     for (const Mesh& mesh : scene.meshes) {
       if (!is_cloth(mesh)) continue;
       objects_.insert(mesh.object);
@@ -64,7 +65,7 @@ class Cloths {
     }
   }
   bool contains(float object_id) const { return objects_.contains(int(object_id)); }
-  /// Whether any cloth hangs within so many metres.
+  /// Returns whether there is cloth within `reach` metres.
   bool near(glm::vec3 p, float reach) const {
     const int steps = int(std::ceil(reach / kCell));
     const auto [x, y, z] = cell(p);
@@ -86,15 +87,15 @@ class Cloths {
   std::set<int> objects_;
 };
 
-/// How much more of the cloth's colour than of the one that it lacks a finished picture shows.
-double mean_tint(const Image& image, const Mask& mask, const Motif& motif) {
+/// Returns the mean difference of the cloth's color plane and the plane that the cloth lacks.
+double mean_tint(const Image& image, const Mask& mask, const Subject& motif) {
   const auto value = [&](const char* name, int x, int y) {
     return double(std::clamp(image.plane(name).at(x, y), 0.0f, 1.0f));
   };
   return mean(image, mask, [&](int x, int y) { return value(motif.cloth, x, y) - value(motif.stone, x, y); });
 }
 
-/// The same view without either, with each alone, and with both.
+/// Pictures of one view without occlusion and bleeding, with each alone, and with both.
 struct FourWays {
   Shot neither, occlusion, bleeding, both;
 };
@@ -116,7 +117,7 @@ std::vector<FigurePicture> pictures_of(const FourWays& four, const std::string& 
           four.both.picture(fmt::format("bleeding-{}-both{}.png", file, tag), captions[3])};
 }
 
-/// Figures 1, 7 and 8.
+/// Draws figures 1, 7 and 8.
 Result<Figure> overview(Studio& studio, const Preset& preset) {
   studio.framing = {};
   const auto four = shoot_four(studio);
@@ -130,7 +131,7 @@ Result<Figure> overview(Studio& studio, const Preset& preset) {
                 {}};
   const Mask surface = mask_of(image, [&](int x, int y) { return four->both.surface(x, y); });
   const Mask background = mask_of(image, [&](int x, int y) { return !four->both.surface(x, y); });
-  // The court's floor between the fountain and the camera: nothing stands within a metre.
+  // The floor of the court between the fountain and the camera, with no object within one metre.
   constexpr float kClear = 1.5f, kFlat = 0.02f;  // metres
   const Mask open = mask_of(image, [&](int x, int y) {
     if (!four->both.surface(x, y)) return false;
@@ -140,14 +141,14 @@ Result<Figure> overview(Studio& studio, const Preset& preset) {
   figure.numbers = {
       {"fall of the mean with occlusion", fall(four->neither.image, four->occlusion.image, surface), 0.002, 0.1},
       {"rise of the mean with bleeding", fall(four->bleeding.image, four->neither.image, surface), 0.002, 0.1},
-      {"share of the background that changes", changed_share(four->neither.image, four->both.image, background), 0.0,
+      {"share of the background that changes", changed_fraction(four->neither.image, four->both.image, background), 0.0,
        0.0},
       {"open floor: change with both", std::abs(fall(four->neither.image, four->both.image, open)), 0.0, 0.002}};
   return figure;
 }
 
-/// Figures 9 to 12, or 13 and 14.
-Result<Figure> detail(Studio& studio, const Preset& preset, const Cloths& cloths, const Motif& motif,
+/// Draws figures 9 to 12, or 13 and 14.
+Result<Figure> detail(Studio& studio, const Preset& preset, const ClothGrid& cloths, const Subject& motif,
                       const std::string& id, const std::string& file, const std::string& title,
                       std::array<const char*, 4> captions) {
   studio.framing = motif.framing;
@@ -173,7 +174,7 @@ Result<Figure> detail(Studio& studio, const Preset& preset, const Cloths& cloths
   return figure;
 }
 
-/// An enlarged square out of a picture's middle, pixel by pixel.
+/// Returns the middle of a picture enlarged by `factor`, without interpolation.
 Image enlarged_middle(const Image& image, int factor) {
   Image out(image.width, image.height);
   for (const char* name : {"color.r", "color.g", "color.b"}) {
@@ -185,7 +186,7 @@ Image enlarged_middle(const Image& image, int factor) {
   return out;
 }
 
-/// Figure 5: what turns the sample points, as colours.
+/// Draws figure 5: the tangents that rotate the sample points, as colours.
 Result<Figure> tangents(Studio& studio) {
   constexpr int kTile = 4;  // hemisphere.noise
   const std::vector<std::string> planes = {"normal.x", "normal.y", "normal.z", "tangent.x", "tangent.y", "tangent.z"};
@@ -201,7 +202,7 @@ Result<Figure> tangents(Studio& studio) {
     figure.pictures.push_back(std::move(picture));
     const Image& image = shot->image;
     const VectorPlanes normal(image, "normal"), tangent(image, "tangent");
-    // Pixels of a flat face: one normal over two tiles.
+    // Whether a pixel is on a flat face: equal normals over two tiles in x and y.
     const auto flat = [&](int x, int y) {
       for (int j = 0; j < 2 * kTile; ++j)
         for (int i = 0; i < 2 * kTile; ++i)
@@ -210,7 +211,7 @@ Result<Figure> tangents(Studio& studio) {
     };
     long repeated = 0, all = 0;
     double off = 0.0;
-    std::set<std::tuple<float, float, float>> most;
+    std::set<std::tuple<float, float, float>> max;
     for (int y = 0; y + 2 * kTile < image.height; y += kTile)
       for (int x = 0; x + 2 * kTile < image.width; x += kTile) {
         if (!flat(x, y)) continue;
@@ -224,23 +225,24 @@ Result<Figure> tangents(Studio& studio) {
                 {off, double(std::abs(glm::length(t) - 1.0f)), double(std::abs(glm::dot(t, normal.at(x + i, y + j))))});
             ++all;
           }
-        if (seen.size() > most.size()) most = seen;
+        if (seen.size() > max.size()) max = seen;
       }
     figure.numbers.insert(
         figure.numbers.end(),
         {{fmt::format("flat faces: share that repeats after four pixels ({})", preset.name),
           all ? double(repeated) / double(all) : 0.0, 1.0, 1.0},
-         {fmt::format("different tangents in a tile of 4 x 4 ({})", preset.name), double(most.size()), 16.0, 16.0},
+         {fmt::format("different tangents in a tile of 4 x 4 ({})", preset.name), double(max.size()), 16.0, 16.0},
          {fmt::format("largest deviation from a unit vector in the surface ({})", preset.name), off, 0.0, 1e-5}});
   }
   return figure;
 }
 
-/// From a drape's silhouette to the left, over what is near it: how many pixels until the light that arrives is red;
-/// the mean over the silhouette, and an eighth of the picture at most.
-double uncoloured_px(const Shot& shot, const Cloths& cloths) {
+/// Returns the mean distance in pixels from a drape's silhouette to the first pixel on its left that receives red
+/// indirect light, at most an eighth of the picture. Only silhouette pixels with a surface near the drape on their left
+/// count.
+double uncolored_distance_px(const Shot& shot, const ClothGrid& cloths) {
   constexpr float kReach = 0.3f;              // metres
-  constexpr float kMin = 0.05f, kRed = 1.5f;  // of red light, and its ratio to green
+  constexpr float kMin = 0.05f, kRed = 1.5f;  // min red light, and min ratio of red to green
   const Image& image = shot.image;
   const Plane &red = image.plane("indirect.r"), &green = image.plane("indirect.g"), &id = image.plane("object_id");
   long edges = 0, pixels = 0;
@@ -258,8 +260,8 @@ double uncoloured_px(const Shot& shot, const Cloths& cloths) {
   return edges > 0 ? double(pixels) / double(edges) : std::nan("");
 }
 
-/// Figures 15, 16 and beyond: bleeding strengthened, near the drape's edge.
-Result<Figure> cuts(Studio& studio, const Cloths& cloths) {
+/// Draws figures 15 and 16 and variants of ours: stronger bleeding near the edge of a drape.
+Result<Figure> cuts(Studio& studio, const ClothGrid& cloths) {
   struct Way {
     const char *file, *caption;
     std::string_view look;
@@ -288,9 +290,9 @@ Result<Figure> cuts(Studio& studio, const Cloths& cloths) {
     studio.draw.extra_views.reset();
     if (!shot) return shot.error();
     figure.pictures.push_back(shot->picture(fmt::format("bleeding-{}.png", way.file), way.caption));
-    widths_px.push_back(uncoloured_px(*shot, cloths));
+    widths_px.push_back(uncolored_distance_px(*shot, cloths));
   }
-  // "Without" is what lies in the shade of the visible side: two hundredths of the picture at least.
+  // With the paper's quadratic range, at least 2 % of the picture's width beside the drape receives none of its colour.
   const double quadratic = widths_px[0], smoothstep = widths_px[1];
   figure.numbers = {{"15: pixels beside the drape without its colour", quadratic, 0.02 * studio.draw.width, kAnything},
                     {"16: the same, smoothstep", smoothstep, 0.0, quadratic},
@@ -307,7 +309,7 @@ Result<std::vector<Figure>> bleeding_figures(Device& device, int size,
   std::vector<Figure> figures;
   auto studio = open_studio(device, kScene, std::string(kPaper.look), size);
   if (!studio) return studio.error();
-  const Cloths cloths(*studio->scene);
+  const ClothGrid cloths(*studio->scene);
   for (const Preset& preset : kPresets) {
     studio->draw.look = std::string(preset.look);
     progress(fmt::format("figures 1, 7 and 8, {}", preset.name));
@@ -348,7 +350,7 @@ Result<std::vector<FigureTable>> bleeding_tables(Device& device, int size, int r
   if (!studio) return studio.error();
   for (const Preset& preset : kPresets) {
     progress(fmt::format("table 1, {}", preset.name));
-    // All settings by turns, so that what else the machine does hits them alike.
+    // Interleave the runs of all settings, so that other load on the machine affects them alike.
     struct Case {
       std::string name;
       std::string_view look;
@@ -357,7 +359,7 @@ Result<std::vector<FigureTable>> bleeding_tables(Device& device, int size, int r
       std::string scale = {};
       std::vector<double> ms = {};
     };
-    // Without occlusion nothing beyond the first layer is needed, nor a filter: look `lit` has neither.
+    // Without occlusion only the first layer and no filter is needed: the look `lit`.
     std::vector<Case> cases = {{"no occlusion", is_paper(preset) ? preset.look : "lit", "none", {}}};
     for (const int samples : kSamples)
       for (const bool bleeds : {false, true}) {
@@ -368,7 +370,7 @@ Result<std::vector<FigureTable>> bleeding_tables(Device& device, int size, int r
         if (!bleeds) cases.back().settings.push_back("hemisphere.bleeding=0");
       }
     cases.push_back({"64 samples, both, at half resolution", preset.look, "", {"hemisphere.samples=64"}, "half"});
-    for (int run = -1; run < runs; ++run)  // the first one brings planes and code in
+    for (int run = -1; run < runs; ++run)  // run -1 warms up and does not count
       for (Case& each : cases) {
         Request with = studio->draw;
         with.look = std::string(each.look);
@@ -386,7 +388,7 @@ Result<std::vector<FigureTable>> bleeding_tables(Device& device, int size, int r
     for (std::size_t k = 0; k < cases.size(); ++k) {
       const double ms = median(cases[k].ms);
       std::string note = k == 0 ? "" : fmt::format("{:+.1f} %", 100.0 * (ms / none - 1.0));
-      if (k > 0 && k % 2 == 0)  // after the same without
+      if (k > 0 && k % 2 == 0)  // follows the same case without bleeding
         note += fmt::format(", bleeding {:.1f} % of the picture", 100.0 * (1.0 - before / ms));
       before = ms;
       table.rows.push_back({cases[k].name, ms, std::move(note)});

@@ -1,5 +1,5 @@
 // Figures 1 to 6, appendix B and the times of [Lajzer and Nottingham], in the paper's preset and in ours. Figures 1 to
-// 6 show scene:pink, which stands for the paper's own model.
+// 6 show scene:pink in place of the paper's model.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,16 +15,16 @@ namespace umbrage {
 namespace {
 
 constexpr double kAnything = 1e30;
-constexpr double kOneStep = 1.0 / 255.0;  // of an 8-bit picture
+constexpr double kOneStep = 1.0 / 255.0;  // one step of an 8-bit picture
 
 struct Preset {
-  std::string_view look, name, tag;  // tag: of figure ids and files
+  std::string_view look, name, tag;  // tag: suffix of figure ids and file names
 };
 constexpr Preset kPaper = {"cartoon-paper", "paper preset", ""}, kOurs = {"cartoon", "our own", "-ours"};
 constexpr std::array kPresets = {kPaper, kOurs};
 bool is_paper(const Preset& preset) { return preset.look == kPaper.look; }
 
-/// Draws in a preset from now on, one picture and no mean of several: what is measured of passes is of single pixels.
+/// Selects a preset without anti-aliasing, since passes are measured per pixel.
 void use_single(Studio& studio, const Preset& preset) {
   studio.draw.look = std::string(preset.look);
   studio.draw.anti_aliasing = is_paper(preset) ? std::nullopt : std::optional<int>(1);
@@ -39,25 +39,26 @@ const Mesh& mesh_named(const Scene& scene, std::string_view name) {
 }
 
 constexpr int kBlurRounds = 4;     // gaussian.rounds of both looks
-constexpr int kDenoiseRounds = 2;  // denoise.rounds of ours, up to 724 rows
+constexpr int kDenoiseRounds = 2;  // denoise.rounds of our preset, up to 724 rows
 
-/// Radius of the samples, listing 1: 16 pixels of 512.
+/// Returns the sample radius of listing 1: 16 pixels of 512.
 int radius_px(const Image& image) { return std::max(1, image.width / 32); }
 
-/// The parts of figure 1's picture.
+/// The regions of figure 1's picture.
 struct Parts {
   Mask background, surface;
   Mask silhouette;  // pixels of the character that touch the background
-  Mask overlap;     // pixels of the character that touch something well behind it
-  Mask beside;      // ground within the samples' radius of the character, which is nearer there
-  Mask open;        // ground with nothing else within the paper's samples' radius and blur; ours keeps to surfaces
+  Mask overlap;     // pixels of the character that touch a surface far behind it
+  Mask beside;      // ground within the sample radius of the character, where the character is nearer
+  Mask open;        // ground with nothing else within the paper's sample radius and blur; our filter stays on surfaces
 };
 
 Parts parts_of(const Studio& studio, const Shot& shot) {
-  constexpr float kFar = std::numeric_limits<float>::infinity();  // depth of the background
+  constexpr float kFar = std::numeric_limits<float>::infinity();  // background depth
   constexpr float kWellBehind = 0.3f;                             // metres: a third of the character's width
   const Image& image = shot.image;
-  const float ground_id = float(mesh_named(*studio.scene, "grass").object);  // the character's parts come before it
+  const float ground_id =
+      float(mesh_named(*studio.scene, "grass").object);  // the ids of the character's parts are lower
   const Plane &depth = image.plane("depth"), &id = image.plane("object_id");
   Parts parts;
   parts.surface = mask_of(image, [&](int x, int y) { return depth.at(x, y) < kFar; });
@@ -67,9 +68,9 @@ Parts parts_of(const Studio& studio, const Shot& shot) {
   Plane of_character(image.width, image.height, kFar), nearness(image.width, image.height);
   each(image, &character, [&](int x, int y) { of_character.at(x, y) = depth.at(x, y); });
   each(image, nullptr, [&](int x, int y) { nearness.at(x, y) = -depth.at(x, y); });
-  const Plane beside = least_near(of_character, radius_px(image), radius_px(image));
-  // The deepest of a pixel and its four neighbours.
-  const Plane across = least_near(nearness, 1, 0), along = least_near(nearness, 0, 1);
+  const Plane beside = min_near(of_character, radius_px(image), radius_px(image));
+  // The max depth of a pixel and its four neighbours.
+  const Plane across = min_near(nearness, 1, 0), along = min_near(nearness, 0, 1);
   const auto behind = [&](int x, int y) { return -std::min(across.at(x, y), along.at(x, y)); };
   const auto among = [&](const Mask& mask, const auto& test) {
     return mask_of(image, [&](int x, int y) { return mask[std::size_t(y) * image.width + x] && test(x, y); });
@@ -82,12 +83,12 @@ Parts parts_of(const Studio& studio, const Shot& shot) {
   return parts;
 }
 
-/// Root mean square of what is left of each tile, as large as the random vectors', once its mean and its slopes are
-/// taken off. Tiles wholly in the mask count.
+/// Returns the noise of `ao`: root mean square of the residual after a plane is fitted to each tile of 4 x 4 pixels,
+/// the tile size of the random vectors. Only tiles that are entirely in the mask count.
 double noise(const Image& image, const Mask& mask) {
   constexpr int kTile = 4;
   constexpr double kPixels = kTile * kTile, kMiddle = (kTile - 1) / 2.0;
-  constexpr double kSpread = 20.0;  // sum of the squared distances from the tile's middle along one axis
+  constexpr double kSpread = 20.0;  // sum of squared distances of the pixels from the tile's middle along one axis
   const Plane& plane = image.plane("ao");
   double sum = 0.0;
   long count = 0;
@@ -112,8 +113,9 @@ double noise(const Image& image, const Mask& mask) {
   return count > 0 ? std::sqrt(sum / double(count)) : std::nan("");
 }
 
-/// Standard deviation that so many rounds of `denoise`, [1 2 2 2 1]/8 each twice as wide, and then of [1 2 1]/4 along
-/// both axes leave of white noise: the sum of the squared weights along an axis, since its root enters twice.
+/// Returns the standard deviation of unit white noise after `denoise_rounds` of the kernel [1 2 2 2 1]/8, with spacing
+/// doubled in each round, and `gaussian_rounds` of [1 2 1]/4, both along x and y. It equals the sum of squared weights
+/// along one axis: each axis contributes the square root of that sum.
 double blurred_noise(int gaussian_rounds, int denoise_rounds = 0) {
   std::vector<double> kernel = {1.0};
   const auto blur = [&](std::initializer_list<double> weights, int apart) {
@@ -132,21 +134,21 @@ double blurred_noise(int gaussian_rounds, int denoise_rounds = 0) {
   return sum;
 }
 
-/// Whether v is a multiple of a quarter, up to rounding.
+/// Returns whether v is a multiple of 1/4, up to rounding.
 bool on_quarter(double v) { return std::abs(4.0 * v - std::round(4.0 * v)) < 1e-3; }
 
 double display_from_linear(double v) { return v > 0.0031308 ? 1.055 * std::pow(v, 1.0 / 2.4) - 0.055 : 12.92 * v; }
 double linear_from_display(double v) { return v > 0.04045 ? std::pow((v + 0.055) / 1.055, 2.4) : v / 12.92; }
 
-/// The five values that listing 1 can give: 1 - (n/8)^2 for none and for 5 to 8 of 8 samples.
+/// The five possible values of listing 1: 1 - (n/8)^2 for n = 0 and n = 5 to 8 of 8 samples.
 constexpr std::array kRawValues = {1.0, 1.0 - 25.0 / 64.0, 1.0 - 36.0 / 64.0, 1.0 - 49.0 / 64.0, 0.0};
 
-/// Bands of look `cartoon`, green light of the darkest one on white, and from each band to the next.
-constexpr int kOurBands = 5;
-constexpr double kDarkestBand = 0.16, kBandStep = (1.0 - kDarkestBand) / (kOurBands - 1);
-bool in_a_band(double lit) {
-  const double band = (lit - kDarkestBand) / kBandStep;
-  return band > -0.5 && band < kOurBands - 0.5 && std::abs(band - std::round(band)) < 1e-3;
+/// Number of tone steps of the look `cartoon`, green value of the darkest one on white, and distance between two steps.
+constexpr int kOurSteps = 5;
+constexpr double kDarkestStep = 0.16, kStepSize = (1.0 - kDarkestStep) / (kOurSteps - 1);
+bool on_a_step(double lit) {
+  const double step = (lit - kDarkestStep) / kStepSize;
+  return step > -0.5 && step < kOurSteps - 0.5 && std::abs(step - std::round(step)) < 1e-3;
 }
 
 const std::vector<std::string> kPlanes = {"object_id", "normal.x", "normal.y", "normal.z", "albedo.g", "ao", "outline"};
@@ -162,15 +164,16 @@ Figure four_ways(const Preset& preset, const Parts& parts, const Shot& plain, co
                  outlined.picture("cartoon-1c" + tag + ".png", "c) outlines"),
                  both.picture("cartoon-1d" + tag + ".png", "d) both")},
                 {}};
-  // Half a band over all of that ground in the paper, which darkens a halo; a quarter in ours, where half of it lies in
-  // the character's shadow already. A band is a quarter of the meadow's 0.58 in the paper, 0.08 in ours.
-  const double least = is_paper(preset) ? 0.07 : 0.02;
-  const double silhouette = is_paper(preset) ? 1.0 : 0.9;  // ours: less where fringes are thinner than the line
-  constexpr double kDeep = 0.005;                          // where fringes occlude each other no light is left
-  // Our lines lie centred on an edge, on pixels of both sides.
+  // Min darkening. Paper: half a tone step on average over that ground, since the paper darkens a halo. Ours: a
+  // quarter, since half of that ground is in the character's shadow already. A tone step is a quarter of the meadow's
+  // 0.58 in the paper's preset and 0.08 in ours.
+  const double min = is_paper(preset) ? 0.07 : 0.02;
+  const double silhouette = is_paper(preset) ? 1.0 : 0.9;  // ours: less, since some fringes are thinner than the line
+  constexpr double kDeep = 0.005;                          // fringes that occlude each other may be black
+  // Our lines are centred on an edge and cover pixels of both sides.
   const auto lined = [&](const Image& image, const Mask& mask) {
     constexpr float kQuarter = 0.25f;
-    if (is_paper(preset)) return black_share(image, mask);
+    if (is_paper(preset)) return black_fraction(image, mask);
     const Plane& lines = image.plane("outline");
     const auto is_lined = [&](int x, int y) {
       return lines.at(std::clamp(x, 0, lines.width - 1), std::clamp(y, 0, lines.height - 1)) >= kQuarter;
@@ -180,18 +183,19 @@ Figure four_ways(const Preset& preset, const Parts& parts, const Shot& plain, co
     });
   };
   const char* line = is_paper(preset) ? "that is black" : "at least a quarter under a line, or beside one";
-  figure.numbers = {{"a to b: fall of the ground beside the body", fall(a, b, parts.beside), least, kAnything},
-                    {"c to d: fall of the ground beside the body", fall(c, d, parts.beside), least, kAnything},
-                    {"a to b: share of the background that changes", changed_share(a, b, parts.background), 0.0, 0.0},
-                    {"a: share of the silhouette that is black", black_share(a, parts.silhouette), 0.0, 0.0},
-                    {"b: share of the silhouette that is black", black_share(b, parts.silhouette), 0.0, kDeep},
-                    {fmt::format("c: share of the silhouette {}", line), lined(c, parts.silhouette), silhouette, 1.0},
-                    {fmt::format("d: share of the silhouette {}", line), lined(d, parts.silhouette), silhouette, 1.0},
-                    {fmt::format("d: share of the body's edge before what lies behind {}", line),
-                     lined(d, parts.overlap), silhouette, 1.0}};
+  figure.numbers = {
+      {"a to b: fall of the ground beside the body", fall(a, b, parts.beside), min, kAnything},
+      {"c to d: fall of the ground beside the body", fall(c, d, parts.beside), min, kAnything},
+      {"a to b: share of the background that changes", changed_fraction(a, b, parts.background), 0.0, 0.0},
+      {"a: share of the silhouette that is black", black_fraction(a, parts.silhouette), 0.0, 0.0},
+      {"b: share of the silhouette that is black", black_fraction(b, parts.silhouette), 0.0, kDeep},
+      {fmt::format("c: share of the silhouette {}", line), lined(c, parts.silhouette), silhouette, 1.0},
+      {fmt::format("d: share of the silhouette {}", line), lined(d, parts.silhouette), silhouette, 1.0},
+      {fmt::format("d: share of the body's edge before what lies behind {}", line), lined(d, parts.overlap), silhouette,
+       1.0}};
   if (is_paper(preset))
     figure.numbers.push_back(
-        {"a to b: share of the open ground that changes", changed_share(a, b, parts.open), 0.0, 0.05});
+        {"a to b: share of the open ground that changes", changed_fraction(a, b, parts.open), 0.0, 0.05});
   return figure;
 }
 
@@ -206,7 +210,7 @@ Figure buffers(const Preset& preset, const Parts& parts, const Shot& raw, const 
                  lighting.picture("cartoon-5-lighting" + tag + ".png", "5: lighting"),
                  both.picture("cartoon-6-composite" + tag + ".png", "6: composite")},
                 {}};
-  figure.pictures[1].detail = figure.pictures[2].detail = true;  // noise is lost where pictures shrink
+  figure.pictures[1].detail = figure.pictures[2].detail = true;  // downsampling would hide the noise
   const auto dark_background = [&](const Shot& shot) {
     return mean(image, parts.background, [&](int x, int y) { return shot.value("ao", x, y) < 1.0f; });
   };
@@ -244,9 +248,9 @@ Figure buffers(const Preset& preset, const Parts& parts, const Shot& raw, const 
           0.1},
          {"6: share of the surface off the lines on a step of a quarter", mean(image, off_lines, shaded), 1.0, 1.0}});
   } else {
-    const auto band_share = [&](const Shot& shot, bool clay) {
+    const auto step_fraction = [&](const Shot& shot, bool clay) {
       return mean(image, off_lines, [&](int x, int y) {
-        return in_a_band(linear_from_display(shot.value("color.g", x, y)) /
+        return on_a_step(linear_from_display(shot.value("color.g", x, y)) /
                          (clay ? 1.0 : shot.value("albedo.g", x, y)));
       });
     };
@@ -255,13 +259,13 @@ Figure buffers(const Preset& preset, const Parts& parts, const Shot& raw, const 
         {{"4: noise left on the open ground; of white noise 0.089",
           noise(image, parts.open) / noise(raw.image, parts.open), 0.0, blurred_noise(kBlurRounds, kDenoiseRounds)},
          {"4: share of the background that occlusion creeps onto", dark_background(both), 0.0, 0.0},
-         {"5: share of the surface in one of five bands", band_share(lighting, true), 0.0, 0.1},
-         {"6: share of the surface off the lines in one of five bands", band_share(both, false), 0.8, 1.0}});
+         {"5: share of the surface in one of five bands", step_fraction(lighting, true), 0.0, 0.1},
+         {"6: share of the surface off the lines in one of five bands", step_fraction(both, false), 0.8, 1.0}});
   }
   return figure;
 }
 
-/// Figure 1 a to d, and the buffers behind d: figures 2 to 6.
+/// Draws figure 1 a to d, and the planes of d: figures 2 to 6.
 Result<std::vector<Figure>> pink_figures(Studio& studio, const Preset& preset) {
   use_single(studio, preset);
   const auto plain = studio.shoot({kNoOutlines}, "none", kPlanes);
@@ -271,7 +275,7 @@ Result<std::vector<Figure>> pink_figures(Studio& studio, const Preset& preset) {
   std::vector<std::string> no_blur = {kNoBlur};
   if (!is_paper(preset)) no_blur.push_back("denoise.rounds=0");
   const auto raw = studio.shoot(no_blur, "", kPlanes);
-  const auto lighting = studio.shoot({kNoOutlines, "toon.bands=256", "toon.albedo=clay"}, "none", kPlanes);
+  const auto lighting = studio.shoot({kNoOutlines, "toon.steps=256", "toon.albedo=clay"}, "none", kPlanes);
   for (const auto* shot : {&plain, &occluded, &outlined, &both, &raw, &lighting})
     if (!*shot) return shot->error();
   const Parts parts = parts_of(studio, *both);
@@ -279,7 +283,7 @@ Result<std::vector<Figure>> pink_figures(Studio& studio, const Preset& preset) {
                              buffers(preset, parts, *raw, *lighting, *both)};
 }
 
-/// Section 5: the shortcuts that the authors name, undone one by one.
+/// Draws the shortcuts that section 5 names, undone one by one.
 Result<Figure> shortcuts_figure(Studio& studio) {
   use_single(studio, kPaper);
   struct Shortcut {
@@ -314,7 +318,7 @@ Result<Figure> shortcuts_figure(Studio& studio) {
     means[k + 1] = {occlusion(parts.beside), occlusion(parts.open), occlusion(parts.surface)};
   }
   const auto& [paper, threshold, range, hemisphere, depth] = means;
-  constexpr double kHalfSquared = 0.25;  // occlusion of 4 samples of 8, which lie behind any plane
+  constexpr double kHalfSquared = 0.25;  // (4/8)^2: half of the 8 samples are behind any plane
   figure.numbers = {
       {"open ground without the threshold: samples behind the surface", threshold.open, 0.15, kHalfSquared},
       {"open ground with it: \"our value mapping technique eliminates this\"", paper.open, 0.0, 0.02},
@@ -325,11 +329,11 @@ Result<Figure> shortcuts_figure(Studio& studio) {
   return figure;
 }
 
-/// The flat top of scene:solids' table where the key light arrives, nothing stands within the reach of our occlusion,
-/// and nothing else is seen within `margin` pixels.
+/// Returns the pixels of the flat table top of scene:solids that the key light reaches, with no other object within the
+/// reach of our occlusion and no other surface visible within `margin` pixels.
 Mask open_table(const Studio& studio, const Shot& shot, int margin) {
-  // A share of the scene's radius, as look `cartoon` has it, and how much farther it reaches once it is smoothed;
-  // metres.
+  // kReach: occlusion radius of the look `cartoon`, relative to the bounding-sphere radius. kSmoothed: factor by which
+  // smoothing extends it. kFlat: max height above the table top, metres.
   constexpr float kReach = 0.04f, kSmoothed = 1.25f, kFlat = 1e-3f;
   const float reach = kReach * kSmoothed * studio.scene->radius();
   const Mesh& table = mesh_named(*studio.scene, "table");
@@ -357,7 +361,7 @@ Mask open_table(const Studio& studio, const Shot& shot, int margin) {
   });
 }
 
-/// How many different colours a mask has, in steps of an 8-bit picture.
+/// Returns the number of different 8-bit colours in a mask.
 double colors(const Image& image, const Mask& mask) {
   std::set<std::array<long, 3>> seen;
   each(image, &mask, [&](int x, int y) {
@@ -371,7 +375,7 @@ double colors(const Image& image, const Mask& mask) {
   return double(seen.size());
 }
 
-/// A pair of pictures of appendix B, in both presets.
+/// Draws a pair of pictures of appendix B, in both presets.
 Result<Figure> sample_figure(Device& device, int number, const std::string& name, int size) {
   auto studio = open_studio(device, "scene:" + name, std::string(kPaper.look), size);
   if (!studio) return studio.error();
@@ -393,7 +397,7 @@ Result<Figure> sample_figure(Device& device, int number, const std::string& name
     const Mask surface = mask_of(with->image, [&](int x, int y) { return with->surface(x, y); });
     figure.numbers.push_back({fmt::format("fall of the mean with occlusion ({})", preset.name),
                               fall(without->image, with->image, surface), kOneStep, kAnything});
-    // Beyond what the samples and the blur, or a shadow's smoothed edge and a line of size / 256, can reach.
+    // Paper: reach of the samples and the blur. Ours: a shadow's smoothed edge and a line of size / 256.
     const int margin = is_paper(preset) ? radius_px(with->image) + kBlurRounds : 1 + size / 128;
     if (name == "solids")
       figure.numbers.push_back({fmt::format("colours of the table away from contacts ({})", preset.name),

@@ -1,4 +1,4 @@
-// All pictures of a paper on one sheet.
+// The contact sheet: all pictures of a paper in one image.
 #include <algorithm>
 
 #include "apps/figures/drawing.h"
@@ -8,9 +8,9 @@ namespace umbrage {
 namespace {
 
 constexpr int kGap = 12;        // between pictures, pixels
-constexpr int kWideTile = 384;  // from this size on letters are doubled
+constexpr int kWideTile = 384;  // min tile size at which the text is drawn at scale 2
 
-/// The tile x tile pixels in the middle, or all where there are fewer.
+/// Returns the tile x tile pixels in the middle; the whole image if it is smaller.
 Image middle(const Image& image, int tile) {
   Image part(std::min(tile, image.width), std::min(tile, image.height));
   const int left = (image.width - part.width) / 2, top = (image.height - part.height) / 2;

@@ -16,7 +16,8 @@ using glm::vec3;
 
 constexpr std::array kChannels = {"color.r", "color.g", "color.b"};
 
-/// Mixes a colour in wherever distance(pixel's centre), in pixels from the shape's edge, is below half a pixel.
+/// Blends a color into the pixels of a shape, with anti-aliased edges. `distance` returns the signed distance of a
+/// pixel centre from the shape's edge in pixels, negative inside.
 template <class Distance>
 void paint(Image& image, vec2 low, vec2 high, vec3 color, const Distance& distance) {
   const int x0 = std::max(0, int(std::floor(low.x)) - 1), x1 = std::min(image.width, int(std::ceil(high.x)) + 2);
@@ -31,7 +32,7 @@ void paint(Image& image, vec2 low, vec2 high, vec3 color, const Distance& distan
   }
 }
 
-/// Corners of the rectangles that a text's letters are made of, as the font draws them.
+/// The corners of one of the rectangles that the font draws letters with.
 struct Box {
   int x0, y0, x1, y1;
 };
@@ -40,7 +41,7 @@ std::vector<Box> letters(std::string& text) {
     float x, y, z;
     unsigned char color[4];
   };
-  std::vector<Vertex> vertices(text.size() * 4 * 20 + 4);  // no letter takes more than 20 quads
+  std::vector<Vertex> vertices(text.size() * 4 * 20 + 4);  // a letter has at most 20 quads
   const int quads =
       stb_easy_font_print(0, 0, text.data(), nullptr, vertices.data(), int(vertices.size() * sizeof(Vertex)));
   std::vector<Box> boxes;
@@ -108,10 +109,10 @@ void write_text(Image& image, int x, int y, int scale, std::string text, vec3 co
 
 int text_width(std::string text, int scale) { return stb_easy_font_width(text.data()) * scale; }
 
-void put(Image& image, const Image& picture, int left, int top, int most) {
+void put(Image& image, const Image& picture, int left, int top, int max) {
   for (const char* name : kChannels)
-    for (int y = 0; y < std::min(most, picture.height); ++y)
-      for (int x = 0; x < std::min(most, picture.width); ++x)
+    for (int y = 0; y < std::min(max, picture.height); ++y)
+      for (int x = 0; x < std::min(max, picture.width); ++x)
         if (left + x >= 0 && left + x < image.width && top + y >= 0 && top + y < image.height)
           image.plane(name).at(left + x, top + y) = std::clamp(picture.plane(name).at(x, y), 0.0f, 1.0f);
 }

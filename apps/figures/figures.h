@@ -1,4 +1,4 @@
-// The figures and tables of the papers, made anew, each with the numbers that it must show.
+// Reproduces the figures and tables of the papers and measures numbers that must lie within given bounds.
 #pragma once
 #include <functional>
 #include <string>
@@ -12,18 +12,18 @@ namespace umbrage {
 
 struct FigurePicture {
   std::string file;     ///< name without folder: "unsharp-4-threshold-0.1.png"
-  std::string caption;  ///< what was done, in a few words
+  std::string caption;  ///< short description of the settings
   std::string command;  ///< the command line that draws it
   Image image;          ///< color.r, color.g, color.b
-  bool detail = false;  ///< the contact sheet shows its middle unscaled instead of the whole
+  bool detail = false;  ///< show the middle at full resolution on the contact sheet, not the whole picture
 };
 
-/// A number read off a figure's pictures, and whether it is what the paper shows.
+/// A number measured from the pictures of a figure, with the bounds that reproduce the paper.
 struct FigureNumber {
   std::string what;
   double value = 0.0;
-  double least = 0.0, most = 0.0;  ///< inclusive
-  bool holds() const { return value >= least && value <= most; }
+  double min = 0.0, max = 0.0;  ///< bounds, inclusive
+  bool holds() const { return value >= min && value <= max; }
 };
 
 struct Figure {
@@ -43,38 +43,40 @@ struct FigureTable {
   std::vector<TableRow> rows;
 };
 
-/// Where the Stanford bunny is looked for: Debian's glmark2-data.
+/// Default file of the Stanford bunny: that of Debian's package glmark2-data.
 inline constexpr const char* kBunnyFile = "/usr/share/glmark2/models/bunny.obj";
 
-/// Figures 1 to 6 of [Chamberlin 2011] at size x size pixels (the paper: 1024); windows scale with it.
-/// `bunny` is the model of figure 3. `progress` is called with the name of each figure before it is drawn.
+/// Draws figures 1 to 6 of [Chamberlin 2011] at size x size pixels (the paper: 1024); kernel windows scale with the
+/// size. `bunny` is the model file of figures 2 and 3. `progress` is called with the name of each figure before it is
+/// drawn.
 Result<std::vector<Figure>> unsharp_figures(Device& device, const std::string& bunny, int size,
                                             const std::function<void(const std::string&)>& progress);
 
-/// The paper's claims of cost: time of the effect against the window and against the number of triangles; median of
-/// `runs` runs.
+/// Measures the paper's claims about cost: time of the effect against the kernel window and against the number of
+/// triangles; median of `runs` runs.
 Result<std::vector<FigureTable>> unsharp_tables(Device& device, const std::string& bunny, int size, int runs,
                                                 const std::function<void(const std::string&)>& progress);
 
-/// Figures 1 to 6 and the pairs of appendix B of [Lajzer and Nottingham] at size x size pixels (the paper: 512), in the
-/// paper's preset and in ours.
+/// Draws figures 1 to 6 and the picture pairs of appendix B of [Lajzer and Nottingham] at size x size pixels (the
+/// paper: 512), in the paper's preset and in ours.
 Result<std::vector<Figure>> cartoon_figures(Device& device, int size,
                                             const std::function<void(const std::string&)>& progress);
 
-/// Time of every pass for both presets, and of the occlusion against the number of triangles; median of `runs` runs.
+/// Measures the time of every effect for both presets, and of the occlusion against the number of triangles; median of
+/// `runs` runs.
 Result<std::vector<FigureTable>> cartoon_tables(Device& device, int size, int runs,
                                                 const std::function<void(const std::string&)>& progress);
 
-/// Figures 1 to 16 of [Colliander and Törnquist 2015] at size x size pixels, in the paper's preset and in ours.
+/// Draws figures 1 to 16 of [Colliander and Törnquist 2015] at size x size pixels, in the paper's preset and in ours.
 Result<std::vector<Figure>> bleeding_figures(Device& device, int size,
                                              const std::function<void(const std::string&)>& progress);
 
-/// Table 1: time of a picture without occlusion and with 8 to 64 samples, with bleeding and without; median of `runs`
-/// runs.
+/// Measures table 1: time of a picture without occlusion and with 8 to 64 samples, with and without color bleeding;
+/// median of `runs` runs.
 Result<std::vector<FigureTable>> bleeding_tables(Device& device, int size, int runs,
                                                  const std::function<void(const std::string&)>& progress);
 
-/// All pictures on one sheet, a row per figure, with captions.
+/// Returns all pictures on one sheet, a row per figure, with captions. `tile`: side of a picture on the sheet, pixels.
 Image contact_sheet(const std::vector<Figure>& figures, int tile);
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// The papers' figures: each shows by a number what the paper says that it shows.
+// Tests of the papers' figures: their measured numbers lie within their bounds.
 #include "apps/figures/figures.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace umbrage {
 namespace {
 
-/// So many figures, each with pictures of that size, and all their numbers within bounds.
+/// Expects `count` figures with pictures `size` pixels wide, and all their numbers within bounds.
 void expect_figures(const Result<std::vector<Figure>>& figures, std::size_t count, int size) {
   ASSERT_TRUE(figures) << figures.error().message;
   ASSERT_EQ(figures->size(), count);
@@ -19,7 +19,7 @@ void expect_figures(const Result<std::vector<Figure>>& figures, std::size_t coun
     EXPECT_FALSE(figure.numbers.empty()) << figure.id;
     for (const FigureNumber& number : figure.numbers)
       EXPECT_TRUE(number.holds()) << "figure " << figure.id << ": " << number.what << " is " << number.value
-                                  << ", not within " << number.least << " and " << number.most;
+                                  << ", not within " << number.min << " and " << number.max;
     for (const FigurePicture& picture : figure.pictures) {
       EXPECT_EQ(picture.image.width, size);
       EXPECT_EQ(picture.command.rfind("umbrage ", 0), 0u);

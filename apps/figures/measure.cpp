@@ -6,7 +6,7 @@
 
 namespace umbrage {
 
-Plane least_near(const Plane& plane, int columns, int rows) {
+Plane min_near(const Plane& plane, int columns, int rows) {
   const auto along = [](const Plane& in, int reach, int step_x, int step_y) {
     Plane out = in;
     for (int y = 0; y < in.height; ++y)
@@ -23,8 +23,8 @@ Plane least_near(const Plane& plane, int columns, int rows) {
 Mask eroded(const Image& image, const Mask& mask, int reach) {
   Plane plane(image.width, image.height, 0.0f);
   each(image, &mask, [&](int x, int y) { plane.at(x, y) = 1.0f; });
-  const Plane least = least_near(plane, reach, reach);
-  return mask_of(image, [&](int x, int y) { return least.at(x, y) > 0.0f; });
+  const Plane min = min_near(plane, reach, reach);
+  return mask_of(image, [&](int x, int y) { return min.at(x, y) > 0.0f; });
 }
 
 double brightness(const Image& image, int x, int y) {
@@ -42,12 +42,12 @@ double fall(const Image& from, const Image& to, const Mask& mask) {
   return mean_brightness(from, mask) - mean_brightness(to, mask);
 }
 
-double black_share(const Image& image, const Mask& mask) {
+double black_fraction(const Image& image, const Mask& mask) {
   constexpr double kBlack = 0.5 / 255.0;
   return mean(image, mask, [&](int x, int y) { return brightness(image, x, y) < kBlack; });
 }
 
-double changed_share(const Image& a, const Image& b, const Mask& mask) {
+double changed_fraction(const Image& a, const Image& b, const Mask& mask) {
   return mean(a, mask, [&](int x, int y) { return brightness(a, x, y) != brightness(b, x, y); });
 }
 

@@ -1,4 +1,4 @@
-// What the figures' numbers are made of: masks of pixels, means over them, times of effects.
+// Measurements for the numbers of figures: pixel masks, means over masks, times of effects.
 #pragma once
 #include <cmath>
 #include <glm/vec3.hpp>
@@ -11,10 +11,10 @@
 
 namespace umbrage {
 
-/// Which pixels a number is read from.
+/// The pixels that a measurement covers: nonzero entries, row by row from the top.
 using Mask = std::vector<char>;
 
-/// Calls visit(x, y) for the pixels of a mask, or for all.
+/// Calls visit(x, y) for the pixels of a mask; for all pixels if it is null.
 template <class Visit>
 void each(const Image& image, const Mask* mask, const Visit& visit) {
   for (int y = 0; y < image.height; ++y)
@@ -22,6 +22,7 @@ void each(const Image& image, const Mask* mask, const Visit& visit) {
       if (!mask || (*mask)[std::size_t(y) * image.width + x]) visit(x, y);
 }
 
+/// Returns the mask of the pixels for which belongs(x, y) is true.
 template <class Test>
 Mask mask_of(const Image& image, const Test& belongs) {
   Mask mask(std::size_t(image.width) * image.height);
@@ -29,7 +30,7 @@ Mask mask_of(const Image& image, const Test& belongs) {
   return mask;
 }
 
-/// Mean of value(x, y) over a mask; no number where it is empty.
+/// Returns the mean of value(x, y) over a mask; NaN if the mask is empty.
 template <class Value>
 double mean(const Image& image, const Mask& mask, const Value& value) {
   double sum = 0.0;
@@ -38,7 +39,7 @@ double mean(const Image& image, const Mask& mask, const Value& value) {
   return count > 0 ? sum / double(count) : std::nan("");
 }
 
-/// The three planes of a vector, `normal` or `tangent`.
+/// The three planes of a vector, such as `normal` or `tangent`.
 struct VectorPlanes {
   const Plane &x, &y, &z;
   VectorPlanes(const Image& image, const std::string& name)
@@ -46,28 +47,28 @@ struct VectorPlanes {
   glm::vec3 at(int column, int row) const { return {x.at(column, row), y.at(column, row), z.at(column, row)}; }
 };
 
-/// The least value of a plane within so many columns and rows.
-Plane least_near(const Plane& plane, int columns, int rows);
+/// Returns, for each pixel, the min of a plane within `columns` columns and `rows` rows.
+Plane min_near(const Plane& plane, int columns, int rows);
 
-/// Which pixels have no other kind within `reach` rows and columns.
+/// Returns the pixels of a mask that have only pixels of the mask within `reach` rows and columns.
 Mask eroded(const Image& image, const Mask& mask, int reach);
 
-/// Mean of the finished picture's three colours, each cut to [0, 1].
+/// Returns the mean of the three color planes of a pixel, each clamped to [0, 1].
 double brightness(const Image& image, int x, int y);
 double mean_brightness(const Image& image, const Mask& mask);
 
-/// How much a picture is darker than another.
+/// Returns by how much the mean brightness of `to` is below that of `from`.
 double fall(const Image& from, const Image& to, const Mask& mask);
 
-/// Share of a mask's pixels that are as good as black.
-double black_share(const Image& image, const Mask& mask);
+/// Returns the fraction of a mask's pixels whose brightness is below half a step of an 8-bit picture.
+double black_fraction(const Image& image, const Mask& mask);
 
-/// Share of a mask's pixels that differ at all.
-double changed_share(const Image& a, const Image& b, const Mask& mask);
+/// Returns the fraction of a mask's pixels whose brightness differs.
+double changed_fraction(const Image& a, const Image& b, const Mask& mask);
 
 double median(std::vector<double> values);
 
-/// Median time of an effect on a frame that it has been run on before.
+/// Returns the median time of an effect on a frame, in milliseconds.
 Result<double> time_of(Device& device, const Effect& effect, const ParameterBytes& params, Frame& frame, int runs);
 
 }  // namespace umbrage

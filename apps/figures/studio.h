@@ -1,4 +1,4 @@
-// Draws one scene again and again with other settings, and knows the command line that draws the same.
+// Draws one scene with varying settings and records the equivalent command line of each picture.
 #pragma once
 #include <memory>
 #include <optional>
@@ -11,38 +11,41 @@
 
 namespace umbrage {
 
-/// One picture with the planes behind it.
+/// A picture with its planes.
 struct Shot {
   Image image;
   PictureInfo info;
   std::string command;
 
   float value(const char* plane, int x, int y) const { return image.plane(plane).at(x, y); }
+  /// Returns whether a pixel shows a surface.
   bool surface(int x, int y) const;
-  /// Where the surface at a pixel's centre lies. Perspective cameras only.
+  /// Returns the world position of the surface at a pixel's centre. Perspective cameras only.
   glm::vec3 world(int x, int y) const;
-  /// The finished picture.
+  /// Returns the rendered picture.
   FigurePicture picture(std::string file, std::string caption) const;
-  /// A pass as `umbrage --passes NAME` writes it to a PNG: `normal` moved from [-1, 1] to [0, 1], or a plane as grey.
+  /// Returns a pass as `umbrage --passes NAME` writes it to a PNG: a vector mapped from [-1, 1] to [0, 1], or one plane
+  /// as grey.
   FigurePicture pass(const std::string& name, std::string file, std::string caption) const;
 };
 
+/// A prepared scene with the settings of its pictures.
 struct Studio {
   Device& device;
   std::string model;
-  std::shared_ptr<const Scene> scene;  ///< which the device looks at where it lies
+  std::shared_ptr<const Scene> scene;  ///< shared, not copied: the device refers to it
   Request draw;
   Framing framing;
 
-  /// A picture with these settings besides the studio's own, and these planes besides color and depth. `occlusion`
-  /// empty: the look's own.
+  /// Draws a picture with these settings in addition to the studio's, and downloads these planes in addition to color
+  /// and depth. `occlusion`: technique; empty: that of the look.
   Result<Shot> shoot(const std::vector<std::string>& settings, const std::string& occlusion = "",
                      const std::vector<std::string>& planes = {});
-  /// Puts up another scene.
+  /// Replaces the scene.
   Result<void> show(Scene other);
 };
 
-/// The first error of some shots, if any of them failed.
+/// Returns the first error of some shots, if any failed.
 template <class... Shots>
 std::optional<Error> error_of(const Shots&... shots) {
   std::optional<Error> first;
@@ -53,6 +56,7 @@ std::optional<Error> error_of(const Shots&... shots) {
   return first;
 }
 
+/// Loads a model and prepares it for square pictures of `size` pixels a side.
 Result<Studio> open_studio(Device& device, const std::string& model, const std::string& look, int size);
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// Figures 1 to 6 and the claims of cost of [Chamberlin 2011].
+// Figures 1 to 6 and the claims about cost of [Chamberlin 2011].
 #include <algorithm>
 #include <cmath>
 
@@ -12,7 +12,7 @@ namespace {
 
 float gray(const Shot& shot, int x, int y) { return shot.value("color.g", x, y); }
 
-/// Looks from one of the scene's suggested views.
+/// Sets the camera to one of the scene's suggested views.
 void look_from(Studio& studio, std::size_t view) {
   const View& v = studio.scene->views.at(view);
   studio.framing.position = v.eye;
@@ -20,7 +20,7 @@ void look_from(Studio& studio, std::size_t view) {
   studio.framing.view_angle_deg = v.angle_deg;
 }
 
-/// Mean of the absolute difference of two pictures.
+/// Returns the mean absolute difference of two pictures over the pixels for which `belongs` is true.
 template <class Test>
 double mean_change(const Shot& a, const Shot& b, const Test& belongs) {
   double sum = 0.0;
@@ -42,10 +42,10 @@ double mean_gray(const Shot& shot, const Test& belongs) {
 }
 
 constexpr double kAnything = 1e30;
-constexpr double kOneStep = 1.0 / 255.0;  // of an 8-bit picture
-constexpr double kPaperSize = 1024.0;
+constexpr double kOneStep = 1.0 / 255.0;  // one step of an 8-bit picture
+constexpr double kPaperSize = 1024.0;     // side of the paper's pictures, pixels
 
-/// A window of the paper, which drew 1024 x 1024 pixels, at another size.
+/// Returns the setting of a kernel window of the paper, scaled to `size` pixels.
 std::string window(int k, int size) {
   return fmt::format("unsharp.kernel={}", std::max(1, int(std::lround(k * size / kPaperSize))));
 }
@@ -56,7 +56,7 @@ Result<Figure> tank_figure(Device& device, int size) {
   const auto without = studio->shoot({}, "none");
   const auto with = studio->shoot({window(40, size), "unsharp.threshold=0.1"});
   if (const auto error = error_of(without, with)) return *error;
-  // Where tracks and hull meet the ground at the rear, up to half a metre high.
+  // The region where tracks and hull meet the ground at the rear, up to half a metre high.
   const auto lower_rear = [&](int x, int y) {
     if (!with->surface(x, y)) return false;
     const glm::vec3 p = with->world(x, y);
@@ -73,14 +73,14 @@ Result<Figure> tank_figure(Device& device, int size) {
 Result<Figure> border_figure(Device& device, const std::string& bunny, int size) {
   auto studio = open_studio(device, bunny, "unsharp", size);
   if (!studio) return studio.error();
-  studio->framing.zoom = 3.6f;  // the flank reaches past the picture's sides
+  studio->framing.zoom = 3.6f;  // the flank extends beyond the picture's sides
   const std::string kernel = window(40, size);
   const auto off = studio->shoot({kernel, "unsharp.threshold=0", "unsharp.border=zero"});
   const auto on = studio->shoot({kernel, "unsharp.threshold=0", "unsharp.border=skip"});
   const auto none = studio->shoot({}, "none");
   if (const auto error = error_of(off, on, none)) return *error;
   const int reach = std::max(1, int(std::lround(20 * size / kPaperSize)));  // k / 2
-  // Below the back's silhouette, whose own white edge is figure 4's subject.
+  // Only below the silhouette of the back: its white edge is the subject of figure 4.
   const auto side = [&](const Shot& shot) {
     return mean_gray(shot, [&](int x, int y) {
       const int from_side = std::min(x, shot.image.width - 1 - x);
@@ -99,14 +99,14 @@ Result<Figure> border_figure(Device& device, const std::string& bunny, int size)
 Result<Figure> bunny_figure(Device& device, const std::string& bunny, int size) {
   auto studio = open_studio(device, bunny, "unsharp", size);
   if (!studio) return studio.error();
-  // From the front, where the chin hangs over the chest.
+  // From the front, where the chin is in front of the chest.
   studio->framing.azimuth_deg = -55.0f;
   studio->framing.elevation_deg = -10.0f;
   const auto gouraud = studio->shoot({}, "none");
   const auto small = studio->shoot({window(15, size)});
   const auto large = studio->shoot({window(40, size)});
   if (const auto error = error_of(gouraud, small, large)) return *error;
-  // The chest right under the chin, in shares of the picture.
+  // The chest directly under the chin, in fractions of the picture.
   const auto under_chin = [&](int x, int y) {
     const double u = (x + 0.5) / size, v = (y + 0.5) / size;
     return u > 0.22 && u < 0.32 && v > 0.522 && v < 0.542 && large->surface(x, y);
@@ -125,7 +125,7 @@ Result<Figure> threshold_figure(Device& device, int size) {
   auto studio = open_studio(device, "scene:claw", "unsharp", size);
   if (!studio) return studio.error();
   look_from(*studio, 0);
-  // A light at the eye leaves silhouettes dark, so that white ones are the mask's doing.
+  // With a light at the camera silhouettes are dark, so white silhouettes come from the unsharp mask.
   studio->draw.settings = {window(40, size), "lighting.rig=head"};
   const auto plain = studio->shoot({}, "none");
   const auto open = studio->shoot({"unsharp.threshold=0"});
@@ -133,7 +133,7 @@ Result<Figure> threshold_figure(Device& device, int size) {
   if (const auto error = error_of(plain, open, checked)) return *error;
   const int reach = std::max(1, int(std::lround(20 * size / kPaperSize)));  // k / 2
   constexpr float kClawInFront = 1.5f;                                      // world z; the body lies behind
-  // A pixel of the claw whose window holds, besides the claw, background and nothing else.
+  // Whether the window of a pixel contains only the claw and background, and both.
   const auto before_background = [&](int x, int y) {
     bool background = false;
     for (int v = std::max(y - reach, 0); v < std::min(y + reach, size); ++v)
@@ -175,13 +175,13 @@ Result<Figure> claw_figure(Device& device, int size) {
   auto studio = open_studio(device, "scene:claw", "unsharp", size);
   if (!studio) return studio.error();
   look_from(*studio, 0);
-  // The far plane lies so far back that claw and body are between 0.02 and 0.1 apart.
+  // The far plane is so far away that the depths of claw and body differ by 0.02 to 0.1.
   studio->draw.settings = {window(40, size), "unsharp.near=2", "unsharp.far=212", "lighting.rig=head"};
   const auto plain = studio->shoot({}, "none");
   const auto wide = studio->shoot({"unsharp.threshold=0.1"});
   const auto narrow = studio->shoot({"unsharp.threshold=0.02"});
   if (const auto error = error_of(plain, wide, narrow)) return *error;
-  constexpr float kClawInFront = 1.5f;  // world z; the chest lies behind
+  constexpr float kClawInFront = 1.5f;  // world z; the chest is behind
   Studio without_claw = *studio;
   Scene rest = *studio->scene;
   std::erase_if(rest.meshes, [&](const Mesh& mesh) {
@@ -190,7 +190,7 @@ Result<Figure> claw_figure(Device& device, int size) {
   if (auto done = without_claw.show(std::move(rest)); !done) return done.error();
   const auto alone = without_claw.shoot({"unsharp.threshold=0.02"});
   if (!alone) return alone.error();
-  // The body along the claw's outline: pixels of the chest with the claw within a quarter of the window to their left.
+  // The body along the claw's outline: pixels of the chest with the claw at a quarter of the window to their left.
   const int reach = std::max(1, int(std::lround(10 * size / kPaperSize)));
   const auto along_outline = [&](int x, int y) {
     if (x < reach || !wide->surface(x, y) || !wide->surface(x - reach, y)) return false;

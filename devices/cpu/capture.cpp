@@ -31,15 +31,15 @@ namespace {
 
 constexpr int kBlock = kSoftenBlock;  // a packet of rays is a block of 4 x 4 pixels
 constexpr int kTileBlocks = 8;        // blocks per side of a tile that one task draws: 32 pixels
-// The next surface along a ray is looked for this share of the hit's distance from the scene's origin and from the eye
-// behind the last one: two triangles that share an edge are one surface, and a sheet of paper has two sides.
+// The next surface along a ray is searched for behind the last one, at this fraction of the sum of the hit's distances
+// from the scene's origin and from the camera: two triangles that share an edge are one surface, but a sheet of paper
+// has two sides.
 constexpr float kLayerStep = 1e-5f;
-// A ray's end is this share of its length from where it should be, at most: a ray from a light must end above the
-// surface by more.
+// Max error of a ray's end, relative to its length: a ray from a light must end above the surface by more.
 constexpr float kEndRounding = 1e-6f;
 
-/// A block of pixels on its way to the planes: stored row by row at the end, since single floats scattered over a dozen
-/// planes cost more than shading.
+/// Values of a block of pixels. They are stored row by row once complete, since scattering single floats over a dozen
+/// planes costs more than shading.
 struct alignas(64) Block {
   float depth[kPacket], nx[kPacket], ny[kPacket], nz[kPacket], ar[kPacket], ag[kPacket], ab[kPacket];
   float specular[kPacket], shininess[kPacket], shadow[kMaxShadows][kPacket], er[kPacket], eg[kPacket], eb[kPacket];
@@ -47,11 +47,11 @@ struct alignas(64) Block {
   PenumbraSize penumbra[kMaxShadows];
 };
 
-/// A plane that is drawn, and where a block holds its pixels.
+/// A plane to draw, and the place of its values in a block.
 struct DrawnPlane {
   std::string name;
   std::size_t offset;
-  float nothing = 0.0f;  ///< its value where there is no surface
+  float nothing = 0.0f;  ///< value where there is no surface
 
   float* in(Block& block) const { return reinterpret_cast<float*>(reinterpret_cast<char*>(&block) + offset); }
   const float* in(const Block& block) const {
@@ -59,20 +59,20 @@ struct DrawnPlane {
   }
 };
 
-/// What all blocks of a view share.
+/// Data shared by all blocks of a view.
 struct Drawing {
   const TracedScene& traced;
-  PictureInfo info;  ///< as the view's camera sees it
-  Rows rows;         ///< of the picture, those that are drawn; the first is a multiple of kBlock
+  PictureInfo info;  ///< as the camera of the view sees it
+  Rows rows;         ///< rows of the picture to draw; begin is a multiple of kBlock
   CameraRays rays;
   std::vector<ShadowLight> lights;
-  int sample = 0;                                   ///< of pictures that are averaged
-  std::vector<DrawnPlane> planes;                   ///< of each layer, in this order
-  std::vector<PenumbraRadii>* penumbrae = nullptr;  ///< of the first layer, by light
+  int sample = 0;                                   ///< sample index of an accumulation
+  std::vector<DrawnPlane> planes;                   ///< planes of each layer, in order
+  std::vector<PenumbraRadii>* penumbrae = nullptr;  ///< of the first layer, one per softened light
   bool has_albedo = true, has_emission = true;
 };
 
-/// The planes of a layer, and where a block has them.
+/// Returns the planes of a layer, and their places in a block.
 std::vector<DrawnPlane> drawn_planes(const Scene& scene, const PictureInfo& info, const CaptureSettings& settings) {
   std::vector<DrawnPlane> all = {{"depth", offsetof(Block, depth), std::numeric_limits<float>::infinity()},
                                  {"normal.x", offsetof(Block, nx)},
@@ -102,8 +102,8 @@ void clear(const Drawing& drawing, Block& block) {
   std::fill_n(block.penumbra, kMaxShadows, PenumbraSize{});
 }
 
-/// Of block (x0, y0) the rows that are drawn. Rows are padded to kRowAlignment floats, so that a block may be stored
-/// over the picture's right side.
+/// Stores the rows of block (x0, y0) that are to be drawn. Rows are padded to kRowAlignment floats, so that a block may
+/// extend beyond the right border of the picture.
 void store(const Drawing& drawing, const Block& block, int x0, int y0, int layer, Image& image) {
   for (std::size_t p = 0; p < drawing.planes.size(); ++p) {
     Plane& plane = image.planes[std::size_t(layer) * drawing.planes.size() + p];
@@ -121,16 +121,16 @@ void store_penumbrae(const Drawing& drawing, const Block& block, int x0, int y0)
   }
 }
 
-/// The surfaces of a block, of those pixels that have one.
+/// The surfaces of a block.
 struct Surfaces {
   std::array<Surface, kPacket> at;
   std::array<bool, kPacket> there{};
-  int x0 = 0, y0 = 0;  ///< the first pixel
-  bool first = false;  ///< those that are seen, and no other layer's: their shadows are softened
+  int x0 = 0, y0 = 0;  ///< first pixel of the block
+  bool first = false;  ///< the visible surfaces, of the first layer: their shadows are softened
 };
 
-/// Traces one ray of each pixel to a place on a light's disc; adds 1 to `lit` where it arrives. Where it does not,
-/// `block` learns how wide the penumbra is, if the light is soft.
+/// Traces one ray per pixel to a point on a light's disc; adds 1 to `lit` if it is unblocked. If it is blocked and the
+/// light is soft, narrows the penumbra in `block` to the width that the blocker causes.
 void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const ShadowLight& light, bool soft,
                     const std::array<glm::vec2, kPacket>& places, std::array<float, kPacket>& lit, Block& block) {
   RayPacket to_light;
@@ -143,21 +143,22 @@ void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const Shad
       penumbra = {0.0f, 0.0f};
       continue;
     }
-    const glm::vec3 start = start_to_light(drawing.traced, surface, drawing.rays.eye);
+    const glm::vec3 start = ray_origin_to_light(drawing.traced, surface, drawing.rays.eye);
     glm::vec3 where = light.where;
     if (soft) {
       const auto [right, up] = light.point ? disc_axes(toward) : std::pair(light.right, light.up);
       where = light.where + light.size * (places[k].x * right + places[k].y * up);
       toward = light.point ? where - surface.position : where;
       if (!(glm::dot(surface.normal, toward) > 0.0f)) {
-        penumbra = {0.0f, 0.0f};  // ends here: the surface itself is in the way
+        penumbra = {0.0f, 0.0f};  // radius 0: the surface itself blocks the light
         continue;
       }
     }
     if (!light.point) {
       to_light.set(k, start, toward, 0.0f, std::numeric_limits<float>::infinity());
     } else if (!soft && glm::distance(start, surface.position) > kEndRounding * glm::length(toward)) {
-      // From the light, where all rays of the packet meet: they take two thirds of the time.
+      // Rays start at the light, where all rays of the packet meet: this takes two thirds of the time
+      // of rays that start at the surfaces.
       to_light.set(k, where, start - where, 0.0f, 1.0f);
     } else {
       to_light.set(k, start, where - start, 0.0f, 1.0f);
@@ -185,12 +186,12 @@ void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const Shad
   }
 }
 
-/// Fills in what arrives of each light. Of a light that has a size one ray of each pixel, each to another place on its
-/// rim, tells whether the block is all lit or all dark: what hides a part of the light crosses its rim. Where they
-/// disagree, each pixel gets rays of its own.
+/// Computes the unblocked fraction of each light. For a light with a size each pixel first traces one ray, to different
+/// points on the border of the light: an occluder that hides a part of the light crosses its border. If all rays of the
+/// block agree, it is all lit or all dark; otherwise each pixel traces its own set of rays.
 void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out) {
   static const DiscPoints points = disc_points();
-  static const auto rim = rim_points();
+  static const auto rim = disc_border_points();
   for (const ShadowLight& light : drawing.lights) {
     std::array<float, kPacket> lit{};
     float scale = 1.0f;
@@ -216,7 +217,7 @@ void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out)
   }
 }
 
-/// Fills a block from the hits of its primary rays.
+/// Shades a block from the hits of its primary rays.
 void shade_block(const Drawing& drawing, int x0, int y0, const RayPacket& primary, Surfaces& surfaces, Block& out) {
   clear(drawing, out);
   const glm::mat3 view(drawing.info.camera.view_from_world);
@@ -225,7 +226,7 @@ void shade_block(const Drawing& drawing, int x0, int y0, const RayPacket& primar
   surfaces.y0 = y0;
   for (int k = 0; k < kPacket; ++k) {
     if (!primary.hit(k)) continue;
-    // Made in its place: a copy of what has just been written in parts has to wait for them.
+    // Constructed in place: copying a partly written object stalls until the writes are done.
     const Surface& surface = *new (&surfaces.at[k]) Surface(primary.surface(drawing.traced, k));
     surfaces.there[k] = true;
     const glm::vec3 n = view * surface.normal;
@@ -252,8 +253,8 @@ void shade_block(const Drawing& drawing, int x0, int y0, const RayPacket& primar
   trace_shadows(drawing, surfaces, out);
 }
 
-/// The same surfaces from their other side, which has its own shadows. No camera sees it: it has no highlight.
-void turn_block(const Drawing& drawing, Surfaces& surfaces, Block& block) {
+/// Flips the surfaces to their other side, which has its own shadows, but no highlight, since no camera sees it.
+void flip_block(const Drawing& drawing, Surfaces& surfaces, Block& block) {
   for (const ShadowLight& light : drawing.lights) std::fill_n(block.shadow[light.index], kPacket, 1.0f);
   for (int k = 0; k < kPacket; ++k) {
     if (!surfaces.there[k]) continue;
@@ -267,18 +268,18 @@ void turn_block(const Drawing& drawing, Surfaces& surfaces, Block& block) {
   trace_shadows(drawing, surfaces, block);
 }
 
-/// Which layers of the image a camera's rays fill.
+/// The layers of the image that the rays of a camera fill.
 struct DrawnLayers {
-  int first = 0;   ///< of the nearest surfaces
-  int count = 1;   ///< one behind the other, in layers that follow each other
-  int backs = -1;  ///< the first of as many layers of their other sides, or -1
+  int first = 0;   ///< layer of the nearest surfaces
+  int count = 1;   ///< number of consecutive layers, front to back
+  int backs = -1;  ///< first of as many layers of their back sides, or -1
 };
 
-/// Draws the 4 x 4 pixels from (x0, y0) on, all layers.
+/// Draws all layers of the 4 x 4 pixels from (x0, y0) on.
 void draw_block(const Drawing& drawing, const DrawnLayers& layers, int x0, int y0, Image& image) {
   const CameraRays& rays = drawing.rays;
   RayPacket primary;
-  // One component at a time, so that the compiler makes vectors of the loops.
+  // One component at a time, so that the compiler vectorizes the loops.
   const auto fill = [&](float* out, float constant, float per_x, float per_y) {
     for (int k = 0; k < kPacket; ++k)
       out[k] = constant + per_x * (float(x0 + k % kBlock) + 0.5f) + per_y * (float(y0 + k / kBlock) + 0.5f);
@@ -319,12 +320,12 @@ void draw_block(const Drawing& drawing, const DrawnLayers& layers, int x0, int y
     if (surfaces.first) store_penumbrae(drawing, block, x0, y0);
     surfaces.first = false;
     if (layers.backs < 0) continue;
-    turn_block(drawing, surfaces, block);
+    flip_block(drawing, surfaces, block);
     store(drawing, block, x0, y0, layers.backs + layer, image);
   }
 }
 
-/// Draws what the picture's camera, or that of layer `view`, sees.
+/// Draws the view of the picture's camera, or that of the camera of layer `view`.
 void draw_view(const TracedScene& traced, const PictureInfo& info, const Rows& drawn,
                const std::vector<DrawnPlane>& planes, const CaptureSettings& settings, int view,
                const DrawnLayers& layers, std::vector<PenumbraRadii>* penumbrae, Watch& watch, Image& image) {
@@ -343,8 +344,8 @@ void draw_view(const TracedScene& traced, const PictureInfo& info, const Rows& d
   drawing.has_emission = holds("emission.r") || holds("emission.g") || holds("emission.b");
   drawing.rays = camera_rays(traced, drawing.info);
   drawing.lights = shadow_lights(traced, drawing.rays, drawing.info, settings);
-  if (!within_reach(drawing.rays, drawing.info)) {
-    // From there nothing is seen.
+  if (!rays_within_limit(drawing.rays, drawing.info)) {
+    // Nothing is visible from there.
     Block background;
     clear(drawing, background);
     for (int y = drawn.begin; y < drawn.end; y += kBlock)
@@ -365,12 +366,12 @@ void draw_view(const TracedScene& traced, const PictureInfo& info, const Rows& d
   });
 }
 
-/// How many blocks so many rows have.
+/// Returns the number of blocks in these rows.
 long blocks_of(const PictureInfo& info, const Rows& rows) {
   return long((info.width + kBlock - 1) / kBlock) * long((rows.count() + kBlock - 1) / kBlock);
 }
 
-/// One for each shadow that is softened, of a picture in which nothing is seen.
+/// Returns the radii for each shadow to soften, initialized for an empty picture.
 std::vector<PenumbraRadii> penumbra_radii(const PictureInfo& info, const Rows& rows, const CaptureSettings& settings) {
   std::vector<PenumbraRadii> all;
   for (const int light : softened_lights(info, settings)) {
@@ -386,7 +387,7 @@ Result<Image> capture_planes(const TracedScene& traced, const PictureInfo& info,
                              const ProgressMonitor& monitor, bool scalar) {
   const std::vector<DrawnPlane> planes = drawn_planes(*traced.scene, info, settings);
   const int all = 1 + int(info.more_layers.size());
-  const Rows rows = settings.band ? held_rows(*settings.band, info.height) : Rows{0, info.height};
+  const Rows rows = settings.strip ? held_rows(*settings.strip, info.height) : Rows{0, info.height};
   Image image(info.width, rows.count());
   image.planes.reserve(std::size_t(all) * planes.size());
   for (int layer = 0; layer < all; ++layer)

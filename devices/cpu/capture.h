@@ -8,12 +8,12 @@
 
 namespace umbrage {
 
-/// The planes of core/gbuffer.h for each pixel centre's ray, one set per layer that `info` names: first the surfaces
-/// that the ray meets, one behind the other, fronts and backs alike. Surfaces nearer to each other than a hundred-
-/// thousandth of their distances from the eye and from the scene's middle, added up, are one; which of them it is,
-/// rounding decides. Of the settings only those of shadows and of a band count. Uses all threads of the calling task
-/// arena; the result does not depend on their number. `monitor`: see Device::capture. `scalar`: kernels run in their
-/// plain form. Errors: kInterrupted.
+/// Captures the planes of core/gbuffer.h along the ray of each pixel centre, one set for each layer in `info`; layers
+/// of one camera are the surfaces along the ray in order, front and back faces alike. Two surfaces count as one, and
+/// rounding decides which, if they are closer than 1e-5 of the sum of their distances from the camera and from the
+/// centre of the scene. Of `settings` only shadows, shadow_rays, sample, planes and band are used. Uses all threads of
+/// the calling task arena; the result does not depend on their number. `monitor`: see Device::capture. `scalar`: use
+/// the scalar form of the kernels. Errors: kInterrupted.
 Result<Image> capture_planes(const TracedScene& traced, const PictureInfo& info, const CaptureSettings& settings,
                              const ProgressMonitor& monitor = {}, bool scalar = false);
 

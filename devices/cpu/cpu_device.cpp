@@ -14,9 +14,9 @@
 #include "devices/cpu/capture.h"
 #include "devices/cpu/cpu_planes.h"
 #include "devices/cpu/soften.h"
+#include "devices/shared/dispatches.h"
 #include "devices/shared/host_steps.h"
 #include "devices/shared/neutral.h"
-#include "devices/shared/passes.h"
 #include "kernel/isa.h"
 #include "kernel/kernel_frame.h"
 #include "rays/embree_device.h"
@@ -25,14 +25,14 @@ namespace umbrage {
 namespace {
 
 template <int step>
-void take_every(const float* from, float* to, int count) {
+void copy_every(const float* from, float* to, int count) {
   for (int x = 0; x < count; ++x) to[x] = from[std::ptrdiff_t(x) * step];
 }
 
-/// As many as asked for, but no more than the machine has.
+/// Returns `wish` threads, at most as many as the machine has; 0: all.
 int thread_count(int wish) {
-  const int most = tbb::info::default_concurrency();
-  return wish > 0 ? std::min(wish, most) : most;
+  const int max = tbb::info::default_concurrency();
+  return wish > 0 ? std::min(wish, max) : max;
 }
 
 class CpuDevice final : public Device {
@@ -52,7 +52,7 @@ class CpuDevice final : public Device {
 
   Result<void> prepare(const Scene& scene, const ProgressMonitor& monitor) override {
     traced_.reset();
-    auto traced = arena_.execute([&] { return trace_ready(scene, monitor); });
+    auto traced = arena_.execute([&] { return build_traced_scene(scene, monitor); });
     if (!traced) return traced.error();
     traced_ = std::move(*traced);
     scene_ = &scene;
@@ -75,9 +75,9 @@ class CpuDevice final : public Device {
         arena_.execute([&] { return capture_planes(*traced_, frame.info, settings, monitor, settings_.scalar); });
     if (!planes) return planes.error();
     auto stored = std::make_shared<CpuPlanes>(CpuPlanes{std::move(*planes)});
-    if (settings.band) {
-      stored->band = settings.band;
-      stored->rows = held_rows(*settings.band, frame.info.height);
+    if (settings.strip) {
+      stored->strip = settings.strip;
+      stored->rows = held_rows(*settings.strip, frame.info.height);
       for (const std::string& name : stored->image.names)
         stored->held[name] = {.valid = stored->rows, .first = stored->rows.begin};
       for (const int light : softened_lights(frame.info, settings))
@@ -87,7 +87,7 @@ class CpuDevice final : public Device {
     return frame;
   }
 
-  bool draws_bands() const override { return true; }
+  bool draws_strips() const override { return true; }
 
   Result<Frame> upload(GBuffer gbuffer) override {
     Frame frame;
@@ -105,11 +105,11 @@ class CpuDevice final : public Device {
         planes->image.planes.push_back(std::move(plane));
       }
     frame.storage = std::move(planes);
-    return views ? branch(frame) : frame;  // what is run on a branch does not write to the views
+    return views ? branch(frame) : frame;  // effects on a branch do not write to the views
   }
 
   Frame branch(const Frame& frame) override {
-    if (cpu_planes(frame).band) fail_check("a band has no branches");
+    if (cpu_planes(frame).strip) fail_check("a strip cannot have branches");
     auto planes = std::make_shared<CpuPlanes>(CpuPlanes{Image(frame.info.width, frame.info.height)});
     planes->kept = std::static_pointer_cast<const CpuPlanes>(frame.storage);
     planes->branches = planes->kept->branches.branch();
@@ -121,48 +121,49 @@ class CpuDevice final : public Device {
     for (std::size_t p = 0; p < planes.planes.size(); ++p) {
       check_equal(planes.planes[p].width, frame.info.width, planes.names[p]);
       CpuPlanes& all = cpu_planes(frame);
-      check_equal(planes.planes[p].height, all.band ? all.rows.count() : frame.info.height, planes.names[p]);
-      if (all.band) all.held[planes.names[p]] = {.valid = all.rows, .first = all.rows.begin};
+      check_equal(planes.planes[p].height, all.strip ? all.rows.count() : frame.info.height, planes.names[p]);
+      if (all.strip) all.held[planes.names[p]] = {.valid = all.rows, .first = all.rows.begin};
       cpu_planes(frame).image.add(planes.names[p]) = planes.planes[p];
       cpu_planes(frame).placed.erase(planes.names[p]);
     }
     return {};
   }
 
-  Result<Progression> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer, PixelSet pixels,
-                          const ProgressMonitor& monitor) override {
+  Result<RunState> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer, PixelSet pixels,
+                       const ProgressMonitor& monitor) override {
     cpu_planes(frame).branches.check_none();
-    return run_passes(effect, params, frame, layer, pixels,
-                      [&](const PassRun& pass) { return run_pass(pass, cpu_planes(frame), monitor); });
+    return run_dispatches(effect, params, frame, layer, pixels, [&](const DispatchRun& dispatch) {
+      return run_dispatch(dispatch, cpu_planes(frame), monitor);
+    });
   }
 
   Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) override {
     check_less(0, factor, "factor of a reduced frame");
     Frame small;
     small.info = reduced_info(frame.info, factor);
-    // Planes of a reduced frame that nobody has any more are written anew: fresh memory costs as much as the technique.
+    // Reuses the planes of a reduced frame that no one uses any more: fresh memory costs as much as the technique.
     std::shared_ptr<CpuPlanes>& last = cpu_planes(frame).last_reduced;
     const CpuPlanes& from_planes = cpu_planes(frame);
-    const Rows rows = from_planes.band ? divided(from_planes.rows, factor) : Rows{0, small.info.height};
+    const Rows rows = from_planes.strip ? divided(from_planes.rows, factor) : Rows{0, small.info.height};
     const bool again =
         last && last.use_count() == 1 && last->image.width == small.info.width && last->image.height == rows.count();
     if (!again) last = std::make_shared<CpuPlanes>(CpuPlanes{Image(small.info.width, rows.count())});
     std::shared_ptr<CpuPlanes> planes = last;
-    if (from_planes.band) {
-      planes->band = Band{divided(from_planes.band->rows, factor), 0, from_planes.band->wholes};
+    if (from_planes.strip) {
+      planes->strip = Strip{divided(from_planes.strip->rows, factor), 0, from_planes.strip->wholes};
       planes->rows = rows;
       planes->held.clear();
-      planes->passes = 0;
+      planes->dispatches = 0;
     }
-    // The first pixel of each block, not their mean: a mean of two surfaces' depths lies on neither of them, and there
-    // a technique would find occluders in the air. The first and not the nearest, so that one camera fits all of them.
+    // Takes the first pixel of each block, not the mean: a mean depth of two surfaces lies on neither, and a technique
+    // would find occluders in the air. Takes the first and not the nearest, so that one camera fits all pixels.
     for (const std::string& name : names)
       for (int layer = 0; layer < kMaxLayers; ++layer) {
         const std::string of_layer = layer_plane(layer, name);
         const Plane* in = find_made(from_planes, of_layer);
         if (!in) continue;
         Plane& out = planes->image.add(of_layer);
-        int first = 0;  // row of `in` that the first of `out` is
+        int first = 0;  // row of `in` that is row 0 of `out`
         if (const Held* held = find_held(from_planes, of_layer)) {
           planes->held[of_layer] = {divided(held->valid, factor), held->version, rows.begin};
           first = rows.begin * factor - held->first;
@@ -170,11 +171,11 @@ class CpuDevice final : public Device {
         for_rows(arena_, out.height, [&](int y) {
           const float* from = in->row(first + y * factor);
           float* to = out.row(y);
-          // A step that the compiler knows makes vectors.
+          // A constant step lets the compiler vectorize.
           if (factor == 2)
-            take_every<2>(from, to, out.width);
+            copy_every<2>(from, to, out.width);
           else if (factor == 4)
-            take_every<4>(from, to, out.width);
+            copy_every<4>(from, to, out.width);
           else
             for (int x = 0; x < out.width; ++x) to[x] = from[std::ptrdiff_t(x) * factor];
         });
@@ -193,13 +194,13 @@ class CpuDevice final : public Device {
       const Plane* in = find_plane(cpu_planes(small), name);
       if (!in) return usage_error("the picture has no plane '{}'", name);
       Plane& out = writable(whole, reduced_plane(name));
-      if (const Held* held = find_held(cpu_planes(small), name); held && whole.band) {
-        // A pass reads it where the rows are that it stands for.
+      if (const Held* held = find_held(cpu_planes(small), name); held && whole.strip) {
+        // A pass reads the plane at the full-resolution rows that it covers.
         const Rows valid{held->valid.begin * factor,
                          held->valid.end < small.info.height ? held->valid.end * factor : full.info.height};
-        whole.held[reduced_plane(name)] = {valid, ++whole.passes, held->first};
+        whole.held[reduced_plane(name)] = {valid, ++whole.dispatches, held->first};
       }
-      // The rest is 0 already where a picture of this size lay there before.
+      // The rest is 0 already if a picture of this size was placed there before.
       std::pair<int, int>& placed = cpu_planes(full).placed[reduced_plane(name)];
       const bool fresh = placed != std::pair(in->width, in->height);
       placed = {in->width, in->height};
@@ -215,13 +216,13 @@ class CpuDevice final : public Device {
   std::vector<std::string> plane_names(const Frame& frame) const override { return names_of(cpu_planes(frame)); }
 
   int missing_rows(const Frame& frame, const std::vector<std::string>& names) const override {
-    return cpu_planes(frame).band ? missing_band_rows(frame, names) : 0;
+    return cpu_planes(frame).strip ? missing_strip_rows(frame, names) : 0;
   }
 
   Result<void> visit(const Frame& frame, const std::vector<std::string>& names,
                      const std::function<void(std::size_t name, const Plane& plane)>& take) override {
     const CpuPlanes& planes = cpu_planes(frame);
-    if (planes.band || frame.info.guard > 0) return Device::visit(frame, names, take);
+    if (planes.strip || frame.info.guard > 0) return Device::visit(frame, names, take);
     for (std::size_t k = 0; k < names.size(); ++k) {
       const Plane* plane = find_plane(planes, names[k]);
       if (!plane) return usage_error("the picture has no plane '{}'", names[k]);
@@ -232,7 +233,7 @@ class CpuDevice final : public Device {
 
   Result<Image> download(const Frame& frame, const std::vector<std::string>& names) override {
     const CpuPlanes& planes = cpu_planes(frame);
-    if (planes.band) return download_band(frame, names);
+    if (planes.strip) return download_strip(frame, names);
     Image out(frame.info.inner_width(), frame.info.inner_height());
     for (const std::string& name : names) {
       const Plane* plane = find_plane(planes, name);
@@ -244,17 +245,17 @@ class CpuDevice final : public Device {
   }
 
  private:
-  /// Runs a host step, once for a whole picture. What it makes is that of all of its bands.
-  Result<Progression> run_host(const PassRun& run, CpuPlanes& planes, const ProgressMonitor& monitor) {
+  /// Runs a host step, once for a whole picture. Its outputs are valid for all strips of the picture.
+  Result<RunState> run_host(const DispatchRun& run, CpuPlanes& planes, const ProgressMonitor& monitor) {
     const PictureInfo& info = run.info;
-    std::list<Plane> whole_neutral;  // a band's own are as high as that
+    std::list<Plane> whole_neutral;  // those of a strip have only its rows
     std::vector<const Plane*> inputs;
-    for (const std::string_view input : run.pass.inputs) {
+    for (const std::string_view input : run.dispatch.inputs) {
       const std::string name = run.plane(input);
       const Held* held = find_held(planes, name);
       if (held)
         inputs.push_back(find_whole(planes, info, name, held->version));
-      else if (planes.band)
+      else if (planes.strip)
         inputs.push_back(&whole_neutral.emplace_back(info.width, info.height, *neutral_value(name)));
       else
         inputs.push_back(find_plane(planes, name));
@@ -264,23 +265,23 @@ class CpuDevice final : public Device {
     std::vector<Plane> outputs;
     arena_.execute([&] { outputs = run_host_step(run, inputs); });
     for (std::size_t k = 0; k < outputs.size(); ++k) {
-      if (!run.is_there(run.pass.outputs[k])) continue;
-      const std::string name = run.plane(run.pass.outputs[k]);
-      if (planes.band) {
-        planes.band->wholes->planes[{info.reduced, name, planes.passes}] = {std::move(outputs[k]), true};
-        planes.held[name] = {planes.rows, planes.passes, 0, false};
+      if (!run.is_there(run.dispatch.outputs[k])) continue;
+      const std::string name = run.plane(run.dispatch.outputs[k]);
+      if (planes.strip) {
+        planes.strip->wholes->planes[{info.reduced, name, planes.dispatches}] = {std::move(outputs[k]), true};
+        planes.held[name] = {planes.rows, planes.dispatches, 0, false};
       } else {
         planes.image.add(name) = std::move(outputs[k]);
       }
     }
     watch.done(1);
-    return watch.ended() ? Result<Progression>(interrupted()) : Progression();
+    return watch.ended() ? Result<RunState>(interrupted()) : RunState();
   }
 
-  Result<Progression> run_pass(const PassRun& run, CpuPlanes& planes, const ProgressMonitor& monitor) {
-    const Pass& pass = run.pass;
+  Result<RunState> run_dispatch(const DispatchRun& run, CpuPlanes& planes, const ProgressMonitor& monitor) {
+    const Dispatch& dispatch = run.dispatch;
     const PictureInfo& info = run.info;
-    for (std::string_view input : pass.inputs) {
+    for (std::string_view input : dispatch.inputs) {
       const std::string name = run.plane(input);
       if (find_plane(planes, name) || find_held(planes, name)) continue;
       const auto value = neutral_value(name);
@@ -289,57 +290,57 @@ class CpuDevice final : public Device {
         planes.constants.emplace(*value, Plane(info.width, planes.image.height, *value));
       planes.neutral.push_back(name);
     }
-    // The inputs are looked up before the outputs, which may have the same names, are made.
+    // Looks up the inputs before it makes the outputs, which may have the same names.
     std::vector<KernelPlane> kernel_planes;
-    BandRun band{.rows = {0, info.height}};
-    if (planes.band) {
-      band = prepare_band(run, planes, arena_);
-      if (band.done || !band.progression.finished) return band.progression;
+    StripRun strip{.rows = {0, info.height}};
+    if (planes.strip) {
+      strip = prepare_strip(run, planes, arena_);
+      if (strip.done || !strip.progression.finished) return strip.progression;
     }
-    if (pass.host) return run_host(run, planes, monitor);
-    for (std::string_view output : pass.outputs)
+    if (dispatch.host) return run_host(run, planes, monitor);
+    for (std::string_view output : dispatch.outputs)
       if (run.is_there(output)) writable(planes, run.plane(output));
-    if (band.rows.count() <= 0) return Progression();
-    // A kernel stores to its outputs alone, which are nobody else's.
-    for (std::string_view name : pass.inputs)
-      kernel_planes.push_back({name, row_zero_of(run, planes, band, run.plane(name))});
-    for (std::string_view name : pass.outputs)
-      kernel_planes.push_back({name, run.is_there(name) ? row_zero_of(run, planes, band, run.plane(name)) : nullptr});
-    const int stride = planes.image.plane(run.plane(pass.outputs[0])).stride;
+    if (strip.rows.count() <= 0) return RunState();
+    // The kernel writes only to its outputs, which no other frame shares.
+    for (std::string_view name : dispatch.inputs)
+      kernel_planes.push_back({name, row_zero_of(run, planes, strip, run.plane(name))});
+    for (std::string_view name : dispatch.outputs)
+      kernel_planes.push_back({name, run.is_there(name) ? row_zero_of(run, planes, strip, run.plane(name)) : nullptr});
+    const int stride = planes.image.plane(run.plane(dispatch.outputs[0])).stride;
     const bool all = run.pixels == PixelSet::kAll;
     const Plane* ao = all ? nullptr : find_made(planes, run.plane("ao"));
     if (!all && !ao) return missing_plane(run, "ao");
     KernelFrame kernel_frame{frame_constants(info, stride, run.round, run.pixels), run.constants.data(), kernel_planes,
-                             ao ? row_zero_of(run, planes, band, run.plane("ao")) : nullptr};
-    if (planes.band && band.far.empty()) {
+                             ao ? row_zero_of(run, planes, strip, run.plane("ao")) : nullptr};
+    if (planes.strip && strip.far.empty()) {
       kernel_frame.first_row = planes.rows.begin;
       kernel_frame.last_row = planes.rows.end - 1;
     }
-    const bool tuned = settings_.tuned && pass.tuned && all;
-    const CpuKernel kernel = settings_.scalar ? pass.kernel.scalar : tuned ? pass.tuned : pass.kernel.lanes;
+    const bool tuned = settings_.tuned && dispatch.tuned && all;
+    const CpuKernel kernel = settings_.scalar ? dispatch.kernel.scalar : tuned ? dispatch.tuned : dispatch.kernel.lanes;
 
-    // Missing pixels are few: each tile leaves lanes over, but pixels far from each other share no cache lines.
+    // Missing pixels are few: each tile leaves lanes unused, but distant pixels share no cache lines.
     constexpr int kMissingTile = 128;
-    const int tile_width = std::min(all ? pass.tile.width : kMissingTile, stride);
-    const int tile_height = all ? pass.tile.height : kMissingTile;
+    const int tile_width = std::min(all ? dispatch.tile.width : kMissingTile, stride);
+    const int tile_height = all ? dispatch.tile.height : kMissingTile;
     const int columns = (info.width + tile_width - 1) / tile_width;
-    const int rows = (band.rows.count() + tile_height - 1) / tile_height;
+    const int rows = (strip.rows.count() + tile_height - 1) / tile_height;
     Watch watch(monitor, long(rows) * columns);
     arena_.execute([&] {
       tbb::parallel_for(
           tbb::blocked_range<int>(0, rows * columns, 1),
           [&](const tbb::blocked_range<int>& range) {
             for (int t = range.begin(); t < range.end() && !watch.ended(); ++t) {
-              const int x0 = t % columns * tile_width, y0 = band.rows.begin + t / columns * tile_height;
+              const int x0 = t % columns * tile_width, y0 = strip.rows.begin + t / columns * tile_height;
               fault_point();
               kernel(kernel_frame,
-                     {x0, y0, std::min(x0 + tile_width, info.width), std::min(y0 + tile_height, band.rows.end)});
+                     {x0, y0, std::min(x0 + tile_width, info.width), std::min(y0 + tile_height, strip.rows.end)});
               watch.done(1);
             }
           },
           tbb::simple_partitioner());
     });
-    return watch.ended() ? Result<Progression>(interrupted()) : Progression();
+    return watch.ended() ? Result<RunState>(interrupted()) : RunState();
   }
 
   CpuSettings settings_;

@@ -1,4 +1,4 @@
-// The CPU as a device: Embree captures, kernels run as SIMD lanes over oneTBB tiles.
+// The CPU device: Embree captures, kernels run as SIMD lanes on oneTBB tiles.
 #pragma once
 #include <memory>
 
@@ -7,12 +7,12 @@
 namespace umbrage {
 
 struct CpuSettings {
-  int threads = 0;      ///< 0: as many as the process may run at once; never more than that
+  int threads = 0;      ///< 0: all that the process may use; larger numbers are reduced to that
   bool scalar = false;  ///< run kernels as plain C++ instead of lanes; the oracle of tests
-  bool tuned = true;    ///< run a pass's tuned kernel where it has one
+  bool tuned = true;    ///< run the tuned kernel of a pass if it has one
 };
 
-/// Always there.
+/// Creates a CPU device. Cannot fail.
 std::unique_ptr<Device> make_cpu_device(const CpuSettings& settings = {});
 
 }  // namespace umbrage

@@ -10,9 +10,9 @@
 namespace umbrage {
 namespace {
 
-/// By how many rows of the picture a band's margin is too small, where these rows of a plane are valid.
+/// Returns the number of picture rows that the margin of a strip lacks, if these rows of a plane are valid.
 int missing_margin(const CpuPlanes& planes, const Rows& valid, int reduced) {
-  const int above = valid.begin - planes.band->rows.begin, below = planes.band->rows.end - valid.end;
+  const int above = valid.begin - planes.strip->rows.begin, below = planes.strip->rows.end - valid.end;
   return std::max({0, above * reduced, below * reduced});
 }
 
@@ -25,7 +25,7 @@ const Plane* find_made(const CpuPlanes& planes, std::string_view name) {
 
 Plane& writable(CpuPlanes& planes, const std::string& name) {
   if (Plane* own = planes.image.find(name)) return *own;
-  // Of a plane that nobody made a pass may write a part.
+  // A pass may write only a part of the plane; the remainder keeps its previous or neutral values.
   const Plane* before = find_plane(planes, name);
   Plane& own = planes.image.add(name);
   if (before) own = *before;
@@ -40,7 +40,7 @@ const Plane* find_plane(const CpuPlanes& planes, std::string_view name) {
 }
 
 std::vector<std::string> names_of(const CpuPlanes& planes) {
-  std::vector<const CpuPlanes*> line;  // from the one that is no branch on
+  std::vector<const CpuPlanes*> line;  // from the frame that is no branch on
   for (const CpuPlanes* each = &planes; each; each = each->kept.get()) line.insert(line.begin(), each);
   std::vector<std::string> names;
   std::set<std::string_view> listed;
@@ -54,7 +54,7 @@ std::vector<std::string> names_of(const CpuPlanes& planes) {
 }
 
 const Plane* find_whole(const CpuPlanes& planes, const PictureInfo& info, std::string_view name, int version) {
-  const auto& all = planes.band->wholes->planes;
+  const auto& all = planes.strip->wholes->planes;
   const auto found = all.find({info.reduced, std::string(name), version});
   return found != all.end() && found->second.complete ? &found->second.plane : nullptr;
 }
@@ -72,27 +72,27 @@ Rows divided(const Rows& rows, int factor) {
   return {reduced_side(rows.begin, factor), reduced_side(rows.end, factor)};
 }
 
-BandRun prepare_band(const PassRun& run, CpuPlanes& planes, tbb::task_arena& arena) {
+StripRun prepare_strip(const DispatchRun& run, CpuPlanes& planes, tbb::task_arena& arena) {
   const PictureInfo& info = run.info;
-  BandRun of{.rows = planes.rows};
-  const int version = ++planes.passes;
+  StripRun of{.rows = planes.rows};
+  const int version = ++planes.dispatches;
   bool all = run.pixels == PixelSet::kAll;
-  for (const std::string_view output : run.pass.outputs)
+  for (const std::string_view output : run.dispatch.outputs)
     all = all && (!run.is_there(output) || find_whole(planes, info, run.plane(output), version));
   if (all) {
-    for (const std::string_view output : run.pass.outputs)
+    for (const std::string_view output : run.dispatch.outputs)
       if (run.is_there(output)) planes.held[run.plane(output)] = {planes.rows, version, 0, false};
     of.done = true;
     return of;
   }
-  const int reach = run.pass.reach ? run.pass.reach(run.constants.data(), run.round) : 0;
+  const int reach = run.dispatch.reach ? run.dispatch.reach(run.constants.data(), run.round) : 0;
   std::vector<std::string> wanted;
-  const auto& far = run.pass.far_inputs;
-  for (const std::string_view input : run.pass.inputs) {
+  const auto& far = run.dispatch.unbounded_inputs;
+  for (const std::string_view input : run.dispatch.inputs) {
     const std::string name = run.plane(input);
     const Held* held = find_held(planes, name);
     if (!held) continue;
-    if (!run.pass.reach || std::find(far.begin(), far.end(), input) != far.end()) {
+    if (!run.dispatch.reach || std::find(far.begin(), far.end(), input) != far.end()) {
       of.far.push_back(name);
       if (!find_whole(planes, info, name, held->version)) wanted.push_back(name);
     } else if (held->made) {
@@ -100,12 +100,12 @@ BandRun prepare_band(const PassRun& run, CpuPlanes& planes, tbb::task_arena& are
       of.rows = {std::max(of.rows.begin, valid.begin), std::min(of.rows.end, valid.end)};
     }
   }
-  // Of missing pixels the others keep what they have.
+  // All pixels that are not missing keep their values.
   if (run.pixels == PixelSet::kMissing)
     if (const Held* ao = find_held(planes, run.plane("ao")))
       of.rows = {std::max(of.rows.begin, ao->valid.begin), std::min(of.rows.end, ao->valid.end)};
   if (!wanted.empty()) {
-    const Rows& own = planes.band->rows;
+    const Rows& own = planes.strip->rows;
     of.progression.finished = false;
     for (const std::string& name : wanted) {
       of.progression.missing_rows = missing_margin(planes, find_held(planes, name)->valid, info.reduced);
@@ -113,7 +113,7 @@ BandRun prepare_band(const PassRun& run, CpuPlanes& planes, tbb::task_arena& are
     }
     for (const std::string& name : wanted) {
       const Held& held = *find_held(planes, name);
-      Plane& whole = planes.band->wholes->planes[{info.reduced, name, held.version}].plane;
+      Plane& whole = planes.strip->wholes->planes[{info.reduced, name, held.version}].plane;
       if (!whole.data()) whole = Plane(info.width, info.height);
       const Plane& from = planes.image.plane(name);
       for_rows(arena, own.count(),
@@ -121,11 +121,11 @@ BandRun prepare_band(const PassRun& run, CpuPlanes& planes, tbb::task_arena& are
     }
     return of;
   }
-  if (run.pass.host) return of;
-  for (const std::string_view output : run.pass.outputs) {
+  if (run.dispatch.host) return of;
+  for (const std::string_view output : run.dispatch.outputs) {
     if (!run.is_there(output)) continue;
     const std::string name = run.plane(output);
-    // A pass may write a part of what was there before.
+    // A pass may write only a part of an existing plane.
     if (const Held* held = find_held(planes, name); held && !held->made) {
       const Plane& from = *find_whole(planes, info, name, held->version);
       Plane& to = planes.image.add(name);
@@ -136,15 +136,15 @@ BandRun prepare_band(const PassRun& run, CpuPlanes& planes, tbb::task_arena& are
   return of;
 }
 
-float* row_zero_of(const PassRun& run, const CpuPlanes& planes, const BandRun& band, const std::string& name) {
+float* row_zero_of(const DispatchRun& run, const CpuPlanes& planes, const StripRun& strip, const std::string& name) {
   const Held* held = find_held(planes, name);
-  const bool far = std::find(band.far.begin(), band.far.end(), name) != band.far.end();
+  const bool far = std::find(strip.far.begin(), strip.far.end(), name) != strip.far.end();
   const bool whole = held && (far || !held->made);
   const Plane* plane = whole ? find_whole(planes, run.info, name, held->version) : find_plane(planes, name);
   return row_zero(const_cast<float*>(plane->data()), plane->stride, whole ? 0 : held ? held->first : planes.rows.begin);
 }
 
-int missing_band_rows(const Frame& frame, const std::vector<std::string>& names) {
+int missing_strip_rows(const Frame& frame, const std::vector<std::string>& names) {
   const CpuPlanes& planes = cpu_planes(frame);
   int missing = 0;
   for (const std::string& name : names)
@@ -153,10 +153,10 @@ int missing_band_rows(const Frame& frame, const std::vector<std::string>& names)
   return missing;
 }
 
-Result<Image> download_band(const Frame& frame, const std::vector<std::string>& names) {
+Result<Image> download_strip(const Frame& frame, const std::vector<std::string>& names) {
   const CpuPlanes& planes = cpu_planes(frame);
   const int guard = frame.info.guard;
-  const Rows& own = planes.band->rows;
+  const Rows& own = planes.strip->rows;
   const Rows rows{std::clamp(own.begin, guard, frame.info.height - guard),
                   std::clamp(own.end, guard, frame.info.height - guard)};
   Image out(frame.info.inner_width(), rows.count());
@@ -168,7 +168,7 @@ Result<Image> download_band(const Frame& frame, const std::vector<std::string>& 
       plane = find_whole(planes, frame.info, name, held->version);
       first = 0;
     } else if (held) {
-      if (!held->valid.contains(own)) fail_check(fmt::format("rows of '{}' are missing in a band", name));
+      if (!held->valid.contains(own)) fail_check(fmt::format("rows of '{}' are missing in a strip", name));
       first = held->first;
     }
     if (!plane) return usage_error("the picture has no plane '{}'", name);

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "devices/shared/passes.h"
-#include "devices/shared/soften_passes.h"
+#include "devices/shared/dispatches.h"
+#include "devices/shared/soften_dispatches.h"
 #include "kernel/kernel_frame.h"
 
 namespace umbrage {
@@ -17,7 +17,7 @@ namespace {
 constexpr int kSegmentBlocks = 8;
 constexpr int kSegment = kSegmentBlocks * kSoftenBlock;  // pixels of a row that are filtered together, or not at all
 
-/// Something that holds or not for each segment of each row of blocks.
+/// A flag for each segment of each row of blocks.
 struct Segments {
   int columns, rows;
   std::vector<std::uint8_t> holds;
@@ -28,7 +28,7 @@ struct Segments {
   bool at(int i, int j) const { return holds[std::size_t(j) * std::size_t(columns) + std::size_t(i)] != 0; }
 };
 
-/// What holds up to so many segments aside or blocks above and below.
+/// Dilates the flags by `aside` segments to both sides and `above` blocks up and down.
 Segments around(const Segments& in, int aside, int above) {
   Segments out(in.columns, in.rows);
   for (int j = 0; j < in.rows; ++j)
@@ -39,18 +39,18 @@ Segments around(const Segments& in, int aside, int above) {
   return out;
 }
 
-/// Calls work(j) for all rows of blocks, from all threads.
+/// Calls work(j) for all rows of blocks, on all threads.
 template <class Work>
-void over_rows(int rows, const Work& work) {
+void for_block_rows(int rows, const Work& work) {
   tbb::parallel_for(tbb::blocked_range<int>(0, rows, 4), [&](const tbb::blocked_range<int>& range) {
     for (int j = range.begin(); j < range.end(); ++j) work(j);
   });
 }
 
-/// Where a shadow changes, and must be looked at: within a segment, or from it to the next one, aside or below.
+/// Flags the segments in which a shadow changes: within the segment, or from it to the next one, to the right or below.
 Segments changing(const Plane& shadow) {
   Segments out((shadow.width + kSegment - 1) / kSegment, soften_blocks(shadow.height));
-  over_rows(out.rows, [&](int j) {
+  for_block_rows(out.rows, [&](int j) {
     const int y0 = j * kSoftenBlock, y1 = std::min(y0 + kSoftenBlock + 1, shadow.height);
     for (int i = 0; i < out.columns; ++i) {
       const int x0 = i * kSegment, x1 = std::min(x0 + kSegment + 1, shadow.width);
@@ -64,19 +64,19 @@ Segments changing(const Plane& shadow) {
   return out;
 }
 
-/// The rows of blocks, counted from the first that is held, for which so many above and below are held, or are not in
-/// the picture.
+/// Returns the rows of blocks, counted from the first that is held, whose `neighbours` rows above and below are held or
+/// outside the picture.
 Rows held_blocks(int height, const Rows& rows, int neighbours) {
   return {rows.begin == 0 ? 0 : neighbours,
           rows.end == height ? soften_blocks(rows.count()) : rows.count() / kSoftenBlock - neighbours};
 }
 
-/// Where a plane's first row would be whose first held one is that of row `first`.
+/// Returns the address of row 0 of a plane whose first row is row `first` of the picture.
 float* data_of(const Plane& plane, int first = 0) {
-  return row_zero(const_cast<float*>(plane.data()), plane.stride, first);  // a kernel stores to its outputs alone
+  return row_zero(const_cast<float*>(plane.data()), plane.stride, first);  // a kernel stores only to its outputs
 }
 
-/// One run of a pass over the segments of a picture.
+/// One run of a kernel over the segments of a picture.
 struct Run {
   FrameConstants frame;
   SoftenConstants constants;
@@ -84,11 +84,12 @@ struct Run {
   CpuKernel kernel;
 };
 
-/// In the rows of blocks whose neighbours, so many above and below, are held or not in the picture.
+/// Runs the kernel on the flagged segments in the rows of blocks whose `neighbours` rows above and below are held or
+/// outside the picture.
 void run_segments(const Run& run, const Rows& rows, const Segments& where, int neighbours) {
   const KernelFrame frame{run.frame, &run.constants, run.planes};
   const Rows blocks = held_blocks(run.frame.height, rows, neighbours);
-  over_rows(where.rows, [&](int j) {
+  for_block_rows(where.rows, [&](int j) {
     if (j < blocks.begin || j >= blocks.end) return;
     const int y0 = rows.begin + j * kSoftenBlock, y1 = std::min(y0 + kSoftenBlock, rows.end);
     for (int i = 0; i < where.columns; ++i) {
@@ -105,13 +106,15 @@ int soften_blocks(int pixels) { return (pixels + kSoftenBlock - 1) / kSoftenBloc
 
 void soften_shadows(const PictureInfo& info, const Rows& rows, std::span<const PenumbraRadii> radii, bool scalar,
                     Image& image) {
-  const auto kernel_of = [&](const Pass& pass) { return scalar ? pass.kernel.scalar : pass.kernel.lanes; };
+  const auto kernel_of = [&](const Dispatch& dispatch) {
+    return scalar ? dispatch.kernel.scalar : dispatch.kernel.lanes;
+  };
   for (const PenumbraRadii& of : radii) {
     Plane& shadow = image.plane(shadow_plane(of.light));
     Plane between(shadow.width, shadow.height);
-    Plane reach(shadow.width, soften_blocks(shadow.height), kSoftenLeast);  // where it is not computed
-    Run run{.frame = frame_constants(info, shadow.stride, 0), .kernel = kernel_of(soften_pass())};
-    // What is filtered along columns needs rows above and below that are filtered along themselves.
+    Plane reach(shadow.width, soften_blocks(shadow.height), kSoftenMin);  // value where it is not computed
+    Run run{.frame = frame_constants(info, shadow.stride, 0), .kernel = kernel_of(soften_dispatch())};
+    // The filter along columns needs rows above and below that the filter along rows has processed.
     const auto filter = [&](bool second, bool down, const Segments& where) {
       run.constants = {.dx = down ? 0 : 1, .dy = down ? 1 : 0, .second = second ? 1 : 0};
       const int first = rows.begin;
@@ -122,27 +125,27 @@ void soften_shadows(const PictureInfo& info, const Rows& rows, std::span<const P
                     {"soften_from", data_of(down ? between : shadow, first)},
                     {"soften_to", data_of(down ? shadow : between, first)},
                     {"soften_reach", data_of(reach, first / kSoftenBlock)}};
-      run_segments(run, rows, where, !down ? 0 : second ? kSoftenBlocks - 1 : 1);
+      run_segments(run, rows, where, !down ? 0 : second ? kSoftenReachBlocks - 1 : 1);
     };
     const Segments changes = changing(shadow);
     const Segments near = around(changes, 1, 1);
     filter(false, false, around(near, 0, 1));
     filter(false, true, near);
 
-    const Segments far = around(changes, 1, 1 + kSoftenBlocks);
+    const Segments far = around(changes, 1, 1 + kSoftenReachBlocks);
     for (const bool down : {false, true}) {
-      Run blocks{.frame = run.frame, .kernel = kernel_of(soften_reach_pass())};
+      Run blocks{.frame = run.frame, .kernel = kernel_of(soften_reach_dispatch())};
       blocks.frame.width = soften_blocks(shadow.width);
       blocks.frame.height = soften_blocks(info.height);
       const int first = rows.begin / kSoftenBlock;
       blocks.planes = {{"penumbra", data_of(down ? of.down : of.across, first)},
                        {"soften_reach", data_of(reach, first)}};
       const KernelFrame frame{blocks.frame, &blocks.constants, blocks.planes};
-      const Rows held = held_blocks(info.height, rows, kSoftenBlocks);
-      over_rows(held.end, [&](int j) {
+      const Rows held = held_blocks(info.height, rows, kSoftenReachBlocks);
+      for_block_rows(held.end, [&](int j) {
         if (j >= held.begin) blocks.kernel(frame, {0, first + j, blocks.frame.width, first + j + 1});
       });
-      filter(true, down, down ? far : around(far, 0, kSoftenBlocks));
+      filter(true, down, down ? far : around(far, 0, kSoftenReachBlocks));
     }
   }
 }

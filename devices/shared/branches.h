@@ -1,4 +1,4 @@
-// Branches of a frame: while one lives, or a branch of it, the frame's planes are more than its own.
+// Branches of a frame: a frame must not be written while a branch of it lives.
 #pragma once
 #include <memory>
 
@@ -6,19 +6,19 @@
 
 namespace umbrage {
 
-/// Part of what a frame stores. A branch has that of its frame's branch().
+/// Part of the storage of a frame. The storage of a branch has the result of its frame's branch().
 class Branches {
  public:
   Branches() = default;
   Branches branch() const { return Branches(own_); }
-  /// Throws InternalError where others share the planes that are to be written.
+  /// Throws InternalError if branches share the planes that are to be written.
   void check_none() const {
     if (own_.use_count() > 1) fail_check("a frame is written while a branch of it lives");
   }
 
  private:
   struct Link {
-    std::shared_ptr<const Link> of;  // held by whoever is a branch of it
+    std::shared_ptr<const Link> of;  // held by all branches of it
   };
   explicit Branches(std::shared_ptr<const Link> of) : own_(std::make_shared<const Link>(Link{std::move(of)})) {}
   std::shared_ptr<const Link> own_ = std::make_shared<const Link>();

@@ -1,4 +1,4 @@
-// Devices that capture: sizes, threads, several scenes and frames; planes that are handed over; PictureInfo.
+// Captures on different devices: sizes, threads, several scenes and frames; uploaded planes; PictureInfo.
 #include "capture_support.h"
 
 namespace umbrage {
@@ -55,7 +55,7 @@ TEST(Capture, ADeviceTakesOneSceneAfterTheOther) {
   expect_equal(b, capture(second, camera, 64, 64).planes, "second");
   expect_equal(a, again, "first again");
   expect_equal(a, twice, "prepared twice");
-  EXPECT_GT(test::difference(a.plane("depth"), b.plane("depth"), 0.0).most, 0.5);
+  EXPECT_GT(test::difference(a.plane("depth"), b.plane("depth"), 0.0).max, 0.5);
 }
 
 TEST(Capture, FramesOfOneDeviceAreApart) {
@@ -96,14 +96,14 @@ TEST(Device, UploadsAndDownloadsTheSamePlanes) {
   const Image image = *device->download_all(*frame);
   EXPECT_EQ(image.planes.size(), 2 * g.layers[0].planes.size());
   for (std::size_t p = 0; p < g.layers[0].planes.size(); ++p)
-    EXPECT_EQ(test::difference(image.plane(g.layers[0].names[p]), g.layers[0].planes[p], 0.0).most, 0.0);
+    EXPECT_EQ(test::difference(image.plane(g.layers[0].names[p]), g.layers[0].planes[p], 0.0).max, 0.0);
   EXPECT_EQ(image.plane("layer1.depth").at(5, 6), 99.0f);
   const Image two = *device->download(*frame, {"normal.y", "depth"});
   EXPECT_EQ(two.names, (std::vector<std::string>{"normal.y", "depth"}));
 }
 
 TEST(Device, NeutralValuesStandInForPlanesThatAreMissing) {
-  // Depth and normals alone are enough to light a picture.
+  // Depth and normals alone suffice to light a picture.
   const auto device = make_cpu_device();
   GBuffer g = test::empty_gbuffer(2, 2);
   g.info.lights = {{.direction = {0, 0, 1}, .color = glm::vec3(0.5f)}};
@@ -145,7 +145,7 @@ TEST(PictureInfo, CapturedDepthsLieWithin) {
         if (!std::isfinite(depth)) continue;
         ++hits;
         ASSERT_LE(depth, picture.info.depth_max * 1.000001f);
-        // From inside, surfaces may be nearer than the share of the farthest depth that depth_min keeps.
+        // From inside, surfaces may be nearer than depth_min, which is at least 1e-3 of the farthest depth.
         ASSERT_GE(depth, std::min(picture.info.depth_min, 1e-3f * picture.info.depth_max) * 0.999999f);
       }
     EXPECT_GT(hits, 1000);

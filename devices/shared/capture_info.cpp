@@ -15,8 +15,8 @@ PictureInfo picture_info(const Scene& scene, const Camera& camera, const Capture
   info.ambient = lighting.ambient;
   info.scene_radius = scene.radius();
   info.ground_object = scene.ground_object;
-  info.ground_middle = glm::vec3(camera.view_from_world * glm::vec4(scene.ground_middle, 1.0f));
-  info.ground_fades = scene.ground_fades;
+  info.ground_center = glm::vec3(camera.view_from_world * glm::vec4(scene.ground_center, 1.0f));
+  info.ground_fade_distance = scene.ground_fade_distance;
   float nearest = std::numeric_limits<float>::infinity(), farthest = 0.0f;
   for (int corner = 0; corner < 8; ++corner) {
     const glm::vec3 p(corner & 1 ? scene.bounds_max.x : scene.bounds_min.x,
@@ -31,7 +31,7 @@ PictureInfo picture_info(const Scene& scene, const Camera& camera, const Capture
   info.depth_min = std::clamp(nearest, kNearestShare * info.depth_max, info.depth_max);
   const glm::mat3 rotation(camera.view_from_world);
   info.ambient_shape = turned(lighting.ambient_shape, rotation);
-  info.usual_light = lighting.usual_light;
+  info.lit_white_luminance = lighting.lit_white_luminance;
   for (Light light : lighting.lights) {
     light.direction = rotation * light.direction;
     light.position = glm::vec3(camera.view_from_world * glm::vec4(light.position, 1.0f));
@@ -44,7 +44,7 @@ void add_layers(const TracedScene& traced, const CaptureSettings& settings, Pict
   for (int layer = 1; layer < settings.layers; ++layer) info.more_layers.push_back({LayerKind::kBehind, layer - 1, {}});
   for (int layer = 0; settings.back_sides && layer < settings.layers; ++layer)
     info.more_layers.push_back({LayerKind::kBack, layer, {}});
-  if (settings.extra_views == 0) return;  // without a look at the scene
+  if (settings.extra_views == 0) return;  // `traced` is not needed
   for (const Camera& camera : extra_cameras(traced, info, settings.extra_views))
     info.more_layers.push_back({LayerKind::kOther, 0, camera});
 }
@@ -59,7 +59,7 @@ std::vector<std::string> captured_planes(const Scene& scene, const PictureInfo& 
   planes.emplace_back("shadow");
   for (const char* name : {"object_id", "material_id"}) add(name);
   for (int k = 1; k < std::min({int(info.lights.size()), settings.shadows, kMaxShadows}); ++k)
-    if (casts_from_afar(info.lights[k])) planes.push_back(shadow_plane(k));
+    if (casts_visible_shadow(info.lights[k])) planes.push_back(shadow_plane(k));
   const bool emits = std::any_of(scene.materials.begin(), scene.materials.end(),
                                  [](const Material& material) { return material.emission != glm::vec3(0.0f); });
   if (emits)
@@ -71,7 +71,7 @@ std::vector<int> softened_lights(const PictureInfo& info, const CaptureSettings&
   std::vector<int> soft;
   if (settings.shadow_rays > 0)
     for (int k = 0; k < std::min({int(info.lights.size()), settings.shadows, kMaxShadows}); ++k)
-      if (casts_from_afar(info.lights[k]) && light_size(info.lights[k]) > 0.0f) soft.push_back(k);
+      if (casts_visible_shadow(info.lights[k]) && light_size(info.lights[k]) > 0.0f) soft.push_back(k);
   return soft;
 }
 

@@ -1,4 +1,4 @@
-// What a capture is, on every device: what shading needs to know of it, and which planes it has.
+// Properties of a capture, on every device: its picture information and its planes.
 #pragma once
 #include <string>
 #include <vector>
@@ -9,17 +9,17 @@
 
 namespace umbrage {
 
-/// What shading needs to know of a scene seen by a camera: lights in view space, depths. The camera sees the picture
+/// Returns the information that shading needs of a scene: lights in view space, depths. `camera` is that of the picture
 /// without its guard band.
 PictureInfo picture_info(const Scene& scene, const Camera& camera, const CaptureSettings& settings);
 
-/// Says in `info` which layers a capture with these settings has: see CaptureSettings.
+/// Adds the layers of a capture with these settings to `info`: see CaptureSettings.
 void add_layers(const TracedScene& traced, const CaptureSettings& settings, PictureInfo& info);
 
-/// The planes of a layer. That of the key light's shadow is always there.
+/// Returns the names of the planes of a layer. The shadow of the key light is always among them.
 std::vector<std::string> captured_planes(const Scene& scene, const PictureInfo& info, const CaptureSettings& settings);
 
-/// The lights that have a size: their shadows, of the first layer, are softened where a capture has shadow rays.
+/// Returns the lights that have a size: if the capture has shadow rays, their shadows in the first layer are softened.
 std::vector<int> softened_lights(const PictureInfo& info, const CaptureSettings& settings);
 
 }  // namespace umbrage

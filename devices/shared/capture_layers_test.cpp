@@ -8,7 +8,7 @@ using namespace test;
 
 // ---- depth layers ----
 
-/// How many surfaces a pixel has, which lie in its first layers.
+/// Returns the number of surfaces at a pixel; they must be in its first layers.
 int surfaces_at(const Picture& picture, int layers, int x, int y) {
   int count = 0;
   for (int layer = 0; layer < layers; ++layer)
@@ -109,7 +109,7 @@ TEST(CaptureLayers, ASphereIsAsThickAsItsChord) {
 }
 
 TEST(CaptureLayers, RaysEnterAndLeaveClosedSolids) {
-  // Rays through edges and vertices meet several triangles in one place; that is one surface.
+  // Rays through edges and vertices meet several triangles in one place, which count as one surface.
   struct Solid {
     const char* name;
     Mesh mesh;
@@ -117,7 +117,7 @@ TEST(CaptureLayers, RaysEnterAndLeaveClosedSolids) {
   };
   const auto round = [](glm::vec3) { return 1.0f; };
   Mesh cone = shapes::cone(0.9f, 0.3f, 0.8f, 24, 3);
-  for (glm::vec3& p : cone.positions) p.y -= 0.41f;  // its foot is in the plane of no ray
+  for (glm::vec3& p : cone.positions) p.y -= 0.41f;  // no ray lies in the plane of its base
   const Solid solids[] = {{"coarse sphere", shapes::sphere(1.0f, 16, 8), true},
                           {"fine sphere", shapes::sphere(1.0f, 90, 60), true},
                           {"box", shapes::box({-0.7f, -0.8f, -0.9f}, {0.9f, 0.8f, 0.7f}), true},
@@ -155,8 +155,8 @@ TEST(CaptureLayers, AGridsVerticesAndDiagonalsAreOneSurface) {
     for (int y = 0; y < pixels; ++y)
       for (int x = 0; x < pixels; ++x) ASSERT_EQ(surfaces_at(picture, 3, x, y), 1) << x << ',' << y;
   }
-  // Whether a rim that falls on pixel centres belongs to the surface is a matter of rounding: with fused multiply-adds
-  // all of it does for Embree's rays, without (SSE4.2) a half, as where triangles are drawn. So the rim is cut off.
+  // Rounding decides whether a border that falls on pixel centres belongs to the surface: with fused multiply-adds all
+  // of it does for Embree's rays, without (SSE4.2) half of it, as in rasterisation. So the border is cropped.
   const auto inside = [](Image image) {
     Image out(image.width - 2, image.height - 2);
     for (std::size_t p = 0; p < image.planes.size(); ++p) out.add(image.names[p]) = cropped(image.planes[p], 1);
@@ -245,12 +245,12 @@ TEST(CaptureLayers, TriangleSoupMatchesALiteralSearch) {
                                orthographic_camera({2, 3, 4}, {0, 0, 0}, {0, 1, 0}, 3.0f, 1.0f),
                                perspective_camera({0, 0, 0}, {0, 0, 1}, {0, 1, 0}, 80.0f, 1.0f)}) {  // inside
     const Picture picture = capture_with({60, 60, false, kMaxLayers}, scene, camera);
-    long compared = 0, most = 0;
+    long compared = 0, max = 0;
     for (int y = 0; y < 60; ++y)
       for (int x = 0; x < 60; ++x) {
         const PixelRay ray = ray_of(picture.info, x, y);
         std::vector<double> depths;
-        bool clear = true;  // no edge and no second surface so near that rounding decides
+        bool clear = true;  // no edge or second surface so near that rounding decides
         for (unsigned i = 0; i < kTriangles; ++i) {
           const glm::dvec3 a(soup.positions[3 * i]), b(soup.positions[3 * i + 1]), c(soup.positions[3 * i + 2]);
           // [Moeller and Trumbore 1997]
@@ -267,14 +267,14 @@ TEST(CaptureLayers, TriangleSoupMatchesALiteralSearch) {
         for (std::size_t k = 1; k < depths.size(); ++k) clear = clear && depths[k] - depths[k - 1] > kApart;
         if (!clear) continue;
         ++compared;
-        most = std::max(most, long(depths.size()));
+        max = std::max(max, long(depths.size()));
         ASSERT_EQ(surfaces_at(picture, kMaxLayers, x, y), int(std::min(depths.size(), std::size_t(kMaxLayers))))
             << x << ',' << y;
         for (std::size_t k = 0; k < depths.size() && k < std::size_t(kMaxLayers); ++k)
           ASSERT_NEAR(picture[layer_plane(int(k), "depth")].at(x, y), depths[k], 1e-4);
       }
     EXPECT_GT(compared, 2000);
-    EXPECT_GT(most, 8);
+    EXPECT_GT(max, 8);
   }
 }
 
@@ -287,7 +287,7 @@ TEST(CaptureLayers, TheNumberOfLayersChangesNoLayer) {
     ASSERT_EQ(fewer.planes.planes.size(), std::size_t(layers) * 12u);
     for (std::size_t p = 0; p < fewer.planes.planes.size(); ++p) {
       ASSERT_EQ(fewer.planes.names[p], four.planes.names[p]);
-      EXPECT_EQ(test::difference(fewer.planes.planes[p], four.planes.planes[p], 0.0).most, 0.0)
+      EXPECT_EQ(test::difference(fewer.planes.planes[p], four.planes.planes[p], 0.0).max, 0.0)
           << layers << ": " << fewer.planes.names[p];
     }
   }
@@ -334,7 +334,7 @@ TEST(CaptureLayers, PowersOfTwoScaleDepthsAlone) {
       if (name.ends_with("depth"))
         for (int y = 0; y < 70; ++y)
           for (int x = 0; x < 70; ++x) plane.at(x, y) /= scale;
-      EXPECT_EQ(test::difference(plane, plain.planes.planes[p], 0.0).most, 0.0) << name << " at " << scale;
+      EXPECT_EQ(test::difference(plane, plain.planes.planes[p], 0.0).max, 0.0) << name << " at " << scale;
     }
   }
 }

@@ -8,14 +8,14 @@ using namespace test;
 
 // ---- masks and shadows ----
 
-/// Shares of ground pixels that are in shadow though they should not be, and the other way round; pixels nearer than
-/// `margin` to the shadow's edge are left out.
+/// Numbers of ground pixels that are wrongly dark or wrongly lit, and of all dark and lit ones; pixels nearer than
+/// `margin` to the edge of the shadow are left out.
 struct ShadowErrors {
   long wrongly_dark = 0, wrongly_lit = 0, dark = 0, lit = 0;
 };
 
-/// Compares the ground's shadow with `blocked`, how deep inside the blocker the way to the light passes (below 0:
-/// outside it).
+/// Compares the ground's shadow with `inside`, the distance by which the ray to the light passes inside the blocker;
+/// outside it is negative.
 ShadowErrors compare_shadow(const Picture& picture, const std::function<double(glm::dvec3)>& inside, double margin,
                             std::string_view plane = "shadow") {
   ShadowErrors errors;
@@ -32,7 +32,7 @@ ShadowErrors compare_shadow(const Picture& picture, const std::function<double(g
   return errors;
 }
 
-/// What is seen from above of a scene with one light.
+/// Captures a scene with one light from above.
 Picture lit_from_above(Scene scene, const Light& light, int size) {
   scene.lights = {light};
   return capture(scene, from_above(12.0f), size, size);
@@ -87,8 +87,8 @@ TEST(Capture, EachLightHasItsOwnShadow) {
   };
   const Picture both = shadows({sun, plain, key_lamp(lamp)}, kMaxShadows);
   EXPECT_EQ(both.planes.find("shadow1"), nullptr) << "a light that casts none has no plane";
-  EXPECT_EQ(test::difference(both["shadow"], shadows({sun}, kMaxShadows)["shadow"], 0.0).most, 0.0);
-  EXPECT_EQ(test::difference(both["shadow2"], shadows({key_lamp(lamp)}, kMaxShadows)["shadow"], 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(both["shadow"], shadows({sun}, kMaxShadows)["shadow"], 0.0).max, 0.0);
+  EXPECT_EQ(test::difference(both["shadow2"], shadows({key_lamp(lamp)}, kMaxShadows)["shadow"], 0.0).max, 0.0);
   const auto inside = [&](glm::dvec3 p) {
     return inside_square(p + (glm::dvec3(lamp) - p) * ((2.0 - p.z) / (lamp.z - p.z)));
   };
@@ -97,14 +97,14 @@ TEST(Capture, EachLightHasItsOwnShadow) {
   EXPECT_EQ(errors.wrongly_lit, 0);
   EXPECT_GT(errors.dark, 500);
   EXPECT_GT(errors.lit, 5000);
-  // No more are traced than are asked for, and no more than there are planes.
+  // Traces at most as many lights as requested, and as there are planes.
   const Picture first = shadows({sun, plain, key_lamp(lamp)}, 1);
   EXPECT_EQ(first.planes.find("shadow2"), nullptr);
-  EXPECT_EQ(test::difference(first["shadow"], both["shadow"], 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(first["shadow"], both["shadow"], 0.0).max, 0.0);
   const Picture many = shadows(std::vector<Light>(12, sun), kMaxShadows);
   EXPECT_NE(many.planes.find("shadow7"), nullptr);
   EXPECT_EQ(many.planes.find("shadow8"), nullptr);
-  EXPECT_EQ(test::difference(many["shadow7"], both["shadow"], 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(many["shadow7"], both["shadow"], 0.0).max, 0.0);
 }
 
 TEST(Capture, EmissionIsAPlaneWhereAnyMaterialShines) {
@@ -128,7 +128,7 @@ TEST(Capture, EmissionIsAPlaneWhereAnyMaterialShines) {
 }
 
 TEST(Capture, EmissionIsTextured) {
-  // White on the left; two texels of a kind, so that their middle is not blended.
+  // White on the left; two texels each, so that their centres are not blended.
   Texture halves{"halves", 4, 1, {255, 255, 255, 255, 255, 255, 255, 255, 0, 0, 0, 255, 0, 0, 0, 255}};
   Material lamp;
   lamp.emission = {4, 2, 0};
@@ -138,7 +138,7 @@ TEST(Capture, EmissionIsTextured) {
   scene.materials = {lamp};
   scene.textures = {halves};
   ASSERT_EQ(finish_scene(scene), 0u);
-  constexpr int kSize = 150;  // too large for capture_with's own look at the GPU, whose blends differ in the last bit
+  constexpr int kSize = 150;  // above capture_with's limit for GPU comparison, since blends differ in the last bit
   const CaptureSettings settings{kSize, kSize};
   const Camera camera = from_above(2.0f);
   std::vector<Image> pictures = {capture_with(settings, scene, camera).planes};
@@ -157,7 +157,7 @@ TEST(Capture, EmissionIsTextured) {
 }
 
 TEST(Capture, WhatIsBehindAPointLightThrowsNoShadow) {
-  const Light lamp = key_lamp({3.0f, -0.2f, 1.0f});  // lower than the square, which it would darken from x = 4.7 on
+  const Light lamp = key_lamp({3.0f, -0.2f, 1.0f});  // lower than the square, which would otherwise shadow x > 4.7
   const Picture picture = lit_from_above(square_over_ground(), lamp, 64);
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 64; ++x) {
@@ -171,9 +171,9 @@ TEST(Capture, WhatIsBehindAPointLightThrowsNoShadow) {
     }
 }
 
-TEST(Capture, ShadowsBeginWhereTheNormalsOfACoarseBallTurnAway) {
-  // A ball of few triangles with a ball's normals: where light grazes it, its triangles stand in each other's way. Its
-  // shadow begins where the smooth ball's does, and is not jagged by more than a few degrees.
+TEST(Capture, ShadowsOfACoarseSphereBeginWhereItsNormalsTurnAway) {
+  // A sphere of few triangles with smooth normals: where light grazes it, its triangles occlude each other. The shadow
+  // must begin where that of a smooth sphere does, within a few degrees.
   constexpr int kRings = 16;
   Mesh ball;
   for (int j = 0; j <= kRings; ++j)
@@ -190,14 +190,14 @@ TEST(Capture, ShadowsBeginWhereTheNormalsOfACoarseBallTurnAway) {
       if (j + 1 < kRings) ball.indices.insert(ball.indices.end(), {b, a + 1, b + 1});
     }
   Scene scene = scene_of({ball});
-  const glm::dvec3 towards = glm::normalize(glm::dvec3(1.0, 0.37, 0.21));  // along no edge
+  const glm::dvec3 towards = glm::normalize(glm::dvec3(1.0, 0.37, 0.21));  // parallel to no edge
   scene.lights = {key_light(glm::vec3(towards))};
   const Picture planes = capture(scene, from_above(1.2f), 160, 160);
   int lit = 0, dark = 0, wrong = 0;
   for (int y = 0; y < 160; ++y)
     for (int x = 0; x < 160; ++x) {
       if (!std::isfinite(planes.depth(x, y))) continue;
-      const double facing = glm::dot(planes.normal(x, y), towards);  // the camera's axes are the world's
+      const double facing = glm::dot(planes.normal(x, y), towards);  // the camera's axes are those of the world
       const bool shines = planes["shadow"].at(x, y) > 0.5f;
       (facing > 0.0 ? lit : dark) += 1;
       wrong += shines != (facing > 0.0);
@@ -212,7 +212,7 @@ TEST(Capture, LightFromBelowLeavesTheUpperSideInShadow) {
   scene.lights = {key_light({0.3f, 0.1f, -1.0f})};
   const Picture picture = capture(scene, from_above(4.0f), 8, 8);
   for (int x = 0; x < 8; ++x) EXPECT_EQ(picture["shadow"].at(x, 5), 0.0f);
-  // From below it is lit.
+  // The lower side is lit.
   const Camera below = orthographic_camera({0, 0, -10}, {0, 0, 0}, {0, 1, 0}, 4.0f, 1.0f);
   const Picture other = capture(scene, below, 8, 8);
   for (int x = 0; x < 8; ++x) EXPECT_EQ(other["shadow"].at(x, 5), 1.0f);
@@ -224,10 +224,10 @@ TEST(Capture, OnlyAKeyLightThatCastsHasAShadow) {
   const auto darkest = [&](const std::vector<Light>& lights) {
     scene.lights = lights;
     const Picture picture = capture(scene, from_above(10.0f), 64, 64);
-    float least = 1.0f;
+    float min = 1.0f;
     for (int y = 0; y < 64; ++y)
-      for (int x = 0; x < 64; ++x) least = std::min(least, picture["shadow"].at(x, y));
-    return least;
+      for (int x = 0; x < 64; ++x) min = std::min(min, picture["shadow"].at(x, y));
+    return min;
   };
   EXPECT_EQ(darkest({light}), 0.0f);
   Light plain = light;
@@ -245,7 +245,7 @@ TEST(Capture, ShadowsCanBeLeftOut) {
   ASSERT_TRUE(device->prepare(scene));
   const auto frame = device->capture(from_above(10.0f), {32, 32, false});
   const Image image = *device->download(*frame, {"shadow"});
-  EXPECT_EQ(test::difference(image.planes[0], Plane(32, 32, 1.0f), 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(image.planes[0], Plane(32, 32, 1.0f), 0.0).max, 0.0);
 }
 
 TEST(Capture, MasksCutHoles) {
@@ -281,25 +281,25 @@ TEST(Capture, AMaskWithoutAlphaOrCoordinatesCutsNothing) {
   Scene scene = holed_square_over_ground();
   scene.meshes[1].uvs.clear();
   const Picture picture = capture(scene, from_above(4.0f), 64, 64);
-  EXPECT_EQ(picture["object_id"].at(36, 35), 1.0f);  // the middle of the square
+  EXPECT_EQ(picture["object_id"].at(36, 35), 1.0f);  // the centre of the square
 }
 
 struct Place {
-  float scale, offset;  // offset from the origin in sizes of the scene
+  float scale, offset;  // offset from the origin, relative to the size of the scene
 };
 
 class ShadowAcne : public testing::TestWithParam<Place> {};
 
 TEST_P(ShadowAcne, OpenGroundIsLitEverywhere) {
   const auto [scale, offset] = GetParam();
-  // A tilted ground of many triangles, whose corners are rounded to floats where it stands.
+  // A tilted ground of many triangles, whose vertices are rounded to floats at that offset.
   const glm::vec3 middle = offset * scale * glm::normalize(glm::vec3(0.6f, 0.3f, -0.8f));
   const glm::vec3 u1(2.0f, 0.1f, 0.3f), v1(-0.2f, 1.9f, 0.4f);
   Mesh ground = shapes::quad(-0.5f * (u1 + v1), 0.5f * (u1 - v1), 0.5f * (u1 + v1), 0.5f * (v1 - u1), 40, 40);
   for (glm::vec3& p : ground.positions) p = p * scale + middle;
   const glm::vec3 normal = glm::normalize(glm::cross(u1, v1));
   const glm::vec3 along = glm::normalize(u1);
-  for (const float lamp : {0.0f, 0.5f, 2.0f, 6.0f, 30.0f})  // how far; 0: the sun
+  for (const float lamp : {0.0f, 0.5f, 2.0f, 6.0f, 30.0f})  // distance; 0: the sun
     for (const float sine : {0.06f, 0.3f, 1.0f}) {
       Scene scene = scene_of({ground});
       const glm::vec3 towards = sine * normal + std::sqrt(1.0f - sine * sine) * along;
@@ -323,7 +323,7 @@ TEST_P(ShadowAcne, OpenGroundIsLitEverywhere) {
 
 TEST_P(ShadowAcne, ThingsOnTheGroundKeepTheirShadow) {
   const auto [scale, offset] = GetParam();
-  // A box on the ground throws a shadow as long as it is high, which begins at its foot.
+  // A box on the ground casts a shadow as long as its height, which begins at its base.
   const glm::vec3 middle = offset * scale * glm::normalize(glm::vec3(0.6f, 0.3f, -0.8f));
   Mesh ground = square(2.0f), box = shapes::box({-0.5f, -0.5f, 0.0f}, {0.5f, 0.5f, 0.5f});
   for (Mesh* mesh : {&ground, &box})
@@ -333,7 +333,7 @@ TEST_P(ShadowAcne, ThingsOnTheGroundKeepTheirShadow) {
   const Camera camera =
       orthographic_camera(middle + glm::vec3(0, 0, 5.0f * scale), middle, {0, 1, 0}, 4.0f * scale, 1.0f);
   const Picture picture = capture(scene, camera, 100, 100);
-  // Row 50 runs across the middle of the box; the shadow lies from x = 0.5 to 1, which is pixels 62 to 74.
+  // Row 50 crosses the centre of the box; the shadow extends from x = 0.5 to 1, which is pixels 62 to 74.
   long dark = 0;
   for (int x = 0; x < 100; ++x) dark += picture["object_id"].at(x, 50) == 0.0f && picture["shadow"].at(x, 50) == 0.0f;
   EXPECT_NEAR(dark, 12, 2);

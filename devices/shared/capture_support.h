@@ -1,4 +1,4 @@
-// Scenes to capture, and a picture of one with what is known of it, for all tests of captures.
+// Scenes, and captured pictures with their information, for all tests of captures.
 #pragma once
 #include "devices/cpu/capture.h"
 
@@ -36,12 +36,12 @@ inline Mesh parallelogram(glm::vec3 origin, glm::vec3 u, glm::vec3 v, float repe
   return mesh;
 }
 
-/// A square of side 2 half in the plane z = height, seen from +z.
+/// Returns a square with sides 2 half in the plane z = height, front towards +z.
 inline Mesh square(float half, float height = 0.0f, glm::vec2 center = {0, 0}) {
   return parallelogram({center.x - half, center.y - half, height}, {2 * half, 0, 0}, {0, 2 * half, 0});
 }
 
-/// A finished scene: mesh k is object k of material k % materials.
+/// Returns a finished scene: mesh k is object k of material k % materials.
 inline Scene scene_of(std::vector<Mesh> meshes, std::vector<Material> materials = {Material{}}) {
   Scene scene;
   scene.name = "test";
@@ -80,12 +80,12 @@ inline Picture capture_with(const CaptureSettings& settings, const Scene& scene,
   EXPECT_TRUE(ready) << (ready ? "" : ready.error().message);
   const auto frame = device->capture(camera, settings);
   EXPECT_TRUE(frame);
-  constexpr int kMaxOnGpu = 20000;  // pixels: a GPU in software takes its time
+  constexpr int kMaxOnGpu = 20000;  // pixels: a software GPU is slow
   const bool small = settings.width * settings.height <= kMaxOnGpu && cpu.threads == 0;
   for (const VulkanCapture how : test::kGpuCaptures) {
     Device* const gpu = small ? test::drawing_device(how) : nullptr;
     if (!gpu) continue;
-    // What holds for the one holds for the other: almost all pixels show the same. A line of them may lie on a rim.
+    // CPU and GPU must agree at almost all pixels. A whole row of them may lie on a silhouette.
     const test::NoMessages no_messages;
     const test::Both both{test::captured(*gpu, scene, camera, settings),
                           test::captured(*device, scene, camera, settings)};
@@ -101,7 +101,7 @@ inline Picture capture(const Scene& scene, const Camera& camera, int width, int 
   return capture_with({width, height, true}, scene, camera, cpu);
 }
 
-/// Looks down on the plane z = 0 from above; the picture is `height` units high and y points up in it.
+/// Returns a camera that looks down on the plane z = 0; the picture is `height` units high, and +y is up in it.
 inline Camera from_above(float height, float aspect = 1.0f, float distance = 10.0f) {
   return orthographic_camera({0, 0, distance}, {0, 0, 0}, {0, 1, 0}, height, aspect);
 }
@@ -118,7 +118,7 @@ inline float linear(int srgb_byte) {
 inline void expect_equal(const Image& a, const Image& b, std::string_view what) {
   ASSERT_EQ(a.names, b.names) << what;
   for (std::size_t p = 0; p < a.planes.size(); ++p)
-    EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).most, 0.0) << what << ": " << a.names[p];
+    EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).max, 0.0) << what << ": " << a.names[p];
 }
 
 inline Texture texture_of(int width, int height, const std::function<glm::ivec4(int x, int y)>& texel) {
@@ -134,13 +134,13 @@ inline Texture texture_of(int width, int height, const std::function<glm::ivec4(
   return texture;
 }
 
-/// A square that throws its shadow on a larger one below it. Object 0 is the ground, 1 the square.
+/// Returns a square that casts its shadow on a larger one below it. Object 0 is the ground, 1 the square.
 inline Scene square_over_ground() { return scene_of({square(8.0f), square(1.0f, 2.0f, {0.3f, -0.2f})}); }
 
-/// How deep a point of the plane z = 2 lies inside the square of square_over_ground.
+/// Returns the distance of a point of the plane z = 2 from the border of the square of square_over_ground, > 0 inside.
 inline double inside_square(const glm::dvec3& p) { return 1.0 - std::max(std::fabs(p.x - 0.3), std::fabs(p.y + 0.2)); }
 
-/// square_over_ground with a square hole of side 1 cut into the middle of the upper square.
+/// Returns square_over_ground with a square hole of side 1 in the middle of the upper square.
 inline Scene holed_square_over_ground() {
   Scene scene = square_over_ground();
   scene.textures = {texture_of(64, 64, [](int x, int y) {

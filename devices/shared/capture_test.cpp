@@ -28,7 +28,7 @@ TEST(Capture, TiltedPlaneFollowsItsEquation) {
   const Scene scene = scene_of({parallelogram(point - 0.5f * (u + v), u, v)});
   const glm::dvec3 normal = glm::normalize(glm::cross(glm::dvec3(u), glm::dvec3(v)));
   const glm::vec3 front(normal), side = glm::normalize(u + 0.3f * v);
-  for (const float tilt_deg : {5.0f, 50.0f, 74.0f})  // between the view axis and the normal
+  for (const float tilt_deg : {5.0f, 50.0f, 74.0f})  // angle between the view axis and the normal
     for (const bool orthographic : {false, true}) {
       const float tilt = glm::radians(tilt_deg);
       const glm::vec3 eye = point + 12.0f * (std::cos(tilt) * front + std::sin(tilt) * side);
@@ -41,7 +41,7 @@ TEST(Capture, TiltedPlaneFollowsItsEquation) {
           const PixelRay ray = ray_of(picture.info, x, y);
           const double slope = glm::dot(normal, ray.direction);
           const double depth = glm::dot(normal, glm::dvec3(point) - ray.origin) / slope;
-          // The closer to edge-on, the more a rounded position moves the hit.
+          // The more grazing the angle, the more a rounded position moves the hit.
           ASSERT_NEAR(picture.depth(x, y), depth, 3e-6 * depth / std::fabs(slope)) << x << ',' << y;
           ASSERT_LT(degrees_between(picture.normal(x, y), expected), 0.001);
         }
@@ -49,7 +49,7 @@ TEST(Capture, TiltedPlaneFollowsItsEquation) {
 }
 
 TEST(Capture, SphereHasTheNormalsOfASphere) {
-  // One sphere with normals of its own, one for which finish_scene makes them.
+  // One sphere with its own normals, one with normals from finish_scene.
   Mesh made = shapes::cube_sphere(64, [](glm::vec3) { return 2.0f; });
   made.normals.clear();
   for (const Mesh& mesh : {shapes::sphere(2.0f, 192, 96), made})
@@ -85,7 +85,7 @@ TEST(Capture, SphereHasTheNormalsOfASphere) {
     }
 }
 
-/// Points with these radii, which nothing has measured.
+/// Returns points with these radii, which were not estimated.
 Scene points_of(std::vector<glm::vec3> positions, std::vector<glm::vec3> normals, float across,
                 std::vector<glm::vec3> colors = {}) {
   Mesh mesh;
@@ -114,7 +114,7 @@ TEST(Capture, PointsAreSpheres) {
         const PixelRay ray = ray_of(picture.info, x, y);
         const double a = glm::dot(ray.direction, ray.direction), b = glm::dot(ray.direction, ray.origin);
         const double root = b * b - a * (glm::dot(ray.origin, ray.origin) - 4.0);
-        if (std::abs(root) < 1e-3 * a) continue;  // the rim
+        if (std::abs(root) < 1e-3 * a) continue;  // the silhouette
         if (root < 0.0) {
           ASSERT_EQ(picture.depth(x, y), kInfinity);
           continue;
@@ -133,7 +133,7 @@ TEST(Capture, PointsAreSpheres) {
 
 TEST(Capture, PointsWithNormalsAreDiscs) {
   const glm::vec3 normal = glm::normalize(glm::vec3(1, 2, 3));
-  // The other one shows its back.
+  // The second one shows its back.
   const Scene scene = points_of({{-1, 0, 0}, {1, 0, 1}}, {normal, -normal}, 1.6f, {{1, 0, 0}, {0, 0.5f, 1}});
   const Camera camera = from_above(4.0f);
   const Picture picture = capture(scene, camera, 120, 120);
@@ -162,8 +162,8 @@ TEST(Capture, PointsWithNormalsAreDiscs) {
   EXPECT_GT(seen[1], 1200);
 }
 
-TEST(Capture, DiscsOfARoundSurfaceDoNotShadeEachOther) {
-  // Points of a ball, lit from the camera: none of the discs, which overlap and tilt, may darken another.
+TEST(Capture, DiscsOfARoundSurfaceDoNotShadowEachOther) {
+  // Points on a sphere, lit from the camera: none of the discs, which overlap and tilt, may shadow another.
   std::vector<glm::vec3> positions, normals;
   constexpr int kCount = 4000;
   for (int k = 0; k < kCount; ++k) {
@@ -193,7 +193,7 @@ TEST(Capture, ColorsRunFromVertexToVertex) {
   Material grey;
   grey.albedo = glm::vec3(0.5f);
   Mesh plain = square(1.0f, 0.0f, {3.0f, 0.0f});
-  // The coloured mesh is not the first: its colours are found all the same.
+  // The coloured mesh is not the first; its colours must be found all the same.
   const Scene scene = scene_of({plain, mesh}, {grey});
   const Picture picture = capture(scene, from_above(2.0f), 100, 100);
   for (int y = 2; y < 98; ++y)
@@ -216,7 +216,7 @@ TEST(Capture, OffCentreWindowIsAPartOfTheWhole) {
     part.top = whole.top + (whole.bottom - whole.top) * 0.5f;
     part.bottom = whole.top + (whole.bottom - whole.top) * 0.875f;
     const Picture all = capture(scene, whole, 64, 64), cut = capture(scene, part, 32, 24);
-    long different = 0;  // at silhouettes rounding decides who is hit
+    long different = 0;  // at silhouettes rounding decides which surface is hit
     for (int y = 0; y < 24; ++y)
       for (int x = 0; x < 32; ++x) {
         const float a = all.depth(x + 16, y + 32), b = cut.depth(x, y);
@@ -228,7 +228,7 @@ TEST(Capture, OffCentreWindowIsAPartOfTheWhole) {
 }
 
 TEST(Capture, PixelsAreCountedFromTheTopLeft) {
-  // One small square up and to the right of the middle.
+  // One small square, above and to the right of the centre.
   const Scene scene = scene_of({square(0.5f, 0.0f, {1.5f, 0.5f})});
   const Picture picture = capture(scene, from_above(4.0f), 4, 4);
   for (int y = 0; y < 4; ++y)
@@ -292,7 +292,7 @@ TEST(Capture, BothSidesShowNormalsTowardsTheCamera) {
 }
 
 TEST(Capture, NormalsFaceTheCameraOnCoarseMeshesToo) {
-  // Sixteen by eight quads with smooth normals: at the silhouette interpolated normals point away.
+  // A sphere of 16 x 8 quads with smooth normals: at the silhouette interpolated normals point away.
   const Scene scene = scene_of({shapes::sphere(1.0f, 16, 8)});
   for (const glm::vec3 eye : {glm::vec3(0, 0, 3), glm::vec3(0.2f, 0.1f, -0.3f)}) {  // outside, and inside
     const Picture picture = capture(scene, perspective_camera(eye, {0, 0, 0}, {0, 1, 0}, 50.0f, 1.0f), 90, 90);
@@ -311,7 +311,7 @@ TEST(Capture, NormalsFaceTheCameraOnCoarseMeshesToo) {
 }
 
 TEST(Capture, NormalsThatContradictTheWindingStillFaceTheCamera) {
-  // Files with clockwise triangles and right normals are common.
+  // Files with clockwise triangles and correct normals are common.
   Mesh mesh = square(2.0f);
   std::swap(mesh.indices[1], mesh.indices[2]);
   std::swap(mesh.indices[4], mesh.indices[5]);
@@ -353,7 +353,7 @@ TEST(Capture, TexelsLandOnTheirPixels) {
 
 TEST(Capture, TexturesRepeat) {
   const auto texel = [](int x, int y) { return glm::ivec4(60 * x, 60 * y, 0, 255); };
-  // Texture coordinates from -3 to 5, and once so far off that a float keeps eleven bits of fraction.
+  // Texture coordinates from -3 to 5, and once so large that a float has eleven bits of fraction left.
   for (const float shift : {-3.0f, 4096.0f}) {
     Mesh mesh = square(2.0f);
     for (glm::vec2& uv : mesh.uvs) uv = uv * 8.0f + shift;
@@ -372,7 +372,7 @@ Texture checkers() {
 }
 
 TEST(Capture, FarCheckersAverageToTheirMean) {
-  // A ground of 4096 x 4096 checkers that runs to the horizon.
+  // A ground of 4096 x 4096 checkers that extends to the horizon.
   Scene scene = textured(parallelogram({-256, -256, 0}, {512, 0, 0}, {0, 512, 0}, 512.0f), checkers());
   const Camera camera = perspective_camera({0, -256, 2.0f}, {0, 0, 0}, {0, 0, 1}, 40.0f, 1.0f);
   const Picture picture = capture(scene, camera, 200, 200);
@@ -383,14 +383,14 @@ TEST(Capture, FarCheckersAverageToTheirMean) {
       if (!(picture.depth(x, y) > 150.0f && picture.depth(x, y) < 400.0f)) continue;
       ++compared;
       sum += picture["albedo.g"].at(x, y);
-      // One pixel across is 0.5 units and more: four checkers.
+      // One pixel is at least 0.5 units wide: four checkers.
       EXPECT_NEAR(picture["albedo.g"].at(x, y), 0.5, 0.08) << x << ',' << y;
     }
   ASSERT_GT(compared, 400);
   EXPECT_NEAR(sum / compared, 0.5, 0.01);
 }
 
-/// How many pixels of the rows from `first` on, up to `end`, have a green for which the test holds.
+/// Returns the number of pixels in rows [first, end) whose green satisfies the test.
 template <class Test>
 long count_green(const Picture& picture, int first, int end, const Test& test) {
   long count = 0;
@@ -405,7 +405,7 @@ TEST(Capture, NearCheckersAreCrisp) {
   const Picture picture = capture(scene, camera, 200, 200);
   const long pure = count_green(picture, 0, 200, [](float g) { return g < 0.01f || g > 0.99f; });
   const long light = count_green(picture, 0, 200, [](float g) { return g > 0.5f; });
-  // A checker is 35 pixels wide, the blend between two a texel of 4.4 pixels: (1 - 4.4 / 35)^2 is pure.
+  // A checker is 35 pixels wide, the blend between two is one texel of 4.4 pixels: a fraction (1 - 4.4 / 35)^2 is pure.
   EXPECT_GT(pure, 40000 * 0.72);
   EXPECT_NEAR(light, 20000, 2000);
 }

@@ -1,4 +1,4 @@
-// Captured layers of other sides and of further cameras.
+// Captured layers of back sides and of further cameras.
 #include "capture_support.h"
 
 namespace umbrage {
@@ -10,14 +10,14 @@ using namespace test;
 
 TEST(CaptureBackSides, AThinSheetLitFromBehindIsDarkInFrontAndLitBehind) {
   for (const bool point : {false, true}) {
-    // Below the sheet the sun or a lamp shines; a smaller sheet still lower takes a part of its light.
+    // The sun or a point light is below the sheet; a smaller sheet in between blocks part of its light.
     Scene scene = scene_of({square(4.0f), square(0.5f, -1.0f)}, {Material{.specular_strength = 0.5f}});
     scene.lights = {point ? key_lamp({0, 0, -2}) : key_light({0, 0, -1}), key_light({0, 0, 1})};
     const Picture picture = capture_with({.width = 65, .height = 65, .back_sides = true}, scene, from_above(4.0f));
     ASSERT_EQ(picture.info.more_layers.size(), 1u);
     EXPECT_EQ(picture.info.more_layers[0].kind, LayerKind::kBack);
     EXPECT_EQ(picture.info.more_layers[0].of, 0);
-    const double blocked = point ? 1.0 : 0.5;  // half the width of the lower sheet's shadow
+    const double blocked = point ? 1.0 : 0.5;  // half width of the lower sheet's shadow
     long lit = 0, dark = 0;
     for (int y = 0; y < 65; ++y)
       for (int x = 0; x < 65; ++x) {
@@ -55,8 +55,8 @@ TEST(CaptureBackSides, InsideASolidNoLightArrives) {
   for (int y = 0; y < 90; ++y)
     for (int x = 0; x < 90; ++x) {
       if (!std::isfinite(picture.depth(x, y))) continue;
-      // The first surface is a solid's outside: its other side is inside. The second one is the far side of that solid,
-      // seen from inside; its other side is outside again.
+      // The first surface is the outside of a solid: its other side is inside. The second one is the far side of the
+      // solid, seen from inside; its other side is outside again.
       for (const char* name : {"layer2.shadow", "layer2.shadow1", "layer2.shadow2"})
         inside += picture[name].at(x, y) == 0.0f;
       lit += 3;
@@ -77,11 +77,11 @@ TEST(CaptureBackSides, LayersInFrontStayAsTheyAre) {
   ASSERT_EQ(more.planes.planes.size(), plain.planes.planes.size() / 3 * 8);
   for (std::size_t p = 0; p < plain.planes.planes.size(); ++p) {
     ASSERT_EQ(plain.planes.names[p], more.planes.names[p]);
-    EXPECT_EQ(test::difference(plain.planes.planes[p], more.planes.planes[p], 0.0).most, 0.0) << plain.planes.names[p];
+    EXPECT_EQ(test::difference(plain.planes.planes[p], more.planes.planes[p], 0.0).max, 0.0) << plain.planes.names[p];
   }
 }
 
-/// A room of 12 x 8 x 5, a pillar in it, and before the pillar a sheet that hides it from the camera.
+/// Returns a room of 12 x 8 x 5 with a pillar, and in front of the pillar a sheet that hides it from the camera.
 Scene room_with_drape() {
   Scene scene = scene_of(
       {parallelogram({-6, 0, -4}, {12, 0, 0}, {0, 0, 8}), parallelogram({-6, 5, -4}, {12, 0, 0}, {0, 0, 8}),
@@ -112,7 +112,7 @@ TEST(CaptureExtraViews, AgreeWithTheFirstCameraAboutWhereThingsAre) {
       if (!orthographic) {
         EXPECT_LE(std::max(other.camera.right, other.camera.top), std::tan(glm::radians(55.0f)) * 1.0001f);
       }
-      // Where a surface is seen by both, the point of one lies in the plane of the other.
+      // Where both cameras see a surface, the point of one lies in the plane of the other.
       const glm::dmat4 other_from_world(other.camera.view_from_world);
       long agree = 0, disagree = 0;
       for (int y = 0; y < 121; ++y)
@@ -135,7 +135,7 @@ TEST(CaptureExtraViews, AgreeWithTheFirstCameraAboutWhereThingsAre) {
         }
       EXPECT_EQ(disagree, 0) << layer;
       EXPECT_GT(agree, 500) << layer << (orthographic ? " orthographic" : "");
-      // The eye sees the point that all look at: it lies on the first camera's axis too.
+      // The camera sees the point that all cameras look at, which also lies on the first camera's axis.
       const PixelRay middle = ray_of(other, 90, 60);
       const glm::dvec3 d = glm::normalize(middle.direction), e = glm::normalize(axis), w = middle.origin - eye;
       const double de = glm::dot(d, e), bottom = 1.0 - de * de;
@@ -160,7 +160,7 @@ TEST(CaptureExtraViews, AgreeWithTheFirstCameraAboutWhereThingsAre) {
 }
 
 TEST(CaptureExtraViews, SeeWhatTheFirstCameraDoesNot) {
-  // The pillar stands behind the sheet; from behind or beside both it is in sight.
+  // The pillar is behind the sheet; it is visible from behind or from the side.
   const Scene scene = room_with_drape();
   const Picture picture = capture_with({.width = 120, .height = 80, .extra_views = 3}, scene,
                                        perspective_camera({-5.5f, 2.2f, 0.0f}, {6, 2.2f, 0}, {0, 1, 0}, 40.0f, 1.5f));
@@ -179,7 +179,7 @@ TEST(CaptureExtraViews, TheirNumberTheLayersAndTheGuardBandDoNotMoveThem) {
   const Picture two = capture_with({.width = 90, .height = 60, .layers = 2, .extra_views = 2}, scene, camera);
   for (int view = 0; view < 2; ++view)
     for (const char* name : {"depth", "normal.x", "albedo.g", "object_id"})
-      EXPECT_EQ(test::difference(four[layer_plane(1 + view, name)], two[layer_plane(2 + view, name)], 0.0).most, 0.0);
+      EXPECT_EQ(test::difference(four[layer_plane(1 + view, name)], two[layer_plane(2 + view, name)], 0.0).max, 0.0);
   const auto device = make_cpu_device();
   ASSERT_TRUE(device->prepare(scene));
   const auto wide = device->capture(camera, {.width = 90, .height = 60, .extra_views = 4, .guard = 7});
@@ -199,9 +199,9 @@ TEST(CaptureExtraViews, ScenesAndCamerasThatShowNothingStillGiveThem) {
     for (const Camera& camera : {perspective_camera({0, 0, 5}, {0, 0, 9}, {0, 1, 0}, 40.0f, 1.0f), from_above(3.0f),
                                  perspective_camera({0, 0, 0.5f}, {0, 0, 0}, {0, 1, 0}, 170.0f, 1.0f),
                                  perspective_camera({0, 0, 1e16f}, {0, 0, 0}, {0, 1, 0}, 40.0f, 1.0f),
-                                 // On the surface, which half of the rays leave at once.
+                                 // On the surface, which half of the rays leave immediately.
                                  perspective_camera({0, 0, 0}, {1, 0.01f, 0.001f}, {0, 0, 1}, 40.0f, 1.0f)}) {
-      // By one thread, and so not by a GPU: what a camera on a surface sees, rounding decides.
+      // With one thread, so without a GPU: for a camera on a surface rounding decides what is visible.
       const Picture picture = capture_with({.width = 5, .height = 5, .extra_views = 4}, scene, camera, {.threads = 1});
       ASSERT_EQ(picture.info.more_layers.size(), 4u);
       for (const LayerInfo& layer : picture.info.more_layers) {
@@ -232,7 +232,8 @@ TEST(CaptureExtraViews, TooManyLayersAreRefused) {
 }
 
 TEST(CaptureExtraViews, LightsStandWhereTheyStand) {
-  // What a surface gets of a light does not depend on who looks: matt light of both views agrees on the same surface.
+  // The light that a surface receives does not depend on the camera: diffuse light of both views agrees on the same
+  // surface.
   Scene scene = room_with_drape();
   scene.lights = {key_lamp({-3.0f, 4.0f, 2.0f}), {.kind = LightKind::kHead, .color = glm::vec3(0.5f)}};
   const Camera camera = perspective_camera({-5.5f, 2.6f, 0.3f}, {6, 2.2f, 0}, {0, 1, 0}, 60.0f, 1.5f);
@@ -259,7 +260,7 @@ TEST(CaptureExtraViews, LightsStandWhereTheyStand) {
           const double v = (camera.top - q.y / -q.z) / (camera.top - camera.bottom) * 121.0;
           if (!(q.z < 0.0 && u >= 0.0 && u < 181.0 && v >= 0.0 && v < 121.0)) continue;
           if (picture["object_id"].at(int(u), int(v)) != 1.0f) continue;
-          if (picture["shadow"].at(int(u), int(v)) != plane("shadow").at(x, y)) continue;  // beside a shadow's edge
+          if (picture["shadow"].at(int(u), int(v)) != plane("shadow").at(x, y)) continue;  // near the edge of a shadow
           const double a = picture["direct.g"].at(int(u), int(v)), b = plane("direct.g").at(x, y);
           (std::fabs(a - b) < 0.05 * std::max(a, b) + 0.002 ? agree : disagree) += 1;
         }

@@ -1,4 +1,4 @@
-// Passes that are functions of whole planes on the host: the same on every device, and once for a picture in bands.
+// Passes that compute whole planes on the host: the same on every device, and once for a picture in strips.
 #include "kernel/host_frame.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ constexpr float kScale = 2.0f;
 std::atomic<int> calls = 0, threads = 0;
 std::atomic<bool> fails = false;
 
-/// Twice the depth at the opposite end of the picture, and what nobody made.
+/// Writes twice the depth at the opposite end of the picture, and the value of a missing plane.
 void turn(const HostFrame& frame) {
   ++calls;
   threads = tbb::this_task_arena::max_concurrency();
@@ -40,7 +40,7 @@ void turn(const HostFrame& frame) {
   });
 }
 
-/// What lies to the right, in a plane of the same name.
+/// Writes the value to the right, to a plane of the same name.
 void move(const HostFrame& frame) {
   ++calls;
   const HostPlane &from = frame.input("ao"), &to = frame.output("ao");
@@ -53,8 +53,8 @@ const Effect& turned() {
       .name = "turned",
       .constants_size = sizeof(float),
       .constants = [](const ParameterBytes&, const PictureInfo&, void* out) { *static_cast<float*>(out) = kScale; },
-      .passes = {{.name = "turn", .inputs = {"depth", "albedo.r"}, .outputs = {"ao"}, .host = turn},
-                 {.name = "move", .inputs = {"ao"}, .outputs = {"ao"}, .host = move}}};
+      .dispatches = {{.name = "turn", .inputs = {"depth", "albedo.r"}, .outputs = {"ao"}, .host = turn},
+                     {.name = "move", .inputs = {"ao"}, .outputs = {"ao"}, .host = move}}};
   return effect;
 }
 
@@ -63,7 +63,7 @@ float expected(const Plane& depth, const Plane* albedo, int x, int y) {
   return kScale * depth.at(depth.width - 1 - x, depth.height - 1 - y) + (albedo ? albedo->at(x, y) : 0.8f);
 }
 
-/// A picture of two layers with a guard band; the second lacks albedo.
+/// Returns a picture of two layers with a guard band; the second lacks albedo.
 GBuffer picture(int width, int height) {
   GBuffer g = test::bumpy_gbuffer(width, height, 5);
   g.layers.emplace_back(width, height).add("depth") = test::bumpy_gbuffer(width, height, 6).layers[0].plane("depth");
@@ -106,8 +106,8 @@ TEST(Vulkan, RunsHostSteps) {
   for (const auto& [width, height] : kSizes) expect_turned(*device, width, height);
 }
 
-/// What a step throws comes out, and what follows is as ever.
-void expect_failure_told(Device& device) {
+/// Checks that an exception of a step is passed on, and that later steps work.
+void expect_failure_reported(Device& device) {
   const GBuffer g = picture(33, 20);
   auto frame = *device.upload(g);
   fails = true;
@@ -119,16 +119,16 @@ void expect_failure_told(Device& device) {
   expect_turned(device, 33, 20);
 }
 
-TEST(HostStep, MayFail) { expect_failure_told(*make_cpu_device({.threads = 2})); }
+TEST(HostStep, MayFail) { expect_failure_reported(*make_cpu_device({.threads = 2})); }
 
 TEST(Vulkan, HostStepsMayFail) {
   Device* const device = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(device);
   const test::NoMessages no_messages;
-  expect_failure_told(*device);
+  expect_failure_reported(*device);
 }
 
-TEST(HostStep, RunsOnceForAllBands) {
+TEST(HostStep, RunsOnceForAllStrips) {
   constexpr int kWidth = 60, kHeight = 83, kRows = 16;
   Scene scene = *make_builtin_scene("scene:solids?detail=2000");
   const Camera camera = frame_scene(scene, {}, kWidth, kHeight);
@@ -144,8 +144,8 @@ TEST(HostStep, RunsOnceForAllBands) {
   for (bool finished = false; !finished; ++sweeps) {
     finished = true;
     for (int first = 0; first < kHeight; first += kRows) {
-      const Band band{{first, std::min(first + kRows, kHeight)}, 0, wholes};
-      auto frame = *device->capture(camera, {.width = kWidth, .height = kHeight, .band = band});
+      const Strip strip{{first, std::min(first + kRows, kHeight)}, 0, wholes};
+      auto frame = *device->capture(camera, {.width = kWidth, .height = kHeight, .strip = strip});
       const auto done = device->run(turned(), {}, frame);
       ASSERT_TRUE(done);
       if (!done->finished) {

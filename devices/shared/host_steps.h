@@ -1,21 +1,21 @@
-// Host steps: passes that are functions of whole planes on the host, the same on every device.
+// Host steps: passes that compute whole planes on the host, the same on every device.
 #pragma once
 #include <span>
 #include <vector>
 
 #include "core/image.h"
-#include "devices/shared/passes.h"
+#include "devices/shared/dispatches.h"
 #include "kernel/host_frame.h"
 
 namespace umbrage {
 
-/// Planes as the inputs of a pass's host step, which does not write to them. `planes`: in the order of the pass's
-/// table.
-std::vector<HostPlane> host_inputs(const Pass& pass, std::span<const Plane* const> planes);
+/// Returns planes as the inputs of a pass's host step, which does not write to them. `planes`: in the order of the
+/// pass's table.
+std::vector<HostPlane> host_inputs(const Dispatch& dispatch, std::span<const Plane* const> planes);
 
 /// Runs the host step of a pass. `inputs`: whole planes of the picture's size, in the order of the pass's table.
-/// Returns its outputs, in that order, too; those of layers that are not there are empty. What the step throws comes
-/// through.
-std::vector<Plane> run_host_step(const PassRun& run, std::span<const Plane* const> inputs);
+/// Returns its outputs, in the same order; those of layers that do not exist are empty. Exceptions of the step
+/// propagate.
+std::vector<Plane> run_host_step(const DispatchRun& run, std::span<const Plane* const> inputs);
 
 }  // namespace umbrage

@@ -10,7 +10,7 @@ namespace umbrage {
 std::optional<float> neutral_value(std::string_view plane) {
   bool of_layer = false;
   if (const std::string start = reduced_plane(""); plane.starts_with(start)) plane.remove_prefix(start.size());
-  // A layer that is not there has no surface.
+  // A layer that does not exist has no surface.
   if (plane.starts_with("layer") && plane.ends_with(".depth")) return std::numeric_limits<float>::infinity();
   if (plane.starts_with("layer")) {
     const std::size_t dot = plane.find('.');
@@ -29,7 +29,7 @@ std::optional<float> neutral_value(std::string_view plane) {
   if (plane.starts_with("direct.") || plane.starts_with("ambient.") || plane.starts_with("indirect.") ||
       plane.starts_with("emission.") || plane.starts_with("sky.") || plane.starts_with("line."))
     return 0.0f;
-  if (of_layer) return 0.0f;  // what an effect makes of every layer, of one that is not there
+  if (of_layer) return 0.0f;  // an effect's output of a layer that does not exist
   return std::nullopt;
 }
 

@@ -1,4 +1,4 @@
-// The names of a frame's planes, without reading any of them back: the same on every device, those that download has.
+// The names of a frame's planes equal those of download on every device, without reading any plane back.
 #include <algorithm>
 
 #include "core/check.h"
@@ -18,7 +18,7 @@ std::vector<std::string> names_on(Device& device) {
   auto frame = device.upload(g);
   EXPECT_TRUE(frame);
   EXPECT_EQ(device.plane_names(*frame), device.download_all(*frame)->names);
-  // It makes colour, and asks for lines and a sky that nobody made.
+  // It writes colour, and reads lines and a sky that do not exist.
   const Effect& output = *find_effect("output");
   const ParameterBytes params = initial_parameters(output.parameters, output.params_size);
   EXPECT_TRUE(device.run(output, params, *frame));
@@ -27,7 +27,7 @@ std::vector<std::string> names_on(Device& device) {
   return names;
 }
 
-/// All planes' names, which download has, too.
+/// Returns the names of all planes, after checking that download has the same.
 std::vector<std::string> checked_names(Device& device, const Frame& frame) {
   std::vector<std::string> names = device.plane_names(frame);
   const auto image = device.download_all(frame);
@@ -38,22 +38,23 @@ std::vector<std::string> checked_names(Device& device, const Frame& frame) {
   return names;
 }
 
-Result<Progression> run(Device& device, const char* name, Frame& frame) {
+Result<RunState> run(Device& device, const char* name, Frame& frame) {
   const Effect& effect = *find_effect(name);
   return device.run(effect, initial_parameters(effect.parameters, effect.params_size), frame);
 }
 
-/// Names of a branch, and of a branch of that. Each starts with what it is a branch of, planes of one value included.
+/// Returns the names of a frame, of a branch, and of a branch of that. Each starts with those of the frame that it
+/// branches from, constant planes included.
 std::vector<std::vector<std::string>> names_of_branches(Device& device) {
   auto frame = device.upload(test::bumpy_gbuffer(24, 16, 5));
   EXPECT_TRUE(frame);
-  EXPECT_TRUE(run(device, "lighting", *frame));  // asks for shadows
+  EXPECT_TRUE(run(device, "lighting", *frame));  // reads shadows
   std::vector<std::vector<std::string>> all = {checked_names(device, *frame)};
   Frame branch = device.branch(*frame);
   EXPECT_EQ(checked_names(device, branch), all.back());
   Image made(24, 16);
   made.add("added") = Plane(24, 16, 3.0f);
-  made.add("shadow1") = Plane(24, 16, 0.25f);  // of one value so far
+  made.add("shadow1") = Plane(24, 16, 0.25f);  // constant so far
   EXPECT_TRUE(device.add(made, branch));
   EXPECT_TRUE(run(device, "sphere", branch));
   all.push_back(checked_names(device, branch));
@@ -65,7 +66,7 @@ std::vector<std::vector<std::string>> names_of_branches(Device& device) {
   EXPECT_EQ(device.download(twig, {"added"})->plane("added").at(5, 5), 3.0f);
   EXPECT_EQ(device.download(twig, {"shadow1"})->plane("shadow1").at(5, 5), 0.25f);
   EXPECT_EQ(device.download(*frame, {"shadow1"})->plane("shadow1").at(5, 5), 1.0f);
-  // What others share is not written to, also where the branch between them is gone.
+  // Shared planes are not written, even after the branch between them is gone.
   EXPECT_THROW(run(device, "lighting", branch), InternalError);
   EXPECT_THROW(device.add(made, *frame), InternalError);
   branch = {};

@@ -1,4 +1,4 @@
-// Names the kernel text soften.kernel.h for the CPU.
+// Compiles soften.kernel.h for the CPU.
 #define UMBRAGE_KERNEL soften
 #define UMBRAGE_KERNEL_TEXT "devices/shared/soften.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS SoftenConstants

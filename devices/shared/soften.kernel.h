@@ -1,9 +1,9 @@
-// Soft shadows without their grain, along a row or a column: a mean over pixels that lie on the same surface as the
-// pixel and face alike.
+// Denoising of soft shadows along a row or a column: a mean over pixels that lie on the same surface as the pixel and
+// have similar normals.
 //
-// The first filter averages the 4 x 4 pixels around, whose rays go to sixteen places on the light. Where a penumbra is
-// wide those are few: what stands far away throws as many edges. There the second filter averages what the first one
-// made, every fourth pixel of it, over `soften_reach` to either side: see soften_reach.kernel.h.
+// The first filter averages the 4 x 4 pixels around, whose rays go to sixteen points on the light. In wide penumbrae
+// sixteen are too few: a distant occluder casts sixteen visible edges. There the second filter averages the result of
+// the first one, every fourth pixel, over `soften_reach` to either side: see soften_reach.kernel.h.
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_REAL(soften_from)
@@ -13,9 +13,9 @@ OUT_REAL(soften_to)
 #include "kernel/surface.kernel.h"
 
 CONST float kTolerancePx = 1.5f;
-CONST float kFacing = 0.8f;  // cosine
+CONST float kFacing = 0.8f;  // min cosine between the normals
 
-// 1 for the neighbour (i, j) pixels right and down, if it counts.
+// Returns 1 for the neighbour (i, j) pixels right and down if it is on the same surface, else 0.
 FN Real alike(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
   Vec3 there = view_position(px + Int(i), py + Int(j), near_depth(i, j));
   Vec3 other = near_normal(i, j);
@@ -28,26 +28,26 @@ FN void soften_pixel(Int px, Int py) {
   Real depth = near_depth(0, 0);
   Vec3 position = view_position(px, py, depth);
   Vec3 normal = near_normal(0, 0);
-  // Changes, not values: where all around is alike nothing changes.
+  // Sums differences, not values: uniform neighbourhoods do not change.
   Real change = Real(0.0f);
   Real weights = Real(1.0f);
   if (C.second == 0) {
     for (int k = -2; k <= 2; ++k) {
       if (k == 0) continue;
-      float most = k == -2 || k == 2 ? 0.5f : 1.0f;  // any four in a row count alike
-      Real weight = alike(k * C.dx, k * C.dy, px, py, position, normal) * most;
+      float max_value = k == -2 || k == 2 ? 0.5f : 1.0f;  // any four in a row count equally
+      Real weight = alike(k * C.dx, k * C.dy, px, py, position, normal) * max_value;
       change = mad(weight, near_soften_from(k * C.dx, k * C.dy) - own, change);
       weights = weights + weight;
     }
   } else {
     Real reach = block_soften_reach(kSoftenBlock, 0, 0);
-    for (int k = 1; k < kSoftenBlocks; ++k) {
-      // A neighbour stands for four pixels, of which the filter reaches a share: the nearest, hence its square.
-      Real share = clamp((reach + kSoftenLeast) * 0.25f - float(k), Real(0.0f), Real(1.0f));
+    for (int k = 1; k < kSoftenReachBlocks; ++k) {
+      // A neighbour represents four pixels, of which the filter reaches a fraction: the nearest ones, hence its square.
+      Real share = clamp((reach + kSoftenMin) * 0.25f - float(k), Real(0.0f), Real(1.0f));
       if (some(share > 0.0f)) {
         int right = k * kSoftenBlock * C.dx;
         int down = k * kSoftenBlock * C.dy;
-        // Both or none: where a penumbra is a slope, neighbours to one side alone would move it.
+        // Both neighbours or none: on the slope of a penumbra one alone would shift it.
         Real weight = share * share * alike(-right, -down, px, py, position, normal) *
                       alike(right, down, px, py, position, normal);
         change = mad(weight, near_soften_from(-right, -down) - own + (near_soften_from(right, down) - own), change);

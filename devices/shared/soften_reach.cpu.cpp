@@ -1,4 +1,4 @@
-// Names the kernel text soften_reach.kernel.h for the CPU.
+// Compiles soften_reach.kernel.h for the CPU.
 #define UMBRAGE_KERNEL soften_reach
 #define UMBRAGE_KERNEL_TEXT "devices/shared/soften_reach.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS SoftenConstants

@@ -1,4 +1,4 @@
-// The filter of soft shadows on planes that are seen at grazing angles, and at steps.
+// The filter of soft shadows on surfaces at grazing angles, and at steps.
 #include <limits>
 
 #include "devices/cpu/soften.h"
@@ -10,7 +10,8 @@
 namespace umbrage {
 namespace {
 
-/// The shadow of the first light, softened as far as the filter reaches, on every SIMD target and by scalar kernels.
+/// Passes the shadow of the first light, softened with the widest filter, to `check`, for every SIMD target and the
+/// scalar kernels.
 void softened(const GBuffer& g, const Plane& shadow, const std::function<void(const Plane&)>& check) {
   PenumbraRadii radii{.light = 0, .across = Plane(g.info.width, g.info.height), .down = {}};
   radii.across = radii.down = Plane(g.info.width, g.info.height, std::numeric_limits<float>::infinity());
@@ -42,7 +43,7 @@ TEST(Soften, GrazingPlanesAreAsFacingOnes) {
   EXPECT_GT(test::difference(expected, shadow, 0.0).mean, 0.1);
   test::at_grazing_angles({.error_deg = 2.0}, [&](const test::TiltedPlane& plane) {
     softened(test::seen(plane), shadow,
-             [&](const Plane& out) { EXPECT_LE(test::difference(out, expected, 0.0).most, 1e-5); });
+             [&](const Plane& out) { EXPECT_LE(test::difference(out, expected, 0.0).max, 1e-5); });
   });
 }
 
@@ -52,7 +53,7 @@ TEST(Soften, NothingCrossesAStep) {
     for (int x = 0; x < 32; ++x) shadow.at(x, y) = 1.0f;
   test::at_grazing_angles({.step_px = 150.0, .depth_ratio = 0.1}, [&](const test::TiltedPlane& plane) {
     softened(test::seen(plane), shadow,
-             [&](const Plane& out) { EXPECT_EQ(test::difference(out, shadow, 0.0).most, 0.0); });
+             [&](const Plane& out) { EXPECT_EQ(test::difference(out, shadow, 0.0).max, 0.0); });
   });
 }
 

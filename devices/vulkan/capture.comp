@@ -1,6 +1,6 @@
-// One depth layer of a scene: what devices/cpu/capture.cpp and rays/ do, for a GPU without the help of its driver's own
-// rays. Which triangle a pixel sees is found by a ray, or known from a picture of triangles (peel.frag). A workgroup is
-// four blocks of 4 x 4 pixels, each of which decides how many rays a soft shadow needs.
+// Captures one depth layer of a scene, like devices/cpu/capture.cpp and rays/, on a GPU without its driver's ray
+// tracing. The triangle that a pixel sees is found by a ray, or read from a picture of triangles (peel.frag). A
+// workgroup is four blocks of 4 x 4 pixels; each block decides how many rays a soft shadow needs.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "devices/shared/soften.h"
@@ -10,18 +10,19 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer OutPlane { float at[]; };
 
 shared int block_pixels[4], block_lit[4];
-shared uint block_across[4], block_down[4];  // bits of the narrowest penumbra's radius, squared: ordered as it is
+// Bits of the narrowest penumbra's radius, squared: same order as the floats.
+shared uint block_across[4], block_down[4];
 
 const float kStartOffset = 4e-6f;  // rays/traced_scene.cpp
-const float kAboveDisc = 0.3f;     // rays/traced_scene.h
+const float kDiscRayOffset = 0.3f;     // rays/traced_scene.h
 
 vec3 light_vector(float v[3 * kCaptureLights], int k) { return vec3(v[3 * k], v[3 * k + 1], v[3 * k + 2]); }
 
-float largest_of(vec3 v) { return max(max(v.x, v.y), v.z); }
+float max_component(vec3 v) { return max(max(v.x, v.y), v.z); }
 
 // ---- rays ----
 
-// Whether the ray meets the triangle before `hit`, which it then becomes.
+// Returns whether the ray meets the triangle before `hit`, and if so replaces `hit`.
 bool meets(Ray ray, int k, inout Hit hit) {
   Triangle triangle = triangle_at(k);
   if (triangle.kind != kTriangle) return meets_point(ray, triangle, k, hit);
@@ -33,16 +34,16 @@ bool meets(Ray ray, int k, inout Hit hit) {
   return true;
 }
 
-// The first triangle that the ray meets, or, with `any`, some one.
+// Returns the first triangle that the ray meets, or with `any` an arbitrary one.
 Hit trace(Ray ray, bool any) {
   Hit hit = Hit(ray.farthest, 0.0f, 0.0f, -1);
   Vectors nodes = Vectors(table[kNodesSlot]);
-  // A direction of 0 must not give 0 times infinity.
+  // Avoids 0 times infinity for a direction of 0.
   vec3 size = max(abs(ray.direction), vec3(1e-30f));
   vec3 inverse = vec3(ray.direction.x < 0.0f ? -1.0f : 1.0f, ray.direction.y < 0.0f ? -1.0f : 1.0f,
                       ray.direction.z < 0.0f ? -1.0f : 1.0f) /
                  size;
-  const float kRounding = 1.0000005f;  // boxes are met a little early rather than missed
+  const float kRounding = 1.0000005f;  // enlarges boxes slightly, so that none is missed
   int stack[kHierarchyDepth];
   int waiting = 0, at = C.root;
   while (true) {
@@ -55,7 +56,7 @@ Hit trace(Ray ray, bool any) {
       vec3 a0 = (a.xyz - ray.origin) * inverse, a1 = (b.xyz - ray.origin) * inverse;
       vec3 b0 = (c.xyz - ray.origin) * inverse, b1 = (d.xyz - ray.origin) * inverse;
       vec3 a_low = min(a0, a1), a_high = max(a0, a1), b_low = min(b0, b1), b_high = max(b0, b1);
-      float a_in = max(largest_of(a_low), ray.nearest), b_in = max(largest_of(b_low), ray.nearest);
+      float a_in = max(max_component(a_low), ray.nearest), b_in = max(max_component(b_low), ray.nearest);
       float a_out = min(min(a_high.x, a_high.y), a_high.z) * kRounding;
       float b_out = min(min(b_high.x, b_high.y), b_high.z) * kRounding;
       bool meets_a = a_in <= min(a_out, hit.t), meets_b = b_in <= min(b_out, hit.t);
@@ -88,7 +89,7 @@ struct Surface {
 };
 
 vec3 unit(vec3 v) {
-  float largest = largest_of(abs(v));
+  float largest = max_component(abs(v));
   return largest > 0.0f ? normalize(v / largest) : vec3(0.0f, 0.0f, 1.0f);
 }
 
@@ -115,10 +116,10 @@ Surface surface_at(Ray ray, Hit hit) {
   return s;
 }
 
-vec3 start_to_light(Surface s) {
+vec3 ray_origin_to_light(Surface s) {
   vec3 extent = abs(s.position) + abs(s.position - three(C.eye));
-  vec3 start = s.position + s.geometric * (kStartOffset * largest_of(extent));
-  if (s.triangle.kind == kDisc) start += s.geometric * (kAboveDisc * s.triangle.p2.x);
+  vec3 start = s.position + s.geometric * (kStartOffset * max_component(extent));
+  if (s.triangle.kind == kDisc) start += s.geometric * (kDiscRayOffset * s.triangle.p2.x);
   if (s.triangle.kind != kTriangle) return start;
   const float kFlat = 1.0f - 1e-6f;
   vec3 n0 = normal_at(s.triangle.corner.x), n1 = normal_at(s.triangle.corner.y), n2 = normal_at(s.triangle.corner.z);
@@ -133,7 +134,8 @@ vec3 start_to_light(Surface s) {
   return start + lift;
 }
 
-// How far texture coordinates move from the surface to where the ray of a neighbouring pixel meets its plane.
+// Returns the change of the texture coordinates from the surface to where the ray of a neighbouring pixel meets its
+// plane.
 vec2 uv_change(Surface s, vec2 pixel, vec3 across, vec3 gradient_u, vec3 gradient_v) {
   vec3 origin = origin_at(pixel), direction = direction_at(pixel);
   float t = dot(across, s.position - origin) / dot(across, direction);
@@ -141,7 +143,7 @@ vec2 uv_change(Surface s, vec2 pixel, vec3 across, vec3 gradient_u, vec3 gradien
   return vec2(dot(moved, gradient_u), dot(moved, gradient_v));
 }
 
-// A texture averaged over the pixel.
+// Returns a texture averaged over the pixel.
 vec3 pixel_texel(Surface s, int index, vec2 pixel) {
   vec3 e1 = s.triangle.p1 - s.triangle.p0, e2 = s.triangle.p2 - s.triangle.p0, across = cross(e1, e2);
   vec2 t0 = uv_at(s.triangle.corner.x), t1 = uv_at(s.triangle.corner.y) - t0, t2 = uv_at(s.triangle.corner.z) - t0;
@@ -180,7 +182,7 @@ vec2 disc_point(int set, int k) {
   return vec2(from.at[2 * (16 * set + k)], from.at[2 * (16 * set + k) + 1]);
 }
 
-// How wide penumbrae are in the pixel's block: rays/shadow_lights.h.
+// Narrows the penumbra radii of the pixel's block: rays/shadow_lights.h.
 void narrow(int block, vec2 radius_squared) {
   atomicMin(block_across[block], floatBitsToUint(radius_squared.x));
   atomicMin(block_down[block], floatBitsToUint(radius_squared.y));
@@ -195,17 +197,17 @@ float penumbra_pixels(Surface s, float depth, vec3 origin_step, vec3 direction, 
   return across > 0.0f ? radius * radius / across : 0.0f;
 }
 
-// What casts a shadow's ray.
+// The surface point from which a shadow ray starts.
 struct Receiver {
   Surface s;
-  vec3 start;  // of the ray
+  vec3 start;  // origin of the ray
   float depth;
   vec3 direction;  // of the camera's ray
   int block;
-  bool measured;  // penumbrae of this layer are asked for
+  bool measured;  // penumbra radii of this layer are requested
 };
 
-// Whether a ray to a place on the light's disc arrives.
+// Returns whether a ray to a point on the light's disc is unblocked.
 bool arrives(Receiver r, int light, bool soft, vec2 place) {
   bool point = C.light_point[light] != 0;
   vec3 where = light_vector(C.light_where, light), middle = point ? where - r.s.position : where, toward = middle;
@@ -233,7 +235,7 @@ bool arrives(Receiver r, int light, bool soft, vec2 place) {
   return false;
 }
 
-// The share of a light that arrives. Called by all pixels of the workgroup together.
+// Returns the unblocked fraction of a light. All pixels of the workgroup must call it together.
 float shadow_of(Receiver r, bool there, int light, int k) {
   int rays = C.light_rays[light], block = r.block;
   float lit = 0.0f;
@@ -294,10 +296,10 @@ void main() {
   Hit hit = Hit(kInfinity, 0.0f, 0.0f, -1);
   if (inside && C.nothing == 0) {
     bool wanted = pixel_ray(here, ray);
-    uvec2 seen = table[kSeenSlot];
+    uvec2 seen = table[kTriangleIndexSlot];
     if ((seen.x | seen.y) != 0u) {
       int k = int(Uints(seen).at[place]) - 1;
-      if (k >= 0) hit = seen_of(ray, triangle_at(k), k);
+      if (k >= 0) hit = hit_of_covered(ray, triangle_at(k), k);
     } else if (wanted) {
       hit = trace(ray, false);
     }
@@ -320,7 +322,7 @@ void main() {
     }
     if (inside)
       put_surface(first, place, there, hit.t, s.normal, albedo, emission, side == 0 ? mesh.specular : 0.0f, mesh);
-    vec3 start = there ? start_to_light(s) : vec3(0.0f);
+    vec3 start = there ? ray_origin_to_light(s) : vec3(0.0f);
     for (int light = 0; light < C.light_count; ++light) {
       int radii = kPenumbraSlot + 2 * C.light_index[light];
       bool measured = (table[radii].x | table[radii].y) != 0u && side == 0;

@@ -1,5 +1,5 @@
-// What traces and what draws a scene (capture.comp, corner.vert, peel.frag) share: where it lies, its textures, and
-// what a pixel's ray meets of a triangle.
+// Code shared by tracing and drawing of a scene (capture.comp, corner.vert, peel.frag): access to its data, its
+// textures, and the intersection of a pixel's ray and a triangle.
 #ifndef UMBRAGE_DEVICES_VULKAN_CAPTURE_SCENE_GLSL
 #define UMBRAGE_DEVICES_VULKAN_CAPTURE_SCENE_GLSL
 #extension GL_EXT_scalar_block_layout : require
@@ -20,7 +20,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly b
 
 const float kInfinity = 1.0f / 0.0f;
 const float kLayerStep = 1e-5f;             // devices/cpu/capture.cpp
-const float kEdgeRounding = 1.1920929e-7f;  // of a triangle: its rim belongs to it, as for Embree
+// Relative tolerance of edges: the border of a triangle belongs to it, as in Embree.
+const float kEdgeRounding = 1.1920929e-7f;
 const int kMaxTaps = 8;                    // rays/mip_texture.cpp
 
 vec3 three(float v[3]) { return vec3(v[0], v[1], v[2]); }
@@ -39,7 +40,7 @@ float fraction_of(float x) { return abs(x) < 8388608.0f ? x - floor(x) : 0.0f; }
 
 vec2 within(vec2 uv) { return vec2(fraction_of(uv.x), 1.0f - fraction_of(uv.y)); }
 
-// The two texels around a place along one side, and how far it lies between them.
+// Returns the two texels around a point along one side, and the point's position between them.
 void neighbours(float share, int size, out int low, out int high, out float between) {
   float x = share * float(size) - 0.5f;
   float whole = floor(x);
@@ -85,7 +86,7 @@ vec4 sample_filtered(int index, vec2 uv, vec2 right, vec2 down) {
   return sum / float(taps);
 }
 
-// Of the finest level, bilinear.
+// Returns the bilinear alpha of the finest level.
 float sample_alpha(int index, vec2 uv) {
   CaptureTexture image = Textures(table[kTexturesSlot]).at[index];
   return bilinear(Levels(table[kLevelsSlot]).at[image.first_level], within(uv)).a;
@@ -93,8 +94,8 @@ float sample_alpha(int index, vec2 uv) {
 
 // ---- triangles ----
 
-// Four vectors: three corners, and in their last components the mesh and the corners' numbers, and what it is. Of a
-// point, p0 is its place, p1 a disc's normal, p2.x its radius.
+// Four vectors: the three corners, with the mesh, the corners' indices and the kind in the last components. For a
+// point, p0 is the centre, p1 the normal of a disc, p2.x the radius.
 struct Triangle {
   vec3 p0, p1, p2;
   int mesh;
@@ -134,7 +135,7 @@ struct Ray {
 
 struct Hit {
   float t, u, v;  // u, v: weights of the second and third corner
-  int triangle;   // below 0: none
+  int triangle;   // < 0: none
 };
 
 bool cut_away(Triangle triangle, float u, float v) {
@@ -144,7 +145,7 @@ bool cut_away(Triangle triangle, float u, float v) {
   return sample_alpha(mesh.texture_index, uv) < mesh.cutoff;
 }
 
-// Whether the ray meets a disc, or a sphere from whichever side, before `hit`, which it then becomes.
+// Returns whether the ray meets a disc, or a sphere from either side, before `hit`, and if so replaces `hit`.
 bool meets_point(Ray ray, Triangle point, int k, inout Hit hit) {
   vec3 to_center = point.p0 - ray.origin;
   float radius = point.p2.x, t;
@@ -165,10 +166,10 @@ bool meets_point(Ray ray, Triangle point, int k, inout Hit hit) {
   return true;
 }
 
-// A ray and a plane, by edges' signed volumes, which two triangles that share an edge compute alike, so that no ray
-// passes between them [Shoemake 1998].
+// Intersection of a ray and a triangle's plane, by signed volumes of the edges, which two triangles that share an edge
+// compute identically, so that no ray passes between them [Shoemake 1998].
 struct Crossing {
-  float t, u, v, w, sum;  // u, v, w: volumes, whose sum this is
+  float t, u, v, w, sum;  // u, v, w: signed volumes; sum: their sum
   bool inside;
 };
 
@@ -190,11 +191,12 @@ Crossing crossing_of(Ray ray, Triangle triangle) {
 vec3 origin_at(vec2 p) { return three(C.origin) + three(C.origin_x) * p.x + three(C.origin_y) * p.y; }
 vec3 direction_at(vec2 p) { return three(C.direction) + three(C.direction_x) * p.x + three(C.direction_y) * p.y; }
 
-// The ray through a pixel's centre, from behind the layer before on. False: nothing can be seen there.
+// Computes the ray through a pixel's centre, starting behind the layer before. Returns false if nothing is visible
+// there.
 bool pixel_ray(ivec2 here, out Ray ray) {
   vec2 pixel = vec2(here) + 0.5f;
   ray = Ray(origin_at(pixel), direction_at(pixel), 0.0f, kInfinity);
-  uvec2 before = table[kBeforeSlot];
+  uvec2 before = table[kPreviousDepthSlot];
   if ((before.x | before.y) == 0u) return true;
   float depth = Floats(before).at[here.y * C.stride + here.x];
   vec3 hit = ray.origin + ray.direction * depth;
@@ -202,9 +204,9 @@ bool pixel_ray(ivec2 here, out Ray ray) {
   return depth < kInfinity;
 }
 
-// What a pixel sees of a triangle that covers it: by the rules of rasterisation, so that on the triangle's rim the ray
-// may pass beside it by a hair. Then it is where the ray meets its plane, but within its own depths, and the nearest
-// weights.
+// Returns the hit of a pixel's ray with a triangle that covers the pixel. Rasterisation decides coverage, so on the
+// triangle's border the ray may miss it slightly. Then the hit is where the ray meets the plane, clamped to the depths
+// of the triangle, with the nearest weights.
 Hit covered(Ray ray, Triangle triangle, int k) {
   Crossing at = crossing_of(ray, triangle);
   float side = at.sum < 0.0f ? -1.0f : 1.0f;
@@ -221,8 +223,8 @@ Hit covered(Ray ray, Triangle triangle, int k) {
   return Hit(t, weights.x, weights.y, k);
 }
 
-// What a pixel sees of a triangle or point whose drawing covers it; of a point maybe nothing.
-Hit seen_of(Ray ray, Triangle triangle, int k) {
+// Returns the hit of a pixel's ray with a triangle or point whose drawing covers the pixel; a point may be missed.
+Hit hit_of_covered(Ray ray, Triangle triangle, int k) {
   if (triangle.kind == kTriangle) return covered(ray, triangle, k);
   Hit hit = Hit(kInfinity, 0.0f, 0.0f, -1);
   meets_point(ray, triangle, k, hit);

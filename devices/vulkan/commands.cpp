@@ -10,10 +10,10 @@
 namespace umbrage {
 namespace {
 
-constexpr std::size_t kUniformBytes = std::size_t(4) << 20;  // of constants: some hundreds of passes
-constexpr std::uint32_t kMaxPasses = 1024;                   // of a submission: two times and a descriptor set of each
-constexpr std::size_t kMaxTimes = 65536;                     // that are kept for somebody who asks
-constexpr std::size_t kMaxKinds = 4096;                      // of work, of which it is known what it takes
+constexpr std::size_t kUniformBytes = std::size_t(4) << 20;  // of constants: some hundreds of dispatches
+constexpr std::uint32_t kMaxPasses = 1024;  // of a submission; each takes two timestamps and a descriptor set
+constexpr std::size_t kMaxTimes = 65536;    // unread times that are kept
+constexpr std::size_t kMaxKinds = 4096;     // kinds of work whose time is known
 constexpr VkAccessFlags kWrites = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
 constexpr VkAccessFlags kReads = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT;
 constexpr VkPipelineStageFlags kStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
@@ -59,8 +59,7 @@ Result<std::unique_ptr<Commands>> Commands::make(GpuPtr gpu, const std::shared_p
 }
 
 Commands::~Commands() {
-  if (handed_over_)
-    gpu_->vk.WaitForFences(gpu_->device, 1, &fence_, VK_TRUE, std::numeric_limits<std::uint64_t>::max());
+  if (submitted_) gpu_->vk.WaitForFences(gpu_->device, 1, &fence_, VK_TRUE, std::numeric_limits<std::uint64_t>::max());
   if (recording_) gpu_->vk.EndCommandBuffer(buffer_);
   kept_.clear();
   if (sets_) gpu_->vk.DestroyDescriptorPool(gpu_->device, sets_, nullptr);
@@ -71,13 +70,13 @@ Commands::~Commands() {
 
 Result<VkCommandBuffer> Commands::buffer() {
   if (lost_) return *lost_;
-  if (handed_over_)
-    if (auto done = wait_for_it(); !done) return done.error();
+  if (submitted_)
+    if (auto done = wait_for_submission(); !done) return done.error();
   if (recording_) return buffer_;
   VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   if (const auto r = gpu_->vk.BeginCommandBuffer(buffer_, &begin); r != VK_SUCCESS)
-    return vulkan_error(r, "was given work");
+    return vulkan_error(r, "recorded its work");
   recording_ = true;
   if (queries_) gpu_->vk.CmdResetQueryPool(buffer_, queries_, 0, 2 * kMaxPasses);
   return buffer_;
@@ -90,18 +89,18 @@ void Commands::barrier() {
 
 Result<void> Commands::finish() {
   if (lost_) return *lost_;
-  if (handed_over_) return wait_for_it();
+  if (submitted_) return wait_for_submission();
   if (!recording_) return {};
   Result<void> done = submit(VK_NULL_HANDLE);
   if (!done) {
     reset();
     return done;
   }
-  return wait_for_it();
+  return wait_for_submission();
 }
 
-Result<void> Commands::hand_over(VkSemaphore signal) {
-  if (const auto begun = buffer(); !begun) return begun.error();  // semaphores want a submission even of nothing
+Result<void> Commands::submit_without_waiting(VkSemaphore signal) {
+  if (const auto begun = buffer(); !begun) return begun.error();  // semaphores require a submission, even an empty one
   Result<void> done = submit(signal);
   if (!done) reset();
   return done;
@@ -115,9 +114,9 @@ void Commands::drop() {
 }
 
 void Commands::reset() {
-  recording_ = handed_over_ = false;
+  recording_ = submitted_ = false;
   uniforms_used_ = 0;
-  noted_ms_ = 0.0;
+  recorded_ms_ = 0.0;
   timed_.clear();
   kept_.clear();
   gpu_->vk.ResetCommandPool(gpu_->device, pool_, 0);
@@ -149,24 +148,24 @@ Result<void> Commands::submit(VkSemaphore signal) {
   work.pSignalSemaphores = &signal;
   if (const auto r = vk.QueueSubmit(gpu_->queue, 1, &work, fence_); r != VK_SUCCESS) return failed(r);
   recording_ = false;
-  handed_over_ = true;
+  submitted_ = true;
   return {};
 }
 
-Result<void> Commands::wait_for_it() {
+Result<void> Commands::wait_for_submission() {
   const auto& vk = gpu_->vk;
   const VkResult waited =
       vk.WaitForFences(gpu_->device, 1, &fence_, VK_TRUE, std::numeric_limits<std::uint64_t>::max());
-  // Where the waiting failed the GPU may still work: only once it has ended may anything of that be used again.
+  // If waiting failed, the GPU may still be working: its resources may be reused only once it is idle.
   if (waited != VK_SUCCESS && vk.DeviceWaitIdle(gpu_->device) != VK_SUCCESS) {
-    handed_over_ = false;
+    submitted_ = false;
     lost_ = vulkan_error(waited, "worked");
     return *lost_;
   }
   struct AtEnd {
     Commands& commands;
     ~AtEnd() { commands.reset(); }
-  } const at_end{*this};  // also where reading the times throws: nobody signals the fence again
+  } const at_end{*this};  // also if reading the times throws: the fence will not be signalled again
   if (const auto r = vk.ResetFences(gpu_->device, 1, &fence_); r != VK_SUCCESS) lost_ = vulkan_error(r, "worked");
   if (waited != VK_SUCCESS) return failed(waited);
   return lost_ ? Result<void>(*lost_) : read_times();
@@ -178,10 +177,10 @@ Result<void> Commands::read_times() {
   const VkResult read = gpu_->vk.GetQueryPoolResults(gpu_->device, queries_, 0, std::uint32_t(ticks.size()),
                                                      ticks.size() * sizeof(std::uint64_t), ticks.data(),
                                                      sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT);
-  if (read != VK_SUCCESS) return vulkan_error(read, "told what its passes took");
+  if (read != VK_SUCCESS) return vulkan_error(read, "reported the times of its passes");
   if (times_.size() > kMaxTimes) times_.clear();
   if (ms_of_group_.size() > kMaxKinds) ms_of_group_.clear();
-  std::map<Kind, double> slowest;  // bands of one pass differ: sky is done sooner
+  std::map<Kind, double> slowest;  // row ranges of one dispatch differ: background is faster
   for (std::size_t k = 0; k < timed_.size(); ++k) {
     Timed& timed = timed_[k];
     timed.time.ms = double(ticks[2 * k + 1] - ticks[2 * k]) * gpu_->ns_of_tick * 1e-6;
@@ -204,8 +203,8 @@ std::optional<double> Commands::ms_of_group(Kind kind) const {
 Result<Commands::Uniforms> Commands::uniforms(std::size_t bytes) {
   check_less(bytes, kMaxUniforms + 1, "bytes of constants");
   if (lost_) return *lost_;
-  if (handed_over_)
-    if (auto done = wait_for_it(); !done) return done.error();
+  if (submitted_)
+    if (auto done = wait_for_submission(); !done) return done.error();
   if (uniforms_used_ + bytes > kUniformBytes || timed_.size() >= kMaxPasses)
     if (auto done = finish(); !done) return done.error();
   const Uniforms given{uniforms_->mapped + uniforms_used_, std::uint32_t(uniforms_used_)};
@@ -222,7 +221,7 @@ Result<VkDescriptorSet> Commands::descriptor_set(VkDescriptorSetLayout layout,
   allocate.pSetLayouts = &layout;
   VkDescriptorSet set = VK_NULL_HANDLE;
   if (const auto r = gpu_->vk.AllocateDescriptorSets(gpu_->device, &allocate, &set); r != VK_SUCCESS)
-    return vulkan_error(r, "was given work");
+    return vulkan_error(r, "recorded its work");
   VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
   write.dstSet = set;
   write.descriptorCount = std::uint32_t(buffers.size());
@@ -232,15 +231,16 @@ Result<VkDescriptorSet> Commands::descriptor_set(VkDescriptorSetLayout layout,
   return set;
 }
 
-void Commands::begin_pass(std::string_view effect, std::string_view pass, Kind kind, double groups, bool further) {
-  timed_.push_back({{std::string(effect), std::string(pass), 0.0}, kind, groups, further});
-  noted_ms_ += groups * ms_of_group(kind).value_or(0.0);
+void Commands::begin_dispatch(std::string_view effect, std::string_view dispatch, Kind kind, double groups,
+                              bool further) {
+  timed_.push_back({{std::string(effect), std::string(dispatch), 0.0}, kind, groups, further});
+  recorded_ms_ += groups * ms_of_group(kind).value_or(0.0);
   if (queries_)
     gpu_->vk.CmdWriteTimestamp(buffer_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_,
                                2 * (std::uint32_t(timed_.size()) - 1));
 }
 
-void Commands::end_pass() {
+void Commands::end_dispatch() {
   if (queries_)
     gpu_->vk.CmdWriteTimestamp(buffer_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_,
                                2 * std::uint32_t(timed_.size()) - 1);

@@ -1,4 +1,4 @@
-// What a Vulkan device is asked for, noted down until somebody needs the result; then it is all handed over at once.
+// Records the work of a Vulkan device until a result is needed; then submits all of it at once.
 #pragma once
 #include <compare>
 #include <map>
@@ -21,55 +21,55 @@ class Commands {
   Commands(const Commands&) = delete;
   Commands& operator=(const Commands&) = delete;
 
-  /// Where to note down; begins where nothing is noted yet. Errors: kDevice.
+  /// Returns the command buffer; begins recording if nothing is recorded yet. Errors: kDevice.
   Result<VkCommandBuffer> buffer();
-  /// What follows sees all that was written before, and writes only after all that was read before.
+  /// Makes later commands see all earlier writes, and write only after all earlier reads.
   void barrier();
-  /// Hands over what is noted and waits for it. Errors: kDevice; what was noted is then gone.
+  /// Submits the recorded work and waits for it. Errors: kDevice; the recorded work is then lost.
   Result<void> finish();
-  /// What is handed over next waits for `before`, unless that is null.
+  /// Makes the next submission wait for `before`, unless that is null.
   void wait_for(VkSemaphore before) { before_ = before; }
-  /// Hands over what is noted, before `signal` where that is not null, without waiting: that is done before something
-  /// is noted again. Errors: kDevice.
-  Result<void> hand_over(VkSemaphore signal);
-  /// Forgets what is noted.
+  /// Submits the recorded work without waiting, and signals `signal` when it is done, unless that is null. The next
+  /// recording waits until it is done. Errors: kDevice.
+  Result<void> submit_without_waiting(VkSemaphore signal);
+  /// Discards the recorded work.
   void drop();
-  /// Keeps something alive until that has happened.
+  /// Keeps an object alive until the recorded work is done.
   void keep(std::shared_ptr<const void> what) { kept_.push_back(std::move(what)); }
 
-  /// Bytes for constants of the commands noted down next; `offset` is where they lie in uniform_buffer(). Hands over
-  /// what is noted where there is no more room, so it comes before buffer(). Errors: kDevice.
+  /// Returns bytes for constants of the commands recorded next; `offset` is their offset in uniform_buffer(). Submits
+  /// the recorded work if there is no more room, so call it before buffer(). Errors: kDevice.
   struct Uniforms {
     std::byte* bytes = nullptr;
     std::uint32_t offset = 0;
   };
   Result<Uniforms> uniforms(std::size_t bytes);
   VkBuffer uniform_buffer() const { return uniforms_->buffer; }
-  /// A set of storage buffers for the pass noted down next: one at most, between uniforms() and buffer(). Errors:
-  /// kDevice.
+  /// Returns a set of storage buffers for the dispatch recorded next: at most one, between uniforms() and buffer().
+  /// Errors: kDevice.
   Result<VkDescriptorSet> descriptor_set(VkDescriptorSetLayout layout, std::span<const VkDescriptorBufferInfo> buffers);
 
-  /// Work that takes about as long each time: a shader, and a number that stands for what it is set to.
+  /// Work that takes about the same time each run: a shader, and a number that identifies its settings.
   struct Kind {
     VkPipeline pipeline = VK_NULL_HANDLE;
     std::size_t settings = 0;
     auto operator<=>(const Kind&) const = default;
   };
-  /// Between these a pass of so many workgroups is noted down, or a further band of the one before, whose time is
-  /// taken.
-  void begin_pass(std::string_view effect, std::string_view pass, Kind kind, double groups, bool further);
-  void end_pass();
-  /// What a workgroup of a kind took when that was last known.
+  /// Enclose the recording of a dispatch of `groups` workgroups, or with `further` of another row range of the previous
+  /// one, and measure its time.
+  void begin_dispatch(std::string_view effect, std::string_view dispatch, Kind kind, double groups, bool further);
+  void end_dispatch();
+  /// Returns the last known time per workgroup of a kind, milliseconds.
   std::optional<double> ms_of_group(Kind kind) const;
-  /// What all that is noted down is likely to take, as far as that is known.
-  double noted_ms() const { return noted_ms_; }
+  /// Returns the expected time of all recorded work, as far as it is known.
+  double recorded_ms() const { return recorded_ms_; }
   bool takes_times() const { return queries_ != VK_NULL_HANDLE; }
-  std::vector<PassTime> take_pass_times() { return std::exchange(times_, {}); }
+  std::vector<DispatchTime> take_dispatch_times() { return std::exchange(times_, {}); }
 
  private:
   explicit Commands(GpuPtr gpu) : gpu_(std::move(gpu)) {}
   Result<void> submit(VkSemaphore signal);
-  Result<void> wait_for_it();
+  Result<void> wait_for_submission();
   void reset();
   Result<void> read_times();
   Error failed(VkResult result);
@@ -78,27 +78,27 @@ class Commands {
   VkCommandPool pool_ = VK_NULL_HANDLE;
   VkCommandBuffer buffer_ = VK_NULL_HANDLE;
   VkFence fence_ = VK_NULL_HANDLE;
-  VkSemaphore before_ = VK_NULL_HANDLE;  // of what is handed over next
+  VkSemaphore before_ = VK_NULL_HANDLE;  // semaphore that the next submission waits for
   VkQueryPool queries_ = VK_NULL_HANDLE;
   VkDescriptorPool sets_ = VK_NULL_HANDLE;
   HostBufferPtr uniforms_;
   std::size_t uniforms_used_ = 0;
-  bool recording_ = false, handed_over_ = false;
-  std::optional<Error> lost_;  // what there is to say of a device that is gone: it is asked for nothing more
+  bool recording_ = false, submitted_ = false;
+  std::optional<Error> lost_;  // error of a lost device: it gets no more work
   std::vector<std::shared_ptr<const void>> kept_;
   struct Timed {
-    PassTime time;
+    DispatchTime time;
     Kind kind;
     double groups = 0.0;
     bool further = false;
   };
-  std::vector<Timed> timed_;  // of the commands noted down, still without times
+  std::vector<Timed> timed_;  // dispatches that are recorded, without times yet
   std::map<Kind, double> ms_of_group_;
-  double noted_ms_ = 0.0;
-  std::vector<PassTime> times_;
+  double recorded_ms_ = 0.0;
+  std::vector<DispatchTime> times_;
 };
 
-/// The most bytes of constants that one pass may have: what every device reads at once.
+/// Max bytes of constants of one dispatch: every device can read that many at once.
 inline constexpr std::size_t kMaxUniforms = 16384;
 
 }  // namespace umbrage

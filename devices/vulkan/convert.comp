@@ -1,4 +1,4 @@
-// Texels of a caller's image to planes, or back. Table: the texels, and up to four planes.
+// Converts texels of a caller's image to planes, or back. Table: the texels, and up to four planes.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

@@ -1,24 +1,24 @@
-// A triangle's corner, drawn where the rays of camera_rays.h pass it; or one of a square that covers a point.
+// Projects a triangle's corner by the rays of camera_rays.h, or a corner of a square that covers a point.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "devices/vulkan/capture_scene.glsl"
 
-// The scene has points: each triangle has six corners, as squares do.
+// If the scene has points, each triangle has six corners, as squares do.
 layout(constant_id = 1) const bool kPoints = true;
 layout(location = 0) flat out int triangle_index;
 invariant gl_Position;
 
 const int kSquare[6] = int[](0, 1, 2, 2, 1, 3);  // corners of two triangles
-const float kWider = 1.001f;                     // a square than what it covers
+const float kWider = 1.001f;                     // scale of a square, so that it covers its point
 
-// False: the point is all around the eye.
+// Computes the corner of a square that covers the point. Returns false if the point surrounds the camera.
 bool square_corner(Triangle point, vec2 side, out vec3 p) {
   vec3 axis = point.p1;
   float radius = point.p2.x * kWider;
   if (point.kind == kSphere) {
     axis = three(C.direction);
     if (C.orthographic == 0) {
-      // The cone from the eye around the sphere, where it passes the middle.
+      // The cone from the camera around the sphere, at the distance of the centre.
       axis = point.p0 - three(C.origin);
       float beyond = dot(axis, axis) - radius * radius;
       if (beyond < 0.01f * radius * radius) return false;
@@ -46,7 +46,7 @@ void main() {
   p -= three(C.origin);
   float x = dot(three(C.clip_x), p), y = dot(three(C.clip_y), p);
   if (C.orthographic != 0)
-    gl_Position = vec4(x - 1.0f, y - 1.0f, 0.5f, 1.0f);  // what lies behind the camera peel.frag leaves out
+    gl_Position = vec4(x - 1.0f, y - 1.0f, 0.5f, 1.0f);  // peel.frag discards what is behind the camera
   else
     gl_Position = vec4(x, y, C.nearest, dot(three(C.clip_w), p));
 }

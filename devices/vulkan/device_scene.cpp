@@ -41,7 +41,8 @@ Result<DevicePlanePtr> upload(Bytes bytes, Memory& memory, Commands& commands, c
   return to;
 }
 
-/// Colours of vertices are kept of the meshes that have them, one after the other.
+/// Returns the meshes with their materials. Vertex colours are stored only for meshes that have them, one mesh after
+/// the other.
 std::vector<CaptureMesh> meshes_of(const Scene& scene) {
   std::vector<CaptureMesh> meshes;
   int vertices = 0, colors = 0;
@@ -69,13 +70,13 @@ std::vector<CaptureMesh> meshes_of(const Scene& scene) {
   return meshes;
 }
 
-/// The points of rays to lights, and what sRGB bytes mean.
+/// Returns the sample points on lights, followed by the linear values of sRGB bytes.
 std::vector<float> tables() {
   std::vector<float> out;
   const auto points = disc_points();
   for (const auto& set : points)
     for (const glm::vec2& p : set) out.insert(out.end(), {p.x, p.y});
-  for (const glm::vec2& p : rim_points()) out.insert(out.end(), {p.x, p.y});
+  for (const glm::vec2& p : disc_border_points()) out.insert(out.end(), {p.x, p.y});
   for (int byte = 0; byte < 256; ++byte) out.push_back(linear_from_srgb(float(byte) / 255.0f));
   return out;
 }

@@ -11,19 +11,19 @@
 namespace umbrage {
 
 struct DeviceScene {
-  const Scene* scene = nullptr;  ///< must live as long
+  const Scene* scene = nullptr;  ///< must outlive this
   glm::vec3 center{0.0f};        ///< see TracedScene
   float scale = 1.0f;
   int root = 0;
   bool empty = false;
-  bool points = false;  ///< some of it is discs or spheres
-  bool masks = false;   ///< some textures cut holes
-  int triangles = 0;    ///< and points
-  /// By their place in the table of addresses, from kNodesSlot on.
+  bool points = false;  ///< has discs or spheres
+  bool masks = false;   ///< has textures that cut holes
+  int triangles = 0;    ///< number of triangles and points
+  /// In the order of the table of addresses, from kNodesSlot on.
   std::vector<DevicePlanePtr> buffers;
 };
 
-/// Errors: kDevice; kInterrupted.
+/// Uploads a scene. Errors: kDevice; kInterrupted.
 Result<DeviceScene> upload_scene(const Scene& scene, Memory& memory, Commands& commands, const Gpu& gpu,
                                  const ProgressMonitor& monitor = {});
 

@@ -9,8 +9,8 @@
 namespace umbrage {
 namespace {
 
-constexpr int kDrawnAtOnce = 1024;  // triangles, at least, of a submission
-/// Of the table of planes, on each device a multiple of what constants must be aligned to.
+constexpr int kMinTrianglesPerSubmission = 1024;  // min triangles per submission
+/// Size of the table of planes; on every device a multiple of the alignment of constants.
 constexpr std::size_t kTableBytes = kMaxPlanes * sizeof(VkDeviceAddress);
 
 }  // namespace
@@ -24,19 +24,19 @@ std::vector<std::byte> block_of(const FrameConstants& frame, std::span<const std
 
 Result<void> Dispatcher::run_kernel(const GpuStep& step, GpuWork work, const PictureInfo& info, Constants block,
                                     VkDeviceSize bytes, std::span<const DevicePlane* const> planes) {
-  const VkDeviceSize most = gpu_->properties.limits.maxStorageBufferRange;
-  const auto pipeline = pipelines_->of(step, block, bytes <= most);
+  const VkDeviceSize max = gpu_->properties.limits.maxStorageBufferRange;
+  const auto pipeline = pipelines_->of(step, block, bytes <= max);
   if (!pipeline) return pipeline.error();
   std::vector<VkDeviceAddress> table;
   for (const DevicePlane* plane : planes) table.push_back(plane ? plane->address : 0);
-  // Where there is no plane another one is bound, and of one that is too large its beginning: nobody reads them, but
-  // a shader must have them.
+  // A missing plane is replaced by another one, and one that is too large is bound with its beginning: no shader reads
+  // them, but all bindings must be set.
   const auto any = std::find_if(planes.begin(), planes.end(), [](auto* plane) { return plane != nullptr; });
   if (any == planes.end()) fail_check(fmt::format("kernel {} has no planes", step.name));
   std::array<VkDescriptorBufferInfo, kBoundPlanes> bound;
   for (std::size_t k = 0; k < bound.size(); ++k) {
     const DevicePlane* plane = k < planes.size() && planes[k] ? planes[k] : *any;
-    bound[k] = {plane->buffer, plane->offset, std::min(bytes, most)};
+    bound[k] = {plane->buffer, plane->offset, std::min(bytes, max)};
   }
   work.pipeline = *pipeline;
   work.group_width = step.group_width;
@@ -47,44 +47,45 @@ Result<void> Dispatcher::run_kernel(const GpuStep& step, GpuWork work, const Pic
 
 Result<void> Dispatcher::dispatch(const GpuWork& work, const PictureInfo& info, Constants constants, Table table) {
   const int columns = work.target ? 1 : groups_of(info.width, work.group_width);
-  const int rows = work.target ? groups_of(work.triangles, kDrawnAtOnce) : groups_of(info.height, work.group_height);
+  const int rows =
+      work.target ? groups_of(work.triangles, kMinTrianglesPerSubmission) : groups_of(info.height, work.group_height);
   if (!(longest_ms_ > 0.0) || !commands_->takes_times())
-    return note_rows(work, columns, 0, rows, false, constants, table);
+    return record_rows(work, columns, 0, rows, false, constants, table);
   const Commands::Kind kind{work.pipeline, work.settings};
   const int first_rows = std::max(first_groups_ / columns, 1);
   int begin = 0, end = 0;  // rows that are done
   if (!commands_->ms_of_group(kind)) {
-    if (rows <= first_rows) return note_rows(work, columns, 0, rows, false, constants, table);
-    begin = work.target ? 0 : (rows - first_rows) / 2;  // the first triangle of several in one place is seen
+    if (rows <= first_rows) return record_rows(work, columns, 0, rows, false, constants, table);
+    begin = work.target ? 0 : (rows - first_rows) / 2;  // of several triangles in one place the first is visible
     end = begin + first_rows;
-    if (auto done = note_rows(work, columns, begin, end, false, constants, table); !done) return done;
+    if (auto done = record_rows(work, columns, begin, end, false, constants, table); !done) return done;
     if (auto done = commands_->finish(); !done) return done;
   }
   const bool further = end > begin;
-  if (auto done = note_bands(work, columns, 0, begin, further, constants, table); !done) return done;
-  return note_bands(work, columns, end, rows, further, constants, table);
+  if (auto done = note_strips(work, columns, 0, begin, further, constants, table); !done) return done;
+  return note_strips(work, columns, end, rows, further, constants, table);
 }
 
-Result<void> Dispatcher::note_bands(const GpuWork& work, int columns, int row, int end, bool further,
-                                    Constants constants, Table table) {
+Result<void> Dispatcher::note_strips(const GpuWork& work, int columns, int row, int end, bool further,
+                                     Constants constants, Table table) {
   while (row < end) {
     const double ms_of_row =
         std::max(columns * commands_->ms_of_group({work.pipeline, work.settings}).value_or(0.0), 1e-9);
-    const double left_ms = longest_ms_ - commands_->noted_ms();
-    if (left_ms < ms_of_row && commands_->noted_ms() > 0.0) {
+    const double left_ms = longest_ms_ - commands_->recorded_ms();
+    if (left_ms < ms_of_row && commands_->recorded_ms() > 0.0) {
       if (auto done = commands_->finish(); !done) return done;
       continue;
     }
-    const int band = int(std::clamp(left_ms / ms_of_row, 1.0, double(end - row)));
-    if (auto done = note_rows(work, columns, row, row + band, further, constants, table); !done) return done;
-    row += band;
+    const int strip = int(std::clamp(left_ms / ms_of_row, 1.0, double(end - row)));
+    if (auto done = record_rows(work, columns, row, row + strip, further, constants, table); !done) return done;
+    row += strip;
     further = true;
   }
   return {};
 }
 
-Result<void> Dispatcher::note_rows(const GpuWork& work, int columns, int row, int end, bool further,
-                                   Constants constants, Table table) {
+Result<void> Dispatcher::record_rows(const GpuWork& work, int columns, int row, int end, bool further,
+                                     Constants constants, Table table) {
   const auto drawing = work.target ? pipelines_->drawing(row == 0) : VkRenderPass(VK_NULL_HANDLE);
   if (!drawing) return drawing.error();
   const auto uniforms = commands_->uniforms(kTableBytes + constants.size());
@@ -97,26 +98,28 @@ Result<void> Dispatcher::note_rows(const GpuWork& work, int columns, int row, in
   }
   const auto buffer = commands_->buffer();
   if (!buffer) return buffer.error();
-  // The table comes first: it is as large for all shaders, and so the constants lie as aligned as it does.
+  // The table comes first: its size is the same for all shaders, so the constants are as aligned as the table.
   std::memcpy(uniforms->bytes, table.data(), table.size_bytes());
   std::memcpy(uniforms->bytes + kTableBytes, constants.data(), constants.size());
-  // Before the barrier: where something was drawn, lavapipe takes the time at the next one.
-  commands_->begin_pass(work.effect, work.pass, {work.pipeline, work.settings}, double(columns) * (end - row), further);
+  // Before the barrier: after drawing, lavapipe takes the time at the next barrier.
+  commands_->begin_dispatch(work.effect, work.dispatch, {work.pipeline, work.settings}, double(columns) * (end - row),
+                            further);
   commands_->barrier();
   const VkPipelineBindPoint point = work.target ? VK_PIPELINE_BIND_POINT_GRAPHICS : VK_PIPELINE_BIND_POINT_COMPUTE;
   gpu_->vk.CmdBindPipeline(*buffer, point, work.pipeline);
   const std::uint32_t offsets[] = {uniforms->offset + std::uint32_t(kTableBytes), uniforms->offset};
   gpu_->vk.CmdBindDescriptorSets(*buffer, point, pipelines_->pass_layout(), 0, sets[1] ? 2 : 1, sets, 2, offsets);
   if (work.target) {
-    const int first = row * kDrawnAtOnce, last = std::min(end * kDrawnAtOnce, work.triangles);
+    const int first = row * kMinTrianglesPerSubmission,
+              last = std::min(end * kMinTrianglesPerSubmission, work.triangles);
     begin_drawing(*gpu_, *buffer, *work.target, *drawing, row == 0);
-    const std::uint32_t corners = work.points ? 6 : 3;  // of each: see corner.vert
+    const std::uint32_t corners = work.points ? 6 : 3;  // of each triangle: see corner.vert
     gpu_->vk.CmdDraw(*buffer, std::uint32_t(last - first) * corners, 1, std::uint32_t(first) * corners, 0);
     end_drawing(*gpu_, *buffer);
   } else {
     gpu_->vk.CmdDispatchBase(*buffer, 0, std::uint32_t(row), 0, std::uint32_t(columns), std::uint32_t(end - row), 1);
   }
-  commands_->end_pass();
+  commands_->end_dispatch();
   return {};
 }
 

@@ -1,4 +1,4 @@
-// How shaders are noted down: over all pixels, in bands where one submission would take too long.
+// Records shader runs over all pixels, split into row ranges if one submission would take too long.
 #pragma once
 #include <cstddef>
 #include <map>
@@ -16,58 +16,58 @@ namespace umbrage {
 
 inline constexpr int kGroup = 8;  // pixels of a workgroup, across and down: kernel/glsl.h
 
-/// A shader that is to run over all pixels, and whose time is taken under these names.
+/// A shader to run over all pixels; its time is reported under these names.
 struct GpuWork {
   VkPipeline pipeline = VK_NULL_HANDLE;
-  std::string_view effect, pass;
+  std::string_view effect, dispatch;
   std::size_t settings = 0;                         // see Commands::Kind
-  int group_width = kGroup, group_height = kGroup;  // pixels that a workgroup computes
-  const RasterTarget* target = nullptr;             // not null: a scene's triangles and points are drawn, some at once
-  int triangles = 0;                                // of such a scene, points among them
-  bool points = false;                              // whether it has any
-  std::span<const VkDescriptorBufferInfo> bound = {};  // of a kernel of kernel/glsl.h: kBoundPlanes of them
+  int group_width = kGroup, group_height = kGroup;  // pixels per workgroup
+  const RasterTarget* target = nullptr;  // not null: draws the triangles and points of a scene, some at a time
+  int triangles = 0;                     // of the scene, points included
+  bool points = false;                   // whether the scene has points
+  std::span<const VkDescriptorBufferInfo> bound = {};  // kBoundPlanes buffers, for kernels with kernel/glsl.h
 };
-/// Planes that steps know besides those of a frame.
+/// Temporary planes of steps, besides those of a frame.
 using StepPlanes = std::map<std::string_view, DevicePlanePtr>;
 
-/// Workgroups that so many pixels take.
+/// Returns the number of workgroups that cover this many pixels.
 inline int groups_of(int pixels, int group) { return (pixels + group - 1) / group; }
 
-/// What a kernel reads besides planes.
+/// Returns the block of constants that a kernel reads.
 std::vector<std::byte> block_of(const FrameConstants& frame, std::span<const std::byte> constants);
 
-/// Notes shaders down.
+/// Records shaders.
 class Dispatcher {
  public:
-  /// Submissions are to take no longer than `longest_ms`; 0: as long as they take. What is new begins with so many
-  /// workgroups.
-  Dispatcher(const Gpu& gpu, Commands& commands, Pipelines& pipelines, double longest_ms, int first_groups)
+  /// `max_submission_ms`: max time of a submission; 0: unlimited. A shader with unknown time first runs on
+  /// `first_groups` workgroups.
+  Dispatcher(const Gpu& gpu, Commands& commands, Pipelines& pipelines, double max_submission_ms, int first_groups)
       : gpu_(&gpu),
         commands_(&commands),
         pipelines_(&pipelines),
-        longest_ms_(longest_ms),
+        longest_ms_(max_submission_ms),
         first_groups_(first_groups) {}
 
   using Constants = std::span<const std::byte>;
   using Table = std::span<const VkDeviceAddress>;
 
-  /// Notes down a kernel on planes of so many bytes in the order of plane_table. Null: a layer that is not there, which
-  /// nobody reads or stores to.
+  /// Records a kernel on planes of `bytes` bytes each, in the order of plane_table. Null: a layer that does not exist,
+  /// which is neither read nor written.
   Result<void> run_kernel(const GpuStep& step, GpuWork work, const PictureInfo& info, Constants block,
                           VkDeviceSize bytes, std::span<const DevicePlane* const> planes);
 
-  /// Notes down a shader over all pixels that reads constants and a table of addresses. What
-  /// may take too long for one submission is done in bands; of what is new first a few rows in the middle, where
+  /// Records a shader over all pixels that reads constants and a table of addresses. A dispatch that may take too long
+  /// for one submission is split into row ranges; one of unknown time first runs on a few rows in the middle, where
   /// there is likely to be more than background.
   Result<void> dispatch(const GpuWork& work, const PictureInfo& info, Constants constants, Table table);
 
  private:
-  /// Rows of workgroups whose time is known, handed over wherever they become too many.
-  Result<void> note_bands(const GpuWork& work, int columns, int row, int end, bool further, Constants constants,
-                          Table table);
+  /// Records rows of workgroups whose time is known; submits whenever the recorded work takes too long.
+  Result<void> note_strips(const GpuWork& work, int columns, int row, int end, bool further, Constants constants,
+                           Table table);
 
-  Result<void> note_rows(const GpuWork& work, int columns, int row, int end, bool further, Constants constants,
-                         Table table);
+  Result<void> record_rows(const GpuWork& work, int columns, int row, int end, bool further, Constants constants,
+                           Table table);
 
   const Gpu* gpu_;
   Commands* commands_;

@@ -20,8 +20,7 @@ std::shared_ptr<DevicePlanes> empty_planes(const PictureInfo& info) {
 }
 
 std::size_t PlaneStore::staged_at_once(const DevicePlanes& planes) const {
-  return std::max<std::size_t>(
-      1, std::min(kMaxStaged, gpu_->largest_allocation) / std::max(planes.bytes, VkDeviceSize(1)));
+  return std::max<std::size_t>(1, std::min(kMaxStaged, gpu_->max_allocation) / std::max(planes.bytes, VkDeviceSize(1)));
 }
 
 Result<DevicePlanePtr> PlaneStore::writable(DevicePlanes& planes, const std::string& name) {
@@ -48,13 +47,13 @@ Result<void> PlaneStore::copy_to(const std::vector<NamedPlane>& from, const Pict
   const std::size_t at_once = staged_at_once(planes);
   for (std::size_t first = 0; first < from.size(); first += at_once) {
     const std::size_t end = std::min(first + at_once, from.size());
-    if (first > 0)  // what is staged stays until it is copied
+    if (first > 0)  // staged data must remain until it is copied
       if (auto done = commands_->finish(); !done) return done;
-    for (std::size_t p = first; p < end; ++p)  // now: new memory may hand over what is noted down
+    for (std::size_t p = first; p < end; ++p)  // before staging: new memory may submit the recorded work
       if (const auto out = writable(planes, from[p].name); !out) return out.error();
     const auto staged = memory_->host(planes.bytes * (end - first));
     if (!staged) return staged.error();
-    if (const auto begun = commands_->buffer(); !begun) return begun.error();  // it may let go of what was kept
+    if (const auto begun = commands_->buffer(); !begun) return begun.error();  // it may release kept objects
     commands_->keep(*staged);
     for (std::size_t p = first; p < end; ++p) {
       check_equal(from[p].plane->width, info.width, from[p].name);
@@ -83,7 +82,7 @@ Result<Image> PlaneStore::copied(const DevicePlanes& planes, const std::vector<s
   for (std::size_t first = 0; first < wanted.size(); first += at_once)
     if (auto done = copy_from(planes, wanted, first, std::min(first + at_once, wanted.size()), margin, out); !done)
       return done.error();
-  // Also where nothing had to be copied: errors of what came before show here.
+  // Also if nothing is copied: errors of earlier work show here.
   if (auto done = commands_->finish(); !done) return done.error();
   return out;
 }

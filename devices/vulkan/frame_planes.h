@@ -1,4 +1,4 @@
-// The planes of a frame on a GPU, and how they come from the host and go there.
+// The planes of a frame on a GPU, and their transfer from and to the host.
 #pragma once
 #include <algorithm>
 #include <map>
@@ -16,16 +16,17 @@
 
 namespace umbrage {
 
-/// What a frame stores. A plane that a pass asked for and nobody made has one value everywhere; all such names of one
-/// value share a plane.
+/// The storage of a frame. A plane that a pass reads and that does not exist has one value everywhere; all such names
+/// with the same value share one plane.
 struct DevicePlanes {
-  int stride = 0;  // floats from one row to the next
+  int stride = 0;  // floats between rows
   VkDeviceSize bytes = 0;
-  std::vector<std::string> names;  // made, in that order
+  std::vector<std::string> names;  // names of `made`, in order
   std::map<std::string, DevicePlanePtr, std::less<>> made;
-  std::set<std::string, std::less<>> kept;  // of these, of the frame that this is a branch of
+  // Names of planes in `made` that belong to the frame that this is a branch of.
+  std::set<std::string, std::less<>> kept;
   Branches branches;
-  std::vector<std::string> neutral;  // asked for, in that order; `made` may have got one since
+  std::vector<std::string> neutral;  // missing planes read so far, in order; some may be in `made` by now
   std::map<float, DevicePlanePtr> constants;
 
   bool is_neutral(std::string_view name) const {
@@ -39,39 +40,39 @@ struct DevicePlanes {
 
 inline DevicePlanes& planes_of(const Frame& frame) { return *static_cast<DevicePlanes*>(frame.storage.get()); }
 
-/// What a frame of that size stores at first.
+/// Returns the storage of a new frame of that size.
 std::shared_ptr<DevicePlanes> empty_planes(const PictureInfo& info);
 
-/// A plane of the host on its way to a frame.
+/// A plane of the host to copy to a frame.
 struct NamedPlane {
   std::string name;
   const Plane* plane;
 };
 
-/// Makes planes and copies them. Copies are noted down, or done at once where the host gets something.
+/// Creates planes and copies them. Copies are recorded, or done at once if the host needs the result.
 class PlaneStore {
  public:
   PlaneStore(const Gpu& gpu, Memory& memory, Commands& commands) : gpu_(&gpu), memory_(&memory), commands_(&commands) {}
 
-  /// The frame's own plane of that name, made where there is none. It starts as `find` has it, since a pass may write a
-  /// part of a plane.
+  /// Returns the frame's own plane of that name, created if there is none. It starts as a copy of `find`, since a pass
+  /// may write only a part of a plane.
   Result<DevicePlanePtr> writable(DevicePlanes& planes, const std::string& name);
 
-  /// Copies planes of the host into a frame.
+  /// Copies planes of the host to a frame.
   Result<void> copy_to(const std::vector<NamedPlane>& from, const PictureInfo& info, DevicePlanes& planes);
 
-  /// Planes of the frame, without so many pixels on each side.
+  /// Returns planes of the frame without `margin` pixels on each side.
   Result<Image> copied(const DevicePlanes& planes, const std::vector<std::string>& wanted, const PictureInfo& info,
                        int margin);
 
-  /// Notes down that the plane of one value everywhere is filled, unless it is there.
+  /// Records the fill of the plane with this constant value, unless it exists.
   Result<void> add_constant(DevicePlanes& planes, float value);
 
  private:
-  /// How many planes are copied to or from the host at once.
+  /// Returns the number of planes copied to or from the host at once.
   std::size_t staged_at_once(const DevicePlanes& planes) const;
 
-  /// Copies the planes [first, end) of those wanted to the host, without so many pixels on each side.
+  /// Copies the planes [first, end) of those wanted to the host, without `margin` pixels on each side.
   Result<void> copy_from(const DevicePlanes& planes, const std::vector<std::string>& wanted, std::size_t first,
                          std::size_t end, int margin, Image& out);
 

@@ -6,13 +6,13 @@ namespace umbrage {
 
 namespace {
 
-/// Fills in what the device says of itself.
-void learn(Gpu& gpu) {
-  VkPhysicalDeviceMaintenance3Properties most{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
-  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &most};
+/// Fills in the properties and limits of the device.
+void query_properties(Gpu& gpu) {
+  VkPhysicalDeviceMaintenance3Properties max{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &max};
   gpu.vk.GetPhysicalDeviceProperties2(gpu.physical, &properties);
   gpu.properties = properties.properties;
-  gpu.largest_allocation = most.maxMemoryAllocationSize;
+  gpu.max_allocation = max.maxMemoryAllocationSize;
   gpu.vk.GetPhysicalDeviceMemoryProperties(gpu.physical, &gpu.memory);
   std::uint32_t count = 0;
   gpu.vk.GetPhysicalDeviceQueueFamilyProperties(gpu.physical, &count, nullptr);
@@ -24,7 +24,7 @@ void learn(Gpu& gpu) {
   const VkPhysicalDeviceLimits& limits = gpu.properties.limits;
   if ((families[gpu.family].queueFlags & VK_QUEUE_GRAPHICS_BIT) &&
       (depth.optimalTilingFeatures & VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT))
-    gpu.largest_drawn =
+    gpu.max_drawn_side =
         int(std::min({limits.maxImageDimension2D, limits.maxFramebufferWidth, limits.maxFramebufferHeight,
                       limits.maxViewportDimensions[0], limits.maxViewportDimensions[1]}));
 }
@@ -59,7 +59,7 @@ Result<GpuPtr> open_gpu(InstancePtr instance, const PhysicalGpu& from) {
     return vulkan_error(made, "was opened");
   gpu->vk.GetDeviceQueue(gpu->device, gpu->family, 0, &gpu->queue);
 
-  learn(*gpu);
+  query_properties(*gpu);
   return GpuPtr(std::move(gpu));
 }
 
@@ -79,8 +79,8 @@ Result<GpuPtr> adopt_gpu(const ForeignGpu& foreign) {
   gpu->device = foreign.device;
   gpu->queue = foreign.queue;
   gpu->family = foreign.family;
-  learn(*gpu);
-  if (const std::string room = lacks_room(gpu->properties.limits); !room.empty())
+  query_properties(*gpu);
+  if (const std::string room = missing_limits(gpu->properties.limits); !room.empty())
     return device_error("the Vulkan device '{}' cannot be used: it lacks {}", gpu->properties.deviceName, room);
   return GpuPtr(std::move(gpu));
 }

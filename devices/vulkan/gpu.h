@@ -1,4 +1,4 @@
-// An opened Vulkan device with the queue that all work goes through.
+// An open Vulkan device with the queue that executes all work.
 #pragma once
 #include <memory>
 
@@ -8,17 +8,17 @@ namespace umbrage {
 
 struct Gpu {
   InstancePtr instance;
-  VulkanFunctions vk;  ///< the instance's
+  VulkanFunctions vk;  ///< those of the instance
   VkPhysicalDevice physical = VK_NULL_HANDLE;
   VkDevice device = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;
   std::uint32_t family = 0;
   VkPhysicalDeviceProperties properties{};
   VkPhysicalDeviceMemoryProperties memory{};
-  VkDeviceSize largest_allocation = 0;
-  double ns_of_tick = 0.0;  ///< of timestamps; 0: there are none
-  int largest_drawn = 0;    ///< pixels to a side of a picture that triangles can be drawn into; 0: none
-  bool owned = true;        ///< the device ends with this struct
+  VkDeviceSize max_allocation = 0;
+  double ns_of_tick = 0.0;  ///< per timestamp tick; 0: no timestamps
+  int max_drawn_side = 0;   ///< max side of a picture that triangles can be drawn into, pixels; 0: none
+  bool owned = true;        ///< this struct destroys the device
 
   Gpu() = default;
   Gpu(const Gpu&) = delete;
@@ -27,11 +27,11 @@ struct Gpu {
 };
 using GpuPtr = std::shared_ptr<const Gpu>;
 
-/// Opens a device that lacks nothing. Errors: kDevice.
+/// Opens a device that lacks nothing required. Errors: kDevice.
 Result<GpuPtr> open_gpu(InstancePtr instance, const PhysicalGpu& gpu);
 
-/// A device that somebody else opened, with bufferDeviceAddress and scalarBlockLayout enabled. It must live longer than
-/// what is made with it. Errors: kDevice where a function is missing, or room for 16 storage buffers in a shader.
+/// A device opened by the caller, with bufferDeviceAddress and scalarBlockLayout enabled. It must outlive all that is
+/// made with it. Errors: kDevice if a function is missing, or 16 storage buffers in a shader.
 struct ForeignGpu {
   PFN_vkGetInstanceProcAddr get = nullptr;
   VkInstance instance = VK_NULL_HANDLE;

@@ -18,10 +18,10 @@ void put(const glm::vec3& v, float* to) {
   for (int c = 0; c < 3; ++c) to[c] = v[c];
 }
 
-/// Where triangles are drawn. A ray's point is origin + x origin_x + y origin_y + t (direction + x direction_x + y
-/// direction_y); that is solved for x and y, times t in perspective, and t.
+/// Computes the projection of triangles. A ray's point is origin + x origin_x + y origin_y + t (direction + x
+/// direction_x + y direction_y); this solves for x and y, times t in perspective, and t.
 void put_projection(const TracedScene& unit, const CameraRays& rays, const PictureInfo& info, CaptureConstants& c) {
-  constexpr float kNearest = 1e-6f;  // depth that clipping takes away, of the farthest one
+  constexpr float kNearest = 1e-6f;  // near clipping depth, relative to the farthest depth
   const bool parallel = info.camera.projection == Projection::kOrthographic;
   const glm::dmat3 rows = glm::transpose(
       glm::inverse(glm::dmat3(glm::dvec3(parallel ? rays.origin_x : rays.direction_x),
@@ -46,7 +46,7 @@ void put_projection(const TracedScene& unit, const CameraRays& rays, const Pictu
 CaptureConstants capture_constants(const DeviceScene& scene, const PictureInfo& info, const CaptureSettings& settings,
                                    int stride, bool back) {
   static_assert(kCaptureLights == kMaxShadows);
-  TracedScene unit;  // what of it places rays
+  TracedScene unit;  // only the members that camera_rays uses
   unit.scene = scene.scene;
   unit.center = scene.center;
   unit.scale = scene.scale;
@@ -56,7 +56,7 @@ CaptureConstants capture_constants(const DeviceScene& scene, const PictureInfo& 
   c.height = info.height;
   c.stride = stride;
   c.root = scene.root;
-  c.nothing = scene.empty || !within_reach(rays, info) ? 1 : 0;
+  c.nothing = scene.empty || !rays_within_limit(rays, info) ? 1 : 0;
   c.back = back ? 1 : 0;
   c.sample_index = settings.sample;
   const glm::mat3 to_view(info.camera.view_from_world);
@@ -84,8 +84,8 @@ CaptureConstants capture_constants(const DeviceScene& scene, const PictureInfo& 
 }
 
 bool can_draw(const DeviceScene& scene, const CaptureConstants& c, const Gpu& gpu) {
-  if (scene.empty || c.nothing || std::max(c.width, c.height) > gpu.largest_drawn) return false;
-  // Nor where all lies behind the camera, or its rays lie in one plane.
+  if (scene.empty || c.nothing || std::max(c.width, c.height) > gpu.max_drawn_side) return false;
+  // Nor if all is behind the camera, or its rays lie in one plane.
   const auto finite = [](const float(&row)[3]) {
     return std::all_of(row, row + 3, [](float v) { return std::isfinite(v); });
   };
@@ -111,7 +111,7 @@ int capture_slot(std::string_view plane) {
     if (plane == name) return slot;
   for (int light = 0; light < kMaxShadows; ++light)
     if (plane == shadow_plane(light)) return kShadowSlot + light;
-  fail_check(fmt::format("plane '{}' is captured by nobody", plane));
+  fail_check(fmt::format("plane '{}' cannot be captured", plane));
 }
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// What capture.comp and what draws triangles for it are told of a picture.
+// Constants of capture.comp and of the drawing of triangles.
 #pragma once
 #include "core/device.h"
 #include "devices/vulkan/capture.h"
@@ -6,14 +6,14 @@
 
 namespace umbrage {
 
-/// Of a layer of the picture. `back`: its other sides are drawn too.
+/// Returns the constants of a layer of the picture. `back`: capture its other sides too.
 CaptureConstants capture_constants(const DeviceScene& scene, const PictureInfo& info, const CaptureSettings& settings,
                                    int stride, bool back);
 
-/// Whether triangles can be drawn for this layer, so that no ray is needed to find what is seen.
+/// Returns whether triangles can be drawn for this layer, so that no primary rays are needed.
 bool can_draw(const DeviceScene& scene, const CaptureConstants& constants, const Gpu& gpu);
 
-/// Where a captured plane's address stands in the table.
+/// Returns the index of a captured plane's address in the table.
 int capture_slot(std::string_view plane);
 
 }  // namespace umbrage

@@ -17,10 +17,10 @@
 namespace umbrage {
 namespace {
 
-constexpr unsigned kMaxInLeaf = 4;  // capture.comp has three bits for it
-constexpr unsigned kDepth = 40;     // beyond it Embree splits by halves: at most kHierarchyDepth
+constexpr unsigned kMaxInLeaf = 4;  // capture.comp has three bits for the count
+constexpr unsigned kDepth = 40;     // deeper Embree splits by halves: at most kHierarchyDepth levels
 
-/// What Embree's builder makes: either two children or triangles and points.
+/// A node made by Embree's builder: two children, or triangles and points.
 struct BuiltNode {
   const BuiltNode* children[2] = {nullptr, nullptr};
   RTCBounds bounds[2];
@@ -28,10 +28,11 @@ struct BuiltNode {
   unsigned meshes[kMaxInLeaf], triangles[kMaxInLeaf];
 };
 
-/// The work has been ended. Embree's builder does not look at what its question for progress is answered.
+/// Thrown when the work is cancelled. Embree's builder ignores the result of its progress callback.
 struct Ended : std::exception {};
 
-/// Embree makes an error of the exceptions; it hands out no memory by null. `pointer` is the Watch.
+/// Allocates a node. Embree converts exceptions to errors; its allocator returns null when out of memory. `pointer` is
+/// the Watch.
 BuiltNode* new_node(RTCThreadLocalAllocator memory, void* pointer) {
   if (static_cast<const Watch*>(pointer)->ended()) throw Ended();
   void* place = rtcThreadLocalAlloc(memory, sizeof(BuiltNode), 16);
@@ -39,14 +40,14 @@ BuiltNode* new_node(RTCThreadLocalAllocator memory, void* pointer) {
   return new (place) BuiltNode;
 }
 
-// Share of a box's place and size by which it is wider than what it holds: a ray along its side must not miss it.
+// Enlargement of boxes, relative to position and size: a ray along a side must not miss the box.
 constexpr float kWider = 5e-7f;
 
-constexpr double kMeasured = 0.1, kBuilt = 0.8;  // about the share of the work when that is done
+constexpr double kMeasured = 0.1, kBuilt = 0.8;  // approximate fractions of the work that are then done
 
 float bits(int v) { return std::bit_cast<float>(v); }
 
-/// Writes nodes and triangles down in the order of the tree.
+/// Writes nodes and triangles in the order of the tree.
 struct Flattener {
   const Scene& scene;
   const std::vector<glm::vec3>& positions;
@@ -61,7 +62,7 @@ struct Flattener {
     if (watch.ended()) return 0;
     if (node.count > 0) {
       const int first = int(out.triangles.size());
-      constexpr int kLeaves = 1024;  // between questions
+      constexpr int kLeaves = 1024;  // between progress reports
       if (leaves++ % kLeaves == 0)
         watch.reached(kBuilt + (1.0 - kBuilt) * double(first) / double(out.triangles.capacity()));
       for (unsigned k = 0; k < node.count; ++k) {

@@ -1,4 +1,4 @@
-// Hierarchy: a scene's triangles in a tree of boxes, as capture.comp walks it.
+// Hierarchy: the primitives of a scene in a binary tree of boxes, for traversal by capture.comp.
 #pragma once
 #include <array>
 #include <glm/vec3.hpp>
@@ -11,21 +11,21 @@
 
 namespace umbrage {
 
-/// Floats of four vectors; whole numbers stand among them as bits.
+/// Nodes and triangles as four vectors each; integers are stored as the bits of floats.
 struct Hierarchy {
-  /// Of each inner node the boxes of both children, lower and upper corner: the fourth number of a lower corner is the
+  /// For each inner node the boxes of both children, lower and upper corner: the fourth number of a lower corner is the
   /// child, a node or ~(8 first + count) for triangles.
   std::vector<std::array<glm::vec4, 4>> nodes;
   /// In the order of the leaves: three corners, whose fourth numbers are mesh, first and second corner's index among
   /// all vertices of the scene; then the third corner's index.
   std::vector<std::array<glm::vec4, 4>> triangles;
-  int root = 0;  ///< as a child
+  int root = 0;  ///< encoded like a child
 
   bool empty() const { return triangles.empty(); }
 };
 
-/// Of a scene moved by -center and scaled. Uses Embree's builder, and all threads of the calling task arena. Errors:
-/// kDevice where it runs out of memory; kInterrupted.
+/// Builds the hierarchy of a scene moved by -center and scaled. Uses Embree's builder, and all threads of the calling
+/// task arena. Errors: kDevice if it runs out of memory; kInterrupted.
 Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float scale,
                                   const ProgressMonitor& monitor = {});
 

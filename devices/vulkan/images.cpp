@@ -24,7 +24,8 @@ std::string_view texel_format_names() {
 }
 
 Error unknown_format(const DeviceImage& image) {
-  return usage_error("images of format {} cannot be used: {} can", int(image.format), texel_format_names());
+  return usage_error("images of format {} cannot be used; the supported formats are {}", int(image.format),
+                     texel_format_names());
 }
 
 VkBufferImageCopy whole_image(const PictureInfo& info, const TexelFormat& format, VkDeviceSize offset) {
@@ -36,8 +37,8 @@ VkBufferImageCopy whole_image(const PictureInfo& info, const TexelFormat& format
   return region;
 }
 
-void turn_layout(const Gpu& gpu, VkCommandBuffer buffer, const DeviceImage& image, const TexelFormat& format,
-                 VkImageLayout from, VkImageLayout to) {
+void change_layout(const Gpu& gpu, VkCommandBuffer buffer, const DeviceImage& image, const TexelFormat& format,
+                   VkImageLayout from, VkImageLayout to) {
   VkImageMemoryBarrier turn{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
   turn.srcAccessMask = turn.dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT;
   turn.oldLayout = from;

@@ -11,8 +11,8 @@ namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
-VKAPI_ATTR VkBool32 VKAPI_CALL hand_on(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
-                                       const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+VKAPI_ATTR VkBool32 VKAPI_CALL forward_message(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+                                               const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
   (*static_cast<const ValidationMessage*>(user))(data->pMessage ? data->pMessage : "");
   return VK_FALSE;
 }
@@ -21,9 +21,9 @@ std::string version_text(std::uint32_t version) {
   return fmt::format("{}.{}", VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version));
 }
 
-/// What effects need and the device does not have.
-std::string lacks_of(const Instance& instance, VkPhysicalDevice gpu, std::uint32_t version) {
-  if (version < VK_API_VERSION_1_2) return fmt::format("Vulkan 1.2 (its driver has {})", version_text(version));
+/// Returns what effects need and the device lacks, as a noun; empty: nothing.
+std::string missing_features(const Instance& instance, VkPhysicalDevice gpu, std::uint32_t version) {
+  if (version < VK_API_VERSION_1_2) return fmt::format("Vulkan 1.2 (its driver supports {})", version_text(version));
   VkPhysicalDeviceVulkan12Features has{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
   VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &has};
   instance.vk.GetPhysicalDeviceFeatures2(gpu, &features);
@@ -31,17 +31,17 @@ std::string lacks_of(const Instance& instance, VkPhysicalDevice gpu, std::uint32
   if (!has.scalarBlockLayout) return "scalar block layout";
   VkPhysicalDeviceProperties properties{};
   instance.vk.GetPhysicalDeviceProperties(gpu, &properties);
-  if (std::string room = lacks_room(properties.limits); !room.empty()) return room;
-  if (queue_family(instance, gpu) < 0) return "a queue that computes";
+  if (std::string room = missing_limits(properties.limits); !room.empty()) return room;
+  if (queue_family(instance, gpu) < 0) return "a compute queue";
   return {};
 }
 
 }  // namespace
 
-std::string lacks_room(const VkPhysicalDeviceLimits& limits) {
+std::string missing_limits(const VkPhysicalDeviceLimits& limits) {
   const std::uint32_t binds = limits.maxPerStageDescriptorStorageBuffers;
   if (binds >= std::uint32_t(kBoundPlanes)) return {};
-  return fmt::format("bound buffers (it binds {} to a shader: {} are needed)", binds, kBoundPlanes);
+  return fmt::format("bound buffers (it supports {} per shader; {} are required)", binds, kBoundPlanes);
 }
 
 Instance::~Instance() {
@@ -64,7 +64,7 @@ Result<InstancePtr> make_instance(PFN_vkGetInstanceProcAddr get, ValidationMessa
   instance->vk = *functions;
   std::uint32_t version = 0;
   if (instance->vk.EnumerateInstanceVersion(&version) != VK_SUCCESS || version < VK_API_VERSION_1_2)
-    return device_error("the Vulkan loader here is of version {}: 1.2 is needed, or `device` cpu",
+    return device_error("the Vulkan loader has version {}; 1.2 is required, or use `device` cpu",
                         version_text(version));
 
   const VkApplicationInfo application{
@@ -83,13 +83,13 @@ Result<InstancePtr> make_instance(PFN_vkGetInstanceProcAddr get, ValidationMessa
     if (std::none_of(layers.begin(), layers.end(), [](const VkLayerProperties& layer) {
           return std::strcmp(layer.layerName, kValidationLayer) == 0;
         }))
-      return device_error("there are no Vulkan validation layers here: install vulkan-validationlayers");
+      return device_error("the Vulkan validation layers are not installed: install vulkan-validationlayers");
     instance->on_message = std::make_unique<ValidationMessage>(std::move(on_message));
     messenger.messageSeverity =
         VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
     messenger.messageType =
         VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
-    messenger.pfnUserCallback = hand_on;
+    messenger.pfnUserCallback = forward_message;
     messenger.pUserData = instance->on_message.get();
     create.pNext = &validation;
     create.enabledLayerCount = 1;
@@ -103,19 +103,19 @@ Result<InstancePtr> make_instance(PFN_vkGetInstanceProcAddr get, ValidationMessa
   if (made != VK_SUCCESS) return vulkan_error(made, "was started");
   if (auto found = add_functions(instance->handle, instance->vk); !found) return found.error();
   if (instance->on_message) {
-    // What is chained to the instance above speaks only while that is made or ended.
+    // The messenger chained to the instance above reports only while the instance is created or destroyed.
     const auto create_messenger =
         reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(get(instance->handle, "vkCreateDebugUtilsMessengerEXT"));
     if (!create_messenger ||
         create_messenger(instance->handle, &messenger, nullptr, &instance->messenger) != VK_SUCCESS)
-      return device_error("the Vulkan validation layers here do not speak");
+      return device_error("the Vulkan validation layers cannot report messages");
   }
   return InstancePtr(std::move(instance));
 }
 
 bool may_have_gpu() {
 #ifdef __linux__
-  // Kernel drivers: DRM (most cards), NVIDIA's, Windows' subsystem, Mali's, Adreno's.
+  // Kernel drivers: DRM (most cards), NVIDIA, Windows Subsystem for Linux, Mali, Adreno.
   constexpr std::string_view kStarts[] = {"dri", "nvidia", "dxg", "mali", "kgsl"};
   std::error_code failed;
   for (const auto& entry : std::filesystem::directory_iterator("/dev", failed)) {
@@ -159,7 +159,7 @@ Result<std::vector<PhysicalGpu>> physical_gpus(const Instance& instance) {
     for (std::uint32_t k = 0; k < memory.memoryHeapCount; ++k)
       if (memory.memoryHeaps[k].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
         gpu.memory_bytes = std::max(gpu.memory_bytes, std::uint64_t(memory.memoryHeaps[k].size));
-    gpu.lacks = lacks_of(instance, handle, properties.apiVersion);
+    gpu.lacks = missing_features(instance, handle, properties.apiVersion);
     gpus.push_back(std::move(gpu));
   }
   return gpus;

@@ -1,4 +1,4 @@
-// A Vulkan instance, and the devices that it finds.
+// A Vulkan instance, and its physical devices.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -12,14 +12,14 @@
 
 namespace umbrage {
 
-/// Gets what the validation layers say: one message.
+/// Callback for one message of the validation layers.
 using ValidationMessage = std::function<void(std::string_view)>;
 
 struct Instance {
   VulkanFunctions vk;
   VkInstance handle = VK_NULL_HANDLE;
   VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
-  bool owned = true;  ///< ends with this struct
+  bool owned = true;  ///< this struct destroys it
   std::unique_ptr<ValidationMessage> on_message;
 
   Instance() = default;
@@ -29,31 +29,31 @@ struct Instance {
 };
 using InstancePtr = std::shared_ptr<const Instance>;
 
-/// An instance of the system's loader, or of `get` where that is not null. Where `on_message` is set, validation layers
-/// look at every call, synchronization included. Errors: kDevice: no loader, one that is too old, no driver, or no
-/// validation layers where they are wanted.
+/// Creates an instance with the system's loader, or with `get` if that is not null. If `on_message` is set, validation
+/// layers check every call, synchronization included. Errors: kDevice: no loader, one that is too old, no driver, or no
+/// validation layers although requested.
 Result<InstancePtr> make_instance(PFN_vkGetInstanceProcAddr get = nullptr, ValidationMessage on_message = {});
 
-/// A device that a driver offers.
+/// A physical device of a driver.
 struct PhysicalGpu {
   VkPhysicalDevice handle = VK_NULL_HANDLE;
   std::string name, driver;
-  std::uint64_t memory_bytes = 0;  ///< of its largest heap
-  bool software = false;           ///< it is the CPU
-  std::string lacks;               ///< what we need and it does not have; empty: nothing
+  std::uint64_t memory_bytes = 0;  ///< size of its largest heap
+  bool software = false;           ///< the driver runs on the CPU
+  std::string lacks;               ///< what effects need and it lacks; empty: nothing
 };
 
-/// Whether a graphics card can be there, by the files through which drivers reach one: starting Vulkan to learn that
-/// there is none takes 30 ms.
+/// Returns whether there may be a graphics card, judging by the device files of drivers: starting Vulkan to find none
+/// takes 30 ms.
 bool may_have_gpu();
 
-/// All of them, in the loader's order, which `vulkan:N` counts. Errors: kDevice where there is none.
+/// Returns all physical devices in the loader's order, as counted by `vulkan:N`. Errors: kDevice if there is none.
 Result<std::vector<PhysicalGpu>> physical_gpus(const Instance& instance);
 
-/// What effects need of a device and this one does not have, as a noun; empty: nothing. Features are not asked.
-std::string lacks_room(const VkPhysicalDeviceLimits& limits);
+/// Returns what effects need and these limits lack, as a noun; empty: nothing. Does not check features.
+std::string missing_limits(const VkPhysicalDeviceLimits& limits);
 
-/// The queue family that work is handed to, or -1: one that also draws where there is one.
+/// Returns the queue family for all work, one that also draws if possible, or -1.
 int queue_family(const Instance& instance, VkPhysicalDevice gpu);
 
 }  // namespace umbrage

@@ -21,9 +21,9 @@ Result<VulkanFunctions> global_functions(PFN_vkGetInstanceProcAddr get) {
 #define UMBRAGE_FIND(name) vk.name = reinterpret_cast<PFN_vk##name>(get(nullptr, "vk" #name));
   UMBRAGE_VULKAN_GLOBAL(UMBRAGE_FIND)
 #undef UMBRAGE_FIND
-  if (!vk.CreateInstance) return device_error("the Vulkan loader here makes no instances; use `device` cpu");
+  if (!vk.CreateInstance) return device_error("the Vulkan loader cannot create instances; use `device` cpu");
   if (!vk.EnumerateInstanceVersion)
-    return device_error("the Vulkan loader here is of version 1.0: 1.2 is needed, or `device` cpu");
+    return device_error("the Vulkan loader has version 1.0; 1.2 is required, or use `device` cpu");
   return vk;
 }
 
@@ -34,7 +34,7 @@ Result<void> add_functions(VkInstance instance, VulkanFunctions& vk) {
   if (!vk.name) missing = "vk" #name;
   UMBRAGE_VULKAN_FUNCTIONS(UMBRAGE_FIND)
 #undef UMBRAGE_FIND
-  if (missing) return device_error("the Vulkan loader here does not know {}: version 1.2 is needed", missing);
+  if (missing) return device_error("the Vulkan loader lacks {}; version 1.2 is required", missing);
   return {};
 }
 
@@ -42,18 +42,18 @@ Error vulkan_error(VkResult result, std::string_view doing) {
   switch (result) {
     case VK_ERROR_OUT_OF_DEVICE_MEMORY:
       return device_error(
-          "the Vulkan device ran out of its memory while it {}; a smaller picture or fewer layers need "
-          "less",
+          "the Vulkan device ran out of its memory while it {}; use a smaller picture or fewer "
+          "layers",
           doing);
     case VK_ERROR_OUT_OF_HOST_MEMORY:
       return device_error(
-          "the Vulkan driver ran out of the computer's memory while it {}; a smaller picture or fewer "
-          "layers need less",
+          "the Vulkan driver ran out of the computer's memory while it {}; use a smaller picture or "
+          "fewer layers",
           doing);
     case VK_ERROR_DEVICE_LOST:
       return device_error(
-          "the Vulkan device was lost while it {}: its driver reset it or it was taken away; try again, "
-          "or `device` cpu",
+          "the Vulkan device was lost while it {}: its driver reset it or it was removed; try again, or "
+          "use `device` cpu",
           doing);
     default:
       return device_error("the Vulkan device failed while it {} (error {})", doing, int(result));

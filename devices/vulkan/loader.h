@@ -1,4 +1,4 @@
-// Vulkan's functions, found at run time: the program is linked with no Vulkan library and starts where there is none.
+// Functions of Vulkan, loaded at run time: the program does not link to a Vulkan library and starts without one.
 #pragma once
 #define VK_NO_PROTOTYPES
 #include <vulkan/vulkan_core.h>
@@ -7,7 +7,7 @@
 
 #include "core/result.h"
 
-// Functions that take no instance, and the others. The only list of them.
+// Functions without an instance, and the others. This is the only list of them.
 #define UMBRAGE_VULKAN_GLOBAL(X) X(EnumerateInstanceVersion) X(EnumerateInstanceLayerProperties) X(CreateInstance)
 // clang-format off
 #define UMBRAGE_VULKAN_FUNCTIONS(X) \
@@ -39,17 +39,17 @@ struct VulkanFunctions {
 #undef UMBRAGE_MEMBER
 };
 
-/// What finds all other functions, of the system's Vulkan loader, which stays loaded. Errors: kDevice where there is
-/// none of that name.
+/// Loads the system's Vulkan loader, which stays loaded, and returns the function that finds all others. Errors:
+/// kDevice if there is none of that name.
 Result<PFN_vkGetInstanceProcAddr> load_vulkan(const std::string& library = "libvulkan.so.1");
 
-/// The functions that take no instance. Errors: kDevice.
+/// Returns the functions without an instance. Errors: kDevice.
 Result<VulkanFunctions> global_functions(PFN_vkGetInstanceProcAddr get);
 
-/// Adds the others. Errors: kDevice where one is missing.
+/// Adds the other functions. Errors: kDevice if one is missing.
 Result<void> add_functions(VkInstance instance, VulkanFunctions& vk);
 
-/// What a function returned that failed, as a sentence: "the Vulkan device ran out of memory while it ...".
+/// Returns the error of a failed function as a sentence: "the Vulkan device ran out of memory while it ...".
 Error vulkan_error(VkResult result, std::string_view doing);
 
 }  // namespace umbrage

@@ -5,10 +5,11 @@
 namespace umbrage {
 namespace {
 
-constexpr VkDeviceSize kAlignment = 256;                      // of planes in a slab: the most that descriptors ask for
-constexpr VkDeviceSize kSlab = VkDeviceSize(64) << 20;        // few allocations, and little that stays unused
-constexpr VkDeviceSize kMaxPlanesOfSlab = 16;                 // planes
-constexpr VkDeviceSize kKeptEmpty = VkDeviceSize(256) << 20;  // of slabs of other sizes, while new ones are made
+constexpr VkDeviceSize kAlignment = 256;                // of planes in a slab: the max that descriptors require
+constexpr VkDeviceSize kSlab = VkDeviceSize(64) << 20;  // few allocations, and little unused memory
+constexpr VkDeviceSize kMaxPlanesOfSlab = 16;           // planes
+// Max bytes of empty slabs of other sizes while new ones are made.
+constexpr VkDeviceSize kMaxEmptySlabBytes = VkDeviceSize(256) << 20;
 constexpr VkDeviceSize kHostStep = VkDeviceSize(1) << 20;
 constexpr VkDeviceSize kKeptHost = VkDeviceSize(256) << 20;
 
@@ -33,13 +34,14 @@ Result<VkDeviceMemory> Memory::allocate(const VkMemoryRequirements& needs, VkMem
     if (score > best) best = score, type = int(k);
   }
   if (type < 0)
-    return device_error("the Vulkan device has no memory for pictures of {:.0f} MiB", mebibytes(needs.size));
-  // Some drivers promise more than there is.
+    return device_error("the Vulkan device has no usable memory type for a picture of {:.0f} MiB",
+                        mebibytes(needs.size));
+  // Some drivers promise more memory than there is.
   const bool on_device = (wanted & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT) != 0;
   const VkDeviceSize heap = gpu_->memory.memoryHeaps[gpu_->memory.memoryTypes[type].heapIndex].size;
   VkDeviceMemory memory = VK_NULL_HANDLE;
   VkResult done = VK_ERROR_OUT_OF_DEVICE_MEMORY;
-  if (needs.size <= gpu_->largest_allocation && (on_device ? device_bytes_ : host_bytes_) + needs.size <= heap) {
+  if (needs.size <= gpu_->max_allocation && (on_device ? device_bytes_ : host_bytes_) + needs.size <= heap) {
     VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
     flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
     VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
@@ -48,7 +50,7 @@ Result<VkDeviceMemory> Memory::allocate(const VkMemoryRequirements& needs, VkMem
     allocate.memoryTypeIndex = std::uint32_t(type);
     done = gpu_->vk.AllocateMemory(gpu_->device, &allocate, nullptr, &memory);
   }
-  if (done != VK_SUCCESS) return vulkan_error(done, "made room for a picture");
+  if (done != VK_SUCCESS) return vulkan_error(done, "allocated memory for a picture");
   return memory;
 }
 
@@ -62,7 +64,7 @@ Result<Block> Memory::make_block(VkDeviceSize bytes, VkBufferUsageFlags usage, V
   create.usage = usage;
   create.sharingMode = VK_SHARING_MODE_EXCLUSIVE;
   if (const VkResult made = vk.CreateBuffer(gpu_->device, &create, nullptr, &block.buffer); made != VK_SUCCESS)
-    return vulkan_error(made, "made room for a picture");
+    return vulkan_error(made, "allocated memory for a picture");
   VkMemoryRequirements needs{};
   vk.GetBufferMemoryRequirements(gpu_->device, block.buffer, &needs);
   const bool addressed = (usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT) != 0;
@@ -80,7 +82,7 @@ Result<Block> Memory::make_block(VkDeviceSize bytes, VkBufferUsageFlags usage, V
   }
   if (done != VK_SUCCESS) {
     destroy(block);
-    return vulkan_error(done, "made room for a picture");
+    return vulkan_error(done, "allocated memory for a picture");
   }
   (wanted & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT ? device_bytes_ : host_bytes_) += block.size;
   block.counted = true;
@@ -116,15 +118,14 @@ std::uint64_t Memory::empty_bytes() const {
 }
 
 Result<void> Memory::add_slab(VkDeviceSize plane_bytes) {
-  if (plane_bytes > gpu_->largest_allocation)
+  if (plane_bytes > gpu_->max_allocation)
     return device_error(
-        "the picture is too large for the Vulkan device: a plane of it takes {:.0f} MiB, and {:.0f} MiB "
-        "are the most in one piece; use `device` cpu or a smaller `width`",
-        mebibytes(plane_bytes), mebibytes(gpu_->largest_allocation));
-  if (empty_bytes() > kKeptEmpty)
+        "the picture is too large for the Vulkan device: a plane takes {:.0f} MiB, and at most {:.0f} MiB "
+        "can be allocated at once; use `device` cpu or a smaller `width`",
+        mebibytes(plane_bytes), mebibytes(gpu_->max_allocation));
+  if (empty_bytes() > kMaxEmptySlabBytes)
     if (auto freed = free_empty_slabs(); !freed) return freed;
-  int count =
-      int(std::clamp(std::min(kSlab, gpu_->largest_allocation) / plane_bytes, VkDeviceSize(1), kMaxPlanesOfSlab));
+  int count = int(std::clamp(std::min(kSlab, gpu_->max_allocation) / plane_bytes, VkDeviceSize(1), kMaxPlanesOfSlab));
   const auto make = [&] {
     return make_block(plane_bytes * VkDeviceSize(count),
                       VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
@@ -195,7 +196,7 @@ Result<HostBufferPtr> Memory::host(VkDeviceSize bytes, bool uniform) {
     else
       try {
         self->free_host_.push_back(copy);
-      } catch (const std::bad_alloc&) {  // it is not kept
+      } catch (const std::bad_alloc&) {  // not kept
         self->destroy(copy);
       }
     delete buffer;
@@ -218,7 +219,7 @@ Result<DrawnImagePtr> Memory::image(int width, int height, VkFormat format, VkIm
     return error;
   };
   if (const VkResult r = vk.CreateImage(gpu_->device, &create, nullptr, &made.image); r != VK_SUCCESS)
-    return failed(vulkan_error(r, "made room for a picture"));
+    return failed(vulkan_error(r, "allocated memory for a picture"));
   VkMemoryRequirements needs{};
   vk.GetImageMemoryRequirements(gpu_->device, made.image, &needs);
   auto memory = allocate(needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0, false);
@@ -239,7 +240,7 @@ Result<DrawnImagePtr> Memory::image(int width, int height, VkFormat format, VkIm
     view.subresourceRange = {aspect, 0, 1, 0, 1};
     done = vk.CreateImageView(gpu_->device, &view, nullptr, &made.view);
   }
-  if (done != VK_SUCCESS) return failed(vulkan_error(done, "made room for a picture"));
+  if (done != VK_SUCCESS) return failed(vulkan_error(done, "allocated memory for a picture"));
   return DrawnImagePtr(new DrawnImage(made), [self = shared_from_this()](const DrawnImage* image) {
     self->destroy(*image);
     delete image;

@@ -1,6 +1,5 @@
-// Memory of a Vulkan device: planes of pictures, and buffers through which the host hands bytes over. Both are pooled:
-// what is given back serves the next one of its size, so that pictures that are drawn one after the other take no new
-// memory.
+// Memory of a Vulkan device: planes of pictures, and buffers for transfers from and to the host. Both are pooled:
+// released memory is reused for the next request of its size, so that drawing several pictures allocates no new memory.
 #pragma once
 #include <atomic>
 #include <cstddef>
@@ -21,16 +20,16 @@ struct Block {
   VkDeviceSize size = 0;
   VkDeviceAddress address = 0;  ///< on the device; 0: none
   std::byte* mapped = nullptr;  ///< on the host, coherent; null: none
-  bool counted = false;         ///< among what the pool holds
+  bool counted = false;         ///< included in the byte counts of the pool
 };
 
-/// Room for one plane on the device.
+/// Memory of one plane on the device.
 struct DevicePlane {
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceSize offset = 0;
   VkDeviceAddress address = 0;
 };
-/// A picture that triangles are drawn into, with memory of its own.
+/// A render target with its own memory.
 struct DrawnImage {
   VkImage image = VK_NULL_HANDLE;
   VkDeviceMemory memory = VK_NULL_HANDLE;
@@ -49,24 +48,24 @@ class Memory : public std::enable_shared_from_this<Memory> {
   Memory(const Memory&) = delete;
   Memory& operator=(const Memory&) = delete;
 
-  /// Called before memory is given back to the driver: must wait until the device uses none.
+  /// Called before memory is returned to the driver: must wait until the device uses none of it.
   std::function<Result<void>()> wait = [] { return Result<void>(); };
-  /// Called where the driver has no more memory: lets go of what can be made anew, and waits until the device uses it
-  /// no longer.
+  /// Called when the driver is out of memory: releases what can be recreated, and waits until the device no longer uses
+  /// it.
   std::function<Result<void>()> spare = [] { return Result<void>(); };
 
-  /// Room for a plane, uninitialised. What was recorded before may still read what it held: whoever writes it puts a
-  /// barrier before. Errors: kDevice.
+  /// Returns memory for a plane, uninitialised. Earlier recorded work may still read the former contents: place a
+  /// barrier before writing to it. Errors: kDevice.
   Result<DevicePlanePtr> plane(VkDeviceSize bytes);
-  /// A buffer of at least this size that the host writes or reads, and the device copies from or to; or, `uniform`,
-  /// reads constants from. It must not be let go while the device uses it. Errors: kDevice.
+  /// Returns a buffer of at least this size that the host writes or reads, and the device copies from or to; or, with
+  /// `uniform`, reads constants from. It must not be released while the device uses it. Errors: kDevice.
   Result<HostBufferPtr> host(VkDeviceSize bytes, bool uniform = false);
 
-  /// An attachment, uninitialised. It must not be let go while the device uses it. Errors: kDevice.
+  /// Returns an attachment, uninitialised. It must not be released while the device uses it. Errors: kDevice.
   Result<DrawnImagePtr> image(int width, int height, VkFormat format, VkImageUsageFlags usage,
                               VkImageAspectFlags aspect);
 
-  /// Bytes taken from the driver, in use or kept.
+  /// Return the bytes allocated from the driver, in use or pooled.
   std::uint64_t device_bytes() const { return device_bytes_; }
   std::uint64_t host_bytes() const { return host_bytes_; }
 
@@ -81,22 +80,22 @@ class Memory : public std::enable_shared_from_this<Memory> {
 
   Result<Block> make_block(VkDeviceSize bytes, VkBufferUsageFlags usage, VkMemoryPropertyFlags wanted,
                            VkMemoryPropertyFlags liked);
-  /// Memory for a buffer or an image; what it has of `liked` makes one type better than another. Errors: kDevice.
+  /// Allocates memory for a buffer or an image; prefers the type with most of the `liked` flags. Errors: kDevice.
   Result<VkDeviceMemory> allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags wanted,
                                   VkMemoryPropertyFlags liked, bool addressed);
   void destroy(Block& block);
   void destroy(const DrawnImage& image);
   Result<void> add_slab(VkDeviceSize plane_bytes);
-  /// Gives slabs without a plane back to the driver.
+  /// Returns slabs without a plane in use to the driver.
   Result<void> free_empty_slabs();
-  /// Where an allocation failed: `spare`, then the empty slabs.
+  /// Frees memory after a failed allocation: calls `spare`, then frees empty slabs.
   Result<void> make_room();
   std::uint64_t empty_bytes() const;
 
   GpuPtr gpu_;
   std::vector<std::unique_ptr<Slab>> slabs_;
   std::vector<Block> free_host_;
-  std::atomic<std::uint64_t> device_bytes_ = 0, host_bytes_ = 0;  ///< which any thread may ask for
+  std::atomic<std::uint64_t> device_bytes_ = 0, host_bytes_ = 0;  ///< may be read by any thread
 };
 
 }  // namespace umbrage

@@ -13,15 +13,15 @@ namespace {
 constexpr std::size_t kHeaderWords = 5;  // of a module, before its first instruction
 
 struct Member {
-  std::uint32_t first = 0, second = 0;  // of the block, and of the struct that is there
+  std::uint32_t first = 0, second = 0;  // index in the block, and in the struct there
   auto operator<=>(const Member&) const = default;
 };
 
-/// What is looked up in a shader, by ids.
+/// The declarations of a shader, by id.
 struct Module {
   std::map<std::uint32_t, std::vector<std::uint32_t>> structs;               // member types
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> offsets;  // of a struct's member
-  std::map<std::uint32_t, std::pair<std::uint32_t, std::uint32_t>> arrays;   // type and number of elements
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> offsets;  // of the member of a struct
+  std::map<std::uint32_t, std::pair<std::uint32_t, std::uint32_t>> arrays;   // element type and number of elements
   std::map<std::uint32_t, std::uint32_t> pointees, constants;
   std::set<std::uint32_t> ints, blocks, block_variables;
   std::map<std::uint32_t, Member> pointers, loaded;
@@ -127,7 +127,7 @@ std::vector<std::uint32_t> with_options(std::span<const std::uint32_t> spirv, co
   for (const OptionLoad& load : options.loads) {
     const auto& value = values[load.option];
     if (!value) continue;
-    // The number takes the place of what is loaded: a constant of the same id.
+    // A constant of the same id replaces the load.
     const std::uint32_t type = rest[load.word + 1], id = rest[load.word + 2],
                         words = rest[load.word] >> spv::WordCountShift;
     constants.insert(constants.end(), {4u << spv::WordCountShift | spv::OpConstant, type, id, std::uint32_t(*value)});

@@ -1,4 +1,5 @@
-// Every `factor`th pixel of a plane, across and down, as the upper left corner of another one, whose rest is 0.
+// Copies one pixel in `factor` of a plane, across and down, to the upper left corner of another plane; the remainder is
+// 0.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference : require

@@ -10,7 +10,7 @@
 namespace umbrage {
 namespace {
 
-/// What stands before the driver's bytes: drivers do not all look whether theirs are whole.
+/// Precedes the driver's bytes: not all drivers check that theirs are complete.
 struct Header {
   char magic[8] = {'u', 'm', 'b', 'r', 'p', 'i', 'p', '1'};
   std::uint64_t size = 0, hash = 0;

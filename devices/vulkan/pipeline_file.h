@@ -1,4 +1,4 @@
-// Compiled pipelines on disk, so that a driver compiles each kernel once.
+// A file of compiled pipelines, so that a driver compiles each kernel once.
 #pragma once
 #include <cstddef>
 #include <filesystem>
@@ -7,14 +7,13 @@
 
 namespace umbrage {
 
-/// Where they are kept for a device, `NAME` of umbrage/NAME in $XDG_CACHE_HOME or ~/.cache; empty where there is no
-/// such place.
+/// Returns the path umbrage/NAME in $XDG_CACHE_HOME or ~/.cache; empty if there is no such folder.
 std::filesystem::path pipeline_file(const std::string& name);
 
-/// What write_pipelines wrote there, or nothing where there is none or it is not whole.
+/// Returns the data of write_pipelines; empty if there is none or the file is damaged.
 std::vector<std::byte> read_pipelines(const std::filesystem::path& file);
 
-/// Written beside, then renamed. Where it cannot be written nothing happens: the next run compiles again.
+/// Writes a temporary file, then renames it. Ignores errors: the next run compiles again.
 void write_pipelines(const std::filesystem::path& file, const std::vector<std::byte>& data);
 
 }  // namespace umbrage

@@ -18,8 +18,9 @@
 
 namespace umbrage {
 
-GpuStep plain_step(const Pass& pass) {
-  return {.name = pass.name, .inputs = pass.inputs, .outputs = pass.outputs, .spirv = pass.kernel.spirv};
+GpuStep plain_step(const Dispatch& dispatch) {
+  return {
+      .name = dispatch.name, .inputs = dispatch.inputs, .outputs = dispatch.outputs, .spirv = dispatch.kernel.spirv};
 }
 
 std::vector<std::string_view> plane_table(const GpuStep& step) {
@@ -130,8 +131,8 @@ Pipelines::~Pipelines() {
   } catch (const std::exception&) {  // the next process compiles them again
   }
   for (const auto& [key, pipeline] : pipelines_) vk.DestroyPipeline(device, pipeline, nullptr);
-  for (const VkRenderPass pass : drawing_)
-    if (pass) vk.DestroyRenderPass(device, pass, nullptr);
+  for (const VkRenderPass dispatch : drawing_)
+    if (dispatch) vk.DestroyRenderPass(device, dispatch, nullptr);
   if (cache_) vk.DestroyPipelineCache(device, cache_, nullptr);
   if (pick_layout_) vk.DestroyPipelineLayout(device, pick_layout_, nullptr);
   if (pass_layout_) vk.DestroyPipelineLayout(device, pass_layout_, nullptr);
@@ -189,8 +190,8 @@ Result<VkRenderPass> Pipelines::drawing(bool clear) {
 Result<VkPipeline> Pipelines::peel(bool masks, bool points) {
   const Key key(std::data(peel_spirv()), Options{masks ? 1 : 0, points ? 1 : 0}, false);
   if (const auto found = pipelines_.find(key); found != pipelines_.end()) return found->second;
-  const auto pass = drawing(true);
-  if (!pass) return pass.error();
+  const auto dispatch = drawing(true);
+  if (!dispatch) return dispatch.error();
   const auto& vk = gpu_->vk;
   const VkBool32 numbers[] = {masks, points};
   const VkSpecializationMapEntry entries[] = {{0, 0, sizeof *numbers}, {1, sizeof *numbers, sizeof *numbers}};
@@ -246,7 +247,7 @@ Result<VkPipeline> Pipelines::peel(bool masks, bool points) {
   create.pColorBlendState = &blend;
   create.pDynamicState = &dynamic;
   create.layout = pass_layout_;
-  create.renderPass = *pass;
+  create.renderPass = *dispatch;
   VkPipeline pipeline = VK_NULL_HANDLE;
   const VkResult made = vk.CreateGraphicsPipelines(gpu_->device, cache_, 1, &create, nullptr, &pipeline);
   vk.DestroyShaderModule(gpu_->device, *corner, nullptr);
@@ -266,7 +267,7 @@ Result<VkPipeline> Pipelines::compile(std::span<const std::uint32_t> spirv, cons
   if (!shader) return shader.error();
   const auto& vk = gpu_->vk;
   VkComputePipelineCreateInfo create{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
-  create.flags = VK_PIPELINE_CREATE_DISPATCH_BASE;  // dispatches may be cut into bands
+  create.flags = VK_PIPELINE_CREATE_DISPATCH_BASE;  // dispatches may be split into row ranges
   create.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
   create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
   create.stage.module = *shader;

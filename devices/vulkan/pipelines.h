@@ -1,4 +1,4 @@
-// Kernels compiled by the driver, and how they get their constants and planes.
+// Pipelines compiled by the driver, and the bindings of their constants and planes.
 #pragma once
 #include <filesystem>
 #include <map>
@@ -15,7 +15,7 @@
 
 namespace umbrage {
 
-/// What pick.comp reads.
+/// Push constants of pick.comp.
 struct PickConstants {
   VkDeviceAddress from = 0, to = 0;
   int from_width = 0, from_height = 0, from_stride = 0;
@@ -23,34 +23,34 @@ struct PickConstants {
   int factor = 1;
 };
 
-/// What a GPU runs of a pass that has no other way.
-GpuStep plain_step(const Pass& pass);
+/// Returns the step that runs a pass by its kernel alone.
+GpuStep plain_step(const Dispatch& dispatch);
 
-/// The names of a step's planes, each once: inputs of the nearest layer, further inputs, outputs. That is the order of
-/// their addresses in the table of kernel/glsl.h, and the first kBoundPlanes are bound.
+/// Returns the names of a step's planes, each once: inputs of the nearest layer, further inputs, outputs. This is the
+/// order of their addresses in the table of kernel/glsl.h; the first kBoundPlanes are bound.
 std::vector<std::string_view> plane_table(const GpuStep& step);
 
 class Pipelines {
  public:
-  /// `uniforms` is where constants and tables lie: see Commands. Compiled pipelines are kept in `file`, if that is not
-  /// empty. Errors: kDevice.
+  /// Creates an empty set of pipelines. `uniforms` is the buffer of constants and tables: see Commands. Compiled
+  /// pipelines are stored in `file`, unless it is empty. Errors: kDevice.
   static Result<std::unique_ptr<Pipelines>> make(GpuPtr gpu, VkBuffer uniforms, std::filesystem::path file);
   ~Pipelines();
   Pipelines(const Pipelines&) = delete;
   Pipelines& operator=(const Pipelines&) = delete;
 
-  /// The step's pipeline for this block of constants, compiled when one with the same options is first asked for.
-  /// `bound`: its first planes are bound, as bound_layout() has them. Errors: kDevice.
+  /// Returns the step's pipeline for this block of constants; compiled on the first request with these options.
+  /// `bound`: its first planes are bound, as in bound_layout(). Errors: kDevice.
   Result<VkPipeline> of(const GpuStep& step, std::span<const std::byte> block, bool bound);
   Result<VkPipeline> pick();
-  /// capture.comp and convert.comp, which get constants and a table as passes do.
+  /// Return capture.comp and convert.comp, which get constants and a table like passes.
   Result<VkPipeline> capture();
   Result<VkPipeline> convert();
 
-  /// corner.vert and peel.frag, which get the same, for scenes where some textures cut holes, and that have points.
-  /// Errors: kDevice.
+  /// Returns corner.vert and peel.frag, which get the same. `masks`: some textures cut holes; `points`: the scene has
+  /// points. Errors: kDevice.
   Result<VkPipeline> peel(bool masks, bool points);
-  /// The way in which that draws, and in which it goes on drawing. Errors: kDevice.
+  /// Returns the render pass that starts drawing (`clear`) or continues it. Errors: kDevice.
   Result<VkRenderPass> drawing(bool clear);
 
   VkPipelineLayout pass_layout() const { return pass_layout_; }
@@ -65,7 +65,7 @@ class Pipelines {
   using Options = std::vector<std::optional<std::int32_t>>;
   /// SPIR-V, options, whether planes are bound.
   using Key = std::tuple<const std::uint32_t*, Options, bool>;
-  /// The pipeline that is kept as that of `spirv` with these options.
+  /// Returns the pipeline of `spirv` with these options, compiled if needed.
   Result<VkPipeline> compile(std::span<const std::uint32_t> spirv, const Options& options, bool bound,
                              VkPipelineLayout layout, const VkSpecializationInfo* values);
 
@@ -77,11 +77,11 @@ class Pipelines {
   VkDescriptorSet set_ = VK_NULL_HANDLE;
   VkPipelineLayout pass_layout_ = VK_NULL_HANDLE, pick_layout_ = VK_NULL_HANDLE;
   VkPipelineCache cache_ = VK_NULL_HANDLE;
-  std::map<const std::uint32_t*, KernelOptions> options_;  // by their SPIR-V
+  std::map<const std::uint32_t*, KernelOptions> options_;  // by SPIR-V
   std::map<Key, VkPipeline> pipelines_;
-  VkRenderPass drawing_[2] = {};  // going on, and the first
+  VkRenderPass drawing_[2] = {};  // to continue, to start
   std::filesystem::path file_;
-  std::size_t read_ = 0;  // bytes of the file
+  std::size_t read_ = 0;  // bytes read from the file
 };
 
 }  // namespace umbrage

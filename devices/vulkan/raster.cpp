@@ -36,9 +36,9 @@ Result<VkRenderPass> make_render_pass(const Gpu& gpu, bool clear) {
     attachment.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
     attachment.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
   }
-  attachments[0].format = kSeenFormat;
+  attachments[0].format = kTriangleIndexFormat;
   attachments[0].initialLayout = attachments[0].finalLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-  attachments[1].format = kNearnessFormat;
+  attachments[1].format = kDepthFormat;
   attachments[1].initialLayout = attachments[1].finalLayout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
   const VkAttachmentReference seen{0, attachments[0].initialLayout}, nearness{1, attachments[1].initialLayout};
   VkSubpassDescription subpass{};
@@ -53,7 +53,7 @@ Result<VkRenderPass> make_render_pass(const Gpu& gpu, bool clear) {
   create.pSubpasses = &subpass;
   VkRenderPass pass = VK_NULL_HANDLE;
   if (const auto r = gpu.vk.CreateRenderPass(gpu.device, &create, nullptr, &pass); r != VK_SUCCESS)
-    return vulkan_error(r, "was made ready to draw");
+    return vulkan_error(r, "prepared to draw");
   return pass;
 }
 
@@ -66,11 +66,11 @@ Result<RasterTargetPtr> make_raster_target(GpuPtr gpu, Memory& memory, VkRenderP
   target->width = width;
   target->height = height;
   const auto seen =
-      memory.image(width, height, kSeenFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
-                   VK_IMAGE_ASPECT_COLOR_BIT);
+      memory.image(width, height, kTriangleIndexFormat,
+                   VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, VK_IMAGE_ASPECT_COLOR_BIT);
   if (!seen) return seen.error();
-  const auto nearness = memory.image(width, height, kNearnessFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
-                                     VK_IMAGE_ASPECT_DEPTH_BIT);
+  const auto nearness =
+      memory.image(width, height, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_IMAGE_ASPECT_DEPTH_BIT);
   if (!nearness) return nearness.error();
   target->seen = *seen;
   target->nearness = *nearness;
@@ -85,7 +85,7 @@ Result<RasterTargetPtr> make_raster_target(GpuPtr gpu, Memory& memory, VkRenderP
   target->gpu = std::move(gpu);
   const Gpu& on = *target->gpu;
   if (const auto r = on.vk.CreateFramebuffer(on.device, &create, nullptr, &target->framebuffer); r != VK_SUCCESS)
-    return vulkan_error(r, "was made ready to draw");
+    return vulkan_error(r, "prepared to draw");
   return RasterTargetPtr(std::move(target));
 }
 
@@ -102,7 +102,7 @@ void begin_drawing(const Gpu& gpu, VkCommandBuffer buffer, const RasterTarget& t
       buffer, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT | kDrawingStages,
       VK_PIPELINE_STAGE_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT | kDrawingStages, 0, 1, &written, 0,
       nullptr, 2, turns);
-  const std::array<VkClearValue, 2> nothing{};  // number 0, infinitely far
+  const std::array<VkClearValue, 2> nothing{};  // index 0, infinitely far
   VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
   begin.renderPass = pass;
   begin.framebuffer = target.framebuffer;
@@ -117,7 +117,8 @@ void begin_drawing(const Gpu& gpu, VkCommandBuffer buffer, const RasterTarget& t
 
 void end_drawing(const Gpu& gpu, VkCommandBuffer buffer) { gpu.vk.CmdEndRenderPass(buffer); }
 
-void copy_seen(const Gpu& gpu, VkCommandBuffer buffer, const RasterTarget& target, const DevicePlane& to, int stride) {
+void copy_triangle_indices(const Gpu& gpu, VkCommandBuffer buffer, const RasterTarget& target, const DevicePlane& to,
+                           int stride) {
   const VkMemoryBarrier used{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr,
                              VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT, VK_ACCESS_TRANSFER_WRITE_BIT};
   const VkImageMemoryBarrier drawn =

@@ -1,4 +1,4 @@
-// What triangles are drawn into: which of them each pixel sees, and how near it is.
+// The render target of triangles: the index of the triangle that each pixel sees, and how near it is.
 #pragma once
 #include <memory>
 
@@ -6,9 +6,9 @@
 
 namespace umbrage {
 
-inline constexpr VkFormat kSeenFormat = VK_FORMAT_R32_UINT, kNearnessFormat = VK_FORMAT_D32_SFLOAT;
+inline constexpr VkFormat kTriangleIndexFormat = VK_FORMAT_R32_UINT, kDepthFormat = VK_FORMAT_D32_SFLOAT;
 
-/// The way of drawing: a picture of numbers and one of depth, which are emptied before (`clear`) or kept. Errors:
+/// Creates a render pass with an image of indices and a depth image, which are cleared first (`clear`) or kept. Errors:
 /// kDevice.
 Result<VkRenderPass> make_render_pass(const Gpu& gpu, bool clear);
 
@@ -25,14 +25,15 @@ struct RasterTarget {
 };
 using RasterTargetPtr = std::shared_ptr<const RasterTarget>;
 
-/// It must not be let go while the device uses it. Errors: kDevice.
+/// Creates a render target. It must not be released while the device uses it. Errors: kDevice.
 Result<RasterTargetPtr> make_raster_target(GpuPtr gpu, Memory& memory, VkRenderPass pass, int width, int height);
 
-/// Notes down that what is drawn next goes to the target: after all that shaders and copies wrote before. `first`:
-/// what it held is forgotten.
+/// Records the start of drawing to the target, after all earlier writes of shaders and copies. `first`: discards the
+/// former contents.
 void begin_drawing(const Gpu& gpu, VkCommandBuffer buffer, const RasterTarget& target, VkRenderPass pass, bool first);
 void end_drawing(const Gpu& gpu, VkCommandBuffer buffer);
-/// Notes down that what pixels see is copied to a plane with rows of `stride`.
-void copy_seen(const Gpu& gpu, VkCommandBuffer buffer, const RasterTarget& target, const DevicePlane& to, int stride);
+/// Records a copy of the triangle indices to a plane with rows of `stride`.
+void copy_triangle_indices(const Gpu& gpu, VkCommandBuffer buffer, const RasterTarget& target, const DevicePlane& to,
+                           int stride);
 
 }  // namespace umbrage

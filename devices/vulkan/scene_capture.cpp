@@ -5,8 +5,8 @@
 
 #include "core/check.h"
 #include "devices/shared/capture_info.h"
-#include "devices/shared/passes.h"
-#include "devices/shared/soften_passes.h"
+#include "devices/shared/dispatches.h"
+#include "devices/shared/soften_dispatches.h"
 #include "devices/vulkan/gpu_capture.h"
 
 namespace umbrage {
@@ -33,9 +33,9 @@ Result<Frame> SceneCapture::capture(const Camera& camera, const CaptureSettings&
   if (auto fine = check_capture(settings); !fine) return fine.error();
   Frame frame;
   frame.info = picture_info(*scene_.scene, camera, settings);
-  if (settings.extra_views > 0 && !traced_) {  // where they stand is found out by rays
+  if (settings.extra_views > 0 && !traced_) {  // rays determine their positions
     const ProgressMonitor before = monitor ? [&](double) { return monitor(0.0); } : ProgressMonitor();
-    auto traced = trace_ready(*scene_.scene, threads_, before);
+    auto traced = build_traced_scene(*scene_.scene, threads_, before);
     if (!traced) return traced.error();
     traced_ = std::move(*traced);
   }
@@ -58,7 +58,7 @@ Result<Frame> SceneCapture::capture(const Camera& camera, const CaptureSettings&
     return layer == 0 ? LayerKind::kBehind : frame.info.more_layers[std::size_t(layer) - 1].kind;
   };
   for (int layer = 0; layer < all; ++layer) {
-    if (kind_of(layer) == LayerKind::kBack) continue;  // drawn with its front
+    if (kind_of(layer) == LayerKind::kBack) continue;  // captured with its front
     int back = -1;
     for (int k = 1; k < all; ++k)
       if (kind_of(k) == LayerKind::kBack && frame.info.more_layers[std::size_t(k) - 1].of == layer) back = k;
@@ -81,7 +81,7 @@ Result<void> SceneCapture::draw_layer(const Frame& frame, const std::vector<std:
     if (back > 0) table[kBackSlots + std::size_t(capture_slot(name))] = planes.find(layer_plane(back, name))->address;
   }
   const bool other = layer > 0 && frame.info.more_layers[std::size_t(layer) - 1].kind == LayerKind::kOther;
-  if (layer > 0 && !other) table[kBeforeSlot] = planes.find(layer_plane(layer - 1, "depth"))->address;
+  if (layer > 0 && !other) table[kPreviousDepthSlot] = planes.find(layer_plane(layer - 1, "depth"))->address;
   for (std::size_t k = 0; k < scene_.buffers.size(); ++k) table[kNodesSlot + k] = scene_.buffers[k]->address;
   for (const PenumbraPlanes& of : radii) {
     table[kPenumbraSlot + 2 * std::size_t(of.light)] = of.across->address;
@@ -89,39 +89,40 @@ Result<void> SceneCapture::draw_layer(const Frame& frame, const std::vector<std:
   }
   const PictureInfo info = layer_info(frame.info, layer);
   const CaptureConstants constants = capture_constants(scene_, info, settings, planes.stride, back > 0);
-  // Rays take as long as scene, lights and the layers before make them.
+  // The time of the rays depends on scene, lights and the layers before.
   const std::size_t kind = ((scenes_ * kMaxLayers + std::size_t(layer)) * 64 + std::size_t(settings.shadow_rays)) * 64 +
                            std::size_t(settings.shadows);
   DevicePlanePtr seen;
   if (draws_ && can_draw(scene_, constants, *gpu_)) {
-    const auto drawn = draw_seen(info, layer, planes, std::as_bytes(std::span(&constants, 1)), table);
+    const auto drawn = draw_triangle_indices(info, layer, planes, std::as_bytes(std::span(&constants, 1)), table);
     if (!drawn) return drawn.error();
     seen = *drawn;
-    if (seen) table[kSeenSlot] = seen->address;
+    if (seen) table[kTriangleIndexSlot] = seen->address;
   }
   return dispatcher_->dispatch({*pipeline, "capture", layer_plane(layer, "planes"), kind}, info,
                                std::as_bytes(std::span(&constants, 1)), table);
 }
 
-Result<DevicePlanePtr> SceneCapture::draw_seen(const PictureInfo& info, int layer, const DevicePlanes& planes,
-                                               Dispatcher::Constants constants, Dispatcher::Table table) {
+Result<DevicePlanePtr> SceneCapture::draw_triangle_indices(const PictureInfo& info, int layer,
+                                                           const DevicePlanes& planes, Dispatcher::Constants constants,
+                                                           Dispatcher::Table table) {
   const auto pipeline = pipelines_->peel(scene_.masks, scene_.points);
   if (!pipeline) return pipeline.error();
-  auto seen = memory_->plane(planes.bytes);  // first: it may take the target's memory
+  auto seen = memory_->plane(planes.bytes);  // first: it may take the memory of the target
   if (!seen) return DevicePlanePtr();
   if (!target_ || target_->width != info.width || target_->height != info.height) {
     const auto drawing = pipelines_->drawing(true);
     if (!drawing) return drawing.error();
-    target_.reset();  // in use no longer, or kept by the commands
+    target_.reset();  // unused by now, or kept by the commands
     const auto made = make_raster_target(gpu_, *memory_, *drawing, info.width, info.height);
-    if (!made) return DevicePlanePtr();  // a device that is lost says so to what comes next
+    if (!made) return DevicePlanePtr();  // a lost device reports its error with the next call
     target_ = *made;
   }
-  // A triangle takes the longer the larger the picture is.
+  // The time per triangle grows with the size of the picture.
   const std::size_t size = std::bit_width(std::uint64_t(info.width) * std::uint64_t(info.height));
   if (auto done = dispatcher_->dispatch({.pipeline = *pipeline,
                                          .effect = "capture",
-                                         .pass = layer_plane(layer, "seen"),
+                                         .dispatch = layer_plane(layer, "seen"),
                                          .settings = (scenes_ * kMaxLayers + std::size_t(layer)) * 64 + size,
                                          .target = target_.get(),
                                          .triangles = scene_.triangles,
@@ -131,7 +132,7 @@ Result<DevicePlanePtr> SceneCapture::draw_seen(const PictureInfo& info, int laye
     return done.error();
   const auto buffer = commands_->buffer();
   if (!buffer) return buffer.error();
-  copy_seen(*gpu_, *buffer, *target_, **seen, planes.stride);
+  copy_triangle_indices(*gpu_, *buffer, *target_, **seen, planes.stride);
   commands_->keep(target_);
   return seen;
 }
@@ -143,9 +144,9 @@ Result<void> SceneCapture::soften(const Frame& frame, std::span<const PenumbraPl
   if (!between) return between.error();
   const auto reach = memory_->plane(planes.bytes);
   if (!reach) return reach.error();
-  const auto run = [&](const Pass& pass, const PictureInfo& info, const SoftenConstants& constants,
+  const auto run = [&](const Dispatch& dispatch, const PictureInfo& info, const SoftenConstants& constants,
                        const StepPlanes& own) -> Result<void> {
-    const GpuStep step = plain_step(pass);
+    const GpuStep step = plain_step(dispatch);
     const std::vector<std::byte> block =
         block_of(frame_constants(info, planes.stride, 0), std::as_bytes(std::span(&constants, 1)));
     std::vector<const DevicePlane*> table;
@@ -153,7 +154,8 @@ Result<void> SceneCapture::soften(const Frame& frame, std::span<const PenumbraPl
       const auto found = own.find(name);
       table.push_back(found != own.end() ? found->second.get() : planes.find(name));
     }
-    return dispatcher_->run_kernel(step, {.effect = "capture", .pass = pass.name}, info, block, planes.bytes, table);
+    return dispatcher_->run_kernel(step, {.effect = "capture", .dispatch = dispatch.name}, info, block, planes.bytes,
+                                   table);
   };
   PictureInfo blocks = frame.info;
   blocks.width = (blocks.width + kSoftenBlock - 1) / kSoftenBlock;
@@ -163,11 +165,11 @@ Result<void> SceneCapture::soften(const Frame& frame, std::span<const PenumbraPl
     for (const int second : {0, 1})
       for (const int down : {0, 1}) {
         if (second)
-          if (auto done = run(soften_reach_pass(), blocks, {},
+          if (auto done = run(soften_reach_dispatch(), blocks, {},
                               {{"penumbra", down ? of.down : of.across}, {"soften_reach", *reach}});
               !done)
             return done;
-        if (auto done = run(soften_pass(), frame.info, {.dx = 1 - down, .dy = down, .second = second},
+        if (auto done = run(soften_dispatch(), frame.info, {.dx = 1 - down, .dy = down, .second = second},
                             {{"soften_from", down ? *between : shadow},
                              {"soften_to", down ? shadow : *between},
                              {"soften_reach", *reach}});

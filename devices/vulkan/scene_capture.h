@@ -1,4 +1,4 @@
-// Captures a scene on a GPU: what a pixel sees by rasterisation or rays, shadows by rays, softened where lights have a
+// Captures a scene on a GPU: visible surfaces by rasterisation or rays, shadows by rays, softened for lights with a
 // size.
 #pragma once
 #include <cstddef>
@@ -14,13 +14,13 @@
 
 namespace umbrage {
 
-/// The radius of one light's penumbrae along a row and along a column, in pixels, by block of 4 x 4 pixels.
+/// The radius of one light's penumbra along a row and along a column, in pixels, by block of 4 x 4 pixels.
 struct PenumbraPlanes {
   int light = 0;
   DevicePlanePtr across, down;
 };
 
-/// Of a device: what it draws with.
+/// The parts of a device that a capture uses.
 struct CaptureParts {
   GpuPtr gpu;
   Memory* memory;
@@ -32,7 +32,7 @@ struct CaptureParts {
 
 class SceneCapture {
  public:
-  /// `draws`: triangles, where it can; otherwise rays find what is seen.
+  /// `draws`: draw triangles if possible; otherwise rays find the visible surfaces.
   SceneCapture(const CaptureParts& parts, int threads, bool draws)
       : gpu_(parts.gpu),
         memory_(parts.memory),
@@ -43,25 +43,26 @@ class SceneCapture {
         threads_(threads),
         draws_(draws) {}
 
-  /// Errors: kDevice; kInterrupted, after which nothing is prepared.
+  /// Prepares a scene. Errors: kDevice; kInterrupted, after which nothing is prepared.
   Result<void> prepare(const Scene& scene, const ProgressMonitor& monitor);
 
-  /// Draws the prepared scene with capture.comp. The monitor is asked while a hierarchy is built on the host for it.
+  /// Captures the prepared scene with capture.comp. Calls the monitor only while it builds a hierarchy on the host for
+  /// extra views.
   Result<Frame> capture(const Camera& camera, const CaptureSettings& settings, const ProgressMonitor& monitor);
 
-  /// Gives back the memory that is not needed between captures, and waits for what uses it.
+  /// Releases the memory that is not needed between captures, and waits until it is unused.
   Result<void> spare();
 
  private:
   Result<void> draw_layer(const Frame& frame, const std::vector<std::string>& names, const CaptureSettings& settings,
                           int layer, int back, std::span<const PenumbraPlanes> radii);
 
-  /// Which triangle each pixel of a layer sees, by drawing them all. Null where there is no memory to draw into: rays
-  /// need none.
-  Result<DevicePlanePtr> draw_seen(const PictureInfo& info, int layer, const DevicePlanes& planes,
-                                   Dispatcher::Constants constants, Dispatcher::Table table);
+  /// Draws all triangles to find which one each pixel of a layer sees. Returns null if there is no memory to draw into:
+  /// rays need none.
+  Result<DevicePlanePtr> draw_triangle_indices(const PictureInfo& info, int layer, const DevicePlanes& planes,
+                                               Dispatcher::Constants constants, Dispatcher::Table table);
 
-  /// Softens the shadows of lights that have a size: see devices/shared/soften_passes.h.
+  /// Softens the shadows of lights that have a size: see devices/shared/soften_dispatches.h.
   Result<void> soften(const Frame& frame, std::span<const PenumbraPlanes> radii);
 
   GpuPtr gpu_;
@@ -72,10 +73,10 @@ class SceneCapture {
   Dispatcher* dispatcher_;
   int threads_;
   bool draws_;
-  RasterTargetPtr target_;  // of the last picture's size
+  RasterTargetPtr target_;  // of the size of the last picture
   DeviceScene scene_;
-  std::size_t scenes_ = 0;  // prepared so far
-  TracedScenePtr traced_;   // only where somebody wanted further cameras
+  std::size_t scenes_ = 0;  // number of scenes prepared so far
+  TracedScenePtr traced_;   // only if extra views were requested
 };
 
 }  // namespace umbrage

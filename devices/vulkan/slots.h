@@ -1,4 +1,4 @@
-// Which planes a compiled kernel asks for: see kernel/glsl.h.
+// The planes that a compiled kernel accesses: see kernel/glsl.h.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -8,16 +8,16 @@
 
 namespace umbrage {
 
-/// A specialization constant that says where in the table of planes a plane stands.
+/// A specialization constant that gives the index of a plane in the table of planes.
 struct Slot {
   std::string plane;  ///< with _ in place of dots: normal_x
   std::uint32_t constant = 0;
 };
 
-/// All of a shader, in its order.
+/// Returns all slots of a shader, in its order.
 std::vector<Slot> slots_of(std::span<const std::uint32_t> spirv);
 
-/// A plane's name as slots have it.
+/// Returns a plane's name in the form of slots.
 std::string slot_name(std::string_view plane);
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// Scenes drawn by the GPU, plane by plane against Embree's.
+// Captures on the GPU, compared with Embree's plane by plane.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -75,8 +75,8 @@ INSTANTIATE_TEST_SUITE_P(
       return std::string(std::get<0>(info.param).name) + "_" + test::name_of(std::get<1>(info.param));
     });
 
-/// The hierarchy's root box and every inner one, checked against what lies below it.
-void expect_boxes_hold(const Hierarchy& h, int child, glm::vec3 low, glm::vec3 high, std::vector<int>& seen) {
+/// Checks the boxes of the hierarchy, from the root on, against their contents.
+void expect_boxes_contain(const Hierarchy& h, int child, glm::vec3 low, glm::vec3 high, std::vector<int>& seen) {
   if (child < 0) {
     for (int k = ~child >> 3; k < (~child >> 3) + (~child & 7); ++k) {
       ++seen[std::size_t(k)];
@@ -92,14 +92,14 @@ void expect_boxes_hold(const Hierarchy& h, int child, glm::vec3 low, glm::vec3 h
   }
   for (int side = 0; side < 2; ++side) {
     const glm::vec4 lower = h.nodes[std::size_t(child)][2 * side], upper = h.nodes[std::size_t(child)][2 * side + 1];
-    expect_boxes_hold(h, std::bit_cast<int>(lower.w), glm::vec3(lower), glm::vec3(upper), seen);
+    expect_boxes_contain(h, std::bit_cast<int>(lower.w), glm::vec3(lower), glm::vec3(upper), seen);
   }
 }
 
 TEST(Hierarchy, HoldsEachTriangleOnceInItsBoxes) {
   auto scene = load_scene("scene:solids?detail=3000");
   ASSERT_TRUE(scene);
-  // A thousand triangles in one place: no plane parts them.
+  // A thousand triangles in one place: no plane separates them.
   Mesh pile = scene->meshes[0];
   pile.indices.resize(3);
   for (int k = 1; k < 1000; ++k)
@@ -110,7 +110,7 @@ TEST(Hierarchy, HoldsEachTriangleOnceInItsBoxes) {
   ASSERT_EQ(h->triangles.size(), scene->triangle_count());
   std::vector<int> seen(h->triangles.size());
   const glm::vec3 all(1e30f);
-  expect_boxes_hold(*h, h->root, -all, all, seen);
+  expect_boxes_contain(*h, h->root, -all, all, seen);
   for (const int count : seen) ASSERT_EQ(count, 1);
   Scene empty;
   ASSERT_TRUE(build_hierarchy(empty, {}, 1.0f));
@@ -122,7 +122,8 @@ class VulkanCaptureWays : public testing::TestWithParam<VulkanCapture> {};
 INSTANTIATE_TEST_SUITE_P(Ways, VulkanCaptureWays, testing::ValuesIn(test::kGpuCaptures),
                          [](const auto& info) { return std::string(test::name_of(info.param)); });
 
-/// How far two devices' pictures differ: at most, and the larger share of pixels of a channel by more than 2/255.
+/// Returns the difference of two devices' pictures: the max, and as share, for the worst channel, the fraction of
+/// pixels that differ by more than 2/255.
 test::Difference difference_between(std::array<Device*, 2> devices, Request settings) {
   settings.width = 150;
   settings.height = 110;
@@ -130,20 +131,20 @@ test::Difference difference_between(std::array<Device*, 2> devices, Request sett
   std::vector<Image> images;
   for (Device* device : devices) {
     auto scene = load_scene("scene:solids?detail=3000");
-    furnish(*scene, *make_recipe(settings));
+    complete_scene(*scene, *make_recipe(settings));
     EXPECT_TRUE(device->prepare(*scene));
     StageTimes times;
     const auto frame = draw(*device, *scene, settings, times);
     EXPECT_TRUE(frame) << frame.error().message;
     images.push_back(*device->download(*frame, {"color.r", "color.g", "color.b"}));
   }
-  test::Difference most;
+  test::Difference max;
   for (std::size_t p = 0; p < 3; ++p) {
     const auto d = test::difference(images[0].planes[p], images[1].planes[p], 2.0 / 255.0);
-    most.most = std::max(most.most, d.most);
-    most.share_over = std::max(most.share_over, d.share_over);
+    max.max = std::max(max.max, d.max);
+    max.share_over = std::max(max.share_over, d.share_over);
   }
-  return most;
+  return max;
 }
 
 TEST_P(VulkanCaptureWays, EveryLookGivesTheSamePicture) {
@@ -156,14 +157,14 @@ TEST_P(VulkanCaptureWays, EveryLookGivesTheSamePicture) {
     settings.look = std::string(look->name);
     if (settings.look == "cartoon") settings.settings = {"outline.opacity=0"};
     const auto d = difference_between({gpu, cpu.get()}, settings);
-    EXPECT_LE(d.share_over, 2e-3) << look->name << ", most " << d.most;
+    EXPECT_LE(d.share_over, 2e-3) << look->name << ", most " << d.max;
   }
-  // A line is smooth: where one of its pixels differs all of it lies elsewhere by a few hundredths of a pixel.
+  // Lines are smooth: where one pixel of a line differs, all of it is shifted by a few hundredths of a pixel.
   Request with_lines;
   with_lines.look = "cartoon";
   const auto d = difference_between({gpu, cpu.get()}, with_lines);
   EXPECT_LE(d.share_over, 1e-2);
-  EXPECT_LE(d.most, 0.1);
+  EXPECT_LE(d.max, 0.1);
 }
 
 TEST_P(VulkanCaptureWays, TakesOneSceneAfterTheOtherWithoutGrowth) {
@@ -179,20 +180,20 @@ TEST_P(VulkanCaptureWays, TakesOneSceneAfterTheOtherWithoutGrowth) {
     const Image image = test::captured(*gpu, scene, camera, {.width = 48, .height = 32});
     if (k < 2) first[k] = image;
     for (std::size_t p = 0; p < image.planes.size(); ++p)
-      ASSERT_EQ(test::difference(image.planes[p], first[k % 2].planes[p], 0.0).most, 0.0) << k << image.names[p];
+      ASSERT_EQ(test::difference(image.planes[p], first[k % 2].planes[p], 0.0).max, 0.0) << k << image.names[p];
     if (k == 3) after_both = vulkan_memory(*gpu);
   }
   EXPECT_EQ(vulkan_memory(*gpu).device_bytes, after_both.device_bytes);
   EXPECT_EQ(vulkan_memory(*gpu).host_bytes, after_both.host_bytes);
 }
 
-/// Whether a capture drew triangles.
+/// Returns whether a capture drew triangles.
 bool drew(Device& gpu, const Scene& scene, const Camera& camera, const CaptureSettings& settings, Image* image) {
-  gpu.take_pass_times();
+  gpu.take_dispatch_times();
   *image = test::captured(gpu, scene, camera, settings);
-  const auto times = gpu.take_pass_times();
+  const auto times = gpu.take_dispatch_times();
   EXPECT_FALSE(times.empty());
-  return std::any_of(times.begin(), times.end(), [](const PassTime& time) { return time.pass == "seen"; });
+  return std::any_of(times.begin(), times.end(), [](const DispatchTime& time) { return time.dispatch == "seen"; });
 }
 
 TEST(VulkanCapture, DrawsTrianglesWhereItCan) {
@@ -207,14 +208,14 @@ TEST(VulkanCapture, DrawsTrianglesWhereItCan) {
   Image by_rays, image;
   EXPECT_FALSE(drew(*rays, *scene, camera, settings, &by_rays));
   EXPECT_TRUE(drew(*raster, *scene, camera, settings, &image));
-  // A queue that only computes.
+  // A queue that can only compute.
   ASSERT_TRUE(test::start_faulty());
   test::faulty().faults.draws = false;
   const auto computes = test::new_vulkan_device({.capture = VulkanCapture::kRaster, .get = test::faulty_get});
   ASSERT_TRUE(computes);
   EXPECT_FALSE(drew(*computes, *scene, camera, settings, &image));
   for (std::size_t p = 0; p < image.planes.size(); ++p)
-    EXPECT_EQ(test::difference(image.planes[p], by_rays.planes[p], 0.0).most, 0.0) << image.names[p];
+    EXPECT_EQ(test::difference(image.planes[p], by_rays.planes[p], 0.0).max, 0.0) << image.names[p];
   // Points among triangles are drawn too.
   Scene mixed = *scene;
   Mesh points;
@@ -223,7 +224,7 @@ TEST(VulkanCapture, DrawsTrianglesWhereItCan) {
   mixed.meshes.push_back(points);
   finish_scene(mixed);
   EXPECT_TRUE(drew(*raster, mixed, camera, settings, &image));
-  // Nothing before the camera.
+  // Nothing is in front of the camera.
   Camera away = camera;
   away.view_from_world = glm::mat4(-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1) * camera.view_from_world;
   drew(*raster, *scene, away, settings, &image);
@@ -231,7 +232,7 @@ TEST(VulkanCapture, DrawsTrianglesWhereItCan) {
     for (int x = 0; x < settings.width; ++x) ASSERT_EQ(image.plane("depth").at(x, y), INFINITY);
 }
 
-/// Mesh k is object k.
+/// Returns a scene in which mesh k is object k.
 Scene scene_of(std::vector<Mesh> meshes) {
   Scene scene;
   scene.meshes = std::move(meshes);
@@ -246,13 +247,13 @@ TEST(VulkanCapture, RasterisationLeavesNoHoleAroundTheEye) {
   Device* const raster = test::drawing_device(VulkanCapture::kRaster);
   UMBRAGE_NEEDS_VULKAN(rays && raster);
   const test::NoMessages no_messages;
-  // The eye in a box of few large triangles that reach to both sides of it, once close to a wall, and in a ball of many
-  // small ones.
+  // The camera in a box of a few large triangles that extend to both sides of it, once close to a wall, and in a sphere
+  // of many small ones.
   Mesh box;
   for (int k = 0; k < 8; ++k) box.positions.emplace_back(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1);
   box.indices = {0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1,
                  2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3};
-  // And in a point; so is a further one, which hides part of it.
+  // Also inside a point, and inside a second one, which occludes part of it.
   Scene points;
   points.materials.resize(1);
   points.meshes.resize(1);
@@ -281,7 +282,7 @@ TEST(VulkanCapture, RasterisationTellsSheetsApartFarFromTheEye) {
   Device* const raster = test::drawing_device(VulkanCapture::kRaster);
   UMBRAGE_NEEDS_VULKAN(raster);
   const test::NoMessages no_messages;
-  // Two sheets that reach from behind the eye to the horizon; the lower one is drawn first, and once the upper one.
+  // Two sheets from behind the camera to the horizon, with either one drawn first.
   const auto sheet = [](float height) {
     Mesh mesh;
     mesh.positions = {{-100, height, -100}, {-100, height, 100}, {100, height, 100}, {100, height, -100}};
@@ -300,7 +301,7 @@ TEST(VulkanCapture, RasterisationTellsSheetsApartFarFromTheEye) {
           if (!std::isfinite(image.plane("depth").at(x, y))) continue;
           ++seen;
           ASSERT_EQ(image.plane("object_id").at(x, y), float(upper)) << gap << ' ' << x << ',' << y;
-          // Sheets that are closer than the step from layer to layer are one surface.
+          // Sheets that are closer than the step between layers count as one surface.
           if (gap == 1e-4f && std::isfinite(image.plane("layer1.depth").at(x, y))) {
             ASSERT_EQ(image.plane("layer1.object_id").at(x, y), float(1 - upper)) << x << ',' << y;
           }
@@ -343,11 +344,11 @@ TEST_P(VulkanCaptureWays, WhereThereIsNoMemoryToDrawIntoRaysDo) {
   ASSERT_TRUE(gpu->finish());
   const auto drew = [&](Device& device) {
     bool any = false;
-    for (const PassTime& time : device.take_pass_times()) any = any || time.pass == "seen";
+    for (const DispatchTime& time : device.take_dispatch_times()) any = any || time.dispatch == "seen";
     return any;
   };
   EXPECT_EQ(drew(*gpu), GetParam() == VulkanCapture::kRaster);
-  // Planes of the same size are there, what triangles are drawn into is not.
+  // There is memory for planes of the same size, but not for the target of drawing.
   test::faulty().faults.memory_left = 0;
   const auto without = captured(*gpu, 30);
   test::faulty().faults.memory_left = std::uint64_t(1) << 30;
@@ -378,12 +379,12 @@ TEST(VulkanCapture, PicturesThatNeedTheMemoryGetWhatTrianglesWereDrawnInto) {
   const auto capture = [&] { return gpu->capture(frame_scene(*scene, {}, 256, 256), {.width = 256, .height = 256}); };
   const auto frame = capture();
   ASSERT_TRUE(frame);
-  const auto before = gpu->download_all(*frame);  // and room on the host for what is uploaded
+  const auto before = gpu->download_all(*frame);  // also allocates host memory for uploads
   ASSERT_TRUE(before);
   const std::uint64_t held = vulkan_memory(*gpu).device_bytes;
   test::faulty().faults.memory_left = 0;
   test::faulty().faults.reuses_memory = true;
-  // Its planes take less than depth and the triangle's number of each pixel did.
+  // Its planes take less memory than depth and the triangle indices did.
   const auto other = gpu->upload(test::bumpy_gbuffer(80, 60, 5));
   EXPECT_TRUE(other) << other.error().message;
   EXPECT_LT(vulkan_memory(*gpu).device_bytes, held);
@@ -392,7 +393,7 @@ TEST(VulkanCapture, PicturesThatNeedTheMemoryGetWhatTrianglesWereDrawnInto) {
   ASSERT_TRUE(again);
   const auto after = gpu->download(*again, {"depth"});
   ASSERT_TRUE(after);
-  EXPECT_EQ(test::difference(before->plane("depth"), after->planes[0], 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(before->plane("depth"), after->planes[0], 0.0).max, 0.0);
 }
 
 }  // namespace

@@ -7,9 +7,9 @@
 
 #include "core/check.h"
 #include "core/guarded.h"
+#include "devices/shared/dispatches.h"
 #include "devices/shared/host_steps.h"
 #include "devices/shared/neutral.h"
-#include "devices/shared/passes.h"
 #include "devices/vulkan/commands.h"
 #include "devices/vulkan/dispatch.h"
 #include "devices/vulkan/frame_planes.h"
@@ -23,7 +23,7 @@ namespace {
 
 class VulkanDevice final : public Device {
  public:
-  /// `capture` is what draws scenes; null: this device itself.
+  /// `capture` is the device that captures scenes; null: this device itself.
   VulkanDevice(GpuPtr gpu, std::string name, std::string description, int threads, std::unique_ptr<Device> capture,
                const VulkanSettings& settings)
       : gpu_(std::move(gpu)),
@@ -49,7 +49,7 @@ class VulkanDevice final : public Device {
     if (!made) return made.error();
     pipelines_ = std::move(*made);
     store_.emplace(*gpu_, *memory_, *commands_);
-    dispatcher_.emplace(*gpu_, *commands_, *pipelines_, settings_.longest_ms, settings_.first_groups);
+    dispatcher_.emplace(*gpu_, *commands_, *pipelines_, settings_.max_submission_ms, settings_.first_groups);
     const CaptureParts parts{gpu_, memory_.get(), commands_.get(), pipelines_.get(), &*store_, &*dispatcher_};
     scene_.emplace(parts, threads_, settings_.capture != VulkanCapture::kRays);
     return {};
@@ -78,7 +78,7 @@ class VulkanDevice final : public Device {
     auto drawn = capture_->capture(camera, settings, monitor);
     if (!drawn) return drawn;
     Frame whole = *drawn;
-    whole.info.guard = 0;  // all of it
+    whole.info.guard = 0;  // no part is cropped
     const auto planes = capture_->download_all(whole);
     if (!planes) return planes.error();
     Frame frame{drawn->info, empty_planes(drawn->info)};
@@ -110,13 +110,13 @@ class VulkanDevice final : public Device {
     return store_->copy_to(planes, frame.info, planes_of(frame));
   }
 
-  Result<Progression> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer, PixelSet pixels,
-                          const ProgressMonitor& monitor) override {
+  Result<RunState> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer, PixelSet pixels,
+                       const ProgressMonitor& monitor) override {
     planes_of(frame).branches.check_none();
-    return run_passes(effect, params, frame, layer, pixels, [&](const PassRun& pass) -> Result<Progression> {
+    return run_dispatches(effect, params, frame, layer, pixels, [&](const DispatchRun& dispatch) -> Result<RunState> {
       if (is_ended(monitor)) return interrupted();
-      const auto done = run_pass(pass, planes_of(frame));
-      return done ? Result<Progression>(Progression()) : done.error();
+      const auto done = run_dispatch(dispatch, planes_of(frame));
+      return done ? Result<RunState>(RunState()) : done.error();
     });
   }
 
@@ -173,11 +173,11 @@ class VulkanDevice final : public Device {
     const auto buffer = commands_->buffer();
     if (!buffer) return buffer.error();
     commands_->barrier();
-    turn_layout(*gpu_, *buffer, image, *format, image.layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    change_layout(*gpu_, *buffer, image, *format, image.layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     const VkBufferImageCopy region = whole_image(frame.info, *format, (*texels)->offset);
     gpu_->vk.CmdCopyImageToBuffer(*buffer, image.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, (*texels)->buffer, 1,
                                   &region);
-    turn_layout(*gpu_, *buffer, image, *format, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image.layout_after);
+    change_layout(*gpu_, *buffer, image, *format, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image.layout_after);
     return convert(frame, *format, meaning, false, table);
   }
 
@@ -199,11 +199,11 @@ class VulkanDevice final : public Device {
     const auto buffer = commands_->buffer();
     if (!buffer) return buffer.error();
     commands_->barrier();
-    turn_layout(*gpu_, *buffer, image, *format, image.layout, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    change_layout(*gpu_, *buffer, image, *format, image.layout, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     const VkBufferImageCopy region = whole_image(frame.info, *format, (*texels)->offset);
     gpu_->vk.CmdCopyBufferToImage(*buffer, (*texels)->buffer, image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
                                   &region);
-    turn_layout(*gpu_, *buffer, image, *format, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, image.layout_after);
+    change_layout(*gpu_, *buffer, image, *format, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, image.layout_after);
     return {};
   }
 
@@ -211,11 +211,11 @@ class VulkanDevice final : public Device {
 
   void wait_for(VkSemaphore before) { commands_->wait_for(before); }
 
-  Result<void> hand_over(VkSemaphore signal) { return commands_->hand_over(signal); }
+  Result<void> submit_without_waiting(VkSemaphore signal) { return commands_->submit_without_waiting(signal); }
 
   Result<void> finish() override { return commands_->finish(); }
 
-  std::vector<PassTime> take_pass_times() override { return commands_->take_pass_times(); }
+  std::vector<DispatchTime> take_dispatch_times() override { return commands_->take_dispatch_times(); }
 
   std::vector<std::string> plane_names(const Frame& frame) const override {
     const DevicePlanes& planes = planes_of(frame);
@@ -256,9 +256,9 @@ class VulkanDevice final : public Device {
                                  std::as_bytes(std::span(&constants, 1)), table);
   }
 
-  Result<void> run_pass(const PassRun& run, DevicePlanes& planes) {
-    const Pass& pass = run.pass;
-    for (std::string_view input : pass.inputs) {
+  Result<void> run_dispatch(const DispatchRun& run, DevicePlanes& planes) {
+    const Dispatch& dispatch = run.dispatch;
+    for (std::string_view input : dispatch.inputs) {
       const std::string name = run.plane(input);
       if (planes.find(name)) continue;
       const auto value = neutral_value(name);
@@ -266,21 +266,21 @@ class VulkanDevice final : public Device {
       if (auto done = store_->add_constant(planes, *value); !done) return done;
       planes.neutral.push_back(name);
     }
-    if (pass.host) return run_host(run, planes);
+    if (dispatch.host) return run_host(run, planes);
     fault_point();
-    for (std::string_view output : pass.outputs)
+    for (std::string_view output : dispatch.outputs)
       if (run.is_there(output))
         if (auto made = store_->writable(planes, run.plane(output)); !made) return made.error();
     if (settings_.tuned && run.pixels == PixelSet::kAll)
-      for (const GpuWay& way : pass.gpu_ways)
-        if (way.fits(run.constants.data())) return run_way(run, way, planes);
-    return run_step(run, plain_step(pass), planes, {});
+      for (const GpuVariant& way : dispatch.gpu_variants)
+        if (way.fits(run.constants.data())) return run_variant(run, way, planes);
+    return run_step(run, plain_step(dispatch), planes, {});
   }
 
-  /// Does what is noted down, and runs a host step on what that made.
-  Result<void> run_host(const PassRun& run, DevicePlanes& planes) {
+  /// Finishes the recorded work, and runs a host step on its results.
+  Result<void> run_host(const DispatchRun& run, DevicePlanes& planes) {
     std::vector<std::string> names;
-    for (const std::string_view input : run.pass.inputs) names.push_back(run.plane(input));
+    for (const std::string_view input : run.dispatch.inputs) names.push_back(run.plane(input));
     const auto read = store_->copied(planes, names, run.info, 0);
     if (!read) return read.error();
     std::vector<const Plane*> inputs;
@@ -288,17 +288,18 @@ class VulkanDevice final : public Device {
     const std::vector<Plane> outputs = run_host_step(run, inputs);
     std::vector<NamedPlane> made;
     for (std::size_t k = 0; k < outputs.size(); ++k)
-      if (run.is_there(run.pass.outputs[k])) made.push_back({run.plane(run.pass.outputs[k]), &outputs[k]});
+      if (run.is_there(run.dispatch.outputs[k])) made.push_back({run.plane(run.dispatch.outputs[k]), &outputs[k]});
     return store_->copy_to(made, run.info, planes);
   }
 
-  Result<void> run_way(const PassRun& run, const GpuWay& way, DevicePlanes& planes) {
-    // The last step's outputs are all of them the pass's. Memory given back here serves what is noted down later.
+  Result<void> run_variant(const DispatchRun& run, const GpuVariant& way, DevicePlanes& planes) {
+    // All outputs of the last step are outputs of the pass. Memory released here is reused by work recorded later.
     StepPlanes own;
-    const auto& of_pass = run.pass.outputs;
+    const auto& of_dispatch = run.dispatch.outputs;
     for (const GpuStep& step : way.steps) {
       for (std::string_view output : step.outputs) {
-        if (std::find(of_pass.begin(), of_pass.end(), output) != of_pass.end() || own.contains(output)) continue;
+        if (std::find(of_dispatch.begin(), of_dispatch.end(), output) != of_dispatch.end() || own.contains(output))
+          continue;
         const auto made = memory_->plane(planes.bytes);
         if (!made) return made.error();
         own.emplace(output, *made);
@@ -308,7 +309,8 @@ class VulkanDevice final : public Device {
     return {};
   }
 
-  Result<void> run_step(const PassRun& run, const GpuStep& step, const DevicePlanes& planes, const StepPlanes& own) {
+  Result<void> run_step(const DispatchRun& run, const GpuStep& step, const DevicePlanes& planes,
+                        const StepPlanes& own) {
     const std::vector<std::byte> block =
         block_of(frame_constants(run.info, planes.stride, run.round, run.pixels), run.constants);
     std::vector<const DevicePlane*> table;
@@ -318,15 +320,15 @@ class VulkanDevice final : public Device {
     }
     if (run.pixels == PixelSet::kMissing) {
       table.resize(kMaxPlanes);
-      table.back() = planes.find(run.plane("ao"));  // as kernel/glsl.h reads it
+      table.back() = planes.find(run.plane("ao"));  // kernel/glsl.h reads it there
       if (!table.back()) return missing_plane(run, "ao");
     }
-    return dispatcher_->run_kernel(step,
-                                   {.effect = run.effect.name, .pass = step.name, .settings = number_of(run.params)},
-                                   run.info, block, planes.bytes, table);
+    return dispatcher_->run_kernel(
+        step, {.effect = run.effect.name, .dispatch = step.name, .settings = number_of(run.params)}, run.info, block,
+        planes.bytes, table);
   }
 
-  /// Notes down pick.comp.
+  /// Records pick.comp.
   Result<void> pick(const Frame& from, const DevicePlane& in, int factor, const Frame& to, const DevicePlane& out) {
     const auto pipeline = pipelines_->pick();
     if (!pipeline) return pipeline.error();
@@ -391,7 +393,7 @@ Result<std::vector<VulkanGpu>> vulkan_gpus(const VulkanSettings& settings) {
 }
 
 Result<std::unique_ptr<Device>> make_vulkan_device(const VulkanSettings& settings, std::unique_ptr<Device> capture) {
-  const Error no_gpu = device_error("there is no GPU here: use `device` cpu, or `device` vulkan for one in software");
+  const Error no_gpu = device_error("there is no GPU here: use `device` cpu, or `device` vulkan for a software device");
   if (settings.real && !may_have_gpu()) return no_gpu;
   auto instance = make_instance(settings.get, settings.on_message);
   if (!instance) return instance.error();
@@ -400,7 +402,7 @@ Result<std::unique_ptr<Device>> make_vulkan_device(const VulkanSettings& setting
   int index = settings.index;
   if (index >= int(gpus->size()))
     return device_error("there is no device 'vulkan:{}': there {} (see umbrage list devices)", index,
-                        gpus->size() == 1 ? std::string("is vulkan:0 alone")
+                        gpus->size() == 1 ? std::string("is only vulkan:0")
                                           : fmt::format("are vulkan:0 to vulkan:{}", gpus->size() - 1));
   if (index < 0) {
     const auto best = std::max_element(gpus->begin(), gpus->end(), [](const PhysicalGpu& a, const PhysicalGpu& b) {
@@ -439,7 +441,7 @@ Result<std::unique_ptr<Device>> make_vulkan_device_on(const ForeignGpu& foreign)
   if (!gpu) return gpu.error();
   const std::filesystem::path file = pipeline_file(cache_name(**gpu));
   auto device = std::make_unique<VulkanDevice>(*gpu, "vulkan", "vulkan: a device opened elsewhere", 1, nullptr,
-                                               VulkanSettings{.longest_ms = 0.0});
+                                               VulkanSettings{.max_submission_ms = 0.0});
   if (auto started = device->start(file); !started) return started.error();
   return std::unique_ptr<Device>(std::move(device));
 }
@@ -460,8 +462,8 @@ Result<void> write_image(Device& device, const Frame& frame, const std::vector<s
 
 void wait_for(Device& device, VkSemaphore before) { dynamic_cast<VulkanDevice&>(device).wait_for(before); }
 
-Result<void> hand_over(Device& device, VkSemaphore signal) {
-  return dynamic_cast<VulkanDevice&>(device).hand_over(signal);
+Result<void> submit_without_waiting(Device& device, VkSemaphore signal) {
+  return dynamic_cast<VulkanDevice&>(device).submit_without_waiting(signal);
 }
 
 void drop(Device& device) { dynamic_cast<VulkanDevice&>(device).drop(); }

@@ -1,4 +1,4 @@
-// A caller's own Vulkan device and images, and frames one after the other.
+// Vulkan devices and images of a caller, and successive frames.
 #include <array>
 #include <cmath>
 #include <limits>
@@ -14,7 +14,7 @@
 #include "umbrage/umbrage.hpp"
 #include "umbrage/vulkan.hpp"
 #include "vulkan_support.h"
-using namespace umb;  // the public interface, whose names umbrage has not
+using namespace umb;  // the public interface, which shares no names with umbrage
 
 namespace umbrage {
 namespace {
@@ -22,7 +22,7 @@ namespace {
 constexpr int kWidth = 37, kHeight = 23;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// A device as an engine opens one, with what it takes to make an image and to clear it.
+/// A device as opened by an engine, with functions to create and clear images.
 struct Engine {
   InstancePtr instance;
   GpuPtr gpu;
@@ -76,7 +76,7 @@ struct Engine {
     return made;
   }
 
-  /// Fills an image by the driver's own hand and leaves it in layout GENERAL.
+  /// Fills an image with driver calls and leaves it in layout GENERAL.
   void clear(VkImage image, const std::array<float, 4>& value, bool depth) const {
     const auto memory = std::make_shared<Memory>(gpu);
     const auto commands = Commands::make(gpu, memory);
@@ -124,7 +124,7 @@ std::optional<Engine> open_engine(PFN_vkGetInstanceProcAddr get = nullptr) {
 
 struct Known {
   VkFormat format;
-  double step;  // between neighbouring values near 1
+  double step;  // between adjacent values near 1
 };
 constexpr Known kFormats[] = {{VK_FORMAT_R32_SFLOAT, 0.0},           {VK_FORMAT_R32G32B32A32_SFLOAT, 0.0},
                               {VK_FORMAT_R16G16B16A16_SFLOAT, 1e-3}, {VK_FORMAT_R8G8B8A8_UNORM, 1.0 / 255},
@@ -154,9 +154,9 @@ TEST(VulkanImages, AreReadAndWrittenInEveryFormat) {
     const auto read = (*device)->download(*frame, kFour);
     ASSERT_TRUE(read);
     for (int c = 0; c < channels; ++c)
-      EXPECT_LE(test::difference(read->planes[c], Plane(kWidth, kHeight, value[c]), 0.0).most, 0.5 * known.step + 1e-6);
+      EXPECT_LE(test::difference(read->planes[c], Plane(kWidth, kHeight, value[c]), 0.0).max, 0.5 * known.step + 1e-6);
 
-    // And what is written there is read again.
+    // Written planes are read back.
     Image waves(kWidth, kHeight);
     for (const std::string& name : kFour) {
       Plane& plane = waves.add(name) = Plane(kWidth, kHeight);
@@ -171,7 +171,7 @@ TEST(VulkanImages, AreReadAndWrittenInEveryFormat) {
     const auto again = (*device)->download(*back, kFour);
     ASSERT_TRUE(again);
     for (int c = 0; c < channels; ++c)
-      EXPECT_LE(test::difference(again->planes[c], waves.planes[c], 0.0).most, 0.5 * known.step + 1e-6) << c;
+      EXPECT_LE(test::difference(again->planes[c], waves.planes[c], 0.0).max, 0.5 * known.step + 1e-6) << c;
   }
 }
 
@@ -187,8 +187,8 @@ TEST(VulkanImages, DepthBecomesDistance) {
     bool orthographic;
     float far, stored, distance;
   };
-  const float window = f / (f - n) * (1.0f - n / z);  // as a projection to [0, 1] has it
-  // The ray through the last pixel, of a window from -1 to 1, over a distance of 1 along the view axis.
+  const float window = f / (f - n) * (1.0f - n / z);  // window depth of a projection to [0, 1]
+  // The length of the ray through the last pixel per distance along the view axis, for a window from -1 to 1.
   const float across = 1.0f - 1.0f / float(kWidth), down = 1.0f - 1.0f / float(kHeight);
   const float slant = std::sqrt(1.0f + across * across + down * down);
   const Case cases[] = {{kWindowDepthRole, false, f, window, z},
@@ -223,7 +223,7 @@ TEST(VulkanImages, DepthBecomesDistance) {
   }
 }
 
-/// A G-buffer of an engine: a wall 3 units away that faces the camera, normals as bytes in world space.
+/// Returns a G-buffer of an engine: a wall 3 units away that faces the camera, normals as bytes in world space.
 VulkanGBuffer wall(Engine& engine) {
   VulkanGBuffer g;
   g.width = kWidth;
@@ -234,7 +234,7 @@ VulkanGBuffer wall(Engine& engine) {
   g.depth_kind = DepthKind::kView;
   g.normal = {engine.image(VK_FORMAT_R8G8B8A8_UNORM), VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_LAYOUT_GENERAL,
               VK_IMAGE_LAYOUT_GENERAL};
-  engine.clear(g.normal.image, {1.0f, 0.5f, 0.5f, 0}, false);  // along +x of the world, which the camera looks along
+  engine.clear(g.normal.image, {1.0f, 0.5f, 0.5f, 0}, false);  // along +x in world space, the direction of the camera
   const float turn[9] = {0, 0, 1, 0, 1, 0, 1, 0, 0};           // world x is view z
   std::copy_n(turn, 9, g.view_from_normal);
   return g;
@@ -256,13 +256,13 @@ TEST(VulkanShading, ShadesAnEnginesImages) {
   VulkanShading shading;
   ASSERT_EQ(shading.open(engine->context()).code, 0);
   VulkanShadeRequest request;
-  request.effects = {"normals", "bitmask", "outline"};  // of which the last works on the host, too
+  request.effects = {"normals", "bitmask", "outline"};  // the last one also runs on the host
   request.settings = {"bitmask.radius=50%"};
   request.outputs = {
       {{"ao"}, {engine->image(VK_FORMAT_R32_SFLOAT), VK_FORMAT_R32_SFLOAT}},
       {{"normal.z", "depth"}, {engine->image(VK_FORMAT_R32G32B32A32_SFLOAT), VK_FORMAT_R32G32B32A32_SFLOAT}},
       {{"outline"}, {engine->image(VK_FORMAT_R32_SFLOAT), VK_FORMAT_R32_SFLOAT}}};
-  // Semaphores in a row: each picture waits for the one before.
+  // A chain of semaphores: each picture waits for the previous one.
   VkSemaphore semaphores[2];
   const VkSemaphoreCreateInfo create{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
   for (VkSemaphore& s : semaphores)
@@ -278,7 +278,7 @@ TEST(VulkanShading, ShadesAnEnginesImages) {
   ASSERT_EQ(shading.finish().code, 0);
   EXPECT_GT(after_two, 0u);
   EXPECT_EQ(shading.device_bytes(), after_two);
-  EXPECT_NEAR(first_texel(*engine, request.outputs[0].image), 1.0f, 0.02f);  // a wall is open
+  EXPECT_NEAR(first_texel(*engine, request.outputs[0].image), 1.0f, 0.02f);  // a wall is unoccluded
   EXPECT_NEAR(first_texel(*engine, request.outputs[1].image), 1.0f, 1e-3f);
   EXPECT_EQ(first_texel(*engine, request.outputs[2].image), 0.0f);
   for (const VkSemaphore s : semaphores)
@@ -347,12 +347,12 @@ TEST(VulkanShading, SaysWhatIsWrong) {
   injected_fault = [] { throw std::bad_alloc(); };
   refused(good, request, 4, "not enough memory for a G-buffer of");
   injected_fault = nullptr;
-  EXPECT_EQ(shading.shade(good, request).code, 0);  // and it goes on
+  EXPECT_EQ(shading.shade(good, request).code, 0);  // later calls work
   EXPECT_EQ(shading.finish().code, 0);
   test::faulty().faults.submit = VK_ERROR_DEVICE_LOST;
   refused(good, request, 4, "lost");
   test::faulty().faults = {};
-  refused(good, request, 4, "lost");  // for good
+  refused(good, request, 4, "lost");  // permanently
   EXPECT_EQ(shading.finish().code, 4);
 }
 
@@ -393,7 +393,7 @@ TEST(FrameRenderer, DrawsFramesAsRenderDoes) {
     camera.angle_deg = 0.0f;
     EXPECT_EQ(renderer.draw(camera, picture).code, 2);
     EXPECT_EQ(renderer.open({.model = "missing.obj", .device = device}).code, 3);
-    EXPECT_EQ(renderer.draw({}, picture).code, 0);  // what was open stays
+    EXPECT_EQ(renderer.draw({}, picture).code, 0);  // the open scene remains
   }
   FrameRenderer renderer;
   request.device = "vulcan";

@@ -1,4 +1,4 @@
-// Which numbers of a kernel's constants become part of its shader, and that it still is one.
+// Which constants of a kernel become part of its shader, and that the shader remains valid.
 #include "devices/vulkan/options.h"
 
 #include <gtest/gtest.h>
@@ -14,9 +14,10 @@
 namespace umbrage {
 namespace {
 
-const Pass& pass_of(std::string_view effect, std::string_view name) {
-  const auto& passes = find_effect(effect)->passes;
-  return *std::find_if(passes.begin(), passes.end(), [&](const Pass& pass) { return pass.name == name; });
+const Dispatch& pass_of(std::string_view effect, std::string_view name) {
+  const auto& dispatches = find_effect(effect)->dispatches;
+  return *std::find_if(dispatches.begin(), dispatches.end(),
+                       [&](const Dispatch& dispatch) { return dispatch.name == name; });
 }
 
 const Option* option_at(const KernelOptions& options, std::size_t offset) {
@@ -36,7 +37,7 @@ TEST(KernelOptions, AreWhatTheKernelCompares) {
   EXPECT_EQ(other->count, kLayersRead);
   EXPECT_NE(option_at(options, effect + offsetof(HemisphereConstants, layer_count)), nullptr);
   EXPECT_NE(option_at(options, offsetof(FrameConstants, orthographic)), nullptr);
-  // What is counted or computed with is none: another number needs no other shader.
+  // Counters and operands are not options: other values need no other shader.
   EXPECT_EQ(option_at(options, effect + offsetof(HemisphereConstants, samples)), nullptr);
   EXPECT_EQ(option_at(options, effect + offsetof(HemisphereConstants, seed)), nullptr);
   EXPECT_EQ(option_at(options, offsetof(FrameConstants, width)), nullptr);
@@ -50,23 +51,23 @@ TEST(KernelOptions, AreReadFromTheBlock) {
   ASSERT_EQ(values.size(), 3u);
   EXPECT_EQ(values[0], -5);
   EXPECT_EQ(values[1], 7);
-  EXPECT_EQ(values[2], std::nullopt);  // numbers that differ
+  EXPECT_EQ(values[2], std::nullopt);  // elements differ
 }
 
 TEST(KernelOptions, TakeThePlaceOfLoads) {
   for (const Effect* effect : effects())
-    for (const Pass& pass : effect->passes) {
-      if (pass.host) continue;
-      const KernelOptions options = options_of(pass.kernel.spirv);
+    for (const Dispatch& dispatch : effect->dispatches) {
+      if (dispatch.host) continue;
+      const KernelOptions options = options_of(dispatch.kernel.spirv);
       std::vector<std::optional<std::int32_t>> values(options.options.size(), 3);
-      const auto words = with_options(pass.kernel.spirv, options, values);
-      EXPECT_EQ(words.size(), pass.kernel.spirv.size() + 4 * options.loads.size()) << effect->name;
-      EXPECT_EQ(slots_of(words).size(), slots_of(pass.kernel.spirv).size()) << effect->name;
-      // Nothing is left to replace, and nothing happens where no value is known.
-      EXPECT_TRUE(options_of(words).loads.empty()) << effect->name << ' ' << pass.name;
+      const auto words = with_options(dispatch.kernel.spirv, options, values);
+      EXPECT_EQ(words.size(), dispatch.kernel.spirv.size() + 4 * options.loads.size()) << effect->name;
+      EXPECT_EQ(slots_of(words).size(), slots_of(dispatch.kernel.spirv).size()) << effect->name;
+      // Nothing is left to replace, and the shader is unchanged if no value is known.
+      EXPECT_TRUE(options_of(words).loads.empty()) << effect->name << ' ' << dispatch.name;
       std::fill(values.begin(), values.end(), std::nullopt);
-      const auto same = with_options(pass.kernel.spirv, options, values);
-      EXPECT_TRUE(std::equal(same.begin(), same.end(), pass.kernel.spirv.begin(), pass.kernel.spirv.end()))
+      const auto same = with_options(dispatch.kernel.spirv, options, values);
+      EXPECT_TRUE(std::equal(same.begin(), same.end(), dispatch.kernel.spirv.begin(), dispatch.kernel.spirv.end()))
           << effect->name;
     }
 }

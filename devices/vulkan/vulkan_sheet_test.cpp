@@ -1,8 +1,8 @@
-// The picture and the table of docs/vulkan.md: every look of every built-in scene by both devices, the GPU's own
-// capture included, by rays and by rasterisation. It takes minutes on lavapipe, so it runs when asked for:
-// umbrage_tests
-// --gtest_also_run_disabled_tests --gtest_filter='*VulkanSheet.*' It writes vulkan-errors-rays.png and .md, the same
-// with raster, and vulkan-looks.png to the folder UMBRAGE_SHEET_FOLDER, or where it stands.
+// The picture and the table of docs/vulkan.md: every look of every built-in scene on both devices, with captures on the
+// GPU by rays and by rasterisation. Takes minutes on lavapipe, so it only runs on request:
+// umbrage_tests --gtest_also_run_disabled_tests --gtest_filter='*VulkanSheet.*'
+// Writes vulkan-errors-rays.png and .md, the same for raster, and vulkan-looks.png to the folder UMBRAGE_SHEET_FOLDER,
+// or the current folder.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,9 +19,9 @@ namespace umbrage {
 namespace {
 
 constexpr int kWidth = 640, kHeight = 480;
-constexpr int kSmaller = 4;      // pixels of a picture that one of the sheet stands for, to a side
-constexpr int kWorst = 2;        // likewise of differences, of which the largest is shown
-constexpr double kShown = 16.0;  // what differences are multiplied by
+constexpr int kSmaller = 4;      // downsampling factor of pictures in the sheet
+constexpr int kWorst = 2;        // downsampling factor of differences, which keeps the max
+constexpr double kShown = 16.0;  // amplification of differences
 constexpr double kSeen = 2.0 / 255.0;
 
 constexpr const char* kChannels[] = {"color.r", "color.g", "color.b"};
@@ -29,7 +29,7 @@ constexpr const char* kChannels[] = {"color.r", "color.g", "color.b"};
 Image picture(Device& device, const std::string& scene_name, const Request& settings) {
   auto scene = load_scene(scene_name);
   EXPECT_TRUE(scene);
-  furnish(*scene, *make_recipe(settings));
+  complete_scene(*scene, *make_recipe(settings));
   EXPECT_TRUE(device.prepare(*scene));
   StageTimes times;
   const auto frame = draw(device, *scene, settings, times);
@@ -50,7 +50,7 @@ struct Sheet {
   }
 };
 
-/// Puts a cell's pixels in, each made by `of` of `step` x `step` of a plane.
+/// Fills a cell; `of` computes each pixel from `step` x `step` pixels of a plane.
 template <class Of>
 void put(Sheet& sheet, int column, int row, int step, const Of& of) {
   for (int c = 0; c < 3; ++c)
@@ -89,21 +89,21 @@ TEST_P(VulkanSheet, DISABLED_LooksOfAllScenes) {
       settings.look = std::string(look->name);
       const std::string name = fmt::format("scene:{}?detail=20000", scene.name);
       const Image a = picture(*cpu, name, settings), b = picture(gpu, name, settings);
-      double most = 0.0, sum = 0.0;
+      double max = 0.0, sum = 0.0;
       long over = 0;
       for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
           double worst = 0.0;
           for (std::size_t c = 0; c < 3; ++c)
             worst = std::max(worst, std::fabs(double(a.planes[c].at(x, y)) - double(b.planes[c].at(x, y))));
-          most = std::max(most, worst);
+          max = std::max(max, worst);
           sum += worst;
           over += worst > kSeen;
         }
       over_all += over;
-      table += fmt::format("| {} | {} | {:.1f} | {:.4f} | {:.2f} |\n", look->name, scene.name, most * 255.0,
+      table += fmt::format("| {} | {} | {:.1f} | {:.4f} | {:.2f} |\n", look->name, scene.name, max * 255.0,
                            sum * 255.0 / (kWidth * kHeight), 1e4 * double(over) / (kWidth * kHeight));
-      fmt::print("{} {}: most {:.1f}/255, {} over\n", look->name, scene.name, most * 255.0, over);
+      fmt::print("{} {}: most {:.1f}/255, {} over\n", look->name, scene.name, max * 255.0, over);
       std::fflush(stdout);
       put(pictures, column, row, kSmaller, [&](int c, int x, int y) {
         double all = 0.0;

@@ -1,4 +1,4 @@
-// Times on a Vulkan device, by turns. They are printed, not judged: machines are never idle enough for that. Run with
+// Times on a Vulkan device, in alternation. Prints them without asserting: machines are never idle enough for that.
 // umbrage_tests --gtest_also_run_disabled_tests --gtest_filter='VulkanSpeed.*'
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "devices/cpu/cpu_device.h"
-#include "devices/shared/passes.h"
+#include "devices/shared/dispatches.h"
 #include "devices/vulkan/commands.h"
 #include "devices/vulkan/memory.h"
 #include "devices/vulkan/vulkan_device.h"
@@ -38,7 +38,7 @@ double median(std::vector<double> ms) {
   return ms[ms.size() / 2];
 }
 
-/// The scene as the look `unsharp` captures it.
+/// Returns the scene as captured for the look `unsharp`.
 Result<Frame> captured(Device& device, const char* scene_name, int width, int height) {
   auto scene = load_scene(scene_name);
   if (!scene) return scene.error();
@@ -51,15 +51,15 @@ Result<Frame> captured(Device& device, const char* scene_name, int width, int he
   return draw(device, *scene, settings, ignored);
 }
 
-/// Milliseconds on the GPU of all passes of an effect but those of that name.
+/// Returns the GPU time of all passes of an effect except those named `without`, milliseconds.
 double gpu_ms(Device& device, const Effect& effect, const ParameterBytes& params, Frame& frame,
               std::string_view without = {}) {
-  device.take_pass_times();
+  device.take_dispatch_times();
   EXPECT_TRUE(device.run(effect, params, frame));
   EXPECT_TRUE(device.finish());
   double ms = 0.0;
-  for (const PassTime& pass : device.take_pass_times())
-    if (pass.pass != without) ms += pass.ms;
+  for (const DispatchTime& dispatch : device.take_dispatch_times())
+    if (dispatch.dispatch != without) ms += dispatch.ms;
   return ms;
 }
 
@@ -86,9 +86,9 @@ TEST(VulkanSpeed, DISABLED_UnsharpByItsWaysAndPlain) {
     }
 }
 
-// ---- shaders written by hand ----
+// ---- hand-written shaders ----
 
-/// What loader.h does not list, since the device uses no images of its own.
+/// Functions that loader.h does not list, since the device uses no images of its own.
 struct ImageFunctions {
   PFN_vkCreateImage create_image;
   PFN_vkDestroyImage destroy_image;
@@ -120,14 +120,14 @@ ImageFunctions image_functions(const Gpu& gpu) {
 
 void expect_success(VkResult result) { ASSERT_EQ(result, VK_SUCCESS); }
 
-/// A GPU with planes of a picture on it as buffers and as images, and shaders that are bound to them.
+/// A GPU with the planes of a picture as buffers and as images, and shaders bound to them.
 struct HandWritten {
   GpuPtr gpu;
   ImageFunctions f;
   std::shared_ptr<Memory> memory;
   std::unique_ptr<Commands> commands;
   int width = 0, height = 0, stride = 0;
-  DevicePlanePtr planes[4], ao;  // depth, normal
+  DevicePlanePtr planes[4], ao;  // planes: depth, normal
   VkSampler sampler = VK_NULL_HANDLE;
   VkImage images[2] = {};
   VkDeviceMemory image_memory[2] = {};
@@ -256,7 +256,7 @@ std::unique_ptr<HandWritten> hand_written(const Image& image) {
   return made;
 }
 
-/// Compiles a shader and binds everything to it; returns its number.
+/// Compiles a shader and binds everything to it; returns its index.
 std::size_t add_shader(HandWritten& h, std::span<const std::uint32_t> spirv, bool images) {
   const auto& vk = h.gpu->vk;
   const VkDevice device = h.gpu->device;
@@ -331,15 +331,15 @@ double hand_ms(HandWritten& h, std::size_t number, std::span<const std::byte> co
   const auto uniforms = h.commands->uniforms(kMaxUniforms);
   std::memcpy(uniforms->bytes, constants.data(), constants.size());
   const VkCommandBuffer buffer = *h.commands->buffer();
-  h.commands->take_pass_times();
-  h.commands->begin_pass("by hand", "by hand", {shader.pipeline, 0}, 1.0, false);
+  h.commands->take_dispatch_times();
+  h.commands->begin_dispatch("by hand", "by hand", {shader.pipeline, 0}, 1.0, false);
   vk.CmdBindPipeline(buffer, VK_PIPELINE_BIND_POINT_COMPUTE, shader.pipeline);
   vk.CmdBindDescriptorSets(buffer, VK_PIPELINE_BIND_POINT_COMPUTE, shader.layout, 0, 1, &shader.set, 1,
                            &uniforms->offset);
   vk.CmdDispatch(buffer, std::uint32_t(h.width + 7) / 8, std::uint32_t(h.height + 7) / 8, 1);
-  h.commands->end_pass();
+  h.commands->end_dispatch();
   EXPECT_TRUE(h.commands->finish());
-  return h.commands->take_pass_times()[0].ms;
+  return h.commands->take_dispatch_times()[0].ms;
 }
 
 Plane hand_ao(HandWritten& h) {
@@ -357,7 +357,7 @@ Plane hand_ao(HandWritten& h) {
 }
 
 struct ByHand {
-  const char *effect, *pass;
+  const char *effect, *dispatch;
   std::span<const std::uint32_t> addresses, buffers, images;
 };
 const ByHand kByHand[] = {{"hemisphere", "occlusion", hemisphere_by_hand_addresses_spirv(),
@@ -365,7 +365,7 @@ const ByHand kByHand[] = {{"hemisphere", "occlusion", hemisphere_by_hand_address
                           {"bitmask", "occlusion", bitmask_by_hand_addresses_spirv(), bitmask_by_hand_buffers_spirv(),
                            bitmask_by_hand_images_spirv()}};
 
-/// Times all four by turns, and asks that they make the same picture.
+/// Times all four in alternation, and checks that they compute the same picture.
 void compare_with_hand(const char* scene, int width, int height, int turns) {
   const auto ours = device_without_validation(true);
   UMBRAGE_NEEDS_VULKAN(ours);
@@ -390,12 +390,12 @@ void compare_with_hand(const char* scene, int width, int height, int turns) {
                                    add_shader(*h, by_hand.images, true)};
     std::vector<double> own_ms, hand[3];
     for (int turn = 0; turn <= turns; ++turn) {
-      ours->take_pass_times();
+      ours->take_dispatch_times();
       ASSERT_TRUE(ours->run(effect, params, *frame));
       ASSERT_TRUE(ours->finish());
       double own = 0.0;
-      for (const PassTime& pass : ours->take_pass_times())
-        if (pass.pass == by_hand.pass) own += pass.ms;
+      for (const DispatchTime& dispatch : ours->take_dispatch_times())
+        if (dispatch.dispatch == by_hand.dispatch) own += dispatch.ms;
       if (turn > 0) own_ms.push_back(own);
       for (int k = 0; k < 3; ++k) {
         const double ms = hand_ms(*h, shaders[k], constants);
@@ -406,7 +406,7 @@ void compare_with_hand(const char* scene, int width, int height, int turns) {
         const auto image = ours->download(*frame, {"ao"});
         ASSERT_TRUE(image);
         const auto d = test::difference(image->planes[0], hand_ao(*h), 2.0 / 255.0);
-        EXPECT_LE(d.share_over, 1e-3) << effect.name << ' ' << k << ", most " << d.most;
+        EXPECT_LE(d.share_over, 1e-3) << effect.name << ' ' << k << ", most " << d.max;
       }
     }
     if (turns == 0) continue;

@@ -1,4 +1,4 @@
-// The Vulkan device: what it holds and hands out, against the CPU device; what it does when things go wrong.
+// The Vulkan device: its results compared with the CPU device, its memory and submissions, and its errors.
 #include "devices/vulkan/vulkan_device.h"
 
 #include <array>
@@ -22,7 +22,7 @@ namespace {
 
 using test::faulty;
 
-/// A device with the faults of faulty_vulkan.h, none yet.
+/// Returns a device with the faults of faulty_vulkan.h, none of them active.
 std::unique_ptr<Device> faulty_device() {
   if (!test::start_faulty()) return nullptr;
   return test::new_vulkan_device({.get = test::faulty_get});
@@ -36,12 +36,12 @@ std::string error_of(const Result<std::unique_ptr<Device>>& device) {
   return device.error().message;
 }
 
-Result<Progression> run(Device& device, std::string_view effect, Frame& frame) {
+Result<RunState> run(Device& device, std::string_view effect, Frame& frame) {
   const Effect& e = *find_effect(effect);
   return device.run(e, initial_parameters(e.parameters, e.params_size), frame);
 }
 
-/// A frame of the G-buffer, with its light.
+/// Returns a frame of the G-buffer, with its lighting computed.
 Result<Frame> lit_frame(Device& device, const GBuffer& gbuffer) {
   auto frame = device.upload(gbuffer);
   if (!frame) return frame;
@@ -54,10 +54,10 @@ void expect_equal(const Image& a, const Image& b) {
   ASSERT_EQ(a.width, b.width);
   ASSERT_EQ(a.height, b.height);
   for (std::size_t p = 0; p < a.planes.size(); ++p)
-    EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).most, 0.0) << a.names[p];
+    EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).max, 0.0) << a.names[p];
 }
 
-// ---- what it holds ----
+// ---- planes and results ----
 
 TEST(Vulkan, HoldsWhatItIsGiven) {
   Device* const gpu = test::vulkan_device();
@@ -181,14 +181,14 @@ TEST(Vulkan, EveryLookGivesTheSamePicture) {
     }
     for (std::size_t p = 0; p < 3; ++p) {
       const auto d = test::difference(images[0].planes[p], images[1].planes[p], 2.0 / 255.0);
-      EXPECT_LE(d.share_over, 1e-3) << look->name << ", most " << d.most;
+      EXPECT_LE(d.share_over, 1e-3) << look->name << ", most " << d.max;
     }
   }
 }
 
-// ---- how it works ----
+// ---- submissions and memory ----
 
-TEST(Vulkan, HandsOverOnceAFrame) {
+TEST(Vulkan, SubmitsOncePerFrame) {
   const auto gpu = faulty_device();
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
@@ -202,12 +202,12 @@ TEST(Vulkan, HandsOverOnceAFrame) {
   EXPECT_EQ(faulty().faults.submits, 1);
 }
 
-TEST(Vulkan, BandsOfLongPassesGiveTheSameBits) {
-  // One device with time for a row of workgroups at once, and one that never cuts.
+TEST(Vulkan, StripsOfLongDispatchesGiveTheSameBits) {
+  // One device with time for one row of workgroups per submission, and one that never splits.
   if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
   const auto cut = test::new_vulkan_device(
-      {.capture = VulkanCapture::kRaster, .longest_ms = 1e-6, .first_groups = 1, .get = test::faulty_get});
-  const auto whole = test::new_vulkan_device({.capture = VulkanCapture::kRaster, .longest_ms = 0.0});
+      {.capture = VulkanCapture::kRaster, .max_submission_ms = 1e-6, .first_groups = 1, .get = test::faulty_get});
+  const auto whole = test::new_vulkan_device({.capture = VulkanCapture::kRaster, .max_submission_ms = 0.0});
   UMBRAGE_NEEDS_VULKAN(cut && whole);
   const test::NoMessages no_messages;
   auto scene = load_scene("scene:solids?detail=2000");
@@ -223,22 +223,22 @@ TEST(Vulkan, BandsOfLongPassesGiveTheSameBits) {
     for (Device* device : {cut.get(), whole.get()}) {
       StageTimes times;
       ASSERT_TRUE(device->prepare(*scene));
-      device->take_pass_times();
+      device->take_dispatch_times();
       const auto frame = draw(*device, *scene, settings, times);
       ASSERT_TRUE(frame) << frame.error().message;
       images[k++] = *device->download_all(*frame);
     }
     expect_equal(images[0], images[1]);
-    // Bands of a pass are one pass to those who ask for times.
-    const auto passes = cut->take_pass_times();
-    EXPECT_EQ(passes.size(), whole->take_pass_times().size()) << look;
-    EXPECT_GE(faulty().faults.submits - before, 3 * int(passes.size())) << look;
+    // The row ranges of a dispatch count as one in the reported times.
+    const auto dispatches = cut->take_dispatch_times();
+    EXPECT_EQ(dispatches.size(), whole->take_dispatch_times().size()) << look;
+    EXPECT_GE(faulty().faults.submits - before, 3 * int(dispatches.size())) << look;
   }
 }
 
 TEST(Vulkan, CutsNoFrameThatIsShort) {
   if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
-  const auto gpu = test::new_vulkan_device({.longest_ms = 1e6, .first_groups = 16, .get = test::faulty_get});
+  const auto gpu = test::new_vulkan_device({.max_submission_ms = 1e6, .first_groups = 16, .get = test::faulty_get});
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
   const GBuffer gbuffer = test::bumpy_gbuffer(64, 48, 5);
@@ -249,7 +249,7 @@ TEST(Vulkan, CutsNoFrameThatIsShort) {
     ASSERT_TRUE(run(*gpu, "lighting", *frame));
     ASSERT_TRUE(run(*gpu, "gaussian", *frame));
     ASSERT_TRUE(gpu->download(*frame, {"ao"}));
-    // Of the first its passes' times are not known.
+    // The times of the first picture's dispatches are unknown.
     if (picture == 0)
       EXPECT_GT(faulty().faults.submits - before, 3);
     else
@@ -257,23 +257,23 @@ TEST(Vulkan, CutsNoFrameThatIsShort) {
   }
 }
 
-TEST(Vulkan, TellsWhatPassesTook) {
+TEST(Vulkan, ReportsTheTimeOfDispatches) {
   Device* const gpu = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(gpu);
-  gpu->take_pass_times();
+  gpu->take_dispatch_times();
   auto frame = lit_frame(*gpu, test::bumpy_gbuffer(256, 256, 5));
   ASSERT_TRUE(frame);
   ASSERT_TRUE(run(*gpu, "gaussian", *frame));
   ASSERT_TRUE(gpu->finish());
-  const auto times = gpu->take_pass_times();
+  const auto times = gpu->take_dispatch_times();
   ASSERT_GE(times.size(), 3u);
-  for (const PassTime& time : times) {
+  for (const DispatchTime& time : times) {
     EXPECT_EQ(time.effect, &time == &times[0] ? "lighting" : "gaussian");
-    EXPECT_FALSE(time.pass.empty());
+    EXPECT_FALSE(time.dispatch.empty());
     EXPECT_GT(time.ms, 0.0);
     EXPECT_LT(time.ms, 10000.0);
   }
-  EXPECT_TRUE(gpu->take_pass_times().empty());
+  EXPECT_TRUE(gpu->take_dispatch_times().empty());
 }
 
 TEST(Vulkan, AThousandFramesTakeNoMoreMemoryThanTen) {
@@ -297,11 +297,11 @@ TEST(Vulkan, AThousandFramesTakeNoMoreMemoryThanTen) {
   EXPECT_EQ(vulkan_memory(*gpu).host_bytes, after_ten.host_bytes);
 }
 
-TEST(Vulkan, GivesBackWhatOtherSizesTook) {
+TEST(Vulkan, ReleasesMemoryOfOtherSizes) {
   const auto gpu = faulty_device();
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
-  // Each size takes 90 MiB and more; kept whole they would be over 900.
+  // Each size takes at least 90 MiB; if all were kept, they would take over 900.
   for (int side = 1400; side < 1500; side += 10) {
     GBuffer gbuffer = test::empty_gbuffer(side, side);
     for (int k = 0; k < 12; ++k) gbuffer.layers[0].add(fmt::format("plane{}", k)) = Plane(side, side, float(k));
@@ -328,10 +328,10 @@ TEST(Vulkan, KeepsCompiledKernels) {
   UMBRAGE_NEEDS_VULKAN(use());
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(inner)) files.push_back(entry.path());
-  ASSERT_EQ(files.size(), 1u);  // and none left beside it
+  ASSERT_EQ(files.size(), 1u);  // and no temporary file is left
   const auto whole = read_pipelines(files[0]);
   ASSERT_FALSE(whole.empty());
-  // Cut short, changed, or not ours at all: read as nothing, and written anew by who uses it.
+  // Truncated, changed, or foreign: ignored, and rewritten by the next device.
   const std::string bytes = test::text_of(files[0]);
   std::string changed = bytes;
   changed.back() = char(~changed.back());
@@ -346,7 +346,7 @@ TEST(Vulkan, KeepsCompiledKernels) {
 }
 
 TEST(Vulkan, ValidationLooksOn) {
-  // Two mistakes, one of synchronization: tests that ask for silence would hear them.
+  // Two mistakes, one of them in synchronization: tests that expect no messages would see both.
   std::vector<std::string> heard;
   const auto instance = make_instance(nullptr, [&](std::string_view message) { heard.emplace_back(message); });
   if (!instance && std::getenv("CI")) FAIL() << instance.error().message;
@@ -364,17 +364,17 @@ TEST(Vulkan, ValidationLooksOn) {
   const auto buffer = (*commands)->buffer();
   ASSERT_TRUE(buffer);
   (*gpu)->vk.CmdFillBuffer(*buffer, (*plane)->buffer, (*plane)->offset, 1024, 1);
-  (*gpu)->vk.CmdFillBuffer(*buffer, (*plane)->buffer, (*plane)->offset, 1024, 2);  // without a barrier between
+  (*gpu)->vk.CmdFillBuffer(*buffer, (*plane)->buffer, (*plane)->offset, 1024, 2);  // without a barrier in between
   ASSERT_EQ(heard.size(), 1u);
   EXPECT_NE(heard[0].find("SYNC-HAZARD-WRITE-AFTER-WRITE"), std::string::npos) << heard[0];
   (*commands)->barrier();
   (*gpu)->vk.CmdFillBuffer(*buffer, (*plane)->buffer, (*plane)->offset, 1024, 3);
   EXPECT_EQ(heard.size(), 1u);
-  (*gpu)->vk.CmdFillBuffer(*buffer, (*plane)->buffer, 1, 1024, 3);  // not aligned
+  (*gpu)->vk.CmdFillBuffer(*buffer, (*plane)->buffer, 1, 1024, 3);  // misaligned
   EXPECT_GT(heard.size(), 1u);
 }
 
-// ---- what goes wrong ----
+// ---- errors ----
 
 TEST(Vulkan, SaysWhatIsMissing) {
   if (!test::start_faulty()) {
@@ -390,10 +390,10 @@ TEST(Vulkan, SaysWhatIsMissing) {
     return error_of(make_vulkan_device(settings, make_cpu_device()));
   };
   faulty().faults.loader_version = VK_API_VERSION_1_1;
-  EXPECT_NE(message({.get = test::faulty_get}).find("1.2 is needed"), std::string::npos);
+  EXPECT_NE(message({.get = test::faulty_get}).find("1.2 is required"), std::string::npos);
   faulty().faults = {};
   faulty().faults.device_version = VK_API_VERSION_1_1;
-  EXPECT_NE(message({.get = test::faulty_get}).find("lacks Vulkan 1.2 (its driver has 1.1)"), std::string::npos);
+  EXPECT_NE(message({.get = test::faulty_get}).find("lacks Vulkan 1.2 (its driver supports 1.1)"), std::string::npos);
   const auto listed = vulkan_gpus({.get = test::faulty_get});
   ASSERT_TRUE(listed);
   EXPECT_FALSE(listed->front().usable);
@@ -441,7 +441,7 @@ TEST(Vulkan, WorksOnAfterAWaitThatFailed) {
       EXPECT_EQ(image.error().kind, ErrorKind::kDevice);
     }
   }
-  // Where nothing is known of what was handed over, the device is asked for nothing more.
+  // If the state of submitted work is unknown, the device gets no more work.
   faulty().faults.wait = faulty().faults.idle = VK_ERROR_OUT_OF_HOST_MEMORY;
   auto frame = gpu->upload(gbuffer);
   ASSERT_TRUE(frame);
@@ -468,7 +468,7 @@ TEST(Vulkan, TooLittleMemoryIsAnError) {
     EXPECT_EQ(image.error().kind, ErrorKind::kDevice);
     EXPECT_NE(image.error().message.find("memory"), std::string::npos);
   }
-  // And it works again with what there is.
+  // It works again with the available memory.
   faulty().faults.memory_left = std::uint64_t(64) << 20;
   const auto frame = lit_frame(*gpu, small);
   ASSERT_TRUE(frame) << frame.error().message;
@@ -477,7 +477,7 @@ TEST(Vulkan, TooLittleMemoryIsAnError) {
 
 TEST(Vulkan, APictureLargerThanTheDeviceAllowsIsAnError) {
   if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
-  faulty().faults.largest_allocation = 8 << 20;
+  faulty().faults.max_allocation = 8 << 20;
   const auto gpu = test::new_vulkan_device({.get = test::faulty_get});
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;

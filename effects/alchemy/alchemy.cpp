@@ -12,24 +12,25 @@ namespace umbrage {
 namespace {
 
 const std::vector<Parameter> kTable = {
-    int_row("samples", &AlchemyParams::samples, {.initial = 12, .min = 1, .max = kAlchemyMostSamples},
+    int_row("samples", &AlchemyParams::samples, {.initial = 12, .min = 1, .max = kAlchemyMaxSamples},
             "points of the disc per pixel"),
     int_row("turns", &AlchemyParams::turns, {.initial = 7, .min = 1, .max = 255},
-            "turns of the spiral on which the points lie; best without a divisor in common with `samples`"),
+            "turns of the spiral of points; best coprime to `samples`"),
     radius_row("radius", &AlchemyParams::radius,
-               "radius of the disc, in scene units or as a share of the scene's radius"),
-    choice_row("formula", &AlchemyParams::formula, 0, {"alchemy", "scalable"},
-               "alchemy: what is far counts less, at any distance; scalable: nothing beyond the radius counts"),
+               "radius of the disc, in scene units or in percent of the bounding-sphere radius"),
+    choice_row(
+        "formula", &AlchemyParams::formula, 0, {"alchemy", "scalable"},
+        "alchemy: distant occluders count less, without a limit; scalable: occluders beyond the radius do not count"),
     real_row("strength", &AlchemyParams::strength, {.initial = 0.4, .max = 100},
-             "factor of the obscurance, for a radius of 1"),
-    real_row("contrast", &AlchemyParams::contrast, {.initial = 1, .min = 0.01, .max = 100}, "power of the result"),
+             "factor of the obscurance, with lengths in radii"),
+    real_row("contrast", &AlchemyParams::contrast, {.initial = 1, .min = 0.01, .max = 100}, "exponent of the result"),
     real_row("bias", &AlchemyParams::bias, {.initial = 1e-4, .max = 1},
-             "share of the depth by which a point must rise over the surface's plane to count"),
+             "height above the surface's plane from which on a point occludes, as a fraction of the depth"),
     real_row("epsilon", &AlchemyParams::epsilon, {.initial = 1e-4, .min = 1e-8, .max = 1},
-             "added to the squared distance, in squared radii, against division by 0"),
+             "added to the squared distance to avoid division by 0, in squared radii"),
 };
 
-// A tap that falls into the next pixel may add a large term: two quanta.
+// A tap that rounds into the next pixel may add a large term: up to two quanta.
 constexpr double kQuantum = 0.5;
 
 void fill_constants(const AlchemyParams& params, const PictureInfo& info, AlchemyConstants& c) {
@@ -40,13 +41,14 @@ void fill_constants(const AlchemyParams& params, const PictureInfo& info, Alchem
   c.reach = c.radius / column;
   c.rows = -column / row;
   c.scalable = params.formula;
-  // [2011]: 2 sigma / s. [2012]: 5 sigma / (r^6 s), of which the kernel has r^-6. Both are for metres: one radius more.
+  // [2011]: 2 sigma / s. [2012]: 5 sigma / (r^6 s); the kernel applies r^-6. Both formulas are for metres; the extra
+  // factor of the radius makes the strength independent of the unit.
   c.factor = (c.scalable ? 5.0f : 2.0f) * params.strength * c.radius / float(params.samples);
   c.contrast = params.contrast;
   c.bias = params.bias;
   c.epsilon = params.epsilon * c.radius2;
   for (int i = 0; i < params.samples; ++i) {
-    // [McGuire et al. 2012], equation 4: a spiral; by the square root all parts of the disc are alike, as in [2011].
+    // [McGuire et al. 2012], equation 4: a spiral. The square root makes the points uniform in the disc, as in [2011].
     const double share = (i + 0.5) / params.samples, angle = 2.0 * std::numbers::pi * share * params.turns;
     const double length = c.scalable ? share : std::sqrt(share);
     c.points[2 * i] = float(length * std::cos(angle));
@@ -59,13 +61,13 @@ void fill_constants(const AlchemyParams& params, const PictureInfo& info, Alchem
 Effect effect_alchemy() {
   return occlusion_effect<fill_constants>(
       kTable, {.name = "alchemy",
-               .summary = "points in a disc: darker by how high what they see stands over the surface",
+               .summary = "sample points in a disc: darker the higher they lie above the surface's plane",
                .source = "McGuire et al. 2011",
                .set_radius = set_radius_of<&AlchemyParams::radius>,
                .tunable = {"samples", "strength", "contrast", "bias"},
                .variants = {"", "samples=32 turns=13", "formula=scalable samples=11 strength=0.3"},
                .quantum = kQuantum,
-               .passes = {sampling_pass(alchemy_kernel())}});
+               .dispatches = {sampling_dispatch(alchemy_kernel())}});
 }
 
 }  // namespace umbrage

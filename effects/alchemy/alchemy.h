@@ -1,32 +1,32 @@
-// What a person sets of `alchemy`, and what its kernel reads. Shared by C++ and GLSL: 4-byte scalars only.
+// Parameters and kernel constants of `alchemy`. Shared by C++ and GLSL: 4-byte scalars only.
 #ifndef UMBRAGE_EFFECTS_ALCHEMY_H
 #define UMBRAGE_EFFECTS_ALCHEMY_H
 #include "core/length.h"
 
-// One row of the table in alchemy.cpp per field.
+// Each field has one row in the parameter table of alchemy.cpp.
 struct AlchemyParams {
   int samples;
   int turns;
-  Length radius;   // scene units or share of the scene's radius
+  Length radius;   // scene units, or percent of the bounding-sphere radius
   int formula;     // 0 alchemy, 1 scalable
-  float strength;  // sigma, times the radius
-  float contrast;  // the power k
-  float bias;      // beta: share of the depth
-  float epsilon;   // share of the radius's square
+  float strength;  // sigma, for lengths in radii
+  float contrast;  // the exponent k
+  float bias;      // beta, fraction of the depth
+  float epsilon;   // in squared radii
 };
 
-const int kAlchemyMostSamples = 256;
+const int kAlchemyMaxSamples = 256;
 
 struct AlchemyConstants {
   int samples;
   float radius, radius2;  // scene units
-  float reach;            // columns that the radius is wide at depth 1, or at any in an orthographic picture
-  float rows;             // rows that one column's width is, below 0
+  float reach;            // radius in columns at depth 1; at any depth in an orthographic picture
+  float rows;             // rows per column width, < 0
   int scalable;           // 0 or 1
-  float factor;           // of the sum
+  float factor;           // factor of the sum
   float contrast, bias;
-  float epsilon;                          // scene units squared
-  float points[2 * kAlchemyMostSamples];  // x, y of each sample in the unit disc
+  float epsilon;                         // scene units squared
+  float points[2 * kAlchemyMaxSamples];  // x, y of each sample in the unit disc
 };
 
 #endif

@@ -1,23 +1,23 @@
-// Obscurance by points in a disc: each surface point that is seen there adds how high it stands over the pixel's plane,
-// by its distance. Based on [McGuire et al. 2011], equation 10, and on the falloff of [McGuire et al. 2012],
+// Obscurance from sample points in a disc: the visible surface at each of them adds its height above the pixel's plane,
+// weighted by distance. Based on [McGuire et al. 2011], equation 10, and on the falloff of [McGuire et al. 2012],
 // equation 2.
 //
-// Positions use operations alone that round alike on every machine.
+// Positions are computed only with operations that round identically on every machine.
 IN_REAL(depth)
 IN_VECTOR(normal)
 OUT_REAL(ao)
 
 #include "kernel/angles.kernel.h"
 
-// Cosine and sine of the pixel's own turn of the points: [McGuire et al. 2012], "Sample pattern", 10 (3x ^ y + xy)
-// radians.
+// Returns the cosine and sine of the pixel's rotation of the points: [McGuire et al. 2012], "Sample pattern",
+// 10 (3x ^ y + xy) radians.
 FN Vec2 turn_at(Int px, Int py) {
   Uint x = to_uint(px);
   Uint y = to_uint(py);
   return direction_of_turn(share_of_one(((x * Uint(3u)) ^ (y + x * y)) * Uint(0x976fc894u)));
 }
 
-FN Real open_at(Int px, Int py, Real depth) {
+FN Real visibility_at(Int px, Int py, Real depth) {
   Vec3 position = view_position(px, py, depth);
   Vec3 normal = unit_normal(near_normal(0, 0), position);
   Vec2 turn = turn_at(px, py);
@@ -40,7 +40,7 @@ FN Real open_at(Int px, Int py, Real depth) {
       Real within = max(1.0f - squared / C.radius2, Real(0.0f));
       term = term * (within * within * within);
     }
-    // Differs: nothing where there is no surface, or where sums would be no numbers.
+    // Differs: taps add nothing on the background, or where the sum would not be finite.
     sum = sum + select(is_surface(tap) && squared < 1e30f, term, Real(0.0f));
   }
   Real open = max(mad(sum, Real(-C.factor), Real(1.0f)), Real(0.0f));
@@ -50,4 +50,4 @@ FN Real open_at(Int px, Int py, Real depth) {
 
 #include "kernel/occlusion.kernel.h"
 
-FN void alchemy_pixel(Int px, Int py) { store_open(px, py); }
+FN void alchemy_pixel(Int px, Int py) { store_visibility(px, py); }

@@ -1,4 +1,4 @@
-// `alchemy` against its paper's formula, ported literally in double, and on planes.
+// Tests `alchemy` against the formulas of the papers, ported literally in double, and on planes.
 #include "effects/alchemy/alchemy.h"
 
 #include <gtest/gtest.h>
@@ -16,13 +16,14 @@ namespace {
 
 using namespace test;
 
+/// Returns `ao` of a pixel by the formula of the paper.
 double listing(const GBuffer& g, const AlchemyConstants& c, const AlchemyParams& params, double radius, int x, int y) {
   const glm::dvec3 at = position(g, x, y), n = normal(g, x, y);
   const Camera& camera = g.info.camera;
   const double spread = camera.projection == Projection::kOrthographic ? 1.0 : -at.z;
   const double reach = radius / (spread * (double(camera.right) - camera.left) / g.info.width);
   const unsigned hash = ((3u * unsigned(x)) ^ (unsigned(y) + unsigned(x) * unsigned(y)));
-  const double angle = 10.0 * hash + std::numbers::pi;  // ours counts from half a turn
+  const double angle = 10.0 * hash + std::numbers::pi;  // the kernel counts from half a turn
   double sum = 0.0;
   for (int i = 0; i < params.samples; ++i) {
     const double px = c.points[2 * i], py = c.points[2 * i + 1];
@@ -40,7 +41,7 @@ double listing(const GBuffer& g, const AlchemyConstants& c, const AlchemyParams&
   return std::pow(std::max(0.0, a), double(params.contrast));
 }
 
-TEST(Alchemy, BothFormulasAreTheirPapers) {
+TEST(Alchemy, BothFormulasMatchThePapers) {
   const Effect& effect = *find_effect("alchemy");
   for (const bool orthographic : {false, true})
     for (const Settings& more : {Settings{}, Settings{{"formula", "scalable"}, {"bias", "0"}},

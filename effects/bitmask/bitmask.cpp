@@ -18,64 +18,65 @@
 namespace umbrage {
 namespace {
 
-constexpr float kOpenness = 0.7f;  // of ambient light, where nobody has measured it: typical of a room
+constexpr float kAssumedVisibility =
+    0.7f;  // visibility of ambient light that the first round assumes: typical of a room
 
-// Share of an occluder's distance that it is thick, by how many layers are looked through: least error over the
-// built-in scenes, the bunny and Sponza with 1, 2 and 4 of them. Further layers leave less to be guessed.
-constexpr float kSlopeAlways = 0.4f, kSlopeOfOne = 0.4f;
+// Automatic `slope` with n depth layers: kSlopeBase + kSlopeOverLayers / n. Fitted for the min error over the built-in
+// scenes, the bunny and Sponza with 1, 2 and 4 layers. With more layers, less thickness has to be assumed.
+constexpr float kSlopeBase = 0.4f, kSlopeOverLayers = 0.4f;
 
 const std::vector<Parameter> kTable = {
     int_row("slices", &BitmaskParams::slices, {.initial = 2, .min = 1, .max = 64},
-            "planes through the line of sight in which occluders are sought"),
+            "planes through the view ray in which occluders are searched"),
     int_row("steps", &BitmaskParams::steps, {.initial = 8, .min = 1, .max = 512},
-            "depths that are read along each side of a slice"),
+            "depth taps along each side of a slice"),
     choice_row("distribution", &BitmaskParams::distribution, kBitmaskStep15, {"1", "1.5", "2", "3"},
-               "power of the steps' distances: the higher, the more of them lie near the pixel"),
+               "exponent of the steps' distances: higher values put more steps near the pixel"),
     radius_row("radius", &BitmaskParams::radius,
-               "how far away occluders are sought, in scene units or as a share of the scene's radius"),
-    choice_row(
-        "mode", &BitmaskParams::mode, 0, {"thick", "infinite", "layers"},
-        "where occluders end in depth: at their assumed thickness, nowhere, or at the next depth layer, of which "
-        "each occludes by itself, and at the assumed thickness at the latest"),
+               "search radius for occluders, in scene units or in percent of the bounding-sphere radius"),
+    choice_row("mode", &BitmaskParams::mode, 0, {"thick", "infinite", "layers"},
+               "where occluders end in depth: at the assumed thickness, never, or at the next depth layer (each layer "
+               "occludes by itself) but at the assumed thickness at the latest"),
     real_row("thickness", &BitmaskParams::thickness, {.initial = 0.05, .max = 100},
              "assumed thickness of occluders, in radii"),
-    real_row("slope", &BitmaskParams::slope, {.max = 100, .zero_means = "automatic"},
-             "assumed thickness of occluders as a share of their distance; the larger of the two holds"),
+    real_row(
+        "slope", &BitmaskParams::slope, {.max = 100, .zero_means = "automatic"},
+        "assumed thickness of occluders, relative to their distance; the larger of `thickness` and `slope` is used"),
     choice_row(
         "measure", &BitmaskParams::measure, 0, {"exact", "uniform", "sectors"},
-        "what a bit of a slice is: an equal share of cosine-weighted directions, an equal angle, or an equal step of "
-        "the sine of the angle to the normal"),
+        "what a bit of a slice covers: an equal part of the cosine-weighted directions, an equal angle, or an equal "
+        "step of the sine of the angle to the normal"),
     real_row("falloff", &BitmaskParams::falloff, {.max = 1},
-             "mode infinite: the last share of the radius, over which occluders fade"),
+             "mode infinite: outer fraction of the radius over which occluders fade out"),
     choice_row("noise", &BitmaskParams::noise, kBitmaskTile, {"hilbert", "tile", "hash", "none"},
-               "what turns slices and moves steps from pixel to pixel: a sequence along a Hilbert curve, a tile of 4x4 "
-               "pixels, a hash, or nothing"),
+               "noise that rotates slices and offsets steps per pixel: a sequence along a Hilbert curve, a tile of 4x4 "
+               "pixels, a hash, or none"),
     int_row("frame", &BitmaskParams::frame, {.max = 65535},
-            "number of the picture among several that are averaged: each has other noise"),
-    bool_row("mips", &BitmaskParams::mips, false, "read what is far away in the picture from smaller copies of it"),
+            "sample index among several pictures that are averaged; each has different noise"),
+    bool_row("mips", &BitmaskParams::mips, false, "read distant taps from downsampled copies of the depth"),
     choice_row("border", &BitmaskParams::border, 0, {"skip", "open"},
-               "what lies outside the picture: left out of the count, or open"),
-    bool_row("bent", &BitmaskParams::bent, false, "write the plane `bent` as well: the mean of the open directions"),
+               "taps outside the picture: left out of the estimate, or open"),
+    bool_row("bent", &BitmaskParams::bent, false, "also write the plane `bent`, the mean unoccluded direction"),
     real_row("bleeding", &BitmaskParams::bleeding, {.max = 100, .zero_means = "off"},
-             "factor of the light that occluders reflect"),
+             "factor of the indirect light from occluders"),
     real_row("ambient_bounce", &BitmaskParams::ambient_bounce, {.initial = 1, .max = 10},
-             "factor of the ambient light that surfaces send on"),
+             "factor of the ambient light that surfaces reflect"),
     int_row("bounces", &BitmaskParams::bounces, {.initial = 1, .min = 1, .max = 16},
-            "how often light is reflected: 1, or more with what arrived the time before"),
+            "number of bounces; each reflects the indirect light of the one before"),
     int_row("layers", &BitmaskParams::layers, {.max = kLayersRead, .zero_means = "all"},
-            "mode layers: depth layers in which occluders are sought, of those that were captured"),
+            "mode layers: number of captured depth layers in which occluders are searched"),
 };
 
-// One tap of one, the fewest, may cover the whole slice: two quanta.
+// With one tap, that tap may cover the whole slice: up to two quanta.
 constexpr double kQuantum = 0.5;
 
-/// The layers of the first camera, nearest first, and those that show their other side.
+/// Fills in the layers of the first camera, nearest first, and for each the layer that shows its back sides, or -1.
 void fill_layers(const BitmaskParams& params, const PictureInfo& info, BitmaskConstants& c) {
   const int there = std::min(int(info.more_layers.size()) + 1, kLayersRead);
-  const int most = params.mode != kBitmaskLayers ? 1 : params.layers > 0 ? params.layers : kLayersRead;
+  const int max = params.mode != kBitmaskLayers ? 1 : params.layers > 0 ? params.layers : kLayersRead;
   const auto info_of = [&](int layer) -> const LayerInfo& { return info.more_layers[std::size_t(layer) - 1]; };
-  int behind = 0;  // the layer that the next one must be behind of
-  for (int layer = 0; layer < there && c.layer_count < most; ++layer) {
+  int behind = 0;  // the layer that the next one must be behind
+  for (int layer = 0; layer < there && c.layer_count < max; ++layer) {
     if (layer > 0 && (info_of(layer).kind != LayerKind::kBehind || info_of(layer).of != behind)) continue;
     behind = layer;
     const int i = c.layer_count++;
@@ -86,10 +87,10 @@ void fill_layers(const BitmaskParams& params, const PictureInfo& info, BitmaskCo
   }
 }
 
-/// As many levels, up to the most, as fit into one plane of the picture's size below each other.
+/// Chooses as many mip levels, up to kBitmaskMaxMips, as fit below each other into one plane of the picture's size.
 void fill_mips(const PictureInfo& info, BitmaskConstants& c) {
-  for (int levels = kBitmaskMostMips; levels > 0; --levels) {
-    const int multiple = 1 << (levels - 1);  // so that every level begins at a whole row
+  for (int levels = kBitmaskMaxMips; levels > 0; --levels) {
+    const int multiple = 1 << (levels - 1);  // every level begins at an integer row
     const int rows = (info.height / 2 + multiple - 1) / multiple * multiple;
     if (2 * rows - rows / multiple > info.height || info.width >> levels == 0 || info.height >> levels == 0) continue;
     c.mip_levels = levels;
@@ -107,7 +108,7 @@ void fill_constants(const BitmaskParams& params, const PictureInfo& info, Bitmas
   c.turn_cos = float(std::cos(turn));
   c.turn_sin = float(std::sin(turn));
   c.one_over_slices = 1.0f / float(params.slices);
-  c.radius = std::clamp(absolute_length(params.radius, info.scene_radius), 1e-15f, 1e15f);  // its square stays a number
+  c.radius = std::clamp(absolute_length(params.radius, info.scene_radius), 1e-15f, 1e15f);  // its square stays finite
   c.radius2 = c.radius * c.radius;
   const float column = info.pixel_width(), row = -info.pixel_height();
   c.reach = c.radius / column;
@@ -119,7 +120,7 @@ void fill_constants(const BitmaskParams& params, const PictureInfo& info, Bitmas
   c.falloff = params.falloff;
   c.fade = params.falloff > 0.0f ? 1.0f / (c.radius * params.falloff) : 0.0f;
   c.noise = params.noise;
-  // The golden ratio's three-dimensional sequence [Roberts 2018].
+  // The three-dimensional golden-ratio sequence [Roberts 2018].
   const auto share = [&](double step) { return float(std::fmod(step * params.frame, 1.0)); };
   c.frame_turn = share(0.8191725133961644);
   c.frame_step = share(0.6710436067037893);
@@ -128,9 +129,9 @@ void fill_constants(const BitmaskParams& params, const PictureInfo& info, Bitmas
   if (params.mips && params.mode != kBitmaskLayers) fill_mips(info, c);
   c.bleeding = params.bleeding;
   c.ambient_bounce = params.ambient_bounce;
-  c.openness = kOpenness;
+  c.assumed_visibility = kAssumedVisibility;
   fill_layers(params, info, c);
-  c.slope = params.slope > 0.0f ? params.slope : kSlopeAlways + kSlopeOfOne / float(std::max(c.layer_count, 1));
+  c.slope = params.slope > 0.0f ? params.slope : kSlopeBase + kSlopeOverLayers / float(std::max(c.layer_count, 1));
 }
 
 bool has_mips(const ParameterBytes& bytes) {
@@ -142,7 +143,7 @@ bool bends(const ParameterBytes& bytes) { return as<BitmaskParams>(bytes).bent !
 bool through_layers(const ParameterBytes& bytes) {
   return as<BitmaskParams>(bytes).mode == kBitmaskLayers && !bleeds(bytes) && !bends(bytes);
 }
-/// One highest occluder a side says all.
+/// Returns whether the highest occluder on each side of a slice determines the result.
 bool by_horizon(const ParameterBytes& bytes) {
   const auto& params = as<BitmaskParams>(bytes);
   return params.mode == kBitmaskInfinite && params.measure == kBitmaskExact && !bleeds(bytes) && !bends(bytes);
@@ -166,11 +167,14 @@ Planes sent_inputs() {
                 {"albedo.r", "albedo.g", "albedo.b", "indirect.r", "indirect.g", "indirect.b", "ao"});
 }
 
-Planes sending_planes() { return of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"}); }
+Planes outgoing_light_planes() {
+  return of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"});
+}
 
-/// A pass that seeks occluders in these planes, anywhere in the picture, and writes `ao` and perhaps more.
-Pass search_pass(std::string_view name, const Kernel& kernel, bool (*needed)(const ParameterBytes&), const Planes& seen,
-                 const Planes& more_outputs = {}) {
+/// Returns a dispatch that searches occluders in the planes `seen`, anywhere in the picture, and writes `ao` and
+/// `more_outputs`.
+Dispatch search_dispatch(std::string_view name, const Kernel& kernel, bool (*needed)(const ParameterBytes&),
+                         const Planes& seen, const Planes& more_outputs = {}) {
   return {.name = name,
           .inputs = joined(seen, {"normal.x", "normal.y", "normal.z", "bitmask_mips"}),
           .outputs = joined({"ao"}, more_outputs),
@@ -178,7 +182,7 @@ Pass search_pass(std::string_view name, const Kernel& kernel, bool (*needed)(con
           .needed = needed,
           .tile = kSquareTile,
           .reach = own_row,
-          .far_inputs = joined(seen, {"bitmask_mips"})};
+          .unbounded_inputs = joined(seen, {"bitmask_mips"})};
 }
 
 }  // namespace
@@ -188,7 +192,7 @@ Effect effect_bitmask() {
       kTable,
       {.name = "bitmask",
        .summary =
-           "slices of the hemisphere by 32 bits of equal weight: the closest to the truth; light that occluders send",
+           "slices of the hemisphere as 32 bits of equal weight: the most accurate technique; also indirect light",
        .source = "Therrien et al. 2023",
        .set_radius = set_radius_of<&BitmaskParams::radius>,
        .noise = "frame",
@@ -197,24 +201,24 @@ Effect effect_bitmask() {
                     "measure=uniform slope=0.01 thickness=1", "mode=infinite falloff=0.6", "mode=layers", "bleeding=1",
                     "mode=layers bleeding=1"},
        .quantum = kQuantum,
-       .passes = {{.name = "mips",
-                   .inputs = {"depth"},
-                   .outputs = {"bitmask_mips"},
-                   .kernel = bitmask_mips_kernel(),
-                   .needed = has_mips},
-                  {.name = "sent",
-                   .inputs = sent_inputs(),
-                   .outputs = packed_planes(),
-                   .kernel = bitmask_sent_kernel(),
-                   .needed = bleeds,
-                   .reach = own_row},
-                  search_pass("horizon", bitmask_horizon_kernel(), by_horizon, {"depth"}),
-                  search_pass("occlusion", bitmask_occlusion_kernel(), by_bits, {"depth"}),
-                  search_pass("layers", bitmask_layers_kernel(), through_layers, of_all_layers({"depth"})),
-                  search_pass("bleeding", bitmask_bleeding_kernel(), bleeds, sending_planes(),
-                              {"indirect.r", "indirect.g", "indirect.b"}),
-                  search_pass("bent", bitmask_bent_kernel(), bends, of_all_layers({"depth"}),
-                              {"bent.x", "bent.y", "bent.z"})},
+       .dispatches = {{.name = "mips",
+                       .inputs = {"depth"},
+                       .outputs = {"bitmask_mips"},
+                       .kernel = bitmask_mips_kernel(),
+                       .needed = has_mips},
+                      {.name = "sent",
+                       .inputs = sent_inputs(),
+                       .outputs = packed_planes(),
+                       .kernel = bitmask_sent_kernel(),
+                       .needed = bleeds,
+                       .reach = own_row},
+                      search_dispatch("horizon", bitmask_horizon_kernel(), by_horizon, {"depth"}),
+                      search_dispatch("occlusion", bitmask_occlusion_kernel(), by_bits, {"depth"}),
+                      search_dispatch("layers", bitmask_layers_kernel(), through_layers, of_all_layers({"depth"})),
+                      search_dispatch("bleeding", bitmask_bleeding_kernel(), bleeds, outgoing_light_planes(),
+                                      {"indirect.r", "indirect.g", "indirect.b"}),
+                      search_dispatch("bent", bitmask_bent_kernel(), bends, of_all_layers({"depth"}),
+                                      {"bent.x", "bent.y", "bent.z"})},
        .rounds = rounds});
 }
 

@@ -1,4 +1,4 @@
-// For bitmask.kernel.h: occluders of all depth layers.
+// Definitions for bitmask.kernel.h: occluders in all depth layers.
 IN_LAYERS_REAL(depth)
 
 CONST bool kLayers = true;

@@ -1,13 +1,13 @@
-// Occlusion alone by occluders without an end in depth: of all that a side of a slice meets, what stands highest hides
-// all below it, so that directions are measured once a side. Based on [Jimenez et al. 2016], Algorithm 1, and its
-// equation 7; the arcs as in bitmask_measure.kernel.h.
+// Occlusion only, by occluders of infinite thickness: on each side of a slice, the highest occluder hides all
+// directions below it, so that one measurement per side suffices. Based on [Jimenez et al. 2016], Algorithm 1 and
+// equation 7; arcs as in bitmask_measure.kernel.h.
 #include "effects/bitmask/bitmask_no_light.kernel.h"
 #include "effects/bitmask/bitmask_not_bent.kernel.h"
 #include "effects/bitmask/bitmask_one_layer.kernel.h"
 
 #include "effects/bitmask/bitmask.kernel.h"
 
-// The higher of `highest` and the cosine of what a tap shows.
+// Returns the larger of `highest` and the cosine of the surface at a tap, faded by C.falloff.
 FN Real higher_of(Real highest, Side side, Way way, Real depth) {
   Real c = cosine_of(way);
   if (C.falloff > 0.0f) {
@@ -18,13 +18,13 @@ FN Real higher_of(Real highest, Side side, Way way, Real depth) {
   return select(is_near(way, depth), max(c, highest), highest);
 }
 
-// The directions of one side from the eye down to the cosine c.
-FN Real open_above(Real c, Real nv, Real nt) {
+// Returns the measure of the directions of one side from the view direction down to the cosine c.
+FN Real unoccluded_measure(Real c, Real nv, Real nt) {
   return mad(nv, mad(-c, c, Real(1.0f)), nt * (Real(1.57079633f) - arc(c)));
 }
 
-FN Real open_at(Int px, Int py, Real depth) {
-  Seen seen = seen_at(px, py, depth);
+FN Real visibility_at(Int px, Int py, Real depth) {
+  Seen seen = shaded_point_at(px, py, depth);
   Vec3 noise = noise_at(px, py);
   Vec2 direction = direction_of(noise.x);
   Real open_sum = Real(0.0f);
@@ -41,11 +41,11 @@ FN Real open_at(Int px, Int py, Real depth) {
       Real size = mip_size(off);
       Tap tap = tap_at(seen.from, slice.above, off, size, seen.near_border);
       Real shown = select(tap.inside, tap.depth, Real(0.0f));
-      above = higher_of(above, slice.above, way_to(seen.from, slice.above, tap.x, tap.y, shown), shown);
+      above = higher_of(above, slice.above, vector_to_tap(seen.from, slice.above, tap.x, tap.y, shown), shown);
       if (seen.near_border) inside_above = inside_above + select(tap.inside, Real(1.0f), Real(0.0f));
       tap = tap_at(seen.from, slice.below, off, size, seen.near_border);
       shown = select(tap.inside, tap.depth, Real(0.0f));
-      below = higher_of(below, slice.below, way_to(seen.from, slice.below, tap.x, tap.y, shown), shown);
+      below = higher_of(below, slice.below, vector_to_tap(seen.from, slice.below, tap.x, tap.y, shown), shown);
       if (seen.near_border) inside_below = inside_below + select(tap.inside, Real(1.0f), Real(0.0f));
     }
     Real nt = slice.sn * slice.projected;
@@ -55,10 +55,10 @@ FN Real open_at(Int px, Int py, Real depth) {
       share_above = inside_above * Real(C.one_over_steps);
       share_below = inside_below * Real(C.one_over_steps);
     }
-    open_sum = mad(open_above(above, seen.facing, nt), share_above,
-                   mad(open_above(below, seen.facing, -nt), share_below, open_sum));
-    whole_sum = mad(open_above(slice.above.low, seen.facing, nt), share_above,
-                    mad(open_above(slice.below.low, seen.facing, -nt), share_below, whole_sum));
+    open_sum = mad(unoccluded_measure(above, seen.facing, nt), share_above,
+                   mad(unoccluded_measure(below, seen.facing, -nt), share_below, open_sum));
+    whole_sum = mad(unoccluded_measure(slice.above.low, seen.facing, nt), share_above,
+                    mad(unoccluded_measure(slice.below.low, seen.facing, -nt), share_below, whole_sum));
     direction = Vec2(mad(direction.x, Real(C.turn_cos), direction.y * -C.turn_sin),
                      mad(direction.y, Real(C.turn_cos), direction.x * C.turn_sin));
   }
@@ -68,4 +68,4 @@ FN Real open_at(Int px, Int py, Real depth) {
 
 #include "kernel/occlusion.kernel.h"
 
-FN void bitmask_horizon_pixel(Int px, Int py) { store_open(px, py); }
+FN void bitmask_horizon_pixel(Int px, Int py) { store_visibility(px, py); }

@@ -1,4 +1,4 @@
-// Occlusion alone, by occluders of all depth layers.
+// Occlusion only, by occluders in all depth layers.
 #include "effects/bitmask/bitmask_all_layers.kernel.h"
 #include "effects/bitmask/bitmask_no_light.kernel.h"
 #include "effects/bitmask/bitmask_not_bent.kernel.h"

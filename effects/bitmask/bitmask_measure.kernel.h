@@ -1,19 +1,19 @@
-// How directions in a slice are measured. A slice is the plane through the line of sight V and a direction in the
-// picture; theta is a direction's angle from V in it, n that of the normal's projection, of length |n_p|. Directions
-// carry |sin theta| dtheta; their cosine to the normal is |n_p| cos(theta - n). On one side of V, with c = cos theta,
-// the measure from V to theta is
+// The measure of directions in a slice. A slice is the plane through the view ray V and a direction in the picture. In
+// it, theta is the angle of a direction from V, n the angle of the normal's projection, and |n_p| the projection's
+// length. Directions have the weight |sin theta| dtheta and the cosine |n_p| cos(theta - n) to the normal. On one side
+// of V, with c = cos theta, the measure from V to theta is
 //   A = (+-cos n (1 - c^2) + sin n (pi/2 - h(c))) / 2,   h(c) = asin c + c sqrt(1 - c^2),
-// so the cosine alone says which bit a direction belongs to. Based on [Therrien et al. 2023], whose bits are equal
+// so that the cosine alone determines the bit of a direction. Based on [Therrien et al. 2023], whose bits are equal
 // angles, and on the arcs of [Jimenez et al. 2016], equation 7.
 
-// h as an odd polynomial, with h(1) = pi/2; error below 0.0015, of a share of the slice below 0.0008.
+// Returns h as an odd polynomial with h(1) = pi/2. Error below 0.0015; below 0.0008 as a fraction of the slice.
 FN Real arc(Real c) {
   Real c2 = c * c;
   Real sum = mad(c2, mad(c2, Real(-0.21154887f), Real(0.21090476f)), Real(-0.43954378f));
   return c * mad(c2, sum, Real(2.0109842f));
 }
 
-// Error below 1e-4 [Abramowitz and Stegun 1964, 4.4.45].
+// Returns acos(c), radians. Error below 1e-4 [Abramowitz and Stegun 1964, 4.4.45].
 FN Real angle_of_cosine(Real c) {
   Real a = min(abs(c), Real(1.0f));
   Real sum = mad(a, mad(a, mad(a, Real(-0.0187293f), Real(0.0742610f)), Real(-0.2121144f)), Real(1.5707288f));

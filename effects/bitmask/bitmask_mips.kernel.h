@@ -1,14 +1,13 @@
-// Depth at a half to a 32nd of the picture's width and height, for taps far away: level l holds at (x, y) one depth for
-// 2^l x 2^l pixels. All levels lie in one plane below each other, at its left border. Based on XeGTAO's "prefilter
-// depths" [XeGTAO]: of four depths the farthest counts, and what is close to it is averaged, so that thin things do not
-// grow.
+// Depth at 1/2 to 1/32 of the picture's width and height, for distant taps: a pixel of level l holds one depth for
+// 2^l x 2^l pixels. All levels are in one plane, below each other at its left border. Based on "prefilter depths" of
+// [XeGTAO]: of four depths, those close to the farthest are averaged, so that thin objects do not grow.
 //
-// Differs: four of the block's pixels, symmetrical about its centre, are read at every level. On a plane their mean is
-// never nearer than the centre, and so nothing there occludes.
+// Differs: every level reads four pixels of the full-resolution block, symmetrical about its centre. On a plane their
+// mean is never nearer than the centre, so that a plane does not occlude itself.
 IN_REAL(depth)
 OUT_REAL(bitmask_mips)
 
-CONST float kAverageWithin = 0.1f;  // of the radius
+CONST float kAverageWithin = 0.1f;  // in radii
 
 FN void bitmask_mips_pixel(Int px, Int py) {
   Int size = Int(2);

@@ -1,15 +1,15 @@
-// Which way each pixel's slices turn and how far its steps are moved along them: x the turn, as a share of the angle
-// between two slices; y the steps, z the bits' borders; all in [0, 1).
+// Noise per pixel: x rotates the slices, as a fraction of the angle between two slices; y offsets the steps along them;
+// z offsets the borders between bits. All in [0, 1).
 #include "kernel/angles.kernel.h"
 
-// How far along a Hilbert curve through 64 x 64 pixels a pixel lies: neighbours have neighbouring numbers.
+// Returns the index of a pixel along a Hilbert curve through 64 x 64 pixels. Pixels with adjacent indices are adjacent.
 FN Uint hilbert_index(Uint x, Uint y) {
   Uint index = Uint(0u);
   for (int level = 5; level >= 0; --level) {
     Uint right = (x >> level) & Uint(1u);
     Uint low = (y >> level) & Uint(1u);
     index = (index << 2) | ((right * Uint(3u)) ^ low);
-    // Of the next square: mirrored where this is the lower right one, and turned over unless it is low.
+    // The curve in a sub-square is mirrored if right = 1 and low = 0; x and y are swapped if low = 0.
     Uint mirrored = right & (low ^ Uint(1u));
     Uint mask = Uint(0u) - mirrored;
     Uint turned = Uint(0u) - (low ^ Uint(1u));
@@ -22,10 +22,11 @@ FN Uint hilbert_index(Uint x, Uint y) {
   return index;
 }
 
+// Returns the noise of a pixel for the sample index of this picture.
 FN Vec3 noise_at(Int px, Int py) {
   Vec3 noise = Vec3(Real(0.5f), Real(0.5f), Real(0.5f));
   if (C.noise == kBitmaskHilbert || C.noise == kBitmaskHash) {
-    // The golden ratio's three-dimensional sequence [Roberts 2018], along the curve: what lies together differs most.
+    // The three-dimensional golden-ratio sequence [Roberts 2018] along the curve: neighbours get very different values.
     Uint index = hilbert_index(to_uint(px) & Uint(63u), to_uint(py) & Uint(63u));
     Uint first = index * Uint(0xd1b54a33u);
     Uint second = index * Uint(0xabc98389u);
@@ -38,7 +39,7 @@ FN Vec3 noise_at(Int px, Int py) {
     noise = Vec3(share_of_one(first), share_of_one(second), share_of_one(third));
   }
   if (C.noise == kBitmaskTile) {
-    // Sixteen turns and sixteen steps in 4 x 4 pixels: what a filter as wide leaves nothing of.
+    // Sixteen rotations and sixteen offsets in 4 x 4 pixels: a filter of that width removes them entirely.
     Uint x = to_uint(px) & Uint(3u);
     Uint y = to_uint(py) & Uint(3u);
     Uint turn = (((x + y) & Uint(3u)) << 2) + x;

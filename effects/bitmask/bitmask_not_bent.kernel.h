@@ -1,3 +1,3 @@
-// For bitmask.kernel.h: the mean open direction is not asked for.
+// Definitions for bitmask.kernel.h: the mean unoccluded direction is not stored.
 CONST bool kBent = false;
 FN void store_bent(Vec3 bent) {}

@@ -1,4 +1,4 @@
-// Occlusion alone, by occluders of one depth layer.
+// Occlusion only, by occluders in the first depth layer.
 #include "effects/bitmask/bitmask_no_light.kernel.h"
 #include "effects/bitmask/bitmask_not_bent.kernel.h"
 #include "effects/bitmask/bitmask_one_layer.kernel.h"

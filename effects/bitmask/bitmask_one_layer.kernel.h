@@ -1,4 +1,4 @@
-// For bitmask.kernel.h: occluders of the first depth layer alone.
+// Definitions for bitmask.kernel.h: occluders in the first depth layer only.
 IN_REAL(depth)
 
 CONST bool kLayers = false;

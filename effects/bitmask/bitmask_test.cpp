@@ -1,5 +1,5 @@
-// `bitmask` against quadrature and closed forms: infinite walls at every tilt of the camera, corners, slabs, spheres,
-// the light of a wall; and what must not change it.
+// Tests `bitmask` against quadrature and closed forms: infinite walls at several tilts of the camera, corners, slabs,
+// spheres, the light of a wall; and its invariances.
 #include "effects/bitmask/bitmask.h"
 
 #include <gtest/gtest.h>
@@ -27,14 +27,15 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kRadian = kPi / 180.0;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// The nearest of some planes along a ray, as a depth buffer holds it.
+/// A plane, or a part of one.
 struct Wall {
   glm::dvec3 point, normal;
-  std::function<bool(glm::dvec3)> holds = [](glm::dvec3) { return true; };  ///< whether the plane reaches that far
+  /// Returns whether a point of the plane belongs to the wall.
+  std::function<bool(glm::dvec3)> holds = [](glm::dvec3) { return true; };
 };
 
 struct Ray {
-  glm::dvec3 origin, direction;  ///< direction.z is -1: its length counts depth
+  glm::dvec3 origin, direction;  ///< direction.z is -1, so that the parameter of the ray is view depth
 };
 
 Ray ray_of(const Camera& camera, int width, int height, int x, int y) {
@@ -44,7 +45,7 @@ Ray ray_of(const Camera& camera, int width, int height, int x, int y) {
   return {{0.0, 0.0, 0.0}, {u, v, -1.0}};
 }
 
-/// A G-buffer of walls given in view space.
+/// Returns a G-buffer of walls given in view space.
 GBuffer picture(int width, int height, const Camera& camera, const std::vector<Wall>& walls) {
   GBuffer g = test::empty_gbuffer(width, height);
   g.info.camera = camera;
@@ -67,26 +68,25 @@ GBuffer picture(int width, int height, const Camera& camera, const std::vector<W
   return g;
 }
 
-Camera camera_of(bool orthographic, double height_at_5, int width, int height) {
+Camera camera_of(bool orthographic, double height_at_depth_5, int width, int height) {
   const float aspect = float(width) / float(height);
-  if (orthographic) return orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, float(height_at_5), aspect);
-  return perspective_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, float(2.0 * std::atan(height_at_5 / 10.0) / kRadian),
-                            aspect);
+  if (orthographic) return orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, float(height_at_depth_5), aspect);
+  return perspective_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0},
+                            float(2.0 * std::atan(height_at_depth_5 / 10.0) / kRadian), aspect);
 }
 
 // ---- infinite walls
-// ------------------------------------------------------------------------------------------
 
-constexpr int kWide = 2049;     // the one pixel that is looked at lies in its middle
-constexpr double kAway = 5.0;   // depth of that pixel
-constexpr double kGap = 850.0;  // pixels around it in which there is nothing: at the taps beyond, one pixel is no angle
+constexpr int kWide = 2049;     // width and height; only the middle pixel is tested
+constexpr double kAway = 5.0;   // depth of the middle pixel
+constexpr double kGap = 850.0;  // radius of empty pixels around it; beyond, the angle of one pixel is negligible
 
-/// A surface through the middle pixel, seen at `tilt` from its normal, and a wall that rises from there at `elevation`.
-/// The camera looks toward it where `tilt` is above 0.
+/// Returns a G-buffer of a surface through the middle pixel, seen at `tilt` from its normal, and a wall that rises from
+/// there at `elevation`. The camera looks towards the wall if `tilt` > 0.
 GBuffer wall_picture(double elevation_deg, double tilt_deg, bool orthographic) {
   const double tilt = tilt_deg * kRadian, elevation = elevation_deg * kRadian;
-  // At right angles to the crease, x and the line of sight: the eye in the direction `tilt` from the normal, away from
-  // the wall, which is on the side +x.
+  // The crease is perpendicular to x and to the view ray. The camera is at `tilt` from the normal, away from the wall,
+  // which is on the side of +x.
   const glm::dvec3 normal(std::sin(tilt), 0.0, std::cos(tilt)), along(std::cos(tilt), 0.0, -std::sin(tilt));
   const glm::dvec3 up_the_wall = std::cos(elevation) * along + std::sin(elevation) * normal;
   const glm::dvec3 wall_normal = std::cos(elevation) * normal - std::sin(elevation) * along;
@@ -103,8 +103,8 @@ GBuffer wall_picture(double elevation_deg, double tilt_deg, bool orthographic) {
   return g;
 }
 
-/// What the kernels of the passes that these settings need write at the middle of the picture: one tile of 16 pixels is
-/// computed, not the whole picture.
+/// Returns the values of the planes `wanted` at the middle of the picture. Dispatches that gather compute only one tile
+/// of 16 pixels, not the whole picture.
 std::vector<double> at_middle(GBuffer& g, const Settings& settings, std::vector<std::string> wanted, bool scalar) {
   const Effect& effect = *find_effect("bitmask");
   const ParameterBytes params = test::parameters_of(effect, settings);
@@ -114,19 +114,19 @@ std::vector<double> at_middle(GBuffer& g, const Settings& settings, std::vector<
   const int width = g.info.width, height = g.info.height;
   Image& image = g.layers[0];
   std::vector<double> found(wanted.size());
-  Plane none(width, height, 0.0f), nowhere(width, height, kInfinity);  // of what the picture lacks
-  for (const Pass& pass : effect.passes) {
-    if (pass.needed && !pass.needed(params)) continue;
+  Plane none(width, height, 0.0f), nowhere(width, height, kInfinity);  // for planes that the picture lacks
+  for (const Dispatch& dispatch : effect.dispatches) {
+    if (dispatch.needed && !dispatch.needed(params)) continue;
     std::vector<KernelPlane> planes;
-    for (std::string_view name : pass.outputs)
+    for (std::string_view name : dispatch.outputs)
       if (!name.starts_with("layer")) image.add(name);
-    for (std::string_view name : pass.inputs) {
+    for (std::string_view name : dispatch.inputs) {
       const bool made = image.find(name) != nullptr;
       planes.push_back({name, made                      ? image.plane(name).data()
                               : name.ends_with("depth") ? nowhere.data()
                                                         : none.data()});
     }
-    for (std::string_view name : pass.outputs)
+    for (std::string_view name : dispatch.outputs)
       planes.push_back({name, name.starts_with("layer") ? nullptr : image.plane(name).data()});
     const FrameConstants frame = {.width = width,
                                   .height = height,
@@ -139,15 +139,15 @@ std::vector<double> at_middle(GBuffer& g, const Settings& settings, std::vector<
                                   .ray_offset_y = camera.top};
     const int m = height / 2, x0 = width / 2 / 16 * 16;
     const KernelFrame kernel_frame{frame, &constants, planes};
-    const bool gathers = pass.name != "mips" && pass.name != "sent";
+    const bool gathers = dispatch.name != "mips" && dispatch.name != "sent";
     const Tile tile = gathers ? Tile{x0, m, x0 + 16, m + 1} : Tile{0, 0, width, height};
-    (scalar ? pass.kernel.scalar : pass.kernel.lanes)(kernel_frame, tile);
+    (scalar ? dispatch.kernel.scalar : dispatch.kernel.lanes)(kernel_frame, tile);
   }
   for (std::size_t k = 0; k < wanted.size(); ++k) found[k] = image.plane(wanted[k]).at(width / 2, height / 2);
   return found;
 }
 
-/// The mean over jittered frames.
+/// Returns the mean over 8 sample indices.
 std::vector<double> mean_at_middle(GBuffer g, const Settings& settings, const std::vector<std::string>& wanted,
                                    bool scalar = false) {
   std::vector<double> sum(wanted.size(), 0.0);
@@ -162,8 +162,8 @@ std::vector<double> mean_at_middle(GBuffer g, const Settings& settings, const st
 const Settings kMany = {{"slices", "64"}, {"steps", "512"},   {"distribution", "3"}, {"mips", "off"},
                         {"radius", "2"},  {"border", "open"}, {"slope", "1e-6"},     {"thickness", "1e2"}};
 
-TEST(Bitmask, WallsAsTheirMeasuresHaveThem) {
-  // The table of the measures, by quadrature.
+TEST(Bitmask, WallsMatchTheMeasures) {
+  // The expected values are by quadrature.
   struct Row {
     double elevation_deg, tilt_deg, exact, uniform, sectors;
   };
@@ -180,7 +180,7 @@ TEST(Bitmask, WallsAsTheirMeasuresHaveThem) {
 }
 
 TEST(Bitmask, MeanOpenDirectionBesideAWall) {
-  // Of a quarter of a ball, by the cosine: 2/3 away from the wall, pi/3 along the normal.
+  // Cosine-weighted mean over a quarter of a sphere: 2/3 away from the wall, pi/3 along the normal.
   const double length = std::hypot(2.0 / 3.0, kPi / 3.0);
   for (const double tilt : {20.0, 45.0, 70.0}) {
     const auto bent =
@@ -210,7 +210,6 @@ TEST(Bitmask, LightOfAWallIsExact) {
 }
 
 // ---- planes
-// ------------------------------------------------------------------------------------------
 
 TEST(Bitmask, PlanesAreOpenAtEveryTilt) {
   for (const bool orthographic : {false, true})
@@ -234,11 +233,10 @@ TEST(Bitmask, PlanesAreOpenAtEveryTilt) {
 }
 
 // ---- closed forms
-// ------------------------------------------------------------------------------------------
 
-constexpr int kSide = 801;  // of the pictures below: 1 unit is 160 pixels at depth 5
+constexpr int kSide = 801;  // width and height of the pictures below, pixels; 1 unit is 160 pixels at depth 5
 
-/// Straight down on a floor 5 units below the eye, without perspective: heights are above the floor.
+/// Returns an orthographic view straight down on a floor 5 units below the camera. `height` is above the floor.
 GBuffer from_above(const std::function<double(double x, double y)>& height, const glm::dvec3& normal = {0, 0, 1}) {
   const Camera camera = camera_of(true, 5.0, kSide, kSide);
   GBuffer g = picture(kSide, kSide, camera, {{{0.0, 0.0, -5.0}, normal}});
@@ -254,8 +252,8 @@ const Settings kFine = {
     {"slices", "64"}, {"steps", "512"}, {"distribution", "2"}, {"slope", "1e-6"}, {"thickness", "1e2"}};
 
 TEST(Bitmask, FloorBeforeAStep) {
-  // Pixels are 0.006 units wide and the picture ends after 2.5: hence the tolerance. The middle lies `away` from an
-  // endless step that is `high`: 1/2 (1 + a / sqrt(a^2 + h^2)).
+  // The middle is `away` from an infinitely long step of height `high`: 1/2 (1 + a / sqrt(a^2 + h^2)). The tolerance
+  // covers pixels of 0.006 units and the end of the picture at 2.5 units.
   for (const double high : {0.2, 0.5, 1.0}) {
     const double away = 0.4;
     const GBuffer g = from_above([&](double x, double) { return x > away ? high : 0.0; });
@@ -268,8 +266,8 @@ TEST(Bitmask, FloorBeforeAStep) {
 }
 
 TEST(Bitmask, FloorUnderASlabOfKnownThickness) {
-  // An endless slab from x = a to b, its underside h above the floor, its top h + t: it covers the angles between its
-  // far lower and its near upper edge, and of those the shares that cosines have.
+  // An infinitely long slab from x = a to b, its underside h above the floor, its top h + t. It covers the angles
+  // between its far lower and its near upper edge, weighted by the cosine.
   const double a = 0.3, b = 0.7, h = 0.4, t = 0.25;
   const GBuffer g = from_above([&](double x, double) { return x > a && x < b ? h + t : 0.0; });
   const double low = std::atan2(h, b), high = std::atan2(h + t, a);
@@ -278,12 +276,12 @@ TEST(Bitmask, FloorUnderASlabOfKnownThickness) {
       g, joined(kFine, {{"radius", "5"}, {"thickness", std::to_string(t / 5.0)}, {"border", "open"}}), {"ao"});
   EXPECT_NEAR(ao[0], truth, 6e-3);
   const auto endless = mean_at_middle(g, joined(kFine, {{"radius", "5"}, {"border", "open"}}), {"ao"});
-  EXPECT_LT(endless[0], truth - 0.05) << "without an end it would hide the open floor below it";
+  EXPECT_LT(endless[0], truth - 0.05) << "with infinite thickness it hides the open floor below it";
 }
 
 TEST(Bitmask, SphereOnAFloorByItsTwoSides) {
-  // A ball of radius r that rests `away` from the middle hides r^3 / (r^2 + away^2)^1.5. Its lower half is the second
-  // layer, the floor below it the third; each is assumed to be thin.
+  // A sphere of radius r that rests `away` from the middle occludes r^3 / (r^2 + away^2)^1.5. Its lower half is the
+  // second layer, the floor below it the third; each is assumed to be thin.
   for (const double away : {0.5, 0.8, 1.2}) {
     const double r = 0.4;
     const auto half = [&](double x, double y) { return r * r - (x - away) * (x - away) - y * y; };
@@ -315,8 +313,7 @@ TEST(Bitmask, SphereOnAFloorByItsTwoSides) {
   }
 }
 
-// ---- what must not change it
-// ------------------------------------------------------------------------------------------
+// ---- invariances
 
 double mean_ao(const GBuffer& g, const Settings& settings) {
   const Image image = test::run_effect(*find_effect("bitmask"), g, settings, {});
@@ -332,7 +329,7 @@ double mean_ao(const GBuffer& g, const Settings& settings) {
   return sum / double(count);
 }
 
-/// A built-in scene as its own first view shows it.
+/// Returns depth and normals of the prepared scene as `camera` sees it.
 GBuffer captured(Device& device, int width, int height, const Camera& camera) {
   const auto frame = device.capture(camera, {.width = width, .height = height, .shadows = 0});
   GBuffer g;
@@ -385,7 +382,7 @@ TEST(Bitmask, NoPerspectiveIsAFarPerspective) {
     *side /= float(far + 6.0);
   const Settings settings = {{"radius", "0.5"}, {"slices", "8"}, {"steps", "32"}};
   GBuffer a = picture(160, 120, parallel, near_walls), b = picture(160, 120, perspective, far_walls);
-  // Floats at a depth of 2000 have steps of 1e-4: the same numbers for both.
+  // Floats near 2000 have a spacing of 1e-4, so both pictures use the same rounded depths.
   for (int y = 0; y < 120; ++y)
     for (int x = 0; x < 160; ++x) a.layers[0].planes[0].at(x, y) = b.layers[0].planes[0].at(x, y);
   EXPECT_LT(mean_ao(a, settings), 0.98);
@@ -393,7 +390,7 @@ TEST(Bitmask, NoPerspectiveIsAFarPerspective) {
 }
 
 TEST(Bitmask, WhatLiesOutsideThePictureIsLeftOut) {
-  // A valley seen from above, its floor at the left border: the half that is cut off is as high as the other.
+  // A valley seen from above, with its floor at the left border: the half that is cut off mirrors the visible one.
   const GBuffer whole = from_above([](double x, double) { return std::fabs(x); }, {0, 0, 1});
   GBuffer half;
   half.info = whole.info;
@@ -420,7 +417,7 @@ TEST(Bitmask, WhatLiesOutsideThePictureIsLeftOut) {
 }
 
 TEST(Bitmask, BordersGetNoMoreLightThanIsSent) {
-  // Of a surface seen edge-on all directions of some slices lie on one side, which at the border is outside.
+  // On a surface seen edge-on, all directions of some slices are on one side, which is outside at the border.
   const int width = 96, height = 64;
   GBuffer g = picture(width, height, camera_of(false, 4.0, width, height), {});
   std::mt19937 random(1);
@@ -441,7 +438,7 @@ TEST(Bitmask, BordersGetNoMoreLightThanIsSent) {
           {{"radius", "4"}, {"slices", slices}, {"steps", "12"}, {"bleeding", "1"}, {"frame", std::to_string(frame)}},
           {});
       const Plane& light = image.plane("indirect.g");
-      // Twice: a bit may be counted on the side of its neighbour.
+      // Factor 2: a bit may be counted on the other side.
       for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) ASSERT_LE(light.at(x, y), 2.0f) << x << ' ' << y << ' ' << frame;
     }

@@ -13,15 +13,15 @@ namespace {
 
 const std::vector<Parameter> kTable = {
     int_row("size", &BoxParams::size, {.initial = 4, .min = 1, .max = 15, .unit = "px"},
-            "side of the window: that of the noise's tile, whose noise then leaves no trace on flat surfaces"),
+            "side of the window; with the side of the noise tile, it removes the noise on flat surfaces entirely"),
     choice_row("background", &BoxParams::background, 0, {"skip", "mix"},
-               "what lies where there is no surface: left out of the mean, or mixed in as in the paper"),
+               "background pixels: left out of the mean, or included as in the paper"),
     bool_row("ao", &BoxParams::ao, true, "blur the occlusion"),
-    bool_row("indirect", &BoxParams::indirect, true, "blur the reflected light"),
+    bool_row("indirect", &BoxParams::indirect, true, "blur the indirect light"),
 };
 
 void fill_constants(const BoxParams& params, const PictureInfo&, BoxConstants& c) {
-  // A window of even size reaches one pixel farther to the left and upwards.
+  // A window of even size extends one pixel farther to the left and upwards.
   const int first = -(params.size / 2);
   c = {first, first + params.size - 1, params.background == 0 ? 1 : 0};
 }
@@ -39,33 +39,33 @@ int reach(const void* constants, int) {
 Effect effect_box() {
   return filter_effect<fill_constants>(
       kTable, {.name = "box",
-               .summary = "averages occlusion and reflected light over a small square",
+               .summary = "averages occlusion and indirect light over a small square",
                .source = "Colliander and Törnquist 2015",
                .variants = {"", "indirect=off", "size=8"},
-               .passes = {{.name = "ao across",
-                           .inputs = {"ao", "depth"},
-                           .outputs = {"box_ao", "box_count"},
-                           .kernel = box_ao_across_kernel(),
-                           .needed = blurs_ao,
-                           .reach = own_row},
-                          {.name = "ao down",
-                           .inputs = {"box_ao", "box_count"},
-                           .outputs = {"ao"},
-                           .kernel = box_ao_down_kernel(),
-                           .needed = blurs_ao,
-                           .reach = reach},
-                          {.name = "indirect across",
-                           .inputs = {"indirect.r", "indirect.g", "indirect.b", "depth"},
-                           .outputs = {"box_indirect.r", "box_indirect.g", "box_indirect.b", "box_count"},
-                           .kernel = box_indirect_across_kernel(),
-                           .needed = blurs_indirect,
-                           .reach = own_row},
-                          {.name = "indirect down",
-                           .inputs = {"box_indirect.r", "box_indirect.g", "box_indirect.b", "box_count"},
-                           .outputs = {"indirect.r", "indirect.g", "indirect.b"},
-                           .kernel = box_indirect_down_kernel(),
-                           .needed = blurs_indirect,
-                           .reach = reach}}});
+               .dispatches = {{.name = "ao across",
+                               .inputs = {"ao", "depth"},
+                               .outputs = {"box_ao", "box_count"},
+                               .kernel = box_ao_across_kernel(),
+                               .needed = blurs_ao,
+                               .reach = own_row},
+                              {.name = "ao down",
+                               .inputs = {"box_ao", "box_count"},
+                               .outputs = {"ao"},
+                               .kernel = box_ao_down_kernel(),
+                               .needed = blurs_ao,
+                               .reach = reach},
+                              {.name = "indirect across",
+                               .inputs = {"indirect.r", "indirect.g", "indirect.b", "depth"},
+                               .outputs = {"box_indirect.r", "box_indirect.g", "box_indirect.b", "box_count"},
+                               .kernel = box_indirect_across_kernel(),
+                               .needed = blurs_indirect,
+                               .reach = own_row},
+                              {.name = "indirect down",
+                               .inputs = {"box_indirect.r", "box_indirect.g", "box_indirect.b", "box_count"},
+                               .outputs = {"indirect.r", "indirect.g", "indirect.b"},
+                               .kernel = box_indirect_down_kernel(),
+                               .needed = blurs_indirect,
+                               .reach = reach}}});
 }
 
 }  // namespace umbrage

@@ -1,8 +1,8 @@
-// What a person sets of `box`, and what its kernels read. Shared by C++ and GLSL: 4-byte scalars only.
+// Parameters and kernel constants of `box`. Shared by C++ and GLSL: 4-byte scalars only.
 #ifndef UMBRAGE_EFFECTS_BOX_H
 #define UMBRAGE_EFFECTS_BOX_H
 
-// One row of the table in box.cpp per field.
+// Each field has one row in the parameter table of box.cpp.
 struct BoxParams {
   int size;        // pixels
   int background;  // 0 skip, 1 mix
@@ -11,8 +11,8 @@ struct BoxParams {
 };
 
 struct BoxConstants {
-  int first, last;  // offsets of the window's ends from its pixel
-  int skip;         // 0 or 1: background is left out
+  int first, last;  // offsets of the first and last pixel of the window from its centre pixel
+  int skip;         // 0 or 1: background pixels are left out
 };
 
 #endif

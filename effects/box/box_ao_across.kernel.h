@@ -1,4 +1,4 @@
-// Sums of occlusion along rows. Occlusion that is no number is 1 (open).
+// Sums `ao` along rows. Values that are not finite, or beyond kMaxSize, count as 1 (open).
 IN_REAL(ao)
 IN_REAL(depth)
 OUT_REAL(box_ao)

@@ -1,4 +1,4 @@
-// Sums of the rows' sums along columns, and the mean: from `box_ao` back to `ao`. Open where nothing counts.
+// Adds up the row sums along columns and divides by the count: from `box_ao` to `ao`. 1 (open) where no pixel counts.
 IN_REAL(box_ao)
 IN_REAL(box_count)
 OUT_REAL(ao)

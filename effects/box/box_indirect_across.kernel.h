@@ -1,4 +1,4 @@
-// Sums of reflected light along rows. Light that is no number is 0.
+// Sums `indirect` along rows. Values that are not finite, or beyond kMaxSize, count as 0.
 IN_COLOR(indirect)
 IN_REAL(depth)
 OUT_COLOR(box_indirect)

@@ -1,4 +1,4 @@
-// Sums of the rows' sums along columns, and the mean: from `box_indirect` back to `indirect`. Dark where nothing
+// Adds up the row sums along columns and divides by the count: from `box_indirect` to `indirect`. 0 where no pixel
 // counts.
 IN_COLOR(box_indirect)
 IN_REAL(box_count)

@@ -1,4 +1,4 @@
-// `box` against the mean in double.
+// Tests `box` against the mean in double.
 #include "effects/box/box.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ using test::Settings;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// Occlusion and light of all sizes, with holes in the surface.
+/// Returns random occlusion and light in [0, 1), with holes in the surface.
 GBuffer noisy() {
   GBuffer g = test::empty_gbuffer(53, 37);
   unsigned seed = 1;
@@ -34,6 +34,7 @@ GBuffer noisy() {
   return g;
 }
 
+/// Returns the mean of the counted pixels of the window around a pixel; `otherwise` if none counts.
 double mean(const GBuffer& g, const char* name, int x, int y, int size, bool skip, double otherwise) {
   double sum = 0.0, count = 0.0;
   for (int j = y - size / 2; j < y - size / 2 + size; ++j)
@@ -72,7 +73,7 @@ TEST(Box, EachOfTheTwoCanBeLeftAsItIs) {
     ASSERT_TRUE(device->run(effect, test::parameters_of(effect, {{off, "off"}}), *frame));
     const auto image = device->download(*frame, {"ao", "indirect.g"});
     for (const char* name : {"ao", "indirect.g"}) {
-      const bool same = test::difference(image->plane(name), g.layers[0].plane(name), 0.0).most == 0.0;
+      const bool same = test::difference(image->plane(name), g.layers[0].plane(name), 0.0).max == 0.0;
       EXPECT_EQ(same, std::string_view(name).starts_with(off)) << name << " with " << off << " off";
     }
   }
@@ -94,7 +95,7 @@ TEST(Box, NoiseOfATileOfTheWindowsSizeLeavesNoTrace) {
   });
 }
 
-TEST(Box, ValuesThatAreNoNumbersCountAsOpenAndDark) {
+TEST(Box, NonFiniteValuesCountAsOpenAndDark) {
   GBuffer g = noisy();
   g.layers[0].plane("depth") = Plane(g.info.width, g.info.height, 3.0f);
   g.layers[0].plane("ao") = Plane(g.info.width, g.info.height, 0.5f);

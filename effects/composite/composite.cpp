@@ -7,13 +7,13 @@ namespace umbrage {
 namespace {
 
 constexpr double kMaxFactor = 10.0;
-constexpr double kDamping = 0.1;  // the paper gives no number: what is lit by ambient light alone has none
+constexpr double kDamping = 0.1;  // the paper gives no value; surfaces lit by ambient light alone get no bounced light
 
 const std::vector<Parameter> kTable = {
-    choice_row("mode", &CompositeParams::mode, 0,
-               {"ambient", "subtract", "multiply", "modulate", "occlusion", "bleeding"},
-               "how occlusion meets light: on the ambient part, subtracted, multiplied, modulating colour, or alone; "
-               "bleeding: on the ambient part, with bounced light damped where little direct light arrives"),
+    choice_row(
+        "mode", &CompositeParams::mode, 0, {"ambient", "subtract", "multiply", "modulate", "occlusion", "bleeding"},
+        "how occlusion is applied: to the ambient part, subtracted, multiplied, modulating colour, or shown alone; "
+        "bleeding: to the ambient part, with bounced light damped where direct light is weak"),
     real_row("darkness", &CompositeParams::darkness, {.initial = 1, .max = kMaxFactor},
              "mode modulate: how much of the mask is added to brightness"),
     real_row("chroma", &CompositeParams::chroma, {.min = -kMaxFactor, .max = kMaxFactor},
@@ -21,13 +21,13 @@ const std::vector<Parameter> kTable = {
     real_row("contrast", &CompositeParams::contrast, {.min = -kMaxFactor, .max = kMaxFactor},
              "mode modulate: how much the mask changes contrast about middle grey"),
     real_row("damping", &CompositeParams::damping, {.initial = kDamping, .max = kMaxFactor, .zero_means = "off"},
-             "mode bleeding: luminance of the direct light from which on bounced light is whole; with less it fades"),
-    choice_row(
-        "albedo", &CompositeParams::albedo, 0, {"texture", "display"},
-        "what reflects bounced light: the albedo, or the albedo as a display shows it (for output.transfer=none)"),
-    real_row("tint", &CompositeParams::tint, {.max = 1, .zero_means = "off"},
-             "modes ambient and bleeding: how much of the ambient light that occlusion keeps out comes back from "
-             "surfaces of the same colour"),
+             "mode bleeding: luminance of direct light below which bounced light fades out"),
+    choice_row("albedo", &CompositeParams::albedo, 0, {"texture", "display"},
+               "albedo that reflects bounced light: linear, or as a display shows it (for output.transfer=none)"),
+    real_row(
+        "tint", &CompositeParams::tint, {.max = 1, .zero_means = "off"},
+        "modes ambient and bleeding: how much of the occluded ambient light returns by bounces between surfaces of "
+        "the same colour"),
 };
 
 void fill_constants(const CompositeParams& params, const PictureInfo&, CompositeConstants& c) {
@@ -40,13 +40,13 @@ Effect effect_composite() {
   return shading_effect<fill_constants>(
       kTable,
       {.name = "composite",
-       .summary = "joins direct, ambient and bounced light with occlusion",
+       .summary = "combines direct, ambient and bounced light with occlusion",
        .source = "Luft 2006",
-       .passes = {{.inputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b", "indirect.r",
-                              "indirect.g", "indirect.b", "albedo.r", "albedo.g", "albedo.b", "ao"},
-                   .outputs = {"lit.r", "lit.g", "lit.b"},
-                   .kernel = composite_kernel(),
-                   .reach = own_row}}});
+       .dispatches = {{.inputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b",
+                                  "indirect.r", "indirect.g", "indirect.b", "albedo.r", "albedo.g", "albedo.b", "ao"},
+                       .outputs = {"lit.r", "lit.g", "lit.b"},
+                       .kernel = composite_kernel(),
+                       .reach = own_row}}});
 }
 
 }  // namespace umbrage

@@ -1,13 +1,13 @@
-// What a person sets of `composite`, and what its kernel reads. Shared by C++ and GLSL: 4-byte scalars only.
+// Parameters and kernel constants of `composite`. Shared by C++ and GLSL: 4-byte scalars only.
 #ifndef UMBRAGE_EFFECTS_COMPOSITE_H
 #define UMBRAGE_EFFECTS_COMPOSITE_H
 
-// One row of the table in composite.cpp per field.
+// Each field has one row in the parameter table of composite.cpp.
 struct CompositeParams {
   int mode;                          // 0 ambient, 1 subtract, 2 multiply, 3 modulate, 4 occlusion, 5 bleeding
   float darkness, chroma, contrast;  // factors of mode modulate
-  float damping;                     // mode bleeding: direct light's luminance; 0: off
-  int albedo;                        // of bounced light: 0 as it is, 1 as a display shows it
+  float damping;                     // mode bleeding: luminance of direct light; 0: off
+  int albedo;                        // for bounced light: 0 linear, 1 as display values
   float tint;                        // 0 to 1
 };
 
@@ -15,7 +15,7 @@ struct CompositeConstants {
   int mode;
   float darkness, chroma, contrast;
   float damping;
-  int display;  // 0 or 1
+  int display;  // 0 or 1: albedo as display values
   float tint;
 };
 

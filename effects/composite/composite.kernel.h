@@ -1,14 +1,13 @@
-// Joins light and occlusion. What bounced = albedo indirect adds is light that surfaces in sight sent: whoever made it
-// knows what stands in its way, and occlusion does not darken it again. Modes:
-//   ambient    direct + bounced + ambient ao: occlusion keeps out what comes from everywhere, and nothing else
-//   subtract   direct + bounced + ambient - (1 - ao), with ao above 1 brightening [Chamberlin 2011, listing: color -
-//              shade]
+// Combines light and occlusion. bounced = albedo indirect is light from surfaces that are visible from the point. The
+// effect that computed it has accounted for occluders, so that `ao` does not darken it again. Modes:
+//   ambient    direct + bounced + ambient ao: occlusion affects ambient light only
+//   subtract   direct + bounced + ambient - (1 - ao); ao above 1 brightens [Chamberlin 2011, listing: color - shade]
 //   multiply   (direct + ambient) ao + bounced
 //   modulate   brightness, chroma and contrast of direct + bounced + ambient follow dD = ao - 1 [Luft 2006, from the
 //              literature]
-//   occlusion  ao alone, as grey
-//   bleeding   direct + bounced damping + ambient ao, bounced light fading out where the direct light is less than
-//              `damping` [Colliander and Törnquist 2015, "Blur Pass"]
+//   occlusion  ao alone, as a grey value
+//   bleeding   direct + bounced min(luminance of direct / damping, 1) + ambient ao [Colliander and Törnquist 2015,
+//              "Blur Pass"]
 IN_COLOR(direct)
 IN_COLOR(ambient)
 IN_COLOR(indirect)
@@ -20,9 +19,9 @@ FN Vec3 gray(Real v) { return Vec3(v, v, v); }
 
 FN Real luminance_of(Vec3 v) { return dot(v, Vec3(Real(0.2126f), Real(0.7152f), Real(0.0722f))); }  // Rec.709
 
-// Of ambient light that is kept out, what comes back by way of other surfaces of the same albedo, in all its bounces: a
-// fit to ray-traced pictures [Jimenez et al. 2016, equation 10].
-FN Real with_bounces(Real ao, Real albedo) {
+// Returns the fraction of ambient light that arrives directly or after any number of bounces between surfaces of the
+// same albedo: a fit to ray-traced pictures [Jimenez et al. 2016, equation 10].
+FN Real with_interreflections(Real ao, Real albedo) {
   Real a = mad(albedo, Real(2.0404f), Real(-0.3324f));
   Real b = mad(albedo, Real(-4.7951f), Real(0.6417f));
   Real c = mad(albedo, Real(2.7552f), Real(0.6903f));
@@ -34,8 +33,9 @@ FN Vec3 tinted(Real ao, Vec3 albedo) {
   Real open = clamp(ao, Real(0.0f), Real(1.0f));
   Vec3 colour = Vec3(clamp(albedo.x, Real(0.0f), Real(1.0f)), clamp(albedo.y, Real(0.0f), Real(1.0f)),
                      clamp(albedo.z, Real(0.0f), Real(1.0f)));
-  Vec3 lifted =
-      Vec3(with_bounces(open, colour.x), with_bounces(open, colour.y), with_bounces(open, colour.z)) - gray(open);
+  Vec3 lifted = Vec3(with_interreflections(open, colour.x), with_interreflections(open, colour.y),
+                     with_interreflections(open, colour.z)) -
+                gray(open);
   return gray_ao + lifted * Real(C.tint);
 }
 
@@ -59,7 +59,7 @@ FN void composite_pixel(Int px, Int py) {
       Real luminance = luminance_of(lit);
       Real less_chroma = max(mad(d, Real(C.chroma), Real(1.0f)), Real(0.0f));
       lit = gray(luminance) + (lit - gray(luminance)) * less_chroma;
-      // Contrast about middle grey, and the mask itself added.
+      // Contrast about middle grey; then the mask is added.
       lit = gray(Real(0.5f)) + (lit - gray(Real(0.5f))) * max(mad(d, Real(C.contrast), Real(1.0f)), Real(0.0f));
       lit = lit + gray(d * Real(C.darkness));
     }

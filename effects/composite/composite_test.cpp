@@ -1,4 +1,4 @@
-// `composite` against its formulas in double, and the properties that its modes promise.
+// Tests `composite` against its formulas in double, and the properties of its modes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,16 +13,15 @@ namespace {
 
 using namespace test;
 
-/// Light and occlusion of all sizes; occlusion from -0.5 to 2, as unsharp masks have it.
+/// Returns random light and occlusion; occlusion from -0.5 to 2, as `unsharp` produces.
 GBuffer light_and_occlusion() {
   constexpr int kWidth = 67, kHeight = 29;
   GBuffer g = test::empty_gbuffer(kWidth, kHeight);
-  const auto fill = [&](const char* name, double least, double most, unsigned seed) {
+  const auto fill = [&](const char* name, double min, double max, unsigned seed) {
     Plane& plane = g.layers[0].add(name);
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x)
-        plane.at(x, y) =
-            float(least + (most - least) * (test::hash(seed * 7919u + 31u * x + 4099u * y) / 4294967295.0));
+        plane.at(x, y) = float(min + (max - min) * (test::hash(seed * 7919u + 31u * x + 4099u * y) / 4294967295.0));
   };
   for (int c = 0; c < 3; ++c) {
     fill(kDirect[c], 0.0, 3.0, 1 + c);
@@ -38,7 +37,7 @@ struct Modulation {
   double darkness = 1.0, chroma = 0.0, contrast = 0.0;
 };
 
-/// The light at a pixel, in double.
+/// The light at a pixel, in double precision.
 struct Arriving {
   glm::dvec3 direct, ambient, bounced;
   Arriving(const Image& image, int x, int y) {
@@ -88,7 +87,7 @@ TEST(Composite, EveryModeMatchesItsFormula) {
 
 TEST(Composite, BleedingFadesWhereDirectLightDoes) {
   GBuffer g = light_and_occlusion();
-  for (int c = 0; c < 3; ++c)  // from none to far above the damping
+  for (int c = 0; c < 3; ++c)  // from 0 to far above the damping
     for (int y = 0; y < g.info.height; ++y)
       for (int x = 0; x < 20; ++x) g.layers[0].plane(kDirect[c]).at(x, y) *= float(x) / 200.0f;
   for (const double damping : {0.0, 0.1, 0.7})
@@ -113,7 +112,7 @@ TEST(Composite, BleedingFadesWhereDirectLightDoes) {
 
 TEST(Composite, TintBringsBackWhatSurfacesOfTheSameColourSend) {
   // [Jimenez et al. 2016, equation 10].
-  const auto with_bounces = [](double v, double albedo) {
+  const auto with_interreflections = [](double v, double albedo) {
     const double a = 2.0404 * albedo - 0.3324, b = -4.7951 * albedo + 0.6417, c = 2.7552 * albedo + 0.6903;
     return std::max(v, ((v * a + b) * v + c) * v);
   };
@@ -127,7 +126,8 @@ TEST(Composite, TintBringsBackWhatSurfacesOfTheSameColourSend) {
           const Arriving arriving(g.layers[0], x, y);
           const double ao = g.layers[0].plane("ao").at(x, y), open = std::clamp(ao, 0.0, 1.0);
           for (int c = 0; c < 3; ++c) {
-            const double share = ao + tint * (with_bounces(open, g.layers[0].plane(kAlbedo[c]).at(x, y)) - open);
+            const double share =
+                ao + tint * (with_interreflections(open, g.layers[0].plane(kAlbedo[c]).at(x, y)) - open);
             const double lit = arriving.direct[c] + arriving.bounced[c] + arriving.ambient[c] * share;
             worst = std::max(worst, std::fabs(lit - image.plane(kLit[c]).at(x, y)));
             lifted += share > ao + 0.05;
@@ -165,7 +165,7 @@ TEST(Composite, OpenSurfacesKeepTheirLight) {
 }
 
 TEST(Composite, BouncedLightIsAlbedoTimesIndirect) {
-  // Nothing else shines, and everything is closed.
+  // There is no other light, and `ao` is 0 everywhere.
   GBuffer g = light_and_occlusion();
   const int width = g.info.width, height = g.info.height;
   g.layers[0].plane("ao") = Plane(width, height, 0.0f);
@@ -183,14 +183,14 @@ TEST(Composite, BouncedLightIsAlbedoTimesIndirect) {
   share("subtract", 1.0, -1.0);
   share("modulate", 1.0, -1.0);
   share("occlusion", 0.0, 0.0);
-  // A bare G-buffer's albedo is the neutral one.
+  // A G-buffer without albedo has the neutral one.
   Image bare(width, height);
   for (int c = 0; c < 3; ++c) bare.add(kIndirect[c]) = Plane(width, height, 0.5f);
   test::on_every_target("composite", {.info = g.info, .layers = {bare}}, {},
                         [](const Image& image) { EXPECT_NEAR(image.plane("lit.g").at(3, 3), 0.8 * 0.5, 1e-6); });
 }
 
-TEST(Composite, WhereAllIsClosedEachModeDoesItsPart) {
+TEST(Composite, EachModeAtFullOcclusion) {
   GBuffer g = test::empty_gbuffer(1, 1);
   for (int c = 0; c < 3; ++c) {
     g.layers[0].add(kDirect[c]) = Plane(1, 1, 0.2f * (c + 1));
@@ -203,12 +203,12 @@ TEST(Composite, WhereAllIsClosedEachModeDoesItsPart) {
     });
   };
   const double luminance = 0.2126 * 0.3 + 0.7152 * 0.5 + 0.0722 * 0.7;
-  lit({{"mode", "ambient"}}, {0.2, 0.4, 0.6});      // direct light stays
-  lit({{"mode", "subtract"}}, {-0.7, -0.5, -0.3});  // below 0: the output effect cuts it
+  lit({{"mode", "ambient"}}, {0.2, 0.4, 0.6});      // direct light is kept
+  lit({{"mode", "subtract"}}, {-0.7, -0.5, -0.3});  // below 0; the output effect clamps it
   lit({{"mode", "multiply"}}, {0.0, 0.0, 0.0});
   lit({{"mode", "occlusion"}}, {0.0, 0.0, 0.0});
-  lit({{"mode", "modulate"}, {"darkness", "0"}, {"chroma", "1"}}, glm::dvec3(luminance));  // no colour is left
-  lit({{"mode", "modulate"}, {"darkness", "0"}, {"contrast", "1"}}, {0.5, 0.5, 0.5});      // nor contrast
+  lit({{"mode", "modulate"}, {"darkness", "0"}, {"chroma", "1"}}, glm::dvec3(luminance));  // no chroma remains
+  lit({{"mode", "modulate"}, {"darkness", "0"}, {"contrast", "1"}}, {0.5, 0.5, 0.5});      // no contrast remains
   lit({{"mode", "modulate"}, {"darkness", "0.25"}}, {0.05, 0.25, 0.45});
 }
 
@@ -219,7 +219,7 @@ TEST(Composite, WithoutPlanesItIsBlackAndOpen) {
                         [](const Image& image) { EXPECT_EQ(image.plane("lit.g").at(2, 1), 1.0f); });
 }
 
-TEST(Composite, NumbersThatAreNoneAreBlack) {
+TEST(Composite, NonFiniteInputsAreBlack) {
   GBuffer g = light_and_occlusion();
   g.layers[0].plane("ao").at(0, 0) = std::nanf("");
   g.layers[0].plane("direct.r").at(1, 0) = std::numeric_limits<float>::infinity();

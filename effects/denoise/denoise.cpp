@@ -13,32 +13,30 @@
 namespace umbrage {
 namespace {
 
-constexpr int kMaxRounds = 6;                  // 253 pixels wide
+constexpr int kMaxRounds = 6;                  // the filter is then 253 pixels wide
 constexpr float kNear = 0.25f, kFar = 0.125f;  // [1 2 2 2 1]/8
 
 const std::vector<Parameter> kTable = {
     int_row("rounds", &DenoiseParams::rounds, {.initial = 1, .max = kMaxRounds},
-            "how often the 5x5 filter is applied, each time with its pixels twice as far apart"),
-    real_row("occlusion", &DenoiseParams::occlusion, {.initial = 1, .max = 1},
-             "share of the occlusion's noise that is filtered"),
-    real_row("indirect", &DenoiseParams::indirect, {.max = 1}, "share of the reflected light's noise that is filtered"),
+            "number of times the 5x5 filter is applied; the spacing of its taps doubles each time"),
+    real_row("occlusion", &DenoiseParams::occlusion, {.initial = 1, .max = 1}, "strength of the filter for occlusion"),
+    real_row("indirect", &DenoiseParams::indirect, {.max = 1}, "strength of the filter for indirect light"),
     real_row("distance", &DenoiseParams::distance, {.initial = 1, .min = 0.01, .max = 100, .unit = "px"},
-             "how far a pixel may lie off another's plane to join it fully"),
+             "max distance of a pixel from another's plane at full weight"),
     real_row("angle", &DenoiseParams::angle, {.initial = 25, .min = 1, .max = 180, .unit = "deg"},
-             "by how much normals may differ for pixels to join fully"),
+             "max angle between normals at full weight"),
     int_row("light_rounds", &DenoiseParams::light_rounds, {.max = kMaxRounds, .zero_means = "as rounds"},
-            "how often reflected light is filtered, if not as often as occlusion"),
-    int_row(
-        "for_height", &DenoiseParams::for_height, {.max = 65536, .unit = "px", .zero_means = "any"},
-        "height of the picture that the rounds are meant for: one twice as high takes one more, rounded, up to six"),
+            "number of times indirect light is filtered, if different from occlusion"),
+    int_row("for_height", &DenoiseParams::for_height, {.max = 65536, .unit = "px", .zero_means = "any"},
+            "picture height that the rounds are meant for: each doubling of the height adds one (rounded), up to six"),
 };
 
 int light_rounds(const DenoiseParams& params) { return params.light_rounds > 0 ? params.light_rounds : params.rounds; }
 
-/// So many rounds, and one more for each time that the picture is twice as high as the one that they are meant for.
+/// Returns `rounds`, plus one for each doubling of the picture height over `for_height`, rounded; at most kMaxRounds.
 int grown(int rounds, const DenoiseParams& params, const PictureInfo& info) {
   if (rounds == 0 || params.for_height == 0) return rounds;
-  const int more = int(std::lround(std::log2(info.share_height() / float(params.for_height))));
+  const int more = int(std::lround(std::log2(info.reference_height() / float(params.for_height))));
   return std::min(rounds + std::max(more, 0), kMaxRounds);
 }
 
@@ -54,59 +52,60 @@ void fill_constants(const DenoiseParams& params, const PictureInfo& info, Denois
        grown(light_rounds(params), params, info)};
 }
 
-bool light_too(const ParameterBytes& bytes) {
+bool includes_light(const ParameterBytes& bytes) {
   const auto& params = as<DenoiseParams>(bytes);
   return light_rounds(params) > 0 && params.indirect > 0.0f;
 }
 int rounds(const ParameterBytes& bytes, const PictureInfo& info) {
   const auto& params = as<DenoiseParams>(bytes);
-  const int most = light_too(bytes) ? std::max(params.rounds, light_rounds(params)) : params.rounds;
-  return grown(most, params, info);
+  const int max = includes_light(bytes) ? std::max(params.rounds, light_rounds(params)) : params.rounds;
+  return grown(max, params, info);
 }
-bool ao_alone(const ParameterBytes& bytes) {
+bool ao_only(const ParameterBytes& bytes) {
   const auto& params = as<DenoiseParams>(bytes);
-  return params.rounds > 0 && params.occlusion > 0.0f && !light_too(bytes);
+  return params.rounds > 0 && params.occlusion > 0.0f && !includes_light(bytes);
 }
 
-/// Two pixels, twice as far apart in each round.
+/// Returns the reach in rows: two taps, whose spacing doubles in each round.
 int reach(const void*, int round) { return 2 << round; }
 
 }  // namespace
 
 Effect effect_denoise() {
   return filter_effect<fill_constants>(
-      kTable, {.name = "denoise",
-               .summary = "smooths the noise of occlusion and reflected light along surfaces, and keeps their mean",
-               .source = "Dammertz et al. 2010",
-               .tunable = {"rounds", "distance", "angle"},
-               .variants = {"", "rounds=2", "rounds=3", "indirect=1", "indirect=1 light_rounds=3"},
-               .passes = {{.name = "ao_across",
-                           .inputs = {"ao", "depth", "normal.x", "normal.y", "normal.z"},
-                           .outputs = {"denoise_ao"},
-                           .kernel = denoise_ao_across_kernel(),
-                           .needed = ao_alone,
-                           .reach = own_row},
-                          {.name = "ao_down",
-                           .inputs = {"denoise_ao", "depth", "normal.x", "normal.y", "normal.z"},
-                           .outputs = {"ao"},
-                           .kernel = denoise_ao_down_kernel(),
-                           .needed = ao_alone,
-                           .reach = reach},
-                          {.name = "light_across",
-                           .inputs = {"ao", "indirect.r", "indirect.g", "indirect.b", "depth", "normal.x", "normal.y",
-                                      "normal.z"},
-                           .outputs = {"denoise_ao", "denoise_indirect.r", "denoise_indirect.g", "denoise_indirect.b"},
-                           .kernel = denoise_light_across_kernel(),
-                           .needed = light_too,
-                           .reach = own_row},
-                          {.name = "light_down",
-                           .inputs = {"denoise_ao", "denoise_indirect.r", "denoise_indirect.g", "denoise_indirect.b",
-                                      "depth", "normal.x", "normal.y", "normal.z"},
-                           .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
-                           .kernel = denoise_light_down_kernel(),
-                           .needed = light_too,
-                           .reach = reach}},
-               .rounds = rounds});
+      kTable,
+      {.name = "denoise",
+       .summary = "smooths the noise of occlusion and indirect light along surfaces, preserving their mean",
+       .source = "Dammertz et al. 2010",
+       .tunable = {"rounds", "distance", "angle"},
+       .variants = {"", "rounds=2", "rounds=3", "indirect=1", "indirect=1 light_rounds=3"},
+       .dispatches = {{.name = "ao_across",
+                       .inputs = {"ao", "depth", "normal.x", "normal.y", "normal.z"},
+                       .outputs = {"denoise_ao"},
+                       .kernel = denoise_ao_across_kernel(),
+                       .needed = ao_only,
+                       .reach = own_row},
+                      {.name = "ao_down",
+                       .inputs = {"denoise_ao", "depth", "normal.x", "normal.y", "normal.z"},
+                       .outputs = {"ao"},
+                       .kernel = denoise_ao_down_kernel(),
+                       .needed = ao_only,
+                       .reach = reach},
+                      {.name = "light_across",
+                       .inputs = {"ao", "indirect.r", "indirect.g", "indirect.b", "depth", "normal.x", "normal.y",
+                                  "normal.z"},
+                       .outputs = {"denoise_ao", "denoise_indirect.r", "denoise_indirect.g", "denoise_indirect.b"},
+                       .kernel = denoise_light_across_kernel(),
+                       .needed = includes_light,
+                       .reach = own_row},
+                      {.name = "light_down",
+                       .inputs = {"denoise_ao", "denoise_indirect.r", "denoise_indirect.g", "denoise_indirect.b",
+                                  "depth", "normal.x", "normal.y", "normal.z"},
+                       .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
+                       .kernel = denoise_light_down_kernel(),
+                       .needed = includes_light,
+                       .reach = reach}},
+       .rounds = rounds});
 }
 
 }  // namespace umbrage

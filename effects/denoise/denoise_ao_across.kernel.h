@@ -1,4 +1,4 @@
-// Occlusion along rows, from `ao` to `denoise_ao`.
+// Filters occlusion along rows, from `ao` to `denoise_ao`.
 IN_REAL(ao)
 OUT_REAL(denoise_ao)
 

@@ -1,4 +1,4 @@
-// Occlusion along columns, from `denoise_ao` to `ao`.
+// Filters occlusion along columns, from `denoise_ao` to `ao`.
 IN_REAL(denoise_ao)
 OUT_REAL(ao)
 

@@ -1,6 +1,8 @@
-// One pass of the filter. Passes define before it kAlongRows, whether it runs along rows or along columns, and ao_at,
-// the occlusion of the pixel (i, j) to the right and below; kLight, whether it filters reflected light too, and
-// light_at likewise (denoise_no_light.kernel.h).
+// One dispatch of the filter. The including kernel must define:
+//   kAlongRows  whether the filter runs along rows (true) or columns
+//   ao_at       returns the `ao` of the pixel (i, j) to the right and below
+//   kLight      whether indirect light is filtered, too
+//   light_at    returns the light of that pixel (denoise_no_light.kernel.h: none)
 #include "effects/denoise/denoise.kernel.h"
 
 struct Filtered {
@@ -10,7 +12,7 @@ struct Filtered {
 
 FN Filtered filtered(Int px, Int py) {
   int step = 1 << F.round;
-  int to_right = kAlongRows ? 1 : 0;  // the way to the next pixel
+  int to_right = kAlongRows ? 1 : 0;  // step to the next pixel
   int to_below = kAlongRows ? 0 : 1;
   float occlusion = F.round < C.rounds ? C.occlusion : 0.0f;
   float indirect = kLight && F.round < C.light_rounds ? C.indirect : 0.0f;
@@ -27,7 +29,7 @@ FN Filtered filtered(Int px, Int py) {
     if (k == 0) continue;
     int right = k * step * to_right;
     int down = k * step * to_below;
-    Real weight = weight_of(right, down, px, py, position, normal, most_weight(k));
+    Real weight = weight_of(right, down, px, py, position, normal, max_weight(k));
     change = mad(weight, ao_at(right, down) - own, change);
     joined = joined + weight;
     if (kLight) light_change = light_change + (light_at(right, down) - own_light) * weight;
@@ -35,20 +37,20 @@ FN Filtered filtered(Int px, Int py) {
   Real ao = mad(change, Real(occlusion), own);
   Vec3 light = own_light;
   if (kLight) light = light + light_change * Real(indirect);
-  Bool alone = surface && joined < kAlone;
+  Bool alone = surface && joined < kMaxIsolatedWeight;
   if (F.round > 0 && some(alone)) {
-    alone = alone && is_alone(to_right, to_below, px, py, position, normal);
+    alone = alone && is_isolated(to_right, to_below, px, py, position, normal);
     Bool has_before = beside(-to_right, -to_below);
     Bool has_after = beside(to_right, to_below);
     if (occlusion > 0.0f) {
       Real before = ao_at(-to_right, -to_below);
       Real after = ao_at(to_right, to_below);
-      ao = select(alone, ao_beside(ao, before, after, has_before, has_after), ao);
+      ao = select(alone, limited_ao(ao, before, after, has_before, has_after), ao);
     }
     if (indirect > 0.0f) {
       Vec3 before = light_at(-to_right, -to_below);
       Vec3 after = light_at(to_right, to_below);
-      light = select(alone, light_beside(light, before, after, has_before, has_after), light);
+      light = select(alone, limited_light(light, before, after, has_before, has_after), light);
     }
   }
   return Filtered(ao, light);

@@ -1,4 +1,4 @@
-// Occlusion and reflected light along rows, from `ao` and `indirect` to `denoise_ao` and `denoise_indirect`.
+// Filters occlusion and indirect light along rows, from `ao` and `indirect` to `denoise_ao` and `denoise_indirect`.
 IN_REAL(ao)
 IN_COLOR(indirect)
 OUT_REAL(denoise_ao)

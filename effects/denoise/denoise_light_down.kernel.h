@@ -1,4 +1,4 @@
-// Occlusion and reflected light along columns, from `denoise_ao` and `denoise_indirect` to `ao` and `indirect`.
+// Filters occlusion and indirect light along columns, from `denoise_ao` and `denoise_indirect` to `ao` and `indirect`.
 IN_REAL(denoise_ao)
 IN_COLOR(denoise_indirect)
 OUT_REAL(ao)

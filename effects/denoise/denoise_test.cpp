@@ -1,4 +1,4 @@
-// `denoise`: what it removes, what it keeps, and where it stops.
+// Tests `denoise`: which noise it removes, what it preserves, and at which edges it stops.
 #include "effects/denoise/denoise.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ double uniform(int x, int y, unsigned seed) {
   return double(test::hash(test::hash(unsigned(x) + 7919u * seed) + unsigned(y)) >> 8) * 0x1p-24;
 }
 
-/// A plane that faces the camera at depth 5, with `ao` and `indirect` of one value.
+/// Returns a plane that faces the camera at depth 5, with constant `ao` and `indirect`.
 GBuffer flat(int width, int height, float value = 0.0f) {
   GBuffer g = test::empty_gbuffer(width, height);
   for (const char* name : {"normal.x", "normal.y"}) g.layers[0].add(name) = Plane(width, height, 0.0f);
@@ -32,7 +32,7 @@ GBuffer flat(int width, int height, float value = 0.0f) {
   return g;
 }
 
-/// Turns the plane about the picture's x axis, and about its y axis by half as much.
+/// Tilts the plane about the picture's x axis, and by half as much about its y axis.
 void tilt(GBuffer& g, double tilt_deg, bool orthographic) {
   Image& image = g.layers[0];
   if (orthographic)
@@ -44,7 +44,7 @@ void tilt(GBuffer& g, double tilt_deg, bool orthographic) {
     for (int x = 0; x < image.width; ++x) {
       const double u = camera.left + (camera.right - camera.left) * (x + 0.5) / image.width;
       const double v = camera.top - (camera.top - camera.bottom) * (y + 0.5) / image.height;
-      // The point (0, 0, -5), or -40 without perspective, is on the plane.
+      // The plane contains the point (0, 0, -5), or (0, 0, -40) if orthographic.
       const double depth = orthographic ? 40.0 + (nx * u + ny * v) / nz : 5.0 * nz / (nz - nx * u - ny * v);
       image.plane("depth").at(x, y) = depth > 0.0 ? float(depth) : kInfinity;
       image.plane("normal.x").at(x, y) = float(nx);
@@ -106,7 +106,7 @@ TEST(Denoise, ATileOfNoiseIsGoneAfterOneRound) {
 }
 
 TEST(Denoise, WhiteNoiseFallsByTheWeightsAtAnyTilt) {
-  // The sum of the squares of [1 2 2 2 1]/8 in each direction.
+  // The sum of the squares of [1 2 2 2 1]/8, per axis.
   constexpr double kPerAxis = 14.0 / 64.0, kExpected = kPerAxis * kPerAxis;
   for (const bool orthographic : {false, true})
     for (const double tilt_deg : {0.0, 45.0, 70.0, 80.0}) {
@@ -119,7 +119,7 @@ TEST(Denoise, WhiteNoiseFallsByTheWeightsAtAnyTilt) {
           long count = 0;
           for (int y = 2; y < 126; ++y)
             for (int x = 2; x < 126; ++x) {
-              bool whole = true;  // all of the window shows the plane
+              bool whole = true;  // the whole window shows the plane
               for (const int i : {-2, 2})
                 for (const int j : {-2, 2}) whole &= std::isfinite(g.layers[0].plane("depth").at(x + i, y + j));
               if (!whole) continue;
@@ -128,7 +128,7 @@ TEST(Denoise, WhiteNoiseFallsByTheWeightsAtAnyTilt) {
               ++count;
             }
           ASSERT_GT(count, 4000);
-          // Of uniform noise in [0, 1] the variance is 1/12.
+          // Uniform noise in [0, 1] has a variance of 1/12.
           EXPECT_NEAR(12.0 * squares / double(count), kExpected, 0.1 * kExpected)
               << name << ' ' << tilt_deg << (orthographic ? " orthographic" : "");
         }
@@ -145,7 +145,7 @@ TEST(Denoise, GrazingPlanesAreAsFacingOnesAndStepsAreNot) {
     for (const char* name : kMade) g.layers[0].add(name) = facing.layers[0].plane(name);
     test::on_every_target("denoise", g, both(2), [&](const Image& image) {
       for (const char* name : kMade)
-        EXPECT_LE(test::difference(image.plane(name), expected.plane(name), 0.0).most, 1e-6) << name;
+        EXPECT_LE(test::difference(image.plane(name), expected.plane(name), 0.0).max, 1e-6) << name;
     });
   });
   test::at_grazing_angles({.step_px = 60.0, .depth_ratio = 0.1}, [](const test::TiltedPlane& plane) {
@@ -157,7 +157,7 @@ TEST(Denoise, GrazingPlanesAreAsFacingOnesAndStepsAreNot) {
     }
     test::on_every_target("denoise", g, both(2), [&](const Image& image) {
       for (const char* name : kMade)
-        EXPECT_EQ(test::difference(image.plane(name), g.layers[0].plane(name), 0.0).most, 0.0) << name;
+        EXPECT_EQ(test::difference(image.plane(name), g.layers[0].plane(name), 0.0).max, 0.0) << name;
     });
   });
 }
@@ -165,7 +165,7 @@ TEST(Denoise, GrazingPlanesAreAsFacingOnesAndStepsAreNot) {
 TEST(Denoise, MoreRoundsReachFarther) {
   GBuffer g = flat(160, 160);
   fill_with_noise(g);
-  // Sums of squares of [1 2 2 2 1]/8 by itself, two and four times as wide.
+  // Sums of squares of [1 2 2 2 1]/8, convolved with its copies of two and of four times the spacing.
   const double kPerAxis[] = {0.21875, 0.09863281, 0.04824829};
   for (int rounds = 1; rounds <= 3; ++rounds) {
     const Image image = test::run_effect(*find_effect("denoise"), g, both(rounds), {});
@@ -184,10 +184,10 @@ TEST(Denoise, ConstantsStayConstantAndMeansStay) {
       for (const char* name : kMade) g.layers[0].add(name) = Plane(191, 63, 0.3f);
       test::on_every_target("denoise", g, both(rounds), [&](const Image& image) {
         for (const char* name : kMade)
-          EXPECT_EQ(test::difference(image.plane(name), g.layers[0].plane(name), 0.0).most, 0.0);
+          EXPECT_EQ(test::difference(image.plane(name), g.layers[0].plane(name), 0.0).max, 0.0);
       });
     }
-    // Bumpy surfaces with holes and steps everywhere, and a gradient over all.
+    // Bumpy surfaces with many holes and steps, and a gradient over the whole picture.
     constexpr float kContrast = 0.16f;
     GBuffer g = test::bumpy_gbuffer(191, 347, 8);
     for (const char* name : kMade) g.layers[0].add(name) = Plane(191, 347, 0.0f);
@@ -196,10 +196,10 @@ TEST(Denoise, ConstantsStayConstantAndMeansStay) {
       for (int y = 0; y < 347; ++y)
         for (int x = 0; x < 191; ++x) {
           Plane& plane = g.layers[0].plane(name);
-          // Darker on the nearer surfaces, so that what crossed an edge one way only would show.
+          // Darker on nearer surfaces, so that asymmetric leaking across an edge would change the mean.
           const float depth = g.layers[0].plane("depth").at(x, y);
           const float v = 0.2f * plane.at(x, y) + (std::isfinite(depth) ? 0.08f * depth : 1.0f);
-          // All so alike that no pixel that stands alone is too bright or too dark for those beside it.
+          // Low contrast, so that no isolated pixel is limited by its neighbours.
           plane.at(x, y) = 0.8f + kContrast * v;
         }
     test::on_every_target(
@@ -230,7 +230,7 @@ TEST(Denoise, StopsAtStepsCreasesAndBackground) {
           if (!second) continue;
           if (edge == kStep) image.plane("depth").at(x, y) = float(5.0 + 3.0 * pixel);
           if (edge == kBackground) image.plane("depth").at(x, y) = kInfinity;
-          if (edge == kCrease) {  // an edge of 90 degrees that points at the camera's right or bottom
+          if (edge == kCrease) {  // normals differ by 90 degrees: towards the right or the bottom of the picture
             image.plane("normal.z").at(x, y) = 0.0f;
             image.plane(across ? "normal.x" : "normal.y").at(x, y) = across ? 1.0f : -1.0f;
           }
@@ -250,8 +250,8 @@ TEST(Denoise, StopsAtStepsCreasesAndBackground) {
     }
 }
 
-TEST(Denoise, WhatIsOnePixelWideIsNoSpark) {
-  // A wire before a wall: few samples found a lamp from it, and something dark. Nothing joins it across.
+TEST(Denoise, OnePixelWideFeaturesAreLimited) {
+  // A wire in front of a wall, with fireflies in `indirect` and `ao` 0. It has no neighbour of its surface across.
   for (const bool upright : {true, false})
     for (const int rounds : {1, 3}) {
       GBuffer g = flat(48, 48, 0.4f);
@@ -272,7 +272,7 @@ TEST(Denoise, WhatIsOnePixelWideIsNoSpark) {
               EXPECT_EQ(light, 0.4f);
               EXPECT_EQ(ao, 0.4f);
             } else if (along < 12 || along >= 36) {
-              continue;  // near the ends fewer of the wire's pixels join
+              continue;  // near the ends, fewer pixels of the wire are averaged
             } else if (rounds == 1) {
               EXPECT_GT(light, 5.0f);
               EXPECT_EQ(ao, 0.0f);
@@ -284,7 +284,7 @@ TEST(Denoise, WhatIsOnePixelWideIsNoSpark) {
           }
       });
     }
-  // Alone before the background it keeps what it has.
+  // In front of the background, an isolated column keeps its values.
   GBuffer g = flat(48, 48, 0.4f);
   for (int y = 0; y < 48; ++y)
     for (int x = 0; x < 48; ++x)
@@ -323,7 +323,7 @@ TEST(Denoise, LightMayTakeOtherRoundsThanOcclusion) {
   };
   const Image one = run("1", "0"), three = run("3", "0"), more_light = run("1", "3"), less_light = run("3", "1");
   const auto same = [](const Image& a, const Image& b, const char* name) {
-    return test::difference(a.plane(name), b.plane(name), 0.0).most == 0.0;
+    return test::difference(a.plane(name), b.plane(name), 0.0).max == 0.0;
   };
   EXPECT_FALSE(same(one, three, "ao"));
   EXPECT_FALSE(same(one, three, "indirect.g"));
@@ -360,23 +360,23 @@ TEST(Denoise, HigherPicturesTakeMoreRounds) {
         }
       });
     }
-  // With a guard band, and at reduced resolution, where the picture's height is not that of its planes.
+  // With a guard band, and at reduced resolution: the picture's height differs from that of its planes.
   for (const bool reduced : {false, true}) {
     GBuffer g = flat(80, 64);
     fill_with_noise(g);
     const Settings plain = {{"rounds", "2"}, {"indirect", "1"}};
-    // 32 rows within the band, or 66 at full resolution; the 64 of the planes would make three rounds.
+    // 32 rows without the guard band, or 66 at full resolution; the 64 rows of the planes would give three rounds.
     g.info.guard = reduced ? 0 : 16;
     if (reduced) g.info.reduced = 2, g.info.whole_height = 66;
     const Image expected = test::run_effect(*find_effect("denoise"), g, plain, {});
     const Settings grown = {{"rounds", "1"}, {"indirect", "1"}, {"for_height", "16"}};
     const Image image = test::run_effect(*find_effect("denoise"), g, grown, {});
     for (const char* name : kMade)
-      EXPECT_EQ(test::difference(image.plane(name), expected.plane(name), 0.0).most, 0.0) << name << ' ' << reduced;
+      EXPECT_EQ(test::difference(image.plane(name), expected.plane(name), 0.0).max, 0.0) << name << ' ' << reduced;
   }
 }
 
-TEST(Denoise, APixelWhoseNormalIsNoNumberStandsAlone) {
+TEST(Denoise, PixelWithNonFiniteNormalIsIsolated) {
   GBuffer g = flat(30, 12, 0.5f);
   g.layers[0].plane("normal.x").at(9, 5) = std::nanf("");
   g.layers[0].plane("ao").at(9, 5) = 0.9f;
@@ -386,7 +386,7 @@ TEST(Denoise, APixelWhoseNormalIsNoNumberStandsAlone) {
   });
 }
 
-TEST(Denoise, WhatIsNoNumberIsOpenAndDark) {
+TEST(Denoise, NonFiniteInputsAreOpenAndDark) {
   GBuffer g = flat(30, 12, 0.5f);
   const float odd[] = {std::nanf(""), kInfinity, -kInfinity, 3e38f};
   for (const char* name : kMade)

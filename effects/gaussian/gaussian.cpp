@@ -12,8 +12,9 @@ namespace {
 constexpr float kSide = 0.25f;  // [1 2 1]/4
 
 const std::vector<Parameter> kTable = {
-    // "Several times" [Lajzer and Nottingham]. Each round halves noise that repeats every 4 pixels: 6 % of it are left.
-    int_row("rounds", &GaussianParams::rounds, {.initial = 4, .max = 64}, "how often the 3x3 Gaussian is applied"),
+    // "Several times" [Lajzer and Nottingham]. Each round halves noise of period 4 pixels, so that 6 % of it remain.
+    int_row("rounds", &GaussianParams::rounds, {.initial = 4, .max = 64},
+            "number of times the 3x3 Gaussian is applied"),
     bool_row("edges", &GaussianParams::edges, false,
              "blur along each surface only, not across its silhouette or into the background"),
 };
@@ -22,7 +23,7 @@ void fill_constants(const GaussianParams& params, const PictureInfo&, GaussianCo
   c = {params.rounds > 0 ? kSide : 0.0f, params.edges};
 }
 
-/// No round is one that changes nothing.
+/// Returns the number of rounds, at least 1: for `rounds` = 0, one round with weight 0 leaves `ao` unchanged.
 int rounds(const ParameterBytes& bytes, const PictureInfo&) { return std::max(1, as<GaussianParams>(bytes).rounds); }
 
 int reach(const void*, int) { return 1; }
@@ -36,16 +37,16 @@ Effect effect_gaussian() {
                .source = "Lajzer and Nottingham",
                .tunable = {"rounds"},
                .variants = {"", "rounds=1", "edges=on"},
-               .passes = {{.name = "across",
-                           .inputs = {"ao", "depth", "normal.x", "normal.y", "normal.z"},
-                           .outputs = {"gaussian_ao"},
-                           .kernel = gaussian_across_kernel(),
-                           .reach = own_row},
-                          {.name = "down",
-                           .inputs = {"gaussian_ao", "depth", "normal.x", "normal.y", "normal.z"},
-                           .outputs = {"ao"},
-                           .kernel = gaussian_down_kernel(),
-                           .reach = reach}},
+               .dispatches = {{.name = "across",
+                               .inputs = {"ao", "depth", "normal.x", "normal.y", "normal.z"},
+                               .outputs = {"gaussian_ao"},
+                               .kernel = gaussian_across_kernel(),
+                               .reach = own_row},
+                              {.name = "down",
+                               .inputs = {"gaussian_ao", "depth", "normal.x", "normal.y", "normal.z"},
+                               .outputs = {"ao"},
+                               .kernel = gaussian_down_kernel(),
+                               .reach = reach}},
                .rounds = rounds});
 }
 

@@ -1,15 +1,15 @@
-// What a person sets of `gaussian`, and what its kernels read. Shared by C++ and GLSL: 4-byte scalars only.
+// Parameters and kernel constants of `gaussian`. Shared by C++ and GLSL: 4-byte scalars only.
 #ifndef UMBRAGE_EFFECTS_GAUSSIAN_H
 #define UMBRAGE_EFFECTS_GAUSSIAN_H
 
-// One row of the table in gaussian.cpp per field.
+// Each field has one row in the parameter table of gaussian.cpp.
 struct GaussianParams {
   int rounds;
   int edges;  // 0 or 1
 };
 
 struct GaussianConstants {
-  float side;  // weight of each of two neighbours, 1/4; 0 where no round was asked for
+  float side;  // weight of each of the two neighbours, 1/4; 0 if `rounds` is 0
   int edges;   // 0 or 1
 };
 

@@ -1,4 +1,4 @@
-// [1 2 1]/4 along rows, from `ao` to `gaussian_ao`. The picture's border is clamped.
+// Filters by [1 2 1]/4 along rows, from `ao` to `gaussian_ao`. Coordinates are clamped at the picture's border.
 IN_REAL(ao)
 OUT_REAL(gaussian_ao)
 #include "effects/gaussian/gaussian.kernel.h"

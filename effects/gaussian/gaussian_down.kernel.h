@@ -1,4 +1,4 @@
-// [1 2 1]/4 along columns, from `gaussian_ao` back to `ao`. The picture's border is clamped.
+// Filters by [1 2 1]/4 along columns, from `gaussian_ao` to `ao`. Coordinates are clamped at the picture's border.
 IN_REAL(gaussian_ao)
 OUT_REAL(ao)
 #include "effects/gaussian/gaussian.kernel.h"

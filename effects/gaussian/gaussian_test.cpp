@@ -1,4 +1,4 @@
-// `gaussian` against its 3x3 stencil in double, and what it promises about edges.
+// Tests `gaussian` against its 3x3 stencil in double, and its behaviour at edges.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 
 using test::Settings;
 
-/// Surfaces that face the camera at depth 5, or at 9 from column `first_far` on, and occlusion to be filled.
+/// Returns surfaces that face the camera at depth 5, or at 9 from column `first_far` on, with constant `ao`.
 GBuffer step(int width, int height, int first_far, float occlusion = 1.0f) {
   GBuffer g = test::empty_gbuffer(width, height);
   Image& image = g.layers[0];
@@ -54,7 +54,7 @@ TEST(Gaussian, ImpulseBecomesTheBinomialCoefficients) {
     }
 }
 
-/// One round by the paper's words: the weighted average of the pixel and the eight around it; borders clamped.
+/// Returns one round as the paper describes it: the weighted average of 3x3 pixels, with clamped borders.
 std::vector<double> blurred(const std::vector<double>& in, int width, int height) {
   std::vector<double> out(in.size());
   const double weights[3] = {0.25, 0.5, 0.25};
@@ -90,7 +90,7 @@ TEST(Gaussian, ConstantStaysConstantToTheBit) {
     for (const float value : {1.0f, 0.7f, 0.1234567f, 1.7f}) {
       const GBuffer g = step(35, 20, 13, value);
       test::on_every_target("gaussian", g, rounds(64, edges), [&](const Image& image) {
-        EXPECT_EQ(test::difference(image.plane("ao"), Plane(35, 20, value), 0.0).most, 0.0) << value;
+        EXPECT_EQ(test::difference(image.plane("ao"), Plane(35, 20, value), 0.0).max, 0.0) << value;
       });
     }
 }
@@ -100,7 +100,7 @@ TEST(Gaussian, NoRoundLeavesEverythingAsItIs) {
   fill_randomly(ao_of(g));
   for (const char* edges : {"off", "on"})
     test::on_every_target("gaussian", g, rounds(0, edges), [&](const Image& image) {
-      EXPECT_EQ(test::difference(image.plane("ao"), ao_of(g), 0.0).most, 0.0);
+      EXPECT_EQ(test::difference(image.plane("ao"), ao_of(g), 0.0).max, 0.0);
     });
 }
 
@@ -113,7 +113,7 @@ TEST(Gaussian, EdgesKeepAStepOfOcclusionAtAStepOfDepth) {
         if (background && x >= 17) g.layers[0].plane("depth").at(x, y) = std::numeric_limits<float>::infinity();
       }
     test::on_every_target("gaussian", g, rounds(8, "on"), [&](const Image& image) {
-      EXPECT_EQ(test::difference(image.plane("ao"), ao_of(g), 0.0).most, 0.0);
+      EXPECT_EQ(test::difference(image.plane("ao"), ao_of(g), 0.0).max, 0.0);
     });
     test::on_every_target("gaussian", g, rounds(8, "off"), [&](const Image& image) {
       EXPECT_NEAR(image.plane("ao").at(16, 10) + image.plane("ao").at(17, 10), 1.25, 1e-6);
@@ -123,7 +123,7 @@ TEST(Gaussian, EdgesKeepAStepOfOcclusionAtAStepOfDepth) {
 }
 
 TEST(Gaussian, EdgesBlurPlanesAtGrazingAnglesAsWithout) {
-  // Depth changes by many pixels' sizes from row to row, and yet the rows are neighbours on one surface.
+  // Depth changes by many pixel sizes from row to row, but the rows are neighbours on one surface.
   for (const bool orthographic : {false, true})
     for (const double tilt_deg : {30.0, 69.0, 80.0}) {
       GBuffer g = step(48, 64, 99);
@@ -132,7 +132,7 @@ TEST(Gaussian, EdgesBlurPlanesAtGrazingAnglesAsWithout) {
       const int horizon = test::tilt_about_x(g, tilt_deg);
       const Image without = test::run_effect(*find_effect("gaussian"), g, rounds(3, "off"), {});
       test::on_every_target("gaussian", g, rounds(3, "on"), [&](const Image& image) {
-        const int first = horizon > 0 ? horizon + 3 : 0;  // three rounds see three rows
+        const int first = horizon > 0 ? horizon + 3 : 0;  // three rounds reach three rows
         EXPECT_LT(first, 30);
         for (int y = first; y < 64; ++y)
           for (int x = 0; x < 48; ++x)
@@ -148,7 +148,7 @@ TEST(Gaussian, EdgesBlurGrazingPlanesAndStopAtSteps) {
     fill_randomly(ao_of(g));
     const Image without = test::run_effect(*find_effect("gaussian"), g, rounds(3, "off"), {});
     test::on_every_target("gaussian", g, rounds(3, "on"), [&](const Image& image) {
-      EXPECT_LE(test::difference(image.plane("ao"), without.plane("ao"), 0.0).most, 1e-6);
+      EXPECT_LE(test::difference(image.plane("ao"), without.plane("ao"), 0.0).max, 1e-6);
     });
   });
   test::at_grazing_angles({.step_px = 60.0, .depth_ratio = 0.1}, [](const test::TiltedPlane& plane) {
@@ -157,12 +157,12 @@ TEST(Gaussian, EdgesBlurGrazingPlanesAndStopAtSteps) {
     for (int y = 0; y < plane.height; ++y)
       for (int x = 0; x < plane.width; ++x) ao.at(x, y) = 2 * x < plane.width ? 0.25f : 1.0f;
     test::on_every_target("gaussian", g, rounds(3, "on"), [&](const Image& image) {
-      EXPECT_EQ(test::difference(image.plane("ao"), ao, 0.0).most, 0.0);
+      EXPECT_EQ(test::difference(image.plane("ao"), ao, 0.0).max, 0.0);
     });
   });
 }
 
-TEST(Gaussian, OcclusionThatIsNoneIsOpen) {
+TEST(Gaussian, NonFiniteOcclusionIsOpen) {
   GBuffer g = step(20, 10, 99, 0.5f);
   const float odd[] = {std::nanf(""), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
                        3e38f};

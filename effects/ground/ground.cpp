@@ -7,19 +7,20 @@ namespace umbrage {
 namespace {
 
 const std::vector<Parameter> kTable = {
-    real_row("strength", &GroundParams::strength, {.initial = 1, .max = 2}, "how dark the shade on the ground is"),
-    choice_row("blend", &GroundParams::blend, 0, {"light", "display"},
-               "how the shade is laid over a background: as light, or as picture viewers do that know alpha alone"),
+    real_row("strength", &GroundParams::strength, {.initial = 1, .max = 2}, "strength of the shadow on the ground"),
+    choice_row(
+        "blend", &GroundParams::blend, 0, {"light", "display"},
+        "how the shadow is blended over a background: in linear light, or in display values, as image viewers do"),
 };
 
 void fill_constants(const GroundParams& params, const PictureInfo& info, GroundConstants& c) {
   c = {.object = float(info.ground_object),
        .strength = params.strength,
        .display = params.blend,
-       .middle_x = info.ground_middle.x,
-       .middle_y = info.ground_middle.y,
-       .middle_z = info.ground_middle.z,
-       .inverse_fades = info.ground_fades > 0.0f ? 1.0f / info.ground_fades : 0.0f};
+       .middle_x = info.ground_center.x,
+       .middle_y = info.ground_center.y,
+       .middle_z = info.ground_center.z,
+       .inverse_fade_distance = info.ground_fade_distance > 0.0f ? 1.0f / info.ground_fade_distance : 0.0f};
 }
 
 }  // namespace
@@ -27,13 +28,13 @@ void fill_constants(const GroundParams& params, const PictureInfo& info, GroundC
 Effect effect_ground() {
   return shading_effect<fill_constants>(
       kTable, {.name = "ground",
-               .summary = "leaves of the ground under a model the shade on it alone",
+               .summary = "makes the ground under a model a shadow catcher: only the shadow on it is visible",
                .source = "",
-               .passes = {{.inputs = {"open_light", "indirect.r", "indirect.g", "indirect.b", "depth", "object_id",
-                                      "lit.r", "lit.g", "lit.b"},
-                           .outputs = {"lit.r", "lit.g", "lit.b", "cover"},
-                           .kernel = ground_kernel(),
-                           .reach = own_row}}});
+               .dispatches = {{.inputs = {"open_light", "indirect.r", "indirect.g", "indirect.b", "depth", "object_id",
+                                          "lit.r", "lit.g", "lit.b"},
+                               .outputs = {"lit.r", "lit.g", "lit.b", "cover"},
+                               .kernel = ground_kernel(),
+                               .reach = own_row}}});
 }
 
 }  // namespace umbrage

@@ -1,22 +1,22 @@
-// What a person sets of `ground`, and what its kernel reads. Shared by C++ and GLSL: 4-byte scalars only.
+// Parameters and kernel constants of `ground`. Shared by C++ and GLSL: 4-byte scalars only.
 #ifndef UMBRAGE_EFFECTS_GROUND_H
 #define UMBRAGE_EFFECTS_GROUND_H
 
 // Values of GroundParams::blend.
 const int kGroundBlendLight = 0, kGroundBlendDisplay = 1;
 
-// One row of the table in ground.cpp per field.
+// Each field has one row in the parameter table of ground.cpp.
 struct GroundParams {
-  float strength;  // of the shade on the ground
-  int blend;       // what lays the shade over a background: 0 light, 1 values as a display shows them
+  float strength;  // factor of the shadow on the ground
+  int blend;       // how the shadow is blended over a background: 0 in linear light, 1 in display values
 };
 
 struct GroundConstants {
-  float object;  // id of the ground; below 0: there is none
+  float object;  // object id of the ground; < 0: none
   float strength;
-  int display;                         // 0 or 1
-  float middle_x, middle_y, middle_z;  // of the ground, in view space
-  float inverse_fades;                 // 1 over the distance from there at which shade has faded; 0: it does not
+  int display;                         // 0 or 1: blend in display values
+  float middle_x, middle_y, middle_z;  // centre of the ground, view space
+  float inverse_fade_distance;         // 1 / distance from the centre at which the shadow has faded out; 0: no fading
 };
 
 #endif

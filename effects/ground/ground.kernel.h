@@ -1,5 +1,5 @@
-// Leaves of the ground that a model stands on the shade alone: black covers the background by the share of the light
-// that does not arrive.
+// Makes the ground under a model a shadow catcher: it becomes black, and `cover`, its opacity over the background, is
+// the fraction of the light that does not arrive.
 IN_REAL(open_light)
 IN_COLOR(indirect)
 IN_REAL(depth)
@@ -13,16 +13,16 @@ FN void ground_pixel(Int px, Int py) {
   Real object = near_object_id(0, 0);
   Bool ground = is_surface(depth) && object == Real(C.object) && Real(C.object) >= 0.0f;
   Real open = near_open_light(0, 0);
-  // The light that the model throws onto the ground would take away the shade where the two touch.
+  // Without indirect light: reflections from the model would cancel the contact shadow.
   Real arrives = dot(lit - clean_light(near_indirect(0, 0)), Vec3(Real(0.2126f), Real(0.7152f), Real(0.0722f))) /
                  select(open > 0.0f, open, Real(1.0f));
   Real shade = clamp((Real(1.0f) - arrives) * C.strength, Real(0.0f), Real(1.0f));
-  if (C.inverse_fades > 0.0f) {
-    // Over the outer half, so that a shadow longer than the ground has no end that shows.
+  if (C.inverse_fade_distance > 0.0f) {
+    // Fade over the outer half, so that a shadow longer than the ground has no visible end.
     Vec3 away = view_position(px, py, select(is_surface(depth), depth, Real(1.0f))) -
                 Vec3(Real(C.middle_x), Real(C.middle_y), Real(C.middle_z));
-    Real outer =
-        clamp(mad(sqrt(dot(away, away)) * Real(C.inverse_fades), Real(-2.0f), Real(2.0f)), Real(0.0f), Real(1.0f));
+    Real outer = clamp(mad(sqrt(dot(away, away)) * Real(C.inverse_fade_distance), Real(-2.0f), Real(2.0f)), Real(0.0f),
+                       Real(1.0f));
     shade = shade * outer * outer * mad(outer, Real(-2.0f), Real(3.0f));
   }
   shade = select(ground && open > 0.0f && is_finite(shade), shade, Real(0.0f));

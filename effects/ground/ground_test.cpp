@@ -1,4 +1,4 @@
-// `ground`: what is left of the ground is the shade on it.
+// Tests `ground`: only the shadow remains of the ground.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,7 +9,8 @@
 namespace umbrage {
 namespace {
 
-/// Pixels of object 3, the ground, but for the first, of object 1. All get `open` light; what arrives differs.
+/// Returns a row of pixels of object 3, the ground; the first is of object 1. `open` is the light without occluders,
+/// `arrives` the light of each pixel.
 GBuffer row_of(const std::vector<float>& arrives, float open, int ground_object = 3) {
   GBuffer g = test::empty_gbuffer(int(arrives.size()), 1);
   g.info.ground_object = ground_object;
@@ -24,7 +25,7 @@ GBuffer row_of(const std::vector<float>& arrives, float open, int ground_object 
   return g;
 }
 
-TEST(Ground, ShadeIsTheShareOfLightThatDoesNotArrive) {
+TEST(Ground, CoverIsTheFractionOfMissingLight) {
   const std::vector<float> arrives = {0.3f, 0.0f, 0.4f, 0.8f, 1.6f};
   test::on_every_target("ground", row_of(arrives, 0.8f), {}, [&](const Image& image) {
     EXPECT_EQ(image.plane("cover").at(0, 0), 0.0f) << "the model itself";
@@ -41,7 +42,8 @@ TEST(Ground, ShadeIsTheShareOfLightThatDoesNotArrive) {
 }
 
 TEST(Ground, OverAnyBackgroundViewersShowTheSameShade) {
-  // What a viewer makes of black with that alpha is what light makes of the shade, but near black where sRGB is linear.
+  // A viewer that blends black by that alpha in display values gets the shadow in linear light, except near black,
+  // where sRGB is linear.
   test::on_every_target("ground", row_of({0.3f, 0.4f, 0.2f}, 0.8f), {{"blend", "display"}}, [](const Image& image) {
     for (int x : {1, 2}) {
       const double arrives = x == 1 ? 0.5 : 0.25;
@@ -66,17 +68,17 @@ TEST(Ground, NothingChangesWithoutOne) {
   });
 }
 
-TEST(Ground, NoLightIsNoShade) {
+TEST(Ground, NoLightGivesNoShadow) {
   test::on_every_target("ground", row_of({0.3f, 0.0f}, 0.0f), {},
                         [](const Image& image) { EXPECT_EQ(image.plane("cover").at(1, 0), 0.0f); });
 }
 
-TEST(Ground, ShadeFadesTowardsTheGroundsEdge) {
-  // A row of pixels at one depth, the ground's middle at the left one's place: half of the light arrives everywhere.
+TEST(Ground, ShadowFadesTowardsTheEdgeOfTheGround) {
+  // A row of pixels at one depth, with the centre of the ground at the leftmost pixel. Half of the light arrives.
   GBuffer g = row_of(std::vector<float>(40, 0.4f), 0.8f);
   const float step = 2.0f * (g.info.camera.right - g.info.camera.left) / 40.0f;  // at depth 2
-  g.info.ground_middle = {2.0f * g.info.camera.left + 0.5f * step, 0.0f, -2.0f};
-  g.info.ground_fades = 30.0f * step;
+  g.info.ground_center = {2.0f * g.info.camera.left + 0.5f * step, 0.0f, -2.0f};
+  g.info.ground_fade_distance = 30.0f * step;
   test::on_every_target("ground", g, {}, [&](const Image& image) {
     for (int x = 1; x < 40; ++x) {
       const double outer = std::clamp(2.0 - 2.0 * x / 30.0, 0.0, 1.0);

@@ -13,18 +13,17 @@ namespace {
 
 const std::vector<Parameter> kTable = {
     int_row("directions", &HbaoParams::directions, {.initial = 6, .min = 1, .max = 64},
-            "directions in the picture in which the horizon is sought"),
-    int_row("steps", &HbaoParams::steps, {.initial = 6, .min = 1, .max = 256},
-            "depths that are read in each direction"),
+            "directions in the picture in which the horizon is searched"),
+    int_row("steps", &HbaoParams::steps, {.initial = 6, .min = 1, .max = 256}, "depth taps in each direction"),
     radius_row("radius", &HbaoParams::radius,
-               "how far away occluders are sought, in scene units or as a share of the scene's radius"),
+               "search radius for occluders, in scene units or in percent of the bounding-sphere radius"),
     real_row("angle_bias", &HbaoParams::angle_bias, {.initial = 10, .max = 89, .unit = "deg"},
-             "what rises less above the tangent plane does not occlude"),
-    bool_row("attenuation", &HbaoParams::attenuation, true, "occluders count less the farther they are, by 1 - r^2"),
+             "elevation above the tangent plane below which nothing occludes"),
+    bool_row("attenuation", &HbaoParams::attenuation, true, "weight occluders by 1 - r^2, with distances r in radii"),
     real_row("strength", &HbaoParams::strength, {.initial = 1, .max = 10}, "factor of the occlusion"),
 };
 
-// One tap of one may be the whole horizon: two quanta.
+// With one tap, that tap may be the whole horizon: up to two quanta.
 constexpr double kQuantum = 0.5;
 
 void fill_constants(const HbaoParams& params, const PictureInfo& info, HbaoConstants& c) {
@@ -34,7 +33,7 @@ void fill_constants(const HbaoParams& params, const PictureInfo& info, HbaoConst
   const double turn = 2.0 * std::numbers::pi / params.directions;
   c.turn_cos = float(std::cos(turn));
   c.turn_sin = float(std::sin(turn));
-  c.turn_share = 1.0f / float(params.directions);
+  c.turn_fraction = 1.0f / float(params.directions);
   c.radius = std::clamp(absolute_length(params.radius, info.scene_radius), 1e-15f, 1e15f);
   c.radius2 = c.radius * c.radius;
   const float column = info.pixel_width(), row = info.pixel_height();
@@ -52,13 +51,13 @@ void fill_constants(const HbaoParams& params, const PictureInfo& info, HbaoConst
 Effect effect_hbao() {
   return occlusion_effect<fill_constants>(
       kTable, {.name = "hbao",
-               .summary = "horizons in several directions: darker the higher they stand over the surface",
+               .summary = "horizons in several directions: darker the higher they rise above the surface",
                .source = "Bavoil et al. 2008",
                .set_radius = set_radius_of<&HbaoParams::radius>,
                .tunable = {"directions", "steps", "angle_bias", "attenuation", "strength"},
                .variants = {"", "angle_bias=30", "directions=4 steps=8 attenuation=off"},
                .quantum = kQuantum,
-               .passes = {sampling_pass(hbao_kernel())}});
+               .dispatches = {sampling_dispatch(hbao_kernel())}});
 }
 
 }  // namespace umbrage

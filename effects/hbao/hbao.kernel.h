@@ -1,17 +1,17 @@
-// Horizon-based ambient occlusion: in each direction of the picture the horizon that the depths make is sought, and
-// what lies between it and the tangent plane is occluded. Based on [Bavoil et al. 2008], section 3: elevations are
-// angles from the picture's plane, the measure is their sine.
+// Horizon-based ambient occlusion: in each direction of the picture, the kernel searches the horizon of the depths; the
+// directions between it and the tangent plane are occluded. Based on [Bavoil et al. 2008], section 3: elevations are
+// angles to the picture plane, measured by their sine.
 //
-// Positions use operations alone that round alike on every machine.
+// Positions are computed only with operations that round identically on every machine.
 IN_REAL(depth)
 IN_VECTOR(normal)
 OUT_REAL(ao)
 
 #include "kernel/angles.kernel.h"
 
-CONST float kMinFacing = 0.02f;  // of the normal's z: a plane seen more edge-on has no slope that is a number
+CONST float kMinFacing = 0.02f;  // min z of the normal; the slope of a plane seen more edge-on is not finite
 
-FN Real open_at(Int px, Int py, Real depth) {
+FN Real visibility_at(Int px, Int py, Real depth) {
   Vec3 position = view_position(px, py, depth);
   Vec3 normal = unit_normal(near_normal(0, 0), position);
   Real facing = max(normal.z, Real(kMinFacing));
@@ -22,10 +22,10 @@ FN Real open_at(Int px, Int py, Real depth) {
   // "we randomly rotate the directions and jitter the samples" [section 3.2].
   Uint first = scrambled(to_uint(px) ^ scrambled(to_uint(py) + Uint(0x9e3779b9u)));
   Real jitter = share_of_one(scrambled(first + Uint(1u)));
-  Vec2 direction = direction_of_turn(share_of_one(first) * Real(C.turn_share));
+  Vec2 direction = direction_of_turn(share_of_one(first) * Real(C.turn_fraction));
   Real sum = Real(0.0f);
   for (int i = 0; i < C.directions; ++i) {
-    // The tangent plane's rise along the direction, per length in the picture's plane; its elevation plus the bias.
+    // The slope of the tangent plane along the direction; then the sine of its elevation plus the bias.
     Real rise = -mad(normal.x, direction.x, normal.y * direction.y) / facing;
     Real scale = rsqrt(mad(rise, rise, Real(1.0f)));
     Real tangent_sin = mad(rise, Real(C.bias_cos), Real(C.bias_sin)) * scale;
@@ -41,7 +41,7 @@ FN Real open_at(Int px, Int py, Real depth) {
       Bool counts = squared < C.radius2 && squared > 0.0f && is_surface(tap);
       Real sine = way.z * rsqrt(select(counts, max(squared, Real(1e-30f)), Real(1.0f)));
       Real higher = max(sine - horizon, Real(0.0f));
-      // [section 3.3]: what rises the horizon counts by 1 - r^2.
+      // [section 3.3]: a tap that raises the horizon is weighted by 1 - r^2.
       Real weight = C.attenuation != 0 ? 1.0f - squared / C.radius2 : Real(1.0f);
       sum = sum + select(counts, higher * weight, Real(0.0f));
       horizon = select(counts, max(horizon, sine), horizon);
@@ -54,4 +54,4 @@ FN Real open_at(Int px, Int py, Real depth) {
 
 #include "kernel/occlusion.kernel.h"
 
-FN void hbao_pixel(Int px, Int py) { store_open(px, py); }
+FN void hbao_pixel(Int px, Int py) { store_visibility(px, py); }

@@ -1,4 +1,4 @@
-// `hbao` against its paper's formula, ported literally in double, and on planes.
+// Tests `hbao` against the formula of the paper, ported literally in double, and on planes.
 #include "effects/hbao/hbao.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ unsigned scrambled(unsigned v) {
   return v ^ (v >> 16);
 }
 
-/// Section 3 with angles, not sines and cosines.
+/// Returns `ao` of a pixel by section 3 of the paper, with angles instead of sines and cosines.
 double listing(const GBuffer& g, const HbaoParams& params, double radius, int x, int y) {
   const glm::dvec3 at = position(g, x, y), n = normal(g, x, y);
   const Camera& camera = g.info.camera;
@@ -73,10 +73,10 @@ TEST(Hbao, PlanesAreOpenUpToTheBias) {
   for (const double tilt : {0.0, 0.25, 0.5}) {
     const GBuffer g = tilted_plane(96, 64, tilt);
     const Plane ao = run_effect(*find_effect("hbao"), g, {{"radius", "2"}, {"angle_bias", "30"}}, {}).planes[0];
-    double least = 1.0;
+    double min = 1.0;
     for (int y = 0; y < 64; ++y)
-      for (int x = 0; x < 96; ++x) least = std::min(least, double(ao.at(x, y)));
-    EXPECT_EQ(least, 1.0) << tilt;
+      for (int x = 0; x < 96; ++x) min = std::min(min, double(ao.at(x, y)));
+    EXPECT_EQ(min, 1.0) << tilt;
   }
 }
 

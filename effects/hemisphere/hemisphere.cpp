@@ -18,86 +18,87 @@
 namespace umbrage {
 namespace {
 
-// The paper's switches: its sample and noise tables, comparison of depths alone, a range in window depth that falls
-// with the square of the depth, a fixed size of fragment.
+// The settings of the paper: its sample and noise tables, comparison of depths only, a range in window depth that falls
+// with the square of the depth, a fixed fragment size.
 constexpr std::string_view kPaper =
     "distribution=paper range=quadratic range_depth=window bias_of=depth bias=0 border=clamp bleeding=1 area=paper "
     "floor=0 weight=1 ambient_bounce=0";
-constexpr float kMinInner = 1e-3f;        // of R: the logarithm of the lengths needs an end
-constexpr double kMinShareOfInner = 0.1;  // rays of sight pass a pixel at this share of the shortest length at least
-constexpr float kOpenness = 0.7f;         // of ambient light, where nobody has measured it: typical of a room
-constexpr float kMinNearShare = 1e-4f;    // of the far plane: window depth divides by the near plane's distance
+constexpr float kMinInner = 1e-3f;       // fraction of R: the logarithm of the lengths needs a lower end
+constexpr double kMinRayDistance = 0.1;  // minimum distance of a view ray from a pixel, relative to the minimum length
+constexpr float kAssumedVisibility = 0.7f;  // visibility of ambient light where it is not computed: typical of a room
+constexpr float kMinNearToFar = 1e-4f;  // fraction of the far plane: window depth divides by the near plane's distance
 
 const std::vector<Parameter> kTable = {
-    int_row("samples", &HemisphereParams::samples, {.initial = 16, .min = 1, .max = kHemisphereMostSamples},
+    int_row("samples", &HemisphereParams::samples, {.initial = 16, .min = 1, .max = kHemisphereMaxSamples},
             "sample points per pixel"),
     choice_row("shape", &HemisphereParams::shape, 0, {"hemisphere", "sphere"},
-               "sample the half of a ball above the surface, or the whole of it"),
+               "sample the hemisphere above the surface, or the whole sphere"),
     radius_row("radius", &HemisphereParams::radius,
-               "radius of the hemisphere, in scene units or as a share of the scene's radius"),
+               "radius of the hemisphere, in scene units or in percent of the bounding-sphere radius"),
     choice_row(
         "distribution", &HemisphereParams::distribution, 0, {"even", "paper"},
-        "lengths of the sample points: evenly by their logarithm, or random directions with the paper's lengths"),
+        "lengths of the sample points: uniform in their logarithm, or random directions with the paper's lengths"),
     int_row("seed", &HemisphereParams::seed, {.max = 1e6}, "another number gives other sample points and other noise"),
     int_row("noise", &HemisphereParams::noise,
             {.initial = 4, .max = 64, .unit = "px", .zero_means = "as large as the picture"},
-            "side of the tile of noise that turns the sample points; 1: none"),
+            "side of the noise tile that rotates the sample points; 1: none"),
     choice_row(
         "range", &HemisphereParams::range, kHemisphereRangeSmoothstep,
         {"none", "constant", "linear", "quadratic", "smoothstep"},
-        "how far in depth an occluder may be: anywhere, within a limit that is constant or falls with the depth or "
+        "maximum difference in depth of an occluder: unlimited, a limit that is constant or falls with the depth or "
         "with its square, or fading beyond the limit"),
     choice_row("range_depth", &HemisphereParams::range_depth, 0, {"view", "window"},
-               "the depth that the range is one of: distance along the view axis, or window depth in [0, 1]"),
+               "depth to which the range applies: distance along the view axis, or window depth in [0, 1]"),
     real_row("range_factor", &HemisphereParams::range_factor, {.initial = 1, .max = 100},
-             "the range's limit in radii; of window depth: in radii over the depth span, far - near"),
+             "limit of the range in radii; for window depth: in radii divided by the depth span, far - near"),
     real_row("near", &HemisphereParams::near_depth, {.max = 1e12, .unit = "scene units", .zero_means = "automatic"},
              "distance of window depth's near plane"),
     real_row("far", &HemisphereParams::far_depth, {.max = 1e12, .unit = "scene units", .zero_means = "automatic"},
              "distance of window depth's far plane"),
     real_row("bias", &HemisphereParams::bias, {.initial = 0.02, .max = 1},
-             "what rises less than this share of the radius (over the surface, or before the sample: see bias_of) does "
-             "not occlude"),
-    choice_row("bias_of", &HemisphereParams::bias_of, 0, {"surface", "depth"},
-               "what an occluder must rise above: the surface's plane, which leaves planes open, or only the sample's "
-               "depth, as in the paper"),
+             "occluders that rise less than this fraction of the radius (above the surface, or in front of the sample: "
+             "see bias_of) do not count"),
+    choice_row(
+        "bias_of", &HemisphereParams::bias_of, 0, {"surface", "depth"},
+        "what an occluder must rise above: the surface's plane, which keeps planes unoccluded, or only the sample's "
+        "depth, as in the paper"),
     real_row("weight", &HemisphereParams::weight, {.initial = 1.5, .max = 10},
              "how much one occluder adds to the occlusion"),
     choice_row("border", &HemisphereParams::border, 0, {"skip", "clamp"},
-               "what a sample outside the picture is: left out of the count, or the nearest pixel"),
-    bool_row("occlusion", &HemisphereParams::occlusion, true, "write occlusion; off: all is open"),
+               "sample outside the picture: not counted, or moved to the nearest pixel"),
+    bool_row("occlusion", &HemisphereParams::occlusion, true, "write occlusion; off: visibility is 1 everywhere"),
     real_row("bleeding", &HemisphereParams::bleeding, {.max = 100, .zero_means = "off"},
              "factor of the light that occluders reflect"),
-    choice_row("area", &HemisphereParams::area, 0, {"measured", "equal", "paper"},
-               "surface that an occluding sample stands for: measured from the samples' density, an equal share of the "
-               "radius's disc, or the paper's fixed fragment"),
+    choice_row(
+        "area", &HemisphereParams::area, 0, {"measured", "equal", "paper"},
+        "surface area that an occluding sample represents: measured from the samples' density, an equal fraction of "
+        "the radius's disc, or the paper's fixed fragment"),
     real_row("fragment_area", &HemisphereParams::fragment_area, {.initial = 0.05, .max = 100},
              "area paper: size of a fragment, in squares of the radius"),
-    real_row(
-        "floor", &HemisphereParams::floor, {.initial = 0.02, .max = 0.5},
-        "share of the radius: length of the shortest sample of distribution even, and least distance of an emitter "
-        "elsewhere"),
+    real_row("floor", &HemisphereParams::floor, {.initial = 0.02, .max = 0.5},
+             "fraction of the radius: length of the shortest sample of distribution even, and minimum distance of an "
+             "emitter of area equal and paper"),
     int_row("layers", &HemisphereParams::layers, {.max = kLayersRead, .zero_means = "all"},
-            "depth layers in which occluders are sought, of those that were captured"),
+            "number of captured depth layers in which occluders are searched"),
     real_row("ambient_bounce", &HemisphereParams::ambient_bounce, {.initial = 1, .max = 10},
-             "factor of the ambient light that surfaces send on"),
+             "factor of the ambient light that surfaces reflect"),
     int_row("bounces", &HemisphereParams::bounces, {.initial = 1, .min = 1, .max = 16},
-            "how often light is reflected: 1, or more with what arrived the time before"),
+            "number of reflections: 1, or more, each of the light that arrived in the one before"),
     bool_row("tangents", &HemisphereParams::tangents, false,
-             "write the plane `tangent` as well: about the normal, where each pixel's sample points are turned to"),
+             "also write the plane `tangent`: the direction to which each pixel's points are turned about the normal"),
 };
 
-// One flipped sample of one, the fewest, turns occlusion and light from nothing to whole: two quanta.
+// With a single sample, flipping it changes occlusion and light from none to full: two quanta.
 constexpr double kQuantum = 0.5;
 
 double share_of_one(double v) { return v - std::floor(v); }
 
-/// The paper's kernel texture: x and y uniform in [-1, 1], z in [0.05, 1] (the whole ball: in [-1, 1]), scaled to
-/// length 1 and then by a quadratic. The paper names the quadratic and not its factors; these are those of the tutorial
-/// that it follows, 0.1 + 0.9 (i/N)^2 [learnopengl.com, "SSAO"].
+/// Fills in the paper's kernel texture: x and y uniform in [-1, 1], z in [0.05, 1] (shape sphere: in [-1, 1]), scaled
+/// to length 1 and then by a quadratic. The paper names the quadratic but not its factors; these are the factors of the
+/// tutorial that it follows, 0.1 + 0.9 (i/N)^2 [learnopengl.com, "SSAO"].
 void fill_paper_points(const HemisphereParams& params, float* points) {
   std::mt19937 random(std::uint32_t(params.seed) + 1u);
-  const auto uniform = [&](double least, double most) { return least + (most - least) * (random() * 0x1p-32); };
+  const auto uniform = [&](double min, double max) { return min + (max - min) * (random() * 0x1p-32); };
   for (int i = 0; i < params.samples; ++i) {
     const double x = uniform(-1.0, 1.0), y = uniform(-1.0, 1.0);
     const double z = params.shape == 0 ? uniform(0.05, 1.0) : uniform(-1.0, 1.0);
@@ -108,11 +109,11 @@ void fill_paper_points(const HemisphereParams& params, float* points) {
   }
 }
 
-/// Ours: lengths in equal steps of their logarithm (every other point, which finds what is near) and in equal steps
-/// (the rest, which finds what is far); the kernel shifts both by a pixel's own share of all of it. Heights in equal
-/// steps (equal solid angles), and azimuths, by the golden ratio's two-dimensional sequence [Roberts 2018], so that
-/// neither goes with the length. Each counts by its cosine to the normal, since light from the side matters less; in
-/// the whole ball all count alike.
+/// Differs: lengths are in equal steps of their logarithm (every other point, for near occluders) and in equal steps
+/// (the rest, for far occluders); the kernel shifts both by a per-pixel fraction of their range. Heights (in equal
+/// steps, for equal solid angles) and azimuths follow the golden ratio's two-dimensional sequence [Roberts 2018], so
+/// that neither correlates with the length. Each point is weighted by its cosine to the normal, since light from the
+/// side matters less; in the whole sphere all weights are equal.
 void fill_even_points(const HemisphereParams& params, double inner, float* points) {
   constexpr double kPlastic = 1.32471795724474602596;  // x^3 = x + 1
   const int n = params.samples;
@@ -136,25 +137,25 @@ void fill_even_points(const HemisphereParams& params, double inner, float* point
   }
 }
 
-/// Which layers are looked through, in which order, and by which cameras they are seen.
+/// Fills in the layers to search, their order and their cameras.
 void fill_layers(const HemisphereParams& params, const PictureInfo& info, HemisphereConstants& c) {
   const int there = std::min(int(info.more_layers.size()) + 1, params.layers > 0 ? params.layers : kLayersRead);
-  const int most = std::min(there, kLayersRead);
+  const int max = std::min(there, kLayersRead);
   const auto info_of = [&](int layer) -> const LayerInfo& { return info.more_layers[std::size_t(layer) - 1]; };
-  // The layer through whose camera a layer is seen: 0, or one of another camera.
+  // Returns the layer that defines the camera of `layer`: 0 for the first camera, or a layer of kind kOther.
   const auto view_of = [&](int layer) {
     for (int step = 0; layer > 0 && step < kLayersRead && info_of(layer).kind != LayerKind::kOther; ++step)
       layer = std::clamp(info_of(layer).of, 0, int(info.more_layers.size()));
     return layer;
   };
   int view_before = -1;
-  for (int view = 0; view < most; ++view)  // layers of one camera follow each other
-    for (int layer = 0; layer < most; ++layer) {
+  for (int view = 0; view < max; ++view)  // layers of one camera are consecutive
+    for (int layer = 0; layer < max; ++layer) {
       if (view_of(layer) != view || (layer > 0 && info_of(layer).kind == LayerKind::kBack)) continue;
       const int i = c.layer_count++;
       c.layer[i] = layer;
       c.back[i] = -1;
-      for (int k = 1; k < most; ++k)
+      for (int k = 1; k < max; ++k)
         if (info_of(k).kind == LayerKind::kBack && info_of(k).of == layer) c.back[i] = k;
       c.other[i] = view > 0 ? 1 : 0;
       c.new_view[i] = view != view_before ? 1 : 0;
@@ -176,7 +177,7 @@ void fill_layers(const HemisphereParams& params, const PictureInfo& info, Hemisp
       for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 4; ++column) c.move[12 * i + 4 * row + column] = move[column][row];
     }
-  // Beyond them as the first is: where there is one alone, a GPU compiles that into its shader.
+  // Unused entries equal the first one: with a single layer, a GPU compiles these values into its shader.
   for (int i = c.layer_count; i < kLayersRead; ++i) {
     c.new_view[i] = 1;
     c.orthographic[i] = c.orthographic[0];
@@ -195,17 +196,17 @@ void fill_constants(const HemisphereParams& params, const PictureInfo& info, Hem
   c.log_inner = std::log(c.inner);
   const double inner = std::max(double(c.inner) * c.radius, 1e-18), radius = std::max(double(c.radius), 1e-18);
   c.one_over_inner2 = float(std::min(1.0 / (inner * inner), 1e30));
-  c.least_b2 = float(std::max(kMinShareOfInner * kMinShareOfInner * inner * inner, 1e-30));
+  c.min_b2 = float(std::max(kMinRayDistance * kMinRayDistance * inner * inner, 1e-30));
   const double even_share = double(params.samples / 2) / params.samples;
   c.log_share = float((1.0 - even_share) / -double(c.log_inner));
-  c.even_share_by_radius = float(even_share / radius);
+  c.even_fraction_by_radius = float(even_share / radius);
 
-  // The tightest frustum around the scene, where nobody says: window depth is finest there.
+  // Default: the tightest frustum around the scene, in which window depth has the finest resolution.
   float far_depth = params.far_depth > 0.0f ? params.far_depth : info.depth_max;
   float near_depth = params.near_depth > 0.0f ? params.near_depth : info.depth_min;
-  // Kernels are total: a near plane at or behind the far plane leaves a sliver between them.
+  // Kernels must not fail: a near plane at or behind the far plane is moved slightly in front of it.
   far_depth = std::max(far_depth, 1e-30f);
-  near_depth = std::clamp(near_depth, far_depth * kMinNearShare, far_depth * 0.999f);
+  near_depth = std::clamp(near_depth, far_depth * kMinNearToFar, far_depth * 0.999f);
   const double n = near_depth, f = far_depth;
   c.near_depth = near_depth;
   c.far_depth = far_depth;
@@ -213,29 +214,29 @@ void fill_constants(const HemisphereParams& params, const PictureInfo& info, Hem
   c.window_inverse = float(f * n / (f - n));
   c.range = params.range;
   c.window = params.range_depth;
-  // The depth span, f - n, is what window depth's [0, 1] is long: there and at the planes' geometric mean the three
-  // limits are one. The quadratic one is then R times the slope of window depth everywhere, a constant distance.
+  // Window depth's [0, 1] spans f - n: this scale makes the three limits equal at the geometric mean of the planes. The
+  // quadratic limit is then R times the slope of window depth everywhere, a constant distance.
   c.limit = float(c.radius * double(params.range_factor) / (c.window ? f - n : 1.0));
   c.depth_at_limit = float(std::sqrt(f * n));
 
   const bool whole = params.shape != 0;
   c.above = whole ? 0 : 1;
   c.rises = !whole && params.bias_of == 0 ? 1 : 0;
-  c.least_height = c.rises ? params.bias * c.radius : 0.0f;
-  c.least_nearer = c.rises ? 0.0f : params.bias * c.radius;
+  c.min_height = c.rises ? params.bias * c.radius : 0.0f;
+  c.min_nearer = c.rises ? 0.0f : params.bias * c.radius;
   c.weight = params.weight;
   c.clamp_border = params.border;
   c.occlusion = params.occlusion;
   c.bleeding = params.bleeding;
-  // The paper's points have no density that could be integrated.
+  // The density of the paper's points cannot be integrated.
   c.area = params.area == kHemisphereAreaMeasured && !c.even ? kHemisphereAreaEqual : params.area;
   const double r2 = double(c.radius) * c.radius;
   c.area_factor = float(c.area == kHemisphereAreaPaper   ? params.fragment_area * r2
                         : c.area == kHemisphereAreaEqual ? r2 / params.samples
                                                          : (whole ? 4.0 : 2.0) / params.samples);
-  c.least_distance = std::max(params.floor * c.radius, c.radius * 1e-6f);
+  c.min_distance = std::max(params.floor * c.radius, c.radius * 1e-6f);
   c.ambient_bounce = params.ambient_bounce;
-  c.openness = kOpenness;
+  c.assumed_visibility = kAssumedVisibility;
   fill_layers(params, info, c);
   if (c.even)
     fill_even_points(params, c.inner, c.points);
@@ -244,7 +245,7 @@ void fill_constants(const HemisphereParams& params, const PictureInfo& info, Hem
 }
 
 bool bleeds(const ParameterBytes& bytes) { return as<HemisphereParams>(bytes).bleeding > 0.0f; }
-bool occludes_alone(const ParameterBytes& bytes) { return !bleeds(bytes); }
+bool occludes_only(const ParameterBytes& bytes) { return !bleeds(bytes); }
 bool shows_tangents(const ParameterBytes& bytes) { return as<HemisphereParams>(bytes).tangents != 0; }
 int rounds(const ParameterBytes& bytes, const PictureInfo&) {
   return bleeds(bytes) ? as<HemisphereParams>(bytes).bounces : 1;
@@ -286,53 +287,55 @@ std::vector<std::string_view> far_planes() {
 
 Effect effect_hemisphere() {
   return occlusion_effect<fill_constants>(
-      kTable, {.name = "hemisphere",
-               .summary = "sample points above the surface: darker where they are hidden, coloured by what hides them",
-               .source = "Colliander and Törnquist 2015",
-               .set_radius = set_radius_of<&HemisphereParams::radius>,
-               .noise = "seed",
-               .tunable = {"samples", "distribution", "range", "bias"},
-               .variants = {"", "samples=8", "samples=32 bleeding=1", "samples=64", "samples=64 bleeding=1", kPaper},
-               .quantum = kQuantum,
-               .passes = {{.name = "sent",
-                           .inputs = sent_inputs(),
-                           .outputs = packed_planes(),
-                           .later_inputs = sent_later_inputs(),
-                           .kernel = hemisphere_sent_kernel(),
-                           .needed = bleeds,
-                           .reach = own_row},
-                          {.name = "occlusion",
-                           .inputs = occlusion_inputs(),
-                           .outputs = {"ao"},
-                           .kernel = hemisphere_occlusion_kernel(),
-                           .needed = occludes_alone,
-                           .tile = kSquareTile,
-                           .reach = own_row,
-                           .far_inputs = of_all_layers({"depth"})},
-                          {.name = "bleeding",
-                           .inputs = bleeding_inputs(),
-                           .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
-                           .kernel = hemisphere_bleeding_kernel(),
-                           .needed = bleeds,
-                           .tile = {256, 32},
-                           .reach = own_row,
-                           .far_inputs = far_planes()},
-                          // Their light is not worth packing what all of the picture sends.
-                          {.name = "missing",
-                           .inputs = occlusion_inputs(),
-                           .outputs = {"ao"},
-                           .kernel = hemisphere_occlusion_kernel(),
-                           .reach = own_row,
-                           .far_inputs = of_all_layers({"depth"}),
-                           .for_all = false,
-                           .for_missing = true},
-                          {.name = "tangents",
-                           .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
-                           .outputs = {"tangent.x", "tangent.y", "tangent.z"},
-                           .kernel = hemisphere_tangents_kernel(),
-                           .needed = shows_tangents,
-                           .reach = own_row}},
-               .rounds = rounds});
+      kTable,
+      {.name = "hemisphere",
+       .summary = "sample points above the surface: darker where they are occluded, coloured by their occluders",
+       .source = "Colliander and Törnquist 2015",
+       .set_radius = set_radius_of<&HemisphereParams::radius>,
+       .noise = "seed",
+       .tunable = {"samples", "distribution", "range", "bias"},
+       .variants = {"", "samples=8", "samples=32 bleeding=1", "samples=64", "samples=64 bleeding=1", kPaper},
+       .quantum = kQuantum,
+       .dispatches = {{.name = "sent",
+                       .inputs = sent_inputs(),
+                       .outputs = packed_planes(),
+                       .later_inputs = sent_later_inputs(),
+                       .kernel = hemisphere_sent_kernel(),
+                       .needed = bleeds,
+                       .reach = own_row},
+                      {.name = "occlusion",
+                       .inputs = occlusion_inputs(),
+                       .outputs = {"ao"},
+                       .kernel = hemisphere_occlusion_kernel(),
+                       .needed = occludes_only,
+                       .tile = kSquareTile,
+                       .reach = own_row,
+                       .unbounded_inputs = of_all_layers({"depth"})},
+                      {.name = "bleeding",
+                       .inputs = bleeding_inputs(),
+                       .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
+                       .kernel = hemisphere_bleeding_kernel(),
+                       .needed = bleeds,
+                       .tile = {256, 32},
+                       .reach = own_row,
+                       .unbounded_inputs = far_planes()},
+                      // Missing pixels get no reflected light: it would require packing the emitted light of the
+                      // whole picture.
+                      {.name = "missing",
+                       .inputs = occlusion_inputs(),
+                       .outputs = {"ao"},
+                       .kernel = hemisphere_occlusion_kernel(),
+                       .reach = own_row,
+                       .unbounded_inputs = of_all_layers({"depth"}),
+                       .for_all = false,
+                       .for_missing = true},
+                      {.name = "tangents",
+                       .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
+                       .outputs = {"tangent.x", "tangent.y", "tangent.z"},
+                       .kernel = hemisphere_tangents_kernel(),
+                       .needed = shows_tangents,
+                       .reach = own_row}},
+       .rounds = rounds});
 }
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// What a person sets of `hemisphere`, and what its kernels read. Shared by C++ and GLSL: 4-byte scalars only.
+// User parameters of `hemisphere` and the constants of its kernels. Shared by C++ and GLSL: 4-byte scalars only.
 #ifndef UMBRAGE_EFFECTS_HEMISPHERE_H
 #define UMBRAGE_EFFECTS_HEMISPHERE_H
 #include "core/length.h"
@@ -8,15 +8,15 @@
 struct HemisphereParams {
   int samples;
   int shape;      // 0 hemisphere, 1 sphere
-  Length radius;  // scene units or share of the scene's radius
+  Length radius;  // scene units, or percent of the bounding-sphere radius
   int distribution;
   int seed;
-  int noise;        // side of the tile, pixels; 0: as large as the picture
+  int noise;        // side of the tile, pixels; 0: the whole picture
   int range;        // kHemisphereRange...
   int range_depth;  // 0 view, 1 window
   float range_factor;
   float near_depth, far_depth;  // scene units; 0: automatic
-  float bias;                   // share of the radius
+  float bias;                   // fraction of the radius
   int bias_of;                  // 0 surface, 1 depth
   float weight;
   int border;      // 0 skip, 1 clamp
@@ -24,8 +24,8 @@ struct HemisphereParams {
   float bleeding;  // factor; 0: off
   int area;        // kHemisphereArea...
   float fragment_area;
-  float floor;  // share of the radius
-  int layers;   // 0: all there are
+  float floor;  // fraction of the radius
+  int layers;   // 0: all captured layers
   float ambient_bounce;
   int bounces;
   int tangents;  // 0 or 1
@@ -36,7 +36,7 @@ const int kHemisphereEven = 0, kHemispherePaper = 1;
 const int kHemisphereRangeNone = 0, kHemisphereRangeConstant = 1, kHemisphereRangeLinear = 2;
 const int kHemisphereRangeQuadratic = 3, kHemisphereRangeSmoothstep = 4;
 const int kHemisphereAreaMeasured = 0, kHemisphereAreaEqual = 1, kHemisphereAreaPaper = 2;
-const int kHemisphereMostSamples = 256;
+const int kHemisphereMaxSamples = 256;
 
 struct HemisphereConstants {
   int samples;
@@ -45,45 +45,48 @@ struct HemisphereConstants {
   int seed;
   int noise;  // as in HemisphereParams
   float one_over_noise;
-  // Ours: lengths even in their logarithm, and lengths just even, both in radii.
-  float inner, one_over_inner, log_inner;  // the shortest of the first
-  float one_over_inner2;                   // inverse of its square in scene units
-  float log_share;                         // the share of the first among all, over the logarithm of their range
-  float even_share_by_radius;              // the share of the second, over the radius in scene units
-  float least_b2;                          // square of how near to the pixel a ray of sight passes, at least
-  int range, window;                       // window: 0 or 1, whether the range is one of window depth
-  float limit, depth_at_limit;  // of a difference in depth; where limits that fall with depth have this value
+  // Distribution `even`: lengths uniform in their logarithm (log) and uniform lengths (even), both in radii.
+  float inner, one_over_inner, log_inner;  // minimum length of the log samples
+  float one_over_inner2;                   // inverse of the square of that length, scene units
+  float log_share;                         // fraction of log samples, divided by the log of their range
+  float even_fraction_by_radius;           // fraction of even samples, divided by the radius in scene units
+  float min_b2;                            // square of the minimum distance from the pixel to a view ray, scene units
+  int range, window;                       // window, 0 or 1: the range limits window depth
+  // Limit of a difference in depth; depth at which limits that fall with depth have this value
+  float limit, depth_at_limit;
   float near_depth, far_depth;
   float window_one, window_inverse;  // window depth = window_one - window_inverse / depth
   int rises;                         // 0 or 1: an occluder must rise above the surface's plane
-  float least_height, least_nearer;  // scene units: by how much, and by how much it must be before a sample
+  // Scene units: minimum height above the surface's plane; minimum distance in front of the sample
+  float min_height, min_nearer;
   float weight;
   int clamp_border;  // 0 or 1
   int occlusion;     // 0 or 1
   float bleeding;
-  int area;              // as in HemisphereParams
-  float area_factor;     // factor of what a find stands for, besides cosines and lengths
-  int above;             // 0 or 1: samples lie above the surface's plane
-  float least_distance;  // scene units, of the square in equation 1
+  int area;            // as in HemisphereParams
+  float area_factor;   // factor of what a hit represents, besides cosines and lengths
+  int above;           // 0 or 1: samples lie above the surface's plane
+  float min_distance;  // scene units: minimum of the distance in equation 1
   float ambient_bounce;
-  float openness;  // guess of the ambient occlusion where none is known
-  // Layers in which occluders are sought, in this order.
+  float assumed_visibility;  // assumed visibility of ambient light where it is unknown
+  // Layers in which occluders are searched, in this order. Entries of one camera are consecutive.
   int layer_count;
   int layer[kLayersRead];
-  int back[kLayersRead];      // the layer that shows the other side of its surfaces, or -1
-  int other[kLayersRead];     // 0 or 1: seen by another camera than the first layer
-  int new_view[kLayersRead];  // 0 or 1: seen by another camera than the layer before in this list
-  int view_end[kLayersRead];  // of the first layer of a camera: the index after its last in this list
+  int back[kLayersRead];      // layer that shows the back of its surfaces, or -1
+  int other[kLayersRead];     // 0 or 1: has another camera than the first layer
+  int new_view[kLayersRead];  // 0 or 1: has another camera than the previous entry
+  // For the first entry of a camera: index after the last entry of this camera
+  int view_end[kLayersRead];
   int orthographic[kLayersRead];
-  // Of that camera. Pixel coordinates of a view-space position (x, y, z): x scale_x / -z + offset_x for a perspective
-  // camera, x scale_x + offset_x otherwise; and the rays as in FrameConstants.
+  // Projection of the layer's camera. Pixel coordinates of a view-space position (x, y, z): x scale_x / -z + offset_x
+  // for a perspective camera, x scale_x + offset_x otherwise; the rays are as in FrameConstants.
   float scale_x[kLayersRead], offset_x[kLayersRead], scale_y[kLayersRead], offset_y[kLayersRead];
   float ray_scale_x[kLayersRead], ray_offset_x[kLayersRead], ray_scale_y[kLayersRead], ray_offset_y[kLayersRead];
-  // Three rows of the rigid movement from the first camera's view space to its own, each three factors and what is
-  // added.
+  // First three rows of the rigid transform from the first camera's view space to that of the layer's camera, row by
+  // row: three factors and a translation each.
   float move[12 * kLayersRead];
-  // Of each sample point: x and y across the normal, z along it, its length, what it counts.
-  float points[5 * kHemisphereMostSamples];
+  // Per sample point: x and y perpendicular to the normal, z along it, length, weight.
+  float points[5 * kHemisphereMaxSamples];
 };
 
 #endif

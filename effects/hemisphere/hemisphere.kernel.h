@@ -1,33 +1,38 @@
-// Occlusion and reflected light by points in a hemisphere: sample points above a pixel's surface that lie behind what
-// the depth buffer holds at their place are occluded, and what hides them sends its light to the pixel. Based on
-// [Colliander and Törnquist 2015], "SSAO Pass" and "Calculating Colour Bleed", equation 1.
+// Occlusion and reflected light from sample points in a hemisphere. A sample point above a pixel's surface is occluded
+// where the depth buffer has a surface in front of it; that surface, the occluder, reflects its light to the pixel.
+// Based on [Colliander and Törnquist 2015], "SSAO Pass" and "Calculating Colour Bleed", equation 1.
 //
-// The text is included by two kernels. They differ in what they define before: normal_of and sent_of, the normal of a
-// layer's surface and the light that it sends, store_light, and kGathersLight.
+// Two kernels include this text. Each defines before it: normal_of and outgoing_light_of (the normal of a layer's
+// surface and the light that it emits), store_light, and kGathersLight.
 //
-// Whether a sample counts hangs on which pixel it falls into, so positions use operations alone that round alike on
-// every machine: no rsqrt here before that.
+// Whether a sample counts depends on the pixel into which it falls. Positions are therefore computed only with
+// operations that round identically on every machine: no rsqrt before that.
 //
-// Ours, `measured`: equation 1 is a sum over emitting surface, so each sample must know how much of it stands for. A
-// patch dA at Q hides all samples behind it along the ray of sight that are still in the hemisphere. With N samples of
-// density p, it is found N dA cos(view) int p dt times on average; so one find stands for 1 / (N cos(view) int p dt).
-// Our lengths are even in their logarithm between r0 and R, or even between 0 and R, in the shares a and 1 - a:
+// Differs, for `area=measured`: equation 1 is a sum over emitting surface, so the area that each hit (occluded sample)
+// represents must be known. A patch dA at Q occludes all samples behind it along the view ray that are still in the
+// hemisphere. With N samples of density p, N dA cos(view) int p dt samples hit it on average, so one hit represents
+// 1 / (N cos(view) int p dt). A fraction a of our lengths is uniform in the logarithm between r0 and R, the fraction
+// 1 - a is uniform between 0 and R:
 //   2 pi p = a / (ln(R/r0) r^3) + (1 - a) / (R r^2)
-// With b the distance from P to the ray and t the length along it from there, r^2 = b^2 + t^2, tan(phi) = t/b,
+// With b the distance from P to the ray, t the length along the ray from there, r^2 = b^2 + t^2 and tan(phi) = t/b,
 //   int dt / r^3 = sin(phi) / b^2,  int dt / r^2 = phi / b
-// The light of one find, over pi, is then
+// The light of one hit, divided by pi, is then
 //   2/N  L cos(or) cos(oc)/cos(view)  b^2/d^2 / (a [sin(phi)] / ln(R/r0) + (1 - a) [phi] b/R)
-// with [] from Q to the end. Since b^2/d^2 = cos^2(phi at Q), it is bounded however near Q is.
-CONST float kDepthRounding = 2e-6f;  // share of the depth: 16 to 32 steps of a float
-CONST float kMinDepth = 1e-3f;       // a sample behind the eye is moved to this share of the pixel's depth
-CONST float kMinSpan = 0.02f;        // of sin(phi) between Q and where the ray leaves the hemisphere; of 2
-CONST float kMinCosine = 0.1f;       // of the angle at which the camera sees an emitter
-CONST float kMaxFind = 16.0f;        // what one find may stand for, of what it stands for on average: no sparks
-CONST float kMaxLight = 1e18f;       // what a pixel gets stays a number
+// with [] the difference between the ray's end in the hemisphere and Q. Since b^2/d^2 = cos^2(phi at Q), it is bounded
+// however near Q is.
+CONST float kDepthRounding = 2e-6f;  // relative to the depth: 16 to 32 ulp of a float
+// Minimum depth of a sample, relative to the pixel's depth; samples behind the camera move there
+CONST float kMinDepth = 1e-3f;
+// Minimum difference of sin(phi) between Q and the point where the ray leaves the hemisphere; the range is 2
+CONST float kMinSpan = 0.02f;
+CONST float kMinCosine = 0.1f;      // minimum cosine of the angle at which the camera sees an emitter
+CONST float kMaxHitWeight = 16.0f;  // maximum of what one hit represents, relative to the average: avoids fireflies
+CONST float kMaxLight = 1e18f;      // maximum light of a pixel: keeps it finite
 
 #include "effects/hemisphere/hemisphere_basis.kernel.h"
 
-// e^x for x in [-8, 0] by operations that round alike everywhere: the series for x/16, squared four times.
+// Returns e^x for x in [-8, 0], with operations that round identically everywhere: the series for x/16, squared four
+// times.
 FN Real exp_of(Real x) {
   Real y = x * 0.0625f;
   Real sum = mad(y, Real(1.0f / 120.0f), Real(1.0f / 24.0f));
@@ -41,13 +46,13 @@ FN Real exp_of(Real x) {
   return sum * sum;
 }
 
-// Window depth: what a depth buffer of the frustum between near and far holds.
+// Returns the window depth: the depth buffer's value for the frustum between near and far.
 FN Real window_depth(Real depth) {
   Real between = clamp(depth, Real(C.near_depth), Real(C.far_depth));
   return Real(C.window_one) - Real(C.window_inverse) / between;
 }
 
-// By how much depths may differ at a pixel for one to occlude the other.
+// Returns the maximum difference in depth at which an occluder of a pixel counts.
 FN Real range_limit(Real depth) {
   Real limit = Real(C.limit);
   if (C.range == kHemisphereRangeLinear || C.range == kHemisphereRangeQuadratic) {
@@ -58,7 +63,7 @@ FN Real range_limit(Real depth) {
   return clamp(limit, Real(1e-30f), Real(1e30f));
 }
 
-// How much an occluder counts by the difference of its depth to the pixel's.
+// Returns the weight of an occluder by the difference of its depth and the pixel's.
 FN Real range_weight(Real depth, Real tap, Real limit) {
   if (C.range == kHemisphereRangeNone) return Real(1.0f);
   Real difference = abs(depth - tap);
@@ -71,28 +76,31 @@ FN Real range_weight(Real depth, Real tap, Real limit) {
   return select(difference < limit, Real(1.0f), Real(0.0f));
 }
 
-// A position as the camera of the i-th layer sees it, or a direction.
-FN Vec3 turned_to(int i, Vec3 v) {
+// rotated_to_view rotates a vector from the first camera's view space to that of the i-th layer's camera,
+// rotated_from_view rotates it back; view_translation is the translation of that transform.
+FN Vec3 rotated_to_view(int i, Vec3 v) {
   return Vec3(dot(Vec3(Real(C.move[12 * i]), Real(C.move[12 * i + 1]), Real(C.move[12 * i + 2])), v),
               dot(Vec3(Real(C.move[12 * i + 4]), Real(C.move[12 * i + 5]), Real(C.move[12 * i + 6])), v),
               dot(Vec3(Real(C.move[12 * i + 8]), Real(C.move[12 * i + 9]), Real(C.move[12 * i + 10])), v));
 }
-FN Vec3 added_to(int i) { return Vec3(Real(C.move[12 * i + 3]), Real(C.move[12 * i + 7]), Real(C.move[12 * i + 11])); }
-FN Vec3 turned_back(int i, Vec3 v) {
+FN Vec3 view_translation(int i) {
+  return Vec3(Real(C.move[12 * i + 3]), Real(C.move[12 * i + 7]), Real(C.move[12 * i + 11]));
+}
+FN Vec3 rotated_from_view(int i, Vec3 v) {
   return Vec3(dot(Vec3(Real(C.move[12 * i]), Real(C.move[12 * i + 4]), Real(C.move[12 * i + 8])), v),
               dot(Vec3(Real(C.move[12 * i + 1]), Real(C.move[12 * i + 5]), Real(C.move[12 * i + 9])), v),
               dot(Vec3(Real(C.move[12 * i + 2]), Real(C.move[12 * i + 6]), Real(C.move[12 * i + 10])), v));
 }
 
-FN Real own_depth_of(int i, Vec3 position) { return -(turned_to(i, position) + added_to(i)).z; }
+FN Real depth_in_view(int i, Vec3 position) { return -(rotated_to_view(i, position) + view_translation(i)).z; }
 
-// Antiderivative of the samples' density along a ray of sight, times b^2: sin(phi), without what lies within r0.
+// Antiderivative of the samples' density along a view ray, times b^2: sin(phi), without the part within r0.
 FN Real passed(Real sine, Real inner_sine) {
   Real beyond = max(abs(sine) - inner_sine, Real(0.0f));
   return select(sine < 0.0f, -beyond, beyond);
 }
 
-// The angle from 0 to pi of the direction (x, y), y >= 0: exact at every eighth of a turn, within 1 % between.
+// Returns the angle, 0 to pi, of the direction (x, y), y >= 0: exact at multiples of 45 degrees, within 1 % between.
 FN Real angle_of(Real x, Real y) {
   Real m = y / max(abs(x) + y, Real(1e-30f));
   Real bow = m * (1.0f - m);
@@ -100,9 +108,9 @@ FN Real angle_of(Real x, Real y) {
   return select(x < 0.0f, Real(3.1415927f) - angle, angle);
 }
 
-// What one find stands for: the light that arrives by it over pi, for emitted light 1. `way` leads from the pixel to
-// the emitter, whose normal is `facing`; `sight` is the unit direction in which the camera sees it, `widening` how much
-// farther away than the emitter the sample is.
+// Returns what one hit represents: the light that arrives from it, divided by pi, for an emitted light of 1. `way`
+// leads from the pixel to the emitter, `facing` is the emitter's normal, `sight` the unit direction in which the camera
+// sees the emitter, `widening` the ratio of the sample's depth to the emitter's.
 FN Real arriving_share(Vec3 way, Vec3 normal, Vec3 facing, Vec3 sight, Real widening) {
   Real squared = max(dot(way, way), Real(1e-30f));
   Real one_over = rsqrt(squared);
@@ -113,11 +121,11 @@ FN Real arriving_share(Vec3 way, Vec3 normal, Vec3 facing, Vec3 sight, Real wide
   Real share = cos_receiver * min(cos_emitter, Real(1.0f)) * Real(C.area_factor);
   if (C.area == kHemisphereAreaMeasured) {
     Real t = dot(way, sight);
-    Real b2 = max(squared - t * t, Real(C.least_b2));
+    Real b2 = max(squared - t * t, Real(C.min_b2));
     Real end2 = max(Real(C.radius * C.radius) - b2, Real(0.0f));
     Real end = end2 * rsqrt(max(end2, Real(1e-30f)));
     if (C.above != 0) {
-      // Where the ray dives below the surface there are no samples any more.
+      // There are no samples where the ray is below the surface.
       Real dive = -dot(sight, normal);
       Real below = t + height / max(dive, Real(1e-6f));
       end = select(dive > 1e-6f, min(end, below), end);
@@ -130,49 +138,49 @@ FN Real arriving_share(Vec3 way, Vec3 normal, Vec3 facing, Vec3 sight, Real wide
     Real foot = b2 * rsqrt(b2);
     Real seen_angle = angle_of(mad(t, end, b2), max(end - t, Real(0.0f)) * foot);
     Real found = max(end_sine - near_sine, inner_share * kMinSpan) * Real(C.log_share);
-    found = mad(seen_angle * foot, Real(C.even_share_by_radius), found);
+    found = mad(seen_angle * foot, Real(C.even_fraction_by_radius), found);
     Real cos_view = max(abs(dot(sight, facing)), Real(kMinCosine));
-    // Rays of sight part from each other: farther away there are more samples between them.
+    // View rays diverge: with distance there are more samples between them.
     share = share * (b2 * one_over_near * one_over_near) / (cos_view * found * (widening * widening));
-    share = min(share, Real(C.area_factor * kMaxFind));
+    share = min(share, Real(C.area_factor * kMaxHitWeight));
     sees = sees && squared <= Real(C.radius * C.radius);
   } else {
-    share = share / max(squared, Real(C.least_distance * C.least_distance));
+    share = share / max(squared, Real(C.min_distance * C.min_distance));
   }
   return select(sees, share, Real(0.0f));
 }
 
-// A position that the camera of the i-th layer sees at the middle of a pixel, in that camera's space. The pixel's
-// coordinates are whole numbers.
-FN Vec3 seen_position(int i, Real x, Real y, Real depth) {
+// Returns the position at the centre of pixel (x, y) of the i-th layer, in the space of that layer's camera. x and y
+// are integers.
+FN Vec3 position_in_view(int i, Real x, Real y, Real depth) {
   Real spread = C.orthographic[i] != 0 ? Real(1.0f) : depth;
   return Vec3(mad(x + 0.5f, Real(C.ray_scale_x[i]), Real(C.ray_offset_x[i])) * spread,
               mad(y + 0.5f, Real(C.ray_scale_y[i]), Real(C.ray_offset_y[i])) * spread, -depth);
 }
 
-// a s + b.
-FN Vec3 scaled_on(Vec3 a, Real s, Vec3 b) { return Vec3(mad(a.x, s, b.x), mad(a.y, s, b.y), mad(a.z, s, b.z)); }
+// Returns a s + b.
+FN Vec3 scaled_sum(Vec3 a, Real s, Vec3 b) { return Vec3(mad(a.x, s, b.x), mad(a.y, s, b.y), mad(a.z, s, b.z)); }
 
-// Sample points are looked up first, many in a row; what lies before any of them, in the pixels that run together, is
-// kept for a closer look.
-LIST_REAL(tap_x, kListLength)  // the pixel's coordinates, whole numbers
+// All sample points of a batch are looked up first. A tap that is in front of its sample point in any lane (one of the
+// pixels that run together) is kept in these lists and evaluated afterwards.
+LIST_REAL(tap_x, kListLength)  // pixel coordinates, integers
 LIST_REAL(tap_y, kListLength)
 LIST_REAL(tap_depth, kListLength)     // 0 where there is none
-LIST_REAL(sample_depth, kListLength)  // of the sample point, by the camera that sees the tap
+LIST_REAL(sample_depth, kListLength)  // depth of the sample point for the camera that sees the tap
 
-// What may send light to a pixel is noted down and looked at later still, wherever it was found: few of the pixels that
-// run together find something at the same sample point.
+// Possible emitters are recorded and evaluated later still, regardless of the sample that found them: at one sample
+// point few lanes find an emitter.
 CONST int kMaxFound = 2 * kListLength * kLanes;
 LIST_UINT(found_pixel, 2 * kListLength)   // column + 65536 x row
-LIST_UINT(found_by, 2 * kListLength)      // which of the pixels that run together + 256 x index in C.layer
-LIST_REAL(found_depth, 2 * kListLength)   // by the layer's own camera
-LIST_REAL(hidden_depth, 2 * kListLength)  // of the sample point that it hides
+LIST_UINT(found_by, 2 * kListLength)      // lane + 256 x index in C.layer
+LIST_REAL(found_depth, 2 * kListLength)   // for the layer's own camera
+LIST_REAL(hidden_depth, 2 * kListLength)  // of the sample point that it occludes
 
-SUMS(arrived)  // light at each of the pixels that run together
+SUMS(arrived)  // light of each lane's pixel
 
-// Adds what arrives from the first `found` that were noted, of the layers `first` to before C.view_end[first], which
-// one camera sees.
-FN void add_light_of_found(int found, int first, Vec3 position, Vec3 normal, Int own_place) {
+// Adds the light of the first `found` recorded hits whose entries in C.layer are `first` to C.view_end[first] - 1, the
+// layers of one camera.
+FN void add_recorded_light(int found, int first, Vec3 position, Vec3 normal, Int own_place) {
   int end = C.view_end[first];
   bool other = C.other[first] != 0;
   Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
@@ -192,11 +200,11 @@ FN void add_light_of_found(int found, int first, Vec3 position, Vec3 normal, Int
     Vec3 to = of_lane(position, lane);
     Real own_depth = -to.z;
     Real tap = entries_found_depth(at);
-    Vec3 seen = seen_position(first, x, y, tap);
+    Vec3 seen = position_in_view(first, x, y, tap);
     Vec3 occluder = seen;
     if (other) {
-      occluder = turned_back(first, seen - added_to(first));
-      own_depth = own_depth_of(first, to);
+      occluder = rotated_from_view(first, seen - view_translation(first));
+      own_depth = depth_in_view(first, to);
     }
     Vec3 way = occluder - to;
     Vec3 facing = none;
@@ -206,9 +214,9 @@ FN void add_light_of_found(int found, int first, Vec3 position, Vec3 normal, Int
       if (end - first > 1) here = here && layer == Int(i);
       if (some(here)) {
         Vec3 its_normal = normal_of(C.layer[i], place);
-        if (other) its_normal = turned_back(i, its_normal);
+        if (other) its_normal = rotated_from_view(i, its_normal);
         if (C.back[i] >= 0) {
-          // The other side's normal is the opposite one.
+          // The back has the opposite normal.
           Bool turned = dot(way, its_normal) >= 0.0f;
           its_normal = select(turned, -its_normal, its_normal);
           away = away || (here && turned);
@@ -216,7 +224,7 @@ FN void add_light_of_found(int found, int first, Vec3 position, Vec3 normal, Int
         facing = select(here, its_normal, facing);
       }
     }
-    // What faces away is not looked up: such pixels read themselves, which are at hand.
+    // Emitters that face away are not looked up: their lanes read their own pixel, which is in the cache.
     sends = sends && dot(way, facing) < 0.0f;
     place = select(sends, place, own_place);
     Vec3 sight = Vec3(Real(0.0f), Real(0.0f), Real(-1.0f));
@@ -225,7 +233,7 @@ FN void add_light_of_found(int found, int first, Vec3 position, Vec3 normal, Int
       sight = seen * rsqrt(dot(seen, seen));
       widening = entries_hidden_depth(at) / tap;
     }
-    if (other) sight = turned_back(first, sight);
+    if (other) sight = rotated_from_view(first, sight);
     Real share = arriving_share(way, of_lane(normal, lane), facing, sight, widening) *
                  range_weight(own_depth, tap, range_limit(own_depth));
     share = select(sends, share, Real(0.0f));
@@ -237,36 +245,36 @@ FN void add_light_of_found(int found, int first, Vec3 position, Vec3 normal, Int
         front = front && layer == Int(i);
         back = back && layer == Int(i);
       }
-      if (some(front)) sent = select(front, sent_of(C.layer[i], place), sent);
-      if (C.back[i] >= 0 && some(back)) sent = select(back, sent_of(C.back[i], place), sent);
+      if (some(front)) sent = select(front, outgoing_light_of(C.layer[i], place), sent);
+      if (C.back[i] >= 0 && some(back)) sent = select(back, outgoing_light_of(C.back[i], place), sent);
     }
     add_to_arrived(lane, sent * share);
   }
 }
 
-// What lies before a sample point, at the middle of the pixel (x, y) of the i-th layer.
-struct Hiding {
-  Bool before;  // it counts at all
+// The surface in front of a sample point, at the centre of pixel (x, y) of the i-th layer.
+struct Occluder {
+  Bool before;  // it counts as an occluder or an emitter
   Bool hides;
   Real weight;
 };
 
-// Of the pixel that looks.
+// The receiving pixel.
 struct Looking {
   Vec3 position, normal;
-  Real depth, limit;  // of its range, by the first camera
-  Real rounding, least_height, least_nearer;
+  Real depth, limit;  // view depth and range limit for the first camera
+  Real rounding, min_height, min_nearer;
 };
 
-FN Hiding hiding_of(Looking from, int i, Real x, Real y, Real tap, Real point_depth, Bool hideable) {
-  Bool before = tap > 0.0f && point_depth - tap > from.least_nearer;
-  Vec3 seen = seen_position(i, x, y, tap);
+FN Occluder occluder_at(Looking from, int i, Real x, Real y, Real tap, Real point_depth, Bool hideable) {
+  Bool before = tap > 0.0f && point_depth - tap > from.min_nearer;
+  Vec3 seen = position_in_view(i, x, y, tap);
   Vec3 occluder = seen;
   Real own_depth = from.depth;
   Real limit = from.limit;
   if (C.other[i] != 0) {
-    occluder = turned_back(i, seen - added_to(i));
-    own_depth = own_depth_of(i, from.position);
+    occluder = rotated_from_view(i, seen - view_translation(i));
+    own_depth = depth_in_view(i, from.position);
     limit = range_limit(own_depth);
   }
   Vec3 way = occluder - from.position;
@@ -274,22 +282,22 @@ FN Hiding hiding_of(Looking from, int i, Real x, Real y, Real tap, Real point_de
   before = before && weight > 0.0f;
   Bool hides = before;
   if (C.other[i] != 0) hides = hides && hideable && dot(way, way) <= Real(C.radius * C.radius);
-  if (C.rises != 0) hides = hides && dot(way, from.normal) > from.least_height;
+  if (C.rises != 0) hides = hides && dot(way, from.normal) > from.min_height;
   if (kGathersLight) {
-    // Whether it faces the pixel, and what it sends, is looked up later.
+    // Whether it faces the pixel and what it emits is looked up later.
     before = before && dot(way, from.normal) > from.rounding;
     if (C.area == kHemisphereAreaMeasured) before = before && dot(way, way) <= Real(C.radius * C.radius);
   }
-  return Hiding(before, hides, weight);
+  return Occluder(before, hides, weight);
 }
 
-// Notes down what may send light; returns how much is noted.
+// Records a possible emitter in the lanes `where`. Returns the new number of records.
 FN int noted(int found, Bool where, int i, Real x, Real y, Real tap, Real point_depth) {
   append_found_pixel(found, where, (to_uint(to_int(y)) << 16) | to_uint(to_int(x)));
   append_found_by(found, where, to_uint(this_lane() + Int(i * 256)));
   append_found_depth(found, where, tap);
   append_hidden_depth(found, where, point_depth);
-  return found + how_many(where);
+  return found + count_lanes(where);
 }
 
 FN void gather(Int px, Int py) {
@@ -311,10 +319,10 @@ FN void gather(Int px, Int py) {
   Real shorter = C.even != 0 ? exp_of(noise.z * Real(C.log_inner)) : Real(1.0f);
 
   Real rounding = depth * kDepthRounding;
-  Real least_height = rounding + Real(C.least_height);
-  Real least_nearer = rounding + Real(C.least_nearer);
-  Real least_depth = depth * kMinDepth;
-  Looking from = Looking(position, normal, depth, range_limit(depth), rounding, least_height, least_nearer);
+  Real min_height = rounding + Real(C.min_height);
+  Real min_nearer = rounding + Real(C.min_nearer);
+  Real min_depth = depth * kMinDepth;
+  Looking from = Looking(position, normal, depth, range_limit(depth), rounding, min_height, min_nearer);
   Int own_place = place_of(to_real(px), to_real(py));
   int found_count = 0;
   Real hidden = Real(0.0f);
@@ -322,8 +330,8 @@ FN void gather(Int px, Int py) {
   if (kGathersLight) clear_arrived();
   Real last_column = Real(float(F.width - 1));
   Real last_line = Real(float(F.height - 1));
-  // Compared with a number it is one of a GPU's options (devices/vulkan/options.h): the loop over one layer is then
-  // none.
+  // The comparison with a number makes it one of a GPU's options (devices/vulkan/options.h): with one layer the loop
+  // disappears.
   int layers = C.layer_count == 1 ? 1 : C.layer_count;
   int at_once = kListLength / layers;
   for (int first = 0; first < C.samples; first += at_once) {
@@ -332,24 +340,24 @@ FN void gather(Int px, Int py) {
     int kept_sample[kListLength];
     int kept_layer[kListLength];
     for (int k = first; k < end; ++k) {
-      Vec3 v = scaled_on(along_x, Real(C.points[5 * k]),
-                         scaled_on(along_y, Real(C.points[5 * k + 1]), along_z * Real(C.points[5 * k + 2])));
+      Vec3 v = scaled_sum(along_x, Real(C.points[5 * k]),
+                          scaled_sum(along_y, Real(C.points[5 * k + 1]), along_z * Real(C.points[5 * k + 2])));
       Real length = Real(1.0f);
       if (C.even != 0) {
         length = Real(C.points[5 * k + 3]);
         if (k % 2 == 0) {
-          length = length * shorter;  // what would be shorter than r0 goes on at R
+          length = length * shorter;  // lengths below r0 wrap around to R
           length = select(length < Real(C.inner), length * Real(C.one_over_inner), length);
         } else {
           length = fract(length + noise.z);
         }
       }
-      Vec3 point = scaled_on(v, length, position);
+      Vec3 point = scaled_sum(v, length, position);
       Bool known = surface && !surface;
-      // The first camera sees the sample point itself: it is in the open, whatever another camera has before it.
+      // The first camera sees the sample point itself: it is unoccluded, whatever another camera has in front of it.
       Bool open = known;
-      Bool found = known;  // the sample point is hidden already
-      // As the layer's camera sees it; the same for layers of one camera.
+      Bool found = known;  // the sample point is already occluded
+      // Coordinates for the layer's camera; equal for all layers of one camera.
       Real point_depth = depth;
       Bool inside = surface;
       Real x = depth;
@@ -358,8 +366,8 @@ FN void gather(Int px, Int py) {
       for (int i = 0; i < layers; ++i) {
         if (C.new_view[i] != 0) {
           Vec3 there = point;
-          if (C.other[i] != 0) there = turned_to(i, point) + added_to(i);
-          point_depth = max(-there.z, least_depth);
+          if (C.other[i] != 0) there = rotated_to_view(i, point) + view_translation(i);
+          point_depth = max(-there.z, min_depth);
           Real shrunk = Real(1.0f);
           if (C.orthographic[i] == 0) shrunk = Real(1.0f) / point_depth;
           x = mad(there.x * shrunk, Real(C.scale_x[i]), Real(C.offset_x[i]));
@@ -371,15 +379,15 @@ FN void gather(Int px, Int py) {
           place = place_of(x, y);
           inside = surface && x == column && y == line;
           if (C.clamp_border != 0 && C.other[i] == 0) inside = surface;
-          if (C.other[i] != 0) inside = inside && own_depth_of(i, position) > 0.0f && -there.z > 0.0f;
+          if (C.other[i] != 0) inside = inside && depth_in_view(i, position) > 0.0f && -there.z > 0.0f;
           known = known || inside;
         }
         Real tap = select(inside, layers == 1 ? read_depth(place) : read_depth_of(C.layer[i], place), Real(0.0f));
-        Bool before = tap > 0.0f && point_depth - tap > least_nearer;
+        Bool before = tap > 0.0f && point_depth - tap > min_nearer;
         if (i == 0) open = inside && !before;
         if (kLanes == 1) {
-          // Nobody to wait for: it is looked at at once.
-          Hiding by = hiding_of(from, i, x, y, tap, point_depth, !open);
+          // With a single lane the tap is evaluated at once.
+          Occluder by = occluder_at(from, i, x, y, tap, point_depth, !open);
           Bool hides = by.hides && !found;
           hidden = hidden + select(hides, by.weight * Real(C.points[5 * k + 4]), Real(0.0f));
           found = found || hides;
@@ -388,11 +396,11 @@ FN void gather(Int px, Int py) {
           keep_tap_x(kept, x);
           keep_tap_y(kept, y);
           keep_tap_depth(kept, tap);
-          // Below 0 where what is found sends light, but does not hide.
+          // Negative: the tap may emit light but does not occlude.
           keep_sample_depth(kept, select(open, -point_depth, point_depth));
           kept_sample[kept] = k;
           kept_layer[kept] = i;
-          // No branch: whether any lies before it is hard to foresee.
+          // Branch-free: whether any lane has a surface in front of its sample is hard to predict.
           kept += some(before) ? 1 : 0;
         }
       }
@@ -407,7 +415,7 @@ FN void gather(Int px, Int py) {
       Real point_depth = abs(kept_sample_depth(slot));
       Real x = kept_tap_x(slot);
       Real y = kept_tap_y(slot);
-      Hiding by = hiding_of(from, i, x, y, tap, point_depth, kept_sample_depth(slot) > 0.0f);
+      Occluder by = occluder_at(from, i, x, y, tap, point_depth, kept_sample_depth(slot) > 0.0f);
       Bool hides = by.hides && !found;
       hidden = hidden + select(hides, by.weight * Real(C.points[5 * k + 4]), Real(0.0f));
       found = found || hides;
@@ -415,7 +423,7 @@ FN void gather(Int px, Int py) {
     }
     if (kGathersLight && (end == C.samples || found_count > kMaxFound - kListLength * kLanes)) {
       for (int i = 0; i < C.layer_count; i = C.view_end[i]) {
-        add_light_of_found(found_count, i, position, normal, own_place);
+        add_recorded_light(found_count, i, position, normal, own_place);
       }
       found_count = 0;
     }

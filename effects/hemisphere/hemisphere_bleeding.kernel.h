@@ -1,4 +1,4 @@
-// Occlusion, and the light that occluders send, as pass hemisphere_sent wrote it.
+// Occlusion, and the light that occluders reflect, as dispatch `sent` wrote it.
 IN_LAYERS_REAL(depth)
 IN_VECTOR(normal)
 OUT_REAL(ao)

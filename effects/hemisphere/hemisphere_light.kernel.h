@@ -1,5 +1,5 @@
-// For texts that gather light: what each pixel of each layer sends on, as pass `sent` wrote it, and where what is
-// gathered goes.
+// For kernels that gather light: reads what each pixel of each layer emits, as dispatch `sent` wrote it, and writes the
+// gathered light.
 #include "effects/hemisphere/hemisphere_packed.kernel.h"
 
 IN_LAYERS_REAL(hemisphere_facing)
@@ -8,7 +8,7 @@ IN_LAYERS_REAL(hemisphere_shares)
 OUT_COLOR(indirect)
 
 FN Vec3 normal_of(int layer, Int place) { return unpacked_normal(read_hemisphere_facing_of(layer, place)); }
-FN Vec3 sent_of(int layer, Int place) {
+FN Vec3 outgoing_light_of(int layer, Int place) {
   return unpacked_light(read_hemisphere_sum_of(layer, place), read_hemisphere_shares_of(layer, place));
 }
 FN void store_light(Vec3 light) { store_indirect(light); }

@@ -1,11 +1,11 @@
-// Occlusion alone: no light is read, and none is written.
+// Occlusion only: reads and writes no light.
 IN_LAYERS_REAL(depth)
 IN_VECTOR(normal)
 OUT_REAL(ao)
 
 CONST bool kGathersLight = false;
 FN Vec3 normal_of(int layer, Int place) { return Vec3(Real(0.0f), Real(0.0f), Real(0.0f)); }
-FN Vec3 sent_of(int layer, Int place) { return Vec3(Real(0.0f), Real(0.0f), Real(0.0f)); }
+FN Vec3 outgoing_light_of(int layer, Int place) { return Vec3(Real(0.0f), Real(0.0f), Real(0.0f)); }
 FN void store_light(Vec3 light) {}
 #include "effects/hemisphere/hemisphere.kernel.h"
 

@@ -1,13 +1,13 @@
-// What is looked up of an occluder, in as few numbers as do: its normal in one, the light that it sends in two.
+// Packing of what is read of an emitter: its normal in one number, its light in two.
 //
-// Two whole numbers of 15 bits go into one float's bits. What is added keeps the exponent away from its ends: all are
-// normal numbers, which every machine loads and stores as they are.
+// The bits of one float hold two integers of 15 bits. kPackedExponent keeps the exponent away from its ends: all floats
+// are normal numbers, which every machine loads and stores unchanged.
 CONST int kPackedExponent = 0x20000000;
 FN Real packed_pair(Uint high, Uint low) { return real_of_bits(to_uint(Int(kPackedExponent)) + ((high << 15) | low)); }
 FN Real high_of_pair(Real pair) { return to_real(to_signed((bits_of(pair) - to_uint(Int(kPackedExponent))) >> 15)); }
 FN Real low_of_pair(Real pair) { return to_real(to_signed(bits_of(pair) & Uint(0x7fffu))); }
 
-// Normals: the sphere unfolded to a square by way of an octahedron [Cigolle et al. 2014]; error below 1e-4 rad.
+// Normals: octahedral mapping of the sphere to a square [Cigolle et al. 2014]; error below 1e-4 rad.
 CONST float kPackedHalf = 16383.0f;
 FN Real toward(Real sign, Real v) { return select(sign < 0.0f, -v, v); }
 FN Real packed_normal(Vec3 n) {
@@ -32,7 +32,8 @@ FN Vec3 unpacked_normal(Real pair) {
   return Vec3(x * scale, y * scale, z * scale);
 }
 
-// Light, finite and not below 0: the channels' sum, and the shares of the first two in it; error below 1e-4 of the sum.
+// Light, finite and not negative: the sum of its channels, and the fractions of the first two in it; error below 1e-4
+// of the sum.
 CONST float kPackedWhole = 16384.0f;
 FN Real light_sum(Vec3 light) { return light.x + light.y + light.z; }
 FN Real light_shares(Vec3 light) {

@@ -1,7 +1,7 @@
-// What each pixel of every layer sends on, and where it faces, packed for the pixels that look it up: its direct light
-// and its ambient light. How much of the ambient light gets there is a guess in the first round; after that it is known
-// of the first layer from the round before, and so is the light that has bounced. Based on [Colliander and Törnquist
-// 2015], "Discussion", which leaves the bounce of ambient light open.
+// Writes what each pixel of every layer emits and its normal, packed for the pixels that look it up. It emits its
+// direct and its ambient light. The visibility of ambient light is an assumed constant in the first round; later rounds
+// take it for the first layer from the round before, and add the reflected light of that round. Based on [Colliander
+// and Törnquist 2015], "Discussion", which leaves the bounce of ambient light open.
 IN_LAYERS_VECTOR(normal)
 IN_LAYERS_COLOR(direct)
 IN_LAYERS_COLOR(ambient)
@@ -14,7 +14,7 @@ OUT_LAYERS_REAL(hemisphere_shares)
 
 #include "effects/hemisphere/hemisphere_packed.kernel.h"
 
-CONST float kMaxSent = 1e15f;  // a sum of 256 of them is finite
+CONST float kMaxSent = 1e15f;  // the sum of 256 such values is finite
 FN Real bounded(Real v) { return clamp(finite_or_zero(v), Real(0.0f), Real(kMaxSent)); }
 
 FN void store_sent(int layer, Vec3 sent, Bool faces) {
@@ -25,7 +25,7 @@ FN void store_sent(int layer, Vec3 sent, Bool faces) {
 }
 
 FN Vec3 sent_at_first(int layer) {
-  return near_direct_of(layer, 0, 0) + near_ambient_of(layer, 0, 0) * Real(C.openness * C.ambient_bounce);
+  return near_direct_of(layer, 0, 0) + near_ambient_of(layer, 0, 0) * Real(C.assumed_visibility * C.ambient_bounce);
 }
 
 FN void hemisphere_sent_pixel(Int px, Int py) {
@@ -34,7 +34,7 @@ FN void hemisphere_sent_pixel(Int px, Int py) {
     if (F.round > 0 && layer > 0) continue;
     Vec3 normal = near_normal_of(layer, 0, 0);
     Real squared = dot(normal, normal);
-    Bool faces = squared > 1e-20f && squared < 1e20f;  // some way
+    Bool faces = squared > 1e-20f && squared < 1e20f;  // the normal is usable
     Vec3 sent = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
     if (some(faces)) sent = sent_at_first(layer);
     if (F.round == 0) {
@@ -46,7 +46,7 @@ FN void hemisphere_sent_pixel(Int px, Int py) {
     store_sent(layer, sent, faces);
     if (C.back[i] >= 0 && F.round == 0) {
       store_sent(C.back[i], sent_at_first(C.back[i]), faces);
-      store_hemisphere_facing_of(C.back[i], Real(0.0f));  // opposite to the front's: nobody asks
+      store_hemisphere_facing_of(C.back[i], Real(0.0f));  // opposite to the front's: never read
     }
   }
 }

@@ -1,4 +1,4 @@
-// The first vector of the basis in which each pixel's sample points lie, in view space: what turns them, made visible.
+// Writes the first vector of the basis in which each pixel's sample points lie, in view space, to show their rotation.
 // [Colliander and Törnquist 2015], figure 5.
 IN_REAL(depth)
 IN_VECTOR(normal)

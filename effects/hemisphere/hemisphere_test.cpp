@@ -1,4 +1,4 @@
-// `hemisphere` against the paper's description, ported literally in double, and against quadrature in scenes made of
+// Compares `hemisphere` with a literal port of the paper's description in double, and with quadrature in scenes made of
 // rectangles.
 #include "effects/hemisphere/hemisphere.h"
 
@@ -36,8 +36,8 @@ HemisphereConstants constants(const GBuffer& g, const Settings& settings) {
 /// corner + s u + t v for s, t in [0, 1]; its front is on the side of cross(u, v).
 struct Rectangle {
   glm::dvec3 corner, u, v;
-  glm::dvec3 front{0.0}, back{0.0};  ///< light that each side sends
-  glm::dvec3 ambient{0.0};           ///< ambient light of both sides, times the albedo
+  glm::dvec3 front{0.0}, back{0.0};  ///< emitted light of each side
+  glm::dvec3 ambient{0.0};           ///< emitted ambient light of both sides, times the albedo
   double albedo = 0.8;
   glm::dvec3 normal() const { return glm::normalize(glm::cross(u, v)); }
 };
@@ -48,7 +48,7 @@ struct Hit {
   const Rectangle* on = nullptr;
 };
 
-/// All that a ray meets, nearest first.
+/// Returns all intersections of a ray, nearest first.
 std::vector<Hit> hits(const Rectangles& scene, glm::dvec3 from, glm::dvec3 way) {
   std::vector<Hit> all;
   for (const Rectangle& r : scene) {
@@ -63,7 +63,7 @@ std::vector<Hit> hits(const Rectangles& scene, glm::dvec3 from, glm::dvec3 way) 
   return all;
 }
 
-/// Ray of a pixel's centre in world space; its parameter is the depth.
+/// Ray of a pixel's centre in world space; its parameter is the view depth.
 struct Ray {
   glm::dvec3 from, way;
 };
@@ -76,7 +76,7 @@ Ray ray_of(const Camera& camera, int width, int height, int x, int y) {
   return {point(0, 0, 0), point(u, v, -1.0) - point(0, 0, 0)};
 }
 
-/// The `nth` surface along each ray as one layer; `back`: its other side.
+/// Returns the `nth` surface along each ray as one layer; `back`: the surface's back.
 Image layer_of(const Rectangles& scene, const Camera& camera, int width, int height, int nth, bool back) {
   Image image(width, height);
   image.add("depth");
@@ -103,7 +103,7 @@ Image layer_of(const Rectangles& scene, const Camera& camera, int width, int hei
   return image;
 }
 
-/// The picture of a scene, with so many surfaces along each ray and, of each, its other side.
+/// Returns the picture of a scene with `surfaces` surfaces along each ray and, if `backs`, their backs.
 GBuffer picture(const Rectangles& scene, const Camera& camera, int width, int height, int surfaces = 1,
                 bool backs = false) {
   GBuffer g;
@@ -126,7 +126,8 @@ GBuffer picture(const Rectangles& scene, const Camera& camera, int width, int he
   return g;
 }
 
-/// Light over pi that reaches a point from all rectangles' sides within a radius, nothing in between: quadrature.
+/// Returns the light, divided by pi, that reaches a point from both sides of all rectangles within a radius, without
+/// occlusion: quadrature.
 glm::dvec3 arriving(const Rectangles& scene, glm::dvec3 at, glm::dvec3 normal, double radius) {
   constexpr int kSteps = 300;
   glm::dvec3 sum(0.0);
@@ -151,7 +152,7 @@ glm::dvec3 world_position(const GBuffer& g, int x, int y) {
 
 const glm::dvec3 kRed(1.0, 0.0, 0.0), kNone(0.0);
 
-/// A white floor in the dark, and a bright red wall on it that faces +x.
+/// A white floor in the dark, and on it a bright red wall that faces +x.
 Rectangles floor_and_wall() {
   return {{.corner = {-3, 0, 3}, .u = {6, 0, 0}, .v = {0, 0, -6}},
           {.corner = {0, 0, 1}, .u = {0, 0, -2}, .v = {0, 1, 0}, .front = kRed}};
@@ -159,7 +160,7 @@ Rectangles floor_and_wall() {
 
 const Camera kOverFloor = perspective_camera({3.5f, 3, 3}, {0.3f, 0.2f, 0}, {0, 1, 0}, 40, 1.0f);
 
-/// Mean of a plane, and of a value per pixel, over the pixels whose surface `takes` accepts.
+/// Means of a plane and of an expected value per pixel, over the pixels whose surface position `takes` accepts.
 struct Means {
   double got = 0.0, wanted = 0.0;
   int count = 0;
@@ -197,7 +198,7 @@ unsigned bits(unsigned v) {
   return v ^ (v >> 16);
 }
 
-/// The noise texture, of seed 0: x and y uniform in [-1, 1], z = 0, scaled to length 1.
+/// Returns the noise texture for seed 0: x and y uniform in [-1, 1], z = 0, scaled to length 1.
 glm::dvec3 noise_texture(int x, int y) {
   const unsigned first = bits(unsigned(x) ^ bits(unsigned(y) + bits(0x9e3779b9u)));
   const auto real = [](unsigned v) { return double(v >> 8) * 0x1p-23 - 1.0; };
@@ -209,7 +210,7 @@ struct Port {
   glm::dvec3 bleed;
 };
 
-/// "SSAO Pass" and "Calculating Colour Bleed" at one pixel, as they read.
+/// "SSAO Pass" and "Calculating Colour Bleed" at one pixel, ported literally.
 Port published(const GBuffer& g, const HemisphereConstants& c, int x, int y) {
   const Image& image = g.layers[0];
   const double far_plane = g.info.depth_max, near_plane = g.info.depth_min, span = far_plane - near_plane;
@@ -227,7 +228,7 @@ Port published(const GBuffer& g, const HemisphereConstants& c, int x, int y) {
            (std::clamp(z, near_plane, far_plane) * span);
   };
   const glm::dvec3 fragment = position(x, y), normal = glm::normalize(vector(kNormal, x, y));
-  // A tangent space from an arbitrary vector, or the fallback where it is parallel; then Gram-Schmidt with the noise.
+  // A tangent space from an arbitrary vector, or the fallback where that is parallel; then Gram-Schmidt with the noise.
   const glm::dvec3 arbitrary = std::fabs(normal.y) > 0.99 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 first = glm::normalize(glm::cross(arbitrary, normal)), second = glm::cross(normal, first);
   const glm::dvec3 noise = noise_texture(x % 4, y % 4);
@@ -247,8 +248,8 @@ Port published(const GBuffer& g, const HemisphereConstants& c, int x, int y) {
     const int j = std::clamp(int(std::floor(v)), 0, g.info.height - 1);
     const double tap = image.plane("depth").at(i, j);
     if (!(window(tap) < window(-sample.z)) || !(tap < -sample.z)) continue;
-    // The acceptable difference falls with the square of the depth; it is the radius over the depth span where the
-    // depth is the planes' geometric mean.
+    // The acceptable difference falls with the square of the depth; at the planes' geometric mean it is the radius
+    // divided by the depth span.
     const double limit = c.radius / span * near_plane * far_plane / (fragment.z * fragment.z);
     if (!(std::fabs(window(-fragment.z) - window(tap)) < limit)) continue;
     factor += 1.0;
@@ -283,7 +284,7 @@ TEST(Hemisphere, PaperSettingsAreWhatThePaperDescribes) {
           coloured += port.bleed.x > 0.05;
           ++compared;
         }
-      // Samples on a pixel's border, or at the range's limit, fall to either side.
+      // Samples on a pixel's border or at the range's limit may round either way.
       EXPECT_LE(off, compared / 100);
       EXPECT_GT(dark, 200);
       EXPECT_GT(coloured, 200);
@@ -298,7 +299,7 @@ TEST(Hemisphere, PaperPointsAreTheKernelTexture) {
     for (int i = 0; i < n; ++i) {
       const glm::dvec3 p(c.points[5 * i], c.points[5 * i + 1], c.points[5 * i + 2]);
       EXPECT_NEAR(glm::length(p), 0.1 + 0.9 * i * i / (double(n) * n), 1e-6);
-      // The flattest direction that the draw can give: z = 0.05 beside x = y = 1.
+      // The minimum of the draw: z = 0.05 with x = y = 1.
       EXPECT_GE(p.z / glm::length(p), 0.05 / std::sqrt(2.0 + 0.05 * 0.05) - 1e-6);
     }
   }
@@ -307,7 +308,7 @@ TEST(Hemisphere, PaperPointsAreTheKernelTexture) {
 // ---- planes and corners
 // ------------------------------------------------------------------------------------------
 
-/// A plane through the middle of the view, tilted; it shines.
+/// Returns a tilted, emitting plane through the centre of the view.
 GBuffer plane(double tilt_deg, bool orthographic) {
   const double tilt = tilt_deg * kPi / 180.0;
   const glm::dvec3 up(0, std::cos(tilt), -std::sin(tilt));
@@ -326,9 +327,9 @@ TEST(Hemisphere, PlanesStayOpenAndDark) {
       for (const char* bias : {"0.02", "0"})
         test::on_every_target(
             "hemisphere", g, {{"bleeding", "1"}, {"radius", "0.5"}, {"bias", bias}}, [&](const Image& image) {
-              EXPECT_EQ(test::difference(image.plane("ao"), Plane(100, 80, 1.0f), 0.0).most, 0.0)
+              EXPECT_EQ(test::difference(image.plane("ao"), Plane(100, 80, 1.0f), 0.0).max, 0.0)
                   << tilt << orthographic;
-              EXPECT_LT(test::difference(image.plane("indirect.r"), Plane(100, 80, 0.0f), 0.0).most, 1e-4)
+              EXPECT_LT(test::difference(image.plane("indirect.r"), Plane(100, 80, 0.0f), 0.0).max, 1e-4)
                   << tilt << orthographic;
             });
     }
@@ -351,18 +352,18 @@ TEST(Hemisphere, TheWholeBallHidesHalfOfAPlane) {
 }
 
 TEST(Hemisphere, ConvexCornersAreLighterInTheWholeBallAlone) {
-  // A ridge towards the camera, of two faces that meet at 90 degrees.
+  // A ridge that points at the camera, of two faces that meet at 90 degrees.
   const Rectangles ridge = {{.corner = {-2, -2, -2}, .u = {2, 0, 2}, .v = {0, 4, 0}},
                             {.corner = {0, -2, 0}, .u = {2, 0, -2}, .v = {0, 4, 0}}};
   const GBuffer g = picture(ridge, perspective_camera({0, 0, 6}, {0, 0, 0}, {0, 1, 0}, 30, 1.0f), 128, 128);
   const auto near_and_far = [&](const char* shape) {
     const Image image = run(g, {{"shape", shape}, {"samples", "64"}, {"radius", "0.4"}, {"weight", "1"}});
     const auto zero = [](glm::dvec3) { return 0.0; };
-    const auto band = [&](double least, double most) {
+    const auto band = [&](double min, double max) {
       return means(
                  g, image.plane("ao"),
                  [&](glm::dvec3 at) {
-                   return std::fabs(at.y) < 0.8 && std::fabs(at.x) >= least && std::fabs(at.x) < most;
+                   return std::fabs(at.y) < 0.8 && std::fabs(at.x) >= min && std::fabs(at.x) < max;
                  },
                  zero)
           .got;
@@ -382,7 +383,7 @@ TEST(Hemisphere, ConvexCornersAreLighterInTheWholeBallAlone) {
 TEST(Hemisphere, RedWallColoursTheFloorAsItsFormFactorSays) {
   const Rectangles scene = floor_and_wall();
   const GBuffer g = picture(scene, kOverFloor, 192, 192);
-  // A pixel at the wall's foot is about 0.02 wide.
+  // A pixel at the foot of the wall is about 0.02 wide.
   const double edges[] = {0.02, 0.06, 0.15, 0.3, 0.5, 0.8, 1.2};
   for (const char* samples : {"16", "64", "256"})
     test::on_every_target(
@@ -392,7 +393,7 @@ TEST(Hemisphere, RedWallColoursTheFloorAsItsFormFactorSays) {
             const auto takes = [&](glm::dvec3 at) {
               return on_floor(at) && at.x >= edges[k] && at.x < edges[k + 1] && std::fabs(at.z) < 0.6;
             };
-            // The exact value hardly changes along the wall there: one line of it is enough.
+            // The exact value hardly changes along the wall: one line is enough.
             const double exact = arriving(scene, {0.5 * (edges[k] + edges[k + 1]), 0, 0}, {0, 1, 0}, 2.4).x;
             const Means m = means(g, image.plane("indirect.r"), takes, [&](glm::dvec3) { return exact; });
             EXPECT_GT(m.count, 50);
@@ -433,14 +434,14 @@ TEST(Hemisphere, LightHardlyHangsOnTheNumberOfSamples) {
   };
   EXPECT_NEAR(light("8", "measured") / light("256", "measured"), 1.0, 0.08);
   EXPECT_NEAR(light("8", "equal") / light("256", "equal"), 1.0, 0.25);
-  // The paper's sum grows with it.
+  // The paper's sum grows with the number of samples.
   EXPECT_GT(light("256", "paper") / light("8", "paper"), 20.0);
 }
 
 // ---- ambient light and further bounces
 // ------------------------------------------------------------------------------------------
 
-/// The inside of a white box, open at the top, lit by ambient light alone.
+/// The inside of a white box, open at the top, in ambient light only.
 constexpr double kBoxAlbedo = 0.7, kBoxAmbient = 0.5;
 Rectangles open_box() {
   const auto face = [](glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v) {
@@ -459,7 +460,7 @@ TEST(Hemisphere, AmbientLightBouncesAsTheSeriesSays) {
   const Settings settings = {{"bleeding", "1"}, {"radius", "4"}, {"samples", "64"}, {"range", "none"}, {"noise", "0"}};
   const Image first = run(g, settings);
 
-  // Patches of the box with the openness that the pass wrote, and the light between them: the series in double.
+  // Patches of the box with the visibility that the dispatch wrote, and the light between them: the series in double.
   constexpr int kPatches = 12;
   struct Patch {
     glm::dvec3 at, normal;
@@ -504,7 +505,7 @@ TEST(Hemisphere, AmbientLightBouncesAsTheSeriesSays) {
     return on_floor(at) && std::fabs(at.x) < 0.7 && std::fabs(at.z) < 0.7;
   };
   for (const int bounces : {1, 2, 4}) {
-    for (Patch& patch : patches) patch.sent = own * 0.7;  // the guess
+    for (Patch& patch : patches) patch.sent = own * 0.7;  // the assumed visibility
     for (int k = 0; k < bounces; ++k) {
       if (k > 0)
         for (Patch& patch : patches) patch.sent = own * patch.ao + kBoxAlbedo * patch.arrives;
@@ -517,12 +518,12 @@ TEST(Hemisphere, AmbientLightBouncesAsTheSeriesSays) {
     EXPECT_NEAR(m.got, m.wanted, 0.1 * m.wanted) << bounces;
   }
   const Image none = run(g, joined(settings, {{"ambient_bounce", "0"}}));
-  EXPECT_EQ(test::difference(none.plane("indirect.g"), Plane(160, 160, 0.0f), 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(none.plane("indirect.g"), Plane(160, 160, 0.0f), 0.0).max, 0.0);
 }
 
 TEST(Hemisphere, AmbientLightBouncesInAClosedBoxAsQuadratureSays) {
-  // A white room without openings, seen from within. Light that comes from beyond the radius is ambient light, which is
-  // alike everywhere; what is nearer hides it and sends on what it gets.
+  // A white room without openings, seen from inside. Light from beyond the radius is ambient light, equal everywhere;
+  // nearer surfaces occlude it and reflect the light that they receive.
   constexpr double kRadius = 0.8;
   const auto face = [](glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v) {
     return Rectangle{
@@ -533,7 +534,7 @@ TEST(Hemisphere, AmbientLightBouncesInAClosedBoxAsQuadratureSays) {
                            face({-1, 0, 2}, {0, 0, -4}, {0, 2, 0}), face({1, 0, -2}, {0, 0, 4}, {0, 2, 0})};
   const GBuffer g = picture(room, perspective_camera({0, 1.2f, 1.9f}, {0, 0.8f, -2}, {0, 1, 0}, 62, 1.0f), 160, 160);
 
-  // Mean over directions about a normal, by their cosine, of `sent` at what lies within the radius.
+  // Returns the cosine-weighted mean, over directions about a normal, of `sent` at surfaces within the radius.
   const auto gathered = [&](glm::dvec3 at, glm::dvec3 normal, int steps, const auto& sent) {
     const glm::dvec3 across =
         glm::normalize(glm::cross(normal, std::fabs(normal.y) > 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
@@ -553,13 +554,14 @@ TEST(Hemisphere, AmbientLightBouncesInAClosedBoxAsQuadratureSays) {
   const auto hidden = [&](glm::dvec3 at, const Rectangle& on) {
     return gathered(at, on.normal(), 16, [](glm::dvec3, const Rectangle&) { return 1.0; });
   };
-  constexpr double kGuess = 0.7;  // the openness before it is known
+  constexpr double kGuess = 0.7;  // the assumed visibility of the first round
   const auto once = [&](glm::dvec3, const Rectangle&) { return own * kGuess; };
   const auto twice = [&](glm::dvec3 at, const Rectangle& on) {
     const double share = hidden(at, on);
     return own * (1.0 - share) + kBoxAlbedo * own * kGuess * share;
   };
-  // The second bounce rests on the openness that the pass finds: with the weight of the look `bleeding`.
+  // The second bounce depends on the visibility that the dispatch computes, here with the weight of the look
+  // `bleeding`.
   const Settings settings = {{"bleeding", "1"}, {"radius", "0.8"}, {"samples", "64"},
                              {"range", "none"}, {"noise", "0"},    {"weight", "2"}};
   for (const int bounces : {1, 2}) {
@@ -569,7 +571,7 @@ TEST(Hemisphere, AmbientLightBouncesInAClosedBoxAsQuadratureSays) {
     for (int y = 0; y < 160; ++y)
       for (int x = 0; x < 160; ++x) {
         const glm::dvec3 at = world_position(g, x, y);
-        // All within the radius is in view.
+        // All surfaces within the radius are in view.
         if (!on_floor(at) || std::fabs(at.x) > 0.9 || at.z < -1.9 || at.z > -0.9) continue;
         got += image.plane("indirect.g").at(x, y);
         if (count++ % 23 == 0)
@@ -584,7 +586,7 @@ TEST(Hemisphere, AmbientLightBouncesInAClosedBoxAsQuadratureSays) {
 // ---- layers
 // ------------------------------------------------------------------------------------------
 
-/// A drape whose far side is lit red, and a box's face behind it, seen past the drape's edge.
+/// A drape whose far side is lit red, and behind it the face of a box, visible past the drape's edge.
 Rectangles drape_and_box() {
   return {{.corner = {-1.2, 0, 0}, .u = {1.4, 0, 0}, .v = {0, 2, 0}, .front = {0, 0, 0}, .back = kRed},
           {.corner = {-0.5, 0, -0.7}, .u = {3, 0, 0}, .v = {0, 2, 0}}};
@@ -616,7 +618,7 @@ TEST(Hemisphere, BoxBehindADrapeGetsItsColourFromTheLayers) {
 
 TEST(Hemisphere, AnotherCameraSeesTheDrapesOtherSide) {
   GBuffer g = picture(drape_and_box(), kBeforeDrape, 64, 64);
-  // It stands behind the drape and to the left, and sees its far side.
+  // The other camera is behind the drape and to the left, and sees its far side.
   for (const bool orthographic : {false, true}) {
     const Camera other = orthographic ? orthographic_camera({-3, 1.5f, -3}, {-0.5f, 1, 0}, {0, 1, 0}, 3, 1.0f)
                                       : perspective_camera({-3, 1.5f, -3}, {-0.5f, 1, 0}, {0, 1, 0}, 45, 1.0f);
@@ -630,7 +632,7 @@ TEST(Hemisphere, AnotherCameraSeesTheDrapesOtherSide) {
 }
 
 TEST(Hemisphere, OccluderBehindAnOccluderOutOfRangeCounts) {
-  // A rail far before a wall's foot hides the foot's surroundings from the first layer.
+  // A rail far in front of the foot of the wall hides the foot's surroundings from the first layer.
   Rectangles scene = floor_and_wall();
   scene.push_back({.corner = {1.85, 1.55, 2}, .u = {0, 0, -1}, .v = {0, 0.04, 0}});
   const Settings settings = {{"radius", "0.4"}, {"range", "constant"}, {"samples", "64"}};
@@ -653,10 +655,10 @@ TEST(Hemisphere, OfLayersAsManyAreUsedAsAreAskedFor) {
   const Image first = run(layers, joined(kDrape, {{"layers", "1"}}));
   const Image all = run(layers, kDrape), four = run(layers, joined(kDrape, {{"layers", "4"}}));
   for (const char* name : {"ao", "indirect.r"}) {
-    EXPECT_EQ(test::difference(first.plane(name), expected.plane(name), 0.0).most, 0.0) << name;
-    EXPECT_EQ(test::difference(four.plane(name), all.plane(name), 0.0).most, 0.0) << name;
+    EXPECT_EQ(test::difference(first.plane(name), expected.plane(name), 0.0).max, 0.0) << name;
+    EXPECT_EQ(test::difference(four.plane(name), all.plane(name), 0.0).max, 0.0) << name;
   }
-  EXPECT_GT(test::difference(all.plane("indirect.r"), expected.plane("indirect.r"), 0.0).most, 0.01);
+  EXPECT_GT(test::difference(all.plane("indirect.r"), expected.plane("indirect.r"), 0.0).max, 0.01);
 }
 
 TEST(Hemisphere, LanesAgreeWithScalarInLayersAndOtherViews) {
@@ -670,7 +672,7 @@ TEST(Hemisphere, LanesAgreeWithScalarInLayersAndOtherViews) {
   test::on_every_target("hemisphere", g, kDrape, [&](const Image& image) {
     for (const char* name : {"ao", "indirect.r"}) {
       const auto d = test::difference(image.plane(name), expected.plane(name), 1e-4);
-      EXPECT_LE(d.share_over, 2e-3) << name;  // a sample in 64 that falls on a pixel's border
+      EXPECT_LE(d.share_over, 2e-3) << name;  // one sample of 64 that falls on a pixel's border
       EXPECT_LE(d.mean, 1e-4) << name;
     }
   });
@@ -679,7 +681,7 @@ TEST(Hemisphere, LanesAgreeWithScalarInLayersAndOtherViews) {
 // ---- range and switches
 // ------------------------------------------------------------------------------------------
 
-/// Two planes that face the camera, 4 and 5 units away, side by side.
+/// Two planes side by side that face the camera, at depths 4 and 5.
 GBuffer step() {
   const Rectangles scene = {{.corner = {-9, -9, -4}, .u = {9, 0, 0}, .v = {0, 18, 0}, .front = kRed},
                             {.corner = {-9, -9, -5}, .u = {18, 0, 0}, .v = {0, 18, 0}}};
@@ -688,7 +690,7 @@ GBuffer step() {
 
 TEST(Hemisphere, RangeLimitsAreWhatTheySay) {
   const GBuffer g = step();
-  // Pixels 5 units deep, next to what is 1 unit nearer; the radius is 1.
+  // Pixels at depth 5 next to a surface that is 1 nearer; the radius is 1.
   const auto share = [&](const Settings& settings) {
     const Image image =
         run(g, joined({{"radius", "1"}, {"samples", "64"}, {"weight", "0.5"}, {"bias_of", "depth"}}, settings));
@@ -705,8 +707,8 @@ TEST(Hemisphere, RangeLimitsAreWhatTheySay) {
         << range << depth;
     EXPECT_EQ(share(joined(settings, {{"range_factor", fmt::format("{}", 0.97 * factor)}})), 0.0) << range << depth;
   };
-  // Limits are one at the depth sqrt(2 10), and fall from there. Window depth Z = 10/8 (1 - 2/z) differs by 1/8, which
-  // is the radius over the span.
+  // All limits are equal at the depth sqrt(2 10) and fall beyond it. Window depth Z = 10/8 (1 - 2/z) differs by 1/8,
+  // the radius divided by the span.
   const double fall = std::sqrt(20.0) / 5.0;
   edge("constant", "view", 1.0);
   edge("linear", "view", 1.0 / fall);
@@ -726,11 +728,11 @@ TEST(Hemisphere, EachPartCanBeSwitchedOff) {
   const Settings both = {{"bleeding", "1"}, {"radius", "1"}};
   const Image all = run(g, both);
   const Image bleeding = run(g, joined(both, {{"occlusion", "off"}}));
-  EXPECT_EQ(test::difference(bleeding.plane("ao"), Plane(96, 96, 1.0f), 0.0).most, 0.0);
-  EXPECT_EQ(test::difference(bleeding.plane("indirect.r"), all.plane("indirect.r"), 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(bleeding.plane("ao"), Plane(96, 96, 1.0f), 0.0).max, 0.0);
+  EXPECT_EQ(test::difference(bleeding.plane("indirect.r"), all.plane("indirect.r"), 0.0).max, 0.0);
   const Image occlusion = run(g, joined(both, {{"bleeding", "0"}}));
   EXPECT_EQ(occlusion.find("indirect.r"), nullptr);
-  EXPECT_EQ(test::difference(occlusion.plane("ao"), all.plane("ao"), 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(occlusion.plane("ao"), all.plane("ao"), 0.0).max, 0.0);
   const Image twice = run(g, joined(both, {{"bleeding", "2"}}));
   for (int y = 0; y < 96; ++y)
     for (int x = 0; x < 96; ++x)
@@ -807,7 +809,7 @@ TEST(Hemisphere, TangentsAreTheBasisTurnedByTheTile) {
             const auto axis = [&](const char* a) { return double(of.plane(std::string(name) + a).at(x, y)); };
             return glm::dvec3(axis(".x"), axis(".y"), axis(".z"));
           };
-          // Cosine and sine of the turn, of each place in the tile; the same whatever the normal.
+          // Cosine and sine of the rotation at each place in the tile, independent of the normal.
           std::vector<glm::dvec2> turns(16, glm::dvec2(0.0));
           int compared = 0;
           for (int y = 0; y < 61; ++y)
@@ -853,7 +855,7 @@ TEST(Hemisphere, PlanesThatAreMissingAreDarkOrNamed) {
   image = Image(48, 48);
   for (const char* name : {"depth", "normal.x", "normal.y", "normal.z"}) image.add(name) = g.layers[0].plane(name);
   const Image dark = run(unlit, {{"bleeding", "1"}, {"bounces", "3"}});
-  EXPECT_EQ(test::difference(dark.plane("indirect.r"), Plane(48, 48, 0.0f), 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(dark.plane("indirect.r"), Plane(48, 48, 0.0f), 0.0).max, 0.0);
 
   const Effect& effect = *find_effect("hemisphere");
   const auto device = make_cpu_device({});
@@ -871,7 +873,7 @@ TEST(Hemisphere, RadiusBeyondTheSceneAndBlackSurfacesAreDefined) {
   }
   const GBuffer g = picture(scene, kOverFloor, 48, 48);
   const Image image = run(g, {{"bleeding", "1"}, {"bounces", "3"}, {"radius", "1e6"}});
-  EXPECT_EQ(test::difference(image.plane("indirect.r"), Plane(48, 48, 0.0f), 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(image.plane("indirect.r"), Plane(48, 48, 0.0f), 0.0).max, 0.0);
   for (int y = 0; y < 48; ++y)
     for (int x = 0; x < 48; ++x) {
       EXPECT_GE(image.plane("ao").at(x, y), 0.0f);
@@ -886,14 +888,14 @@ TEST(Hemisphere, DepthAndLightThatAreNoneStayWithoutEffect) {
     for (int x = 0; x < 32; ++x) g.layers[0].plane("depth").at(x, y) = odd[(x + y) % 4];
   const Settings settings = {{"bleeding", "1"}, {"radius", "1"}, {"range", "none"}};
   test::on_every_target("hemisphere", g, settings, [&](const Image& image) {
-    EXPECT_EQ(test::difference(image.plane("ao"), Plane(64, 64, 1.0f), 0.0).most, 0.0);
-    EXPECT_EQ(test::difference(image.plane("indirect.r"), Plane(64, 64, 0.0f), 0.0).most, 0.0);
+    EXPECT_EQ(test::difference(image.plane("ao"), Plane(64, 64, 1.0f), 0.0).max, 0.0);
+    EXPECT_EQ(test::difference(image.plane("indirect.r"), Plane(64, 64, 0.0f), 0.0).max, 0.0);
   });
   GBuffer bad_light = picture(floor_and_wall(), kOverFloor, 64, 64);
   for (const float value : {std::nanf(""), kInfinity, -5.0f}) {
     bad_light.layers[0].plane("direct.r") = Plane(64, 64, value);
     test::on_every_target("hemisphere", bad_light, settings, [&](const Image& image) {
-      EXPECT_EQ(test::difference(image.plane("indirect.r"), Plane(64, 64, 0.0f), 0.0).most, 0.0) << value;
+      EXPECT_EQ(test::difference(image.plane("indirect.r"), Plane(64, 64, 0.0f), 0.0).max, 0.0) << value;
     });
   }
 }

@@ -14,14 +14,14 @@ void fill_constants(const ParameterBytes&, const PictureInfo& info, void* out) {
 
 Effect effect_hide_ground() {
   return {.name = "hide_ground",
-          .summary = "takes the ground under a model, of which the shade alone is seen, out of depth and ids",
+          .summary = "removes the shadow-catching ground under a model from depth and ids",
           .constants_size = sizeof(HideGroundConstants),
           .constants = fill_constants,
-          .passes = {{.name = "hide_ground",
-                      .inputs = {"depth", "object_id", "material_id"},
-                      .outputs = {"depth", "object_id", "material_id"},
-                      .kernel = hide_ground_kernel(),
-                      .reach = own_row}}};
+          .dispatches = {{.name = "hide_ground",
+                          .inputs = {"depth", "object_id", "material_id"},
+                          .outputs = {"depth", "object_id", "material_id"},
+                          .kernel = hide_ground_kernel(),
+                          .reach = own_row}}};
 }
 
 }  // namespace umbrage

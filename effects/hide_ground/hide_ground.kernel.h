@@ -1,4 +1,4 @@
-// Takes the ground that only shows the shade on it out of the geometry: where it is seen there is no surface any more.
+// Removes the shadow-catching ground from the geometry planes: its pixels become background (depth infinity, ids -1).
 INOUT_REAL(depth)
 INOUT_REAL(object_id)
 INOUT_REAL(material_id)

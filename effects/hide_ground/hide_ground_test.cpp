@@ -1,4 +1,4 @@
-// `hide_ground`: where the ground was seen there is no surface any more.
+// Tests `hide_ground`: pixels of the ground become background.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -9,7 +9,7 @@
 namespace umbrage {
 namespace {
 
-/// A pixel of the model, object 1, two of the ground, object 3, and one of nothing.
+/// Returns a pixel of the model (object 1), two of the ground (object 3), and one of the background.
 GBuffer row_of(int ground_object) {
   GBuffer g = test::empty_gbuffer(4, 1);
   g.info.ground_object = ground_object;
@@ -33,15 +33,15 @@ TEST(HideGround, TheGroundIsNoSurface) {
   });
 }
 
-TEST(HideGround, WithoutOneAllStays) {
+TEST(HideGround, WithoutGroundNothingChanges) {
   test::on_every_target("hide_ground", row_of(-1), {}, [](const Image& image) {
     for (int x : {0, 1, 2}) EXPECT_EQ(image.plane("depth").at(x, 0), 2.0f) << x;
-    EXPECT_EQ(image.plane("object_id").at(3, 0), -1.0f) << "what shows nothing is no ground";
+    EXPECT_EQ(image.plane("object_id").at(3, 0), -1.0f) << "the background is no ground";
     EXPECT_EQ(image.plane("material_id").at(2, 0), 2.0f);
   });
 }
 
-TEST(HideGround, IdsThatNobodyHasAreThoseOfOneObject) {
+TEST(HideGround, MissingIdsAreThoseOfOneObject) {
   GBuffer g = test::empty_gbuffer(40, 30);
   g.layers[0].add("depth") = Plane(40, 30, 2.0f);
   test::on_every_target("hide_ground", g, {}, [](const Image& image) {

@@ -13,24 +13,22 @@ namespace {
 constexpr double kMaxFactor = 100.0;
 
 const std::vector<Parameter> kTable = {
-    real_row("ambient", &LightingParams::ambient, {.initial = 1, .max = kMaxFactor},
-             "factor on the light from everywhere"),
+    real_row("ambient", &LightingParams::ambient, {.initial = 1, .max = kMaxFactor}, "factor on ambient light"),
     real_row("diffuse", &LightingParams::diffuse, {.initial = 1, .max = kMaxFactor},
              "factor on diffuse reflection of the lights"),
     real_row("specular", &LightingParams::specular, {.initial = 1, .max = kMaxFactor}, "factor on highlights"),
     real_row("emission", &LightingParams::emission, {.initial = 1, .max = kMaxFactor},
-             "factor on the light that surfaces send out by themselves"),
-    real_row("shadow", &LightingParams::shadow, {.initial = 1, .max = 1}, "how dark shadows are"),
+             "factor on the emission of surfaces"),
+    real_row("shadow", &LightingParams::shadow, {.initial = 1, .max = 1}, "strength of shadows"),
     choice_row(
         "material", &LightingParams::material, 0, {"scene", "clay", "display"},
         "the scene's materials, white clay without highlights, or the scene's with its albedo as a display shows it "
         "(for output.transfer=none)"),
-    bool_row(
-        "open", &LightingParams::open, false,
-        "write also how bright a white surface is where nothing is in the lights' way, which the effect ground reads"),
+    bool_row("open", &LightingParams::open, false,
+             "also write `open_light`, the luminance of an unoccluded white surface, for the effect ground"),
     choice_row(
         "rig", &LightingParams::rig, 0, {"scene", "head", "key"},
-        "the scene's lights, one light at the eye, or one parallel light from above and to the left of the camera"),
+        "the scene's lights, one light at the camera, or one parallel light from above and to the left of the camera"),
 };
 
 void fill_constants(const LightingParams& params, const PictureInfo& info, LightingConstants& c) {
@@ -38,7 +36,7 @@ void fill_constants(const LightingParams& params, const PictureInfo& info, Light
   c.display = params.material == 2 ? 1 : 0;
   c.diffuse = params.diffuse;
   c.specular = params.specular;
-  c.emission = params.material != 1 ? params.emission : 0.0f;  // clay does not shine
+  c.emission = params.material != 1 ? params.emission : 0.0f;  // clay does not emit light
   const LightRig rig = light_rig(Rig(params.rig), info);
   c.ambient_r = rig.ambient.r * params.ambient;
   c.ambient_g = rig.ambient.g * params.ambient;
@@ -52,7 +50,7 @@ void fill_constants(const LightingParams& params, const PictureInfo& info, Light
     std::copy_n(factors, kLightingShape, color == 0 ? c.shape_r : color == 1 ? c.shape_g : c.shape_b);
   }
   c.shadow = rig.shadows ? params.shadow : 0.0f;
-  static_assert(kLightingMostLights == kMaxRigLights);
+  static_assert(kLightingMaxLights == kMaxRigLights);
   c.light_count = int(rig.lights.size());
   for (int k = 0; k < c.light_count; ++k) {
     const RigLight& light = rig.lights[k];
@@ -68,22 +66,22 @@ void fill_constants(const LightingParams& params, const PictureInfo& info, Light
 
 Effect effect_lighting() {
   return shading_effect<fill_constants>(
-      kTable,
-      {.name = "lighting",
-       .summary = "Lambert and Blinn-Phong light from the G-buffer, direct and ambient apart",
-       .source = "Blinn 1977",
-       .passes = {{.inputs = {"depth",    "normal.x",  "normal.y", "normal.z",   "albedo.r",   "albedo.g",  "albedo.b",
-                              "specular", "shininess", "shadow",   "shadow1",    "shadow2",    "shadow3",   "shadow4",
-                              "shadow5",  "shadow6",   "shadow7",  "emission.r", "emission.g", "emission.b"},
-                   .outputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b"},
-                   .kernel = lighting_kernel(),
-                   .reach = own_row},
-                  {.name = "lighting_open",
-                   .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
-                   .outputs = {"open_light"},
-                   .kernel = lighting_open_kernel(),
-                   .needed = [](const ParameterBytes& bytes) { return as<LightingParams>(bytes).open != 0; },
-                   .reach = own_row}}});
+      kTable, {.name = "lighting",
+               .summary = "Lambert and Blinn-Phong shading from the G-buffer, with direct and ambient light separate",
+               .source = "Blinn 1977",
+               .dispatches = {
+                   {.inputs = {"depth",    "normal.x",  "normal.y", "normal.z",   "albedo.r",   "albedo.g",  "albedo.b",
+                               "specular", "shininess", "shadow",   "shadow1",    "shadow2",    "shadow3",   "shadow4",
+                               "shadow5",  "shadow6",   "shadow7",  "emission.r", "emission.g", "emission.b"},
+                    .outputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b"},
+                    .kernel = lighting_kernel(),
+                    .reach = own_row},
+                   {.name = "lighting_open",
+                    .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
+                    .outputs = {"open_light"},
+                    .kernel = lighting_open_kernel(),
+                    .needed = [](const ParameterBytes& bytes) { return as<LightingParams>(bytes).open != 0; },
+                    .reach = own_row}}});
 }
 
 }  // namespace umbrage

@@ -1,16 +1,16 @@
-// What a person sets of `lighting`, and what its kernel reads. Shared by C++ and GLSL: 4-byte scalars only.
+// Parameters and kernel constants of `lighting`. Shared by C++ and GLSL: 4-byte scalars only.
 #ifndef UMBRAGE_EFFECTS_LIGHTING_H
 #define UMBRAGE_EFFECTS_LIGHTING_H
-const int kLightingMostLights = 16;
+const int kLightingMaxLights = 16;
 const int kLightingShape = 9;
 
-// One row of the table in lighting.cpp per field.
+// Each field has one row in the parameter table of lighting.cpp.
 struct LightingParams {
   float ambient, diffuse, specular;  // factors
-  float emission;                    // factor on what surfaces send out by themselves
-  float shadow;                      // how much of the lights' shadows is applied
-  int material;                      // 0 the scene's, 1 white clay, 2 the scene's with albedo as a display shows it
-  int open;                          // 0 or 1: also what would arrive without shadows
+  float emission;                    // factor on emission
+  float shadow;                      // strength of shadows, 0 to 1
+  int material;                      // 0 the scene's, 1 white clay, 2 the scene's with albedo as display values
+  int open;                          // 0 or 1: also write `open_light`
   int rig;                           // 0 the scene's lights, 1 a head light, 2 a key light
 };
 
@@ -18,14 +18,15 @@ struct LightingConstants {
   int light_count;
   int clay, display;  // 0 or 1
   float ambient_r, ambient_g, ambient_b;
-  int shaped;  // 0 or 1: ambient light depends on the normal, by these factors of x, y, z, xy, yz, zx, xx, yy and zz
+  int shaped;  // 0 or 1: ambient light depends on the normal; factors of x, y, z, xy, yz, zx, xx, yy, zz below
   float shape_r[kLightingShape], shape_g[kLightingShape], shape_b[kLightingShape];
   float diffuse, specular, emission, shadow;
   // Lights in view space, the key light first. kind: 0 directional (x, y, z towards the light), 1 point (at x, y, z)
-  int kind[kLightingMostLights];
-  float x[kLightingMostLights], y[kLightingMostLights], z[kLightingMostLights];
-  float r[kLightingMostLights], g[kLightingMostLights], b[kLightingMostLights];
-  float reach_squared[kLightingMostLights];  // of a point light: distance at which r, g, b hold; 0: no falloff
+  int kind[kLightingMaxLights];
+  float x[kLightingMaxLights], y[kLightingMaxLights], z[kLightingMaxLights];
+  float r[kLightingMaxLights], g[kLightingMaxLights], b[kLightingMaxLights];
+  // Point light: squared distance at which its colour is r, g, b; 0: no falloff.
+  float reach_squared[kLightingMaxLights];
 };
 
 #endif

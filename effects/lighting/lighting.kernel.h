@@ -1,8 +1,7 @@
-// Lambert and Blinn-Phong from the G-buffer. Based on [Blinn 1977].
+// Lambert and Blinn-Phong shading from the G-buffer. Based on [Blinn 1977].
 //
-// Radiance is kept apart by what occlusion may darken: `direct` from the lights and from the surface itself, `ambient`
-// from everywhere.
-// What is not a finite number in the end is 0.
+// Radiance is written as two colours, because occlusion darkens only one of them: `direct` (lights and emission) and
+// `ambient`. Results that are not finite become 0.
 // Differs: Lambert's reflectance is not divided by pi; lights' colours are the radiance of a white surface facing them.
 IN_REAL(depth)
 IN_VECTOR(normal)
@@ -24,7 +23,7 @@ OUT_COLOR(ambient)
 #include "effects/lighting/lighting_around.kernel.h"
 #include "effects/lighting/lighting_lights.kernel.h"
 
-// The share of a light that arrives; lights after those that have a plane have no shadow.
+// Returns the fraction of a light that its shadow plane lets through; 1 for lights beyond the last plane.
 FN Real shadow_of(int light) {
   if (light == 0) return near_shadow(0, 0);
   if (light == 1) return near_shadow1(0, 0);
@@ -62,7 +61,7 @@ FN void lighting_pixel(Int px, Int py) {
     if (C.specular > 0.0f) {
       Vec3 halfway = normalized(light + eye);
       highlight = strength * pow(max(dot(normal, halfway), Real(0.0f)), exponent);
-      // No highlight on the side that the light does not reach.
+      // No highlight on surfaces that face away from the light.
       highlight = select(lambert > 0.0f, highlight, Real(0.0f));
     }
     Vec3 color = Vec3(Real(C.r[k]), Real(C.g[k]), Real(C.b[k])) * arrives;
@@ -71,5 +70,5 @@ FN void lighting_pixel(Int px, Int py) {
   }
   Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
   store_direct(select(surface, finite_or_zero(sum), none));
-  store_ambient(select(surface, finite_or_zero(albedo * light_around(normal)), none));
+  store_ambient(select(surface, finite_or_zero(albedo * ambient_at_normal(normal)), none));
 }

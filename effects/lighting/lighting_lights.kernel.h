@@ -1,9 +1,9 @@
-// The lights of LightingConstants as a point sees them.
+// Direction and falloff of the lights of LightingConstants at a view-space position.
 
-// The squared distance of a point light, above 0.
+// Returns the squared length of `away`, the vector to a point light; > 0.
 FN Real squared_distance(Vec3 away) { return max(dot(away, away), Real(1e-20f)); }
 
-// Unit vector from a view-space position towards light k.
+// Returns the unit vector from a view-space position towards light k.
 FN Vec3 towards_light(int k, Vec3 position) {
   Vec3 light = Vec3(Real(C.x[k]), Real(C.y[k]), Real(C.z[k]));
   if (C.kind[k] != 1) return light;
@@ -11,7 +11,7 @@ FN Vec3 towards_light(int k, Vec3 position) {
   return away * rsqrt(squared_distance(away));
 }
 
-// The share of its colour that reaches a position with nothing in the way.
+// Returns the falloff of light k at a position without occluders: the factor of its colour, may exceed 1.
 FN Real arriving_share(int k, Vec3 position) {
   if (C.kind[k] != 1 || !(C.reach_squared[k] > 0.0f)) return Real(1.0f);
   return Real(C.reach_squared[k]) / squared_distance(Vec3(Real(C.x[k]), Real(C.y[k]), Real(C.z[k])) - position);

@@ -1,5 +1,5 @@
-// The luminance of a white matte surface where nothing stands in the way of the light: of lights and ambient light
-// together. As in lighting.kernel.h, without shadows and materials.
+// Writes `open_light`: the luminance of an unoccluded white diffuse surface under all lights and ambient light. Like
+// lighting.kernel.h without shadows and materials.
 IN_REAL(depth)
 IN_VECTOR(normal)
 OUT_REAL(open_light)
@@ -14,7 +14,7 @@ FN void lighting_open_pixel(Int px, Int py) {
   Bool surface = is_finite(depth);
   Vec3 position = view_position(px, py, select(surface, depth, Real(1.0f)));
   Vec3 normal = near_normal(0, 0);
-  Vec3 around = light_around(normal);
+  Vec3 around = ambient_at_normal(normal);
   Real sum = luminance_of(around.x, around.y, around.z);
   for (int k = 0; k < C.light_count; ++k) {
     Vec3 light = towards_light(k, position);

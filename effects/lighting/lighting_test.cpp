@@ -1,4 +1,4 @@
-// `lighting` against Lambert and Blinn-Phong [Blinn 1977] in double, and against scenes with a known answer.
+// Tests `lighting` against Lambert and Blinn-Phong [Blinn 1977] in double, and on scenes with known results.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,21 +13,20 @@ namespace {
 
 using namespace test;
 
-constexpr int kMaxLights = 16;  // as lighting.h has it; the tests' own copy
+constexpr int kMaxLights = 16;  // as in lighting.h, repeated here
 
 // ---- the formulas in double
-// --------------------------------------------------------------------------------------------
 
 struct Factors {
   double ambient = 1.0, diffuse = 1.0, specular = 1.0, emission = 1.0, shadow = 1.0;
   bool clay = false;
 };
 
-/// Light of one pixel, and how far a float may be off.
+/// Light of one pixel, and the tolerance of a float result.
 struct Lit {
   glm::dvec3 direct{0.0}, ambient{0.0};
   double error = 0.0;
-  bool on_edge = false;  // a light so near the horizon that rounding decides about its highlight
+  bool on_edge = false;  // a light is so near the horizon that rounding decides whether it has a highlight
 };
 
 glm::dvec3 position_of(const PictureInfo& info, int x, int y, double depth) {
@@ -81,7 +80,7 @@ Lit shade(const GBuffer& g, const Factors& f, int x, int y) {
     }
     const glm::dvec3 color = glm::dvec3(light.color) * arrives;
     lit.direct += color * (albedo * facing * f.diffuse + highlight);
-    // A cosine is off by a few 2^-22 of 1, and a power by as many times its exponent.
+    // A cosine has an error of a few 2^-22, and a power that error times its exponent.
     const double brightest = std::max({color.r, color.g, color.b});
     lit.error += brightest * 2e-6 * (f.diffuse + exponent * highlight);
   }
@@ -114,7 +113,7 @@ void compare(const GBuffer& g, const Settings& settings, const Factors& factors)
   });
 }
 
-/// One of each kind of light. The point lights stand off the surfaces, which lie at depths of 1.7 to 8.
+/// Returns lights of all kinds. The point lights are away from the surfaces, which have depths of 1.7 to 8.
 std::vector<Light> mixed_lights() {
   return {{.kind = LightKind::kDirectional,
            .direction = glm::normalize(glm::vec3(-1.0f, 2.0f, 3.0f)),
@@ -133,7 +132,7 @@ GBuffer varied(bool perspective) {
   return g;
 }
 
-/// Every pixel the same.
+/// Returns a picture of identical pixels.
 GBuffer uniform(int width, int height, float depth, glm::vec3 normal, float albedo) {
   GBuffer g = test::empty_gbuffer(width, height);
   g.info.lights.clear();
@@ -147,8 +146,7 @@ GBuffer uniform(int width, int height, float depth, glm::vec3 normal, float albe
   return g;
 }
 
-// ---- rung 1: formulas
-// --------------------------------------------------------------------------------------------------
+// ---- formulas
 
 TEST(Lighting, MatchesTheFormulasInPerspective) { compare(varied(true), {}, {}); }
 
@@ -167,7 +165,7 @@ TEST(Lighting, FactorsScaleTheirParts) {
   compare(varied(false), {{"diffuse", "0"}}, {.diffuse = 0.0});
 }
 
-/// Ten lights; the first eight have a shadow of their own, though the last plane that is there is no light's.
+/// Returns a picture with ten lights. The first eight have a shadow plane; `shadow8` is not read.
 GBuffer with_shadows() {
   GBuffer g = varied(true);
   g.info.lights.clear();
@@ -190,7 +188,7 @@ TEST(Lighting, EachLightHasItsOwnShadow) {
   compare(g, {}, {});
   compare(g, {{"shadow", "0.4"}}, {.shadow = 0.4});
   compare(g, {{"shadow", "0"}}, {.shadow = 0.0});
-  // One light in its shadow leaves the others as they are.
+  // The shadow of one light does not affect the others.
   const Effect& effect = *find_effect("lighting");
   for (int dark = 0; dark < 8; ++dark) {
     GBuffer lit = uniform(1, 1, 5.0f, {0, 0, 1}, 1.0f);
@@ -253,15 +251,15 @@ TEST(Lighting, OnlySixteenLightsShine) {
   for (int k = 0; k < 20; ++k)
     g.info.lights.push_back({.direction = glm::normalize(glm::vec3(std::cos(1.0f * k), std::sin(1.0f * k), 1.0f)),
                              .color = glm::vec3(0.02f * (k + 1))});
-  compare(g, {}, {});  // the oracle stops at sixteen too
+  compare(g, {}, {});  // the expected result also stops at sixteen
   GBuffer first = g;
   first.info.lights.resize(kMaxLights);
   const Effect& effect = *find_effect("lighting");
   const Image twenty = test::run_effect(effect, g, {}, {}), sixteen = test::run_effect(effect, first, {}, {});
-  EXPECT_EQ(test::difference(twenty.plane("direct.r"), sixteen.plane("direct.r"), 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(twenty.plane("direct.r"), sixteen.plane("direct.r"), 0.0).max, 0.0);
   first.info.lights.resize(kMaxLights - 1);
   const Image fifteen = test::run_effect(effect, first, {}, {});
-  EXPECT_GT(test::difference(fifteen.plane("direct.r"), sixteen.plane("direct.r"), 0.0).most, 0.05);
+  EXPECT_GT(test::difference(fifteen.plane("direct.r"), sixteen.plane("direct.r"), 0.0).max, 0.05);
 }
 
 TEST(Lighting, WithoutLightsOnlyAmbientIsLeft) {
@@ -269,12 +267,11 @@ TEST(Lighting, WithoutLightsOnlyAmbientIsLeft) {
   g.info.lights.clear();
   compare(g, {}, {});
   test::on_every_target("lighting", g, {}, [](const Image& image) {
-    EXPECT_EQ(test::difference(image.plane("direct.r"), Plane(image.width, image.height, 0.0f), 0.0).most, 0.0);
+    EXPECT_EQ(test::difference(image.plane("direct.r"), Plane(image.width, image.height, 0.0f), 0.0).max, 0.0);
   });
 }
 
-// ---- rung 2: known answers
-// ---------------------------------------------------------------------------------------------
+// ---- known results
 
 TEST(Lighting, WhiteFacingTheHeadLightIsWhite) {
   GBuffer g = uniform(5, 3, 4.0f, {0, 0, 1}, 1.0f);
@@ -288,7 +285,7 @@ TEST(Lighting, WhiteFacingTheHeadLightIsWhite) {
 }
 
 TEST(Lighting, PointLightFallsOffWithTheSquareOfItsDistance) {
-  // Straight above the middle pixel; its colour holds at its reach.
+  // The light is straight above the middle pixel and has its colour at the distance `reach`.
   for (const float distance : {1.0f, 2.0f, 4.0f, 8.0f}) {
     GBuffer g = uniform(1, 1, 10.0f, {0, 0, 1}, 0.5f);
     g.info.lights = {
@@ -319,7 +316,7 @@ TEST(Lighting, ShadowDarkensTheKeyLightAlone) {
 TEST(Lighting, NoHighlightWhereTheLightIsBehindTheSurface) {
   GBuffer g = uniform(1, 1, 5.0f, glm::normalize(glm::vec3(1.0f, 0.0f, 0.3f)), 0.5f);
   g.layers[0].plane("specular") = Plane(1, 1, 1.0f);
-  // The halfway vector leans to the surface's side, the light does not.
+  // The halfway vector is in front of the surface, the light is not.
   g.info.lights = {{.direction = glm::normalize(glm::vec3(-0.4f, 0.0f, 1.0f)), .color = glm::vec3(1.0f)}};
   test::on_every_target("lighting", g, {},
                         [](const Image& image) { EXPECT_EQ(image.plane("direct.r").at(0, 0), 0.0f); });
@@ -337,13 +334,13 @@ TEST(Lighting, ScaleOfTheSceneDoesNotMatter) {
     for (Light& light : scaled.info.lights) light.position *= scale, light.reach *= scale;
     const Effect& effect = *find_effect("lighting");
     const Image a = test::run_effect(effect, g, {}, {}), b = test::run_effect(effect, scaled, {}, {});
-    // Highlights of exponents up to 101 multiply the rounding of positions.
-    EXPECT_LE(test::difference(a.plane("direct.g"), b.plane("direct.g"), 0.0).most, 1e-4) << scale;
+    // Highlights with exponents up to 101 amplify the rounding of positions.
+    EXPECT_LE(test::difference(a.plane("direct.g"), b.plane("direct.g"), 0.0).max, 1e-4) << scale;
     EXPECT_LE(test::difference(a.plane("direct.g"), b.plane("direct.g"), 0.0).mean, 2e-6) << scale;
   }
 }
 
-TEST(Lighting, BackgroundAndNumbersThatAreNoneAreBlack) {
+TEST(Lighting, BackgroundAndNonFiniteInputsAreBlack) {
   const float nan = std::nanf(""), infinity = std::numeric_limits<float>::infinity();
   GBuffer g = uniform(8, 1, 5.0f, {0, 0, 1}, 0.5f);
   Image& image = g.layers[0];
@@ -353,7 +350,7 @@ TEST(Lighting, BackgroundAndNumbersThatAreNoneAreBlack) {
   image.plane("albedo.r").at(3, 0) = infinity;
   image.plane("normal.x").at(4, 0) = nan;
   image.plane("shadow").at(5, 0) = nan;
-  for (int c = 0; c < 3; ++c) image.planes[1 + 2 * c].at(6, 0) = 0.0f;  // no normal
+  for (int c = 0; c < 3; ++c) image.planes[1 + 2 * c].at(6, 0) = 0.0f;  // no valid normal
   g.info.lights = {{.direction = {0, 0, 1}, .color = glm::vec3(1.0f)}};
   ASSERT_EQ(image.names[1], "normal.x");
   ASSERT_EQ(image.names[3], "normal.y");

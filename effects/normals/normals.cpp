@@ -7,15 +7,16 @@ namespace umbrage {
 namespace {
 
 const std::vector<Parameter> kTable = {
-    choice_row("sides", &NormalsParams::sides, 0, {"better", "mean"},
-               "of a pixel's neighbours on two sides: the one on its own surface, or the mean of both"),
+    choice_row(
+        "sides", &NormalsParams::sides, 0, {"better", "mean"},
+        "neighbours that determine a normal: of the two sides the one on the pixel's own surface, or the mean of both"),
 };
 
 void fill_constants(const NormalsParams& params, const PictureInfo&, NormalsConstants& c) {
   c = {.mean = params.sides};
 }
 
-/// Two pixels in each direction.
+/// Reads two pixels in each direction.
 int reach(const void*, int) { return 2; }
 
 }  // namespace
@@ -26,10 +27,10 @@ Effect effect_normals() {
                                                  .source = "Wu 2020",
                                                  .variants = {"", "sides=mean"},
                                                  .quantum = 1.0,
-                                                 .passes = {{.inputs = {"depth"},
-                                                             .outputs = {"normal.x", "normal.y", "normal.z"},
-                                                             .kernel = normals_kernel(),
-                                                             .reach = reach}}});
+                                                 .dispatches = {{.inputs = {"depth"},
+                                                                 .outputs = {"normal.x", "normal.y", "normal.z"},
+                                                                 .kernel = normals_kernel(),
+                                                                 .reach = reach}}});
 }
 
 }  // namespace umbrage

@@ -1,10 +1,10 @@
-// What a person sets of `normals`, and what its kernel reads. Shared by C++ and GLSL: 4-byte scalars only.
+// User parameters of `normals` and the constants of its kernel. Shared by C++ and GLSL: 4-byte scalars only.
 #ifndef UMBRAGE_EFFECTS_NORMALS_H
 #define UMBRAGE_EFFECTS_NORMALS_H
 
 // One row of the table in normals.cpp per field.
 struct NormalsParams {
-  int sides;  // 0 the better of two at each pixel, 1 the mean of both
+  int sides;  // 0 the better of two neighbours at each pixel, 1 the mean of both
 };
 
 struct NormalsConstants {

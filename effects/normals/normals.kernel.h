@@ -1,15 +1,16 @@
-// Normals from depth alone. Of a pixel's two neighbours along a row, and of those along a column, the one counts that
-// lies on the pixel's own surface: that on whose side two pixels say best where this one is. Based on [Wu 2020].
+// Computes normals from depth alone. Of a pixel's two neighbours along a row, and of those along a column, it uses the
+// one on the pixel's own surface: the side whose two pixels best predict the depth of this one. Based on [Wu 2020].
 //
-// What they say is exact for planes: the nearness of a plane (1/z in perspective, z in orthographic views) is affine in
-// the picture. Where neither side has two pixels of a surface, the nearer neighbour in depth counts; where there is
-// none, the normal faces the eye. Background has normal 0.
+// The prediction is exact for planes: -1 / depth in perspective, depth in orthographic views, is affine in the picture.
+// Where neither side has two pixels of a surface, the neighbour that is nearer in depth is used; where there is none,
+// the normal faces the camera. Background has normal 0.
 IN_REAL(depth)
 OUT_VECTOR(normal)
 
 CONST float kNever = 3e38f;
 
-// Depth, or a nearness that grows with it, so that planes are affine; kNever where there is no surface.
+// Returns depth (orthographic) or -1 / depth (perspective), which are affine on planes; kNever where there is no
+// surface.
 FN Real affine(int i, int j) {
   Real depth = near_depth(i, j);
   Bool surface = is_surface(depth) && near_inside(i, j);
@@ -17,14 +18,14 @@ FN Real affine(int i, int j) {
   return select(surface, value, Real(kNever));
 }
 
-// How far a pixel lies from where the next two in direction (i, j) say; large where they do not tell.
+// Returns the error with which the next two pixels in direction (i, j) predict a pixel; large if they cannot.
 FN Real error_of(Real here, int i, int j) {
   Real one = affine(i, j);
   Real two = affine(2 * i, 2 * j);
   Bool there = one < kNever;
   Bool tells = there && two < kNever;
   Real by_two = abs(one + one - two - here);
-  // One pixel alone: worse than any two that tell, and the worse the farther it is.
+  // One pixel alone is worse than any two; the farther it is, the worse.
   Real by_one = Real(1e18f) + min(abs(one - here) * Real(1e18f), Real(1e30f));
   return select(tells, min(by_two, Real(1e17f)), select(there, by_one, Real(kNever)));
 }
@@ -34,7 +35,7 @@ FN Vec3 position_at(Int px, Int py, int i, int j) {
   return view_position(px + Int(i), py + Int(j), select(is_surface(depth), depth, Real(1.0f)));
 }
 
-// The step from a pixel to the next in direction (i, j), on its own surface; 0 where nothing tells.
+// Returns the step from a pixel to the next in direction (i, j) on its own surface; 0 if it is unknown.
 FN Vec3 step_along(Int px, Int py, Vec3 position, Real here, int i, int j) {
   Real before = error_of(here, -i, -j);
   Real after = error_of(here, i, j);
@@ -52,7 +53,7 @@ FN void normals_pixel(Int px, Int py) {
   Real here = affine(0, 0);
   Vec3 right = step_along(px, py, position, here, 1, 0);
   Vec3 down = step_along(px, py, position, here, 0, 1);
-  // Steps are short: lengths are taken out before they are multiplied.
+  // Steps are short: normalize them before they are multiplied.
   Real scale =
       Real(1.0f) /
       max(max(abs(right.x) + abs(right.y) + abs(right.z), abs(down.x) + abs(down.y) + abs(down.z)), Real(1e-30f));

@@ -1,4 +1,4 @@
-// `normals` against the normals of planes, of a box and of a ball, captured beside their depth.
+// Compares `normals` with the normals of planes, a box and a sphere, captured together with their depth.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ Camera camera_for(bool orthographic, float aspect) {
                       : perspective_camera(eye, target, up, 36.0f, aspect);
 }
 
-/// A mesh from points of a grid that is wrapped around a shape.
+/// Returns a scene of one mesh.
 Scene scene_of(const Mesh& mesh) {
   Scene scene;
   scene.name = "shape";
@@ -52,7 +52,7 @@ Scene floor_at(float degrees) {
   return scene_of(mesh);
 }
 
-/// Depth and normals of a scene.
+/// Returns the depth and normals of a scene.
 GBuffer captured(const Scene& scene, bool orthographic, int width = 131, int height = 97) {
   const auto device = make_cpu_device();
   EXPECT_TRUE(device->prepare(scene));
@@ -65,8 +65,8 @@ GBuffer captured(const Scene& scene, bool orthographic, int width = 131, int hei
   return g;
 }
 
-/// Whether a pixel has two pixels of the surface on one side at least, in its row and in its column.
-bool is_told(const Plane& depth, int x, int y) {
+/// Returns whether a pixel has two pixels of the surface on at least one side, both in its row and in its column.
+bool is_reported(const Plane& depth, int x, int y) {
   const auto there = [&](int i, int j) {
     return i >= 0 && i < depth.width && j >= 0 && j < depth.height && std::isfinite(depth.at(i, j));
   };
@@ -86,7 +86,7 @@ TEST(Normals, PlanesAreExactAtEveryTilt) {
               ASSERT_EQ(normal_at(image, x, y), glm::vec3(0.0f));
               continue;
             }
-            if (!is_told(g.layers[0].plane("depth"), x, y)) continue;
+            if (!is_reported(g.layers[0].plane("depth"), x, y)) continue;
             ++seen;
             ASSERT_GT(glm::dot(normal_at(image, x, y), normal_at(g.layers[0], x, y)), 0.99999f)
                 << degrees << orthographic << ' ' << x << ' ' << y;
@@ -96,7 +96,7 @@ TEST(Normals, PlanesAreExactAtEveryTilt) {
     }
 }
 
-/// Of the pixels of a box that have a face's normal: how many have none of the faces around them.
+/// Returns the number of a box's pixels whose normal is not that of a face around them.
 long mixtures(bool orthographic, const Settings& settings) {
   const GBuffer g = captured(box(), orthographic);
   const Image image = test::run_effect(*find_effect("normals"), g, settings, {});

@@ -16,49 +16,50 @@
 namespace umbrage {
 namespace {
 
-// Automatic planes of the paper's window depth, as `unsharp` has them: the farthest corner at 90 % of the range, and
-// the ratio of 2 to 15 between near and far.
-constexpr float kFarShare = 0.9f;
+// Default planes of the paper's window depth, as in `unsharp`: the farthest corner is at 90 % of the range, and near /
+// far is 2 / 15.
+constexpr float kFarFraction = 0.9f;
 constexpr float kNearToFar = 2.0f / 15.0f;
 
 const std::vector<Parameter> kTable = {
     choice_row("mode", &OutlineParams::mode, 0, {"robust", "paper"},
-               "lines that hold up at any size and angle, or the paper's rule of eight neighbours"),
-    length_row("width", &OutlineParams::width, {.initial = 2, .min = 0.5, .max = kOutlineWidest, .unit = "px"},
-               "robust: width of the line, in pixels or as a share of the picture's height, at most 16 pixels"),
+               "lines that are stable at any size and angle, or the paper's test of eight neighbours"),
+    length_row("width", &OutlineParams::width, {.initial = 2, .min = 0.5, .max = kOutlineMaxWidth, .unit = "px"},
+               "robust: width of the line, in pixels or in percent of the picture's height, at most 16 pixels"),
     real_row("r", &OutlineParams::r, {.max = 1},
-             "red of the line, linear, in the finished picture: lines are not exposed"),
+             "red of the line, linear, in the finished picture: exposure does not apply to lines"),
     real_row("g", &OutlineParams::g, {.max = 1}, "green of the line, likewise"),
     real_row("b", &OutlineParams::b, {.max = 1}, "blue of the line, likewise"),
-    real_row("opacity", &OutlineParams::opacity, {.initial = 1, .max = 1},
-             "how much of what lies under the line it hides"),
+    real_row("opacity", &OutlineParams::opacity, {.initial = 1, .max = 1}, "opacity of the line"),
     real_row("depth", &OutlineParams::depth, {.initial = 3, .min = 0.5, .max = 1000, .unit = "px"},
-             "robust: a surface that lies so many pixel sizes behind its neighbour's plane is another one"),
+             "robust: a surface that is this many pixel sizes behind its neighbour's plane is another one"),
     real_row("crease", &OutlineParams::crease_deg, {.initial = 30, .min = 1, .max = 180, .unit = "deg"},
              "robust: faces that meet at this angle or more have an edge"),
-    bool_row("convex", &OutlineParams::convex, true, "robust: draw edges that stand out, such as a box's"),
-    bool_row("concave", &OutlineParams::concave, true, "robust: draw edges that lie in, such as a room's corners"),
-    choice_row("ids", &OutlineParams::ids, kOutlineObjects, {"none", "objects", "materials", "both"},
-               "robust: what parts surfaces that touch: nothing, other objects, other materials, or either"),
-    real_row("recede", &OutlineParams::recede, {.max = 1},
-             "robust: how much lines become thinner with distance, in perspective: 0 not at all, 1 most"),
+    bool_row("convex", &OutlineParams::convex, true, "robust: draw convex edges, such as a box's"),
+    bool_row("concave", &OutlineParams::concave, true, "robust: draw concave edges, such as a room's corners"),
+    choice_row(
+        "ids", &OutlineParams::ids, kOutlineObjects, {"none", "objects", "materials", "both"},
+        "robust: what separates surfaces that touch: nothing, different objects, different materials, or either"),
+    real_row(
+        "recede", &OutlineParams::recede, {.max = 1},
+        "robust: how much lines become thinner with distance, in perspective: 0 not at all, 1 as much as possible"),
     real_row("inner", &OutlineParams::inner, {.max = 1},
-             "robust: how much thinner lines are where an object hides itself, the less it lies behind; and free ends"),
+             "robust: how much thinner free ends are, and lines within an object where its depth step is small"),
     real_row("paper_depth", &OutlineParams::paper_depth, {.initial = 0.05, .max = 1},
-             "paper: threshold of window depth, times 1 less the depth"),
+             "paper: threshold of window depth, times (1 - depth)"),
     real_row("paper_normal", &OutlineParams::paper_normal, {.initial = 0.95, .min = -1.0, .max = 1},
              "paper: threshold of the normals' dot product"),
 };
 
 void fill_constants(const OutlineParams& params, const PictureInfo& info, OutlineConstants& c) {
-  constexpr float kUnitHeight = 1024.0f;  // of the picture that lengths of strokes are for
+  constexpr float kUnitHeight = 1024.0f;  // height of the picture for which lengths of strokes are given
   const auto height = float(info.inner_height());
   const float crease = params.crease_deg * std::numbers::pi_v<float> / 180.0f;
-  const float far_depth = std::max(info.depth_max / kFarShare, 1e-30f);
-  // Windows of creases are up to an 85th of the picture high, narrow up to a 200th: what is an edge is one at any size.
-  // A line that hides so much of its own object is half as wide as others. What a camera that frames a model sees lies
-  // between about two and four of its radii: lines recede beyond.
-  c = {.width_px = std::clamp(absolute_length(params.width, height), 0.0f, kOutlineWidest),
+  const float far_depth = std::max(info.depth_max / kFarFraction, 1e-30f);
+  // Crease windows are at most 1/85 of the picture's height, narrow ones at most 1/200: edges do not depend on its
+  // size. The line of a depth step of inner_px within an object loses half of `inner` of its width. A camera that
+  // frames a model sees it at depths of about two to four of its radii: lines recede only beyond that.
+  c = {.width_px = std::clamp(absolute_length(params.width, height), 0.0f, kOutlineMaxWidth),
        .r = params.r,
        .g = params.g,
        .b = params.b,
@@ -94,7 +95,7 @@ bool is_coloured(const ParameterBytes& bytes) {
   return is_drawn(bytes) && std::max({params.r, params.g, params.b}) > 0.0f;
 }
 
-/// How far the passes read, in rows: see the kernel texts.
+/// Rows that the dispatches read above and below theirs: see the kernel texts.
 int breaks_reach(const void*, int) { return 2; }
 int turns_reach(const void* constants, int) {
   return 2 * static_cast<const OutlineConstants*>(constants)->max_window + 2;
@@ -110,42 +111,42 @@ Effect effect_outline() {
                .source = "Lajzer and Nottingham",
                .variants = {"", "width=4", "width=8", "mode=paper"},
                .quantum = 1.0,
-               .passes = {{.name = "outline_breaks",
-                           .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "material_id"},
-                           .outputs = {"outline_break_right", "outline_break_below"},
-                           .kernel = outline_breaks_kernel(),
-                           .needed = is_robust,
-                           .reach = breaks_reach},
-                          {.name = "outline_turns",
-                           .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_break_right",
-                                      "outline_break_below"},
-                           .outputs = {"outline_turn_right", "outline_turn_below"},
-                           .kernel = outline_turns_kernel(),
-                           .needed = is_robust,
-                           .reach = turns_reach},
-                          {.name = "outline_edges",
-                           .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_break_right",
-                                      "outline_break_below", "outline_turn_right", "outline_turn_below"},
-                           .outputs = {"outline_edge_right", "outline_edge_below"},
-                           .kernel = outline_edges_kernel(),
-                           .needed = is_robust,
-                           .reach = turns_reach},
-                          {.name = "outline_strokes",
-                           .inputs = {"outline_edge_right", "outline_edge_below", "depth", "object_id"},
-                           .outputs = {"outline"},
-                           .host = run_host_outline,
-                           .needed = is_robust},
-                          {.name = "outline_paper",
-                           .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
-                           .outputs = {"outline"},
-                           .kernel = outline_paper_kernel(),
-                           .needed = is_paper,
-                           .reach = paper_reach},
-                          {.name = "outline_color",
-                           .outputs = {"line.r", "line.g", "line.b"},
-                           .kernel = outline_color_kernel(),
-                           .needed = is_coloured,
-                           .reach = own_row}}});
+               .dispatches = {{.name = "outline_breaks",
+                               .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "material_id"},
+                               .outputs = {"outline_break_right", "outline_break_below"},
+                               .kernel = outline_breaks_kernel(),
+                               .needed = is_robust,
+                               .reach = breaks_reach},
+                              {.name = "outline_turns",
+                               .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_break_right",
+                                          "outline_break_below"},
+                               .outputs = {"outline_turn_right", "outline_turn_below"},
+                               .kernel = outline_turns_kernel(),
+                               .needed = is_robust,
+                               .reach = turns_reach},
+                              {.name = "outline_edges",
+                               .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_break_right",
+                                          "outline_break_below", "outline_turn_right", "outline_turn_below"},
+                               .outputs = {"outline_edge_right", "outline_edge_below"},
+                               .kernel = outline_edges_kernel(),
+                               .needed = is_robust,
+                               .reach = turns_reach},
+                              {.name = "outline_strokes",
+                               .inputs = {"outline_edge_right", "outline_edge_below", "depth", "object_id"},
+                               .outputs = {"outline"},
+                               .host = run_host_outline,
+                               .needed = is_robust},
+                              {.name = "outline_paper",
+                               .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
+                               .outputs = {"outline"},
+                               .kernel = outline_paper_kernel(),
+                               .needed = is_paper,
+                               .reach = paper_reach},
+                              {.name = "outline_color",
+                               .outputs = {"line.r", "line.g", "line.b"},
+                               .kernel = outline_color_kernel(),
+                               .needed = is_coloured,
+                               .reach = own_row}}});
 }
 
 }  // namespace umbrage

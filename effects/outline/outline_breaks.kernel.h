@@ -1,11 +1,11 @@
-// Where one surface ends and another begins, between each pixel and its right and its lower neighbour: at another
-// object or material, if these are asked for, at the background, and at depth discontinuities. Inverse depth (-depth in
-// orthographic views) is affine in the picture on every plane, so that a plane seen at however low an angle predicts
-// its neighbours exactly; a discontinuity is what both sides agree that they do not predict, in sizes of a pixel. A
-// side predicts with the milder of its last two pixels' planes, since the last one before a silhouette is so steep that
-// it explains anything, and with the measured slope, since interpolated normals of coarse meshes are not their
-// surface's. Stored as strength in units of the threshold, at most kOutlineMaxStrength, or twice that between ids;
-// below 0 where the pixel lies behind its neighbour. 0: one surface goes on.
+// Detects breaks, where one surface ends and another begins, between each pixel and its right and lower neighbours: at
+// another object or material (if enabled), at the background, and at depth discontinuities. On every plane inverse
+// depth (-depth in orthographic views) is affine in the picture, so a plane predicts its neighbours exactly even at
+// grazing angles. A discontinuity is the part of a depth step that neither side predicts, in pixel sizes. Each side
+// predicts with the smaller of the slopes of its last two pixels' planes, since the last pixel before a silhouette is
+// so steep that it would predict any step; and with the measured slope, since interpolated normals of coarse meshes
+// differ from those of the surface. Stored as strength in units of the threshold, at most kOutlineMaxStrength, or twice
+// that between ids; negative where the pixel is behind its neighbour; 0 where one surface continues.
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_REAL(object_id)
@@ -14,11 +14,11 @@ OUT_REAL(outline_break_right)
 OUT_REAL(outline_break_below)
 #include "kernel/surface.kernel.h"
 
-CONST float kMinFacing = 0.01f;     // cosine to the eye below which a normal tells no slope
-CONST float kUnknownSlope = 1e30f;  // that of such a normal
-CONST float kSure = 0.9f;           // share of a threshold that is not reached, however it is rounded
+CONST float kMinFacing = 0.01f;      // min cosine to the view direction at which a normal determines a slope
+CONST float kUnknownSlope = 1e30f;   // slope of a normal below kMinFacing
+CONST float kBelowThreshold = 0.9f;  // fraction of a threshold that is certainly below it, however it is rounded
 
-// How inverse depth changes by one pixel to the right (`right` 1) or down (0) on the plane of a pixel.
+// Returns the change of inverse depth by one pixel to the right (`right` 1) or down (0) on the plane of a pixel.
 FN Real plane_slope(Int px, Int py, int i, int j, int right) {
   Vec3 n = near_normal(i, j);
   Real lean = right != 0 ? n.x * Real(F.ray_scale_x) : n.y * Real(F.ray_scale_y);
@@ -35,21 +35,21 @@ FN Bool same_object(int i, int j, int k, int l) {
   return near_object_id(i, j) == near_object_id(k, l) && is_surface(near_depth(i, j)) && is_surface(near_depth(k, l));
 }
 
-FN Real milder(Real a, Real b) { return select(abs(a) < abs(b), a, b); }
+FN Real smaller_magnitude(Real a, Real b) { return select(abs(a) < abs(b), a, b); }
 
-// What two sides agree on, above or below 0; or 0.
+// Returns the part on which two sides agree, positive or negative; or 0.
 FN Real agreed(Real a, Real b) { return max(min(a, b), Real(0.0f)) + min(max(a, b), Real(0.0f)); }
 
-// A step of inverse depth less what one side predicts: from the slopes of its last two pixels and the step between
-// them, where it has two.
-FN Real unpredicted(Real step, Bool two, Real last, Real before, Real measured, Real pixel) {
+// Returns the part of a step of inverse depth that one side does not predict. It predicts from the slopes of its last
+// two pixels and, if it has two, the step between them.
+FN Real unpredicted_step(Real step, Bool two, Real last, Real before, Real measured, Real pixel) {
   Real bound = mad(abs(measured), Real(kMaxSteepening), pixel);
-  Real slope = clamp(milder(before, last), -bound, bound);
+  Real slope = clamp(smaller_magnitude(before, last), -bound, bound);
   Real by_one = select(last < kUnknownSlope, step - last, step);
-  return select(two, milder(step - slope, step - measured), by_one);
+  return select(two, smaller_magnitude(step - slope, step - measured), by_one);
 }
 
-// The depth discontinuity between this pixel and its neighbour (i, j), in units of its threshold.
+// Returns the depth discontinuity between this pixel and its neighbour (i, j), in units of its threshold.
 FN Real discontinuity(Int px, Int py, int i, int j) {
   Real c0 = inverse_depth(near_depth(-i, -j));
   Real c1 = inverse_depth(near_depth(0, 0));
@@ -62,21 +62,22 @@ FN Real discontinuity(Int px, Int py, int i, int j) {
   Real step2 = c3 - c2;
   Real pixel = Real(F.ray_scale_x);
   if (F.orthographic == 0) pixel = pixel * min(c1, c2);
-  Real of_first = unpredicted(step, before, plane_slope(px, py, 0, 0, i), plane_slope(px, py, -i, -j, i), step0, pixel);
+  Real of_first =
+      unpredicted_step(step, before, plane_slope(px, py, 0, 0, i), plane_slope(px, py, -i, -j, i), step0, pixel);
   Real of_second =
-      unpredicted(step, after, plane_slope(px, py, i, j, i), plane_slope(px, py, 2 * i, 2 * j, i), step2, pixel);
+      unpredicted_step(step, after, plane_slope(px, py, i, j, i), plane_slope(px, py, 2 * i, 2 * j, i), step2, pixel);
   Real gap = agreed(of_first, of_second);
   return gap / (max(pixel, Real(1e-30f)) * C.depth);
 }
 
-// Whether inverse depth bends at a pixel along (k, l) by as much as a discontinuity must. Depths are compared after
-// multiplication by all three, to spare divisions; one that is none makes it true.
+// Returns whether inverse depth bends at a pixel along (k, l) by at least the threshold of a discontinuity. Depths are
+// compared after multiplication by all three, to avoid divisions; an invalid depth gives true.
 FN Bool bends(int i, int j, int k, int l) {
   Real d0 = near_depth(i - k, j - l);
   Real d1 = near_depth(i, j);
   Real d2 = near_depth(i + k, j + l);
   Real bend = d0 - (d1 + d1) + d2;
-  Real bound = Real(F.ray_scale_x * C.depth * kOutlineMinStrength * kSure);
+  Real bound = Real(F.ray_scale_x * C.depth * kOutlineMinStrength * kBelowThreshold);
   if (F.orthographic == 0) {
     bend = mad(d0, d1 - d2 - d2, d1 * d2) * max(d0, max(d1, d2));
     bound = bound * (d0 * d1 * d2);
@@ -102,7 +103,7 @@ FN Real break_at(Int px, Int py, int i, int j) {
     Bool clear = abs(gap) > kOutlineMinStrength;
     found = select(clear, min(abs(gap), Real(kOutlineMaxStrength)), found);
   }
-  // Below 0 behind: what is no surface lies behind all others.
+  // Negative: the pixel is behind its neighbour. Background is behind all surfaces.
   Bool behind = surface2 && (!surface1 || near_depth(0, 0) > near_depth(i, j));
   return select(behind, -found, found);
 }

@@ -10,7 +10,7 @@
 namespace umbrage {
 namespace {
 
-/// Covers rows [first, end) by a part of a line.
+/// Draws a part of a line into rows [first, end).
 void draw_segment(const LinePoint& a, const LinePoint& b, float opacity, const HostPlane& cover, int columns, int first,
                   int end) {
   const float reach = 0.5f * std::max({a.width, b.width, 1.0f}) + 0.5f;
@@ -33,7 +33,7 @@ void draw_segment(const LinePoint& a, const LinePoint& b, float opacity, const H
 }  // namespace
 
 void draw_lines(const Lines& lines, float opacity, const HostPlane& cover) {
-  constexpr int kRows = 32;  // that are drawn at once
+  constexpr int kRows = 32;  // rows per task
   struct Part {
     const LinePoint *first, *last;
   };

@@ -1,7 +1,7 @@
-// The edges that lines are traced along, between each pixel and its right and its lower neighbour: breaks, of several
-// that fall the same way in a row the largest; and creases, where normals turn more than at all neighbours within their
-// window. A crease lies where the normal is halfway between those at its window's ends. An edge is stored as a whole
-// number (outline.h).
+// Writes the edges along which lines are traced, between each pixel and its right and lower neighbours: breaks, of
+// several with the same sign in a row only the largest; and creases, where normals turn more than at all neighbours
+// within their window. A crease is placed where the normal is halfway between those at the ends of its window. An edge
+// is stored as an integer (outline.h).
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_REAL(outline_break_right)
@@ -25,7 +25,7 @@ FN Real edge_code(int kind, Real strength, Real place, Real offset) {
   return mad(offset + float(kOutlineMaxWindow), Real(65536.0f), code);
 }
 
-// A break as an edge, or 0 where its neighbour in the row is larger.
+// Returns a break as an edge, or 0 if a neighbour in the row is larger.
 FN Real break_code(Real found, int i, int j) {
   Real before = break_beside(-1, i, j);
   Real after = break_beside(1, i, j);
@@ -36,8 +36,8 @@ FN Real break_code(Real found, int i, int j) {
   return select(abs(found) > kOutlineMaxStrength, edge_code(kOutlineId, abs(found), Real(0.5f), none), depth);
 }
 
-// Whether this pair's crease is as strong as all within its window on the same surface, and stronger than those after
-// it.
+// Returns whether this pair's crease is at least as strong as all within its window on the same surface, and stronger
+// than those after it.
 FN Bool is_peak(Bool on, Real strength, Real window, int i, int j) {
   Bool on_before = on;
   Bool on_after = on;
@@ -63,7 +63,7 @@ FN Real crease_code(Int px, Int py, Real coded, int i, int j) {
   Int ay = py - Int(j) * h;
   Int bx = px + Int(i) * (h + Int(1));
   Int by = py + Int(j) * (h + Int(1));
-  // It is concave where inverse depth falls more slowly, or rises faster, after it than before.
+  // The crease is concave if inverse depth falls more slowly, or rises faster, after it than before.
   Real slope_before = inverse_depth(load_depth(ax, ay)) - inverse_depth(load_depth(ax - Int(i), ay - Int(j)));
   Real slope_after = inverse_depth(load_depth(bx + Int(i), by + Int(j))) - inverse_depth(load_depth(bx, by));
   Bool known = i != 0 ? load_outline_break_right(ax - Int(1), ay) == 0.0f && load_outline_break_right(bx, by) == 0.0f

@@ -1,10 +1,10 @@
-// The lines that `outline` traces, on scenes whose edges are known.
+// Tests the lines that `outline` traces, on scenes with known edges.
 #include <chrono>
 #include <map>
 #include <random>
 
 #include "core/lines.h"
-#include "devices/shared/passes.h"
+#include "devices/shared/dispatches.h"
 #include "effects/outline/outline_draw.h"
 #include "effects/outline/outline_test_scenes.h"
 #include "tilted_plane.h"
@@ -15,7 +15,7 @@ namespace {
 using namespace test;
 using glm::dvec2;
 
-/// What the effect makes, with the edges that its lines are traced through.
+/// The planes of the effect, with the edges through which its lines are traced.
 struct Traced {
   Image planes;
   Lines lines;
@@ -45,22 +45,22 @@ double distance_to_segment(dvec2 p, dvec2 a, dvec2 b) {
 
 dvec2 place(const LinePoint& p) { return {p.x, p.y}; }
 
-/// The distance to a line, but for points of it nearer to either end than `without` pixels along it.
+/// Returns the distance to a line.
 double distance_to_line(dvec2 p, const Line& line) {
-  double least = kInfinity;
+  double min = kInfinity;
   for (std::size_t k = 0; k + 1 < line.points.size(); ++k)
-    least = std::min(least, distance_to_segment(p, place(line.points[k]), place(line.points[k + 1])));
-  return least;
+    min = std::min(min, distance_to_segment(p, place(line.points[k]), place(line.points[k + 1])));
+  return min;
 }
 
 double distance_to_lines(dvec2 p, const Lines& lines, const Line* but = nullptr) {
-  double least = kInfinity;
+  double min = kInfinity;
   for (const Line& line : lines.lines)
-    if (&line != but) least = std::min(least, distance_to_line(p, line));
-  return least;
+    if (&line != but) min = std::min(min, distance_to_line(p, line));
+  return min;
 }
 
-/// Ends of lines that meet no other line and not the picture's border.
+/// Returns the ends of lines that meet no other line and not the picture's border.
 std::vector<dvec2> free_ends(const Lines& lines) {
   constexpr double kMeets = 1.0, kBorder = 2.0;  // pixels
   std::vector<dvec2> ends;
@@ -69,7 +69,7 @@ std::vector<dvec2> free_ends(const Lines& lines) {
     for (const LinePoint* end : {&line.points.front(), &line.points.back()}) {
       const dvec2 p = place(*end);
       const bool border = p.x < kBorder || p.y < kBorder || p.x > lines.width - kBorder || p.y > lines.height - kBorder;
-      // A line may end on its own side.
+      // A line may end on itself.
       const dvec2 other = place(end == &line.points.front() ? line.points.back() : line.points.front());
       if (!border && distance_to_lines(p, lines, &line) > kMeets && glm::length(p - other) > kMeets) ends.push_back(p);
     }
@@ -90,7 +90,7 @@ dvec2 projected(const Lens& lens, dvec3 p) {
   return {(p.x * scale - lens.left()) / lens.pixel(), (lens.top() - p.y * scale) / lens.pixel()};
 }
 
-/// The edges of a cube of which a side is seen, as they lie in the picture.
+/// Returns the edges of a cube's visible faces, in picture coordinates.
 std::vector<std::array<dvec2, 2>> seen_edges(const Lens& lens, dvec3 center, const dmat3& turn, double half) {
   const auto is_seen = [&](dvec3 normal) {
     const dvec3 to_eye = lens.orthographic ? dvec3(0, 0, 1) : -(center + turn * (half * normal));
@@ -149,7 +149,7 @@ TEST(OutlineLines, RoundThingsHaveTheirSilhouettesAlone) {
       ASSERT_EQ(ball.lines.size(), 1u);
       EXPECT_TRUE(ball.lines[0].closed);
       EXPECT_EQ(ball.lines[0].kind, LineKind::kOutline);
-      // Two silhouettes, and where the ring hides itself none ends before the background.
+      // The ring has two silhouettes. Where it occludes itself, no line ends before the background.
       const GBuffer g = seen(lens, ring({0.0, 0.0, -kFocus}, rotation(50.0, 20.0), 1.1, 0.4, 0));
       const Lines lines = traced(g).lines;
       int closed = 0;
@@ -164,7 +164,7 @@ TEST(OutlineLines, RoundThingsHaveTheirSilhouettesAlone) {
 
 TEST(OutlineLines, FlatAndNoisySurfacesHaveNone) {
   const Lens lens{512, 512};
-  // The plane's horizon alone, where it is seen.
+  // Only the plane's horizon, if it is visible.
   const Lines flat = traced(seen(lens, ground(2.0, 0.0))).lines;
   EXPECT_LE(flat.lines.size(), 1u);
   EXPECT_LT(length_of(flat), 520.0);
@@ -275,7 +275,7 @@ TEST(OutlineLines, VarySmoothlyInATurn) {
   }
 }
 
-// Slats three pixels apart are a tone, not broken lines.
+// Slats three pixels apart become a tone, not broken lines.
 TEST(OutlineLines, DenseLinesFadeToTone) {
   GBuffer g = seen({256, 256}, ground(90.0, 0.0));
   for (int y = 0; y < 256; ++y)
@@ -290,7 +290,7 @@ TEST(OutlineLines, DenseLinesFadeToTone) {
   }
 }
 
-// Between the two silhouettes of a pole three pixels wide a third of its colour is left.
+// Between the two silhouettes of a pole three pixels wide a third of its colour remains.
 TEST(OutlineLines, LeaveColourInsideThinThings) {
   GBuffer g = seen({256, 256}, ground(90.0, 0.0));
   for (int y = 20; y < 236; ++y)
@@ -299,7 +299,7 @@ TEST(OutlineLines, LeaveColourInsideThinThings) {
   for (int y = 60; y < 200; ++y) EXPECT_LT(planes.plane("outline").at(101, y), 0.67f) << y;
 }
 
-/// Depths, normals and ids without a pattern, each the same in a block of so many pixels.
+/// Random depths, normals and ids, constant in blocks of block x block pixels.
 GBuffer random_gbuffer(int size, int block) {
   GBuffer g = seen({size, size}, ground(90.0, 0.0));
   std::mt19937 random(3);
@@ -324,9 +324,9 @@ TEST(OutlineLines, TakeAnyEdgesInBoundedTime) {
     const Traced t = traced(g);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     RecordProperty(fmt::format("seconds_{}", block), fmt::format("{}", took.count()));
-    EXPECT_LT(took.count(), 20.0) << block;  // of two tracings, also with sanitizers on a busy machine
+    EXPECT_LT(took.count(), 20.0) << block;  // for two tracings, also with sanitizers on a busy machine
     if (block != 2) {
-      EXPECT_EQ(t.lines.lines.size() > 1000u, block > 1) << block;  // what has an edge at every pixel is noise
+      EXPECT_EQ(t.lines.lines.size() > 1000u, block > 1) << block;  // edges at every pixel are noise
     }
   }
   for (const Line& line : traced(hostile_gbuffer(300, 200, 1)).lines.lines)
@@ -339,7 +339,7 @@ TEST(OutlineLines, TakeAnyEdgesInBoundedTime) {
 TEST(OutlineLines, AreTheSameAtAnyNumberOfThreads) {
   const GBuffer g = random_gbuffer(200, 2);
   const Traced one = traced(g, {}, {.threads = 1}), two = traced(g, {}, {.threads = 2});
-  EXPECT_EQ(difference(one.planes.plane("outline"), two.planes.plane("outline"), 0.0).most, 0.0);
+  EXPECT_EQ(difference(one.planes.plane("outline"), two.planes.plane("outline"), 0.0).max, 0.0);
 }
 
 TEST(OutlineLines, OfNoWidthCoverNothing) {

@@ -1,13 +1,13 @@
-// The share of each pixel that lines cover, in mode `paper`. Based on [Lajzer and Nottingham], listing 3: a pixel is
-// black where any of its 8 neighbours differs by 0.05 (1 - Z) in window depth Z or by 0.95 in the dot product of
+// Writes the fraction of each pixel that lines cover, in mode `paper`. Based on [Lajzer and Nottingham], listing 3: a
+// pixel is black if any of its 8 neighbours differs by 0.05 (1 - Z) in window depth Z or by 0.95 in the dot product of
 // normals.
 //
-// Differs: background has the normal 0 and the depth 1, as a cleared buffer.
+// Differs: background has the normal 0 and the depth 1, like a cleared buffer.
 IN_REAL(depth)
 IN_VECTOR(normal)
 OUT_REAL(outline)
 
-// Window depth in [0, 1], as the paper's depth buffer held it.
+// Returns window depth in [0, 1], as in the paper's depth buffer.
 FN Real window_depth(int i, int j) {
   Real depth = near_depth(i, j);
   Real z = clamp(depth, Real(C.near_depth), Real(C.far_depth));

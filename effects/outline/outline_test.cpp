@@ -1,4 +1,4 @@
-// `outline` in both modes, and mode `paper` against listing 3 of [Lajzer and Nottingham], ported literally.
+// Tests `outline` in both modes, and compares mode `paper` with a literal port of listing 3 of [Lajzer and Nottingham].
 #include "effects/outline/outline_test_scenes.h"
 
 namespace umbrage {
@@ -6,7 +6,7 @@ namespace {
 
 using namespace test;
 
-constexpr double kLine = 0.02;  // cover from which on a pixel counts as one of a line
+constexpr double kLine = 0.02;  // min cover of a pixel that counts as part of a line
 
 Plane lines_of(const GBuffer& g, const Settings& settings = {}) {
   return test::run_effect(*find_effect("outline"), g, settings, {}).plane("outline");
@@ -45,7 +45,7 @@ TEST(Outline, TinyPicturesAreFine) {
       }
 }
 
-// `output` draws what covers nothing nowhere, and lines without planes of colour black.
+// `output` draws nothing where the cover is 0, and draws lines without colour planes black.
 TEST(Outline, ColourAndOpacityAreHandedOn) {
   const GBuffer g = seen({96, 96}, box({0, 0, -kFocus}, rotation(33, 38), 1.0));
   const Effect& effect = *find_effect("outline");
@@ -73,7 +73,7 @@ TEST(Outline, ColourAndOpacityAreHandedOn) {
 
 // --- the paper -----------------------------------------------------------------------------------------------------
 
-/// Listing 3, in double; a texture's edge pixels go on outside. `close` is true where rounding may decide.
+/// Listing 3, in double; texture coordinates are clamped to the edge. `close` is true if rounding may decide.
 struct Listing3 {
   double illum;
   bool close;
@@ -106,7 +106,7 @@ Listing3 toon_outlining(const GBuffer& g, int px, int py) {
     const dvec3 norm = s_norm(px + offset[0], py + offset[1]);
     const double apart = std::fabs(depth - base_depth), alike = glm::dot(norm, base_norm);
     if (apart > threshold_depth) darkness_depth += 1.0;
-    // Where neither is a surface the listing normalizes zero.
+    // If neither is a surface, the listing normalizes zero.
     const bool neither = cleared(px, py) && cleared(px + offset[0], py + offset[1]);
     if (!neither && alike < threshold_norm) darkness_norm += 1.0;
     const bool both_far = apart == 0.0 && threshold_depth == 0.0;
@@ -147,7 +147,7 @@ TEST(Outline, PaperThresholdsAreParameters) {
   };
   const long usual = drawn("0.05", "0.95"), rims = drawn("0.05", "-1"), creases = drawn("1", "0.95");
   EXPECT_GT(rims, 100);
-  EXPECT_GT(creases, rims);  // normals part the cube from the background, too
+  EXPECT_GT(creases, rims);  // normals also separate the cube from the background
   EXPECT_GE(usual, creases);
   EXPECT_LT(rims, usual);
 }

@@ -1,4 +1,4 @@
-// Scenes whose edges are known: G-buffers are traced in double from half-spaces, spheres and rings.
+// Scenes with known edges: G-buffers are traced in double from half-spaces, spheres and rings.
 #pragma once
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
@@ -19,7 +19,7 @@ using glm::dmat3;
 using glm::dvec3;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kTanHalfView = 0.36397023426620234;  // of 40 degrees, as empty_gbuffer has it
+constexpr double kTanHalfView = 0.36397023426620234;  // of 40 degrees, as in empty_gbuffer
 
 inline double radians(double deg) { return deg * std::numbers::pi / 180.0; }
 
@@ -31,7 +31,7 @@ inline dmat3 rotation(double about_x_deg, double about_y_deg, double about_z_deg
   return z * x * y;
 }
 
-/// What a ray meets. `distance` counts in directions, whose z is -1: it is the view depth.
+/// A ray's intersection. `distance` is in units of the direction, whose z is -1: it is the view depth.
 struct Hit {
   double distance = kInfinity;
   dvec3 normal{0.0};
@@ -45,7 +45,7 @@ struct HalfSpace {
   double offset;
 };
 
-/// The part that all half-spaces share. Seen from inside, its walls are what is hit.
+/// The intersection of half-spaces. From inside, its walls are hit.
 inline RayScene convex_solid(std::vector<HalfSpace> sides, int object = 0, bool from_inside = false) {
   return [=](const dvec3& origin, const dvec3& direction) {
     Hit in{.distance = -kInfinity, .object = object, .material = object}, out = in;
@@ -79,7 +79,7 @@ inline RayScene sphere(dvec3 center, double radius, int object) {
   };
 }
 
-/// The nearest of several.
+/// Returns the nearest hit of several scenes.
 inline RayScene together(std::vector<RayScene> scenes) {
   return [=](const dvec3& origin, const dvec3& direction) {
     Hit nearest;
@@ -89,7 +89,7 @@ inline RayScene together(std::vector<RayScene> scenes) {
   };
 }
 
-/// A box, and, where `bevel` is above 0, with its edges cut off so that the cuts are that wide.
+/// A box; if `bevel` > 0, its edges are bevelled with that width.
 inline RayScene box(dvec3 center, dmat3 turn, double half, double bevel = 0.0, int object = 0) {
   std::vector<HalfSpace> sides;
   const auto add = [&](const dvec3& n, double offset) {
@@ -114,13 +114,13 @@ inline RayScene box(dvec3 center, dmat3 turn, double half, double bevel = 0.0, i
   return convex_solid(sides, object);
 }
 
-/// A scene without perspective shows at depth kFocus what one with it does.
+/// Depth at which an orthographic view shows the same as a perspective one.
 constexpr double kFocus = 6.0;
 
 struct Lens {
   int width = 256, height = 256;
   bool orthographic = false;
-  double shift_x_px = 0.0, shift_y_px = 0.0;  // of the window, to the right and up
+  double shift_x_px = 0.0, shift_y_px = 0.0;  // shift of the window, to the right and up
 
   double pixel() const { return 2.0 * kTanHalfView * (orthographic ? kFocus : 1.0) / height; }
   double left() const { return -0.5 * width * pixel() + shift_x_px * pixel(); }
@@ -149,7 +149,7 @@ inline GBuffer seen(const Lens& lens, const RayScene& scene) {
   return g;
 }
 
-/// A plane seen at so many degrees in the middle of the picture, there at a depth, with smooth errors of its normals.
+/// A plane at an elevation angle, at `depth` in the middle of the picture, with smooth errors of its normals.
 inline RayScene ground(double elevation_deg, double error_deg, double depth = kFocus, int object = 0) {
   const dvec3 normal(0.0, std::cos(radians(elevation_deg)), std::sin(radians(elevation_deg)));
   const RayScene plane = convex_solid({{normal, glm::dot(normal, dvec3(0, 0, -depth))}}, object);
@@ -157,14 +157,14 @@ inline RayScene ground(double elevation_deg, double error_deg, double depth = kF
     Hit hit = plane(origin, direction);
     if (error_deg > 0.0 && hit.distance < kInfinity) {
       const dvec3 p = origin + direction * hit.distance;
-      const double angle = 5.0 * p.x + 1.7 * p.z, most = std::tan(radians(error_deg));
-      hit.normal = glm::normalize(hit.normal + most * dvec3(std::cos(angle), 0.0, std::sin(angle)));
+      const double angle = 5.0 * p.x + 1.7 * p.z, max = std::tan(radians(error_deg));
+      hit.normal = glm::normalize(hit.normal + max * dvec3(std::cos(angle), 0.0, std::sin(angle)));
     }
     return hit;
   };
 }
 
-/// A ring about the axis z turned by `turn`: by sphere tracing, to within 1e-9.
+/// A torus whose axis is z rotated by `turn`: sphere tracing, to within 1e-9.
 inline RayScene ring(dvec3 center, dmat3 turn, double radius, double tube, int object) {
   const auto distance = [=](const dvec3& p) {
     const dvec3 q = (p - center) * turn;

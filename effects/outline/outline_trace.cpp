@@ -1,4 +1,4 @@
-// Which edges of a picture become lines.
+// Selects the edges of a picture that become lines.
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -13,15 +13,15 @@
 namespace umbrage {
 namespace {
 
-// Mean strengths of lines, and what one at the threshold has, however it was rounded.
+// Thresholds of lines' mean strengths; kFull is the strength of a line at the threshold, allowing for rounding.
 constexpr float kFaint = 0.6f, kClear = 0.8f, kFull = 0.97f;
-// Lengths in pixels, which grow with the picture's height.
-constexpr float kMean = 4.0f;    // to either side of a point, of its mean strength
-constexpr float kGap = 16.0f;    // over which ends are joined
-constexpr float kLoose = 24.0f;  // of what ends free on both sides,
-constexpr float kBranch = 6.0f;  // and on one, that is too short
+// Lengths in pixels, which scale with the picture's height.
+constexpr float kMean = 4.0f;    // to either side of a point, for its mean strength
+constexpr float kGap = 16.0f;    // max gap over which ends are joined
+constexpr float kLoose = 24.0f;  // min length of a line with two free ends
+constexpr float kBranch = 6.0f;  // min length of a line with one free end
 
-/// The edge that a code at a pixel stands for, if it lies inside the picture.
+/// Returns the edge of a code at a pixel, or nothing if it is outside the picture.
 std::optional<Edge> decoded(float value, int x, int y, bool below, int width, int height) {
   const auto code = std::uint32_t(value);
   const auto kind = std::uint8_t(code & 3);
@@ -37,10 +37,10 @@ std::optional<Edge> decoded(float value, int x, int y, bool below, int width, in
   return inside && kind != 0 ? std::optional(e) : std::nullopt;
 }
 
-/// The edges that outline_edges has written, without those that are noise.
+/// Returns the edges that outline_edges has written, without noise.
 std::vector<Edge> read_edges(const HostPlane& right, const HostPlane& below, int width, int height) {
   constexpr int kBlock = 32;                     // pixels wide and high
-  constexpr int kMax = kBlock * kBlock * 3 / 2;  // edges of one: what has more is noise
+  constexpr int kMax = kBlock * kBlock * 3 / 2;  // max edges per block: a block with more is noise
   std::vector<std::vector<Edge>> found(std::size_t((height + kBlock - 1) / kBlock));
   tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t row_of_blocks) {
     std::vector<Edge>& edges = found[row_of_blocks];
@@ -63,8 +63,8 @@ std::vector<Edge> read_edges(const HostPlane& right, const HostPlane& below, int
 
 float surface_depth(float depth) { return depth > 0.0f && depth <= 3.4e38f ? depth : 0.0f; }
 
-/// Fills in what lies at a point: the nearer surface, and how many pixel sizes the other one lies behind it, infinitely
-/// many if it is another object.
+/// Fills in the surfaces at a point: the nearer one, and the depth of the other one behind it in pixel sizes, infinity
+/// for another object.
 void describe(const Edge& e, const HostPlane& depth, const HostPlane& object, const PixelSize& pixel, ChainPoint& p) {
   const int x2 = e.x + !e.below, y2 = e.y + e.below;
   const float z1 = surface_depth(depth.row(e.y)[e.x]), z2 = surface_depth(depth.row(y2)[x2]);
@@ -77,12 +77,12 @@ void describe(const Edge& e, const HostPlane& depth, const HostPlane& object, co
   p.drop = within ? std::abs(z1 - z2) / std::max(pixel.at(p.depth), 1e-30f) : std::numeric_limits<float>::infinity();
 }
 
-/// How long a line must be. Between objects it may be short unless it leads to nothing.
-float least_length(const Chain& chain, int free_ends, float scale) {
+/// Returns the min length of a line in pixels. Between objects it may be short, unless both its ends are free.
+float min_length(const Chain& chain, int free_ends, float scale) {
   const bool alone = free_ends == 2 || chain.closed;
   if (std::any_of(chain.points.begin(), chain.points.end(), [](const auto& p) { return p.kind == kOutlineId; }))
     return alone ? 2.0f * kBranch * scale : 0.0f;
-  if (free_ends == 0 && !chain.closed) return 0.5f * kBranch * std::max(scale, 1.0f);  // slivers of the pixels' grid
+  if (free_ends == 0 && !chain.closed) return 0.5f * kBranch * std::max(scale, 1.0f);  // slivers of the pixel grid
   return (alone ? kLoose : kBranch) * scale;
 }
 
@@ -101,7 +101,7 @@ Lines trace_lines(const HostFrame& frame, const OutlineConstants& c) {
   join_at_junctions(t);
   keep_clear_parts(t, {kFaint, kClear, kFull, std::max(1, int(std::lround(kMean * c.scale)))});
   bridge_gaps(t, kGap * c.scale, pixel);
-  drop_short(t, [&](const Chain& chain, int free_ends) { return least_length(chain, free_ends, c.scale); });
+  drop_short(t, [&](const Chain& chain, int free_ends) { return min_length(chain, free_ends, c.scale); });
   const std::vector<std::uint8_t> free_ends = t.free_ends();
   smooth_chains(t);
   meet(t);

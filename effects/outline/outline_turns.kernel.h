@@ -1,9 +1,9 @@
-// How strong a crease there may be between each pixel and its right and its lower neighbour: by how much normals turn
-// across it, within the widest of several windows that says so, less what the surface turns beside the window over as
-// wide a stretch. So edges are found whether sharp or bevelled, and round things have none. Beside the surface's own
-// silhouette there must be a side left to tell by. Normals in the middle of a window lie on the way between its ends',
-// or else it holds a vertex. Stored as strength + kWindowUnit times the window's half width, 0 where there is none.
-// outline_edges chooses among neighbours.
+// Writes the strength of a possible crease between each pixel and its right and lower neighbours: the turn of the
+// normals across a window, minus the turn of the surface beside the window over the same width, in that of several
+// windows where it is the largest. Sharp and bevelled edges are both found, and round surfaces have none. At the
+// surface's own silhouette some pixels must be left beside the window to measure. Normals in the middle of a window
+// must be between those at its ends; otherwise it contains a vertex. Stored as strength + kWindowUnit times half of the
+// window's width; 0: no crease. outline_edges chooses among neighbours.
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_REAL(outline_break_right)
@@ -12,42 +12,43 @@ OUT_REAL(outline_turn_right)
 OUT_REAL(outline_turn_below)
 #include "effects/outline/outline_windows.kernel.h"
 
-CONST float kMaxStraying = 0.17f;   // of a window's turn, that normals in its middle lie off the way
-CONST float kRoundness = 0.5f;      // times the turn beside a window on either side, that does not count,
-CONST float kSoftRoundness = 2.0f;  // and of a window wider than C.narrow
+CONST float kMaxStraying = 0.17f;   // max deviation of normals in a window's middle, relative to its turn
+CONST float kRoundness = 0.5f;      // factor of the turn beside a window that is subtracted, on either side
+CONST float kSoftRoundness = 2.0f;  // the same for a window wider than C.narrow
 
-// Half widths of windows: 0, 1, 2, 4, 6 and so on.
+// Returns the next half width of a window: 0, 1, 2, 4, 6 and so on.
 FN int wider(int h) { return h < 2 ? h + 1 : h + 2; }
 
 FN Real square(Vec3 v) { return dot(v, v); }
 
-// Whether n lies on the way from a to b, which turns by so much, squared.
+// Returns whether n is on the way from a to b. turn2 is the square of the turn from a to b.
 FN Bool on_the_way(Vec3 a, Vec3 n, Vec3 b, Real turn2) {
   Vec3 c = cross(a, b);
   Real off = dot(c, n);
   return off * off < turn2 * square(c) * (kMaxStraying * kMaxStraying);
 }
 
-// How much a side turns per pixel, squared: from its pixel with normal v to the last of `count`, whose normal is `far`,
-// or to the middle one of `few`, whichever is less, since another crease may be there. Takes one over their squares.
-FN Real milder_turn(Vec3 v, Vec3 far, Real per_count, Vec3 near, Real per_few) {
+// Returns the square of a side's turn per pixel: from its pixel with normal v to the last of `count` pixels, with
+// normal `far`, or to the middle one of `few`, whichever is smaller, since there may be another crease. per_count and
+// per_few are the inverse squares of the counts.
+FN Real smaller_turn(Vec3 v, Vec3 far, Real per_count, Vec3 near, Real per_few) {
   return min(square(v - far) * per_count, square(v - near) * per_few);
 }
 
-// That of the side that begins s steps of (i, j) from this pixel, where so many pixels are left of it.
+// Returns smaller_turn of the side that begins s steps of (i, j) from this pixel and has `count` pixels left.
 FN Real side_turn(Int px, Int py, Vec3 v, int s, int i, int j, Int count) {
   Int few = to_signed(to_uint(count + Int(1)) >> 1);
   Vec3 far = load_normal(px + Int(i) * (count + Int(s)), py + Int(j) * (count + Int(s)));
   Vec3 near = load_normal(px + Int(i) * (few + Int(s)), py + Int(j) * (few + Int(s)));
   Real per_count = Real(1.0f) / max(to_real(count * count), Real(1.0f));
-  return milder_turn(v, far, per_count, near, Real(1.0f) / max(to_real(few * few), Real(1.0f)));
+  return smaller_turn(v, far, per_count, near, Real(1.0f) / max(to_real(few * few), Real(1.0f)));
 }
 
-// The same where as many are left as are asked.
+// Returns the same for a side that has all `count` pixels.
 FN Real whole_side_turn(Vec3 v, int s, int i, int j, int count) {
   int few = (count + 1) / 2;
-  return milder_turn(v, near_normal((s + count) * i, (s + count) * j), Real(1.0f / float(count * count)),
-                     near_normal((s + few) * i, (s + few) * j), Real(1.0f / float(few * few)));
+  return smaller_turn(v, near_normal((s + count) * i, (s + count) * j), Real(1.0f / float(count * count)),
+                      near_normal((s + few) * i, (s + few) * j), Real(1.0f / float(few * few)));
 }
 
 FN Real break_load(Int px, Int py, Int s, int i, int j) {
@@ -57,15 +58,15 @@ FN Real break_load(Int px, Int py, Int s, int i, int j) {
 FN Real turn_at(Int px, Int py, int i, int j) {
   Bool maybe = break_beside(0, i, j) == 0.0f && near_inside(i, j) && is_surface(near_depth(0, 0));
   if (!some(maybe)) return Real(0.0f);
-  Real most = Real(0.0f);
+  Real max_value = Real(0.0f);
   for (int h = 0; h <= C.max_window; h = wider(h)) {
     Vec3 across = near_normal((1 + h) * i, (1 + h) * j) - near_normal(-h * i, -h * j);
-    most = max(most, dot(across, across));
+    max_value = max(max_value, dot(across, across));
   }
-  Real least = Real(C.crease_chord);
-  maybe = maybe && most >= least * least * (kOutlineMinStrength * kOutlineMinStrength);
+  Real min_value = Real(C.crease_chord);
+  maybe = maybe && max_value >= min_value * min_value * (kOutlineMinStrength * kOutlineMinStrength);
   if (!some(maybe)) return Real(0.0f);
-  // How many more pixels the surface has on either side, and whether it ends in a silhouette of its own there.
+  // Number of pixels of the surface on either side, and whether it ends there in its own silhouette.
   int reach = 2 * C.max_window + 1;
   Real run_before = Real(float(reach));
   Real run_after = run_before;
@@ -76,12 +77,13 @@ FN Real turn_at(Int px, Int py, int i, int j) {
   Int place = i != 0 ? px : py;
   Int before = min(to_int(run_before), place);
   Int after = min(to_int(run_after), Int((i != 0 ? F.width : F.height) - 2) - place);
-  Bool rim_before = maybe && !maybe;
-  Bool rim_after = rim_before;
+  Bool silhouette_before = maybe && !maybe;
+  Bool silhouette_after = silhouette_before;
   if (some(maybe && (before < Int(reach) || after < Int(reach)))) {
-    rim_before = before < place && before < Int(reach) && break_load(px, py, Int(0) - before - Int(1), i, j) < 0.0f;
-    rim_after = after < Int((i != 0 ? F.width : F.height) - 2) - place && after < Int(reach) &&
-                break_load(px, py, after + Int(1), i, j) > 0.0f;
+    silhouette_before =
+        before < place && before < Int(reach) && break_load(px, py, Int(0) - before - Int(1), i, j) < 0.0f;
+    silhouette_after = after < Int((i != 0 ? F.width : F.height) - 2) - place && after < Int(reach) &&
+                       break_load(px, py, after + Int(1), i, j) > 0.0f;
   }
   Vec3 n1 = near_normal(0, 0);
   Vec3 n2 = near_normal(i, j);
@@ -91,13 +93,14 @@ FN Real turn_at(Int px, Int py, int i, int j) {
     Vec3 a = near_normal(-h * i, -h * j);
     Vec3 b = near_normal((1 + h) * i, (1 + h) * j);
     Real turn2 = square(b - a);
-    Real bound = least * max(best, Real(kOutlineMinStrength));
+    Real bound = min_value * max(best, Real(kOutlineMinStrength));
     Int left = min(before - Int(h), Int(h + 1));
     Int right = min(after - Int(h), Int(h + 1));
-    Int rim_room = Int(h < 4 ? 1 : h / 2);
+    Int silhouette_room = Int(h < 4 ? 1 : h / 2);
     Int room = Int(h > 0 ? 1 : 0);
-    Bool on = maybe && turn2 >= bound * bound && left + right > Int(0) && left >= select(rim_before, rim_room, room) &&
-              right >= select(rim_after, rim_room, room);
+    Bool on = maybe && turn2 >= bound * bound && left + right > Int(0) &&
+              left >= select(silhouette_before, silhouette_room, room) &&
+              right >= select(silhouette_after, silhouette_room, room);
     if (!some(on)) continue;
     Real of_left = whole_side_turn(a, h, -i, -j, h + 1);
     Real of_right = whole_side_turn(b, h + 1, i, j, h + 1);

@@ -11,15 +11,16 @@
 namespace umbrage {
 namespace {
 
-constexpr float kTaper = 12.0f;     // pixels of a free end that become narrower; grows
-constexpr float kEven = 6.0f;       // points to either side whose mean width counts; grows
-constexpr float kMaxCrowd = 75.0f;  // points within 16 x 16 pixels, from which on they are crowded
-constexpr float kBeside = 4.5f;     // pixels beside a surer line, within which one fades; grows
-constexpr float kParallel = 0.85f;  // cosine from which on two ways are about the same
-constexpr float kMinShare = 0.05f;  // of its width, of a line that is seen
-constexpr float kShare = 0.6f;      // of the distance to the line beside it, that a line may cover
+constexpr float kTaper = 12.0f;     // length in pixels over which a free end becomes narrower; scales with the picture
+constexpr float kEven = 6.0f;       // points to either side over which widths are averaged; scales with the picture
+constexpr float kMaxCrowd = 75.0f;  // points within 16 x 16 pixels above which lines are crowded
+// Distance in pixels to a more reliable line, within which a line fades; scales with the picture
+constexpr float kFadeDistance = 4.5f;
+constexpr float kParallel = 0.85f;          // cosine from which on two directions count as parallel
+constexpr float kMinRelativeWidth = 0.05f;  // min fraction of the full width at which a line is visible
+constexpr float kShare = 0.6f;              // max fraction of the distance to the next line that a line may cover
 
-/// The share of its width that a line has at a point.
+/// Returns the relative width of a line at a point, 0 to 1.
 float weight_of(const ChainPoint& p, const OutlineConstants& c, bool orthographic) {
   float weight = p.kind == kOutlineDepth ? 1.0f - c.inner * c.inner_px / (p.drop + c.inner_px) : 1.0f;
   if (c.inner > 0.0f) weight *= std::min(p.strength, 1.0f);
@@ -27,9 +28,9 @@ float weight_of(const ChainPoint& p, const OutlineConstants& c, bool orthographi
   return weight;
 }
 
-/// Makes a chain's width even along it, and tapers its free ends.
-void even_out(const Chain& chain, const OutlineConstants& c, std::span<const std::uint8_t, 2> is_free,
-              std::vector<float>& width) {
+/// Averages a chain's widths along it, and tapers its free ends.
+void smooth_widths(const Chain& chain, const OutlineConstants& c, std::span<const std::uint8_t, 2> is_free,
+                   std::vector<float>& width) {
   const int count = int(width.size()), around = int(std::lround(std::max(kEven * c.scale, c.width_px)));
   std::vector<double> sum(1, 0.0);
   for (const float w : width) sum.push_back(sum.back() + w);
@@ -50,9 +51,9 @@ void even_out(const Chain& chain, const OutlineConstants& c, std::span<const std
   }
 }
 
-/// How sure a chain is, in the mean: ids more than depth discontinuities, these more than creases; of equals the longer
-/// one.
-float sureness(const Chain& chain) {
+/// Returns the mean confidence of a chain: ids are more reliable than depth discontinuities, these more than creases;
+/// of equals the longer chain is more reliable.
+float mean_confidence(const Chain& chain) {
   float sum = 0.0f;
   for (const ChainPoint& p : chain.points)
     sum += p.kind == kOutlineId ? 5.0f * kOutlineMaxStrength : p.kind == kOutlineDepth ? 2.0f * p.strength : p.strength;
@@ -60,39 +61,39 @@ float sureness(const Chain& chain) {
   return sum / count + 1e-3f * std::min(count, 500.0f);
 }
 
-/// Makes lines narrower where they have little room. Of two side by side each covers no more than a share of the
-/// distance between them, though at least half of its own width: what lies between keeps some of its colour. The less
-/// sure one fades the nearer it is, since it may be the other's double. Where lines are crowded all become thinner: a
-/// tone.
-void give_way(const Tracing& t, float scale, std::vector<std::vector<float>>& widths) {
+/// Makes lines narrower where they have little room. Of two lines side by side each covers at most the fraction kShare
+/// of the distance between them, though at least half of its own width: some colour remains between them. The less
+/// reliable one fades the nearer it is, since it may be a duplicate of the other. Where lines are crowded all become
+/// thinner, to give a tone.
+void narrow_where_crowded(const Tracing& t, float scale, std::vector<std::vector<float>>& widths) {
   const PointGrid grid(t.chains, t.graph.width(), t.graph.height());
-  const float beside = kBeside * std::max(scale, 1.0f);  // no less than the pixels' grid has room for
+  const float beside = kFadeDistance * std::max(scale, 1.0f);  // at least the room that the pixel grid needs
   std::vector<float> sure(t.chains.size());
-  tbb::parallel_for(std::size_t(0), sure.size(), [&](std::size_t c) { sure[c] = sureness(t.chains[c]); });
+  tbb::parallel_for(std::size_t(0), sure.size(), [&](std::size_t c) { sure[c] = mean_confidence(t.chains[c]); });
   tbb::parallel_for(std::size_t(0), t.chains.size(), [&](std::size_t c) {
     const Chain& chain = t.chains[c];
-    for (std::size_t k = 0; k < chain.points.size(); k += 2) {  // the next one has about as much room
+    for (std::size_t k = 0; k < chain.points.size(); k += 2) {  // the next point has about as much room
       const ChainPoint& p = chain.points[k];
       const float width = widths[c][k], reach = std::max(width / kShare, beside);
-      const auto way = way_at(chain, int(k));
-      float nearest = reach, nearest_surer = beside;
+      const auto way = chain_direction_at(chain, int(k));
+      float nearest = reach, nearest_reliable = beside;
       grid.near(p.x, p.y, reach, [&](const PointGrid::Entry& e, float d2) {
         if (e.chain == int(c) && float(std::abs(e.point - int(k))) < 2.0f * reach) return;
         if (std::abs(way[0] * e.dx + way[1] * e.dy) < kParallel) return;
         const float across = std::abs((e.x - p.x) * way[1] - (e.y - p.y) * way[0]);
-        if (across * across < 0.5f * d2) return;  // before or behind it on its way
+        if (across * across < 0.5f * d2) return;  // ahead of it or behind it on the same line
         nearest = std::min(nearest, across);
-        if (sure[e.chain] > sure[c]) nearest_surer = std::min(nearest_surer, across);
+        if (sure[e.chain] > sure[c]) nearest_reliable = std::min(nearest_reliable, across);
       });
       float room = std::clamp(kShare * nearest / std::max(width, 1e-6f), 0.5f, 1.0f);
-      if (p.kind != kOutlineId) room *= std::clamp(2.0f * nearest_surer / beside - 1.0f, 0.0f, 1.0f);
+      if (p.kind != kOutlineId) room *= std::clamp(2.0f * nearest_reliable / beside - 1.0f, 0.0f, 1.0f);
       room *= std::min(1.0f, kMaxCrowd / float(grid.crowd(p.x, p.y)));
       for (std::size_t of = k; of < std::min(k + 2, chain.points.size()); ++of) widths[c][of] *= room;
     }
   });
 }
 
-/// The kind of most of a chain's points.
+/// Returns the most frequent kind of a chain's points.
 LineKind kind_of(const Chain& chain) {
   std::array<int, 4> count{};
   for (const ChainPoint& p : chain.points) ++count[p.kind];
@@ -109,7 +110,7 @@ Lines lines_of(const Tracing& t, std::span<const std::uint8_t> free_ends, const 
   for (std::size_t k = 0; k < t.chains.size(); ++k)
     for (const ChainPoint& p : t.chains[k].points)
       widths[k].push_back(c.width_px * t.chains[k].weight * weight_of(p, c, orthographic));
-  give_way(t, c.scale, widths);
+  narrow_where_crowded(t, c.scale, widths);
   tbb::parallel_for(std::size_t(0), t.chains.size(), [&](std::size_t k) {
     const Chain& chain = t.chains[k];
     Line& line = all.lines[k];
@@ -117,8 +118,8 @@ Lines lines_of(const Tracing& t, std::span<const std::uint8_t> free_ends, const 
     line.kind = kind_of(chain);
     line.object = chain.points[chain.points.size() / 2].object;
     std::vector<float>& width = widths[k];
-    even_out(chain, c, free_ends.subspan(2 * k).first<2>(), width);
-    if (*std::max_element(width.begin(), width.end()) < kMinShare * c.width_px) return;
+    smooth_widths(chain, c, free_ends.subspan(2 * k).first<2>(), width);
+    if (*std::max_element(width.begin(), width.end()) < kMinRelativeWidth * c.width_px) return;
     std::vector<LinePoint> points;
     for (std::size_t p = 0; p < width.size(); ++p) points.push_back({chain.points[p].x, chain.points[p].y, width[p]});
     line.points = simplified(points);

@@ -1,4 +1,4 @@
-// How wide lines are.
+// Computes the widths of lines.
 #pragma once
 #include <span>
 
@@ -8,8 +8,9 @@
 
 namespace umbrage {
 
-/// Lines of chains whose points lie where they are drawn, and the ends of which (2 * chain + last) are free. `drop` of
-/// points counts in pixel sizes. Lines that are too thin to be seen are left out.
+/// Returns the lines of chains, with their widths. The points of chains are already at their final positions; free_ends
+/// has one flag per end (2 * chain + last). `drop` of points is in pixel sizes. Lines that are too thin to be visible
+/// are left out.
 Lines lines_of(const Tracing& t, std::span<const std::uint8_t> free_ends, const OutlineConstants& c, bool orthographic);
 
 }  // namespace umbrage

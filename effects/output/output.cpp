@@ -14,11 +14,12 @@ constexpr double kMaxStops = 20.0;
 const std::vector<Parameter> kTable = {
     real_row("exposure", &OutputParams::exposure, {.min = -kMaxStops, .max = kMaxStops, .unit = "stops"},
              "brightness, in stops: 1 doubles the light"),
-    choice_row("metering", &OutputParams::metering, 0, {"none", "picture", "light"},
-               "brightness that suits the picture, besides `exposure`: none, by how bright its surfaces are, or by how "
-               "bright the light is that `hdri_file` gives"),
+    choice_row(
+        "metering", &OutputParams::metering, 0, {"none", "picture", "light"},
+        "automatic exposure, added to `exposure`: none, by how bright the picture's surfaces are, or by how bright "
+        "the light of `hdri_file` is"),
     real_row("shoulder", &OutputParams::shoulder, {.initial = 1, .max = 1},
-             "light from which on it is compressed, so that nothing exceeds white; 1: nothing is"),
+             "light above this value is compressed, so that nothing exceeds white; 1: off"),
     choice_row("transfer", &OutputParams::transfer, 0, {"srgb", "none"},
                "from linear light to 8-bit values: the sRGB curve, or the values as they are"),
     real_row("background_r", &OutputParams::background_r, {.initial = 1, .max = 1},
@@ -29,7 +30,7 @@ const std::vector<Parameter> kTable = {
              "blue where there is no surface, as written to the file"),
     bool_row("transparent", &OutputParams::transparent, false, "alpha 0 and black where there is no surface"),
     bool_row("sky", &OutputParams::sky, false,
-             "show the light of the planes `sky`, which `hdri_skybox` makes, where there is no surface"),
+             "show the planes `sky`, which `hdri_skybox` writes, where there is no surface"),
 };
 
 void fill_constants(const OutputParams& params, const PictureInfo&, OutputConstants& c) {
@@ -71,11 +72,11 @@ Effect effect_output() {
                .source = "IEC 61966-2-1",
                .exposed_by = exposed_by,
                .add_stops = add_stops,
-               .passes = {{.inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline", "line.r", "line.g", "line.b",
-                                      "cover", "cover_for_eye", "sky.r", "sky.g", "sky.b"},
-                           .outputs = {"color.r", "color.g", "color.b", "color.a"},
-                           .kernel = output_kernel(),
-                           .reach = own_row}}});
+               .dispatches = {{.inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline", "line.r", "line.g", "line.b",
+                                          "cover", "cover_for_eye", "sky.r", "sky.g", "sky.b"},
+                               .outputs = {"color.r", "color.g", "color.b", "color.a"},
+                               .kernel = output_kernel(),
+                               .reach = own_row}}});
 }
 
 }  // namespace umbrage

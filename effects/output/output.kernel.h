@@ -1,8 +1,9 @@
-// Light to what a file or a screen holds: exposure, transfer function, background. Based on [IEC 61966-2-1] for sRGB.
+// Converts light to the values of a file or a screen: exposure, transfer function, background. Based on [IEC 61966-2-1]
+// for sRGB.
 //
-// Where there is no surface `lit` is what shade sends, or surfaces in the mean of several pictures do, that cover the
-// share `cover` of the pixel; or `cover_for_eye`, where those are averaged for the eye. Over all of it, finished, lie
-// lines of the colour `line` that cover the share `outline`.
+// At a pixel without surface, `lit` is the light of a shadow, or of surfaces in the average of several pictures, that
+// cover the fraction `cover` of the pixel; or `cover_for_eye`, if they are averaged perceptually. Lines of the colour
+// `line` that cover the fraction `outline` are drawn over the finished picture.
 IN_COLOR(lit)
 IN_REAL(depth)
 IN_REAL(outline)
@@ -18,18 +19,18 @@ FN Real srgb_from_linear(Real v) {
   return select(v > 0.0031308f, curve, v * 12.92f);
 }
 
-// Light beyond the shoulder, bent so that it nears 1 and never exceeds it.
+// Returns light with the part beyond the shoulder compressed: it approaches 1 and never exceeds it.
 FN Real compressed(Real v) {
   Real over = max(v - C.shoulder, Real(0.0f)) * Real(C.room);
   return min(v, Real(C.shoulder)) + (Real(1.0f) - Real(1.0f) / (over + 1.0f)) * Real(1.0f - C.shoulder);
 }
 
-FN Vec3 not_below_0(Vec3 v) { return Vec3(max(v.x, Real(0.0f)), max(v.y, Real(0.0f)), max(v.z, Real(0.0f))); }
+FN Vec3 clamped_to_0(Vec3 v) { return Vec3(max(v.x, Real(0.0f)), max(v.y, Real(0.0f)), max(v.z, Real(0.0f))); }
 
-// Light, not below 0, as it is exposed.
+// Returns exposed light: finite, not negative, compressed by the shoulder.
 FN Vec3 exposed(Vec3 light) {
-  light = finite_or_zero(light);  // what is not a number is black
-  light = not_below_0(light);
+  light = finite_or_zero(light);  // NaN and infinity become black
+  light = clamped_to_0(light);
   if (C.room > 0.0f) light = Vec3(compressed(light.x), compressed(light.y), compressed(light.z));
   return light;
 }
@@ -40,26 +41,26 @@ FN void output_pixel(Int px, Int py) {
   Bool surface = is_finite(near_depth(0, 0));
   Real of_eye = share_of(near_cover_for_eye(0, 0));
   Real of_light = share_of(near_cover(0, 0));
-  Bool for_eye = of_eye > of_light;
+  Bool as_square_roots = of_eye > of_light;
   Real covered = max(of_eye, of_light);
   Real share = select(surface || covered == Real(0.0f), Real(1.0f), covered);
   Vec3 light = exposed(near_lit(0, 0) * (Real(C.gain) / share));
-  // What covers a share over the background, with straight alpha.
+  // Covers a fraction of the background, with straight alpha.
   Real behind = (Real(1.0f) - covered) * Real(C.background_alpha);
   Real alpha = covered + behind;
   Real scale = Real(1.0f) / select(alpha > 0.0f, alpha, Real(1.0f));
   Vec3 beyond = Vec3(Real(C.behind_r), Real(C.behind_g), Real(C.behind_b));
   if (C.sky != 0) beyond = exposed(near_sky(0, 0) * Real(C.gain));
   Vec3 both = light * (covered * scale) + beyond * (behind * scale);
-  both = select(for_eye, mixed_for_the_eye(beyond, light, covered * scale), both);
+  both = select(as_square_roots, mixed_as_square_roots(beyond, light, covered * scale), both);
   light = select(surface, light, both);
   alpha = select(surface, Real(1.0f), alpha);
-  // Lines over that, likewise.
+  // Lines over that, also with straight alpha.
   Real line = share_of(near_outline(0, 0));
   Bool lines = line > 0.0f;
   alpha = select(lines, line + (Real(1.0f) - line) * alpha, alpha);
-  Vec3 drawn =
-      mixed_for_the_eye(light, not_below_0(finite_or_zero(near_line(0, 0))), line / select(lines, alpha, Real(1.0f)));
+  Vec3 drawn = mixed_as_square_roots(light, clamped_to_0(finite_or_zero(near_line(0, 0))),
+                                     line / select(lines, alpha, Real(1.0f)));
   light = select(lines, drawn, light);
   if (C.transfer == 0) light = Vec3(srgb_from_linear(light.x), srgb_from_linear(light.y), srgb_from_linear(light.z));
   Vec3 background = Vec3(Real(C.background_r), Real(C.background_g), Real(C.background_b));

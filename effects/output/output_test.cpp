@@ -1,4 +1,4 @@
-// `output` against the sRGB curve of [IEC 61966-2-1] in double, and what becomes of the background.
+// Compares `output` with the sRGB curve of [IEC 61966-2-1] in double, and tests the background.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +14,7 @@ using test::Settings;
 
 double srgb(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055; }
 
-/// A row of values as light, the same in every channel, all on a surface.
+/// Returns a row of light values, equal in every channel, all on a surface.
 GBuffer row_of(const std::vector<float>& values) {
   const int width = int(values.size());
   GBuffer g = test::empty_gbuffer(width, 1);
@@ -26,22 +26,22 @@ GBuffer row_of(const std::vector<float>& values) {
   return g;
 }
 
-std::vector<float> ramp(double least, double most, int count) {
+std::vector<float> ramp(double min, double max, int count) {
   std::vector<float> values(count);
-  for (int i = 0; i < count; ++i) values[i] = float(least + (most - least) * i / (count - 1));
+  for (int i = 0; i < count; ++i) values[i] = float(min + (max - min) * i / (count - 1));
   return values;
 }
 
 TEST(Output, FollowsTheSrgbCurve) {
-  // The whole range evenly, and the dark end where the curve is steepest and changes its formula.
-  for (const double most : {1.0, 0.01, 0.0032}) {
-    const auto values = ramp(0.0, most, 5000);
+  // The whole range, and the dark end where the curve is steepest and changes its formula.
+  for (const double max : {1.0, 0.01, 0.0032}) {
+    const auto values = ramp(0.0, max, 5000);
     const GBuffer g = row_of(values);
     test::on_every_target("output", g, {}, [&](const Image& image) {
       double worst = 0.0;
       for (int x = 0; x < image.width; ++x)
         worst = std::max(worst, std::fabs(image.plane("color.g").at(x, 0) - srgb(values[x])));
-      EXPECT_LE(worst, 1e-6) << "up to " << most;
+      EXPECT_LE(worst, 1e-6) << "up to " << max;
     });
   }
 }
@@ -111,7 +111,7 @@ TEST(Output, AMeanForTheEyeAndTheBackgroundMixSo) {
   test::on_every_target("output", g, {}, [](const Image& image) {
     EXPECT_NEAR(image.plane("color.r").at(0, 0), srgb(0.25), 4e-6);  // black over half of white
   });
-  // Shade does not: it is light that is less.
+  // A shadow is not averaged perceptually: it only has less light.
   g.layers[0].add("cover").at(0, 0) = 0.5f;
   g.layers[0].plane("cover_for_eye").at(0, 0) = 0.0f;
   test::on_every_target("output", g, {},
@@ -123,7 +123,7 @@ TEST(Output, BackgroundIsWrittenAsItIs) {
   g.layers[0].plane("depth").at(1, 0) = std::numeric_limits<float>::infinity();
   g.layers[0].plane("depth").at(2, 0) = std::nanf("");
   const Settings color = {{"background_r", "0.25"}, {"background_g", "0.5"}, {"background_b", "0.75"}};
-  // Exposure and transfer function leave it alone.
+  // Exposure and transfer function do not change it.
   for (const char* transfer : {"srgb", "none"}) {
     Settings settings = color;
     settings.insert(settings.end(), {{"transfer", transfer}, {"exposure", "3"}});
@@ -145,7 +145,7 @@ TEST(Output, BackgroundIsWrittenAsItIs) {
   });
 }
 
-/// A surface, shade that covers half of a pixel, and background, under a line of the colour 0.64.
+/// A surface, a shadow that covers half of a pixel, and background, under a line of the colour 0.64.
 GBuffer under_a_line(float line) {
   GBuffer g = row_of({0.25f, 0.125f, 0.0f});
   Image& image = g.layers[0];
@@ -165,7 +165,7 @@ double mixed(double light, double line, double share) {
 }
 
 TEST(Output, LinesLieOverTheFinishedLight) {
-  // Neither exposure nor the shoulder changes a line: the surface becomes 1, and is bent to 0.75.
+  // Neither exposure nor the shoulder changes a line. The surface's light becomes 1, and is compressed to 0.75.
   const Settings settings = {{"transfer", "none"}, {"background_r", "0.8"}, {"exposure", "2"}, {"shoulder", "0.5"}};
   for (const float line : {0.0f, 0.25f, 1.0f})
     test::on_every_target("output", under_a_line(line), settings, [&](const Image& image) {
@@ -243,7 +243,7 @@ TEST(Output, ASkyLiesBehindAsBrightAsTheRest) {
     g.layers[0].plane("depth").at(x, 0) = depth[x];
     for (const char* name : {"sky.r", "sky.g", "sky.b"}) g.layers[0].plane(name).at(x, 0) = sky[x];
   }
-  g.layers[0].plane("cover").at(2, 0) = 0.75f;  // shade of black
+  g.layers[0].plane("cover").at(2, 0) = 0.75f;  // a black shadow
   const auto compressed = [](double v) { return v <= 0.8 ? v : 0.8 + 0.2 * (1.0 - 1.0 / ((v - 0.8) / 0.2 + 1.0)); };
   const Settings settings = {{"sky", "on"}, {"exposure", "1"}, {"shoulder", "0.8"}, {"transfer", "none"}};
   test::on_every_target("output", g, settings, [&](const Image& image) {
@@ -253,10 +253,10 @@ TEST(Output, ASkyLiesBehindAsBrightAsTheRest) {
       EXPECT_EQ(image.plane("color.a").at(x, 0), 1.0f) << x;
     }
   });
-  // Light is as it was elsewhere.
+  // Without a shoulder light is not compressed.
   test::on_every_target("output", g, {{"sky", "on"}},
                         [&](const Image& image) { EXPECT_NEAR(image.plane("color.r").at(3, 0), srgb(8.0), 1e-5); });
-  // Without the setting the planes are nothing.
+  // Without the setting the planes are ignored.
   test::on_every_target("output", g, {{"background_g", "0.5"}},
                         [&](const Image& image) { EXPECT_EQ(image.plane("color.g").at(3, 0), 0.5f); });
 }

@@ -1,23 +1,23 @@
-// Occlusion by points in a sphere: the share of sample points around a pixel before which the depth buffer holds
-// something nearer. Based on [Lajzer and Nottingham], "Pass 2" and listing 1; its conclusions name the shortcuts that
-// the parameters undo one by one.
+// Occlusion from points in a sphere: the fraction of sample points around a pixel in front of which the depth buffer
+// has a nearer surface. Based on [Lajzer and Nottingham], "Pass 2" and listing 1. The parameters remove, one by one,
+// the simplifications that the paper's conclusions name.
 //
-// Whether a sample counts hangs on which pixel it falls into, so positions use operations alone that round alike on
-// every machine: no rsqrt here.
+// Whether a sample counts depends on the pixel into which it falls. Positions are therefore computed only with
+// operations that round identically on every machine: no rsqrt here.
 IN_REAL(depth)
 IN_VECTOR(normal)
 OUT_REAL(ao)
 
-// Differs: the listing compares with 0. Depth in float scatters by its last bits where the fixed-point depth buffer of
-// the paper had equal numbers, on a plane that faces the camera.
+// Differs: the listing compares with 0. On a plane that faces the camera, depth in float scatters by its last bits
+// where the paper's fixed-point depth buffer had equal numbers.
 CONST float kWindowRounding = 4.7683716e-7f;  // 2^-21 of the range of window depth, 8 steps of a 24-bit buffer
-CONST float kDepthRounding = 2e-6f;           // share of the depth: 16 to 32 steps of a float
-CONST float kMinDepth = 1e-3f;                // a sample behind the eye is moved to this share of the pixel's depth
+CONST float kDepthRounding = 2e-6f;           // relative to the depth: 16 to 32 ulp of a float
+// Minimum depth of a sample, relative to the pixel's depth; samples behind the camera are moved there.
+CONST float kMinDepth = 1e-3f;
 
 FN Real minus_one_to_one(Uint v) { return mad(to_real(v >> 8), Real(1.1920929e-7f), Real(-1.0f)); }  // 2^-23
 
-// The tile of random vectors: pixel i of one holds the same vector as pixel i of the next. Not of unit length, and
-// never 0.
+// Returns the random vector of a pixel. The tile of vectors repeats. They are not of unit length, and never 0.
 FN Vec3 random_vector(Int px, Int py) {
   Int x = px;
   Int y = py;
@@ -29,25 +29,25 @@ FN Vec3 random_vector(Int px, Int py) {
   Uint seed = scrambled(to_uint(x) ^ scrambled(to_uint(y) + Uint(0x9e3779b9u)));
   Uint second = scrambled(seed + Uint(1u));
   Uint third = scrambled(seed + Uint(2u));
-  // Half a step off 0.
+  // Half a step away from 0.
   return Vec3(minus_one_to_one(seed) + 5.9604645e-8f, minus_one_to_one(second), minus_one_to_one(third));
 }
 
-// What is compared: window depth, or depth itself.
+// Returns the depth that is compared: window depth or depth itself.
 FN Real compared_depth(Real depth) {
   if (C.linear != 0) return depth;
-  Real between = clamp(depth, Real(C.near_depth), Real(C.far_depth));  // as the frustum's planes would have cut it
+  Real between = clamp(depth, Real(C.near_depth), Real(C.far_depth));  // clipped as by the planes of the frustum
   return Real(C.window_one) - Real(C.window_inverse) / between;
 }
 
-// How much a sample counts, by how much nearer than the pixel its occluder is.
+// Returns the weight of a sample whose occluder is nearer than the pixel by `nearer`.
 FN Real range_weight(Real nearer, Real limit) {
   if (C.range == kSphereRangeHard) return select(nearer < limit, Real(1.0f), Real(0.0f));
   Real t = limit / max(nearer, limit);  // 1 within the limit
   return t * t * (3.0f - (t + t));
 }
 
-// 1 less the occlusion of `hidden` out of `count` samples.
+// Returns the visibility, 1 minus the occlusion, of `hidden` out of `count` samples.
 FN Real open_share(Real hidden, Real count) {
   Real share = hidden / max(count, Real(1.0f));
   Real mapped = C.quadratic != 0 ? share * share : share;
@@ -55,10 +55,10 @@ FN Real open_share(Real hidden, Real count) {
   return max(Real(0.0f), 1.0f - mapped * Real(C.strength));
 }
 
-FN Real open_at(Int px, Int py, Real depth) {
+FN Real visibility_at(Int px, Int py, Real depth) {
   Real x = to_real(px) + 0.5f;
   Real y = to_real(py) + 0.5f;
-  // From the picture's centre of projection, which pixels move away from when they come nearer.
+  // Relative to the picture's centre of projection: points move away from it as they come nearer.
   Real from_centre_x = x + Real(F.ray_offset_x / F.ray_scale_x);
   Real from_centre_y = y + Real(F.ray_offset_y / F.ray_scale_y);
   Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
@@ -81,8 +81,8 @@ FN Real open_at(Int px, Int py, Real depth) {
   Real own = compared_depth(depth);
   Real rounding = C.linear != 0 ? depth * kDepthRounding : Real(kWindowRounding);
   Real limit = clamp((C.linear != 0 ? radius : radius_x) * Real(C.limit), Real(1e-30f), Real(1e30f));
-  // What rises less than this above the pixel's plane does not occlude.
-  Real least_height = mad(radius, Real(C.bias), depth * kDepthRounding);
+  // A surface that rises less than this above the pixel's plane does not occlude.
+  Real min_height = mad(radius, Real(C.bias), depth * kDepthRounding);
   Real hidden = Real(0.0f);
   Real count = Real(float(C.samples));
   for (int i = 0; i < C.samples; ++i) {
@@ -114,7 +114,7 @@ FN Real open_at(Int px, Int py, Real depth) {
       Int inner_column = clamp(column, Int(0), Int(F.width - 1));  // where a clamped sample was read
       Int inner_row = clamp(row, Int(0), Int(F.height - 1));
       Vec3 to_tap = view_position(inner_column, inner_row, tap) - position;
-      occludes = occludes && dot(to_tap, normal) > least_height;
+      occludes = occludes && dot(to_tap, normal) > min_height;
     }
     Real weight = C.range == kSphereRangeOff ? Real(1.0f) : range_weight(own - tap_depth, limit);
     if (C.skip_outside != 0) {
@@ -129,4 +129,4 @@ FN Real open_at(Int px, Int py, Real depth) {
 
 #include "kernel/occlusion.kernel.h"
 
-FN void sphere_pixel(Int px, Int py) { store_open(px, py); }
+FN void sphere_pixel(Int px, Int py) { store_visibility(px, py); }

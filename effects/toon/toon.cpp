@@ -13,40 +13,41 @@ namespace umbrage {
 namespace {
 
 constexpr double kMaxFactor = 100.0;
-constexpr double kPaperBands = 4.0, kPaperAmbient = 0.1, kPaperExtra = 0.2;  // listing 2
-// Of an edge between bands, as change of intensity: fifty times what rounding changes it across a flat face, so that a
-// face whose light falls on an edge is evenly coloured and not speckled. Surfaces that curve visibly change it faster.
+constexpr double kPaperSteps = 4.0, kPaperAmbient = 0.1, kPaperExtra = 0.2;  // listing 2
+// Minimum width of an edge between tone steps, as change of intensity: fifty times the change that rounding causes
+// across a flat face, so that a face whose intensity is at an edge is evenly coloured and not speckled. Surfaces that
+// curve visibly change it faster.
 constexpr float kMinChange = 5e-5f;
 
 const std::vector<Parameter> kTable = {
     choice_row("mode", &ToonParams::mode, 0, {"ramp", "paper"},
-               "a given number of bands in a ramp of colours, or the paper's steps of the object's colour"),
-    int_row("bands", &ToonParams::bands, {.initial = kPaperBands, .min = 1, .max = 256},
-            "how many bands; in the paper's mode how many per unit of intensity"),
+               "a given number of tone steps in a ramp of colours, or the paper's steps of the object's colour"),
+    int_row("bands", &ToonParams::steps, {.initial = kPaperSteps, .min = 1, .max = 256},
+            "number of tone steps; in mode paper per unit of intensity"),
     real_row("ambient", &ToonParams::ambient, {.initial = kPaperAmbient, .max = kMaxFactor},
-             "intensity of light from everywhere that occlusion darkens; the key light's is 1"),
+             "intensity of the ambient light that occlusion darkens; the key light's is 1"),
     real_row("extra", &ToonParams::extra, {.initial = kPaperExtra, .max = kMaxFactor},
-             "intensity of light from everywhere that nothing darkens"),
+             "intensity of the ambient light that occlusion does not darken"),
     choice_row(
         "rig", &ToonParams::rig, 0, {"scene", "head", "key"},
-        "the scene's lights, one light at the eye, or one parallel light from above and to the left of the camera"),
+        "the scene's lights, one light at the camera, or one parallel light from above and to the left of the camera"),
     real_row("shadow", &ToonParams::shadow, {.initial = 1, .max = 1}, "how dark the key light's shadow is"),
     real_row("softness", &ToonParams::softness, {.max = 1},
-             "width of the edge between two bands, in bands; 0: antialiased, about a pixel (ramp)"),
+             "width of the edge between two tone steps, in steps; 0: antialiased, about a pixel (ramp)"),
     real_row("specular", &ToonParams::specular, {.initial = 1, .max = kMaxFactor}, "factor on highlights"),
     real_row("highlight_size", &ToonParams::highlight_size, {.initial = 1, .min = 0.01, .max = 10},
              "factor on the diameter of highlights (ramp)"),
-    real_row("shadow_r", &ToonParams::shadow_r, {.initial = 0.18, .max = 1}, "red of the darkest band on white (ramp)"),
+    real_row("shadow_r", &ToonParams::shadow_r, {.initial = 0.18, .max = 1}, "red of the darkest step on white (ramp)"),
     real_row("shadow_g", &ToonParams::shadow_g, {.initial = 0.16, .max = 1},
-             "green of the darkest band on white (ramp)"),
+             "green of the darkest step on white (ramp)"),
     real_row("shadow_b", &ToonParams::shadow_b, {.initial = 0.30, .max = 1},
-             "blue of the darkest band on white (ramp)"),
+             "blue of the darkest step on white (ramp)"),
     real_row("light_r", &ToonParams::light_r, {.initial = 1, .max = 1},
-             "red of the brightest band on white, and of highlights (ramp)"),
+             "red of the brightest step on white, and of highlights (ramp)"),
     real_row("light_g", &ToonParams::light_g, {.initial = 1, .max = 1},
-             "green of the brightest band on white, and of highlights (ramp)"),
+             "green of the brightest step on white, and of highlights (ramp)"),
     real_row("light_b", &ToonParams::light_b, {.initial = 1, .max = 1},
-             "blue of the brightest band on white, and of highlights (ramp)"),
+             "blue of the brightest step on white, and of highlights (ramp)"),
     choice_row(
         "albedo", &ToonParams::albedo, 0, {"texture", "display", "clay"},
         "the object's colour: its albedo, its albedo as a display shows it (for output.transfer=none), or white"),
@@ -54,7 +55,7 @@ const std::vector<Parameter> kTable = {
 
 float luminance(const glm::vec3& color) { return glm::dot(color, glm::vec3(0.2126f, 0.7152f, 0.0722f)); }
 
-/// Where ambient light comes from, by its first harmonics.
+/// Returns the direction from which most ambient light comes, by its first harmonics; 0 if there is none.
 glm::vec3 brightest_direction(const AmbientShape& shape) {
   glm::vec3 sum(0.0f);
   for (int axis = 0; axis < 3; ++axis)
@@ -65,19 +66,19 @@ glm::vec3 brightest_direction(const AmbientShape& shape) {
 void fill_lights(const ToonParams& params, const PictureInfo& info, ToonConstants& c) {
   const LightRig rig = light_rig(Rig(params.rig), info);
   if (!rig.shadows) c.shadow = 0.0f;
-  // The paper has one light, which does not fall off.
+  // The paper has one light, without falloff.
   const bool paper = params.mode == kToonPaper;
-  static_assert(kToonMostLights == kMaxRigLights);
-  c.light_count = std::min(int(rig.lights.size()), paper ? 1 : kToonMostLights);
+  static_assert(kToonMaxLights == kMaxRigLights);
+  c.light_count = std::min(int(rig.lights.size()), paper ? 1 : kToonMaxLights);
   if (rig.lights.empty() && !rig.ambient_shape.even()) {
-    // Of a sky without a sun: bands by where most of its light comes from.
+    // A sky without a sun: tone steps by the direction from which most of its light comes.
     c.light_count = 1;
     c.shadow = 0.0f;
     c.share[0] = 1.0f;
-    const glm::vec3 most = brightest_direction(rig.ambient_shape);
-    c.x[0] = most.x;
-    c.y[0] = most.y;
-    c.z[0] = most.z;
+    const glm::vec3 max = brightest_direction(rig.ambient_shape);
+    c.x[0] = max.x;
+    c.y[0] = max.y;
+    c.z[0] = max.z;
     return;
   }
   const float key = rig.lights.empty() ? 0.0f : luminance(rig.lights[0].color);
@@ -92,23 +93,24 @@ void fill_lights(const ToonParams& params, const PictureInfo& info, ToonConstant
 void fill_constants(const ToonParams& params, const PictureInfo& info, ToonConstants& c) {
   c.mode = params.mode;
   c.albedo = params.albedo;
-  c.bands = float(params.bands);
+  c.steps = float(params.steps);
   c.ambient = params.ambient;
   c.extra = params.extra;
   c.shadow = params.shadow;
   c.specular = params.specular;
-  // A surface that faces the key light, unoccluded, has the whole ramp's intensity. Neither it nor one that faces away
-  // lies on an edge between bands.
-  c.bands_per_intensity = c.bands / (1.0f + params.ambient + params.extra);
-  c.inverse_bands = 1.0f / c.bands;
-  c.least_width = std::min(kMinChange * c.bands_per_intensity, 1.0f);
+  // A surface that faces the key light, unoccluded, has the intensity of the whole ramp. Neither this surface nor one
+  // that faces away is at an edge between tone steps.
+  c.steps_per_intensity = c.steps / (1.0f + params.ambient + params.extra);
+  c.inverse_steps = 1.0f / c.steps;
+  c.min_width = std::min(kMinChange * c.steps_per_intensity, 1.0f);
   c.softness = params.softness;
-  constexpr float kSpeckHeight = 432.0f, kMaxSpeck = 8.0f;  // of the picture, per pixel; and pixels
+  // kSpeckHeight: the picture's height per pixel of speck; kMaxSpeck: pixels
+  constexpr float kSpeckHeight = 432.0f, kMaxSpeck = 8.0f;
   const float speck_px = std::min(std::round(float(info.inner_height()) / kSpeckHeight), kMaxSpeck);
   c.speck = params.mode == kToonRamp && params.softness == 0.0f ? int(speck_px) : 0;
   c.sharpness = 1.0f / (params.highlight_size * params.highlight_size);
-  const bool flat = params.bands == 1;
-  const float steps = std::max(c.bands - 1.0f, 1.0f);
+  const bool flat = params.steps == 1;
+  const float steps = std::max(c.steps - 1.0f, 1.0f);
   c.light_r = params.light_r;
   c.light_g = params.light_g;
   c.light_b = params.light_b;
@@ -121,9 +123,9 @@ void fill_constants(const ToonParams& params, const PictureInfo& info, ToonConst
   fill_lights(params, info, c);
 }
 
-/// Shadows look at the pixels beside,
+/// Rows that dispatch `light` reads: shadows read the neighbouring pixels.
 int light_reach(const void*, int) { return 1; }
-/// and bands, also as far as specks are wide.
+/// Rows that dispatch `bands` reads: edges read the neighbouring pixels, specks as far as they are wide.
 int bands_reach(const void* constants, int) { return std::max(static_cast<const ToonConstants*>(constants)->speck, 1); }
 
 }  // namespace
@@ -132,21 +134,21 @@ Effect effect_toon() {
   return shading_effect<fill_constants>(
       kTable,
       {.name = "toon",
-       .summary = "toon bands of light, with antialiased edges, coloured shadows and round highlights",
+       .summary = "light in tone steps, with antialiased edges, coloured shadows and round highlights",
        .source = "Lajzer and Nottingham",
        .variants = {"", "mode=paper"},
-       .quantum = 1.0 / kPaperBands,
-       .passes = {{.name = "light",
-                   .inputs = {"depth", "normal.x", "normal.y", "normal.z", "specular", "shininess", "shadow", "ao"},
-                   .outputs = {"toon_intensity", "toon_highlight"},
-                   .kernel = toon_light_kernel(),
-                   .reach = light_reach},
-                  {.name = "bands",
-                   .inputs = {"depth", "normal.x", "normal.y", "normal.z", "toon_intensity", "toon_highlight",
-                              "albedo.r", "albedo.g", "albedo.b", "specular"},
-                   .outputs = {"lit.r", "lit.g", "lit.b"},
-                   .kernel = toon_kernel(),
-                   .reach = bands_reach}}});
+       .quantum = 1.0 / kPaperSteps,
+       .dispatches = {{.name = "light",
+                       .inputs = {"depth", "normal.x", "normal.y", "normal.z", "specular", "shininess", "shadow", "ao"},
+                       .outputs = {"toon_intensity", "toon_highlight"},
+                       .kernel = toon_light_kernel(),
+                       .reach = light_reach},
+                      {.name = "bands",
+                       .inputs = {"depth", "normal.x", "normal.y", "normal.z", "toon_intensity", "toon_highlight",
+                                  "albedo.r", "albedo.g", "albedo.b", "specular"},
+                       .outputs = {"lit.r", "lit.g", "lit.b"},
+                       .kernel = toon_kernel(),
+                       .reach = bands_reach}}});
 }
 
 }  // namespace umbrage

@@ -1,10 +1,11 @@
-// Second pass of `toon`: cuts the intensity into bands, antialiases their edges, and colours them.
-// Based on [Lajzer and Nottingham], listing 2: floor(4 i)/4 times the object's colour.
+// Second dispatch of `toon`: quantizes the intensity into tone steps, antialiases their edges, and colours them. Based
+// on [Lajzer and Nottingham], listing 2: floor(4 i)/4 times the object's colour.
 //
-// Differs in ramp mode: a fixed number of bands, coloured from the shadow's colour to the light's. The step from band
-// to band is averaged over the range of intensity that the pixel covers, which comes from the differences to its
-// neighbours. They tell a width, and whether a highlight is narrower than a pixel; what a speck has around it on its
-// surface tells its band. Nothing else of a neighbour enters, so nothing smears over a silhouette.
+// Differs in ramp mode: a fixed number of tone steps, coloured from the shadow's colour to the light's. The steps are
+// averaged over the range of intensity in the pixel, which is estimated from the differences to its neighbours. The
+// neighbours determine the width of an edge and whether a highlight is narrower than a pixel; the surroundings of a
+// speck on its surface determine its tone step. Nothing else of a neighbour is used, so nothing smears over a
+// silhouette.
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_REAL(toon_intensity)
@@ -14,12 +15,12 @@ IN_REAL(specular)
 OUT_COLOR(lit)
 #include "kernel/surface.kernel.h"
 
-// Sizes of a pixel that a neighbour may lie off the plane, for each pixel that it is away: a curved surface's does.
+// Max distance of a neighbour from the plane, in pixel sizes, per pixel that it is away: allows for curved surfaces.
 CONST float kTolerancePx = 1.0f;
-// A highlight's plane below this is outside, however blurred its edge.
+// A pixel whose highlight plane is below this is outside the highlight, however blurred the edge.
 CONST float kFarOutside = -0.5f;
 
-// Whether the neighbour (i, j) pixels right and down lies on the same surface.
+// Returns whether the neighbour (i, j) pixels right and down is on the same surface.
 FN Bool connected(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
   int across = i < 0 ? -i : i;
   int along = j < 0 ? -j : j;
@@ -28,9 +29,9 @@ FN Bool connected(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
   return near_inside(i, j) && surface_distance(position, normal, there, near_normal(i, j), kTolerancePx * away) <= 1.0f;
 }
 
-// How much a value changes across a pixel along one axis, from its neighbours on the same surface. The mean of both
-// differences, but at most twice the smaller: at a crease or a shadow's edge one side belongs to another surface's
-// light.
+// Returns the change of a value across a pixel along one axis, from its neighbours on the same surface: the mean of
+// both differences, but at most twice the smaller, since at a crease or a shadow's edge one side has the light of
+// another surface.
 FN Real change(Real centre, Real before, Real after, Bool has_before, Bool has_after) {
   Real a = abs(before - centre);
   Real b = abs(after - centre);
@@ -39,61 +40,62 @@ FN Real change(Real centre, Real before, Real after, Bool has_before, Bool has_a
   return min((a + b) * 0.5f, min(a, b) * 2.0f);
 }
 
-// floor(t) averaged over [t - width/2, t + width/2], width in (0, 1].
+// Returns floor(t) averaged over [t - width/2, t + width/2], width in (0, 1].
 FN Real averaged_floor(Real t, Real width) {
   Real high = mad(width, Real(0.5f), t);
   Real edge = floor(high);
   return edge - 1.0f + min((high - edge) / width, Real(1.0f));
 }
 
-// The band of an intensity.
-FN Real band_of(Real intensity) {
-  return clamp(floor(intensity * C.bands_per_intensity), Real(0.0f), Real(C.bands - 1.0f));
+// Returns the tone step of an intensity.
+FN Real step_of(Real intensity) {
+  return clamp(floor(intensity * C.steps_per_intensity), Real(0.0f), Real(C.steps - 1.0f));
 }
 
-FN Bool is_of(Real band, int i, int j) { return band_of(near_toon_intensity(i, j)) == band; }
+FN Bool is_of(Real step, int i, int j) { return step_of(near_toon_intensity(i, j)) == step; }
 
-// Whether another band than this pixel's is near in one direction.
-FN Bool has_other(Bool asked, Real band, int right, int down) {
+// Returns whether a pixel of another tone step is near in one direction.
+FN Bool has_other(Bool asked, Real step, int right, int down) {
   Bool found = asked && !asked;
   for (int k = 1; k <= C.speck; ++k)
-    if (some(asked && !found)) found = found || (asked && !is_of(band, k * right, k * down));
+    if (some(asked && !found)) found = found || (asked && !is_of(step, k * right, k * down));
   return found;
 }
 
-// Whether another band begins beside this pixel in one direction, and its own begins again beyond.
-FN Bool has_narrow(Bool asked, Real band, int right, int down) {
-  Bool other = asked && !is_of(band, right, down);
+// Returns whether another tone step begins next to this pixel in one direction, and this one's begins again beyond.
+FN Bool has_narrow(Bool asked, Real step, int right, int down) {
+  Bool other = asked && !is_of(step, right, down);
   Bool found = asked && !asked;
   for (int k = 2; k <= C.speck; ++k)
-    if (some(other && !found)) found = found || (other && is_of(band, k * right, k * down));
+    if (some(other && !found)) found = found || (other && is_of(step, k * right, k * down));
   return found;
 }
 
-// Whether this pixel may be in a speck, or at the antialiased edge of one: what most pixels are not.
+// Returns whether this pixel may be in a speck, or at the antialiased edge of one. Most pixels are not.
 FN Bool may_be_speck(Bool surface, Real intensity, Real antialiased) {
-  Real band = band_of(intensity);
-  Bool within = has_other(surface, band, 1, 0);
-  if (some(within)) within = has_other(within, band, -1, 0);
-  if (some(within)) within = has_other(within, band, 0, 1);
-  if (some(within)) within = has_other(within, band, 0, -1);
-  Bool edge = surface && !within && !(antialiased == band);
+  Real step = step_of(intensity);
+  Bool within = has_other(surface, step, 1, 0);
+  if (some(within)) within = has_other(within, step, -1, 0);
+  if (some(within)) within = has_other(within, step, 0, 1);
+  if (some(within)) within = has_other(within, step, 0, -1);
+  Bool edge = surface && !within && !(antialiased == step);
   Bool beside = surface && !surface;
   if (some(edge)) {
-    beside = has_narrow(edge, band, 1, 0) || has_narrow(edge, band, -1, 0) || has_narrow(edge, band, 0, 1) ||
-             has_narrow(edge, band, 0, -1);
+    beside = has_narrow(edge, step, 1, 0) || has_narrow(edge, step, -1, 0) || has_narrow(edge, step, 0, 1) ||
+             has_narrow(edge, step, 0, -1);
   }
   return within || beside;
 }
 
-// The least and the most intensity of a square of pixels around this one, all of one band.
+// Min and max intensity on a square ring of pixels around this one, all of one tone step.
 struct Ring {
   Bool on;
-  Real least, most;
+  Real min, max;
 };
 
-// The first such square of those that surround C.speck by C.speck pixels, this one among them, on its surface. All of
-// a spot that fits into one has that, too, so that it is there or not as a whole.
+// Returns the first such ring, on this pixel's surface, among those around a square of C.speck x C.speck pixels that
+// contains this pixel. Every pixel of a spot that fits into a square finds one, so a spot disappears as a whole or not
+// at all.
 FN_RARE Ring ring_around(Bool asked, Int px, Int py, Vec3 position, Vec3 normal) {
   Ring found = Ring(asked && !asked, Real(0.0f), Real(0.0f));
   int side = C.speck + 1;
@@ -102,29 +104,29 @@ FN_RARE Ring ring_around(Bool asked, Int px, Int py, Vec3 position, Vec3 normal)
     if (!some(ring.on)) continue;
     int left = -1 - at % C.speck;
     int top = -1 - at / C.speck;
-    Real band = band_of(near_toon_intensity(left, top));
+    Real step = step_of(near_toon_intensity(left, top));
     for (int k = 0; k < 4 * side; ++k) {
       if (!some(ring.on)) continue;
-      // Its four sides by turns.
+      // The four sides in turn.
       int m = k / 4;
       int i = k % 4 == 0 ? left + m : k % 4 == 1 ? left + side - m : k % 4 == 2 ? left + side : left;
       int j = k % 4 == 0 ? top : k % 4 == 1 ? top + side : k % 4 == 2 ? top + m : top + side - m;
       Real intensity = near_toon_intensity(i, j);
-      ring.least = min(ring.least, intensity);
-      ring.most = max(ring.most, intensity);
+      ring.min = min(ring.min, intensity);
+      ring.max = max(ring.max, intensity);
       Bool here = connected(i, j, px, py, position, normal);
-      ring.on = ring.on && here && band_of(intensity) == band;
+      ring.on = ring.on && here && step_of(intensity) == step;
     }
-    found.least = select(ring.on, ring.least, found.least);
-    found.most = select(ring.on, ring.most, found.most);
+    found.min = select(ring.on, ring.min, found.min);
+    found.max = select(ring.on, ring.max, found.max);
     found.on = found.on || ring.on;
   }
   return found;
 }
 
-// How far a highlight reaches along one axis within a pixel that it ends in on either side: its plane changes evenly
-// up to both neighbours. 1 where it does not end on both sides.
-FN Real reach_along(Real centre, Real before, Real after, Bool has_before, Bool has_after) {
+// Returns the extent of a highlight along one axis within a pixel in which it ends on both sides, 0 to 1; its plane is
+// interpolated linearly to both neighbours. 1 if it does not end on both sides.
+FN Real extent_along(Real centre, Real before, Real after, Bool has_before, Bool has_after) {
   Bool ends = centre > 0.0f && has_before && has_after && before < 0.0f && after < 0.0f;
   Real backward = min(centre / max(centre - before, Real(1e-20f)), Real(0.5f));
   Real forward = min(centre / max(centre - after, Real(1e-20f)), Real(0.5f));
@@ -144,7 +146,7 @@ FN void toon_pixel(Int px, Int py) {
   if (C.albedo == kToonDisplay) albedo = display_from_linear(albedo);
   Real intensity = near_toon_intensity(0, 0);
   if (C.mode == kToonPaper) {
-    Vec3 lit = albedo * (max(floor(intensity * C.bands), Real(0.0f)) * Real(C.inverse_bands));
+    Vec3 lit = albedo * (max(floor(intensity * C.steps), Real(0.0f)) * Real(C.inverse_steps));
     store_lit(select(surface, finite_or_zero(lit), none));
     return;
   }
@@ -157,22 +159,22 @@ FN void toon_pixel(Int px, Int py) {
 
   Real across = change(intensity, near_toon_intensity(-1, 0), near_toon_intensity(1, 0), left, right);
   Real along = change(intensity, near_toon_intensity(0, -1), near_toon_intensity(0, 1), up, down);
-  Real width = sqrt(mad(across, across, along * along)) * Real(C.bands_per_intensity);
-  width = clamp(max(width, Real(C.softness)), Real(C.least_width), Real(1.0f));
-  Real scaled = clamp(intensity * C.bands_per_intensity, Real(0.0f), Real(C.bands + 1.0f));
-  Real band = clamp(averaged_floor(scaled, width), Real(0.0f), Real(C.bands - 1.0f));
-  // A speck is of the band that is all around it.
+  Real width = sqrt(mad(across, across, along * along)) * Real(C.steps_per_intensity);
+  width = clamp(max(width, Real(C.softness)), Real(C.min_width), Real(1.0f));
+  Real scaled = clamp(intensity * C.steps_per_intensity, Real(0.0f), Real(C.steps + 1.0f));
+  Real step = clamp(averaged_floor(scaled, width), Real(0.0f), Real(C.steps - 1.0f));
+  // A speck takes the tone step that surrounds it.
   if (C.speck > 0) {
-    Bool ask = may_be_speck(surface, intensity, band);
+    Bool ask = may_be_speck(surface, intensity, step);
     if (some(ask)) {
       Ring ring = ring_around(ask, px, py, position, normal);
-      Real within = clamp(scaled, ring.least * C.bands_per_intensity, ring.most * C.bands_per_intensity);
-      within = averaged_floor(min(within, Real(C.bands + 1.0f)), Real(C.least_width));
-      band = select(ring.on, clamp(within, Real(0.0f), Real(C.bands - 1.0f)), band);
+      Real within = clamp(scaled, ring.min * C.steps_per_intensity, ring.max * C.steps_per_intensity);
+      within = averaged_floor(min(within, Real(C.steps + 1.0f)), Real(C.min_width));
+      step = select(ring.on, clamp(within, Real(0.0f), Real(C.steps - 1.0f)), step);
     }
   }
-  Vec3 tone = Vec3(mad(band, Real(C.step_r), Real(C.shadow_r)), mad(band, Real(C.step_g), Real(C.shadow_g)),
-                   mad(band, Real(C.step_b), Real(C.shadow_b)));
+  Vec3 tone = Vec3(mad(step, Real(C.step_r), Real(C.shadow_r)), mad(step, Real(C.step_g), Real(C.shadow_g)),
+                   mad(step, Real(C.step_b), Real(C.shadow_b)));
   Vec3 lit = albedo * tone;
 
   Real highlight = near_toon_highlight(0, 0);
@@ -185,15 +187,17 @@ FN void toon_pixel(Int px, Int py) {
     along = change(highlight, above, below, up, down);
     width = sqrt(mad(across, across, along * along));
     Real narrow = clamp(width - 1.0f, Real(0.0f), Real(1.0f));
-    width = clamp(max(width, Real(C.softness)), Real(C.least_width), Real(1.0f));
+    width = clamp(max(width, Real(C.softness)), Real(C.min_width), Real(1.0f));
     Real inside = clamp(highlight / width + 0.5f, Real(0.0f), Real(1.0f));
-    // One that is narrower than a pixel, as on a bevel, covers no more of it than it is wide, and nothing of one that
-    // it does not reach: else it is a row of dots.
-    Real most = min(reach_along(highlight, before, after, left, right), reach_along(highlight, above, below, up, down));
+    // A highlight narrower than a pixel, as on a bevel, covers at most the fraction of the pixel that it is wide, and
+    // nothing of a pixel that it does not reach; otherwise it would be a row of dots.
+    Real max_value =
+        min(extent_along(highlight, before, after, left, right), extent_along(highlight, above, below, up, down));
     Bool reached = highlight > 0.0f || (left && before > 0.0f) || (right && after > 0.0f) || (up && above > 0.0f) ||
                    (down && below > 0.0f);
-    inside = inside + (min(inside, select(reached, most, Real(0.0f))) - inside) * narrow;
-    // The material's root: between 0.05 and 0.5, where materials lie, highlights stay visible and differ.
+    inside = inside + (min(inside, select(reached, max_value, Real(0.0f))) - inside) * narrow;
+    // Square root of the material's specular value: highlights of typical materials, 0.05 to 0.5, stay visible and
+    // differ.
     Real strength = sqrt(clamp(near_specular(0, 0), Real(0.0f), Real(1.0f))) * Real(C.specular);
     Real share = inside * min(strength, Real(1.0f));
     lit = lit + (Vec3(Real(C.light_r), Real(C.light_g), Real(C.light_b)) - lit) * share;

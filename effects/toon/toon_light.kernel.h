@@ -1,9 +1,9 @@
-// First pass of `toon`: how brightly a surface is lit, as one number, before it is cut into bands.
+// First dispatch of `toon`: the intensity of a surface's light, as one number, before it is quantized into tone steps.
 // Based on [Lajzer and Nottingham], listing 2: i = (max(0, N.L) + 0.1) ao + 0.2.
 //
-// Differs in ramp mode: every light adds to the diffuse part, in shares of the key light; the key light's shadow
-// counts; and the highlight is kept apart, as a signed plane that is above 0 inside it. Differs in both: a material
-// without specular reflection has no highlight whatever its exponent.
+// Differs in ramp mode: every light adds to the diffuse part, relative to the key light; the key light's shadow is
+// applied; and the highlight is stored separately, as a signed plane that is positive inside it. Differs in both modes:
+// a material without specular reflection has no highlight, whatever its exponent.
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_REAL(specular)
@@ -15,14 +15,16 @@ OUT_REAL(toon_highlight)
 
 #include "kernel/surface.kernel.h"
 
-CONST float kNoHighlight = -16.0f;  // or one so far away: what falls off farther within a pixel is a sixteenth wide
+// Lower bound: a plane that falls below this within a pixel is less than 1/16 pixel wide
+CONST float kNoHighlight = -16.0f;
 CONST float kInverseLn2 = 1.44269504f;
-// Shadows are captured with one ray per pixel. Neighbours that smooth their edge lie on the same surface, and face
-// within 25 degrees of it: not across a silhouette, nor an edge of a solid.
+// Shadows are captured with one ray per pixel. Their edges are smoothed over neighbours on the same surface that face
+// within 25 degrees of it: not across a silhouette or an edge of a solid.
 CONST float kTolerancePx = 1.0f;
 CONST float kSameFacing = 0.9f;
 
-// The key light's share that arrives, its edges smoothed over the pixel's neighbours on the same surface.
+// Returns the fraction of the key light that arrives, with edges smoothed over the pixel's neighbours on the same
+// surface.
 FN Real smooth_shadow(Int px, Int py, Vec3 position, Vec3 normal) {
   Real centre = near_shadow(0, 0);
   Bool differs = abs(centre) > 1.0f;
@@ -57,10 +59,10 @@ FN void toon_light_pixel(Int px, Int py) {
   Vec3 position = view_position(px, py, select(surface, depth, Real(1.0f)));
   Vec3 normal = normalized(near_normal(0, 0));
   Real exponent = near_shininess(0, 0);
-  Real arrives_of_key = Real(1.0f);
+  Real key_visibility = Real(1.0f);
   if (C.shadow > 0.0f) {
-    arrives_of_key = C.mode == kToonPaper ? near_shadow(0, 0) : smooth_shadow(px, py, position, normal);
-    arrives_of_key = mad(clamp(arrives_of_key, Real(0.0f), Real(1.0f)) - 1.0f, Real(C.shadow), Real(1.0f));
+    key_visibility = C.mode == kToonPaper ? near_shadow(0, 0) : smooth_shadow(px, py, position, normal);
+    key_visibility = mad(clamp(key_visibility, Real(0.0f), Real(1.0f)) - 1.0f, Real(C.shadow), Real(1.0f));
   }
   Real diffuse = Real(0.0f);
   Real gloss = Real(0.0f);
@@ -74,21 +76,21 @@ FN void toon_light_pixel(Int px, Int py) {
       light = away * rsqrt(squared);
       if (C.reach_squared[k] > 0.0f) arrives = arrives * (Real(C.reach_squared[k]) / squared);
     }
-    if (k == 0) arrives = arrives * arrives_of_key;
+    if (k == 0) arrives = arrives * key_visibility;
     Real facing = dot(normal, light);
     diffuse = mad(arrives, max(facing, Real(0.0f)), diffuse);
     if (k == 0 && C.specular > 0.0f) {
       if (C.mode == kToonPaper) {
         Vec3 halfway = normalized(light + Vec3(Real(0.0f), Real(0.0f), Real(1.0f)));
-        gloss = pow(max(dot(normal, halfway), Real(0.0f)), exponent) * arrives_of_key * Real(C.specular);
+        gloss = pow(max(dot(normal, halfway), Real(0.0f)), exponent) * key_visibility * Real(C.specular);
         gloss = select(exponent > 1.0f && near_specular(0, 0) > 0.0f, gloss, Real(0.0f));
       } else {
-        // Where max(0, N.H)^e exceeds one half, with (N.H)^e ~ exp(-e (1 - N.H)). 1 in its middle, 0 at its edge; less
-        // than 0 too where the light does not arrive, for its shadow or because the surface faces away.
+        // Inside where max(0, N.H)^e exceeds one half, with (N.H)^e ~ exp(-e (1 - N.H)). 1 in the middle, 0 at the
+        // edge; also negative where the light does not arrive, in shadow or on a surface that faces away.
         Vec3 halfway = normalized(light + to_eye(position));
         Real falls = max(exponent, Real(1.0f)) * Real(C.sharpness * kInverseLn2);
         highlight = mad(dot(normal, halfway) - 1.0f, falls, Real(1.0f));
-        highlight = min(min(highlight, facing), mad(arrives_of_key, Real(2.0f), Real(-1.0f)));
+        highlight = min(min(highlight, facing), mad(key_visibility, Real(2.0f), Real(-1.0f)));
       }
     }
   }

@@ -1,4 +1,5 @@
-// `toon` against listing 2 of [Lajzer and Nottingham] in double, and against spheres and faces whose bands are known.
+// Compares `toon` with listing 2 of [Lajzer and Nottingham] in double, and tests spheres and faces with known tone
+// steps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +29,7 @@ void set_normal(GBuffer& g, int x, int y, glm::dvec3 normal) {
   for (int c = 0; c < 3; ++c) g.layers[0].plane(kNormal[c]).at(x, y) = float(normal[c]);
 }
 
-/// A white face, every pixel the same, in an orthographic view.
+/// A white face, equal in every pixel, in an orthographic view.
 GBuffer face(int width, int height, glm::vec3 normal, float depth = 5.0f) {
   GBuffer g = test::empty_gbuffer(width, height);
   g.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 3.0f, float(width) / float(height));
@@ -45,7 +46,7 @@ constexpr int kSphereSize = 256;
 constexpr double kSphereRadius = 110.0;  // pixels
 const glm::dvec3 kSphereLight = glm::normalize(glm::dvec3(0.5, 0.4, 0.6));
 
-/// Normal of the sphere at a place in the picture, in pixels; zero outside.
+/// Returns the normal of the sphere at a position in the picture, in pixels; zero outside.
 glm::dvec3 sphere_normal(double x, double y) {
   const double u = (x - 0.5 * kSphereSize) / kSphereRadius, v = (0.5 * kSphereSize - y) / kSphereRadius;
   const double squared = u * u + v * v;
@@ -94,15 +95,15 @@ GBuffer bumps(bool perspective, unsigned seed) {
   return g;
 }
 
-// ---- rung 1: listing 2
+// ---- listing 2
 // -----------------------------------------------------------------------------------------------
 
 struct Listing {
-  double intensity;  // before it is cut
+  double intensity;  // before quantization
   double cut;        // floor(4 i) / 4
 };
 
-/// Listing 2, its words in double.
+/// Listing 2, ported literally in double.
 Listing listing_2(glm::dvec3 n, glm::dvec3 l, double ao, double specular_exp) {
   const glm::dvec3 nn = glm::normalize(n), nl = glm::normalize(l);
   const glm::dvec3 nh = glm::normalize(nl + glm::dvec3(0.0, 0.0, 1.0));
@@ -119,7 +120,7 @@ TEST(Toon, PaperModeIsListing2) {
   for (const Light& light : lights)
     for (const bool perspective : {true, false}) {
       GBuffer g = bumps(perspective, ++seed);
-      g.info.lights = {light, {.direction = {0, 0, 1}}};  // the paper has one light: the second does not shine
+      g.info.lights = {light, {.direction = {0, 0, 1}}};  // the paper has one light: the second is ignored
       Image& image = g.layers[0];
       image.plane("specular") = Plane(131, 97, 0.3f);
       for (int y = 0; y < 97; ++y)
@@ -182,16 +183,16 @@ TEST(Toon, IntensityAddsLightsInSharesOfTheKey) {
   });
 }
 
-// ---- rung 2: bands
+// ---- tone steps
 // ---------------------------------------------------------------------------------------------------
 
-TEST(Toon, SphereHasAsManyBandsAsAsked) {
+TEST(Toon, SphereHasTheRequestedSteps) {
   const GBuffer g = sphere();
   for (const char* mode : {"ramp", "paper"})
-    for (const int bands : {2, 3, 4, 8}) {
-      const Settings settings = joined(kNoAmbient, {{"mode", mode}, {"bands", fmt::format("{}", bands)}});
+    for (const int steps : {2, 3, 4, 8}) {
+      const Settings settings = joined(kNoAmbient, {{"mode", mode}, {"bands", fmt::format("{}", steps)}});
       test::on_every_target("toon", g, settings, [&](const Image& out) {
-        // Values are compared at a resolution that tells edges' values from bands'.
+        // Values are compared at a resolution that distinguishes values at edges from those of tone steps.
         std::map<long, long> histogram;
         long pixels = 0;
         for (int y = 0; y < kSphereSize; ++y)
@@ -200,49 +201,49 @@ TEST(Toon, SphereHasAsManyBandsAsAsked) {
               ++histogram[std::lround(out.plane("lit.g").at(x, y) * 1e5)], ++pixels;
         int peaks = 0;
         for (const auto& [value, count] : histogram) peaks += count > pixels / 100;
-        EXPECT_EQ(peaks, bands) << mode;
+        EXPECT_EQ(peaks, steps) << mode;
       });
     }
 }
 
-TEST(Toon, EdgesOfBandsAreAntialiasedWhereTheyBelong) {
+TEST(Toon, EdgesOfStepsAreAntialiasedWhereTheyBelong) {
   const GBuffer g = sphere();
-  for (const int bands : {2, 4}) {
-    const Settings settings = joined(kNoAmbient, {{"bands", fmt::format("{}", bands)}, {"shadow_g", "0"}});
+  for (const int steps : {2, 4}) {
+    const Settings settings = joined(kNoAmbient, {{"bands", fmt::format("{}", steps)}, {"shadow_g", "0"}});
     test::on_every_target("toon", g, settings, [&](const Image& out) {
       double sum = 0.0, farthest = 0.0, worst_whole = 0.0;
       long between = 0;
       for (int y = 0; y < kSphereSize; ++y)
         for (int x = 0; x < kSphereSize; ++x) {
           const double r = std::hypot(x + 0.5 - 0.5 * kSphereSize, y + 0.5 - 0.5 * kSphereSize);
-          if (r > 0.95 * kSphereRadius) continue;  // the limb: a band is narrower than a pixel
+          if (r > 0.95 * kSphereRadius) continue;  // the limb: a tone step is narrower than a pixel
           const auto scaled = [&](double px, double py) {
-            return bands * std::max(0.0, glm::dot(sphere_normal(px, py), kSphereLight));
+            return steps * std::max(0.0, glm::dot(sphere_normal(px, py), kSphereLight));
           };
           const double t = scaled(x + 0.5, y + 0.5);
-          const double edge = std::min(std::max(std::round(t), 1.0), bands - 1.0);
+          const double edge = std::min(std::max(std::round(t), 1.0), steps - 1.0);
           const double slope =
               std::hypot(scaled(x + 1.0, y + 0.5) - scaled(x, y + 0.5), scaled(x + 0.5, y + 1.0) - scaled(x + 0.5, y));
-          const double away = slope > 0.0 ? (t - edge) / slope : 1e9;  // pixels from the edge
-          const double band = out.plane("lit.g").at(x, y) * (bands - 1.0);
-          const double share = band - (edge - 1.0);  // of the pixel that lies beyond the edge
+          const double away = slope > 0.0 ? (t - edge) / slope : 1e9;  // distance from the edge, pixels
+          const double step = out.plane("lit.g").at(x, y) * (steps - 1.0);
+          const double share = step - (edge - 1.0);  // fraction of the pixel beyond the edge
           if (std::fabs(away) > 1.0) {
-            worst_whole = std::max(worst_whole, std::fabs(band - std::min(std::floor(t), bands - 1.0)));
+            worst_whole = std::max(worst_whole, std::fabs(step - std::min(std::floor(t), steps - 1.0)));
           } else if (share > 1e-4 && share < 1.0 - 1e-4) {
             sum += share - 0.5 - away;
             farthest = std::max(farthest, std::fabs(away));
             ++between;
           }
         }
-      EXPECT_LE(worst_whole, 1e-5) << bands;  // beyond a pixel there is one band alone
-      EXPECT_GT(between, 150 * (bands - 1));
+      EXPECT_LE(worst_whole, 1e-5) << steps;  // more than a pixel from an edge there is one tone step only
+      EXPECT_GT(between, 150 * (steps - 1));
       EXPECT_LE(std::fabs(sum) / double(between), 0.1);
       EXPECT_GT(farthest, 0.3);
     });
   }
 }
 
-/// A face of so many pixels' height with a spot of another band on it.
+/// A spot of another tone step on a face.
 struct Spot {
   int x, y, width, height;
   float ao;
@@ -260,7 +261,7 @@ GBuffer face_with(int height, const std::vector<Spot>& spots) {
   return g;
 }
 
-/// How many pixels of a spot differ from the face.
+/// Returns the number of a spot's pixels that differ from the face.
 long left_of(const Spot& s, const Plane& lit) {
   long left = 0;
   for (int y = s.y; y < s.y + s.height; ++y)
@@ -268,21 +269,21 @@ long left_of(const Spot& s, const Plane& lit) {
   return left;
 }
 
-TEST(Toon, SpecksOfABandAreOfTheBandAround) {
-  // Five pixels at 2160 of the picture's height, two at 1024, none at 200; darker and lighter ones.
-  for (const auto& [height, most] : {std::pair(2160, 5), {1024, 2}, {200, 0}})
+TEST(Toon, SpecksTakeTheStepAroundThem) {
+  // Max speck sizes: five pixels at a picture height of 2160, two at 1024, none at 200. Specks are darker and lighter.
+  for (const auto& [height, max] : {std::pair(2160, 5), {1024, 2}, {200, 0}})
     for (const glm::ivec2 size : {glm::ivec2(1, 1), {1, 2}, {2, 2}, {3, 2}, {5, 5}, {5, 6}, {6, 1}, {6, 6}, {1, 30}})
       for (const float ao : {0.1f, 0.4f, 0.9f}) {
         const Spot spot{20, 20, size.x, size.y, ao};
         test::on_every_target("toon", face_with(height, {spot}), kNoAmbient, [&](const Image& out) {
           const long left = left_of(spot, out.plane("lit.g"));
-          EXPECT_EQ(left, size.x <= most && size.y <= most ? 0 : size.x * size.y)
+          EXPECT_EQ(left, size.x <= max && size.y <= max ? 0 : size.x * size.y)
               << size.x << " x " << size.y << " of " << height << ", " << ao;
         });
       }
 }
 
-// Wherever edges of bands, the border or other spots are, a spot is there or not as a whole.
+// Next to edges of tone steps, the border or other spots, a spot disappears as a whole or not at all.
 TEST(Toon, SpecksGoAsAWhole) {
   for (const int size : {2, 5})
     for (const int away : {0, 1, 2, 4, 6}) {
@@ -308,8 +309,8 @@ TEST(Toon, SpecksOfAnotherSurfaceStay) {
                         [&](const Image& out) { EXPECT_EQ(left_of(spot, out.plane("lit.g")), 9); });
 }
 
-// A bump that crosses the edge of a band in a few pixels leaves nothing, the antialiased ones around included; soft
-// edges are no specks.
+// A bump that crosses the edge of a tone step in a few pixels is removed, including the antialiased pixels around it.
+// Soft edges are not specks.
 TEST(Toon, BumpsThatHardlyCrossAnEdgeLeaveNothing) {
   GBuffer g = face_with(2160, {});
   Plane& ao = g.layers[0].plane("ao");
@@ -328,44 +329,44 @@ TEST(Toon, BumpsThatHardlyCrossAnEdgeLeaveNothing) {
   });
 }
 
-/// A plane seen at a grazing angle whose normals say nothing of its light: that is everywhere the same, times `ao`.
-GBuffer lit_from_all_around(const test::TiltedPlane& plane) {
+/// A plane at a grazing angle in ambient light only: the intensity depends on `ao`, not on normals.
+GBuffer lit_by_ambient(const test::TiltedPlane& plane) {
   GBuffer g = test::seen(plane);
   g.info.lights.clear();
   g.layers[0].add("ao") = Plane(plane.width, plane.height, 1.0f);
   return g;
 }
 
-// Four bands of light that is as much as `ao`, from black to white.
-const Settings kBandsOfAo = {{"bands", "4"},    {"ambient", "1"}, {"extra", "0"},
-                             {"shadow_g", "0"}, {"light_g", "1"}, {"albedo", "clay"}};
-/// The occlusion with which light lies so many bands above black.
-float ao_of_band(double band) { return float(0.5 * band); }
+// Four tone steps of light proportional to `ao`, from black to white.
+const Settings kStripsOfAo = {{"bands", "4"},    {"ambient", "1"}, {"extra", "0"},
+                              {"shadow_g", "0"}, {"light_g", "1"}, {"albedo", "clay"}};
+/// Returns the `ao` at which light is `band` tone steps above black.
+float ao_of_strip(double step) { return float(0.5 * step); }
 
-TEST(Toon, BandsOfGrazingPlanesAreAntialiased) {
+TEST(Toon, StepsOfGrazingPlanesAreAntialiased) {
   // Few rows, so that depth changes by more than a tenth from one to the next.
   const test::TiltedPlane few_rows{.width = 32, .height = 8, .error_deg = 2.0, .roll_rad = 0.0, .depth_ratio = 0.6};
   test::at_grazing_angles(few_rows, [](const test::TiltedPlane& plane) {
-    GBuffer g = lit_from_all_around(plane);
-    // A tenth of a band per row; the edge lies a fifth of the fourth row above its middle.
+    GBuffer g = lit_by_ambient(plane);
+    // A tenth of a step per row; the edge is a fifth of a row above the centre of the fourth row.
     for (int y = 0; y < 8; ++y)
-      for (int x = 0; x < 32; ++x) g.layers[0].plane("ao").at(x, y) = ao_of_band(1.02 + 0.1 * (y - 3));
-    test::on_every_target("toon", g, kBandsOfAo, [&](const Image& out) {
+      for (int x = 0; x < 32; ++x) g.layers[0].plane("ao").at(x, y) = ao_of_strip(1.02 + 0.1 * (y - 3));
+    test::on_every_target("toon", g, kStripsOfAo, [&](const Image& out) {
       for (int x = 0; x < 32; ++x) EXPECT_NEAR(out.plane("lit.g").at(x, 3) * 3.0, 0.7, 0.01) << x;
     });
   });
 }
 
-TEST(Toon, BandsOfGrazingPlanesEndAtSteps) {
-  // Up to the step light rises by a fiftieth of a band per column, and then at once: the edge that lies in the last
-  // column before it is as narrow as those before.
+TEST(Toon, StepsOfGrazingPlanesEndAtEdges) {
+  // Up to the depth step, light rises by 1/50 of a tone step per column, and then suddenly: the edge in the last column
+  // before it is as narrow as the others.
   const test::TiltedPlane step{.width = 256, .height = 256, .step_px = 20.0};
   test::at_grazing_angles(step, [](const test::TiltedPlane& plane) {
-    GBuffer g = lit_from_all_around(plane);
+    GBuffer g = lit_by_ambient(plane);
     for (int y = 0; y < 256; ++y)
       for (int x = 0; x < 256; ++x)
-        g.layers[0].plane("ao").at(x, y) = x < 128 ? ao_of_band(1.004 + 0.02 * (x - 127)) : ao_of_band(1.5);
-    test::on_every_target("toon", g, kBandsOfAo, [&](const Image& out) {
+        g.layers[0].plane("ao").at(x, y) = x < 128 ? ao_of_strip(1.004 + 0.02 * (x - 127)) : ao_of_strip(1.5);
+    test::on_every_target("toon", g, kStripsOfAo, [&](const Image& out) {
       for (int y = 0; y < 256; ++y) ASSERT_NEAR(out.plane("lit.g").at(127, y) * 3.0, 0.7, 0.01) << y;
     });
   });
@@ -376,8 +377,8 @@ TEST(Toon, ShadowsOnGrazingPlanesHaveSmoothEdgesButAtSteps) {
     const test::TiltedPlane base{
         .width = 32, .height = 32, .step_px = whole ? 0.0 : 20.0, .error_deg = whole ? 2.0 : 0.0, .roll_rad = 0.0};
     test::at_grazing_angles(base, [&](const test::TiltedPlane& plane) {
-      GBuffer g = lit_from_all_around(plane);
-      // The light comes from where the plane faces.
+      GBuffer g = lit_by_ambient(plane);
+      // The light comes from the direction that the plane faces.
       const double angle = plane.angle_deg * std::numbers::pi / 180.0;
       g.info.lights = {{.direction = glm::vec3(0.0, std::sin(angle), std::cos(angle)), .color = glm::vec3(0.7f)}};
       Plane& shadow = g.layers[0].add("shadow") = Plane(32, 32, 0.0f);
@@ -395,7 +396,7 @@ TEST(Toon, ShadowsOnGrazingPlanesHaveSmoothEdgesButAtSteps) {
 }
 
 TEST(Toon, SoftnessWidensEdges) {
-  // Intensity rises by 1/8 of a band per pixel; with edges as wide as bands the ramp is straight.
+  // Intensity rises by 1/8 of a tone step per pixel; with edges as wide as steps the ramp is straight.
   constexpr int kWidth = 40;
   GBuffer g = face(kWidth, 3, {0, 0, 1});
   for (int x = 0; x < kWidth; ++x)
@@ -417,7 +418,7 @@ TEST(Toon, SoftnessWidensEdges) {
 }
 
 TEST(Toon, NothingSmearsOverSilhouettesAndCreases) {
-  // Columns of two surfaces: one in front of the other; two faces that meet; a wire a pixel wide before a wall.
+  // Columns of two surfaces: one in front of the other; two faces that meet; a wire a pixel wide in front of a wall.
   constexpr int kWidth = 24;
   const glm::vec3 lit(0, 0, 1), dim = glm::normalize(glm::vec3(1.0f, 0.0f, 0.4f));
   for (const int kind : {0, 1, 2}) {
@@ -431,7 +432,7 @@ TEST(Toon, NothingSmearsOverSilhouettesAndCreases) {
         g.layers[0].plane("shadow").at(x, y) = kind == 2 ? 1.0f : 0.0f;
         for (int c = 0; c < 3; ++c) g.layers[0].plane(kAlbedo[c]).at(x, y) = 0.5f;
       }
-    // White in the brightest band; grey in the shadow's, or, the wire, at 2.07 of four bands.
+    // White in the brightest step; grey in the shadow's or, for the wire, at 2.07 of four steps.
     const double other = kind == 2 ? 0.5 * 2.0 / 3.0 : 0.0;
     test::on_every_target("toon", g, {{"shadow_r", "0"}}, [&](const Image& out) {
       for (int x = 0; x < kWidth; ++x) {
@@ -443,14 +444,14 @@ TEST(Toon, NothingSmearsOverSilhouettesAndCreases) {
 }
 
 TEST(Toon, FacesAreNotSpeckled) {
-  // Normals as interpolation leaves them: their last bits vary.
+  // Interpolated normals: their last bits vary.
   const auto spread = [](glm::dvec3 normal, const Settings& settings) {
     GBuffer g = face(64, 64, {0, 0, 1});
     for (int y = 0; y < 64; ++y)
       for (int x = 0; x < 64; ++x)
         set_normal(g, x, y,
                    normal + 1e-7 * glm::dvec3(test::hash(x + 64 * y) % 5 - 2.0, 0, test::hash(y + 64 * x) % 5 - 2.0));
-    double most = 0.0;
+    double max = 0.0;
     test::on_every_target("toon", g, settings, [&](const Image& out) {
       float low = 1e9f, high = -1e9f;
       for (int y = 0; y < 64; ++y)
@@ -458,15 +459,15 @@ TEST(Toon, FacesAreNotSpeckled) {
           low = std::min(low, out.plane("lit.r").at(x, y));
           high = std::max(high, out.plane("lit.r").at(x, y));
         }
-      most = std::max(most, double(high - low));
+      max = std::max(max, double(high - low));
     });
-    return most;
+    return max;
   };
-  for (const char* bands : {"2", "3", "4", "5", "8", "16"}) {
-    EXPECT_EQ(spread({0, 0, 1}, {{"bands", bands}}), 0.0) << bands;   // turned to the light
-    EXPECT_EQ(spread({0, 0, -1}, {{"bands", bands}}), 0.0) << bands;  // turned away
+  for (const char* steps : {"2", "3", "4", "5", "8", "16"}) {
+    EXPECT_EQ(spread({0, 0, 1}, {{"bands", steps}}), 0.0) << steps;   // turned to the light
+    EXPECT_EQ(spread({0, 0, -1}, {{"bands", steps}}), 0.0) << steps;  // turned away
   }
-  // Light that falls on an edge exactly: one colour, between both bands'.
+  // Light exactly at an edge: one colour, between those of both steps.
   const Settings on_edge = joined(kNoAmbient, {{"bands", "2"}, {"shadow_r", "0"}});
   EXPECT_LE(spread({std::sqrt(0.75), 0, 0.5}, on_edge), 0.03);
 }
@@ -474,12 +475,12 @@ TEST(Toon, FacesAreNotSpeckled) {
 // ---- shadow, highlight, colour
 // ---------------------------------------------------------------------------------------
 
-TEST(Toon, ShadowFallsIntoTheDarkBand) {
+TEST(Toon, ShadowFallsIntoTheDarkStep) {
   GBuffer g = face(32, 8, {0, 0, 1});
   for (int y = 0; y < 8; ++y)
     for (int x = 16; x < 32; ++x) g.layers[0].plane("shadow").at(x, y) = 0.0f;
-  for (const char* bands : {"2", "3", "4"})
-    test::on_every_target("toon", g, {{"bands", bands}, {"shadow_r", "0.25"}, {"light_r", "0.75"}},
+  for (const char* steps : {"2", "3", "4"})
+    test::on_every_target("toon", g, {{"bands", steps}, {"shadow_r", "0.25"}, {"light_r", "0.75"}},
                           [&](const Image& out) {
                             for (int x = 0; x < 32; ++x) {
                               const float r = out.plane("lit.r").at(x, 4);
@@ -494,7 +495,7 @@ TEST(Toon, ShadowFallsIntoTheDarkBand) {
                               }
                             }
                           });
-  // Without shadow, half of it, and in the paper's mode, where edges are hard.
+  // Without shadow, with half of it, and in mode paper, where edges are hard.
   test::on_every_target("toon", g, {{"shadow", "0"}},
                         [](const Image& out) { EXPECT_EQ(out.plane("lit.r").at(24, 4), 1.0f); });
   test::on_every_target("toon", g, {{"shadow", "0.5"}},
@@ -520,7 +521,7 @@ TEST(Toon, HighlightsAreRoundAndNotDarkened) {
         for (int y = 0; y < kSphereSize; ++y)
           for (int x = 0; x < kSphereSize; ++x) {
             const double cosine = glm::dot(sphere_normal(x + 0.5, y + 0.5), halfway);
-            // Half of its strength: e (1 - cos) = ln 2, in e over the square of the size.
+            // Half of its strength: e (1 - cos) = ln 2, with e divided by the square of the size.
             const double inside = 1.0 - 40.0 / (size * size) * (1.0 - cosine) / std::log(2.0);
             const double lit = out.plane("lit.r").at(x, y);
             if (inside > 0.15) {
@@ -543,7 +544,7 @@ TEST(Toon, HighlightsAreRoundAndNotDarkened) {
 }
 
 TEST(Toon, HighlightsThinnerThanAPixelAreNoBrighterThanTheyAreWide) {
-  // Bevels that turn by so much from row to row, each column a little farther up than the last.
+  // Bevels that turn by turn_deg from row to row; each column is shifted up a little from the last.
   constexpr int kWidth = 64, kHeight = 24;
   for (const double turn_deg : {12.0, 20.0, 30.0})
     for (const double shininess : {40.0, 200.0}) {
@@ -560,17 +561,17 @@ TEST(Toon, HighlightsThinnerThanAPixelAreNoBrighterThanTheyAreWide) {
       const double wide = 2.0 * std::acos(1.0 - std::log(2.0) / shininess) / (turn_deg * std::numbers::pi / 180.0);
       test::on_every_target("toon", g, {}, [&](const Image& out) {
         const std::string what = fmt::format("{} degrees, shininess {}, {:.2f} pixels", turn_deg, shininess, wide);
-        double most = 0.0;
+        double max = 0.0;
         for (int y = 1; y < kHeight - 1; ++y)
-          for (int x = 1; x < kWidth - 1; ++x) most = std::max(most, double(out.plane("lit.r").at(x, y)));
-        EXPECT_LT(most, std::min(wide, 1.0) + 0.05) << what;
-        EXPECT_GT(most, 0.2 * wide) << what;
+          for (int x = 1; x < kWidth - 1; ++x) max = std::max(max, double(out.plane("lit.r").at(x, y)));
+        EXPECT_LT(max, std::min(wide, 1.0) + 0.05) << what;
+        EXPECT_GT(max, 0.2 * wide) << what;
       });
     }
 }
 
 TEST(Toon, HighlightsReachUpToCreases) {
-  // Two faces, one wholly in the highlight, the other turned away from it.
+  // Two faces: one is entirely in the highlight, the other faces away from it.
   GBuffer g = face(32, 8, {0, 0, 1});
   for (int c = 0; c < 3; ++c) g.layers[0].plane(kAlbedo[c]) = Plane(32, 8, 0.0f);
   g.layers[0].add("specular") = Plane(32, 8, 1.0f);
@@ -608,15 +609,15 @@ TEST(Toon, RampEndsInItsColours) {
   const Settings colors = {{"shadow_r", "0.1"}, {"shadow_g", "0.2"}, {"shadow_b", "0.5"},
                            {"light_r", "0.9"},  {"light_g", "0.8"},  {"light_b", "0.7"}};
   const double dark[] = {0.1, 0.2, 0.5}, bright[] = {0.9, 0.8, 0.7};
-  for (const int bands : {1, 2, 3, 4, 256}) {
-    const Settings settings = joined(joined(colors, {{"bands", fmt::format("{}", bands)}}), kNoAmbient);
+  for (const int steps : {1, 2, 3, 4, 256}) {
+    const Settings settings = joined(joined(colors, {{"bands", fmt::format("{}", steps)}}), kNoAmbient);
     for (const bool towards : {true, false})
       test::on_every_target("toon", face(3, 2, {0, 0, towards ? 1.0f : -1.0f}), settings, [&](const Image& out) {
         for (int c = 0; c < 3; ++c)
-          EXPECT_NEAR(out.plane(kLit[c]).at(1, 1), towards || bands == 1 ? bright[c] : dark[c], 1e-6) << bands;
+          EXPECT_NEAR(out.plane(kLit[c]).at(1, 1), towards || steps == 1 ? bright[c] : dark[c], 1e-6) << steps;
       });
   }
-  // The middle of three bands lies in their middle.
+  // The middle one of three steps has the mean colour.
   test::on_every_target("toon", face(3, 2, {float(std::sqrt(0.75)), 0, 0.5f}), joined(colors, {{"bands", "3"}}),
                         [&](const Image& out) {
                           for (int c = 0; c < 3; ++c)
@@ -624,7 +625,7 @@ TEST(Toon, RampEndsInItsColours) {
                         });
 }
 
-TEST(Toon, AlbedoScalesBands) {
+TEST(Toon, AlbedoScalesSteps) {
   GBuffer g = face(16, 4, {0, 0, 1});
   for (int x = 0; x < 16; ++x)
     for (int y = 0; y < 4; ++y)
@@ -654,7 +655,7 @@ TEST(Toon, RigsReplaceLightsAndShadow) {
     });
 }
 
-// ---- what is missing or wrong
+// ---- missing or invalid planes
 // ----------------------------------------------------------------------------------------
 
 TEST(Toon, WithoutLightsOnlyAmbientIsLeft) {
@@ -666,7 +667,7 @@ TEST(Toon, WithoutLightsOnlyAmbientIsLeft) {
                         [](const Image& out) { EXPECT_EQ(out.plane("lit.r").at(1, 1), 0.25f); });
   g.info.lights = {{.direction = {0, 0, 1}, .color = glm::vec3(0.0f)}, {.direction = {0, 0, 1}}};
   test::on_every_target("toon", g, {}, [](const Image& out) {
-    EXPECT_NEAR(out.plane("toon_intensity").at(1, 1), 1.3f, 1e-6);  // a black key light is a key light still
+    EXPECT_NEAR(out.plane("toon_intensity").at(1, 1), 1.3f, 1e-6);  // a black key light is still a key light
   });
 }
 

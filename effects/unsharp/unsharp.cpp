@@ -21,26 +21,25 @@ void run_tuned_unsharp(const KernelFrame&, const Tile&);  // unsharp.tuned.cpp
 
 namespace {
 
-// The automatic far plane leaves the farthest geometry at 90 % of the depth range, the paper's largest threshold away
-// from the end; the near plane keeps the listing's ratio of 2 to 15.
-constexpr float kFarShare = 0.9f;
+// With the default far plane the farthest geometry is at 90 % of the depth range, at a distance from the end of the
+// paper's largest threshold; the default near plane keeps the listing's ratio of 2 to 15.
+constexpr float kFarFraction = 0.9f;
 constexpr float kNearToFar = 2.0f / 15.0f;
-// A Gaussian window reaches two standard deviations to either side.
+// A Gaussian window extends two standard deviations to either side.
 constexpr float kSigmasPerKernel = 4.0f;
 
 const std::vector<Parameter> kTable = {
     length_row("kernel", &UnsharpParams::kernel,
-               {.initial_percent = 4, .min = 1, .max = kUnsharpLargestKernel, .unit = "px"},
-               "side of the window that is averaged, in pixels or as a share of the picture's height"),
+               {.initial_percent = 4, .min = 1, .max = kUnsharpMaxKernel, .unit = "px"},
+               "side of the window that is averaged, in pixels or in percent of the picture's height"),
     real_row("threshold", &UnsharpParams::threshold, {.initial = 0.02, .max = 1, .zero_means = "none"},
              "samples whose linearised depth differs by this much or more do not count"),
-    choice_row(
-        "border", &UnsharpParams::border, 0, {"skip", "zero", "clamp", "repeat"},
-        "what a sample outside the picture is: skipped, window depth 0, the nearest pixel, or the picture again"),
+    choice_row("border", &UnsharpParams::border, 0, {"skip", "zero", "clamp", "repeat"},
+               "sample outside the picture: skipped, window depth 0, the nearest pixel, or the picture repeated"),
     real_row("strength", &UnsharpParams::strength, {.initial = 20, .max = 1000},
              "factor from a difference of linearised depth to a difference of brightness"),
     choice_row("linearization", &UnsharpParams::linearization, 0, {"linear", "listing", "extent"},
-               "linearised depth: z/F, 2z/(z+F) as the paper's listing has it, or (z-N)/(F-N)"),
+               "linearised depth: z/F, 2z/(z+F) as in the paper's listing, or (z-N)/(F-N)"),
     real_row("near", &UnsharpParams::near_depth, {.max = 1e12, .unit = "scene units", .zero_means = "automatic"},
              "distance N of the near plane"),
     real_row("far", &UnsharpParams::far_depth, {.max = 1e12, .unit = "scene units", .zero_means = "automatic"},
@@ -52,8 +51,8 @@ const std::vector<Parameter> kTable = {
 };
 
 int kernel_side(const Length& kernel, const PictureInfo& info) {
-  const float side = length_px(kernel, info.share_height(), info);
-  return int(std::lround(std::clamp(side, 1.0f, float(kUnsharpLargestKernel))));
+  const float side = length_px(kernel, info.reference_height(), info);
+  return int(std::lround(std::clamp(side, 1.0f, float(kUnsharpMaxKernel))));
 }
 
 void fill_constants(const UnsharpParams& params, const PictureInfo& info, UnsharpConstants& c) {
@@ -72,10 +71,10 @@ void fill_constants(const UnsharpParams& params, const PictureInfo& info, Unshar
 
   const bool extent = params.linearization == kUnsharpExtent;
   float far_depth = params.far_depth;
-  if (!(far_depth > 0.0f)) far_depth = extent ? info.depth_max : info.depth_max / kFarShare;
+  if (!(far_depth > 0.0f)) far_depth = extent ? info.depth_max : info.depth_max / kFarFraction;
   float near_depth = params.near_depth;
   if (!(near_depth > 0.0f)) near_depth = extent ? info.depth_min : far_depth * kNearToFar;
-  // Kernels are total: a near plane at or behind the far plane leaves a sliver between them.
+  // Kernels must not fail: a near plane at or behind the far plane is moved slightly in front of it.
   far_depth = std::max(far_depth, 1e-30f);
   near_depth = std::clamp(near_depth, 0.0f, far_depth * 0.999f);
   c.near_depth = near_depth;
@@ -91,12 +90,12 @@ void fill_constants(const UnsharpParams& params, const PictureInfo& info, Unshar
   for (int i = 0; i < kUnsharpWeights; ++i) c.weights[i] = std::exp(-0.5f * float(i) * float(i) / (sigma * sigma));
 }
 
-/// The window that reaches one radius to each side at the middle of the scene's depth.
+/// Sets the window that extends one radius to each side at the middle of the scene's depth.
 void set_radius(float radius, const PictureInfo& info, ParameterBytes& bytes) {
   const double depth =
       info.camera.projection == Projection::kPerspective ? 0.5 * (info.depth_min + info.depth_max) : 1.0;
   const double pixel = (info.camera.top - info.camera.bottom) / info.height * depth;
-  const double side = std::clamp(std::round(2.0 * radius / pixel), 1.0, double(kUnsharpLargestKernel));
+  const double side = std::clamp(std::round(2.0 * radius / pixel), 1.0, double(kUnsharpMaxKernel));
   as<UnsharpParams>(bytes).kernel = {float(side), 0};
 }
 
@@ -108,11 +107,11 @@ bool has_no_threshold(const void* constants) {
 bool has_blocks(const void* constants) {
   const auto& c = *static_cast<const UnsharpConstants*>(constants);
   const bool few_outside = c.border == kUnsharpBorderSkip || c.border == kUnsharpBorderZero;
-  return c.gaussian == 0 && few_outside && c.last_column - c.first_column + 1 >= kUnsharpLeastBlocks;
+  return c.gaussian == 0 && few_outside && c.last_column - c.first_column + 1 >= kUnsharpMinBlocks;
 }
 
-/// On a GPU a box is summed by other ways, whose cost hardly grows with it.
-const std::vector<GpuWay> kGpuWays = {
+/// Alternatives for a box window on a GPU, whose cost hardly grows with the window.
+const std::vector<GpuVariant> kGpuVariants = {
     {.fits = has_no_threshold,
      .steps = {{.name = "across",
                 .inputs = {"unsharp_depth"},
@@ -127,24 +126,23 @@ const std::vector<GpuWay> kGpuWays = {
                 .group_width = kUnsharpStripWidth,
                 .group_height = kUnsharpStripHeight}}},
     {.fits = has_blocks,
-     .steps = {
-         {.name = "blocks of 4",
-          .inputs = {"unsharp_depth"},
-          .outputs = {"unsharp_least4", "unsharp_greatest4", "unsharp_sum4"},
-          .spirv = unsharp_blocks4_spirv()},
-         {.name = "blocks of 8",
-          .inputs = {"unsharp_least4", "unsharp_greatest4", "unsharp_sum4"},
-          .outputs = {"unsharp_least8", "unsharp_greatest8", "unsharp_sum8"},
-          .spirv = unsharp_blocks8_spirv()},
-         {.name = "blocks of 16",
-          .inputs = {"unsharp_least8", "unsharp_greatest8", "unsharp_sum8"},
-          .outputs = {"unsharp_least16", "unsharp_greatest16", "unsharp_sum16"},
-          .spirv = unsharp_blocks16_spirv()},
-         {.name = "unsharp",
-          .inputs = {"depth", "unsharp_depth", "unsharp_least4", "unsharp_greatest4", "unsharp_sum4", "unsharp_least8",
-                     "unsharp_greatest8", "unsharp_sum8", "unsharp_least16", "unsharp_greatest16", "unsharp_sum16"},
-          .outputs = {"ao"},
-          .spirv = unsharp_blocks_spirv()}}}};
+     .steps = {{.name = "blocks of 4",
+                .inputs = {"unsharp_depth"},
+                .outputs = {"unsharp_min4", "unsharp_max4", "unsharp_sum4"},
+                .spirv = unsharp_blocks4_spirv()},
+               {.name = "blocks of 8",
+                .inputs = {"unsharp_min4", "unsharp_max4", "unsharp_sum4"},
+                .outputs = {"unsharp_min8", "unsharp_max8", "unsharp_sum8"},
+                .spirv = unsharp_blocks8_spirv()},
+               {.name = "blocks of 16",
+                .inputs = {"unsharp_min8", "unsharp_max8", "unsharp_sum8"},
+                .outputs = {"unsharp_min16", "unsharp_max16", "unsharp_sum16"},
+                .spirv = unsharp_blocks16_spirv()},
+               {.name = "unsharp",
+                .inputs = {"depth", "unsharp_depth", "unsharp_min4", "unsharp_max4", "unsharp_sum4", "unsharp_min8",
+                           "unsharp_max8", "unsharp_sum8", "unsharp_min16", "unsharp_max16", "unsharp_sum16"},
+                .outputs = {"ao"},
+                .spirv = unsharp_blocks_spirv()}}}};
 
 }  // namespace
 
@@ -157,19 +155,19 @@ Effect effect_unsharp() {
                .tunable = {"kernel", "threshold", "strength"},
                .variants = {"", "kernel=15", "kernel=40", "kernel=121", "kernel=40 threshold=0",
                             "kernel=121 threshold=0", "kernel=15 window=gaussian"},
-               .passes = {{.name = "linearize",
-                           .inputs = {"depth"},
-                           .outputs = {"unsharp_depth"},
-                           .kernel = linearize_kernel(),
-                           .reach = own_row},
-                          {.inputs = {"depth", "unsharp_depth"},
-                           .outputs = {"ao"},
-                           .kernel = unsharp_kernel(),
-                           .tuned = run_tuned_unsharp,
-                           .gpu_ways = kGpuWays,
-                           .tile = kSquareTile,
-                           .reach = own_row,
-                           .far_inputs = {"unsharp_depth"}}}});
+               .dispatches = {{.name = "linearize",
+                               .inputs = {"depth"},
+                               .outputs = {"unsharp_depth"},
+                               .kernel = linearize_kernel(),
+                               .reach = own_row},
+                              {.inputs = {"depth", "unsharp_depth"},
+                               .outputs = {"ao"},
+                               .kernel = unsharp_kernel(),
+                               .tuned = run_tuned_unsharp,
+                               .gpu_variants = kGpuVariants,
+                               .tile = kSquareTile,
+                               .reach = own_row,
+                               .unbounded_inputs = {"unsharp_depth"}}}});
 }
 
 }  // namespace umbrage

@@ -1,30 +1,30 @@
-// Unsharp mask of the depth buffer: how much farther a pixel lies than the mean of the window around it.
-// Based on [Chamberlin 2011], section 3 and its fragment shader; [Luft 2006] for the Gaussian window.
+// Unsharp mask of the depth buffer: the difference between a pixel's depth and the mean of the window around it. Based
+// on [Chamberlin 2011], section 3 and its fragment shader; [Luft 2006] for the Gaussian window.
 //
-// Depth comes in whole steps of 2^-24 (linearize.kernel.h), so that a tuned summation agrees to the bit.
-// Differs: the window is k x k also for odd k, where the listing runs over k - 1; and the listing's border check lets
-// one column and one row of copies in, at x = width and y = height.
+// Depth is an integer number of steps of 2^-24 (linearize.kernel.h), so that a tuned summation is bitwise identical.
+// Differs: the window is k x k also for odd k, where the listing loops over k - 1; and the listing's border check
+// includes one column and one row of copies, at x = width and y = height.
 IN_REAL(depth)
 IN_REAL(unsharp_depth)
 OUT_REAL(ao)
 
 CONST float kNoSample = -1.0f;
-CONST int kLowBits = 12;    // a sum is kept as two words, of the samples' upper and lower 12 bits:
-CONST int kLowMask = 4095;  // 1023 x 1023 samples of up to 4096 still fit 32 bits
+CONST int kLowBits = 12;    // a sum is two words, of the samples' upper and lower 12 bits:
+CONST int kLowMask = 4095;  // 1023 x 1023 samples of up to 4096 fit into 32 bits
 
-// 1 - shade, from the window's excess (the sum of its samples less the centre's step as many times) and its count.
-// shade = strength (D - mean) [Chamberlin 2011, listing: the factor 20].
+// Returns 1 - strength (D - mean) [Chamberlin 2011, listing: the factor 20], from the window's excess (the sum of its
+// samples minus count times the centre) and its count.
 FN Real ao_from_excess(Real excess, Real count) {
   Real ao = excess * (Real(C.scale) / count) + 1.0f;
   return C.keep_white_edge != 0 ? ao : min(ao, Real(1.0f));
 }
 
-// The excess in whole 4096 steps, rounded down, and what remains: as one rounded number.
+// Returns the excess as one rounded number, from its multiples of 4096 steps, rounded down, and the remainder.
 FN Real excess_of(Real upper, Real lower) { return mad(upper, Real(4096.0f), lower); }
 
-// The excess from the exact sum of a window's steps, split as above.
+// Returns the excess from the exact sum of a window's steps, split as above.
 FN Real excess_from_sum(Uint high, Uint low, Uint count, Uint centre) {
-  // sum - count * centre, both carried so that the upper words hold all but the last 12 bits
+  // Computes sum - count * centre. Both are carried so that the upper words have all but the last 12 bits.
   Uint own_low = count * (centre & Uint(kLowMask));
   Uint own_high = count * (centre >> kLowBits) + (own_low >> kLowBits);
   Uint sum_high = high + (low >> kLowBits);
@@ -37,12 +37,13 @@ FN Real excess_from_sum(Uint high, Uint low, Uint count, Uint centre) {
   return excess_of(upper, to_real(sum_low - own_low));
 }
 
-// A sample of the window; outside the picture what the border mode says, and a step that never counts for `skip`.
+// Returns a sample of the window. Outside the picture it depends on the border mode: for `skip`, a step that never
+// counts.
 FN Real window_sample(Int px, Int py, int i, int j) {
   if (C.border == kUnsharpBorderRepeat) {
     Int x = px + Int(i);
     Int y = py + Int(j);
-    // A window is at most 1023 wide: a narrow picture repeats more than once.
+    // A window is up to 1023 wide: a narrow picture repeats more than once.
     Int columns = to_int(floor((to_real(x) + 0.5f) / Real(float(F.width))));
     Int rows = to_int(floor((to_real(y) + 0.5f) / Real(float(F.height))));
     return load_unsharp_depth(x - columns * Int(F.width), y - rows * Int(F.height));
@@ -86,7 +87,7 @@ FN Real gaussian_ao(Int px, Int py, Real centre) {
       weights = weights + weight;
     }
   }
-  // The pixel itself counts, so that the weights are not 0.
+  // The pixel itself counts, so the weights are not 0.
   return ao_from_excess(excess, max(weights, Real(1e-20f)));
 }
 

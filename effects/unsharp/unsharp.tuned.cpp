@@ -1,9 +1,9 @@
-// `unsharp` on the CPU at a cost that hardly grows with the window; equal to unsharp.kernel.h to the bit, which is its
-// oracle. Sums of whole steps are exact in any order, so that only the order differs:
+// `unsharp` on the CPU at a cost that hardly grows with the window; bitwise identical to its reference,
+// unsharp.kernel.h. Sums of integer steps are exact in any order, so only the order differs:
 //   no threshold  running sums over columns and rows: the same few additions per pixel for any window
-//   threshold     the window in blocks of 16, 8 and 4 pixels that each know their least, greatest and sum: a block
-//                 wholly inside the threshold counts at once, one wholly outside is skipped, the rest is opened
-// A Gaussian window goes to the plain kernel.
+//   threshold     the window in blocks of 16, 8 and 4 pixels, with the min, max and sum of each: a block
+//                 entirely within the threshold is added at once, one entirely outside is skipped, any other is split
+// A Gaussian window uses the plain kernel.
 // Measured gain: see docs/performance.md.
 #include "effects/unsharp/unsharp.h"
 
@@ -24,7 +24,7 @@ namespace umbrage {
 namespace HWY_NAMESPACE {
 namespace {
 
-// For the formulas of the kernel text.
+// Provides the formulas of the kernel text.
 struct Formulas {
   LanesView view;
 #include "kernel/kernel_begin.h"
@@ -40,7 +40,7 @@ using MI = hn::Mask<DI>;
 constexpr std::int32_t kAbsent = 1 << 30;  // a sample that never counts: farther from any step than any threshold
 constexpr int kSlack = 16;                 // vectors may read this far past the end of a row
 
-// The tile's samples and the border around them that its windows reach, with the border mode applied.
+// The tile's samples and those around it that its windows contain, with the border mode applied.
 struct Patch {
   int width = 0, height = 0, stride = 0;
   std::vector<std::int32_t> steps;
@@ -90,21 +90,21 @@ void load_patch(const KernelFrame& frame, const UnsharpConstants& c, const Tile&
   }
 }
 
-// Pixels whose depth is finite, as a mask.
+// Returns a mask of the pixels whose depth is finite.
 template <class DInt>
 HWY_INLINE hn::Mask<DInt> surface_at(DInt di, const float* depth) {
   const hn::RebindToFloat<DInt> d;
   return hn::RebindMask(di, hn::Le(hn::Abs(hn::LoadU(d, depth)), hn::Set(d, 3.402823466e38f)));
 }
 
-// One row of a tile: the windows' excess, split after 12 bits, and their counts.
+// One row of a tile: the excess of its windows, split after 12 bits, and their counts.
 struct Row {
   std::vector<float> upper, lower, count;
   explicit Row(int columns)
       : upper(columns + kSlack, 0.0f), lower(columns + kSlack, 0.0f), count(columns + kSlack, 1.0f) {}
 };
 
-// By the kernel text's formulas into `ao`; 1 where there is no surface.
+// Stores a row into `ao` by the formulas of the kernel text; 1 where there is no surface.
 void store_row(Formulas& formulas, const Row& row, int columns, const float* depth, float* ao) {
   const D d;
   for (int x = 0; x < columns; x += kLanes) {
@@ -118,14 +118,14 @@ void store_row(Formulas& formulas, const Row& row, int columns, const float* dep
 // ---- no threshold
 // ----------------------------------------------------------------------------------------------------
 
-// One sample of a window as a number that can be added: how many (upper 20 bits) and the steps (lower 44 bits); 1023 x
-// 1023 samples of 24 bits still fit.
+// Returns one sample of a window as a number that can be added: the count (upper 20 bits) and the steps (lower 44
+// bits). 1023 x 1023 samples of 24 bits fit.
 constexpr int kCountShift = 44;
 HWY_INLINE std::uint64_t packed(std::int32_t steps) {
   return steps == kAbsent ? 0 : (std::uint64_t(1) << kCountShift) + std::uint64_t(steps);
 }
 
-void RunOpen(const KernelFrame& frame, const Tile& tile, Formulas& formulas, const Patch& patch) {
+void RunWithoutThreshold(const KernelFrame& frame, const Tile& tile, Formulas& formulas, const Patch& patch) {
   const int rows = tile.y1 - tile.y0, columns = tile.x1 - tile.x0;
   const int window_rows = patch.height - rows + 1, window_columns = patch.width - columns + 1;
   std::vector<std::uint64_t> column(patch.width, 0), before(patch.width + 1, 0);
@@ -158,28 +158,27 @@ void RunOpen(const KernelFrame& frame, const Tile& tile, Formulas& formulas, con
 // ---- threshold
 // -------------------------------------------------------------------------------------------------------
 
-// Least, greatest and sum of the size x size samples right and down of every sample of a patch. Sums wrap where samples
-// are absent, and are read only where none is.
+// Min, max and sum of the size x size samples right and down of every sample of a patch. Sums wrap around where samples
+// are absent; they are read only where none is.
 struct Level {
-  std::vector<std::int32_t> least, greatest, sum;
+  std::vector<std::int32_t> min, max, sum;
 };
 
-// One level from the next finer one, whose blocks have half the size.
-void coarser(const std::int32_t* least, const std::int32_t* greatest, const std::int32_t* sum, int stride, int height,
+// Computes one level from the next finer one, whose blocks are half as large.
+void coarser(const std::int32_t* min, const std::int32_t* max, const std::int32_t* sum, int stride, int height,
              int half, Level& out) {
   const DI di;
   const std::size_t count = std::size_t(stride) * height;
-  for (auto* plane : {&out.least, &out.greatest, &out.sum}) plane->resize(count);
-  // Blocks that reach past the patch are never read: the last rows and columns may hold anything.
+  for (auto* plane : {&out.min, &out.max, &out.sum}) plane->resize(count);
+  // Blocks that extend past the patch are never read: the last rows and columns are undefined.
   const std::size_t down = std::size_t(half) * stride;
   const std::size_t end = count > down + half + kSlack ? count - down - half - kSlack : 0;
   for (std::size_t i = 0; i < end; i += kLanes) {
     const auto at = [&](const std::int32_t* p, std::size_t k) { return hn::LoadU(di, p + i + k); };
-    hn::StoreU(hn::Min(hn::Min(at(least, 0), at(least, half)), hn::Min(at(least, down), at(least, down + half))), di,
-               out.least.data() + i);
-    hn::StoreU(
-        hn::Max(hn::Max(at(greatest, 0), at(greatest, half)), hn::Max(at(greatest, down), at(greatest, down + half))),
-        di, out.greatest.data() + i);
+    hn::StoreU(hn::Min(hn::Min(at(min, 0), at(min, half)), hn::Min(at(min, down), at(min, down + half))), di,
+               out.min.data() + i);
+    hn::StoreU(hn::Max(hn::Max(at(max, 0), at(max, half)), hn::Max(at(max, down), at(max, down + half))), di,
+               out.max.data() + i);
     hn::StoreU(hn::Add(hn::Add(at(sum, 0), at(sum, half)), hn::Add(at(sum, down), at(sum, down + half))), di,
                out.sum.data() + i);
   }
@@ -208,15 +207,15 @@ struct Pyramid {
   Level levels[kLevels];  // levels[0] is the patch itself and stays empty
 };
 
-// The sums of one vector of pixels. Samples enter as their distance from low = centre - reach, which is unsigned and at
-// most twice the reach exactly for those that count. Since SIMD compares signed numbers, distances of samples are taken
-// from low + 2^31 instead; what an odd number of them leaves in the top bit is taken out by flush().
+// The sums of one vector of pixels. A sample is added as its distance from low = centre - reach, which is unsigned and
+// at most 2 reach exactly for samples that count. Since SIMD compares signed numbers, distances are measured from low +
+// 2^31 instead; flush() removes what an odd number of them leaves in the top bit.
 struct Sums {
   VI low, high, reach;
   VI biased_low;               // low + 2^31
   VI biased_span;              // 2 reach - 2^31
   VI excess = hn::Zero(DI());  // sum of (sample - low) since the last flush
-  VI top = hn::Zero(DI()), upper = hn::Zero(DI()), lower = hn::Zero(DI());  // of 2^28, 2^12 and 1
+  VI top = hn::Zero(DI()), upper = hn::Zero(DI()), lower = hn::Zero(DI());  // multiples of 2^28, 2^12 and 1
   VI count = hn::Zero(DI()), flushed = hn::Zero(DI());
 };
 
@@ -224,7 +223,7 @@ HWY_INLINE void flush(Sums& s) {
   const DI di;
   const VI added = hn::Sub(s.count, s.flushed);
   s.flushed = s.count;
-  // From distances above `low`, with their bias, to differences from the centre.
+  // Converts biased distances from `low` to differences from the centre.
   s.excess = hn::Sub(s.excess, hn::Add(hn::ShiftLeft<31>(added), hn::Mul(added, s.reach)));
   s.upper = hn::Add(s.upper, hn::ShiftRight<12>(s.excess));
   s.lower = hn::Add(s.lower, hn::And(s.excess, hn::Set(di, 4095)));
@@ -240,7 +239,7 @@ HWY_INLINE void add_sample(Sums& s, MI mask, const std::int32_t* steps) {
   s.count = add_where(counts, s.count, hn::Set(DI(), 1));
 }
 
-// A block of one of the levels 2 to 4, or of level 1 by its samples.
+// Adds a block of level 2 to 4, or of level 0 or 1 by its samples.
 template <int kLevel>
 HWY_INLINE void add_block(Sums& s, MI mask, const Pyramid& p, std::ptrdiff_t at) {
   const DI di;
@@ -251,10 +250,10 @@ HWY_INLINE void add_block(Sums& s, MI mask, const Pyramid& p, std::ptrdiff_t at)
         add_sample(s, mask, p.patch.steps.data() + at + std::ptrdiff_t(j) * p.patch.stride + i);
   } else {
     const Level& level = p.levels[kLevel];
-    const VI least = hn::LoadU(di, level.least.data() + at);
-    const VI greatest = hn::LoadU(di, level.greatest.data() + at);
-    const MI outside = hn::Or(hn::Lt(greatest, s.low), hn::Gt(least, s.high));
-    const MI beyond = hn::Or(hn::Lt(least, s.low), hn::Gt(greatest, s.high));
+    const VI min = hn::LoadU(di, level.min.data() + at);
+    const VI max = hn::LoadU(di, level.max.data() + at);
+    const MI outside = hn::Or(hn::Lt(max, s.low), hn::Gt(min, s.high));
+    const MI beyond = hn::Or(hn::Lt(min, s.low), hn::Gt(max, s.high));
     const MI whole = hn::And(mask, hn::Not(beyond));
     const VI sum = hn::Sub(hn::LoadU(di, level.sum.data() + at), hn::ShiftLeft<2 * kLevel>(s.low));
     s.excess = add_where(whole, s.excess, sum);
@@ -262,7 +261,7 @@ HWY_INLINE void add_block(Sums& s, MI mask, const Pyramid& p, std::ptrdiff_t at)
     const MI mixed = hn::And(mask, hn::And(beyond, hn::Not(outside)));
     if (hn::AllFalse(di, mixed)) return;
     if constexpr (kLevel == 2) {
-      // Looking at four blocks of four samples first costs more than it spares.
+      // Testing four blocks of four samples first costs more than it saves.
       for (int j = 0; j < kSize; ++j)
         for (int i = 0; i < kSize; ++i)
           add_sample(s, mixed, p.patch.steps.data() + at + std::ptrdiff_t(j) * p.patch.stride + i);
@@ -281,21 +280,21 @@ void RunThreshold(const KernelFrame& frame, const Tile& tile, Formulas& formulas
   const DI di;
   const Patch& patch = p.patch;
   const int side = patch.width - (tile.x1 - tile.x0) + 1;
-  // 256 samples may lie 2^22 above `low` each, 64 anywhere, before 32 bits overflow.
+  // 256 samples up to 2^22 above `low` each, or 64 with any distance, do not overflow 32 bits.
   constexpr int kFarReach = 1 << 21;
   const int coarsest = reach < kFarReach ? kLevels - 1 : kLevels - 2;
   int top = 0;
   while (top < coarsest && (2 << top) <= side) ++top;
-  const std::int32_t *least = patch.steps.data(), *greatest = least, *sum = least;
+  const std::int32_t *min = patch.steps.data(), *max = min, *sum = min;
   for (int level = 1; level <= top; ++level) {
-    coarser(least, greatest, sum, patch.stride, patch.height, 1 << (level - 1), p.levels[level]);
-    least = p.levels[level].least.data();
-    greatest = p.levels[level].greatest.data();
+    coarser(min, max, sum, patch.stride, patch.height, 1 << (level - 1), p.levels[level]);
+    min = p.levels[level].min.data();
+    max = p.levels[level].max.data();
     sum = p.levels[level].sum.data();
   }
   std::vector<Block> blocks;
   cover(0, 0, side, side, top, blocks);
-  // So many samples may be added before 32 bits could overflow.
+  // Number of samples that can be added before 32 bits could overflow.
   const int budget = int((std::int64_t(1) << 30) / (reach + 1)) - 1;
 
   const float* depth = frame.plane("depth");
@@ -342,7 +341,7 @@ void RunThreshold(const KernelFrame& frame, const Tile& tile, Formulas& formulas
       flush(s);
       s.upper = hn::Add(s.upper, hn::ShiftRight<12>(s.lower));
       s.lower = hn::And(s.lower, hn::Set(di, 4095));
-      // Exact but for the one rounding of the sum, as when the kernel text makes a number of both words at once.
+      // Exact except for the one rounding of the sum, as in the kernel text, which converts both words at once.
       const auto upper = hn::Add(hn::Mul(hn::ConvertTo(df, s.top), hn::Set(df, 65536.0f)), hn::ConvertTo(df, s.upper));
       hn::StoreU(upper, df, row.upper.data() + x);
       hn::StoreU(hn::ConvertTo(df, s.lower), df, row.lower.data() + x);
@@ -355,7 +354,7 @@ void RunThreshold(const KernelFrame& frame, const Tile& tile, Formulas& formulas
 void RunTuned(const KernelFrame& frame, const Tile& tile) {
   Formulas formulas{{frame}};
   const DI di;
-  // A tile without a surface needs no window.
+  // A tile without surfaces needs no window.
   const float* depth = frame.plane("depth");
   bool empty = true;
   for (int y = tile.y0; y < tile.y1 && empty; ++y)
@@ -367,11 +366,11 @@ void RunTuned(const KernelFrame& frame, const Tile& tile) {
       std::fill_n(ao + std::size_t(y) * frame.frame.stride + tile.x0, tile.x1 - tile.x0, 1.0f);
     return;
   }
-  // Kept from tile to tile: a fresh megabyte per tile costs more than filling it.
+  // Reused for all tiles: allocating a megabyte per tile costs more than filling it.
   static thread_local Pyramid pyramid;
   load_patch(frame, formulas.C, tile, pyramid.patch);
   if (formulas.C.threshold >= kUnsharpSteps)
-    RunOpen(frame, tile, formulas, pyramid.patch);
+    RunWithoutThreshold(frame, tile, formulas, pyramid.patch);
   else
     RunThreshold(frame, tile, formulas, pyramid, int(std::ceil(formulas.C.threshold)) - 1);
 }

@@ -1,6 +1,6 @@
-// `unsharp` without a threshold, on a GPU, first step: the sums of the window's width in each row. A workgroup sums the
-// row's samples up once, from its left end to each of them; a window's sum is then a difference of two.
-// The second step is unsharp_down.comp. Oracle: unsharp.kernel.h, to the bit.
+// `unsharp` without a threshold, on a GPU, first step: the sums of the window's width in each row. A workgroup computes
+// prefix sums of the row's samples once; a window's sum is then a difference of two of them. The second step is
+// unsharp_down.comp. Must be bitwise identical to unsharp.kernel.h.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel/glsl.h"
@@ -15,15 +15,16 @@ PLANE(UintPlane, unsharp_row_high, 0)
 PLANE(UintPlane, unsharp_row_low, 0)
 
 const int kInvocations = 64;
-const int kClump = 8;  // invocations whose sums are added up before those of others are
-const int kMaxSamples = kUnsharpSegment + kUnsharpLargestKernel - 1;
+const int kClump = 8;  // invocations per clump, whose sums are added first
+const int kMaxSamples = kUnsharpSegment + kUnsharpMaxKernel - 1;
 
-// Sums of the samples to the left of each, all of them, and at last of whole shares and clumps.
+// Sums of the samples to the left of each sample, and of all of them; then of each invocation's part, and of each
+// clump.
 shared uint high_before[kMaxSamples + 1], low_before[kMaxSamples + 1];
 shared uint high_share[kInvocations], low_share[kInvocations];
 shared uint high_clump[kInvocations / kClump], low_clump[kInvocations / kClump];
 
-// What counts of column `x` in row `y`, outside the picture as the border mode says: both words.
+// Returns the words of column `x` in row `y`; outside the picture by the border mode.
 uvec2 sample_at(int x, int y) {
   if (x < 0 || x >= F.width) {
     if (C.border == kUnsharpBorderSkip) return uvec2(0u);
@@ -43,7 +44,7 @@ void main() {
   int samples = pixels + window - 1;
   int share = (samples + kInvocations - 1) / kInvocations;
 
-  // Side by side, as they lie in memory; then each invocation adds up its share.
+  // Adjacent invocations read adjacent samples; then each invocation sums its own part.
   for (int k = own; k < samples; k += kInvocations) {
     uvec2 words = sample_at(left + C.first_column + k, y);
     high_before[k] = words.x;
@@ -72,7 +73,7 @@ void main() {
     low_clump[own] = clump_low;
   }
   barrier();
-  uint high_left = 0u, low_left = 0u;  // of all shares to the left of its own
+  uint high_left = 0u, low_left = 0u;  // of all parts to the left of this one
   for (int k = 0; k < own / kClump; ++k) {
     high_left += high_clump[k];
     low_left += low_clump[k];
@@ -90,7 +91,7 @@ void main() {
     low_before[samples] = low_left + low;
   }
   barrier();
-  // Words may have overflown on the way: a difference is right all the same.
+  // The words may have overflowed: a difference is correct nevertheless.
   for (int k = own; k < pixels; k += kInvocations) {
     int at = y * F.stride + left + k;
     unsharp_row_high_plane().at[at] = high_before[k + window] - high_before[k];

@@ -1,6 +1,7 @@
-// `unsharp` with a threshold, on a GPU, last step: the window in blocks of 16, 8 and 4 samples to a side that each know
-// their least, greatest and sum. A block wholly inside the threshold counts at once, one wholly outside is skipped, the
-// rest is opened. Oracle: unsharp.kernel.h, whose formulas it takes; sums of whole steps are exact in any order.
+// `unsharp` with a threshold, on a GPU, last step: the window in blocks of 16, 8 and 4 samples a side, with the min,
+// max and sum of each. A block entirely within the threshold is added at once, one entirely outside is skipped, any
+// other is subdivided. The reference is unsharp.kernel.h, whose formulas it uses; sums of integer steps are exact in
+// any order.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel/glsl.h"
@@ -12,24 +13,24 @@ UMBRAGE_CONSTANTS(UnsharpConstants)
 
 #include "effects/unsharp/unsharp.kernel.h"
 
-IN_REAL(unsharp_least4)
-IN_REAL(unsharp_greatest4)
+IN_REAL(unsharp_min4)
+IN_REAL(unsharp_max4)
 PLANE(UintPlane, unsharp_sum4, 0)
-IN_REAL(unsharp_least8)
-IN_REAL(unsharp_greatest8)
+IN_REAL(unsharp_min8)
+IN_REAL(unsharp_max8)
 PLANE(UintPlane, unsharp_sum8, 0)
-IN_REAL(unsharp_least16)
-IN_REAL(unsharp_greatest16)
+IN_REAL(unsharp_min16)
+IN_REAL(unsharp_max16)
 PLANE(UintPlane, unsharp_sum16, 0)
 
-// Of the samples that count; `low` may be large.
+// Of the samples that count; sum_low may be large.
 uint sum_high = 0u, sum_low = 0u, number = 0u;
 float centre;
 
-// A block all of whose samples count: its least sample as often as it has samples, and what the others are more. That
-// fits a word also where the sum does not.
-void add_whole(uint sum, float least, uint samples) {
-  uint lowest = uint(int(least));
+// Adds a block all of whose samples count: its min times its number of samples, and the remainder, which fits into a
+// word even where the sum does not.
+void add_whole(uint sum, float min_value, uint samples) {
+  uint lowest = uint(int(min_value));
   uint more = sum - lowest * samples;
   sum_high += (lowest >> kSplit) * samples + (more >> kSplit);
   sum_low += (lowest & kSplitMask) * samples + (more & kSplitMask);
@@ -38,12 +39,12 @@ void add_whole(uint sum, float least, uint samples) {
   number += samples;
 }
 
-bool all_count(float least, float greatest) { return counts(least, centre) && counts(greatest, centre); }
-bool none_counts(float least, float greatest) {
-  return greatest < 0.0f || centre - greatest >= C.threshold || least - centre >= C.threshold;
+bool all_count(float min_value, float max_value) { return counts(min_value, centre) && counts(max_value, centre); }
+bool none_counts(float min_value, float max_value) {
+  return max_value < 0.0f || centre - max_value >= C.threshold || min_value - centre >= C.threshold;
 }
 
-// Rectangles of samples, by blocks of one size that fill them; right and bottom are the first outside.
+// These add rectangles of samples that blocks of one size fill; right and bottom are exclusive.
 void add_samples(int left, int top, int right, int bottom) {
   for (int y = top; y < bottom; ++y)
     for (int x = left; x < right; ++x) {
@@ -59,10 +60,10 @@ void add_blocks4(int left, int top, int right, int bottom) {
   for (int y = top; y < bottom; y += 4)
     for (int x = left; x < right; x += 4) {
       int block = y * F.stride + x;
-      float least = read_unsharp_least4(block), greatest = read_unsharp_greatest4(block);
-      if (all_count(least, greatest))
-        add_whole(unsharp_sum4_plane().at[block], least, 16u);
-      else if (!none_counts(least, greatest))
+      float min_value = read_unsharp_min4(block), max_value = read_unsharp_max4(block);
+      if (all_count(min_value, max_value))
+        add_whole(unsharp_sum4_plane().at[block], min_value, 16u);
+      else if (!none_counts(min_value, max_value))
         add_samples(x, y, x + 4, y + 4);
     }
 }
@@ -70,10 +71,10 @@ void add_blocks8(int left, int top, int right, int bottom) {
   for (int y = top; y < bottom; y += 8)
     for (int x = left; x < right; x += 8) {
       int block = y * F.stride + x;
-      float least = read_unsharp_least8(block), greatest = read_unsharp_greatest8(block);
-      if (all_count(least, greatest))
-        add_whole(unsharp_sum8_plane().at[block], least, 64u);
-      else if (!none_counts(least, greatest))
+      float min_value = read_unsharp_min8(block), max_value = read_unsharp_max8(block);
+      if (all_count(min_value, max_value))
+        add_whole(unsharp_sum8_plane().at[block], min_value, 64u);
+      else if (!none_counts(min_value, max_value))
         add_blocks4(x, y, x + 8, y + 8);
     }
 }
@@ -81,10 +82,10 @@ void add_blocks16(int left, int top, int right, int bottom) {
   for (int y = top; y < bottom; y += 16)
     for (int x = left; x < right; x += 16) {
       int block = y * F.stride + x;
-      float least = read_unsharp_least16(block), greatest = read_unsharp_greatest16(block);
-      if (all_count(least, greatest))
-        add_whole(unsharp_sum16_plane().at[block], least, 256u);
-      else if (!none_counts(least, greatest))
+      float min_value = read_unsharp_min16(block), max_value = read_unsharp_max16(block);
+      if (all_count(min_value, max_value))
+        add_whole(unsharp_sum16_plane().at[block], min_value, 256u);
+      else if (!none_counts(min_value, max_value))
         add_blocks8(x, y, x + 16, y + 16);
     }
 }
@@ -95,8 +96,7 @@ void blocks_pixel(int px, int py) {
     return;
   }
   centre = near_unsharp_depth(0, 0);
-  // The part of the window that lies in the picture: whole blocks of 16, right and below of them whole ones of 8, and
-  // so on.
+  // The part of the window inside the picture: whole blocks of 16, to the right and below whole blocks of 8, and so on.
   int left = max(px + C.first_column, 0), right = min(px + C.last_column + 1, F.width);
   int top = max(py + C.first_row, 0), bottom = min(py + C.last_row + 1, F.height);
   int width = right - left, height = bottom - top;

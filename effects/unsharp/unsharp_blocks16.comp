@@ -1,5 +1,5 @@
-// `unsharp` with a threshold, on a GPU: least, greatest and sum of 16 x 16 samples, from those of 8 x 8 that
-// unsharp_blocks8.comp left. The sum may overflow. Then comes unsharp_blocks.comp.
+// `unsharp` with a threshold, on a GPU: min, max and sum of 16 x 16 samples, from the 8 x 8 ones of
+// unsharp_blocks8.comp. The sum may overflow. The next step is unsharp_blocks.comp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel/glsl.h"
@@ -7,25 +7,25 @@
 #include "effects/unsharp/unsharp.h"
 UMBRAGE_CONSTANTS(UnsharpConstants)
 
-IN_REAL(unsharp_least8)
-IN_REAL(unsharp_greatest8)
+IN_REAL(unsharp_min8)
+IN_REAL(unsharp_max8)
 PLANE(UintPlane, unsharp_sum8, 0)
-OUT_REAL(unsharp_least16)
-OUT_REAL(unsharp_greatest16)
+OUT_REAL(unsharp_min16)
+OUT_REAL(unsharp_max16)
 PLANE(UintPlane, unsharp_sum16, 0)
 
 void blocks16_pixel(int px, int py) {
-  float least = near_unsharp_least8(0, 0), greatest = near_unsharp_greatest8(0, 0);
+  float min_value = near_unsharp_min8(0, 0), max_value = near_unsharp_max8(0, 0);
   uint sum = 0u;
   for (int j = 0; j < 16; j += 8)
     for (int i = 0; i < 16; i += 8) {
       int block = index_of(px + i, py + j);
-      least = min(least, read_unsharp_least8(block));
-      greatest = max(greatest, read_unsharp_greatest8(block));
+      min_value = min(min_value, read_unsharp_min8(block));
+      max_value = max(max_value, read_unsharp_max8(block));
       sum += unsharp_sum8_plane().at[block];
     }
-  store_unsharp_least16(least);
-  store_unsharp_greatest16(greatest);
+  store_unsharp_min16(min_value);
+  store_unsharp_max16(max_value);
   unsharp_sum16_plane().at[index_of_own()] = sum;
 }
 UMBRAGE_MAIN(blocks16)

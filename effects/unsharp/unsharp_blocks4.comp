@@ -1,5 +1,6 @@
-// `unsharp` with a threshold, on a GPU, first step: least, greatest and sum of the 4 x 4 samples right and down of
-// each. Blocks that reach past the picture hold anything; nobody reads them. Then comes unsharp_blocks8.comp.
+// `unsharp` with a threshold, on a GPU, first step: min, max and sum of the 4 x 4 samples right and down of each
+// sample. Blocks that extend past the picture have undefined values and are never read. The next step is
+// unsharp_blocks8.comp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel/glsl.h"
@@ -8,22 +9,22 @@
 UMBRAGE_CONSTANTS(UnsharpConstants)
 
 IN_REAL(unsharp_depth)
-OUT_REAL(unsharp_least4)
-OUT_REAL(unsharp_greatest4)
+OUT_REAL(unsharp_min4)
+OUT_REAL(unsharp_max4)
 PLANE(UintPlane, unsharp_sum4, 0)
 
 void blocks4_pixel(int px, int py) {
-  float least = near_unsharp_depth(0, 0), greatest = least;
+  float min_value = near_unsharp_depth(0, 0), max_value = min_value;
   uint sum = 0u;
   for (int j = 0; j < 4; ++j)
     for (int i = 0; i < 4; ++i) {
       float steps = near_unsharp_depth(i, j);
-      least = min(least, steps);
-      greatest = max(greatest, steps);
+      min_value = min(min_value, steps);
+      max_value = max(max_value, steps);
       sum += uint(int(max(steps, 0.0f)));
     }
-  store_unsharp_least4(least);
-  store_unsharp_greatest4(greatest);
+  store_unsharp_min4(min_value);
+  store_unsharp_max4(max_value);
   unsharp_sum4_plane().at[index_of_own()] = sum;
 }
 UMBRAGE_MAIN(blocks4)

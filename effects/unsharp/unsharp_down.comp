@@ -1,5 +1,5 @@
-// `unsharp` without a threshold, on a GPU, second step: running sums down the columns, of the rows' sums that
-// unsharp_across.comp left. Each invocation goes down one column. Oracle: unsharp.kernel.h, whose formulas it takes.
+// `unsharp` without a threshold, on a GPU, second step: running sums down the columns, of the rows' sums from
+// unsharp_across.comp. Each invocation processes one column. The reference is unsharp.kernel.h, whose formulas it uses.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel/glsl.h"
@@ -20,7 +20,7 @@ struct Sums {
   uint high, low, number;
 };
 
-// Row `y` of column `x`, outside the picture as the border mode says.
+// Returns row `y` of column `x`; outside the picture by the border mode.
 Sums row_sums(int x, int y) {
   uint width = uint(C.last_column - C.first_column + 1);
   if (y < 0 || y >= F.height) {

@@ -1,10 +1,10 @@
-// What the steps of `unsharp` on a GPU agree on. GLSL and C++ include it.
+// Constants shared by the steps of `unsharp` on a GPU. Included by GLSL and C++.
 #ifndef UMBRAGE_EFFECTS_UNSHARP_SUMS_H
 #define UMBRAGE_EFFECTS_UNSHARP_SUMS_H
 
-const int kUnsharpSegment = 256;                              // pixels of a row that one workgroup sums
-const int kUnsharpStripWidth = 64, kUnsharpStripHeight = 64;  // pixels that one workgroup sums down columns
-// A window smaller than this is summed as soon sample by sample, where there is a threshold.
-const int kUnsharpLeastBlocks = 12;
+const int kUnsharpSegment = 256;                              // pixels of a row per workgroup
+const int kUnsharpStripWidth = 64, kUnsharpStripHeight = 64;  // pixels per workgroup that sums down columns
+// With a threshold, a window smaller than this is summed as fast sample by sample.
+const int kUnsharpMinBlocks = 12;
 
 #endif

@@ -1,4 +1,4 @@
-// `unsharp` against the paper's listing and text, ported literally in double, and against scenes with a known answer.
+// Compares `unsharp` with a literal port of the paper's listing and text in double, and with scenes of known result.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -40,7 +40,7 @@ Plane ao(const GBuffer& gbuffer, const Settings& settings, const CpuSettings& cp
   return run(gbuffer, settings, cpu).planes[0];
 }
 
-/// A picture whose depth is a function of the pixel.
+/// Returns a picture whose depth is a function of the pixel.
 GBuffer depth_picture(int width, int height, const std::function<double(int x, int y)>& depth) {
   GBuffer g = test::empty_gbuffer(width, height);
   Plane& plane = g.layers[0].add("depth");
@@ -49,7 +49,7 @@ GBuffer depth_picture(int width, int height, const std::function<double(int x, i
   return g;
 }
 
-/// Smooth hills with a raised block and a hole: every threshold of interest is met somewhere.
+/// Smooth hills with a raised block and a hole: every threshold of interest occurs somewhere.
 GBuffer hills(int width, int height) {
   return depth_picture(width, height, [=](int x, int y) {
     if (x > width / 2 && x < width / 2 + width / 6 && y > height / 3 && y < height / 2) return 4.0 + 0.001 * x;
@@ -59,16 +59,16 @@ GBuffer hills(int width, int height) {
   });
 }
 
-// ---- the paper's listing, in double; its rows are counted from below
+// ---- the paper's listing, in double; its row 0 is the lowest
 // ---------------------------------------------------
 
-double window_depth(double depth) {  // what the depth buffer holds: 0 at the near plane, 1 at the far plane
+double window_depth(double depth) {  // depth buffer's value: 0 at the near plane, 1 at the far plane
   return std::isfinite(depth) ? kFar * (depth - kNear) / (depth * (kFar - kNear)) : 1.0;
 }
 
 double linearize_depth(double z) { return (2.0 * kNear) / (kFar + kNear - z * (kFar - kNear)); }
 
-/// The listing's main() at pixel (i, j): shade.
+/// Returns the result of the listing's main() at pixel (i, j).
 double listing_shade(const Plane& depth, int i, int j, double kernel_dimension, double threshold) {
   const double screen_x = depth.width, screen_y = depth.height;
   const auto texture = [&](double u, double v) {  // nearest, clamped
@@ -82,7 +82,7 @@ double listing_shade(const Plane& depth, int i, int j, double kernel_dimension, 
   for (int x = i - int(std::floor(kernel_dimension / 2.0)); x < max_x; ++x)
     for (int y = j - int(std::floor(kernel_dimension / 2.0)); y < max_y; ++y) {
       const double samp_x = double(x) / screen_x, samp_y = double(y) / screen_y;
-      // The nudge keeps x / screen * screen from falling just below x in double.
+      // The offset keeps x / screen * screen from rounding to just below x in double.
       const double tap = texture(samp_x + 1e-12, samp_y + 1e-12);
       if (samp_x >= 0.0 && samp_x <= 1.0 && samp_y >= 0.0 && samp_y <= 1.0 && std::fabs(own - tap) < threshold) {
         sum += tap;
@@ -103,9 +103,10 @@ TEST(Unsharp, MatchesThePapersListingForEvenKernels) {
                                 {"linearization", "listing"},
                                 {"near", "2"},
                                 {"far", "15"}});
-      const double flip = 20.0 * threshold / (k * k / 4.0);  // a sample at the threshold that falls to the other side
+      // Change by one sample at the threshold that rounds the other way
+      const double flip = 20.0 * threshold / (k * k / 4.0);
       long flips = 0, compared = 0;
-      // The listing lets copies of the last column and the topmost row in, where x or y equals the size.
+      // The listing includes copies of the last column and the topmost row, where x or y equals the size.
       for (int j = 0; j < depth.height - k / 2; ++j)
         for (int i = 0; i < depth.width - k / 2; ++i) {
           const int row = depth.height - 1 - j;
@@ -115,8 +116,8 @@ TEST(Unsharp, MatchesThePapersListingForEvenKernels) {
           flips += error > 2e-5;
           ++compared;
         }
-      // Steps are 2^-24 wide and samples spread over more than the threshold: of k^2 samples so many lie within a step
-      // or two of it.
+      // Steps are 2^-24 wide and samples are spread over more than the threshold: of k^2 samples this many are within a
+      // step or two of it.
       const double expected_flips = compared * (k * k) * 0x1p-23 / threshold;
       EXPECT_LE(double(flips), expected_flips + 1.0) << k << ' ' << threshold;
       EXPECT_GT(compared, 4000);
@@ -151,7 +152,8 @@ struct Oracle {
             {"near", fmt::format("{}", near_depth)},
             {"far", fmt::format("{}", far_depth)}};
   }
-  /// k x k samples; even windows reach one pixel farther to the left and, as rows count from below, farther down.
+  /// Returns `ao` from k x k samples; even windows extend one pixel farther to the left and, as rows count from below,
+  /// down.
   double ao(const Plane& depth, int px, int py) const {
     if (!std::isfinite(depth.at(px, py))) return 1.0;
     const double own = linear(depth.at(px, py));
@@ -192,18 +194,18 @@ void expect_oracle(const GBuffer& g, const Oracle& oracle) {
   const Plane ours = ao(g, oracle.settings());
   const Plane& depth = g.layers[0].plane("depth");
   long off = 0;
-  double most = 0.0;
+  double max = 0.0;
   for (int y = 0; y < depth.height; ++y)
     for (int x = 0; x < depth.width; ++x) {
       const double error = std::fabs(ours.at(x, y) - oracle.ao(depth, x, y));
       off += error > 3e-5 * std::max(1.0, oracle.strength / 20.0);
-      most = std::max(most, error);
+      max = std::max(max, error);
     }
-  // Samples within half a step of the threshold fall to either side.
+  // Samples within half a step of the threshold may round either way.
   EXPECT_LE(off, depth.width * depth.height / 500) << oracle.k << ' ' << oracle.border << ' ' << oracle.linearization
                                                    << ' ' << oracle.background << ' ' << oracle.window;
   const double reach = oracle.threshold > 0.0 ? oracle.threshold : 1.0;
-  EXPECT_LE(most, 2.0 * oracle.strength * reach / std::max(1.0, oracle.k * oracle.k / 8.0));
+  EXPECT_LE(max, 2.0 * oracle.strength * reach / std::max(1.0, oracle.k * oracle.k / 8.0));
 }
 
 TEST(Unsharp, MatchesTheTextForOddKernels) {
@@ -225,8 +227,7 @@ TEST(Unsharp, MatchesTheFormulaInEveryMode) {
 }
 
 TEST(Unsharp, LinearizationIsEquationOne) {
-  // Equation (1) fed with window depth stretched to [-1, 1] is `linear`; fed with [0, 1], as the listing does,
-  // `listing`.
+  // Equation (1) with window depth stretched to [-1, 1] is `linear`; with [0, 1], as in the listing, it is `listing`.
   const GBuffer g = depth_picture(64, 1, [](int x, int) { return 2.0 + 13.0 * x / 63.0; });
   for (const std::string mode : {"linear", "listing"}) {
     const Image image = run(g, {{"linearization", mode}, {"near", "2"}, {"far", "15"}});
@@ -261,7 +262,7 @@ TEST(Unsharp, StepShadesByTheShareOfTheWindowBehindIt) {
   }
   EXPECT_LT(plane.at(40, 30), 0.95f);
   EXPECT_GT(plane.at(39, 30), 1.05f);
-  // With a threshold below the step neither side sees the other.
+  // With a threshold below the step neither side affects the other.
   const Plane apart = ao(g, {{"kernel", "15"}, {"threshold", "0.005"}, {"near", "2"}, {"far", "15"}});
   for (int x = 0; x < 80; ++x) EXPECT_EQ(apart.at(x, 30), 1.0f) << x;
 }
@@ -276,23 +277,23 @@ TEST(Unsharp, TiltedPlaneHasTheComputedShade) {
   };
   const GBuffer g = depth_picture(width, height, [&](int x, int) { return depth_at(x); });
   const Plane plane = ao(g, {{"kernel", "31"}, {"threshold", "0"}, {"near", "2"}, {"far", "30"}});
-  double most_inside = 0.0;
+  double max_inside = 0.0;
   for (int x = 0; x < width; ++x) {
     double sum = 0.0;
     int count = 0;
     for (int i = std::max(x - 15, 0); i <= std::min(x + 15, width - 1); ++i, ++count) sum += depth_at(i) / 30.0;
     const double expected = 1.0 - 20.0 * (depth_at(x) / 30.0 - sum / count);
     EXPECT_NEAR(plane.at(x, 30), expected, 2e-5) << x;
-    if (x >= 15 && x < width - 15) most_inside = std::max(most_inside, std::fabs(expected - 1.0));
+    if (x >= 15 && x < width - 15) max_inside = std::max(max_inside, std::fabs(expected - 1.0));
   }
-  EXPECT_GT(most_inside, 1e-3);                         // small, but not nothing: the test would see a missing term
-  EXPECT_GT(std::fabs(plane.at(0, 30) - 1.0f), 0.02f);  // the cut window at the border
+  EXPECT_GT(max_inside, 1e-3);                          // small, but not 0: the test would detect a missing term
+  EXPECT_GT(std::fabs(plane.at(0, 30) - 1.0f), 0.02f);  // the clipped window at the border
 }
 
 TEST(Unsharp, BorderZeroDarkensTheSides) {
   const GBuffer g = depth_picture(100, 80, [](int, int) { return 6.0; });
   const Plane plane = ao(g, {{"kernel", "15"}, {"threshold", "0"}, {"border", "zero"}, {"near", "2"}, {"far", "15"}});
-  // At the left edge seven of fifteen columns are outside and lie on the near plane.
+  // At the left edge seven of fifteen columns are outside, on the near plane.
   EXPECT_NEAR(plane.at(0, 40), 1.0 - 20.0 * (0.4 - (8 * 0.4 + 7 * 2.0 / 15.0) / 15.0), 1e-5);
   EXPECT_EQ(plane.at(50, 40), 1.0f);
 }
@@ -306,7 +307,7 @@ TEST(Unsharp, TunedEqualsPlainForLargeWindowsToTheBit) {
             {"kernel", kernel}, {"threshold", threshold}, {"border", border}, {"near", "2"}, {"far", "15"}};
         const Plane plain = ao(g, settings, {.tuned = false});
         const Plane tuned = ao(g, settings, {.tuned = true});
-        EXPECT_EQ(test::difference(plain, tuned, 0.0).most, 0.0) << kernel << ' ' << threshold << ' ' << border;
+        EXPECT_EQ(test::difference(plain, tuned, 0.0).max, 0.0) << kernel << ' ' << threshold << ' ' << border;
       }
 }
 
@@ -318,11 +319,11 @@ TEST(Unsharp, TunedEqualsPlainForTheLargestWindowAndThreshold) {
         {"kernel", kernel}, {"threshold", "0.9999"}, {"border", "clamp"}, {"near", "1"}, {"far", "100000"}};
     const Plane plain = ao(g, settings, {.tuned = false});
     const Plane tuned = ao(g, settings, {.tuned = true});
-    EXPECT_EQ(test::difference(plain, tuned, 0.0).most, 0.0) << kernel;
+    EXPECT_EQ(test::difference(plain, tuned, 0.0).max, 0.0) << kernel;
   }
 }
 
-/// What a Vulkan device makes of the picture.
+/// Returns the result of a Vulkan device.
 Plane ao_on(Device& device, const GBuffer& gbuffer, const Settings& settings) {
   auto frame = device.upload(gbuffer);
   const auto done = device.run(*find_effect("unsharp"), parameters(settings), *frame);
@@ -335,12 +336,12 @@ TEST(Unsharp, WaysOfAGpuEqualItsPlainKernelToTheBit) {
   const auto plain = test::new_vulkan_device({.tuned = false});
   UMBRAGE_NEEDS_VULKAN(tuned && plain);
   const test::NoMessages no_messages;
-  // Windows of all remainders by 16 and 4, larger than the picture too; as wide as a workgroup's share of a row and
+  // Windows of all remainders by 16 and 4, also larger than the picture; as wide as a workgroup's part of a row and
   // wider.
   const GBuffer small = hills(44, 29), wide = hills(300, 9);
   const auto expect_equal = [&](const GBuffer& g, const Settings& settings) {
     const Plane a = ao_on(*plain, g, settings), b = ao_on(*tuned, g, settings);
-    EXPECT_EQ(test::difference(a, b, 0.0).most, 0.0)
+    EXPECT_EQ(test::difference(a, b, 0.0).max, 0.0)
         << settings[0].second << ' ' << settings[1].second << ' ' << settings[2].second << ' ' << settings[3].second;
   };
   for (const char* kernel : {"2", "13", "40", "71"})
@@ -362,15 +363,15 @@ TEST(Unsharp, WaysOfAGpuHaveRoomForTheLargestWindow) {
   Device* const device = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(device);
   const test::NoMessages no_messages;
-  // A million samples, each nearly the whole range away: the sums need all their bits. Against the CPU: lavapipe ends
-  // loops after 65535 turns, and with them the plain kernel.
+  // A million samples, each nearly the whole range away: the sums need all their bits. Compares with the CPU, since
+  // lavapipe ends loops, including those of the plain kernel, after 65535 iterations.
   const GBuffer g = depth_picture(48, 20, [](int x, int y) { return x < 4 && y < 9 ? 1.0 : 99990.0 - x; });
   for (const char* threshold : {"0", "0.9999"})
     for (const char* border : {"skip", "zero"}) {
       const Settings settings = {
           {"kernel", "1023"}, {"threshold", threshold}, {"border", border}, {"near", "1"}, {"far", "100000"}};
       const Plane cpu = ao(g, settings), gpu = ao_on(*device, g, settings);
-      EXPECT_LE(test::difference(cpu, gpu, 0.0).most, 2e-5) << threshold << ' ' << border;
+      EXPECT_LE(test::difference(cpu, gpu, 0.0).max, 2e-5) << threshold << ' ' << border;
     }
 }
 
@@ -384,7 +385,7 @@ TEST(Unsharp, LargestWindowDoesNotOverflow) {
 }
 
 TEST(Unsharp, AutomaticPlanesKeepTheSceneInFront) {
-  // Far is automatic: the farthest depth of the scene lies at 0.9, whatever the scene's scale.
+  // Far is automatic: the scene's max depth is at 0.9, at any scale of the scene.
   for (const float scale : {1e-3f, 1.0f, 1e4f}) {
     GBuffer g = depth_picture(8, 8, [&](int x, int) { return scale * (1.0 + x); });
     g.info.depth_min = scale;

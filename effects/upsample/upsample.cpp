@@ -12,15 +12,15 @@ namespace {
 
 const std::vector<Parameter> kTable = {
     choice_row("factor", &UpsampleParams::factor, 0, {"2", "4"},
-               "pixels across and down that one at reduced resolution stands for; `occlusion_scale` sets it"),
+               "full-resolution pixels per reduced pixel, across and down; `occlusion_scale` sets it"),
     bool_row("indirect", &UpsampleParams::indirect, false,
-             "upsample the reflected light too, not the occlusion alone; `occlusion_scale` sets it"),
+             "upsample reflected light as well as occlusion; `occlusion_scale` sets it"),
     bool_row("leave", &UpsampleParams::leave, false,
-             "leave pixels that too few others fit for the technique to compute; `occlusion_scale` sets it"),
+             "let the technique compute pixels that too few reduced pixels fit; `occlusion_scale` sets it"),
     real_row("distance", &UpsampleParams::distance, {.initial = 1, .min = 0.01, .max = 100, .unit = "px"},
-             "how far a pixel may lie off another's plane to join it fully"),
+             "max distance of a pixel from another's plane at which it fits fully"),
     real_row("angle", &UpsampleParams::angle, {.initial = 25, .min = 1, .max = 180, .unit = "deg"},
-             "by how much normals may differ for pixels to join fully"),
+             "max angle between normals at which pixels fit fully"),
 };
 
 void fill_constants(const UpsampleParams& params, const PictureInfo&, UpsampleConstants& c) {
@@ -29,10 +29,10 @@ void fill_constants(const UpsampleParams& params, const PictureInfo&, UpsampleCo
   c = {factor, params.leave, params.distance, float(1.0 / (1.0 - cosine))};
 }
 
-bool light_too(const ParameterBytes& bytes) { return as<UpsampleParams>(bytes).indirect != 0; }
-bool ao_alone(const ParameterBytes& bytes) { return !light_too(bytes); }
+bool includes_light(const ParameterBytes& bytes) { return as<UpsampleParams>(bytes).indirect != 0; }
+bool ao_only(const ParameterBytes& bytes) { return !includes_light(bytes); }
 
-/// Two blocks below the pixel's own, which begins a block above it at most.
+/// Two blocks below the pixel's own, which begins at most a block above it.
 int reach(const void* constants, int) { return 3 * static_cast<const UpsampleConstants*>(constants)->factor; }
 
 void set_reduction(const Reduction& reduction, ParameterBytes& bytes) {
@@ -51,19 +51,19 @@ Effect effect_upsample() {
                .source = "Kopf et al. 2007",
                .set_reduction = set_reduction,
                .variants = {"", "factor=4", "indirect=on"},
-               .passes = {{.name = "ao",
-                           .inputs = {"reduced_ao", "depth", "normal.x", "normal.y", "normal.z"},
-                           .outputs = {"ao"},
-                           .kernel = upsample_ao_kernel(),
-                           .needed = ao_alone,
-                           .reach = reach},
-                          {.name = "light",
-                           .inputs = {"reduced_ao", "reduced_indirect.r", "reduced_indirect.g", "reduced_indirect.b",
-                                      "depth", "normal.x", "normal.y", "normal.z"},
-                           .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
-                           .kernel = upsample_light_kernel(),
-                           .needed = light_too,
-                           .reach = reach}}});
+               .dispatches = {{.name = "ao",
+                               .inputs = {"reduced_ao", "depth", "normal.x", "normal.y", "normal.z"},
+                               .outputs = {"ao"},
+                               .kernel = upsample_ao_kernel(),
+                               .needed = ao_only,
+                               .reach = reach},
+                              {.name = "light",
+                               .inputs = {"reduced_ao", "reduced_indirect.r", "reduced_indirect.g",
+                                          "reduced_indirect.b", "depth", "normal.x", "normal.y", "normal.z"},
+                               .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
+                               .kernel = upsample_light_kernel(),
+                               .needed = includes_light,
+                               .reach = reach}}});
 }
 
 }  // namespace umbrage

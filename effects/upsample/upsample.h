@@ -1,4 +1,4 @@
-// What a person sets of `upsample`, and what its kernels read. Shared by C++ and GLSL: 4-byte scalars only.
+// User parameters of `upsample` and the constants of its kernels. Shared by C++ and GLSL: 4-byte scalars only.
 #ifndef UMBRAGE_EFFECTS_UPSAMPLE_H
 #define UMBRAGE_EFFECTS_UPSAMPLE_H
 
@@ -6,7 +6,7 @@
 struct UpsampleParams {
   int factor;      // kUpsampleHalf, kUpsampleQuarter
   int indirect;    // 0 or 1
-  int leave;       // 0 or 1
+  int leave;       // 0 or 1: leave pixels that no other fits to the technique
   float distance;  // pixels
   float angle;     // degrees
 };

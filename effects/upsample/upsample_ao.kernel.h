@@ -1,7 +1,7 @@
-// Occlusion from reduced to full resolution.
+// Upsamples occlusion from reduced to full resolution.
 #include "effects/upsample/upsample.kernel.h"
 
-// Sums of differences to the own block's value, so that what is equal stays equal to the bit.
+// Sums differences from the own block's value, so that equal values stay bitwise identical.
 FN void upsample_ao_pixel(Int px, Int py) {
   Vec3 shares = shares_of(px, py);
   Real own = small_ao(0, 0);
@@ -19,6 +19,6 @@ FN void upsample_ao_pixel(Int px, Int py) {
     change = select(few, wide * (Real(1.0f) / sum), change);
   }
   Real ao = own + change;
-  if (C.leave != 0) ao = select(few, left_ao(), ao);
+  if (C.leave != 0) ao = select(few, missing_ao(), ao);
   store_ao(ao);
 }

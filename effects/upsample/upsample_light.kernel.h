@@ -1,11 +1,11 @@
-// Occlusion and the light that surfaces send each other, from reduced to full resolution.
+// Upsamples occlusion and indirect light from reduced to full resolution.
 IN_COLOR(reduced_indirect)
 OUT_COLOR(indirect)
 #include "effects/upsample/upsample.kernel.h"
 
 FN Vec3 small_light(int i, int j) { return clean_light(block_reduced_indirect(C.factor, i, j)); }
 
-// Sums of differences to the own block's value, so that what is equal stays equal to the bit.
+// Sums differences from the own block's value, so that equal values stay bitwise identical.
 FN void upsample_light_pixel(Int px, Int py) {
   Vec3 shares = shares_of(px, py);
   Real own = small_ao(0, 0);
@@ -15,7 +15,7 @@ FN void upsample_light_pixel(Int px, Int py) {
                       (small_light(1, 1) - own_light) * shares.z;
   Bool few = shares.x < 0.0f;
   if (some(few)) {
-    // Where the technique is to compute the occlusion, light is borrowed from the four nearest: sixteen would cost
+    // Where the technique will compute the occlusion, light is taken from the four nearest blocks: sixteen would cost
     // more.
     int nearest = C.leave != 0 ? 0 : 1;
     Real sum = Real(0.0f);
@@ -33,7 +33,7 @@ FN void upsample_light_pixel(Int px, Int py) {
     light_change = select(few, wide_light * scale, light_change);
   }
   Real ao = own + change;
-  if (C.leave != 0) ao = select(few, left_ao(), ao);
+  if (C.leave != 0) ao = select(few, missing_ao(), ao);
   store_ao(ao);
   store_indirect(own_light + light_change);
 }

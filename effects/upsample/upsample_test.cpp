@@ -1,4 +1,4 @@
-// `upsample` and reduced frames: positions, surfaces kept apart, and half resolution against full.
+// Tests `upsample` and reduced frames: positions, separation of surfaces, and half resolution against full.
 #include "effects/upsample/upsample.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ glm::dvec3 position_of(const PictureInfo& info, const Camera& camera, int x, int
   return {(camera.left + (x + 0.5) * across) * spread, (camera.top - (y + 0.5) * down) * spread, -depth};
 }
 
-/// A picture without planes but depth, whose camera looks off centre.
+/// Returns a picture with only a depth plane, whose camera looks off centre.
 GBuffer off_centre(int width, int height, bool orthographic, int guard) {
   GBuffer g = test::empty_gbuffer(width, height);
   const float aspect = float(width) / float(height);
@@ -55,7 +55,7 @@ TEST(Reduced, PixelsKeepTheirPlaces) {
         for (const Size size : {Size{1, 1}, {3, 2}, {191, 347}, {64, 64}}) {
           SCOPED_TRACE(fmt::format("{}x{}, guard {}, factor {}", size.width, size.height, guard, factor));
           GBuffer g = off_centre(size.width, size.height, orthographic, guard);
-          // A second layer that another camera sees.
+          // A second layer, from another camera.
           g.info.more_layers = {{.kind = LayerKind::kOther, .camera = g.info.camera}};
           g.info.more_layers[0].camera.left -= 0.25f;
           g.layers.push_back(g.layers[0]);
@@ -68,8 +68,8 @@ TEST(Reduced, PixelsKeepTheirPlaces) {
           EXPECT_EQ(info.width, (g.info.width + factor - 1) / factor);
           EXPECT_EQ(info.height, (g.info.height + factor - 1) / factor);
           EXPECT_EQ(info.reduced, factor);
-          EXPECT_FLOAT_EQ(info.share_width() * float(factor), float(g.info.inner_width()));
-          EXPECT_FLOAT_EQ(info.share_height() * float(factor), float(g.info.inner_height()));
+          EXPECT_FLOAT_EQ(info.reference_width() * float(factor), float(g.info.inner_width()));
+          EXPECT_FLOAT_EQ(info.reference_height() * float(factor), float(g.info.inner_height()));
           const Image planes = *device->download_all(*small);
           ASSERT_EQ(planes.names, (std::vector<std::string>{"depth", "layer1.depth"}));
           ASSERT_EQ(planes.width, info.width);
@@ -97,10 +97,10 @@ TEST(Reduced, LengthsInPixelsMeanTheSameDistance) {
   EXPECT_EQ(quarter.reduced, 4);
   EXPECT_EQ(quarter.width, reduced_info(g.info, 4).width);
   for (const Length& length : {Length{12.0f, 0}, Length{3.125f, 1}}) {
-    const float full = length_px(length, g.info.share_width(), g.info);
+    const float full = length_px(length, g.info.reference_width(), g.info);
     EXPECT_FLOAT_EQ(full, length.relative ? 0.03125f * 191.0f : 12.0f);
-    EXPECT_FLOAT_EQ(2.0f * length_px(length, half.share_width(), half), full);
-    EXPECT_FLOAT_EQ(4.0f * length_px(length, quarter.share_width(), quarter), full);
+    EXPECT_FLOAT_EQ(2.0f * length_px(length, half.reference_width(), half), full);
+    EXPECT_FLOAT_EQ(4.0f * length_px(length, quarter.reference_width(), quarter), full);
   }
 }
 
@@ -119,7 +119,7 @@ TEST(Reduced, PlacedPlanesLieInTheCorner) {
   EXPECT_NE(missing.error().message.find("'ao'"), std::string::npos);
 }
 
-/// A G-buffer with normals and with `reduced_ao` and `reduced_indirect`, to be filled.
+/// Returns a G-buffer with normals and with `reduced_ao` and `reduced_indirect`, to be filled.
 GBuffer to_upsample(int width, int height) {
   GBuffer g = test::empty_gbuffer(width, height);
   for (const char* name :
@@ -170,13 +170,13 @@ TEST(Upsample, KeepsThePixelsThatWereComputedAndWhatIsConstant) {
       });
       ao = Plane(191, 63, 0.3f);
       test::on_every_target("upsample", g, by(factor, false), [&](const Image& image) {
-        EXPECT_EQ(test::difference(image.plane("ao"), ao, 0.0).most, 0.0);
+        EXPECT_EQ(test::difference(image.plane("ao"), ao, 0.0).max, 0.0);
       });
     }
 }
 
 TEST(Upsample, NothingCrossesASilhouette) {
-  // Left of a slanted edge something near, of other occlusion and light than what is behind it, or background.
+  // Left of a slanted edge a near surface, with other occlusion and light than the surface or background behind it.
   for (const int factor : {2, 4})
     for (const float behind : {5.2f, 9.0f, kInfinity})
       for (const bool turned : {false, true}) {  // a crease of 90 degrees that points at the camera
@@ -204,10 +204,10 @@ TEST(Upsample, NothingCrossesASilhouette) {
               image.plane(reduced_plane(name)).at(x / factor, y / factor) = left_of(x, y) ? 0.25f : 0.75f;
         test::on_every_target("upsample", g, by(factor), [&](const Image& out) {
           for (const char* name : kMade)
-            // Beyond the last computed row and column there is nothing to tell them apart by.
+            // Beyond the last computed row and column nothing distinguishes the sides.
             for (int y = 0; y <= 64 - factor; ++y)
               for (int x = 0; x <= 80 - factor; ++x) {
-                // One of the four nearest pixels lies on this one's side.
+                // At least one of the four nearest pixels must be on this pixel's side.
                 bool has_own = false;
                 for (const int i : {0, factor})
                   for (const int j : {0, factor})
@@ -222,7 +222,7 @@ TEST(Upsample, NothingCrossesASilhouette) {
 TEST(Upsample, WhatNoPixelFitsTakesFromTheNearestInDepth) {
   GBuffer g = to_upsample(16, 16);
   Image& image = g.layers[0];
-  // A wire between computed pixels: to its left depth 5, to its right depth 9.
+  // A wire between computed pixels: depth 5 to its left, depth 9 to its right.
   for (int y = 0; y < 16; ++y)
     for (int x = 0; x < 16; ++x) {
       image.plane("depth").at(x, y) = x == 5 ? 8.0f : x < 5 ? 5.0f : 9.0f;
@@ -231,7 +231,7 @@ TEST(Upsample, WhatNoPixelFitsTakesFromTheNearestInDepth) {
   test::on_every_target("upsample", g, by(2, false), [&](const Image& out) {
     for (int y = 0; y < 14; ++y) {
       EXPECT_EQ(out.plane("ao").at(4, y), 0.25f);
-      // Three times as near as the other side, which counts by the fourth power.
+      // The wire is three times as near to this side as to the other; weights fall with the fourth power.
       EXPECT_NEAR(out.plane("ao").at(5, y), 0.75, 0.5 / 81.0);
       EXPECT_EQ(out.plane("ao").at(6, y), 0.75f);
     }
@@ -239,7 +239,7 @@ TEST(Upsample, WhatNoPixelFitsTakesFromTheNearestInDepth) {
 }
 
 TEST(Upsample, LeavesOcclusionThatNoPixelShows) {
-  // A wire between computed pixels again, and a slit in its middle that shows background.
+  // The same wire, with a slit in its middle that shows background.
   GBuffer g = to_upsample(16, 16);
   Image& image = g.layers[0];
   for (int y = 0; y < 16; ++y)
@@ -300,7 +300,7 @@ TEST(Upsample, GrazingPlanesWithRoughNormalsAreAsFacingOnesAndStepsAreNot) {
     test::at_grazing_angles({.error_deg = 2.0}, [&](const test::TiltedPlane& plane) {
       test::on_every_target("upsample", with_planes(plane), by(factor), [&](const Image& image) {
         for (const char* name : kMade)
-          EXPECT_LE(test::difference(image.plane(name), expected.plane(name), 0.0).most, 1e-6) << name;
+          EXPECT_LE(test::difference(image.plane(name), expected.plane(name), 0.0).max, 1e-6) << name;
       });
     });
     test::at_grazing_angles({.step_px = 200.0, .depth_ratio = 0.05}, [&](const test::TiltedPlane& plane) {
@@ -341,7 +341,7 @@ TEST(Upsample, BackgroundTakesNothingFromSurfaces) {
   EXPECT_GT(found, 100);
 }
 
-/// `ao` that a look's recipe makes of a scene's picture.
+/// Draws the `ao` of a scene's picture by the recipe of a look.
 struct Drawing {
   std::unique_ptr<Device> device = make_cpu_device();
   Scene scene;
@@ -362,7 +362,7 @@ struct Drawing {
         .name = "test", .summary = "", .occlusion = technique, .effects = {"occlusion", "denoise"}, .presets = {}};
     EffectSettings all = look_settings(look);
     for (const std::string& setting : settings) EXPECT_TRUE(apply_setting(all, setting)) << setting;
-    const LookRun run{.look = &look, .occlusion = technique, .occlusion_every = every, .settings = &all};
+    const LookRun run{.look = &look, .occlusion = technique, .occlusion_downsampling = every, .settings = &all};
     const auto done = run_look(run, *device, frame);
     EXPECT_TRUE(done) << (done ? "" : done.error().message);
     Image image = *device->download(frame, {"ao", "depth"});
@@ -410,8 +410,8 @@ TEST(Upsample, HalfResolutionIsCloseToFull) {
         const Plane small = drawing.ao(size, orthographic, guard, every, "sphere", kHemisphere, &depth);
         const Deviation e = error_of(small, full, depth);
         EXPECT_LT(std::fabs(e.bias), every == 2 ? 0.003 : 0.005);
-        // The tank is a heap of thin things, which leave little for a filter to join: at 191 x 347 its noise alone, of
-        // two pictures with 64 samples, is 0.021. With 256 samples, half of that:
+        // The tank is a heap of thin parts, of which few pixels fit: at 191 x 347 the noise alone of two pictures with
+        // 64 samples is 0.021. With 256 samples it is half of that:
         const bool noisy = size.width == 191 && std::string_view(name).starts_with("scene:tank");
         if (every == 2) {
           EXPECT_LT(e.rmse, noisy ? 0.0237 : 0.02);
@@ -424,14 +424,14 @@ TEST(Upsample, HalfResolutionIsCloseToFull) {
           EXPECT_LT(error_of(fine_half, fine, depth).rmse, 0.02);
         }
         if (size.width > 100) {
-          EXPECT_GT(e.rmse, 1e-3);  // it did run at another resolution
+          EXPECT_GT(e.rmse, 1e-3);  // it was computed at another resolution
         }
       }
   }
 }
 
 TEST(Upsample, LaterRoundsReadWhatTheFirstDoesNot) {
-  // At reduced resolution planes are taken along where a round reads them; the memory of an earlier run holds none.
+  // At reduced resolution, planes are copied where a round reads them; the memory of an earlier run has none of them.
   const Scene scene = *make_builtin_scene("scene:atrium?detail=4000");
   const auto device = make_cpu_device();
   ASSERT_TRUE(device->prepare(scene));
@@ -446,12 +446,12 @@ TEST(Upsample, LaterRoundsReadWhatTheFirstDoesNot) {
     for (const std::string& setting :
          {std::string("hemisphere.bleeding=1"), fmt::format("hemisphere.bounces={}", bounces)})
       EXPECT_TRUE(apply_setting(all, setting));
-    const LookRun run{.look = &look, .occlusion = "hemisphere", .occlusion_every = 2, .settings = &all};
+    const LookRun run{.look = &look, .occlusion = "hemisphere", .occlusion_downsampling = 2, .settings = &all};
     EXPECT_TRUE(run_look(run, *device, frame));
     return device->download(frame, {"indirect.g"})->planes[0];
   };
   const Plane once = light(1), twice = light(2);
-  // The second round sends what the albedo leaves of the first's light.
+  // The second round reflects the light of the first, times the albedo.
   Image dark = *device->download(frame, {"albedo.r", "albedo.g", "albedo.b"});
   for (Plane& plane : dark.planes) plane = Plane(size.width, size.height, 0.0f);
   ASSERT_TRUE(device->add(dark, frame));
@@ -465,7 +465,7 @@ TEST(Upsample, EveryTechniqueKeepsItsStrength) {
   for (const Effect* effect : effects()) {
     if (effect->kind != EffectKind::kOcclusion) continue;
     SCOPED_TRACE(effect->name);
-    // The mask by a window that is as many whole pixels at half resolution.
+    // The unsharp mask has a window that is an integer number of pixels at half resolution too.
     std::vector<std::string> settings = {"unsharp.kernel=42", "unsharp.linearization=extent",
                                          "unsharp.background=ignore"};
     settings.insert(settings.end(), kHemisphere.begin(), kHemisphere.end());

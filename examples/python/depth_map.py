@@ -1,7 +1,7 @@
-"""The depth map of a network becomes a shaded relief: depth_map.py disparity.npy relief.png
+"""Shades the depth map of a neural network as a relief: depth_map.py disparity.npy relief.png
 
-Networks such as MiDaS and Depth Anything give disparity: large is near, without a unit. A torch tensor on the CPU serves
-as it is. Without a file a made-up one is taken.
+Networks such as MiDaS and Depth Anything return disparity: large is near, without a unit. A torch tensor on the CPU can
+be passed without conversion. Without an input file, a synthetic depth map is used.
 """
 import sys
 
@@ -11,14 +11,14 @@ import umbrage
 
 
 def made_up(width: int = 320, height: int = 240) -> np.ndarray:
-    """Disparity of some hills."""
+    """Returns the disparity of some hills."""
     y, x = np.mgrid[-1 : 1 : height * 1j, -1.3 : 1.3 : width * 1j]
     hills = sum(np.exp(-(((x - a) ** 2 + (y - b) ** 2) / 0.1)) for a, b in ((-0.6, 0), (0.5, 0.3), (0.2, -0.5)))
     return (1 + 0.5 * hills + 0.2 * y).astype(np.float32)
 
 
 def depth_of(disparity: np.ndarray, nearest: float = 1.0, farthest: float = 3.0) -> np.ndarray:
-    """Distances: disparity is one over them, up to a factor and an offset, which are chosen here."""
+    """Returns distances. Their inverse equals the disparity up to a scale and an offset, which are chosen here."""
     low, high = np.percentile(disparity, (1, 99))
     share = np.clip((disparity - low) / max(high - low, 1e-6), 0, None)
     return 1 / (1 / farthest + share * (1 / nearest - 1 / farthest))

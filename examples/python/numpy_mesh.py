@@ -1,4 +1,4 @@
-"""A mesh from NumPy becomes a picture: numpy_mesh.py wave.png [size]"""
+"""Renders a mesh made with NumPy: numpy_mesh.py wave.png [size]"""
 import sys
 
 import numpy as np
@@ -7,7 +7,7 @@ import umbrage
 
 
 def grid(side: int) -> "tuple[np.ndarray, np.ndarray]":
-    """Points of a square, (side, side, 2), and the triangles between them."""
+    """Returns the points of a square, (side, side, 2), and the quads between them."""
     points = np.stack(np.meshgrid(np.linspace(-1, 1, side), np.linspace(-1, 1, side)), axis=-1)
     corner = np.arange(side * side).reshape(side, side)[:-1, :-1].ravel()
     quads = np.stack([corner, corner + 1, corner + side + 1, corner + side], axis=1)
@@ -20,7 +20,7 @@ def main() -> None:
     x, y = points[..., 0], points[..., 1]
     z = 0.25 * np.cos(9 * np.hypot(x, y)) * np.exp(-1.5 * (x * x + y * y))
     vertices = np.stack([x, y, z], axis=-1).reshape(-1, 3)
-    # Floats are linear light, integers of 8 bits sRGB.
+    # Float colors are linear light; 8-bit integers are sRGB.
     colors = np.stack([0.6 + 1.4 * z, 0.45 + 0 * z, 0.5 - 1.4 * z], axis=-1).reshape(-1, 3).clip(0, 1)
 
     scene = umbrage.Scene(vertices, quads, colors=colors, up="+Z")

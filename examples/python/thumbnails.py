@@ -1,6 +1,6 @@
-"""A pool of processes draws small pictures of many models: thumbnails.py FOLDER MODEL...
+"""Renders thumbnails of many models in a pool of processes: thumbnails.py FOLDER MODEL...
 
-Processes are spawned: forked ones lack the threads of the library. Each has a share of the machine's cores.
+Processes must be spawned, since forked ones lack the threads of the library. The cores are divided among them.
 """
 import multiprocessing
 import os
@@ -13,7 +13,7 @@ SIZE = (256, 256)
 
 
 def thumbnail(job: Tuple[str, str, int]) -> str:
-    """Draws one model, and says how it went."""
+    """Renders one model. Returns a line with the file name or the error."""
     model, folder, threads = job
     name = os.path.basename(model.split("?")[0]).replace("scene:", "")
     target = os.path.join(folder, os.path.splitext(name)[0] + ".png")

@@ -1,4 +1,4 @@
-"""A torch tensor becomes shaded, and the occlusion is a tensor again, without a copy of either."""
+"""Shades a torch tensor and writes ambient visibility to another tensor, without copies."""
 import torch
 
 import umbrage

@@ -1,4 +1,4 @@
-// What the headers of the C++ interface share: errors, handles, and how a caller's Progress is told.
+// Internals of the C++ interface: errors, handles, and the forwarding of progress to a caller's Progress.
 // umbrage/umbrage.hpp includes this header.
 #pragma once
 #include <exception>
@@ -24,15 +24,15 @@ namespace detail {
 
 // ---- Errors ----
 
-/// A sentence for an error whose own one nobody kept.
+/// Returns a generic message for an error whose own message is not available.
 inline const char* plain_sentence(UmbError code) {
   switch (code) {
     case UMB_ERROR_USAGE:
-      return "a name, value, image or call that cannot be";
+      return "an invalid name, value, image or call";
     case UMB_ERROR_FILE:
       return "a file that cannot be read, used or written";
     case UMB_ERROR_DEVICE:
-      return "a device that is missing or cannot do it, or too little memory";
+      return "a missing or insufficient device, or too little memory";
     case UMB_ERROR_CANCELLED:
       return "the progress callback returned false";
     default:
@@ -40,8 +40,8 @@ inline const char* plain_sentence(UmbError code) {
   }
 }
 
-/// The error of a call that returned this code, which is then told. `take` asks the object; what it holds may be an
-/// older error, and a call that was refused since another thread is at work on the object leaves its sentence with the
+/// Returns the error of a call that returned `code`, and clears it. `take` reads the error of the object. That error
+/// may be an older one: a call that was refused because another thread uses the object stores its error with the
 /// thread.
 template <class Take>
 Outcome told(UmbError code, const Take& take) {
@@ -50,7 +50,7 @@ Outcome told(UmbError code, const Take& take) {
   return {int(code), plain_sentence(code), {}};
 }
 
-/// The error of a call that returns no code. `otherwise`: where there is none.
+/// Returns and clears the error of a call that returns no code. `otherwise`: the code if no error is stored.
 template <class Take>
 Outcome told_without_code(UmbError otherwise, const Take& take) {
   const char* message = "";
@@ -60,7 +60,7 @@ Outcome told_without_code(UmbError otherwise, const Take& take) {
   return {int(code), message, {}};
 }
 
-/// Throws the error that `ask` gives. Without exceptions it stays where it can be asked for.
+/// Throws the error that `ask` returns. Without exceptions the error stays stored.
 template <class Ask>
 void fail(const Ask& ask) {
 #ifdef __cpp_exceptions
@@ -71,20 +71,20 @@ void fail(const Ask& ask) {
 #endif
 }
 
-/// Throws the error of a code, or returns the code.
+/// Throws the error of a code. Returns the code if it is UMB_ERROR_NONE, or without exceptions.
 template <class Take>
 UmbError check_with(UmbError code, const Take& take) {
   if (code != UMB_ERROR_NONE) fail([&] { return told(code, take); });
   return code;
 }
 
-/// Of an object.
+/// The same for a call on an object.
 template <class Handle>
 UmbError check(UmbError code, Handle handle, UmbError (*take)(Handle, const char**)) {
   return check_with(code, [&](const char** message) { return take(handle, message); });
 }
 
-/// The error that `take` gives; then there is none.
+/// Returns and clears the error that `take` reads.
 template <class Take>
 Outcome taken(const Take& take) {
   const char* message = "";
@@ -92,7 +92,7 @@ Outcome taken(const Take& take) {
   return {int(code), message, {}};
 }
 
-/// The handle of a new object. Throws where it is null.
+/// Returns the handle of a new object. Throws if it is null.
 template <class Handle>
 Handle made(Handle handle) {
   if (!handle) fail([] { return told_without_code(UMB_ERROR_INTERNAL, umbGetError); });
@@ -101,12 +101,12 @@ Handle made(Handle handle) {
 
 // ---- Handles ----
 
-/// A handle that counts its references.
+/// A reference-counted handle.
 template <class Handle, void (*retain)(Handle), void (*release)(Handle)>
 class Ref {
  public:
   Ref() = default;
-  /// Takes over a reference of the caller's.
+  /// Takes ownership of a reference of the caller.
   explicit Ref(Handle handle) : handle_(handle) {}
   Ref(const Ref& other) : handle_(other.handle_) { retain(handle_); }
   Ref(Ref&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
@@ -115,7 +115,7 @@ class Ref {
     return *this;
   }
   ~Ref() { release(handle_); }
-  /// For calls of the C interface.
+  /// Returns the handle, for calls of the C interface.
   Handle get() const { return handle_; }
   explicit operator bool() const { return handle_ != nullptr; }
 
@@ -123,18 +123,18 @@ class Ref {
   Handle handle_ = nullptr;
 };
 
-/// Marks constructors that take over a reference.
+/// Marks constructors that take ownership of a reference.
 struct Adopted {};
 
 // ---- Progress ----
 
-/// A caller's Progress, which may throw what it likes: that ends the work as its false would, and goes on to the caller
-/// once the call has returned.
+/// Wraps a caller's Progress, which may throw. An exception cancels the work, as returning false does; rethrow passes
+/// it to the caller after the call has returned.
 class Watch {
  public:
   explicit Watch(const Progress& progress) : progress_(progress) {}
   UmbProgressCallback callback() const { return progress_ ? &Watch::call : nullptr; }
-  /// Of work that comes before what shares are told of.
+  /// Returns the callback for work that precedes the reported fractions; it always reports 0.
   UmbProgressCallback callback_before() const { return progress_ ? &Watch::call_before : nullptr; }
   bool has_thrown() const { return thrown_ != nullptr; }
   void rethrow() {
@@ -162,11 +162,12 @@ class Watch {
   std::exception_ptr thrown_;
 };
 
-/// A call of this thread on an object that tells a Watch, from its begin to its end.
+/// A call of this thread on an object that reports to a Watch, during the lifetime of this object.
 ///
-/// The C interface keeps a callback beyond the call where it cannot be taken away, since another thread is at work on
-/// the object by then. So it gets no address that ends with the call: the callback's user is the object's handle, and
-/// the callback looks for a call of its own thread on that object. Where there is none it goes on and tells nobody.
+/// The C interface keeps a callback after the call if the callback cannot be removed because another thread already
+/// uses the object. The user pointer must therefore not be an address that becomes invalid when the call ends: it is
+/// the object's handle, and the callback searches for a call of its own thread on that object. If there is none, it
+/// reports to nobody and returns true.
 class WatchedCall {
  public:
   WatchedCall(const void* object, Watch& watch) : object_(object), watch_(watch), outer_(innermost()) {
@@ -192,21 +193,21 @@ class WatchedCall {
   const WatchedCall* const outer_;
 };
 
-/// How the calls on an object tell their progress: each to a Progress of its own, or else to the callback that was set,
-/// which stays. Copies are of the same object and share that callback.
+/// Selects where calls on an object report their progress: to a Progress passed to the call, or else to the callback
+/// that was set, which persists. Copies refer to the same object and share that callback.
 template <class Handle, UmbError (*install)(Handle, UmbProgressCallback, void*)>
 class Progresses {
  public:
   Progresses() = default;
   explicit Progresses(Handle handle) : kept_(handle ? std::make_shared<Kept>() : nullptr) {}
 
-  /// Sets the callback that stays.
+  /// Sets the persistent callback.
   UmbError set(Handle handle, UmbProgressCallback callback, void* user) const {
     const UmbError code = install(handle, callback, user);
     if (code == UMB_ERROR_NONE) keep({callback, user, false});
     return code;
   }
-  /// A call that tells the callback that stays.
+  /// Runs a call that reports to the persistent callback.
   UmbError run(Handle handle, UmbError (*work)(Handle)) const {
     return run(handle, [work](Handle object) { return work(object); });
   }
@@ -216,7 +217,7 @@ class Progresses {
     const UmbError code = callback.is_missing ? set(handle, callback.call, callback.user) : UMB_ERROR_NONE;
     return code == UMB_ERROR_NONE ? work(handle) : code;
   }
-  /// A call that tells the Watch.
+  /// Runs a call that reports to the Watch.
   template <class Work>
   UmbError run(Handle handle, Watch& watch, const Work& work) const {
     UmbError code = install(handle, &WatchedCall::tell, handle);
@@ -227,7 +228,7 @@ class Progresses {
     }
     Callback callback = kept();
     callback.is_missing = install(handle, callback.call, callback.user) != UMB_ERROR_NONE;
-    if (callback.is_missing && code != UMB_ERROR_USAGE) umbGetError(nullptr);  // nobody is to hear of that
+    if (callback.is_missing && code != UMB_ERROR_USAGE) umbGetError(nullptr);  // discards the error of `install`
     keep(callback);
     return code;
   }
@@ -236,7 +237,7 @@ class Progresses {
   struct Callback {
     UmbProgressCallback call = nullptr;
     void* user = nullptr;
-    bool is_missing = false;  ///< the C interface has another one
+    bool is_missing = false;  ///< the C interface has another callback
   };
   struct Kept {
     std::mutex mutex;

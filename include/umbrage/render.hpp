@@ -1,4 +1,4 @@
-// Requests become pictures: render, shade, FrameRenderer and save. umbrage/umbrage.hpp includes this header.
+// The functions render, shade and save and the class FrameRenderer. umbrage/umbrage.hpp includes this header.
 #pragma once
 #include <algorithm>
 #include <memory>
@@ -13,13 +13,13 @@ namespace umb {
 
 namespace detail {
 
-/// Calls of the C interface, one after the other, up to the first that fails.
+/// A sequence of calls of the C interface that ends at the first one that fails.
 class Calls {
  public:
   Outcome outcome;
   bool fine() const { return outcome.code == 0; }
 
-  /// Of a call that makes an object.
+  /// Records the result of a call that creates an object.
   template <class Handle>
   void made(Handle handle) {
     if (!handle && fine()) note(told_without_code(UMB_ERROR_INTERNAL, umbGetError));
@@ -37,7 +37,7 @@ class Calls {
   void note(UmbError code, const Take& take) {
     if (code != UMB_ERROR_NONE) note(told(code, take));
   }
-  /// Warnings stay.
+  /// Keeps the warnings.
   void note(Outcome error) {
     outcome.code = error.code;
     outcome.message = std::move(error.message);
@@ -48,7 +48,7 @@ inline void note_warning(void* user, const char* message) {
   static_cast<std::vector<std::string>*>(user)->push_back(message);
 }
 
-/// Sets parameters that a request has.
+/// Sets the parameters of a job from the members of a request.
 class Setter {
  public:
   Setter(UmbJob job, Calls& calls) : job_(job), calls_(calls) {}
@@ -72,12 +72,12 @@ class Setter {
   void operator()(const char* name, const std::optional<T>& value) {
     if (value) (*this)(name, *value);
   }
-  /// "effect.parameter=value".
+  /// Sets an effect parameter from "effect.parameter=value".
   void assign(const std::string& text) {
     if (!calls_.fine()) return;
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) {
-      calls_.outcome = {int(UMB_ERROR_USAGE), "'" + text + "' is no setting: it takes effect.parameter=value", {}};
+      calls_.outcome = {int(UMB_ERROR_USAGE), "'" + text + "' is not a setting: it takes effect.parameter=value", {}};
       return;
     }
     (*this)(text.substr(0, equals).c_str(), text.substr(equals + 1));
@@ -88,7 +88,7 @@ class Setter {
   Calls& calls_;
 };
 
-/// What requests for rendering and shading share.
+/// Sets the parameters that render and shade requests have in common.
 template <class Request>
 void set_common(const Request& r, Setter& set) {
   set("look", r.look);
@@ -159,11 +159,11 @@ inline void set_scene(const RenderRequest& r, UmbScene scene, Calls& calls) {
   set("point_sprites", r.point_sprites);
 }
 
-/// The places of ids in the rising list of those that there are: floats do not tell all ids of 32 bits apart.
+/// Returns, for each id, its index in the ascending list of distinct ids: floats cannot represent all 32-bit ids.
 inline std::vector<float> places_of(const std::vector<std::uint32_t>& ids) {
   std::vector<std::uint32_t> known;
   for (const std::uint32_t id : ids)
-    if (known.empty() || known.back() != id) known.push_back(id);  // pixels side by side are mostly of one object
+    if (known.empty() || known.back() != id) known.push_back(id);  // neighbouring pixels mostly show one object
   std::sort(known.begin(), known.end());
   known.erase(std::unique(known.begin(), known.end()), known.end());
   std::vector<float> places;
@@ -173,7 +173,7 @@ inline std::vector<float> places_of(const std::vector<std::uint32_t>& ids) {
   return places;
 }
 
-/// Takes what a job has made into a picture.
+/// Copies the outputs of a job to a picture.
 inline void take(UmbJob job, bool strokes, Picture& picture) {
   Picture made;
   for (int k = 0; const char* name = umbGetJobOutputName(job, k); ++k) {
@@ -207,11 +207,11 @@ inline void want(UmbJob job, const std::string& pass, Calls& calls) {
 
 }  // namespace detail
 
-/// Draws one model again and again: it is read and made ready once, then each frame is captured and shaded, and the
-/// memory of the one before is used again. Not for several threads at once.
+/// Draws several frames of one model. The model is read and prepared once; each frame reuses the memory of the previous
+/// one. Not thread-safe.
 class FrameRenderer {
  public:
-  /// Errors: as of render. On failure what was open stays.
+  /// Reads and prepares the model. Errors: as for render. On failure a model opened before stays open.
   Outcome open(const RenderRequest& request) {
     auto state = std::make_unique<State>(request.progress);
     detail::Calls calls;
@@ -250,11 +250,12 @@ class FrameRenderer {
     return calls.outcome;
   }
 
-  /// One picture, with the passes of the request, telling its progress. A model without lights is lit as its first
-  /// frame's camera stands. Errors: code 2 for a camera that cannot be, 4 where memory is short or the device is lost,
-  /// 130; the picture is then left as it was, and other frames may be tried.
+  /// Draws one picture with the passes of the request, and reports progress. A model without lights is lit by lights
+  /// that are placed relative to the camera of the first frame. Errors: code 2 for an invalid camera, 4 if memory runs
+  /// out or the device is lost, 130. On failure the picture is unchanged, and other frames can be drawn.
   Outcome draw(const FrameCamera& camera, Picture& picture) {
-    if (!state_) return {int(UMB_ERROR_USAGE), "FrameRenderer::open comes before draw", {}};
+    if (!state_)
+      return {int(UMB_ERROR_USAGE), "FrameRenderer::draw: no model is open: call FrameRenderer::open first", {}};
     detail::Calls calls;
     umbSetDeviceLogCallback(state_->device.get(), detail::note_warning, &calls.outcome.warnings);
     place(camera, calls);
@@ -266,9 +267,9 @@ class FrameRenderer {
     return calls.outcome;
   }
 
-  /// "vulkan:0: NVIDIA ..."; empty: nothing is open.
+  /// Returns a description such as "vulkan:0: NVIDIA ..."; empty if nothing is open.
   std::string device() const { return state_ ? umbGetDeviceDescription(state_->device.get()) : std::string(); }
-  /// Bytes of the GPU's memory that it holds; 0 on the CPU.
+  /// Returns the GPU memory that the device has allocated, in bytes; 0 on the CPU.
   unsigned long long device_bytes() const { return state_ ? umbGetDeviceMemory(state_->device.get()) : 0; }
 
  private:
@@ -285,8 +286,8 @@ class FrameRenderer {
     Job_ job;
   };
 
-  /// Puts the camera where the frame says, or else where the request does. All else is as it was set once, so that
-  /// nothing is read anew.
+  /// Sets the camera of the frame, or of the request. All other parameters stay as they were set, so that nothing has
+  /// to be read again.
   void place(const FrameCamera& camera, detail::Calls& calls) {
     const UmbJob job = state_->job.get();
     for (const char* name :
@@ -306,8 +307,8 @@ class FrameRenderer {
   std::unique_ptr<State> state_;
 };
 
-/// Draws one picture. Errors: code 2 for names and values that there are not, before the model is read; 3 for the
-/// model; 4 for the device, and where its memory is short; 130. On failure the picture is left as it was.
+/// Renders one picture. Errors: code 2 for invalid names and values, reported before the model is read; 3 for the
+/// model; 4 for the device, also if its memory runs out; 130. On failure the picture is unchanged.
 inline Outcome render(const RenderRequest& request, Picture& picture) {
   FrameRenderer renderer;
   Outcome opened = renderer.open(request);
@@ -317,10 +318,9 @@ inline Outcome render(const RenderRequest& request, Picture& picture) {
   return drawn;
 }
 
-/// Shades what another renderer drew. With `effects` the picture has colour where one of them is "output". Errors: code
-/// 2 for names, values and arrays that cannot be, among them effects that need a plane which is missing, and looks
-/// whose occlusion is "reference", which needs the model; 4 for the device; 130. On failure the picture is left as it
-/// was.
+/// Shades the G-buffer of another renderer. With `effects` the picture has colour only if one of them is "output".
+/// Errors: code 2 for invalid names, values and arrays, including an effect whose input plane is missing and a look
+/// whose occlusion is "reference", which needs the model; 4 for the device; 130. On failure the picture is unchanged.
 inline Outcome shade(const ShadeRequest& request, Picture& picture) {
   detail::Calls calls;
   detail::Watch watch(request.progress);
@@ -340,14 +340,14 @@ inline Outcome shade(const ShadeRequest& request, Picture& picture) {
   };
   if (request.width < 1 || request.height < 1)
     refuse("`width` and `height` cannot be " + std::to_string(request.width) + " and " +
-           std::to_string(request.height) + ": they are above 0");
+           std::to_string(request.height) + ": they must be above 0");
   for (const PixelArray& array : request.arrays) {
     const auto same = [&](const PixelArray& other) { return other.name == array.name; };
     if (array.values && array.ids) refuse("the array '" + array.name + "' has both values and ids");
     if (std::count_if(request.arrays.begin(), request.arrays.end(), same) > 1)
       refuse("there are two arrays '" + array.name + "'");
     if (!calls.fine()) break;
-    // As many channels as the pass has, which the interface knows.
+    // 0 channels: as many as the pass has.
     const bool ids = array.ids != nullptr;
     const void* data = ids ? static_cast<const void*>(array.ids) : array.values;
     const std::ptrdiff_t size = sizeof(float);
@@ -375,10 +375,9 @@ inline Outcome shade(const ShadeRequest& request, Picture& picture) {
   return calls.outcome;
 }
 
-/// Writes a picture, whole or not at all, in the format that the file's ending names: .png, .pfm (no alpha), .exr,
-/// which holds the passes too, or .svg, which holds the strokes alone. Colours are written as they are; alpha where any
-/// pixel is not opaque. Errors: code 2 for a picture of the wrong size or an ending that there is not, 3 for a file
-/// that cannot be written.
+/// Writes a picture to a file, completely or not at all. The extension selects the format: .png, .pfm (no alpha), .exr
+/// (with the passes), or .svg (strokes only). Colours are written as they are; alpha is written if any pixel is not
+/// opaque. Errors: code 2 for a picture of the wrong size or an unknown extension, 3 for a file that cannot be written.
 inline Outcome save(const Picture& picture, const std::string& file, const SaveRequest& request = {}) {
   detail::Calls calls;
   const std::size_t pixels = std::size_t(picture.width) * std::size_t(picture.height);
@@ -430,7 +429,7 @@ inline Outcome save(const Picture& picture, const std::string& file, const SaveR
   return calls.outcome;
 }
 
-/// "0.1.0"
+/// Returns the version of the library, such as "0.1.0".
 inline std::string version() {
   const int v = umbGetVersion();
   return std::to_string(v / 10000) + "." + std::to_string(v / 100 % 100) + "." + std::to_string(v % 100);

@@ -1,42 +1,46 @@
-/* Umbrage's C interface: a scene in, a picture out; or the G-buffer of another renderer in, shaded planes out.
+/* Umbrage's C interface: renders a scene to a picture, or shades the G-buffer of another renderer.
  *
  * C99 or later. C++ programs may use umbrage/umbrage.hpp, a layer over this header. The guide is docs/c.md.
  *
- * Handles. An object starts with one reference. umbRetain... adds one, umbRelease... drops one, the last one frees it.
- * Objects retain those that they were made with. Releasing NULL does nothing.
+ * Handles. A new object has one reference. umbRetain... adds a reference and umbRelease... removes one; removing the
+ * last reference frees the object. An object retains the objects that it was created with. Releasing NULL does nothing.
  *
- * Errors. A function that can fail returns a UmbError and leaves a sentence with the object, which keeps the first one
- * until somebody asks: see umbGetJobError. A function that makes an object returns NULL, and leaves the error with the
- * thread: see umbGetError. So do calls with a NULL handle, which return UMB_ERROR_USAGE, and those on an object that is
- * in use. Nothing throws, ends the process or prints.
+ * Errors. A function that can fail returns a UmbError and stores a message with the object. The object keeps the first
+ * error until it is read: see umbGetJobError. A function that creates an object returns NULL on failure and stores the
+ * error with the thread: see umbGetError. Calls with a NULL handle, and calls on an object that is in use, also store
+ * their error with the thread; those that return a UmbError return UMB_ERROR_USAGE. No function throws, ends the
+ * process or prints.
  *
- * Callbacks must not throw. From within one the library may be called, but not on the object whose call calls back, the
- * job that executes or the scene that loads; nor may the scene of that job be changed, nor another job, of any device,
- * be executed or prepared. These calls return UMB_ERROR_USAGE. Retaining, releasing, errors and counters are free. An
- * error callback runs after its call, and may use all objects; of what fails within it, it is not told.
+ * Callbacks must not throw. A callback may call the library, except for calls on the object whose call invoked it (the
+ * job that executes or the scene that loads), calls that change the scene of that job, and calls that execute or
+ * prepare another job of any device. Those calls return UMB_ERROR_USAGE. Retaining, releasing, and reading errors and
+ * counters are always allowed. An error callback runs after the call that failed has ended, and may use all objects;
+ * errors of calls that it makes are not reported to it.
  *
  * Threads. Different threads may use different objects at the same time. While a function changes, executes or loads an
- * object, calls of other threads on it return UMB_ERROR_USAGE, or what stands for nothing, and do nothing. Functions
- * that only read, such as umbGetJobOutput, may be called side by side; a change waits until they are done. Functions of
- * devices, retaining and releasing (by who has a reference), errors and counters are free at any time. Jobs of one
- * device wait for each other; a callback must not wait for a thread that executes one. Jobs of several devices may draw
- * one scene at the same time; while one does, the scene cannot be changed: UMB_ERROR_USAGE. Strings, strokes and images
- * that an object returns are for the thread that uses it next.
+ * object, calls of other threads on that object do nothing and return UMB_ERROR_USAGE, or an empty value such as NULL
+ * or 0. Functions that only read, such as umbGetJobOutput, may run concurrently on one object; a change waits until
+ * they are done. The following may be called at any time: functions of devices, retaining and releasing (by a caller
+ * that owns a reference), and functions that read errors and counters. Jobs of one device execute one after the other,
+ * so a callback must not wait for a thread that executes a job. Jobs of several devices may draw one scene at the same
+ * time; while one of them draws, the scene cannot be changed: UMB_ERROR_USAGE. Strings, strokes and images that an
+ * object returns are valid only until the calls that their functions name; the caller keeps other threads from making
+ * those calls too early.
  *
  * Spaces. World space is the scene's. View space is right-handed: +x right, +y up, the camera looks down -z. Depth is
  * the positive distance along the view axis, +infinity where there is no surface. Normals are unit vectors in view
- * space that face the camera, 0 where there is no surface. Row 0 of an image is the top one. Light is linear Rec. 709.
- * The pass "color" is the finished picture, sRGB, as an 8-bit file holds it, alpha not premultiplied.
+ * space that face the camera, 0 where there is no surface. Row 0 of an image is the top row. Light is linear Rec. 709.
+ * The pass "color" is the finished picture: sRGB, as in an 8-bit file, with straight (not premultiplied) alpha.
  *
- * Strings are UTF-8. A string that a function returns belongs to the library. It lives as long as its object, or, of
- * errors, until the next call of the same function. */
+ * Strings are UTF-8. A string that a function returns belongs to the library. It is valid as long as its object; an
+ * error message is valid until the next call of the function that returned it. */
 #ifndef UMBRAGE_UMBRAGE_H
 #define UMBRAGE_UMBRAGE_H
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-/* Of this header; umbGetVersion returns that of the library. */
+/* Version of this header. umbGetVersion returns the version of the library. */
 #define UMB_VERSION_MAJOR 0
 #define UMB_VERSION_MINOR 1
 #define UMB_VERSION_PATCH 0
@@ -48,50 +52,53 @@
 extern "C" {
 #endif
 
-typedef struct UmbDeviceObject* UmbDevice; /* what computes: the CPU or a GPU */
+typedef struct UmbDeviceObject* UmbDevice; /* a compute device: the CPU or a GPU */
 typedef struct UmbSceneObject* UmbScene;   /* meshes, materials and lights */
-typedef struct UmbJobObject* UmbJob;       /* makes pictures, and keeps what the next one can use */
+typedef struct UmbJobObject* UmbJob;       /* makes pictures; keeps data that the next picture can reuse */
 
-/* The values are the exit codes of the command line. */
+/* Error codes. The values are the exit codes of the command line. */
 typedef enum UmbError {
   UMB_ERROR_NONE = 0,
   UMB_ERROR_INTERNAL = 1,   /* a defect of Umbrage */
-  UMB_ERROR_USAGE = 2,      /* a name, value, image or call that cannot be */
+  UMB_ERROR_USAGE = 2,      /* an invalid name, value, image or call */
   UMB_ERROR_FILE = 3,       /* a file that cannot be read, used or written */
-  UMB_ERROR_DEVICE = 4,     /* a device that is missing or cannot do it, or too little memory */
+  UMB_ERROR_DEVICE = 4,     /* a missing or insufficient device, or too little memory */
   UMB_ERROR_CANCELLED = 130 /* the progress callback returned false */
 } UmbError;
 
-/* Both are called by the thread that called the library. `message` is valid during the call. */
+/* Receives errors and warnings, such as a missing texture. The thread that called the library calls it. `message` is
+ * valid during the call. */
 typedef void (*UmbErrorCallback)(void* user, UmbError code, const char* message);
-typedef void (*UmbLogCallback)(void* user, const char* message); /* warnings, such as a missing texture */
-/* Called some 20 times a second with the share that is done, from 0 to 1, never falling. Returns whether to go on. */
+typedef void (*UmbLogCallback)(void* user, const char* message);
+/* Receives the fraction of the work that is done, 0 to 1, never decreasing, about 20 times a second. Returns whether to
+ * continue. */
 typedef bool (*UmbProgressCallback)(void* user, double done);
 
-/* UMB_VERSION of the library. */
+/* Returns the UMB_VERSION of the library. */
 UMB_API int umbGetVersion(void);
 
-/* The last error of this thread that belongs to no object, since somebody asked; then there is none. `message` may be
- * NULL; it is valid until the thread's next call of this function. */
+/* Returns and clears the last error of the calling thread that belongs to no object; UMB_ERROR_NONE if there is none.
+ * `message` may be NULL; the string is valid until the thread's next call of this function. */
 UMB_API UmbError umbGetError(const char** message);
 
 /* ---- Devices ---- */
 
-/* `name`: "cpu", "vulkan", "vulkan:N", or "auto": a GPU if there is one; NULL: "auto". `threads`: 0 to 1024, of the
- * CPU; 0: as many as the machine has. Errors: UMB_ERROR_USAGE; UMB_ERROR_DEVICE. */
+/* Opens a device. `name`: "cpu", "vulkan", "vulkan:N", or "auto" (a GPU if there is one); NULL means "auto". `threads`:
+ * number of CPU threads, 0 to 1024; 0 means as many as the machine has. Errors: UMB_ERROR_USAGE; UMB_ERROR_DEVICE. */
 UMB_API UmbDevice umbNewDevice(const char* name, int threads);
 UMB_API void umbRetainDevice(UmbDevice device);
 UMB_API void umbReleaseDevice(UmbDevice device);
-/* One line for people: "vulkan:0: NVIDIA ..."; NULL for a NULL handle. */
+/* Returns one line for display, such as "vulkan:0: NVIDIA ..."; NULL for a NULL handle. */
 UMB_API const char* umbGetDeviceDescription(UmbDevice device);
-/* Bytes of GPU memory that it holds; 0 on the CPU. */
+/* Returns the GPU memory that the device has allocated, in bytes; 0 on the CPU. */
 UMB_API uint64_t umbGetDeviceMemory(UmbDevice device);
-/* Called for each error of the device, its scenes and its jobs, by the thread whose call failed. NULL: nothing is
- * called. */
+/* Sets the callback for errors of the device, its scenes and its jobs. The thread whose call failed calls it. NULL
+ * removes the callback. */
 UMB_API UmbError umbSetDeviceErrorCallback(UmbDevice device, UmbErrorCallback callback, void* user);
-/* Called for each warning of its scenes and jobs. */
+/* Sets the callback for warnings of the device's scenes and jobs. NULL removes the callback. */
 UMB_API UmbError umbSetDeviceLogCallback(UmbDevice device, UmbLogCallback callback, void* user);
-/* The first error since the last call; then there is none. `message` may be NULL; it is valid until the next call. */
+/* Returns and clears the first error since the last call; UMB_ERROR_NONE if there is none. `message` may be NULL; the
+ * string is valid until the next call. */
 UMB_API UmbError umbGetDeviceError(UmbDevice device, const char** message);
 
 /* ---- Images ---- */
@@ -99,14 +106,14 @@ UMB_API UmbError umbGetDeviceError(UmbDevice device, const char** message);
 typedef enum UmbType {
   UMB_TYPE_FLOAT32 = 1,
   UMB_TYPE_FLOAT16 = 2,
-  UMB_TYPE_UINT8 = 3,  /* 0 to 255 mean 0 to 1; of ids the number itself */
-  UMB_TYPE_UINT16 = 4, /* 0 to 65535 mean 0 to 1; of ids the number itself */
-  UMB_TYPE_UINT32 = 5  /* ids alone */
+  UMB_TYPE_UINT8 = 3,  /* 0 to 255 mean 0 to 1; ids are stored as integers */
+  UMB_TYPE_UINT16 = 4, /* 0 to 65535 mean 0 to 1; ids are stored as integers */
+  UMB_TYPE_UINT32 = 5  /* for ids only */
 } UmbType;
 
-/* Pixels in the caller's memory. Strides are in bytes and may be negative; 0 means packed: channels side by side, then
- * pixels, then rows. Of a job's images and outputs `channels` of 0 are as many as the pass has. `data` is channel 0 of
- * the upper left pixel. */
+/* Pixels in the caller's memory. Strides are in bytes and may be negative; 0 means packed: interleaved channels, then
+ * pixels, then rows. For images and outputs of a job, `channels` of 0 means as many as the pass has. `data` points to
+ * channel 0 of the upper left pixel. */
 typedef struct UmbImage {
   void* data;
   int32_t type; /* UmbType */
@@ -116,111 +123,119 @@ typedef struct UmbImage {
 
 /* ---- Scenes ---- */
 
-/* An empty scene. Models are added to it as they stand in their files, and meshes from memory. It serves jobs of any
- * device; errors are told to this one's callback. */
+/* Creates an empty scene, to which models from files and meshes from memory are added. Models keep the positions that
+ * their files give. Jobs of any device can draw the scene; its errors are reported to the callback of `device`. */
 UMB_API UmbScene umbNewScene(UmbDevice device);
 UMB_API void umbRetainScene(UmbScene scene);
 UMB_API void umbReleaseScene(UmbScene scene);
-/* The first error since the last call: see umbGetDeviceError. */
+/* Returns and clears the first error since the last call: see umbGetDeviceError. */
 UMB_API UmbError umbGetSceneError(UmbScene scene, const char** message);
 UMB_API UmbError umbSetSceneProgressCallback(UmbScene scene, UmbProgressCallback callback, void* user);
 
-/* How what follows is added: "up" (axis "+Z" or "x,y,z"), "crease_angle_deg", "point_size", "point_sprites",
- * "scene_index", written as on the command line. NULL or "": as at first. */
+/* Sets a parameter for models and meshes that are added later: "up" (axis "+Z" or "x,y,z"), "crease_angle_deg",
+ * "point_size", "point_sprites", "scene_index". `value` is written as on the command line; NULL or "" restores the
+ * default. */
 UMB_API UmbError umbSetSceneParameter(UmbScene scene, const char* name, const char* value);
 
-/* Adds a model: a file, or "scene:NAME?detail=N". Errors: UMB_ERROR_USAGE for a scene or index that there is not;
- * UMB_ERROR_FILE; UMB_ERROR_DEVICE where memory is short; UMB_ERROR_CANCELLED. The scene is then as it was. */
+/* Adds a model: a file, or "scene:NAME?detail=N". Errors: UMB_ERROR_USAGE for an unknown scene name or index;
+ * UMB_ERROR_FILE; UMB_ERROR_DEVICE if memory runs out; UMB_ERROR_CANCELLED. On failure the scene is unchanged. */
 UMB_API UmbError umbLoadModel(UmbScene scene, const char* model);
 
-/* Adds a mesh of so many vertices and triangles and returns its number; below 0: an error. Without triangles it is a
- * cloud of points. It is part of the scene once its positions and indices are set; without normals these are made. */
+/* Adds a mesh with the given numbers of vertices and triangles and returns its number, or a negative value on failure.
+ * A mesh without triangles is a point cloud. The mesh is drawn once its positions and indices are set. Missing normals
+ * are computed. */
 UMB_API int umbAddMesh(UmbScene scene, const char* name, size_t vertices, size_t triangles);
 
-/* Takes a mesh out of the scene. Its number is not given to another one. */
+/* Removes a mesh from the scene. Its number is not reused. */
 UMB_API UmbError umbRemoveMesh(UmbScene scene, int mesh);
 
-/* Copies a buffer of the caller's: "position" (3 channels, FLOAT32), "normal" (3), "color" (3 or 4, linear if floats,
- * sRGB if integers), "uv" (2, (0, 0) is the lower left corner), "radius" (1, of points, above 0), each of one value a
- * vertex; or "index" (3 a triangle: UINT32, UINT16 or UINT8). `stride`: bytes from an element to the next, 0: packed.
- * Errors: UMB_ERROR_USAGE, also for an index beyond the vertices. */
+/* Copies a buffer of the caller to the mesh. Buffers with one element per vertex: "position" (3 channels, FLOAT32),
+ * "normal" (3, FLOAT32), "color" (3 or 4; FLOAT32 is linear, UINT8 and UINT16 are sRGB), "uv" (2, FLOAT32; (0, 0) is
+ * the lower left corner), "radius" (1, FLOAT32, > 0, of points). One element per triangle: "index" (3; UINT32, UINT16
+ * or UINT8). `stride`: bytes from one element to the next, 0: packed. Errors: UMB_ERROR_USAGE, also for an index beyond
+ * the vertices. */
 UMB_API UmbError umbSetMeshBuffer(UmbScene scene, int mesh, const char* name, const void* data, UmbType type,
                                   int channels, ptrdiff_t stride);
 
-/* The mesh's material: "albedo" (3), "specular" (1, peak of the highlight), "shininess" (1, Blinn-Phong exponent),
- * "emission" (3), "alpha_cutoff" (1: parts of the texture with less alpha are cut away). Colours and textures multiply
- * albedo, which starts at 0.8, or at 1 where the mesh has some of them. */
+/* Sets a material parameter: "albedo" (3 values), "specular" (1, peak of the highlight), "shininess" (1, Blinn-Phong
+ * exponent), "emission" (3), "alpha_cutoff" (1; parts of the texture with a smaller alpha are cut out). Vertex colours
+ * and textures multiply the albedo, whose default is 0.8, or 1 if the mesh has colours or an albedo texture. */
 UMB_API UmbError umbSetMeshFloats(UmbScene scene, int mesh, const char* name, const float* values, int count);
 
-/* "albedo" or "emission": an image of UINT8, 3 or 4 channels, sRGB with linear alpha, that multiplies the parameter of
- * that name. It is copied. */
+/* Copies a texture to the mesh. `name`: "albedo" or "emission", the parameter that the texture multiplies. The image is
+ * UINT8 with 3 or 4 channels, sRGB with linear alpha. */
 UMB_API UmbError umbSetMeshTexture(UmbScene scene, int mesh, const char* name, const UmbImage* image);
 
-/* Puts the mesh at a place. Without instances it is where its buffers say; with some, at their places alone, each with
- * an object id of its own. `world_from_mesh`: the upper three rows of a matrix, row by row. Errors: UMB_ERROR_USAGE for
- * numbers that are not finite. */
+/* Adds an instance of the mesh. A mesh without instances is drawn where its buffers place it; a mesh with instances is
+ * drawn at these only, and each instance has its own object id. `world_from_mesh`: the upper three rows of a matrix,
+ * row by row. Errors: UMB_ERROR_USAGE for values that are not finite. */
 UMB_API UmbError umbAddMeshInstance(UmbScene scene, int mesh, const float world_from_mesh[12]);
 
-/* The box that holds the scene. Errors: UMB_ERROR_USAGE for an empty one. */
+/* Returns the axis-aligned bounding box of the scene. Errors: UMB_ERROR_USAGE for an empty scene. */
 UMB_API UmbError umbGetSceneBounds(UmbScene scene, float lower[3], float upper[3]);
-/* Cameras that the scene's files hold. */
+/* Returns the number of cameras that "camera.index" can select. */
 UMB_API int umbGetSceneCameraCount(UmbScene scene);
 
 /* ---- Jobs ---- */
 
-/* Renders a scene. */
+/* Creates a job that renders a scene. */
 UMB_API UmbJob umbNewRenderJob(UmbDevice device, UmbScene scene);
-/* Shades the G-buffer that umbSetJobImage gives. */
+/* Creates a job that shades the G-buffer set by umbSetJobImage. */
 UMB_API UmbJob umbNewShadeJob(UmbDevice device);
 UMB_API void umbRetainJob(UmbJob job);
 UMB_API void umbReleaseJob(UmbJob job);
-/* The first error since the last call: see umbGetDeviceError. */
+/* Returns and clears the first error since the last call: see umbGetDeviceError. */
 UMB_API UmbError umbGetJobError(UmbJob job, const char** message);
 UMB_API UmbError umbSetJobProgressCallback(UmbJob job, UmbProgressCallback callback, void* user);
 
-/* Parameters. The names are those that umbGetParameter lists for "render" and "shade", such as "look", "width" or
- * "camera.position", and those of effects, such as "bitmask.radius". A setter whose type is not the parameter's is
- * UMB_ERROR_USAGE; a string is taken for all, written as on the command line. NULL or "" resets it. */
+/* Sets a parameter. `name` is one that umbGetParameter lists for "render" or "shade", such as "look", "width" or
+ * "camera.position", or one of an effect, such as "bitmask.radius". Each parameter takes the setter of its type; all
+ * take umbSetJobString, with the value written as on the command line. NULL or "" restores the default. Errors:
+ * UMB_ERROR_USAGE, also for a setter of another type. */
 UMB_API UmbError umbSetJobString(UmbJob job, const char* name, const char* value);
 UMB_API UmbError umbSetJobBool(UmbJob job, const char* name, bool value);
 UMB_API UmbError umbSetJobInt(UmbJob job, const char* name, int value);
 UMB_API UmbError umbSetJobFloat(UmbJob job, const char* name, float value);
 UMB_API UmbError umbSetJobFloats(UmbJob job, const char* name, const float* values, int count);
-/* As if it had never been set. NULL: all of them. */
+/* Restores the default of a parameter; NULL: of all parameters. */
 UMB_API UmbError umbResetJobParameter(UmbJob job, const char* name);
 
-/* An input of a shade job: "depth" (always), "normal", "albedo", "object_id", ..., or "layer1.depth". The pixels are
- * read while the job executes, and must live until then; the UmbImage itself is copied. NULL: none any more. */
+/* Sets an input of a shade job: "depth" (required), "normal", "albedo", "object_id", ..., or "layer1.depth". The
+ * UmbImage is copied. Its pixels are not: they are read while the job executes, and must stay valid until then. NULL
+ * removes the input. */
 UMB_API UmbError umbSetJobImage(UmbJob job, const char* name, const UmbImage* image);
 
-/* Where a pass is to be written: "color", "depth", "ao", ..., or "all" of them. A `data` of NULL has the library keep
- * it: see umbGetJobOutput. For integer types numbers are clamped to 0 to 1 and rounded, but for ids: where there is no
- * surface these have all bits set, or are 0 if they are the caller's. NULL: not wanted any more. Without any output a
- * job makes "color", or what the last one of its "effects" makes. */
+/* Requests a pass: "color", "depth", "ao", ..., or "all" passes. The pass is written to `image`; if its `data` is NULL,
+ * the library allocates the memory: see umbGetJobOutput. Integer types: values are clamped to 0 to 1, scaled to the
+ * type's range and rounded; ids are written as integers. A pixel without a surface has an id with all bits set, or 0 if
+ * the ids come from an image of the caller. NULL removes the request. A job without outputs makes "color", or, if
+ * "effects" is set, the passes of the last effect. */
 UMB_API UmbError umbSetJobOutput(UmbJob job, const char* name, const UmbImage* image);
 
-/* Does what comes before the first picture of a render job: reads the image around the scene, builds the hierarchy.
- * umbExecuteJob does it where nobody has. Errors: UMB_ERROR_USAGE, UMB_ERROR_FILE, UMB_ERROR_DEVICE,
- * UMB_ERROR_CANCELLED. */
+/* Does the work that precedes the first picture of a render job: reads the environment image and builds the ray-tracing
+ * acceleration structure. umbExecuteJob does this work if it has not been done. Errors: UMB_ERROR_USAGE,
+ * UMB_ERROR_FILE, UMB_ERROR_DEVICE, UMB_ERROR_CANCELLED. */
 UMB_API UmbError umbPrepareJob(UmbJob job);
 
-/* Makes the picture. What is the same as the last time is kept: the device, the scene's hierarchy, what the camera sees
- * where effects alone have changed, and memory. A scene without lights stays lit as its first picture's camera stood.
- * On failure the job may go on; its outputs are undefined after UMB_ERROR_DEVICE, and else as they were. */
+/* Makes the picture. Reuses data of the last execution that is still valid: the device, the scene's acceleration
+ * structure, the captured G-buffer if only effects have changed, and memory. A scene without lights gets lights that
+ * are placed relative to the camera of its first picture, and keeps them. After a failure the job can be executed
+ * again; its outputs are undefined after UMB_ERROR_DEVICE, and unchanged after other errors. */
 UMB_API UmbError umbExecuteJob(UmbJob job);
 
-/* An output of the last execution: where the caller wanted it, or float and packed in the library's memory, which lives
- * until the next execution. Errors: UMB_ERROR_USAGE for one that was not made. */
+/* Returns an output of the last execution: the caller's image, or a packed image in memory of the library, which is
+ * valid until the next execution. The library's images are FLOAT32; those of ids that come from an image of the caller
+ * are UINT32. Errors: UMB_ERROR_USAGE for an output that was not made. */
 UMB_API UmbError umbGetJobOutput(UmbJob job, const char* name, UmbImage* image);
-/* The outputs of the last execution, one after the other; NULL beyond the last. */
+/* Returns the name of an output of the last execution; NULL beyond the last one. */
 UMB_API const char* umbGetJobOutputName(UmbJob job, int index);
 
-/* Lines as curves, where the parameter "strokes" is set and the look draws some. A polyline with round ends and joins,
- * whose width changes linearly from point to point; pixels from the picture's upper left corner. They live until the
- * next execution. */
+/* Strokes are the lines of a picture as curves. They are made if the parameter "strokes" is set and the look draws
+ * lines. A stroke is a polyline with round caps and joins, whose width changes linearly from point to point. Points are
+ * in pixels from the picture's upper left corner. Strokes are valid until the next execution. */
 typedef enum UmbStrokeKind {
-  UMB_STROKE_OUTLINE = 0, /* an object ends */
-  UMB_STROKE_FOLD = 1,    /* an object hides a part of itself */
+  UMB_STROKE_OUTLINE = 0, /* border of an object */
+  UMB_STROKE_FOLD = 1,    /* an object occludes a part of itself */
   UMB_STROKE_CREASE = 2   /* two faces meet */
 } UmbStrokeKind;
 typedef struct UmbStrokePoint {
@@ -231,63 +246,63 @@ typedef struct UmbStroke {
   size_t point_count;
   int32_t kind;       /* UmbStrokeKind */
   uint32_t object_id; /* of the nearer surface */
-  int32_t closed;     /* the last point is the first one again */
+  int32_t closed;     /* not 0: the last point coincides with the first */
 } UmbStroke;
 UMB_API size_t umbGetJobStrokeCount(UmbJob job);
 UMB_API UmbError umbGetJobStroke(UmbJob job, size_t index, UmbStroke* stroke);
 
-/* Red, green and blue of the strokes, sRGB, and the opacity of all of them together. */
+/* Returns the sRGB colour of the strokes, and the opacity of all of them together. */
 UMB_API UmbError umbGetJobStrokeColor(UmbJob job, float rgb[3], float* opacity);
 
-/* Whether the parameters are right, as far as can be said without the scene or the images. Errors: UMB_ERROR_USAGE. */
+/* Checks the parameters as far as possible without the scene and the images. Errors: UMB_ERROR_USAGE. */
 UMB_API UmbError umbCheckJob(UmbJob job);
 
-/* Counters of all executions of the job: "hierarchies_built", "captures_made", "planes_copied" (of inputs). -1: there
- * is no such counter. */
+/* Returns a counter over all executions of the job: "hierarchies_built", "captures_made", "planes_copied" (of inputs);
+ * -1 for an unknown name. */
 UMB_API int64_t umbGetJobCounter(UmbJob job, const char* name);
 
 /* ---- Files ---- */
 
-/* Writes images, each a pass by its name, whole or not at all: .png and .pfm take "color" or one pass of 1 or 3
- * channels, .exr takes all. In .png values are clamped to 0 to 1. Alpha is left out where all pixels are opaque.
- * `bits`: 8 or 16, of .png; `half`: 16-bit floats in .exr where they suffice. Errors, of umbGetError: UMB_ERROR_USAGE;
- * UMB_ERROR_FILE. */
+/* Writes images to a file, completely or not at all. Each image has the name of its pass. .png and .pfm take "color" or
+ * one pass of 1 or 3 channels, .exr takes any number of passes. .png clamps values to 0 to 1. Alpha is omitted if all
+ * pixels are opaque. `bits`: 8 or 16, for .png; `half`: .exr stores 16-bit floats where they suffice. Errors (see
+ * umbGetError): UMB_ERROR_USAGE; UMB_ERROR_FILE. */
 UMB_API UmbError umbWriteImages(const char* file, const char* const* names, const UmbImage* images, int count, int bits,
                                 bool half);
-/* Writes strokes as .svg, for a picture of that size. */
+/* Writes strokes to a .svg file. `width` and `height`: size of the picture, pixels. Errors: as umbWriteImages. */
 UMB_API UmbError umbWriteStrokes(const char* file, int width, int height, const UmbStroke* strokes, size_t count,
                                  const float rgb[3], float opacity);
 
-/* ---- What there is ---- */
+/* ---- Lists ---- */
 
 typedef enum UmbList {
   UMB_LIST_LOOKS = 1,
   UMB_LIST_EFFECTS = 2,
   UMB_LIST_OCCLUSIONS = 3, /* values of the parameter "occlusion" */
-  UMB_LIST_DEVICES = 4,    /* usable ones: this asks the driver */
-  UMB_LIST_SCENES = 5,     /* built in */
+  UMB_LIST_DEVICES = 4,    /* usable devices; queries the driver */
+  UMB_LIST_SCENES = 5,     /* built-in scenes */
   UMB_LIST_FILE_FORMATS = 6
 } UmbList;
-/* A name and one line about it. Both live as long as the library. UMB_ERROR_USAGE, and no error
- * to be asked for, beyond the last one. */
+/* Returns a name and a summary of one line, which are valid as long as the library is loaded. Beyond the last entry it
+ * returns UMB_ERROR_USAGE and stores no error. */
 UMB_API UmbError umbGetListEntry(UmbList list, int index, const char** name, const char** summary);
 
 typedef struct UmbParameter {
   size_t size;      /* set to sizeof(UmbParameter) before the call: later versions add members at the end */
-  const char* name; /* as the setters take it */
+  const char* name; /* for the setters */
   const char* type; /* "bool", "int", "float", "float3", "float4", "float9", "string", "length" or "choice" */
   const char* help;
   const char* unit;    /* "deg", "px", "%", "scene units", or "" for a plain number or text */
-  const char* initial; /* what holds where it is not set, in words; "": it is found from the scene */
+  const char* initial; /* default, in words; "": derived from the scene */
   const char* choices; /* values of a "choice", separated by spaces; or "" */
-  double min, max;     /* of numbers; both 0: no range */
+  double min, max;     /* range of a number; both 0: no range */
 } UmbParameter;
-/* How many channels a pass has, of inputs and outputs; 0: no effect reads or makes one of that name. */
+/* Returns the number of channels of an input or output pass; 0: no effect reads or makes a pass of that name. */
 UMB_API int umbGetPassChannels(const char* pass);
 
-/* The parameters of "render", "shade", "scene" or an effect. Of a smaller `size`, as an older header has it, the first
- * members are filled; of a larger one those that this library has, the others are 0. Errors: UMB_ERROR_USAGE; beyond
- * the last one the same, and no error to be asked for. */
+/* Returns a parameter of "render", "shade", "scene" or an effect. If `size` is smaller than the library's, as with an
+ * older header, only the first members are filled; if it is larger, the members that the library lacks are 0. Errors:
+ * UMB_ERROR_USAGE; beyond the last parameter it returns UMB_ERROR_USAGE and stores no error. */
 UMB_API UmbError umbGetParameter(const char* owner, int index, UmbParameter* parameter);
 
 #ifdef __cplusplus

@@ -1,15 +1,15 @@
-// Umbrage's C++ interface: a thin layer over the C interface, umbrage/umbrage.h, in this header alone. C++17 or later.
-// docs/library.md is its guide.
+// Umbrage's C++ interface: a header-only layer over the C interface, umbrage/umbrage.h. C++17 or later. The guide is
+// docs/library.md.
 //
-// It has two storeys. Device, Scene and Job, here, are the C interface's objects, with references that count
-// themselves, and errors as exceptions where the build has those. render, shade and FrameRenderer, in
+// The interface has two levels. Device, Scene and Job, in this header, wrap the objects of the C interface, count their
+// references, and report errors as exceptions if the build has exceptions. render, shade and FrameRenderer, in
 // umbrage/render.hpp, take a request as a plain struct (umbrage/requests.hpp) and return an Outcome; they throw only
-// what a caller's own callback throws.
+// exceptions of a caller's own callback.
 //
-// A function that returns UmbError throws Error in place of all but UMB_ERROR_NONE. Without exceptions
-// (-fno-exceptions) it returns the code, and error() has the sentence; an object that could not be made is empty, and
-// thread_error() has the reason, as it has of a call that came while another thread was at work on the object. Calls of
-// an empty object, such as one that was moved from, are UMB_ERROR_USAGE.
+// A function that returns UmbError throws Error for all codes except UMB_ERROR_NONE. Without exceptions
+// (-fno-exceptions) it returns the code, and error() returns the message. An object that could not be created is empty,
+// and thread_error() returns the reason; so it does for a call that was refused because another thread uses the object.
+// Calls on an empty object, such as one that was moved from, are UMB_ERROR_USAGE.
 #pragma once
 #include <array>
 #include <climits>
@@ -33,15 +33,15 @@ namespace umb {
 // ---- Objects ----
 
 namespace detail {
-/// Of parameters: numbers, but no characters, which are neither numbers nor strings.
+/// Whether T is a number that a parameter accepts; character types are not.
 template <class T>
 constexpr bool is_number = (std::is_arithmetic_v<T> && !std::is_same_v<T, char> && !std::is_same_v<T, wchar_t> &&
                             !std::is_same_v<T, char16_t> && !std::is_same_v<T, char32_t>) ||
                            (std::is_enum_v<T> && std::is_convertible_v<T, int>);
 
-/// Numbers as the command line takes them, in any locale.
+/// Formats numbers as the command line reads them, independent of the locale.
 inline std::string text_of(const float* values, std::size_t count) {
-  constexpr int kDigits = 9;  // that tell any two floats apart
+  constexpr int kDigits = 9;  // enough to distinguish any two floats
   std::ostringstream text;
   text.imbue(std::locale::classic());
   text.precision(kDigits);
@@ -49,16 +49,17 @@ inline std::string text_of(const float* values, std::size_t count) {
   return text.str();
 }
 
-/// `set` for values of all types. Self has assign for text, bool, int, float, and floats with their number.
+/// Provides `set` for values of all types. Self has `assign` for text, bool, int, float, and an array of floats with
+/// its length.
 template <class Self>
 class Parameters {
  public:
   UmbError set(const std::string& name, const std::string& value) { return self().assign(name, value); }
   UmbError set(const std::string& name, std::string_view value) { return self().assign(name, std::string(value)); }
   UmbError set(const std::string& name, const char* value) { return self().assign(name, std::string(value)); }
-  UmbError set(const std::string& name, const void* value) = delete;  // else it would be a bool
+  UmbError set(const std::string& name, const void* value) = delete;  // otherwise pointers would convert to bool
   UmbError set(const std::string& name, std::nullptr_t value) = delete;
-  /// A bool, a float of any width, or a whole number of any width.
+  /// A bool, a floating-point number of any width, or an integer of any width.
   template <class T, std::enable_if_t<is_number<T>, int> = 0>
   UmbError set(const std::string& name, T value) {
     if constexpr (std::is_same_v<T, bool>) {
@@ -102,7 +103,7 @@ class Parameters {
   }
 };
 
-/// The lines of a job's last execution.
+/// Returns the strokes of a job's last execution.
 inline std::vector<Stroke> strokes_of(UmbJob job) {
   std::vector<Stroke> strokes(umbGetJobStrokeCount(job));
   for (std::size_t k = 0; k < strokes.size(); ++k) {
@@ -116,29 +117,29 @@ inline std::vector<Stroke> strokes_of(UmbJob job) {
 }
 }  // namespace detail
 
-/// What computes: "cpu", "vulkan", "vulkan:N" or "auto".
+/// A compute device: "cpu", "vulkan", "vulkan:N" or "auto".
 class Device : public detail::Ref<UmbDevice, umbRetainDevice, umbReleaseDevice> {
  public:
   Device() = default;
   explicit Device(const std::string& name, int threads = 0) : Ref(detail::made(umbNewDevice(name.c_str(), threads))) {}
-  /// Of a handle of the C interface, whose reference it takes over: umbRetainDevice first where the caller keeps one.
-  /// NULL: an empty one. So do Scene::adopt and Job::adopt.
+  /// Takes ownership of a reference to a handle of the C interface; a caller that keeps a reference calls
+  /// umbRetainDevice first. NULL gives an empty object. Scene::adopt and Job::adopt do the same.
   static Device adopt(UmbDevice handle) { return Device(handle, detail::Adopted()); }
   std::string description() const {
     const char* text = umbGetDeviceDescription(get());
     return text ? text : "";
   }
-  /// Bytes of GPU memory that it holds; 0 on the CPU.
+  /// Returns the GPU memory that the device has allocated, in bytes; 0 on the CPU.
   std::uint64_t memory() const { return umbGetDeviceMemory(get()); }
-  /// Hears of each error of the device, its scenes and its jobs; nullptr: nobody does.
+  /// Sets the callback for errors of the device, its scenes and its jobs; nullptr removes it.
   UmbError set_error_callback(UmbErrorCallback callback, void* user = nullptr) {
     return checked(umbSetDeviceErrorCallback(get(), callback, user));
   }
-  /// Hears of each warning of its scenes and jobs.
+  /// Sets the callback for warnings of the device's scenes and jobs; nullptr removes it.
   UmbError set_log_callback(UmbLogCallback callback, void* user = nullptr) {
     return checked(umbSetDeviceLogCallback(get(), callback, user));
   }
-  /// The first error since somebody asked, of its scenes and jobs, too; then there is none.
+  /// Returns and clears the first error since the last call, including errors of the device's scenes and jobs.
   Outcome error() {
     return detail::taken([this](const char** message) { return umbGetDeviceError(get(), message); });
   }
@@ -153,15 +154,15 @@ class Scene : public detail::Ref<UmbScene, umbRetainScene, umbReleaseScene>, pub
  public:
   Scene() = default;
   explicit Scene(const Device& device) : Scene(detail::made(umbNewScene(device.get())), detail::Adopted()) {}
-  /// Takes over a reference.
+  /// Takes ownership of a reference: see Device::adopt.
   static Scene adopt(UmbScene handle) { return Scene(handle, detail::Adopted()); }
-  // set(name, value), of detail::Parameters: how what follows is added.
-  /// As if it had never been set.
+  // set(name, value), from detail::Parameters, sets a parameter for models and meshes that are added later.
+  /// Restores the default of a parameter.
   UmbError reset(const std::string& name) { return checked(umbSetSceneParameter(get(), name.c_str(), nullptr)); }
   UmbError load(const std::string& model) {
     return checked(progresses_.run(get(), [&](UmbScene scene) { return umbLoadModel(scene, model.c_str()); }));
   }
-  /// Tells how far it is. What `progress` throws comes out.
+  /// Reports progress. Exceptions of `progress` are passed on to the caller.
   UmbError load(const std::string& model, const Progress& progress) {
     if (!progress) return load(model);
     detail::Watch watch(progress);
@@ -171,7 +172,7 @@ class Scene : public detail::Ref<UmbScene, umbRetainScene, umbReleaseScene>, pub
     watch.rethrow();
     return checked(code);
   }
-  /// The number of the new mesh; below 0, without exceptions: an error.
+  /// Adds a mesh and returns its number; a negative value is an error (without exceptions).
   int add_mesh(const std::string& name, std::size_t vertices, std::size_t triangles) {
     const int mesh = umbAddMesh(get(), name.c_str(), vertices, triangles);
     if (mesh < 0)
@@ -188,25 +189,25 @@ class Scene : public detail::Ref<UmbScene, umbRetainScene, umbReleaseScene>, pub
   UmbError set_floats(int mesh, const char* name, const std::vector<float>& values) {
     return checked(umbSetMeshFloats(get(), mesh, name, values.data(), int(values.size())));
   }
-  /// "albedo" or "emission": 3 or 4 channels of 8 bits, which are copied.
+  /// Copies a texture to the mesh. `name`: "albedo" or "emission". `image`: 8 bits, 3 or 4 channels.
   UmbError set_texture(int mesh, const char* name, const UmbImage& image) {
     return checked(umbSetMeshTexture(get(), mesh, name, &image));
   }
-  /// A place of the mesh: the upper three rows of a matrix, row by row.
+  /// Adds an instance of the mesh. `world_from_mesh`: the upper three rows of a matrix, row by row.
   UmbError add_instance(int mesh, const std::array<float, 12>& world_from_mesh) {
     return checked(umbAddMeshInstance(get(), mesh, world_from_mesh.data()));
   }
-  /// The box that holds the scene.
+  /// Returns the axis-aligned bounding box of the scene.
   UmbError bounds(std::array<float, 3>& lower, std::array<float, 3>& upper) const {
     return checked(umbGetSceneBounds(get(), lower.data(), upper.data()));
   }
-  /// Cameras that the scene's files hold.
+  /// Returns the number of cameras that "camera.index" can select.
   int camera_count() const { return umbGetSceneCameraCount(get()); }
-  /// For calls without a Progress. It stays after calls with one.
+  /// Sets the callback for calls without a Progress. It persists after calls with one.
   UmbError set_progress_callback(UmbProgressCallback callback, void* user = nullptr) {
     return checked(progresses_.set(get(), callback, user));
   }
-  /// The first error since somebody asked; then there is none.
+  /// Returns and clears the first error since the last call.
   Outcome error() {
     return detail::taken([this](const char** message) { return umbGetSceneError(get(), message); });
   }
@@ -228,45 +229,45 @@ class Scene : public detail::Ref<UmbScene, umbRetainScene, umbReleaseScene>, pub
   detail::Progresses<UmbScene, umbSetSceneProgressCallback> progresses_;
 };
 
-/// One picture that is made again and again.
+/// A job that makes a picture, any number of times.
 class Job : public detail::Ref<UmbJob, umbRetainJob, umbReleaseJob>, public detail::Parameters<Job> {
  public:
   Job() = default;
-  /// Renders a scene.
+  /// Creates a job that renders a scene.
   Job(const Device& device, const Scene& scene)
       : Job(detail::made(umbNewRenderJob(device.get(), scene.get())), detail::Adopted()) {}
-  /// Shades images.
+  /// Creates a job that shades a G-buffer.
   explicit Job(const Device& device) : Job(detail::made(umbNewShadeJob(device.get())), detail::Adopted()) {}
-  /// Takes over a reference.
+  /// Takes ownership of a reference: see Device::adopt.
   static Job adopt(UmbJob handle) { return Job(handle, detail::Adopted()); }
 
-  // set(name, value), of detail::Parameters: a parameter.
-  /// As if it had never been set; without a name: all of them.
+  // set(name, value), from detail::Parameters, sets a parameter.
+  /// Restores the default of a parameter; without a name: of all parameters.
   UmbError reset(const std::string& name) { return checked(umbResetJobParameter(get(), name.c_str())); }
   UmbError reset() { return checked(umbResetJobParameter(get(), nullptr)); }
 
   UmbError set_image(const char* name, const UmbImage& image) { return checked(umbSetJobImage(get(), name, &image)); }
   UmbError remove_image(const char* name) { return checked(umbSetJobImage(get(), name, nullptr)); }
-  /// Where a pass is to be written; without an image: to the library's memory.
+  /// Requests a pass and the image that it is written to; without an image: memory of the library.
   UmbError set_output(const char* name, const UmbImage& image = {}) {
     return checked(umbSetJobOutput(get(), name, &image));
   }
   UmbError remove_output(const char* name) { return checked(umbSetJobOutput(get(), name, nullptr)); }
 
-  /// Whether the parameters are right, as far as can be said without scene or images.
+  /// Checks the parameters as far as possible without the scene and the images.
   UmbError check() const { return checked(umbCheckJob(get())); }
-  /// Does what comes before the first picture.
+  /// Does the work that precedes the first picture: see umbPrepareJob.
   UmbError prepare() { return checked(progresses_.run(get(), umbPrepareJob)); }
   UmbError execute() { return checked(progresses_.run(get(), umbExecuteJob)); }
-  /// Tells how far it is. What `progress` throws comes out, and the job may go on.
+  /// Reports progress. Exceptions of `progress` are passed on to the caller, and the job can be executed again.
   UmbError prepare(const Progress& progress) { return watched(progress, umbPrepareJob); }
   UmbError execute(const Progress& progress) { return watched(progress, umbExecuteJob); }
-  /// For calls without a Progress. It stays after calls with one.
+  /// Sets the callback for calls without a Progress. It persists after calls with one.
   UmbError set_progress_callback(UmbProgressCallback callback, void* user = nullptr) {
     return checked(progresses_.set(get(), callback, user));
   }
 
-  /// What the last execution has made.
+  /// Returns an output of the last execution.
   UmbImage output(const char* name) const {
     UmbImage image{};
     checked(umbGetJobOutput(get(), name, &image));
@@ -281,9 +282,9 @@ class Job : public detail::Ref<UmbJob, umbRetainJob, umbReleaseJob>, public deta
   UmbError stroke_color(std::array<float, 3>& rgb, float& opacity) const {
     return checked(umbGetJobStrokeColor(get(), rgb.data(), &opacity));
   }
-  /// Of all executions: see umbGetJobCounter. -1: there is no such counter.
+  /// Returns a counter over all executions: see umbGetJobCounter; -1 for an unknown name.
   std::int64_t counter(const char* name) const { return umbGetJobCounter(get(), name); }
-  /// The first error since somebody asked; then there is none.
+  /// Returns and clears the first error since the last call.
   Outcome error() {
     return detail::taken([this](const char** message) { return umbGetJobError(get(), message); });
   }
@@ -313,7 +314,7 @@ class Job : public detail::Ref<UmbJob, umbRetainJob, umbReleaseJob>, public deta
   detail::Progresses<UmbJob, umbSetJobProgressCallback> progresses_;
 };
 
-/// Images in the caller's memory, packed.
+/// Describes a packed image in the caller's memory.
 inline UmbImage image_of(float* data, int width, int height, int channels = 1) {
   return {data, UMB_TYPE_FLOAT32, width, height, channels, 0, 0, 0};
 }
@@ -327,12 +328,12 @@ inline UmbImage image_of(std::uint32_t* data, int width, int height, int channel
   return {data, UMB_TYPE_UINT32, width, height, channels, 0, 0, 0};
 }
 
-// ---- Without an object ----
+// ---- Functions without an object ----
 
-/// The last error of this thread that belongs to no object; then there is none.
+/// Returns and clears the last error of this thread that belongs to no object.
 inline Outcome thread_error() { return detail::taken(umbGetError); }
 
-/// Writes images, each a pass by its name: see umbWriteImages.
+/// Writes images to a file, each with the name of its pass: see umbWriteImages.
 inline UmbError write_images(const std::string& file, const std::vector<std::pair<std::string, UmbImage>>& images,
                              const SaveRequest& request = {}) {
   std::vector<const char*> names;
@@ -342,12 +343,12 @@ inline UmbError write_images(const std::string& file, const std::vector<std::pai
       umbWriteImages(file.c_str(), names.data(), all.data(), int(all.size()), request.bits, request.half), umbGetError);
 }
 
-/// A name, and one line about it.
+/// A name and a summary of one line.
 struct ListEntry {
   std::string name{}, summary{};
 };
 
-/// What there is: looks, effects, devices, ...
+/// Returns the entries of a list: looks, effects, devices, ...
 inline std::vector<ListEntry> list_of(UmbList of) {
   std::vector<ListEntry> all;
   const char *name = "", *summary = "";
@@ -358,7 +359,8 @@ inline std::vector<ListEntry> list_of(UmbList of) {
   return all;
 }
 
-/// The parameters of "render", "shade", "scene" or an effect. Their texts live as long as the library.
+/// Returns the parameters of "render", "shade", "scene" or an effect. Their strings are valid as long as the library is
+/// loaded.
 inline std::vector<UmbParameter> parameters_of(const std::string& owner) {
   std::vector<UmbParameter> all;
   UmbParameter parameter{};
@@ -370,7 +372,7 @@ inline std::vector<UmbParameter> parameters_of(const std::string& owner) {
   return all;
 }
 
-/// How many channels a pass has; 0: there is none of that name.
+/// Returns the number of channels of a pass; 0 for an unknown name.
 inline int pass_channels(const std::string& pass) { return umbGetPassChannels(pass.c_str()); }
 
 }  // namespace umb

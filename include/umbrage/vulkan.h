@@ -1,7 +1,7 @@
-/* Umbrage's effects on a caller's own Vulkan device and images: for engines that draw themselves and want the shading.
+/* Runs Umbrage's effects on a Vulkan device and images of the caller: for engines that draw a G-buffer themselves.
  *
  * C99 or later; needs Vulkan's headers. Handles, errors and spaces are those of umbrage/umbrage.h. C++ programs may use
- * umbrage/vulkan.hpp; examples/vulkan_images.cpp is a whole program around it. */
+ * umbrage/vulkan.hpp; examples/vulkan_images.cpp is a complete program that uses it. */
 #ifndef UMBRAGE_VULKAN_H
 #define UMBRAGE_VULKAN_H
 #include <vulkan/vulkan_core.h>
@@ -12,54 +12,55 @@
 extern "C" {
 #endif
 
-/* The caller's device: Vulkan 1.2 or later, with the features bufferDeviceAddress and scalarBlockLayout enabled, which
- * binds 16 storage buffers to a shader (maxPerStageDescriptorStorageBuffers). */
+/* The caller's device: Vulkan 1.2 or later, with the features bufferDeviceAddress and scalarBlockLayout enabled and a
+ * maxPerStageDescriptorStorageBuffers of at least 16. */
 typedef struct UmbVulkanContext {
   PFN_vkGetInstanceProcAddr get_instance_proc_addr;
   VkInstance instance;
   VkPhysicalDevice physical_device;
   VkDevice device;
-  VkQueue queue; /* computes; nobody else may use it during a call */
+  VkQueue queue; /* must support compute; nothing else may use it during a call */
   uint32_t queue_family;
 } UmbVulkanContext;
 
-/* A 2D image: its first level and layer, of the picture's size. Formats: R32_SFLOAT, D32_SFLOAT (read alone),
- * R16G16B16A16_SFLOAT, R32G32B32A32_SFLOAT, R8G8B8A8 and B8G8R8A8 as UNORM or SRGB. What is read has the usage
- * TRANSFER_SRC, what is written TRANSFER_DST. It belongs to the queue's family, or is shared. */
+/* A 2D image of the picture's size; mip level 0 and array layer 0 are used. Formats: R32_SFLOAT, D32_SFLOAT (input
+ * only), R16G16B16A16_SFLOAT, R32G32B32A32_SFLOAT, R8G8B8A8 and B8G8R8A8 as UNORM or SRGB. Inputs need the usage
+ * TRANSFER_SRC, outputs TRANSFER_DST. The queue's family owns the image, or the sharing mode is concurrent. */
 typedef struct UmbVulkanImage {
   VkImage image;
   VkFormat format;
-  VkImageLayout layout;       /* in which it comes */
-  VkImageLayout layout_after; /* and is left */
+  VkImageLayout layout;       /* before the call */
+  VkImageLayout layout_after; /* after the call */
 } UmbVulkanImage;
 
-/* The parameter "depth_kind" as numbers. */
+/* The values of the parameter "depth_kind" as numbers. */
 typedef enum UmbDepthKind {
   UMB_DEPTH_VIEW = 0,    /* distance along the view axis */
-  UMB_DEPTH_RAY = 1,     /* distance from the eye along the pixel's ray */
+  UMB_DEPTH_RAY = 1,     /* distance from the camera along the pixel's ray */
   UMB_DEPTH_WINDOW = 2,  /* 0 at the near plane, 1 at the far plane */
   UMB_DEPTH_REVERSED = 3 /* 1 at the near plane, 0 at the far plane */
 } UmbDepthKind;
 
-/* What shading starts from. Images without a handle are not there. */
+/* Inputs of shading. An image with a null handle is absent. */
 typedef struct UmbVulkanGBuffer {
   int32_t width, height;
   UmbVulkanImage depth;
   int32_t depth_kind;          /* UmbDepthKind */
-  float near_plane, far_plane; /* of UMB_DEPTH_WINDOW and _REVERSED; a far_plane of 0 is infinity */
-  /* Unit vectors to the surface's outside, bytes from [0, 1] to [-1, 1]. Without an image they follow from depth. */
+  float near_plane, far_plane; /* for UMB_DEPTH_WINDOW and _REVERSED; a far_plane of 0 means infinity */
+  /* Unit vectors that point outwards; UNORM bytes map [0, 1] to [-1, 1]. Without an image normals are computed from
+   * depth. */
   UmbVulkanImage normal;
-  /* Normals are turned by the rows of this rotation to view space; all 0: they are in it. */
+  /* Rotation from the space of the normals to view space, row by row; all 0: the normals are in view space. */
   float view_from_normal[9];
-  UmbVulkanImage albedo; /* diffuse reflectance; without: grey */
-  UmbVulkanImage light;  /* light that surfaces send to the eye, linear; for effects that change it */
+  UmbVulkanImage albedo; /* diffuse reflectance; default: grey */
+  UmbVulkanImage light;  /* linear radiance towards the camera, for effects that change it */
   int32_t orthographic;
-  /* The window that the image fills: at distance 1, or in scene units for an orthographic camera. */
+  /* View window of the image: at distance 1, or in scene units for an orthographic camera. */
   float left, right, bottom, top;
-  float scene_radius; /* bounding sphere's radius, which relative lengths are shares of */
+  float scene_radius; /* bounding-sphere radius, scene units, > 0; relative lengths refer to it */
 } UmbVulkanGBuffer;
 
-/* Planes for an image's channels: "ao", or "indirect.r", "indirect.g", "indirect.b". */
+/* An image and the planes that are written to its channels: "ao", or "indirect.r", "indirect.g", "indirect.b". */
 typedef struct UmbVulkanOutput {
   const char* const* planes;
   int32_t plane_count;
@@ -67,34 +68,34 @@ typedef struct UmbVulkanOutput {
 } UmbVulkanOutput;
 
 typedef struct UmbVulkanWork {
-  const char* const* effects; /* one after the other, such as "bitmask", "denoise" */
+  const char* const* effects; /* run in this order, such as "bitmask", "denoise" */
   int32_t effect_count;
   const char* const* settings; /* "effect.parameter=value" */
   int32_t setting_count;
   const UmbVulkanOutput* outputs;
   int32_t output_count;
-  VkSemaphore wait;   /* that the G-buffer is there; null: it was submitted to this queue before */
-  VkSemaphore signal; /* that the outputs are */
+  VkSemaphore wait;   /* signalled when the G-buffer is ready; null: it was submitted to this queue before */
+  VkSemaphore signal; /* to be signalled when the outputs are ready */
 } UmbVulkanWork;
 
-/* Effects on a caller's device. One call at a time; to be released before the device ends. */
+/* Runs effects on the caller's device. Allows one call at a time. Must be released before the device is destroyed. */
 typedef struct UmbVulkanShadingObject* UmbVulkanShading;
 
-/* Errors: UMB_ERROR_DEVICE where the device does not have what is needed. */
+/* Errors: UMB_ERROR_USAGE for a missing handle; UMB_ERROR_DEVICE if the device lacks a required feature. */
 UMB_API UmbVulkanShading umbNewVulkanShading(const UmbVulkanContext* context);
 UMB_API void umbRetainVulkanShading(UmbVulkanShading shading);
 UMB_API void umbReleaseVulkanShading(UmbVulkanShading shading);
 UMB_API UmbError umbGetVulkanShadingError(UmbVulkanShading shading, const char** message);
 
-/* Submits once and returns without waiting. The next call waits for the one before. An effect that works on the host,
- * too, as "outline" does, has what comes before it submitted first, and waits for that. Errors: UMB_ERROR_USAGE for
- * names and formats that there are not, UMB_ERROR_DEVICE where memory is short or the device is lost; after
- * UMB_ERROR_USAGE nothing has been submitted but that. */
+/* Submits the work once and returns without waiting for it. The next call waits for the previous one. For an effect
+ * that also runs on the host, such as "outline", the call first submits the preceding work and waits for it. Errors:
+ * UMB_ERROR_USAGE for unknown names and formats; UMB_ERROR_DEVICE if memory runs out or the device is lost. After
+ * UMB_ERROR_USAGE nothing has been submitted except such preceding work. */
 UMB_API UmbError umbShadeVulkanImages(UmbVulkanShading shading, const UmbVulkanGBuffer* gbuffer,
                                       const UmbVulkanWork* work);
-/* Waits for the last one. Errors: UMB_ERROR_DEVICE. */
+/* Waits for the last submission. Errors: UMB_ERROR_DEVICE. */
 UMB_API UmbError umbFinishVulkanShading(UmbVulkanShading shading);
-/* Bytes of device memory that it holds, for this and the next pictures of the size. */
+/* Returns the device memory that is allocated for this and later pictures of the same size, in bytes. */
 UMB_API uint64_t umbGetVulkanShadingMemory(UmbVulkanShading shading);
 
 #ifdef __cplusplus

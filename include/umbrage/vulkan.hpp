@@ -1,6 +1,6 @@
-// Umbrage's effects on a caller's own Vulkan device and images, in C++: a layer over umbrage/vulkan.h.
+// Runs Umbrage's effects on a Vulkan device and images of the caller: a C++ layer over umbrage/vulkan.h.
 //
-// Needs Vulkan's headers. examples/vulkan_images.cpp is a whole program around it.
+// Needs Vulkan's headers. examples/vulkan_images.cpp is a complete program that uses it.
 #pragma once
 #include <algorithm>
 #include <limits>
@@ -13,62 +13,66 @@
 
 namespace umb {
 
-/// The caller's device: Vulkan 1.2 or later, with the features bufferDeviceAddress and scalarBlockLayout enabled, which
-/// binds 16 storage buffers to a shader (maxPerStageDescriptorStorageBuffers).
+/// The caller's device: Vulkan 1.2 or later, with the features bufferDeviceAddress and scalarBlockLayout enabled and a
+/// maxPerStageDescriptorStorageBuffers of at least 16.
 struct VulkanContext {
   PFN_vkGetInstanceProcAddr get_instance_proc_addr = nullptr;
   VkInstance instance = VK_NULL_HANDLE;
   VkPhysicalDevice physical_device = VK_NULL_HANDLE;
   VkDevice device = VK_NULL_HANDLE;
-  VkQueue queue = VK_NULL_HANDLE;  ///< computes; nobody else may use it during a call
+  VkQueue queue = VK_NULL_HANDLE;  ///< must support compute; nothing else may use it during a call
   uint32_t queue_family = 0;
 };
 
-/// A 2D image: its first level and layer, with `width` x `height` texels. Formats: R32_SFLOAT, D32_SFLOAT (read alone),
-/// R16G16B16A16_SFLOAT, R32G32B32A32_SFLOAT, R8G8B8A8 and B8G8R8A8 as UNORM or SRGB. What is read has the usage
-/// TRANSFER_SRC, what is written TRANSFER_DST. It belongs to the queue's family, or is shared.
+/// A 2D image with `width` x `height` texels; mip level 0 and array layer 0 are used. Formats: R32_SFLOAT, D32_SFLOAT
+/// (input only), R16G16B16A16_SFLOAT, R32G32B32A32_SFLOAT, R8G8B8A8 and B8G8R8A8 as UNORM or SRGB. Inputs need the
+/// usage TRANSFER_SRC, outputs TRANSFER_DST. The queue's family owns the image, or the sharing mode is concurrent.
 struct VulkanImage {
   VkImage image = VK_NULL_HANDLE;
   VkFormat format = VK_FORMAT_UNDEFINED;
-  VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;                       ///< in which it comes
-  VkImageLayout layout_after = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;  ///< and is left
+  VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;                       ///< before the call
+  VkImageLayout layout_after = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;  ///< after the call
 };
 
-/// What shading starts from. Row 0 is the top one.
+/// Inputs of shading. Row 0 is the top row. An image with a null handle is absent.
 struct VulkanGBuffer {
   int width = 0, height = 0;
   VulkanImage depth;
   DepthKind depth_kind = DepthKind::kWindow;
-  float near_plane = 0.1f, far_plane = std::numeric_limits<float>::infinity();  ///< of kWindow and kReversed
-  /// Unit vectors to the surface's outside, bytes from [0, 1] to [-1, 1]. Without an image they follow from depth.
+  float near_plane = 0.1f, far_plane = std::numeric_limits<float>::infinity();  ///< for kWindow and kReversed
+  /// Unit vectors that point outwards; UNORM bytes map [0, 1] to [-1, 1]. Without an image normals are computed from
+  /// depth.
   VulkanImage normal;
-  /// World space, turned by the rows of this rotation to view space: +x right, +y up, the camera looks down -z.
+  /// Rotation from the space of the normals, such as world space, to view space, row by row. View space: +x right, +y
+  /// up, the camera looks down -z.
   float view_from_normal[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  VulkanImage albedo;  ///< diffuse reflectance; without: grey
-  VulkanImage light;   ///< light that surfaces send to the eye, linear; for effects that change it (composite, output)
+  VulkanImage albedo;  ///< diffuse reflectance; default: grey
+  VulkanImage light;   ///< linear radiance towards the camera, for effects that change it (composite, output)
   bool orthographic = false;
-  /// The window that the image fills: at distance 1, or in scene units for an orthographic camera.
+  /// View window of the image: at distance 1, or in scene units for an orthographic camera.
   float left = -1.0f, right = 1.0f, bottom = -1.0f, top = 1.0f;
-  float scene_radius = 1.0f;  ///< of a ball around what is shaded: lengths given as shares are shares of it
+  float scene_radius = 1.0f;  ///< bounding-sphere radius, scene units, > 0; relative lengths refer to it
 };
 
-/// What to run, and where what it makes goes.
+/// The effects to run, their settings and their outputs.
 struct VulkanShadeRequest {
-  std::vector<std::string> effects;   ///< one after the other, such as "bitmask", "denoise": see `umbrage list effects`
+  std::vector<std::string> effects;   ///< run in this order, such as "bitmask", "denoise": see `umbrage list effects`
   std::vector<std::string> settings;  ///< "effect.parameter=value"
   struct Output {
-    std::vector<std::string> planes;  ///< for the image's channels: {"ao"}, {"indirect.r", "indirect.g", "indirect.b"}
+    /// Written to the image's channels: {"ao"}, {"indirect.r", "indirect.g", "indirect.b"}.
+    std::vector<std::string> planes;
     VulkanImage image;
   };
   std::vector<Output> outputs;
-  VkSemaphore wait = VK_NULL_HANDLE;    ///< that the G-buffer is there; null: it was submitted to this queue before
-  VkSemaphore signal = VK_NULL_HANDLE;  ///< that the outputs are
+  /// Signalled when the G-buffer is ready; null: it was submitted to this queue before.
+  VkSemaphore wait = VK_NULL_HANDLE;
+  VkSemaphore signal = VK_NULL_HANDLE;  ///< to be signalled when the outputs are ready
 };
 
-/// Effects on a caller's device. Not for several threads at once; to be ended before the device.
+/// Runs effects on the caller's device. Not thread-safe. Must be destroyed before the device.
 class VulkanShading {
  public:
-  /// Errors: code 4 where the device does not have what is needed.
+  /// Errors: code 2 for a missing handle, 4 if the device lacks a required feature.
   Outcome open(const VulkanContext& c) {
     const UmbVulkanContext context{
         c.get_instance_proc_addr, c.instance, c.physical_device, c.device, c.queue, c.queue_family};
@@ -77,10 +81,10 @@ class VulkanShading {
     handle_ = std::move(made);
     return {};
   }
-  /// Submits once and returns without waiting. The next call waits for the one before. An effect that works on the
-  /// host, too, as `outline` does, has what comes before it submitted first, and waits for that. Errors: code 2 for
-  /// names and formats that there are not, 4 where memory is short or the device is lost; after 2 nothing has been
-  /// submitted but that.
+  /// Submits the work once and returns without waiting for it. The next call waits for the previous one. For an effect
+  /// that also runs on the host, such as `outline`, the call first submits the preceding work and waits for it. Errors:
+  /// code 2 for unknown names and formats, 4 if memory runs out or the device is lost. After code 2 nothing has been
+  /// submitted except such preceding work.
   Outcome shade(const VulkanGBuffer& g, const VulkanShadeRequest& request) {
     UmbVulkanGBuffer gbuffer{};
     gbuffer.width = g.width;
@@ -106,9 +110,9 @@ class VulkanShading {
                              outputs.data(), int32_t(outputs.size()), request.wait,    request.signal};
     return outcome(umbShadeVulkanImages(handle_.get(), &gbuffer, &work));
   }
-  /// Waits for the last one. Errors: code 4.
+  /// Waits for the last submission. Errors: code 4.
   Outcome finish() { return handle_ ? outcome(umbFinishVulkanShading(handle_.get())) : Outcome(); }
-  /// Bytes of device memory that it holds, for this and the next pictures of the size.
+  /// Returns the device memory that is allocated for this and later pictures of the same size, in bytes.
   uint64_t device_bytes() const { return umbGetVulkanShadingMemory(handle_.get()); }
 
  private:

@@ -1,4 +1,4 @@
-"""What the tests share."""
+"""Common functions of the tests."""
 import os
 import subprocess
 import tempfile
@@ -11,7 +11,7 @@ SIZE = (48, 32)
 
 
 def program() -> str:
-    """The command line's program, which UMBRAGE_PROGRAM names."""
+    """Returns the path of the command line program, which UMBRAGE_PROGRAM names."""
     name = os.environ.get("UMBRAGE_PROGRAM")
     if not name:
         raise unittest.SkipTest("UMBRAGE_PROGRAM names no program")
@@ -19,7 +19,7 @@ def program() -> str:
 
 
 def bytes_of_program(*words: str, ending: str = ".png") -> bytes:
-    """The file that the command line writes."""
+    """Runs the command line program and returns the file that it writes."""
     with tempfile.TemporaryDirectory() as folder:
         file = os.path.join(folder, "picture" + ending)
         subprocess.run([program(), *words, "--device", "cpu", "--config", "none", "-o", file], check=True)
@@ -28,7 +28,7 @@ def bytes_of_program(*words: str, ending: str = ".png") -> bytes:
 
 
 def plane_depth(width: int = 48, height: int = 32) -> np.ndarray:
-    """Distances of a ball before a wall."""
+    """Returns the depth of a sphere in front of a wall."""
     y, x = np.mgrid[0:height, 0:width]
     r = np.hypot(x - width / 2, y - height / 2) / height
     return np.where(r < 0.3, 2.5 - np.sqrt(np.maximum(0.09 - r * r, 0)), 3).astype(np.float32)

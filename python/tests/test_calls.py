@@ -1,4 +1,4 @@
-"""Calls: errors, progress, giving up, Ctrl-C, processes."""
+"""Tests of errors, progress, cancellation, Ctrl-C and processes."""
 import multiprocessing
 import os
 import pickle
@@ -83,7 +83,7 @@ class Errors(unittest.TestCase):
             with self.subTest(text), self.assertRaisesRegex(umbrage.UsageError, text):
                 umbrage.Scene(**arguments)
         self.refused(umbrage.UsageError, 2, "empty", umbrage.Scene())
-        self.refused(umbrage.UsageError, 2, "no model", 3)
+        self.refused(umbrage.UsageError, 2, "not a model", 3)
 
     def test_files(self) -> None:
         picture = umbrage.render(SOLIDS, size=SIZE, device="cpu")
@@ -146,7 +146,7 @@ class Progress(unittest.TestCase):
             renderer.render()
 
     def test_ctrl_c(self) -> None:
-        # A shell has programs that it starts in the background ignore it.
+        # A shell makes programs that it starts in the background ignore SIGINT.
         self.addCleanup(signal.signal, signal.SIGINT, signal.signal(signal.SIGINT, signal.default_int_handler))
         with umbrage.Renderer(SOLIDS, size=(512, 512), quality="ultra", device="cpu", threads=1) as renderer:
             expected = renderer.render(size=(8, 8)).picture
@@ -214,7 +214,7 @@ def _use_forked(queue: object, renderer: umbrage.Renderer, shader: umbrage.Shade
             told.append("nothing")
         except umbrage.DeviceError as error:
             told.append(str(error))
-    with renderer, scene, shader:  # which end here
+    with renderer, scene, shader:  # closes them
         pass
     queue.put(told)  # type: ignore[attr-defined]
 

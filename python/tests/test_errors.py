@@ -1,4 +1,4 @@
-"""What a failed call leaves: scenes as they were, and no error that a later call would raise."""
+"""Tests that a failed call leaves scenes unchanged, and leaves no error that a later call would raise."""
 import unittest
 from typing import Any, Callable, Type
 from unittest import mock
@@ -82,10 +82,10 @@ class Stale(Base):
         lib = native.lib
         with umbrage.Renderer(SOLIDS, size=(12, 8), device="cpu") as renderer:
             job = renderer._job.pointer
-            self.assertEqual(lib.umbSetJobString(job, b"lok", b"ao"), 2)  # which nobody asks for
+            self.assertEqual(lib.umbSetJobString(job, b"lok", b"ao"), 2)  # its error is not read
             self.raised(umbrage.Cancelled, "returned False", renderer.render, progress=lambda done: False)
             self.raised(umbrage.UsageError, "aoo", renderer.render, passes="aoo")
-            # One that is noted with the thread.
+            # An error that is stored with the thread.
             with mock.patch.object(lib, "umbExecuteJob", lambda _: lib.umbSetJobInt(None, b"width", 3)):
                 self.raised(umbrage.UsageError, "NULL", renderer.render)
             renderer.render()

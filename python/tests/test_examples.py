@@ -1,4 +1,4 @@
-"""The programs of examples/python run, and are short; types are complete, where mypy is installed."""
+"""Tests that the programs of examples/python run and are short, and, if mypy is installed, that types are complete."""
 import importlib.util
 import json
 import os
@@ -60,10 +60,10 @@ class Notebook(unittest.TestCase):
         names: dict = {}
         with unittest.mock.patch.dict(os.environ, UMBRAGE_GALLERY_SIZE="64"):
             for cell in cells:
-                self.assertEqual((cell["outputs"], cell["execution_count"]), ([], None))  # as it is kept
+                self.assertEqual((cell["outputs"], cell["execution_count"]), ([], None))  # as committed
                 lines = "".join(cell["source"]).split("\n")
                 exec("\n".join(lines[:-1]), names)
-                shown = eval(lines[-1], names)  # what the cell shows
+                shown = eval(lines[-1], names)  # the result that the cell shows
                 self.assertIsNotNone(shown)
                 if hasattr(shown, "_repr_png_"):
                     self.assertTrue(shown._repr_png_().startswith(b"\x89PNG"))
@@ -93,7 +93,7 @@ class Types(unittest.TestCase):
     def test_mypy_finds_nothing(self) -> None:
         words = ["--strict", "--python-version", "3.8", os.path.join(ROOT, "python", "umbrage")]
         with tempfile.TemporaryDirectory() as cache:
-            environment = {"MYPY_CACHE_DIR": cache, **os.environ}  # what the build keeps of NumPy's types serves again
+            environment = {"MYPY_CACHE_DIR": cache, **os.environ}  # reuses the build's cache of NumPy's types
             program = [sys.executable, "-m", "mypy", *words]
             ran = subprocess.run(program, env=environment, stdout=subprocess.PIPE, universal_newlines=True)
         self.assertEqual(ran.returncode, 0, ran.stdout)

@@ -1,4 +1,4 @@
-"""Meshes of trimesh, Open3D and PyVista: stand-ins with the attributes, types and conventions of those libraries."""
+"""Tests of meshes of trimesh, Open3D and PyVista, by mock objects with the attributes and types of those libraries."""
 import os
 import tempfile
 import types
@@ -14,14 +14,14 @@ CORNERS = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], np.float64)
 TRIANGLES = np.array([(0, 1, 2), (0, 2, 3)])
 UV = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], np.float64)
 RED, GREEN, BLUE, WHITE = (255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 255)
-# Row 0 is the upper one: red and green above, blue and white below.
+# Row 0 is the top row: red and green above, blue and white below.
 PIXELS = np.repeat(np.repeat(np.array([(RED, GREEN), (BLUE, WHITE)], np.uint8), 8, axis=0), 8, axis=1)
 LINEAR = {RED: (1, 0, 0), GREEN: (0, 1, 0), BLUE: (0, 0, 1), WHITE: (1, 1, 1)}
 SIDE = 16
 
 
 def albedo_of(thing: Any) -> np.ndarray:
-    """Albedo of the square's quarters: upper left, upper right, lower left, lower right."""
+    """Returns the albedo of the square's quarters: upper left, upper right, lower left, lower right."""
     camera = {"position": (0, 0, 4), "focal_point": (0, 0, 0), "view_up": (0, 1, 0)}
     made = umbrage.render(thing, size=(SIDE, SIDE), device="cpu", look="ao", passes="albedo", camera=camera)
     near, far = SIDE * 3 // 8, SIDE * 5 // 8
@@ -29,13 +29,13 @@ def albedo_of(thing: Any) -> np.ndarray:
 
 
 def is_cloud(thing: Any) -> bool:
-    """Whether it has points, which reach out of the square."""
+    """Returns whether it has points, which extend beyond the square."""
     lower, upper = umbrage.Scene(thing).bounds
     return bool((lower < (-1, -1, 0)).all() and (upper > (1, 1, 0)).all())
 
 
 class Image:
-    """An image of Pillow."""
+    """A mock of an image of Pillow."""
 
     def __init__(self, pixels: np.ndarray, mode: str = "RGB", palette: Any = None) -> None:
         self.mode, self.info = mode, {}
@@ -73,7 +73,7 @@ def textured(material: Any, uv: Any = UV, **what: Any) -> Trimesh:
 
 
 def simple(image: Any = None, diffuse: Any = (102, 102, 102, 255)) -> Any:
-    gray = np.array((102, 102, 102, 255), np.uint8)  # what trimesh has where nobody says it
+    gray = np.array((102, 102, 102, 255), np.uint8)  # trimesh's default
     return types.SimpleNamespace(image=image, diffuse=np.array(diffuse, np.uint8), ambient=gray, glossiness=1.0)
 
 
@@ -94,7 +94,7 @@ class TrimeshObjects(unittest.TestCase):
         self.check(Trimesh(), *plain)
 
     def test_colors_of_faces(self) -> None:
-        rgba = np.array([(*RED, 255), (*BLUE, 255)], np.uint8)  # the lower right triangle, the upper left one
+        rgba = np.array([(*RED, 255), (*BLUE, 255)], np.uint8)  # the lower right triangle, the upper left triangle
         seen = albedo_of(colored(kind="face", face_colors=rgba))
         np.testing.assert_allclose(seen[0], LINEAR[BLUE], atol=0.01)
         np.testing.assert_allclose(seen[3], LINEAR[RED], atol=0.01)
@@ -152,7 +152,7 @@ class TrimeshObjects(unittest.TestCase):
 
 
 class Vector:
-    """A Vector3dVector: a list that NumPy reads."""
+    """A mock of a Vector3dVector: a list that NumPy can read."""
 
     def __init__(self, values: Any, dtype: Any = np.float64) -> None:
         self._values = np.array(values, dtype)
@@ -200,14 +200,14 @@ class Open3dObjects(unittest.TestCase):
 
     def test_meshes(self) -> None:
         self.check(open3d(), *albedo_of((CORNERS, TRIANGLES)))
-        # Floats are shown as they are: 0.5 of sRGB is 0.214.
+        # Floats are sRGB: 0.5 is 0.214 in linear light.
         self.check(open3d(vertex_colors=Vector([(0.5, 0, 1)] * 4)), *[(0.214, 0, 1)] * 4)
         normals = Vector([(0.0, 0.0, 1.0)] * 4)
         self.check(open3d(vertex_normals=normals), *albedo_of((CORNERS, TRIANGLES)))
 
     def test_textures(self) -> None:
         of_corners = UV[TRIANGLES.ravel()]
-        turned = np.ascontiguousarray(PIXELS[::-1])  # as its readers turn what is in files
+        turned = np.ascontiguousarray(PIXELS[::-1])  # flipped as Open3D's readers flip images
         expected = [LINEAR[c] for c in (RED, GREEN, BLUE, WHITE)]
         self.check(open3d(triangle_uvs=Vector(of_corners), textures=[turned]), *expected)
         blue, red = (np.full((1, 1, 3), c, np.uint8) for c in (BLUE, RED))
@@ -270,7 +270,7 @@ class PolyData:
 
 
 class Blocks:
-    """A MultiBlock."""
+    """A mock of a MultiBlock."""
 
     def __init__(self, *blocks: Any) -> None:
         self._blocks, self.n_blocks = blocks, len(blocks)
@@ -329,17 +329,17 @@ class PyVistaObjects(unittest.TestCase):
 class Models(unittest.TestCase):
     def test_what_is_none(self) -> None:
         for thing in (3, None, object(), np.zeros((4, 3)), {"vertices": CORNERS}):
-            with self.assertRaisesRegex(umbrage.UsageError, "no model"):
+            with self.assertRaisesRegex(umbrage.UsageError, "not a model"):
                 umbrage.render(thing)
         with self.assertRaisesRegex(umbrage.UsageError, "another"):
             umbrage.Scene().add(umbrage.Scene())
-        with self.assertRaisesRegex(umbrage.UsageError, "`colors` goes with arrays"):
+        with self.assertRaisesRegex(umbrage.UsageError, "`colors` is for arrays"):
             umbrage.Scene(Trimesh(), colors=(1, 0, 0))
 
     def test_all_or_nothing(self) -> None:
         scene = umbrage.Scene()
         broken = types.SimpleNamespace(geometry={}, dump=lambda: [Trimesh(), object()])
-        with self.assertRaisesRegex(umbrage.UsageError, "no model"):
+        with self.assertRaisesRegex(umbrage.UsageError, "not a model"):
             scene.add(broken)
         with self.assertRaisesRegex(umbrage.UsageError, "empty"):
             scene.bounds

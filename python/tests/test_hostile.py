@@ -1,4 +1,5 @@
-"""Whatever is handed in: a picture or an UmbrageError, never another exception, a crash or a change of what was not meant."""
+"""Random tests: any arguments give a picture or an UmbrageError, never another exception, a crash, or a change of
+memory that is not an output."""
 import random
 import unittest
 import warnings
@@ -36,7 +37,7 @@ class Hostile(unittest.TestCase):
         return {name: make() for name, make in chances.items() if self.dice.random() < 0.3}  # type: ignore[operator]
 
     def tried(self, work: object, **arguments: object) -> int:
-        """Whether there was a picture."""
+        """Returns 1 if a picture was made, 0 after an UmbrageError."""
         try:
             work(**arguments)  # type: ignore[operator]
             return 1

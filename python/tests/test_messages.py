@@ -1,4 +1,4 @@
-"""What is said of wrong arguments: one sentence that names the argument, what was given and what it takes."""
+"""Tests of messages about invalid arguments: one sentence with the argument, the value and what is accepted."""
 import copy
 import math
 import pickle
@@ -48,9 +48,9 @@ class Messages(unittest.TestCase):
             (rendered(devise="cpu"), "'device'"),
             (rendered(uo="+Z"), "'up'"),
             (rendered(lok=None), "'look'"),
-            (rendered(nothing_like_it=1), r"\(there are: size, camera"),
+            (rendered(nothing_like_it=1), r"\(available: size, camera"),
             (rendered(camera={"zom": 2}), r"a camera has no 'zom' \(did you mean 'zoom'\?\)"),
-            (rendered(camera={"sight": 2}), "there are: position, focal_point"),
+            (rendered(camera={"sight": 2}), "available: position, focal_point"),
             (rendered(settings={"bitmask.raduis": 1}), "'radius'|'bitmask.radius'"),
             (rendered(settings={"bitmusk.radius": 1}), "'bitmask'"),
             (rendered(look="studo"), "'studio'"),
@@ -62,7 +62,7 @@ class Messages(unittest.TestCase):
             (shaded(images={"norml": DEPTH}), "'normal'"),
             (shaded(effects="bitmusk"), "'bitmask'"),
             (meshed(colrs=POINTS), r"a Scene has no argument 'colrs' \(did you mean 'colors'\?\)"),
-            (meshed(crease_angle=3), "there are: vertices, faces, up, crease_angle_deg"),
+            (meshed(crease_angle=3), "available: vertices, faces, up, crease_angle_deg"),
             (lambda: umbrage.Scene.load(SOLIDS, point_sise=1), "'point_size'"),
             (lambda: umbrage.Scene(upp="+Z"), "'up'"),
             (lambda: umbrage.parameters("bitmusk"), "'bitmask'"),
@@ -124,15 +124,15 @@ class Messages(unittest.TestCase):
             (meshed(texture=np.zeros((2, 2, 2), np.uint8)), "`texture` has the shape"),
             (meshed(texture=np.zeros((0, 2, 3), np.uint8)), "`texture` has the shape .* 1 to 16384 pixels a side"),
             (meshed(vertices=POINTS[:0]), "`vertices` has 0 rows: it takes 1 to 2147483647"),
-            (meshed(radii=np.ones(4)), "`radii` goes with a cloud of points: the mesh has faces"),
-            (meshed(faces=None, radii=[1, 2, 0, 3]), "`radii` holds 0, in row 2: a radius is above 0"),
-            (meshed(specular=-1), "`specular` cannot be -1: it is 0 or more, and finite"),
+            (meshed(radii=np.ones(4)), "`radii` is for point clouds: the mesh has faces"),
+            (meshed(faces=None, radii=[1, 2, 0, 3]), "`radii` holds 0, in row 2: a radius must be above 0"),
+            (meshed(specular=-1), "`specular` cannot be -1: it must be 0 or more, and finite"),
             (meshed(albedo=(1, math.inf, 1)), r"`albedo` cannot be \(1, inf, 1\)"),
             (meshed(up=[[[]]]), "`up`"),
             (meshed(texture=np.zeros((2, 2, 3), np.uint8)), "`texture` needs `uv`"),
             (meshed(instances=np.full((1, 4, 4), 0.5)), "last row is not 0, 0, 0, 1"),
             (meshed(vertices=None), "needs `vertices`"),
-            (lambda: umbrage.Scene("missing.obj", FACES), "`faces` goes with arrays"),
+            (lambda: umbrage.Scene("missing.obj", FACES), "`faces` is for arrays"),
             (lambda: umbrage.Scene().set("up", b"x"), "`up`"),
             (lambda: umbrage.Scene().set(3, "x"), "`name` takes a string, not 3"),
             (lambda: umbrage.Scene().bounds, "the scene is empty: `add`"),
@@ -165,7 +165,7 @@ class Messages(unittest.TestCase):
                 with self.assertRaisesRegex(TypeError, f"a {kind} cannot be pickled or copied"):
                     refused(thing)
         with scene, shader, renderer:
-            renderer.close()  # once more at the end
+            renderer.close()  # closes it a second time
         for call, text in (
             (renderer.render, "the Renderer was closed"),
             (lambda: renderer.device, "the Renderer was closed"),

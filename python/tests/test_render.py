@@ -1,4 +1,4 @@
-"""Models become pictures: equal to the command line's, to the bit; cameras, passes, files, scenes from memory."""
+"""Tests of render: results are bitwise identical to those of the command line; cameras, passes, files, scenes."""
 import os
 import pathlib
 import struct
@@ -19,7 +19,7 @@ QUADS = np.array([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2,
 
 
 def pixels_of_png(data: bytes) -> np.ndarray:
-    """The pixels of a PNG whose rows are coded by any filter."""
+    """Returns the pixels of a PNG whose rows use any filter."""
     at, parts, head = 8, b"", b""
     while at < len(data):
         (length,), kind = struct.unpack(">I", data[at : at + 4]), data[at + 4 : at + 8]

@@ -1,4 +1,4 @@
-"""Arrays become shaded: types, strides, memory that is not copied, cameras, outputs."""
+"""Tests of shade: types, strides, memory that is not copied, cameras, outputs."""
 import math
 import unittest
 
@@ -10,7 +10,7 @@ from umbrage import _arrays
 
 
 class OnlyDlpack:
-    """An array that knows DLPack alone."""
+    """An array that only supports DLPack."""
 
     def __init__(self, array: np.ndarray) -> None:
         self._array = array
@@ -34,7 +34,7 @@ class OnAGpu(OnlyDlpack):
 
 
 class NeedsGradient:
-    """As a tensor of torch that is differentiated."""
+    """A mock of a torch tensor that requires a gradient."""
 
     def __array__(self, dtype: object = None, copy: object = None) -> np.ndarray:
         raise RuntimeError("Can't call numpy() on Tensor that requires grad. Use tensor.detach().numpy() instead.")
@@ -80,7 +80,7 @@ class Inputs(unittest.TestCase):
         np.testing.assert_array_equal(shade(deep).picture, shade(deep / np.float32(65535)).picture)
 
     def test_types_of_every_kind_of_array(self) -> None:
-        class OnlyBuffer:  # a memoryview says what it is of, and has the strides
+        class OnlyBuffer:  # a memoryview has type and strides
             def __new__(cls, array: np.ndarray) -> memoryview:  # type: ignore[misc]
                 return memoryview(array)
 
@@ -95,7 +95,7 @@ class Inputs(unittest.TestCase):
                     with self.subTest(dtype=dtype, strides=array.strides, carrier=carrier.__name__):
                         taken = _arrays.image_array(carrier(array), "depth")
                         self.assertEqual(taken.dtype, "float32" if dtype == "float64" else dtype)
-                        if dtype != "float64":  # which is converted, and nothing else
+                        if dtype != "float64":  # float64 is always converted
                             self.assertTrue(np.shares_memory(taken, array))
                         np.testing.assert_array_equal(shade(carrier(array)).picture, expected)
         for dtype in ("int8", "int16", "int32", "int64", "uint32", "uint64"):
@@ -123,7 +123,7 @@ class Inputs(unittest.TestCase):
         self.assertEqual(shader.counter("planes_copied"), 0)
 
     def test_one_value_for_all_pixels(self) -> None:
-        # The library takes a stride of 0 for a packed one.
+        # To the library, a stride of 0 means packed.
         albedo = np.broadcast_to(np.array([1, 0.5, 0], np.float32), (32, 48, 3))
         whole = shade(self.depth, albedo=albedo.copy()).picture
         np.testing.assert_array_equal(shade(self.depth, albedo=albedo).picture, whole)
@@ -186,7 +186,7 @@ class Arguments(unittest.TestCase):
         alone = shader.shade(self.depth).picture
         colored = shader.shade(self.depth, albedo=(1, 0, 0)).picture
         self.assertTrue((alone != colored).any())
-        np.testing.assert_array_equal(shader.shade(self.depth).picture, alone)  # albedo did not stay
+        np.testing.assert_array_equal(shader.shade(self.depth).picture, alone)  # the albedo is not kept
         self.assertEqual(shader.shade(self.depth[:20, :20]).picture.shape, (20, 20, 4))
         shader.set("look", "ao")
         self.assertTrue((shader.shade(self.depth).picture != alone).any())
@@ -229,7 +229,7 @@ class Mistakes(unittest.TestCase):
         self.refused("takes an array", "depth")
         self.refused("cannot be of", [["depth"]])
         self.refused("CPU", OnAGpu(d))
-        self.refused("`depth` is no array that can be read", NeedsGradient())
+        self.refused("`depth` cannot be read as an array", NeedsGradient())
         self.refused("ids have 32 bits", d, object_id=np.full((32, 48), 2**40))
         self.refused("whole numbers", d, object_id=np.full((32, 48), "a"))
         self.refused("two images", d, images={"depth": d})
@@ -254,7 +254,7 @@ class Mistakes(unittest.TestCase):
         rgbd = np.zeros((32, 48, 4), np.float32)
         rgbd[..., 3] = d
         self.refused("still read", rgbd[..., 3], out=rgbd)
-        made = shade(rgbd[..., 3], out={"normal": rgbd[..., :3]})  # beside each other
+        made = shade(rgbd[..., 3], out={"normal": rgbd[..., :3]})  # interleaved
         np.testing.assert_array_equal(made["normal"], shade(d, passes="normal")["normal"])
 
     def test_arguments(self) -> None:

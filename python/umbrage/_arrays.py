@@ -1,4 +1,4 @@
-"""Arrays of any library, as images and buffers of the C interface. Nothing is copied where the library can read it."""
+"""Converts arrays of any library to images and buffers of the C interface, without a copy where possible."""
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Dict, Optional, Tuple
@@ -12,28 +12,28 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _TYPES = {"float32": 1, "float16": 2, "uint8": 3, "uint16": 4, "uint32": 5}
-_SIDE_MAX = 2**31 - 1  # what the C interface holds; it refuses less
-_LARGEST_SIDE = 16384  # of textures, in pixels
+_MAX_INT32 = 2**31 - 1  # max of the C interface's type; the library's own limit is lower
+_MAX_TEXTURE_SIDE = 16384  # max side of a texture, pixels
 _ONE_CHANNEL = frozenset(("depth", "specular", "shininess", "shadow", "object_id", "material_id", "ao"))
 
 
 def is_id(name: str) -> bool:
-    """Whether a pass holds ids."""
+    """Returns whether a pass contains ids."""
     return name.rsplit(".", 1)[-1] in ("object_id", "material_id")
 
 
 def as_array(values: Any, name: str, what: str = "an array") -> NDArray[Any]:
-    """Any array as NumPy's, in the same memory where it has some: NumPy arrays, what has `__array_interface__` or the
-    buffer protocol, CPU tensors by `__array__` or DLPack. Errors: UsageError."""
+    """Converts any array to NumPy's, sharing its memory if possible: NumPy arrays, objects with `__array_interface__`
+    or the buffer protocol, CPU tensors by `__array__` or DLPack. Errors: UsageError."""
     import numpy as np
 
     if type(values) is np.ndarray:
         return values
     where = getattr(values, "__dlpack_device__", None)
     if where is not None and not isinstance(values, np.ndarray) and int(where()[0]) not in (1, 3):  # CPU, pinned
-        raise UsageError(f"`{name}` lies in another device's memory: move it to the CPU first, such as by x.cpu()")
+        raise UsageError(f"`{name}` is in the memory of another device: move it to the CPU first, such as by x.cpu()")
     mask = getattr(values, "mask", None)
-    if mask is not None and hasattr(values, "filled"):  # a masked array: there is nothing where it is masked
+    if mask is not None and hasattr(values, "filled"):  # a masked array: masked pixels have no surface
         values = values.filled(np.inf if values.dtype.kind == "f" else 0)
     try:
         if (
@@ -45,20 +45,20 @@ def as_array(values: Any, name: str, what: str = "an array") -> NDArray[Any]:
             return np.asarray(np.from_dlpack(values))
         array = np.asarray(values)
     except (TypeError, ValueError, RuntimeError, BufferError) as error:
-        raise UsageError(f"`{name}` is no array that can be read: {error}") from error
+        raise UsageError(f"`{name}` cannot be read as an array: {error}") from error
     if array.ndim == 0 and array.dtype.kind not in "biufc":
         raise UsageError(f"`{name}` takes {what}, not {shown(values)}")
     return array
 
 
 def _is_usable(array: NDArray[Any]) -> bool:
-    """Whether the library can read its numbers. It takes a stride of 0 for a packed one."""
+    """Returns whether the library can read the array. A stride of 0 means packed to the library."""
     return array.dtype.isnative and all(s != 0 or n == 1 for s, n in zip(array.strides, array.shape))
 
 
 def image_array(values: Any, name: str, shape: Optional[Tuple[int, int]] = None) -> NDArray[Any]:
-    """An input as an array (height, width) or (height, width, channels) of a type that the library reads. A colour or a
-    number stands for all pixels where `shape`, (height, width), is known. Errors: UsageError."""
+    """Converts an input to an array (height, width) or (height, width, channels) of a type that the library reads. If
+    `shape`, (height, width), is given, a colour or a number is repeated for all pixels. Errors: UsageError."""
     import numpy as np
 
     array = as_array(values, name)
@@ -66,13 +66,13 @@ def image_array(values: Any, name: str, shape: Optional[Tuple[int, int]] = None)
         number = array.astype(np.float32) if array.dtype.kind in "iu" and not is_id(name) else array
         array = np.broadcast_to(number, shape + array.shape)
     if array.ndim not in (2, 3):
-        hint = ", and numpy.squeeze drops sides of 1" if 1 in array.shape else ""
+        hint = "; numpy.squeeze removes axes of length 1" if 1 in array.shape else ""
         raise UsageError(f"`{name}` has the shape {array.shape}: it takes (height, width) or (height, width, channels){hint}")
     channels = 1 if array.ndim == 2 else array.shape[2]
     if channels != 1 and name.rsplit(".", 1)[-1] in _ONE_CHANNEL:
         raise UsageError(f"`{name}` has the shape {array.shape}: it has one channel, (height, width)")
     if channels > 4 and array.shape[0] in (1, 3, 4):
-        raise UsageError(f"`{name}` has the shape {array.shape}, channels first: turn it by numpy.moveaxis(x, 0, -1)")
+        raise UsageError(f"`{name}` has the shape {array.shape}, channels first: convert it by numpy.moveaxis(x, 0, -1)")
     kind = array.dtype.kind
     if is_id(name):
         array = _ids(array, name)
@@ -89,10 +89,10 @@ def image_array(values: Any, name: str, shape: Optional[Tuple[int, int]] = None)
 
 
 def texture_array(values: Any, name: str) -> NDArray[Any]:
-    """A texture as (height, width, 3 or 4) of uint8: an array, or an image of Pillow. Errors: UsageError."""
+    """Converts a texture, an array or an image of Pillow, to (height, width, 3 or 4) uint8. Errors: UsageError."""
     import numpy as np
 
-    if hasattr(values, "convert") and isinstance(getattr(values, "mode", None), str):  # of Pillow: palettes, grey, ...
+    if hasattr(values, "convert") and isinstance(getattr(values, "mode", None), str):  # Pillow
         has_alpha = "A" in values.mode or "a" in values.mode or "transparency" in getattr(values, "info", {})
         values = values.convert("RGBA" if has_alpha else "RGB")
     array = as_array(values, name)
@@ -102,13 +102,13 @@ def texture_array(values: Any, name: str) -> NDArray[Any]:
         array = np.repeat(array.reshape(array.shape[:2] + (1,)), 3, axis=2)
     if array.ndim != 3 or array.shape[2] not in (3, 4):
         raise UsageError(f"`{name}` has the shape {array.shape}: it takes (height, width), or that and 3 or 4 channels")
-    if not all(0 < side <= _LARGEST_SIDE for side in array.shape[:2]):
-        raise UsageError(f"`{name}` has the shape {array.shape}: it takes 1 to {_LARGEST_SIDE} pixels a side")
+    if not all(0 < side <= _MAX_TEXTURE_SIDE for side in array.shape[:2]):
+        raise UsageError(f"`{name}` has the shape {array.shape}: it takes 1 to {_MAX_TEXTURE_SIDE} pixels a side")
     return np.ascontiguousarray(array)
 
 
 def _ids(array: NDArray[Any], name: str) -> NDArray[Any]:
-    """Ids as unsigned integers, or as floats."""
+    """Converts ids to unsigned integers or float32. Errors: UsageError."""
     import numpy as np
 
     kind, size = array.dtype.kind, array.dtype.itemsize
@@ -128,7 +128,7 @@ def _ids(array: NDArray[Any], name: str) -> NDArray[Any]:
 
 
 def output_array(values: Any, name: str) -> NDArray[Any]:
-    """The caller's memory for an output. Errors: UsageError where it cannot be written or would be a copy."""
+    """Returns the caller's array for an output. Errors: UsageError if it is read-only or would have to be copied."""
     if isinstance(values, (list, tuple, int, float, str, bytes)):
         raise UsageError(f"the output `{name}` takes an array, not {shown(values)}")
     array = as_array(values, name)
@@ -148,7 +148,7 @@ def output_array(values: Any, name: str) -> NDArray[Any]:
 
 
 def _overlaps_itself(array: NDArray[Any]) -> bool:
-    """Whether elements may share bytes: along each axis, by size of stride, an element must lie beyond all before."""
+    """Returns whether elements may share bytes: sorted by stride, each axis must step beyond all smaller axes."""
     reach = array.dtype.itemsize
     for stride, count in sorted((abs(s), n) for s, n in zip(array.strides, array.shape) if n > 1):
         if stride < reach:
@@ -158,27 +158,27 @@ def _overlaps_itself(array: NDArray[Any]) -> bool:
 
 
 def share_memory(a: NDArray[Any], b: NDArray[Any]) -> bool:
-    """Whether a byte belongs to both, or that would take long to find out."""
+    """Returns whether two arrays share a byte. Returns True if the exact test would take too long."""
     import numpy as np
 
-    tries = 100000  # some milliseconds
+    tries = 100000  # a few milliseconds
     try:
         return np.may_share_memory(a, b) and np.shares_memory(a, b, max_work=tries)
-    except RuntimeError:  # numpy.TooHardError, wherever this NumPy has it
+    except RuntimeError:  # numpy.TooHardError, whose module depends on the version
         return True
 
 
 def image_of(array: NDArray[Any]) -> Image:
-    """An array of image_array or output_array for the library. The array must live as long as it is used."""
+    """Describes an array of image_array or output_array for the library. The array must outlive the image."""
     strides = [s if n > 1 else array.dtype.itemsize for s, n in zip(array.strides, array.shape)]
-    height, width = (min(n, _SIDE_MAX) for n in array.shape[:2])
+    height, width = (min(n, _MAX_INT32) for n in array.shape[:2])
     has_channels = array.ndim == 3
     return Image(
         array.ctypes.data if array.size else None,
         _TYPES[array.dtype.name],
         width,
         height,
-        min(array.shape[2], _SIDE_MAX) if has_channels else 1,
+        min(array.shape[2], _MAX_INT32) if has_channels else 1,
         strides[2] if has_channels else array.dtype.itemsize,
         strides[1],
         strides[0],
@@ -186,7 +186,8 @@ def image_of(array: NDArray[Any]) -> Image:
 
 
 def copied_image(image: Image) -> NDArray[Any]:
-    """A copy of an output in the library's memory: (height, width), or (height, width, channels) of several."""
+    """Copies an output in the library's memory to (height, width), or (height, width, channels) if there are
+    several."""
     import ctypes
 
     import numpy as np

@@ -1,11 +1,11 @@
-"""Errors of the library as exceptions. Each has `code`, the exit code that the command line would give."""
+"""Exceptions for errors of the library. Each has `code`, the exit code that the command line would return."""
 from __future__ import annotations
 
 from typing import Dict, Type
 
 
 class UmbrageError(Exception):
-    """Any error of Umbrage. `code` is the exit code of the command line; the text is one sentence for people."""
+    """Any error of Umbrage. `code` is the exit code of the command line; the text is one sentence for display."""
 
     code: int = 1
 
@@ -15,7 +15,7 @@ class InternalError(UmbrageError):
 
 
 class UsageError(UmbrageError, ValueError):
-    """A name, value, array or call that cannot be."""
+    """An invalid name, value, array or call."""
 
     code = 2
 
@@ -27,7 +27,7 @@ class FileError(UmbrageError, OSError):
 
 
 class DeviceError(UmbrageError, RuntimeError):
-    """A device that is missing or cannot do it, or too little memory."""
+    """A missing or insufficient device, or too little memory."""
 
     code = 4
 
@@ -39,7 +39,7 @@ class Cancelled(UmbrageError):
 
 
 class UmbrageWarning(UserWarning):
-    """What the library warns of, such as a missing texture."""
+    """A warning of the library, such as a missing texture."""
 
 
 _BY_CODE: Dict[int, Type[UmbrageError]] = {
@@ -47,16 +47,16 @@ _BY_CODE: Dict[int, Type[UmbrageError]] = {
 }
 
 
-# Of errors whose own sentence nobody kept.
+# Messages for errors whose own message is not available.
 _PLAIN = {
     1: "a defect of Umbrage",
-    2: "a name, value, array or call that cannot be",
+    2: "an invalid name, value, array or call",
     3: "a file that cannot be read, used or written",
-    4: "a device that is missing or cannot do it, or too little memory",
+    4: "a missing or insufficient device, or too little memory",
     130: "the progress callback returned False",
 }
 
 
 def error_of(code: int, message: str = "") -> UmbrageError:
-    """The exception for a code of the C interface."""
+    """Returns the exception for an error code of the C interface."""
     return _BY_CODE.get(code, InternalError)(message or _PLAIN.get(code, _PLAIN[1]))

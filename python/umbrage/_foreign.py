@@ -1,7 +1,7 @@
-"""Models of other libraries, known by their attributes: trimesh, Open3D and PyVista. None of them is imported.
+"""Conversion of models of trimesh, Open3D and PyVista, recognized by their attributes. None of them is imported.
 
-Texture coordinates: trimesh counts v from the lower side of an image whose row 0 is the upper one, as Umbrage does; the
-textures of Open3D's TriangleMesh have their rows the other way round, and those of its tensor meshes do not.
+Texture coordinates: as in Umbrage, trimesh's v increases upwards in an image whose row 0 is the top row. The textures
+of Open3D's TriangleMesh have their rows in reverse order; those of its tensor meshes do not.
 """
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 Mesh = Dict[str, Any]  # arguments of Scene.add_mesh
 
-_CUTOFF = 0.5  # glTF's, where the mode of alpha is a mask and nobody says it
+_CUTOFF = 0.5  # glTF's default for the alpha mode MASK
 
 
 def _has(thing: Any, *names: str) -> bool:
@@ -24,7 +24,7 @@ def _has(thing: Any, *names: str) -> bool:
 
 
 def is_model(thing: Any) -> bool:
-    """Whether it is an object of another library, rather than an array."""
+    """Returns whether `thing` is an object of another library rather than an array."""
     return not _has(thing, "__array_interface__") and (
         _has(thing, "geometry", "dump")
         or _has(thing, "vertex", "triangle")
@@ -36,7 +36,7 @@ def is_model(thing: Any) -> bool:
 
 
 def meshes_of(thing: Any) -> Iterator[Mesh]:
-    """The arguments of add_mesh for each mesh or cloud of it. Errors: UsageError."""
+    """Yields the arguments of add_mesh for each mesh or point cloud of `thing`. Errors: UsageError."""
     kind = type(thing).__name__
     if isinstance(thing, (tuple, list)) and thing and all(is_model(each) for each in thing):
         for each in thing:
@@ -45,12 +45,12 @@ def meshes_of(thing: Any) -> Iterator[Mesh]:
         yield {"vertices": thing[0], "faces": thing[1]}
     elif not is_model(thing):
         raise UsageError(
-            f"{shown(thing)} is no model: a path, (vertices, faces), an umbrage.Scene, or an object of trimesh, Open3D or "
-            "PyVista is"
+            f"{shown(thing)} is not a model: use a path, (vertices, faces), an umbrage.Scene, or an object of trimesh, "
+            "Open3D or PyVista"
         )
-    elif _has(thing, "geometry", "dump"):  # trimesh.Scene: its meshes at their places
+    elif _has(thing, "geometry", "dump"):  # trimesh.Scene: its meshes, transformed
         for mesh in thing.dump():
-            if not _has(mesh, "entities"):  # paths, which have no surface
+            if not _has(mesh, "entities"):  # paths have no surface
                 yield from meshes_of(mesh)
     elif _has(thing, "n_blocks", "keys"):  # pyvista.MultiBlock
         for block in thing:
@@ -64,26 +64,26 @@ def meshes_of(thing: Any) -> Iterator[Mesh]:
         yield _with_colors(thing.point, {"vertices": _numbers(thing.point["positions"], "points")})
     elif _has(thing, "entities"):  # trimesh.path.Path3D
         raise UsageError(f"a {kind} has lines and no surface")
-    elif _has(thing, "vertices", "faces"):  # trimesh.Trimesh, which has `triangles` too: their corners' positions
+    elif _has(thing, "vertices", "faces"):  # trimesh.Trimesh; its `triangles` are positions of corners
         yield from _trimesh(thing)
     elif _has(thing, "vertices", "triangles"):  # open3d.geometry.TriangleMesh
         yield from _open3d(thing)
     elif _has(thing, "points", "faces"):  # pyvista.PolyData
         yield _polydata(thing)
-    elif _has(thing, "points", "extract_surface") and getattr(thing, "n_cells", None):  # pyvista: grids of all kinds
+    elif _has(thing, "points", "extract_surface") and getattr(thing, "n_cells", None):  # pyvista: all kinds of grids
         yield from meshes_of(thing.extract_surface())
     elif _has(thing, "points"):  # open3d.geometry.PointCloud, pyvista.PointSet
         for cells in ("cells", "polys", "lines"):
             if _has(thing, cells):
-                raise UsageError(f"a {kind} has `{cells}`, which Umbrage does not know: give (points, triangles)")
+                raise UsageError(f"a {kind} has `{cells}`, which Umbrage does not support: give (points, triangles)")
         colors = _screen_colors(getattr(thing, "colors", None))
         if colors is None:
             colors = _vtk_colors(thing, "point_data", len(thing.points))
-        yield {"vertices": thing.points, "colors": colors, "normals": _some(getattr(thing, "normals", None))}
+        yield {"vertices": thing.points, "colors": colors, "normals": _non_empty(getattr(thing, "normals", None))}
     elif _has(thing, "tetras"):  # open3d.geometry.TetraMesh
-        raise UsageError(f"a {kind} has `tetras`, which Umbrage does not know: give (points, triangles)")
+        raise UsageError(f"a {kind} has `tetras`, which Umbrage does not support: give (points, triangles)")
     else:  # trimesh.PointCloud
-        colors = _some(getattr(thing, "colors", None))
+        colors = _non_empty(getattr(thing, "colors", None))
         yield {"vertices": thing.vertices, "colors": None if colors is None or colors.ndim != 2 else colors}
 
 
@@ -102,10 +102,10 @@ def _trimesh(mesh: Any) -> Iterator[Mesh]:
     elif kind == "face" and skin is not None:
         yield _split(made, face_colors=np.asarray(skin.face_colors))
     elif kind == "texture" and skin is not None:
-        uv = _some(getattr(skin, "uv", None))
+        uv = _non_empty(getattr(skin, "uv", None))
         material = getattr(skin, "material", None)
         several = getattr(material, "materials", None)  # trimesh.visual.material.MultiMaterial
-        of_faces = _some(getattr(skin, "face_materials", None))
+        of_faces = _non_empty(getattr(skin, "face_materials", None))
         if several and of_faces is not None:
             for index in np.unique(of_faces):
                 yield dict(_part(made, of_faces == index, uv), **_material(several[int(index)], uv is not None))
@@ -116,7 +116,7 @@ def _trimesh(mesh: Any) -> Iterator[Mesh]:
 
 
 def _material(material: Any, has_uv: bool) -> Mesh:
-    """Of trimesh: a SimpleMaterial or a PBRMaterial."""
+    """Converts a SimpleMaterial or PBRMaterial of trimesh."""
     made: Mesh = {}
     if material is None:
         return made
@@ -125,7 +125,7 @@ def _material(material: Any, has_uv: bool) -> Mesh:
         image = getattr(material, "baseColorTexture", None)
     if image is not None and has_uv:
         made["texture"] = image
-    is_simple = hasattr(material, "diffuse")  # which is grey where nobody said it: no factor of an image
+    is_simple = hasattr(material, "diffuse")  # its default is grey, which is not a factor of an image
     factor = getattr(material, "diffuse" if is_simple else "baseColorFactor", None)
     if factor is not None and not (is_simple and "texture" in made):
         made["albedo"] = _factor(factor, is_screen=is_simple)
@@ -143,7 +143,7 @@ def _material(material: Any, has_uv: bool) -> Mesh:
 
 
 def _factor(values: Any, is_screen: bool) -> NDArray[Any]:
-    """Three linear numbers, of integers or floats. `is_screen`: integers are sRGB."""
+    """Converts a colour factor to three linear numbers. `is_screen`: integers are sRGB."""
     import numpy as np
 
     array = np.asarray(values).ravel()[:3]
@@ -164,15 +164,15 @@ def _open3d(mesh: Any) -> Iterator[Mesh]:
         "vertices": np.asarray(mesh.vertices),
         "faces": faces if len(faces) else None,
         "colors": _screen_colors(getattr(mesh, "vertex_colors", None)),
-        "normals": _some(getattr(mesh, "vertex_normals", None)),
+        "normals": _non_empty(getattr(mesh, "vertex_normals", None)),
     }
-    uv = _some(getattr(mesh, "triangle_uvs", None))
+    uv = _non_empty(getattr(mesh, "triangle_uvs", None))
     images = [np.asarray(image) for image in getattr(mesh, "textures", None) or []]
     images = [image for image in images if image.size]
     if uv is None or not images or len(uv) != 3 * len(faces):
         yield made
         return
-    of_faces = _some(getattr(mesh, "triangle_material_ids", None))
+    of_faces = _non_empty(getattr(mesh, "triangle_material_ids", None))
     if len(images) == 1 or of_faces is None or len(of_faces) != len(faces):
         yield dict(_split(made, corner_uv=uv), texture=images[0][::-1])
         return
@@ -199,7 +199,7 @@ def _tensor_mesh(mesh: Any) -> Mesh:
 
 
 def _with_colors(attributes: Any, made: Mesh) -> Mesh:
-    """With what a TensorMap of Open3D has besides."""
+    """Adds the colours and normals of an Open3D TensorMap."""
     if "colors" in attributes:
         made["colors"] = _screen_colors(_numbers(attributes["colors"], "colors"))
     if "normals" in attributes:
@@ -208,17 +208,17 @@ def _with_colors(attributes: Any, made: Mesh) -> Mesh:
 
 
 def _numbers(tensor: Any, name: str) -> NDArray[Any]:
-    """A tensor of Open3D, wherever it lies."""
+    """Converts a tensor of Open3D on any device."""
     if hasattr(tensor, "cpu"):
         tensor = tensor.cpu()
     return as_array(tensor.numpy() if hasattr(tensor, "numpy") else tensor, name)
 
 
 def _screen_colors(values: Any) -> Any:
-    """Floats that are shown as they are, which is sRGB, as integers, which are taken so."""
+    """Converts floats in sRGB to integers, which Umbrage reads as sRGB; Umbrage's floats are linear."""
     import numpy as np
 
-    array = _some(values)
+    array = _non_empty(values)
     if array is None or array.dtype.kind != "f":
         return array
     return np.rint(np.clip(np.nan_to_num(array), 0, 1) * 65535).astype(np.uint16)
@@ -251,13 +251,13 @@ def _polydata(surface: Any) -> Mesh:
 
 
 def _is_regular(padded: NDArray[Any]) -> bool:
-    """Whether all faces have as many corners."""
+    """Returns whether all faces have the same number of corners."""
     step = int(padded[0]) + 1
     return padded.size % step == 0 and bool((padded[::step] == padded[0]).all())
 
 
 def _vtk_colors(surface: Any, where: str, count: int) -> Optional[NDArray[Any]]:
-    """Colours of points or cells: 8-bit ones, first those that are shown."""
+    """Returns the 8-bit colours of points or cells; those of the active scalars take precedence."""
     import numpy as np
 
     data = getattr(surface, where, None)
@@ -272,18 +272,19 @@ def _vtk_colors(surface: Any, where: str, count: int) -> Optional[NDArray[Any]]:
     return None
 
 
-# ---- What they share ----
+# ---- Common functions ----
 
 
-def _some(values: Any) -> Any:
-    """The array, or None where it is empty."""
+def _non_empty(values: Any) -> Any:
+    """Returns the array, or None if it is empty."""
     import numpy as np
 
     return None if values is None or len(values) == 0 else np.asarray(values)
 
 
 def _split(mesh: Mesh, corner_uv: Any = None, face_colors: Any = None) -> Mesh:
-    """A mesh whose faces share no vertices, so that corners have texture coordinates, or faces colours, of their own."""
+    """Returns a mesh whose faces share no vertices, so that each corner has its own texture coordinates, or each face
+    its own colour."""
     import numpy as np
 
     faces = np.asarray(mesh["faces"])
@@ -300,7 +301,7 @@ def _split(mesh: Mesh, corner_uv: Any = None, face_colors: Any = None) -> Mesh:
 
 
 def _part(mesh: Mesh, is_there: NDArray[Any], uv: Any) -> Mesh:
-    """Some of the faces, with their vertices."""
+    """Returns some of the faces with their vertices."""
     import numpy as np
 
     faces = mesh["faces"][is_there]

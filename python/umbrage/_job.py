@@ -1,4 +1,4 @@
-"""What renderers and shaders share: a device and a job of the library, and where pictures go."""
+"""Base of Renderer and Shader: a device and a job of the library, parameters, and outputs."""
 from __future__ import annotations
 
 import os
@@ -15,7 +15,7 @@ from ._errors import UsageError
 from ._lists import known_parameters
 from ._picture import Picture, strokes_of
 from ._progress import Progress, Watch, check_progress
-from ._scene import Scene, tell_warnings
+from ._scene import Scene, issue_warnings
 from ._suggest import shown, suggestion
 
 if TYPE_CHECKING:
@@ -24,32 +24,33 @@ if TYPE_CHECKING:
 
 _COUNTERS = ("hierarchies_built", "captures_made", "planes_copied")
 _DTYPES = ("uint8", "uint16", "float16", "float32")
-# Channels of passes, learned when they are first made: then arrays of ours can be written to directly.
+# Channels of passes, recorded when a pass is first made. Later the library writes directly to arrays of this package.
 channels_of_passes: Dict[str, int] = {}
 _Self = TypeVar("_Self", bound="Job")
 
 
 @dataclass(frozen=True)
 class Camera:
-    """Where the camera stands. What is None is chosen: the model's own view, or else the whole model from slightly above
-    and to the side. World space, scene units, degrees. A dict of these names serves as well."""
+    """A camera. Members that are None are chosen automatically: the model's own view, or else a view of the whole model
+    from slightly above and to the side. World space, scene units, degrees. A dict of these names can be used
+    instead."""
 
     position: Optional[Sequence[float]] = None
-    """The eye."""
+    """Camera position."""
     focal_point: Optional[Sequence[float]] = None
-    """What is looked at."""
+    """Point that the camera looks at."""
     view_up: Optional[Sequence[float]] = None
-    """What points up in the picture."""
+    """Direction that points up in the picture."""
     direction: Optional[Sequence[float]] = None
-    """In which it looks; not beside position and focal_point."""
+    """View direction; not with both position and focal_point."""
     view_angle_deg: Optional[float] = None
     """Vertical field of view, 0.1 to 179."""
     azimuth_deg: Optional[float] = None
-    """Then turned around the model."""
+    """Rotation around the model, applied last."""
     elevation_deg: Optional[float] = None
-    """And risen over it."""
+    """Elevation above the model, applied last."""
     zoom: Optional[float] = None
-    """Above 1: nearer."""
+    """> 1: closer."""
     orthographic: Optional[bool] = None
     """Parallel projection."""
     index: Optional[int] = None
@@ -60,7 +61,7 @@ Where = Union[None, Camera, Mapping[str, Any]]
 
 
 class Job:
-    """A device and a job of the library, for one thread at a time."""
+    """A device and a job of the library. One thread at a time can use it."""
 
     _kind = "Job"
 
@@ -82,19 +83,19 @@ class Job:
 
     @property
     def device(self) -> str:
-        """"vulkan:0: NVIDIA ..."."""
+        """Description of the device, such as "vulkan:0: NVIDIA ..."."""
         self._check_open()
         return (native.lib.umbGetDeviceDescription(self._device.pointer) or b"").decode("utf-8", "replace")
 
     @property
     def device_bytes(self) -> int:
-        """Bytes of GPU memory that it holds; 0 on the CPU."""
+        """GPU memory that the device has allocated, bytes; 0 on the CPU."""
         self._check_open()
         return int(native.lib.umbGetDeviceMemory(self._device.pointer))
 
     def counter(self, name: str) -> int:
-        """How often something was done so far: "hierarchies_built", "captures_made" or "planes_copied" (of inputs).
-        Errors: UsageError."""
+        """Returns how often an operation was done so far: "hierarchies_built", "captures_made" or "planes_copied" (of
+        inputs). Errors: UsageError."""
         self._check_open()
         count = int(native.lib.umbGetJobCounter(self._job.pointer, native.bytes_of(name, "name")))
         if count < 0:
@@ -102,17 +103,17 @@ class Job:
         return count
 
     def set(self, name: str, value: Any) -> None:
-        """Sets a parameter: one of umbrage.parameters("render") or ("shade"), or of an effect, such as "bitmask.radius".
-        None: as at first. Errors: UsageError."""
+        """Sets a parameter: one of umbrage.parameters("render") or ("shade"), or of an effect, such as
+        "bitmask.radius". None restores the default. Errors: UsageError."""
         native.bytes_of(name, "name")
-        with self._mine():
+        with self._exclusive():
             self._set_all({name: value})
 
     def close(self) -> None:
-        """Frees what it holds, before Python would."""
+        """Frees the job and its device now."""
         if self._job.pointer is None or native.is_forked():
             return
-        with self._mine():
+        with self._exclusive():
             self._job.close()
             self._device.close()
 
@@ -129,7 +130,7 @@ class Job:
 
     def _set(self, name: str, value: Any) -> None:
         lib, job, key = native.lib, self._job.pointer, native.bytes_of(name, "name")
-        if getattr(value, "shape", None) == () and hasattr(value, "item"):  # a number of NumPy's or torch's
+        if getattr(value, "shape", None) == () and hasattr(value, "item"):  # a scalar of NumPy or torch
             value = value.item()
         if isinstance(value, os.PathLike):
             value = os.fspath(value)
@@ -154,7 +155,7 @@ class Job:
             self._has_strokes = bool(value)
 
     def _check_passes(self, passes: Any) -> None:
-        """Errors: UsageError."""
+        """Checks the names of passes. Errors: UsageError."""
         for name in map(lambda word: native.bytes_of(word, "passes"), native.words(passes, "passes")):
             self._job.check(native.lib.umbSetJobOutput(self._job.pointer, name, byref(native.Image())))
             native.lib.umbSetJobOutput(self._job.pointer, name, None)
@@ -166,7 +167,7 @@ class Job:
         try:
             for each in value.tolist() if hasattr(value, "tolist") else list(value):
                 numbers += each if isinstance(each, (list, tuple)) else [each]
-        except (TypeError, NotImplementedError):  # of what cannot be gone through
+        except (TypeError, NotImplementedError):  # not iterable
             raise wrong from None
         if numbers and all(isinstance(word, str) for word in numbers):
             return int(native.lib.umbSetJobString(self._job.pointer, key, native.bytes_of(",".join(numbers), name)))
@@ -182,12 +183,12 @@ class Job:
         for name, value in given.items():
             if name in ("width", "height"):
                 says = "the shape of depth" if self._scene is None else "`size`, (width, height),"
-                raise UsageError(f"`{name}` cannot be set: {says} says it")
+                raise UsageError(f"`{name}` cannot be set: {says} determines it")
             self._set(name, value)
 
     @contextmanager
-    def _kept_on_errors(self) -> Iterator[None]:
-        """What is set within stays only if all goes well."""
+    def _rolled_back_on_error(self) -> Iterator[None]:
+        """Restores the parameters set within the context if an exception is raised."""
         before = dict(self._values)
         try:
             yield
@@ -197,7 +198,7 @@ class Job:
             raise
 
     def _set_camera(self, camera: Where) -> None:
-        """Errors: UsageError."""
+        """Sets the camera. Errors: UsageError."""
         given = native.mapping(vars(camera) if isinstance(camera, Camera) else camera, "camera", "a Camera or a dict")
         for name in given:
             if name not in Camera.__dataclass_fields__:
@@ -206,9 +207,9 @@ class Job:
             self._set("camera." + name, given.pop(name, None))
 
     @contextmanager
-    def _mine(self) -> Iterator[None]:
-        """Other threads wait. Errors: UsageError within its own progress callback, and once it is closed; DeviceError in
-        a forked process."""
+    def _exclusive(self) -> Iterator[None]:
+        """Takes exclusive use; other threads wait. Errors: UsageError within the object's own progress callback, and
+        once it is closed; DeviceError in a forked process."""
         native.check_process()
         me = threading.get_ident()
         if self._user == me:
@@ -226,22 +227,22 @@ class Job:
             raise UsageError(f"the {self._kind} was closed")
 
     def _call(self, function: Any, progress: Progress, is_before: bool = False) -> None:
-        """A long call on the job, under progress. Warnings go on to Python's."""
+        """Runs a long call on the job and reports its progress. Warnings of the library become Python warnings."""
         lib, job, device = native.lib, self._job.pointer, self._device.pointer
         told: List[bytes] = []
         with Watch(progress, is_before) as watch:
             try:
-                lib.umbSetJobProgressCallback(job, native.tell_generator, watch.generator)
+                lib.umbSetJobProgressCallback(job, native.send_to_generator, watch.generator)
                 lib.umbSetDeviceLogCallback(device, native.append_to_list, told)
                 self._job.check(function(job))
             finally:
                 lib.umbSetJobProgressCallback(job, native.no_progress, None)
                 lib.umbSetDeviceLogCallback(device, native.no_log, None)
-        tell_warnings(told)
+        issue_warnings(told)
 
     def _make(self, size: Tuple[int, int], wanted: Dict[str, Optional[NDArray[Any]]], progress: Progress) -> Picture:
-        """Executes. `size`: width, height. `wanted`: arrays by the pass that goes there; None: one of ours. Empty: what
-        comes."""
+        """Executes the job. `size`: (width, height). `wanted`: for each pass the array to write, or None for a new
+        array. If `wanted` is empty, the library's default passes are returned."""
         import numpy as np
 
         lib, job = native.lib, self._job
@@ -277,7 +278,7 @@ class Job:
         return Picture(color, passes, *strokes_of(job))
 
     def _taken(self, name: str) -> NDArray[Any]:
-        """A copy of what the library holds."""
+        """Returns a copy of an output in the library's memory."""
         import numpy as np
 
         image = native.Image()
@@ -292,7 +293,7 @@ class Job:
 
 
 def checked_dtype(dtype: Any) -> np.dtype[Any]:
-    """That of a picture. Errors: UsageError."""
+    """Returns the dtype of a picture. Errors: UsageError."""
     import numpy as np
 
     try:
@@ -304,10 +305,10 @@ def checked_dtype(dtype: Any) -> np.dtype[Any]:
     return kind
 
 
-def wanted_outputs(
+def requested_outputs(
     size: Tuple[int, int], dtype: Any, passes: Union[str, Sequence[str]], out: Any, has_color: bool
 ) -> Dict[str, Optional[NDArray[Any]]]:
-    """The outputs, each with where it goes, or None."""
+    """Returns the requested outputs, each with the array to write, or None for a new array."""
     import numpy as np
 
     given: Dict[str, Any] = native.mapping(out, "out") if out is None or isinstance(out, Mapping) else {"color": out}
@@ -316,7 +317,7 @@ def wanted_outputs(
         if "color" not in given:
             kind = checked_dtype(dtype)
             width, height = size
-            is_possible = 0 < width <= 1 << 14 and 0 < height <= 1 << 14  # else the library says why it is not
+            is_possible = 0 < width <= 1 << 14 and 0 < height <= 1 << 14  # otherwise the library reports the error
             wanted["color"] = np.empty((height, width, 4) if is_possible else (0, 0, 4), kind)
     for name in native.words(passes, "passes"):
         if name != "color":
@@ -327,8 +328,8 @@ def wanted_outputs(
 
 
 @contextmanager
-def one_bar(progress: Progress) -> Iterator[Progress]:
-    """One bar for all calls."""
+def shared_bar(progress: Progress) -> Iterator[Progress]:
+    """Uses one progress bar for all calls within the context."""
     from ._progress import Bar
 
     check_progress(progress)

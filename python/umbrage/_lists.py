@@ -1,4 +1,4 @@
-"""What there is: looks, effects, devices and parameters."""
+"""Lists of looks, effects, devices, scenes, file formats and parameters."""
 from __future__ import annotations
 
 from ctypes import byref, c_char_p, sizeof
@@ -14,42 +14,42 @@ def _list(number: int) -> Dict[str, str]:
     name, summary = c_char_p(), c_char_p()
     while native.lib.umbGetListEntry(number, len(entries), byref(name), byref(summary)) == 0:
         entries[(name.value or b"").decode()] = (summary.value or b"").decode("utf-8", "replace")
-    native.lib.umbGetError(None)  # that there are no more
+    native.lib.umbGetError(None)  # discards the error of the last call
     return entries
 
 
 def looks() -> Dict[str, str]:
-    """Recipes of pictures: names, each with one line about it."""
+    """Returns the names of looks, each with a summary of one line."""
     return _list(1)
 
 
 def effects() -> Dict[str, str]:
-    """Effects: names, each with one line about it."""
+    """Returns the names of effects, each with a summary of one line."""
     return _list(2)
 
 
 def occlusions() -> Dict[str, str]:
-    """Values of the parameter `occlusion`: names, each with one line about it."""
+    """Returns the values of the parameter `occlusion`, each with a summary of one line."""
     return _list(3)
 
 
 def devices() -> Dict[str, str]:
-    """Usable devices: names, each with one line about it. This asks the driver."""
+    """Returns the names of usable devices, each with a summary of one line. Queries the driver."""
     return _list(4)
 
 
 def scenes() -> Dict[str, str]:
-    """Built-in scenes, which stand in place of a model's path: names, each with one line about it."""
+    """Returns the names of built-in scenes, usable instead of a model's path, each with a summary of one line."""
     return _list(5)
 
 
 def file_formats() -> Dict[str, str]:
-    """Endings of files that are read or written, each with one line about it."""
+    """Returns the extensions of files that can be read or written, each with a summary of one line."""
     return _list(6)
 
 
 class Parameter(NamedTuple):
-    """What is known of a parameter."""
+    """The description of a parameter."""
 
     name: str
     type: str
@@ -57,13 +57,13 @@ class Parameter(NamedTuple):
     help: str
     unit: str
     initial: str
-    """What holds where it is not set, in words."""
+    """Default, in words."""
     choices: Tuple[str, ...]
     range: Optional[Tuple[float, float]]
 
     @property
     def default(self) -> Any:
-        """`initial` as a value that the parameter takes; None where it is chosen when it is needed."""
+        """`initial` as a value for the setters; None if the default is chosen at execution."""
         if self.type == "bool":
             return {"on": True, "true": True, "off": False, "false": False}.get(self.initial)
         if self.type in ("int", "float", "float3", "float4", "float9"):
@@ -79,8 +79,7 @@ class Parameter(NamedTuple):
         return self.initial if self.initial and " " not in self.initial and "'" not in self.initial else None
 
     def check(self, value: Any) -> None:
-        """Whether a value is of the parameter's type, as far as the library would not say it better. Errors:
-        UsageError."""
+        """Checks the type of a value, where the library's own message would be less clear. Errors: UsageError."""
         if self.type == "bool" and not isinstance(value, (bool, str)):
             raise UsageError(f"`{self.name}` takes True or False, not {shown(value)}")
         is_text = isinstance(value, str) or (isinstance(value, (list, tuple)) and all(isinstance(v, str) for v in value))
@@ -92,14 +91,14 @@ class Parameter(NamedTuple):
 
     @property
     def values(self) -> str:
-        """What it takes, in words."""
-        words = {"int": "a whole number", "length": "a number, or a share such as '5%'", "bool": "True or False"}
+        """The accepted values, in words."""
+        words = {"int": "a whole number", "length": "a number, or a relative length such as '5%'", "bool": "True or False"}
         several = {"float3": "three numbers", "float4": "four numbers", "float9": "nine numbers"}
         return {**words, **several, "string": "a string", "choice": "a string"}.get(self.type, "a number")
 
 
 def parameters(owner: str) -> Dict[str, Parameter]:
-    """The parameters of "render", "shade", "scene" or an effect, by name. Errors: UsageError."""
+    """Returns the parameters of "render", "shade", "scene" or an effect, by name. Errors: UsageError."""
     rows: Dict[str, Parameter] = {}
     row = native.Parameter(size=sizeof(native.Parameter))
     while native.lib.umbGetParameter(native.bytes_of(owner, "owner"), len(rows), byref(row)) == 0:
@@ -109,10 +108,10 @@ def parameters(owner: str) -> Dict[str, Parameter]:
         )
         limits = None if row.min == 0 and row.max == 0 else (row.min, row.max)
         rows[name] = Parameter(name, kind, about, unit, initial, tuple(choices.split()), limits)
-    native.lib.umbGetError(None)  # that there are no more
+    native.lib.umbGetError(None)  # discards the error of the last call
     if not rows and owner not in effects():
         owners = ("render", "shade", "scene", *effects())
-        raise UsageError(f"nothing with parameters is called '{owner}'{suggestion(owner, owners)}")
+        raise UsageError(f"nothing named '{owner}' has parameters{suggestion(owner, owners)}")
     return rows
 
 
@@ -120,19 +119,19 @@ _KNOWN: Dict[str, Dict[str, Parameter]] = {}
 
 
 def known_parameters(owner: str) -> Dict[str, Parameter]:
-    """Those of "render", "shade" or "scene", which the library is asked for once."""
+    """Returns the parameters of "render", "shade" or "scene"; queries the library once."""
     if owner not in _KNOWN:
         _KNOWN[owner] = parameters(owner)
     return _KNOWN[owner]
 
 
-_NOT_SAID_SO = ("width", "height", "near_plane", "far_plane")  # here they have other names, of which callers tell
+_RENAMED_PARAMETERS = ("width", "height", "near_plane", "far_plane")  # have other names in this package
 
 
 def check_keywords(given: Iterable[str], owner: str, arguments: Sequence[str]) -> None:
-    """Whether keywords are parameters of the owner. `arguments`: what may be meant besides. Errors: UsageError."""
+    """Checks that keywords are parameters of the owner. `arguments`: further names to suggest. Errors: UsageError."""
     for name in given:
         known = known_parameters(owner)
-        if name not in known and name not in _NOT_SAID_SO and "." not in name:  # those of effects the library knows
-            names = [*arguments, *(each for each in known if "." not in each and each not in _NOT_SAID_SO)]
+        if name not in known and name not in _RENAMED_PARAMETERS and "." not in name:  # the library checks those of effects
+            names = [*arguments, *(each for each in known if "." not in each and each not in _RENAMED_PARAMETERS)]
             raise UsageError(f"there is no parameter '{name}'{suggestion(name, names)}")

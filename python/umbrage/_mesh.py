@@ -1,5 +1,5 @@
-"""Meshes and clouds of points: arguments of Scene.add_mesh become what the library takes, checked whole before a scene is
-changed."""
+"""Meshes and point clouds: converts the arguments of Scene.add_mesh to those of the library. All of them are checked
+before a scene is changed."""
 from __future__ import annotations
 
 import ctypes
@@ -14,13 +14,13 @@ from ._suggest import shown
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_MOST_VERTICES = 2**31 - 1
+_MAX_VERTICES = 2**31 - 1
 _MATERIAL = ("albedo", "emission", "specular", "shininess", "alpha_cutoff")
 
 
 @dataclass
 class Mesh:
-    """What is set of a mesh, by the names that the library has for it."""
+    """The data of a mesh, under the names that the library uses."""
 
     name: bytes
     vertex_count: int
@@ -32,14 +32,14 @@ class Mesh:
 
 
 def mesh_of(vertices: Any, faces: Any = None, **given: Any) -> Mesh:
-    """Arguments and errors are those of Scene.add_mesh."""
+    """Converts and checks a mesh. Arguments and errors are those of Scene.add_mesh."""
     import numpy as np
 
     colors, uv, radii, texture = (given.get(each) for each in ("colors", "uv", "radii", "texture"))
     points = _rows(vertices, "vertices", (3,), np.float32)
     count = len(points)
-    if not 0 < count <= _MOST_VERTICES:
-        raise UsageError(f"`vertices` has {count} rows: it takes 1 to {_MOST_VERTICES}")
+    if not 0 < count <= _MAX_VERTICES:
+        raise UsageError(f"`vertices` has {count} rows: it takes 1 to {_MAX_VERTICES}")
     if not np.isfinite(points).all():
         at = int(np.nonzero(~np.isfinite(points).all(axis=1))[0][0])
         raise UsageError(f"`vertices` holds a number that is not finite, in row {at}")
@@ -58,7 +58,7 @@ def mesh_of(vertices: Any, faces: Any = None, **given: Any) -> Mesh:
         _check_radii(buffers[-1][1], triangles is not None)
     if colors is not None:
         buffers.append(("color", _colors(colors, count)))
-    is_colored = colors is not None or texture is not None  # they multiply the albedo, which else is a grey of 0.8
+    is_colored = colors is not None or texture is not None  # they multiply the albedo; its default is a grey of 0.8
     if given.get("albedo") is None and is_colored:
         given["albedo"] = (1.0, 1.0, 1.0)
     floats = {each: _material(given[each], each) for each in _MATERIAL if given.get(each) is not None}
@@ -68,14 +68,14 @@ def mesh_of(vertices: Any, faces: Any = None, **given: Any) -> Mesh:
         if given.get(argument) is not None
     ]
     if textures and uv is None:
-        raise UsageError(f"`{'emission_texture' if texture is None else 'texture'}` needs `uv`, its place on the mesh")
+        raise UsageError(f"`{'emission_texture' if texture is None else 'texture'}` needs `uv`, the texture coordinates")
     places: Any = () if given.get("instances") is None else _places(given["instances"])
     named = native.bytes_of(given.get("name", ""), "name")
     return Mesh(named, count, 0 if triangles is None else len(triangles), buffers, floats, textures, places)
 
 
 def new_mesh(scene: native.Handle, mesh: Mesh) -> int:
-    """Its number in the scene."""
+    """Adds an empty mesh to the scene and returns its number."""
     number = int(native.lib.umbAddMesh(scene.pointer, mesh.name, mesh.vertex_count, mesh.triangle_count))
     if number < 0:
         scene.fail()
@@ -83,7 +83,7 @@ def new_mesh(scene: native.Handle, mesh: Mesh) -> int:
 
 
 def fill_mesh(scene: native.Handle, number: int, mesh: Mesh) -> None:
-    """Copies all that the mesh has."""
+    """Copies the data of the mesh to the scene."""
     lib = native.lib
     for each, array in mesh.buffers:
         kind, channels = _TYPES[array.dtype.name], array.shape[1]
@@ -100,11 +100,11 @@ def fill_mesh(scene: native.Handle, number: int, mesh: Mesh) -> None:
 
 
 def remove_mesh(scene: native.Handle, number: int) -> None:
-    """Takes it out of the scene, where the library can."""
+    """Removes the mesh from the scene if the library has umbRemoveMesh."""
     if native.has("umbRemoveMesh"):
         try:
             scene.check(native.lib.umbRemoveMesh(scene.pointer, number))
-        except UmbrageError:  # what was wrong first is told
+        except UmbrageError:  # the first error is reported
             pass
 
 
@@ -113,42 +113,42 @@ def _pointer(floats: NDArray[Any]) -> Any:
 
 
 def _check_radii(radii: NDArray[Any], has_faces: bool) -> None:
-    """Errors: UsageError."""
+    """Checks the radii of points. Errors: UsageError."""
     import numpy as np
 
     if has_faces:
-        raise UsageError("`radii` goes with a cloud of points: the mesh has faces")
+        raise UsageError("`radii` is for point clouds: the mesh has faces")
     wrong = np.nonzero(~((radii > 0) & np.isfinite(radii)).ravel())[0]
     if len(wrong):
-        raise UsageError(f"`radii` holds {radii[wrong[0], 0]:g}, in row {wrong[0]}: a radius is above 0, and finite")
+        raise UsageError(f"`radii` holds {radii[wrong[0], 0]:g}, in row {wrong[0]}: a radius must be above 0, and finite")
 
 
 def _material(value: Any, name: str) -> NDArray[Any]:
-    """Errors: UsageError."""
+    """Converts a material parameter. Errors: UsageError."""
     import numpy as np
 
     numbers = _floats(value, name, 3 if name in ("albedo", "emission") else 1)
     if not ((numbers >= 0) & np.isfinite(numbers)).all():
-        raise UsageError(f"`{name}` cannot be {shown(value)}: it is 0 or more, and finite")
+        raise UsageError(f"`{name}` cannot be {shown(value)}: it must be 0 or more, and finite")
     return numbers
 
 
 def _floats(values: Any, name: str, count: Optional[int] = None) -> NDArray[Any]:
-    """So many numbers. Errors: UsageError."""
+    """Converts `count` numbers to float32. Errors: UsageError."""
     import numpy as np
 
     what = {None: "numbers", 1: "a number", 3: "three numbers"}[count]
     array = as_array(values, name, what).ravel()
     if array.dtype.kind not in "fiu" or (count is not None and array.size != count):
         raise UsageError(f"`{name}` takes {what}, not {shown(values)}")
-    with np.errstate(over="ignore"):  # what is too large becomes infinity
+    with np.errstate(over="ignore"):  # values that are too large become infinity
         return array.astype(np.float32)
 
 
 def _rows(
     values: Any, name: str, sides: Tuple[int, ...], dtype: Any, count: Optional[int] = None
 ) -> NDArray[Any]:
-    """Values of vertices as (count, side), a row packed. Errors: UsageError."""
+    """Converts values of vertices to (count, side) with packed rows. Errors: UsageError."""
     import numpy as np
 
     array = as_array(values, name)
@@ -169,7 +169,7 @@ def _rows(
 
 
 def _triangles(faces: Any, vertex_count: int) -> NDArray[Any]:
-    """Triangles as (M, 3) of unsigned integers. Errors: UsageError."""
+    """Converts faces to triangles: (M, 3) unsigned integers. Errors: UsageError."""
     import numpy as np
 
     array = as_array(faces, "faces")
@@ -180,11 +180,11 @@ def _triangles(faces: Any, vertex_count: int) -> NDArray[Any]:
     if array.ndim != 2 or array.shape[1] < 3:
         raise UsageError(f"`faces` has the shape {array.shape}: it takes (M, 3), or (M, K) of polygons")
     if not len(array):
-        raise UsageError("`faces` is empty: leave it out for a cloud of points")
+        raise UsageError("`faces` is empty: omit it for a point cloud")
     least, most = int(array.min()), int(array.max())
     if least < 0 or most >= vertex_count:
         at = int(np.nonzero((array < 0).any(axis=1) | (array >= vertex_count).any(axis=1))[0][0])
-        raise UsageError(f"`faces` names vertices {array[at].tolist()} in row {at}: the mesh has {vertex_count}")
+        raise UsageError(f"`faces` refers to vertices {array[at].tolist()} in row {at}: the mesh has {vertex_count}")
     if array.shape[1] > 3:
         fans = [array[:, (0, k, k + 1)] for k in range(1, array.shape[1] - 1)]
         array = np.stack(fans, axis=1).reshape(-1, 3)
@@ -194,7 +194,7 @@ def _triangles(faces: Any, vertex_count: int) -> NDArray[Any]:
 
 
 def _padded_faces(array: NDArray[Any]) -> NDArray[Any]:
-    """Faces as VTK has them, each after the number of its corners, as triangles."""
+    """Converts faces in VTK's layout, where the number of corners precedes each face, to triangles."""
     import numpy as np
 
     corners = int(array[0])
@@ -212,7 +212,7 @@ def _padded_faces(array: NDArray[Any]) -> NDArray[Any]:
 
 
 def _colors(colors: Any, count: int) -> NDArray[Any]:
-    """Colours of vertices as (count, 3 or 4). Errors: UsageError."""
+    """Converts colours of vertices to (count, 3 or 4). Errors: UsageError."""
     import numpy as np
 
     array = as_array(colors, "colors")
@@ -234,7 +234,7 @@ def _places(instances: Any) -> NDArray[Any]:
     if array.ndim != 3 or array.shape[1:] not in ((3, 4), (4, 4)):
         raise UsageError(f"`instances` has the shape {array.shape}: it takes (K, 3, 4) or (K, 4, 4)")
     if array.shape[1] == 4 and not (array[:, 3] == (0, 0, 0, 1)).all():
-        raise UsageError("`instances` has matrices whose last row is not 0, 0, 0, 1: they are world from mesh, by rows")
+        raise UsageError("`instances` has matrices whose last row is not 0, 0, 0, 1: they map mesh space to world space, row by row")
     places = _floats(array[:, :3, :], "instances").reshape(-1, 12)
     if not np.isfinite(places).all():
         raise UsageError("`instances` holds a number that is not finite")

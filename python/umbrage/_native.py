@@ -1,4 +1,4 @@
-"""The C interface, umbrage/umbrage.h, by ctypes: its structs, its functions, and handles that release themselves."""
+"""ctypes bindings of the C interface, umbrage/umbrage.h: its structs, functions, and self-releasing handles."""
 from __future__ import annotations
 
 import ctypes
@@ -28,7 +28,7 @@ from ._errors import DeviceError, UsageError, error_of
 from ._suggest import shown
 
 _LIBRARY = "libumbrage.so.1"
-# Versions of the C interface that this package speaks: UMB_VERSION from the first on, and below the second.
+# Supported values of UMB_VERSION: from the first on, and below the second.
 _VERSIONS = (100, 20000)
 
 
@@ -81,11 +81,11 @@ class Parameter(Structure):
     ]
 
 
-# Callbacks run no Python of their own: a signal that arrives on the way into a Python function would raise where nobody
-# can catch it, and be lost. `user` is a generator, which waits within a `try`, or a list.
+# Callbacks are not Python functions: a signal that arrives on entry to a Python function would raise an exception where
+# it cannot be caught, and it would be lost. `user` is a generator, which waits inside a `try`, or a list.
 ProgressCallback = CFUNCTYPE(c_bool, py_object, c_double)
 LogCallback = CFUNCTYPE(None, py_object, c_char_p)
-tell_generator = ProgressCallback(types.GeneratorType.send)
+send_to_generator = ProgressCallback(types.GeneratorType.send)
 append_to_list = LogCallback(list.append)
 no_progress: Any = ProgressCallback()  # type: ignore[call-overload]  # NULL
 no_log: Any = LogCallback()  # type: ignore[call-overload]
@@ -139,23 +139,23 @@ _FUNCTIONS: Tuple[Tuple[Any, ...], ...] = (  # name, result, arguments
     ("umbGetListEntry", c_int, c_int, c_int, POINTER(c_char_p), POINTER(c_char_p)),
     ("umbGetParameter", c_int, c_char_p, c_int, POINTER(Parameter)),
 )
-# That later versions of the library have.
+# Functions that only later versions of the library have.
 _LATER_FUNCTIONS: Tuple[Tuple[Any, ...], ...] = (("umbRemoveMesh", c_int, c_void_p, c_int),)
 
 
 def _opened() -> ctypes.CDLL:
-    """The library: where UMBRAGE_LIBRARY says, else beside this package, else where the loader looks."""
+    """Loads the library: the file named by UMBRAGE_LIBRARY, else the one next to this package, else the loader's."""
     named = os.environ.get("UMBRAGE_LIBRARY")
     beside = os.path.join(os.path.dirname(os.path.abspath(__file__)), _LIBRARY)
     where = named or (beside if os.path.exists(beside) else _LIBRARY)
     try:
         library = ctypes.CDLL(where)
     except OSError as error:
-        advice = "Install libumbrage1, or have the environment's UMBRAGE_LIBRARY name the file"
-        needs = os.path.join(os.path.dirname(beside), "NEEDS")  # of a wheel
+        advice = "Install libumbrage1, or set UMBRAGE_LIBRARY to the path of the library"
+        needs = os.path.join(os.path.dirname(beside), "NEEDS")  # exists in a wheel
         if where == beside and os.path.exists(needs):
             with open(needs) as names:
-                advice = f"It needs what these packages of Debian 12 hold: {names.read().strip()}"
+                advice = f"It needs these Debian 12 packages: {names.read().strip()}"
         raise ImportError(f"the library of Umbrage cannot be loaded: {error}. {advice}") from error
     try:
         version = int(library.umbGetVersion())
@@ -170,12 +170,12 @@ def _opened() -> ctypes.CDLL:
             function.restype = result
             function.argtypes = arguments
     except AttributeError as error:
-        raise ImportError(f"the library '{where}' is too old for this package, or is none of Umbrage: {error}") from error
+        raise ImportError(f"the library '{where}' is too old for this package, or is not Umbrage's: {error}") from error
     return library
 
 
 def version_text(version: int) -> str:
-    """UMB_VERSION as "0.2.0"."""
+    """Formats a UMB_VERSION as "0.2.0"."""
     return f"{version // 10000}.{version // 100 % 100}.{version % 100}"
 
 
@@ -183,12 +183,12 @@ lib: Any = _opened()
 
 
 def has(function: str) -> bool:
-    """Whether the library has one of the later functions."""
+    """Returns whether the library has a function of _LATER_FUNCTIONS."""
     return hasattr(lib, function)
 
 
-# Threads of the library do not live on in a process that was forked after its first use: work would wait for them
-# forever.
+# Threads of the library do not exist in a process that was forked after the first use of the library: calls would wait
+# for them forever.
 _used = False
 _forked = False
 
@@ -206,25 +206,26 @@ def _text(message: Optional[bytes]) -> str:
 
 
 def bytes_of(text: Any, name: str) -> bytes:
-    """A string for the library. Errors: UsageError, which calls it by that name, for what is none, and for a null
-    character, which would end it."""
+    """Encodes a string for the library. Errors: UsageError, which uses `name`, for a value that is not a string, and
+    for a null character, which would end the string."""
     if not isinstance(text, (str, bytes)):
         raise UsageError(f"`{name}` takes a string, not {shown(text)}")
     encoded = text if isinstance(text, bytes) else os.fsencode(text)
     if b"\0" in encoded:
-        raise UsageError(f"`{name}` cannot be {shown(text)}, which holds a null character")
+        raise UsageError(f"`{name}` cannot be {shown(text)}: it contains a null character")
     return encoded
 
 
 def check(code: int) -> None:
-    """Raises the thread's error."""
+    """Raises the thread's error if `code` is not 0."""
     if code:
         raise _taken(code, lib.umbGetError)
 
 
 def _taken(code: int, take: Callable[..., int], *handle: Optional[int]) -> Exception:
-    """The error of a call that returned the code; 0: of one that returns none. What `take` has may be an older error;
-    that another thread is at work on an object is noted with the thread."""
+    """Returns the error of a call that returned `code`; 0: of a call that returns no code. The error that `take` reads
+    may be an older one; a call that was refused because another thread uses the object stores its error with the
+    thread."""
     message = c_char_p()
     taken = take(*handle, ctypes.byref(message))
     if taken == 0 or code not in (0, taken):
@@ -235,7 +236,7 @@ def _taken(code: int, take: Callable[..., int], *handle: Optional[int]) -> Excep
 
 
 class Handle:
-    """An object of the library, which is released with this one."""
+    """A reference to an object of the library, which is released when this object is deleted."""
 
     __slots__ = ("pointer", "_release", "_take", "__weakref__")
 
@@ -247,33 +248,33 @@ class Handle:
             raise _taken(0, lib.umbGetError)
 
     def check(self, code: int) -> None:
-        """Raises the object's error."""
+        """Raises the object's error if `code` is not 0."""
         if code:
             raise _taken(code, self._take, self.pointer)
 
     def fail(self) -> None:
-        """Raises the object's error, of a call that returns no code."""
+        """Raises the object's error after a call that returns no code."""
         raise _taken(0, self._take, self.pointer)
 
     def close(self) -> None:
         pointer, self.pointer = self.pointer, None
-        if pointer is not None and not _forked:  # the threads that it would wait for are not in a forked process
+        if pointer is not None and not _forked:  # release would wait for threads that do not exist here
             self._release(pointer)
 
     def __del__(self) -> None:
         try:
             self.close()
-        except AttributeError:  # it was never made
+        except AttributeError:  # the object was never created
             pass
 
 
 def is_forked() -> bool:
-    """Whether objects of the library are another process's."""
+    """Returns whether the library's objects belong to the parent process."""
     return _forked
 
 
 def check_process() -> None:
-    """Errors: DeviceError in a process that was forked from one that had used Umbrage."""
+    """Checks the process. Errors: DeviceError in a process that was forked from one that had used Umbrage."""
     if _forked:
         raise DeviceError(
             "this process was forked from one that had used Umbrage, whose threads it lacks: start processes with "
@@ -282,7 +283,7 @@ def check_process() -> None:
 
 
 def new_device(name: str, threads: int) -> Handle:
-    """Errors: UsageError, DeviceError."""
+    """Opens a device. Errors: UsageError, DeviceError."""
     global _used
     check_process()
     _used = True
@@ -290,7 +291,7 @@ def new_device(name: str, threads: int) -> Handle:
 
 
 def int32(number: Any, name: str) -> int:
-    """A whole number that fits. Errors: UsageError."""
+    """Converts an integer and clamps it to 32 bits. Errors: UsageError."""
     try:
         if isinstance(number, bool):
             raise TypeError
@@ -301,7 +302,7 @@ def int32(number: Any, name: str) -> int:
 
 
 def number(value: Any, name: str) -> float:
-    """Errors: UsageError."""
+    """Converts a number to float. Errors: UsageError."""
     try:
         if isinstance(value, bool):
             raise TypeError
@@ -311,8 +312,8 @@ def number(value: Any, name: str) -> float:
 
 
 def is_true(value: Any, name: str) -> bool:
-    """Errors: UsageError."""
-    if getattr(value, "shape", None) == () and hasattr(value, "item"):  # of NumPy
+    """Converts a bool. Errors: UsageError."""
+    if getattr(value, "shape", None) == () and hasattr(value, "item"):  # a NumPy scalar
         value = value.item()
     if not isinstance(value, bool):
         raise UsageError(f"`{name}` takes True or False, not {shown(value)}")
@@ -320,7 +321,7 @@ def is_true(value: Any, name: str) -> bool:
 
 
 def mapping(value: Any, name: str, what: str = "a dict by name") -> Dict[str, Any]:
-    """A caller's dict, copied; None is empty. Errors: UsageError."""
+    """Copies a caller's dict; None is empty. Errors: UsageError."""
     if value is None:
         return {}
     if not isinstance(value, Mapping) or not all(isinstance(key, str) for key in value):
@@ -329,7 +330,7 @@ def mapping(value: Any, name: str, what: str = "a dict by name") -> Dict[str, An
 
 
 def words(names: Any, name: str) -> List[str]:
-    """Names, of a list or parted by commas or spaces. Errors: UsageError."""
+    """Returns names, given as a list or separated by commas or spaces. Errors: UsageError."""
     if names is None:
         return []
     try:
@@ -342,7 +343,7 @@ def words(names: Any, name: str) -> List[str]:
 
 
 def names_of(function: Callable[[Optional[int], int], Optional[bytes]], pointer: Optional[int]) -> List[str]:
-    """Names that are asked for by number, up to the first that is not there."""
+    """Returns the names that `function` returns for 0, 1, ..., up to the first missing one."""
     names: List[str] = []
     while True:
         name = function(pointer, len(names))

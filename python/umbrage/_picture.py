@@ -1,4 +1,4 @@
-"""Picture: what was made, as arrays, and how it becomes a file."""
+"""Picture: the result of rendering or shading as arrays, and how it is written to a file."""
 from __future__ import annotations
 
 import ctypes
@@ -18,20 +18,20 @@ _STROKE_KINDS = ("outline", "fold", "crease")
 
 
 class Stroke(NamedTuple):
-    """A line of the picture as a curve: a polyline with round ends and joins."""
+    """A line of the picture as a curve: a polyline with round caps and joins."""
 
     points: NDArray[Any]
-    """(N, 3) float32: x, y and width, in pixels from the picture's upper left corner."""
+    """(N, 3) float32: x, y and width, in pixels; x and y from the picture's upper left corner."""
     kind: str
-    """"outline": an object ends; "fold": it hides a part of itself; "crease": two faces meet."""
+    """"outline": border of an object; "fold": an object occludes a part of itself; "crease": two faces meet."""
     object_id: int
-    """Of the nearer surface."""
+    """Id of the nearer surface."""
     closed: bool
-    """The last point is the first one again."""
+    """Whether the last point coincides with the first."""
 
 
 class Picture:
-    """A picture and its passes. `picture["ao"]` is a pass; a notebook shows the picture.
+    """A picture and its passes. `picture["ao"]` returns a pass; a notebook displays the picture.
 
     Arrays are (height, width) or (height, width, channels), row 0 at the top. Passes are float32, ids uint32.
     """
@@ -48,18 +48,18 @@ class Picture:
         self.passes = passes
         """The passes by name: "depth" (scene units, infinity where there is no surface), "normal" (view space), ..."""
         self.strokes = strokes
-        """Lines as curves, where `strokes=True` asked for them and the look has some."""
+        """Lines as curves, if `strokes=True` was set and the look draws lines."""
         self.stroke_color = stroke_color
-        """Red, green and blue of the strokes, sRGB, 0 to 1."""
+        """Colour of the strokes: red, green and blue, sRGB, 0 to 1."""
         self.stroke_opacity = stroke_opacity
-        """Of all strokes together."""
+        """Opacity of all strokes together, 0 to 1."""
 
     @property
     def picture(self) -> NDArray[Any]:
-        """(height, width, 4): red, green, blue, sRGB, and alpha, which is not multiplied in. uint8 unless `dtype` said
-        something else; floats are 0 to 1. Errors: UsageError where effects have made no colour."""
+        """(height, width, 4): red, green, blue, sRGB, and alpha, not premultiplied. uint8 unless `dtype` was set;
+        floats are 0 to 1. Errors: UsageError if no colour was made."""
         if self._color is None:
-            raise UsageError(f"there is no picture, but passes: {', '.join(self.passes) or 'none'}")
+            raise UsageError(f"there is no picture, only passes: {', '.join(self.passes) or 'none'}")
         return self._color
 
     @property
@@ -68,12 +68,12 @@ class Picture:
 
     @property
     def width(self) -> int:
-        """In pixels."""
+        """Width of the picture, pixels."""
         return int(self._any.shape[1])
 
     @property
     def height(self) -> int:
-        """In pixels."""
+        """Height of the picture, pixels."""
         return int(self._any.shape[0])
 
     def __getitem__(self, name: str) -> NDArray[Any]:
@@ -90,7 +90,7 @@ class Picture:
         return iter(self.keys())
 
     def keys(self) -> List[str]:
-        """"color" and the names of the passes."""
+        """Returns the names of the passes, preceded by "color" if there is a picture."""
         return (["color"] if self._color is not None else []) + list(self.passes)
 
     def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> NDArray[Any]:
@@ -102,11 +102,11 @@ class Picture:
         return f"<umbrage.Picture {self.width} x {self.height}: {', '.join(self.keys())}>"
 
     def save(self, path: Union[str, "os.PathLike[str]"], *, bits: int = 8, half: bool = False) -> None:
-        """Writes a file, whole or not at all: .png or .pfm (the picture, or else the only pass), .exr (picture and
-        passes) or .svg (the strokes).
+        """Writes a file, completely or not at all: .png or .pfm (the picture, or else the only pass), .exr (picture and
+        passes) or .svg (strokes).
 
-        `bits`: 8 or 16, of .png. `half`: 16-bit floats in .exr where they suffice. A picture of 8 bits becomes no better
-        by either: ask for dtype="float32" when you render. Errors: UsageError; FileError.
+        `bits`: 8 or 16, for .png. `half`: .exr stores 16-bit floats where they suffice. Neither improves a picture of 8
+        bits: render it with dtype="float32". Errors: UsageError; FileError.
         """
         try:
             file = native.bytes_of(os.fspath(path), "path")
@@ -121,7 +121,7 @@ class Picture:
         is_deep = ending.endswith((b".exr", b".pfm")) or bits == 16
         if has_color and is_deep and self.picture.dtype == "uint8":
             warnings.warn(
-                f'"{os.fsdecode(file)}" gets a picture of 8 bits: render with dtype="float32" for all of them',
+                f'"{os.fsdecode(file)}" is written from a picture of 8 bits: render with dtype="float32" for full precision',
                 UmbrageWarning,
                 stacklevel=2,
             )
@@ -160,7 +160,7 @@ class Picture:
 
 
 def strokes_of(job: native.Handle) -> Tuple[List[Stroke], Tuple[float, float, float], float]:
-    """Strokes of a job's last execution, their colour and opacity."""
+    """Returns the strokes of a job's last execution, their colour and opacity."""
     import numpy as np
 
     lib = native.lib

@@ -1,4 +1,4 @@
-"""Progress: what is told to a caller's function during long work, and how Ctrl-C and its exceptions end that work."""
+"""Reporting of progress to a caller's function, and cancellation of long work by Ctrl-C and exceptions."""
 from __future__ import annotations
 
 import sys
@@ -13,13 +13,13 @@ Progress = Union[None, bool, Callable[[float], Any]]
 
 
 def check_progress(progress: Any) -> None:
-    """Errors: UsageError."""
+    """Checks a `progress` argument. Errors: UsageError."""
     if progress is not None and not isinstance(progress, bool) and not callable(progress):
         raise UsageError(f"`progress` takes True, False or a function of one number, not {shown(progress)}")
 
 
 class Bar:
-    """A bar on standard error: tqdm's where that is installed, else a line of text."""
+    """A progress bar on standard error: tqdm's if it is installed, else a line of text."""
 
     def __init__(self) -> None:
         self._bar: Any = None
@@ -51,10 +51,10 @@ class Bar:
 
 
 class Watch:
-    """Runs calls of the library under a caller's progress.
+    """Runs calls of the library and reports their progress to the caller.
 
-    Python handles signals when it runs: `generator` runs some 20 times a second, so that Ctrl-C raises within it. What
-    is raised there ends the work, and goes on to the caller when the call of the library has returned.
+    Python handles signals only while Python code runs. `generator` runs about 20 times a second, so that Ctrl-C raises
+    in it. Exceptions in it cancel the work, and are raised to the caller after the library's call has returned.
     """
 
     def __init__(self, progress: Progress, is_before: bool = False) -> None:
@@ -94,4 +94,4 @@ class Watch:
             try:
                 raise raised
             finally:
-                raised.__context__ = context  # and not the library's error, which is its consequence
+                raised.__context__ = context  # not the library's error, which is its consequence

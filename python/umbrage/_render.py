@@ -1,4 +1,4 @@
-"""render, and the renderer behind it, which can be used again and again."""
+"""The function render and the class Renderer, which renders several pictures of one model."""
 from __future__ import annotations
 
 import os
@@ -6,19 +6,19 @@ from typing import Any, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _native as native
 from ._errors import UsageError
-from ._job import Job, Where, checked_dtype, one_bar, wanted_outputs
+from ._job import Job, Where, checked_dtype, shared_bar, requested_outputs
 from ._lists import check_keywords
 from ._picture import Picture
 from ._progress import Progress, check_progress
 from ._scene import SCENE_PARAMETERS, Scene
 from ._suggest import shown
 
-_OF_PICTURES = ("size", "camera", "passes", "dtype", "out", "progress", "settings")
-_OF_RENDERERS = ("look", "quality", "device", "threads")
+_PICTURE_ARGUMENTS = ("size", "camera", "passes", "dtype", "out", "progress", "settings")
+_RENDERER_ARGUMENTS = ("look", "quality", "device", "threads")
 
 
 class Renderer(Job):
-    """Draws one model or scene again and again: it is read and made ready once, and memory is used again.
+    """Renders any number of pictures of one model or scene, which is read and prepared once. Memory is reused.
 
     ::
 
@@ -26,9 +26,10 @@ class Renderer(Job):
             for k in range(36):
                 renderer.render({"azimuth_deg": 10 * k}).save(f"bunny_{k:02d}.png")
 
-    `render` may be called as often as you like, frame after frame, with other cameras, sizes and parameters: what is
-    the same as the last time is kept, and after an error it may go on. A picture is the caller's, and stays as it is.
-    One thread at a time may use it; others wait. A scene without lights stays lit as its first picture's camera stood.
+    `render` may be called any number of times, with other cameras, sizes and parameters. Data that is still valid is
+    kept, and after an error further calls are allowed. A returned picture is not changed by later calls. One thread at
+    a time uses the renderer; others wait. A scene without lights gets lights that are placed relative to the camera of
+    its first picture, and keeps them.
     """
 
     _kind = "Renderer"
@@ -49,13 +50,13 @@ class Renderer(Job):
         progress: Progress = None,
         **parameters: Any,
     ) -> None:
-        """Arguments and errors are those of umbrage.render; those of a picture are what `render` starts from."""
+        """Arguments and errors are those of umbrage.render. Arguments of a picture are the defaults of `render`."""
         of_pictures = [name for name in parameters if name not in SCENE_PARAMETERS]
-        check_keywords(of_pictures, "render", _OF_PICTURES + _OF_RENDERERS + SCENE_PARAMETERS)
+        check_keywords(of_pictures, "render", _PICTURE_ARGUMENTS + _RENDERER_ARGUMENTS + SCENE_PARAMETERS)
         check_progress(progress)
         of_scene = {name: parameters.pop(name) for name in list(parameters) if name in SCENE_PARAMETERS}
         if isinstance(model, Scene) and of_scene:
-            raise UsageError(f"`{next(iter(of_scene))}` is the scene's: set it by Scene.set, before what it is for is added")
+            raise UsageError(f"`{next(iter(of_scene))}` is a parameter of the scene: set it by Scene.set before adding models")
         is_read = isinstance(model, (str, os.PathLike))
         scene = model if isinstance(model, Scene) else Scene(**of_scene) if is_read else Scene.of(model, **of_scene)
         super().__init__(device, threads, scene)
@@ -70,9 +71,9 @@ class Renderer(Job):
             scene.add(model, progress=progress)
 
     def prepare(self, *, progress: Progress = None) -> None:
-        """Does what comes before the first picture: builds the hierarchy that rays are traced in, which render does
-        else. Errors: FileError, DeviceError, what `progress` raises."""
-        with self._mine(), self._used_scene().reading():
+        """Does the work that precedes the first picture: builds the ray-tracing acceleration structure. Otherwise the
+        first call of render does it. Errors: FileError, DeviceError, exceptions of `progress`."""
+        with self._exclusive(), self._used_scene().reading():
             self._call(native.lib.umbPrepareJob, self._progress if progress is None else progress, is_before=True)
 
     def render(
@@ -87,22 +88,23 @@ class Renderer(Job):
         settings: Optional[Mapping[str, Any]] = None,
         **parameters: Any,
     ) -> Picture:
-        """One picture. What is None is as the Renderer was made; `settings` and parameters stay for the next ones.
+        """Renders one picture. Arguments that are None have the values given to Renderer. `settings` and parameters
+        persist.
 
-        `out`: an array (height, width, 4) or (height, width, 3) for the picture, or a dict of arrays by pass; any
-        strides. Errors: UsageError, DeviceError, what `progress` raises; outputs are then as they were.
+        `out`: an array (height, width, 4) or (height, width, 3) for the picture, or a dict of arrays by pass; with any
+        strides. Errors: UsageError, DeviceError, exceptions of `progress`; the outputs are then unchanged.
         """
         for name in parameters:
             if name in ("device", "threads") + SCENE_PARAMETERS:
-                raise UsageError(f"`{name}` cannot be changed: it is said when the Renderer is made")
-        check_keywords(parameters, "render", _OF_PICTURES + _OF_RENDERERS)
+                raise UsageError(f"`{name}` cannot be changed: set it when creating the Renderer")
+        check_keywords(parameters, "render", _PICTURE_ARGUMENTS + _RENDERER_ARGUMENTS)
         check_progress(progress)
         self._used_scene().check_filled()
-        with self._mine(), self._used_scene().reading(), self._kept_on_errors():
+        with self._exclusive(), self._used_scene().reading(), self._rolled_back_on_error():
             at = self._size if size is None else _size(size)
             self._set_all(settings, **parameters)
             self._place(at, self._camera if camera is None else camera)
-            wanted = wanted_outputs(
+            wanted = requested_outputs(
                 at, self._dtype if dtype is None else dtype, self._passes if passes is None else passes, out, True
             )
             return self._make(at, wanted, self._progress if progress is None else progress)
@@ -141,28 +143,29 @@ def render(
     progress: Progress = None,
     **parameters: Any,
 ) -> Picture:
-    """Draws a model.
+    """Renders a model.
 
     ::
 
-        umbrage.render("bunny.obj", size=(800, 600), camera={"azimuth_deg": 30}, passes=("depth", "ao")).save("bunny.png")
+        umbrage.render("bunny.obj", camera={"azimuth_deg": 30}, passes=("depth", "ao")).save("bunny.png")
 
     model: a path or a list of them, "scene:NAME", an umbrage.Scene, or what Scene.add takes.
-    size: width, height in pixels, 1 to 16384 each.
-    look: a recipe of umbrage.looks(); default "studio". quality: "draft", "normal", "high", "ultra"; default the look's.
-    camera: a Camera or a dict of its names.
-    passes: planes to hand out besides the picture: "depth", "normal", "ao", ..., or "all".
-    settings: parameters of any name, such as {"bitmask.radius": "15%"}: see umbrage.parameters("bitmask").
-    dtype: of the picture, "uint8", "uint16", "float16" or "float32". Passes are float32, ids uint32.
+    size: (width, height) in pixels, 1 to 16384 each.
+    look: a name of umbrage.looks(); default: "studio".
+    quality: "draft", "normal", "high", "ultra"; default: chosen by the look.
+    camera: a Camera or a dict of its members.
+    passes: passes to return besides the picture: "depth", "normal", "ao", ..., or "all".
+    settings: a dict of parameters, such as {"bitmask.radius": "15%"}: see umbrage.parameters("bitmask").
+    dtype: type of the picture, "uint8", "uint16", "float16" or "float32". Passes are float32, ids uint32.
     out: an array for the picture, or a dict of arrays by pass: see Renderer.render.
-    device: "cpu", "vulkan", "vulkan:N" or "auto". threads: of the CPU, 0: all.
-    progress: True shows a bar; a function is called with the share that is done, 0 to 1, some 20 times a second, by this
-    thread; it may return False, or raise, to give up. Ctrl-C does so always.
-    Other keywords: parameters of umbrage.parameters("render") or ("scene"), such as `anti_aliasing=4` or `up="+Z"`.
+    device: "cpu", "vulkan", "vulkan:N" or "auto". threads: number of CPU threads; 0: all.
+    progress: True shows a progress bar; a function is called with the fraction that is done, 0 to 1, about 20 times a
+    second, by this thread; it cancels the work by returning False or raising an exception. Ctrl-C always cancels.
+    Other keywords: names of umbrage.parameters("render") or ("scene"), such as `anti_aliasing=4` or `up="+Z"`.
 
-    Errors: UsageError; FileError; DeviceError; Cancelled; what `progress` raises.
+    Errors: UsageError; FileError; DeviceError; Cancelled; exceptions of `progress`.
     """
-    with one_bar(progress) as told, Renderer(
+    with shared_bar(progress) as told, Renderer(
         model,
         size=size,
         look=look,

@@ -1,4 +1,4 @@
-"""Scene: meshes and clouds of points from files, arrays and objects of other libraries."""
+"""Scene: meshes and point clouds from files, arrays and objects of other libraries."""
 from __future__ import annotations
 
 import ctypes
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ._picture import Picture
 
 SCENE_PARAMETERS = ("up", "crease_angle_deg", "point_size", "point_sprites", "scene_index")
-_OF_MESHES = (
+_MESH_ARGUMENTS = (
     "colors",
     "normals",
     "uv",
@@ -40,8 +40,8 @@ _OF_MESHES = (
 )
 
 
-def tell_warnings(texts: List[bytes], depth: int = 4) -> None:
-    """Hands on what the library has warned of."""
+def issue_warnings(texts: List[bytes], depth: int = 4) -> None:
+    """Issues the library's warnings as Python warnings."""
     while texts:
         warnings.warn(texts.pop(0).decode("utf-8", "replace"), UmbrageWarning, stacklevel=depth)
 
@@ -60,7 +60,7 @@ class Scene:
         scene = umbrage.Scene.of(trimesh.load("bunny.obj"))       # from another library
         scene.render(size=(800, 600), look="studio").save("bunny.png")
 
-    Different threads may render one scene at the same time; changing it meanwhile is a UsageError.
+    Different threads may render one scene at the same time; changing it at that time is a UsageError.
     """
 
     def __init__(
@@ -74,19 +74,19 @@ class Scene:
         up: Union[None, str, Sequence[float]] = None,
         **parameters: Any,
     ) -> None:
-        """An empty scene, or one of a mesh: see add_mesh, which takes `colors`, `normals`, `uv` and more. Or
-        `vertices` alone is a model: see add.
+        """Creates an empty scene, or a scene of one mesh: see add_mesh for `colors`, `normals`, `uv` and more
+        arguments. `vertices` alone may be a model: see add.
 
-        `up`: which way is up in the world, "+Z" or three numbers; default +Y. Other parameters of
-        umbrage.parameters("scene"), such as `crease_angle_deg`, hold for what is added afterwards.
+        `up`: up direction of the world, "+Z" or three numbers; default: +Y. Other parameters of
+        umbrage.parameters("scene"), such as `crease_angle_deg`, apply to models and meshes that are added afterwards.
         Errors: UsageError.
         """
         mesh = dict(parameters, faces=faces, colors=colors, normals=normals, uv=uv)
-        known = ("vertices", "faces") + SCENE_PARAMETERS + _OF_MESHES
+        known = ("vertices", "faces") + SCENE_PARAMETERS + _MESH_ARGUMENTS
         for name in mesh:
             if name not in known:
                 raise UsageError(f"a Scene has no argument '{name}'{suggestion(name, known)}")
-        self._device = native.new_device("cpu", 1)  # computes nothing: errors and warnings are told to it
+        self._device = native.new_device("cpu", 1)  # for errors and warnings only; computes nothing
         self._handle = native.Handle(native.lib.umbNewScene(self._device.pointer), "Scene")
         self._lock = threading.Lock()
         self._readers = 0
@@ -99,19 +99,19 @@ class Scene:
         given = {name: value for name, value in mesh.items() if value is not None and name not in SCENE_PARAMETERS}
         if isinstance(vertices, (str, os.PathLike)) or is_model(vertices):
             if given:
-                raise UsageError(f"`{next(iter(given))}` goes with arrays: {shown(vertices)} is a whole model")
+                raise UsageError(f"`{next(iter(given))}` is for arrays: {shown(vertices)} is a complete model")
             self.add(vertices)
         elif vertices is not None:
             self.add_mesh(vertices, **given)
         elif given:
-            raise UsageError(f"`{next(iter(given))}` goes with a mesh, which needs `vertices`")
+            raise UsageError(f"`{next(iter(given))}` is for a mesh, which needs `vertices`")
 
     @classmethod
     def load(cls, path: Union[str, "os.PathLike[str]"], *more: Any, progress: Progress = None, **parameters: Any) -> Scene:
-        """A scene of one model or several, as they stand in their files: OBJ, PLY, STL, glTF/GLB, ..., or a built-in
-        one, "scene:NAME?detail=N". Keywords are those of umbrage.parameters("scene").
+        """Loads one or several models, placed as in their files: OBJ, PLY, STL, glTF/GLB, ..., or the built-in
+        "scene:NAME?detail=N". Keywords are those of umbrage.parameters("scene").
 
-        Errors: UsageError; FileError; what `progress` raises.
+        Errors: UsageError; FileError; exceptions of `progress`.
         """
         scene = cls(**_of_scenes(parameters))
         for each in (path,) + more:
@@ -120,13 +120,13 @@ class Scene:
 
     @classmethod
     def of(cls, thing: Any, **parameters: Any) -> Scene:
-        """A scene of whatever it is, several paths among it: see add."""
+        """Creates a scene of a model, as for add, or of several paths."""
         if _are_paths(thing):
             return cls.load(*thing, **_of_scenes(parameters))
         return thing if isinstance(thing, Scene) and not parameters else cls(**_of_scenes(parameters)).add(thing)
 
     def set(self, name: str, value: Any) -> None:
-        """Sets a parameter of umbrage.parameters("scene"); None: as at first. Errors: UsageError."""
+        """Sets a parameter of umbrage.parameters("scene"); None restores the default. Errors: UsageError."""
         if value is not None and not isinstance(value, str):
             array = as_array(value, name, "a string or numbers")
             if array.dtype.kind not in "iuf" or array.size == 0:
@@ -138,11 +138,11 @@ class Scene:
             self._handle.check(native.lib.umbSetSceneParameter(self._handle.pointer, native.bytes_of(name, "name"), text))
 
     def add(self, thing: Any, *, progress: Progress = None) -> Scene:
-        """Adds a model and returns the scene. `thing`: a path; a pair (vertices, faces); a mesh, scene or cloud of
-        trimesh, a mesh or cloud of Open3D, a surface, grid or cloud of PyVista, or an object that has the same
-        attributes. Colours of vertices and faces come with it, and textures of trimesh and Open3D.
+        """Adds a model and returns the scene. `thing`: a path; a pair (vertices, faces); a mesh, scene or point cloud
+        of trimesh; a mesh or point cloud of Open3D; a surface, grid or point cloud of PyVista; or an object with the
+        same attributes. Colours of vertices and faces are taken over, and so are textures of trimesh and Open3D.
 
-        Errors: UsageError; FileError; what `progress` raises. The scene is then as it was.
+        Errors: UsageError; FileError; exceptions of `progress`. The scene is then unchanged.
         """
         check_progress(progress)
         if isinstance(thing, (str, os.PathLike)):
@@ -151,10 +151,10 @@ class Scene:
                 self._is_empty = False
             return self
         if _are_paths(thing):
-            raise UsageError("several models are several calls of Scene.add, or one of Scene.load")
+            raise UsageError("Scene.add takes one model: call it once for each, or use Scene.load")
         if isinstance(thing, Scene):
-            raise UsageError("a Scene cannot be added to another: add to both what they have in common")
-        self._put([mesh_of(**mesh) for mesh in meshes_of(thing)])  # all of them, or none
+            raise UsageError("a Scene cannot be added to another Scene: add its models instead")
+        self._put([mesh_of(**mesh) for mesh in meshes_of(thing)])  # all or none
         return self
 
     def _load(self, model: bytes, watch: Watch) -> None:
@@ -162,12 +162,12 @@ class Scene:
         told: List[bytes] = []
         try:
             lib.umbSetDeviceLogCallback(self._device.pointer, native.append_to_list, told)
-            lib.umbSetSceneProgressCallback(handle.pointer, native.tell_generator, watch.generator)
+            lib.umbSetSceneProgressCallback(handle.pointer, native.send_to_generator, watch.generator)
             handle.check(lib.umbLoadModel(handle.pointer, model))
         finally:
             lib.umbSetSceneProgressCallback(handle.pointer, native.no_progress, None)
             lib.umbSetDeviceLogCallback(self._device.pointer, native.no_log, None)
-            tell_warnings(told)
+            issue_warnings(told)
 
     def add_mesh(
         self,
@@ -188,18 +188,20 @@ class Scene:
         alpha_cutoff: Optional[float] = None,
         instances: Any = None,
     ) -> int:
-        """Adds a mesh, or without `faces` a cloud of points, and returns its number. Everything is copied.
+        """Adds a mesh, or, without `faces`, a point cloud. Returns its number. All data are copied.
 
-        vertices: (N, 3) scene units. faces: (M, 3) indices from 0, or (M, K) convex polygons. colors: (N, 3) or (N, 4),
-        or one colour for all; uint8 and uint16 are sRGB, floats linear, 0 to 1. normals: (N, 3). uv: (N, 2), (0, 0) is
-        the texture's lower left corner. radii: (N,) of points, scene units. albedo, emission: three linear numbers; default
-        a grey of 0.8, or 1 beside colours or a texture, which it multiplies; and 0.
-        specular: peak of the highlight, 0 to 1. shininess: Blinn-Phong exponent. texture, emission_texture: (H, W),
-        (H, W, 3) or (H, W, 4) uint8, sRGB, or an image of Pillow, which multiply albedo and emission. alpha_cutoff:
-        parts of the texture with less alpha are cut away. instances: (K, 3, 4) or (K, 4, 4), places of the mesh, world
-        from mesh.
-        Errors: UsageError, also for numbers that are not finite and indices beyond the vertices; the scene is then as it
-        was.
+        vertices: (N, 3), scene units. faces: (M, 3) indices from 0, or (M, K) convex polygons.
+        colors: (N, 3) or (N, 4), or one colour for all vertices; uint8 and uint16 are sRGB, floats linear, 0 to 1.
+        normals: (N, 3). uv: (N, 2), (0, 0) is the texture's lower left corner. radii: (N,), of points, scene units, >
+        0.
+        albedo, emission: three linear numbers. Colours and textures multiply the albedo, whose default is 0.8, or 1 if
+        there are colours or a texture. The default emission is 0.
+        specular: peak of the highlight, 0 to 1. shininess: Blinn-Phong exponent.
+        texture, emission_texture: factors of albedo and emission; (H, W), (H, W, 3) or (H, W, 4) uint8, sRGB, or an
+        image of Pillow. alpha_cutoff: parts of the texture with a smaller alpha are cut out.
+        instances: (K, 3, 4) or (K, 4, 4), matrices from mesh space to world space.
+        Errors: UsageError, also for numbers that are not finite and indices beyond the vertices. The scene is then
+        unchanged.
         """
         mesh = mesh_of(
             vertices,
@@ -221,14 +223,14 @@ class Scene:
         return self._put([mesh])[0]
 
     def _put(self, meshes: Sequence[Mesh]) -> List[int]:
-        """Adds all of them, or none. Returns their numbers."""
+        """Adds all meshes, or none. Returns their numbers."""
         numbers: List[int] = []
         with self._changing():
             try:
                 for mesh in meshes:
                     numbers.append(new_mesh(self._handle, mesh))
                     fill_mesh(self._handle, numbers[-1], mesh)
-            except BaseException:  # memory is short, say
+            except BaseException:  # such as too little memory
                 for number in numbers:
                     remove_mesh(self._handle, number)
                 raise
@@ -237,7 +239,8 @@ class Scene:
 
     @property
     def bounds(self) -> NDArray[Any]:
-        """The box that holds the scene: (2, 3) float32, lower and upper corner. Errors: UsageError for an empty one."""
+        """Axis-aligned bounding box of the scene: (2, 3) float32, lower and upper corner. Errors: UsageError if
+        empty."""
         import numpy as np
 
         box = np.empty((2, 3), np.float32)
@@ -249,18 +252,18 @@ class Scene:
 
     @property
     def camera_count(self) -> int:
-        """How many cameras the scene's files hold: camera={"index": 0} is the first one."""
+        """Number of cameras that camera={"index": N} can select; the first one is 0."""
         with self.reading():
             return int(native.lib.umbGetSceneCameraCount(self._handle.pointer))
 
     def render(self, **arguments: Any) -> Picture:
-        """Draws the scene: see umbrage.render, whose keywords it takes."""
+        """Renders the scene. Keywords are those of umbrage.render."""
         from ._render import render
 
         return render(self, **arguments)
 
     def close(self) -> None:
-        """Frees what it holds, before Python would. Renderers of it end with it."""
+        """Frees the scene now. Renderers of the scene cannot be used afterwards."""
         if self._handle.pointer is not None and not native.is_forked():
             with self._changing():
                 self._handle.close()
@@ -278,9 +281,9 @@ class Scene:
         raise TypeError("a Scene cannot be pickled or copied: make one in each process")
 
     def check_filled(self) -> None:
-        """Errors: UsageError for an empty one."""
+        """Errors: UsageError for an empty scene."""
         if self._is_empty:
-            raise UsageError("the scene is empty: `add` and `add_mesh` fill it")
+            raise UsageError("the scene is empty: `add` or `add_mesh` must be called first")
 
     @property
     def handle(self) -> native.Handle:
@@ -289,7 +292,7 @@ class Scene:
 
     @contextmanager
     def reading(self) -> Iterator[None]:
-        """While it is used."""
+        """Prevents changes of the scene while a caller uses it. Errors: UsageError while the scene is being changed."""
         self.check_open()
         with self._lock:
             if self._is_changing:
@@ -302,7 +305,7 @@ class Scene:
                 self._readers -= 1
 
     def check_open(self) -> None:
-        """Errors: UsageError once it is closed; DeviceError in a forked process."""
+        """Errors: UsageError if the scene was closed; DeviceError in a forked process."""
         native.check_process()
         if self._handle.pointer is None:
             raise UsageError("the Scene was closed")
@@ -322,7 +325,7 @@ class Scene:
 
 
 def _of_scenes(parameters: Dict[str, Any]) -> Dict[str, Any]:
-    """Errors: UsageError for others."""
+    """Checks that all names are parameters of a scene. Errors: UsageError."""
     for name in parameters:
         if name not in SCENE_PARAMETERS:
             raise UsageError(f"a scene has no parameter '{name}'{suggestion(name, SCENE_PARAMETERS)}")

@@ -1,4 +1,4 @@
-"""shade, and the shader behind it, which can be used again and again."""
+"""The function shade and the class Shader, which shades several pictures."""
 from __future__ import annotations
 
 import math
@@ -8,7 +8,7 @@ from typing import Any, List, Mapping, Optional, Sequence, Union
 from . import _native as native
 from ._arrays import image_array, image_of, share_memory
 from ._errors import UsageError
-from ._job import Job, wanted_outputs
+from ._job import Job, requested_outputs
 from ._lists import check_keywords
 from ._picture import Picture
 from ._progress import Progress, check_progress
@@ -19,7 +19,7 @@ _OTHER_NAMES = {"near_plane": "near", "far_plane": "far"}
 
 
 class Shader(Job):
-    """Shades arrays again and again, with one device and one memory.
+    """Shades any number of G-buffers on one device. Memory is reused.
 
     ::
 
@@ -27,9 +27,9 @@ class Shader(Job):
         for depth in frames:
             show(shader.shade(depth).picture)
 
-    `shade` may be called as often as you like, frame after frame, with arrays of any size: memory of the last time
-    serves again, and after an error it may go on. A picture is the caller's, and stays as it is. One thread at a time
-    may use it; others wait.
+    `shade` may be called any number of times, with arrays of any size. Memory is reused, and after an error further
+    calls are allowed. A returned picture is not changed by later calls. One thread at a time uses the shader; others
+    wait.
     """
 
     _kind = "Shader"
@@ -62,7 +62,7 @@ class Shader(Job):
         check_progress(progress)
         super().__init__(device, threads, None)
         if fov is not None and window is not None:
-            raise UsageError("`fov` and `window` say the same: give one of them")
+            raise UsageError("`fov` and `window` exclude each other: give one of them")
         if native.is_true(orthographic, "orthographic") and window is None:
             raise UsageError("an orthographic camera takes `window`: left, right, bottom and top, in scene units")
         self._fov = 40.0 if fov is None else native.number(fov, "fov")
@@ -98,8 +98,8 @@ class Shader(Job):
         out: Any = None,
         progress: Progress = None,
     ) -> Picture:
-        """Shades arrays: see umbrage.shade. Errors: UsageError, DeviceError, what `progress` raises; outputs are then as
-        they were."""
+        """Shades arrays: see umbrage.shade. Errors: UsageError, DeviceError, exceptions of `progress`; the outputs are
+        then unchanged."""
         lib, job = native.lib, self._job
         check_progress(progress)
         inputs = native.mapping(images, "images", "a dict of arrays by name")
@@ -110,16 +110,16 @@ class Shader(Job):
                 if name in inputs:
                     raise UsageError(f"there are two images '{name}': `images` has it, and the argument `{name}`")
                 inputs[name] = values
-        with self._mine():
+        with self._exclusive():
             first = image_array(depth, "depth")
             height, width = first.shape[:2]
             arrays = {name: image_array(values, name, (height, width)) for name, values in inputs.items()}
             has_color = not self._effects or "output" in self._effects
-            wanted = wanted_outputs((width, height), self._dtype, self._passes, out, has_color)
+            wanted = requested_outputs((width, height), self._dtype, self._passes, out, has_color)
             for output, memory in wanted.items():
                 for name, array in arrays.items():
                     if memory is not None and memory.size and share_memory(memory, array):
-                        raise UsageError(f"the output `{output}` and the input `{name}` share memory, which is still read")
+                        raise UsageError(f"the output `{output}` and the input `{name}` share memory that is still read")
             if self._window is None and height > 0:
                 top = math.tan(math.radians(self._fov) / 2)
                 right = top * width / height
@@ -161,28 +161,29 @@ def shade(
     progress: Progress = None,
     **parameters: Any,
 ) -> Picture:
-    """Shades what somebody else has drawn.
+    """Shades the G-buffer of another renderer.
 
     ::
 
         picture = umbrage.shade(depth, fov=60).picture                                  # the look "studio"
         ao = umbrage.shade(depth, normal, effects=("bitmask", "denoise"), passes="ao")["ao"]
 
-    depth: (H, W). `depth_kind` "view": distance along the view axis, any unit; "ray": from the eye; "window": 0 at the
-    plane `near`, 1 at `far`, as depth buffers have it; "reversed": the other way round. NaN and infinity, and 0 of "view"
-    and "ray": there is nothing.
-    normal: (H, W, 3), view space, +x right, +y up, +z towards the eye; default made of the depth. `view_from_normal`,
-    3 x 3, turns others.
+    depth: (H, W). `depth_kind`: "view": distance along the view axis, any unit; "ray": distance from the camera along
+    the pixel's ray; "window": 0 at the plane `near`, 1 at `far`, as in a depth buffer; "reversed": the opposite. NaN
+    and infinity, and 0 for "view" and "ray", mean that there is no surface.
+    normal: (H, W, 3), view space, +x right, +y up, +z towards the camera; default: computed from depth. The parameter
+    `view_from_normal`, a 3 x 3 rotation, converts normals of another space.
     albedo: (H, W, 3), linear, 0 to 1, or one colour. Alpha, a fourth channel, is not read.
-    object_id: (H, W) of whole numbers. images: other planes by name, such as "emission", "direct" or "layer1.depth".
-    Arrays are of NumPy, torch (CPU), or whatever has the buffer protocol, `__array_interface__` or DLPack; float32,
-    float16, uint8 or uint16, of which 255 and 65535 stand for 1. Those that fit are not copied, with any strides.
-    fov: vertical field of view, degrees; default 40. window: (left, right, bottom, top) at distance 1 in its place, or
-    in scene units for `orthographic`.
-    look: a recipe of umbrage.looks(); default "studio". effects: these alone in its place, one after the other.
-    passes: to hand out besides; with `effects` and no name at all, what the last one of them makes.
-    out: an array (H, W, 4 or 3) for the picture, or a dict of arrays by pass, which are written to.
-    Other arguments and errors are those of render; other keywords parameters of umbrage.parameters("shade").
+    object_id: (H, W) of integers. images: other planes by name, such as "emission", "direct" or "layer1.depth".
+    Arrays: NumPy, torch (CPU), or any object with the buffer protocol, `__array_interface__` or DLPack; float32,
+    float16, uint8 or uint16, whose 255 and 65535 mean 1. Arrays of these types are not copied, whatever their strides
+    are.
+    fov: vertical field of view, degrees; default: 40. window: used instead of `fov`: (left, right, bottom, top) at
+    distance 1, or in scene units for `orthographic`.
+    look: a name of umbrage.looks(); default: "studio". effects: effects that run, in this order, instead of the look.
+    passes: passes to return besides the picture. If empty and `effects` is set: the passes that the last effect makes.
+    out: an array (H, W, 4 or 3) for the picture, or a dict of arrays by pass, which are written.
+    Other arguments and errors are those of render. Other keywords are names of umbrage.parameters("shade").
     """
     with Shader(
         fov=fov,

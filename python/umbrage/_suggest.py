@@ -1,25 +1,25 @@
-"""What is said of a wrong name or value."""
+"""Texts for messages about invalid names and values."""
 from __future__ import annotations
 
 from typing import Any, Iterable
 
-_SLIPS = 2  # letters; more, or two in a word of up to four letters, is another word
-_LONGEST = 60  # characters of a value that a message shows
+_MAX_EDIT_DISTANCE = 2  # max edit distance, letters; 1 for names of up to 4 letters
+_MAX_SHOWN = 60  # max number of characters of a value in a message
 
 
 def shown(value: Any) -> str:
-    """A value for a message, cut where it is long."""
+    """Formats a value for a message; long texts are truncated."""
     try:
         if hasattr(value, "shape") and hasattr(value, "dtype"):
             return f"an array of the shape {tuple(value.shape)}"
         text = " ".join(repr(value).split())
-    except Exception:  # whatever a caller's object does there
+    except Exception:  # `value` may raise any exception
         text = f"a {type(value).__name__}"
-    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+    return text if len(text) <= _MAX_SHOWN else text[: _MAX_SHOWN - 3] + "..."
 
 
 def _distance(a: str, b: str) -> int:
-    """Letters inserted, deleted, changed or swapped with their neighbour between two words."""
+    """Returns the number of letters inserted, deleted, changed or swapped with a neighbour between two words."""
     before, last = [0] * (len(b) + 1), list(range(len(b) + 1))
     for i, x in enumerate(a, 1):
         row = [i]
@@ -32,14 +32,14 @@ def _distance(a: str, b: str) -> int:
 
 
 def suggestion(word: str, names: Iterable[str]) -> str:
-    """" (did you mean 'x'?)" for the nearest of the names if it is near, else " (there are: a, b)": the library's rule,
-    for names that it does not know."""
+    """Returns " (did you mean 'x'?)" for the nearest name if it is close enough, else " (available: a, b)". The rule is
+    that of core/suggest.h; this is for names that the library does not know."""
     listed = list(dict.fromkeys(names))
-    best, nearest = _SLIPS + 1, ""
+    best, nearest = _MAX_EDIT_DISTANCE + 1, ""
     for name in listed:
         distance = _distance(word, name)
         if distance < best and distance <= max(1, (len(name) - 1) // 2):
             best, nearest = distance, name
     if nearest:
         return f" (did you mean '{nearest}'?)"
-    return f" (there are: {', '.join(listed) or 'none'})"
+    return f" (available: {', '.join(listed) or 'none'})"

@@ -1,4 +1,4 @@
-// Import: a file becomes a Scene.
+// Import: reads a model file into a Scene.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -11,28 +11,28 @@
 namespace umbrage {
 
 struct ImportSettings {
-  /// Edges whose faces meet at a larger angle stay sharp where normals are made. Degrees.
+  /// Faces that meet at a larger angle get a hard edge where normals are created. Degrees.
   float crease_angle_deg = 80.0f;
-  /// World up; the zero vector means: as the format says (+z for STL, what FBX and DAE name, otherwise +y).
+  /// World up. Zero: as the format defines it (+z for STL, the file's own axis for FBX and DAE, otherwise +y).
   glm::vec3 up{0.0f};
   PointSettings points;
-  /// Which of the scenes that a file holds, from 0; nothing: the one that the file names, or else the first.
+  /// Index of the scene in a file with several, from 0. Not set: the file's default scene, or else the first.
   std::optional<int> scene_index;
 };
 
-/// Reads OBJ with MTL, STL, glTF/GLB, 3DS, DAE, FBX through Assimp, PLY, OFF and XYZ by readers of our own, and
-/// textures through stb_image. Node transforms are applied; faces are triangulated; degenerate triangles and those with
-/// coordinates that are not finite are dropped; normals are made where the file has none. PLY, OFF, OBJ and XYZ files
-/// without faces, and points of glTF files without triangles, become points. Missing textures give a warning and a
-/// neutral colour. Errors: kFile with one sentence that names the file and what is wrong with it;
-/// kUsage for a scene that the file does not hold; kInterrupted.
+/// Reads OBJ with MTL, STL, glTF/GLB, 3DS, DAE and FBX through Assimp, PLY, OFF and XYZ with built-in readers, and
+/// textures through stb_image. Applies node transforms, triangulates faces, drops degenerate triangles and triangles
+/// with coordinates that are not finite, and creates normals where the file has none. PLY, OFF, OBJ and XYZ files
+/// without faces, and points of glTF files without triangles, become points. Missing textures cause a warning and a
+/// neutral colour. Errors: kFile with one sentence that names the file and the cause; kUsage for a scene index that the
+/// file does not have; kInterrupted.
 Result<Scene> import_scene(const std::filesystem::path& file, const ImportSettings& settings = {},
                            const ProgressMonitor& monitor = {});
 
-/// Of `count` scenes, whether the settings ask for one that there is. Errors: kUsage.
+/// Checks that the requested scene index exists in a file with `count` scenes. Errors: kUsage.
 Result<void> check_scene_index(const ImportSettings& settings, const std::string& name, std::size_t count);
 
-/// The endings that import_scene reads, lower case without the dot.
+/// Returns the file extensions that import_scene reads, lower case without the dot.
 const std::vector<std::string>& import_formats();
 
 }  // namespace umbrage

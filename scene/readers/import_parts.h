@@ -1,4 +1,4 @@
-// What import in this process and import in another share.
+// Steps that import_in_child_process and import_in_process have in common.
 #pragma once
 #include <optional>
 
@@ -6,17 +6,17 @@
 
 namespace umbrage {
 
-/// The file's ending in lower case, without the dot.
+/// Returns the file's extension in lower case, without the dot.
 std::string import_format(const std::filesystem::path& file);
 
-/// What can be said against a file before it is parsed.
+/// Checks what can be checked before a file is parsed: existence, type, supported extension, size, permission.
 std::optional<Error> check_model_file(const std::filesystem::path& file, const std::string& format);
 
-/// For a file that asks for more memory than it is given.
+/// Returns the error for a file that needs more memory than is available.
 Error too_large_to_read(const std::filesystem::path& file);
 
-/// What comes after a reader of any format: name, up, normals, clean triangles, bounds. Errors: kFile where nothing is
-/// left to draw; kInterrupted.
+/// Completes a scene after a reader of any format: name, up, normals, removal of unusable triangles, bounds. Errors:
+/// those of `imported`; kFile if nothing is left to draw; kInterrupted.
 Result<Scene> complete_import(Result<Scene> imported, const std::filesystem::path& file, const ImportSettings& settings,
                               Poll* poll = nullptr);
 

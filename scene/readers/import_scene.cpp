@@ -1,5 +1,5 @@
-// What can be said of a model file before and after it is read, and where it is read: by our own readers here, by those
-// of others in a process of its own.
+// Checks of a model file before and after reading, and the choice of the process: built-in readers run in this process,
+// third-party readers in a separate one.
 #include "scene/readers/import.h"
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 #include <system_error>
 
 #include "scene/finish.h"
-#include "scene/readers/import_apart.h"
+#include "scene/readers/import_in_child_process.h"
 #include "scene/readers/import_parts.h"
 #include "scene/readers/off.h"
 #include "scene/readers/ply.h"
@@ -28,7 +28,8 @@ std::string list_of_formats() {
   return list;
 }
 
-/// PLY, OFF or XYZ. Nothing for other formats, and where it has a texture, whose reader is not ours.
+/// Reads PLY, OFF or XYZ. Returns nothing for other formats, and for files with a texture, which a third-party decoder
+/// reads.
 std::optional<Result<Scene>> import_own(const fs::path& file, const std::string& format, Poll* poll) {
   if (format == "off") return read_off(file, poll);
   if (format == "xyz") return read_xyz(file, poll);
@@ -38,8 +39,8 @@ std::optional<Result<Scene>> import_own(const fs::path& file, const std::string&
   return read_ply(file, texture, poll);
 }
 
-/// Triangles with an index beyond the vertices: the file is damaged.
-std::size_t triangles_astray(const Mesh& mesh) {
+/// Returns the number of triangles with an index out of range, which a damaged file has.
+std::size_t count_triangles_out_of_range(const Mesh& mesh) {
   std::size_t count = 0;
   for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3)
     count += std::max({mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]}) >= mesh.positions.size();
@@ -70,7 +71,8 @@ std::optional<Error> check_model_file(const fs::path& file, const std::string& f
   }
   const auto& formats = import_formats();
   if (std::find(formats.begin(), formats.end(), format) == formats.end()) {
-    return file_error("'{}' is no model that can be read; files that end in {} can", file.string(), list_of_formats());
+    return file_error("'{}' is not a supported model file; it should end in one of {}", file.string(),
+                      list_of_formats());
   }
   if (status.type() != fs::file_type::regular) return file_error("'{}' is not a regular file", file.string());
   if (fs::file_size(file, error) == 0 && !error) return file_error("'{}' is empty", file.string());
@@ -81,7 +83,7 @@ std::optional<Error> check_model_file(const fs::path& file, const std::string& f
 }
 
 Error too_large_to_read(const fs::path& file) {
-  return file_error("'{}' needs more memory than there is, or is broken", file.string());
+  return file_error("'{}' needs more memory than is available, or is damaged", file.string());
 }
 
 Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, const ImportSettings& settings,
@@ -95,10 +97,10 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
   if (scene.meshes.empty()) return file_error("'{}' has no triangles and no points", file.string());
   const std::size_t triangles = scene.triangle_count(), points = scene.point_count();
   std::size_t astray = 0;
-  for (const Mesh& mesh : scene.meshes) astray += triangles_astray(mesh);
+  for (const Mesh& mesh : scene.meshes) astray += count_triangles_out_of_range(mesh);
   if (astray > 0) {
-    scene.warnings.push_back(fmt::format(
-        "{} of {} triangles have corners that are not among the vertices, and are left out", astray, triangles));
+    scene.warnings.push_back(
+        fmt::format("{} of {} triangles have vertex indices out of range and are left out", astray, triangles));
   }
   const std::size_t dropped = finish_scene(scene, settings.crease_angle_deg, settings.points, poll);
   if (poll && poll->ended()) return interrupted();
@@ -109,8 +111,8 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
     return file_error("'{}' has no triangles that can be drawn; all {} are degenerate or not finite", file.string(),
                       triangles);
   }
-  constexpr std::size_t kWorthSaying = 4;  // one in four; fewer are common in CAD and do not show
-  if (dropped > astray && (dropped - astray) * kWorthSaying > triangles + points) {
+  constexpr std::size_t kWarnOneIn = 4;  // one in four; fewer are common in CAD and not visible
+  if (dropped > astray && (dropped - astray) * kWarnOneIn > triangles + points) {
     scene.warnings.push_back(points == 0
                                  ? fmt::format("{} of {} triangles are degenerate or not finite and are left out",
                                                dropped - astray, triangles)
@@ -131,16 +133,16 @@ Result<void> check_scene_index(const ImportSettings& settings, const std::string
 Result<Scene> import_scene(const fs::path& file, const ImportSettings& settings, const ProgressMonitor& monitor) {
   const std::string format = import_format(file);
   if (auto error = check_model_file(file, format)) return std::move(*error);
-  if (format != "gltf" && format != "glb")  // of other formats a file is one scene
+  if (format != "gltf" && format != "glb")  // a file of another format is one scene
     if (auto fine = check_scene_index(settings, file.filename().string(), 1); !fine) return fine.error();
   try {
-    constexpr double kRead = 0.5;  // about the share of the work when the file has been read
+    constexpr double kRead = 0.5;  // approximate fraction of the work after reading the file
     Poll poll(monitor);
     poll.part(0.0, kRead);
     if (poll.ended()) return interrupted();
     auto own = import_own(file, format, &poll);
     const bool apart = !own;
-    auto scene = apart ? import_apart(file, settings, &poll) : std::move(*own);
+    auto scene = apart ? import_in_child_process(file, settings, &poll) : std::move(*own);
     if (!scene) return scene;
     poll.part(kRead, 1.0);
     if (!apart || scene->point_count() > 0) scene = complete_import(std::move(scene), file, settings, &poll);

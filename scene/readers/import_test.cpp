@@ -1,4 +1,4 @@
-// Import: small files of every format that the test writes itself, the normals made for them, and bad files.
+// Import: small files of every format that the test writes, the created normals, and bad files.
 #include "scene/readers/import.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder of its own for each test.
+/// A separate folder for each test.
 struct Import : testing::Test {
   fs::path folder;
   void SetUp() override {
@@ -94,7 +94,7 @@ std::string triangle_gltf(const std::string& node, const std::string& material) 
 "textures":[{"source":0}],"images":[{"uri":"dots.tga"}]})";
 }
 
-/// A glTF file of the same triangle, with colours at its vertices.
+/// A glTF file of the same triangle, with vertex colours.
 std::string colored_gltf() {
   std::string text = triangle_gltf("", "{}");
   const std::string bytes = bytes_of({0, 0, 0, 1, 0, 0, 0, 1, 0, .5f, .25f, 1, .5f, .25f, 1, .5f, .25f, 1});
@@ -117,7 +117,7 @@ std::string points_gltf() {
   return text.replace(text.find(from), from.size(), R"("material":0,"mode":0})");
 }
 
-/// An uncompressed TGA of 2 x 1 texels: red and opaque, green and clear.
+/// An uncompressed TGA of 2 x 1 texels: opaque red, transparent green.
 std::string two_texels_tga() {
   std::string file(18, '\0');
   file[2] = 2;      // colours, not compressed
@@ -222,7 +222,7 @@ TEST_F(Import, TakesTheMaskOfObjFromItsOwnFile) {
   std::string mask = two_texels_tga();
   for (std::size_t i = 18; i < 22; ++i) mask[i] = 0;           // the first texel black
   for (std::size_t i = 22; i < 26; ++i) mask[i] = char(0xff);  // the second white
-  mask[21] = char(0xff);                                       // opaque both: the brightness counts
+  mask[21] = char(0xff);                                       // both opaque: the brightness counts
   write("mask.tga", mask);
   write("d.mtl", "newmtl a\nKd 1 1 1\nmap_Kd color.tga\nmap_d mask.tga\n");
   const Scene scene =
@@ -255,7 +255,7 @@ TEST_F(Import, ReadsPlyAsTextAndBinaryAndStrips) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(face_normal(strips.meshes[0], i), glm::vec3(0, 0, 1)) << i;
 }
 
-/// 0.5 on the screen.
+/// Linear value of 0.5 in sRGB.
 constexpr float kHalfLinear = 0.21404114f;
 
 void expect_near(const glm::vec3& a, const glm::vec3& b, const char* what) {
@@ -263,7 +263,7 @@ void expect_near(const glm::vec3& a, const glm::vec3& b, const char* what) {
 }
 
 TEST_F(Import, ReadsColorsOfVertices) {
-  // Red, half grey as it is shown on a screen, and blue.
+  // Red, sRGB 0.5 grey, and blue.
   const glm::vec3 wanted[3] = {{1, 0, 0}, glm::vec3(kHalfLinear), {0, 0, 1}};
   const std::string ply =
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
@@ -286,7 +286,7 @@ TEST_F(Import, ReadsColorsOfVertices) {
     }
   }
 
-  // Bytes mean the same as shares of 255; glTF has linear light, in several types.
+  // Bytes are multiples of 1 / 255; glTF has linear light, in several types.
   const std::string bytes =
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n"
@@ -300,12 +300,12 @@ TEST_F(Import, ReadsColorsOfVertices) {
   ASSERT_EQ(linear.colors.size(), 3u);
   expect_near(linear.colors[0], {0.5f, 0.25f, 1.0f}, "glTF");
 
-  // White everywhere says nothing.
+  // Colours that are white everywhere are dropped.
   EXPECT_TRUE(read("w.obj", "v 0 0 0 1 1 1\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\n").meshes.at(0).colors.empty());
 }
 
 TEST_F(Import, ColorsPartVerticesWhereTheyDiffer) {
-  // Two triangles share an edge, one is red and the other blue: normals join over it, colours do not.
+  // Two triangles share an edge, one is red and the other blue: normals are averaged across it, colours are not.
   const Scene scene = read("seam.obj",
                            "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\n"
                            "v 1 0 0 0 0 1\nv 1 1 0 0 0 1\nv 0 1 0 0 0 1\nf 1 2 3\nf 4 5 6\n");
@@ -371,7 +371,7 @@ TEST_F(Import, PointSettingsGoBeforeWhatThePointsSay) {
   const Mesh discs = read("a.xyz", text, settings).meshes.at(0);
   EXPECT_EQ(discs.radii.size(), 5u);
   for (const float radius : discs.radii)
-    EXPECT_NEAR(radius, 0.05f * std::numbers::sqrt2_v<float>, 1e-6f) << "5 % of the scene's radius";
+    EXPECT_NEAR(radius, 0.05f * std::numbers::sqrt2_v<float>, 1e-6f) << "5 % of the bounding-sphere radius";
 }
 
 TEST_F(Import, ReadsStlWithUpAlongZ) {
@@ -391,7 +391,7 @@ TEST_F(Import, ReadsStlWithUpAlongZ) {
   settings.up = {0.0f, 3.0f, 0.0f};
   const Scene scene = read("b.stl", binary, settings);
   EXPECT_EQ(scene.triangle_count(), 2u);
-  EXPECT_EQ(scene.up, glm::vec3(0, 1, 0)) << "the setting goes before the format";
+  EXPECT_EQ(scene.up, glm::vec3(0, 1, 0)) << "the setting has priority over the format";
 }
 
 TEST_F(Import, ReadsOff) {
@@ -434,7 +434,7 @@ TEST_F(Import, BakesTransformsAndTurnsMirroredFaces) {
   EXPECT_NEAR(material.specular_exponent, 30.0f, 1e-3f) << "2 / 0.5^4 - 2";
   EXPECT_NEAR(material.specular_strength, 0.04f * 30.0f / 8.0f, 1e-4f);
 
-  // A mirror turns what faced +z in the file; its outside stays outside: still +z.
+  // Mirroring turns the winding, but the outside stays outside: the face still points to +z.
   const Scene mirrored = read("b.gltf", triangle_gltf(R"(,"scale":[-1,1,1])", plain));
   EXPECT_EQ(mirrored.bounds_min.x, -1.0f);
   EXPECT_EQ(face_normal(mirrored.meshes.at(0), 0), glm::vec3(0, 0, 1));
@@ -507,7 +507,7 @@ TEST_F(Import, ReadsEmissionOfGltf) {
 
 TEST_F(Import, PlacesTexturesAsGltfSays) {
   write("dots.tga", two_texels_tga());
-  // The triangle's texture coordinates are its x and y, with v counted from the top.
+  // The triangle's texture coordinates are its x and y, with v measured from the top.
   const auto expect_uvs = [&](const std::string& use, auto wanted) {
     const Scene scene =
         read("a.gltf", triangle_gltf("", R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0)" + use + "}}}"));
@@ -528,7 +528,7 @@ TEST_F(Import, PlacesTexturesAsGltfSays) {
   expect_uvs(transform(R"("rotation":1.5707963)"), [](float x, float y) { return glm::vec2(y, -x); });
   expect_uvs(transform(R"("rotation":1.5707963,"scale":[2,1],"offset":[0,1])"),
              [](float x, float y) { return glm::vec2(y, 1.0f - 2.0f * x); });
-  expect_uvs(R"(,"texCoord":1)", [](float x, float y) { return glm::vec2(x, y); });  // a set that is not there
+  expect_uvs(R"(,"texCoord":1)", [](float x, float y) { return glm::vec2(x, y); });  // a missing set
 }
 
 TEST_F(Import, LeavesOutWhatIsMostlyClear) {
@@ -551,25 +551,25 @@ TEST_F(Import, LeavesOutWhatIsMostlyClear) {
   EXPECT_EQ(two_of(alpha + R"(0.2]},"alphaMode":"MASK","alphaCutoff":0.1)").meshes.size(), 2u);
   EXPECT_EQ(two_of(alpha + R"(0.8]},"alphaMode":"BLEND")").meshes.size(), 2u);
   EXPECT_EQ(two_of(alpha + R"(0.2]})").meshes.size(), 2u) << "opaque, whatever its alpha";
-  // Where there is nothing else it is drawn: a glass.
+  // If it is the only mesh, it is drawn: a glass.
   const Scene glass = read("glass.gltf", triangle_gltf("", "{" + alpha + R"(0.2]},"alphaMode":"BLEND"})"));
   EXPECT_EQ(glass.triangle_count(), 1u);
 }
 
 TEST_F(Import, ReadsCamerasAndScenesOfGltf) {
   std::string text = triangle_gltf("", "{}");
-  // The second scene is the one to draw: the triangle, and under a node that is moved and turned two cameras.
+  // The second scene is the default: the triangle and, under a translated and rotated node, two cameras.
   text.replace(text.find(R"("scene":0,"scenes":[{"nodes":[0]}])"), 34,
                R"("scene":1,"scenes":[{"nodes":[]},{"nodes":[0,1]}],"cameras":[
 {"type":"perspective","perspective":{"yfov":0.5,"znear":0.1}},
 {"name":"plan","type":"orthographic","orthographic":{"xmag":3,"ymag":2,"znear":0.1,"zfar":9}}])");
-  // Turned by 90 degrees about y: what looked along -z looks along -x.
+  // Rotated by 90 degrees about y: -z becomes -x.
   text.replace(text.find(R"([{"mesh":0}])"), 12,
                R"([{"mesh":0},{"translation":[5,0,0],"rotation":[0,0.70710678,0,0.70710678],"children":[2,3]},
 {"name":"front","camera":0,"translation":[0,1,0]},{"camera":1,"scale":[2,2,2]}])");
   const Scene scene = read("cameras.gltf", text);
   EXPECT_EQ(scene.triangle_count(), 1u);
-  EXPECT_TRUE(scene.views.empty()) << "they are used where asked for";
+  EXPECT_TRUE(scene.views.empty()) << "they are used on request";
   ASSERT_EQ(scene.cameras.size(), 2u);
   const View &front = scene.cameras[0], &plan = scene.cameras[1];
   EXPECT_EQ(front.name, "front");
@@ -586,7 +586,7 @@ TEST_F(Import, ReadsCamerasAndScenesOfGltf) {
 
 constexpr const char* kBlended = R"({"alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})";
 
-/// The texture of a scene's only material, which was blended and is cut out.
+/// Returns the texture of a scene's only material, which was blended and is now cut out.
 const Texture& cut_out_of(const Scene& scene) {
   const Material& material = scene.materials.at(std::size_t(scene.meshes.at(0).material));
   EXPECT_TRUE(material.alpha_mask);
@@ -594,7 +594,7 @@ const Texture& cut_out_of(const Scene& scene) {
 }
 
 TEST_F(Import, CutsWhatIsBlendedAlongSmoothEdges) {
-  // Dirty glass: grains more opaque and more clear than half, on the left half opaque on the average.
+  // Dirty glass: spots with alpha above and below one half; the left half is opaque on average.
   constexpr int kWidth = 256, kHeight = 64;
   std::string tga = two_texels_tga().substr(0, 18);
   tga[12] = char(kWidth & 255), tga[13] = char(kWidth >> 8), tga[14] = char(kHeight), tga[15] = 0;
@@ -620,7 +620,7 @@ TEST_F(Import, CutsWhatIsBlendedAlongSmoothEdges) {
 }
 
 TEST_F(Import, KeepsThePalettesOfWhatIsBlended) {
-  // Two texels, one half clear: an average would make both alike.
+  // Two texels, one of them mostly transparent: an average would make them equal.
   std::string tga = two_texels_tga();
   tga[21] = char(255), tga[25] = char(40);
   tga[18] = tga[19] = tga[20] = tga[22] = tga[23] = tga[24] = char(90);
@@ -684,12 +684,12 @@ TEST_F(Import, DropsWhatCannotBeDrawn) {
   EXPECT_EQ(scene.meshes[0].positions.size(), 3u);
   EXPECT_EQ(scene.bounds_max, glm::vec3(1, 1, 0)) << "vertices that no triangle uses do not count";
   ASSERT_EQ(scene.warnings.size(), 2u);
-  EXPECT_EQ(scene.warnings[0], "1 of 5 triangles have corners that are not among the vertices, and are left out");
+  EXPECT_EQ(scene.warnings[0], "1 of 5 triangles have vertex indices out of range and are left out");
   EXPECT_EQ(scene.warnings[1], "3 of 5 triangles are degenerate or not finite and are left out");
 }
 
 TEST_F(Import, SaysThatIndicesAreOutOfRange) {
-  // glTF, too, where the reader drops such triangles itself.
+  // Also for glTF, where the reader itself drops such triangles.
   std::string text = triangle_gltf("", "{}");
   const std::string indices = std::string("\0\0\1\0\2\0\0\0\1\0\x63\0", 12);
   text.replace(text.find(R"("TEXCOORD_0":1})"), 15, R"("TEXCOORD_0":1},"indices":2)");
@@ -703,11 +703,10 @@ TEST_F(Import, SaysThatIndicesAreOutOfRange) {
   const Scene scene = read("astray.gltf", text);
   EXPECT_EQ(scene.triangle_count(), 1u);
   ASSERT_FALSE(scene.warnings.empty());
-  EXPECT_NE(scene.warnings[0].find("have corners that are not among the vertices"), std::string::npos)
-      << scene.warnings[0];
+  EXPECT_NE(scene.warnings[0].find("have vertex indices out of range"), std::string::npos) << scene.warnings[0];
 }
 
-// ---- normals and clean triangles, without files
+// ---- normals and removal of unusable triangles, without files
 
 Mesh cube_mesh() {
   Mesh mesh;
@@ -717,7 +716,7 @@ Mesh cube_mesh() {
   return mesh;
 }
 
-/// The same triangles with three vertices each, and zeros of both signs.
+/// Returns the same triangles with three vertices each, and zeros of both signs.
 Mesh torn(const Mesh& mesh) {
   Mesh soup;
   for (std::uint32_t index : mesh.indices) {
@@ -736,7 +735,7 @@ Mesh sphere_mesh(int rings, int sectors, float radius, glm::vec3 center) {
   for (int i = 0; i <= rings; ++i) {
     for (int k = 0; k < sectors; ++k) {
       const double theta = std::numbers::pi * i / rings, phi = 2.0 * std::numbers::pi * k / sectors;
-      const double out = i == rings ? 0.0 : std::sin(theta);  // all vertices of a pole at one place
+      const double out = i == rings ? 0.0 : std::sin(theta);  // all vertices of a pole are at one position
       mesh.positions.push_back(center + radius * glm::vec3(out * std::cos(phi), std::cos(theta), out * std::sin(phi)));
     }
   }
@@ -765,7 +764,7 @@ TEST(Normals, CreaseAngleSplitsACube) {
       EXPECT_LT(glm::distance(sharp.normals[sharp.indices[i]], face_normal(sharp, i / 3)), 1e-6f);
       EXPECT_EQ(sharp.positions[sharp.indices[i]], source.positions[source.indices[i]]);
     }
-    // Weighted by angle, a corner's normal is its diagonal however its faces are cut in two.
+    // Weighted by angle, a corner's normal is its diagonal however its faces are triangulated.
     for (std::size_t v = 0; v < 8; ++v) {
       const glm::vec3 diagonal = glm::normalize(smooth.positions[v] - 0.5f);
       EXPECT_LT(glm::distance(smooth.normals[v], diagonal), 1e-5f);
@@ -792,7 +791,7 @@ TEST(Normals, OfASphereAreRadialAtAnyScale) {
     glm::vec3 center;
     float tolerance_deg;
   };
-  // At the last one a step of the float grid is 0.008, a share of 1e-4 of the radius and 0.2 degrees of a face.
+  // In the last case a step of the float grid is 0.008, which is 1e-4 of the radius and 0.2 degrees of a face.
   for (const Case& c : {Case{1.0f, glm::vec3(0.0f), 1.0f}, Case{1e-6f, glm::vec3(0.0f), 1.0f},
                         Case{1e-15f, glm::vec3(0.0f), 1.0f}, Case{1e6f, glm::vec3(0.0f), 1.0f},
                         Case{1e15f, glm::vec3(0.0f), 1.0f}, Case{80.0f, glm::vec3(1e5f, 0.0f, 0.0f), 1.0f}}) {
@@ -844,7 +843,7 @@ TEST(Finish, DropsByShapeAndNotBySize) {
   EXPECT_EQ(finish_scene(scene), 2u);
   ASSERT_EQ(scene.meshes.size(), 1u);
   EXPECT_EQ(scene.triangle_count(), 2u);
-  EXPECT_EQ(scene.materials.size(), 1u) << "a mesh has a material to point at";
+  EXPECT_EQ(scene.materials.size(), 1u) << "every mesh has a material";
 }
 
 TEST(Finish, TakesAnEmptyScene) {

@@ -1,5 +1,5 @@
-// Reads OFF, the text form [Geomview, "Object File Format"]. It stands here beside Assimp because Assimp 5.2 ends the
-// program on some files whose counts are wrong.
+// Reads OFF in text form [Geomview, "Object File Format"]. Used instead of Assimp, since Assimp 5.2 ends the program on
+// some files with wrong counts.
 #include "scene/readers/off.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kBlank = " \t\r\n";
 
-/// Reads words and numbers; "#" begins a comment that goes to the end of the line.
+/// Reads words and numbers; "#" starts a comment that extends to the end of the line.
 struct Words {
   std::string_view text;
   bool failed = false;
@@ -77,8 +77,8 @@ Result<Scene> read_off(const fs::path& path, Poll* poll) {
   if (words.text.starts_with("BINARY")) return file_error("'{}' is a binary OFF file; only text can be read", file);
 
   const std::size_t vertex_count = words.count(), face_count = words.count();
-  words.count();  // edges, which nobody uses
-  // A vertex takes three numbers and a face at least one, each with a blank.
+  words.count();  // number of edges, not used
+  // A vertex has three numbers and a face at least one, each followed by a blank.
   if (words.failed || vertex_count > words.text.size() / 6 + 1 || face_count > words.text.size() / 2 + 1) {
     return file_error("'{}' is cut short, or its counts of vertices and faces are wrong", file);
   }
@@ -94,7 +94,7 @@ Result<Scene> read_off(const fs::path& path, Poll* poll) {
       const float nx = float(words.number()), ny = float(words.number()), nz = float(words.number());
       mesh.normals.emplace_back(nx, ny, nz);
     }
-    // A colour may follow, of three or four numbers; texture coordinates are the last two of the line.
+    // A colour of three or four numbers may follow; texture coordinates are the last two numbers of the line.
     const std::size_t line_end = std::min(words.text.find('\n'), words.text.size());
     Words rest{words.text.substr(0, line_end)};
     std::array<float, 6> values{};
@@ -108,7 +108,7 @@ Result<Scene> read_off(const fs::path& path, Poll* poll) {
     if (has_colors) mesh.colors.emplace_back(values[0], values[1], values[2]);
     words.rest_of_line();
   }
-  // From 0 to 1, or bytes.
+  // Colours are 0 to 1, or bytes.
   float brightest = 0.0f;
   for (const glm::vec3& c : mesh.colors) brightest = std::max({brightest, c.x, c.y, c.z});
   for (glm::vec3& c : mesh.colors) c = linear_color(brightest > 1.0f ? c / 255.0f : c);

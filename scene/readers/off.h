@@ -1,4 +1,4 @@
-// OFF files, as text.
+// Reader for OFF files in text form.
 #pragma once
 #include <filesystem>
 
@@ -8,9 +8,9 @@
 
 namespace umbrage {
 
-/// Reads an OFF file (also COFF, NOFF, STOFF and their mixtures) into a scene of one mesh, which is not finished yet.
-/// Polygons are cut into fans, which is right for convex ones; without any, the vertices are points. Colours of
-/// vertices are kept, those of faces are not. Errors: kFile, with the field that is wrong; kInterrupted.
+/// Reads an OFF file (also COFF, NOFF, STOFF and their combinations) into a scene of one mesh, before finish_scene.
+/// Polygons are split into triangle fans, which is correct for convex ones. Without polygons, the vertices become
+/// points. Vertex colours are kept, face colours are not. Errors: kFile, naming the wrong field; kInterrupted.
 Result<Scene> read_off(const std::filesystem::path& file, Poll* poll = nullptr);
 
 }  // namespace umbrage

@@ -1,5 +1,5 @@
-// Reads PLY [Turk 1994]. It stands here beside Assimp because Assimp 5.2 knows no triangle strips, and does not return
-// from some files with a wrong header; this one is also faster.
+// Reads PLY [Turk 1994]. Used instead of Assimp, since Assimp 5.2 does not support triangle strips and hangs on some
+// files with a wrong header; this reader is also faster.
 #include "scene/readers/ply.h"
 
 #include <algorithm>
@@ -63,7 +63,7 @@ struct Header {
   std::string texture;
 };
 
-/// Reads numbers one after the other; after the end it yields zeros and `ended` is set.
+/// Reads numbers in sequence; after the end it returns zeros, and `ended` is set.
 struct Body {
   const char* at;
   const char* end;
@@ -132,10 +132,10 @@ std::vector<std::string_view> words_of(std::string_view line) {
   return words;
 }
 
-/// Reads the header and moves `text` behind it.
+/// Reads the header and moves `text` past it.
 Result<Header> read_header(std::string_view& text, const std::string& file) {
   Header header;
-  constexpr std::size_t kMaxShown = 60;  // of a line in a message
+  constexpr std::size_t kMaxShown = 60;  // characters of a line in a message
   bool first = true, has_format = false;
   while (true) {
     const std::size_t end = text.find('\n');
@@ -152,7 +152,7 @@ Result<Header> read_header(std::string_view& text, const std::string& file) {
     std::string shown(line.substr(0, kMaxShown));
     std::replace_if(
         shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-    const Error wrong = file_error("'{}' has the PLY header line '{}', which cannot be understood", file, shown);
+    const Error wrong = file_error("'{}' has the PLY header line '{}', which is not valid", file, shown);
     if (words[0] == "comment") {
       if (words.size() > 2 && words[1] == "TextureFile") header.texture = line.substr(words[2].data() - line.data());
     } else if (words[0] == "format") {
@@ -192,7 +192,7 @@ Result<Header> read_header(std::string_view& text, const std::string& file) {
   return header;
 }
 
-/// Where a property of a vertex goes: a component of its position, normal, texture coordinate or colour.
+/// Destination of a vertex property: a component of position, normal, texture coordinate or colour.
 enum Slot { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kU, kV, kRed, kGreen, kBlue, kNowhere };
 
 Slot slot_of(std::string_view name) {
@@ -227,7 +227,7 @@ Slot slot_of(std::string_view name) {
   return kNowhere;
 }
 
-/// What a number of a colour has to be divided by to lie between 0 and 1.
+/// Returns the divisor that maps a colour component to 0 to 1.
 float full_scale(Number number) {
   switch (number) {
     case Number::kInt8:
@@ -238,7 +238,7 @@ float full_scale(Number number) {
       return 65535.0f;
     case Number::kInt32:
     case Number::kUint32:
-      return 255.0f;  // written by those who have no smaller type
+      return 255.0f;  // written by programs without a smaller type
     case Number::kFloat32:
     case Number::kFloat64:
       return 1.0f;
@@ -281,7 +281,7 @@ void read_vertices(const Element& element, Body& body, Mesh& mesh, Poll* poll) {
   }
 }
 
-constexpr std::uint32_t kNoVertex = 0xffffffffu;  // out of range of any mesh here; such triangles are dropped later
+constexpr std::uint32_t kNoVertex = 0xffffffffu;  // out of range of any mesh; such triangles are dropped later
 
 std::uint32_t vertex_of(double index) {
   return index >= 0.0 && index < double(kNoVertex) ? std::uint32_t(index) : kNoVertex;
@@ -293,7 +293,7 @@ void add_fan(const std::vector<std::uint32_t>& corners, Mesh& mesh) {
   }
 }
 
-/// Every second triangle of a strip is turned; -1 begins a new strip.
+/// Every second triangle of a strip has the opposite winding; -1 starts a new strip.
 void add_strips(const std::vector<std::uint32_t>& corners, Mesh& mesh) {
   std::size_t begin = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -307,7 +307,7 @@ void add_strips(const std::vector<std::uint32_t>& corners, Mesh& mesh) {
   }
 }
 
-/// Reads the lists of indices of faces or strips; all else in the element is passed over.
+/// Reads the lists of indices of faces or strips; skips all other properties.
 void read_lists(const Element& element, Body& body, bool strips, Mesh* mesh, Poll* poll) {
   std::vector<std::uint32_t> corners;
   for (std::size_t i = 0; i < element.count && !body.ended && !stops(poll, i, element.count); ++i) {
@@ -358,12 +358,13 @@ Result<Scene> read_ply(const fs::path& path, std::string& texture_name, Poll* po
   Mesh mesh;
   Body body{text.data(), text.data() + text.size(), header->storage};
   for (const Element& element : header->elements) {
-    // Each property takes at least a byte, and in text a blank after it: what the header claims has to be there.
+    // Each property takes at least one byte, plus a blank in text form: checks the header's count against the remaining
+    // bytes.
     const std::size_t row = std::max<std::size_t>(1, element.properties.size());
     if (element.count > body.left() / row + 1) {
       return file_error(
-          "'{}' is cut short, or its header is wrong: '{}' has {} entries there, for which the {} bytes "
-          "that follow are too few",
+          "'{}' is cut short, or its header is wrong: the element '{}' has {} entries, too many for the "
+          "{} bytes that follow",
           file, element.name, element.count, body.left());
     }
     if (element.name == "vertex") {
@@ -379,7 +380,7 @@ Result<Scene> read_ply(const fs::path& path, std::string& texture_name, Poll* po
     }
     if (poll && poll->ended()) return interrupted();
     if (body.ended) {
-      return file_error("'{}' is cut short, or holds something other than a number, in its list of '{}'", file,
+      return file_error("'{}' is cut short, or has something other than a number, in its list of '{}'", file,
                         element.name);
     }
   }

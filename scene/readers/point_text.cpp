@@ -1,3 +1,4 @@
+// Parses lines of numbers; see the header for the columns.
 #include "scene/readers/point_text.h"
 
 #include <algorithm>
@@ -19,7 +20,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxColumns = 10;
 constexpr std::string_view kBlank = " \t\r,;";
 
-/// The numbers of a line, up to the first word that is none.
+/// The numbers of a line, up to the first word that is not a number.
 struct Row {
   std::array<float, kMaxColumns> values{};
   std::size_t count = 0;
@@ -43,7 +44,7 @@ Row row_of(std::string_view line) {
   return row;
 }
 
-/// Calls visit(line, number) for each line; stops where it returns false.
+/// Calls visit(line, number) for each line; stops if it returns false.
 template <class Visit>
 void for_each_line(std::string_view text, Visit visit) {
   for (std::size_t number = 1; !text.empty(); ++number) {
@@ -63,7 +64,7 @@ bool is_color(const Row& row, std::size_t first) {
 }
 
 bool is_normal(const Row& row, std::size_t first) {
-  constexpr float kOff = 0.02f;  // for numbers of two digits
+  constexpr float kOff = 0.02f;  // tolerance for numbers with two digits
   return std::abs(glm::length(triple(row, first)) - 1.0f) < kOff;
 }
 
@@ -87,13 +88,13 @@ Result<Scene> read_xyz(const fs::path& path, Poll* poll) {
   std::vector<Row> rows;
   std::size_t wrong = 0;
   for_each_line(*text, [&](std::string_view line, std::size_t number) {
-    constexpr std::size_t kLines = 4096;  // between questions
+    constexpr std::size_t kLines = 4096;  // lines between calls of the poll
     if (poll && number % kLines == 0 && poll->passing(double(line.data() - text->data()) / double(text->size())))
       return false;
     line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
     if (line.empty() || line.starts_with('#') || line.starts_with("//")) return true;
     const Row row = row_of(line);
-    if (row.count < 3 && rows.empty() && number == 1) return true;  // a count, or names of the columns
+    if (row.count < 3 && rows.empty() && number == 1) return true;  // the number of points, or names of the columns
     if (row.count < 3) {
       wrong = number;
       return false;
@@ -102,12 +103,12 @@ Result<Scene> read_xyz(const fs::path& path, Poll* poll) {
     return true;
   });
   if (poll && poll->ended()) return interrupted();
-  if (wrong > 0) return file_error("'{}' has no three numbers in line {}", file, wrong);
+  if (wrong > 0) return file_error("'{}' has fewer than three numbers in line {}", file, wrong);
 
   Mesh mesh;
   std::size_t columns = kMaxColumns;
   for (const Row& row : rows) columns = std::min(columns, row.count);
-  // An intensity may stand between the place and the colour.
+  // An intensity may come between position and colour.
   for (std::size_t first = 3; first + 3 <= columns; ++first) {
     const auto all = [&](auto is) {
       return std::all_of(rows.begin(), rows.end(), [&](const Row& row) { return is(row, first); });
@@ -126,7 +127,7 @@ Result<Scene> read_xyz(const fs::path& path, Poll* poll) {
 }
 
 bool is_obj_of_points(std::string_view text) {
-  if (text.find("\nf ") != std::string_view::npos) return false;  // most files, at once
+  if (text.find("\nf ") != std::string_view::npos) return false;  // quick test for most files
   bool vertices = false, more = false;
   for_each_line(text, [&](std::string_view line, std::size_t) {
     line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
@@ -159,7 +160,7 @@ Result<Scene> read_obj_points(const fs::path& path, std::string_view text) {
     if (row.count >= 6) mesh.colors.push_back(triple(row, 3));
     return true;
   });
-  if (wrong > 0) return file_error("'{}' has no three numbers in line {}", path.string(), wrong);
+  if (wrong > 0) return file_error("'{}' has fewer than three numbers in line {}", path.string(), wrong);
   if (normals.size() == mesh.positions.size()) mesh.normals = std::move(normals);
   if (mesh.colors.size() != mesh.positions.size()) mesh.colors.clear();
   for (glm::vec3& color : mesh.colors) color = linear_color(color);

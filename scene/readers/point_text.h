@@ -1,4 +1,4 @@
-// Points as text: XYZ files, and OBJ files without faces.
+// Reader for points in text form: XYZ files, and OBJ files without faces.
 #pragma once
 #include <filesystem>
 
@@ -8,17 +8,17 @@
 
 namespace umbrage {
 
-/// Reads a file of one point per line, x y z, parted by blanks, commas or semicolons. Of what may follow, three whole
-/// numbers from 0 to 255 are a colour, three numbers that are a unit vector in every line are a normal; others, such as
-/// an intensity, are passed over. Lines that begin with # or //, and a first line that counts the points, are passed
-/// over too. The scene has one mesh and is not finished yet. Errors: kFile, with the line that is wrong;
-/// kInterrupted.
+/// Reads a file of one point per line, x y z, separated by blanks, commas or semicolons. Of the columns that follow,
+/// three integers from 0 to 255 are a colour, and three numbers that are a unit vector in every line are a normal;
+/// other columns, such as an intensity, are ignored, as are lines that begin with # or //, and a first line with the
+/// number of points. The scene has one mesh, before finish_scene. Errors: kFile, naming the wrong line; kInterrupted.
 Result<Scene> read_xyz(const std::filesystem::path& file, Poll* poll = nullptr);
 
-/// Whether the text of an OBJ file has vertices but neither faces nor lines.
+/// Returns whether the text of an OBJ file has vertices but neither faces nor lines.
 bool is_obj_of_points(std::string_view text);
 
-/// Reads such a text: its vertices, with colours where all have them, and normals where there are as many.
+/// Reads the text of an OBJ file without faces: vertices, colours if every vertex has one, and normals if their number
+/// equals that of the vertices.
 Result<Scene> read_obj_points(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace umbrage

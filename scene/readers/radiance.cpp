@@ -1,4 +1,4 @@
-// Based on [Ward 1991] and Radiance's description of its picture format.
+// Decoder for Radiance pictures. Based on [Ward 1991] and Radiance's description of its picture format.
 #include "scene/readers/radiance.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kChannels = 4;  // red, green, blue, exponent
 
-/// Bytes that are read one after the other. After the last one they are 0, and `ended` says so.
+/// Reads bytes in sequence. After the last one it returns 0, and `ended` is set.
 struct Source {
   std::span<const std::uint8_t> bytes;
   std::size_t at = 0;
@@ -24,7 +24,7 @@ struct Source {
     ended = ended || at >= bytes.size();
     return ended ? 0 : bytes[at++];
   }
-  /// Up to the end of the line, which is left out.
+  /// Returns the text up to the end of the line, without the line break.
   std::string_view line() {
     const std::size_t start = at;
     while (at < bytes.size() && bytes[at] != '\n') ++at;
@@ -41,7 +41,7 @@ struct Header {
   float exposure = 1.0f;
 };
 
-/// "-Y 512 +X 1024": rows from above, each from the left.
+/// Parses a size such as "-Y 512 +X 1024": rows from the top, each from the left.
 bool parse_size(std::string_view text, Header& header) {
   const auto number = [&](int& out) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
@@ -61,7 +61,7 @@ bool parse_size(std::string_view text, Header& header) {
   return fine;
 }
 
-/// Reads up to the pixels. An empty text: it is fine.
+/// Reads up to the pixels. Returns the cause of an error, or an empty text.
 std::string read_header(Source& source, Header& header) {
   for (std::string_view line = source.line(); !line.empty(); line = source.line()) {
     if (source.ended) return "its header is cut short";
@@ -72,19 +72,19 @@ std::string read_header(Source& source, Header& header) {
       line.remove_prefix(std::min(line.find_first_not_of(' '), line.size()));
       float factor = 0.0f;
       std::from_chars(line.data(), line.data() + line.size(), factor);
-      if (!(factor > 0.0f) || !std::isfinite(factor)) return "its exposure is no number above 0";
+      if (!(factor > 0.0f) || !std::isfinite(factor)) return "its exposure is not a number above 0";
       header.exposure *= factor;
       if (!(header.exposure >= std::numeric_limits<float>::min()) || !std::isfinite(header.exposure))
-        return "its exposures together are no number that floats hold";
+        return "the product of its exposures is out of range";
     }
   }
-  if (!parse_size(source.line(), header)) return "its size cannot be made out";
+  if (!parse_size(source.line(), header)) return "its size is missing or not valid";
   return "";
 }
 
-/// One row, channel after channel for each pixel. False where it is damaged.
+/// Reads one row; each pixel's channels are adjacent. Returns false if it is damaged.
 bool read_row(Source& source, int width, std::vector<std::uint8_t>& row) {
-  constexpr int kMinRuns = 8, kMaxRuns = 32767;  // rows of other widths are never in runs by channel
+  constexpr int kMinRuns = 8, kMaxRuns = 32767;  // rows of other widths are never run-length encoded by channel
   std::uint8_t first[kChannels];
   for (std::uint8_t& byte : first) byte = source.next();
   if (width >= kMinRuns && width <= kMaxRuns && first[0] == 2 && first[1] == 2 && first[2] < 128) {
@@ -103,7 +103,7 @@ bool read_row(Source& source, int width, std::vector<std::uint8_t>& row) {
       }
     return true;
   }
-  // Pixel by pixel; 1 1 1 n repeats the one before n times, and several such in a row are digits of one number.
+  // Pixel by pixel. 1 1 1 n repeats the previous pixel n times; consecutive ones are digits of one number.
   int shift = 0;
   for (int x = 0; x < width && !source.ended;) {
     if (x > 0 || shift > 0)
@@ -130,23 +130,22 @@ bool is_radiance(std::span<const std::uint8_t> bytes) {
 }
 
 Result<Panorama> decode_radiance(std::span<const std::uint8_t> bytes, const std::string& name,
-                                 std::int64_t most_pixels) {
+                                 std::int64_t max_pixels) {
   Source source{bytes};
   Header header;
   if (const std::string wrong = read_header(source, header); !wrong.empty())
-    return file_error("'{}' is no Radiance picture that can be read: {}", name, wrong);
+    return file_error("'{}' cannot be read as a Radiance picture: {}", name, wrong);
   const int width = header.width, height = header.height;
-  constexpr int kMaxWidth = 1 << 16;  // of which a row takes memory before anything is known to follow
-  if (std::int64_t(width) * height > most_pixels || width > kMaxWidth)
-    return file_error("'{}' says that it has {} x {} pixels, more than such an image can have here ({})", name, width,
-                      height, most_pixels);
+  constexpr int kMaxWidth = 1 << 16;  // limits the memory of a row, which is allocated before any pixel is read
+  if (std::int64_t(width) * height > max_pixels || width > kMaxWidth)
+    return file_error("'{}' has {} x {} pixels in its header; at most {} can be read", name, width, height, max_pixels);
   std::vector<std::uint8_t> row(std::size_t(width) * kChannels);
   Panorama out{name, width, height, {}};
   for (int y = 0; y < height; ++y) {
     const bool sound = read_row(source, width, row);
-    if (source.ended) return file_error("'{}' is cut short: row {} of {} is not whole", name, y + 1, height);
+    if (source.ended) return file_error("'{}' is cut short: row {} of {} is incomplete", name, y + 1, height);
     if (!sound) return file_error("'{}' is damaged in row {} of {}", name, y + 1, height);
-    // Only then, so that a header alone cannot ask for much.
+    // After the first row, so that a header alone cannot cause a large allocation.
     if (y == 0) out.rgb.reserve(std::size_t(width) * std::size_t(height) * 3);
     for (int x = 0; x < width; ++x) {
       const std::uint8_t* pixel = row.data() + std::size_t(header.mirrored ? width - 1 - x : x) * kChannels;

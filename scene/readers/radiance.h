@@ -1,4 +1,4 @@
-// Radiance pictures (.hdr, .pic): 8 bits for each colour and an exponent for all three.
+// Decoder for Radiance pictures (.hdr, .pic): 8 bits per colour and one common exponent.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -9,12 +9,11 @@
 
 namespace umbrage {
 
-/// Whether bytes begin as such a picture does.
+/// Returns whether `bytes` begin with the signature of a Radiance picture.
 bool is_radiance(std::span<const std::uint8_t> bytes);
 
-/// Its radiance, over the exposure that its header names; `name` is for messages. Errors: kFile where it is damaged,
-/// cut short, of XYZ colours, or has more than `most_pixels`.
-Result<Panorama> decode_radiance(std::span<const std::uint8_t> bytes, const std::string& name,
-                                 std::int64_t most_pixels);
+/// Decodes a Radiance picture into radiance, divided by the exposure in its header; `name` is for messages. Errors:
+/// kFile if it is damaged, truncated, in XYZ colours, or has more than `max_pixels` pixels.
+Result<Panorama> decode_radiance(std::span<const std::uint8_t> bytes, const std::string& name, std::int64_t max_pixels);
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// A short pass of what the fuzzers do at length: every reader takes its seeds, whole, cut short and changed at random.
+// A short version of the fuzzers' work: every reader gets its seeds complete, truncated and with random changes.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -39,7 +39,7 @@ std::string changed(std::string bytes, std::mt19937& random) {
   return bytes;
 }
 
-/// Names of tests have letters and digits alone.
+/// Test names consist of letters and digits only.
 std::string test_name(const testing::TestParamInfo<Reader>& info) {
   std::string name(info.param.name);
   std::erase(name, '-');
@@ -57,7 +57,7 @@ TEST_P(Readers, TakeAnyBytes) {
   for (const std::string& seed : seeds) {
     ASSERT_FALSE(seed.empty());
     reader.read(seed);
-    // What others read may crash, here and now: those have a process of their own.
+    // Third-party readers may crash, so they run in a separate process, below.
     if (reader.by_others) continue;
     constexpr std::size_t kCuts = 100;
     for (std::size_t i = 0; i < kCuts; ++i) reader.read(std::string_view(seed).substr(0, seed.size() * i / kCuts));

@@ -1,4 +1,4 @@
-// Reads textures through stb_image, and nothing else of it leaves this file.
+// Reads textures and panoramas through stb_image, which is used only in this file.
 #include "scene/readers/texture_file.h"
 
 #include <array>
@@ -19,32 +19,32 @@
 namespace umbrage {
 namespace {
 
-/// A gigabyte of RGBA: the header of a broken file may ask for any size.
+/// A gigabyte of RGBA: the header of a damaged file may have any size.
 constexpr std::int64_t kMaxPixels = std::int64_t(1) << 28;
 
-/// What the header says that the image is.
+/// The size in an image's header.
 struct ImageHeader {
   int width = 0, height = 0;
 };
 
-Result<ImageHeader> check_header(std::span<const std::uint8_t> bytes, const std::string& name, std::int64_t most) {
-  if (bytes.empty()) return file_error("'{}' is empty, which is no image", name);
+Result<ImageHeader> check_header(std::span<const std::uint8_t> bytes, const std::string& name, std::int64_t max) {
+  if (bytes.empty()) return file_error("'{}' is empty", name);
   if (bytes.size() > std::size_t(std::numeric_limits<int>::max())) return file_error("'{}' is larger than 2 GB", name);
   ImageHeader header;
   int channels = 0;
   if (!stbi_info_from_memory(bytes.data(), int(bytes.size()), &header.width, &header.height, &channels)) {
     return file_error("'{}' is no image of a known format (PNG, JPEG, TGA, BMP, GIF, PSD, HDR, PNM)", name);
   }
-  if (std::int64_t(header.width) * header.height > most) {
-    return file_error("'{}' says that it has {} x {} pixels, more than such an image can have here ({})", name,
-                      header.width, header.height, most);
+  if (std::int64_t(header.width) * header.height > max) {
+    return file_error("'{}' has {} x {} pixels in its header; at most {} can be read", name, header.width,
+                      header.height, max);
   }
   return header;
 }
 
 Error broken(const std::string& name) {
   const char* reason = stbi_failure_reason();
-  return file_error("'{}' is a broken image: {}", name, reason ? reason : "it holds no pixels");
+  return file_error("'{}' is a damaged image: {}", name, reason ? reason : "it has no pixels");
 }
 
 Result<std::vector<std::uint8_t>> bytes_of(const std::filesystem::path& file) {

@@ -1,5 +1,5 @@
-// The two programs come from one build and run on one machine: memory is written as it lies there. A mark at the start
-// tells versions apart, one at the end says that nothing is missing.
+// Both programs come from one build and run on one machine, so data is written as it is in memory. A mark at the start
+// identifies the version, a mark at the end confirms completeness.
 #include "scene/readers/transfer.h"
 
 #include <sys/mman.h>
@@ -15,7 +15,7 @@
 namespace umbrage {
 namespace {
 
-// Every field of every struct passes through here. Whoever adds one is stopped by the compiler and adds it below.
+// Every field of every struct is listed here. The structured bindings do not compile if a field is missing.
 template <class Archive>
 void pass(Archive& archive, Texture& texture) {
   auto& [name, width, height, rgba] = texture;
@@ -51,10 +51,11 @@ void pass(Archive& archive, AmbientShape& shape) {
 template <class Archive>
 void pass(Archive& archive, Scene& scene) {
   auto& [name, meshes, materials, textures, lights, views, cameras, scene_names, scene_index, up, ambient,
-         ambient_shape, usual_light, bounds_min, bounds_max, ground_object, ground_middle, ground_fades, warnings] =
-      scene;
+         ambient_shape, lit_white_luminance, bounds_min, bounds_max, ground_object, ground_center, ground_fade_distance,
+         warnings] = scene;
   archive(name, meshes, materials, textures, lights, views, cameras, scene_names, scene_index, up, ambient,
-          ambient_shape, usual_light, bounds_min, bounds_max, ground_object, ground_middle, ground_fades, warnings);
+          ambient_shape, lit_white_luminance, bounds_min, bounds_max, ground_object, ground_center,
+          ground_fade_distance, warnings);
 }
 template <class Archive>
 void pass(Archive& archive, Panorama& panorama) {
@@ -67,7 +68,7 @@ void pass(Archive& archive, Error& error) {
   archive(kind, message);
 }
 
-/// Written as it lies in memory: numbers and vectors of them.
+/// Types written as they are in memory: numbers and glm vectors.
 template <class T>
 constexpr bool kPlain = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 template <glm::length_t n, class T>
@@ -75,7 +76,7 @@ constexpr bool kPlain<glm::vec<n, T>> = true;
 
 constexpr std::uint64_t kEnd = 0x656e6f64'656e6f64u;
 
-/// Different for different versions and for structs that have grown.
+/// Returns a mark that differs between versions and for changed struct sizes.
 std::uint64_t version_mark() {
   std::uint64_t mark = 14695981039346656037u;  // FNV-1a
   const auto add = [&](std::uint64_t value) { mark = (mark ^ value) * 1099511628211u; };
@@ -88,7 +89,7 @@ std::uint64_t version_mark() {
 
 struct Writer {
   int file;
-  std::string small = {};  // gathered, since a system call costs more than a copy
+  std::string small = {};  // buffer for small values, since a system call costs more than a copy
   bool failed = false;
 
   void flush(const char* bytes, std::size_t size) {
@@ -182,7 +183,7 @@ struct Reader {
   }
 };
 
-/// Whether nothing in the scene points beyond its list.
+/// Returns whether all indices in the scene are in range and all list sizes match.
 bool sound(const Scene& scene) {
   for (const Texture& texture : scene.textures) {
     if (texture.width < 1 || texture.height < 1) return false;
@@ -195,9 +196,9 @@ bool sound(const Scene& scene) {
     if (std::size_t(mesh.material) >= scene.materials.size() || mesh.indices.size() % 3 != 0) return false;
     for (const std::size_t size : {mesh.normals.size(), mesh.uvs.size(), mesh.colors.size(), mesh.radii.size()})
       if (size != 0 && size != mesh.positions.size()) return false;
-    std::uint32_t most = 0;
-    for (const std::uint32_t index : mesh.indices) most = std::max(most, index);
-    if (!mesh.indices.empty() && most >= mesh.positions.size()) return false;
+    std::uint32_t max = 0;
+    for (const std::uint32_t index : mesh.indices) max = std::max(max, index);
+    if (!mesh.indices.empty() && max >= mesh.positions.size()) return false;
   }
   return true;
 }
@@ -213,7 +214,7 @@ bool send(int file, const Result<T>& read) {
   std::uint64_t mark = version_mark(), end = kEnd;
   bool there = bool(read);
   writer(mark, there);
-  // One function lists the fields for both ways; writing changes nothing.
+  // The functions that list the fields serve both directions; writing changes nothing.
   if (there)
     writer(const_cast<T&>(*read));
   else

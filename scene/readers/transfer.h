@@ -1,5 +1,4 @@
-// A scene, or an image of what is around it, between two processes: what umbrage-import hands over to the program that
-// started it.
+// Transfer of a scene or a panorama between two processes: from umbrage-import to the host that started it.
 #pragma once
 #include <optional>
 
@@ -9,14 +8,14 @@
 
 namespace umbrage {
 
-/// Writes a scene, or why there is none, to an open file. False where it does not all go in.
+/// Writes a scene, or the error in its place, to an open file. Returns false if not all could be written.
 bool send_import(int file, const Result<Scene>& imported);
 
-/// Reads what send_import wrote. Nothing where it is not whole, not sound (an index beyond its list), or was written by
+/// Reads what send_import wrote. Returns nothing if it is incomplete, inconsistent (an index out of range), or from
 /// another version.
 std::optional<Result<Scene>> receive_import(int file);
 
-/// The same for an image of what is around a scene.
+/// The same for a panorama.
 bool send_panorama(int file, const Result<Panorama>& read);
 std::optional<Result<Panorama>> receive_panorama(int file);
 

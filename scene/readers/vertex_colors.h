@@ -1,4 +1,4 @@
-// Colours at vertices, as files have them.
+// Conversion of vertex colours from files to linear light.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -8,9 +8,9 @@
 
 namespace umbrage {
 
-/// Linear light from a colour as it is shown on a screen, 0 to 1; what lies outside is cut off.
+/// Converts a display-referred sRGB colour, 0 to 1, to linear light; values outside are clamped, NaN becomes 0.
 inline glm::vec3 linear_color(const glm::vec3& shown) {
-  // Most files have bytes; their 256 values are looked up.
+  // Most files store bytes: their 256 values come from a table.
   static const auto of_byte = [] {
     std::array<float, 256> table{};
     for (int k = 0; k < 256; ++k) table[std::size_t(k)] = linear_from_srgb(float(k) / 255.0f);

@@ -1,3 +1,4 @@
+// Reads a file in blocks, with calls of the poll between them.
 #include "scene/readers/whole_file.h"
 
 #include <algorithm>

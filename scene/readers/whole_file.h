@@ -1,4 +1,4 @@
-// A file's bytes.
+// Reading a file into memory.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace umbrage {
 
-/// All of a file. Errors: kFile where it cannot be read; kInterrupted.
+/// Returns all bytes of a file. Errors: kFile if it cannot be read; kInterrupted.
 Result<std::string> read_whole_file(const std::filesystem::path& file, Poll* poll = nullptr);
 
 }  // namespace umbrage

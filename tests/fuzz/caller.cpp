@@ -27,8 +27,8 @@ void Caller::hear_warning(const char* message) {
 
 bool Caller::hear_progress(double share) {
   demand(!ended_, "a call goes on after its callback returned false");
-  demand(share >= told_ && share <= 1.0, "progress falls or leaves its range");
-  told_ = share;
+  demand(share >= reported_ && share <= 1.0, "progress falls or leaves its range");
+  reported_ = share;
   if (choose_.one_in(8)) call_nested();
   ended_ = Clock::now() - began_ > kLongEnough || choose_.one_in(12);
   return !ended_;
@@ -36,12 +36,12 @@ bool Caller::hear_progress(double share) {
 
 void Caller::call_nested() {
   if (depth_ >= kDeepest) return;
-  const auto around = std::make_tuple(told_, ended_, began_);
+  const auto around = std::make_tuple(reported_, ended_, began_);
   called_back_ = true;
   ++depth_;
   call();
   --depth_;
-  std::tie(told_, ended_, began_) = around;
+  std::tie(reported_, ended_, began_) = around;
 }
 
 bool Caller::is_shared(const void* handle) const {

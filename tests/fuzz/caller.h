@@ -162,7 +162,7 @@ class Caller {
   int any_mesh() { return choose_.one_in(12) ? int(choose_.below(2)) * 1000 - 1 : int(choose_.below(4)); }
   int any_int();
   void begin_progress() {
-    told_ = 0.0;
+    reported_ = 0.0;
     ended_ = false;
     began_ = Clock::now();
   }
@@ -176,7 +176,7 @@ class Caller {
   std::vector<NamedPixels> buried_;  // images of released jobs, which may still be in use
   int depth_ = 0;
   bool called_back_ = false;  // a callback has made calls within the current call
-  double told_ = 0.0;
+  double reported_ = 0.0;
   bool ended_ = false;  // a progress callback has returned false
   Clock::time_point began_;
 };

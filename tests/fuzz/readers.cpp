@@ -13,7 +13,7 @@
 #include "core/length.h"
 #include "core/parameters.h"
 #include "generators/builtin.h"
-#include "importer/import_here.h"
+#include "importer/import_in_process.h"
 #include "io/image_file.h"
 #include "scene/finish.h"
 #include "scene/readers/off.h"
@@ -95,7 +95,7 @@ void import_as(std::string_view bytes) {
   }();
   const fs::path file = folder / (std::string("model.") + kEnding);
   std::ofstream(file, std::ios::binary) << bytes;
-  const Result<Scene> scene = import_here(file, {});
+  const Result<Scene> scene = import_in_process(file, {});
   if (scene)
     check(*scene);
   else
@@ -132,7 +132,7 @@ void read_as_radiance(std::string_view bytes) {
   if (!panorama) return check(panorama.error());
   check_equal(panorama->rgb.size(), std::size_t(panorama->width) * std::size_t(panorama->height) * 3, "radiances");
   clean_panorama(*panorama);
-  for (const float value : panorama->rgb) expect(value >= 0.0f && value <= kBrightestSky, "a radiance");
+  for (const float value : panorama->rgb) expect(value >= 0.0f && value <= kMaxRadiance, "a radiance");
 }
 
 /// Sets a parameter. The first byte selects a row of a table with every type of parameter, the others are the value.

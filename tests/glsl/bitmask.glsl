@@ -25,7 +25,7 @@ struct Side {
 
 float bit_of(float c, Side side) { return side.k0 + side.k1 * c * c + side.k2 * arc(c); }
 
-float open_at(ivec2 here, float z) {
+float visibility_at(ivec2 here, float z) {
   ivec2 size = ivec2(F.width, F.height);
   vec3 position = position_at(here, z);
   vec3 eye = normalize(-position);

@@ -7,7 +7,7 @@ uint scrambled(uint v) {
   return v ^ (v >> 16);
 }
 
-float open_at(ivec2 here, float z) {
+float visibility_at(ivec2 here, float z) {
   ivec2 size = ivec2(F.width, F.height);
   vec3 position = position_at(here, z);
   vec3 normal = normalize(normal_at(here));
@@ -40,9 +40,9 @@ float open_at(ivec2 here, float z) {
     if (any(lessThan(there, ivec2(0))) || any(greaterThanEqual(there, size))) continue;
     count += counts;
     float tap = depth_at(there);
-    if (!(tap > 0.0) || point_z - tap <= rounding + C.least_nearer) continue;
+    if (!(tap > 0.0) || point_z - tap <= rounding + C.min_in_front) continue;
     vec3 way = position_at(there, tap) - position;
-    if (dot(way, normal) <= rounding + C.least_height) continue;
+    if (dot(way, normal) <= rounding + C.min_height) continue;
     float fade = C.limit / max(abs(z - tap), C.limit);
     hidden += fade * fade * (3.0 - 2.0 * fade) * counts;
   }

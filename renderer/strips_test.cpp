@@ -1,5 +1,5 @@
-// Pictures in bands: the same to the bit as drawn whole, whatever the look, the technique and the size of the bands.
-#include "renderer/bands.h"
+// Pictures in strips: bitwise identical to those drawn whole, for all looks, techniques and strip sizes.
+#include "renderer/strips.h"
 
 #include <gtest/gtest.h>
 
@@ -16,17 +16,17 @@
 namespace umbrage {
 namespace {
 
-/// The planes of a picture, drawn whole or in bands of so many rows.
+/// Draws planes of a picture, whole (`rows` = 0) or in strips of `rows` rows.
 Image drawn(const Request& settings, int rows, const std::vector<std::string>& planes, int threads = 0,
             const char* model = "scene:room?detail=3000", bool alone = false) {
   static std::map<std::string, Scene> scenes;  // one takes a second to make
   if (!scenes.count(model)) scenes[model] = *load_scene(model);
   Scene scene = scenes[model];
   const auto device = make_cpu_device({.threads = threads});
-  auto recipe = make_recipe(settings, kMaxBandPixels);
+  auto recipe = make_recipe(settings, kMaxStripPixels);
   EXPECT_TRUE(recipe) << recipe.error().message;
-  if (alone) keep_passes_alone(*recipe);
-  furnish(scene, *recipe);
+  if (alone) keep_only_passes(*recipe);
+  complete_scene(scene, *recipe);
   EXPECT_TRUE(device->prepare(scene));
   StageTimes times;
   if (rows == 0) {
@@ -48,7 +48,7 @@ Image drawn(const Request& settings, int rows, const std::vector<std::string>& p
   };
   const auto plan = make_plan(*recipe, scene, device->threads());
   EXPECT_TRUE(plan);
-  const auto done = draw_bands(*device, *plan, rows, planes, false, take, times);
+  const auto done = draw_strips(*device, *plan, rows, planes, false, take, times);
   EXPECT_TRUE(done) << done.error().message;
   EXPECT_EQ(next, settings.height);
   return whole;
@@ -68,9 +68,9 @@ void expect_same(const Image& a, const Image& b) {
   }
 }
 
-void expect_bands_same(const Request& settings, std::vector<int> rows = {64},
-                       const std::vector<std::string>& planes = {"color.r", "color.g", "color.b", "color.a", "depth",
-                                                                 "ao"}) {
+void expect_strips_same(const Request& settings, std::vector<int> rows = {64},
+                        const std::vector<std::string>& planes = {"color.r", "color.g", "color.b", "color.a", "depth",
+                                                                  "ao"}) {
   const Image whole = drawn(settings, 0, planes);
   for (const int r : rows) {
     SCOPED_TRACE(fmt::format("bands of {} rows", r));
@@ -86,14 +86,14 @@ Request of_look(std::string_view look, int width = 200, int height = 150) {
   return settings;
 }
 
-TEST(Bands, EveryLook) {
+TEST(Strips, EveryLook) {
   for (const Look* look : looks()) {
     SCOPED_TRACE(look->name);
-    expect_bands_same(of_look(look->name));
+    expect_strips_same(of_look(look->name));
   }
 }
 
-TEST(Bands, EveryTechniqueAtEveryScale) {
+TEST(Strips, EveryTechniqueAtEveryScale) {
   for (const Effect* effect : effects()) {
     if (effect->kind != EffectKind::kOcclusion) continue;
     for (const char* scale : {"full", "half", "quarter"}) {
@@ -101,22 +101,22 @@ TEST(Bands, EveryTechniqueAtEveryScale) {
       Request settings = of_look("bleeding", 121, 93);
       settings.occlusion = effect->name;
       settings.occlusion_scale = scale;
-      expect_bands_same(settings, {32});
+      expect_strips_same(settings, {32});
     }
   }
 }
 
-TEST(Bands, EveryQualityAndWhatIsAveraged) {
+TEST(Strips, EveryQualityAndWhatIsAveraged) {
   for (const char* quality : {"draft", "normal", "high"}) {
     SCOPED_TRACE(quality);
     Request settings = of_look("studio", 101, 75);
     settings.quality = quality;
     settings.passes = {"ao"};
-    expect_bands_same(settings, {32});
+    expect_strips_same(settings, {32});
   }
 }
 
-TEST(Bands, SettingsThatReadFar) {
+TEST(Strips, SettingsThatReadFar) {
   const std::pair<const char*, std::vector<std::string>> all[] = {
       {"studio", {"bitmask.mips=on", "bitmask.bounces=2", "denoise.rounds=3"}},
       {"ao", {"unsharp.border=repeat", "unsharp.kernel=150%"}},
@@ -130,31 +130,31 @@ TEST(Bands, SettingsThatReadFar) {
     SCOPED_TRACE(assignments[0]);
     Request settings = of_look(look, 101, 107);
     settings.settings = assignments;
-    expect_bands_same(settings, {32});
+    expect_strips_same(settings, {32});
   }
 }
 
-TEST(Bands, AnySizeOfPicturesAndBands) {
+TEST(Strips, AnySizeOfPicturesAndStrips) {
   for (const auto& [width, height] : {std::pair{1, 1}, {3, 2}, {47, 33}, {64, 128}, {33, 131}}) {
     SCOPED_TRACE(fmt::format("{} x {}", width, height));
-    expect_bands_same(of_look("studio", width, height), {16, 48, 64});
-    expect_bands_same(of_look("cartoon", width, height), {16, 48});
+    expect_strips_same(of_look("studio", width, height), {16, 48, 64});
+    expect_strips_same(of_look("cartoon", width, height), {16, 48});
   }
 }
 
-// In high pictures lines are followed farther, and specks may be wider.
-TEST(Bands, HighPictures) { expect_bands_same(of_look("cartoon", 32, 1300), {400}); }
+// In high pictures lines are followed farther, and wider specks are removed.
+TEST(Strips, HighPictures) { expect_strips_same(of_look("cartoon", 32, 1300), {400}); }
 
-TEST(Bands, GuardBandsAndFurtherViews) {
+TEST(Strips, GuardBandsAndFurtherViews) {
   Request settings = of_look("bleeding", 101, 75);
   settings.guard_band = 20.0f;
   settings.extra_views = 2;
   settings.layers = 1;
-  expect_bands_same(settings, {16, 64});
+  expect_strips_same(settings, {16, 64});
 }
 
-// Lines are those of the whole picture, of the frame that stays.
-TEST(Bands, LinesOverAveragedFrames) {
+// Lines are those of the whole picture, traced once, in sample 0.
+TEST(Strips, LinesOverAveragedFrames) {
   Request settings = of_look("cartoon", 181, 203);
   settings.settings = {"outline.width=3", "outline.r=0.5"};
   settings.guard_band = 20.0f;
@@ -164,13 +164,13 @@ TEST(Bands, LinesOverAveragedFrames) {
     for (const int frames : {2, 3, 4, 18}) {
       SCOPED_TRACE(fmt::format("{} frames, lines {}", frames, averaged ? "averaged" : "of one"));
       settings.anti_aliasing = frames;
-      expect_bands_same(settings, {48}, planes);
+      expect_strips_same(settings, {48}, planes);
     }
   }
 }
 
-// Of passes alone as well, those of lines among them, which are of one frame.
-TEST(Bands, PassesAlone) {
+// Includes passes of lines, which are those of sample 0.
+TEST(Strips, PassesAlone) {
   for (const auto& [look, passes] : {std::pair<std::string_view, std::vector<std::string>>{"cartoon", {"outline"}},
                                      {"cartoon", {"outline", "ao"}},
                                      {"studio", {"depth"}},
@@ -184,14 +184,14 @@ TEST(Bands, PassesAlone) {
   }
 }
 
-TEST(Bands, DoNotDependOnThreads) {
+TEST(Strips, DoNotDependOnThreads) {
   const Request settings = of_look("studio", 101, 75);
   const std::vector<std::string> planes = {"color.r", "color.g", "color.b", "ao"};
   const Image whole = drawn(settings, 0, planes, 3);
   for (const int threads : {1, 2, 4}) expect_same(whole, drawn(settings, 32, planes, threads));
 }
 
-TEST(Bands, SoftShadowsOfAModelInTheOpen) {
+TEST(Strips, SoftShadowsOfAModelInTheOpen) {
   Request settings = of_look("studio", 160, 240);
   settings.quality = "draft";
   const std::vector<std::string> planes = {"color.r", "shadow", "cover"};
@@ -199,11 +199,11 @@ TEST(Bands, SoftShadowsOfAModelInTheOpen) {
     expect_same(drawn(settings, 0, planes, 0, model), drawn(settings, 32, planes, 0, model));
 }
 
-TEST(Bands, ArePlannedWhereMemoryIsShort) {
+TEST(Strips, ArePlannedWhereMemoryIsShort) {
   const auto device = make_cpu_device();
   Request settings = of_look("studio", 1024, 1024);
   const auto planned = [&](double memory) {
-    return plan_bands(*device, *make_recipe(settings, kMaxBandPixels), memory);
+    return plan_strips(*device, *make_recipe(settings, kMaxStripPixels), memory);
   };
   EXPECT_EQ(planned(6e9)->rows, 0);
   EXPECT_GT(planned(3e8)->rows, 0);
@@ -213,10 +213,10 @@ TEST(Bands, ArePlannedWhereMemoryIsShort) {
   EXPECT_GT(plan->rows, 0);
   EXPECT_EQ(plan->rows % 4, 0);
   EXPECT_LT(plan->bytes, 8e9);
-  // Much memory does not make a picture one that can be drawn whole.
+  // The limit on pictures drawn whole does not depend on memory.
   EXPECT_GT(planned(1e12)->rows, 0);
   settings.passes = {"depth", "ao"};
-  EXPECT_TRUE(make_recipe(settings, kMaxBandPixels));
+  EXPECT_TRUE(make_recipe(settings, kMaxStripPixels));
   settings.occlusion = "reference";
   EXPECT_EQ(planned(6e9).error().kind, ErrorKind::kUsage);
 }

@@ -1,7 +1,7 @@
-// Import of models: PLY, OFF and points as text by our own readers, all else through Assimp. Assimp only parses and
-// triangulates; what it could do beyond that (joining, normals, flattening) scene/finish.cpp does faster and by our own
-// rules.
-#include "importer/import_here.h"
+// Import of models: PLY, OFF and points in text form by built-in readers, all other formats through Assimp. Assimp only
+// parses and triangulates; scene/finish.cpp joins vertices and creates normals, which is faster and gives all formats
+// the same rules.
+#include "importer/import_in_process.h"
 
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/MemoryIOWrapper.h>
@@ -48,16 +48,16 @@ std::string upper(std::string text) {
   return text;
 }
 
-/// Why Assimp gave up, in words for the user: known reasons in ours, others in Assimp's without its prefixes.
+/// Returns why Assimp failed, in words for the user: known reasons reworded, others without Assimp's prefixes.
 std::string reason_of(std::string reason) {
   struct Known {
     const char *theirs, *ours;
   };
   static constexpr Known kKnown[] = {
-      {"No suitable reader", "its content is of another kind, or cut short"},
-      {"No scene", "it holds no scene to draw"},
+      {"No suitable reader", "its content is of another format, or cut short"},
+      {"No scene", "it contains no scene"},
       {"storage representation", "it is neither a text nor a binary STL file"},
-      {"Cannot parse string", "a number is expected where there is none"},
+      {"Cannot parse string", "a number is missing"},
   };
   for (const Known& known : kKnown) {
     if (reason.find(known.theirs) != std::string::npos) reason = known.ours;
@@ -74,7 +74,7 @@ std::string reason_of(std::string reason) {
   return reason.empty() ? "" : " (" + reason + ")";
 }
 
-/// Assimp calls a file without triangles invalid in several ways.
+/// Returns whether Assimp's error means that the file has no triangles; it has several messages for that.
 bool means_no_triangles(const std::string& reason) {
   for (const char* theirs : {"No meshes remaining", "has no faces", "primitive type: empty", "contains no meshes"}) {
     if (reason.find(theirs) != std::string::npos) return true;
@@ -92,19 +92,19 @@ std::string text_of(const fs::path& file) {
   return text ? std::move(*text) : std::string();
 }
 
-/// A whole number of an XML tag, as in `count="3"`; nothing where it is not there or no number.
+/// Returns the integer attribute `name` of an XML tag, as in `count="3"`; nothing if it is missing or not a number.
 std::optional<std::uint64_t> attribute_of(std::string_view tag, const std::string& name) {
   const std::size_t at = tag.find(name + "=");
   if (at == std::string_view::npos || at + name.size() + 2 > tag.size()) return std::nullopt;
-  tag.remove_prefix(at + name.size() + 2);  // the sign and a quotation mark
+  tag.remove_prefix(at + name.size() + 2);  // '=' and the quotation mark
   std::uint64_t value = 0;
   const auto [stop, error] = std::from_chars(tag.data(), tag.data() + tag.size(), value);
   if (error != std::errc() || stop == tag.data()) return std::nullopt;
   return value;
 }
 
-/// Looks for what Assimp does not survive in a DAE file: lists of indices that hold something else, which it reads
-/// forever, and counts of numbers that are not there, which it reads beyond.
+/// Checks a DAE file for errors that Assimp does not survive: lists of indices with other content, on which it loops
+/// forever, and counts larger than the data, for which it reads out of bounds.
 std::optional<Error> check_dae(const fs::path& file) {
   const std::string text = text_of(file);
   for (std::string_view tag : {"p", "ph", "h", "v", "vcount"}) {
@@ -115,8 +115,8 @@ std::optional<Error> check_dae(const fs::path& file) {
       const std::size_t begin = text.find('>', at);
       const std::size_t wrong = text.find_first_not_of("0123456789- \t\r\n>", begin);
       if (begin == std::string::npos || (wrong != std::string::npos && text[wrong] == '<')) continue;
-      return file_error("'{}' cannot be read as DAE (a list of indices, <{}>, holds something else)", file.string(),
-                        tag);
+      return file_error("'{}' cannot be read as DAE (the index list <{}> contains something other than integers)",
+                        file.string(), tag);
     }
   }
   const auto tag_at = [&](std::size_t at) { return std::string_view(text).substr(at, text.find('>', at) - at); };
@@ -135,15 +135,15 @@ std::optional<Error> check_dae(const fs::path& file) {
     const bool fits =
         count <= *numbers && stride <= *numbers && offset <= *numbers && count * stride + offset <= *numbers;
     if (!fits) {
-      return file_error("'{}' cannot be read as DAE (an <accessor> asks for more than the {} numbers of its array)",
+      return file_error("'{}' cannot be read as DAE (an <accessor> refers past the {} numbers of its array)",
                         file.string(), *numbers);
     }
   }
   return std::nullopt;
 }
 
-/// The text of an OBJ file with a zero before each number that begins with its point, or nothing where there is none:
-/// Assimp does not take ".5" for a number.
+/// Returns the text of an OBJ file with a zero inserted before each number that starts with its decimal point, or an
+/// empty text if there is none: Assimp does not parse ".5" as a number.
 std::string with_leading_zeros(const std::string& text) {
   std::string changed;
   std::size_t copied = 0;
@@ -160,8 +160,8 @@ std::string with_leading_zeros(const std::string& text) {
   return changed;
 }
 
-/// Opens files for Assimp: the model itself in `text` where that is not empty. Notes the material libraries that are
-/// not there, of which Assimp says nothing.
+/// Opens files for Assimp: `text` in place of the model itself if it is not empty. Records missing material libraries,
+/// which Assimp does not report.
 struct Files : Assimp::DefaultIOSystem {
   std::string model, text;
   std::vector<std::string>& missing;
@@ -173,8 +173,8 @@ struct Files : Assimp::DefaultIOSystem {
     }
     std::error_code error;
     Assimp::IOStream* stream = nullptr;
-    if (fs::is_regular_file(name, error)) {  // what is named in a model may be a pipe, which never ends
-      if (name != model) allow_for(name);
+    if (fs::is_regular_file(name, error)) {  // a name in a model may be a pipe, which never ends
+      if (name != model) raise_limits_for(name);
       stream = Assimp::DefaultIOSystem::Open(name, mode);
     }
     if (import_format(name) == "mtl") {
@@ -188,8 +188,8 @@ struct Files : Assimp::DefaultIOSystem {
   }
 };
 
-/// Hears that Assimp has dropped faces with indices out of range, which it only tells its log. The log is the process's
-/// own: one import at a time.
+/// Detects that Assimp has dropped faces with indices out of range, which it reports only in its log. The log is global
+/// to the process: one import at a time.
 struct DroppedFaces : Assimp::LogStream {
   bool& dropped;
   explicit DroppedFaces(bool& dropped) : dropped(dropped) {}
@@ -201,7 +201,8 @@ struct Log {
   Log() {
     constexpr int kNowhereElse = 0;
     Assimp::DefaultLogger::create(nullptr, Assimp::Logger::NORMAL, kNowhereElse);
-    Assimp::DefaultLogger::get()->attachStream(new DroppedFaces(dropped_faces), Assimp::Logger::Warn);  // takes it
+    // Takes ownership.
+    Assimp::DefaultLogger::get()->attachStream(new DroppedFaces(dropped_faces), Assimp::Logger::Warn);
   }
   ~Log() { Assimp::DefaultLogger::kill(); }
 };
@@ -218,15 +219,15 @@ bool all_white(const aiMesh& source) {
                      [](const aiColor4D& c) { return c.r == 1.0f && c.g == 1.0f && c.b == 1.0f; });
 }
 
-/// How meshes are taken over.
+/// Rules for converting meshes.
 struct MeshRules {
-  bool keep_normals = true;    ///< off for formats whose normals say no more than the faces do
-  bool linear_colors = false;  ///< else they are kept as they are shown on a screen
+  bool keep_normals = true;    ///< false for formats with normals that only repeat those of the faces
+  bool linear_colors = false;  ///< otherwise vertex colours are sRGB
   GltfFacts gltf = {};
-  std::vector<bool> left_out = {};  ///< materials that are not drawn
+  std::vector<bool> not_drawn = {};  ///< per material: true if it is not drawn
 };
 
-/// Texture coordinates, of the set and as the material places them.
+/// Sets the texture coordinates: the set and the transform that the material requires.
 void take_uvs(const aiMesh& source, const MeshRules& rules, Mesh& mesh) {
   GltfPlacement placement;
   if (source.mMaterialIndex < rules.gltf.materials.size())
@@ -242,14 +243,14 @@ void take_uvs(const aiMesh& source, const MeshRules& rules, Mesh& mesh) {
   }
 }
 
-/// One mesh as one node places it.
+/// Returns one mesh as one node places it.
 Mesh mesh_of(const aiMesh& source, const glm::dmat4& place, const MeshRules& rules) {
   Mesh mesh;
   mesh.name = source.mName.C_Str();
   mesh.material = int(source.mMaterialIndex);
   const glm::dmat3 turn(place);
   const double determinant = glm::determinant(turn);
-  // The cofactor matrix is the inverse transpose but for a factor, and exists for flattening transforms too.
+  // The cofactor matrix is the inverse transpose up to a factor, and exists for singular transforms, too.
   const glm::dmat3 cofactor(glm::cross(turn[1], turn[2]), glm::cross(turn[2], turn[0]), glm::cross(turn[0], turn[1]));
   const double sign = determinant < 0.0 ? -1.0 : 1.0;
   const bool moves = place != glm::dmat4(1.0);
@@ -294,7 +295,7 @@ Mesh mesh_of(const aiMesh& source, const glm::dmat4& place, const MeshRules& rul
   return mesh;
 }
 
-/// Adds every mesh of every node, seen from `root`; points only where there are no triangles. Nodes are objects.
+/// Adds every mesh of every node, transformed by `root`; points only if there are no triangles. Each node is an object.
 void import_nodes(const aiScene& source, const glm::dmat4& root, const MeshRules& rules, Scene& scene) {
   struct Place {
     const aiNode* node;
@@ -303,12 +304,12 @@ void import_nodes(const aiScene& source, const glm::dmat4& root, const MeshRules
   std::vector<Place> stack{{source.mRootNode, root}};
   const bool wants_points = std::all_of(source.mMeshes, source.mMeshes + source.mNumMeshes,
                                         [](const aiMesh* mesh) { return is_points(*mesh); });
-  // Where nothing else is there, what is clear is drawn.
-  const auto is_left_out = [&](const aiMesh& mesh) {
-    return mesh.mMaterialIndex < rules.left_out.size() && rules.left_out[mesh.mMaterialIndex];
+  // If every mesh has a clear material, all are drawn.
+  const auto is_not_drawn = [&](const aiMesh& mesh) {
+    return mesh.mMaterialIndex < rules.not_drawn.size() && rules.not_drawn[mesh.mMaterialIndex];
   };
-  const bool leaves_out = !std::all_of(source.mMeshes, source.mMeshes + source.mNumMeshes,
-                                       [&](const aiMesh* mesh) { return is_left_out(*mesh); });
+  const bool skips_clear_materials = !std::all_of(source.mMeshes, source.mMeshes + source.mNumMeshes,
+                                                  [&](const aiMesh* mesh) { return is_not_drawn(*mesh); });
   std::set<std::string> clear;
   int object = 0;
   while (!stack.empty()) {
@@ -320,7 +321,7 @@ void import_nodes(const aiScene& source, const glm::dmat4& root, const MeshRules
     for (unsigned i = 0; i < place.node->mNumMeshes; ++i) {
       const unsigned index = place.node->mMeshes[i];
       if (index >= source.mNumMeshes || (is_points(*source.mMeshes[index]) && !wants_points)) continue;
-      if (leaves_out && is_left_out(*source.mMeshes[index])) {
+      if (skips_clear_materials && is_not_drawn(*source.mMeshes[index])) {
         clear.insert(scene.materials[source.mMeshes[index]->mMaterialIndex].name);
         continue;
       }
@@ -336,10 +337,10 @@ void import_nodes(const aiScene& source, const glm::dmat4& root, const MeshRules
   }
   for (const std::string& name : clear)
     scene.warnings.push_back(
-        fmt::format("surfaces of the material '{}' are more clear than opaque and are left out", name));
+        fmt::format("surfaces of the material '{}' are mostly transparent and are not drawn", name));
 }
 
-/// World up as the format or the file says. Assimp turns DAE itself, and leaves FBX to its reader.
+/// Returns world up as the format or the file defines it. Assimp converts DAE itself, but not FBX.
 glm::vec3 up_of(const aiScene& source, const std::string& format) {
   if (format == "stl") return {0.0f, 0.0f, 1.0f};
   std::int32_t axis = 1, sign = 1;
@@ -357,7 +358,7 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
   if (format == "dae") {
     if (auto error = check_dae(file)) return std::move(*error);
   }
-  std::string changed;  // what Assimp is to read in place of the file
+  std::string changed;  // text for Assimp in place of the file
   if (format == "obj") {
     changed = text_of(file);
     if (is_obj_of_points(changed)) return read_obj_points(file, changed);
@@ -367,19 +368,19 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
   MeshRules rules;
   if (is_gltf) {
     rules.gltf = read_gltf_facts(file, settings.scene_index);
-    // A file without scenes is not one scene: Assimp says what is wrong with it.
+    // A file without scenes is invalid: Assimp reports the cause.
     if (const std::size_t scenes = rules.gltf.scenes.size(); scenes > 0) {
       if (auto fine = check_scene_index(settings, file.filename().string(), scenes); !fine) return fine.error();
-      // Assimp reads the nodes of the one scene that the file names.
+      // Assimp reads only the nodes of the default scene.
       if (settings.scene_index) changed = gltf_with_scene(file, *settings.scene_index);
     }
   }
   std::vector<std::string> missing_libraries;
   auto owner = std::make_unique<Assimp::Importer>();
-  // Its faces are freed one by one, which takes a tenth of the whole import.
+  // Freeing its faces one by one takes a tenth of the import time.
   Assimp::Importer& importer = process_ends ? *owner.release() : *owner;
-  importer.SetIOHandler(new Files(file.string(), std::move(changed), missing_libraries));  // takes it
-  // Points of other formats are what is left over of broken faces.
+  importer.SetIOHandler(new Files(file.string(), std::move(changed), missing_libraries));  // takes ownership
+  // In other formats points are remains of invalid faces.
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_LINE | (is_gltf ? 0 : aiPrimitiveType_POINT));
   importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);
@@ -390,10 +391,10 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
   if (!source || !source->mRootNode) return unreadable(file, format, importer.GetErrorString());
   Scene scene;
   scene.up = up_of(*source, format);
-  import_materials(*source, file, format, rules.gltf, scene, rules.left_out);
-  // STL has a normal per face, which says no more than the face; 3DS has none, and Assimp's ignore creases.
+  import_materials(*source, file, format, rules.gltf, scene, rules.not_drawn);
+  // Normals of STL are those of the faces; 3DS has none, and Assimp's ignore creases.
   rules.keep_normals = format != "stl" && format != "3ds";
-  // Assimp lays 3DS files on their back, as if +z were up. Those that are around have +y up; they are left as they are.
+  // Assimp rotates 3DS files as if +z were up. Existing files have +y up, so the rotation is undone.
   const glm::dmat4 root =
       format == "3ds" ? glm::inverse(matrix_of(source->mRootNode->mTransformation)) : glm::dmat4(1.0);
   rules.linear_colors = is_gltf;
@@ -403,20 +404,20 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
     scene.scene_index = rules.gltf.scene;
     if (!settings.scene_index)
       scene.warnings.push_back(
-          fmt::format("the file holds {} scenes, and the one that it names, or else the first, is drawn; "
-                      "`scene_index` chooses another",
+          fmt::format("the file has {} scenes; its default scene, or else the first, is drawn; "
+                      "`scene_index` selects another",
                       rules.gltf.scenes.size()));
     scene.scene_names = std::move(rules.gltf.scenes);
   }
   if (rules.gltf.lights > 0)
-    scene.warnings.push_back(
-        fmt::format("the file's {} are not used; looks bring their own", rules.gltf.lights == 1 ? "light" : "lights"));
+    scene.warnings.push_back(fmt::format("the file's {} not used; looks have their own",
+                                         rules.gltf.lights == 1 ? "light is" : "lights are"));
   if (log.dropped_faces) {
-    scene.warnings.push_back("some triangles have corners that are not among the vertices, and are left out");
+    scene.warnings.push_back("some triangles have vertex indices out of range and are left out");
   }
   if (!missing_libraries.empty()) {
     scene.warnings.push_back(fmt::format(
-        "the material library '{}' is not there; surfaces are shown in a neutral colour", missing_libraries.front()));
+        "the material library '{}' does not exist; surfaces are shown in a neutral colour", missing_libraries.front()));
   }
   return scene;
 }
@@ -433,7 +434,7 @@ Result<Scene> import_ply(const fs::path& file) {
 
 }  // namespace
 
-Result<Scene> import_here(const fs::path& file, const ImportSettings& settings, bool process_ends) {
+Result<Scene> import_in_process(const fs::path& file, const ImportSettings& settings, bool process_ends) {
   const std::string format = import_format(file);
   if (auto error = check_model_file(file, format)) return std::move(*error);
   try {
@@ -441,7 +442,7 @@ Result<Scene> import_here(const fs::path& file, const ImportSettings& settings, 
                           : format == "off" ? read_off(file)
                           : format == "xyz" ? read_xyz(file)
                                             : import_by_assimp(file, format, settings, process_ends);
-    // Points are completed by several threads, which have no room under the limits of such a process.
+    // Points are completed with several threads, for which a process within these limits has no memory.
     if (process_ends && scene && scene->point_count() > 0) return scene;
     return complete_import(std::move(scene), file, settings);
   } catch (const std::bad_alloc&) {

@@ -1,7 +1,7 @@
-// The other half of importer/serve.cpp. A program is spawned rather than the process forked: after fork alone, a child
-// of a program with threads may not even allocate memory, and the copied page tables of a large program cost more than
-// starting a small one (docs/reliability.md).
-#include "scene/readers/import_apart.h"
+// The counterpart of importer/serve.cpp. Spawns a program instead of forking: after fork alone, the child of a program
+// with threads may not even allocate memory, and copying the page tables of a large program costs more than starting a
+// small one (docs/reliability.md).
+#include "scene/readers/import_in_child_process.h"
 
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kProgram = "umbrage-import";
 
-/// An open file that closes itself.
+/// A file descriptor that closes itself.
 struct Descriptor {
   int number = -1;
   Descriptor() = default;
@@ -47,17 +47,18 @@ struct Descriptor {
   }
 };
 
-/// Out of the way of the numbers that the child is to have, where dup2 would close one for another.
-Descriptor moved_up(int number) {
+/// Moves a descriptor to a number that the child does not use, where dup2 would close one for another.
+Descriptor moved_to_free_number(int number) {
   constexpr int kFirstFree = 10;
   Descriptor low(number);
   return number < 0 ? Descriptor() : Descriptor(::fcntl(number, F_DUPFD_CLOEXEC, kFirstFree));
 }
 
+/// How a child process ended.
 struct Ended {
-  int status = 0;        ///< as of wait4
-  double seconds = 0.0;  ///< of its own work, or of waiting where that ended it
-  bool known = false;    ///< not where the program has told the system to forget its children
+  int status = 0;        ///< status of wait4
+  double seconds = 0.0;  ///< processor time, or elapsed time if SIGALRM ended it
+  bool known = false;    ///< false if the host ignores its children (SIGCHLD)
 };
 
 Ended wait_for(pid_t child, std::chrono::steady_clock::time_point started) {
@@ -74,15 +75,16 @@ Ended wait_for(pid_t child, std::chrono::steady_clock::time_point started) {
   return ended;
 }
 
-/// Why there is nothing, of a process that has ended without one.
-Error ended_early(const fs::path& file, const Ended& ended) {
+/// Returns the error for a process that ended without a result.
+Error error_of_ended_child(const fs::path& file, const Ended& ended) {
   const int signal = ended.known && WIFSIGNALED(ended.status) ? WTERMSIG(ended.status) : 0;
   if (signal == SIGXCPU || signal == SIGALRM)
-    return file_error("'{}' is broken, or too much for its reader, which was stopped after {:.0f} s", file.string(),
+    return file_error("'{}' is damaged or too complex; its reader was stopped after {:.0f} s", file.string(),
                       ended.seconds);
   if (signal == SIGKILL)
-    return file_error("'{}' is broken, or needs more memory than there is: the system ended its reader", file.string());
-  return file_error("'{}' is broken; its reader crashed on it{}", file.string(),
+    return file_error("'{}' is damaged or needs more memory than is available; the system ended its reader",
+                      file.string());
+  return file_error("'{}' is damaged; its reader crashed on it{}", file.string(),
                     signal ? fmt::format(" ({})", ::strsignal(signal)) : "");
 }
 
@@ -90,8 +92,8 @@ void add_beside(const fs::path& module, std::vector<fs::path>& places) {
   if (!module.has_parent_path()) return;
   const fs::path folder = module.parent_path();
   places.push_back(folder / kProgram);
-  places.push_back(folder / "bin" / kProgram);  // of a library in its build tree
-  // Of PREFIX/bin, PREFIX/lib and PREFIX/lib/x86_64-linux-gnu.
+  places.push_back(folder / "bin" / kProgram);  // for a library in its build tree
+  // For PREFIX/bin, PREFIX/lib and PREFIX/lib/x86_64-linux-gnu.
   for (const char* up : {"..", "../.."}) places.push_back(folder / up / "libexec" / "umbrage" / kProgram);
 }
 
@@ -113,11 +115,12 @@ fs::path import_program() {
 
 namespace {
 
-/// Waits for the byte that says that all is there, or the pipe's end, and asks meanwhile. 1: the byte.
+/// Waits for the byte that marks a complete result, or for the pipe's end, and calls the poll meanwhile. Returns 1 for
+/// the byte.
 ssize_t wait_for_byte(int pipe, Poll* poll) {
   while (poll) {
     pollfd ready{.fd = pipe, .events = POLLIN, .revents = 0};
-    if (::poll(&ready, 1, int(kAskEvery.count())) != 0 && errno != EINTR) break;
+    if (::poll(&ready, 1, int(kMonitorInterval.count())) != 0 && errno != EINTR) break;
     if (ready.revents != 0) break;
     if (poll->ask(0.0)) return 0;
   }
@@ -128,24 +131,24 @@ ssize_t wait_for_byte(int pipe, Poll* poll) {
   return got;
 }
 
-/// Runs umbrage-import with these words, which name the file, and takes over what it has read.
+/// Runs umbrage-import with these arguments, which name the file, and receives its result.
 template <class T>
-Result<T> read_apart(const fs::path& file, const std::vector<std::string>& words,
-                     std::optional<Result<T>> (*receive)(int), Poll* poll) {
+Result<T> read_in_child_process(const fs::path& file, const std::vector<std::string>& words,
+                                std::optional<Result<T>> (*receive)(int), Poll* poll) {
   const fs::path program = import_program();
   if (program.empty())
     return file_error(
-        "'{}' cannot be read, since the program {} is not there; install it, or name it in UMBRAGE_IMPORT",
+        "'{}' cannot be read, since the program {} is missing; install it, or set UMBRAGE_IMPORT to its path",
         file.string(), kProgram);
-  Descriptor result = moved_up(::memfd_create("umbrage-scene", MFD_CLOEXEC));
+  Descriptor result = moved_to_free_number(::memfd_create("umbrage-scene", MFD_CLOEXEC));
   int ends[2] = {-1, -1};
   Descriptor told, done;
-  if (::pipe2(ends, O_CLOEXEC) == 0) told = moved_up(ends[0]), done = moved_up(ends[1]);
+  if (::pipe2(ends, O_CLOEXEC) == 0) told = moved_to_free_number(ends[0]), done = moved_to_free_number(ends[1]);
   if (result.number < 0 || told.number < 0 || done.number < 0)
     return file_error("'{}' cannot be read: {}", file.string(), std::strerror(errno));
   const auto started = std::chrono::steady_clock::now();
-  // What a library prints before it gives up says nothing to people; the error does.
-  const ChildProgram reader{.program = fs::absolute(program),  // not one on PATH
+  // The child's output is discarded: users get the error instead.
+  const ChildProgram reader{.program = fs::absolute(program),  // absolute, so that PATH is not searched
                             .words = words,
                             .files = {{STDIN_FILENO},
                                       {STDOUT_FILENO},
@@ -156,7 +159,7 @@ Result<T> read_apart(const fs::path& file, const std::vector<std::string>& words
   if (const int failed = start_child(reader, child))
     return file_error("'{}' cannot be read, since the program '{}' does not start ({})", file.string(),
                       program.string(), std::strerror(failed));
-  done.close();  // the child's end alone is open now: that it ends is seen, too
+  done.close();  // only the child's end is open now, so that its end closes the pipe
   const ssize_t got = wait_for_byte(told.number, poll);
   if (poll && poll->ended()) {
     ::kill(child, SIGKILL);
@@ -168,24 +171,24 @@ Result<T> read_apart(const fs::path& file, const std::vector<std::string>& words
   const Ended ended = wait_for(child, started);
   if (received) return std::move(*received);
   if (got == 1)
-    return file_error("'{}' cannot be read: '{}' is of another version than this program", file.string(),
+    return file_error("'{}' cannot be read: '{}' has another version than this program", file.string(),
                       program.string());
-  return ended_early(file, ended);
+  return error_of_ended_child(file, ended);
 }
 
 }  // namespace
 
-Result<Scene> import_apart(const fs::path& file, const ImportSettings& settings, Poll* poll) {
+Result<Scene> import_in_child_process(const fs::path& file, const ImportSettings& settings, Poll* poll) {
   const auto number = [](float v) { return fmt::format("{}", v); };
-  return read_apart<Scene>(
+  return read_in_child_process<Scene>(
       file,
       {file.string(), number(settings.crease_angle_deg), number(settings.up.x), number(settings.up.y),
        number(settings.up.z), fmt::format("{}", settings.scene_index.value_or(kNoSceneIndex))},
       receive_import, poll);
 }
 
-Result<Panorama> read_panorama_apart(const fs::path& file, Poll* poll) {
-  return read_apart<Panorama>(file, {kReadPanorama, file.string()}, receive_panorama, poll);
+Result<Panorama> read_panorama_in_child_process(const fs::path& file, Poll* poll) {
+  return read_in_child_process<Panorama>(file, {kReadPanorama, file.string()}, receive_panorama, poll);
 }
 
 }  // namespace umbrage

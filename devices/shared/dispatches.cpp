@@ -1,4 +1,4 @@
-#include "devices/shared/passes.h"
+#include "devices/shared/dispatches.h"
 
 #include <vector>
 
@@ -20,14 +20,16 @@ FrameConstants frame_constants(const PictureInfo& info, int stride, int round, P
           .ray_offset_y = camera.top};
 }
 
-std::string PassRun::plane(std::string_view name) const { return layer_plane(layer, name); }
+std::string DispatchRun::plane(std::string_view name) const { return layer_plane(layer, name); }
 
-bool PassRun::is_there(std::string_view output) const { return layer_of_plane(output) <= int(info.more_layers.size()); }
+bool DispatchRun::is_there(std::string_view output) const {
+  return layer_of_plane(output) <= int(info.more_layers.size());
+}
 
-Result<Progression> run_passes(const Effect& effect, const ParameterBytes& params, const Frame& frame, int layer,
-                               PixelSet pixels, const std::function<Result<Progression>(const PassRun&)>& run) {
+Result<RunState> run_dispatches(const Effect& effect, const ParameterBytes& params, const Frame& frame, int layer,
+                                PixelSet pixels, const std::function<Result<RunState>(const DispatchRun&)>& run) {
   check_equal(params.size(), effect.params_size, effect.name);
-  if (!effect.constants) fail_check(fmt::format("{} is no effect of a device", effect.name));
+  if (!effect.constants) fail_check(fmt::format("{} does not run on a device", effect.name));
   if (pixels == PixelSet::kMissing && !runs_for_missing(effect, params))
     fail_check(fmt::format("{} does not run for missing pixels", effect.name));
   std::vector<std::byte> constants(effect.constants_size);
@@ -35,16 +37,16 @@ Result<Progression> run_passes(const Effect& effect, const ParameterBytes& param
   effect.constants(params, info, constants.data());
   const int rounds = effect.rounds && pixels == PixelSet::kAll ? effect.rounds(params, info) : 1;
   for (int round = 0; round < rounds; ++round)
-    for (const Pass& pass : effect.passes) {
-      if (pass.needed && !pass.needed(params)) continue;
-      if (!(pixels == PixelSet::kAll ? pass.for_all : pass.for_missing)) continue;
-      auto done = run({effect, pass, params, constants, info, layer, round, pixels});
+    for (const Dispatch& dispatch : effect.dispatches) {
+      if (dispatch.needed && !dispatch.needed(params)) continue;
+      if (!(pixels == PixelSet::kAll ? dispatch.for_all : dispatch.for_missing)) continue;
+      auto done = run({effect, dispatch, params, constants, info, layer, round, pixels});
       if (!done || !done->finished) return done;
     }
-  return Progression();
+  return RunState();
 }
 
-Error missing_plane(const PassRun& run, std::string_view plane) {
+Error missing_plane(const DispatchRun& run, std::string_view plane) {
   return usage_error("{} needs the plane '{}', which this picture does not have", run.effect.name, plane);
 }
 

@@ -1,4 +1,4 @@
-#include "renderer/bands.h"
+#include "renderer/strips.h"
 
 #include <algorithm>
 #include <optional>
@@ -14,21 +14,21 @@
 namespace umbrage {
 namespace {
 
-/// What is done of all sweeps over all bands.
-class BandProgress {
+/// Progress over all sweeps over all strips.
+class StripProgress {
  public:
-  BandProgress(const ProgressMonitor& monitor, int frames) : monitor_(monitor), frames_(frames) {}
+  StripProgress(const ProgressMonitor& monitor, int frames) : monitor_(monitor), frames_(frames) {}
 
   ProgressMonitor of_step() {
     return [this](double) { return tell(); };
   }
-  /// This share of a sweep is done.
+  /// Sets the finished fraction of a sweep.
   void show(double share) { share_ = share; }
   void sweep_done() {
     ++sweep_;
     share_ = 0.0;
   }
-  /// The frame that follows takes as many sweeps as this one, or one less if that was for the metering.
+  /// Ends a sample. The next one needs as many sweeps as this one, or one less if one was for metering.
   void frame_done(bool metered) {
     usual_ = std::max(sweep_ - (metered ? 1 : 0), 1);
     ++frame_;
@@ -40,20 +40,20 @@ class BandProgress {
  private:
   bool tell() {
     const double of_frame = std::min((sweep_ + share_) / usual_, 1.0);
-    told_ = std::max(told_, (frame_ + of_frame) / frames_);
-    return !monitor_ || monitor_(told_);
+    reported_ = std::max(reported_, (frame_ + of_frame) / frames_);
+    return !monitor_ || monitor_(reported_);
   }
 
   const ProgressMonitor& monitor_;
   const int frames_;
   int frame_ = 0, sweep_ = 0, usual_ = 2;
-  double share_ = 0.0, told_ = 0.0;
+  double share_ = 0.0, reported_ = 0.0;
 };
 
-/// Draws the bands of one frame of a picture.
-class BandDrawer {
+/// Draws the strips of one sample of a picture.
+class StripDrawer {
  public:
-  BandDrawer(Device& device, Plan& plan, int rows, BandProgress& progress, StageTimes& times)
+  StripDrawer(Device& device, Plan& plan, int rows, StripProgress& progress, StageTimes& times)
       : device_(device), plan_(plan), rows_(rows), progress_(progress), times_(times) {
     height_ = plan.capture.height + 2 * plan.capture.guard;
     run_ = look_run(plan.recipe);
@@ -62,11 +62,11 @@ class BandDrawer {
     run_.meter = [this](Device& of, const Frame& frame) { return meter(of, frame); };
   }
 
-  /// What is finished of a band, its inner rows, the first of them `first`.
+  /// Receives the inner rows of a finished strip; `first` is the index of the first row.
   using Finish = std::function<Result<void>(const Frame& frame, const Image& rows, int first)>;
 
-  /// Draws all bands, as often as it takes; `planes` of what is finished go to `finish`. Gives the frame's lines where
-  /// they are asked for.
+  /// Draws all strips in as many sweeps as needed and passes `planes` of the finished rows to `finish`. Returns the
+  /// lines of the sample if `lines` is set.
   Result<Lines> draw_frame(const Camera& camera, const std::vector<std::string>& planes, bool lines,
                            const Finish& finish) {
     const auto wholes = std::make_shared<WholePlanes>();
@@ -76,12 +76,12 @@ class BandDrawer {
       metering_ = false;
       margins_.resize(std::max(margins_.size(), sweep_ + 1), margins_.empty() ? 0 : margins_.back());
       for (int begin = 0; begin < height_; begin += rows_) {
-        const Rows band{begin, std::min(begin + rows_, height_)};
-        const auto done = draw_band(camera, {band, 0, wholes}, planes, finish);
+        const Rows strip{begin, std::min(begin + rows_, height_)};
+        const auto done = draw_strip(camera, {strip, 0, wholes}, planes, finish);
         if (!done) return done.error();
-        if (begin > 0 && finished != *done) fail_check("bands of one picture wait for different things");
+        if (begin > 0 && finished != *done) fail_check("strips of one picture wait for different dispatches");
         finished = *done;
-        progress_.show(double(band.end) / height_);
+        progress_.show(double(strip.end) / height_);
       }
       for (auto& [key, entry] : wholes->planes) entry.complete = true;
       if (metering_) {
@@ -95,7 +95,7 @@ class BandDrawer {
   }
 
  private:
-  /// From the planes that the bands have gathered for the host step.
+  /// Traces the lines from the planes that the strips have gathered for the host step.
   Lines lines_of(WholePlanes& wholes) const {
     Image planes(info_.width, info_.height);
     for (const std::string_view name : edge_planes()) {
@@ -107,24 +107,26 @@ class BandDrawer {
     return traced_lines(info_, planes, params, device_.threads());
   }
 
-  /// Draws a band, with more margin as long as that lacks. Whether it is finished; else it waits for others.
-  Result<bool> draw_band(const Camera& camera, Band band, const std::vector<std::string>& planes,
-                         const Finish& finish) {
+  /// Draws a strip, with an increasing margin until it suffices. Returns whether the strip is finished; if not, it
+  /// waits for other strips.
+  Result<bool> draw_strip(const Camera& camera, Strip strip, const std::vector<std::string>& planes,
+                          const Finish& finish) {
     int& margin = margins_[sweep_];
     for (;;) {
-      keep_planes_of({std::max(band.rows.begin - margin, 0), std::min(band.rows.end + margin, height_)});
-      band.margin = margin;
+      keep_planes_of({std::max(strip.rows.begin - margin, 0), std::min(strip.rows.end + margin, height_)});
+      strip.margin = margin;
       const int guard = plan_.capture.guard;
-      first_ = std::clamp(band.rows.begin, guard, height_ - guard) - guard;
-      const auto done = try_band(camera, band, planes, finish);
+      first_ = std::clamp(strip.rows.begin, guard, height_ - guard) - guard;
+      const auto done = try_strip(camera, strip, planes, finish);
       if (!done) return done.error();
       if (done->finished || done->missing_rows == 0) return done->finished;
-      if (margin > height_) fail_check(fmt::format("a band of a picture {} pixels high wants more margin", height_));
+      if (margin > height_)
+        fail_check(fmt::format("a strip of a picture {} pixels high needs too large a margin", height_));
       margin += done->missing_rows;
     }
   }
 
-  /// Planes of bands of other sizes serve no more.
+  /// Drops pooled planes of strips of another size, which cannot be reused.
   void keep_planes_of(const Rows& rows) {
     if (kept_ && kept_rows_ == rows.count()) return;
     kept_.reset();
@@ -132,9 +134,9 @@ class BandDrawer {
     kept_rows_ = rows.count();
   }
 
-  Result<Progression> try_band(const Camera& camera, const Band& band, const std::vector<std::string>& planes,
-                               const Finish& finish) {
-    plan_.capture.band = band;
+  Result<RunState> try_strip(const Camera& camera, const Strip& strip, const std::vector<std::string>& planes,
+                             const Finish& finish) {
+    plan_.capture.strip = strip;
     auto frame = device_.capture(camera, plan_.capture, run_.monitor);
     if (!frame) return frame.error();
     times_.done("capture");
@@ -144,25 +146,25 @@ class BandDrawer {
     metered_missing_ = 0;
     const auto looked = run_look(run_, device_, *frame);
     if (!looked) return looked.error();
-    if (!looked->finished) return Progression{false, std::max(looked->missing_rows, metered_missing_)};
+    if (!looked->finished) return RunState{false, std::max(looked->missing_rows, metered_missing_)};
     const auto lined = draw_lines(device_, plan_, *frame, run_.monitor, times_);
     if (!lined || !lined->finished) return lined;
-    if (const int missing = device_.missing_rows(*frame, planes); missing > 0) return Progression{false, missing};
+    if (const int missing = device_.missing_rows(*frame, planes); missing > 0) return RunState{false, missing};
     const auto rows = device_.download(*frame, planes);
     if (!rows) return rows.error();
     if (rows->height > 0)
       if (auto taken = finish(*frame, *rows, first_); !taken) return taken.error();
-    return Progression();
+    return RunState();
   }
 
-  /// Metering sees all bands before any of them is finished.
+  /// Meters a strip. Metering reads all strips before any of them is finished.
   Result<std::optional<float>> meter(Device& device, const Frame& frame) {
     metered_missing_ = device.missing_rows(frame, kMeteredPlanes);
     if (metered_missing_ > 0) return std::optional<float>();
     const auto rows = device.download(frame, kMeteredPlanes);
     if (!rows) return rows.error();
     seen_.add(*rows, first_, plan_.capture.height);
-    usual_ = usual_stops(frame.info);
+    usual_ = stops_from_lights(frame.info);
     metering_ = true;
     return std::optional<float>();
   }
@@ -170,51 +172,51 @@ class BandDrawer {
   Device& device_;
   Plan& plan_;
   const int rows_;
-  BandProgress& progress_;
+  StripProgress& progress_;
   StageTimes& times_;
   LookRun run_;
   Metering seen_;
   float usual_ = 0.0f;       // stops
   bool metering_ = false;    // in this sweep
-  int metered_missing_ = 0;  // rows, of the band that is drawn
+  int metered_missing_ = 0;  // rows missing in the current strip
   PictureInfo info_;
   int height_ = 0;
-  std::size_t sweep_ = 0;     // of the frame
-  std::vector<int> margins_;  // of the bands of each sweep: the same in all frames
-  std::optional<KeptPlanes> kept_;
+  std::size_t sweep_ = 0;     // of the sample
+  std::vector<int> margins_;  // of the strips of each sweep; the same for all samples
+  std::optional<ScopedPlanePool> kept_;
   int kept_rows_ = 0;
-  int first_ = 0;  // the band's first inner row
+  int first_ = 0;  // first inner row of the strip
 };
 
-/// Numbers of planes, in sizes of the whole picture.
+/// Numbers of planes, in planes of the whole picture.
 struct PlaneCount {
-  double held = 0.0;  ///< by a frame
-  double far = 0.0;   ///< of these, what passes read anywhere, and what they make on the host
+  double held = 0.0;  ///< held by a frame
+  double far = 0.0;   ///< those of them that dispatches read at arbitrary distance, or that are made on the host
   double averaged = 0.0;
 };
 
-/// What drawing takes, about: what a pass does not need any more is kept all the same.
+/// Estimates the planes needed for drawing. Planes that later dispatches no longer read are counted, too.
 PlaneCount count_planes(const Recipe& recipe, int layers) {
-  constexpr int kCaptured = 17;       // of each layer: with a second shadow, and emission
-  constexpr double kBesides = 7.0;    // planes of one value, and what is handed out
-  constexpr double kOfAverage = 6.0;  // the picture that is finished, and what that is made of
-  const double reduced = 1.0 / double(recipe.occlusion_every * recipe.occlusion_every);
-  constexpr double kOfHostStep = 3.0;  // what it works on: of lines edges, chains and where they lie
+  constexpr int kCaptured = 17;       // per layer: with a second shadow, and emission
+  constexpr double kBesides = 7.0;    // uniform planes, and output
+  constexpr double kOfAverage = 6.0;  // the finished picture and its inputs
+  const double reduced = 1.0 / double(recipe.occlusion_downsampling * recipe.occlusion_downsampling);
+  constexpr double kOfHostStep = 3.0;  // working set, for lines: edges, chains and their positions
   double of_host_steps = 0.0;
   std::set<std::string> full, small, far_full, far_small;
   for (const Effect* effect : steps_of(look_run(recipe))) {
-    const bool is_small =
-        recipe.occlusion_every > 1 && (effect->kind == EffectKind::kOcclusion || effect->kind == EffectKind::kFilter);
+    const bool is_small = recipe.occlusion_downsampling > 1 &&
+                          (effect->kind == EffectKind::kOcclusion || effect->kind == EffectKind::kFilter);
     const ParameterBytes& params = params_of(recipe.settings, effect->name);
-    for (const Pass& pass : effect->passes) {
-      if (pass.needed && !pass.needed(params)) continue;
+    for (const Dispatch& dispatch : effect->dispatches) {
+      if (dispatch.needed && !dispatch.needed(params)) continue;
       const auto there = [&](std::string_view plane) { return layer_of_plane(plane) < layers; };
-      for (const std::string_view plane : pass.outputs)
-        if (pass.for_all && there(plane)) (is_small ? small : full).emplace(plane);
-      for (const std::string_view plane : pass.reach ? pass.far_inputs : pass.inputs)
-        if (there(plane)) (is_small && pass.for_all ? far_small : far_full).emplace(plane);
-      if (pass.host) far_full.insert(pass.outputs.begin(), pass.outputs.end());
-      if (pass.host) of_host_steps += kOfHostStep;
+      for (const std::string_view plane : dispatch.outputs)
+        if (dispatch.for_all && there(plane)) (is_small ? small : full).emplace(plane);
+      for (const std::string_view plane : dispatch.reach ? dispatch.unbounded_inputs : dispatch.inputs)
+        if (there(plane)) (is_small && dispatch.for_all ? far_small : far_full).emplace(plane);
+      if (dispatch.host) far_full.insert(dispatch.outputs.begin(), dispatch.outputs.end());
+      if (dispatch.host) of_host_steps += kOfHostStep;
     }
   }
   PlaneCount count;
@@ -229,23 +231,23 @@ PlaneCount count_planes(const Recipe& recipe, int layers) {
 
 }  // namespace
 
-Result<BandSizes> plan_bands(const Device& device, const Recipe& recipe, double memory) {
+Result<StripSizes> plan_strips(const Device& device, const Recipe& recipe, double memory) {
   constexpr double kBytes = sizeof(float);
   constexpr double kFixed = 150e6;              // the program and a scene
-  constexpr double kMargin = 64.0;              // rows above and below a band
-  constexpr int kMinRows = 64, kMaxRows = 512;  // of a band: of fewer most would be margin, more spare nothing
+  constexpr double kMargin = 64.0;              // rows above and below a strip
+  constexpr int kMinRows = 64, kMaxRows = 512;  // rows of a strip: fewer are mostly margin, more save no memory
   const int layers = *layer_count(recipe.capture);
   const PlaneCount count = count_planes(recipe, layers);
   const double width = recipe.width + 2.0 * recipe.capture.guard, height = recipe.height + 2.0 * recipe.capture.guard;
-  BandSizes plan;
+  StripSizes plan;
   plan.bytes = kFixed + (count.held + count.averaged) * kBytes * width * height;
-  const bool traced = find_named(handed_in(), recipe.occlusion);
+  const bool traced = find_named(external_effects(), recipe.occlusion);
   const bool fits = width * height * layers <= double(kMaxPixels);
   if (fits && plan.bytes <= memory) return plan;
-  if (!device.draws_bands() || traced) {
+  if (!device.draws_strips() || traced) {
     if (fits) return plan;
     return usage_error(
-        "{} of {} x {} pixels {} too many: together at most {} pixels; larger pictures are drawn in bands, but not {}",
+        "{} of {} x {} pixels {} too many: together at most {} pixels; larger pictures are drawn in strips, but not {}",
         layers == 1 ? "one layer" : fmt::format("{} layers", layers), width, height, layers == 1 ? "is" : "are",
         kMaxPixels,
         traced ? "with `occlusion` reference" : fmt::format("on the device {}: try `device` cpu", device.name()));
@@ -260,14 +262,14 @@ Result<BandSizes> plan_bands(const Device& device, const Recipe& recipe, double 
 
 namespace {
 
-/// These planes of some rows.
+/// Returns these planes of some rows.
 Image chosen(const Image& rows, const std::vector<std::string>& names) {
   Image own(rows.width, rows.height);
   for (const std::string& name : names) own.add(name) = rows.plane(name);
   return own;
 }
 
-/// What is handed out of rows of frame 0 and of the sum of the other frames.
+/// Returns the finished rows from the rows of sample 0 and the sum of the other samples.
 Result<Image> averaged_rows(Device& device, const Plan& plan, const PictureSum& total, const PictureInfo& info,
                             const Image& rows, int first, const std::vector<std::string>& planes) {
   PictureSum sum = rows_of(total, first, rows.height);
@@ -281,7 +283,7 @@ Result<Image> averaged_rows(Device& device, const Plan& plan, const PictureSum& 
     if (!made) return made;
     color = std::move(*made);
   }
-  const Image means = mean_planes(sum, also_averaged(plan));
+  const Image means = mean_planes(sum, other_averaged_planes(plan));
   Image finished(rows.width, rows.height);
   for (const std::string& name : planes) {
     const Plane* made = color.find(name) ? color.find(name) : means.find(name);
@@ -292,13 +294,13 @@ Result<Image> averaged_rows(Device& device, const Plan& plan, const PictureSum& 
 
 }  // namespace
 
-Result<Lines> draw_bands(Device& device, const Plan& planned, int rows, const std::vector<std::string>& planes,
-                         bool lines, const TakeRows& take, StageTimes& times, const ProgressMonitor& monitor) {
+Result<Lines> draw_strips(Device& device, const Plan& planned, int rows, const std::vector<std::string>& planes,
+                          bool lines, const TakeRows& take, StageTimes& times, const ProgressMonitor& monitor) {
   Plan plan = planned;
-  BandProgress progress(monitor, plan.recipe.frames);
-  BandDrawer drawer(device, plan, rows, progress, times);
-  PictureSum total{.for_eye = plan.recipe.look->averages_for_eye};
-  std::vector<std::string> wanted = planes;  // of the frame that stays
+  StripProgress progress(monitor, plan.recipe.frames);
+  StripDrawer drawer(device, plan, rows, progress, times);
+  PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots};
+  std::vector<std::string> wanted = planes;  // planes of sample 0
   if (plan.averages())
     for (const auto& more : {averaged_planes(plan), line_planes(plan)})
       for (const std::string& name : more)
@@ -316,9 +318,9 @@ Result<Lines> draw_bands(Device& device, const Plan& planned, int rows, const st
     return take(frame.info, *finished, first);
   };
   for (int k = plan.recipe.frames - 1; k > 0; --k)
-    if (auto drawn = drawer.draw_frame(begin_frame(plan, k), averaged_planes(plan), false, add); !drawn)
+    if (auto drawn = drawer.draw_frame(begin_sample(plan, k), averaged_planes(plan), false, add); !drawn)
       return drawn.error();
-  auto drawn = drawer.draw_frame(begin_frame(plan, 0), wanted, lines, finish);
+  auto drawn = drawer.draw_frame(begin_sample(plan, 0), wanted, lines, finish);
   if (!drawn) return drawn.error();
   if (auto ended = progress.end(); !ended) return ended.error();
   return drawn;

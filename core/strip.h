@@ -1,0 +1,64 @@
+// Strips: a picture that is too large for memory is drawn in strips of full-width rows, one after the other.
+//
+// The frame of a strip holds its own rows and a margin above and below, for dispatches that read neighbours. Each
+// dispatch states how many rows it reads above and below a pixel, and runs only on rows for which all its inputs are
+// valid: the valid rows shrink from dispatch to dispatch. The result is bitwise identical to that of a picture drawn
+// whole.
+// A dispatch that reads any row gets planes of the whole picture, which are gathered from the strips first: each strip
+// adds its rows and stops before this dispatch, unfinished. Once all strips have added theirs, each is drawn again from
+// its capture on. The outputs of a host step are whole planes too; the first strip computes them for all.
+#pragma once
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <string>
+#include <tuple>
+
+#include "core/image.h"
+
+namespace umbrage {
+
+/// Rows of a picture: [begin, end).
+struct Rows {
+  int begin = 0, end = 0;
+
+  int count() const { return end - begin; }
+  bool contains(const Rows& other) const { return begin <= other.begin && other.end <= end; }
+  bool operator==(const Rows&) const = default;
+};
+
+/// Planes of the whole picture, gathered from its strips.
+struct WholePlanes {
+  struct Entry {
+    Plane plane;
+    bool complete = false;  ///< all strips have added their rows, or a host step wrote it
+  };
+  /// Key: downsampling factor of the picture, plane name, version. The version is the number of the dispatch of the
+  /// frame that wrote the plane, 0 for the capture: later dispatches may write another plane of the same name.
+  std::map<std::tuple<int, std::string, int>, Entry> planes;
+};
+
+/// How far an effect, or a look, got on a frame. On a frame of a whole picture it is always finished.
+struct RunState {
+  bool finished = true;
+  int missing_rows = 0;  ///< if not finished: rows that the margin lacks; 0: other strips come first
+};
+
+/// The part of a picture that the frame of a strip holds.
+struct Strip {
+  Rows rows;       ///< rows of the strip in the picture, guard band included; begin is a multiple of 4
+  int margin = 0;  ///< further rows above and below, as far as the picture has them
+  std::shared_ptr<WholePlanes> wholes;
+
+  bool operator==(const Strip&) const = default;
+};
+
+/// Returns the rows that the frame of a strip holds, margin included. `height`: of the picture. The first row is a
+/// multiple of 4.
+inline Rows held_rows(const Strip& strip, int height) {
+  constexpr int kMultiple = 4;
+  return {std::max(0, strip.rows.begin - strip.margin) / kMultiple * kMultiple,
+          std::min(height, strip.rows.end + strip.margin)};
+}
+
+}  // namespace umbrage

@@ -1,0 +1,33 @@
+// Import in a separate process, so that a reader that crashes, hangs or exhausts memory does not affect the host.
+#pragma once
+#include "core/progress.h"
+#include "scene/environment.h"
+#include "scene/readers/import.h"
+
+namespace umbrage {
+
+/// File descriptors of the program umbrage-import: the file that receives the scene, and a pipe that receives one byte
+/// when the scene is complete. If the process ends without writing that byte, it has crashed.
+inline constexpr int kImportResult = 3, kImportDone = 4;
+
+/// Runs umbrage-import on a file. Safe to call from several threads and in any host: processes are started only by
+/// posix_spawn, and signal handlers are not changed. Errors: kFile: the reader's own, one sentence if it crashed or was
+/// stopped, one if the program umbrage-import is missing; kInterrupted, after umbrage-import has ended.
+Result<Scene> import_in_child_process(const std::filesystem::path& file, const ImportSettings& settings,
+                                      Poll* poll = nullptr);
+
+/// Command-line value for ImportSettings::scene_index that is not set.
+inline constexpr int kNoSceneIndex = -1;
+
+/// Command-line option of umbrage-import: the next argument is a file for read_panorama.
+inline constexpr const char* kReadPanorama = "--panorama";
+
+/// Runs read_panorama (scene/readers/texture_file.h) in a separate process, since the decoders are third-party code.
+/// Errors: as import_in_child_process.
+Result<Panorama> read_panorama_in_child_process(const std::filesystem::path& file, Poll* poll = nullptr);
+
+/// Returns the path of umbrage-import: the environment variable UMBRAGE_IMPORT, else beside the program or library that
+/// contains this function or in its ../libexec/umbrage, else the installation path. Empty if none exists.
+std::filesystem::path import_program();
+
+}  // namespace umbrage
