@@ -1,4 +1,4 @@
-// Lines of the look `cartoon` on the built-in scenes, where those of effects/outline/outline_test.cpp do not tell.
+// Tests of the lines of the look `cartoon` on built-in scenes that effects/outline/outline_test.cpp does not cover.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -13,8 +13,8 @@
 namespace umbrage {
 namespace {
 
-// Lines are those of frame 0, over the mean of all: where they cover a pixel it has their colour, which no exposure
-// changes.
+// Lines are those of sample index 0, drawn over the mean of all pictures. A fully covered pixel has the colour of the
+// line, without exposure.
 TEST(Cartoon, LinesAreDrawnOnceOverTheMean) {
   const Scene scene = *make_builtin_scene("scene:solids?detail=2000");
   const auto drawn = [&](int frames, const std::vector<std::string>& also, bool averaged = false) {
@@ -25,7 +25,7 @@ TEST(Cartoon, LinesAreDrawnOnceOverTheMean) {
     draw_with.look = "cartoon";
     draw_with.occlusion = "none";
     draw_with.anti_aliasing = frames;
-    draw_with.occlusion_radius = "5%";  // which applies settings anew
+    draw_with.occlusion_radius = "5%";  // which applies the settings again
     draw_with.settings = {"outline.width=4", "outline.r=0.6", "outline.g=0.3", "outline.b=0.05",
                           "output.transfer=none"};
     draw_with.settings.insert(draw_with.settings.end(), also.begin(), also.end());
@@ -51,7 +51,7 @@ TEST(Cartoon, LinesAreDrawnOnceOverTheMean) {
         }
       EXPECT_GT(lines, 200);
     }
-  // Where nothing is behind, alpha is theirs.
+  // Over the transparent background, alpha is that of the lines.
   const Image picture = drawn(4, {"output.transparent=on"});
   const Image bare = drawn(4, {"output.transparent=on", "outline.opacity=0"});
   int beyond = 0;

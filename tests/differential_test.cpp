@@ -1,5 +1,5 @@
-// Rung 3: every effect on every SIMD target, at any number of threads, through its tuned kernels, and on a Vulkan
-// device, against scalar.
+// Compares every effect on every SIMD target, with any number of threads, with its tuned kernels, and on a Vulkan
+// device with the scalar kernels.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -25,7 +25,7 @@ struct Size {
 };
 constexpr Size kSizes[] = {{1, 1}, {3, 2}, {191, 347}};
 
-/// What a test is run on: every size with every one of so many variants.
+/// The input of a test run. runs() returns every size with each of `variants` variants.
 struct Run {
   Size size;
   unsigned variant;
@@ -37,9 +37,9 @@ std::vector<Run> runs(unsigned variants) {
   return all;
 }
 
-constexpr double kMaxFlips = 1e-4;  // share of the pixels, of kernels that count or threshold
+constexpr double kMaxFlips = 1e-4;  // fraction of the pixels, for kernels that count or threshold
 
-/// Parameters of an effect, drawn from its table: variant 0 is what it has when nobody sets anything.
+/// Returns random parameters of an effect within the ranges of its table; variant 0: its defaults.
 ParameterBytes variant_of(const Effect& effect, unsigned variant) {
   ParameterBytes bytes = initial_parameters(effect.parameters, effect.params_size);
   if (variant == 0) return bytes;
@@ -47,7 +47,7 @@ ParameterBytes variant_of(const Effect& effect, unsigned variant) {
     const Parameter& row = effect.parameters[k];
     const unsigned r = test::hash(variant * 101u + unsigned(k));
     std::string text;
-    // Windows of kernels that are scalar and plain are kept small; numbers near what people set.
+    // Windows are small, since plain scalar kernels are slow; numbers are close to usual settings.
     constexpr double kMaxWindow = 21.0, kMaxNumber = 8.0;
     switch (row.type) {
       case ParameterType::kChoice:
@@ -72,7 +72,7 @@ ParameterBytes variant_of(const Effect& effect, unsigned variant) {
   return bytes;
 }
 
-/// All planes that the effect makes of a G-buffer.
+/// Runs the effect on a G-buffer and returns all planes that it writes.
 Image outputs(const Effect& effect, const ParameterBytes& params, const GBuffer& gbuffer, Device& device) {
   const Image none(gbuffer.info.inner_width(), gbuffer.info.inner_height());
   auto frame = device.upload(gbuffer);
@@ -90,7 +90,7 @@ Image outputs(const Effect& effect, const ParameterBytes& params, const GBuffer&
   return outputs(effect, params, gbuffer, *make_cpu_device(settings));
 }
 
-/// Inputs of an effect that other effects make: what no pass before the reader writes.
+/// Adds inputs of an effect that other effects write: inputs of a dispatch that no earlier dispatch writes.
 void add_made_inputs(const Effect& effect, GBuffer& gbuffer) {
   for (std::size_t reader = 0; reader < effect.dispatches.size(); ++reader)
     for (std::string_view input : effect.dispatches[reader].inputs) {
@@ -105,7 +105,7 @@ void add_made_inputs(const Effect& effect, GBuffer& gbuffer) {
     }
 }
 
-/// What an effect is run on: every other time by an orthographic camera.
+/// Returns the input of an effect, with an orthographic camera for odd variants.
 GBuffer bumpy_input(const Effect& effect, Size size, unsigned variant) {
   GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 7 + variant);
   if (variant % 2) gbuffer.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 3.0f, 1.5f);
@@ -113,7 +113,7 @@ GBuffer bumpy_input(const Effect& effect, Size size, unsigned variant) {
   return gbuffer;
 }
 
-/// Pixels of a plane that are no number, apart from the depth of what is no surface.
+/// Returns the number of pixels of a plane that are not finite, except infinite depth of the background.
 long undefined_pixels(const Image& image, std::size_t p) {
   long count = 0;
   for (int y = 0; y < image.height; ++y)
@@ -205,8 +205,8 @@ TEST_P(Differential, HostileInputGivesDefinedOutput) {
   }
 }
 
-// A GPU rounds some functions otherwise: all but a thousandth of the pixels are within what the eye sees, or one
-// quantum.
+// A GPU rounds some functions differently: all but a thousandth of the pixels are within a visible difference, or
+// within one quantum.
 TEST_P(Differential, VulkanAgreesWithScalar) {
   constexpr double kSeen = 2.0 / 255.0, kMaxOver = 1e-3;
   const Effect& effect = *GetParam();
@@ -280,7 +280,7 @@ TEST_P(Differential, WaysOfAGpuAreEqualToTheBit) {
       }
 }
 
-// What a device cannot bind is read by its address.
+// Planes that a device cannot bind are read by their addresses.
 TEST_P(Differential, PlanesTooLargeToBindAreEqualToTheBit) {
   const Effect& effect = *GetParam();
   if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
@@ -301,10 +301,10 @@ TEST_P(Differential, PlanesTooLargeToBindAreEqualToTheBit) {
   }
 }
 
-// Lines of high pictures are told by strides of several pixels, and specks of bands are several pixels wide.
+// In high pictures lines are detected with strides of several pixels, and specks of tone steps are several pixels wide.
 class HighPictures : public testing::TestWithParam<Size> {};
 
-/// Checks an effect on all SIMD targets, and `plane` on the Vulkan device, against scalar, whose planes are returned.
+/// Compares an effect on all SIMD targets, and `plane` on the Vulkan device, with scalar. Returns the scalar planes.
 Image agreed_with_scalar(const char* name, const char* plane, const Size& size, Device& vulkan) {
   const Effect& effect = *find_effect(name);
   GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 7);
@@ -349,7 +349,7 @@ INSTANTIATE_TEST_SUITE_P(Strides, HighPictures, testing::Values(Size{37, 1300}, 
 
 bool is_missing(int x, int y) { return test::hash(unsigned(x) + 4099u * unsigned(y)) % 7 == 0 || (x > 90 && y == 17); }
 
-// They get the occlusion of a run for all, to the bit; others, and light, stay as they are.
+// Missing pixels get the occlusion of a run for all pixels, bitwise; other pixels, and light, are unchanged.
 TEST_P(Differential, MissingPixelsAreAsInARunForAll) {
   const Effect& effect = *GetParam();
   for (const bool bleeding : {false, true}) {

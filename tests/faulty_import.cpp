@@ -1,5 +1,5 @@
-// An umbrage-import whose reader fails as the file's name says, for tests: it crashes, never ends, waits forever, eats
-// memory, gives up, or claims to be ready and is not. The limits of time are set lower than people have them.
+// An umbrage-import for tests, with a reader that fails as the file's name says: it crashes, never ends, waits forever,
+// uses up memory, exits, or reports success without a result. Its time limits are lower than the real ones.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -17,7 +17,7 @@ namespace {
 
 void fail(const std::filesystem::path& file) {
   const std::string how = file.stem();
-  std::signal(SIGSEGV, SIG_DFL);  // a sanitizer's handler would have its say
+  std::signal(SIGSEGV, SIG_DFL);  // without a sanitizer's handler
   if (how == "crash") std::raise(SIGSEGV);
   if (how == "abort") std::abort();
   if (how == "killed") std::raise(SIGKILL);

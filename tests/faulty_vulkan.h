@@ -1,5 +1,5 @@
-// The system's Vulkan with faults put in: functions that fail when a test wants it, or say that there is less than
-// there is. Plain functions have nowhere to keep what they need, hence the one global state.
+// The system's Vulkan with injected faults: functions that fail on request, or report lower limits. Plain functions
+// cannot store state, so there is one global state.
 #pragma once
 #include <cstring>
 #include <map>
@@ -9,17 +9,17 @@
 namespace umbrage::test {
 
 struct Faults {
-  int submits = 0;                                       ///< counted
-  VkResult submit = VK_SUCCESS;                          ///< what submissions return instead of being done
-  VkResult wait = VK_SUCCESS;                            ///< what waiting for them returns instead
-  VkResult idle = VK_SUCCESS;                            ///< and what waiting for all of them does
-  std::uint64_t memory_left = ~std::uint64_t(0);         ///< bytes, of all allocations from now on
-  bool reuses_memory = false;                            ///< what is freed can be allocated again
-  std::uint32_t loader_version = 0, device_version = 0;  ///< 0: what they are
-  VkDeviceSize max_allocation = 0;                       ///< 0: what it is
-  std::uint32_t largest_bound = 0, bound_buffers = 0;    ///< of a storage buffer, bytes; and how many: 0: what it is
+  int submits = 0;                                       ///< number of submissions so far
+  VkResult submit = VK_SUCCESS;                          ///< if not success: returned instead of submitting
+  VkResult wait = VK_SUCCESS;                            ///< if not success: returned by waits for fences
+  VkResult idle = VK_SUCCESS;                            ///< if not success: returned by vkDeviceWaitIdle
+  std::uint64_t memory_left = ~std::uint64_t(0);         ///< bytes, for all allocations from now on
+  bool reuses_memory = false;                            ///< freed memory can be allocated again
+  std::uint32_t loader_version = 0, device_version = 0;  ///< 0: the real ones
+  VkDeviceSize max_allocation = 0;                       ///< bytes; 0: the real one
+  std::uint32_t largest_bound = 0, bound_buffers = 0;    ///< max storage buffer, bytes; max count; 0: real
   bool has_addresses = true;
-  bool draws = true;  ///< queues do
+  bool draws = true;  ///< queues support graphics
 };
 
 struct FaultyVulkan {
@@ -30,7 +30,7 @@ struct FaultyVulkan {
   PFN_vkDeviceWaitIdle idle = nullptr;
   PFN_vkAllocateMemory allocate = nullptr;
   PFN_vkFreeMemory free = nullptr;
-  std::map<VkDeviceMemory, std::uint64_t> allocated;  ///< bytes
+  std::map<VkDeviceMemory, std::uint64_t> allocated;  ///< sizes in bytes
   PFN_vkGetPhysicalDeviceProperties properties = nullptr;
   PFN_vkGetPhysicalDeviceProperties2 properties2 = nullptr;
   PFN_vkGetPhysicalDeviceFeatures2 features = nullptr;
@@ -110,7 +110,7 @@ inline VKAPI_ATTR VkResult VKAPI_CALL faulty_version(std::uint32_t* out) {
   return done;
 }
 
-/// What to hand to VulkanSettings::get.
+/// The function to pass as VulkanSettings::get.
 inline VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL faulty_get(VkInstance instance, const char* name) {
   const auto real = faulty().get(instance, name);
   if (!real) return nullptr;
@@ -133,7 +133,7 @@ inline VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL faulty_get(VkInstance instance, 
   return real;
 }
 
-/// Starts without faults. False where there is no Vulkan.
+/// Resets all faults. Returns false if there is no Vulkan.
 inline bool start_faulty() {
   const auto get = load_vulkan();
   if (!get) return false;

@@ -1,4 +1,4 @@
-// The guard band: what is drawn beyond the picture's sides changes nothing inside but what effects see from there.
+// Tests of the guard band: pixels drawn beyond the border change the picture only through effects that read them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@
 namespace umbrage {
 namespace {
 
-/// A scene on a device, and a camera that sees it.
+/// A scene on a device, and cameras that see it.
 struct Stage {
   Scene scene;
   std::unique_ptr<Device> device = make_cpu_device();
@@ -34,7 +34,7 @@ struct Stage {
     EXPECT_TRUE(frame);
     return *frame;
   }
-  /// `ao` of the unsharp mask.
+  /// Returns `ao` of the unsharp mask.
   Plane unsharp(Frame frame, const std::string& kernel) {
     const Effect& effect = *find_effect("unsharp");
     const auto done = device->run(effect, test::parameters_of(effect, {{"kernel", kernel}}), frame);
@@ -65,7 +65,7 @@ TEST(GuardBand, WidensThePictureAndItsWindow) {
   EXPECT_EQ(wide.guard, 5);
   EXPECT_EQ(wide.inner_width(), 40);
   EXPECT_EQ(wide.inner_height(), 20);
-  Camera expected = inner.camera;  // a pixel is a tenth of a unit
+  Camera expected = inner.camera;  // one pixel is a tenth of a unit
   expected.left = -1.5f, expected.right = 3.5f, expected.bottom = -1.0f, expected.top = 2.0f;
   expect_near(wide.camera, expected, 1e-6);
   expect_near(with_guard(inner, 0).camera, inner.camera, 0.0);
@@ -83,7 +83,7 @@ TEST(GuardBand, TheInnerCameraComesBack) {
         SCOPED_TRACE(fmt::format("{} x {}, {} more", width, height, guard));
         EXPECT_EQ(wide.inner_width(), width);
         EXPECT_EQ(wide.inner_height(), height);
-        constexpr double kRoundings = 8 * 6e-8;  // of the window that holds the band
+        constexpr double kRoundings = 8 * 6e-8;  // relative to the window with the guard band
         expect_near(inner_camera(wide), camera, kRoundings * largest_edge(wide.camera));
       }
 }
@@ -117,9 +117,10 @@ TEST(GuardBand, PixelsInsideAreThoseWithoutIt) {
       for (std::size_t p = 0; p < a.planes.size(); ++p) {
         const std::string& name = a.names[p];
         const bool depth = name.ends_with("depth"), normal = name.find("normal") != std::string::npos;
-        // Things stand on the table: which of the two surfaces is the second one, rounding decides.
+        // Objects stand on the table: rounding decides which of the two coincident surfaces is the second one.
         if (name.starts_with("layer1.") && !depth && !normal) continue;
-        // Interpolated over a small triangle, a rounded ray turns a normal more than it moves the hit.
+        // Rounding of a ray changes a normal that is interpolated over a small triangle more than the position of the
+        // hit.
         const float bound = depth ? 1e-6f : normal ? 1e-4f : 0.0f;
         long other = 0;
         for (int y = 0; y < a.height; ++y)
@@ -127,7 +128,7 @@ TEST(GuardBand, PixelsInsideAreThoseWithoutIt) {
             const float u = a.planes[p].at(x, y), v = b.planes[p].at(x, y);
             other += !(u == v || std::fabs(u - v) <= bound * std::max(std::fabs(u), 1.0f));
           }
-        // The window is rounded, and with it each ray: at silhouettes that decides.
+        // Rounding of the window affects each ray, and decides at silhouettes.
         EXPECT_LE(other, a.width * a.height / 500) << name << ", guard " << guard;
       }
     }
@@ -146,7 +147,7 @@ TEST(GuardBand, SharesOfThePictureKeepTheirSize) {
 TEST(GuardBand, BordersAreAsTheMiddleOfALargerPicture) {
   Stage stage;
   constexpr int kWidth = 70, kHeight = 50, kGuard = 12, kKernel = 2 * kGuard - 1;
-  // A camera so near that the scene goes on beyond the picture's sides.
+  // The camera is so close that the scene extends beyond the picture's borders.
   Camera camera = frame_scene(stage.scene, {.zoom = 3.0f}, kWidth, kHeight);
   const PictureInfo wide = with_guard({.width = kWidth, .height = kHeight, .camera = camera}, kGuard);
   const std::string kernel = std::to_string(kKernel);
@@ -155,7 +156,7 @@ TEST(GuardBand, BordersAreAsTheMiddleOfALargerPicture) {
   const Plane larger =
       cropped(stage.unsharp(stage.capture(wide.camera, {.width = wide.width, .height = wide.height}), kernel), kGuard);
   EXPECT_EQ(test::difference(guarded, larger, 0.0).max, 0.0);
-  // Without the band the window ends at the border.
+  // Without the guard band the window ends at the border.
   const Plane bare = stage.unsharp(stage.capture(camera, {.width = kWidth, .height = kHeight}), kernel);
   double at_border = 0.0, inside = 0.0;
   for (int y = 0; y < kHeight; ++y)
@@ -196,7 +197,7 @@ TEST(GuardBand, NeutralPlanesAreCutOffToo) {
   for (const Plane& plane : image.planes) EXPECT_EQ(plane.width, 20);
   EXPECT_EQ(image.plane("indirect.g").at(19, 9), 0.0f);
   EXPECT_EQ(image.plane("ao").at(19, 9), 1.0f);
-  // What is made later stands in place of the neutral plane, once.
+  // A plane that is added later replaces the neutral plane.
   Image made(26, 16);
   made.add("ao") = Plane(26, 16, 0.5f);
   ASSERT_TRUE(stage.device->add(made, frame));

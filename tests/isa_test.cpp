@@ -1,5 +1,5 @@
-// Every CPU: the program under each instruction set that this machine has, as people run it. It ends well, and draws
-// the picture that plain C++ draws.
+// Runs the program as users do under each instruction set of this machine. It must succeed and draw the same picture as
+// plain C++.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,8 +16,8 @@ namespace {
 
 constexpr const char* kScenes[] = {"scene:solids?detail=3000", "scene:room?detail=3000", "scene:terrain?detail=3000"};
 const std::string kSize = " --resolution 96x64 --threads 2";
-// Kernels that count differ by single counts in few pixels; filters and light spread those to their neighbours. No
-// pixel differs visibly, and nearly all differ by less than smooth kernels may.
+// Kernels that count differ by single counts in few pixels; filters and light spread these to their neighbours. No
+// pixel differs visibly, and nearly all are within the bound of smooth kernels.
 constexpr double kSeen = 2.0 / 255.0, kSmooth = 1e-4, kMaxShareOver = 0.02, kMaxMean = 2e-5;
 
 class Isa : public test::ProgramTest {
@@ -27,7 +27,7 @@ class Isa : public test::ProgramTest {
     ASSERT_EQ(outcome.code, 0) << isa << ": " << words << ": " << outcome.err;
   }
 
-  /// Expects what these words draw to be the same under all instruction sets.
+  /// Expects the same picture from these arguments under all instruction sets.
   void expect_same(const std::string& words) {
     succeed(words + " -o scalar.exr", "scalar");
     const Image oracle = image("scalar.exr");
@@ -73,7 +73,7 @@ TEST_F(Isa, TheReferenceAndItsLightAreTheSame) {
 
 TEST_F(Isa, LightOfImagesIsTheSame) { expect_same("scene:solids?detail=3000 --hdri-file sky: --device cpu" + kSize); }
 
-// Its hierarchies are built by Embree, and some of its captures are drawn by it.
+// Embree builds the hierarchies of the Vulkan device and draws some of its captures.
 TEST_F(Isa, VulkanDrawsTheSame) {
   UMBRAGE_NEEDS_VULKAN(test::vulkan_device());
   expect_same("scene:solids?detail=3000 --device vulkan" + kSize);
@@ -134,7 +134,7 @@ TEST_F(Isa, WrongOnesAreRefused) {
   bad_option("--isa avx3", {"--isa", "'avx3'", "scalar"});
   bad("list devices", 2, {"UMBRAGE_ISA", "'mmx'", "scalar"}, "UMBRAGE_ISA=mmx");
   bad("tri.obj -o a.png", 2, {"UMBRAGE_ISA", "'mmx'", "scalar"}, "UMBRAGE_ISA=mmx");
-  for (const std::string_view known : known_isas())  // one at least: of x86 or of ARM
+  for (const std::string_view known : known_isas())  // includes at least one unusable set: of x86 or of ARM
     if (std::find(usable_isas().begin(), usable_isas().end(), known) == usable_isas().end())
       bad(fmt::format("tri.obj -o a.png --isa {}", known), 4, {fmt::format("'{}' on this CPU", known), "scalar"});
 }

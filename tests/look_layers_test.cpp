@@ -1,4 +1,4 @@
-// Looks on several depth layers: what runs on which, and what a look wants captured.
+// Tests of looks with several depth layers: the effects that run on each, and the layers that a look captures.
 #include <gtest/gtest.h>
 
 #include "devices/cpu/cpu_device.h"
@@ -12,14 +12,14 @@ namespace {
 
 bool never(const ParameterBytes&) { return false; }
 
-/// A technique that no device runs and that reads `input`.
+/// Returns a technique that reads `input`. No device runs it.
 Effect reader_of(std::string_view input, bool (*needed)(const ParameterBytes&) = nullptr) {
   Effect effect{.name = "reader", .summary = "reads a plane", .kind = EffectKind::kOcclusion};
   effect.passes = {{.name = "reader", .inputs = {"depth", input}, .outputs = {"ao"}, .needed = needed}};
   return effect;
 }
 
-/// Names of the planes after the look `lit` with this technique, on so many layers.
+/// Returns the names of the planes after the look `lit` with this technique and these capture settings.
 std::vector<std::string> planes_with(const Effect& technique, const CaptureSettings& settings) {
   const Scene scene = *make_builtin_scene("scene:solids?detail=2000");
   const auto device = make_cpu_device();
@@ -91,7 +91,7 @@ TEST(LookLayers, TheUserWinsOverTheLook) {
   EXPECT_FALSE(capture_settings(draw, look, 1)) << "three layers of so many pixels";
 }
 
-// What stands near another camera hides much of the scene from it, and none of that from light.
+// An object close to another camera hides much of the scene from that camera, but does not occlude it.
 TEST(LookLayers, FurtherCamerasDarkenNothingThatTheFirstSeesInTheOpen) {
   auto scene = load_scene("scene:room?detail=12000");
   ASSERT_TRUE(scene);
@@ -115,7 +115,7 @@ TEST(LookLayers, FurtherCamerasDarkenNothingThatTheFirstSeesInTheOpen) {
   for (int y = 0; y < alone.height; ++y)
     for (int x = 0; x < alone.width; ++x)
       darker += std::max(alone.plane("ao").at(x, y) - seen_by_more.plane("ao").at(x, y), 0.0f);
-  // At the picture's border more is known, and may be dark.
+  // The additional cameras see occluders beyond the border, so pixels near it may be darker.
   EXPECT_LT(darker / (alone.width * alone.height), 0.02);
 }
 

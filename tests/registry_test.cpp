@@ -1,4 +1,4 @@
-// The tables: complete, consistent, and what the text of a value does.
+// Tests of the registry and its parameter tables: complete, consistent, and the parsing of values.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -96,7 +96,7 @@ TEST(Registry, ShadersReachExactlyTheirPlanes) {
 TEST(Registry, EveryEffectHasItsFolderWhole) {
   for (const Effect* effect : effects()) {
     const std::string folder = fmt::format("{}/effects/{}/", UMBRAGE_SOURCE, effect->name);
-    // What is done on the host has no kernel text.
+    // A host step has no kernel text.
     const bool on_host =
         std::any_of(effect->dispatches.begin(), effect->dispatches.end(), [](const Dispatch& p) { return p.host; });
     const std::string text = fmt::format("{}.{}", effect->name, on_host ? "cpp" : "kernel.h");
@@ -113,7 +113,7 @@ TEST(Registry, EveryEffectHasItsFolderWhole) {
 
 TEST(Registry, LooksNameEffectsAndParametersThatExist) {
   for (const Look* look : looks()) {
-    look_settings(*look);  // aborts on a preset that is wrong
+    look_settings(*look);  // aborts on an invalid preset
     for (std::string_view name : look->effects)
       EXPECT_TRUE(name == "occlusion" || find_effect(name)) << look->name << ": " << name;
     const auto techniques = occlusion_names();

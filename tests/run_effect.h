@@ -16,10 +16,10 @@
 
 namespace umbrage::test {
 
-/// Names of parameters and what is written for them.
+/// Names of parameters and their values as text.
 using Settings = std::vector<std::pair<std::string, std::string>>;
 
-/// Colours and vectors, by their planes.
+// Names of the planes of colours and vectors.
 inline constexpr const char* kNormal[] = {"normal.x", "normal.y", "normal.z"};
 inline constexpr const char* kAlbedo[] = {"albedo.r", "albedo.g", "albedo.b"};
 inline constexpr const char* kDirect[] = {"direct.r", "direct.g", "direct.b"};
@@ -27,7 +27,7 @@ inline constexpr const char* kAmbient[] = {"ambient.r", "ambient.g", "ambient.b"
 inline constexpr const char* kIndirect[] = {"indirect.r", "indirect.g", "indirect.b"};
 inline constexpr const char* kLit[] = {"lit.r", "lit.g", "lit.b"};
 
-/// Both, of which the second holds where they differ.
+/// Returns both lists of settings; `second` takes precedence.
 inline Settings joined(Settings first, const Settings& second) {
   first.insert(first.end(), second.begin(), second.end());
   return first;
@@ -44,7 +44,7 @@ inline ParameterBytes parameters_of(const Effect& effect, const Settings& settin
   return bytes;
 }
 
-/// What an effect's kernels read with these settings, as the struct Constants of its own.
+/// Returns the constants that an effect's kernels read with these settings. Constants: the effect's own struct.
 template <class Constants>
 Constants constants_of(std::string_view name, const PictureInfo& info, const Settings& settings) {
   const Effect& effect = *find_effect(name);
@@ -53,7 +53,7 @@ Constants constants_of(std::string_view name, const PictureInfo& info, const Set
   return constants;
 }
 
-/// The planes that an effect makes: those of the passes that it needs, each once.
+/// Returns the names of the planes that an effect writes: those of the dispatches that it needs, each once.
 inline std::vector<std::string> made_planes(const Effect& effect, const ParameterBytes& params) {
   std::vector<std::string> names;
   for (const Dispatch& dispatch : effect.dispatches) {
@@ -64,7 +64,7 @@ inline std::vector<std::string> made_planes(const Effect& effect, const Paramete
   return names;
 }
 
-/// The planes that `effect` makes of `gbuffer`; where it makes none, those that are there.
+/// Runs `effect` on `gbuffer` and returns the planes that it writes; all planes if it writes none.
 inline Image run_effect(const Effect& effect, const GBuffer& gbuffer, const Settings& settings,
                         const CpuSettings& cpu) {
   const auto device = make_cpu_device(cpu);
@@ -76,7 +76,7 @@ inline Image run_effect(const Effect& effect, const GBuffer& gbuffer, const Sett
   return made.empty() ? *device->download_all(*frame) : *device->download(*frame, made);
 }
 
-/// Calls `check` with the planes that the scalar kernel makes, and those of the lanes on every SIMD target.
+/// Calls `check` with the planes from the scalar kernel, and with those from the lanes on every SIMD target.
 inline void on_every_target(std::string_view name, const GBuffer& gbuffer, const Settings& settings,
                             const std::function<void(const Image&)>& check) {
   const Effect& effect = *find_effect(name);

@@ -1,4 +1,4 @@
-// Runs the program as people run it, in a folder of its own, and looks at what it wrote, printed and returned.
+// Runs the program as users do, in a temporary folder, and checks its files, output and exit code.
 #pragma once
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -32,7 +32,7 @@ inline std::string quoted(const std::string& word) {
   return out + "'";
 }
 
-/// The words of a line, parted by single spaces.
+/// Returns the words of a line, separated by spaces.
 inline Words words_of(const std::string& line) {
   Words words;
   std::istringstream stream(line);
@@ -73,7 +73,7 @@ class ProgramTest : public testing::Test {
     return names;
   }
 
-  /// `before` comes before the program: settings of the environment.
+  /// Runs the program. `before`: environment assignments that precede it on the command line.
   Outcome run(const Words& words, const std::string& before = "") {
     std::string line = fmt::format(
         "cd {} && env -u UMBRAGE_DEVICE -u UMBRAGE_NUM_THREADS -u UMBRAGE_VERBOSE "
@@ -87,7 +87,7 @@ class ProgramTest : public testing::Test {
   }
   Outcome run(const std::string& line, const std::string& before = "") { return run(words_of(line), before); }
 
-  /// Runs it and expects success without a word on stderr.
+  /// Runs it and expects success and an empty stderr.
   Outcome good(const std::string& line, const std::string& before = "") {
     const Outcome outcome = run(line, before);
     EXPECT_EQ(outcome.code, 0) << line << ": " << outcome.err;
@@ -95,7 +95,7 @@ class ProgramTest : public testing::Test {
     return outcome;
   }
 
-  /// Runs it and expects failure: this code, one line with all these texts, and no file more than before.
+  /// Runs it and expects failure: this exit code, one line with all these texts, and no new file.
   void bad(const Words& words, int code, const Words& texts, const std::string& before = "") {
     std::string line;
     for (const std::string& word : words) line += " " + quoted(word);
@@ -113,7 +113,7 @@ class ProgramTest : public testing::Test {
   void bad(const std::string& line, int code, const Words& texts, const std::string& before = "") {
     bad(words_of(line), code, texts, before);
   }
-  /// The same for `umbrage tri.obj -o out.png` with more words.
+  /// Expects the failure of `umbrage tri.obj -o out.png` with these additional words, with exit code 2.
   void bad_option(const std::string& more, const Words& texts) { bad("tri.obj -o out.png " + more, 2, texts); }
 
   Image image(const std::string& name) {

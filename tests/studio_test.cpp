@@ -1,4 +1,5 @@
-// The look `studio` and what it is made of: averaged frames, metering, soft shadows, the ground under a model.
+// Tests of the look `studio` and its parts: averaged pictures, automatic exposure, soft shadows, the ground under a
+// model.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -44,7 +45,7 @@ TEST(Frames, OffsetsAreSpreadOverThePixel) {
 TEST(Frames, AShiftedCameraSeesWhatIsAside) {
   const Camera camera = perspective_camera({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 40.0f, 2.0f);
   const Camera shifted = shifted_camera(camera, {1.0f, 1.0f}, 200, 100);
-  // The centre of pixel (x, y) of one is that of pixel (x + 1, y + 1) of the other.
+  // The centre of pixel (x, y) of `shifted` is that of pixel (x + 1, y + 1) of `camera`.
   const auto at = [](const Camera& c, double x, double y) {
     return glm::dvec2(c.left + (x + 0.5) / 200.0 * (c.right - c.left), c.top - (y + 0.5) / 100.0 * (c.top - c.bottom));
   };
@@ -90,7 +91,7 @@ TEST(Frames, ColourIsAveragedForTheEyeWhereALookIs) {
   }
 }
 
-/// A scene drawn with the look `ao` and no technique: white where there is a surface.
+/// Draws a scene with the look `ao` and no technique: white where there is a surface.
 Image silhouette(Scene scene, int frames, const std::vector<std::string>& settings = {}, const char* look = "ao") {
   auto device = make_cpu_device();
   EXPECT_TRUE(device->prepare(scene));
@@ -109,7 +110,7 @@ Image silhouette(Scene scene, int frames, const std::vector<std::string>& settin
   return *device->download(*frame, {"color.r", "color.a", "depth"});
 }
 
-// White before black: by the share of it that the model covers a pixel is between the two as square roots of light are.
+// White in front of black: the coverage of a pixel mixes the two as square roots of light.
 TEST(Frames, CartoonMixesAsTheEyeDoes) {
   const Scene scene = *make_builtin_scene("scene:solids?detail=2000");
   const std::vector<std::string> settings = {"outline.opacity=0", "toon.steps=1", "toon.albedo=clay"};
@@ -198,10 +199,10 @@ TEST(Metering, BringsSurfacesTowardsWhite) {
 
 // --- soft shadows --------------------------------------------------------------------------------------------------
 
-constexpr float kDiscDeg = 30.0f;  // of the sun over the sheet
-constexpr int kSide = 128;         // of pictures of it
+constexpr float kDiscDeg = 30.0f;  // angular diameter of the sun over the sheet
+constexpr int kSide = 128;         // width and height of its pictures, pixels
 
-/// A floor at height 0, and a sheet at height 1 that covers x below 0.
+/// Returns a floor at height 0, and a sheet at height 1 that covers x below 0.
 Scene sheet_over_floor(float disc_deg) {
   Scene scene;
   scene.name = "sheet";
@@ -225,13 +226,14 @@ Scene sheet_over_floor(float disc_deg) {
   return scene;
 }
 
-/// The part of the disc that the sheet leaves free: a circle's segment. `at`: from below the sheet's edge.
+/// Returns the fraction of the sun's disc that the sheet does not hide: a segment of a circle. `at`: distance from the
+/// point below the sheet's edge, scene units.
 double open_light(double at, double disc_deg) {
   const double cut = std::clamp(at / std::tan(glm::radians(0.5 * disc_deg)), -1.0, 1.0);
   return 1.0 - (std::acos(cut) - cut * std::sqrt(1.0 - cut * cut)) / std::acos(-1.0);
 }
 
-/// The mean of the shadows of so many pictures, each with so many rays a pixel.
+/// Returns the mean shadow of `frames` pictures with `rays` rays per pixel each.
 Plane mean_shadow(Device& device, const Camera& camera, int rays, int frames) {
   Plane mean(kSide, kSide, 0.0f);
   for (int sample = 0; sample < frames; ++sample) {
@@ -248,7 +250,7 @@ TEST(SoftShadows, APenumbraIsAsWideAsTheLightIsLarge) {
   const auto device = make_cpu_device();
   const Scene scene = sheet_over_floor(kDiscDeg);
   ASSERT_TRUE(device->prepare(scene));
-  // From below the sheet's height, along it: the floor right of its edge is seen whole.
+  // Looks down at the sheet: the floor to the right of its edge is fully visible.
   const Camera camera = orthographic_camera({0, 5, 0}, {0, 0, 0}, {0, 0, -1}, 2.0f, 1.0f);
   const auto seen = device->capture(camera, {.width = kSide, .height = kSide});
   ASSERT_TRUE(seen);
@@ -264,7 +266,7 @@ TEST(SoftShadows, APenumbraIsAsWideAsTheLightIsLarge) {
     for (int x = kSide / 2 + 1; x < kSide; ++x) {
       double mean = 0.0;
       for (int y = 0; y < kSide; ++y) mean += shadow.at(x, y) / kSide;
-      const double at = (x + 0.5) / (0.5 * kSide) - 1.0;  // from the sheet's edge
+      const double at = (x + 0.5) / (0.5 * kSide) - 1.0;  // distance from the sheet's edge, scene units
       const double open = open_light(at, kDiscDeg);
       EXPECT_NEAR(mean, rays == 0 ? 1.0 : open, error) << rays << ' ' << frames << ' ' << at;
     }
@@ -275,18 +277,18 @@ TEST(SoftShadows, ALongPenumbraHasNoStreaks) {
   const auto device = make_cpu_device();
   const Scene scene = sheet_over_floor(kDiscDeg);
   ASSERT_TRUE(device->prepare(scene));
-  // Four times nearer than above: the penumbra's radius is 69 pixels.
+  // Four times the magnification of the test above: the radius of the penumbra is 69 pixels.
   const Camera camera = orthographic_camera({0, 5, 0}, {0, 0, 0}, {0, 0, -1}, 0.5f, 1.0f);
   struct Case {
     int frames;
     double rms, max;
   };
-  // Without the second filter the shadow is off by 0.028 and 0.064 in one picture, 0.016 and 0.043 in four.
+  // Without the second filter the RMS and max errors are 0.028 and 0.064 in one picture, 0.016 and 0.043 in four.
   for (const auto& [frames, rms, max] : {Case{1, 0.025, 0.04}, Case{4, 0.0105, 0.02}}) {
     const Plane mean = mean_shadow(*device, camera, 1, frames);
     double squares = 0.0, worst = 0.0;
     int count = 0;
-    // Away from the sheet, whose edge ends the filter, and from the picture's sides.
+    // Excludes the sheet's edge, where the filter ends, and the picture's borders.
     for (int y = 16; y < kSide - 16; ++y)
       for (int x = kSide / 2 + 16; x < kSide - 16; ++x, ++count) {
         const double off = mean.at(x, y) - open_light(0.25 * ((x + 0.5) / (0.5 * kSide) - 1.0), kDiscDeg);
@@ -328,7 +330,7 @@ TEST(SoftShadows, AveragedFramesHaveOtherRays) {
 
 // --- ground --------------------------------------------------------------------------------------------------------
 
-/// An axis-aligned box that stands on height 0.
+/// Returns an axis-aligned box that stands on height 0.
 Scene box_scene(glm::vec3 size) {
   Scene scene;
   scene.name = "box";
@@ -351,7 +353,7 @@ TEST(GroundUnderModels, WhatStandsInTheOpenLacksOne) {
   for (const char* name : {"scene:terrain", "scene:solids", "scene:tank"})
     EXPECT_FALSE(lacks_ground(*make_builtin_scene(std::string(name) + "?detail=8000"))) << name;
   EXPECT_FALSE(lacks_ground(Scene{}));
-  // A house's floor lies below its roof: seen from outside, the house stands in the open.
+  // The floor of a house is below its roof: seen from outside, the house stands in the open.
   for (const char* name : {"scene:room", "scene:atrium"})
     EXPECT_TRUE(lacks_ground(*make_builtin_scene(std::string(name) + "?detail=8000"))) << name;
 }
@@ -411,7 +413,7 @@ TEST(Studio, ABoxHasAShadowAndTheRestIsBackground) {
     long shaded = 0, background = 0, brighter = 0;
     for (int y = 0; y < 128; ++y)
       for (int x = 0; x < 128; ++x) {
-        if (without.planes[1].at(x, y) != 0.93f) continue;  // the box
+        if (without.planes[1].at(x, y) != 0.93f) continue;  // not background, so the box
         const float g = with.planes[1].at(x, y);
         shaded += g < 0.88f;
         background += g == 0.93f;
@@ -423,7 +425,7 @@ TEST(Studio, ABoxHasAShadowAndTheRestIsBackground) {
   }
 }
 
-/// A plane of the picture that a request draws of a scene.
+/// Draws a scene as requested and returns one plane of the picture.
 Plane drawn(Scene scene, const Request& request, const std::string& plane) {
   const auto device = make_cpu_device();
   EXPECT_TRUE(device->prepare(scene));
@@ -434,7 +436,7 @@ Plane drawn(Scene scene, const Request& request, const std::string& plane) {
 }
 
 TEST(Frames, FramesAverageTheNoiseOfATechnique) {
-  // Against the mean of many: four frames of few samples are nearer than one.
+  // The mean of several pictures with few samples is closer to the ground truth than one of them.
   const Scene scene = *make_builtin_scene("scene:solids?detail=7000");
   for (const std::string technique : {"bitmask", "hemisphere", "reference"}) {
     const auto occlusion = [&](int frames, const std::string& setting) {
@@ -456,7 +458,7 @@ TEST(Frames, FramesAverageTheNoiseOfATechnique) {
         for (int x = 0; x < a.width; ++x) sum += std::pow(double(a.at(x, y)) - b.at(x, y), 2.0);
       return std::sqrt(sum / (double(a.width) * a.height));
     };
-    // The same jitter for both, so that edges do not count.
+    // The same jitter for both, so that edges do not contribute.
     const Plane truth = occlusion(16, many), sixteen = occlusion(16, few), one = occlusion(1, few);
     EXPECT_LT(error(sixteen, truth), 0.5 * error(one, truth)) << technique;
   }
@@ -488,7 +490,7 @@ TEST(Studio, WithoutABackgroundTheShadowIsInAlpha) {
 }
 
 TEST(Studio, ExposureIsThePictures) {
-  // The same model, darker by two stops: the picture is darker by much less.
+  // The same model with its albedo reduced by two stops: the picture is darker by much less.
   const auto brightness = [](float albedo) {
     Scene scene = box_scene(glm::vec3(1.0f));
     scene.materials[0].albedo = glm::vec3(albedo);

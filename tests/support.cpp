@@ -94,7 +94,7 @@ GBuffer empty_gbuffer(int width, int height) {
 
 GBuffer bumpy_gbuffer(int width, int height, unsigned seed) {
   GBuffer g = empty_gbuffer(width, height);
-  for (int c = 0; c < 3; ++c)  // brighter from above, and in places below 0
+  for (int c = 0; c < 3; ++c)  // brighter from above, and negative for some normals
     g.info.ambient_shape.by_color[std::size_t(c)] =
         glm::mat4(0.05f, 0.02f, 0.01f, 0.03f, 0.02f, -0.03f, 0.04f, 0.3f, 0.01f, 0.04f, -0.02f, -0.05f * float(c),
                   0.03f, 0.3f, -0.05f * float(c), 0.0f);

@@ -1,4 +1,4 @@
-// What several tests need: G-buffers made in code, comparisons.
+// Helpers of several tests: generated G-buffers, comparisons.
 #pragma once
 #include <glm/vec3.hpp>
 #include <string>
@@ -11,48 +11,49 @@
 
 namespace umbrage::test {
 
-/// A picture with a perspective camera of 40 degrees, `depth_min` 1 and `depth_max` 10, one light, and no planes yet.
+/// Returns a G-buffer without planes, with a perspective camera of 40 degrees, `depth_min` 1 and `depth_max` 10 and one
+/// light.
 GBuffer empty_gbuffer(int width, int height);
 
-/// A G-buffer with every plane of core/gbuffer.h: bumpy surfaces with steps, holes to the background, varied materials.
-/// The same for the same seed.
+/// Returns a G-buffer with every plane of core/gbuffer.h: bumpy surfaces with steps, holes to the background, varied
+/// materials. Deterministic for a seed.
 GBuffer bumpy_gbuffer(int width, int height, unsigned seed);
 
-/// The same with NaN, infinities, zeros, negative and huge numbers strewn over all planes.
+/// Returns a bumpy_gbuffer with NaN, infinities, zeros, negative and huge numbers spread over all planes.
 GBuffer hostile_gbuffer(int width, int height, unsigned seed);
 
 struct Difference {
   double max = 0.0, mean = 0.0;
-  double share_over = 0.0;  ///< share of pixels that differ by more than the bound
+  double share_over = 0.0;  ///< fraction of pixels that differ by more than the bound
 };
 
-/// Compares planes of one size; two NaN are equal.
+/// Compares planes of the same size; two NaN are equal.
 Difference difference(const Plane& a, const Plane& b, double bound);
 
-/// The largest finite value of a plane, or 1: light of many lights, strong factors and depths exceed 1, and bounds hold
-/// relative to it.
+/// Returns the max finite value of a plane, at least 1. Error bounds are relative to it, since light of many lights,
+/// large factors and depths exceed 1.
 double scale_of(const Plane& plane);
 
-/// The instruction sets that tests run on: the one in use at the start, and those that are less wide.
+/// Returns the instruction sets that tests run on: the one in use at the start, and all narrower ones.
 std::vector<std::string_view> isas();
-/// Those of them that have lanes: all but "scalar".
+/// Returns those of isas() that have lanes: all except "scalar".
 std::vector<std::string_view> lane_isas();
 
-/// The ray through a pixel's centre, in double and world space: its parameter is depth.
+/// The ray through a pixel's centre in world space, in double. Its parameter is depth.
 struct PixelRay {
   glm::dvec3 origin, direction;
   glm::dvec3 at(double depth) const { return origin + direction * depth; }
 };
 PixelRay ray_of(const PictureInfo& info, int x, int y);
 
-/// Makes depth and normals those of a plane that is tilted about the picture's x axis and fills it. Returns how many
-/// rows at the top lie above its horizon and show nothing.
+/// Fills depth and normals with a plane that is tilted about the picture's x axis. Returns the number of rows at the
+/// top that are above its horizon and empty.
 int tilt_about_x(GBuffer& g, double tilt_deg);
 
-/// What a closed mesh encloses.
+/// Returns the volume that a closed mesh encloses.
 double volume(const Mesh& mesh);
 
-/// A random 32-bit number from a counter.
+/// Returns a random 32-bit number for a counter.
 unsigned hash(unsigned v);
 
 }  // namespace umbrage::test

@@ -1,5 +1,5 @@
-// A plane seen at a grazing angle, whole or with a step, in either projection: whatever asks whether two pixels show
-// one surface is tested with it.
+// A plane at a grazing angle, with or without a step, in either projection: for tests of the code that decides whether
+// two pixels show the same surface.
 #pragma once
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -14,23 +14,23 @@
 namespace umbrage::test {
 
 struct TiltedPlane {
-  double angle_deg = 85.0;  // from its normal to the line of sight in the middle of the picture
+  double angle_deg = 85.0;  // from its normal to the line of sight in the centre of the picture
   bool orthographic = false;
   int width = 64, height = 64;
-  double scale = 1.0;        // of the scene
-  double step_px = 0.0;      // from the middle column on it lies so many sizes of a pixel before its own plane
-  double error_deg = 0.0;    // of normals, which waver about the plane's as interpolated ones do
-  double roll_rad = 0.5;     // of the tilt; 0: depth changes along columns alone
-  double depth_ratio = 0.4;  // by this share depth differs from the middle's at the upper and lower border
+  double scale = 1.0;        // scale of the scene
+  double step_px = 0.0;      // from the middle column on: offset towards the camera, in pixel sizes
+  double error_deg = 0.0;    // error of normals, which oscillate about the plane's as interpolated ones do
+  double roll_rad = 0.5;     // direction of the tilt; 0: depth changes only along columns
+  double depth_ratio = 0.4;  // relative difference of depth between the centre and the upper or lower border
 };
 
 inline constexpr double kGrazingAngles[] = {85.0, 87.0, 89.0};
 
-/// Depth and normals of it.
+/// Returns a G-buffer with its depth and normals.
 inline GBuffer seen(const TiltedPlane& plane) {
   GBuffer g = empty_gbuffer(plane.width, plane.height);
   const double angle = plane.angle_deg * std::numbers::pi / 180.0, depth = 5.0 * plane.scale;
-  // In the tilt's direction depth grows by the angle's tangent.
+  // In the direction of the tilt depth grows by the tangent of the angle.
   const double half = plane.depth_ratio / std::tan(angle) * (plane.orthographic ? depth : 1.0);
   const double pixel = 2.0 * half / plane.height;
   Camera& camera = g.info.camera;

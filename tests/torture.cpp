@@ -1,7 +1,6 @@
-// Runs the program on every file of some folders, as people would on what they found somewhere, and counts what became
-// of it: umbrage_torture FOLDER... Models go to umbrage itself; what it does not take for one is read as an image, in a
-// process of its own. A line for each file that crashed, took more than 10 s or more than 2 GB, a table by folder.
-// Ends with 1 where there was such a file.
+// Runs the program on every file of some folders and counts the results: umbrage_torture FOLDER... Model files are
+// passed to umbrage itself; all others are read as images in a child process. Prints a line for each file that crashed
+// or took more than 10 s or 2 GB, and a table by folder. The exit code is 1 if there was such a file.
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -26,7 +25,7 @@ constexpr double kMaxSeconds = 10.0, kMaxMegabytes = 2000.0;
 
 struct Counts {
   int tried = 0, refused = 0, read = 0, crashed = 0;
-  double seconds = 0.0, megabytes = 0.0;  ///< the most that one took
+  double seconds = 0.0, megabytes = 0.0;  ///< max of one file
 };
 
 bool is_model(const fs::path& file) {
@@ -37,7 +36,7 @@ bool is_model(const fs::path& file) {
   return std::find(formats.begin(), formats.end(), ending) != formats.end();
 }
 
-/// What the child does. The processor time ends it where it does not end by itself.
+/// Runs in the child. The limit of processor time ends it if it does not end by itself.
 [[noreturn]] void run(const fs::path& file, const fs::path& output) {
   const rlimit max{rlim_t(4 * kMaxSeconds), RLIM_INFINITY}, no_core{0, 0};
   ::setrlimit(RLIMIT_CPU, &max);

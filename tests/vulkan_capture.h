@@ -1,4 +1,4 @@
-// Captured planes of two devices, side by side.
+// Compares the captured planes of two devices.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -13,10 +13,10 @@
 
 namespace umbrage::test {
 
-/// Both ways in which a GPU captures scenes itself.
+/// The two ways in which a GPU captures scenes itself.
 inline constexpr VulkanCapture kGpuCaptures[] = {VulkanCapture::kRays, VulkanCapture::kRaster};
 
-/// A device that captures scenes itself, in one of these ways.
+/// Returns a device that captures scenes itself in this way, one of kGpuCaptures.
 inline Device* drawing_device(VulkanCapture how) {
   static Device* const devices[] = {new_vulkan_device({.capture = kGpuCaptures[0]}).release(),
                                     new_vulkan_device({.capture = kGpuCaptures[1]}).release()};
@@ -29,17 +29,17 @@ struct Both {
   Image gpu, cpu;
 };
 
-/// All planes that a device captures, the guard band included.
+/// Returns all planes that a device captures, including the guard band.
 inline Image captured(Device& device, const Scene& scene, const Camera& camera, const CaptureSettings& settings) {
   const auto ready = device.prepare(scene);
   EXPECT_TRUE(ready) << (ready ? "" : ready.error().message);
   auto frame = device.capture(camera, settings);
   EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
-  frame->info.guard = 0;  // all of it
+  frame->info.guard = 0;  // keep the guard band
   return *device.download_all(*frame);
 }
 
-/// Whether surfaces meet at a pixel of a layer: objects, depths or normals of neighbours are far apart.
+/// Returns whether surfaces meet at a pixel of a layer: objects, depths or normals of neighbours differ a lot.
 inline bool at_edge(const Image& image, int layer, int x, int y) {
   const Plane& depth = image.plane(layer_plane(layer, "depth"));
   const Plane& object = image.plane(layer_plane(layer, "object_id"));
@@ -57,14 +57,14 @@ inline bool at_edge(const Image& image, int layer, int x, int y) {
   return false;
 }
 
-/// Finds the surfaces at a point of a scene. Two may coincide, such as the top of a block and the underside of the one
-/// that stands on it: a ray meets either, and the width of Embree's kernels decides which.
+/// Finds the surfaces at a point of a scene. Two may coincide, such as the top of a block and the underside of a block
+/// on it: a ray hits either, and the width of Embree's kernels decides which.
 class SurfacesAt {
  public:
   SurfacesAt(const Scene& scene, const PictureInfo& info)
       : scene_(scene), world_{.scene = &scene}, rays_(camera_rays(world_, info)) {}
 
-  /// Whether a triangle of this object lies where the pixel's ray has this depth.
+  /// Returns whether a triangle of this object is at this depth on the pixel's ray.
   bool hold(float object, int x, int y, float depth) const {
     const float px = float(x) + 0.5f, py = float(y) + 0.5f, near = 1e-5f * depth;
     const glm::vec3 at = rays_.origin_at(px, py) + rays_.direction_at(px, py) * depth;
@@ -74,7 +74,7 @@ class SurfacesAt {
         const glm::vec3 a = mesh.positions[mesh.indices[k]];
         const glm::vec3 u = mesh.positions[mesh.indices[k + 1]] - a, v = mesh.positions[mesh.indices[k + 2]] - a;
         const glm::vec3 n = glm::cross(u, v);
-        const float squared = glm::dot(n, n);  // of twice the area
+        const float squared = glm::dot(n, n);  // square of twice the area
         if (!(squared > 0.0f) || std::fabs(glm::dot(at - a, n)) > near * std::sqrt(squared)) continue;
         const float s = glm::dot(glm::cross(at - a, v), n) / squared, t = glm::dot(glm::cross(u, at - a), n) / squared;
         const float beside = near / std::sqrt(std::sqrt(squared));
@@ -91,12 +91,12 @@ class SurfacesAt {
 };
 
 struct Deviation {
-  std::map<std::string, long> inside;  // by plane: pixels away from edges that differ
-  long anywhere = 0;                   // pixels whose surface differs
+  std::map<std::string, long> inside;  // by plane: differing pixels away from edges
+  long anywhere = 0;                   // pixels with a different surface
   long pixels = 0;
 };
 
-/// `surfaces` tells coincident ones apart from wrong ones, of layers that one camera sees.
+/// Counts differing pixels. `surfaces` distinguishes coincident surfaces from wrong ones, for layers of one camera.
 inline Deviation deviation(const Both& both, int layers, const SurfacesAt* surfaces = nullptr) {
   Deviation d;
   for (int layer = 0; layer < layers; ++layer) {
@@ -114,7 +114,7 @@ inline Deviation deviation(const Both& both, int layers, const SurfacesAt* surfa
                                         !(surfaces && there && surfaces->hold(object, x, y, depth)));
         if (at_edge(both.cpu, layer, x, y)) continue;
         d.inside["depth"] += depth_differs;
-        double squared = 0.0;  // of the normals' difference: its length is the angle
+        double squared = 0.0;  // squared difference of the normals; its root is the angle, rad
         for (const char* name : {"normal.x", "normal.y", "normal.z"})
           squared += std::pow(double(a(name).at(x, y)) - b(name).at(x, y), 2.0);
         d.inside["normal"] += !(std::sqrt(squared) <= 0.1 * 3.14159265 / 180.0);

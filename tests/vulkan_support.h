@@ -1,4 +1,4 @@
-// The Vulkan devices that tests run on, validation layers looking on.
+// The Vulkan devices that tests run on, with validation layers.
 #pragma once
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 
 namespace umbrage::test {
 
-/// What validation layers said so far, of all devices below.
+/// The messages of the validation layers so far, for all devices below.
 inline std::vector<std::string>& validation_messages() {
   static std::vector<std::string> all;
   return all;
@@ -27,7 +27,7 @@ inline ValidationMessage note_message() {
   };
 }
 
-/// A new device, with validation; null, and a failure where CI is set, if there is none.
+/// Returns a new device with validation. Returns null if there is none, which is a failure if CI is set.
 inline std::unique_ptr<Device> new_vulkan_device(VulkanSettings settings = {}) {
   settings.on_message = note_message();
   auto device = make_vulkan_device(settings, make_cpu_device());
@@ -36,14 +36,14 @@ inline std::unique_ptr<Device> new_vulkan_device(VulkanSettings settings = {}) {
   return nullptr;
 }
 
-/// One device for all tests that only use it; null where there is none. It is never ended: the driver's own statics may
-/// be gone by then.
+/// Returns one device for all tests that only use it; null if there is none. It is never destroyed, since the driver's
+/// own statics may be destroyed before it.
 inline Device* vulkan_device() {
   static Device* const device = new_vulkan_device().release();
   return device;
 }
 
-/// Fails for each message since it was made.
+/// Fails for each validation message during its lifetime.
 struct NoMessages {
   std::size_t before = validation_messages().size();
   ~NoMessages() {
@@ -53,6 +53,6 @@ struct NoMessages {
 
 }  // namespace umbrage::test
 
-/// Ends a test where there is no Vulkan device; where CI is set that is a failure.
+/// Skips a test if there is no Vulkan device; with CI set new_vulkan_device has failed then.
 #define UMBRAGE_NEEDS_VULKAN(device) \
   if (!(device)) GTEST_SKIP() << "no Vulkan device here"

@@ -1,4 +1,4 @@
-// A picture to try occlusion techniques on, and what their listings ask of it.
+// G-buffers for tests of occlusion techniques, and the comparison with a technique's formula.
 #pragma once
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 
 namespace umbrage::test {
 
-/// Waves with a raised block, a hole, and normals that roughly belong to them.
+/// Returns a G-buffer of waves with a raised block, a hole, and normals that match them approximately.
 inline GBuffer waves(int width, int height, bool orthographic) {
   GBuffer g = test::empty_gbuffer(width, height);
   if (orthographic)
@@ -33,7 +33,7 @@ inline GBuffer waves(int width, int height, bool orthographic) {
   return g;
 }
 
-/// Of a pixel's surface, in view space, in double.
+/// Returns the position of a pixel's surface in view space, in double.
 inline glm::dvec3 position(const GBuffer& g, int x, int y) {
   const Camera& c = g.info.camera;
   const double depth = g.layers[0].planes[0].at(x, y), spread = c.projection == Projection::kOrthographic ? 1.0 : depth;
@@ -41,18 +41,19 @@ inline glm::dvec3 position(const GBuffer& g, int x, int y) {
           (c.top - (double(c.top) - c.bottom) * (y + 0.5) / g.info.height) * spread, -depth};
 }
 
-/// Its unit normal.
+/// Returns its unit normal.
 inline glm::dvec3 normal(const GBuffer& g, int x, int y) {
   const auto& planes = g.layers[0].planes;
   return glm::normalize(glm::dvec3(planes[1].at(x, y), planes[2].at(x, y), planes[3].at(x, y)));
 }
 
-/// The pixel in which a place of the picture lies, at most at the border.
+/// Returns the pixel that contains a position of the picture, clamped to the border.
 inline glm::ivec2 pixel_at(const GBuffer& g, double x, double y) {
   return {std::clamp(int(std::floor(x)), 0, g.info.width - 1), std::clamp(int(std::floor(y)), 0, g.info.height - 1)};
 }
 
-/// A plane that is tilted about the picture's y axis by an angle in radians and fills it, 5 away at its middle.
+/// Returns a G-buffer filled by a plane that is tilted about the picture's y axis by `tilt` radians, at a depth of 5 in
+/// the centre.
 inline GBuffer tilted_plane(int width, int height, double tilt) {
   GBuffer g = test::empty_gbuffer(width, height);
   for (const char* name : {"depth", "normal.x", "normal.y", "normal.z"}) g.layers[0].add(name);
@@ -68,8 +69,8 @@ inline GBuffer tilted_plane(int width, int height, double tilt) {
   return g;
 }
 
-/// That `ao` is what a listing says of each pixel (`truth`), but for samples on the border of a pixel, and that more
-/// than so many pixels are below `dark`.
+/// Expects `ao` to equal the formula of a technique (`truth`) at each pixel, except for samples on the border of a
+/// pixel, and more than `dark_pixels` pixels to be below `dark`.
 template <class Truth>
 void expect_as_listed(const GBuffer& g, const Plane& ao, double dark, long dark_pixels, const Truth& truth) {
   long off = 0, count = 0, compared = 0;

@@ -9,7 +9,7 @@
 namespace umbrage::fuzz {
 namespace {
 
-/// The strides that an image has, with those in place of which it says 0.
+/// Returns the image with strides of 0 replaced by the packed ones.
 UmbImage with_strides(UmbImage image) {
   const auto size = std::ptrdiff_t(bytes_of(image.type));
   if (image.channel_stride == 0) image.channel_stride = size;
@@ -28,7 +28,7 @@ void for_numbers(const UmbImage& packed, const Take& take) {
              c * image.channel_stride);
 }
 
-/// A block that holds the image from its first byte to its last, and the image's place in it.
+/// Returns the image in a new block from its first byte to its last.
 Pixels placed(UmbImage image, std::size_t skewed) {
   const UmbImage full = with_strides(image);
   std::ptrdiff_t first = 0, last = 0;
@@ -59,7 +59,7 @@ float any_float(Choices& choose) {
   return choose.one_in(4) ? choose.one_of(kOdd) : float(choose.below(200)) / 100.0f;
 }
 
-/// Values from a short list, so that an image does not use up all bytes.
+/// Fills the image with values from a short list, so that it does not use up all bytes of `choose`.
 void fill_with_values(Choices& choose, const Pixels& pixels) {
   constexpr int kValues = 16;
   std::byte values[kValues][4];
@@ -121,13 +121,13 @@ Pixels sound_image(Choices& choose, int type, int width, int height, int channel
       image.channel_stride = size * width * height;
       image.pixel_stride = size;
       break;
-    case 1:  // from the bottom up
+    case 1:  // bottom row first
       image.row_stride = -pixel * width;
       break;
     case 2:  // from right to left
       image.pixel_stride = -pixel;
       break;
-    case 3:  // all of it turned
+    case 3:  // reversed in all directions
       image.channel_stride = -size;
       image.pixel_stride = -pixel;
       image.row_stride = -pixel * width;
@@ -138,7 +138,7 @@ Pixels sound_image(Choices& choose, int type, int width, int height, int channel
     case 5:  // gaps between rows
       image.row_stride = pixel * width + gap;
       break;
-    case 6:  // columns
+    case 6:  // column by column
       image.row_stride = pixel;
       image.pixel_stride = pixel * height;
       break;

@@ -1,4 +1,4 @@
-// What calls.cpp hands over: choices made by bytes, and images in blocks of memory that end where they end.
+// Arguments of random calls: choices made from bytes, and images in heap blocks of exactly their size.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -12,15 +12,15 @@
 
 namespace umbrage::fuzz {
 
-/// Prints the sentence and aborts unless it holds.
+/// Prints `sentence` and aborts unless `holds`.
 void demand(bool holds, const std::string& sentence);
 
-/// Choices that bytes make. Once they are used up all are the first one.
+/// Makes choices from bytes. After the last byte, every choice is the first option.
 class Choices {
  public:
   explicit Choices(std::string_view bytes) : bytes_(bytes) {}
   bool used_up() const { return at_ >= bytes_.size(); }
-  /// Below `end`, which is above 0.
+  /// Returns a number below `end`, which is above 0.
   unsigned below(unsigned end);
   bool one_in(unsigned count) { return below(count) == count - 1; }
   template <class T>
@@ -35,10 +35,10 @@ class Choices {
   std::size_t at_ = 0;
 };
 
-/// Bytes of the heap, which begin at any address.
+/// Heap memory that can start at any address.
 class Block {
  public:
-  /// `skewed`: so many bytes are left free before the first one.
+  /// `skewed`: unused bytes before the first one.
   explicit Block(std::size_t size, std::size_t skewed = 0);
   std::byte* data() { return bytes_.get() + skewed_; }
   std::size_t size() const { return size_; }
@@ -51,32 +51,32 @@ class Block {
 };
 using BlockPtr = std::shared_ptr<Block>;
 
-/// An image and where its pixels are; without a block it has none.
+/// An image and the block with its pixels; null if it has none.
 struct Pixels {
   UmbImage image{};
   BlockPtr block;
 };
-/// By the name under which they were handed over.
+/// Images by the name under which they were passed.
 using NamedPixels = std::map<std::string, Pixels>;
 
 std::size_t bytes_of(int type);
 
-/// An image of that size that is sound: of any layout that the header allows, with values of all kinds.
+/// Returns a valid image of this size: any layout that the header allows, with values of all kinds.
 Pixels sound_image(Choices& choose, int type, int width, int height, int channels);
-/// A plane of floats that are distances, most of them.
+/// Returns a plane of floats, most of which are valid distances.
 Pixels depth_image(Choices& choose, int width, int height);
 
-/// Fills the block with bytes that no picture is made of: floats and ids of them are none.
+/// Fills the block with bytes that no picture contains: floats and ids made of them are invalid.
 void put_canaries(Pixels& pixels, std::byte with);
 inline constexpr std::byte kCanary{0xfe}, kOtherCanary{0xfd};
 
-/// Numbers of the image of which all bytes are that one.
+/// Returns the indices of the values of the image with all bytes equal to `canary`.
 std::vector<std::size_t> numbers_of(const Pixels& pixels, std::byte canary);
-/// Whether those bytes of a block that belong to none of the images are all that one.
+/// Returns whether all bytes of a block that belong to no image equal `canary`.
 bool is_whole_beside(const NamedPixels& images, const BlockPtr& block, std::byte canary);
-/// Whether all of the block's bytes are that one.
+/// Returns whether all bytes of the block equal `canary`.
 bool is_untouched(Block& block, std::byte canary);
-/// A number that changes with each byte.
+/// Returns a hash of all bytes.
 std::uint64_t hash_of(Block& block);
 
 }  // namespace umbrage::fuzz

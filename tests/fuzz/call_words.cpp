@@ -33,7 +33,7 @@ std::string number_text(double number) {
   return text;
 }
 
-/// Numbers above this make pictures that take seconds.
+/// Larger numbers give pictures that take seconds.
 constexpr double kMuch = 24.0;
 
 }  // namespace
@@ -44,11 +44,11 @@ const Words& words() {
     made->effects = listed(UMB_LIST_EFFECTS);
     made->looks = listed(UMB_LIST_LOOKS);
     for (const std::string& scene : listed(UMB_LIST_SCENES)) made->scenes.push_back(scene + "?detail=1000");
-    if (made->scenes.empty()) made->scenes.push_back("scene:none");  // a build without them
+    if (made->scenes.empty()) made->scenes.push_back("scene:none");  // a build without built-in scenes
     add_parameters("render", made->parameters);
     add_parameters("shade", made->parameters);
     for (const std::string& effect : made->effects) add_parameters(effect, made->parameters);
-    // Nothing reads a file that is none of these calls', nor stdin.
+    // Calls read neither files from elsewhere nor stdin.
     std::erase_if(made->parameters, [](const ListedParameter& p) { return p.name == "hdri_file"; });
     made->passes = {"depth",
                     "normal",

@@ -1,4 +1,4 @@
-// Names and values that calls hand over: all that the library lists, and what it cannot know.
+// Names and values that calls pass: all that the library lists, and unknown ones.
 #pragma once
 #include <string>
 #include <vector>
@@ -15,13 +15,13 @@ struct ListedParameter {
 };
 
 struct Words {
-  std::vector<ListedParameter> parameters;  ///< of jobs
+  std::vector<ListedParameter> parameters;  ///< parameters of jobs
   std::vector<std::string> effects, looks, scenes, passes;
-  std::vector<std::string> odd;  ///< not UTF-8, very long, of formats
+  std::vector<std::string> odd;  ///< not UTF-8, very long, format strings
 };
 const Words& words();
 
-/// Text of which none is kept: null now and then.
+/// A temporary string, sometimes null.
 class Text {
  public:
   Text() = default;
@@ -35,9 +35,9 @@ class Text {
 };
 
 Text any_odd(Choices& choose);
-/// A pass, most of the time.
+/// Returns the name of a pass, most of the time.
 Text any_pass(Choices& choose);
-/// A parameter's value as text, most of the time in its range; of numbers that make work, small ones.
+/// Returns a parameter's value as text, most of the time in its range; numbers are small, since large ones take long.
 std::string value_of(Choices& choose, const ListedParameter& parameter);
 float any_number(Choices& choose);
 

@@ -53,7 +53,7 @@ UmbError Caller::done(UmbError code, Kind kind, const void* handle, const char* 
   if (code == UMB_ERROR_NONE) return code;
   ++counts.failed;
   if (code == UMB_ERROR_CANCELLED) ++counts.cancelled;
-  if (is_shared(handle)) return code;  // another thread may ask before, and end the sentence
+  if (is_shared(handle)) return code;  // another thread may query the error first, and invalidate the message
   const char* message = nullptr;
   UmbError kept = UMB_ERROR_NONE;
   const auto raw = const_cast<void*>(handle);
@@ -61,11 +61,11 @@ UmbError Caller::done(UmbError code, Kind kind, const void* handle, const char* 
   if (kind == Kind::kDevice) kept = umbGetDeviceError(static_cast<UmbDevice>(raw), &message);
   if (kind == Kind::kScene) kept = umbGetSceneError(static_cast<UmbScene>(raw), &message);
   if (kind == Kind::kJob) kept = umbGetJobError(static_cast<UmbJob>(raw), &message);
-  if (kept == UMB_ERROR_NONE) kept = umbGetError(&message);  // the object is at work
+  if (kept == UMB_ERROR_NONE) kept = umbGetError(&message);  // the object is busy
   const std::string said = std::string(call) + " returned " + std::to_string(int(code));
   demand(code == UMB_ERROR_USAGE || code == UMB_ERROR_FILE || code == UMB_ERROR_DEVICE || code == UMB_ERROR_CANCELLED,
          said + ": " + (message ? message : ""));
-  if (called_back_) return code;  // and may have asked
+  if (called_back_) return code;  // and may have queried the error
   demand(kept != UMB_ERROR_NONE && message && *message, said + " and keeps no error");
   const bool tells_code = kind != Kind::kNone && std::string_view(call) != "umbAddMesh";
   demand(kept == code || !tells_code, said + " and keeps the error " + std::to_string(int(kept)));
@@ -171,7 +171,7 @@ void Caller::new_job(bool renders) {
 void Caller::retain_or_release() {
   const bool retains = choose_.below(3) != 0;
   trace(retains ? "umbRetain" : "umbRelease");
-  if (choose_.one_in(5)) {  // nobody's references
+  if (choose_.one_in(5)) {  // references that these calls do not hold
     if (retains) {
       umbRetainJob(nullptr);
       umbRetainScene(reinterpret_cast<UmbScene>(any_job()));
@@ -231,7 +231,8 @@ void Caller::ask_objects() {
   const UmbError code = umbGetSceneBounds(scene, choose_.one_in(9) ? nullptr : box, box + 3);
   if (done(code, Kind::kScene, scene, "umbGetSceneBounds") == UMB_ERROR_NONE)
     for (int k = 0; k < 3; ++k)
-      demand(std::isfinite(box[k]) && std::isfinite(box[3 + k]) && box[k] <= box[3 + k], "a box that is none");
+      demand(std::isfinite(box[k]) && std::isfinite(box[3 + k]) && box[k] <= box[3 + k],
+             "a box that is not finite or has its min above its max");
 }
 
 }  // namespace umbrage::fuzz

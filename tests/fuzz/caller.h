@@ -1,4 +1,4 @@
-// Who makes calls of the C interface: its objects, and what it expects of them. See calls.h.
+// Makes calls of the C interface: its objects, and the checks of their results. See calls.h.
 #pragma once
 #include <chrono>
 #include <cstdlib>
@@ -16,13 +16,13 @@ namespace umbrage::fuzz {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kDeepest = 2;                            // of calls within callbacks
-constexpr std::chrono::milliseconds kLongEnough(700);  // then a progress callback ends the work
-constexpr std::chrono::seconds kTooLong(20);           // after that: even of sanitizers
+constexpr int kDeepest = 2;                            // max nesting of calls within callbacks
+constexpr std::chrono::milliseconds kLongEnough(700);  // after this a progress callback ends the work
+constexpr std::chrono::seconds kTooLong(20);           // max time of a call, even with sanitizers
 
 enum class Kind { kNone, kDevice, kScene, kJob };
 
-/// A handle, and how many references to it these calls have.
+/// A handle, and the number of references that these calls hold.
 template <class Handle>
 struct Ref {
   Handle handle = nullptr;
@@ -37,7 +37,7 @@ struct SceneState {
 struct JobState {
   Ref<UmbJob> ref;
   bool renders = false;
-  int width = 24, height = 24;  // of a G-buffer
+  int width = 24, height = 24;  // size of the G-buffer or picture, pixels
   NamedPixels inputs, outputs;
   long executions = 0;
 };
@@ -50,7 +50,7 @@ struct Shared {
 };
 
 class Caller;
-/// Whose calls this thread makes: callbacks of shared objects come to whoever called.
+/// The caller of this thread: callbacks of shared objects run in the calling thread.
 inline thread_local Caller* current = nullptr;
 
 class Caller {
@@ -112,9 +112,9 @@ class Caller {
   void set_image();
   void set_output();
   void execute(JobState& job);
-  /// Aborts unless a successful execution has written all pixels of these, and nothing beside.
+  /// Aborts unless a successful execution has written all pixels of these outputs, and nothing outside.
   void check_written(UmbJob handle, NamedPixels& outputs);
-  /// Reads all of what the library returns.
+  /// Reads all outputs that the library returns.
   void look_at_outputs(UmbJob handle);
   void ask_job();
   void write_files();
@@ -127,28 +127,28 @@ class Caller {
     else
       return state.references;
   }
-  /// Takes from a job what keeps it from being executed.
+  /// Removes the settings that prevent the execution of a job.
   void set_right(JobState& job);
   bool is_shared(const void* handle) const;
-  /// Takes note of a call's code, and asks for the sentence.
+  /// Counts the code of a call, and checks its error message. Returns `code`.
   UmbError done(UmbError code, Kind kind, const void* handle, const char* call);
   void trace(const char* call, const std::string& with = "") {
     ++counts.calls;
     if (traces_) std::fprintf(stderr, "%*s%s %s\n", 2 * depth_, "", call, with.c_str());
   }
 
-  /// Any handle: live, released, null, or of another kind.
+  /// Returns any handle: live, released, null, or of another kind.
   UmbDevice any_device() { return handle_of(one(devices_)); }
   UmbScene any_scene() { return handle_of(one(scenes_).ref); }
   UmbJob any_job() { return handle_of(one(jobs_).ref); }
   template <class State>
   State& one(std::deque<State>& all) {
     State* state = &all[choose_.below(unsigned(all.size()))];
-    // Released ones now and then.
+    // Rarely a released one.
     for (int k = 0; k < 4 && references_of(*state) == 0; ++k) state = &all[choose_.below(unsigned(all.size()))];
     return *state;
   }
-  /// The handle, or one that is null, of another kind, or no handle.
+  /// Returns the handle, or rarely a null handle, one of another kind, or a pointer that is not a handle.
   template <class Handle>
   Handle handle_of(const Ref<Handle>& ref) {
     if (!choose_.one_in(24)) return ref.handle;
@@ -173,9 +173,9 @@ class Caller {
   std::deque<Ref<UmbDevice>> devices_;
   std::deque<SceneState> scenes_;
   std::deque<JobState> jobs_;
-  std::vector<NamedPixels> buried_;  // of jobs that were released within their own callback
+  std::vector<NamedPixels> buried_;  // images of released jobs, which may still be in use
   int depth_ = 0;
-  bool called_back_ = false;  // a callback has made calls within the one that is made
+  bool called_back_ = false;  // a callback has made calls within the current call
   double reported_ = 0.0;
   bool ended_ = false;  // a progress callback has returned false
   Clock::time_point began_;

@@ -1,4 +1,4 @@
-// Calls on jobs, and what has to hold of their outputs.
+// Calls on jobs, and checks of their outputs.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -58,7 +58,7 @@ void Caller::set_parameter() {
 
 namespace {
 
-/// Makes an image one that cannot be.
+/// Makes an image invalid.
 void spoil(Choices& choose, int odd, UmbImage& image) {
   switch (choose.below(7)) {
     case 0:
@@ -116,7 +116,7 @@ void Caller::set_image() {
   if (choose_.one_in(20)) image.data = nullptr;
   trace("umbSetJobImage", name.shown() + " " + std::to_string(width) + " x " + std::to_string(height));
   if (done(umbSetJobImage(handle, name.get(), &image), Kind::kJob, handle, "umbSetJobImage") != UMB_ERROR_NONE) return;
-  demand(handle == job.ref.handle && job.ref.references > 0, "an image was given to a job that is none");
+  demand(handle == job.ref.handle && job.ref.references > 0, "an image was set on an invalid job");
   buried_.push_back({{key, job.inputs[key]}});
   job.inputs[key] = pixels;
 }
@@ -138,7 +138,7 @@ void Caller::set_output() {
     pixels = sound_image(choose_, type, width, job.height, channels);
     const Pixels* other = job.outputs.empty() ? nullptr : &job.outputs.begin()->second;
     if (choose_.one_in(8) && other && other->block && other->block->size() >= pixels.block->size()) {
-      // Memory of another output's, or of one's input.
+      // The memory of another output.
       const std::ptrdiff_t first = static_cast<std::byte*>(pixels.image.data) - pixels.block->data();
       pixels.block = other->block;
       pixels.image.data = pixels.block->data() + first;
@@ -151,7 +151,7 @@ void Caller::set_output() {
   if (done(umbSetJobOutput(handle, name.get(), way == 0 ? nullptr : &image), Kind::kJob, handle, "umbSetJobOutput") !=
       UMB_ERROR_NONE)
     return;
-  demand(handle == job.ref.handle && job.ref.references > 0, "an output was given to a job that is none");
+  demand(handle == job.ref.handle && job.ref.references > 0, "an output was set on an invalid job");
   if (job.outputs.contains(key)) buried_.push_back({{key, job.outputs[key]}});
   job.outputs.erase(key);
   if (way != 0) job.outputs[key] = pixels;
@@ -192,7 +192,7 @@ void Caller::execute(JobState& job) {
   done(code, Kind::kJob, handle, "umbExecuteJob");
   std::size_t number = 0;
   for (const auto& [name, pixels] : inputs) demand(hash_of(*pixels.block) == before[number++], "an input was written");
-  if (job.executions != executions) return;  // from within the error callback
+  if (job.executions != executions) return;  // the error callback has executed the job
   if (code == UMB_ERROR_USAGE && depth_ == 0 && choose_.below(2)) set_right(job);
   if (prepares || code != UMB_ERROR_NONE) {
     for (const auto& [name, pixels] : outputs)
@@ -207,7 +207,7 @@ void Caller::execute(JobState& job) {
 }
 
 void Caller::check_written(UmbJob handle, NamedPixels& outputs) {
-  std::map<std::string, std::vector<std::size_t>> doubtful;  // numbers that may be right, or not written
+  std::map<std::string, std::vector<std::size_t>> doubtful;  // indices of values that may be right, or not written
   for (auto& [name, pixels] : outputs) {
     if (!pixels.block) continue;
     demand(is_whole_beside(outputs, pixels.block, kCanary), "an execution has written beside the pixels of " + name);
@@ -236,7 +236,7 @@ void Caller::look_at_outputs(UmbJob handle) {
   for (const char* name = nullptr; (name = umbGetJobOutputName(handle, count)); ++count) {
     UmbImage image{};
     if (done(umbGetJobOutput(handle, name, &image), Kind::kJob, handle, "umbGetJobOutput") != UMB_ERROR_NONE) return;
-    demand(image.data && image.width > 0 && image.height > 0 && image.channels > 0, "an output that is no image");
+    demand(image.data && image.width > 0 && image.height > 0 && image.channels > 0, "an output that is not an image");
     for (int y = 0; y < image.height; ++y)
       for (int x = 0; x < image.width; ++x)
         for (int c = 0; c < image.channels; ++c)
@@ -249,9 +249,10 @@ void Caller::look_at_outputs(UmbJob handle) {
     UmbStroke stroke{};
     if (done(umbGetJobStroke(handle, k, &stroke), Kind::kJob, handle, "umbGetJobStroke") != UMB_ERROR_NONE) return;
     for (std::size_t p = 0; p < stroke.point_count; ++p)
-      demand(std::isfinite(stroke.points[p].x + stroke.points[p].y + stroke.points[p].width), "a stroke's point");
+      demand(std::isfinite(stroke.points[p].x + stroke.points[p].y + stroke.points[p].width),
+             "a stroke's point that is not finite");
   }
-  demand(sum != ~std::uint64_t(0), "a sum that cannot be");  // so that all bytes are read
+  demand(sum != ~std::uint64_t(0), "an impossible sum");  // uses the sum, so that all bytes are read
 }
 
 void Caller::ask_job() {
@@ -272,7 +273,7 @@ void Caller::ask_job() {
        "umbGetJobStrokeColor");
   for (const char* counter : {"hierarchies_built", "captures_made", "planes_copied"})
     demand(umbGetJobCounter(handle, counter) >= (job.ref.references > 0 && handle == job.ref.handle ? 0 : -1), counter);
-  demand(umbGetJobCounter(handle, choose_.below(2) ? nullptr : "x") == -1, "a counter that there is not");
+  demand(umbGetJobCounter(handle, choose_.below(2) ? nullptr : "x") == -1, "a counter that does not exist");
 }
 
 void Caller::write_files() {
@@ -316,7 +317,7 @@ void Caller::ask_lists() {
   const int list = 1 + int(choose_.below(6));
   trace("umbGetListEntry", std::to_string(list));
   const char *name = nullptr, *summary = nullptr;
-  if (list != UMB_LIST_DEVICES) {  // which loads drivers
+  if (list != UMB_LIST_DEVICES) {  // the list of devices loads drivers
     if (umbGetListEntry(UmbList(list), any_int(), choose_.one_in(4) ? nullptr : &name, &summary) == UMB_ERROR_NONE)
       demand(summary && *summary, "an entry without a summary");
   }
@@ -325,7 +326,7 @@ void Caller::ask_lists() {
   parameter.size = std::size_t(choose_.one_in(4) ? choose_.below(sizeof parameter) : int(sizeof parameter));
   const Text owner = choose_.below(2) ? any_odd(choose_) : Text(choose_.one_of(words().effects));
   umbGetParameter(owner.get(), any_int(), choose_.one_in(4) ? nullptr : &parameter);
-  demand(umbGetPassChannels(owner.get()) >= 0, "a pass of less than no channels");
+  demand(umbGetPassChannels(owner.get()) >= 0, "a pass with a negative number of channels");
   umbGetError(choose_.below(2) ? nullptr : &name);
 }
 

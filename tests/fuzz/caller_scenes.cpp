@@ -83,7 +83,7 @@ void Caller::change_scene() {
 void Caller::set_mesh_buffer() {
   static const std::vector<std::string> kNames = {"position", "index", "position", "index", "normal",
                                                   "color",    "uv",    "radius",   "none"};
-  constexpr std::size_t kMax = 100;  // elements: meshes may have more
+  constexpr std::size_t kMax = 100;  // elements; meshes may have more
   SceneState& state = one(scenes_);
   const UmbScene scene = handle_of(state.ref);
   std::string name = choose_.one_of(kNames);

@@ -7,7 +7,7 @@
 namespace umbrage::fuzz {
 namespace {
 
-/// Other bytes for each thread.
+/// Returns other bytes for each thread.
 std::string mixed(std::string_view bytes, unsigned number) {
   std::string all(bytes);
   unsigned state = number + 1;

@@ -1,23 +1,23 @@
-// Calls of the C interface in any order, with any arguments, chosen by bytes: for fuzzers and for a short test.
+// Calls of the C interface in any order with any arguments, chosen by bytes, for fuzzers and for a short test.
 #pragma once
 #include <string_view>
 
 namespace umbrage::fuzz {
 
-/// What was done.
+/// The number of calls, by result.
 struct CallCounts {
   long calls = 0, failed = 0, executed = 0, cancelled = 0;
   CallCounts& operator+=(const CallCounts& other);
 };
 
-/// Makes calls on objects of its own until the bytes are used up. Images and buffers are blocks of the heap, no larger
-/// than the header asks for. Aborts, with a sentence, where a promise of umbrage.h is broken: an error without a code
-/// or sentence, an internal error, a pixel that was not written, a byte beside the pixels, or of an input, that was, an
-/// output that a failing execution touched, a progress that falls, a cancelled call that goes on.
+/// Makes calls on its own objects until the bytes are used up. Images and buffers are heap blocks of exactly the size
+/// that the header requires. Aborts with a message if a guarantee of umbrage.h is violated: an error without code or
+/// message, an internal error, a pixel that was not written, a write outside the pixels or to an input, an output
+/// changed by a failing execution, decreasing progress, or a cancelled call that continues.
 CallCounts make_calls(std::string_view bytes);
 
-/// The same in several threads at once, which share a device and objects of it. Each thread's bytes are mixed from
-/// these.
+/// Makes calls in several threads at once, which share a device and objects of it. Each thread derives its own bytes
+/// from `bytes`.
 CallCounts make_calls_in_threads(std::string_view bytes, int threads);
 
 }  // namespace umbrage::fuzz

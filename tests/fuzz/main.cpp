@@ -1,5 +1,5 @@
-// libFuzzer's way in. The program is one of many, each named after its reader: umbrage_fuzz_ply. With --seeds FOLDER it
-// writes the seeds there instead.
+// Entry points of libFuzzer. There is one program per reader, named after it, such as umbrage_fuzz_ply. With
+// --seeds FOLDER it writes the seeds to that folder instead.
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// Calls of the C interface by random numbers: umbrage_random_calls [SECONDS [SEED [THREADS]]], else 60, 1 and 1. Each
+// Makes random calls of the C interface: umbrage_random_calls [SECONDS [SEED [THREADS]]], default 60, 1 and 1. Each
 // seed is one sequence; UMBRAGE_TRACE_CALLS in the environment prints its calls.
 #include <chrono>
 #include <cstdio>

@@ -53,7 +53,7 @@ void check(const Scene& scene) {
   for (const std::string& warning : scene.warnings) expect(warning.find('\n') == std::string::npos, warning);
 }
 
-/// A file in memory with a path to open it by.
+/// A file in memory that can be opened by its path.
 struct MemoryFile {
   int descriptor = ::memfd_create("fuzz", 0);
   fs::path path = fmt::format("/proc/self/fd/{}", descriptor);
@@ -80,7 +80,7 @@ void read_as_off(std::string_view bytes) { check_model(read_off(MemoryFile(bytes
 
 void read_as_xyz(std::string_view bytes) { check_model(read_xyz(MemoryFile(bytes).path)); }
 
-/// By what the file's ending says, through Assimp.
+/// Reads through Assimp, by the file's extension.
 template <const char* const& kEnding>
 void import_as(std::string_view bytes) {
   static const fs::path folder = [] {
@@ -135,7 +135,7 @@ void read_as_radiance(std::string_view bytes) {
   for (const float value : panorama->rgb) expect(value >= 0.0f && value <= kMaxRadiance, "a radiance");
 }
 
-/// The first byte chooses a row of a table with every type of parameter, the others are the value.
+/// Sets a parameter. The first byte selects a row of a table with every type of parameter, the others are the value.
 void read_as_setting(std::string_view bytes) {
   struct Params {
     float real;
@@ -158,7 +158,7 @@ void read_as_setting(std::string_view bytes) {
     expect(set.error().kind == ErrorKind::kUsage && !set.error().message.empty(), "the kind of an error");
     return expect(params == before, "a wrong value changed something");
   }
-  // What it says of the value is a value, and says the same once more.
+  // The text of the value is a valid value with the same text.
   const std::string said = parameter_text(row, params);
   const auto again = set_parameter("effect", row, said, params);
   expect(bool(again), said);
@@ -166,7 +166,7 @@ void read_as_setting(std::string_view bytes) {
 }
 
 void read_as_scene_name(std::string_view bytes) {
-  // Sound names make scenes, which takes time and is tested elsewhere.
+  // Valid names make scenes, which takes time and is tested elsewhere.
   constexpr std::string_view kDetail = "?detail=";
   for (const BuiltinScene& scene : builtin_scenes()) {
     const std::string name = "scene:" + std::string(scene.name);

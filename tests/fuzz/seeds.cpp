@@ -47,7 +47,7 @@ std::string base64(std::string_view bytes) {
   return out;
 }
 
-/// What write_image makes of an image.
+/// Returns the bytes of the file that write_image writes for an image.
 std::string image_bytes(const std::string& ending, const Image& image, const WriteSettings& settings = {}) {
   std::string folder = (fs::temp_directory_path() / "umbrage-seed-XXXXXX").string();
   if (!::mkdtemp(folder.data())) return {};
@@ -76,7 +76,7 @@ std::string two_texels_tga() {
   return file;
 }
 
-/// Positions and texture coordinates of one triangle, its indices, then the JSON of what refers to them.
+/// Returns the positions, texture coordinates and indices of one triangle. triangle_json() refers to them.
 const std::string& triangle_buffer() {
   static const std::string buffer = bytes_of(0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f) +
                                     bytes_of(0.f, 0.f, 1.f, 0.f, 0.f, 1.f) +
@@ -254,7 +254,7 @@ Seeds radiance_seeds() {
   const std::string head = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=2.0\n\n";
   std::string rows;
   for (int row = 0; row < 4; ++row) {
-    rows += "\x02\x02\0\x08"s;  // eight pixels, each colour by itself: a run, then four that follow
+    rows += "\x02\x02\0\x08"s;  // eight pixels, channel by channel: a run of four, then four literal values
     for (int color = 0; color < 4; ++color) rows += "\x84\x80\x04\x10\x20\x30\x81"s;
   }
   return {head + "-Y 4 +X 8\n" + rows, head + "-Y 1 +X 2\n" + "\x80\x40\x20\x81\x10\x20\x30\x84"s};

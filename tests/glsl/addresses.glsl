@@ -1,4 +1,4 @@
-// Planes by their addresses, as kernel/glsl.h reaches them.
+// Planes read by their addresses, as in kernel/glsl.h.
 layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly buffer InPlane { float at[]; };
 
 float depth_at(ivec2 p) { return InPlane(planes[0]).at[p.y * F.stride + p.x]; }

@@ -1,6 +1,6 @@
-// `bitmask` as somebody would write it by hand for its default settings: one layer, perspective, occluders of assumed
-// thickness, bits of equal cosine weight, noise of a tile of 4 x 4 pixels.
-// h of the cosine, as an odd polynomial.
+// `bitmask`, written by hand for its default settings: one layer, perspective, occluders of assumed thickness, bits of
+// equal cosine weight, noise of a tile of 4 x 4 pixels.
+// h of the cosine (effects/bitmask/README.md), as an odd polynomial.
 float arc(float c) {
   float c2 = c * c;
   return c * (2.0109842 + c2 * (-0.43954378 + c2 * (0.21090476 - 0.21154887 * c2)));
@@ -79,7 +79,7 @@ float visibility_at(ivec2 here, float z) {
         bits |= ones_from(bit_of(front, of)) ^ ones_from(bit_of(back, of));
       }
     }
-    // A side counts by the share of its taps that lay in the picture.
+    // A side is weighted by the fraction of its taps inside the picture.
     float low = floor(16.0 - sn * 1.57079633 * m + 0.5);
     float covered_above = float(bitCount(bits & ones_from(low)));
     float covered_below = float(bitCount(bits)) - covered_above;

@@ -1,4 +1,4 @@
-// Planes as storage buffers, as plain GLSL binds them.
+// Planes as bound storage buffers.
 layout(set = 0, binding = 1, scalar) readonly buffer depth_plane { float depth[]; };
 layout(set = 0, binding = 2, scalar) readonly buffer normal_x_plane { float normal_x[]; };
 layout(set = 0, binding = 3, scalar) readonly buffer normal_y_plane { float normal_y[]; };

@@ -1,4 +1,4 @@
-// `hemisphere` as somebody would write it by hand for its default settings: one layer, perspective, no light.
+// `hemisphere`, written by hand for its default settings: one layer, perspective, no light.
 float share(uint v) { return float(v >> 8) / 16777216.0; }
 
 uint scrambled(uint v) {
@@ -12,7 +12,7 @@ float visibility_at(ivec2 here, float z) {
   vec3 position = position_at(here, z);
   vec3 normal = normalize(normal_at(here));
 
-  // Noise of a tile of 4 x 4 pixels: an angle, and how lengths are shifted.
+  // Noise of a tile of 4 x 4 pixels: an angle, and a shift of the lengths.
   uint seed = scrambled(0x9e3779b9u + uint(C.seed));
   uint index = uint(here.y % 4 * 4 + here.x % 4);
   float angle = (share(index * 0xc13fa9a9u + seed) * 4.0 - 0.5) * 1.57079633;

@@ -1,4 +1,4 @@
-// Planes as images that are sampled, as an engine's G-buffer is.
+// Planes as sampled images, as in an engine's G-buffer.
 layout(set = 0, binding = 1) uniform sampler2D depth_image;
 layout(set = 0, binding = 2) uniform sampler2D normal_image;
 

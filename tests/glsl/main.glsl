@@ -1,4 +1,4 @@
-// Stores how open each pixel is: visibility_at where there is a surface, all of it elsewhere.
+// Stores the visibility of each pixel: visibility_at where there is a surface, 1 elsewhere.
 void main() {
   ivec2 here = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(here, ivec2(F.width, F.height)))) return;

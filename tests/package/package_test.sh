@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# One test of the installed library: package_test.sh NAME PLACE. Install puts it into PLACE; the others use it there.
+# Runs one test of the installed library: package_test.sh NAME PLACE. Install installs into PLACE; the others use it.
 set -euo pipefail
 name=$1 place=$2
 prefix=$place/moved
@@ -9,7 +9,7 @@ fail() {
   exit 1
 }
 
-# runs FOLDER: the examples that are there do what they are for. The model is one that umbrage-import reads.
+# runs FOLDER: runs the examples in FOLDER and checks their results. umbrage-import reads the model.
 runs() {
   printf 'v -1 -1 0\nv 1 -1 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >"$1/model.obj"
   "$1/render_file" "$1/model.obj" "$1/render_file.png"
@@ -19,13 +19,13 @@ runs() {
   [ "$(head -c 4 "$1/shade_arrays.png" | tail -c 3)" = PNG ] || fail "shade_arrays wrote no PNG file"
   local code=0
   "$1/progress" 'scene:solids?detail=3000' 0.2 || code=$?
-  [ "$code" = 130 ] || fail "progress ended with $code and not with 130"
+  [ "$code" = 130 ] || fail "progress ended with $code; 130 is expected"
 }
 
-# links FOLDER: whether its programs need the shared library, as yes or no.
+# links FOLDER: prints yes or no: whether its programs need the shared library.
 links() { if [[ $(ldd "$1/render_file") == *libumbrage.so* ]]; then echo yes; else echo no; fi; }
 
-# with_cmake FOLDER OPTIONS...: the examples as a project of their own.
+# with_cmake FOLDER OPTIONS...: builds the examples as a separate project.
 with_cmake() {
   local folder=$1
   shift
@@ -37,7 +37,7 @@ with_cmake() {
     { cat "$folder.log"; fail "it does not build"; }
 }
 
-# with_pkg_config FOLDER FLAGS OPTIONS...: an example by the compiler alone, which gets what pkg-config says.
+# with_pkg_config FOLDER FLAGS OPTIONS...: compiles an example with the flags from pkg-config.
 with_pkg_config() {
   local folder=$1 flags=$2
   shift 2
@@ -59,7 +59,7 @@ case $name in
       share/doc/umbrage/examples/render_file.cpp share/man/man1/umbrage.1 libexec/umbrage/umbrage-import; do
       [ -s "$prefix/$file" ] || fail "$file is not installed"
     done
-    if grep -rIl -e "$place/first" -e "$BUILD" -e "$SOURCE" "$prefix" | grep .; then fail "these name folders of the build"; fi
+    if grep -rIl -e "$place/first" -e "$BUILD" -e "$SOURCE" "$prefix" | grep .; then fail "these files contain folders of the build"; fi
     ;;
   Program)
     [ "$("$prefix/bin/umbrage" --version)" = "umbrage $VERSION" ] || fail "wrong version"
@@ -67,7 +67,7 @@ case $name in
     if ldd "$prefix/bin/umbrage" | grep libumbrage; then fail "the program needs the shared library"; fi
     ;;
   Headers)
-    # Alone, in all languages' versions that they are for.
+    # Each header alone, in all supported versions of the languages.
     for standard in c99 c17; do
       for header in umbrage vulkan; do
         echo "#include <umbrage/$header.h>" |
@@ -82,22 +82,22 @@ case $name in
     done
     printf '#include <umbrage/umbrage.hpp>\nUmbError wide(umb::Job& job) { return job.set("width", 3u); }\n' |
       "$CXX" -std=c++17 -fno-exceptions -Wall -Wextra -Werror -fsyntax-only -I "$prefix/include" -x c++ -
-    # That of everyone includes nothing but the standard library.
-    if grep '#include' "$prefix/include/umbrage/umbrage.h" | grep -v '<[a-z]*\.h>$'; then fail "includes of others"; fi
+    # The main header includes only the standard library.
+    if grep '#include' "$prefix/include/umbrage/umbrage.h" | grep -v '<[a-z]*\.h>$'; then fail "umbrage.h includes other than standard headers"; fi
     ;;
   Symbols)
     library=$prefix/$LIB/libumbrage.so.$ABI
     [ -e "$library" ] || fail "the shared library is not called libumbrage.so.$ABI"
-    readelf -d "$library" | grep "SONAME.*\[libumbrage\.so\.$ABI\]" || fail "wrong name within"
-    # Within a number of the interface functions may be added, and none may go.
+    readelf -d "$library" | grep "SONAME.*\[libumbrage\.so\.$ABI\]" || fail "the soname is wrong"
+    # Within an ABI version functions may be added but not removed.
     nm -D --defined-only "$library" | sed -n 's/.* T //p' | LC_ALL=C sort |
-      diff "$SOURCE/library/symbols.txt" - || fail "these are not those of library/symbols.txt"
+      diff "$SOURCE/library/symbols.txt" - || fail "the exported functions differ from library/symbols.txt"
     ;;
   CMake)
     with_cmake "$place/cmake"
     runs "$place/cmake"
     case $KINDS in *shared*) [ "$(links "$place/cmake")" = yes ] || fail "not linked with the shared library" ;; esac
-    # A version that is too new, and a component that there is not, are refused.
+    # A version that is too new, and an unknown component, are refused.
     for wish in 99.0 "$VERSION COMPONENTS fancy"; do
       rm -rf "$place/wish"
       mkdir "$place/wish"
@@ -109,7 +109,7 @@ case $name in
     ;;
   CMakeStatic)
     with_cmake "$place/cmake-static" -DBUILD_SHARED_LIBS=OFF
-    # Nothing says where the library of a program lies that has it within.
+    # A statically linked program does not know the folder of the library.
     UMBRAGE_IMPORT=$prefix/libexec/umbrage/umbrage-import runs "$place/cmake-static"
     [ "$(links "$place/cmake-static")" = no ] || fail "linked with the shared library"
     ;;
@@ -122,7 +122,7 @@ case $name in
     runs "$place/pkg-config"
     ;;
   PkgConfigStatic)
-    # As where only the static library is installed.
+    # An installation with only the static library.
     export PREFIX_USED=$place/static
     rm -rf "$place/static"
     mkdir -p "$place/static"
@@ -133,7 +133,7 @@ case $name in
     [ "$(links "$place/pkg-config-static")" = no ] || fail "linked with the shared library"
     ;;
   Debian)
-    # As scripts/package makes them, but for the folder of the libraries, which follows the prefix.
+    # As in scripts/package, except for the folder of the libraries, which depends on the prefix.
     rm -rf "$place/debian"
     mkdir -p "$place/debian"
     cpack --config "$BUILD/CPackConfig.cmake" -B "$place/debian" >"$place/debian.log" 2>&1 ||
@@ -145,10 +145,10 @@ case $name in
       [ "$(dpkg-deb -f "$file" Version)" = "$VERSION-1" ] || fail "$file has another version"
       dpkg-deb -c "$file" | awk '{ print $6 }' >"$package.list"
       grep -qx "./usr/share/doc/$package/copyright" "$package.list" || fail "$file has no licence"
-      if grep -v -e '/$' -e '^\./usr/' "$package.list"; then fail "$file puts these where Debian does not"; fi
+      if grep -v -e '/$' -e '^\./usr/' "$package.list"; then fail "$file has files outside /usr"; fi
     done
     # Each file is in one package.
-    if cat ./*.list | grep -v '/$' | sort | uniq -d | grep .; then fail "these are in two packages"; fi
+    if cat ./*.list | grep -v '/$' | sort | uniq -d | grep .; then fail "these files are in two packages"; fi
     grep -qx ./usr/bin/umbrage umbrage.list || fail "the program is missing"
     grep -q "/libumbrage\.so\.$ABI\$" "libumbrage$ABI.list" || fail "the shared library is missing"
     for file in umbrage.h libumbrage.so libumbrage.a umbrage.pc umbrage-config.cmake; do
