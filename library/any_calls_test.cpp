@@ -161,7 +161,7 @@ TEST(AnyCalls, AChangeWaitsForThoseThatRead) {
   reader.join();
 }
 
-TEST(AnyCalls, WhatIsReleasedIsFreed) {
+TEST(AnyCalls, ReleasedObjectsAreFreed) {
   const auto kilobytes = [] {  // resident memory of the process
     ::malloc_trim(0);
     long pages = 0, resident = 0;

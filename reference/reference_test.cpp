@@ -171,7 +171,7 @@ void for_each_pixel(const PictureInfo& info, const std::function<void(int x, int
 
 /// Returns how many pixels differ by more than `bound`.
 long differing_pixels(const Plane& a, const Plane& b, double bound = 0.0) {
-  return std::lround(test::difference(a, b, bound).share_over * a.width * a.height);
+  return std::lround(test::difference(a, b, bound).fraction_over * a.width * a.height);
 }
 
 void expect_equal(const Image& a, const Image& b, std::string_view what) {

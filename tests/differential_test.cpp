@@ -80,7 +80,7 @@ Image outputs(const Effect& effect, const ParameterBytes& params, const GBuffer&
   if (!frame) return none;
   const auto done = device.run(effect, params, *frame);
   EXPECT_TRUE(done) << (done ? "" : done.error().message);
-  const auto names = test::made_planes(effect, params);
+  const auto names = test::written_planes(effect, params);
   if (names.empty()) return none;
   auto image = device.download(*frame, names);
   EXPECT_TRUE(image) << (image ? "" : image.error().message);
@@ -91,7 +91,7 @@ Image outputs(const Effect& effect, const ParameterBytes& params, const GBuffer&
 }
 
 /// Adds inputs of an effect that other effects write: inputs of a dispatch that no earlier dispatch writes.
-void add_made_inputs(const Effect& effect, GBuffer& gbuffer) {
+void add_inputs_of_other_effects(const Effect& effect, GBuffer& gbuffer) {
   for (std::size_t reader = 0; reader < effect.dispatches.size(); ++reader)
     for (std::string_view input : effect.dispatches[reader].inputs) {
       bool made_here = false;
@@ -109,7 +109,7 @@ void add_made_inputs(const Effect& effect, GBuffer& gbuffer) {
 GBuffer bumpy_input(const Effect& effect, Size size, unsigned variant) {
   GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 7 + variant);
   if (variant % 2) gbuffer.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 3.0f, 1.5f);
-  add_made_inputs(effect, gbuffer);
+  add_inputs_of_other_effects(effect, gbuffer);
   return gbuffer;
 }
 
@@ -145,7 +145,7 @@ TEST_P(Differential, LanesAgreeWithScalarOnEveryTarget) {
         const std::string what = fmt::format("{} {} {} variant {} at {}x{}", effect.name, oracle.names[p], target,
                                              variant, size.width, size.height);
         if (effect.quantum > 0.0) {
-          EXPECT_LE(d.share_over, kMaxFlips) << what;
+          EXPECT_LE(d.fraction_over, kMaxFlips) << what;
           EXPECT_LE(d.max, 2.0 * effect.quantum * scale) << what;
         } else {
           EXPECT_LE(d.max, 1e-4 * scale) << what;
@@ -163,7 +163,7 @@ TEST_P(Differential, TunedKernelsAreEqualToTheBit) {
     return;
   for (const auto& [size, variant] : runs(12)) {
     GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 70 + variant);
-    add_made_inputs(effect, gbuffer);
+    add_inputs_of_other_effects(effect, gbuffer);
     const ParameterBytes params = variant_of(effect, variant);
     for (const std::string_view target : test::lane_isas()) {
       ASSERT_TRUE(choose_isa(target));
@@ -180,7 +180,7 @@ TEST_P(Differential, TunedKernelsAreEqualToTheBit) {
 TEST_P(Differential, ThreadsAndRunsDoNotMatter) {
   const Effect& effect = *GetParam();
   GBuffer gbuffer = test::bumpy_gbuffer(191, 347, 3);
-  add_made_inputs(effect, gbuffer);
+  add_inputs_of_other_effects(effect, gbuffer);
   const ParameterBytes params = variant_of(effect, 0);
   const Image one = outputs(effect, params, gbuffer, {.threads = 1});
   for (int threads : {1, 2, 5}) {
@@ -194,7 +194,7 @@ TEST_P(Differential, HostileInputGivesDefinedOutput) {
   const Effect& effect = *GetParam();
   for (const auto& [size, variant] : runs(4)) {
     GBuffer gbuffer = test::hostile_gbuffer(size.width, size.height, 11 + variant);
-    add_made_inputs(effect, gbuffer);
+    add_inputs_of_other_effects(effect, gbuffer);
     for (const bool scalar : {true, false}) {
       const Image image = outputs(effect, variant_of(effect, variant), gbuffer, {.scalar = scalar});
       for (std::size_t p = 0; p < image.planes.size(); ++p) {
@@ -222,8 +222,8 @@ TEST_P(Differential, VulkanAgreesWithScalar) {
     for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
       const double bound = std::max(kSeen, effect.quantum) * test::scale_of(oracle.planes[p]);
       const auto d = test::difference(oracle.planes[p], image.planes[p], bound);
-      EXPECT_LE(d.share_over, kMaxOver) << effect.name << ' ' << oracle.names[p] << " variant " << variant << " at "
-                                        << size.width << 'x' << size.height << ", most " << d.max;
+      EXPECT_LE(d.fraction_over, kMaxOver) << effect.name << ' ' << oracle.names[p] << " variant " << variant << " at "
+                                           << size.width << 'x' << size.height << ", most " << d.max;
     }
   }
 }
@@ -235,7 +235,7 @@ TEST_P(Differential, VulkanRunsAreEqualToTheBitAndDefined) {
   const test::NoMessages no_messages;
   for (const auto& [size, variant] : runs(4)) {
     GBuffer gbuffer = test::hostile_gbuffer(size.width, size.height, 11 + variant);
-    add_made_inputs(effect, gbuffer);
+    add_inputs_of_other_effects(effect, gbuffer);
     const Image once = outputs(effect, variant_of(effect, variant), gbuffer, *device);
     const Image again = outputs(effect, variant_of(effect, variant), gbuffer, *device);
     for (std::size_t p = 0; p < once.planes.size(); ++p) {
@@ -271,7 +271,7 @@ TEST_P(Differential, WaysOfAGpuAreEqualToTheBit) {
       for (const bool hostile : {false, true}) {
         GBuffer gbuffer = hostile ? test::hostile_gbuffer(size.width, size.height, 11 + unsigned(k))
                                   : test::bumpy_gbuffer(size.width, size.height, 70 + unsigned(k));
-        add_made_inputs(effect, gbuffer);
+        add_inputs_of_other_effects(effect, gbuffer);
         const Image a = outputs(effect, all[k], gbuffer, *plain), b = outputs(effect, all[k], gbuffer, *tuned);
         ASSERT_EQ(a.names, b.names);
         for (std::size_t p = 0; p < a.planes.size(); ++p)
@@ -284,13 +284,13 @@ TEST_P(Differential, WaysOfAGpuAreEqualToTheBit) {
 TEST_P(Differential, PlanesTooLargeToBindAreEqualToTheBit) {
   const Effect& effect = *GetParam();
   if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
-  test::faulty().faults.largest_bound = 4096;
+  test::faulty().faults.max_bound_bytes = 4096;
   const auto unbound = test::new_vulkan_device({.get = test::faulty_get});
   Device* const bound = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(unbound && bound);
   const test::NoMessages no_messages;
   GBuffer gbuffer = test::bumpy_gbuffer(67, 41, 3);
-  add_made_inputs(effect, gbuffer);
+  add_inputs_of_other_effects(effect, gbuffer);
   for (const unsigned variant : {0u, 1u, 2u}) {
     const ParameterBytes params = variant_of(effect, variant);
     const Image a = outputs(effect, params, gbuffer, *bound), b = outputs(effect, params, gbuffer, *unbound);
@@ -308,7 +308,7 @@ class HighPictures : public testing::TestWithParam<Size> {};
 Image agreed_with_scalar(const char* name, const char* plane, const Size& size, Device& vulkan) {
   const Effect& effect = *find_effect(name);
   GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 7);
-  add_made_inputs(effect, gbuffer);
+  add_inputs_of_other_effects(effect, gbuffer);
   const ParameterBytes params = variant_of(effect, 0);
   Image oracle = outputs(effect, params, gbuffer, {.scalar = true});
   for (const std::string_view target : test::lane_isas()) {
@@ -316,13 +316,13 @@ Image agreed_with_scalar(const char* name, const char* plane, const Size& size, 
     const Image image = outputs(effect, params, gbuffer, {});
     for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
       const auto d = test::difference(oracle.planes[p], image.planes[p], 1e-4 * test::scale_of(oracle.planes[p]));
-      EXPECT_LE(d.share_over, kMaxFlips) << oracle.names[p] << ' ' << target << " at " << size.height;
+      EXPECT_LE(d.fraction_over, kMaxFlips) << oracle.names[p] << ' ' << target << " at " << size.height;
     }
   }
   choose_isa("");
   const Image image = outputs(effect, params, gbuffer, vulkan);
   const auto d = test::difference(oracle.plane(plane), image.plane(plane), 2.0 / 255.0);
-  EXPECT_LE(d.share_over, 1e-3) << "at " << size.height;
+  EXPECT_LE(d.fraction_over, 1e-3) << "at " << size.height;
   return oracle;
 }
 
@@ -359,7 +359,7 @@ TEST_P(Differential, MissingPixelsAreAsInARunForAll) {
     if (!runs_for_missing(effect, params)) continue;
     for (const Size size : kSizes) {
       GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 5);
-      add_made_inputs(effect, gbuffer);
+      add_inputs_of_other_effects(effect, gbuffer);
       const auto check = [&](Device& device, const std::string& what) {
         SCOPED_TRACE(fmt::format("{}, bleeding {}, at {}x{}", what, bleeding, size.width, size.height));
         auto frame = *device.upload(gbuffer);

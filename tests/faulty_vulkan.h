@@ -17,7 +17,7 @@ struct Faults {
   bool reuses_memory = false;                            ///< freed memory can be allocated again
   std::uint32_t loader_version = 0, device_version = 0;  ///< 0: the real ones
   VkDeviceSize max_allocation = 0;                       ///< bytes; 0: the real one
-  std::uint32_t largest_bound = 0, bound_buffers = 0;    ///< max storage buffer, bytes; max count; 0: real
+  std::uint32_t max_bound_bytes = 0, bound_buffers = 0;  ///< max storage buffer, bytes; max count; 0: real
   bool has_addresses = true;
   bool draws = true;  ///< queues support graphics
 };
@@ -74,19 +74,19 @@ inline VKAPI_ATTR void VKAPI_CALL faulty_free(VkDevice device, VkDeviceMemory me
   }
   faulty().free(device, memory, how);
 }
-inline void put_in_limits(VkPhysicalDeviceLimits& limits) {
+inline void override_limits(VkPhysicalDeviceLimits& limits) {
   const Faults& faults = faulty().faults;
-  if (faults.largest_bound) limits.maxStorageBufferRange = faults.largest_bound;
+  if (faults.max_bound_bytes) limits.maxStorageBufferRange = faults.max_bound_bytes;
   if (faults.bound_buffers) limits.maxPerStageDescriptorStorageBuffers = faults.bound_buffers;
 }
 inline VKAPI_ATTR void VKAPI_CALL faulty_properties(VkPhysicalDevice gpu, VkPhysicalDeviceProperties* out) {
   faulty().properties(gpu, out);
   if (faulty().faults.device_version) out->apiVersion = faulty().faults.device_version;
-  put_in_limits(out->limits);
+  override_limits(out->limits);
 }
 inline VKAPI_ATTR void VKAPI_CALL faulty_properties2(VkPhysicalDevice gpu, VkPhysicalDeviceProperties2* out) {
   faulty().properties2(gpu, out);
-  put_in_limits(out->properties.limits);
+  override_limits(out->properties.limits);
   for (auto* next = static_cast<VkBaseOutStructure*>(out->pNext); next; next = next->pNext)
     if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES && faulty().faults.max_allocation)
       reinterpret_cast<VkPhysicalDeviceMaintenance3Properties*>(next)->maxMemoryAllocationSize =

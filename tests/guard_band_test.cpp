@@ -43,7 +43,7 @@ struct Stage {
   }
 };
 
-double largest_edge(const Camera& c) {
+double max_window_edge(const Camera& c) {
   return std::max({std::fabs(c.left), std::fabs(c.right), std::fabs(c.bottom), std::fabs(c.top)});
 }
 
@@ -84,7 +84,7 @@ TEST(GuardBand, TheInnerCameraComesBack) {
         EXPECT_EQ(wide.inner_width(), width);
         EXPECT_EQ(wide.inner_height(), height);
         constexpr double kRoundings = 8 * 6e-8;  // relative to the window with the guard band
-        expect_near(inner_camera(wide), camera, kRoundings * largest_edge(wide.camera));
+        expect_near(inner_camera(wide), camera, kRoundings * max_window_edge(wide.camera));
       }
 }
 
@@ -141,7 +141,7 @@ TEST(GuardBand, SharesOfThePictureKeepTheirSize) {
   const Plane share = stage.unsharp(frame, "12%"), pixels = stage.unsharp(frame, "12"),
               larger = stage.unsharp(frame, "18");
   EXPECT_EQ(test::difference(share, pixels, 0.0).max, 0.0);
-  EXPECT_GT(test::difference(share, larger, 1e-3).share_over, 0.01);
+  EXPECT_GT(test::difference(share, larger, 1e-3).fraction_over, 0.01);
 }
 
 TEST(GuardBand, BordersAreAsTheMiddleOfALargerPicture) {

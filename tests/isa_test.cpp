@@ -41,7 +41,7 @@ class Isa : public test::ProgramTest {
         const double scale = test::scale_of(oracle.planes[p]);
         const auto d = test::difference(oracle.planes[p], picture.planes[p], kSmooth * scale);
         EXPECT_LE(d.max, kSeen * scale) << oracle.names[p];
-        EXPECT_LE(d.share_over, kMaxShareOver) << oracle.names[p];
+        EXPECT_LE(d.fraction_over, kMaxShareOver) << oracle.names[p];
         EXPECT_LE(d.mean, kMaxMean * scale) << oracle.names[p];
       }
     }
@@ -130,7 +130,7 @@ TEST_F(Isa, IsTakenFromAConfigurationButNotWithoutAValue) {
   bad("tri.obj -o b.png --config empty", 2, {"'empty', line 2", "isa needs a value"});
 }
 
-TEST_F(Isa, WrongOnesAreRefused) {
+TEST_F(Isa, InvalidSetsAreRefused) {
   bad_option("--isa avx3", {"--isa", "'avx3'", "scalar"});
   bad("list devices", 2, {"UMBRAGE_ISA", "'mmx'", "scalar"}, "UMBRAGE_ISA=mmx");
   bad("tri.obj -o a.png", 2, {"UMBRAGE_ISA", "'mmx'", "scalar"}, "UMBRAGE_ISA=mmx");

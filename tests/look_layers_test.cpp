@@ -92,7 +92,7 @@ TEST(LookLayers, TheUserWinsOverTheLook) {
 }
 
 // An object close to another camera hides much of the scene from that camera, but does not occlude it.
-TEST(LookLayers, FurtherCamerasDarkenNothingThatTheFirstSeesInTheOpen) {
+TEST(LookLayers, FurtherCamerasDoNotDarkenUnoccludedSurfaces) {
   auto scene = load_scene("scene:room?detail=12000");
   ASSERT_TRUE(scene);
   const auto device = make_device("cpu", 0);
@@ -110,11 +110,11 @@ TEST(LookLayers, FurtherCamerasDarkenNothingThatTheFirstSeesInTheOpen) {
     EXPECT_TRUE(frame);
     return *(*device)->download(*frame, {"ao"});
   };
-  const Image alone = occlusion_with(0), seen_by_more = occlusion_with(3);
+  const Image alone = occlusion_with(0), with_more_views = occlusion_with(3);
   double darker = 0.0;
   for (int y = 0; y < alone.height; ++y)
     for (int x = 0; x < alone.width; ++x)
-      darker += std::max(alone.plane("ao").at(x, y) - seen_by_more.plane("ao").at(x, y), 0.0f);
+      darker += std::max(alone.plane("ao").at(x, y) - with_more_views.plane("ao").at(x, y), 0.0f);
   // The additional cameras see occluders beyond the border, so pixels near it may be darker.
   EXPECT_LT(darker / (alone.width * alone.height), 0.02);
 }

@@ -93,7 +93,7 @@ TEST(Registry, ShadersReachExactlyTheirPlanes) {
     }
 }
 
-TEST(Registry, EveryEffectHasItsFolderWhole) {
+TEST(Registry, EveryEffectHasACompleteFolder) {
   for (const Effect* effect : effects()) {
     const std::string folder = fmt::format("{}/effects/{}/", UMBRAGE_SOURCE, effect->name);
     // A host step has no kernel text.

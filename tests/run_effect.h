@@ -54,7 +54,7 @@ Constants constants_of(std::string_view name, const PictureInfo& info, const Set
 }
 
 /// Returns the names of the planes that an effect writes: those of the dispatches that it needs, each once.
-inline std::vector<std::string> made_planes(const Effect& effect, const ParameterBytes& params) {
+inline std::vector<std::string> written_planes(const Effect& effect, const ParameterBytes& params) {
   std::vector<std::string> names;
   for (const Dispatch& dispatch : effect.dispatches) {
     if (dispatch.needed && !dispatch.needed(params)) continue;
@@ -72,7 +72,7 @@ inline Image run_effect(const Effect& effect, const GBuffer& gbuffer, const Sett
   const ParameterBytes params = parameters_of(effect, settings);
   const auto done = device->run(effect, params, *frame);
   EXPECT_TRUE(done) << (done ? "" : done.error().message);
-  const std::vector<std::string> made = made_planes(effect, params);
+  const std::vector<std::string> made = written_planes(effect, params);
   return made.empty() ? *device->download_all(*frame) : *device->download(*frame, made);
 }
 

@@ -42,7 +42,7 @@ TEST(Frames, OffsetsAreSpreadOverThePixel) {
   }
 }
 
-TEST(Frames, AShiftedCameraSeesWhatIsAside) {
+TEST(Frames, ShiftedCameraIsOffsetByPixels) {
   const Camera camera = perspective_camera({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 40.0f, 2.0f);
   const Camera shifted = shifted_camera(camera, {1.0f, 1.0f}, 200, 100);
   // The centre of pixel (x, y) of `shifted` is that of pixel (x + 1, y + 1) of `camera`.
@@ -75,7 +75,7 @@ TEST(Frames, ColourIsAveragedByItsAlpha) {
   EXPECT_EQ(mean_planes(total, kAo).find("color.r"), nullptr);
 }
 
-TEST(Frames, ColourIsAveragedForTheEyeWhereALookIs) {
+TEST(Frames, ColourIsAveragedAsSquareRootsForSomeLooks) {
   PictureSum total{.as_square_roots = true};
   add_picture(total, one_pixel(0.64f, 1.0f, 0.25f));
   add_picture(total, one_pixel(0.3f, 0.0f, 0.75f));
@@ -111,7 +111,7 @@ Image silhouette(Scene scene, int frames, const std::vector<std::string>& settin
 }
 
 // White in front of black: the coverage of a pixel mixes the two as square roots of light.
-TEST(Frames, CartoonMixesAsTheEyeDoes) {
+TEST(Frames, CartoonMixesAsSquareRoots) {
   const Scene scene = *make_builtin_scene("scene:solids?detail=2000");
   const std::vector<std::string> settings = {"outline.opacity=0", "toon.steps=1", "toon.albedo=clay"};
   const Image shares = silhouette(scene, 16), mixed = silhouette(scene, 16, settings, "cartoon");
@@ -135,7 +135,7 @@ TEST(Frames, CartoonMixesAsTheEyeDoes) {
   EXPECT_GT(between, 20);
 }
 
-TEST(Frames, AnEdgePixelHasTheShareThatTheModelCoversOfIt) {
+TEST(Frames, EdgePixelsHaveTheCoveredFraction) {
   const Scene scene = *make_builtin_scene("scene:solids?detail=2000");
   const Image coarse = silhouette(scene, 1), fine = silhouette(scene, 16), finest = silhouette(scene, 128);
   const Image cutout = silhouette(scene, 16, {"output.transparent=on"});
@@ -325,7 +325,7 @@ TEST(SoftShadows, AveragedFramesHaveOtherRays) {
     return device->download(*frame, {"shadow"})->planes[0];
   };
   EXPECT_EQ(test::difference(shadow(1), shadow(1), 0.0).max, 0.0);
-  EXPECT_GT(test::difference(shadow(0), shadow(1), 0.0).share_over, 0.02);
+  EXPECT_GT(test::difference(shadow(0), shadow(1), 0.0).fraction_over, 0.02);
 }
 
 // --- ground --------------------------------------------------------------------------------------------------------
@@ -345,7 +345,7 @@ Scene box_scene(glm::vec3 size) {
   return scene;
 }
 
-TEST(GroundUnderModels, WhatStandsInTheOpenLacksOne) {
+TEST(GroundUnderModels, ModelsInTheOpenLackAGround) {
   EXPECT_TRUE(lacks_ground(box_scene({1, 1, 1})));
   EXPECT_TRUE(lacks_ground(box_scene({1, 3, 1})));
   EXPECT_TRUE(lacks_ground(box_scene({1, 0.4f, 1})));
@@ -473,7 +473,7 @@ TEST(Frames, AGuardBandIsCutOffAveragedPictures) {
   };
   const Plane without = picture(0.0f), with = picture(10.0f);
   ASSERT_EQ(with.width, 66);
-  EXPECT_LT(test::difference(without, with, 1e-3).share_over, 0.01);
+  EXPECT_LT(test::difference(without, with, 1e-3).fraction_over, 0.01);
 }
 
 TEST(Studio, WithoutABackgroundTheShadowIsInAlpha) {
@@ -489,7 +489,7 @@ TEST(Studio, WithoutABackgroundTheShadowIsInAlpha) {
   EXPECT_GT(partly, 400);
 }
 
-TEST(Studio, ExposureIsThePictures) {
+TEST(Studio, ExposureFollowsThePicture) {
   // The same model with its albedo reduced by two stops: the picture is darker by much less.
   const auto brightness = [](float albedo) {
     Scene scene = box_scene(glm::vec3(1.0f));

@@ -158,7 +158,7 @@ Difference difference(const Plane& a, const Plane& b, double bound) {
     }
   const double count = std::max(1.0, double(a.width) * a.height);
   d.mean = sum / count;
-  d.share_over = double(over) / count;
+  d.fraction_over = double(over) / count;
   return d;
 }
 

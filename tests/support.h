@@ -24,7 +24,7 @@ GBuffer hostile_gbuffer(int width, int height, unsigned seed);
 
 struct Difference {
   double max = 0.0, mean = 0.0;
-  double share_over = 0.0;  ///< fraction of pixels that differ by more than the bound
+  double fraction_over = 0.0;  ///< fraction of pixels that differ by more than the bound
 };
 
 /// Compares planes of the same size; two NaN are equal.

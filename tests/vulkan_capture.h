@@ -17,7 +17,7 @@ namespace umbrage::test {
 inline constexpr VulkanCapture kGpuCaptures[] = {VulkanCapture::kRays, VulkanCapture::kRaster};
 
 /// Returns a device that captures scenes itself in this way, one of kGpuCaptures.
-inline Device* drawing_device(VulkanCapture how) {
+inline Device* capturing_device(VulkanCapture how) {
   static Device* const devices[] = {new_vulkan_device({.capture = kGpuCaptures[0]}).release(),
                                     new_vulkan_device({.capture = kGpuCaptures[1]}).release()};
   return devices[how == kGpuCaptures[1]];

@@ -72,7 +72,7 @@ inline GBuffer tilted_plane(int width, int height, double tilt) {
 /// Expects `ao` to equal the formula of a technique (`truth`) at each pixel, except for samples on the border of a
 /// pixel, and more than `dark_pixels` pixels to be below `dark`.
 template <class Truth>
-void expect_as_listed(const GBuffer& g, const Plane& ao, double dark, long dark_pixels, const Truth& truth) {
+void expect_matches_formula(const GBuffer& g, const Plane& ao, double dark, long dark_pixels, const Truth& truth) {
   long off = 0, count = 0, compared = 0;
   for (int y = 0; y < ao.height; ++y)
     for (int x = 0; x < ao.width; ++x) {

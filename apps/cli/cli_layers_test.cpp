@@ -98,7 +98,7 @@ TEST_F(CliLayers, TheGuardBandIsNotWritten) {
     const Image plain = image("plain.exr"), guarded = image("guarded.exr");
     ASSERT_EQ(guarded.width, 60);
     ASSERT_EQ(guarded.height, 40);
-    EXPECT_LT(test::difference(plain.plane("depth"), guarded.plane("depth"), 1e-5).share_over, 0.01) << band;
+    EXPECT_LT(test::difference(plain.plane("depth"), guarded.plane("depth"), 1e-5).fraction_over, 0.01) << band;
     const auto a = read_camera(folder_ / "plain.exr"), b = read_camera(folder_ / "guarded.exr");
     ASSERT_TRUE(a && *a && b && *b) << band;
     EXPECT_EQ((*a)->view_from_world, (*b)->view_from_world);

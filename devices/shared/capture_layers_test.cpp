@@ -162,7 +162,7 @@ TEST(CaptureLayers, AGridsVerticesAndDiagonalsAreOneSurface) {
     for (std::size_t p = 0; p < image.planes.size(); ++p) out.add(image.names[p]) = cropped(image.planes[p], 1);
     return out;
   };
-  if (Device* const gpu = test::drawing_device(VulkanCapture::kRays)) {
+  if (Device* const gpu = test::capturing_device(VulkanCapture::kRays)) {
     const Scene scene = grid(2.0f, 16);
     const CaptureSettings settings{.width = 17, .height = 17, .layers = 3};
     const test::Deviation d =

@@ -143,7 +143,7 @@ TEST(Capture, EmissionIsTextured) {
   const Camera camera = from_above(2.0f);
   std::vector<Image> pictures = {capture_with(settings, scene, camera).planes};
   for (const VulkanCapture how : test::kGpuCaptures)
-    if (Device* const gpu = test::drawing_device(how)) {
+    if (Device* const gpu = test::capturing_device(how)) {
       const test::NoMessages no_messages;
       pictures.push_back(test::captured(*gpu, scene, camera, settings));
     }

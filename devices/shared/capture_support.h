@@ -83,7 +83,7 @@ inline Picture capture_with(const CaptureSettings& settings, const Scene& scene,
   constexpr int kMaxOnGpu = 20000;  // pixels: a software GPU is slow
   const bool small = settings.width * settings.height <= kMaxOnGpu && cpu.threads == 0;
   for (const VulkanCapture how : test::kGpuCaptures) {
-    Device* const gpu = small ? test::drawing_device(how) : nullptr;
+    Device* const gpu = small ? test::capturing_device(how) : nullptr;
     if (!gpu) continue;
     // CPU and GPU must agree at almost all pixels. A whole row of them may lie on a silhouette.
     const test::NoMessages no_messages;

@@ -29,7 +29,7 @@ class VulkanCaptureShots : public testing::TestWithParam<std::tuple<Shot, Vulkan
 
 TEST_P(VulkanCaptureShots, PlanesAreThoseOfEmbree) {
   const auto& [shot, how] = GetParam();
-  Device* const device = test::drawing_device(how);
+  Device* const device = test::capturing_device(how);
   UMBRAGE_NEEDS_VULKAN(device);
   const test::NoMessages no_messages;
   auto scene = load_scene(shot.scene);
@@ -142,13 +142,13 @@ test::Difference difference_between(std::array<Device*, 2> devices, Request sett
   for (std::size_t p = 0; p < 3; ++p) {
     const auto d = test::difference(images[0].planes[p], images[1].planes[p], 2.0 / 255.0);
     max.max = std::max(max.max, d.max);
-    max.share_over = std::max(max.share_over, d.share_over);
+    max.fraction_over = std::max(max.fraction_over, d.fraction_over);
   }
   return max;
 }
 
 TEST_P(VulkanCaptureWays, EveryLookGivesTheSamePicture) {
-  Device* const gpu = test::drawing_device(GetParam());
+  Device* const gpu = test::capturing_device(GetParam());
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
   const auto cpu = make_cpu_device();
@@ -157,18 +157,18 @@ TEST_P(VulkanCaptureWays, EveryLookGivesTheSamePicture) {
     settings.look = std::string(look->name);
     if (settings.look == "cartoon") settings.settings = {"outline.opacity=0"};
     const auto d = difference_between({gpu, cpu.get()}, settings);
-    EXPECT_LE(d.share_over, 2e-3) << look->name << ", most " << d.max;
+    EXPECT_LE(d.fraction_over, 2e-3) << look->name << ", most " << d.max;
   }
   // Lines are smooth: where one pixel of a line differs, all of it is shifted by a few hundredths of a pixel.
   Request with_lines;
   with_lines.look = "cartoon";
   const auto d = difference_between({gpu, cpu.get()}, with_lines);
-  EXPECT_LE(d.share_over, 1e-2);
+  EXPECT_LE(d.fraction_over, 1e-2);
   EXPECT_LE(d.max, 0.1);
 }
 
 TEST_P(VulkanCaptureWays, TakesOneSceneAfterTheOtherWithoutGrowth) {
-  Device* const gpu = test::drawing_device(GetParam());
+  Device* const gpu = test::capturing_device(GetParam());
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
   const std::array scenes = {*load_scene("scene:solids?detail=2000"), *load_scene("scene:tank?detail=2000")};
@@ -197,8 +197,8 @@ bool drew(Device& gpu, const Scene& scene, const Camera& camera, const CaptureSe
 }
 
 TEST(VulkanCapture, DrawsTrianglesWhereItCan) {
-  Device* const rays = test::drawing_device(VulkanCapture::kRays);
-  Device* const raster = test::drawing_device(VulkanCapture::kRaster);
+  Device* const rays = test::capturing_device(VulkanCapture::kRays);
+  Device* const raster = test::capturing_device(VulkanCapture::kRaster);
   UMBRAGE_NEEDS_VULKAN(rays && raster);
   const test::NoMessages no_messages;
   const auto scene = load_scene("scene:solids?detail=2000");
@@ -243,8 +243,8 @@ Scene scene_of(std::vector<Mesh> meshes) {
 }
 
 TEST(VulkanCapture, RasterisationLeavesNoHoleAroundTheEye) {
-  Device* const rays = test::drawing_device(VulkanCapture::kRays);
-  Device* const raster = test::drawing_device(VulkanCapture::kRaster);
+  Device* const rays = test::capturing_device(VulkanCapture::kRays);
+  Device* const raster = test::capturing_device(VulkanCapture::kRaster);
   UMBRAGE_NEEDS_VULKAN(rays && raster);
   const test::NoMessages no_messages;
   // The camera in a box of a few large triangles that extend to both sides of it, once close to a wall, and in a sphere
@@ -274,12 +274,12 @@ TEST(VulkanCapture, RasterisationLeavesNoHoleAroundTheEye) {
             const float depth = traced.plane("depth").at(x, y);
             ASSERT_NEAR(drawn.plane("depth").at(x, y), depth, 1e-3f * depth) << x << ',' << y;
           }
-        EXPECT_LE(test::difference(drawn.plane("depth"), traced.plane("depth"), 1e-5).share_over, 1e-3);
+        EXPECT_LE(test::difference(drawn.plane("depth"), traced.plane("depth"), 1e-5).fraction_over, 1e-3);
       }
 }
 
 TEST(VulkanCapture, RasterisationTellsSheetsApartFarFromTheEye) {
-  Device* const raster = test::drawing_device(VulkanCapture::kRaster);
+  Device* const raster = test::capturing_device(VulkanCapture::kRaster);
   UMBRAGE_NEEDS_VULKAN(raster);
   const test::NoMessages no_messages;
   // Two sheets from behind the camera to the horizon, with either one drawn first.
@@ -329,7 +329,7 @@ TEST_P(VulkanCaptureWays, TooLittleMemoryForASceneIsAnError) {
 TEST_P(VulkanCaptureWays, WhereThereIsNoMemoryToDrawIntoRaysDo) {
   if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
   const auto gpu = test::new_vulkan_device({.capture = GetParam(), .get = test::faulty_get});
-  Device* const rays = test::drawing_device(VulkanCapture::kRays);
+  Device* const rays = test::capturing_device(VulkanCapture::kRays);
   UMBRAGE_NEEDS_VULKAN(gpu && rays);
   const test::NoMessages no_messages;
   const auto scene = load_scene("scene:solids?detail=30000");

@@ -406,7 +406,7 @@ void compare_with_hand(const char* scene, int width, int height, int turns) {
         const auto image = ours->download(*frame, {"ao"});
         ASSERT_TRUE(image);
         const auto d = test::difference(image->planes[0], hand_ao(*h), 2.0 / 255.0);
-        EXPECT_LE(d.share_over, 1e-3) << effect.name << ' ' << k << ", most " << d.max;
+        EXPECT_LE(d.fraction_over, 1e-3) << effect.name << ' ' << k << ", most " << d.max;
       }
     }
     if (turns == 0) continue;

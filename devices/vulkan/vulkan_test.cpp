@@ -181,7 +181,7 @@ TEST(Vulkan, EveryLookGivesTheSamePicture) {
     }
     for (std::size_t p = 0; p < 3; ++p) {
       const auto d = test::difference(images[0].planes[p], images[1].planes[p], 2.0 / 255.0);
-      EXPECT_LE(d.share_over, 1e-3) << look->name << ", most " << d.max;
+      EXPECT_LE(d.fraction_over, 1e-3) << look->name << ", most " << d.max;
     }
   }
 }
@@ -515,7 +515,7 @@ TEST_F(VulkanProgram, DrawsListsAndTimes) {
   const Image a = image("cpu.pfm"), b = image("gpu.pfm");
   ASSERT_EQ(a.names, b.names);
   for (std::size_t p = 0; p < a.planes.size(); ++p)
-    EXPECT_LE(test::difference(a.planes[p], b.planes[p], 2.0 / 255.0).share_over, 1e-3);
+    EXPECT_LE(test::difference(a.planes[p], b.planes[p], 2.0 / 255.0).fraction_over, 1e-3);
 
   const auto stages = nlohmann::json::parse(good("tri.obj -o x.png --resolution 96,64 --device vulkan --json").out);
   EXPECT_EQ(stages.back().at("stage"), "total");

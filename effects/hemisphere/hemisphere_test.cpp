@@ -672,7 +672,7 @@ TEST(Hemisphere, LanesAgreeWithScalarInLayersAndOtherViews) {
   test::on_every_target("hemisphere", g, kDrape, [&](const Image& image) {
     for (const char* name : {"ao", "indirect.r"}) {
       const auto d = test::difference(image.plane(name), expected.plane(name), 1e-4);
-      EXPECT_LE(d.share_over, 2e-3) << name;  // one sample of 64 that falls on a pixel's border
+      EXPECT_LE(d.fraction_over, 2e-3) << name;  // one sample of 64 that falls on a pixel's border
       EXPECT_LE(d.mean, 1e-4) << name;
     }
   });
@@ -760,7 +760,7 @@ TEST(Hemisphere, ScaleOfTheSceneDoesNotMatter) {
   for (const double by : {1e-3, 1e3}) {
     const Image other = scaled(by);
     for (const char* name : {"ao", "indirect.r"})
-      EXPECT_LT(test::difference(one.plane(name), other.plane(name), 1e-2).share_over, 0.01) << by << name;
+      EXPECT_LT(test::difference(one.plane(name), other.plane(name), 1e-2).fraction_over, 0.01) << by << name;
   }
 }
 
@@ -908,7 +908,7 @@ TEST(Hemisphere, NormalThatIsNoneFacesTheEye) {
     const Settings settings = {{"radius", "1"}};
     const Plane expected = run(g, settings).plane("ao");
     test::on_every_target("hemisphere", without, settings, [&](const Image& image) {
-      EXPECT_LT(test::difference(image.plane("ao"), expected, 1e-5).share_over, 1e-2) << odd;
+      EXPECT_LT(test::difference(image.plane("ao"), expected, 1e-5).fraction_over, 1e-2) << odd;
     });
   }
 }

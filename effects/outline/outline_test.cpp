@@ -63,7 +63,7 @@ TEST(Outline, ColourAndOpacityAreHandedOn) {
         }
     });
     const auto made = [&](const Settings& settings) {
-      return test::made_planes(effect, test::parameters_of(effect, settings));
+      return test::written_planes(effect, test::parameters_of(effect, settings));
     };
     const auto black = made({{"mode", mode}});
     EXPECT_EQ(std::count(black.begin(), black.end(), "line.r"), 0);

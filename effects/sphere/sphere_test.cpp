@@ -419,7 +419,7 @@ TEST(Sphere, ReachIsARadiusInTheScene) {
   const GBuffer g = step();
   const Plane px = ao(g, joined(kPlainFraction, {{"radius", "8"}}));
   const auto same = [&](const char* reach) {
-    return test::difference(px, ao(g, joined(kPlainFraction, {{"radius", "3"}, {"reach", reach}})), 0.0).share_over;
+    return test::difference(px, ao(g, joined(kPlainFraction, {{"radius", "3"}, {"reach", reach}})), 0.0).fraction_over;
   };
   EXPECT_LT(same("0.8"), 1e-3);
   EXPECT_LT(same("16%"), 1e-3);  // 16% of the scene's radius, 5
@@ -546,7 +546,7 @@ TEST(Sphere, NormalThatIsNoneFacesTheEye) {
     GBuffer without = g;
     for (int k = 1; k <= 3; ++k) without.layers[0].planes[k] = Plane(kStepWidth, kStepHeight, odd);
     test::on_every_target("sphere", without, kOurs, [&](const Image& image) {
-      EXPECT_EQ(test::difference(image.plane("ao"), expected, 1e-5).share_over, 0.0) << odd;
+      EXPECT_EQ(test::difference(image.plane("ao"), expected, 1e-5).fraction_over, 0.0) << odd;
     });
   }
 }

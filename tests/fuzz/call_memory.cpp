@@ -112,7 +112,7 @@ std::size_t bytes_of(int type) {
   }
 }
 
-Pixels sound_image(Choices& choose, int type, int width, int height, int channels) {
+Pixels valid_image(Choices& choose, int type, int width, int height, int channels) {
   UmbImage image{nullptr, type, width, height, channels, 0, 0, 0};
   const auto size = std::ptrdiff_t(bytes_of(type));
   const std::ptrdiff_t pixel = size * channels, gap = choose.below(2) ? 1 : 5;
@@ -151,7 +151,7 @@ Pixels sound_image(Choices& choose, int type, int width, int height, int channel
 }
 
 Pixels depth_image(Choices& choose, int width, int height) {
-  Pixels made = sound_image(choose, UMB_TYPE_FLOAT32, width, height, 1);
+  Pixels made = valid_image(choose, UMB_TYPE_FLOAT32, width, height, 1);
   if (choose.one_in(3)) return made;
   unsigned state = choose.below(256);
   const unsigned odd = choose.below(2) * 9;
@@ -163,11 +163,11 @@ Pixels depth_image(Choices& choose, int width, int height) {
   return made;
 }
 
-void put_canaries(Pixels& pixels, std::byte with) {
+void fill_with_canaries(Pixels& pixels, std::byte with) {
   if (pixels.block) pixels.block->fill(with);
 }
 
-std::vector<std::size_t> numbers_of(const Pixels& pixels, std::byte canary) {
+std::vector<std::size_t> indices_of_canaries(const Pixels& pixels, std::byte canary) {
   std::vector<std::size_t> found;
   std::size_t number = 0;
   const std::size_t size = bytes_of(pixels.image.type);
@@ -178,7 +178,7 @@ std::vector<std::size_t> numbers_of(const Pixels& pixels, std::byte canary) {
   return found;
 }
 
-bool is_whole_beside(const NamedPixels& images, const BlockPtr& block, std::byte canary) {
+bool is_untouched_outside(const NamedPixels& images, const BlockPtr& block, std::byte canary) {
   std::vector<bool> inside(block->size() + block->skewed());
   const std::byte* const start = block->data() - block->skewed();
   for (const auto& [name, pixels] : images)

@@ -62,18 +62,18 @@ using NamedPixels = std::map<std::string, Pixels>;
 std::size_t bytes_of(int type);
 
 /// Returns a valid image of this size: any layout that the header allows, with values of all kinds.
-Pixels sound_image(Choices& choose, int type, int width, int height, int channels);
+Pixels valid_image(Choices& choose, int type, int width, int height, int channels);
 /// Returns a plane of floats, most of which are valid distances.
 Pixels depth_image(Choices& choose, int width, int height);
 
 /// Fills the block with bytes that no picture contains: floats and ids made of them are invalid.
-void put_canaries(Pixels& pixels, std::byte with);
+void fill_with_canaries(Pixels& pixels, std::byte with);
 inline constexpr std::byte kCanary{0xfe}, kOtherCanary{0xfd};
 
 /// Returns the indices of the values of the image with all bytes equal to `canary`.
-std::vector<std::size_t> numbers_of(const Pixels& pixels, std::byte canary);
+std::vector<std::size_t> indices_of_canaries(const Pixels& pixels, std::byte canary);
 /// Returns whether all bytes of a block that belong to no image equal `canary`.
-bool is_whole_beside(const NamedPixels& images, const BlockPtr& block, std::byte canary);
+bool is_untouched_outside(const NamedPixels& images, const BlockPtr& block, std::byte canary);
 /// Returns whether all bytes of the block equal `canary`.
 bool is_untouched(Block& block, std::byte canary);
 /// Returns a hash of all bytes.

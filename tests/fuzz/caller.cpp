@@ -8,29 +8,29 @@
 namespace umbrage::fuzz {
 
 void on_error(void*, UmbError code, const char* message) {
-  if (current) current->hear_error(code, message);
+  if (current) current->receive_error(code, message);
 }
 void on_warning(void*, const char* message) {
-  if (current) current->hear_warning(message);
+  if (current) current->receive_warning(message);
 }
-bool on_progress(void*, double share) { return !current || current->hear_progress(share); }
+bool on_progress(void*, double share) { return !current || current->receive_progress(share); }
 
-void Caller::hear_error(UmbError code, const char* message) {
+void Caller::receive_error(UmbError code, const char* message) {
   demand(code != UMB_ERROR_NONE && message && *message, "an error callback without an error");
   if (choose_.one_in(8)) call_nested();
 }
 
-void Caller::hear_warning(const char* message) {
+void Caller::receive_warning(const char* message) {
   demand(message && *message, "a log callback without a message");
   if (choose_.one_in(8)) call_nested();
 }
 
-bool Caller::hear_progress(double share) {
+bool Caller::receive_progress(double share) {
   demand(!ended_, "a call goes on after its callback returned false");
   demand(share >= reported_ && share <= 1.0, "progress falls or leaves its range");
   reported_ = share;
   if (choose_.one_in(8)) call_nested();
-  ended_ = Clock::now() - began_ > kLongEnough || choose_.one_in(12);
+  ended_ = Clock::now() - began_ > kCancelAfter || choose_.one_in(12);
   return !ended_;
 }
 
@@ -199,8 +199,8 @@ void Caller::retain_or_release() {
       JobState& job = one(jobs_);
       change(job.ref, umbRetainJob, umbReleaseJob);
       if (job.ref.references > 0) return;
-      buried_.push_back(std::move(job.inputs));
-      buried_.push_back(std::move(job.outputs));
+      retired_images_.push_back(std::move(job.inputs));
+      retired_images_.push_back(std::move(job.outputs));
       job.inputs.clear();
       job.outputs.clear();
   }

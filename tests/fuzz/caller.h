@@ -16,9 +16,9 @@ namespace umbrage::fuzz {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kDeepest = 2;                            // max nesting of calls within callbacks
-constexpr std::chrono::milliseconds kLongEnough(700);  // after this a progress callback ends the work
-constexpr std::chrono::seconds kTooLong(20);           // max time of a call, even with sanitizers
+constexpr int kDeepest = 2;                             // max nesting of calls within callbacks
+constexpr std::chrono::milliseconds kCancelAfter(700);  // after this a progress callback ends the work
+constexpr std::chrono::seconds kMaxCallTime(20);        // max time of a call, even with sanitizers
 
 enum class Kind { kNone, kDevice, kScene, kJob };
 
@@ -78,16 +78,16 @@ class Caller {
     while (!choose_.used_up()) {
       called_back_ = false;
       call();
-      buried_.clear();
+      retired_images_.clear();
     }
   }
 
   CallCounts counts;
 
   // Callbacks.
-  void hear_error(UmbError code, const char* message);
-  void hear_warning(const char* message);
-  bool hear_progress(double done);
+  void receive_error(UmbError code, const char* message);
+  void receive_warning(const char* message);
+  bool receive_progress(double done);
 
  private:
   void call();
@@ -115,7 +115,7 @@ class Caller {
   /// Aborts unless a successful execution has written all pixels of these outputs, and nothing outside.
   void check_written(UmbJob handle, NamedPixels& outputs);
   /// Reads all outputs that the library returns.
-  void look_at_outputs(UmbJob handle);
+  void read_outputs(UmbJob handle);
   void ask_job();
   void write_files();
   void ask_lists();
@@ -128,7 +128,7 @@ class Caller {
       return state.references;
   }
   /// Removes the settings that prevent the execution of a job.
-  void set_right(JobState& job);
+  void make_executable(JobState& job);
   bool is_shared(const void* handle) const;
   /// Counts the code of a call, and checks its error message. Returns `code`.
   UmbError done(UmbError code, Kind kind, const void* handle, const char* call);
@@ -173,7 +173,7 @@ class Caller {
   std::deque<Ref<UmbDevice>> devices_;
   std::deque<SceneState> scenes_;
   std::deque<JobState> jobs_;
-  std::vector<NamedPixels> buried_;  // images of released jobs, which may still be in use
+  std::vector<NamedPixels> retired_images_;  // images of released jobs, which may still be in use
   int depth_ = 0;
   bool called_back_ = false;  // a callback has made calls within the current call
   double reported_ = 0.0;

@@ -96,7 +96,7 @@ void Caller::set_image() {
     trace("umbSetJobImage", name.shown() + " NULL");
     if (done(umbSetJobImage(handle, name.get(), nullptr), Kind::kJob, handle, "umbSetJobImage") == UMB_ERROR_NONE &&
         handle == job.ref.handle && job.inputs.contains(key)) {
-      buried_.push_back({{key, job.inputs[key]}});
+      retired_images_.push_back({{key, job.inputs[key]}});
       job.inputs.erase(key);
     }
     return;
@@ -109,7 +109,7 @@ void Caller::set_image() {
   const int width = choose_.one_in(16) ? 1 + int(choose_.below(40)) : job.width;
   const int height = choose_.one_in(16) ? 1 + int(choose_.below(40)) : job.height;
   Pixels pixels = is_depth && type == UMB_TYPE_FLOAT32 ? depth_image(choose_, width, height)
-                                                       : sound_image(choose_, type, width, height, channels);
+                                                       : valid_image(choose_, type, width, height, channels);
   UmbImage image = pixels.image;
   if (pixels.image.channels == known && choose_.one_in(4)) image.channels = 0;
   if (choose_.one_in(10)) spoil(choose_, any_int(), image);
@@ -117,7 +117,7 @@ void Caller::set_image() {
   trace("umbSetJobImage", name.shown() + " " + std::to_string(width) + " x " + std::to_string(height));
   if (done(umbSetJobImage(handle, name.get(), &image), Kind::kJob, handle, "umbSetJobImage") != UMB_ERROR_NONE) return;
   demand(handle == job.ref.handle && job.ref.references > 0, "an image was set on an invalid job");
-  buried_.push_back({{key, job.inputs[key]}});
+  retired_images_.push_back({{key, job.inputs[key]}});
   job.inputs[key] = pixels;
 }
 
@@ -135,7 +135,7 @@ void Caller::set_output() {
     int type = UMB_TYPE_FLOAT32 + int(choose_.below(5));
     if (type == UMB_TYPE_UINT32 && !is_id && !choose_.one_in(4)) type = UMB_TYPE_FLOAT32;
     const int width = choose_.one_in(16) ? 1 + int(choose_.below(40)) : job.width;
-    pixels = sound_image(choose_, type, width, job.height, channels);
+    pixels = valid_image(choose_, type, width, job.height, channels);
     const Pixels* other = job.outputs.empty() ? nullptr : &job.outputs.begin()->second;
     if (choose_.one_in(8) && other && other->block && other->block->size() >= pixels.block->size()) {
       // The memory of another output.
@@ -152,24 +152,24 @@ void Caller::set_output() {
       UMB_ERROR_NONE)
     return;
   demand(handle == job.ref.handle && job.ref.references > 0, "an output was set on an invalid job");
-  if (job.outputs.contains(key)) buried_.push_back({{key, job.outputs[key]}});
+  if (job.outputs.contains(key)) retired_images_.push_back({{key, job.outputs[key]}});
   job.outputs.erase(key);
   if (way != 0) job.outputs[key] = pixels;
 }
 
-void Caller::set_right(JobState& job) {
+void Caller::make_executable(JobState& job) {
   const UmbJob handle = job.ref.handle;
   if (job.ref.references == 0) return;
   trace("umbResetJobParameter", "and what else may be wrong");
   umbResetJobParameter(handle, nullptr);
   for (const auto& [name, pixels] : job.outputs) umbSetJobOutput(handle, name.c_str(), nullptr);
-  buried_.push_back(std::exchange(job.outputs, {}));
+  retired_images_.push_back(std::exchange(job.outputs, {}));
   if (job.renders) {
     umbSetJobInt(handle, "width", job.width);
     umbSetJobInt(handle, "height", job.height);
   } else {
     for (const auto& [name, pixels] : job.inputs) umbSetJobImage(handle, name.c_str(), nullptr);
-    buried_.push_back(std::exchange(job.inputs, {}));
+    retired_images_.push_back(std::exchange(job.inputs, {}));
     Pixels depth = depth_image(choose_, job.width, job.height);
     if (umbSetJobImage(handle, "depth", &depth.image) == UMB_ERROR_NONE) job.inputs["depth"] = depth;
   }
@@ -182,18 +182,18 @@ void Caller::execute(JobState& job) {
   NamedPixels outputs = job.outputs;
   std::vector<std::uint64_t> before;
   for (const auto& [name, pixels] : inputs) before.push_back(hash_of(*pixels.block));
-  for (auto& [name, pixels] : outputs) put_canaries(pixels, kCanary);
+  for (auto& [name, pixels] : outputs) fill_with_canaries(pixels, kCanary);
   const bool prepares = choose_.one_in(12);
   trace(prepares ? "umbPrepareJob" : "umbExecuteJob");
   begin_progress();
   const long executions = job.executions;
   const UmbError code = prepares ? umbPrepareJob(handle) : umbExecuteJob(handle);
-  demand(Clock::now() - began_ < kTooLong, "a job takes too long to be cancelled");
+  demand(Clock::now() - began_ < kMaxCallTime, "a job takes too long to be cancelled");
   done(code, Kind::kJob, handle, "umbExecuteJob");
   std::size_t number = 0;
   for (const auto& [name, pixels] : inputs) demand(hash_of(*pixels.block) == before[number++], "an input was written");
   if (job.executions != executions) return;  // the error callback has executed the job
-  if (code == UMB_ERROR_USAGE && depth_ == 0 && choose_.below(2)) set_right(job);
+  if (code == UMB_ERROR_USAGE && depth_ == 0 && choose_.below(2)) make_executable(job);
   if (prepares || code != UMB_ERROR_NONE) {
     for (const auto& [name, pixels] : outputs)
       demand(!pixels.block || code == UMB_ERROR_DEVICE || is_untouched(*pixels.block, kCanary),
@@ -203,34 +203,35 @@ void Caller::execute(JobState& job) {
   ++counts.executed;
   ++job.executions;
   check_written(handle, outputs);
-  if (job.ref.references > 0) look_at_outputs(handle);  // a callback may have released it
+  if (job.ref.references > 0) read_outputs(handle);  // a callback may have released it
 }
 
 void Caller::check_written(UmbJob handle, NamedPixels& outputs) {
   std::map<std::string, std::vector<std::size_t>> doubtful;  // indices of values that may be right, or not written
   for (auto& [name, pixels] : outputs) {
     if (!pixels.block) continue;
-    demand(is_whole_beside(outputs, pixels.block, kCanary), "an execution has written beside the pixels of " + name);
-    auto left = numbers_of(pixels, kCanary);
+    demand(is_untouched_outside(outputs, pixels.block, kCanary),
+           "an execution has written beside the pixels of " + name);
+    auto left = indices_of_canaries(pixels, kCanary);
     const bool small = pixels.image.type == UMB_TYPE_UINT8 || pixels.image.type == UMB_TYPE_UINT16;
     demand(small || left.empty(), "an execution has not written all pixels of " + name);
     if (!left.empty()) doubtful[name] = std::move(left);
   }
   if (doubtful.empty() || depth_ > 0) return;
-  for (auto& [name, pixels] : outputs) put_canaries(pixels, kOtherCanary);
+  for (auto& [name, pixels] : outputs) fill_with_canaries(pixels, kOtherCanary);
   umbSetJobProgressCallback(handle, nullptr, nullptr);
   const UmbError again = umbExecuteJob(handle);
   umbSetJobProgressCallback(handle, on_progress, nullptr);
   if (done(again, Kind::kJob, handle, "umbExecuteJob, again") != UMB_ERROR_NONE) return;
   for (const auto& [name, numbers] : doubtful) {
-    const auto left = numbers_of(outputs[name], kOtherCanary);
+    const auto left = indices_of_canaries(outputs[name], kOtherCanary);
     std::vector<std::size_t> never;
     std::set_intersection(left.begin(), left.end(), numbers.begin(), numbers.end(), std::back_inserter(never));
     demand(never.empty(), "an execution has not written all pixels of " + name);
   }
 }
 
-void Caller::look_at_outputs(UmbJob handle) {
+void Caller::read_outputs(UmbJob handle) {
   std::uint64_t sum = 0;
   int count = 0;
   for (const char* name = nullptr; (name = umbGetJobOutputName(handle, count)); ++count) {
@@ -287,7 +288,7 @@ void Caller::write_files() {
   std::vector<const char*> names;
   std::vector<UmbImage> images;
   for (int k = 0; k < count; ++k) {
-    pixels.push_back(sound_image(choose_, 1 + int(choose_.below(5)), 9, 7, 1 + int(choose_.below(5))));
+    pixels.push_back(valid_image(choose_, 1 + int(choose_.below(5)), 9, 7, 1 + int(choose_.below(5))));
     texts.push_back(any_pass(choose_));
     images.push_back(pixels.back().image);
     if (choose_.one_in(12)) spoil(choose_, any_int(), images.back());

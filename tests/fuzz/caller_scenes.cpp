@@ -131,7 +131,7 @@ void Caller::set_mesh_texture() {
   const int type = choose_.one_in(6) ? int(choose_.below(7)) : int(UMB_TYPE_UINT8);
   const int channels = choose_.one_in(6) ? 1 + int(choose_.below(5)) : 3 + int(choose_.below(2));
   const bool sound = type >= UMB_TYPE_FLOAT32 && type <= UMB_TYPE_UINT32;
-  Pixels texture = sound_image(choose_, sound ? type : int(UMB_TYPE_UINT8), 1 + int(choose_.below(9)),
+  Pixels texture = valid_image(choose_, sound ? type : int(UMB_TYPE_UINT8), 1 + int(choose_.below(9)),
                                1 + int(choose_.below(9)), channels);
   texture.image.type = type;
   if (choose_.one_in(10)) texture.image.data = nullptr;

@@ -13,7 +13,7 @@ struct Reader {
   std::string_view name;
   void (*read)(std::string_view bytes);
   std::vector<std::string> (*seeds)();  ///< small valid files
-  bool by_others;  ///< a third-party library reads it and may crash, in its own process (import_in_child_process)
+  bool by_library;  ///< a third-party library reads it and may crash, in its own process (import_in_child_process)
 };
 
 std::span<const Reader> readers();
