@@ -40,7 +40,7 @@ Result<float> radius_in_scene(std::string_view owner, const Length& radius, cons
 
 const Parameter* find_parameter(const Effect& effect, std::string_view name) {
   for (const Parameter& row : effect.parameters)
-    if (row.name == name) return &row;
+    if (row.name == name || (!name.empty() && row.former_name == name)) return &row;
   return nullptr;
 }
 

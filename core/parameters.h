@@ -33,6 +33,7 @@ struct Parameter {
   bool initially_relative = false;             ///< for kLength: `initial` is in percent
   bool above_zero = false;                     ///< 0 itself is refused, also as 0%
   std::string_view zero_means = {};            ///< meaning of 0, such as "automatic"; empty: none
+  std::string_view former_name = {};           ///< accepted, with a warning, until the next minor version; or empty
 };
 
 /// The range of a number, ends included, and its default.
@@ -106,6 +107,12 @@ Parameter bool_row(std::string_view name, int Params::*field, bool initial, std:
           .type = ParameterType::kBool,
           .offset = offset_of(field),
           .initial = initial ? 1.0 : 0.0};
+}
+
+/// Returns a renamed row, which is still found by its former name.
+inline Parameter renamed_from(std::string_view former_name, Parameter row) {
+  row.former_name = former_name;
+  return row;
 }
 
 /// The bytes of one params struct.

@@ -8,7 +8,7 @@
 #include "renderer/hdri.h"
 #include "renderer/models.h"
 #include "renderer/passes.h"
-#include "renderer/unused_settings.h"
+#include "renderer/setting_warnings.h"
 #include "scene/ground.h"
 
 namespace umbrage {
@@ -150,7 +150,7 @@ Result<void> JobObject::execute() {
   const ScopedPlanePool kept(device_->device->pool());
   const auto frame = renders() ? rendered(recipe) : shaded(request, recipe);
   if (!frame) return frame.error();
-  warn_of_unused_settings(request, recipe);
+  report_setting_warnings(request, recipe);
   Lines traced;
   if (!of_lines.empty()) {
     auto found = traced_lines(*device_->device, *frame, of_lines);
@@ -177,8 +177,8 @@ Result<void> JobObject::prepare() {
   return prepare_device(preparation_progress());
 }
 
-void JobObject::warn_of_unused_settings(const Request& request, const Recipe& recipe) {
-  auto sentences = unused_settings(request, recipe, scene_copy_.get(), [](std::string_view) { return true; });
+void JobObject::report_setting_warnings(const Request& request, const Recipe& recipe) {
+  auto sentences = setting_warnings(request, recipe, scene_copy_.get(), [](std::string_view) { return true; });
   if (sentences == reported_) return;
   reported_ = std::move(sentences);
   constexpr std::string_view kSettings = "`settings` ";  // the C interface has no `settings`: names are parameters

@@ -81,7 +81,7 @@ class JobObject final : public Object {
   const NamedImage* find_image(std::string_view name) const;
   Result<Recipe> recipe_of(const Request& request) const;
   /// Warns of settings that have no effect. Does not repeat the warnings of the last execution.
-  void warn_of_unused_settings(const Request& request, const Recipe& recipe);
+  void report_setting_warnings(const Request& request, const Recipe& recipe);
   Result<Frame> rendered(Recipe recipe);
   Result<Frame> shaded(const Request& request, const Recipe& recipe);
   /// Returns a monitor for the work that precedes drawing. It reports 0, since the reported fractions are those of

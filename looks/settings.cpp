@@ -26,7 +26,7 @@ Result<Setting> parse_setting(std::string_view assignment, std::span<const Effec
     for (const Parameter& each : (*effect)->parameters) names.push_back(each.name);
     return usage_error("effect {} has no parameter '{}'{}", owner, name, suggestion(name, names));
   }
-  return Setting{*effect, row, assignment.substr(equals + 1)};
+  return Setting{*effect, row, name, assignment.substr(equals + 1)};
 }
 
 Result<void> apply_setting(EffectSettings& settings, std::string_view assignment,

@@ -30,6 +30,7 @@ std::vector<const Effect*> all_effects(std::span<const Effect* const> external_e
 struct Setting {
   const Effect* effect = nullptr;
   const Parameter* parameter = nullptr;
+  std::string_view name;   ///< the parameter as written: its name or its former name; view into the parsed text
   std::string_view value;  ///< view into the parsed text
 };
 

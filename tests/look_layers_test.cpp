@@ -15,7 +15,7 @@ bool never(const ParameterBytes&) { return false; }
 /// Returns a technique that reads `input`. No device runs it.
 Effect reader_of(std::string_view input, bool (*needed)(const ParameterBytes&) = nullptr) {
   Effect effect{.name = "reader", .summary = "reads a plane", .kind = EffectKind::kOcclusion};
-  effect.passes = {{.name = "reader", .inputs = {"depth", input}, .outputs = {"ao"}, .needed = needed}};
+  effect.dispatches = {{.name = "reader", .inputs = {"depth", input}, .outputs = {"ao"}, .needed = needed}};
   return effect;
 }
 

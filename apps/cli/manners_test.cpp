@@ -447,6 +447,8 @@ TEST_F(Manners, WarnsOfSettingsThatDoNothing) {
          "--set hbao.radius=5% does nothing: the occlusion of this picture is bitmask; try --ao hbao");
   warned("--ao none --ao-radius 5%", "--ao-radius 5% does nothing: this picture has no occlusion");
   warned("--point-size 1%", "--point-size does nothing: 'tri.obj' has no points");
+  warned("--look cartoon --set toon.bands=3", "--set toon.bands=3: the parameter is now toon.steps");
+  warned("--look cartoon --set toon.steps=3", "");
   warned("--set lighting.open=off --set bitmask.slices=2 --set output.shoulder=0.5", "");
   warned("--look ao --ao hbao --set hbao.radius=5%", "");
   warned("--look ao --ao-radius 0.001%",

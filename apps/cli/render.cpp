@@ -23,8 +23,8 @@
 #include "renderer/draw.h"
 #include "renderer/lines.h"
 #include "renderer/passes.h"
+#include "renderer/setting_warnings.h"
 #include "renderer/strips.h"
-#include "renderer/unused_settings.h"
 
 namespace umbrage::cli {
 namespace {
@@ -362,7 +362,7 @@ Result<Scene> read_scene(const RenderOptions& o, Order& order, ProgressLine& lin
   for (const std::string& warning : scene->warnings) warn(warning);
   // Warn only about settings on the command line: those of a configuration file may be for other looks.
   const auto is_typed = [](std::string_view setting) { return command_line.find(setting) != std::string::npos; };
-  for (const std::string& sentence : unused_settings(o.request, order.asked, &*scene, is_typed))
+  for (const std::string& sentence : setting_warnings(o.request, order.asked, &*scene, is_typed))
     warn(with_option_names(sentence));
   return scene;
 }

@@ -51,8 +51,8 @@ const std::vector<Parameter> kTable = {
     choice_row("noise", &BitmaskParams::noise, kBitmaskTile, {"hilbert", "tile", "hash", "none"},
                "noise that rotates slices and offsets steps per pixel: a sequence along a Hilbert curve, a tile of 4x4 "
                "pixels, a hash, or none"),
-    int_row("frame", &BitmaskParams::frame, {.max = 65535},
-            "sample index among several pictures that are averaged; each has different noise"),
+    renamed_from("frame", int_row("sample_index", &BitmaskParams::sample_index, {.max = 65535},
+                                  "index among several pictures that are averaged; each has different noise")),
     bool_row("mips", &BitmaskParams::mips, false, "read distant taps from downsampled copies of the depth"),
     choice_row("border", &BitmaskParams::border, 0, {"skip", "open"},
                "taps outside the picture: left out of the estimate, or open"),
@@ -121,10 +121,10 @@ void fill_constants(const BitmaskParams& params, const PictureInfo& info, Bitmas
   c.fade = params.falloff > 0.0f ? 1.0f / (c.radius * params.falloff) : 0.0f;
   c.noise = params.noise;
   // The three-dimensional golden-ratio sequence [Roberts 2018].
-  const auto share = [&](double step) { return float(std::fmod(step * params.frame, 1.0)); };
-  c.frame_turn = share(0.8191725133961644);
-  c.frame_step = share(0.6710436067037893);
-  c.frame_bit = share(0.5497004779019703);
+  const auto share = [&](double step) { return float(std::fmod(step * params.sample_index, 1.0)); };
+  c.sample_turn = share(0.8191725133961644);
+  c.sample_step = share(0.6710436067037893);
+  c.sample_bit = share(0.5497004779019703);
   c.skip_outside = params.border == 0 ? 1 : 0;
   if (params.mips && params.mode != kBitmaskLayers) fill_mips(info, c);
   c.bleeding = params.bleeding;
@@ -195,7 +195,7 @@ Effect effect_bitmask() {
            "slices of the hemisphere as 32 bits of equal weight: the most accurate technique; also indirect light",
        .source = "Therrien et al. 2023",
        .set_radius = set_radius_of<&BitmaskParams::radius>,
-       .noise = "frame",
+       .noise = "sample_index",
        .tunable = {"slices", "steps", "distribution", "mode", "thickness", "slope"},
        .variants = {"", "slices=1 steps=6", "slices=2 steps=12", "slices=4 steps=24", "mode=infinite",
                     "measure=uniform slope=0.01 thickness=1", "mode=infinite falloff=0.6", "mode=layers", "bleeding=1",

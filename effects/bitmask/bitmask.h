@@ -15,7 +15,7 @@ struct BitmaskParams {
   int measure;       // one of kBitmaskExact...
   float falloff;     // fraction of the radius
   int noise;         // one of kBitmaskHilbert...
-  int frame;         // sample index
+  int sample_index;  // of accumulation
   int mips;          // 0 or 1
   int border;        // taps outside the picture: 0 left out, 1 open
   int bent;          // 0 or 1
@@ -46,8 +46,8 @@ struct BitmaskConstants {
   int measure;             // as in BitmaskParams
   float falloff, fade;     // outer fraction of the radius; fade = 1 / (radius falloff), 0 if falloff is 0
   int noise;               // as in BitmaskParams
-  float frame_turn, frame_step, frame_bit;  // offsets of the noise by sample index, [0, 1)
-  int skip_outside;                         // 0 or 1: taps outside the picture are left out
+  float sample_turn, sample_step, sample_bit;  // offsets of the noise by sample index, [0, 1)
+  int skip_outside;                            // 0 or 1: taps outside the picture are left out
   int mip_levels;  // number of levels beyond level 0, the picture; a pixel of level l covers 2^l x 2^l pixels
   int mip_rows;    // rows of level 1 in the mip plane; level l begins at row 2 mip_rows (1 - 2^(1 - l))
   // Read by the dispatch `sent`; see HemisphereConstants.

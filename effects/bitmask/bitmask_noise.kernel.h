@@ -48,6 +48,6 @@ FN Vec3 noise_at(Int px, Int py) {
                  to_real(to_signed((turn * Uint(7u)) & Uint(15u))) * 0.0625f);
     noise = noise + Vec3(Real(0.03125f), Real(0.03125f), Real(0.03125f));
   }
-  return Vec3(fract(noise.x + Real(C.frame_turn)), fract(noise.y + Real(C.frame_step)),
-              fract(noise.z + Real(C.frame_bit)));
+  return Vec3(fract(noise.x + Real(C.sample_turn)), fract(noise.y + Real(C.sample_step)),
+              fract(noise.z + Real(C.sample_bit)));
 }

@@ -152,8 +152,8 @@ std::vector<double> mean_at_middle(GBuffer g, const Settings& settings, const st
                                    bool scalar = false) {
   std::vector<double> sum(wanted.size(), 0.0);
   constexpr int kFrames = 8;
-  for (int frame = 0; frame < kFrames; ++frame) {
-    const auto one = at_middle(g, joined(settings, {{"frame", std::to_string(frame)}}), wanted, scalar);
+  for (int sample = 0; sample < kFrames; ++sample) {
+    const auto one = at_middle(g, joined(settings, {{"sample_index", std::to_string(sample)}}), wanted, scalar);
     for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += one[k] / kFrames;
   }
   return sum;
@@ -432,15 +432,18 @@ TEST(Bitmask, BordersGetNoMoreLightThanIsSent) {
     }
   for (const char* name : {"direct.r", "direct.g", "direct.b"}) g.layers[0].add(name) = Plane(width, height, 1.0f);
   for (const char* slices : {"1", "2"})
-    for (int frame = 0; frame < 16; ++frame) {
-      const Image image = test::run_effect(
-          *find_effect("bitmask"), g,
-          {{"radius", "4"}, {"slices", slices}, {"steps", "12"}, {"bleeding", "1"}, {"frame", std::to_string(frame)}},
-          {});
+    for (int sample = 0; sample < 16; ++sample) {
+      const Image image = test::run_effect(*find_effect("bitmask"), g,
+                                           {{"radius", "4"},
+                                            {"slices", slices},
+                                            {"steps", "12"},
+                                            {"bleeding", "1"},
+                                            {"sample_index", std::to_string(sample)}},
+                                           {});
       const Plane& light = image.plane("indirect.g");
       // Factor 2: a bit may be counted on the other side.
       for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) ASSERT_LE(light.at(x, y), 2.0f) << x << ' ' << y << ' ' << frame;
+        for (int x = 0; x < width; ++x) ASSERT_LE(light.at(x, y), 2.0f) << x << ' ' << y << ' ' << sample;
     }
 }
 
@@ -453,9 +456,9 @@ TEST(Bitmask, FramesAverageToLessNoise) {
   Plane mean(kSide, kSide, 0.0f);
   double one = 0.0;
   constexpr int kFrames = 8;
-  for (int frame = 0; frame < kFrames; ++frame) {
-    const Plane plane = ao({{"frame", std::to_string(frame)}});
-    if (frame == 0) one = test::difference(plane, fine, 1.0).mean;
+  for (int sample = 0; sample < kFrames; ++sample) {
+    const Plane plane = ao({{"sample_index", std::to_string(sample)}});
+    if (sample == 0) one = test::difference(plane, fine, 1.0).mean;
     for (int y = 0; y < kSide; ++y)
       for (int x = 0; x < kSide; ++x) mean.at(x, y) += plane.at(x, y) / kFrames;
   }

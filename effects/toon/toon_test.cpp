@@ -190,7 +190,7 @@ TEST(Toon, SphereHasTheRequestedSteps) {
   const GBuffer g = sphere();
   for (const char* mode : {"ramp", "paper"})
     for (const int steps : {2, 3, 4, 8}) {
-      const Settings settings = joined(kNoAmbient, {{"mode", mode}, {"bands", fmt::format("{}", steps)}});
+      const Settings settings = joined(kNoAmbient, {{"mode", mode}, {"steps", fmt::format("{}", steps)}});
       test::on_every_target("toon", g, settings, [&](const Image& out) {
         // Values are compared at a resolution that distinguishes values at edges from those of tone steps.
         std::map<long, long> histogram;
@@ -209,7 +209,7 @@ TEST(Toon, SphereHasTheRequestedSteps) {
 TEST(Toon, EdgesOfStepsAreAntialiasedWhereTheyBelong) {
   const GBuffer g = sphere();
   for (const int steps : {2, 4}) {
-    const Settings settings = joined(kNoAmbient, {{"bands", fmt::format("{}", steps)}, {"shadow_g", "0"}});
+    const Settings settings = joined(kNoAmbient, {{"steps", fmt::format("{}", steps)}, {"shadow_g", "0"}});
     test::on_every_target("toon", g, settings, [&](const Image& out) {
       double sum = 0.0, farthest = 0.0, worst_whole = 0.0;
       long between = 0;
@@ -338,7 +338,7 @@ GBuffer lit_by_ambient(const test::TiltedPlane& plane) {
 }
 
 // Four tone steps of light proportional to `ao`, from black to white.
-const Settings kStripsOfAo = {{"bands", "4"},    {"ambient", "1"}, {"extra", "0"},
+const Settings kStripsOfAo = {{"steps", "4"},    {"ambient", "1"}, {"extra", "0"},
                               {"shadow_g", "0"}, {"light_g", "1"}, {"albedo", "clay"}};
 /// Returns the `ao` at which light is `band` tone steps above black.
 float ao_of_strip(double step) { return float(0.5 * step); }
@@ -403,7 +403,7 @@ TEST(Toon, SoftnessWidensEdges) {
     for (int y = 0; y < 3; ++y) g.layers[0].plane("ao").at(x, y) = float(x + 0.37) / 32.0f;
   for (const double softness : {0.0, 0.5, 1.0}) {
     const Settings settings =
-        joined(kNoAmbient, {{"bands", "4"}, {"shadow_r", "0"}, {"softness", fmt::format("{}", softness)}});
+        joined(kNoAmbient, {{"steps", "4"}, {"shadow_r", "0"}, {"softness", fmt::format("{}", softness)}});
     test::on_every_target("toon", g, settings, [&](const Image& out) {
       for (int x = 1; x < kWidth - 1; ++x) {
         const double t = (x + 0.37) / 8.0, width = std::max(0.125, softness);
@@ -464,11 +464,11 @@ TEST(Toon, FacesAreNotSpeckled) {
     return max;
   };
   for (const char* steps : {"2", "3", "4", "5", "8", "16"}) {
-    EXPECT_EQ(spread({0, 0, 1}, {{"bands", steps}}), 0.0) << steps;   // turned to the light
-    EXPECT_EQ(spread({0, 0, -1}, {{"bands", steps}}), 0.0) << steps;  // turned away
+    EXPECT_EQ(spread({0, 0, 1}, {{"steps", steps}}), 0.0) << steps;   // turned to the light
+    EXPECT_EQ(spread({0, 0, -1}, {{"steps", steps}}), 0.0) << steps;  // turned away
   }
   // Light exactly at an edge: one colour, between those of both steps.
-  const Settings on_edge = joined(kNoAmbient, {{"bands", "2"}, {"shadow_r", "0"}});
+  const Settings on_edge = joined(kNoAmbient, {{"steps", "2"}, {"shadow_r", "0"}});
   EXPECT_LE(spread({std::sqrt(0.75), 0, 0.5}, on_edge), 0.03);
 }
 
@@ -480,7 +480,7 @@ TEST(Toon, ShadowFallsIntoTheDarkStep) {
   for (int y = 0; y < 8; ++y)
     for (int x = 16; x < 32; ++x) g.layers[0].plane("shadow").at(x, y) = 0.0f;
   for (const char* steps : {"2", "3", "4"})
-    test::on_every_target("toon", g, {{"bands", steps}, {"shadow_r", "0.25"}, {"light_r", "0.75"}},
+    test::on_every_target("toon", g, {{"steps", steps}, {"shadow_r", "0.25"}, {"light_r", "0.75"}},
                           [&](const Image& out) {
                             for (int x = 0; x < 32; ++x) {
                               const float r = out.plane("lit.r").at(x, 4);
@@ -610,7 +610,7 @@ TEST(Toon, RampEndsInItsColours) {
                            {"light_r", "0.9"},  {"light_g", "0.8"},  {"light_b", "0.7"}};
   const double dark[] = {0.1, 0.2, 0.5}, bright[] = {0.9, 0.8, 0.7};
   for (const int steps : {1, 2, 3, 4, 256}) {
-    const Settings settings = joined(joined(colors, {{"bands", fmt::format("{}", steps)}}), kNoAmbient);
+    const Settings settings = joined(joined(colors, {{"steps", fmt::format("{}", steps)}}), kNoAmbient);
     for (const bool towards : {true, false})
       test::on_every_target("toon", face(3, 2, {0, 0, towards ? 1.0f : -1.0f}), settings, [&](const Image& out) {
         for (int c = 0; c < 3; ++c)
@@ -618,7 +618,7 @@ TEST(Toon, RampEndsInItsColours) {
       });
   }
   // The middle one of three steps has the mean colour.
-  test::on_every_target("toon", face(3, 2, {float(std::sqrt(0.75)), 0, 0.5f}), joined(colors, {{"bands", "3"}}),
+  test::on_every_target("toon", face(3, 2, {float(std::sqrt(0.75)), 0, 0.5f}), joined(colors, {{"steps", "3"}}),
                         [&](const Image& out) {
                           for (int c = 0; c < 3; ++c)
                             EXPECT_NEAR(out.plane(kLit[c]).at(1, 1), 0.5 * (dark[c] + bright[c]), 1e-6);
@@ -708,7 +708,7 @@ TEST(Toon, NumbersOfBandsOutsideTheRangeAreRefused) {
   const Effect& effect = *find_effect("toon");
   ParameterBytes bytes = initial_parameters(effect.parameters, effect.params_size);
   for (const char* text : {"0", "1000", "-4", "2.5"}) {
-    const auto done = set_parameter("toon", *find_parameter(effect, "bands"), text, bytes);
+    const auto done = set_parameter("toon", *find_parameter(effect, "steps"), text, bytes);
     ASSERT_FALSE(done) << text;
     EXPECT_NE(done.error().message.find("1 to 256"), std::string::npos) << done.error().message;
     EXPECT_NE(done.error().message.find(text), std::string::npos) << done.error().message;

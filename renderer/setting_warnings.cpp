@@ -1,4 +1,4 @@
-#include "renderer/unused_settings.h"
+#include "renderer/setting_warnings.h"
 
 #include <fmt/format.h>
 
@@ -6,6 +6,7 @@
 
 #include "effects/effects.h"
 #include "looks/looks.h"
+#include "looks/settings.h"
 
 namespace umbrage {
 namespace {
@@ -36,6 +37,17 @@ void add_of_effects(const Request& request, const Recipe& recipe,
     else
       sentences.push_back(
           fmt::format("`settings` {} does nothing: the look {} has no {}", setting, recipe.look->name, effect));
+  }
+}
+
+void add_of_former_names(const Request& request, std::vector<std::string>& sentences) {
+  for (const std::string& text : request.settings) {
+    const auto setting = parse_setting(text, external_effects());
+    if (!setting) continue;  // reported as an error
+    const auto& [effect, parameter, name, value] = *setting;
+    if (name == parameter->name) continue;
+    sentences.push_back(fmt::format("`settings` {}: the parameter is now {}.{}; the former name will be removed in 0.2",
+                                    text, effect->name, parameter->name));
   }
 }
 
@@ -74,9 +86,10 @@ void add_of_images(const Request& request, const Recipe& recipe, std::vector<std
 
 }  // namespace
 
-std::vector<std::string> unused_settings(const Request& request, const Recipe& recipe, const Scene* scene,
-                                         const std::function<bool(std::string_view setting)>& is_reported) {
+std::vector<std::string> setting_warnings(const Request& request, const Recipe& recipe, const Scene* scene,
+                                          const std::function<bool(std::string_view setting)>& is_reported) {
   std::vector<std::string> sentences;
+  add_of_former_names(request, sentences);
   add_of_effects(request, recipe, is_reported, sentences);
   if (recipe.own_look) add_of_looks(request, sentences);
   if (recipe.radius && recipe.occlusion == kNoOcclusion && !recipe.own_look)
