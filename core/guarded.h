@@ -11,14 +11,14 @@
 namespace umbrage {
 
 /// Returns the Result of `work`, or converts the exception that it throws: kDevice if memory is exhausted, kInternal
-/// otherwise. `asked()` returns what the memory was requested for, such as "a picture of 64 x 48 pixels".
-template <class Asked, class Work>
-std::invoke_result_t<Work> guarded(const Asked& asked, const Work& work) {
+/// otherwise. `memory_purpose()` returns what the memory was requested for, such as "a picture of 64 x 48 pixels".
+template <class Purpose, class Work>
+std::invoke_result_t<Work> guarded(const Purpose& memory_purpose, const Work& work) {
   try {
     try {
       return work();
     } catch (const std::bad_alloc&) {
-      return device_error("not enough memory for {}", asked());
+      return device_error("not enough memory for {}", memory_purpose());
     } catch (const std::exception& error) {
       return Error{ErrorKind::kInternal, fmt::format("internal error: {}", error.what())};
     } catch (...) {  // a callback of the caller threw something else

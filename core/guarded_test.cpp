@@ -104,10 +104,10 @@ TEST_F(ShortMemory, IsCodeFourAndWritesNothing) {
                     test::quoted(UMBRAGE_PROGRAM), words, test::quoted(err.string()));
     const int status = std::system(line.c_str());
     ASSERT_TRUE(WIFEXITED(status)) << megabytes;
-    const std::string told = test::text_of(err);
-    ASSERT_EQ(WEXITSTATUS(status), 4) << megabytes << ": " << told;
-    EXPECT_NE(told.find("not enough memory for"), std::string::npos) << told;
-    EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 1) << told;
+    const std::string reported = test::text_of(err);
+    ASSERT_EQ(WEXITSTATUS(status), 4) << megabytes << ": " << reported;
+    EXPECT_NE(reported.find("not enough memory for"), std::string::npos) << reported;
+    EXPECT_EQ(std::count(reported.begin(), reported.end(), '\n'), 1) << reported;
     EXPECT_FALSE(test::fs::exists(folder_ / "big.png"));
   }
 }

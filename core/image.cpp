@@ -178,7 +178,7 @@ Plane cropped(const Plane& plane, int margin) {
 
 Image downsample(const Image& image, int factor) {
   Image out(image.width / factor, image.height / factor);
-  const float share = 1.0f / float(factor * factor);
+  const float fraction = 1.0f / float(factor * factor);
   for (std::size_t p = 0; p < image.planes.size(); ++p) {
     Plane& plane = out.add(image.names[p]);
     for (int y = 0; y < out.height; ++y)
@@ -186,7 +186,7 @@ Image downsample(const Image& image, int factor) {
         float sum = 0.0f;
         for (int j = 0; j < factor; ++j)
           for (int i = 0; i < factor; ++i) sum += image.planes[p].at(x * factor + i, y * factor + j);
-        plane.at(x, y) = sum * share;
+        plane.at(x, y) = sum * fraction;
       }
   }
   return out;

@@ -75,16 +75,16 @@ Parameter int_row(std::string_view name, int Params::*field, const NumberRange& 
 
 template <class Params>
 Parameter length_row(std::string_view name, Length Params::*field, const LengthRange& range, std::string_view help) {
-  const bool share = range.initial_percent != 0.0;
+  const bool fraction = range.initial_percent != 0.0;
   return {.name = name,
           .help = help,
           .type = ParameterType::kLength,
           .offset = offset_of(field),
-          .initial = share ? range.initial_percent : range.initial,
+          .initial = fraction ? range.initial_percent : range.initial,
           .min = range.min,
           .max = range.max,
           .unit = range.unit,
-          .initially_relative = share,
+          .initially_relative = fraction,
           .above_zero = range.above_zero,
           .zero_means = range.zero_means};
 }

@@ -29,12 +29,12 @@ class Watch {
   }
 
   /// Reports the fraction of the work that is done. Thread-safe.
-  void reached(double share) {
+  void reached(double fraction) {
     if (!monitor_ || std::this_thread::get_id() != monitor_thread_) return;
     const auto now = std::chrono::steady_clock::now();
     if (ended() || now - last_ < kMonitorInterval) return;
     last_ = now;
-    reported_ = std::max(reported_, std::min(share, 1.0));
+    reported_ = std::max(reported_, std::min(fraction, 1.0));
     if (!monitor_(reported_)) ended_ = true;
   }
 

@@ -246,13 +246,13 @@ Mesh rosette(float radius, const Detail& d) {
       d(40, 10), d(10, 3),
       [&](float u, float v) {
         const float r = radius * (1.0f - v);  // from the edge to the centre, so that the front is +z
-        const float turn = 2.0f * kPi * u, share = 1.0f - v;
+        const float turn = 2.0f * kPi * u, fraction = 1.0f - v;
         const float outer = std::abs(std::cos(4.0f * turn)), inner = std::abs(std::sin(4.0f * turn));
-        float z = 0.05f * glm::smoothstep(1.0f, 0.93f, share);
-        if (share < 0.78f)
-          z = 0.012f + 0.07f * std::sqrt(outer) * std::sin(kPi * std::clamp(share / 0.78f, 0.0f, 1.0f));
-        if (share < 0.45f) z = std::max(z, 0.03f + 0.07f * std::sqrt(inner) * std::sin(kPi * share / 0.45f));
-        if (share < 0.17f) z = 0.10f * std::sqrt(1.0f - share * share / 0.03f);
+        float z = 0.05f * glm::smoothstep(1.0f, 0.93f, fraction);
+        if (fraction < 0.78f)
+          z = 0.012f + 0.07f * std::sqrt(outer) * std::sin(kPi * std::clamp(fraction / 0.78f, 0.0f, 1.0f));
+        if (fraction < 0.45f) z = std::max(z, 0.03f + 0.07f * std::sqrt(inner) * std::sin(kPi * fraction / 0.45f));
+        if (fraction < 0.17f) z = 0.10f * std::sqrt(1.0f - fraction * fraction / 0.03f);
         return SurfacePoint{{r * std::cos(turn), r * std::sin(turn), z}, {r * std::cos(turn), r * std::sin(turn)}};
       },
       {.u = true});

@@ -170,9 +170,9 @@ TEST(FigureLayout, ClawIsWellBeforeTheBody) {
       }
       if (box.high.z > claw.high.z) claw = box;
     }
-  const float share = depth(claw) / depth(bounds(scene, "trunk"));
-  EXPECT_GT(share, 0.55f);
-  EXPECT_LT(share, 0.75f);
+  const float fraction = depth(claw) / depth(bounds(scene, "trunk"));
+  EXPECT_GT(fraction, 0.55f);
+  EXPECT_LT(fraction, 0.75f);
 }
 
 TEST(FigureLayout, TankIsSeenFromBehindFirst) {

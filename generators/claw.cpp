@@ -49,12 +49,12 @@ struct Maker {
   Detail detail;
   Palette paint;
 
-  float cell(float share) const { return kCell * share / std::max(detail.scale, kMinScale); }
+  float cell(float fraction) const { return kCell * fraction / std::max(detail.scale, kMinScale); }
 
   /// Adds an implicit surface made in its own frame; `share` scales its triangles relative to the others'.
   int add(const char* name, int material, const Field& field, vec3 low, vec3 high, const mat4& frame = mat4(1.0f),
-          float share = 1.0f, int part_of = -1) {
-    Mesh mesh = sdf::mesh(field, low, high, cell(share));
+          float fraction = 1.0f, int part_of = -1) {
+    Mesh mesh = sdf::mesh(field, low, high, cell(fraction));
     return shapes::add_mesh(scene, name, shapes::transformed(std::move(mesh), frame), material, part_of);
   }
 };
@@ -94,10 +94,10 @@ struct Horn {
 
 /// Adds a horn as a tapered tube, whose tip stays sharp at any tessellation.
 int add_horn(Maker& m, const char* name, int material, const Horn& horn, const mat4& frame = mat4(1.0f),
-             float share = 0.7f, int part_of = -1) {
+             float fraction = 0.7f, int part_of = -1) {
   constexpr float kPi = std::numbers::pi_v<float>;
   constexpr int kMinSteps = 5, kMinSides = 6;
-  const float edge = kCell * share / m.detail.scale, thick = std::max(horn.radius_a, horn.radius_c);
+  const float edge = kCell * fraction / m.detail.scale, thick = std::max(horn.radius_a, horn.radius_c);
   const float length = glm::distance(horn.a, horn.b) + glm::distance(horn.b, horn.c);
   const int steps = std::max(kMinSteps, int(length / edge)),
             sides = std::max(kMinSides, int(2.0f * kPi * thick / edge));

@@ -60,10 +60,11 @@ struct Maker {
   Palette paint;
 
   /// Adds an implicit surface; `share` scales its triangles relative to the others'.
-  int add(const char* name, int material, const sdf::Field& field, vec3 low, vec3 high, float share = 1.0f,
+  int add(const char* name, int material, const sdf::Field& field, vec3 low, vec3 high, float fraction = 1.0f,
           int part_of = -1) {
-    return shapes::add_mesh(scene, name, sdf::mesh(field, low, high, kCell * share / std::max(detail.scale, kMinScale)),
-                            material, part_of);
+    return shapes::add_mesh(scene, name,
+                            sdf::mesh(field, low, high, kCell * fraction / std::max(detail.scale, kMinScale)), material,
+                            part_of);
   }
 };
 

@@ -253,9 +253,9 @@ Texture frond(int width, int height, vec3 color, vec3 rib) {
     const float reach = 0.97f * std::pow(std::sin(kPi * std::clamp(0.12f + 0.88f * t, 0.0f, 1.0f)), 0.55f);
     // Leaflets lean towards the tip; each is a spindle around its own axis.
     const float along = 17.0f * (t - 0.16f * x) + (uv.x < 0.5f ? 0.5f : 0.0f);
-    const float share = x / std::max(reach, 0.01f);
-    const float half = 0.44f * std::sqrt(std::max(1.0f - share, 0.0f)) * (0.5f + 1.2f * std::min(share, 0.42f));
-    const float inside = std::max(half - std::abs(fract(along) - 0.5f), 0.0f) * (share < 1.0f ? 1.0f : 0.0f);
+    const float fraction = x / std::max(reach, 0.01f);
+    const float half = 0.44f * std::sqrt(std::max(1.0f - fraction, 0.0f)) * (0.5f + 1.2f * std::min(fraction, 0.42f));
+    const float inside = std::max(half - std::abs(fract(along) - 0.5f), 0.0f) * (fraction < 1.0f ? 1.0f : 0.0f);
     const float on_rib = 0.035f + 0.02f * (1.0f - t) - x;
     const float shade = 0.8f + 0.35f * t + 0.25f * std::abs(fract(along) - 0.5f) * 2.0f;
     const vec3 c = on_rib > 0.0f ? rib : color * shade;

@@ -133,8 +133,8 @@ void add_shell(Scene& scene, const Materials& m, const Detail& d) {
   bar({kWindowLow.x, kWindowLow.y + wide}, {kWindowLow.x + wide, kWindowHigh.y - wide});
   bar({kWindowHigh.x - wide, kWindowLow.y + wide}, {kWindowHigh.x, kWindowHigh.y - wide});
   const float width = kWindowHigh.x - kWindowLow.x;
-  for (const float share : {1.0f / 3.0f, 2.0f / 3.0f}) {
-    const float middle = kWindowLow.x + share * width;
+  for (const float fraction : {1.0f / 3.0f, 2.0f / 3.0f}) {
+    const float middle = kWindowLow.x + fraction * width;
     bar({middle - 0.5f * wide, kWindowLow.y + wide}, {middle + 0.5f * wide, kWindowHigh.y - wide});
   }
   const float transom = kWindowLow.y + 0.68f * (kWindowHigh.y - kWindowLow.y);
@@ -473,12 +473,12 @@ void add_shelf(Scene& scene, const Materials& m, const Detail& d) {
   const float inside = 2.0f * (kHalf - kBoard) - 0.01f;
   // Part of each shelf that is filled with books, from the left or from the right; other objects fill the rest.
   constexpr struct {
-    float from, share;
+    float from, fraction;
   } kRows[kShelves] = {{0.0f, 1.0f}, {0.0f, 0.62f}, {0.36f, 0.64f}, {0.0f, 0.86f}, {0.30f, 0.44f}};
   for (int i = 0; i < kShelves; ++i) {
     const float y = kFoot + pitch * float(i) + kBoard;
     add_book_row(books, at + vec3(-kHalf + kBoard + 0.005f + kRows[i].from * inside, y, kDeep - 0.035f),
-                 kRows[i].share * inside, pitch - kBoard - 0.03f, random, d);
+                 kRows[i].fraction * inside, pitch - kBoard - 0.03f, random, d);
   }
   // A horizontal pile.
   float pile = kFoot + pitch + kBoard;
@@ -589,10 +589,10 @@ void add_plant(Scene& scene, const Materials& m, vec3 at, const Detail& d) {
     const Points3 path = smooth(bones, d(6, 2));
     append(stems, tube(path, 0.008f, d(8, 4)));
     for (int i = 0; i < kLeaves; ++i) {
-      const float share = 0.22f + 0.78f * float(i) / float(kLeaves - 1);
-      const vec3 from = path[std::size_t(share * float(path.size() - 1) + 0.5f)];
+      const float fraction = 0.22f + 0.78f * float(i) / float(kLeaves - 1);
+      const vec3 from = path[std::size_t(fraction * float(path.size() - 1) + 0.5f)];
       const float direction = glm::degrees(turn) + 137.5f * float(i) + random.between(-25.0f, 25.0f);
-      const float size = random.between(0.20f, 0.30f) * (1.1f - 0.3f * share),
+      const float size = random.between(0.20f, 0.30f) * (1.1f - 0.3f * fraction),
                   steep = glm::radians(random.between(25.0f, 70.0f)), bow = random.between(0.9f, 1.7f);
       Mesh blade = surface(d(4), d(8, 3), [&](float u, float v) {
         const float end = steep - bow * v;

@@ -93,11 +93,11 @@ Mesh lattice(int nu, int nv, const At& at, Wrap wrap = {}) {
       add_solid_triangle(mesh, a, c, d);
     }
   std::vector<vec3> sums = summed_normals(mesh);
-  const auto share = [&sums](std::uint32_t a, std::uint32_t b) { sums[a] = sums[b] = sums[a] + sums[b]; };
+  const auto fraction = [&sums](std::uint32_t a, std::uint32_t b) { sums[a] = sums[b] = sums[a] + sums[b]; };
   if (wrap.u)
-    for (int j = 0; j <= nv; ++j) share(index(0, j), index(nu, j));
+    for (int j = 0; j <= nv; ++j) fraction(index(0, j), index(nu, j));
   if (wrap.v)
-    for (int i = 0; i <= nu; ++i) share(index(i, 0), index(i, nv));
+    for (int i = 0; i <= nu; ++i) fraction(index(i, 0), index(i, nv));
   for (int j : {0, nv}) {  // a row that is one point has one normal
     const vec3 first = mesh.positions[index(0, j)];
     const vec3 across = mesh.positions[index(nu / 2, j)] - mesh.positions[index(nu / 2, nv / 2)];

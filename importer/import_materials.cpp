@@ -273,8 +273,8 @@ void set_highlight(const aiMaterial& source, Material& material) {
   const std::optional<glm::vec3> specular = color_of(source, AI_MATKEY_COLOR_SPECULAR);
   const std::optional<float> exponent = number_of(source, AI_MATKEY_SHININESS);
   if (!specular || !exponent || *exponent <= 0.0f) return;
-  const float share = number_of(source, AI_MATKEY_SHININESS_STRENGTH).value_or(1.0f);
-  material.specular_strength = in_unit(std::max({specular->x, specular->y, specular->z}) * share);
+  const float fraction = number_of(source, AI_MATKEY_SHININESS_STRENGTH).value_or(1.0f);
+  material.specular_strength = in_unit(std::max({specular->x, specular->y, specular->z}) * fraction);
   material.specular_exponent = std::clamp(*exponent, kMinExponent, kMaxExponent);
 }
 

@@ -384,12 +384,12 @@ void read_rows(const fs::path& file, int index, const Imath::Box2i& data, const 
   };
   const int blocks = (data.max.y - data.min.y) / kMaxBlock + 1;
   if (blocks < 2) return read_from(input, data.min.y, data.max.y);
-  const auto row_at = [&](int share) { return data.min.y + blocks * share / kReadThreads * kMaxBlock; };
+  const auto row_at = [&](int fraction) { return data.min.y + blocks * fraction / kReadThreads * kMaxBlock; };
   tbb::task_arena arena(thread_count(kReadThreads));
   arena.execute([&] {
-    tbb::parallel_for(0, kReadThreads, [&](int share) {
-      const int first = row_at(share), last = std::min(row_at(share + 1) - 1, data.max.y);
-      if (share == 0) return read_from(input, first, last);
+    tbb::parallel_for(0, kReadThreads, [&](int fraction) {
+      const int first = row_at(fraction), last = std::min(row_at(fraction + 1) - 1, data.max.y);
+      if (fraction == 0) return read_from(input, first, last);
       Imf::MultiPartInputFile own(file.c_str(), 0, kNoRepair);
       read_from(own, first, last);
     });

@@ -39,12 +39,12 @@ std::string_view name_of(LineKind kind) {
 }
 
 /// Clamps to [0, 1]; NaN becomes 0.
-float share(float v) { return std::fmin(std::fmax(v, 0.0f), 1.0f); }
+float fraction(float v) { return std::fmin(std::fmax(v, 0.0f), 1.0f); }
 
 /// Returns the colour as "#rrggbb".
 std::string hex_of(const std::array<float, 3>& color) {
   std::string text = "#";
-  for (const float v : color) text += fmt::format("{:02x}", int(std::lround(255.0f * share(v))));
+  for (const float v : color) text += fmt::format("{:02x}", int(std::lround(255.0f * fraction(v))));
   return text;
 }
 
@@ -167,7 +167,7 @@ Result<std::string> svg_text(const Lines& lines, const SvgStyle& style) {
   text += fmt::format(
       "<g id=\"lines\" fill=\"none\" stroke=\"{}\" stroke-linecap=\"round\" stroke-linejoin=\"round\" "
       "opacity=\"{:.3g}\">\n",
-      hex_of(style.color), share(style.opacity));
+      hex_of(style.color), fraction(style.opacity));
   for (const auto& [key, paths] : groups) {
     if (paths.empty()) continue;
     const auto& [kind, object] = key;

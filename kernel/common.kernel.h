@@ -58,14 +58,14 @@ FN Vec3 to_eye(Vec3 position) {
 // Blends two linear values by their square roots, which is close to display encodings and to perception: a black line
 // between two pixels looks as dark as one on a pixel. Blended linearly, each of the two would look three quarters as
 // bright as its surroundings.
-FN Real mixed_as_square_roots(Real light, Real line, Real share) {
+FN Real mixed_as_square_roots(Real light, Real line, Real fraction) {
   Real root = sqrt(max(light, Real(0.0f)));
-  root = mad(sqrt(line) - root, share, root);
+  root = mad(sqrt(line) - root, fraction, root);
   return root * root;
 }
-FN Vec3 mixed_as_square_roots(Vec3 light, Vec3 line, Real share) {
-  return Vec3(mixed_as_square_roots(light.x, line.x, share), mixed_as_square_roots(light.y, line.y, share),
-              mixed_as_square_roots(light.z, line.z, share));
+FN Vec3 mixed_as_square_roots(Vec3 light, Vec3 line, Real fraction) {
+  return Vec3(mixed_as_square_roots(light.x, line.x, fraction), mixed_as_square_roots(light.y, line.y, fraction),
+              mixed_as_square_roots(light.z, line.z, fraction));
 }
 
 // Converts a linear value to its sRGB encoding.

@@ -47,8 +47,8 @@ struct Seen {
   Vec3 point(int x, int y, double before_px = 0.0) {
     const double u = x * pixel, v = -y * pixel;
     const double lean = n[0] * u + n[1] * v, before = before_px * pixel;
-    const double share = orthographic ? 1.0 + (lean - before) / n[2] : (n[2] - before) / (n[2] - lean);
-    return surface.view_position(x, y, float(kDepth * scale * share));
+    const double fraction = orthographic ? 1.0 + (lean - before) / n[2] : (n[2] - before) / (n[2] - lean);
+    return surface.view_position(x, y, float(kDepth * scale * fraction));
   }
 };
 
@@ -73,9 +73,9 @@ TEST(Surface, WrongNormalsAreExplained) {
     for (const double angle_deg : {0.0, 45.0, 80.0, 85.0, 87.0, 89.0})
       for (const double error_deg : {-2.0, -0.5, 0.5, 2.0}) {
         Seen seen(angle_deg, orthographic);
-        const Vec3 here = seen.point(0, 0), told = seen.normal(error_deg);
+        const Vec3 here = seen.point(0, 0), reported = seen.normal(error_deg);
         for (const int k : {1, 2, 4})
-          EXPECT_LE(seen.surface.surface_distance(here, told, seen.point(0, k), told, 1.0f), 1.0f)
+          EXPECT_LE(seen.surface.surface_distance(here, reported, seen.point(0, k), reported, 1.0f), 1.0f)
               << angle_deg << " degrees, wrong by " << error_deg;
       }
 }

@@ -375,19 +375,19 @@ struct Told {
 
 TEST(CInterface, CallbacksHearOfErrors) {
   Objects o;
-  Told told;
+  Told reported;
   const auto on_error = [](void* user, UmbError code, const char* message) {
     EXPECT_EQ(code, UMB_ERROR_USAGE);
     static_cast<Told*>(user)->errors.emplace_back(message);
   };
-  umbSetDeviceErrorCallback(o.device, on_error, &told);
+  umbSetDeviceErrorCallback(o.device, on_error, &reported);
   make_render_job(o);
   EXPECT_EQ(umbExecuteJob(o.job), UMB_ERROR_USAGE);
   EXPECT_EQ(umbSetJobInt(o.job, "widht", 3), UMB_ERROR_USAGE);
-  ASSERT_EQ(told.errors.size(), 2u);
-  EXPECT_NE(told.errors[0].find("the scene is empty"), std::string::npos) << told.errors[0];
-  EXPECT_NE(told.errors[1].find("did you mean 'width'"), std::string::npos) << told.errors[1];
-  EXPECT_EQ(job_error(o.job), told.errors[0]) << "the first";
+  ASSERT_EQ(reported.errors.size(), 2u);
+  EXPECT_NE(reported.errors[0].find("the scene is empty"), std::string::npos) << reported.errors[0];
+  EXPECT_NE(reported.errors[1].find("did you mean 'width'"), std::string::npos) << reported.errors[1];
+  EXPECT_EQ(job_error(o.job), reported.errors[0]) << "the first";
   EXPECT_EQ(job_error(o.job), "");
 }
 
@@ -556,20 +556,20 @@ TEST(CInterface, ListsWhatThereIs) {
 
 TEST(CInterface, WarnsOnceOfWhatDoesNothing) {
   Objects o;
-  Told told;
+  Told reported;
   umbSetDeviceLogCallback(
       o.device, [](void* user, const char* message) { static_cast<Told*>(user)->warnings.emplace_back(message); },
-      &told);
+      &reported);
   add_box(o.scene);
   make_render_job(o);
   umbSetJobFloat(o.job, "outline.width", 3.0f);
   for (int k = 0; k < 2; ++k) EXPECT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
-  ASSERT_EQ(told.warnings.size(), 1u);
-  EXPECT_NE(told.warnings[0].find("outline.width=3 does nothing: the look ao has no outline"), std::string::npos)
-      << told.warnings[0];
+  ASSERT_EQ(reported.warnings.size(), 1u);
+  EXPECT_NE(reported.warnings[0].find("outline.width=3 does nothing: the look ao has no outline"), std::string::npos)
+      << reported.warnings[0];
   umbSetJobString(o.job, "look", "cartoon");
   EXPECT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
-  EXPECT_EQ(told.warnings.size(), 1u);
+  EXPECT_EQ(reported.warnings.size(), 1u);
 }
 
 TEST(CInterface, FilesOfOnePictureTakeNoOther) {
@@ -592,10 +592,10 @@ TEST(CInterface, FilesOfOnePictureTakeNoOther) {
 
 TEST(CInterface, SaysWhatIsLeftOutOfAMesh) {
   Objects o;
-  Told told;
+  Told reported;
   umbSetDeviceLogCallback(
       o.device, [](void* user, const char* message) { static_cast<Told*>(user)->warnings.emplace_back(message); },
-      &told);
+      &reported);
   const int mesh = add_box(o.scene);
   float corners[8][3];
   std::memcpy(corners, kCorners, sizeof corners);
@@ -603,8 +603,9 @@ TEST(CInterface, SaysWhatIsLeftOutOfAMesh) {
   ASSERT_EQ(umbSetMeshBuffer(o.scene, mesh, "position", corners, UMB_TYPE_FLOAT32, 3, 0), UMB_ERROR_NONE);
   make_render_job(o);
   ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
-  ASSERT_EQ(told.warnings.size(), 1u);
-  EXPECT_NE(told.warnings[0].find("6 triangles of the mesh 'box' are left out"), std::string::npos) << told.warnings[0];
+  ASSERT_EQ(reported.warnings.size(), 1u);
+  EXPECT_NE(reported.warnings[0].find("6 triangles of the mesh 'box' are left out"), std::string::npos)
+      << reported.warnings[0];
   for (auto& corner : corners) corner[0] = NAN;
   ASSERT_EQ(umbSetMeshBuffer(o.scene, mesh, "position", corners, UMB_TYPE_FLOAT32, 3, 0), UMB_ERROR_NONE);
   EXPECT_EQ(umbExecuteJob(o.job), UMB_ERROR_USAGE);

@@ -171,19 +171,19 @@ TEST(CppCalls, HandlesOfTheCInterfaceAreAdopted) {
   EXPECT_EQ(device.get(), of_c);
   umb::Scene scene = umb::Scene::adopt(umbNewScene(of_c));
   scene.load(kSolids);
-  int told = 0;
+  int reported = 0;
   {
     umb::Job job = umb::Job::adopt(umbNewRenderJob(of_c, scene.get()));
     job.set("width", 8);
     job.set("height", 8);
-    job.execute([&](double) { return ++told, true; });
+    job.execute([&](double) { return ++reported, true; });
     EXPECT_EQ(job.output("color").width, 8);
     const UmbJob gone = job.get();
     job = {};
     EXPECT_EQ(umbCheckJob(gone), UMB_ERROR_USAGE) << "it had the only reference";
     umbGetError(nullptr);
   }
-  EXPECT_GT(told, 0);
+  EXPECT_GT(reported, 0);
   scene = {};
   device = {};
   EXPECT_NE(umbGetDeviceDescription(of_c), nullptr) << "the caller's own reference";

@@ -325,16 +325,16 @@ TEST(CppInterface, ProgressIsToldAndWhatItThrowsComesOut) {
 
 TEST(CppInterface, CallbacksOfDevices) {
   umb::Device device("cpu", 1);
-  std::vector<std::string> told;
+  std::vector<std::string> reported;
   device.set_error_callback(
       [](void* user, UmbError, const char* message) {
         static_cast<std::vector<std::string>*>(user)->push_back(message);
       },
-      &told);
+      &reported);
   umb::Scene scene(device);
   EXPECT_TRUE(refuses([&] { scene.load("scene:solid"); }, UMB_ERROR_USAGE, "solids"));
-  ASSERT_EQ(told.size(), 1u);
-  EXPECT_NE(told[0].find("solids"), std::string::npos);
+  ASSERT_EQ(reported.size(), 1u);
+  EXPECT_NE(reported[0].find("solids"), std::string::npos);
   EXPECT_EQ(device.error().code, UMB_ERROR_USAGE);
   EXPECT_EQ(device.error().code, UMB_ERROR_NONE);
   device.set_error_callback(nullptr);

@@ -71,7 +71,7 @@ Error unknown_parameter(const std::string& name, std::string_view owner) {
   return usage_error("there is no parameter '{}'{}", name, suggestion(name, names));
 }
 
-std::string JobObject::asked(const char*) const {
+std::string JobObject::memory_purpose(const char*) const {
   const Request request = full_request();
   return fmt::format("a picture of {} x {} pixels", request.width, request.height);
 }

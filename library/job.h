@@ -40,7 +40,7 @@ class JobObject final : public Object {
       : device_(std::move(device)), scene_(std::move(scene)) {}
   ~JobObject() override;
 
-  std::string asked(const char* call) const override;
+  std::string memory_purpose(const char* call) const override;
   bool renders() const { return scene_ != nullptr; }
   /// Sets a parameter from text, numbers or a flag. Empty text resets it. Errors: kUsage.
   Result<void> set(const std::string& name, const std::string& text);

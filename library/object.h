@@ -81,7 +81,7 @@ class Object {
   virtual ~Object() = default;
   /// Returns the purpose of a call's memory, for the message if memory runs out: the call's name, or "a picture of
   /// 64 x 48 pixels".
-  virtual std::string asked(const char* call) const { return call; }
+  virtual std::string memory_purpose(const char* call) const { return call; }
   /// Stores an error and reports it to the device's callback.
   UmbError fail(Error error);
 
@@ -141,7 +141,7 @@ UmbError call_on(const void* handle, const char* call, Use use, const Work& work
       return call_without_object(call, [&]() -> Result<void> {
         return usage_error("{}: the object is in use by another thread or by the call that runs this callback", call);
       });
-    done = guarded([&] { return object->asked(call); }, [&]() -> Result<void> { return work(*object); });
+    done = guarded([&] { return object->memory_purpose(call); }, [&]() -> Result<void> { return work(*object); });
   }
   return done ? UMB_ERROR_NONE : object->fail(std::move(done.error()));  // the callback may use the object
 }

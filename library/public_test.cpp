@@ -346,7 +346,7 @@ TEST(Public, SaysWhatIsWrongWithArrays) {
 
 TEST(Public, TellsItsProgressOnTheThreadThatCalled) {
   for (const char* occlusion : {"bitmask", "reference"}) {
-    std::vector<double> told;
+    std::vector<double> reported;
     const auto thread = std::this_thread::get_id();
     umb::Picture picture;
     const auto outcome = umb::render({.model = kSolids,
@@ -359,16 +359,16 @@ TEST(Public, TellsItsProgressOnTheThreadThatCalled) {
                                       .progress =
                                           [&](double done) {
                                             EXPECT_EQ(std::this_thread::get_id(), thread);
-                                            told.push_back(done);
+                                            reported.push_back(done);
                                             return true;
                                           }},
                                      picture);
     ASSERT_EQ(outcome.code, 0) << outcome.message;
-    ASSERT_GT(told.size(), 6u);
-    EXPECT_EQ(told.front(), 0.0);
-    EXPECT_EQ(told.back(), 1.0);
-    EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
-    EXPECT_GT(std::count_if(told.begin(), told.end(), [](double d) { return d > 0.1 && d < 0.9; }), 2);
+    ASSERT_GT(reported.size(), 6u);
+    EXPECT_EQ(reported.front(), 0.0);
+    EXPECT_EQ(reported.back(), 1.0);
+    EXPECT_TRUE(std::is_sorted(reported.begin(), reported.end()));
+    EXPECT_GT(std::count_if(reported.begin(), reported.end(), [](double d) { return d > 0.1 && d < 0.9; }), 2);
   }
 }
 

@@ -20,7 +20,7 @@ namespace umbrage {
 class VulkanShadingObject final : public Object {
  public:
   explicit VulkanShadingObject(std::unique_ptr<Device> of) : device(std::move(of)) {}
-  std::string asked(const char*) const override { return "a G-buffer of " + size; }
+  std::string memory_purpose(const char*) const override { return "a G-buffer of " + size; }
 
   std::unique_ptr<Device> device;
   std::string size = "no pixels";  ///< of the G-buffer of the current call
@@ -196,9 +196,9 @@ UmbError umbShadeVulkanImages(UmbVulkanShading shading, const UmbVulkanGBuffer* 
                                         if (!gbuffer || !work)
                                           return usage_error("umbShadeVulkanImages: gbuffer and work cannot be NULL");
                                         object.size = fmt::format("{} x {} pixels", gbuffer->width, gbuffer->height);
-                                        DropUnlessDone asked{*object.device};
+                                        DropUnlessDone guard{*object.device};
                                         auto done = shade_images(*object.device, *gbuffer, *work);
-                                        asked.done = bool(done);
+                                        guard.done = bool(done);
                                         return done;
                                       });
 }

@@ -23,21 +23,21 @@ void drop_empty(Tracing& t) {
 }  // namespace
 
 void drop_short(Tracing& t, const std::function<float(const Chain& chain, int free_ends)>& min_px) {
-  std::vector<float> share;                                   // length of each chain, relative to its min length
+  std::vector<float> fraction;                                // length of each chain, relative to its min length
   for (std::size_t before = 0; t.chains.size() != before;) {  // removed chains can leave others free
     before = t.chains.size();
     const std::vector<std::uint8_t> free = t.free_ends();
-    share.assign(before, kFullWeightLength);
+    fraction.assign(before, kFullWeightLength);
     for (std::size_t k = 0; k < before; ++k) {
       Chain& chain = t.chains[k];
       const float min = min_px(chain, free[2 * k] + free[2 * k + 1]);
-      if (min > 0.0f) share[k] = length_of(chain) / min;
-      if (share[k] <= 1.0f) chain.points.clear();
+      if (min > 0.0f) fraction[k] = length_of(chain) / min;
+      if (fraction[k] <= 1.0f) chain.points.clear();
     }
     drop_empty(t);
   }
-  for (std::size_t k = 0; k < share.size(); ++k)
-    t.chains[k].weight *= std::min((share[k] - 1.0f) / (kFullWeightLength - 1.0f), 1.0f);
+  for (std::size_t k = 0; k < fraction.size(); ++k)
+    t.chains[k].weight *= std::min((fraction[k] - 1.0f) / (kFullWeightLength - 1.0f), 1.0f);
 }
 
 }  // namespace umbrage

@@ -62,9 +62,9 @@ void neighbours(int first, int size, int& low, int& high) {
 /// large ones keep the bits of their fraction.
 glm::vec2 within(glm::vec2 uv) { return {fraction_of(uv.x), 1.0f - fraction_of(uv.y)}; }
 
-Bilinear bilinear_at(const MipLevel& level, glm::vec2 share) {
-  const float x = share.x * float(level.width) - 0.5f;
-  const float y = share.y * float(level.height) - 0.5f;
+Bilinear bilinear_at(const MipLevel& level, glm::vec2 fraction) {
+  const float x = fraction.x * float(level.width) - 0.5f;
+  const float y = fraction.y * float(level.height) - 0.5f;
   Bilinear b;
   const int ix = floor_of(x), iy = floor_of(y);
   neighbours(std::min(ix, level.width - 1), level.width, b.x0, b.x1);
@@ -76,8 +76,8 @@ Bilinear bilinear_at(const MipLevel& level, glm::vec2 share) {
 
 /// Adds the bilinear value of a level at a place, times a weight. Inlined: a vec4 that a function returns goes through
 /// memory in halves, and reading it as a whole stalls.
-inline void add_level(const MipLevel& level, glm::vec2 share, float weight, glm::vec4& sum) {
-  const Bilinear b = bilinear_at(level, share);
+inline void add_level(const MipLevel& level, glm::vec2 fraction, float weight, glm::vec4& sum) {
+  const Bilinear b = bilinear_at(level, fraction);
   const float lower = b.fy * weight, upper = weight - lower;
   sum += texel(level, b.x0, b.y0) * (upper - upper * b.fx) + texel(level, b.x1, b.y0) * (upper * b.fx) +
          texel(level, b.x0, b.y1) * (lower - lower * b.fx) + texel(level, b.x1, b.y1) * (lower * b.fx);

@@ -54,9 +54,9 @@ std::vector<ShadowLight> shadow_lights(const TracedScene& traced, const CameraRa
     const float size = light_size(light) * (point ? traced.scale : 1.0f);
     const auto [right, up] = disc_axes(where);
     // The noise of a faint light is less visible.
-    const float share = brightest > 0.0f ? std::sqrt(brightness(light) / brightest) : 1.0f;
+    const float fraction = brightest > 0.0f ? std::sqrt(brightness(light) / brightest) : 1.0f;
     const bool soft = size > 0.0f && settings.shadow_rays > 0;
-    const int rays_of = soft ? std::clamp(int(std::lround(float(settings.shadow_rays) * share)), 1, kDiscPoints) : 0;
+    const int rays_of = soft ? std::clamp(int(std::lround(float(settings.shadow_rays) * fraction)), 1, kDiscPoints) : 0;
     lights.push_back({k, point, point ? where + rays.eye : where, right, up, rays_of, size});
   }
   return lights;

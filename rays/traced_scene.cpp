@@ -202,9 +202,9 @@ Result<TracedScenePtr> build_traced_scene(const Scene& scene, const ProgressMoni
   if (monitor)
     rtcSetSceneProgressMonitorFunction(
         traced->rtc,
-        [](void* pointer, double share) {
+        [](void* pointer, double fraction) {
           auto& building = *static_cast<Watch*>(pointer);
-          building.reached(share);
+          building.reached(fraction);
           return !building.ended();
         },
         &watch);

@@ -39,7 +39,7 @@ constexpr int kThinMin = 2;
 constexpr double kBorderFraction = 0.04;
 constexpr int kBorderMin = 1;
 
-int share_of(int size, double share, int min) { return std::max(min, int(std::lround(size * share))); }
+int share_of(int size, double fraction, int min) { return std::max(min, int(std::lround(size * fraction))); }
 
 /// The visible surface point of a pixel, view space.
 struct Surfel {
@@ -124,15 +124,16 @@ constexpr int kMargin = 2;         // reach of a step's line of four surfels bey
 /// The discontinuities between each pixel and its neighbours.
 struct DiscontinuityMap {
   int width, height;
-  std::array<std::vector<Discontinuity>, kSteps.size()> jumps;  ///< kNone beyond the picture
+  std::array<std::vector<Discontinuity>, kSteps.size()> discontinuities;  ///< kNone beyond the picture
 
   bool inside(int x, int y) const { return x >= 0 && x < width && y >= 0 && y < height; }
-  Discontinuity at(int step, int x, int y) const { return jumps[step][std::size_t(y) * width + x]; }
+  Discontinuity at(int step, int x, int y) const { return discontinuities[step][std::size_t(y) * width + x]; }
 };
 
 DiscontinuityMap find_discontinuities(const SurfelRows& surfels, int width, int height) {
   DiscontinuityMap map{width, height, {}};
-  for (auto& jumps : map.jumps) jumps.assign(std::size_t(width) * height, Discontinuity::kNone);
+  for (auto& discontinuities : map.discontinuities)
+    discontinuities.assign(std::size_t(width) * height, Discontinuity::kNone);
   constexpr int kGrain = 32;  // rows per task: enough to outweigh the extra rows read above and below
   tbb::parallel_for(tbb::blocked_range<int>(0, height, kGrain), [&](const tbb::blocked_range<int>& rows) {
     // Rows y - 1 to y + 2; row r is stored at index r mod 4.
@@ -152,7 +153,7 @@ DiscontinuityMap find_discontinuities(const SurfelRows& surfels, int width, int 
         };
         for (int x = 0; x < width; ++x)
           if (map.inside(x + dx, y + dy))
-            map.jumps[s][std::size_t(y) * width + x] =
+            map.discontinuities[s][std::size_t(y) * width + x] =
                 discontinuity_between(surfels, at(x, -1), at(x, 0), at(x, 1), at(x, 2));
       }
     }
@@ -197,11 +198,11 @@ void mark_runs(const DiscontinuityMap& map, int step, int max, std::vector<char>
       constexpr int kNoRun = -1;
       int begin = kNoRun;
       for (int i = 0; map.inside(x0 + i * dx, y0 + i * dy); ++i) {
-        const Discontinuity jump = map.at(step, x0 + i * dx, y0 + i * dy);
-        if (jump == Discontinuity::kNone) continue;
-        if (jump == Discontinuity::kDown && begin != kNoRun && i - begin < max)
+        const Discontinuity discontinuity = map.at(step, x0 + i * dx, y0 + i * dy);
+        if (discontinuity == Discontinuity::kNone) continue;
+        if (discontinuity == Discontinuity::kDown && begin != kNoRun && i - begin < max)
           for (int j = begin; j <= i; ++j) marked[std::size_t(y0 + j * dy) * map.width + x0 + j * dx] = 1;
-        begin = jump == Discontinuity::kUp ? i + 1 : kNoRun;
+        begin = discontinuity == Discontinuity::kUp ? i + 1 : kNoRun;
       }
     }
 }
@@ -224,9 +225,9 @@ ClassMap classify(const GBuffer& gbuffer) {
   if (!depth) return map;
 
   const SurfelRows surfels(gbuffer);
-  const DiscontinuityMap jumps = find_discontinuities(surfels, width, height);
-  const auto silhouette = mark_silhouettes(jumps, share_of(height, kSilhouetteFraction, kSilhouetteMin));
-  const auto thin = mark_thin(jumps, share_of(height, kThinFraction, kThinMin));
+  const DiscontinuityMap discontinuities = find_discontinuities(surfels, width, height);
+  const auto silhouette = mark_silhouettes(discontinuities, share_of(height, kSilhouetteFraction, kSilhouetteMin));
+  const auto thin = mark_thin(discontinuities, share_of(height, kThinFraction, kThinMin));
   const int border = share_of(std::min(width, height), kBorderFraction, kBorderMin);
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {

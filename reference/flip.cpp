@@ -57,7 +57,7 @@ struct Kernel {
 
 /// A term of a blur: `share` times the Gaussian along both axes.
 struct Blur {
-  float share;
+  float fraction;
   Kernel gaussian;
 };
 
@@ -91,7 +91,7 @@ std::vector<Blur> blur_of(const std::vector<Sensitivity>& terms) {
     volume_sum += volumes.back();
     blurs.push_back({0.0f, even_kernel(weights)});
   }
-  for (std::size_t i = 0; i < blurs.size(); ++i) blurs[i].share = float(volumes[i] / volume_sum);
+  for (std::size_t i = 0; i < blurs.size(); ++i) blurs[i].fraction = float(volumes[i] / volume_sum);
   return blurs;
 }
 
@@ -154,12 +154,12 @@ void filter_down(const Plane& plane, int y, const Kernel& kernel, Row& out) {
 }
 
 /// Filters along a row and adds the result to `out`.
-void filter_along(const Row& row, const Kernel& kernel, float share, std::vector<float>& out) {
+void filter_along(const Row& row, const Kernel& kernel, float fraction, std::vector<float>& out) {
   const int width = int(out.size());
   const float* centre = row.begin();
-  for (int x = 0; x < width; ++x) out[x] += share * kernel.weights[0] * centre[x];
+  for (int x = 0; x < width; ++x) out[x] += fraction * kernel.weights[0] * centre[x];
   for (int k = 1; k < int(kernel.weights.size()); ++k) {
-    const float far = share * kernel.weights[k], near = kernel.sign * far;
+    const float far = fraction * kernel.weights[k], near = kernel.sign * far;
     for (int x = 0; x < width; ++x) out[x] += near * centre[x - k] + far * centre[x + k];
   }
 }
@@ -258,7 +258,7 @@ void filter_row(const Eye& eye, const std::vector<Plane>& channels, int y, Row& 
     seen.colour[c].assign(width, 0.0f);
     for (const Blur& blur : eye.blurs[c]) {
       filter_down(channels[c], y, blur.gaussian, scratch);
-      filter_along(scratch, blur.gaussian, blur.share, seen.colour[c]);
+      filter_along(scratch, blur.gaussian, blur.fraction, seen.colour[c]);
     }
   }
   for (int axis = 0; axis < 2; ++axis) {

@@ -122,9 +122,9 @@ TEST(Metrics, SomePixelsOff) {
       return 0.75f + ((y * kSide + x) * 7919 % (kSide * kSide) < off ? kError : 0.0f);
     });
     const Scores s = score(picture, flat(kSide, kSide, 0.75f), all_open(kSide, kSide)).covered;
-    const double share = off / double(kSide * kSide);
-    EXPECT_NEAR(s.rmse, -kError * std::sqrt(share), 1e-9);
-    EXPECT_NEAR(s.bias, kError * share, 1e-9);
+    const double fraction = off / double(kSide * kSide);
+    EXPECT_NEAR(s.rmse, -kError * std::sqrt(fraction), 1e-9);
+    EXPECT_NEAR(s.bias, kError * fraction, 1e-9);
     EXPECT_EQ(s.p99, off <= 100 ? 0.0 : 0.5) << off;
   }
 }
@@ -777,8 +777,8 @@ TEST(MetricsClasses, RodIsThinAtAnyResolution) {
     for (const double angle : {0.0, 0.4, kPi / 4.0, kPi / 2.0, 2.5})
       for (const int size : {512, 1024}) {
         SCOPED_TRACE(testing::Message() << angle << " at " << size);
-        const auto rod = [&](double share) {
-          return cast(size, size, projection, [&, radius = 0.5 * share * 8.0](glm::dvec3 o, glm::dvec3 d) {
+        const auto rod = [&](double fraction) {
+          return cast(size, size, projection, [&, radius = 0.5 * fraction * 8.0](glm::dvec3 o, glm::dvec3 d) {
             return nearer(hit_round(o, d, {0.01, 0.02, -10}, radius, 1, {std::cos(angle), std::sin(angle), 0}),
                           hit_plane(o, d, {0, 0, 1}, -11, 0));
           });

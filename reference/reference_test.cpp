@@ -212,7 +212,7 @@ struct Wall {
 /// Visibility of a point on the floor between walls and below a ceiling, within a radius: the fraction of open
 /// directions, and their mean as a vector.
 struct Openness {
-  double share = 0.0;
+  double fraction = 0.0;
   glm::dvec3 moment{0.0};
 };
 
@@ -232,26 +232,26 @@ Openness assumed_visibility(const std::vector<Wall>& walls, double ceiling, doub
     if (to <= from) continue;
     const double cubes = (to * to * to - from * from * from) / 3.0;
     const double heights = (std::pow(1.0 - from * from, 1.5) - std::pow(1.0 - to * to, 1.5)) / 3.0;
-    open.share += (to * to - from * from) / kAzimuths;
+    open.fraction += (to * to - from * from) / kAzimuths;
     open.moment += glm::dvec3(std::cos(azimuth) * cubes, std::sin(azimuth) * cubes, heights) * (2.0 / kAzimuths);
   }
   return open;
 }
 
-double weight_of(Falloff falloff, double share) {
-  if (share >= 1.0) return 0.0;
+double weight_of(Falloff falloff, double fraction) {
+  if (fraction >= 1.0) return 0.0;
   if (falloff == Falloff::kNone) return 1.0;
-  if (falloff == Falloff::kLinear) return 1.0 - share;
-  return 1.0 - share * share * (3.0 - 2.0 * share);
+  if (falloff == Falloff::kLinear) return 1.0 - fraction;
+  return 1.0 - fraction * fraction * (3.0 - 2.0 * fraction);
 }
 
 // ---- occlusion ----
 
 TEST(Reference, QuadratureAgreesWithTheClosedForms) {
-  EXPECT_NEAR(assumed_visibility({{0.0, 0.4}}, 9.0, 1.0).share, 1.0 - segment(0.4), 1e-6);
-  EXPECT_NEAR(assumed_visibility({}, 0.6, 1.0).share, 0.36, 1e-12);
+  EXPECT_NEAR(assumed_visibility({{0.0, 0.4}}, 9.0, 1.0).fraction, 1.0 - segment(0.4), 1e-6);
+  EXPECT_NEAR(assumed_visibility({}, 0.6, 1.0).fraction, 0.36, 1e-12);
   EXPECT_NEAR(assumed_visibility({}, 9.0, 1.0).moment.z, 2.0 / 3.0, 1e-12);
-  EXPECT_NEAR(assumed_visibility({{0.0, 0.0}, {M_PI / 2, 0.0}}, 9.0, 1.0).share, 0.25, 1e-12);
+  EXPECT_NEAR(assumed_visibility({{0.0, 0.0}, {M_PI / 2, 0.0}}, 9.0, 1.0).fraction, 0.25, 1e-12);
 }
 
 TEST(Reference, APlaneIsOpenToTheBit) {
@@ -325,11 +325,11 @@ TEST(Reference, CornersOfInfiniteWalls) {
   // An infinite wall blocks half of the disc, two walls at a corner three quarters, three walls all of it.
   const Mesh floor = level_square(4.0f);
   const PictureInfo info = stage_of(scene_of({floor})).info(from_above(1, 1), 24, 24);
-  const auto expect_fraction = [&](std::vector<Mesh> walls, double share) {
+  const auto expect_fraction = [&](std::vector<Mesh> walls, double fraction) {
     walls.push_back(floor);
     const Stage stage = stage_of(scene_of(walls));
     expect_occlusion(
-        stage, info, {.samples = 256}, [&](glm::dvec3) { return share; }, "infinite walls");
+        stage, info, {.samples = 256}, [&](glm::dvec3) { return fraction; }, "infinite walls");
   };
   expect_fraction({wall_x(1)}, 0.5);
   expect_fraction({wall_x(1), wall_y(1)}, 0.25);
@@ -344,7 +344,7 @@ TEST(Reference, CornersWithinARadius) {
     const auto truth = [&](glm::dvec3 p) {
       std::vector<Wall> all = {{0.0, 1.0 - p.x}, {M_PI / 2, 0.8 - p.y}, {M_PI, p.x + 1.2}};
       all.resize(std::size_t(walls));
-      return assumed_visibility(all, 100.0, kRadius).share;
+      return assumed_visibility(all, 100.0, kRadius).fraction;
     };
     const Stage stage = stage_of(scene_of(meshes));
     expect_occlusion(stage, stage.info(from_above(1.8f, 1.2f), 30, 20), {.samples = 256, .radius = kRadius}, truth,
@@ -786,9 +786,9 @@ TEST(Reference, WallOfConstantRadiance) {
     std::array<Tally, 3> errors;
     for_each_pixel(info, [&](int x, int y) {
       const double away = 2.0 - on_floor(ray_of(info, x, y)).x;
-      const double share = 0.5 - 0.5 * away / std::hypot(away, height);
+      const double fraction = 0.5 - 0.5 * away / std::hypot(away, height);
       const glm::dvec3 indirect = color_at(image, "indirect", x, y);
-      for (int c = 0; c < 3; ++c) errors[std::size_t(c)].add(indirect[c] - radiance[c] * share);
+      for (int c = 0; c < 3; ++c) errors[std::size_t(c)].add(indirect[c] - radiance[c] * fraction);
     });
     for (int c = 0; c < 3; ++c)
       expect_mean(errors[std::size_t(c)], 0.0, 2e-3, fmt::format("height {}, channel {}", height, c));
@@ -863,14 +863,14 @@ TEST(Reference, TexturesColourTheBounce) {
   const PictureInfo info = stage.info(camera, 24, 24);
   const Image image = light(stage, info, {.samples = 64});
   const double red = std::pow((188.0 / 255.0 + 0.055) / 1.055, 2.4);
-  Tally share;
+  Tally fraction;
   for_each_pixel(info, [&](int x, int y) {
     const glm::dvec3 indirect = color_at(image, "indirect", x, y);
-    share.add(indirect.r);
+    fraction.add(indirect.r);
     EXPECT_NEAR(indirect.r / red, indirect.g / 0.5, 1e-5);
     EXPECT_EQ(indirect.b, 0.0);
   });
-  expect_mean(share, red * std::sqrt(0.5) / 2.0, 1e-3, "red");
+  expect_mean(fraction, red * std::sqrt(0.5) / 2.0, 1e-3, "red");
 }
 
 TEST(Reference, BounceEndsAtItsReach) {
@@ -879,10 +879,10 @@ TEST(Reference, BounceEndsAtItsReach) {
   const Stage stage = stage_of(
       scene_of({level_square(4.0f), level_square(200.0f, 1.0f)}, {Material{}, matt(glm::vec3(0.8f), glm::vec3(3.0f))}));
   const PictureInfo info = stage.info(from_above(2, 2, {0, 0}, 0.5f), 24, 24);
-  for (const auto& [reach, share] : {std::pair(0.9f, 0.0), {1.25f, 1.0 - 1.0 / 1.5625}, {2.0f, 0.75}}) {
+  for (const auto& [reach, fraction] : {std::pair(0.9f, 0.0), {1.25f, 1.0 - 1.0 / 1.5625}, {2.0f, 0.75}}) {
     const Image image = light(stage, info, {.samples = 128, .reach = reach});
     Tally error;
-    for_each_pixel(info, [&](int x, int y) { error.add(color_at(image, "indirect", x, y).g - 3.0 * share); });
+    for_each_pixel(info, [&](int x, int y) { error.add(color_at(image, "indirect", x, y).g - 3.0 * fraction); });
     expect_mean(error, 0.0, 3e-3, fmt::format("reach {}", reach));
   }
 }
@@ -1235,11 +1235,11 @@ TEST(Reference, ProgressNeverFallsAndEndsAtOne) {
   for (const int light : {0, 1, 2})
     for (const int threads : {1, 0}) {
       as<ReferenceParams>(bytes).light = light;
-      std::vector<double> told;
+      std::vector<double> reported;
       std::atomic<int> inside = 0;
       const auto progress = [&](double done) {
         EXPECT_EQ(++inside, 1) << "two threads at once";
-        told.push_back(done);
+        reported.push_back(done);
         // Long enough for other threads, including the one with the last tile, to arrive.
         if (threads == 0) std::this_thread::sleep_for(std::chrono::microseconds(200));
         --inside;
@@ -1247,14 +1247,14 @@ TEST(Reference, ProgressNeverFallsAndEndsAtOne) {
       };
       ASSERT_TRUE(trace_reference(*stage, info, bytes, {threads, progress}));
       // The number of calls depends on scheduling: one thread may finish all its tiles while another reports.
-      ASSERT_FALSE(told.empty());
-      EXPECT_TRUE(std::is_sorted(told.begin(), told.end())) << threads << " threads, light " << light;
-      EXPECT_GT(told.front(), 0.0);
-      EXPECT_EQ(told.back(), 1.0);
+      ASSERT_FALSE(reported.empty());
+      EXPECT_TRUE(std::is_sorted(reported.begin(), reported.end())) << threads << " threads, light " << light;
+      EXPECT_GT(reported.front(), 0.0);
+      EXPECT_EQ(reported.back(), 1.0);
       if (threads == 1) {
         const std::size_t tiles = 7 * 5;
-        EXPECT_EQ(told.size(), light == 0 ? tiles : 2 * tiles);
-        EXPECT_EQ(std::adjacent_find(told.begin(), told.end()), told.end()) << "each tile adds";
+        EXPECT_EQ(reported.size(), light == 0 ? tiles : 2 * tiles);
+        EXPECT_EQ(std::adjacent_find(reported.begin(), reported.end()), reported.end()) << "each tile adds";
       }
     }
 }
@@ -1319,8 +1319,8 @@ TEST(Reference, ParametersReachTheTrace) {
   EXPECT_NEAR(mean({{"radius", "0.8"}, {"falloff", "linear"}}), 0.75, 0.01);
   EXPECT_NEAR(mean({{"radius", "0.8"}, {"falloff", "smooth"}}), 1.0 - (1.25 + 1.5 * std::log(0.5)), 0.01);
   EXPECT_NEAR(mean({{"radius", "0.1"}, {"normal", "shading"}}), 0.5 + 0.5 * std::sqrt(0.8), 0.01);
-  const std::string share = fmt::format("{}%", 0.8 / info.scene_radius * 100.0);
-  EXPECT_NEAR(mean({{"radius", share}}), mean({{"radius", "0.8"}}), 1e-3);
+  const std::string fraction = fmt::format("{}%", 0.8 / info.scene_radius * 100.0);
+  EXPECT_NEAR(mean({{"radius", fraction}}), mean({{"radius", "0.8"}}), 1e-3);
 }
 
 TEST(Reference, RefusesValuesThatItCannotUse) {

@@ -93,7 +93,7 @@ double similarity(double a, double b, double aa, double bb, double ab) {
 Plane ssim_map(const Image& picture, const Image& truth, const ClassMap& classes) {
   const int width = classes.width, height = classes.height;
   const auto weights = window();
-  const float share = 1.0f / float(std::max<std::size_t>(picture.planes.size(), 1));
+  const float fraction = 1.0f / float(std::max<std::size_t>(picture.planes.size(), 1));
   Plane map(width, height, picture.planes.empty() ? 1.0f : 0.0f);
   for (std::size_t p = 0; p < picture.planes.size(); ++p) {
     const Pair pair = counted_pair(picture.planes[p], truth.planes[p], classes);
@@ -107,12 +107,12 @@ Plane ssim_map(const Image& picture, const Image& truth, const ClassMap& classes
         const PixelClass* row = classes.row(y);
         for (int x = 0; x < width; ++x) {
           if (!is_counted(row[x])) {
-            map.row(y)[x] += share;
+            map.row(y)[x] += fraction;
             continue;
           }
           const double scale = 1.0 / sums[kWeight][x];
-          map.row(y)[x] += share * float(similarity(sums[kA][x] * scale, sums[kB][x] * scale, sums[kAA][x] * scale,
-                                                    sums[kBB][x] * scale, sums[kAB][x] * scale));
+          map.row(y)[x] += fraction * float(similarity(sums[kA][x] * scale, sums[kB][x] * scale, sums[kAA][x] * scale,
+                                                       sums[kBB][x] * scale, sums[kAB][x] * scale));
         }
       }
     });

@@ -133,10 +133,10 @@ VectorPlanes vector_planes(Image& image, std::array<const char*, 3> names) {
 }
 
 /// Returns the weight of a hit at distance `share` times the radius.
-float weight_of(Falloff falloff, float share) {
+float weight_of(Falloff falloff, float fraction) {
   if (falloff == Falloff::kNone) return 1.0f;
-  if (falloff == Falloff::kLinear) return 1.0f - share;
-  return 1.0f - share * share * (3.0f - 2.0f * share);
+  if (falloff == Falloff::kLinear) return 1.0f - fraction;
+  return 1.0f - fraction * fraction * (3.0f - 2.0f * fraction);
 }
 
 /// A light in the unit space of TracedScene.

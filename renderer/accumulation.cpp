@@ -55,12 +55,12 @@ void add_rows(PictureSum& total, const Image& rows, int first, int height) {
     const bool multiplied = alpha && is_color(rows.names[k]) && &rows.planes[k] != alpha;
     for (int y = 0; y < rows.height; ++y) {
       const float* in = rows.planes[k].row(y);
-      const float* share = alpha ? alpha->row(y) : nullptr;
+      const float* fraction = alpha ? alpha->row(y) : nullptr;
       float* out = total.sum.planes[k].row(first + y);
       if (multiplied && total.as_square_roots)
-        for (int x = 0; x < rows.width; ++x) out[x] += std::sqrt(std::max(in[x], 0.0f)) * share[x];
+        for (int x = 0; x < rows.width; ++x) out[x] += std::sqrt(std::max(in[x], 0.0f)) * fraction[x];
       else if (multiplied)
-        for (int x = 0; x < rows.width; ++x) out[x] += in[x] * share[x];
+        for (int x = 0; x < rows.width; ++x) out[x] += in[x] * fraction[x];
       else
         for (int x = 0; x < rows.width; ++x) out[x] += in[x];
     }
@@ -101,7 +101,7 @@ GBuffer mean_picture(const PictureSum& total, const PictureInfo& info) {
     for (Plane* plane : lit)
       for (int y = 0; y < plane->height; ++y)
         for (int x = 0; x < plane->width; ++x)
-          if (const float share = alpha.row(y)[x]; share > 0.0f) plane->row(y)[x] *= plane->row(y)[x] / share;
+          if (const float fraction = alpha.row(y)[x]; fraction > 0.0f) plane->row(y)[x] *= plane->row(y)[x] / fraction;
   image.add(total.as_square_roots ? "cover_for_eye" : "cover") = alpha;
   image.add("depth") = Plane(image.width, image.height, std::numeric_limits<float>::infinity());
   return g;

@@ -52,27 +52,27 @@ using Work = std::function<Result<void>(const ProgressMonitor& monitor)>;
 void expect_ends(const Work& work, const char* what) {
   SCOPED_TRACE(what);
   const auto thread = std::this_thread::get_id();
-  std::vector<double> told;
+  std::vector<double> reported;
   const Clock::time_point begin = Clock::now();
   ASSERT_TRUE(work([&](double done) {
     EXPECT_EQ(std::this_thread::get_id(), thread);
-    told.push_back(done);
+    reported.push_back(done);
     return true;
   }));
   const double whole = seconds_since(begin);
-  ASSERT_FALSE(told.empty());
-  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
-  EXPECT_GE(told.front(), 0.0);
-  EXPECT_LE(told.back(), 1.0);
+  ASSERT_FALSE(reported.empty());
+  EXPECT_TRUE(std::is_sorted(reported.begin(), reported.end()));
+  EXPECT_GE(reported.front(), 0.0);
+  EXPECT_LE(reported.back(), 1.0);
   double max = 0.0, max_told = 0.0;
-  for (const double share : {0.0, 0.3, 0.7}) {
+  for (const double fraction : {0.0, 0.3, 0.7}) {
     const Clock::time_point start = Clock::now();
     Clock::time_point ended;
     bool said = false;
     const auto done = work([&](double at) {
       EXPECT_FALSE(said) << "nothing is asked after false";
       max_told = std::max(max_told, at);
-      if (seconds_since(start) < share * whole) return true;
+      if (seconds_since(start) < fraction * whole) return true;
       said = true;
       ended = Clock::now();
       return false;
@@ -82,7 +82,7 @@ void expect_ends(const Work& work, const char* what) {
     ASSERT_FALSE(done);
     EXPECT_EQ(done.error().kind, ErrorKind::kInterrupted);
   }
-  std::printf("%s: %.0f ms, ends within %.0f ms, asked %zu times\n", what, 1e3 * whole, 1e3 * max, told.size());
+  std::printf("%s: %.0f ms, ends within %.0f ms, asked %zu times\n", what, 1e3 * whole, 1e3 * max, reported.size());
   constexpr double kAtOnce = 0.3;
   EXPECT_LT(max, std::max(kAtOnce, 0.1 * whole));
 }

@@ -32,7 +32,7 @@ class DrawProgress {
 
   /// Returns the monitor for each step.
   ProgressMonitor of_step() {
-    return [this](double share) { return tell(share); };
+    return [this](double fraction) { return tell(fraction); };
   }
   void step_done() { ++step_; }
   void frame_done() {
@@ -43,8 +43,8 @@ class DrawProgress {
   Result<void> end() const { return !monitor_ || monitor_(1.0) ? Result<void>() : interrupted(); }
 
  private:
-  bool tell(double share) {
-    const double of_frame = std::min((step_ + share) / steps_, 1.0);
+  bool tell(double fraction) {
+    const double of_frame = std::min((step_ + fraction) / steps_, 1.0);
     // An effect of several dispatches or on several layers restarts at 0 for each; reported progress never decreases.
     reported_ = std::max(reported_, std::min((frame_ + of_frame) / frames_, 1.0));
     return !monitor_ || monitor_(reported_);
@@ -204,9 +204,9 @@ Result<Frame> uploaded(Device& device, GBuffer gbuffer, const EffectSettings& se
 
 }  // namespace
 
-Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const Recipe& asked, StageTimes& times,
+Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const Recipe& requested, StageTimes& times,
                            const ProgressMonitor& monitor) {
-  Recipe recipe = asked;  // its radius is converted to scene units
+  Recipe recipe = requested;  // its radius is converted to scene units
   if (gbuffer.info.lights.empty() && !recipe.own_look) {
     // In view space the lights do not depend on the camera's position.
     Camera at_origin = gbuffer.info.camera;

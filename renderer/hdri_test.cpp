@@ -98,16 +98,16 @@ Panorama disc(int width, int height, dvec3 middle, double half_angle_deg, dvec3 
       const dvec3 centre(panorama_direction((float(x) + 0.5f) / float(width), (float(y) + 0.5f) / float(height)));
       const double away = std::acos(std::clamp(glm::dot(centre, middle), -1.0, 1.0));
       const int samples = std::abs(away - glm::radians(half_angle_deg)) < 2.0 * kPi / height ? kFine : 1;
-      double share = 0.0, all = 0.0;
+      double fraction = 0.0, all = 0.0;
       for (int k = 0; k < samples * samples; ++k) {
         const float down = (float(y) + (float(k / samples) + 0.5f) / float(samples)) / float(height);
         const dvec3 d(
             panorama_direction((float(x) + (float(k % samples) + 0.5f) / float(samples)) / float(width), down));
         const double weight = std::sin(kPi * double(down));
         all += weight;
-        share += glm::dot(d, middle) >= edge ? weight : 0.0;
+        fraction += glm::dot(d, middle) >= edge ? weight : 0.0;
       }
-      for (int c = 0; c < 3; ++c) out.rgb.push_back(float(glm::mix(outside[c], inside[c], share / all)));
+      for (int c = 0; c < 3; ++c) out.rgb.push_back(float(glm::mix(outside[c], inside[c], fraction / all)));
     }
   return out;
 }
@@ -205,10 +205,10 @@ TEST(Environment, PolesCountByTheirSolidAngle) {
   Panorama top = panorama_of(
       64, 32, [](dvec3) { return dvec3(1.0); }, 1);
   for (int x = 0; x < 64 * 3; ++x) top.rgb[std::size_t(x)] = 3.0f;
-  const double share = 0.5 * (1.0 - std::cos(kPi / 32.0));
-  EXPECT_NEAR(environment_light(top).ambient.g, 1.0 + 2.0 * share, 1e-5);
+  const double fraction = 0.5 * (1.0 - std::cos(kPi / 32.0));
+  EXPECT_NEAR(environment_light(top).ambient.g, 1.0 + 2.0 * fraction, 1e-5);
   const Panorama reduced = reduced_panorama(top, 64, 1);
-  EXPECT_NEAR(reduced.at(7, 0).g, 1.0 + 2.0 * share, 1e-5);
+  EXPECT_NEAR(reduced.at(7, 0).g, 1.0 + 2.0 * fraction, 1e-5);
 }
 
 TEST(Environment, PartsWhatIsApart) {

@@ -288,11 +288,11 @@ Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view 
 }
 
 Result<Length> parse_length(std::string_view field, std::string_view text) {
-  const bool share = text.ends_with('%');
-  const float value = float(parse_number(text.substr(0, text.size() - (share ? 1 : 0))).value_or(0.0));
+  const bool fraction = text.ends_with('%');
+  const float value = float(parse_number(text.substr(0, text.size() - (fraction ? 1 : 0))).value_or(0.0));
   if (!(value > 0.0f) || !std::isfinite(value))
     return usage_error("`{}` cannot be '{}': it takes {}", field, text, kLengthTaken);
-  return Length{value, share ? 1 : 0};
+  return Length{value, fraction ? 1 : 0};
 }
 
 Result<int> parse_scale(std::string_view field, std::string_view text) {

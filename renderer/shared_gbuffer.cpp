@@ -262,8 +262,8 @@ void compute_extent(const Lens& request, const Plane& depth, const DepthRange& r
   tbb::parallel_for(std::size_t(0), std::size_t(3), [&](std::size_t axis) {
     std::vector<float>& values = along[axis];
     if (values.empty()) return;
-    const auto at = [&](double share) {
-      const auto place = values.begin() + long(share * double(values.size() - 1));
+    const auto at = [&](double fraction) {
+      const auto place = values.begin() + long(fraction * double(values.size() - 1));
       std::nth_element(values.begin(), place, values.end());
       return *place;
     };

@@ -23,7 +23,7 @@ class StripProgress {
     return [this](double) { return tell(); };
   }
   /// Sets the finished fraction of a sweep.
-  void show(double share) { share_ = share; }
+  void show(double fraction) { share_ = fraction; }
   void sweep_done() {
     ++sweep_;
     share_ = 0.0;

@@ -442,13 +442,13 @@ Panorama sky_panorama() {
       } else {
         sum = glm::mix(horizon, zenith, std::sqrt(middle.z)) * (luminance_at(middle) * kSkyIrradiance / irradiance);
       }
-      double share = 0.0;
+      double fraction = 0.0;
       for (int k = 0; near_sun && k < kSamples * kSamples; ++k) {
         const dvec3 d = panorama_direction((float(x) + (float(k % kSamples) + 0.5f) / kSamples) / kWidth,
                                            (float(y) + (float(k / kSamples) + 0.5f) / kSamples) / kHeight);
-        share += glm::dot(d, sun) > std::cos(glm::radians(kSunAngle)) ? 1.0 / (kSamples * kSamples) : 0.0;
+        fraction += glm::dot(d, sun) > std::cos(glm::radians(kSunAngle)) ? 1.0 / (kSamples * kSamples) : 0.0;
       }
-      sum += share * sun_radiance * sunlight;
+      sum += fraction * sun_radiance * sunlight;
       for (int c = 0; c < 3; ++c) sky.rgb.push_back(float(sum[c]));
     }
   return sky;

@@ -76,7 +76,7 @@ class PlanGrid {
 
   /// Returns the fraction of the plan whose top surface is at most `height` high and level: its cosine is at least
   /// `min_cosine`.
-  float share(float height, float min_cosine) const {
+  float fraction(float height, float min_cosine) const {
     int count = 0;
     for (const Top& top : tops_) count += std::isfinite(top.height) && top.height <= height && top.cosine >= min_cosine;
     return float(count) / float(kCells * kCells);
@@ -148,11 +148,11 @@ bool lacks_ground(const Scene& scene) {
       seen.add_triangle(a, b, c, glm::dot(n, plan.up) > 0.0f);
     }
   }
-  const bool filled = seen.share(extent.max.y, 0.0f) > kFilled;
+  const bool filled = seen.fraction(extent.max.y, 0.0f) > kFilled;
   if (filled && size.y < kFlat * width) return false;
   // In a hilly landscape low ground is a valley, not a floor under a roof.
   const bool hills = filled && seen.fraction_under_roofs(kLow * width) < kMaxUnderRoofs;
-  return seen.share(extent.min.y + kLow * width, kLevel) <= (hills ? kMaxValley : kMaxPlanFraction);
+  return seen.fraction(extent.min.y + kLow * width, kLevel) <= (hills ? kMaxValley : kMaxPlanFraction);
 }
 
 void add_ground(Scene& scene, std::optional<float> lowest_light_deg) {

@@ -125,7 +125,7 @@ struct Nearest {
 /// The direction of the smallest variance of a symmetric matrix, and its fraction of the total.
 struct SmallestVariance {
   glm::vec3 direction{0.0f, 1.0f, 0.0f};
-  float share = 0.0f;
+  float fraction = 0.0f;
 };
 
 /// Computes the eigenvalues in closed form [Smith 1961].
@@ -138,13 +138,13 @@ SmallestVariance smallest_variance_of(const glm::dmat3& m) {
   for (int i = 0; i < 3; ++i) squares += glm::dot(deviation[i], deviation[i]);
   const double spread = std::sqrt(squares / 6.0);
   if (!(spread > 0.0)) {
-    thinnest.share = 1.0f / 3.0f;
+    thinnest.fraction = 1.0f / 3.0f;
     return thinnest;
   }
   const double cosine = std::clamp(glm::determinant(deviation) / (2.0 * spread * spread * spread), -1.0, 1.0);
   const double angle = std::acos(cosine) / 3.0;
   const double min = 2.0 * spread * std::cos(angle + 2.0 * std::numbers::pi / 3.0);
-  thinnest.share = float(std::max(0.0, (1.0 + min) / 3.0));
+  thinnest.fraction = float(std::max(0.0, (1.0 + min) / 3.0));
   // The eigenvector is perpendicular to the rows of the matrix without the smallest eigenvalue: take the
   // best-conditioned cross product of two rows.
   const glm::dmat3 left = deviation - glm::dmat3(min);
@@ -167,8 +167,8 @@ SmallestVariance smallest_variance_of(const glm::dmat3& m) {
   return thinnest;
 }
 
-float nth_of(std::vector<float> values, double share) {
-  const auto at = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
+float nth_of(std::vector<float> values, double fraction) {
+  const auto at = values.begin() + std::ptrdiff_t(fraction * double(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
@@ -207,8 +207,8 @@ double covering_radius(const Offsets& offsets, int count, const glm::dvec3& norm
       const double beyond_a = a.x * x + a.y * y - half, beyond_b = b.x * x + b.y * y - half;
       if (beyond_a <= 0.0) cut[std::size_t(kept++)] = a;
       if ((beyond_a < 0.0 && beyond_b > 0.0) || (beyond_a > 0.0 && beyond_b < 0.0)) {
-        const double share = beyond_a / (beyond_a - beyond_b);
-        cut[std::size_t(kept++)] = {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)};
+        const double fraction = beyond_a / (beyond_a - beyond_b);
+        cut[std::size_t(kept++)] = {a.x + fraction * (b.x - a.x), a.y + fraction * (b.y - a.y)};
       }
     }
     std::swap(cell, cut);
@@ -325,10 +325,10 @@ void shape_points(Mesh& mesh, const PointSettings& settings, float scene_radius)
   if (wants_planes || !given_size) around = neighbor_estimates_of(mesh);
   mesh.spheres = settings.shape == PointShape::kSpheres;
   if (settings.shape == PointShape::kAuto && !has_normals) {
-    std::vector<float> shares(size);
-    std::transform(around.planes.begin(), around.planes.end(), shares.begin(),
-                   [](const SmallestVariance& plane) { return plane.share; });
-    mesh.spheres = nth_of(std::move(shares), 0.5) > kFlat;
+    std::vector<float> fractions(size);
+    std::transform(around.planes.begin(), around.planes.end(), fractions.begin(),
+                   [](const SmallestVariance& plane) { return plane.fraction; });
+    mesh.spheres = nth_of(std::move(fractions), 0.5) > kFlat;
   }
   if (mesh.spheres) {
     mesh.normals.clear();

@@ -138,10 +138,10 @@ TEST(GuardBand, SharesOfThePictureKeepTheirSize) {
   Stage stage;
   const Camera camera = stage.camera(100, 100);
   const Frame frame = stage.capture(camera, {.width = 100, .height = 100, .guard = 25});
-  const Plane share = stage.unsharp(frame, "12%"), pixels = stage.unsharp(frame, "12"),
+  const Plane fraction = stage.unsharp(frame, "12%"), pixels = stage.unsharp(frame, "12"),
               larger = stage.unsharp(frame, "18");
-  EXPECT_EQ(test::difference(share, pixels, 0.0).max, 0.0);
-  EXPECT_GT(test::difference(share, larger, 1e-3).fraction_over, 0.01);
+  EXPECT_EQ(test::difference(fraction, pixels, 0.0).max, 0.0);
+  EXPECT_GT(test::difference(fraction, larger, 1e-3).fraction_over, 0.01);
 }
 
 TEST(GuardBand, BordersAreAsTheMiddleOfALargerPicture) {

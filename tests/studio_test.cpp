@@ -114,7 +114,7 @@ Image silhouette(Scene scene, int frames, const std::vector<std::string>& settin
 TEST(Frames, CartoonMixesAsSquareRoots) {
   const Scene scene = *make_builtin_scene("scene:solids?detail=2000");
   const std::vector<std::string> settings = {"outline.opacity=0", "toon.steps=1", "toon.albedo=clay"};
-  const Image shares = silhouette(scene, 16), mixed = silhouette(scene, 16, settings, "cartoon");
+  const Image fractions = silhouette(scene, 16), mixed = silhouette(scene, 16, settings, "cartoon");
   std::vector<std::string> transparent = settings;
   transparent.push_back("output.transparent=on");
   const Image cutout = silhouette(scene, 16, transparent, "cartoon");
@@ -125,11 +125,11 @@ TEST(Frames, CartoonMixesAsSquareRoots) {
   EXPECT_GT(white, 0.1f);
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 96; ++x) {
-      const float share = shares.planes[0].at(x, y);
-      if (share < 0.1f || share > 0.9f || shares.planes[1].at(x, y) < 1.0f) continue;
+      const float fraction = fractions.planes[0].at(x, y);
+      if (fraction < 0.1f || fraction > 0.9f || fractions.planes[1].at(x, y) < 1.0f) continue;
       ++between;
-      EXPECT_NEAR(mixed.planes[0].at(x, y) / white, share * share, 0.02f) << x << ", " << y;
-      EXPECT_NEAR(cutout.planes[1].at(x, y), share, 1e-5) << "alpha is the share";
+      EXPECT_NEAR(mixed.planes[0].at(x, y) / white, fraction * fraction, 0.02f) << x << ", " << y;
+      EXPECT_NEAR(cutout.planes[1].at(x, y), fraction, 1e-5) << "alpha is the share";
       EXPECT_NEAR(cutout.planes[0].at(x, y), white, 0.02f) << "colour is straight";
     }
   EXPECT_GT(between, 20);

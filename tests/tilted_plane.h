@@ -45,7 +45,7 @@ inline GBuffer seen(const TiltedPlane& plane) {
     out[1] = std::sin(a) * std::cos(plane.roll_rad);
     out[2] = std::cos(a);
   };
-  double n[3], told[3];
+  double n[3], reported[3];
   normal(plane.angle_deg, n);
   Image& image = g.layers[0];
   for (const char* name : {"depth", "normal.x", "normal.y", "normal.z"}) image.add(name);
@@ -57,8 +57,8 @@ inline GBuffer seen(const TiltedPlane& plane) {
       const double lean = n[0] * u + n[1] * v;
       image.planes[0].at(x, y) =
           float(plane.orthographic ? depth + (lean - before) / n[2] : (depth * n[2] - before) / (n[2] - lean));
-      normal(plane.angle_deg + plane.error_deg * std::sin(0.15 * x + 0.2 * y), told);
-      for (int c = 0; c < 3; ++c) image.planes[std::size_t(1 + c)].at(x, y) = float(told[c]);
+      normal(plane.angle_deg + plane.error_deg * std::sin(0.15 * x + 0.2 * y), reported);
+      for (int c = 0; c < 3; ++c) image.planes[std::size_t(1 + c)].at(x, y) = float(reported[c]);
     }
   return g;
 }

@@ -82,8 +82,8 @@ std::string report_of(const Paper& paper, const std::vector<Figure>& figures, co
   return text;
 }
 
-Result<void> make_figures(const FiguresOptions& asked) {
-  FiguresOptions o = asked;
+Result<void> make_figures(const FiguresOptions& requested) {
+  FiguresOptions o = requested;
   const auto paper =
       std::find_if(std::begin(kPapers), std::end(kPapers), [&](const Paper& p) { return p.name == o.paper; });
   if (paper == std::end(kPapers)) {

@@ -154,8 +154,8 @@ int run(int argc, char** argv) {
   try {
     app.parse(words);
   } catch (const CLI::CallForHelp&) {
-    const CLI::App* asked = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
-    std::fputs((asked == &app ? app.help() : asked->help(app.get_name())).c_str(), stdout);
+    const CLI::App* requested = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
+    std::fputs((requested == &app ? app.help() : requested->help(app.get_name())).c_str(), stdout);
     return printed();
   } catch (const CLI::CallForVersion&) {
     std::fputs("umbrage " UMBRAGE_VERSION "\n", stdout);

@@ -95,15 +95,15 @@ std::string ProgressLine::text(Clock::time_point now, std::size_t room) const {
   return what + numbers;
 }
 
-void ProgressLine::show(std::string what, std::optional<double> share) {
+void ProgressLine::show(std::string what, std::optional<double> fraction) {
   if (!on_terminal_) return;
   const std::lock_guard lock(mutex_);
-  if (share && !share_) {
-    first_fraction_ = *share;
+  if (fraction && !share_) {
+    first_fraction_ = *fraction;
     first_report_time_ = Clock::now();
   }
   what_ = std::move(what);
-  share_ = share;
+  share_ = fraction;
   reported_ = Clock::now();
   wanted_ = true;
 }

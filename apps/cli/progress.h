@@ -17,7 +17,7 @@ class ProgressLine {
   ~ProgressLine();
   ProgressLine(const ProgressLine&) = delete;
   /// Sets the activity and, if known, the fraction of the whole work that is done, 0 to 1. Any thread.
-  void show(std::string what, std::optional<double> share = std::nullopt);
+  void show(std::string what, std::optional<double> fraction = std::nullopt);
   /// Clears the line, before other output is printed. The next `show` brings it back.
   void wipe();
 

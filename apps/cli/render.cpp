@@ -69,8 +69,8 @@ struct Output {
 struct Order {
   Output output;
   LineFile lines;
-  Recipe asked;   ///< recipe of the options, for hints
-  Recipe recipe;  ///< recipe reduced to the planes that the output needs
+  Recipe requested;  ///< recipe of the options, for hints
+  Recipe recipe;     ///< recipe reduced to the planes that the output needs
   ImportSettings import_with;
   double memory = 0.0;
 };
@@ -298,10 +298,10 @@ Result<Order> order_of(const RenderOptions& o) {
   order.lines = std::move(*lines);
   auto recipe = make_recipe(o.request, kMaxStripPixels);
   if (!recipe) return recipe.error();
-  order.asked = order.recipe = std::move(*recipe);
+  order.requested = order.recipe = std::move(*recipe);
   if (auto fine = check_output(o, *output); !fine) return fine.error();
   if (order.lines)
-    if (auto taken = take_recipe(o, order.asked, order.lines); !taken) return taken.error();
+    if (auto taken = take_recipe(o, order.requested, order.lines); !taken) return taken.error();
   if (order.lines.alone) {
     Request of_lines = o.request;
     disable_unused_effects(of_lines);
@@ -362,7 +362,7 @@ Result<Scene> read_scene(const RenderOptions& o, Order& order, ProgressLine& lin
   for (const std::string& warning : scene->warnings) warn(warning);
   // Warn only about settings on the command line: those of a configuration file may be for other looks.
   const auto is_typed = [](std::string_view setting) { return command_line.find(setting) != std::string::npos; };
-  for (const std::string& sentence : setting_warnings(o.request, order.asked, &*scene, is_typed))
+  for (const std::string& sentence : setting_warnings(o.request, order.requested, &*scene, is_typed))
     warn(with_option_names(sentence));
   return scene;
 }

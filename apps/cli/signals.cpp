@@ -29,8 +29,8 @@ void ended(int signal) {
   }
   wipe_progress();
   constexpr char kLine[] = "umbrage: interrupted\n";
-  const bool told = ::write(STDERR_FILENO, kLine, sizeof kLine - 1) > 0;
-  static_cast<void>(told);
+  const bool reported = ::write(STDERR_FILENO, kLine, sizeof kLine - 1) > 0;
+  static_cast<void>(reported);
   // The child must have ended before its file is removed; otherwise it could create the file again.
   if (const pid_t one = child; one > 0) {
     ::kill(one, SIGKILL);

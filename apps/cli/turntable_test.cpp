@@ -126,9 +126,9 @@ TEST_F(TurntableTest, MakesVideos) {
   good(kSolids + "--look ao -o one.png");
   good(kSolids + "--look ao -o turn.mp4 --turntable 3 --frame-rate 24", path);
   EXPECT_EQ(names(), (std::set<std::string>{"one.png", "turn.mp4"}));
-  const std::string told = text_of(root_ / "ffmpeg.txt");
+  const std::string reported = text_of(root_ / "ffmpeg.txt");
   for (const char* part : {"-video_size 64x48", "-framerate 24", "-pixel_format rgb24", "-f mp4"})
-    EXPECT_NE(told.find(part), std::string::npos) << told;
+    EXPECT_NE(reported.find(part), std::string::npos) << reported;
   const std::string bytes = text_of(folder_ / "turn.mp4");
   ASSERT_EQ(bytes.size(), 3u * 64 * 48 * 3);
   const Image one = image("one.png");

@@ -114,7 +114,7 @@ struct Run {
     return settings.progress(what, start + span * std::min((done + more) / units, 1.0));
   }
   TraceControl control(const std::string& what, double of_units) const {
-    return {device.threads(), [this, what, of_units](double share) { return tell(what, of_units * share); }};
+    return {device.threads(), [this, what, of_units](double fraction) { return tell(what, of_units * fraction); }};
   }
 };
 

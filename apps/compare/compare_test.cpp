@@ -249,8 +249,8 @@ TEST(Compare, TheProgressCanEndTheWork) {
   CompareSettings settings;
   settings.models = {"scene:solids?detail=7000"};
   settings.sizes = {{64, 64}};
-  int told = 0;
-  settings.progress = [&](const std::string&, double) { return ++told < 5; };
+  int reported = 0;
+  settings.progress = [&](const std::string&, double) { return ++reported < 5; };
   const auto ended = compare(**device, settings);
   ASSERT_FALSE(ended);
   EXPECT_EQ(ended.error().kind, ErrorKind::kInterrupted);

@@ -77,13 +77,13 @@ std::vector<std::string> beside(const Parameter& row, const ParameterBytes& byte
       if (choice != now) texts.emplace_back(choice);
     return texts;
   }
-  const bool share = now.ends_with('%');
+  const bool fraction = now.ends_with('%');
   double value = 0.0;
   std::from_chars(now.data(), now.data() + now.size(), value);
   if (value == 0.0) return {};
   for (double next : step_values(value, row.type == ParameterType::kInt)) {
-    if (!share) next = std::clamp(next, row.min, row.max);
-    std::string text = fmt::format("{:.3g}{}", next, share ? "%" : "");
+    if (!fraction) next = std::clamp(next, row.min, row.max);
+    std::string text = fmt::format("{:.3g}{}", next, fraction ? "%" : "");
     if (text != now) texts.push_back(std::move(text));
   }
   return texts;

@@ -101,9 +101,9 @@ Image positions(const Shot& shot) {
   };
   visit([&](int, int, vec3 p) { low = glm::min(low, p), high = glm::max(high, p); });
   visit([&](int x, int y, vec3 p) {
-    const vec3 share = (p - low) / glm::max(high - low, vec3(1e-6f));
-    out.plane("color.r").at(x, y) = share.x, out.plane("color.g").at(x, y) = share.y;
-    out.plane("color.b").at(x, y) = share.z;
+    const vec3 fraction = (p - low) / glm::max(high - low, vec3(1e-6f));
+    out.plane("color.r").at(x, y) = fraction.x, out.plane("color.g").at(x, y) = fraction.y;
+    out.plane("color.b").at(x, y) = fraction.z;
   });
   return out;
 }

@@ -177,15 +177,15 @@ TEST(CaptureLayers, AGridsVerticesAndDiagonalsAreOneSurface) {
 TEST(CaptureLayers, SheetsOfPaperAreOneFromAfarAndTwoFromNear) {
   for (const float scale : {1.0f, 0x1p-20f, 0x1p30f}) {
     const float distance = 8.0f * scale;
-    for (const auto& [share, surfaces] : {std::pair{0.8e-5f, 1}, {1e-4f, 2}}) {
-      const Scene scene = scene_of({square(scale), square(scale, -share * distance)});
+    for (const auto& [fraction, surfaces] : {std::pair{0.8e-5f, 1}, {1e-4f, 2}}) {
+      const Scene scene = scene_of({square(scale), square(scale, -fraction * distance)});
       const glm::vec3 eye(0, 0, distance), middle(0, 0, 0), up(0, 1, 0);
       for (const Camera& camera : {perspective_camera(eye, middle, up, 10.0f, 1.0f),
                                    orthographic_camera(eye, middle, up, 1.5f * scale, 1.0f)}) {
         const Picture picture = capture_with({16, 16, false, 3}, scene, camera);
         for (int y = 0; y < 16; ++y)
           for (int x = 0; x < 16; ++x)
-            ASSERT_EQ(surfaces_at(picture, 3, x, y), surfaces) << share << " at scale " << scale;
+            ASSERT_EQ(surfaces_at(picture, 3, x, y), surfaces) << fraction << " at scale " << scale;
       }
     }
   }

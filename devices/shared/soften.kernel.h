@@ -43,12 +43,12 @@ FN void soften_pixel(Int px, Int py) {
     Real reach = block_soften_reach(kSoftenBlock, 0, 0);
     for (int k = 1; k < kSoftenReachBlocks; ++k) {
       // A neighbour represents four pixels, of which the filter reaches a fraction: the nearest ones, hence its square.
-      Real share = clamp((reach + kSoftenMin) * 0.25f - float(k), Real(0.0f), Real(1.0f));
-      if (some(share > 0.0f)) {
+      Real fraction = clamp((reach + kSoftenMin) * 0.25f - float(k), Real(0.0f), Real(1.0f));
+      if (some(fraction > 0.0f)) {
         int right = k * kSoftenBlock * C.dx;
         int down = k * kSoftenBlock * C.dy;
         // Both neighbours or none: on the slope of a penumbra one alone would shift it.
-        Real weight = share * share * alike(-right, -down, px, py, position, normal) *
+        Real weight = fraction * fraction * alike(-right, -down, px, py, position, normal) *
                       alike(right, down, px, py, position, normal);
         change = mad(weight, near_soften_from(-right, -down) - own + (near_soften_from(right, down) - own), change);
         weights = mad(weight, Real(2.0f), weights);

@@ -178,9 +178,9 @@ Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float sc
     return node;
   };
   how.userPtr = &watch;
-  how.buildProgress = [](void* pointer, double share) {
+  how.buildProgress = [](void* pointer, double fraction) {
     auto& building = *static_cast<Watch*>(pointer);
-    building.reached(kMeasured + (kBuilt - kMeasured) * share);
+    building.reached(kMeasured + (kBuilt - kMeasured) * fraction);
     return !building.ended();
   };
   const auto* root = static_cast<const BuiltNode*>(rtcBuildBVH(&how));

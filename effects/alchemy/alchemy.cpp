@@ -49,8 +49,8 @@ void fill_constants(const AlchemyParams& params, const PictureInfo& info, Alchem
   c.epsilon = params.epsilon * c.radius2;
   for (int i = 0; i < params.samples; ++i) {
     // [McGuire et al. 2012], equation 4: a spiral. The square root makes the points uniform in the disc, as in [2011].
-    const double share = (i + 0.5) / params.samples, angle = 2.0 * std::numbers::pi * share * params.turns;
-    const double length = c.scalable ? share : std::sqrt(share);
+    const double fraction = (i + 0.5) / params.samples, angle = 2.0 * std::numbers::pi * fraction * params.turns;
+    const double length = c.scalable ? fraction : std::sqrt(fraction);
     c.points[2 * i] = float(length * std::cos(angle));
     c.points[2 * i + 1] = float(length * std::sin(angle));
   }

@@ -121,10 +121,10 @@ void fill_constants(const BitmaskParams& params, const PictureInfo& info, Bitmas
   c.fade = params.falloff > 0.0f ? 1.0f / (c.radius * params.falloff) : 0.0f;
   c.noise = params.noise;
   // The three-dimensional golden-ratio sequence [Roberts 2018].
-  const auto share = [&](double step) { return float(std::fmod(step * params.sample_index, 1.0)); };
-  c.sample_turn = share(0.8191725133961644);
-  c.sample_step = share(0.6710436067037893);
-  c.sample_bit = share(0.5497004779019703);
+  const auto fraction = [&](double step) { return float(std::fmod(step * params.sample_index, 1.0)); };
+  c.sample_turn = fraction(0.8191725133961644);
+  c.sample_step = fraction(0.6710436067037893);
+  c.sample_bit = fraction(0.5497004779019703);
   c.skip_outside = params.border == 0 ? 1 : 0;
   if (params.mips && params.mode != kBitmaskLayers) fill_mips(info, c);
   c.bleeding = params.bleeding;

@@ -12,8 +12,8 @@ FN Real higher_of(Real highest, Side side, Way way, Real depth) {
   Real c = cosine_of(way);
   if (C.falloff > 0.0f) {
     Real distance = way.squared * rsqrt(way.squared);
-    Real share = clamp((Real(C.radius) - distance) * Real(C.fade), Real(0.0f), Real(1.0f));
-    c = mad(c - side.low, share, side.low);
+    Real fraction = clamp((Real(C.radius) - distance) * Real(C.fade), Real(0.0f), Real(1.0f));
+    c = mad(c - side.low, fraction, side.low);
   }
   return select(is_near(way, depth), max(c, highest), highest);
 }

@@ -201,11 +201,11 @@ TEST(Bitmask, LightOfAWallIsExact) {
     }
     const auto light =
         mean_at_middle(g, joined(kMany, {{"bleeding", "1"}}), {"indirect.r", "indirect.g", "indirect.b", "ao"});
-    const double share = (1.0 - std::cos(elevation * kRadian)) / 2.0;
-    EXPECT_NEAR(light[0] / (0.5 * share), 1.0, 0.01) << elevation << ' ' << tilt;
-    EXPECT_NEAR(light[1] / (2.0 * share), 1.0, 0.01) << elevation << ' ' << tilt;
-    EXPECT_NEAR(light[2] / (0.5 * share), 1.0, 0.01) << elevation << ' ' << tilt;
-    EXPECT_NEAR(light[3], 1.0 - share, 2e-3) << elevation << ' ' << tilt;
+    const double fraction = (1.0 - std::cos(elevation * kRadian)) / 2.0;
+    EXPECT_NEAR(light[0] / (0.5 * fraction), 1.0, 0.01) << elevation << ' ' << tilt;
+    EXPECT_NEAR(light[1] / (2.0 * fraction), 1.0, 0.01) << elevation << ' ' << tilt;
+    EXPECT_NEAR(light[2] / (0.5 * fraction), 1.0, 0.01) << elevation << ' ' << tilt;
+    EXPECT_NEAR(light[3], 1.0 - fraction, 2e-3) << elevation << ' ' << tilt;
   }
 }
 
@@ -421,11 +421,11 @@ TEST(Bitmask, BordersGetNoMoreLightThanIsSent) {
   const int width = 96, height = 64;
   GBuffer g = picture(width, height, camera_of(false, 4.0, width, height), {});
   std::mt19937 random(1);
-  std::uniform_real_distribution<float> share(0.0f, 1.0f);
+  std::uniform_real_distribution<float> fraction(0.0f, 1.0f);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      g.layers[0].planes[0].at(x, y) = 5.0f + share(random);
-      const float turn = 2.0f * float(std::numbers::pi) * share(random), up = 0.2f * share(random);
+      g.layers[0].planes[0].at(x, y) = 5.0f + fraction(random);
+      const float turn = 2.0f * float(std::numbers::pi) * fraction(random), up = 0.2f * fraction(random);
       g.layers[0].planes[1].at(x, y) = std::sqrt(1.0f - up * up) * std::cos(turn);
       g.layers[0].planes[2].at(x, y) = std::sqrt(1.0f - up * up) * std::sin(turn);
       g.layers[0].planes[3].at(x, y) = up;

@@ -91,23 +91,24 @@ TEST(Composite, BleedingFadesWhereDirectLightDoes) {
     for (int y = 0; y < g.info.height; ++y)
       for (int x = 0; x < 20; ++x) g.layers[0].plane(kDirect[c]).at(x, y) *= float(x) / 200.0f;
   for (const double damping : {0.0, 0.1, 0.7})
-    test::on_every_target(
-        "composite", g, {{"mode", "bleeding"}, {"damping", fmt::format("{}", damping)}}, [&](const Image& image) {
-          double worst = 0.0;
-          int faded = 0;
-          for (int y = 0; y < image.height; ++y)
-            for (int x = 0; x < image.width; ++x) {
-              const auto [direct, ambient, bounced] = Arriving(g.layers[0], x, y);
-              const double luminance = 0.2126 * direct.r + 0.7152 * direct.g + 0.0722 * direct.b;
-              const double share = damping > 0.0 ? std::min(luminance / damping, 1.0) : 1.0;
-              const glm::dvec3 expected = direct + bounced * share + ambient * double(g.layers[0].plane("ao").at(x, y));
-              for (int c = 0; c < 3; ++c)
-                worst = std::max(worst, std::fabs(image.plane(kLit[c]).at(x, y) - expected[c]));
-              faded += share < 1.0;
-            }
-          EXPECT_LE(worst, 2e-6);
-          EXPECT_EQ(faded > 100, damping > 0.0);
-        });
+    test::on_every_target("composite", g, {{"mode", "bleeding"}, {"damping", fmt::format("{}", damping)}},
+                          [&](const Image& image) {
+                            double worst = 0.0;
+                            int faded = 0;
+                            for (int y = 0; y < image.height; ++y)
+                              for (int x = 0; x < image.width; ++x) {
+                                const auto [direct, ambient, bounced] = Arriving(g.layers[0], x, y);
+                                const double luminance = 0.2126 * direct.r + 0.7152 * direct.g + 0.0722 * direct.b;
+                                const double fraction = damping > 0.0 ? std::min(luminance / damping, 1.0) : 1.0;
+                                const glm::dvec3 expected =
+                                    direct + bounced * fraction + ambient * double(g.layers[0].plane("ao").at(x, y));
+                                for (int c = 0; c < 3; ++c)
+                                  worst = std::max(worst, std::fabs(image.plane(kLit[c]).at(x, y) - expected[c]));
+                                faded += fraction < 1.0;
+                              }
+                            EXPECT_LE(worst, 2e-6);
+                            EXPECT_EQ(faded > 100, damping > 0.0);
+                          });
 }
 
 TEST(Composite, TintBringsBackWhatSurfacesOfTheSameColourSend) {
@@ -126,11 +127,11 @@ TEST(Composite, TintBringsBackWhatSurfacesOfTheSameColourSend) {
           const Arriving arriving(g.layers[0], x, y);
           const double ao = g.layers[0].plane("ao").at(x, y), open = std::clamp(ao, 0.0, 1.0);
           for (int c = 0; c < 3; ++c) {
-            const double share =
+            const double fraction =
                 ao + tint * (with_interreflections(open, g.layers[0].plane(kAlbedo[c]).at(x, y)) - open);
-            const double lit = arriving.direct[c] + arriving.bounced[c] + arriving.ambient[c] * share;
+            const double lit = arriving.direct[c] + arriving.bounced[c] + arriving.ambient[c] * fraction;
             worst = std::max(worst, std::fabs(lit - image.plane(kLit[c]).at(x, y)));
-            lifted += share > ao + 0.05;
+            lifted += fraction > ao + 0.05;
           }
         }
       EXPECT_LE(worst, 2e-6) << tint;
@@ -171,18 +172,18 @@ TEST(Composite, BouncedLightIsAlbedoTimesIndirect) {
   g.layers[0].plane("ao") = Plane(width, height, 0.0f);
   for (int c = 0; c < 3; ++c)
     for (const auto* names : {kDirect, kAmbient}) g.layers[0].plane(names[c]) = Plane(width, height, 0.0f);
-  const auto share = [&](const char* mode, double bounced, double offset) {
+  const auto fraction = [&](const char* mode, double bounced, double offset) {
     test::on_every_target("composite", g, {{"mode", mode}}, [&](const Image& image) {
       for (int c = 0; c < 3; ++c)
         ASSERT_NEAR(image.plane(kLit[c]).at(5, 7), bounced * Arriving(g.layers[0], 5, 7).bounced[c] + offset, 1e-6)
             << mode;
     });
   };
-  share("ambient", 1.0, 0.0);
-  share("multiply", 1.0, 0.0);
-  share("subtract", 1.0, -1.0);
-  share("modulate", 1.0, -1.0);
-  share("occlusion", 0.0, 0.0);
+  fraction("ambient", 1.0, 0.0);
+  fraction("multiply", 1.0, 0.0);
+  fraction("subtract", 1.0, -1.0);
+  fraction("modulate", 1.0, -1.0);
+  fraction("occlusion", 0.0, 0.0);
   // A G-buffer without albedo has the neutral one.
   Image bare(width, height);
   for (int c = 0; c < 3; ++c) bare.add(kIndirect[c]) = Plane(width, height, 0.5f);

@@ -102,8 +102,8 @@ void fill_paper_points(const HemisphereParams& params, float* points) {
   for (int i = 0; i < params.samples; ++i) {
     const double x = uniform(-1.0, 1.0), y = uniform(-1.0, 1.0);
     const double z = params.shape == 0 ? uniform(0.05, 1.0) : uniform(-1.0, 1.0);
-    const double share = double(i) / params.samples;
-    const double scale = (0.1 + 0.9 * share * share) / std::sqrt(std::max(x * x + y * y + z * z, 1e-12));
+    const double fraction = double(i) / params.samples;
+    const double scale = (0.1 + 0.9 * fraction * fraction) / std::sqrt(std::max(x * x + y * y + z * z, 1e-12));
     const double row[5] = {x * scale, y * scale, z * scale, 1.0, 1.0};
     for (int k = 0; k < 5; ++k) points[5 * i + k] = float(row[k]);
   }

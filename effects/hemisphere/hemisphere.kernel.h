@@ -118,7 +118,7 @@ FN Real arriving_share(Vec3 way, Vec3 normal, Vec3 facing, Vec3 sight, Real wide
   Real cos_receiver = height * one_over;
   Real cos_emitter = -dot(way, facing) * one_over;
   Bool sees = cos_receiver > 0.0f && cos_emitter > 0.0f;
-  Real share = cos_receiver * min(cos_emitter, Real(1.0f)) * Real(C.area_factor);
+  Real fraction = cos_receiver * min(cos_emitter, Real(1.0f)) * Real(C.area_factor);
   if (C.area == kHemisphereAreaMeasured) {
     Real t = dot(way, sight);
     Real b2 = max(squared - t * t, Real(C.min_b2));
@@ -141,13 +141,13 @@ FN Real arriving_share(Vec3 way, Vec3 normal, Vec3 facing, Vec3 sight, Real wide
     found = mad(seen_angle * foot, Real(C.even_fraction_by_radius), found);
     Real cos_view = max(abs(dot(sight, facing)), Real(kMinCosine));
     // View rays diverge: with distance there are more samples between them.
-    share = share * (b2 * one_over_near * one_over_near) / (cos_view * found * (widening * widening));
-    share = min(share, Real(C.area_factor * kMaxHitWeight));
+    fraction = fraction * (b2 * one_over_near * one_over_near) / (cos_view * found * (widening * widening));
+    fraction = min(fraction, Real(C.area_factor * kMaxHitWeight));
     sees = sees && squared <= Real(C.radius * C.radius);
   } else {
-    share = share / max(squared, Real(C.min_distance * C.min_distance));
+    fraction = fraction / max(squared, Real(C.min_distance * C.min_distance));
   }
-  return select(sees, share, Real(0.0f));
+  return select(sees, fraction, Real(0.0f));
 }
 
 // Returns the position at the centre of pixel (x, y) of the i-th layer, in the space of that layer's camera. x and y
@@ -234,9 +234,9 @@ FN void add_recorded_light(int found, int first, Vec3 position, Vec3 normal, Int
       widening = entries_hidden_depth(at) / tap;
     }
     if (other) sight = rotated_from_view(first, sight);
-    Real share = arriving_share(way, of_lane(normal, lane), facing, sight, widening) *
-                 range_weight(own_depth, tap, range_limit(own_depth));
-    share = select(sends, share, Real(0.0f));
+    Real fraction = arriving_share(way, of_lane(normal, lane), facing, sight, widening) *
+                    range_weight(own_depth, tap, range_limit(own_depth));
+    fraction = select(sends, fraction, Real(0.0f));
     Vec3 sent = none;
     for (int i = first; i < end; ++i) {
       Bool front = sends && !away;
@@ -248,7 +248,7 @@ FN void add_recorded_light(int found, int first, Vec3 position, Vec3 normal, Int
       if (some(front)) sent = select(front, outgoing_light_of(C.layer[i], place), sent);
       if (C.back[i] >= 0 && some(back)) sent = select(back, outgoing_light_of(C.back[i], place), sent);
     }
-    add_to_arrived(lane, sent * share);
+    add_to_arrived(lane, sent * fraction);
   }
 }
 

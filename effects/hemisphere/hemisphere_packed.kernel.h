@@ -42,9 +42,9 @@ FN Real light_shares(Vec3 light) {
   Real second = min(mad(light.y, scale, Real(0.5f)), Real(kPackedWhole));
   return packed_pair(to_uint(to_int(first)), to_uint(to_int(second)));
 }
-FN Vec3 unpacked_light(Real sum, Real shares) {
+FN Vec3 unpacked_light(Real sum, Real fractions) {
   Real scale = sum * (1.0f / kPackedWhole);
-  Real first = high_of_pair(shares) * scale;
-  Real second = low_of_pair(shares) * scale;
+  Real first = high_of_pair(fractions) * scale;
+  Real second = low_of_pair(fractions) * scale;
   return Vec3(first, second, max(sum - first - second, Real(0.0f)));
 }

@@ -557,8 +557,8 @@ TEST(Hemisphere, AmbientLightBouncesInAClosedBoxAsQuadratureSays) {
   constexpr double kGuess = 0.7;  // the assumed visibility of the first round
   const auto once = [&](glm::dvec3, const Rectangle&) { return own * kGuess; };
   const auto twice = [&](glm::dvec3 at, const Rectangle& on) {
-    const double share = hidden(at, on);
-    return own * (1.0 - share) + kBoxAlbedo * own * kGuess * share;
+    const double fraction = hidden(at, on);
+    return own * (1.0 - fraction) + kBoxAlbedo * own * kGuess * fraction;
   };
   // The second bounce depends on the visibility that the dispatch computes, here with the weight of the look
   // `bleeding`.
@@ -691,7 +691,7 @@ GBuffer step() {
 TEST(Hemisphere, RangeLimitsAreWhatTheySay) {
   const GBuffer g = step();
   // Pixels at depth 5 next to a surface that is 1 nearer; the radius is 1.
-  const auto share = [&](const Settings& settings) {
+  const auto fraction = [&](const Settings& settings) {
     const Image image =
         run(g, joined({{"radius", "1"}, {"samples", "64"}, {"weight", "0.5"}, {"bias_of", "depth"}}, settings));
     double sum = 0.0;
@@ -699,13 +699,13 @@ TEST(Hemisphere, RangeLimitsAreWhatTheySay) {
       for (int x = 32; x < 42; ++x) sum += (1.0 - image.plane("ao").at(x, y)) / 240.0;
     return sum;
   };
-  const double all = share({{"range", "none"}});
+  const double all = fraction({{"range", "none"}});
   EXPECT_GT(all, 0.05);
   const auto edge = [&](const char* range, const char* depth, double factor) {
     const Settings settings = {{"range", range}, {"range_depth", depth}, {"near", "2"}, {"far", "10"}};
-    EXPECT_NEAR(share(joined(settings, {{"range_factor", fmt::format("{}", 1.03 * factor)}})), all, 1e-6)
+    EXPECT_NEAR(fraction(joined(settings, {{"range_factor", fmt::format("{}", 1.03 * factor)}})), all, 1e-6)
         << range << depth;
-    EXPECT_EQ(share(joined(settings, {{"range_factor", fmt::format("{}", 0.97 * factor)}})), 0.0) << range << depth;
+    EXPECT_EQ(fraction(joined(settings, {{"range_factor", fmt::format("{}", 0.97 * factor)}})), 0.0) << range << depth;
   };
   // All limits are equal at the depth sqrt(2 10) and fall beyond it. Window depth Z = 10/8 (1 - 2/z) differs by 1/8,
   // the radius divided by the span.
@@ -719,7 +719,8 @@ TEST(Hemisphere, RangeLimitsAreWhatTheySay) {
   const double t = 0.6;
   for (const char* depth : {"view", "window"})
     EXPECT_NEAR(
-        share({{"range", "smoothstep"}, {"range_depth", depth}, {"range_factor", "0.6"}, {"near", "2"}, {"far", "10"}}),
+        fraction(
+            {{"range", "smoothstep"}, {"range_depth", depth}, {"range_factor", "0.6"}, {"near", "2"}, {"far", "10"}}),
         all * t * t * (3.0 - 2.0 * t), 1e-5);
 }
 

@@ -306,10 +306,10 @@ TEST(Lighting, ShadowDarkensTheKeyLightAlone) {
   for (int x = 0; x < 4; ++x) g.layers[0].plane("shadow").at(x, 0) = float(x) / 3.0f;
   g.info.lights = {{.direction = {0, 0, 1}, .color = glm::vec3(0.6f)},
                    {.direction = {0, 0, 1}, .color = glm::vec3(0.2f)}};
-  for (const double share : {0.0, 0.5, 1.0})
-    test::on_every_target("lighting", g, {{"shadow", fmt::format("{}", share)}}, [&](const Image& image) {
+  for (const double fraction : {0.0, 0.5, 1.0})
+    test::on_every_target("lighting", g, {{"shadow", fmt::format("{}", fraction)}}, [&](const Image& image) {
       for (int x = 0; x < 4; ++x)
-        EXPECT_NEAR(image.plane("direct.r").at(x, 0), 0.6 * (1.0 - share * (1.0 - x / 3.0)) + 0.2, 1e-6) << share;
+        EXPECT_NEAR(image.plane("direct.r").at(x, 0), 0.6 * (1.0 - fraction * (1.0 - x / 3.0)) + 0.2, 1e-6) << fraction;
     });
 }
 

@@ -43,8 +43,8 @@ FN void output_pixel(Int px, Int py) {
   Real of_light = share_of(near_cover(0, 0));
   Bool as_square_roots = of_eye > of_light;
   Real covered = max(of_eye, of_light);
-  Real share = select(surface || covered == Real(0.0f), Real(1.0f), covered);
-  Vec3 light = exposed(near_lit(0, 0) * (Real(C.gain) / share));
+  Real fraction = select(surface || covered == Real(0.0f), Real(1.0f), covered);
+  Vec3 light = exposed(near_lit(0, 0) * (Real(C.gain) / fraction));
   // Covers a fraction of the background, with straight alpha.
   Real behind = (Real(1.0f) - covered) * Real(C.background_alpha);
   Real alpha = covered + behind;

@@ -159,8 +159,8 @@ GBuffer under_a_line(float line) {
   return g;
 }
 
-double mixed(double light, double line, double share) {
-  const double root = share * std::sqrt(line) + (1.0 - share) * std::sqrt(light);
+double mixed(double light, double line, double fraction) {
+  const double root = fraction * std::sqrt(line) + (1.0 - fraction) * std::sqrt(light);
   return root * root;
 }
 

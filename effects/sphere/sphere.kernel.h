@@ -49,8 +49,8 @@ FN Real range_weight(Real nearer, Real limit) {
 
 // Returns the visibility, 1 minus the occlusion, of `hidden` out of `count` samples.
 FN Real open_share(Real hidden, Real count) {
-  Real share = hidden / max(count, Real(1.0f));
-  Real mapped = C.quadratic != 0 ? share * share : share;
+  Real fraction = hidden / max(count, Real(1.0f));
+  Real mapped = C.quadratic != 0 ? fraction * fraction : fraction;
   mapped = select(hidden < Real(C.threshold) * count, Real(0.0f), mapped);
   return max(Real(0.0f), 1.0f - mapped * Real(C.strength));
 }

@@ -286,7 +286,7 @@ GBuffer step(int first_far_column = kStep) {
 }
 
 /// Returns the fraction of sample points that satisfy a condition.
-double share(const std::vector<glm::dvec3>& all, const std::function<bool(glm::dvec3)>& holds) {
+double fraction(const std::vector<glm::dvec3>& all, const std::function<bool(glm::dvec3)>& holds) {
   return double(std::count_if(all.begin(), all.end(), holds)) / double(all.size());
 }
 
@@ -300,7 +300,7 @@ void expect_step(const Settings& more, const std::function<double(int x, double 
   test::on_every_target("sphere", g, settings, [&](const Image& image) {
     for (int x = 10; x < 54; ++x) {
       const double nearer =
-          x < kStep ? 0.0 : share(all, [&](glm::dvec3 v) { return std::floor(x + 0.5 + kRadiusPx * v.x) < kStep; });
+          x < kStep ? 0.0 : fraction(all, [&](glm::dvec3 v) { return std::floor(x + 0.5 + kRadiusPx * v.x) < kStep; });
       EXPECT_NEAR(image.plane("ao").at(x, 20), 1.0 - expected(x, nearer), 1e-6) << x;
     }
   });
@@ -352,7 +352,7 @@ TEST(Sphere, OwnDepthOfTheSamplesHidesThoseBehindTheSurface) {
   test::on_every_target("sphere", g, settings, [&](const Image& image) {
     for (int x = 10; x < 54; ++x) {
       const double own = x < kStep ? kNearSide : kFarSide;
-      const double hidden = share(all, [&](glm::dvec3 v) {
+      const double hidden = fraction(all, [&](glm::dvec3 v) {
         const double surface = std::floor(x + 0.5 + kRadiusPx * v.x) < kStep ? kNearSide : kFarSide;
         return own - kRadius * v.z > surface + 1e-6;
       });
@@ -370,7 +370,7 @@ TEST(Sphere, HemisphereTurnsSamplesToTheSurfacesSide) {
     const auto all = points(g, settings);
     test::on_every_target("sphere", g, settings, [&](const Image& image) {
       for (int x = 10; x < 54; ++x) {
-        const double hidden = x < kStep ? 0.0 : share(all, [&](glm::dvec3 v) {
+        const double hidden = x < kStep ? 0.0 : fraction(all, [&](glm::dvec3 v) {
           return std::floor(x + 0.5 + kRadiusPx * (v.z < 0.0 ? -v.x : v.x)) < kStep;
         });
         EXPECT_NEAR(image.plane("ao").at(x, 20), 1.0 - hidden, 1e-6) << x;
@@ -392,8 +392,8 @@ TEST(Sphere, SamplesOutsideAreClampedOrLeftOut) {
   const Settings settings = joined(kPlainFraction, {{"radius", "8"}, {"samples", "32"}});
   const auto all = points(g, settings);
   const int x = 61, y = 20;
-  const double nearer = share(all, [&](glm::dvec3 v) { return std::floor(x + 0.5 + kRadiusPx * v.x) < 60; });
-  const double inside = share(all, [&](glm::dvec3 v) { return std::floor(x + 0.5 + kRadiusPx * v.x) < kStepWidth; });
+  const double nearer = fraction(all, [&](glm::dvec3 v) { return std::floor(x + 0.5 + kRadiusPx * v.x) < 60; });
+  const double inside = fraction(all, [&](glm::dvec3 v) { return std::floor(x + 0.5 + kRadiusPx * v.x) < kStepWidth; });
   EXPECT_LT(inside, 0.8);
   EXPECT_NEAR(ao(g, settings).at(x, y), 1.0 - nearer, 1e-6);
   EXPECT_NEAR(ao(g, joined(settings, {{"border", "skip"}})).at(x, y), 1.0 - nearer / inside, 1e-6);

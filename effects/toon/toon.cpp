@@ -74,7 +74,7 @@ void fill_lights(const ToonParams& params, const PictureInfo& info, ToonConstant
     // A sky without a sun: tone steps by the direction from which most of its light comes.
     c.light_count = 1;
     c.shadow = 0.0f;
-    c.share[0] = 1.0f;
+    c.fraction[0] = 1.0f;
     const glm::vec3 max = brightest_direction(rig.ambient_shape);
     c.x[0] = max.x;
     c.y[0] = max.y;
@@ -85,7 +85,7 @@ void fill_lights(const ToonParams& params, const PictureInfo& info, ToonConstant
   for (int k = 0; k < c.light_count; ++k) {
     const RigLight& light = rig.lights[k];
     set_place(light, k, c);
-    c.share[k] = k == 0 ? 1.0f : key > 0.0f ? luminance(light.color) / key : 0.0f;
+    c.fraction[k] = k == 0 ? 1.0f : key > 0.0f ? luminance(light.color) / key : 0.0f;
     c.reach_squared[k] = paper ? 0.0f : light.reach_squared;
   }
 }

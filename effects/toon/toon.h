@@ -39,7 +39,7 @@ struct ToonConstants {
   // Lights in view space, the key light first. kind: 0 directional (x, y, z towards the light), 1 point (at x, y, z)
   int kind[kToonMaxLights];
   float x[kToonMaxLights], y[kToonMaxLights], z[kToonMaxLights];
-  float share[kToonMaxLights];          // intensity relative to the key light
+  float fraction[kToonMaxLights];       // intensity relative to the key light
   float reach_squared[kToonMaxLights];  // of a point light: squared distance at which its share applies; 0: no falloff
 };
 

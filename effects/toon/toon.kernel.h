@@ -55,17 +55,17 @@ FN Real step_of(Real intensity) {
 FN Bool is_of(Real step, int i, int j) { return step_of(near_toon_intensity(i, j)) == step; }
 
 // Returns whether a pixel of another tone step is near in one direction.
-FN Bool has_other(Bool asked, Real step, int right, int down) {
-  Bool found = asked && !asked;
+FN Bool has_other(Bool requested, Real step, int right, int down) {
+  Bool found = requested && !requested;
   for (int k = 1; k <= C.speck; ++k)
-    if (some(asked && !found)) found = found || (asked && !is_of(step, k * right, k * down));
+    if (some(requested && !found)) found = found || (requested && !is_of(step, k * right, k * down));
   return found;
 }
 
 // Returns whether another tone step begins next to this pixel in one direction, and this one's begins again beyond.
-FN Bool has_narrow(Bool asked, Real step, int right, int down) {
-  Bool other = asked && !is_of(step, right, down);
-  Bool found = asked && !asked;
+FN Bool has_narrow(Bool requested, Real step, int right, int down) {
+  Bool other = requested && !is_of(step, right, down);
+  Bool found = requested && !requested;
   for (int k = 2; k <= C.speck; ++k)
     if (some(other && !found)) found = found || (other && is_of(step, k * right, k * down));
   return found;
@@ -96,11 +96,11 @@ struct Ring {
 // Returns the first such ring, on this pixel's surface, among those around a square of C.speck x C.speck pixels that
 // contains this pixel. Every pixel of a spot that fits into a square finds one, so a spot disappears as a whole or not
 // at all.
-FN_RARE Ring ring_around(Bool asked, Int px, Int py, Vec3 position, Vec3 normal) {
-  Ring found = Ring(asked && !asked, Real(0.0f), Real(0.0f));
+FN_RARE Ring ring_around(Bool requested, Int px, Int py, Vec3 position, Vec3 normal) {
+  Ring found = Ring(requested && !requested, Real(0.0f), Real(0.0f));
   int side = C.speck + 1;
   for (int at = 0; at < C.speck * C.speck; ++at) {
-    Ring ring = Ring(asked && !found.on, Real(1e30f), Real(-1e30f));
+    Ring ring = Ring(requested && !found.on, Real(1e30f), Real(-1e30f));
     if (!some(ring.on)) continue;
     int left = -1 - at % C.speck;
     int top = -1 - at / C.speck;
@@ -199,8 +199,8 @@ FN void toon_pixel(Int px, Int py) {
     // Square root of the material's specular value: highlights of typical materials, 0.05 to 0.5, stay visible and
     // differ.
     Real strength = sqrt(clamp(near_specular(0, 0), Real(0.0f), Real(1.0f))) * Real(C.specular);
-    Real share = inside * min(strength, Real(1.0f));
-    lit = lit + (Vec3(Real(C.light_r), Real(C.light_g), Real(C.light_b)) - lit) * share;
+    Real fraction = inside * min(strength, Real(1.0f));
+    lit = lit + (Vec3(Real(C.light_r), Real(C.light_g), Real(C.light_b)) - lit) * fraction;
   }
   store_lit(select(surface, finite_or_zero(lit), none));
 }

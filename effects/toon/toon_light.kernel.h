@@ -69,7 +69,7 @@ FN void toon_light_pixel(Int px, Int py) {
   Real highlight = Real(kNoHighlight);
   for (int k = 0; k < C.light_count; ++k) {
     Vec3 light = Vec3(Real(C.x[k]), Real(C.y[k]), Real(C.z[k]));
-    Real arrives = Real(C.share[k]);
+    Real arrives = Real(C.fraction[k]);
     if (C.kind[k] == 1) {
       Vec3 away = light - position;
       Real squared = max(dot(away, away), Real(1e-20f));

@@ -159,7 +159,7 @@ TEST(Toon, IntensityAddsLightsInSharesOfTheKey) {
       {.direction = glm::normalize(glm::vec3(-1.0f, 2.0f, 3.0f)), .color = glm::vec3(0.8f)},
       {.kind = LightKind::kPoint, .position = {0.5f, 1.5f, -0.5f}, .color = glm::vec3(0.4f), .reach = 3.0f},
       {.kind = LightKind::kHead, .color = glm::vec3(0.2f)}};
-  const double share[] = {1.0, 0.5, 0.25};
+  const double fraction[] = {1.0, 0.5, 0.25};
   test::on_every_target("toon", g, {{"ambient", "0.3"}, {"extra", "0.05"}}, [&](const Image& out) {
     double worst = 0.0;
     for (int y = 0; y < 97; ++y)
@@ -174,7 +174,7 @@ TEST(Toon, IntensityAddsLightsInSharesOfTheKey) {
           const double reach = g.info.lights[k].reach;
           const double falls =
               reach > 0.0 ? std::pow(reach / glm::distance(glm::dvec3(g.info.lights[k].position), position), 2.0) : 1.0;
-          sum += share[k] * falls * std::max(0.0, glm::dot(n, to_light(g.info, g.info.lights[k], position)));
+          sum += fraction[k] * falls * std::max(0.0, glm::dot(n, to_light(g.info, g.info.lights[k], position)));
         }
         const double expected = sum * g.layers[0].plane("ao").at(x, y) + 0.05;
         worst = std::max(worst, std::fabs(out.plane("toon_intensity").at(x, y) - expected) / (1.0 + expected));
@@ -226,11 +226,11 @@ TEST(Toon, EdgesOfStepsAreAntialiasedWhereTheyBelong) {
               std::hypot(scaled(x + 1.0, y + 0.5) - scaled(x, y + 0.5), scaled(x + 0.5, y + 1.0) - scaled(x + 0.5, y));
           const double away = slope > 0.0 ? (t - edge) / slope : 1e9;  // distance from the edge, pixels
           const double step = out.plane("lit.g").at(x, y) * (steps - 1.0);
-          const double share = step - (edge - 1.0);  // fraction of the pixel beyond the edge
+          const double fraction = step - (edge - 1.0);  // fraction of the pixel beyond the edge
           if (std::fabs(away) > 1.0) {
             worst_whole = std::max(worst_whole, std::fabs(step - std::min(std::floor(t), steps - 1.0)));
-          } else if (share > 1e-4 && share < 1.0 - 1e-4) {
-            sum += share - 0.5 - away;
+          } else if (fraction > 1e-4 && fraction < 1.0 - 1e-4) {
+            sum += fraction - 0.5 - away;
             farthest = std::max(farthest, std::fabs(away));
             ++between;
           }

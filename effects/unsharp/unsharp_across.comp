@@ -42,7 +42,7 @@ void main() {
   int window = C.last_column - C.first_column + 1;
   int pixels = min(kUnsharpSegment, F.width - left);
   int samples = pixels + window - 1;
-  int share = (samples + kInvocations - 1) / kInvocations;
+  int fraction = (samples + kInvocations - 1) / kInvocations;
 
   // Adjacent invocations read adjacent samples; then each invocation sums its own part.
   for (int k = own; k < samples; k += kInvocations) {
@@ -51,7 +51,7 @@ void main() {
     low_before[k] = words.y;
   }
   barrier();
-  int begin = min(own * share, samples), end = min(begin + share, samples);
+  int begin = min(own * fraction, samples), end = min(begin + fraction, samples);
   uint high = 0u, low = 0u;
   for (int k = begin; k < end; ++k) {
     uint next_high = high + high_before[k], next_low = low + low_before[k];

@@ -48,8 +48,8 @@ FN Real corner_fit(int i, int j, Int px, Int py, Vec3 position, Vec3 normal, boo
 
 // Returns the offset of the pixel from its block's corner, in blocks.
 FN Vec2 offset_of(Int px, Int py) {
-  Real share = Real(1.0f / float(C.factor));
-  return Vec2(to_real(px - block_start(px)) * share, to_real(py - block_start(py)) * share);
+  Real fraction = Real(1.0f / float(C.factor));
+  return Vec2(to_real(px - block_start(px)) * fraction, to_real(py - block_start(py)) * fraction);
 }
 
 // Returns the weights of the corners right, below, and right below; the rest is that of the block's own corner. All are
@@ -92,6 +92,7 @@ FN Real wide_weight(int i, int j, Int px, Int py) {
 FN Real small_ao(int i, int j) { return clean_ao(block_reduced_ao(C.factor, i, j)); }
 
 // Returns the change of the own block's occlusion by its neighbours.
-FN Real change_of_ao(Vec3 shares, Real own) {
-  return (small_ao(1, 0) - own) * shares.x + (small_ao(0, 1) - own) * shares.y + (small_ao(1, 1) - own) * shares.z;
+FN Real change_of_ao(Vec3 fractions, Real own) {
+  return (small_ao(1, 0) - own) * fractions.x + (small_ao(0, 1) - own) * fractions.y +
+         (small_ao(1, 1) - own) * fractions.z;
 }

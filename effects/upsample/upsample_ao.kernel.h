@@ -3,10 +3,10 @@
 
 // Sums differences from the own block's value, so that equal values stay bitwise identical.
 FN void upsample_ao_pixel(Int px, Int py) {
-  Vec3 shares = shares_of(px, py);
+  Vec3 fractions = shares_of(px, py);
   Real own = small_ao(0, 0);
-  Real change = change_of_ao(shares, own);
-  Bool few = shares.x < 0.0f;
+  Real change = change_of_ao(fractions, own);
+  Bool few = fractions.x < 0.0f;
   if (some(few) && C.leave == 0) {
     Real sum = Real(0.0f);
     Real wide = Real(0.0f);

@@ -7,13 +7,13 @@ FN Vec3 small_light(int i, int j) { return clean_light(block_reduced_indirect(C.
 
 // Sums differences from the own block's value, so that equal values stay bitwise identical.
 FN void upsample_light_pixel(Int px, Int py) {
-  Vec3 shares = shares_of(px, py);
+  Vec3 fractions = shares_of(px, py);
   Real own = small_ao(0, 0);
-  Real change = change_of_ao(shares, own);
+  Real change = change_of_ao(fractions, own);
   Vec3 own_light = small_light(0, 0);
-  Vec3 light_change = (small_light(1, 0) - own_light) * shares.x + (small_light(0, 1) - own_light) * shares.y +
-                      (small_light(1, 1) - own_light) * shares.z;
-  Bool few = shares.x < 0.0f;
+  Vec3 light_change = (small_light(1, 0) - own_light) * fractions.x + (small_light(0, 1) - own_light) * fractions.y +
+                      (small_light(1, 1) - own_light) * fractions.z;
+  Bool few = fractions.x < 0.0f;
   if (some(few)) {
     // Where the technique will compute the occlusion, light is taken from the four nearest blocks: sixteen would cost
     // more.

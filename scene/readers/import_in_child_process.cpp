@@ -142,9 +142,9 @@ Result<T> read_in_child_process(const fs::path& file, const std::vector<std::str
         file.string(), kProgram);
   Descriptor result = moved_to_free_number(::memfd_create("umbrage-scene", MFD_CLOEXEC));
   int ends[2] = {-1, -1};
-  Descriptor told, done;
-  if (::pipe2(ends, O_CLOEXEC) == 0) told = moved_to_free_number(ends[0]), done = moved_to_free_number(ends[1]);
-  if (result.number < 0 || told.number < 0 || done.number < 0)
+  Descriptor reported, done;
+  if (::pipe2(ends, O_CLOEXEC) == 0) reported = moved_to_free_number(ends[0]), done = moved_to_free_number(ends[1]);
+  if (result.number < 0 || reported.number < 0 || done.number < 0)
     return file_error("'{}' cannot be read: {}", file.string(), std::strerror(errno));
   const auto started = std::chrono::steady_clock::now();
   // The child's output is discarded: users get the error instead.
@@ -160,7 +160,7 @@ Result<T> read_in_child_process(const fs::path& file, const std::vector<std::str
     return file_error("'{}' cannot be read, since the program '{}' does not start ({})", file.string(),
                       program.string(), std::strerror(failed));
   done.close();  // only the child's end is open now, so that its end closes the pipe
-  const ssize_t got = wait_for_byte(told.number, poll);
+  const ssize_t got = wait_for_byte(reported.number, poll);
   if (poll && poll->ended()) {
     ::kill(child, SIGKILL);
     wait_for(child, started);

@@ -130,8 +130,8 @@ std::string value_of(Choices& choose, const ListedParameter& parameter) {
     double number = double(any_number(choose));
     if (parameter.min < parameter.max) {
       const double max = std::min(parameter.max, std::max(parameter.min, kMuch));
-      const double share = choose.below(5) / 4.0;
-      number = parameter.min + share * (max - parameter.min);
+      const double fraction = choose.below(5) / 4.0;
+      number = parameter.min + fraction * (max - parameter.min);
       if (parameter.type == "int") number = std::floor(number);
       if (choose.one_in(10)) number = choose.below(2) ? parameter.min - 1.0 : 2.0 * std::abs(parameter.max) + 1.0;
     } else if (parameter.type == "int") {

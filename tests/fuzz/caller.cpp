@@ -13,7 +13,7 @@ void on_error(void*, UmbError code, const char* message) {
 void on_warning(void*, const char* message) {
   if (current) current->receive_warning(message);
 }
-bool on_progress(void*, double share) { return !current || current->receive_progress(share); }
+bool on_progress(void*, double fraction) { return !current || current->receive_progress(fraction); }
 
 void Caller::receive_error(UmbError code, const char* message) {
   demand(code != UMB_ERROR_NONE && message && *message, "an error callback without an error");
@@ -25,10 +25,10 @@ void Caller::receive_warning(const char* message) {
   if (choose_.one_in(8)) call_nested();
 }
 
-bool Caller::receive_progress(double share) {
+bool Caller::receive_progress(double fraction) {
   demand(!ended_, "a call goes on after its callback returned false");
-  demand(share >= reported_ && share <= 1.0, "progress falls or leaves its range");
-  reported_ = share;
+  demand(fraction >= reported_ && fraction <= 1.0, "progress falls or leaves its range");
+  reported_ = fraction;
   if (choose_.one_in(8)) call_nested();
   ended_ = Clock::now() - began_ > kCancelAfter || choose_.one_in(12);
   return !ended_;

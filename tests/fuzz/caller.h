@@ -181,7 +181,7 @@ class Caller {
   Clock::time_point began_;
 };
 
-bool on_progress(void*, double share);
+bool on_progress(void*, double fraction);
 void on_error(void*, UmbError code, const char* message);
 void on_warning(void*, const char* message);
 
