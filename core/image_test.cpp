@@ -31,7 +31,7 @@ TEST(PlanePool, MemoryServesTheNextPlanesOfItsSize) {
     }
     EXPECT_GT(pool->bytes(), 2 * one);
   }
-  EXPECT_EQ(pool->bytes(), 0u) << "nobody holds it";
+  EXPECT_EQ(pool->bytes(), 0u) << "no plane is in use";
   { const Plane plane(kSide, kSide); }
   EXPECT_EQ(pool->bytes(), 0u);
 }
@@ -40,7 +40,7 @@ TEST(PlanePool, HoldingThePoolDoesNotPoolOwnPlanes) {
   const auto pool = std::make_shared<PlanePool>();
   const PlanePoolLock held(pool);
   { const Plane plane(kSide, kSide); }
-  EXPECT_EQ(pool->bytes(), 0u) << "this thread's planes are nobody's";
+  EXPECT_EQ(pool->bytes(), 0u) << "planes of this thread are not pooled";
   {
     const ScopedPlanePool kept(pool);
     const Plane plane(kSide, kSide);

@@ -75,7 +75,7 @@ struct Picture {
     umbSetJobProgressCallback(job, once, &act);
     const UmbError code = umbExecuteJob(job);
     umbSetJobProgressCallback(job, nullptr, nullptr);
-    EXPECT_FALSE(act) << "nobody was told";
+    EXPECT_FALSE(act) << "no error was reported";
     return code;
   }
 

@@ -92,7 +92,7 @@ TEST(CppCalls, AnotherThreadsWorkCallsNoProgressThatHasEnded) {
   }
   all.may_end.set_value();
   all.second.join();
-  EXPECT_EQ(astray, 0) << "the second thread's work told the first one's function";
+  EXPECT_EQ(astray, 0) << "the second thread's work called the first thread's function";
   all.device.set_error_callback(nullptr);
   all.device.set_log_callback(nullptr);
   // The callback that was set is called again.

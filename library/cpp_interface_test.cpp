@@ -290,7 +290,7 @@ TEST(CppInterface, ProgressIsToldAndWhatItThrowsComesOut) {
   struct Mine {};
   const auto throws = [](double) -> bool { throw Mine(); };
   EXPECT_THROW(scene.load("scene:solids?detail=1000", throws), Mine);
-  EXPECT_EQ(scene.error().code, UMB_ERROR_NONE) << "it was told already";
+  EXPECT_EQ(scene.error().code, UMB_ERROR_NONE) << "it has been reported already";
   double last = -1.0;
   const auto rises = [&](double done) {
     EXPECT_GE(done, last);

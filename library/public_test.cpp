@@ -457,7 +457,7 @@ TEST(Public, CamerasAndScenesAreChosenByIndex) {
   ASSERT_EQ(umb::render(request, first).code, 0);
   request.camera.index = 1;
   ASSERT_EQ(umb::render(request, second).code, 0);
-  EXPECT_EQ(first.rgba, own.rgba) << "the first view is the one that is used where nobody names one";
+  EXPECT_EQ(first.rgba, own.rgba) << "the first view is the default";
   EXPECT_NE(second.rgba, first.rgba);
   request.camera.index = 99;
   const auto astray = umb::render(request, second);

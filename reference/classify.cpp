@@ -2,7 +2,7 @@
 //
 // The basis is a test for a depth discontinuity between two neighbouring pixels. Each pixel has a tangent plane. On one
 // smooth surface, however steep, each point lies on the other's plane. At a concave crease each lies in front of the
-// other's plane, at a convex one each lies behind it: the planes meet between the pixels. Only where the nearer point
+// other's plane, at a convex one each is behind it: the planes meet between the pixels. Only where the nearer point
 // lies in front of the farther one's plane, and the farther point behind the nearer one's, is there a gap that neither
 // plane explains. At the silhouette of a round object the last pixel's plane may be so steep that it explains any gap;
 // there the pixel before it is tested, too.

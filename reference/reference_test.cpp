@@ -1277,7 +1277,7 @@ TEST(Reference, ProgressCanEndTheWork) {
       const auto image = trace_reference(*stage, info, bytes, {threads, progress});
       ASSERT_FALSE(image) << end_at;
       EXPECT_EQ(image.error().kind, ErrorKind::kInterrupted);
-      EXPECT_EQ(told_after, 0) << "nothing is told any more";
+      EXPECT_EQ(told_after, 0) << "no further report";
     }
 }
 

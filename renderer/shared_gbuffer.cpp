@@ -312,7 +312,7 @@ Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedIm
   for (const char* name : {"object_id", "material_id"})
     if (auto ids = ids_of(images, name); !ids.empty()) {
       if (ids.size() > kMaxIds)
-        return usage_error("{} has {} ids: at most {} can be told apart", name, ids.size(), kMaxIds);
+        return usage_error("{} has {} ids: at most {} can be distinguished", name, ids.size(), kMaxIds);
       shared.ids[name] = std::move(ids);
     }
   for (const NamedImage& named : images)

@@ -156,7 +156,7 @@ TEST_P(Differential, LanesAgreeWithScalarOnEveryTarget) {
   }
 }
 
-TEST_P(Differential, TunedKernelsAreEqualToTheBit) {
+TEST_P(Differential, TunedKernelsAreBitwiseIdentical) {
   const Effect& effect = *GetParam();
   if (std::none_of(effect.dispatches.begin(), effect.dispatches.end(),
                    [](const Dispatch& dispatch) { return dispatch.tuned != nullptr; }))
@@ -228,7 +228,7 @@ TEST_P(Differential, VulkanAgreesWithScalar) {
   }
 }
 
-TEST_P(Differential, VulkanRunsAreEqualToTheBitAndDefined) {
+TEST_P(Differential, VulkanRunsAreBitwiseIdenticalAndDefined) {
   const Effect& effect = *GetParam();
   Device* const device = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(device);
@@ -250,7 +250,7 @@ bool has_gpu_ways(const Effect& effect) {
                      [](const Dispatch& dispatch) { return !dispatch.gpu_variants.empty(); });
 }
 
-TEST_P(Differential, WaysOfAGpuAreEqualToTheBit) {
+TEST_P(Differential, GpuVariantsAreBitwiseIdentical) {
   const Effect& effect = *GetParam();
   if (!has_gpu_ways(effect)) return;
   Device* const tuned = test::vulkan_device();
@@ -281,7 +281,7 @@ TEST_P(Differential, WaysOfAGpuAreEqualToTheBit) {
 }
 
 // Planes that a device cannot bind are read by their addresses.
-TEST_P(Differential, PlanesTooLargeToBindAreEqualToTheBit) {
+TEST_P(Differential, PlanesTooLargeToBindAreBitwiseIdentical) {
   const Effect& effect = *GetParam();
   if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
   test::faulty().faults.max_bound_bytes = 4096;

@@ -53,7 +53,7 @@ TEST(LookLayers, WhatALaterEffectReadsOnLayersIsMadeOnAllOfThem) {
   for (int layer = 0; layer < 5; ++layer)
     for (const char* plane : {"direct.r", "ambient.b"}) EXPECT_TRUE(holds(names, layer_plane(layer, plane))) << layer;
   EXPECT_FALSE(holds(names, "layer5.direct.r"));
-  EXPECT_FALSE(holds(names, "layer1.color.r")) << "nobody reads it there";
+  EXPECT_FALSE(holds(names, "layer1.color.r")) << "no effect reads it there";
 }
 
 TEST(LookLayers, WhatNobodyReadsOnLayersIsMadeOnTheFirstAlone) {
@@ -88,7 +88,7 @@ TEST(LookLayers, TheUserWinsOverTheLook) {
   EXPECT_NE(refused.error().message.find("4 extra views are 10"), std::string::npos) << refused.error().message;
   draw.layers = draw.extra_views = 1;
   draw.width = draw.height = 8192;
-  EXPECT_FALSE(capture_settings(draw, look, 1)) << "three layers of so many pixels";
+  EXPECT_FALSE(capture_settings(draw, look, 1)) << "three layers of this size";
 }
 
 // An object close to another camera hides much of the scene from that camera, but does not occlude it.

@@ -430,7 +430,7 @@ Result<Figure> bleeding_diagrams(Studio& studio, const Framing& view) {
   const auto hidden = std::count_if(best.taps.begin(), best.taps.end(), [](const Tap& tap) { return tap.hidden; });
   const double drawn = 1.0 - double(hidden) / small->samples, made = folds->value("ao", best.x, best.y);
   figure.numbers = {
-      {"2: share of the points not below the surface, within the radius (paper preset)",
+      {"2: fraction of the points not below the surface, within the radius (paper preset)",
        fraction_of_points(*paper, is_above), 1.0, 1.0},
       {"2: the same (our own)", fraction_of_points(*ours, is_above), 1.0, 1.0},
       {"2: share within half of the radius: points crowd to the centre (paper preset)",

@@ -141,8 +141,8 @@ Result<Figure> overview(Studio& studio, const Preset& preset) {
   figure.numbers = {
       {"fall of the mean with occlusion", fall(four->neither.image, four->occlusion.image, surface), 0.002, 0.1},
       {"rise of the mean with bleeding", fall(four->bleeding.image, four->neither.image, surface), 0.002, 0.1},
-      {"share of the background that changes", changed_fraction(four->neither.image, four->both.image, background), 0.0,
-       0.0},
+      {"fraction of the background that changes", changed_fraction(four->neither.image, four->both.image, background),
+       0.0, 0.0},
       {"open floor: change with both", std::abs(fall(four->neither.image, four->both.image, open)), 0.0, 0.002}};
   return figure;
 }

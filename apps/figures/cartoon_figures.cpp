@@ -186,16 +186,16 @@ Figure four_ways(const Preset& preset, const Parts& parts, const Shot& plain, co
   figure.numbers = {
       {"a to b: fall of the ground beside the body", fall(a, b, parts.beside), min, kAnything},
       {"c to d: fall of the ground beside the body", fall(c, d, parts.beside), min, kAnything},
-      {"a to b: share of the background that changes", changed_fraction(a, b, parts.background), 0.0, 0.0},
-      {"a: share of the silhouette that is black", black_fraction(a, parts.silhouette), 0.0, 0.0},
-      {"b: share of the silhouette that is black", black_fraction(b, parts.silhouette), 0.0, kDeep},
-      {fmt::format("c: share of the silhouette {}", line), lined(c, parts.silhouette), silhouette, 1.0},
-      {fmt::format("d: share of the silhouette {}", line), lined(d, parts.silhouette), silhouette, 1.0},
-      {fmt::format("d: share of the body's edge before what lies behind {}", line), lined(d, parts.overlap), silhouette,
-       1.0}};
+      {"a to b: fraction of the background that changes", changed_fraction(a, b, parts.background), 0.0, 0.0},
+      {"a: fraction of the silhouette that is black", black_fraction(a, parts.silhouette), 0.0, 0.0},
+      {"b: fraction of the silhouette that is black", black_fraction(b, parts.silhouette), 0.0, kDeep},
+      {fmt::format("c: fraction of the silhouette {}", line), lined(c, parts.silhouette), silhouette, 1.0},
+      {fmt::format("d: fraction of the silhouette {}", line), lined(d, parts.silhouette), silhouette, 1.0},
+      {fmt::format("d: fraction of the body's edge before what is behind {}", line), lined(d, parts.overlap),
+       silhouette, 1.0}};
   if (is_paper(preset))
     figure.numbers.push_back(
-        {"a to b: share of the open ground that changes", changed_fraction(a, b, parts.open), 0.0, 0.05});
+        {"a to b: fraction of the open ground that changes", changed_fraction(a, b, parts.open), 0.0, 0.05});
   return figure;
 }
 
@@ -203,7 +203,7 @@ Figure buffers(const Preset& preset, const Parts& parts, const Shot& raw, const 
   const Image& image = both.image;
   const std::string tag(preset.tag);
   Figure figure{"2-6" + tag,
-                fmt::format("What each pass hands on ({})", preset.name),
+                fmt::format("Planes between the dispatches ({})", preset.name),
                 {both.pass("normal", "cartoon-2-normals" + tag + ".png", "2: normals"),
                  raw.pass("ao", "cartoon-3-raw" + tag + ".png", "3: raw occlusion"),
                  both.pass("ao", "cartoon-4-blurred" + tag + ".png", "4: blurred"),
@@ -242,11 +242,12 @@ Figure buffers(const Preset& preset, const Parts& parts, const Shot& raw, const 
         {{"3: pixels other than 1 - (n/8)^2 for n = 0, 5 to 8", double(others), 0.0, 0.0},
          {"3: of these five values, how many occur", double(seen.size()), 5.0, 5.0},
          {"4: noise left beside the body; of white noise 4 rounds leave 0.196", left, 0.0, blurred_noise(kBlurRounds)},
-         {"4: share of the background that occlusion creeps onto", dark_background(both), 1e-3, 1.0},
-         {"5: share of the surface on a step of a quarter",
+         {"4: fraction of the background that occlusion creeps onto", dark_background(both), 1e-3, 1.0},
+         {"5: fraction of the surface on a step of a quarter",
           mean(image, parts.surface, [&](int x, int y) { return on_quarter(lighting.value("color.g", x, y)); }), 0.0,
           0.1},
-         {"6: share of the surface off the lines on a step of a quarter", mean(image, off_lines, shaded), 1.0, 1.0}});
+         {"6: fraction of the surface off the lines on a step of a quarter", mean(image, off_lines, shaded), 1.0,
+          1.0}});
   } else {
     const auto step_fraction = [&](const Shot& shot, bool clay) {
       return mean(image, off_lines, [&](int x, int y) {
@@ -258,9 +259,9 @@ Figure buffers(const Preset& preset, const Parts& parts, const Shot& raw, const 
         figure.numbers.end(),
         {{"4: noise left on the open ground; of white noise 0.089",
           noise(image, parts.open) / noise(raw.image, parts.open), 0.0, blurred_noise(kBlurRounds, kDenoiseRounds)},
-         {"4: share of the background that occlusion creeps onto", dark_background(both), 0.0, 0.0},
-         {"5: share of the surface in one of five bands", step_fraction(lighting, true), 0.0, 0.1},
-         {"6: share of the surface off the lines in one of five bands", step_fraction(both, false), 0.8, 1.0}});
+         {"4: fraction of the background that occlusion creeps onto", dark_background(both), 0.0, 0.0},
+         {"5: fraction of the surface in one of five tone steps", step_fraction(lighting, true), 0.0, 0.1},
+         {"6: fraction of the surface off the lines in one of five tone steps", step_fraction(both, false), 0.8, 1.0}});
   }
   return figure;
 }

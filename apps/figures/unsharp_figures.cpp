@@ -132,7 +132,7 @@ Result<Figure> threshold_figure(Device& device, int size) {
   const auto checked = studio->shoot({"unsharp.threshold=0.1"});
   if (const auto error = error_of(plain, open, checked)) return *error;
   const int reach = std::max(1, int(std::lround(20 * size / kPaperSize)));  // k / 2
-  constexpr float kClawInFront = 1.5f;                                      // world z; the body lies behind
+  constexpr float kClawInFront = 1.5f;                                      // world z; the body is behind
   // Whether the window of a pixel contains only the claw and background, and both.
   const auto before_background = [&](int x, int y) {
     bool background = false;

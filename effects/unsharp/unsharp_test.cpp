@@ -331,7 +331,7 @@ Plane ao_on(Device& device, const GBuffer& gbuffer, const Settings& settings) {
   return device.download(*frame, {"ao"})->planes[0];
 }
 
-TEST(Unsharp, WaysOfAGpuEqualItsPlainKernelToTheBit) {
+TEST(Unsharp, GpuVariantsEqualItsPlainKernelToTheBit) {
   Device* const tuned = test::vulkan_device();
   const auto plain = test::new_vulkan_device({.tuned = false});
   UMBRAGE_NEEDS_VULKAN(tuned && plain);
@@ -359,7 +359,7 @@ TEST(Unsharp, WaysOfAGpuEqualItsPlainKernelToTheBit) {
     expect_equal(wide, {{"kernel", "239"}, {"threshold", "0"}, {"border", border}, {"background", "ignore"}});
 }
 
-TEST(Unsharp, WaysOfAGpuHaveRoomForTheLargestWindow) {
+TEST(Unsharp, GpuVariantsHaveRoomForTheLargestWindow) {
   Device* const device = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(device);
   const test::NoMessages no_messages;

@@ -44,7 +44,7 @@ inline const char* plain_sentence(UmbError code) {
 /// may be an older one: a call that was refused because another thread uses the object stores its error with the
 /// thread.
 template <class Take>
-Outcome told(UmbError code, const Take& take) {
+Outcome outcome_of(UmbError code, const Take& take) {
   const char* message = "";
   if (take(&message) == code || umbGetError(&message) == code) return {int(code), message, {}};
   return {int(code), plain_sentence(code), {}};
@@ -74,7 +74,7 @@ void fail(const Ask& ask) {
 /// Throws the error of a code. Returns the code if it is UMB_ERROR_NONE, or without exceptions.
 template <class Take>
 UmbError check_with(UmbError code, const Take& take) {
-  if (code != UMB_ERROR_NONE) fail([&] { return told(code, take); });
+  if (code != UMB_ERROR_NONE) fail([&] { return outcome_of(code, take); });
   return code;
 }
 
@@ -167,7 +167,7 @@ class Watch {
 /// The C interface keeps a callback after the call if the callback cannot be removed because another thread already
 /// uses the object. The user pointer must therefore not be an address that becomes invalid when the call ends: it is
 /// the object's handle, and the callback searches for a call of its own thread on that object. If there is none, it
-/// reports to nobody and returns true.
+/// reports nothing and returns true.
 class WatchedCall {
  public:
   WatchedCall(const void* object, Watch& watch) : object_(object), watch_(watch), outer_(innermost()) {

@@ -35,7 +35,7 @@ class Calls {
  private:
   template <class Take>
   void note(UmbError code, const Take& take) {
-    if (code != UMB_ERROR_NONE) note(told(code, take));
+    if (code != UMB_ERROR_NONE) note(outcome_of(code, take));
   }
   /// Keeps the warnings.
   void note(Outcome error) {

@@ -128,7 +128,8 @@ class VulkanShading {
   }
   Outcome outcome(UmbError code) const {
     if (code == UMB_ERROR_NONE) return {};
-    return detail::told(code, [&](const char** message) { return umbGetVulkanShadingError(handle_.get(), message); });
+    return detail::outcome_of(code,
+                              [&](const char** message) { return umbGetVulkanShadingError(handle_.get(), message); });
   }
 
   Handle handle_;

@@ -98,11 +98,11 @@ class Errors(unittest.TestCase):
 
 class Progress(unittest.TestCase):
     def test_it_rises(self) -> None:
-        told = []
-        umbrage.render(SOLIDS, size=(200, 200), device="cpu", progress=told.append)
-        self.assertTrue(told)
-        self.assertEqual(told, sorted(told))
-        self.assertTrue(0 <= told[0] and told[-1] <= 1)
+        received = []
+        umbrage.render(SOLIDS, size=(200, 200), device="cpu", progress=received.append)
+        self.assertTrue(received)
+        self.assertEqual(received, sorted(received))
+        self.assertTrue(0 <= received[0] and received[-1] <= 1)
 
     def test_false_and_exceptions_end_it(self) -> None:
         class Mine(Exception):
@@ -199,7 +199,7 @@ def _render_there(_: int) -> int:
 
 
 def _use_forked(queue: object, renderer: umbrage.Renderer, shader: umbrage.Shader, scene: umbrage.Scene) -> None:
-    told = []
+    received = []
     for work in (
         lambda: umbrage.render(SOLIDS, size=SIZE, device="cpu"),
         renderer.render,
@@ -211,12 +211,12 @@ def _use_forked(queue: object, renderer: umbrage.Renderer, shader: umbrage.Shade
     ):
         try:
             work()
-            told.append("nothing")
+            received.append("nothing")
         except umbrage.DeviceError as error:
-            told.append(str(error))
+            received.append(str(error))
     with renderer, scene, shader:  # closes them
         pass
-    queue.put(told)  # type: ignore[attr-defined]
+    queue.put(received)  # type: ignore[attr-defined]
 
 
 class Processes(unittest.TestCase):
@@ -232,12 +232,12 @@ class Processes(unittest.TestCase):
             queue = context.Queue()
             process = context.Process(target=_use_forked, args=(queue, renderer, shader, umbrage.Scene.load(SOLIDS)))
             process.start()
-            told = queue.get(timeout=30)
+            received = queue.get(timeout=30)
             process.join(30)
             self.assertEqual(process.exitcode, 0)
             np.testing.assert_array_equal(renderer.render().picture, expected)
-        self.assertEqual(len(told), 7)
-        for text in told:
+        self.assertEqual(len(received), 7)
+        for text in received:
             self.assertIn("spawn", text)
 
     def test_those_that_are_forked_before_its_first_use_render(self) -> None:

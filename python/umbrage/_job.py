@@ -229,16 +229,16 @@ class Job:
     def _call(self, function: Any, progress: Progress, is_before: bool = False) -> None:
         """Runs a long call on the job and reports its progress. Warnings of the library become Python warnings."""
         lib, job, device = native.lib, self._job.pointer, self._device.pointer
-        told: List[bytes] = []
+        messages: List[bytes] = []
         with Watch(progress, is_before) as watch:
             try:
                 lib.umbSetJobProgressCallback(job, native.send_to_generator, watch.generator)
-                lib.umbSetDeviceLogCallback(device, native.append_to_list, told)
+                lib.umbSetDeviceLogCallback(device, native.append_to_list, messages)
                 self._job.check(function(job))
             finally:
                 lib.umbSetJobProgressCallback(job, native.no_progress, None)
                 lib.umbSetDeviceLogCallback(device, native.no_log, None)
-        issue_warnings(told)
+        issue_warnings(messages)
 
     def _make(self, size: Tuple[int, int], wanted: Dict[str, Optional[NDArray[Any]]], progress: Progress) -> Picture:
         """Executes the job. `size`: (width, height). `wanted`: for each pass the array to write, or None for a new

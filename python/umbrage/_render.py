@@ -165,7 +165,7 @@ def render(
 
     Errors: UsageError; FileError; DeviceError; Cancelled; exceptions of `progress`.
     """
-    with shared_bar(progress) as told, Renderer(
+    with shared_bar(progress) as shared, Renderer(
         model,
         size=size,
         look=look,
@@ -176,7 +176,7 @@ def render(
         dtype=dtype,
         device=device,
         threads=threads,
-        progress=told,
+        progress=shared,
         **parameters,
     ) as renderer:
         return renderer.render(out=out)

@@ -159,15 +159,15 @@ class Scene:
 
     def _load(self, model: bytes, watch: Watch) -> None:
         lib, handle = native.lib, self._handle
-        told: List[bytes] = []
+        messages: List[bytes] = []
         try:
-            lib.umbSetDeviceLogCallback(self._device.pointer, native.append_to_list, told)
+            lib.umbSetDeviceLogCallback(self._device.pointer, native.append_to_list, messages)
             lib.umbSetSceneProgressCallback(handle.pointer, native.send_to_generator, watch.generator)
             handle.check(lib.umbLoadModel(handle.pointer, model))
         finally:
             lib.umbSetSceneProgressCallback(handle.pointer, native.no_progress, None)
             lib.umbSetDeviceLogCallback(self._device.pointer, native.no_log, None)
-            issue_warnings(told)
+            issue_warnings(messages)
 
     def add_mesh(
         self,

@@ -651,7 +651,7 @@ TEST_F(Import, BadFilesGiveOneSentence) {
   for (const std::string& format : import_formats()) {
     SCOPED_TRACE(format);
     expect_error(write("empty." + format, ""), "is empty");
-    expect_error(write("text." + format, "This is a letter to nobody, and no model.\n"), "");
+    expect_error(write("text." + format, "This is a letter, not a model.\n"), "");
     std::mt19937 random(1);
     std::string noise(5000, '\0');
     for (char& c : noise) c = char(random());
