@@ -30,10 +30,10 @@ struct Interval {
     return value >= min && value <= max && (kind == NumberKind::kReal || std::fmod(value, step) == 0.0);
   }
 
-  /// Returns the range as text: "a whole number from 1 to 16".
+  /// Returns the range as text: "an integer from 1 to 16".
   std::string words() const {
     if (kind == NumberKind::kReal) return fmt::format("a number from {:g} to {:g}", min, max);
-    return fmt::format("{} number from {} to {}", kind == NumberKind::kEven ? "an even" : "a whole", long(min),
+    return fmt::format("{} from {} to {}", kind == NumberKind::kEven ? "an even number" : "an integer", long(min),
                        long(max));
   }
 };

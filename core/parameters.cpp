@@ -87,7 +87,7 @@ std::string parameter_range(const Parameter& row) {
 Result<void> set_parameter(std::string_view owner, const Parameter& row, std::string_view text, ParameterBytes& bytes) {
   const auto wrong = [&] {
     return usage_error("{}.{} cannot be '{}': it takes {}{}", owner, row.name, text,
-                       row.type == ParameterType::kInt ? "a whole number from " : "", parameter_range(row));
+                       row.type == ParameterType::kInt ? "an integer from " : "", parameter_range(row));
   };
   if (row.type == ParameterType::kChoice) {
     for (std::size_t i = 0; i < row.choices.size(); ++i)

@@ -14,7 +14,7 @@ enum class ErrorKind {
   kInternal = 1,
   kUsage = 2,   ///< wrong option, value or name
   kFile = 3,    ///< a file that cannot be read, used or written
-  kDevice = 4,  ///< the device is missing or lacks a capability
+  kDevice = 4,  ///< a missing or insufficient device, or too little memory
   kInterrupted = 130,
 };
 

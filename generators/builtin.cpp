@@ -21,7 +21,7 @@ Result<int> parse_detail(std::string_view uri, std::string_view text) {
   double value = 0.0;
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (failure != std::errc() || end != text.data() + text.size() || !(value >= kMinDetail && value <= kMaxDetail))
-    return usage_error("'{}': detail is '{}', but must be a number of triangles from 1000 to 10000000", uri, text);
+    return usage_error("'{}': detail cannot be '{}': it takes a number of triangles from 1000 to 10000000", uri, text);
   return int(std::lround(value));
 }
 
@@ -29,7 +29,7 @@ Result<int> parse_detail(std::string_view uri, std::string_view text) {
 
 Result<Scene> make_builtin_scene(std::string_view uri) {
   if (!uri.starts_with(kScheme))
-    return usage_error("'{}': not a built-in scene; those are written scene:NAME or scene:NAME?detail=N", uri);
+    return usage_error("'{}': the name of a built-in scene has the form scene:NAME or scene:NAME?detail=N", uri);
   const std::string_view rest = uri.substr(kScheme.size());
   const std::size_t mark = rest.find('?');
   const std::string_view name = rest.substr(0, mark);

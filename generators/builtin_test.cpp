@@ -166,7 +166,7 @@ TEST(BuiltinDetail, IsCheckedBeforeWork) {
   for (const std::string_view bad :
        {"abc", "", "0", "999", "-5", "1e12", "10000001", "nan", "inf", "5e4x", " 5000", "0x5000"}) {
     const std::string message = message_of("scene:room?detail=" + std::string(bad));
-    EXPECT_TRUE(contains(message, "detail is '" + std::string(bad) + "'")) << message;
+    EXPECT_TRUE(contains(message, "detail cannot be '" + std::string(bad) + "'")) << message;
     EXPECT_TRUE(contains(message, "1000 to 10000000")) << message;
   }
   for (const std::string_view bad : {"foo=1", "detail", "", "Detail=5000", "detail=5000&foo=1"}) {

@@ -89,11 +89,11 @@ Result<const ImageFormat*> format_of(const fs::path& file) {
     dotted.push_back("." + endings.back());
   }
   if (ending.empty())
-    return usage_error("'{}' has no ending of an image format; it should be {}", file.string(), listed(dotted));
+    return usage_error("'{}' does not end in an image extension; it must end in {}", file.string(), listed(dotted));
   const std::string nearest = suggestion(ending, endings);
   const bool near = nearest.find("did you mean") != std::string::npos;
-  return usage_error("'{}' ends in '.{}', which is not a known image format; it should be {}{}", file.string(), ending,
-                     listed(dotted), near ? nearest : "");
+  return usage_error("'{}' ends in '.{}', which is not a known image format; it must end in {}{}", file.string(),
+                     ending, listed(dotted), near ? nearest : "");
 }
 
 Result<void> check_writable(const fs::path& file) {
@@ -135,7 +135,7 @@ Result<std::vector<const Plane*>> picture_planes(const fs::path& file, const Ima
   for (const std::string& name : image.names) names += (names.empty() ? "" : ", ") + name;
   return file_error(
       "'{}' cannot be written: a picture needs the planes color.r, color.g and color.b, or a single plane, and this "
-      "image has {}; an .exr file takes any planes",
+      "image has {}; a .exr file takes any planes",
       file.string(), names.empty() ? "none" : names);
 }
 
@@ -264,7 +264,7 @@ Result<std::unique_ptr<PartFile>> PartFile::begin(const fs::path& file) {
   const fs::path target = target_of(file);
   std::error_code ignored;
   if (fs::exists(target, ignored) && !fs::is_regular_file(target, ignored))
-    return file_error("'{}' cannot be written: it is a device or pipe, where a file is needed", file.string());
+    return file_error("'{}' cannot be written: it is a device or pipe, not a file", file.string());
   std::unique_ptr<State> state(new State{file, target, part_of(target)});
   return std::unique_ptr<PartFile>(new PartFile(std::move(state)));
 }
@@ -307,8 +307,8 @@ Result<Image> read_image(const fs::path& file) {
       if (format.recognises(std::string_view(start, got))) return format.read(file);
       endings.push_back("." + std::string(format.extension));
     }
-    return file_error("'{}' {}: its content should be that of {}", file.string(),
-                      size == 0 ? "is empty" : "is no image that can be read", listed(endings));
+    return file_error("'{}' {}: its content must be that of {}", file.string(),
+                      size == 0 ? "is empty" : "is not an image that can be read", listed(endings));
   } catch (const std::bad_alloc&) {
     return file_error("'{}' cannot be read: its pixels need more memory than is available", file.string());
   }

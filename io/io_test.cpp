@@ -269,7 +269,8 @@ TEST_F(ImageFile, ExrFilesDoNotDependOnThreadsNorOnThePiecesTheyAreMadeOf) {
 TEST_F(ImageFile, UnknownEndingListsAll) {
   expect_error(format_of("out.webp"), {"'out.webp'", ".webp", ".png, .exr or .pfm"}, ErrorKind::kUsage);
   expect_error(format_of("out.pngg"), {"did you mean 'png'?", ".png, .exr or .pfm"}, ErrorKind::kUsage);
-  expect_error(format_of("out"), {"'out'", "no ending", ".png, .exr or .pfm"}, ErrorKind::kUsage);
+  expect_error(format_of("out"), {"'out'", "does not end in an image extension", ".png, .exr or .pfm"},
+               ErrorKind::kUsage);
   expect_error(format_of(""), {".png, .exr or .pfm"}, ErrorKind::kUsage);
   expect_error(write_image(*this / "x.jpg", random_image(2, 2, {"a"})), {"x.jpg", ".png, .exr or .pfm"},
                ErrorKind::kUsage);
@@ -290,7 +291,7 @@ TEST_F(ImageFile, UnreadableFilesAreNamed) {
   put(*this / "empty.exr", "");
   expect_error(read_image(*this / "empty.exr"), {"empty.exr", "is empty"});
   put(*this / "text.png", "This is no picture at all.");
-  expect_error(read_image(*this / "text.png"), {"text.png", "no image", ".png, .exr or .pfm"});
+  expect_error(read_image(*this / "text.png"), {"text.png", "not an image", ".png, .exr or .pfm"});
   for (const ImageFormat& format : image_formats()) expect_error(format.read(*this / "text.png"), {"text.png"});
 }
 

@@ -79,15 +79,15 @@ Result<Image> read(const fs::path& file) {
   std::FILE* in = stream->get();
   const std::string kind = word(in);
   if (kind != "PF" && kind != "Pf")
-    return file_error("'{}' is not a PFM file: it should begin with PF or Pf", file.string());
+    return file_error("'{}' is not a PFM file: it must begin with PF or Pf", file.string());
   const std::string words[3] = {word(in), word(in), word(in)};
   const double width = number(words[0]), height = number(words[1]), scale = number(words[2]);
   if (!(std::abs(width) < 1e9 && width == std::floor(width)) ||
       !(std::abs(height) < 1e9 && height == std::floor(height)))
-    return file_error("'{}' has the size '{} {}' in its header: it should be two integers", file.string(), words[0],
+    return file_error("'{}' has the size '{} {}' in its header: it must be two integers", file.string(), words[0],
                       words[1]);
   if (!(std::isfinite(scale) && scale != 0.0))
-    return file_error("'{}' has the scale '{}' in its header: it should be a number other than 0", file.string(),
+    return file_error("'{}' has the scale '{}' in its header: it must be a number other than 0", file.string(),
                       words[2]);
   if (Result<void> sane = check_size(file, std::int64_t(width), std::int64_t(height)); !sane) return sane.error();
   const int channels = kind == "PF" ? 3 : 1;

@@ -144,8 +144,9 @@ Result<void> check_lines(const Lines& lines) {
     for (const LinePoint& p : lines.lines[k].points)
       if (!(std::abs(p.x) <= kFarthest && std::abs(p.y) <= kFarthest && p.width >= 0.0f && p.width <= kFarthest))
         return usage_error(
-            "stroke {} has a point at {}, {} of width {}: numbers must be at most {:g}, and widths at least 0", k, p.x,
-            p.y, p.width, kFarthest);
+            "stroke {} has a point at {}, {} of width {}: coordinates and widths must be at most {:g}, and widths at "
+            "least 0",
+            k, p.x, p.y, p.width, kFarthest);
   return {};
 }
 

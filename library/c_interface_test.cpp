@@ -417,7 +417,7 @@ TEST(CInterface, ParametersTakeTheirTypesAlone) {
   refused(umbSetJobString(o.job, "width", "-3"), "`width`");
   refused(umbSetJobBool(o.job, "width", true), "`width` cannot be true");
   refused(umbSetJobInt(o.job, "layers", 99), "1 to 16");
-  refused(umbSetJobFloat(o.job, "layers", 1.5f), "a whole number");
+  refused(umbSetJobFloat(o.job, "layers", 1.5f), "an integer");
   refused(umbSetJobInt(o.job, "camera.orthographic", 2), "true or false");
   refused(umbSetJobFloats(o.job, "camera.view_up", odd, 3), "camera.view_up");
   refused(umbSetJobFloats(o.job, "camera.view_up", none, 3), "camera.view_up");
@@ -461,7 +461,7 @@ TEST(CInterface, ImagesThatCannotBeAreRefused) {
   refused(umbSetJobImage(o.job, nullptr, &image), "no effect");
   image.type = UMB_TYPE_UINT32;
   ASSERT_EQ(umbSetJobImage(o.job, "ao", &image), UMB_ERROR_NONE);
-  refused(umbExecuteJob(o.job), "ids alone");
+  refused(umbExecuteJob(o.job), "only ids can");
   ASSERT_EQ(umbSetJobImage(o.job, "ao", nullptr), UMB_ERROR_NONE);
   UmbImage color = floats(out.data(), 8, 8, 4), ao = floats(out.data() + 10, 8, 8);
   ASSERT_EQ(umbSetJobOutput(o.job, "color", &color), UMB_ERROR_NONE);
@@ -479,7 +479,7 @@ TEST(CInterface, ImagesThatCannotBeAreRefused) {
   ASSERT_EQ(umbSetJobOutput(o.job, "ao", nullptr), UMB_ERROR_NONE);
   ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
   UmbImage made{};
-  refused(umbGetJobOutput(o.job, "ao", &made), "made no 'ao'");
+  refused(umbGetJobOutput(o.job, "ao", &made), "produced no 'ao'");
 }
 
 TEST(CInterface, MeshesThatCannotBeAreRefused) {

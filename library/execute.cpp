@@ -58,11 +58,11 @@ Result<void> check_outputs(std::span<const Output> outputs, int width, int heigh
       return usage_error("the output '{}' has {} x {} pixels: the picture has {} x {}", output.pass, image.width,
                          image.height, width, height);
     if (image.type == PixelType::kUint32 && !is_id(output.pass))
-      return usage_error("the output '{}' cannot be of 32-bit integers: only ids can", output.pass);
+      return usage_error("the output '{}' cannot hold 32-bit integers: only ids can", output.pass);
     if (output.pass == "color" ? image.channels == 3 || image.channels == 4
                                : image.channels == int(channels_of(output.pass).size()))
       continue;
-    return usage_error("the output '{}' cannot have {} channels: it has {}", output.pass, image.channels,
+    return usage_error("the output '{}' cannot have {} channels: it takes {}", output.pass, image.channels,
                        output.pass == "color" ? "3 or 4" : std::to_string(channels_of(output.pass).size()));
   }
   return {};
@@ -317,7 +317,7 @@ Result<void> JobObject::write_outputs(const Frame& frame, std::vector<Output> wa
   std::vector<std::vector<std::string>> planes(outputs.size(), kColor);
   const std::vector<std::string> there = device.plane_names(frame);
   if (!outputs.empty() && std::find(there.begin(), there.end(), "color.r") == there.end())
-    return usage_error("the effects make no picture: the output 'color' requires a look or the effect 'output'");
+    return usage_error("the effects write no picture: the output 'color' requires a look or the effect 'output'");
   if (!names.empty()) {
     const auto chosen = chosen_planes(names, there, frame.info);
     if (!chosen) return chosen.error();

@@ -37,7 +37,7 @@ Result<void> set_row(const Option& row, std::span<const double> numbers, Request
   if (std::holds_alternative<FieldOf<bool>>(row.where)) return usage_error("`{}` takes true or false", row.field);
   if (row.form == OptionForm::kSize || row.field == "height") {  // width or height
     if (numbers.size() != 1 || numbers[0] != std::floor(numbers[0]) || std::abs(numbers[0]) > 1e9)
-      return usage_error("`{}` takes a whole number", row.field);
+      return usage_error("`{}` takes an integer", row.field);
     std::get<FieldOf<int>>(row.where)(request) = int(numbers[0]);
     return check_option(row, request);
   }
@@ -110,7 +110,7 @@ Result<void> JobObject::set(const std::string& name, std::span<const double> num
 Result<void> JobObject::set(const std::string& name, bool value) {
   const Option* row = find_parameter_row(name, renders());
   if (row && !std::holds_alternative<FieldOf<bool>>(row->where))
-    return usage_error("`{}` cannot be {}: it is not a flag", row->field, value);
+    return usage_error("`{}` cannot be {}: it does not take true or false", row->field, value);
   return set(name, std::string(value ? "true" : "false"));
 }
 
@@ -153,7 +153,7 @@ Result<void> JobObject::set_output(const std::string& name, const UmbImage* imag
   std::optional<SharedImage> shared;
   if (image && image->data) {
     if (name == "all")
-      return usage_error("the output 'all' cannot have memory of the caller: it stands for several images");
+      return usage_error("the output 'all' cannot use the caller's memory: it stands for several images");
     UmbImage whole = *image;
     if (whole.channels == 0) whole.channels = umbGetPassChannels(name.c_str());
     auto made = shared_image("the output '" + name + "'", whole);
@@ -172,7 +172,7 @@ Result<void> JobObject::set_output(const std::string& name, const UmbImage* imag
 Result<UmbImage> JobObject::output(const std::string& name) const {
   for (const Output& output : made_)
     if (output.pass == name) return as_umb(output.image);
-  return usage_error("the last execution has made no '{}'", name);
+  return usage_error("the last execution produced no '{}'", name);
 }
 
 const char* JobObject::output_name(int index) const {
@@ -295,7 +295,7 @@ UmbError umbGetJobStroke(UmbJob job, size_t index, UmbStroke* stroke) {
   return call_on<JobObject>(job, "umbGetJobStroke", Use::kReads, [&](JobObject& object) -> Result<void> {
     const auto& lines = object.lines.lines;
     if (index >= lines.size() || !stroke)
-      return usage_error("there is no stroke {}: the last execution made {}", index, lines.size());
+      return usage_error("there is no stroke {}: the last execution produced {}", index, lines.size());
     const Line& line = lines[index];
     static_assert(sizeof(LinePoint) == sizeof(UmbStrokePoint));
     *stroke = {reinterpret_cast<const UmbStrokePoint*>(line.points.data()), line.points.size(), int32_t(line.kind),

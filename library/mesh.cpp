@@ -31,7 +31,7 @@ struct Buffer {
 Result<void> expect(const Buffer& buffer, const std::string& name, std::initializer_list<PixelType> types, int channels,
                     int max_channels) {
   if (std::find(types.begin(), types.end(), buffer.type) == types.end())
-    return usage_error("the buffer '{}' cannot be of {}", name, name_of(buffer.type));
+    return usage_error("the buffer '{}' cannot hold {}", name, name_of(buffer.type));
   if (buffer.channels < channels || buffer.channels > max_channels)
     return usage_error("the buffer '{}' cannot have {} channels: it takes {}{}", name, buffer.channels, channels,
                        max_channels > channels ? fmt::format(" or {}", max_channels) : "");
@@ -95,7 +95,8 @@ Result<void> set_buffer(const std::string& name, const Buffer& buffer, SharedMes
     std::vector<float> radii;
     copy_floats(buffer, count, radii);
     for (const float r : radii)
-      if (!(r > 0.0f) || !std::isfinite(r)) return usage_error("a point's radius cannot be {}: it must be above 0", r);
+      if (!(r > 0.0f) || !std::isfinite(r))
+        return usage_error("a point's radius cannot be {}: it takes a finite number above 0", r);
     mesh.radii = std::move(radii);
   } else if (name == "color") {
     if (auto fine = expect(buffer, name, {kFloat, PixelType::kUint8, PixelType::kUint16}, 3, 4); !fine) return fine;
@@ -120,7 +121,7 @@ Result<void> set_floats(const std::string& name, std::span<const float> values, 
   if (values.size() != count) return usage_error("'{}' of a mesh takes {} numbers, not {}", name, count, values.size());
   for (const float v : values)
     if (!(v >= 0.0f) || !std::isfinite(v))
-      return usage_error("'{}' of a mesh cannot be {}: it must be 0 or more", name, v);
+      return usage_error("'{}' of a mesh cannot be {}: it takes a finite number, 0 or more", name, v);
   Material& material = shared.material;
   if (name == "albedo") {
     material.albedo = {values[0], values[1], values[2]};

@@ -63,10 +63,11 @@ Result<SharedImage> shared_image(std::string_view what, const UmbImage& image) {
   if (!type) return usage_error("{}: {}", what, type.error().message);
   for (const int side : {image.width, image.height})
     if (side < 1 || side > kMaxSide)
-      return usage_error("{} cannot have {} x {} pixels: 1 to {} each", what, image.width, image.height, kMaxSide);
+      return usage_error("{} cannot have {} x {} pixels: it takes 1 to {} each", what, image.width, image.height,
+                         kMaxSide);
   constexpr int kMaxChannels = 64;
   if (image.channels < 1 || image.channels > kMaxChannels)
-    return usage_error("{} cannot have {} channels: 1 to {}", what, image.channels, kMaxChannels);
+    return usage_error("{} cannot have {} channels: it takes 1 to {}", what, image.channels, kMaxChannels);
   constexpr std::ptrdiff_t kMaxStride = std::ptrdiff_t(1) << 40;
   for (const std::ptrdiff_t stride : {image.channel_stride, image.pixel_stride, image.row_stride})
     if (stride > kMaxStride || stride < -kMaxStride) return usage_error("{} cannot have a stride of {}", what, stride);

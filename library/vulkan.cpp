@@ -87,7 +87,7 @@ Result<void> check(const UmbVulkanGBuffer& g, const Lens& lens) {
     return usage_error("`depth_kind` cannot be {}: see UmbDepthKind", g.depth_kind);
   if (auto fine = check_lens(lens); !fine) return fine;
   if (!(lens.scene_radius > 0.0f))
-    return usage_error("`scene_radius` cannot be {}: it must be above 0", lens.scene_radius);
+    return usage_error("`scene_radius` cannot be {}: it takes a finite number above 0", lens.scene_radius);
   return {};
 }
 

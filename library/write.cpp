@@ -36,11 +36,11 @@ Result<void> add_image(const std::string& name, const SharedImage& from, Image& 
                        image.width, image.height);
   const auto channels = channels_to_write(name, from.channels);
   if (int(channels.size()) != from.channels)
-    return usage_error("the image '{}' cannot have {} channels: a pass has 1 to 4", name, from.channels);
+    return usage_error("the image '{}' cannot have {} channels: it takes 1 to 4", name, from.channels);
   if (from.type == PixelType::kUint32 && !is_id(name))
-    return usage_error("the image '{}' cannot be of 32-bit integers: only ids can", name);
+    return usage_error("the image '{}' cannot hold 32-bit integers: only ids can", name);
   if (name == "color" && from.channels < 3)
-    return usage_error("the image 'color' cannot have {} channels: it has 3 or 4", from.channels);
+    return usage_error("the image 'color' cannot have {} channels: it takes 3 or 4", from.channels);
   const bool whole_numbers = is_id(name) && is_whole(from.type);
   if (whole_numbers) settings.whole_numbers.push_back(name);
   for (int c = 0; c < from.channels; ++c) {
@@ -75,7 +75,7 @@ Result<void> write_images(const std::string& file, std::span<const std::pair<std
   } else {
     const auto& [name, from] = images[0];
     if (images.size() != 1 || (name != "color" && from.channels != 1 && from.channels != 3))
-      return usage_error("'{}' holds 'color' or one pass of 1 or 3 channels; write {} to a .exr file", file,
+      return usage_error("'{}' takes 'color' or one pass of 1 or 3 channels; write {} to a .exr file", file,
                          images.size() == 1 ? "'" + name + "'" : fmt::format("{} images", images.size()));
     if (auto added = add_image(from.channels == 1 ? name : "color", from, image, settings); !added) return added;
   }
@@ -92,8 +92,7 @@ Result<void> write_strokes(const std::string& file, int width, int height, std::
   for (const UmbStroke& stroke : strokes) {
     Line& line = lines.lines.emplace_back();
     if (stroke.kind < UMB_STROKE_OUTLINE || stroke.kind > UMB_STROKE_CREASE)
-      return usage_error("stroke {} cannot be of the kind {}: see UmbStrokeKind", &stroke - strokes.data(),
-                         stroke.kind);
+      return usage_error("stroke {} cannot be of kind {}: see UmbStrokeKind", &stroke - strokes.data(), stroke.kind);
     if (!stroke.points && stroke.point_count)
       return usage_error("stroke {} has {} points, but `points` is NULL", &stroke - strokes.data(), stroke.point_count);
     line.kind = LineKind(stroke.kind);
@@ -113,7 +112,8 @@ using namespace umbrage;  // the functions below are C's
 UmbError umbWriteImages(const char* file, const char* const* names, const UmbImage* images, int count, int bits,
                         bool half) {
   return call_without_object("umbWriteImages", [&]() -> Result<void> {
-    if (!file || !names || !images || count < 1) return usage_error("umbWriteImages: there is no file or no image");
+    if (!file || !names || !images || count < 1)
+      return usage_error("umbWriteImages: an argument is NULL, or `count` is below 1");
     std::vector<std::pair<std::string, SharedImage>> all;
     for (int k = 0; k < count; ++k) {
       auto image = shared_image("the image '" + text_of(names[k]) + "'", images[k]);

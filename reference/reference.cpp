@@ -12,7 +12,8 @@ const std::vector<Parameter> kTable = {
     int_row("samples", &ReferenceParams::samples, {.initial = kSamples, .min = 1, .max = kMaxSamples},
             "rays per pixel"),
     radius_row("radius", &ReferenceParams::radius,
-               "max distance of an occluder; percentages are of the scene's radius, 200% is the whole scene"),
+               "max distance of an occluder, in scene units or in percent of the bounding-sphere radius; 200% is the "
+               "whole scene"),
     choice_row("falloff", &ReferenceParams::falloff, 0, {"none", "linear", "smooth"},
                "weight of an occluder within the radius: 1, or falling with distance"),
     choice_row("normal", &ReferenceParams::normal, 0, {"triangle", "shading"},
@@ -21,10 +22,9 @@ const std::vector<Parameter> kTable = {
                "also trace the lights with soft shadows, and one bounce of their light"),
     choice_row("bounce_from", &ReferenceParams::bounce_from, 0, {"anywhere", "radius"},
                "where bounced light comes from: surfaces at any distance, or within the radius"),
-    choice_row(
-        "shadows", &ReferenceParams::shadows, 0, {"soft", "captured"},
-        "soft: every light casts one; captured: lights are points, and only those cast one whose shadow a capture "
-        "holds, as for screen-space techniques"),
+    choice_row("shadows", &ReferenceParams::shadows, 0, {"soft", "captured"},
+               "shadows of the lights: soft, from every light; or captured, from point lights and only those whose "
+               "shadow is captured, as for screen-space techniques"),
     real_row("sun_angle", &ReferenceParams::sun_angle_deg,
              {.max = 90, .unit = "deg", .zero_means = "that of the light"},
              "angular diameter of directional lights: the larger, the softer their shadows"),

@@ -45,8 +45,8 @@ Result<Panorama> read_own_format(const std::filesystem::path& file) {
   for (const Plane* plane : planes)
     if (!plane) return file_error("'{}' has no channels R, G and B: it cannot light a scene", file.string());
   if (std::int64_t(image->width) * image->height > kMaxPanoramaPixels)
-    return file_error("'{}' has {} x {} pixels, more than an image that lights a scene can have ({})", file.string(),
-                      image->width, image->height, kMaxPanoramaPixels);
+    return file_error("'{}' has {} x {} pixels: an environment image takes at most {}", file.string(), image->width,
+                      image->height, kMaxPanoramaPixels);
   std::int64_t size = 0;
   char start[8] = {};
   if (const auto stream = open_to_read(file, size))
@@ -81,7 +81,7 @@ Result<std::vector<std::string>> read_hdri(Hdri& hdri, const ProgressMonitor& mo
   if (!read) return read.error();
   if (const std::size_t changed = clean_panorama(*read); changed > 0)
     warnings.push_back(fmt::format(
-        "'{}': {} of its pixels have values that are not finite or below 0: they become 0, or 65504 if infinite",
+        "'{}': {} of its pixels have values that are not finite, or are below 0: they become 0, or 65504 if infinite",
         hdri.file, changed));
   if (read->width != 2 * read->height)
     warnings.push_back(

@@ -393,7 +393,7 @@ TEST_F(HdriFile, LightsByEveryFormat) {
 TEST_F(HdriFile, WhatCannotBeUsedIsASentence) {
   bad(kDraw_ + "none.hdr", 3, {"none.hdr", "does not exist"});
   write("text.hdr", "no picture at all");
-  bad(kDraw_ + "text.hdr", 3, {"text.hdr", "is no image"});
+  bad(kDraw_ + "text.hdr", 3, {"text.hdr", "is not an image"});
   write("empty.exr", "");
   bad(kDraw_ + "empty.exr", 3, {"empty.exr", "is empty"});
   bad(kDraw_ + ".", 3, {"folder"});

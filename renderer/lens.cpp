@@ -28,16 +28,19 @@ Result<void> check_lens(const Lens& lens) {
       return usage_error("a G-buffer cannot be {} pixels wide or high: it takes 1 to {}", side, kMaxSide);
   const bool planes = has_depth_planes(lens.depth_kind);
   if (planes && !(lens.near_plane > 0.0f && std::isfinite(lens.near_plane) && lens.far_plane > lens.near_plane))
-    return usage_error("`near_plane` {} and `far_plane` {} are not valid: it takes 0 < near_plane < far_plane",
+    return usage_error("`near_plane` {} and `far_plane` {} are not valid: 0 < near_plane < far_plane is required",
                        lens.near_plane, lens.far_plane);
   if (planes && lens.orthographic && !std::isfinite(lens.far_plane))
     return usage_error("an orthographic G-buffer needs a `far_plane` that is not at infinity");
   const bool sound = std::isfinite(lens.left) && std::isfinite(lens.right) && std::isfinite(lens.bottom) &&
                      std::isfinite(lens.top) && lens.right != lens.left && lens.top != lens.bottom;
   if (!sound)
-    return usage_error("the camera's window cannot be {} to {} and {} to {}: its size must not be 0", lens.left,
-                       lens.right, lens.bottom, lens.top);
-  if (!std::isfinite(lens.scene_radius)) return usage_error("`scene_radius` cannot be {}", lens.scene_radius);
+    return usage_error(
+        "the camera's window cannot be {} to {} and {} to {}: they must be finite, right must differ from left, and "
+        "top from bottom",
+        lens.left, lens.right, lens.bottom, lens.top);
+  if (!std::isfinite(lens.scene_radius))
+    return usage_error("`scene_radius` cannot be {}: it takes a finite number", lens.scene_radius);
   return {};
 }
 

@@ -42,7 +42,7 @@ Result<ParameterBytes> line_parameters(std::string_view who, std::span<const std
   const auto& outline = as<OutlineParams>(params);
   if (outline.mode == kOutlinePaper)
     return usage_error("lines of outline.mode=paper are pixels, not curves: outline.mode=robust has curves");
-  if (!(outline.opacity > 0.0f)) return usage_error("outline.opacity=0 draws no lines: it takes more than 0");
+  if (!(outline.opacity > 0.0f)) return usage_error("outline.opacity=0 draws no lines: set it above 0");
   return params;
 }
 

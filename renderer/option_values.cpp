@@ -202,24 +202,24 @@ class SetValue {
 Result<void> check_together(const Request& r) {
   const CameraSettings& camera = r.camera;
   if (camera.index && (camera.position || camera.focal_point || camera.direction))
-    return usage_error("`camera.index` and `camera.{}` both say where the camera is: give one of them",
+    return usage_error("`camera.index` and `camera.{}` both set the position of the camera: give one of them",
                        camera.position      ? "position"
                        : camera.focal_point ? "focal_point"
                                             : "direction");
   if (camera.position && camera.focal_point && camera.direction)
     return usage_error(
-        "`camera.focal_point` and `camera.direction` both say where a camera at `camera.position` looks: give one of "
-        "them");
+        "`camera.focal_point` and `camera.direction` both set the direction of a camera at `camera.position`: give one "
+        "of them");
   if (camera.position && camera.focal_point && *camera.position == *camera.focal_point) {
     const Vector3& v = *camera.position;
     return usage_error(
-        "`camera.position` and `camera.focal_point` are both '{},{},{}': a camera cannot look at its own place", v[0],
-        v[1], v[2]);
+        "`camera.position` and `camera.focal_point` are both '{},{},{}': a camera cannot look at its own position",
+        v[0], v[1], v[2]);
   }
   if (r.hdri_skybox && r.hdri_file.empty())
     return usage_error("`hdri_skybox` needs an image: `hdri_file` FILE, or `hdri_file` sky:");
   if (r.hdri_skybox && r.transparent)
-    return usage_error("`hdri_skybox` and `transparent` both say what is behind the scene: give one of them");
+    return usage_error("`hdri_skybox` and `transparent` both set the background: give one of them");
   return {};
 }
 
@@ -259,8 +259,8 @@ Result<void> check_request(const Request& request, long max_pixels) {
   for (const Option& option : options())
     if (auto fine = std::visit(CheckValue(option, fields), option.where); !fine) return fine;
   if (long(request.width) * request.height > max_pixels)
-    return usage_error("a picture cannot have {} x {} pixels: the max is {} in total", request.width, request.height,
-                       max_pixels);
+    return usage_error("a picture cannot have {} x {} pixels: it takes at most {} in total", request.width,
+                       request.height, max_pixels);
   return check_together(request);
 }
 
@@ -283,7 +283,7 @@ Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view 
   };
   const int width = side(text.substr(0, part)), height = part == text.npos ? 0 : side(text.substr(part + 1));
   if (width >= 1 && height >= 1 && long(width) * height <= max_pixels) return std::pair(width, height);
-  return usage_error("`{}` cannot be '{}': it takes width,height from 1 to {} pixels, together at most {}", field, text,
+  return usage_error("`{}` cannot be '{}': it takes width,height from 1 to {} pixels, at most {} in total", field, text,
                      kMaxSide, std::min(max_pixels, long(kMaxSide) * kMaxSide));
 }
 

@@ -61,7 +61,7 @@ TEST(Options, WholeNumbersTakeNoFractions) {
     Request request;
     const auto set = set_option(o, "1.5", request);
     ASSERT_FALSE(set) << o.field;
-    EXPECT_NE(set.error().message.find("a whole number"), std::string::npos) << set.error().message;
+    EXPECT_NE(set.error().message.find("an integer"), std::string::npos) << set.error().message;
   }
 }
 
@@ -82,16 +82,16 @@ TEST(Options, TheLibraryChecksWhatTheTableSays) {
     EXPECT_EQ(recipe.error().message.find("--"), std::string::npos) << recipe.error().message;
   };
   refused({.camera = {.zoom = 1001.0f}}, "`camera.zoom` cannot be '1001': it takes a number from 0.001 to 1000");
-  refused({.layers = 17}, "`layers` cannot be '17': it takes a whole number from 1 to 16");
+  refused({.layers = 17}, "`layers` cannot be '17': it takes an integer from 1 to 16");
   refused({.camera = {.direction = {{0, 0, 0}}}}, "`camera.direction`");
-  refused({.camera = {.position = {{1, 2, 3}}, .focal_point = {{1, 2, 3}}}}, "its own place");
+  refused({.camera = {.position = {{1, 2, 3}}, .focal_point = {{1, 2, 3}}}}, "its own position");
   refused({.camera = {.position = {{1, 2, 3}}, .focal_point = {{0, 0, 0}}, .direction = {{1, 0, 0}}}},
           "`camera.focal_point` and `camera.direction` both");
   refused({.camera = {.index = 0, .direction = {{1, 0, 0}}}}, "`camera.index` and `camera.direction` both");
   refused({.occlusion = "reference", .occlusion_scale = "half"}, "`occlusion_scale` cannot be 'half'");
   refused({.hdri_skybox = true}, "`hdri_skybox` needs an image");
   refused({.settings = {"upsample.factor=4"}}, "follows from `occlusion_scale`");
-  refused({.passes = {"layer1.depth"}}, "it takes `layers` 2");
+  refused({.passes = {"layer1.depth"}}, "it requires `layers` 2");
   refused({.passes = {"nothing"}}, "writes no pass 'nothing'");
 }
 

@@ -134,7 +134,8 @@ Error unknown_pass_error(const std::string& word, std::vector<std::string> names
   if (layers > 0 && (request.extra_views.value_or(0) > 0 || look.back_sides || look.extra_views > 0))
     return usage_error("there is no pass '{}': this picture has {} layers, counted from 0", word, captured_layers);
   if (layers > 0)
-    return usage_error("there is no pass '{}' with `layers` {}: it takes `layers` {}", word, captured_layers, layers);
+    return usage_error("there is no pass '{}' with `layers` {}: it requires `layers` {}", word, captured_layers,
+                       layers);
   if (const std::string_view other = look_with_pass(word); !other.empty() && other != look.name)
     return usage_error("the look '{}' writes no pass '{}': the look {} does", look.name, word, other);
   // Passes of further layers are suggested only for a misspelling: the full list would be too long.
@@ -250,7 +251,7 @@ Result<std::vector<PassPlanes>> chosen_planes(const std::vector<std::string>& wo
     }
     const auto group = std::find_if(groups.begin(), groups.end(), [&](const PassPlanes& g) { return g.name == word; });
     if (group == groups.end())
-      return usage_error("there is no pass '{}' in this picture: nothing in the scene makes it", word);
+      return usage_error("there is no pass '{}' in this picture: nothing in the scene produces it", word);
     chosen.push_back(*group);
   }
   return chosen;

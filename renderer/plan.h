@@ -12,7 +12,7 @@ struct Plan {
   bool lit_from_camera = false;  ///< the lights were placed relative to the camera and rotate with it around the scene
   glm::vec3 up{0.0f, 1.0f, 0.0f};  ///< up direction of the scene
   bool has_ground = false;         ///< the scene has a ground that `complete_scene` added
-  float sky_gain = 1.0f;           ///< factor on the radiance of the environment image as background
+  float sky_gain = 1.0f;           ///< factor for the radiance of the environment image as background
   ParameterBytes output;           ///< parameters of `output` for the averaged picture
   /// Parameters of `outline` if it is drawn once, by sample 0, over the averaged picture; else empty.
   ParameterBytes lines;

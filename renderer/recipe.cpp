@@ -90,7 +90,7 @@ Result<void> resolve_names(const Request& request, Recipe& recipe) {
     return usage_error("there is no occlusion technique '{}'{}", recipe.occlusion,
                        suggestion(recipe.occlusion, techniques));
   if (request.ground == "on" && !recipe.look->ground)
-    return usage_error("`ground` on is for looks that show the ground only by its shadow, such as studio, not '{}'",
+    return usage_error("`ground` on requires a look that shows the ground only by its shadow, such as studio, not '{}'",
                        request.look);
   if (request.quality.empty() || find_quality(request.quality)) return {};
   std::vector<std::string_view> names;
@@ -187,7 +187,7 @@ bool shows_light(const Recipe& recipe) {
 int choice_index(std::string_view field, std::string_view text) {
   const auto& choices = option_of(field).choices;
   const auto found = std::find(choices.begin(), choices.end(), text);
-  if (found == choices.end()) fail_check(fmt::format("{} is no choice of {}", text, field));
+  if (found == choices.end()) fail_check(fmt::format("{} is not a choice of {}", text, field));
   return int(found - choices.begin());
 }
 
@@ -241,7 +241,7 @@ Result<CaptureSettings> capture_settings(const Request& request, const Look& loo
   const auto layers = layer_count(settings);
   if (!layers) return layers.error();
   if (width * height * *layers > max_pixels)
-    return usage_error("{} of {} x {} pixels {} too many: together at most {} pixels",
+    return usage_error("{} of {} x {} pixels {} too many: at most {} pixels in total",
                        *layers == 1 ? "one layer" : fmt::format("{} layers", *layers), width, height,
                        *layers == 1 ? "is" : "are", max_pixels);
   return settings;

@@ -73,7 +73,7 @@ struct Request {
   bool hdri_ambient = true;               ///< the image lights the scene
   bool hdri_skybox = false;               ///< the image is the background; not with `transparent`
   float hdri_rotation_deg = 0.0f;         ///< rotation about the model's up, to the left as seen from inside
-  float hdri_intensity = 1.0f;            ///< factor on its radiance, 0 to 1000000
+  float hdri_intensity = 1.0f;            ///< factor for its radiance, 0 to 1000000
   std::optional<float> light_size_deg{};  ///< angular diameter of the key light, 0 to 90; default: that of the light
   std::optional<int> layers{};            ///< surfaces captured along each ray, 1 to 16; default: that of the look
   std::optional<int> extra_views{};       ///< additional cameras, 0 to 4; default: that of the look

@@ -80,7 +80,7 @@ void add_of_images(const Request& request, const Recipe& recipe, std::vector<std
   });
   if (hdri.skybox || (shines && hdri.ambient)) return;
   sentences.push_back(hdri.ambient
-                          ? fmt::format("`hdri_file` does nothing: the look {} brings its own light", recipe.look->name)
+                          ? fmt::format("`hdri_file` does nothing: the look {} has its own lights", recipe.look->name)
                           : "`hdri_file` does nothing: it is used neither as light nor as background");
 }
 

@@ -56,8 +56,9 @@ class ViewDepth {
 Result<void> check(const Request& request, const Lens& lens) {
   if (auto fine = check_lens(lens); !fine) return fine;
   if (!(lens.right > lens.left && lens.top > lens.bottom))
-    return usage_error("the camera's window cannot be {} to {} and {} to {}: right must exceed left, top bottom",
-                       lens.left, lens.right, lens.bottom, lens.top);
+    return usage_error(
+        "the camera's window cannot be {} to {} and {} to {}: right must be above left, and top above bottom",
+        lens.left, lens.right, lens.bottom, lens.top);
   if (lens.scene_radius < 0.0f)
     return usage_error("`scene_radius` cannot be {}: it takes a number above 0, or 0 to derive it from the depth",
                        lens.scene_radius);
@@ -80,7 +81,7 @@ Result<void> check_image(const Lens& lens, std::span<const NamedImage> images, c
     return usage_error("the image '{}' cannot have {} channels: it takes {}", named.name, image.channels,
                        channels.size());
   if (image.type == PixelType::kUint32 && !is_id(named.name))
-    return usage_error("the image '{}' cannot be of 32-bit integers: ids alone are", named.name);
+    return usage_error("the image '{}' cannot hold 32-bit integers: only ids can", named.name);
   if (std::any_of(images.begin(), images.end(), [&](const NamedImage& other) {
         return is_id(named.name) && name_on_first_layer(other.name) == name_on_first_layer(named.name) &&
                is_whole(other.image.type) != is_whole(image.type);
@@ -280,7 +281,7 @@ void compute_extent(const Lens& request, const Plane& depth, const DepthRange& r
 Error unknown_image(const std::string& name) {
   std::vector<std::string> names;
   for (const PassPlanes& group : grouped_planes(known_planes())) names.push_back(group.name);
-  return usage_error("no effect reads or makes an image '{}'{}", name, suggestion(name, names));
+  return usage_error("no effect reads or writes an image '{}'{}", name, suggestion(name, names));
 }
 
 bool is_id(std::string_view pass) {

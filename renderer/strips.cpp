@@ -247,7 +247,7 @@ Result<StripSizes> plan_strips(const Device& device, const Recipe& recipe, doubl
   if (!device.draws_strips() || traced) {
     if (fits) return plan;
     return usage_error(
-        "{} of {} x {} pixels {} too many: together at most {} pixels; larger pictures are drawn in strips, but not {}",
+        "{} of {} x {} pixels {} too many: at most {} pixels in total; larger pictures are drawn in strips, but not {}",
         layers == 1 ? "one layer" : fmt::format("{} layers", layers), width, height, layers == 1 ? "is" : "are",
         kMaxPixels,
         traced ? "with `occlusion` reference" : fmt::format("on the device {}: try `device` cpu", device.name()));

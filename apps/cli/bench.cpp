@@ -78,7 +78,7 @@ Result<BenchPlan> plan_of(const BenchOptions& o) {
   std::vector<std::string_view> names = {"capture"};
   for (const Effect* effect : effects()) names.push_back(effect->name);
   if (!o.effect.empty() && std::find(names.begin(), names.end(), o.effect) == names.end())
-    return usage_error("there is no effect '{}' to time{}", o.effect, suggestion(o.effect, names));
+    return usage_error("there is no effect '{}'{}", o.effect, suggestion(o.effect, names));
   BenchPlan plan;
   plan.scale = o.request.occlusion_scale.empty() ? "full" : o.request.occlusion_scale;
   const auto every = parse_scale("occlusion_scale", plan.scale);

@@ -34,8 +34,8 @@ TEST_F(CliRefusals, RefusesModelsThatAreNone) {
   write("range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
   write("nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n");
   write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
-  bad("nothere.obj -o out.png", 3, {"nothere.obj", "no such file"});
-  bad("no/where.obj -o out.png", 3, {"no/where.obj", "no such file"});
+  bad("nothere.obj -o out.png", 3, {"nothere.obj", "does not exist"});
+  bad("no/where.obj -o out.png", 3, {"no/where.obj", "does not exist"});
   bad("folder.obj -o out.png", 3, {"folder.obj", "folder"});
   bad("notes.txt -o out.png", 3, {"notes.txt", ".obj", ".ply"});
   bad("lines.obj -o out.png", 3, {"lines.obj", "no triangles"});
@@ -156,11 +156,11 @@ TEST_F(CliRefusals, RefusesValues) {
   bad_option("--ao-radius wide", {"--ao-radius", "'wide'", "5%"});
   bad_option("--threads -1", {"--threads", "'-1'", "0 to 1024"});
   bad_option("--threads x", {"--threads", "'x'", "0 to 1024"});
-  bad_option("--threads 1.5", {"--threads", "'1.5'", "whole number"});
+  bad_option("--threads 1.5", {"--threads", "'1.5'", "an integer"});
   bad_option("--threads 99999", {"--threads", "'99999'", "0 to 1024"});
   bad_option("--bits 7", {"--bits", "'7'", "8 or 16"});
   bad_option("--bits many", {"--bits", "'many'", "8 or 16"});
-  bad_option("--turntable 1.5", {"--turntable", "'1.5'", "a whole number from 1 to 100000"});
+  bad_option("--turntable 1.5", {"--turntable", "'1.5'", "an integer from 1 to 100000"});
   bad_option("--frame-rate 0", {"--frame-rate", "'0'", "a number from 0.1 to 1000"});
   for (const char* text : {"much", "0", "-1G", "1GB", "G", "inf"})
     bad_option(fmt::format("--memory {}", text), {"--memory", fmt::format("'{}'", text), "such as 6G"});
@@ -181,11 +181,12 @@ TEST_F(CliRefusals, RefusesValues) {
       bad_option(fmt::format("{} {}", option, text), {option, fmt::format("'{}'", text), "+Y"});
   for (const char* text : {"0", "180", "-30", "wide", "nan"})
     bad_option(fmt::format("--camera-view-angle {}", text), {"--camera-view-angle", fmt::format("'{}'", text), "179"});
-  bad_option("--camera-position 1,2,3 --camera-focal-point 1,2,3", {"--camera-position", "'1,2,3'", "its own place"});
+  bad_option("--camera-position 1,2,3 --camera-focal-point 1,2,3",
+             {"--camera-position", "'1,2,3'", "its own position"});
   bad_option("--camera-position 1,2,3 --camera-focal-point 0,0,0 --camera-direction 1,0,0",
              {"--camera-position", "--camera-focal-point and --camera-direction both"});
   bad_option("--look= studio", {"--look needs a value after its '='"});
-  bad_option("--set toon.steps=2.5", {"toon.steps", "'2.5'", "a whole number from"});
+  bad_option("--set toon.steps=2.5", {"toon.steps", "'2.5'", "an integer from"});
   bad("tri.obj -o out.bmp", 2, {"'out.bmp'", ".png, .exr or .pfm"});
   bad_option("--camera-zoom-factor 0", {"--camera-zoom-factor", "'0'"});
   bad_option("--camera-azimuth-angle x", {"--camera-azimuth-angle", "'x'"});

@@ -303,7 +303,7 @@ TEST_F(Cli, BenchTimesEffects) {
   bad("bench --ao-scale half --effect capture", 2, {"capture"});
   bad("bench --effect unshrp", 2, {"'unshrp'", "did you mean 'unsharp'"});
   bad("bench --runs 0", 2, {"--runs", "1 to"});
-  bad("bench --runs x", 2, {"--runs", "'x'", "whole number"});
+  bad("bench --runs x", 2, {"--runs", "'x'", "an integer"});
   bad("bench --resolution abc", 2, {"--resolution", "'abc'"});
   bad("bench nothere.obj", 3, {"nothere.obj"});
 }

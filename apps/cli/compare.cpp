@@ -107,7 +107,7 @@ Result<void> run_compare(const CompareOptions& o) {
   line.wipe();
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) return file_error("'{}': the report's folder cannot be created: {}", folder.string(), error.message());
+  if (error) return file_error("the folder '{}' cannot be created: {}", folder.string(), error.message());
   if (auto written = write_text(folder / "scores.json", scores_text(scores)); !written) return written;
   if (auto written = write_text(folder / "index.html", *page); !written) return written;
 
@@ -144,7 +144,7 @@ void add_compare(CLI::App& app, std::function<Result<void>()>& run) {
       ->group(comparison);
   command
       ->add_flag("--light", options->light,
-                 "also compare the indirect light of techniques, with the bounce of the reference")
+                 "also compare the indirect light of techniques with one bounce of the reference")
       ->group(comparison);
   add_one(*command, *options, "occlusion_scale", comparison,
           "resolution at which techniques run: full, half or quarter", "full");
@@ -154,7 +154,7 @@ void add_compare(CLI::App& app, std::function<Result<void>()>& run) {
       ->group(comparison);
   add_sizes(*command, options->sizes, "960,540 and 480,270")->group(comparison);
   add_measure_options(*command, *options, comparison);
-  command->add_option("--baseline", options->baseline, "an earlier scores.json: fail if a score is worse than in it")
+  command->add_option("--baseline", options->baseline, "earlier scores.json; fail if a score is worse than in it")
       ->group(comparison);
   add_group(*command, *options, kCompare, "Technique");
   add_device_options(*command, *options, kCompare);

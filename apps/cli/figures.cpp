@@ -109,7 +109,7 @@ Result<void> make_figures(const FiguresOptions& requested) {
   line.wipe();
   std::error_code error;
   fs::create_directories(folder, error);
-  if (!fs::is_directory(folder)) return file_error("'{}': the folder cannot be created", o.output);
+  if (!fs::is_directory(folder)) return file_error("the folder '{}' cannot be created", o.output);
 
   nlohmann::json records = nlohmann::json::array();
   int missed = 0;

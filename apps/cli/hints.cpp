@@ -35,7 +35,8 @@ std::string radius_hint(const Recipe& recipe, const Seen& seen, float scene_radi
   const double pixels = double(seen.surfaces), changed = double(seen.changed);
   if (seen.surfaces == 0 || percent >= kTooSmall || changed > kMinChangedFraction * pixels) return "";
   return fmt::format(
-      "occlusion changes {:.2g} % of the model's pixels: its radius is {:.2g} % of the scene's; try --ao-radius {:g}%",
+      "occlusion changes {:.2g} % of the model's pixels: its radius is {:.2g} % of the bounding-sphere radius; try "
+      "--ao-radius {:g}%",
       100.0 * changed / pixels, percent, kUsual);
 }
 

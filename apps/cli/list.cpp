@@ -87,7 +87,7 @@ Result<void> list(const ListOptions& o) {
   else if (o.what == "formats")
     records = list_formats();
   else
-    return usage_error("there is nothing called '{}' to list{}", o.what, suggestion(o.what, kKinds));
+    return usage_error("there is no list '{}'{}", o.what, suggestion(o.what, kKinds));
   if (!records) return records.error();
   if (o.json) {
     fmt::print("{}\n", records->dump(2));

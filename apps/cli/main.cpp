@@ -29,7 +29,7 @@ std::vector<std::string> option_names(const CLI::App& app) {
 Error unknown_option(const CLI::App& app, std::string word) {
   const CLI::App* command = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
   if (const std::size_t equals = word.find('='); equals != std::string::npos) word.resize(equals);
-  if (!word.starts_with('-')) return usage_error("'{}' is one word too many", word);
+  if (!word.starts_with('-')) return usage_error("'{}' is one argument too many", word);
   const auto names = option_names(*command);
   // Compare names without dashes, which would make all long names similar.
   const bool is_long = word.starts_with(kDashes);

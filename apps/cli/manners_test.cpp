@@ -334,7 +334,7 @@ TEST_F(Manners, InvalidConfigurationValuesNameTheLine) {
     bad(command + " --config wrong", 2, {"umbrage: 'wrong', line 2: " + text});
   };
   const std::string render = "tri.obj -o x.png";
-  refused(render, "layers = 17", "--layers cannot be '17': it takes a whole number from 1 to 16");
+  refused(render, "layers = 17", "--layers cannot be '17': it takes an integer from 1 to 16");
   refused(render, "camera-zoom-factor = near", "--camera-zoom-factor cannot be 'near': it takes a number from 0.001");
   refused(render, "ao-radius = wide", "--ao-radius cannot be 'wide'");
   refused(render, "ground = maybe", "--ground cannot be 'maybe': it takes auto, on or off");
@@ -345,12 +345,12 @@ TEST_F(Manners, InvalidConfigurationValuesNameTheLine) {
   refused(render, "look = nothing", "there is no look 'nothing'");
   refused(render, "ao = nothing", "there is no occlusion technique 'nothing'");
   refused(render, "quality = best", "--quality cannot be 'best'");
-  refused(render, "turntable = 0", "--turntable cannot be '0': it takes a whole number from 1 to 100000");
+  refused(render, "turntable = 0", "--turntable cannot be '0': it takes an integer from 1 to 100000");
   refused(render, "frame-rate = 1e4", "--frame-rate cannot be '1e4': it takes a number from 0.1 to 1000");
   refused(render, "bits = 12", "--bits cannot be '12': it takes 8 or 16");
   refused(render, "memory = much", "--memory cannot be 'much'");
   refused(render, "half = perhaps", "--half cannot be 'perhaps': it takes true or false");
-  refused("compare tri.obj", "cameras = 0", "--cameras cannot be '0': it takes a whole number from 1 to 100");
+  refused("compare tri.obj", "cameras = 0", "--cameras cannot be '0': it takes an integer from 1 to 100");
   refused("compare tri.obj", "samples = 3", "--samples cannot be '3': it takes an even number from 2 to 4096");
   refused("bench", "resolution = 0x0", "--resolution cannot be '0x0'");
   // Values that the command line overrides, or that are for another command, are not checked.
@@ -360,8 +360,8 @@ TEST_F(Manners, InvalidConfigurationValuesNameTheLine) {
 
 // File names in messages are not rewritten to option names.
 TEST_F(Manners, FileNamesLikeOptionsAreNotReplaced) {
-  bad(Words{"`width`.obj", "-o", "x.png"}, 3, {"'`width`.obj'", "no such file"});
-  bad(Words{"a `look` b.obj", "-o", "x.png"}, 3, {"'a `look` b.obj'", "no such file"});
+  bad(Words{"`width`.obj", "-o", "x.png"}, 3, {"'`width`.obj'", "does not exist"});
+  bad(Words{"a `look` b.obj", "-o", "x.png"}, 3, {"'a `look` b.obj'", "does not exist"});
   write("`look`.ply", "ply\n");
   bad(Words{"`look`.ply", "-o", "x.png"}, 3, {"'`look`.ply' "});
   bad(Words{"tri.obj", "-o", "x.png", "--camera-index", "0", "--look", "`ao`"}, 2, {"no look '`ao`'"});
@@ -452,7 +452,8 @@ TEST_F(Manners, WarnsOfSettingsThatDoNothing) {
   warned("--set lighting.open=off --set bitmask.slices=2 --set output.shoulder=0.5", "");
   warned("--look ao --ao hbao --set hbao.radius=5%", "");
   warned("--look ao --ao-radius 0.001%",
-         "occlusion changes 0 % of the model's pixels: its radius is 0.001 % of the scene's; try --ao-radius 5%");
+         "occlusion changes 0 % of the model's pixels: its radius is 0.001 % of the bounding-sphere radius; try "
+         "--ao-radius 5%");
   warned("--look ao --ao-radius 25%", "");
 }
 

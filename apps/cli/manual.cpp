@@ -334,7 +334,7 @@ std::string man_of(const CLI::App& app, const std::vector<const CLI::App*>& comm
                                                {1, "internal error, or a score or figure out of bounds"},
                                                {2, "wrong usage: an option, value or name"},
                                                {3, "a file that cannot be read, used or written"},
-                                               {4, "a device that is missing or lacks a required feature"},
+                                               {4, "a missing or insufficient device, or too little memory"},
                                                {130, "interrupted"}};
   for (const auto& [code, text] : codes) out += fmt::format(".TP\n.B {}\n{}\n", code, roff(text));
   out += ".SH ENVIRONMENT\n";

@@ -134,7 +134,7 @@ CLI::App* add_model_command(CLI::App& app, const std::string& name, const std::s
 
 void add_device_options(CLI::App& command, CommonOptions& o, OptionCommand which) {
   add_group(command, o, which, "Device");
-  command.add_flag("--verbose", o.verbose, "print what is done and the time of each stage")
+  command.add_flag("--verbose", o.verbose, "print each stage and its time")
       ->envname("UMBRAGE_VERBOSE")
       ->group("Output");
   add_config_option(command);
@@ -182,7 +182,7 @@ Result<void> check_folder(const std::filesystem::path& folder, std::initializer_
   fs::path parent = fs::absolute(folder, ignored);
   while (!fs::exists(parent, ignored) && parent != parent.parent_path()) parent = parent.parent_path();
   if (folder.empty() || !fs::is_directory(parent, ignored) || ::access(parent.c_str(), W_OK | X_OK) != 0)
-    return file_error("'{}': the folder cannot be created", folder.string());
+    return file_error("the folder '{}' cannot be created", folder.string());
   return {};
 }
 

@@ -62,7 +62,7 @@ Result<void> put_rows(const Place& place, const ImageShape& shape, const WriteSe
   const auto bytes = encode_png_rows(shape, settings, make);
   if (!bytes) return bytes.error();
   if (std::fwrite(bytes->data(), 1, bytes->size(), stdout) != bytes->size() || std::fflush(stdout) != 0)
-    return file_error("standard output: the picture could not be written");
+    return file_error("standard output cannot be written");
   return {};
 }
 

@@ -101,7 +101,7 @@ void add_tune(CLI::App& app, std::function<Result<void>()>& run) {
       app, run, "tune", "search the best settings for a scene, against ray-traced ground truth", kTune, run_tune);
   std::tie(options->request.width, options->request.height) = std::pair(960, 540);
   const auto search = "Search";
-  add_number(*command, "--time", options->budget_ms, kBudgetMs, "max milliseconds of occlusion with its filter",
+  add_number(*command, "--time", options->budget_ms, kBudgetMs, "max time of occlusion with its filter, milliseconds",
              "time of the initial settings")
       ->group(search);
   add_number(*command, "--trials", options->trials, kTrials, "max number of settings to try")->group(search);
@@ -110,7 +110,7 @@ void add_tune(CLI::App& app, std::function<Result<void>()>& run) {
   add_one(*command, *options, "occlusion", search);
   add_one(*command, *options, "occlusion_scale", search, "", "all are tried");
   add_measure_options(*command, *options, search);
-  command->add_flag("--json", options->json, "print all that was tried as JSON");
+  command->add_flag("--json", options->json, "print all tried settings as JSON");
   add_group(*command, *options, kTune, "Technique");
   add_device_options(*command, *options, kTune);
 }

@@ -61,12 +61,12 @@ nlohmann::json terms_json(const Terms& terms) {
 
 Result<nlohmann::json> read_baseline(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) return file_error("'{}': the baseline cannot be read", file.string());
+  if (!stream) return file_error("the baseline '{}' cannot be read", file.string());
   std::ostringstream text;
   text << stream.rdbuf();
   nlohmann::json baseline = nlohmann::json::parse(text.str(), nullptr, false);
   const auto no_scores = [&] {
-    return file_error("'{}': the file is no list of scores; use a scores.json that compare wrote", file.string());
+    return file_error("'{}' is not a list of scores; use a scores.json that compare wrote", file.string());
   };
   if (!baseline.is_array() || baseline.empty()) return no_scores();
   for (const nlohmann::json& record : baseline) {
@@ -101,8 +101,8 @@ Result<void> check_terms(const nlohmann::json& baseline, const Terms& terms, con
     for (const auto& [field, value] : now.items()) {
       const nlohmann::json& before = record.contains(field) ? record.at(field) : default_terms.at(field);
       if (before != value)
-        return file_error("'{}': the baseline was measured on other terms: {} {}, now {}", name, field, shown(before),
-                          shown(value));
+        return file_error("'{}': the baseline was measured with other settings: {} {}, now {}", name, field,
+                          shown(before), shown(value));
     }
   return {};
 }

@@ -29,7 +29,7 @@ Result<std::vector<const Effect*>> techniques_of(const CompareSettings& settings
     if (name == "all") return all;
     const auto found = std::find(names.begin(), names.end(), name);
     if (found == names.end())
-      return usage_error("there is no occlusion technique '{}' to compare{}", name, suggestion(name, names));
+      return usage_error("there is no occlusion technique '{}'{}", name, suggestion(name, names));
     const Effect* effect = all[std::size_t(found - names.begin())];
     if (std::find(chosen.begin(), chosen.end(), effect) == chosen.end()) chosen.push_back(effect);
   }
@@ -181,7 +181,7 @@ Result<std::vector<Truth>> trace_truths(Run& run, const TracedScene& traced, con
   });
   if (!occlusion) return occlusion.error();
   if (occlusion->pixels == 0)
-    return usage_error("'{}' shows nothing: move the camera or omit the camera options", what);
+    return usage_error("nothing of '{}' is in view: move the camera or omit the camera options", what);
   run.error_sum += occlusion->error;
   ++run.pictures;
   run.truth_sum += occlusion->sum;
@@ -299,7 +299,7 @@ Result<void> check_light(const CompareSettings& settings, const Recipe& recipe) 
       if (auto done = apply_variant(with, *effect, variant); !done) return done;
       if (computes_indirect_light(*effect, params_of(with, effect->name))) return {};
     }
-  return usage_error("--light needs a technique that gathers light, and {} does not: name hemisphere too",
+  return usage_error("--light needs a technique that gathers light, such as hemisphere, not {}",
                      fmt::join(settings.techniques, ", "));
 }
 

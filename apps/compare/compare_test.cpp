@@ -556,12 +556,12 @@ TEST_F(CompareCli, BadBaselineGetsASentence) {
   for (auto& record : newer) record["format"] = 99;
   write("newer.json", newer.dump());
   for (const char* file : {"nothing.json", "object.json", "words.json", "lacking.json"})
-    bad(kQuick + " -o r --baseline " + file, 3, {file, "no list of scores"});
+    bad(kQuick + " -o r --baseline " + file, 3, {file, "not a list of scores"});
   bad(kQuick + " -o r --baseline newer.json", 3, {"newer.json", "99", "another version"});
   bad(kQuick + " -o r --baseline missing.json", 3, {"missing.json"});
   // Before any work.
   bad("compare tri.obj --resolution 48,48 --samples 8 --runs 1 --cameras 1 -o r --baseline one/scores.json", 3,
-      {"other terms", "samples 4, now 8"});
+      {"other settings", "samples 4, now 8"});
   // Another view has the same name.
   const auto moved = run(kQuick + " --camera-azimuth-angle 50 -o r --baseline one/scores.json");
   EXPECT_EQ(moved.code, 3);

@@ -253,7 +253,8 @@ Result<void> take_pictures(Search& search, std::size_t model_index, Scene& scene
     });
     if (!truth) return truth.error();
     if (truth->pixels == 0)
-      return usage_error("'{}', camera {} shows nothing: move the camera or omit the camera options", model, shot.name);
+      return usage_error("nothing of '{}' is in view of camera {}: move the camera or omit the camera options", model,
+                         shot.name);
     search.pictures.push_back({std::move(*frame), std::move(*truth), std::move(classes)});
   }
   return {};

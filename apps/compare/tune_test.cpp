@@ -152,7 +152,7 @@ TEST_F(TuneCli, BadInputGetsASentence) {
   bad("tune tri.obj --runs 0", 2, {"--runs"});
   bad("tune tri.obj tri.obj", 2, {"tri.obj", "twice"});
   bad("tune missing.obj", 3, {"missing.obj"});
-  bad(kQuick + " --camera-position 0,0,5 --camera-direction 0,0,1", 2, {"shows nothing"});
+  bad(kQuick + " --camera-position 0,0,5 --camera-direction 0,0,1", 2, {"is in view"});
 }
 
 }  // namespace

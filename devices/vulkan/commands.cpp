@@ -177,7 +177,7 @@ Result<void> Commands::read_times() {
   const VkResult read = gpu_->vk.GetQueryPoolResults(gpu_->device, queries_, 0, std::uint32_t(ticks.size()),
                                                      ticks.size() * sizeof(std::uint64_t), ticks.data(),
                                                      sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT);
-  if (read != VK_SUCCESS) return vulkan_error(read, "reported the times of its passes");
+  if (read != VK_SUCCESS) return vulkan_error(read, "reported the times of its dispatches");
   if (times_.size() > kMaxTimes) times_.clear();
   if (ms_of_group_.size() > kMaxKinds) ms_of_group_.clear();
   std::map<Kind, double> slowest;  // row ranges of one dispatch differ: background is faster

@@ -99,7 +99,7 @@ Result<InstancePtr> make_instance(PFN_vkGetInstanceProcAddr get, ValidationMessa
   }
   const VkResult made = instance->vk.CreateInstance(&create, nullptr, &instance->handle);
   if (made == VK_ERROR_INCOMPATIBLE_DRIVER)
-    return device_error("there is no Vulkan driver here: install the graphics card's driver or use `device` cpu");
+    return device_error("there is no Vulkan driver: install the graphics card's driver or use `device` cpu");
   if (made != VK_SUCCESS) return vulkan_error(made, "was started");
   if (auto found = add_functions(instance->handle, instance->vk); !found) return found.error();
   if (instance->on_message) {
@@ -139,8 +139,7 @@ Result<std::vector<PhysicalGpu>> physical_gpus(const Instance& instance) {
   }
   if (count == 0 || (listed != VK_SUCCESS && listed != VK_INCOMPLETE))
     return device_error(
-        "there is no Vulkan driver here that has a device: install the graphics card's driver or use "
-        "`device` cpu");
+        "there is no Vulkan driver with a device: install the graphics card's driver or use `device` cpu");
   std::vector<PhysicalGpu> gpus;
   for (VkPhysicalDevice handle : handles) {
     VkPhysicalDeviceProperties properties{};

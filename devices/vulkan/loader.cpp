@@ -9,8 +9,7 @@ Result<PFN_vkGetInstanceProcAddr> load_vulkan(const std::string& library) {
   void* found = handle ? dlsym(handle, "vkGetInstanceProcAddr") : nullptr;
   if (!found)
     return device_error(
-        "there is no Vulkan here: {} cannot be loaded; install the Vulkan loader (libvulkan1) or use "
-        "`device` cpu",
+        "Vulkan is not available: {} cannot be loaded; install the Vulkan loader (libvulkan1) or use `device` cpu",
         library);
   return reinterpret_cast<PFN_vkGetInstanceProcAddr>(found);
 }
@@ -41,15 +40,11 @@ Result<void> add_functions(VkInstance instance, VulkanFunctions& vk) {
 Error vulkan_error(VkResult result, std::string_view doing) {
   switch (result) {
     case VK_ERROR_OUT_OF_DEVICE_MEMORY:
-      return device_error(
-          "the Vulkan device ran out of its memory while it {}; use a smaller picture or fewer "
-          "layers",
-          doing);
+      return device_error("the Vulkan device ran out of memory while it {}; use a smaller picture or fewer layers",
+                          doing);
     case VK_ERROR_OUT_OF_HOST_MEMORY:
-      return device_error(
-          "the Vulkan driver ran out of the computer's memory while it {}; use a smaller picture or "
-          "fewer layers",
-          doing);
+      return device_error("the Vulkan driver ran out of host memory while it {}; use a smaller picture or fewer layers",
+                          doing);
     case VK_ERROR_DEVICE_LOST:
       return device_error(
           "the Vulkan device was lost while it {}: its driver reset it or it was removed; try again, or "

@@ -393,7 +393,7 @@ Result<std::vector<VulkanGpu>> vulkan_gpus(const VulkanSettings& settings) {
 }
 
 Result<std::unique_ptr<Device>> make_vulkan_device(const VulkanSettings& settings, std::unique_ptr<Device> capture) {
-  const Error no_gpu = device_error("there is no GPU here: use `device` cpu, or `device` vulkan for a software device");
+  const Error no_gpu = device_error("there is no GPU: use `device` cpu, or `device` vulkan for a software device");
   if (settings.real && !may_have_gpu()) return no_gpu;
   auto instance = make_instance(settings.get, settings.on_message);
   if (!instance) return instance.error();
@@ -401,9 +401,9 @@ Result<std::unique_ptr<Device>> make_vulkan_device(const VulkanSettings& setting
   if (!gpus) return gpus.error();
   int index = settings.index;
   if (index >= int(gpus->size()))
-    return device_error("there is no device 'vulkan:{}': there {} (see umbrage list devices)", index,
-                        gpus->size() == 1 ? std::string("is only vulkan:0")
-                                          : fmt::format("are vulkan:0 to vulkan:{}", gpus->size() - 1));
+    return device_error(
+        "there is no device 'vulkan:{}': this machine has {} (see umbrage list devices)", index,
+        gpus->size() == 1 ? std::string("only vulkan:0") : fmt::format("vulkan:0 to vulkan:{}", gpus->size() - 1));
   if (index < 0) {
     const auto best = std::max_element(gpus->begin(), gpus->end(), [](const PhysicalGpu& a, const PhysicalGpu& b) {
       const auto worth = [](const PhysicalGpu& gpu) { return 2 * int(gpu.lacks.empty()) + int(!gpu.software); };
@@ -440,7 +440,7 @@ Result<std::unique_ptr<Device>> make_vulkan_device_on(const ForeignGpu& foreign)
   auto gpu = adopt_gpu(foreign);
   if (!gpu) return gpu.error();
   const std::filesystem::path file = pipeline_file(cache_name(**gpu));
-  auto device = std::make_unique<VulkanDevice>(*gpu, "vulkan", "vulkan: a device opened elsewhere", 1, nullptr,
+  auto device = std::make_unique<VulkanDevice>(*gpu, "vulkan", "vulkan: the caller's device", 1, nullptr,
                                                VulkanSettings{.max_submission_ms = 0.0});
   if (auto started = device->start(file); !started) return started.error();
   return std::unique_ptr<Device>(std::move(device));

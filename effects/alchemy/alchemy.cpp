@@ -22,7 +22,7 @@ const std::vector<Parameter> kTable = {
         "formula", &AlchemyParams::formula, 0, {"alchemy", "scalable"},
         "alchemy: distant occluders count less, without a limit; scalable: occluders beyond the radius do not count"),
     real_row("strength", &AlchemyParams::strength, {.initial = 0.4, .max = 100},
-             "factor of the obscurance, with lengths in radii"),
+             "factor for the obscurance, with lengths in radii"),
     real_row("contrast", &AlchemyParams::contrast, {.initial = 1, .min = 0.01, .max = 100}, "exponent of the result"),
     real_row("bias", &AlchemyParams::bias, {.initial = 1e-4, .max = 1},
              "height above the surface's plane from which on a point occludes, as a fraction of the depth"),

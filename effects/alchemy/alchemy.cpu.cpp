@@ -1,4 +1,4 @@
-// Names the kernel text alchemy.kernel.h for the CPU.
+// Compiles alchemy.kernel.h for the CPU.
 #define UMBRAGE_KERNEL alchemy
 #define UMBRAGE_KERNEL_TEXT "effects/alchemy/alchemy.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS AlchemyConstants

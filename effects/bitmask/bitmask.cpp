@@ -42,10 +42,9 @@ const std::vector<Parameter> kTable = {
     real_row(
         "slope", &BitmaskParams::slope, {.max = 100, .zero_means = "automatic"},
         "assumed thickness of occluders, relative to their distance; the larger of `thickness` and `slope` is used"),
-    choice_row(
-        "measure", &BitmaskParams::measure, 0, {"exact", "uniform", "sectors"},
-        "what a bit of a slice covers: an equal part of the cosine-weighted directions, an equal angle, or an equal "
-        "step of the sine of the angle to the normal"),
+    choice_row("measure", &BitmaskParams::measure, 0, {"exact", "uniform", "sectors"},
+               "directions that each bit of a slice covers: an equal part of the cosine-weighted directions, an equal "
+               "angle, or an equal step of the sine of the angle to the normal"),
     real_row("falloff", &BitmaskParams::falloff, {.max = 1},
              "mode infinite: outer fraction of the radius over which occluders fade out"),
     choice_row("noise", &BitmaskParams::noise, kBitmaskTile, {"hilbert", "tile", "hash", "none"},
@@ -58,9 +57,9 @@ const std::vector<Parameter> kTable = {
                "taps outside the picture: left out of the estimate, or open"),
     bool_row("bent", &BitmaskParams::bent, false, "also write the plane `bent`, the mean unoccluded direction"),
     real_row("bleeding", &BitmaskParams::bleeding, {.max = 100, .zero_means = "off"},
-             "factor of the indirect light from occluders"),
+             "factor for the indirect light from occluders"),
     real_row("ambient_bounce", &BitmaskParams::ambient_bounce, {.initial = 1, .max = 10},
-             "factor of the ambient light that surfaces reflect"),
+             "factor for the ambient light that surfaces reflect"),
     int_row("bounces", &BitmaskParams::bounces, {.initial = 1, .min = 1, .max = 16},
             "number of bounces; each reflects the indirect light of the one before"),
     int_row("layers", &BitmaskParams::layers, {.max = kLayersRead, .zero_means = "all"},

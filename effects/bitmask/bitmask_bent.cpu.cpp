@@ -1,4 +1,4 @@
-// Names the kernel text bitmask_bent.kernel.h for the CPU.
+// Compiles bitmask_bent.kernel.h for the CPU.
 #define UMBRAGE_KERNEL bitmask_bent
 #define UMBRAGE_KERNEL_TEXT "effects/bitmask/bitmask_bent.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS BitmaskConstants

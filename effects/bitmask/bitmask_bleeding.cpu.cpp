@@ -1,4 +1,4 @@
-// Names the kernel text bitmask_bleeding.kernel.h for the CPU.
+// Compiles bitmask_bleeding.kernel.h for the CPU.
 #define UMBRAGE_KERNEL bitmask_bleeding
 #define UMBRAGE_KERNEL_TEXT "effects/bitmask/bitmask_bleeding.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS BitmaskConstants

@@ -1,4 +1,4 @@
-// Names the kernel text bitmask_horizon.kernel.h for the CPU.
+// Compiles bitmask_horizon.kernel.h for the CPU.
 #define UMBRAGE_KERNEL bitmask_horizon
 #define UMBRAGE_KERNEL_TEXT "effects/bitmask/bitmask_horizon.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS BitmaskConstants

@@ -1,4 +1,4 @@
-// Names the kernel text bitmask_layers.kernel.h for the CPU.
+// Compiles bitmask_layers.kernel.h for the CPU.
 #define UMBRAGE_KERNEL bitmask_layers
 #define UMBRAGE_KERNEL_TEXT "effects/bitmask/bitmask_layers.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS BitmaskConstants

@@ -1,4 +1,4 @@
-// Names the kernel text bitmask_mips.kernel.h for the CPU.
+// Compiles bitmask_mips.kernel.h for the CPU.
 #define UMBRAGE_KERNEL bitmask_mips
 #define UMBRAGE_KERNEL_TEXT "effects/bitmask/bitmask_mips.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS BitmaskConstants

@@ -1,4 +1,4 @@
-// Names the kernel text bitmask_occlusion.kernel.h for Vulkan.
+// Compiles bitmask_occlusion.kernel.h for Vulkan.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel/glsl.h"

@@ -1,4 +1,4 @@
-// Names the kernel text bitmask_occlusion.kernel.h for the CPU.
+// Compiles bitmask_occlusion.kernel.h for the CPU.
 #define UMBRAGE_KERNEL bitmask_occlusion
 #define UMBRAGE_KERNEL_TEXT "effects/bitmask/bitmask_occlusion.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS BitmaskConstants

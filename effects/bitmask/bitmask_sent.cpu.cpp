@@ -1,4 +1,4 @@
-// Names the kernel text bitmask_sent.kernel.h for the CPU.
+// Compiles bitmask_sent.kernel.h for the CPU.
 #define UMBRAGE_KERNEL bitmask_sent
 #define UMBRAGE_KERNEL_TEXT "effects/bitmask/bitmask_sent.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS BitmaskConstants

@@ -39,7 +39,7 @@ int reach(const void* constants, int) {
 Effect effect_box() {
   return filter_effect<fill_constants>(
       kTable, {.name = "box",
-               .summary = "averages occlusion and indirect light over a small square",
+               .summary = "average occlusion and indirect light over a small square",
                .source = "Colliander and Törnquist 2015",
                .variants = {"", "indirect=off", "size=8"},
                .dispatches = {{.name = "ao across",

@@ -1,4 +1,4 @@
-// Names the kernel text box_ao_across.kernel.h for the CPU.
+// Compiles box_ao_across.kernel.h for the CPU.
 #define UMBRAGE_KERNEL box_ao_across
 #define UMBRAGE_KERNEL_TEXT "effects/box/box_ao_across.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS BoxConstants

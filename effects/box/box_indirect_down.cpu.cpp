@@ -1,4 +1,4 @@
-// Names the kernel text box_indirect_down.kernel.h for the CPU.
+// Compiles box_indirect_down.kernel.h for the CPU.
 #define UMBRAGE_KERNEL box_indirect_down
 #define UMBRAGE_KERNEL_TEXT "effects/box/box_indirect_down.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS BoxConstants

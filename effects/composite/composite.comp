@@ -1,4 +1,4 @@
-// Names the kernel text composite.kernel.h for Vulkan.
+// Compiles composite.kernel.h for Vulkan.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel/glsl.h"

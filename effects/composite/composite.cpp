@@ -40,7 +40,7 @@ Effect effect_composite() {
   return shading_effect<fill_constants>(
       kTable,
       {.name = "composite",
-       .summary = "combines direct, ambient and bounced light with occlusion",
+       .summary = "combine direct, ambient and bounced light with occlusion",
        .source = "Luft 2006",
        .dispatches = {{.inputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b",
                                   "indirect.r", "indirect.g", "indirect.b", "albedo.r", "albedo.g", "albedo.b", "ao"},

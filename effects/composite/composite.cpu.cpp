@@ -1,4 +1,4 @@
-// Names the kernel text composite.kernel.h for the CPU.
+// Compiles composite.kernel.h for the CPU.
 #define UMBRAGE_KERNEL composite
 #define UMBRAGE_KERNEL_TEXT "effects/composite/composite.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS CompositeConstants

@@ -75,7 +75,7 @@ Effect effect_denoise() {
   return filter_effect<fill_constants>(
       kTable,
       {.name = "denoise",
-       .summary = "smooths the noise of occlusion and indirect light along surfaces, preserving their mean",
+       .summary = "smooth the noise of occlusion and indirect light along surfaces, preserving their mean",
        .source = "Dammertz et al. 2010",
        .tunable = {"rounds", "distance", "angle"},
        .variants = {"", "rounds=2", "rounds=3", "indirect=1", "indirect=1 light_rounds=3"},

@@ -1,4 +1,4 @@
-// Names the kernel text denoise_light_across.kernel.h for the CPU.
+// Compiles denoise_light_across.kernel.h for the CPU.
 #define UMBRAGE_KERNEL denoise_light_across
 #define UMBRAGE_KERNEL_TEXT "effects/denoise/denoise_light_across.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS DenoiseConstants

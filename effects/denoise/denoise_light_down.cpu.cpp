@@ -1,4 +1,4 @@
-// Names the kernel text denoise_light_down.kernel.h for the CPU.
+// Compiles denoise_light_down.kernel.h for the CPU.
 #define UMBRAGE_KERNEL denoise_light_down
 #define UMBRAGE_KERNEL_TEXT "effects/denoise/denoise_light_down.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS DenoiseConstants

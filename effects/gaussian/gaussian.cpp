@@ -33,7 +33,7 @@ int reach(const void*, int) { return 1; }
 Effect effect_gaussian() {
   return filter_effect<fill_constants>(
       kTable, {.name = "gaussian",
-               .summary = "blurs the occlusion by a 3x3 Gaussian, several times",
+               .summary = "blur the occlusion with a 3x3 Gaussian, several times",
                .source = "Lajzer and Nottingham",
                .tunable = {"rounds"},
                .variants = {"", "rounds=1", "edges=on"},

@@ -1,4 +1,4 @@
-// Names the kernel text gaussian_across.kernel.h for the CPU.
+// Compiles gaussian_across.kernel.h for the CPU.
 #define UMBRAGE_KERNEL gaussian_across
 #define UMBRAGE_KERNEL_TEXT "effects/gaussian/gaussian_across.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS GaussianConstants

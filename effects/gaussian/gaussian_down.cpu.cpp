@@ -1,4 +1,4 @@
-// Names the kernel text gaussian_down.kernel.h for the CPU.
+// Compiles gaussian_down.kernel.h for the CPU.
 #define UMBRAGE_KERNEL gaussian_down
 #define UMBRAGE_KERNEL_TEXT "effects/gaussian/gaussian_down.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS GaussianConstants

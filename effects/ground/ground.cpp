@@ -28,7 +28,7 @@ void fill_constants(const GroundParams& params, const PictureInfo& info, GroundC
 Effect effect_ground() {
   return shading_effect<fill_constants>(
       kTable, {.name = "ground",
-               .summary = "makes the ground under a model a shadow catcher: only the shadow on it is visible",
+               .summary = "make the ground under a model a shadow catcher: only the shadow on it is visible",
                .source = "",
                .dispatches = {{.inputs = {"open_light", "indirect.r", "indirect.g", "indirect.b", "depth", "object_id",
                                           "lit.r", "lit.g", "lit.b"},

@@ -1,4 +1,4 @@
-// Names the kernel text ground.kernel.h for the CPU.
+// Compiles ground.kernel.h for the CPU.
 #define UMBRAGE_KERNEL ground
 #define UMBRAGE_KERNEL_TEXT "effects/ground/ground.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS GroundConstants

@@ -20,7 +20,7 @@ const std::vector<Parameter> kTable = {
     real_row("angle_bias", &HbaoParams::angle_bias, {.initial = 10, .max = 89, .unit = "deg"},
              "elevation above the tangent plane below which nothing occludes"),
     bool_row("attenuation", &HbaoParams::attenuation, true, "weight occluders by 1 - r^2, with distances r in radii"),
-    real_row("strength", &HbaoParams::strength, {.initial = 1, .max = 10}, "factor of the occlusion"),
+    real_row("strength", &HbaoParams::strength, {.initial = 1, .max = 10}, "factor for the occlusion"),
 };
 
 // With one tap, that tap may be the whole horizon: up to two quanta.

@@ -1,4 +1,4 @@
-// Names the kernel text hbao.kernel.h for the CPU.
+// Compiles hbao.kernel.h for the CPU.
 #define UMBRAGE_KERNEL hbao
 #define UMBRAGE_KERNEL_TEXT "effects/hbao/hbao.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS HbaoConstants

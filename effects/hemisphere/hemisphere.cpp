@@ -38,15 +38,14 @@ const std::vector<Parameter> kTable = {
     choice_row(
         "distribution", &HemisphereParams::distribution, 0, {"even", "paper"},
         "lengths of the sample points: uniform in their logarithm, or random directions with the paper's lengths"),
-    int_row("seed", &HemisphereParams::seed, {.max = 1e6}, "another number gives other sample points and other noise"),
+    int_row("seed", &HemisphereParams::seed, {.max = 1e6}, "seed of the sample points and of the noise"),
     int_row("noise", &HemisphereParams::noise,
             {.initial = 4, .max = 64, .unit = "px", .zero_means = "as large as the picture"},
             "side of the noise tile that rotates the sample points; 1: none"),
-    choice_row(
-        "range", &HemisphereParams::range, kHemisphereRangeSmoothstep,
-        {"none", "constant", "linear", "quadratic", "smoothstep"},
-        "maximum difference in depth of an occluder: unlimited, a limit that is constant or falls with the depth or "
-        "with its square, or fading beyond the limit"),
+    choice_row("range", &HemisphereParams::range, kHemisphereRangeSmoothstep,
+               {"none", "constant", "linear", "quadratic", "smoothstep"},
+               "max difference in depth of an occluder: unlimited, a limit that is constant or falls with the depth or "
+               "with its square, or fading beyond the limit"),
     choice_row("range_depth", &HemisphereParams::range_depth, 0, {"view", "window"},
                "depth to which the range applies: distance along the view axis, or window depth in [0, 1]"),
     real_row("range_factor", &HemisphereParams::range_factor, {.initial = 1, .max = 100},
@@ -58,17 +57,16 @@ const std::vector<Parameter> kTable = {
     real_row("bias", &HemisphereParams::bias, {.initial = 0.02, .max = 1},
              "occluders that rise less than this fraction of the radius (above the surface, or in front of the sample: "
              "see bias_of) do not count"),
-    choice_row(
-        "bias_of", &HemisphereParams::bias_of, 0, {"surface", "depth"},
-        "what an occluder must rise above: the surface's plane, which keeps planes unoccluded, or only the sample's "
-        "depth, as in the paper"),
+    choice_row("bias_of", &HemisphereParams::bias_of, 0, {"surface", "depth"},
+               "reference of the bias: the surface's plane, which keeps planes unoccluded, or the sample's depth, as "
+               "in the paper"),
     real_row("weight", &HemisphereParams::weight, {.initial = 1.5, .max = 10},
              "how much one occluder adds to the occlusion"),
     choice_row("border", &HemisphereParams::border, 0, {"skip", "clamp"},
-               "sample outside the picture: not counted, or moved to the nearest pixel"),
+               "samples outside the picture: not counted, or moved to the nearest pixel"),
     bool_row("occlusion", &HemisphereParams::occlusion, true, "write occlusion; off: visibility is 1 everywhere"),
     real_row("bleeding", &HemisphereParams::bleeding, {.max = 100, .zero_means = "off"},
-             "factor of the light that occluders reflect"),
+             "factor for the indirect light from occluders"),
     choice_row(
         "area", &HemisphereParams::area, 0, {"measured", "equal", "paper"},
         "surface area that an occluding sample represents: measured from the samples' density, an equal fraction of "
@@ -76,14 +74,14 @@ const std::vector<Parameter> kTable = {
     real_row("fragment_area", &HemisphereParams::fragment_area, {.initial = 0.05, .max = 100},
              "area paper: size of a fragment, in squares of the radius"),
     real_row("floor", &HemisphereParams::floor, {.initial = 0.02, .max = 0.5},
-             "fraction of the radius: length of the shortest sample of distribution even, and minimum distance of an "
+             "fraction of the radius: length of the shortest sample of distribution even, and min distance of an "
              "emitter of area equal and paper"),
     int_row("layers", &HemisphereParams::layers, {.max = kLayersRead, .zero_means = "all"},
             "number of captured depth layers in which occluders are searched"),
     real_row("ambient_bounce", &HemisphereParams::ambient_bounce, {.initial = 1, .max = 10},
-             "factor of the ambient light that surfaces reflect"),
+             "factor for the ambient light that surfaces reflect"),
     int_row("bounces", &HemisphereParams::bounces, {.initial = 1, .min = 1, .max = 16},
-            "number of reflections: 1, or more, each of the light that arrived in the one before"),
+            "number of bounces; each reflects the indirect light of the one before"),
     bool_row("tangents", &HemisphereParams::tangents, false,
              "also write the plane `tangent`: the direction to which each pixel's points are turned about the normal"),
 };

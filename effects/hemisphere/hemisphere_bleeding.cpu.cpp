@@ -1,4 +1,4 @@
-// Names the kernel text hemisphere_bleeding.kernel.h for the CPU.
+// Compiles hemisphere_bleeding.kernel.h for the CPU.
 #define UMBRAGE_KERNEL hemisphere_bleeding
 #define UMBRAGE_KERNEL_TEXT "effects/hemisphere/hemisphere_bleeding.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS HemisphereConstants

@@ -1,4 +1,4 @@
-// Names the kernel text hemisphere_occlusion.kernel.h for the CPU.
+// Compiles hemisphere_occlusion.kernel.h for the CPU.
 #define UMBRAGE_KERNEL hemisphere_occlusion
 #define UMBRAGE_KERNEL_TEXT "effects/hemisphere/hemisphere_occlusion.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS HemisphereConstants

@@ -1,4 +1,4 @@
-// Names the kernel text hemisphere_sent.kernel.h for the CPU.
+// Compiles hemisphere_sent.kernel.h for the CPU.
 #define UMBRAGE_KERNEL hemisphere_sent
 #define UMBRAGE_KERNEL_TEXT "effects/hemisphere/hemisphere_sent.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS HemisphereConstants

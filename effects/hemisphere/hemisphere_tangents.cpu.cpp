@@ -1,4 +1,4 @@
-// Names the kernel text hemisphere_tangents.kernel.h for the CPU.
+// Compiles hemisphere_tangents.kernel.h for the CPU.
 #define UMBRAGE_KERNEL hemisphere_tangents
 #define UMBRAGE_KERNEL_TEXT "effects/hemisphere/hemisphere_tangents.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS HemisphereConstants

@@ -14,7 +14,7 @@ void fill_constants(const ParameterBytes&, const PictureInfo& info, void* out) {
 
 Effect effect_hide_ground() {
   return {.name = "hide_ground",
-          .summary = "removes the shadow-catching ground under a model from depth and ids",
+          .summary = "remove the shadow-catching ground under a model from depth and ids",
           .constants_size = sizeof(HideGroundConstants),
           .constants = fill_constants,
           .dispatches = {{.name = "hide_ground",

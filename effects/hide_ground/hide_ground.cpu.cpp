@@ -1,4 +1,4 @@
-// Names the kernel text hide_ground.kernel.h for the CPU.
+// Compiles hide_ground.kernel.h for the CPU.
 #define UMBRAGE_KERNEL hide_ground
 #define UMBRAGE_KERNEL_TEXT "effects/hide_ground/hide_ground.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS HideGroundConstants

@@ -13,12 +13,12 @@ namespace {
 constexpr double kMaxFactor = 100.0;
 
 const std::vector<Parameter> kTable = {
-    real_row("ambient", &LightingParams::ambient, {.initial = 1, .max = kMaxFactor}, "factor on ambient light"),
+    real_row("ambient", &LightingParams::ambient, {.initial = 1, .max = kMaxFactor}, "factor for ambient light"),
     real_row("diffuse", &LightingParams::diffuse, {.initial = 1, .max = kMaxFactor},
-             "factor on diffuse reflection of the lights"),
-    real_row("specular", &LightingParams::specular, {.initial = 1, .max = kMaxFactor}, "factor on highlights"),
+             "factor for diffuse reflection of the lights"),
+    real_row("specular", &LightingParams::specular, {.initial = 1, .max = kMaxFactor}, "factor for highlights"),
     real_row("emission", &LightingParams::emission, {.initial = 1, .max = kMaxFactor},
-             "factor on the emission of surfaces"),
+             "factor for the emission of surfaces"),
     real_row("shadow", &LightingParams::shadow, {.initial = 1, .max = 1}, "strength of shadows"),
     choice_row(
         "material", &LightingParams::material, 0, {"scene", "clay", "display"},

@@ -1,4 +1,4 @@
-// Names the kernel text lighting.kernel.h for the CPU.
+// Compiles lighting.kernel.h for the CPU.
 #define UMBRAGE_KERNEL lighting
 #define UMBRAGE_KERNEL_TEXT "effects/lighting/lighting.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS LightingConstants

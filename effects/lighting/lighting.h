@@ -7,7 +7,7 @@ const int kLightingShape = 9;
 // Each field has one row in the parameter table of lighting.cpp.
 struct LightingParams {
   float ambient, diffuse, specular;  // factors
-  float emission;                    // factor on emission
+  float emission;                    // factor for emission
   float shadow;                      // strength of shadows, 0 to 1
   int material;                      // 0 the scene's, 1 white clay, 2 the scene's with albedo as display values
   int open;                          // 0 or 1: also write `open_light`

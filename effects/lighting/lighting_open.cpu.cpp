@@ -1,4 +1,4 @@
-// Names the kernel text lighting_open.kernel.h for the CPU.
+// Compiles lighting_open.kernel.h for the CPU.
 #define UMBRAGE_KERNEL lighting_open
 #define UMBRAGE_KERNEL_TEXT "effects/lighting/lighting_open.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS LightingConstants

@@ -1,4 +1,4 @@
-// Names the kernel text normals.kernel.h for the CPU.
+// Compiles normals.kernel.h for the CPU.
 #define UMBRAGE_KERNEL normals
 #define UMBRAGE_KERNEL_TEXT "effects/normals/normals.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS NormalsConstants

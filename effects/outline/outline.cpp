@@ -32,7 +32,7 @@ const std::vector<Parameter> kTable = {
     real_row("b", &OutlineParams::b, {.max = 1}, "blue of the line, likewise"),
     real_row("opacity", &OutlineParams::opacity, {.initial = 1, .max = 1}, "opacity of the line"),
     real_row("depth", &OutlineParams::depth, {.initial = 3, .min = 0.5, .max = 1000, .unit = "px"},
-             "robust: a surface that is this many pixel sizes behind its neighbour's plane is another one"),
+             "robust: a surface that is this many pixel sizes behind its neighbour's plane is a different surface"),
     real_row("crease", &OutlineParams::crease_deg, {.initial = 30, .min = 1, .max = 180, .unit = "deg"},
              "robust: faces that meet at this angle or more have an edge"),
     bool_row("convex", &OutlineParams::convex, true, "robust: draw convex edges, such as a box's"),

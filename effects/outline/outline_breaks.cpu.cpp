@@ -1,4 +1,4 @@
-// Names the kernel text outline_breaks.kernel.h for the CPU.
+// Compiles outline_breaks.kernel.h for the CPU.
 #define UMBRAGE_KERNEL outline_breaks
 #define UMBRAGE_KERNEL_TEXT "effects/outline/outline_breaks.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS OutlineConstants

@@ -1,4 +1,4 @@
-// Names the kernel text outline_color.kernel.h for the CPU.
+// Compiles outline_color.kernel.h for the CPU.
 #define UMBRAGE_KERNEL outline_color
 #define UMBRAGE_KERNEL_TEXT "effects/outline/outline_color.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS OutlineConstants

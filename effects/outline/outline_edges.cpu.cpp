@@ -1,4 +1,4 @@
-// Names the kernel text outline_edges.kernel.h for the CPU.
+// Compiles outline_edges.kernel.h for the CPU.
 #define UMBRAGE_KERNEL outline_edges
 #define UMBRAGE_KERNEL_TEXT "effects/outline/outline_edges.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS OutlineConstants

@@ -1,4 +1,4 @@
-// Names the kernel text outline_paper.kernel.h for the CPU.
+// Compiles outline_paper.kernel.h for the CPU.
 #define UMBRAGE_KERNEL outline_paper
 #define UMBRAGE_KERNEL_TEXT "effects/outline/outline_paper.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS OutlineConstants

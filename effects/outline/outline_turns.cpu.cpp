@@ -1,4 +1,4 @@
-// Names the kernel text outline_turns.kernel.h for the CPU.
+// Compiles outline_turns.kernel.h for the CPU.
 #define UMBRAGE_KERNEL outline_turns
 #define UMBRAGE_KERNEL_TEXT "effects/outline/outline_turns.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS OutlineConstants

@@ -14,10 +14,9 @@ constexpr double kMaxStops = 20.0;
 const std::vector<Parameter> kTable = {
     real_row("exposure", &OutputParams::exposure, {.min = -kMaxStops, .max = kMaxStops, .unit = "stops"},
              "brightness, in stops: 1 doubles the light"),
-    choice_row(
-        "metering", &OutputParams::metering, 0, {"none", "picture", "light"},
-        "automatic exposure, added to `exposure`: none, by how bright the picture's surfaces are, or by how bright "
-        "the light of `hdri_file` is"),
+    choice_row("metering", &OutputParams::metering, 0, {"none", "picture", "light"},
+               "automatic exposure, added to `exposure`: none, by the brightness of the picture's surfaces, or by the "
+               "brightness of the light of `hdri_file`"),
     real_row("shoulder", &OutputParams::shoulder, {.initial = 1, .max = 1},
              "light above this value is compressed, so that nothing exceeds white; 1: off"),
     choice_row("transfer", &OutputParams::transfer, 0, {"srgb", "none"},

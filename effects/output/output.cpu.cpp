@@ -1,4 +1,4 @@
-// Names the kernel text output.kernel.h for the CPU.
+// Compiles output.kernel.h for the CPU.
 #define UMBRAGE_KERNEL output
 #define UMBRAGE_KERNEL_TEXT "effects/output/output.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS OutputConstants

@@ -57,8 +57,8 @@ const std::vector<Parameter> kTable = {
         "bias", &SphereParams::bias, {.initial = 0.02, .max = 1},
         "shape hemisphere: occluders that rise less than this fraction of the radius above the surface do not count"),
     choice_row("border", &SphereParams::border, 0, {"clamp", "skip"},
-               "sample outside the picture: moved to the nearest pixel, or not counted"),
-    real_row("strength", &SphereParams::strength, {.initial = 1, .max = 10}, "factor of the occlusion"),
+               "samples outside the picture: moved to the nearest pixel, or not counted"),
+    real_row("strength", &SphereParams::strength, {.initial = 1, .max = 10}, "factor for the occlusion"),
 };
 
 // Flipping one sample changes `ao` by 25/64 at the listing's threshold; with a single sample by two quanta.

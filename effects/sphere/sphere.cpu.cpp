@@ -1,4 +1,4 @@
-// Names the kernel text sphere.kernel.h for the CPU.
+// Compiles sphere.kernel.h for the CPU.
 #define UMBRAGE_KERNEL sphere
 #define UMBRAGE_KERNEL_TEXT "effects/sphere/sphere.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS SphereConstants

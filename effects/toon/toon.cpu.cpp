@@ -1,4 +1,4 @@
-// Names the kernel text toon.kernel.h for the CPU.
+// Compiles toon.kernel.h for the CPU.
 #define UMBRAGE_KERNEL toon
 #define UMBRAGE_KERNEL_TEXT "effects/toon/toon.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS ToonConstants

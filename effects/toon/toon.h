@@ -15,8 +15,8 @@ struct ToonParams {
   int rig;                             // 0 the scene's lights, 1 a head light, 2 a key light
   float shadow;                        // 0 to 1: how much of the key light's shadow is applied
   float softness;                      // width of the edge between tone steps, in steps
-  float specular;                      // factor on highlights
-  float highlight_size;                // factor on a highlight's diameter
+  float specular;                      // factor for highlights
+  float highlight_size;                // factor for a highlight's diameter
   float shadow_r, shadow_g, shadow_b;  // the darkest tone step
   float light_r, light_g, light_b;     // the brightest tone step, and highlights
   int albedo;                          // kToonTexture, kToonDisplay, kToonClay

@@ -1,4 +1,4 @@
-// Names the kernel text toon_light.kernel.h for the CPU.
+// Compiles toon_light.kernel.h for the CPU.
 #define UMBRAGE_KERNEL toon_light
 #define UMBRAGE_KERNEL_TEXT "effects/toon/toon_light.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS ToonConstants

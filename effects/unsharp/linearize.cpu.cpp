@@ -1,4 +1,4 @@
-// Names the kernel text linearize.kernel.h for the CPU.
+// Compiles linearize.kernel.h for the CPU.
 #define UMBRAGE_KERNEL linearize
 #define UMBRAGE_KERNEL_TEXT "effects/unsharp/linearize.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS UnsharpConstants

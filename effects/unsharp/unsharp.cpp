@@ -35,7 +35,7 @@ const std::vector<Parameter> kTable = {
     real_row("threshold", &UnsharpParams::threshold, {.initial = 0.02, .max = 1, .zero_means = "none"},
              "samples whose linearised depth differs by this much or more do not count"),
     choice_row("border", &UnsharpParams::border, 0, {"skip", "zero", "clamp", "repeat"},
-               "sample outside the picture: skipped, window depth 0, the nearest pixel, or the picture repeated"),
+               "samples outside the picture: skipped, window depth 0, the nearest pixel, or the picture repeated"),
     real_row("strength", &UnsharpParams::strength, {.initial = 20, .max = 1000},
              "factor from a difference of linearised depth to a difference of brightness"),
     choice_row("linearization", &UnsharpParams::linearization, 0, {"linear", "listing", "extent"},

@@ -1,4 +1,4 @@
-// Names the kernel text unsharp.kernel.h for the CPU.
+// Compiles unsharp.kernel.h for the CPU.
 #define UMBRAGE_KERNEL unsharp
 #define UMBRAGE_KERNEL_TEXT "effects/unsharp/unsharp.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS UnsharpConstants

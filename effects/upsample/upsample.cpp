@@ -47,7 +47,7 @@ void set_reduction(const Reduction& reduction, ParameterBytes& bytes) {
 Effect effect_upsample() {
   return shading_effect<fill_constants>(
       kTable, {.name = "upsample",
-               .summary = "brings occlusion and reflected light from reduced to full resolution, along surfaces",
+               .summary = "upsample occlusion and reflected light to full resolution, along surfaces",
                .source = "Kopf et al. 2007",
                .set_reduction = set_reduction,
                .variants = {"", "factor=4", "indirect=on"},

@@ -1,4 +1,4 @@
-// Names the kernel text upsample_ao.kernel.h for Vulkan.
+// Compiles upsample_ao.kernel.h for Vulkan.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel/glsl.h"

@@ -1,4 +1,4 @@
-// Names the kernel text upsample_ao.kernel.h for the CPU.
+// Compiles upsample_ao.kernel.h for the CPU.
 #define UMBRAGE_KERNEL upsample_ao
 #define UMBRAGE_KERNEL_TEXT "effects/upsample/upsample_ao.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS UpsampleConstants

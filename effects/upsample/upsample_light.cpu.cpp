@@ -1,4 +1,4 @@
-// Names the kernel text upsample_light.kernel.h for the CPU.
+// Compiles upsample_light.kernel.h for the CPU.
 #define UMBRAGE_KERNEL upsample_light
 #define UMBRAGE_KERNEL_TEXT "effects/upsample/upsample_light.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS UpsampleConstants

@@ -77,7 +77,9 @@ class Setter {
     if (!calls_.fine()) return;
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) {
-      calls_.outcome = {int(UMB_ERROR_USAGE), "'" + text + "' is not a setting: it takes effect.parameter=value", {}};
+      calls_.outcome = {int(UMB_ERROR_USAGE),
+                        "'" + text + "' is not a setting: write effect.parameter=value, such as unsharp.kernel=40",
+                        {}};
       return;
     }
     (*this)(text.substr(0, equals).c_str(), text.substr(equals + 1));
@@ -340,7 +342,7 @@ inline Outcome shade(const ShadeRequest& request, Picture& picture) {
   };
   if (request.width < 1 || request.height < 1)
     refuse("`width` and `height` cannot be " + std::to_string(request.width) + " and " +
-           std::to_string(request.height) + ": they must be above 0");
+           std::to_string(request.height) + ": they take integers above 0");
   for (const PixelArray& array : request.arrays) {
     const auto same = [&](const PixelArray& other) { return other.name == array.name; };
     if (array.values && array.ids) refuse("the array '" + array.name + "' has both values and ids");

@@ -297,7 +297,7 @@ typedef struct UmbParameter {
   const char* choices; /* values of a "choice", separated by spaces; or "" */
   double min, max;     /* range of a number; both 0: no range */
 } UmbParameter;
-/* Returns the number of channels of an input or output pass; 0: no effect reads or makes a pass of that name. */
+/* Returns the number of channels of an input or output pass; 0: no effect reads or writes a pass of that name. */
 UMB_API int umbGetPassChannels(const char* pass);
 
 /* Returns a parameter of "render", "shade", "scene" or an effect. If `size` is smaller than the library's, as with an

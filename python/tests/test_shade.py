@@ -100,7 +100,7 @@ class Inputs(unittest.TestCase):
                         np.testing.assert_array_equal(shade(carrier(array)).picture, expected)
         for dtype in ("int8", "int16", "int32", "int64", "uint32", "uint64"):
             for carrier in (OnlyDlpack, OnlyInterface, OnlyBuffer):
-                with self.assertRaisesRegex(umbrage.UsageError, f"`depth` cannot be of {dtype}: it takes float32"):
+                with self.assertRaisesRegex(umbrage.UsageError, f"`depth` has the dtype {dtype}: it takes float32"):
                     shade(carrier(self.depth.astype(dtype)))
 
     def test_nothing_is_copied_that_fits(self) -> None:
@@ -227,11 +227,11 @@ class Mistakes(unittest.TestCase):
         self.refused("int64", d.astype(np.int64))
         self.refused("object", np.array([[None]]))
         self.refused("takes an array", "depth")
-        self.refused("cannot be of", [["depth"]])
+        self.refused("has the dtype", [["depth"]])
         self.refused("CPU", OnAGpu(d))
         self.refused("`depth` cannot be read as an array", NeedsGradient())
         self.refused("ids have 32 bits", d, object_id=np.full((32, 48), 2**40))
-        self.refused("whole numbers", d, object_id=np.full((32, 48), "a"))
+        self.refused("ids are integers", d, object_id=np.full((32, 48), "a"))
         self.refused("two images", d, images={"depth": d})
         self.refused("normal", d, images={"normals": d})
         self.refused("layer1|layer2", d, images={"layer2.depth": d})
@@ -242,7 +242,7 @@ class Mistakes(unittest.TestCase):
         read_only.flags.writeable = False
         self.refused("written", d, out=read_only)
         self.refused("share memory", d, out=np.lib.stride_tricks.as_strided(np.zeros(9999, np.uint8), (32, 48, 4), (48, 1, 1)))
-        self.refused("cannot be of float64", d, out=np.zeros((32, 48, 4)))
+        self.refused("has the dtype float64", d, out=np.zeros((32, 48, 4)))
         self.refused("takes an array", d, out=[[1]])
         self.refused("pixels", d, out=np.zeros((32, 47, 4), np.uint8))
         self.refused("channels", d, out=np.zeros((32, 48, 2), np.uint8))

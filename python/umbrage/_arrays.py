@@ -31,7 +31,7 @@ def as_array(values: Any, name: str, what: str = "an array") -> NDArray[Any]:
         return values
     where = getattr(values, "__dlpack_device__", None)
     if where is not None and not isinstance(values, np.ndarray) and int(where()[0]) not in (1, 3):  # CPU, pinned
-        raise UsageError(f"`{name}` is in the memory of another device: move it to the CPU first, such as by x.cpu()")
+        raise UsageError(f"`{name}` is in the memory of another device: move it to the CPU first, for example with x.cpu()")
     mask = getattr(values, "mask", None)
     if mask is not None and hasattr(values, "filled"):  # a masked array: masked pixels have no surface
         values = values.filled(np.inf if values.dtype.kind == "f" else 0)
@@ -72,19 +72,19 @@ def image_array(values: Any, name: str, shape: Optional[Tuple[int, int]] = None)
     if channels != 1 and name.rsplit(".", 1)[-1] in _ONE_CHANNEL:
         raise UsageError(f"`{name}` has the shape {array.shape}: it has one channel, (height, width)")
     if channels > 4 and array.shape[0] in (1, 3, 4):
-        raise UsageError(f"`{name}` has the shape {array.shape}, channels first: convert it by numpy.moveaxis(x, 0, -1)")
+        raise UsageError(f"`{name}` has the shape {array.shape}, channels first: convert it with numpy.moveaxis(x, 0, -1)")
     kind = array.dtype.kind
     if is_id(name):
         array = _ids(array, name)
     elif array.dtype.name == "uint32" or (kind in "iu" and array.dtype.name not in _TYPES):
         raise UsageError(
-            f"`{name}` cannot be of {array.dtype.name}: it takes float32, float16, uint8 or uint16, such as by "
+            f"`{name}` has the dtype {array.dtype.name}: it takes float32, float16, uint8 or uint16, for example "
             "x.astype('float32')"
         )
     elif kind == "b" or (kind == "f" and array.dtype.itemsize not in (2, 4)):
         array = array.astype(np.float32)
     elif kind not in "fu":
-        raise UsageError(f"`{name}` cannot be of {array.dtype.name}: it takes float32, float16, uint8 or uint16")
+        raise UsageError(f"`{name}` has the dtype {array.dtype.name}: it takes float32, float16, uint8 or uint16")
     return array if _is_usable(array) else np.array(array, dtype=array.dtype.newbyteorder("="), order="C")
 
 
@@ -97,7 +97,7 @@ def texture_array(values: Any, name: str) -> NDArray[Any]:
         values = values.convert("RGBA" if has_alpha else "RGB")
     array = as_array(values, name)
     if array.dtype != np.uint8:
-        raise UsageError(f"`{name}` cannot be of {array.dtype.name}: it takes uint8, from 0 to 255")
+        raise UsageError(f"`{name}` has the dtype {array.dtype.name}: it takes uint8, from 0 to 255")
     if array.ndim == 2 or (array.ndim == 3 and array.shape[2] == 1):
         array = np.repeat(array.reshape(array.shape[:2] + (1,)), 3, axis=2)
     if array.ndim != 3 or array.shape[2] not in (3, 4):
@@ -117,7 +117,7 @@ def _ids(array: NDArray[Any], name: str) -> NDArray[Any]:
     if kind == "b":
         return array.view(np.uint8)
     if kind not in "iu":
-        raise UsageError(f"`{name}` cannot be of {array.dtype.name}: ids are whole numbers")
+        raise UsageError(f"`{name}` has the dtype {array.dtype.name}: ids are integers")
     if kind == "u" and size <= 4:
         return array
     if kind == "i" and size == 4 and array.dtype.isnative:
@@ -135,9 +135,9 @@ def output_array(values: Any, name: str) -> NDArray[Any]:
     if array.ndim not in (2, 3):
         raise UsageError(f"the output `{name}` has the shape {array.shape}: it takes (height, width, channels)")
     if array.dtype.name not in _TYPES:
-        raise UsageError(f"the output `{name}` cannot be of {array.dtype.name}: it takes {', '.join(_TYPES)}")
+        raise UsageError(f"the output `{name}` has the dtype {array.dtype.name}: it takes {', '.join(_TYPES)}")
     if not array.flags.writeable:
-        raise UsageError(f"the output `{name}` is read-only: it takes memory that can be written")
+        raise UsageError(f"the output `{name}` is read-only: it takes an array that can be written")
     if array.size and not _is_usable(array):
         raise UsageError(
             f"the output `{name}` has pixels that share memory, or bytes in another order: it takes an array of its own"

@@ -60,10 +60,10 @@ def meshes_of(thing: Any) -> Iterator[Mesh]:
         yield _tensor_mesh(thing)
     elif _has(thing, "point", "to_legacy"):  # open3d.t.geometry: PointCloud, LineSet
         if _has(thing, "line"):
-            raise UsageError(f"a {kind} has lines and no surface")
+            raise UsageError(f"a {kind} has lines but no surface")
         yield _with_colors(thing.point, {"vertices": _numbers(thing.point["positions"], "points")})
     elif _has(thing, "entities"):  # trimesh.path.Path3D
-        raise UsageError(f"a {kind} has lines and no surface")
+        raise UsageError(f"a {kind} has lines but no surface")
     elif _has(thing, "vertices", "faces"):  # trimesh.Trimesh; its `triangles` are positions of corners
         yield from _trimesh(thing)
     elif _has(thing, "vertices", "triangles"):  # open3d.geometry.TriangleMesh
@@ -234,7 +234,7 @@ def _polydata(surface: Any) -> Mesh:
         surface = surface.triangulate()
     faces = np.asarray(surface.faces)
     if faces.size == 0 and np.size(getattr(surface, "lines", ())):
-        raise UsageError(f"a {type(surface).__name__} of lines has no surface: give `tube()` of it")
+        raise UsageError(f"a {type(surface).__name__} has lines but no surface: pass the result of its `tube()`")
     points = surface.points
     made: Mesh = {"vertices": points, "colors": _vtk_colors(surface, "point_data", len(points))}
     if faces.size == 0:

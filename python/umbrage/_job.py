@@ -202,7 +202,7 @@ class Job:
         given = native.mapping(vars(camera) if isinstance(camera, Camera) else camera, "camera", "a Camera or a dict")
         for name in given:
             if name not in Camera.__dataclass_fields__:
-                raise UsageError(f"a camera has no '{name}'{suggestion(name, Camera.__dataclass_fields__)}")
+                raise UsageError(f"a camera has no parameter '{name}'{suggestion(name, Camera.__dataclass_fields__)}")
         for name in Camera.__dataclass_fields__:
             self._set("camera." + name, given.pop(name, None))
 

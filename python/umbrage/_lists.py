@@ -92,7 +92,7 @@ class Parameter(NamedTuple):
     @property
     def values(self) -> str:
         """The accepted values, in words."""
-        words = {"int": "a whole number", "length": "a number, or a relative length such as '5%'", "bool": "True or False"}
+        words = {"int": "an integer", "length": "a number, or a relative length such as '5%'", "bool": "True or False"}
         several = {"float3": "three numbers", "float4": "four numbers", "float9": "nine numbers"}
         return {**words, **several, "string": "a string", "choice": "a string"}.get(self.type, "a number")
 
@@ -111,7 +111,7 @@ def parameters(owner: str) -> Dict[str, Parameter]:
     native.lib.umbGetError(None)  # discards the error of the last call
     if not rows and owner not in effects():
         owners = ("render", "shade", "scene", *effects())
-        raise UsageError(f"nothing named '{owner}' has parameters{suggestion(owner, owners)}")
+        raise UsageError(f"'{owner}' has no parameters{suggestion(owner, owners)}")
     return rows
 
 

@@ -120,7 +120,7 @@ def _check_radii(radii: NDArray[Any], has_faces: bool) -> None:
         raise UsageError("`radii` is for point clouds: the mesh has faces")
     wrong = np.nonzero(~((radii > 0) & np.isfinite(radii)).ravel())[0]
     if len(wrong):
-        raise UsageError(f"`radii` holds {radii[wrong[0], 0]:g}, in row {wrong[0]}: a radius must be above 0, and finite")
+        raise UsageError(f"`radii` holds {radii[wrong[0], 0]:g}, in row {wrong[0]}: it takes finite numbers above 0")
 
 
 def _material(value: Any, name: str) -> NDArray[Any]:
@@ -129,7 +129,7 @@ def _material(value: Any, name: str) -> NDArray[Any]:
 
     numbers = _floats(value, name, 3 if name in ("albedo", "emission") else 1)
     if not ((numbers >= 0) & np.isfinite(numbers)).all():
-        raise UsageError(f"`{name}` cannot be {shown(value)}: it must be 0 or more, and finite")
+        raise UsageError(f"`{name}` cannot be {shown(value)}: it takes a finite number, 0 or more")
     return numbers
 
 
@@ -160,7 +160,7 @@ def _rows(
         raise UsageError(f"`{name}` has the shape {array.shape}: it takes {wanted}")
     if dtype is not None:
         if array.dtype.kind not in "fiu":
-            raise UsageError(f"`{name}` cannot be of {array.dtype.name}: it takes numbers")
+            raise UsageError(f"`{name}` has the dtype {array.dtype.name}: it takes numbers")
         array = array.astype(dtype, copy=False)
     is_row_packed = array.shape[1] == 1 or array.strides[1] == array.dtype.itemsize
     if array.dtype.isnative and is_row_packed and (array.strides[0] != 0 or len(array) < 2):
@@ -174,7 +174,7 @@ def _triangles(faces: Any, vertex_count: int) -> NDArray[Any]:
 
     array = as_array(faces, "faces")
     if array.size and array.dtype.kind not in "iu":
-        raise UsageError(f"`faces` cannot be of {array.dtype.name}: it takes whole numbers")
+        raise UsageError(f"`faces` has the dtype {array.dtype.name}: it takes integers")
     if array.ndim == 1 and array.size:
         array = _padded_faces(array)
     if array.ndim != 2 or array.shape[1] < 3:
@@ -205,7 +205,7 @@ def _padded_faces(array: NDArray[Any]) -> NDArray[Any]:
     while at < len(numbers):
         face = numbers[at + 1 : at + 1 + int(numbers[at])]
         if len(face) < 3:
-            raise UsageError(f"`faces` holds a face of {len(face)} vertices, at {at}")
+            raise UsageError(f"`faces` holds a face of {len(face)} vertices, at index {at}: at least 3 are required")
         triangles += [[face[0], face[k], face[k + 1]] for k in range(1, len(face) - 1)]
         at += 1 + len(face)
     return np.array(triangles)
@@ -220,7 +220,7 @@ def _colors(colors: Any, count: int) -> NDArray[Any]:
         array = np.broadcast_to(array, (count, array.size))
     if array.dtype.name not in ("uint8", "uint16"):
         if array.dtype.kind != "f":
-            raise UsageError(f"`colors` cannot be of {array.dtype.name}: it takes floats from 0 to 1, uint8 or uint16")
+            raise UsageError(f"`colors` has the dtype {array.dtype.name}: it takes floats from 0 to 1, uint8 or uint16")
         array = array.astype(np.float32, copy=False)
         if not np.isfinite(array).all():
             raise UsageError("`colors` holds a number that is not finite")

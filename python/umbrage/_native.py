@@ -162,7 +162,7 @@ def _opened() -> ctypes.CDLL:
         if not _VERSIONS[0] <= version < _VERSIONS[1]:
             raise ImportError(
                 f"the library '{where}' has version {version_text(version)}: this package needs "
-                f"{version_text(_VERSIONS[0])} or later, below {version_text(_VERSIONS[1])}"
+                f"{version_text(_VERSIONS[0])} or later, but below {version_text(_VERSIONS[1])}"
             )
         later = tuple(row for row in _LATER_FUNCTIONS if hasattr(library, row[0]))
         for name, result, *arguments in _FUNCTIONS + later:
@@ -277,7 +277,7 @@ def check_process() -> None:
     """Checks the process. Errors: DeviceError in a process that was forked from one that had used Umbrage."""
     if _forked:
         raise DeviceError(
-            "this process was forked from one that had used Umbrage, whose threads it lacks: start processes with "
+            "this process was forked from one that had used Umbrage, and lacks its threads: start processes with "
             'multiprocessing.get_context("spawn")'
         )
 
@@ -297,7 +297,7 @@ def int32(number: Any, name: str) -> int:
             raise TypeError
         whole = number.__index__()
     except (AttributeError, TypeError):
-        raise UsageError(f"`{name}` takes a whole number, not {shown(number)}") from None
+        raise UsageError(f"`{name}` takes an integer, not {shown(number)}") from None
     return max(-(2**31), min(2**31 - 1, int(whole)))
 
 

@@ -80,7 +80,7 @@ class Picture:
         if name == "color" and self._color is not None:
             return self._color
         if name not in self.passes:
-            raise KeyError(f"no pass '{name}' was made{suggestion(str(name), self.keys())}")
+            raise KeyError(f"there is no pass '{name}'{suggestion(str(name), self.keys())}")
         return self.passes[name]
 
     def __contains__(self, name: object) -> bool:

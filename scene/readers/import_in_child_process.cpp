@@ -137,9 +137,8 @@ Result<T> read_in_child_process(const fs::path& file, const std::vector<std::str
                                 std::optional<Result<T>> (*receive)(int), Poll* poll) {
   const fs::path program = import_program();
   if (program.empty())
-    return file_error(
-        "'{}' cannot be read, since the program {} is missing; install it, or set UMBRAGE_IMPORT to its path",
-        file.string(), kProgram);
+    return file_error("'{}' cannot be read: the program {} is missing; install it, or set UMBRAGE_IMPORT to its path",
+                      file.string(), kProgram);
   Descriptor result = moved_to_free_number(::memfd_create("umbrage-scene", MFD_CLOEXEC));
   int ends[2] = {-1, -1};
   Descriptor reported, done;
@@ -157,8 +156,8 @@ Result<T> read_in_child_process(const fs::path& file, const std::vector<std::str
                                       {kImportDone, done.number}}};
   pid_t child = 0;
   if (const int failed = start_child(reader, child))
-    return file_error("'{}' cannot be read, since the program '{}' does not start ({})", file.string(),
-                      program.string(), std::strerror(failed));
+    return file_error("'{}' cannot be read: the program '{}' does not start ({})", file.string(), program.string(),
+                      std::strerror(failed));
   done.close();  // only the child's end is open now, so that its end closes the pipe
   const ssize_t got = wait_for_byte(reported.number, poll);
   if (poll && poll->ended()) {

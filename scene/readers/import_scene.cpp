@@ -64,20 +64,19 @@ std::string import_format(const fs::path& file) {
 std::optional<Error> check_model_file(const fs::path& file, const std::string& format) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
-  if (status.type() == fs::file_type::not_found) return file_error("'{}': there is no such file", file.string());
-  if (error) return file_error("'{}' cannot be read ({})", file.string(), error.message());
+  if (status.type() == fs::file_type::not_found) return file_error("'{}' does not exist", file.string());
+  if (error) return file_error("'{}' cannot be read: {}", file.string(), error.message());
   if (status.type() == fs::file_type::directory) {
-    return file_error("'{}' is a folder, where a model file is needed", file.string());
+    return file_error("'{}' is a folder, not a model file", file.string());
   }
   const auto& formats = import_formats();
   if (std::find(formats.begin(), formats.end(), format) == formats.end()) {
-    return file_error("'{}' is not a supported model file; it should end in one of {}", file.string(),
-                      list_of_formats());
+    return file_error("'{}' is not a supported model file; it must end in one of {}", file.string(), list_of_formats());
   }
   if (status.type() != fs::file_type::regular) return file_error("'{}' is not a regular file", file.string());
   if (fs::file_size(file, error) == 0 && !error) return file_error("'{}' is empty", file.string());
   if (!std::ifstream(file, std::ios::binary)) {
-    return file_error("'{}' cannot be opened for reading (permission?)", file.string());
+    return file_error("'{}' cannot be opened: check its permissions", file.string());
   }
   return std::nullopt;
 }

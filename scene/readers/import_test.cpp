@@ -642,7 +642,7 @@ TEST_F(Import, ReadsEmbeddedTextures) {
 }
 
 TEST_F(Import, BadFilesGiveOneSentence) {
-  expect_error(folder / "none.obj", "no such file");
+  expect_error(folder / "none.obj", "does not exist");
   expect_error(folder, "folder");
   fs::create_directories(folder / "f.obj");
   expect_error(folder / "f.obj", "folder");

@@ -33,7 +33,7 @@ Result<ImageHeader> check_header(std::span<const std::uint8_t> bytes, const std:
   ImageHeader header;
   int channels = 0;
   if (!stbi_info_from_memory(bytes.data(), int(bytes.size()), &header.width, &header.height, &channels)) {
-    return file_error("'{}' is no image of a known format (PNG, JPEG, TGA, BMP, GIF, PSD, HDR, PNM)", name);
+    return file_error("'{}' is not an image of a known format (PNG, JPEG, TGA, BMP, GIF, PSD, HDR, PNM)", name);
   }
   if (std::int64_t(header.width) * header.height > max) {
     return file_error("'{}' has {} x {} pixels in its header; at most {} can be read", name, header.width,

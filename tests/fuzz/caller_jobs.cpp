@@ -244,7 +244,7 @@ void Caller::read_outputs(UmbJob handle) {
           sum += std::uint64_t(*(static_cast<const std::byte*>(image.data) + y * image.row_stride +
                                  x * image.pixel_stride + c * image.channel_stride));
   }
-  demand(count > 0, "an execution has made no output");
+  demand(count > 0, "an execution produced no output");
   const std::size_t strokes = umbGetJobStrokeCount(handle);
   for (std::size_t k = 0; k < strokes; ++k) {
     UmbStroke stroke{};
