@@ -68,7 +68,7 @@ class Errors(unittest.TestCase):
             ("1 to", {"vertices": CUBE[:0]}),
             ("mesh has 8", {"vertices": CUBE, "faces": face + 7}),
             ("mesh has 8", {"vertices": CUBE, "faces": face - 1}),
-            ("whole", {"vertices": CUBE, "faces": face.astype(float)}),
+            ("integers", {"vertices": CUBE, "faces": face.astype(float)}),
             ("shape", {"vertices": CUBE, "faces": face[:, :2]}),
             ("empty", {"vertices": CUBE, "faces": face[:0]}),
             ("face of 2", {"vertices": CUBE, "faces": np.array([2, 0, 1, 3, 0, 1, 2])}),
@@ -77,7 +77,7 @@ class Errors(unittest.TestCase):
             ("finite", {"vertices": CUBE, "faces": face, "colors": nan}),
             ("instances", {"vertices": CUBE, "faces": face, "instances": np.eye(3)}),
             ("albedo", {"vertices": CUBE, "faces": face, "albedo": (1, 2)}),
-            ("radius", {"vertices": CUBE, "radii": np.zeros(8)}),
+            ("radii", {"vertices": CUBE, "radii": np.zeros(8)}),
             ("needs", {"faces": face}),
         ):
             with self.subTest(text), self.assertRaisesRegex(umbrage.UsageError, text):
