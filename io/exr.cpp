@@ -67,9 +67,9 @@ constexpr std::string_view kDepth = "depth", kDepthEnding = ".Z";
 constexpr std::string_view kSmallLetters = "rgbaxyz", kCapitals = "RGBAXYZ";
 
 /// Returns the requested number of threads, 0 being all, but at most the number of the machine.
-int thread_count(int wish) {
+int thread_count(int requested) {
   const int max = tbb::info::default_concurrency();
-  return wish > 0 ? std::min(wish, max) : max;
+  return requested > 0 ? std::min(requested, max) : max;
 }
 
 /// Returns the last letter if a dot precedes it, else 0.
@@ -548,7 +548,7 @@ Result<void> check_headers(const fs::path& file, std::FILE* stream, std::int64_t
     std::fseek(stream, value, SEEK_SET);
     if (is_huge(stream, name, type))
       return file_error(
-          "'{}' has windows or tiles in its header that are larger than {} pixels a side, the maximum that can "
+          "'{}' has windows or tiles in its header that are larger than {} pixels per side, the maximum that can "
           "be read",
           file.string(), kMaxSide);
     if (std::fseek(stream, value + long(bytes), SEEK_SET) != 0) return damaged;

@@ -21,7 +21,7 @@ inline constexpr std::int64_t kMaxSide = 65536, kMaxPixels = std::int64_t(1) << 
 Result<void> check_size(const std::filesystem::path& file, std::int64_t width, std::int64_t height);
 
 /// Returns the file's extension in lower case without the dot, such as "png"; empty if there is none.
-std::string ending_of(const std::filesystem::path& file);
+std::string lowercase_extension(const std::filesystem::path& file);
 
 /// Returns the planes of a picture: color.r, color.g, color.b and, with `with_alpha` and if present, color.a; or the
 /// only plane. Errors: kFile for an image without pixels, and for one that has neither the colour planes nor a single

@@ -72,7 +72,7 @@ std::span<const ImageFormat> image_formats() {
   return table;
 }
 
-std::string ending_of(const fs::path& file) {
+std::string lowercase_extension(const fs::path& file) {
   std::string ending = file.extension().string();
   if (!ending.empty()) ending.erase(0, 1);
   for (char& c : ending)
@@ -81,7 +81,7 @@ std::string ending_of(const fs::path& file) {
 }
 
 Result<const ImageFormat*> format_of(const fs::path& file) {
-  const std::string ending = ending_of(file);
+  const std::string ending = lowercase_extension(file);
   std::vector<std::string> endings, dotted;
   for (const ImageFormat& format : image_formats()) {
     if (format.extension == ending) return &format;

@@ -189,7 +189,7 @@ TEST_F(ImageFile, ExrHeadersOfHugeWindowsAreRefusedBeforeTheLibrarySeesThem) {
     (data ? header.dataWindow() : header.displayWindow()).max.x = 65536;
     header.channels().insert("Z", Imf::Channel(Imf::FLOAT));
     { const Imf::OutputFile empty(file.c_str(), header); }
-    expect_error(read_image(file), {"a.exr", "larger than 65536 pixels a side"});
+    expect_error(read_image(file), {"a.exr", "larger than 65536 pixels per side"});
   }
 }
 

@@ -152,7 +152,7 @@ Result<void> check_lines(const Lines& lines) {
 
 }  // namespace
 
-bool is_svg(const std::filesystem::path& file) { return ending_of(file) == "svg"; }
+bool is_svg(const std::filesystem::path& file) { return lowercase_extension(file) == "svg"; }
 
 Result<std::string> svg_text(const Lines& lines, const SvgStyle& style) {
   if (auto fine = check_lines(lines); !fine) return fine.error();

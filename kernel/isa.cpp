@@ -39,12 +39,12 @@ struct Machine {
     for (const Isa& isa : kIsas)
       if (isa.target == HWY_SCALAR || (targets & isa.target)) usable.push_back(isa.name);
     bound = usable.front();
-    const char* wish = std::getenv("UMBRAGE_ISA");
-    if (!wish || *wish == '\0') return;
-    if (const auto wished = std::find(usable.begin(), usable.end(), wish); wished != usable.end())
-      bound = *wished;
+    const char* requested = std::getenv("UMBRAGE_ISA");
+    if (!requested || *requested == '\0') return;
+    if (const auto usable_isa = std::find(usable.begin(), usable.end(), requested); usable_isa != usable.end())
+      bound = *usable_isa;
     else
-      wrong = wish;
+      wrong = requested;
   }
 };
 

@@ -42,7 +42,7 @@ Result<std::vector<Entry>> entries(int list) {
       return all;
     case UMB_LIST_OCCLUSIONS:
       for (const std::string_view name : occlusion_names(external_effects())) {
-        const Effect* effect = find_named<Effect>(every_effect(), name);
+        const Effect* effect = find_named<Effect>(effects_with_external(), name);
         all.push_back({std::string(name), effect ? std::string(effect->summary) : "no occlusion"});
       }
       return all;
@@ -122,7 +122,7 @@ Result<std::vector<UmbParameter>> parameters_of(const std::string& owner) {
       if (is_parameter(row, owner)) all.push_back(parameter_of(row));
     return all;
   }
-  const Effect* effect = find_named<Effect>(every_effect(), owner);
+  const Effect* effect = find_named<Effect>(effects_with_external(), owner);
   if (!effect) return usage_error("'{}' has no parameters: it takes render, shade, scene or an effect", owner);
   for (const Parameter& row : effect->parameters) all.push_back(parameter_of(*effect, row));
   return all;

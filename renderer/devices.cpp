@@ -13,12 +13,12 @@ namespace {
 
 /// Returns how a Vulkan device captures, from UMBRAGE_VULKAN_CAPTURE; by default the device decides.
 Result<VulkanCapture> vulkan_capture() {
-  const char* wish = std::getenv("UMBRAGE_VULKAN_CAPTURE");
-  if (!wish || *wish == '\0') return VulkanCapture::kAuto;
-  if (wish == std::string_view("cpu")) return VulkanCapture::kCpu;
-  if (wish == std::string_view("rays")) return VulkanCapture::kRays;
-  if (wish == std::string_view("raster") || wish == std::string_view("gpu")) return VulkanCapture::kRaster;
-  return usage_error("UMBRAGE_VULKAN_CAPTURE cannot be '{}': it takes raster, rays, gpu or cpu", wish);
+  const char* requested = std::getenv("UMBRAGE_VULKAN_CAPTURE");
+  if (!requested || *requested == '\0') return VulkanCapture::kAuto;
+  if (requested == std::string_view("cpu")) return VulkanCapture::kCpu;
+  if (requested == std::string_view("rays")) return VulkanCapture::kRays;
+  if (requested == std::string_view("raster") || requested == std::string_view("gpu")) return VulkanCapture::kRaster;
+  return usage_error("UMBRAGE_VULKAN_CAPTURE cannot be '{}': it takes raster, rays, gpu or cpu", requested);
 }
 
 }  // namespace

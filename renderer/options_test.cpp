@@ -108,8 +108,8 @@ TEST(Options, MessagesAreSaidInOtherWords) {
 TEST(Options, WhatIsQuotedIsSaidAsItIs) {
   const auto dashed = [](const Option& o) { return "--" + std::string(o.option); };
   const auto stays = [&](const std::string& quoted, const std::string& before, const std::string& after) {
-    const std::string said = with_fields_renamed(before + quoted + after + "`width`", dashed);
-    EXPECT_EQ(said, before + quoted + after + "--resolution");
+    const std::string renamed = with_fields_renamed(before + quoted + after + "`width`", dashed);
+    EXPECT_EQ(renamed, before + quoted + after + "--resolution");
   };
   for (const char* quoted : {"'`width`.obj'", "'a `width` b'", "'it's `width`'", "'`'", "''"}) {
     stays(quoted, "", " is empty: ");

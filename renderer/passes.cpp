@@ -73,7 +73,7 @@ const std::vector<std::string>& known_planes() {
       for (const char* channel : {".r", ".g", ".b"}) names.insert(std::string(color) + channel);
     for (const char* channel : {".x", ".y", ".z"}) names.insert(std::string("normal") + channel);
     for (int light = 0; light < kMaxShadows; ++light) names.insert(shadow_plane(light));
-    for (const Effect* effect : every_effect())
+    for (const Effect* effect : effects_with_external())
       for (const Dispatch& dispatch : effect->dispatches)
         for (const auto& planes : {dispatch.inputs, dispatch.outputs})
           for (const std::string_view plane : planes) names.emplace(name_on_first_layer(plane));

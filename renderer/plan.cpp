@@ -72,8 +72,8 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
 /// metering there, unless the request sets `metering`.
 void meter_indoors(const Scene& scene, Plan& plan) {
   if (!plan.recipe.hdri.lights() || !is_inside_scene(plan.camera, scene)) return;
-  for (const Setting& said : plan.recipe.said)
-    if (said.effect->exposed_by && said.parameter->name == "metering") return;
+  for (const Setting& given : plan.recipe.set_by_request)
+    if (given.effect->exposed_by && given.parameter->name == "metering") return;
   auto& output = as<OutputParams>(params_of(plan.recipe.settings, "output"));
   if (output.metering == kMeteringLight) output.metering = kMeteringPicture;
 }
@@ -109,7 +109,7 @@ float sky_gain(const Plan& plan) {
 
 /// Returns the noise parameter of the technique, or null.
 const Parameter* noise_of(const Recipe& recipe) {
-  const Effect* technique = find_named<Effect>(every_effect(), recipe.occlusion);
+  const Effect* technique = find_named<Effect>(effects_with_external(), recipe.occlusion);
   return technique && !technique->noise.empty() ? find_parameter(*technique, technique->noise) : nullptr;
 }
 

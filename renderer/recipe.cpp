@@ -58,7 +58,7 @@ Result<void> apply_settings(const std::vector<std::string>& assignments, Recipe&
       return usage_error("`settings` '{}': {}.{} follows from `occlusion_scale`", assignment, effect.name, row.name);
     if (auto done = set_parameter(effect.name, row, setting->value, params_of(recipe.settings, effect.name)); !done)
       return done;
-    recipe.said.push_back({&effect, &row, {}});
+    recipe.set_by_request.push_back({&effect, &row, {}});
   }
   return {};
 }
@@ -172,7 +172,7 @@ int shadows_read(const Recipe& recipe, std::span<const Effect* const> steps) {
   return wanted;
 }
 
-std::vector<const Effect*> every_effect() { return all_effects(external_effects()); }
+std::vector<const Effect*> effects_with_external() { return all_effects(external_effects()); }
 
 bool by_scene_lights(const Effect& effect, const EffectSettings& settings) {
   const Parameter* rig = find_parameter(effect, "rig");
@@ -241,7 +241,7 @@ Result<CaptureSettings> capture_settings(const Request& request, const Look& loo
   const auto layers = layer_count(settings);
   if (!layers) return layers.error();
   if (width * height * *layers > max_pixels)
-    return usage_error("{} of {} x {} pixels {} too many: at most {} pixels in total",
+    return usage_error("{} of {} x {} pixels {} too large: at most {} pixels in total",
                        *layers == 1 ? "one layer" : fmt::format("{} layers", *layers), width, height,
                        *layers == 1 ? "is" : "are", max_pixels);
   return settings;
@@ -312,11 +312,11 @@ Result<void> apply_variant(EffectSettings& settings, const Effect& effect, std::
 
 void apply_radius(float radius, const PictureInfo& info, Recipe& recipe) {
   const EffectSettings before = recipe.settings;
-  for (const Effect* effect : every_effect())
+  for (const Effect* effect : effects_with_external())
     if (effect->set_radius) effect->set_radius(radius, info, params_of(recipe.settings, effect->name));
-  for (const Setting& said : recipe.said)
-    copy_parameter(*said.parameter, params_of(before, said.effect->name),
-                   params_of(recipe.settings, said.effect->name));
+  for (const Setting& given : recipe.set_by_request)
+    copy_parameter(*given.parameter, params_of(before, given.effect->name),
+                   params_of(recipe.settings, given.effect->name));
 }
 
 }  // namespace umbrage

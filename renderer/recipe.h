@@ -32,7 +32,7 @@ struct Recipe {
   int frames = 1;                        ///< number of averaged pictures
   EffectSettings settings;               ///< all settings of the request are applied; `radius` is not
   /// The parameters that the request sets, without values. They take precedence over derived values.
-  std::vector<Setting> said;
+  std::vector<Setting> set_by_request;
   std::optional<Length> radius;  ///< radius of occlusion; empty: as in the settings
   Framing framing;
   std::optional<int> camera_index;  ///< for use_camera
@@ -55,7 +55,7 @@ struct Recipe {
 std::span<const Effect* const> external_effects();
 
 /// Returns all effects and the techniques of external_effects.
-std::vector<const Effect*> every_effect();
+std::vector<const Effect*> effects_with_external();
 
 /// Resolves a request. Errors: kUsage, also for more than `max_pixels` pixels in all layers, guard band included.
 Result<Recipe> make_recipe(const Request& request, long max_pixels = kMaxPixels);

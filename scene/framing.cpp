@@ -27,8 +27,8 @@ bool is_direction(const glm::vec3& v) {
   return length > 0.0f && std::isfinite(length);
 }
 
-glm::vec3 unit_or(const std::optional<glm::vec3>& wish, const glm::vec3& otherwise) {
-  if (wish && is_direction(*wish)) return glm::normalize(*wish);
+glm::vec3 unit_or(const std::optional<glm::vec3>& requested, const glm::vec3& otherwise) {
+  if (requested && is_direction(*requested)) return glm::normalize(*requested);
   return is_direction(otherwise) ? glm::normalize(otherwise) : glm::vec3(0.0f, 1.0f, 0.0f);
 }
 

@@ -21,26 +21,27 @@
 namespace umbrage {
 namespace {
 
-constexpr int kNeighbors = 12;           // enough for a plane through noise, few enough to stay on one side of a wall
+constexpr int kNeighbors = 12;  // enough to fit a plane to noisy points; few enough to lie on one side of a wall
 constexpr float kMaxCoordinate = 1e15f;  // as for triangles (scene/finish.cpp)
 constexpr float kMinNormalLength = 1e-12f;
-// In units of the spacing: the maximum half width of a hole that is closed, and the maximum radius of a disc. A few
-// pinholes look better than oversized discs.
-constexpr double kMaxHoleWidth = 2.5, kMaxDisc = 1.5;
+// In units of the spacing: the max half width of a hole that discs close, and the max radius of a disc. A few pinholes
+// look better than oversized discs.
+constexpr double kMaxHoleHalfWidth = 2.5, kMaxDiscRadius = 1.5;
 // At the border of a surface, with no neighbours beyond it: the radius of a disc, in units of the mean distance of the
 // kBorderNeighbors nearest neighbours.
 constexpr double kBorderRadius = 0.75;
 constexpr int kBorderNeighbors = 3;
-constexpr float kSlack = 1.05f;        // factor for discs: those of a curved surface are tilted against each other
+constexpr float kSlack = 1.05f;  // factor for radii of discs: neighbours on a curved surface are tilted and leave gaps
 constexpr float kSphereRadius = 0.5f;  // in units of the spacing: spheres on a grid touch
-// An isolated point has no neighbour to derive its size from: discs are limited to this ratio to the kMax quantile.
+// The radius of an isolated point's disc would be too large, because its neighbours are far away. Max ratio of a disc's
+// radius to the kRadiusQuantile quantile of all radii.
 constexpr float kMaxRatioToQuantile = 3.0f;
-constexpr double kMax = 0.9;
-// Points lie on surfaces if the median fraction of the neighbours' variance along the normal is at most this. It is 1/3
-// for a cloud, 0 for a plane.
+constexpr double kRadiusQuantile = 0.9;
+// Along the normal, neighbours have a fraction of their total variance: 0 on a plane, 1/3 in a cloud. Points lie on
+// surfaces if the median of this fraction is at most kFlat.
 constexpr float kFlat = 0.06f;
 
-struct Placed {
+struct IndexedPoint {
   glm::vec3 position;
   std::uint32_t index;
 };
@@ -54,10 +55,12 @@ bool usable(float radius) { return radius > 0.0f && radius <= kMaxCoordinate; }
 /// Orders points as a balanced k-d tree: the middle of each range splits it along the axis of its largest extent.
 struct Tree {
   static constexpr std::size_t kLeaf = 12;  // ranges up to this size are searched linearly
-  std::vector<Placed> points;
+  std::vector<IndexedPoint> points;
   std::vector<std::uint8_t> axes;  // split axis of each range's middle
 
-  explicit Tree(std::vector<Placed> all) : points(std::move(all)), axes(points.size()) { divide(0, points.size()); }
+  explicit Tree(std::vector<IndexedPoint> all) : points(std::move(all)), axes(points.size()) {
+    divide(0, points.size());
+  }
 
   void divide(std::size_t begin, std::size_t end) {
     if (end - begin <= kLeaf) return;
@@ -70,7 +73,7 @@ struct Tree {
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const std::size_t middle = begin + (end - begin) / 2;
     const auto at = [&](std::size_t i) { return points.begin() + std::ptrdiff_t(i); };
-    std::nth_element(at(begin), at(middle), at(end), [axis](const Placed& a, const Placed& b) {
+    std::nth_element(at(begin), at(middle), at(end), [axis](const IndexedPoint& a, const IndexedPoint& b) {
       return a.position[axis] != b.position[axis] ? a.position[axis] < b.position[axis] : a.index < b.index;
     });
     axes[middle] = std::uint8_t(axis);
@@ -92,13 +95,15 @@ struct Nearest {
   std::array<float, kNeighbors> squares{};
   std::array<std::uint32_t, kNeighbors> places{};
 
-  float worst() const { return count < kNeighbors ? std::numeric_limits<float>::infinity() : squares[kNeighbors - 1]; }
+  float max_square() const {
+    return count < kNeighbors ? std::numeric_limits<float>::infinity() : squares[kNeighbors - 1];
+  }
 
-  void look_at(const glm::vec3* positions, std::uint32_t place) {
+  void consider(const glm::vec3* positions, std::uint32_t place) {
     if (place == self) return;
     const glm::vec3 away = positions[place] - from;
     const float square = glm::dot(away, away);
-    if (!(square < worst())) return;
+    if (!(square < max_square())) return;
     int k = count < kNeighbors ? count++ : kNeighbors - 1;
     for (; k > 0 && squares[std::size_t(k) - 1] > square; --k) {
       squares[std::size_t(k)] = squares[std::size_t(k) - 1];
@@ -110,71 +115,71 @@ struct Nearest {
 
   void search(const glm::vec3* positions, const std::vector<std::uint8_t>& axes, std::size_t begin, std::size_t end) {
     if (end - begin <= Tree::kLeaf) {
-      for (std::size_t i = begin; i < end; ++i) look_at(positions, std::uint32_t(i));
+      for (std::size_t i = begin; i < end; ++i) consider(positions, std::uint32_t(i));
       return;
     }
     const std::size_t middle = begin + (end - begin) / 2;
     const float beyond = from[axes[middle]] - positions[middle][axes[middle]];
     const bool first = beyond < 0.0f;
     search(positions, axes, first ? begin : middle + 1, first ? middle : end);
-    look_at(positions, std::uint32_t(middle));
-    if (beyond * beyond < worst()) search(positions, axes, first ? middle + 1 : begin, first ? end : middle);
+    consider(positions, std::uint32_t(middle));
+    if (beyond * beyond < max_square()) search(positions, axes, first ? middle + 1 : begin, first ? end : middle);
   }
 };
 
-/// The direction of the smallest variance of a symmetric matrix, and its fraction of the total.
+/// The direction of the smallest variance of points, and the fraction of the total variance in this direction.
 struct SmallestVariance {
   glm::vec3 direction{0.0f, 1.0f, 0.0f};
   float fraction = 0.0f;
 };
 
-/// Computes the eigenvalues in closed form [Smith 1961].
+/// Analyses a covariance matrix. Computes its eigenvalues in closed form [Smith 1961].
 SmallestVariance smallest_variance_of(const glm::dmat3& m) {
-  SmallestVariance thinnest;
+  SmallestVariance smallest;
   const double mean = (m[0][0] + m[1][1] + m[2][2]) / 3.0;
-  if (!(mean > 0.0) || !std::isfinite(mean)) return thinnest;
+  if (!(mean > 0.0) || !std::isfinite(mean)) return smallest;
   const glm::dmat3 deviation = m / mean - glm::dmat3(1.0);
   double squares = 0.0;
   for (int i = 0; i < 3; ++i) squares += glm::dot(deviation[i], deviation[i]);
   const double spread = std::sqrt(squares / 6.0);
   if (!(spread > 0.0)) {
-    thinnest.fraction = 1.0f / 3.0f;
-    return thinnest;
+    smallest.fraction = 1.0f / 3.0f;
+    return smallest;
   }
   const double cosine = std::clamp(glm::determinant(deviation) / (2.0 * spread * spread * spread), -1.0, 1.0);
   const double angle = std::acos(cosine) / 3.0;
   const double min = 2.0 * spread * std::cos(angle + 2.0 * std::numbers::pi / 3.0);
-  thinnest.fraction = float(std::max(0.0, (1.0 + min) / 3.0));
-  // The eigenvector is perpendicular to the rows of the matrix without the smallest eigenvalue: take the
-  // best-conditioned cross product of two rows.
-  const glm::dmat3 left = deviation - glm::dmat3(min);
+  smallest.fraction = float(std::max(0.0, (1.0 + min) / 3.0));
+  // The eigenvector is perpendicular to all rows of the matrix minus the smallest eigenvalue times identity: take the
+  // cross product of those two rows for which it is longest.
+  const glm::dmat3 shifted = deviation - glm::dmat3(min);
   glm::dvec3 best(0.0);
   for (const auto& [i, j] : {std::pair(0, 1), std::pair(1, 2), std::pair(2, 0)}) {
-    const glm::dvec3 across = glm::cross(left[i], left[j]);
+    const glm::dvec3 across = glm::cross(shifted[i], shifted[j]);
     if (glm::dot(across, across) > glm::dot(best, best)) best = across;
   }
   if (glm::dot(best, best) > 1e-20) {
-    thinnest.direction = glm::vec3(glm::normalize(best));
-    return thinnest;
+    smallest.direction = glm::vec3(glm::normalize(best));
+    return smallest;
   }
-  // The points lie on a line: any perpendicular direction.
-  glm::dvec3 along = left[0];
+  // The points lie on a line: every direction perpendicular to it is valid, so choose one.
+  glm::dvec3 along = shifted[0];
   for (int i = 1; i < 3; ++i)
-    if (glm::dot(left[i], left[i]) > glm::dot(along, along)) along = left[i];
+    if (glm::dot(shifted[i], shifted[i]) > glm::dot(along, along)) along = shifted[i];
   const glm::dvec3 other = std::abs(along.x) < std::abs(along.y) ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 across = glm::cross(along, other);
-  if (glm::dot(across, across) > 0.0) thinnest.direction = glm::vec3(glm::normalize(across));
-  return thinnest;
+  if (glm::dot(across, across) > 0.0) smallest.direction = glm::vec3(glm::normalize(across));
+  return smallest;
 }
 
-float nth_of(std::vector<float> values, double fraction) {
+float quantile_of(std::vector<float> values, double fraction) {
   const auto at = values.begin() + std::ptrdiff_t(fraction * double(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
 
 template <class T>
-void reorder(std::vector<T>& values, const std::vector<Placed>& order) {
+void reorder(std::vector<T>& values, const std::vector<IndexedPoint>& order) {
   if (values.empty()) return;
   std::vector<T> ordered(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) ordered[i] = values[order[i].index];
@@ -183,9 +188,9 @@ void reorder(std::vector<T>& values, const std::vector<Placed>& order) {
 
 using Offsets = std::array<glm::dvec3, kNeighbors>;
 
-/// Returns the smallest radius of a disc that covers the point's Voronoi cell in its plane, so that the discs of all
-/// points leave no hole. The cell is clipped from a square, one neighbour after the other. `spacing` is the mean
-/// distance of neighbours.
+/// Returns the radius of the smallest disc that covers the point's Voronoi cell in the plane perpendicular to `normal`.
+/// Such discs of all points leave no hole. The cell is what remains of a square when each neighbour has cut off the
+/// part that is closer to that neighbour. `spacing` is the mean distance of neighbours.
 double covering_radius(const Offsets& offsets, int count, const glm::dvec3& normal, double spacing) {
   const glm::dvec3 other = std::abs(normal.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 right = glm::normalize(glm::cross(normal, other)), up = glm::cross(normal, right);
@@ -194,7 +199,7 @@ double covering_radius(const Offsets& offsets, int count, const glm::dvec3& norm
   };
   constexpr int kMaxCorners = 4 + kNeighbors;
   std::array<Corner, kMaxCorners> cell, cut;
-  const double side = kMaxHoleWidth * spacing;
+  const double side = kMaxHoleHalfWidth * spacing;
   cell[0] = {-side, -side}, cell[1] = {side, -side}, cell[2] = {side, side}, cell[3] = {-side, side};
   int corners = 4;
   for (int k = 0; k < count; ++k) {
@@ -214,22 +219,22 @@ double covering_radius(const Offsets& offsets, int count, const glm::dvec3& norm
     std::swap(cell, cut);
     corners = kept;
   }
-  double rim = 0.0;
-  for (int k = 0; k < std::min(count, kBorderNeighbors); ++k) rim += glm::length(offsets[std::size_t(k)]);
-  rim *= kBorderRadius / std::min(count, kBorderNeighbors);
-  double furthest = 0.0;
+  double border_radius = 0.0;
+  for (int k = 0; k < std::min(count, kBorderNeighbors); ++k) border_radius += glm::length(offsets[std::size_t(k)]);
+  border_radius *= kBorderRadius / std::min(count, kBorderNeighbors);
+  double radius = 0.0;
   for (int i = 0; i < corners; ++i) {
     const Corner& c = cell[std::size_t(i)];
-    // A side of the square remains: there is no neighbour in that direction.
+    // This corner is on a side of the square: no neighbour in that direction has cut it off.
     const bool open = std::max(std::abs(c.x), std::abs(c.y)) >= side * (1.0 - 1e-9);
-    furthest = std::max(furthest, open ? rim : std::hypot(c.x, c.y));
+    radius = std::max(radius, open ? border_radius : std::hypot(c.x, c.y));
   }
-  return std::min(furthest, kMaxDisc * spacing);
+  return std::min(radius, kMaxDiscRadius * spacing);
 }
 
-/// Estimates from each point's neighbours.
+/// Properties of each point, estimated from its neighbours.
 struct NeighborEstimates {
-  std::vector<float> spacing;  ///< mean distance of neighbours on a surface
+  std::vector<float> spacing;  ///< mean distance of neighbours, for points on a surface
   std::vector<float> cover;    ///< see covering_radius
   std::vector<SmallestVariance> planes;
   int count = 0;
@@ -237,10 +242,10 @@ struct NeighborEstimates {
 
 NeighborEstimates neighbor_estimates_of(const Mesh& mesh) {
   const std::size_t size = mesh.positions.size();
-  NeighborEstimates around{std::vector<float>(size), std::vector<float>(size), std::vector<SmallestVariance>(size),
-                           int(std::min<std::size_t>(kNeighbors, size - 1))};
-  if (around.count == 0) return around;
-  std::vector<Placed> placed(size);
+  NeighborEstimates estimates{std::vector<float>(size), std::vector<float>(size), std::vector<SmallestVariance>(size),
+                              int(std::min<std::size_t>(kNeighbors, size - 1))};
+  if (estimates.count == 0) return estimates;
+  std::vector<IndexedPoint> placed(size);
   for (std::size_t i = 0; i < size; ++i) placed[i] = {mesh.positions[i], std::uint32_t(i)};
   const Tree tree(std::move(placed));
   std::vector<glm::vec3> positions(size);
@@ -250,10 +255,11 @@ NeighborEstimates neighbor_estimates_of(const Mesh& mesh) {
       Nearest nearest{.from = positions[i], .self = std::uint32_t(i)};
       nearest.search(positions.data(), tree.axes, 0, size);
       const std::size_t out = tree.points[i].index;
-      // The disc that reaches to the farthest of n neighbours has the area of n points.
+      // The disc around a point whose radius is the distance of the farthest of n neighbours has n times the area of
+      // the surface per point.
       const double reach = std::sqrt(double(nearest.squares[std::size_t(nearest.count) - 1]));
       const double spacing = reach * std::sqrt(std::numbers::pi / nearest.count);
-      around.spacing[out] = float(spacing);
+      estimates.spacing[out] = float(spacing);
       glm::dvec3 sum(0.0);
       Offsets offsets;
       for (int k = 0; k < nearest.count; ++k) {
@@ -266,31 +272,31 @@ NeighborEstimates neighbor_estimates_of(const Mesh& mesh) {
         const glm::dvec3 away = offsets[std::size_t(k)] - middle;
         variance += glm::outerProduct(away, away);
       }
-      around.planes[out] = smallest_variance_of(variance);
+      estimates.planes[out] = smallest_variance_of(variance);
       const glm::vec3 own = mesh.normals.empty() ? glm::vec3(0.0f) : mesh.normals[out];
-      const glm::vec3 normal = own == glm::vec3(0.0f) ? around.planes[out].direction : own;
-      around.cover[out] = float(covering_radius(offsets, nearest.count, glm::dvec3(normal), spacing));
+      const glm::vec3 normal = own == glm::vec3(0.0f) ? estimates.planes[out].direction : own;
+      estimates.cover[out] = float(covering_radius(offsets, nearest.count, glm::dvec3(normal), spacing));
     }
   });
-  return around;
+  return estimates;
 }
 
 }  // namespace
 
 std::size_t clean_points(Mesh& mesh) {
   const std::size_t before = mesh.positions.size();
-  std::vector<Placed> order;
+  std::vector<IndexedPoint> order;
   order.reserve(before);
   for (std::size_t i = 0; i < before; ++i)
     if (usable(mesh.positions[i]) && (mesh.radii.empty() || usable(mesh.radii[i])))
       order.push_back({mesh.positions[i], std::uint32_t(i)});
   const std::size_t finite = order.size();
-  tbb::parallel_sort(order.begin(), order.end(), [](const Placed& a, const Placed& b) {
+  tbb::parallel_sort(order.begin(), order.end(), [](const IndexedPoint& a, const IndexedPoint& b) {
     return std::tie(a.position.x, a.position.y, a.position.z, a.index) <
            std::tie(b.position.x, b.position.y, b.position.z, b.index);
   });
   order.erase(std::unique(order.begin(), order.end(),
-                          [](const Placed& a, const Placed& b) { return a.position == b.position; }),
+                          [](const IndexedPoint& a, const IndexedPoint& b) { return a.position == b.position; }),
               order.end());
   order = Tree(std::move(order)).points;
   reorder(mesh.positions, order);
@@ -306,7 +312,7 @@ std::size_t clean_points(Mesh& mesh) {
 void shape_points(Mesh& mesh, const PointSettings& settings, float scene_radius) {
   const std::size_t size = mesh.positions.size();
   if (size == 0) return;
-  std::vector<std::size_t> lacking;
+  std::vector<std::size_t> without_normal;
   for (std::size_t i = 0; i < mesh.normals.size(); ++i) {
     const glm::dvec3 normal(mesh.normals[i]);
     const double length = glm::length(normal);
@@ -314,51 +320,51 @@ void shape_points(Mesh& mesh, const PointSettings& settings, float scene_radius)
       mesh.normals[i] = glm::vec3(normal / length);
     else {
       mesh.normals[i] = glm::vec3(0.0f);
-      lacking.push_back(i);
+      without_normal.push_back(i);
     }
   }
-  const bool has_normals = !mesh.normals.empty() && lacking.size() < size;
+  const bool has_normals = !mesh.normals.empty() && without_normal.size() < size;
   const bool given_radii = !mesh.radii.empty();
   const bool given_size = given_radii || settings.size.value > 0.0f;
-  const bool wants_planes = settings.shape != PointShape::kSpheres && (!has_normals || !lacking.empty());
-  NeighborEstimates around;
-  if (wants_planes || !given_size) around = neighbor_estimates_of(mesh);
+  const bool needs_planes = settings.shape != PointShape::kSpheres && (!has_normals || !without_normal.empty());
+  NeighborEstimates estimates;
+  if (needs_planes || !given_size) estimates = neighbor_estimates_of(mesh);
   mesh.spheres = settings.shape == PointShape::kSpheres;
   if (settings.shape == PointShape::kAuto && !has_normals) {
     std::vector<float> fractions(size);
-    std::transform(around.planes.begin(), around.planes.end(), fractions.begin(),
+    std::transform(estimates.planes.begin(), estimates.planes.end(), fractions.begin(),
                    [](const SmallestVariance& plane) { return plane.fraction; });
-    mesh.spheres = nth_of(std::move(fractions), 0.5) > kFlat;
+    mesh.spheres = quantile_of(std::move(fractions), 0.5) > kFlat;
   }
   if (mesh.spheres) {
     mesh.normals.clear();
   } else if (!has_normals) {
     mesh.normals.resize(size);
-    for (std::size_t i = 0; i < size; ++i) mesh.normals[i] = around.planes[i].direction;
+    for (std::size_t i = 0; i < size; ++i) mesh.normals[i] = estimates.planes[i].direction;
   } else {
-    for (const std::size_t i : lacking) mesh.normals[i] = around.planes[i].direction;
+    for (const std::size_t i : without_normal) mesh.normals[i] = estimates.planes[i].direction;
   }
 
   if (given_radii) return;
   if (given_size) {
-    const float across = absolute_length(settings.size, scene_radius);
-    mesh.radii.assign(size, 0.5f * across);
+    const float diameter = absolute_length(settings.size, scene_radius);
+    mesh.radii.assign(size, 0.5f * diameter);
     return;
   }
-  if (around.count == 0) {
+  if (estimates.count == 0) {
     mesh.radii.assign(size, scene_radius > 0.0f ? 0.01f * scene_radius : 1.0f);
     return;
   }
   if (mesh.spheres) {
-    // All of one size: the points of a cloud are marks, and may overlap where they are dense. The sphere that reaches
-    // to the farthest of n neighbours has the volume of n points.
-    const double reach = nth_of(around.spacing, 0.5) / std::sqrt(std::numbers::pi / around.count);
-    const double spacing = reach * std::cbrt(4.0 / 3.0 * std::numbers::pi / around.count);
+    // All spheres have one size, and may overlap where points are dense. The sphere around a point whose radius is the
+    // distance of the farthest of n neighbours has n times the volume per point.
+    const double reach = quantile_of(estimates.spacing, 0.5) / std::sqrt(std::numbers::pi / estimates.count);
+    const double spacing = reach * std::cbrt(4.0 / 3.0 * std::numbers::pi / estimates.count);
     mesh.radii.assign(size, float(kSphereRadius * spacing));
     return;
   }
-  mesh.radii = std::move(around.cover);
-  const float max = kMaxRatioToQuantile * nth_of(mesh.radii, kMax);
+  mesh.radii = std::move(estimates.cover);
+  const float max = kMaxRatioToQuantile * quantile_of(mesh.radii, kRadiusQuantile);
   for (float& radius : mesh.radii) radius = kSlack * std::min(radius, max);
 }
 

@@ -109,10 +109,10 @@ TEST_F(Isa, BenchmarksRun) {
 
 TEST_F(Isa, IsSaid) {
   for (const std::string_view isa : test::isas()) {
-    const std::string said = fmt::format("kernels {}, rays {},", isa, isa == "scalar" ? "sse2" : isa);
+    const std::string text = fmt::format("kernels {}, rays {},", isa, isa == "scalar" ? "sse2" : isa);
     const std::string set = fmt::format("UMBRAGE_ISA={}", isa);
-    EXPECT_NE(good("list devices", set).out.find(said), std::string::npos) << isa;
-    EXPECT_NE(run("tri.obj -o a.png --device cpu --verbose" + kSize, set).err.find(said), std::string::npos) << isa;
+    EXPECT_NE(good("list devices", set).out.find(text), std::string::npos) << isa;
+    EXPECT_NE(run("tri.obj -o a.png --device cpu --verbose" + kSize, set).err.find(text), std::string::npos) << isa;
   }
 }
 

@@ -5,7 +5,7 @@
 
 namespace umbrage::cli {
 
-void Seen::add(const Plane& depth, const Plane* ao) {
+void HintStatistics::add(const Plane& depth, const Plane* ao) {
   has_ao = ao != nullptr;
   constexpr float kVisible = 1.0f / 255.0f;  // one step of an 8-bit picture
   for (int y = 0; y < depth.height; ++y)
@@ -25,15 +25,15 @@ std::vector<std::string> hint_planes(const Recipe& recipe) {
 namespace {
 
 /// Returns a hint if the radius set by the user leaves hardly any occlusion; else an empty string.
-std::string radius_hint(const Recipe& recipe, const Seen& seen, float scene_radius) {
+std::string radius_hint(const Recipe& recipe, const HintStatistics& statistics, float scene_radius) {
   constexpr double kMinChangedFraction = 1e-3;     // fraction of the pixels that show a surface
   constexpr double kTooSmall = 0.5, kUsual = 5.0;  // percent of the bounding-sphere radius
   const auto& length = recipe.radius;
-  if (!length || recipe.occlusion == kNoOcclusion || !seen.has_ao) return "";
+  if (!length || recipe.occlusion == kNoOcclusion || !statistics.has_ao) return "";
   const double percent =
       length->relative ? double(length->value) : 100.0 * double(length->value) / double(scene_radius);
-  const double pixels = double(seen.surfaces), changed = double(seen.changed);
-  if (seen.surfaces == 0 || percent >= kTooSmall || changed > kMinChangedFraction * pixels) return "";
+  const double pixels = double(statistics.surfaces), changed = double(statistics.changed);
+  if (statistics.surfaces == 0 || percent >= kTooSmall || changed > kMinChangedFraction * pixels) return "";
   return fmt::format(
       "occlusion changes {:.2g} % of the model's pixels: its radius is {:.2g} % of the bounding-sphere radius; try "
       "--ao-radius {:g}%",
@@ -42,11 +42,11 @@ std::string radius_hint(const Recipe& recipe, const Seen& seen, float scene_radi
 
 }  // namespace
 
-void print_hints(const Recipe& recipe, const Seen& seen, const Scene& scene) {
-  if (seen.surfaces == 0)
+void print_hints(const Recipe& recipe, const HintStatistics& statistics, const Scene& scene) {
+  if (statistics.surfaces == 0)
     fmt::print(stderr, "umbrage: warning: nothing of {} is in view; move the camera or omit the camera options\n",
                scene.name);
-  if (const std::string hint = radius_hint(recipe, seen, scene.radius()); !hint.empty())
+  if (const std::string hint = radius_hint(recipe, statistics, scene.radius()); !hint.empty())
     fmt::print(stderr, "umbrage: warning: {}\n", hint);
 }
 

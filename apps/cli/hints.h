@@ -9,7 +9,7 @@
 namespace umbrage::cli {
 
 /// Statistics of a picture, for hints.
-struct Seen {
+struct HintStatistics {
   long surfaces = 0;  ///< pixels that show a surface
   bool has_ao = false;
   long changed = 0;  ///< surface pixels that occlusion changes visibly; 0 without `ao`
@@ -22,6 +22,6 @@ struct Seen {
 std::vector<std::string> hint_planes(const Recipe& recipe);
 
 /// Prints hints about a picture to standard error.
-void print_hints(const Recipe& recipe, const Seen& seen, const Scene& scene);
+void print_hints(const Recipe& recipe, const HintStatistics& statistics, const Scene& scene);
 
 }  // namespace umbrage::cli

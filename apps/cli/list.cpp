@@ -29,7 +29,7 @@ nlohmann::json list_looks() {
 
 nlohmann::json list_effects() {
   nlohmann::json records = nlohmann::json::array();
-  for (const Effect* effect : every_effect()) {
+  for (const Effect* effect : effects_with_external()) {
     records.push_back({{"name", effect->name}, {"summary", effect->summary}});
     const ParameterBytes initial = initial_parameters(effect->parameters, effect->params_size);
     for (const Parameter& row : effect->parameters)

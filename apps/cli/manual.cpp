@@ -37,7 +37,7 @@ Words effect_names() {
 /// Returns the words that complete --set: each parameter, with its values if it is a choice or a switch.
 Words parameter_names() {
   Words names;
-  for (const Effect* effect : every_effect())
+  for (const Effect* effect : effects_with_external())
     for (const Parameter& row : effect->parameters) {
       const std::string start = fmt::format("{}.{}=", effect->name, row.name);
       if (row.type == ParameterType::kChoice)
@@ -321,7 +321,7 @@ std::string man_of(const CLI::App& app, const std::vector<const CLI::App*>& comm
     out += ".SH " + upper("umbrage " + command->get_name()) + "\n" + roff(command->get_description()) + "\n" +
            man_options(*command);
   out += ".SH PARAMETERS\n" + roff("Parameters of --set, as effect.parameter=value.") + "\n";
-  for (const Effect* effect : every_effect()) {
+  for (const Effect* effect : effects_with_external()) {
     const ParameterBytes initial = initial_parameters(effect->parameters, effect->params_size);
     out += ".SS " + std::string(effect->name) + "\n" + roff(effect->summary) + "\n";
     for (const Parameter& row : effect->parameters)

@@ -17,8 +17,8 @@ Image picture_of_pass(const Image& frame, const std::vector<std::string>& names,
   Image out(frame.width, frame.height);
   constexpr std::array kChannels = {"color.r", "color.g", "color.b", "color.a"};
   // Min depth range, relative to the max depth. Avoids 0 / 0 for a scene that is one plane facing the camera.
-  constexpr float kThinnest = 1e-4f;
-  const float span = std::max(info.depth_max - info.depth_min, kThinnest * info.depth_max);
+  constexpr float kMinDepthRange = 1e-4f;
+  const float span = std::max(info.depth_max - info.depth_min, kMinDepthRange * info.depth_max);
   for (std::size_t k = 0; k < names.size(); ++k) {
     const Plane& in = frame.plane(names[k]);
     Plane& plane = out.add(names.size() == 1 ? names[0] : kChannels[std::min(k, kChannels.size() - 1)]);
@@ -56,9 +56,9 @@ Result<std::string> extension_of(const std::string& file) {
   return std::string((*format)->extension);
 }
 
-Result<void> put_rows(const Place& place, const ImageShape& shape, const WriteSettings& settings,
-                      const MakeImageRows& make) {
-  if (place.file != kStandardOutput) return write_image_rows(place.file, shape, settings, make);
+Result<void> write_rows(const Destination& destination, const ImageShape& shape, const WriteSettings& settings,
+                        const MakeImageRows& make) {
+  if (destination.file != kStandardOutput) return write_image_rows(destination.file, shape, settings, make);
   const auto bytes = encode_png_rows(shape, settings, make);
   if (!bytes) return bytes.error();
   if (std::fwrite(bytes->data(), 1, bytes->size(), stdout) != bytes->size() || std::fflush(stdout) != 0)
@@ -66,17 +66,17 @@ Result<void> put_rows(const Place& place, const ImageShape& shape, const WriteSe
   return {};
 }
 
-Result<void> put_image(const Place& place, const Image& image, const WriteSettings& settings) {
-  if (place.video) return place.video->add(image);
-  return put_rows(place, {image.width, image.height, image.names}, settings,
-                  [&](const TakeImageRows& take) { return take(image); });
+Result<void> write_picture(const Destination& destination, const Image& image, const WriteSettings& settings) {
+  if (destination.video) return destination.video->add(image);
+  return write_rows(destination, {image.width, image.height, image.names}, settings,
+                    [&](const TakeImageRows& take) { return take(image); });
 }
 
-Image picture_in_file(const RenderOptions& o, const Place& place, const Image& drawn,
-                      const std::vector<std::string>& names, const EffectSettings& settings, const PictureInfo& info) {
-  const bool of_display = place.extension() == "png";
-  if (o.writes_only("outline") && of_display) return picture_of_lines(drawn.plane("outline"), settings);
-  if (o.writes_passes() && of_display) return picture_of_pass(drawn, names, info);
+Image convert_for_file(const RenderOptions& o, const Destination& destination, const Image& drawn,
+                       const std::vector<std::string>& names, const EffectSettings& settings, const PictureInfo& info) {
+  const bool is_png = destination.extension() == "png";
+  if (o.writes_only("outline") && is_png) return picture_of_lines(drawn.plane("outline"), settings);
+  if (o.writes_passes() && is_png) return picture_of_pass(drawn, names, info);
   Image picture(drawn.width, drawn.height);
   for (const std::string& name : names) picture.add(name) = drawn.plane(name);
   return picture;

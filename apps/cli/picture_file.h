@@ -18,22 +18,23 @@ inline constexpr std::string_view kStandardOutput = "-";  // value of --output
 Result<std::string> extension_of(const std::string& file);
 
 /// The destination of a picture.
-struct Place {
+struct Destination {
   std::string file;        ///< file name or kStandardOutput
-  Video* video = nullptr;  ///< receives the picture as a frame in place of the file; null: none
-  PictureInfo first;       ///< info of the first frame of a turntable
+  Video* video = nullptr;  ///< if not null, receives the picture as a frame, and `file` is not written
+  PictureInfo first_info;  ///< info of the first frame of a turntable
   std::string extension() const { return video || file == kStandardOutput ? "png" : *extension_of(file); }
 };
 
-/// Writes the file or standard output from rows that `make` delivers.
-Result<void> put_rows(const Place& place, const ImageShape& shape, const WriteSettings& settings,
-                      const MakeImageRows& make);
+/// Writes rows that `make` delivers to the file or to standard output.
+Result<void> write_rows(const Destination& destination, const ImageShape& shape, const WriteSettings& settings,
+                        const MakeImageRows& make);
 
-/// Writes the file or standard output, or adds a frame to the video.
-Result<void> put_image(const Place& place, const Image& image, const WriteSettings& settings);
+/// Writes a picture to the file or to standard output, or adds it to the video as a frame.
+Result<void> write_picture(const Destination& destination, const Image& image, const WriteSettings& settings);
 
-/// Converts a drawn picture, or some of its rows, to the planes that the file holds. `names` are the chosen planes.
-Image picture_in_file(const RenderOptions& o, const Place& place, const Image& drawn,
-                      const std::vector<std::string>& names, const EffectSettings& settings, const PictureInfo& info);
+/// Converts a drawn picture, or some of its rows, to the planes that the file holds. `names`: the planes of `drawn` to
+/// write. `info`: properties of the picture, for the range of depth.
+Image convert_for_file(const RenderOptions& o, const Destination& destination, const Image& drawn,
+                       const std::vector<std::string>& names, const EffectSettings& settings, const PictureInfo& info);
 
 }  // namespace umbrage::cli

@@ -77,13 +77,13 @@ void ProgressLine::draw() {
 
 std::string ProgressLine::text(Clock::time_point now, std::size_t room) const {
   std::string numbers;
-  if (share_) {
-    numbers = fmt::format(": {:.0f} %", std::floor(100.0 * *share_));
-    const double done = *share_ - first_fraction_;
+  if (fraction_) {
+    numbers = fmt::format(": {:.0f} %", std::floor(100.0 * *fraction_));
+    const double done = *fraction_ - first_fraction_;
     const double took = std::chrono::duration<double>(reported_ - first_report_time_).count();
     const double since = std::chrono::duration<double>(now - reported_).count();
     if (done >= kMinFractionForEstimate && took > 0.0)
-      numbers += fmt::format(", {} left", duration_text(took * (1.0 - *share_) / done - since));
+      numbers += fmt::format(", {} left", duration_text(took * (1.0 - *fraction_) / done - since));
   } else {
     numbers = fmt::format(" ({})", duration_text(std::chrono::duration<double>(now - made_).count()));
   }
@@ -98,12 +98,12 @@ std::string ProgressLine::text(Clock::time_point now, std::size_t room) const {
 void ProgressLine::show(std::string what, std::optional<double> fraction) {
   if (!on_terminal_) return;
   const std::lock_guard lock(mutex_);
-  if (fraction && !share_) {
+  if (fraction && !fraction_) {
     first_fraction_ = *fraction;
     first_report_time_ = Clock::now();
   }
   what_ = std::move(what);
-  share_ = fraction;
+  fraction_ = fraction;
   reported_ = Clock::now();
   wanted_ = true;
 }

@@ -32,7 +32,7 @@ class ProgressLine {
   std::condition_variable changed_;
   bool ends_ = false, wanted_ = false;
   std::string what_;
-  std::optional<double> share_;
+  std::optional<double> fraction_;
   double first_fraction_ = 0.0;  // the first reported fraction
   Clock::time_point made_ = Clock::now(), first_report_time_, reported_;
   std::size_t width_ = 0;  // width of the text on the terminal

@@ -37,11 +37,12 @@ Result<double> parse_memory(std::string_view text) {
   const std::size_t unit = text.empty() ? kUnits.npos : kUnits.find(text.back());
   const auto number = parse_number(text.substr(0, text.size() - (unit == kUnits.npos ? 0 : 1)));
   if (!number || !(*number > 0.0))
-    return usage_error("--memory cannot be '{}': it takes bytes, or a number with K, M, G or T, such as 6G", text);
+    return usage_error(
+        "--memory cannot be '{}': it takes a number of bytes, or a number followed by K, M, G or T, such as 6G", text);
   return unit == kUnits.npos ? *number : *number * std::pow(1024.0, double(unit + 1));
 }
 
-Result<void> write_output(const RenderOptions& o, const Place& place, const EffectSettings& effect_settings,
+Result<void> write_output(const RenderOptions& o, const Destination& destination, const EffectSettings& effect_settings,
                           Device& device, const Frame& frame) {
   const Camera camera = inner_camera(frame.info);
   const WriteSettings settings{.bits = o.bits(), .half = o.half, .threads = device.threads(), .camera = &camera};
@@ -55,32 +56,33 @@ Result<void> write_output(const RenderOptions& o, const Place& place, const Effe
   }
   const auto image = device.download(frame, names);
   if (!image) return image.error();
-  return put_image(place, picture_in_file(o, place, *image, names, effect_settings, place.first), settings);
+  return write_picture(
+      destination, convert_for_file(o, destination, *image, names, effect_settings, destination.first_info), settings);
 }
 
 /// The files to write and the number of frames, checked before the model is read.
 struct Output {
   int frames = 1;
-  bool turns = false, is_video = false;  ///< whether it is a turntable; whether that is a video
-  FrameNames names;                      ///< file names of a turntable that is not a video
+  bool is_turntable = false, is_video = false;  ///< a video is a turntable, too
+  FrameNames names;                             ///< file names of a turntable that is not a video
 };
 
-/// Everything that is known about a picture before its model is read.
-struct Order {
+/// A command line whose options are checked and resolved, before the model is read.
+struct RenderJob {
   Output output;
   LineFile lines;
-  Recipe requested;  ///< recipe of the options, for hints
+  Recipe requested;  ///< recipe of all options, for warnings about unused settings
   Recipe recipe;     ///< recipe reduced to the planes that the output needs
-  ImportSettings import_with;
+  ImportSettings model_import;
   double memory = 0.0;
 };
 
 /// Returns the planes of the requested passes. Draws a small copy of the picture to find them.
 Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& device, const Scene& scene,
                                              const Plan& plan) {
-  constexpr int kSmall = 16;  // pixels a side
+  constexpr int kSmallSize = 16;  // width and height, pixels
   Request small = o.request;
-  small.width = small.height = kSmall;
+  small.width = small.height = kSmallSize;
   auto recipe = make_recipe(small);
   if (!recipe) return recipe.error();
   recipe->hdri = plan.recipe.hdri;
@@ -96,11 +98,11 @@ Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& dev
 }
 
 /// Draws the picture in strips directly into its file. Shows progress on `line`.
-Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& device, const Scene& scene,
+Result<void> draw_into_file(const RenderOptions& o, const RenderJob& job, Device& device, const Scene& scene,
                             const Plan& plan, int strip_rows, ProgressLine& line, StageTimes& times) {
-  const Recipe& recipe = order.recipe;
-  const LineFile& lines = order.lines;
-  const Place place{o.output, nullptr, {}};
+  const Recipe& recipe = job.recipe;
+  const LineFile& lines = job.lines;
+  const Destination destination{o.output, nullptr, {}};
   auto names = lines.alone ? std::vector<std::string>() : kColor;
   if (o.request.transparent && !lines.alone) names.push_back("color.a");
   if (o.writes_passes()) {
@@ -111,12 +113,12 @@ Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& 
   std::vector<std::string> wanted = names;
   for (const std::string& name : hint_planes(recipe))
     if (std::find(names.begin(), names.end(), name) == names.end()) wanted.push_back(name);
-  // The planes of the file are found from a picture of one pixel.
+  // The conversion of a picture of one pixel yields the names of the planes in the file.
   Image pixel(1, 1);
   for (const std::string& name : wanted) pixel.add(name) = Plane(1, 1, 0.0f);
   const ImageShape shape{recipe.width, recipe.height,
-                         picture_in_file(o, place, pixel, names, recipe.settings, {}).names};
-  Seen seen;
+                         convert_for_file(o, destination, pixel, names, recipe.settings, {}).names};
+  HintStatistics statistics;
   Lines traced;
   const WriteSettings settings{.bits = o.bits(), .half = o.half, .threads = device.threads(), .camera = &plan.camera};
   const auto monitor = [&](double done) {
@@ -125,12 +127,12 @@ Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& 
   };
   const auto make = [&](const TakeImageRows& take) -> Result<void> {
     const auto take_rows = [&](const PictureInfo& info, const Image& rows, int) {
-      seen.add(rows.plane("depth"), rows.find("ao"));
-      auto taken = take(picture_in_file(o, place, rows, names, recipe.settings, info));
+      statistics.add(rows.plane("depth"), rows.find("ao"));
+      auto taken = take(convert_for_file(o, destination, rows, names, recipe.settings, info));
       times.done("write");
       return taken;
     };
-    // Guarded here: an exception of the drawing must not be reported as a failure to write the file.
+    // The drawing has its own guard, so that its exceptions are not reported as failures to write the file.
     return guarded(
         [&] {
           return fmt::format("{} x {} pixels in strips; try a smaller --memory, --resolution or model", recipe.width,
@@ -144,15 +146,15 @@ Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& 
         });
   };
   auto written =
-      lines.alone ? make([](const Image&) { return Result<void>(); }) : put_rows(place, shape, settings, make);
+      lines.alone ? make([](const Image&) { return Result<void>(); }) : write_rows(destination, shape, settings, make);
   if (written && lines) written = write_lines(lines, traced);
   line.wipe();
-  if (written) print_hints(recipe, seen, scene);
+  if (written) print_hints(recipe, statistics, scene);
   return written;
 }
 
-/// Returns the total time of each dispatch, in the order of their first runs.
-std::vector<DispatchTime> added_up(const std::vector<DispatchTime>& dispatches) {
+/// Returns the total time of each dispatch, sorted by the first run of each.
+std::vector<DispatchTime> times_by_dispatch(const std::vector<DispatchTime>& dispatches) {
   std::vector<DispatchTime> sums;
   for (const DispatchTime& dispatch : dispatches) {
     const auto same = std::find_if(sums.begin(), sums.end(), [&](const DispatchTime& sum) {
@@ -199,7 +201,7 @@ Result<Output> output_of(const RenderOptions& o) {
     return output;
   }
   output.frames = o.turntable;
-  output.turns = true;
+  output.is_turntable = true;
   output.is_video = is_video(o.output);
   if (output.is_video) return output;
   if (piped)
@@ -222,10 +224,10 @@ VideoSettings video_settings(const RenderOptions& o) {
 }
 
 /// Draws and writes all frames.
-Result<void> draw_frames(const RenderOptions& o, const Order& order, Device& device, const Scene& scene,
+Result<void> draw_frames(const RenderOptions& o, const RenderJob& job, Device& device, const Scene& scene,
                          const Plan& plan, StageTimes& times) {
-  const Output& output = order.output;
-  const LineFile& lines = order.lines;
+  const Output& output = job.output;
+  const LineFile& lines = job.lines;
   ProgressLine line;
   int frame_number = 0;
   const auto monitor = [&](double done) {
@@ -235,12 +237,12 @@ Result<void> draw_frames(const RenderOptions& o, const Order& order, Device& dev
   };
   const ScopedPlanePool kept(device.pool());
   std::unique_ptr<Video> video;
-  Place place{o.output, nullptr, {}};
+  Destination destination{o.output, nullptr, {}};
   if (output.is_video) {
     auto begun = Video::begin(o.output, video_settings(o));
     if (!begun) return begun.error();
     video = std::move(*begun);
-    place.video = video.get();
+    destination.video = video.get();
   }
   std::optional<float> stops;  // exposure of the first frame, used for all
   constexpr float kWholeTurnDeg = 360.0f;
@@ -252,16 +254,16 @@ Result<void> draw_frames(const RenderOptions& o, const Order& order, Device& dev
     stops = drawn->stops;
     if (frame_number == 0) {
       line.wipe();
-      const auto planes = device.download(frame, hint_planes(order.recipe));
+      const auto planes = device.download(frame, hint_planes(job.recipe));
       if (!planes) return planes.error();
-      Seen seen;
-      seen.add(planes->plane("depth"), planes->find("ao"));
-      print_hints(order.recipe, seen, scene);
-      place.first = frame.info;
+      HintStatistics statistics;
+      statistics.add(planes->plane("depth"), planes->find("ao"));
+      print_hints(job.recipe, statistics, scene);
+      destination.first_info = frame.info;
     }
-    if (output.turns && !video) place.file = output.names.of(frame_number);
+    if (output.is_turntable && !video) destination.file = output.names.of(frame_number);
     if (!lines.alone)
-      if (auto written = write_output(o, place, order.recipe.settings, device, frame); !written) return written;
+      if (auto written = write_output(o, destination, job.recipe.settings, device, frame); !written) return written;
     times.done("write");
     if (!lines) continue;
     if (auto written = write_lines(lines, frame_number, device, frame); !written) return written;
@@ -288,81 +290,83 @@ Result<void> check_output(const RenderOptions& o, const Output& output) {
 }
 
 /// Checks the options. Errors: kUsage; kFile for a file that cannot be written.
-Result<Order> order_of(const RenderOptions& o) {
-  Order order;
+Result<RenderJob> make_job(const RenderOptions& o) {
+  RenderJob job;
   const auto output = output_of(o);
   if (!output) return output.error();
-  order.output = *output;
-  auto lines = line_file_of(o, output->turns ? output->frames : 0);
+  job.output = *output;
+  auto lines = line_file_of(o, output->is_turntable ? output->frames : 0);
   if (!lines) return lines.error();
-  order.lines = std::move(*lines);
+  job.lines = std::move(*lines);
   auto recipe = make_recipe(o.request, kMaxStripPixels);
   if (!recipe) return recipe.error();
-  order.requested = order.recipe = std::move(*recipe);
+  job.requested = job.recipe = std::move(*recipe);
   if (auto fine = check_output(o, *output); !fine) return fine.error();
-  if (order.lines)
-    if (auto taken = take_recipe(o, order.requested, order.lines); !taken) return taken.error();
-  if (order.lines.alone) {
+  if (job.lines)
+    if (auto taken = take_recipe(o, job.requested, job.lines); !taken) return taken.error();
+  if (job.lines.alone) {
     Request of_lines = o.request;
     disable_unused_effects(of_lines);
     auto alone = make_recipe(of_lines, kMaxStripPixels);
     if (!alone) return alone.error();
-    order.recipe = std::move(*alone);
-    order.recipe.wanted = hint_planes(order.recipe);
-    order.recipe.wanted->insert(order.recipe.wanted->end(), edge_planes().begin(), edge_planes().end());
+    job.recipe = std::move(*alone);
+    job.recipe.wanted = hint_planes(job.recipe);
+    job.recipe.wanted->insert(job.recipe.wanted->end(), edge_planes().begin(), edge_planes().end());
   }
-  keep_only_passes(order.recipe, order.lines ? edge_planes() : std::span<const std::string_view>());
+  keep_only_passes(job.recipe, job.lines ? edge_planes() : std::span<const std::string_view>());
   if (output->is_video)
     if (auto fine = check_video(o.output, video_settings(o)); !fine) return fine.error();
   const auto import_with = import_settings(o.request);
   if (!import_with) return import_with.error();
-  order.import_with = *import_with;
-  return order;
+  job.model_import = *import_with;
+  return job;
 }
 
 /// Returns the strips that keep the picture within --memory. Switches to the CPU if `device` cannot draw strips and
 /// --device is auto. Errors: kUsage for a picture that needs strips but cannot be drawn in strips.
-Result<StripSizes> planned_strips(const RenderOptions& o, const Order& order, std::unique_ptr<Device>& device) {
+Result<StripSizes> planned_strips(const RenderOptions& o, const RenderJob& job, std::unique_ptr<Device>& device) {
   const auto memory = parse_memory(o.memory);
   if (!memory) return memory.error();
-  auto strips = plan_strips(*device, order.recipe, *memory);
+  auto strips = plan_strips(*device, job.recipe, *memory);
   if (!strips && o.request.device == "auto" && !device->draws_strips()) {
     RenderOptions on_cpu = o;
     on_cpu.request.device = "cpu";
     auto other = device_of(on_cpu);
     if (!other) return other.error();
     device = std::move(*other);
-    strips = plan_strips(*device, order.recipe, *memory);
+    strips = plan_strips(*device, job.recipe, *memory);
   }
   if (!strips || strips->rows == 0) return strips;
   const auto too_large = [&](std::string_view what, std::string_view advice) {
-    return usage_error("{} of {} x {} pixels takes more than --memory {}: {}", what, o.request.width, o.request.height,
+    return usage_error("{} of {} x {} pixels needs more than --memory {}: {}", what, o.request.width, o.request.height,
                        o.memory, advice);
   };
   if (o.writes_only("all")) return too_large("--passes all", "name the passes, or raise --memory");
-  if (order.output.turns) return too_large("--turntable", "raise --memory, or lower --resolution");
+  if (job.output.is_turntable) return too_large("--turntable", "raise --memory, or lower --resolution");
   return strips;
 }
 
 /// Reads the environment map and the model. Prints their warnings and those about unused settings.
-Result<Scene> read_scene(const RenderOptions& o, Order& order, ProgressLine& line) {
+Result<Scene> read_scene(const RenderOptions& o, RenderJob& job, ProgressLine& line) {
   const auto warn = [&](const std::string& warning) {
     line.wipe();
     fmt::print(stderr, "umbrage: warning: {}\n", with_option_names(warning));
   };
-  if (!order.recipe.hdri.file.empty()) line.show("reading " + order.recipe.hdri.file);
-  const auto hdri_warnings = read_hdri(order.recipe.hdri);
+  if (!job.recipe.hdri.file.empty()) line.show("reading " + job.recipe.hdri.file);
+  const auto hdri_warnings = read_hdri(job.recipe.hdri);
   if (!hdri_warnings) return hdri_warnings.error();
   for (const std::string& warning : *hdri_warnings) warn(warning);
   line.show("reading " + o.models[0]);
-  auto scene = load_models(o.models, o.input_format, order.import_with);
+  auto scene = load_models(o.models, o.input_format, job.model_import);
   if (!scene) return scene;
-  if (order.recipe.camera_index)
-    if (auto used = use_camera(*order.recipe.camera_index, *scene); !used) return used.error();
+  if (job.recipe.camera_index)
+    if (auto used = use_camera(*job.recipe.camera_index, *scene); !used) return used.error();
   for (const std::string& warning : scene->warnings) warn(warning);
   // Warn only about settings on the command line: those of a configuration file may be for other looks.
-  const auto is_typed = [](std::string_view setting) { return command_line.find(setting) != std::string::npos; };
-  for (const std::string& sentence : setting_warnings(o.request, order.requested, &*scene, is_typed))
+  const auto is_on_command_line = [](std::string_view setting) {
+    return command_line.find(setting) != std::string::npos;
+  };
+  for (const std::string& sentence : setting_warnings(o.request, job.requested, &*scene, is_on_command_line))
     warn(with_option_names(sentence));
   return scene;
 }
@@ -371,39 +375,39 @@ Result<void> render(const RenderOptions& given) {
   RenderOptions o = given;
   choose_line_look(o);
   StageTimes times;
-  auto order = order_of(o);
-  if (!order) return order.error();
+  auto job = make_job(o);
+  if (!job) return job.error();
   auto opened = device_of(o);
   if (!opened) return opened.error();
   std::unique_ptr<Device> device = std::move(*opened);
-  const auto strips = planned_strips(o, *order, device);
+  const auto strips = planned_strips(o, *job, device);
   if (!strips) return strips.error();
 
   std::optional<ProgressLine> line(std::in_place);
-  auto scene = read_scene(o, *order, *line);
+  auto scene = read_scene(o, *job, *line);
   if (!scene) return scene.error();
   times.done("load");
   const std::size_t meshes = scene->meshes.size();
   const std::string size = size_text(*scene);
   line->show("preparing " + scene->name);
-  complete_scene(*scene, order->recipe);
+  complete_scene(*scene, job->recipe);
   if (auto ready = device->prepare(*scene); !ready) return ready;
-  const auto plan = make_plan(order->recipe, *scene, device->threads());
+  const auto plan = make_plan(job->recipe, *scene, device->threads());
   if (!plan) return plan.error();
   line.reset();
   times.done("prepare");
   if (strips->rows > 0 && o.verbose)
     fmt::print(stderr,
-               "drawn in strips of {} rows with about {:.1f} GB; the whole picture would take more than --memory {}\n",
+               "drawn in strips of {} rows in about {:.1f} GB; the whole picture would need more than --memory {}\n",
                strips->rows, strips->bytes * 1e-9, o.memory);
   ProgressLine drawing;
-  if (auto drawn = strips->rows > 0 ? draw_into_file(o, *order, *device, *scene, *plan, strips->rows, drawing, times)
-                                    : draw_frames(o, *order, *device, *scene, *plan, times);
+  if (auto drawn = strips->rows > 0 ? draw_into_file(o, *job, *device, *scene, *plan, strips->rows, drawing, times)
+                                    : draw_frames(o, *job, *device, *scene, *plan, times);
       !drawn)
     return drawn;
   drawing.wipe();
   if (o.verbose) fmt::print(stderr, "{}: {} in {} meshes\n{}\n", scene->name, size, meshes, device->description());
-  if (o.verbose || o.json) print_times(times, added_up(device->take_dispatch_times()), o.json);
+  if (o.verbose || o.json) print_times(times, times_by_dispatch(device->take_dispatch_times()), o.json);
   return {};
 }
 
@@ -414,10 +418,9 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   for (const char* group : {"Technique", "Picture", "Light"}) add_group(*command, *options, kRender, group);
   const auto output = "Output";
   command
-      ->add_option(
-          "-o,--output", options->output,
-          "file to write: .png, .exr or .pfm; .svg for lines alone, of the look cartoon by default; - for a PNG on "
-          "standard output; with --turntable also .mp4, .webm or .gif")
+      ->add_option("-o,--output", options->output,
+                   "file to write: .png, .exr or .pfm; .svg for only the lines, by default those of the look cartoon; "
+                   "- for a PNG on standard output; with --turntable also .mp4, .webm or .gif")
       ->required()
       ->group(output);
   command->add_option("--svg", options->svg, "also write the look's lines as curves to this .svg file")->group(output);

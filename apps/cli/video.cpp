@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kProgram = "ffmpeg";
-constexpr std::array<std::string_view, 3> kEndings = {"mp4", "webm", "gif"};
+constexpr std::array<std::string_view, 3> kExtensions = {"mp4", "webm", "gif"};
 
 bool is_on_path(const char* program) {
   const char* path = std::getenv("PATH");
@@ -31,9 +31,9 @@ bool is_on_path(const char* program) {
   while (!folders.empty()) {
     const std::string_view folder = folders.substr(0, folders.find(':'));
     folders.remove_prefix(std::min(folder.size() + 1, folders.size()));
-    const fs::path place = fs::path(folder.empty() ? "." : folder) / program;
+    const fs::path candidate = fs::path(folder.empty() ? "." : folder) / program;
     std::error_code ignored;
-    if (fs::is_regular_file(place, ignored) && ::access(place.c_str(), X_OK) == 0) return true;
+    if (fs::is_regular_file(candidate, ignored) && ::access(candidate.c_str(), X_OK) == 0) return true;
   }
   return false;
 }
@@ -45,42 +45,43 @@ std::uint8_t byte_of(float v) {
 }
 
 /// Returns the arguments of ffmpeg.
-std::vector<std::string> words_for(const std::string& ending, const VideoSettings& settings, const fs::path& part) {
+std::vector<std::string> ffmpeg_arguments(const std::string& extension, const VideoSettings& settings,
+                                          const fs::path& part) {
   std::vector<std::string> words = {"-hide_banner", "-nostdin", "-loglevel", "error", "-y"};
   const auto add = [&](std::initializer_list<std::string> more) { words.insert(words.end(), more); };
   add({"-f", "rawvideo", "-pixel_format", settings.alpha ? "rgba" : "rgb24", "-video_size",
        fmt::format("{}x{}", settings.width, settings.height), "-framerate", fmt::format("{:g}", settings.frame_rate),
        "-i", "pipe:0", "-an"});
-  if (ending == "gif") {
+  if (extension == "gif") {
     // One palette, computed from all frames.
     add({"-filter_complex", "split[a][b];[a]palettegen[p];[b][p]paletteuse", "-loop", "0"});
   } else {
     // sRGB has the primaries of Rec. 709. Without the tags, players assume another conversion matrix.
     add({"-vf", "scale=out_color_matrix=bt709:out_range=tv", "-pix_fmt", settings.alpha ? "yuva420p" : "yuv420p",
          "-color_primaries", "bt709", "-color_trc", "bt709", "-colorspace", "bt709", "-color_range", "tv"});
-    if (ending == "webm")
+    if (extension == "webm")
       add({"-crf", "24", "-b:v", "0"});
     else
       add({"-crf", "18", "-movflags", "+faststart"});
   }
-  add({"-f", ending, part.string()});
+  add({"-f", extension, part.string()});
   return words;
 }
 
 }  // namespace
 
 bool is_video(const fs::path& file) {
-  return std::find(kEndings.begin(), kEndings.end(), ending_of(file)) != kEndings.end();
+  return std::find(kExtensions.begin(), kExtensions.end(), lowercase_extension(file)) != kExtensions.end();
 }
 
 Result<void> check_video(const fs::path& file, const VideoSettings& settings) {
-  const std::string ending = ending_of(file);
-  if (ending != "gif" && (settings.width % 2 != 0 || settings.height % 2 != 0))
+  const std::string extension = lowercase_extension(file);
+  if (extension != "gif" && (settings.width % 2 != 0 || settings.height % 2 != 0))
     return usage_error("--resolution cannot be {},{}: width and height of a .{} must be even", settings.width,
-                       settings.height, ending);
-  if (ending == "mp4" && settings.alpha)
+                       settings.height, extension);
+  if (extension == "mp4" && settings.alpha)
     return usage_error(
-        "--no-background cannot be used with a .mp4, which has no alpha; write a .webm, a .gif or pictures");
+        "--no-background cannot be used with a .mp4, which has no alpha channel; write a .webm, a .gif or pictures");
   if (!is_on_path(kProgram))
     return file_error(
         "'{}' cannot be written: it needs the program {}, which is not on PATH; numbered pictures, such "
@@ -108,12 +109,12 @@ Result<void> Video::start() {
   frames_ = ends[1];
   // ffmpeg gets its own process group: Ctrl-C at the terminal ends this program, which then ends ffmpeg.
   const ChildProgram program{.program = kProgram,
-                             .words = words_for(ending_of(file_), settings_, part_->path()),
+                             .words = ffmpeg_arguments(lowercase_extension(file_), settings_, part_->path()),
                              .files = {{STDIN_FILENO, ends[0]}, {STDOUT_FILENO}, {STDERR_FILENO, error_output_}},
                              .own_group = true};
   int failed = 0;
   {
-    const BlockSignals held;
+    const BlockSignals blocked;
     failed = start_child(program, child_);
     if (failed != 0) child_ = 0;
     set_child(child_);
@@ -133,15 +134,15 @@ Result<void> Video::wait() {
   do waited = ::waitpid(child_, &status, 0);
   while (waited < 0 && errno == EINTR);
   {
-    const BlockSignals held;
+    const BlockSignals blocked;
     set_child(0);
     child_ = 0;
   }
   if (waited > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
-  // The first line of the output names the cause; the lines after it are consequences.
-  std::array<char, 4096> said{};
-  const ssize_t got = ::pread(error_output_, said.data(), said.size(), 0);
-  std::string_view text(said.data(), std::size_t(std::max<ssize_t>(got, 0)));
+  // The first line of the error output names the cause; later lines report what follows from it.
+  std::array<char, 4096> message{};
+  const ssize_t got = ::pread(error_output_, message.data(), message.size(), 0);
+  std::string_view text(message.data(), std::size_t(std::max<ssize_t>(got, 0)));
   text = text.substr(0, text.find('\n'));
   if (text.starts_with('[') && text.find("] ") != std::string_view::npos) text.remove_prefix(text.find("] ") + 2);
   std::string reason;
@@ -165,7 +166,7 @@ Result<void> Video::add(const Image& frame) {
   if (!planes) return planes.error();
   const std::size_t channels = settings_.alpha ? 4 : 3;
   std::vector<std::uint8_t> row(std::size_t(frame.width) * channels);
-  // Ignore SIGPIPE while writing: if ffmpeg has ended, the write must fail and not end this program.
+  // Ignore SIGPIPE while writing: if ffmpeg has ended, the write must fail, but must not end this program.
   struct sigaction ignore {
   }, before{};
   ignore.sa_handler = SIG_IGN;

@@ -18,7 +18,7 @@ namespace {
 
 Result<std::vector<const Effect*>> techniques_of(const CompareSettings& settings) {
   std::vector<const Effect*> all;
-  for (const Effect* effect : every_effect())
+  for (const Effect* effect : effects_with_external())
     if (effect->kind == EffectKind::kOcclusion) all.push_back(effect);
   if (settings.techniques.empty()) return all;
   std::vector<std::string_view> names;
@@ -47,7 +47,7 @@ bool computes_indirect_light(const Effect& effect, const ParameterBytes& params)
 Result<const Effect*> filter_of(const CompareSettings& settings) {
   if (settings.filter.empty()) return nullptr;
   std::vector<std::string_view> names;
-  for (const Effect* effect : every_effect())
+  for (const Effect* effect : effects_with_external())
     if (effect->kind == EffectKind::kFilter) names.push_back(effect->name);
   if (std::find(names.begin(), names.end(), settings.filter) == names.end())
     return usage_error("there is no filter '{}'{}: it takes {}", settings.filter, suggestion(settings.filter, names),
@@ -232,7 +232,7 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
   const auto radius = radius_in_scene("`occlusion_radius`", *length, frame->info);
   if (!radius) return radius.error();
 
-  const auto shown = downloaded(run.device, *frame);
+  const auto shown = download_gbuffer(run.device, *frame);
   if (!shown) return shown.error();
   const ClassMap classes = classify(*shown);
   const auto truths = trace_truths(run, traced, frame->info, *radius, classes, what);
@@ -307,7 +307,7 @@ Result<void> check_light(const CompareSettings& settings, const Recipe& recipe) 
 
 Result<void> check_compare(const CompareSettings& settings) {
   if (settings.models.empty() || settings.sizes.empty()) return usage_error("name a model and a size to compare");
-  if (auto fine = check_pictures(settings.models, settings.cameras, settings.samples, settings.runs); !fine)
+  if (auto fine = check_picture_options(settings.models, settings.cameras, settings.samples, settings.runs); !fine)
     return fine;
   if (const auto techniques = techniques_of(settings); !techniques) return techniques.error();
   const auto recipe = recipe_of(settings);
@@ -326,13 +326,13 @@ Result<void> check_compare(const CompareSettings& settings) {
 Terms terms_of(const CompareSettings& settings) {
   const auto recipe = recipe_of(settings);
   const ParameterBytes& reference = params_of(recipe->settings, "reference");
-  const auto said = [&](std::string_view name) {
+  const auto value_text = [&](std::string_view name) {
     return parameter_text(*find_parameter(reference_effect(), name), reference);
   };
   const auto captured = capture_with(settings, settings.draw, *recipe->look);
   return {.radius = radius_text(settings),
-          .falloff = said("falloff"),
-          .normal = said("normal"),
+          .falloff = value_text("falloff"),
+          .normal = value_text("normal"),
           .samples = settings.samples,
           .settings = fmt::format("{}", fmt::join(settings.draw.settings, " ")),
           .guard = fmt::format("{:g}%", settings.draw.guard_band),

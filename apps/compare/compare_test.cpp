@@ -112,7 +112,7 @@ const Comparison& small_comparison() {
 TEST(Compare, EveryTechniqueInEveryVariantAtEverySizeAndCamera) {
   const Comparison& comparison = small_comparison();
   std::size_t variants = 0;
-  for (const Effect* effect : every_effect())
+  for (const Effect* effect : effects_with_external())
     if (effect->kind == EffectKind::kOcclusion) {
       EXPECT_FALSE(effect->variants.empty()) << effect->name;
       EXPECT_EQ(std::count(effect->variants.begin(), effect->variants.end(), ""), 1) << effect->name;
@@ -327,7 +327,7 @@ TEST(Compare, LightIsScoredForTechniquesThatGatherIt) {
       ++occlusion;
   std::size_t variants = 0, bleeding = 0;
   for (const char* name : {"unsharp", "hemisphere", "reference"})
-    for (const Effect* effect : every_effect())
+    for (const Effect* effect : effects_with_external())
       if (effect->name == name)
         for (const std::string_view variant : effect->variants) {
           ++variants;

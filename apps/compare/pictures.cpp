@@ -7,9 +7,9 @@
 namespace umbrage {
 namespace {
 
-constexpr float kTurnDeg = 120.0f;  // angle between two cameras around a file's model
+constexpr float kTurnDeg = 120.0f;  // angle between neighbouring cameras around a model whose file has none
 constexpr int kTurns = 3;           // number of such cameras: 3 * 120 degrees is a full turn
-// Seeds of the two halves of the ground truth, unlikely to be used with the technique `reference`.
+// Seeds of the two halves of the ground truth. Users are unlikely to choose them for the technique `reference`.
 constexpr std::uint32_t kFirstSeed = 0x51ed2701u, kSecondSeed = 0x0b5e77edu;
 
 }  // namespace
@@ -25,10 +25,10 @@ Result<Truth> trace_truth(Quantity quantity, const PictureInfo& info, const Clas
   if (!second) return second.error();
   Truth truth;
   truth.planes = Image(info.inner_width(), info.inner_height());
-  double errors = 0.0;
+  double squared_errors = 0.0;
   long values = 0;
   for (const std::string& name : kQuantityPlanes[int(quantity)]) {
-    const bool of_first = truth.planes.planes.empty();
+    const bool is_first_plane = truth.planes.planes.empty();
     Plane& mean = truth.planes.add(name);
     const Plane a = cropped(first->plane(name), info.guard), b = cropped(second->plane(name), info.guard);
     for (int y = 0; y < mean.height; ++y)
@@ -36,23 +36,23 @@ Result<Truth> trace_truth(Quantity quantity, const PictureInfo& info, const Clas
         mean.at(x, y) = 0.5f * (a.at(x, y) + b.at(x, y));
         if (classes.row(y)[x] == PixelClass::kBackground) continue;
         const double half_difference = 0.5 * (double(a.at(x, y)) - double(b.at(x, y)));
-        errors += half_difference * half_difference;
+        squared_errors += half_difference * half_difference;
         ++values;
-        if (!of_first) continue;
+        if (!is_first_plane) continue;
         truth.sum += mean.at(x, y);
         ++truth.pixels;
       }
   }
-  truth.error = values > 0 ? errors / double(values) : 0.0;
+  truth.error = values > 0 ? squared_errors / double(values) : 0.0;
   return truth;
 }
 
-std::vector<CameraShot> shots_of(const Scene& scene, const Framing& wish, int cameras) {
-  if (wish.position || wish.focal_point || wish.direction) return {{"given", wish, {}}};
+std::vector<CameraShot> shots_of(const Scene& scene, const Framing& requested, int cameras) {
+  if (requested.position || requested.focal_point || requested.direction) return {{"given", requested, {}}};
   std::vector<CameraShot> shots;
   const int count = std::min(cameras, scene.views.empty() ? kTurns : int(scene.views.size()));
   for (int k = 0; k < count; ++k) {
-    CameraShot shot{fmt::format("{}", k + 1), wish, {}};
+    CameraShot shot{fmt::format("{}", k + 1), requested, {}};
     if (scene.views.empty())
       shot.framing.azimuth_deg += kTurnDeg * float(k);
     else
@@ -62,7 +62,7 @@ std::vector<CameraShot> shots_of(const Scene& scene, const Framing& wish, int ca
   return shots;
 }
 
-Result<GBuffer> downloaded(Device& device, const Frame& frame) {
+Result<GBuffer> download_gbuffer(Device& device, const Frame& frame) {
   auto planes = device.download(frame, {"depth", "normal.x", "normal.y", "normal.z"});
   if (!planes) return planes.error();
   return GBuffer{inner_info(frame.info), {std::move(*planes)}};
@@ -74,7 +74,7 @@ void clamp_occlusion(Image& image) {
     for (int x = 0; x < ao.width; ++x) ao.at(x, y) = std::clamp(ao.at(x, y), 0.0f, 1.0f);
 }
 
-Result<void> check_pictures(const std::vector<std::string>& models, int cameras, int samples, int runs) {
+Result<void> check_picture_options(const std::vector<std::string>& models, int cameras, int samples, int runs) {
   if (!kCameras.has(cameras)) return usage_error("--cameras cannot be '{}': it takes {}", cameras, kCameras.words());
   if (!kRuns.has(runs)) return usage_error("--runs cannot be '{}': it takes {}", runs, kRuns.words());
   if (!kSamples.has(samples)) return usage_error("--samples cannot be '{}': it takes {}", samples, kSamples.words());

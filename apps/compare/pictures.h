@@ -37,16 +37,16 @@ struct CameraShot {
 };
 
 /// Checks --cameras, --samples and --runs, and that no model is given twice. Errors: kUsage.
-Result<void> check_pictures(const std::vector<std::string>& models, int cameras, int samples, int runs);
+Result<void> check_picture_options(const std::vector<std::string>& models, int cameras, int samples, int runs);
 
 /// Returns the default radius of the reference, as an option value.
 std::string reference_radius();
 
-/// Returns at most `cameras` cameras of a scene; only `wish` if it sets position, focal point or direction.
-std::vector<CameraShot> shots_of(const Scene& scene, const Framing& wish, int cameras);
+/// Returns at most `cameras` cameras of a scene; only `requested` if it sets position, focal point or direction.
+std::vector<CameraShot> shots_of(const Scene& scene, const Framing& requested, int cameras);
 
 /// Downloads the planes that classify pixels, depth and normal, without the guard band. Errors: those of the device.
-Result<GBuffer> downloaded(Device& device, const Frame& frame);
+Result<GBuffer> download_gbuffer(Device& device, const Frame& frame);
 
 /// Clamps `ao` to [0, 1]. The unsharp mask also brightens, so its values may exceed 1.
 void clamp_occlusion(Image& image);

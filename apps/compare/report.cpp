@@ -14,7 +14,7 @@ namespace {
 constexpr std::string_view kPage =
 #include "compare_page.inc"
     ;
-constexpr std::string_view kDataMark = "/*UMBRAGE-DATA*/";
+constexpr std::string_view kDataPlaceholder = "/*UMBRAGE-DATA*/";
 
 nlohmann::json number_or_null(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
@@ -32,15 +32,16 @@ std::string base64(std::string_view bytes) {
   return out;
 }
 
-/// Returns a PNG as a data URL: of one plane unchanged, or of three planes of linear light after exposure and sRGB.
+/// Returns a picture as the data URL of a PNG: one plane unchanged, or three planes of linear light, to which exposure
+/// and the sRGB curve are applied.
 Result<std::string> data_url(const Image& picture, float exposure) {
   constexpr const char* kColor[] = {"color.r", "color.g", "color.b"};
-  const bool light = picture.planes.size() == 3;
+  const bool is_color = picture.planes.size() == 3;
   Image image(picture.width, picture.height);
   for (std::size_t p = 0; p < picture.planes.size(); ++p) {
-    Plane& plane = image.add(light ? kColor[p] : "grey");
+    Plane& plane = image.add(is_color ? kColor[p] : "grey");
     plane = picture.planes[p];
-    for (int y = 0; light && y < plane.height; ++y)
+    for (int y = 0; is_color && y < plane.height; ++y)
       for (int x = 0; x < plane.width; ++x)
         plane.at(x, y) = srgb_from_linear(std::clamp(exposure * plane.at(x, y), 0.0f, 1.0f));
   }
@@ -72,9 +73,9 @@ nlohmann::json scores_json(const Comparison& comparison) {
         {"setting", score.setting}, {"device", score.device}, {"width", score.width},
         {"height", score.height},   {"ms", score.ms},         {"quantity", kQuantityNames[int(score.quantity)]}};
     const auto add = [&](const Scores& scores, const std::string& suffix) {
-      const bool any = scores.pixels > 0 || suffix.empty();
+      const bool has_scores = scores.pixels > 0 || suffix.empty();
       const auto put = [&](const char* name, double value) {
-        record[name + suffix] = any ? number_or_null(value) : nlohmann::json(nullptr);
+        record[name + suffix] = has_scores ? number_or_null(value) : nlohmann::json(nullptr);
       };
       put("rmse", scores.rmse);
       put("bias", scores.bias);
@@ -110,7 +111,7 @@ Result<std::string> report_page(const Comparison& comparison, const std::string&
   data["truth"]["noise"] = rounded(comparison.noise);
   data["truth"]["mean"] = rounded(comparison.mean);
   data["truth"]["light_noise"] = rounded(comparison.light_noise);
-  for (const Effect* effect : every_effect())
+  for (const Effect* effect : effects_with_external())
     if (effect->kind == EffectKind::kOcclusion)
       data["techniques"].push_back({{"name", effect->name}, {"summary", effect->summary}});
   for (const ComparedView& view : comparison.views) {
@@ -134,16 +135,17 @@ Result<std::string> report_page(const Comparison& comparison, const std::string&
     }
     data["views"].push_back(std::move(record));
   }
-  // Names come from the command line. They may contain text that ends a script, or bytes that are not UTF-8.
+  // Names come from the command line. They may contain text that would end the page's script element, or bytes that
+  // are not UTF-8.
   std::string text = data.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   for (std::size_t at = text.find("</"); at != std::string::npos; at = text.find("</", at + 3))
     text.insert(at + 1, "\\");
   for (std::size_t at = text.find("<!--"); at != std::string::npos; at = text.find("<!--", at + 5))
     text.replace(at, 4, "\\u003c!--");
   std::string page(kPage);
-  const std::size_t mark = page.find(kDataMark);
-  if (mark == std::string::npos) fail_check("the page has no place for its data");
-  return page.replace(mark, kDataMark.size(), text);
+  const std::size_t placeholder = page.find(kDataPlaceholder);
+  if (placeholder == std::string::npos) fail_check("page.html has no placeholder for the data");
+  return page.replace(placeholder, kDataPlaceholder.size(), text);
 }
 
 }  // namespace umbrage

@@ -242,7 +242,7 @@ Result<void> take_pictures(Search& search, std::size_t model_index, Scene& scene
     const std::string what = fmt::format("{}, camera {}, truth", model, shot.name);
     const TraceControl control{search.device.threads(),
                                [&](double done) { return settings.progress(what, half_span * (halves + done)); }};
-    const auto shown = downloaded(search.device, *frame);
+    const auto shown = download_gbuffer(search.device, *frame);
     if (!shown) return shown.error();
     ClassMap classes = classify(*shown);
     auto truth = trace_truth(Quantity::kOcclusion, frame->info, classes, [&](std::uint32_t seed) {
@@ -283,7 +283,7 @@ std::vector<std::string> options_of(const Search& search, const Trial& best, con
 
 Result<void> check_tune(const TuneSettings& settings) {
   if (settings.models.empty()) return usage_error("name a model to tune");
-  if (auto fine = check_pictures(settings.models, settings.cameras, settings.samples, settings.runs); !fine)
+  if (auto fine = check_picture_options(settings.models, settings.cameras, settings.samples, settings.runs); !fine)
     return fine;
   if (!kTrials.has(settings.trials))
     return usage_error("--trials cannot be '{}': it takes {}", settings.trials, kTrials.words());

@@ -104,7 +104,7 @@ TEST(Tune, WhatTheUserSetStays) {
 }
 
 TEST(Tune, EveryTechniqueThatHasSettingsIsSearched) {
-  for (const Effect* effect : every_effect()) {
+  for (const Effect* effect : effects_with_external()) {
     if (effect->kind != EffectKind::kOcclusion) continue;
     TuneSettings settings = quick(4);
     settings.draw.occlusion = effect->name;

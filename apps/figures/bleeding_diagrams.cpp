@@ -25,7 +25,7 @@ constexpr double kAnything = 1e30;
 constexpr std::string_view kFewPoints = "hemisphere.samples=24", kSmallRadius = "hemisphere.radius=1%";
 constexpr float kRounding = 2e-6f;  // min relative difference of two depths, as in hemisphere.kernel.h
 
-/// Returns the width of thin lines, and the scale of text, for a diagram of `size` pixels a side.
+/// Returns the width of thin lines, and the scale of text, for a diagram of `size` pixels per side.
 float thin(int size) { return std::max(1.0f, float(size) / 350.0f); }
 int letters(int size) { return std::max(1, size / 380); }
 

@@ -56,7 +56,7 @@ std::optional<Error> error_of(const Shots&... shots) {
   return first;
 }
 
-/// Loads a model and prepares it for square pictures of `size` pixels a side.
+/// Loads a model and prepares it for square pictures of `size` pixels per side.
 Result<Studio> open_studio(Device& device, const std::string& model, const std::string& look, int size);
 
 }  // namespace umbrage

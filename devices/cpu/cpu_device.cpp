@@ -29,10 +29,10 @@ void copy_every(const float* from, float* to, int count) {
   for (int x = 0; x < count; ++x) to[x] = from[std::ptrdiff_t(x) * step];
 }
 
-/// Returns `wish` threads, at most as many as the machine has; 0: all.
-int thread_count(int wish) {
+/// Returns `requested` threads, at most as many as the machine has; 0: all.
+int thread_count(int requested) {
   const int max = tbb::info::default_concurrency();
-  return wish > 0 ? std::min(wish, max) : max;
+  return requested > 0 ? std::min(requested, max) : max;
 }
 
 class CpuDevice final : public Device {

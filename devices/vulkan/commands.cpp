@@ -107,7 +107,7 @@ Result<void> Commands::submit_without_waiting(VkSemaphore signal) {
 }
 
 void Commands::drop() {
-  before_ = VK_NULL_HANDLE;
+  wait_semaphore_ = VK_NULL_HANDLE;
   if (!recording_) return;
   gpu_->vk.EndCommandBuffer(buffer_);
   reset();
@@ -140,7 +140,7 @@ Result<void> Commands::submit(VkSemaphore signal) {
   VkSubmitInfo work{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   work.commandBufferCount = 1;
   work.pCommandBuffers = &buffer_;
-  const VkSemaphore before = std::exchange(before_, VK_NULL_HANDLE);
+  const VkSemaphore before = std::exchange(wait_semaphore_, VK_NULL_HANDLE);
   work.waitSemaphoreCount = before ? 1 : 0;
   work.pWaitSemaphores = &before;
   work.pWaitDstStageMask = &all;
@@ -179,25 +179,25 @@ Result<void> Commands::read_times() {
                                                      sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT);
   if (read != VK_SUCCESS) return vulkan_error(read, "reported the times of its dispatches");
   if (times_.size() > kMaxTimes) times_.clear();
-  if (ms_of_group_.size() > kMaxKinds) ms_of_group_.clear();
+  if (ms_per_group_.size() > kMaxKinds) ms_per_group_.clear();
   std::map<Kind, double> slowest;  // row ranges of one dispatch differ: background is faster
   for (std::size_t k = 0; k < timed_.size(); ++k) {
     Timed& timed = timed_[k];
     timed.time.ms = double(ticks[2 * k + 1] - ticks[2 * k]) * gpu_->ns_of_tick * 1e-6;
-    double& of_group = slowest[timed.kind];
-    of_group = std::max(of_group, timed.time.ms / timed.groups);
-    if (timed.further && !times_.empty())
+    double& per_group = slowest[timed.kind];
+    per_group = std::max(per_group, timed.time.ms / timed.groups);
+    if (timed.continues && !times_.empty())
       times_.back().ms += timed.time.ms;
     else
       times_.push_back(std::move(timed.time));
   }
-  for (const auto& [kind, ms] : slowest) ms_of_group_[kind] = ms;
+  for (const auto& [kind, ms] : slowest) ms_per_group_[kind] = ms;
   return {};
 }
 
-std::optional<double> Commands::ms_of_group(Kind kind) const {
-  const auto found = ms_of_group_.find(kind);
-  return found == ms_of_group_.end() ? std::nullopt : std::optional(found->second);
+std::optional<double> Commands::ms_per_group(Kind kind) const {
+  const auto found = ms_per_group_.find(kind);
+  return found == ms_per_group_.end() ? std::nullopt : std::optional(found->second);
 }
 
 Result<Commands::Uniforms> Commands::uniforms(std::size_t bytes) {
@@ -232,9 +232,9 @@ Result<VkDescriptorSet> Commands::descriptor_set(VkDescriptorSetLayout layout,
 }
 
 void Commands::begin_dispatch(std::string_view effect, std::string_view dispatch, Kind kind, double groups,
-                              bool further) {
-  timed_.push_back({{std::string(effect), std::string(dispatch), 0.0}, kind, groups, further});
-  recorded_ms_ += groups * ms_of_group(kind).value_or(0.0);
+                              bool continues) {
+  timed_.push_back({{std::string(effect), std::string(dispatch), 0.0}, kind, groups, continues});
+  recorded_ms_ += groups * ms_per_group(kind).value_or(0.0);
   if (queries_)
     gpu_->vk.CmdWriteTimestamp(buffer_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_,
                                2 * (std::uint32_t(timed_.size()) - 1));

@@ -27,43 +27,45 @@ class Commands {
   void barrier();
   /// Submits the recorded work and waits for it. Errors: kDevice; the recorded work is then lost.
   Result<void> finish();
-  /// Makes the next submission wait for `before`, unless that is null.
-  void wait_for(VkSemaphore before) { before_ = before; }
-  /// Submits the recorded work without waiting, and signals `signal` when it is done, unless that is null. The next
-  /// recording waits until it is done. Errors: kDevice.
+  /// Makes the next submission wait for `semaphore`, unless null.
+  void wait_for(VkSemaphore semaphore) { wait_semaphore_ = semaphore; }
+  /// Submits the recorded work and returns at once. Signals `signal`, unless null, when the work is done. The next
+  /// recording waits until then. Errors: kDevice.
   Result<void> submit_without_waiting(VkSemaphore signal);
   /// Discards the recorded work.
   void drop();
   /// Keeps an object alive until the recorded work is done.
   void keep(std::shared_ptr<const void> what) { kept_.push_back(std::move(what)); }
 
-  /// Returns bytes for constants of the commands recorded next; `offset` is their offset in uniform_buffer(). Submits
-  /// the recorded work if there is no more room, so call it before buffer(). Errors: kDevice.
+  /// Returns memory for the constants of the commands that are recorded next; `offset` is its offset in
+  /// uniform_buffer(). If no memory is left, the recorded work is submitted first; so call it before buffer(). Errors:
+  /// kDevice.
   struct Uniforms {
     std::byte* bytes = nullptr;
     std::uint32_t offset = 0;
   };
   Result<Uniforms> uniforms(std::size_t bytes);
   VkBuffer uniform_buffer() const { return uniforms_->buffer; }
-  /// Returns a set of storage buffers for the dispatch recorded next: at most one, between uniforms() and buffer().
-  /// Errors: kDevice.
+  /// Returns a descriptor set of storage buffers for the dispatch that is recorded next. Call it at most once per
+  /// dispatch, after uniforms() and before buffer(). Errors: kDevice.
   Result<VkDescriptorSet> descriptor_set(VkDescriptorSetLayout layout, std::span<const VkDescriptorBufferInfo> buffers);
 
-  /// Work that takes about the same time each run: a shader, and a number that identifies its settings.
+  /// Identifies dispatches that take about the same time per workgroup: a shader, and a number for its settings.
   struct Kind {
     VkPipeline pipeline = VK_NULL_HANDLE;
     std::size_t settings = 0;
     auto operator<=>(const Kind&) const = default;
   };
-  /// Enclose the recording of a dispatch of `groups` workgroups, or with `further` of another row range of the previous
-  /// one, and measure its time.
-  void begin_dispatch(std::string_view effect, std::string_view dispatch, Kind kind, double groups, bool further);
+  /// Call begin_dispatch() before and end_dispatch() after the commands of a dispatch of `groups` workgroups, to
+  /// measure its time. `continues`: the commands run the previous dispatch on more rows, and their time is added to its
+  /// time.
+  void begin_dispatch(std::string_view effect, std::string_view dispatch, Kind kind, double groups, bool continues);
   void end_dispatch();
-  /// Returns the last known time per workgroup of a kind, milliseconds.
-  std::optional<double> ms_of_group(Kind kind) const;
-  /// Returns the expected time of all recorded work, as far as it is known.
+  /// Returns the time per workgroup of a kind when it was last measured, milliseconds; empty: never.
+  std::optional<double> ms_per_group(Kind kind) const;
+  /// Returns the expected time of the recorded dispatches, milliseconds. Kinds that were never measured count 0.
   double recorded_ms() const { return recorded_ms_; }
-  bool takes_times() const { return queries_ != VK_NULL_HANDLE; }
+  bool measures_times() const { return queries_ != VK_NULL_HANDLE; }
   std::vector<DispatchTime> take_dispatch_times() { return std::exchange(times_, {}); }
 
  private:
@@ -78,27 +80,27 @@ class Commands {
   VkCommandPool pool_ = VK_NULL_HANDLE;
   VkCommandBuffer buffer_ = VK_NULL_HANDLE;
   VkFence fence_ = VK_NULL_HANDLE;
-  VkSemaphore before_ = VK_NULL_HANDLE;  // semaphore that the next submission waits for
+  VkSemaphore wait_semaphore_ = VK_NULL_HANDLE;  // the next submission waits for it
   VkQueryPool queries_ = VK_NULL_HANDLE;
   VkDescriptorPool sets_ = VK_NULL_HANDLE;
   HostBufferPtr uniforms_;
   std::size_t uniforms_used_ = 0;
   bool recording_ = false, submitted_ = false;
-  std::optional<Error> lost_;  // error of a lost device: it gets no more work
+  std::optional<Error> lost_;  // set when the device is lost: no more work is submitted
   std::vector<std::shared_ptr<const void>> kept_;
   struct Timed {
     DispatchTime time;
     Kind kind;
     double groups = 0.0;
-    bool further = false;
+    bool continues = false;
   };
-  std::vector<Timed> timed_;  // dispatches that are recorded, without times yet
-  std::map<Kind, double> ms_of_group_;
+  std::vector<Timed> timed_;  // recorded dispatches, not yet measured
+  std::map<Kind, double> ms_per_group_;
   double recorded_ms_ = 0.0;
   std::vector<DispatchTime> times_;
 };
 
-/// Max bytes of constants of one dispatch: every device can read that many at once.
+/// Max size of the constants of one dispatch, bytes: every Vulkan device supports uniform ranges of this size.
 inline constexpr std::size_t kMaxUniforms = 16384;
 
 }  // namespace umbrage

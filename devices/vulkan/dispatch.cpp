@@ -49,42 +49,42 @@ Result<void> Dispatcher::dispatch(const GpuWork& work, const PictureInfo& info, 
   const int columns = work.target ? 1 : groups_of(info.width, work.group_width);
   const int rows =
       work.target ? groups_of(work.triangles, kMinTrianglesPerSubmission) : groups_of(info.height, work.group_height);
-  if (!(longest_ms_ > 0.0) || !commands_->takes_times())
+  if (!(longest_ms_ > 0.0) || !commands_->measures_times())
     return record_rows(work, columns, 0, rows, false, constants, table);
   const Commands::Kind kind{work.pipeline, work.settings};
   const int first_rows = std::max(first_groups_ / columns, 1);
   int begin = 0, end = 0;  // rows that are done
-  if (!commands_->ms_of_group(kind)) {
+  if (!commands_->ms_per_group(kind)) {
     if (rows <= first_rows) return record_rows(work, columns, 0, rows, false, constants, table);
     begin = work.target ? 0 : (rows - first_rows) / 2;  // of several triangles in one place the first is visible
     end = begin + first_rows;
     if (auto done = record_rows(work, columns, begin, end, false, constants, table); !done) return done;
     if (auto done = commands_->finish(); !done) return done;
   }
-  const bool further = end > begin;
-  if (auto done = note_strips(work, columns, 0, begin, further, constants, table); !done) return done;
-  return note_strips(work, columns, end, rows, further, constants, table);
+  const bool continues = end > begin;
+  if (auto done = note_strips(work, columns, 0, begin, continues, constants, table); !done) return done;
+  return note_strips(work, columns, end, rows, continues, constants, table);
 }
 
-Result<void> Dispatcher::note_strips(const GpuWork& work, int columns, int row, int end, bool further,
+Result<void> Dispatcher::note_strips(const GpuWork& work, int columns, int row, int end, bool continues,
                                      Constants constants, Table table) {
   while (row < end) {
-    const double ms_of_row =
-        std::max(columns * commands_->ms_of_group({work.pipeline, work.settings}).value_or(0.0), 1e-9);
+    const double ms_per_row =
+        std::max(columns * commands_->ms_per_group({work.pipeline, work.settings}).value_or(0.0), 1e-9);
     const double left_ms = longest_ms_ - commands_->recorded_ms();
-    if (left_ms < ms_of_row && commands_->recorded_ms() > 0.0) {
+    if (left_ms < ms_per_row && commands_->recorded_ms() > 0.0) {
       if (auto done = commands_->finish(); !done) return done;
       continue;
     }
-    const int strip = int(std::clamp(left_ms / ms_of_row, 1.0, double(end - row)));
-    if (auto done = record_rows(work, columns, row, row + strip, further, constants, table); !done) return done;
+    const int strip = int(std::clamp(left_ms / ms_per_row, 1.0, double(end - row)));
+    if (auto done = record_rows(work, columns, row, row + strip, continues, constants, table); !done) return done;
     row += strip;
-    further = true;
+    continues = true;
   }
   return {};
 }
 
-Result<void> Dispatcher::record_rows(const GpuWork& work, int columns, int row, int end, bool further,
+Result<void> Dispatcher::record_rows(const GpuWork& work, int columns, int row, int end, bool continues,
                                      Constants constants, Table table) {
   const auto drawing = work.target ? pipelines_->drawing(row == 0) : VkRenderPass(VK_NULL_HANDLE);
   if (!drawing) return drawing.error();
@@ -103,7 +103,7 @@ Result<void> Dispatcher::record_rows(const GpuWork& work, int columns, int row, 
   std::memcpy(uniforms->bytes + kTableBytes, constants.data(), constants.size());
   // Before the barrier: after drawing, lavapipe takes the time at the next barrier.
   commands_->begin_dispatch(work.effect, work.dispatch, {work.pipeline, work.settings}, double(columns) * (end - row),
-                            further);
+                            continues);
   commands_->barrier();
   const VkPipelineBindPoint point = work.target ? VK_PIPELINE_BIND_POINT_GRAPHICS : VK_PIPELINE_BIND_POINT_COMPUTE;
   gpu_->vk.CmdBindPipeline(*buffer, point, work.pipeline);

@@ -63,10 +63,10 @@ class Dispatcher {
 
  private:
   /// Records rows of workgroups whose time is known; submits whenever the recorded work takes too long.
-  Result<void> note_strips(const GpuWork& work, int columns, int row, int end, bool further, Constants constants,
+  Result<void> note_strips(const GpuWork& work, int columns, int row, int end, bool continues, Constants constants,
                            Table table);
 
-  Result<void> record_rows(const GpuWork& work, int columns, int row, int end, bool further, Constants constants,
+  Result<void> record_rows(const GpuWork& work, int columns, int row, int end, bool continues, Constants constants,
                            Table table);
 
   const Gpu* gpu_;

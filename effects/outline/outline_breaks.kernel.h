@@ -27,8 +27,8 @@ FN Real plane_slope(Int px, Int py, int i, int j, int right) {
     facing = -dot(n, view_position(px + Int(i), py + Int(j), Real(1.0f)));
     lean = lean * inverse_depth(near_depth(i, j));
   }
-  Bool tells = facing > kMinFacing;
-  return select(tells, -lean / select(tells, facing, Real(1.0f)), Real(kUnknownSlope));
+  Bool is_reliable = facing > kMinFacing;
+  return select(is_reliable, -lean / select(is_reliable, facing, Real(1.0f)), Real(kUnknownSlope));
 }
 
 FN Bool same_object(int i, int j, int k, int l) {

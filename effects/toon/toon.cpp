@@ -123,10 +123,10 @@ void fill_constants(const ToonParams& params, const PictureInfo& info, ToonConst
   fill_lights(params, info, c);
 }
 
-/// Rows that dispatch `light` reads: shadows read the neighbouring pixels.
+/// Rows above and below a pixel that dispatch `light` reads: shadows read the neighbouring pixels.
 int light_reach(const void*, int) { return 1; }
-/// Rows that dispatch `bands` reads: edges read the neighbouring pixels, specks as far as they are wide.
-int bands_reach(const void* constants, int) { return std::max(static_cast<const ToonConstants*>(constants)->speck, 1); }
+/// Rows above and below a pixel that dispatch `steps` reads: 1 for edges, the max width of specks for specks.
+int steps_reach(const void* constants, int) { return std::max(static_cast<const ToonConstants*>(constants)->speck, 1); }
 
 }  // namespace
 
@@ -148,7 +148,7 @@ Effect effect_toon() {
                                   "albedo.r", "albedo.g", "albedo.b", "specular"},
                        .outputs = {"lit.r", "lit.g", "lit.b"},
                        .kernel = toon_kernel(),
-                       .reach = bands_reach}}});
+                       .reach = steps_reach}}});
 }
 
 }  // namespace umbrage

@@ -3,9 +3,8 @@
 //
 // Differs in ramp mode: a fixed number of tone steps, coloured from the shadow's colour to the light's. The steps are
 // averaged over the range of intensity in the pixel, which is estimated from the differences to its neighbours. The
-// neighbours determine the width of an edge and whether a highlight is narrower than a pixel; the surroundings of a
-// speck on its surface determine its tone step. Nothing else of a neighbour is used, so nothing smears over a
-// silhouette.
+// neighbours determine only the widths of edges and highlights, and the tone step of a speck (a group of few pixels):
+// that of the pixels around it on the same surface. Therefore no colour smears over a silhouette.
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_REAL(toon_intensity)
@@ -15,9 +14,10 @@ IN_REAL(specular)
 OUT_COLOR(lit)
 #include "kernel/surface.kernel.h"
 
-// Max distance of a neighbour from the plane, in pixel sizes, per pixel that it is away: allows for curved surfaces.
-CONST float kTolerancePx = 1.0f;
-// A pixel whose highlight plane is below this is outside the highlight, however blurred the edge.
+// Max distance of a neighbour from the plane of this pixel, in pixel sizes, per pixel between the two. Above 0 because
+// surfaces may be curved.
+CONST float kMaxDistancePx = 1.0f;
+// A pixel whose value of toon_highlight is below this is outside the highlight even if the edge has its max width.
 CONST float kFarOutside = -0.5f;
 
 // Returns whether the neighbour (i, j) pixels right and down is on the same surface.
@@ -26,12 +26,13 @@ FN Bool connected(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
   int along = j < 0 ? -j : j;
   float away = float(across > along ? across : along);
   Vec3 there = view_position(px + Int(i), py + Int(j), near_depth(i, j));
-  return near_inside(i, j) && surface_distance(position, normal, there, near_normal(i, j), kTolerancePx * away) <= 1.0f;
+  return near_inside(i, j) &&
+         surface_distance(position, normal, there, near_normal(i, j), kMaxDistancePx * away) <= 1.0f;
 }
 
 // Returns the change of a value across a pixel along one axis, from its neighbours on the same surface: the mean of
-// both differences, but at most twice the smaller, since at a crease or a shadow's edge one side has the light of
-// another surface.
+// both differences, but at most twice the smaller one: at a crease or at the edge of a shadow, the larger one is not a
+// change across this pixel.
 FN Real change(Real centre, Real before, Real after, Bool has_before, Bool has_after) {
   Real a = abs(before - centre);
   Real b = abs(after - centre);
@@ -52,22 +53,23 @@ FN Real step_of(Real intensity) {
   return clamp(floor(intensity * C.steps_per_intensity), Real(0.0f), Real(C.steps - 1.0f));
 }
 
-FN Bool is_of(Real step, int i, int j) { return step_of(near_toon_intensity(i, j)) == step; }
+FN Bool has_step(Real step, int i, int j) { return step_of(near_toon_intensity(i, j)) == step; }
 
-// Returns whether a pixel of another tone step is near in one direction.
+// Returns whether one of the next C.speck pixels in one direction has another tone step than `step`.
 FN Bool has_other(Bool requested, Real step, int right, int down) {
   Bool found = requested && !requested;
   for (int k = 1; k <= C.speck; ++k)
-    if (some(requested && !found)) found = found || (requested && !is_of(step, k * right, k * down));
+    if (some(requested && !found)) found = found || (requested && !has_step(step, k * right, k * down));
   return found;
 }
 
-// Returns whether another tone step begins next to this pixel in one direction, and this one's begins again beyond.
-FN Bool has_narrow(Bool requested, Real step, int right, int down) {
-  Bool other = requested && !is_of(step, right, down);
+// Returns whether the next pixel in one direction has another tone step than `step`, and one of the pixels after it, up
+// to C.speck away, has `step` again.
+FN Bool has_narrow_other(Bool requested, Real step, int right, int down) {
+  Bool other = requested && !has_step(step, right, down);
   Bool found = requested && !requested;
   for (int k = 2; k <= C.speck; ++k)
-    if (some(other && !found)) found = found || (other && is_of(step, k * right, k * down));
+    if (some(other && !found)) found = found || (other && has_step(step, k * right, k * down));
   return found;
 }
 
@@ -81,33 +83,33 @@ FN Bool may_be_speck(Bool surface, Real intensity, Real antialiased) {
   Bool edge = surface && !within && !(antialiased == step);
   Bool beside = surface && !surface;
   if (some(edge)) {
-    beside = has_narrow(edge, step, 1, 0) || has_narrow(edge, step, -1, 0) || has_narrow(edge, step, 0, 1) ||
-             has_narrow(edge, step, 0, -1);
+    beside = has_narrow_other(edge, step, 1, 0) || has_narrow_other(edge, step, -1, 0) ||
+             has_narrow_other(edge, step, 0, 1) || has_narrow_other(edge, step, 0, -1);
   }
   return within || beside;
 }
 
-// Min and max intensity on a square ring of pixels around this one, all of one tone step.
+// A square ring of pixels around this one, all of one tone step: min and max of their intensity.
 struct Ring {
-  Bool on;
+  Bool found;
   Real min, max;
 };
 
-// Returns the first such ring, on this pixel's surface, among those around a square of C.speck x C.speck pixels that
-// contains this pixel. Every pixel of a spot that fits into a square finds one, so a spot disappears as a whole or not
-// at all.
+// Searches the rings around all squares of C.speck x C.speck pixels that contain this pixel. Returns the first ring
+// that lies on this pixel's surface and has one tone step. A speck that fits into such a square has a ring for each of
+// its pixels, so either all of the speck disappears or none of it.
 FN_RARE Ring ring_around(Bool requested, Int px, Int py, Vec3 position, Vec3 normal) {
-  Ring found = Ring(requested && !requested, Real(0.0f), Real(0.0f));
+  Ring result = Ring(requested && !requested, Real(0.0f), Real(0.0f));
   int side = C.speck + 1;
   for (int at = 0; at < C.speck * C.speck; ++at) {
-    Ring ring = Ring(requested && !found.on, Real(1e30f), Real(-1e30f));
-    if (!some(ring.on)) continue;
+    Ring ring = Ring(requested && !result.found, Real(1e30f), Real(-1e30f));
+    if (!some(ring.found)) continue;
     int left = -1 - at % C.speck;
     int top = -1 - at / C.speck;
     Real step = step_of(near_toon_intensity(left, top));
     for (int k = 0; k < 4 * side; ++k) {
-      if (!some(ring.on)) continue;
-      // The four sides in turn.
+      if (!some(ring.found)) continue;
+      // k % 4 selects the side of the ring, m the pixel of that side.
       int m = k / 4;
       int i = k % 4 == 0 ? left + m : k % 4 == 1 ? left + side - m : k % 4 == 2 ? left + side : left;
       int j = k % 4 == 0 ? top : k % 4 == 1 ? top + side : k % 4 == 2 ? top + m : top + side - m;
@@ -115,17 +117,17 @@ FN_RARE Ring ring_around(Bool requested, Int px, Int py, Vec3 position, Vec3 nor
       ring.min = min(ring.min, intensity);
       ring.max = max(ring.max, intensity);
       Bool here = connected(i, j, px, py, position, normal);
-      ring.on = ring.on && here && step_of(intensity) == step;
+      ring.found = ring.found && here && step_of(intensity) == step;
     }
-    found.min = select(ring.on, ring.min, found.min);
-    found.max = select(ring.on, ring.max, found.max);
-    found.on = found.on || ring.on;
+    result.min = select(ring.found, ring.min, result.min);
+    result.max = select(ring.found, ring.max, result.max);
+    result.found = result.found || ring.found;
   }
-  return found;
+  return result;
 }
 
-// Returns the extent of a highlight along one axis within a pixel in which it ends on both sides, 0 to 1; its plane is
-// interpolated linearly to both neighbours. 1 if it does not end on both sides.
+// Returns the extent of a highlight within this pixel along one axis, 0 to 1, if it ends between this pixel and the
+// neighbours on both sides; else 1. Values of toon_highlight are interpolated linearly to both neighbours.
 FN Real extent_along(Real centre, Real before, Real after, Bool has_before, Bool has_after) {
   Bool ends = centre > 0.0f && has_before && has_after && before < 0.0f && after < 0.0f;
   Real backward = min(centre / max(centre - before, Real(1e-20f)), Real(0.5f));
@@ -165,12 +167,12 @@ FN void toon_pixel(Int px, Int py) {
   Real step = clamp(averaged_floor(scaled, width), Real(0.0f), Real(C.steps - 1.0f));
   // A speck takes the tone step that surrounds it.
   if (C.speck > 0) {
-    Bool ask = may_be_speck(surface, intensity, step);
-    if (some(ask)) {
-      Ring ring = ring_around(ask, px, py, position, normal);
+    Bool candidate = may_be_speck(surface, intensity, step);
+    if (some(candidate)) {
+      Ring ring = ring_around(candidate, px, py, position, normal);
       Real within = clamp(scaled, ring.min * C.steps_per_intensity, ring.max * C.steps_per_intensity);
       within = averaged_floor(min(within, Real(C.steps + 1.0f)), Real(C.min_width));
-      step = select(ring.on, clamp(within, Real(0.0f), Real(C.steps - 1.0f)), step);
+      step = select(ring.found, clamp(within, Real(0.0f), Real(C.steps - 1.0f)), step);
     }
   }
   Vec3 tone = Vec3(mad(step, Real(C.step_r), Real(C.shadow_r)), mad(step, Real(C.step_g), Real(C.shadow_g)),
@@ -189,14 +191,14 @@ FN void toon_pixel(Int px, Int py) {
     Real narrow = clamp(width - 1.0f, Real(0.0f), Real(1.0f));
     width = clamp(max(width, Real(C.softness)), Real(C.min_width), Real(1.0f));
     Real inside = clamp(highlight / width + 0.5f, Real(0.0f), Real(1.0f));
-    // A highlight narrower than a pixel, as on a bevel, covers at most the fraction of the pixel that it is wide, and
-    // nothing of a pixel that it does not reach; otherwise it would be a row of dots.
+    // A highlight narrower than a pixel, such as on a bevel, covers at most a fraction of the pixel: its width in
+    // pixels. It covers nothing of a pixel that it does not reach. Without these limits it would be a row of dots.
     Real max_value =
         min(extent_along(highlight, before, after, left, right), extent_along(highlight, above, below, up, down));
     Bool reached = highlight > 0.0f || (left && before > 0.0f) || (right && after > 0.0f) || (up && above > 0.0f) ||
                    (down && below > 0.0f);
     inside = inside + (min(inside, select(reached, max_value, Real(0.0f))) - inside) * narrow;
-    // Square root of the material's specular value: highlights of typical materials, 0.05 to 0.5, stay visible and
+    // Square root of the material's specular value: so highlights of typical values, 0.05 to 0.5, are visible and yet
     // differ.
     Real strength = sqrt(clamp(near_specular(0, 0), Real(0.0f), Real(1.0f))) * Real(C.specular);
     Real fraction = inside * min(strength, Real(1.0f));

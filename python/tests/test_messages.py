@@ -122,7 +122,7 @@ class Messages(unittest.TestCase):
             (meshed(texture="brick.png"), "`texture` takes an array, not 'brick.png'"),
             (meshed(texture=np.zeros((2, 2, 3))), "`texture` has the dtype float64: it takes uint8"),
             (meshed(texture=np.zeros((2, 2, 2), np.uint8)), "`texture` has the shape"),
-            (meshed(texture=np.zeros((0, 2, 3), np.uint8)), "`texture` has the shape .* 1 to 16384 pixels a side"),
+            (meshed(texture=np.zeros((0, 2, 3), np.uint8)), "`texture` has the shape .* 1 to 16384 pixels per side"),
             (meshed(vertices=POINTS[:0]), "`vertices` has 0 rows: it takes 1 to 2147483647"),
             (meshed(radii=np.ones(4)), "`radii` is for point clouds: the mesh has faces"),
             (meshed(faces=None, radii=[1, 2, 0, 3]), "`radii` holds 0, in row 2: it takes finite numbers above 0"),

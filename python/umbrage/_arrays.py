@@ -103,7 +103,7 @@ def texture_array(values: Any, name: str) -> NDArray[Any]:
     if array.ndim != 3 or array.shape[2] not in (3, 4):
         raise UsageError(f"`{name}` has the shape {array.shape}: it takes (height, width), or that and 3 or 4 channels")
     if not all(0 < side <= _MAX_TEXTURE_SIDE for side in array.shape[:2]):
-        raise UsageError(f"`{name}` has the shape {array.shape}: it takes 1 to {_MAX_TEXTURE_SIDE} pixels a side")
+        raise UsageError(f"`{name}` has the shape {array.shape}: it takes 1 to {_MAX_TEXTURE_SIDE} pixels per side")
     return np.ascontiguousarray(array)
 
 

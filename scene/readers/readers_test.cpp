@@ -58,7 +58,7 @@ TEST_P(Readers, TakeAnyBytes) {
     ASSERT_FALSE(seed.empty());
     reader.read(seed);
     // Third-party readers may crash, so they run in a separate process, below.
-    if (reader.by_library) continue;
+    if (reader.is_third_party) continue;
     constexpr std::size_t kCuts = 100;
     for (std::size_t i = 0; i < kCuts; ++i) reader.read(std::string_view(seed).substr(0, seed.size() * i / kCuts));
     constexpr int kChanges = 400;
@@ -76,7 +76,7 @@ TEST(ReadersOfOthers, NeverTakeTheProgramAlong) {
   int sound = 0;
   for (const Reader& reader : readers()) {
     const auto& formats = import_formats();
-    if (!reader.by_library || std::find(formats.begin(), formats.end(), reader.name) == formats.end()) continue;
+    if (!reader.is_third_party || std::find(formats.begin(), formats.end(), reader.name) == formats.end()) continue;
     const fs::path file = folder / ("model." + std::string(reader.name));
     for (const std::string& seed : reader.seeds()) {
       std::ofstream(file, std::ios::binary) << seed;

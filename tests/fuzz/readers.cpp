@@ -159,10 +159,10 @@ void read_as_setting(std::string_view bytes) {
     return expect(params == before, "a wrong value changed something");
   }
   // The text of the value is a valid value with the same text.
-  const std::string said = parameter_text(row, params);
-  const auto again = set_parameter("effect", row, said, params);
-  expect(bool(again), said);
-  check_equal(parameter_text(row, params), said, "a value's text");
+  const std::string value_text = parameter_text(row, params);
+  const auto again = set_parameter("effect", row, value_text, params);
+  expect(bool(again), value_text);
+  check_equal(parameter_text(row, params), value_text, "a value's text");
 }
 
 void read_as_scene_name(std::string_view bytes) {
