@@ -104,7 +104,7 @@ Lines trace_lines(const HostFrame& frame, const OutlineConstants& c) {
   drop_short(t, [&](const Chain& chain, int free_ends) { return min_length(chain, free_ends, c.scale); });
   const std::vector<std::uint8_t> free_ends = t.free_ends();
   smooth_chains(t);
-  meet(t);
+  connect_ends(t);
   return lines_of(t, free_ends, c, !pixel.perspective);
 }
 

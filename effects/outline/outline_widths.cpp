@@ -87,7 +87,7 @@ void narrow_where_crowded(const Tracing& t, float scale, std::vector<std::vector
       });
       float room = std::clamp(kShare * nearest / std::max(width, 1e-6f), 0.5f, 1.0f);
       if (p.kind != kOutlineId) room *= std::clamp(2.0f * nearest_reliable / beside - 1.0f, 0.0f, 1.0f);
-      room *= std::min(1.0f, kMaxCrowd / float(grid.crowd(p.x, p.y)));
+      room *= std::min(1.0f, kMaxCrowd / float(grid.count_around(p.x, p.y)));
       for (std::size_t of = k; of < std::min(k + 2, chain.points.size()); ++of) widths[c][of] *= room;
     }
   });
