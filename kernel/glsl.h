@@ -50,9 +50,8 @@ bool is_finite(float a) { return abs(a) <= 3.402823466e38f; }
 layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly buffer InPlane { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer OutPlane { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer InOutPlane { float at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer UintPlane {
-  uint at[];
-};  // only for GpuVariant steps
+// Only for GpuVariant steps:
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer UintPlane { uint at[]; };
 layout(set = 0, binding = 1, scalar) uniform planes_block { uvec2 planes[kMaxPlanes]; };
 
 // Number of planes, counted from the first, that are bound buffers; 0 if they are larger than the device can bind.

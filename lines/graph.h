@@ -26,7 +26,7 @@ class EdgeGraph {
 
   /// Builds the graph for a picture of width x height pixels. If two edges are on one side, the one of higher kind is
   /// kept; if their kinds are equal, the stronger one. Then, in the order of `edges`: if an edge has a loose end and
-  /// one side would connect that to another edge, an edge is added there, with the first edge's strength and
+  /// one side would connect that to another edge, an edge is added there, with the loose edge's strength and
   /// `step_kind`. Fails a check if an edge is outside the picture or has kind 0.
   EdgeGraph(std::vector<Edge> edges, int width, int height);
 
