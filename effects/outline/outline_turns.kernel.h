@@ -66,7 +66,7 @@ FN Real turn_at(Int px, Int py, int i, int j) {
   Real min_value = Real(C.crease_chord);
   candidate = candidate && max_value >= min_value * min_value * (kOutlineMinStrength * kOutlineMinStrength);
   if (!some(candidate)) return Real(0.0f);
-  // Counts the pixels of the surface valid either side, and finds out whether it ends there at its own silhouette.
+  // Counts the pixels of the surface on either side, and finds out whether it ends there at its own silhouette.
   int reach = 2 * C.max_window + 1;
   Real run_before = Real(float(reach));
   Real run_after = run_before;
