@@ -54,7 +54,7 @@ FN void lighting_pixel(Int px, Int py) {
   if (C.emission > 0.0f) sum = near_emission(0, 0) * Real(C.emission);
   for (int k = 0; k < C.light_count; ++k) {
     Vec3 light = towards_light(k, position);
-    Real attenuation = arriving_share(k, position);
+    Real attenuation = light_falloff(k, position);
     if (C.shadow > 0.0f) attenuation = attenuation * mad(shadow_of(k) - 1.0f, Real(C.shadow), Real(1.0f));
     Real lambert = max(dot(normal, light), Real(0.0f));
     Real highlight = Real(0.0f);

@@ -12,7 +12,7 @@ FN Vec3 towards_light(int k, Vec3 position) {
 }
 
 // Returns the factor of the colour of light k at an unoccluded position, by its distance; may exceed 1.
-FN Real arriving_share(int k, Vec3 position) {
+FN Real light_falloff(int k, Vec3 position) {
   if (C.kind[k] != 1 || !(C.reach_squared[k] > 0.0f)) return Real(1.0f);
   return Real(C.reach_squared[k]) / squared_distance(Vec3(Real(C.x[k]), Real(C.y[k]), Real(C.z[k])) - position);
 }

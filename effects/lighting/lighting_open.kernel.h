@@ -18,7 +18,7 @@ FN void lighting_open_pixel(Int px, Int py) {
   Real sum = luminance_of(ambient.x, ambient.y, ambient.z);
   for (int k = 0; k < C.light_count; ++k) {
     Vec3 light = towards_light(k, position);
-    Real falloff = arriving_share(k, position);
+    Real falloff = light_falloff(k, position);
     Real lambert = max(dot(normal, light), Real(0.0f)) * C.diffuse;
     sum = sum + falloff * lambert * luminance_of(Real(C.r[k]), Real(C.g[k]), Real(C.b[k]));
   }
