@@ -55,7 +55,7 @@ FN Real window_sample(Int px, Int py, int i, int j) {
   return select(near_inside(i, j), tap, Real(C.border == kUnsharpBorderZero ? C.border_depth : kNoSample));
 }
 
-// Returns whether a sample counts: it is one, and its difference to the centre is below the threshold.
+// Returns whether a sample counts: it exists, and differs from the centre by less than the threshold.
 FN Bool counts(Real tap, Real centre) { return tap >= 0.0f && abs(tap - centre) < Real(C.threshold); }
 
 // Returns `ao` for a box window.

@@ -36,8 +36,8 @@ struct Formulas {
 using VI = hn::Vec<DI>;
 using MI = hn::Mask<DI>;
 
-constexpr std::int32_t kAbsent =
-    1 << 30;                // marks a sample that never counts; differs from any depth by more than any threshold
+// Marks a sample that never counts. It differs from every depth by more than any threshold.
+constexpr std::int32_t kAbsent = 1 << 30;
 constexpr int kSlack = 16;  // max number of elements that vectors read past the end of a row
 
 // The samples of a tile and of its surroundings that windows contain, with the border mode applied.
@@ -161,8 +161,8 @@ void RunWithoutThreshold(const KernelFrame& frame, const Tile& tile, Formulas& f
 // ---- threshold
 // -------------------------------------------------------------------------------------------------------
 
-// For every sample of a patch, the min, max and sum of the block of size x size samples whose upper left one it is. The
-// sum may overflow in blocks that contain absent samples; it is not used there.
+// The min, max and sum of a block of size x size samples, for each sample of a patch as its upper left one. The sum may
+// overflow in blocks that contain absent samples; it is not used there.
 struct Level {
   std::vector<std::int32_t> min, max, sum;
 };
@@ -193,7 +193,8 @@ struct Block {
   int x, y, level;  // position in the window; the side is 2^level
 };
 
-// Divides a rectangle of a window into blocks, starting with those of the given level, and appends them.
+// Divides a rectangle of a window into blocks, as many as possible of the given level and the rest of lower levels, and
+// appends these to `blocks`.
 void cover(int x, int y, int width, int height, int level, std::vector<Block>& blocks) {
   if (width <= 0 || height <= 0) return;
   const int size = 1 << level;

@@ -1,6 +1,6 @@
-// First step of `unsharp` with a threshold on a GPU: computes the min, max and sum of the block of 4 x 4 samples whose
-// upper left sample is each sample. Values of blocks that extend past the picture are undefined and never read. The
-// next step is unsharp_blocks8.comp.
+// First step of `unsharp` with a threshold on a GPU: computes, for each sample as the upper left one, the min, max and
+// sum of a block of 4 x 4 samples. Values of blocks that extend past the picture are undefined and never read. The next
+// step is unsharp_blocks8.comp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel/glsl.h"
