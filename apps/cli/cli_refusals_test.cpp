@@ -208,7 +208,9 @@ TEST_F(CliRefusals, RefusesMissingAndExtraArguments) {
   bad_option("--look ao --look unsharp", {"--look", "twice"});
   bad("list", 2, {"required", "umbrage list --help"});
   bad("list looks extra", 2, {"'extra'", "too many"});
-  bad("list looks extra more", 2, {"'extra'", "too many"});
+  bad("list effects outlien", 2, {"'outlien'", "did you mean 'outline'"});
+  bad("list passes cartoom", 2, {"'cartoom'", "did you mean 'cartoon'"});
+  bad("list looks extra more", 2, {"'more'", "too many"});
 }
 
 }  // namespace

@@ -328,6 +328,9 @@ TEST_F(Cli, ListsWhatThereIs) {
   for (const std::string& format : import_formats()) formats_there.push_back("." + format);
   for (const auto& [kind, names] : {std::pair<std::string, Words>{"looks", looks_there},
                                     {"effects", effects_there},
+                                    {"effects outline", {"outline", "outline.width"}},
+                                    {"passes", {"depth", "ao", "color", "all"}},
+                                    {"passes cartoon", {"toon_intensity", "outline"}},
                                     {"scenes", scenes_there},
                                     {"devices", {"cpu"}},
                                     {"formats", formats_there}}) {

@@ -58,7 +58,7 @@ Words scene_names() {
 /// Returns the possible values of an option or positional argument; empty for numbers, files and other open values.
 Words values_of(const CLI::App& command, std::string_view option) {
   const std::string& name = command.get_name();
-  if (option == "WHAT" && name == "list") return {"looks", "effects", "scenes", "devices", "formats"};
+  if (option == "WHAT" && name == "list") return {"looks", "effects", "passes", "scenes", "devices", "formats"};
   if (option == "SHELL") return {kShells.begin(), kShells.end()};
   if (option == "filter") return filter_names();
   if (option == "effect") return effect_names();
