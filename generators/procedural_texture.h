@@ -1,5 +1,5 @@
-// Procedural textures: stone, tiles, wood, plaster, fabric, leaves. All repeat unless noted otherwise; colours are
-// linear Rec.709 here and sRGB in the texture.
+// Procedural textures: stone, tiles, wood, plaster, fabric, leaves. Each function makes the texture that its comment
+// describes. All textures repeat unless noted otherwise. Colours are linear Rec.709 here and sRGB in the texture.
 #pragma once
 #include <functional>
 #include <glm/vec2.hpp>
@@ -26,7 +26,7 @@ Texture marble_tiles(int size, glm::vec3 light, glm::vec3 dark, glm::vec3 inlay,
 /// Plaster or rough stone: mottled, with fine grain; contrast about 0.05 to 0.3.
 Texture plaster(int size, glm::vec3 color, float contrast, std::uint32_t seed);
 
-/// Floor boards along u, `boards` rows of them, with grain, butt joints and gaps; 1 makes a single plank without gaps.
+/// Floor boards along u, `boards` rows of them, with grain, butt joints and gaps. One board is a plank without gaps.
 Texture wood(int size, int boards, glm::vec3 light, glm::vec3 dark, std::uint32_t seed);
 
 /// A damask: an ogee lattice with a flower in each field, `figure` on `ground`, over a fine weave.

@@ -1,4 +1,5 @@
-// Modelling kit of the built-in scenes: shapes as triangle meshes, curves and profiles, placing and joining.
+// Modelling kit of the built-in scenes: shapes as triangle meshes, curves and profiles, placing and joining. Each
+// function returns the shape that its comment describes.
 //
 // Conventions for all shapes: y is up and lengths are metres; triangles are counter-clockwise seen from outside;
 // normals are unit and point outwards; texture coordinates are metres along the surface (scale_uvs converts them to
@@ -51,7 +52,8 @@ Mesh drape(float width, float height, float folds, float depth, std::uint32_t se
 
 // ------------------------------------------------------------------------------------------------------------ solids
 
-/// A box between two corners. Edges are rounded by `bevel` with 2 * bevel_segments quads across; with either 0, sharp.
+/// A box between two corners. Edges are rounded by `bevel` with 2 * bevel_segments quads across; if either is 0, edges
+/// are sharp.
 Mesh box(glm::vec3 low, glm::vec3 high, float bevel = 0.0f, int bevel_segments = 1);
 
 /// A sphere around the origin.
@@ -78,12 +80,12 @@ inline Mesh cylinder(float radius, float height, int slices, int stacks = 1) {
   return cone(radius, radius, height, slices, stacks);
 }
 
-/// Surface of revolution about y. The profile holds (radius, y) and runs upwards on the outside: from the axis at the
+/// A surface of revolution about y. The profile holds (radius, y) and runs upwards on the outside: from the axis at the
 /// bottom, out, up and back to the axis closes the solid. `turn_deg` below 360 makes a sector, open at its ends.
 /// uvs: metres around the widest place, and metres along the profile.
 Mesh lathe(std::span<const glm::vec2> profile, int slices, float turn_deg = 360.0f);
 
-/// Prism: an outline (x, y), counter-clockwise, without holes, from z = 0 to depth, with both caps.
+/// A prism: an outline (x, y), counter-clockwise, without holes, from z = 0 to depth, with both caps.
 Mesh extrusion(std::span<const glm::vec2> outline, float depth);
 
 /// Sweeps a closed section (counter-clockwise seen against the direction of travel) along a smooth path. The section's
@@ -101,7 +103,7 @@ Mesh tube(std::span<const glm::vec3> path, float radius, int sides, bool closed_
 /// the right of the path it runs from bottom to top. Ends are left open.
 Mesh moulding(std::span<const glm::vec3> path, std::span<const glm::vec2> section, bool closed);
 
-/// Wall over a round-headed opening: x in +-width/2, y in [0, height], z in +-depth/2, minus a half disc of diameter
+/// A wall over a round-headed opening: x in +-width/2, y in [0, height], z in +-depth/2, minus a half disc of diameter
 /// `opening` around the origin. Front, back, the underside of the arch and the two springings; with `closed`, also top
 /// and ends.
 Mesh arch(float opening, float width, float height, float depth, int segments, bool closed = false);
@@ -164,7 +166,7 @@ void box_uvs(Mesh& mesh);
 
 // ----------------------------------------------------------------------------------------------------------- scenes
 
-/// Each adds an element to a scene and returns its index.
+/// Add an element to a scene. Return its index.
 int add_texture(Scene& scene, Texture texture);
 int add_material(Scene& scene, Material material);
 
@@ -177,14 +179,14 @@ struct MaterialMaker {
   int cut_out(std::string name, Texture texture) const;
 };
 
-/// Adds a mesh under a name; its object id is its index, or that of the earlier mesh `part_of`. Empty meshes are left
-/// out. Returns the object id.
+/// Adds a mesh under a name; its object id is its index, or the object id of the earlier mesh `part_of`. Empty meshes
+/// are left out. Returns the object id.
 int add_mesh(Scene& scene, std::string name, Mesh mesh, int material, int part_of = -1);
 
 /// Tessellation of a scene: counts in the code are for scale 1, and grow with the scale.
 struct Detail {
   float scale = 1.0f;
-  /// Returns a count that is `base` at scale 1, at least `least`.
+  /// Returns a count that is `base` at scale 1, and at least `min`.
   int operator()(float base, int min = 1) const;
 };
 
@@ -192,7 +194,7 @@ struct Detail {
 /// the scale until the count is within a fifth or no longer changes (the minimum of the scene).
 Scene build_to_count(int triangles, const std::function<Scene(const Detail&)>& build);
 
-/// Does the same with materials and textures that are made once: each attempt only gets their indices.
+/// Does the same for a scene whose materials and textures are made only once; each attempt gets their indices.
 template <class Materials>
 Scene build_with_materials(std::string name, int triangles, Materials (*add_materials)(Scene&),
                            Scene (*build)(const Materials&, const Detail&)) {
