@@ -40,7 +40,7 @@ inline float box(glm::vec3 p, glm::vec3 centre, glm::vec3 half, float round) {
   return glm::length(glm::max(out, 0.0f)) + std::min(std::max({out.x, out.y, out.z}), 0.0f) - round;
 }
 
-/// Union, intersection and difference of two fields, with seams rounded over about the width `blend`.
+/// Return the union, intersection and difference of two fields, with seams rounded over about the width `blend`.
 inline float join(float a, float b, float blend) {
   const float h = std::max(blend - std::abs(a - b), 0.0f) / blend;
   return std::min(a, b) - 0.25f * h * h * blend;

@@ -13,7 +13,7 @@
 
 namespace umbrage::test {
 
-/// The messages of the validation layers so far, for all devices below.
+/// Returns the messages of the validation layers so far, from all devices of the functions below.
 inline std::vector<std::string>& validation_messages() {
   static std::vector<std::string> all;
   return all;

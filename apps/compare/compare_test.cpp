@@ -95,7 +95,7 @@ Comparison compared(const CompareSettings& settings) {
   return *result;
 }
 
-/// A comparison of a small scene at two sizes, shared by several tests.
+/// Returns a comparison of a small scene at two sizes, shared by several tests.
 const Comparison& small_comparison() {
   static const Comparison comparison = [] {
     CompareSettings settings = solids_settings(7000, {96, 64}, 16);
@@ -303,7 +303,7 @@ TEST(Compare, GuardBandIsCutOffBeforeScoring) {
   EXPECT_GT(changed, 0);
 }
 
-/// A comparison of light of one small picture, shared by several tests.
+/// Returns a comparison of light of one small picture, shared by several tests.
 const Comparison& light_comparison() {
   static const Comparison comparison = [] {
     CompareSettings settings = solids_settings(7000, {96, 64}, 64);

@@ -39,7 +39,7 @@ class Choices {
 /// Heap memory that can start at any address.
 class Block {
  public:
-  /// `offset`: number of unused bytes before the first byte.
+  /// Allocates `size` bytes after `offset` unused ones.
   explicit Block(std::size_t size, std::size_t offset = 0);
   std::byte* data() { return bytes_.get() + offset_; }
   std::size_t size() const { return size_; }
