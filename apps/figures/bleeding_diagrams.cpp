@@ -293,12 +293,12 @@ FigurePicture section_diagram(const Shot& shot, const HemisphereConstants& c, co
   draw_disc(image, center, 5.0f * line, kPixel);
   const int scale_text = text_scale(size), step = int(1.2f * float(kLetterHeight * scale_text));
   int text_y = size - 5 * step - step / 2;
-  fill(image, 0, text_y - step / 2, 3 * step + text_width("what hides it, with its normal", scale_text), size,
+  fill(image, 0, text_y - step / 2, 3 * step + text_width("its occluder, with its normal", scale_text), size,
        vec3(1.0f));
   for (const auto& [text, color] : {std::pair{"the pixel and its normal", kPixel},
-                                    {"sample point, hidden", kSample},
-                                    {"what hides it, with its normal", kSurface},
-                                    {"light that it sends", kLight},
+                                    {"sample point, occluded", kSample},
+                                    {"its occluder, with its normal", kSurface},
+                                    {"light that it reflects", kLight},
                                     {"sample point, open", kOpen}}) {
     draw_disc(image, {float(step), float(text_y) + 4.0f * float(scale_text)}, 3.5f * line, color);
     write_text(image, 2 * step, text_y, scale_text, text);
@@ -436,7 +436,7 @@ Result<Figure> bleeding_diagrams(Studio& studio, const Framing& view) {
       {"2: fraction of the points not below the surface, within the radius (paper preset)",
        fraction_of_points(*paper, is_above), 1.0, 1.0},
       {"2: the same (our own)", fraction_of_points(*ours, is_above), 1.0, 1.0},
-      {"2: share within half of the radius: points crowd to the centre (paper preset)",
+      {"2: fraction within half of the radius: points are dense near the centre (paper preset)",
        fraction_of_points(*paper, is_inner), 0.6, 1.0},
       {"4: occlusion of the pixel as drawn, against the plane's", std::abs(drawn_ao - plane_ao), 0.0, 1e-5},
       {"4: sample points that send light to the pixel",

@@ -232,7 +232,7 @@ Result<Figure> tangents(Studio& studio) {
       }
     figure.numbers.insert(
         figure.numbers.end(),
-        {{fmt::format("flat faces: share that repeats after four pixels ({})", preset.name),
+        {{fmt::format("flat faces: fraction that repeats after four pixels ({})", preset.name),
           all ? double(repeated) / double(all) : 0.0, 1.0, 1.0},
          {fmt::format("different tangents in a tile of 4 x 4 ({})", preset.name), double(max_seen.size()), 16.0, 16.0},
          {fmt::format("largest deviation from a unit vector in the surface ({})", preset.name), deviation, 0.0, 1e-5}});
