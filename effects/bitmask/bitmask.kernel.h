@@ -24,7 +24,7 @@ OUT_REAL(ao)
 
 CONST float kDepthRounding = 2e-6f;   // relative to the depth: 16 to 32 ulp
 CONST float kFirstStep = 1.3f;        // pixels; nearer taps would read the pixel itself
-CONST float kMaxReach = 1e5f;         // pixels
+CONST float kMaxRadiusPx = 1e5f;      // pixels
 CONST float kMinFacing = 0.1f;        // min N.V; smaller values are clamped
 CONST float kStepTurn = 0.61803399f;  // change of the jitter of steps and of bits from one slice to the next
 CONST float kEdgeOn = 2.5e-7f;   // squared cosine, the error of packed normals; below it a surface shows its front side
@@ -145,18 +145,18 @@ FN TapVector vector_to_tap(Origin from, Side side, Real x, Real y, Real depth) {
 }
 
 // Returns the cosine of the angle between the vector and the view direction.
-FN Real cosine_of(TapVector way) { return way.to_eye * rsqrt(way.squared); }
+FN Real cosine_of(TapVector to_tap) { return to_tap.to_eye * rsqrt(to_tap.squared); }
 
 // Returns the bits that an occluder covers. Its thickness is the assumed one, but at most `max_thickness`.
-FN Uint covered_bits(TapVector way, Side side, Real max_thickness) {
-  Real inverse_length = rsqrt(way.squared);
-  Real front = max(way.to_eye * inverse_length, side.low);
+FN Uint covered_bits(TapVector to_tap, Side side, Real max_thickness) {
+  Real inverse_length = rsqrt(to_tap.squared);
+  Real front = max(to_tap.to_eye * inverse_length, side.low);
   Real back = side.low;
   if (C.infinite == 0) {
-    Real thick = max(way.squared * inverse_length * Real(C.slope), Real(C.thickness));
-    if (kLayers) thick = min(thick, max_thickness);
-    Real to_eye = way.to_eye - thick;
-    back = max(to_eye * rsqrt(mad(to_eye, to_eye, way.across2)), side.low);
+    Real thickness = max(to_tap.squared * inverse_length * Real(C.slope), Real(C.thickness));
+    if (kLayers) thickness = min(thickness, max_thickness);
+    Real to_eye = to_tap.to_eye - thickness;
+    back = max(to_eye * rsqrt(mad(to_eye, to_eye, to_tap.across2)), side.low);
   }
   Uint from = ones_from(to_int(bit_of(front, side)));
   return from ^ ones_from(to_int(bit_of(back, side)));
@@ -174,7 +174,7 @@ FN Vec3 facing_normal(Vec3 normal, Vec3 eye) {
 // Returns the radius in columns at a depth.
 FN Real radius_px_at(Real depth) {
   Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
-  return clamp(Real(C.radius_px) / spread, Real(0.0f), Real(kMaxReach));
+  return clamp(Real(C.radius_px) / spread, Real(0.0f), Real(kMaxRadiusPx));
 }
 
 // Returns whether taps may fall outside the picture. `radius_px`: columns.
@@ -194,7 +194,7 @@ FN Vec2 direction_of(Real turn) {
 }
 
 // Returns whether a tap shows a surface within the radius.
-FN Bool is_near(TapVector way, Real depth) { return way.squared <= Real(C.radius2) && depth > 0.0f; }
+FN Bool is_near(TapVector to_tap, Real depth) { return to_tap.squared <= Real(C.radius2) && depth > 0.0f; }
 
 FN Origin origin_of(Int px, Int py, Real depth, Vec3 normal, Real facing) {
   Real x = to_real(px);
@@ -216,6 +216,7 @@ struct ShadedPoint {
   bool near_border;  // whether taps may fall outside the picture
 };
 
+// Returns the data of a pixel whose surface is at `depth`.
 FN ShadedPoint shaded_point_at(Int px, Int py, Real depth) {
   // The direction of the view ray does not depend on the depth; depth 1 avoids overflow and underflow.
   Vec3 view_ray = view_position(px, py, Real(1.0f));
@@ -299,18 +300,19 @@ struct TapResult {
 FN Vec3 light_of(int i, Uint new_bits, Origin from, Tap tap, Real depth, Vec3 position) {
   Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
   Real count = to_real(popcount(new_bits));
-  Bool sends = count > 0.0f;
-  if (!some(sends)) return none;
-  Int place = place_of(select(sends, floor(tap.x), from.x), select(sends, floor(tap.y), from.y));
+  Bool has_new_bits = count > 0.0f;
+  if (!some(has_new_bits)) return none;
+  Int place = place_of(select(has_new_bits, floor(tap.x), from.x), select(has_new_bits, floor(tap.y), from.y));
   Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
-  Vec3 there = Vec3(mad(tap.x + 0.5f, Real(F.ray_scale_x), Real(F.ray_offset_x)) * spread,
-                    mad(tap.y + 0.5f, Real(F.ray_scale_y), Real(F.ray_offset_y)) * spread, -depth);
+  Vec3 occluder = Vec3(mad(tap.x + 0.5f, Real(F.ray_scale_x), Real(F.ray_offset_x)) * spread,
+                       mad(tap.y + 0.5f, Real(F.ray_scale_y), Real(F.ray_offset_y)) * spread, -depth);
   // If the shaded point faces the back side of the surface, the light is that of the back side.
-  Vec3 way = there - position;
-  Real turned = dot(way, normal_of(C.layer[i], place));
-  Bool away = turned * abs(turned) > dot(way, way) * kEdgeOn;
-  Vec3 light = select(sends && !away, outgoing_light_of(C.layer[i], place), none);
-  if (C.back[i] >= 0 && some(sends && away)) light = select(sends && away, outgoing_light_of(C.back[i], place), light);
+  Vec3 to_tap = occluder - position;
+  Real turned = dot(to_tap, normal_of(C.layer[i], place));
+  Bool shows_back = turned * abs(turned) > dot(to_tap, to_tap) * kEdgeOn;
+  Vec3 light = select(has_new_bits && !shows_back, outgoing_light_of(C.layer[i], place), none);
+  if (C.back[i] >= 0 && some(has_new_bits && shows_back))
+    light = select(has_new_bits && shows_back, outgoing_light_of(C.back[i], place), light);
   return light * count;
 }
 
@@ -323,8 +325,8 @@ FN TapResult evaluate_tap(Origin from, Side side, Real distance_px, Real size, b
   Real depth = tap.depth;
   int count = kLayers ? C.layer_count : 1;
   for (int i = 0; i < count; ++i) {
-    TapVector way = vector_to_tap(from, side, tap.x, tap.y, depth);
-    Bool counts = is_near(way, depth) && tap.inside;
+    TapVector to_tap = vector_to_tap(from, side, tap.x, tap.y, depth);
+    Bool counts = is_near(to_tap, depth) && tap.inside;
     Real next = depth;
     Real max_thickness = Real(3e38f);
     if (kLayers && i + 1 < count) {
@@ -332,7 +334,7 @@ FN TapResult evaluate_tap(Origin from, Side side, Real distance_px, Real size, b
       // The occluder ends where the next surface begins, at the latest.
       max_thickness = select(next > depth, next - depth, max_thickness);
     }
-    Uint new_bits = select(counts, covered_bits(way, side, max_thickness), Uint(0u));
+    Uint new_bits = select(counts, covered_bits(to_tap, side, max_thickness), Uint(0u));
     if (kLight) light = light + light_of(i, new_bits & ~(covered | bits), from, tap, depth, position);
     bits = bits | new_bits;
     depth = next;

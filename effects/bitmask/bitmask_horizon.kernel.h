@@ -9,14 +9,14 @@
 
 // Returns the larger of `highest` and the cosine to the surface at a tap, which approaches side.low towards the radius
 // if C.falloff is above 0.
-FN Real raised_horizon(Real highest, Side side, TapVector way, Real depth) {
-  Real c = cosine_of(way);
+FN Real raised_horizon(Real highest, Side side, TapVector to_tap, Real depth) {
+  Real c = cosine_of(to_tap);
   if (C.falloff > 0.0f) {
-    Real distance = way.squared * rsqrt(way.squared);
+    Real distance = to_tap.squared * rsqrt(to_tap.squared);
     Real fraction = clamp((Real(C.radius) - distance) * Real(C.fade), Real(0.0f), Real(1.0f));
     c = mad(c - side.low, fraction, side.low);
   }
-  return select(is_near(way, depth), max(c, highest), highest);
+  return select(is_near(to_tap, depth), max(c, highest), highest);
 }
 
 // Returns the measure, on one side, of the directions from the view direction down to the cosine c. `nv`, `nt`:

@@ -9,7 +9,7 @@ FN Uint hilbert_index(Uint x, Uint y) {
     Uint x_bit = (x >> level) & Uint(1u);
     Uint y_bit = (y >> level) & Uint(1u);
     index = (index << 2) | ((x_bit * Uint(3u)) ^ y_bit);
-    // The curve in a sub-square is mirrored if right = 1 and low = 0; x and y are swapped if low = 0.
+    // In a sub-square, the curve is mirrored if x_bit = 1 and y_bit = 0; x and y are swapped if y_bit = 0.
     Uint mirrored = x_bit & (y_bit ^ Uint(1u));
     Uint mirror_mask = Uint(0u) - mirrored;
     Uint swap_mask = Uint(0u) - (y_bit ^ Uint(1u));

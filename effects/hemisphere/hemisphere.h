@@ -11,7 +11,7 @@ struct HemisphereParams {
   Length radius;     // scene units, or percent of the bounding-sphere radius
   int distribution;  // kHemisphereEven or kHemispherePaper
   int seed;
-  int noise;        // side of the tile, pixels; 0: the whole picture
+  int noise;        // side of the noise tile, pixels; 0: noise does not repeat
   int range;        // kHemisphereRangeNone to kHemisphereRangeSmoothstep
   int range_depth;  // 0 view, 1 window
   float range_factor;
@@ -84,7 +84,7 @@ struct HemisphereConstants {
   float scale_x[kLayersRead], offset_x[kLayersRead], scale_y[kLayersRead], offset_y[kLayersRead];
   float ray_scale_x[kLayersRead], ray_offset_x[kLayersRead], ray_scale_y[kLayersRead], ray_offset_y[kLayersRead];
   // Transform from the first camera's view space to that of the layer's camera. It is rigid; these are the first three
-  // rows of its matrix, row after row.
+  // rows of its matrix, row by row: three factors and a translation each.
   float move[12 * kLayersRead];
   // Five values per sample point: x and y perpendicular to the normal, z along it, length, weight.
   float points[5 * kHemisphereMaxSamples];
