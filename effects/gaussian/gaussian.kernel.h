@@ -8,7 +8,7 @@ IN_VECTOR(normal)
 #include "kernel/surface.kernel.h"
 
 // With `edges`, a neighbour has full weight up to this distance from the pixel's plane, and none at twice the distance
-// or more. On one surface, only curvature takes the next pixel off the plane, which is far less. At a tolerance of 1,
+// or more. On one surface, the next pixel is off the plane only by curvature, which is far less. At a tolerance of 1,
 // the loss of occlusion at creases would outweigh the removed noise.
 CONST float kTolerancePx = 0.75f;
 
