@@ -23,7 +23,7 @@ inline constexpr std::int64_t kMaxPanoramaPixels = std::int64_t(1) << 27;
 /// Larger panoramas are reduced to this size when they are read.
 inline constexpr int kMaxPanoramaWidth = 8192, kMaxPanoramaHeight = 4096;
 
-/// Reads a panorama: HDR as it is, other formats as sRGB. Errors: kFile.
+/// Reads a panorama: HDR as linear light, other formats as sRGB. Errors: kFile.
 Result<Panorama> decode_panorama(std::span<const std::uint8_t> bytes, const std::string& name);
 Result<Panorama> read_panorama(const std::filesystem::path& file);
 
