@@ -1,10 +1,10 @@
-// Random numbers and angles in the kernel dialect, by operations that round identically on every machine. For kernels
-// that include it.
+// Random numbers and trigonometric functions in the kernel dialect, which round identically on every machine. Kernels
+// that need them include this file.
 
 // Converts random bits to a number in [0, 1).
 FN Real share_of_one(Uint v) { return to_real(v >> 8) * 5.9604645e-8f; }  // 2^-24
 
-// Returns the sine of u quarter turns, u in [-0.5, 0.5], by a series; error below 1e-6.
+// Returns the sine of u quarter turns, u in [-0.5, 0.5], from a truncated series; error below 1e-6.
 FN Real sine_of_quarter_turns(Real u) {
   Real x = u * 1.57079633f;
   Real squared = x * x;
@@ -14,7 +14,7 @@ FN Real sine_of_quarter_turns(Real u) {
   return mad(sum * squared, x, x);
 }
 
-// Returns cosine and sine of a fraction of a full turn, in [0, 1).
+// Returns (cosine, sine) of an angle, given as a fraction of a full turn in [0, 1).
 FN Vec2 direction_of_turn(Real turn) {
   Real s = sine_of_quarter_turns(turn - 0.5f);
   Real c = sqrt(mad(-s, s, Real(1.0f)));

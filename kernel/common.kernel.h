@@ -1,4 +1,4 @@
-// Functions in the kernel dialect for all kernels. F is the FrameConstants.
+// Functions that all kernels share, in the kernel dialect. F is the FrameConstants of the picture.
 
 // Returns v, or 0 where it is NaN or infinite.
 FN Real finite_or_zero(Real v) { return select(is_finite(v), v, Real(0.0f)); }
@@ -13,25 +13,25 @@ FN Vec3 normalized(Vec3 v) {
 // Returns whether a pixel's depth is that of a surface.
 FN Bool is_surface(Real depth) { return depth > 0.0f && is_finite(depth); }
 
-// Occlusion and light beyond this count as NaN: sums must stay finite.
+// Values of occlusion and light with a magnitude above this are treated as NaN, so that sums stay finite.
 CONST float kMaxCleanValue = 1e30f;
 
-// Returns the visibility, or 1 (unoccluded) where it is NaN.
+// Returns the visibility, or 1 (unoccluded) where it is NaN or above kMaxCleanValue.
 FN Real clean_ao(Real ao) { return select(abs(ao) <= kMaxCleanValue, ao, Real(1.0f)); }
 
-// Returns the light, or 0 where it is NaN.
+// Returns the light, or 0 where it is NaN or above kMaxCleanValue.
 FN Real clean_light(Real light) { return select(abs(light) <= kMaxCleanValue, light, Real(0.0f)); }
 FN Vec3 clean_light(Vec3 light) { return Vec3(clean_light(light.x), clean_light(light.y), clean_light(light.z)); }
 
-// The integer hash "lowbias32", found by search [Wellons 2018].
+// Returns the hash of an integer: "lowbias32" [Wellons 2018].
 FN Uint scrambled(Uint v) {
   v = (v ^ (v >> 16)) * Uint(0x7feb352du);
   v = (v ^ (v >> 15)) * Uint(0x846ca68bu);
   return v ^ (v >> 16);
 }
 
-// Returns n scaled to length 1; the direction to the camera where n is 0 or NaN. Rounds identically on every machine:
-// no rsqrt.
+// Returns n scaled to length 1, or the direction to the camera where n is 0 or NaN. Does not use rsqrt, so it rounds
+// identically on every machine.
 FN Vec3 unit_normal(Vec3 n, Vec3 position) {
   Real squared = dot(n, n);
   Bool usable = squared > 1e-20f && squared < 1e20f;
@@ -55,9 +55,9 @@ FN Vec3 to_eye(Vec3 position) {
   return normalized(-position);
 }
 
-// Blends two linear values by their square roots, which is close to display encodings and to perception: a black line
-// between two pixels looks as dark as one on a pixel. Blended linearly, each of the two would look three quarters as
-// bright as its surroundings.
+// Blends two linear values by their square roots, which approximates display encodings and perception: a black line
+// halfway between two pixels looks as dark as a line on one pixel. With linear blending, each of the two pixels would
+// look three quarters as bright as its surroundings.
 FN Real mixed_as_square_roots(Real light, Real line, Real fraction) {
   Real root = sqrt(max(light, Real(0.0f)));
   root = mad(sqrt(line) - root, fraction, root);

@@ -1,8 +1,9 @@
-// Compiles one kernel for the CPU. A NAME.cpu.cpp defines, before it includes this,
-//   UMBRAGE_KERNEL            its name: its entry point is NAME_pixel(Int x, Int y)
-//   UMBRAGE_KERNEL_TEXT       the path of the kernel
+// Compiles one kernel for the CPU. Before it includes this file, a NAME.cpu.cpp defines
+//   UMBRAGE_KERNEL            the kernel's NAME; its entry point is NAME_pixel(Int x, Int y)
+//   UMBRAGE_KERNEL_TEXT       the path of the kernel's text
 //   UMBRAGE_KERNEL_CONSTANTS  the constants struct
-// and this defines run_scalar_NAME and run_lanes_NAME, which kernels/NAME.h declares. Included once per SIMD target.
+// This file then defines run_scalar_NAME and run_lanes_NAME, which kernels/NAME.h declares. It is included once per
+// SIMD target.
 #include <algorithm>
 
 #include "kernel/lanes.h"
@@ -43,11 +44,11 @@ struct Kernel {
 
 void Run(const KernelFrame& frame, const Tile& tile) {
   TilePixels pixels(frame, tile);
-  // A tile without pixels skips even the lookup of planes by name.
+  // Returns before the planes are looked up by name, which takes time.
   if (!pixels.next()) return;
   const bool packs = pixels.packs;
   Kernel kernel{{frame}};
-  const auto lane = hn::Iota(DI(), 0);  // outside the loop: it is expensive
+  const auto lane = hn::Iota(DI(), 0);  // computed once, since it is expensive
   do {
     const int y = pixels.y, end = pixels.end;
     for (int x = pixels.x; x < end; x += kLanes) {
@@ -59,7 +60,7 @@ void Run(const KernelFrame& frame, const Tile& tile) {
         py = pixels.rows;
         kernel.view.move_to(px, py);
       }
-      kernel.UMBRAGE_CONCAT(UMBRAGE_KERNEL, _pixel)(px, py);  // one call, since it is inlined
+      kernel.UMBRAGE_CONCAT(UMBRAGE_KERNEL, _pixel)(px, py);  // the only call site, since the kernel is inlined
     }
   } while (pixels.next());
 }

@@ -1,4 +1,4 @@
-// The operations of the kernel dialect on every SIMD target, compared with scalar.h, which defines them.
+// Compares the operations of the kernel dialect on every SIMD target with scalar.h, which defines them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -25,7 +25,7 @@ struct DialectResults {
   std::vector<unsigned> ones_from, shifted;
   std::vector<float> real_of_uint, real_of_int, mad, rsqrt, pow, floor, fract;
   std::vector<int> less;
-  // For the `lanes` pixels that run together.
+  // Results of operations across lanes.
   int lanes = 0;
   std::vector<int> count_lanes, this_lane;
   std::vector<float> packed, of_lane, added[3];
@@ -89,7 +89,7 @@ namespace {
 
 HWY_EXPORT(RunDialect);
 
-/// Checks the operations across the pixels that run together, starting at `first`.
+/// Checks the operations across lanes, for the vector that starts at `first`.
 void expect_lanes_together(const DialectInput& in, const DialectResults& out, std::size_t first,
                            const std::string& target) {
   std::vector<float> odd, sums[3];
@@ -152,7 +152,7 @@ TEST(Dialect, LanesMeanWhatScalarMeans) {
                        std::vector<unsigned>(n),
                        std::vector<unsigned>(n)};
     HWY_DYNAMIC_DISPATCH(RunDialect)(in, out);
-    EXPECT_EQ(out.rsqrt[0], 1.0f) << target;  // unit normals remain unit
+    EXPECT_EQ(out.rsqrt[0], 1.0f) << target;  // unit normals keep length 1
     for (std::size_t i = 0; i < n; ++i) {
       const unsigned bits = in.bits[i];
       const float real = in.reals[i];

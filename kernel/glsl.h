@@ -1,14 +1,14 @@
-// The kernel dialect in GLSL. A NAME.comp includes this, its constants, and then
+// The kernel dialect in GLSL. A NAME.comp includes this file and the header of its constants, and then contains
 //   UMBRAGE_CONSTANTS(NameConstants)
 //   #include "kernel/common.kernel.h"
 //   #include "effects/NAME/NAME.kernel.h"
 //   UMBRAGE_MAIN(NAME)
 //
-// A pass reads up to a hundred planes, more than drivers bind at once. Its first input planes are bound buffers, which
-// are fastest; all others, its outputs, and planes chosen by layer number are reached by their addresses in the table
-// `planes`. The device passes the index of a plane in the table as the specialization constant NAME_slot. The id of
-// this constant is derived from the line that declares the plane, so that nothing is numbered by hand: two planes must
-// not be declared on lines of the same number, which the compiler refuses ("id already used").
+// A dispatch reads up to a hundred planes, more than drivers can bind at once. Its first input planes are bound
+// buffers, which are fastest. All other inputs, all outputs, and planes selected by layer number are accessed by their
+// addresses in the table `planes`. The device passes the index of a plane in that table as the specialization constant
+// NAME_slot, whose id is derived from the number of the line that declares the plane. So no two planes may be declared
+// on lines with the same number; the compiler rejects this ("id already used").
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
@@ -41,7 +41,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 ivec2 here;
 const int kLanes = 1;
-const int kListLength = 8;  // a GPU keeps lists where it keeps spilled registers
+const int kListLength = 8;  // a GPU stores lists in the memory for spilled registers
 
 float pow_of(float a, float b) { return a > 0.0f ? exp2(b * log2(a)) : 0.0f; }
 uint ones_from(int b) { return b < 32 ? 0xffffffffu << b : 0u; }
@@ -50,16 +50,17 @@ bool is_finite(float a) { return abs(a) <= 3.402823466e38f; }
 layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly buffer InPlane { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer OutPlane { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer InOutPlane { float at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer UintPlane { uint at[]; };  // only in GPU steps
+// Only for GpuVariant steps:
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer UintPlane { uint at[]; };
 layout(set = 0, binding = 1, scalar) uniform planes_block { uvec2 planes[kMaxPlanes]; };
 
-// Number of the first planes that are bound; 0 if they are larger than the device can bind.
+// Number of planes, counted from the first, that are bound buffers; 0 if they are larger than the device can bind.
 layout(constant_id = 0) const int bound_planes = 0;
 layout(set = 1, binding = 0, scalar) restrict readonly buffer bound_block { float at[]; }
 bound[kBoundPlanes];
 
-// Plane NAME becomes name_plane; `n` distinguishes planes declared on one line. Two texts of a kernel must not declare
-// planes on lines of the same number.
+// Declares NAME_plane(), which returns plane NAME. `n` distinguishes planes declared on one line, below 32. Two files
+// that one kernel includes must not declare planes on lines with the same number.
 #define PLANE(type, name, n)                                         \
   layout(constant_id = __LINE__ * 32 + n) const int name##_slot = 0; \
   type name##_plane() { return type(planes[name##_slot]); }
@@ -81,7 +82,8 @@ bound[kBoundPlanes];
   type near_##name(int i, int j) { return load_##name(here.x + i, here.y + j); }                              \
   type corner_##name(int f, int i, int j) { return load_##name((here.x / f + i) * f, (here.y / f + j) * f); } \
   type block_##name(int f, int i, int j) { return load_##name(here.x / f + i, here.y / f + j); }
-// Reads one float of a plane, bound or not, which is known when the shader is compiled.
+// Defines NAME_at(place), which reads one float of a plane. Whether the plane is bound is known when the shader is
+// compiled.
 #define READ_AT(name)                                                     \
   const int name##_bound = name##_slot < kBoundPlanes ? name##_slot : 0;  \
   float name##_at(int place) {                                            \
@@ -105,8 +107,8 @@ bound[kBoundPlanes];
 #define IN_REAL(name) IN_REAL_AT(name, 0)
 #define IN_VECTOR(name) IN_TRIPLE_AT(name, 0, x, y, z)
 #define IN_COLOR(name) IN_TRIPLE_AT(name, 0, r, g, b)
-// A plane of every layer: read_NAME_of(layer, place), with the same layer for all pixels. Selects the plane, not the
-// value read: lavapipe runs all cases of a switch.
+// Defines read_NAME_of(layer, place) for a plane that every layer has. `layer` is the same for all pixels. The code
+// selects the plane and then reads once, instead of selecting among values, since lavapipe runs all cases of a switch.
 #define SLOT_OF_LAYER(name)                      \
   int name##_slot_of(int layer) {                \
     int slot = name##_slot;                      \

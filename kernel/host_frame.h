@@ -1,5 +1,5 @@
-// HostFrame: input and output of a host step, a pass that computes whole planes on the host, on whatever device the
-// frame is.
+// HostFrame: input and output of a host step, a dispatch that computes whole planes on the host, whichever device holds
+// the frame.
 #pragma once
 #include <cstddef>
 #include <span>
@@ -14,21 +14,22 @@ struct PictureInfo;  // core/gbuffer.h
 struct HostPlane {
   std::string_view name;
   float* data;  ///< pixel (0, 0); null for an output on a layer that does not exist
-  int stride;   ///< floats between rows
+  int stride;   ///< floats from one row to the next
 
   float* row(int y) const { return data + std::ptrdiff_t(y) * stride; }
 };
 
-/// All planes have frame.width x frame.height pixels, their rows HostPlane::stride apart. Inputs are read-only. Outputs
-/// are uninitialised, share no memory with inputs, not even those of the same name, and must be filled completely.
+/// The planes of a host step, each of frame.width x frame.height pixels. Inputs are read-only. Outputs are
+/// uninitialised and must be filled completely. They share no memory with inputs, not even with inputs of the same
+/// name.
 struct HostFrame {
   const PictureInfo& info;
   FrameConstants frame;
   const void* constants;              ///< the effect's constants struct
-  std::span<const HostPlane> inputs;  ///< in the order of the pass's table
+  std::span<const HostPlane> inputs;  ///< in the order of the dispatch's table
   std::span<const HostPlane> outputs;
 
-  /// Returns the plane of that name. Throws std::logic_error if the pass's table does not list it.
+  /// Returns the plane of that name. Throws std::logic_error if the dispatch's table does not list it.
   const HostPlane& input(std::string_view name) const;
   const HostPlane& output(std::string_view name) const;
 };

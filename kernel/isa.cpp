@@ -12,7 +12,7 @@ namespace {
 
 struct Isa {
   std::string_view name;
-  std::int64_t target;  ///< Highway's number; lower for wider targets
+  std::int64_t target;  ///< Highway's HWY_* constant; lower for wider targets
 };
 
 #if HWY_ARCH_X86
@@ -29,11 +29,12 @@ const Isa* find(std::string_view name) {
 /// The instruction sets of the process, determined once.
 struct Machine {
   std::vector<std::string_view> usable;
-  std::string_view bound;  ///< the widest, or that of UMBRAGE_ISA
-  std::string wrong;       ///< the value of UMBRAGE_ISA if the CPU lacks it
+  std::string_view bound;  ///< the instruction set of UMBRAGE_ISA, or else the widest
+  std::string wrong;       ///< the value of UMBRAGE_ISA if the CPU does not support it
 
   Machine() {
-    // A single target is dispatched to without querying the CPU; Highway's NEON requires AES, which no kernel needs.
+    // If only one target is compiled, the CPU is not queried: Highway reports NEON only with AES, which kernels do not
+    // need.
     constexpr bool kOneTarget = ((HWY_TARGETS) & ((HWY_TARGETS)-1)) == 0;
     const std::int64_t targets = kOneTarget ? (HWY_TARGETS) : hwy::SupportedTargets() & (HWY_TARGETS);
     for (const Isa& isa : kIsas)
@@ -49,10 +50,10 @@ struct Machine {
 };
 
 std::atomic<const Isa*> in_use{nullptr};
-std::atomic<bool> chosen{false};  ///< by choose_isa
+std::atomic<bool> chosen{false};  ///< whether choose_isa has been called with a name
 
-/// Highway's switch affects everything in the process that shares its library, so it stays untouched unless a bound is
-/// requested. Highway calls it "for test", and has no other that can be undone.
+/// Makes Highway dispatch to one target. Its setting affects all code in the process that shares the library, so it is
+/// changed only if a limit is requested. Highway names this function "ForTest" but has no other one that can be undone.
 void dispatch_to(const Isa& isa) {
   hwy::SetSupportedTargetsForTest(isa.target);
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());

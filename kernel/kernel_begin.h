@@ -1,28 +1,28 @@
-// Starts the kernel dialect inside the body of a C++ struct: from its `view` (scalar_view.h or lanes_view.h) it defines
-// the constants F and C, of type UMBRAGE_KERNEL_CONSTANTS, and the loads and stores that a kernel declares.
-// kernel_end.h ends it. The GLSL counterpart is glsl.h.
+// Starts the kernel dialect inside the body of a C++ struct that has a member `view` (scalar_view.h or lanes_view.h).
+// Defines the constants F (FrameConstants) and C (UMBRAGE_KERNEL_CONSTANTS) and the macros by which a kernel declares
+// its planes. kernel_end.h ends the dialect. The GLSL counterpart is glsl.h.
 #define FN HWY_INLINE HWY_MAYBE_UNUSED
-// A long function that few pixels need: called, not inlined, where there is a choice.
+// For a long function that few pixels need: it is not inlined (in C++; GLSL has no choice).
 #define FN_RARE HWY_NOINLINE HWY_MAYBE_UNUSED
 const FrameConstants F = view.frame.frame;
 const UMBRAGE_KERNEL_CONSTANTS& C = *static_cast<const UMBRAGE_KERNEL_CONSTANTS*>(view.frame.constants);
-// Index of the pixel at these coordinates, integers inside the picture, in every plane: for read_NAME(place), which is
+// Returns the index of a pixel in every plane; X and Y are integers inside the picture. For read_NAME(place), which is
 // load_NAME without border checks.
 FN Int place_of(Real X, Real Y) const { return view.place_of(X, Y); }
-// A list in which pixels store numbers for later, at most `length` x kLanes. Either in slots of one number for each
-// pixel that runs together: keep_NAME(slot, v), kept_NAME(slot). Or in entries, one for each pixel whose mask is set,
-// in order: append_NAME(at, mask, v) from entry `at` on, as many as count_lanes(mask); and then entries_NAME(at), the
-// next kLanes of them, one for each pixel.
-#define LIST(type, number, name, length)                                                                \
-  alignas(64) number name##_list[((length) + 1) * kLanes];                                              \
-  FN void keep_##name(int slot, type v) { view.write(name##_list + slot * kLanes, v); }                 \
-  FN type kept_##name(int slot) const { return view.listed(name##_list + slot * kLanes); }              \
-  FN void append_##name(int at, Bool where, type v) { view.write(name##_list + at, packed(where, v)); } \
-  FN type entries_##name(int at) const { return view.listed(name##_list + at); }
+// Declares a list in which the lanes store at most `length` x kLanes numbers. It is used in one of two ways. By slots,
+// each of one number per lane: keep_NAME(slot, v) stores and kept_NAME(slot) returns them. Or by single entries:
+// append_NAME(at, mask, v) stores v of the lanes whose mask is set, in order, from entry `at` on, which takes
+// count_lanes(mask) entries; entries_NAME(at) returns kLanes entries from `at` on, one per lane.
+#define LIST(type, number, name, length)                                                                     \
+  alignas(64) number name##_list[((length) + 1) * kLanes];                                                   \
+  FN void keep_##name(int slot, type v) { view.write_list(name##_list + slot * kLanes, v); }                 \
+  FN type kept_##name(int slot) const { return view.read_list(name##_list + slot * kLanes); }                \
+  FN void append_##name(int at, Bool where, type v) { view.write_list(name##_list + at, packed(where, v)); } \
+  FN type entries_##name(int at) const { return view.read_list(name##_list + at); }
 #define LIST_REAL(name, length) LIST(Real, float, name, length)
 #define LIST_UINT(name, length) LIST(Uint, std::uint32_t, name, length)
-// Sums of three numbers for each of the pixels that run together, which any of them may add to: clear_NAME();
-// add_to_NAME(lane, v) adds each pixel's v to the sum of pixel `lane`; sum_of_NAME() returns each pixel's own sum.
+// Declares a Vec3 sum per lane that every lane may add to. clear_NAME() sets all to 0; add_to_NAME(lane, v) adds each
+// lane's v to the sum of lane `lane`; sum_of_NAME() returns each lane's own sum.
 #define SUMS(name)                                                                \
   LaneSums name##_sums;                                                           \
   FN void clear_##name() { clear(name##_sums); }                                  \
@@ -60,8 +60,8 @@ FN Bool near_inside(int i, int j) const { return view.inside(i, j); }
   }
 #define IN_VECTOR(name) IN_TRIPLE(name, "x", "y", "z")
 #define IN_COLOR(name) IN_TRIPLE(name, "r", "g", "b")
-// A plane of every layer; a kernel reads the layers that its constants name: read_NAME_of(layer, place),
-// near_NAME_of(layer, i, j).
+// Declares an input plane of every layer: read_NAME_of(layer, place), near_NAME_of(layer, i, j). A kernel reads only
+// the layers that its constants name.
 #define OF_LAYERS(text)                                                                                                \
   {                                                                                                                    \
     view.plane(text), view.plane("layer1." text), view.plane("layer2." text), view.plane("layer3." text),              \
@@ -90,7 +90,7 @@ FN Bool near_inside(int i, int j) const { return view.inside(i, j); }
 #define OUT_REAL(name)                     \
   float* name##_plane = view.plane(#name); \
   FN void store_##name(Real v) const { view.store(name##_plane, v); }
-// A plane of every layer of the picture; layers that it lacks must not be stored to.
+// Declares an output plane of every layer of the picture. A kernel must not store to layers that do not exist.
 #define OUT_LAYERS_REAL(name)                                 \
   float* const name##_layers[kLayersRead] = OF_LAYERS(#name); \
   FN void store_##name##_of(int layer, Real v) const { view.store(name##_layers[layer], v); }
@@ -106,7 +106,7 @@ FN Bool near_inside(int i, int j) const { return view.inside(i, j); }
     view.store(name##_plane_1, v.y);               \
     view.store(name##_plane_2, v.z);               \
   }
-// A plane that the pass modifies in place: a pixel reads only its own value.
+// Declares a plane that the dispatch modifies in place: a pixel reads only its own value.
 #define INOUT_REAL(name) \
   OUT_REAL(name)         \
   FN Real own_##name() const { return view.near(name##_plane, 0, 0); }

@@ -14,7 +14,7 @@ float* KernelFrame::plane(std::string_view name) const {
 }
 
 std::vector<std::string_view> of_all_layers(const std::vector<std::string_view>& planes) {
-  static std::set<std::string> names;  // keeps what the views point into
+  static std::set<std::string> names;  // owns the characters of the returned views
   static std::mutex guard;
   const std::lock_guard lock(guard);
   std::vector<std::string_view> all = planes;

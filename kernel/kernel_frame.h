@@ -1,4 +1,4 @@
-// KernelFrame: input and output of a compiled kernel on the CPU.
+// KernelFrame: input and output of a kernel on the CPU.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -16,17 +16,17 @@ struct Tile {
 
 struct KernelPlane {
   std::string_view name;
-  float* data;  ///< pixel (0, 0), even if it is not held; rows are FrameConstants::stride floats apart
+  float* data;  ///< address of pixel (0, 0), even if row 0 is not in memory; rows are FrameConstants::stride apart
 };
 
 struct KernelFrame {
   FrameConstants frame;
   const void* constants;  ///< the effect's constants struct
   std::span<const KernelPlane> planes;
-  const float* ao = nullptr;              ///< set if FrameConstants::missing is
-  int first_row = 0, last_row = 1 << 30;  ///< rows that are held; load_NAME clamps to them
+  const float* ao = nullptr;              ///< plane `ao`; null unless FrameConstants::missing is set
+  int first_row = 0, last_row = 1 << 30;  ///< rows in memory, inclusive; load_NAME clamps to them
 
-  /// Returns the plane of that name. Throws std::logic_error if the effect's table does not list it.
+  /// Returns the plane of that name. Throws std::logic_error if the dispatch's table does not list it.
   float* plane(std::string_view name) const;
 };
 
@@ -37,8 +37,8 @@ inline float* row_zero(float* data, int stride, int first) {
                                   std::uintptr_t(first) * std::uintptr_t(stride) * sizeof(float));
 }
 
-/// Returns the planes of every layer (for IN_LAYERS_REAL and the like) in the form that a pass lists them: `depth`,
-/// `layer1.depth` and so on.
+/// Returns the names of the planes on every layer, as a dispatch's table lists them for IN_LAYERS_REAL and the like:
+/// `depth`, `layer1.depth` and so on.
 std::vector<std::string_view> of_all_layers(const std::vector<std::string_view>& planes);
 
 }  // namespace umbrage

@@ -1,6 +1,6 @@
-// The kernel dialect as SIMD lanes with Highway: as many pixels of one row at a time as a vector has lanes. Included
-// once per SIMD target, after hwy/foreach_target.h. Structs around Highway's vectors work on x86 and NEON, where
-// vectors have a fixed size, but not on SVE or RVV.
+// The kernel dialect in SIMD with Highway: one pixel per lane, usually consecutive pixels of a row. Included once per
+// SIMD target, after hwy/foreach_target.h. The structs around Highway's vectors require vectors of fixed size: they
+// work on x86 and NEON but not on SVE or RVV.
 #if defined(UMBRAGE_MACHINE_LANES_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef UMBRAGE_MACHINE_LANES_H
 #undef UMBRAGE_MACHINE_LANES_H
@@ -100,13 +100,13 @@ OP Bool operator==(Int a, Int b) { return {hn::RebindMask(D(), hn::Eq(a.v, b.v))
 OP Bool operator&&(Bool a, Bool b) { return {hn::And(a.m, b.m)}; }
 OP Bool operator||(Bool a, Bool b) { return {hn::Or(a.m, b.m)}; }
 OP Bool operator!(Bool a) { return {hn::Not(a.m)}; }
-/// Unsigned order, by an offset to signed.
+/// Compares as signed integers, after an offset by 2^31.
 OP Bool operator<(Uint a, Uint b) {
   const auto flip = hn::Set(DU(), 0x80000000u);
   return {hn::RebindMask(D(), hn::Lt(hn::BitCast(DI(), hn::Xor(a.v, flip)), hn::BitCast(DI(), hn::Xor(b.v, flip))))};
 }
 
-// In Highway the result for NaN depends on the machine; scalar.h returns the second operand, and so does x86.
+// If an operand is NaN, scalar.h and x86 return the second one. Highway's result depends on the machine.
 #if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR
 OP Real min(Real a, Real b) { return hn::Min(a.v, b.v); }
 OP Real max(Real a, Real b) { return hn::Max(a.v, b.v); }
@@ -122,9 +122,9 @@ OP Real abs(Real a) { return hn::Abs(a.v); }
 OP Real floor(Real a) { return hn::Floor(a.v); }
 OP Real fract(Real a) { return hn::Sub(a.v, hn::Floor(a.v)); }
 OP Real sqrt(Real a) { return hn::Sqrt(a.v); }
-/// The machine's estimate refined by Newton steps: relative error below 2e-7, and exactly 1 for 1. Estimates of vendors
-/// differ in the last bits: AVX-512's has 14 bits and takes one step, others have 8 to 12 and take two. Without vectors
-/// there is no useful estimate.
+/// Refines the hardware's estimate by Newton steps: relative error below 2e-7, and exactly 1 for 1. Estimates of
+/// different vendors differ in the last bits. AVX-512's estimate has 14 bits and needs one step; others have 8 to 12
+/// bits and need two. The scalar target has no useful estimate.
 OP Real rsqrt(Real a) {
 #if HWY_TARGET == HWY_SCALAR
   return hn::Div(hn::Set(D(), 1.0f), hn::Sqrt(a.v));
@@ -143,8 +143,8 @@ OP Real mad(Real a, Real b, Real c) {
 #elif HWY_TARGET == HWY_SCALAR
   return float(double(hn::GetLane(a.v)) * double(hn::GetLane(b.v)) + double(hn::GetLane(c.v)));
 #else
-  // SSE has no fused multiply-add. In double precision the product is exact and the sum nearly so: the last bit can
-  // differ from a fused result if a sum falls next to the middle between two floats.
+  // SSE has no fused multiply-add. In double precision the product is exact and the sum is rounded. The last bit of the
+  // float can differ from a fused result if the sum is close to the midpoint between two floats.
   const hn::Half<D> half;
   const hn::Repartition<double, D> wide;
   const auto in_double = [&](hn::Vec<hn::Half<D> > x, hn::Vec<hn::Half<D> > y, hn::Vec<hn::Half<D> > z) HWY_ATTR {
@@ -154,7 +154,7 @@ OP Real mad(Real a, Real b, Real c) {
                      in_double(hn::LowerHalf(half, a.v), hn::LowerHalf(half, b.v), hn::LowerHalf(half, c.v)));
 #endif
 }
-// Highway's conversion spends four more instructions on values out of range.
+// Highway's own conversion takes four more instructions, to handle values out of range.
 #if HWY_TARGET == HWY_AVX3
 OP Int to_int(Real a) { return hn::Vec512<std::int32_t>{_mm512_cvttps_epi32(a.v.raw)}; }
 #elif HWY_TARGET == HWY_AVX2
@@ -167,7 +167,7 @@ OP Int to_int(Real a) { return hn::ConvertTo(DI(), a.v); }
 OP Uint to_uint(Int a) { return hn::BitCast(DU(), a.v); }
 OP Int to_signed(Uint a) { return hn::BitCast(DI(), a.v); }
 OP Real to_real(Int a) { return hn::ConvertTo(D(), a.v); }
-/// Both halves are exact; their sum rounds once.
+/// Converts the two halves exactly; their sum is rounded once.
 OP Real to_real(Uint a) {
   const Real high = to_real(to_signed(a >> 16)), low = to_real(to_signed(a & Uint(0xffffu)));
   return hn::Add(hn::Mul(high.v, hn::Set(D(), 65536.0f)), low.v);
@@ -175,7 +175,7 @@ OP Real to_real(Uint a) {
 OP Uint bits_of(Real a) { return hn::BitCast(DU(), a.v); }
 OP Real real_of_bits(Uint a) { return hn::BitCast(D(), a.v); }
 OP Int popcount(Uint a) { return hn::BitCast(DI(), hn::PopulationCount(a.v)); }
-/// In two halves, because a shift by 32 is undefined; x86's own vector shift returns 0 for it.
+/// Shifts in two steps, because Highway's shift by 32 is undefined. x86's vector shift returns 0 for it.
 #if HWY_TARGET == HWY_AVX3
 OP Uint ones_from(Int b) { return hn::Vec512<std::uint32_t>{_mm512_sllv_epi32(_mm512_set1_epi32(-1), b.v.raw)}; }
 #elif HWY_TARGET == HWY_AVX2
@@ -194,7 +194,7 @@ OP V add_where(M mask, V a, V b) {
   return hn::Add(a, hn::IfThenElseZero(mask, b));
 }
 #if HWY_TARGET == HWY_AVX3
-// One instruction, which the compiler does not generate by itself.
+// A single instruction, which the compiler does not generate from the code above.
 OP hn::Vec512<std::int32_t> add_where(hn::Mask512<std::int32_t> mask, hn::Vec512<std::int32_t> a,
                                       hn::Vec512<std::int32_t> b) {
   return hn::Vec512<std::int32_t>{_mm512_mask_add_epi32(a.raw, mask.raw, a.raw, b.raw)};
@@ -226,7 +226,7 @@ OP Real pow(Real a, Real b) {
 #include "kernel/vectors.h"
 #undef inline
 
-/// A sum for each pixel that runs together, with interleaved channels: a vector of four adds them at once.
+/// A sum per lane. The channels are interleaved, so that one vector of four floats adds them all.
 struct LaneSums {
   HWY_ALIGN float sums[4 * kLanes];
 };

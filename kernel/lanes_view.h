@@ -1,4 +1,4 @@
-// Access of lanes to the planes of a frame: this pixel and its right-hand neighbours. Included once per SIMD target.
+// Access of the SIMD lanes to the planes of a frame. Included once per SIMD target.
 #if defined(UMBRAGE_MACHINE_LANES_VIEW_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef UMBRAGE_MACHINE_LANES_VIEW_H
 #undef UMBRAGE_MACHINE_LANES_VIEW_H
@@ -16,21 +16,22 @@ namespace umbrage {
 namespace HWY_NAMESPACE {
 namespace {
 
-// Neighbours up to this many pixels away are read without border checks if the border is farther away.
+// Max distance in pixels of neighbours that are read without border checks, if the border is farther away than that.
 constexpr int kMargin = 16;
-// The same in blocks of up to 4 x 4 pixels, including the block of the pixel itself.
+// The same in blocks of up to 4 x 4 pixels, counting the pixel's own block as one.
 constexpr int kMarginBlocks = 3;
 
 struct LanesView {
   const KernelFrame& frame;
   float real_stride = float(frame.frame.stride);
-  // All plane indices are exact as floats.
+  // Whether all plane indices are exact as floats.
   bool exact = (std::int64_t(frame.frame.height) + 1) * frame.frame.stride <= 1 << 24;
   int first_row = frame.first_row, last_row = HWY_MIN(frame.last_row, frame.frame.height - 1);
   int x = 0, y = 0;         // pixel of the first lane
   bool inner = false;       // all lanes are at least kMargin inside the picture
   std::ptrdiff_t here = 0;  // index of pixel (x, y) in a plane
-  // Lanes are the pixels (column, row), anywhere; x, y and here are then invalid, and corner and block unavailable.
+  // Whether the lanes are the pixels (column, row), which can be anywhere. If so, x, y and here are invalid, and corner
+  // and block must not be called.
   bool scattered = false;
   Int column = 0, row = 0;
 
@@ -59,10 +60,10 @@ struct LanesView {
     return to_int(Y) * Int(frame.frame.stride) + to_int(X);
   }
   HWY_INLINE Real read(const float* plane, Int place) const { return hn::GatherIndex(D(), plane, place.v); }
-  HWY_INLINE void write(float* list, Real v) const { hn::StoreU(v.v, D(), list); }
-  HWY_INLINE void write(std::uint32_t* list, Uint v) const { hn::StoreU(v.v, DU(), list); }
-  HWY_INLINE Real listed(const float* list) const { return hn::LoadU(D(), list); }
-  HWY_INLINE Uint listed(const std::uint32_t* list) const { return hn::LoadU(DU(), list); }
+  HWY_INLINE void write_list(float* list, Real v) const { hn::StoreU(v.v, D(), list); }
+  HWY_INLINE void write_list(std::uint32_t* list, Uint v) const { hn::StoreU(v.v, DU(), list); }
+  HWY_INLINE Real read_list(const float* list) const { return hn::LoadU(D(), list); }
+  HWY_INLINE Uint read_list(const std::uint32_t* list) const { return hn::LoadU(DU(), list); }
   HWY_INLINE Real near(const float* plane, int i, int j) const {
     const bool close = unsigned(i + kMargin) <= 2u * kMargin && unsigned(j + kMargin) <= 2u * kMargin;
     if (HWY_LIKELY(inner && close)) return hn::LoadU(D(), plane + here + std::ptrdiff_t(j) * frame.frame.stride + i);
@@ -76,7 +77,7 @@ struct LanesView {
     if (first >= 0 && first + kLanes <= frame.frame.width) return hn::LoadU(D(), start + first);
     return hn::GatherIndex(D(), start, clamp(Int(hn::Iota(DI(), first)), Int(0), Int(frame.frame.width - 1)).v);
   }
-  // Loads with step f, 1, 2 or 4: lanes start at a multiple of f if there are at least f of them.
+  // f is 1, 2 or 4. If there are at least f lanes, the first is at a multiple of f.
   HWY_INLINE Real corner(const float* plane, int f, int i, int j) const {
 #if HWY_TARGET != HWY_SCALAR
     const bool close =
@@ -130,19 +131,19 @@ struct LanesView {
   }
 };
 
-/// The pixels of a tile, in steps of kLanes: its rows or, wherever they are in the tile, the pixels where `ao` is
-/// kMissing. If fewer of these than lanes are left, the last one fills the remaining lanes: they compute the same value
-/// and store it to the same place.
+/// Iterates over the pixels of a tile, kLanes at a time: over its rows or, if FrameConstants::missing is set, over the
+/// pixels where `ao` is kMissing, wherever they are. If fewer than kLanes of these are left, the remaining lanes repeat
+/// the last one: they compute the same value and store it to the same place.
 class TilePixels {
  public:
   TilePixels(const KernelFrame& frame, const Tile& tile)
       : packs(frame.frame.missing != 0), frame_(frame), tile_(tile), column_(tile.x0), row_(tile.y0) {}
 
   const bool packs;
-  int y = 0, x = 0, end = 0;  // a row
-  Int columns = 0, rows = 0;  // packed pixels, for which x to end is one step
+  int y = 0, x = 0, end = 0;  // the current row: columns x to end (exclusive)
+  Int columns = 0, rows = 0;  // the current packed pixels; x and end then make the caller take one step
 
-  /// Moves to the next row or packed pixels; returns false after the last.
+  /// Moves to the next row or the next packed pixels; returns false after the last.
   HWY_NOINLINE bool next() {
     if (packs) return pack();
     if (row_ >= tile_.y1) return false;
@@ -175,7 +176,7 @@ class TilePixels {
     return true;
   }
 
-  /// Collects the missing ones of the next kLanes pixels.
+  /// Collects the pixels with kMissing among the next kLanes pixels.
   HWY_INLINE void take() {
     const Int here = hn::Iota(DI(), column_);
     const auto ao = hn::LoadU(D(), frame_.ao + std::ptrdiff_t(row_) * frame_.frame.stride + column_);
@@ -188,7 +189,7 @@ class TilePixels {
 
   const KernelFrame& frame_;
   const Tile& tile_;
-  int column_, row_;  // next to be examined
+  int column_, row_;  // the next pixel to be examined
   int count_ = 0;     // pixels collected and not yet returned
   HWY_ALIGN std::uint32_t found_columns_[2 * kLanes];
   HWY_ALIGN std::uint32_t found_rows_[2 * kLanes];

@@ -1,6 +1,6 @@
-// The common part of kernels that store only occlusion, in the kernel dialect. They include it after their planes
-// `depth` and `ao`, and after visibility_at(px, py, depth), which returns the visibility of the surface at a pixel, 1
-// if unoccluded. Where there is no surface its depth is 1, and its result is ignored.
+// Stores the result of kernels whose only output is `ao`, in the kernel dialect. A kernel includes this file after it
+// has declared the planes `depth` and `ao` and defined visibility_at(px, py, depth), which returns the visibility of
+// the surface at a pixel. Lanes without a surface pass depth 1, and their result is ignored.
 FN void store_visibility(Int px, Int py) {
   Real depth = near_depth(0, 0);
   Bool surface = is_surface(depth);

@@ -1,11 +1,11 @@
-// The scalar form of kernel/surface.kernel.h outside of kernels: for host_surface.cpu.cpp and tests.
+// The scalar form of kernel/surface.kernel.h for use outside kernels: in host_surface.cpu.cpp and tests.
 #pragma once
 #include "kernel/frame_constants.h"
 #include "kernel/scalar.h"
 
 namespace umbrage::scalar {
 
-/// Functions for one picture: F must have `orthographic` and the scales and offsets of rays.
+/// The functions for one picture. Of F, `orthographic`, ray_scale_* and ray_offset_* must be set.
 struct SurfaceText {
   FrameConstants F{};
 #define FN inline

@@ -1,21 +1,22 @@
-// Whether two pixels show the same surface, in the kernel dialect, for kernels that include it; host_surface.h has it
-// for the host.
+// Decides whether two pixels show the same surface, in the kernel dialect. Kernels that need it include this file;
+// host_surface.h provides the same functions on the host.
 //
-// The plane through a pixel's position and normal predicts the depth at every other pixel: inverse depth is linear in
-// the picture in perspective, depth is in orthographic views. The deviation is the distance from the plane, in sizes of
-// a pixel there. Along the line of sight this equals the deviation in lengths of a pixel's footprint on the surface, so
-// the measure is independent of angle, scale and resolution.
+// The plane through a pixel's position and normal predicts the depth of every other pixel, since inverse depth
+// (orthographic views: depth) is linear in the picture. The deviation is the other point's distance from the plane, in
+// pixel sizes at that depth. It equals the deviation along the line of sight, divided by the length of a pixel's
+// footprint on the surface; so the measure does not depend on angle, scale or resolution.
 
-// Max error, as a sine, of normals that are rounded, or interpolated over a coarse mesh. On a surface seen at a grazing
-// angle the next pixel is far away, and off the plane by this fraction of the way.
+// Max error, as a sine, of normals that are rounded or interpolated over a coarse mesh. On a surface seen at a grazing
+// angle the next pixel's point is far away, and may be off the plane by this fraction of its distance.
 CONST float kMaxNormalError = 0.05f;
-// Max ratio of the depth change along the way to the one that the normal predicts. Of a longer way only that much
-// counts, or else a step between planes seen at grazing angles would explain itself.
+// Max ratio of the actual depth change between two points to the change that the normal predicts. A larger change
+// counts only up to this ratio; otherwise a depth step between planes seen at grazing angles would increase its own
+// tolerance.
 CONST float kMaxSteepening = 4.0f;
-CONST float kOtherSurface = 1e6f;  // distance between surface and background, and for NaN
+CONST float kOtherSurface = 1e6f;  // distance if one of the pixels is background or a value is NaN
 
-// Returns inverse depth, or -depth in orthographic views, which is linear in the picture on every plane; the min value
-// where there is no surface.
+// Returns inverse depth, or -depth in orthographic views; on every plane this is linear in the picture. Where there is
+// no surface, returns a value that is not above that of any surface: 0, or -1e30 in orthographic views.
 FN Real inverse_depth(Real depth) {
   Bool surface = is_surface(depth);
   if (F.orthographic != 0) return select(surface, Real(0.0f) - depth, Real(-1e30f));
@@ -28,33 +29,34 @@ FN Real pixel_size(Real depth) {
   return max(abs(Real(F.ray_scale_x)), abs(Real(F.ray_scale_y))) * spread;
 }
 
-// Returns how steeply the ray to the point `there` meets a plane through it, times the point's depth in perspective, >
-// 0.
+// Returns the magnitude of the cosine between a plane's normal and the view ray through the point `there`, scaled by
+// the length of that ray in perspective; at least 1e-6 times the depth (orthographic: 1e-6).
 FN Real steepness(Vec3 normal, Vec3 there) {
   Real facing = F.orthographic != 0 ? normal.z : -dot(normal, there);
   Real depth = F.orthographic != 0 ? Real(1.0f) : -there.z;
   return max(abs(facing), depth * 1e-6f);
 }
 
-// Returns the allowed distance of the point `there`, which is `off` from a plane, times its steepness: `near`, and what
-// wrong normals explain of the way between the plane's point and `there`.
+// Returns the allowed distance of the point `there` from a plane, times `steep`, its steepness: the tolerance `near`
+// plus the distance that inaccurate normals can cause. `off` is the actual distance, `way` the vector from the plane's
+// point to `there`.
 FN Real allowed_distance(Real off, Real near, Real steep, Vec3 normal, Vec3 way, Vec3 there) {
-  // Along the line of sight to `there` the plane is off / facing behind it; both are multiplied by its depth, to avoid
-  // a division.
+  // Along the view ray through `there`, the plane is farther than the point by off / facing. Both are multiplied by the
+  // depth of `there`, to avoid a division.
   Real depth = F.orthographic != 0 ? Real(1.0f) : -there.z;
   Real facing = F.orthographic != 0 ? normal.z : -dot(normal, there);
   Real predicted = abs(off * depth - way.z * facing);
   return mad(near, steep, min(abs(way.z) * steep, predicted * kMaxSteepening) * kMaxNormalError);
 }
 
-// Returns the signed distance of a view-space position from a pixel's plane, > 0 on the side of the normal, in sizes of
-// a pixel, the smaller of both.
+// Returns the signed distance of the view-space point `there` from the plane of `position` and `normal`, > 0 on the
+// side of the normal. The unit is the pixel size at the smaller of the two depths.
 FN Real plane_distance_px(Vec3 position, Vec3 normal, Vec3 there) {
   return dot(there - position, normal) / max(pixel_size(min(-position.z, -there.z)), Real(1e-30f));
 }
 
-// Returns the same signed distance in units of the allowed distance: `tolerance_px` sizes of a pixel and what wrong
-// normals explain. The plane is that of `position` and its unit `normal`.
+// Returns the same signed distance divided by the allowed distance, which is `tolerance_px` pixel sizes plus the
+// distance that inaccurate normals can cause. `normal` is a unit vector.
 FN Real plane_distance(Vec3 position, Vec3 normal, Vec3 there, float tolerance_px) {
   Vec3 way = there - position;
   Real off = dot(way, normal);
@@ -69,8 +71,8 @@ FN Real plane_distance(Vec3 position, Vec3 normal, Vec3 there, float tolerance_p
   return off / max(allowed, Real(1e-30f));
 }
 
-// Returns the distances of two pixels from each other's planes, the larger of both; up to 1 they show the same surface.
-// Background is on no surface.
+// Returns the larger of the distances of two pixels' points from each other's planes, in units of the allowed distance:
+// at most 1 if they show the same surface. Returns kOtherSurface if one is background or a value is NaN.
 FN Real surface_distance(Vec3 position, Vec3 normal, Vec3 there, Vec3 normal_there, float tolerance_px) {
   Vec3 way = there - position;
   Real own = dot(way, normal);
@@ -92,9 +94,9 @@ FN Real surface_distance(Vec3 position, Vec3 normal, Vec3 there, Vec3 normal_the
     off = select(beyond, select(is_own, own_off, its_off), off);
     allowed = select(beyond, select(is_own, own_allowed, its_allowed), near);
   }
-  // NaN is on no surface either; max may miss it.
+  // `max` may ignore a NaN, so `own` and `its` are tested.
   return select(nearer > 0.0f && is_finite(own + its), off / max(allowed, Real(1e-30f)), Real(kOtherSurface));
 }
 
-// Returns the weight of a pixel of that distance in filters: 1 up to a distance of 1, 0 from 2 on.
+// Returns the weight in a filter of a pixel at that surface_distance: 1 up to a distance of 1, 0 from 2 on.
 FN Real same_surface_weight(Real distance) { return clamp(Real(2.0f) - distance, Real(0.0f), Real(1.0f)); }

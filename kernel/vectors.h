@@ -1,5 +1,5 @@
-// Vec2 and Vec3 arithmetic in terms of Real: included inside a namespace by scalar.h and lanes.h. GLSL has its own.
-// No include guard: every SIMD target includes it once.
+// Arithmetic of Vec2 and Vec3 in terms of Real. scalar.h and lanes.h include this file inside their namespace; GLSL has
+// its own vectors. There is no include guard, since every SIMD target includes the file once.
 inline Vec3 operator+(Vec3 a, Vec3 b) { return Vec3{a.x + b.x, a.y + b.y, a.z + b.z}; }
 inline Vec3 operator-(Vec3 a, Vec3 b) { return Vec3{a.x - b.x, a.y - b.y, a.z - b.z}; }
 inline Vec3 operator*(Vec3 a, Vec3 b) { return Vec3{a.x * b.x, a.y * b.y, a.z * b.z}; }

@@ -5,9 +5,9 @@
 namespace umbrage {
 namespace {
 
-constexpr int kLead = 10;  // points at an end that determine its direction
+constexpr int kEndPoints = 10;  // number of points at an end that determine its direction
 
-/// Appends points between two ends, a pixel apart.
+/// Appends points, a pixel apart, between the last point and `to`.
 void bridge(std::vector<ChainPoint>& points, const ChainPoint& to) {
   const ChainPoint from = points.back();
   const int count = int(length_of(to.x - from.x, to.y - from.y));
@@ -33,9 +33,9 @@ void append(Chain& to, const Chain& from, bool reversed) {
   to.points.back().node = -1;
 }
 
-/// Returns the number of chains that meet at each node: a chain that ends there counts once, one that passes counts
-/// twice.
-std::vector<int> meetings(const Tracing& t) {
+/// Returns, for each node, the number of chains that meet there. A chain that ends at the node counts once; a chain
+/// that passes it counts twice.
+std::vector<int> node_degrees(const Tracing& t) {
   std::vector<int> count(2 * std::size_t(t.graph.size()), 0);
   for (const Chain& chain : t.chains) {
     for (const int node : chain.node)
@@ -49,7 +49,7 @@ std::vector<int> meetings(const Tracing& t) {
 }  // namespace
 
 std::vector<std::uint8_t> Tracing::free_ends() const {
-  const std::vector<int> count = meetings(*this);
+  const std::vector<int> count = node_degrees(*this);
   std::vector<std::uint8_t> free(2 * chains.size(), 0);
   for (std::size_t end = 0; end < free.size(); ++end) {
     const Chain& chain = chains[end / 2];
@@ -75,8 +75,8 @@ Direction chain_direction_at(const Chain& chain, int point) {
   return {dx / length, dy / length};
 }
 
-Direction lead(const Chain& chain, int last) {
-  const int count = std::min(kLead, int(chain.points.size()));
+Direction end_direction(const Chain& chain, int last) {
+  const int count = std::min(kEndPoints, int(chain.points.size()));
   const ChainPoint* end = &chain.end(last);
   const int step = last ? -1 : 1;
   float mx = 0.0f, my = 0.0f, xx = 0.0f, xy = 0.0f, yy = 0.0f;
@@ -92,7 +92,7 @@ Direction lead(const Chain& chain, int last) {
     xy += x * y;
     yy += y * y;
   }
-  // The principal direction of the points, outwards.
+  // Computes the principal direction of the points, and turns it outwards.
   const float apart = length_of(xx - yy, 2.0f * xy);
   float dx = xx > yy ? xx - yy + apart : 2.0f * xy, dy = xx > yy ? 2.0f * xy : yy - xx + apart;
   const ChainPoint& inner = end[(count - 1) * step];
@@ -102,7 +102,7 @@ Direction lead(const Chain& chain, int last) {
 }
 
 void concatenate(Tracing& t, const std::vector<int>& mate, bool over_gaps) {
-  std::vector<Chain> linked;
+  std::vector<Chain> result;
   std::vector<std::uint8_t> used(t.chains.size(), 0);
   for (const bool closed : {false, true})
     for (int start = 0; start < 2 * int(t.chains.size()); ++start) {
@@ -111,7 +111,7 @@ void concatenate(Tracing& t, const std::vector<int>& mate, bool over_gaps) {
       if (!closed && (first.closed || mate[start] >= 0)) continue;
       if (mate[start] < 0 && mate[start ^ 1] < 0) {  // unchanged
         used[start / 2] = 1;
-        linked.push_back(std::move(first));
+        result.push_back(std::move(first));
         continue;
       }
       Chain chain;
@@ -134,9 +134,9 @@ void concatenate(Tracing& t, const std::vector<int>& mate, bool over_gaps) {
         if (used[at / 2]) break;
       }
       if (closed && over_gaps) bridge(chain.points, ChainPoint(chain.points.front()));
-      linked.push_back(std::move(chain));
+      result.push_back(std::move(chain));
     }
-  t.chains = std::move(linked);
+  t.chains = std::move(result);
 }
 
 }  // namespace umbrage

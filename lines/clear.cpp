@@ -1,4 +1,4 @@
-// Keeps the parts of chains that are clear enough.
+// Implements keep_clear_parts: cuts chains by the mean strength of their points.
 #include <algorithm>
 
 #include "lines/trace.h"
@@ -27,7 +27,7 @@ void keep_clear_parts(Tracing& t, const Clarity& clarity) {
         part.points.assign(chain.points.begin() + first, chain.points.begin() + end);
         if (first == 0) part.node[0] = chain.node[0];
         if (end == count) part.node[1] = chain.node[1];
-        if (!whole) part.points.back().node = -1;  // the seam of a closed chain is no junction any more either
+        if (!whole) part.points.back().node = -1;  // also where a closed chain was cut: its end is no longer a junction
         kept.push_back(std::move(part));
       }
       end = std::max(end, first + 1);

@@ -1,11 +1,12 @@
-// Extends chains to what they meet.
+// Implements connect_ends: extends the ends of chains to the chains that they meet.
 #include "lines/trace.h"
 
 namespace umbrage {
 namespace {
 
-/// The mean position of the chains that meet at a node: of those that pass, or else of the ends.
-struct Meeting {
+/// The mean position of the chains that meet at a node. If any chain passes the node, chains that end there do not
+/// count.
+struct MeetingPoint {
   float x = 0.0f, y = 0.0f;
   int passing = 0, ends = 0;
 
@@ -15,18 +16,18 @@ struct Meeting {
     passing += passes;
     ends += !passes;
   }
-  std::array<float, 2> place() const {
+  std::array<float, 2> position() const {
     const auto count = float(passing > 0 ? passing : ends);
     return {x / count, y / count};
   }
 };
 
-void extend_to(Chain& chain, int last, std::array<float, 2> place) {
-  constexpr float kSame = 0.75f;  // pixels
+void extend_to(Chain& chain, int last, std::array<float, 2> position) {
+  constexpr float kMinExtension = 0.75f;  // pixels; an end that is nearer is moved instead
   ChainPoint& end = last ? chain.points.back() : chain.points.front();
   ChainPoint p = end;
-  p.x = place[0], p.y = place[1];
-  if (length_of(end.x - p.x, end.y - p.y) >= kSame)
+  p.x = position[0], p.y = position[1];
+  if (length_of(end.x - p.x, end.y - p.y) >= kMinExtension)
     chain.points.insert(last ? chain.points.end() : chain.points.begin(), p);
   else
     end = p;
@@ -34,10 +35,10 @@ void extend_to(Chain& chain, int last, std::array<float, 2> place) {
 
 }  // namespace
 
-void meet(Tracing& t) {
-  constexpr float kBeyond = 2.0f;  // pixels that a line extends beyond the picture's border
+void connect_ends(Tracing& t) {
+  constexpr float kBeyond = 2.0f;  // pixels by which a line extends beyond the picture's border
   std::vector<std::array<float, 2>> of_edge(std::size_t(t.graph.size()));
-  std::vector<Meeting> meetings(2 * std::size_t(t.graph.size()));
+  std::vector<MeetingPoint> meetings(2 * std::size_t(t.graph.size()));
   for (const Chain& chain : t.chains) {
     for (std::size_t k = 0; k < chain.points.size(); ++k) {
       const ChainPoint &p = chain.points[k], &q = chain.points[(k + 1) % chain.points.size()];
@@ -53,9 +54,9 @@ void meet(Tracing& t) {
       if (chain.joined[last] >= 0) {
         extend_to(chain, last, of_edge[chain.joined[last]]);
       } else if (node >= 0 && meetings[node].passing + meetings[node].ends > 1) {
-        extend_to(chain, last, meetings[node].place());
+        extend_to(chain, last, meetings[node].position());
       } else if (node >= 0 && t.graph.at_border(t.graph.node(node))) {
-        const auto [dx, dy] = lead(chain, last);
+        const auto [dx, dy] = end_direction(chain, last);
         extend_to(chain, last, {chain.end(last).x + kBeyond * dx, chain.end(last).y + kBeyond * dy});
       }
     }

@@ -1,4 +1,4 @@
-// Bridges gaps between chains, by one cost of length, turning and depth.
+// Implements bridge_gaps: chooses the links between chains by a cost that combines length, turning and depth.
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -9,36 +9,38 @@
 namespace umbrage {
 namespace {
 
-constexpr float kTurning = 2.0f;        // cost of a squared turn in radians, relative to the gap's length
-constexpr float kMaxSteepness = 10.0f;  // max depth step per pixel of a gap, in pixel sizes
+constexpr float kTurning = 2.0f;        // cost per squared turn in radians, relative to the gap's length
+constexpr float kMaxSteepness = 10.0f;  // max depth change per pixel of a gap, in pixel sizes
 
-/// A continuation of a free end, 2 * chain + last: to another free end, or to the side of another chain at an edge.
+/// A link that continues a free end: either to another free end or to an edge of another chain. Ends are numbered as in
+/// Chain.
 struct Link {
   float cost;
-  int end, other, edge;  // other, edge: -1 if the link is of the other kind
+  int end, other, edge;  // the free end, and the other end or the edge; the one that does not apply is -1
 };
 
-/// The ends of all chains, by number.
+/// The ends of all chains, indexed by their number.
 struct Ends {
   std::vector<std::uint8_t> free;
-  std::vector<Direction> lead;  // of free ends
+  std::vector<Direction> direction;  // outward; only set for free ends
 };
 
 Ends ends_of(const Tracing& t) {
   Ends ends{t.free_ends(), std::vector<Direction>(2 * t.chains.size())};
   for (std::size_t end = 0; end < ends.free.size(); ++end)
-    if (ends.free[end]) ends.lead[end] = lead(t.chains[end / 2], int(end % 2));
+    if (ends.free[end]) ends.direction[end] = end_direction(t.chains[end / 2], int(end % 2));
   return ends;
 }
 
-/// The domain of the search for links.
+/// The parameters of the search for links.
 struct Search {
   const PointGrid& grid;
   float reach;
   PixelSize pixel;
 };
 
-/// Finds links of a free end. A turn is the cosine between the directions of an end and of the link.
+/// Appends the possible links of a free end to `links`. A turn is expressed by the cosine of the angle between the
+/// direction of an end and that of the link.
 void find_links(const Tracing& t, const Search& search, const Ends& ends, int end, std::vector<Link>& links) {
   const Chain& own = t.chains[end / 2];
   const ChainPoint& from = own.end(end % 2);
@@ -47,18 +49,18 @@ void find_links(const Tracing& t, const Search& search, const Ends& ends, int en
   search.grid.near(from.x, from.y, search.reach, [&](const PointGrid::Entry& e, float d2) {
     const float d = std::sqrt(d2), dx = e.x - from.x, dy = e.y - from.y;
     if (e.chain == end / 2 && float(std::abs(e.point - own_point)) < 3.0f * d + 6.0f) return;
-    const auto turn_of = [&](const Direction& lead, float sign) {
-      return d > 0.1f ? sign * (lead[0] * dx + lead[1] * dy) / d : 1.0f;
+    const auto turn_of = [&](const Direction& direction, float sign) {
+      return d > 0.1f ? sign * (direction[0] * dx + direction[1] * dy) / d : 1.0f;
     };
     const auto squared_angle = [](float cosine) { return 2.0f - 2.0f * cosine; };  // approximate
-    const float turn = turn_of(ends.lead[end], 1.0f);
+    const float turn = turn_of(ends.direction[end], 1.0f);
     if (turn < kMinStraightCosine) return;
     const Chain& other = t.chains[e.chain];
     const float behind = (other.points[e.point].depth - from.depth) / (search.pixel.at(from.depth) * (d + 1.0f));
     const bool at_first = e.point == 0, at_last = e.point + 1 == int(other.points.size());
     const int other_end = 2 * e.chain + (at_first ? 0 : 1);
     if ((at_first || at_last) && ends.free[other_end] && other_end != end) {
-      const float other_turn = turn_of(ends.lead[other_end], -1.0f);
+      const float other_turn = turn_of(ends.direction[other_end], -1.0f);
       if (other_end < end || other_turn < kMinStraightCosine || std::abs(behind) > kMaxSteepness) return;
       const float bend = squared_angle(turn) + squared_angle(other_turn);
       const float cost = d * (1.0f + kTurning * bend) + std::abs(behind) / kMaxSteepness;

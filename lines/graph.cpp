@@ -14,15 +14,15 @@ EdgeGraph::EdgeGraph(std::vector<Edge> edges, int width, int height)
     if (!inside || e.kind == 0) fail_check(fmt::format("an edge of kind {} at ({}, {})", e.kind, e.x, e.y));
     set(e);
   }
-  fill_steps(edges);
+  add_steps(edges);
   number_edges(edges);
 }
 
 void EdgeGraph::number_edges(const std::vector<Edge>& all) {
-  before_.resize(bits_.size());
+  edges_before_.resize(bits_.size());
   int count = 0;
   for (std::size_t k = 0; k < bits_.size(); ++k) {
-    before_[k] = count;
+    edges_before_[k] = count;
     count += std::popcount(bits_[k]);
   }
   edges_.resize(std::size_t(count));
@@ -32,9 +32,9 @@ void EdgeGraph::number_edges(const std::vector<Edge>& all) {
       there = e;
 }
 
-// A line whose position was found within rows or columns may move by a pixel from one to the next, without a side
-// between them.
-void EdgeGraph::fill_steps(std::vector<Edge>& edges) {
+// Edges are detected in each row or column by itself. Where a line moves by a pixel from one to the next, the side
+// between the two edges is missing.
+void EdgeGraph::add_steps(std::vector<Edge>& edges) {
   const std::size_t count = edges.size();
   for (std::size_t k = 0; k < count; ++k)
     for (const Node node : {first_node(edges[k]), last_node(edges[k])}) {
@@ -43,7 +43,7 @@ void EdgeGraph::fill_steps(std::vector<Edge>& edges) {
       int best = -1, min = 2 * kWays + 1;
       for (int turn = 1; turn < kWays; ++turn) {
         const int way = (from + turn) % kWays, met = degree(next(node, way));
-        const int cost = met + (turn == 2 ? 0 : 1);  // prefers straight on
+        const int cost = met + (turn == 2 ? 0 : 1);  // prefers to continue straight
         if (met == 0 || cost >= min) continue;
         min = cost;
         best = way;
@@ -65,7 +65,7 @@ Edge EdgeGraph::side(Node node, int way) {
 
 int EdgeGraph::number(const Edge& side) const {
   const std::size_t at = bit(side);
-  return before_[at / 64] + std::popcount(bits_[at / 64] & ((std::uint64_t(1) << (at % 64)) - 1));
+  return edges_before_[at / 64] + std::popcount(bits_[at / 64] & ((std::uint64_t(1) << (at % 64)) - 1));
 }
 
 unsigned EdgeGraph::ways(Node node) const {

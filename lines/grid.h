@@ -1,4 +1,4 @@
-// A grid of the points of chains, to find those near a position.
+// PointGrid: finds the points of chains near a position.
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -14,10 +14,11 @@ class PointGrid {
     int chain, point, edge;
   };
 
-  /// Takes all points of chains in a picture of that size. Points outside it are put into the cells along its border.
+  /// Builds the grid of all points of chains in a picture of that size. Points outside the picture are put into the
+  /// cells along its border.
   PointGrid(const std::vector<Chain>& chains, int width, int height);
 
-  /// Calls visit(entry, squared distance) for all points nearer than `reach` pixels.
+  /// Calls visit(entry, squared distance) for all points whose distance from (x, y) is below `reach` pixels.
   template <class Visit>
   void near(float x, float y, float reach, const Visit& visit) const {
     const int x0 = column(x - reach), x1 = column(x + reach), y0 = row(y - reach), y1 = row(y + reach);
@@ -31,8 +32,8 @@ class PointGrid {
     }
   }
 
-  /// Returns the number of points in the 4 x 4 cells around a position, 16 pixels wide and high.
-  int crowd(float x, float y) const {
+  /// Returns the number of points in the 4 x 4 cells, 16 x 16 pixels, around a position.
+  int count_around(float x, float y) const {
     const int x0 = column(x - 1.5f * kCell), x1 = column(x + 1.5f * kCell);
     int count = 0;
     for (int j = row(y - 1.5f * kCell); j <= row(y + 1.5f * kCell); ++j)
@@ -42,7 +43,7 @@ class PointGrid {
   }
 
  private:
-  static constexpr int kCell = 4;  // pixels
+  static constexpr int kCell = 4;  // width and height of a cell, pixels
 
   int column(float x) const { return std::clamp(int(x) / kCell, 0, columns_ - 1); }
   int row(float y) const { return std::clamp(int(y) / kCell, 0, rows_ - 1); }

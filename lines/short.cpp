@@ -1,4 +1,4 @@
-// Drops chains that are too short.
+// Implements drop_short.
 #include <algorithm>
 
 #include "lines/trace.h"
@@ -8,23 +8,23 @@ namespace {
 
 constexpr float kFullWeightLength = 1.5f;  // from this multiple of the min length on, a chain has full weight
 
-/// Removes chains without points, and references to their edges.
+/// Removes chains without points, and resets Chain::joined where it refers to an edge that no chain has any more.
 void drop_empty(Tracing& t) {
   std::erase_if(t.chains, [](const Chain& chain) { return chain.points.empty(); });
-  std::vector<std::uint8_t> alive(std::size_t(t.graph.size()), 0);
+  std::vector<std::uint8_t> in_use(std::size_t(t.graph.size()), 0);
   for (const Chain& chain : t.chains)
     for (const ChainPoint& p : chain.points)
-      if (p.edge >= 0) alive[p.edge] = 1;
+      if (p.edge >= 0) in_use[p.edge] = 1;
   for (Chain& chain : t.chains)
     for (int& joined : chain.joined)
-      if (joined >= 0 && !alive[joined]) joined = -1;
+      if (joined >= 0 && !in_use[joined]) joined = -1;
 }
 
 }  // namespace
 
 void drop_short(Tracing& t, const std::function<float(const Chain& chain, int free_ends)>& min_px) {
-  std::vector<float> fraction;                                // length of each chain, relative to its min length
-  for (std::size_t before = 0; t.chains.size() != before;) {  // removed chains can leave others free
+  std::vector<float> fraction;                                // length of each chain / its min length
+  for (std::size_t before = 0; t.chains.size() != before;) {  // removed chains can leave ends of others free
     before = t.chains.size();
     const std::vector<std::uint8_t> free = t.free_ends();
     fraction.assign(before, kFullWeightLength);

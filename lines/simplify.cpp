@@ -5,10 +5,10 @@
 namespace umbrage {
 namespace {
 
-constexpr float kTolerance = 0.05f;  // max distance of a removed point from the line, pixels
-constexpr int kMaxSkip = 8;          // max points per segment
+constexpr float kTolerance = 0.05f;  // max distance of a removed point from the line, pixels; twice that for widths
+constexpr int kMaxSkip = 8;          // max number of points that one segment replaces
 
-/// Returns whether the points between two can be removed within the tolerance.
+/// Returns whether all points between `first` and `last` can be removed within the tolerance.
 bool can_skip(const std::vector<LinePoint>& p, std::size_t first, std::size_t last) {
   const LinePoint &a = p[first], &b = p[last];
   const float dx = b.x - a.x, dy = b.y - a.y, length = std::hypot(dx, dy);

@@ -6,7 +6,8 @@
 
 namespace umbrage {
 
-/// Returns the polyline without the points whose removal moves it by less than a twentieth of a pixel.
+/// Returns the polyline without those points whose removal moves it by less than 1/20 of a pixel and changes its width
+/// by less than 1/10 of a pixel.
 std::vector<LinePoint> simplified(const std::vector<LinePoint>& points);
 
 }  // namespace umbrage

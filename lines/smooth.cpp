@@ -1,4 +1,4 @@
-// Smooths chains: straight parts become straight, round parts round.
+// Implements smooth_chains: fits parabolas to runs of points.
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -8,12 +8,13 @@
 namespace umbrage {
 namespace {
 
-constexpr float kTube = 0.6f;         // max distance of points from the parabola fitted to them, pixels
-constexpr float kMaxBend = 0.4f;      // max ratio of a parabola's bend to its length
-constexpr int kMaxRun = 256;          // max points per parabola
-constexpr int kMinRunsPerPoint = 16;  // min number of runs that contain a point
+constexpr float kMaxDeviation = 0.6f;  // max distance of points from the parabola fitted to them, pixels
+constexpr float kMaxBend = 0.4f;       // max ratio of a parabola's quadratic coefficient to its linear one
+constexpr int kMaxRun = 256;           // max number of points per parabola
+constexpr int kRunsPerPoint = 16;      // approximate number of runs that contain a point
 
-/// A parabola over u in [-1, 1], by polynomials that are orthogonal on evenly spaced points.
+/// A parabola over u in [-1, 1], as coefficients of the polynomials 1, u and u^2 - mean_u2, which are orthogonal on
+/// evenly spaced points.
 struct Curve {
   float x0 = 0, x1 = 0, x2 = 0, y0 = 0, y1 = 0, y2 = 0;
   float step = 0, mean_u2 = 0;
@@ -25,9 +26,10 @@ struct Curve {
   }
 };
 
-using Places = std::vector<std::array<float, 2>>;
+using Positions = std::vector<std::array<float, 2>>;
 
-Curve fitted(const Places& p, int first, int last) {
+/// Returns the least-squares parabola of points first to last; for at most six points a straight line.
+Curve fitted(const Positions& p, int first, int last) {
   const int count = last - first + 1;
   Curve c{.step = 2.0f / float(count - 1), .mean_u2 = float(count + 1) / (3.0f * float(count - 1))};
   float u2 = 0.0f, q2 = 0.0f;
@@ -41,36 +43,36 @@ Curve fitted(const Places& p, int first, int last) {
   }
   c.x0 = c.x0 / float(count) + ox, c.y0 = c.y0 / float(count) + oy;
   c.x1 /= u2, c.y1 /= u2;
-  const float bend = count > 6 ? 1.0f / q2 : 0.0f;  // few points are fitted by a line
+  const float bend = count > 6 ? 1.0f / q2 : 0.0f;
   c.x2 *= bend, c.y2 *= bend;
   return c;
 }
 
-/// Returns whether all points of a run are within kTube of their parabola.
-bool fits(const Places& p, int first, int last) {
+/// Returns whether all points of a run are within kMaxDeviation of their parabola, and the run does not turn back.
+bool fits(const Positions& p, int first, int last) {
   if (last - first < 2) return true;
   const Curve c = fitted(p, first, last);
   const float length = length_of(c.x1, c.y1);
-  constexpr float kMinAdvance = 0.4f;  // pixels per point: otherwise the run turns back
+  constexpr float kMinAdvance = 0.4f;  // pixels per point; a run that advances less turns back
   if (length_of(c.x2, c.y2) > kMaxBend * length || length * c.step < kMinAdvance) return false;
   for (int k = first; k <= last; ++k) {
     const float u = c.u_of(k - first);
     const auto [x, y] = c.at(u);
     const float dx = c.x1 + 2.0f * c.x2 * u, dy = c.y1 + 2.0f * c.y2 * u;
     const float off = (p[k][0] - x) * dy - (p[k][1] - y) * dx;
-    if (off * off > kTube * kTube * (dx * dx + dy * dy)) return false;
+    if (off * off > kMaxDeviation * kMaxDeviation * (dx * dx + dy * dy)) return false;
   }
   return true;
 }
 
-/// Moves points to the curves through their neighbours. Each of the longest runs that fit a parabola moves the points
-/// that it contains; the weight is greater the longer the run is and the nearer the point is to its middle.
-void smooth_places(Places& p) {
+/// Moves each point to the weighted mean of the parabolas whose runs contain it. Runs are as long as a parabola fits
+/// them. The weight of a parabola is larger the longer its run is and the nearer the point is to the run's middle.
+void smooth_positions(Positions& p) {
   const int count = int(p.size());
   if (count < 3) return;
   std::vector<std::array<float, 3>> sum(p.size(), {0.0f, 0.0f, 0.0f});
   int last = 0, before = -1;
-  for (int first = 0; first < count && before < count - 1; first += std::max(1, (last - first) / kMinRunsPerPoint)) {
+  for (int first = 0; first < count && before < count - 1; first += std::max(1, (last - first) / kRunsPerPoint)) {
     last = std::max(last, first);
     for (int by = 1; by > 0;) {
       const bool longer = last + by < count && last + by - first <= kMaxRun && fits(p, first, last + by);
@@ -93,16 +95,17 @@ void smooth_places(Places& p) {
 }
 
 void smooth(Chain& chain) {
-  const int count = int(chain.points.size()), around = chain.closed ? std::min(count, 100) : 0;
-  Places p;
-  for (int k = -around; k < count + around; ++k) {
-    const ChainPoint& of = chain.points[(k + count) % count];
-    p.push_back({of.x, of.y});
+  // A closed chain is extended at both ends by its own points, so that it is smooth there too.
+  const int count = int(chain.points.size()), extra = chain.closed ? std::min(count, 100) : 0;
+  Positions p;
+  for (int k = -extra; k < count + extra; ++k) {
+    const ChainPoint& point = chain.points[(k + count) % count];
+    p.push_back({point.x, point.y});
   }
-  smooth_places(p);
+  smooth_positions(p);
   for (int k = 0; k < count; ++k) {
-    chain.points[k].x = p[k + around][0];
-    chain.points[k].y = p[k + around][1];
+    chain.points[k].x = p[k + extra][0];
+    chain.points[k].y = p[k + extra][1];
   }
 }
 

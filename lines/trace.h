@@ -1,8 +1,8 @@
 // The steps that turn a graph of pixel edges into lines: they find chains of edges, join them at junctions, keep their
-// clear parts, bridge gaps, smooth them and connect their ends. Each step changes the tracing in place and may be
-// omitted; the order below is the intended one. All results are bitwise identical at any number of threads. All steps
-// take time about linear in the number of edges and do not fail. Positions and lengths are in pixels of the graph's
-// picture.
+// clear parts, bridge gaps, drop short chains, smooth the others and connect their ends. Call them in the order of this
+// header; each one changes the tracing in place, and all but the first are optional. Results are bitwise identical for
+// any number of threads. The steps take time about linear in the number of edges and do not fail. Positions and lengths
+// are in pixels of the graph's picture.
 #pragma once
 #include <functional>
 
@@ -12,46 +12,47 @@ namespace umbrage {
 
 /// The size of a pixel at a depth, in units of depth.
 struct PixelSize {
-  float scale = 1.0f;  // at any depth, or with perspective at depth 1
+  float scale = 1.0f;  // pixel size at depth 1; without perspective, at any depth
   bool perspective = false;
 
   float at(float depth) const { return perspective ? scale * depth : scale; }
 };
 
-/// Thresholds of the mean strength of a chain: hysteresis.
+/// Hysteresis thresholds for the mean strength of a chain, a moving average along it.
 struct Clarity {
   float faint;  // a chain is cut where the mean falls below this
-  float clear;  // a part is kept if its maximum of the mean exceeds this
-  float full;   // a part has weight 1 if its maximum of the mean is at least this
-  int around;   // points to either side in the mean
+  float clear;  // a part is kept if the max of the mean in it exceeds this
+  float full;   // a part has weight 1 if the max of the mean in it is at least this
+  int around;   // number of points on either side that the mean includes
 };
 
-/// Finds the chains from junction to junction of all edges of the graph. Sets position, strength, kind and edge of
-/// their points.
+/// Divides all edges of the graph into chains from junction to junction. Sets position, strength, kind and edge of the
+/// chains' points.
 void find_chains(Tracing& t);
 
-/// Joins ends that continue each other at a junction, the straightest and most similar first; similarity is that of
-/// kinds and strengths. Two ends that alone have the highest kind are joined at any angle.
+/// Joins ends that continue each other at a junction, starting with the pair that is straightest and most similar in
+/// kind and strength. If exactly two ends have the highest kind, they are joined at any angle.
 void join_at_junctions(Tracing& t);
 
-/// Cuts chains where they are faint and drops the parts that are clear nowhere.
+/// Cuts chains where they are faint and drops the parts that are nowhere clear.
 void keep_clear_parts(Tracing& t, const Clarity& clarity);
 
-/// Joins free ends that face each other within `reach` pixels. A free end also joins the side of another chain that it
-/// faces, within half of `reach` and half of its own length. Ends are not joined if the depths of the points differ too
-/// steeply. If the depths are unknown (all 0), `pixel.perspective` must be false.
+/// Joins free ends that face each other within `reach` pixels. A free end that faces the side of another chain is
+/// joined to it, within half of `reach` and half of its own chain's length. Points are not joined if the depth between
+/// them changes too steeply. If depths are unknown (all 0), `pixel.perspective` must be false.
 void bridge_gaps(Tracing& t, float reach, const PixelSize& pixel);
 
-/// Drops chains of at most `min_px` pixels, which depends on the number of free ends (0: any length is kept), and
-/// repeats this for the chains whose ends it frees. Chains that are hardly longer get less weight.
+/// Drops each chain whose length in pixels is at most min_px(chain, its number of free ends); where that is 0, any
+/// length is kept. Repeats this, since dropped chains can leave ends of others free. Reduces the weight of chains that
+/// are less than 1.5 times as long as their minimum.
 void drop_short(Tracing& t, const std::function<float(const Chain& chain, int free_ends)>& min_px);
 
-/// Moves points to parabolas fitted to their neighbours: straight parts become straight, round parts round, and corners
-/// stay.
+/// Moves points to parabolas fitted to their neighbours. This removes pixel steps from straight and round parts and
+/// keeps corners.
 void smooth_chains(Tracing& t);
 
-/// Extends ends to the lines that they meet or beyond the picture's border, and repeats the first point of closed
-/// chains as the last.
-void meet(Tracing& t);
+/// Extends ends to the chains that they meet, or beyond the picture's border, and repeats the first point of each
+/// closed chain as its last.
+void connect_ends(Tracing& t);
 
 }  // namespace umbrage

@@ -17,7 +17,7 @@ Edge below(int x, int y, int kind = 1, float strength = 2.0f) {
   return e;
 }
 
-/// Returns the sides between pixels that differ.
+/// Returns the edges between pixels of a bitmap that differ.
 std::vector<Edge> edges_of(int width, int height, const std::function<bool(int, int)>& bitmap) {
   std::vector<Edge> edges;
   for (int y = 0; y < height; ++y)
@@ -28,7 +28,7 @@ std::vector<Edge> edges_of(int width, int height, const std::function<bool(int, 
   return edges;
 }
 
-/// Runs the first steps of tracing on a picture of 64 x 64 pixels.
+/// Returns the tracing of a picture of 64 x 64 pixels after its chains have been found and joined at junctions.
 Tracing joined(std::vector<Edge> edges) {
   Tracing t{EdgeGraph(std::move(edges), 64, 64)};
   find_chains(t);
@@ -36,13 +36,14 @@ Tracing joined(std::vector<Edge> edges) {
   return t;
 }
 
-/// Returns a line between rows y and y + 1, from column x on.
+/// Returns `count` edges between rows y and y + 1, from column x on.
 std::vector<Edge> row(int x, int y, int count, int kind = 1) {
   std::vector<Edge> edges;
   for (int k = 0; k < count; ++k) edges.push_back(below(x + k, y, kind));
   return edges;
 }
 
+/// Returns `count` edges between columns x and x + 1, from row y on.
 std::vector<Edge> column(int x, int y, int count, int kind = 1) {
   std::vector<Edge> edges;
   for (int k = 0; k < count; ++k) edges.push_back(right_of(x, y + k, kind));
@@ -85,9 +86,9 @@ TEST(LineTracing, EdgesLieInsideThePictureAndHaveAKind) {
   EXPECT_THROW(EdgeGraph({below(0, 0, 0)}, 4, 4), InternalError);
 }
 
-TEST(LineTracing, TheSurerOfTwoEdgesOnOneSideCounts) {
+TEST(LineTracing, TheMoreReliableOfTwoEdgesOnOneSideIsKept) {
   const EdgeGraph graph({below(1, 1, 1, 3.0f), below(1, 1, 2, 1.0f), below(2, 2, 1, 1.0f), below(2, 2, 1, 2.0f)}, 8, 8);
-  ASSERT_EQ(graph.size(), 3);  // with the step between them
+  ASSERT_EQ(graph.size(), 3);  // including the edge added between the two
   EXPECT_EQ(graph[0].kind, 2);
   EXPECT_EQ(graph[2].strength, 2.0f);
 }
@@ -100,20 +101,20 @@ TEST(LineTracing, StepsAreClosed) {
   EXPECT_EQ(t.chains[0].points[10].x, 10.0f);
 }
 
-TEST(LineTracing, JunctionsJoinWhatGoesStraightOn) {
+TEST(LineTracing, JunctionsJoinStraightContinuations) {
   Tracing t = joined(together({column(15, 0, 64), row(16, 15, 30)}));
   ASSERT_EQ(t.chains.size(), 2u);
   const int branch = t.chains[0].points.size() == 30 ? 0 : 1;
   EXPECT_EQ(t.chains[1 - branch].points.size(), 64u);
   EXPECT_EQ(count_free(t), 1);
   smooth_chains(t);
-  meet(t);
+  connect_ends(t);
   const ChainPoint& end = t.chains[branch].end(t.chains[branch].end(0).x < t.chains[branch].end(1).x ? 0 : 1);
   EXPECT_NEAR(end.x, 16.0f, 0.01f);
   EXPECT_NEAR(end.y, 16.0f, 0.01f);
 }
 
-TEST(LineTracing, JunctionsJoinTheTwoSurest) {
+TEST(LineTracing, JunctionsJoinTheTwoMostReliable) {
   const Tracing t = joined(together({column(15, 0, 16, 2), column(15, 16, 48, 1), row(16, 15, 48, 2)}));
   ASSERT_EQ(t.chains.size(), 2u);
   EXPECT_EQ(std::max(t.chains[0].points.size(), t.chains[1].points.size()), 64u);
@@ -130,18 +131,18 @@ TEST(LineTracing, GapsAreBridgedWithinReach) {
     }
   }
   Tracing apart = joined(together({row(5, 20, 16), row(31, 20, 16)}));
-  for (ChainPoint& p : apart.chains[1].points) p.depth = 1000.0f;  // pixels behind
+  for (ChainPoint& p : apart.chains[1].points) p.depth = 1000.0f;  // behind, in pixel sizes
   bridge_gaps(apart, 16.0f, {});
   EXPECT_EQ(apart.chains.size(), 2u);
 }
 
-TEST(LineTracing, EndsGoOnToTheSideThatTheyFace) {
+TEST(LineTracing, EndsAreJoinedToTheSideThatTheyFace) {
   Tracing t = joined(together({column(31, 0, 64), row(0, 20, 28)}));
   EXPECT_EQ(count_free(t), 1);
   bridge_gaps(t, 16.0f, {});
   EXPECT_EQ(count_free(t), 0);
   smooth_chains(t);
-  meet(t);
+  connect_ends(t);
   float max = 0.0f;
   for (const Chain& chain : t.chains)
     if (chain.joined[0] >= 0 || chain.joined[1] >= 0)
@@ -150,7 +151,7 @@ TEST(LineTracing, EndsGoOnToTheSideThatTheyFace) {
 }
 
 // A short bar is dropped, and then the branch that ended at it.
-TEST(LineTracing, ShortChainsGoAndWhatTheyFree) {
+TEST(LineTracing, ShortChainsAreDroppedAndThenThoseTheyLeaveFree) {
   const auto min = [](const Chain&, int free_ends) { return free_ends == 2 ? 24.0f : 6.0f; };
   Tracing t = joined(together({column(20, 20, 12), row(21, 25, 10), row(5, 50, 30), row(30, 5, 24)}));
   ASSERT_EQ(t.chains.size(), 4u);
@@ -162,8 +163,7 @@ TEST(LineTracing, ShortChainsGoAndWhatTheyFree) {
   EXPECT_NEAR(t.chains[0].weight, 2.0f * (29.7f / 24.0f - 1.0f), 1e-4f);
 }
 
-// A square with two tails whose left side is faint for a stretch: the rest of the square is open, and its lines end
-// there and nowhere else.
+// A square with two tails. Part of its left side is faint: the square is open there, and has no other new ends.
 TEST(LineTracing, ClosedChainsAreCutWhereTheyAreFaint) {
   constexpr int kLow = 60, kHigh = 180;
   std::vector<Edge> edges;
@@ -184,7 +184,7 @@ TEST(LineTracing, ClosedChainsAreCutWhereTheyAreFaint) {
   keep_clear_parts(t, {.faint = 0.6f, .clear = 0.8f, .full = 0.97f, .around = 1});
   EXPECT_EQ(count_free(t), 4);
   smooth_chains(t);
-  meet(t);
+  connect_ends(t);
   float sum = 0.0f;
   for (const Chain& chain : t.chains) sum += length_of(chain);
   EXPECT_NEAR(sum, 4 * (kHigh - kLow) - 40 + 100, 6.0);

@@ -3,7 +3,7 @@
 #define UMBRAGE_EFFECTS_HIDE_GROUND_H
 
 struct HideGroundConstants {
-  float object;  // object id of the ground; < 0: none
+  float object;  // object id of the ground; < 0: there is no ground
 };
 
 #endif

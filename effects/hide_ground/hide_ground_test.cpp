@@ -9,7 +9,7 @@
 namespace umbrage {
 namespace {
 
-/// Returns a pixel of the model (object 1), two of the ground (object 3), and one of the background.
+/// Returns a picture of four pixels: one of the model (object 1), two of object 3, and one of the background.
 GBuffer row_of(int ground_object) {
   GBuffer g = test::empty_gbuffer(4, 1);
   g.info.ground_object = ground_object;
@@ -41,7 +41,7 @@ TEST(HideGround, WithoutGroundNothingChanges) {
   });
 }
 
-TEST(HideGround, MissingIdsAreThoseOfOneObject) {
+TEST(HideGround, MissingIdsMeanOneObject) {
   GBuffer g = test::empty_gbuffer(40, 30);
   g.layers[0].add("depth") = Plane(40, 30, 2.0f);
   test::on_every_target("hide_ground", g, {}, [](const Image& image) {

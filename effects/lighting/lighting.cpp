@@ -44,6 +44,7 @@ void fill_constants(const LightingParams& params, const PictureInfo& info, Light
   c.shaped = rig.ambient_shape.even() ? 0 : 1;
   for (int color = 0; color < 3; ++color) {
     const glm::mat4 m = rig.ambient_shape.by_color[color] * params.ambient;
+    // Off-diagonal elements occur twice in the quadratic form.
     const float factors[kLightingShape] = {2.0f * m[0][3], 2.0f * m[1][3], 2.0f * m[2][3],
                                            2.0f * m[0][1], 2.0f * m[1][2], 2.0f * m[2][0],
                                            m[0][0],        m[1][1],        m[2][2]};

@@ -2,12 +2,12 @@
 #ifndef UMBRAGE_EFFECTS_LIGHTING_H
 #define UMBRAGE_EFFECTS_LIGHTING_H
 const int kLightingMaxLights = 16;
-const int kLightingShape = 9;
+const int kLightingShape = 9;  // number of factors per colour channel by which ambient light depends on the normal
 
 // Each field has one row in the parameter table of lighting.cpp.
 struct LightingParams {
   float ambient, diffuse, specular;  // factors
-  float emission;                    // factor for emission
+  float emission;                    // factor
   float shadow;                      // strength of shadows, 0 to 1
   int material;                      // 0 the scene's, 1 white clay, 2 the scene's with albedo as display values
   int open;                          // 0 or 1: also write `open_light`
@@ -18,14 +18,16 @@ struct LightingConstants {
   int light_count;
   int clay, display;  // 0 or 1
   float ambient_r, ambient_g, ambient_b;
-  int shaped;  // 0 or 1: ambient light depends on the normal; factors of x, y, z, xy, yz, zx, xx, yy, zz below
+  int shaped;  // 0 or 1: ambient light depends on the normal
+  // Per colour channel: factors of x, y, z, xy, yz, zx, xx, yy, zz of the normal.
   float shape_r[kLightingShape], shape_g[kLightingShape], shape_b[kLightingShape];
   float diffuse, specular, emission, shadow;
-  // Lights in view space, the key light first. kind: 0 directional (x, y, z towards the light), 1 point (at x, y, z)
+  // Lights in view space, the key light first. kind 0: directional, (x, y, z) points towards the light; kind 1: point
+  // light at (x, y, z).
   int kind[kLightingMaxLights];
   float x[kLightingMaxLights], y[kLightingMaxLights], z[kLightingMaxLights];
   float r[kLightingMaxLights], g[kLightingMaxLights], b[kLightingMaxLights];
-  // Point light: squared distance at which its colour is r, g, b; 0: no falloff.
+  // Point lights: squared distance at which the light has the colour (r, g, b); 0: no falloff.
   float reach_squared[kLightingMaxLights];
 };
 

@@ -1,8 +1,8 @@
-// Lambert and Blinn-Phong shading from the G-buffer. Based on [Blinn 1977].
+// Computes Lambert and Blinn-Phong shading from the G-buffer. Based on [Blinn 1977].
 //
-// Radiance is written as two colours, because occlusion darkens only one of them: `direct` (lights and emission) and
+// Writes radiance as two colours, because occlusion darkens only the second: `direct` (lights and emission) and
 // `ambient`. Results that are not finite become 0.
-// Differs: Lambert's reflectance is not divided by pi; lights' colours are the radiance of a white surface facing them.
+// Differs: Lambert's reflectance is not divided by pi; a light's colour is the radiance of a white surface facing it.
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_COLOR(albedo)
@@ -20,10 +20,10 @@ IN_COLOR(emission)
 OUT_COLOR(direct)
 OUT_COLOR(ambient)
 
-#include "effects/lighting/lighting_around.kernel.h"
+#include "effects/lighting/lighting_ambient.kernel.h"
 #include "effects/lighting/lighting_lights.kernel.h"
 
-// Returns the fraction of a light that its shadow plane lets through; 1 for lights beyond the last plane.
+// Returns the visibility of a light, from its shadow plane; 1 for lights beyond the last plane.
 FN Real shadow_of(int light) {
   if (light == 0) return near_shadow(0, 0);
   if (light == 1) return near_shadow1(0, 0);
@@ -54,8 +54,8 @@ FN void lighting_pixel(Int px, Int py) {
   if (C.emission > 0.0f) sum = near_emission(0, 0) * Real(C.emission);
   for (int k = 0; k < C.light_count; ++k) {
     Vec3 light = towards_light(k, position);
-    Real arrives = arriving_share(k, position);
-    if (C.shadow > 0.0f) arrives = arrives * mad(shadow_of(k) - 1.0f, Real(C.shadow), Real(1.0f));
+    Real attenuation = light_falloff(k, position);
+    if (C.shadow > 0.0f) attenuation = attenuation * mad(shadow_of(k) - 1.0f, Real(C.shadow), Real(1.0f));
     Real lambert = max(dot(normal, light), Real(0.0f));
     Real highlight = Real(0.0f);
     if (C.specular > 0.0f) {
@@ -64,7 +64,7 @@ FN void lighting_pixel(Int px, Int py) {
       // No highlight on surfaces that face away from the light.
       highlight = select(lambert > 0.0f, highlight, Real(0.0f));
     }
-    Vec3 color = Vec3(Real(C.r[k]), Real(C.g[k]), Real(C.b[k])) * arrives;
+    Vec3 color = Vec3(Real(C.r[k]), Real(C.g[k]), Real(C.b[k])) * attenuation;
     Vec3 white = Vec3(highlight, highlight, highlight);
     sum = sum + color * (albedo * (lambert * Real(C.diffuse)) + white);
   }

@@ -1,4 +1,4 @@
-// Tests `lighting` against Lambert and Blinn-Phong [Blinn 1977] in double, and on scenes with known results.
+// Compares `lighting` with Lambert and Blinn-Phong shading [Blinn 1977] in double, and with known results.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 
 using namespace test;
 
-constexpr int kMaxLights = 16;  // as in lighting.h, repeated here
+constexpr int kMaxLights = 16;  // as in lighting.h
 
 // ---- the formulas in double
 
@@ -22,11 +22,11 @@ struct Factors {
   bool clay = false;
 };
 
-/// Light of one pixel, and the tolerance of a float result.
+/// The expected light of a pixel, and the max error of a result in float.
 struct Lit {
   glm::dvec3 direct{0.0}, ambient{0.0};
   double error = 0.0;
-  bool on_edge = false;  // a light is so near the horizon that rounding decides whether it has a highlight
+  bool on_edge = false;  // rounding decides whether there is a highlight, since a light is near the horizon
 };
 
 glm::dvec3 position_of(const PictureInfo& info, int x, int y, double depth) {
@@ -37,6 +37,7 @@ glm::dvec3 position_of(const PictureInfo& info, int x, int y, double depth) {
   return {u * spread, v * spread, -depth};
 }
 
+/// Returns the light of pixel (x, y) by the formulas in double.
 Lit shade(const GBuffer& g, const Factors& f, int x, int y) {
   const Image& image = g.layers[0];
   const auto value = [&](const char* name) { return double(image.plane(name).at(x, y)); };
@@ -48,10 +49,10 @@ Lit shade(const GBuffer& g, const Factors& f, int x, int y) {
       f.clay ? glm::dvec3(1.0) : glm::dvec3(value("albedo.r"), value("albedo.g"), value("albedo.b"));
   const double exponent = value("shininess");
   Lit lit;
-  const glm::dvec4 up_to_second(normal, 1.0);
+  const glm::dvec4 homogeneous(normal, 1.0);
   for (int c = 0; c < 3; ++c)
     lit.ambient[c] = g.info.ambient[c] +
-                     glm::dot(up_to_second, glm::dmat4(g.info.ambient_shape.by_color[std::size_t(c)]) * up_to_second);
+                     glm::dot(homogeneous, glm::dmat4(g.info.ambient_shape.by_color[std::size_t(c)]) * homogeneous);
   lit.ambient = glm::max(lit.ambient, glm::dvec3(0.0)) * albedo * f.ambient;
   lit.error = 1e-6;
   if (image.find("emission.r") && !f.clay)
@@ -60,16 +61,16 @@ Lit shade(const GBuffer& g, const Factors& f, int x, int y) {
   for (std::size_t k = 0; k < g.info.lights.size() && k < std::size_t(kMaxLights); ++k) {
     const Light& light = g.info.lights[k];
     glm::dvec3 to_light(light.direction);
-    double arrives = 1.0;
+    double attenuation = 1.0;
     if (light.kind == LightKind::kHead && !perspective) to_light = {0, 0, 1};
     if (light.kind == LightKind::kPoint || (light.kind == LightKind::kHead && perspective)) {
       const glm::dvec3 where = light.kind == LightKind::kHead ? glm::dvec3(0.0) : glm::dvec3(light.position);
       const double distance = glm::distance(where, position);
       to_light = (where - position) / distance;
-      if (light.kind == LightKind::kPoint && light.reach > 0.0f) arrives = std::pow(light.reach / distance, 2.0);
+      if (light.kind == LightKind::kPoint && light.reach > 0.0f) attenuation = std::pow(light.reach / distance, 2.0);
     }
     const std::string shadow = k == 0 ? "shadow" : fmt::format("shadow{}", k);
-    if (k < 8 && image.find(shadow)) arrives *= 1.0 - (1.0 - value(shadow.c_str())) * f.shadow;
+    if (k < 8 && image.find(shadow)) attenuation *= 1.0 - (1.0 - value(shadow.c_str())) * f.shadow;
     const double facing = glm::dot(normal, to_light);
     if (std::fabs(facing) < 1e-5) lit.on_edge = true;
     if (facing <= 0.0) continue;
@@ -78,15 +79,16 @@ Lit shade(const GBuffer& g, const Factors& f, int x, int y) {
       const double cosine = std::max(0.0, glm::dot(normal, glm::normalize(to_light + to_eye)));
       highlight = value("specular") * f.specular * std::pow(cosine, exponent);
     }
-    const glm::dvec3 color = glm::dvec3(light.color) * arrives;
+    const glm::dvec3 color = glm::dvec3(light.color) * attenuation;
     lit.direct += color * (albedo * facing * f.diffuse + highlight);
-    // A cosine has an error of a few 2^-22, and a power that error times its exponent.
+    // The error of a cosine is a few times 2^-22; that of its power is the exponent times as large.
     const double brightest = std::max({color.r, color.g, color.b});
     lit.error += brightest * 2e-6 * (f.diffuse + exponent * highlight);
   }
   return lit;
 }
 
+/// Compares the effect's results on every target with the formulas.
 void compare(const GBuffer& g, const Settings& settings, const Factors& factors) {
   test::on_every_target("lighting", g, settings, [&](const Image& image) {
     long compared = 0, wrong = 0, lit_pixels = 0;
@@ -105,7 +107,7 @@ void compare(const GBuffer& g, const Settings& settings, const Factors& factors)
         lit_pixels += expected.direct.r > 0.01;
         ++compared;
       }
-    EXPECT_EQ(wrong, 0) << "the worst by " << worst << " times the bound";
+    EXPECT_EQ(wrong, 0) << "max error " << worst << " times the bound";
     EXPECT_GT(compared, 1000);
     if (factors.diffuse > 0.0 && !g.info.lights.empty()) {
       EXPECT_GT(lit_pixels, compared / 20);
@@ -132,7 +134,7 @@ GBuffer varied(bool perspective) {
   return g;
 }
 
-/// Returns a picture of identical pixels.
+/// Returns a picture whose pixels are all identical.
 GBuffer uniform(int width, int height, float depth, glm::vec3 normal, float albedo) {
   GBuffer g = test::empty_gbuffer(width, height);
   g.info.lights.clear();

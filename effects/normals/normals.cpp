@@ -16,7 +16,7 @@ void fill_constants(const NormalsParams& params, const PictureInfo&, NormalsCons
   c = {.mean = params.sides};
 }
 
-/// Reads two pixels in each direction.
+/// Returns the number of rows that the kernel reads above and below a pixel.
 int reach(const void*, int) { return 2; }
 
 }  // namespace

@@ -4,7 +4,7 @@
 
 // One row of the table in normals.cpp per field.
 struct NormalsParams {
-  int sides;  // 0 the better of two neighbours at each pixel, 1 the mean of both
+  int sides;  // 0: the better of the two neighbours, 1: the mean of both
 };
 
 struct NormalsConstants {

@@ -65,8 +65,9 @@ GBuffer captured(const Scene& scene, bool orthographic, int width = 131, int hei
   return g;
 }
 
-/// Returns whether a pixel has two pixels of the surface on at least one side, both in its row and in its column.
-bool is_reported(const Plane& depth, int x, int y) {
+/// Returns whether a pixel can be extrapolated exactly: in its row and in its column, the next two pixels on at least
+/// one side show a surface.
+bool is_predictable(const Plane& depth, int x, int y) {
   const auto there = [&](int i, int j) {
     return i >= 0 && i < depth.width && j >= 0 && j < depth.height && std::isfinite(depth.at(i, j));
   };
@@ -79,24 +80,24 @@ TEST(Normals, PlanesAreExactAtEveryTilt) {
     for (const float degrees : {0.0f, 20.0f, -30.0f, 55.0f, 80.0f}) {
       const GBuffer g = captured(floor_at(degrees), orthographic);
       test::on_every_target("normals", g, {}, [&](const Image& image) {
-        long seen = 0;
+        long compared = 0;
         for (int y = 0; y < image.height; ++y)
           for (int x = 0; x < image.width; ++x) {
             if (!std::isfinite(g.layers[0].plane("depth").at(x, y))) {
               ASSERT_EQ(normal_at(image, x, y), glm::vec3(0.0f));
               continue;
             }
-            if (!is_reported(g.layers[0].plane("depth"), x, y)) continue;
-            ++seen;
+            if (!is_predictable(g.layers[0].plane("depth"), x, y)) continue;
+            ++compared;
             ASSERT_GT(glm::dot(normal_at(image, x, y), normal_at(g.layers[0], x, y)), 0.99999f)
                 << degrees << orthographic << ' ' << x << ' ' << y;
           }
-        EXPECT_GT(seen, 500);
+        EXPECT_GT(compared, 500);
       });
     }
 }
 
-/// Returns the number of a box's pixels whose normal is not that of a face around them.
+/// Returns the number of pixels of a box whose normal is not that of a face within a pixel of them.
 long mixtures(bool orthographic, const Settings& settings) {
   const GBuffer g = captured(box(), orthographic);
   const Image image = test::run_effect(*find_effect("normals"), g, settings, {});
@@ -121,7 +122,7 @@ TEST(Normals, EdgesOfABoxHaveTheNormalOfAFace) {
   }
 }
 
-TEST(Normals, ABallIsRound) {
+TEST(Normals, ASphereIsRound) {
   constexpr int kRings = 192;
   Mesh mesh;
   for (int v = 0; v <= kRings; ++v)
@@ -139,18 +140,18 @@ TEST(Normals, ABallIsRound) {
   const GBuffer g = captured(scene_of(mesh), false);
   const Image image = test::run_effect(*find_effect("normals"), g, {}, {});
   double off = 0.0;
-  long seen = 0;
+  long compared = 0;
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       if (!std::isfinite(g.layers[0].plane("depth").at(x, y)) || g.layers[0].plane("normal.z").at(x, y) < 0.5f)
         continue;
       off += std::acos(std::min(glm::dot(normal_at(image, x, y), normal_at(g.layers[0], x, y)), 1.0f));
-      ++seen;
+      ++compared;
     }
-  EXPECT_LT(glm::degrees(off / double(seen)), 2.5) << "half a pixel's turn and the facets' own";
+  EXPECT_LT(glm::degrees(off / double(compared)), 2.5) << "the turn over half a pixel, plus that between facets";
 }
 
-TEST(Normals, SinglePixelsFaceTheEye) {
+TEST(Normals, SinglePixelsFaceTheCamera) {
   GBuffer g = test::empty_gbuffer(9, 9);
   Plane& depth = g.layers[0].add("depth") = Plane(9, 9, std::numeric_limits<float>::infinity());
   depth.at(4, 4) = 3.0f;

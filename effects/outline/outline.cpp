@@ -16,8 +16,8 @@
 namespace umbrage {
 namespace {
 
-// Default planes of the paper's window depth, as in `unsharp`: the farthest corner is at 90 % of the range, and near /
-// far is 2 / 15.
+// Near and far plane of the paper's window depth, as in `unsharp`: the scene's farthest corner is at 90 % of the far
+// plane's distance, and near / far is 2 / 15.
 constexpr float kFarFraction = 0.9f;
 constexpr float kNearToFar = 2.0f / 15.0f;
 
@@ -52,13 +52,13 @@ const std::vector<Parameter> kTable = {
 };
 
 void fill_constants(const OutlineParams& params, const PictureInfo& info, OutlineConstants& c) {
-  constexpr float kUnitHeight = 1024.0f;  // height of the picture for which lengths of strokes are given
+  constexpr float kUnitHeight = 1024.0f;  // picture height for which lengths of strokes are given
   const auto height = float(info.inner_height());
   const float crease = params.crease_deg * std::numbers::pi_v<float> / 180.0f;
   const float far_depth = std::max(info.depth_max / kFarFraction, 1e-30f);
-  // Crease windows are at most 1/85 of the picture's height, narrow ones at most 1/200: edges do not depend on its
-  // size. The line of a depth step of inner_px within an object loses half of `inner` of its width. A camera that
-  // frames a model sees it at depths of about two to four of its radii: lines recede only beyond that.
+  // Windows for creases are at most 1/85 of the picture's height wide, narrow ones at most 1/200, so that edges do not
+  // depend on its size. A camera that frames a model sees it at depths of about two to four of its radii; lines become
+  // thinner only beyond that.
   c = {.width_px = std::clamp(absolute_length(params.width, height), 0.0f, kOutlineMaxWidth),
        .r = params.r,
        .g = params.g,
@@ -72,7 +72,7 @@ void fill_constants(const OutlineParams& params, const PictureInfo& info, Outlin
        .materials = params.ids & kOutlineMaterials ? 1 : 0,
        .max_window = std::clamp(int(std::lround(0.5f * (height / 85.0f - 1.0f))), 0, kOutlineMaxWindow),
        .narrow = height / 200.0f,
-       .coarser = 0.04f * std::min(1.0f, kUnitHeight / height),
+       .window_penalty = 0.04f * std::min(1.0f, kUnitHeight / height),
        .scale = height / kUnitHeight,
        .recede = params.recede,
        .recede_from = std::max(2.0f * info.depth_min, 0.25f * info.depth_max),
@@ -95,7 +95,7 @@ bool is_coloured(const ParameterBytes& bytes) {
   return is_drawn(bytes) && std::max({params.r, params.g, params.b}) > 0.0f;
 }
 
-/// Rows that the dispatches read above and below theirs: see the kernel texts.
+/// These return the number of rows that the dispatches read above and below a pixel; see the kernel texts.
 int breaks_reach(const void*, int) { return 2; }
 int turns_reach(const void* constants, int) {
   return 2 * static_cast<const OutlineConstants*>(constants)->max_window + 2;

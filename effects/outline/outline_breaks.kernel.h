@@ -1,11 +1,11 @@
-// Detects breaks, where one surface ends and another begins, between each pixel and its right and lower neighbours: at
-// another object or material (if enabled), at the background, and at depth discontinuities. On every plane inverse
-// depth (-depth in orthographic views) is affine in the picture, so a plane predicts its neighbours exactly even at
-// grazing angles. A discontinuity is the part of a depth step that neither side predicts, in pixel sizes. Each side
-// predicts with the smaller of the slopes of its last two pixels' planes, since the last pixel before a silhouette is
-// so steep that it would predict any step; and with the measured slope, since interpolated normals of coarse meshes
-// differ from those of the surface. Stored as strength in units of the threshold, at most kOutlineMaxStrength, or twice
-// that between ids; negative where the pixel is behind its neighbour; 0 where one surface continues.
+// Detects breaks between each pixel and its right and lower neighbours: places where one surface ends, at another
+// object or material (if enabled), at the background, or at a depth discontinuity. On every plane inverse depth
+// (-depth in orthographic views) is affine in the picture, so a plane predicts its neighbours exactly, even at grazing
+// angles. A discontinuity is the part of a depth step that neither side predicts, in pixel sizes. Each side predicts by
+// the slope measured there, since coarse meshes have inaccurate normals, and by the smaller slope of its last two
+// pixels' planes, since the last pixel before a silhouette is so steep that it would predict any step. A break is
+// stored as its strength in units of the threshold: at most kOutlineMaxStrength, or twice that between ids or at the
+// background; negative where the pixel is behind its neighbour; 0 where one surface continues.
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_REAL(object_id)
@@ -14,11 +14,12 @@ OUT_REAL(outline_break_right)
 OUT_REAL(outline_break_below)
 #include "kernel/surface.kernel.h"
 
-CONST float kMinFacing = 0.01f;      // min cosine to the view direction at which a normal determines a slope
-CONST float kUnknownSlope = 1e30f;   // slope of a normal below kMinFacing
-CONST float kBelowThreshold = 0.9f;  // fraction of a threshold that is certainly below it, however it is rounded
+CONST float kMinFacing = 0.01f;      // min cosine between normal and view direction at which the slope is computed
+CONST float kUnknownSlope = 1e30f;   // slope for a normal below kMinFacing
+CONST float kBelowThreshold = 0.9f;  // factor of a threshold that leaves room for rounding errors
 
-// Returns the change of inverse depth by one pixel to the right (`right` 1) or down (0) on the plane of a pixel.
+// Returns the change of inverse depth per pixel to the right (right = 1) or down (right = 0) on the plane of the pixel
+// (i, j) pixels from this one; kUnknownSlope if the plane is seen edge-on or from behind.
 FN Real plane_slope(Int px, Int py, int i, int j, int right) {
   Vec3 n = near_normal(i, j);
   Real lean = right != 0 ? n.x * Real(F.ray_scale_x) : n.y * Real(F.ray_scale_y);
@@ -37,11 +38,11 @@ FN Bool same_object(int i, int j, int k, int l) {
 
 FN Real smaller_magnitude(Real a, Real b) { return select(abs(a) < abs(b), a, b); }
 
-// Returns the part on which two sides agree, positive or negative; or 0.
+// Returns the one of smaller magnitude if both have the same sign, else 0.
 FN Real agreed(Real a, Real b) { return max(min(a, b), Real(0.0f)) + min(max(a, b), Real(0.0f)); }
 
-// Returns the part of a step of inverse depth that one side does not predict. It predicts from the slopes of its last
-// two pixels and, if it has two, the step between them.
+// Returns the part of a step of inverse depth that one side does not predict. `last` and `before` are the slopes of its
+// last two pixels, `measured` the step between these. If `two` is false, the side has only one pixel.
 FN Real unpredicted_step(Real step, Bool two, Real last, Real before, Real measured, Real pixel) {
   Real bound = mad(abs(measured), Real(kMaxSteepening), pixel);
   Real slope = clamp(smaller_magnitude(before, last), -bound, bound);
@@ -62,16 +63,17 @@ FN Real discontinuity(Int px, Int py, int i, int j) {
   Real step2 = c3 - c2;
   Real pixel = Real(F.ray_scale_x);
   if (F.orthographic == 0) pixel = pixel * min(c1, c2);
-  Real of_first =
+  Real first_gap =
       unpredicted_step(step, before, plane_slope(px, py, 0, 0, i), plane_slope(px, py, -i, -j, i), step0, pixel);
-  Real of_second =
+  Real second_gap =
       unpredicted_step(step, after, plane_slope(px, py, i, j, i), plane_slope(px, py, 2 * i, 2 * j, i), step2, pixel);
-  Real gap = agreed(of_first, of_second);
+  Real gap = agreed(first_gap, second_gap);
   return gap / (max(pixel, Real(1e-30f)) * C.depth);
 }
 
-// Returns whether inverse depth bends at a pixel along (k, l) by at least the threshold of a discontinuity. Depths are
-// compared after multiplication by all three, to avoid divisions; an invalid depth gives true.
+// Returns whether the slope of inverse depth along (k, l) changes at pixel (i, j) by at least the threshold of a
+// discontinuity. Both sides of the comparison are multiplied by the three depths, to avoid divisions. Returns true if a
+// depth is invalid.
 FN Bool bends(int i, int j, int k, int l) {
   Real d0 = near_depth(i - k, j - l);
   Real d1 = near_depth(i, j);
@@ -95,13 +97,14 @@ FN Real break_at(Int px, Int py, int i, int j) {
   if (C.materials != 0) differs = differs || !(near_material_id(0, 0) == near_material_id(i, j));
   differs = differs && (surface1 || surface2) && inside;
   Real found = select(differs, Real(2.0f * kOutlineMaxStrength), Real(0.0f));
-  Bool ends = !(near_object_id(-i, -j) == near_object_id(0, 0) && near_object_id(2 * i, 2 * j) == near_object_id(i, j));
-  Bool maybe = both && !differs && (bends(0, 0, i, j) || bends(i, j, i, j) || ends);
+  Bool ids_change =
+      !(near_object_id(-i, -j) == near_object_id(0, 0) && near_object_id(2 * i, 2 * j) == near_object_id(i, j));
+  Bool candidate = both && !differs && (bends(0, 0, i, j) || bends(i, j, i, j) || ids_change);
   Real gap = Real(0.0f);
-  if (some(maybe)) {
-    gap = select(maybe, discontinuity(px, py, i, j), gap);
-    Bool clear = abs(gap) > kOutlineMinStrength;
-    found = select(clear, min(abs(gap), Real(kOutlineMaxStrength)), found);
+  if (some(candidate)) {
+    gap = select(candidate, discontinuity(px, py, i, j), gap);
+    Bool is_break = abs(gap) > kOutlineMinStrength;
+    found = select(is_break, min(abs(gap), Real(kOutlineMaxStrength)), found);
   }
   // Negative: the pixel is behind its neighbour. Background is behind all surfaces.
   Bool behind = surface2 && (!surface1 || near_depth(0, 0) > near_depth(i, j));

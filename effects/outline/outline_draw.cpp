@@ -10,7 +10,7 @@
 namespace umbrage {
 namespace {
 
-/// Draws a part of a line into rows [first, end).
+/// Draws the segment from a to b into rows [first, end) of `cover`.
 void draw_segment(const LinePoint& a, const LinePoint& b, float opacity, const HostPlane& cover, int columns, int first,
                   int end) {
   const float reach = 0.5f * std::max({a.width, b.width, 1.0f}) + 0.5f;

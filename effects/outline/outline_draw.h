@@ -1,4 +1,4 @@
-// Traces lines through the edges of a picture, and computes the fraction of each pixel that lines cover.
+// The host step of effect `outline`: traces lines through the edges of a picture and draws them.
 #pragma once
 #include "core/lines.h"
 #include "effects/outline/outline.h"
@@ -6,16 +6,17 @@
 
 namespace umbrage {
 
-/// Traces lines through edges. Inputs: outline_edge_right, outline_edge_below, depth, object_id. The result does not
-/// depend on the number of threads; the time is about linear in the number of edges, for a given height of the picture.
+/// Returns the lines through the edges of a picture. Reads the inputs outline_edge_right, outline_edge_below, depth and
+/// object_id. The result does not depend on the number of threads. For a given height of the picture, the time is about
+/// linear in the number of edges.
 Lines trace_lines(const HostFrame& frame, const OutlineConstants& constants);
 
-/// Writes the fraction of each pixel that lines cover, times `opacity`: from the distance of the pixel's centre to the
-/// nearest part of a line, antialiased over a pixel. A line thinner than a pixel is drawn a pixel wide and
-/// proportionally lighter.
+/// Writes to `cover` the fraction of each pixel that lines cover, times `opacity`. The fraction follows from the
+/// distance of the pixel's centre to the nearest line and is antialiased over one pixel. A line thinner than a pixel is
+/// drawn a pixel wide and proportionally lighter.
 void draw_lines(const Lines& lines, float opacity, const HostPlane& cover);
 
-/// The host step of effect `outline`.
+/// Runs the host step: traces the lines and writes the output `outline`.
 void run_host_outline(const HostFrame& frame);
 
 }  // namespace umbrage

@@ -15,7 +15,7 @@ namespace {
 using namespace test;
 using glm::dvec2;
 
-/// The planes of the effect, with the edges through which its lines are traced.
+/// The planes that the effect writes, and its lines.
 struct Traced {
   Image planes;
   Lines lines;
@@ -45,7 +45,7 @@ double distance_to_segment(dvec2 p, dvec2 a, dvec2 b) {
 
 dvec2 place(const LinePoint& p) { return {p.x, p.y}; }
 
-/// Returns the distance to a line.
+/// Returns the distance of a point to a line.
 double distance_to_line(dvec2 p, const Line& line) {
   double min = kInfinity;
   for (std::size_t k = 0; k + 1 < line.points.size(); ++k)
@@ -53,14 +53,14 @@ double distance_to_line(dvec2 p, const Line& line) {
   return min;
 }
 
-double distance_to_lines(dvec2 p, const Lines& lines, const Line* but = nullptr) {
+double distance_to_lines(dvec2 p, const Lines& lines, const Line* except = nullptr) {
   double min = kInfinity;
   for (const Line& line : lines.lines)
-    if (&line != but) min = std::min(min, distance_to_line(p, line));
+    if (&line != except) min = std::min(min, distance_to_line(p, line));
   return min;
 }
 
-/// Returns the ends of lines that meet no other line and not the picture's border.
+/// Returns the ends of lines that meet neither another line nor the picture's border.
 std::vector<dvec2> free_ends(const Lines& lines) {
   constexpr double kMeets = 1.0, kBorder = 2.0;  // pixels
   std::vector<dvec2> ends;
@@ -90,9 +90,9 @@ dvec2 projected(const Lens& lens, dvec3 p) {
   return {(p.x * scale - lens.left()) / lens.pixel(), (lens.top() - p.y * scale) / lens.pixel()};
 }
 
-/// Returns the edges of a cube's visible faces, in picture coordinates.
-std::vector<std::array<dvec2, 2>> seen_edges(const Lens& lens, dvec3 center, const dmat3& turn, double half) {
-  const auto is_seen = [&](dvec3 normal) {
+/// Returns the edges of a cube's visible faces, in pixels of the picture.
+std::vector<std::array<dvec2, 2>> visible_edges(const Lens& lens, dvec3 center, const dmat3& turn, double half) {
+  const auto is_visible = [&](dvec3 normal) {
     const dvec3 to_eye = lens.orthographic ? dvec3(0, 0, 1) : -(center + turn * (half * normal));
     return glm::dot(turn * normal, to_eye) > 0.0;
   };
@@ -104,7 +104,7 @@ std::vector<std::array<dvec2, 2>> seen_edges(const Lens& lens, dvec3 center, con
         a[axis] = -1, b[axis] = 1;
         a[(axis + 1) % 3] = b[(axis + 1) % 3] = first[(axis + 1) % 3] = s;
         a[(axis + 2) % 3] = b[(axis + 2) % 3] = second[(axis + 2) % 3] = t;
-        if (is_seen(first) || is_seen(second))
+        if (is_visible(first) || is_visible(second))
           edges.push_back({projected(lens, center + turn * (half * a)), projected(lens, center + turn * (half * b))});
       }
   return edges;
@@ -115,7 +115,7 @@ void expect_cube(int size, bool orthographic, int turned) {
   const dvec3 center(0.0, 0.0, -kFocus);
   const dmat3 turn = rotation(24.0 + 1.7 * turned, 31.0 + 2.3 * turned, 30.0 * turned + 7.0);
   const Lines lines = traced(seen(lens, box(center, turn, 1.0))).lines;
-  const auto edges = seen_edges(lens, center, turn, 1.0);
+  const auto edges = visible_edges(lens, center, turn, 1.0);
   ASSERT_EQ(edges.size(), 9u);
   EXPECT_TRUE(free_ends(lines).empty());
   long near = 0, all = 0;
@@ -140,7 +140,7 @@ TEST(OutlineLines, ACubeHasItsNineEdges) {
       }
 }
 
-TEST(OutlineLines, RoundThingsHaveTheirSilhouettesAlone) {
+TEST(OutlineLines, RoundObjectsHaveOnlySilhouettes) {
   for (const int size : {256, 1024})
     for (const bool orthographic : {false, true}) {
       SCOPED_TRACE(size);
@@ -164,7 +164,7 @@ TEST(OutlineLines, RoundThingsHaveTheirSilhouettesAlone) {
 
 TEST(OutlineLines, FlatAndNoisySurfacesHaveNone) {
   const Lens lens{512, 512};
-  // Only the plane's horizon, if it is visible.
+  // The only line may be the plane's horizon, if it is visible.
   const Lines flat = traced(seen(lens, ground(2.0, 0.0))).lines;
   EXPECT_LE(flat.lines.size(), 1u);
   EXPECT_LT(length_of(flat), 520.0);
@@ -213,21 +213,21 @@ TEST(OutlineLines, ANutHasItsThirtyDegreeEdges) {
   const Lines lines = traced(seen(lens, convex_solid(sides))).lines;
   EXPECT_TRUE(free_ends(lines).empty());
   const double outer = 1.3 / std::cos(radians(15.0));
-  int seen_sides = 0;
+  int visible_sides = 0;
   for (int k = 0; k < 12; ++k) {
     const double angle = radians(30.0 * k + 15.0);
     const dvec3 n = turn * dvec3(std::cos(angle), std::sin(angle), 0.0);
     if (glm::dot(n, -center) < 0.3 * glm::length(center)) continue;  // near the silhouette or behind
-    ++seen_sides;
+    ++visible_sides;
     for (const double z : {-0.6, 0.0, 0.6}) {
       const dvec3 p = center + turn * dvec3(outer * std::cos(angle), outer * std::sin(angle), z);
       EXPECT_LT(distance_to_lines(projected(lens, p), lines), 0.5) << k;
     }
   }
-  EXPECT_GE(seen_sides, 3);
+  EXPECT_GE(visible_sides, 3);
 }
 
-TEST(OutlineLines, AreAsWideAsAsked) {
+TEST(OutlineLines, HaveTheRequestedWidth) {
   const GBuffer g = seen({512, 512}, sphere({0.0, 0.0, -kFocus}, 1.4, 0));
   for (const double width : {0.5, 1.0, 2.0, 8.0, 16.0}) {
     const Traced t = traced(g, {{"width", fmt::format("{}", width)}});
@@ -262,7 +262,7 @@ TEST(OutlineLines, MoveWithTheCamera) {
   }
 }
 
-TEST(OutlineLines, VarySmoothlyInATurn) {
+TEST(OutlineLines, VarySmoothlyAsTheModelTurns) {
   double before = 0.0;
   for (int frame = 0; frame < 72; ++frame) {
     const RayScene scene = together({box({0, 0, -kFocus}, rotation(25.0, 27.0 + 0.5 * frame), 0.9, 0.02),
@@ -275,7 +275,7 @@ TEST(OutlineLines, VarySmoothlyInATurn) {
   }
 }
 
-// Slats three pixels apart become a tone, not broken lines.
+// Slats three pixels wide become a grey tone, not broken lines.
 TEST(OutlineLines, DenseLinesFadeToTone) {
   GBuffer g = seen({256, 256}, ground(90.0, 0.0));
   for (int y = 0; y < 256; ++y)
@@ -290,8 +290,8 @@ TEST(OutlineLines, DenseLinesFadeToTone) {
   }
 }
 
-// Between the two silhouettes of a pole three pixels wide a third of its colour remains.
-TEST(OutlineLines, LeaveColourInsideThinThings) {
+// Between the two silhouettes of a pole three pixels wide, a third of its colour remains visible.
+TEST(OutlineLines, LeaveColourInsideThinObjects) {
   GBuffer g = seen({256, 256}, ground(90.0, 0.0));
   for (int y = 20; y < 236; ++y)
     for (int x = 100; x < 103; ++x) g.layers[0].plane("object_id").at(x, y) = 1.0f;
@@ -299,7 +299,7 @@ TEST(OutlineLines, LeaveColourInsideThinThings) {
   for (int y = 60; y < 200; ++y) EXPECT_LT(planes.plane("outline").at(101, y), 0.67f) << y;
 }
 
-/// Random depths, normals and ids, constant in blocks of block x block pixels.
+/// Returns random depths, normals and ids, constant in blocks of block x block pixels.
 GBuffer random_gbuffer(int size, int block) {
   GBuffer g = seen({size, size}, ground(90.0, 0.0));
   std::mt19937 random(3);
@@ -324,9 +324,10 @@ TEST(OutlineLines, TakeAnyEdgesInBoundedTime) {
     const Traced t = traced(g);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     RecordProperty(fmt::format("seconds_{}", block), fmt::format("{}", took.count()));
-    EXPECT_LT(took.count(), 20.0) << block;  // for two tracings, also with sanitizers on a busy machine
+    EXPECT_LT(took.count(), 20.0) << block;  // for two tracings; enough with sanitizers on a busy machine
     if (block != 2) {
-      EXPECT_EQ(t.lines.lines.size() > 1000u, block > 1) << block;  // edges at every pixel are noise
+      EXPECT_EQ(t.lines.lines.size() > 1000u, block > 1)
+          << block;  // with blocks of one pixel, edges everywhere count as noise
     }
   }
   for (const Line& line : traced(hostile_gbuffer(300, 200, 1)).lines.lines)
@@ -342,7 +343,7 @@ TEST(OutlineLines, AreTheSameAtAnyNumberOfThreads) {
   EXPECT_EQ(difference(one.planes.plane("outline"), two.planes.plane("outline"), 0.0).max, 0.0);
 }
 
-TEST(OutlineLines, OfNoWidthCoverNothing) {
+TEST(OutlineLines, WithoutWidthCoverNothing) {
   const Traced t = traced(random_gbuffer(200, 3), {{"width", "0%"}, {"inner", "1"}});
   for (int y = 0; y < 200; ++y)
     for (int x = 0; x < 200; ++x) ASSERT_EQ(t.planes.plane("outline").at(x, y), 0.0f);

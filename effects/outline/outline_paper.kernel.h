@@ -1,6 +1,6 @@
 // Writes the fraction of each pixel that lines cover, in mode `paper`. Based on [Lajzer and Nottingham], listing 3: a
-// pixel is black if any of its 8 neighbours differs by 0.05 (1 - Z) in window depth Z or by 0.95 in the dot product of
-// normals.
+// pixel is black if any of its 8 neighbours differs by more than 0.05 (1 - Z) in window depth Z, or if the dot product
+// of their normals is below 0.95.
 //
 // Differs: background has the normal 0 and the depth 1, like a cleared buffer.
 IN_REAL(depth)

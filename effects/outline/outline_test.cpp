@@ -6,17 +6,18 @@ namespace {
 
 using namespace test;
 
-constexpr double kLine = 0.02;  // min cover of a pixel that counts as part of a line
+constexpr double kMinCover = 0.02;  // min fraction covered of a pixel that counts as part of a line
 
 Plane lines_of(const GBuffer& g, const Settings& settings = {}) {
   return test::run_effect(*find_effect("outline"), g, settings, {}).plane("outline");
 }
 
+/// Returns the number of pixels of lines, in the part of the picture that `where` selects.
 long count(
     const Plane& lines, const std::function<bool(int, int)>& where = [](int, int) { return true; }) {
   long n = 0;
   for (int y = 0; y < lines.height; ++y)
-    for (int x = 0; x < lines.width; ++x) n += lines.at(x, y) > kLine && where(x, y);
+    for (int x = 0; x < lines.width; ++x) n += lines.at(x, y) > kMinCover && where(x, y);
   return n;
 }
 
@@ -45,8 +46,9 @@ TEST(Outline, TinyPicturesAreFine) {
       }
 }
 
-// `output` draws nothing where the cover is 0, and draws lines without colour planes black.
-TEST(Outline, ColourAndOpacityAreHandedOn) {
+// The planes `line` are left out if lines are black, since `output` then draws black, and everything if they are
+// transparent.
+TEST(Outline, ColourAndOpacityAreWritten) {
   const GBuffer g = seen({96, 96}, box({0, 0, -kFocus}, rotation(33, 38), 1.0));
   const Effect& effect = *find_effect("outline");
   for (const char* mode : {"robust", "paper"}) {
@@ -71,13 +73,15 @@ TEST(Outline, ColourAndOpacityAreHandedOn) {
   }
 }
 
-// --- the paper -----------------------------------------------------------------------------------------------------
+// --- mode `paper` --------------------------------------------------------------------------------------------------
 
-/// Listing 3, in double; texture coordinates are clamped to the edge. `close` is true if rounding may decide.
+/// Result of listing 3 at a pixel.
 struct Listing3 {
   double illum;
-  bool close;
+  bool close;  // a value is so close to its threshold that rounding decides
 };
+
+/// Returns the result of listing 3, computed in double. Texture coordinates are clamped to the border.
 Listing3 toon_outlining(const GBuffer& g, int px, int py) {
   const Image& image = g.layers[0];
   const double far_plane = g.info.depth_max / 0.9, near_plane = far_plane * 2.0 / 15.0;
@@ -106,7 +110,7 @@ Listing3 toon_outlining(const GBuffer& g, int px, int py) {
     const dvec3 norm = s_norm(px + offset[0], py + offset[1]);
     const double apart = std::fabs(depth - base_depth), alike = glm::dot(norm, base_norm);
     if (apart > threshold_depth) darkness_depth += 1.0;
-    // If neither is a surface, the listing normalizes zero.
+    // Where neither is a surface, the listing would normalize zero vectors.
     const bool neither = cleared(px, py) && cleared(px + offset[0], py + offset[1]);
     if (!neither && alike < threshold_norm) darkness_norm += 1.0;
     const bool both_far = apart == 0.0 && threshold_depth == 0.0;
@@ -145,11 +149,11 @@ TEST(Outline, PaperThresholdsAreParameters) {
   const auto drawn = [&](const char* depth, const char* normal) {
     return count(lines_of(g, {{"mode", "paper"}, {"paper_depth", depth}, {"paper_normal", normal}}));
   };
-  const long usual = drawn("0.05", "0.95"), rims = drawn("0.05", "-1"), creases = drawn("1", "0.95");
-  EXPECT_GT(rims, 100);
-  EXPECT_GT(creases, rims);  // normals also separate the cube from the background
-  EXPECT_GE(usual, creases);
-  EXPECT_LT(rims, usual);
+  const long both = drawn("0.05", "0.95"), silhouettes = drawn("0.05", "-1"), creases = drawn("1", "0.95");
+  EXPECT_GT(silhouettes, 100);
+  EXPECT_GT(creases, silhouettes);  // normals also separate the cube from the background
+  EXPECT_GE(both, creases);
+  EXPECT_LT(silhouettes, both);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Scenes with known edges: G-buffers are traced in double from half-spaces, spheres and rings.
+// Scenes with known edges for the tests of `outline`: their G-buffers are ray traced in double from half-spaces,
+// spheres and rings.
 #pragma once
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
@@ -19,7 +20,7 @@ using glm::dmat3;
 using glm::dvec3;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kTanHalfView = 0.36397023426620234;  // of 40 degrees, as in empty_gbuffer
+constexpr double kTanHalfView = 0.36397023426620234;  // for a view of 40 degrees, as in empty_gbuffer
 
 inline double radians(double deg) { return deg * std::numbers::pi / 180.0; }
 
@@ -31,7 +32,8 @@ inline dmat3 rotation(double about_x_deg, double about_y_deg, double about_z_deg
   return z * x * y;
 }
 
-/// A ray's intersection. `distance` is in units of the direction, whose z is -1: it is the view depth.
+/// The intersection of a ray. `distance` is a multiple of the ray's direction, whose z is -1, and so equals the view
+/// depth.
 struct Hit {
   double distance = kInfinity;
   dvec3 normal{0.0};
@@ -45,7 +47,7 @@ struct HalfSpace {
   double offset;
 };
 
-/// The intersection of half-spaces. From inside, its walls are hit.
+/// Returns the intersection of half-spaces. If `from_inside`, rays hit its walls from inside.
 inline RayScene convex_solid(std::vector<HalfSpace> sides, int object = 0, bool from_inside = false) {
   return [=](const dvec3& origin, const dvec3& direction) {
     Hit in{.distance = -kInfinity, .object = object, .material = object}, out = in;
@@ -79,7 +81,7 @@ inline RayScene sphere(dvec3 center, double radius, int object) {
   };
 }
 
-/// Returns the nearest hit of several scenes.
+/// Returns a scene that consists of several.
 inline RayScene together(std::vector<RayScene> scenes) {
   return [=](const dvec3& origin, const dvec3& direction) {
     Hit nearest;
@@ -89,7 +91,7 @@ inline RayScene together(std::vector<RayScene> scenes) {
   };
 }
 
-/// A box; if `bevel` > 0, its edges are bevelled with that width.
+/// Returns a cube; its edges are bevels of width `bevel` if that is > 0. `half` is half of its side.
 inline RayScene box(dvec3 center, dmat3 turn, double half, double bevel = 0.0, int object = 0) {
   std::vector<HalfSpace> sides;
   const auto add = [&](const dvec3& n, double offset) {
@@ -114,19 +116,20 @@ inline RayScene box(dvec3 center, dmat3 turn, double half, double bevel = 0.0, i
   return convex_solid(sides, object);
 }
 
-/// Depth at which an orthographic view shows the same as a perspective one.
+/// Depth at which orthographic and perspective views have the same scale.
 constexpr double kFocus = 6.0;
 
 struct Lens {
   int width = 256, height = 256;
   bool orthographic = false;
-  double shift_x_px = 0.0, shift_y_px = 0.0;  // shift of the window, to the right and up
+  double shift_x_px = 0.0, shift_y_px = 0.0;  // shift of the view window, to the right and up
 
   double pixel() const { return 2.0 * kTanHalfView * (orthographic ? kFocus : 1.0) / height; }
   double left() const { return -0.5 * width * pixel() + shift_x_px * pixel(); }
   double top() const { return 0.5 * height * pixel() + shift_y_px * pixel(); }
 };
 
+/// Returns the G-buffer of a scene.
 inline GBuffer seen(const Lens& lens, const RayScene& scene) {
   GBuffer g = empty_gbuffer(lens.width, lens.height);
   g.info.camera.projection = lens.orthographic ? Projection::kOrthographic : Projection::kPerspective;
@@ -149,7 +152,8 @@ inline GBuffer seen(const Lens& lens, const RayScene& scene) {
   return g;
 }
 
-/// A plane at an elevation angle, at `depth` in the middle of the picture, with smooth errors of its normals.
+/// Returns a plane that is seen at an elevation angle, at `depth` in the middle of the picture, with smooth errors of
+/// its normals of up to `error_deg`.
 inline RayScene ground(double elevation_deg, double error_deg, double depth = kFocus, int object = 0) {
   const dvec3 normal(0.0, std::cos(radians(elevation_deg)), std::sin(radians(elevation_deg)));
   const RayScene plane = convex_solid({{normal, glm::dot(normal, dvec3(0, 0, -depth))}}, object);
@@ -164,7 +168,7 @@ inline RayScene ground(double elevation_deg, double error_deg, double depth = kF
   };
 }
 
-/// A torus whose axis is z rotated by `turn`: sphere tracing, to within 1e-9.
+/// Returns a torus whose axis is z rotated by `turn`. Rays find it by sphere tracing, to within 1e-9.
 inline RayScene ring(dvec3 center, dmat3 turn, double radius, double tube, int object) {
   const auto distance = [=](const dvec3& p) {
     const dvec3 q = (p - center) * turn;

@@ -1,4 +1,4 @@
-// Selects the edges of a picture that become lines.
+// Implements trace_lines: decodes the edges of a picture and decides which of them become lines.
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -13,15 +13,16 @@
 namespace umbrage {
 namespace {
 
-// Thresholds of lines' mean strengths; kFull is the strength of a line at the threshold, allowing for rounding.
+// Thresholds of a line's mean strength (Clarity). kFull is strength 1, the detection threshold, less a margin for
+// rounding.
 constexpr float kFaint = 0.6f, kClear = 0.8f, kFull = 0.97f;
 // Lengths in pixels, which scale with the picture's height.
-constexpr float kMean = 4.0f;    // to either side of a point, for its mean strength
-constexpr float kGap = 16.0f;    // max gap over which ends are joined
-constexpr float kLoose = 24.0f;  // min length of a line with two free ends
-constexpr float kBranch = 6.0f;  // min length of a line with one free end
+constexpr float kMeanRadius = 4.0f;  // distance on either side of a point over which its mean strength is computed
+constexpr float kMaxGap = 16.0f;     // max gap over which ends are joined
+constexpr float kMinLoose = 24.0f;   // min length of a line with two free ends
+constexpr float kMinBranch = 6.0f;   // min length of a line with one free end
 
-/// Returns the edge of a code at a pixel, or nothing if it is outside the picture.
+/// Returns the edge that a code at a pixel means, or nothing if it means none or one outside the picture.
 std::optional<Edge> decoded(float value, int x, int y, bool below, int width, int height) {
   const auto code = std::uint32_t(value);
   const auto kind = std::uint8_t(code & 3);
@@ -37,10 +38,10 @@ std::optional<Edge> decoded(float value, int x, int y, bool below, int width, in
   return inside && kind != 0 ? std::optional(e) : std::nullopt;
 }
 
-/// Returns the edges that outline_edges has written, without noise.
+/// Returns the edges that outline_edges has written, except in blocks that contain noise.
 std::vector<Edge> read_edges(const HostPlane& right, const HostPlane& below, int width, int height) {
   constexpr int kBlock = 32;                     // pixels wide and high
-  constexpr int kMax = kBlock * kBlock * 3 / 2;  // max edges per block: a block with more is noise
+  constexpr int kMax = kBlock * kBlock * 3 / 2;  // max number of edges per block; a block with more is noise
   std::vector<std::vector<Edge>> found(std::size_t((height + kBlock - 1) / kBlock));
   tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t row_of_blocks) {
     std::vector<Edge>& edges = found[row_of_blocks];
@@ -63,9 +64,10 @@ std::vector<Edge> read_edges(const HostPlane& right, const HostPlane& below, int
 
 float surface_depth(float depth) { return depth > 0.0f && depth <= 3.4e38f ? depth : 0.0f; }
 
-/// Fills in the surfaces at a point: the nearer one, and the depth of the other one behind it in pixel sizes, infinity
-/// for another object.
-void describe(const Edge& e, const HostPlane& depth, const HostPlane& object, const PixelSize& pixel, ChainPoint& p) {
+/// Sets the surfaces at a point: depth and object of the nearer one, and the distance in depth of the other one behind
+/// it, in pixel sizes, or infinity if that is another object.
+void set_surfaces(const Edge& e, const HostPlane& depth, const HostPlane& object, const PixelSize& pixel,
+                  ChainPoint& p) {
   const int x2 = e.x + !e.below, y2 = e.y + e.below;
   const float z1 = surface_depth(depth.row(e.y)[e.x]), z2 = surface_depth(depth.row(y2)[x2]);
   const float id1 = object.row(e.y)[e.x], id2 = object.row(y2)[x2];
@@ -77,13 +79,15 @@ void describe(const Edge& e, const HostPlane& depth, const HostPlane& object, co
   p.drop = within ? std::abs(z1 - z2) / std::max(pixel.at(p.depth), 1e-30f) : std::numeric_limits<float>::infinity();
 }
 
-/// Returns the min length of a line in pixels. Between objects it may be short, unless both its ends are free.
+/// Returns the min length of a line in pixels. A line between objects may be short, unless both its ends are free or it
+/// is closed.
 float min_length(const Chain& chain, int free_ends, float scale) {
   const bool alone = free_ends == 2 || chain.closed;
   if (std::any_of(chain.points.begin(), chain.points.end(), [](const auto& p) { return p.kind == kOutlineId; }))
-    return alone ? 2.0f * kBranch * scale : 0.0f;
-  if (free_ends == 0 && !chain.closed) return 0.5f * kBranch * std::max(scale, 1.0f);  // slivers of the pixel grid
-  return (alone ? kLoose : kBranch) * scale;
+    return alone ? 2.0f * kMinBranch * scale : 0.0f;
+  if (free_ends == 0 && !chain.closed)
+    return 0.5f * kMinBranch * std::max(scale, 1.0f);  // shorter ones are artefacts of the pixel grid
+  return (alone ? kMinLoose : kMinBranch) * scale;
 }
 
 }  // namespace
@@ -96,15 +100,15 @@ Lines trace_lines(const HostFrame& frame, const OutlineConstants& c) {
                       width, height)};
   find_chains(t);
   tbb::parallel_for(std::size_t(0), t.chains.size(), [&](std::size_t k) {
-    for (ChainPoint& p : t.chains[k].points) describe(t.graph[p.edge], depth, object, pixel, p);
+    for (ChainPoint& p : t.chains[k].points) set_surfaces(t.graph[p.edge], depth, object, pixel, p);
   });
   join_at_junctions(t);
-  keep_clear_parts(t, {kFaint, kClear, kFull, std::max(1, int(std::lround(kMean * c.scale)))});
-  bridge_gaps(t, kGap * c.scale, pixel);
+  keep_clear_parts(t, {kFaint, kClear, kFull, std::max(1, int(std::lround(kMeanRadius * c.scale)))});
+  bridge_gaps(t, kMaxGap * c.scale, pixel);
   drop_short(t, [&](const Chain& chain, int free_ends) { return min_length(chain, free_ends, c.scale); });
   const std::vector<std::uint8_t> free_ends = t.free_ends();
   smooth_chains(t);
-  meet(t);
+  connect_ends(t);
   return lines_of(t, free_ends, c, !pixel.perspective);
 }
 

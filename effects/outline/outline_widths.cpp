@@ -11,14 +11,15 @@
 namespace umbrage {
 namespace {
 
-constexpr float kTaper = 12.0f;     // length in pixels over which a free end becomes narrower; scales with the picture
-constexpr float kEven = 6.0f;       // points to either side over which widths are averaged; scales with the picture
-constexpr float kMaxCrowd = 75.0f;  // points within 16 x 16 pixels above which lines are crowded
-// Distance in pixels to a more reliable line, within which a line fades; scales with the picture
-constexpr float kFadeDistance = 4.5f;
-constexpr float kParallel = 0.85f;          // cosine from which on two directions count as parallel
+// Lengths in pixels, which scale with the picture's height.
+constexpr float kTaper = 12.0f;        // length over which a free end becomes narrower
+constexpr float kEven = 6.0f;          // number of points on either side over which widths are averaged
+constexpr float kFadeDistance = 4.5f;  // distance to a more reliable line within which a line fades
+
+constexpr float kMaxCrowd = 75.0f;          // number of points within 16 x 16 pixels above which lines are crowded
+constexpr float kParallel = 0.85f;          // min cosine between two directions that count as parallel
 constexpr float kMinRelativeWidth = 0.05f;  // min fraction of the full width at which a line is visible
-constexpr float kShare = 0.6f;              // max fraction of the distance to the next line that a line may cover
+constexpr float kMaxCover = 0.6f;           // max fraction of the distance to the next line that a line may cover
 
 /// Returns the relative width of a line at a point, 0 to 1.
 float weight_of(const ChainPoint& p, const OutlineConstants& c, bool orthographic) {
@@ -51,8 +52,8 @@ void smooth_widths(const Chain& chain, const OutlineConstants& c, std::span<cons
   }
 }
 
-/// Returns the mean confidence of a chain: ids are more reliable than depth discontinuities, these more than creases;
-/// of equals the longer chain is more reliable.
+/// Returns the mean confidence of a chain. Edges between ids rank above depth discontinuities, and these above creases;
+/// among equals, a longer chain ranks higher.
 float mean_confidence(const Chain& chain) {
   float sum = 0.0f;
   for (const ChainPoint& p : chain.points)
@@ -61,34 +62,35 @@ float mean_confidence(const Chain& chain) {
   return sum / count + 1e-3f * std::min(count, 500.0f);
 }
 
-/// Makes lines narrower where they have little room. Of two lines side by side each covers at most the fraction kShare
-/// of the distance between them, though at least half of its own width: some colour remains between them. The less
-/// reliable one fades the nearer it is, since it may be a duplicate of the other. Where lines are crowded all become
-/// thinner, to give a tone.
+/// Makes lines narrower where they have little room. Two lines side by side each cover at most the fraction kMaxCover
+/// of the distance between them, so that some colour remains visible there, but each keeps at least half of its width.
+/// The less reliable one fades as it gets closer, since it may be a duplicate of the other. Where lines are crowded,
+/// all become thinner, so that they give a grey tone.
 void narrow_where_crowded(const Tracing& t, float scale, std::vector<std::vector<float>>& widths) {
   const PointGrid grid(t.chains, t.graph.width(), t.graph.height());
-  const float beside = kFadeDistance * std::max(scale, 1.0f);  // at least the room that the pixel grid needs
-  std::vector<float> sure(t.chains.size());
-  tbb::parallel_for(std::size_t(0), sure.size(), [&](std::size_t c) { sure[c] = mean_confidence(t.chains[c]); });
+  const float beside = kFadeDistance * std::max(scale, 1.0f);  // not below what the pixel grid resolves
+  std::vector<float> confidence(t.chains.size());
+  tbb::parallel_for(std::size_t(0), confidence.size(),
+                    [&](std::size_t c) { confidence[c] = mean_confidence(t.chains[c]); });
   tbb::parallel_for(std::size_t(0), t.chains.size(), [&](std::size_t c) {
     const Chain& chain = t.chains[c];
-    for (std::size_t k = 0; k < chain.points.size(); k += 2) {  // the next point has about as much room
+    for (std::size_t k = 0; k < chain.points.size(); k += 2) {  // the next point gets the same factor
       const ChainPoint& p = chain.points[k];
-      const float width = widths[c][k], reach = std::max(width / kShare, beside);
+      const float width = widths[c][k], reach = std::max(width / kMaxCover, beside);
       const auto way = chain_direction_at(chain, int(k));
       float nearest = reach, nearest_reliable = beside;
       grid.near(p.x, p.y, reach, [&](const PointGrid::Entry& e, float d2) {
         if (e.chain == int(c) && float(std::abs(e.point - int(k))) < 2.0f * reach) return;
         if (std::abs(way[0] * e.dx + way[1] * e.dy) < kParallel) return;
         const float across = std::abs((e.x - p.x) * way[1] - (e.y - p.y) * way[0]);
-        if (across * across < 0.5f * d2) return;  // ahead of it or behind it on the same line
+        if (across * across < 0.5f * d2) return;  // ahead or behind, not beside
         nearest = std::min(nearest, across);
-        if (sure[e.chain] > sure[c]) nearest_reliable = std::min(nearest_reliable, across);
+        if (confidence[e.chain] > confidence[c]) nearest_reliable = std::min(nearest_reliable, across);
       });
-      float room = std::clamp(kShare * nearest / std::max(width, 1e-6f), 0.5f, 1.0f);
+      float room = std::clamp(kMaxCover * nearest / std::max(width, 1e-6f), 0.5f, 1.0f);
       if (p.kind != kOutlineId) room *= std::clamp(2.0f * nearest_reliable / beside - 1.0f, 0.0f, 1.0f);
-      room *= std::min(1.0f, kMaxCrowd / float(grid.crowd(p.x, p.y)));
-      for (std::size_t of = k; of < std::min(k + 2, chain.points.size()); ++of) widths[c][of] *= room;
+      room *= std::min(1.0f, kMaxCrowd / float(grid.count_around(p.x, p.y)));
+      for (std::size_t at = k; at < std::min(k + 2, chain.points.size()); ++at) widths[c][at] *= room;
     }
   });
 }

@@ -1,4 +1,4 @@
-// Computes the widths of lines.
+// Converts chains to lines and computes their widths.
 #pragma once
 #include <span>
 
@@ -8,9 +8,9 @@
 
 namespace umbrage {
 
-/// Returns the lines of chains, with their widths. The points of chains are already at their final positions; free_ends
-/// has one flag per end (2 * chain + last). `drop` of points is in pixel sizes. Lines that are too thin to be visible
-/// are left out.
+/// Returns the lines of the chains, with their widths. The points must be at their final positions, and their `drop` in
+/// pixel sizes. `free_ends` has one flag per end (2 * chain + last). Lines that are too thin to be visible are left
+/// out.
 Lines lines_of(const Tracing& t, std::span<const std::uint8_t> free_ends, const OutlineConstants& c, bool orthographic);
 
 }  // namespace umbrage

@@ -11,15 +11,15 @@
 namespace umbrage {
 namespace {
 
-// Defaults of the listing: 16 pixels of a picture 512 wide; 5 of 8 samples.
+// Defaults as in the listing: a radius of 16 pixels in a picture 512 wide, and a threshold of 5 of 8 samples.
 constexpr double kRadiusPercent = 100.0 * 16.0 / 512.0;
 constexpr double kThreshold = 5.0 / 8.0;
 constexpr double kMaxRadius = 4096.0;  // pixels
-// Corrects the shortcomings of the listing, and is closest to the ray-traced ground truth.
-constexpr std::string_view kOurs =
+// Settings that correct the shortcomings of the listing, and whose result is closest to the ray-traced ground truth.
+constexpr std::string_view kCorrected =
     "shape=hemisphere sample_z=on depth=linear range=smooth range_factor=1 map=linear threshold=0 border=skip "
     "strength=1.3";
-constexpr float kMinNearToFar = 1e-4f;  // fraction of the far plane: window depth divides by the near plane's distance
+constexpr float kMinNearToFar = 1e-4f;  // min near plane / far plane; window depth is undefined for a near plane of 0
 
 const std::vector<Parameter> kTable = {
     int_row("samples", &SphereParams::samples, {.initial = 8, .min = 1, .max = kSphereMaxSamples},
@@ -61,26 +61,27 @@ const std::vector<Parameter> kTable = {
     real_row("strength", &SphereParams::strength, {.initial = 1, .max = 10}, "factor for the occlusion"),
 };
 
-// Flipping one sample changes `ao` by 25/64 at the listing's threshold; with a single sample by two quanta.
+// A sample that rounds the other way changes `ao` by up to 25/64, at the listing's threshold; with samples=1, by two
+// quanta.
 constexpr double kQuantum = 0.5;
 
-double share_of_one(double v) { return v - std::floor(v); }
+double fractional_part(double v) { return v - std::floor(v); }
 
-/// Fills in points that are evenly distributed in the unit sphere. The listing gets "eight uniform points" from outside
-/// and does not specify them. Heights are in equal steps (equal areas of the sphere); azimuth and radius follow the
-/// two-dimensional golden ratio [Roberts 2018], so that no two of the three correlate; the radius is uniform in volume.
+/// Writes `count` points that are evenly distributed in the unit sphere. The listing receives "eight uniform points"
+/// and does not specify them. Heights are in equal steps (equal areas of the sphere). Azimuth and radius follow the
+/// two-dimensional golden ratio [Roberts 2018], so that no two of the three correlate. The radius is uniform in volume.
 ///
-/// `pairs`: each point comes with its opposite. Of two opposite points one is in front of a plane and one behind it, or
-/// one nearer and one farther on it, so that half of the samples count wherever the surface is flat: 4 of 8, which is
-/// below the listing's threshold of 5. A hemisphere would fold them onto each other and uses points without their
-/// opposites.
+/// If `pairs`, each point comes with its opposite. Of two opposite points, one is in front of a plane through the
+/// centre and one behind it, or reads a nearer and a farther pixel of it. So half of the samples count wherever the
+/// surface is flat: 4 of 8, which is below the listing's threshold of 5. A hemisphere would flip opposite points onto
+/// each other, so it uses points without their opposites.
 void fill_points(int count, bool pairs, float* points) {
   constexpr double kPlastic = 1.32471795724474602596;  // x^3 = x + 1
   const int drawn = pairs ? (count + 1) / 2 : count;
   for (int i = 0; i < drawn; ++i) {
     const double z = 1.0 - (2.0 * i + 1.0) / count;
-    const double azimuth = 2.0 * std::numbers::pi * share_of_one(0.5 + (i + 1) / kPlastic);
-    const double radius = std::cbrt(share_of_one(0.5 + (i + 1) / (kPlastic * kPlastic)));
+    const double azimuth = 2.0 * std::numbers::pi * fractional_part(0.5 + (i + 1) / kPlastic);
+    const double radius = std::cbrt(fractional_part(0.5 + (i + 1) / (kPlastic * kPlastic)));
     const double across = std::sqrt(1.0 - z * z);
     const double point[3] = {radius * across * std::cos(azimuth), radius * across * std::sin(azimuth), radius * z};
     for (int k = 0; k < 3; ++k) {
@@ -97,7 +98,7 @@ void fill_constants(const SphereParams& params, const PictureInfo& info, SphereC
   c.reach = absolute_length(params.reach, info.scene_radius);
   c.world_radius = c.reach > 0.0f ? 1 : 0;
   c.linear = params.depth == kSphereLinear ? 1 : 0;
-  // In the listing the radius is in texture coordinates, fractions of the width.
+  // In the listing the radius is in texture coordinates: a fraction of the width.
   c.limit = c.linear ? params.range_factor : params.range_factor / width;
 
   // Default: the tightest frustum around the scene, in which window depth has the finest resolution.
@@ -134,7 +135,7 @@ Effect effect_sphere() {
                .source = "Lajzer and Nottingham",
                .set_radius = set_radius_of<&SphereParams::reach>,
                .tunable = {"samples", "shape", "threshold", "strength"},
-               .variants = {"", "samples=16", "samples=32", kOurs},
+               .variants = {"", "samples=16", "samples=32", kCorrected},
                .quantum = kQuantum,
                .dispatches = {sampling_dispatch(sphere_kernel())}});
 }

@@ -7,19 +7,19 @@
 struct SphereParams {
   int samples;
   Length radius;                // pixels, or percent of the picture's width
-  Length reach;                 // scene units, or percent of the bounding-sphere radius; above 0 it replaces `radius`
-  int depth;                    // kSphereWindow, kSphereLinear
+  Length reach;                 // scene units, or percent of the bounding-sphere radius; if > 0, replaces `radius`
+  int depth;                    // kSphereWindow or kSphereLinear
   float near_depth, far_depth;  // scene units; 0: automatic
   int reflect;                  // kSphereReflect...
   int noise_size;               // pixels; 0: the whole picture
   int shape;                    // 0 sphere, 1 hemisphere
-  int sample_z;                 // 0 or 1
-  float threshold;              // min fraction of the samples
+  int sample_z;                 // 0 or 1: samples have their own depth
+  float threshold;              // min fraction of samples that occlude; below it there is no occlusion
   int map;                      // 0 quadratic, 1 linear
   int range;                    // kSphereRange...
-  float range_factor;           // relative to the radius
-  float bias;                   // fraction of the radius
-  int border;                   // 0 clamp, 1 skip
+  float range_factor;           // end of the range, in radii
+  float bias;                   // min height of an occluder, fraction of the radius
+  int border;                   // samples outside the picture: 0 clamp, 1 skip
   float strength;
 };
 
@@ -31,12 +31,13 @@ const int kSphereMaxSamples = 256;
 
 struct SphereConstants {
   int samples;
-  int world_radius;  // 0: radius_px applies, 1: reach applies
+  int world_radius;  // 0: radius_px is the radius, 1: reach is
   float radius_px;
   float reach;  // scene units
-  // Range limit as a factor: for window depth of the radius in pixels, for linear depth of the radius in scene units.
+  // Factor from the radius to the range limit. The radius is in pixels for window depth, in scene units for linear
+  // depth.
   float limit;
-  // 0 or 1: compares linear depth; otherwise window depth = window_one - window_inverse / depth.
+  // 1: linear depth is compared; 0: window depth, which is window_one - window_inverse / depth.
   int linear;
   float near_depth, far_depth;
   float window_one, window_inverse;
@@ -44,10 +45,10 @@ struct SphereConstants {
   float noise_size;  // pixels; 0: the whole picture
   int hemisphere;    // 0 or 1
   int sample_z;      // 0 or 1
-  float threshold;   // min fraction of the samples
+  float threshold;   // as in SphereParams
   int quadratic;     // 0 or 1
   int range;         // as in SphereParams
-  float bias;        // fraction of the radius
+  float bias;        // as in SphereParams
   int skip_outside;  // 0 or 1
   float strength;
   float points[3 * kSphereMaxSamples];  // x, y, z of each sample point in the unit sphere, view space

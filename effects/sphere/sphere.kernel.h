@@ -1,23 +1,26 @@
-// Occlusion from points in a sphere: the fraction of sample points around a pixel in front of which the depth buffer
-// has a nearer surface. Based on [Lajzer and Nottingham], "Pass 2" and listing 1. The parameters remove, one by one,
-// the simplifications that the paper's conclusions name.
+// Computes occlusion from points in a sphere around each pixel: it is the fraction of the points that are behind the
+// depth buffer's surface. Based on [Lajzer and Nottingham], "Pass 2" and listing 1. Each parameter removes one of the
+// simplifications that the paper's conclusions name.
 //
-// Whether a sample counts depends on the pixel into which it falls. Positions are therefore computed only with
-// operations that round identically on every machine: no rsqrt here.
+// Whether a sample counts depends on the pixel that it falls into. Positions are therefore computed only by operations
+// that round identically on every machine, so not by rsqrt.
 IN_REAL(depth)
 IN_VECTOR(normal)
 OUT_REAL(ao)
 
-// Differs: the listing compares with 0. On a plane that faces the camera, depth in float scatters by its last bits
-// where the paper's fixed-point depth buffer had equal numbers.
+// Min difference in depth at which a surface counts as nearer. Differs: the listing compares with 0. On a plane that
+// faces the camera, depths in float vary in their last bits, where the paper's fixed-point depth buffer had equal
+// numbers.
 CONST float kWindowRounding = 4.7683716e-7f;  // 2^-21 of the range of window depth, 8 steps of a 24-bit buffer
 CONST float kDepthRounding = 2e-6f;           // relative to the depth: 16 to 32 ulp of a float
-// Minimum depth of a sample, relative to the pixel's depth; samples behind the camera are moved there.
+// Min depth of a sample, relative to the pixel's depth. Samples nearer than that or behind the camera are moved to it.
 CONST float kMinDepth = 1e-3f;
 
+// Converts random bits to a number in [-1, 1).
 FN Real minus_one_to_one(Uint v) { return mad(to_real(v >> 8), Real(1.1920929e-7f), Real(-1.0f)); }  // 2^-23
 
-// Returns the random vector of a pixel. The tile of vectors repeats. They are not of unit length, and never 0.
+// Returns the random vector of a pixel, from a tile that repeats (if C.noise_size > 0). It is not a unit vector, and
+// never 0.
 FN Vec3 random_vector(Int px, Int py) {
   Int x = px;
   Int y = py;
@@ -29,36 +32,36 @@ FN Vec3 random_vector(Int px, Int py) {
   Uint seed = scrambled(to_uint(x) ^ scrambled(to_uint(y) + Uint(0x9e3779b9u)));
   Uint second = scrambled(seed + Uint(1u));
   Uint third = scrambled(seed + Uint(2u));
-  // Half a step away from 0.
+  // An offset of half a step, so that the vector is not 0.
   return Vec3(minus_one_to_one(seed) + 5.9604645e-8f, minus_one_to_one(second), minus_one_to_one(third));
 }
 
-// Returns the depth that is compared: window depth or depth itself.
+// Returns the depth that is compared: window depth or linear depth.
 FN Real compared_depth(Real depth) {
   if (C.linear != 0) return depth;
-  Real between = clamp(depth, Real(C.near_depth), Real(C.far_depth));  // clipped as by the planes of the frustum
+  Real between = clamp(depth, Real(C.near_depth), Real(C.far_depth));  // clipped by near and far plane
   return Real(C.window_one) - Real(C.window_inverse) / between;
 }
 
-// Returns the weight of a sample whose occluder is nearer than the pixel by `nearer`.
+// Returns the weight of a sample whose occluder is `nearer` in front of the pixel.
 FN Real range_weight(Real nearer, Real limit) {
   if (C.range == kSphereRangeHard) return select(nearer < limit, Real(1.0f), Real(0.0f));
   Real t = limit / max(nearer, limit);  // 1 within the limit
   return t * t * (3.0f - (t + t));
 }
 
-// Returns the visibility, 1 minus the occlusion, of `hidden` out of `count` samples.
-FN Real open_share(Real hidden, Real count) {
-  Real fraction = hidden / max(count, Real(1.0f));
+// Returns the visibility if `occluded` of `count` samples are occluded.
+FN Real visibility_from_counts(Real occluded, Real count) {
+  Real fraction = occluded / max(count, Real(1.0f));
   Real mapped = C.quadratic != 0 ? fraction * fraction : fraction;
-  mapped = select(hidden < Real(C.threshold) * count, Real(0.0f), mapped);
+  mapped = select(occluded < Real(C.threshold) * count, Real(0.0f), mapped);
   return max(Real(0.0f), 1.0f - mapped * Real(C.strength));
 }
 
 FN Real visibility_at(Int px, Int py, Real depth) {
   Real x = to_real(px) + 0.5f;
   Real y = to_real(py) + 0.5f;
-  // Relative to the picture's centre of projection: points move away from it as they come nearer.
+  // Relative to the principal point, from which points move away as they come nearer.
   Real from_centre_x = x + Real(F.ray_offset_x / F.ray_scale_x);
   Real from_centre_y = y + Real(F.ray_offset_y / F.ray_scale_y);
   Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
@@ -81,9 +84,9 @@ FN Real visibility_at(Int px, Int py, Real depth) {
   Real own = compared_depth(depth);
   Real rounding = C.linear != 0 ? depth * kDepthRounding : Real(kWindowRounding);
   Real limit = clamp((C.linear != 0 ? radius : radius_x) * Real(C.limit), Real(1e-30f), Real(1e30f));
-  // A surface that rises less than this above the pixel's plane does not occlude.
+  // Min height of an occluder above the pixel's plane.
   Real min_height = mad(radius, Real(C.bias), depth * kDepthRounding);
-  Real hidden = Real(0.0f);
+  Real occluded = Real(0.0f);
   Real count = Real(float(C.samples));
   for (int i = 0; i < C.samples; ++i) {
     Vec3 v = Vec3(Real(C.points[3 * i]), Real(C.points[3 * i + 1]), Real(C.points[3 * i + 2]));
@@ -95,12 +98,12 @@ FN Real visibility_at(Int px, Int py, Real depth) {
     if (C.sample_z != 0) {
       sample_depth = max(depth - radius * v.z, depth * kMinDepth);
       if (F.orthographic == 0) {
-        Real wider = depth / sample_depth;
-        step_x = mad(from_centre_x, wider - 1.0f, step_x * wider);
-        step_y = mad(from_centre_y, wider - 1.0f, step_y * wider);
+        Real magnification = depth / sample_depth;
+        step_x = mad(from_centre_x, magnification - 1.0f, step_x * magnification);
+        step_y = mad(from_centre_y, magnification - 1.0f, step_y * magnification);
       }
     }
-    // Differs: reads the nearest pixel; the paper does not say how its texture is filtered.
+    // Differs: reads the nearest pixel. The paper does not say how it filters its texture.
     Real sample_x = floor(clamp(x + step_x, Real(-1.0f), Real(float(F.width))));
     Real sample_y = floor(clamp(y + step_y, Real(-1.0f), Real(float(F.height))));
     Int column = to_int(sample_x);
@@ -108,10 +111,10 @@ FN Real visibility_at(Int px, Int py, Real depth) {
     Real tap = load_depth(column, row);
     Real tap_depth = compared_depth(tap);
     // "if the sample is closer than the current pixel -> occlude" [listing 1]
-    Real front = C.sample_z != 0 ? compared_depth(sample_depth) : own;
-    Bool occludes = is_surface(tap) && front - tap_depth > rounding;
+    Real compared = C.sample_z != 0 ? compared_depth(sample_depth) : own;
+    Bool occludes = is_surface(tap) && compared - tap_depth > rounding;
     if (C.hemisphere != 0) {
-      Int inner_column = clamp(column, Int(0), Int(F.width - 1));  // where a clamped sample was read
+      Int inner_column = clamp(column, Int(0), Int(F.width - 1));  // of the pixel that was read
       Int inner_row = clamp(row, Int(0), Int(F.height - 1));
       Vec3 to_tap = view_position(inner_column, inner_row, tap) - position;
       occludes = occludes && dot(to_tap, normal) > min_height;
@@ -122,9 +125,9 @@ FN Real visibility_at(Int px, Int py, Real depth) {
       occludes = occludes && inside;
       count = count - select(inside, Real(0.0f), Real(1.0f));
     }
-    hidden = hidden + select(occludes, weight, Real(0.0f));
+    occluded = occluded + select(occludes, weight, Real(0.0f));
   }
-  return open_share(hidden, count);
+  return visibility_from_counts(occluded, count);
 }
 
 #include "kernel/occlusion.kernel.h"

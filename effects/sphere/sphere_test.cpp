@@ -19,12 +19,12 @@ using test::Settings;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// Each sample counts by itself: 1 - ao is the fraction of samples that occlude.
+// With these settings, 1 - ao is the fraction of samples that are occluded.
 const Settings kPlainFraction = {{"reflect", "none"}, {"threshold", "0"}, {"map", "linear"}};
 
-// The corrected settings, as in `variants`.
-const Settings kOurs = {{"shape", "hemisphere"}, {"sample_z", "on"}, {"depth", "linear"}, {"range", "smooth"},
-                        {"range_factor", "1"},   {"map", "linear"},  {"threshold", "0"},  {"border", "skip"}};
+// The corrected settings, as in Effect::variants but with the default strength.
+const Settings kCorrected = {{"shape", "hemisphere"}, {"sample_z", "on"}, {"depth", "linear"}, {"range", "smooth"},
+                             {"range_factor", "1"},   {"map", "linear"},  {"threshold", "0"},  {"border", "skip"}};
 
 Plane ao(const GBuffer& g, const Settings& settings) {
   return test::run_effect(*find_effect("sphere"), g, settings, {}).planes[0];
@@ -41,11 +41,12 @@ std::vector<glm::dvec3> points(const GBuffer& g, const Settings& settings) {
   return all;
 }
 
-/// A picture with a surface given per position, u to the right and v upwards, -1 to 1.
 struct Surface {
   double depth;
   glm::dvec3 normal;
 };
+
+/// Returns a picture of the surface that the function gives for each position: u to the right and v upwards, -1 to 1.
 GBuffer picture(int width, int height, const std::function<Surface(double u, double v)>& surface) {
   GBuffer g = test::empty_gbuffer(width, height);
   for (const char* name : {"depth", "normal.x", "normal.y", "normal.z"}) g.layers[0].add(name);
@@ -58,7 +59,7 @@ GBuffer picture(int width, int height, const std::function<Surface(double u, dou
   return g;
 }
 
-/// Waves with a raised block and a hole, and roughly matching normals.
+/// Returns waves with a raised block and a hole, and normals that roughly match.
 GBuffer waves(int width, int height) {
   return picture(width, height, [](double u, double v) -> Surface {
     if (u > 0.1 && u < 0.4 && v > 0.0 && v < 0.5) return {4.0 + 0.1 * u, {0, 0, 1}};
@@ -68,7 +69,7 @@ GBuffer waves(int width, int height) {
   });
 }
 
-/// A plane through (0, 0, -5), tilted from facing the camera; background behind its horizon.
+/// Returns a plane through (0, 0, -5), tilted by tilt_deg from facing the camera, with background beyond its horizon.
 GBuffer plane(int width, int height, double tilt_deg, double azimuth_deg, bool orthographic) {
   const double tilt = tilt_deg * 3.14159265358979 / 180.0, azimuth = azimuth_deg * 3.14159265358979 / 180.0;
   const glm::dvec3 n(std::sin(tilt) * std::cos(azimuth), std::sin(tilt) * std::sin(azimuth), std::cos(tilt));
@@ -93,7 +94,7 @@ unsigned bits(unsigned v) {
   return v ^ (v >> 16);
 }
 
-/// Returns the tile of random vectors, unit length.
+/// Returns vector (x, y) of the tile of random vectors, scaled to unit length.
 glm::dvec3 random_vector(int x, int y) {
   const unsigned seed = bits(unsigned(x) ^ bits(unsigned(y) + 0x9e3779b9u));
   const auto real = [](unsigned v) { return double(v >> 8) * 0x1p-23 - 1.0; };
@@ -121,7 +122,7 @@ struct Listing {
     return glm::normalize(glm::dvec3(image.plane("normal.x").at(x, y), image.plane("normal.y").at(x, y),
                                      image.plane("normal.z").at(x, y)));
   }
-  /// Returns main() at a pixel of a square picture.
+  /// Returns the result of the listing's main() at a pixel of a square picture.
   double color(int x, int y) const {
     const double s = (x + 0.5) / g.info.width, t = 1.0 - (y + 0.5) / g.info.height;
     const double radius = 16.0 / 512;
@@ -165,7 +166,7 @@ TEST(Sphere, ReflectionByTheNormalIsTheListingsOtherReading) { expect_listing({{
 // ---- the sample points
 // ------------------------------------------------------------------------------------------
 
-TEST(Sphere, PointsAreSpreadEvenlyInTheUnitBall) {
+TEST(Sphere, PointsAreSpreadEvenlyInTheUnitSphere) {
   const GBuffer g = test::empty_gbuffer(8, 8);
   for (const char* shape : {"sphere", "hemisphere"})
     for (const int n : {1, 2, 5, 8, 16, 33, 64, 256}) {
@@ -209,9 +210,9 @@ double fraction_off(const GBuffer& g, const Plane& ao, int margin, double expect
   return double(off) / compared;
 }
 
-TEST(Sphere, HalfOfTheSphereLiesBehindAPlaneAndTheThresholdPassesOverIt) {
-  // Of two opposite samples one is nearer: 4 of 8. This is true for window depth and any tilt of the plane. Where
-  // neither is nearer, along a line of equal depth, a pair counts for less.
+TEST(Sphere, HalfOfTheSamplesAreBehindAPlaneAndTheThresholdIgnoresThem) {
+  // Of two opposite samples, one is nearer, so 4 of 8 count, in window depth too and at any tilt of the plane. A pair
+  // along a line of equal depth does not count.
   for (const bool orthographic : {false, true})
     for (const double tilt : {20.0, 45.0, 65.0}) {
       const GBuffer g = plane(160, 120, tilt, 33.0, orthographic);
@@ -244,7 +245,7 @@ TEST(Sphere, OddNumbersDarkenAPlaneByTheComputedCounts) {
   EXPECT_LE(off, 8);
 }
 
-TEST(Sphere, PlaneThatFacesTheCameraIsOpenDespiteRounding) {
+TEST(Sphere, PlaneThatFacesTheCameraIsUnoccludedDespiteRounding) {
   GBuffer g = plane(64, 64, 0.0, 0.0, false);
   Plane& depth = g.layers[0].plane("depth");
   for (int y = 0; y < 64; ++y)
@@ -253,7 +254,7 @@ TEST(Sphere, PlaneThatFacesTheCameraIsOpenDespiteRounding) {
     EXPECT_EQ(fraction_off(g, ao(g, joined(settings, {{"threshold", "0"}})), 0, 1.0), 0.0);
 }
 
-TEST(Sphere, HemisphereLeavesPlanesOpenAtEveryTilt) {
+TEST(Sphere, HemisphereLeavesPlanesUnoccludedAtEveryTilt) {
   for (const bool orthographic : {false, true})
     for (const double tilt : {0.0, 10.0, 30.0, 50.0, 65.0, 75.0, 80.0})
       for (const double azimuth : {0.0, 57.0, 180.0, 250.0}) {
@@ -262,7 +263,7 @@ TEST(Sphere, HemisphereLeavesPlanesOpenAtEveryTilt) {
              {Settings{}, Settings{{"reach", "10%"}}, Settings{{"reach", "2"}, {"samples", "32"}},
               Settings{{"sample_z", "off"}, {"border", "clamp"}}, Settings{{"depth", "window"}, {"bias", "0"}},
               Settings{{"reflect", "normal"}, {"reach", "0.3"}}})
-          test::on_every_target("sphere", g, joined(kOurs, more), [&](const Image& image) {
+          test::on_every_target("sphere", g, joined(kCorrected, more), [&](const Image& image) {
             ASSERT_EQ(fraction_off(g, image.plane("ao"), 0, 1.0), 0.0)
                 << tilt << ' ' << azimuth << (orthographic ? " orthographic " : " ") << testing::PrintToString(more);
           });
@@ -306,7 +307,7 @@ void expect_step(const Settings& more, const std::function<double(int x, double 
   });
 }
 
-TEST(Sphere, CountsTheSamplesThatFallOnSomethingNearer) {
+TEST(Sphere, CountsTheSamplesThatFallOnNearerSurfaces) {
   expect_step({}, [](int, double nearer) { return nearer; });
   expect_step({{"samples", "100"}}, [](int, double nearer) { return nearer; });
   expect_step({{"depth", "linear"}}, [](int, double nearer) { return nearer; });
@@ -345,7 +346,7 @@ TEST(Sphere, RangeLimitAndPlanesInWindowDepth) {
   expect_step({{"near", "20"}, {"far", "10"}}, [](int, double) { return 0.0; });
 }
 
-TEST(Sphere, OwnDepthOfTheSamplesHidesThoseBehindTheSurface) {
+TEST(Sphere, SamplesWithTheirOwnDepthAreOccludedBehindTheSurface) {
   const GBuffer g = step();
   const Settings settings = joined(kPlainFraction, {{"radius", "8"}, {"samples", "16"}, {"sample_z", "on"}});
   const auto all = points(g, settings);
@@ -379,7 +380,7 @@ TEST(Sphere, HemisphereTurnsSamplesToTheSurfacesSide) {
   }
 }
 
-TEST(Sphere, BiasPassesOverWhatRisesLittle) {
+TEST(Sphere, BiasIgnoresLowOccluders) {
   const GBuffer g = step();
   const Settings settings = joined(kPlainFraction, {{"radius", "16"}, {"shape", "hemisphere"}});
   // The step is 1 high, the radius 1.6.
@@ -432,7 +433,7 @@ TEST(Sphere, ReachIsARadiusInTheScene) {
   EXPECT_EQ(as<SphereParams>(bytes).reach.relative, 0);
 }
 
-TEST(Sphere, SharesOfTheWidthLeaveOutTheGuardBand) {
+TEST(Sphere, PercentOfTheWidthExcludesTheGuardBand) {
   GBuffer g = test::empty_gbuffer(100, 60);
   EXPECT_FLOAT_EQ(constants(g, {{"radius", "5%"}}).radius_px, 5.0f);
   g.info = with_guard(g.info, 20);
@@ -440,11 +441,11 @@ TEST(Sphere, SharesOfTheWidthLeaveOutTheGuardBand) {
   EXPECT_FLOAT_EQ(constants(g, {{"radius", "7"}}).radius_px, 7.0f);
 }
 
-// ---- our settings, in double, with perspective
+// ---- the corrected settings, in double, with perspective
 // ------------------------------------------------------------------------------------------
 
-/// Returns `ao` with the sample's position found by projection, and its depth and the tap's height computed literally.
-double ours_in_double(const GBuffer& g, const std::vector<glm::dvec3>& all, int x, int y, double radius) {
+/// Returns `ao`, computed directly: the samples are projected, and the height of each tap above the plane is computed.
+double corrected_in_double(const GBuffer& g, const std::vector<glm::dvec3>& all, int x, int y, double radius) {
   const Image& image = g.layers[0];
   const Camera& camera = g.info.camera;
   const auto position = [&](int i, int j, double depth) {
@@ -473,11 +474,11 @@ double ours_in_double(const GBuffer& g, const std::vector<glm::dvec3>& all, int 
   return 1.0 - hidden / std::max(count, 1.0);
 }
 
-TEST(Sphere, OurSettingsMatchProjectionInDouble) {
+TEST(Sphere, CorrectedSettingsMatchProjectionInDouble) {
   GBuffer g = waves(120, 90);
   g.info.camera.left *= 0.7f;  // off-centre
   g.info.camera.top *= 1.3f;
-  const Settings settings = joined(kOurs, {{"reach", "1"}, {"samples", "16"}});
+  const Settings settings = joined(kCorrected, {{"reach", "1"}, {"samples", "16"}});
   const auto all = points(g, settings);
   test::on_every_target("sphere", g, settings, [&](const Image& image) {
     long off = 0, compared = 0;
@@ -485,7 +486,7 @@ TEST(Sphere, OurSettingsMatchProjectionInDouble) {
     for (int y = 0; y < 90; ++y)
       for (int x = 0; x < 120; ++x) {
         if (!std::isfinite(g.layers[0].planes[0].at(x, y))) continue;
-        const double expected = ours_in_double(g, all, x, y, 1.0);
+        const double expected = corrected_in_double(g, all, x, y, 1.0);
         off += std::fabs(image.plane("ao").at(x, y) - expected) > 1e-4;
         sum += expected;
         ++compared;
@@ -496,7 +497,8 @@ TEST(Sphere, OurSettingsMatchProjectionInDouble) {
 }
 
 TEST(Sphere, ResolutionDoesNotMatter) {
-  for (const Settings& settings : {Settings{{"samples", "64"}}, joined(kOurs, {{"reach", "0.5"}, {"samples", "64"}})}) {
+  for (const Settings& settings :
+       {Settings{{"samples", "64"}}, joined(kCorrected, {{"reach", "0.5"}, {"samples", "64"}})}) {
     const Plane small = ao(waves(128, 96), settings), large = ao(waves(256, 192), settings);
     double sum = 0.0, difference = 0.0;
     for (int by = 0; by < 12; ++by)
@@ -516,20 +518,20 @@ TEST(Sphere, ResolutionDoesNotMatter) {
   }
 }
 
-// ---- odd pixels
+// ---- invalid pixels
 // ------------------------------------------------------------------------------------------
 
-TEST(Sphere, BackgroundIsOpenAndHidesNothing) {
+TEST(Sphere, BackgroundIsUnoccludedAndOccludesNothing) {
   GBuffer g = step();
   for (int y = 0; y < kStepHeight; ++y)
     for (int x = 0; x < kStep; ++x) g.layers[0].planes[0].at(x, y) = kInfinity;
-  for (const Settings& settings : {kPlainFraction, kOurs})
+  for (const Settings& settings : {kPlainFraction, kCorrected})
     test::on_every_target("sphere", g, settings, [&](const Image& image) {
       EXPECT_EQ(test::difference(image.plane("ao"), Plane(kStepWidth, kStepHeight, 1.0f), 0.0).max, 0.0);
     });
 }
 
-TEST(Sphere, DepthThatIsNoneIsBackground) {
+TEST(Sphere, InvalidDepthIsBackground) {
   GBuffer g = step();
   const float odd[] = {std::nanf(""), -kInfinity, 0.0f, -1.0f};
   for (int y = 0; y < kStepHeight; ++y)
@@ -539,13 +541,13 @@ TEST(Sphere, DepthThatIsNoneIsBackground) {
   });
 }
 
-TEST(Sphere, NormalThatIsNoneFacesTheEye) {
+TEST(Sphere, InvalidNormalsFaceTheCamera) {
   const GBuffer g = step();
-  const Plane expected = ao(g, kOurs);
+  const Plane expected = ao(g, kCorrected);
   for (const float odd : {0.0f, std::nanf(""), kInfinity}) {
     GBuffer without = g;
     for (int k = 1; k <= 3; ++k) without.layers[0].planes[k] = Plane(kStepWidth, kStepHeight, odd);
-    test::on_every_target("sphere", without, kOurs, [&](const Image& image) {
+    test::on_every_target("sphere", without, kCorrected, [&](const Image& image) {
       EXPECT_EQ(test::difference(image.plane("ao"), expected, 1e-5).fraction_over, 0.0) << odd;
     });
   }

@@ -14,9 +14,9 @@ namespace {
 
 constexpr double kMaxFactor = 100.0;
 constexpr double kPaperSteps = 4.0, kPaperAmbient = 0.1, kPaperExtra = 0.2;  // listing 2
-// Minimum width of an edge between tone steps, as change of intensity: fifty times the change that rounding causes
-// across a flat face, so that a face whose intensity is at an edge is evenly coloured and not speckled. Surfaces that
-// curve visibly change it faster.
+// Min width of an edge between tone steps, as a change of intensity. It is fifty times the change that rounding causes
+// across a flat face, so that a face whose intensity is at an edge has one colour instead of speckles. Surfaces that
+// are visibly curved have larger changes.
 constexpr float kMinChange = 5e-5f;
 
 const std::vector<Parameter> kTable = {
@@ -71,7 +71,7 @@ void fill_lights(const ToonParams& params, const PictureInfo& info, ToonConstant
   static_assert(kToonMaxLights == kMaxRigLights);
   c.light_count = std::min(int(rig.lights.size()), paper ? 1 : kToonMaxLights);
   if (rig.lights.empty() && !rig.ambient_shape.even()) {
-    // A sky without a sun: tone steps by the direction from which most of its light comes.
+    // For a sky without a sun, a light comes from the direction of most of the sky's light.
     c.light_count = 1;
     c.shadow = 0.0f;
     c.fraction[0] = 1.0f;
@@ -98,13 +98,13 @@ void fill_constants(const ToonParams& params, const PictureInfo& info, ToonConst
   c.extra = params.extra;
   c.shadow = params.shadow;
   c.specular = params.specular;
-  // A surface that faces the key light, unoccluded, has the intensity of the whole ramp. Neither this surface nor one
-  // that faces away is at an edge between tone steps.
+  // An unoccluded surface that faces the key light is at the end of the ramp. Neither this intensity nor that of a
+  // surface that faces away is at an edge between tone steps.
   c.steps_per_intensity = c.steps / (1.0f + params.ambient + params.extra);
   c.inverse_steps = 1.0f / c.steps;
   c.min_width = std::min(kMinChange * c.steps_per_intensity, 1.0f);
   c.softness = params.softness;
-  // kSpeckHeight: the picture's height per pixel of speck; kMaxSpeck: pixels
+  // The max size of a speck is 1 / kSpeckHeight of the picture's height, but at most kMaxSpeck pixels.
   constexpr float kSpeckHeight = 432.0f, kMaxSpeck = 8.0f;
   const float speck_px = std::min(std::round(float(info.inner_height()) / kSpeckHeight), kMaxSpeck);
   c.speck = params.mode == kToonRamp && params.softness == 0.0f ? int(speck_px) : 0;
@@ -123,9 +123,9 @@ void fill_constants(const ToonParams& params, const PictureInfo& info, ToonConst
   fill_lights(params, info, c);
 }
 
-/// Rows above and below a pixel that dispatch `light` reads: shadows read the neighbouring pixels.
+/// Returns the number of rows that dispatch `light` reads above and below a pixel, to smooth shadows.
 int light_reach(const void*, int) { return 1; }
-/// Rows above and below a pixel that dispatch `steps` reads: 1 for edges, the max width of specks for specks.
+/// Returns the number of rows that dispatch `steps` reads above and below a pixel: 1 for edges, C.speck for specks.
 int steps_reach(const void* constants, int) { return std::max(static_cast<const ToonConstants*>(constants)->speck, 1); }
 
 }  // namespace

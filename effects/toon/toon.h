@@ -9,12 +9,12 @@ const int kToonTexture = 0, kToonDisplay = 1, kToonClay = 2;
 
 // One row of the table in toon.cpp per field.
 struct ToonParams {
-  int mode;                            // kToonRamp, kToonPaper
-  int steps;                           // ramp: number of tone steps; paper: steps per unit of intensity
-  float ambient, extra;                // ambient light: the part that occlusion darkens, and the part that it does not
-  int rig;                             // 0 the scene's lights, 1 a head light, 2 a key light
+  int mode;                            // kToonRamp or kToonPaper
+  int steps;                           // ramp: number of tone steps; paper: tone steps per unit of intensity
+  float ambient, extra;                // ambient light that occlusion darkens, and that it does not darken
+  int rig;                             // 0: the scene's lights, 1: a head light, 2: a key light
   float shadow;                        // 0 to 1: how much of the key light's shadow is applied
-  float softness;                      // width of the edge between tone steps, in steps
+  float softness;                      // width of the edges between tone steps, in steps
   float specular;                      // factor for highlights
   float highlight_size;                // factor for a highlight's diameter
   float shadow_r, shadow_g, shadow_b;  // the darkest tone step
@@ -28,19 +28,20 @@ struct ToonConstants {
   int light_count;
   float steps;
   float ambient, extra, shadow, specular;
-  float steps_per_intensity;  // from intensity to tone steps of the ramp
-  float inverse_steps;        // paper: brightness of a tone step
-  float min_width, softness;  // of an edge between tone steps, in steps; both at most 1
+  float steps_per_intensity;  // ramp: tone steps per unit of intensity
+  float inverse_steps;        // paper: difference in brightness between tone steps
+  float min_width, softness;  // min widths of an edge between tone steps, in steps, each at most 1
   int speck;                  // ramp without softness: max width and height of a speck, pixels; 0: specks are kept
-  float sharpness;            // 1 over the square of the highlight's size
+  float sharpness;            // 1 / highlight_size^2
   float shadow_r, shadow_g, shadow_b;
-  float step_r, step_g, step_b;  // difference between the colours of adjacent tone steps
+  float step_r, step_g, step_b;  // colour difference between adjacent tone steps
   float light_r, light_g, light_b;
-  // Lights in view space, the key light first. kind: 0 directional (x, y, z towards the light), 1 point (at x, y, z)
+  // Lights in view space, the key light first. kind 0: directional, (x, y, z) points towards the light; kind 1: point
+  // light at (x, y, z).
   int kind[kToonMaxLights];
   float x[kToonMaxLights], y[kToonMaxLights], z[kToonMaxLights];
   float fraction[kToonMaxLights];       // intensity relative to the key light
-  float reach_squared[kToonMaxLights];  // of a point light: squared distance at which its share applies; 0: no falloff
+  float reach_squared[kToonMaxLights];  // point lights: squared distance at which `fraction` applies; 0: no falloff
 };
 
 #endif

@@ -1,10 +1,10 @@
 // Second dispatch of `toon`: quantizes the intensity into tone steps, antialiases their edges, and colours them. Based
 // on [Lajzer and Nottingham], listing 2: floor(4 i)/4 times the object's colour.
 //
-// Differs in ramp mode: a fixed number of tone steps, coloured from the shadow's colour to the light's. The steps are
-// averaged over the range of intensity in the pixel, which is estimated from the differences to its neighbours. The
-// neighbours determine only the widths of edges and highlights, and the tone step of a speck (a group of few pixels):
-// that of the pixels around it on the same surface. Therefore no colour smears over a silhouette.
+// Differs in ramp mode: there is a fixed number of tone steps, whose colours range from the shadow's to the light's.
+// The steps are averaged over the range of intensity in the pixel, estimated from the differences to its neighbours. A
+// speck (a group of few pixels) gets the tone step of the pixels around it on the same surface. Neighbours determine
+// nothing but this and the widths of edges and highlights; so no colour smears over a silhouette.
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_REAL(toon_intensity)
@@ -14,14 +14,14 @@ IN_REAL(specular)
 OUT_COLOR(lit)
 #include "kernel/surface.kernel.h"
 
-// Max distance of a neighbour from the plane of this pixel, in pixel sizes, per pixel between the two. Above 0 because
-// surfaces may be curved.
+// Max distance of a neighbour's point from the plane of this pixel, in pixel sizes per pixel between the two. Allows
+// for curved surfaces.
 CONST float kMaxDistancePx = 1.0f;
-// A pixel whose value of toon_highlight is below this is outside the highlight even if the edge has its max width.
+// A pixel with a toon_highlight below this is outside the highlight even if the edge has its max width.
 CONST float kFarOutside = -0.5f;
 
-// Returns whether the neighbour (i, j) pixels right and down is on the same surface.
-FN Bool connected(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
+// Returns whether the pixel i columns right and j rows down shows the same surface as this one.
+FN Bool on_same_surface(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
   int across = i < 0 ? -i : i;
   int along = j < 0 ? -j : j;
   float away = float(across > along ? across : along);
@@ -30,9 +30,9 @@ FN Bool connected(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
          surface_distance(position, normal, there, near_normal(i, j), kMaxDistancePx * away) <= 1.0f;
 }
 
-// Returns the change of a value across a pixel along one axis, from its neighbours on the same surface: the mean of
-// both differences, but at most twice the smaller one: at a crease or at the edge of a shadow, the larger one is not a
-// change across this pixel.
+// Returns the change of a value across this pixel along one axis, from its neighbours on the same surface: the mean of
+// the two differences, but at most twice the smaller one, since at a crease or at the edge of a shadow the larger
+// difference does not occur within this pixel.
 FN Real change(Real centre, Real before, Real after, Bool has_before, Bool has_after) {
   Real a = abs(before - centre);
   Real b = abs(after - centre);
@@ -55,31 +55,33 @@ FN Real step_of(Real intensity) {
 
 FN Bool has_step(Real step, int i, int j) { return step_of(near_toon_intensity(i, j)) == step; }
 
-// Returns whether one of the next C.speck pixels in one direction has another tone step than `step`.
-FN Bool has_other(Bool requested, Real step, int right, int down) {
-  Bool found = requested && !requested;
+// Returns whether any of the next C.speck pixels in one direction has another tone step than `step`; false where
+// `enabled` is not set.
+FN Bool has_other_step(Bool enabled, Real step, int right, int down) {
+  Bool found = enabled && !enabled;
   for (int k = 1; k <= C.speck; ++k)
-    if (some(requested && !found)) found = found || (requested && !has_step(step, k * right, k * down));
+    if (some(enabled && !found)) found = found || (enabled && !has_step(step, k * right, k * down));
   return found;
 }
 
-// Returns whether the next pixel in one direction has another tone step than `step`, and one of the pixels after it, up
-// to C.speck away, has `step` again.
-FN Bool has_narrow_other(Bool requested, Real step, int right, int down) {
-  Bool other = requested && !has_step(step, right, down);
-  Bool found = requested && !requested;
+// Returns whether the next pixel in one direction has another tone step than `step` and any pixel after it, up to
+// C.speck away, has `step` again; false where `enabled` is not set.
+FN Bool has_narrow_other(Bool enabled, Real step, int right, int down) {
+  Bool other = enabled && !has_step(step, right, down);
+  Bool found = enabled && !enabled;
   for (int k = 2; k <= C.speck; ++k)
     if (some(other && !found)) found = found || (other && has_step(step, k * right, k * down));
   return found;
 }
 
-// Returns whether this pixel may be in a speck, or at the antialiased edge of one. Most pixels are not.
+// Returns whether this pixel may be in a speck or at the antialiased edge of one. This test is cheap, and false for
+// most pixels.
 FN Bool may_be_speck(Bool surface, Real intensity, Real antialiased) {
   Real step = step_of(intensity);
-  Bool within = has_other(surface, step, 1, 0);
-  if (some(within)) within = has_other(within, step, -1, 0);
-  if (some(within)) within = has_other(within, step, 0, 1);
-  if (some(within)) within = has_other(within, step, 0, -1);
+  Bool within = has_other_step(surface, step, 1, 0);
+  if (some(within)) within = has_other_step(within, step, -1, 0);
+  if (some(within)) within = has_other_step(within, step, 0, 1);
+  if (some(within)) within = has_other_step(within, step, 0, -1);
   Bool edge = surface && !within && !(antialiased == step);
   Bool beside = surface && !surface;
   if (some(edge)) {
@@ -89,20 +91,20 @@ FN Bool may_be_speck(Bool surface, Real intensity, Real antialiased) {
   return within || beside;
 }
 
-// A square ring of pixels around this one, all of one tone step: min and max of their intensity.
+// A square ring of pixels around this one that all have one tone step.
 struct Ring {
   Bool found;
-  Real min, max;
+  Real min, max;  // of the intensity of its pixels
 };
 
-// Searches the rings around all squares of C.speck x C.speck pixels that contain this pixel. Returns the first ring
-// that lies on this pixel's surface and has one tone step. A speck that fits into such a square has a ring for each of
-// its pixels, so either all of the speck disappears or none of it.
-FN_RARE Ring ring_around(Bool requested, Int px, Int py, Vec3 position, Vec3 normal) {
-  Ring result = Ring(requested && !requested, Real(0.0f), Real(0.0f));
+// Returns the first ring that shows this pixel's surface and has one tone step, of the rings around all squares of
+// C.speck x C.speck pixels that contain this pixel. If a speck fits into such a square, this finds a ring for each of
+// its pixels; so a speck is either removed entirely or not at all.
+FN_RARE Ring ring_around(Bool enabled, Int px, Int py, Vec3 position, Vec3 normal) {
+  Ring result = Ring(enabled && !enabled, Real(0.0f), Real(0.0f));
   int side = C.speck + 1;
   for (int at = 0; at < C.speck * C.speck; ++at) {
-    Ring ring = Ring(requested && !result.found, Real(1e30f), Real(-1e30f));
+    Ring ring = Ring(enabled && !result.found, Real(1e30f), Real(-1e30f));
     if (!some(ring.found)) continue;
     int left = -1 - at % C.speck;
     int top = -1 - at / C.speck;
@@ -116,7 +118,7 @@ FN_RARE Ring ring_around(Bool requested, Int px, Int py, Vec3 position, Vec3 nor
       Real intensity = near_toon_intensity(i, j);
       ring.min = min(ring.min, intensity);
       ring.max = max(ring.max, intensity);
-      Bool here = connected(i, j, px, py, position, normal);
+      Bool here = on_same_surface(i, j, px, py, position, normal);
       ring.found = ring.found && here && step_of(intensity) == step;
     }
     result.min = select(ring.found, ring.min, result.min);
@@ -126,8 +128,8 @@ FN_RARE Ring ring_around(Bool requested, Int px, Int py, Vec3 position, Vec3 nor
   return result;
 }
 
-// Returns the extent of a highlight within this pixel along one axis, 0 to 1, if it ends between this pixel and the
-// neighbours on both sides; else 1. Values of toon_highlight are interpolated linearly to both neighbours.
+// Returns the extent of a highlight along one axis, 0 to 1 pixel, if this pixel is inside it and both neighbours on
+// this surface are outside; else 1. toon_highlight is interpolated linearly between the pixels.
 FN Real extent_along(Real centre, Real before, Real after, Bool has_before, Bool has_after) {
   Bool ends = centre > 0.0f && has_before && has_after && before < 0.0f && after < 0.0f;
   Real backward = min(centre / max(centre - before, Real(1e-20f)), Real(0.5f));
@@ -154,10 +156,10 @@ FN void toon_pixel(Int px, Int py) {
   }
   Vec3 position = view_position(px, py, depth);
   Vec3 normal = near_normal(0, 0);
-  Bool left = connected(-1, 0, px, py, position, normal);
-  Bool right = connected(1, 0, px, py, position, normal);
-  Bool up = connected(0, -1, px, py, position, normal);
-  Bool down = connected(0, 1, px, py, position, normal);
+  Bool left = on_same_surface(-1, 0, px, py, position, normal);
+  Bool right = on_same_surface(1, 0, px, py, position, normal);
+  Bool up = on_same_surface(0, -1, px, py, position, normal);
+  Bool down = on_same_surface(0, 1, px, py, position, normal);
 
   Real across = change(intensity, near_toon_intensity(-1, 0), near_toon_intensity(1, 0), left, right);
   Real along = change(intensity, near_toon_intensity(0, -1), near_toon_intensity(0, 1), up, down);
@@ -188,18 +190,18 @@ FN void toon_pixel(Int px, Int py) {
     across = change(highlight, before, after, left, right);
     along = change(highlight, above, below, up, down);
     width = sqrt(mad(across, across, along * along));
-    Real narrow = clamp(width - 1.0f, Real(0.0f), Real(1.0f));
+    Real thinness = clamp(width - 1.0f, Real(0.0f), Real(1.0f));
     width = clamp(max(width, Real(C.softness)), Real(C.min_width), Real(1.0f));
     Real inside = clamp(highlight / width + 0.5f, Real(0.0f), Real(1.0f));
-    // A highlight narrower than a pixel, such as on a bevel, covers at most a fraction of the pixel: its width in
-    // pixels. It covers nothing of a pixel that it does not reach. Without these limits it would be a row of dots.
+    // A highlight narrower than a pixel, such as on a bevel, covers at most its width in pixels of this pixel, and
+    // nothing of a pixel that it does not reach. Without these limits it would be a row of dots.
     Real max_value =
         min(extent_along(highlight, before, after, left, right), extent_along(highlight, above, below, up, down));
     Bool reached = highlight > 0.0f || (left && before > 0.0f) || (right && after > 0.0f) || (up && above > 0.0f) ||
                    (down && below > 0.0f);
-    inside = inside + (min(inside, select(reached, max_value, Real(0.0f))) - inside) * narrow;
-    // Square root of the material's specular value: so highlights of typical values, 0.05 to 0.5, are visible and yet
-    // differ.
+    inside = inside + (min(inside, select(reached, max_value, Real(0.0f))) - inside) * thinness;
+    // Uses the square root of the material's specular value, so that typical values, 0.05 to 0.5, give highlights that
+    // are visible and still differ.
     Real strength = sqrt(clamp(near_specular(0, 0), Real(0.0f), Real(1.0f))) * Real(C.specular);
     Real fraction = inside * min(strength, Real(1.0f));
     lit = lit + (Vec3(Real(C.light_r), Real(C.light_g), Real(C.light_b)) - lit) * fraction;

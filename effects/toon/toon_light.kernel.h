@@ -1,9 +1,9 @@
-// First dispatch of `toon`: the intensity of a surface's light, as one number, before it is quantized into tone steps.
-// Based on [Lajzer and Nottingham], listing 2: i = (max(0, N.L) + 0.1) ao + 0.2.
+// First dispatch of `toon`: computes the intensity of a surface's light, one number, before quantization into tone
+// steps. Based on [Lajzer and Nottingham], listing 2: i = (max(0, N.L) + 0.1) ao + 0.2.
 //
-// Differs in ramp mode: every light adds to the diffuse part, relative to the key light; the key light's shadow is
-// applied; and the highlight is stored separately, as a signed plane that is positive inside it. Differs in both modes:
-// a material without specular reflection has no highlight, whatever its exponent.
+// Differs in ramp mode: every light adds to the diffuse part, relative to the key light. The key light's shadow is
+// applied. The highlight is stored in a plane of its own, which is positive inside the highlight and negative outside.
+// Differs in both modes: a material without specular reflection has no highlight, whatever its exponent.
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_REAL(specular)
@@ -15,16 +15,16 @@ OUT_REAL(toon_highlight)
 
 #include "kernel/surface.kernel.h"
 
-// Lower bound: a plane that falls below this within a pixel is less than 1/16 pixel wide
+// Min value of toon_highlight. If the value decay from 1 to less than this within a pixel, the highlight there is
+// narrower than 1/16 of a pixel.
 CONST float kNoHighlight = -16.0f;
 CONST float kInverseLn2 = 1.44269504f;
-// Shadows are captured with one ray per pixel. Their edges are smoothed over neighbours on the same surface that face
-// within 25 degrees of it: not across a silhouette or an edge of a solid.
-CONST float kTolerancePx = 1.0f;
-CONST float kSameFacing = 0.9f;
+// Shadows are captured with one ray per pixel. Their edges are smoothed over neighbours on the same surface, but not
+// across a silhouette or an edge of a solid.
+CONST float kTolerancePx = 1.0f;      // max distance of a neighbour from the pixel's plane, pixel sizes
+CONST float kMinNormalCosine = 0.9f;  // min cosine between the normals of the pixel and a neighbour: 25 degrees
 
-// Returns the fraction of the key light that arrives, with edges smoothed over the pixel's neighbours on the same
-// surface.
+// Returns the visibility of the key light, with edges smoothed over the pixel's neighbours on the same surface.
 FN Real smooth_shadow(Int px, Int py, Vec3 position, Vec3 normal) {
   Real centre = near_shadow(0, 0);
   Bool differs = abs(centre) > 1.0f;
@@ -38,7 +38,7 @@ FN Real smooth_shadow(Int px, Int py, Vec3 position, Vec3 normal) {
       Vec3 there = view_position(px + Int(i), py + Int(j), near_depth(i, j));
       Vec3 other = near_normal(i, j);
       Bool same = surface_distance(position, normal, there, other, kTolerancePx) <= 1.0f;
-      same = same && dot(other, normal) > kSameFacing;
+      same = same && dot(other, normal) > kMinNormalCosine;
       Real weight = Real(float((2 - i * i) * (2 - j * j)));
       weight = select(same, weight, Real(0.0f));
       sum = mad(weight, select(same, near_shadow(i, j), Real(0.0f)), sum);
@@ -69,27 +69,27 @@ FN void toon_light_pixel(Int px, Int py) {
   Real highlight = Real(kNoHighlight);
   for (int k = 0; k < C.light_count; ++k) {
     Vec3 light = Vec3(Real(C.x[k]), Real(C.y[k]), Real(C.z[k]));
-    Real arrives = Real(C.fraction[k]);
+    Real attenuation = Real(C.fraction[k]);
     if (C.kind[k] == 1) {
-      Vec3 away = light - position;
-      Real squared = max(dot(away, away), Real(1e-20f));
-      light = away * rsqrt(squared);
-      if (C.reach_squared[k] > 0.0f) arrives = arrives * (Real(C.reach_squared[k]) / squared);
+      Vec3 to_light = light - position;
+      Real squared = max(dot(to_light, to_light), Real(1e-20f));
+      light = to_light * rsqrt(squared);
+      if (C.reach_squared[k] > 0.0f) attenuation = attenuation * (Real(C.reach_squared[k]) / squared);
     }
-    if (k == 0) arrives = arrives * key_visibility;
+    if (k == 0) attenuation = attenuation * key_visibility;
     Real facing = dot(normal, light);
-    diffuse = mad(arrives, max(facing, Real(0.0f)), diffuse);
+    diffuse = mad(attenuation, max(facing, Real(0.0f)), diffuse);
     if (k == 0 && C.specular > 0.0f) {
       if (C.mode == kToonPaper) {
         Vec3 halfway = normalized(light + Vec3(Real(0.0f), Real(0.0f), Real(1.0f)));
         gloss = pow(max(dot(normal, halfway), Real(0.0f)), exponent) * key_visibility * Real(C.specular);
         gloss = select(exponent > 1.0f && near_specular(0, 0) > 0.0f, gloss, Real(0.0f));
       } else {
-        // Inside where max(0, N.H)^e exceeds one half, with (N.H)^e ~ exp(-e (1 - N.H)). 1 in the middle, 0 at the
-        // edge; also negative where the light does not arrive, in shadow or on a surface that faces away.
+        // The highlight is where max(0, N.H)^e exceeds one half, approximated by exp(-e (1 - N.H)). Its value is 1 in
+        // the middle and 0 at the edge. It is also negative in shadow and on a surface that faces away from the light.
         Vec3 halfway = normalized(light + to_eye(position));
-        Real falls = max(exponent, Real(1.0f)) * Real(C.sharpness * kInverseLn2);
-        highlight = mad(dot(normal, halfway) - 1.0f, falls, Real(1.0f));
+        Real decay = max(exponent, Real(1.0f)) * Real(C.sharpness * kInverseLn2);
+        highlight = mad(dot(normal, halfway) - 1.0f, decay, Real(1.0f));
         highlight = min(min(highlight, facing), mad(key_visibility, Real(2.0f), Real(-1.0f)));
       }
     }

@@ -29,7 +29,7 @@ void set_normal(GBuffer& g, int x, int y, glm::dvec3 normal) {
   for (int c = 0; c < 3; ++c) g.layers[0].plane(kNormal[c]).at(x, y) = float(normal[c]);
 }
 
-/// A white face, equal in every pixel, in an orthographic view.
+/// Returns a white face in an orthographic view; all pixels are identical.
 GBuffer face(int width, int height, glm::vec3 normal, float depth = 5.0f) {
   GBuffer g = test::empty_gbuffer(width, height);
   g.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 3.0f, float(width) / float(height));
@@ -53,7 +53,7 @@ glm::dvec3 sphere_normal(double x, double y) {
   return squared < 1.0 ? glm::dvec3(u, v, std::sqrt(1.0 - squared)) : glm::dvec3(0.0);
 }
 
-/// A white sphere in an orthographic view, lit from the upper right.
+/// Returns a white sphere in an orthographic view, lit from the upper right.
 GBuffer sphere() {
   GBuffer g = face(kSphereSize, kSphereSize, {0, 0, 1});
   g.info.lights[0].direction = glm::vec3(kSphereLight);
@@ -83,7 +83,7 @@ glm::dvec3 to_light(const PictureInfo& info, const Light& light, const glm::dvec
   return light.direction;
 }
 
-/// Bumps with an occlusion plane and without shadow.
+/// Returns bumps with random occlusion and without shadow.
 GBuffer bumps(bool perspective, unsigned seed) {
   GBuffer g = test::bumpy_gbuffer(131, 97, seed);
   if (!perspective) g.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 3.0f, 131.0f / 97.0f);
@@ -103,7 +103,7 @@ struct Listing {
   double cut;        // floor(4 i) / 4
 };
 
-/// Listing 2, ported literally in double.
+/// Returns the result of listing 2, ported literally, in double.
 Listing listing_2(glm::dvec3 n, glm::dvec3 l, double ao, double specular_exp) {
   const glm::dvec3 nn = glm::normalize(n), nl = glm::normalize(l);
   const glm::dvec3 nh = glm::normalize(nl + glm::dvec3(0.0, 0.0, 1.0));
@@ -153,7 +153,7 @@ TEST(Toon, PaperModeIsListing2) {
     }
 }
 
-TEST(Toon, IntensityAddsLightsInSharesOfTheKey) {
+TEST(Toon, IntensityAddsLightsRelativeToTheKeyLight) {
   GBuffer g = bumps(true, 9);
   g.info.lights = {
       {.direction = glm::normalize(glm::vec3(-1.0f, 2.0f, 3.0f)), .color = glm::vec3(0.8f)},
@@ -172,9 +172,9 @@ TEST(Toon, IntensityAddsLightsInSharesOfTheKey) {
         double sum = 0.3;
         for (int k = 0; k < 3; ++k) {
           const double reach = g.info.lights[k].reach;
-          const double falls =
+          const double falloff =
               reach > 0.0 ? std::pow(reach / glm::distance(glm::dvec3(g.info.lights[k].position), position), 2.0) : 1.0;
-          sum += fraction[k] * falls * std::max(0.0, glm::dot(n, to_light(g.info, g.info.lights[k], position)));
+          sum += fraction[k] * falloff * std::max(0.0, glm::dot(n, to_light(g.info, g.info.lights[k], position)));
         }
         const double expected = sum * g.layers[0].plane("ao").at(x, y) + 0.05;
         worst = std::max(worst, std::fabs(out.plane("toon_intensity").at(x, y) - expected) / (1.0 + expected));
@@ -192,7 +192,7 @@ TEST(Toon, SphereHasTheRequestedSteps) {
     for (const int steps : {2, 3, 4, 8}) {
       const Settings settings = joined(kNoAmbient, {{"mode", mode}, {"steps", fmt::format("{}", steps)}});
       test::on_every_target("toon", g, settings, [&](const Image& out) {
-        // Values are compared at a resolution that distinguishes values at edges from those of tone steps.
+        // The histogram is fine enough to separate the values at edges from those of tone steps.
         std::map<long, long> histogram;
         long pixels = 0;
         for (int y = 0; y < kSphereSize; ++y)
@@ -211,12 +211,12 @@ TEST(Toon, EdgesOfStepsAreAntialiasedWhereTheyBelong) {
   for (const int steps : {2, 4}) {
     const Settings settings = joined(kNoAmbient, {{"steps", fmt::format("{}", steps)}, {"shadow_g", "0"}});
     test::on_every_target("toon", g, settings, [&](const Image& out) {
-      double sum = 0.0, farthest = 0.0, worst_whole = 0.0;
+      double sum = 0.0, max_away = 0.0, max_error = 0.0;
       long between = 0;
       for (int y = 0; y < kSphereSize; ++y)
         for (int x = 0; x < kSphereSize; ++x) {
           const double r = std::hypot(x + 0.5 - 0.5 * kSphereSize, y + 0.5 - 0.5 * kSphereSize);
-          if (r > 0.95 * kSphereRadius) continue;  // the limb: a tone step is narrower than a pixel
+          if (r > 0.95 * kSphereRadius) continue;  // near the silhouette a tone step is narrower than a pixel
           const auto scaled = [&](double px, double py) {
             return steps * std::max(0.0, glm::dot(sphere_normal(px, py), kSphereLight));
           };
@@ -228,22 +228,22 @@ TEST(Toon, EdgesOfStepsAreAntialiasedWhereTheyBelong) {
           const double step = out.plane("lit.g").at(x, y) * (steps - 1.0);
           const double fraction = step - (edge - 1.0);  // fraction of the pixel beyond the edge
           if (std::fabs(away) > 1.0) {
-            worst_whole = std::max(worst_whole, std::fabs(step - std::min(std::floor(t), steps - 1.0)));
+            max_error = std::max(max_error, std::fabs(step - std::min(std::floor(t), steps - 1.0)));
           } else if (fraction > 1e-4 && fraction < 1.0 - 1e-4) {
             sum += fraction - 0.5 - away;
-            farthest = std::max(farthest, std::fabs(away));
+            max_away = std::max(max_away, std::fabs(away));
             ++between;
           }
         }
-      EXPECT_LE(worst_whole, 1e-5) << steps;  // more than a pixel from an edge there is one tone step only
+      EXPECT_LE(max_error, 1e-5) << steps;  // pixels farther than a pixel from an edge have one tone step
       EXPECT_GT(between, 150 * (steps - 1));
       EXPECT_LE(std::fabs(sum) / double(between), 0.1);
-      EXPECT_GT(farthest, 0.3);
+      EXPECT_GT(max_away, 0.3);
     });
   }
 }
 
-/// A spot of another tone step on a face.
+/// A rectangle of another tone step on a face.
 struct Spot {
   int x, y, width, height;
   float ao;
@@ -251,6 +251,7 @@ struct Spot {
 constexpr int kFaceWidth = 40;
 constexpr float kFaceAo = 0.6f;
 
+/// Returns a face with spots, by its occlusion.
 GBuffer face_with(int height, const std::vector<Spot>& spots) {
   GBuffer g = face(kFaceWidth, height, {0, 0, 1});
   Plane& ao = g.layers[0].plane("ao");
@@ -262,7 +263,7 @@ GBuffer face_with(int height, const std::vector<Spot>& spots) {
 }
 
 /// Returns the number of a spot's pixels that differ from the face.
-long left_of(const Spot& s, const Plane& lit) {
+long remaining(const Spot& s, const Plane& lit) {
   long left = 0;
   for (int y = s.y; y < s.y + s.height; ++y)
     for (int x = s.x; x < s.x + s.width; ++x) left += std::fabs(lit.at(x, y) - lit.at(kFaceWidth - 1, 0)) > 1e-3f;
@@ -270,13 +271,14 @@ long left_of(const Spot& s, const Plane& lit) {
 }
 
 TEST(Toon, SpecksTakeTheStepAroundThem) {
-  // Max speck sizes: five pixels at a picture height of 2160, two at 1024, none at 200. Specks are darker and lighter.
+  // The max speck size is five pixels at a picture height of 2160, two at 1024, none at 200. Specks are darker or
+  // lighter.
   for (const auto& [height, max] : {std::pair(2160, 5), {1024, 2}, {200, 0}})
     for (const glm::ivec2 size : {glm::ivec2(1, 1), {1, 2}, {2, 2}, {3, 2}, {5, 5}, {5, 6}, {6, 1}, {6, 6}, {1, 30}})
       for (const float ao : {0.1f, 0.4f, 0.9f}) {
         const Spot spot{20, 20, size.x, size.y, ao};
         test::on_every_target("toon", face_with(height, {spot}), kNoAmbient, [&](const Image& out) {
-          const long left = left_of(spot, out.plane("lit.g"));
+          const long left = remaining(spot, out.plane("lit.g"));
           EXPECT_EQ(left, size.x <= max && size.y <= max ? 0 : size.x * size.y)
               << size.x << " x " << size.y << " of " << height << ", " << ao;
         });
@@ -284,14 +286,14 @@ TEST(Toon, SpecksTakeTheStepAroundThem) {
 }
 
 // Next to edges of tone steps, the border or other spots, a spot disappears as a whole or not at all.
-TEST(Toon, SpecksGoAsAWhole) {
+TEST(Toon, SpecksAreRemovedAsAWhole) {
   for (const int size : {2, 5})
     for (const int away : {0, 1, 2, 4, 6}) {
       const Spot spot{10, 12, size, size, 0.1f}, wide{10 + size + away, 0, 12, 60, 0.3f};
       const Spot dot{10 + size + away, 13, 1, 1, 0.3f}, at_border{away, 12, size, size, 0.1f};
       for (const auto& spots : {std::vector{spot, wide}, {spot, dot}, {at_border}})
         test::on_every_target("toon", face_with(2160, spots), kNoAmbient, [&](const Image& out) {
-          const long left = left_of(spots[0], out.plane("lit.g"));
+          const long left = remaining(spots[0], out.plane("lit.g"));
           EXPECT_TRUE(left == 0 || left == size * size) << left << " of " << size << ", " << away << " away";
           if (away > 0) {
             EXPECT_EQ(left, 0) << size << ", " << away << " away";
@@ -306,12 +308,12 @@ TEST(Toon, SpecksOfAnotherSurfaceStay) {
   for (int y = spot.y; y < spot.y + spot.height; ++y)
     for (int x = spot.x; x < spot.x + spot.width; ++x) g.layers[0].plane("depth").at(x, y) = 2.0f;
   test::on_every_target("toon", g, kNoAmbient,
-                        [&](const Image& out) { EXPECT_EQ(left_of(spot, out.plane("lit.g")), 9); });
+                        [&](const Image& out) { EXPECT_EQ(remaining(spot, out.plane("lit.g")), 9); });
 }
 
 // A bump that crosses the edge of a tone step in a few pixels is removed, including the antialiased pixels around it.
-// Soft edges are not specks.
-TEST(Toon, BumpsThatHardlyCrossAnEdgeLeaveNothing) {
+// With soft edges it stays.
+TEST(Toon, BumpsThatHardlyCrossAnEdgeAreRemoved) {
   GBuffer g = face_with(2160, {});
   Plane& ao = g.layers[0].plane("ao");
   constexpr float kEdge = 0.75f, kOver = 0.002f, kSlope = 0.0015f;
@@ -329,7 +331,7 @@ TEST(Toon, BumpsThatHardlyCrossAnEdgeLeaveNothing) {
   });
 }
 
-/// A plane at a grazing angle in ambient light only: the intensity depends on `ao`, not on normals.
+/// Returns a plane at a grazing angle in ambient light only, so that the intensity depends on `ao`, not on normals.
 GBuffer lit_by_ambient(const test::TiltedPlane& plane) {
   GBuffer g = test::seen(plane);
   g.info.lights.clear();
@@ -337,42 +339,43 @@ GBuffer lit_by_ambient(const test::TiltedPlane& plane) {
   return g;
 }
 
-// Four tone steps of light proportional to `ao`, from black to white.
-const Settings kStripsOfAo = {{"steps", "4"},    {"ambient", "1"}, {"extra", "0"},
-                              {"shadow_g", "0"}, {"light_g", "1"}, {"albedo", "clay"}};
-/// Returns the `ao` at which light is `band` tone steps above black.
-float ao_of_strip(double step) { return float(0.5 * step); }
+// Settings for four tone steps, from black to white, of an intensity that equals `ao`.
+const Settings kStepsOfAo = {{"steps", "4"},    {"ambient", "1"}, {"extra", "0"},
+                             {"shadow_g", "0"}, {"light_g", "1"}, {"albedo", "clay"}};
+/// Returns the `ao` at the intensity `step`, in tone steps.
+float ao_of_step(double step) { return float(0.5 * step); }
 
 TEST(Toon, StepsOfGrazingPlanesAreAntialiased) {
-  // Few rows, so that depth changes by more than a tenth from one to the next.
+  // The picture has few rows, so that depth changes by more than a tenth from one to the next.
   const test::TiltedPlane few_rows{.width = 32, .height = 8, .error_deg = 2.0, .roll_rad = 0.0, .depth_ratio = 0.6};
   test::at_grazing_angles(few_rows, [](const test::TiltedPlane& plane) {
     GBuffer g = lit_by_ambient(plane);
-    // A tenth of a step per row; the edge is a fifth of a row above the centre of the fourth row.
+    // The intensity rises by a tenth of a step per row; the edge is a fifth of a row above the centre of the fourth
+    // row.
     for (int y = 0; y < 8; ++y)
-      for (int x = 0; x < 32; ++x) g.layers[0].plane("ao").at(x, y) = ao_of_strip(1.02 + 0.1 * (y - 3));
-    test::on_every_target("toon", g, kStripsOfAo, [&](const Image& out) {
+      for (int x = 0; x < 32; ++x) g.layers[0].plane("ao").at(x, y) = ao_of_step(1.02 + 0.1 * (y - 3));
+    test::on_every_target("toon", g, kStepsOfAo, [&](const Image& out) {
       for (int x = 0; x < 32; ++x) EXPECT_NEAR(out.plane("lit.g").at(x, 3) * 3.0, 0.7, 0.01) << x;
     });
   });
 }
 
 TEST(Toon, StepsOfGrazingPlanesEndAtEdges) {
-  // Up to the depth step, light rises by 1/50 of a tone step per column, and then suddenly: the edge in the last column
-  // before it is as narrow as the others.
+  // Up to the depth step, the intensity rises by 1/50 of a tone step per column; at the depth step it jumps. The edge
+  // in the last column before that must be as narrow as if there were no jump.
   const test::TiltedPlane step{.width = 256, .height = 256, .step_px = 20.0};
   test::at_grazing_angles(step, [](const test::TiltedPlane& plane) {
     GBuffer g = lit_by_ambient(plane);
     for (int y = 0; y < 256; ++y)
       for (int x = 0; x < 256; ++x)
-        g.layers[0].plane("ao").at(x, y) = x < 128 ? ao_of_strip(1.004 + 0.02 * (x - 127)) : ao_of_strip(1.5);
-    test::on_every_target("toon", g, kStripsOfAo, [&](const Image& out) {
+        g.layers[0].plane("ao").at(x, y) = x < 128 ? ao_of_step(1.004 + 0.02 * (x - 127)) : ao_of_step(1.5);
+    test::on_every_target("toon", g, kStepsOfAo, [&](const Image& out) {
       for (int y = 0; y < 256; ++y) ASSERT_NEAR(out.plane("lit.g").at(127, y) * 3.0, 0.7, 0.01) << y;
     });
   });
 }
 
-TEST(Toon, ShadowsOnGrazingPlanesHaveSmoothEdgesButAtSteps) {
+TEST(Toon, ShadowsOnGrazingPlanesHaveSmoothEdgesExceptAtDepthSteps) {
   for (const bool whole : {true, false}) {
     const test::TiltedPlane base{
         .width = 32, .height = 32, .step_px = whole ? 0.0 : 20.0, .error_deg = whole ? 2.0 : 0.0, .roll_rad = 0.0};
@@ -418,7 +421,7 @@ TEST(Toon, SoftnessWidensEdges) {
 }
 
 TEST(Toon, NothingSmearsOverSilhouettesAndCreases) {
-  // Columns of two surfaces: one in front of the other; two faces that meet; a wire a pixel wide in front of a wall.
+  // Kinds: 0 a surface in front of another, 1 two faces that meet, 2 a wire one pixel wide in front of a wall.
   constexpr int kWidth = 24;
   const glm::vec3 lit(0, 0, 1), dim = glm::normalize(glm::vec3(1.0f, 0.0f, 0.4f));
   for (const int kind : {0, 1, 2}) {
@@ -432,7 +435,8 @@ TEST(Toon, NothingSmearsOverSilhouettesAndCreases) {
         g.layers[0].plane("shadow").at(x, y) = kind == 2 ? 1.0f : 0.0f;
         for (int c = 0; c < 3; ++c) g.layers[0].plane(kAlbedo[c]).at(x, y) = 0.5f;
       }
-    // White in the brightest step; grey in the shadow's or, for the wire, at 2.07 of four steps.
+    // The first surface is white in the brightest step. The second is grey in the darkest or, for the wire, at 2.07 of
+    // four steps.
     const double other = kind == 2 ? 0.5 * 2.0 / 3.0 : 0.0;
     test::on_every_target("toon", g, {{"shadow_r", "0"}}, [&](const Image& out) {
       for (int x = 0; x < kWidth; ++x) {
@@ -444,7 +448,7 @@ TEST(Toon, NothingSmearsOverSilhouettesAndCreases) {
 }
 
 TEST(Toon, FacesAreNotSpeckled) {
-  // Interpolated normals: their last bits vary.
+  // The last bits of the normals vary, as those of interpolated normals do.
   const auto spread = [](glm::dvec3 normal, const Settings& settings) {
     GBuffer g = face(64, 64, {0, 0, 1});
     for (int y = 0; y < 64; ++y)
@@ -467,7 +471,7 @@ TEST(Toon, FacesAreNotSpeckled) {
     EXPECT_EQ(spread({0, 0, 1}, {{"steps", steps}}), 0.0) << steps;   // turned to the light
     EXPECT_EQ(spread({0, 0, -1}, {{"steps", steps}}), 0.0) << steps;  // turned away
   }
-  // Light exactly at an edge: one colour, between those of both steps.
+  // If the intensity is exactly at an edge, the face has one colour, between those of the two steps.
   const Settings on_edge = joined(kNoAmbient, {{"steps", "2"}, {"shadow_r", "0"}});
   EXPECT_LE(spread({std::sqrt(0.75), 0, 0.5}, on_edge), 0.03);
 }
@@ -495,7 +499,7 @@ TEST(Toon, ShadowFallsIntoTheDarkStep) {
                               }
                             }
                           });
-  // Without shadow, with half of it, and in mode paper, where edges are hard.
+  // Also without shadow, with half of it, and in mode paper, where edges are hard.
   test::on_every_target("toon", g, {{"shadow", "0"}},
                         [](const Image& out) { EXPECT_EQ(out.plane("lit.r").at(24, 4), 1.0f); });
   test::on_every_target("toon", g, {{"shadow", "0.5"}},
@@ -521,7 +525,7 @@ TEST(Toon, HighlightsAreRoundAndNotDarkened) {
         for (int y = 0; y < kSphereSize; ++y)
           for (int x = 0; x < kSphereSize; ++x) {
             const double cosine = glm::dot(sphere_normal(x + 0.5, y + 0.5), halfway);
-            // Half of its strength: e (1 - cos) = ln 2, with e divided by the square of the size.
+            // The highlight ends at half of its strength: e (1 - cos) = ln 2, with e divided by the square of the size.
             const double inside = 1.0 - 40.0 / (size * size) * (1.0 - cosine) / std::log(2.0);
             const double lit = out.plane("lit.r").at(x, y);
             if (inside > 0.15) {
@@ -543,8 +547,8 @@ TEST(Toon, HighlightsAreRoundAndNotDarkened) {
   });
 }
 
-TEST(Toon, HighlightsThinnerThanAPixelAreNoBrighterThanTheyAreWide) {
-  // Bevels that turn by turn_deg from row to row; each column is shifted up a little from the last.
+TEST(Toon, HighlightsThinnerThanAPixelAreFainter) {
+  // The normals of a bevel turn by turn_deg per row. Each column is shifted up a little from the previous one.
   constexpr int kWidth = 64, kHeight = 24;
   for (const double turn_deg : {12.0, 20.0, 30.0})
     for (const double shininess : {40.0, 200.0}) {
@@ -667,7 +671,7 @@ TEST(Toon, WithoutLightsOnlyAmbientIsLeft) {
                         [](const Image& out) { EXPECT_EQ(out.plane("lit.r").at(1, 1), 0.25f); });
   g.info.lights = {{.direction = {0, 0, 1}, .color = glm::vec3(0.0f)}, {.direction = {0, 0, 1}}};
   test::on_every_target("toon", g, {}, [](const Image& out) {
-    EXPECT_NEAR(out.plane("toon_intensity").at(1, 1), 1.3f, 1e-6);  // a black key light is still a key light
+    EXPECT_NEAR(out.plane("toon_intensity").at(1, 1), 1.3f, 1e-6);  // a black key light is still the key light
   });
 }
 
@@ -682,7 +686,7 @@ TEST(Toon, DepthAndNormalAreEnough) {
   test::on_every_target("toon", g, {}, [](const Image& out) { EXPECT_FLOAT_EQ(out.plane("lit.b").at(1, 1), 0.8f); });
 }
 
-TEST(Toon, BackgroundAndNumbersThatAreNoneAreDefined) {
+TEST(Toon, BackgroundAndNonFiniteInputsAreDefined) {
   const float nan = std::nanf(""), infinity = std::numeric_limits<float>::infinity();
   GBuffer g = face(16, 1, {0, 0, 1});
   Image& image = g.layers[0];
@@ -704,7 +708,7 @@ TEST(Toon, BackgroundAndNumbersThatAreNoneAreDefined) {
                           });
 }
 
-TEST(Toon, NumbersOfBandsOutsideTheRangeAreRefused) {
+TEST(Toon, NumbersOfStepsOutsideTheRangeAreRefused) {
   const Effect& effect = *find_effect("toon");
   ParameterBytes bytes = initial_parameters(effect.parameters, effect.params_size);
   for (const char* text : {"0", "1000", "-4", "2.5"}) {

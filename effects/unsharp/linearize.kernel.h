@@ -1,21 +1,21 @@
 // Converts view depth to linearised depth D in [0, 1], quantised to steps of 2^-24. Based on [Chamberlin 2011],
 // equation (1).
 //
-// A float represents every integer up to 2^24, so the plane stores the number of steps: sums are exact, and the order
-// in which a window is summed does not matter. Differs: the paper averages floats.
+// The plane stores the number of steps, since a float represents every integer up to 2^24. So sums over a window are
+// exact, in any order. Differs: the paper averages floats.
 IN_REAL(depth)
 OUT_REAL(unsharp_depth)
 
 CONST float kFarthest = 16777215.0f;  // D = 1 less one step, so that the sum of 256 samples is below 2^32
-CONST float kNoSurface = -1.0f;       // background that does not count
+CONST float kNoSurface = -1.0f;       // marks background that windows ignore
 
 FN void linearize_pixel(Int px, Int py) {
   Real depth = near_depth(0, 0);
   Real n = Real(C.near_depth);
   Real f = Real(C.far_depth);
-  Real z = clamp(depth, n, f);  // clipped as by the planes of the frustum
-  // Equation (1) with window depth Z = F (z - N) / (z (F - N)): z/F for Z stretched to [-1, 1], as the equation
-  // requires; 2z/(z + F) for Z in [0, 1], as the listing uses it. `extent`, from near to far, is ours.
+  Real z = clamp(depth, n, f);  // clipped by near and far plane
+  // Equation (1), for window depth Z = F (z - N) / (z (F - N)), gives z/F if Z is scaled to [-1, 1], as the equation
+  // requires, and 2z/(z + F) if Z is in [0, 1], as the listing uses it. `extent`, which is 0 at N and 1 at F, is ours.
   Real d = z / f;
   if (C.linearization == kUnsharpListing) d = (z + z) / (z + f);
   if (C.linearization == kUnsharpExtent) d = (z - n) / (f - n);

@@ -21,8 +21,8 @@ void run_tuned_unsharp(const KernelFrame&, const Tile&);  // unsharp.tuned.cpp
 
 namespace {
 
-// With the default far plane the farthest geometry is at 90 % of the depth range, at a distance from the end of the
-// paper's largest threshold; the default near plane keeps the listing's ratio of 2 to 15.
+// The default far plane puts the scene's farthest point at D = 0.9, so that it differs from the background by the
+// paper's largest threshold, 0.1. The default near plane keeps the listing's ratio of 2 to 15.
 constexpr float kFarFraction = 0.9f;
 constexpr float kNearToFar = 2.0f / 15.0f;
 // A Gaussian window extends two standard deviations to either side.
@@ -58,7 +58,7 @@ int kernel_side(const Length& kernel, const PictureInfo& info) {
 void fill_constants(const UnsharpParams& params, const PictureInfo& info, UnsharpConstants& c) {
   const int side = kernel_side(params.kernel, info);
   const int half = side / 2;
-  // The listing's window starts floor(k/2) to the left and below; rows here are counted from the top.
+  // The listing's window starts floor(k/2) pixels to the left and below; here rows are counted from the top.
   c.first_column = -half;
   c.last_column = side - 1 - half;
   c.first_row = half - (side - 1);
@@ -90,7 +90,7 @@ void fill_constants(const UnsharpParams& params, const PictureInfo& info, Unshar
   for (int i = 0; i < kUnsharpWeights; ++i) c.weights[i] = std::exp(-0.5f * float(i) * float(i) / (sigma * sigma));
 }
 
-/// Sets the window that extends one radius to each side at the middle of the scene's depth.
+/// Sets the window so that it extends one radius to each side, at the middle of the scene's depth range.
 void set_radius(float radius, const PictureInfo& info, ParameterBytes& bytes) {
   const double depth =
       info.camera.projection == Projection::kPerspective ? 0.5 * (info.depth_min + info.depth_max) : 1.0;
@@ -99,18 +99,20 @@ void set_radius(float radius, const PictureInfo& info, ParameterBytes& bytes) {
   as<UnsharpParams>(bytes).kernel = {float(side), 0};
 }
 
+/// Returns whether running sums can be used.
 bool has_no_threshold(const void* constants) {
   const auto& c = *static_cast<const UnsharpConstants*>(constants);
   return c.gaussian == 0 && c.threshold >= kUnsharpSteps;
 }
 
+/// Returns whether blocks can be used: samples outside the picture are all equal or absent.
 bool has_blocks(const void* constants) {
   const auto& c = *static_cast<const UnsharpConstants*>(constants);
-  const bool few_outside = c.border == kUnsharpBorderSkip || c.border == kUnsharpBorderZero;
-  return c.gaussian == 0 && few_outside && c.last_column - c.first_column + 1 >= kUnsharpMinBlocks;
+  const bool uniform_outside = c.border == kUnsharpBorderSkip || c.border == kUnsharpBorderZero;
+  return c.gaussian == 0 && uniform_outside && c.last_column - c.first_column + 1 >= kUnsharpMinBlocks;
 }
 
-/// Alternatives for a box window on a GPU, whose cost hardly grows with the window.
+/// Alternatives to the kernel on a GPU, for box windows. Their cost hardly grows with the window.
 const std::vector<GpuVariant> kGpuVariants = {
     {.fits = has_no_threshold,
      .steps = {{.name = "across",

@@ -1,30 +1,32 @@
-// Unsharp mask of the depth buffer: the difference between a pixel's depth and the mean of the window around it. Based
-// on [Chamberlin 2011], section 3 and its fragment shader; [Luft 2006] for the Gaussian window.
+// Computes an unsharp mask of the depth buffer from the difference between a pixel's depth and the mean depth in the
+// window around it. Based on [Chamberlin 2011], section 3 and its fragment shader; Gaussian window: [Luft 2006].
 //
-// Depth is an integer number of steps of 2^-24 (linearize.kernel.h), so that a tuned summation is bitwise identical.
-// Differs: the window is k x k also for odd k, where the listing loops over k - 1; and the listing's border check
-// includes one column and one row of copies, at x = width and y = height.
+// Depth is an integer number of steps of 2^-24 (linearize.kernel.h), so that tuned variants are bitwise identical.
+// Differs: the window is k x k for odd k too, where the listing loops over k - 1; and the listing's border check admits
+// one column and one row too many, at x = width and y = height, where it reads copies of the last ones.
 IN_REAL(depth)
 IN_REAL(unsharp_depth)
 OUT_REAL(ao)
 
 CONST float kNoSample = -1.0f;
-CONST int kLowBits = 12;    // a sum is two words, of the samples' upper and lower 12 bits:
-CONST int kLowMask = 4095;  // 1023 x 1023 samples of up to 4096 fit into 32 bits
+// A sum is split into two words, one of the samples' upper 12 bits and one of their lower 12 bits: the sum of 1023 x
+// 1023 numbers below 4096 fits into 32 bits.
+CONST int kLowBits = 12;
+CONST int kLowMask = 4095;
 
-// Returns 1 - strength (D - mean) [Chamberlin 2011, listing: the factor 20], from the window's excess (the sum of its
-// samples minus count times the centre) and its count.
+// Returns `ao`, which is 1 - strength (D - mean) [Chamberlin 2011, listing, where strength is 20]. `count` is the
+// number of the window's samples, and `excess` their sum minus `count` times the centre's depth.
 FN Real ao_from_excess(Real excess, Real count) {
   Real ao = excess * (Real(C.scale) / count) + 1.0f;
   return C.keep_white_edge != 0 ? ao : min(ao, Real(1.0f));
 }
 
-// Returns the excess as one rounded number, from its multiples of 4096 steps, rounded down, and the remainder.
+// Returns the excess as one rounded number. `upper` is excess / 4096, rounded down, and `lower` the remainder.
 FN Real excess_of(Real upper, Real lower) { return mad(upper, Real(4096.0f), lower); }
 
-// Returns the excess from the exact sum of a window's steps, split as above.
+// Returns the excess from the exact sum of a window's samples: the words `high` and `low`.
 FN Real excess_from_sum(Uint high, Uint low, Uint count, Uint centre) {
-  // Computes sum - count * centre. Both are carried so that the upper words have all but the last 12 bits.
+  // Computes sum - count * centre. Carries are propagated in both, so that the lower words have 12 bits.
   Uint own_low = count * (centre & Uint(kLowMask));
   Uint own_high = count * (centre >> kLowBits) + (own_low >> kLowBits);
   Uint sum_high = high + (low >> kLowBits);
@@ -37,8 +39,8 @@ FN Real excess_from_sum(Uint high, Uint low, Uint count, Uint centre) {
   return excess_of(upper, to_real(sum_low - own_low));
 }
 
-// Returns a sample of the window. Outside the picture it depends on the border mode: for `skip`, a step that never
-// counts.
+// Returns a sample of the window. Outside the picture it depends on the border mode; for `skip` it is kNoSample, which
+// never counts.
 FN Real window_sample(Int px, Int py, int i, int j) {
   if (C.border == kUnsharpBorderRepeat) {
     Int x = px + Int(i);
@@ -53,8 +55,10 @@ FN Real window_sample(Int px, Int py, int i, int j) {
   return select(near_inside(i, j), tap, Real(C.border == kUnsharpBorderZero ? C.border_depth : kNoSample));
 }
 
+// Returns whether a sample counts: it exists, and differs from the centre by less than the threshold.
 FN Bool counts(Real tap, Real centre) { return tap >= 0.0f && abs(tap - centre) < Real(C.threshold); }
 
+// Returns `ao` for a box window.
 FN Real box_ao(Int px, Int py, Real centre) {
   Uint high = Uint(0u);
   Uint low = Uint(0u);
@@ -74,7 +78,7 @@ FN Real box_ao(Int px, Int py, Real centre) {
   return ao_from_excess(excess, to_real(samples));
 }
 
-// Weighted by a Gaussian of the distance [Luft 2006].
+// Returns `ao` for a window whose samples are weighted by a Gaussian of their distance [Luft 2006].
 FN Real gaussian_ao(Int px, Int py, Real centre) {
   Real excess = Real(0.0f);
   Real weights = Real(0.0f);
@@ -87,7 +91,7 @@ FN Real gaussian_ao(Int px, Int py, Real centre) {
       weights = weights + weight;
     }
   }
-  // The pixel itself counts, so the weights are not 0.
+  // The sum of weights is not 0, since the pixel itself counts.
   return ao_from_excess(excess, max(weights, Real(1e-20f)));
 }
 

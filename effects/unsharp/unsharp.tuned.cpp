@@ -1,10 +1,9 @@
-// `unsharp` on the CPU at a cost that hardly grows with the window; bitwise identical to its reference,
-// unsharp.kernel.h. Sums of integer steps are exact in any order, so only the order differs:
-//   no threshold  running sums over columns and rows: the same few additions per pixel for any window
-//   threshold     the window in blocks of 16, 8 and 4 pixels, with the min, max and sum of each: a block
-//                 entirely within the threshold is added at once, one entirely outside is skipped, any other is split
-// A Gaussian window uses the plain kernel.
-// Measured gain: see docs/performance.md.
+// Computes `unsharp` on the CPU at a cost that hardly grows with the window. The result is bitwise identical to that of
+// unsharp.kernel.h, since sums of integer steps are exact in any order. There are two methods:
+//   no threshold  running sums over columns and rows take the same few additions per pixel for any window
+//   threshold     the window is divided into blocks of 16, 8 and 4 pixels with known min, max and sum: a block entirely
+//                 within the threshold is added at once, one entirely outside is skipped, and any other is split
+// A Gaussian window uses the plain kernel. docs/performance.md lists the measured gains.
 #include "effects/unsharp/unsharp.h"
 
 #include <algorithm>
@@ -24,7 +23,7 @@ namespace umbrage {
 namespace HWY_NAMESPACE {
 namespace {
 
-// Provides the formulas of the kernel text.
+// The functions of the kernel text.
 struct Formulas {
   LanesView view;
 #include "kernel/kernel_begin.h"
@@ -37,21 +36,24 @@ struct Formulas {
 using VI = hn::Vec<DI>;
 using MI = hn::Mask<DI>;
 
-constexpr std::int32_t kAbsent = 1 << 30;  // a sample that never counts: farther from any step than any threshold
-constexpr int kSlack = 16;                 // vectors may read this far past the end of a row
+// Marks a sample that never counts. It differs from every depth by more than any threshold.
+constexpr std::int32_t kAbsent = 1 << 30;
+constexpr int kSlack = 16;  // max number of elements that vectors read past the end of a row
 
-// The tile's samples and those around it that its windows contain, with the border mode applied.
+// The samples of a tile and of its surroundings that windows contain, with the border mode applied.
 struct Patch {
   int width = 0, height = 0, stride = 0;
   std::vector<std::int32_t> steps;
   const std::int32_t* row(int y) const { return steps.data() + std::ptrdiff_t(y) * stride; }
 };
 
+// Returns i modulo size, in [0, size).
 int wrapped(int i, int size) {
   i %= size;
   return i < 0 ? i + size : i;
 }
 
+// Fills the patch of a tile.
 void load_patch(const KernelFrame& frame, const UnsharpConstants& c, const Tile& tile, Patch& patch) {
   const FrameConstants& f = frame.frame;
   const float* plane = frame.plane("unsharp_depth");
@@ -97,7 +99,8 @@ HWY_INLINE hn::Mask<DInt> surface_at(DInt di, const float* depth) {
   return hn::RebindMask(di, hn::Le(hn::Abs(hn::LoadU(d, depth)), hn::Set(d, 3.402823466e38f)));
 }
 
-// One row of a tile: the excess of its windows, split after 12 bits, and their counts.
+// The results for one row of a tile: the excess of the windows (see the kernel text), split into the multiple of 4096
+// and the remainder, and their numbers of samples.
 struct Row {
   std::vector<float> upper, lower, count;
   explicit Row(int columns)
@@ -118,8 +121,8 @@ void store_row(Formulas& formulas, const Row& row, int columns, const float* dep
 // ---- no threshold
 // ----------------------------------------------------------------------------------------------------
 
-// Returns one sample of a window as a number that can be added: the count (upper 20 bits) and the steps (lower 44
-// bits). 1023 x 1023 samples of 24 bits fit.
+// Returns a number that represents one sample and can be added: the count in the upper 20 bits, the depth in the
+// lower 44. The sum of 1023 x 1023 samples of 24 bits fits.
 constexpr int kCountShift = 44;
 HWY_INLINE std::uint64_t packed(std::int32_t steps) {
   return steps == kAbsent ? 0 : (std::uint64_t(1) << kCountShift) + std::uint64_t(steps);
@@ -158,19 +161,19 @@ void RunWithoutThreshold(const KernelFrame& frame, const Tile& tile, Formulas& f
 // ---- threshold
 // -------------------------------------------------------------------------------------------------------
 
-// Min, max and sum of the size x size samples right and down of every sample of a patch. Sums wrap around where samples
-// are absent; they are read only where none is.
+// The min, max and sum of a block of size x size samples, for each sample of a patch as its upper left one. The sum may
+// overflow in blocks that contain absent samples; it is not used there.
 struct Level {
   std::vector<std::int32_t> min, max, sum;
 };
 
-// Computes one level from the next finer one, whose blocks are half as large.
-void coarser(const std::int32_t* min, const std::int32_t* max, const std::int32_t* sum, int stride, int height,
-             int half, Level& out) {
+// Computes a level from the next finer one, whose blocks have the side `half`.
+void compute_level(const std::int32_t* min, const std::int32_t* max, const std::int32_t* sum, int stride, int height,
+                   int half, Level& out) {
   const DI di;
   const std::size_t count = std::size_t(stride) * height;
   for (auto* plane : {&out.min, &out.max, &out.sum}) plane->resize(count);
-  // Blocks that extend past the patch are never read: the last rows and columns are undefined.
+  // The last rows and columns remain undefined: their blocks extend past the patch and are never read.
   const std::size_t down = std::size_t(half) * stride;
   const std::size_t end = count > down + half + kSlack ? count - down - half - kSlack : 0;
   for (std::size_t i = 0; i < end; i += kLanes) {
@@ -184,13 +187,14 @@ void coarser(const std::int32_t* min, const std::int32_t* max, const std::int32_
   }
 }
 
-constexpr int kLevels = 5;  // blocks of 1, 2, 4, 8, 16
+constexpr int kLevels = 5;  // block sides 1, 2, 4, 8, 16
 
 struct Block {
-  int x, y, level;
+  int x, y, level;  // position in the window; the side is 2^level
 };
 
-// Covers a rectangle of a window with blocks, the largest first.
+// Divides a rectangle of a window into blocks, as many as possible of the given level and the rest of lower levels, and
+// appends these to `blocks`.
 void cover(int x, int y, int width, int height, int level, std::vector<Block>& blocks) {
   if (width <= 0 || height <= 0) return;
   const int size = 1 << level;
@@ -207,9 +211,9 @@ struct Pyramid {
   Level levels[kLevels];  // levels[0] is the patch itself and stays empty
 };
 
-// The sums of one vector of pixels. A sample is added as its distance from low = centre - reach, which is unsigned and
-// at most 2 reach exactly for samples that count. Since SIMD compares signed numbers, distances are measured from low +
-// 2^31 instead; flush() removes what an odd number of them leaves in the top bit.
+// The sums of the windows of one vector of pixels. A sample is added as its difference to low = centre - reach. As an
+// unsigned number, this is at most 2 reach exactly if the sample counts. Since SIMD compares signed numbers, the
+// difference is computed to low + 2^31 instead; flush() corrects the top bit after an odd number of samples.
 struct Sums {
   VI low, high, reach;
   VI biased_low;               // low + 2^31
@@ -219,11 +223,12 @@ struct Sums {
   VI count = hn::Zero(DI()), flushed = hn::Zero(DI());
 };
 
+// Adds `excess` to the sums of higher precision and resets it.
 HWY_INLINE void flush(Sums& s) {
   const DI di;
   const VI added = hn::Sub(s.count, s.flushed);
   s.flushed = s.count;
-  // Converts biased distances from `low` to differences from the centre.
+  // Converts biased differences to `low` into differences to the centre.
   s.excess = hn::Sub(s.excess, hn::Add(hn::ShiftLeft<31>(added), hn::Mul(added, s.reach)));
   s.upper = hn::Add(s.upper, hn::ShiftRight<12>(s.excess));
   s.lower = hn::Add(s.lower, hn::And(s.excess, hn::Set(di, 4095)));
@@ -239,7 +244,7 @@ HWY_INLINE void add_sample(Sums& s, MI mask, const std::int32_t* steps) {
   s.count = add_where(counts, s.count, hn::Set(DI(), 1));
 }
 
-// Adds a block of level 2 to 4, or of level 0 or 1 by its samples.
+// Adds a block. Blocks of level 0 and 1 are added sample by sample.
 template <int kLevel>
 HWY_INLINE void add_block(Sums& s, MI mask, const Pyramid& p, std::ptrdiff_t at) {
   const DI di;
@@ -261,7 +266,7 @@ HWY_INLINE void add_block(Sums& s, MI mask, const Pyramid& p, std::ptrdiff_t at)
     const MI mixed = hn::And(mask, hn::And(beyond, hn::Not(outside)));
     if (hn::AllFalse(di, mixed)) return;
     if constexpr (kLevel == 2) {
-      // Testing four blocks of four samples first costs more than it saves.
+      // Blocks of level 1 are not tested: that would cost more than it saves.
       for (int j = 0; j < kSize; ++j)
         for (int i = 0; i < kSize; ++i)
           add_sample(s, mixed, p.patch.steps.data() + at + std::ptrdiff_t(j) * p.patch.stride + i);
@@ -280,21 +285,21 @@ void RunThreshold(const KernelFrame& frame, const Tile& tile, Formulas& formulas
   const DI di;
   const Patch& patch = p.patch;
   const int side = patch.width - (tile.x1 - tile.x0) + 1;
-  // 256 samples up to 2^22 above `low` each, or 64 with any distance, do not overflow 32 bits.
+  // 32 bits do not overflow with 256 samples up to 2^22 above `low`, or with 64 samples at any distance.
   constexpr int kFarReach = 1 << 21;
   const int coarsest = reach < kFarReach ? kLevels - 1 : kLevels - 2;
   int top = 0;
   while (top < coarsest && (2 << top) <= side) ++top;
   const std::int32_t *min = patch.steps.data(), *max = min, *sum = min;
   for (int level = 1; level <= top; ++level) {
-    coarser(min, max, sum, patch.stride, patch.height, 1 << (level - 1), p.levels[level]);
+    compute_level(min, max, sum, patch.stride, patch.height, 1 << (level - 1), p.levels[level]);
     min = p.levels[level].min.data();
     max = p.levels[level].max.data();
     sum = p.levels[level].sum.data();
   }
   std::vector<Block> blocks;
   cover(0, 0, side, side, top, blocks);
-  // Number of samples that can be added before 32 bits could overflow.
+  // Max number of samples that can be added without overflow of 32 bits.
   const int budget = int((std::int64_t(1) << 30) / (reach + 1)) - 1;
 
   const float* depth = frame.plane("depth");
@@ -341,7 +346,7 @@ void RunThreshold(const KernelFrame& frame, const Tile& tile, Formulas& formulas
       flush(s);
       s.upper = hn::Add(s.upper, hn::ShiftRight<12>(s.lower));
       s.lower = hn::And(s.lower, hn::Set(di, 4095));
-      // Exact except for the one rounding of the sum, as in the kernel text, which converts both words at once.
+      // Only this sum is rounded, once, as in the kernel text, which converts `upper` at once.
       const auto upper = hn::Add(hn::Mul(hn::ConvertTo(df, s.top), hn::Set(df, 65536.0f)), hn::ConvertTo(df, s.upper));
       hn::StoreU(upper, df, row.upper.data() + x);
       hn::StoreU(hn::ConvertTo(df, s.lower), df, row.lower.data() + x);
@@ -354,7 +359,7 @@ void RunThreshold(const KernelFrame& frame, const Tile& tile, Formulas& formulas
 void RunTuned(const KernelFrame& frame, const Tile& tile) {
   Formulas formulas{{frame}};
   const DI di;
-  // A tile without surfaces needs no window.
+  // In a tile without surfaces all results are 1.
   const float* depth = frame.plane("depth");
   bool empty = true;
   for (int y = tile.y0; y < tile.y1 && empty; ++y)
@@ -366,7 +371,7 @@ void RunTuned(const KernelFrame& frame, const Tile& tile) {
       std::fill_n(ao + std::size_t(y) * frame.frame.stride + tile.x0, tile.x1 - tile.x0, 1.0f);
     return;
   }
-  // Reused for all tiles: allocating a megabyte per tile costs more than filling it.
+  // Reused for all tiles, since allocating a megabyte per tile takes longer than filling it.
   static thread_local Pyramid pyramid;
   load_patch(frame, formulas.C, tile, pyramid.patch);
   if (formulas.C.threshold >= kUnsharpSteps)

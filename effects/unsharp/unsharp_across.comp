@@ -1,6 +1,6 @@
-// `unsharp` without a threshold, on a GPU, first step: the sums of the window's width in each row. A workgroup computes
-// prefix sums of the row's samples once; a window's sum is then a difference of two of them. The second step is
-// unsharp_down.comp. Must be bitwise identical to unsharp.kernel.h.
+// First step of `unsharp` without a threshold on a GPU: computes, for each pixel, the sum over the window's columns in
+// its row. A workgroup computes prefix sums of a part of a row; a window's sum is the difference of two of these. The
+// second step is unsharp_down.comp. The result must be bitwise identical to that of unsharp.kernel.h.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel/glsl.h"
@@ -15,16 +15,16 @@ PLANE(UintPlane, unsharp_row_high, 0)
 PLANE(UintPlane, unsharp_row_low, 0)
 
 const int kInvocations = 64;
-const int kClump = 8;  // invocations per clump, whose sums are added first
+const int kGroup = 8;  // invocations per group, whose sums are added first
 const int kMaxSamples = kUnsharpSegment + kUnsharpMaxKernel - 1;
 
-// Sums of the samples to the left of each sample, and of all of them; then of each invocation's part, and of each
-// clump.
+// Prefix sums: for each sample, the sum of the samples to its left; the last element is the sum of all samples. Then
+// the sums of each invocation's part, and of each group of invocations.
 shared uint high_before[kMaxSamples + 1], low_before[kMaxSamples + 1];
-shared uint high_share[kInvocations], low_share[kInvocations];
-shared uint high_clump[kInvocations / kClump], low_clump[kInvocations / kClump];
+shared uint high_part[kInvocations], low_part[kInvocations];
+shared uint high_group[kInvocations / kGroup], low_group[kInvocations / kGroup];
 
-// Returns the words of column `x` in row `y`; outside the picture by the border mode.
+// Returns the words of the sample in column x of row y; outside the picture by the border mode.
 uvec2 sample_at(int x, int y) {
   if (x < 0 || x >= F.width) {
     if (C.border == kUnsharpBorderSkip) return uvec2(0u);
@@ -42,16 +42,16 @@ void main() {
   int window = C.last_column - C.first_column + 1;
   int pixels = min(kUnsharpSegment, F.width - left);
   int samples = pixels + window - 1;
-  int fraction = (samples + kInvocations - 1) / kInvocations;
+  int part_size = (samples + kInvocations - 1) / kInvocations;
 
-  // Adjacent invocations read adjacent samples; then each invocation sums its own part.
+  // Adjacent invocations load adjacent samples. After that, each invocation sums a contiguous part of them.
   for (int k = own; k < samples; k += kInvocations) {
     uvec2 words = sample_at(left + C.first_column + k, y);
     high_before[k] = words.x;
     low_before[k] = words.y;
   }
   barrier();
-  int begin = min(own * fraction, samples), end = min(begin + fraction, samples);
+  int begin = min(own * part_size, samples), end = min(begin + part_size, samples);
   uint high = 0u, low = 0u;
   for (int k = begin; k < end; ++k) {
     uint next_high = high + high_before[k], next_low = low + low_before[k];
@@ -60,27 +60,27 @@ void main() {
     high = next_high;
     low = next_low;
   }
-  high_share[own] = high;
-  low_share[own] = low;
+  high_part[own] = high;
+  low_part[own] = low;
   barrier();
-  if (own < kInvocations / kClump) {
-    uint clump_high = 0u, clump_low = 0u;
-    for (int k = own * kClump; k < (own + 1) * kClump; ++k) {
-      clump_high += high_share[k];
-      clump_low += low_share[k];
+  if (own < kInvocations / kGroup) {
+    uint group_high = 0u, group_low = 0u;
+    for (int k = own * kGroup; k < (own + 1) * kGroup; ++k) {
+      group_high += high_part[k];
+      group_low += low_part[k];
     }
-    high_clump[own] = clump_high;
-    low_clump[own] = clump_low;
+    high_group[own] = group_high;
+    low_group[own] = group_low;
   }
   barrier();
-  uint high_left = 0u, low_left = 0u;  // of all parts to the left of this one
-  for (int k = 0; k < own / kClump; ++k) {
-    high_left += high_clump[k];
-    low_left += low_clump[k];
+  uint high_left = 0u, low_left = 0u;  // sums of all parts to the left of this one
+  for (int k = 0; k < own / kGroup; ++k) {
+    high_left += high_group[k];
+    low_left += low_group[k];
   }
-  for (int k = own / kClump * kClump; k < own; ++k) {
-    high_left += high_share[k];
-    low_left += low_share[k];
+  for (int k = own / kGroup * kGroup; k < own; ++k) {
+    high_left += high_part[k];
+    low_left += low_part[k];
   }
   for (int k = begin; k < end; ++k) {
     high_before[k] += high_left;
@@ -91,7 +91,7 @@ void main() {
     low_before[samples] = low_left + low;
   }
   barrier();
-  // The words may have overflowed: a difference is correct nevertheless.
+  // The differences are correct even if the words have overflowed.
   for (int k = own; k < pixels; k += kInvocations) {
     int at = y * F.stride + left + k;
     unsharp_row_high_plane().at[at] = high_before[k + window] - high_before[k];

@@ -1,7 +1,7 @@
-// `unsharp` with a threshold, on a GPU, last step: the window in blocks of 16, 8 and 4 samples a side, with the min,
-// max and sum of each. A block entirely within the threshold is added at once, one entirely outside is skipped, any
-// other is subdivided. The reference is unsharp.kernel.h, whose formulas it uses; sums of integer steps are exact in
-// any order.
+// Last step of `unsharp` with a threshold on a GPU: divides the window into blocks of 16, 8 and 4 samples a side, whose
+// min, max and sum are known. A block entirely within the threshold is added at once, one entirely outside is skipped,
+// and any other is subdivided. The result is bitwise identical to that of unsharp.kernel.h, whose functions it uses,
+// since sums of integer steps are exact in any order.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel/glsl.h"
@@ -23,12 +23,12 @@ IN_REAL(unsharp_min16)
 IN_REAL(unsharp_max16)
 PLANE(UintPlane, unsharp_sum16, 0)
 
-// Of the samples that count; sum_low may be large.
+// Sum and number of the samples that count; sum_low can exceed 12 bits.
 uint sum_high = 0u, sum_low = 0u, number = 0u;
 float centre;
 
-// Adds a block all of whose samples count: its min times its number of samples, and the remainder, which fits into a
-// word even where the sum does not.
+// Adds a block all of whose samples count. Adds its min times its number of samples, and then the remainder of its sum,
+// which is correct even if the sum has overflowed.
 void add_whole(uint sum, float min_value, uint samples) {
   uint lowest = uint(int(min_value));
   uint more = sum - lowest * samples;
@@ -44,7 +44,8 @@ bool none_counts(float min_value, float max_value) {
   return max_value < 0.0f || centre - max_value >= C.threshold || min_value - centre >= C.threshold;
 }
 
-// These add rectangles of samples that blocks of one size fill; right and bottom are exclusive.
+// These functions add a rectangle of samples, whose size is a multiple of the block size; right and bottom are
+// exclusive.
 void add_samples(int left, int top, int right, int bottom) {
   for (int y = top; y < bottom; ++y)
     for (int x = left; x < right; ++x) {
@@ -96,7 +97,8 @@ void blocks_pixel(int px, int py) {
     return;
   }
   centre = near_unsharp_depth(0, 0);
-  // The part of the window inside the picture: whole blocks of 16, to the right and below whole blocks of 8, and so on.
+  // Divides the part of the window inside the picture into blocks of 16; to the right and below these into blocks of 8,
+  // and so on.
   int left = max(px + C.first_column, 0), right = min(px + C.last_column + 1, F.width);
   int top = max(py + C.first_row, 0), bottom = min(py + C.last_row + 1, F.height);
   int width = right - left, height = bottom - top;

@@ -1,5 +1,5 @@
-// `unsharp` with a threshold, on a GPU: min, max and sum of 16 x 16 samples, from the 8 x 8 ones of
-// unsharp_blocks8.comp. The sum may overflow. The next step is unsharp_blocks.comp.
+// Third step of `unsharp` with a threshold on a GPU: computes the min, max and sum of blocks of 16 x 16 samples from
+// the blocks of unsharp_blocks8.comp. The sum may overflow. The next step is unsharp_blocks.comp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel/glsl.h"

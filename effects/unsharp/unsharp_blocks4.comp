@@ -1,6 +1,6 @@
-// `unsharp` with a threshold, on a GPU, first step: min, max and sum of the 4 x 4 samples right and down of each
-// sample. Blocks that extend past the picture have undefined values and are never read. The next step is
-// unsharp_blocks8.comp.
+// First step of `unsharp` with a threshold on a GPU: computes, for each sample as the upper left one, the min, max and
+// sum of a block of 4 x 4 samples. Values of blocks that extend past the picture are undefined and never read. The next
+// step is unsharp_blocks8.comp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel/glsl.h"

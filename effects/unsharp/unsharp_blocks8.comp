@@ -1,5 +1,5 @@
-// `unsharp` with a threshold, on a GPU: min, max and sum of 8 x 8 samples, from the 4 x 4 ones of unsharp_blocks4.comp.
-// The next step is unsharp_blocks16.comp.
+// Second step of `unsharp` with a threshold on a GPU: computes the min, max and sum of blocks of 8 x 8 samples from the
+// blocks of unsharp_blocks4.comp. The next step is unsharp_blocks16.comp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel/glsl.h"

@@ -1,5 +1,5 @@
-// `unsharp` without a threshold, on a GPU, second step: running sums down the columns, of the rows' sums from
-// unsharp_across.comp. Each invocation processes one column. The reference is unsharp.kernel.h, whose formulas it uses.
+// Second step of `unsharp` without a threshold on a GPU: computes running sums down the columns from the sums of
+// unsharp_across.comp. Each invocation processes one column. The functions of unsharp.kernel.h give the result.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel/glsl.h"
@@ -15,12 +15,12 @@ UMBRAGE_CONSTANTS(UnsharpConstants)
 PLANE(UintPlane, unsharp_row_high, 0)
 PLANE(UintPlane, unsharp_row_low, 0)
 
-// Sum and number of samples of the rows in a window.
+// The sum of samples, as two words, and their number.
 struct Sums {
   uint high, low, number;
 };
 
-// Returns row `y` of column `x`; outside the picture by the border mode.
+// Returns the sums of unsharp_across.comp at column x of row y; outside the picture by the border mode.
 Sums row_sums(int x, int y) {
   uint width = uint(C.last_column - C.first_column + 1);
   if (y < 0 || y >= F.height) {

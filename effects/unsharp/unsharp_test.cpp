@@ -1,4 +1,5 @@
-// Compares `unsharp` with a literal port of the paper's listing and text in double, and with scenes of known result.
+// Compares `unsharp` with literal ports of the paper's listing and text in double, and with known results for simple
+// scenes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -49,7 +50,7 @@ GBuffer depth_picture(int width, int height, const std::function<double(int x, i
   return g;
 }
 
-/// Smooth hills with a raised block and a hole: every threshold of interest occurs somewhere.
+/// Returns smooth hills with a raised block and a hole, in which differences near all tested thresholds occur.
 GBuffer hills(int width, int height) {
   return depth_picture(width, height, [=](int x, int y) {
     if (x > width / 2 && x < width / 2 + width / 6 && y > height / 3 && y < height / 2) return 4.0 + 0.001 * x;
@@ -62,7 +63,8 @@ GBuffer hills(int width, int height) {
 // ---- the paper's listing, in double; its row 0 is the lowest
 // ---------------------------------------------------
 
-double window_depth(double depth) {  // depth buffer's value: 0 at the near plane, 1 at the far plane
+/// Returns the depth buffer's value: 0 at the near plane, 1 at the far plane.
+double window_depth(double depth) {
   return std::isfinite(depth) ? kFar * (depth - kNear) / (depth * (kFar - kNear)) : 1.0;
 }
 
@@ -82,7 +84,7 @@ double listing_shade(const Plane& depth, int i, int j, double kernel_dimension, 
   for (int x = i - int(std::floor(kernel_dimension / 2.0)); x < max_x; ++x)
     for (int y = j - int(std::floor(kernel_dimension / 2.0)); y < max_y; ++y) {
       const double samp_x = double(x) / screen_x, samp_y = double(y) / screen_y;
-      // The offset keeps x / screen * screen from rounding to just below x in double.
+      // The offset prevents x / screen * screen from being rounded to just below x.
       const double tap = texture(samp_x + 1e-12, samp_y + 1e-12);
       if (samp_x >= 0.0 && samp_x <= 1.0 && samp_y >= 0.0 && samp_y <= 1.0 && std::fabs(own - tap) < threshold) {
         sum += tap;
@@ -103,10 +105,11 @@ TEST(Unsharp, MatchesThePapersListingForEvenKernels) {
                                 {"linearization", "listing"},
                                 {"near", "2"},
                                 {"far", "15"}});
-      // Change by one sample at the threshold that rounds the other way
+      // The change of the result if one sample at the threshold rounds the other way.
       const double flip = 20.0 * threshold / (k * k / 4.0);
       long flips = 0, compared = 0;
-      // The listing includes copies of the last column and the topmost row, where x or y equals the size.
+      // Excludes pixels whose window extends past the last column or the topmost row: there the listing includes
+      // copies.
       for (int j = 0; j < depth.height - k / 2; ++j)
         for (int i = 0; i < depth.width - k / 2; ++i) {
           const int row = depth.height - 1 - j;
@@ -116,8 +119,8 @@ TEST(Unsharp, MatchesThePapersListingForEvenKernels) {
           flips += error > 2e-5;
           ++compared;
         }
-      // Steps are 2^-24 wide and samples are spread over more than the threshold: of k^2 samples this many are within a
-      // step or two of it.
+      // Steps are 2^-24, and samples are spread over more than the threshold. Of k^2 samples per pixel, this many are
+      // within a step or two of it.
       const double expected_flips = compared * (k * k) * 0x1p-23 / threshold;
       EXPECT_LE(double(flips), expected_flips + 1.0) << k << ' ' << threshold;
       EXPECT_GT(compared, 4000);
@@ -152,8 +155,8 @@ struct Oracle {
             {"near", fmt::format("{}", near_depth)},
             {"far", fmt::format("{}", far_depth)}};
   }
-  /// Returns `ao` from k x k samples; even windows extend one pixel farther to the left and, as rows count from below,
-  /// down.
+  /// Returns `ao` from k x k samples. Even windows extend one pixel farther to the left and down, as in the listing,
+  /// where rows are counted from below.
   double ao(const Plane& depth, int px, int py) const {
     if (!std::isfinite(depth.at(px, py))) return 1.0;
     const double own = linear(depth.at(px, py));
@@ -239,7 +242,7 @@ TEST(Unsharp, LinearizationIsEquationOne) {
   }
 }
 
-TEST(Unsharp, PlaneFacingTheCameraHasNoShadeAtAll) {
+TEST(Unsharp, PlaneFacingTheCameraIsUnoccluded) {
   const GBuffer g = depth_picture(100, 80, [](int, int) { return 6.78; });
   for (const char* kernel : {"1", "2", "15", "40", "121", "1023"})
     for (const char* threshold : {"0.02", "0", "0.3", "1"})
@@ -250,8 +253,8 @@ TEST(Unsharp, PlaneFacingTheCameraHasNoShadeAtAll) {
       }
 }
 
-TEST(Unsharp, StepShadesByTheShareOfTheWindowBehindIt) {
-  // Left half nearer by 0.01 in D: a pixel m columns from the step averages over the columns on either side.
+TEST(Unsharp, StepDarkensByTheFractionOfTheWindowBehindIt) {
+  // The left half is nearer by 0.01 in D. A pixel near the step averages over columns on both sides of it.
   const double near_d = 0.50, far_d = 0.51;
   const GBuffer g = depth_picture(80, 60, [&](int x, int) { return 15.0 * (x < 40 ? near_d : far_d); });
   const Plane plane = ao(g, {{"kernel", "15"}, {"threshold", "0.02"}, {"near", "2"}, {"far", "15"}});
@@ -267,7 +270,7 @@ TEST(Unsharp, StepShadesByTheShareOfTheWindowBehindIt) {
   for (int x = 0; x < 80; ++x) EXPECT_EQ(apart.at(x, 30), 1.0f) << x;
 }
 
-TEST(Unsharp, TiltedPlaneHasTheComputedShade) {
+TEST(Unsharp, TiltedPlaneHasTheComputedOcclusion) {
   // A plane through z = 6 tilted about the vertical axis: depth is not linear in the image.
   const double slope = 0.5, focal = 1.0 / std::tan(20.0 * 3.14159265358979 / 180.0);
   const int width = 200, height = 60;
@@ -286,7 +289,7 @@ TEST(Unsharp, TiltedPlaneHasTheComputedShade) {
     EXPECT_NEAR(plane.at(x, 30), expected, 2e-5) << x;
     if (x >= 15 && x < width - 15) max_inside = std::max(max_inside, std::fabs(expected - 1.0));
   }
-  EXPECT_GT(max_inside, 1e-3);                          // small, but not 0: the test would detect a missing term
+  EXPECT_GT(max_inside, 1e-3);                          // not 0, so that the test detects a missing term
   EXPECT_GT(std::fabs(plane.at(0, 30) - 1.0f), 0.02f);  // the clipped window at the border
 }
 
@@ -298,7 +301,7 @@ TEST(Unsharp, BorderZeroDarkensTheSides) {
   EXPECT_EQ(plane.at(50, 40), 1.0f);
 }
 
-TEST(Unsharp, TunedEqualsPlainForLargeWindowsToTheBit) {
+TEST(Unsharp, TunedIsBitwiseIdenticalForLargeWindows) {
   const GBuffer g = hills(150, 100);
   for (const char* kernel : {"5", "16", "40", "63", "121", "200"})
     for (const char* threshold : {"0", "0.002", "0.02", "0.24", "0.6"})
@@ -312,7 +315,7 @@ TEST(Unsharp, TunedEqualsPlainForLargeWindowsToTheBit) {
 }
 
 TEST(Unsharp, TunedEqualsPlainForTheLargestWindowAndThreshold) {
-  // A million samples, each nearly the whole range away: the sums need all their bits.
+  // A million samples, each of which differs by nearly the whole range, need all bits of the sums.
   const GBuffer g = depth_picture(48, 20, [](int x, int y) { return x < 4 && y < 9 ? 1.0 : 99990.0 - x; });
   for (const char* kernel : {"800", "1023"}) {
     const Settings settings = {
@@ -323,7 +326,7 @@ TEST(Unsharp, TunedEqualsPlainForTheLargestWindowAndThreshold) {
   }
 }
 
-/// Returns the result of a Vulkan device.
+/// Returns `ao`, computed by a Vulkan device.
 Plane ao_on(Device& device, const GBuffer& gbuffer, const Settings& settings) {
   auto frame = device.upload(gbuffer);
   const auto done = device.run(*find_effect("unsharp"), parameters(settings), *frame);
@@ -331,13 +334,13 @@ Plane ao_on(Device& device, const GBuffer& gbuffer, const Settings& settings) {
   return device.download(*frame, {"ao"})->planes[0];
 }
 
-TEST(Unsharp, GpuVariantsEqualItsPlainKernelToTheBit) {
+TEST(Unsharp, GpuVariantsAreBitwiseIdenticalToTheKernel) {
   Device* const tuned = test::vulkan_device();
   const auto plain = test::new_vulkan_device({.tuned = false});
   UMBRAGE_NEEDS_VULKAN(tuned && plain);
   const test::NoMessages no_messages;
-  // Windows of all remainders by 16 and 4, also larger than the picture; as wide as a workgroup's part of a row and
-  // wider.
+  // The windows have various remainders modulo 16 and 4, and some are larger than the picture. A wide picture spans
+  // more than one workgroup's part of a row.
   const GBuffer small = hills(44, 29), wide = hills(300, 9);
   const auto expect_equal = [&](const GBuffer& g, const Settings& settings) {
     const Plane a = ao_on(*plain, g, settings), b = ao_on(*tuned, g, settings);
@@ -363,8 +366,8 @@ TEST(Unsharp, GpuVariantsHaveRoomForTheLargestWindow) {
   Device* const device = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(device);
   const test::NoMessages no_messages;
-  // A million samples, each nearly the whole range away: the sums need all their bits. Compares with the CPU, since
-  // lavapipe ends loops, including those of the plain kernel, after 65535 iterations.
+  // A million samples, each of which differs by nearly the whole range, need all bits of the sums. The reference is the
+  // CPU, since lavapipe ends loops, including those of the plain kernel, after 65535 iterations.
   const GBuffer g = depth_picture(48, 20, [](int x, int y) { return x < 4 && y < 9 ? 1.0 : 99990.0 - x; });
   for (const char* threshold : {"0", "0.9999"})
     for (const char* border : {"skip", "zero"}) {
@@ -385,7 +388,7 @@ TEST(Unsharp, LargestWindowDoesNotOverflow) {
 }
 
 TEST(Unsharp, AutomaticPlanesKeepTheSceneInFront) {
-  // Far is automatic: the scene's max depth is at 0.9, at any scale of the scene.
+  // With an automatic far plane, the scene's max depth is at D = 0.9, at any scale of the scene.
   for (const float scale : {1e-3f, 1.0f, 1e4f}) {
     GBuffer g = depth_picture(8, 8, [&](int x, int) { return scale * (1.0 + x); });
     g.info.depth_min = scale;
@@ -395,7 +398,7 @@ TEST(Unsharp, AutomaticPlanesKeepTheSceneInFront) {
   }
 }
 
-TEST(Unsharp, BackgroundStaysOpen) {
+TEST(Unsharp, BackgroundIsUnoccluded) {
   const GBuffer g = hills(90, 70);
   for (const char* background : {"far", "ignore"}) {
     const Plane plane = ao(g, {{"background", background}, {"threshold", "0"}});

@@ -1,5 +1,5 @@
-// The sum of up to 1023 samples of 24 bits, and their number, in two words: the first has the sum of the samples' upper
-// 12 bits (22 bits) below the number (10 bits), the second the sum of their lower 12 bits.
+// Packs the sum and the number of up to 1023 samples of 24 bits into two words. The first contains the number of samples
+// (upper 10 bits) and the sum of their upper 12 bits (lower 22 bits); the second contains the sum of their lower 12 bits.
 const int kSplit = 12, kNumberShift = 22;
 const uint kSplitMask = 4095u, kHighMask = (1u << kNumberShift) - 1u;
 

@@ -32,7 +32,7 @@ void fill_constants(const UpsampleParams& params, const PictureInfo&, UpsampleCo
 bool includes_light(const ParameterBytes& bytes) { return as<UpsampleParams>(bytes).indirect != 0; }
 bool ao_only(const ParameterBytes& bytes) { return !includes_light(bytes); }
 
-/// Two blocks below the pixel's own, which begins at most a block above it.
+/// Returns the number of rows that the kernels read above and below a pixel: at most two blocks beyond the pixel's own.
 int reach(const void* constants, int) { return 3 * static_cast<const UpsampleConstants*>(constants)->factor; }
 
 void set_reduction(const Reduction& reduction, ParameterBytes& bytes) {

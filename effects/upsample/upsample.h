@@ -4,11 +4,11 @@
 
 // One row of the table in upsample.cpp per field.
 struct UpsampleParams {
-  int factor;      // kUpsampleHalf, kUpsampleQuarter
-  int indirect;    // 0 or 1
-  int leave;       // 0 or 1: leave pixels that no other fits to the technique
-  float distance;  // pixels
-  float angle;     // degrees
+  int factor;      // kUpsampleHalf or kUpsampleQuarter
+  int indirect;    // 0 or 1: upsample indirect light too
+  int leave;       // 0 or 1: let the technique compute pixels that too few reduced pixels fit
+  float distance;  // max distance from each other's plane at which pixels fit fully, pixels
+  float angle;     // max angle between normals at which pixels fit fully, degrees
 };
 
 // Values of UpsampleParams::factor.
@@ -16,8 +16,8 @@ const int kUpsampleHalf = 0, kUpsampleQuarter = 1;
 
 struct UpsampleConstants {
   int factor;      // 2 or 4
-  int leave;       // 0 or 1
-  float distance;  // pixels
+  int leave;       // as in UpsampleParams
+  float distance;  // as in UpsampleParams
   float turn;      // 1 / (1 - cosine of the angle)
 };
 

@@ -1,4 +1,4 @@
-// Tests `upsample` and reduced frames: positions, separation of surfaces, and half resolution against full.
+// Tests reduced frames and `upsample`: positions of pixels, separation of surfaces, and the error of half resolution.
 #include "effects/upsample/upsample.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ glm::dvec3 position_of(const PictureInfo& info, const Camera& camera, int x, int
   return {(camera.left + (x + 0.5) * across) * spread, (camera.top - (y + 0.5) * down) * spread, -depth};
 }
 
-/// Returns a picture with only a depth plane, whose camera looks off centre.
+/// Returns a picture with only a depth plane, whose camera has an off-centre window.
 GBuffer off_centre(int width, int height, bool orthographic, int guard) {
   GBuffer g = test::empty_gbuffer(width, height);
   const float aspect = float(width) / float(height);
@@ -104,7 +104,7 @@ TEST(Reduced, LengthsInPixelsMeanTheSameDistance) {
   }
 }
 
-TEST(Reduced, PlacedPlanesLieInTheCorner) {
+TEST(Reduced, PlacedPlanesAreInTheUpperLeftCorner) {
   const GBuffer g = off_centre(191, 347, false, 0);
   const auto device = make_cpu_device();
   auto full = *device->upload(g);
@@ -119,7 +119,7 @@ TEST(Reduced, PlacedPlanesLieInTheCorner) {
   EXPECT_NE(missing.error().message.find("'ao'"), std::string::npos);
 }
 
-/// Returns a G-buffer with normals and with `reduced_ao` and `reduced_indirect`, to be filled.
+/// Returns a G-buffer of a plane that faces the camera, with `reduced_ao` and `reduced_indirect` of 0.
 GBuffer to_upsample(int width, int height) {
   GBuffer g = test::empty_gbuffer(width, height);
   for (const char* name :
@@ -130,23 +130,24 @@ GBuffer to_upsample(int width, int height) {
   return g;
 }
 
+/// Returns the settings for a factor, with or without light.
 Settings by(int factor, bool light = true) {
   return {{"factor", std::to_string(factor)}, {"indirect", light ? "on" : "off"}};
 }
 
-const char* const kMade[] = {"ao", "indirect.r", "indirect.g", "indirect.b"};
+const char* const kOutputs[] = {"ao", "indirect.r", "indirect.g", "indirect.b"};
 
 TEST(Upsample, IsBilinearOnAPlane) {
   for (const int factor : {2, 4}) {
     GBuffer g = to_upsample(47, 31);
-    for (const char* name : kMade) {
+    for (const char* name : kOutputs) {
       Plane& small = g.layers[0].plane(reduced_plane(name));
       for (int y = 0; y < small.height; ++y)
         for (int x = 0; x < small.width; ++x) small.at(x, y) = 0.1f + 0.01f * float(x) + 0.02f * float(y);
     }
     test::on_every_target("upsample", g, by(factor), [&](const Image& image) {
       const int last_x = (47 - 1) / factor * factor, last_y = (31 - 1) / factor * factor;
-      for (const char* name : kMade)
+      for (const char* name : kOutputs)
         for (int y = 0; y <= last_y; ++y)
           for (int x = 0; x <= last_x; ++x) {
             const double expected = 0.1 + 0.01 * x / factor + 0.02 * y / factor;
@@ -156,7 +157,7 @@ TEST(Upsample, IsBilinearOnAPlane) {
   }
 }
 
-TEST(Upsample, KeepsThePixelsThatWereComputedAndWhatIsConstant) {
+TEST(Upsample, KeepsComputedPixelsAndConstants) {
   for (const int factor : {2, 4})
     for (const bool hostile : {false, true}) {
       GBuffer g = hostile ? test::hostile_gbuffer(191, 63, 5) : test::bumpy_gbuffer(191, 63, 5);
@@ -176,7 +177,8 @@ TEST(Upsample, KeepsThePixelsThatWereComputedAndWhatIsConstant) {
 }
 
 TEST(Upsample, NothingCrossesASilhouette) {
-  // Left of a slanted edge a near surface, with other occlusion and light than the surface or background behind it.
+  // To the left of a slanted edge is a near surface, whose occlusion and light differ from those of the surface or
+  // background behind it.
   for (const int factor : {2, 4})
     for (const float behind : {5.2f, 9.0f, kInfinity})
       for (const bool turned : {false, true}) {  // a crease of 90 degrees that points at the camera
@@ -200,14 +202,14 @@ TEST(Upsample, NothingCrossesASilhouette) {
           }
         for (int y = 0; y < 64; y += factor)
           for (int x = 0; x < 80; x += factor)
-            for (const char* name : kMade)
+            for (const char* name : kOutputs)
               image.plane(reduced_plane(name)).at(x / factor, y / factor) = left_of(x, y) ? 0.25f : 0.75f;
         test::on_every_target("upsample", g, by(factor), [&](const Image& out) {
-          for (const char* name : kMade)
-            // Beyond the last computed row and column nothing distinguishes the sides.
+          for (const char* name : kOutputs)
+            // Excludes pixels beyond the last computed row and column, whose four corners are not all in the picture.
             for (int y = 0; y <= 64 - factor; ++y)
               for (int x = 0; x <= 80 - factor; ++x) {
-                // At least one of the four nearest pixels must be on this pixel's side.
+                // Excludes pixels none of whose four corners is on their side.
                 bool has_own = false;
                 for (const int i : {0, factor})
                   for (const int j : {0, factor})
@@ -219,10 +221,10 @@ TEST(Upsample, NothingCrossesASilhouette) {
       }
 }
 
-TEST(Upsample, WhatNoPixelFitsTakesFromTheNearestInDepth) {
+TEST(Upsample, WhereNoPixelFitsTheNearestInDepthCounts) {
   GBuffer g = to_upsample(16, 16);
   Image& image = g.layers[0];
-  // A wire between computed pixels: depth 5 to its left, depth 9 to its right.
+  // A wire of depth 8 between computed pixels; the depth is 5 to its left and 9 to its right.
   for (int y = 0; y < 16; ++y)
     for (int x = 0; x < 16; ++x) {
       image.plane("depth").at(x, y) = x == 5 ? 8.0f : x < 5 ? 5.0f : 9.0f;
@@ -231,21 +233,22 @@ TEST(Upsample, WhatNoPixelFitsTakesFromTheNearestInDepth) {
   test::on_every_target("upsample", g, by(2, false), [&](const Image& out) {
     for (int y = 0; y < 14; ++y) {
       EXPECT_EQ(out.plane("ao").at(4, y), 0.25f);
-      // The wire is three times as near to this side as to the other; weights fall with the fourth power.
+      // The wire's distance in depth to the right side is a third of that to the left; weights are inverse fourth
+      // powers.
       EXPECT_NEAR(out.plane("ao").at(5, y), 0.75, 0.5 / 81.0);
       EXPECT_EQ(out.plane("ao").at(6, y), 0.75f);
     }
   });
 }
 
-TEST(Upsample, LeavesOcclusionThatNoPixelShows) {
-  // The same wire, with a slit in its middle that shows background.
+TEST(Upsample, LeavesPixelsThatNoComputedPixelFits) {
+  // The same wire, with a gap that shows background.
   GBuffer g = to_upsample(16, 16);
   Image& image = g.layers[0];
   for (int y = 0; y < 16; ++y)
     for (int x = 0; x < 16; ++x) {
       image.plane("depth").at(x, y) = x != 5 ? (x < 5 ? 5.0f : 9.0f) : y == 7 ? kInfinity : 8.0f;
-      for (const char* name : kMade) image.plane(reduced_plane(name)).at(x, y) = x < 3 ? 0.25f : 0.75f;
+      for (const char* name : kOutputs) image.plane(reduced_plane(name)).at(x, y) = x < 3 ? 0.25f : 0.75f;
     }
   for (const bool light : {false, true}) {
     Settings settings = by(2, light);
@@ -263,7 +266,7 @@ TEST(Upsample, LeavesOcclusionThatNoPixelShows) {
   }
 }
 
-TEST(Upsample, PlanesAtGrazingAnglesAreAsFacingOnes) {
+TEST(Upsample, PlanesAtGrazingAnglesAreLikeFacingOnes) {
   for (const bool orthographic : {false, true})
     for (const double tilt_deg : {30.0, 69.0, 80.0}) {
       GBuffer g = to_upsample(48, 64);
@@ -283,34 +286,35 @@ TEST(Upsample, PlanesAtGrazingAnglesAreAsFacingOnes) {
     }
 }
 
-TEST(Upsample, GrazingPlanesWithRoughNormalsAreAsFacingOnesAndStepsAreNot) {
+TEST(Upsample, GrazingPlanesWithInaccurateNormalsAreLikeFacingOnesButStepsSeparate) {
   GBuffer facing = to_upsample(64, 64);
-  for (const char* name : kMade) {
+  for (const char* name : kOutputs) {
     Plane& small = facing.layers[0].plane(reduced_plane(name));
     for (int y = 0; y < 64; ++y)
       for (int x = 0; x < 64; ++x) small.at(x, y) = float(test::hash(x + 4099u * y) >> 8) * 0x1p-24f;
   }
   const auto with_planes = [&](const test::TiltedPlane& plane) {
     GBuffer g = test::seen(plane);
-    for (const char* name : kMade) g.layers[0].add(reduced_plane(name)) = facing.layers[0].plane(reduced_plane(name));
+    for (const char* name : kOutputs)
+      g.layers[0].add(reduced_plane(name)) = facing.layers[0].plane(reduced_plane(name));
     return g;
   };
   for (const int factor : {2, 4}) {
     const Image expected = test::run_effect(*find_effect("upsample"), facing, by(factor), {});
     test::at_grazing_angles({.error_deg = 2.0}, [&](const test::TiltedPlane& plane) {
       test::on_every_target("upsample", with_planes(plane), by(factor), [&](const Image& image) {
-        for (const char* name : kMade)
+        for (const char* name : kOutputs)
           EXPECT_LE(test::difference(image.plane(name), expected.plane(name), 0.0).max, 1e-6) << name;
       });
     });
     test::at_grazing_angles({.step_px = 200.0, .depth_ratio = 0.05}, [&](const test::TiltedPlane& plane) {
       GBuffer g = with_planes(plane);
-      for (const char* name : kMade)
+      for (const char* name : kOutputs)
         for (int y = 0; y < 64; ++y)
           for (int x = 0; x < 64; ++x)
             g.layers[0].plane(reduced_plane(name)).at(x, y) = x * factor < 32 ? 0.25f : 0.75f;
       test::on_every_target("upsample", g, by(factor), [&](const Image& image) {
-        for (const char* name : kMade)
+        for (const char* name : kOutputs)
           for (int y = 0; y < 64; ++y)
             for (int x = 0; x < 64; ++x)
               EXPECT_NEAR(image.plane(name).at(x, y), x < 32 ? 0.25f : 0.75f, 0.02) << x << ',' << y;
@@ -341,19 +345,19 @@ TEST(Upsample, BackgroundTakesNothingFromSurfaces) {
   EXPECT_GT(found, 100);
 }
 
-/// Draws the `ao` of a scene's picture by the recipe of a look.
-struct Drawing {
+/// Computes the `ao` of a scene's picture by a look with an occlusion technique and `denoise`.
+struct AoRenderer {
   std::unique_ptr<Device> device = make_cpu_device();
   Scene scene;
 
-  explicit Drawing(const std::string& name) {
+  explicit AoRenderer(const std::string& name) {
     auto made = make_builtin_scene(name);
     EXPECT_TRUE(made);
     scene = std::move(*made);
     EXPECT_TRUE(device->prepare(scene));
   }
 
-  Plane ao(Size size, bool orthographic, int guard, int every, std::string_view technique,
+  Plane ao(Size size, bool orthographic, int guard, int factor, std::string_view technique,
            const std::vector<std::string>& settings, Plane* depth) {
     const Camera camera = frame_scene(scene, {.orthographic = orthographic}, size.width, size.height);
     scene.lights = default_lights(scene, camera);
@@ -362,7 +366,7 @@ struct Drawing {
         .name = "test", .summary = "", .occlusion = technique, .effects = {"occlusion", "denoise"}, .presets = {}};
     EffectSettings all = look_settings(look);
     for (const std::string& setting : settings) EXPECT_TRUE(apply_setting(all, setting)) << setting;
-    const LookRun run{.look = &look, .occlusion = technique, .occlusion_downsampling = every, .settings = &all};
+    const LookRun run{.look = &look, .occlusion = technique, .occlusion_downsampling = factor, .settings = &all};
     const auto done = run_look(run, *device, frame);
     EXPECT_TRUE(done) << (done ? "" : done.error().message);
     Image image = *device->download(frame, {"ao", "depth"});
@@ -372,9 +376,10 @@ struct Drawing {
 };
 
 struct Deviation {
-  double rmse = 0.0, bias = 0.0;
+  double rmse = 0.0, bias = 0.0;  // bias: mean difference
 };
 
+/// Returns the deviation of a from b, over the pixels that show a surface.
 Deviation error_of(const Plane& a, const Plane& b, const Plane& depth) {
   double squares = 0.0, sum = 0.0;
   long count = 0;
@@ -398,40 +403,40 @@ TEST(Upsample, HalfResolutionIsCloseToFull) {
   for (const char* name :
        {"scene:solids?detail=4000", "scene:claw?detail=20000", "scene:room?detail=20000", "scene:pink?detail=20000",
         "scene:tank?detail=20000", "scene:terrain?detail=20000", "scene:atrium?detail=20000"}) {
-    Drawing drawing(name);
+    AoRenderer renderer(name);
     for (const Size size : {Size{1023, 767}, {191, 347}, {3, 2}, {1, 1}})
-      for (const int every : {2, 4}) {
-        if (every == 4 && size.width > 1000) continue;
+      for (const int factor : {2, 4}) {
+        if (factor == 4 && size.width > 1000) continue;
         const bool orthographic = size.width == 191;
         const int guard = orthographic ? 13 : 0;
-        SCOPED_TRACE(fmt::format("{} {}x{}, every {}", name, size.width, size.height, every));
+        SCOPED_TRACE(fmt::format("{} {}x{}, factor {}", name, size.width, size.height, factor));
         Plane depth;
-        const Plane full = drawing.ao(size, orthographic, guard, 1, "sphere", kHemisphere, &depth);
-        const Plane small = drawing.ao(size, orthographic, guard, every, "sphere", kHemisphere, &depth);
+        const Plane full = renderer.ao(size, orthographic, guard, 1, "sphere", kHemisphere, &depth);
+        const Plane small = renderer.ao(size, orthographic, guard, factor, "sphere", kHemisphere, &depth);
         const Deviation e = error_of(small, full, depth);
-        EXPECT_LT(std::fabs(e.bias), every == 2 ? 0.003 : 0.005);
-        // The tank is a heap of thin parts, of which few pixels fit: at 191 x 347 the noise alone of two pictures with
-        // 64 samples is 0.021. With 256 samples it is half of that:
+        EXPECT_LT(std::fabs(e.bias), factor == 2 ? 0.003 : 0.005);
+        // The tank consists of thin parts, which few computed pixels fit. At 191 x 347, the noise of two pictures with
+        // 64 samples is already 0.021; with 256 samples it is half of that.
         const bool noisy = size.width == 191 && std::string_view(name).starts_with("scene:tank");
-        if (every == 2) {
+        if (factor == 2) {
           EXPECT_LT(e.rmse, noisy ? 0.0237 : 0.02);
         }
-        if (every == 2 && noisy) {
+        if (factor == 2 && noisy) {
           std::vector<std::string> finer = kHemisphere;
           finer[0] = "sphere.samples=256";
-          const Plane fine = drawing.ao(size, orthographic, guard, 1, "sphere", finer, &depth);
-          const Plane fine_half = drawing.ao(size, orthographic, guard, 2, "sphere", finer, &depth);
+          const Plane fine = renderer.ao(size, orthographic, guard, 1, "sphere", finer, &depth);
+          const Plane fine_half = renderer.ao(size, orthographic, guard, 2, "sphere", finer, &depth);
           EXPECT_LT(error_of(fine_half, fine, depth).rmse, 0.02);
         }
         if (size.width > 100) {
-          EXPECT_GT(e.rmse, 1e-3);  // it was computed at another resolution
+          EXPECT_GT(e.rmse, 1e-3);  // shows that another resolution was used
         }
       }
   }
 }
 
-TEST(Upsample, LaterRoundsReadWhatTheFirstDoesNot) {
-  // At reduced resolution, planes are copied where a round reads them; the memory of an earlier run has none of them.
+TEST(Upsample, LaterRoundsReadPlanesThatTheFirstDoesNot) {
+  // At reduced resolution, only the planes that a round reads are reduced. The second round also needs the albedo.
   const Scene scene = *make_builtin_scene("scene:atrium?detail=4000");
   const auto device = make_cpu_device();
   ASSERT_TRUE(device->prepare(scene));
@@ -461,17 +466,17 @@ TEST(Upsample, LaterRoundsReadWhatTheFirstDoesNot) {
 }
 
 TEST(Upsample, EveryTechniqueKeepsItsStrength) {
-  Drawing drawing("scene:solids?detail=4000");
+  AoRenderer renderer("scene:solids?detail=4000");
   for (const Effect* effect : effects()) {
     if (effect->kind != EffectKind::kOcclusion) continue;
     SCOPED_TRACE(effect->name);
-    // The unsharp mask has a window that is an integer number of pixels at half resolution too.
+    // The window of `unsharp` must be an integer number of pixels at half resolution too.
     std::vector<std::string> settings = {"unsharp.kernel=42", "unsharp.linearization=extent",
                                          "unsharp.background=ignore"};
     settings.insert(settings.end(), kHemisphere.begin(), kHemisphere.end());
     Plane depth;
-    const Plane full = drawing.ao({511, 383}, false, 10, 1, effect->name, settings, &depth);
-    const Plane half = drawing.ao({511, 383}, false, 10, 2, effect->name, settings, &depth);
+    const Plane full = renderer.ao({511, 383}, false, 10, 1, effect->name, settings, &depth);
+    const Plane half = renderer.ao({511, 383}, false, 10, 2, effect->name, settings, &depth);
     const Deviation e = error_of(half, full, depth), darkness = error_of(full, Plane(511, 383, 1.0f), depth);
     EXPECT_GT(darkness.rmse, 0.02);
     EXPECT_LT(std::fabs(e.bias), 0.003);
