@@ -104,7 +104,7 @@ TEST(Options, MessagesAreSaidInOtherWords) {
   EXPECT_EQ(with_fields_renamed("", dashed), "");
 }
 
-// File names may contain field names.
+// File names may contain field names: quoted text must not change.
 TEST(Options, WhatIsQuotedIsSaidAsItIs) {
   const auto dashed = [](const Option& o) { return "--" + std::string(o.option); };
   const auto stays = [&](const std::string& quoted, const std::string& before, const std::string& after) {
