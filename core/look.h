@@ -34,7 +34,7 @@ struct Look {
   bool averages_square_roots = false;  ///< averages square roots of light, like lines
   std::string_view quality = {};       ///< default quality, one of looks/quality.h; empty: the settings as they are
   bool studio_lights = false;  ///< a scene without lights gets a soft key and a fill light instead of a key light alone
-  /// Objects in the open get a ground that is invisible except for the shadows on it.
+  /// Outdoor objects get a ground that is invisible except for the shadows on it.
   bool ground = false;
 };
 

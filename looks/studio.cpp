@@ -1,5 +1,5 @@
 // Look `studio`: a model as in a photo studio. Soft key and fill lights with shadows, a shadow catcher as ground under
-// models that stand in the open, indirect light, exposure by metering of the picture.
+// models that stand outdoors, indirect light, exposure by metering of the picture.
 #include "core/look.h"
 
 namespace umbrage {

@@ -1,11 +1,11 @@
 // classify(): silhouettes, thin objects and open surfaces from depth and normals.
 //
 // The basis is a test for a depth discontinuity between two neighbouring pixels. Each pixel has a tangent plane. On one
-// smooth surface, however steep, each point lies on the other point's plane. At a concave crease each point lies in
-// front of the other's plane, at a convex crease each lies behind it: the planes meet between the pixels. There is a
-// gap that neither plane explains only if the nearer point lies in front of the plane of the farther point, and the
-// farther point lies behind the plane of the nearer point. At the silhouette of a round object the last pixel's plane
-// may be so steep that it explains any gap. Therefore the pixel before the last one is tested, too.
+// smooth surface, however steep, each point is on the other point's plane. At a concave crease each point is in front
+// of the other's plane, at a convex crease each is behind it: the planes meet between the pixels. There is a gap that
+// neither plane explains only if the nearer point is in front of the plane of the farther point, and the farther point
+// is behind the plane of the nearer point. At the silhouette of a round object the last pixel's plane may be so steep
+// that it explains any gap. Therefore the pixel before the last one is tested, too.
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 

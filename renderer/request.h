@@ -47,24 +47,25 @@ struct Request {
   std::string model{};  ///< a file (OBJ, PLY, STL, glTF/GLB, 3DS, DAE, FBX, OFF) or "scene:NAME?detail=N"
   std::vector<std::string> more_models{};  ///< additional models, placed as in their files
   std::string look = "studio";             ///< name of a look: see `umbrage list looks`
-  std::string occlusion{};                 ///< an occlusion technique, "reference" or "none"; empty: the look's
+  std::string occlusion{};                 ///< an occlusion technique, "reference" or "none"; empty: set by the look
   std::vector<std::string> settings{};     ///< "effect.parameter=value": see `umbrage list effects`
   int width = 1024, height = 1024;         ///< pixels, 1 to 16384 each; width * height at most 67 108 864
   int threads = 0;                         ///< 0: one per hardware thread; at most 1024
   std::string device = "auto";             ///< "cpu", "vulkan", "vulkan:N", or "auto": a GPU if there is one
   CameraSettings camera{};
-  std::optional<std::array<float, 3>> up{};  ///< the model's up direction; default: its format's
+  std::optional<std::array<float, 3>> up{};  ///< the model's up direction; default: set by its format
   std::optional<int> scene_index{};          ///< scene of a glTF file, from 0; default: its default scene
   /// 0 to 180: edges with a larger angle stay sharp where normals are generated; default: 80.
   std::optional<float> crease_angle_deg{};
   std::string point_size{};  ///< size of a file's points: "0.01" scene units, or "0.5%"; empty: from their spacing
   std::string point_sprites = "auto";  ///< shape of a file's points: "auto", "disc", "sphere"
-  std::string quality{};               ///< "draft", "normal", "high", "ultra"; empty: the look's
-  std::optional<int> anti_aliasing{};  ///< averaged pictures, 1 to 256; default: the quality's or the look's
-  std::string occlusion_radius{};  ///< "0.3" scene units, or "5%" of the bounding-sphere radius; empty: the technique's
-  std::string occlusion_scale{};   ///< "full", "half", "quarter" resolution; empty: the look's
-  std::string ground = "auto";     ///< a ground that only shows shadows: "auto", "on", "off"
-  std::optional<std::array<float, 3>> background{};  ///< 0 to 1, display values; default: the look's
+  std::string quality{};               ///< "draft", "normal", "high", "ultra"; empty: set by the look
+  std::optional<int> anti_aliasing{};  ///< averaged pictures, 1 to 256; default: set by the quality or look
+  std::string
+      occlusion_radius{};  ///< "0.3" scene units, or "5%" of the bounding-sphere radius; empty: set by the technique
+  std::string occlusion_scale{};                     ///< "full", "half", "quarter" resolution; empty: set by the look
+  std::string ground = "auto";                       ///< a ground that only shows shadows: "auto", "on", "off"
+  std::optional<std::array<float, 3>> background{};  ///< 0 to 1, display values; default: set by the look
   bool transparent = false;                          ///< alpha 0 where there is no surface
   /// Equirectangular environment image that lights the scene in place of its own lights: HDR, EXR, PFM (linear), PNG,
   /// JPEG, TGA, BMP (sRGB), or "sky:", which is built in; empty: none. It is twice as wide as it is high; its upper
@@ -74,9 +75,9 @@ struct Request {
   bool hdri_skybox = false;               ///< the image is the background; not with `transparent`
   float hdri_rotation_deg = 0.0f;         ///< rotation about the model's up, to the left as seen from inside
   float hdri_intensity = 1.0f;            ///< factor for the image's radiance, 0 to 1000000
-  std::optional<float> light_size_deg{};  ///< angular diameter of the key light, 0 to 90; default: the light's
-  std::optional<int> layers{};            ///< surfaces captured along each ray, 1 to 16; default: the look's
-  std::optional<int> extra_views{};       ///< additional cameras, 0 to 4; default: the look's
+  std::optional<float> light_size_deg{};  ///< angular diameter of the key light, 0 to 90; default: set by the light
+  std::optional<int> layers{};            ///< surfaces captured along each ray, 1 to 16; default: set by the look
+  std::optional<int> extra_views{};       ///< additional cameras, 0 to 4; default: set by the look
   float guard_band = 0.0f;                ///< border drawn beyond each side, in percent of the longer side; 0 to 100
   std::vector<std::string> passes{};      ///< additional output planes: "depth", "normal", "ao", ...
   bool strokes = false;                   ///< whether to return the look's lines as curves; `cartoon` draws such lines

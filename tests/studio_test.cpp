@@ -87,7 +87,8 @@ TEST(Frames, ColourIsAveragedAsSquareRootsForSomeLooks) {
     EXPECT_FLOAT_EQ(mean.layers[0].plane("cover_for_eye").at(0, 0), 0.5f);
     EXPECT_FLOAT_EQ(mean.layers[0].plane("lit.r").at(0, 0), 0.125f);  // (0.8 + 0.2)^2 / 4 over half of the pixel
     EXPECT_FLOAT_EQ(mean.layers[0].plane("lit.b").at(0, 0), 0.0f);
-    EXPECT_FLOAT_EQ(mean_planes(sum, kAo).plane("ao").at(0, 0), 0.5f) << "what is no colour is averaged as it is";
+    EXPECT_FLOAT_EQ(mean_planes(sum, kAo).plane("ao").at(0, 0), 0.5f)
+        << "values other than colours are averaged unchanged";
   }
 }
 

@@ -126,7 +126,7 @@ CLI::App* add_model_command(CLI::App& app, const std::string& name, const std::s
   add_group(command, o, which, "Scene");
   command
       .add_option("--input-format", o.input_format,
-                  "format of the model on standard input, such as obj [by its content]")
+                  "format of the model on standard input, such as obj [detected from its content]")
       ->group("Scene");
   add_group(command, o, which, "Camera");
   return &command;

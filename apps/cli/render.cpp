@@ -426,11 +426,12 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   command->add_option("--svg", options->svg, "also write the look's lines as curves to this .svg file")->group(output);
   add_one(*command, *options, "passes", output);
   add_number(*command, "--turntable", options->turntable, {1, 100000, NumberKind::kInteger},
-             "frames of one turn of the model, written as turn_0000.png and so on, or as a video", "one picture")
+             "number of frames for one turn of the model, written as turn_0000.png and so on, or as a video",
+             "one picture")
       ->group(output);
   add_number(*command, "--frame-rate", options->frame_rate, {0.1, 1000}, "frames per second of a video")->group(output);
   add_one(*command, *options, "bits", output);
-  command->add_flag("--half", options->half, "half floats in an EXR, for planes where their precision suffices")
+  command->add_flag("--half", options->half, "16-bit floats in an EXR, for planes for which their precision suffices")
       ->group(output);
   CLI::Option* memory = command->add_option(
       "--memory", options->memory,

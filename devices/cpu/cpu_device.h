@@ -8,7 +8,7 @@ namespace umbrage {
 
 struct CpuSettings {
   int threads = 0;      ///< 0: all that the process may use; larger numbers are reduced to that
-  bool scalar = false;  ///< run kernels as plain C++ instead of lanes; the oracle of tests
+  bool scalar = false;  ///< run kernels as plain C++ instead of lanes; the reference for tests
   bool tuned = true;    ///< run the tuned kernel of a pass if it has one
 };
 

@@ -1,7 +1,7 @@
 """Shades the depth map of a neural network as a relief: depth_map.py disparity.npy relief.png
 
-Networks such as MiDaS and Depth Anything return disparity: large is near, without a unit. A torch tensor on the CPU can
-be passed without conversion. Without an input file, a synthetic depth map is used.
+Networks such as MiDaS and Depth Anything return disparity, which has no unit; larger values are nearer. A
+torch tensor on the CPU can be passed without conversion. Without an input file, a synthetic depth map is used.
 """
 import sys
 
@@ -18,7 +18,8 @@ def made_up(width: int = 320, height: int = 240) -> np.ndarray:
 
 
 def depth_of(disparity: np.ndarray, nearest: float = 1.0, farthest: float = 3.0) -> np.ndarray:
-    """Returns distances. Their inverse equals the disparity up to a scale and an offset, which are chosen here."""
+    """Converts disparity to distance. The disparity determines 1 / distance except for a scale and an offset: they are
+    chosen so that nearly all distances are between `nearest` and `farthest`."""
     low, high = np.percentile(disparity, (1, 99))
     share = np.clip((disparity - low) / max(high - low, 1e-6), 0, None)
     return 1 / (1 / farthest + share * (1 / nearest - 1 / farthest))
@@ -30,7 +31,7 @@ def main() -> None:
     depth = depth_of(np.squeeze(disparity))
     shaded = umbrage.shade(depth, fov=50, look="studio", passes=("ao",))
     shaded.save(target)
-    print(f"{target}: {shaded.width} x {shaded.height}, {np.mean(shaded['ao']):.2f} of the light arrives")
+    print(f"{target}: {shaded.width} x {shaded.height}, mean visibility {np.mean(shaded['ao']):.2f}")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Shades a torch tensor and writes ambient visibility to another tensor, without copies."""
+"""Computes ambient visibility from the depth in a torch tensor, and writes it to another tensor, without copies."""
 import torch
 
 import umbrage
@@ -9,7 +9,7 @@ def main() -> None:
     depth = 3 - torch.exp(-4 * (x * x + y * y))
     ao = torch.zeros(120, 160)
     umbrage.shade(depth, effects=("bitmask", "denoise"), out={"ao": ao})
-    print(f"{ao.mean():.3f} of the light arrives")
+    print(f"mean visibility: {ao.mean():.3f}")
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ struct Outcome {
 
 /// Called repeatedly during long work, always by the thread that called Umbrage, with the approximate fraction of the
 /// work that is done: 0 to 1, never decreasing. Returns whether to continue: after false it is not called again, the
-/// work ends soon, and its outcome has code 130. Reading and preparing a model, which come first, call it with 0.
+/// work ends soon, and its outcome has code 130. The fraction is 0 while a model is read and prepared.
 using Progress = std::function<bool(double done)>;
 
 /// The pixels of one pass: `channels` floats for each pixel, interleaved.
@@ -50,7 +50,7 @@ enum class StrokeKind {
 /// A line of the picture: a polyline with round caps and joins, whose width changes linearly from point to point.
 struct Stroke {
   StrokeKind kind = StrokeKind::kOutline;
-  int object = 0;       ///< object_id of the nearer surface; for PixelArray::ids the 32 bits of the id
+  int object = 0;       ///< object_id of the nearer surface; if ids were passed as PixelArray::ids, the id's 32 bits
   bool closed = false;  ///< the last point coincides with the first
   std::vector<StrokePoint> points{};
 };
@@ -59,14 +59,14 @@ struct Stroke {
 struct Picture {
   int width = 0, height = 0;
   std::vector<float> rgba{};            ///< width * height * 4; empty if no colour was requested
-  std::vector<Pixels> passes{};         ///< the requested passes, in that order
+  std::vector<Pixels> passes{};         ///< the requested passes, in the order of the request
   std::vector<Stroke> strokes{};        ///< empty if not requested
   std::array<float, 3> stroke_color{};  ///< red, green, blue, as in `rgba`
   float stroke_opacity = 0.0f;          ///< of all strokes together; 0: strokes were not requested
 };
 
 /// A camera. Members that are not set are chosen automatically: the model's own view, or else a view of the whole model
-/// from slightly above and to the side. World space, scene units, degrees.
+/// from slightly above and to the side. Values are in world space, in scene units and degrees.
 struct CameraRequest {
   std::optional<int> index{};  ///< a camera of the file, from 0; not with position, focal_point or direction
   std::optional<std::array<float, 3>> position{};     ///< camera position
@@ -93,9 +93,9 @@ struct RenderRequest {
   CameraRequest camera{};
   std::optional<std::array<float, 3>> up{};  ///< up direction of the model; default: given by its format
   std::optional<int> scene_index{};          ///< scene of a glTF file, from 0; default: the file's default scene
-  std::optional<float> crease_angle_deg{};   ///< 0 to 180: computed normals keep edges of larger angles; default: 80
-  /// Size of the points of a file: "0.01" scene units, or "0.5%" of the bounding-sphere radius; empty: from their
-  /// spacing.
+  std::optional<float> crease_angle_deg{};   ///< 0 to 180: computed normals keep larger angles sharp; default: 80
+  /// Size of the points of a file: "0.01" scene units, or "0.5%" of the bounding-sphere radius; empty: derived
+  /// from their spacing.
   std::string point_size{};
   std::string point_sprites = "auto";  ///< shape of points: "auto", "disc", "sphere"
   std::string quality{};               ///< "draft", "normal", "high", "ultra"; empty: chosen by the look
@@ -113,13 +113,13 @@ struct RenderRequest {
   bool hdri_ambient = true;               ///< whether the image lights the scene
   bool hdri_skybox = false;               ///< whether the image is the background; not with `transparent`
   float hdri_rotation_deg = 0.0f;         ///< rotation about the model's up direction, to the left as seen from inside
-  float hdri_intensity = 1.0f;            ///< factor on the image's light, 0 to 1000000
+  float hdri_intensity = 1.0f;            ///< factor for the brightness of the image, 0 to 1000000
   std::optional<float> light_size_deg{};  ///< angular size of the key light, 0 to 90; default: given by the light
   std::optional<int> layers{};            ///< surfaces captured along each ray, 1 to 16; default: chosen by the look
   std::optional<int> extra_views{};       ///< additional cameras, 0 to 4; default: chosen by the look
-  float guard_band = 0.0f;  ///< width added at each side while drawing, in percent of the longer side; 0 to 100
+  float guard_band = 0.0f;  ///< width drawn beyond each side and cut off, in percent of the longer side; 0 to 100
   std::vector<std::string> passes{};  ///< passes to return besides the picture: "depth", "normal", "ao", ...
-  bool strokes = false;               ///< return the look's lines as curves; `cartoon` draws some
+  bool strokes = false;               ///< return the look's lines as curves; not all looks draw lines, `cartoon` does
   Progress progress{};
 };
 
@@ -152,11 +152,11 @@ struct PixelArray {
   std::ptrdiff_t pixel_stride = 0;
   std::ptrdiff_t row_stride = 0;      ///< floats from one row to the next, may be negative; 0: width times pixel_stride
   std::ptrdiff_t channel_stride = 1;  ///< floats from one channel to the next; width * height for planar data
-  /// Used instead of `values` for object_id and material_id: 32-bit integers. Strides are in integers.
+  /// Used instead of `values` for object_id and material_id: 32-bit integers. Strides then count integers.
   const std::uint32_t* ids = nullptr;
 };
 
-/// A G-buffer to shade, and how to shade it.
+/// A G-buffer (depth, normals and other values of each pixel) to shade, and how to shade it.
 struct ShadeRequest {
   int width = 0, height = 0;         ///< pixels; limits as in RenderRequest
   std::vector<PixelArray> arrays{};  ///< depth is required; missing normals are computed from depth
@@ -182,7 +182,8 @@ struct ShadeRequest {
   std::vector<std::string> settings{};
   std::optional<std::array<float, 3>> background{};
   bool transparent = false;
-  /// Passes to return, named as in RenderRequest. If empty and `effects` is set: the passes that the last effect makes.
+  /// Passes to return, named as in RenderRequest. If empty while `effects` is set: the passes that the last effect
+  /// makes.
   std::vector<std::string> passes{};
   bool strokes = false;  ///< return the lines of the look, or of the effect `outline`, as curves
   std::string device = "auto";
@@ -190,10 +191,10 @@ struct ShadeRequest {
   Progress progress{};
 };
 
-/// Options of a written file.
+/// Options for writing a file.
 struct SaveRequest {
   int bits = 8;       ///< bits per channel of .png: 8 or 16
-  bool half = false;  ///< .exr: half instead of float where half suffices
+  bool half = false;  ///< .exr: 16-bit instead of 32-bit floats where their precision suffices
 };
 
 }  // namespace umb

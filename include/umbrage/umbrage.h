@@ -97,8 +97,8 @@ UMB_API uint64_t umbGetDeviceMemory(UmbDevice device);
 UMB_API UmbError umbSetDeviceErrorCallback(UmbDevice device, UmbErrorCallback callback, void* user);
 /* Sets the callback for warnings of the device's scenes and jobs. NULL removes the callback. */
 UMB_API UmbError umbSetDeviceLogCallback(UmbDevice device, UmbLogCallback callback, void* user);
-/* Returns and clears the first error since the last call; UMB_ERROR_NONE if there is none. `message` may be NULL; the
- * string is valid until the next call. */
+/* Returns and clears the first error since the last call of this function; UMB_ERROR_NONE if there is none. `message`
+ * may be NULL; the string is valid until the next call. */
 UMB_API UmbError umbGetDeviceError(UmbDevice device, const char** message);
 
 /* ---- Images ---- */
@@ -128,7 +128,7 @@ typedef struct UmbImage {
 UMB_API UmbScene umbNewScene(UmbDevice device);
 UMB_API void umbRetainScene(UmbScene scene);
 UMB_API void umbReleaseScene(UmbScene scene);
-/* Returns and clears the first error since the last call: see umbGetDeviceError. */
+/* Returns and clears the first error since the last call of this function: see umbGetDeviceError. */
 UMB_API UmbError umbGetSceneError(UmbScene scene, const char** message);
 UMB_API UmbError umbSetSceneProgressCallback(UmbScene scene, UmbProgressCallback callback, void* user);
 
@@ -184,7 +184,7 @@ UMB_API UmbJob umbNewRenderJob(UmbDevice device, UmbScene scene);
 UMB_API UmbJob umbNewShadeJob(UmbDevice device);
 UMB_API void umbRetainJob(UmbJob job);
 UMB_API void umbReleaseJob(UmbJob job);
-/* Returns and clears the first error since the last call: see umbGetDeviceError. */
+/* Returns and clears the first error since the last call of this function: see umbGetDeviceError. */
 UMB_API UmbError umbGetJobError(UmbJob job, const char** message);
 UMB_API UmbError umbSetJobProgressCallback(UmbJob job, UmbProgressCallback callback, void* user);
 

@@ -8,8 +8,8 @@
 //
 // A function that returns UmbError throws Error for all codes except UMB_ERROR_NONE. Without exceptions
 // (-fno-exceptions) it returns the code, and error() returns the message. An object that could not be created is empty,
-// and thread_error() returns the reason; so it does for a call that was refused because another thread uses the object.
-// Calls on an empty object, such as one that was moved from, are UMB_ERROR_USAGE.
+// and thread_error() returns the reason. It also returns the error of a call that was refused because another thread
+// uses the object. Calls on an empty object, such as one that was moved from, fail with UMB_ERROR_USAGE.
 #pragma once
 #include <array>
 #include <climits>
@@ -49,8 +49,8 @@ inline std::string text_of(const float* values, std::size_t count) {
   return text.str();
 }
 
-/// Provides `set` for values of all types. Self has `assign` for text, bool, int, float, and an array of floats with
-/// its length.
+/// Provides `set` for values of all types. Self must have overloads of `assign` for a string, a bool, an int, a float,
+/// and a pointer to floats with their number.
 template <class Self>
 class Parameters {
  public:
@@ -122,8 +122,8 @@ class Device : public detail::Ref<UmbDevice, umbRetainDevice, umbReleaseDevice> 
  public:
   Device() = default;
   explicit Device(const std::string& name, int threads = 0) : Ref(detail::made(umbNewDevice(name.c_str(), threads))) {}
-  /// Takes ownership of a reference to a handle of the C interface; a caller that keeps a reference calls
-  /// umbRetainDevice first. NULL gives an empty object. Scene::adopt and Job::adopt do the same.
+  /// Takes ownership of a reference to a handle of the C interface; a caller that needs a reference of its own
+  /// calls umbRetainDevice first. NULL gives an empty object. Scene::adopt and Job::adopt do the same.
   static Device adopt(UmbDevice handle) { return Device(handle, detail::Adopted()); }
   std::string description() const {
     const char* text = umbGetDeviceDescription(get());
@@ -139,7 +139,8 @@ class Device : public detail::Ref<UmbDevice, umbRetainDevice, umbReleaseDevice> 
   UmbError set_log_callback(UmbLogCallback callback, void* user = nullptr) {
     return checked(umbSetDeviceLogCallback(get(), callback, user));
   }
-  /// Returns and clears the first error since the last call, including errors of the device's scenes and jobs.
+  /// Returns and clears the first error since the last call of this function, including errors of the device's scenes
+  /// and jobs.
   Outcome error() {
     return detail::taken([this](const char** message) { return umbGetDeviceError(get(), message); });
   }
@@ -162,7 +163,7 @@ class Scene : public detail::Ref<UmbScene, umbRetainScene, umbReleaseScene>, pub
   UmbError load(const std::string& model) {
     return checked(progresses_.run(get(), [&](UmbScene scene) { return umbLoadModel(scene, model.c_str()); }));
   }
-  /// Reports progress. Exceptions of `progress` are passed on to the caller.
+  /// Loads a model and reports progress. Exceptions of `progress` are passed on to the caller.
   UmbError load(const std::string& model, const Progress& progress) {
     if (!progress) return load(model);
     detail::Watch watch(progress);
@@ -203,11 +204,11 @@ class Scene : public detail::Ref<UmbScene, umbRetainScene, umbReleaseScene>, pub
   }
   /// Returns the number of cameras that "camera.index" can select.
   int camera_count() const { return umbGetSceneCameraCount(get()); }
-  /// Sets the callback for calls without a Progress. It persists after calls with one.
+  /// Sets the progress callback of calls that are given no Progress. It stays set after calls that are given one.
   UmbError set_progress_callback(UmbProgressCallback callback, void* user = nullptr) {
     return checked(progresses_.set(get(), callback, user));
   }
-  /// Returns and clears the first error since the last call.
+  /// Returns and clears the first error since the last call of this function.
   Outcome error() {
     return detail::taken([this](const char** message) { return umbGetSceneError(get(), message); });
   }
@@ -229,7 +230,7 @@ class Scene : public detail::Ref<UmbScene, umbRetainScene, umbReleaseScene>, pub
   detail::Progresses<UmbScene, umbSetSceneProgressCallback> progresses_;
 };
 
-/// A job that makes a picture, any number of times.
+/// A job that makes pictures: one each time it is executed.
 class Job : public detail::Ref<UmbJob, umbRetainJob, umbReleaseJob>, public detail::Parameters<Job> {
  public:
   Job() = default;
@@ -248,7 +249,7 @@ class Job : public detail::Ref<UmbJob, umbRetainJob, umbReleaseJob>, public deta
 
   UmbError set_image(const char* name, const UmbImage& image) { return checked(umbSetJobImage(get(), name, &image)); }
   UmbError remove_image(const char* name) { return checked(umbSetJobImage(get(), name, nullptr)); }
-  /// Requests a pass and the image that it is written to; without an image: memory of the library.
+  /// Requests a pass, and sets the image that it is written to; without an image, the library allocates memory.
   UmbError set_output(const char* name, const UmbImage& image = {}) {
     return checked(umbSetJobOutput(get(), name, &image));
   }
@@ -259,10 +260,11 @@ class Job : public detail::Ref<UmbJob, umbRetainJob, umbReleaseJob>, public deta
   /// Does the work that precedes the first picture: see umbPrepareJob.
   UmbError prepare() { return checked(progresses_.run(get(), umbPrepareJob)); }
   UmbError execute() { return checked(progresses_.run(get(), umbExecuteJob)); }
-  /// Reports progress. Exceptions of `progress` are passed on to the caller, and the job can be executed again.
+  /// As above, with reports of progress. Exceptions of `progress` are passed on to the caller, and the job can be
+  /// executed again.
   UmbError prepare(const Progress& progress) { return watched(progress, umbPrepareJob); }
   UmbError execute(const Progress& progress) { return watched(progress, umbExecuteJob); }
-  /// Sets the callback for calls without a Progress. It persists after calls with one.
+  /// Sets the progress callback of calls that are given no Progress. It stays set after calls that are given one.
   UmbError set_progress_callback(UmbProgressCallback callback, void* user = nullptr) {
     return checked(progresses_.set(get(), callback, user));
   }
@@ -282,9 +284,9 @@ class Job : public detail::Ref<UmbJob, umbRetainJob, umbReleaseJob>, public deta
   UmbError stroke_color(std::array<float, 3>& rgb, float& opacity) const {
     return checked(umbGetJobStrokeColor(get(), rgb.data(), &opacity));
   }
-  /// Returns a counter over all executions: see umbGetJobCounter; -1 for an unknown name.
+  /// Returns a counter, summed over all executions: see umbGetJobCounter; -1 for an unknown name.
   std::int64_t counter(const char* name) const { return umbGetJobCounter(get(), name); }
-  /// Returns and clears the first error since the last call.
+  /// Returns and clears the first error since the last call of this function.
   Outcome error() {
     return detail::taken([this](const char** message) { return umbGetJobError(get(), message); });
   }

@@ -34,12 +34,12 @@ def occlusions() -> Dict[str, str]:
 
 
 def devices() -> Dict[str, str]:
-    """Returns the names of usable devices, each with a summary of one line. Queries the driver."""
+    """Returns the names of usable devices, each with a summary of one line. Queries the graphics driver."""
     return _list(4)
 
 
 def scenes() -> Dict[str, str]:
-    """Returns the names of built-in scenes, usable instead of a model's path, each with a summary of one line."""
+    """Returns the names of built-in scenes, which can replace a model's path, each with a summary of one line."""
     return _list(5)
 
 
@@ -57,13 +57,13 @@ class Parameter(NamedTuple):
     help: str
     unit: str
     initial: str
-    """Default, in words."""
+    """The default, as text."""
     choices: Tuple[str, ...]
     range: Optional[Tuple[float, float]]
 
     @property
     def default(self) -> Any:
-        """`initial` as a value for the setters; None if the default is chosen at execution."""
+        """The default, as a Python value; None if it is chosen when the picture is made."""
         if self.type == "bool":
             return {"on": True, "true": True, "off": False, "false": False}.get(self.initial)
         if self.type in ("int", "float", "float3", "float4", "float9"):
@@ -79,7 +79,7 @@ class Parameter(NamedTuple):
         return self.initial if self.initial and " " not in self.initial and "'" not in self.initial else None
 
     def check(self, value: Any) -> None:
-        """Checks the type of a value, where the library's own message would be less clear. Errors: UsageError."""
+        """Checks the type of a value if the library's own message would be less clear. Errors: UsageError."""
         if self.type == "bool" and not isinstance(value, (bool, str)):
             raise UsageError(f"`{self.name}` takes True or False, not {shown(value)}")
         is_text = isinstance(value, str) or (isinstance(value, (list, tuple)) and all(isinstance(v, str) for v in value))
@@ -91,14 +91,14 @@ class Parameter(NamedTuple):
 
     @property
     def values(self) -> str:
-        """The accepted values, in words."""
+        """The kind of values that are accepted, as text."""
         words = {"int": "an integer", "length": "a number, or a relative length such as '5%'", "bool": "True or False"}
         several = {"float3": "three numbers", "float4": "four numbers", "float9": "nine numbers"}
         return {**words, **several, "string": "a string", "choice": "a string"}.get(self.type, "a number")
 
 
 def parameters(owner: str) -> Dict[str, Parameter]:
-    """Returns the parameters of "render", "shade", "scene" or an effect, by name. Errors: UsageError."""
+    """Returns the parameters of "render", "shade", "scene" or an effect; keys are names. Errors: UsageError."""
     rows: Dict[str, Parameter] = {}
     row = native.Parameter(size=sizeof(native.Parameter))
     while native.lib.umbGetParameter(native.bytes_of(owner, "owner"), len(rows), byref(row)) == 0:
@@ -125,11 +125,11 @@ def known_parameters(owner: str) -> Dict[str, Parameter]:
     return _KNOWN[owner]
 
 
-_RENAMED_PARAMETERS = ("width", "height", "near_plane", "far_plane")  # have other names in this package
+_RENAMED_PARAMETERS = ("width", "height", "near_plane", "far_plane")  # these have other names in this package
 
 
 def check_keywords(given: Iterable[str], owner: str, arguments: Sequence[str]) -> None:
-    """Checks that keywords are parameters of the owner. `arguments`: further names to suggest. Errors: UsageError."""
+    """Checks that keywords are parameters of the owner. `arguments`: other names to suggest. Errors: UsageError."""
     for name in given:
         known = known_parameters(owner)
         if name not in known and name not in _RENAMED_PARAMETERS and "." not in name:  # the library checks those of effects

@@ -26,10 +26,10 @@ class Renderer(Job):
             for k in range(36):
                 renderer.render({"azimuth_deg": 10 * k}).save(f"bunny_{k:02d}.png")
 
-    `render` may be called any number of times, with other cameras, sizes and parameters. Data that is still valid is
-    kept, and after an error further calls are allowed. A returned picture is not changed by later calls. One thread at
-    a time uses the renderer; others wait. A scene without lights gets lights that are placed relative to the camera of
-    its first picture, and keeps them.
+    `render` may be called any number of times, with different cameras, sizes and parameters. Data that is still valid
+    is kept, and after an error further calls are allowed. A returned picture is not changed by later calls. Only one
+    thread at a time can use the renderer; others wait. A scene without lights gets lights that are placed relative to
+    the camera of its first picture, and keeps them.
     """
 
     _kind = "Renderer"
@@ -50,7 +50,8 @@ class Renderer(Job):
         progress: Progress = None,
         **parameters: Any,
     ) -> None:
-        """Arguments and errors are those of umbrage.render. Arguments of a picture are the defaults of `render`."""
+        """Arguments and errors are those of umbrage.render. Arguments that describe a picture become the defaults of
+        the method `render`."""
         of_pictures = [name for name in parameters if name not in SCENE_PARAMETERS]
         check_keywords(of_pictures, "render", _PICTURE_ARGUMENTS + _RENDERER_ARGUMENTS + SCENE_PARAMETERS)
         check_progress(progress)
@@ -71,8 +72,9 @@ class Renderer(Job):
             scene.add(model, progress=progress)
 
     def prepare(self, *, progress: Progress = None) -> None:
-        """Does the work that precedes the first picture: builds the ray-tracing acceleration structure. Otherwise the
-        first call of render does it. Errors: FileError, DeviceError, exceptions of `progress`."""
+        """Does the work that precedes the first picture: builds the ray-tracing acceleration structure. If it is
+        not called, the first call of `render` does this work. Errors: FileError, DeviceError, exceptions of
+        `progress`."""
         with self._exclusive(), self._used_scene().reading():
             self._call(native.lib.umbPrepareJob, self._progress if progress is None else progress, is_before=True)
 
@@ -88,11 +90,12 @@ class Renderer(Job):
         settings: Optional[Mapping[str, Any]] = None,
         **parameters: Any,
     ) -> Picture:
-        """Renders one picture. Arguments that are None have the values given to Renderer. `settings` and parameters
-        persist.
+        """Renders one picture. Arguments that are None have the values that were given to Renderer. `settings` and
+        parameters also apply to later calls.
 
-        `out`: an array (height, width, 4) or (height, width, 3) for the picture, or a dict of arrays by pass; with any
-        strides. Errors: UsageError, DeviceError, exceptions of `progress`; the outputs are then unchanged.
+        `out`: an array (height, width, 4) or (height, width, 3) for the picture, or a dict from names of passes to
+        arrays. Arrays may have any strides. Errors: UsageError, DeviceError, exceptions of `progress`; the outputs are
+        then unchanged.
         """
         for name in parameters:
             if name in ("device", "threads") + SCENE_PARAMETERS:
@@ -149,7 +152,7 @@ def render(
 
         umbrage.render("bunny.obj", camera={"azimuth_deg": 30}, passes=("depth", "ao")).save("bunny.png")
 
-    model: a path or a list of them, "scene:NAME", an umbrage.Scene, or what Scene.add takes.
+    model: a path or a list of paths, "scene:NAME", an umbrage.Scene, or what Scene.add takes.
     size: (width, height) in pixels, 1 to 16384 each.
     look: a name of umbrage.looks(); default: "studio".
     quality: "draft", "normal", "high", "ultra"; default: chosen by the look.
@@ -157,10 +160,11 @@ def render(
     passes: passes to return besides the picture: "depth", "normal", "ao", ..., or "all".
     settings: a dict of parameters, such as {"bitmask.radius": "15%"}: see umbrage.parameters("bitmask").
     dtype: type of the picture, "uint8", "uint16", "float16" or "float32". Passes are float32, ids uint32.
-    out: an array for the picture, or a dict of arrays by pass: see Renderer.render.
+    out: an array for the picture, or a dict from names of passes to arrays: see Renderer.render.
     device: "cpu", "vulkan", "vulkan:N" or "auto". threads: number of CPU threads; 0: all.
     progress: True shows a progress bar; a function is called with the fraction that is done, 0 to 1, about 20 times a
-    second, by this thread; it cancels the work by returning False or raising an exception. Ctrl-C always cancels.
+    second, in the calling thread; it cancels the work by returning False or raising an exception. Ctrl-C always
+    cancels.
     Other keywords: names of umbrage.parameters("render") or ("scene"), such as `anti_aliasing=4` or `up="+Z"`.
 
     Errors: UsageError; FileError; DeviceError; Cancelled; exceptions of `progress`.

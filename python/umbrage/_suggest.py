@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from typing import Any, Iterable
 
-_MAX_EDIT_DISTANCE = 2  # max edit distance, letters; 1 for names of up to 4 letters
+_MAX_EDIT_DISTANCE = 2  # max edit distance, in letters; for names of up to 4 letters it is 1
 _MAX_SHOWN = 60  # max number of characters of a value in a message
 
 
@@ -19,7 +19,7 @@ def shown(value: Any) -> str:
 
 
 def _distance(a: str, b: str) -> int:
-    """Returns the number of letters inserted, deleted, changed or swapped with a neighbour between two words."""
+    """Returns the edit distance of two words: letters to insert, delete, change or swap with a neighbour."""
     before, last = [0] * (len(b) + 1), list(range(len(b) + 1))
     for i, x in enumerate(a, 1):
         row = [i]
@@ -32,8 +32,8 @@ def _distance(a: str, b: str) -> int:
 
 
 def suggestion(word: str, names: Iterable[str]) -> str:
-    """Returns " (did you mean 'x'?)" for the nearest name if it is close enough, else " (available: a, b)". The rule is
-    that of core/suggest.h; this is for names that the library does not know."""
+    """Returns " (did you mean 'x'?)" for the nearest name if it is close enough, else " (available: a, b)". What is
+    close enough is defined as in core/suggest.h. Used for names that only the Python package knows."""
     listed = list(dict.fromkeys(names))
     best, nearest = _MAX_EDIT_DISTANCE + 1, ""
     for name in listed:

@@ -23,7 +23,7 @@ inline constexpr std::int64_t kMaxPanoramaPixels = std::int64_t(1) << 27;
 /// Panoramas that are larger are reduced to this size when they are read.
 inline constexpr int kMaxPanoramaWidth = 8192, kMaxPanoramaHeight = 4096;
 
-/// Decodes a panorama in memory: HDR unchanged, other formats as sRGB; `name` is for messages. Errors: kFile.
+/// Decodes a panorama in memory: HDR as linear light, other formats as sRGB; `name` is for messages. Errors: kFile.
 Result<Panorama> decode_panorama(std::span<const std::uint8_t> bytes, const std::string& name);
 
 /// Reads, decodes and reduces a panorama file. Errors: kFile.

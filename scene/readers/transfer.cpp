@@ -1,5 +1,5 @@
 // Transfer of a scene or a panorama between two processes. Both programs come from one build and run on one machine, so
-// data is written as it is in memory. A mark at the start identifies the version, a mark at the end confirms
+// data is written in its memory layout. A mark at the start identifies the version, a mark at the end confirms
 // completeness.
 #include "scene/readers/transfer.h"
 
