@@ -1,4 +1,4 @@
-// Lines as .svg files and as strokes: librsvg draws them as they are in the picture.
+// Lines as .svg files and as strokes. librsvg must draw them as they are in the picture.
 #include "io/svg.h"
 
 #include <sys/stat.h>
@@ -6,7 +6,7 @@
 #include "run_program.h"
 #include "support.h"
 #include "umbrage/umbrage.hpp"
-using namespace umb;  // the public interface; its names do not occur in umbrage
+using namespace umb;  // the public interface; its names differ from those in umbrage
 
 namespace umbrage {
 namespace {
@@ -43,7 +43,7 @@ double rmse(const Plane& a, const Plane& b) {
   return std::sqrt(sum / (double(a.width) * a.height));
 }
 
-/// Returns the number of occurrences of a part in a text.
+/// Returns how often a part occurs in a text.
 long count_of(const std::string& text, const std::string& part) {
   long count = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
@@ -63,8 +63,8 @@ TEST_F(SvgTest, IsDrawnAsThePictureHasIt) {
         good(line + "--passes outline -o lines.pfm --svg lines.svg");
         // Lines as wide as a thirtieth of the picture's height overlap, and antialiased borders are blended twice
         // there.
-        const bool crowded = model == "scene:solids" && size == 256 && width == 8;
-        EXPECT_LE(rmse(drawn("lines.svg"), image("lines.pfm").planes[0]), crowded ? 0.03 : 0.02) << line;
+        const bool lines_overlap = model == "scene:solids" && size == 256 && width == 8;
+        EXPECT_LE(rmse(drawn("lines.svg"), image("lines.pfm").planes[0]), lines_overlap ? 0.03 : 0.02) << line;
       }
 }
 
@@ -105,17 +105,17 @@ TEST_F(SvgTest, HasColorsAndNothingWhereNothingIsSeen) {
   for (const char* part : {"width=\"64px\" height=\"48px\" viewBox=\"0 0 64 48\"", "<rect width=\"64\" height=\"48\" ",
                            "fill=\"#ff8000\"", "stroke=\"#bc0000\"", "opacity=\"0.25\"", "stroke-linecap=\"round\""})
     EXPECT_NE(cube.find(part), std::string::npos) << part;
-  const auto nothing =
+  const auto empty_view =
       run("cube.obj --device cpu --resolution 64x48 --camera-position 0,0,9 --camera-direction 0,0,1 "
           "-o nothing.svg");
-  EXPECT_EQ(nothing.code, 0) << nothing.err;
-  EXPECT_NE(nothing.err.find("nothing of cube.obj is in view"), std::string::npos) << nothing.err;
+  EXPECT_EQ(empty_view.code, 0) << empty_view.err;
+  EXPECT_NE(empty_view.err.find("nothing of cube.obj is in view"), std::string::npos) << empty_view.err;
   EXPECT_EQ(count_of(text_of(folder_ / "nothing.svg"), "<path"), 0);
   EXPECT_EQ(rmse(drawn("nothing.svg"), Plane(64, 48, 0.0f)), 0.0);
 }
 
 TEST_F(SvgTest, RefusesWhatCannotBe) {
-  // Detected before the model is read.
+  // All errors are detected before the model is read.
   const std::string lines = "nothere.obj -o lines.svg ";
   bad(lines + "--bits 16", 2, {"--bits", ".svg"});
   bad(lines + "--half", 2, {"--half", ".svg"});
