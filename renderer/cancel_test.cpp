@@ -143,7 +143,7 @@ TEST_F(Cancel, SeveralModelsAreOneWork) {
       "three models");
 }
 
-TEST_F(Cancel, AHierarchyIsNotBuiltToItsEnd) {
+TEST_F(Cancel, BuildingAHierarchyEnds) {
   Scene scene;
   constexpr int kSide = 500;
   scene.meshes.push_back(waves(kSide));

@@ -90,7 +90,7 @@ void expect_captures_are_reusable(Device& device, const std::string& look, int f
   expect_same(before, *device.download_all(captures[0]));
 }
 
-TEST(Captures, ServeOtherEffectsOnTheCpu) {
+TEST(Captures, AreReusableForOtherEffectsOnTheCpu) {
   const auto device = make_cpu_device();
   for (const char* look : {"studio", "bleeding", "cartoon", "lit"})
     expect_captures_are_reusable(*device, look, 1, "full");
@@ -98,7 +98,7 @@ TEST(Captures, ServeOtherEffectsOnTheCpu) {
   expect_captures_are_reusable(*device, "studio", 1, "half");
 }
 
-TEST(Captures, ServeOtherEffectsOnVulkan) {
+TEST(Captures, AreReusableForOtherEffectsOnVulkan) {
   Device* device = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(device);
   const test::NoMessages no_messages;
@@ -106,7 +106,7 @@ TEST(Captures, ServeOtherEffectsOnVulkan) {
   expect_captures_are_reusable(*device, "cartoon", 2, "full");
 }
 
-TEST(Captures, TellOfASubmissionThatFails) {
+TEST(Captures, ReportAFailedSubmission) {
   if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
   const auto device = test::new_vulkan_device({.get = test::faulty_get});
   UMBRAGE_NEEDS_VULKAN(device);
@@ -121,7 +121,7 @@ TEST(Captures, TellOfASubmissionThatFails) {
   EXPECT_EQ(captures.error().kind, ErrorKind::kDevice);
 }
 
-TEST(Captures, DoNotServeOtherCamerasOrLayers) {
+TEST(Captures, AreNotReusableForOtherCamerasOrLayers) {
   const auto device = make_cpu_device();
   PreparedScene prepared(*device, "studio");
   const Plan plan = prepared.plan_of({"studio", {}});

@@ -115,7 +115,7 @@ Panorama disc(int width, int height, dvec3 middle, double half_angle_deg, dvec3 
 
 // ---- decomposition of an image
 
-TEST(Environment, AnEvenSkyIsAmbientLightAlone) {
+TEST(Environment, UniformSkyIsOnlyAmbientLight) {
   for (const auto& [width, height] : {std::pair(1, 1), {2, 1}, {7, 3}, {33, 20}, {64, 32}, {101, 400}, {1500, 700}}) {
     SCOPED_TRACE(fmt::format("{} x {}", width, height));
     const Panorama white = panorama_of(
@@ -172,7 +172,7 @@ TEST(Environment, ASmallDiscIsOneLight) {
       }
 }
 
-TEST(Environment, NothingIsLost) {
+TEST(Environment, EnergyIsPreserved) {
   const Panorama images[] = {
       reduced_panorama(sky_panorama(), 512, 256),
       disc(400, 200, direction_at(40, 20), 6, {40, 40, 60}, {0.5, 0.4, 0.3}),
@@ -213,7 +213,7 @@ TEST(Environment, PolesCountByTheirSolidAngle) {
   EXPECT_NEAR(reduced.at(7, 0).g, 1.0 + 2.0 * fraction, 1e-5);
 }
 
-TEST(Environment, PartsWhatIsApart) {
+TEST(Environment, SeparatesDistantLights) {
   const dvec3 a = direction_at(30, 40), b = direction_at(-100, 20), c = direction_at(170, -10);
   const Panorama three = panorama_of(512, 256, [&](dvec3 d) {
     if (glm::dot(d, a) > std::cos(glm::radians(4.0))) return dvec3(50.0);
@@ -258,7 +258,7 @@ TEST(Environment, OddPixelsHaveDefinedResults) {
 
 void expect_near(glm::vec3 a, glm::vec3 b) { EXPECT_LT(glm::distance(a, b), 1e-5f) << a.x << " " << a.y << " " << a.z; }
 
-TEST(Environment, LiesAsItsDocumentationSays) {
+TEST(Environment, HasTheDocumentedOrientation) {
   const glm::mat3 y_up = panorama_axes({0, 2, 0}, 0.0f);
   expect_near(y_up[0], {1, 0, 0});
   expect_near(y_up[1], {0, 0, 1});
@@ -285,7 +285,7 @@ TEST(Environment, LiesAsItsDocumentationSays) {
     EXPECT_LT(glm::distance(dvec3(panorama_radiance(image, glm::vec3(n))), n + 2.0), 0.01);
 }
 
-TEST(Environment, TurnsWithItsAxes) {
+TEST(Environment, RotatesWithItsAxes) {
   const EnvironmentLight light = environment_light(panorama_of(
       128, 64, [](dvec3 d) { return dvec3(1 + d.x * d.y + d.z, 1 + d.y * d.z - d.x, 1 + d.x * d.x - 0.5 * d.y); }));
   const glm::mat3 axes = panorama_axes({0.3f, 1.0f, -0.2f}, 57.0f);
@@ -351,7 +351,7 @@ TEST_F(HdriFile, ReadsWhatDecodersRead) {
   }
 }
 
-TEST_F(HdriFile, ReadsRadianceHoweverItLies) {
+TEST_F(HdriFile, ReadsRadianceInAnyOrientation) {
   const std::string pixels[] = {"\x80\x40\x20\x81", "\x10\x20\x30\x84"};  // 1, .5, .25 and 1, 2, 3
   const std::string head = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n";
   const auto read = [&](const std::string& bytes) {
@@ -372,7 +372,7 @@ TEST_F(HdriFile, ReadsRadianceHoweverItLies) {
   bad(kDraw_ + "two.hdr", 3, {"two.hdr", "exposures"});
 }
 
-TEST_F(HdriFile, LightsByEveryFormat) {
+TEST_F(HdriFile, LightsScenesFromEveryFormat) {
   write_hdr("sky.hdr");
   ASSERT_TRUE(write_image(folder_ / "sky.exr", sky_image(), {.half = true}));
   ASSERT_TRUE(write_image(folder_ / "sky.pfm", sky_image()));
@@ -393,7 +393,7 @@ TEST_F(HdriFile, LightsByEveryFormat) {
     for (int x = 0; x < 40; ++x) ASSERT_NEAR(image("out.png").planes[0].at(x, y), by_jpg.planes[0].at(x, y), 0.01f);
 }
 
-TEST_F(HdriFile, WhatCannotBeUsedIsASentence) {
+TEST_F(HdriFile, UnusableFilesGiveOneSentence) {
   bad(kDraw_ + "none.hdr", 3, {"none.hdr", "does not exist"});
   write("text.hdr", "no picture at all");
   bad(kDraw_ + "text.hdr", 3, {"text.hdr", "is not an image"});
@@ -422,7 +422,7 @@ TEST_F(HdriFile, WhatCannotBeUsedIsASentence) {
   bad(kDraw_ + "crash.hdr", 3, {"crash.hdr", "its reader crashed"}, "UMBRAGE_IMPORT=" UMBRAGE_FAULTY_IMPORT);
 }
 
-TEST_F(HdriFile, WrongValuesAreWrongUsage) {
+TEST_F(HdriFile, WrongValuesAreUsageErrors) {
   bad_option("--hdri-file sky: --hdri-rotation up", {"--hdri-rotation", "up"});
   bad_option("--hdri-file sky: --hdri-intensity=-1", {"--hdri-intensity", "-1"});
   bad_option("--hdri-file sky: --hdri-intensity nan", {"--hdri-intensity", "nan"});
@@ -431,7 +431,7 @@ TEST_F(HdriFile, WrongValuesAreWrongUsage) {
   bad_option("--light-size 91", {"--light-size", "91"});
 }
 
-TEST_F(HdriFile, WarnsOfWhatIsOdd) {
+TEST_F(HdriFile, WarnsAboutOddImages) {
   const test::Outcome alone = run("tri.obj -o out.png --resolution 40x40 --hdri-rotation 30");
   EXPECT_EQ(alone.code, 0);
   EXPECT_NE(alone.err.find("--hdri-rotation does nothing"), std::string::npos) << alone.err;
@@ -516,7 +516,7 @@ TEST_F(HdriPicture, AWhiteSurfaceUnderAWhiteSkyIsWhite) {
   EXPECT_GT(image("out.png").planes[0].at(32, 32), 0.99f);
 }
 
-TEST_F(HdriPicture, LooksAreExposedForAnyStrength) {
+TEST_F(HdriPicture, LooksAreExposedForAnyBrightness) {
   // The same image in other units gives the same picture, with the key light and its shadow.
   for (const char* look : {"studio", "lit", "bleeding", "cartoon"}) {
     Image first;
@@ -542,7 +542,7 @@ TEST_F(HdriPicture, LooksAreExposedForAnyStrength) {
   }
 }
 
-TEST_F(HdriPicture, LightComesFromWhereTheImageHasIt) {
+TEST_F(HdriPicture, LightComesFromItsPositionInTheImage) {
   // A lamp at the image's middle is at +x; turned by 90 degrees it is at -z. Up is the model's up.
   write_panorama("lamp.pfm",
                  [](dvec3 d) { return glm::dot(d, dvec3(1, 0, 0)) > std::cos(0.1) ? dvec3(100.0) : dvec3(0.01); });
@@ -568,7 +568,7 @@ TEST_F(HdriPicture, LightComesFromWhereTheImageHasIt) {
   EXPECT_EQ(brightest_normal("--hdri-rotation=-180"), 1);        // at -x
 }
 
-TEST_F(HdriPicture, TheSkyIsSeenWhereItIsAskedFor) {
+TEST_F(HdriPicture, SkyIsShownOnRequest) {
   write_panorama("half.pfm", [](dvec3 d) { return d.z > 0.0 ? dvec3(0.1, 0.2, 0.8) : dvec3(0.3, 0.1, 0.05); });
   const std::string line =
       "ball.obj --resolution 64x64 --hdri-file half.pfm --camera-direction=-1,0,0 --camera-zoom-factor 0.5 ";
@@ -657,7 +657,7 @@ TEST_F(HdriPicture, AShadowOfTheSunLeavesNoTraceBesideItsEdge) {
   EXPECT_EQ(away_from_edge, 0);
 }
 
-TEST_F(HdriPicture, IsInThePublicInterfaceToo) {
+TEST_F(HdriPicture, PublicInterfaceGivesTheSamePicture) {
   write_panorama("sun.pfm", [](dvec3 d) {
     return glm::dot(d, direction_at(60, 50)) > std::cos(0.05) ? dvec3(400.0) : dvec3(0.3, 0.4, 0.6);
   });

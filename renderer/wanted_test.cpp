@@ -52,7 +52,7 @@ TEST(Wanted, GeometryTakesOneCaptureWithoutShadows) {
   EXPECT_EQ(std::count(depth.names.begin(), depth.names.end(), "object_id"), 1) << "it identifies the ground";
 }
 
-TEST(Wanted, PassesAreThoseOfTheWholePicture) {
+TEST(Wanted, PassesMatchTheWholePicture) {
   for (const char* look : {"studio", "ao", "bleeding", "lit", "cartoon"})
     for (const auto& [pass, planes] : {std::pair<std::string, Names>{"depth", {"depth"}},
                                        {"ao", {"ao"}},
@@ -80,7 +80,7 @@ TEST(Wanted, PassesAreThoseOfTheWholePicture) {
     }
 }
 
-TEST(Wanted, OcclusionAloneNeedsNoLightOfAnother) {
+TEST(Wanted, OcclusionAloneRunsNoOtherEffects) {
   const Made made = made_for("cartoon", {"ao"}, {"ao"});
   EXPECT_EQ(std::count(made.stages.begin(), made.stages.end(), "toon"), 0);
   EXPECT_EQ(std::count(made.stages.begin(), made.stages.end(), "outline"), 0);
@@ -91,7 +91,7 @@ TEST(Wanted, OcclusionAloneNeedsNoLightOfAnother) {
 
 // make_plan reports passes that neither the capture nor a uniform plane provides. A picture has all passes that
 // make_plan accepts.
-TEST(Wanted, PlansTellOfPassesThatNothingInTheSceneMakes) {
+TEST(Wanted, PlansReportPassesThatTheSceneLacks) {
   auto scene = load_scene("scene:solids?detail=2000");
   const auto device = make_cpu_device();
   int refused = 0, made = 0;
