@@ -102,7 +102,7 @@ TEST(Points, ScaleWithTheirScene) {
   }
 }
 
-TEST(Points, AFarOneStaysSmall) {
+TEST(Points, FarPointsStaySmall) {
   std::vector<glm::vec3> points = random_sphere(500, false);
   points.emplace_back(1000.0f, 0.0f, 0.0f);
   const Scene scene = scene_of(points);
@@ -123,7 +123,7 @@ TEST(Points, FewAreDrawnToo) {
   }
 }
 
-TEST(Points, TwinsAndNumbersThatAreNoneAreLeftOut) {
+TEST(Points, DuplicatesAndNonFinitePointsAreDropped) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   std::vector<glm::vec3> points = random_sphere(100, false);
   const std::vector<glm::vec3> unique_points = points;
@@ -141,7 +141,7 @@ TEST(Points, TwinsAndNumbersThatAreNoneAreLeftOut) {
   EXPECT_EQ(scene.meshes[0].colors.size(), 100u);
 }
 
-TEST(Points, StandOnAGroundUnlessTheyBringOne) {
+TEST(Points, LackGroundUnlessTheyContainOne) {
   EXPECT_TRUE(lacks_ground(scene_of(random_sphere(2000, false))));
   std::vector<glm::vec3> with_floor = random_sphere(2000, false);
   for (int z = -40; z <= 40; ++z)

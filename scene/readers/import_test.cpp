@@ -145,7 +145,7 @@ TEST_F(Import, ReadsObj) {
   EXPECT_EQ(scene.materials.at(std::size_t(scene.meshes[0].material)).albedo, glm::vec3(0.8f));
 }
 
-TEST_F(Import, ReadsNumbersThatBeginWithTheirPoint) {
+TEST_F(Import, ReadsNumbersWithoutLeadingZero) {
   const Scene scene = read("point.obj", "v .5 -.25 0\nv 1 0 0\nv 0 .75e0 +.5\nf 1 2 3\n");
   EXPECT_EQ(scene.bounds_min, glm::vec3(0.0f, -0.25f, 0.0f));
   EXPECT_EQ(scene.bounds_max, glm::vec3(1.0f, 0.75f, 0.5f));
@@ -172,7 +172,7 @@ TEST_F(Import, ReadsMaterialsOfObj) {
   EXPECT_TRUE(scene.warnings.empty());
 }
 
-TEST_F(Import, WarnsOfMissingLibraryAndTexture) {
+TEST_F(Import, WarnsAboutMissingLibraryAndTexture) {
   const Scene without_library = read("a.obj", "mtllib gone.mtl\nusemtl x\n" + cube_obj());
   ASSERT_EQ(without_library.warnings.size(), 1u);
   EXPECT_NE(without_library.warnings[0].find("gone.mtl"), std::string::npos);
@@ -217,7 +217,7 @@ TEST_F(Import, FindsTexturesOnceByAnyCaseAndBareName) {
   }
 }
 
-TEST_F(Import, TakesTheMaskOfObjFromItsOwnFile) {
+TEST_F(Import, ReadsTheMaskOfObjFromASeparateFile) {
   write("color.tga", two_texels_tga());
   std::string mask = two_texels_tga();
   for (std::size_t i = 18; i < 22; ++i) mask[i] = 0;           // the first texel black
@@ -304,7 +304,7 @@ TEST_F(Import, ReadsColorsOfVertices) {
   EXPECT_TRUE(read("w.obj", "v 0 0 0 1 1 1\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\n").meshes.at(0).colors.empty());
 }
 
-TEST_F(Import, ColorsPartVerticesWhereTheyDiffer) {
+TEST_F(Import, DifferentColorsSplitVertices) {
   // Two triangles share an edge; one is red, the other blue. Normals are averaged across the edge, colours are not.
   const Scene scene = read("seam.obj",
                            "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\n"
@@ -348,7 +348,7 @@ TEST_F(Import, ReadsPoints) {
   }
 }
 
-TEST_F(Import, ReadsWhatFollowsAPointInText) {
+TEST_F(Import, ReadsColumnsAfterPositions) {
   const auto mesh_of = [&](const std::string& text) { return read("a.xyz", text).meshes.at(0); };
   const Mesh colored = mesh_of("# a scan\n0 0 0 255 0 0\n1,0,0,255,0,0\n0;1;0;51;0;0\n");
   ASSERT_EQ(colored.colors.size(), 3u);
@@ -359,7 +359,7 @@ TEST_F(Import, ReadsWhatFollowsAPointInText) {
   EXPECT_TRUE(mesh_of("0 0 0 0.5\n1 0 0 0.25\n0 1 0 1\n").colors.empty()) << "an intensity alone";
 }
 
-TEST_F(Import, PointSettingsGoBeforeWhatThePointsSay) {
+TEST_F(Import, PointSettingsOverrideTheFile) {
   const std::string text = "0 0 0\n2 0 0\n0 2 0\n2 2 0\n1 1 0\n";
   ImportSettings settings;
   settings.points = {PointShape::kSpheres, {0.5f, 0}};
@@ -505,7 +505,7 @@ TEST_F(Import, ReadsEmissionOfGltf) {
   EXPECT_EQ(material_of(R"("emissiveTexture":{"index":0})").emission_texture, kNoTexture) << "times 0";
 }
 
-TEST_F(Import, PlacesTexturesAsGltfSays) {
+TEST_F(Import, AppliesGltfTextureTransforms) {
   write("dots.tga", two_texels_tga());
   // The triangle's texture coordinates are its x and y, with v measured from the top.
   const auto expect_uvs = [&](const std::string& use, auto wanted) {
@@ -531,7 +531,7 @@ TEST_F(Import, PlacesTexturesAsGltfSays) {
   expect_uvs(R"(,"texCoord":1)", [](float x, float y) { return glm::vec2(x, y); });  // a missing set
 }
 
-TEST_F(Import, LeavesOutWhatIsMostlyClear) {
+TEST_F(Import, SkipsMostlyTransparentMeshes) {
   const auto two_of = [&](const std::string& other) {
     std::string text = triangle_gltf("", R"({"name":"wall"},{"name":"pane",)" + other + "}");
     text.replace(text.find(R"("nodes":[0])"), 11, R"("nodes":[0,1])");
@@ -593,7 +593,7 @@ const Texture& cut_out_of(const Scene& scene) {
   return scene.textures.at(std::size_t(material.texture));
 }
 
-TEST_F(Import, CutsWhatIsBlendedAlongSmoothEdges) {
+TEST_F(Import, CutsOutBlendedTexturesAlongSmoothEdges) {
   // Alpha varies from texel to texel, as on dirty glass; only the left half of the texture is opaque on average.
   constexpr int kWidth = 256, kHeight = 64;
   std::string tga = two_texels_tga().substr(0, 18);
@@ -619,7 +619,7 @@ TEST_F(Import, CutsWhatIsBlendedAlongSmoothEdges) {
   EXPECT_EQ(wrong, 0);
 }
 
-TEST_F(Import, KeepsThePalettesOfWhatIsBlended) {
+TEST_F(Import, KeepsPalettesOfBlendedMaterials) {
   // One of the two texels is mostly transparent. Averaging would make them equal.
   std::string tga = two_texels_tga();
   tga[21] = char(255), tga[25] = char(40);
@@ -688,7 +688,7 @@ TEST_F(Import, DropsWhatCannotBeDrawn) {
   EXPECT_EQ(scene.warnings[1], "3 of 5 triangles are degenerate or not finite and are left out");
 }
 
-TEST_F(Import, SaysThatIndicesAreOutOfRange) {
+TEST_F(Import, ReportsIndicesOutOfRange) {
   // This is a glTF file: for glTF the reader itself drops such triangles.
   std::string text = triangle_gltf("", "{}");
   const std::string indices = std::string("\0\0\1\0\2\0\0\0\1\0\x63\0", 12);
@@ -852,7 +852,7 @@ TEST(Finish, TakesAnEmptyScene) {
   EXPECT_EQ(scene.radius(), 0.0f);
 }
 
-TEST(TextureFile, RefusesWhatIsNoImage) {
+TEST(TextureFile, RejectsOtherData) {
   const std::vector<std::uint8_t> noise(100, 7);
   const Result<Texture> texture = decode_texture(noise, "noise.png");
   ASSERT_FALSE(texture);

@@ -68,7 +68,7 @@ TEST_P(Readers, TakeAnyBytes) {
 
 INSTANTIATE_TEST_SUITE_P(All, Readers, testing::ValuesIn(readers().begin(), readers().end()), test_name);
 
-TEST(ReadersOfOthers, NeverTakeTheProgramAlong) {
+TEST(ThirdPartyReaders, NeverCrashTheProgram) {
   std::string name = (fs::temp_directory_path() / "umbrage-readers-XXXXXX").string();
   ASSERT_NE(::mkdtemp(name.data()), nullptr);
   const fs::path folder = name;
