@@ -58,17 +58,17 @@ TEST_F(IsolatedImport, SurvivesWhatItsReaderDoes) {
   expect_error("liar.obj", "another version");
 }
 
-TEST_F(IsolatedImport, StopsAReaderWithoutEnd) {
+TEST_F(IsolatedImport, StopsAHangingReader) {
   expect_error("spin.obj", "stopped after 1 s");
   expect_error("wait.obj", "stopped after 1 s");
 }
 
-TEST_F(IsolatedImport, RefusesMemoryToAHungryReader) {
+TEST_F(IsolatedImport, LimitsTheMemoryOfTheReader) {
   if (!memory_can_be_limited()) GTEST_SKIP() << "a sanitizer has reserved the address space";
   expect_error("hunger.obj", "needs more memory than is available");
 }
 
-TEST_F(IsolatedImport, IsASentenceOfTheProgram) {
+TEST_F(IsolatedImport, ProgramReportsOneSentence) {
   for (const std::string name : {"crash.obj", "abort.obj", "exit.obj"}) {
     model(name);
     bad(name + " -o out.png", 3, {name, "its reader crashed"}, kFaulty);
@@ -98,7 +98,7 @@ TEST_F(IsolatedImport, LeavesNoProcessBehind) {
   ::close(pipe_ends[0]);
 }
 
-TEST_F(IsolatedImport, EndsWithItsReaderWhereItIsToldTo) {
+TEST_F(IsolatedImport, StopsItsReaderOnRequest) {
   const fs::path file = model("linger.obj");
   const fs::path started = file.string() + ".started";
   std::chrono::steady_clock::time_point ended;
@@ -190,7 +190,7 @@ TEST(Transfer, KeepsEveryField) {
   EXPECT_EQ(error->error().message, "a sentence");
 }
 
-TEST(Transfer, RefusesWhatIsNotWholeOrNotSound) {
+TEST(Transfer, RejectsIncompleteOrInconsistentData) {
   Memory whole, changed;
   ASSERT_TRUE(send_import(whole.file, small_scene()));
   const std::string bytes = whole.bytes();
