@@ -67,7 +67,7 @@ using ImageFile = Files;
 using PngFile = Files;
 using ExrFile = Files;
 using PfmFile = Files;
-using WholeFile = Files;
+using AtomicWrite = Files;
 
 std::string content(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -141,7 +141,7 @@ void expect_error(const Result<T>& result, std::initializer_list<std::string_vie
 
 // --- Choice of the format -------------------------------------------------------------------------------------------
 
-TEST_F(ImageFile, EndingsNameFormats) {
+TEST_F(ImageFile, ExtensionsSelectFormats) {
   for (const ImageFormat& format : image_formats()) {
     const Result<const ImageFormat*> found = format_of("a.b/picture." + std::string(format.extension));
     ASSERT_TRUE(found);
@@ -153,7 +153,7 @@ TEST_F(ImageFile, EndingsNameFormats) {
   EXPECT_EQ((*format_of("PICTURE.PNG"))->extension, "png");
 }
 
-TEST_F(ImageFile, ExrHeadersPromiseNoMoreThanTheFileHolds) {
+TEST_F(ImageFile, ExrHeadersThatClaimTooMuchAreRejected) {
   const fs::path file = *this / "a.exr";
   Image image(4, 4);
   image.add("depth");
@@ -217,7 +217,7 @@ TEST_F(ImageFile, ExrLeavesTheLibrarysSettingsAlone) {
   EXPECT_NO_THROW(wide.sanityCheck()) << "a size that umbrage rejects and the host may use";
 }
 
-TEST_F(ImageFile, ExrFilesDoNotDependOnThreadsNorOnThePiecesTheyAreMadeOf) {
+TEST_F(ImageFile, ExrFilesDoNotDependOnThreadsOrRowGroups) {
   const auto bytes_of = [&](const fs::path& file) {
     std::ostringstream text;
     text << std::ifstream(file, std::ios::binary).rdbuf();
@@ -268,7 +268,7 @@ TEST_F(ImageFile, ExrFilesDoNotDependOnThreadsNorOnThePiecesTheyAreMadeOf) {
   }
 }
 
-TEST_F(ImageFile, UnknownEndingListsAll) {
+TEST_F(ImageFile, UnknownExtensionListsAll) {
   expect_error(format_of("out.webp"), {"'out.webp'", ".webp", ".png, .exr or .pfm"}, ErrorKind::kUsage);
   expect_error(format_of("out.pngg"), {"did you mean 'png'?", ".png, .exr or .pfm"}, ErrorKind::kUsage);
   expect_error(format_of("out"), {"'out'", "does not end in an image extension", ".png, .exr or .pfm"},
@@ -518,7 +518,7 @@ TEST_F(PngFile, EncodesSmoothShadingSmallAndFast) {
 
 // --- PFM ------------------------------------------------------------------------------------------------------------
 
-TEST_F(PfmFile, RoundTripsToTheBit) {
+TEST_F(PfmFile, RoundTripsExactly) {
   for (auto [width, height] : kSizes) {
     Image grey = random_image(width, height, {"grey"}, -1e6f, 1e6f);
     grey.plane("grey").at(0, 0) = kInfinity;
@@ -569,7 +569,7 @@ TEST_F(PfmFile, RefusesBadHeaders) {
 
 // --- OpenEXR --------------------------------------------------------------------------------------------------------
 
-TEST_F(ExrFile, RoundTripsToTheBit) {
+TEST_F(ExrFile, RoundTripsExactly) {
   for (auto [width, height] : kSizes) {
     Image image = random_image(width, height,
                                {"color.r", "color.g", "color.b", "color.a", "depth", "normal.x", "normal.y", "normal.z",
@@ -583,7 +583,7 @@ TEST_F(ExrFile, RoundTripsToTheBit) {
   }
 }
 
-TEST_F(ExrFile, HalfIsNearAndSparesDepthAndIds) {
+TEST_F(ExrFile, HalfIsCloseAndExcludesDepthAndIds) {
   for (auto [width, height] : kSizes) {
     Image image = random_image(width, height, {"color.r", "color.g", "color.b", "depth", "l1.depth", "object_id", "id"},
                                1e-4f, 65000.0f);
@@ -696,7 +696,7 @@ TEST_F(ExrFile, OrthographicCameraAttributes) {
   EXPECT_GT(std::abs(to_ndc.determinant()), 1e-3f);
 }
 
-TEST_F(ExrFile, CameraComesBack) {
+TEST_F(ExrFile, CameraRoundTrips) {
   for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
     Camera camera = perspective_camera({120, -35, 7}, {-3, 8, 1}, {0, 0, 1}, 40, 1);
     camera.projection = projection;
@@ -714,7 +714,7 @@ TEST_F(ExrFile, CameraComesBack) {
   }
 }
 
-TEST_F(ExrFile, CameraFarFromTheOriginComesBack) {
+TEST_F(ExrFile, CameraFarFromTheOriginRoundTrips) {
   Camera camera = perspective_camera({1e5f, -2e5f, 3e4f}, {1e5f + 1, -2e5f + 2, 3e4f - 1}, {0, 1, 0}, 40, 1.5f);
   ASSERT_TRUE(write_image(*this / "x.exr", random_image(8, 4, {"ao"}), {.camera = &camera}));
   const Result<std::optional<Camera>> read_back = read_camera(*this / "x.exr");
@@ -723,7 +723,7 @@ TEST_F(ExrFile, CameraFarFromTheOriginComesBack) {
   EXPECT_NEAR((*read_back)->right, camera.right, 1e-4f);
 }
 
-TEST_F(ExrFile, OnlyUsableCamerasComeBack) {
+TEST_F(ExrFile, OnlyUsableCamerasAreRead) {
   const Image image = random_image(8, 4, {"ao"});
   for (const char* name : {"x.exr", "x.png"}) {
     ASSERT_TRUE(write_image(*this / name, image));
@@ -818,7 +818,7 @@ TEST_F(ExrFile, LayersOfDepthAreInfiniteOutside) {
   EXPECT_EQ(image.plane("layer2.depth").at(1, 2), 2 + 1 + 200);
 }
 
-TEST_F(ExrFile, FormsOfALayersDepthStayApart) {
+TEST_F(ExrFile, FormsOfALayersDepthAreKeptSeparate) {
   write_exr(*this / "x.exr", box(0, 0, 1, 1), Channels(box(0, 0, 1, 1), {{"layer1.depth", 1}, {"layer1.depth.Z", 2}}));
   const Image image = read_or_fail(*this / "x.exr");
   ASSERT_EQ(image.names, (std::vector<std::string>{"layer1.depth", "layer1.depth.Z"}));
@@ -870,7 +870,7 @@ TEST_F(ExrFile, PartsAreNamed) {
   EXPECT_EQ(image.plane("depth").at(0, 0), 7);
 }
 
-TEST_F(ExrFile, FormsOfOneNameStayApart) {
+TEST_F(ExrFile, FormsOfOneNameAreKeptSeparate) {
   write_exr(*this / "x.exr", box(0, 0, 1, 1),
             Channels(box(0, 0, 1, 1), {{"N.X", 1}, {"N.x", 2}, {"R", 3}, {"color.r", 4}}));
   const Image image = read_or_fail(*this / "x.exr");
@@ -953,7 +953,7 @@ TEST_F(ExrFile, RefusesHostileSizes) {
 
 // --- Atomic writing -------------------------------------------------------------------------------------------------
 
-TEST_F(WholeFile, ReplacesWhatWasThere) {
+TEST_F(AtomicWrite, ReplacesExistingFiles) {
   write_bytes(*this / "x.txt", "old");
   ASSERT_TRUE(write_text(*this / "x.txt", "new"));
   EXPECT_EQ(content(*this / "x.txt"), "new");
@@ -962,7 +962,7 @@ TEST_F(WholeFile, ReplacesWhatWasThere) {
   EXPECT_EQ(listing(), std::vector<std::string>{"x.txt"});
 }
 
-TEST_F(WholeFile, LinksStayLinks) {
+TEST_F(AtomicWrite, LinksStayLinks) {
   write_bytes(*this / "target", "old");
   fs::create_symlink("target", *this / "link");
   ASSERT_TRUE(write_text(*this / "link", "new"));
@@ -970,7 +970,7 @@ TEST_F(WholeFile, LinksStayLinks) {
   EXPECT_EQ(content(*this / "target"), "new");
 }
 
-TEST_F(WholeFile, LongNamesFit) {
+TEST_F(AtomicWrite, LongNamesFit) {
   const std::string name = std::string(251, 'n') + ".txt";
   ASSERT_TRUE(write_text(*this / name, "text"));
   EXPECT_EQ(listing(), std::vector<std::string>{name});
@@ -978,7 +978,7 @@ TEST_F(WholeFile, LongNamesFit) {
   EXPECT_EQ(listing(), std::vector<std::string>{name});
 }
 
-TEST_F(WholeFile, BadPlacesAreNamed) {
+TEST_F(AtomicWrite, BadPathsAreNamed) {
   write_bytes(*this / "file", "x");
   const Image image = random_image(2, 2, {"a"});
   expect_error(check_writable(""), {"empty"});
@@ -1012,7 +1012,7 @@ class Unprivileged {
   bool root_ = ::geteuid() == 0, changed_ = false;
 };
 
-TEST_F(WholeFile, MissingRightsAreNamed) {
+TEST_F(AtomicWrite, MissingPermissionsAreNamed) {
   fs::create_directory(*this / "locked");
   write_bytes(*this / "locked/old.png", "old");
   fs::permissions(*this / "locked", fs::perms(0555));
@@ -1051,7 +1051,7 @@ class FileSizeLimit {
   void (*handler_)(int);
 };
 
-TEST_F(WholeFile, FailedWritesLeaveNothing) {
+TEST_F(AtomicWrite, FailedWritesLeaveNothing) {
   const Image image = random_image(200, 200, {"color.r", "color.g", "color.b"});
   for (const rlim_t limit : {0, 100, 5000, 40'000})
     for (const char* name : {"x.png", "x.exr", "x.pfm"}) {
@@ -1075,7 +1075,7 @@ TEST_F(WholeFile, FailedWritesLeaveNothing) {
   EXPECT_EQ(listing().size(), 4u);
 }
 
-TEST_F(WholeFile, FullDeviceIsAnError) {
+TEST_F(AtomicWrite, FullDeviceIsAnError) {
   const Image image = random_image(200, 200, {"color.r", "color.g", "color.b"});
   for (const char* name : {"x.png", "x.exr", "x.pfm"}) {
     fs::create_symlink("/dev/full", *this / name);
@@ -1087,7 +1087,7 @@ TEST_F(WholeFile, FullDeviceIsAnError) {
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
-TEST_F(WholeFile, AbandonedWritesLeaveNothing) {
+TEST_F(AtomicWrite, AbandonedWritesLeaveNothing) {
   write_bytes(*this / "x.txt", "older");
   abandon_writes();  // no write is in progress
   std::size_t during = 0, after = 0;
@@ -1105,7 +1105,7 @@ TEST_F(WholeFile, AbandonedWritesLeaveNothing) {
   EXPECT_EQ(content(*this / "x.txt"), "older");
 }
 
-TEST_F(WholeFile, ThreadsDoNotMix) {
+TEST_F(AtomicWrite, ThreadsDoNotMix) {
   std::vector<std::thread> threads;
   for (int t = 0; t < 4; ++t)
     threads.emplace_back([&, t] {

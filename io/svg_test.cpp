@@ -52,7 +52,7 @@ long count_of(const std::string& text, const std::string& part) {
 
 const std::string kSmall = "scene:solids?detail=2000 --device cpu --look cartoon --ao none --resolution 128x96 ";
 
-TEST_F(SvgTest, IsDrawnAsThePictureHasIt) {
+TEST_F(SvgTest, MatchesThePicture) {
   write_cube();
   for (const std::string model : {"scene:solids", "cube.obj"})
     for (const int size : {256, 512})
@@ -68,7 +68,7 @@ TEST_F(SvgTest, IsDrawnAsThePictureHasIt) {
       }
 }
 
-TEST_F(SvgTest, IsTheSameHoweverItIsMade) {
+TEST_F(SvgTest, DoesNotDependOnTheCommand) {
   good(kSmall + "-o picture.png --svg beside.svg");
   good("scene:solids?detail=2000 --device cpu --resolution 128x96 -o alone.svg");
   good(kSmall + "--anti-aliasing 4 --threads 1 --no-background -o averaged.exr --svg averaged.svg");
@@ -96,7 +96,7 @@ TEST_F(SvgTest, IsTheSameOnVulkan) {
   EXPECT_EQ(text_of(folder_ / "gpu.svg"), text_of(folder_ / "cpu.svg"));
 }
 
-TEST_F(SvgTest, HasColorsAndNothingWhereNothingIsSeen) {
+TEST_F(SvgTest, HasColorsAndNoLinesInEmptyViews) {
   write_cube();
   good(
       "cube.obj --device cpu --resolution 64x48 --background-color 1,0.5,0 --set outline.r=0.5 --set "
@@ -134,7 +134,7 @@ TEST_F(SvgTest, RefusesWhatCannotBe) {
   bad("tri.obj --device cpu --resolution 32x32 -o full.svg", 3, {"'full.svg'", "No space left"});
 }
 
-TEST_F(SvgTest, StrokesOfTheLibraryAreThoseOfTheFile) {
+TEST_F(SvgTest, LibraryStrokesMatchTheFile) {
   RenderRequest request = {.model = "scene:solids?detail=2000",
                            .look = "cartoon",
                            .occlusion = "none",
