@@ -56,7 +56,7 @@ TEST(InteriorLights, ClosedRoomsGetALampBelowTheCeiling) {
   EXPECT_GT(lights[0].reach, 1.0f);
 }
 
-TEST(InteriorLights, WhatTheUsualLightReachesKeepsIt) {
+TEST(InteriorLights, ScenesReachedByTheDefaultLightKeepIt) {
   Scene scene;
   scene.materials = {Material{}};
   scene.meshes = {shapes::box({-4, -0.1f, -4}, {4, 0, 4}), shapes::box({-1, 0, -1}, {1, 1, 1})};
