@@ -129,7 +129,7 @@ TEST(Metrics, SomePixelsOff) {
   }
 }
 
-TEST(Metrics, EqualPicturesAreFaultless) {
+TEST(Metrics, EqualPicturesHaveNoError) {
   const Image grey_picture = grey(33, 21, noise(1)), colours = colour(33, 21, noise(1), noise(2), noise(3));
   for (const Image& picture : {grey_picture, colours}) {
     const Scores s = score(picture, picture, with_holes(33, 21)).covered;
@@ -142,7 +142,7 @@ TEST(Metrics, EqualPicturesAreFaultless) {
   }
 }
 
-TEST(Metrics, ChannelsCountAlike) {
+TEST(Metrics, ChannelsHaveEqualWeight) {
   const Image truth = flat_colour(30, 30, {0.5f, 0.5f, 0.5f});
   const Image picture = flat_colour(30, 30, {0.5f, 0.625f, 0.25f});
   const Scores s = score(picture, truth, all_open(30, 30)).covered;
@@ -160,7 +160,7 @@ TEST(Metrics, ChannelsCountAlike) {
   EXPECT_NEAR(s.ssim, ssim, 1e-6);
 }
 
-TEST(Metrics, LightIsMeasuredInItsMean) {
+TEST(Metrics, LightErrorsAreRelativeToTheMean) {
   const ClassMap map = with_holes(40, 30);
   const auto times = [](Image image, float factor) {
     for (Plane& plane : image.planes)
@@ -197,7 +197,7 @@ TEST(Metrics, LightIsMeasuredInItsMean) {
             score(picture, times(truth, 0.0f), map).covered.rmse);
 }
 
-TEST(Metrics, ClassesAreScoredApart) {
+TEST(Metrics, ClassesAreScoredSeparately) {
   ClassMap map = all_open(40, 40);
   for (int y = 0; y < 40; ++y)
     for (int x = 0; x < 40; ++x) {
@@ -244,7 +244,7 @@ TEST(Metrics, BackgroundChangesNothing) {
   expect_same(score(changed, truth, map), before);
 }
 
-TEST(Metrics, WhatIsNoNumberCountsAsZero) {
+TEST(Metrics, NonFiniteValuesCountAsZero) {
   Image picture = grey(32, 32, waves(1)), zeroed = picture;
   picture.planes[0].at(3, 4) = kNaN;
   picture.planes[0].at(20, 20) = kInfinity;
@@ -349,7 +349,7 @@ TEST(Metrics, SsimOfANegativeIsBelowZero) {
   EXPECT_GE(ssim, -1.0);
 }
 
-TEST(Metrics, SsimIsTheDefinition) {
+TEST(Metrics, SsimMatchesItsDefinition) {
   const Image a = grey(23, 17, noise(1)), b = grey(23, 17, waves(2));
   for (const ClassMap& map : {all_open(23, 17), with_holes(23, 17)})
     EXPECT_NEAR(score(a, b, map).covered.ssim, direct_ssim(a.planes[0], b.planes[0], map), 1e-6);
@@ -486,7 +486,7 @@ double flip_difference(const Image& picture, const Image& truth, const ClassMap&
   return max;
 }
 
-TEST(Metrics, FlipIsThePaper) {
+TEST(Metrics, FlipMatchesThePaper) {
   constexpr int kWidth = 27, kHeight = 22;
   const Texel step = [](int x, int y) { return x + y > 24 ? 0.9f : 0.1f; };
   for (const ClassMap& map : {all_open(kWidth, kHeight), with_holes(kWidth, kHeight)}) {
@@ -520,7 +520,7 @@ TEST(Metrics, FlipIsSymmetric) {
   for (int y = 0; y < 26; ++y) EXPECT_TRUE(same_bits(forward.row(y), backward.row(y), 31 * sizeof(float)));
 }
 
-TEST(Metrics, FlipShowsGreyAsItIs) {
+TEST(Metrics, FlipTreatsGreyAsDisplayValues) {
   // A grey picture holds display values; light passes through the sRGB curve first.
   const Texel a = waves(1), b = waves(2);
   const auto light = [](const Texel& shown) {
@@ -538,7 +538,7 @@ TEST(Metrics, FlipShowsGreyAsItIs) {
   EXPECT_NEAR(shown, linear, 1e-5);
 }
 
-TEST(Metrics, FlipSeesALineRatherThanAHaze) {
+TEST(Metrics, FlipRatesALineAboveAHaze) {
   constexpr int kSide = 81;
   constexpr double kSpread = 8.0;  // pixels
   const auto shown = [](double light) {
@@ -673,7 +673,7 @@ void expect_outlines(const Cast& picture) {
   EXPECT_EQ(false_positives, 0);
 }
 
-TEST(MetricsClasses, SphereHasASilhouetteAllRound) {
+TEST(MetricsClasses, SphereHasASilhouetteAllAround) {
   for (const Projection projection : kProjections)
     for (const int size : {128, 300, 512}) {
       SCOPED_TRACE(size);
@@ -687,7 +687,7 @@ TEST(MetricsClasses, SphereHasASilhouetteAllRound) {
     }
 }
 
-TEST(MetricsClasses, SilhouettesAreAsWideAsTheResolutionAsks) {
+TEST(MetricsClasses, SilhouetteWidthFollowsTheResolution) {
   // The middle row shows wall, sphere, wall. Silhouettes have 1 pixel on either side at size 256, and 2 at 1024.
   for (const auto& [size, width] : {std::pair{256, 1}, {1024, 2}}) {
     const ClassMap map = classify(cast(size, size, Projection::kPerspective, sphere_before_wall(2.0, 3.0)).gbuffer);
@@ -695,7 +695,7 @@ TEST(MetricsClasses, SilhouettesAreAsWideAsTheResolutionAsks) {
   }
 }
 
-TEST(MetricsClasses, HalfSunkSphereHasNone) {
+TEST(MetricsClasses, HalfSunkSphereHasNoSilhouette) {
   // This is true only in orthographic views: in perspective, the outline is in front of the circle where the sphere
   // meets the wall.
   for (const double radius : {0.1, 0.5, 2.0}) {
@@ -705,7 +705,7 @@ TEST(MetricsClasses, HalfSunkSphereHasNone) {
   }
 }
 
-TEST(MetricsClasses, GrazingPlaneHasNone) {
+TEST(MetricsClasses, GrazingPlaneHasNoSilhouette) {
   for (const Projection projection : kProjections)
     for (const double tilt : {0.0, 0.3, 1.0, 3.0, 10.0, 30.0})
       for (const double turn : {0.0, 0.7, 2.0}) {
@@ -719,7 +719,7 @@ TEST(MetricsClasses, GrazingPlaneHasNone) {
       }
 }
 
-TEST(MetricsClasses, GrazingPlanesWithRoughNormalsHaveNoneAndStepsHave) {
+TEST(MetricsClasses, GrazingPlanesHaveSilhouettesOnlyAtSteps) {
   test::at_grazing_angles({.width = 200, .height = 160, .error_deg = 2.0}, [](const test::TiltedPlane& plane) {
     const ClassMap map = classify(test::seen(plane));
     EXPECT_EQ(count(map, PixelClass::kOpen) + count(map, PixelClass::kBorder), 200 * 160);
@@ -732,7 +732,7 @@ TEST(MetricsClasses, GrazingPlanesWithRoughNormalsHaveNoneAndStepsHave) {
   });
 }
 
-TEST(MetricsClasses, GroundToTheHorizonHasItsEdgeThere) {
+TEST(MetricsClasses, GroundHasASilhouetteAtTheHorizon) {
   // The horizon lies between rows 149 and 150, just above the middle of the picture.
   const Cast ground = cast(300, 300, Projection::kPerspective, [](glm::dvec3 o, glm::dvec3 d) {
     return hit_plane(o, d, {0, 1, 0}, -1.0, 0);
@@ -745,7 +745,7 @@ TEST(MetricsClasses, GroundToTheHorizonHasItsEdgeThere) {
   }
 }
 
-TEST(MetricsClasses, CreasesHaveNone) {
+TEST(MetricsClasses, CreasesHaveNoSilhouette) {
   // Three random planes that all face the camera: the farthest hit forms a convex corner, the nearest a concave one.
   for (unsigned seed = 0; seed < 24; ++seed) {
     std::array<glm::dvec3, 3> normals;
@@ -806,7 +806,7 @@ TEST(MetricsClasses, RodIsThinAtAnyResolution) {
       }
 }
 
-TEST(MetricsClasses, BorderIsAShareOfTheShorterSide) {
+TEST(MetricsClasses, BorderIsAFractionOfTheShorterSide) {
   const Scene wall = [](glm::dvec3 o, glm::dvec3 d) { return hit_plane(o, d, {0, 0, 1}, -10, 0); };
   const ClassMap map = classify(cast(200, 100, Projection::kPerspective, wall).gbuffer);
   EXPECT_EQ(map.width, 200);

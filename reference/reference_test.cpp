@@ -255,7 +255,7 @@ TEST(Reference, QuadratureAgreesWithTheClosedForms) {
   EXPECT_NEAR(assumed_visibility({{0.0, 0.0}, {M_PI / 2, 0.0}}, 9.0, 1.0).fraction, 0.25, 1e-12);
 }
 
-TEST(Reference, APlaneIsOpenToTheBit) {
+TEST(Reference, PlaneIsExactlyUnoccluded) {
   for (const float tilt_deg : {0.0f, 37.0f, 80.0f})
     for (const glm::vec3 middle : {glm::vec3(0.0f), glm::vec3(300.0f, -200.0f, 500.0f)}) {
       const glm::vec3 u = glm::normalize(glm::vec3(0.8f, 0.3f, -0.2f)), v = glm::normalize(glm::cross({0.1f, 2, 1}, u));
@@ -365,7 +365,7 @@ bool misses_sphere(const PixelRay& ray) {
   return glm::length(away - direction * glm::dot(away, direction)) > 1.01;
 }
 
-TEST(Reference, BallOnAPlane) {
+TEST(Reference, SphereOnAPlane) {
   // The sphere fills a cone whose half angle has the sine r / d. The cosine-weighted fraction of the cone is
   // sine^2 cos(theta). Hits within R fill the inner part of the cone, because the distance to the sphere increases with
   // the angle to the axis.
@@ -476,7 +476,7 @@ TEST(Reference, BentNormalBesideAWall) {
     }
 }
 
-TEST(Reference, BentNormalOfSymmetricScenesHasNoSide) {
+TEST(Reference, BentNormalOfSymmetricScenesIsSymmetric) {
   const PreparedScene prepared =
       make_prepared_scene(scene_of({level_square(4.0f), wall_x(1.0f), wall_x(-1.0f), wall_y(0.5f)}));
   const PictureInfo info = prepared.info(from_above(1e-4f, 1e-4f), 32, 32);
@@ -516,7 +516,7 @@ TEST(Reference, ConvexMeshesAreOpenAroundTheirTriangles) {
   EXPECT_GT(closed, surfaces / 4) << "facets show around interpolated normals";
 }
 
-TEST(Reference, DirectionsBelowTheTriangleAreClosed) {
+TEST(Reference, DirectionsBelowTheTriangleAreBlocked) {
   // The shading normals of a plane are tilted by an angle: (1 + cos angle) / 2 of their hemisphere is above the plane.
   for (const double lean : {0.3, 0.8}) {
     Mesh floor = level_square(2.0f);
@@ -578,7 +578,7 @@ Material matt(glm::vec3 albedo, glm::vec3 emission = glm::vec3(0.0f)) {
   return material;
 }
 
-TEST(Reference, HardShadowsAreTheCaptures) {
+TEST(Reference, HardShadowsMatchTheCapture) {
   for (const Light& key : {sun({0.9f, 0.5f, 1.0f}), lamp({1.5f, -0.5f, 4.0f})}) {
     const PreparedScene prepared =
         make_prepared_scene(scene_of({level_square(8.0f), level_square(1.0f, 2.0f),
@@ -638,7 +638,7 @@ Mesh wavy_floor() {
   return mesh;
 }
 
-TEST(Reference, WithoutShadowsDirectLightIsTheLightingEffects) {
+TEST(Reference, WithoutShadowsDirectLightMatchesEffectLighting) {
   Material shiny = matt({0.6f, 0.3f, 0.2f});
   shiny.specular_strength = 0.7f;
   shiny.specular_exponent = 20.0f;
@@ -665,7 +665,7 @@ TEST(Reference, WithoutShadowsDirectLightIsTheLightingEffects) {
   }
 }
 
-TEST(Reference, WhatTheEyesOwnLightShowsIsLit) {
+TEST(Reference, HeadLightCastsNoVisibleShadow) {
   // An orthographic camera in the middle of a room: geometry behind it casts no shadow forward.
   const PreparedScene prepared = make_prepared_scene(
       scene_of({shapes::box({-1, -1, 0}, {1, 1, 1})}, {matt(glm::vec3(0.5f))}, {{.kind = LightKind::kHead}}));
@@ -769,7 +769,7 @@ TEST(Reference, TheSunsAngleCanBeSet) {
   EXPECT_GT(differing_pixels(ten.plane("shadow"), traced_with(3.0f, 0.0f).plane("shadow")), 20);
 }
 
-TEST(Reference, BallsThrowSoftShadows) {
+TEST(Reference, SphericalLightsCastSoftShadows) {
   // At a point from which the edge of a half plane covers half of the sphere, visibility is 0.5. Geometry behind the
   // light casts no shadow.
   const Mesh edge = parallelogram({-50, -50, 1}, {50, 0, 0}, {0, 100, 0});
@@ -848,7 +848,7 @@ TEST(Reference, SunlitFloorLightsAWall) {
   }
 }
 
-TEST(Reference, FloorsInTheDarkGiveNothing) {
+TEST(Reference, UnlitFloorsGiveNoLight) {
   const Mesh wall = parallelogram({0, -3, 0}, {0, 6, 0}, {0, 0, 3});
   const PreparedScene prepared = make_prepared_scene(scene_of(
       {wall, level_square(8.0f), level_square(20.0f, 3.0f)}, {Material{}}, {sun({0.1f, 0.2f, 1.0f}), lamp({1, 0, 9})}));
@@ -901,7 +901,7 @@ TEST(Reference, BounceEndsAtItsReach) {
   }
 }
 
-TEST(Reference, BounceAloneIsTheSameBounce) {
+TEST(Reference, BounceAloneMatchesBounceWithDirectLight) {
   const PreparedScene prepared = make_prepared_scene(
       scene_of({level_square(4.0f), wall_x(1.0f, 1.0f)}, {Material{}}, {sun({-1, 0, 1}), lamp({0, 0, 3})}));
   const PictureInfo info = prepared.info(from_above(3, 3), 16, 16);
@@ -915,7 +915,7 @@ TEST(Reference, BounceAloneIsTheSameBounce) {
   EXPECT_GT(max, 0.1);
 }
 
-TEST(Reference, CapturedShadowsAreTheCaptures) {
+TEST(Reference, CapturedShadowsMatchTheCapture) {
   // The lamp has a radius, but its captured shadow is hard. The sun casts no shadow.
   Light fill = sun({0.2f, 0.1f, 1.0f}, glm::vec3(0.5f), 30.0f);
   fill.casts_shadow = false;
@@ -978,7 +978,7 @@ TEST(Sampler, PointsLieInsideTheSquare) {
   EXPECT_GT(high, 1.0f - 1e-6f);
 }
 
-TEST(Sampler, EveryPointIsAnywhereWithEqualChance) {
+TEST(Sampler, EachPointIsUniformlyDistributed) {
   const SampleTable table = sample_table(16);
   for (const int i : {0, 5, 15}) {
     Tally x, y, product;
@@ -1119,7 +1119,7 @@ TEST(Reference, DoublingSamplesHalvesTheVarianceOfLight) {
   expect_light_converges(prepared, info, "indirect.g", true);
 }
 
-TEST(Reference, TheBouncesTwoChoicesAreIndependent) {
+TEST(Reference, BounceSamplesItsTwoChoicesIndependently) {
   // Because of the fin above the floor, only the left half of the sun lights the left half of the floor. So light on
   // the wall depends on both random choices of a sample together: the direction of the ray and the point on the sun.
   const Mesh wall = parallelogram({0, -3, 0}, {0, 6, 0}, {0, 0, 0.9f}), floor = level_square(8.0f);
@@ -1131,7 +1131,7 @@ TEST(Reference, TheBouncesTwoChoicesAreIndependent) {
   expect_light_converges(prepared, info, "indirect.g", true);
 }
 
-TEST(Reference, TheMostSamplesComeNearestToTheTruth) {
+TEST(Reference, MoreSamplesAreCloserToTheGroundTruth) {
   const PreparedScene prepared = make_prepared_scene(scene_of({level_square(4.0f), wall_x(1.5f, 3.0f, 6.0f)}));
   const PictureInfo info = prepared.info(from_above(0.8f, 0.8f, {0.9f, 0}), 8, 8);
   for (const auto& [samples, max] : {std::pair{64, 0.06}, {kMaxSamples, 3e-3}}) {
@@ -1206,7 +1206,7 @@ TEST(Reference, FarPerspectiveIsOrthographic) {
   expect_mean(change, 0.0, 1e-3, "perspective less orthographic");
 }
 
-TEST(Reference, TheGuardBandIsLeftOut) {
+TEST(Reference, GuardBandIsNotTraced) {
   constexpr int kGuard = 9;
   Scene scene = small_solids();
   scene.lights = {sun({0.4f, 1, 0.3f}, glm::vec3(1.0f), 10.0f)};
