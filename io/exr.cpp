@@ -378,8 +378,7 @@ Result<void> check_window(const fs::path& file, const Imath::Box2i& window) {
 /// Reads a part's rows with several threads, each through its own file object.
 void read_rows(const fs::path& file, int index, const Imath::Box2i& data, const Imf::FrameBuffer& pixels,
                Imf::MultiPartInputFile& input) {
-  constexpr int kMaxBlock =
-      256;  // rows per block of DWAB, the max; a block that two threads read is decompressed twice
+  constexpr int kMaxBlock = 256;  // max rows per block (DWAB); a block that two threads read is decompressed twice
   const auto read_from = [&](Imf::MultiPartInputFile& from, int first, int last) {
     Imf::InputPart reader(from, index);
     reader.setFrameBuffer(pixels);

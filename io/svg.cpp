@@ -14,14 +14,13 @@
 namespace umbrage {
 namespace {
 
-constexpr float kTolerance = 0.05f;    // pixels: max deviation of a path's width from the width of the line
-constexpr float kMaxFraction = 0.02f;  // max deviation of wide lines, as a fraction of the width
-constexpr float kMinRun = 2.0f;        // pixels: min length of a path
-constexpr float kMaxOverlap = 0.25f;   // pixels: overlap of a path with the next, so that no gap is visible
-constexpr float kOverlapFraction =
-    0.1f;                            // overlap of thin lines, as a fraction of the width: a smaller area is drawn twice
-constexpr int kMaxParts = 64;        // max number of parts of a segment of varying width
-constexpr float kMinWidth = 0.005f;  // pixels: a smaller width would be written as 0
+constexpr float kTolerance = 0.05f;       // pixels: max deviation of a path's width from the width of the line
+constexpr float kMaxFraction = 0.02f;     // max deviation of wide lines, as a fraction of the width
+constexpr float kMinRun = 2.0f;           // pixels: min length of a path
+constexpr float kMaxOverlap = 0.25f;      // pixels: overlap of a path with the next, so that no gap is visible
+constexpr float kOverlapFraction = 0.1f;  // overlap of thin lines, as a fraction of the width: limits the darker area
+constexpr int kMaxParts = 64;             // max number of parts of a segment of varying width
+constexpr float kMinWidth = 0.005f;       // pixels: a smaller width would be written as 0
 
 constexpr float kMaxMagnitude = 1e9f;  // pixels: limit of coordinates and widths
 

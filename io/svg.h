@@ -25,7 +25,7 @@ bool is_svg(const std::filesystem::path& file);
 /// coordinates or widths that are not finite or above 1e9 in magnitude, and for negative widths.
 Result<std::string> svg_text(const Lines& lines, const SvgStyle& style);
 
-/// Writes svg_text to a file atomically. Errors: also kFile.
+/// Writes svg_text to a file atomically. Errors: those of svg_text; kFile.
 Result<void> write_svg(const std::filesystem::path& file, const Lines& lines, const SvgStyle& style);
 
 }  // namespace umbrage
