@@ -22,8 +22,7 @@ constexpr float kMaxTan = 1.428148f;    // tangent of half of 110 degrees
 constexpr float kGap = 0.03f;           // distance between c and a surface, as a fraction of the median depth
 constexpr float kFarthest = 1.6f;       // max distance of c from the picture's camera, in median depths
 constexpr float kClearlyBetter = 1.1f;  // min ratio of free space
-constexpr float kNearest =
-    1e-3f;  // min distance of a camera from c, as a fraction of the distance of the picture's camera
+constexpr float kNearest = 1e-3f;  // min distance of a camera from c, as a fraction of the picture camera's distance
 
 /// Returns the distance to the first surface, in lengths of `direction`.
 float free_distance(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction) {

@@ -17,9 +17,8 @@ namespace umbrage {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr int kGrid = 32;  // grid of rays, per side of the picture
-constexpr float kMinDefaultCosine =
-    0.15f;  // min mean cosine of the default light on the visible surfaces; less is too dark
+constexpr int kGrid = 32;                       // grid of rays, per side of the picture
+constexpr float kMinDefaultCosine = 0.15f;      // min mean cosine of the default light on the visible surfaces
 constexpr float kMinSunCosine = 0.02f;          // min mean cosine of the best sun; with less, sunlight cannot enter
 constexpr float kDefaultDirectionBonus = 0.2f;  // relative bonus of a sun in the direction of the default light
 // Brighter than the default light, since many visible surfaces are in shadow and there is only this light.
