@@ -56,7 +56,7 @@ Result<Image> trace_reference(const TracedScene& scene, const PictureInfo& info,
   const auto& params = as<ReferenceParams>(bytes);
   const auto radius = radius_in_scene("reference.radius", params.radius, info);
   if (!radius) return radius.error();
-  // Both traces report one progress. Occlusion takes a fraction of all rays.
+  // Both traces report one progress, divided by the approximate number of rays of each.
   const bool light = params.light != kReferenceOcclusion, bounce = params.light == kReferenceBounce;
   const double occlusion_fraction = light ? bounce ? 0.2 : 0.5 : 1.0;
   TraceControl occlusion_control = control, light_control = control;

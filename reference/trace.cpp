@@ -47,7 +47,7 @@ glm::vec3 cosine_direction(glm::vec2 sample) {
     radius = b;
     angle = kPi / 2.0f - kPi / 4.0f * (a / b);
   }
-  // No sample is on the disc's edge, so that z > 0: (1 - r) (1 + r) preserves that, 1 - x x - y y may not.
+  // No sample is on the disc's edge, so z > 0. (1 - r) (1 + r) keeps it above 0; 1 - x x - y y may round to 0.
   return {radius * std::cos(angle), radius * std::sin(angle), std::sqrt((1.0f - radius) * (1.0f + radius))};
 }
 
