@@ -139,8 +139,8 @@ std::vector<Part> parts_of(std::vector<Cell> cells) {
   return done;
 }
 
-/// Converts a part to a light. Its irradiance on a surface that faces it equals that of the part; its disc has the
-/// solid angle over which the part's light is spread.
+/// Converts a part to a light. On a surface that faces the light, its irradiance equals the part's. The light's disc
+/// has the solid angle over which the part's light is spread.
 Light light_of(const Part& part) {
   std::array<dvec3, 3> vectors{};  // irradiance of each colour, as a vector
   double squares = 0.0;

@@ -101,7 +101,8 @@ class PlanGrid {
     const glm::vec3 q(glm::dot(p, axes_.right), glm::dot(p, axes_.up), glm::dot(p, axes_.front));
     return {(q.x - min_.x) * scale_.x, q.y, (q.z - min_.z) * scale_.z};
   }
-  /// Returns the first cell whose centre is at or after `x`; last() returns the last cell whose centre is at or before.
+  /// Returns the first cell whose centre is at or after `x`; last() returns the last cell whose centre is at or before
+  /// `x`.
   static int first(float x) { return int(std::ceil(std::clamp(x - 0.5f, 0.0f, float(kCells)))); }
   static int last(float x) { return int(std::floor(std::clamp(x - 0.5f, -1.0f, float(kCells - 1)))); }
   void add_surface(int row, int column, float height, float cosine, bool floor) {
@@ -128,9 +129,8 @@ bool lacks_ground(const Scene& scene) {
   // Max fraction of the cells in which a level slab is on top in a scene without ground. A round slab fills 0.79 of its
   // square, minus the objects on it.
   constexpr float kMaxPlanFraction = 0.4f;
-  constexpr float kMaxValley = 0.2f;  // the same fraction for low land between hills
-  constexpr float kMaxUnderRoofs =
-      0.5f;  // max fraction of the cells under roofs in a hilly landscape: trees count as roofs
+  constexpr float kMaxValley = 0.2f;      // the same fraction for low land between hills
+  constexpr float kMaxUnderRoofs = 0.5f;  // max fraction of the cells under roofs in hills: trees count as roofs
   if (scene.meshes.empty()) return false;
   const Axes axes = axes_of(scene);
   const Extent extent = extent_of(scene, axes);
@@ -160,8 +160,8 @@ void add_ground(Scene& scene, std::optional<float> lowest_light_deg) {
   constexpr int kCorners = 96;
   constexpr float kDefaultRadius = 3.0f;  // radius in radii of the model: enough for its shadow in typical light
   constexpr float kMaxRadius = 16.0f;
-  constexpr float kOffsetBelow =
-      1e-4f;  // distance below the model, fraction of its radius: keeps its lowest faces visible
+  // Distance of the disc below the model, as a fraction of the model's radius: keeps its lowest faces visible.
+  constexpr float kOffsetBelow = 1e-4f;
   const Axes axes = axes_of(scene);
   const Extent extent = extent_of(scene, axes);
   const float radius = scene.radius();
