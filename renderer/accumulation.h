@@ -31,8 +31,8 @@ struct PictureSum {
 /// any other planes.
 void add_picture(PictureSum& total, const Image& picture);
 
-/// Adds rows of a picture of `height` rows; `first` is the index of the first added row. Add row 0 of a picture first:
-/// it counts the picture.
+/// Adds rows of a picture of `height` rows; `first` is the index of the first added row. Row 0 of a picture must be
+/// added first: it counts the picture.
 void add_rows(PictureSum& total, const Image& rows, int first, int height);
 
 /// Returns the sum of `count` rows, from row `first`.

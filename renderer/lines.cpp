@@ -73,9 +73,9 @@ Lines traced_lines(const PictureInfo& info, const Image& planes, const Parameter
 }
 
 Result<Lines> traced_lines(Device& device, const Frame& frame, const ParameterBytes& outline_params) {
-  Frame with_guard_band = frame;
-  with_guard_band.info.guard = 0;  // so that download returns the guard band, too
-  const auto planes = device.download(with_guard_band, {edge_planes().begin(), edge_planes().end()});
+  Frame whole_frame = frame;
+  whole_frame.info.guard = 0;  // so that download returns the guard band, too
+  const auto planes = device.download(whole_frame, {edge_planes().begin(), edge_planes().end()});
   if (!planes) return planes.error();
   return traced_lines(frame.info, *planes, outline_params, device.threads());
 }

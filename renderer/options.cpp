@@ -15,8 +15,7 @@ namespace {
 
 constexpr double kAnyAngle = 36000.0;
 constexpr double kMaxDistance = 1e15;  // scene units
-constexpr double kMaxIndex =
-    1e9;  // max index of cameras and scenes; the true limit is known when the file has been read
+constexpr double kMaxIndex = 1e9;      // of cameras and scenes; the true limit is known when the file has been read
 constexpr unsigned kSceneCommands = kRender | kCompare | kTune, kDeviceCommands = kSceneCommands | kBench | kFigures;
 
 template <auto member>

@@ -61,8 +61,8 @@ struct Request {
   std::string point_sprites = "auto";  ///< shape of a file's points: "auto", "disc", "sphere"
   std::string quality{};               ///< "draft", "normal", "high", "ultra"; empty: set by the look
   std::optional<int> anti_aliasing{};  ///< averaged pictures, 1 to 256; default: set by the quality or look
-  std::string
-      occlusion_radius{};  ///< "0.3" scene units, or "5%" of the bounding-sphere radius; empty: set by the technique
+  /// "0.3" scene units, or "5%" of the bounding-sphere radius; empty: set by the technique.
+  std::string occlusion_radius{};
   std::string occlusion_scale{};                     ///< "full", "half", "quarter" resolution; empty: set by the look
   std::string ground = "auto";                       ///< a ground that only shows shadows: "auto", "on", "off"
   std::optional<std::array<float, 3>> background{};  ///< 0 to 1, display values; default: set by the look

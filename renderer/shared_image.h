@@ -35,7 +35,7 @@ struct SharedImage {
 };
 
 /// Replaces strides of 0 by those of packed data: adjacent channels in a pixel, adjacent pixels in a row, adjacent
-/// rows. If `channel_stride` is set, pixels of a channel are adjacent.
+/// rows. With another `channel_stride`, the pixels of a channel are adjacent.
 SharedImage with_strides(SharedImage image);
 
 /// An image that holds the planes of a pass: "normal" with three channels.
