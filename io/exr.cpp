@@ -221,26 +221,26 @@ class BlockWriter {
 
   void take(const Image& image) {
     for (int row = 0; row < image.height;) {
-      const int in_block = next_ % kBlockRows, left = image.height - row;
-      const int in_last = (next_ + left) % kBlockRows;
-      const int whole = next_ + left == height_ ? left : left - in_last;
-      if (in_block == 0 && whole > 0) {
-        compress({&image, row, next_, whole});
-        next_ += whole;
-        row += whole;
+      const int in_block = next_ % kBlockRows, remaining = image.height - row;
+      const int in_last_block = (next_ + remaining) % kBlockRows;
+      const int complete = next_ + remaining == height_ ? remaining : remaining - in_last_block;
+      if (in_block == 0 && complete > 0) {
+        compress({&image, row, next_, complete});
+        next_ += complete;
+        row += complete;
         continue;
       }
       // Keep an incomplete block until its remaining rows arrive.
-      const int count = std::min(left, std::min(kBlockRows - in_block, height_ - next_));
-      if (in_block == 0) part_ = Image(width_, kBlockRows);
+      const int count = std::min(remaining, std::min(kBlockRows - in_block, height_ - next_));
+      if (in_block == 0) incomplete_block_ = Image(width_, kBlockRows);
       for (std::size_t p = 0; p < channels_.size(); ++p) {
-        Plane& to = part_.add(channels_[p]);
+        Plane& to = incomplete_block_.add(channels_[p]);
         for (int y = 0; y < count; ++y) std::copy_n(image.planes[p].row(row + y), width_, to.row(in_block + y));
       }
       next_ += count;
       row += count;
       if (next_ % kBlockRows == 0 || next_ == height_)
-        compress({&part_, 0, next_ - in_block - count, in_block + count});
+        compress({&incomplete_block_, 0, next_ - in_block - count, in_block + count});
     }
   }
 
@@ -306,9 +306,9 @@ class BlockWriter {
   const std::vector<std::string>& channels_;
   tbb::task_arena arena_;
   int width_ = 0, height_ = 0;
-  int next_ = 0;          // next row
-  Image part_;            // rows of an incomplete block
-  std::uint64_t at_ = 0;  // position in the file
+  int next_ = 0;            // next row
+  Image incomplete_block_;  // rows that wait for the rest of their block
+  std::uint64_t at_ = 0;    // position in the file
   std::size_t table_at_ = 0;
   std::vector<std::uint64_t> offsets_;
 };
