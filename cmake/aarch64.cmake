@@ -1,5 +1,5 @@
-# CMake toolchain file: cross-compiles on Debian 12 for 64-bit ARM with the sysroot of scripts/sysroot, UMBRAGE_SYSROOT.
-# The programs run under qemu.
+# CMake toolchain file: cross-compiles on Debian 12 for 64-bit ARM with the sysroot UMBRAGE_SYSROOT,
+# which scripts/sysroot makes. The programs run under qemu.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES UMBRAGE_SYSROOT)

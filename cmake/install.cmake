@@ -19,14 +19,14 @@ endif()
 install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT development
         FILES_MATCHING PATTERN "*.cpp" PATTERN "*.c" PATTERN CMakeLists.txt)
 
-# For the Python of Debian; elsewhere use PYTHONPATH or scripts/wheel.
+# The folder is that of Debian's Python. Elsewhere use PYTHONPATH or scripts/wheel.
 install(DIRECTORY python/umbrage DESTINATION lib/python3/dist-packages COMPONENT python EXCLUDE_FROM_ALL
         FILES_MATCHING PATTERN "*.py" PATTERN py.typed PATTERN .mypy_cache EXCLUDE)
 install(FILES examples/gallery.ipynb DESTINATION share/doc/python3-umbrage/examples COMPONENT python EXCLUDE_FROM_ALL)
 install(DIRECTORY examples/python/ DESTINATION share/doc/python3-umbrage/examples COMPONENT python EXCLUDE_FROM_ALL
         FILES_MATCHING PATTERN "*.py")
 
-# find_package(umbrage)
+# Files for find_package(umbrage).
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/umbrage)
 foreach(kind ${UMBRAGE_KINDS})
   install(EXPORT umbrage-${kind} FILE umbrage-${kind}.cmake NAMESPACE umbrage:: DESTINATION ${package} COMPONENT development)
@@ -38,7 +38,7 @@ write_basic_package_version_file(generated/umbrage-config-version.cmake COMPATIB
 install(FILES ${PROJECT_BINARY_DIR}/generated/umbrage-config.cmake ${PROJECT_BINARY_DIR}/generated/umbrage-config-version.cmake
         DESTINATION ${package} COMPONENT development)
 
-# pkg-config. Paths are relative to the .pc file, so that the installed tree can be moved. Folders outside the prefix
+# The file for pkg-config. Its paths are relative to the .pc file, so that the installed tree can be moved. Folders outside the prefix
 # are absolute.
 set(pkgconfig ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 cmake_path(IS_ABSOLUTE CMAKE_INSTALL_LIBDIR absolute_lib)

@@ -28,7 +28,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libumbrage-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     "libumbrage${UMBRAGE_ABI} (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
-# For static linking, and for umbrage/vulkan.h.
+# Static linking and umbrage/vulkan.h need these.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS
     "libembree-dev, libfmt-dev, libhwy-dev, libopenexr-dev, libpng-dev, libtbb-dev, libvulkan-dev")
 
@@ -38,7 +38,7 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
     "libumbrage${UMBRAGE_ABI} (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), python3 (>= 3.8), python3-numpy")
-# Maintainer scripts compile the Python files at installation and remove the result with the package.
+# Maintainer scripts compile the Python files at installation and remove the compiled files with the package.
 foreach(script "postinst configure py3compile" "prerm remove|upgrade|deconfigure py3clean")
   string(REPLACE " " ";" script "${script}")
   list(GET script 0 name)
@@ -56,7 +56,7 @@ esac
   list(APPEND CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/generated/debian/python/${name})
 endforeach()
 
-# Long descriptions; the first line of each package's description is that of the project.
+# Long descriptions. The first line of each package's description is the description of the project.
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
     "Umbrage draws 3D models so that their shape can be read: ambient occlusion,
 indirect light, soft shadows, toon shading, outlines. It reads OBJ, PLY,

@@ -1,9 +1,9 @@
 # Functions for the CMakeLists.txt of all folders.
 
 # umbrage_folder(NAME SOURCES... [USES targets...]): adds the static library umbrage_NAME of this folder. It can include
-# headers of its own folder and of the folders that it uses only: include paths are staged per target.
+# headers only of its own folder and of the folders that it uses, since include paths are staged per target.
 # -Wno-restrict: g++ 12 has false positives for std::string concatenation (GCC bug 105651).
-# -Wno-missing-field-initializers: table rows set the relevant fields only.
+# -Wno-missing-field-initializers: table rows set only the relevant fields.
 function(umbrage_folder name)
   cmake_parse_arguments(ARG "" "" "SOURCES;USES" ${ARGN})
   if(ARG_SOURCES)

@@ -10,7 +10,7 @@ namespace umbrage {
 /// Returns all effects, sorted by name.
 std::span<const Effect* const> effects();
 
-/// Returns the effect of that name, or null.
+/// Returns the effect called `name`, or null.
 const Effect* find_effect(std::string_view name);
 
 }  // namespace umbrage

@@ -1,3 +1,4 @@
+// The list of all effects, which CMake generates.
 #include <vector>
 
 #include "core/registry.h"

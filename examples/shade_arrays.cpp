@@ -11,12 +11,12 @@ int main(int argc, char** argv) {
   std::vector<float> depth;  // along the view axis, row by row from the top
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      // A sphere of radius 1 at (0, 0, -5), a floor at y = -1, a wall at z = -7; rays (a, b, -1) from the camera.
+      // The scene is a sphere of radius 1 at (0, 0, -5), a floor at y = -1 and a wall at z = -7. The ray is (a, b, -1).
       const float a = 0.8f * (2.0f * (float(x) + 0.5f) / width - 1.0f),
                   b = 0.6f * (1.0f - 2.0f * (float(y) + 0.5f) / height);
-      const float square = a * a + b * b + 1.0f, inside = 25.0f - 24.0f * square;
+      const float length_squared = a * a + b * b + 1.0f, discriminant = 25.0f - 24.0f * length_squared;
       float nearest = b < 0.0f ? std::min(7.0f, -1.0f / b) : 7.0f;
-      if (inside > 0.0f) nearest = std::min(nearest, (5.0f - std::sqrt(inside)) / square);
+      if (discriminant > 0.0f) nearest = std::min(nearest, (5.0f - std::sqrt(discriminant)) / length_squared);
       depth.push_back(nearest);
     }
   umb::ShadeRequest request;

@@ -11,9 +11,9 @@ enum { kWidth = 320, kHeight = 240 };
 static float depth_at(int x, int y) {
   const float a = 0.8f * (2.0f * ((float)x + 0.5f) / kWidth - 1.0f); /* the ray is (a, b, -1) */
   const float b = 0.6f * (1.0f - 2.0f * ((float)y + 0.5f) / kHeight);
-  const float square = a * a + b * b + 1.0f, inside = 25.0f - 24.0f * square;
+  const float length_squared = a * a + b * b + 1.0f, discriminant = 25.0f - 24.0f * length_squared;
   float nearest = b < 0.0f ? fminf(7.0f, -1.0f / b) : 7.0f;
-  if (inside > 0.0f) nearest = fminf(nearest, (5.0f - sqrtf(inside)) / square);
+  if (discriminant > 0.0f) nearest = fminf(nearest, (5.0f - sqrtf(discriminant)) / length_squared);
   return nearest;
 }
 

@@ -26,20 +26,20 @@ int main(int argc, char** argv) {
   std::printf("%s\n", renderer.device().c_str());
   umb::Picture picture;
   for (int k = 0; k < frames; ++k) {
-    const float turn = 6.2831853f * float(k) / float(frames);
+    const float angle_rad = 6.2831853f * float(k) / float(frames);
     umb::FrameCamera camera;
     camera.placed = true;
-    camera.eye[0] = 8.0f * std::cos(turn);
+    camera.eye[0] = 8.0f * std::cos(angle_rad);
     camera.eye[1] = 4.0f;
-    camera.eye[2] = 8.0f * std::sin(turn);
+    camera.eye[2] = 8.0f * std::sin(angle_rad);
     camera.target[2] = 0.0f;
     const auto start = std::chrono::steady_clock::now();
     if (const auto drawn = renderer.draw(camera, picture); drawn.code != 0) {
       std::fprintf(stderr, "turntable: %s\n", drawn.message.c_str());
       return drawn.code;
     }
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-    std::printf("frame %d: %.1f ms, %.1f MiB on the GPU\n", k, took.count(),
+    const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
+    std::printf("frame %d: %.1f ms, %.1f MiB on the GPU\n", k, elapsed.count(),
                 double(renderer.device_bytes()) / 1048576.0);
   }
   return 0;

@@ -64,13 +64,13 @@ Engine open_engine() {
   return e;
 }
 
-VkDeviceMemory memory_for(const Engine& e, const VkMemoryRequirements& needs, VkMemoryPropertyFlags wanted) {
+VkDeviceMemory memory_for(const Engine& e, const VkMemoryRequirements& requirements, VkMemoryPropertyFlags properties) {
   VkPhysicalDeviceMemoryProperties types;
   vkGetPhysicalDeviceMemoryProperties(e.gpu, &types);
   VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
-  allocate.allocationSize = needs.size;
+  allocate.allocationSize = requirements.size;
   for (uint32_t k = 0; k < types.memoryTypeCount; ++k)
-    if ((needs.memoryTypeBits >> k & 1u) && (types.memoryTypes[k].propertyFlags & wanted) == wanted) {
+    if ((requirements.memoryTypeBits >> k & 1u) && (types.memoryTypes[k].propertyFlags & properties) == properties) {
       allocate.memoryTypeIndex = k;
       break;
     }
@@ -94,15 +94,15 @@ Image make_image(const Engine& e, VkFormat format) {
   create.samples = VK_SAMPLE_COUNT_1_BIT;
   create.usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
   check(vkCreateImage(e.device, &create, nullptr, &out.image), "vkCreateImage");
-  VkMemoryRequirements needs;
-  vkGetImageMemoryRequirements(e.device, out.image, &needs);
-  out.memory = memory_for(e, needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+  VkMemoryRequirements requirements;
+  vkGetImageMemoryRequirements(e.device, out.image, &requirements);
+  out.memory = memory_for(e, requirements, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
   vkBindImageMemory(e.device, out.image, out.memory, 0);
   return out;
 }
 
-/// Records commands that use a host-visible buffer, submits them and waits. Copies `bytes` to the buffer before
-/// (`upload`) or from the buffer afterwards.
+/// Records commands that use a host-visible buffer, submits them and waits. With `upload`, copies `bytes` to the buffer
+/// before; otherwise copies the buffer to `bytes` afterwards.
 template <class Record>
 void with_buffer(const Engine& e, VkDeviceSize size, const Record& record, void* bytes, bool upload) {
   VkBufferCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
@@ -110,10 +110,10 @@ void with_buffer(const Engine& e, VkDeviceSize size, const Record& record, void*
   create.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
   VkBuffer buffer = VK_NULL_HANDLE;
   check(vkCreateBuffer(e.device, &create, nullptr, &buffer), "vkCreateBuffer");
-  VkMemoryRequirements needs;
-  vkGetBufferMemoryRequirements(e.device, buffer, &needs);
+  VkMemoryRequirements requirements;
+  vkGetBufferMemoryRequirements(e.device, buffer, &requirements);
   const VkDeviceMemory memory =
-      memory_for(e, needs, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
+      memory_for(e, requirements, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
   vkBindBufferMemory(e.device, buffer, memory, 0);
   void* mapped = nullptr;
   check(vkMapMemory(e.device, memory, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory");
@@ -137,7 +137,7 @@ void with_buffer(const Engine& e, VkDeviceSize size, const Record& record, void*
   vkFreeMemory(e.device, memory, nullptr);
 }
 
-VkBufferImageCopy whole() {
+VkBufferImageCopy whole_image() {
   VkBufferImageCopy region{};
   region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
   region.imageExtent = {kWidth, kHeight, 1};
@@ -149,28 +149,28 @@ void fill(const Engine& e, const Image& image, std::vector<float>& texels) {
   with_buffer(
       e, texels.size() * sizeof(float),
       [&](VkBuffer buffer) {
-        VkImageMemoryBarrier turn{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
-        turn.dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
-        turn.newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-        turn.srcQueueFamilyIndex = turn.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-        turn.image = image.image;
-        turn.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+        VkImageMemoryBarrier barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
+        barrier.dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+        barrier.newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+        barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+        barrier.image = image.image;
+        barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
         vkCmdPipelineBarrier(e.commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0,
-                             nullptr, 0, nullptr, 1, &turn);
-        const VkBufferImageCopy region = whole();
+                             nullptr, 0, nullptr, 1, &barrier);
+        const VkBufferImageCopy region = whole_image();
         vkCmdCopyBufferToImage(e.commands, buffer, image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
-        turn.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
-        turn.dstAccessMask = VK_ACCESS_SHADER_READ_BIT;
-        turn.oldLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-        turn.newLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+        barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+        barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT;
+        barrier.oldLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+        barrier.newLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
         vkCmdPipelineBarrier(e.commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 0,
-                             nullptr, 0, nullptr, 1, &turn);
+                             nullptr, 0, nullptr, 1, &barrier);
       },
       texels.data(), true);
 }
 
-/// Draws a sphere of radius 1 on a floor: reversed window depth and view-space normals.
-void draw_ball(std::vector<float>& depth, std::vector<float>& normals) {
+/// Draws a sphere of radius 1 on a floor, as reversed window depth and view-space normals.
+void draw_sphere(std::vector<float>& depth, std::vector<float>& normals) {
   const float tangent = 0.5f, aspect = float(kWidth) / kHeight;
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) {
@@ -200,7 +200,7 @@ int main(int argc, char** argv) {
   const Image depth = make_image(e, VK_FORMAT_R32_SFLOAT), normal = make_image(e, VK_FORMAT_R32G32B32A32_SFLOAT);
   const Image ao = make_image(e, VK_FORMAT_R32_SFLOAT);
   std::vector<float> depths, normals;
-  draw_ball(depths, normals);
+  draw_sphere(depths, normals);
   fill(e, depth, depths);
   fill(e, normal, normals);
 
@@ -227,7 +227,7 @@ int main(int argc, char** argv) {
     umb::VulkanShadeRequest request;
     request.effects = {"bitmask", "denoise"};
     request.settings = {"bitmask.radius=1"};
-    // The old content of the image may be discarded: its layout is undefined.
+    // The old layout is undefined, so that the old content of the image may be discarded.
     request.outputs = {
         {{"ao"}, {ao.image, VK_FORMAT_R32_SFLOAT, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL}}};
     for (int frame = 0; frame < 3; ++frame)
@@ -235,11 +235,11 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "vulkan_images: %s\n", shaded.message.c_str());
         return shaded.code;
       }
-    // Same queue: the copy runs after the shading.
+    // The copy is submitted to the same queue, so it runs after the shading.
     with_buffer(
         e, result.size() * sizeof(float),
         [&](VkBuffer buffer) {
-          const VkBufferImageCopy region = whole();
+          const VkBufferImageCopy region = whole_image();
           vkCmdCopyImageToBuffer(e.commands, ao.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, buffer, 1, &region);
         },
         result.data(), false);

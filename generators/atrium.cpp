@@ -24,12 +24,13 @@ using glm::vec3;
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
-// The plan, seen from above: the arcades stand on the rectangle +-kCourt, the galleries' outer walls kGallery behind.
+// The plan, seen from above: the arcades stand on the rectangle +-kCourt; the galleries' outer walls are kGallery
+// behind it.
 constexpr float kBay = 3.0f;
 constexpr vec2 kCourt(4.5f, 12.0f);
 constexpr float kGallery = 3.2f;
 constexpr float kWall = 0.6f;     // thickness of the arcade walls
-constexpr float kOpening = 2.3f;  // of an arch
+constexpr float kOpening = 2.3f;  // width of an arch
 constexpr float kPier = 0.84f;    // corner piers, a little wider than the walls that end in them
 
 // The section: heights of the parts, metres.
@@ -38,24 +39,24 @@ constexpr float kSpring = 3.5f;       // lower arches
 constexpr float kFloor = 5.3f;        // upper storey
 constexpr float kRail = 6.35f;        // top of the balustrade and of the upper columns' pedestals
 constexpr float kSpringUpper = 8.5f;  // upper arches
-constexpr float kTop = 10.1f;         // of the upper walls
+constexpr float kTop = 10.1f;         // top of the upper walls
 constexpr float kEaves = 10.5f;       // lowest edge of the roof
 
-/// Lanterns hang in every second arch of the long sides. These burn, behind glass of one of four colours.
+/// A lantern that burns, behind glass of one of four colours. Lanterns hang in every second arch of the long sides.
 struct Lantern {
   int side, index, glass;  ///< see Bay
 };
 constexpr std::array<Lantern, 4> kBurning = {{{1, 4, 1}, {1, 2, 2}, {0, 5, 0}, {0, 3, 3}}};
 constexpr std::array<vec3, 4> kGlassColour = {
     {{1.00f, 0.58f, 0.20f}, {1.00f, 0.24f, 0.22f}, {0.16f, 0.78f, 0.66f}, {0.34f, 0.42f, 1.00f}}};
-constexpr float kGlassHeight = 2.95f;  // of a lantern's centre
+constexpr float kGlassHeight = 2.95f;  // height of a lantern's centre
 // Glass is brighter than the walls that it lights, but not white in the picture.
 constexpr float kGlassShine = 0.85f;
 // Brightness of a lantern's light at kLanternReach, the distance of the nearest columns: less than the sun's, more than
 // the sky's.
 constexpr float kLanternLight = 0.8f, kLanternReach = 1.3f;
-// The light is below the lantern, whose glass and metal would block it: far enough that their shadow is narrow and
-// falls only on the arch's crown.
+// The light is below the lantern, since glass and metal would block it, and so far below that their shadow is narrow
+// and falls only on the arch's crown.
 constexpr float kFlameDrop = 0.55f, kFlameRadius = 0.05f;
 
 struct Materials {
@@ -146,7 +147,7 @@ std::vector<mat4> column_places() {
   return places;
 }
 
-/// A square or rectangular path around the origin; a moulding on it faces outwards, or inwards.
+/// Returns a rectangular path around the origin. A moulding on it faces outwards or inwards.
 Points3 ring(vec2 half, float y, bool outwards) {
   if (outwards) return {{-half.x, y, -half.y}, {-half.x, y, half.y}, {half.x, y, half.y}, {half.x, y, -half.y}};
   return {{-half.x, y, -half.y}, {half.x, y, -half.y}, {half.x, y, half.y}, {-half.x, y, half.y}};
@@ -154,7 +155,7 @@ Points3 ring(vec2 half, float y, bool outwards) {
 
 // ----------------------------------------------------------------------------------------------------------- columns
 
-/// A bell between two radii, surrounded by two rows of eight leaves that curl outwards at their tips.
+/// Makes a bell between two radii, surrounded by two rows of eight leaves that curl outwards at their tips.
 Mesh leafy_capital(float radius_low, float radius_high, float height, const Detail& d) {
   const auto leaf_row = [](float turn, float v, float from, float to) {
     const float t = (v - from) / (to - from);
@@ -177,12 +178,12 @@ Mesh leafy_capital(float radius_low, float radius_high, float height, const Deta
       {.u = true});
 }
 
-/// A column from its plinth at y = 0 to the top of its abacus at `height`.
+/// Makes a column from its plinth at y = 0 to the top of its abacus at `height`.
 Mesh column(float height, float radius, int flutes, const Detail& d) {
   const float plinth = 0.55f * radius, base = 0.75f * radius, capital = 1.9f * radius, abacus = 0.45f * radius;
   const float half = 1.42f * radius, neck = 0.84f * radius;
   Mesh mesh = box({-half, 0, -half}, {half, plinth, half}, 0.04f * radius, d(1, 0));
-  // Attic base: a torus, a hollow, a smaller torus.
+  // An Attic base: a torus, a hollow, a smaller torus.
   const int turn = d(6, 2);
   Points2 low = arc({1.18f * radius, plinth + 0.17f * radius}, 0.17f * radius, -90.0f, 90.0f, turn);
   Points2 hollow = arc({1.26f * radius, plinth + 0.44f * radius}, 0.12f * radius, 250.0f, 110.0f, turn);
@@ -209,7 +210,7 @@ Mesh column(float height, float radius, int flutes, const Detail& d) {
   return mesh;
 }
 
-/// A corner pier with a foot and a head.
+/// Makes a corner pier with a foot and a head.
 Mesh pier(float low, float high, const Detail& d) {
   const float half = 0.5f * kPier;
   Mesh mesh = box({-half, low, -half}, {half, high, half}, 0.02f, d(1, 0));
@@ -218,7 +219,7 @@ Mesh pier(float low, float high, const Detail& d) {
   return mesh;
 }
 
-/// The moulding at the spring of an arch on a pier, with the outline of a capital's abacus.
+/// Makes the moulding at the spring of an arch on a pier, with the outline of a capital's abacus.
 Mesh impost(float y, const Detail& d) {
   const Points2 section = join({arc({0.0f, -0.22f}, 0.07f, -80.0f, 0.0f, d(4, 2)),
                                 {{0.09f, -0.13f}, {0.09f, 0.0f}, {0.09f, 0.0f}, {0.0f, 0.0f}}});
@@ -227,7 +228,7 @@ Mesh impost(float y, const Detail& d) {
 
 // ------------------------------------------------------------------------------------------------------------- walls
 
-/// A plain band with a rounded edge along the arch that projects from the wall, and its keystone.
+/// Makes a plain band with a rounded edge along the arch that projects from the wall, and its keystone.
 Mesh archivolt(float spring, const Detail& d) {
   const float radius = 0.5f * kOpening, front = 0.5f * kWall;
   Points3 path;
@@ -240,7 +241,7 @@ Mesh archivolt(float spring, const Detail& d) {
   return mesh;
 }
 
-/// A round boss with two rings of petals, facing +z.
+/// Makes a round boss with two rings of petals, facing +z.
 Mesh rosette(float radius, const Detail& d) {
   return surface(
       d(40, 10), d(10, 3),
@@ -258,7 +259,7 @@ Mesh rosette(float radius, const Detail& d) {
       {.u = true});
 }
 
-/// A wall across a bay in the plane z = 0, with a round-headed hole and its reveals, `depth` deep behind.
+/// Makes a wall across a bay in the plane z = 0, with a round-headed hole and its reveals, `depth` deep behind.
 Mesh wall_with_arched_hole(float width, float height, float opening, float sill, float spring, float depth,
                            const Detail& d) {
   const float half = 0.5f * width, o = 0.5f * opening;
@@ -275,7 +276,7 @@ Mesh wall_with_arched_hole(float width, float height, float opening, float sill,
   return mesh;
 }
 
-/// A round-headed panel in the plane z = 0, standing on y = 0.
+/// Makes a round-headed panel in the plane z = 0, standing on y = 0.
 Mesh arched_panel(float width, float spring, const Detail& d) {
   const float o = 0.5f * width;
   Mesh mesh = surface(d(20, 6), 1, [&](float u, float v) {
@@ -287,7 +288,7 @@ Mesh arched_panel(float width, float spring, const Detail& d) {
   return mesh;
 }
 
-/// Groin vault over a rectangle around the origin, springing at y = 0, facing down: two barrels that intersect.
+/// Makes a groin vault over a rectangle around the origin, springing at y = 0, facing down: two barrels that intersect.
 Mesh groin_vault(vec2 half, float rise, const Detail& d) {
   Mesh mesh;
   for (int quarter = 0; quarter < 4; ++quarter) {
@@ -320,8 +321,8 @@ Mesh baluster(float height, const Detail& d) {
 
 // ------------------------------------------------------------------------------------------------------------- cloth
 
-/// One half of a curtain, hanging from y = 0 to -height beside x = 0 and drawn to the side by a tie at `tie` below the
-/// rail. Covers x in [0, width] at the rail and gathers towards x = 0.
+/// Makes one half of a curtain, hanging from y = 0 to -height beside x = 0 and drawn to the side by a tie at `tie`
+/// below the rail. Covers x in [0, width] at the rail and gathers towards x = 0.
 Mesh tied_curtain(float width, float height, float tie, std::uint32_t seed, const Detail& d) {
   constexpr float kFolds = 7.0f;
   noise::Random random{noise::hash(seed)};
@@ -345,8 +346,8 @@ Mesh tied_curtain(float width, float height, float tie, std::uint32_t seed, cons
   });
 }
 
-/// A cloth laid over the balustrade, whose rail is `rail` deep with its top around the origin: from behind the rail
-/// over its top, out over the ledge (`ledge` = how far out and how far down), and straight down from there.
+/// Makes a cloth laid over the balustrade, whose rail is `rail` deep with its top around the origin: from behind the
+/// rail over its top, out over the ledge (`ledge` = how far out and how far down), and straight down from there.
 Mesh rail_banner(float width, float rail, vec2 ledge, float drop, std::uint32_t seed, const Detail& d) {
   constexpr float kBehind = 0.55f, kOff = 0.015f;  // metres behind the rail, and off the stone
   const float half = 0.5f * rail + kOff;
@@ -389,7 +390,7 @@ Mesh pot(float radius, float height, const Detail& d) {
   return lathe(join({{{0, 0}}, smooth(side, d(4)), smooth(rim, d(2)), {{0.9f * radius, 0.84f * height}}}), d(32, 10));
 }
 
-/// Fronds that rise from the origin and bow outwards.
+/// Makes fronds that rise from the origin and bow outwards.
 Mesh fern(float size, int fronds, std::uint32_t seed, const Detail& d) {
   Mesh mesh;
   noise::Random random{noise::hash(seed)};
@@ -399,7 +400,7 @@ Mesh fern(float size, int fronds, std::uint32_t seed, const Detail& d) {
     const float length = size * random.between(0.75f, 1.1f), width = 0.26f * length;
     const float bow = random.between(1.5f, 2.4f), twist = random.between(-0.3f, 0.3f);
     Mesh blade = surface(d(2), d(8, 3), [&](float u, float v) {
-      // The angle to the ground decreases linearly along the frond. Integrated in closed form.
+      // The angle to the ground decreases linearly along the frond, which is integrated in closed form.
       const float end = steep - bow * v;
       const float out = length * (std::sin(steep) - std::sin(end)) / bow,
                   up = length * (std::cos(end) - std::cos(steep)) / bow;
@@ -411,7 +412,7 @@ Mesh fern(float size, int fronds, std::uint32_t seed, const Detail& d) {
   return mesh;
 }
 
-/// A crown of leaves scattered over and inside a lumpy sphere around the origin.
+/// Makes a crown of leaves scattered over and inside a lumpy sphere around the origin.
 Mesh crown(float radius, int leaves, std::uint32_t seed, const Detail& d) {
   Mesh mesh;
   noise::Random random{noise::hash(seed)};
@@ -510,80 +511,81 @@ struct Parts {
 };
 
 void add_lower_bay(Parts& parts, const Bay& bay, const Detail& d) {
-  const auto put = [&bay](Mesh& to, Mesh mesh) { append(to, transformed(std::move(mesh), bay.place)); };
-  put(parts.blocks, moved(arch(kOpening, kBay, kFloor - 0.05f - kSpring, kWall, d(24, 6)), {0, kSpring, 0}));
-  put(parts.stone, archivolt(kSpring, d));
-  put(parts.vault, moved(groin_vault({0.5f * kBay, kGalleryHalf}, 1.5f, d), {0, kSpring, -kGalleryMiddle}));
+  const auto add_part = [&bay](Mesh& to, Mesh mesh) { append(to, transformed(std::move(mesh), bay.place)); };
+  add_part(parts.blocks, moved(arch(kOpening, kBay, kFloor - 0.05f - kSpring, kWall, d(24, 6)), {0, kSpring, 0}));
+  add_part(parts.stone, archivolt(kSpring, d));
+  add_part(parts.vault, moved(groin_vault({0.5f * kBay, kGalleryHalf}, 1.5f, d), {0, kSpring, -kGalleryMiddle}));
   const float height = kFloor - kStep;
   if (bay.index % 2 == 1) {
     constexpr float kDoor = 1.5f, kDoorSpring = 2.2f, kDepth = 0.25f;
-    put(parts.plaster,
-        moved(wall_with_arched_hole(kBay, height, kDoor, 0.0f, kDoorSpring, kDepth, d), {0, kStep, -kGallery}));
-    put(parts.door, moved(arched_panel(kDoor, kDoorSpring, d), {0, kStep, -kGallery - 0.8f * kDepth}));
+    add_part(parts.plaster,
+             moved(wall_with_arched_hole(kBay, height, kDoor, 0.0f, kDoorSpring, kDepth, d), {0, kStep, -kGallery}));
+    add_part(parts.door, moved(arched_panel(kDoor, kDoorSpring, d), {0, kStep, -kGallery - 0.8f * kDepth}));
     for (const float x : {-0.36f, 0.36f})  // two leaves with two raised panels each
       for (const vec2 span : {vec2(0.15f, 0.95f), vec2(1.1f, 2.1f)})
-        put(parts.door, box({x - 0.26f, kStep + span.x, -kGallery - 0.8f * kDepth},
-                            {x + 0.26f, kStep + span.y, -kGallery - 0.6f * kDepth}, 0.025f, d(1, 0)));
-    put(parts.brass, moved(sphere(0.035f, d(12, 6), d(6, 4)), {0.06f, kStep + 1.02f, -kGallery - 0.55f * kDepth}));
+        add_part(parts.door, box({x - 0.26f, kStep + span.x, -kGallery - 0.8f * kDepth},
+                                 {x + 0.26f, kStep + span.y, -kGallery - 0.6f * kDepth}, 0.025f, d(1, 0)));
+    add_part(parts.brass, moved(sphere(0.035f, d(12, 6), d(6, 4)), {0.06f, kStep + 1.02f, -kGallery - 0.55f * kDepth}));
     Points3 path;
     for (const vec2 p : arc({0, kStep + kDoorSpring}, 0.5f * kDoor + 0.09f, 0.0f, 180.0f, d(20, 6)))
       path.emplace_back(p.x, p.y, -kGallery);
     path.insert(path.begin(), vec3(0.5f * kDoor + 0.09f, kStep, -kGallery));
     path.push_back(vec3(-0.5f * kDoor - 0.09f, kStep, -kGallery));
-    put(parts.stone, sweep(path, rectangle({0.18f, 0.12f}, 0.02f, d(1, 0)), {1, 0, 0}));
+    add_part(parts.stone, sweep(path, rectangle({0.18f, 0.12f}, 0.02f, d(1, 0)), {1, 0, 0}));
   } else {
-    put(parts.plaster, quad({-0.5f * kBay, kStep, -kGallery}, {0.5f * kBay, kStep, -kGallery},
-                            {0.5f * kBay, kFloor, -kGallery}, {-0.5f * kBay, kFloor, -kGallery}, 1, 1));
-    put(parts.stone,
-        box({-0.95f, kStep, -kGallery}, {0.95f, kStep + 0.42f, -kGallery + 0.4f}, 0.03f, d(1, 0)));  // a bench
+    add_part(parts.plaster, quad({-0.5f * kBay, kStep, -kGallery}, {0.5f * kBay, kStep, -kGallery},
+                                 {0.5f * kBay, kFloor, -kGallery}, {-0.5f * kBay, kFloor, -kGallery}, 1, 1));
+    add_part(parts.stone,
+             box({-0.95f, kStep, -kGallery}, {0.95f, kStep + 0.42f, -kGallery + 0.4f}, 0.03f, d(1, 0)));  // a bench
   }
 }
 
 void add_upper_bay(Parts& parts, const Bay& bay, const Detail& d) {
-  const auto put = [&bay](Mesh& to, Mesh mesh) { append(to, transformed(std::move(mesh), bay.place)); };
+  const auto add_part = [&bay](Mesh& to, Mesh mesh) { append(to, transformed(std::move(mesh), bay.place)); };
   const float half = 0.5f * kBay;
-  put(parts.plaster, moved(arch(kOpening, kBay, kTop - kSpringUpper, kWall, d(24, 6)), {0, kSpringUpper, 0}));
-  put(parts.stone, archivolt(kSpringUpper, d));
+  add_part(parts.plaster, moved(arch(kOpening, kBay, kTop - kSpringUpper, kWall, d(24, 6)), {0, kSpringUpper, 0}));
+  add_part(parts.stone, archivolt(kSpringUpper, d));
   Mesh kerb = box({-half, kFloor - 0.05f, -0.5f * kWall}, {half, kKerb, 0.5f * kWall});
-  put(parts.stone, std::move(kerb));
+  add_part(parts.stone, std::move(kerb));
   // Balustrade: a foot, balusters, a rail, between the pedestals of the columns.
   const float end = half - 0.36f, deep = 0.5f * kRailDepth;
-  put(parts.stone,
-      box({-end, kKerb, kRailOut - 0.9f * deep}, {end, kKerb + 0.09f, kRailOut + 0.9f * deep}, 0.015f, d(1, 0)));
-  put(parts.stone, box({-end, kRail - 0.13f, kRailOut - deep}, {end, kRail, kRailOut + deep}, 0.03f, d(1, 0)));
+  add_part(parts.stone,
+           box({-end, kKerb, kRailOut - 0.9f * deep}, {end, kKerb + 0.09f, kRailOut + 0.9f * deep}, 0.015f, d(1, 0)));
+  add_part(parts.stone, box({-end, kRail - 0.13f, kRailOut - deep}, {end, kRail, kRailOut + deep}, 0.03f, d(1, 0)));
   const int balusters = std::min(d(16, 3), 9);  // more than nine would be too dense
-  const Mesh one = baluster(kRail - 0.13f - kKerb - 0.09f, d);
+  const Mesh single = baluster(kRail - 0.13f - kKerb - 0.09f, d);
   for (int i = 0; i < balusters; ++i)
-    put(parts.stone, moved(one, {-end + 2.0f * end * (float(i) + 0.5f) / float(balusters), kKerb + 0.09f, kRailOut}));
-  // Outer wall with a grilled window, wooden ceiling with beams.
+    add_part(parts.stone,
+             moved(single, {-end + 2.0f * end * (float(i) + 0.5f) / float(balusters), kKerb + 0.09f, kRailOut}));
+  // The outer wall with a grilled window, and the wooden ceiling's beams.
   constexpr float kWindow = 1.2f, kSill = 0.9f, kWindowSpring = 2.6f, kDepth = 0.3f;
   const float height = kTop - kFloor;
-  put(parts.plaster,
-      moved(wall_with_arched_hole(kBay, height, kWindow, kSill, kWindowSpring, kDepth, d), {0, kFloor, -kGallery}));
-  put(parts.iron, moved(arched_panel(kWindow, kWindowSpring, d), {0, kFloor, -kGallery - 0.5f * kDepth}));
-  put(parts.stone, box({-0.75f, kFloor + kSill - 0.12f, -kGallery - 0.02f}, {0.75f, kFloor + kSill, -kGallery + 0.1f},
-                       0.02f, d(1, 0)));
+  add_part(parts.plaster, moved(wall_with_arched_hole(kBay, height, kWindow, kSill, kWindowSpring, kDepth, d),
+                                {0, kFloor, -kGallery}));
+  add_part(parts.iron, moved(arched_panel(kWindow, kWindowSpring, d), {0, kFloor, -kGallery - 0.5f * kDepth}));
+  add_part(parts.stone, box({-0.75f, kFloor + kSill - 0.12f, -kGallery - 0.02f},
+                            {0.75f, kFloor + kSill, -kGallery + 0.1f}, 0.02f, d(1, 0)));
   for (const float x : {-1.0f, 0.0f, 1.0f})
-    put(parts.wood,
-        box({x - 0.09f, kTop - 0.24f, -kGallery - 0.02f}, {x + 0.09f, kTop, -0.5f * kWall + 0.02f}, 0.012f, d(1, 0)));
+    add_part(parts.wood, box({x - 0.09f, kTop - 0.24f, -kGallery - 0.02f}, {x + 0.09f, kTop, -0.5f * kWall + 0.02f},
+                             0.012f, d(1, 0)));
 }
 
-/// The square where two galleries meet, built for the corner at +x, +z.
+/// Adds the square where two galleries meet, built for the corner at +x, +z.
 void add_corner(Parts& parts, vec2 sign, const Detail& d) {
-  const auto put = [&sign](Mesh& to, Mesh mesh) { append(to, scaled(std::move(mesh), {sign.x, 1, sign.y})); };
+  const auto add_part = [&sign](Mesh& to, Mesh mesh) { append(to, scaled(std::move(mesh), {sign.x, 1, sign.y})); };
   const vec2 out = kCourt + vec2(kGallery), middle = kCourt + vec2(kGalleryMiddle);
-  put(parts.stone, moved(pier(0.0f, kTop, d), {kCourt.x, 0, kCourt.y}));
-  for (const float y : {kSpring, kSpringUpper}) put(parts.stone, moved(impost(y, d), {kCourt.x, 0, kCourt.y}));
-  put(parts.vault, moved(groin_vault(vec2(kGalleryHalf), 1.5f, d), {middle.x, kSpring, middle.y}));
+  add_part(parts.stone, moved(pier(0.0f, kTop, d), {kCourt.x, 0, kCourt.y}));
+  for (const float y : {kSpring, kSpringUpper}) add_part(parts.stone, moved(impost(y, d), {kCourt.x, 0, kCourt.y}));
+  add_part(parts.vault, moved(groin_vault(vec2(kGalleryHalf), 1.5f, d), {middle.x, kSpring, middle.y}));
   for (const vec2 span : {vec2(kStep, kFloor), vec2(kFloor, kTop)}) {
-    put(parts.plaster, quad({out.x, span.x, kCourt.y}, {out.x, span.x, out.y}, {out.x, span.y, out.y},
-                            {out.x, span.y, kCourt.y}, 1, 1));
-    put(parts.plaster, quad({out.x, span.x, out.y}, {kCourt.x, span.x, out.y}, {kCourt.x, span.y, out.y},
-                            {out.x, span.y, out.y}, 1, 1));
+    add_part(parts.plaster, quad({out.x, span.x, kCourt.y}, {out.x, span.x, out.y}, {out.x, span.y, out.y},
+                                 {out.x, span.y, kCourt.y}, 1, 1));
+    add_part(parts.plaster, quad({out.x, span.x, out.y}, {kCourt.x, span.x, out.y}, {kCourt.x, span.y, out.y},
+                                 {out.x, span.y, out.y}, 1, 1));
   }
 }
 
-/// Arch across the gallery behind a column or pier, and the pilaster that carries its other end.
+/// Adds the arch across the gallery behind a column or pier, and the pilaster that carries its other end.
 void add_transverse_arch(Parts& parts, const mat4& place, float width, const Detail& d) {
   Mesh span = turned_y(arch(2.0f * kGalleryHalf - 0.3f, 2.0f * kGalleryHalf, 1.7f, width, d(20, 6)), 90.0f);
   append(parts.blocks, transformed(moved(std::move(span), {0, kSpring, -kGalleryMiddle}), place));
@@ -622,7 +624,7 @@ void add_floors(Scene& scene, const Materials& m, const Detail& d) {
   add_mesh(scene, "upper ceiling", flipped(std::move(ceiling)), m.wood);
 }
 
-/// String course between the storeys, main cornice with dentils, and the roof.
+/// Adds the string course between the storeys, the main cornice with dentils, and the roof.
 void add_cornices(Scene& scene, const Materials& m, const Detail& d) {
   const vec2 face = kCourt - vec2(0.5f * kWall);
   const int n = d(5, 2);

@@ -16,7 +16,8 @@ namespace {
 constexpr std::string_view kScheme = "scene:";
 constexpr double kMinDetail = 1e3, kMaxDetail = 1e7;
 
-/// Parses the number after detail=: an integer or a form like 1e6, the whole text, within the limits.
+/// Parses the text after detail= as a number, such as 5000 or 1e6. Errors: kUsage for other text or a number out of
+/// range.
 Result<int> parse_detail(std::string_view uri, std::string_view text) {
   double value = 0.0;
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -36,10 +37,10 @@ Result<Scene> make_builtin_scene(std::string_view uri) {
   const auto scenes = builtin_scenes();
   if (scenes.empty()) return usage_error("'{}': this build of Umbrage has no built-in scenes", uri);
   const auto scene =
-      std::find_if(scenes.begin(), scenes.end(), [&](const BuiltinScene& each) { return each.name == name; });
+      std::find_if(scenes.begin(), scenes.end(), [&](const BuiltinScene& candidate) { return candidate.name == name; });
   if (scene == scenes.end()) {
     std::vector<std::string_view> names;
-    for (const BuiltinScene& each : scenes) names.push_back(each.name);
+    for (const BuiltinScene& candidate : scenes) names.push_back(candidate.name);
     return usage_error("'{}': there is no built-in scene '{}'{}", uri, name, suggestion(name, names));
   }
   int triangles = scene->default_triangles;
@@ -53,10 +54,10 @@ Result<Scene> make_builtin_scene(std::string_view uri) {
     if (!detail) return detail.error();
     triangles = *detail;
   }
-  Scene made = scene->make(triangles);
-  if (made.name.empty()) made.name = name;
-  finish_scene(made);
-  return made;
+  Scene result = scene->make(triangles);
+  if (result.name.empty()) result.name = name;
+  finish_scene(result);
+  return result;
 }
 
 }  // namespace umbrage

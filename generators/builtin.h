@@ -18,9 +18,9 @@ struct BuiltinScene {
 /// Returns all built-in scenes, by name.
 std::span<const BuiltinScene> builtin_scenes();
 
-/// Makes `scene:NAME` or `scene:NAME?detail=N`, finished. N is the approximate number of triangles, 1e3 to 1e7; the
-/// result has between N / 2 and 2 N, unless the minimum of the scene is larger.
-/// Errors: kUsage for an unknown name (with a suggestion) or an invalid detail.
+/// Makes and finishes the scene `scene:NAME` or `scene:NAME?detail=N`. N is the approximate number of triangles, 1e3 to
+/// 1e7; the result has between N / 2 and 2 N, or the min number for the scene if that is larger. Errors: kUsage for an
+/// unknown name (with a suggestion) or an invalid detail.
 Result<Scene> make_builtin_scene(std::string_view uri);
 
 }  // namespace umbrage

@@ -43,7 +43,7 @@ struct Box {
   vec3 low{1e30f}, high{-1e30f};
 };
 
-/// Returns the bounds of all meshes of a name.
+/// Returns the bounds of all meshes with a name.
 Box bounds(const Scene& scene, std::string_view name) {
   Box box;
   for (const Mesh& mesh : scene.meshes)
@@ -63,8 +63,8 @@ Scene made(const char* uri) {
 
 class ImplicitBall : public testing::TestWithParam<float> {};
 
-// A sphere off the origin: every vertex on it, normals radial, no hole, and as many triangles as promised. The finest
-// cell needs more than the grid's 96 cells per side, so that triangles are split.
+// The mesh of a sphere away from the origin has every vertex on the sphere, radial normals, no hole, and the documented
+// number of triangles. The finest cell needs more than the grid's 96 cells per side, so that triangles are split.
 TEST_P(ImplicitBall, IsRoundAndClosed) {
   const float cell = GetParam();
   constexpr float kRadius = 0.8f;
@@ -93,7 +93,7 @@ TEST(ImplicitBlends, JoinContainsBothAndCutRemovesTheTool) {
     }
 }
 
-// A box with rounded edges: its volume is the inner box, slabs, quarter cylinders and one sphere.
+// The volume of a box with rounded edges is that of the inner box, slabs, quarter cylinders and one sphere.
 TEST(RoundedHull, BoxHasTheVolumeOfARoundedBox) {
   constexpr double kX = 1.0, kY = 2.0, kZ = 3.0, kR = 0.2;
   std::vector<vec3> points;
@@ -118,11 +118,11 @@ TEST(RoundedHull, SurvivesFacesThatAreNearlyFlat) {
                                   {0.92f, 2.42f, 0.20f},  {0.98f, 2.42f, -0.95f}, {0.78f, 2.39f, -1.62f}};
   std::vector<vec3> points = half;
   for (const vec3& p : half) points.push_back(p * vec3(-1, 1, 1));
-  for (const float nudge : {0.0f, 1e-7f, 1e-5f, 1e-3f}) {
-    points[3].y = 1.96f + nudge;
+  for (const float offset : {0.0f, 1e-7f, 1e-5f, 1e-3f}) {
+    points[3].y = 1.96f + offset;
     for (const int segments : {0, 1, 2, 5}) {
       const Mesh mesh = rounded_hull(points, 0.035f, segments);
-      EXPECT_EQ(open_edges(mesh), 0) << nudge << " " << segments;
+      EXPECT_EQ(open_edges(mesh), 0) << offset << " " << segments;
       EXPECT_GT(volume(mesh), 1.0);
     }
   }
@@ -132,11 +132,11 @@ TEST(RoundedHull, WithoutPointsIsEmpty) { EXPECT_TRUE(rounded_hull(std::span<con
 
 class Figures : public testing::TestWithParam<const char*> {};
 
-// Making a scene twice gives bitwise identical results; triangles face the way of their normals.
+// Making a scene twice gives bitwise identical results; triangles face in the direction of their normals.
 TEST_P(Figures, AreRepeatableAndRightSideOut) {
   const Scene one = made(GetParam()), two = made(GetParam());
   ASSERT_EQ(one.meshes.size(), two.meshes.size());
-  std::size_t turned = 0;
+  std::size_t reversed = 0;
   for (std::size_t m = 0; m < one.meshes.size(); ++m) {
     const Mesh& mesh = one.meshes[m];
     ASSERT_EQ(mesh.indices, two.meshes[m].indices) << mesh.name;
@@ -144,11 +144,11 @@ TEST_P(Figures, AreRepeatableAndRightSideOut) {
     for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
       const std::uint32_t a = mesh.indices[t], b = mesh.indices[t + 1], c = mesh.indices[t + 2];
       const vec3 face = glm::cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
-      turned += glm::dot(face, mesh.normals[a] + mesh.normals[b] + mesh.normals[c]) < 0.0f;
+      reversed += glm::dot(face, mesh.normals[a] + mesh.normals[b] + mesh.normals[c]) < 0.0f;
     }
   }
   // Where a coarse triangle bridges a sharp crease, its face may be opposite to the crease's own normals.
-  EXPECT_LT(double(turned), 0.003 * double(one.triangle_count()));
+  EXPECT_LT(double(reversed), 0.003 * double(one.triangle_count()));
   EXPECT_GE(one.views.size(), 2u);
 }
 INSTANTIATE_TEST_SUITE_P(Scenes, Figures,

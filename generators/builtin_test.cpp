@@ -90,9 +90,9 @@ TEST_P(BuiltinScenes, IsSoundAtItsDefault) {
   EXPECT_EQ(scene.name, GetParam().name);
   EXPECT_FALSE(GetParam().summary.empty());
   expect_sound(scene);
-  const double wanted = GetParam().default_triangles;
-  EXPECT_GE(double(scene.triangle_count()), 0.5 * wanted);
-  EXPECT_LE(double(scene.triangle_count()), 2.0 * wanted);
+  const double triangles = GetParam().default_triangles;
+  EXPECT_GE(double(scene.triangle_count()), 0.5 * triangles);
+  EXPECT_LE(double(scene.triangle_count()), 2.0 * triangles);
 }
 
 TEST_P(BuiltinScenes, HasALightAndAViewOfSomething) {
@@ -119,15 +119,15 @@ TEST_P(BuiltinScenes, FollowsDetail) {
   const std::string uri = "scene:" + std::string(GetParam().name) + "?detail=";
   const Scene coarse = make(uri + "1000");
   expect_sound(coarse);
-  // Below its minimum a scene stays at its minimum, which exceeds a thousand for all but the simplest scenes.
+  // A scene has a min count, which exceeds a thousand for all but the simplest scenes.
   const double min = double(coarse.triangle_count());
   EXPECT_GE(min, 500.0);
-  for (const double wanted : {3e4, 1e6}) {
-    const Scene scene = make(uri + std::to_string(int(wanted)));
+  for (const double triangles : {3e4, 1e6}) {
+    const Scene scene = make(uri + std::to_string(int(triangles)));
     const double count = double(scene.triangle_count());
-    EXPECT_GE(count, 0.5 * wanted);
-    EXPECT_LE(count, std::max(2.0 * wanted, min));
-    if (wanted > 5e5) expect_sound(scene);
+    EXPECT_GE(count, 0.5 * triangles);
+    EXPECT_LE(count, std::max(2.0 * triangles, min));
+    if (triangles > 5e5) expect_sound(scene);
   }
 }
 
@@ -184,8 +184,8 @@ TEST(BuiltinDetail, ReadsScientificNumbers) {
 
 using namespace shapes;
 
-/// Returns how open a surface is: the length of the sum of its area vectors over the total area; 0 if it is closed.
-double assumed_visibility(const Mesh& mesh) {
+/// Returns the length of the sum of a surface's area vectors over its total area; 0 for a closed surface.
+double unclosed_fraction(const Mesh& mesh) {
   glm::dvec3 sum(0.0);
   double total = 0.0;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
@@ -197,7 +197,7 @@ double assumed_visibility(const Mesh& mesh) {
   return glm::length(sum) / total;
 }
 
-/// Expects that normals are unit and on the front side of every face around them.
+/// Expects that normals are unit vectors and on the front side of every face around them.
 void expect_outward(const Mesh& mesh) {
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
@@ -241,7 +241,7 @@ TEST(Shapes, SolidsAreClosedAndHaveTheirVolume) {
   for (const Solid& solid : solids) {
     SCOPED_TRACE(solid.name);
     EXPECT_NEAR(volume(solid.mesh), solid.volume, solid.tolerance * solid.volume);
-    EXPECT_LT(assumed_visibility(solid.mesh), 1e-5);
+    EXPECT_LT(unclosed_fraction(solid.mesh), 1e-5);
     expect_outward(solid.mesh);
     EXPECT_EQ(solid.mesh.uvs.size(), solid.mesh.positions.size());
   }
@@ -249,7 +249,7 @@ TEST(Shapes, SolidsAreClosedAndHaveTheirVolume) {
 
 TEST(Shapes, CushionIsClosed) {
   const Mesh mesh = cushion({1.0f, 0.3f, 1.0f}, 24);
-  EXPECT_LT(assumed_visibility(mesh), 1e-4);
+  EXPECT_LT(unclosed_fraction(mesh), 1e-4);
   EXPECT_GT(volume(mesh), 0.0);
   expect_outward(mesh);
 }
@@ -261,7 +261,7 @@ TEST(Shapes, FlippedTurnsInsideOut) {
 }
 
 TEST(Shapes, WallWithHoleIsMissingTheHole) {
-  // Front and back only: area of the wall minus the hole, twice; the reveals face along x and y.
+  // Sums the area of the front only; the reveals face along x and y.
   const Mesh mesh = wall_with_hole({4, 3}, {1, 1}, {3, 2}, 0.5f);
   double front = 0.0;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
@@ -297,14 +297,14 @@ TEST(Shapes, DetailScalesCounts) {
   EXPECT_EQ(half(0.1f, 0), 0);
 }
 
-TEST(Shapes, BuildToCountMeetsTheCountOrTheLeast) {
+TEST(Shapes, BuildToCountMeetsTheCountOrTheMin) {
   const auto make_plane = [](const Detail& d) {
     Scene scene;
     add_mesh(scene, "plane", plane({0, 0}, {1, 1}, 0.0f, d(10, 4), d(10, 4)), 0);
     return scene;
   };
-  for (const int wanted : {1000, 50'000, 1'000'000})
-    EXPECT_NEAR(double(build_to_count(wanted, make_plane).triangle_count()), wanted, 0.25 * wanted);
+  for (const int triangles : {1000, 50'000, 1'000'000})
+    EXPECT_NEAR(double(build_to_count(triangles, make_plane).triangle_count()), triangles, 0.25 * triangles);
   EXPECT_EQ(build_to_count(3, make_plane).triangle_count(), 32u);
 }
 

@@ -49,12 +49,13 @@ struct Maker {
   Detail detail;
   Palette paint;
 
-  float cell(float fraction) const { return kCell * fraction / std::max(detail.scale, kMinScale); }
+  float cell(float cell_factor) const { return kCell * cell_factor / std::max(detail.scale, kMinScale); }
 
-  /// Adds an implicit surface made in its own frame; `share` scales its triangles relative to the others'.
+  /// Adds an implicit surface made in its own frame. `cell_factor` is the edge length of its triangles relative to the
+  /// default.
   int add(const char* name, int material, const Field& field, vec3 low, vec3 high, const mat4& frame = mat4(1.0f),
-          float fraction = 1.0f, int part_of = -1) {
-    Mesh mesh = sdf::mesh(field, low, high, cell(fraction));
+          float cell_factor = 1.0f, int part_of = -1) {
+    Mesh mesh = sdf::mesh(field, low, high, cell(cell_factor));
     return shapes::add_mesh(scene, name, shapes::transformed(std::move(mesh), frame), material, part_of);
   }
 };
@@ -63,13 +64,13 @@ struct Maker {
 struct Horn {
   vec3 a, b, c;
   float radius_a, radius_c;
-  float power = 1.0f;  ///< > 1: it stays thick for longer
+  float power = 1.0f;  ///< above 1, the horn stays thick for longer
 
   vec3 at(float t) const { return glm::mix(glm::mix(a, b, t), glm::mix(b, c, t), t); }
   float radius(float t) const { return glm::mix(radius_a, radius_c, std::pow(t, power)); }
 
   float operator()(vec3 p) const {
-    // The nearest of a few points, then Newton steps on the derivative of the squared distance.
+    // Finds the nearest of a few points, then makes Newton steps on the derivative of the squared distance.
     constexpr int kStarts = 6;
     float best = 0.0f, min = 1e30f;
     for (int i = 0; i <= kStarts; ++i) {
@@ -94,10 +95,10 @@ struct Horn {
 
 /// Adds a horn as a tapered tube, whose tip stays sharp at any tessellation.
 int add_horn(Maker& m, const char* name, int material, const Horn& horn, const mat4& frame = mat4(1.0f),
-             float fraction = 0.7f, int part_of = -1) {
+             float cell_factor = 0.7f, int part_of = -1) {
   constexpr float kPi = std::numbers::pi_v<float>;
   constexpr int kMinSteps = 5, kMinSides = 6;
-  const float edge = kCell * fraction / m.detail.scale, thick = std::max(horn.radius_a, horn.radius_c);
+  const float edge = kCell * cell_factor / m.detail.scale, thick = std::max(horn.radius_a, horn.radius_c);
   const float length = glm::distance(horn.a, horn.b) + glm::distance(horn.b, horn.c);
   const int steps = std::max(kMinSteps, int(length / edge)),
             sides = std::max(kMinSides, int(2.0f * kPi * thick / edge));
@@ -113,7 +114,7 @@ int add_horn(Maker& m, const char* name, int material, const Horn& horn, const m
   return shapes::add_mesh(m.scene, name, shapes::transformed(std::move(mesh), frame), material, part_of);
 }
 
-/// A frame at `origin` whose y axis points along `along` and whose z axis is as close as possible to `front`.
+/// Returns a frame at `origin` whose y axis points along `along` and whose z axis is as close as possible to `front`.
 mat4 frame_along(vec3 origin, vec3 along, vec3 front) {
   const vec3 y = glm::normalize(along), x = glm::normalize(glm::cross(y, front)), z = glm::cross(x, y);
   return mat4(glm::vec4(x, 0), glm::vec4(y, 0), glm::vec4(z, 0), glm::vec4(origin, 1));
@@ -209,7 +210,7 @@ void add_trunk(Maker& m) {
 
 // -------------------------------------------------------------------------------------------------------------- head
 
-/// Horns of the crest, swept back.
+/// Adds horns of the crest, swept back.
 void add_crest(Maker& m, const mat4& head) {
   struct Crest {
     float x, length, radius;
@@ -224,7 +225,7 @@ void add_crest(Maker& m, const mat4& head) {
   }
 }
 
-/// An eye, a mandible and a feeler.
+/// Adds an eye, a mandible and a feeler.
 void add_side_of_head(Maker& m, const mat4& head, float side) {
   const vec3 at(side * 0.215f, 0.030f, 0.200f);
   const int eye = m.add(
@@ -263,7 +264,7 @@ void add_side_of_head(Maker& m, const mat4& head, float side) {
            head, 0.4f);
 }
 
-/// Teeth around both jaws, longest near the front.
+/// Adds teeth around both jaws, longest near the front.
 void add_teeth(Maker& m, const mat4& head, const mat4& jaw) {
   for (const bool upper : {true, false})
     for (const float side : {-1.0f, 1.0f})
@@ -349,7 +350,7 @@ void add_head(Maker& m) {
 
 // ------------------------------------------------------------------------------------------------------------- limbs
 
-/// The claw in its own frame: the wrist at the origin, fingers along +y, opening along x, the palm's back at +z.
+/// Adds the claw in its own frame: the wrist at the origin, fingers along +y, opening along x, the palm's back at +z.
 void add_claw(Maker& m, const mat4& frame, float side) {
   const vec3 mirror(side, 1.0f, 1.0f);
   const auto flip = [=](const Horn& h) {
@@ -496,7 +497,7 @@ void add_legs(Maker& m) {
     }
 }
 
-/// Rock under the creature, partly covered with moss.
+/// Adds rock under the creature, partly covered with moss.
 void add_rock(Maker& m) {
   m.add(
       "rock", m.paint.rock,

@@ -1,5 +1,5 @@
-// Makers of the built-in scenes, one file each: <name>.cpp. Each returns an unfinished scene (make_builtin_scene
-// finishes it) with about the requested number of triangles.
+// Functions that make the built-in scenes, each in its own file <name>.cpp. They return an unfinished scene, which
+// make_builtin_scene finishes, with about the requested number of triangles.
 #pragma once
 #include "scene/scene.h"
 

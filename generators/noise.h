@@ -24,7 +24,7 @@ inline std::uint32_t hash(int x, int y, int z, std::uint32_t seed = 0) {
 /// Converts a hash to a number in [0, 1).
 inline float unit(std::uint32_t h) { return float(h >> 8) * 0x1p-24f; }
 
-/// A sequence of numbers from a seed.
+/// A pseudorandom sequence of numbers. `state` is the seed.
 struct Random {
   std::uint32_t state = 0;
   float next() { return unit(hash(state++)); }
@@ -33,9 +33,10 @@ struct Random {
 
 inline float fade(float t) { return t * t * t * (t * (t * 6.0f - 15.0f) + 10.0f); }
 
-/// Gradient noise in the plane, about -1 to 1, mean 0, one feature per unit. With a period (in units), it repeats.
+/// Returns gradient noise in the plane: about -1 to 1, mean 0, one feature per unit. If `period` (in units) is
+/// positive, the noise repeats.
 inline float gradient(glm::vec2 p, std::uint32_t seed, int period = 0) {
-  // Sixteen directions: with eight, streaks along the axes are visible.
+  // Sixteen directions, since eight leave visible streaks along the axes.
   static constexpr float kX[16] = {1.0f,  0.924f,  0.707f,  0.383f,  0.0f, -0.383f, -0.707f, -0.924f,
                                    -1.0f, -0.924f, -0.707f, -0.383f, 0.0f, 0.383f,  0.707f,  0.924f};
   static constexpr float kY[16] = {0.0f, 0.383f,  0.707f,  0.924f,  1.0f,  0.924f,  0.707f,  0.383f,
@@ -50,8 +51,8 @@ inline float gradient(glm::vec2 p, std::uint32_t seed, int period = 0) {
     y1 = y0 + 1 == period ? 0 : y0 + 1;
   }
   // The hash of (x, y, seed); parts common to the four corners are computed once.
-  const std::uint32_t of_seed = hash(seed);
-  const std::uint32_t row0 = hash(std::uint32_t(y0) + of_seed), row1 = hash(std::uint32_t(y1) + of_seed);
+  const std::uint32_t seed_hash = hash(seed);
+  const std::uint32_t row0 = hash(std::uint32_t(y0) + seed_hash), row1 = hash(std::uint32_t(y1) + seed_hash);
   const auto corner = [](int x, std::uint32_t row, float dx, float dy) {
     const std::uint32_t h = hash(std::uint32_t(x) + row) >> 28;
     return kX[h] * dx + kY[h] * dy;
@@ -63,7 +64,7 @@ inline float gradient(glm::vec2 p, std::uint32_t seed, int period = 0) {
   return 1.4f * (low + v * (high - low));
 }
 
-/// Value noise in space, -1 to 1, one feature per unit.
+/// Returns value noise in space: -1 to 1, one feature per unit.
 inline float value(glm::vec3 p, std::uint32_t seed) {
   const int ix = int(std::floor(p.x)), iy = int(std::floor(p.y)), iz = int(std::floor(p.z));
   const float u = fade(p.x - float(ix)), v = fade(p.y - float(iy)), w = fade(p.z - float(iz));
@@ -75,7 +76,8 @@ inline float value(glm::vec3 p, std::uint32_t seed) {
   return 2.0f * (near + w * (far - near)) - 1.0f;
 }
 
-/// A sum of octaves of gradient noise, each with twice the frequency and `gain` times the amplitude; about -1 to 1.
+/// Returns a sum of octaves of gradient noise, each with twice the frequency and `gain` times the amplitude; about -1
+/// to 1.
 inline float fractal(glm::vec2 p, int octaves, std::uint32_t seed, int period = 0, float gain = 0.5f) {
   float sum = 0.0f, height = 1.0f, total = 0.0f;
   for (int i = 0; i < octaves; ++i) {
@@ -88,12 +90,13 @@ inline float fractal(glm::vec2 p, int octaves, std::uint32_t seed, int period = 
   return sum / total;
 }
 
-/// Cells around scattered points: distances to the nearest and to the second nearest point, and the hash of the
+/// The distances from a position to the nearest and the second nearest of scattered points, and the hash of the
 /// nearest.
 struct Cell {
   float nearest = 1e9f, second = 1e9f;
   std::uint32_t id = 0;
 };
+/// Returns the cell of a position. There is one point per unit square.
 inline Cell cells(glm::vec2 p, std::uint32_t seed, int period = 0) {
   const int ix = int(std::floor(p.x)), iy = int(std::floor(p.y));
   const auto wrap = [period](int i) { return period > 0 ? ((i % period) + period) % period : i; };

@@ -18,7 +18,7 @@ using shapes::Detail;
 /// Edge length of the implicit surfaces' triangles at scale 1, metres.
 constexpr float kCell = 0.017f;
 
-/// The triangles are not enlarged below this scale: the grid would miss fingers and petals.
+/// Below this scale the triangles are not enlarged further, because the grid would miss fingers and petals.
 constexpr float kMinScale = 0.3f;
 
 struct Palette {
@@ -59,12 +59,12 @@ struct Maker {
   Detail detail;
   Palette paint;
 
-  /// Adds an implicit surface; `share` scales its triangles relative to the others'.
-  int add(const char* name, int material, const sdf::Field& field, vec3 low, vec3 high, float fraction = 1.0f,
+  /// Adds an implicit surface. `cell_factor` is the edge length of its triangles relative to the default.
+  int add(const char* name, int material, const sdf::Field& field, vec3 low, vec3 high, float cell_factor = 1.0f,
           int part_of = -1) {
     return shapes::add_mesh(scene, name,
-                            sdf::mesh(field, low, high, kCell * fraction / std::max(detail.scale, kMinScale)), material,
-                            part_of);
+                            sdf::mesh(field, low, high, kCell * cell_factor / std::max(detail.scale, kMinScale)),
+                            material, part_of);
   }
 };
 
@@ -72,7 +72,8 @@ glm::mat3 turn(float angle_deg, vec3 axis) {
   return glm::mat3(glm::rotate(glm::mat4(1.0f), glm::radians(angle_deg), axis));
 }
 
-/// The body without mouth: a pear of two spheres, two short arms with three fingers each, one waving, and a tail.
+/// Returns the field of the body without mouth: a pear of two spheres, two short arms with three fingers each, one
+/// waving, and a tail.
 float skin_field(vec3 p) {
   const float lower = sdf::ellipsoid(p, {0.0f, 0.55f, 0.0f}, {0.47f, 0.36f, 0.43f});
   const float upper = sdf::ellipsoid(p, {0.0f, 0.80f, 0.0f}, {0.42f, 0.34f, 0.39f});
@@ -116,7 +117,7 @@ glm::mat3 skin_axes(vec3 p) {
 /// Height of the upper lip's centre.
 constexpr float kLipHeight = 0.665f;
 
-/// A laughing mouth around the lip: a half moon, enlarged by `grow`. q is relative to the lip.
+/// Returns the field of a laughing mouth around the lip: a half moon, enlarged by `grow`. q is relative to the lip.
 float mouth_field(vec3 q, float grow) {
   const float moon = sdf::ellipsoid(q, vec3(0.0f, 0.01f, 0.0f), {0.150f + grow, 0.125f + grow, 0.15f + grow});
   // The upper lip sags in the middle and lifts at the corners.
@@ -190,7 +191,7 @@ void add_foot(Maker& m, float side) {
       object);
 }
 
-/// Three frills per side, like those of an axolotl; the middle one is the longest.
+/// Adds three frills per side, like those of an axolotl; the middle one is the longest.
 void add_frills(Maker& m, float side) {
   const std::array<vec3, 3> roots = {vec3(0.34f, 0.95f, -0.08f), vec3(0.39f, 0.82f, -0.12f),
                                      vec3(0.40f, 0.69f, -0.17f)};
@@ -218,7 +219,7 @@ void add_frills(Maker& m, float side) {
   }
 }
 
-/// A sprout on the head: a bent stem and two leaves, each a curved lens with a rib.
+/// Adds a sprout on the head: a bent stem and two leaves, each a curved lens with a rib.
 void add_sprout(Maker& m) {
   const vec3 root(0.0f, 1.12f, 0.0f), fork(0.03f, 1.30f, 0.0f);
   m.add(
@@ -242,7 +243,7 @@ void add_sprout(Maker& m) {
           vec3 q = inverse * (p - centre);
           const float u = q.x / half;
           q.y += 0.30f * q.x * q.x / half - 0.9f * q.z * q.z / half * 0.8f;
-          // Pointed at the tip: the lens narrows with u.
+          // The lens narrows with u, so that the leaf is pointed at its tip.
           const float width = 0.52f * half * (1.0f - 0.25f * u);
           float d = 0.7f * sdf::ellipsoid(q, vec3(0.0f), {half, 0.028f, width});
           const float groove = sdf::bar(q, {-half, 0.034f, 0.0f}, {0.8f * half, 0.034f, 0.0f}, 0.014f, 0.010f);
@@ -285,7 +286,7 @@ vec3 on_meadow(float angle_deg, float radius, float y = 0.0f) {
 /// Radius of the disc.
 constexpr float kMeadow = 1.12f;
 
-/// Stones: some in the earth's side, some on the meadow.
+/// Adds stones: some in the earth's side, some on the meadow.
 void add_stones(Maker& m) {
   struct Stone {
     float angle_deg, radius, y, size;
@@ -315,11 +316,11 @@ void add_mushrooms(Maker& m) {
   struct Mushroom {
     float angle_deg, radius, height, cap;
   };
-  for (const Mushroom& each :
+  for (const Mushroom& mushroom :
        {Mushroom{54, 0.86f, 0.34f, 0.19f}, Mushroom{74, 0.70f, 0.22f, 0.125f}, Mushroom{42, 0.72f, 0.13f, 0.08f}}) {
-    const vec3 foot = on_meadow(each.angle_deg, each.radius);
-    const vec3 top = foot + vec3(0.10f * each.height, each.height, 0.05f * each.height);
-    const float c = each.cap;
+    const vec3 foot = on_meadow(mushroom.angle_deg, mushroom.radius);
+    const vec3 top = foot + vec3(0.10f * mushroom.height, mushroom.height, 0.05f * mushroom.height);
+    const float c = mushroom.cap;
     const auto cap = [=](vec3 p) {
       const vec3 q = p - top;
       const float dome = sdf::ellipsoid(q, {0.0f, -0.05f * c, 0.0f}, {c, 0.78f * c, c});
@@ -347,7 +348,7 @@ void add_mushrooms(Maker& m) {
   }
 }
 
-/// Tufts of grass: bent blades in a ring.
+/// Adds tufts of grass: bent blades in a ring.
 void add_blades(Maker& m) {
   Mesh blades;
   const int sides = m.detail(5.0f, 3), steps = m.detail(6.0f, 2);
@@ -370,7 +371,7 @@ void add_blades(Maker& m) {
   shapes::add_mesh(m.scene, "blades", std::move(blades), m.paint.blade);
 }
 
-/// Flowers: five petals around a button.
+/// Adds flowers: five petals around a button.
 void add_flowers(Maker& m) {
   for (const vec3& place : {vec3(-26, 0.88f, 1.0f), vec3(-104, 0.86f, 1.1f), vec3(100, 0.95f, 0.9f),
                             vec3(18, 0.84f, 0.8f), vec3(160, 0.90f, 1.2f)}) {
@@ -417,7 +418,7 @@ void add_meadow(Maker& m) {
         const float bumps = 0.010f * std::sin(5.0f * p.x + 1.0f) * std::sin(6.0f * p.z);
         const float round = 0.05f;
         const float deep = 0.10f + hang * std::clamp((r - 0.6f) / 0.5f, 0.0f, 1.0f);
-        // The side bulges: on a vertical one, tone steps would have vertical edges with square corners.
+        // The side bulges, since tone steps on a vertical side would have vertical edges with square corners.
         const float off_middle = std::clamp(p.y + 0.5f * deep, -0.15f, 0.15f);
         const float out = r - rim + 2.0f * off_middle * off_middle + round;
         const float over = p.y - bumps + round, under = -p.y - deep + round;

@@ -21,17 +21,18 @@ using glm::vec4;
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
-/// Converts to sRGB bytes by a table of 4096 values: calling pow for each texel would take most of the time.
+/// Converts a linear value to an sRGB byte with a table, since calling pow for each texel would take most of the time.
 std::uint8_t srgb_byte(float linear) {
   constexpr int kSteps = 4096;
   static const std::array<std::uint8_t, kSteps + 1> table = [] {
-    std::array<std::uint8_t, kSteps + 1> made{};
+    std::array<std::uint8_t, kSteps + 1> values{};
     for (int i = 0; i <= kSteps; ++i) {
-      // Indexed by the square root of the value, which has more entries at the dark end, where the curve is steep.
+      // The index is the square root of the value, so that there are more entries at the dark end, where the curve is
+      // steep.
       const float root = float(i) / kSteps, x = root * root;
-      made[std::size_t(i)] = std::uint8_t(std::lround(255.0f * srgb_from_linear(x)));
+      values[std::size_t(i)] = std::uint8_t(std::lround(255.0f * srgb_from_linear(x)));
     }
-    return made;
+    return values;
   }();
   return table[std::size_t(std::lround(kSteps * std::sqrt(std::clamp(linear, 0.0f, 1.0f))))];
 }
@@ -43,7 +44,7 @@ float band(float x, float edge, float soft) { return 1.0f - glm::smoothstep(edge
 
 vec4 opaque(vec3 color) { return vec4(color, 1.0f); }
 
-/// Brightness of woven threads, about 1.
+/// Returns the brightness of woven threads, about 1.
 float threads(vec2 uv, int count, float contrast) {
   const float x = uv.x * float(count), y = uv.y * float(count);
   const bool over = ((int(std::floor(x)) + int(std::floor(y))) & 1) == 0;
@@ -166,11 +167,11 @@ Texture damask(int size, vec3 ground, vec3 figure) {
       const vec2 bud(p.x, std::abs(p.y) - 0.30f);
       ink = std::max(ink, band(glm::length(bud * vec2(1.5f, 1.0f)), 0.035f, 0.006f));
     }
-    // The ogee net between the fields: two waves that meet.
+    // The ogee net between the fields consists of two waves that meet.
     const float wave = 0.25f * std::cos(2.0f * kPi * uv.y);
     for (const float line : {0.25f + wave * 0.85f, 0.75f - wave * 0.85f}) {
-      const float off = fract(uv.x - line + 0.5f) - 0.5f;
-      ink = std::max(ink, band(std::abs(off) - 0.03f, 0.009f, 0.004f));
+      const float offset = fract(uv.x - line + 0.5f) - 0.5f;
+      ink = std::max(ink, band(std::abs(offset) - 0.03f, 0.009f, 0.004f));
     }
     return opaque(glm::mix(ground, figure, ink) * threads(uv, 96, 0.16f));
   });
@@ -184,10 +185,10 @@ Texture weave(int size, int count, vec3 color, float contrast, std::uint32_t see
 }
 
 Texture stripes(int size, std::span<const vec3> colors, std::uint32_t seed) {
-  const std::vector<vec3> own(colors.begin(), colors.end());
+  const std::vector<vec3> palette(colors.begin(), colors.end());
   return paint("stripes", size, size, [=](vec2 uv) {
-    const float x = uv.x * float(own.size());
-    const vec3 color = own[std::size_t(std::floor(x)) % own.size()];
+    const float x = uv.x * float(palette.size());
+    const vec3 color = palette[std::size_t(std::floor(x)) % palette.size()];
     return opaque(color * threads(uv, 64, 0.15f) * (1.0f + 0.06f * noise::fractal(uv * 6.0f, 3, seed, 6)));
   });
 }

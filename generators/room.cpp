@@ -77,7 +77,7 @@ Materials add_materials(Scene& scene) {
 /// Moves a mesh from the origin to a place on the floor, rotated about y.
 Mesh stand(Mesh mesh, vec3 at, float turn_deg = 0.0f) { return moved(turned_y(std::move(mesh), turn_deg), at); }
 
-/// A box with metre uvs whose grain (u) runs along its longest side.
+/// Makes a box with metre uvs whose grain (u) runs along its longest side.
 Mesh plank(vec3 low, vec3 high, float bevel, int n) {
   Mesh mesh = box(low, high, bevel, n);
   box_uvs(mesh);
@@ -194,7 +194,7 @@ void add_curtains(Scene& scene, const Materials& m, const Detail& d) {
 
 // ------------------------------------------------------------------------------------------------------- furniture
 
-/// A soft block with a crowned top, around its own centre.
+/// Makes a soft block with a crowned top, around its own centre.
 Mesh upholstery(vec3 size, int n) {
   Mesh mesh = superellipsoid(0.5f * size, 7.0f, n);
   box_uvs(mesh);
@@ -250,7 +250,7 @@ void add_seating(Scene& scene, const Materials& m, const Detail& d) {
   pillow("second mustard pillow", m.pillow_a, sofa + vec3(0.82f, 0.66f, 0.15f), 25.0f, -14.0f, 5.0f);
 }
 
-/// A chair facing +z at the origin.
+/// Makes a chair facing +z at the origin.
 Seating chair(const Detail& d) {
   constexpr float kHalf = 0.20f, kHigh = 0.455f, kBack = 0.92f;
   const int sides = d(10, 5);
@@ -284,7 +284,7 @@ Seating chair(const Detail& d) {
   return s;
 }
 
-/// A tulip: stem from the origin bending outwards, and a bud of closed petals.
+/// Adds a tulip: stem from the origin bending outwards, and a bud of closed petals.
 void add_tulip(Mesh& stems, Mesh& petals, vec3 root, vec3 tip, const Detail& d) {
   const vec3 middle =
       0.5f * (root + tip) + vec3(0.0f, 0.05f, 0.0f) - 0.25f * vec3(tip.x - root.x, 0.0f, tip.z - root.z);
@@ -306,7 +306,7 @@ void add_tulip(Mesh& stems, Mesh& petals, vec3 root, vec3 tip, const Detail& d) 
   append(petals, moved(std::move(bud), tip - 0.006f * along));
 }
 
-/// A hollow vase on y = 0.
+/// Makes a hollow vase on y = 0.
 Mesh vase(std::span<const vec2> side, const Detail& d) {
   Points2 outer = smooth(side, d(6, 2));
   Points2 inner;
@@ -341,7 +341,7 @@ Mesh dining_table(const Detail& d) {
   return table;
 }
 
-/// The table by the window, with three chairs; returns the table's object id.
+/// Adds the table by the window, with three chairs. Returns the table's object id.
 int add_dining_table(Scene& scene, const Materials& m, const Detail& d) {
   const int table_id = add_mesh(scene, "dining table", stand(dining_table(d), kDining), m.oak);
   const auto seat = [&](float turn, float away) {
@@ -391,7 +391,7 @@ void add_cup_and_plate(Scene& scene, const Materials& m, const Detail& d, int ta
   add_mesh(scene, "cup and plate", std::move(china), m.porcelain, table_id);
 }
 
-/// The low table in front of the sofa on the rug, with a bowl of oranges.
+/// Adds the low table in front of the sofa on the rug, with a bowl of oranges.
 void add_low_table(Scene& scene, const Materials& m, const Detail& d) {
   const vec3 low(-0.35f, 0.0f, -0.78f);
   constexpr float kLow = 0.40f;
@@ -419,7 +419,7 @@ void add_low_table(Scene& scene, const Materials& m, const Detail& d) {
 void add_rug(Scene& scene, const Materials& m, const Detail& d) {
   constexpr vec2 kHalf(1.45f, 1.0f);
   constexpr float kThick = 0.014f;
-  constexpr float kAbove = 3e-4f;  // above the floor: in its plane, rounding would decide which of them is visible
+  constexpr float kAbove = 3e-4f;  // above the floor, in whose plane rounding would decide which of them is visible
   Mesh rug = box({-kHalf.x, 0.0f, -kHalf.y}, {kHalf.x, kThick, kHalf.y}, 0.007f, d(2, 0));
   for (std::size_t i = 0; i < rug.uvs.size(); ++i)
     rug.uvs[i] = {0.5f + 0.4995f * rug.positions[i].x / kHalf.x, 0.5f - 0.4995f * rug.positions[i].z / kHalf.y};
@@ -428,7 +428,7 @@ void add_rug(Scene& scene, const Materials& m, const Detail& d) {
 
 // ----------------------------------------------------------------------------------------------------- small things
 
-/// Books in a row from x = 0 until `width` is full, spines at +z, standing on y = 0.
+/// Appends books in a row from x = 0 until `width` is full, spines at +z, standing on y = 0.
 void add_book_row(Mesh& books, vec3 at, float width, float space_above, noise::Random& random, const Detail& d) {
   float x = 0.0f;
   while (true) {
@@ -509,7 +509,7 @@ void add_shelf(Scene& scene, const Materials& m, const Detail& d) {
   add_mesh(scene, "globe stand", moved(std::move(stand_mesh), globe_at), m.brass, globe_id);
 }
 
-/// A framed picture in the plane z = 0, facing +z, around its centre.
+/// Adds a framed picture in the plane z = 0, facing +z, around its centre.
 void add_picture(Scene& scene, const char* name, vec2 half, vec3 at, int picture, int frame_material, const Detail& d) {
   const float w = 0.055f, t = 0.03f;
   const Points2 section =
@@ -566,7 +566,7 @@ void add_lamps(Scene& scene, const Materials& m, vec3 floor_lamp, const Detail& 
            pendant_id);
 }
 
-/// A rubber plant in a pot: upright stems with broad leaves.
+/// Adds a rubber plant in a pot: upright stems with broad leaves.
 void add_plant(Scene& scene, const Materials& m, vec3 at, const Detail& d) {
   const Points2 side = {{0.15f, 0.0f}, {0.17f, 0.12f}, {0.205f, 0.30f}};
   const int s = d(3, 1);
@@ -632,7 +632,7 @@ Scene build(const Materials& m, const Detail& d) {
 
 Scene make_room(int triangles) {
   Scene scene = build_with_materials("room", triangles, add_materials, build);
-  // The sun through the window; then lights without shadows for indirect light of the window and the lamp.
+  // The sun through the window, and lights without shadows for indirect light of the window and the lamp.
   constexpr float kGlow = 0.18f;  // metres: radius of the lamp's shade, which glows as a whole
   scene.lights = {{.direction = glm::normalize(vec3(-0.80f, 0.47f, 0.07f)),
                    .color = {1.60f, 1.38f, 1.08f},

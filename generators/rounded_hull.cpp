@@ -16,11 +16,12 @@ namespace {
 using glm::dvec3;
 using glm::vec3;
 
-/// Points closer to a plane than this fraction of the hull's size lie on it: well above the rounding of coordinates.
+/// Points closer to a plane than this fraction of the hull's size count as points on it. It is well above the rounding
+/// of coordinates.
 constexpr double kTolerance = 1e-5;
 
-/// Corners closer than this fraction of the size are merged. It is much smaller, because planes are exact here: where
-/// four of them nearly meet, their two corners must stay separate.
+/// Corners closer than this fraction of the size are merged. It is much smaller than kTolerance, because planes are
+/// exact here, and where four planes nearly meet, the two corners must stay separate.
 constexpr double kCornerTolerance = 1e-9;
 
 struct Plane {
@@ -28,12 +29,14 @@ struct Plane {
   double offset;  ///< the inside is where dot(normal, p) < offset
 };
 
+/// A vertex of the hull.
 struct Corner {
   dvec3 position;
   std::vector<int> planes;  ///< planes that meet here, counter-clockwise seen from outside
 };
 
-/// Returns the hull's planes; points within the tolerance of a plane lie on it. Planes with equal points are merged.
+/// Returns the hull's planes. Points within the tolerance of a plane count as points on it. Planes with equal points
+/// are merged.
 std::vector<Plane> hull_planes(std::span<const vec3> points, double size, double tolerance) {
   std::vector<Plane> planes;
   std::vector<std::vector<bool>> members;
@@ -130,7 +133,8 @@ struct Builder {
   }
 };
 
-/// Returns the unit vector at `step` of `steps` on the arc between two planes' normals; symmetric in the planes.
+/// Returns the unit vector at `step` of `steps` on the arc between two planes' normals. Exchanging the planes gives
+/// bitwise identical vectors in reverse order.
 dvec3 on_arc(const std::vector<Plane>& planes, int from, int to, int step, int steps) {
   if (from > to) {
     std::swap(from, to);
@@ -143,27 +147,29 @@ dvec3 on_arc(const std::vector<Plane>& planes, int from, int to, int step, int s
   return glm::normalize(std::sin((1.0 - t) * angle) * a + std::sin(t * angle) * b);
 }
 
-/// Rounds a corner: rings from the arcs between neighbouring planes' normals to the centre.
+/// Adds the sphere patch of a corner: rings from the arcs between neighbouring planes' normals to the patch's middle.
 void add_corner(const std::vector<Plane>& planes, const Corner& corner, int segments, Builder& builder) {
   const int rings = std::max(1, (segments + 1) / 2);
   const int count = int(corner.planes.size());
-  std::vector<dvec3> rim;
+  std::vector<dvec3> outline;
   for (int i = 0; i < count; ++i)
     for (int s = 0; s < segments; ++s)
-      rim.push_back(on_arc(planes, corner.planes[i], corner.planes[(i + 1) % count], s, segments));
+      outline.push_back(on_arc(planes, corner.planes[i], corner.planes[(i + 1) % count], s, segments));
   dvec3 middle(0.0);
-  for (const dvec3& normal : rim) middle += normal;
+  for (const dvec3& normal : outline) middle += normal;
   middle = glm::normalize(middle);
-  const std::uint32_t first = std::uint32_t(builder.mesh.positions.size()), around = std::uint32_t(rim.size());
+  const std::uint32_t first = std::uint32_t(builder.mesh.positions.size()),
+                      outline_size = std::uint32_t(outline.size());
   for (int r = 0; r < rings; ++r)
-    for (const dvec3& normal : rim) {
+    for (const dvec3& normal : outline) {
       const double t = double(r) / double(rings);
       builder.add(corner.position, r == 0 ? normal : glm::normalize(glm::mix(normal, middle, t)));
     }
   const std::uint32_t tip = builder.add(corner.position, middle);
   for (int r = 0; r < rings; ++r)
-    for (std::uint32_t i = 0; i < around; ++i) {
-      const std::uint32_t j = (i + 1) % around, outer = first + std::uint32_t(r) * around, inner = outer + around;
+    for (std::uint32_t i = 0; i < outline_size; ++i) {
+      const std::uint32_t j = (i + 1) % outline_size, outer = first + std::uint32_t(r) * outline_size,
+                          inner = outer + outline_size;
       if (r + 1 == rings) {
         builder.triangle(outer + i, outer + j, tip);
       } else {

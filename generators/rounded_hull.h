@@ -1,5 +1,5 @@
-// Convex solids with rounded edges: armour plates, wedges, gems. The convex hull of points, with edges rounded by a
-// sphere, so that they catch light as cast and milled edges do.
+// Convex solids with rounded edges: armour plates, wedges, gems. A solid is the convex hull of points, with edges
+// rounded by a sphere, so that they catch light as cast and milled edges do.
 #pragma once
 #include <glm/vec3.hpp>
 #include <initializer_list>

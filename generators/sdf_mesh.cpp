@@ -1,5 +1,5 @@
 // Mesher of implicit surfaces: surface nets [Gibson 1998] on a grid whose cells away from the surface are skipped; the
-// mesh is then split and projected. Splitting costs one vertex per two triangles, where a finer grid costs many
+// mesh is then split and projected. Splitting costs one vertex per two triangles, whereas a finer grid costs many
 // samples.
 #include "generators/sdf_mesh.h"
 
@@ -16,15 +16,15 @@ namespace {
 using glm::ivec3;
 using glm::vec3;
 
-/// Cells along a block's edge: small, so that few cells far from the surface are sampled.
+/// Number of cells along a block's edge. It is small, so that few cells far from the surface are sampled.
 constexpr int kBlock = 4;
 constexpr int kCorners = kBlock + 1;
 
 /// Max number of cells along the grid's longest side; finer meshes are split. Enough to find every part.
 constexpr float kMaxCells = 96.0f;
 
-/// A block is skipped if the field at its centre exceeds this factor times its half diagonal: the gradient of a field
-/// may be up to this factor.
+/// A block is skipped if the field at its centre exceeds this factor times its half diagonal, since the gradient of a
+/// field may be as large as this factor.
 constexpr float kSlack = 1.4f;
 
 struct Grid {
@@ -58,6 +58,7 @@ vec3 project(const Field& field, vec3& p, float step, float reach) {
   return slope / std::sqrt(square);
 }
 
+/// Appends the blocks that the surface may cross, by subdivision of the cube of `size` blocks per side at `block`.
 void find_blocks(const Field& field, const Grid& grid, ivec3 block, int size, std::vector<ivec3>& found) {
   if (block.x >= grid.blocks.x || block.y >= grid.blocks.y || block.z >= grid.blocks.z) return;
   const float edge = grid.cell * float(kBlock * size);
@@ -71,7 +72,7 @@ void find_blocks(const Field& field, const Grid& grid, ivec3 block, int size, st
   for (int i = 0; i < 8; ++i) find_blocks(field, grid, block + half * ivec3(i & 1, (i >> 1) & 1, i >> 2), half, found);
 }
 
-/// The vertices of a block's cells: the index of each cell's vertex, or -1.
+/// The index of the vertex in each cell of a block, or -1, and whether each corner of the cells is inside the surface.
 struct BlockVertices {
   std::array<std::int32_t, kBlock * kBlock * kBlock> vertex;
   std::array<bool, kCorners * kCorners * kCorners> inside;
@@ -97,7 +98,7 @@ vec3 mean_crossing(const std::array<float, 8>& value) {
 }
 
 BlockVertices block_vertices(const Field& field, const Grid& grid, ivec3 block, std::vector<vec3>& positions) {
-  BlockVertices made;
+  BlockVertices result;
   std::array<float, kCorners * kCorners * kCorners> value;
   const vec3 low = grid.origin + grid.cell * float(kBlock) * vec3(block);
   for (int z = 0; z < kCorners; ++z)
@@ -107,7 +108,7 @@ BlockVertices block_vertices(const Field& field, const Grid& grid, ivec3 block, 
         const vec3 p = grid.origin + grid.cell * vec3(block * kBlock + ivec3(x, y, z));
         const int i = corner_index({x, y, z});
         value[i] = field(p);
-        made.inside[i] = value[i] < 0.0f;
+        result.inside[i] = value[i] < 0.0f;
       }
   for (int z = 0; z < kBlock; ++z)
     for (int y = 0; y < kBlock; ++y)
@@ -118,16 +119,17 @@ BlockVertices block_vertices(const Field& field, const Grid& grid, ivec3 block, 
           corners[i] = value[corner_index({x + (i & 1), y + ((i >> 1) & 1), z + (i >> 2)})];
           inside += corners[i] < 0.0f;
         }
-        std::int32_t& vertex = made.vertex[cell_index({x, y, z})];
+        std::int32_t& vertex = result.vertex[cell_index({x, y, z})];
         vertex = -1;
         if (inside == 0 || inside == 8) continue;
         vertex = std::int32_t(positions.size());
         positions.push_back(low + grid.cell * (vec3(x, y, z) + mean_crossing(corners)));
       }
-  return made;
+  return result;
 }
 
-/// Surface nets: a vertex in every cell that the surface crosses, and a quad around every edge that it crosses.
+/// Makes a mesh by surface nets: a vertex in every cell that the surface crosses, and a quad around every edge of the
+/// grid that it crosses.
 Mesh surface_nets(const Field& field, const Grid& grid) {
   int size = 1;
   while (size < std::max({grid.blocks.x, grid.blocks.y, grid.blocks.z})) size *= 2;
@@ -136,19 +138,19 @@ Mesh surface_nets(const Field& field, const Grid& grid) {
 
   Mesh mesh;
   const auto key = [&](ivec3 b) { return (std::int64_t(b.z) * grid.blocks.y + b.y) * grid.blocks.x + b.x; };
-  std::unordered_map<std::int64_t, std::size_t> place;
+  std::unordered_map<std::int64_t, std::size_t> block_index;
   std::vector<BlockVertices> vertices;
   vertices.reserve(blocks.size());
   for (const ivec3& block : blocks) {
-    place.emplace(key(block), vertices.size());
+    block_index.emplace(key(block), vertices.size());
     vertices.push_back(block_vertices(field, grid, block, mesh.positions));
   }
 
   const auto vertex_at = [&](ivec3 cell) {
     if (cell.x < 0 || cell.y < 0 || cell.z < 0) return -1;
     const ivec3 block = cell / kBlock;
-    const auto found = place.find(key(block));
-    return found == place.end() ? -1 : vertices[found->second].vertex[cell_index(cell - block * kBlock)];
+    const auto found = block_index.find(key(block));
+    return found == block_index.end() ? -1 : vertices[found->second].vertex[cell_index(cell - block * kBlock)];
   };
   for (std::size_t b = 0; b < blocks.size(); ++b)
     for (int z = 0; z < kBlock; ++z)
@@ -170,7 +172,7 @@ Mesh surface_nets(const Field& field, const Grid& grid) {
               mesh.indices.insert(mesh.indices.end(),
                                   {std::uint32_t(quad[i]), std::uint32_t(quad[j]), std::uint32_t(quad[k])});
             };
-            // The shorter diagonal bends less.
+            // Split the quad along the shorter diagonal, which bends less.
             const auto span = [&](int i, int j) {
               return glm::distance(mesh.positions[quad[i]], mesh.positions[quad[j]]);
             };
@@ -186,7 +188,7 @@ Mesh surface_nets(const Field& field, const Grid& grid) {
   return mesh;
 }
 
-/// Splits every triangle into n x n; the two triangles at an edge share its vertices.
+/// Splits every triangle into n * n triangles. The vertices of an edge are common to the two triangles beside it.
 Mesh split(const Mesh& mesh, int n) {
   Mesh fine;
   fine.positions = mesh.positions;
@@ -197,21 +199,21 @@ Mesh split(const Mesh& mesh, int n) {
   edges.reserve(triangles * 3 / 2);
   const auto edge_vertex = [&](std::uint32_t from, std::uint32_t to, int step) {
     const std::uint32_t low = std::min(from, to), high = std::max(from, to);
-    const auto [found, fresh] =
+    const auto [found, inserted] =
         edges.try_emplace((std::uint64_t(low) << 32) | high, std::uint32_t(fine.positions.size()));
-    if (fresh)
+    if (inserted)
       for (int i = 1; i < n; ++i)
         fine.positions.push_back(glm::mix(mesh.positions[low], mesh.positions[high], float(i) / float(n)));
     return found->second + std::uint32_t((from == low ? step : n - step) - 1);
   };
-  std::vector<std::uint32_t> row((n + 1) * (n + 1));
+  std::vector<std::uint32_t> lattice((n + 1) * (n + 1));
   for (std::size_t t = 0; t < triangles; ++t) {
     const std::uint32_t a = mesh.indices[3 * t], b = mesh.indices[3 * t + 1], c = mesh.indices[3 * t + 2];
     const vec3 origin = mesh.positions[a];
     const vec3 ab = (mesh.positions[b] - origin) / float(n), ac = (mesh.positions[c] - origin) / float(n);
     for (int j = 0; j <= n; ++j)
       for (int i = 0; i + j <= n; ++i) {
-        std::uint32_t& at = row[j * (n + 1) + i];
+        std::uint32_t& at = lattice[j * (n + 1) + i];
         if (i == 0 && j == 0)
           at = a;
         else if (i == n)
@@ -231,9 +233,10 @@ Mesh split(const Mesh& mesh, int n) {
       }
     for (int j = 0; j < n; ++j)
       for (int i = 0; i + j < n; ++i) {
-        const std::uint32_t p = row[j * (n + 1) + i], q = row[j * (n + 1) + i + 1], r = row[(j + 1) * (n + 1) + i];
+        const std::uint32_t p = lattice[j * (n + 1) + i], q = lattice[j * (n + 1) + i + 1],
+                            r = lattice[(j + 1) * (n + 1) + i];
         fine.indices.insert(fine.indices.end(), {p, q, r});
-        if (i + j + 1 < n) fine.indices.insert(fine.indices.end(), {q, row[(j + 1) * (n + 1) + i + 1], r});
+        if (i + j + 1 < n) fine.indices.insert(fine.indices.end(), {q, lattice[(j + 1) * (n + 1) + i + 1], r});
       }
   }
   return fine;
@@ -253,14 +256,14 @@ Mesh mesh(const Field& field, vec3 low, vec3 high, float cell) {
   // The gradient's step is small relative to the cell, but large relative to the rounding of coordinates.
   const float step = std::max(0.03f * cell, 1e-5f * glm::length(size));
   const float reach = 0.5f * grid.cell;
-  Mesh made = surface_nets(field, grid);
-  for (vec3& p : made.positions)
+  Mesh result = surface_nets(field, grid);
+  for (vec3& p : result.positions)
     for (int i = 0; i < 2; ++i) project(field, p, step, reach);
-  if (pieces > 1) made = split(made, pieces);
-  // The vertices are so close to the surface now that one step reaches it and its direction is the normal.
-  made.normals.reserve(made.positions.size());
-  for (vec3& p : made.positions) made.normals.push_back(project(field, p, step, reach));
-  return made;
+  if (pieces > 1) result = split(result, pieces);
+  // The vertices are now so close to the surface that one step reaches it, and the step's direction is the normal.
+  result.normals.reserve(result.positions.size());
+  for (vec3& p : result.positions) result.normals.push_back(project(field, p, step, reach));
+  return result;
 }
 
 }  // namespace umbrage::sdf

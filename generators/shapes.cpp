@@ -22,8 +22,8 @@ using glm::vec3;
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
-/// Sine of the min angle of a triangle that is kept; thinner ones occur at poles, where a row is one point.
-constexpr float kThinnest = 1e-6f;
+/// Sine of the min angle of a triangle that is kept. Thinner ones occur at poles, where a row is one point.
+constexpr float kMinSine = 1e-6f;
 
 float radians(float degrees) { return degrees * (kPi / 180.0f); }
 
@@ -46,7 +46,7 @@ void add_solid_triangle(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint3
   const vec3 ab = mesh.positions[b] - mesh.positions[a], ac = mesh.positions[c] - mesh.positions[a];
   const vec3 bc = ac - ab;
   const float longest = std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(bc, bc)});
-  if (glm::length(glm::cross(ab, ac)) > kThinnest * longest) add_triangle(mesh, a, b, c);
+  if (glm::length(glm::cross(ab, ac)) > kMinSine * longest) add_triangle(mesh, a, b, c);
 }
 
 std::uint32_t add_vertex(Mesh& mesh, vec3 position, vec3 normal, vec2 uv) {
@@ -93,18 +93,18 @@ Mesh lattice(int nu, int nv, const At& at, Wrap wrap = {}) {
       add_solid_triangle(mesh, a, c, d);
     }
   std::vector<vec3> sums = summed_normals(mesh);
-  const auto fraction = [&sums](std::uint32_t a, std::uint32_t b) { sums[a] = sums[b] = sums[a] + sums[b]; };
+  const auto merge = [&sums](std::uint32_t a, std::uint32_t b) { sums[a] = sums[b] = sums[a] + sums[b]; };
   if (wrap.u)
-    for (int j = 0; j <= nv; ++j) fraction(index(0, j), index(nu, j));
+    for (int j = 0; j <= nv; ++j) merge(index(0, j), index(nu, j));
   if (wrap.v)
-    for (int i = 0; i <= nu; ++i) fraction(index(i, 0), index(i, nv));
+    for (int i = 0; i <= nu; ++i) merge(index(i, 0), index(i, nv));
   for (int j : {0, nv}) {  // a row that is one point has one normal
     const vec3 first = mesh.positions[index(0, j)];
     const vec3 across = mesh.positions[index(nu / 2, j)] - mesh.positions[index(nu / 2, nv / 2)];
     vec3 sum(0.0f);
     bool pole = true;
     for (int i = 0; i <= nu; ++i) {
-      pole = pole && glm::length(mesh.positions[index(i, j)] - first) <= kThinnest * glm::length(across);
+      pole = pole && glm::length(mesh.positions[index(i, j)] - first) <= kMinSine * glm::length(across);
       sum += sums[index(i, j)];
     }
     if (pole)
@@ -172,12 +172,12 @@ std::vector<std::uint32_t> ear_clip(const Points2& polygon) {
       const vec2 a = polygon[left[(i + left.size() - 1) % left.size()]], b = polygon[left[i]],
                  c = polygon[left[(i + 1) % left.size()]];
       if (turn_of(a, b, c) <= 0.0f || glm::length(c - a) >= shortest) continue;
-      const bool free = std::none_of(left.begin(), left.end(), [&](std::uint32_t other) {
+      const bool is_ear = std::none_of(left.begin(), left.end(), [&](std::uint32_t other) {
         const vec2 p = polygon[other];
         return p != a && p != b && p != c && turn_of(a, b, p) >= 0.0f && turn_of(b, c, p) >= 0.0f &&
                turn_of(c, a, p) >= 0.0f;
       });
-      if (free) best = i, shortest = glm::length(c - a);
+      if (is_ear) best = i, shortest = glm::length(c - a);
     }
     if (best == left.size()) break;  // not simple: the rest stays open
     triangles.insert(triangles.end(),
@@ -233,7 +233,7 @@ PathFrames frames_of(std::span<const vec3> path, vec3 side, bool closed) {
   }
   for (std::size_t i = 0; i < n; ++i) {
     vec3 carried = side;
-    if (i > 0) {  // double reflection: first in the plane between the points, then in that between the tangents
+    if (i > 0) {  // double reflection: in the plane between the points, then in the plane between the tangents
       const vec3 v1 = path[i] - path[i - 1];
       const float c1 = std::max(glm::dot(v1, v1), 1e-30f);
       const vec3 side_l = f.side[i - 1] - 2.0f / c1 * glm::dot(v1, f.side[i - 1]) * v1;
@@ -533,9 +533,9 @@ Mesh arch(float opening, float width, float height, float depth, int segments, b
   const float corner = std::atan2(height, half);
   for (int i = 0; i <= segments; ++i) angles.push_back(kPi * float(i) / float(segments));
   for (const float exact : {corner, kPi - corner}) {
-    auto near = std::min_element(angles.begin() + 1, angles.end() - 1,
-                                 [&](float a, float b) { return std::abs(a - exact) < std::abs(b - exact); });
-    *near = exact;
+    auto closest = std::min_element(angles.begin() + 1, angles.end() - 1,
+                                    [&](float a, float b) { return std::abs(a - exact) < std::abs(b - exact); });
+    *closest = exact;
   }
   const auto inner = [&](float a) { return radius * vec2(std::cos(a), std::sin(a)); };
   const auto outer = [&](float a) {
@@ -636,7 +636,7 @@ Points2 sharp(std::span<const vec2> points) {
 
 namespace {
 
-/// Catmull-Rom between p1 and p2.
+/// Evaluates the Catmull-Rom spline between p1 and p2.
 template <class Vec>
 Vec catmull_rom(const Vec& p0, const Vec& p1, const Vec& p2, const Vec& p3, float t) {
   return 0.5f * (2.0f * p1 +
@@ -792,17 +792,18 @@ int add_mesh(Scene& scene, std::string name, Mesh mesh, int material, int part_o
 int Detail::operator()(float base, int min) const { return std::max(min, int(std::lround(base * scale))); }
 
 Scene build_to_count(int triangles, const std::function<Scene(const Detail&)>& build) {
-  constexpr float kNear = 1.2f;  // a factor of 2 is promised; 1.2 leaves a margin and is met at the second attempt
+  // builtin.h documents a factor of 2. 1.2 leaves a margin and is met at the second attempt.
+  constexpr float kMaxFactor = 1.2f;
   constexpr int kMaxTries = 6;
-  constexpr float kMaxAtOnce = 64.0f;  // counts are rounded, so that one count does not justify a larger step
+  constexpr float kMaxRatio = 64.0f;  // max change in one attempt, since counts are rounded
   Detail detail;
   float count_before = 0.0f;
   for (int i = 0;; ++i) {
     Scene scene = build(detail);
-    const float count = float(scene.triangle_count()), wanted = float(triangles);
-    const bool near = count < kNear * wanted && count * kNear > wanted;
-    if (near || i + 1 == kMaxTries || count == count_before) return scene;
-    const float ratio = std::clamp(wanted / std::max(count, 1.0f), 1.0f / kMaxAtOnce, kMaxAtOnce);
+    const float count = float(scene.triangle_count()), target = float(triangles);
+    const bool is_close = count < kMaxFactor * target && count * kMaxFactor > target;
+    if (is_close || i + 1 == kMaxTries || count == count_before) return scene;
+    const float ratio = std::clamp(target / std::max(count, 1.0f), 1.0f / kMaxRatio, kMaxRatio);
     detail.scale *= std::sqrt(ratio);
     count_before = count;
   }

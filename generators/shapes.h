@@ -39,51 +39,52 @@ struct Wrap {
 /// faces. Rows that shrink to a point (poles) are allowed.
 Mesh surface(int nu, int nv, const std::function<SurfacePoint(float u, float v)>& at, Wrap wrap = {});
 
-/// A flat sheet in the plane y = height, facing +y, between two corners (x, z).
+/// Makes a flat sheet in the plane y = height, facing +y, between two corners (x, z).
 Mesh plane(glm::vec2 low, glm::vec2 high, float height, int nx, int nz);
 
-/// The quadrilateral a b c d (counter-clockwise from the front), nu quads along ab and nv along bc.
+/// Makes the quadrilateral a b c d (counter-clockwise from the front), nu quads along ab and nv along bc.
 Mesh quad(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d, int nu, int nv);
 
-/// Hanging cloth: width along x, centred, from y = 0 down to -height, front +z. It has `folds` waves of depth +-depth,
-/// gathered at the top, which open and drift downwards; `seed` changes them. nu quads across, nv down.
+/// Makes hanging cloth: width along x, centred, from y = 0 down to -height, front +z. It has `folds` waves of depth
+/// +-depth, gathered at the top, which open and drift downwards; `seed` changes them. nu quads across, nv down.
 Mesh drape(float width, float height, float folds, float depth, std::uint32_t seed, int nu, int nv);
 
 // ------------------------------------------------------------------------------------------------------------ solids
 
-/// A box between two corners. Edges are rounded by `bevel` with 2 * bevel_segments quads across; with either 0, sharp.
+/// Makes a box between two corners. Edges are rounded by `bevel` with 2 * bevel_segments quads across; if either is 0,
+/// edges are sharp.
 Mesh box(glm::vec3 low, glm::vec3 high, float bevel = 0.0f, int bevel_segments = 1);
 
-/// A sphere around the origin.
+/// Makes a sphere around the origin.
 Mesh sphere(float radius, int slices, int stacks);
 
-/// A sphere around the origin made of six faces of n x n quads, without poles. `displace` maps a unit direction to a
-/// radius.
+/// Makes a sphere around the origin made of six faces of n x n quads, without poles. `displace` maps a unit direction
+/// to a radius.
 Mesh cube_sphere(int n, const std::function<float(glm::vec3)>& displace);
 
-/// A superellipsoid |x/rx|^p + |y/ry|^p + |z/rz|^p = 1 around the origin: power 2 is an ellipsoid, 3 to 6 a cushion or
-/// a worn stone. Six faces of n x n quads.
+/// Makes a superellipsoid |x/rx|^p + |y/ry|^p + |z/rz|^p = 1 around the origin: power 2 is an ellipsoid, 3 to 6 a
+/// cushion or a worn stone. Six faces of n x n quads.
 Mesh superellipsoid(glm::vec3 radii, float power, int n);
 
-/// A cushion: size.x by size.z, size.y thick in the middle and thin along its seam, corners pulled out. Around the
-/// origin, lying flat; n x n quads on either side.
+/// Makes a cushion: size.x by size.z, size.y thick in the middle and thin along its seam, corners pulled out. Around
+/// the origin, lying flat; n x n quads on either side.
 Mesh cushion(glm::vec3 size, int n);
 
-/// A torus around the y axis.
+/// Makes a torus around the y axis.
 Mesh torus(float ring_radius, float tube_radius, int slices, int sides);
 
-/// A cylinder or cone on the y axis from y = 0 to height, with flat caps.
+/// Makes a cylinder or cone on the y axis from y = 0 to height, with flat caps.
 Mesh cone(float radius_bottom, float radius_top, float height, int slices, int stacks = 1);
 inline Mesh cylinder(float radius, float height, int slices, int stacks = 1) {
   return cone(radius, radius, height, slices, stacks);
 }
 
-/// Surface of revolution about y. The profile holds (radius, y) and runs upwards on the outside: from the axis at the
-/// bottom, out, up and back to the axis closes the solid. `turn_deg` below 360 makes a sector, open at its ends.
+/// Makes a surface of revolution about y. The profile holds (radius, y) and runs upwards on the outside: from the axis
+/// at the bottom, out, up and back to the axis closes the solid. `turn_deg` below 360 makes a sector, open at its ends.
 /// uvs: metres around the widest place, and metres along the profile.
 Mesh lathe(std::span<const glm::vec2> profile, int slices, float turn_deg = 360.0f);
 
-/// Prism: an outline (x, y), counter-clockwise, without holes, from z = 0 to depth, with both caps.
+/// Makes a prism: an outline (x, y), counter-clockwise, without holes, from z = 0 to depth, with both caps.
 Mesh extrusion(std::span<const glm::vec2> outline, float depth);
 
 /// Sweeps a closed section (counter-clockwise seen against the direction of travel) along a smooth path. The section's
@@ -92,41 +93,42 @@ Mesh extrusion(std::span<const glm::vec2> outline, float depth);
 Mesh sweep(std::span<const glm::vec3> path, std::span<const glm::vec2> section, glm::vec3 side,
            bool closed_path = false, std::span<const float> scale = {});
 
-/// A round bar along a smooth path.
+/// Makes a round bar along a smooth path.
 Mesh tube(std::span<const glm::vec3> path, float radius, int sides, bool closed_path = false,
           std::span<const float> scale = {});
 
-/// A moulding with mitred corners along a horizontal polyline: skirting, cornice, frame. The open section holds
+/// Makes a moulding with mitred corners along a horizontal polyline: skirting, cornice, frame. The open section holds
 /// (out, up): out is to the right of travel, and the outside is on the right-hand side of the section: for a cornice on
 /// the right of the path it runs from bottom to top. Ends are left open.
 Mesh moulding(std::span<const glm::vec3> path, std::span<const glm::vec2> section, bool closed);
 
-/// Wall over a round-headed opening: x in +-width/2, y in [0, height], z in +-depth/2, minus a half disc of diameter
-/// `opening` around the origin. Front, back, the underside of the arch and the two springings; with `closed`, also top
-/// and ends.
+/// Makes a wall over a round-headed opening: x in +-width/2, y in [0, height], z in +-depth/2, minus a half disc of
+/// diameter `opening` around the origin. Front, back, the underside of the arch and the two springings; with `closed`,
+/// also top and ends.
 Mesh arch(float opening, float width, float height, float depth, int segments, bool closed = false);
 
-/// A wall in the plane z, x in [0, size.x], y in [0, size.y], `depth` thick (z in [-depth, 0], front +z), with one
-/// rectangular hole between two corners; reveals included.
+/// Makes a wall in the plane z, x in [0, size.x], y in [0, size.y], `depth` thick (z in [-depth, 0], front +z), with
+/// one rectangular hole between two corners; reveals included.
 Mesh wall_with_hole(glm::vec2 size, glm::vec2 hole_low, glm::vec2 hole_high, float depth);
 
 // ---------------------------------------------------------------------------------------------- curves and profiles
 
-/// n evenly spaced points on a circle, counter-clockwise from (radius, 0).
+/// Returns n evenly spaced points on a circle, counter-clockwise from (radius, 0).
 Points2 circle(float radius, int n);
 
-/// A rectangle around the origin, counter-clockwise, all four corners sharp; with `round` and n > 0, rounded by n
-/// segments.
+/// Returns a rectangle around the origin, counter-clockwise, all four corners sharp; with `round` and n > 0, rounded by
+/// n segments.
 Points2 rectangle(glm::vec2 size, float round = 0.0f, int n = 1);
 
 /// Returns the same points, each as a sharp corner.
 Points2 sharp(std::span<const glm::vec2> points);
 
-/// A smooth curve through the points (Catmull-Rom), `segments` per span.
+/// Returns a smooth curve through the points (Catmull-Rom), `segments` per span.
 Points2 smooth(std::span<const glm::vec2> points, int segments);
 Points3 smooth(std::span<const glm::vec3> points, int segments, bool closed = false);
 
-/// Points on an arc around `centre`, from one angle to another (degrees, from +x towards +y), both ends included.
+/// Returns points on an arc around `centre`, from one angle to another (degrees, from +x towards +y), both ends
+/// included.
 Points2 arc(glm::vec2 centre, float radius, float from_deg, float to_deg, int segments);
 
 /// Joins parts of a profile, with sharp edges between them.
@@ -164,7 +166,7 @@ void box_uvs(Mesh& mesh);
 
 // ----------------------------------------------------------------------------------------------------------- scenes
 
-/// Each adds an element to a scene and returns its index.
+/// Add an element to a scene. Return its index.
 int add_texture(Scene& scene, Texture texture);
 int add_material(Scene& scene, Material material);
 
@@ -177,14 +179,14 @@ struct MaterialMaker {
   int cut_out(std::string name, Texture texture) const;
 };
 
-/// Adds a mesh under a name; its object id is its index, or that of the earlier mesh `part_of`. Empty meshes are left
-/// out. Returns the object id.
+/// Adds a mesh under a name; its object id is its index, or the object id of the earlier mesh `part_of`. Empty meshes
+/// are left out. Returns the object id.
 int add_mesh(Scene& scene, std::string name, Mesh mesh, int material, int part_of = -1);
 
 /// Tessellation of a scene: counts in the code are for scale 1, and grow with the scale.
 struct Detail {
   float scale = 1.0f;
-  /// Returns a count that is `base` at scale 1, at least `least`.
+  /// Returns a count that is `base` at scale 1, and at least `min`.
   int operator()(float base, int min = 1) const;
 };
 
@@ -192,7 +194,7 @@ struct Detail {
 /// the scale until the count is within a fifth or no longer changes (the minimum of the scene).
 Scene build_to_count(int triangles, const std::function<Scene(const Detail&)>& build);
 
-/// Does the same with materials and textures that are made once: each attempt only gets their indices.
+/// Does the same for a scene whose materials and textures are made only once; each attempt gets their indices.
 template <class Materials>
 Scene build_with_materials(std::string name, int triangles, Materials (*add_materials)(Scene&),
                            Scene (*build)(const Materials&, const Detail&)) {

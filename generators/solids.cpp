@@ -61,7 +61,7 @@ Mesh on_face(Mesh mesh, vec3 down) {
 
 constexpr float kGolden = 1.6180340f;
 
-/// The twelve corners of an icosahedron at distance `radius`.
+/// Returns the twelve corners of an icosahedron at distance `radius`.
 std::vector<vec3> icosahedron(float radius) {
   std::vector<vec3> corners;
   for (const float a : {-1.0f, 1.0f})
@@ -70,7 +70,7 @@ std::vector<vec3> icosahedron(float radius) {
   return corners;
 }
 
-/// The twenty corners of a dodecahedron at distance `radius`.
+/// Returns the twenty corners of a dodecahedron at distance `radius`.
 std::vector<vec3> dodecahedron(float radius) {
   std::vector<vec3> corners;
   for (const float a : {-1.0f, 1.0f})
@@ -96,7 +96,7 @@ struct Table {
   }
   Mesh block(vec3 low, vec3 high, float bevel) const { return shapes::box(low, high, bevel, detail(2.0f, 1)); }
   Mesh torus(float ring, float tube) const { return shapes::torus(ring, tube, detail(56.0f, 12), detail(22.0f, 8)); }
-  /// A cylinder or cone on the table with rounded edges.
+  /// Makes a cylinder or cone on the table with rounded edges.
   Mesh turned_solid(float bottom, float top, float height, float bevel, float slices = 48.0f) const {
     const int steps = detail(3.0f, 1);
     const vec2 side = glm::normalize(vec2(top - bottom, height));
@@ -143,7 +143,7 @@ void add_stairs(Table& t) {
   t.add("icosahedron", place(shapes::moved(gem, {-0.08f, kSteps * kRise, -4.25f * kTread})), t.paint.blue);
 }
 
-/// Two columns that carry a slab, and the objects on it.
+/// Adds two columns that carry a slab, and the objects on it.
 void add_portal(Table& t) {
   constexpr float kHeight = 1.18f, kSlab = 0.16f, kBack = -1.18f;
   const shapes::Points2 column = {{0.0f, 0.0f},    {0.20f, 0.0f},    {0.20f, 0.0f},    {0.205f, 0.02f},
@@ -166,7 +166,7 @@ void add_portal(Table& t) {
   t.add("ball behind", t.ball(0.30f, {0.02f, 0.30f, kBack - 0.12f}, 18.0f), t.paint.rose);
 }
 
-/// A tall cylinder, and a torus that stands on the table and leans against it.
+/// Adds a tall cylinder, and a torus that stands on the table and leans against it.
 void add_leaning_torus(Table& t) {
   const vec2 axis(1.62f, -0.72f);
   constexpr float kRadius = 0.33f, kRing = 0.40f, kTube = 0.115f, kLeanDeg = 19.0f;
@@ -174,19 +174,19 @@ void add_leaning_torus(Table& t) {
         t.paint.mustard);
   const float lean = glm::radians(kLeanDeg);
   const float y = kRing * std::cos(lean) + kTube, out = kRadius + kTube + kRing * std::sin(lean);
-  // It leans towards the cylinder's axis, from the right of the camera.
+  // The torus leans towards the cylinder's axis, from the right of the camera.
   const Mesh ring = shapes::moved(shapes::turned_x(t.torus(kRing, kTube), 90.0f - kLeanDeg), {0.0f, y, out});
   t.add("leaning torus", shapes::moved(shapes::turned_y(ring, -14.0f), {axis.x, 0.0f, axis.y}), t.paint.lilac);
 }
 
-/// The large sphere, a cube that touches it, a cone in front of both.
+/// Adds the large sphere, a cube that touches it, a cone in front of both.
 void add_middle(Table& t) {
   constexpr float kBall = 0.56f, kHalf = 0.36f;
   const vec3 centre(-0.10f, kBall, -0.05f);
   t.add("sphere", t.ball(kBall, centre, 26.0f), t.paint.teal);
   const float turn_deg = 24.0f;
-  const vec3 way(std::cos(glm::radians(turn_deg)), 0.0f, std::sin(glm::radians(turn_deg)));
-  const vec3 at = vec3(centre.x, 0.0f, centre.z) + (kBall + kHalf) * way;
+  const vec3 direction(std::cos(glm::radians(turn_deg)), 0.0f, std::sin(glm::radians(turn_deg)));
+  const vec3 at = vec3(centre.x, 0.0f, centre.z) + (kBall + kHalf) * direction;
   t.add("cube",
         shapes::moved(
             shapes::turned_y(t.block({-kHalf, 0.0f, -kHalf}, {kHalf, 2.0f * kHalf, kHalf}, 0.035f), -turn_deg), at),
@@ -200,7 +200,7 @@ void add_middle(Table& t) {
   t.add("cone", shapes::moved(t.turned_solid(0.36f, 0.0f, 0.92f, 0.022f), {-1.06f, 0.0f, 0.52f}), t.paint.coral);
 }
 
-/// A trefoil knot that lies on the table.
+/// Adds a trefoil knot that lies on the table.
 void add_knot(Table& t) {
   shapes::Points3 path;
   const int steps = t.detail(170.0f, 40);
@@ -213,7 +213,7 @@ void add_knot(Table& t) {
   t.add("torus knot", shapes::moved(grounded(knot), {-1.62f, 0.0f, 1.18f}), t.paint.lilac);
 }
 
-/// Two linked rings: one stands, the other lies with one side on the table and one on the first.
+/// Adds two linked rings: one stands, the other lies with one side on the table and one side on the standing ring.
 void add_rings(Table& t) {
   constexpr float kRing = 0.37f, kTube = 0.075f;
   const auto place = [](Mesh mesh) {
@@ -229,7 +229,7 @@ void add_rings(Table& t) {
         t.paint.teal);
 }
 
-/// A bowl with four spheres: three that touch each other and the bowl, and one on top.
+/// Adds a bowl with four spheres: three that touch each other and the bowl, and one on top.
 void add_bowl(Table& t) {
   constexpr float kInner = 0.42f, kWall = 0.035f, kBall = 0.135f;
   const float middle = kInner + kWall + 0.03f;
@@ -291,7 +291,7 @@ void add_small_things(Table& t) {
   const int count = t.detail(150.0f, 50);
   for (int i = 0; i <= count; ++i) {
     const float u = float(i) / float(count), a = 2.0f * kPi * kTurns * u;
-    // The ends are flat, as those of a ground spring.
+    // The ends are flat, like those of a ground spring.
     const float rise = kPitch * kTurns * std::clamp((u - 0.1f) / 0.8f, 0.0f, 1.0f);
     path.push_back({kRadius * std::cos(a), rise, kRadius * std::sin(a)});
   }
@@ -303,11 +303,11 @@ void add_small_things(Table& t) {
     float radius;
     int colour;
   };
-  for (const Marble& each :
+  for (const Marble& marble :
        {Marble{{-0.98f, 1.66f}, 0.085f, t.paint.teal}, Marble{{-0.86f, 1.84f}, 0.065f, t.paint.coral},
         Marble{{2.02f, 1.12f}, 0.10f, t.paint.coral}, Marble{{0.10f, 2.06f}, 0.07f, t.paint.blue},
         Marble{{1.30f, 1.98f}, 0.075f, t.paint.sage}, Marble{{-0.62f, 0.86f}, 0.11f, t.paint.white}})
-    t.add("marble", t.ball(each.radius, {each.at.x, each.radius, each.at.y}, 9.0f), each.colour);
+    t.add("marble", t.ball(marble.radius, {marble.at.x, marble.radius, marble.at.y}, 9.0f), marble.colour);
 }
 
 void add_table(Table& t) {

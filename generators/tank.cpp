@@ -1,6 +1,6 @@
-// scene:tank - a siege tank on a round pad, its two rear legs let down: hard surfaces with rounded edges, deep gaps and
-// many small parts that touch. It replaces figures 1 and 6 of the unsharp masking paper, which show such a tank from
-// behind; the design is our own. The tank faces +z, x is to its left.
+// scene:tank - a siege tank on a round pad, with its two rear legs lowered: hard surfaces with rounded edges, deep gaps
+// and many small parts that touch. It replaces figures 1 and 6 of the unsharp masking paper, which show such a tank
+// from behind; the design is our own. The tank faces +z, x is to its left.
 #include <array>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
@@ -28,8 +28,8 @@ constexpr float kTubHalfWidth = 1.02f;  // leaves 9 cm between tub and track
 constexpr float kFender = 1.25f, kDeck = 1.72f, kTurretFloor = 1.80f, kRoof = 2.42f;
 constexpr float kRear = -2.86f;  // the rear plate
 
-/// Below these scales small blocks and then all plates have sharp edges, and screws are left out: they would be most of
-/// the triangles of a coarse scene.
+/// Below these scales, small blocks and then all plates have sharp edges, and screws are left out, since they would be
+/// most of the triangles of a coarse scene.
 constexpr float kSharpBlocksBelow = 0.60f, kNoScrewsBelow = 0.50f, kSharpPlatesBelow = 0.40f;
 
 struct Paint {
@@ -83,7 +83,7 @@ struct Workshop {
     for (const vec3& p : half) points.push_back(p * vec3(-1, 1, 1));
     return rounded_hull(points, bevel, steps(2.0f));
   }
-  /// A round part between two points, with rounded edges.
+  /// Makes a round part between two points, with rounded edges.
   Mesh drum(vec3 from, vec3 to, float radius, float bevel = 0.012f, float slices = 20.0f) const {
     const float length = glm::distance(from, to);
     bevel = std::min({bevel, 0.5f * length, 0.9f * radius});
@@ -107,7 +107,7 @@ struct Workshop {
     const std::vector<vec3> points(through);
     return shapes::tube(shapes::smooth(points, detail(5.0f, 2)), radius, detail(sides, 5));
   }
-  /// A hexagonal screw head that projects from a face at `at`.
+  /// Makes a hexagonal screw head that projects from a face at `at`.
   Mesh bolt(vec3 at, vec3 out, float radius = 0.022f) const {
     if (detail.scale < kNoScrewsBelow) return {};
     const shapes::Points2 profile = {{radius, -0.01f},
@@ -119,7 +119,7 @@ struct Workshop {
                                      {0.0f, 0.7f * radius}};
     return between(shapes::lathe(profile, 6), at, at + out);
   }
-  /// Bolts in a row, `count` of them, from a to b.
+  /// Appends a row of `count` bolts from a to b.
   void bolt_row(Mesh& mesh, vec3 a, vec3 b, int count, vec3 out, float radius = 0.022f) const {
     for (int i = 0; i < count; ++i)
       shapes::append(mesh, bolt(glm::mix(a, b, count > 1 ? float(i) / float(count - 1) : 0.5f), out, radius));
@@ -176,9 +176,9 @@ std::vector<BeltPoint> belt(int count) {
   std::vector<vec2> normals;
   for (std::size_t i = 0; i < rollers.size(); ++i) {
     const Roller &a = rollers[i], &b = rollers[(i + 1) % rollers.size()];
-    const vec2 way = b.centre - a.centre;
-    const float length = glm::length(way), along = (a.radius - b.radius) / length;
-    const vec2 d = way / length;
+    const vec2 direction = b.centre - a.centre;
+    const float length = glm::length(direction), along = (a.radius - b.radius) / length;
+    const vec2 d = direction / length;
     normals.push_back(d * along + vec2(d.y, -d.x) * std::sqrt(1.0f - along * along));
   }
   std::vector<Piece> pieces;
@@ -216,13 +216,13 @@ std::vector<BeltPoint> belt(int count) {
   return points;
 }
 
-/// One link, its inner side in y = 0, running along z.
+/// Makes one link, its inner side in y = 0, running along z.
 Mesh track_link(const Workshop& w) {
   const float half = kTrackHalfWidth;
   Mesh link = w.block({-half, 0.004f, -0.066f}, {half, 0.048f, 0.066f}, 0.012f);
   shapes::append(link, w.block({-half + 0.02f, 0.03f, -0.024f}, {half - 0.02f, kGrouser, 0.024f}, 0.010f));
   for (const float side : {-1.0f, 1.0f}) {
-    // The pins' ends, and the pads between that close the gap to the next link.
+    // The pins' ends, and the pads between them that close the gap to the next link.
     const float x = side * (half - 0.03f);
     shapes::append(link, w.block({x - 0.05f, 0.010f, 0.05f}, {x + 0.05f, 0.042f, 0.094f}, 0.008f));
   }
@@ -239,7 +239,8 @@ Mesh track_link(const Workshop& w) {
   return link;
 }
 
-/// A wheel of two discs around the x axis, with bolts and hub cap on its outside (+x).
+/// Adds a wheel of two discs around the x axis, with bolts and hub cap on its outside. `side`: 1 or -1, x of the
+/// outside.
 void add_wheel(Workshop& w, const char* name, vec3 centre, float radius, float side) {
   const vec3 out(side, 0, 0);
   const int slices = w.detail(26.0f, 10);
@@ -273,7 +274,7 @@ void add_wheel(Workshop& w, const char* name, vec3 centre, float radius, float s
   }
 }
 
-/// The toothed wheel that drives the track.
+/// Adds the toothed wheel that drives the track.
 void add_sprocket(Workshop& w, float side) {
   const vec3 centre(side * kTrackCentre, kSprocket.centre.y, kSprocket.centre.x), out(side, 0, 0);
   constexpr int kTeeth = 15;
@@ -325,7 +326,7 @@ void add_running_gear(Workshop& w) {
     for (int i = 0; i < kRoadWheels; ++i) {
       const vec3 centre(side * kTrackCentre, kGrouser + kWheelRadius, kRoadFirst + kRoadPitch * float(i));
       add_wheel(w, "road wheel", centre, kWheelRadius, side);
-      // Its swing arm, from the tub forwards.
+      // The wheel's swing arm, from the tub forwards.
       Mesh arm = w.drum(centre - out * 0.16f, centre - out * 0.44f, 0.075f);
       shapes::append(arm,
                      w.hull({centre + vec3(-side * 0.27f, 0.07f, 0.05f), centre + vec3(-side * 0.27f, -0.07f, 0.0f),
@@ -360,7 +361,7 @@ void add_running_gear(Workshop& w) {
 
 // -------------------------------------------------------------------------------------------------------------- hull
 
-/// Fenders with bent ends; the rear flaps do not hide the tracks from behind.
+/// Adds fenders with bent ends; the rear flaps do not hide the tracks from behind.
 void add_fenders(Workshop& w) {
   const float t = kTubHalfWidth;
   Mesh fender = w.hull({{t, kFender - 0.02f, -2.75f},
@@ -397,7 +398,7 @@ void add_fenders(Workshop& w) {
   w.add_pair("fender", fender, w.paint.plate);
 }
 
-/// Side armour in plates, hung from brackets.
+/// Adds side armour of bolted plates.
 void add_side_armour(Workshop& w) {
   for (int i = 0; i < 5; ++i) {
     const float z = -2.10f + 0.86f * float(i);
@@ -420,8 +421,8 @@ void add_side_armour(Workshop& w) {
   }
 }
 
-/// Weld-on armour and spare links on the bow.
-void add_bow_armour(Workshop& w) {
+/// Adds spare track links on the bow.
+void add_spare_links(Workshop& w) {
   for (int i = 0; i < 4; ++i) {
     const vec3 along = glm::normalize(vec3(0, 0.45f, -1.44f)), out = glm::normalize(vec3(0, 1.44f, 0.45f));
     const vec3 at = vec3(-0.02f, 1.27f, 2.74f) + along * (0.32f + 0.17f * float(i)) + out * 0.012f;
@@ -433,7 +434,7 @@ void add_bow_armour(Workshop& w) {
   }
 }
 
-/// Driver's hatch with two periscopes.
+/// Adds the driver's hatch with two periscopes.
 void add_drivers_hatch(Workshop& w) {
   const vec3 driver(0.62f, kDeck - 0.02f, 1.02f);
   Mesh hatch = w.drum(driver, driver + vec3(0, 0.05f, 0), 0.27f, 0.02f, 28.0f);
@@ -446,7 +447,7 @@ void add_drivers_hatch(Workshop& w) {
   }
 }
 
-/// Headlamps on stalks, with guards.
+/// Adds headlamps on stalks, with guards, and towing eyes at the bow.
 void add_headlamps(Workshop& w) {
   for (const float side : {-1.0f, 1.0f}) {
     const vec3 at(side * 1.42f, 1.43f, 2.45f);
@@ -500,7 +501,7 @@ void add_hull(Workshop& w) {
                          w.paint.armour);
   add_fenders(w);
   add_side_armour(w);
-  add_bow_armour(w);
+  add_spare_links(w);
   add_drivers_hatch(w);
   add_headlamps(w);
   Mesh bolts;
@@ -515,7 +516,7 @@ void add_hull(Workshop& w) {
 /// z of the rear plate, on which parts are mounted.
 constexpr float kRearPlate = kRear - 0.02f;
 
-/// Two gratings on the deck: a frame, and slanted slats.
+/// Adds two gratings on the deck: a frame, and slanted slats.
 void add_gratings(Workshop& w) {
   for (const float x : {-0.72f, 0.72f}) {
     const float y = kDeck - 0.01f;
@@ -537,7 +538,7 @@ void add_gratings(Workshop& w) {
   }
 }
 
-/// A silencer across the plate under the deck's edge; its pipe turns out and up.
+/// Adds a silencer across the plate under the deck's edge; its pipe turns out and up.
 void add_silencer(Workshop& w, float side) {
   const float z = kRearPlate;
   const vec3 inner(side * 0.46f, 1.40f, z - 0.19f), outer(side * 1.22f, 1.40f, z - 0.19f);
@@ -562,7 +563,7 @@ void add_silencer(Workshop& w, float side) {
           w.paint.plate);
 }
 
-/// Tail lamps and towing hooks.
+/// Adds tail lamps and towing hooks.
 void add_tail(Workshop& w, float side) {
   const vec3 lamp(side * 1.52f, 1.36f, -2.92f);
   w.add("tail lamp box", w.block(lamp + vec3(-0.12f, -0.06f, -0.05f), lamp + vec3(0.12f, 0.06f, 0.02f), 0.015f),
@@ -581,7 +582,7 @@ void add_tail(Workshop& w, float side) {
   w.add("towing eye", std::move(hook), w.paint.steel);
 }
 
-/// A leg: bracket, arm, foot and the ram that pushes it down.
+/// Adds a leg: bracket, arm, foot and the ram that pushes it down.
 void add_leg(Workshop& w, float side) {
   const float z = kRearPlate;
   const float leg = side * 0.70f;
@@ -599,7 +600,7 @@ void add_leg(Workshop& w, float side) {
                                    0.012f));
   shapes::append(bracket, w.drum(hip - vec3(0.21f, 0, 0), hip + vec3(0.21f, 0, 0), 0.055f));
   w.add("leg bracket", std::move(bracket), w.paint.plate);
-  const vec3 way = glm::normalize(ankle - hip), up = glm::normalize(glm::cross(vec3(1, 0, 0), way));
+  const vec3 direction = glm::normalize(ankle - hip), up = glm::normalize(glm::cross(vec3(1, 0, 0), direction));
   const auto place = [&](vec3 base, float x, float y) { return base + vec3(x, 0, 0) + up * y; };
   Mesh arm = w.hull({place(hip, -0.11f, -0.10f), place(hip, 0.11f, -0.10f), place(hip, -0.11f, 0.11f),
                      place(hip, 0.11f, 0.11f), place(ankle, -0.08f, -0.07f), place(ankle, 0.08f, -0.07f),
@@ -646,7 +647,7 @@ void add_leg(Workshop& w, float side) {
         w.paint.rubber);
 }
 
-/// The deck over the engine, and the parts on the rear plate.
+/// Adds the deck over the engine, and the parts on the rear plate.
 void add_rear(Workshop& w) {
   add_gratings(w);
   // The rear plate: a grille in the middle, between two silencers.
@@ -678,7 +679,7 @@ void add_rear(Workshop& w) {
   w.add("rear bolts", std::move(bolts), w.paint.steel);
 }
 
-/// Stowage on the fenders.
+/// Adds stowage on the fenders.
 void add_stowage(Workshop& w) {
   for (const float side : {-1.0f, 1.0f}) {
     // Boxes on the sloped flank are on small shelves.
@@ -743,7 +744,7 @@ void add_stowage(Workshop& w) {
 /// Raises a part of the gun: the parts are built along +z from the trunnion.
 Mesh raised(Mesh mesh) { return shapes::moved(shapes::turned_x(std::move(mesh), -5.0f), {0.0f, 2.10f, 1.0f}); }
 
-/// A round part of the gun: radii at distances from the trunnion.
+/// Makes a round part of the gun: radii at distances from the trunnion.
 Mesh raised_lathe(const Workshop& w, const shapes::Points2& profile) {
   return raised(w.between(shapes::lathe(profile, w.detail(30.0f, 10)), vec3(0.0f), {0, 0, 1}));
 }
@@ -773,7 +774,7 @@ void add_barrel(Workshop& w) {
                                   {0.15f, 1.53f}, {0.14f, 1.55f},  {0.14f, 1.55f}, {0.12f, 1.60f},
                                   {0.12f, 1.60f}, {0.105f, 3.55f}, {0.105f, 3.55f}};
   w.add("barrel", raised_lathe(w, barrel), w.paint.armour);
-  // The fume extractor, a swelling at two thirds.
+  // The fume extractor, a swelling at two thirds of the barrel.
   const shapes::Points2 extractor = {{0.11f, 2.06f},  {0.15f, 2.11f},  {0.165f, 2.15f}, {0.165f, 2.15f},
                                      {0.165f, 2.62f}, {0.165f, 2.62f}, {0.15f, 2.66f},  {0.11f, 2.72f}};
   w.add("fume extractor", raised_lathe(w, extractor), w.paint.plate);
@@ -819,13 +820,13 @@ void add_gun(Workshop& w) {
   add_mantlet(w);
   add_barrel(w);
   add_muzzle(w);
-  // A smaller gun beside it.
+  // A smaller gun beside the main one.
   Mesh second = raised(w.drum({0.33f, 0.02f, 0.3f}, {0.33f, 0.02f, 0.52f}, 0.065f));
   shapes::append(second, raised(w.drum({0.33f, 0.02f, 0.4f}, {0.33f, 0.02f, 0.95f}, 0.028f, 0.006f, 14.0f)));
   w.add("coaxial gun", std::move(second), w.paint.dark);
 }
 
-/// Reactive armour bricks on the cheeks, at a small distance.
+/// Adds reactive armour bricks on the cheeks, with gaps between them.
 void add_cheek_bricks(Workshop& w) {
   for (const float side : {-1.0f, 1.0f})
     for (int row = 0; row < 2; ++row)
@@ -849,7 +850,7 @@ void add_cheek_bricks(Workshop& w) {
       }
 }
 
-/// The commander's cupola with periscopes and a slightly open lid.
+/// Adds the commander's cupola with periscopes and a slightly open lid.
 void add_cupola(Workshop& w) {
   const vec3 cupola(0.48f, kRoof - 0.02f, -0.42f);
   const shapes::Points2 ring = {{0.40f, 0.0f},   {0.40f, 0.0f},   {0.38f, 0.12f}, {0.36f, 0.15f}, {0.33f, 0.165f},
@@ -875,7 +876,7 @@ void add_cupola(Workshop& w) {
         w.paint.armour);
 }
 
-/// The loader's hatch: a flat lid with hinges.
+/// Adds the loader's hatch: a flat lid with hinges.
 void add_loaders_hatch(Workshop& w) {
   const vec3 loader(-0.50f, kRoof - 0.02f, -0.30f);
   Mesh hatch = w.drum(loader, loader + vec3(0, 0.06f, 0), 0.32f, 0.02f, 30.0f);
@@ -889,7 +890,7 @@ void add_loaders_hatch(Workshop& w) {
   w.add("loader's hatch", std::move(hatch), w.paint.plate);
 }
 
-/// A machine gun on a post by the loader's hatch.
+/// Adds a machine gun on a post by the loader's hatch.
 void add_machine_gun(Workshop& w) {
   const vec3 post(-0.50f, kRoof, 0.22f);
   Mesh mount = w.drum(post - vec3(0, 0.05f, 0), post + vec3(0, 0.05f, 0), 0.09f);
@@ -907,16 +908,16 @@ void add_machine_gun(Workshop& w) {
         w.paint.plate);
 }
 
-/// Smoke dischargers, four tubes per side, and lifting eyes.
+/// Adds smoke dischargers, four tubes per side, and lifting eyes.
 void add_smoke_dischargers(Workshop& w) {
   for (const float side : {-1.0f, 1.0f}) {
     Mesh tubes = w.block({side * 1.21f - 0.06f, 2.00f, -0.62f}, {side * 1.21f + 0.06f, 2.10f, 0.10f});
     for (int i = 0; i < 4; ++i) {
       const vec3 from(side * 1.20f, 2.06f, -0.52f + 0.17f * float(i));
-      const vec3 way = glm::normalize(vec3(side * 0.75f, 0.62f, 0.30f));
+      const vec3 direction = glm::normalize(vec3(side * 0.75f, 0.62f, 0.30f));
       const shapes::Points2 tube = {{0.0f, 0.0f},    {0.062f, 0.0f},  {0.062f, 0.0f},  {0.062f, 0.25f}, {0.062f, 0.25f},
                                     {0.050f, 0.25f}, {0.050f, 0.25f}, {0.050f, 0.04f}, {0.050f, 0.04f}, {0.0f, 0.04f}};
-      shapes::append(tubes, w.between(shapes::lathe(tube, w.detail(18.0f, 8)), from, from + way));
+      shapes::append(tubes, w.between(shapes::lathe(tube, w.detail(18.0f, 8)), from, from + direction));
     }
     w.add("smoke dischargers", std::move(tubes), w.paint.dark);
     for (const float z : {0.28f, -1.35f})
@@ -930,7 +931,7 @@ void add_smoke_dischargers(Workshop& w) {
   }
 }
 
-/// The sight in front of the cupola.
+/// Adds the sight in front of the cupola.
 void add_sight(Workshop& w) {
   const vec3 sight(0.50f, kRoof - 0.02f, 0.18f);
   w.add("sight", w.tapered(sight, {0.13f, -0.16f, 0.16f}, 0.21f, {0.11f, -0.12f, 0.15f}), w.paint.plate);
@@ -938,7 +939,7 @@ void add_sight(Workshop& w) {
         w.paint.glass);
 }
 
-/// The rack at the rear: two rails on posts, floor bars, and its load.
+/// Adds the rack at the rear: rails on posts, and floor bars.
 void add_rack(Workshop& w) {
   Mesh rack;
   for (const float y : {1.98f, 2.20f, 2.36f})
@@ -965,7 +966,7 @@ void add_rack(Workshop& w) {
   w.add("rack", std::move(rack), w.paint.dark);
 }
 
-/// Rolled tarpaulins with straps, a crate and two cans.
+/// Adds the load of the rack: rolled tarpaulins with straps, a crate and a can.
 void add_rack_load(Workshop& w) {
   const auto roll = [&](vec3 from, vec3 to, float radius) {
     Mesh cloth = w.drum(from, to, radius, 0.4f * radius, 22.0f);
@@ -993,7 +994,7 @@ void add_rack_load(Workshop& w) {
       w.paint.dark);
 }
 
-/// Two whip aerials, bent by their own weight.
+/// Adds two whip aerials, bent by their own weight.
 void add_aerials(Workshop& w) {
   for (const float side : {-1.0f, 1.0f}) {
     const vec3 base(side * 0.70f, kRoof - 0.05f, -1.42f);
@@ -1035,7 +1036,7 @@ void add_turret(Workshop& w) {
   add_aerials(w);
 }
 
-/// A round concrete pad with a joint, a raised edge and a marked ring.
+/// Adds a round concrete pad with a joint, a raised edge and a marked ring.
 void add_pad(Workshop& w) {
   const int slices = w.detail(80.0f, 24);
   const shapes::Points2 slab = {{0.0f, -0.30f},   {4.95f, -0.30f}, {4.95f, -0.30f}, {5.0f, -0.26f},   {5.0f, -0.05f},

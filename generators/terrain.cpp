@@ -1,6 +1,6 @@
-// The terrain: a square kilometre of mountains around a lake, with a wood on the lower slopes. A height field of ridged
-// multifractal noise [Musgrave et al. 1989], eroded by rain drops that carry sediment downhill [Beyer 2015]. It has
-// occlusion at all scales, from the valley to the gullies.
+// The terrain: a square kilometre of mountains around a lake, with a wood on the lower slopes. It is a height field of
+// ridged multifractal noise [Musgrave et al. 1989], eroded by rain drops that carry sediment downhill [Beyer 2015]. It
+// has occlusion at all scales, from the valley to the gullies.
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
@@ -110,8 +110,8 @@ float raw_height(vec2 p) {
   return floor + high * (14.0f + 118.0f * (0.30f + 0.70f * high) * sum);
 }
 
-/// Returns the height with the river, which leaves the lake towards +z: a bed cut into the valley floor below the
-/// water.
+/// Returns the height with the bed of the river, which leaves the lake towards +z. The bed is cut into the valley
+/// floor, below the water.
 float river_bed(vec2 p, float height) {
   constexpr float kHalfWidth = 8.0f, kDepth = 3.0f;
   const float middle = valley_middle(p.y) + 24.0f * std::sin(p.y / 38.0f) * glm::smoothstep(110.0f, 220.0f, p.y);
@@ -127,13 +127,14 @@ void erode(Field& field) {
   constexpr int kDrops = 70'000, kSteps = 60;
   constexpr float kInertia = 0.06f, kCapacity = 5.0f, kMinSlope = 0.01f, kErosion = 0.28f, kDeposit = 0.25f,
                   kEvaporation = 0.018f, kGravity = 5.0f;
-  constexpr int kBrush = 2;  // samples around a drop that are eroded with it: single ones would leave needles
+  constexpr int kBrush = 2;  // radius of the samples that a drop erodes; eroding single samples would leave needles
   float brush[2 * kBrush + 1][2 * kBrush + 1], total = 0.0f;
   for (int j = -kBrush; j <= kBrush; ++j)
     for (int i = -kBrush; i <= kBrush; ++i)
       total += brush[j + kBrush][i + kBrush] = std::max(0.0f, float(kBrush) + 0.5f - std::sqrt(float(i * i + j * j)));
   noise::Random random{noise::hash(7u)};
-  const float last = float(field.n - 2 - kBrush), scale = 1.0f / field.step();  // heights in samples, like lengths
+  const float last = float(field.n - 2 - kBrush),
+              scale = 1.0f / field.step();  // from metres to samples
   for (int drop = 0; drop < kDrops; ++drop) {
     vec2 p(random.between(float(kBrush), last), random.between(float(kBrush), last));
     vec2 direction(0.0f);
@@ -155,25 +156,25 @@ void erode(Field& field) {
         return (field.at(i, j) * (1.0f - u) + field.at(i + 1, j) * u) * (1.0f - v) +
                (field.at(i, j + 1) * (1.0f - u) + field.at(i + 1, j + 1) * u) * v;
       };
-      const float fall = scale * (bilinear(next) - bilinear(p));
-      const float capacity = std::max(-fall, kMinSlope) * speed * water * kCapacity;
-      if (fall > 0.0f || load > capacity) {
+      const float rise = scale * (bilinear(next) - bilinear(p));
+      const float capacity = std::max(-rise, kMinSlope) * speed * water * kCapacity;
+      if (rise > 0.0f || load > capacity) {
         // Uphill: fill the pit behind, but no higher than its edge.
-        const float left = fall > 0.0f ? std::min(fall, load) : (load - capacity) * kDeposit;
-        load -= left;
-        const float lift = left / scale;
+        const float deposited = rise > 0.0f ? std::min(rise, load) : (load - capacity) * kDeposit;
+        load -= deposited;
+        const float lift = deposited / scale;
         field.at(x, z) += lift * (1.0f - fx) * (1.0f - fz);
         field.at(x + 1, z) += lift * fx * (1.0f - fz);
         field.at(x, z + 1) += lift * (1.0f - fx) * fz;
         field.at(x + 1, z + 1) += lift * fx * fz;
       } else {
-        const float taken = std::min((capacity - load) * kErosion, -fall);
-        load += taken;
+        const float eroded_height = std::min((capacity - load) * kErosion, -rise);
+        load += eroded_height;
         for (int j = -kBrush; j <= kBrush; ++j)
           for (int i = -kBrush; i <= kBrush; ++i)
-            field.at(x + i, z + j) -= taken / scale * brush[j + kBrush][i + kBrush] / total;
+            field.at(x + i, z + j) -= eroded_height / scale * brush[j + kBrush][i + kBrush] / total;
       }
-      speed = std::sqrt(std::max(speed * speed - fall * kGravity, 0.0f));
+      speed = std::sqrt(std::max(speed * speed - rise * kGravity, 0.0f));
       water *= 1.0f - kEvaporation;
       p = next;
     }
@@ -183,7 +184,7 @@ void erode(Field& field) {
 /// Simulates frost: ground that is too steep slides down to its neighbours, and gathers as scree below the cliffs.
 void weather(Field& field) {
   constexpr int kRounds = 28;
-  constexpr float kShare = 0.18f;  // fraction of the excess that moves; above 1/4, four neighbours overshoot
+  constexpr float kMovedFraction = 0.18f;  // fraction of the excess that moves; above 1/4, four neighbours overshoot
   std::vector<float> change(field.height.size());
   for (int round = 0; round < kRounds; ++round) {
     std::fill(change.begin(), change.end(), 0.0f);
@@ -191,12 +192,12 @@ void weather(Field& field) {
       for (int x = 0; x < field.n; ++x) {
         const std::size_t here = std::size_t(z) * std::size_t(field.n) + std::size_t(x);
         // The max slope of rock varies: crags stay between the screes.
-        const float holds = field.step() * (0.75f + 1.0f * noise::unit(noise::hash(x / 9, z / 9, 331u)));
+        const float max_drop = field.step() * (0.75f + 1.0f * noise::unit(noise::hash(x / 9, z / 9, 331u)));
         for (const glm::ivec2 to : {glm::ivec2(1, 0), glm::ivec2(0, 1)}) {
           if (x + to.x >= field.n || z + to.y >= field.n) continue;
           const std::size_t there = here + std::size_t(to.x) + std::size_t(to.y) * std::size_t(field.n);
           const float drop = field.height[here] - field.height[there];
-          const float moved = kShare * std::max(std::abs(drop) - holds, 0.0f) * (drop > 0.0f ? 1.0f : -1.0f);
+          const float moved = kMovedFraction * std::max(std::abs(drop) - max_drop, 0.0f) * (drop > 0.0f ? 1.0f : -1.0f);
           change[here] -= moved;
           change[there] += moved;
         }
@@ -205,18 +206,18 @@ void weather(Field& field) {
   }
 }
 
-Field worn_field() {
+Field eroded_field() {
   Field field{kField, std::vector<float>(std::size_t(kField) * kField)};
   for (int z = 0; z < kField; ++z)
     for (int x = 0; x < kField; ++x) field.at(x, z) = raw_height(vec2(float(x), float(z)) * field.step() - vec2(kHalf));
   weather(field);
   erode(field);
   weather(field);
-  constexpr float kDeepest = kLake - 15.0f;
+  constexpr float kMinHeight = kLake - 15.0f;
   for (int z = 0; z < kField; ++z)
     for (int x = 0; x < kField; ++x)
       field.at(x, z) =
-          std::max(river_bed(vec2(float(x), float(z)) * field.step() - vec2(kHalf), field.at(x, z)), kDeepest);
+          std::max(river_bed(vec2(float(x), float(z)) * field.step() - vec2(kHalf), field.at(x, z)), kMinHeight);
   return field;
 }
 
@@ -233,13 +234,13 @@ float fine_height(vec2 p, float steepness, float spacing) {
 }
 
 /// Returns the field of the mesh, n samples along a side.
-Field shown_field(const Field& worn, int n) {
+Field mesh_field(const Field& eroded, int n) {
   Field field{n, std::vector<float>(std::size_t(n) * std::size_t(n))};
   const float step = field.step();
   for (int z = 0; z < n; ++z)
     for (int x = 0; x < n; ++x) {
       const vec2 p = vec2(float(x), float(z)) * step - vec2(kHalf);
-      const Slope slope = smooth_slope(worn, p);
+      const Slope slope = smooth_slope(eroded, p);
       field.at(x, z) = slope.height + fine_height(p, glm::length(slope.rise), step);
     }
   return field;
@@ -271,8 +272,8 @@ float woods(vec2 p, const Ground& ground) {
 }
 
 /// Returns the colour of the ground by height and slope: sand, meadow, forest floor, scree, rock, snow.
-vec3 ground_color(const Field& worn, vec2 p) {
-  const Slope slope = smooth_slope(worn, p);
+vec3 ground_color(const Field& eroded, vec2 p) {
+  const Slope slope = smooth_slope(eroded, p);
   const float height = slope.height;
   const Ground ground{height, slope.normal()};
   const float blotch = noise::fractal(p / 45.0f, 4, 601), speck = noise::fractal(p / 5.0f, 2, 611);
@@ -303,11 +304,11 @@ struct Materials {
   int ground, water, cut, needles, boulder;
 };
 
-Materials add_materials(Scene& scene, const Field& worn) {
+Materials add_materials(Scene& scene, const Field& eroded) {
   constexpr int kTexels = 1024;  // one metre each
   Materials m{};
-  Texture ground = procedural::paint("ground", kTexels, kTexels, [&worn](vec2 uv) {
-    return glm::vec4(ground_color(worn, vec2(2.0f * uv.x - 1.0f, 1.0f - 2.0f * uv.y) * kHalf), 1.0f);
+  Texture ground = procedural::paint("ground", kTexels, kTexels, [&eroded](vec2 uv) {
+    return glm::vec4(ground_color(eroded, vec2(2.0f * uv.x - 1.0f, 1.0f - 2.0f * uv.y) * kHalf), 1.0f);
   });
   m.ground =
       add_material(scene, {.name = "ground", .albedo = vec3(1.0f), .texture = add_texture(scene, std::move(ground))});
@@ -329,7 +330,7 @@ Materials add_materials(Scene& scene, const Field& worn) {
   return m;
 }
 
-/// The land as a sheet, and the four sides of its block.
+/// Adds the land as a sheet, and the four sides of its block.
 void add_land(Scene& scene, const Materials& m, const Field& field) {
   const int n = field.n - 1;
   const float step = field.step();
@@ -354,7 +355,7 @@ void add_land(Scene& scene, const Materials& m, const Field& field) {
   add_mesh(scene, "lake", plane(vec2(-kHalf + 0.5f), vec2(kHalf - 0.5f), kLake, 1, 1), m.water);
 }
 
-/// A fir at the origin, one metre high: tiers of drooping branches with ragged edges.
+/// Makes a fir at the origin, one metre high: tiers of drooping branches with ragged edges.
 Mesh fir(int slices, int tiers, std::uint32_t seed) {
   Points2 profile;
   for (int i = 0; i < tiers; ++i) {
@@ -380,7 +381,7 @@ Mesh fir(int slices, int tiers, std::uint32_t seed) {
                  {.u = true});
 }
 
-/// Firs in the wood and boulders below the cliffs, with about `budget` triangles.
+/// Adds firs in the wood and boulders below the cliffs, with about `budget` triangles.
 void add_cover(Scene& scene, const Materials& m, const Field& field, int budget) {
   constexpr int kMaxFirs = 9000, kKinds = 4;
   constexpr int kMinSlices = 4, kMaxSlices = 24;
@@ -400,7 +401,7 @@ void add_cover(Scene& scene, const Materials& m, const Field& field, int budget)
     const Ground ground = ground_at(field, p);
     if (random.next() > woods(p, ground)) continue;
     const float size = random.between(6.0f, 12.5f) * (1.0f - 0.35f * glm::smoothstep(60.0f, kTreeLine, ground.height));
-    // Lowered a little, so that the foot is in the ground on a slope, too.
+    // Lower the tree a little, so that its foot is in the ground on a slope too.
     Mesh tree = turned_y(scaled(kinds[std::size_t(placed % kKinds)], {size * random.between(0.85f, 1.15f), size, size}),
                          360.0f * random.next());
     append(wood, moved(std::move(tree), {p.x, ground.height - 0.06f * size, p.y}));
@@ -434,13 +435,13 @@ void add_cover(Scene& scene, const Materials& m, const Field& field, int budget)
 
 Scene make_terrain(int triangles) {
   // The land gets six tenths of the triangles, two per quad; the wood and the boulders get the rest.
-  constexpr float kLandShare = 0.6f;
+  constexpr float kLandFraction = 0.6f;
   Scene scene;
   scene.name = "terrain";
-  const Field worn = worn_field();
-  const Materials m = add_materials(scene, worn);
-  const int n = std::max(int(std::sqrt(0.5f * kLandShare * float(triangles))), 16);
-  const Field field = shown_field(worn, n + 1);
+  const Field eroded = eroded_field();
+  const Materials m = add_materials(scene, eroded);
+  const int n = std::max(int(std::sqrt(0.5f * kLandFraction * float(triangles))), 16);
+  const Field field = mesh_field(eroded, n + 1);
   add_land(scene, m, field);
   add_cover(scene, m, field, std::max(triangles - 2 * n * n, 0));
   // The sun, and the bright part of the sky opposite to it.

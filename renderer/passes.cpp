@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/check.h"
 #include "core/suggest.h"
 #include "effects/effects.h"
 #include "effects/outline/outline.h"
@@ -126,6 +127,42 @@ std::vector<std::string> passes_of(const Recipe& recipe) {
   return names;
 }
 
+constexpr std::pair<std::string_view, std::string_view> kSummaries[] = {
+    {"depth", "distance along the view axis, scene units; infinity where there is no surface"},
+    {"normal", "unit normal in view space: +x right, +y up, +z towards the camera"},
+    {"albedo", "diffuse reflectance, linear"},
+    {"specular", "specular reflectance"},
+    {"shininess", "exponent of the highlight"},
+    {"object_id", "index of the object"},
+    {"material_id", "index of the material"},
+    {"emission", "emitted light, linear; only if a material emits light"},
+    {"shadow", "fraction of the key light that arrives"},
+    {"direct", "light that arrives from the lights and is reflected, linear"},
+    {"ambient", "reflected ambient light without occlusion, linear"},
+    {"open_light", "brightness of a white surface that no occluder shadows"},
+    {"ao", "ambient visibility: 1 is open, 0 is occluded"},
+    {"indirect", "light reflected by nearby surfaces, linear"},
+    {"lit", "light before exposure and transfer function, linear"},
+    {"cover", "opacity of the shadow on the ground"},
+    {"outline", "opacity of the lines"},
+    {"line", "color of the lines, linear"},
+    {"toon_intensity", "intensity before it is quantized to tone steps"},
+    {"color", "the finished picture"},
+};
+
+/// Returns what a pass holds; for planes that only effects read, the effect that writes them.
+std::string summary_of(std::string_view pass, const Recipe& recipe) {
+  for (const auto& [name, summary] : kSummaries)
+    if (name == pass) return std::string(summary);
+  if (pass.starts_with("shadow")) return fmt::format("the same for the light with index {}", pass.substr(6));
+  if (pass == kAll) return "every pass; the only name";
+  for (const Effect* effect : steps_of(look_run(recipe)))
+    for (const Dispatch& dispatch : effect->dispatches)
+      for (const std::string_view plane : dispatch.outputs)
+        if (pass_of(plane) == pass) return fmt::format("intermediate result of the effect {}", effect->name);
+  return "";
+}
+
 /// Returns the error for an unknown pass, with its reason.
 Error unknown_pass_error(const std::string& word, std::vector<std::string> names, const Request& request,
                          const Recipe& recipe) {
@@ -149,6 +186,15 @@ Error unknown_pass_error(const std::string& word, std::vector<std::string> names
 }
 
 }  // namespace
+
+std::vector<PassEntry> passes_of_look(const Look& look) {
+  const auto recipe = make_recipe({.look = std::string(look.name)});
+  if (!recipe) fail_check(recipe.error().message);
+  std::vector<PassEntry> entries;
+  for (const std::string& name : passes_of(*recipe))
+    if (layer_of_plane(name) == 0) entries.push_back({name, summary_of(name, *recipe)});
+  return entries;
+}
 
 Result<void> take_passes(const Request& request, Recipe& recipe) {
   const std::vector<std::string>& words = request.passes;

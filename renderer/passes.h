@@ -27,6 +27,14 @@ std::vector<std::string> channels_of(std::string_view pass);
 /// Returns the names of all planes of the first layer that effects read or write or that a capture contains, sorted.
 const std::vector<std::string>& known_planes();
 
+/// A pass that users can request, and what it holds.
+struct PassEntry {
+  std::string name, summary;
+};
+
+/// Returns the passes of the first layer that a picture of this look can have, with default settings.
+std::vector<PassEntry> passes_of_look(const Look& look);
+
 /// Checks the passes of a request against the passes that the recipe produces, stores them in the recipe, and enables
 /// the shadow rays and averages that they need. `all` selects every pass and must be the only name. Errors: kUsage.
 Result<void> take_passes(const Request& request, Recipe& recipe);

@@ -17,22 +17,21 @@ namespace {
 // line, without exposure.
 TEST(Cartoon, LinesAreDrawnOnceOverTheMean) {
   const Scene scene = *make_builtin_scene("scene:solids?detail=2000");
-  const auto drawn = [&](int frames, const std::vector<std::string>& also, bool averaged = false) {
+  const auto drawn = [&](int frames, const std::vector<std::string>& extra, bool averaged = false) {
     auto device = make_cpu_device();
     EXPECT_TRUE(device->prepare(scene));
-    Request draw_with;
-    draw_with.width = draw_with.height = 200;
-    draw_with.look = "cartoon";
-    draw_with.occlusion = "none";
-    draw_with.anti_aliasing = frames;
-    draw_with.occlusion_radius = "5%";  // which applies the settings again
-    draw_with.settings = {"outline.width=4", "outline.r=0.6", "outline.g=0.3", "outline.b=0.05",
-                          "output.transfer=none"};
-    draw_with.settings.insert(draw_with.settings.end(), also.begin(), also.end());
-    if (averaged) draw_with.passes = {"outline"};
+    Request request;
+    request.width = request.height = 200;
+    request.look = "cartoon";
+    request.occlusion = "none";
+    request.anti_aliasing = frames;
+    request.occlusion_radius = "5%";  // which applies the settings again
+    request.settings = {"outline.width=4", "outline.r=0.6", "outline.g=0.3", "outline.b=0.05", "output.transfer=none"};
+    request.settings.insert(request.settings.end(), extra.begin(), extra.end());
+    if (averaged) request.passes = {"outline"};
     StageTimes times;
     Scene own = scene;
-    const auto frame = draw(*device, own, draw_with, times);
+    const auto frame = draw(*device, own, request, times);
     EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
     return *device->download(*frame, {"outline", "color.r", "color.g", "color.b", "color.a"});
   };
@@ -53,11 +52,11 @@ TEST(Cartoon, LinesAreDrawnOnceOverTheMean) {
     }
   // Over the transparent background, alpha is that of the lines.
   const Image picture = drawn(4, {"output.transparent=on"});
-  const Image bare = drawn(4, {"output.transparent=on", "outline.opacity=0"});
+  const Image without_lines = drawn(4, {"output.transparent=on", "outline.opacity=0"});
   int beyond = 0;
   for (int y = 0; y < 200; ++y)
     for (int x = 0; x < 200; ++x) {
-      const float line = picture.planes[0].at(x, y), below = bare.planes[4].at(x, y);
+      const float line = picture.planes[0].at(x, y), below = without_lines.planes[4].at(x, y);
       ASSERT_NEAR(picture.planes[4].at(x, y), line + (1.0f - line) * below, 1e-6f) << x << ", " << y;
       beyond += line > 0.0f && below == 0.0f;
     }

@@ -1,5 +1,5 @@
-// Compares every effect on every SIMD target, with any number of threads, with its tuned kernels, and on a Vulkan
-// device with the scalar kernels.
+// Compares the scalar kernels of every effect with its kernels on every SIMD target, with any number of threads, with
+// its tuned kernels, and with its kernels on a Vulkan device.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -90,14 +90,15 @@ Image outputs(const Effect& effect, const ParameterBytes& params, const GBuffer&
   return outputs(effect, params, gbuffer, *make_cpu_device(settings));
 }
 
-/// Adds inputs of an effect that other effects write: inputs of a dispatch that no earlier dispatch writes.
+/// Adds the inputs of an effect that other effects write, that is, inputs of a dispatch that no earlier dispatch
+/// writes.
 void add_inputs_of_other_effects(const Effect& effect, GBuffer& gbuffer) {
   for (std::size_t reader = 0; reader < effect.dispatches.size(); ++reader)
     for (std::string_view input : effect.dispatches[reader].inputs) {
-      bool made_here = false;
+      bool written_here = false;
       for (std::size_t k = 0; k < reader; ++k)
-        for (std::string_view output : effect.dispatches[k].outputs) made_here |= output == input;
-      if (made_here || gbuffer.layers[0].find(input)) continue;
+        for (std::string_view output : effect.dispatches[k].outputs) written_here |= output == input;
+      if (written_here || gbuffer.layers[0].find(input)) continue;
       Plane& plane = gbuffer.layers[0].add(input);
       for (int y = 0; y < plane.height; ++y)
         for (int x = 0; x < plane.width; ++x)
@@ -208,7 +209,7 @@ TEST_P(Differential, HostileInputGivesDefinedOutput) {
 // A GPU rounds some functions differently: all but a thousandth of the pixels are within a visible difference, or
 // within one quantum.
 TEST_P(Differential, VulkanAgreesWithScalar) {
-  constexpr double kSeen = 2.0 / 255.0, kMaxOver = 1e-3;
+  constexpr double kVisible = 2.0 / 255.0, kMaxOver = 1e-3;
   const Effect& effect = *GetParam();
   Device* const device = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(device);
@@ -220,7 +221,7 @@ TEST_P(Differential, VulkanAgreesWithScalar) {
     const Image image = outputs(effect, params, gbuffer, *device);
     ASSERT_EQ(image.names, oracle.names);
     for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
-      const double bound = std::max(kSeen, effect.quantum) * test::scale_of(oracle.planes[p]);
+      const double bound = std::max(kVisible, effect.quantum) * test::scale_of(oracle.planes[p]);
       const auto d = test::difference(oracle.planes[p], image.planes[p], bound);
       EXPECT_LE(d.fraction_over, kMaxOver) << effect.name << ' ' << oracle.names[p] << " variant " << variant << " at "
                                            << size.width << 'x' << size.height << ", most " << d.max;
@@ -245,14 +246,14 @@ TEST_P(Differential, VulkanRunsAreBitwiseIdenticalAndDefined) {
   }
 }
 
-bool has_gpu_ways(const Effect& effect) {
+bool has_gpu_variants(const Effect& effect) {
   return std::any_of(effect.dispatches.begin(), effect.dispatches.end(),
                      [](const Dispatch& dispatch) { return !dispatch.gpu_variants.empty(); });
 }
 
 TEST_P(Differential, GpuVariantsAreBitwiseIdentical) {
   const Effect& effect = *GetParam();
-  if (!has_gpu_ways(effect)) return;
+  if (!has_gpu_variants(effect)) return;
   Device* const tuned = test::vulkan_device();
   const auto plain = test::new_vulkan_device({.tuned = false});
   UMBRAGE_NEEDS_VULKAN(tuned && plain);
@@ -301,11 +302,13 @@ TEST_P(Differential, PlanesTooLargeToBindAreBitwiseIdentical) {
   }
 }
 
-// In high pictures lines are detected with strides of several pixels, and specks of tone steps are several pixels wide.
+// In high pictures, lines are detected with strides of several pixels, and specks of tone steps are several pixels
+// wide.
 class HighPictures : public testing::TestWithParam<Size> {};
 
-/// Compares an effect on all SIMD targets, and `plane` on the Vulkan device, with scalar. Returns the scalar planes.
-Image agreed_with_scalar(const char* name, const char* plane, const Size& size, Device& vulkan) {
+/// Compares an effect on all SIMD targets, and `plane` on the Vulkan device, with the scalar kernel. Returns the scalar
+/// planes.
+Image compare_with_scalar(const char* name, const char* plane, const Size& size, Device& vulkan) {
   const Effect& effect = *find_effect(name);
   GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 7);
   add_inputs_of_other_effects(effect, gbuffer);
@@ -330,7 +333,7 @@ TEST_P(HighPictures, LinesAgreeWithScalar) {
   Device* const device = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(device);
   const test::NoMessages no_messages;
-  const Image oracle = agreed_with_scalar("outline", "outline", GetParam(), *device);
+  const Image oracle = compare_with_scalar("outline", "outline", GetParam(), *device);
   double drawn = 0.0;
   for (int y = 0; y < oracle.height; ++y)
     for (int x = 0; x < oracle.width; ++x) drawn += oracle.plane("outline").at(x, y);
@@ -341,7 +344,7 @@ TEST_P(HighPictures, StripsAgreeWithScalar) {
   Device* const device = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(device);
   const test::NoMessages no_messages;
-  agreed_with_scalar("toon", "lit.g", GetParam(), *device);
+  compare_with_scalar("toon", "lit.g", GetParam(), *device);
 }
 
 INSTANTIATE_TEST_SUITE_P(Strides, HighPictures, testing::Values(Size{37, 1300}, Size{33, 2200}, Size{35, 2900}),
@@ -349,7 +352,7 @@ INSTANTIATE_TEST_SUITE_P(Strides, HighPictures, testing::Values(Size{37, 1300}, 
 
 bool is_missing(int x, int y) { return test::hash(unsigned(x) + 4099u * unsigned(y)) % 7 == 0 || (x > 90 && y == 17); }
 
-// Missing pixels get the occlusion of a run for all pixels, bitwise; other pixels, and light, are unchanged.
+// Missing pixels get bitwise the occlusion of a run for all pixels. Other pixels, and light, are unchanged.
 TEST_P(Differential, MissingPixelsAreAsInARunForAll) {
   const Effect& effect = *GetParam();
   for (const bool bleeding : {false, true}) {
@@ -372,12 +375,12 @@ TEST_P(Differential, MissingPixelsAreAsInARunForAll) {
             if (is_missing(x, y)) start.plane("ao").at(x, y) = kMissing;
         ASSERT_TRUE(device.add(start, frame));
         ASSERT_TRUE(device.run(effect, params, frame, 0, PixelSet::kMissing));
-        const Image made = *device.download(frame, {"ao", "indirect.r"});
+        const Image result = *device.download(frame, {"ao", "indirect.r"});
         long wrong = 0;
         for (int y = 0; y < size.height; ++y)
           for (int x = 0; x < size.width; ++x) {
-            wrong += made.planes[0].at(x, y) != (is_missing(x, y) ? all.at(x, y) : 0.25f);
-            wrong += made.planes[1].at(x, y) != 0.25f;
+            wrong += result.planes[0].at(x, y) != (is_missing(x, y) ? all.at(x, y) : 0.25f);
+            wrong += result.planes[1].at(x, y) != 0.25f;
           }
         EXPECT_EQ(wrong, 0);
       };

@@ -16,31 +16,31 @@
 namespace {
 
 void fail(const std::filesystem::path& file) {
-  const std::string how = file.stem();
+  const std::string fault = file.stem();
   std::signal(SIGSEGV, SIG_DFL);  // without a sanitizer's handler
-  if (how == "crash") std::raise(SIGSEGV);
-  if (how == "abort") std::abort();
-  if (how == "killed") std::raise(SIGKILL);
-  if (how == "exit") std::_Exit(7);
-  if (how == "throw") throw how;
-  if (how == "spin") {
+  if (fault == "crash") std::raise(SIGSEGV);
+  if (fault == "abort") std::abort();
+  if (fault == "killed") std::raise(SIGKILL);
+  if (fault == "exit") std::_Exit(7);
+  if (fault == "throw") throw fault;
+  if (fault == "spin") {
     const rlimit second{1, RLIM_INFINITY};
     ::setrlimit(RLIMIT_CPU, &second);
     while (true) ::getppid();
   }
-  if (how == "wait") {
+  if (fault == "wait") {
     ::alarm(1);
     while (true) ::pause();
   }
-  if (how == "linger") {
+  if (fault == "linger") {
     std::ofstream(file.string() + ".started");
     ::sleep(60);
   }
-  if (how == "hunger") {
-    constexpr std::size_t kPiece = std::size_t(1) << 26;
-    for (std::vector<char*> pieces;;) pieces.push_back(new char[kPiece]);
+  if (fault == "hunger") {
+    constexpr std::size_t kPieceBytes = std::size_t(1) << 26;
+    for (std::vector<char*> pieces;;) pieces.push_back(new char[kPieceBytes]);
   }
-  if (how == "liar") {
+  if (fault == "liar") {
     if (::write(umbrage::kImportResult, "nonsense", 8) == 8 && ::write(umbrage::kImportDone, "", 1) == 1) std::_Exit(0);
   }
 }

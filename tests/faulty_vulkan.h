@@ -17,11 +17,13 @@ struct Faults {
   bool reuses_memory = false;                            ///< freed memory can be allocated again
   std::uint32_t loader_version = 0, device_version = 0;  ///< 0: the real ones
   VkDeviceSize max_allocation = 0;                       ///< bytes; 0: the real one
-  std::uint32_t max_bound_bytes = 0, bound_buffers = 0;  ///< max storage buffer, bytes; max count; 0: real
+  std::uint32_t max_bound_bytes = 0,
+                bound_buffers = 0;  ///< max size of a storage buffer, bytes, and max number; 0: real
   bool has_addresses = true;
   bool draws = true;  ///< queues support graphics
 };
 
+/// The faults, and the real functions that the faulty ones call.
 struct FaultyVulkan {
   Faults faults;
   PFN_vkGetInstanceProcAddr get = nullptr;
@@ -58,21 +60,21 @@ inline VKAPI_ATTR VkResult VKAPI_CALL faulty_idle(VkDevice device) {
   return faulty().faults.idle != VK_SUCCESS ? faulty().faults.idle : done;
 }
 inline VKAPI_ATTR VkResult VKAPI_CALL faulty_allocate(VkDevice device, const VkMemoryAllocateInfo* info,
-                                                      const VkAllocationCallbacks* how, VkDeviceMemory* memory) {
-  std::uint64_t& left = faulty().faults.memory_left;
-  if (info->allocationSize > left) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
-  left -= info->allocationSize;
-  const VkResult done = faulty().allocate(device, info, how, memory);
+                                                      const VkAllocationCallbacks* callbacks, VkDeviceMemory* memory) {
+  std::uint64_t& bytes_left = faulty().faults.memory_left;
+  if (info->allocationSize > bytes_left) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  bytes_left -= info->allocationSize;
+  const VkResult done = faulty().allocate(device, info, callbacks, memory);
   if (done == VK_SUCCESS) faulty().allocated[*memory] = info->allocationSize;
   return done;
 }
 inline VKAPI_ATTR void VKAPI_CALL faulty_free(VkDevice device, VkDeviceMemory memory,
-                                              const VkAllocationCallbacks* how) {
+                                              const VkAllocationCallbacks* callbacks) {
   if (const auto found = faulty().allocated.find(memory); found != faulty().allocated.end()) {
     if (faulty().faults.reuses_memory) faulty().faults.memory_left += found->second;
     faulty().allocated.erase(found);
   }
-  faulty().free(device, memory, how);
+  faulty().free(device, memory, callbacks);
 }
 inline void override_limits(VkPhysicalDeviceLimits& limits) {
   const Faults& faults = faulty().faults;
@@ -110,26 +112,26 @@ inline VKAPI_ATTR VkResult VKAPI_CALL faulty_version(std::uint32_t* out) {
   return done;
 }
 
-/// The function to pass as VulkanSettings::get.
+/// Returns a Vulkan function, or its faulty replacement. Pass it as VulkanSettings::get.
 inline VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL faulty_get(VkInstance instance, const char* name) {
   const auto real = faulty().get(instance, name);
   if (!real) return nullptr;
-  const auto put_in = [&](const char* what, auto& kept, auto* instead) {
+  const auto intercept = [&](const char* what, auto& original, auto* replacement) {
     if (std::strcmp(name, what) != 0) return PFN_vkVoidFunction(nullptr);
-    kept = reinterpret_cast<std::remove_reference_t<decltype(kept)>>(real);
-    return reinterpret_cast<PFN_vkVoidFunction>(instead);
+    original = reinterpret_cast<std::remove_reference_t<decltype(original)>>(real);
+    return reinterpret_cast<PFN_vkVoidFunction>(replacement);
   };
   FaultyVulkan& f = faulty();
-  for (const PFN_vkVoidFunction instead :
-       {put_in("vkQueueSubmit", f.submit, faulty_submit), put_in("vkWaitForFences", f.wait, faulty_wait),
-        put_in("vkDeviceWaitIdle", f.idle, faulty_idle), put_in("vkAllocateMemory", f.allocate, faulty_allocate),
-        put_in("vkFreeMemory", f.free, faulty_free),
-        put_in("vkGetPhysicalDeviceProperties", f.properties, faulty_properties),
-        put_in("vkGetPhysicalDeviceProperties2", f.properties2, faulty_properties2),
-        put_in("vkGetPhysicalDeviceFeatures2", f.features, faulty_features),
-        put_in("vkGetPhysicalDeviceQueueFamilyProperties", f.families, faulty_families),
-        put_in("vkEnumerateInstanceVersion", f.version, faulty_version)})
-    if (instead) return instead;
+  for (const PFN_vkVoidFunction replacement :
+       {intercept("vkQueueSubmit", f.submit, faulty_submit), intercept("vkWaitForFences", f.wait, faulty_wait),
+        intercept("vkDeviceWaitIdle", f.idle, faulty_idle), intercept("vkAllocateMemory", f.allocate, faulty_allocate),
+        intercept("vkFreeMemory", f.free, faulty_free),
+        intercept("vkGetPhysicalDeviceProperties", f.properties, faulty_properties),
+        intercept("vkGetPhysicalDeviceProperties2", f.properties2, faulty_properties2),
+        intercept("vkGetPhysicalDeviceFeatures2", f.features, faulty_features),
+        intercept("vkGetPhysicalDeviceQueueFamilyProperties", f.families, faulty_families),
+        intercept("vkEnumerateInstanceVersion", f.version, faulty_version)})
+    if (replacement) return replacement;
   return real;
 }
 

@@ -1,4 +1,4 @@
-// Tests of the guard band: pixels drawn beyond the border change the picture only through effects that read them.
+// Tests of the guard band. Pixels drawn beyond the border change the picture only through effects that read them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -117,24 +117,24 @@ TEST(GuardBand, PixelsInsideAreThoseWithoutIt) {
       for (std::size_t p = 0; p < a.planes.size(); ++p) {
         const std::string& name = a.names[p];
         const bool depth = name.ends_with("depth"), normal = name.find("normal") != std::string::npos;
-        // Objects stand on the table: rounding decides which of the two coincident surfaces is the second one.
+        // Objects stand on the table, where rounding decides which of the two coincident surfaces is the second one.
         if (name.starts_with("layer1.") && !depth && !normal) continue;
         // Rounding of a ray changes a normal that is interpolated over a small triangle more than the position of the
         // hit.
         const float bound = depth ? 1e-6f : normal ? 1e-4f : 0.0f;
-        long other = 0;
+        long differing = 0;
         for (int y = 0; y < a.height; ++y)
           for (int x = 0; x < a.width; ++x) {
             const float u = a.planes[p].at(x, y), v = b.planes[p].at(x, y);
-            other += !(u == v || std::fabs(u - v) <= bound * std::max(std::fabs(u), 1.0f));
+            differing += !(u == v || std::fabs(u - v) <= bound * std::max(std::fabs(u), 1.0f));
           }
-        // Rounding of the window affects each ray, and decides at silhouettes.
-        EXPECT_LE(other, a.width * a.height / 500) << name << ", guard " << guard;
+        // Rounding of the window affects each ray, and decides which surface a ray hits at a silhouette.
+        EXPECT_LE(differing, a.width * a.height / 500) << name << ", guard " << guard;
       }
     }
 }
 
-TEST(GuardBand, SharesOfThePictureKeepTheirSize) {
+TEST(GuardBand, FractionsOfThePictureKeepTheirSize) {
   Stage stage;
   const Camera camera = stage.camera(100, 100);
   const Frame frame = stage.capture(camera, {.width = 100, .height = 100, .guard = 25});

@@ -18,7 +18,7 @@ constexpr const char* kScenes[] = {"scene:solids?detail=3000", "scene:room?detai
 const std::string kSize = " --resolution 96x64 --threads 2";
 // Kernels that count differ by single counts in few pixels; filters and light spread these to their neighbours. No
 // pixel differs visibly, and nearly all are within the bound of smooth kernels.
-constexpr double kSeen = 2.0 / 255.0, kSmooth = 1e-4, kMaxShareOver = 0.02, kMaxMean = 2e-5;
+constexpr double kVisible = 2.0 / 255.0, kSmooth = 1e-4, kMaxFractionOver = 0.02, kMaxMean = 2e-5;
 
 class Isa : public test::ProgramTest {
  protected:
@@ -40,8 +40,8 @@ class Isa : public test::ProgramTest {
       for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
         const double scale = test::scale_of(oracle.planes[p]);
         const auto d = test::difference(oracle.planes[p], picture.planes[p], kSmooth * scale);
-        EXPECT_LE(d.max, kSeen * scale) << oracle.names[p];
-        EXPECT_LE(d.fraction_over, kMaxShareOver) << oracle.names[p];
+        EXPECT_LE(d.max, kVisible * scale) << oracle.names[p];
+        EXPECT_LE(d.fraction_over, kMaxFractionOver) << oracle.names[p];
         EXPECT_LE(d.mean, kMaxMean * scale) << oracle.names[p];
       }
     }
@@ -107,7 +107,7 @@ TEST_F(Isa, BenchmarksRun) {
     succeed("bench scene:solids?detail=3000 --runs 1 --json --device cpu" + kSize, isa);
 }
 
-TEST_F(Isa, IsSaid) {
+TEST_F(Isa, IsReported) {
   for (const std::string_view isa : test::isas()) {
     const std::string text = fmt::format("kernels {}, rays {},", isa, isa == "scalar" ? "sse2" : isa);
     const std::string set = fmt::format("UMBRAGE_ISA={}", isa);

@@ -1,3 +1,3 @@
-// Linked to programs under the leak sanitizer: libraries stay loaded to the end. Leaks of a Vulkan driver have no
-// symbol names after the loader has unloaded it, and then no suppression matches.
+// Replaces dlclose in programs under the leak sanitizer, so that libraries stay loaded to the end. After the loader has
+// unloaded a Vulkan driver, leaks of the driver have no symbol names, and no suppression matches them.
 extern "C" __attribute__((visibility("default"))) int dlclose(void*) noexcept { return 0; }

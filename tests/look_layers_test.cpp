@@ -43,25 +43,26 @@ std::vector<std::string> planes_with(const Effect& technique, const CaptureSetti
   return device->download_all(*frame)->names;
 }
 
-bool holds(const std::vector<std::string>& names, std::string_view name) {
+bool contains(const std::vector<std::string>& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-TEST(LookLayers, WhatALaterEffectReadsOnLayersIsMadeOnAllOfThem) {
+TEST(LookLayers, PlanesReadOnLayersAreMadeOnAllLayers) {
   const CaptureSettings settings{.width = 16, .height = 16, .layers = 2, .back_sides = true, .extra_views = 1};
   const auto names = planes_with(reader_of("layer1.direct.r"), settings);
   for (int layer = 0; layer < 5; ++layer)
-    for (const char* plane : {"direct.r", "ambient.b"}) EXPECT_TRUE(holds(names, layer_plane(layer, plane))) << layer;
-  EXPECT_FALSE(holds(names, "layer5.direct.r"));
-  EXPECT_FALSE(holds(names, "layer1.color.r")) << "no effect reads it there";
+    for (const char* plane : {"direct.r", "ambient.b"})
+      EXPECT_TRUE(contains(names, layer_plane(layer, plane))) << layer;
+  EXPECT_FALSE(contains(names, "layer5.direct.r"));
+  EXPECT_FALSE(contains(names, "layer1.color.r")) << "no effect reads it on that layer";
 }
 
-TEST(LookLayers, WhatNobodyReadsOnLayersIsMadeOnTheFirstAlone) {
+TEST(LookLayers, OtherPlanesAreMadeOnTheFirstLayerOnly) {
   const CaptureSettings settings{.width = 16, .height = 16, .layers = 2};
   for (const Effect& effect : {reader_of("direct.r"), reader_of("layer1.depth"), reader_of("layer1.direct.r", never)}) {
     const auto names = planes_with(effect, settings);
-    EXPECT_TRUE(holds(names, "direct.r"));
-    EXPECT_FALSE(holds(names, "layer1.direct.r"));
+    EXPECT_TRUE(contains(names, "direct.r"));
+    EXPECT_FALSE(contains(names, "layer1.direct.r"));
   }
 }
 

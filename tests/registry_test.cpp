@@ -1,4 +1,4 @@
-// Tests of the registry and its parameter tables: complete, consistent, and the parsing of values.
+// Tests that the registry and its parameter tables are complete and consistent, and of the parsing of values.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -50,7 +50,7 @@ TEST(Registry, PassesHaveAllTheirKernelsAndConsistentPlanes) {
                     dispatch.kernel.spirv.empty() && dispatch.gpu_variants.empty())
             << effect->name << ": a host step has no kernel";
         EXPECT_TRUE(!dispatch.reach && dispatch.for_all && !dispatch.for_missing)
-            << effect->name << ": it is of whole planes";
+            << effect->name << ": a host step works on whole planes";
         continue;
       }
       EXPECT_NE(dispatch.kernel.scalar, nullptr) << effect->name;
@@ -80,15 +80,17 @@ TEST(Registry, ShadersReachExactlyTheirPlanes) {
       for (std::string_view name : dispatch.later_inputs)
         EXPECT_NE(std::find(dispatch.inputs.begin(), dispatch.inputs.end(), name), dispatch.inputs.end())
             << effect->name << name;
-      for (const GpuVariant& way : dispatch.gpu_variants) {
-        std::set<std::string_view> there(dispatch.inputs.begin(), dispatch.inputs.end()), made;
-        for (const GpuStep& step : way.steps) {
+      for (const GpuVariant& variant : dispatch.gpu_variants) {
+        std::set<std::string_view> available(dispatch.inputs.begin(), dispatch.inputs.end()), written;
+        for (const GpuStep& step : variant.steps) {
           expect_exactly_its_planes(step, effect->name);
-          for (std::string_view name : step.inputs) EXPECT_TRUE(there.contains(name)) << effect->name << ' ' << name;
-          made.insert(step.outputs.begin(), step.outputs.end());
-          there.insert(step.outputs.begin(), step.outputs.end());
+          for (std::string_view name : step.inputs)
+            EXPECT_TRUE(available.contains(name)) << effect->name << ' ' << name;
+          written.insert(step.outputs.begin(), step.outputs.end());
+          available.insert(step.outputs.begin(), step.outputs.end());
         }
-        for (std::string_view name : dispatch.outputs) EXPECT_TRUE(made.contains(name)) << effect->name << ' ' << name;
+        for (std::string_view name : dispatch.outputs)
+          EXPECT_TRUE(written.contains(name)) << effect->name << ' ' << name;
       }
     }
 }

@@ -16,7 +16,7 @@
 
 namespace umbrage::test {
 
-/// Names of parameters and their values as text.
+/// Pairs of a parameter's name and its value as text.
 using Settings = std::vector<std::pair<std::string, std::string>>;
 
 // Names of the planes of colours and vectors.
@@ -33,6 +33,7 @@ inline Settings joined(Settings first, const Settings& second) {
   return first;
 }
 
+/// Returns the default parameters of an effect, changed by these settings.
 inline ParameterBytes parameters_of(const Effect& effect, const Settings& settings) {
   ParameterBytes bytes = initial_parameters(effect.parameters, effect.params_size);
   for (const auto& [name, value] : settings) {
@@ -44,7 +45,7 @@ inline ParameterBytes parameters_of(const Effect& effect, const Settings& settin
   return bytes;
 }
 
-/// Returns the constants that an effect's kernels read with these settings. Constants: the effect's own struct.
+/// Returns the constants that an effect's kernels read with these settings. `Constants` is the effect's own struct.
 template <class Constants>
 Constants constants_of(std::string_view name, const PictureInfo& info, const Settings& settings) {
   const Effect& effect = *find_effect(name);
@@ -53,7 +54,7 @@ Constants constants_of(std::string_view name, const PictureInfo& info, const Set
   return constants;
 }
 
-/// Returns the names of the planes that an effect writes: those of the dispatches that it needs, each once.
+/// Returns the names of the planes that an effect writes, each once. Only the dispatches that it needs count.
 inline std::vector<std::string> written_planes(const Effect& effect, const ParameterBytes& params) {
   std::vector<std::string> names;
   for (const Dispatch& dispatch : effect.dispatches) {
@@ -72,8 +73,8 @@ inline Image run_effect(const Effect& effect, const GBuffer& gbuffer, const Sett
   const ParameterBytes params = parameters_of(effect, settings);
   const auto done = device->run(effect, params, *frame);
   EXPECT_TRUE(done) << (done ? "" : done.error().message);
-  const std::vector<std::string> made = written_planes(effect, params);
-  return made.empty() ? *device->download_all(*frame) : *device->download(*frame, made);
+  const std::vector<std::string> names = written_planes(effect, params);
+  return names.empty() ? *device->download_all(*frame) : *device->download(*frame, names);
 }
 
 /// Calls `check` with the planes from the scalar kernel, and with those from the lanes on every SIMD target.

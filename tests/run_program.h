@@ -32,7 +32,7 @@ inline std::string quoted(const std::string& word) {
   return out + "'";
 }
 
-/// Returns the words of a line, separated by spaces.
+/// Splits a line into words at spaces.
 inline Words words_of(const std::string& line) {
   Words words;
   std::istringstream stream(line);
@@ -87,7 +87,7 @@ class ProgramTest : public testing::Test {
   }
   Outcome run(const std::string& line, const std::string& before = "") { return run(words_of(line), before); }
 
-  /// Runs it and expects success and an empty stderr.
+  /// Runs the program and expects success and an empty stderr.
   Outcome good(const std::string& line, const std::string& before = "") {
     const Outcome outcome = run(line, before);
     EXPECT_EQ(outcome.code, 0) << line << ": " << outcome.err;
@@ -95,7 +95,7 @@ class ProgramTest : public testing::Test {
     return outcome;
   }
 
-  /// Runs it and expects failure: this exit code, one line with all these texts, and no new file.
+  /// Runs the program and expects failure: this exit code, one line with all these texts, and no new file.
   void bad(const Words& words, int code, const Words& texts, const std::string& before = "") {
     std::string line;
     for (const std::string& word : words) line += " " + quoted(word);

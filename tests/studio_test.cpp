@@ -97,21 +97,21 @@ Image silhouette(Scene scene, int frames, const std::vector<std::string>& settin
   auto device = make_cpu_device();
   EXPECT_TRUE(device->prepare(scene));
   StageTimes times;
-  Request draw_with;
-  draw_with.width = 96;
-  draw_with.height = 64;
-  draw_with.look = look;
-  draw_with.occlusion = "none";
-  draw_with.settings = {"output.background_r=0", "output.background_g=0", "output.background_b=0",
-                        "output.transfer=none"};
-  draw_with.settings.insert(draw_with.settings.end(), settings.begin(), settings.end());
-  draw_with.anti_aliasing = frames;
-  const auto frame = draw(*device, scene, draw_with, times);
+  Request request;
+  request.width = 96;
+  request.height = 64;
+  request.look = look;
+  request.occlusion = "none";
+  request.settings = {"output.background_r=0", "output.background_g=0", "output.background_b=0",
+                      "output.transfer=none"};
+  request.settings.insert(request.settings.end(), settings.begin(), settings.end());
+  request.anti_aliasing = frames;
+  const auto frame = draw(*device, scene, request, times);
   EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
   return *device->download(*frame, {"color.r", "color.a", "depth"});
 }
 
-// White in front of black: the coverage of a pixel mixes the two as square roots of light.
+// Draws white surfaces in front of black. Coverage mixes the two as square roots of light.
 TEST(Frames, CartoonMixesAsSquareRoots) {
   const Scene scene = *make_builtin_scene("scene:solids?detail=2000");
   const std::vector<std::string> settings = {"outline.opacity=0", "toon.steps=1", "toon.albedo=clay"};
@@ -119,7 +119,7 @@ TEST(Frames, CartoonMixesAsSquareRoots) {
   std::vector<std::string> transparent = settings;
   transparent.push_back("output.transparent=on");
   const Image cutout = silhouette(scene, 16, transparent, "cartoon");
-  int between = 0;
+  int partial = 0;
   float white = 0.0f;
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 96; ++x) white = std::max(white, mixed.planes[0].at(x, y));
@@ -128,43 +128,43 @@ TEST(Frames, CartoonMixesAsSquareRoots) {
     for (int x = 0; x < 96; ++x) {
       const float fraction = fractions.planes[0].at(x, y);
       if (fraction < 0.1f || fraction > 0.9f || fractions.planes[1].at(x, y) < 1.0f) continue;
-      ++between;
+      ++partial;
       EXPECT_NEAR(mixed.planes[0].at(x, y) / white, fraction * fraction, 0.02f) << x << ", " << y;
-      EXPECT_NEAR(cutout.planes[1].at(x, y), fraction, 1e-5) << "alpha is the share";
+      EXPECT_NEAR(cutout.planes[1].at(x, y), fraction, 1e-5) << "alpha is the covered fraction";
       EXPECT_NEAR(cutout.planes[0].at(x, y), white, 0.02f) << "colour is straight";
     }
-  EXPECT_GT(between, 20);
+  EXPECT_GT(partial, 20);
 }
 
 TEST(Frames, EdgePixelsHaveTheCoveredFraction) {
   const Scene scene = *make_builtin_scene("scene:solids?detail=2000");
   const Image coarse = silhouette(scene, 1), fine = silhouette(scene, 16), finest = silhouette(scene, 128);
   const Image cutout = silhouette(scene, 16, {"output.transparent=on"});
-  int between = 0;
+  int partial = 0;
   double error_coarse = 0.0, error_fine = 0.0;
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 96; ++x) {
       const double truth = finest.planes[0].at(x, y);
       EXPECT_TRUE(coarse.planes[0].at(x, y) == 0.0f || coarse.planes[0].at(x, y) == 1.0f);
-      between += fine.planes[0].at(x, y) > 0.1f && fine.planes[0].at(x, y) < 0.9f;
+      partial += fine.planes[0].at(x, y) > 0.1f && fine.planes[0].at(x, y) < 0.9f;
       error_coarse += std::pow(coarse.planes[0].at(x, y) - truth, 2.0);
       error_fine += std::pow(fine.planes[0].at(x, y) - truth, 2.0);
-      EXPECT_NEAR(cutout.planes[1].at(x, y), fine.planes[0].at(x, y), 1e-5) << "alpha is the same share";
+      EXPECT_NEAR(cutout.planes[1].at(x, y), fine.planes[0].at(x, y), 1e-5) << "alpha is the same fraction";
       if (cutout.planes[1].at(x, y) > 0.0f) {
         EXPECT_NEAR(cutout.planes[0].at(x, y), 1.0, 1e-4) << "colour is straight";
       }
     }
-  EXPECT_GT(between, 60);
+  EXPECT_GT(partial, 60);
   EXPECT_LT(error_fine, 0.05 * error_coarse);
 }
 
 // --- metering ------------------------------------------------------------------------------------------------------
 
-float stops_of(float brightness, float share_of_surface) {
+float stops_of(float brightness, float surface_fraction) {
   GBuffer g = test::empty_gbuffer(60, 60);
   for (const char* name : {"lit.r", "lit.g", "lit.b"}) g.layers[0].add(name) = Plane(60, 60, brightness);
   Plane& depth = g.layers[0].add("depth") = Plane(60, 60, 1.0f);
-  for (int y = int(60 * share_of_surface); y < 60; ++y)
+  for (int y = int(60 * surface_fraction); y < 60; ++y)
     for (int x = 0; x < 60; ++x) depth.at(x, y) = std::numeric_limits<float>::infinity();
   const auto device = make_cpu_device();
   auto frame = device->upload(g);
@@ -227,9 +227,9 @@ Scene sheet_over_floor(float disc_deg) {
   return scene;
 }
 
-/// Returns the fraction of the sun's disc that the sheet does not hide: a segment of a circle. `at`: distance from the
-/// point below the sheet's edge, scene units.
-double open_light(double at, double disc_deg) {
+/// Returns the fraction of the sun's disc that the sheet does not occlude: a segment of a circle. `at`: distance from
+/// the point below the sheet's edge, scene units.
+double unoccluded_fraction(double at, double disc_deg) {
   const double cut = std::clamp(at / std::tan(glm::radians(0.5 * disc_deg)), -1.0, 1.0);
   return 1.0 - (std::acos(cut) - cut * std::sqrt(1.0 - cut * cut)) / std::acos(-1.0);
 }
@@ -251,7 +251,7 @@ TEST(SoftShadows, APenumbraIsAsWideAsTheLightIsLarge) {
   const auto device = make_cpu_device();
   const Scene scene = sheet_over_floor(kDiscDeg);
   ASSERT_TRUE(device->prepare(scene));
-  // Looks down at the sheet: the floor to the right of its edge is fully visible.
+  // The camera looks down at the sheet, so the floor to the right of its edge is fully visible.
   const Camera camera = orthographic_camera({0, 5, 0}, {0, 0, 0}, {0, 0, -1}, 2.0f, 1.0f);
   const auto seen = device->capture(camera, {.width = kSide, .height = kSide});
   ASSERT_TRUE(seen);
@@ -268,7 +268,7 @@ TEST(SoftShadows, APenumbraIsAsWideAsTheLightIsLarge) {
       double mean = 0.0;
       for (int y = 0; y < kSide; ++y) mean += shadow.at(x, y) / kSide;
       const double at = (x + 0.5) / (0.5 * kSide) - 1.0;  // distance from the sheet's edge, scene units
-      const double open = open_light(at, kDiscDeg);
+      const double open = unoccluded_fraction(at, kDiscDeg);
       EXPECT_NEAR(mean, rays == 0 ? 1.0 : open, error) << rays << ' ' << frames << ' ' << at;
     }
   }
@@ -289,10 +289,10 @@ TEST(SoftShadows, ALongPenumbraHasNoStreaks) {
     const Plane mean = mean_shadow(*device, camera, 1, frames);
     double squares = 0.0, worst = 0.0;
     int count = 0;
-    // Excludes the sheet's edge, where the filter ends, and the picture's borders.
+    // Exclude the sheet's edge, where the filter ends, and the picture's borders.
     for (int y = 16; y < kSide - 16; ++y)
       for (int x = kSide / 2 + 16; x < kSide - 16; ++x, ++count) {
-        const double off = mean.at(x, y) - open_light(0.25 * ((x + 0.5) / (0.5 * kSide) - 1.0), kDiscDeg);
+        const double off = mean.at(x, y) - unoccluded_fraction(0.25 * ((x + 0.5) / (0.5 * kSide) - 1.0), kDiscDeg);
         squares += off * off;
         worst = std::max(worst, std::fabs(off));
       }
@@ -379,30 +379,30 @@ TEST(GroundUnderModels, LeavesTheBoundsAndTheFraming) {
 TEST(GroundUnderModels, HidesNothingFromBelow) {
   for (const bool orthographic : {false, true}) {
     Scene scene = box_scene({1, 1, 1});
-    Request draw_with;
-    draw_with.look = "studio";
-    draw_with.camera.elevation_deg = -60.0f;
-    draw_with.camera.orthographic = orthographic;
-    complete_scene(scene, *make_recipe(draw_with));
+    Request request;
+    request.look = "studio";
+    request.camera.elevation_deg = -60.0f;
+    request.camera.orthographic = orthographic;
+    complete_scene(scene, *make_recipe(request));
     EXPECT_LT(scene.ground_object, 0) << orthographic;
-    draw_with.camera.elevation_deg = 20.0f;
-    complete_scene(scene, *make_recipe(draw_with));
+    request.camera.elevation_deg = 20.0f;
+    complete_scene(scene, *make_recipe(request));
     EXPECT_EQ(scene.ground_object, 1) << orthographic;
   }
 }
 
 Image studio_picture(Scene scene, const std::string& ground, const std::vector<std::string>& settings = {}) {
   auto device = make_cpu_device();
-  Request draw_with;
-  draw_with.width = 128;
-  draw_with.height = 128;
-  draw_with.look = "studio";
-  draw_with.ground = ground;
-  draw_with.settings = settings;
-  complete_scene(scene, *make_recipe(draw_with));
+  Request request;
+  request.width = 128;
+  request.height = 128;
+  request.look = "studio";
+  request.ground = ground;
+  request.settings = settings;
+  complete_scene(scene, *make_recipe(request));
   EXPECT_TRUE(device->prepare(scene));
   StageTimes times;
-  const auto frame = draw(*device, scene, draw_with, times);
+  const auto frame = draw(*device, scene, request, times);
   EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
   return *device->download(*frame, {"color.r", "color.g", "color.b", "color.a"});
 }
@@ -459,7 +459,7 @@ TEST(Frames, FramesAverageTheNoiseOfATechnique) {
         for (int x = 0; x < a.width; ++x) sum += std::pow(double(a.at(x, y)) - b.at(x, y), 2.0);
       return std::sqrt(sum / (double(a.width) * a.height));
     };
-    // The same jitter for both, so that edges do not contribute.
+    // Both have the same jitter, so that edges do not contribute.
     const Plane truth = occlusion(16, many), sixteen = occlusion(16, few), one = occlusion(1, few);
     EXPECT_LT(error(sixteen, truth), 0.5 * error(one, truth)) << technique;
   }

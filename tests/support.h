@@ -1,4 +1,4 @@
-// Helpers of several tests: generated G-buffers, comparisons.
+// Helpers for tests: generated G-buffers, comparisons.
 #pragma once
 #include <glm/vec3.hpp>
 #include <string>
@@ -27,7 +27,7 @@ struct Difference {
   double fraction_over = 0.0;  ///< fraction of pixels that differ by more than the bound
 };
 
-/// Compares planes of the same size; two NaN are equal.
+/// Compares planes of the same size. Two NaN count as equal.
 Difference difference(const Plane& a, const Plane& b, double bound);
 
 /// Returns the max finite value of a plane, at least 1. Error bounds are relative to it, since light of many lights,
@@ -39,7 +39,7 @@ std::vector<std::string_view> isas();
 /// Returns those of isas() that have lanes: all except "scalar".
 std::vector<std::string_view> lane_isas();
 
-/// The ray through a pixel's centre in world space, in double. Its parameter is depth.
+/// The ray through a pixel's centre in world space, in double. The ray's parameter is depth.
 struct PixelRay {
   glm::dvec3 origin, direction;
   glm::dvec3 at(double depth) const { return origin + direction * depth; }

@@ -1,4 +1,4 @@
-// A plane at a grazing angle, with or without a step, in either projection: for tests of the code that decides whether
+// A plane at a grazing angle, with or without a step, in either projection, for tests of the code that decides whether
 // two pixels show the same surface.
 #pragma once
 #include <fmt/format.h>
@@ -19,18 +19,18 @@ struct TiltedPlane {
   int width = 64, height = 64;
   double scale = 1.0;        // scale of the scene
   double step_px = 0.0;      // from the middle column on: offset towards the camera, in pixel sizes
-  double error_deg = 0.0;    // error of normals, which oscillate about the plane's as interpolated ones do
+  double error_deg = 0.0;    // amplitude by which normals oscillate about the plane's, as interpolated ones do
   double roll_rad = 0.5;     // direction of the tilt; 0: depth changes only along columns
   double depth_ratio = 0.4;  // relative difference of depth between the centre and the upper or lower border
 };
 
 inline constexpr double kGrazingAngles[] = {85.0, 87.0, 89.0};
 
-/// Returns a G-buffer with its depth and normals.
+/// Returns a G-buffer with the depth and normals of a plane.
 inline GBuffer seen(const TiltedPlane& plane) {
   GBuffer g = empty_gbuffer(plane.width, plane.height);
   const double angle = plane.angle_deg * std::numbers::pi / 180.0, depth = 5.0 * plane.scale;
-  // In the direction of the tilt depth grows by the tangent of the angle.
+  // In the direction of the tilt, depth grows by the tangent of the angle.
   const double half = plane.depth_ratio / std::tan(angle) * (plane.orthographic ? depth : 1.0);
   const double pixel = 2.0 * half / plane.height;
   Camera& camera = g.info.camera;
@@ -45,7 +45,7 @@ inline GBuffer seen(const TiltedPlane& plane) {
     out[1] = std::sin(a) * std::cos(plane.roll_rad);
     out[2] = std::cos(a);
   };
-  double n[3], reported[3];
+  double n[3], noisy_normal[3];
   normal(plane.angle_deg, n);
   Image& image = g.layers[0];
   for (const char* name : {"depth", "normal.x", "normal.y", "normal.z"}) image.add(name);
@@ -53,12 +53,12 @@ inline GBuffer seen(const TiltedPlane& plane) {
     for (int x = 0; x < plane.width; ++x) {
       const double u = camera.left + (x + 0.5) * pixel, v = camera.top - (y + 0.5) * pixel;
       const double size = pixel * (plane.orthographic ? 1.0 : depth);
-      const double before = 2 * x >= plane.width ? plane.step_px * size : 0.0;
+      const double offset = 2 * x >= plane.width ? plane.step_px * size : 0.0;
       const double lean = n[0] * u + n[1] * v;
       image.planes[0].at(x, y) =
-          float(plane.orthographic ? depth + (lean - before) / n[2] : (depth * n[2] - before) / (n[2] - lean));
-      normal(plane.angle_deg + plane.error_deg * std::sin(0.15 * x + 0.2 * y), reported);
-      for (int c = 0; c < 3; ++c) image.planes[std::size_t(1 + c)].at(x, y) = float(reported[c]);
+          float(plane.orthographic ? depth + (lean - offset) / n[2] : (depth * n[2] - offset) / (n[2] - lean));
+      normal(plane.angle_deg + plane.error_deg * std::sin(0.15 * x + 0.2 * y), noisy_normal);
+      for (int c = 0; c < 3; ++c) image.planes[std::size_t(1 + c)].at(x, y) = float(noisy_normal[c]);
     }
   return g;
 }

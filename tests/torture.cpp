@@ -29,20 +29,20 @@ struct Counts {
 };
 
 bool is_model(const fs::path& file) {
-  std::string ending = file.extension().string();
-  if (!ending.empty()) ending.erase(0, 1);
-  for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+  std::string extension = file.extension().string();
+  if (!extension.empty()) extension.erase(0, 1);
+  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
   const auto& formats = umbrage::import_formats();
-  return std::find(formats.begin(), formats.end(), ending) != formats.end();
+  return std::find(formats.begin(), formats.end(), extension) != formats.end();
 }
 
-/// Runs in the child. The limit of processor time ends it if it does not end by itself.
+/// Handles a file in the child process. The limit of processor time ends the process if it does not end by itself.
 [[noreturn]] void run(const fs::path& file, const fs::path& output) {
   const rlimit max{rlim_t(4 * kMaxSeconds), RLIM_INFINITY}, no_core{0, 0};
   ::setrlimit(RLIMIT_CPU, &max);
   ::setrlimit(RLIMIT_CORE, &no_core);
-  const int nowhere = ::open("/dev/null", O_RDWR);
-  for (const int standard : {0, 1, 2}) ::dup2(nowhere, standard);
+  const int null_device = ::open("/dev/null", O_RDWR);
+  for (const int standard : {0, 1, 2}) ::dup2(null_device, standard);
   if (is_model(file)) {
     ::execl(UMBRAGE_PROGRAM, "umbrage", file.c_str(), "-o", output.c_str(), "--resolution", "128,128", nullptr);
     std::_Exit(1);
@@ -65,11 +65,11 @@ void try_file(const fs::path& file, const fs::path& output, Counts& counts) {
   counts.seconds = std::max(counts.seconds, seconds);
   counts.megabytes = std::max(counts.megabytes, megabytes);
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  const bool whole = !is_model(file) || fs::exists(output, ignored) == (code == 0);
-  if ((code != 0 && code != 3) || !whole || seconds > kMaxSeconds || megabytes > kMaxMegabytes) {
+  const bool is_consistent = !is_model(file) || fs::exists(output, ignored) == (code == 0);
+  if ((code != 0 && code != 3) || !is_consistent || seconds > kMaxSeconds || megabytes > kMaxMegabytes) {
     ++counts.crashed;
     std::printf("%s: exit code %d, %.1f s, %.0f MB%s\n", file.c_str(), code, seconds, megabytes,
-                whole ? "" : ", and its picture is not as its exit code says");
+                is_consistent ? "" : ", and its picture is not as its exit code says");
   } else {
     ++(code == 0 ? counts.read : counts.refused);
   }
@@ -97,16 +97,18 @@ int main(int argc, char** argv) {
   fs::remove_all(folder);
   std::printf(
       "| folder | tried | refused | read | crashed | most time | most memory |\n|---|---|---|---|---|---|---|\n");
-  Counts all;
+  Counts total;
   const auto row = [](const std::string& name, const Counts& c) {
     std::printf("| %s | %d | %d | %d | %d | %.1f s | %.0f MB |\n", name.c_str(), c.tried, c.refused, c.read, c.crashed,
                 c.seconds, c.megabytes);
   };
   for (const auto& [name, counts] : by_folder) {
     row(name, counts);
-    all.tried += counts.tried, all.refused += counts.refused, all.read += counts.read, all.crashed += counts.crashed;
-    all.seconds = std::max(all.seconds, counts.seconds), all.megabytes = std::max(all.megabytes, counts.megabytes);
+    total.tried += counts.tried, total.refused += counts.refused, total.read += counts.read,
+        total.crashed += counts.crashed;
+    total.seconds = std::max(total.seconds, counts.seconds),
+    total.megabytes = std::max(total.megabytes, counts.megabytes);
   }
-  row("all", all);
-  return all.tried > 0 && all.crashed == 0 ? 0 : 1;
+  row("all", total);
+  return total.tried > 0 && total.crashed == 0 ? 0 : 1;
 }

@@ -17,14 +17,15 @@ namespace umbrage::test {
 inline constexpr VulkanCapture kGpuCaptures[] = {VulkanCapture::kRays, VulkanCapture::kRaster};
 
 /// Returns a device that captures scenes itself in this way, one of kGpuCaptures.
-inline Device* capturing_device(VulkanCapture how) {
+inline Device* capturing_device(VulkanCapture capture) {
   static Device* const devices[] = {new_vulkan_device({.capture = kGpuCaptures[0]}).release(),
                                     new_vulkan_device({.capture = kGpuCaptures[1]}).release()};
-  return devices[how == kGpuCaptures[1]];
+  return devices[capture == kGpuCaptures[1]];
 }
 
-inline const char* name_of(VulkanCapture how) { return how == VulkanCapture::kRays ? "rays" : "raster"; }
+inline const char* name_of(VulkanCapture capture) { return capture == VulkanCapture::kRays ? "rays" : "raster"; }
 
+/// The planes of one picture, from both devices.
 struct Both {
   Image gpu, cpu;
 };
@@ -39,7 +40,7 @@ inline Image captured(Device& device, const Scene& scene, const Camera& camera, 
   return *device.download_all(*frame);
 }
 
-/// Returns whether surfaces meet at a pixel of a layer: objects, depths or normals of neighbours differ a lot.
+/// Returns whether surfaces meet at a pixel of a layer, that is, objects, depths or normals of neighbours differ a lot.
 inline bool at_edge(const Image& image, int layer, int x, int y) {
   const Plane& depth = image.plane(layer_plane(layer, "depth"));
   const Plane& object = image.plane(layer_plane(layer, "object_id"));
@@ -58,14 +59,14 @@ inline bool at_edge(const Image& image, int layer, int x, int y) {
 }
 
 /// Finds the surfaces at a point of a scene. Two may coincide, such as the top of a block and the underside of a block
-/// on it: a ray hits either, and the width of Embree's kernels decides which.
+/// on it. A ray hits either of them, and the width of Embree's kernels decides which.
 class SurfacesAt {
  public:
   SurfacesAt(const Scene& scene, const PictureInfo& info)
       : scene_(scene), world_{.scene = &scene}, rays_(camera_rays(world_, info)) {}
 
   /// Returns whether a triangle of this object is at this depth on the pixel's ray.
-  bool hold(float object, int x, int y, float depth) const {
+  bool contain(float object, int x, int y, float depth) const {
     const float px = float(x) + 0.5f, py = float(y) + 0.5f, near = 1e-5f * depth;
     const glm::vec3 at = rays_.origin_at(px, py) + rays_.direction_at(px, py) * depth;
     for (const Mesh& mesh : scene_.meshes) {
@@ -77,8 +78,8 @@ class SurfacesAt {
         const float squared = glm::dot(n, n);  // square of twice the area
         if (!(squared > 0.0f) || std::fabs(glm::dot(at - a, n)) > near * std::sqrt(squared)) continue;
         const float s = glm::dot(glm::cross(at - a, v), n) / squared, t = glm::dot(glm::cross(u, at - a), n) / squared;
-        const float beside = near / std::sqrt(std::sqrt(squared));
-        if (s >= -beside && t >= -beside && s + t <= 1.0f + beside) return true;
+        const float margin = near / std::sqrt(std::sqrt(squared));
+        if (s >= -margin && t >= -margin && s + t <= 1.0f + margin) return true;
       }
     }
     return false;
@@ -96,7 +97,7 @@ struct Deviation {
   long pixels = 0;
 };
 
-/// Counts differing pixels. `surfaces` distinguishes coincident surfaces from wrong ones, for layers of one camera.
+/// Counts differing pixels. `surfaces`, for layers of one camera, excludes coincident surfaces from the count.
 inline Deviation deviation(const Both& both, int layers, const SurfacesAt* surfaces = nullptr) {
   Deviation d;
   for (int layer = 0; layer < layers; ++layer) {
@@ -106,12 +107,12 @@ inline Deviation deviation(const Both& both, int layers, const SurfacesAt* surfa
       for (int x = 0; x < both.cpu.width; ++x) {
         ++d.pixels;
         const float depth = b("depth").at(x, y);
-        const bool there = std::isfinite(depth);
-        const bool depth_differs =
-            there ? !(std::fabs(a("depth").at(x, y) - depth) <= 1e-4f * depth) : std::isfinite(a("depth").at(x, y));
+        const bool is_surface = std::isfinite(depth);
+        const bool depth_differs = is_surface ? !(std::fabs(a("depth").at(x, y) - depth) <= 1e-4f * depth)
+                                              : std::isfinite(a("depth").at(x, y));
         const float object = a("object_id").at(x, y);
         d.anywhere += depth_differs || (object != b("object_id").at(x, y) &&
-                                        !(surfaces && there && surfaces->hold(object, x, y, depth)));
+                                        !(surfaces && is_surface && surfaces->contain(object, x, y, depth)));
         if (at_edge(both.cpu, layer, x, y)) continue;
         d.inside["depth"] += depth_differs;
         double squared = 0.0;  // squared difference of the normals; its root is the angle, rad

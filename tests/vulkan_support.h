@@ -13,7 +13,7 @@
 
 namespace umbrage::test {
 
-/// The messages of the validation layers so far, for all devices below.
+/// Returns the messages of the validation layers so far, from all devices of the functions below.
 inline std::vector<std::string>& validation_messages() {
   static std::vector<std::string> all;
   return all;
@@ -53,6 +53,6 @@ struct NoMessages {
 
 }  // namespace umbrage::test
 
-/// Skips a test if there is no Vulkan device; with CI set new_vulkan_device has failed then.
+/// Skips a test if there is no Vulkan device. If CI is set, new_vulkan_device has already reported a failure.
 #define UMBRAGE_NEEDS_VULKAN(device) \
   if (!(device)) GTEST_SKIP() << "no Vulkan device here"

@@ -41,7 +41,7 @@ inline glm::dvec3 position(const GBuffer& g, int x, int y) {
           (c.top - (double(c.top) - c.bottom) * (y + 0.5) / g.info.height) * spread, -depth};
 }
 
-/// Returns its unit normal.
+/// Returns the unit normal of a pixel's surface.
 inline glm::dvec3 normal(const GBuffer& g, int x, int y) {
   const auto& planes = g.layers[0].planes;
   return glm::normalize(glm::dvec3(planes[1].at(x, y), planes[2].at(x, y), planes[3].at(x, y)));
@@ -69,21 +69,21 @@ inline GBuffer tilted_plane(int width, int height, double tilt) {
   return g;
 }
 
-/// Expects `ao` to equal the formula of a technique (`truth`) at each pixel, except for samples on the border of a
-/// pixel, and more than `dark_pixels` pixels to be below `dark`.
+/// Expects `ao` to equal the formula of a technique, `truth`, at all but 1 in 200 pixels, since samples on a pixel's
+/// border fall to either side. Expects more than `dark_pixels` pixels to be below `dark`.
 template <class Truth>
 void expect_matches_formula(const GBuffer& g, const Plane& ao, double dark, long dark_pixels, const Truth& truth) {
-  long off = 0, count = 0, compared = 0;
+  long differing = 0, dark_count = 0, compared = 0;
   for (int y = 0; y < ao.height; ++y)
     for (int x = 0; x < ao.width; ++x) {
       if (!std::isfinite(g.layers[0].planes[0].at(x, y))) continue;
       const double expected = truth(x, y);
-      off += std::fabs(ao.at(x, y) - expected) > 2e-4;
-      count += expected < dark;
+      differing += std::fabs(ao.at(x, y) - expected) > 2e-4;
+      dark_count += expected < dark;
       ++compared;
     }
-  EXPECT_LE(off, compared / 200) << "samples on a pixel's border fall to either side";
-  EXPECT_GT(count, dark_pixels);
+  EXPECT_LE(differing, compared / 200) << "samples on a pixel's border fall to either side";
+  EXPECT_GT(dark_count, dark_pixels);
 }
 
 }  // namespace umbrage::test

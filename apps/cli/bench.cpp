@@ -33,7 +33,7 @@ struct Times {
 /// planes between runs, as for frames that are drawn one after the other.
 template <class Run>
 Result<Times> time_of(int runs, Device& device, const Run& run) {
-  const ScopedPlanePool kept(device.pool());
+  const ScopedPlanePool pool(device.pool());
   std::vector<double> ms, gpu_ms;
   if (auto done = device.finish(); !done) return done.error();
   for (int i = 0; i <= runs; ++i) {
@@ -60,18 +60,19 @@ bool supports_scale(const Effect& effect) {
   return effect.kind == EffectKind::kOcclusion || effect.kind == EffectKind::kFilter;
 }
 
-/// Returns the frame at reduced resolution with all its planes except further layers. `every`: downsampling factor.
-Result<Frame> reduced_frame(Device& device, const Frame& frame, int every) {
+/// Returns the frame at reduced resolution with all its planes except further layers. `downsampling`: downsampling
+/// factor.
+Result<Frame> reduced_frame(Device& device, const Frame& frame, int downsampling) {
   std::vector<std::string> names = device.plane_names(frame);
   std::erase_if(names, [](const std::string& name) { return name.starts_with("layer"); });
-  return device.reduced(frame, every, names);
+  return device.reduced(frame, downsampling, names);
 }
 
 /// The checked options.
 struct BenchPlan {
   std::vector<std::pair<int, int>> sizes;
-  std::string scale;  ///< full, half or quarter
-  int every = 1;      ///< downsampling factor of `scale`: 1, 2 or 4
+  std::string scale;     ///< full, half or quarter
+  int downsampling = 1;  ///< downsampling factor of `scale`: 1, 2 or 4
 };
 
 Result<BenchPlan> plan_of(const BenchOptions& o) {
@@ -81,10 +82,10 @@ Result<BenchPlan> plan_of(const BenchOptions& o) {
     return usage_error("there is no effect '{}'{}", o.effect, suggestion(o.effect, names));
   BenchPlan plan;
   plan.scale = o.request.occlusion_scale.empty() ? "full" : o.request.occlusion_scale;
-  const auto every = parse_scale("occlusion_scale", plan.scale);
-  if (!every) return every.error();
-  plan.every = *every;
-  if (plan.every > 1 && !o.effect.empty() && (o.effect == "capture" || !supports_scale(*find_effect(o.effect))))
+  const auto downsampling = parse_scale("occlusion_scale", plan.scale);
+  if (!downsampling) return downsampling.error();
+  plan.downsampling = *downsampling;
+  if (plan.downsampling > 1 && !o.effect.empty() && (o.effect == "capture" || !supports_scale(*find_effect(o.effect))))
     return usage_error("--ao-scale cannot be '{}' with --effect {}: it takes full, or a technique or filter",
                        plan.scale, o.effect);
   for (const std::string& text : o.sizes) {
@@ -100,33 +101,33 @@ class Bench {
  public:
   Bench(const BenchOptions& options, const BenchPlan& plan, Device& device, ProgressLine& line)
       : o_(options), plan_(plan), device_(device), line_(line) {
-    // For progress, all effects count alike.
+    // Progress counts all effects alike.
     steps_ = double(plan.sizes.size()) * (o_.effect.empty() ? double(effects().size() + 1) : 1.0);
   }
 
   Result<void> time_size(Scene& scene, std::pair<int, int> size) {
     size_ = size;
-    Request draw_with;
-    draw_with.width = size.first;
-    draw_with.height = size.second;
-    draw_with.look = "unsharp";
+    Request request;
+    request.width = size.first;
+    request.height = size.second;
+    request.look = "unsharp";
     StageTimes ignored;
-    auto frame = draw(device_, scene, draw_with, ignored);
+    auto frame = draw(device_, scene, request, ignored);
     if (!frame) return frame.error();
-    if (plan_.every > 1) {
-      auto small = reduced_frame(device_, *frame, plan_.every);
+    if (plan_.downsampling > 1) {
+      auto small = reduced_frame(device_, *frame, plan_.downsampling);
       if (!small) return small.error();
       frame = std::move(small);
     }
     if (is_wanted("capture")) {
       show("capture");
-      if (plan_.every == 1)
+      if (plan_.downsampling == 1)
         if (auto done = time_capture(frame->info.camera); !done) return done;
     }
     for (const Effect* effect : effects()) {
       if (!is_wanted(effect->name)) continue;
       show(effect->name);
-      if (plan_.every > 1 && !supports_scale(*effect)) continue;
+      if (plan_.downsampling > 1 && !supports_scale(*effect)) continue;
       if (auto done = time_effect(*effect, *frame); !done) return done;
     }
     return {};
@@ -150,7 +151,7 @@ class Bench {
                         {"threads", device_.threads()},
                         {"ms", t.median},
                         {"ms_min", t.min}});
-    if (plan_.every > 1) records_.back()["scale"] = plan_.scale;
+    if (plan_.downsampling > 1) records_.back()["scale"] = plan_.scale;
     if (t.gpu_median) records_.back()["gpu_ms"] = *t.gpu_median;
     line_.wipe();
     if (!o_.json)
@@ -179,10 +180,10 @@ class Bench {
     return {};
   }
 
-  /// Measures all variants of an effect; those of a technique at half resolution as well.
+  /// Measures all variants of an effect. Measures variants of a technique at half resolution as well.
   Result<void> time_effect(const Effect& effect, Frame& frame) {
-    const std::vector<std::string_view> only_own = {""};
-    for (const std::string_view variant : effect.variants.empty() ? only_own : effect.variants) {
+    const std::vector<std::string_view> no_variants = {""};
+    for (const std::string_view variant : effect.variants.empty() ? no_variants : effect.variants) {
       EffectSettings settings = look_settings(*find_look("unsharp"));
       if (auto set = apply_variant(settings, effect, variant); !set) return set;
       auto done = time_run(effect.name, std::string(variant), [&]() -> Result<void> {
@@ -190,12 +191,12 @@ class Bench {
         return ran ? Result<void>() : ran.error();
       });
       if (!done) return done;
-      if (effect.kind != EffectKind::kOcclusion || plan_.every > 1) continue;
+      if (effect.kind != EffectKind::kOcclusion || plan_.downsampling > 1) continue;
       // Includes all work of --ao-scale half: downsampling, the technique, upsampling and filling in between.
-      Look alone;
-      alone.effects = {"occlusion"};
+      Look technique_only;
+      technique_only.effects = {"occlusion"};
       const LookRun half = {
-          .look = &alone, .occlusion = effect.name, .occlusion_downsampling = 2, .settings = &settings};
+          .look = &technique_only, .occlusion = effect.name, .occlusion_downsampling = 2, .settings = &settings};
       const std::string setting = variant.empty() ? "scale=half" : fmt::format("{} scale=half", variant);
       done = time_run(effect.name, setting, [&]() -> Result<void> {
         const auto drawn = run_look(half, device_, frame);
@@ -218,9 +219,9 @@ class Bench {
 Result<void> bench(const BenchOptions& o) {
   const auto plan = plan_of(o);
   if (!plan) return plan.error();
-  auto with_threads = device_of(o);
-  if (!with_threads) return with_threads.error();
-  Device& device = **with_threads;
+  auto created = device_of(o);
+  if (!created) return created.error();
+  Device& device = **created;
   ProgressLine line;
   line.show("reading the model");
   auto scene = load_scene(o.models.empty() ? "scene:claw" : o.models[0]);
@@ -230,10 +231,10 @@ Result<void> bench(const BenchOptions& o) {
   if (!o.json)
     fmt::print("{} ({} triangles), {}, median and min of {} runs\n{:<10} {:<28} {:>11} {:>9} {:>9}\n", scene->name,
                scene->triangle_count(), device.description(), o.runs, "effect", "setting", "size", "ms", "ms_min");
-  Bench all(o, *plan, device, line);
+  Bench timings(o, *plan, device, line);
   for (const auto& size : plan->sizes)
-    if (auto done = all.time_size(*scene, size); !done) return done;
-  if (o.json) fmt::print("{}\n", all.records().dump(2));
+    if (auto done = timings.time_size(*scene, size); !done) return done;
+  if (o.json) fmt::print("{}\n", timings.records().dump(2));
   return {};
 }
 

@@ -117,9 +117,9 @@ TEST_F(CliLayers, TheGuardBandIsSeenByEffects) {
   double border = 0.0, middle = 0.0;
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 64; ++x) {
-      const double apart = std::fabs(double(plain.planes[0].at(x, y)) - guarded.planes[0].at(x, y));
+      const double difference = std::fabs(double(plain.planes[0].at(x, y)) - guarded.planes[0].at(x, y));
       const bool inside = std::min({x, y, 63 - x, 63 - y}) >= 8;
-      (inside ? middle : border) += apart > 0.02;
+      (inside ? middle : border) += difference > 0.02;
     }
   EXPECT_GT(border, 50);
   EXPECT_LT(middle, 20);

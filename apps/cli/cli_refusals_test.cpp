@@ -13,7 +13,7 @@ using test::Words;
 
 class CliRefusals : public test::ProgramTest {};
 
-TEST_F(CliRefusals, RefusesModelsThatAreNone) {
+TEST_F(CliRefusals, RefusesFilesThatAreNotModels) {
   const std::string random = [] {
     std::string bytes(4000, '\0');
     for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = char(test::hash(unsigned(i) + 17u));
@@ -70,7 +70,7 @@ TEST_F(CliRefusals, RefusesResolutions) {
 TEST_F(CliRefusals, RefusesPlacesToWrite) {
   fs::create_directory(folder_ / "folder");
   write("file", "a file");
-  const auto to = [&](const std::string& place, const Words& texts) { bad(Words{"tri.obj", "-o", place}, 3, texts); };
+  const auto to = [&](const std::string& output, const Words& texts) { bad(Words{"tri.obj", "-o", output}, 3, texts); };
   to("nofolder/out.png", {"nofolder/out.png", "does not exist"});
   to("file/out.png", {"file/out.png", "not a folder"});
   to("folder", {"folder", "is a folder"});
@@ -80,7 +80,7 @@ TEST_F(CliRefusals, RefusesPlacesToWrite) {
   bad("tri.obj -o out.jpg", 2, {"'out.jpg'", ".png", ".exr", ".pfm"});
   bad("tri.obj -o out.pgn", 2, {"did you mean 'png'"});
   to("/proc/out.png", {"/proc/out.png", "cannot be written"});
-  if (::geteuid() != 0) {  // nothing is forbidden to root
+  if (::geteuid() != 0) {  // root may write everywhere
     fs::create_directory(folder_ / "locked");
     fs::permissions(folder_ / "locked", fs::perms::owner_read | fs::perms::owner_exec);
     to("locked/out.png", {"locked", "ermission"});
@@ -121,7 +121,7 @@ TEST_F(CliRefusals, RefusesNamesThatDoNotExist) {
   bad_option("--passes xyzzy", {"'xyzzy'", "available: ", "normal"});
   good("tri.obj -o half.exr --look bleeding --ao-scale half --passes ao,indirect" + kSmall);
   bad_option("--look bleeding --ao-scale half --passes denoise_ao", {"'bleeding'", "'denoise_ao'"});
-  // Passes of other looks.
+  // Passes that only other looks have.
   bad_option("--look bleeding --passes outline", {"'bleeding'", "'outline'", "the look cartoon does"});
   bad_option("--look bleeding --passes zzz", {"'zzz'", "available: ", "indirect"});
   bad_option("--set unshar.kernel=4", {"'unshar'", "did you mean 'unsharp'"});
@@ -167,11 +167,11 @@ TEST_F(CliRefusals, RefusesValues) {
   bad_option("--verbose=perhaps", {"--verbose", "'perhaps'"});
   bad_option("--passes all", {"--passes all", ".exr"});
   bad_option("--passes depth,normal", {"depth,normal", ".exr"});
-  // Only the model shows that these passes do not exist. Nothing is drawn all the same.
+  // Only after the model is read is it known that these passes do not exist. Even so, nothing is drawn.
   const std::string none = "there is no pass ";
-  for (const char* way : {"", " --turntable 2", " --memory 1M", " --anti-aliasing 4"}) {
-    bad_option("--passes emission" + std::string(way), {none + "'emission'", "leave it out of --passes"});
-    bad_option("--passes shadow5" + std::string(way), {none + "'shadow5'", "--passes takes shadow"});
+  for (const char* extra : {"", " --turntable 2", " --memory 1M", " --anti-aliasing 4"}) {
+    bad_option("--passes emission" + std::string(extra), {none + "'emission'", "leave it out of --passes"});
+    bad_option("--passes shadow5" + std::string(extra), {none + "'shadow5'", "--passes takes shadow"});
   }
   for (const char* option : {"--camera-position", "--camera-focal-point"})
     for (const char* text : {"1,2", "1,2,3,4", "a,b,c", "nan,0,0", "inf,0,0", ",,", "1;2;3"})
@@ -208,7 +208,9 @@ TEST_F(CliRefusals, RefusesMissingAndExtraArguments) {
   bad_option("--look ao --look unsharp", {"--look", "twice"});
   bad("list", 2, {"required", "umbrage list --help"});
   bad("list looks extra", 2, {"'extra'", "too many"});
-  bad("list looks extra more", 2, {"'extra'", "too many"});
+  bad("list effects outlien", 2, {"'outlien'", "did you mean 'outline'"});
+  bad("list passes cartoom", 2, {"'cartoom'", "did you mean 'cartoon'"});
+  bad("list looks extra more", 2, {"'more'", "too many"});
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Shared by the tests of the program: small pictures and checks of their content.
+// Helpers for the tests of the program: small pictures and checks of their content.
 #pragma once
 #include <algorithm>
 #include <cmath>

@@ -37,8 +37,8 @@ TEST_F(Cli, PrintsHelpAndVersion) {
 }
 
 TEST_F(Cli, DrawsABuiltInSceneInEveryFormat) {
-  for (const char* ending : {"png", "exr", "pfm"}) {
-    const std::string name = fmt::format("out.{}", ending);
+  for (const char* extension : {"png", "exr", "pfm"}) {
+    const std::string name = fmt::format("out.{}", extension);
     EXPECT_EQ(good(kSolids + " --look ao -o " + name + kSmall).out, "");
     const Image picture = image(name);
     ASSERT_EQ(picture.width, 64);
@@ -138,7 +138,7 @@ TEST_F(Cli, DepthOfAFlatSceneIsNear) {
   EXPECT_GT(image("out.png").planes[0].at(32, 32), 0.9f);
 }
 
-TEST_F(Cli, JsonTellsTheTimeOfEachStage) {
+TEST_F(Cli, JsonHasTheTimeOfEachStage) {
   const Outcome outcome = good("tri.obj -o out.png --json" + kSmall);
   const auto records = nlohmann::json::parse(outcome.out, nullptr, false);
   ASSERT_TRUE(records.is_array()) << outcome.out;
@@ -208,14 +208,14 @@ TEST_F(Cli, BitsAndHalfAreWritten) {
   good(kSolids + " -o half.exr --half" + kSmall);
   const Image exact = image("float.exr"), eight = image("eight.png"), sixteen = image("sixteen.png"),
               half = image("half.exr");
-  const auto off = [&](const Image& other) {
+  const auto max_error = [&](const Image& other) {
     return test::difference(exact.plane("color.r"), other.plane("color.r"), 0.0).max;
   };
-  EXPECT_LE(off(eight), 0.5 / 255 + 1e-6);
-  EXPECT_GT(off(eight), 1e-3);
-  EXPECT_LE(off(sixteen), 0.5 / 65535 + 1e-6);
-  EXPECT_LE(off(half), 1e-3);
-  EXPECT_GT(off(half), 1e-6);
+  EXPECT_LE(max_error(eight), 0.5 / 255 + 1e-6);
+  EXPECT_GT(max_error(eight), 1e-3);
+  EXPECT_LE(max_error(sixteen), 0.5 / 65535 + 1e-6);
+  EXPECT_LE(max_error(half), 1e-3);
+  EXPECT_GT(max_error(half), 1e-6);
 }
 
 TEST_F(Cli, SeveralModelsShareOnePicture) {
@@ -316,21 +316,24 @@ TEST_F(Cli, FiguresRefuseWhatTheyCannotDo) {
 
 // ---- Lists
 
-TEST_F(Cli, ListsWhatThereIs) {
-  Words looks_there, effects_there, scenes_there, formats_there = {".png", ".exr", ".pfm"};
-  for (const Look* look : looks()) looks_there.emplace_back(look->name);
+TEST_F(Cli, ListsEverything) {
+  Words look_names, effect_names, scene_names, format_names = {".png", ".exr", ".pfm"};
+  for (const Look* look : looks()) look_names.emplace_back(look->name);
   for (const Effect* effect : effects()) {
-    effects_there.emplace_back(effect->name);
+    effect_names.emplace_back(effect->name);
     for (const Parameter& row : effect->parameters)
-      effects_there.push_back(fmt::format("{}.{}", effect->name, row.name));
+      effect_names.push_back(fmt::format("{}.{}", effect->name, row.name));
   }
-  for (const BuiltinScene& scene : builtin_scenes()) scenes_there.push_back(fmt::format("scene:{}", scene.name));
-  for (const std::string& format : import_formats()) formats_there.push_back("." + format);
-  for (const auto& [kind, names] : {std::pair<std::string, Words>{"looks", looks_there},
-                                    {"effects", effects_there},
-                                    {"scenes", scenes_there},
+  for (const BuiltinScene& scene : builtin_scenes()) scene_names.push_back(fmt::format("scene:{}", scene.name));
+  for (const std::string& format : import_formats()) format_names.push_back("." + format);
+  for (const auto& [kind, names] : {std::pair<std::string, Words>{"looks", look_names},
+                                    {"effects", effect_names},
+                                    {"effects outline", {"outline", "outline.width"}},
+                                    {"passes", {"depth", "ao", "color", "all"}},
+                                    {"passes cartoon", {"toon_intensity", "outline"}},
+                                    {"scenes", scene_names},
                                     {"devices", {"cpu"}},
-                                    {"formats", formats_there}}) {
+                                    {"formats", format_names}}) {
     const std::string plain = good("list " + kind).out;
     const auto records = nlohmann::json::parse(good("list " + kind + " --json").out, nullptr, false);
     ASSERT_TRUE(records.is_array()) << kind;

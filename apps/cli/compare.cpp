@@ -81,7 +81,7 @@ Result<void> run_compare(const CompareOptions& o) {
   });
   settings.sizes.erase(std::unique(settings.sizes.begin(), settings.sizes.end()), settings.sizes.end());
   if (o.techniques != "all") settings.techniques = split(o.techniques);
-  if (auto done = set_measure(o, settings); !done) return done;
+  if (auto done = apply_measure_options(o, settings); !done) return done;
   if (auto fine = check_compare(settings); !fine) return fine;
   nlohmann::json baseline;
   if (!o.baseline.empty()) {
@@ -96,7 +96,7 @@ Result<void> run_compare(const CompareOptions& o) {
   if (auto writable = check_folder(folder, {"index.html", "scores.json"}); !writable) return writable;
 
   ProgressLine line;
-  settings.progress = shown_on(line);
+  settings.progress = progress_on(line);
   const auto comparison = compare(**device, settings);
   if (!comparison) return comparison.error();
   print_measured(o, comparison->warnings, **device, line);

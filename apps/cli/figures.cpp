@@ -72,12 +72,12 @@ std::string report_of(const Paper& paper, const std::vector<Figure>& figures, co
     }
   }
   for (const FigureTable& table : tables) {
-    const bool noted =
+    const bool has_notes =
         std::any_of(table.rows.begin(), table.rows.end(), [](const TableRow& r) { return !r.note.empty(); });
     text += fmt::format("\n## {}\n\n{}x{} pixels, {}\n\n| | ms |{}\n| --- | --- |{}\n", table.title, size, size, device,
-                        noted ? " |" : "", noted ? " --- |" : "");
+                        has_notes ? " |" : "", has_notes ? " --- |" : "");
     for (const TableRow& row : table.rows)
-      text += fmt::format("| {} | {:.1f} |{}\n", row.setting, row.ms, noted ? fmt::format(" {} |", row.note) : "");
+      text += fmt::format("| {} | {:.1f} |{}\n", row.setting, row.ms, has_notes ? fmt::format(" {} |", row.note) : "");
   }
   return text;
 }
@@ -88,7 +88,7 @@ Result<void> make_figures(const FiguresOptions& requested) {
       std::find_if(std::begin(kPapers), std::end(kPapers), [&](const Paper& p) { return p.name == o.paper; });
   if (paper == std::end(kPapers)) {
     std::vector<std::string_view> names;
-    for (const Paper& each : kPapers) names.push_back(each.name);
+    for (const Paper& p : kPapers) names.push_back(p.name);
     return usage_error("there is no paper '{}'{}", o.paper, suggestion(o.paper, names));
   }
   if (o.size == 0) o.size = paper->size;

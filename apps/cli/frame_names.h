@@ -7,9 +7,9 @@
 namespace umbrage::cli {
 
 struct FrameNames {
-  std::string before, after;  ///< text before and after the number
-  int digits = 1;             ///< min number of digits, padded with zeros
-  std::string of(int frame) const;
+  std::string before, after;        ///< text before and after the number
+  int digits = 1;                   ///< min number of digits, padded with zeros
+  std::string of(int frame) const;  ///< returns the name of a frame's file
 };
 
 /// Parses the value of --output. Errors: kUsage for a % that is not one of %d, %04d and %%, and for two numbers.

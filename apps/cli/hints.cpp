@@ -26,8 +26,8 @@ namespace {
 
 /// Returns a hint if the radius set by the user leaves hardly any occlusion; else an empty string.
 std::string radius_hint(const Recipe& recipe, const HintStatistics& statistics, float scene_radius) {
-  constexpr double kMinChangedFraction = 1e-3;     // fraction of the pixels that show a surface
-  constexpr double kTooSmall = 0.5, kUsual = 5.0;  // percent of the bounding-sphere radius
+  constexpr double kMinChangedFraction = 1e-3;         // fraction of the pixels that show a surface
+  constexpr double kTooSmall = 0.5, kSuggested = 5.0;  // percent of the bounding-sphere radius
   const auto& length = recipe.radius;
   if (!length || recipe.occlusion == kNoOcclusion || !statistics.has_ao) return "";
   const double percent =
@@ -37,7 +37,7 @@ std::string radius_hint(const Recipe& recipe, const HintStatistics& statistics, 
   return fmt::format(
       "occlusion changes {:.2g} % of the model's pixels: its radius is {:.2g} % of the bounding-sphere radius; try "
       "--ao-radius {:g}%",
-      100.0 * changed / pixels, percent, kUsual);
+      100.0 * changed / pixels, percent, kSuggested);
 }
 
 }  // namespace

@@ -139,7 +139,7 @@ void print_line(std::string_view name, const std::string& text) { fmt::print("{:
 
 void print_text(const Scene& scene, const std::string& format) {
   constexpr std::size_t kMaxShown = 24;  // max entries of each kind; --json has all
-  const auto more = [&](std::size_t count) {
+  const auto print_omitted = [&](std::size_t count) {
     if (count > kMaxShown) fmt::print("  ... and {} more (--json lists all)\n", count - kMaxShown);
   };
   fmt::print("{}: {}, {} in {}\n", scene.name, format, size_text(scene),
@@ -166,18 +166,18 @@ void print_text(const Scene& scene, const std::string& format) {
     print_line(m == 0 ? "materials" : "",
                fmt::format("{}: {}", material.name.empty() ? "(no name)" : material.name, text));
   }
-  more(scene.materials.size());
+  print_omitted(scene.materials.size());
   for (std::size_t t = 0; t < std::min(scene.textures.size(), kMaxShown); ++t) {
     const Texture& texture = scene.textures[t];
     print_line(t == 0 ? "textures" : "", fmt::format("{}, {} x {}", texture.name, texture.width, texture.height));
   }
-  more(scene.textures.size());
+  print_omitted(scene.textures.size());
   for (std::size_t k = 0; k < std::min(scene.scene_names.size(), kMaxShown); ++k) {
     const std::string& name = scene.scene_names[k];
     print_line(k == 0 ? "scenes" : "", fmt::format("--scene-index {}{}{}", k, name.empty() ? "" : " (" + name + ")",
                                                    k == std::size_t(scene.scene_index) ? ": this one" : ""));
   }
-  more(scene.scene_names.size());
+  print_omitted(scene.scene_names.size());
   const std::vector<View>& cameras = scene.cameras.empty() ? scene.views : scene.cameras;
   for (std::size_t k = 0; k < std::min(cameras.size(), kMaxShown); ++k) {
     const View& view = cameras[k];
@@ -187,7 +187,7 @@ void print_text(const Scene& scene, const std::string& format) {
                fmt::format("--camera-index {}{}: from {} to {}, {}", k, view.name.empty() ? "" : " (" + view.name + ")",
                            vector_text(view.eye), vector_text(view.target), lens));
   }
-  more(cameras.size());
+  print_omitted(cameras.size());
   print_line("lights",
              scene.lights.empty() ? "none: the lights of the look are used" : fmt::format("{}", scene.lights.size()));
   for (const std::string& warning : scene.warnings) print_line("warning", with_option_names(warning));

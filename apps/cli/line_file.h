@@ -12,7 +12,7 @@ namespace umbrage::cli {
 /// The file that receives the lines, and their style.
 struct LineFile {
   std::string file;       ///< empty: no lines are written
-  bool alone = false;     ///< no other file is written
+  bool alone = false;     ///< the lines are the only output
   FrameNames names;       ///< file names of a turntable's frames
   ParameterBytes params;  ///< parameters of the effect `outline`
   SvgStyle style;
@@ -27,16 +27,17 @@ void choose_line_look(RenderOptions& o);
 /// 0: no turntable. Errors: kUsage; kFile for a file that cannot be written.
 Result<LineFile> line_file_of(const RenderOptions& o, int frames);
 
-/// Fills in the parameters and style from the recipe. Errors: kUsage if the recipe draws no lines that can be curves.
+/// Fills in the parameters and style from the recipe. Errors: kUsage if the recipe draws no lines that can be
+/// written as curves.
 Result<void> take_recipe(const RenderOptions& o, const Recipe& recipe, LineFile& lines);
 
-/// Turns off anti-aliasing and occlusion for lines alone, which do not depend on them. Occlusion stays on if its radius
-/// is given, for the hint about it.
+/// Turns off anti-aliasing and occlusion, on which lines do not depend, when only lines are written. Occlusion stays on
+/// if its radius is given, since the hint about the radius needs it.
 void disable_unused_effects(Request& request);
 
 /// Traces the lines of a frame and writes them. Errors: kFile; those of Device::download.
 Result<void> write_lines(const LineFile& lines, int frame_number, Device& device, const Frame& frame);
-/// Writes lines that are traced already, of a picture drawn in strips. Errors: kFile.
+/// Writes lines that were traced while a picture was drawn in strips. Errors: kFile.
 Result<void> write_lines(const LineFile& lines, const Lines& traced);
 
 }  // namespace umbrage::cli

@@ -1,4 +1,4 @@
-// umbrage list: lists looks, effects, scenes, devices and formats.
+// umbrage list: lists looks, effects, passes, scenes, devices and formats.
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
@@ -9,16 +9,19 @@
 #include "effects/effects.h"
 #include "generators/builtin.h"
 #include "io/image_file.h"
+#include "renderer/passes.h"
 
 namespace umbrage::cli {
 namespace {
 
 struct ListOptions {
   std::string what;
+  std::string name;  ///< an effect of `effects`, a look of `passes`; empty: all effects, the default look
   bool json = false;
 };
 
-constexpr std::array<std::string_view, 5> kKinds = {"looks", "effects", "scenes", "devices", "formats"};
+constexpr std::array<std::string_view, 6> kKinds = {"looks", "effects", "passes", "scenes", "devices", "formats"};
+constexpr std::string_view kKindsText = "looks, effects, passes, scenes, devices or formats";
 
 nlohmann::json list_looks() {
   nlohmann::json records = nlohmann::json::array();
@@ -27,9 +30,15 @@ nlohmann::json list_looks() {
   return records;
 }
 
-nlohmann::json list_effects() {
+Result<nlohmann::json> list_effects(const std::string& name) {
   nlohmann::json records = nlohmann::json::array();
-  for (const Effect* effect : effects_with_external()) {
+  std::vector<const Effect*> chosen = effects_with_external();
+  if (!name.empty()) {
+    const auto effect = require_named<Effect>("effect", chosen, name);
+    if (!effect) return effect.error();
+    chosen = {*effect};
+  }
+  for (const Effect* effect : chosen) {
     records.push_back({{"name", effect->name}, {"summary", effect->summary}});
     const ParameterBytes initial = initial_parameters(effect->parameters, effect->params_size);
     for (const Parameter& row : effect->parameters)
@@ -37,6 +46,15 @@ nlohmann::json list_effects() {
                          {"summary", with_option_names(fmt::format("{}: {} [{}]", row.help, parameter_range(row),
                                                                    parameter_text(row, initial)))}});
   }
+  return records;
+}
+
+Result<nlohmann::json> list_passes(const std::string& name) {
+  const auto look = require_named<Look>("look", looks(), name.empty() ? Request().look : name);
+  if (!look) return look.error();
+  nlohmann::json records = nlohmann::json::array();
+  for (const PassEntry& pass : passes_of_look(**look))
+    records.push_back({{"name", pass.name}, {"summary", pass.summary}});
   return records;
 }
 
@@ -75,11 +93,15 @@ nlohmann::json list_formats() {
 }
 
 Result<void> list(const ListOptions& o) {
+  if (!o.name.empty() && o.what != "effects" && o.what != "passes")
+    return usage_error("'{}' is one argument too many: only the lists effects and passes take a name", o.name);
   Result<nlohmann::json> records = nlohmann::json();
   if (o.what == "looks")
     records = list_looks();
   else if (o.what == "effects")
-    records = list_effects();
+    records = list_effects(o.name);
+  else if (o.what == "passes")
+    records = list_passes(o.name);
   else if (o.what == "scenes")
     records = list_scenes();
   else if (o.what == "devices")
@@ -103,9 +125,10 @@ Result<void> list(const ListOptions& o) {
 }  // namespace
 
 void add_list(CLI::App& app, std::function<Result<void>()>& run) {
-  CLI::App* command = app.add_subcommand("list", "list looks, effects, scenes, devices or formats");
+  CLI::App* command = app.add_subcommand("list", fmt::format("list {}", kKindsText));
   auto options = std::make_shared<ListOptions>();
-  command->add_option("WHAT", options->what, "looks, effects, scenes, devices or formats")->required();
+  command->add_option("WHAT", options->what, std::string(kKindsText))->required();
+  command->add_option("NAME", options->name, "effect whose parameters, or look whose passes, are listed");
   command->add_flag("--json", options->json, "print JSON");
   command->callback([options, &run] { run = [options] { return list(*options); }; });
 }

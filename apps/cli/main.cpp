@@ -42,7 +42,7 @@ Error unknown_option(const CLI::App& app, std::string word) {
 }
 
 /// Converts an error of CLI11 to a message of this program.
-Error wrong_words(const CLI::App& app, const CLI::ParseError& error) {
+Error parse_error(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
   const std::string help = command == &app ? "umbrage --help" : "umbrage " + command->get_name() + " --help";
   std::string text = error.what();
@@ -55,7 +55,7 @@ Error wrong_words(const CLI::App& app, const CLI::ParseError& error) {
   if (dynamic_cast<const CLI::ValidationError*>(&error))  // "--option: " and the message of a Check
     return Error{ErrorKind::kUsage, text.substr(std::min(text.find(": ") + 2, text.size()))};
   if (dynamic_cast<const CLI::ConversionError*>(&error)) {
-    // "Could not convert: --option = value": only flags, since all other options are texts.
+    // "Could not convert: --option = value". Only flags cause this error, since all other options are texts.
     const std::size_t start = text.find("--"), equals = text.find(" = ");
     if (start != std::string::npos && equals != std::string::npos && start < equals) {
       return usage_error("{} cannot be '{}': it takes true or false", text.substr(start, equals - start),
@@ -68,9 +68,9 @@ Error wrong_words(const CLI::App& app, const CLI::ParseError& error) {
 /// Inserts the command render if none is named: `umbrage MODEL ...` is short for `umbrage render MODEL ...`.
 std::vector<std::string> with_command(int argc, char** argv, const std::vector<std::string>& commands) {
   std::vector<std::string> words(argv + 1, argv + argc);
-  const bool named = !words.empty() && std::find(commands.begin(), commands.end(), words[0]) != commands.end();
-  const bool asks = !words.empty() && (words[0] == "--help" || words[0] == "-h" || words[0] == "--version");
-  if (!words.empty() && !named && !asks) words.insert(words.begin(), "render");
+  const bool has_command = !words.empty() && std::find(commands.begin(), commands.end(), words[0]) != commands.end();
+  const bool wants_help = !words.empty() && (words[0] == "--help" || words[0] == "-h" || words[0] == "--version");
+  if (!words.empty() && !has_command && !wants_help) words.insert(words.begin(), "render");
   return words;
 }
 
@@ -122,7 +122,7 @@ int report(const Error& error) {
 }
 
 /// Flushes standard output and returns the exit code of a successful run.
-int printed() {
+int finish_output() {
   if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return 0;
   return report(file_error("standard output cannot be written"));
 }
@@ -156,24 +156,24 @@ int run(int argc, char** argv) {
   } catch (const CLI::CallForHelp&) {
     const CLI::App* requested = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
     std::fputs((requested == &app ? app.help() : requested->help(app.get_name())).c_str(), stdout);
-    return printed();
+    return finish_output();
   } catch (const CLI::CallForVersion&) {
     std::fputs("umbrage " UMBRAGE_VERSION "\n", stdout);
-    return printed();
+    return finish_output();
   } catch (const CLI::ExtrasError&) {
     return report(unknown_option(app, app.remaining(true).front()));
   } catch (const CLI::ParseError& error) {
     if (argc < 2)
       return report(usage_error("name a model, such as umbrage bunny.obj -o bunny.png; see umbrage --help"));
-    return report(wrong_words(app, error));
+    return report(parse_error(app, error));
   }
   if (const auto error = empty_option(app)) return report(*error);
   try {
     if (const Result<void> done = command(); !done) return report(done.error());
   } catch (const std::system_error&) {
-    if (!std::ferror(stdout)) throw;  // otherwise it is from fmt::print, and printed() reports it
+    if (!std::ferror(stdout)) throw;  // fmt::print failed to write; finish_output() reports it
   }
-  return printed();
+  return finish_output();
 }
 
 }  // namespace

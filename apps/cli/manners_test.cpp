@@ -15,11 +15,11 @@ class Manners : public test::ProgramTest {
   /// Runs a shell command in the folder; $UMBRAGE is the program.
   Outcome shell(const std::string& line) {
     const fs::path out = root_ / "out", err = root_ / "err";
-    const std::string whole = fmt::format("cd {} && export UMBRAGE={} XDG_CONFIG_HOME={} TMPDIR={} && ({}) >{} 2>{}",
-                                          test::quoted(folder_.string()), test::quoted(UMBRAGE_PROGRAM),
-                                          test::quoted((root_ / "config").string()), test::quoted(root_.string()), line,
-                                          test::quoted(out.string()), test::quoted(err.string()));
-    const int status = std::system(("bash -c " + test::quoted(whole)).c_str());
+    const std::string command = fmt::format("cd {} && export UMBRAGE={} XDG_CONFIG_HOME={} TMPDIR={} && ({}) >{} 2>{}",
+                                            test::quoted(folder_.string()), test::quoted(UMBRAGE_PROGRAM),
+                                            test::quoted((root_ / "config").string()), test::quoted(root_.string()),
+                                            line, test::quoted(out.string()), test::quoted(err.string()));
+    const int status = std::system(("bash -c " + test::quoted(command)).c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, test::text_of(out), test::text_of(err)};
   }
   nlohmann::json info(const std::string& line) { return nlohmann::json::parse(good("info --json " + line).out); }
@@ -58,7 +58,7 @@ TEST_F(Manners, ReadsAModelFromStandardInput) {
   refused("$UMBRAGE tri.obj -o x.png --input-format obj", 2, "--input-format");
 }
 
-TEST_F(Manners, TellsFormatsByContent) {
+TEST_F(Manners, DetectsFormatsByContent) {
   const std::string corners = "0 0 0\n1 0 0\n0 1 0\n";
   const std::string ply =
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
@@ -77,7 +77,7 @@ TEST_F(Manners, TellsFormatsByContent) {
     EXPECT_EQ(outcome.out.rfind("stdin", 0), 0u) << outcome.out;
     EXPECT_NE(outcome.out.find(": " + format + ", "), std::string::npos) << outcome.out;
   }
-  // Only the beginnings of files: the error message shows which reader was chosen.
+  // These are only the beginnings of files, so the error message shows which reader was chosen.
   const std::pair<std::string, std::string> beginnings[] = {
       {"GLB", std::string("glTF\2\0\0\0", 8)},
       {"GLTF", "{ \"asset\": {} }"},
@@ -106,7 +106,7 @@ TEST_F(Manners, WritesAPictureToStandardOutput) {
   EXPECT_FALSE(fs::exists(folder_ / "-"));
 }
 
-TEST_F(Manners, InfoSaysWhatAModelHolds) {
+TEST_F(Manners, InfoDescribesAModel) {
   write("a.mtl", "newmtl red\nKd 0.5 0 0\nnewmtl wood\nmap_Kd wood.tga\nnewmtl gone\nmap_Kd gone.png\n");
   std::string tga(18, '\0');
   tga[2] = 2, tga[12] = 2, tga[14] = 1, tga[16] = 24;
@@ -172,9 +172,9 @@ TEST_F(Manners, CamerasAreChosenByIndex) {
   good("a.gltf --camera-index 1 -o c.pfm" + more);
   // The view is two units high: 15 pixels per unit.
   const Image c = image("c.pfm");
-  int seen = 0;
-  for (int y = 0; y < 30; ++y) seen += std::isfinite(c.planes[0].at(20, y));
-  EXPECT_NEAR(seen, 11, 1) << "at x = 0.25 + 1/30 the triangle is 0.717 high";
+  int covered = 0;
+  for (int y = 0; y < 30; ++y) covered += std::isfinite(c.planes[0].at(20, y));
+  EXPECT_NEAR(covered, 11, 1) << "at x = 0.25 + 1/30 the triangle is 0.717 high";
   good("scene:pink --camera-index 0 -o d.pfm" + more);
   bad("a.gltf -o x.png --camera-index 2", 2, {"--camera-index", "cameras 0 to 1"});
   bad("tri.obj -o x.png --camera-index 0", 2, {"--camera-index", "no cameras"});
@@ -182,8 +182,8 @@ TEST_F(Manners, CamerasAreChosenByIndex) {
   bad("a.gltf -o x.png --camera-index 0 --camera-position 1,2,3", 2, {"--camera-index", "--camera-position"});
 }
 
-/// A file of three scenes: a triangle at x = 0 to 1 (node 0), the same at x = 10 (node 1), and both. The default scene
-/// is the second.
+/// Returns a glTF file with three scenes: a triangle at x = 0 to 1 (node 0), the same at x = 10 (node 1), and both. The
+/// default scene is the second.
 std::string three_scenes() {
   return R"({"asset":{"version":"2.0"},"scene":1,"scenes":[{"name":"left","nodes":[0]},{"name":"right","nodes":[1]},
 {"nodes":[0,1]}],
@@ -195,7 +195,7 @@ std::string three_scenes() {
 "buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
 }
 
-/// Converts that file to a .glb file, with the triangle in the second chunk.
+/// Converts the file of three_scenes to a .glb file, with the triangle in the second chunk.
 std::string as_glb(std::string json) {
   const std::size_t uri = json.find(",\"uri\""), end = json.find("\"}]", uri + 8);
   json.erase(uri, end + 1 - uri);
@@ -292,11 +292,11 @@ TEST_F(Manners, ConfigurationFileSetsOptions) {
   good("tri.obj -o d.png --look ao --device cpu --resolution 16x16 --config none");
   bad("tri.obj -o e.png --config mine", 2, {"there is no device 'nowhere'"}, "UMBRAGE_DEVICE=nowhere");
 
-  // The default file, which is optional.
+  // The default file is optional.
   fs::create_directories(root_ / "config/umbrage");
   std::ofstream(root_ / "config/umbrage/config") << "look = ao\nresolution = 24x8\n";
-  const Outcome usual = shell("$UMBRAGE tri.obj -o f.png --device cpu && $UMBRAGE list looks");
-  EXPECT_EQ(usual.code, 0) << usual.err;
+  const Outcome default_outcome = shell("$UMBRAGE tri.obj -o f.png --device cpu && $UMBRAGE list looks");
+  EXPECT_EQ(default_outcome.code, 0) << default_outcome.err;
   EXPECT_EQ(image("f.png").width, 24);
 
   write("wrong1", "look ao\n");
@@ -423,7 +423,7 @@ TEST_F(Manners, ShellsCompleteEveryOption) {
   EXPECT_EQ(completed("umbrage tri.obj --look nothing"), "  \n");
   bad("completion tcsh", 2, {"tcsh", "bash"});
 
-  // Shells and groff check the syntax, if they are installed.
+  // Shells and groff check the syntax if they are installed.
   write("_umbrage", zsh);
   write("umbrage.fish", fish);
   write("umbrage.1", man);

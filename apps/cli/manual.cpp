@@ -58,7 +58,7 @@ Words scene_names() {
 /// Returns the possible values of an option or positional argument; empty for numbers, files and other open values.
 Words values_of(const CLI::App& command, std::string_view option) {
   const std::string& name = command.get_name();
-  if (option == "WHAT" && name == "list") return {"looks", "effects", "scenes", "devices", "formats"};
+  if (option == "WHAT" && name == "list") return {"looks", "effects", "passes", "scenes", "devices", "formats"};
   if (option == "SHELL") return {kShells.begin(), kShells.end()};
   if (option == "filter") return filter_names();
   if (option == "effect") return effect_names();
@@ -133,8 +133,8 @@ std::string bash_of(const std::vector<const CLI::App*>& commands) {
       else if (!is_flag(*option))
         values += fmt::format("    {}) COMPREPLY=($(compgen -f -- \"$current\")); return ;;\n", pattern);
     }
-    const CLI::Option* word = positional_of(*command);
-    const Words choices = word ? values_of(*command, word->get_name()) : Words();
+    const CLI::Option* positional = positional_of(*command);
+    const Words choices = positional ? values_of(*command, positional->get_name()) : Words();
     options += fmt::format("    {}) options='{}' words='{}' ;;\n", command->get_name(), joined(spellings, " "),
                            joined(choices, " "));
   }
@@ -211,16 +211,16 @@ std::string zsh_of(const std::vector<const CLI::App*>& commands) {
         value = ":" + option->get_lnames()[0] + ":" +
                 (choices.empty() ? "_files" : "(" + escaped(joined(choices, " "), ":\\") + ")");
       }
-      const std::string several = option->get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll ? "*" : "";
+      const std::string repeat = option->get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll ? "*" : "";
       for (const std::string& name : option->get_lnames())
-        out += "        " + quoted(several + "--" + name + (value.empty() ? "" : "=") + help + value) + " \\\n";
+        out += "        " + quoted(repeat + "--" + name + (value.empty() ? "" : "=") + help + value) + " \\\n";
       for (const std::string& name : option->get_snames())
-        out += "        " + quoted(several + "-" + name + (value.empty() ? "" : "+") + help + value) + " \\\n";
+        out += "        " + quoted(repeat + "-" + name + (value.empty() ? "" : "+") + help + value) + " \\\n";
     }
-    const CLI::Option* word = positional_of(*command);
-    const Words choices = word ? values_of(*command, word->get_name()) : Words();
+    const CLI::Option* positional = positional_of(*command);
+    const Words choices = positional ? values_of(*command, positional->get_name()) : Words();
     if (!choices.empty())
-      out += "        " + quoted(":" + word->get_name() + ":(" + joined(choices, " ") + ")") + "\n";
+      out += "        " + quoted(":" + positional->get_name() + ":(" + joined(choices, " ") + ")") + "\n";
     else
       out += "        " + quoted("*:model:_files") + "\n";
     out += "      ;;\n";
@@ -258,8 +258,8 @@ std::string fish_of(const std::vector<const CLI::App*>& commands) {
         out += " -r";
       out += " -d " + quoted(without_default(option->get_description())) + "\n";
     }
-    const CLI::Option* word = positional_of(*command);
-    if (const Words choices = word ? values_of(*command, word->get_name()) : Words(); !choices.empty())
+    const CLI::Option* positional = positional_of(*command);
+    if (const Words choices = positional ? values_of(*command, positional->get_name()) : Words(); !choices.empty())
       out += "complete -c umbrage -f -n " + quoted(when) + " -a " + quoted(joined(choices, " ")) + "\n";
   }
   return out;
@@ -307,9 +307,9 @@ std::string man_of(const CLI::App& app, const std::vector<const CLI::App*>& comm
   out += ".SH NAME\numbrage \\- screen\\-space shading for 3D models\n.SH SYNOPSIS\n";
   out += ".B umbrage\n.I MODEL\n.B \\-o\n.I FILE\n.RI [ OPTION ]...\n";
   for (const CLI::App* command : commands) {
-    const CLI::Option* word = positional_of(*command);
+    const CLI::Option* positional = positional_of(*command);
     out += ".br\n.B umbrage " + command->get_name() + "\n";
-    if (word) out += ".I " + word->get_name() + "\n";
+    if (positional) out += ".I " + positional->get_name() + "\n";
     out += ".RI [ OPTION ]...\n";
   }
   out += ".SH DESCRIPTION\n" + roff(app.get_description()) + "\n.PP\n" +

@@ -11,7 +11,7 @@ void add_measure_options(CLI::App& command, MeasureOptions& o, const std::string
   add_number(command, "--runs", o.runs, kRuns, "runs per measured time")->group(group);
 }
 
-Result<void> set_measure(const MeasureOptions& o, MeasureSettings& settings) {
+Result<void> apply_measure_options(const MeasureOptions& o, MeasureSettings& settings) {
   settings.models = o.models;
   settings.cameras = o.cameras;
   settings.samples = o.samples;
@@ -24,7 +24,7 @@ Result<void> set_measure(const MeasureOptions& o, MeasureSettings& settings) {
   return check_standard_input(o.models, o.input_format);
 }
 
-std::function<bool(const std::string&, double)> shown_on(ProgressLine& line) {
+std::function<bool(const std::string&, double)> progress_on(ProgressLine& line) {
   return [&line](const std::string& what, double done) {
     line.show(what, done);
     return true;

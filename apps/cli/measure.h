@@ -19,12 +19,12 @@ struct MeasureOptions : CommonOptions {
 void add_measure_options(CLI::App& command, MeasureOptions& o, const std::string& group);
 
 /// Fills in the settings from the options. Errors: kUsage.
-Result<void> set_measure(const MeasureOptions& o, MeasureSettings& settings);
+Result<void> apply_measure_options(const MeasureOptions& o, MeasureSettings& settings);
 
-/// Returns a MeasureSettings::progress that shows on `line`, which must outlive it.
-std::function<bool(const std::string&, double)> shown_on(ProgressLine& line);
+/// Returns a callback for MeasureSettings::progress that updates `line`. `line` must outlive it.
+std::function<bool(const std::string&, double)> progress_on(ProgressLine& line);
 
-/// Ends the progress, and prints warnings and, with --verbose, the device.
+/// Wipes the progress line, then prints warnings and, with --verbose, the device.
 void print_measured(const MeasureOptions& o, const std::vector<std::string>& warnings, const Device& device,
                     ProgressLine& line);
 

@@ -16,28 +16,28 @@ namespace umbrage::cli {
 namespace {
 
 /// Returns the help text with the range of an integer, if its upper end is below kMaxShownRange, and the default.
-std::string help_with(std::string_view help, const Interval& takes, std::string_view initial) {
+std::string help_with(std::string_view help, const Interval& interval, std::string_view initial) {
   constexpr double kMaxShownRange = 2000.0;
   std::string text(help);
-  if (takes.kind != NumberKind::kReal && takes.max < kMaxShownRange)
-    text += fmt::format(", {} to {}", long(takes.min), long(takes.max));
+  if (interval.kind != NumberKind::kReal && interval.max < kMaxShownRange)
+    text += fmt::format(", {} to {}", long(interval.min), long(interval.max));
   return initial.empty() ? text : fmt::format("{} [{}]", text, initial);
 }
 
 /// Returns the type name that the help shows.
-std::string type_of(const Interval& takes) { return takes.kind == NumberKind::kReal ? "FLOAT" : "INT"; }
+std::string type_of(const Interval& interval) { return interval.kind == NumberKind::kReal ? "FLOAT" : "INT"; }
 
 template <class Number>
-CLI::Option* add_any_number(CLI::App& command, const std::string& name, Number& value, const Interval& takes,
+CLI::Option* add_any_number(CLI::App& command, const std::string& name, Number& value, const Interval& interval,
                             std::string_view help, std::string_view initial) {
-  const std::string now = fmt::format("{}", value);
+  const std::string current = fmt::format("{}", value);
   CLI::Option* option = command.add_option_function<std::string>(
       name, [&value](const std::string& text) { value = Number(parse_number(text).value_or(double(value))); },
-      help_with(help, takes, initial.empty() ? now : initial));
-  option->type_name(type_of(takes));
-  add_check(*option, [name, takes](const std::string& text) -> Result<void> {
-    if (parse_number(text, takes)) return {};
-    return usage_error("{} cannot be '{}': it takes {}", name, text, takes.words());
+      help_with(help, interval, initial.empty() ? current : initial));
+  option->type_name(type_of(interval));
+  add_check(*option, [name, interval](const std::string& text) -> Result<void> {
+    if (parse_number(text, interval)) return {};
+    return usage_error("{} cannot be '{}': it takes {}", name, text, interval.words());
   });
   return option;
 }
@@ -45,13 +45,14 @@ CLI::Option* add_any_number(CLI::App& command, const std::string& name, Number& 
 /// Checks the text of an option of the table, including that named looks, techniques and settings exist. Devices are
 /// checked later.
 Result<void> check_text(const Option& row, const std::string& text) {
-  // CLI11 reads the environment for all commands, not only for the one that runs. take_options checks the latter.
-  const char* named = row.environment.empty() ? nullptr : std::getenv(std::string(row.environment).c_str());
-  if (named && text == named) return {};
+  // CLI11 reads the environment for all commands, not only for the one that runs. Values from the environment are
+  // therefore not checked here; parse_options checks those of the command that runs.
+  const char* variable = row.environment.empty() ? nullptr : std::getenv(std::string(row.environment).c_str());
+  if (variable && text == variable) return {};
   Request alone;
   if (auto set = set_option(row, text, alone); !set) return set;
   if (const auto settings = effect_settings(alone.settings); !settings) return settings.error();
-  // Other options may depend on each other and are not checked alone.
+  // Other options may depend on each other and cannot be checked alone.
   if (row.field != "look" && row.field != "occlusion" && row.field != "quality") return {};
   const auto recipe = make_recipe(alone);
   return recipe ? Result<void>() : recipe.error();
@@ -66,14 +67,14 @@ void add_check(CLI::Option& option, Check check) {
   });
 }
 
-CLI::Option* add_number(CLI::App& command, const std::string& name, int& value, const Interval& takes,
+CLI::Option* add_number(CLI::App& command, const std::string& name, int& value, const Interval& interval,
                         std::string_view help, std::string_view initial) {
-  return add_any_number(command, name, value, takes, help, initial);
+  return add_any_number(command, name, value, interval, help, initial);
 }
 
-CLI::Option* add_number(CLI::App& command, const std::string& name, double& value, const Interval& takes,
+CLI::Option* add_number(CLI::App& command, const std::string& name, double& value, const Interval& interval,
                         std::string_view help, std::string_view initial) {
-  return add_any_number(command, name, value, takes, help, initial);
+  return add_any_number(command, name, value, interval, help, initial);
 }
 
 CLI::Option* add_sizes(CLI::App& command, std::vector<std::string>& sizes, std::string_view initial) {
@@ -118,9 +119,9 @@ void add_group(CLI::App& command, CommonOptions& o, OptionCommand which, std::st
 }
 
 CLI::App* add_model_command(CLI::App& app, const std::string& name, const std::string& help, CommonOptions& o,
-                            OptionCommand which, std::function<void()> named) {
+                            OptionCommand which, std::function<void()> selected) {
   CLI::App& command = *app.add_subcommand(name, help);
-  command.callback(std::move(named));
+  command.callback(std::move(selected));
   command.add_option("MODEL", o.models, "model files, - for standard input, or scene:NAME?detail=TRIANGLES")
       ->required();
   add_group(command, o, which, "Scene");
@@ -140,13 +141,13 @@ void add_device_options(CLI::App& command, CommonOptions& o, OptionCommand which
   add_config_option(command);
 }
 
-Result<void> take_options(CommonOptions& o) {
+Result<void> parse_options(CommonOptions& o) {
   if (!o.models.empty()) {
     o.request.model = o.models[0];
     o.request.more_models.assign(o.models.begin() + 1, o.models.end());
   }
   for (const Option& row : options()) {
-    if (row.commands == 0) continue;  // another row's option
+    if (row.commands == 0) continue;  // set by another row's option
     std::vector<std::string> words;
     if (o.is_given(row.option)) words.push_back(o.texts[row.option]);
     if (const auto list = o.lists.find(row.option); list != o.lists.end()) words = list->second;
@@ -164,7 +165,7 @@ std::string with_option_names(std::string_view message) {
 Result<std::unique_ptr<Device>> device_of(const CommonOptions& o) {
   if (o.is_given("isa"))
     if (auto valid = use_isa(o.text_of("isa")); !valid) return valid.error();
-  // Limits work outside the device too, such as hierarchies and metrics.
+  // Limit the threads of work outside the device too, such as building hierarchies and computing metrics.
   static std::optional<tbb::global_control> limit;
   if (o.request.threads > 0)
     limit.emplace(tbb::global_control::max_allowed_parallelism, std::size_t(o.request.threads));

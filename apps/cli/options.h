@@ -24,7 +24,7 @@ struct CommonOptions {
   std::vector<std::string> models;
   std::string input_format;
   bool verbose = false;
-  Request request;  ///< values of the table's options; take_options fills it
+  Request request;  ///< values of the table's options; parse_options fills it in
 
   // Option values as the user wrote them, by option name.
   std::map<std::string_view, std::string> texts;
@@ -45,46 +45,47 @@ using Check = std::function<Result<void>(const std::string&)>;
 /// Applies `check` to the values of an option from the command line, a configuration file or the environment.
 void add_check(CLI::Option& option, Check check);
 
-/// Adds the options of a group that the command `which` has.
+/// Adds those options of a group that belong to the command `which`.
 void add_group(CLI::App& command, CommonOptions& options, OptionCommand which, std::string_view group);
 /// Adds the group Device, --verbose and --config.
 void add_device_options(CLI::App& command, CommonOptions& options, OptionCommand which);
-/// Adds one option to a group. `help` and `initial` (the default as the help shows it) override the table's if not
-/// empty.
+/// Adds one option of the table to a group. `help` and `initial` (the default as the help shows it), if not empty,
+/// override those of the table.
 void add_one(CLI::App& command, CommonOptions& options, std::string_view field, std::string_view group,
              std::string_view help = {}, std::string_view initial = {});
 
-/// Adds a numeric option that is not in the table. The default is the present `value`; the help shows `initial` in its
-/// place if that is not empty.
-CLI::Option* add_number(CLI::App& command, const std::string& name, int& value, const Interval& takes,
+/// Adds a numeric option that is not in the table. Its default is the current `value`; the help shows `initial` instead
+/// if that is not empty.
+CLI::Option* add_number(CLI::App& command, const std::string& name, int& value, const Interval& interval,
                         std::string_view help, std::string_view initial = {});
-CLI::Option* add_number(CLI::App& command, const std::string& name, double& value, const Interval& takes,
+CLI::Option* add_number(CLI::App& command, const std::string& name, double& value, const Interval& interval,
                         std::string_view help, std::string_view initial = {});
 /// Adds --resolution, which may be given several times.
 CLI::Option* add_sizes(CLI::App& command, std::vector<std::string>& sizes, std::string_view initial);
 
 /// Parses the option texts into the request. Errors: kUsage, naming the field and its valid values.
-Result<void> take_options(CommonOptions& options);
+Result<void> parse_options(CommonOptions& options);
 
 /// Returns a function that parses the options and then runs the command.
 template <class Options>
 std::function<Result<void>()> with_options(std::shared_ptr<Options> options, Result<void> (*command)(const Options&)) {
   return [options, command] {
-    auto taken = take_options(*options);
+    auto taken = parse_options(*options);
     return taken ? command(*options) : taken;
   };
 }
 
-/// Adds a command that takes models, with the groups Scene and Camera. `named` is called if the user names the command.
+/// Adds a command that takes models, with the groups Scene and Camera. `selected` is called if the user names the
+/// command.
 CLI::App* add_model_command(CLI::App& app, const std::string& name, const std::string& help, CommonOptions& options,
-                            OptionCommand which, std::function<void()> named);
+                            OptionCommand which, std::function<void()> selected);
 
 template <class Options>
 struct ModelCommand {
   CLI::App* command;
   std::shared_ptr<Options> options;
 };
-/// Adds a command that takes models and sets `run` to a call of `function` with its options.
+/// Adds a command that takes models. If the user names it, `run` becomes a call of `function` with its options.
 template <class Options>
 ModelCommand<Options> add_model_command(CLI::App& app, std::function<Result<void>()>& run, const std::string& name,
                                         const std::string& help, OptionCommand which,

@@ -25,14 +25,14 @@ struct Destination {
   std::string extension() const { return video || file == kStandardOutput ? "png" : *extension_of(file); }
 };
 
-/// Writes rows that `make` delivers to the file or to standard output.
+/// Writes a picture, whose rows `make` delivers, to the file or to standard output.
 Result<void> write_rows(const Destination& destination, const ImageShape& shape, const WriteSettings& settings,
                         const MakeImageRows& make);
 
 /// Writes a picture to the file or to standard output, or adds it to the video as a frame.
 Result<void> write_picture(const Destination& destination, const Image& image, const WriteSettings& settings);
 
-/// Converts a drawn picture, or some of its rows, to the planes that the file holds. `names`: the planes of `drawn` to
+/// Converts a drawn picture, or some of its rows, to the planes of the file. `names`: the planes of `drawn` to
 /// write. `info`: properties of the picture, for the range of depth.
 Image convert_for_file(const RenderOptions& o, const Destination& destination, const Image& drawn,
                        const std::vector<std::string>& names, const EffectSettings& settings, const PictureInfo& info);

@@ -15,19 +15,19 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kShowDelay = 1s;  // delay before the line appears
-constexpr auto kOften = 200ms;   // interval between two updates of the line
-constexpr double kMinFractionForEstimate =
-    0.01;  // min fraction of the work that an estimate of the time left is based on
-constexpr std::size_t kUsualWidth = 80;
+constexpr auto kShowDelay = 1s;          // delay before the line appears
+constexpr auto kUpdateInterval = 200ms;  // interval between two updates of the line
+// Min fraction of the work that must be done before the time left is estimated.
+constexpr double kMinFractionForEstimate = 0.01;
+constexpr std::size_t kDefaultWidth = 80;
 
-// For the signal handler: whether a line is on the terminal, and whether no line may be drawn any more.
-std::atomic<bool> on_screen = false, dropped = false;
+// For the signal handler: whether the line is on the terminal, and whether it may no longer be drawn.
+std::atomic<bool> on_screen = false, disabled = false;
 static_assert(std::atomic<bool>::is_always_lock_free);
 
 std::size_t terminal_width() {
   winsize size{};
-  return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col : kUsualWidth;
+  return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col : kDefaultWidth;
 }
 
 }  // namespace
@@ -53,7 +53,7 @@ ProgressLine::~ProgressLine() {
   wipe();
   {
     const std::lock_guard lock(mutex_);
-    ends_ = true;
+    stop_ = true;
   }
   changed_.notify_all();
   if (ticker_.joinable()) ticker_.join();
@@ -61,14 +61,14 @@ ProgressLine::~ProgressLine() {
 
 void ProgressLine::tick() {
   std::unique_lock lock(mutex_);
-  while (!changed_.wait_for(lock, kOften, [this] { return ends_; }))
-    if (wanted_ && Clock::now() - made_ >= kShowDelay) draw();
+  while (!changed_.wait_for(lock, kUpdateInterval, [this] { return stop_; }))
+    if (visible_ && Clock::now() - start_time_ >= kShowDelay) draw();
 }
 
 void ProgressLine::draw() {
-  // The last column stays free: some terminals move to the next line when it is written.
+  // Leave the last column free, since some terminals move to the next line when it is written.
   const std::string line = text(Clock::now(), terminal_width() - 1);
-  if (dropped) return;
+  if (disabled) return;
   on_screen = true;
   fmt::print(stderr, "\r{:<{}}", line, std::max(width_, line.size()));
   std::fflush(stderr);
@@ -79,17 +79,17 @@ std::string ProgressLine::text(Clock::time_point now, std::size_t room) const {
   std::string numbers;
   if (fraction_) {
     numbers = fmt::format(": {:.0f} %", std::floor(100.0 * *fraction_));
-    const double done = *fraction_ - first_fraction_;
-    const double took = std::chrono::duration<double>(reported_ - first_report_time_).count();
-    const double since = std::chrono::duration<double>(now - reported_).count();
-    if (done >= kMinFractionForEstimate && took > 0.0)
-      numbers += fmt::format(", {} left", duration_text(took * (1.0 - *fraction_) / done - since));
+    const double done_since_first = *fraction_ - first_fraction_;
+    const double elapsed = std::chrono::duration<double>(last_report_time_ - first_report_time_).count();
+    const double since = std::chrono::duration<double>(now - last_report_time_).count();
+    if (done_since_first >= kMinFractionForEstimate && elapsed > 0.0)
+      numbers += fmt::format(", {} left", duration_text(elapsed * (1.0 - *fraction_) / done_since_first - since));
   } else {
-    numbers = fmt::format(" ({})", duration_text(std::chrono::duration<double>(now - made_).count()));
+    numbers = fmt::format(" ({})", duration_text(std::chrono::duration<double>(now - start_time_).count()));
   }
   if (numbers.size() >= room) return numbers.substr(0, room);
   constexpr std::string_view kCut = "..";
-  std::string what = what_;
+  std::string what = activity_;
   if (const std::size_t left = room - numbers.size(); what.size() > left)
     what = left > kCut.size() ? what.substr(0, left - kCut.size()).append(kCut) : "";
   return what + numbers;
@@ -102,17 +102,17 @@ void ProgressLine::show(std::string what, std::optional<double> fraction) {
     first_fraction_ = *fraction;
     first_report_time_ = Clock::now();
   }
-  what_ = std::move(what);
+  activity_ = std::move(what);
   fraction_ = fraction;
-  reported_ = Clock::now();
-  wanted_ = true;
+  last_report_time_ = Clock::now();
+  visible_ = true;
 }
 
 void ProgressLine::wipe() {
   if (!on_terminal_) return;
   const std::lock_guard lock(mutex_);
-  wanted_ = false;
-  if (width_ > 0 && !dropped) {
+  visible_ = false;
+  if (width_ > 0 && !disabled) {
     fmt::print(stderr, "\r{:{}}\r", "", width_);
     std::fflush(stderr);
   }
@@ -121,9 +121,9 @@ void ProgressLine::wipe() {
 }
 
 void wipe_progress() {
-  dropped = true;
-  constexpr char kWiped[] = "\r\033[K";
-  if (on_screen && ::write(STDERR_FILENO, kWiped, sizeof kWiped - 1) < 0) on_screen = false;
+  disabled = true;
+  constexpr char kClearLine[] = "\r\033[K";
+  if (on_screen && ::write(STDERR_FILENO, kClearLine, sizeof kClearLine - 1) < 0) on_screen = false;
 }
 
 }  // namespace umbrage::cli

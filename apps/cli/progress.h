@@ -16,7 +16,8 @@ class ProgressLine {
   ProgressLine();
   ~ProgressLine();
   ProgressLine(const ProgressLine&) = delete;
-  /// Sets the activity and, if known, the fraction of the whole work that is done, 0 to 1. Any thread.
+  /// Sets the activity and, if known, the fraction of the whole work that is done, 0 to 1. May be called from any
+  /// thread.
   void show(std::string what, std::optional<double> fraction = std::nullopt);
   /// Clears the line, before other output is printed. The next `show` brings it back.
   void wipe();
@@ -28,13 +29,13 @@ class ProgressLine {
   std::string text(Clock::time_point now, std::size_t room) const;
 
   bool on_terminal_;
-  std::mutex mutex_;  // guards all below
+  std::mutex mutex_;  // guards all members below
   std::condition_variable changed_;
-  bool ends_ = false, wanted_ = false;
-  std::string what_;
+  bool stop_ = false, visible_ = false;
+  std::string activity_;
   std::optional<double> fraction_;
   double first_fraction_ = 0.0;  // the first reported fraction
-  Clock::time_point made_ = Clock::now(), first_report_time_, reported_;
+  Clock::time_point start_time_ = Clock::now(), first_report_time_, last_report_time_;
   std::size_t width_ = 0;  // width of the text on the terminal
   std::thread ticker_;
 };

@@ -21,8 +21,9 @@ pthread_t main_thread;
 std::atomic<pid_t> child = 0;
 static_assert(std::atomic<pid_t>::is_always_lock_free);
 
-/// The signal handler; calls async-signal-safe functions only. Runs on the main thread, which writes the files.
-void ended(int signal) {
+/// Handles a signal; calls async-signal-safe functions only. Other threads forward the signal to the main thread, which
+/// writes the files.
+void handle_signal(int signal) {
   if (!::pthread_equal(::pthread_self(), main_thread)) {
     ::pthread_kill(main_thread, signal);
     return;
@@ -31,11 +32,11 @@ void ended(int signal) {
   constexpr char kLine[] = "umbrage: interrupted\n";
   const bool reported = ::write(STDERR_FILENO, kLine, sizeof kLine - 1) > 0;
   static_cast<void>(reported);
-  // The child must have ended before its file is removed; otherwise it could create the file again.
-  if (const pid_t one = child; one > 0) {
-    ::kill(one, SIGKILL);
+  // Wait until the child has ended before its file is removed; otherwise it could create the file again.
+  if (const pid_t pid = child; pid > 0) {
+    ::kill(pid, SIGKILL);
     int status = 0;
-    while (::waitpid(one, &status, 0) < 0 && errno == EINTR) continue;
+    while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) continue;
   }
   abandon_writes();
   remove_standard_input_copy();
@@ -58,7 +59,7 @@ void end_on_signals() {
     struct sigaction before {};
     if (::sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) continue;
     struct sigaction action {};
-    action.sa_handler = ended;
+    action.sa_handler = handle_signal;
     action.sa_mask = handled_signals();
     action.sa_flags = SA_RESTART;
     ::sigaction(signal, &action, nullptr);

@@ -10,7 +10,7 @@ namespace umbrage::cli {
 /// main thread before other threads start.
 void end_on_signals();
 
-/// Blocks those signals during its lifetime. Main thread only.
+/// Blocks the signals of end_on_signals during its lifetime. For the main thread only.
 class BlockSignals {
  public:
   BlockSignals();
@@ -21,7 +21,7 @@ class BlockSignals {
   sigset_t before_;
 };
 
-/// Sets the child process that the handlers end; 0: none. Call it while signals are held.
+/// Sets the child process that the handlers end; 0: none. Call it while these signals are blocked.
 void set_child(pid_t child);
 
 }  // namespace umbrage::cli

@@ -1,4 +1,4 @@
-// Tests of interrupts at any moment and of the progress line on a terminal.
+// Tests of interrupts at any moment, and of the progress line on a terminal.
 #include <fcntl.h>
 #include <poll.h>
 #include <pty.h>
@@ -30,7 +30,7 @@ class Signals : public test::ProgramTest {
     fs::create_directory(temporary_);
   }
 
-  /// A running program. `alive` is the read end of a pipe that it and its children hold open.
+  /// A running program. `alive` is the read end of a pipe that the program and its children hold open.
   struct Running {
     pid_t pid = -1;
     int alive = -1, terminal = -1;
@@ -71,7 +71,7 @@ class Signals : public test::ProgramTest {
     if (end >= 0) ::close(end);
     running.alive = ends[0];
     running.terminal = terminal;
-    // Wait until its signal handlers are installed. It creates no files before.
+    // Wait until the program's signal handlers are installed. Before that, it creates no files.
     wait_for([&] {
       const std::string status = text_of(fmt::format("/proc/{}/status", running.pid));
       const std::size_t caught = status.find("SigCgt:");
@@ -88,8 +88,8 @@ class Signals : public test::ProgramTest {
     int status = 0;
     ::waitpid(running.pid, &status, 0);
     pollfd alive{running.alive, POLLIN, 0};
-    constexpr int kPatienceMs = 20'000;
-    const bool ended = ::poll(&alive, 1, kPatienceMs) == 1;
+    constexpr int kTimeoutMs = 20'000;
+    const bool ended = ::poll(&alive, 1, kTimeoutMs) == 1;
     ::close(running.alive);
     EXPECT_TRUE(ended) << "a child process is still running";
     return ended && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
@@ -105,9 +105,9 @@ class Signals : public test::ProgramTest {
     EXPECT_TRUE(fs::is_empty(temporary_));
   }
 
-  void wait_for(const std::function<bool()>& there) {
-    for (int i = 0; i < 2000 && !there(); ++i) std::this_thread::sleep_for(10ms);
-    EXPECT_TRUE(there());
+  void wait_for(const std::function<bool()>& condition) {
+    for (int i = 0; i < 2000 && !condition(); ++i) std::this_thread::sleep_for(10ms);
+    EXPECT_TRUE(condition());
   }
 };
 
@@ -125,14 +125,14 @@ TEST_F(Signals, EndTheReaderOfAModel) {
 
 TEST_F(Signals, RemoveTheCopyOfStandardInput) {
   const auto before = files();
-  // While standard input is copied: the program waits for the pipe.
+  // Interrupts the program while it waits for the pipe, to copy standard input.
   ASSERT_EQ(::mkfifo((root_ / "pipe").c_str(), 0600), 0);
-  const int held = ::open((root_ / "pipe").c_str(), O_RDWR);
+  const int pipe_end = ::open((root_ / "pipe").c_str(), O_RDWR);
   const Running copying = start("- -o out.png", (root_ / "pipe").string());
   std::this_thread::sleep_for(200ms);
   interrupt(copying, before);
-  ::close(held);
-  // While the copy is read, or drawn.
+  ::close(pipe_end);
+  // Interrupts the program while it reads or draws the copy.
   const Running drawing =
       start("- -o out.png --resolution 4000x4000 --ao reference --input-format obj", (folder_ / "tri.obj").string());
   wait_for([&] { return !fs::is_empty(temporary_) || ::kill(drawing.pid, 0) != 0; });
@@ -173,7 +173,7 @@ TEST_F(Signals, LeaveWholeFramesOfATurntable) {
 TEST_F(Signals, EndFfmpeg) {
   const fs::path bin = root_ / "bin";
   fs::create_directory(bin);
-  // This ffmpeg ignores signals; it writes its file until its input ends.
+  // This ffmpeg ignores signals and writes its file until its input ends.
   std::ofstream(bin / "ffmpeg") << "#!/bin/sh\nfor last; do :; done\ntrap '' INT TERM HUP\nexec cat >\"$last\"\n";
   ::chmod((bin / "ffmpeg").c_str(), 0755);
   const auto before = files();
@@ -221,13 +221,13 @@ Shown shown(const std::string& written, const std::string& text) {
 std::string read_terminal(int terminal, const std::string& text) {
   std::string written;
   char bytes[4096];
-  pollfd there{terminal, POLLIN, 0};
-  constexpr int kPatienceMs = 60'000;
+  pollfd input{terminal, POLLIN, 0};
+  constexpr int kTimeoutMs = 60'000;
   while (text.empty() || written.find(text) == std::string::npos) {
-    if (::poll(&there, 1, kPatienceMs) != 1) break;
-    const ssize_t got = ::read(terminal, bytes, sizeof bytes);
-    if (got <= 0) break;  // EIO if the other end is closed
-    written.append(bytes, std::size_t(got));
+    if (::poll(&input, 1, kTimeoutMs) != 1) break;
+    const ssize_t count = ::read(terminal, bytes, sizeof bytes);
+    if (count <= 0) break;  // EIO if the other end is closed
+    written.append(bytes, std::size_t(count));
   }
   return written;
 }

@@ -20,15 +20,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The folder and file that remove_standard_input_copy removes; empty: none.
+// Paths of the folder and file that remove_standard_input_copy removes; empty: none.
 constexpr std::size_t kMaxPathLength = 4096;
-char dropped_folder[kMaxPathLength], dropped_file[kMaxPathLength];
+char copy_folder[kMaxPathLength], copy_file[kMaxPathLength];
 
-/// Returns the first words of a text, without comment lines.
+/// Returns the words of the first lines of a text, at least kMinWords if it has them. Comment lines are skipped.
 std::vector<std::string_view> first_words(std::string_view text) {
   std::vector<std::string_view> words;
-  constexpr int kEnough = 8;
-  while (!text.empty() && words.size() < kEnough) {
+  constexpr int kMinWords = 8;
+  while (!text.empty() && words.size() < kMinWords) {
     const std::string_view line = text.substr(0, text.find('\n'));
     text.remove_prefix(std::min(line.size() + 1, text.size()));
     if (line.starts_with('#') || line.starts_with("//")) continue;
@@ -51,7 +51,7 @@ bool is_number(std::string_view word) {
 
 /// Replaces the name of the temporary file in a message by "standard input".
 Error name_standard_input(Error error) {
-  const std::string name = fmt::format("'{}'", dropped_file);
+  const std::string name = fmt::format("'{}'", copy_file);
   if (const auto at = error.message.find(name); at != std::string::npos)
     error.message.replace(at, name.size(), "standard input");
   return error;
@@ -65,29 +65,30 @@ Result<fs::path> copy_standard_input(const std::string& format) {
   while (!std::feof(stdin)) {
     const std::size_t before = bytes.size();
     bytes.resize(before + kStep);
-    const std::size_t got = std::fread(bytes.data() + before, 1, kStep, stdin);
-    bytes.resize(before + got);
+    const std::size_t count = std::fread(bytes.data() + before, 1, kStep, stdin);
+    bytes.resize(before + count);
     if (std::ferror(stdin)) return file_error("standard input cannot be read");
   }
   if (bytes.empty()) return file_error("standard input is empty");
-  const std::string ending = format.empty() ? format_of_content(bytes) : format;
-  if (ending.empty()) return file_error("standard input has an unknown format; name it with --input-format");
+  const std::string extension = format.empty() ? format_of_content(bytes) : format;
+  if (extension.empty()) return file_error("standard input has an unknown format; name it with --input-format");
   std::error_code code;
-  const fs::path place = fs::temp_directory_path(code);
+  const fs::path temporary_folder = fs::temp_directory_path(code);
   std::random_device random;
-  const std::string folder = (place / fmt::format("umbrage-{:08x}{:08x}", random(), random())).string();
-  const std::string file = folder + "/stdin." + ending;
+  const std::string folder = (temporary_folder / fmt::format("umbrage-{:08x}{:08x}", random(), random())).string();
+  const std::string file = folder + "/stdin." + extension;
   if (code || file.size() >= kMaxPathLength)
     return file_error("the temporary folder for standard input cannot be created");
-  // The signal handler knows the names before the folder and file exist. The first byte, written last, enables a name.
-  for (const auto& [dropped, name] : {std::pair(dropped_folder, &folder), {dropped_file, &file}}) {
-    std::strcpy(dropped + 1, name->c_str() + 1);
+  // Store the paths before the folder and file exist, so that the signal handler can always remove both. The first byte
+  // of a path is written last, since the handler ignores a path whose first byte is zero.
+  for (const auto& [stored, name] : {std::pair(copy_folder, &folder), {copy_file, &file}}) {
+    std::strcpy(stored + 1, name->c_str() + 1);
     std::atomic_signal_fence(std::memory_order_seq_cst);
-    dropped[0] = name->front();
+    stored[0] = name->front();
   }
   constexpr mode_t kOwnerOnly = 0700;
   if (::mkdir(folder.c_str(), kOwnerOnly) != 0) {
-    dropped_file[0] = dropped_folder[0] = '\0';
+    copy_file[0] = copy_folder[0] = '\0';
     return file_error("the temporary folder for standard input cannot be created");
   }
   std::FILE* stream = std::fopen(file.c_str(), "wbx");
@@ -97,23 +98,23 @@ Result<fs::path> copy_standard_input(const std::string& format) {
   return fs::path(file);
 }
 
-struct DropAtEnd {
-  ~DropAtEnd() { remove_standard_input_copy(); }
+struct RemoveCopyAtEnd {
+  ~RemoveCopyAtEnd() { remove_standard_input_copy(); }
 };
 
 }  // namespace
 
 void remove_standard_input_copy() {
-  if (dropped_file[0]) ::unlink(dropped_file);
-  if (dropped_folder[0]) ::rmdir(dropped_folder);
-  dropped_file[0] = dropped_folder[0] = '\0';
+  if (copy_file[0]) ::unlink(copy_file);
+  if (copy_folder[0]) ::rmdir(copy_folder);
+  copy_file[0] = copy_folder[0] = '\0';
 }
 
 std::string format_of_content(std::string_view bytes) {
-  const auto begins = [&](std::string_view start) { return bytes.starts_with(start); };
-  if (begins("ply")) return "ply";
-  if (begins("glTF")) return "glb";
-  if (begins("Kaydara FBX Binary") || begins("; FBX")) return "fbx";
+  const auto starts = [&](std::string_view start) { return bytes.starts_with(start); };
+  if (starts("ply")) return "ply";
+  if (starts("glTF")) return "glb";
+  if (starts("Kaydara FBX Binary") || starts("; FBX")) return "fbx";
   // A binary STL file has a header of 80 bytes, a 32-bit count and 50 bytes per triangle.
   constexpr std::size_t kHeader = 84, kTriangle = 50;
   if (bytes.size() >= kHeader) {
@@ -121,7 +122,7 @@ std::string format_of_content(std::string_view bytes) {
     std::memcpy(&count, bytes.data() + kHeader - sizeof count, sizeof count);
     if (bytes.size() == kHeader + std::size_t(count) * kTriangle) return "stl";
   }
-  if (begins("\x4d\x4d")) return "3ds";
+  if (starts("\x4d\x4d")) return "3ds";
   constexpr std::size_t kDetectionBytes = 4096;
   const std::string_view start = bytes.substr(0, kDetectionBytes);
   if (start.find('\0') != std::string_view::npos) return "";
@@ -152,7 +153,7 @@ Result<Scene> load_models(const std::vector<std::string>& models, const std::str
                           const ImportSettings& settings) {
   if (auto fine = check_standard_input(models, format); !fine) return fine.error();
   if (std::find(models.begin(), models.end(), "-") == models.end()) return load_scenes(models, settings);
-  const DropAtEnd drop;
+  const RemoveCopyAtEnd remove_copy;
   const auto file = copy_standard_input(format);
   if (!file) return file.error();
   std::vector<std::string> files = models;

@@ -17,8 +17,8 @@ std::string format_of_content(std::string_view bytes);
 /// `-`.
 Result<void> check_standard_input(const std::vector<std::string>& models, const std::string& format);
 
-/// Calls load_scenes with `-` as standard input. `format` is the format of standard input; if empty, it is detected
-/// from the content. Errors: those of check_standard_input and load_scenes.
+/// Calls load_scenes, with `-` replaced by the copy of standard input. `format` is the format of standard input; if
+/// empty, it is detected from the content. Errors: those of check_standard_input and load_scenes.
 Result<Scene> load_models(const std::vector<std::string>& models, const std::string& format,
                           const ImportSettings& settings);
 

@@ -1,4 +1,4 @@
-// umbrage tune: searches the settings of a technique for a scene that come closest to the ray-traced ground truth.
+// umbrage tune: searches for the settings of a technique that come closest to the ray-traced ground truth of a scene.
 #include "apps/compare/tune.h"
 
 #include <fmt/ranges.h>
@@ -22,11 +22,11 @@ struct TuneOptions : MeasureOptions {
   bool json = false;
 };
 
-/// Returns the settings of a trial as on a command line; "as it is" if they equal the start.
-std::string words_of(const Trial& trial, const Trial& start) {
-  std::string words = trial.scale == start.scale ? "" : trial.scale;
-  for (const std::string& setting : trial.settings) words += (words.empty() ? "" : " ") + setting;
-  return words.empty() ? "as it is" : words;
+/// Returns the settings of a trial as on a command line; "as it is" if they equal the initial ones.
+std::string setting_text(const Trial& trial, const Trial& start) {
+  std::string text = trial.scale == start.scale ? "" : trial.scale;
+  for (const std::string& setting : trial.settings) text += (text.empty() ? "" : " ") + setting;
+  return text.empty() ? "as it is" : text;
 }
 
 void print_json(const Tuning& tuning, const Device& device) {
@@ -50,11 +50,11 @@ void print_table(const Tuning& tuning) {
   for (const Trial& trial : tuning.trials)
     if (trial.frontier) shown.push_back(trial);
   std::sort(shown.begin(), shown.end(), [](const Trial& a, const Trial& b) { return a.ms < b.ms; });
-  // Omit trials that are slower and hardly closer.
-  constexpr double kSeen = 0.01;
+  // Omit trials that are slower but hardly closer.
+  constexpr double kMinImprovement = 0.01;
   double last = std::numeric_limits<double>::infinity();
   std::erase_if(shown, [&](const Trial& trial) {
-    if (trial.rmse > (1.0 - kSeen) * last) return true;
+    if (trial.rmse > (1.0 - kMinImprovement) * last) return true;
     last = trial.rmse;
     return false;
   });
@@ -62,7 +62,7 @@ void print_table(const Tuning& tuning) {
              tuning.technique, tuning.filter.empty() ? "" : " with " + tuning.filter, tuning.trials.size(), "ms",
              "rmse", "bias", "setting");
   for (const Trial& trial : shown)
-    fmt::print("{:9.1f} {:7.4f} {:7.4f}  {}\n", trial.ms, trial.rmse, trial.bias, words_of(trial, tuning.start));
+    fmt::print("{:9.1f} {:7.4f} {:7.4f}  {}\n", trial.ms, trial.rmse, trial.bias, setting_text(trial, tuning.start));
   if (tuning.best.ms > tuning.budget_ms)
     fmt::print("no setting that was tried takes {:.1f} ms or less: raise --time or --trials\n", tuning.budget_ms);
   else if (tuning.best.settings.empty() && tuning.best.scale == tuning.start.scale)
@@ -78,12 +78,12 @@ Result<void> run_tune(const TuneOptions& o) {
   TuneSettings settings;
   settings.trials = o.trials;
   settings.budget_ms = o.budget_ms;
-  if (auto done = set_measure(o, settings); !done) return done;
+  if (auto done = apply_measure_options(o, settings); !done) return done;
   if (auto fine = check_tune(settings); !fine) return fine;
   auto device = device_of(o);
   if (!device) return device.error();
   ProgressLine line;
-  settings.progress = shown_on(line);
+  settings.progress = progress_on(line);
   const auto tuning = tune(**device, settings);
   if (!tuning) return tuning.error();
   print_measured(o, tuning->warnings, **device, line);

@@ -25,7 +25,7 @@ class TurntableTest : public test::ProgramTest {
     return fmt::format("PATH={}:/usr/bin:/bin", test::quoted(bin.string()));
   }
   /// Writes an ffmpeg that stores its arguments in ffmpeg.txt and its input in its output file.
-  std::string keeping_ffmpeg() {
+  std::string recording_ffmpeg() {
     return fake_ffmpeg(fmt::format("echo \"$@\" >{}\nfor last; do :; done\ncat >\"$last\"",
                                    test::quoted((root_ / "ffmpeg.txt").string())));
   }
@@ -122,7 +122,7 @@ TEST_F(TurntableTest, AllFramesHaveOneExposure) {
 }
 
 TEST_F(TurntableTest, MakesVideos) {
-  const std::string path = keeping_ffmpeg();
+  const std::string path = recording_ffmpeg();
   good(kSolids + "--look ao -o one.png");
   good(kSolids + "--look ao -o turn.mp4 --turntable 3 --frame-rate 24", path);
   EXPECT_EQ(names(), (std::set<std::string>{"one.png", "turn.mp4"}));
@@ -154,7 +154,7 @@ TEST_F(TurntableTest, AVideoIsWholeOrNotThere) {
 }
 
 TEST_F(TurntableTest, RefusesWhatCannotBe) {
-  const std::string path = keeping_ffmpeg();
+  const std::string path = recording_ffmpeg();
   for (const char* frames : {"0", "100001", "-1", "2.5", "many"})
     bad(fmt::format("tri.obj -o out.png --turntable={}", frames), 2, {"--turntable", "1 to 100000"});
   bad("tri.obj -o out.mp4", 2, {"out.mp4", "--turntable"}, path);

@@ -139,10 +139,10 @@ Result<void> Video::wait() {
     child_ = 0;
   }
   if (waited > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
-  // The first line of the error output names the cause; later lines report what follows from it.
+  // The first line of the error output names the cause; later lines report its consequences.
   std::array<char, 4096> message{};
-  const ssize_t got = ::pread(error_output_, message.data(), message.size(), 0);
-  std::string_view text(message.data(), std::size_t(std::max<ssize_t>(got, 0)));
+  const ssize_t message_size = ::pread(error_output_, message.data(), message.size(), 0);
+  std::string_view text(message.data(), std::size_t(std::max<ssize_t>(message_size, 0)));
   text = text.substr(0, text.find('\n'));
   if (text.starts_with('[') && text.find("] ") != std::string_view::npos) text.remove_prefix(text.find("] ") + 2);
   std::string reason;
@@ -179,10 +179,10 @@ Result<void> Video::add(const Image& frame) {
         row[std::size_t(x) * channels + c] = plane ? byte_of(plane->at(x, y)) : std::uint8_t(255);
     }
     for (std::size_t at = 0; at < row.size() && written;) {
-      const ssize_t put = ::write(frames_, row.data() + at, row.size() - at);
-      if (put < 0 && errno == EINTR) continue;
-      written = put > 0;
-      if (written) at += std::size_t(put);
+      const ssize_t count = ::write(frames_, row.data() + at, row.size() - at);
+      if (count < 0 && errno == EINTR) continue;
+      written = count > 0;
+      if (written) at += std::size_t(count);
     }
   }
   ::sigaction(SIGPIPE, &before, nullptr);

@@ -22,22 +22,24 @@ bool is_video(const std::filesystem::path& file);
 struct VideoSettings {
   int width = 0, height = 0;  ///< pixels
   double frame_rate = 30.0;   ///< frames per second
-  bool alpha = false;         ///< not for .mp4
+  bool alpha = false;         ///< frames have alpha; not for .mp4
 };
 
 /// Checks that a video can be written, before any frame is drawn. Errors: kUsage for settings that the format does not
 /// support; kFile if ffmpeg is not on PATH or the file cannot be written.
 Result<void> check_video(const std::filesystem::path& file, const VideoSettings& settings);
 
-/// A video that is being written. The file appears when `finish` succeeds, and never in part. Main thread only.
+/// A video that is being written. The file appears only when it is complete, in `finish`. For the main thread only.
 class Video {
  public:
+  /// Starts ffmpeg. Errors: kFile.
   static Result<std::unique_ptr<Video>> begin(const std::filesystem::path& file, const VideoSettings& settings);
   ~Video();
   Video(const Video&) = delete;
-  /// Adds a frame: planes color.r, color.g, color.b and, with alpha, color.a; or one plane, as grey. Display values, 0
-  /// to 1. Errors: kFile, with the message of ffmpeg.
+  /// Adds a frame: planes color.r, color.g, color.b and, with alpha, color.a; or one plane, as grey. Values are
+  /// display values, 0 to 1. Errors: kFile, with the message of ffmpeg.
   Result<void> add(const Image& frame);
+  /// Waits for ffmpeg and gives the file its name. Errors: kFile.
   Result<void> finish();
 
  private:

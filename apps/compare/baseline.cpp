@@ -10,7 +10,7 @@
 namespace umbrage {
 namespace {
 
-/// Returns the quantity of a record. Records of earlier versions have no such field and are of occlusion.
+/// Returns the quantity of a record. Records of earlier versions have no such field; they score occlusion.
 std::string quantity_of(const nlohmann::json& record) {
   return record.value("quantity", std::string(kQuantityNames[int(Quantity::kOcclusion)]));
 }
@@ -23,7 +23,8 @@ std::string key_of(const nlohmann::json& record) {
   return key + fmt::format("{}x{}", record.at("width").get<int>(), record.at("height").get<int>());
 }
 
-/// Max increase of a score that does not count as worse. It covers differences in rounding between SIMD targets only.
+/// Max increase of a score that does not count as worse. The tolerance covers differences in rounding between SIMD
+/// targets only.
 struct Tolerance {
   const char* field;
   double absolute, relative;
@@ -31,7 +32,7 @@ struct Tolerance {
 constexpr Tolerance kTolerances[] = {
     {"rmse", 5e-4, 0.01}, {"flip", 5e-4, 0.01}, {"p99", 4e-3, 0.01}, {"bias", 5e-4, 0.01}, {"ssim", 1e-3, 0.0}};
 
-/// Converts a score so that less is better.
+/// Returns a score of a record, converted so that lower is better.
 double lower_is_better(const nlohmann::json& record, std::string_view field) {
   const double value = record.at(field).get<double>();
   if (field == "ssim") return 1.0 - value;

@@ -11,7 +11,7 @@ namespace umbrage {
 
 struct Terms;
 
-/// Version of the records. It increases when the definition of the ground truth or of a metric changes, so that scores
+/// Version of the records. Increase it when the definition of the ground truth or of a metric changes, so that scores
 /// are no longer comparable.
 inline constexpr int kScoresFormat = 2;
 
@@ -27,7 +27,7 @@ Result<nlohmann::json> read_baseline(const std::filesystem::path& file);
 /// Returns the fields of `terms` as JSON; those with their default value may be omitted.
 nlohmann::json terms_json(const Terms& terms);
 
-/// Checks that a baseline was measured on these terms. Errors: kFile, naming the first field that differs. `name` is
+/// Checks that a baseline was measured under these terms. Errors: kFile, naming the first field that differs. `name` is
 /// the name of the baseline in errors.
 Result<void> check_terms(const nlohmann::json& baseline, const Terms& terms, const std::string& name);
 

@@ -55,7 +55,7 @@ Result<const Effect*> filter_of(const CompareSettings& settings) {
   return find_effect(settings.filter);
 }
 
-/// Returns the capture settings; with light also shadows, and back sides if there is more than one layer.
+/// Returns the capture settings. If light is compared, they include shadows and, with more than one layer, back sides.
 Result<CaptureSettings> capture_with(const CompareSettings& settings, const Request& draw, const Look& look) {
   Look wanted = look;
   auto capture = capture_settings(draw, wanted, settings.light ? kMaxShadows : 0);
@@ -64,8 +64,8 @@ Result<CaptureSettings> capture_with(const CompareSettings& settings, const Requ
   return capture_settings(draw, wanted, kMaxShadows);
 }
 
-/// Returns the recipe of the look `ao` with the user's settings. With light: the filter also filters `indirect`, and
-/// there is no ambient light and no highlights.
+/// Returns the recipe of the look `ao` with the user's settings. If light is compared, the filter also filters
+/// `indirect`, and ambient light and highlights are off.
 Result<Recipe> recipe_of(const CompareSettings& settings) {
   Request draw = settings.draw;
   draw.look = "ao";
@@ -81,7 +81,7 @@ Result<Recipe> recipe_of(const CompareSettings& settings) {
   return make_recipe(draw);
 }
 
-/// Returns the radius as an option value; default: that of the reference.
+/// Returns the radius as an option value; if none is set, the radius of the reference.
 std::string radius_text(const CompareSettings& settings) {
   return settings.draw.occlusion_radius.empty() ? reference_radius() : settings.draw.occlusion_radius;
 }
@@ -110,19 +110,20 @@ struct Run {
   // all work units of the picture and those that are done. A unit is about the time of one ray per pixel.
   double start = 0.0, span = 1.0, units = 1.0, done = 0.0;
 
-  bool tell(const std::string& what, double more = 0.0) const {
+  bool report_progress(const std::string& what, double more = 0.0) const {
     return settings.progress(what, start + span * std::min((done + more) / units, 1.0));
   }
-  TraceControl control(const std::string& what, double of_units) const {
-    return {device.threads(), [this, what, of_units](double fraction) { return tell(what, of_units * fraction); }};
+  TraceControl control(const std::string& what, double work_units) const {
+    return {device.threads(),
+            [this, what, work_units](double fraction) { return report_progress(what, work_units * fraction); }};
   }
 };
 
-/// Returns the estimated work of a variant of a technique, in units of Run. Techniques without ray tracing take a
-/// fraction of a second.
+/// Returns the estimated work of a variant of a technique, in units of Run. All techniques that trace no rays count
+/// alike, since they take a fraction of a second.
 double units_of(const Run& run, const Effect& effect) {
-  constexpr double kQuick = 2.0;
-  if (&effect != &reference_effect()) return kQuick;
+  constexpr double kUnitsWithoutRays = 2.0;
+  if (&effect != &reference_effect()) return kUnitsWithoutRays;
   return double(as<ReferenceParams>(params_of(run.recipe.settings, effect.name)).samples);
 }
 
@@ -133,15 +134,15 @@ double units_of_picture(const Run& run) {
   return sum;
 }
 
-/// Runs one technique with its filter; the results are then in the frame. Returns the median time, milliseconds.
+/// Runs one technique with its filter, which leaves the results in the frame. Returns the median time, milliseconds.
 Result<double> run_technique(const Run& run, const TracedScene& traced, const Effect& effect,
                              const EffectSettings& settings, Frame& frame, const std::string& what) {
   const bool traces = &effect == &reference_effect();
-  const double of_units = units_of(run, effect);
+  const double work_units = units_of(run, effect);
   Look look{.name = "compare", .summary = "", .occlusion = effect.name, .effects = {"occlusion"}, .presets = {}};
   if (run.filter && !traces) look.effects.push_back(run.filter->name);
   const auto run_reference = [&](const Effect&, const ParameterBytes& params, Frame& on) -> Result<void> {
-    const auto planes = trace_reference(traced, on.info, params, run.control(what, of_units));
+    const auto planes = trace_reference(traced, on.info, params, run.control(what, work_units));
     return planes ? run.device.add(*planes, on) : planes.error();
   };
   const LookRun look_run{.look = &look,
@@ -267,7 +268,7 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
         reference.shadows = kReferenceCapturedShadows;
       }
       const std::string label = fmt::format("{}, {} {}", what, effect->name, variant);
-      if (!run.tell(label)) return interrupted();
+      if (!run.report_progress(label)) return interrupted();
       const auto ms = run_technique(run, traced, *effect, settings, *frame, label);
       if (!ms) return ms.error();
       run.done += units_of(run, *effect);

@@ -14,12 +14,13 @@ namespace umbrage {
 /// The quantity that is compared.
 enum class Quantity {
   kOcclusion,  ///< the plane `ao`
-  kLight,      ///< `indirect`: light that surfaces within the radius emit or reflect diffusely from the lights
+  kLight,      ///< the planes `indirect`: light that surfaces within the radius emit, or reflect from the lights
 };
 inline constexpr int kQuantities = 2;
 inline constexpr std::array<std::string_view, kQuantities> kQuantityNames = {"occlusion", "light"};
 
-/// Settings of a comparison. `draw` has framing, settings, guard band, scale and radius (empty: that of the reference).
+/// Settings of a comparison. `draw` provides framing, settings, guard band, scale and radius (if empty: the radius of
+/// the reference).
 struct CompareSettings : MeasureSettings {
   std::vector<std::string> techniques;                                ///< names; empty: all
   std::vector<std::pair<int, int>> sizes = {{960, 540}, {480, 270}};  ///< width, height in pixels
@@ -58,7 +59,7 @@ struct ComparedView {
 struct Terms {
   std::string radius, falloff, normal;  ///< of the ground truth
   int samples = 0;                      ///< rays per pixel of the ground truth
-  std::string settings;                 ///< --set, joined by spaces
+  std::string settings;                 ///< values of --set, joined by spaces
   std::string guard;                    ///< --guard-band
   int layers = 1;                       ///< --layers
   int extra_views = 0;                  ///< --extra-views
@@ -74,7 +75,7 @@ struct Comparison {
   Terms terms;
   double noise = 0.0;        ///< standard error of a pixel of the ground truth, root mean square over all pictures
   double mean = 0.0;         ///< mean of the ground truth over all pixels that show a surface
-  double light_noise = 0.0;  ///< as `noise`, for light, as a fraction of each picture's mean
+  double light_noise = 0.0;  ///< `noise` for light, as a fraction of each picture's mean
   std::vector<Score> scores;
   std::vector<ComparedView> views;    ///< pictures of the first size
   std::vector<std::string> warnings;  ///< warnings about the models, one sentence each
@@ -86,12 +87,12 @@ Result<void> check_compare(const CompareSettings& settings);
 /// Returns the terms of a comparison. The settings must have passed check_compare.
 Terms terms_of(const CompareSettings& settings);
 
-/// Draws, traces and scores. Occlusion is clamped to [0, 1] before it is scored. Techniques run with the presets of the
-/// look `ao`, overridden by the radius, then by the caller's settings, then by the variant. With `light`, the scene's
-/// lights are captured with shadows, and back sides of surfaces are captured if there is more than one layer. Ambient
-/// light and highlights are off, since the reference's bounce has none. Techniques that gather no light, and pictures
-/// whose ground truth has no light, have no score for light. Errors: kUsage for names and numbers, kFile for models,
-/// kInterrupted.
+/// Draws every picture with each technique, traces its ground truth and scores the techniques. Occlusion is clamped to
+/// [0, 1] before it is scored. Techniques run with the presets of the look `ao`, overridden by the radius, then by the
+/// caller's settings, then by the variant. With `light`, the scene's lights are captured with shadows, and back sides
+/// of surfaces are captured if there is more than one layer. Ambient light and highlights are off, since the
+/// reference's bounce has neither. Techniques that gather no light, and pictures whose ground truth has no light, have
+/// no score for light. Errors: kUsage for names and numbers, kFile for models, kInterrupted.
 Result<Comparison> compare(Device& device, const CompareSettings& settings);
 
 }  // namespace umbrage

@@ -1,5 +1,4 @@
-// Tests of `umbrage compare`: scores, page, baseline, invalid input, and the recorded scores of every technique (rung
-// 4).
+// Tests of `umbrage compare`: scores, page, baseline, invalid input, and the recorded scores of every technique.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -23,12 +22,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// ---- Recorded scores (rung 4)
-// --------------------------------------------------------------------------------------------------------------------
+// ---- Recorded scores ----
 
 // The scores in tests/scores.json are a copy of the scores.json of
 //   umbrage compare $(models) --ao all --resolution 240,135 --cameras 1 --samples 64 --runs 1 -o FOLDER
-// with the models below. They are recorded again when a technique improves.
+// with the models below. Record them again when a technique improves.
 std::vector<std::string> recorded_models() {
   std::vector<std::string> models;
   for (const BuiltinScene& scene : builtin_scenes()) models.push_back(fmt::format("scene:{}?detail=20000", scene.name));
@@ -65,7 +63,7 @@ TEST(RecordedScores, NoTechniqueGotWorse) {
   expect_none_worse("scores.json", settings);
 }
 
-// The scores of light, in tests/light_scores.json, are those of
+// The scores of light in tests/light_scores.json are a copy of the scores.json of
 //   umbrage compare "scene:atrium?detail=20000" "scene:solids?detail=20000" --ao hemisphere,bitmask --light --layers 2
 //     --resolution 240,135 --cameras 1 --samples 64 --runs 1 -o FOLDER
 TEST(RecordedScores, NoLightGotWorse) {
@@ -77,11 +75,10 @@ TEST(RecordedScores, NoLightGotWorse) {
   expect_none_worse("light_scores.json", settings);
 }
 
-// ---- Scores and baseline
-// -------------------------------------------------------------------------------------------------------
+// ---- Scores and baseline ----
 
 /// Returns settings for one picture of scene:solids, timed once.
-CompareSettings of_solids(int detail, std::pair<int, int> size, int samples) {
+CompareSettings solids_settings(int detail, std::pair<int, int> size, int samples) {
   CompareSettings settings;
   settings.models = {fmt::format("scene:solids?detail={}", detail)};
   settings.sizes = {size};
@@ -93,15 +90,15 @@ CompareSettings of_solids(int detail, std::pair<int, int> size, int samples) {
 
 Comparison compared(const CompareSettings& settings) {
   const auto device = make_device("cpu", 0);
-  auto made = compare(**device, settings);
-  EXPECT_TRUE(made) << made.error().message;
-  return *made;
+  auto result = compare(**device, settings);
+  EXPECT_TRUE(result) << result.error().message;
+  return *result;
 }
 
-/// A comparison of a small scene at two sizes, shared by several tests.
+/// Returns a comparison of a small scene at two sizes, shared by several tests.
 const Comparison& small_comparison() {
   static const Comparison comparison = [] {
-    CompareSettings settings = of_solids(7000, {96, 64}, 16);
+    CompareSettings settings = solids_settings(7000, {96, 64}, 16);
     settings.sizes.push_back({48, 32});
     settings.cameras = 2;
     return compared(settings);
@@ -139,7 +136,7 @@ TEST(Compare, MoreRaysComeCloserToTheTruth) {
   EXPECT_GT(rmse[""], 0.0) << "the technique must not use the rays of the ground truth";
 }
 
-TEST(Compare, TheTruthKnowsItsNoise) {
+TEST(Compare, TheNoiseOfTheGroundTruthIsKnown) {
   // The RMSE is the root of the sum of the variances of technique and ground truth, which includes the latter's noise.
   const Comparison& comparison = small_comparison();
   EXPECT_GT(comparison.noise, 0.005);
@@ -238,7 +235,7 @@ TEST(Compare, ReturnsWhatGoesWrongOnTheDevice) {
   const auto device = test::new_vulkan_device({.get = test::faulty_get});
   UMBRAGE_NEEDS_VULKAN(device);
   test::faulty().faults.submit = VK_ERROR_OUT_OF_DEVICE_MEMORY;
-  const auto failed = compare(*device, of_solids(2000, {32, 24}, 2));
+  const auto failed = compare(*device, solids_settings(2000, {32, 24}, 2));
   test::faulty().faults.submit = VK_SUCCESS;
   ASSERT_FALSE(failed);
   EXPECT_EQ(failed.error().kind, ErrorKind::kDevice);
@@ -258,7 +255,7 @@ TEST(Compare, TheProgressCanEndTheWork) {
 
 TEST(Compare, EachQualityComesCloserToTheTruth) {
   auto device = make_device("cpu", 0);
-  CompareSettings settings = of_solids(20000, {256, 192}, 64);
+  CompareSettings settings = solids_settings(20000, {256, 192}, 64);
   settings.techniques = {"bitmask"};
   settings.filter = "denoise";
   double before = 1.0;
@@ -267,10 +264,11 @@ TEST(Compare, EachQualityComesCloserToTheTruth) {
     const auto comparison = compare(**device, settings);
     ASSERT_TRUE(comparison) << comparison.error().message;
     const auto& scores = comparison->scores;
-    const auto own = std::find_if(scores.begin(), scores.end(), [](const Score& s) { return s.setting.empty(); });
-    ASSERT_NE(own, scores.end());
-    EXPECT_LT(own->card.covered.rmse, before) << quality.name;
-    before = own->card.covered.rmse;
+    const auto default_score =
+        std::find_if(scores.begin(), scores.end(), [](const Score& s) { return s.setting.empty(); });
+    ASSERT_NE(default_score, scores.end());
+    EXPECT_LT(default_score->card.covered.rmse, before) << quality.name;
+    before = default_score->card.covered.rmse;
   }
   settings.draw.quality = "best";
   const auto refused = compare(**device, settings);
@@ -281,7 +279,7 @@ TEST(Compare, EachQualityComesCloserToTheTruth) {
 
 TEST(Compare, GuardBandIsCutOffBeforeScoring) {
   auto device = make_device("cpu", 0);
-  CompareSettings settings = of_solids(7000, {64, 48}, 16);
+  CompareSettings settings = solids_settings(7000, {64, 48}, 16);
   settings.draw.camera.zoom = 3.0f;  // surfaces fill the picture
   const auto without = compare(**device, settings);
   settings.draw.guard_band = 25.0f;
@@ -289,7 +287,7 @@ TEST(Compare, GuardBandIsCutOffBeforeScoring) {
   ASSERT_TRUE(without && with);
   EXPECT_EQ(with->views[0].truth.width, 64);
   EXPECT_EQ(with->views[0].truth.height, 48);
-  // The same surface pixels count.
+  // Both score the same surface pixels.
   EXPECT_EQ(with->scores[0].card.covered.pixels, without->scores[0].card.covered.pixels);
   // The ground truth is the same except where rounding moves a silhouette. Kernel windows at the border cover more
   // pixels.
@@ -305,10 +303,10 @@ TEST(Compare, GuardBandIsCutOffBeforeScoring) {
   EXPECT_GT(changed, 0);
 }
 
-/// A comparison of light of one small picture, shared by several tests.
+/// Returns a comparison of light of one small picture, shared by several tests.
 const Comparison& light_comparison() {
   static const Comparison comparison = [] {
-    CompareSettings settings = of_solids(7000, {96, 64}, 64);
+    CompareSettings settings = solids_settings(7000, {96, 64}, 64);
     settings.techniques = {"unsharp", "hemisphere", "reference"};
     settings.light = true;
     return compared(settings);
@@ -336,7 +334,7 @@ TEST(Compare, LightIsScoredForTechniquesThatGatherIt) {
   EXPECT_EQ(occlusion, variants);
   EXPECT_EQ(light.size(), bleeding);
   EXPECT_GT(bleeding, 5u);
-  // More rays come closer, without bias.
+  // With more rays, the reference comes closer, without bias.
   EXPECT_GT(light["reference samples=1"].covered.rmse, 1.5 * light["reference samples=4"].covered.rmse);
   EXPECT_GT(light["reference samples=4"].covered.rmse, 1.3 * light["reference samples=16"].covered.rmse);
   EXPECT_GT(light["reference samples=16"].covered.rmse, light["reference "].covered.rmse);
@@ -391,7 +389,7 @@ TEST(Compare, LightHasItsOwnRecordsAndPictures) {
   EXPECT_EQ(found->worse.size(), of_light);
   ASSERT_GT(of_light, 0u);
   EXPECT_NE(found->worse[0].find("light's rmse"), std::string::npos) << found->worse[0];
-  // Records of earlier versions without `quantity` are of occlusion.
+  // Records of earlier versions have no field `quantity`; they score occlusion.
   nlohmann::json old = nlohmann::json::array();
   for (nlohmann::json record : scores)
     if (record.at("quantity") == "occlusion") {
@@ -419,13 +417,13 @@ TEST(Compare, PicturesWithoutLightHaveNoLightScore) {
   settings.samples = 16;
   settings.runs = 1;
   settings.light = true;
-  const auto made = compare(**device, settings);
+  const auto result = compare(**device, settings);
   fs::remove_all(folder);
-  ASSERT_TRUE(made) << made.error().message;
-  for (const Score& score : made->scores) EXPECT_EQ(score.quantity, Quantity::kOcclusion);
-  EXPECT_EQ(made->views.size(), 1u);
-  ASSERT_EQ(made->warnings.size(), 1u);
-  EXPECT_NE(made->warnings[0].find("light is not compared"), std::string::npos) << made->warnings[0];
+  ASSERT_TRUE(result) << result.error().message;
+  for (const Score& score : result->scores) EXPECT_EQ(score.quantity, Quantity::kOcclusion);
+  EXPECT_EQ(result->views.size(), 1u);
+  ASSERT_EQ(result->warnings.size(), 1u);
+  EXPECT_NE(result->warnings[0].find("light is not compared"), std::string::npos) << result->warnings[0];
 }
 
 TEST(Compare, FiltersAndScaleChangeWhatTheySay) {
@@ -440,9 +438,9 @@ TEST(Compare, FiltersAndScaleChangeWhatTheySay) {
   settings.light = true;
   const auto rows_of = [&] {
     std::map<std::string, double> rows;
-    const auto made = compare(**device, settings);
-    EXPECT_TRUE(made) << made.error().message;
-    for (const Score& score : made->scores)
+    const auto result = compare(**device, settings);
+    EXPECT_TRUE(result) << result.error().message;
+    for (const Score& score : result->scores)
       rows[fmt::format("{} {} {}", kQuantityNames[int(score.quantity)], score.technique, score.setting)] =
           score.card.covered.rmse;
     return rows;
@@ -485,8 +483,7 @@ TEST(Compare, PageIsSelfContained) {
   EXPECT_EQ(url.rfind("data:image/png;base64,iVBORw0KGgo", 0), 0u) << url.substr(0, 40);
 }
 
-// ---- the command
-// ---------------------------------------------------------------------------------------------------------------
+// ---- The command ----
 
 class CompareCli : public test::ProgramTest {};
 
@@ -559,10 +556,10 @@ TEST_F(CompareCli, BadBaselineGetsASentence) {
     bad(kQuick + " -o r --baseline " + file, 3, {file, "not a list of scores"});
   bad(kQuick + " -o r --baseline newer.json", 3, {"newer.json", "99", "another version"});
   bad(kQuick + " -o r --baseline missing.json", 3, {"missing.json"});
-  // Before any work.
+  // This error is found before any work.
   bad("compare tri.obj --resolution 48,48 --samples 8 --runs 1 --cameras 1 -o r --baseline one/scores.json", 3,
       {"other settings", "samples 4, now 8"});
-  // Another view has the same name.
+  // A camera of the same name has another view.
   const auto moved = run(kQuick + " --camera-azimuth-angle 50 -o r --baseline one/scores.json");
   EXPECT_EQ(moved.code, 3);
   EXPECT_NE(moved.err.find("has another view"), std::string::npos) << moved.err;

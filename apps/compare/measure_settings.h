@@ -20,10 +20,10 @@ struct MeasureSettings {
   std::vector<std::string> models;  ///< as for load_scene
   ImportSettings import;
   Request draw;
-  int cameras = 2;    ///< max cameras per scene: its suggested views, or turns around a file's model
+  int cameras = 2;    ///< max cameras per scene: its suggested views, or else views from around it
   int samples = 256;  ///< rays per pixel of the ground truth; even
-  int runs = 3;       ///< timed runs, after one that does not count; the reference runs once
-  /// Reads a model. The camera that `draw` names is chosen afterwards.
+  int runs = 3;       ///< timed runs, after one that is not timed; the reference runs once
+  /// Reads a model. read_model then selects the camera that `draw` names.
   std::function<Result<Scene>(const std::string&, const ImportSettings&)> load =
       [](const std::string& model, const ImportSettings& settings) { return load_scene(model, settings); };
   /// Receives the activity and the approximate fraction of the whole work that is done, 0 to 1. Returning false ends
@@ -32,7 +32,7 @@ struct MeasureSettings {
 };
 
 /// Reads a model and selects the camera that `draw` names. Appends the warnings. `done`: fraction of the whole work
-/// that is done before, for progress. Errors: those of `load` and use_camera; kInterrupted.
+/// that is done before this call, for progress. Errors: those of `load` and use_camera; kInterrupted.
 inline Result<Scene> read_model(const MeasureSettings& settings, const std::string& model, double done,
                                 std::vector<std::string>& warnings) {
   if (!settings.progress("reading " + model, done)) return interrupted();

@@ -7,7 +7,7 @@
 namespace umbrage {
 namespace {
 
-constexpr float kTurnDeg = 120.0f;  // angle between neighbouring cameras around a model whose file has none
+constexpr float kTurnDeg = 120.0f;  // angle between neighbouring cameras around a scene without views
 constexpr int kTurns = 3;           // number of such cameras: 3 * 120 degrees is a full turn
 // Seeds of the two halves of the ground truth. Users are unlikely to choose them for the technique `reference`.
 constexpr std::uint32_t kFirstSeed = 0x51ed2701u, kSecondSeed = 0x0b5e77edu;

@@ -19,7 +19,7 @@ extern const std::array<std::vector<std::string>, kQuantities> kQuantityPlanes;
 /// The ground truth of one picture.
 struct Truth {
   Image planes;        ///< planes of the quantity
-  double error = 0.0;  ///< mean squared standard error over pixels that show a surface, and planes
+  double error = 0.0;  ///< mean squared standard error over all planes and all pixels that show a surface
   double sum = 0.0;    ///< sum of the first plane over pixels that show a surface
   long pixels = 0;     ///< number of pixels that show a surface
 };
@@ -29,7 +29,7 @@ struct Truth {
 Result<Truth> trace_truth(Quantity quantity, const PictureInfo& info, const ClassMap& classes,
                           const std::function<Result<Image>(std::uint32_t seed)>& trace);
 
-/// A camera of a scene: one of its suggested views, or a turn around it.
+/// A camera of a scene: one of its suggested views, or a view from around it.
 struct CameraShot {
   std::string name;
   Framing framing;
@@ -42,7 +42,8 @@ Result<void> check_picture_options(const std::vector<std::string>& models, int c
 /// Returns the default radius of the reference, as an option value.
 std::string reference_radius();
 
-/// Returns at most `cameras` cameras of a scene; only `requested` if it sets position, focal point or direction.
+/// Returns at most `cameras` cameras of a scene. If `requested` sets position, focal point or direction, it is the only
+/// one.
 std::vector<CameraShot> shots_of(const Scene& scene, const Framing& requested, int cameras);
 
 /// Downloads the planes that classify pixels, depth and normal, without the guard band. Errors: those of the device.

@@ -74,15 +74,15 @@ nlohmann::json scores_json(const Comparison& comparison) {
         {"height", score.height},   {"ms", score.ms},         {"quantity", kQuantityNames[int(score.quantity)]}};
     const auto add = [&](const Scores& scores, const std::string& suffix) {
       const bool has_scores = scores.pixels > 0 || suffix.empty();
-      const auto put = [&](const char* name, double value) {
+      const auto set_score = [&](const char* name, double value) {
         record[name + suffix] = has_scores ? number_or_null(value) : nlohmann::json(nullptr);
       };
-      put("rmse", scores.rmse);
-      put("bias", scores.bias);
-      put("psnr", scores.psnr);
-      put("ssim", scores.ssim);
-      put("p99", scores.p99);
-      put("flip", scores.flip);
+      set_score("rmse", scores.rmse);
+      set_score("bias", scores.bias);
+      set_score("psnr", scores.psnr);
+      set_score("ssim", scores.ssim);
+      set_score("p99", scores.p99);
+      set_score("flip", scores.flip);
       record["pixels" + suffix] = scores.pixels;
     };
     add(score.card.covered, "");

@@ -25,12 +25,13 @@ constexpr double kAnything = 1e30;
 constexpr std::string_view kFewPoints = "hemisphere.samples=24", kSmallRadius = "hemisphere.radius=1%";
 constexpr float kRounding = 2e-6f;  // min relative difference of two depths, as in hemisphere.kernel.h
 
-/// Returns the width of thin lines, and the scale of text, for a diagram of `size` pixels per side.
-float thin(int size) { return std::max(1.0f, float(size) / 350.0f); }
-int letters(int size) { return std::max(1, size / 380); }
+/// Returns the width of thin lines for a diagram of `size` pixels per side.
+float line_width(int size) { return std::max(1.0f, float(size) / 350.0f); }
+/// Returns the scale of text for a diagram of `size` pixels per side.
+int text_scale(int size) { return std::max(1, size / 380); }
 
 void write_centered(Image& image, float x, float y, std::string text, vec3 color = kInk) {
-  const int scale = letters(image.width);
+  const int scale = text_scale(image.width);
   const int left = std::clamp(int(x) - text_width(text, scale) / 2, 2, image.width - text_width(text, scale) - 2);
   write_text(image, left, int(y) - 4 * scale, scale, std::move(text), color);
 }
@@ -44,14 +45,15 @@ Result<HemisphereConstants> tables_of(const Request& draw, const PictureInfo& in
   return c;
 }
 
-/// Returns sample point k in a basis whose z axis is the normal, in units of the radius, for a pixel without a shift.
+/// Returns sample point k in a basis whose z axis is the normal, in units of the radius, for a pixel whose
+/// samples are not shifted.
 vec3 sample_point(const HemisphereConstants& c, int k) {
   return vec3(c.points[5 * k], c.points[5 * k + 1], c.points[5 * k + 2]) * (c.even ? c.points[5 * k + 3] : 1.0f);
 }
 
 FigurePicture points_diagram(const HemisphereConstants& c, int size, std::string file, std::string caption) {
   Image image = blank_paper(size, size);
-  const float line = thin(size), radius = 0.42f * float(size);
+  const float line = line_width(size), radius = 0.42f * float(size);
   const vec2 center(0.5f * float(size), 0.66f * float(size));
   fill(image, int(0.04f * float(size)), int(center.y), int(0.96f * float(size)), int(center.y + 0.06f * float(size)),
        kSolid);
@@ -74,12 +76,12 @@ FigurePicture points_diagram(const HemisphereConstants& c, int size, std::string
 Image shrunk(const Image& image, int side) {
   const Image small = downsample(image, (image.width + side - 1) / side);
   Image out = blank_paper(side, side);
-  put(out, small, (side - small.width) / 2, (side - small.height) / 2, side);
+  paste(out, small, (side - small.width) / 2, (side - small.height) / 2, side);
   return out;
 }
 
 /// Returns three planes as an image: factor * value + offset.
-Image shown(const Shot& shot, std::array<const char*, 3> planes, float factor, float offset) {
+Image planes_as_image(const Shot& shot, std::array<const char*, 3> planes, float factor, float offset) {
   Image out(shot.image.width, shot.image.height);
   constexpr std::array kChannels = {"color.r", "color.g", "color.b"};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -91,7 +93,7 @@ Image shown(const Shot& shot, std::array<const char*, 3> planes, float factor, f
 }
 
 /// Returns the world position of each pixel's surface as a colour, normalized to the bounds of the visible surfaces.
-Image positions(const Shot& shot) {
+Image position_picture(const Shot& shot) {
   Image out = blank_paper(shot.image.width, shot.image.height);
   vec3 low(1e30f), high(-1e30f);
   const auto visit = [&](const auto& each) {
@@ -109,7 +111,7 @@ Image positions(const Shot& shot) {
 }
 
 /// Returns the depth as an image: near is bright.
-Image depths(const Shot& shot) {
+Image depth_picture(const Shot& shot) {
   Image out = blank_paper(shot.image.width, shot.image.height);
   float min = 1e30f, max = 0.0f;
   for (int y = 0; y < out.height; ++y)
@@ -152,29 +154,29 @@ Image noise_tile(const Shot& shot, int tile, int side) {
 }
 
 FigurePicture pipeline_diagram(const Shot& raw, const Shot& blurred, const Image& kernel) {
-  const int size = raw.image.width, gap = size / 18, label = kLetterHeight * letters(size);
+  const int size = raw.image.width, gap = size / 18, label = kLetterHeight * text_scale(size);
   const int side = (size - 5 * gap) / 4, row = side + 2 * label + gap / 2;
   const int top = (size - 3 * row) / 2;
   Image image = blank_paper(size, size);
   const auto left_of = [&](int column) { return gap + column * (side + gap); };
   const auto top_of = [&](int line) { return top + line * row; };
   const auto place = [&](int column, int line, const Image& picture, const char* name) {
-    put(image, shrunk(picture, side), left_of(column), top_of(line), side);
+    paste(image, shrunk(picture, side), left_of(column), top_of(line), side);
     write_centered(image, float(left_of(column)) + 0.5f * float(side), float(top_of(line) + side + label), name);
   };
-  constexpr float kShown = 2.0f;  // brightens indirect light, which is dim
-  place(0, 0, positions(raw), "position");
-  place(0, 1, shown(raw, {"normal.x", "normal.y", "normal.z"}, 0.5f, 0.5f), "normal");
-  place(0, 2, depths(raw), "depth");
+  constexpr float kBrighten = 2.0f;  // brightens indirect light, which is dim
+  place(0, 0, position_picture(raw), "position");
+  place(0, 1, planes_as_image(raw, {"normal.x", "normal.y", "normal.z"}, 0.5f, 0.5f), "normal");
+  place(0, 2, depth_picture(raw), "depth");
   place(1, 0, kernel, "kernel");
   place(1, 1, noise_tile(raw, 4, side), "noise");
-  place(1, 2, shown(raw, {"direct.r", "direct.g", "direct.b"}, 1.0f, 0.0f), "direct light");
-  place(2, 0, shown(raw, {"ao", "ao", "ao"}, 1.0f, 0.0f), "occlusion");
-  place(2, 1, shown(raw, {"indirect.r", "indirect.g", "indirect.b"}, kShown, 0.0f), "bleeding, x2");
-  place(3, 0, shown(blurred, {"ao", "ao", "ao"}, 1.0f, 0.0f), "blurred");
-  place(3, 1, shown(blurred, {"indirect.r", "indirect.g", "indirect.b"}, kShown, 0.0f), "blurred, x2");
-  place(3, 2, shown(blurred, {"color.r", "color.g", "color.b"}, 1.0f, 0.0f), "result");
-  const float line = 2.0f * thin(size), pad = 0.12f * float(gap);
+  place(1, 2, planes_as_image(raw, {"direct.r", "direct.g", "direct.b"}, 1.0f, 0.0f), "direct light");
+  place(2, 0, planes_as_image(raw, {"ao", "ao", "ao"}, 1.0f, 0.0f), "occlusion");
+  place(2, 1, planes_as_image(raw, {"indirect.r", "indirect.g", "indirect.b"}, kBrighten, 0.0f), "bleeding, x2");
+  place(3, 0, planes_as_image(blurred, {"ao", "ao", "ao"}, 1.0f, 0.0f), "blurred");
+  place(3, 1, planes_as_image(blurred, {"indirect.r", "indirect.g", "indirect.b"}, kBrighten, 0.0f), "blurred, x2");
+  place(3, 2, planes_as_image(blurred, {"color.r", "color.g", "color.b"}, 1.0f, 0.0f), "result");
+  const float line = 2.0f * line_width(size), pad = 0.12f * float(gap);
   const auto across = [&](int from, int to, int at) {
     const float y = float(top_of(at)) + 0.5f * float(side);
     draw_arrow(image, {float(left_of(from) + side) + pad, y}, {float(left_of(to)) - pad, y}, line, kInk);
@@ -195,11 +197,11 @@ FigurePicture pipeline_diagram(const Shot& raw, const Shot& blurred, const Image
 struct Tap {
   vec3 point;         // view space
   vec3 seen, facing;  // position and normal of the visible surface at the point's pixel, view space
-  bool inside = false, hidden = false;
+  bool inside = false, occluded = false;
   float cos_emitter = 0.0f, cos_receiver = 0.0f;
-  bool sends() const { return hidden && cos_emitter > 0.0f && cos_receiver > 0.0f; }
+  bool contributes_light() const { return occluded && cos_emitter > 0.0f && cos_receiver > 0.0f; }
 };
-/// A pixel with its sample points; position and normal in view space.
+/// A pixel with its sample points. Position and normal are in view space.
 struct Gathered {
   int x = 0, y = 0;
   vec3 position, normal;
@@ -231,8 +233,8 @@ Gathered gather(const Shot& shot, const HemisphereConstants& c, int x, int y) {
         return c.window_one - c.window_inverse / std::clamp(depth, c.near_depth, c.far_depth);
       };
       const float fall = c.depth_at_limit / -g.position.z;  // the quadratic range
-      tap.hidden = tap.point.z < tap.seen.z - kRounding * -g.position.z &&
-                   std::abs(window(-g.position.z) - window(-tap.seen.z)) < c.limit * fall * fall;
+      tap.occluded = tap.point.z < tap.seen.z - kRounding * -g.position.z &&
+                     std::abs(window(-g.position.z) - window(-tap.seen.z)) < c.limit * fall * fall;
       const vec3 way = glm::normalize(tap.seen - g.position);
       tap.cos_emitter = -glm::dot(way, tap.facing), tap.cos_receiver = glm::dot(way, g.normal);
     }
@@ -241,7 +243,7 @@ Gathered gather(const Shot& shot, const HemisphereConstants& c, int x, int y) {
   return g;
 }
 
-/// Returns the normal of the section: the plane through the camera and the pixel's row.
+/// Returns the normal of the section, which is the plane through the camera and the pixel's row.
 vec3 section_normal(const Gathered& g) { return glm::normalize(vec3(0.0f, 1.0f, g.position.y / -g.position.z)); }
 
 /// Returns whether a sample point is close enough to the section to be drawn in it.
@@ -253,15 +255,15 @@ bool is_near_section(const Gathered& g, const Tap& tap, float radius) {
 FigurePicture section_diagram(const Shot& shot, const HemisphereConstants& c, const Gathered& g) {
   const int size = shot.info.width, y = g.y;
   Image image = blank_paper(size, size);
-  const float line = thin(size), scale = 0.36f * float(size) / c.radius;
-  const float across = -g.position.z;
+  const float line = line_width(size), scale = 0.36f * float(size) / c.radius;
+  const float pixel_depth = -g.position.z;
   // The view is from above: x to the right, the camera below.
   const vec2 center(0.5f * float(size), 0.385f * float(size));  // above the legend
   const auto at = [&](vec3 p) { return center + scale * vec2(p.x - g.position.x, p.z - g.position.z); };
   for (int j = 0; j < size; ++j)
     for (int i = 0; i < size; ++i) {
       const float px = (float(i) + 0.5f - center.x) / scale + g.position.x;
-      const float d = across - (float(j) + 0.5f - center.y) / scale;
+      const float d = pixel_depth - (float(j) + 0.5f - center.y) / scale;
       const int u = int(std::floor(px / d * c.scale_x[0] + c.offset_x[0]));
       if (d <= 0.0f || u < 0 || u >= size || !(d > shot.value("depth", u, y))) continue;
       for (Plane& plane : image.planes) plane.at(i, j) = kSolid.x;
@@ -273,29 +275,30 @@ FigurePicture section_diagram(const Shot& shot, const HemisphereConstants& c, co
     if (std::abs(a.z - b.z) < kOneSurface * c.radius + 4.0f * std::abs(a.x - b.x))
       draw_line(image, at(a), at(b), 2.0f * line, kInk);
   }
-  // The section of the sampling sphere.
+  // The section of the sphere that contains the sample points.
   draw_arc(image, center, scale * c.radius, 0.0f, 2.0f * kPi, line, kOpen);
   for (const Tap& tap : g.taps) {
     if (!is_near_section(g, tap, c.radius)) continue;
-    if (tap.hidden) {
+    if (tap.occluded) {
       draw_line(image, at(tap.point), at(tap.seen), line, kSurface);
       const vec2 to(tap.facing.x, tap.facing.z);
       draw_arrow(image, at(tap.seen), at(tap.seen) + 0.09f * float(size) * to, 1.5f * line, kNormal);
-      if (tap.sends()) draw_arrow(image, at(tap.seen), glm::mix(at(tap.seen), center, 0.93f), 1.5f * line, kLight);
+      if (tap.contributes_light())
+        draw_arrow(image, at(tap.seen), glm::mix(at(tap.seen), center, 0.93f), 1.5f * line, kLight);
       draw_disc(image, at(tap.seen), 3.5f * line, kSurface);
     }
-    draw_disc(image, at(tap.point), 3.5f * line, tap.hidden ? kSample : kOpen);
+    draw_disc(image, at(tap.point), 3.5f * line, tap.occluded ? kSample : kOpen);
   }
   draw_arrow(image, center, center + 0.14f * float(size) * vec2(g.normal.x, g.normal.z), 2.0f * line, kPixel);
   draw_disc(image, center, 5.0f * line, kPixel);
-  const int scale_text = letters(size), step = int(1.2f * float(kLetterHeight * scale_text));
+  const int scale_text = text_scale(size), step = int(1.2f * float(kLetterHeight * scale_text));
   int text_y = size - 5 * step - step / 2;
-  fill(image, 0, text_y - step / 2, 3 * step + text_width("what hides it, with its normal", scale_text), size,
+  fill(image, 0, text_y - step / 2, 3 * step + text_width("its occluder, with its normal", scale_text), size,
        vec3(1.0f));
   for (const auto& [text, color] : {std::pair{"the pixel and its normal", kPixel},
-                                    {"sample point, hidden", kSample},
-                                    {"what hides it, with its normal", kSurface},
-                                    {"light that it sends", kLight},
+                                    {"sample point, occluded", kSample},
+                                    {"its occluder, with its normal", kSurface},
+                                    {"light that it reflects", kLight},
                                     {"sample point, open", kOpen}}) {
     draw_disc(image, {float(step), float(text_y) + 4.0f * float(scale_text)}, 3.5f * line, color);
     write_text(image, 2 * step, text_y, scale_text, text);
@@ -306,7 +309,7 @@ FigurePicture section_diagram(const Shot& shot, const HemisphereConstants& c, co
 
 FigurePicture angles_diagram(const Gathered& g, const Tap& tap, int size) {
   Image image = blank_paper(size, size);
-  const float line = thin(size), s = float(size);
+  const float line = line_width(size), s = float(size);
   // Drawn in the plane of the receiver's normal and the connecting direction; the emitter's normal is rotated into it.
   const float receiver = std::acos(std::clamp(tap.cos_receiver, -1.0f, 1.0f));
   const float emitter = std::acos(std::clamp(tap.cos_emitter, -1.0f, 1.0f));
@@ -355,7 +358,7 @@ Gathered best_section(const Shot& folds, const HemisphereConstants& c) {
       const vec3 off = section_normal(g);
       float worth = 0.0f;
       for (const Tap& tap : g.taps)
-        if (tap.sends() && is_near_section(g, tap, c.radius))
+        if (tap.contributes_light() && is_near_section(g, tap, c.radius))
           worth += tap.cos_emitter * (1.0f - std::abs(glm::dot(tap.facing, off)));
       worth *= 1.0f - std::abs(glm::dot(g.normal, off));
       if (worth <= max) continue;
@@ -369,7 +372,7 @@ Gathered best_section(const Shot& folds, const HemisphereConstants& c) {
 const Tap& clearest_pair(const Gathered& g) {
   const auto clear = [](float cosine) { return cosine * std::sqrt(std::max(1.0f - cosine * cosine, 0.0f)); };
   const auto worth = [&](const Tap& tap) {
-    return tap.sends() ? std::min(clear(tap.cos_emitter), clear(tap.cos_receiver)) : -1.0f;
+    return tap.contributes_light() ? std::min(clear(tap.cos_emitter), clear(tap.cos_receiver)) : -1.0f;
   };
   return *std::max_element(g.taps.begin(), g.taps.end(),
                            [&](const Tap& a, const Tap& b) { return worth(a) < worth(b); });
@@ -393,24 +396,24 @@ Result<Figure> bleeding_diagrams(Studio& studio, const Framing& view) {
                                            "tangent.z", "indirect.r", "indirect.g", "indirect.b", "direct.r",
                                            "direct.g",  "direct.b",   "ao"};
   const int size = studio.draw.width;
-  Request many = studio.draw;  // more sample points make a clearer picture
-  many.settings.push_back("hemisphere.samples=64");
-  many.look = "bleeding";
-  const auto ours = tables_of(many, PictureInfo{});
+  Request request = studio.draw;  // more sample points make a clearer picture
+  request.settings.push_back("hemisphere.samples=64");
+  request.look = "bleeding";
+  const auto ours = tables_of(request, PictureInfo{});
   if (!ours) return ours.error();
-  many.look = studio.draw.look = "bleeding-paper";
+  request.look = studio.draw.look = "bleeding-paper";
   const auto raw = studio.shoot({"hemisphere.tangents=on", "hemisphere.samples=64", "box.size=1"}, "", planes);
   const auto blurred = studio.shoot({"hemisphere.samples=64"}, "", {planes.begin() + 6, planes.end()});
   if (const auto error = error_of(raw, blurred)) return *error;
-  const auto paper = tables_of(many, raw->info);
+  const auto paper = tables_of(request, raw->info);
   if (!paper) return paper.error();
   // The section cuts the folds of a drape. The radius is about the size of a fold; few points keep the diagram
   // readable.
-  many.settings = {std::string(kFewPoints), std::string(kSmallRadius)};
+  request.settings = {std::string(kFewPoints), std::string(kSmallRadius)};
   const auto folds = studio.shoot(
       {"hemisphere.tangents=on", std::string(kFewPoints), std::string(kSmallRadius), "box.size=1"}, "", planes);
   if (!folds) return folds.error();
-  const auto small = tables_of(many, folds->info);
+  const auto small = tables_of(request, folds->info);
   if (!small) return small.error();
 
   Figure figure{"2,3,4,6", "Diagrams, drawn from the real tables and planes", {}, {}};
@@ -427,18 +430,19 @@ Result<Figure> bleeding_diagrams(Studio& studio, const Framing& view) {
   for (FigurePicture& picture : figure.pictures)
     picture.command = fmt::format("umbrage figures --paper bleeding --size {}", size);
 
-  const auto hidden = std::count_if(best.taps.begin(), best.taps.end(), [](const Tap& tap) { return tap.hidden; });
-  const double drawn = 1.0 - double(hidden) / small->samples, made = folds->value("ao", best.x, best.y);
+  const auto occluded = std::count_if(best.taps.begin(), best.taps.end(), [](const Tap& tap) { return tap.occluded; });
+  const double drawn_ao = 1.0 - double(occluded) / small->samples, plane_ao = folds->value("ao", best.x, best.y);
   figure.numbers = {
       {"2: fraction of the points not below the surface, within the radius (paper preset)",
        fraction_of_points(*paper, is_above), 1.0, 1.0},
       {"2: the same (our own)", fraction_of_points(*ours, is_above), 1.0, 1.0},
-      {"2: share within half of the radius: points crowd to the centre (paper preset)",
+      {"2: fraction within half of the radius: points are dense near the centre (paper preset)",
        fraction_of_points(*paper, is_inner), 0.6, 1.0},
-      {"4: occlusion of the pixel as drawn, against the plane's", std::abs(drawn - made), 0.0, 1e-5},
+      {"4: occlusion of the pixel as drawn, against the plane's", std::abs(drawn_ao - plane_ao), 0.0, 1e-5},
       {"4: sample points that send light to the pixel",
-       double(std::count_if(best.taps.begin(), best.taps.end(), [](const Tap& tap) { return tap.sends(); })), 1.0,
-       kAnything},
+       double(
+           std::count_if(best.taps.begin(), best.taps.end(), [](const Tap& tap) { return tap.contributes_light(); })),
+       1.0, kAnything},
       {"6: cosines of the pair, the smaller one", std::min(pair.cos_emitter, pair.cos_receiver), 1e-3, 1.0}};
   return figure;
 }

@@ -33,10 +33,11 @@ Framing view(glm::vec3 eye, glm::vec3 target, float angle_deg) {
   return {.position = eye, .focal_point = target, .view_angle_deg = angle_deg};
 }
 
-/// The subject of a detail: a camera that shows a drape, and the color planes in which cloth and stone differ most.
+/// The subject of a detail picture: a camera that shows a drape, and the color planes in which cloth and stone differ
+/// most.
 struct Subject {
   Framing framing;
-  const char *cloth, *stone;  // color planes: the cloth's colour, and one that it lacks
+  const char *cloth, *stone;  // color planes: one that the cloth has, and one that it lacks
 };
 // The paper's color bleeding is visible only where the sun reaches both surfaces: at the green drape of the left
 // arcade, from the sun's side. Ours is most visible in shadow: at the last pillar beside a red drape lit from the other
@@ -54,7 +55,7 @@ bool is_cloth(const Mesh& mesh) {
   return mesh.name == "curtain" || mesh.name == "upper curtain" || mesh.name == "banner";
 }
 
-/// The positions of all cloth in the scene, on a grid of 0.1 m.
+/// The cells of a grid of 0.1 m that contain cloth, and the objects that are cloth.
 class ClothGrid {
  public:
   explicit ClothGrid(const Scene& scene) {
@@ -64,7 +65,7 @@ class ClothGrid {
       for (const glm::vec3& p : mesh.positions) cells_.insert(cell(p));
     }
   }
-  bool contains(float object_id) const { return objects_.contains(int(object_id)); }
+  bool has_object(float object_id) const { return objects_.contains(int(object_id)); }
   /// Returns whether there is cloth within `reach` metres.
   bool near(glm::vec3 p, float reach) const {
     const int steps = int(std::ceil(reach / kCell));
@@ -88,11 +89,11 @@ class ClothGrid {
 };
 
 /// Returns the mean difference of the cloth's color plane and the plane that the cloth lacks.
-double mean_tint(const Image& image, const Mask& mask, const Subject& motif) {
+double mean_tint(const Image& image, const Mask& mask, const Subject& subject) {
   const auto value = [&](const char* name, int x, int y) {
     return double(std::clamp(image.plane(name).at(x, y), 0.0f, 1.0f));
   };
-  return mean(image, mask, [&](int x, int y) { return value(motif.cloth, x, y) - value(motif.stone, x, y); });
+  return mean(image, mask, [&](int x, int y) { return value(subject.cloth, x, y) - value(subject.stone, x, y); });
 }
 
 /// Pictures of one view without occlusion and bleeding, with each alone, and with both.
@@ -132,26 +133,28 @@ Result<Figure> overview(Studio& studio, const Preset& preset) {
   const Mask surface = mask_of(image, [&](int x, int y) { return four->both.surface(x, y); });
   const Mask background = mask_of(image, [&](int x, int y) { return !four->both.surface(x, y); });
   // The floor of the court between the fountain and the camera, with no object within one metre.
-  constexpr float kClear = 1.5f, kFlat = 0.02f;  // metres
+  constexpr float kMaxX = 1.5f, kMaxHeight = 0.02f;  // metres
   const Mask open = mask_of(image, [&](int x, int y) {
     if (!four->both.surface(x, y)) return false;
     const glm::vec3 p = four->both.world(x, y);
-    return std::abs(p.y) < kFlat && std::abs(p.x) < kClear && p.z > 4.0f && p.z < 9.0f;
+    return std::abs(p.y) < kMaxHeight && std::abs(p.x) < kMaxX && p.z > 4.0f && p.z < 9.0f;
   });
-  figure.numbers = {
-      {"fall of the mean with occlusion", fall(four->neither.image, four->occlusion.image, surface), 0.002, 0.1},
-      {"rise of the mean with bleeding", fall(four->bleeding.image, four->neither.image, surface), 0.002, 0.1},
-      {"fraction of the background that changes", changed_fraction(four->neither.image, four->both.image, background),
-       0.0, 0.0},
-      {"open floor: change with both", std::abs(fall(four->neither.image, four->both.image, open)), 0.0, 0.002}};
+  figure.numbers = {{"fall of the mean with occlusion",
+                     brightness_drop(four->neither.image, four->occlusion.image, surface), 0.002, 0.1},
+                    {"rise of the mean with bleeding",
+                     brightness_drop(four->bleeding.image, four->neither.image, surface), 0.002, 0.1},
+                    {"fraction of the background that changes",
+                     changed_fraction(four->neither.image, four->both.image, background), 0.0, 0.0},
+                    {"open floor: change with both",
+                     std::abs(brightness_drop(four->neither.image, four->both.image, open)), 0.0, 0.002}};
   return figure;
 }
 
 /// Draws figures 9 to 12, or 13 and 14.
-Result<Figure> detail(Studio& studio, const Preset& preset, const ClothGrid& cloths, const Subject& motif,
+Result<Figure> detail(Studio& studio, const Preset& preset, const ClothGrid& cloths, const Subject& subject,
                       const std::string& id, const std::string& file, const std::string& title,
                       std::array<const char*, 4> captions) {
-  studio.framing = motif.framing;
+  studio.framing = subject.framing;
   const auto four = shoot_four(studio);
   if (!four) return four.error();
   const Image& image = four->both.image;
@@ -159,16 +162,16 @@ Result<Figure> detail(Studio& studio, const Preset& preset, const ClothGrid& clo
   Figure figure{id + tag, fmt::format("{} ({})", title, preset.name), pictures_of(*four, file, tag, captions), {}};
   constexpr float kReach = 0.4f;  // metres
   const Mask near = mask_of(image, [&](int x, int y) {
-    return four->both.surface(x, y) && !cloths.contains(four->both.value("object_id", x, y)) &&
+    return four->both.surface(x, y) && !cloths.has_object(four->both.value("object_id", x, y)) &&
            cloths.near(four->both.world(x, y), kReach);
   });
-  const double none = mean_tint(four->neither.image, near, motif);
+  const double none = mean_tint(four->neither.image, near, subject);
   figure.numbers = {
-      {"near the drape: fall of the mean with occlusion", fall(four->neither.image, four->occlusion.image, near), 0.005,
+      {"near the drape: fall of the mean with occlusion",
+       brightness_drop(four->neither.image, four->occlusion.image, near), 0.005, kAnything},
+      {"near the drape: rise of its colour with bleeding", mean_tint(four->bleeding.image, near, subject) - none, 0.005,
        kAnything},
-      {"near the drape: rise of its colour with bleeding", mean_tint(four->bleeding.image, near, motif) - none, 0.005,
-       kAnything},
-      {"near the drape: the same with occlusion alone", mean_tint(four->occlusion.image, near, motif) - none, -0.02,
+      {"near the drape: the same with occlusion alone", mean_tint(four->occlusion.image, near, subject) - none, -0.02,
        0.001},
   };
   return figure;
@@ -202,7 +205,7 @@ Result<Figure> tangents(Studio& studio) {
     figure.pictures.push_back(std::move(picture));
     const Image& image = shot->image;
     const VectorPlanes normal(image, "normal"), tangent(image, "tangent");
-    // Whether a pixel is on a flat face: equal normals over two tiles in x and y.
+    // Returns whether a pixel is on a flat face: normals are equal over two tiles in x and y.
     const auto flat = [&](int x, int y) {
       for (int j = 0; j < 2 * kTile; ++j)
         for (int i = 0; i < 2 * kTile; ++i)
@@ -210,8 +213,8 @@ Result<Figure> tangents(Studio& studio) {
       return shot->surface(x, y);
     };
     long repeated = 0, all = 0;
-    double off = 0.0;
-    std::set<std::tuple<float, float, float>> max;
+    double deviation = 0.0;
+    std::set<std::tuple<float, float, float>> max_seen;
     for (int y = 0; y + 2 * kTile < image.height; y += kTile)
       for (int x = 0; x + 2 * kTile < image.width; x += kTile) {
         if (!flat(x, y)) continue;
@@ -221,25 +224,25 @@ Result<Figure> tangents(Studio& studio) {
             const glm::vec3 t = tangent.at(x + i, y + j);
             seen.insert({t.x, t.y, t.z});
             repeated += t == tangent.at(x + i + kTile, y + j) && t == tangent.at(x + i, y + j + kTile);
-            off = std::max(
-                {off, double(std::abs(glm::length(t) - 1.0f)), double(std::abs(glm::dot(t, normal.at(x + i, y + j))))});
+            deviation = std::max({deviation, double(std::abs(glm::length(t) - 1.0f)),
+                                  double(std::abs(glm::dot(t, normal.at(x + i, y + j))))});
             ++all;
           }
-        if (seen.size() > max.size()) max = seen;
+        if (seen.size() > max_seen.size()) max_seen = seen;
       }
     figure.numbers.insert(
         figure.numbers.end(),
-        {{fmt::format("flat faces: share that repeats after four pixels ({})", preset.name),
+        {{fmt::format("flat faces: fraction that repeats after four pixels ({})", preset.name),
           all ? double(repeated) / double(all) : 0.0, 1.0, 1.0},
-         {fmt::format("different tangents in a tile of 4 x 4 ({})", preset.name), double(max.size()), 16.0, 16.0},
-         {fmt::format("largest deviation from a unit vector in the surface ({})", preset.name), off, 0.0, 1e-5}});
+         {fmt::format("different tangents in a tile of 4 x 4 ({})", preset.name), double(max_seen.size()), 16.0, 16.0},
+         {fmt::format("largest deviation from a unit vector in the surface ({})", preset.name), deviation, 0.0, 1e-5}});
   }
   return figure;
 }
 
 /// Returns the mean distance in pixels from a drape's silhouette to the first pixel on its left that receives red
-/// indirect light, at most an eighth of the picture. Only silhouette pixels with a surface near the drape on their left
-/// count.
+/// indirect light. A distance is at most an eighth of the picture. Only silhouette pixels with a surface near the drape
+/// on their left count.
 double uncolored_distance_px(const Shot& shot, const ClothGrid& cloths) {
   constexpr float kReach = 0.3f;              // metres
   constexpr float kMin = 0.05f, kRed = 1.5f;  // min red light, and min ratio of red to green
@@ -248,7 +251,7 @@ double uncolored_distance_px(const Shot& shot, const ClothGrid& cloths) {
   long edges = 0, pixels = 0;
   for (int y = 0; y < image.height; ++y)
     for (int x = 1; x < image.width; ++x) {
-      if (!cloths.contains(id.at(x, y)) || cloths.contains(id.at(x - 1, y))) continue;
+      if (!cloths.has_object(id.at(x, y)) || cloths.has_object(id.at(x - 1, y))) continue;
       if (!shot.surface(x - 1, y) || !cloths.near(shot.world(x - 1, y), kReach)) continue;
       ++edges;
       for (int k = 1; k <= image.width / 8 && k <= x; ++k) {
@@ -260,9 +263,9 @@ double uncolored_distance_px(const Shot& shot, const ClothGrid& cloths) {
   return edges > 0 ? double(pixels) / double(edges) : std::nan("");
 }
 
-/// Draws figures 15 and 16 and variants of ours: stronger bleeding near the edge of a drape.
-Result<Figure> cuts(Studio& studio, const ClothGrid& cloths) {
-  struct Way {
+/// Draws figures 15 and 16, and pictures in our preset: strengthened bleeding near the edge of a drape.
+Result<Figure> drape_edge(Studio& studio, const ClothGrid& cloths) {
+  struct Variant {
     const char *file, *caption;
     std::string_view look;
     std::vector<std::string> settings;
@@ -270,7 +273,7 @@ Result<Figure> cuts(Studio& studio, const ClothGrid& cloths) {
   };
   const std::vector<std::string> strong = {"hemisphere.bleeding=3", "hemisphere.range_factor=0.25",
                                            "composite.damping=0"};
-  const std::vector<Way> ways = {
+  const std::vector<Variant> variants = {
       {"15-quadratic", "15: quadratic range", kPaper.look, strong, {}},
       {"16-smoothstep",
        "16: smoothstep",
@@ -280,25 +283,25 @@ Result<Figure> cuts(Studio& studio, const ClothGrid& cloths) {
       {"beyond-1-one-layer", "ours, first layer", kOurs.look, {"hemisphere.bleeding=3", "hemisphere.layers=1"}, {}},
       {"beyond-2-layers", "ours, layers and back sides", kOurs.look, {"hemisphere.bleeding=3"}, {}},
       {"beyond-3-views", "two further cameras", kOurs.look, {"hemisphere.bleeding=3"}, 2}};
-  std::vector<double> widths_px;
+  std::vector<double> distances_px;
   Figure figure{"15,16", "Near a drape whose lit side faces away; bleeding strengthened", {}, {}};
   studio.framing = pillar_of(kOurs).framing;
-  for (const Way& way : ways) {
-    studio.draw.look = std::string(way.look);
-    studio.draw.extra_views = way.extra_views;
-    const auto shot = studio.shoot(way.settings, "", kPlanes);
+  for (const Variant& variant : variants) {
+    studio.draw.look = std::string(variant.look);
+    studio.draw.extra_views = variant.extra_views;
+    const auto shot = studio.shoot(variant.settings, "", kPlanes);
     studio.draw.extra_views.reset();
     if (!shot) return shot.error();
-    figure.pictures.push_back(shot->picture(fmt::format("bleeding-{}.png", way.file), way.caption));
-    widths_px.push_back(uncolored_distance_px(*shot, cloths));
+    figure.pictures.push_back(shot->picture(fmt::format("bleeding-{}.png", variant.file), variant.caption));
+    distances_px.push_back(uncolored_distance_px(*shot, cloths));
   }
   // With the paper's quadratic range, at least 2 % of the picture's width beside the drape receives none of its colour.
-  const double quadratic = widths_px[0], smoothstep = widths_px[1];
+  const double quadratic = distances_px[0], smoothstep = distances_px[1];
   figure.numbers = {{"15: pixels beside the drape without its colour", quadratic, 0.02 * studio.draw.width, kAnything},
                     {"16: the same, smoothstep", smoothstep, 0.0, quadratic},
-                    {"the same, ours with the first layer alone", widths_px[2], 0.02 * studio.draw.width, kAnything},
-                    {"the same, ours with layers and back sides", widths_px[3], 0.0, 0.25 * smoothstep},
-                    {"the same, ours with two further cameras too", widths_px[4], 0.0, 0.25 * smoothstep}};
+                    {"the same, ours with the first layer alone", distances_px[2], 0.02 * studio.draw.width, kAnything},
+                    {"the same, ours with layers and back sides", distances_px[3], 0.0, 0.25 * smoothstep},
+                    {"the same, ours with two further cameras too", distances_px[4], 0.0, 0.25 * smoothstep}};
   return figure;
 }
 
@@ -332,7 +335,7 @@ Result<std::vector<Figure>> bleeding_figures(Device& device, int size,
   if (!made) return made.error();
   figures.push_back(std::move(*made));
   progress("figures 15 and 16");
-  made = cuts(*studio, cloths);
+  made = drape_edge(*studio, cloths);
   if (!made) return made.error();
   figures.push_back(std::move(*made));
   progress("diagrams 2, 3, 4 and 6");
@@ -359,28 +362,28 @@ Result<std::vector<FigureTable>> bleeding_tables(Device& device, int size, int r
       std::string scale = {};
       std::vector<double> ms = {};
     };
-    // Without occlusion only the first layer and no filter is needed: the look `lit`.
+    // Without occlusion, the first layer without a filter suffices: the look `lit`.
     std::vector<Case> cases = {{"no occlusion", is_paper(preset) ? preset.look : "lit", "none", {}}};
     for (const int samples : kSamples)
-      for (const bool bleeds : {false, true}) {
-        cases.push_back({fmt::format("{} samples, {}", samples, bleeds ? "occlusion and bleeding" : "occlusion"),
+      for (const bool has_bleeding : {false, true}) {
+        cases.push_back({fmt::format("{} samples, {}", samples, has_bleeding ? "occlusion and bleeding" : "occlusion"),
                          preset.look,
                          "",
                          {fmt::format("hemisphere.samples={}", samples)}});
-        if (!bleeds) cases.back().settings.push_back("hemisphere.bleeding=0");
+        if (!has_bleeding) cases.back().settings.push_back("hemisphere.bleeding=0");
       }
     cases.push_back({"64 samples, both, at half resolution", preset.look, "", {"hemisphere.samples=64"}, "half"});
     for (int run = -1; run < runs; ++run)  // run -1 warms up and does not count
-      for (Case& each : cases) {
+      for (Case& item : cases) {
         Request with = studio->draw;
-        with.look = std::string(each.look);
-        with.occlusion = each.occlusion;
-        with.settings = each.settings;
-        with.occlusion_scale = each.scale;
+        with.look = std::string(item.look);
+        with.occlusion = item.occlusion;
+        with.settings = item.settings;
+        with.occlusion_scale = item.scale;
         StageTimes times;
         const auto frame = umbrage::draw(device, *studio->scene, with, times);
         if (!frame) return frame.error();
-        if (run >= 0) each.ms.push_back(times.total());
+        if (run >= 0) item.ms.push_back(times.total());
       }
     FigureTable table{"1" + std::string(preset.tag), fmt::format("Table 1: time of a picture ({})", preset.name), {}};
     const double none = median(cases[0].ms);
@@ -388,7 +391,7 @@ Result<std::vector<FigureTable>> bleeding_tables(Device& device, int size, int r
     for (std::size_t k = 0; k < cases.size(); ++k) {
       const double ms = median(cases[k].ms);
       std::string note = k == 0 ? "" : fmt::format("{:+.1f} %", 100.0 * (ms / none - 1.0));
-      if (k > 0 && k % 2 == 0)  // follows the same case without bleeding
+      if (k > 0 && k % 2 == 0)  // the previous case is the same without bleeding
         note += fmt::format(", bleeding {:.1f} % of the picture", 100.0 * (1.0 - before / ms));
       before = ms;
       table.rows.push_back({cases[k].name, ms, std::move(note)});

@@ -25,7 +25,7 @@ constexpr std::array kPresets = {kPaper, kOurs};
 bool is_paper(const Preset& preset) { return preset.look == kPaper.look; }
 
 /// Selects a preset without anti-aliasing, since passes are measured per pixel.
-void use_single(Studio& studio, const Preset& preset) {
+void select_without_anti_aliasing(Studio& studio, const Preset& preset) {
   studio.draw.look = std::string(preset.look);
   studio.draw.anti_aliasing = is_paper(preset) ? std::nullopt : std::optional<int>(1);
 }
@@ -44,41 +44,42 @@ constexpr int kDenoiseRounds = 2;  // denoise.rounds of our preset, up to 724 ro
 /// Returns the sample radius of listing 1: 16 pixels of 512.
 int radius_px(const Image& image) { return std::max(1, image.width / 32); }
 
-/// The regions of figure 1's picture.
+/// Regions of the picture of figure 1.
 struct Parts {
   Mask background, surface;
   Mask silhouette;  // pixels of the character that touch the background
   Mask overlap;     // pixels of the character that touch a surface far behind it
   Mask beside;      // ground within the sample radius of the character, where the character is nearer
-  Mask open;        // ground with nothing else within the paper's sample radius and blur; our filter stays on surfaces
+  Mask open;        // ground with no other surface within the paper's sample radius plus blur
 };
 
 Parts parts_of(const Studio& studio, const Shot& shot) {
   constexpr float kFar = std::numeric_limits<float>::infinity();  // background depth
   constexpr float kWellBehind = 0.3f;                             // metres: a third of the character's width
   const Image& image = shot.image;
-  const float ground_id =
-      float(mesh_named(*studio.scene, "grass").object);  // the ids of the character's parts are lower
+  // The ids of the character's parts are lower.
+  const float ground_id = float(mesh_named(*studio.scene, "grass").object);
   const Plane &depth = image.plane("depth"), &id = image.plane("object_id");
   Parts parts;
   parts.surface = mask_of(image, [&](int x, int y) { return depth.at(x, y) < kFar; });
   parts.background = mask_of(image, [&](int x, int y) { return depth.at(x, y) == kFar; });
   const auto character = mask_of(image, [&](int x, int y) { return depth.at(x, y) < kFar && id.at(x, y) < ground_id; });
   const auto ground = mask_of(image, [&](int x, int y) { return id.at(x, y) == ground_id; });
-  Plane of_character(image.width, image.height, kFar), nearness(image.width, image.height);
-  each(image, &character, [&](int x, int y) { of_character.at(x, y) = depth.at(x, y); });
-  each(image, nullptr, [&](int x, int y) { nearness.at(x, y) = -depth.at(x, y); });
-  const Plane beside = min_near(of_character, radius_px(image), radius_px(image));
-  // The max depth of a pixel and its four neighbours.
-  const Plane across = min_near(nearness, 1, 0), along = min_near(nearness, 0, 1);
-  const auto behind = [&](int x, int y) { return -std::min(across.at(x, y), along.at(x, y)); };
-  const auto among = [&](const Mask& mask, const auto& test) {
+  Plane character_depth(image.width, image.height, kFar), negative_depth(image.width, image.height);
+  for_each_pixel(image, &character, [&](int x, int y) { character_depth.at(x, y) = depth.at(x, y); });
+  for_each_pixel(image, nullptr, [&](int x, int y) { negative_depth.at(x, y) = -depth.at(x, y); });
+  const Plane beside = min_near(character_depth, radius_px(image), radius_px(image));
+  // max_depth_near: the max depth of a pixel and its four neighbours.
+  const Plane across = min_near(negative_depth, 1, 0), along = min_near(negative_depth, 0, 1);
+  const auto max_depth_near = [&](int x, int y) { return -std::min(across.at(x, y), along.at(x, y)); };
+  const auto subset = [&](const Mask& mask, const auto& test) {
     return mask_of(image, [&](int x, int y) { return mask[std::size_t(y) * image.width + x] && test(x, y); });
   };
-  parts.silhouette = among(character, [&](int x, int y) { return behind(x, y) == kFar; });
-  parts.overlap = among(
-      character, [&](int x, int y) { return behind(x, y) < kFar && behind(x, y) - depth.at(x, y) > kWellBehind; });
-  parts.beside = among(ground, [&](int x, int y) { return beside.at(x, y) < depth.at(x, y); });
+  parts.silhouette = subset(character, [&](int x, int y) { return max_depth_near(x, y) == kFar; });
+  parts.overlap = subset(character, [&](int x, int y) {
+    return max_depth_near(x, y) < kFar && max_depth_near(x, y) - depth.at(x, y) > kWellBehind;
+  });
+  parts.beside = subset(ground, [&](int x, int y) { return beside.at(x, y) < depth.at(x, y); });
   parts.open = eroded(image, ground, radius_px(image) + kBlurRounds);
   return parts;
 }
@@ -106,8 +107,8 @@ double noise(const Image& image, const Mask& mask) {
           along += (v - kMiddle) * value;
         }
       if (!inside) continue;
-      const double rest = squares - total * total / kPixels - (across * across + along * along) / kSpread;
-      sum += std::max(rest, 0.0) / kPixels;
+      const double residual = squares - total * total / kPixels - (across * across + along * along) / kSpread;
+      sum += std::max(residual, 0.0) / kPixels;
       ++count;
     }
   return count > 0 ? std::sqrt(sum / double(count)) : std::nan("");
@@ -118,12 +119,12 @@ double noise(const Image& image, const Mask& mask) {
 /// along one axis: each axis contributes the square root of that sum.
 double blurred_noise(int gaussian_rounds, int denoise_rounds = 0) {
   std::vector<double> kernel = {1.0};
-  const auto blur = [&](std::initializer_list<double> weights, int apart) {
-    std::vector<double> next(kernel.size() + (weights.size() - 1) * apart, 0.0);
+  const auto blur = [&](std::initializer_list<double> weights, int spacing) {
+    std::vector<double> next(kernel.size() + (weights.size() - 1) * spacing, 0.0);
     std::size_t from = 0;
     for (const double weight : weights) {
       for (std::size_t i = 0; i < kernel.size(); ++i) next[from + i] += weight * kernel[i];
-      from += apart;
+      from += spacing;
     }
     kernel = next;
   };
@@ -135,7 +136,7 @@ double blurred_noise(int gaussian_rounds, int denoise_rounds = 0) {
 }
 
 /// Returns whether v is a multiple of 1/4, up to rounding.
-bool on_quarter(double v) { return std::abs(4.0 * v - std::round(4.0 * v)) < 1e-3; }
+bool is_multiple_of_quarter(double v) { return std::abs(4.0 * v - std::round(4.0 * v)) < 1e-3; }
 
 double display_from_linear(double v) { return v > 0.0031308 ? 1.055 * std::pow(v, 1.0 / 2.4) - 0.055 : 12.92 * v; }
 double linear_from_display(double v) { return v > 0.04045 ? std::pow((v + 0.055) / 1.055, 2.4) : v / 12.92; }
@@ -146,8 +147,9 @@ constexpr std::array kRawValues = {1.0, 1.0 - 25.0 / 64.0, 1.0 - 36.0 / 64.0, 1.
 /// Number of tone steps of the look `cartoon`, green value of the darkest one on white, and distance between two steps.
 constexpr int kOurSteps = 5;
 constexpr double kDarkestStep = 0.16, kStepSize = (1.0 - kDarkestStep) / (kOurSteps - 1);
-bool on_a_step(double lit) {
-  const double step = (lit - kDarkestStep) / kStepSize;
+/// Returns whether a green value is that of a tone step on white, up to rounding.
+bool is_on_tone_step(double green) {
+  const double step = (green - kDarkestStep) / kStepSize;
   return step > -0.5 && step < kOurSteps - 0.5 && std::abs(step - std::round(step)) < 1e-3;
 }
 
@@ -164,35 +166,35 @@ Figure four_ways(const Preset& preset, const Parts& parts, const Shot& plain, co
                  outlined.picture("cartoon-1c" + tag + ".png", "c) outlines"),
                  both.picture("cartoon-1d" + tag + ".png", "d) both")},
                 {}};
-  // Min darkening. Paper: half a tone step on average over that ground, since the paper darkens a halo. Ours: a
-  // quarter, since half of that ground is in the character's shadow already. A tone step is a quarter of the meadow's
-  // 0.58 in the paper's preset and 0.08 in ours.
-  const double min = is_paper(preset) ? 0.07 : 0.02;
-  const double silhouette = is_paper(preset) ? 1.0 : 0.9;  // ours: less, since some fringes are thinner than the line
-  constexpr double kDeep = 0.005;                          // fringes that occlude each other may be black
-  // Our lines are centred on an edge and cover pixels of both sides.
-  const auto lined = [&](const Image& image, const Mask& mask) {
+  // Min darkening of the ground beside the body. The paper's preset darkens a halo: half a tone step on average, where
+  // a tone step is a quarter of the meadow's brightness 0.58. Ours: a quarter of a tone step of 0.08, since half of
+  // that ground is in the character's shadow already.
+  const double min_drop = is_paper(preset) ? 0.07 : 0.02;
+  const double min_lines = is_paper(preset) ? 1.0 : 0.9;  // ours: less, since some fringes are thinner than the line
+  constexpr double kMaxBlack = 0.005;                     // fringes that occlude each other may be black
+  // Our lines are centred on an edge and cover pixels on both sides.
+  const auto line_fraction = [&](const Image& image, const Mask& mask) {
     constexpr float kQuarter = 0.25f;
     if (is_paper(preset)) return black_fraction(image, mask);
     const Plane& lines = image.plane("outline");
-    const auto is_lined = [&](int x, int y) {
+    const auto is_line = [&](int x, int y) {
       return lines.at(std::clamp(x, 0, lines.width - 1), std::clamp(y, 0, lines.height - 1)) >= kQuarter;
     };
     return mean(image, mask, [&](int x, int y) {
-      return is_lined(x, y) || is_lined(x - 1, y) || is_lined(x + 1, y) || is_lined(x, y - 1) || is_lined(x, y + 1);
+      return is_line(x, y) || is_line(x - 1, y) || is_line(x + 1, y) || is_line(x, y - 1) || is_line(x, y + 1);
     });
   };
-  const char* line = is_paper(preset) ? "that is black" : "at least a quarter under a line, or beside one";
+  const char* condition = is_paper(preset) ? "that is black" : "at least a quarter under a line, or beside one";
   figure.numbers = {
-      {"a to b: fall of the ground beside the body", fall(a, b, parts.beside), min, kAnything},
-      {"c to d: fall of the ground beside the body", fall(c, d, parts.beside), min, kAnything},
+      {"a to b: fall of the ground beside the body", brightness_drop(a, b, parts.beside), min_drop, kAnything},
+      {"c to d: fall of the ground beside the body", brightness_drop(c, d, parts.beside), min_drop, kAnything},
       {"a to b: fraction of the background that changes", changed_fraction(a, b, parts.background), 0.0, 0.0},
       {"a: fraction of the silhouette that is black", black_fraction(a, parts.silhouette), 0.0, 0.0},
-      {"b: fraction of the silhouette that is black", black_fraction(b, parts.silhouette), 0.0, kDeep},
-      {fmt::format("c: fraction of the silhouette {}", line), lined(c, parts.silhouette), silhouette, 1.0},
-      {fmt::format("d: fraction of the silhouette {}", line), lined(d, parts.silhouette), silhouette, 1.0},
-      {fmt::format("d: fraction of the body's edge before what is behind {}", line), lined(d, parts.overlap),
-       silhouette, 1.0}};
+      {"b: fraction of the silhouette that is black", black_fraction(b, parts.silhouette), 0.0, kMaxBlack},
+      {fmt::format("c: fraction of the silhouette {}", condition), line_fraction(c, parts.silhouette), min_lines, 1.0},
+      {fmt::format("d: fraction of the silhouette {}", condition), line_fraction(d, parts.silhouette), min_lines, 1.0},
+      {fmt::format("d: fraction of the body's edge before what is behind {}", condition),
+       line_fraction(d, parts.overlap), min_lines, 1.0}};
   if (is_paper(preset))
     figure.numbers.push_back(
         {"a to b: fraction of the open ground that changes", changed_fraction(a, b, parts.open), 0.0, 0.05});
@@ -224,7 +226,7 @@ Figure buffers(const Preset& preset, const Parts& parts, const Shot& raw, const 
   if (is_paper(preset)) {
     std::set<int> seen;
     long others = 0;
-    each(image, nullptr, [&](int x, int y) {
+    for_each_pixel(image, nullptr, [&](int x, int y) {
       const double v = raw.value("ao", x, y);
       const auto at =
           std::find_if(kRawValues.begin(), kRawValues.end(), [&](double w) { return std::abs(v - w) < 1e-6; });
@@ -233,26 +235,28 @@ Figure buffers(const Preset& preset, const Parts& parts, const Shot& raw, const 
       else
         seen.insert(int(at - kRawValues.begin()));
     });
-    const double left = noise(image, parts.beside) / noise(raw.image, parts.beside);
+    const double noise_left = noise(image, parts.beside) / noise(raw.image, parts.beside);
     const auto shaded = [&](int x, int y) {
-      return on_quarter(both.value("color.g", x, y) / display_from_linear(both.value("albedo.g", x, y)));
+      return is_multiple_of_quarter(both.value("color.g", x, y) / display_from_linear(both.value("albedo.g", x, y)));
     };
     figure.numbers.insert(
         figure.numbers.end(),
         {{"3: pixels other than 1 - (n/8)^2 for n = 0, 5 to 8", double(others), 0.0, 0.0},
          {"3: of these five values, how many occur", double(seen.size()), 5.0, 5.0},
-         {"4: noise left beside the body; of white noise 4 rounds leave 0.196", left, 0.0, blurred_noise(kBlurRounds)},
+         {"4: noise left beside the body; of white noise 4 rounds leave 0.196", noise_left, 0.0,
+          blurred_noise(kBlurRounds)},
          {"4: fraction of the background that occlusion creeps onto", dark_background(both), 1e-3, 1.0},
          {"5: fraction of the surface on a step of a quarter",
-          mean(image, parts.surface, [&](int x, int y) { return on_quarter(lighting.value("color.g", x, y)); }), 0.0,
-          0.1},
+          mean(image, parts.surface,
+               [&](int x, int y) { return is_multiple_of_quarter(lighting.value("color.g", x, y)); }),
+          0.0, 0.1},
          {"6: fraction of the surface off the lines on a step of a quarter", mean(image, off_lines, shaded), 1.0,
           1.0}});
   } else {
     const auto step_fraction = [&](const Shot& shot, bool clay) {
       return mean(image, off_lines, [&](int x, int y) {
-        return on_a_step(linear_from_display(shot.value("color.g", x, y)) /
-                         (clay ? 1.0 : shot.value("albedo.g", x, y)));
+        return is_on_tone_step(linear_from_display(shot.value("color.g", x, y)) /
+                               (clay ? 1.0 : shot.value("albedo.g", x, y)));
       });
     };
     figure.numbers.insert(
@@ -266,9 +270,9 @@ Figure buffers(const Preset& preset, const Parts& parts, const Shot& raw, const 
   return figure;
 }
 
-/// Draws figure 1 a to d, and the planes of d: figures 2 to 6.
+/// Draws figure 1 a to d, and figures 2 to 6, which show the planes of d.
 Result<std::vector<Figure>> pink_figures(Studio& studio, const Preset& preset) {
-  use_single(studio, preset);
+  select_without_anti_aliasing(studio, preset);
   const auto plain = studio.shoot({kNoOutlines}, "none", kPlanes);
   const auto occluded = studio.shoot({kNoOutlines}, "", kPlanes);
   const auto outlined = studio.shoot({}, "none", kPlanes);
@@ -284,9 +288,9 @@ Result<std::vector<Figure>> pink_figures(Studio& studio, const Preset& preset) {
                              buffers(preset, parts, *raw, *lighting, *both)};
 }
 
-/// Draws the shortcuts that section 5 names, undone one by one.
+/// Draws raw occlusion with each of the shortcuts that section 5 of the paper names undone in turn.
 Result<Figure> shortcuts_figure(Studio& studio) {
-  use_single(studio, kPaper);
+  select_without_anti_aliasing(studio, kPaper);
   struct Shortcut {
     const char *setting, *file, *caption;
   };
@@ -356,8 +360,8 @@ Mask open_table(const Studio& studio, const Shot& shot, int margin) {
     if (!alone[std::size_t(y) * shot.image.width + x]) return false;
     const glm::vec3 p = shot.world(x, y);
     return std::none_of(boxes.begin(), boxes.end(), [&](const Box& box) {
-      const glm::vec3 off = glm::max(glm::max(box.low - p, p - box.high), glm::vec3(0.0f));
-      return std::hypot(off.x, off.z) < reach;
+      const glm::vec3 offset = glm::max(glm::max(box.low - p, p - box.high), glm::vec3(0.0f));
+      return std::hypot(offset.x, offset.z) < reach;
     });
   });
 }
@@ -365,7 +369,7 @@ Mask open_table(const Studio& studio, const Shot& shot, int margin) {
 /// Returns the number of different 8-bit colours in a mask.
 double colors(const Image& image, const Mask& mask) {
   std::set<std::array<long, 3>> seen;
-  each(image, &mask, [&](int x, int y) {
+  for_each_pixel(image, &mask, [&](int x, int y) {
     std::array<long, 3> color;
     for (int k = 0; k < 3; ++k) {
       constexpr std::array kChannels = {"color.r", "color.g", "color.b"};
@@ -397,8 +401,8 @@ Result<Figure> sample_figure(Device& device, int number, const std::string& name
         with->picture(fmt::format("{}-with{}.png", file, preset.tag), fmt::format("with ({})", preset.name)));
     const Mask surface = mask_of(with->image, [&](int x, int y) { return with->surface(x, y); });
     figure.numbers.push_back({fmt::format("fall of the mean with occlusion ({})", preset.name),
-                              fall(without->image, with->image, surface), kOneStep, kAnything});
-    // Paper: reach of the samples and the blur. Ours: a shadow's smoothed edge and a line of size / 256.
+                              brightness_drop(without->image, with->image, surface), kOneStep, kAnything});
+    // Paper's preset: reach of the samples and the blur. Ours: a shadow's smoothed edge and twice a line of size / 256.
     const int margin = is_paper(preset) ? radius_px(with->image) + kBlurRounds : 1 + size / 128;
     if (name == "solids")
       figure.numbers.push_back({fmt::format("colours of the table away from contacts ({})", preset.name),
@@ -443,7 +447,7 @@ Result<std::vector<FigureTable>> cartoon_tables(Device& device, int size, int ru
   if (!studio) return studio.error();
   for (const Preset& preset : kPresets) {
     progress(fmt::format("time of every pass, {}", preset.name));
-    use_single(*studio, preset);
+    select_without_anti_aliasing(*studio, preset);
     const auto recipe = make_recipe(studio->draw);
     if (!recipe) return recipe.error();
     StageTimes first;

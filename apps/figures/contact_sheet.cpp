@@ -39,7 +39,7 @@ Image contact_sheet(const std::vector<Figure>& figures, int tile) {
       const int left = kGap + int(c) * (tile + kGap);
       const Image small = picture.detail ? middle(picture.image, tile)
                                          : downsample(picture.image, std::max(1, picture.image.width / tile));
-      put(sheet, small, left, top + line, tile);
+      paste(sheet, small, left, top + line, tile);
       write_text(sheet, left, top + line + tile + 4, scale,
                  picture.caption + (picture.detail ? " (middle, unscaled)" : ""));
     }

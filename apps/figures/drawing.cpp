@@ -32,10 +32,11 @@ void paint(Image& image, vec2 low, vec2 high, vec3 color, const Distance& distan
   }
 }
 
-/// The corners of one of the rectangles that the font draws letters with.
+/// The corners of a rectangle. The font draws letters as rectangles.
 struct Box {
   int x0, y0, x1, y1;
 };
+/// Returns the rectangles of a text.
 std::vector<Box> letters(std::string& text) {
   struct Vertex {
     float x, y, z;
@@ -109,7 +110,7 @@ void write_text(Image& image, int x, int y, int scale, std::string text, vec3 co
 
 int text_width(std::string text, int scale) { return stb_easy_font_width(text.data()) * scale; }
 
-void put(Image& image, const Image& picture, int left, int top, int max) {
+void paste(Image& image, const Image& picture, int left, int top, int max) {
   for (const char* name : kChannels)
     for (int y = 0; y < std::min(max, picture.height); ++y)
       for (int x = 0; x < std::min(max, picture.width); ++x)

@@ -28,7 +28,7 @@ void fill(Image& image, int x0, int y0, int x1, int y1, glm::vec3 color);
 void write_text(Image& image, int x, int y, int scale, std::string text, glm::vec3 color = kInk);
 int text_width(std::string text, int scale);
 
-/// Copies at most `most` rows and columns of a picture to (left, top), with values clamped to [0, 1].
-void put(Image& image, const Image& picture, int left, int top, int max);
+/// Copies at most `max` rows and columns of a picture to (left, top), with values clamped to [0, 1].
+void paste(Image& image, const Image& picture, int left, int top, int max);
 
 }  // namespace umbrage

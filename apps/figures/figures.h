@@ -43,7 +43,7 @@ struct FigureTable {
   std::vector<TableRow> rows;
 };
 
-/// Default file of the Stanford bunny: that of Debian's package glmark2-data.
+/// Default file of the Stanford bunny, from Debian's package glmark2-data.
 inline constexpr const char* kBunnyFile = "/usr/share/glmark2/models/bunny.obj";
 
 /// Draws figures 1 to 6 of [Chamberlin 2011] at size x size pixels (the paper: 1024); kernel windows scale with the

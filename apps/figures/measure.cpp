@@ -22,7 +22,7 @@ Plane min_near(const Plane& plane, int columns, int rows) {
 
 Mask eroded(const Image& image, const Mask& mask, int reach) {
   Plane plane(image.width, image.height, 0.0f);
-  each(image, &mask, [&](int x, int y) { plane.at(x, y) = 1.0f; });
+  for_each_pixel(image, &mask, [&](int x, int y) { plane.at(x, y) = 1.0f; });
   const Plane min = min_near(plane, reach, reach);
   return mask_of(image, [&](int x, int y) { return min.at(x, y) > 0.0f; });
 }
@@ -38,7 +38,7 @@ double mean_brightness(const Image& image, const Mask& mask) {
   return mean(image, mask, [&](int x, int y) { return brightness(image, x, y); });
 }
 
-double fall(const Image& from, const Image& to, const Mask& mask) {
+double brightness_drop(const Image& from, const Image& to, const Mask& mask) {
   return mean_brightness(from, mask) - mean_brightness(to, mask);
 }
 

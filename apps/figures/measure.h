@@ -14,9 +14,9 @@ namespace umbrage {
 /// The pixels that a measurement covers: nonzero entries, row by row from the top.
 using Mask = std::vector<char>;
 
-/// Calls visit(x, y) for the pixels of a mask; for all pixels if it is null.
+/// Calls visit(x, y) for the pixels of a mask, or for all pixels if it is null.
 template <class Visit>
-void each(const Image& image, const Mask* mask, const Visit& visit) {
+void for_each_pixel(const Image& image, const Mask* mask, const Visit& visit) {
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x)
       if (!mask || (*mask)[std::size_t(y) * image.width + x]) visit(x, y);
@@ -26,7 +26,7 @@ void each(const Image& image, const Mask* mask, const Visit& visit) {
 template <class Test>
 Mask mask_of(const Image& image, const Test& belongs) {
   Mask mask(std::size_t(image.width) * image.height);
-  each(image, nullptr, [&](int x, int y) { mask[std::size_t(y) * image.width + x] = belongs(x, y); });
+  for_each_pixel(image, nullptr, [&](int x, int y) { mask[std::size_t(y) * image.width + x] = belongs(x, y); });
   return mask;
 }
 
@@ -35,7 +35,7 @@ template <class Value>
 double mean(const Image& image, const Mask& mask, const Value& value) {
   double sum = 0.0;
   long count = 0;
-  each(image, &mask, [&](int x, int y) { sum += value(x, y), ++count; });
+  for_each_pixel(image, &mask, [&](int x, int y) { sum += value(x, y), ++count; });
   return count > 0 ? sum / double(count) : std::nan("");
 }
 
@@ -50,7 +50,7 @@ struct VectorPlanes {
 /// Returns, for each pixel, the min of a plane within `columns` columns and `rows` rows.
 Plane min_near(const Plane& plane, int columns, int rows);
 
-/// Returns the pixels of a mask that have only pixels of the mask within `reach` rows and columns.
+/// Returns the pixels of a mask for which all pixels within `reach` rows and columns are in the mask too.
 Mask eroded(const Image& image, const Mask& mask, int reach);
 
 /// Returns the mean of the three color planes of a pixel, each clamped to [0, 1].
@@ -58,12 +58,12 @@ double brightness(const Image& image, int x, int y);
 double mean_brightness(const Image& image, const Mask& mask);
 
 /// Returns by how much the mean brightness of `to` is below that of `from`.
-double fall(const Image& from, const Image& to, const Mask& mask);
+double brightness_drop(const Image& from, const Image& to, const Mask& mask);
 
 /// Returns the fraction of a mask's pixels whose brightness is below half a step of an 8-bit picture.
 double black_fraction(const Image& image, const Mask& mask);
 
-/// Returns the fraction of a mask's pixels whose brightness differs.
+/// Returns the fraction of a mask's pixels whose brightness differs between `a` and `b`.
 double changed_fraction(const Image& a, const Image& b, const Mask& mask);
 
 double median(std::vector<double> values);

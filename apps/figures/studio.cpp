@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::array kChannels = {"color.r", "color.g", "color.b"};
 
-std::string words(glm::vec3 v) { return fmt::format("{},{},{}", v.x, v.y, v.z); }
+std::string vector_text(glm::vec3 v) { return fmt::format("{},{},{}", v.x, v.y, v.z); }
 
 }  // namespace
 
@@ -44,11 +44,11 @@ FigurePicture Shot::pass(const std::string& name, std::string file, std::string 
 
 Result<Shot> Studio::shoot(const std::vector<std::string>& settings, const std::string& occlusion,
                            const std::vector<std::string>& planes) {
-  Request with = draw;
-  with.settings.insert(with.settings.end(), settings.begin(), settings.end());
-  with.occlusion = occlusion;
+  Request request = draw;
+  request.settings.insert(request.settings.end(), settings.begin(), settings.end());
+  request.occlusion = occlusion;
   StageTimes times;
-  auto recipe = make_recipe(with);
+  auto recipe = make_recipe(request);
   if (!recipe) return recipe.error();
   recipe->framing = framing;
   auto frame = umbrage::draw(device, *scene, *recipe, times);
@@ -58,19 +58,19 @@ Result<Shot> Studio::shoot(const std::vector<std::string>& settings, const std::
   names.insert(names.end(), planes.begin(), planes.end());
   auto image = device.download(*frame, names);
   if (!image) return image.error();
-  std::string command =
-      fmt::format("umbrage {} -o out.png --look {} --resolution {},{}", model, with.look, with.width, with.height);
-  if (with.anti_aliasing) command += fmt::format(" --anti-aliasing {}", *with.anti_aliasing);
+  std::string command = fmt::format("umbrage {} -o out.png --look {} --resolution {},{}", model, request.look,
+                                    request.width, request.height);
+  if (request.anti_aliasing) command += fmt::format(" --anti-aliasing {}", *request.anti_aliasing);
   if (!occlusion.empty()) command += " --ao " + occlusion;
-  if (framing.position) command += " --camera-position=" + words(*framing.position);
-  if (framing.focal_point) command += " --camera-focal-point=" + words(*framing.focal_point);
+  if (framing.position) command += " --camera-position=" + vector_text(*framing.position);
+  if (framing.focal_point) command += " --camera-focal-point=" + vector_text(*framing.focal_point);
   if (framing.view_angle_deg) command += fmt::format(" --camera-view-angle={}", *framing.view_angle_deg);
   if (framing.azimuth_deg != 0.0f) command += fmt::format(" --camera-azimuth-angle={}", framing.azimuth_deg);
   if (framing.elevation_deg != 0.0f) command += fmt::format(" --camera-elevation-angle={}", framing.elevation_deg);
   if (framing.zoom != 1.0f) command += fmt::format(" --camera-zoom-factor={}", framing.zoom);
-  if (with.layers) command += fmt::format(" --layers {}", *with.layers);
-  if (with.extra_views) command += fmt::format(" --extra-views {}", *with.extra_views);
-  for (const std::string& setting : with.settings) command += " --set " + setting;
+  if (request.layers) command += fmt::format(" --layers {}", *request.layers);
+  if (request.extra_views) command += fmt::format(" --extra-views {}", *request.extra_views);
+  for (const std::string& setting : request.settings) command += " --set " + setting;
   return Shot{std::move(*image), frame->info, std::move(command)};
 }
 

@@ -41,18 +41,18 @@ struct Studio {
   /// and depth. `occlusion`: technique; empty: that of the look.
   Result<Shot> shoot(const std::vector<std::string>& settings, const std::string& occlusion = "",
                      const std::vector<std::string>& planes = {});
-  /// Replaces the scene.
+  /// Replaces the scene and prepares the device for it.
   Result<void> show(Scene other);
 };
 
-/// Returns the first error of some shots, if any failed.
+/// Returns the first error among some shots, if one failed.
 template <class... Shots>
 std::optional<Error> error_of(const Shots&... shots) {
   std::optional<Error> first;
-  const auto look_at = [&](const auto& shot) {
+  const auto check = [&](const auto& shot) {
     if (!first && !shot) first = shot.error();
   };
-  (look_at(shots), ...);
+  (check(shots), ...);
   return first;
 }
 

@@ -80,7 +80,7 @@ Result<Figure> border_figure(Device& device, const std::string& bunny, int size)
   const auto none = studio->shoot({}, "none");
   if (const auto error = error_of(off, on, none)) return *error;
   const int reach = std::max(1, int(std::lround(20 * size / kPaperSize)));  // k / 2
-  // Only below the silhouette of the back: its white edge is the subject of figure 4.
+  // Measure only below the silhouette of the back, since its white edge is the subject of figure 4.
   const auto side = [&](const Shot& shot) {
     return mean_gray(shot, [&](int x, int y) {
       const int from_side = std::min(x, shot.image.width - 1 - x);
@@ -125,7 +125,7 @@ Result<Figure> threshold_figure(Device& device, int size) {
   auto studio = open_studio(device, "scene:claw", "unsharp", size);
   if (!studio) return studio.error();
   look_from(*studio, 0);
-  // With a light at the camera silhouettes are dark, so white silhouettes come from the unsharp mask.
+  // With a light at the camera, silhouettes are dark, so white silhouettes come from the unsharp mask.
   studio->draw.settings = {window(40, size), "lighting.rig=head"};
   const auto plain = studio->shoot({}, "none");
   const auto open = studio->shoot({"unsharp.threshold=0"});
@@ -133,8 +133,8 @@ Result<Figure> threshold_figure(Device& device, int size) {
   if (const auto error = error_of(plain, open, checked)) return *error;
   const int reach = std::max(1, int(std::lround(20 * size / kPaperSize)));  // k / 2
   constexpr float kClawInFront = 1.5f;                                      // world z; the body is behind
-  // Whether the window of a pixel contains only the claw and background, and both.
-  const auto before_background = [&](int x, int y) {
+  // Returns whether the window of a pixel contains background and otherwise only the claw.
+  const auto claw_before_background = [&](int x, int y) {
     bool background = false;
     for (int v = std::max(y - reach, 0); v < std::min(y + reach, size); ++v)
       for (int u = std::max(x - reach, 0); u < std::min(x + reach, size); ++u) {
@@ -151,21 +151,21 @@ Result<Figure> threshold_figure(Device& device, int size) {
     for (int y = 0; y < size; ++y)
       for (int x = 0; x < size; ++x)
         count += shot.surface(x, y) && gray(*plain, x, y) < kFarFromWhite && gray(shot, x, y) >= 1.0f &&
-                 shot.world(x, y).z > kClawInFront && before_background(x, y);
+                 shot.world(x, y).z > kClawInFront && claw_before_background(x, y);
     return double(count);
   };
   const auto mouth = [&](int x, int y) {
     const double u = (x + 0.5) / size, v = (y + 0.5) / size;
     return std::abs(u - 0.497) < 0.03 && std::abs(v - 0.325) < 0.045 && open->surface(x, y);
   };
-  const double enough = 500.0 * (size / kPaperSize);  // a line along the claw's outline
+  const double min_pixels = 500.0 * (size / kPaperSize);  // pixels of a line along the claw's outline
   return Figure{
       "4",
       "The claw before the far plane: no threshold, and a threshold of 0.1",
       {plain->picture("unsharp-4-without.png", "without"),
        open->picture("unsharp-4-threshold-none.png", "threshold none"),
        checked->picture("unsharp-4-threshold-0.1.png", "threshold 0.1")},
-      {{"claw's silhouette pixels at 1.0, threshold none", blown_out(*open), enough, kAnything},
+      {{"claw's silhouette pixels at 1.0, threshold none", blown_out(*open), min_pixels, kAnything},
        {"claw's silhouette pixels at 1.0, threshold 0.1", blown_out(*checked), 0.0, 0.0},
        {"change of the mouth's shade from threshold none to 0.1", mean_change(*open, *checked, mouth), 0.0, 0.01},
        {"the mouth's shade, threshold 0.1", mean_change(*plain, *checked, mouth), 0.02, kAnything}}};
@@ -190,7 +190,7 @@ Result<Figure> claw_figure(Device& device, int size) {
   if (auto done = without_claw.show(std::move(rest)); !done) return done.error();
   const auto alone = without_claw.shoot({"unsharp.threshold=0.02"});
   if (!alone) return alone.error();
-  // The body along the claw's outline: pixels of the chest with the claw at a quarter of the window to their left.
+  // The body along the claw's outline: pixels of the chest with the claw a quarter of the window to their left.
   const int reach = std::max(1, int(std::lround(10 * size / kPaperSize)));
   const auto along_outline = [&](int x, int y) {
     if (x < reach || !wide->surface(x, y) || !wide->surface(x - reach, y)) return false;

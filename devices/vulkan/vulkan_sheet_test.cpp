@@ -19,10 +19,10 @@ namespace umbrage {
 namespace {
 
 constexpr int kWidth = 640, kHeight = 480;
-constexpr int kSmaller = 4;      // downsampling factor of pictures in the sheet
-constexpr int kWorst = 2;        // downsampling factor of differences, which keeps the max
-constexpr double kShown = 16.0;  // amplification of differences
-constexpr double kSeen = 2.0 / 255.0;
+constexpr int kPictureDownsampling = 4;  // downsampling factor of pictures in the sheet
+constexpr int kErrorDownsampling = 2;    // downsampling factor of differences, which keeps the max
+constexpr double kGain = 16.0;           // amplification of differences
+constexpr double kVisible = 2.0 / 255.0;
 
 constexpr const char* kChannels[] = {"color.r", "color.g", "color.b"};
 
@@ -50,14 +50,14 @@ struct Sheet {
   }
 };
 
-/// Fills a cell; `of` computes each pixel from `step` x `step` pixels of a plane.
-template <class Of>
-void put(Sheet& sheet, int column, int row, int step, const Of& of) {
+/// Fills a cell. `color_at` computes each value from `step` x `step` pixels of a plane.
+template <class ColorAt>
+void fill_cell(Sheet& sheet, int column, int row, int step, const ColorAt& color_at) {
   for (int c = 0; c < 3; ++c)
     for (int y = 0; y < kHeight / step; ++y)
       for (int x = 0; x < kWidth / step; ++x)
         sheet.image.planes[std::size_t(c)].at(column * sheet.width + x, row * sheet.height + y) =
-            float(of(c, x * step, y * step));
+            float(color_at(c, x * step, y * step));
 }
 
 class VulkanSheet : public testing::TestWithParam<VulkanCapture> {};
@@ -66,15 +66,16 @@ INSTANTIATE_TEST_SUITE_P(Ways, VulkanSheet, testing::ValuesIn(test::kGpuCaptures
                          [](const auto& info) { return std::string(test::name_of(info.param)); });
 
 TEST_P(VulkanSheet, DISABLED_LooksOfAllScenes) {
-  auto made = make_vulkan_device({.capture = GetParam()}, make_cpu_device());
-  ASSERT_TRUE(made);
-  Device& gpu = **made;
+  auto created = make_vulkan_device({.capture = GetParam()}, make_cpu_device());
+  ASSERT_TRUE(created);
+  Device& gpu = **created;
   const auto cpu = make_cpu_device();
-  const char* wish = std::getenv("UMBRAGE_SHEET_FOLDER");
-  const std::filesystem::path folder = wish ? wish : ".";
+  const char* chosen_folder = std::getenv("UMBRAGE_SHEET_FOLDER");
+  const std::filesystem::path folder = chosen_folder ? chosen_folder : ".";
   const auto scenes = builtin_scenes();
-  Sheet pictures(int(scenes.size()), int(looks().size()), kWidth / kSmaller, kHeight / kSmaller);
-  Sheet errors(int(scenes.size()), int(looks().size()), kWidth / kWorst, kHeight / kWorst);
+  Sheet pictures(int(scenes.size()), int(looks().size()), kWidth / kPictureDownsampling,
+                 kHeight / kPictureDownsampling);
+  Sheet errors(int(scenes.size()), int(looks().size()), kWidth / kErrorDownsampling, kHeight / kErrorDownsampling);
   std::string table =
       "| look | scene | most, in 1/255 | mean, in 1/255 | pixels over 2/255, of 10 000 |\n| --- | --- | --- | --- | "
       "--- |\n";
@@ -98,26 +99,26 @@ TEST_P(VulkanSheet, DISABLED_LooksOfAllScenes) {
             worst = std::max(worst, std::fabs(double(a.planes[c].at(x, y)) - double(b.planes[c].at(x, y))));
           max = std::max(max, worst);
           sum += worst;
-          over += worst > kSeen;
+          over += worst > kVisible;
         }
       over_all += over;
       table += fmt::format("| {} | {} | {:.1f} | {:.4f} | {:.2f} |\n", look->name, scene.name, max * 255.0,
                            sum * 255.0 / (kWidth * kHeight), 1e4 * double(over) / (kWidth * kHeight));
       fmt::print("{} {}: most {:.1f}/255, {} over\n", look->name, scene.name, max * 255.0, over);
       std::fflush(stdout);
-      put(pictures, column, row, kSmaller, [&](int c, int x, int y) {
+      fill_cell(pictures, column, row, kPictureDownsampling, [&](int c, int x, int y) {
         double all = 0.0;
-        for (int j = 0; j < kSmaller; ++j)
-          for (int i = 0; i < kSmaller; ++i) all += double(a.planes[std::size_t(c)].at(x + i, y + j));
-        return all / (kSmaller * kSmaller);
+        for (int j = 0; j < kPictureDownsampling; ++j)
+          for (int i = 0; i < kPictureDownsampling; ++i) all += double(a.planes[std::size_t(c)].at(x + i, y + j));
+        return all / (kPictureDownsampling * kPictureDownsampling);
       });
-      put(errors, column, row, kWorst, [&](int c, int x, int y) {
+      fill_cell(errors, column, row, kErrorDownsampling, [&](int c, int x, int y) {
         double worst = 0.0;
-        for (int j = 0; j < kWorst; ++j)
-          for (int i = 0; i < kWorst; ++i)
+        for (int j = 0; j < kErrorDownsampling; ++j)
+          for (int i = 0; i < kErrorDownsampling; ++i)
             worst = std::max(worst, std::fabs(double(a.planes[std::size_t(c)].at(x + i, y + j)) -
                                               double(b.planes[std::size_t(c)].at(x + i, y + j))));
-        return kShown * worst;
+        return kGain * worst;
       });
       ++column;
     }

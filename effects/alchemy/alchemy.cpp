@@ -1,3 +1,4 @@
+// The parameter table, kernel constants and dispatches of `alchemy` [McGuire et al. 2011].
 #include "effects/alchemy/alchemy.h"
 
 #include <algorithm>
@@ -25,12 +26,12 @@ const std::vector<Parameter> kTable = {
              "factor for the obscurance, with lengths in radii"),
     real_row("contrast", &AlchemyParams::contrast, {.initial = 1, .min = 0.01, .max = 100}, "exponent of the result"),
     real_row("bias", &AlchemyParams::bias, {.initial = 1e-4, .max = 1},
-             "height above the surface's plane from which on a point occludes, as a fraction of the depth"),
+             "min height above the surface's plane at which a point occludes, as a fraction of the depth"),
     real_row("epsilon", &AlchemyParams::epsilon, {.initial = 1e-4, .min = 1e-8, .max = 1},
              "added to the squared distance to avoid division by 0, in squared radii"),
 };
 
-// A tap that rounds into the next pixel may add a large term: up to two quanta.
+// A tap that rounding moves to the next pixel may change the result by a large term, up to two quanta.
 constexpr double kQuantum = 0.5;
 
 void fill_constants(const AlchemyParams& params, const PictureInfo& info, AlchemyConstants& c) {
@@ -38,17 +39,18 @@ void fill_constants(const AlchemyParams& params, const PictureInfo& info, Alchem
   c.radius = std::clamp(absolute_length(params.radius, info.scene_radius), 1e-12f, 1e12f);
   c.radius2 = c.radius * c.radius;
   const float column = info.pixel_width(), row = info.pixel_height();
-  c.reach = c.radius / column;
-  c.rows = -column / row;
+  c.radius_px = c.radius / column;
+  c.rows_per_column = -column / row;
   c.scalable = params.formula;
-  // [2011]: 2 sigma / s. [2012]: 5 sigma / (r^6 s); the kernel applies r^-6. Both formulas are for metres; the extra
-  // factor of the radius makes the strength independent of the unit.
+  // The factor is 2 sigma / s in [2011], and 5 sigma / (r^6 s) in [2012], where the kernel applies r^-6. Both formulas
+  // are for metres; the extra factor of the radius makes the strength independent of the unit.
   c.factor = (c.scalable ? 5.0f : 2.0f) * params.strength * c.radius / float(params.samples);
   c.contrast = params.contrast;
   c.bias = params.bias;
   c.epsilon = params.epsilon * c.radius2;
   for (int i = 0; i < params.samples; ++i) {
-    // [McGuire et al. 2012], equation 4: a spiral. The square root makes the points uniform in the disc, as in [2011].
+    // A spiral [McGuire et al. 2012, equation 4]. The square root, for `alchemy` only, makes the points uniform in the
+    // disc, as in [2011].
     const double fraction = (i + 0.5) / params.samples, angle = 2.0 * std::numbers::pi * fraction * params.turns;
     const double length = c.scalable ? fraction : std::sqrt(fraction);
     c.points[2 * i] = float(length * std::cos(angle));

@@ -1,4 +1,4 @@
-// Tests `alchemy` against the formulas of the papers, ported literally in double, and on planes.
+// Compares `alchemy` with a literal port of the papers' formulas in double, and tests it on planes.
 #include "effects/alchemy/alchemy.h"
 
 #include <gtest/gtest.h>
@@ -16,19 +16,20 @@ namespace {
 
 using namespace test;
 
-/// Returns `ao` of a pixel by the formula of the paper.
-double listing(const GBuffer& g, const AlchemyConstants& c, const AlchemyParams& params, double radius, int x, int y) {
+/// Returns `ao` of a pixel by the formulas of the papers.
+double published_ao(const GBuffer& g, const AlchemyConstants& c, const AlchemyParams& params, double radius, int x,
+                    int y) {
   const glm::dvec3 at = position(g, x, y), n = normal(g, x, y);
   const Camera& camera = g.info.camera;
   const double spread = camera.projection == Projection::kOrthographic ? 1.0 : -at.z;
-  const double reach = radius / (spread * (double(camera.right) - camera.left) / g.info.width);
+  const double radius_px = radius / (spread * (double(camera.right) - camera.left) / g.info.width);
   const unsigned hash = ((3u * unsigned(x)) ^ (unsigned(y) + unsigned(x) * unsigned(y)));
-  const double angle = 10.0 * hash + std::numbers::pi;  // the kernel counts from half a turn
+  const double angle = 10.0 * hash + std::numbers::pi;  // direction_of_turn() subtracts half a turn
   double sum = 0.0;
   for (int i = 0; i < params.samples; ++i) {
     const double px = c.points[2 * i], py = c.points[2 * i + 1];
-    const double dx = reach * (px * std::cos(angle) - py * std::sin(angle));
-    const double dy = reach * (px * std::sin(angle) + py * std::cos(angle));
+    const double dx = radius_px * (px * std::cos(angle) - py * std::sin(angle));
+    const double dy = radius_px * (px * std::sin(angle) + py * std::cos(angle));
     const glm::ivec2 tap = pixel_at(g, x + 0.5 + dx, y + 0.5 - dy);
     if (!std::isfinite(g.layers[0].planes[0].at(tap.x, tap.y))) continue;
     const glm::dvec3 v = position(g, tap.x, tap.y) - at;
@@ -44,21 +45,21 @@ double listing(const GBuffer& g, const AlchemyConstants& c, const AlchemyParams&
 TEST(Alchemy, BothFormulasMatchThePapers) {
   const Effect& effect = *find_effect("alchemy");
   for (const bool orthographic : {false, true})
-    for (const Settings& more : {Settings{}, Settings{{"formula", "scalable"}, {"bias", "0"}},
+    for (const Settings& base : {Settings{}, Settings{{"formula", "scalable"}, {"bias", "0"}},
                                  Settings{{"contrast", "2"}, {"samples", "32"}, {"turns", "13"}}}) {
-      Settings settings = more;
+      Settings settings = base;
       settings.push_back({"radius", "0.6"});
       const GBuffer g = waves(128, 96, orthographic);
       const ParameterBytes params = parameters_of(effect, settings);
       const auto c = constants_of<AlchemyConstants>("alchemy", g.info, settings);
       on_every_target("alchemy", g, settings, [&](const Image& image) {
         expect_matches_formula(g, image.plane("ao"), 0.8, 300,
-                               [&](int x, int y) { return listing(g, c, as<AlchemyParams>(params), 0.6, x, y); });
+                               [&](int x, int y) { return published_ao(g, c, as<AlchemyParams>(params), 0.6, x, y); });
       });
     }
 }
 
-TEST(Alchemy, PlanesAreOpen) {
+TEST(Alchemy, PlanesAreUnoccluded) {
   for (const double tilt : {0.0, 0.6, 1.2}) {
     const GBuffer g = tilted_plane(96, 64, tilt);
     const Plane ao = run_effect(*find_effect("alchemy"), g, {{"radius", "0.5"}}, {}).planes[0];

@@ -1,3 +1,4 @@
+// The parameter table, kernel constants and dispatches of `bitmask` [Therrien et al. 2023].
 #include "effects/bitmask/bitmask.h"
 
 #include <algorithm>
@@ -18,11 +19,10 @@
 namespace umbrage {
 namespace {
 
-constexpr float kAssumedVisibility =
-    0.7f;  // visibility of ambient light that the first round assumes: typical of a room
+constexpr float kAssumedVisibility = 0.7f;  // of ambient light, in the first round: typical of a room
 
-// Automatic `slope` with n depth layers: kSlopeBase + kSlopeOverLayers / n. Fitted for the min error over the built-in
-// scenes, the bunny and Sponza with 1, 2 and 4 layers. With more layers, less thickness has to be assumed.
+// Automatic `slope` with n depth layers: kSlopeBase + kSlopeOverLayers / n. Fitted to minimize the error over the
+// built-in scenes, the bunny and Sponza with 1, 2 and 4 layers. The more layers, the less thickness has to be assumed.
 constexpr float kSlopeBase = 0.4f, kSlopeOverLayers = 0.4f;
 
 const std::vector<Parameter> kTable = {
@@ -66,27 +66,29 @@ const std::vector<Parameter> kTable = {
             "mode layers: number of captured depth layers in which occluders are searched"),
 };
 
-// With one tap, that tap may cover the whole slice: up to two quanta.
+// With a single tap, that tap may cover a whole slice and change the result by up to two quanta.
 constexpr double kQuantum = 0.5;
 
-/// Fills in the layers of the first camera, nearest first, and for each the layer that shows its back sides, or -1.
+/// Fills in the layers of the first camera to search, nearest first, and for each the layer that shows the back sides
+/// of its surfaces, or -1.
 void fill_layers(const BitmaskParams& params, const PictureInfo& info, BitmaskConstants& c) {
-  const int there = std::min(int(info.more_layers.size()) + 1, kLayersRead);
-  const int max = params.mode != kBitmaskLayers ? 1 : params.layers > 0 ? params.layers : kLayersRead;
+  const int captured = std::min(int(info.more_layers.size()) + 1, kLayersRead);
+  const int max_layers = params.mode != kBitmaskLayers ? 1 : params.layers > 0 ? params.layers : kLayersRead;
   const auto info_of = [&](int layer) -> const LayerInfo& { return info.more_layers[std::size_t(layer) - 1]; };
-  int behind = 0;  // the layer that the next one must be behind
-  for (int layer = 0; layer < there && c.layer_count < max; ++layer) {
-    if (layer > 0 && (info_of(layer).kind != LayerKind::kBehind || info_of(layer).of != behind)) continue;
-    behind = layer;
+  int previous = 0;  // the next layer must be behind this one
+  for (int layer = 0; layer < captured && c.layer_count < max_layers; ++layer) {
+    if (layer > 0 && (info_of(layer).kind != LayerKind::kBehind || info_of(layer).of != previous)) continue;
+    previous = layer;
     const int i = c.layer_count++;
     c.layer[i] = layer;
     c.back[i] = -1;
-    for (int k = 1; k < there; ++k)
+    for (int k = 1; k < captured; ++k)
       if (info_of(k).kind == LayerKind::kBack && info_of(k).of == layer) c.back[i] = k;
   }
 }
 
-/// Chooses as many mip levels, up to kBitmaskMaxMips, as fit below each other into one plane of the picture's size.
+/// Sets the number of mip levels: as many as fit into one plane of the picture's size, one below the other, but at most
+/// kBitmaskMaxMips.
 void fill_mips(const PictureInfo& info, BitmaskConstants& c) {
   for (int levels = kBitmaskMaxMips; levels > 0; --levels) {
     const int multiple = 1 << (levels - 1);  // every level begins at an integer row
@@ -110,16 +112,16 @@ void fill_constants(const BitmaskParams& params, const PictureInfo& info, Bitmas
   c.radius = std::clamp(absolute_length(params.radius, info.scene_radius), 1e-15f, 1e15f);  // its square stays finite
   c.radius2 = c.radius * c.radius;
   const float column = info.pixel_width(), row = -info.pixel_height();
-  c.reach = c.radius / column;
-  c.step_y = column / row;
-  c.along_y = row / column;
+  c.radius_px = c.radius / column;
+  c.rows_per_column = column / row;
+  c.columns_per_row = row / column;
   c.infinite = params.mode == kBitmaskInfinite ? 1 : 0;
   c.thickness = params.thickness * c.radius;
   c.measure = params.measure;
   c.falloff = params.falloff;
   c.fade = params.falloff > 0.0f ? 1.0f / (c.radius * params.falloff) : 0.0f;
   c.noise = params.noise;
-  // The three-dimensional golden-ratio sequence [Roberts 2018].
+  // Steps of the three-dimensional golden-ratio sequence [Roberts 2018].
   const auto fraction = [&](double step) { return float(std::fmod(step * params.sample_index, 1.0)); };
   c.sample_turn = fraction(0.8191725133961644);
   c.sample_step = fraction(0.6710436067037893);
@@ -137,21 +139,22 @@ bool has_mips(const ParameterBytes& bytes) {
   const auto& params = as<BitmaskParams>(bytes);
   return params.mips != 0 && params.mode != kBitmaskLayers;
 }
-bool bleeds(const ParameterBytes& bytes) { return as<BitmaskParams>(bytes).bleeding > 0.0f; }
-bool bends(const ParameterBytes& bytes) { return as<BitmaskParams>(bytes).bent != 0; }
-bool through_layers(const ParameterBytes& bytes) {
-  return as<BitmaskParams>(bytes).mode == kBitmaskLayers && !bleeds(bytes) && !bends(bytes);
+bool gathers_light(const ParameterBytes& bytes) { return as<BitmaskParams>(bytes).bleeding > 0.0f; }
+bool stores_bent(const ParameterBytes& bytes) { return as<BitmaskParams>(bytes).bent != 0; }
+bool uses_layer_bits(const ParameterBytes& bytes) {
+  return as<BitmaskParams>(bytes).mode == kBitmaskLayers && !gathers_light(bytes) && !stores_bent(bytes);
 }
-/// Returns whether the highest occluder on each side of a slice determines the result.
-bool by_horizon(const ParameterBytes& bytes) {
+/// Returns whether the highest occluder on each side of a slice determines the result, so that no bits are needed.
+bool uses_horizon(const ParameterBytes& bytes) {
   const auto& params = as<BitmaskParams>(bytes);
-  return params.mode == kBitmaskInfinite && params.measure == kBitmaskExact && !bleeds(bytes) && !bends(bytes);
+  return params.mode == kBitmaskInfinite && params.measure == kBitmaskExact && !gathers_light(bytes) &&
+         !stores_bent(bytes);
 }
-bool by_bits(const ParameterBytes& bytes) {
-  return !bleeds(bytes) && !bends(bytes) && !through_layers(bytes) && !by_horizon(bytes);
+bool uses_first_layer_bits(const ParameterBytes& bytes) {
+  return !gathers_light(bytes) && !stores_bent(bytes) && !uses_layer_bits(bytes) && !uses_horizon(bytes);
 }
 int rounds(const ParameterBytes& bytes, const PictureInfo&) {
-  return bleeds(bytes) ? as<BitmaskParams>(bytes).bounces : 1;
+  return gathers_light(bytes) ? as<BitmaskParams>(bytes).bounces : 1;
 }
 
 using Planes = std::vector<std::string_view>;
@@ -170,18 +173,18 @@ Planes outgoing_light_planes() {
   return of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"});
 }
 
-/// Returns a dispatch that searches occluders in the planes `seen`, anywhere in the picture, and writes `ao` and
+/// Returns a dispatch that reads the planes `searched` anywhere in the picture, to find occluders, and writes `ao` and
 /// `more_outputs`.
 Dispatch search_dispatch(std::string_view name, const Kernel& kernel, bool (*needed)(const ParameterBytes&),
-                         const Planes& seen, const Planes& more_outputs = {}) {
+                         const Planes& searched, const Planes& more_outputs = {}) {
   return {.name = name,
-          .inputs = joined(seen, {"normal.x", "normal.y", "normal.z", "bitmask_mips"}),
+          .inputs = joined(searched, {"normal.x", "normal.y", "normal.z", "bitmask_mips"}),
           .outputs = joined({"ao"}, more_outputs),
           .kernel = kernel,
           .needed = needed,
           .tile = kSquareTile,
           .reach = own_row,
-          .unbounded_inputs = joined(seen, {"bitmask_mips"})};
+          .unbounded_inputs = joined(searched, {"bitmask_mips"})};
 }
 
 }  // namespace
@@ -209,14 +212,14 @@ Effect effect_bitmask() {
                        .inputs = sent_inputs(),
                        .outputs = packed_planes(),
                        .kernel = bitmask_sent_kernel(),
-                       .needed = bleeds,
+                       .needed = gathers_light,
                        .reach = own_row},
-                      search_dispatch("horizon", bitmask_horizon_kernel(), by_horizon, {"depth"}),
-                      search_dispatch("occlusion", bitmask_occlusion_kernel(), by_bits, {"depth"}),
-                      search_dispatch("layers", bitmask_layers_kernel(), through_layers, of_all_layers({"depth"})),
-                      search_dispatch("bleeding", bitmask_bleeding_kernel(), bleeds, outgoing_light_planes(),
+                      search_dispatch("horizon", bitmask_horizon_kernel(), uses_horizon, {"depth"}),
+                      search_dispatch("occlusion", bitmask_occlusion_kernel(), uses_first_layer_bits, {"depth"}),
+                      search_dispatch("layers", bitmask_layers_kernel(), uses_layer_bits, of_all_layers({"depth"})),
+                      search_dispatch("bleeding", bitmask_bleeding_kernel(), gathers_light, outgoing_light_planes(),
                                       {"indirect.r", "indirect.g", "indirect.b"}),
-                      search_dispatch("bent", bitmask_bent_kernel(), bends, of_all_layers({"depth"}),
+                      search_dispatch("bent", bitmask_bent_kernel(), stores_bent, of_all_layers({"depth"}),
                                       {"bent.x", "bent.y", "bent.z"})},
        .rounds = rounds});
 }

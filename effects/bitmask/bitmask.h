@@ -7,19 +7,19 @@
 // Each field has one row in the parameter table of bitmask.cpp.
 struct BitmaskParams {
   int slices, steps;
-  int distribution;  // one of kBitmaskStep...
+  int distribution;  // kBitmaskStep1 to kBitmaskStep3
   Length radius;     // scene units, or percent of the bounding-sphere radius
-  int mode;          // one of kBitmaskThick...
+  int mode;          // kBitmaskThick, kBitmaskInfinite or kBitmaskLayers
   float thickness;   // in radii
-  float slope;       // relative to the distance; 0: automatic
-  int measure;       // one of kBitmaskExact...
-  float falloff;     // fraction of the radius
-  int noise;         // one of kBitmaskHilbert...
-  int sample_index;  // of accumulation
+  float slope;       // thickness, relative to the occluder's distance; 0: automatic
+  int measure;       // kBitmaskExact, kBitmaskUniform or kBitmaskSectors
+  float falloff;     // outer fraction of the radius
+  int noise;         // kBitmaskHilbert to kBitmaskNone
+  int sample_index;  // number of the picture, if several are averaged
   int mips;          // 0 or 1
-  int border;        // taps outside the picture: 0 left out, 1 open
+  int border;        // taps outside the picture: 0 left out, 1 unoccluded
   int bent;          // 0 or 1
-  float bleeding;
+  float bleeding;    // factor of indirect light; 0: off
   float ambient_bounce;
   int bounces;
   int layers;  // 0: all captured layers
@@ -38,23 +38,25 @@ struct BitmaskConstants {
   int distribution;          // as in BitmaskParams
   float turn_cos, turn_sin;  // of the angle from one slice to the next
   float one_over_slices;
-  float radius, radius2;   // scene units
-  float reach;             // radius in columns at depth 1; at any depth in an orthographic picture
-  float step_y, along_y;   // rows per column width, and its inverse; both < 0: rows go down
-  int infinite;            // 0 or 1
-  float thickness, slope;  // scene units; relative to the distance
-  int measure;             // as in BitmaskParams
-  float falloff, fade;     // outer fraction of the radius; fade = 1 / (radius falloff), 0 if falloff is 0
-  int noise;               // as in BitmaskParams
-  float sample_turn, sample_step, sample_bit;  // offsets of the noise by sample index, [0, 1)
+  float radius, radius2;                       // scene units
+  float radius_px;                             // columns, at depth 1; at any depth in an orthographic picture
+  float rows_per_column;                       // rows in the width of a column, < 0: rows go down
+  float columns_per_row;                       // the inverse of that
+  int infinite;                                // 0 or 1
+  float thickness, slope;                      // scene units; relative to the occluder's distance
+  int measure;                                 // as in BitmaskParams
+  float falloff;                               // outer fraction of the radius over which occluders fade out
+  float fade;                                  // 1 / (radius falloff); 0 if falloff is 0
+  int noise;                                   // as in BitmaskParams
+  float sample_turn, sample_step, sample_bit;  // what the sample index adds to the three noise values, [0, 1)
   int skip_outside;                            // 0 or 1: taps outside the picture are left out
-  int mip_levels;  // number of levels beyond level 0, the picture; a pixel of level l covers 2^l x 2^l pixels
+  int mip_levels;  // levels after level 0, the picture itself; a pixel of level l covers 2^l x 2^l pixels
   int mip_rows;    // rows of level 1 in the mip plane; level l begins at row 2 mip_rows (1 - 2^(1 - l))
-  // Read by the dispatch `sent`; see HemisphereConstants.
+  // The dispatch `sent` reads these; see HemisphereConstants.
   float bleeding, ambient_bounce, assumed_visibility;
   int layer_count;
-  int layer[kLayersRead];  // indices of the layers that are searched, nearest first
-  int back[kLayersRead];   // index of the layer with the back sides of layer[i]; -1: none
+  int layer[kLayersRead];  // layers that are searched, nearest first
+  int back[kLayersRead];   // layer that shows the back sides of the surfaces in layer[i]; -1: none
 };
 
 #endif

@@ -1,20 +1,20 @@
-// Occlusion by slices of the hemisphere. Along each slice, taps read depths outwards on both sides; surfaces that rise
-// above the tangent plane cover an interval of directions. Based on the visibility bitmask of [Therrien et al. 2023],
-// with bits of equal cosine weight (bitmask_measure.kernel.h).
+// Occlusion by slices of the hemisphere. In each slice, the kernel reads depths at increasing distances to both sides
+// of the pixel; a surface above the tangent plane covers an interval of directions. Based on the visibility bitmask of
+// [Therrien et al. 2023], with bits of equal cosine weight (bitmask_measure.kernel.h).
 //
 // Several kernels include this text. Before that, they define:
-//   kLayers                 whether occluders are searched in all depth layers, or only in the first
-//   kLight                  whether occluders contribute indirect light
-//   kBent                   whether the mean unoccluded direction is stored
-//   depth_of                returns the depth of a layer behind the first
-//   normal_of, outgoing_light_of      return the normal and the outgoing light of a pixel of a layer
-//   store_light, store_bent
+//   kLayers                        whether occluders are searched in all depth layers, or only in the first
+//   kLight                         whether occluders contribute indirect light
+//   kBent                          whether the mean unoccluded direction is stored
+//   depth_of                       returns the depth of a pixel in a layer behind the first
+//   normal_of, outgoing_light_of   return the normal and the outgoing light of a pixel in a layer
+//   store_light, store_bent        store the gathered light and the mean unoccluded direction
 // Files such as bitmask_one_layer.kernel.h hold definitions that several kernels share.
 //
-// A tap reads one pixel, whose centre is not in the slice. The tap uses the true height of that pixel above the tangent
-// plane and its distance along the slice, so that a plane does not occlude itself at any tilt.
+// The pixel that a tap reads does not have its centre exactly in the slice. The tap uses the pixel's true height above
+// the tangent plane, and its distance along the slice. So a plane does not occlude itself, whatever its tilt.
 //
-// Which pixel a tap reads depends only on operations that round identically on every machine: no rsqrt there.
+// The choice of the pixel uses only operations that round identically on every machine, so no rsqrt.
 IN_VECTOR(normal)
 IN_REAL(bitmask_mips)
 OUT_REAL(ao)
@@ -22,46 +22,47 @@ OUT_REAL(ao)
 #include "effects/bitmask/bitmask_measure.kernel.h"
 #include "effects/bitmask/bitmask_noise.kernel.h"
 
-CONST float kDepthRounding = 2e-6f;   // relative to the depth: 16 to 32 units in the last place
+CONST float kDepthRounding = 2e-6f;   // relative to the depth: 16 to 32 ulp
 CONST float kFirstStep = 1.3f;        // pixels; nearer taps would read the pixel itself
-CONST float kMaxReach = 1e5f;         // pixels
+CONST float kMaxRadiusPx = 1e5f;      // pixels
 CONST float kMinFacing = 0.1f;        // min N.V; smaller values are clamped
-CONST float kStepTurn = 0.61803399f;  // offset of the jitter of steps and bits from slice to slice
-CONST float kEdgeOn = 2.5e-7f;   // squared cosine, error of packed normals; surfaces seen edge-on count as front sides
-CONST float kBitJitter = 0.98f;  // range of the jitter of bit borders, in bits
+CONST float kStepTurn = 0.61803399f;  // change of the jitter of steps and of bits from one slice to the next
+CONST float kEdgeOn = 2.5e-7f;   // squared cosine, the error of packed normals; below it a surface shows its front side
+CONST float kBitJitter = 0.98f;  // range of the jitter of the borders between bits, in bits
 CONST float kMaxLight = 1e18f;   // bound of the gathered light, so that it stays finite
 
-// The pixel that is shaded, shared by all its taps.
+// Data of the shaded pixel that all its taps share.
 struct Origin {
   Real x, y, depth;
-  Real height;              // height change per unit of depth along the view ray: N . ray
-  Real height_x, height_y;  // height change per pixel to the right and down, at depth 1
+  Real height;              // height above the tangent plane per unit of depth, along the view ray: N . ray
+  Real height_x, height_y;  // change of that height per pixel to the right and down, at depth 1
   Real one_over_nv;
 };
 
-// One side of a slice: the bit of a direction with cosine c is k0 + k1 f(c) + k2 g(c).
+// One side of a slice. The bit of a direction is k0 + k1 f(c) + k2 g(c), with c its cosine to the view direction.
 struct Side {
   Real x, y;              // length of one step towards this side, in columns and rows
   Real along_x, along_y;  // steps per pixel to the right and down
   Real across;            // length of one step at depth 1, perpendicular to the view ray
   Real tangent;           // slope of the tangent plane along this side, towards the camera
   Real k0, k1, k2;
-  Real low;  // cosine between view direction and tangent plane: min of all cosines on this side
+  Real low;  // min cosine to the view direction on this side: that of the tangent plane
 };
 
-// One tap: position of the pixel that was read (its centre minus 0.5), its depth, and whether it is inside the picture.
+// One tap: the centre of the pixel that it read, minus 0.5 (column and row, unless it read a mip level); the depth
+// there; whether the tap is inside the picture.
 struct Tap {
   Real x, y, depth;
   Bool inside;
 };
 
-// A vector from the shaded pixel to a tap: component towards the camera; squared perpendicular component; squared
-// length, > 0.
-struct Way {
+// A vector from the shaded point to the surface at a tap: component towards the camera; square of the component
+// perpendicular to that; squared length, > 0.
+struct TapVector {
   Real to_eye, across2, squared;
 };
 
-// Returns the bit, with fraction, of the direction with cosine c to the view direction.
+// Returns the bit, as a real number, of the direction whose cosine to the view direction is c.
 FN Real bit_of(Real c, Side side) {
   if (C.measure == kBitmaskUniform) return mad(angle_of_cosine(c), side.k2, side.k0);
   if (C.measure == kBitmaskSectors)
@@ -69,14 +70,15 @@ FN Real bit_of(Real c, Side side) {
   return mad(c * c, side.k1, mad(arc(c), side.k2, side.k0));
 }
 
-// Returns how many of the slice's 32 bits, with fraction, lie on the side of negative angles.
+// Returns how many of the slice's 32 bits, as a real number, are on the side of negative angles. `sn`, `m`: as
+// in slice_of().
 FN Real bits_of_negative_side(Real sn, Real m) {
   if (C.measure == kBitmaskUniform) return Real(16.0f) - (Real(1.57079633f) - angle_of_cosine(sn)) * m;
   if (C.measure == kBitmaskSectors) return mad(-sn, m, Real(16.0f));
   return mad(sn * -1.57079633f, m, Real(16.0f));
 }
 
-// Maps the position t of a step, in [0, 1), to its distance as a fraction of the radius.
+// Returns the distance of step t, in [0, 1), as a fraction of the radius.
 FN Real step_length(Real t) {
   if (C.distribution == kBitmaskStep15) return t * sqrt(t);
   if (C.distribution == kBitmaskStep2) return t * t;
@@ -84,16 +86,19 @@ FN Real step_length(Real t) {
   return t;
 }
 
-// Returns the pixel size of the mip level for a tap at distance `off` in pixels: about a tenth of the distance.
-FN Real mip_size(Real off) {
-  Uint power = bits_of(off * 0.8122524f) & Uint(0x7f800000u);  // 2^-0.3; power = 2^(floor(log2(off) - 3.3) + 3)
+// Returns the pixel size of the mip level for a tap at a distance in pixels: a tenth of the distance, rounded
+// down to a power of two.
+FN Real mip_size(Real distance_px) {
+  // 0.8122524 is 2^-0.3, so that power = 2^(floor(log2(distance) - 3.3) + 3).
+  Uint power = bits_of(distance_px * 0.8122524f) & Uint(0x7f800000u);
   return clamp(real_of_bits(power) * 0.125f, Real(1.0f), Real(float(1 << C.mip_levels)));
 }
 
-// Reads the pixel `off` steps away. `size`: pixel size of the mip level, 1 for the picture itself.
-FN Tap tap_at(Origin from, Side side, Real off, Real size, bool near_border) {
-  Real x = mad(side.x, off, from.x + 0.5f);
-  Real y = mad(side.y, off, from.y + 0.5f);
+// Reads the depth at `distance_px` steps of `side` from the pixel. `size`: pixel size of the mip level, 1 for the
+// picture itself.
+FN Tap tap_at(Origin from, Side side, Real distance_px, Real size, bool near_border) {
+  Real x = mad(side.x, distance_px, from.x + 0.5f);
+  Real y = mad(side.y, distance_px, from.y + 0.5f);
   Bool inside = from.depth > 0.0f;
   if (C.mip_levels == 0) {
     Real column = floor(x);
@@ -111,7 +116,7 @@ FN Tap tap_at(Origin from, Side side, Real off, Real size, bool near_border) {
   Real scale = Real(1.0f) / size;
   Real column = floor(x * scale);
   Real row = floor(y * scale);
-  // A level lacks its last column or row where the picture's size is not a multiple of its pixel size.
+  // Where the picture's size is not a multiple of the level's pixel size, the level does not cover the last pixels.
   column = clamp(column, Real(0.0f), floor(scale * float(F.width)) - 1.0f);
   row = clamp(row, Real(0.0f), floor(scale * float(F.height)) - 1.0f);
   Bool small = size == 1.0f;
@@ -125,9 +130,9 @@ FN Tap tap_at(Origin from, Side side, Real off, Real size, bool near_border) {
   return Tap(mad(column + 0.5f, size, Real(-0.5f)), mad(row + 0.5f, size, Real(-0.5f)), depth, inside);
 }
 
-// Returns the vector to the surface at a tap, with its true height above the tangent plane and its distance in the
-// slice.
-FN Way vector_to_tap(Origin from, Side side, Real x, Real y, Real depth) {
+// Returns the vector to the surface at pixel (x, y), made of its true height above the tangent plane and its distance
+// along the slice.
+FN TapVector vector_to_tap(Origin from, Side side, Real x, Real y, Real depth) {
   Real dx = x - from.x;
   Real dy = y - from.y;
   Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
@@ -136,28 +141,29 @@ FN Way vector_to_tap(Origin from, Side side, Real x, Real y, Real depth) {
   Real across = mad(side.along_x, dx, side.along_y * dy) * spread * side.across;
   Real to_eye = mad(across, side.tangent, height * from.one_over_nv);
   Real across2 = max(across * across, Real(1e-30f));
-  return Way(to_eye, across2, mad(to_eye, to_eye, across2));
+  return TapVector(to_eye, across2, mad(to_eye, to_eye, across2));
 }
 
 // Returns the cosine of the angle between the vector and the view direction.
-FN Real cosine_of(Way way) { return way.to_eye * rsqrt(way.squared); }
+FN Real cosine_of(TapVector to_tap) { return to_tap.to_eye * rsqrt(to_tap.squared); }
 
-// Returns the bits that an occluder covers, with the assumed thickness but at most `most`.
-FN Uint covered_bits(Way way, Side side, Real max_value) {
-  Real one_over = rsqrt(way.squared);
-  Real front = max(way.to_eye * one_over, side.low);
+// Returns the bits that an occluder covers. Its thickness is the assumed one, but at most `max_thickness`.
+FN Uint covered_bits(TapVector to_tap, Side side, Real max_thickness) {
+  Real inverse_length = rsqrt(to_tap.squared);
+  Real front = max(to_tap.to_eye * inverse_length, side.low);
   Real back = side.low;
   if (C.infinite == 0) {
-    Real thick = max(way.squared * one_over * Real(C.slope), Real(C.thickness));
-    if (kLayers) thick = min(thick, max_value);
-    Real to_eye = way.to_eye - thick;
-    back = max(to_eye * rsqrt(mad(to_eye, to_eye, way.across2)), side.low);
+    Real thickness = max(to_tap.squared * inverse_length * Real(C.slope), Real(C.thickness));
+    if (kLayers) thickness = min(thickness, max_thickness);
+    Real to_eye = to_tap.to_eye - thickness;
+    back = max(to_eye * rsqrt(mad(to_eye, to_eye, to_tap.across2)), side.low);
   }
   Uint from = ones_from(to_int(bit_of(front, side)));
   return from ^ ones_from(to_int(bit_of(back, side)));
 }
 
-// Returns the normal; turned towards the camera if it faces away, as interpolated normals do at silhouettes.
+// Returns the normal; turned towards the camera if it faces away, as interpolated normals may at silhouettes. `eye`:
+// the unit vector towards the camera.
 FN Vec3 facing_normal(Vec3 normal, Vec3 eye) {
   Real facing = dot(normal, eye);
   if (!some(facing < 0.0f)) return normal;
@@ -165,29 +171,30 @@ FN Vec3 facing_normal(Vec3 normal, Vec3 eye) {
   return select(facing < 0.0f, turned * rsqrt(max(dot(turned, turned), Real(1e-30f))), normal);
 }
 
-// Returns the radius in columns at this depth.
-FN Real reach_of(Real depth) {
+// Returns the radius in columns at a depth.
+FN Real radius_px_at(Real depth) {
   Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
-  return clamp(Real(C.reach) / spread, Real(0.0f), Real(kMaxReach));
+  return clamp(Real(C.radius_px) / spread, Real(0.0f), Real(kMaxRadiusPx));
 }
 
-// Returns whether taps may fall outside the picture.
-FN Bool is_near_border(Origin from, Real reach) {
-  Real wide = reach + (kFirstStep + 1.0f);
-  Real high = mad(wide, Real(-C.step_y), Real(1.0f));
-  return from.x < wide || from.x > float(F.width - 1) - wide || from.y < high || from.y > float(F.height - 1) - high;
+// Returns whether taps may fall outside the picture. `radius_px`: columns.
+FN Bool is_near_border(Origin from, Real radius_px) {
+  Real border_columns = radius_px + (kFirstStep + 1.0f);
+  Real border_rows = mad(border_columns, Real(-C.rows_per_column), Real(1.0f));
+  return from.x < border_columns || from.x > float(F.width - 1) - border_columns || from.y < border_rows ||
+         from.y > float(F.height - 1) - border_rows;
 }
 
 // Returns the direction of the first slice, rotated by the fraction `turn` of the angle between two slices.
 FN Vec2 direction_of(Real turn) {
-  // The angle is pi turn / slices - pi / 2, by the double-angle formulas.
+  // Double-angle formulas yield the cosine and sine of the angle pi turn / slices - pi / 2.
   Real s = sine_of_quarter_turns(mad(turn, Real(C.one_over_slices), Real(-0.5f)));
   Real c = sqrt(mad(-s, s, Real(1.0f)));
   return Vec2(mad(s * s, Real(-2.0f), Real(1.0f)), 2.0f * s * c);
 }
 
 // Returns whether a tap shows a surface within the radius.
-FN Bool is_near(Way way, Real depth) { return way.squared <= Real(C.radius2) && depth > 0.0f; }
+FN Bool is_near(TapVector to_tap, Real depth) { return to_tap.squared <= Real(C.radius2) && depth > 0.0f; }
 
 FN Origin origin_of(Int px, Int py, Real depth, Vec3 normal, Real facing) {
   Real x = to_real(px);
@@ -200,42 +207,43 @@ FN Origin origin_of(Int px, Int py, Real depth, Vec3 normal, Real facing) {
   return Origin(x, y, depth, height, normal.x * Real(F.ray_scale_x), normal.y * Real(F.ray_scale_y), 1.0f / facing);
 }
 
-// Data shared by all slices of a pixel.
-struct Seen {
-  Vec3 eye, normal;  // unit vectors; towards the camera, and the normal facing it
+// Data of the shaded pixel that all its slices share.
+struct ShadedPoint {
+  Vec3 eye, normal;  // unit vectors: towards the camera; the normal, turned towards the camera
   Real facing;       // N.V
   Origin from;
-  Real reach;        // columns
+  Real radius_px;    // columns
   bool near_border;  // whether taps may fall outside the picture
 };
 
-FN Seen shaded_point_at(Int px, Int py, Real depth) {
-  // The direction does not depend on the depth; depth 1 avoids overflow and underflow.
-  Vec3 sight = view_position(px, py, Real(1.0f));
-  Vec3 eye = to_eye(sight);
-  Vec3 normal = facing_normal(unit_normal(near_normal(0, 0), sight), eye);
+// Returns the data of a pixel whose surface is at `depth`.
+FN ShadedPoint shaded_point_at(Int px, Int py, Real depth) {
+  // The direction of the view ray does not depend on the depth; depth 1 avoids overflow and underflow.
+  Vec3 view_ray = view_position(px, py, Real(1.0f));
+  Vec3 eye = to_eye(view_ray);
+  Vec3 normal = facing_normal(unit_normal(near_normal(0, 0), view_ray), eye);
   Real facing = max(dot(normal, eye), Real(kMinFacing));
   Origin from = origin_of(px, py, depth, normal, facing);
-  Real reach = reach_of(depth);
-  return Seen(eye, normal, facing, from, reach, some(is_near_border(from, reach)));
+  Real radius_px = radius_px_at(depth);
+  return ShadedPoint(eye, normal, facing, from, radius_px, some(is_near_border(from, radius_px)));
 }
 
 // Data of one slice.
 struct Slice {
-  Side above, below;  // the sides of higher and lower bits
-  Real cn, sn;        // cosine and sine of n, the angle of the normal's projection
-  Real weight;        // how much the slice counts in the sum over slices
-  Real first_above;   // the bit, with fraction, at which side `above` begins
-  Real projected;     // |n_p|
+  Side above, below;  // the side of the higher and that of the lower bits
+  Real cn, sn;        // cosine and sine of n, the angle from the view direction to the normal's projection
+  Real weight;        // weight of the slice in the sum over slices
+  Real first_above;   // first bit of side `above`, as a real number
+  Real projected;     // |n_p|, the length of the normal's projection
   Vec3 outwards;      // unit vector towards higher bits, perpendicular to the view ray
 };
 
-// Returns the slice in direction (x, y) of the picture, y upwards. `jitter` moves the borders between bits.
+// Returns the slice in direction (x, y) of the picture, y upwards. `jitter` shifts the borders between bits, in bits.
 FN Slice slice_of(Real x, Real y, Vec3 to_eye, Vec3 normal, Real facing, Real jitter) {
   Real lean = mad(x, to_eye.x, y * to_eye.y);
-  Real t2 = max(mad(-lean, lean, Real(1.0f)), Real(1e-6f));
-  Real one_over_t = rsqrt(t2);
-  Real nt = (mad(normal.x, x, normal.y * y) - lean * facing) * one_over_t;
+  Real perpendicular2 = max(mad(-lean, lean, Real(1.0f)), Real(1e-6f));
+  Real one_over_perpendicular = rsqrt(perpendicular2);
+  Real nt = (mad(normal.x, x, normal.y * y) - lean * facing) * one_over_perpendicular;
   Real projected2 = mad(facing, facing, nt * nt);
   Real one_over_projected = rsqrt(projected2);
   Real cn = facing * one_over_projected;
@@ -269,78 +277,82 @@ FN Slice slice_of(Real x, Real y, Vec3 to_eye, Vec3 normal, Real facing, Real ji
     k2_above = m;
     k2_below = -m;
   }
-  Real across = t2 * one_over_t * Real(F.ray_scale_x);
+  Real across = perpendicular2 * one_over_perpendicular * Real(F.ray_scale_x);
   Real tangent = nt / facing;
-  Real down_y = y * Real(C.step_y);
-  Real along_y = y * Real(C.along_y);
-  return Slice(Side(x, down_y, x, along_y, across, -tangent, k0_above, k1, k2_above, -sn),
-               Side(-x, -down_y, -x, -along_y, across, tangent, k0_below, -k1, k2_below, sn), cn, sn, weight,
+  Real step_y = y * Real(C.rows_per_column);
+  Real along_y = y * Real(C.columns_per_row);
+  return Slice(Side(x, step_y, x, along_y, across, -tangent, k0_above, k1, k2_above, -sn),
+               Side(-x, -step_y, -x, -along_y, across, tangent, k0_below, -k1, k2_below, sn), cn, sn, weight,
                bits_of_negative_side(sn, m), projected2 * one_over_projected,
-               (Vec3(x, y, Real(0.0f)) - to_eye * lean) * one_over_t);
+               (Vec3(x, y, Real(0.0f)) - to_eye * lean) * one_over_perpendicular);
 }
 
-// The contribution of one tap: covered bits, light of the newly covered ones, 1 if it is inside the picture.
-struct Found {
+// The contribution of one tap: the bits that it covers; the light of those that no earlier tap covers; 1 if the tap is
+// inside the picture, or else 0.
+struct TapResult {
   Uint bits;
   Vec3 light;
   Real inside;
 };
 
-// Returns the light from layer i at a tap, times the number of bits in `fresh`.
-FN Vec3 light_of(int i, Uint fresh, Origin from, Tap tap, Real depth, Vec3 position) {
+// Returns the light that the surface of layer i at a tap emits, times the number of bits in `new_bits`. `position`:
+// that of the shaded point.
+FN Vec3 light_of(int i, Uint new_bits, Origin from, Tap tap, Real depth, Vec3 position) {
   Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
-  Real count = to_real(popcount(fresh));
-  Bool sends = count > 0.0f;
-  if (!some(sends)) return none;
-  Int place = place_of(select(sends, floor(tap.x), from.x), select(sends, floor(tap.y), from.y));
+  Real count = to_real(popcount(new_bits));
+  Bool has_new_bits = count > 0.0f;
+  if (!some(has_new_bits)) return none;
+  Int place = place_of(select(has_new_bits, floor(tap.x), from.x), select(has_new_bits, floor(tap.y), from.y));
   Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
-  Vec3 there = Vec3(mad(tap.x + 0.5f, Real(F.ray_scale_x), Real(F.ray_offset_x)) * spread,
-                    mad(tap.y + 0.5f, Real(F.ray_scale_y), Real(F.ray_offset_y)) * spread, -depth);
-  // Light of the back side, if the shaded pixel faces that.
-  Vec3 way = there - position;
-  Real turned = dot(way, normal_of(C.layer[i], place));
-  Bool away = turned * abs(turned) > dot(way, way) * kEdgeOn;
-  Vec3 light = select(sends && !away, outgoing_light_of(C.layer[i], place), none);
-  if (C.back[i] >= 0 && some(sends && away)) light = select(sends && away, outgoing_light_of(C.back[i], place), light);
+  Vec3 occluder = Vec3(mad(tap.x + 0.5f, Real(F.ray_scale_x), Real(F.ray_offset_x)) * spread,
+                       mad(tap.y + 0.5f, Real(F.ray_scale_y), Real(F.ray_offset_y)) * spread, -depth);
+  // If the shaded point faces the back side of the surface, the light is that of the back side.
+  Vec3 to_tap = occluder - position;
+  Real turned = dot(to_tap, normal_of(C.layer[i], place));
+  Bool shows_back = turned * abs(turned) > dot(to_tap, to_tap) * kEdgeOn;
+  Vec3 light = select(has_new_bits && !shows_back, outgoing_light_of(C.layer[i], place), none);
+  if (C.back[i] >= 0 && some(has_new_bits && shows_back))
+    light = select(has_new_bits && shows_back, outgoing_light_of(C.back[i], place), light);
   return light * count;
 }
 
-// Reads one tap. `covered`: bits that earlier taps have covered.
-FN Found read_tap(Origin from, Side side, Real off, Real size, bool near_border, Uint covered, Vec3 position) {
+// Evaluates one tap. `covered`: bits that earlier taps have covered.
+FN TapResult evaluate_tap(Origin from, Side side, Real distance_px, Real size, bool near_border, Uint covered,
+                          Vec3 position) {
   Vec3 light = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
-  Tap tap = tap_at(from, side, off, size, near_border);
+  Tap tap = tap_at(from, side, distance_px, size, near_border);
   Uint bits = Uint(0u);
   Real depth = tap.depth;
   int count = kLayers ? C.layer_count : 1;
   for (int i = 0; i < count; ++i) {
-    Way way = vector_to_tap(from, side, tap.x, tap.y, depth);
-    Bool counts = is_near(way, depth) && tap.inside;
+    TapVector to_tap = vector_to_tap(from, side, tap.x, tap.y, depth);
+    Bool counts = is_near(to_tap, depth) && tap.inside;
     Real next = depth;
-    Real max_value = Real(3e38f);
+    Real max_thickness = Real(3e38f);
     if (kLayers && i + 1 < count) {
       next = depth_of(C.layer[i + 1], place_of(tap.x, tap.y));
       // The occluder ends where the next surface begins, at the latest.
-      max_value = select(next > depth, next - depth, max_value);
+      max_thickness = select(next > depth, next - depth, max_thickness);
     }
-    Uint fresh = select(counts, covered_bits(way, side, max_value), Uint(0u));
-    if (kLight) light = light + light_of(i, fresh & ~(covered | bits), from, tap, depth, position);
-    bits = bits | fresh;
+    Uint new_bits = select(counts, covered_bits(to_tap, side, max_thickness), Uint(0u));
+    if (kLight) light = light + light_of(i, new_bits & ~(covered | bits), from, tap, depth, position);
+    bits = bits | new_bits;
     depth = next;
   }
-  return Found(bits, light, select(tap.inside, Real(1.0f), Real(0.0f)));
+  return TapResult(bits, light, select(tap.inside, Real(1.0f), Real(0.0f)));
 }
 
-// Returns the weighted sum of the unoccluded directions of a slice, sampled at the centres of 32 equal angles: x along
-// the slice, y towards the camera.
+// Returns the weighted sum of the unoccluded directions of a slice, sampled at the centres of 32 equal angles. `bits`:
+// the covered ones. x of the result is along the slice, y towards the camera.
 FN Vec2 unoccluded_directions(Slice slice, Uint bits) {
-  // Half a step, and a whole step, of pi / 32.
+  // Cosine and sine of half a step and of a whole step of pi / 32.
   float half_cos = 0.99879546f;
   float half_sin = 0.04906767f;
   float step_cos = 0.99518473f;
   float step_sin = 0.09801714f;
   Real c = mad(slice.sn, Real(half_cos), slice.cn * half_sin);
   Real s = mad(slice.sn, Real(half_sin), slice.cn * -half_cos);
-  // Sine and cosine of the angle to the tangent plane.
+  // `height` and `width` are the sine and cosine of the angle to the tangent plane.
   float height = half_sin;
   float width = half_cos;
   Vec2 sum = Vec2(Real(0.0f), Real(0.0f));
@@ -361,7 +373,8 @@ FN Vec2 unoccluded_directions(Slice slice, Uint bits) {
   return sum;
 }
 
-// Computes one pixel: searches all slices, and stores `ao` and, if requested, light and the bent normal.
+// Computes one pixel: searches all slices, and stores `ao` and, if requested, the light and the mean unoccluded
+// direction.
 FN void gather(Int px, Int py) {
   Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
   Bool surface = is_surface(near_depth(0, 0));
@@ -373,17 +386,17 @@ FN void gather(Int px, Int py) {
   }
   Real depth = select(surface, near_depth(0, 0), Real(1.0f));
   Vec3 position = view_position(px, py, depth);
-  Seen seen = shaded_point_at(px, py, depth);
+  ShadedPoint point = shaded_point_at(px, py, depth);
   Vec3 noise = noise_at(px, py);
   Vec2 direction = direction_of(noise.x);
   Real open_sum = Real(0.0f);
-  Real whole_sum = Real(0.0f);
+  Real weight_sum = Real(0.0f);
   Vec3 light = none;
   Vec3 bent = none;
   for (int s = 0; s < C.slices; ++s) {
     Real bit_jitter = fract(mad(Real(float(s)), Real(kStepTurn), noise.z));
     bit_jitter = mad(bit_jitter, Real(kBitJitter), Real(0.5f - 0.5f * kBitJitter));
-    Slice slice = slice_of(direction.x, direction.y, seen.eye, seen.normal, seen.facing, bit_jitter);
+    Slice slice = slice_of(direction.x, direction.y, point.eye, point.normal, point.facing, bit_jitter);
     Real jitter = fract(mad(Real(float(s)), Real(kStepTurn), noise.y));
     Uint bits = Uint(0u);
     Real inside_above = Real(0.0f);
@@ -391,17 +404,18 @@ FN void gather(Int px, Int py) {
     Vec3 light_above = none;
     Vec3 light_below = none;
     for (int k = 0; k < C.steps; ++k) {
-      Real off = mad(step_length((jitter + float(k)) * Real(C.one_over_steps)), seen.reach, Real(kFirstStep));
-      Real size = mip_size(off);
-      Found above = read_tap(seen.from, slice.above, off, size, seen.near_border, bits, position);
+      Real distance_px =
+          mad(step_length((jitter + float(k)) * Real(C.one_over_steps)), point.radius_px, Real(kFirstStep));
+      Real size = mip_size(distance_px);
+      TapResult above = evaluate_tap(point.from, slice.above, distance_px, size, point.near_border, bits, position);
       bits = bits | above.bits;
-      Found below = read_tap(seen.from, slice.below, off, size, seen.near_border, bits, position);
+      TapResult below = evaluate_tap(point.from, slice.below, distance_px, size, point.near_border, bits, position);
       bits = bits | below.bits;
       if (kLight) {
         light_above = light_above + above.light;
         light_below = light_below + below.light;
       }
-      if (seen.near_border) {
+      if (point.near_border) {
         inside_above = inside_above + above.inside;
         inside_below = inside_below + below.inside;
       }
@@ -411,38 +425,38 @@ FN void gather(Int px, Int py) {
     Real whole = slice.weight;
     light_above = light_above * slice.weight;
     light_below = light_below * slice.weight;
-    if (seen.near_border && C.skip_outside != 0) {
+    if (point.near_border && C.skip_outside != 0) {
       // A side is weighted by the fraction of its taps that are inside the picture.
-      Real share_above = inside_above * Real(C.one_over_steps);
-      Real share_below = inside_below * Real(C.one_over_steps);
+      Real fraction_above = inside_above * Real(C.one_over_steps);
+      Real fraction_below = inside_below * Real(C.one_over_steps);
       Real low = floor(slice.first_above + 0.5f);
       Real covered_above = to_real(popcount(bits & ones_from(to_int(low))));
-      Real whole_above = (32.0f - low) * share_above * slice.weight * 0.03125f;
-      Real whole_below = low * share_below * slice.weight * 0.03125f;
+      Real whole_above = (32.0f - low) * fraction_above * slice.weight * 0.03125f;
+      Real whole_below = low * fraction_below * slice.weight * 0.03125f;
       whole = whole_above + whole_below;
       open = mad(whole_above, 1.0f - covered_above / max(32.0f - low, Real(1.0f)),
                  whole_below * (1.0f - (covered - covered_above) / max(low, Real(1.0f))));
-      // A side without bits of its own, of a surface seen edge-on, gets no light: rounding errors would be its only
-      // light where the other side is outside the picture.
-      light_above = light_above * select(low < 32.0f, share_above, Real(0.0f));
-      light_below = light_below * select(low > 0.0f, share_below, Real(0.0f));
+      // On a surface seen edge-on, one side has no bits of its own. It gets no light: where the other side is outside
+      // the picture, the result would be rounding errors alone.
+      light_above = light_above * select(low < 32.0f, fraction_above, Real(0.0f));
+      light_below = light_below * select(low > 0.0f, fraction_below, Real(0.0f));
     }
     open_sum = open_sum + open;
-    whole_sum = whole_sum + whole;
+    weight_sum = weight_sum + whole;
     if (kLight) light = light + (light_above + light_below);
     if (kBent) {
       Vec2 sum = unoccluded_directions(slice, bits);
-      bent = bent + (slice.outwards * sum.x + seen.eye * sum.y) * slice.projected;
+      bent = bent + (slice.outwards * sum.x + point.eye * sum.y) * slice.projected;
     }
     direction = Vec2(mad(direction.x, Real(C.turn_cos), direction.y * -C.turn_sin),
                      mad(direction.y, Real(C.turn_cos), direction.x * C.turn_sin));
   }
-  Real known = max(whole_sum, Real(1e-6f));
-  store_ao(select(surface && whole_sum > 1e-6f, min(open_sum / known, Real(1.0f)), Real(1.0f)));
+  Real divisor = max(weight_sum, Real(1e-6f));
+  store_ao(select(surface && weight_sum > 1e-6f, min(open_sum / divisor, Real(1.0f)), Real(1.0f)));
   if (kLight) {
-    light = light * (Real(C.bleeding * 0.03125f) / known);
+    light = light * (Real(C.bleeding * 0.03125f) / divisor);
     light = Vec3(min(light.x, Real(kMaxLight)), min(light.y, Real(kMaxLight)), min(light.z, Real(kMaxLight)));
     store_light(select(surface, finite_or_zero(light), none));
   }
-  if (kBent) store_bent(select(surface, select(dot(bent, bent) > 1e-12f, normalized(bent), seen.normal), none));
+  if (kBent) store_bent(select(surface, select(dot(bent, bent) > 1e-12f, normalized(bent), point.normal), none));
 }

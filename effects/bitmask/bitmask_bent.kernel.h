@@ -1,4 +1,4 @@
-// Occlusion by all depth layers, and the mean unoccluded direction in view space.
+// Occlusion by occluders in all depth layers, and the mean unoccluded direction in view space.
 #include "effects/bitmask/bitmask_all_layers.kernel.h"
 #include "effects/bitmask/bitmask_no_light.kernel.h"
 

@@ -1,4 +1,4 @@
-// Occlusion, and indirect light from the occluders, whose outgoing light the dispatch `sent` has written.
+// Occlusion, and indirect light: the outgoing light of the occluders, which the dispatch `sent` has written.
 #include "effects/bitmask/bitmask_all_layers.kernel.h"
 #include "effects/bitmask/bitmask_not_bent.kernel.h"
 #include "effects/hemisphere/hemisphere_light.kernel.h"

@@ -1,12 +1,12 @@
-// The measure of directions in a slice. A slice is the plane through the view ray V and a direction in the picture. In
-// it, theta is the angle of a direction from V, n the angle of the normal's projection, and |n_p| the projection's
-// length. Directions have the weight |sin theta| dtheta and the cosine |n_p| cos(theta - n) to the normal. On one side
-// of V, with c = cos theta, the measure from V to theta is
+// The measure of directions in a slice. A slice is the plane through the view direction V and a direction in the
+// picture. In it, theta is the angle from V to a direction, n that from V to the projection of the normal, and |n_p|
+// the length of this projection. Directions have the weight |sin theta| dtheta and the cosine |n_p| cos(theta - n) to
+// the normal. On one side of V, with c = cos theta, the measure from V to theta, divided by |n_p|, is
 //   A = (+-cos n (1 - c^2) + sin n (pi/2 - h(c))) / 2,   h(c) = asin c + c sqrt(1 - c^2),
-// so that the cosine alone determines the bit of a direction. Based on [Therrien et al. 2023], whose bits are equal
-// angles, and on the arcs of [Jimenez et al. 2016], equation 7.
+// where + is for theta > 0. So on each side c alone determines the bit of a direction. Based on [Therrien et al. 2023],
+// whose bits are equal angles, and on the integral of [Jimenez et al. 2016], equation 7.
 
-// Returns h as an odd polynomial with h(1) = pi/2. Error below 0.0015; below 0.0008 as a fraction of the slice.
+// Returns h(c), as an odd polynomial that is pi/2 at 1. Error below 0.0015, which is below 0.0008 of a slice's measure.
 FN Real arc(Real c) {
   Real c2 = c * c;
   Real sum = mad(c2, mad(c2, Real(-0.21154887f), Real(0.21090476f)), Real(-0.43954378f));

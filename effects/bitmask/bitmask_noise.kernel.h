@@ -1,32 +1,32 @@
-// Noise per pixel: x rotates the slices, as a fraction of the angle between two slices; y offsets the steps along them;
-// z offsets the borders between bits. All in [0, 1).
+// Three noise values per pixel, each in [0, 1): x rotates the slices, as a fraction of the angle between two slices; y
+// shifts the steps along a slice, in steps; z shifts the borders between bits, in bits.
 #include "kernel/angles.kernel.h"
 
 // Returns the index of a pixel along a Hilbert curve through 64 x 64 pixels. Pixels with adjacent indices are adjacent.
 FN Uint hilbert_index(Uint x, Uint y) {
   Uint index = Uint(0u);
   for (int level = 5; level >= 0; --level) {
-    Uint right = (x >> level) & Uint(1u);
-    Uint low = (y >> level) & Uint(1u);
-    index = (index << 2) | ((right * Uint(3u)) ^ low);
-    // The curve in a sub-square is mirrored if right = 1 and low = 0; x and y are swapped if low = 0.
-    Uint mirrored = right & (low ^ Uint(1u));
-    Uint mask = Uint(0u) - mirrored;
-    Uint turned = Uint(0u) - (low ^ Uint(1u));
-    x = x ^ mask;
-    y = y ^ mask;
-    Uint swapped = (x ^ y) & turned;
-    x = x ^ swapped;
-    y = y ^ swapped;
+    Uint x_bit = (x >> level) & Uint(1u);
+    Uint y_bit = (y >> level) & Uint(1u);
+    index = (index << 2) | ((x_bit * Uint(3u)) ^ y_bit);
+    // In a sub-square, the curve is mirrored if x_bit = 1 and y_bit = 0; x and y are swapped if y_bit = 0.
+    Uint mirrored = x_bit & (y_bit ^ Uint(1u));
+    Uint mirror_mask = Uint(0u) - mirrored;
+    Uint swap_mask = Uint(0u) - (y_bit ^ Uint(1u));
+    x = x ^ mirror_mask;
+    y = y ^ mirror_mask;
+    Uint difference = (x ^ y) & swap_mask;
+    x = x ^ difference;
+    y = y ^ difference;
   }
   return index;
 }
 
-// Returns the noise of a pixel for the sample index of this picture.
+// Returns the noise values of a pixel for the picture's sample index.
 FN Vec3 noise_at(Int px, Int py) {
   Vec3 noise = Vec3(Real(0.5f), Real(0.5f), Real(0.5f));
   if (C.noise == kBitmaskHilbert || C.noise == kBitmaskHash) {
-    // The three-dimensional golden-ratio sequence [Roberts 2018] along the curve: neighbours get very different values.
+    // The golden-ratio sequence in three dimensions [Roberts 2018] along the curve gives neighbours different values.
     Uint index = hilbert_index(to_uint(px) & Uint(63u), to_uint(py) & Uint(63u));
     Uint first = index * Uint(0xd1b54a33u);
     Uint second = index * Uint(0xabc98389u);
@@ -39,7 +39,7 @@ FN Vec3 noise_at(Int px, Int py) {
     noise = Vec3(share_of_one(first), share_of_one(second), share_of_one(third));
   }
   if (C.noise == kBitmaskTile) {
-    // Sixteen rotations and sixteen offsets in 4 x 4 pixels: a filter of that width removes them entirely.
+    // 4 x 4 pixels have sixteen rotations and sixteen offsets; a filter of this width removes the noise entirely.
     Uint x = to_uint(px) & Uint(3u);
     Uint y = to_uint(py) & Uint(3u);
     Uint turn = (((x + y) & Uint(3u)) << 2) + x;

@@ -2,4 +2,4 @@
 IN_REAL(depth)
 
 CONST bool kLayers = false;
-FN Real depth_of(int layer, Int place) { return Real(0.0f); }  // there is no other layer
+FN Real depth_of(int layer, Int place) { return Real(0.0f); }  // no other layer is searched

@@ -1,4 +1,4 @@
-// Outgoing light of each pixel: the same kernel as in `hemisphere`.
+// Writes the outgoing light of each pixel, with the kernel of `hemisphere`.
 #include "effects/hemisphere/hemisphere_sent.kernel.h"
 
 FN void bitmask_sent_pixel(Int px, Int py) { hemisphere_sent_pixel(px, py); }

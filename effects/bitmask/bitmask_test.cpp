@@ -1,5 +1,5 @@
-// Tests `bitmask` against quadrature and closed forms: infinite walls at several tilts of the camera, corners, slabs,
-// spheres, the light of a wall; and its invariances.
+// Tests `bitmask` against quadrature and closed forms (infinite walls at several tilts of the camera, corners, slabs,
+// spheres, the light of a wall), and tests what its result must not depend on.
 #include "effects/bitmask/bitmask.h"
 
 #include <gtest/gtest.h>
@@ -30,8 +30,8 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// A plane, or a part of one.
 struct Wall {
   glm::dvec3 point, normal;
-  /// Returns whether a point of the plane belongs to the wall.
-  std::function<bool(glm::dvec3)> holds = [](glm::dvec3) { return true; };
+  /// Returns whether a point of the plane is part of the wall.
+  std::function<bool(glm::dvec3)> contains = [](glm::dvec3) { return true; };
 };
 
 struct Ray {
@@ -58,7 +58,7 @@ GBuffer picture(int width, int height, const Camera& camera, const std::vector<W
       glm::dvec3 normal(0.0);
       for (const Wall& wall : walls) {
         const double depth = glm::dot(wall.point - ray.origin, wall.normal) / glm::dot(ray.direction, wall.normal);
-        if (!(depth > 1e-6 && depth < nearest) || !wall.holds(ray.origin + depth * ray.direction)) continue;
+        if (!(depth > 1e-6 && depth < nearest) || !wall.contains(ray.origin + depth * ray.direction)) continue;
         nearest = depth;
         normal = glm::dot(wall.normal, ray.direction) < 0.0 ? wall.normal : -wall.normal;
       }
@@ -77,35 +77,36 @@ Camera camera_of(bool orthographic, double height_at_depth_5, int width, int hei
 
 // ---- infinite walls
 
-constexpr int kWide = 2049;     // width and height; only the middle pixel is tested
-constexpr double kAway = 5.0;   // depth of the middle pixel
-constexpr double kGap = 850.0;  // radius of empty pixels around it; beyond, the angle of one pixel is negligible
+constexpr int kWallSide = 2049;       // width and height; only the middle pixel is tested
+constexpr double kWallDepth = 5.0;    // depth of the middle pixel
+constexpr double kGapRadius = 850.0;  // radius of empty pixels around it; beyond, the angle of one pixel is negligible
 
-/// Returns a G-buffer of a surface through the middle pixel, seen at `tilt` from its normal, and a wall that rises from
-/// there at `elevation`. The camera looks towards the wall if `tilt` > 0.
+/// Returns a G-buffer of a surface in the middle pixel, and of a wall that rises from this surface at an elevation. The
+/// surface is seen at a tilt from its normal; if the tilt is above 0, the camera looks towards the wall.
 GBuffer wall_picture(double elevation_deg, double tilt_deg, bool orthographic) {
   const double tilt = tilt_deg * kRadian, elevation = elevation_deg * kRadian;
-  // The crease is perpendicular to x and to the view ray. The camera is at `tilt` from the normal, away from the wall,
-  // which is on the side of +x.
+  // The crease between surface and wall is perpendicular to x and to the view ray. The wall is on the side of +x; the
+  // camera is tilted from the normal to the other side.
   const glm::dvec3 normal(std::sin(tilt), 0.0, std::cos(tilt)), along(std::cos(tilt), 0.0, -std::sin(tilt));
   const glm::dvec3 up_the_wall = std::cos(elevation) * along + std::sin(elevation) * normal;
   const glm::dvec3 wall_normal = std::cos(elevation) * normal - std::sin(elevation) * along;
-  const glm::dvec3 middle(0.0, 0.0, -kAway);
-  const Camera camera = camera_of(orthographic, 0.5, kWide, kWide);
-  GBuffer g = picture(kWide, kWide, camera,
+  const glm::dvec3 middle(0.0, 0.0, -kWallDepth);
+  const Camera camera = camera_of(orthographic, 0.5, kWallSide, kWallSide);
+  GBuffer g = picture(kWallSide, kWallSide, camera,
                       {{middle, wall_normal, [=](glm::dvec3 p) { return glm::dot(p - middle, up_the_wall) > 0.0; }}});
-  const int m = kWide / 2;
-  for (int y = 0; y < kWide; ++y)
-    for (int x = 0; x < kWide; ++x)
-      if ((x - m) * (x - m) + (y - m) * (y - m) < kGap * kGap) g.layers[0].planes[0].at(x, y) = kInfinity;
-  g.layers[0].planes[0].at(m, m) = float(kAway);
+  const int m = kWallSide / 2;
+  for (int y = 0; y < kWallSide; ++y)
+    for (int x = 0; x < kWallSide; ++x)
+      if ((x - m) * (x - m) + (y - m) * (y - m) < kGapRadius * kGapRadius) g.layers[0].planes[0].at(x, y) = kInfinity;
+  g.layers[0].planes[0].at(m, m) = float(kWallDepth);
   for (int k = 0; k < 3; ++k) g.layers[0].planes[1 + k].at(m, m) = float(normal[k]);
   return g;
 }
 
-/// Returns the values of the planes `wanted` at the middle of the picture. Dispatches that gather compute only one tile
-/// of 16 pixels, not the whole picture.
-std::vector<double> at_middle(GBuffer& g, const Settings& settings, std::vector<std::string> wanted, bool scalar) {
+/// Returns the values of the planes `names` at the middle of the picture. Of the dispatches that search occluders, only
+/// one tile of 16 pixels is computed.
+std::vector<double> values_at_middle(GBuffer& g, const Settings& settings, std::vector<std::string> names,
+                                     bool scalar) {
   const Effect& effect = *find_effect("bitmask");
   const ParameterBytes params = test::parameters_of(effect, settings);
   BitmaskConstants constants;
@@ -113,18 +114,18 @@ std::vector<double> at_middle(GBuffer& g, const Settings& settings, std::vector<
   const Camera& camera = g.info.camera;
   const int width = g.info.width, height = g.info.height;
   Image& image = g.layers[0];
-  std::vector<double> found(wanted.size());
-  Plane none(width, height, 0.0f), nowhere(width, height, kInfinity);  // for planes that the picture lacks
+  std::vector<double> values(names.size());
+  Plane zeros(width, height, 0.0f), background(width, height, kInfinity);  // for planes that the picture lacks
   for (const Dispatch& dispatch : effect.dispatches) {
     if (dispatch.needed && !dispatch.needed(params)) continue;
     std::vector<KernelPlane> planes;
     for (std::string_view name : dispatch.outputs)
       if (!name.starts_with("layer")) image.add(name);
     for (std::string_view name : dispatch.inputs) {
-      const bool made = image.find(name) != nullptr;
-      planes.push_back({name, made                      ? image.plane(name).data()
-                              : name.ends_with("depth") ? nowhere.data()
-                                                        : none.data()});
+      const bool exists = image.find(name) != nullptr;
+      planes.push_back({name, exists                    ? image.plane(name).data()
+                              : name.ends_with("depth") ? background.data()
+                                                        : zeros.data()});
     }
     for (std::string_view name : dispatch.outputs)
       planes.push_back({name, name.starts_with("layer") ? nullptr : image.plane(name).data()});
@@ -143,24 +144,25 @@ std::vector<double> at_middle(GBuffer& g, const Settings& settings, std::vector<
     const Tile tile = gathers ? Tile{x0, m, x0 + 16, m + 1} : Tile{0, 0, width, height};
     (scalar ? dispatch.kernel.scalar : dispatch.kernel.lanes)(kernel_frame, tile);
   }
-  for (std::size_t k = 0; k < wanted.size(); ++k) found[k] = image.plane(wanted[k]).at(width / 2, height / 2);
-  return found;
+  for (std::size_t k = 0; k < names.size(); ++k) values[k] = image.plane(names[k]).at(width / 2, height / 2);
+  return values;
 }
 
-/// Returns the mean over 8 sample indices.
-std::vector<double> mean_at_middle(GBuffer g, const Settings& settings, const std::vector<std::string>& wanted,
-                                   bool scalar = false) {
-  std::vector<double> sum(wanted.size(), 0.0);
-  constexpr int kFrames = 8;
-  for (int sample = 0; sample < kFrames; ++sample) {
-    const auto one = at_middle(g, joined(settings, {{"sample_index", std::to_string(sample)}}), wanted, scalar);
-    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += one[k] / kFrames;
+/// Returns the means over 8 sample indices of what values_at_middle() returns.
+std::vector<double> mean_values_at_middle(GBuffer g, const Settings& settings, const std::vector<std::string>& names,
+                                          bool scalar = false) {
+  std::vector<double> sum(names.size(), 0.0);
+  constexpr int kSamples = 8;
+  for (int sample = 0; sample < kSamples; ++sample) {
+    const auto values =
+        values_at_middle(g, joined(settings, {{"sample_index", std::to_string(sample)}}), names, scalar);
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += values[k] / kSamples;
   }
   return sum;
 }
 
-const Settings kMany = {{"slices", "64"}, {"steps", "512"},   {"distribution", "3"}, {"mips", "off"},
-                        {"radius", "2"},  {"border", "open"}, {"slope", "1e-6"},     {"thickness", "1e2"}};
+const Settings kExactSettings = {{"slices", "64"}, {"steps", "512"},   {"distribution", "3"}, {"mips", "off"},
+                                 {"radius", "2"},  {"border", "open"}, {"slope", "1e-6"},     {"thickness", "1e2"}};
 
 TEST(Bitmask, WallsMatchTheMeasures) {
   // The expected values are by quadrature.
@@ -171,7 +173,9 @@ TEST(Bitmask, WallsMatchTheMeasures) {
                          Row{60, 0, .7500, .7560, .8432}, Row{90, 60, .5000, .6466, .6561}}) {
     SCOPED_TRACE(fmt::format("wall of {} degrees, camera tilted by {}", row.elevation_deg, row.tilt_deg));
     const GBuffer g = wall_picture(row.elevation_deg, row.tilt_deg, false);
-    const auto ao = [&](const Settings& settings) { return mean_at_middle(g, joined(kMany, settings), {"ao"})[0]; };
+    const auto ao = [&](const Settings& settings) {
+      return mean_values_at_middle(g, joined(kExactSettings, settings), {"ao"})[0];
+    };
     EXPECT_NEAR(ao({{"measure", "exact"}}), row.exact, 1e-3);
     EXPECT_NEAR(ao({{"measure", "exact"}, {"mode", "infinite"}}), row.exact, 1e-3) << "by the horizon";
     EXPECT_NEAR(ao({{"measure", "uniform"}}), row.uniform, 1e-3);
@@ -183,8 +187,8 @@ TEST(Bitmask, MeanOpenDirectionBesideAWall) {
   // Cosine-weighted mean over a quarter of a sphere: 2/3 away from the wall, pi/3 along the normal.
   const double length = std::hypot(2.0 / 3.0, kPi / 3.0);
   for (const double tilt : {20.0, 45.0, 70.0}) {
-    const auto bent =
-        mean_at_middle(wall_picture(90, tilt, false), joined(kMany, {{"bent", "on"}}), {"bent.x", "bent.y", "bent.z"});
+    const auto bent = mean_values_at_middle(wall_picture(90, tilt, false), joined(kExactSettings, {{"bent", "on"}}),
+                                            {"bent.x", "bent.y", "bent.z"});
     const double s = std::sin(tilt * kRadian), c = std::cos(tilt * kRadian);
     EXPECT_NEAR(bent[0], (s * kPi / 3.0 - c * 2.0 / 3.0) / length, 0.02) << tilt;
     EXPECT_NEAR(bent[1], 0.0, 0.01) << tilt;
@@ -196,11 +200,11 @@ TEST(Bitmask, LightOfAWallIsExact) {
   for (const auto& [elevation, tilt] : {std::pair{90.0, 20.0}, {90.0, 45.0}, {90.0, 70.0}, {60.0, 0.0}, {60.0, 60.0}}) {
     GBuffer g = wall_picture(elevation, tilt, false);
     for (const char* name : {"direct.r", "direct.g", "direct.b"}) {
-      Plane light(kWide, kWide, name == std::string("direct.g") ? 2.0f : 0.5f);
+      Plane light(kWallSide, kWallSide, name == std::string("direct.g") ? 2.0f : 0.5f);
       g.layers[0].add(name) = std::move(light);
     }
-    const auto light =
-        mean_at_middle(g, joined(kMany, {{"bleeding", "1"}}), {"indirect.r", "indirect.g", "indirect.b", "ao"});
+    const auto light = mean_values_at_middle(g, joined(kExactSettings, {{"bleeding", "1"}}),
+                                             {"indirect.r", "indirect.g", "indirect.b", "ao"});
     const double fraction = (1.0 - std::cos(elevation * kRadian)) / 2.0;
     EXPECT_NEAR(light[0] / (0.5 * fraction), 1.0, 0.01) << elevation << ' ' << tilt;
     EXPECT_NEAR(light[1] / (2.0 * fraction), 1.0, 0.01) << elevation << ' ' << tilt;
@@ -214,8 +218,8 @@ TEST(Bitmask, LightOfAWallIsExact) {
 TEST(Bitmask, PlanesAreOpenAtEveryTilt) {
   for (const bool orthographic : {false, true})
     for (const double tilt_deg : {0.0, 35.0, 70.0, 84.0}) {
-      const double tilt = tilt_deg * kRadian, turn = 0.6;
-      const glm::dvec3 normal(std::sin(tilt) * std::cos(turn), std::sin(tilt) * std::sin(turn), std::cos(tilt));
+      const double tilt = tilt_deg * kRadian, azimuth = 0.6;
+      const glm::dvec3 normal(std::sin(tilt) * std::cos(azimuth), std::sin(tilt) * std::sin(azimuth), std::cos(tilt));
       const Camera camera = camera_of(orthographic, 4.0, 157, 123);
       const GBuffer g = picture(157, 123, camera, {{{0.0, 0.0, -5.0}, normal}});
       for (const Settings& settings :
@@ -223,11 +227,11 @@ TEST(Bitmask, PlanesAreOpenAtEveryTilt) {
             Settings{{"noise", "hash"}, {"slices", "3"}}, Settings{{"mode", "layers"}}, Settings{{"bent", "on"}}})
         test::on_every_target("bitmask", g, joined(settings, {{"radius", "1.5"}}), [&](const Image& image) {
           const Plane& ao = image.plane("ao");
-          long off = 0;
+          long wrong = 0;
           for (int y = 0; y < ao.height; ++y)
-            for (int x = 0; x < ao.width; ++x) off += std::fabs(ao.at(x, y) - 1.0f) > 1e-6f;
-          EXPECT_EQ(off, 0) << "tilt " << tilt_deg << (orthographic ? ", no perspective, " : ", ")
-                            << (settings.empty() ? "" : settings[0].second);
+            for (int x = 0; x < ao.width; ++x) wrong += std::fabs(ao.at(x, y) - 1.0f) > 1e-6f;
+          EXPECT_EQ(wrong, 0) << "tilt " << tilt_deg << (orthographic ? ", no perspective, " : ", ")
+                              << (settings.empty() ? "" : settings[0].second);
         });
     }
 }
@@ -236,8 +240,10 @@ TEST(Bitmask, PlanesAreOpenAtEveryTilt) {
 
 constexpr int kSide = 801;  // width and height of the pictures below, pixels; 1 unit is 160 pixels at depth 5
 
-/// Returns an orthographic view straight down on a floor 5 units below the camera. `height` is above the floor.
-GBuffer from_above(const std::function<double(double x, double y)>& height, const glm::dvec3& normal = {0, 0, 1}) {
+/// Returns an orthographic view straight down on a floor 5 units below the camera, with objects of a height above the
+/// floor.
+GBuffer floor_from_above(const std::function<double(double x, double y)>& height,
+                         const glm::dvec3& normal = {0, 0, 1}) {
   const Camera camera = camera_of(true, 5.0, kSide, kSide);
   GBuffer g = picture(kSide, kSide, camera, {{{0.0, 0.0, -5.0}, normal}});
   for (int y = 0; y < kSide; ++y)
@@ -248,44 +254,46 @@ GBuffer from_above(const std::function<double(double x, double y)>& height, cons
   return g;
 }
 
-const Settings kFine = {
+const Settings kFineSettings = {
     {"slices", "64"}, {"steps", "512"}, {"distribution", "2"}, {"slope", "1e-6"}, {"thickness", "1e2"}};
 
-TEST(Bitmask, FloorBeforeAStep) {
-  // The middle is `away` from an infinitely long step of height `high`: 1/2 (1 + a / sqrt(a^2 + h^2)). The tolerance
-  // covers pixels of 0.006 units and the end of the picture at 2.5 units.
+TEST(Bitmask, FloorInFrontOfAStep) {
+  // At the distance a from an infinitely long step of height h, the visibility is 1/2 (1 + a / sqrt(a^2 + h^2)). The
+  // tolerance allows for pixels of 0.006 units and for the end of the picture at 2.5 units.
   for (const double high : {0.2, 0.5, 1.0}) {
-    const double away = 0.4;
-    const GBuffer g = from_above([&](double x, double) { return x > away ? high : 0.0; });
-    const double truth = 0.5 * (1.0 + away / std::hypot(away, high));
+    const double distance = 0.4;
+    const GBuffer g = floor_from_above([&](double x, double) { return x > distance ? high : 0.0; });
+    const double expected = 0.5 * (1.0 + distance / std::hypot(distance, high));
     for (const Settings& settings : {Settings{}, Settings{{"mode", "infinite"}}}) {
-      const auto ao = mean_at_middle(g, joined(joined(kFine, {{"radius", "9"}, {"border", "open"}}), settings), {"ao"});
-      EXPECT_NEAR(ao[0], truth, 6e-3) << high << (settings.empty() ? "" : " infinite");
+      const auto ao = mean_values_at_middle(
+          g, joined(joined(kFineSettings, {{"radius", "9"}, {"border", "open"}}), settings), {"ao"});
+      EXPECT_NEAR(ao[0], expected, 6e-3) << high << (settings.empty() ? "" : " infinite");
     }
   }
 }
 
 TEST(Bitmask, FloorUnderASlabOfKnownThickness) {
-  // An infinitely long slab from x = a to b, its underside h above the floor, its top h + t. It covers the angles
-  // between its far lower and its near upper edge, weighted by the cosine.
+  // An infinitely long slab extends from x = a to b and from h to h + t above the floor. It covers the angles from its
+  // far lower edge to its near upper edge, weighted by the cosine.
   const double a = 0.3, b = 0.7, h = 0.4, t = 0.25;
-  const GBuffer g = from_above([&](double x, double) { return x > a && x < b ? h + t : 0.0; });
+  const GBuffer g = floor_from_above([&](double x, double) { return x > a && x < b ? h + t : 0.0; });
   const double low = std::atan2(h, b), high = std::atan2(h + t, a);
-  const double truth = 1.0 - (std::cos(low) - std::cos(high)) / 2.0;
-  const auto ao = mean_at_middle(
-      g, joined(kFine, {{"radius", "5"}, {"thickness", std::to_string(t / 5.0)}, {"border", "open"}}), {"ao"});
-  EXPECT_NEAR(ao[0], truth, 6e-3);
-  const auto endless = mean_at_middle(g, joined(kFine, {{"radius", "5"}, {"border", "open"}}), {"ao"});
-  EXPECT_LT(endless[0], truth - 0.05) << "with infinite thickness it hides the open floor below it";
+  const double expected = 1.0 - (std::cos(low) - std::cos(high)) / 2.0;
+  const auto ao = mean_values_at_middle(
+      g, joined(kFineSettings, {{"radius", "5"}, {"thickness", std::to_string(t / 5.0)}, {"border", "open"}}), {"ao"});
+  EXPECT_NEAR(ao[0], expected, 6e-3);
+  const auto endless = mean_values_at_middle(g, joined(kFineSettings, {{"radius", "5"}, {"border", "open"}}), {"ao"});
+  EXPECT_LT(endless[0], expected - 0.05) << "a slab of infinite thickness also occludes what is below it";
 }
 
-TEST(Bitmask, SphereOnAFloorByItsTwoSides) {
-  // A sphere of radius r that rests `away` from the middle occludes r^3 / (r^2 + away^2)^1.5. Its lower half is the
-  // second layer, the floor below it the third; each is assumed to be thin.
-  for (const double away : {0.5, 0.8, 1.2}) {
+TEST(Bitmask, SphereOnAFloorInThreeLayers) {
+  // A sphere of radius r that rests on the floor at a distance d from the middle occludes r^3 / (r^2 + d^2)^1.5. Its
+  // lower half is the second layer, the floor below it the third; both are assumed to be thin.
+  for (const double distance : {0.5, 0.8, 1.2}) {
     const double r = 0.4;
-    const auto half = [&](double x, double y) { return r * r - (x - away) * (x - away) - y * y; };
-    GBuffer g = from_above([&](double x, double y) { return half(x, y) > 0.0 ? r + std::sqrt(half(x, y)) : 0.0; });
+    const auto half = [&](double x, double y) { return r * r - (x - distance) * (x - distance) - y * y; };
+    GBuffer g =
+        floor_from_above([&](double x, double y) { return half(x, y) > 0.0 ? r + std::sqrt(half(x, y)) : 0.0; });
     for (int layer = 1; layer <= 2; ++layer) {
       Image image(kSide, kSide);
       Plane& depth = image.add("depth");
@@ -299,17 +307,17 @@ TEST(Bitmask, SphereOnAFloorByItsTwoSides) {
       g.layers.push_back(std::move(image));
       g.info.more_layers.push_back({LayerKind::kBehind, layer - 1, {}});
     }
-    const double truth = 1.0 - std::pow(r * r / (r * r + away * away), 1.5);
+    const double expected = 1.0 - std::pow(r * r / (r * r + distance * distance), 1.5);
     const Settings settings =
-        joined(kFine, {{"radius", "2"}, {"mode", "layers"}, {"thickness", "0.0075"}, {"border", "open"}});
+        joined(kFineSettings, {{"radius", "2"}, {"mode", "layers"}, {"thickness", "0.0075"}, {"border", "open"}});
     GBuffer flat = g;
     flat.layers.resize(1);
     for (int layer = 1; layer <= 2; ++layer) {
       Plane depth = g.layers[std::size_t(layer)].planes[0];
       flat.layers[0].add(layer_plane(layer, "depth")) = std::move(depth);
     }
-    const auto ao = mean_at_middle(flat, settings, {"ao"});
-    EXPECT_NEAR(ao[0], truth, 6e-3) << away;
+    const auto ao = mean_values_at_middle(flat, settings, {"ao"});
+    EXPECT_NEAR(ao[0], expected, 6e-3) << distance;
   }
 }
 
@@ -329,7 +337,7 @@ double mean_ao(const GBuffer& g, const Settings& settings) {
   return sum / double(count);
 }
 
-/// Returns depth and normals of the prepared scene as `camera` sees it.
+/// Returns depth and normals of the device's scene as `camera` sees it.
 GBuffer captured(Device& device, int width, int height, const Camera& camera) {
   const auto frame = device.capture(camera, {.width = width, .height = height, .shadows = 0});
   GBuffer g;
@@ -363,13 +371,13 @@ TEST(Bitmask, ResolutionAndScaleDoNotMatter) {
 TEST(Bitmask, TiltOfTheCameraDoesNotMatter) {
   for (const double tilt : {-20.0, 0.0, 25.0, 50.0, 75.0}) {
     GBuffer g = wall_picture(40, tilt, false);
-    EXPECT_NEAR(mean_at_middle(g, joined(kMany, {{"mode", "infinite"}}), {"ao"})[0],
+    EXPECT_NEAR(mean_values_at_middle(g, joined(kExactSettings, {{"mode", "infinite"}}), {"ao"})[0],
                 (1.0 + std::cos(40 * kRadian)) / 2.0, 2e-3)
         << tilt;
   }
 }
 
-TEST(Bitmask, NoPerspectiveIsAFarPerspective) {
+TEST(Bitmask, OrthographicMatchesADistantPerspective) {
   const double far = 2000.0;
   const std::vector<Wall> near_walls = {{{0, 0, -6}, {0, 0, 1}},
                                         {{0.3, 0, -5.4}, glm::normalize(glm::dvec3(-1, 0.2, 0.4))}};
@@ -389,9 +397,10 @@ TEST(Bitmask, NoPerspectiveIsAFarPerspective) {
   EXPECT_NEAR(mean_ao(a, settings), mean_ao(b, settings), 1e-3);
 }
 
-TEST(Bitmask, WhatLiesOutsideThePictureIsLeftOut) {
-  // A valley seen from above, with its floor at the left border: the half that is cut off mirrors the visible one.
-  const GBuffer whole = from_above([](double x, double) { return std::fabs(x); }, {0, 0, 1});
+TEST(Bitmask, PixelsOutsideThePictureAreLeftOut) {
+  // A valley seen from above. The picture is cut at the bottom of the valley, so that the missing half mirrors the
+  // visible one.
+  const GBuffer whole = floor_from_above([](double x, double) { return std::fabs(x); }, {0, 0, 1});
   GBuffer half;
   half.info = whole.info;
   const int cut = kSide / 2;
@@ -410,13 +419,13 @@ TEST(Bitmask, WhatLiesOutsideThePictureIsLeftOut) {
     for (int y = 350; y < 450; ++y) sum += image.plane("ao").at(column, y) / 100.0;
     return sum;
   };
-  const double truth = at_valley(whole, cut, "skip");
-  EXPECT_LT(truth, 0.85);
-  EXPECT_NEAR(at_valley(half, 0, "skip"), truth, 0.01);
-  EXPECT_GT(at_valley(half, 0, "open"), truth + 0.08);
+  const double expected = at_valley(whole, cut, "skip");
+  EXPECT_LT(expected, 0.85);
+  EXPECT_NEAR(at_valley(half, 0, "skip"), expected, 0.01);
+  EXPECT_GT(at_valley(half, 0, "open"), expected + 0.08);
 }
 
-TEST(Bitmask, BordersGetNoMoreLightThanIsSent) {
+TEST(Bitmask, PixelsAtTheBorderGetNoMoreLightThanIsEmitted) {
   // On a surface seen edge-on, all directions of some slices are on one side, which is outside at the border.
   const int width = 96, height = 64;
   GBuffer g = picture(width, height, camera_of(false, 4.0, width, height), {});
@@ -425,9 +434,9 @@ TEST(Bitmask, BordersGetNoMoreLightThanIsSent) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       g.layers[0].planes[0].at(x, y) = 5.0f + fraction(random);
-      const float turn = 2.0f * float(std::numbers::pi) * fraction(random), up = 0.2f * fraction(random);
-      g.layers[0].planes[1].at(x, y) = std::sqrt(1.0f - up * up) * std::cos(turn);
-      g.layers[0].planes[2].at(x, y) = std::sqrt(1.0f - up * up) * std::sin(turn);
+      const float azimuth = 2.0f * float(std::numbers::pi) * fraction(random), up = 0.2f * fraction(random);
+      g.layers[0].planes[1].at(x, y) = std::sqrt(1.0f - up * up) * std::cos(azimuth);
+      g.layers[0].planes[2].at(x, y) = std::sqrt(1.0f - up * up) * std::sin(azimuth);
       g.layers[0].planes[3].at(x, y) = up;
     }
   for (const char* name : {"direct.r", "direct.g", "direct.b"}) g.layers[0].add(name) = Plane(width, height, 1.0f);
@@ -441,28 +450,28 @@ TEST(Bitmask, BordersGetNoMoreLightThanIsSent) {
                                             {"sample_index", std::to_string(sample)}},
                                            {});
       const Plane& light = image.plane("indirect.g");
-      // Factor 2: a bit may be counted on the other side.
+      // The factor 2: a bit may be counted on the other side.
       for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) ASSERT_LE(light.at(x, y), 2.0f) << x << ' ' << y << ' ' << sample;
     }
 }
 
-TEST(Bitmask, FramesAverageToLessNoise) {
-  const GBuffer g = from_above([](double x, double y) { return 0.1 * std::sin(9.0 * x) * std::cos(7.0 * y); });
+TEST(Bitmask, SampleIndicesAverageToLessNoise) {
+  const GBuffer g = floor_from_above([](double x, double y) { return 0.1 * std::sin(9.0 * x) * std::cos(7.0 * y); });
   const auto ao = [&](const Settings& settings) {
     return test::run_effect(*find_effect("bitmask"), g, joined({{"radius", "0.3"}}, settings), {}).plane("ao");
   };
   const Plane fine = ao({{"slices", "32"}, {"steps", "8"}});
   Plane mean(kSide, kSide, 0.0f);
-  double one = 0.0;
-  constexpr int kFrames = 8;
-  for (int sample = 0; sample < kFrames; ++sample) {
+  double first_error = 0.0;
+  constexpr int kSamples = 8;
+  for (int sample = 0; sample < kSamples; ++sample) {
     const Plane plane = ao({{"sample_index", std::to_string(sample)}});
-    if (sample == 0) one = test::difference(plane, fine, 1.0).mean;
+    if (sample == 0) first_error = test::difference(plane, fine, 1.0).mean;
     for (int y = 0; y < kSide; ++y)
-      for (int x = 0; x < kSide; ++x) mean.at(x, y) += plane.at(x, y) / kFrames;
+      for (int x = 0; x < kSide; ++x) mean.at(x, y) += plane.at(x, y) / kSamples;
   }
-  EXPECT_LT(test::difference(mean, fine, 1.0).mean, 0.45 * one);
+  EXPECT_LT(test::difference(mean, fine, 1.0).mean, 0.45 * first_error);
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+// The parameter table, kernel constants and dispatches of `box` [Colliander and Törnquist 2015].
 #include "effects/box/box.h"
 
 #include <algorithm>

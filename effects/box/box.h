@@ -4,14 +4,14 @@
 
 // Each field has one row in the parameter table of box.cpp.
 struct BoxParams {
-  int size;        // pixels
+  int size;        // side of the window, pixels
   int background;  // 0 skip, 1 mix
-  int ao;          // 0 or 1
-  int indirect;    // 0 or 1
+  int ao;          // 0 or 1: blur `ao`
+  int indirect;    // 0 or 1: blur `indirect`
 };
 
 struct BoxConstants {
-  int first, last;  // offsets of the first and last pixel of the window from its centre pixel
+  int first, last;  // offsets from a pixel to the first and last pixel of its window, in rows and in columns
   int skip;         // 0 or 1: background pixels are left out
 };
 

@@ -1,4 +1,4 @@
-// Sums `ao` along rows. Values that are not finite, or beyond kMaxSize, count as 1 (open).
+// Sums `ao` along rows. A value that is not finite, or exceeds kMaxMagnitude, counts as 1 (unoccluded).
 IN_REAL(ao)
 IN_REAL(depth)
 OUT_REAL(box_ao)
@@ -9,11 +9,11 @@ FN void box_ao_across_pixel(Int px, Int py) {
   Real sum = Real(0.0f);
   Real count = Real(0.0f);
   for (int i = C.first; i <= C.last; ++i) {
-    Real one = counts(i, 0, near_depth(i, 0));
+    Real weight = count_of(i, 0, near_depth(i, 0));
     Real ao = near_ao(i, 0);
-    ao = select(abs(ao) <= kMaxSize, ao, Real(1.0f));
-    sum = mad(ao, one, sum);
-    count = count + one;
+    ao = select(abs(ao) <= kMaxMagnitude, ao, Real(1.0f));
+    sum = mad(ao, weight, sum);
+    count = count + weight;
   }
   store_box_ao(sum);
   store_box_count(count);

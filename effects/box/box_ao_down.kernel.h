@@ -1,4 +1,4 @@
-// Adds up the row sums along columns and divides by the count: from `box_ao` to `ao`. 1 (open) where no pixel counts.
+// Sums `box_ao` along columns and divides by the count. `ao` is 1 (unoccluded) where no pixel counts.
 IN_REAL(box_ao)
 IN_REAL(box_count)
 OUT_REAL(ao)
@@ -7,9 +7,9 @@ FN void box_ao_down_pixel(Int px, Int py) {
   Real sum = Real(0.0f);
   Real count = Real(0.0f);
   for (int j = C.first; j <= C.last; ++j) {
-    Real inside = select(near_inside(0, j), Real(1.0f), Real(0.0f));
-    sum = mad(near_box_ao(0, j), inside, sum);
-    count = mad(near_box_count(0, j), inside, count);
+    Real weight = select(near_inside(0, j), Real(1.0f), Real(0.0f));
+    sum = mad(near_box_ao(0, j), weight, sum);
+    count = mad(near_box_count(0, j), weight, count);
   }
   store_ao(select(count > 0.0f, sum / max(count, Real(1.0f)), Real(1.0f)));
 }

@@ -1,4 +1,4 @@
-// Tests `box` against the mean in double.
+// Tests `box` against means that are computed in double.
 #include "effects/box/box.h"
 
 #include <gtest/gtest.h>
@@ -17,8 +17,8 @@ using test::Settings;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// Returns random occlusion and light in [0, 1), with holes in the surface.
-GBuffer noisy() {
+/// Returns a G-buffer with random occlusion and light in [0, 1], and with holes in its surface.
+GBuffer random_gbuffer() {
   GBuffer g = test::empty_gbuffer(53, 37);
   unsigned seed = 1;
   for (const char* name : {"depth", "ao", "indirect.r", "indirect.g", "indirect.b"}) {
@@ -34,8 +34,8 @@ GBuffer noisy() {
   return g;
 }
 
-/// Returns the mean of the counted pixels of the window around a pixel; `otherwise` if none counts.
-double mean(const GBuffer& g, const char* name, int x, int y, int size, bool skip, double otherwise) {
+/// Returns the mean of the pixels that count in the window around a pixel; `if_none` if no pixel counts.
+double mean(const GBuffer& g, const char* name, int x, int y, int size, bool skip, double if_none) {
   double sum = 0.0, count = 0.0;
   for (int j = y - size / 2; j < y - size / 2 + size; ++j)
     for (int i = x - size / 2; i < x - size / 2 + size; ++i) {
@@ -44,28 +44,30 @@ double mean(const GBuffer& g, const char* name, int x, int y, int size, bool ski
       sum += g.layers[0].plane(name).at(i, j);
       count += 1.0;
     }
-  return count > 0.0 ? sum / count : otherwise;
+  return count > 0.0 ? sum / count : if_none;
 }
 
 TEST(Box, IsTheMeanOfThePixelsThatCount) {
-  const GBuffer g = noisy();
+  const GBuffer g = random_gbuffer();
   for (const int size : {1, 2, 4, 5, 15})
     for (const bool skip : {true, false})
       test::on_every_target(
           "box", g, {{"size", std::to_string(size)}, {"background", skip ? "skip" : "mix"}}, [&](const Image& image) {
-            double worst = 0.0;
+            double max_error = 0.0;
             for (int y = 0; y < image.height; ++y)
               for (int x = 0; x < image.width; ++x) {
-                worst = std::max(worst, std::fabs(image.plane("ao").at(x, y) - mean(g, "ao", x, y, size, skip, 1.0)));
+                max_error =
+                    std::max(max_error, std::fabs(image.plane("ao").at(x, y) - mean(g, "ao", x, y, size, skip, 1.0)));
                 for (const char* name : kIndirect)
-                  worst = std::max(worst, std::fabs(image.plane(name).at(x, y) - mean(g, name, x, y, size, skip, 0.0)));
+                  max_error =
+                      std::max(max_error, std::fabs(image.plane(name).at(x, y) - mean(g, name, x, y, size, skip, 0.0)));
               }
-            EXPECT_LT(worst, 1e-6) << size << skip;
+            EXPECT_LT(max_error, 1e-6) << size << skip;
           });
 }
 
-TEST(Box, EachOfTheTwoCanBeLeftAsItIs) {
-  const GBuffer g = noisy();
+TEST(Box, EachPlaneCanBeLeftUnchanged) {
+  const GBuffer g = random_gbuffer();
   const auto device = make_cpu_device({});
   const Effect& effect = *find_effect("box");
   for (const char* off : {"ao", "indirect"}) {
@@ -79,30 +81,30 @@ TEST(Box, EachOfTheTwoCanBeLeftAsItIs) {
   }
 }
 
-TEST(Box, NoiseOfATileOfTheWindowsSizeLeavesNoTrace) {
-  GBuffer g = noisy();
+TEST(Box, WindowOfTheTileSizeRemovesTheNoise) {
+  GBuffer g = random_gbuffer();
   g.layers[0].plane("depth") = Plane(g.info.width, g.info.height, 3.0f);
-  double sum = 0.0;
+  double tile_mean = 0.0;
   for (int y = 0; y < g.info.height; ++y)
     for (int x = 0; x < g.info.width; ++x) {
       const double v = test::hash(unsigned(x % 4 + 4 * (y % 4))) / 4294967295.0;
       g.layers[0].plane("ao").at(x, y) = float(v);
-      if (x < 4 && y < 4) sum += v / 16.0;
+      if (x < 4 && y < 4) tile_mean += v / 16.0;
     }
   test::on_every_target("box", g, {}, [&](const Image& image) {
     for (int y = 2; y < image.height - 1; ++y)
-      for (int x = 2; x < image.width - 1; ++x) ASSERT_NEAR(image.plane("ao").at(x, y), sum, 1e-6);
+      for (int x = 2; x < image.width - 1; ++x) ASSERT_NEAR(image.plane("ao").at(x, y), tile_mean, 1e-6);
   });
 }
 
-TEST(Box, NonFiniteValuesCountAsOpenAndDark) {
-  GBuffer g = noisy();
+TEST(Box, NonFiniteValuesCountAsUnoccludedAndDark) {
+  GBuffer g = random_gbuffer();
   g.layers[0].plane("depth") = Plane(g.info.width, g.info.height, 3.0f);
   g.layers[0].plane("ao") = Plane(g.info.width, g.info.height, 0.5f);
   g.layers[0].plane("indirect.r") = Plane(g.info.width, g.info.height, 0.5f);
-  for (const float odd : {std::nanf(""), kInfinity, -kInfinity}) {
-    g.layers[0].plane("ao").at(20, 20) = odd;
-    g.layers[0].plane("indirect.r").at(20, 20) = odd;
+  for (const float value : {std::nanf(""), kInfinity, -kInfinity}) {
+    g.layers[0].plane("ao").at(20, 20) = value;
+    g.layers[0].plane("indirect.r").at(20, 20) = value;
     test::on_every_target("box", g, {}, [&](const Image& image) {
       EXPECT_NEAR(image.plane("ao").at(20, 20), 0.5 + 0.5 / 16.0, 1e-6);
       EXPECT_NEAR(image.plane("indirect.r").at(20, 20), 0.5 - 0.5 / 16.0, 1e-6);

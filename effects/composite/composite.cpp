@@ -1,3 +1,4 @@
+// The parameter table, kernel constants and dispatch of `composite` [Luft 2006].
 #include "effects/composite/composite.h"
 
 #include "core/effect.h"
@@ -7,7 +8,8 @@ namespace umbrage {
 namespace {
 
 constexpr double kMaxFactor = 10.0;
-constexpr double kDamping = 0.1;  // the paper gives no value; surfaces lit by ambient light alone get no bounced light
+// The paper gives no value. A surface lit by ambient light alone gets no bounced light.
+constexpr double kDamping = 0.1;
 
 const std::vector<Parameter> kTable = {
     choice_row(

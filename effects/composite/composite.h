@@ -6,16 +6,16 @@
 struct CompositeParams {
   int mode;                          // 0 ambient, 1 subtract, 2 multiply, 3 modulate, 4 occlusion, 5 bleeding
   float darkness, chroma, contrast;  // factors of mode modulate
-  float damping;                     // mode bleeding: luminance of direct light; 0: off
-  int albedo;                        // for bounced light: 0 linear, 1 as display values
-  float tint;                        // 0 to 1
+  float damping;                     // mode bleeding: luminance of direct light where damping ends; 0: off
+  int albedo;                        // albedo for bounced light: 0 linear, 1 in display values
+  float tint;                        // 0 to 1; 0: off
 };
 
 struct CompositeConstants {
   int mode;
   float darkness, chroma, contrast;
   float damping;
-  int display;  // 0 or 1: albedo as display values
+  int display;  // 0 or 1: albedo for bounced light in display values
   float tint;
 };
 

@@ -1,9 +1,9 @@
-// Combines light and occlusion. bounced = albedo indirect is light from surfaces that are visible from the point. The
+// Combines light and occlusion. bounced = albedo indirect is the light from other surfaces that the point reflects. The
 // effect that computed it has accounted for occluders, so that `ao` does not darken it again. Modes:
 //   ambient    direct + bounced + ambient ao: occlusion affects ambient light only
 //   subtract   direct + bounced + ambient - (1 - ao); ao above 1 brightens [Chamberlin 2011, listing: color - shade]
 //   multiply   (direct + ambient) ao + bounced
-//   modulate   brightness, chroma and contrast of direct + bounced + ambient follow dD = ao - 1 [Luft 2006, from the
+//   modulate   d = ao - 1 changes brightness, chroma and contrast of direct + bounced + ambient [Luft 2006, from the
 //              literature]
 //   occlusion  ao alone, as a grey value
 //   bleeding   direct + bounced min(luminance of direct / damping, 1) + ambient ao [Colliander and Törnquist 2015,
@@ -19,24 +19,27 @@ FN Vec3 gray(Real v) { return Vec3(v, v, v); }
 
 FN Real luminance_of(Vec3 v) { return dot(v, Vec3(Real(0.2126f), Real(0.7152f), Real(0.0722f))); }  // Rec.709
 
-// Returns the fraction of ambient light that arrives directly or after any number of bounces between surfaces of the
-// same albedo: a fit to ray-traced pictures [Jimenez et al. 2016, equation 10].
+// Returns the fraction of ambient light that arrives directly or by any number of bounces between surfaces of the same
+// albedo: a fit to ray-traced pictures [Jimenez et al. 2016, equation 10].
 FN Real with_interreflections(Real ao, Real albedo) {
   Real a = mad(albedo, Real(2.0404f), Real(-0.3324f));
   Real b = mad(albedo, Real(-4.7951f), Real(0.6417f));
   Real c = mad(albedo, Real(2.7552f), Real(0.6903f));
   return max(ao, mad(mad(ao, a, b), ao, c) * ao);
 }
+
+// Returns, per channel, the fraction of ambient light that arrives: `ao`, raised towards with_interreflections() by
+// C.tint.
 FN Vec3 tinted(Real ao, Vec3 albedo) {
   Vec3 gray_ao = gray(ao);
   if (C.tint == 0.0f) return gray_ao;
   Real open = clamp(ao, Real(0.0f), Real(1.0f));
   Vec3 colour = Vec3(clamp(albedo.x, Real(0.0f), Real(1.0f)), clamp(albedo.y, Real(0.0f), Real(1.0f)),
                      clamp(albedo.z, Real(0.0f), Real(1.0f)));
-  Vec3 lifted = Vec3(with_interreflections(open, colour.x), with_interreflections(open, colour.y),
-                     with_interreflections(open, colour.z)) -
-                gray(open);
-  return gray_ao + lifted * Real(C.tint);
+  Vec3 added = Vec3(with_interreflections(open, colour.x), with_interreflections(open, colour.y),
+                    with_interreflections(open, colour.z)) -
+               gray(open);
+  return gray_ao + added * Real(C.tint);
 }
 
 FN void composite_pixel(Int px, Int py) {
@@ -57,9 +60,9 @@ FN void composite_pixel(Int px, Int py) {
     if (C.mode == 3) {
       Real d = ao - 1.0f;
       Real luminance = luminance_of(lit);
-      Real less_chroma = max(mad(d, Real(C.chroma), Real(1.0f)), Real(0.0f));
-      lit = gray(luminance) + (lit - gray(luminance)) * less_chroma;
-      // Contrast about middle grey; then the mask is added.
+      Real chroma_factor = max(mad(d, Real(C.chroma), Real(1.0f)), Real(0.0f));
+      lit = gray(luminance) + (lit - gray(luminance)) * chroma_factor;
+      // Contrast is relative to middle grey.
       lit = gray(Real(0.5f)) + (lit - gray(Real(0.5f))) * max(mad(d, Real(C.contrast), Real(1.0f)), Real(0.0f));
       lit = lit + gray(d * Real(C.darkness));
     }

@@ -1,4 +1,4 @@
-// Tests `composite` against its formulas in double, and the properties of its modes.
+// Tests `composite` against its formulas in double, and tests properties of its modes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 
 using namespace test;
 
-/// Returns random light and occlusion; occlusion from -0.5 to 2, as `unsharp` produces.
+/// Returns a G-buffer with random light and occlusion; occlusion is from -0.5 to 2, as `unsharp` may produce.
 GBuffer light_and_occlusion() {
   constexpr int kWidth = 67, kHeight = 29;
   GBuffer g = test::empty_gbuffer(kWidth, kHeight);
@@ -38,9 +38,9 @@ struct Modulation {
 };
 
 /// The light at a pixel, in double precision.
-struct Arriving {
+struct PixelLight {
   glm::dvec3 direct, ambient, bounced;
-  Arriving(const Image& image, int x, int y) {
+  PixelLight(const Image& image, int x, int y) {
     for (int c = 0; c < 3; ++c) {
       direct[c] = image.plane(kDirect[c]).at(x, y);
       ambient[c] = image.plane(kAmbient[c]).at(x, y);
@@ -49,7 +49,7 @@ struct Arriving {
   }
 };
 
-glm::dvec3 joined(const std::string& mode, const Arriving& arriving, double ao, const Modulation& m) {
+glm::dvec3 expected_light(const std::string& mode, const PixelLight& arriving, double ao, const Modulation& m) {
   const auto& [direct, ambient, bounced] = arriving;
   const glm::dvec3 light = direct + ambient + bounced;
   if (mode == "ambient") return direct + bounced + ambient * ao;
@@ -63,7 +63,7 @@ glm::dvec3 joined(const std::string& mode, const Arriving& arriving, double ao, 
   return contrasted + d * m.darkness;
 }
 
-void compare(const std::string& mode, const Modulation& m) {
+void expect_formula(const std::string& mode, const Modulation& m) {
   const GBuffer g = light_and_occlusion();
   const Settings settings = {{"mode", mode},
                              {"darkness", fmt::format("{}", m.darkness)},
@@ -71,47 +71,49 @@ void compare(const std::string& mode, const Modulation& m) {
                              {"contrast", fmt::format("{}", m.contrast)}};
   const double scale = (1.0 + std::fabs(m.chroma)) * (1.0 + std::fabs(m.contrast)) + m.darkness;
   test::on_every_target("composite", g, settings, [&](const Image& image) {
-    double worst = 0.0;
+    double max_error = 0.0;
     for (int y = 0; y < image.height; ++y)
       for (int x = 0; x < image.width; ++x) {
-        const glm::dvec3 expected = joined(mode, Arriving(g.layers[0], x, y), g.layers[0].plane("ao").at(x, y), m);
-        for (int c = 0; c < 3; ++c) worst = std::max(worst, std::fabs(image.plane(kLit[c]).at(x, y) - expected[c]));
+        const glm::dvec3 expected =
+            expected_light(mode, PixelLight(g.layers[0], x, y), g.layers[0].plane("ao").at(x, y), m);
+        for (int c = 0; c < 3; ++c)
+          max_error = std::max(max_error, std::fabs(image.plane(kLit[c]).at(x, y) - expected[c]));
       }
-    EXPECT_LE(worst, 2e-6 * scale) << mode;
+    EXPECT_LE(max_error, 2e-6 * scale) << mode;
   });
 }
 
 TEST(Composite, EveryModeMatchesItsFormula) {
-  for (const char* mode : {"ambient", "subtract", "multiply", "occlusion"}) compare(mode, {});
+  for (const char* mode : {"ambient", "subtract", "multiply", "occlusion"}) expect_formula(mode, {});
 }
 
-TEST(Composite, BleedingFadesWhereDirectLightDoes) {
+TEST(Composite, BleedingDampsBouncedLightWhereDirectLightIsWeak) {
   GBuffer g = light_and_occlusion();
-  for (int c = 0; c < 3; ++c)  // from 0 to far above the damping
+  for (int c = 0; c < 3; ++c)  // direct light from 0 to far above the damping
     for (int y = 0; y < g.info.height; ++y)
       for (int x = 0; x < 20; ++x) g.layers[0].plane(kDirect[c]).at(x, y) *= float(x) / 200.0f;
   for (const double damping : {0.0, 0.1, 0.7})
-    test::on_every_target("composite", g, {{"mode", "bleeding"}, {"damping", fmt::format("{}", damping)}},
-                          [&](const Image& image) {
-                            double worst = 0.0;
-                            int faded = 0;
-                            for (int y = 0; y < image.height; ++y)
-                              for (int x = 0; x < image.width; ++x) {
-                                const auto [direct, ambient, bounced] = Arriving(g.layers[0], x, y);
-                                const double luminance = 0.2126 * direct.r + 0.7152 * direct.g + 0.0722 * direct.b;
-                                const double fraction = damping > 0.0 ? std::min(luminance / damping, 1.0) : 1.0;
-                                const glm::dvec3 expected =
-                                    direct + bounced * fraction + ambient * double(g.layers[0].plane("ao").at(x, y));
-                                for (int c = 0; c < 3; ++c)
-                                  worst = std::max(worst, std::fabs(image.plane(kLit[c]).at(x, y) - expected[c]));
-                                faded += fraction < 1.0;
-                              }
-                            EXPECT_LE(worst, 2e-6);
-                            EXPECT_EQ(faded > 100, damping > 0.0);
-                          });
+    test::on_every_target(
+        "composite", g, {{"mode", "bleeding"}, {"damping", fmt::format("{}", damping)}}, [&](const Image& image) {
+          double max_error = 0.0;
+          int faded = 0;
+          for (int y = 0; y < image.height; ++y)
+            for (int x = 0; x < image.width; ++x) {
+              const auto [direct, ambient, bounced] = PixelLight(g.layers[0], x, y);
+              const double luminance = 0.2126 * direct.r + 0.7152 * direct.g + 0.0722 * direct.b;
+              const double fraction = damping > 0.0 ? std::min(luminance / damping, 1.0) : 1.0;
+              const glm::dvec3 expected =
+                  direct + bounced * fraction + ambient * double(g.layers[0].plane("ao").at(x, y));
+              for (int c = 0; c < 3; ++c)
+                max_error = std::max(max_error, std::fabs(image.plane(kLit[c]).at(x, y) - expected[c]));
+              faded += fraction < 1.0;
+            }
+          EXPECT_LE(max_error, 2e-6);
+          EXPECT_EQ(faded > 100, damping > 0.0);
+        });
 }
 
-TEST(Composite, TintBringsBackWhatSurfacesOfTheSameColourSend) {
+TEST(Composite, TintAddsInterreflectionsOfTheSameColour) {
   // [Jimenez et al. 2016, equation 10].
   const auto with_interreflections = [](double v, double albedo) {
     const double a = 2.0404 * albedo - 0.3324, b = -4.7951 * albedo + 0.6417, c = 2.7552 * albedo + 0.6903;
@@ -120,71 +122,71 @@ TEST(Composite, TintBringsBackWhatSurfacesOfTheSameColourSend) {
   const GBuffer g = light_and_occlusion();
   for (const double tint : {0.0, 0.5, 1.0})
     test::on_every_target("composite", g, {{"tint", fmt::format("{}", tint)}}, [&](const Image& image) {
-      double worst = 0.0;
+      double max_error = 0.0;
       long lifted = 0;
       for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x) {
-          const Arriving arriving(g.layers[0], x, y);
+          const PixelLight arriving(g.layers[0], x, y);
           const double ao = g.layers[0].plane("ao").at(x, y), open = std::clamp(ao, 0.0, 1.0);
           for (int c = 0; c < 3; ++c) {
             const double fraction =
                 ao + tint * (with_interreflections(open, g.layers[0].plane(kAlbedo[c]).at(x, y)) - open);
-            const double lit = arriving.direct[c] + arriving.bounced[c] + arriving.ambient[c] * fraction;
-            worst = std::max(worst, std::fabs(lit - image.plane(kLit[c]).at(x, y)));
+            const double expected = arriving.direct[c] + arriving.bounced[c] + arriving.ambient[c] * fraction;
+            max_error = std::max(max_error, std::fabs(expected - image.plane(kLit[c]).at(x, y)));
             lifted += fraction > ao + 0.05;
           }
         }
-      EXPECT_LE(worst, 2e-6) << tint;
+      EXPECT_LE(max_error, 2e-6) << tint;
       EXPECT_EQ(lifted > 100, tint > 0.0) << tint;
     });
 }
 
 TEST(Composite, ModulateMatchesItsFormula) {
-  compare("modulate", {});
-  compare("modulate", {.darkness = 0.0, .chroma = 1.0});
-  compare("modulate", {.darkness = 0.0, .chroma = -2.5});
-  compare("modulate", {.darkness = 0.0, .contrast = 1.0});
-  compare("modulate", {.darkness = 0.7, .chroma = 3.0, .contrast = -1.5});
+  expect_formula("modulate", {});
+  expect_formula("modulate", {.darkness = 0.0, .chroma = 1.0});
+  expect_formula("modulate", {.darkness = 0.0, .chroma = -2.5});
+  expect_formula("modulate", {.darkness = 0.0, .contrast = 1.0});
+  expect_formula("modulate", {.darkness = 0.7, .chroma = 3.0, .contrast = -1.5});
 }
 
-TEST(Composite, OpenSurfacesKeepTheirLight) {
+TEST(Composite, UnoccludedSurfacesKeepTheirLight) {
   GBuffer g = light_and_occlusion();
   g.layers[0].plane("ao") = Plane(g.info.width, g.info.height, 1.0f);
   for (const char* mode : {"ambient", "subtract", "multiply", "modulate"})
-    test::on_every_target("composite", g, {{"mode", mode}, {"chroma", "2"}, {"contrast", "3"}},
-                          [&](const Image& image) {
-                            double worst = 0.0;
-                            for (int y = 0; y < image.height; ++y)
-                              for (int x = 0; x < image.width; ++x) {
-                                const Arriving light(g.layers[0], x, y);
-                                for (int c = 0; c < 3; ++c)
-                                  worst = std::max(worst, std::fabs(image.plane(kLit[c]).at(x, y) - light.direct[c] -
-                                                                    light.ambient[c] - light.bounced[c]));
-                              }
-                            EXPECT_LE(worst, 3e-6) << mode;
-                          });
+    test::on_every_target(
+        "composite", g, {{"mode", mode}, {"chroma", "2"}, {"contrast", "3"}}, [&](const Image& image) {
+          double max_error = 0.0;
+          for (int y = 0; y < image.height; ++y)
+            for (int x = 0; x < image.width; ++x) {
+              const PixelLight light(g.layers[0], x, y);
+              for (int c = 0; c < 3; ++c)
+                max_error = std::max(max_error, std::fabs(image.plane(kLit[c]).at(x, y) - light.direct[c] -
+                                                          light.ambient[c] - light.bounced[c]));
+            }
+          EXPECT_LE(max_error, 3e-6) << mode;
+        });
 }
 
 TEST(Composite, BouncedLightIsAlbedoTimesIndirect) {
-  // There is no other light, and `ao` is 0 everywhere.
+  // There is no light but `indirect`, and `ao` is 0 everywhere.
   GBuffer g = light_and_occlusion();
   const int width = g.info.width, height = g.info.height;
   g.layers[0].plane("ao") = Plane(width, height, 0.0f);
   for (int c = 0; c < 3; ++c)
     for (const auto* names : {kDirect, kAmbient}) g.layers[0].plane(names[c]) = Plane(width, height, 0.0f);
-  const auto fraction = [&](const char* mode, double bounced, double offset) {
+  const auto expect_bounced = [&](const char* mode, double factor, double offset) {
     test::on_every_target("composite", g, {{"mode", mode}}, [&](const Image& image) {
       for (int c = 0; c < 3; ++c)
-        ASSERT_NEAR(image.plane(kLit[c]).at(5, 7), bounced * Arriving(g.layers[0], 5, 7).bounced[c] + offset, 1e-6)
+        ASSERT_NEAR(image.plane(kLit[c]).at(5, 7), factor * PixelLight(g.layers[0], 5, 7).bounced[c] + offset, 1e-6)
             << mode;
     });
   };
-  fraction("ambient", 1.0, 0.0);
-  fraction("multiply", 1.0, 0.0);
-  fraction("subtract", 1.0, -1.0);
-  fraction("modulate", 1.0, -1.0);
-  fraction("occlusion", 0.0, 0.0);
-  // A G-buffer without albedo has the neutral one.
+  expect_bounced("ambient", 1.0, 0.0);
+  expect_bounced("multiply", 1.0, 0.0);
+  expect_bounced("subtract", 1.0, -1.0);
+  expect_bounced("modulate", 1.0, -1.0);
+  expect_bounced("occlusion", 0.0, 0.0);
+  // Without the planes of the albedo, the albedo is 0.8.
   Image bare(width, height);
   for (int c = 0; c < 3; ++c) bare.add(kIndirect[c]) = Plane(width, height, 0.5f);
   test::on_every_target("composite", {.info = g.info, .layers = {bare}}, {},
@@ -198,22 +200,22 @@ TEST(Composite, EachModeAtFullOcclusion) {
     g.layers[0].add(kAmbient[c]) = Plane(1, 1, 0.1f);
   }
   g.layers[0].add("ao") = Plane(1, 1, 0.0f);
-  const auto lit = [&](const Settings& settings, glm::dvec3 expected) {
+  const auto expect_lit = [&](const Settings& settings, glm::dvec3 expected) {
     test::on_every_target("composite", g, settings, [&](const Image& image) {
       for (int c = 0; c < 3; ++c) EXPECT_NEAR(image.plane(kLit[c]).at(0, 0), expected[c], 1e-6) << settings[0].second;
     });
   };
   const double luminance = 0.2126 * 0.3 + 0.7152 * 0.5 + 0.0722 * 0.7;
-  lit({{"mode", "ambient"}}, {0.2, 0.4, 0.6});      // direct light is kept
-  lit({{"mode", "subtract"}}, {-0.7, -0.5, -0.3});  // below 0; the output effect clamps it
-  lit({{"mode", "multiply"}}, {0.0, 0.0, 0.0});
-  lit({{"mode", "occlusion"}}, {0.0, 0.0, 0.0});
-  lit({{"mode", "modulate"}, {"darkness", "0"}, {"chroma", "1"}}, glm::dvec3(luminance));  // no chroma remains
-  lit({{"mode", "modulate"}, {"darkness", "0"}, {"contrast", "1"}}, {0.5, 0.5, 0.5});      // no contrast remains
-  lit({{"mode", "modulate"}, {"darkness", "0.25"}}, {0.05, 0.25, 0.45});
+  expect_lit({{"mode", "ambient"}}, {0.2, 0.4, 0.6});      // direct light is kept
+  expect_lit({{"mode", "subtract"}}, {-0.7, -0.5, -0.3});  // below 0; the output effect clamps it
+  expect_lit({{"mode", "multiply"}}, {0.0, 0.0, 0.0});
+  expect_lit({{"mode", "occlusion"}}, {0.0, 0.0, 0.0});
+  expect_lit({{"mode", "modulate"}, {"darkness", "0"}, {"chroma", "1"}}, glm::dvec3(luminance));  // no chroma remains
+  expect_lit({{"mode", "modulate"}, {"darkness", "0"}, {"contrast", "1"}}, {0.5, 0.5, 0.5});      // no contrast remains
+  expect_lit({{"mode", "modulate"}, {"darkness", "0.25"}}, {0.05, 0.25, 0.45});
 }
 
-TEST(Composite, WithoutPlanesItIsBlackAndOpen) {
+TEST(Composite, MissingPlanesAreBlackAndUnoccluded) {
   GBuffer g = test::empty_gbuffer(3, 2);
   test::on_every_target("composite", g, {}, [](const Image& image) { EXPECT_EQ(image.plane("lit.g").at(2, 1), 0.0f); });
   test::on_every_target("composite", g, {{"mode", "occlusion"}},

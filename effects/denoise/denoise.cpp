@@ -1,3 +1,4 @@
+// The parameter table, kernel constants and dispatches of `denoise` [Dammertz et al. 2010].
 #include "effects/denoise/denoise.h"
 
 #include <algorithm>
@@ -13,7 +14,7 @@
 namespace umbrage {
 namespace {
 
-constexpr int kMaxRounds = 6;                  // the filter is then 253 pixels wide
+constexpr int kMaxRounds = 6;                  // with these, the filter is 253 pixels wide
 constexpr float kNear = 0.25f, kFar = 0.125f;  // [1 2 2 2 1]/8
 
 const std::vector<Parameter> kTable = {
@@ -34,10 +35,10 @@ const std::vector<Parameter> kTable = {
 int light_rounds(const DenoiseParams& params) { return params.light_rounds > 0 ? params.light_rounds : params.rounds; }
 
 /// Returns `rounds`, plus one for each doubling of the picture height over `for_height`, rounded; at most kMaxRounds.
-int grown(int rounds, const DenoiseParams& params, const PictureInfo& info) {
+int rounds_for_height(int rounds, const DenoiseParams& params, const PictureInfo& info) {
   if (rounds == 0 || params.for_height == 0) return rounds;
-  const int more = int(std::lround(std::log2(info.reference_height() / float(params.for_height))));
-  return std::min(rounds + std::max(more, 0), kMaxRounds);
+  const int added = int(std::lround(std::log2(info.reference_height() / float(params.for_height))));
+  return std::min(rounds + std::max(added, 0), kMaxRounds);
 }
 
 void fill_constants(const DenoiseParams& params, const PictureInfo& info, DenoiseConstants& c) {
@@ -48,8 +49,8 @@ void fill_constants(const DenoiseParams& params, const PictureInfo& info, Denois
        params.indirect,
        params.distance,
        float(1.0 / (1.0 - cosine)),
-       grown(params.rounds, params, info),
-       grown(light_rounds(params), params, info)};
+       rounds_for_height(params.rounds, params, info),
+       rounds_for_height(light_rounds(params), params, info)};
 }
 
 bool includes_light(const ParameterBytes& bytes) {
@@ -58,15 +59,15 @@ bool includes_light(const ParameterBytes& bytes) {
 }
 int rounds(const ParameterBytes& bytes, const PictureInfo& info) {
   const auto& params = as<DenoiseParams>(bytes);
-  const int max = includes_light(bytes) ? std::max(params.rounds, light_rounds(params)) : params.rounds;
-  return grown(max, params, info);
+  const int max_rounds = includes_light(bytes) ? std::max(params.rounds, light_rounds(params)) : params.rounds;
+  return rounds_for_height(max_rounds, params, info);
 }
 bool ao_only(const ParameterBytes& bytes) {
   const auto& params = as<DenoiseParams>(bytes);
   return params.rounds > 0 && params.occlusion > 0.0f && !includes_light(bytes);
 }
 
-/// Returns the reach in rows: two taps, whose spacing doubles in each round.
+/// Returns Dispatch::reach of the dispatches along columns: two taps, whose spacing doubles in each round.
 int reach(const void*, int round) { return 2 << round; }
 
 }  // namespace

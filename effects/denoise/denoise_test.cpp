@@ -16,23 +16,24 @@ namespace {
 using test::Settings;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-const char* const kMade[] = {"ao", "indirect.r", "indirect.g", "indirect.b"};
+const char* const kFilteredPlanes[] = {"ao", "indirect.r", "indirect.g", "indirect.b"};
 
-double uniform(int x, int y, unsigned seed) {
+double uniform_noise(int x, int y, unsigned seed) {
   return double(test::hash(test::hash(unsigned(x) + 7919u * seed) + unsigned(y)) >> 8) * 0x1p-24;
 }
 
-/// Returns a plane that faces the camera at depth 5, with constant `ao` and `indirect`.
+/// Returns a G-buffer of a plane that faces the camera at depth 5, with constant `ao` and `indirect`.
 GBuffer flat(int width, int height, float value = 0.0f) {
   GBuffer g = test::empty_gbuffer(width, height);
   for (const char* name : {"normal.x", "normal.y"}) g.layers[0].add(name) = Plane(width, height, 0.0f);
   g.layers[0].add("normal.z") = Plane(width, height, 1.0f);
   g.layers[0].add("depth") = Plane(width, height, 5.0f);
-  for (const char* name : kMade) g.layers[0].add(name) = Plane(width, height, value);
+  for (const char* name : kFilteredPlanes) g.layers[0].add(name) = Plane(width, height, value);
   return g;
 }
 
-/// Tilts the plane about the picture's x axis, and by half as much about its y axis.
+/// Replaces the surface by a tilted plane, whose normal leans by `tilt_deg` from the view axis: up, and half as much to
+/// the right.
 void tilt(GBuffer& g, double tilt_deg, bool orthographic) {
   Image& image = g.layers[0];
   if (orthographic)
@@ -55,13 +56,13 @@ void tilt(GBuffer& g, double tilt_deg, bool orthographic) {
 
 void fill_with_noise(GBuffer& g) {
   for (unsigned k = 0; k < 4; ++k) {
-    Plane& plane = g.layers[0].plane(kMade[k]);
+    Plane& plane = g.layers[0].plane(kFilteredPlanes[k]);
     for (int y = 0; y < plane.height; ++y)
-      for (int x = 0; x < plane.width; ++x) plane.at(x, y) = float(uniform(x, y, k));
+      for (int x = 0; x < plane.width; ++x) plane.at(x, y) = float(uniform_noise(x, y, k));
   }
 }
 
-Settings both(int rounds) { return {{"rounds", std::to_string(rounds)}, {"occlusion", "1"}, {"indirect", "1"}}; }
+Settings filter_both(int rounds) { return {{"rounds", std::to_string(rounds)}, {"occlusion", "1"}, {"indirect", "1"}}; }
 
 double mean_of(const Plane& plane) {
   double sum = 0.0;
@@ -74,10 +75,10 @@ TEST(Denoise, ImpulseBecomesTheWeights) {
   const double weights[5] = {0.125, 0.25, 0.25, 0.25, 0.125};
   for (const bool light : {false, true}) {
     GBuffer g = flat(21, 17);
-    for (const char* name : kMade) g.layers[0].plane(name).at(10, 8) = 1.0f;
-    test::on_every_target("denoise", g, light ? both(1) : Settings{}, [&](const Image& image) {
-      for (const char* name : kMade) {
-        if (!light && name != kMade[0]) continue;
+    for (const char* name : kFilteredPlanes) g.layers[0].plane(name).at(10, 8) = 1.0f;
+    test::on_every_target("denoise", g, light ? filter_both(1) : Settings{}, [&](const Image& image) {
+      for (const char* name : kFilteredPlanes) {
+        if (!light && name != kFilteredPlanes[0]) continue;
         for (int y = 0; y < 17; ++y)
           for (int x = 0; x < 21; ++x) {
             const bool in = std::abs(x - 10) <= 2 && std::abs(y - 8) <= 2;
@@ -88,20 +89,21 @@ TEST(Denoise, ImpulseBecomesTheWeights) {
   }
 }
 
-TEST(Denoise, ATileOfNoiseIsGoneAfterOneRound) {
+TEST(Denoise, OneRoundRemovesTheNoiseOfATile) {
   GBuffer g = flat(40, 36);
   double mean[4] = {0.0, 0.0, 0.0, 0.0};
   for (unsigned k = 0; k < 4; ++k)
     for (int y = 0; y < 36; ++y)
       for (int x = 0; x < 40; ++x) {
-        const double v = uniform(x % 4, y % 4, k);
-        g.layers[0].plane(kMade[k]).at(x, y) = float(v);
+        const double v = uniform_noise(x % 4, y % 4, k);
+        g.layers[0].plane(kFilteredPlanes[k]).at(x, y) = float(v);
         mean[k] += v / (40.0 * 36.0);
       }
-  test::on_every_target("denoise", g, both(1), [&](const Image& image) {
+  test::on_every_target("denoise", g, filter_both(1), [&](const Image& image) {
     for (unsigned k = 0; k < 4; ++k)
       for (int y = 2; y < 34; ++y)
-        for (int x = 2; x < 38; ++x) EXPECT_NEAR(image.plane(kMade[k]).at(x, y), mean[k], 1e-6) << x << ',' << y;
+        for (int x = 2; x < 38; ++x)
+          EXPECT_NEAR(image.plane(kFilteredPlanes[k]).at(x, y), mean[k], 1e-6) << x << ',' << y;
   });
 }
 
@@ -113,16 +115,16 @@ TEST(Denoise, WhiteNoiseFallsByTheWeightsAtAnyTilt) {
       GBuffer g = flat(128, 128);
       tilt(g, tilt_deg, orthographic);
       fill_with_noise(g);
-      test::on_every_target("denoise", g, both(1), [&](const Image& image) {
-        for (const char* name : kMade) {
+      test::on_every_target("denoise", g, filter_both(1), [&](const Image& image) {
+        for (const char* name : kFilteredPlanes) {
           double squares = 0.0;
           long count = 0;
           for (int y = 2; y < 126; ++y)
             for (int x = 2; x < 126; ++x) {
-              bool whole = true;  // the whole window shows the plane
+              bool all_on_plane = true;  // whether the whole window shows the plane
               for (const int i : {-2, 2})
-                for (const int j : {-2, 2}) whole &= std::isfinite(g.layers[0].plane("depth").at(x + i, y + j));
-              if (!whole) continue;
+                for (const int j : {-2, 2}) all_on_plane &= std::isfinite(g.layers[0].plane("depth").at(x + i, y + j));
+              if (!all_on_plane) continue;
               const double e = image.plane(name).at(x, y) - 0.5;
               squares += e * e;
               ++count;
@@ -136,27 +138,27 @@ TEST(Denoise, WhiteNoiseFallsByTheWeightsAtAnyTilt) {
     }
 }
 
-TEST(Denoise, GrazingPlanesAreAsFacingOnesAndStepsAreNot) {
+TEST(Denoise, GrazingPlanesAreFilteredButNotAcrossDiscontinuities) {
   GBuffer facing = flat(64, 64);
   fill_with_noise(facing);
-  const Image expected = test::run_effect(*find_effect("denoise"), facing, both(2), {});
+  const Image expected = test::run_effect(*find_effect("denoise"), facing, filter_both(2), {});
   test::at_grazing_angles({.error_deg = 2.0}, [&](const test::TiltedPlane& plane) {
     GBuffer g = test::seen(plane);
-    for (const char* name : kMade) g.layers[0].add(name) = facing.layers[0].plane(name);
-    test::on_every_target("denoise", g, both(2), [&](const Image& image) {
-      for (const char* name : kMade)
+    for (const char* name : kFilteredPlanes) g.layers[0].add(name) = facing.layers[0].plane(name);
+    test::on_every_target("denoise", g, filter_both(2), [&](const Image& image) {
+      for (const char* name : kFilteredPlanes)
         EXPECT_LE(test::difference(image.plane(name), expected.plane(name), 0.0).max, 1e-6) << name;
     });
   });
   test::at_grazing_angles({.step_px = 60.0, .depth_ratio = 0.1}, [](const test::TiltedPlane& plane) {
     GBuffer g = test::seen(plane);
-    for (const char* name : kMade) {
-      Plane& made = g.layers[0].add(name);
+    for (const char* name : kFilteredPlanes) {
+      Plane& plane_out = g.layers[0].add(name);
       for (int y = 0; y < plane.height; ++y)
-        for (int x = 0; x < plane.width; ++x) made.at(x, y) = 2 * x < plane.width ? 0.25f : 1.0f;
+        for (int x = 0; x < plane.width; ++x) plane_out.at(x, y) = 2 * x < plane.width ? 0.25f : 1.0f;
     }
-    test::on_every_target("denoise", g, both(2), [&](const Image& image) {
-      for (const char* name : kMade)
+    test::on_every_target("denoise", g, filter_both(2), [&](const Image& image) {
+      for (const char* name : kFilteredPlanes)
         EXPECT_EQ(test::difference(image.plane(name), g.layers[0].plane(name), 0.0).max, 0.0) << name;
     });
   });
@@ -165,10 +167,11 @@ TEST(Denoise, GrazingPlanesAreAsFacingOnesAndStepsAreNot) {
 TEST(Denoise, MoreRoundsReachFarther) {
   GBuffer g = flat(160, 160);
   fill_with_noise(g);
-  // Sums of squares of [1 2 2 2 1]/8, convolved with its copies of two and of four times the spacing.
+  // Per axis, sums of the squares of [1 2 2 2 1]/8 and of its convolutions with copies of 2 times the spacing, and of 2
+  // and 4 times.
   const double kPerAxis[] = {0.21875, 0.09863281, 0.04824829};
   for (int rounds = 1; rounds <= 3; ++rounds) {
-    const Image image = test::run_effect(*find_effect("denoise"), g, both(rounds), {});
+    const Image image = test::run_effect(*find_effect("denoise"), g, filter_both(rounds), {});
     double squares = 0.0;
     for (int y = 40; y < 120; ++y)
       for (int x = 40; x < 120; ++x) squares += std::pow(image.plane("ao").at(x, y) - 0.5, 2.0);
@@ -177,35 +180,35 @@ TEST(Denoise, MoreRoundsReachFarther) {
   }
 }
 
-TEST(Denoise, ConstantsStayConstantAndMeansStay) {
+TEST(Denoise, ConstantsAndMeansArePreserved) {
   for (const int rounds : {1, 3}) {
     for (const bool hostile : {false, true}) {
       GBuffer g = hostile ? test::hostile_gbuffer(191, 63, 3) : test::bumpy_gbuffer(191, 63, 3);
-      for (const char* name : kMade) g.layers[0].add(name) = Plane(191, 63, 0.3f);
-      test::on_every_target("denoise", g, both(rounds), [&](const Image& image) {
-        for (const char* name : kMade)
+      for (const char* name : kFilteredPlanes) g.layers[0].add(name) = Plane(191, 63, 0.3f);
+      test::on_every_target("denoise", g, filter_both(rounds), [&](const Image& image) {
+        for (const char* name : kFilteredPlanes)
           EXPECT_EQ(test::difference(image.plane(name), g.layers[0].plane(name), 0.0).max, 0.0);
       });
     }
-    // Bumpy surfaces with many holes and steps, and a gradient over the whole picture.
+    // The surfaces are bumpy, with many holes and depth discontinuities; values depend on depth.
     constexpr float kContrast = 0.16f;
     GBuffer g = test::bumpy_gbuffer(191, 347, 8);
-    for (const char* name : kMade) g.layers[0].add(name) = Plane(191, 347, 0.0f);
+    for (const char* name : kFilteredPlanes) g.layers[0].add(name) = Plane(191, 347, 0.0f);
     fill_with_noise(g);
-    for (const char* name : kMade)
+    for (const char* name : kFilteredPlanes)
       for (int y = 0; y < 347; ++y)
         for (int x = 0; x < 191; ++x) {
           Plane& plane = g.layers[0].plane(name);
-          // Darker on nearer surfaces, so that asymmetric leaking across an edge would change the mean.
+          // Nearer surfaces are darker, so that asymmetric leaking across an edge would change the mean.
           const float depth = g.layers[0].plane("depth").at(x, y);
           const float v = 0.2f * plane.at(x, y) + (std::isfinite(depth) ? 0.08f * depth : 1.0f);
-          // Low contrast, so that no isolated pixel is limited by its neighbours.
+          // The contrast is low, so that neighbours do not limit the values of isolated pixels.
           plane.at(x, y) = 0.8f + kContrast * v;
         }
     test::on_every_target(
         "denoise", g, {{"rounds", std::to_string(rounds)}, {"indirect", "1"}, {"angle", "180"}},
         [&](const Image& image) {
-          for (const char* name : kMade) {
+          for (const char* name : kFilteredPlanes) {
             EXPECT_NEAR(mean_of(image.plane(name)), mean_of(g.layers[0].plane(name)), 1e-4 * kContrast);
             EXPECT_GT(test::difference(image.plane(name), g.layers[0].plane(name), 0.0).mean, 0.01 * kContrast);
           }
@@ -213,7 +216,7 @@ TEST(Denoise, ConstantsStayConstantAndMeansStay) {
   }
 }
 
-TEST(Denoise, StopsAtStepsCreasesAndBackground) {
+TEST(Denoise, StopsAtDiscontinuitiesCreasesAndBackground) {
   enum Edge { kStep, kCrease, kBackground };
   for (const Edge edge : {kStep, kCrease, kBackground})
     for (const bool across : {false, true}) {
@@ -226,7 +229,7 @@ TEST(Denoise, StopsAtStepsCreasesAndBackground) {
           const int along = across ? x : y;
           const bool second = along >= 21;
           for (unsigned k = 0; k < 4; ++k)
-            image.plane(kMade[k]).at(x, y) = (second ? 0.7f : 0.2f) + 0.1f * float(uniform(x, y, k));
+            image.plane(kFilteredPlanes[k]).at(x, y) = (second ? 0.7f : 0.2f) + 0.1f * float(uniform_noise(x, y, k));
           if (!second) continue;
           if (edge == kStep) image.plane("depth").at(x, y) = float(5.0 + 3.0 * pixel);
           if (edge == kBackground) image.plane("depth").at(x, y) = kInfinity;
@@ -235,8 +238,8 @@ TEST(Denoise, StopsAtStepsCreasesAndBackground) {
             image.plane(across ? "normal.x" : "normal.y").at(x, y) = across ? 1.0f : -1.0f;
           }
         }
-      test::on_every_target("denoise", g, both(3), [&](const Image& out) {
-        for (const char* name : kMade)
+      test::on_every_target("denoise", g, filter_both(3), [&](const Image& out) {
+        for (const char* name : kFilteredPlanes)
           for (int y = 0; y < 48; ++y)
             for (int x = 0; x < 48; ++x) {
               const float v = out.plane(name).at(x, y), was = image.plane(name).at(x, y);
@@ -251,7 +254,8 @@ TEST(Denoise, StopsAtStepsCreasesAndBackground) {
 }
 
 TEST(Denoise, OnePixelWideFeaturesAreLimited) {
-  // A wire in front of a wall, with fireflies in `indirect` and `ao` 0. It has no neighbour of its surface across.
+  // A wire in front of a wall, with fireflies in `indirect` and with `ao` 0. Across the wire, no neighbours are on its
+  // surface.
   for (const bool upright : {true, false})
     for (const int rounds : {1, 3}) {
       GBuffer g = flat(48, 48, 0.4f);
@@ -263,7 +267,7 @@ TEST(Denoise, OnePixelWideFeaturesAreLimited) {
         for (const char* name : {"indirect.r", "indirect.g", "indirect.b"})
           image.plane(name).at(x, y) = k % 4 == 0 ? 40.0f : 0.2f;
       }
-      test::on_every_target("denoise", g, both(rounds), [&](const Image& out) {
+      test::on_every_target("denoise", g, filter_both(rounds), [&](const Image& out) {
         for (int y = 0; y < 48; ++y)
           for (int x = 0; x < 48; ++x) {
             const float light = out.plane("indirect.g").at(x, y), ao = out.plane("ao").at(x, y);
@@ -290,11 +294,11 @@ TEST(Denoise, OnePixelWideFeaturesAreLimited) {
     for (int x = 0; x < 48; ++x)
       if (x != 20) g.layers[0].plane("depth").at(x, y) = kInfinity;
   for (int y = 0; y < 48; ++y) g.layers[0].plane("indirect.g").at(20, y) = 7.0f;
-  const Image out = test::run_effect(*find_effect("denoise"), g, both(3), {});
+  const Image out = test::run_effect(*find_effect("denoise"), g, filter_both(3), {});
   for (int y = 0; y < 48; ++y) EXPECT_EQ(out.plane("indirect.g").at(20, y), 7.0f);
 }
 
-TEST(Denoise, StrengthsHoldForTheirOwnPlanes) {
+TEST(Denoise, StrengthsAffectTheirOwnPlanesOnly) {
   GBuffer g = flat(32, 32);
   fill_with_noise(g);
   const auto changed = [&](const Settings& settings, const char* name) {
@@ -302,7 +306,7 @@ TEST(Denoise, StrengthsHoldForTheirOwnPlanes) {
     const Plane* plane = image.find(name);
     return plane ? test::difference(*plane, g.layers[0].plane(name), 0.0).mean : 0.0;
   };
-  const double ao = changed(both(1), "ao"), light = changed(both(1), "indirect.g");
+  const double ao = changed(filter_both(1), "ao"), light = changed(filter_both(1), "indirect.g");
   EXPECT_GT(ao, 0.1);
   EXPECT_GT(light, 0.1);
   EXPECT_EQ(changed({}, "ao"), ao);
@@ -314,7 +318,7 @@ TEST(Denoise, StrengthsHoldForTheirOwnPlanes) {
   EXPECT_LT(changed({{"occlusion", "0.5"}}, "ao"), 0.9 * ao);
 }
 
-TEST(Denoise, LightMayTakeOtherRoundsThanOcclusion) {
+TEST(Denoise, LightMayHaveOtherRoundsThanOcclusion) {
   GBuffer g = flat(64, 48);
   fill_with_noise(g);
   const auto run = [&](const char* rounds, const char* light_rounds) {
@@ -334,9 +338,9 @@ TEST(Denoise, LightMayTakeOtherRoundsThanOcclusion) {
   EXPECT_TRUE(same(run("0", "3"), three, "indirect.g"));
 }
 
-TEST(Denoise, HigherPicturesTakeMoreRounds) {
+TEST(Denoise, HigherPicturesGetMoreRounds) {
   struct Case {
-    int rounds, light_rounds, for_height, taken, light_taken;  // on a picture of 64 rows
+    int rounds, light_rounds, for_height, expected_rounds, expected_light_rounds;  // for a picture of 64 rows
   };
   for (const Case& c :
        {Case{1, 0, 0, 1, 1}, Case{1, 0, 64, 1, 1}, Case{1, 0, 32, 2, 2}, Case{1, 2, 32, 2, 3}, Case{1, 0, 46, 1, 1},
@@ -344,15 +348,15 @@ TEST(Denoise, HigherPicturesTakeMoreRounds) {
     for (const bool light : {false, true}) {
       GBuffer g = flat(80, 64);
       fill_with_noise(g);
-      Settings plain = {{"rounds", std::to_string(c.taken)}, {"indirect", light ? "1" : "0"}};
-      Settings grown = {{"rounds", std::to_string(c.rounds)}, {"indirect", light ? "1" : "0"}};
-      plain.push_back({"light_rounds", std::to_string(c.light_taken)});
-      grown.push_back({"light_rounds", std::to_string(c.light_rounds)});
-      grown.push_back({"for_height", std::to_string(c.for_height)});
-      const Image expected = test::run_effect(*find_effect("denoise"), g, plain, {});
-      test::on_every_target("denoise", g, grown, [&](const Image& image) {
-        for (const char* name : kMade) {
-          if (!light && name != kMade[0]) continue;
+      Settings explicit_rounds = {{"rounds", std::to_string(c.expected_rounds)}, {"indirect", light ? "1" : "0"}};
+      Settings automatic = {{"rounds", std::to_string(c.rounds)}, {"indirect", light ? "1" : "0"}};
+      explicit_rounds.push_back({"light_rounds", std::to_string(c.expected_light_rounds)});
+      automatic.push_back({"light_rounds", std::to_string(c.light_rounds)});
+      automatic.push_back({"for_height", std::to_string(c.for_height)});
+      const Image expected = test::run_effect(*find_effect("denoise"), g, explicit_rounds, {});
+      test::on_every_target("denoise", g, automatic, [&](const Image& image) {
+        for (const char* name : kFilteredPlanes) {
+          if (!light && name != kFilteredPlanes[0]) continue;
           for (int y = 0; y < 64; ++y)
             for (int x = 0; x < 80; ++x)
               ASSERT_NEAR(image.plane(name).at(x, y), expected.plane(name).at(x, y), 1e-6)
@@ -360,18 +364,19 @@ TEST(Denoise, HigherPicturesTakeMoreRounds) {
         }
       });
     }
-  // With a guard band, and at reduced resolution: the picture's height differs from that of its planes.
+  // With a guard band or at reduced resolution, the height of the picture differs from that of its planes.
   for (const bool reduced : {false, true}) {
     GBuffer g = flat(80, 64);
     fill_with_noise(g);
-    const Settings plain = {{"rounds", "2"}, {"indirect", "1"}};
-    // 32 rows without the guard band, or 66 at full resolution; the 64 rows of the planes would give three rounds.
+    const Settings explicit_rounds = {{"rounds", "2"}, {"indirect", "1"}};
+    // The picture has 32 rows without the guard band, or 66 at full resolution: two rounds. The 64 rows of the planes
+    // alone would give three.
     g.info.guard = reduced ? 0 : 16;
     if (reduced) g.info.reduced = 2, g.info.whole_height = 66;
-    const Image expected = test::run_effect(*find_effect("denoise"), g, plain, {});
-    const Settings grown = {{"rounds", "1"}, {"indirect", "1"}, {"for_height", "16"}};
-    const Image image = test::run_effect(*find_effect("denoise"), g, grown, {});
-    for (const char* name : kMade)
+    const Image expected = test::run_effect(*find_effect("denoise"), g, explicit_rounds, {});
+    const Settings automatic = {{"rounds", "1"}, {"indirect", "1"}, {"for_height", "16"}};
+    const Image image = test::run_effect(*find_effect("denoise"), g, automatic, {});
+    for (const char* name : kFilteredPlanes)
       EXPECT_EQ(test::difference(image.plane(name), expected.plane(name), 0.0).max, 0.0) << name << ' ' << reduced;
   }
 }
@@ -380,18 +385,18 @@ TEST(Denoise, PixelWithNonFiniteNormalIsIsolated) {
   GBuffer g = flat(30, 12, 0.5f);
   g.layers[0].plane("normal.x").at(9, 5) = std::nanf("");
   g.layers[0].plane("ao").at(9, 5) = 0.9f;
-  test::on_every_target("denoise", g, both(1), [&](const Image& image) {
+  test::on_every_target("denoise", g, filter_both(1), [&](const Image& image) {
     EXPECT_FLOAT_EQ(image.plane("ao").at(9, 5), 0.9f);
     for (const int x : {7, 8, 10, 11}) EXPECT_FLOAT_EQ(image.plane("ao").at(x, 5), 0.5f) << x;
   });
 }
 
-TEST(Denoise, NonFiniteInputsAreOpenAndDark) {
+TEST(Denoise, NonFiniteInputsAreUnoccludedAndDark) {
   GBuffer g = flat(30, 12, 0.5f);
-  const float odd[] = {std::nanf(""), kInfinity, -kInfinity, 3e38f};
-  for (const char* name : kMade)
-    for (int k = 0; k < 4; ++k) g.layers[0].plane(name).at(6 * k + 4, 5) = odd[k];
-  test::on_every_target("denoise", g, both(1), [&](const Image& image) {
+  const float invalid_values[] = {std::nanf(""), kInfinity, -kInfinity, 3e38f};
+  for (const char* name : kFilteredPlanes)
+    for (int k = 0; k < 4; ++k) g.layers[0].plane(name).at(6 * k + 4, 5) = invalid_values[k];
+  test::on_every_target("denoise", g, filter_both(1), [&](const Image& image) {
     for (int k = 0; k < 4; ++k) {
       EXPECT_FLOAT_EQ(image.plane("ao").at(6 * k + 4, 5), 0.53125f);
       EXPECT_FLOAT_EQ(image.plane("indirect.b").at(6 * k + 4, 5), 0.46875f);

@@ -1,3 +1,4 @@
+// The parameter table, kernel constants and dispatches of `gaussian` [Lajzer and Nottingham].
 #include "effects/gaussian/gaussian.h"
 
 #include <algorithm>
@@ -9,10 +10,10 @@
 namespace umbrage {
 namespace {
 
-constexpr float kSide = 0.25f;  // [1 2 1]/4
+constexpr float kSideWeight = 0.25f;  // [1 2 1]/4
 
 const std::vector<Parameter> kTable = {
-    // "Several times" [Lajzer and Nottingham]. Each round halves noise of period 4 pixels, so that 6 % of it remain.
+    // The paper says "several times". Each round halves noise of period 4 pixels, so that 6 % of it remains after four.
     int_row("rounds", &GaussianParams::rounds, {.initial = 4, .max = 64},
             "number of times the 3x3 Gaussian is applied"),
     bool_row("edges", &GaussianParams::edges, false,
@@ -20,7 +21,7 @@ const std::vector<Parameter> kTable = {
 };
 
 void fill_constants(const GaussianParams& params, const PictureInfo&, GaussianConstants& c) {
-  c = {params.rounds > 0 ? kSide : 0.0f, params.edges};
+  c = {params.rounds > 0 ? kSideWeight : 0.0f, params.edges};
 }
 
 /// Returns the number of rounds, at least 1: for `rounds` = 0, one round with weight 0 leaves `ao` unchanged.

@@ -1,4 +1,4 @@
-// Tests `gaussian` against its 3x3 stencil in double, and its behaviour at edges.
+// Tests `gaussian` against its 3x3 stencil in double, and tests its behaviour at edges.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,8 @@ namespace {
 
 using test::Settings;
 
-/// Returns surfaces that face the camera at depth 5, or at 9 from column `first_far` on, with constant `ao`.
+/// Returns a G-buffer of two surfaces that face the camera: at depth 5, and from column `first_far` on at 9. Its `ao`
+/// is constant.
 GBuffer step(int width, int height, int first_far, float occlusion = 1.0f) {
   GBuffer g = test::empty_gbuffer(width, height);
   Image& image = g.layers[0];
@@ -54,17 +55,17 @@ TEST(Gaussian, ImpulseBecomesTheBinomialCoefficients) {
     }
 }
 
-/// Returns one round as the paper describes it: the weighted average of 3x3 pixels, with clamped borders.
-std::vector<double> blurred(const std::vector<double>& in, int width, int height) {
-  std::vector<double> out(in.size());
+/// Returns the result of one round as the paper describes it: the weighted average of 3x3 pixels, clamped at borders.
+std::vector<double> blurred(const std::vector<double>& input, int width, int height) {
+  std::vector<double> output(input.size());
   const double weights[3] = {0.25, 0.5, 0.25};
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       for (int j = -1; j <= 1; ++j)
         for (int i = -1; i <= 1; ++i)
-          out[y * width + x] += weights[i + 1] * weights[j + 1] *
-                                in[std::clamp(y + j, 0, height - 1) * width + std::clamp(x + i, 0, width - 1)];
-  return out;
+          output[y * width + x] += weights[i + 1] * weights[j + 1] *
+                                   input[std::clamp(y + j, 0, height - 1) * width + std::clamp(x + i, 0, width - 1)];
+  return output;
 }
 
 TEST(Gaussian, MatchesTheThreeByThreeStencilUpToTheBorder) {
@@ -85,7 +86,7 @@ TEST(Gaussian, MatchesTheThreeByThreeStencilUpToTheBorder) {
   }
 }
 
-TEST(Gaussian, ConstantStaysConstantToTheBit) {
+TEST(Gaussian, ConstantStaysBitwiseIdentical) {
   for (const char* edges : {"off", "on"})
     for (const float value : {1.0f, 0.7f, 0.1234567f, 1.7f}) {
       const GBuffer g = step(35, 20, 13, value);
@@ -95,7 +96,7 @@ TEST(Gaussian, ConstantStaysConstantToTheBit) {
     }
 }
 
-TEST(Gaussian, NoRoundLeavesEverythingAsItIs) {
+TEST(Gaussian, ZeroRoundsChangeNothing) {
   GBuffer g = step(35, 20, 13);
   fill_randomly(ao_of(g));
   for (const char* edges : {"off", "on"})
@@ -104,7 +105,7 @@ TEST(Gaussian, NoRoundLeavesEverythingAsItIs) {
     });
 }
 
-TEST(Gaussian, EdgesKeepAStepOfOcclusionAtAStepOfDepth) {
+TEST(Gaussian, EdgesKeepADiscontinuityOfOcclusionWhereDepthHasOne) {
   for (const bool background : {false, true}) {
     GBuffer g = step(40, 20, 17);
     for (int y = 0; y < 20; ++y)
@@ -122,7 +123,7 @@ TEST(Gaussian, EdgesKeepAStepOfOcclusionAtAStepOfDepth) {
   }
 }
 
-TEST(Gaussian, EdgesBlurPlanesAtGrazingAnglesAsWithout) {
+TEST(Gaussian, EdgesDoNotChangeTheBlurOfTiltedPlanes) {
   // Depth changes by many pixel sizes from row to row, but the rows are neighbours on one surface.
   for (const bool orthographic : {false, true})
     for (const double tilt_deg : {30.0, 69.0, 80.0}) {
@@ -162,11 +163,11 @@ TEST(Gaussian, EdgesBlurGrazingPlanesAndStopAtSteps) {
   });
 }
 
-TEST(Gaussian, NonFiniteOcclusionIsOpen) {
+TEST(Gaussian, NonFiniteOcclusionIsUnoccluded) {
   GBuffer g = step(20, 10, 99, 0.5f);
-  const float odd[] = {std::nanf(""), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
-                       3e38f};
-  for (int k = 0; k < 4; ++k) ao_of(g).at(4 * k + 2, 5) = odd[k];
+  const float invalid_values[] = {std::nanf(""), std::numeric_limits<float>::infinity(),
+                                  -std::numeric_limits<float>::infinity(), 3e38f};
+  for (int k = 0; k < 4; ++k) ao_of(g).at(4 * k + 2, 5) = invalid_values[k];
   test::on_every_target("gaussian", g, rounds(1), [&](const Image& image) {
     for (int k = 0; k < 4; ++k) EXPECT_FLOAT_EQ(image.plane("ao").at(4 * k + 2, 5), 0.625f) << k;
   });

@@ -1,3 +1,4 @@
+// The parameter table, kernel constants and dispatches of `hbao` [Bavoil et al. 2008].
 #include "effects/hbao/hbao.h"
 
 #include <algorithm>
@@ -23,7 +24,7 @@ const std::vector<Parameter> kTable = {
     real_row("strength", &HbaoParams::strength, {.initial = 1, .max = 10}, "factor for the occlusion"),
 };
 
-// With one tap, that tap may be the whole horizon: up to two quanta.
+// With a single tap, that tap determines the horizon and may change the result by up to two quanta.
 constexpr double kQuantum = 0.5;
 
 void fill_constants(const HbaoParams& params, const PictureInfo& info, HbaoConstants& c) {
@@ -37,8 +38,8 @@ void fill_constants(const HbaoParams& params, const PictureInfo& info, HbaoConst
   c.radius = std::clamp(absolute_length(params.radius, info.scene_radius), 1e-15f, 1e15f);
   c.radius2 = c.radius * c.radius;
   const float column = info.pixel_width(), row = info.pixel_height();
-  c.reach = c.radius / column;
-  c.rows = -column / row;
+  c.radius_px = c.radius / column;
+  c.rows_per_column = -column / row;
   const double bias = params.angle_bias * std::numbers::pi / 180.0;
   c.bias_cos = float(std::cos(bias));
   c.bias_sin = float(std::sin(bias));

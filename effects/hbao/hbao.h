@@ -15,13 +15,14 @@ struct HbaoParams {
 struct HbaoConstants {
   int directions, steps;
   float one_over_steps;
-  float turn_cos, turn_sin;      // of the angle from one direction to the next
-  float turn_fraction;           // that angle as a fraction of a full turn
-  float radius, radius2, reach;  // scene units; reach: radius in columns at depth 1, at any depth if orthographic
-  float rows;                    // rows per column width, < 0
-  float bias_cos, bias_sin;
-  int attenuation;  // 0 or 1
-  float factor;     // factor of the sum over directions
+  float turn_cos, turn_sin;  // of the angle from one direction to the next
+  float turn_fraction;       // that angle as a fraction of a full turn
+  float radius, radius2;     // scene units
+  float radius_px;           // columns, at depth 1; at any depth in an orthographic picture
+  float rows_per_column;     // rows in the width of a column, < 0: rows go down
+  float bias_cos, bias_sin;  // of the angle bias
+  int attenuation;           // 0 or 1
+  float factor;              // factor of the sum over directions
 };
 
 #endif

@@ -1,6 +1,6 @@
-// Horizon-based ambient occlusion: in each direction of the picture, the kernel searches the horizon of the depths; the
-// directions between it and the tangent plane are occluded. Based on [Bavoil et al. 2008], section 3: elevations are
-// angles to the picture plane, measured by their sine.
+// Horizon-based ambient occlusion: in several directions of the picture, the kernel searches the depths for the
+// horizon; what is between the tangent plane and the horizon is occluded. Based on [Bavoil et al. 2008], section 3:
+// elevations are angles to the picture plane, measured by their sine.
 //
 // Positions are computed only with operations that round identically on every machine.
 IN_REAL(depth)
@@ -9,41 +9,43 @@ OUT_REAL(ao)
 
 #include "kernel/angles.kernel.h"
 
-CONST float kMinFacing = 0.02f;  // min z of the normal; the slope of a plane seen more edge-on is not finite
+CONST float kMinFacing = 0.02f;  // min z of the normal; smaller values are clamped, to keep the slope finite
 
 FN Real visibility_at(Int px, Int py, Real depth) {
   Vec3 position = view_position(px, py, depth);
   Vec3 normal = unit_normal(near_normal(0, 0), position);
   Real facing = max(normal.z, Real(kMinFacing));
   Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
-  Real reach = clamp(Real(C.reach) / spread, Real(0.0f), Real(1e5f));
+  Real radius_px = clamp(Real(C.radius_px) / spread, Real(0.0f), Real(1e5f));
   Real x = to_real(px) + 0.5f;
   Real y = to_real(py) + 0.5f;
   // "we randomly rotate the directions and jitter the samples" [section 3.2].
-  Uint first = scrambled(to_uint(px) ^ scrambled(to_uint(py) + Uint(0x9e3779b9u)));
-  Real jitter = share_of_one(scrambled(first + Uint(1u)));
-  Vec2 direction = direction_of_turn(share_of_one(first) * Real(C.turn_fraction));
+  Uint random_bits = scrambled(to_uint(px) ^ scrambled(to_uint(py) + Uint(0x9e3779b9u)));
+  Real jitter = share_of_one(scrambled(random_bits + Uint(1u)));
+  Vec2 direction = direction_of_turn(share_of_one(random_bits) * Real(C.turn_fraction));
   Real sum = Real(0.0f);
   for (int i = 0; i < C.directions; ++i) {
-    // The slope of the tangent plane along the direction; then the sine of its elevation plus the bias.
-    Real rise = -mad(normal.x, direction.x, normal.y * direction.y) / facing;
-    Real scale = rsqrt(mad(rise, rise, Real(1.0f)));
-    Real tangent_sin = mad(rise, Real(C.bias_cos), Real(C.bias_sin)) * scale;
-    Bool upright = mad(rise, Real(-C.bias_sin), Real(C.bias_cos)) <= 0.0f;  // the biased tangent is past the zenith
-    Real horizon = select(upright, Real(1.0f), tangent_sin);
+    // `slope` is that of the tangent plane along the direction; `tangent_sin`, the sine of its elevation plus the bias.
+    Real slope = -mad(normal.x, direction.x, normal.y * direction.y) / facing;
+    Real slope_cos = rsqrt(mad(slope, slope, Real(1.0f)));
+    Real tangent_sin = mad(slope, Real(C.bias_cos), Real(C.bias_sin)) * slope_cos;
+    Bool past_zenith =
+        mad(slope, Real(-C.bias_sin), Real(C.bias_cos)) <= 0.0f;  // the biased tangent is past the zenith
+    Real horizon = select(past_zenith, Real(1.0f), tangent_sin);
     for (int k = 0; k < C.steps; ++k) {
-      Real off = mad((jitter + float(k)) * Real(C.one_over_steps), reach, Real(1.0f));
-      Int column = to_int(floor(clamp(mad(direction.x, off, x), Real(0.0f), Real(float(F.width) - 0.5f))));
-      Int row = to_int(floor(clamp(mad(direction.y * off, Real(C.rows), y), Real(0.0f), Real(float(F.height) - 0.5f))));
-      Real tap = load_depth(column, row);
-      Vec3 way = view_position(column, row, tap) - position;
-      Real squared = dot(way, way);
-      Bool counts = squared < C.radius2 && squared > 0.0f && is_surface(tap);
-      Real sine = way.z * rsqrt(select(counts, max(squared, Real(1e-30f)), Real(1.0f)));
-      Real higher = max(sine - horizon, Real(0.0f));
-      // [section 3.3]: a tap that raises the horizon is weighted by 1 - r^2.
-      Real weight = C.attenuation != 0 ? 1.0f - squared / C.radius2 : Real(1.0f);
-      sum = sum + select(counts, higher * weight, Real(0.0f));
+      Real offset_px = mad((jitter + float(k)) * Real(C.one_over_steps), radius_px, Real(1.0f));
+      Int column = to_int(floor(clamp(mad(direction.x, offset_px, x), Real(0.0f), Real(float(F.width) - 0.5f))));
+      Int row = to_int(floor(
+          clamp(mad(direction.y * offset_px, Real(C.rows_per_column), y), Real(0.0f), Real(float(F.height) - 0.5f))));
+      Real tap_depth = load_depth(column, row);
+      Vec3 to_tap = view_position(column, row, tap_depth) - position;
+      Real distance2 = dot(to_tap, to_tap);
+      Bool counts = distance2 < C.radius2 && distance2 > 0.0f && is_surface(tap_depth);
+      Real sine = to_tap.z * rsqrt(select(counts, max(distance2, Real(1e-30f)), Real(1.0f)));
+      Real raised_by = max(sine - horizon, Real(0.0f));
+      // A tap that raises the horizon is weighted by 1 - r^2 [section 3.3].
+      Real weight = C.attenuation != 0 ? 1.0f - distance2 / C.radius2 : Real(1.0f);
+      sum = sum + select(counts, raised_by * weight, Real(0.0f));
       horizon = select(counts, max(horizon, sine), horizon);
     }
     direction = Vec2(mad(direction.x, Real(C.turn_cos), direction.y * -C.turn_sin),

@@ -1,4 +1,4 @@
-// Tests `hbao` against the formula of the paper, ported literally in double, and on planes.
+// Compares `hbao` with a literal port of the paper's formula in double, and tests it on planes.
 #include "effects/hbao/hbao.h"
 
 #include <gtest/gtest.h>
@@ -23,11 +23,11 @@ unsigned scrambled(unsigned v) {
 }
 
 /// Returns `ao` of a pixel by section 3 of the paper, with angles instead of sines and cosines.
-double listing(const GBuffer& g, const HbaoParams& params, double radius, int x, int y) {
+double published_ao(const GBuffer& g, const HbaoParams& params, double radius, int x, int y) {
   const glm::dvec3 at = position(g, x, y), n = normal(g, x, y);
   const Camera& camera = g.info.camera;
   const double spread = camera.projection == Projection::kOrthographic ? 1.0 : -at.z;
-  const double reach = radius / (spread * (double(camera.right) - camera.left) / g.info.width);
+  const double radius_px = radius / (spread * (double(camera.right) - camera.left) / g.info.width);
   const unsigned first = scrambled(unsigned(x) ^ scrambled(unsigned(y) + 0x9e3779b9u));
   const double turn = (first >> 8) * 0x1p-24, jitter = (scrambled(first + 1u) >> 8) * 0x1p-24;
   double sum = 0.0;
@@ -37,8 +37,8 @@ double listing(const GBuffer& g, const HbaoParams& params, double radius, int x,
     const double tangent = std::atan(-(n.x * dx + n.y * dy) / n.z) + params.angle_bias * std::numbers::pi / 180.0;
     double horizon = std::min(tangent, std::numbers::pi / 2.0);
     for (int k = 0; k < params.steps; ++k) {
-      const double off = (jitter + k) / params.steps * reach + 1.0;
-      const glm::ivec2 tap = pixel_at(g, x + 0.5 + dx * off, y + 0.5 - dy * off);
+      const double offset_px = (jitter + k) / params.steps * radius_px + 1.0;
+      const glm::ivec2 tap = pixel_at(g, x + 0.5 + dx * offset_px, y + 0.5 - dy * offset_px);
       if (!std::isfinite(g.layers[0].planes[0].at(tap.x, tap.y))) continue;
       const glm::dvec3 v = position(g, tap.x, tap.y) - at;
       const double length = glm::length(v);
@@ -53,23 +53,23 @@ double listing(const GBuffer& g, const HbaoParams& params, double radius, int x,
   return std::max(0.0, 1.0 - params.strength * sum / params.directions);
 }
 
-TEST(Hbao, IsThePapersIntegral) {
+TEST(Hbao, MatchesTheFormulaOfThePaper) {
   const Effect& effect = *find_effect("hbao");
   for (const bool orthographic : {false, true})
-    for (const Settings& more :
+    for (const Settings& base :
          {Settings{}, Settings{{"angle_bias", "30"}}, Settings{{"attenuation", "off"}, {"directions", "5"}}}) {
-      Settings settings = more;
+      Settings settings = base;
       settings.push_back({"radius", "0.6"});
       const GBuffer g = waves(128, 96, orthographic);
       const ParameterBytes params = parameters_of(effect, settings);
       on_every_target("hbao", g, settings, [&](const Image& image) {
         expect_matches_formula(g, image.plane("ao"), 0.9, 200,
-                               [&](int x, int y) { return listing(g, as<HbaoParams>(params), 0.6, x, y); });
+                               [&](int x, int y) { return published_ao(g, as<HbaoParams>(params), 0.6, x, y); });
       });
     }
 }
 
-TEST(Hbao, PlanesAreOpenUpToTheBias) {
+TEST(Hbao, PlanesTiltedByUpToTheBiasAreUnoccluded) {
   for (const double tilt : {0.0, 0.25, 0.5}) {
     const GBuffer g = tilted_plane(96, 64, tilt);
     const Plane ao = run_effect(*find_effect("hbao"), g, {{"radius", "2"}, {"angle_bias", "30"}}, {}).planes[0];

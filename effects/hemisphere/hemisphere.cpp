@@ -1,3 +1,4 @@
+// The parameter table, kernel constants and dispatches of `hemisphere` [Colliander and Törnquist 2015].
 #include "effects/hemisphere/hemisphere.h"
 
 #include <algorithm>
@@ -18,15 +19,15 @@
 namespace umbrage {
 namespace {
 
-// The settings of the paper: its sample and noise tables, comparison of depths only, a range in window depth that falls
-// with the square of the depth, a fixed fragment size.
+// The settings of the paper: its tables of samples and noise; a comparison of depths only; a limit of the range that
+// falls with the square of the depth, in window depth; a fixed fragment size.
 constexpr std::string_view kPaper =
     "distribution=paper range=quadratic range_depth=window bias_of=depth bias=0 border=clamp bleeding=1 area=paper "
     "floor=0 weight=1 ambient_bounce=0";
-constexpr float kMinInner = 1e-3f;       // fraction of R: the logarithm of the lengths needs a lower end
-constexpr double kMinRayDistance = 0.1;  // minimum distance of a view ray from a pixel, relative to the minimum length
-constexpr float kAssumedVisibility = 0.7f;  // visibility of ambient light where it is not computed: typical of a room
-constexpr float kMinNearToFar = 1e-4f;  // fraction of the far plane: window depth divides by the near plane's distance
+constexpr float kMinInner = 1e-3f;       // min of `inner`, radii; lengths uniform in their logarithm need a lower bound
+constexpr double kMinRayDistance = 0.1;  // min distance of a view ray from a pixel, relative to the min sample length
+constexpr float kAssumedVisibility = 0.7f;  // of ambient light, where it is not computed: typical of a room
+constexpr float kMinNearToFar = 1e-4f;      // min near plane, as a fraction of the far plane; avoids division by 0
 
 const std::vector<Parameter> kTable = {
     int_row("samples", &HemisphereParams::samples, {.initial = 16, .min = 1, .max = kHemisphereMaxSamples},
@@ -86,14 +87,14 @@ const std::vector<Parameter> kTable = {
              "also write the plane `tangent`: the direction to which each pixel's points are turned about the normal"),
 };
 
-// With a single sample, flipping it changes occlusion and light from none to full: two quanta.
+// With a single sample, a flip of this sample changes occlusion and light from none to full: two quanta.
 constexpr double kQuantum = 0.5;
 
-double share_of_one(double v) { return v - std::floor(v); }
+double fractional_part(double v) { return v - std::floor(v); }
 
-/// Fills in the paper's kernel texture: x and y uniform in [-1, 1], z in [0.05, 1] (shape sphere: in [-1, 1]), scaled
-/// to length 1 and then by a quadratic. The paper names the quadratic but not its factors; these are the factors of the
-/// tutorial that it follows, 0.1 + 0.9 (i/N)^2 [learnopengl.com, "SSAO"].
+/// Fills in the paper's kernel texture: x and y are uniform in [-1, 1], z in [0.05, 1] (shape sphere: in [-1, 1]); each
+/// point is scaled to length 1 and then by a quadratic of its index. The paper does not give the factors of the
+/// quadratic; here it is that of the tutorial that the paper follows, 0.1 + 0.9 (i/N)^2 [learnopengl.com, "SSAO"].
 void fill_paper_points(const HemisphereParams& params, float* points) {
   std::mt19937 random(std::uint32_t(params.seed) + 1u);
   const auto uniform = [&](double min, double max) { return min + (max - min) * (random() * 0x1p-32); };
@@ -107,25 +108,26 @@ void fill_paper_points(const HemisphereParams& params, float* points) {
   }
 }
 
-/// Differs: lengths are in equal steps of their logarithm (every other point, for near occluders) and in equal steps
-/// (the rest, for far occluders); the kernel shifts both by a per-pixel fraction of their range. Heights (in equal
-/// steps, for equal solid angles) and azimuths follow the golden ratio's two-dimensional sequence [Roberts 2018], so
-/// that neither correlates with the length. Each point is weighted by its cosine to the normal, since light from the
-/// side matters less; in the whole sphere all weights are equal.
+/// Fills in the points of distribution `even`.
+/// Differs: every other point has a length in equal steps of its logarithm, to find near occluders; the rest have
+/// lengths in equal steps, to find far ones. The kernel shifts both by a fraction of their range, per pixel. Heights
+/// (in equal steps, for equal solid angles) and azimuths follow the golden-ratio sequence in two dimensions [Roberts
+/// 2018], so that neither correlates with the length. In the hemisphere, the weight of a point is its cosine to the
+/// normal, times 2, since light from the side matters less; in the whole sphere, all weights are equal.
 void fill_even_points(const HemisphereParams& params, double inner, float* points) {
-  constexpr double kPlastic = 1.32471795724474602596;  // x^3 = x + 1
+  constexpr double kPlasticNumber = 1.32471795724474602596;  // x^3 = x + 1
   const int n = params.samples;
   for (int first = 0; first < 2; ++first) {
     const int count = (n + 1 - first) / 2;
     std::vector<int> order(count);
     std::iota(order.begin(), order.end(), 0);
-    const auto key = [](int i) { return share_of_one(0.5 + (i + 1) / (kPlastic * kPlastic)); };
+    const auto key = [](int i) { return fractional_part(0.5 + (i + 1) / (kPlasticNumber * kPlasticNumber)); };
     std::sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
     for (int rank = 0; rank < count; ++rank) {
       const int i = order[rank];
       const double height = (rank + (count > 1 ? 0.25 + 0.5 * first : 0.5)) / count;
       const double z = params.shape == 0 ? height : 2.0 * height - 1.0;
-      const double azimuth = 2.0 * std::numbers::pi * share_of_one(0.5 + (i + 1) / kPlastic + 0.5 * first);
+      const double azimuth = 2.0 * std::numbers::pi * fractional_part(0.5 + (i + 1) / kPlasticNumber + 0.5 * first);
       const double across = std::sqrt(1.0 - z * z);
       const double length = first == 0 ? std::pow(inner, double(i) / count) : double(i) / count;
       const double row[5] = {across * std::cos(azimuth), across * std::sin(azimuth), z, length,
@@ -135,10 +137,10 @@ void fill_even_points(const HemisphereParams& params, double inner, float* point
   }
 }
 
-/// Fills in the layers to search, their order and their cameras.
+/// Fills in the layers to search, in order, and their cameras.
 void fill_layers(const HemisphereParams& params, const PictureInfo& info, HemisphereConstants& c) {
-  const int there = std::min(int(info.more_layers.size()) + 1, params.layers > 0 ? params.layers : kLayersRead);
-  const int max = std::min(there, kLayersRead);
+  const int available = std::min(int(info.more_layers.size()) + 1, params.layers > 0 ? params.layers : kLayersRead);
+  const int max_layers = std::min(available, kLayersRead);
   const auto info_of = [&](int layer) -> const LayerInfo& { return info.more_layers[std::size_t(layer) - 1]; };
   // Returns the layer that defines the camera of `layer`: 0 for the first camera, or a layer of kind kOther.
   const auto view_of = [&](int layer) {
@@ -146,18 +148,18 @@ void fill_layers(const HemisphereParams& params, const PictureInfo& info, Hemisp
       layer = std::clamp(info_of(layer).of, 0, int(info.more_layers.size()));
     return layer;
   };
-  int view_before = -1;
-  for (int view = 0; view < max; ++view)  // layers of one camera are consecutive
-    for (int layer = 0; layer < max; ++layer) {
+  int previous_view = -1;
+  for (int view = 0; view < max_layers; ++view)  // so that the layers of one camera are consecutive
+    for (int layer = 0; layer < max_layers; ++layer) {
       if (view_of(layer) != view || (layer > 0 && info_of(layer).kind == LayerKind::kBack)) continue;
       const int i = c.layer_count++;
       c.layer[i] = layer;
       c.back[i] = -1;
-      for (int k = 1; k < max; ++k)
+      for (int k = 1; k < max_layers; ++k)
         if (info_of(k).kind == LayerKind::kBack && info_of(k).of == layer) c.back[i] = k;
       c.other[i] = view > 0 ? 1 : 0;
-      c.new_view[i] = view != view_before ? 1 : 0;
-      view_before = view;
+      c.new_view[i] = view != previous_view ? 1 : 0;
+      previous_view = view;
       c.view_end[i] = i + 1;
       for (int k = 0; k < i; ++k)
         if (c.view_end[k] == i && c.new_view[i] == 0) c.view_end[k] = i + 1;
@@ -175,7 +177,7 @@ void fill_layers(const HemisphereParams& params, const PictureInfo& info, Hemisp
       for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 4; ++column) c.move[12 * i + 4 * row + column] = move[column][row];
     }
-  // Unused entries equal the first one: with a single layer, a GPU compiles these values into its shader.
+  // Unused entries equal the first one, so that with a single layer a GPU can compile the value into its shader.
   for (int i = c.layer_count; i < kLayersRead; ++i) {
     c.new_view[i] = 1;
     c.orthographic[i] = c.orthographic[0];
@@ -195,14 +197,14 @@ void fill_constants(const HemisphereParams& params, const PictureInfo& info, Hem
   const double inner = std::max(double(c.inner) * c.radius, 1e-18), radius = std::max(double(c.radius), 1e-18);
   c.one_over_inner2 = float(std::min(1.0 / (inner * inner), 1e30));
   c.min_b2 = float(std::max(kMinRayDistance * kMinRayDistance * inner * inner, 1e-30));
-  const double even_share = double(params.samples / 2) / params.samples;
-  c.log_share = float((1.0 - even_share) / -double(c.log_inner));
-  c.even_fraction_by_radius = float(even_share / radius);
+  const double even_fraction = double(params.samples / 2) / params.samples;
+  c.log_density = float((1.0 - even_fraction) / -double(c.log_inner));
+  c.even_density = float(even_fraction / radius);
 
-  // Default: the tightest frustum around the scene, in which window depth has the finest resolution.
+  // The default planes bound the scene as closely as possible, for the best resolution of window depth.
   float far_depth = params.far_depth > 0.0f ? params.far_depth : info.depth_max;
   float near_depth = params.near_depth > 0.0f ? params.near_depth : info.depth_min;
-  // Kernels must not fail: a near plane at or behind the far plane is moved slightly in front of it.
+  // Kernels must not fail, so a near plane at or behind the far plane is moved to slightly in front of it.
   far_depth = std::max(far_depth, 1e-30f);
   near_depth = std::clamp(near_depth, far_depth * kMinNearToFar, far_depth * 0.999f);
   const double n = near_depth, f = far_depth;
@@ -212,8 +214,8 @@ void fill_constants(const HemisphereParams& params, const PictureInfo& info, Hem
   c.window_inverse = float(f * n / (f - n));
   c.range = params.range;
   c.window = params.range_depth;
-  // Window depth's [0, 1] spans f - n: this scale makes the three limits equal at the geometric mean of the planes. The
-  // quadratic limit is then R times the slope of window depth everywhere, a constant distance.
+  // Window depth is 0 to 1 from n to f, hence the division by f - n. The three limits are equal at the geometric mean
+  // of the planes. The quadratic limit is R times the slope of window depth, which everywhere means the same distance.
   c.limit = float(c.radius * double(params.range_factor) / (c.window ? f - n : 1.0));
   c.depth_at_limit = float(std::sqrt(f * n));
 
@@ -226,7 +228,7 @@ void fill_constants(const HemisphereParams& params, const PictureInfo& info, Hem
   c.clamp_border = params.border;
   c.occlusion = params.occlusion;
   c.bleeding = params.bleeding;
-  // The density of the paper's points cannot be integrated.
+  // `measured` requires an integral of the samples' density, which the paper's points do not have.
   c.area = params.area == kHemisphereAreaMeasured && !c.even ? kHemisphereAreaEqual : params.area;
   const double r2 = double(c.radius) * c.radius;
   c.area_factor = float(c.area == kHemisphereAreaPaper   ? params.fragment_area * r2
@@ -242,11 +244,11 @@ void fill_constants(const HemisphereParams& params, const PictureInfo& info, Hem
     fill_paper_points(params, c.points);
 }
 
-bool bleeds(const ParameterBytes& bytes) { return as<HemisphereParams>(bytes).bleeding > 0.0f; }
-bool occludes_only(const ParameterBytes& bytes) { return !bleeds(bytes); }
+bool gathers_light(const ParameterBytes& bytes) { return as<HemisphereParams>(bytes).bleeding > 0.0f; }
+bool gathers_no_light(const ParameterBytes& bytes) { return !gathers_light(bytes); }
 bool shows_tangents(const ParameterBytes& bytes) { return as<HemisphereParams>(bytes).tangents != 0; }
 int rounds(const ParameterBytes& bytes, const PictureInfo&) {
-  return bleeds(bytes) ? as<HemisphereParams>(bytes).bounces : 1;
+  return gathers_light(bytes) ? as<HemisphereParams>(bytes).bounces : 1;
 }
 
 std::vector<std::string_view> packed_planes() {
@@ -277,7 +279,7 @@ std::vector<std::string_view> occlusion_inputs() {
   return inputs;
 }
 
-std::vector<std::string_view> far_planes() {
+std::vector<std::string_view> outgoing_light_planes() {
   return of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"});
 }
 
@@ -299,13 +301,13 @@ Effect effect_hemisphere() {
                        .outputs = packed_planes(),
                        .later_inputs = sent_later_inputs(),
                        .kernel = hemisphere_sent_kernel(),
-                       .needed = bleeds,
+                       .needed = gathers_light,
                        .reach = own_row},
                       {.name = "occlusion",
                        .inputs = occlusion_inputs(),
                        .outputs = {"ao"},
                        .kernel = hemisphere_occlusion_kernel(),
-                       .needed = occludes_only,
+                       .needed = gathers_no_light,
                        .tile = kSquareTile,
                        .reach = own_row,
                        .unbounded_inputs = of_all_layers({"depth"})},
@@ -313,12 +315,12 @@ Effect effect_hemisphere() {
                        .inputs = bleeding_inputs(),
                        .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
                        .kernel = hemisphere_bleeding_kernel(),
-                       .needed = bleeds,
+                       .needed = gathers_light,
                        .tile = {256, 32},
                        .reach = own_row,
-                       .unbounded_inputs = far_planes()},
-                      // Missing pixels get no reflected light: it would require packing the emitted light of the
-                      // whole picture.
+                       .unbounded_inputs = outgoing_light_planes()},
+                      // Missing pixels get no reflected light, since that would require packing the outgoing light
+                      // of the whole picture.
                       {.name = "missing",
                        .inputs = occlusion_inputs(),
                        .outputs = {"ao"},

@@ -1,16 +1,17 @@
-// The basis about a pixel's normal in which its sample points lie, and the noise that rotates it. Based on [Colliander
-// and Törnquist 2015], "The Noise Texture" and "SSAO Pass".
+// The basis of a pixel's sample points, whose third vector is the normal, and the noise that rotates it about the
+// normal. Based on [Colliander and Törnquist 2015], "The Noise Texture" and "SSAO Pass".
 
 #include "kernel/angles.kernel.h"
 
-// Returns the remainder of a pixel coordinate divided by the tile's side.
+// Returns the remainder of a pixel coordinate, divided by the side of the noise tile.
 FN Int in_tile(Int x) {
-  Real tiles = floor((to_real(x) + 0.5f) * Real(C.one_over_noise));  // half a pixel off every border: rounding is safe
+  // 0.5 is half a pixel from every border between tiles, so that rounding does not matter.
+  Real tiles = floor((to_real(x) + 0.5f) * Real(C.one_over_noise));
   return x - to_int(tiles) * Int(C.noise);
 }
 
-// Returns the noise of a pixel: cosine and sine (x, y) of the rotation of its sample points about the normal; and z in
-// [0, 1), the shift of their lengths as a fraction of the range. The tile repeats.
+// Returns the noise of a pixel: x and y, the cosine and sine of the angle by which its sample points are rotated about
+// the normal; z in [0, 1), the shift of their lengths as a fraction of the range. The noise repeats from tile to tile.
 FN Vec3 noise_at(Int px, Int py) {
   Uint seed = scrambled(Uint(0x9e3779b9u) + to_uint(Int(C.seed)));
   Int x = px;
@@ -28,28 +29,28 @@ FN Vec3 noise_at(Int px, Int py) {
     second = scrambled(first + Uint(1u));
   }
   if (C.even == 0) {
-    // The paper's noise texture: x and y uniform in [-1, 1], then scaled to length 1.
-    Real a = mad(share_of_one(first), Real(2.0f), Real(-1.0f + 5.9604645e-8f));  // half a step away from 0
+    // The paper's noise texture: a vector with x and y uniform in [-1, 1], scaled to length 1.
+    Real a = mad(share_of_one(first), Real(2.0f), Real(-1.0f + 5.9604645e-8f));  // never 0: half a step off
     Real b = mad(share_of_one(second), Real(2.0f), Real(-1.0f));
     Real scale = Real(1.0f) / sqrt(mad(a, a, b * b));
     return Vec3(a * scale, b * scale, Real(0.0f));
   }
-  // The rotation in quarter turns: the quarter's centre plus up to an eighth of a turn to either side.
+  // The rotation is by `quarter` + `rest` quarter turns, with `rest` in [-0.5, 0.5).
   Real turn = share_of_one(first) * 4.0f;
   Real quarter = floor(turn);
   Real rest = turn - quarter - 0.5f;
   Real s = sine_of_quarter_turns(rest);
   Real c = sqrt(max(mad(-s, s, Real(1.0f)), Real(0.0f)));
-  Real across = select(quarter == 1.0f || quarter == 3.0f, s, c);
-  Real along = select(quarter == 1.0f || quarter == 3.0f, c, s);
-  across = select(quarter == 1.0f || quarter == 2.0f, -across, across);
-  along = select(quarter == 2.0f || quarter == 3.0f, -along, along);
-  return Vec3(across, along, share_of_one(second));
+  Real turn_cos = select(quarter == 1.0f || quarter == 3.0f, s, c);
+  Real turn_sin = select(quarter == 1.0f || quarter == 3.0f, c, s);
+  turn_cos = select(quarter == 1.0f || quarter == 2.0f, -turn_cos, turn_cos);
+  turn_sin = select(quarter == 2.0f || quarter == 3.0f, -turn_sin, turn_sin);
+  return Vec3(turn_cos, turn_sin, share_of_one(second));
 }
 
-// Returns the first vector of the basis, of unit length: a fixed vector (another one where it is parallel to the
-// normal) made perpendicular to the normal and rotated about it by the noise.
-FN Vec3 turned_tangent(Vec3 normal, Vec3 noise) {
+// Returns the first vector of the basis, of unit length: the cross product of a fixed vector and the normal, rotated
+// about the normal by the noise. Where the fixed vector is parallel to the normal, another one is used.
+FN Vec3 rotated_tangent(Vec3 normal, Vec3 noise) {
   Bool parallel = abs(normal.y) > 0.99f;
   Vec3 fixed_vector =
       Vec3(select(parallel, Real(1.0f), Real(0.0f)), select(parallel, Real(0.0f), Real(1.0f)), Real(0.0f));

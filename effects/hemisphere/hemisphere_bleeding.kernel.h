@@ -1,4 +1,4 @@
-// Occlusion, and the light that occluders reflect, as dispatch `sent` wrote it.
+// Occlusion, and the light from occluders: their outgoing light, which the dispatch `sent` has written.
 IN_LAYERS_REAL(depth)
 IN_VECTOR(normal)
 OUT_REAL(ao)

@@ -1,5 +1,5 @@
-// For kernels that gather light: reads what each pixel of each layer emits, as dispatch `sent` wrote it, and writes the
-// gathered light.
+// For kernels that gather light: functions that read the normal and the outgoing light of a pixel in a layer, which the
+// dispatch `sent` has written, and that store the gathered light.
 #include "effects/hemisphere/hemisphere_packed.kernel.h"
 
 IN_LAYERS_REAL(hemisphere_facing)

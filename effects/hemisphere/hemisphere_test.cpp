@@ -1,4 +1,4 @@
-// Compares `hemisphere` with a literal port of the paper's description in double, and with quadrature in scenes made of
+// Compares `hemisphere` with a literal port of the paper's description in double, and with quadrature in scenes of
 // rectangles.
 #include "effects/hemisphere/hemisphere.h"
 
@@ -33,39 +33,39 @@ HemisphereConstants constants(const GBuffer& g, const Settings& settings) {
 // ---- scenes of rectangles
 // ------------------------------------------------------------------------------------------
 
-/// corner + s u + t v for s, t in [0, 1]; its front is on the side of cross(u, v).
+/// The points corner + s u + t v with s and t in [0, 1]. The front is the side to which cross(u, v) points.
 struct Rectangle {
   glm::dvec3 corner, u, v;
   glm::dvec3 front{0.0}, back{0.0};  ///< emitted light of each side
-  glm::dvec3 ambient{0.0};           ///< emitted ambient light of both sides, times the albedo
+  glm::dvec3 ambient{0.0};           ///< ambient light that each side reflects if unoccluded
   double albedo = 0.8;
   glm::dvec3 normal() const { return glm::normalize(glm::cross(u, v)); }
 };
 using Rectangles = std::vector<Rectangle>;
 
-struct Hit {
+struct Intersection {
   double t = 0.0;
   const Rectangle* on = nullptr;
 };
 
 /// Returns all intersections of a ray, nearest first.
-std::vector<Hit> hits(const Rectangles& scene, glm::dvec3 from, glm::dvec3 way) {
-  std::vector<Hit> all;
+std::vector<Intersection> intersections(const Rectangles& scene, glm::dvec3 from, glm::dvec3 direction) {
+  std::vector<Intersection> all;
   for (const Rectangle& r : scene) {
     const glm::dvec3 n = r.normal();
-    const double t = glm::dot(r.corner - from, n) / glm::dot(way, n);
+    const double t = glm::dot(r.corner - from, n) / glm::dot(direction, n);
     if (!(t > 1e-9) || !std::isfinite(t)) continue;
-    const glm::dvec3 at = from + t * way - r.corner;
+    const glm::dvec3 at = from + t * direction - r.corner;
     const double s = glm::dot(at, r.u) / glm::dot(r.u, r.u), q = glm::dot(at, r.v) / glm::dot(r.v, r.v);
     if (s >= 0.0 && s <= 1.0 && q >= 0.0 && q <= 1.0) all.push_back({t, &r});
   }
-  std::sort(all.begin(), all.end(), [](const Hit& a, const Hit& b) { return a.t < b.t; });
+  std::sort(all.begin(), all.end(), [](const Intersection& a, const Intersection& b) { return a.t < b.t; });
   return all;
 }
 
 /// Ray of a pixel's centre in world space; its parameter is the view depth.
 struct Ray {
-  glm::dvec3 from, way;
+  glm::dvec3 from, direction;
 };
 Ray ray_of(const Camera& camera, int width, int height, int x, int y) {
   const double u = camera.left + (camera.right - camera.left) * (x + 0.5) / width;
@@ -76,7 +76,7 @@ Ray ray_of(const Camera& camera, int width, int height, int x, int y) {
   return {point(0, 0, 0), point(u, v, -1.0) - point(0, 0, 0)};
 }
 
-/// Returns the `nth` surface along each ray as one layer; `back`: the surface's back.
+/// Returns a layer of the `nth` surface along each ray, from 0; `back`: its back side.
 Image layer_of(const Rectangles& scene, const Camera& camera, int width, int height, int nth, bool back) {
   Image image(width, height);
   image.add("depth");
@@ -85,17 +85,17 @@ Image layer_of(const Rectangles& scene, const Camera& camera, int width, int hei
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const Ray ray = ray_of(camera, width, height, x, y);
-      const auto all = hits(scene, ray.from, ray.way);
-      const bool there = nth < int(all.size());
+      const auto all = intersections(scene, ray.from, ray.direction);
+      const bool has_surface = nth < int(all.size());
       const Rectangle none{};
-      const Rectangle& r = there ? *all[nth].on : none;
-      image.plane("depth").at(x, y) = there ? float(all[nth].t) : kInfinity;
-      const bool sees_front = there && glm::dot(r.normal(), ray.way) < 0.0;
-      const glm::dvec3 side = there ? (sees_front != back ? r.normal() : -r.normal()) : glm::dvec3(0.0);
+      const Rectangle& r = has_surface ? *all[nth].on : none;
+      image.plane("depth").at(x, y) = has_surface ? float(all[nth].t) : kInfinity;
+      const bool faces_front = has_surface && glm::dot(r.normal(), ray.direction) < 0.0;
+      const glm::dvec3 side = has_surface ? (faces_front != back ? r.normal() : -r.normal()) : glm::dvec3(0.0);
       const glm::dvec3 n = glm::dmat3(glm::dmat4(camera.view_from_world)) * side;
       for (int c = 0; c < 3; ++c) {
         image.plane(kNormal[c]).at(x, y) = float(n[c]);
-        image.plane(kDirect[c]).at(x, y) = float(there ? (sees_front != back ? r.front[c] : r.back[c]) : 0.0);
+        image.plane(kDirect[c]).at(x, y) = float(has_surface ? (faces_front != back ? r.front[c] : r.back[c]) : 0.0);
         image.plane(kAmbient[c]).at(x, y) = float(r.ambient[c]);
         image.plane(kAlbedo[c]).at(x, y) = float(r.albedo);
       }
@@ -103,7 +103,8 @@ Image layer_of(const Rectangles& scene, const Camera& camera, int width, int hei
   return image;
 }
 
-/// Returns the picture of a scene with `surfaces` surfaces along each ray and, if `backs`, their backs.
+/// Returns a G-buffer of a scene, with layers of the first `surfaces` surfaces along each ray and, if `backs`, of their
+/// back sides.
 GBuffer picture(const Rectangles& scene, const Camera& camera, int width, int height, int surfaces = 1,
                 bool backs = false) {
   GBuffer g;
@@ -126,9 +127,9 @@ GBuffer picture(const Rectangles& scene, const Camera& camera, int width, int he
   return g;
 }
 
-/// Returns the light, divided by pi, that reaches a point from both sides of all rectangles within a radius, without
-/// occlusion: quadrature.
-glm::dvec3 arriving(const Rectangles& scene, glm::dvec3 at, glm::dvec3 normal, double radius) {
+/// Returns the light, divided by pi, that arrives at a point from all rectangles within a radius, without occlusion, by
+/// quadrature.
+glm::dvec3 light_by_quadrature(const Rectangles& scene, glm::dvec3 at, glm::dvec3 normal, double radius) {
   constexpr int kSteps = 300;
   glm::dvec3 sum(0.0);
   for (const Rectangle& r : scene) {
@@ -136,8 +137,9 @@ glm::dvec3 arriving(const Rectangles& scene, glm::dvec3 at, glm::dvec3 normal, d
     const double area = glm::length(glm::cross(r.u, r.v)) / (kSteps * kSteps);
     for (int j = 0; j < kSteps; ++j)
       for (int i = 0; i < kSteps; ++i) {
-        const glm::dvec3 way = r.corner + r.u * ((i + 0.5) / kSteps) + r.v * ((j + 0.5) / kSteps) - at;
-        const double d2 = glm::dot(way, way), receiver = glm::dot(way, normal), emitter = -glm::dot(way, n);
+        const glm::dvec3 to_patch = r.corner + r.u * ((i + 0.5) / kSteps) + r.v * ((j + 0.5) / kSteps) - at;
+        const double d2 = glm::dot(to_patch, to_patch), receiver = glm::dot(to_patch, normal),
+                     emitter = -glm::dot(to_patch, n);
         if (d2 > radius * radius || d2 < 1e-12 || receiver <= 0.0 || emitter == 0.0) continue;
         sum += (emitter > 0.0 ? r.front : r.back) * (receiver * std::fabs(emitter) * area / (kPi * d2 * d2));
       }
@@ -147,38 +149,40 @@ glm::dvec3 arriving(const Rectangles& scene, glm::dvec3 at, glm::dvec3 normal, d
 
 glm::dvec3 world_position(const GBuffer& g, int x, int y) {
   const Ray ray = ray_of(g.info.camera, g.info.width, g.info.height, x, y);
-  return ray.from + ray.way * double(g.layers[0].plane("depth").at(x, y));
+  return ray.from + ray.direction * double(g.layers[0].plane("depth").at(x, y));
 }
 
 const glm::dvec3 kRed(1.0, 0.0, 0.0), kNone(0.0);
 
-/// A white floor in the dark, and on it a bright red wall that faces +x.
+/// Returns an unlit floor, and on it a bright red wall that faces +x.
 Rectangles floor_and_wall() {
   return {{.corner = {-3, 0, 3}, .u = {6, 0, 0}, .v = {0, 0, -6}},
           {.corner = {0, 0, 1}, .u = {0, 0, -2}, .v = {0, 1, 0}, .front = kRed}};
 }
 
-const Camera kOverFloor = perspective_camera({3.5f, 3, 3}, {0.3f, 0.2f, 0}, {0, 1, 0}, 40, 1.0f);
+const Camera kFloorCamera = perspective_camera({3.5f, 3, 3}, {0.3f, 0.2f, 0}, {0, 1, 0}, 40, 1.0f);
 
-/// Means of a plane and of an expected value per pixel, over the pixels whose surface position `takes` accepts.
+/// Means of a plane and of the expected values.
 struct Means {
-  double got = 0.0, wanted = 0.0;
+  double mean = 0.0, expected_mean = 0.0;
   int count = 0;
 };
-Means means(const GBuffer& g, const Plane& plane, const std::function<bool(glm::dvec3)>& takes,
-            const std::function<double(glm::dvec3)>& wanted) {
+
+/// Returns the means over the pixels whose surface position `selects` accepts. `expected` takes this position.
+Means means(const GBuffer& g, const Plane& plane, const std::function<bool(glm::dvec3)>& selects,
+            const std::function<double(glm::dvec3)>& expected) {
   Means m;
   for (int y = 0; y < g.info.height; ++y)
     for (int x = 0; x < g.info.width; ++x) {
       if (!std::isfinite(g.layers[0].plane("depth").at(x, y))) continue;
       const glm::dvec3 at = world_position(g, x, y);
-      if (!takes(at)) continue;
-      m.got += plane.at(x, y);
-      m.wanted += wanted(at);
+      if (!selects(at)) continue;
+      m.mean += plane.at(x, y);
+      m.expected_mean += expected(at);
       ++m.count;
     }
-  m.got /= std::max(1, m.count);
-  m.wanted /= std::max(1, m.count);
+  m.mean /= std::max(1, m.count);
+  m.expected_mean /= std::max(1, m.count);
   return m;
 }
 
@@ -192,7 +196,7 @@ const Settings kPaper = {{"distribution", "paper"}, {"range", "quadratic"}, {"ra
                          {"bleeding", "1"},         {"area", "paper"},      {"floor", "0"},
                          {"weight", "1"},           {"ambient_bounce", "0"}};
 
-unsigned bits(unsigned v) {
+unsigned scrambled(unsigned v) {
   v = (v ^ (v >> 16)) * 0x7feb352du;
   v = (v ^ (v >> 15)) * 0x846ca68bu;
   return v ^ (v >> 16);
@@ -200,18 +204,18 @@ unsigned bits(unsigned v) {
 
 /// Returns the noise texture for seed 0: x and y uniform in [-1, 1], z = 0, scaled to length 1.
 glm::dvec3 noise_texture(int x, int y) {
-  const unsigned first = bits(unsigned(x) ^ bits(unsigned(y) + bits(0x9e3779b9u)));
+  const unsigned first = scrambled(unsigned(x) ^ scrambled(unsigned(y) + scrambled(0x9e3779b9u)));
   const auto real = [](unsigned v) { return double(v >> 8) * 0x1p-23 - 1.0; };
-  return glm::normalize(glm::dvec3(real(first) + 0x1p-24, real(bits(first + 1)), 0.0));
+  return glm::normalize(glm::dvec3(real(first) + 0x1p-24, real(scrambled(first + 1)), 0.0));
 }
 
-struct Port {
+struct ReferencePixel {
   double ao;
   glm::dvec3 bleed;
 };
 
-/// "SSAO Pass" and "Calculating Colour Bleed" at one pixel, ported literally.
-Port published(const GBuffer& g, const HemisphereConstants& c, int x, int y) {
+/// Computes one pixel by a literal port of "SSAO Pass" and "Calculating Colour Bleed".
+ReferencePixel reference_pixel(const GBuffer& g, const HemisphereConstants& c, int x, int y) {
   const Image& image = g.layers[0];
   const double far_plane = g.info.depth_max, near_plane = g.info.depth_min, span = far_plane - near_plane;
   const auto vector = [&](const char* const* names, int i, int j) {
@@ -228,7 +232,8 @@ Port published(const GBuffer& g, const HemisphereConstants& c, int x, int y) {
            (std::clamp(z, near_plane, far_plane) * span);
   };
   const glm::dvec3 fragment = position(x, y), normal = glm::normalize(vector(kNormal, x, y));
-  // A tangent space from an arbitrary vector, or the fallback where that is parallel; then Gram-Schmidt with the noise.
+  // The tangent space is that of an arbitrary vector, or of another one if the first is parallel to the normal; then
+  // Gram-Schmidt with the noise.
   const glm::dvec3 arbitrary = std::fabs(normal.y) > 0.99 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 first = glm::normalize(glm::cross(arbitrary, normal)), second = glm::cross(normal, first);
   const glm::dvec3 noise = noise_texture(x % 4, y % 4);
@@ -248,16 +253,17 @@ Port published(const GBuffer& g, const HemisphereConstants& c, int x, int y) {
     const int j = std::clamp(int(std::floor(v)), 0, g.info.height - 1);
     const double tap = image.plane("depth").at(i, j);
     if (!(window(tap) < window(-sample.z)) || !(tap < -sample.z)) continue;
-    // The acceptable difference falls with the square of the depth; at the planes' geometric mean it is the radius
-    // divided by the depth span.
+    // The limit of the difference falls with the square of the depth. At the geometric mean of the planes it is the
+    // radius divided by the depth span.
     const double limit = c.radius / span * near_plane * far_plane / (fragment.z * fragment.z);
     if (!(std::fabs(window(-fragment.z) - window(tap)) < limit)) continue;
     factor += 1.0;
-    const glm::dvec3 way = fragment - position(i, j);
-    const glm::dvec3 transmittance = glm::normalize(way);
+    const glm::dvec3 from_occluder = fragment - position(i, j);
+    const glm::dvec3 transmittance = glm::normalize(from_occluder);
     const double cos_oc = glm::dot(vector(kNormal, i, j), transmittance), cos_or = -glm::dot(normal, transmittance);
     if (cos_oc > 0.0 && cos_or > 0.0)
-      bleed += vector(kDirect, i, j) * (0.05 * c.radius * c.radius * cos_oc * cos_or / glm::dot(way, way));
+      bleed += vector(kDirect, i, j) *
+               (0.05 * c.radius * c.radius * cos_oc * cos_or / glm::dot(from_occluder, from_occluder));
   }
   return {1.0 - factor / c.samples, bleed};
 }
@@ -266,26 +272,27 @@ TEST(Hemisphere, PaperSettingsAreWhatThePaperDescribes) {
   Rectangles scene = floor_and_wall();
   scene[0].front = {0.2, 0.5, 0.3};
   scene.push_back({.corner = {1, 0.4, 0.5}, .u = {0.8, 0, 0}, .v = {0, 0, -0.8}, .front = {0.1, 0.2, 0.9}});
-  const GBuffer g = picture(scene, kOverFloor, 96, 96);
+  const GBuffer g = picture(scene, kFloorCamera, 96, 96);
   for (const char* samples : {"16", "64"}) {
     const Settings settings = joined(kPaper, {{"samples", samples}, {"radius", "0.7"}});
     const HemisphereConstants c = constants(g, settings);
     test::on_every_target("hemisphere", g, settings, [&](const Image& image) {
-      int off = 0, compared = 0, dark = 0, coloured = 0;
+      int differing = 0, compared = 0, dark = 0, coloured = 0;
       for (int y = 0; y < 96; ++y)
         for (int x = 0; x < 96; ++x) {
           if (!std::isfinite(g.layers[0].plane("depth").at(x, y))) continue;
-          const Port port = published(g, c, x, y);
-          bool same = std::fabs(image.plane("ao").at(x, y) - port.ao) < 1e-5;
+          const ReferencePixel reference = reference_pixel(g, c, x, y);
+          bool same = std::fabs(image.plane("ao").at(x, y) - reference.ao) < 1e-5;
           for (int k = 0; k < 3; ++k)
-            same &= std::fabs(image.plane(kIndirect[k]).at(x, y) - port.bleed[k]) < 1e-4 * (1.0 + port.bleed[k]);
-          off += !same;
-          dark += port.ao < 0.9;
-          coloured += port.bleed.x > 0.05;
+            same &=
+                std::fabs(image.plane(kIndirect[k]).at(x, y) - reference.bleed[k]) < 1e-4 * (1.0 + reference.bleed[k]);
+          differing += !same;
+          dark += reference.ao < 0.9;
+          coloured += reference.bleed.x > 0.05;
           ++compared;
         }
       // Samples on a pixel's border or at the range's limit may round either way.
-      EXPECT_LE(off, compared / 100);
+      EXPECT_LE(differing, compared / 100);
       EXPECT_GT(dark, 200);
       EXPECT_GT(coloured, 200);
     });
@@ -299,7 +306,7 @@ TEST(Hemisphere, PaperPointsAreTheKernelTexture) {
     for (int i = 0; i < n; ++i) {
       const glm::dvec3 p(c.points[5 * i], c.points[5 * i + 1], c.points[5 * i + 2]);
       EXPECT_NEAR(glm::length(p), 0.1 + 0.9 * i * i / (double(n) * n), 1e-6);
-      // The minimum of the draw: z = 0.05 with x = y = 1.
+      // The lowest point of the random table has z = 0.05 and x = y = 1.
       EXPECT_GE(p.z / glm::length(p), 0.05 / std::sqrt(2.0 + 0.05 * 0.05) - 1e-6);
     }
   }
@@ -352,7 +359,7 @@ TEST(Hemisphere, TheWholeBallHidesHalfOfAPlane) {
 }
 
 TEST(Hemisphere, ConvexCornersAreLighterInTheWholeBallAlone) {
-  // A ridge that points at the camera, of two faces that meet at 90 degrees.
+  // Two faces that meet at 90 degrees, in a ridge that points at the camera.
   const Rectangles ridge = {{.corner = {-2, -2, -2}, .u = {2, 0, 2}, .v = {0, 4, 0}},
                             {.corner = {0, -2, 0}, .u = {2, 0, -2}, .v = {0, 4, 0}}};
   const GBuffer g = picture(ridge, perspective_camera({0, 0, 6}, {0, 0, 0}, {0, 1, 0}, 30, 1.0f), 128, 128);
@@ -366,23 +373,23 @@ TEST(Hemisphere, ConvexCornersAreLighterInTheWholeBallAlone) {
                    return std::fabs(at.y) < 0.8 && std::fabs(at.x) >= min && std::fabs(at.x) < max;
                  },
                  zero)
-          .got;
+          .mean;
     };
     return std::pair(band(0.0, 0.05), band(0.5, 0.8));
   };
-  const auto [ball_corner, ball_face] = near_and_far("sphere");
-  EXPECT_GT(ball_corner, ball_face + 0.1);
-  const auto [half_corner, half_face] = near_and_far("hemisphere");
-  EXPECT_EQ(half_corner, 1.0);
-  EXPECT_EQ(half_face, 1.0);
+  const auto [sphere_corner, sphere_face] = near_and_far("sphere");
+  EXPECT_GT(sphere_corner, sphere_face + 0.1);
+  const auto [hemisphere_corner, hemisphere_face] = near_and_far("hemisphere");
+  EXPECT_EQ(hemisphere_corner, 1.0);
+  EXPECT_EQ(hemisphere_face, 1.0);
 }
 
 // ---- reflected light against quadrature
 // ------------------------------------------------------------------------------------------
 
-TEST(Hemisphere, RedWallColoursTheFloorAsItsFormFactorSays) {
+TEST(Hemisphere, LightOfAWallMatchesItsFormFactor) {
   const Rectangles scene = floor_and_wall();
-  const GBuffer g = picture(scene, kOverFloor, 192, 192);
+  const GBuffer g = picture(scene, kFloorCamera, 192, 192);
   // A pixel at the foot of the wall is about 0.02 wide.
   const double edges[] = {0.02, 0.06, 0.15, 0.3, 0.5, 0.8, 1.2};
   for (const char* samples : {"16", "64", "256"})
@@ -390,23 +397,23 @@ TEST(Hemisphere, RedWallColoursTheFloorAsItsFormFactorSays) {
         "hemisphere", g, {{"bleeding", "1"}, {"radius", "2.4"}, {"samples", samples}, {"noise", "0"}},
         [&](const Image& image) {
           for (int k = 0; k + 1 < int(std::size(edges)); ++k) {
-            const auto takes = [&](glm::dvec3 at) {
+            const auto selects = [&](glm::dvec3 at) {
               return on_floor(at) && at.x >= edges[k] && at.x < edges[k + 1] && std::fabs(at.z) < 0.6;
             };
-            // The exact value hardly changes along the wall: one line is enough.
-            const double exact = arriving(scene, {0.5 * (edges[k] + edges[k + 1]), 0, 0}, {0, 1, 0}, 2.4).x;
-            const Means m = means(g, image.plane("indirect.r"), takes, [&](glm::dvec3) { return exact; });
+            // The exact value hardly changes along the wall, so that one line is enough.
+            const double exact = light_by_quadrature(scene, {0.5 * (edges[k] + edges[k + 1]), 0, 0}, {0, 1, 0}, 2.4).x;
+            const Means m = means(g, image.plane("indirect.r"), selects, [&](glm::dvec3) { return exact; });
             EXPECT_GT(m.count, 50);
-            EXPECT_NEAR(m.got, m.wanted, 0.25 * m.wanted) << samples << " at " << edges[k];
+            EXPECT_NEAR(m.mean, m.expected_mean, 0.25 * m.expected_mean) << samples << " at " << edges[k];
           }
           const Means green = means(g, image.plane("indirect.g"), on_floor, [](glm::dvec3) { return 0.0; });
-          EXPECT_EQ(green.got, 0.0);
+          EXPECT_EQ(green.mean, 0.0);
         });
 }
 
-TEST(Hemisphere, TheWallsOtherSideSendsNothing) {
+TEST(Hemisphere, UnlitSideOfAWallEmitsNothing) {
   const Rectangles scene = floor_and_wall();
-  const GBuffer g = picture(scene, kOverFloor, 160, 160);
+  const GBuffer g = picture(scene, kFloorCamera, 160, 160);
   const Image image = run(g, {{"bleeding", "1"}, {"radius", "2.4"}, {"samples", "64"}});
   int count = 0;
   for (int y = 0; y < 160; ++y)
@@ -420,9 +427,9 @@ TEST(Hemisphere, TheWallsOtherSideSendsNothing) {
   EXPECT_GT(count, 500);
 }
 
-TEST(Hemisphere, LightHardlyHangsOnTheNumberOfSamples) {
+TEST(Hemisphere, LightHardlyDependsOnTheNumberOfSamples) {
   const Rectangles scene = floor_and_wall();
-  const GBuffer g = picture(scene, kOverFloor, 192, 192);
+  const GBuffer g = picture(scene, kFloorCamera, 192, 192);
   const auto light = [&](const char* samples, const char* area) {
     const Image image =
         run(g, {{"bleeding", "1"}, {"radius", "2.4"}, {"samples", samples}, {"noise", "0"}, {"area", area}});
@@ -430,7 +437,7 @@ TEST(Hemisphere, LightHardlyHangsOnTheNumberOfSamples) {
                g, image.plane("indirect.r"),
                [](glm::dvec3 at) { return on_floor(at) && at.x > 0.1 && at.x < 1.0 && std::fabs(at.z) < 1.0; },
                [](glm::dvec3) { return 0.0; })
-        .got;
+        .mean;
   };
   EXPECT_NEAR(light("8", "measured") / light("256", "measured"), 1.0, 0.08);
   EXPECT_NEAR(light("8", "equal") / light("256", "equal"), 1.0, 0.25);
@@ -441,8 +448,9 @@ TEST(Hemisphere, LightHardlyHangsOnTheNumberOfSamples) {
 // ---- ambient light and further bounces
 // ------------------------------------------------------------------------------------------
 
-/// The inside of a white box, open at the top, in ambient light only.
 constexpr double kBoxAlbedo = 0.7, kBoxAmbient = 0.5;
+
+/// Returns the inside of a white box, open at the top, in ambient light only.
 Rectangles open_box() {
   const auto face = [](glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v) {
     return Rectangle{
@@ -460,11 +468,12 @@ TEST(Hemisphere, AmbientLightBouncesAsTheSeriesSays) {
   const Settings settings = {{"bleeding", "1"}, {"radius", "4"}, {"samples", "64"}, {"range", "none"}, {"noise", "0"}};
   const Image first = run(g, settings);
 
-  // Patches of the box with the visibility that the dispatch wrote, and the light between them: the series in double.
+  // The series of bounces in double: the light between patches of the box, with the visibility that the effect
+  // computed.
   constexpr int kPatches = 12;
   struct Patch {
     glm::dvec3 at, normal;
-    double area, ao = 0.0, sent = 0.0, arrives = 0.0;
+    double area, ao = 0.0, emitted = 0.0, arrives = 0.0;
     int pixels = 0;
   };
   std::vector<Patch> patches;
@@ -495,9 +504,10 @@ TEST(Hemisphere, AmbientLightBouncesAsTheSeriesSays) {
     for (Patch& to : patches) {
       to.arrives = 0.0;
       for (const Patch& from : patches) {
-        const glm::dvec3 way = from.at - to.at;
-        const double d2 = glm::dot(way, way), a = glm::dot(way, to.normal), b = -glm::dot(way, from.normal);
-        if (a > 1e-9 && b > 1e-9) to.arrives += from.sent * a * b * from.area / (kPi * d2 * d2);
+        const glm::dvec3 to_patch = from.at - to.at;
+        const double d2 = glm::dot(to_patch, to_patch), a = glm::dot(to_patch, to.normal),
+                     b = -glm::dot(to_patch, from.normal);
+        if (a > 1e-9 && b > 1e-9) to.arrives += from.emitted * a * b * from.area / (kPi * d2 * d2);
       }
     }
   };
@@ -505,25 +515,25 @@ TEST(Hemisphere, AmbientLightBouncesAsTheSeriesSays) {
     return on_floor(at) && std::fabs(at.x) < 0.7 && std::fabs(at.z) < 0.7;
   };
   for (const int bounces : {1, 2, 4}) {
-    for (Patch& patch : patches) patch.sent = own * 0.7;  // the assumed visibility
+    for (Patch& patch : patches) patch.emitted = own * 0.7;  // the assumed visibility
     for (int k = 0; k < bounces; ++k) {
       if (k > 0)
-        for (Patch& patch : patches) patch.sent = own * patch.ao + kBoxAlbedo * patch.arrives;
+        for (Patch& patch : patches) patch.emitted = own * patch.ao + kBoxAlbedo * patch.arrives;
       bounce();
     }
     const Image image = run(g, joined(settings, {{"bounces", std::to_string(bounces)}}));
     const Means m =
         means(g, image.plane("indirect.g"), on_the_floor_inside, [&](glm::dvec3 at) { return nearest(at)->arrives; });
-    EXPECT_GT(m.wanted, 0.02);
-    EXPECT_NEAR(m.got, m.wanted, 0.1 * m.wanted) << bounces;
+    EXPECT_GT(m.expected_mean, 0.02);
+    EXPECT_NEAR(m.mean, m.expected_mean, 0.1 * m.expected_mean) << bounces;
   }
   const Image none = run(g, joined(settings, {{"ambient_bounce", "0"}}));
   EXPECT_EQ(test::difference(none.plane("indirect.g"), Plane(160, 160, 0.0f), 0.0).max, 0.0);
 }
 
-TEST(Hemisphere, AmbientLightBouncesInAClosedBoxAsQuadratureSays) {
-  // A white room without openings, seen from inside. Light from beyond the radius is ambient light, equal everywhere;
-  // nearer surfaces occlude it and reflect the light that they receive.
+TEST(Hemisphere, AmbientBouncesInAClosedRoomMatchQuadrature) {
+  // A closed white room, seen from inside. Ambient light arrives equally from everything beyond the radius; nearer
+  // surfaces occlude it, and reflect the light that they receive.
   constexpr double kRadius = 0.8;
   const auto face = [](glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v) {
     return Rectangle{
@@ -534,8 +544,9 @@ TEST(Hemisphere, AmbientLightBouncesInAClosedBoxAsQuadratureSays) {
                            face({-1, 0, 2}, {0, 0, -4}, {0, 2, 0}), face({1, 0, -2}, {0, 0, 4}, {0, 2, 0})};
   const GBuffer g = picture(room, perspective_camera({0, 1.2f, 1.9f}, {0, 0.8f, -2}, {0, 1, 0}, 62, 1.0f), 160, 160);
 
-  // Returns the cosine-weighted mean, over directions about a normal, of `sent` at surfaces within the radius.
-  const auto gathered = [&](glm::dvec3 at, glm::dvec3 normal, int steps, const auto& sent) {
+  // Returns the cosine-weighted mean, over directions about a normal, of `emitted` at surfaces within the radius, and
+  // of 0 beyond it.
+  const auto gathered = [&](glm::dvec3 at, glm::dvec3 normal, int steps, const auto& emitted) {
     const glm::dvec3 across =
         glm::normalize(glm::cross(normal, std::fabs(normal.y) > 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
     const glm::dvec3 along = glm::cross(normal, across);
@@ -543,56 +554,57 @@ TEST(Hemisphere, AmbientLightBouncesInAClosedBoxAsQuadratureSays) {
     for (int j = 0; j < steps; ++j)
       for (int i = 0; i < 2 * steps; ++i) {
         const double sine2 = (j + 0.5) / steps, turn = kPi * (i + 0.5) / steps;
-        const glm::dvec3 way =
+        const glm::dvec3 direction =
             std::sqrt(sine2) * (std::cos(turn) * across + std::sin(turn) * along) + std::sqrt(1.0 - sine2) * normal;
-        const auto met = hits(room, at + 1e-6 * normal, way);
-        if (!met.empty() && met[0].t < kRadius) sum += sent(at + met[0].t * way, *met[0].on);
+        const auto met = intersections(room, at + 1e-6 * normal, direction);
+        if (!met.empty() && met[0].t < kRadius) sum += emitted(at + met[0].t * direction, *met[0].on);
       }
     return sum / (2 * steps * steps);
   };
   const double own = kBoxAlbedo * kBoxAmbient;
-  const auto hidden = [&](glm::dvec3 at, const Rectangle& on) {
+  const auto occluded_fraction = [&](glm::dvec3 at, const Rectangle& on) {
     return gathered(at, on.normal(), 16, [](glm::dvec3, const Rectangle&) { return 1.0; });
   };
-  constexpr double kGuess = 0.7;  // the assumed visibility of the first round
-  const auto once = [&](glm::dvec3, const Rectangle&) { return own * kGuess; };
-  const auto twice = [&](glm::dvec3 at, const Rectangle& on) {
-    const double fraction = hidden(at, on);
-    return own * (1.0 - fraction) + kBoxAlbedo * own * kGuess * fraction;
+  constexpr double kAssumedVisibility = 0.7;  // of ambient light, in the first round
+  const auto emitted_first = [&](glm::dvec3, const Rectangle&) { return own * kAssumedVisibility; };
+  const auto emitted_second = [&](glm::dvec3 at, const Rectangle& on) {
+    const double fraction = occluded_fraction(at, on);
+    return own * (1.0 - fraction) + kBoxAlbedo * own * kAssumedVisibility * fraction;
   };
-  // The second bounce depends on the visibility that the dispatch computes, here with the weight of the look
-  // `bleeding`.
+  // The second bounce depends on the visibility that the effect computes, here with the weight of the look `bleeding`.
   const Settings settings = {{"bleeding", "1"}, {"radius", "0.8"}, {"samples", "64"},
                              {"range", "none"}, {"noise", "0"},    {"weight", "2"}};
   for (const int bounces : {1, 2}) {
     const Image image = run(g, joined(settings, {{"bounces", std::to_string(bounces)}}));
-    double got = 0.0, wanted = 0.0;
+    double mean = 0.0, expected_mean = 0.0;
     int count = 0;
     for (int y = 0; y < 160; ++y)
       for (int x = 0; x < 160; ++x) {
         const glm::dvec3 at = world_position(g, x, y);
-        // All surfaces within the radius are in view.
+        // In this part of the floor, all surfaces within the radius are visible.
         if (!on_floor(at) || std::fabs(at.x) > 0.9 || at.z < -1.9 || at.z > -0.9) continue;
-        got += image.plane("indirect.g").at(x, y);
+        mean += image.plane("indirect.g").at(x, y);
         if (count++ % 23 == 0)
-          wanted += 23.0 * (bounces == 1 ? gathered(at, {0, 1, 0}, 16, once) : gathered(at, {0, 1, 0}, 16, twice));
+          expected_mean += 23.0 * (bounces == 1 ? gathered(at, {0, 1, 0}, 16, emitted_first)
+                                                : gathered(at, {0, 1, 0}, 16, emitted_second));
       }
     EXPECT_GT(count, 500);
-    EXPECT_GT(wanted / count, 0.02);
-    EXPECT_NEAR(got / wanted, 1.0, 0.1) << bounces;
+    EXPECT_GT(expected_mean / count, 0.02);
+    EXPECT_NEAR(mean / expected_mean, 1.0, 0.1) << bounces;
   }
 }
 
 // ---- layers
 // ------------------------------------------------------------------------------------------
 
-/// A drape whose far side is lit red, and behind it the face of a box, visible past the drape's edge.
+/// Returns a drape whose far side is lit red, and behind it the face of a box, of which a part is visible beside the
+/// drape.
 Rectangles drape_and_box() {
   return {{.corner = {-1.2, 0, 0}, .u = {1.4, 0, 0}, .v = {0, 2, 0}, .front = {0, 0, 0}, .back = kRed},
           {.corner = {-0.5, 0, -0.7}, .u = {3, 0, 0}, .v = {0, 2, 0}}};
 }
-const Camera kBeforeDrape = perspective_camera({0, 1, 6}, {0.4f, 1, 0}, {0, 1, 0}, 25, 1.0f);
-const Settings kDrape = {{"bleeding", "1"}, {"radius", "1.8"}, {"samples", "64"}, {"noise", "0"}};
+const Camera kDrapeCamera = perspective_camera({0, 1, 6}, {0.4f, 1, 0}, {0, 1, 0}, 25, 1.0f);
+const Settings kDrapeSettings = {{"bleeding", "1"}, {"radius", "1.8"}, {"samples", "64"}, {"noise", "0"}};
 
 Means behind_drape(const GBuffer& g, const Settings& settings) {
   const Rectangles scene = drape_and_box();
@@ -601,23 +613,23 @@ Means behind_drape(const GBuffer& g, const Settings& settings) {
       g, image.plane("indirect.r"),
       [](glm::dvec3 at) { return at.z < -0.69 && at.x < 0.8 && std::fabs(at.y - 1.0) < 0.4; },
       [&](glm::dvec3 at) {
-        return arriving(scene, at, {0, 0, 1}, 1.8).x;
+        return light_by_quadrature(scene, at, {0, 0, 1}, 1.8).x;
       });
 }
 
-TEST(Hemisphere, BoxBehindADrapeGetsItsColourFromTheLayers) {
-  const GBuffer one = picture(drape_and_box(), kBeforeDrape, 64, 64);
-  const GBuffer layers = picture(drape_and_box(), kBeforeDrape, 64, 64, 2, true);
-  const Means without = behind_drape(one, kDrape), with = behind_drape(layers, kDrape);
+TEST(Hemisphere, LayersColourTheBoxBehindADrape) {
+  const GBuffer one = picture(drape_and_box(), kDrapeCamera, 64, 64);
+  const GBuffer layers = picture(drape_and_box(), kDrapeCamera, 64, 64, 2, true);
+  const Means without = behind_drape(one, kDrapeSettings), with = behind_drape(layers, kDrapeSettings);
   ASSERT_GT(with.count, 50);
-  EXPECT_GT(with.wanted, 0.05);
-  EXPECT_LT(without.got, 0.1 * without.wanted);
-  EXPECT_GT(with.got, 0.5 * with.wanted);
-  EXPECT_LT(with.got, 1.3 * with.wanted);
+  EXPECT_GT(with.expected_mean, 0.05);
+  EXPECT_LT(without.mean, 0.1 * without.expected_mean);
+  EXPECT_GT(with.mean, 0.5 * with.expected_mean);
+  EXPECT_LT(with.mean, 1.3 * with.expected_mean);
 }
 
 TEST(Hemisphere, AnotherCameraSeesTheDrapesOtherSide) {
-  GBuffer g = picture(drape_and_box(), kBeforeDrape, 64, 64);
+  GBuffer g = picture(drape_and_box(), kDrapeCamera, 64, 64);
   // The other camera is behind the drape and to the left, and sees its far side.
   for (const bool orthographic : {false, true}) {
     const Camera other = orthographic ? orthographic_camera({-3, 1.5f, -3}, {-0.5f, 1, 0}, {0, 1, 0}, 3, 1.0f)
@@ -625,19 +637,19 @@ TEST(Hemisphere, AnotherCameraSeesTheDrapesOtherSide) {
     GBuffer more = g;
     more.layers.push_back(layer_of(drape_and_box(), other, 64, 64, 0, false));
     more.info.more_layers.push_back({.kind = LayerKind::kOther, .of = 0, .camera = other});
-    const Means with = behind_drape(more, kDrape);
-    EXPECT_GT(with.got, 0.5 * with.wanted) << orthographic;
-    EXPECT_LT(with.got, 1.3 * with.wanted) << orthographic;
+    const Means with = behind_drape(more, kDrapeSettings);
+    EXPECT_GT(with.mean, 0.5 * with.expected_mean) << orthographic;
+    EXPECT_LT(with.mean, 1.3 * with.expected_mean) << orthographic;
   }
 }
 
 TEST(Hemisphere, OccluderBehindAnOccluderOutOfRangeCounts) {
-  // A rail far in front of the foot of the wall hides the foot's surroundings from the first layer.
+  // In the first layer, a rail far in front of the wall covers some of the surroundings of the wall's foot.
   Rectangles scene = floor_and_wall();
   scene.push_back({.corner = {1.85, 1.55, 2}, .u = {0, 0, -1}, .v = {0, 0.04, 0}});
   const Settings settings = {{"radius", "0.4"}, {"range", "constant"}, {"samples", "64"}};
-  const Image one = run(picture(scene, kOverFloor, 128, 128), settings);
-  const Image two = run(picture(scene, kOverFloor, 128, 128, 2), settings);
+  const Image one = run(picture(scene, kFloorCamera, 128, 128), settings);
+  const Image two = run(picture(scene, kFloorCamera, 128, 128, 2), settings);
   int darker = 0, lighter = 0;
   for (int y = 0; y < 128; ++y)
     for (int x = 0; x < 128; ++x) {
@@ -648,12 +660,12 @@ TEST(Hemisphere, OccluderBehindAnOccluderOutOfRangeCounts) {
   EXPECT_EQ(lighter, 0);
 }
 
-TEST(Hemisphere, OfLayersAsManyAreUsedAsAreAskedFor) {
-  const GBuffer one = picture(drape_and_box(), kBeforeDrape, 48, 48);
-  const GBuffer layers = picture(drape_and_box(), kBeforeDrape, 48, 48, 2, true);
-  const Image expected = run(one, kDrape);
-  const Image first = run(layers, joined(kDrape, {{"layers", "1"}}));
-  const Image all = run(layers, kDrape), four = run(layers, joined(kDrape, {{"layers", "4"}}));
+TEST(Hemisphere, UsesTheRequestedNumberOfLayers) {
+  const GBuffer one = picture(drape_and_box(), kDrapeCamera, 48, 48);
+  const GBuffer layers = picture(drape_and_box(), kDrapeCamera, 48, 48, 2, true);
+  const Image expected = run(one, kDrapeSettings);
+  const Image first = run(layers, joined(kDrapeSettings, {{"layers", "1"}}));
+  const Image all = run(layers, kDrapeSettings), four = run(layers, joined(kDrapeSettings, {{"layers", "4"}}));
   for (const char* name : {"ao", "indirect.r"}) {
     EXPECT_EQ(test::difference(first.plane(name), expected.plane(name), 0.0).max, 0.0) << name;
     EXPECT_EQ(test::difference(four.plane(name), all.plane(name), 0.0).max, 0.0) << name;
@@ -662,14 +674,14 @@ TEST(Hemisphere, OfLayersAsManyAreUsedAsAreAskedFor) {
 }
 
 TEST(Hemisphere, LanesAgreeWithScalarInLayersAndOtherViews) {
-  GBuffer g = picture(drape_and_box(), kBeforeDrape, 61, 47, 2, true);
+  GBuffer g = picture(drape_and_box(), kDrapeCamera, 61, 47, 2, true);
   const Camera other = perspective_camera({-3, 1.5f, -3}, {-0.5f, 1, 0}, {0, 1, 0}, 45, 1.0f);
   g.layers.push_back(layer_of(drape_and_box(), other, 61, 47, 0, false));
   g.info.more_layers.push_back({.kind = LayerKind::kOther, .of = 0, .camera = other});
   g.layers.push_back(layer_of(drape_and_box(), other, 61, 47, 0, true));
   g.info.more_layers.push_back({.kind = LayerKind::kBack, .of = 4, .camera = {}});
-  const Image expected = test::run_effect(*find_effect("hemisphere"), g, kDrape, {.scalar = true});
-  test::on_every_target("hemisphere", g, kDrape, [&](const Image& image) {
+  const Image expected = test::run_effect(*find_effect("hemisphere"), g, kDrapeSettings, {.scalar = true});
+  test::on_every_target("hemisphere", g, kDrapeSettings, [&](const Image& image) {
     for (const char* name : {"ao", "indirect.r"}) {
       const auto d = test::difference(image.plane(name), expected.plane(name), 1e-4);
       EXPECT_LE(d.fraction_over, 2e-3) << name;  // one sample of 64 that falls on a pixel's border
@@ -681,16 +693,16 @@ TEST(Hemisphere, LanesAgreeWithScalarInLayersAndOtherViews) {
 // ---- range and switches
 // ------------------------------------------------------------------------------------------
 
-/// Two planes side by side that face the camera, at depths 4 and 5.
-GBuffer step() {
+/// Returns two planes side by side that face the camera, at depths 4 and 5.
+GBuffer two_depths() {
   const Rectangles scene = {{.corner = {-9, -9, -4}, .u = {9, 0, 0}, .v = {0, 18, 0}, .front = kRed},
                             {.corner = {-9, -9, -5}, .u = {18, 0, 0}, .v = {0, 18, 0}}};
   return picture(scene, orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 4, 1.0f), 64, 64);
 }
 
-TEST(Hemisphere, RangeLimitsAreWhatTheySay) {
-  const GBuffer g = step();
-  // Pixels at depth 5 next to a surface that is 1 nearer; the radius is 1.
+TEST(Hemisphere, RangeLimitsMatchTheirFormulas) {
+  const GBuffer g = two_depths();
+  // Returns the occlusion of pixels at depth 5, beside a surface that is nearer by 1. The radius is 1.
   const auto fraction = [&](const Settings& settings) {
     const Image image =
         run(g, joined({{"radius", "1"}, {"samples", "64"}, {"weight", "0.5"}, {"bias_of", "depth"}}, settings));
@@ -707,15 +719,15 @@ TEST(Hemisphere, RangeLimitsAreWhatTheySay) {
         << range << depth;
     EXPECT_EQ(fraction(joined(settings, {{"range_factor", fmt::format("{}", 0.97 * factor)}})), 0.0) << range << depth;
   };
-  // All limits are equal at the depth sqrt(2 10) and fall beyond it. Window depth Z = 10/8 (1 - 2/z) differs by 1/8,
-  // the radius divided by the span.
-  const double fall = std::sqrt(20.0) / 5.0;
+  // All limits are equal at the depth sqrt(2 10); beyond it, `linear` and `quadratic` fall. The window depth at z is
+  // 10/8 (1 - 2/z), so that the two surfaces differ by 1/8, which is the radius divided by the span.
+  const double depth_ratio = std::sqrt(20.0) / 5.0;
   edge("constant", "view", 1.0);
-  edge("linear", "view", 1.0 / fall);
-  edge("quadratic", "view", 1.0 / (fall * fall));
+  edge("linear", "view", 1.0 / depth_ratio);
+  edge("quadratic", "view", 1.0 / (depth_ratio * depth_ratio));
   edge("constant", "window", 1.0);
-  edge("linear", "window", 1.0 / fall);
-  edge("quadratic", "window", 1.0 / (fall * fall));
+  edge("linear", "window", 1.0 / depth_ratio);
+  edge("quadratic", "window", 1.0 / (depth_ratio * depth_ratio));
   const double t = 0.6;
   for (const char* depth : {"view", "window"})
     EXPECT_NEAR(
@@ -725,7 +737,7 @@ TEST(Hemisphere, RangeLimitsAreWhatTheySay) {
 }
 
 TEST(Hemisphere, EachPartCanBeSwitchedOff) {
-  const GBuffer g = picture(floor_and_wall(), kOverFloor, 96, 96);
+  const GBuffer g = picture(floor_and_wall(), kFloorCamera, 96, 96);
   const Settings both = {{"bleeding", "1"}, {"radius", "1"}};
   const Image all = run(g, both);
   const Image bleeding = run(g, joined(both, {{"occlusion", "off"}}));
@@ -734,21 +746,21 @@ TEST(Hemisphere, EachPartCanBeSwitchedOff) {
   const Image occlusion = run(g, joined(both, {{"bleeding", "0"}}));
   EXPECT_EQ(occlusion.find("indirect.r"), nullptr);
   EXPECT_EQ(test::difference(occlusion.plane("ao"), all.plane("ao"), 0.0).max, 0.0);
-  const Image twice = run(g, joined(both, {{"bleeding", "2"}}));
+  const Image doubled = run(g, joined(both, {{"bleeding", "2"}}));
   for (int y = 0; y < 96; ++y)
     for (int x = 0; x < 96; ++x)
-      ASSERT_NEAR(twice.plane("indirect.r").at(x, y), 2.0f * all.plane("indirect.r").at(x, y), 1e-6);
+      ASSERT_NEAR(doubled.plane("indirect.r").at(x, y), 2.0f * all.plane("indirect.r").at(x, y), 1e-6);
 }
 
 TEST(Hemisphere, ScaleOfTheSceneDoesNotMatter) {
-  const auto scaled = [](double by) {
+  const auto scaled = [](double scale) {
     Rectangles scene = floor_and_wall();
     for (Rectangle& r : scene) {
-      r.corner *= by;
-      r.u *= by;
-      r.v *= by;
+      r.corner *= scale;
+      r.u *= scale;
+      r.v *= scale;
     }
-    const float s = float(by);
+    const float s = float(scale);
     GBuffer g = picture(
         scene, perspective_camera({3.5f * s, 3 * s, 3 * s}, {0.3f * s, 0.2f * s, 0}, {0, 1, 0}, 40, 1.0f), 96, 96);
     g.info.scene_radius *= s;
@@ -758,15 +770,15 @@ TEST(Hemisphere, ScaleOfTheSceneDoesNotMatter) {
   };
   const Image one = scaled(1.0);
   EXPECT_GT(test::difference(one.plane("indirect.r"), Plane(96, 96, 0.0f), 0.0).mean, 0.01);
-  for (const double by : {1e-3, 1e3}) {
-    const Image other = scaled(by);
+  for (const double scale : {1e-3, 1e3}) {
+    const Image other = scaled(scale);
     for (const char* name : {"ao", "indirect.r"})
-      EXPECT_LT(test::difference(one.plane(name), other.plane(name), 1e-2).fraction_over, 0.01) << by << name;
+      EXPECT_LT(test::difference(one.plane(name), other.plane(name), 1e-2).fraction_over, 0.01) << scale << name;
   }
 }
 
 TEST(Hemisphere, RadiusIsSetInSceneUnits) {
-  const GBuffer g = step();
+  const GBuffer g = two_depths();
   const Effect& effect = *find_effect("hemisphere");
   ParameterBytes bytes = test::parameters_of(effect, {});
   EXPECT_FLOAT_EQ(constants(g, {}).radius, 0.5f);  // 10% of the scene's radius, 5
@@ -776,7 +788,7 @@ TEST(Hemisphere, RadiusIsSetInSceneUnits) {
 }
 
 TEST(Hemisphere, NoiseIsTiledAndSeeded) {
-  const GBuffer g = step();
+  const GBuffer g = two_depths();
   const auto column = [&](const char* noise, const char* seed, const char* distribution, int from) {
     const Image image = run(g, {{"radius", "1"},
                                 {"noise", noise},
@@ -800,7 +812,7 @@ TEST(Hemisphere, NoiseIsTiledAndSeeded) {
 // ---- odd input
 // ------------------------------------------------------------------------------------------
 
-TEST(Hemisphere, TangentsAreTheBasisTurnedByTheTile) {
+TEST(Hemisphere, TangentsAreTheBasisRotatedByTheTile) {
   const GBuffer g = test::bumpy_gbuffer(83, 61, 5);
   const Image& layer = g.layers[0];
   for (const char* distribution : {"even", "paper"})
@@ -810,7 +822,7 @@ TEST(Hemisphere, TangentsAreTheBasisTurnedByTheTile) {
             const auto axis = [&](const char* a) { return double(of.plane(std::string(name) + a).at(x, y)); };
             return glm::dvec3(axis(".x"), axis(".y"), axis(".z"));
           };
-          // Cosine and sine of the rotation at each place in the tile, independent of the normal.
+          // Cosine and sine of the rotation at each pixel of the tile. They do not depend on the normal.
           std::vector<glm::dvec2> turns(16, glm::dvec2(0.0));
           int compared = 0;
           for (int y = 0; y < 61; ++y)
@@ -839,7 +851,7 @@ TEST(Hemisphere, TangentsAreTheBasisTurnedByTheTile) {
   EXPECT_EQ(plain.find("tangent.x"), nullptr);
 }
 
-TEST(Hemisphere, NoSamplesAndNoRadiusAreRefused) {
+TEST(Hemisphere, ZeroSamplesAndZeroRadiusAreErrors) {
   const Effect& effect = *find_effect("hemisphere");
   ParameterBytes bytes = test::parameters_of(effect, {});
   for (const auto& [name, value] : Settings{{"samples", "0"}, {"samples", "257"}, {"radius", "0"}, {"radius", "0%"}}) {
@@ -849,8 +861,8 @@ TEST(Hemisphere, NoSamplesAndNoRadiusAreRefused) {
   }
 }
 
-TEST(Hemisphere, PlanesThatAreMissingAreDarkOrNamed) {
-  GBuffer g = picture(floor_and_wall(), kOverFloor, 48, 48);
+TEST(Hemisphere, MissingPlanesAreDarkOrErrors) {
+  GBuffer g = picture(floor_and_wall(), kFloorCamera, 48, 48);
   GBuffer unlit = g;
   Image& image = unlit.layers[0];
   image = Image(48, 48);
@@ -872,7 +884,7 @@ TEST(Hemisphere, RadiusBeyondTheSceneAndBlackSurfacesAreDefined) {
     r.albedo = 0.0;
     r.ambient = glm::dvec3(0.0);
   }
-  const GBuffer g = picture(scene, kOverFloor, 48, 48);
+  const GBuffer g = picture(scene, kFloorCamera, 48, 48);
   const Image image = run(g, {{"bleeding", "1"}, {"bounces", "3"}, {"radius", "1e6"}});
   EXPECT_EQ(test::difference(image.plane("indirect.r"), Plane(48, 48, 0.0f), 0.0).max, 0.0);
   for (int y = 0; y < 48; ++y)
@@ -882,17 +894,17 @@ TEST(Hemisphere, RadiusBeyondTheSceneAndBlackSurfacesAreDefined) {
     }
 }
 
-TEST(Hemisphere, DepthAndLightThatAreNoneStayWithoutEffect) {
-  GBuffer g = step();
-  const float odd[] = {std::nanf(""), -kInfinity, 0.0f, -1.0f};
+TEST(Hemisphere, InvalidDepthAndLightHaveNoEffect) {
+  GBuffer g = two_depths();
+  const float invalid_values[] = {std::nanf(""), -kInfinity, 0.0f, -1.0f};
   for (int y = 0; y < 64; ++y)
-    for (int x = 0; x < 32; ++x) g.layers[0].plane("depth").at(x, y) = odd[(x + y) % 4];
+    for (int x = 0; x < 32; ++x) g.layers[0].plane("depth").at(x, y) = invalid_values[(x + y) % 4];
   const Settings settings = {{"bleeding", "1"}, {"radius", "1"}, {"range", "none"}};
   test::on_every_target("hemisphere", g, settings, [&](const Image& image) {
     EXPECT_EQ(test::difference(image.plane("ao"), Plane(64, 64, 1.0f), 0.0).max, 0.0);
     EXPECT_EQ(test::difference(image.plane("indirect.r"), Plane(64, 64, 0.0f), 0.0).max, 0.0);
   });
-  GBuffer bad_light = picture(floor_and_wall(), kOverFloor, 64, 64);
+  GBuffer bad_light = picture(floor_and_wall(), kFloorCamera, 64, 64);
   for (const float value : {std::nanf(""), kInfinity, -5.0f}) {
     bad_light.layers[0].plane("direct.r") = Plane(64, 64, value);
     test::on_every_target("hemisphere", bad_light, settings, [&](const Image& image) {
@@ -901,15 +913,15 @@ TEST(Hemisphere, DepthAndLightThatAreNoneStayWithoutEffect) {
   }
 }
 
-TEST(Hemisphere, NormalThatIsNoneFacesTheEye) {
-  const GBuffer g = step();
-  for (const float odd : {0.0f, std::nanf(""), kInfinity}) {
+TEST(Hemisphere, InvalidNormalFacesTheCamera) {
+  const GBuffer g = two_depths();
+  for (const float value : {0.0f, std::nanf(""), kInfinity}) {
     GBuffer without = g;
-    for (const char* name : kNormal) without.layers[0].plane(name) = Plane(64, 64, odd);
+    for (const char* name : kNormal) without.layers[0].plane(name) = Plane(64, 64, value);
     const Settings settings = {{"radius", "1"}};
     const Plane expected = run(g, settings).plane("ao");
     test::on_every_target("hemisphere", without, settings, [&](const Image& image) {
-      EXPECT_LT(test::difference(image.plane("ao"), expected, 1e-5).fraction_over, 1e-2) << odd;
+      EXPECT_LT(test::difference(image.plane("ao"), expected, 1e-5).fraction_over, 1e-2) << value;
     });
   }
 }

@@ -10,7 +10,7 @@ import numpy as np
 import umbrage
 
 
-def made_up(width: int = 320, height: int = 240) -> np.ndarray:
+def synthetic_disparity(width: int = 320, height: int = 240) -> np.ndarray:
     """Returns the disparity of some hills."""
     y, x = np.mgrid[-1 : 1 : height * 1j, -1.3 : 1.3 : width * 1j]
     hills = sum(np.exp(-(((x - a) ** 2 + (y - b) ** 2) / 0.1)) for a, b in ((-0.6, 0), (0.5, 0.3), (0.2, -0.5)))
@@ -21,13 +21,13 @@ def depth_of(disparity: np.ndarray, nearest: float = 1.0, farthest: float = 3.0)
     """Converts disparity to distance. The disparity determines 1 / distance except for a scale and an offset: they are
     chosen so that nearly all distances are between `nearest` and `farthest`."""
     low, high = np.percentile(disparity, (1, 99))
-    share = np.clip((disparity - low) / max(high - low, 1e-6), 0, None)
-    return 1 / (1 / farthest + share * (1 / nearest - 1 / farthest))
+    fraction = np.clip((disparity - low) / max(high - low, 1e-6), 0, None)
+    return 1 / (1 / farthest + fraction * (1 / nearest - 1 / farthest))
 
 
 def main() -> None:
     source, target = (sys.argv[1:] + [None] * 2)[:2] if len(sys.argv) > 2 else (None, sys.argv[-1])
-    disparity = np.load(source) if source else made_up()
+    disparity = np.load(source) if source else synthetic_disparity()
     depth = depth_of(np.squeeze(disparity))
     shaded = umbrage.shade(depth, fov=50, look="studio", passes=("ao",))
     shaded.save(target)

@@ -9,7 +9,7 @@
 namespace umbrage::fuzz {
 namespace {
 
-/// Returns the image with strides of 0 replaced by the packed ones.
+/// Returns the image with strides of 0 replaced by those of a packed image.
 UmbImage with_strides(UmbImage image) {
   const auto size = std::ptrdiff_t(bytes_of(image.type));
   if (image.channel_stride == 0) image.channel_stride = size;
@@ -18,18 +18,19 @@ UmbImage with_strides(UmbImage image) {
   return image;
 }
 
-template <class Take>
-void for_numbers(const UmbImage& packed, const Take& take) {
+/// Calls `visit` with the address of each value of an image.
+template <class Visit>
+void for_each_value(const UmbImage& packed, const Visit& visit) {
   const UmbImage image = with_strides(packed);
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x)
       for (int c = 0; c < image.channels; ++c)
-        take(static_cast<std::byte*>(image.data) + y * image.row_stride + x * image.pixel_stride +
-             c * image.channel_stride);
+        visit(static_cast<std::byte*>(image.data) + y * image.row_stride + x * image.pixel_stride +
+              c * image.channel_stride);
 }
 
-/// Returns the image in a new block from its first byte to its last.
-Pixels placed(UmbImage image, std::size_t skewed) {
+/// Returns the image with memory: a new block that extends exactly from its first byte to its last.
+Pixels allocated(UmbImage image, std::size_t offset) {
   const UmbImage full = with_strides(image);
   std::ptrdiff_t first = 0, last = 0;
   const auto reach = [&](std::ptrdiff_t stride, int count) { (stride < 0 ? first : last) += stride * (count - 1); };
@@ -37,42 +38,42 @@ Pixels placed(UmbImage image, std::size_t skewed) {
   reach(full.pixel_stride, full.width);
   reach(full.row_stride, full.height);
   const auto size = std::size_t(last - first) + bytes_of(image.type);
-  Pixels made{image, std::make_shared<Block>(size, skewed)};
-  made.image.data = made.block->data() - first;
-  return made;
+  Pixels result{image, std::make_shared<Block>(size, offset)};
+  result.image.data = result.block->data() - first;
+  return result;
 }
 
 float any_float(Choices& choose) {
-  static const std::vector<float> kOdd = {0.0f,
-                                          -0.0f,
-                                          -1.0f,
-                                          1e-45f,
-                                          1e-38f,
-                                          3e38f,
-                                          -3e38f,
-                                          65536.0f,
-                                          16777216.0f,
-                                          5e9f,
-                                          std::numeric_limits<float>::infinity(),
-                                          -std::numeric_limits<float>::infinity(),
-                                          std::numeric_limits<float>::quiet_NaN()};
-  return choose.one_in(4) ? choose.one_of(kOdd) : float(choose.below(200)) / 100.0f;
+  static const std::vector<float> kSpecial = {0.0f,
+                                              -0.0f,
+                                              -1.0f,
+                                              1e-45f,
+                                              1e-38f,
+                                              3e38f,
+                                              -3e38f,
+                                              65536.0f,
+                                              16777216.0f,
+                                              5e9f,
+                                              std::numeric_limits<float>::infinity(),
+                                              -std::numeric_limits<float>::infinity(),
+                                              std::numeric_limits<float>::quiet_NaN()};
+  return choose.one_in(4) ? choose.one_of(kSpecial) : float(choose.below(200)) / 100.0f;
 }
 
-/// Fills the image with values from a short list, so that it does not use up all bytes of `choose`.
+/// Fills the image with values from a short list, since choosing each value would use up the bytes of `choose`.
 void fill_with_values(Choices& choose, const Pixels& pixels) {
   constexpr int kValues = 16;
   std::byte values[kValues][4];
   for (auto& value : values) {
     const float number = any_float(choose);
-    const std::uint32_t whole = choose.below(1u << 31);
+    const std::uint32_t integer = choose.below(1u << 31);
     if (pixels.image.type == UMB_TYPE_FLOAT32)
       std::memcpy(value, &number, sizeof number);
     else
-      std::memcpy(value, &whole, sizeof whole);
+      std::memcpy(value, &integer, sizeof integer);
   }
   unsigned state = choose.below(256) + 1;
-  for_numbers(pixels.image, [&](std::byte* at) {
+  for_each_value(pixels.image, [&](std::byte* at) {
     state = state * 1664525u + 1013904223u;
     std::memcpy(at, values[state >> 28], bytes_of(pixels.image.type));
   });
@@ -93,12 +94,12 @@ unsigned Choices::below(unsigned end) {
   return number % end;
 }
 
-Block::Block(std::size_t size, std::size_t skewed)
-    : bytes_(new std::byte[size + skewed]), size_(size), skewed_(skewed) {
+Block::Block(std::size_t size, std::size_t offset)
+    : bytes_(new std::byte[size + offset]), size_(size), offset_(offset) {
   fill(std::byte(0));
 }
 
-void Block::fill(std::byte with) { std::fill_n(bytes_.get(), size_ + skewed_, with); }
+void Block::fill(std::byte value) { std::fill_n(bytes_.get(), size_ + offset_, value); }
 
 std::size_t bytes_of(int type) {
   switch (type) {
@@ -145,33 +146,33 @@ Pixels valid_image(Choices& choose, int type, int width, int height, int channel
     default:
       break;
   }
-  Pixels made = placed(image, choose.one_in(4) ? 1 + choose.below(3) : 0);
-  fill_with_values(choose, made);
-  return made;
+  Pixels result = allocated(image, choose.one_in(4) ? 1 + choose.below(3) : 0);
+  fill_with_values(choose, result);
+  return result;
 }
 
 Pixels depth_image(Choices& choose, int width, int height) {
-  Pixels made = valid_image(choose, UMB_TYPE_FLOAT32, width, height, 1);
-  if (choose.one_in(3)) return made;
+  Pixels result = valid_image(choose, UMB_TYPE_FLOAT32, width, height, 1);
+  if (choose.one_in(3)) return result;
   unsigned state = choose.below(256);
   const unsigned odd = choose.below(2) * 9;
-  for_numbers(made.image, [&](std::byte* at) {
+  for_each_value(result.image, [&](std::byte* at) {
     state = state * 1664525u + 1013904223u;
     const float depth = state >> 28 < odd ? any_float(choose) : 2.0f + float(state >> 26) / 64.0f;
     std::memcpy(at, &depth, sizeof depth);
   });
-  return made;
+  return result;
 }
 
-void fill_with_canaries(Pixels& pixels, std::byte with) {
-  if (pixels.block) pixels.block->fill(with);
+void fill_with_canaries(Pixels& pixels, std::byte value) {
+  if (pixels.block) pixels.block->fill(value);
 }
 
 std::vector<std::size_t> indices_of_canaries(const Pixels& pixels, std::byte canary) {
   std::vector<std::size_t> found;
   std::size_t number = 0;
   const std::size_t size = bytes_of(pixels.image.type);
-  for_numbers(pixels.image, [&](const std::byte* at) {
+  for_each_value(pixels.image, [&](const std::byte* at) {
     if (std::all_of(at, at + size, [&](std::byte b) { return b == canary; })) found.push_back(number);
     ++number;
   });
@@ -179,11 +180,11 @@ std::vector<std::size_t> indices_of_canaries(const Pixels& pixels, std::byte can
 }
 
 bool is_untouched_outside(const NamedPixels& images, const BlockPtr& block, std::byte canary) {
-  std::vector<bool> inside(block->size() + block->skewed());
-  const std::byte* const start = block->data() - block->skewed();
+  std::vector<bool> inside(block->size() + block->offset());
+  const std::byte* const start = block->data() - block->offset();
   for (const auto& [name, pixels] : images)
     if (pixels.block == block)
-      for_numbers(pixels.image, [&](const std::byte* at) {
+      for_each_value(pixels.image, [&](const std::byte* at) {
         std::fill_n(inside.begin() + (at - start), bytes_of(pixels.image.type), true);
       });
   for (std::size_t k = 0; k < inside.size(); ++k)
@@ -192,8 +193,8 @@ bool is_untouched_outside(const NamedPixels& images, const BlockPtr& block, std:
 }
 
 bool is_untouched(Block& block, std::byte canary) {
-  const std::byte* const start = block.data() - block.skewed();
-  return std::all_of(start, start + block.size() + block.skewed(), [&](std::byte b) { return b == canary; });
+  const std::byte* const start = block.data() - block.offset();
+  return std::all_of(start, start + block.size() + block.offset(), [&](std::byte b) { return b == canary; });
 }
 
 std::uint64_t hash_of(Block& block) {

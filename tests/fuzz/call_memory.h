@@ -22,6 +22,7 @@ class Choices {
   bool used_up() const { return at_ >= bytes_.size(); }
   /// Returns a number below `end`, which is above 0.
   unsigned below(unsigned end);
+  /// Returns true for one of `count` options.
   bool one_in(unsigned count) { return below(count) == count - 1; }
   template <class T>
   const T& one_of(const std::vector<T>& all) {
@@ -38,20 +39,20 @@ class Choices {
 /// Heap memory that can start at any address.
 class Block {
  public:
-  /// `skewed`: unused bytes before the first one.
-  explicit Block(std::size_t size, std::size_t skewed = 0);
-  std::byte* data() { return bytes_.get() + skewed_; }
+  /// Allocates `size` bytes after `offset` unused ones.
+  explicit Block(std::size_t size, std::size_t offset = 0);
+  std::byte* data() { return bytes_.get() + offset_; }
   std::size_t size() const { return size_; }
-  std::size_t skewed() const { return skewed_; }
-  void fill(std::byte with);
+  std::size_t offset() const { return offset_; }
+  void fill(std::byte value);
 
  private:
   std::unique_ptr<std::byte[]> bytes_;
-  std::size_t size_, skewed_;
+  std::size_t size_, offset_;
 };
 using BlockPtr = std::shared_ptr<Block>;
 
-/// An image and the block with its pixels; null if it has none.
+/// An image and the block with its pixels; null if it has no pixels.
 struct Pixels {
   UmbImage image{};
   BlockPtr block;
@@ -67,7 +68,7 @@ Pixels valid_image(Choices& choose, int type, int width, int height, int channel
 Pixels depth_image(Choices& choose, int width, int height);
 
 /// Fills the block with bytes that no picture contains: floats and ids made of them are invalid.
-void fill_with_canaries(Pixels& pixels, std::byte with);
+void fill_with_canaries(Pixels& pixels, std::byte value);
 inline constexpr std::byte kCanary{0xfe}, kOtherCanary{0xfd};
 
 /// Returns the indices of the values of the image with all bytes equal to `canary`.

@@ -33,64 +33,64 @@ std::string number_text(double number) {
   return text;
 }
 
-/// Larger numbers give pictures that take seconds.
-constexpr double kMuch = 24.0;
+/// Max number, since larger ones make pictures that take seconds.
+constexpr double kMaxNumber = 24.0;
 
 }  // namespace
 
 const Words& words() {
   static const Words& all = *[] {
-    auto* made = new Words;
-    made->effects = listed(UMB_LIST_EFFECTS);
-    made->looks = listed(UMB_LIST_LOOKS);
-    for (const std::string& scene : listed(UMB_LIST_SCENES)) made->scenes.push_back(scene + "?detail=1000");
-    if (made->scenes.empty()) made->scenes.push_back("scene:none");  // a build without built-in scenes
-    add_parameters("render", made->parameters);
-    add_parameters("shade", made->parameters);
-    for (const std::string& effect : made->effects) add_parameters(effect, made->parameters);
-    // Calls read neither files from elsewhere nor stdin.
-    std::erase_if(made->parameters, [](const ListedParameter& p) { return p.name == "hdri_file"; });
-    made->passes = {"depth",
-                    "normal",
-                    "albedo",
-                    "color",
-                    "ao",
-                    "object_id",
-                    "material_id",
-                    "lit",
-                    "layer1.depth",
-                    "layer1.normal",
-                    "layer01.depth",
-                    "layer1x.depth",
-                    "layer-1.depth",
-                    "layer7.object_id",
-                    "layer99999999999.depth",
-                    "all",
-                    "uv",
-                    "position",
-                    "occlusion",
-                    "shadow"};
-    made->odd = {"",
-                 ".",
-                 "=",
-                 "\xff\xfe",
-                 "\xc3\x28\x80",
-                 "%s%n{}{0}",
-                 "a\nb",
-                 std::string(70000, 'x'),
-                 "camera.",
-                 "bitmask.radius=3",
-                 "nan",
-                 "inf",
-                 "1e999",
-                 "-1",
-                 "1%",
-                 "99999999999999999999",
-                 "1,2,3",
-                 "0x10",
-                 "scene:",
-                 "scene:solids?detail=-1"};
-    return made;
+    auto* result = new Words;
+    result->effects = listed(UMB_LIST_EFFECTS);
+    result->looks = listed(UMB_LIST_LOOKS);
+    for (const std::string& scene : listed(UMB_LIST_SCENES)) result->scenes.push_back(scene + "?detail=1000");
+    if (result->scenes.empty()) result->scenes.push_back("scene:none");  // a build without built-in scenes
+    add_parameters("render", result->parameters);
+    add_parameters("shade", result->parameters);
+    for (const std::string& effect : result->effects) add_parameters(effect, result->parameters);
+    // Calls must not read other files or stdin.
+    std::erase_if(result->parameters, [](const ListedParameter& p) { return p.name == "hdri_file"; });
+    result->passes = {"depth",
+                      "normal",
+                      "albedo",
+                      "color",
+                      "ao",
+                      "object_id",
+                      "material_id",
+                      "lit",
+                      "layer1.depth",
+                      "layer1.normal",
+                      "layer01.depth",
+                      "layer1x.depth",
+                      "layer-1.depth",
+                      "layer7.object_id",
+                      "layer99999999999.depth",
+                      "all",
+                      "uv",
+                      "position",
+                      "occlusion",
+                      "shadow"};
+    result->odd = {"",
+                   ".",
+                   "=",
+                   "\xff\xfe",
+                   "\xc3\x28\x80",
+                   "%s%n{}{0}",
+                   "a\nb",
+                   std::string(70000, 'x'),
+                   "camera.",
+                   "bitmask.radius=3",
+                   "nan",
+                   "inf",
+                   "1e999",
+                   "-1",
+                   "1%",
+                   "99999999999999999999",
+                   "1,2,3",
+                   "0x10",
+                   "scene:",
+                   "scene:solids?detail=-1"};
+    return result;
   }();
   return all;
 }
@@ -102,15 +102,15 @@ Text any_odd(Choices& choose) { return choose.one_in(8) ? Text() : Text(choose.o
 Text any_pass(Choices& choose) { return choose.one_in(10) ? any_odd(choose) : Text(choose.one_of(words().passes)); }
 
 float any_number(Choices& choose) {
-  static const std::vector<float> kOdd = {0.0f,
-                                          -1.0f,
-                                          1e-45f,
-                                          1e30f,
-                                          3e38f,
-                                          std::numeric_limits<float>::infinity(),
-                                          std::numeric_limits<float>::quiet_NaN(),
-                                          2147483648.0f};
-  return choose.one_in(6) ? choose.one_of(kOdd) : float(choose.below(400)) / 100.0f - 1.0f;
+  static const std::vector<float> kSpecial = {0.0f,
+                                              -1.0f,
+                                              1e-45f,
+                                              1e30f,
+                                              3e38f,
+                                              std::numeric_limits<float>::infinity(),
+                                              std::numeric_limits<float>::quiet_NaN(),
+                                              2147483648.0f};
+  return choose.one_in(6) ? choose.one_of(kSpecial) : float(choose.below(400)) / 100.0f - 1.0f;
 }
 
 std::string value_of(Choices& choose, const ListedParameter& parameter) {
@@ -129,7 +129,7 @@ std::string value_of(Choices& choose, const ListedParameter& parameter) {
   for (int k = 0; k < count; ++k) {
     double number = double(any_number(choose));
     if (parameter.min < parameter.max) {
-      const double max = std::min(parameter.max, std::max(parameter.min, kMuch));
+      const double max = std::min(parameter.max, std::max(parameter.min, kMaxNumber));
       const double fraction = choose.below(5) / 4.0;
       number = parameter.min + fraction * (max - parameter.min);
       if (parameter.type == "int") number = std::floor(number);

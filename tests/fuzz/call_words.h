@@ -1,4 +1,4 @@
-// Names and values that calls pass: all that the library lists, and unknown ones.
+// Names and values that calls pass: all names that the library lists, and unknown names and values.
 #pragma once
 #include <string>
 #include <vector>
@@ -17,7 +17,7 @@ struct ListedParameter {
 struct Words {
   std::vector<ListedParameter> parameters;  ///< parameters of jobs
   std::vector<std::string> effects, looks, scenes, passes;
-  std::vector<std::string> odd;  ///< not UTF-8, very long, format strings
+  std::vector<std::string> odd;  ///< unusual texts: not UTF-8, very long, format strings
 };
 const Words& words();
 

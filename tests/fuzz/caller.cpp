@@ -26,22 +26,22 @@ void Caller::receive_warning(const char* message) {
 }
 
 bool Caller::receive_progress(double fraction) {
-  demand(!ended_, "a call goes on after its callback returned false");
-  demand(fraction >= reported_ && fraction <= 1.0, "progress falls or leaves its range");
-  reported_ = fraction;
+  demand(!cancelled_, "a call goes on after its callback returned false");
+  demand(fraction >= progress_ && fraction <= 1.0, "progress falls or leaves its range");
+  progress_ = fraction;
   if (choose_.one_in(8)) call_nested();
-  ended_ = Clock::now() - began_ > kCancelAfter || choose_.one_in(12);
-  return !ended_;
+  cancelled_ = Clock::now() - start_ > kCancelAfter || choose_.one_in(12);
+  return !cancelled_;
 }
 
 void Caller::call_nested() {
-  if (depth_ >= kDeepest) return;
-  const auto around = std::make_tuple(reported_, ended_, began_);
+  if (depth_ >= kMaxDepth) return;
+  const auto saved = std::make_tuple(progress_, cancelled_, start_);
   called_back_ = true;
   ++depth_;
   call();
   --depth_;
-  std::tie(reported_, ended_, began_) = around;
+  std::tie(progress_, cancelled_, start_) = saved;
 }
 
 bool Caller::is_shared(const void* handle) const {
@@ -55,20 +55,20 @@ UmbError Caller::done(UmbError code, Kind kind, const void* handle, const char* 
   if (code == UMB_ERROR_CANCELLED) ++counts.cancelled;
   if (is_shared(handle)) return code;  // another thread may query the error first, and invalidate the message
   const char* message = nullptr;
-  UmbError kept = UMB_ERROR_NONE;
+  UmbError stored = UMB_ERROR_NONE;
   const auto raw = const_cast<void*>(handle);
-  if (kind == Kind::kNone) kept = umbGetError(&message);
-  if (kind == Kind::kDevice) kept = umbGetDeviceError(static_cast<UmbDevice>(raw), &message);
-  if (kind == Kind::kScene) kept = umbGetSceneError(static_cast<UmbScene>(raw), &message);
-  if (kind == Kind::kJob) kept = umbGetJobError(static_cast<UmbJob>(raw), &message);
-  if (kept == UMB_ERROR_NONE) kept = umbGetError(&message);  // the object is busy
-  const std::string said = std::string(call) + " returned " + std::to_string(int(code));
+  if (kind == Kind::kNone) stored = umbGetError(&message);
+  if (kind == Kind::kDevice) stored = umbGetDeviceError(static_cast<UmbDevice>(raw), &message);
+  if (kind == Kind::kScene) stored = umbGetSceneError(static_cast<UmbScene>(raw), &message);
+  if (kind == Kind::kJob) stored = umbGetJobError(static_cast<UmbJob>(raw), &message);
+  if (stored == UMB_ERROR_NONE) stored = umbGetError(&message);  // the object is busy
+  const std::string message_start = std::string(call) + " returned " + std::to_string(int(code));
   demand(code == UMB_ERROR_USAGE || code == UMB_ERROR_FILE || code == UMB_ERROR_DEVICE || code == UMB_ERROR_CANCELLED,
-         said + ": " + (message ? message : ""));
-  if (called_back_) return code;  // and may have queried the error
-  demand(kept != UMB_ERROR_NONE && message && *message, said + " and keeps no error");
-  const bool tells_code = kind != Kind::kNone && std::string_view(call) != "umbAddMesh";
-  demand(kept == code || !tells_code, said + " and keeps the error " + std::to_string(int(kept)));
+         message_start + ": " + (message ? message : ""));
+  if (called_back_) return code;  // the callback may have queried the error
+  demand(stored != UMB_ERROR_NONE && message && *message, message_start + " and keeps no error");
+  const bool stores_code = kind != Kind::kNone && std::string_view(call) != "umbAddMesh";
+  demand(stored == code || !stores_code, message_start + " and keeps the error " + std::to_string(int(stored)));
   if (traces_) std::fprintf(stderr, "%*s  -> %d %.150s\n", 2 * depth_, "", int(code), message);
   return code;
 }
@@ -95,7 +95,7 @@ void Caller::call() {
     case 3:
       return set_callbacks();
     case 4:
-      return ask_objects();
+      return query_objects();
     case 5:
     case 6:
       return change_scene();
@@ -116,11 +116,11 @@ void Caller::call() {
     case 17:
       return set_output();
     case 18:
-      return ask_job();
+      return query_job();
     case 19:
-      return choose_.one_in(4) ? write_files() : ask_lists();
+      return choose_.one_in(4) ? write_files() : query_lists();
     default:
-      return execute(one(jobs_));
+      return execute(pick(jobs_));
   }
 }
 
@@ -171,7 +171,7 @@ void Caller::new_job(bool renders) {
 void Caller::retain_or_release() {
   const bool retains = choose_.below(3) != 0;
   trace(retains ? "umbRetain" : "umbRelease");
-  if (choose_.one_in(5)) {  // references that these calls do not hold
+  if (choose_.one_in(5)) {  // use handles to which these calls hold no reference
     if (retains) {
       umbRetainJob(nullptr);
       umbRetainScene(reinterpret_cast<UmbScene>(any_job()));
@@ -192,11 +192,11 @@ void Caller::retain_or_release() {
   };
   switch (choose_.below(4)) {
     case 0:
-      return change(one(devices_), umbRetainDevice, umbReleaseDevice);
+      return change(pick(devices_), umbRetainDevice, umbReleaseDevice);
     case 1:
-      return change(one(scenes_).ref, umbRetainScene, umbReleaseScene);
+      return change(pick(scenes_).ref, umbRetainScene, umbReleaseScene);
     default:
-      JobState& job = one(jobs_);
+      JobState& job = pick(jobs_);
       change(job.ref, umbRetainJob, umbReleaseJob);
       if (job.ref.references > 0) return;
       retired_images_.push_back(std::move(job.inputs));
@@ -208,17 +208,18 @@ void Caller::retain_or_release() {
 
 void Caller::set_callbacks() {
   trace("umbSet...Callback");
-  const bool on = !choose_.one_in(3);
+  const bool enabled = !choose_.one_in(3);
   const UmbDevice device = any_device();
   const UmbScene scene = any_scene();
   const UmbJob job = any_job();
-  done(umbSetDeviceErrorCallback(device, on ? on_error : nullptr, this), Kind::kDevice, device, "error callback");
-  done(umbSetDeviceLogCallback(device, on ? on_warning : nullptr, this), Kind::kDevice, device, "log callback");
-  done(umbSetSceneProgressCallback(scene, on ? on_progress : nullptr, this), Kind::kScene, scene, "scene's callback");
-  done(umbSetJobProgressCallback(job, on ? on_progress : nullptr, this), Kind::kJob, job, "job's callback");
+  done(umbSetDeviceErrorCallback(device, enabled ? on_error : nullptr, this), Kind::kDevice, device, "error callback");
+  done(umbSetDeviceLogCallback(device, enabled ? on_warning : nullptr, this), Kind::kDevice, device, "log callback");
+  done(umbSetSceneProgressCallback(scene, enabled ? on_progress : nullptr, this), Kind::kScene, scene,
+       "scene's callback");
+  done(umbSetJobProgressCallback(job, enabled ? on_progress : nullptr, this), Kind::kJob, job, "job's callback");
 }
 
-void Caller::ask_objects() {
+void Caller::query_objects() {
   trace("umbGetDeviceDescription and so on");
   const UmbDevice device = any_device();
   if (const char* text = umbGetDeviceDescription(device)) demand(*text, "a device without a description");

@@ -1,4 +1,4 @@
-// Makes calls of the C interface: its objects, and the checks of their results. See calls.h.
+// The class that makes calls of the C interface, with its objects and the checks of results. See calls.h.
 #pragma once
 #include <chrono>
 #include <cstdlib>
@@ -16,8 +16,8 @@ namespace umbrage::fuzz {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kDeepest = 2;                             // max nesting of calls within callbacks
-constexpr std::chrono::milliseconds kCancelAfter(700);  // after this a progress callback ends the work
+constexpr int kMaxDepth = 2;                            // max nesting of calls within callbacks
+constexpr std::chrono::milliseconds kCancelAfter(700);  // after this time a progress callback cancels
 constexpr std::chrono::seconds kMaxCallTime(20);        // max time of a call, even with sanitizers
 
 enum class Kind { kNone, kDevice, kScene, kJob };
@@ -87,7 +87,7 @@ class Caller {
   // Callbacks.
   void receive_error(UmbError code, const char* message);
   void receive_warning(const char* message);
-  bool receive_progress(double done);
+  bool receive_progress(double fraction);
 
  private:
   void call();
@@ -99,7 +99,7 @@ class Caller {
   void new_job(bool renders);
   void retain_or_release();
   void set_callbacks();
-  void ask_objects();
+  void query_objects();
 
   void change_scene();
   void load_model(UmbScene scene);
@@ -112,13 +112,13 @@ class Caller {
   void set_image();
   void set_output();
   void execute(JobState& job);
-  /// Aborts unless a successful execution has written all pixels of these outputs, and nothing outside.
+  /// Aborts unless a successful execution has written all pixels of these outputs and nothing beside them.
   void check_written(UmbJob handle, NamedPixels& outputs);
   /// Reads all outputs that the library returns.
   void read_outputs(UmbJob handle);
-  void ask_job();
+  void query_job();
   void write_files();
-  void ask_lists();
+  void query_lists();
 
   template <class State>
   static int references_of(const State& state) {
@@ -138,17 +138,17 @@ class Caller {
   }
 
   /// Returns any handle: live, released, null, or of another kind.
-  UmbDevice any_device() { return handle_of(one(devices_)); }
-  UmbScene any_scene() { return handle_of(one(scenes_).ref); }
-  UmbJob any_job() { return handle_of(one(jobs_).ref); }
+  UmbDevice any_device() { return handle_of(pick(devices_)); }
+  UmbScene any_scene() { return handle_of(pick(scenes_).ref); }
+  UmbJob any_job() { return handle_of(pick(jobs_).ref); }
   template <class State>
-  State& one(std::deque<State>& all) {
+  State& pick(std::deque<State>& all) {
     State* state = &all[choose_.below(unsigned(all.size()))];
-    // Rarely a released one.
+    // Pick a released object only rarely.
     for (int k = 0; k < 4 && references_of(*state) == 0; ++k) state = &all[choose_.below(unsigned(all.size()))];
     return *state;
   }
-  /// Returns the handle, or rarely a null handle, one of another kind, or a pointer that is not a handle.
+  /// Returns the handle, or rarely a null handle, a handle of another kind, or a pointer that is not a handle.
   template <class Handle>
   Handle handle_of(const Ref<Handle>& ref) {
     if (!choose_.one_in(24)) return ref.handle;
@@ -162,9 +162,9 @@ class Caller {
   int any_mesh() { return choose_.one_in(12) ? int(choose_.below(2)) * 1000 - 1 : int(choose_.below(4)); }
   int any_int();
   void begin_progress() {
-    reported_ = 0.0;
-    ended_ = false;
-    began_ = Clock::now();
+    progress_ = 0.0;
+    cancelled_ = false;
+    start_ = Clock::now();
   }
 
   Choices choose_;
@@ -176,9 +176,9 @@ class Caller {
   std::vector<NamedPixels> retired_images_;  // images of released jobs, which may still be in use
   int depth_ = 0;
   bool called_back_ = false;  // a callback has made calls within the current call
-  double reported_ = 0.0;
-  bool ended_ = false;  // a progress callback has returned false
-  Clock::time_point began_;
+  double progress_ = 0.0;
+  bool cancelled_ = false;  // a progress callback has returned false
+  Clock::time_point start_;
 };
 
 bool on_progress(void*, double fraction);

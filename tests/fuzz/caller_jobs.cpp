@@ -9,7 +9,7 @@
 namespace umbrage::fuzz {
 
 void Caller::set_parameter() {
-  JobState& job = one(jobs_);
+  JobState& job = pick(jobs_);
   const UmbJob handle = handle_of(job.ref);
   const ListedParameter& parameter = choose_.one_of(words().parameters);
   const Text name = choose_.one_in(16) ? any_odd(choose_) : Text(parameter.name);
@@ -59,7 +59,7 @@ void Caller::set_parameter() {
 namespace {
 
 /// Makes an image invalid.
-void spoil(Choices& choose, int odd, UmbImage& image) {
+void make_invalid(Choices& choose, int odd, UmbImage& image) {
   switch (choose.below(7)) {
     case 0:
       image.type = choose.below(2) ? 0 : 6;
@@ -87,7 +87,7 @@ void spoil(Choices& choose, int odd, UmbImage& image) {
 }  // namespace
 
 void Caller::set_image() {
-  JobState& job = one(jobs_);
+  JobState& job = pick(jobs_);
   const UmbJob handle = handle_of(job.ref);
   const bool is_depth = choose_.one_in(4);
   const Text name = is_depth ? Text("depth") : any_pass(choose_);
@@ -112,7 +112,7 @@ void Caller::set_image() {
                                                        : valid_image(choose_, type, width, height, channels);
   UmbImage image = pixels.image;
   if (pixels.image.channels == known && choose_.one_in(4)) image.channels = 0;
-  if (choose_.one_in(10)) spoil(choose_, any_int(), image);
+  if (choose_.one_in(10)) make_invalid(choose_, any_int(), image);
   if (choose_.one_in(20)) image.data = nullptr;
   trace("umbSetJobImage", name.shown() + " " + std::to_string(width) + " x " + std::to_string(height));
   if (done(umbSetJobImage(handle, name.get(), &image), Kind::kJob, handle, "umbSetJobImage") != UMB_ERROR_NONE) return;
@@ -122,13 +122,13 @@ void Caller::set_image() {
 }
 
 void Caller::set_output() {
-  JobState& job = one(jobs_);
+  JobState& job = pick(jobs_);
   const UmbJob handle = handle_of(job.ref);
   const Text name = choose_.one_in(4) ? Text("color") : any_pass(choose_);
   const std::string key = name.get() ? name.get() : "";
   Pixels pixels;
-  const unsigned way = choose_.below(8);
-  if (way > 2) {
+  const unsigned option = choose_.below(8);
+  if (option > 2) {
     const int known = umbGetPassChannels(name.get());
     const int channels = choose_.one_in(8) ? 1 + int(choose_.below(5)) : std::max(known, 1);
     const bool is_id = key.find("_id") != std::string::npos;
@@ -138,7 +138,7 @@ void Caller::set_output() {
     pixels = valid_image(choose_, type, width, job.height, channels);
     const Pixels* other = job.outputs.empty() ? nullptr : &job.outputs.begin()->second;
     if (choose_.one_in(8) && other && other->block && other->block->size() >= pixels.block->size()) {
-      // The memory of another output.
+      // Use the memory of another output.
       const std::ptrdiff_t first = static_cast<std::byte*>(pixels.image.data) - pixels.block->data();
       pixels.block = other->block;
       pixels.image.data = pixels.block->data() + first;
@@ -146,15 +146,15 @@ void Caller::set_output() {
   }
   UmbImage image = pixels.image;
   if (pixels.block && pixels.image.channels == umbGetPassChannels(name.get()) && choose_.one_in(4)) image.channels = 0;
-  if (pixels.block && choose_.one_in(12)) spoil(choose_, any_int(), image);
-  trace("umbSetJobOutput", name.shown() + (way == 0 ? " NULL" : pixels.block ? " theirs" : " own"));
-  if (done(umbSetJobOutput(handle, name.get(), way == 0 ? nullptr : &image), Kind::kJob, handle, "umbSetJobOutput") !=
-      UMB_ERROR_NONE)
+  if (pixels.block && choose_.one_in(12)) make_invalid(choose_, any_int(), image);
+  trace("umbSetJobOutput", name.shown() + (option == 0 ? " NULL" : pixels.block ? " theirs" : " own"));
+  if (done(umbSetJobOutput(handle, name.get(), option == 0 ? nullptr : &image), Kind::kJob, handle,
+           "umbSetJobOutput") != UMB_ERROR_NONE)
     return;
   demand(handle == job.ref.handle && job.ref.references > 0, "an output was set on an invalid job");
   if (job.outputs.contains(key)) retired_images_.push_back({{key, job.outputs[key]}});
   job.outputs.erase(key);
-  if (way != 0) job.outputs[key] = pixels;
+  if (option != 0) job.outputs[key] = pixels;
 }
 
 void Caller::make_executable(JobState& job) {
@@ -188,11 +188,11 @@ void Caller::execute(JobState& job) {
   begin_progress();
   const long executions = job.executions;
   const UmbError code = prepares ? umbPrepareJob(handle) : umbExecuteJob(handle);
-  demand(Clock::now() - began_ < kMaxCallTime, "a job takes too long to be cancelled");
+  demand(Clock::now() - start_ < kMaxCallTime, "a job takes too long to be cancelled");
   done(code, Kind::kJob, handle, "umbExecuteJob");
   std::size_t number = 0;
   for (const auto& [name, pixels] : inputs) demand(hash_of(*pixels.block) == before[number++], "an input was written");
-  if (job.executions != executions) return;  // the error callback has executed the job
+  if (job.executions != executions) return;  // a callback has executed the job too
   if (code == UMB_ERROR_USAGE && depth_ == 0 && choose_.below(2)) make_executable(job);
   if (prepares || code != UMB_ERROR_NONE) {
     for (const auto& [name, pixels] : outputs)
@@ -207,27 +207,28 @@ void Caller::execute(JobState& job) {
 }
 
 void Caller::check_written(UmbJob handle, NamedPixels& outputs) {
-  std::map<std::string, std::vector<std::size_t>> doubtful;  // indices of values that may be right, or not written
+  std::map<std::string, std::vector<std::size_t>> doubtful;  // indices of values that may be correct or not written
   for (auto& [name, pixels] : outputs) {
     if (!pixels.block) continue;
     demand(is_untouched_outside(outputs, pixels.block, kCanary),
            "an execution has written beside the pixels of " + name);
-    auto left = indices_of_canaries(pixels, kCanary);
+    auto unwritten = indices_of_canaries(pixels, kCanary);
     const bool small = pixels.image.type == UMB_TYPE_UINT8 || pixels.image.type == UMB_TYPE_UINT16;
-    demand(small || left.empty(), "an execution has not written all pixels of " + name);
-    if (!left.empty()) doubtful[name] = std::move(left);
+    demand(small || unwritten.empty(), "an execution has not written all pixels of " + name);
+    if (!unwritten.empty()) doubtful[name] = std::move(unwritten);
   }
   if (doubtful.empty() || depth_ > 0) return;
   for (auto& [name, pixels] : outputs) fill_with_canaries(pixels, kOtherCanary);
   umbSetJobProgressCallback(handle, nullptr, nullptr);
-  const UmbError again = umbExecuteJob(handle);
+  const UmbError code = umbExecuteJob(handle);
   umbSetJobProgressCallback(handle, on_progress, nullptr);
-  if (done(again, Kind::kJob, handle, "umbExecuteJob, again") != UMB_ERROR_NONE) return;
+  if (done(code, Kind::kJob, handle, "umbExecuteJob, again") != UMB_ERROR_NONE) return;
   for (const auto& [name, numbers] : doubtful) {
-    const auto left = indices_of_canaries(outputs[name], kOtherCanary);
-    std::vector<std::size_t> never;
-    std::set_intersection(left.begin(), left.end(), numbers.begin(), numbers.end(), std::back_inserter(never));
-    demand(never.empty(), "an execution has not written all pixels of " + name);
+    const auto unwritten = indices_of_canaries(outputs[name], kOtherCanary);
+    std::vector<std::size_t> never_written;
+    std::set_intersection(unwritten.begin(), unwritten.end(), numbers.begin(), numbers.end(),
+                          std::back_inserter(never_written));
+    demand(never_written.empty(), "an execution has not written all pixels of " + name);
   }
 }
 
@@ -256,8 +257,8 @@ void Caller::read_outputs(UmbJob handle) {
   demand(sum != ~std::uint64_t(0), "an impossible sum");  // uses the sum, so that all bytes are read
 }
 
-void Caller::ask_job() {
-  const JobState& job = one(jobs_);
+void Caller::query_job() {
+  const JobState& job = pick(jobs_);
   const UmbJob handle = handle_of(job.ref);
   const Text name = any_pass(choose_);
   trace("umbCheckJob, umbGetJob...", name.shown());
@@ -291,7 +292,7 @@ void Caller::write_files() {
     pixels.push_back(valid_image(choose_, 1 + int(choose_.below(5)), 9, 7, 1 + int(choose_.below(5))));
     texts.push_back(any_pass(choose_));
     images.push_back(pixels.back().image);
-    if (choose_.one_in(12)) spoil(choose_, any_int(), images.back());
+    if (choose_.one_in(12)) make_invalid(choose_, any_int(), images.back());
     if (choose_.one_in(20)) images.back().data = nullptr;
   }
   names.reserve(texts.size());
@@ -314,7 +315,7 @@ void Caller::write_files() {
   for (const char* end : kEnds) std::filesystem::remove(kFolder + end, ignored);
 }
 
-void Caller::ask_lists() {
+void Caller::query_lists() {
   const int list = 1 + int(choose_.below(6));
   trace("umbGetListEntry", std::to_string(list));
   const char *name = nullptr, *summary = nullptr;

@@ -49,7 +49,7 @@ void Caller::set_mesh_floats(UmbScene scene) {
 }
 
 void Caller::change_scene() {
-  SceneState& state = one(scenes_);
+  SceneState& state = pick(scenes_);
   const UmbScene scene = handle_of(state.ref);
   switch (choose_.below(6)) {
     case 0:
@@ -84,7 +84,7 @@ void Caller::set_mesh_buffer() {
   static const std::vector<std::string> kNames = {"position", "index", "position", "index", "normal",
                                                   "color",    "uv",    "radius",   "none"};
   constexpr std::size_t kMax = 100;  // elements; meshes may have more
-  SceneState& state = one(scenes_);
+  SceneState& state = pick(scenes_);
   const UmbScene scene = handle_of(state.ref);
   std::string name = choose_.one_of(kNames);
   const int mesh =

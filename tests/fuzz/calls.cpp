@@ -7,7 +7,7 @@
 namespace umbrage::fuzz {
 namespace {
 
-/// Returns other bytes for each thread.
+/// Returns bytes that are different for each thread.
 std::string mixed(std::string_view bytes, unsigned number) {
   std::string all(bytes);
   unsigned state = number + 1;
@@ -66,7 +66,7 @@ CallCounts make_calls_in_threads(std::string_view bytes, int threads) {
   umbReleaseScene(shared.scene);
   umbReleaseDevice(shared.device);
   CallCounts sum;
-  for (const CallCounts& each : counts) sum += each;
+  for (const CallCounts& count : counts) sum += count;
   return sum;
 }
 

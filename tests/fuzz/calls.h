@@ -1,4 +1,4 @@
-// Calls of the C interface in any order with any arguments, chosen by bytes, for fuzzers and for a short test.
+// Calls of the C interface in any order with any arguments, which the given bytes select. For random tests.
 #pragma once
 #include <string_view>
 
@@ -16,8 +16,8 @@ struct CallCounts {
 /// changed by a failing execution, decreasing progress, or a cancelled call that continues.
 CallCounts make_calls(std::string_view bytes);
 
-/// Makes calls in several threads at once, which share a device and objects of it. Each thread derives its own bytes
-/// from `bytes`.
+/// Makes calls in several threads at once. The threads share a device and objects of it. Each thread derives its own
+/// bytes from `bytes`.
 CallCounts make_calls_in_threads(std::string_view bytes, int threads);
 
 }  // namespace umbrage::fuzz

@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
   unsigned seed = argc > 2 ? unsigned(std::atol(argv[2])) : 1;
   const int threads = argc > 3 ? std::atoi(argv[3]) : 1;
   const auto start = Clock::now();
-  const auto passed_s = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+  const auto elapsed_s = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
   umbrage::fuzz::CallCounts all;
   unsigned seeds = 0;
   do {
@@ -25,9 +25,9 @@ int main(int argc, char** argv) {
     for (char& byte : bytes) byte = char(random());
     all += threads > 1 ? umbrage::fuzz::make_calls_in_threads(bytes, threads) : umbrage::fuzz::make_calls(bytes);
     ++seeds;
-  } while (passed_s() < seconds);
+  } while (elapsed_s() < seconds);
   std::fprintf(stderr, "\r");
   std::printf("%u seeds, %ld calls, %ld of them failed as they should, %ld pictures, %ld cancelled, in %.0f s\n", seeds,
-              all.calls, all.failed, all.executed, all.cancelled, passed_s());
+              all.calls, all.failed, all.executed, all.cancelled, elapsed_s());
   return 0;
 }

@@ -81,19 +81,19 @@ void read_as_off(std::string_view bytes) { check_model(read_off(MemoryFile(bytes
 void read_as_xyz(std::string_view bytes) { check_model(read_xyz(MemoryFile(bytes).path)); }
 
 /// Reads through Assimp, by the file's extension.
-template <const char* const& kEnding>
+template <const char* const& kExtension>
 void import_as(std::string_view bytes) {
   static const fs::path folder = [] {
     std::string name = (fs::temp_directory_path() / "umbrage-fuzz-XXXXXX").string();
     expect(::mkdtemp(name.data()) != nullptr, "no folder for a file");
-    static const fs::path kept = name;
+    static const fs::path path = name;
     std::atexit([] {
       std::error_code ignored;
-      fs::remove_all(kept, ignored);
+      fs::remove_all(path, ignored);
     });
-    return kept;
+    return path;
   }();
-  const fs::path file = folder / (std::string("model.") + kEnding);
+  const fs::path file = folder / (std::string("model.") + kExtension);
   std::ofstream(file, std::ios::binary) << bytes;
   const Result<Scene> scene = import_in_process(file, {});
   if (scene)
@@ -135,7 +135,8 @@ void read_as_radiance(std::string_view bytes) {
   for (const float value : panorama->rgb) expect(value >= 0.0f && value <= kMaxRadiance, "a radiance");
 }
 
-/// Sets a parameter. The first byte selects a row of a table with every type of parameter, the others are the value.
+/// Sets a parameter. The first byte selects a row of a table with every type of parameter; the other bytes are the
+/// value.
 void read_as_setting(std::string_view bytes) {
   struct Params {
     float real;
@@ -158,7 +159,7 @@ void read_as_setting(std::string_view bytes) {
     expect(set.error().kind == ErrorKind::kUsage && !set.error().message.empty(), "the kind of an error");
     return expect(params == before, "a wrong value changed something");
   }
-  // The text of the value is a valid value with the same text.
+  // The text of a value must itself be a valid value, with the same text.
   const std::string value_text = parameter_text(row, params);
   const auto again = set_parameter("effect", row, value_text, params);
   expect(bool(again), value_text);
@@ -166,14 +167,14 @@ void read_as_setting(std::string_view bytes) {
 }
 
 void read_as_scene_name(std::string_view bytes) {
-  // Valid names make scenes, which takes time and is tested elsewhere.
+  // Skip valid names: they make scenes, which takes time and is tested elsewhere.
   constexpr std::string_view kDetail = "?detail=";
   for (const BuiltinScene& scene : builtin_scenes()) {
     const std::string name = "scene:" + std::string(scene.name);
     if (bytes == name || (bytes.starts_with(name + std::string(kDetail)) && bytes.size() <= name.size() + 16)) return;
   }
   const Result<Scene> scene = make_builtin_scene(bytes);
-  expect(!scene && scene.error().kind == ErrorKind::kUsage, "a name that is none");
+  expect(!scene && scene.error().kind == ErrorKind::kUsage, "an invalid name was accepted");
 }
 
 void read_as_transfer(std::string_view bytes) {

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using std::string_literals::operator""s;
 
-static_assert(std::endian::native == std::endian::little, "the binary seeds are made as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "the binary seeds are copies of memory");
 
 template <class... T>
 std::string bytes_of(T... values) {
@@ -48,10 +48,10 @@ std::string base64(std::string_view bytes) {
 }
 
 /// Returns the bytes of the file that write_image writes for an image.
-std::string image_bytes(const std::string& ending, const Image& image, const WriteSettings& settings = {}) {
+std::string image_bytes(const std::string& extension, const Image& image, const WriteSettings& settings = {}) {
   std::string folder = (fs::temp_directory_path() / "umbrage-seed-XXXXXX").string();
   if (!::mkdtemp(folder.data())) return {};
-  const fs::path file = fs::path(folder) / ("seed." + ending);
+  const fs::path file = fs::path(folder) / ("seed." + extension);
   std::ostringstream text;
   if (write_image(file, image, settings)) text << std::ifstream(file, std::ios::binary).rdbuf();
   fs::remove_all(folder);

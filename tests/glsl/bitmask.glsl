@@ -1,6 +1,7 @@
 // `bitmask`, written by hand for its default settings: one layer, perspective, occluders of assumed thickness, bits of
 // equal cosine weight, noise of a tile of 4 x 4 pixels.
-// h of the cosine (effects/bitmask/README.md), as an odd polynomial.
+
+// Returns the function h of effects/bitmask/README.md for a cosine, as an odd polynomial.
 float arc(float c) {
   float c2 = c * c;
   return c * (2.0109842 + c2 * (-0.43954378 + c2 * (0.21090476 - 0.21154887 * c2)));
@@ -55,17 +56,17 @@ float visibility_at(ivec2 here, float z) {
     uint bits = 0u;
     vec2 inside = vec2(0.0);
     for (int k = 0; k < C.steps; ++k) {
-      float share = (jitter + float(k)) / float(C.steps);
-      float off = share * sqrt(share) * reach + 1.3;
+      float fraction = (jitter + float(k)) / float(C.steps);
+      float off = fraction * sqrt(fraction) * reach + 1.3;
       for (int side = 0; side < 2; ++side) {
-        Side of = sides[side];
-        ivec2 there = ivec2(floor(vec2(here) + 0.5 + of.sign * off * vec2(direction.x, direction.y * C.step_y)));
+        Side half_slice = sides[side];
+        ivec2 there = ivec2(floor(vec2(here) + 0.5 + half_slice.sign * off * vec2(direction.x, direction.y * C.step_y)));
         if (any(lessThan(there, ivec2(0))) || any(greaterThanEqual(there, size))) continue;
         inside[side] += 1.0;
         float tap = depth_at(there);
         if (isinf(tap)) continue;
-        vec3 way = position_at(there, tap) - position;
-        float height = dot(way, normal) - z * 2e-6;
+        vec3 to_tap = position_at(there, tap) - position;
+        float height = dot(to_tap, normal) - z * 2e-6;
         vec2 pixels = vec2(there - here);
         float across = dot(vec2(direction.x, direction.y * C.along_y), pixels) * tap * t * F.ray_scale_x;
         float to_eye = (height - across * along) / facing;
@@ -73,18 +74,18 @@ float visibility_at(ivec2 here, float z) {
         float distance2 = to_eye * to_eye + across2;
         if (distance2 > C.radius2) continue;
         float distance = sqrt(distance2);
-        float front = max(to_eye / distance, of.low);
+        float front = max(to_eye / distance, half_slice.low);
         float behind = to_eye - max(distance * C.slope, C.thickness);
-        float back = max(behind / sqrt(behind * behind + across2), of.low);
-        bits |= ones_from(bit_of(front, of)) ^ ones_from(bit_of(back, of));
+        float back = max(behind / sqrt(behind * behind + across2), half_slice.low);
+        bits |= ones_from(bit_of(front, half_slice)) ^ ones_from(bit_of(back, half_slice));
       }
     }
     // A side is weighted by the fraction of its taps inside the picture.
     float low = floor(16.0 - sn * 1.57079633 * m + 0.5);
     float covered_above = float(bitCount(bits & ones_from(low)));
     float covered_below = float(bitCount(bits)) - covered_above;
-    vec2 share = inside / float(C.steps);
-    float whole_above = (32.0 - low) * share.x * weight / 32.0, whole_below = low * share.y * weight / 32.0;
+    vec2 inside_fraction = inside / float(C.steps);
+    float whole_above = (32.0 - low) * inside_fraction.x * weight / 32.0, whole_below = low * inside_fraction.y * weight / 32.0;
     open += whole_above * (1.0 - covered_above / max(32.0 - low, 1.0)) +
             whole_below * (1.0 - covered_below / max(low, 1.0));
     all += whole_above + whole_below;

@@ -1,4 +1,4 @@
-// The hand-written bitmask.glsl with planes as bound storage buffers, buffers.glsl.
+// The hand-written shader bitmask.glsl, with planes in bound storage buffers (buffers.glsl).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

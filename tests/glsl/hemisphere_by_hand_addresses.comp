@@ -1,4 +1,4 @@
-// The hand-written hemisphere.glsl with planes by their addresses, addresses.glsl.
+// The hand-written shader hemisphere.glsl, with planes read by their addresses (addresses.glsl).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require

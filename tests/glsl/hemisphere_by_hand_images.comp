@@ -1,4 +1,4 @@
-// The hand-written hemisphere.glsl with planes as sampled images, images.glsl.
+// The hand-written shader hemisphere.glsl, with planes in sampled images (images.glsl).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

@@ -9,8 +9,8 @@ fail() {
   exit 1
 }
 
-# runs FOLDER: runs the examples in FOLDER and checks their results. umbrage-import reads the model.
-runs() {
+# run_examples FOLDER: runs the examples in FOLDER and checks their results. umbrage-import reads the model.
+run_examples() {
   printf 'v -1 -1 0\nv 1 -1 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >"$1/model.obj"
   "$1/render_file" "$1/model.obj" "$1/render_file.png"
   [ "$(head -c 4 "$1/render_file.png" | tail -c 3)" = PNG ] || fail "render_file wrote no PNG file"
@@ -22,11 +22,11 @@ runs() {
   [ "$code" = 130 ] || fail "progress ended with $code; 130 is expected"
 }
 
-# links FOLDER: prints yes or no: whether its programs need the shared library.
-links() { if [[ $(ldd "$1/render_file") == *libumbrage.so* ]]; then echo yes; else echo no; fi; }
+# needs_shared FOLDER: prints yes if its programs need the shared library, else no.
+needs_shared() { if [[ $(ldd "$1/render_file") == *libumbrage.so* ]]; then echo yes; else echo no; fi; }
 
-# with_cmake FOLDER OPTIONS...: builds the examples as a separate project.
-with_cmake() {
+# build_with_cmake FOLDER OPTIONS...: builds the examples as a separate project.
+build_with_cmake() {
   local folder=$1
   shift
   rm -rf "$folder"
@@ -37,8 +37,8 @@ with_cmake() {
     { cat "$folder.log"; fail "it does not build"; }
 }
 
-# with_pkg_config FOLDER FLAGS OPTIONS...: compiles an example with the flags from pkg-config.
-with_pkg_config() {
+# build_with_pkg_config FOLDER FLAGS OPTIONS...: compiles an example with the flags from pkg-config.
+build_with_pkg_config() {
   local folder=$1 flags=$2
   shift 2
   rm -rf "$folder"
@@ -67,7 +67,7 @@ case $name in
     if ldd "$prefix/bin/umbrage" | grep libumbrage; then fail "the program needs the shared library"; fi
     ;;
   Headers)
-    # Each header alone, in all supported versions of the languages.
+    # Each header must compile alone, in all supported versions of the languages.
     for standard in c99 c17; do
       for header in umbrage vulkan; do
         echo "#include <umbrage/$header.h>" |
@@ -82,7 +82,7 @@ case $name in
     done
     printf '#include <umbrage/umbrage.hpp>\nUmbError wide(umb::Job& job) { return job.set("width", 3u); }\n' |
       "$CXX" -std=c++17 -fno-exceptions -Wall -Wextra -Werror -fsyntax-only -I "$prefix/include" -x c++ -
-    # The main header includes only the standard library.
+    # The main header must include only standard headers.
     if grep '#include' "$prefix/include/umbrage/umbrage.h" | grep -v '<[a-z]*\.h>$'; then fail "umbrage.h includes other than standard headers"; fi
     ;;
   Symbols)
@@ -94,46 +94,46 @@ case $name in
       diff "$SOURCE/library/symbols.txt" - || fail "the exported functions differ from library/symbols.txt"
     ;;
   CMake)
-    with_cmake "$place/cmake"
-    runs "$place/cmake"
-    case $KINDS in *shared*) [ "$(links "$place/cmake")" = yes ] || fail "not linked with the shared library" ;; esac
-    # A version that is too new, and an unknown component, are refused.
-    for wish in 99.0 "$VERSION COMPONENTS fancy"; do
-      rm -rf "$place/wish"
-      mkdir "$place/wish"
-      printf 'cmake_minimum_required(VERSION 3.18)\nproject(wish NONE)\nfind_package(umbrage %s QUIET)\nif(umbrage_FOUND)\n  message(FATAL_ERROR "found")\nendif()\n' \
-        "$wish" >"$place/wish/CMakeLists.txt"
-      "$CMAKE" -G Ninja -S "$place/wish" -B "$place/wish/build" -DCMAKE_PREFIX_PATH="$prefix" >"$place/wish.log" 2>&1 ||
-        { cat "$place/wish.log"; fail "umbrage $wish was found"; }
+    build_with_cmake "$place/cmake"
+    run_examples "$place/cmake"
+    case $KINDS in *shared*) [ "$(needs_shared "$place/cmake")" = yes ] || fail "not linked with the shared library" ;; esac
+    # find_package must refuse a version that is too new, and an unknown component.
+    for request in 99.0 "$VERSION COMPONENTS fancy"; do
+      rm -rf "$place/request"
+      mkdir "$place/request"
+      printf 'cmake_minimum_required(VERSION 3.18)\nproject(request NONE)\nfind_package(umbrage %s QUIET)\nif(umbrage_FOUND)\n  message(FATAL_ERROR "found")\nendif()\n' \
+        "$request" >"$place/request/CMakeLists.txt"
+      "$CMAKE" -G Ninja -S "$place/request" -B "$place/request/build" -DCMAKE_PREFIX_PATH="$prefix" >"$place/request.log" 2>&1 ||
+        { cat "$place/request.log"; fail "umbrage $request was found"; }
     done
     ;;
   CMakeStatic)
-    with_cmake "$place/cmake-static" -DBUILD_SHARED_LIBS=OFF
+    build_with_cmake "$place/cmake-static" -DBUILD_SHARED_LIBS=OFF
     # A statically linked program does not know the folder of the library.
-    UMBRAGE_IMPORT=$prefix/libexec/umbrage/umbrage-import runs "$place/cmake-static"
-    [ "$(links "$place/cmake-static")" = no ] || fail "linked with the shared library"
+    UMBRAGE_IMPORT=$prefix/libexec/umbrage/umbrage-import run_examples "$place/cmake-static"
+    [ "$(needs_shared "$place/cmake-static")" = no ] || fail "linked with the shared library"
     ;;
   PkgConfig)
     export PREFIX_USED=$prefix
     flags=
     case $KINDS in *shared*) ;; *) flags=--static ;; esac
-    with_pkg_config "$place/pkg-config" "$flags" -Wl,-rpath,"$prefix/$LIB"
+    build_with_pkg_config "$place/pkg-config" "$flags" -Wl,-rpath,"$prefix/$LIB"
     [ "$(PKG_CONFIG_PATH=$prefix/$LIB/pkgconfig pkg-config --modversion umbrage)" = "$VERSION" ] || fail "wrong version"
-    runs "$place/pkg-config"
+    run_examples "$place/pkg-config"
     ;;
   PkgConfigStatic)
-    # An installation with only the static library.
+    # Make an installation with only the static library.
     export PREFIX_USED=$place/static
     rm -rf "$place/static"
     mkdir -p "$place/static"
     cp -r "$prefix/include" "$prefix/$(cut -d/ -f1 <<<"$LIB")" "$place/static/"
     rm -f "$place/static/$LIB"/libumbrage.so*
-    with_pkg_config "$place/pkg-config-static" --static
-    UMBRAGE_IMPORT=$prefix/libexec/umbrage/umbrage-import runs "$place/pkg-config-static"
-    [ "$(links "$place/pkg-config-static")" = no ] || fail "linked with the shared library"
+    build_with_pkg_config "$place/pkg-config-static" --static
+    UMBRAGE_IMPORT=$prefix/libexec/umbrage/umbrage-import run_examples "$place/pkg-config-static"
+    [ "$(needs_shared "$place/pkg-config-static")" = no ] || fail "linked with the shared library"
     ;;
   Debian)
-    # As in scripts/package, except for the folder of the libraries, which depends on the prefix.
+    # Make packages as scripts/package does, except for the folder of the libraries, which depends on the prefix.
     rm -rf "$place/debian"
     mkdir -p "$place/debian"
     cpack --config "$BUILD/CPackConfig.cmake" -B "$place/debian" >"$place/debian.log" 2>&1 ||
@@ -147,7 +147,7 @@ case $name in
       grep -qx "./usr/share/doc/$package/copyright" "$package.list" || fail "$file has no licence"
       if grep -v -e '/$' -e '^\./usr/' "$package.list"; then fail "$file has files outside /usr"; fi
     done
-    # Each file is in one package.
+    # Each file must be in only one package.
     if cat ./*.list | grep -v '/$' | sort | uniq -d | grep .; then fail "these files are in two packages"; fi
     grep -qx ./usr/bin/umbrage umbrage.list || fail "the program is missing"
     grep -q "/libumbrage\.so\.$ABI\$" "libumbrage$ABI.list" || fail "the shared library is missing"
