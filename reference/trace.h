@@ -49,7 +49,7 @@ struct LightSettings {
 
 /// Threads and progress of a trace.
 struct TraceControl {
-  int threads = 0;  ///< 0: all threads of the machine; the result does not depend on the number
+  int threads = 0;  ///< 0: all that the process may use; the result does not depend on the number
   /// Called with the finished fraction, by one thread at a time, not always the same. It never decreases and ends at 1.
   /// If it returns false, tracing stops and there are no more calls.
   std::function<bool(double)> progress = [](double) { return true; };
