@@ -57,11 +57,11 @@ const Json& element(const Json& list, std::size_t k) {
   static const Json nothing;
   return list.is_array() && k < list.size() ? list[k] : nothing;
 }
-float number(const Json& value, float otherwise) {
-  const float v = value.is_number() ? value.get<float>() : otherwise;
-  return std::isfinite(v) ? v : otherwise;
+float number(const Json& value, float fallback) {
+  const float v = value.is_number() ? value.get<float>() : fallback;
+  return std::isfinite(v) ? v : fallback;
 }
-/// Returns an index, or -1 if `value` is none.
+/// Returns `value` as an index, or -1 if it is not a valid index.
 int index_in(const Json& value) {
   constexpr int kMax = 1 << 28;
   const bool fits = value.is_number_integer() && value.get<std::int64_t>() >= 0 && value.get<std::int64_t>() < kMax;
@@ -109,12 +109,12 @@ glm::dmat4 matrix_of(const Json& node) {
         m[column][row] = number(element(matrix, std::size_t(4 * column + row)), column == row ? 1.0f : 0.0f);
     return m;
   }
-  const auto part = [&](const char* name, std::size_t k, float otherwise) {
-    return double(number(element(member(node, name), k), otherwise));
+  const auto part = [&](const char* name, std::size_t k, float fallback) {
+    return double(number(element(member(node, name), k), fallback));
   };
-  const glm::dquat turn(part("rotation", 3, 1.0f), part("rotation", 0, 0.0f), part("rotation", 1, 0.0f),
-                        part("rotation", 2, 0.0f));
-  m = glm::mat4_cast(turn);
+  const glm::dquat rotation_of_node(part("rotation", 3, 1.0f), part("rotation", 0, 0.0f), part("rotation", 1, 0.0f),
+                                    part("rotation", 2, 0.0f));
+  m = glm::mat4_cast(rotation_of_node);
   for (int axis = 0; axis < 3; ++axis) {
     m[axis] *= part("scale", std::size_t(axis), 1.0f);
     m[3][axis] = part("translation", std::size_t(axis), 0.0f);
@@ -123,23 +123,24 @@ glm::dmat4 matrix_of(const Json& node) {
 }
 
 /// Adds the camera at a node, if it can be used.
-void add_camera(const Json& json, const Json& node, const glm::dmat4& place, std::vector<View>& cameras) {
+void add_camera(const Json& json, const Json& node, const glm::dmat4& world_from_node, std::vector<View>& cameras) {
   const Json& camera = member(json, "cameras");
   const int index = index_in(member(node, "camera"));
   if (index < 0) return;
-  const Json& own = element(camera, std::size_t(index));
-  const glm::dvec3 along = -glm::dvec3(place[2]), up(place[1]);
-  if (!own.is_object() || !(glm::length(along) > 0.0) || !(glm::length(up) > 0.0)) return;
+  const Json& definition = element(camera, std::size_t(index));
+  const glm::dvec3 along = -glm::dvec3(world_from_node[2]), up(world_from_node[1]);
+  if (!definition.is_object() || !(glm::length(along) > 0.0) || !(glm::length(up) > 0.0)) return;
   View view;
-  view.name = text_of(member(own, "name"));
+  view.name = text_of(member(definition, "name"));
   if (view.name.empty()) view.name = text_of(member(node, "name"));
-  view.eye = glm::vec3(place[3]);
-  view.target = glm::vec3(glm::dvec3(place[3]) + glm::normalize(along));
+  view.eye = glm::vec3(world_from_node[3]);
+  view.target = glm::vec3(glm::dvec3(world_from_node[3]) + glm::normalize(along));
   view.up = glm::vec3(glm::normalize(up));
-  if (const Json& parallel = member(own, "orthographic"); parallel.is_object())
+  if (const Json& parallel = member(definition, "orthographic"); parallel.is_object())
     view.height = 2.0f * number(member(parallel, "ymag"), 1.0f);
   else
-    view.angle_deg = glm::degrees(number(member(member(own, "perspective"), "yfov"), glm::radians(view.angle_deg)));
+    view.angle_deg =
+        glm::degrees(number(member(member(definition, "perspective"), "yfov"), glm::radians(view.angle_deg)));
   cameras.push_back(std::move(view));
 }
 
@@ -147,27 +148,27 @@ void add_camera(const Json& json, const Json& node, const glm::dmat4& place, std
 void read_cameras(const Json& json, int scene, std::vector<View>& cameras) {
   const Json& nodes = member(json, "nodes");
   if (!nodes.is_array() || !member(json, "cameras").is_array()) return;
-  struct Place {
+  struct PendingNode {
     int node;
-    glm::dmat4 parent;
+    glm::dmat4 world_from_parent;
   };
-  std::vector<Place> stack;
+  std::vector<PendingNode> stack;
   const auto push_all = [&](const Json& list, const glm::dmat4& parent) {
     if (!list.is_array()) return;
     for (std::size_t k = list.size(); k-- > 0;)
       if (const int node = index_in(list[k]); node >= 0) stack.push_back({node, parent});
   };
   push_all(member(element(member(json, "scenes"), std::size_t(scene)), "nodes"), glm::dmat4(1.0));
-  std::vector<bool> seen(nodes.size(), false);  // a file may make a node its own child
+  std::vector<bool> visited(nodes.size(), false);  // in an invalid file a node may be its own descendant
   while (!stack.empty()) {
-    const Place place = stack.back();
+    const PendingNode pending = stack.back();
     stack.pop_back();
-    if (std::size_t(place.node) >= nodes.size() || seen[std::size_t(place.node)]) continue;
-    seen[std::size_t(place.node)] = true;
-    const Json& node = nodes[std::size_t(place.node)];
-    const glm::dmat4 here = place.parent * matrix_of(node);
-    add_camera(json, node, here, cameras);
-    push_all(member(node, "children"), here);
+    if (std::size_t(pending.node) >= nodes.size() || visited[std::size_t(pending.node)]) continue;
+    visited[std::size_t(pending.node)] = true;
+    const Json& node = nodes[std::size_t(pending.node)];
+    const glm::dmat4 world_from_node = pending.world_from_parent * matrix_of(node);
+    add_camera(json, node, world_from_node, cameras);
+    push_all(member(node, "children"), world_from_node);
   }
 }
 
@@ -175,10 +176,10 @@ void read_cameras(const Json& json, int scene, std::vector<View>& cameras) {
 
 glm::vec2 GltfPlacement::placed(glm::vec2 uv) const {
   // glTF measures v from the top.
-  const glm::vec2 given = scale * glm::vec2(uv.x, 1.0f - uv.y);
+  const glm::vec2 scaled = scale * glm::vec2(uv.x, 1.0f - uv.y);
   const float c = std::cos(rotation), s = std::sin(rotation);
-  const glm::vec2 turned(c * given.x + s * given.y, -s * given.x + c * given.y);
-  return {turned.x + offset.x, 1.0f - (turned.y + offset.y)};
+  const glm::vec2 rotated(c * scaled.x + s * scaled.y, -s * scaled.x + c * scaled.y);
+  return {rotated.x + offset.x, 1.0f - (rotated.y + offset.y)};
 }
 
 GltfFacts read_gltf_facts(const std::filesystem::path& file, std::optional<int> scene) {

@@ -17,7 +17,7 @@ struct GltfPlacement {
   float rotation = 0.0f;  ///< radians
 
   bool operator==(const GltfPlacement&) const = default;
-  /// Converts texture coordinates of the mesh's set to those of Scene.
+  /// Converts texture coordinates of the mesh to texture coordinates of the texture, in the convention of Scene.
   glm::vec2 placed(glm::vec2 uv) const;
 };
 
@@ -30,17 +30,18 @@ struct GltfMaterial {
   float cutoff = 0.5f;
   std::string mode = "OPAQUE";
 
-  /// Returns the placement that supplies the mesh's texture coordinates: the colour's; the emission's if there is no
-  /// colour texture.
+  /// Returns the placement for the mesh's texture coordinates: the colour texture's, or the emission texture's if there
+  /// is no colour texture.
   const GltfPlacement& placement() const { return has_color_texture ? color : emission; }
 };
 
+/// Properties of a glTF file.
 struct GltfFacts {
   std::vector<GltfMaterial> materials;  ///< in the order of the file
-  std::vector<View> cameras;            ///< of the scene that is drawn; targets are 1 unit away
-  std::vector<std::string> scenes;      ///< names
+  std::vector<View> cameras;            ///< cameras of the scene that is drawn; targets are 1 unit away
+  std::vector<std::string> scenes;      ///< names of all scenes
   int scene = 0;                        ///< index of the scene that is drawn
-  int lights = 0;
+  int lights = 0;                       ///< number of lights
 };
 
 /// Reads the properties of scene `scene`, or of the file's default scene. Never fails: a missing or invalid property

@@ -48,7 +48,7 @@ std::string upper(std::string text) {
   return text;
 }
 
-/// Returns why Assimp failed, in words for the user: known reasons reworded, others without Assimp's prefixes.
+/// Returns the reason why Assimp failed, for users: known reasons are reworded, others lose Assimp's prefixes.
 std::string reason_of(std::string reason) {
   struct Known {
     const char *theirs, *ours;
@@ -103,8 +103,8 @@ std::optional<std::uint64_t> attribute_of(std::string_view tag, const std::strin
   return value;
 }
 
-/// Checks a DAE file for errors that Assimp does not survive: lists of indices with other content, on which it loops
-/// forever, and counts larger than the data, for which it reads out of bounds.
+/// Checks a DAE file for errors that Assimp cannot handle: with other content in lists of indices it loops forever;
+/// with counts larger than the data it reads out of bounds.
 std::optional<Error> check_dae(const fs::path& file) {
   const std::string text = text_of(file);
   for (std::string_view tag : {"p", "ph", "h", "v", "vcount"}) {
@@ -160,8 +160,8 @@ std::string with_leading_zeros(const std::string& text) {
   return changed;
 }
 
-/// Opens files for Assimp: `text` in place of the model itself if it is not empty. Records missing material libraries,
-/// which Assimp does not report.
+/// File access for Assimp. If `text` is not empty, it replaces the content of the model's file. Records missing
+/// material libraries, which Assimp does not report.
 struct Files : Assimp::DefaultIOSystem {
   std::string model, text;
   std::vector<std::string>& missing;
@@ -179,7 +179,7 @@ struct Files : Assimp::DefaultIOSystem {
     }
     if (import_format(name) == "mtl") {
       if (stream) {
-        missing.clear();
+        missing.names_not_drawn();
       } else {
         missing.push_back(fs::path(name).filename().string());
       }
@@ -189,7 +189,7 @@ struct Files : Assimp::DefaultIOSystem {
 };
 
 /// Detects that Assimp has dropped faces with indices out of range, which it reports only in its log. The log is global
-/// to the process: one import at a time.
+/// to the process, so there must be only one import at a time.
 struct DroppedFaces : Assimp::LogStream {
   bool& dropped;
   explicit DroppedFaces(bool& dropped) : dropped(dropped) {}
@@ -199,9 +199,9 @@ struct DroppedFaces : Assimp::LogStream {
 struct Log {
   bool dropped_faces = false;
   Log() {
-    constexpr int kNowhereElse = 0;
-    Assimp::DefaultLogger::create(nullptr, Assimp::Logger::NORMAL, kNowhereElse);
-    // Takes ownership.
+    constexpr int kNoDefaultStreams = 0;
+    Assimp::DefaultLogger::create(nullptr, Assimp::Logger::NORMAL, kNoDefaultStreams);
+    // attachStream takes ownership.
     Assimp::DefaultLogger::get()->attachStream(new DroppedFaces(dropped_faces), Assimp::Logger::Warn);
   }
   ~Log() { Assimp::DefaultLogger::kill(); }
@@ -221,14 +221,14 @@ bool all_white(const aiMesh& source) {
 
 /// Rules for converting meshes.
 struct MeshRules {
-  bool keep_normals = true;    ///< false for formats with normals that only repeat those of the faces
+  bool keep_normals = true;    ///< false for formats whose normals contain no more than the face normals
   bool linear_colors = false;  ///< otherwise vertex colours are sRGB
   GltfFacts gltf = {};
-  std::vector<bool> not_drawn = {};  ///< per material: true if it is not drawn
+  std::vector<bool> not_drawn = {};  ///< for each material, whether it is not drawn
 };
 
-/// Sets the texture coordinates: the set and the transform that the material requires.
-void take_uvs(const aiMesh& source, const MeshRules& rules, Mesh& mesh) {
+/// Sets the mesh's texture coordinates: the set that its material uses, with the material's texture transform.
+void set_uvs(const aiMesh& source, const MeshRules& rules, Mesh& mesh) {
   GltfPlacement placement;
   if (source.mMaterialIndex < rules.gltf.materials.size())
     placement = rules.gltf.materials[source.mMaterialIndex].placement();
@@ -243,37 +243,39 @@ void take_uvs(const aiMesh& source, const MeshRules& rules, Mesh& mesh) {
   }
 }
 
-/// Returns one mesh as one node places it.
-Mesh mesh_of(const aiMesh& source, const glm::dmat4& place, const MeshRules& rules) {
+/// Converts a mesh of a node. `world_from_mesh`: the transform of the node.
+Mesh mesh_of(const aiMesh& source, const glm::dmat4& world_from_mesh, const MeshRules& rules) {
   Mesh mesh;
   mesh.name = source.mName.C_Str();
   mesh.material = int(source.mMaterialIndex);
-  const glm::dmat3 turn(place);
-  const double determinant = glm::determinant(turn);
+  const glm::dmat3 linear(world_from_mesh);
+  const double determinant = glm::determinant(linear);
   // The cofactor matrix is the inverse transpose up to a factor, and exists for singular transforms, too.
-  const glm::dmat3 cofactor(glm::cross(turn[1], turn[2]), glm::cross(turn[2], turn[0]), glm::cross(turn[0], turn[1]));
+  const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
+                            glm::cross(linear[0], linear[1]));
   const double sign = determinant < 0.0 ? -1.0 : 1.0;
-  const bool moves = place != glm::dmat4(1.0);
+  const bool is_moved = world_from_mesh != glm::dmat4(1.0);
 
   mesh.positions.resize(source.mNumVertices);
   for (unsigned i = 0; i < source.mNumVertices; ++i) {
     const aiVector3D& p = source.mVertices[i];
-    mesh.positions[i] = moves ? glm::vec3(place * glm::dvec4(p.x, p.y, p.z, 1.0)) : glm::vec3(p.x, p.y, p.z);
+    mesh.positions[i] =
+        is_moved ? glm::vec3(world_from_mesh * glm::dvec4(p.x, p.y, p.z, 1.0)) : glm::vec3(p.x, p.y, p.z);
   }
   if (rules.keep_normals && source.mNormals && determinant != 0.0) {
     mesh.normals.resize(source.mNumVertices);
     for (unsigned i = 0; i < source.mNumVertices; ++i) {
       const aiVector3D& n = source.mNormals[i];
-      if (!moves) {
+      if (!is_moved) {
         mesh.normals[i] = {n.x, n.y, n.z};
         continue;
       }
-      const glm::dvec3 turned = sign * (cofactor * glm::dvec3(n.x, n.y, n.z));
-      const double length = glm::length(turned);
-      mesh.normals[i] = length > 0.0 ? glm::vec3(turned / length) : glm::vec3(0.0f);
+      const glm::dvec3 rotated = sign * (cofactor * glm::dvec3(n.x, n.y, n.z));
+      const double length = glm::length(rotated);
+      mesh.normals[i] = length > 0.0 ? glm::vec3(rotated / length) : glm::vec3(0.0f);
     }
   }
-  take_uvs(source, rules, mesh);
+  set_uvs(source, rules, mesh);
   if (source.mColors[0] && !all_white(source)) {
     mesh.colors.resize(source.mNumVertices);
     for (unsigned i = 0; i < source.mNumVertices; ++i) {
@@ -297,45 +299,46 @@ Mesh mesh_of(const aiMesh& source, const glm::dmat4& place, const MeshRules& rul
 
 /// Adds every mesh of every node, transformed by `root`; points only if there are no triangles. Each node is an object.
 void import_nodes(const aiScene& source, const glm::dmat4& root, const MeshRules& rules, Scene& scene) {
-  struct Place {
+  struct PendingNode {
     const aiNode* node;
-    glm::dmat4 parent;
+    glm::dmat4 world_from_parent;
   };
-  std::vector<Place> stack{{source.mRootNode, root}};
-  const bool wants_points = std::all_of(source.mMeshes, source.mMeshes + source.mNumMeshes,
-                                        [](const aiMesh* mesh) { return is_points(*mesh); });
-  // If every mesh has a clear material, all are drawn.
+  std::vector<PendingNode> stack{{source.mRootNode, root}};
+  const bool only_points = std::all_of(source.mMeshes, source.mMeshes + source.mNumMeshes,
+                                       [](const aiMesh* mesh) { return is_points(*mesh); });
+  // If no mesh has a material that is drawn, all meshes are drawn.
   const auto is_not_drawn = [&](const aiMesh& mesh) {
     return mesh.mMaterialIndex < rules.not_drawn.size() && rules.not_drawn[mesh.mMaterialIndex];
   };
-  const bool skips_clear_materials = !std::all_of(source.mMeshes, source.mMeshes + source.mNumMeshes,
-                                                  [&](const aiMesh* mesh) { return is_not_drawn(*mesh); });
-  std::set<std::string> clear;
+  const bool skips_not_drawn = !std::all_of(source.mMeshes, source.mMeshes + source.mNumMeshes,
+                                            [&](const aiMesh* mesh) { return is_not_drawn(*mesh); });
+  std::set<std::string> names_not_drawn;
   int object = 0;
   while (!stack.empty()) {
-    const Place place = stack.back();
+    const PendingNode pending = stack.back();
     stack.pop_back();
-    if (!place.node) continue;
-    const glm::dmat4 here = place.parent * matrix_of(place.node->mTransformation);
+    if (!pending.node) continue;
+    const glm::dmat4 world_from_node = pending.world_from_parent * matrix_of(pending.node->mTransformation);
     bool has_mesh = false;
-    for (unsigned i = 0; i < place.node->mNumMeshes; ++i) {
-      const unsigned index = place.node->mMeshes[i];
-      if (index >= source.mNumMeshes || (is_points(*source.mMeshes[index]) && !wants_points)) continue;
-      if (skips_clear_materials && is_not_drawn(*source.mMeshes[index])) {
-        clear.insert(scene.materials[source.mMeshes[index]->mMaterialIndex].name);
+    for (unsigned i = 0; i < pending.node->mNumMeshes; ++i) {
+      const unsigned index = pending.node->mMeshes[i];
+      if (index >= source.mNumMeshes || (is_points(*source.mMeshes[index]) && !only_points)) continue;
+      if (skips_not_drawn && is_not_drawn(*source.mMeshes[index])) {
+        names_not_drawn.insert(scene.materials[source.mMeshes[index]->mMaterialIndex].name);
         continue;
       }
-      Mesh mesh = mesh_of(*source.mMeshes[index], here, rules);
+      Mesh mesh = mesh_of(*source.mMeshes[index], world_from_node, rules);
       if (mesh.indices.empty() && !mesh.points) continue;
-      if (mesh.name.empty()) mesh.name = place.node->mName.C_Str();
+      if (mesh.name.empty()) mesh.name = pending.node->mName.C_Str();
       mesh.object = object;
       has_mesh = true;
       scene.meshes.push_back(std::move(mesh));
     }
     if (has_mesh) ++object;
-    for (unsigned i = place.node->mNumChildren; i-- > 0;) stack.push_back({place.node->mChildren[i], here});
+    for (unsigned i = pending.node->mNumChildren; i-- > 0;)
+      stack.push_back({pending.node->mChildren[i], world_from_node});
   }
-  for (const std::string& name : clear)
+  for (const std::string& name : names_not_drawn)
     scene.warnings.push_back(
         fmt::format("surfaces of the material '{}' are mostly transparent and are not drawn", name));
 }
@@ -377,10 +380,10 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
   }
   std::vector<std::string> missing_libraries;
   auto owner = std::make_unique<Assimp::Importer>();
-  // Freeing its faces one by one takes a tenth of the import time.
+  // Freeing the importer's faces one by one takes a tenth of the import time.
   Assimp::Importer& importer = process_ends ? *owner.release() : *owner;
   importer.SetIOHandler(new Files(file.string(), std::move(changed), missing_libraries));  // takes ownership
-  // In other formats points are remains of invalid faces.
+  // In formats other than glTF, points are what remains of invalid faces.
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_LINE | (is_gltf ? 0 : aiPrimitiveType_POINT));
   importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);
@@ -392,7 +395,8 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
   Scene scene;
   scene.up = up_of(*source, format);
   import_materials(*source, file, format, rules.gltf, scene, rules.not_drawn);
-  // Normals of STL are those of the faces; 3DS has none, and Assimp's ignore creases.
+  // STL files contain only face normals. 3DS files contain no normals, and the normals that Assimp creates ignore
+  // creases.
   rules.keep_normals = format != "stl" && format != "3ds";
   // Assimp rotates 3DS files as if +z were up. Existing files have +y up, so the rotation is undone.
   const glm::dmat4 root =
@@ -442,7 +446,7 @@ Result<Scene> import_in_process(const fs::path& file, const ImportSettings& sett
                           : format == "off" ? read_off(file)
                           : format == "xyz" ? read_xyz(file)
                                             : import_by_assimp(file, format, settings, process_ends);
-    // Points are completed with several threads, for which a process within these limits has no memory.
+    // complete_import uses several threads for points. The memory limits of this process leave no room for them.
     if (process_ends && scene && scene->point_count() > 0) return scene;
     return complete_import(std::move(scene), file, settings);
   } catch (const std::bad_alloc&) {

@@ -4,9 +4,9 @@
 
 namespace umbrage {
 
-/// Does the work of import_scene without a separate process: a crash of a reader is a crash of the caller. With
-/// `process_ends` the reader's memory is not freed, and a scene with points is returned before complete_import, which
-/// the caller runs. Errors: as import_scene.
+/// Does the work of import_scene in the current process: if a reader crashes, the process crashes. `process_ends`: the
+/// process will end soon, so the reader's memory is not freed; a scene with points is returned before complete_import,
+/// which the receiver of the scene must run. Errors: those of import_scene.
 Result<Scene> import_in_process(const std::filesystem::path& file, const ImportSettings& settings,
                                 bool process_ends = false);
 

@@ -25,12 +25,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr glm::vec3 kNeutral{0.8f};      ///< surfaces without a colour in the file
-constexpr float kMinExponent = 1.0f;     ///< below, a highlight is as wide as the diffuse lobe
-constexpr float kMaxExponent = 2048.0f;  ///< above, a highlight is smaller than a pixel
+constexpr float kMinExponent = 1.0f;     ///< with less, a highlight is as wide as the diffuse lobe
+constexpr float kMaxExponent = 2048.0f;  ///< with more, a highlight is smaller than a pixel
 constexpr float kDielectricReflectance = 0.04f;
 
-/// A texture is a cut-out if at least kBinaryFraction of its texels are nearly clear or nearly opaque, and at least
-/// kClearFraction are nearly clear.
+/// A texture is a cut-out if at least kBinaryFraction of its texels are nearly transparent or nearly opaque, and at
+/// least kClearFraction are nearly transparent.
 constexpr double kBinaryFraction = 0.9, kClearFraction = 0.001;
 // Width over which the alpha of a blended surface is averaged, as a fraction of its texture's width.
 constexpr double kBlendFraction = 1.0 / 64.0;
@@ -38,8 +38,8 @@ constexpr std::uint8_t kNearlyClear = 16, kNearlyOpaque = 239;
 
 float linear_of_srgb(float x) { return linear_from_srgb(std::clamp(x, 0.0f, 1.0f)); }
 
-float in_unit(float x) { return x >= 0.0f ? std::min(x, 1.0f) : 0.0f; }
-glm::vec3 in_unit(const glm::vec3& c) { return {in_unit(c.x), in_unit(c.y), in_unit(c.z)}; }
+float clamp_to_unit(float x) { return x >= 0.0f ? std::min(x, 1.0f) : 0.0f; }
+glm::vec3 clamp_to_unit(const glm::vec3& c) { return {clamp_to_unit(c.x), clamp_to_unit(c.y), clamp_to_unit(c.z)}; }
 
 std::optional<glm::vec3> color_of(const aiMaterial& source, const char* key, unsigned type, unsigned index) {
   aiColor4D color;
@@ -82,23 +82,23 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, ignored);
 }
 
-/// Returns the file of this name in a folder, ignoring case.
+/// Returns the file of this name in a folder; upper and lower case are equal.
 std::optional<fs::path> find_in(const fs::path& folder, const std::string& name) {
   std::error_code error;
-  const std::string wanted = lower(name);
+  const std::string lower_name = lower(name);
   for (fs::directory_iterator entry(folder.empty() ? fs::path(".") : folder, error), end; !error && entry != end;
        entry.increment(error)) {
-    if (lower(entry->path().filename().string()) == wanted && is_file(entry->path())) return entry->path();
+    if (lower(entry->path().filename().string()) == lower_name && is_file(entry->path())) return entry->path();
   }
   return std::nullopt;
 }
 
-/// Searches a texture at the path in the model, then ignoring case, then by file name beside the model: paths in model
-/// files are often those of the machine that wrote them.
+/// Searches for a texture at the path in the model, then for the same path ignoring case, then for the file name beside
+/// the model: paths in model files are often valid only on the machine that wrote them.
 std::optional<fs::path> find_texture(const fs::path& folder, std::string name) {
   std::replace(name.begin(), name.end(), '\\', '/');
   name.erase(name.find_last_not_of(" \t\r") + 1);
-  // The last word, for MTL options that the parser includes in the name: "-colorspace sRGB wood.png".
+  // Assimp's parser includes MTL options in the name: "-colorspace sRGB wood.png".
   const std::string last_word = name.substr(name.find_last_of(' ') + 1);
   for (const std::string& spelling : {name, without_escapes(name), last_word}) {
     if (spelling.empty()) continue;
@@ -110,7 +110,7 @@ std::optional<fs::path> find_texture(const fs::path& folder, std::string name) {
   return std::nullopt;
 }
 
-/// Reads the textures of one file, each of them once.
+/// Reads each texture of a model file once.
 struct TextureCache {
   const aiScene* source;  // null for formats without embedded textures
   fs::path folder;
@@ -123,16 +123,16 @@ struct TextureCache {
       return decode_texture({reinterpret_cast<const std::uint8_t*>(texture.pcData), texture.mWidth},
                             "the embedded texture " + name);
     }
-    Texture made;
-    made.name = name;
-    made.width = int(texture.mWidth);
-    made.height = int(texture.mHeight);
-    made.rgba.reserve(std::size_t(made.width) * made.height * 4);
-    for (std::size_t i = 0; i < std::size_t(made.width) * made.height; ++i) {
+    Texture result;
+    result.name = name;
+    result.width = int(texture.mWidth);
+    result.height = int(texture.mHeight);
+    result.rgba.reserve(std::size_t(result.width) * result.height * 4);
+    for (std::size_t i = 0; i < std::size_t(result.width) * result.height; ++i) {
       const aiTexel& texel = texture.pcData[i];
-      made.rgba.insert(made.rgba.end(), {texel.r, texel.g, texel.b, texel.a});
+      result.rgba.insert(result.rgba.end(), {texel.r, texel.g, texel.b, texel.a});
     }
-    return made;
+    return result;
   }
 
   Result<Texture> read(const std::string& name) {
@@ -160,8 +160,8 @@ struct TextureCache {
     return index;
   }
 
-  /// Returns a texture with the colour of one and the alpha of another: its alpha channel if it has one, else its
-  /// brightness.
+  /// Returns the index of a texture that combines the colour of the first texture with the mask of the second as alpha.
+  /// The mask is the alpha channel of the second texture if that is not 1 everywhere, else its brightness.
   int find_with_mask(const std::string& color_name, const std::string& mask_name) {
     const std::string key = color_name + '\n' + mask_name;
     if (const auto known = index_of.find(key); known != index_of.end()) return known->second;
@@ -171,45 +171,47 @@ struct TextureCache {
       return index_of[key] = color_name.empty() ? kNoTexture : find(color_name);
     }
     const int color = color_name.empty() ? kNoTexture : find(color_name);
-    Texture made = *mask;
+    Texture result = *mask;
     bool has_alpha = false;
     for (std::size_t i = 3; i < mask->rgba.size() && !has_alpha; i += 4) has_alpha = mask->rgba[i] != 255;
     if (color != kNoTexture) {
-      made = scene.textures[std::size_t(color)];
-      made.name += " with the mask " + mask->name;
+      result = scene.textures[std::size_t(color)];
+      result.name += " with the mask " + mask->name;
     }
-    for (int y = 0; y < made.height; ++y) {
-      for (int x = 0; x < made.width; ++x) {
-        const std::size_t from_x = std::size_t(x) * mask->width / made.width,
-                          from_y = std::size_t(y) * mask->height / made.height;
+    for (int y = 0; y < result.height; ++y) {
+      for (int x = 0; x < result.width; ++x) {
+        const std::size_t from_x = std::size_t(x) * mask->width / result.width,
+                          from_y = std::size_t(y) * mask->height / result.height;
         const std::uint8_t* from = &mask->rgba[4 * (from_y * mask->width + from_x)];
-        std::uint8_t* to = &made.rgba[4 * (std::size_t(y) * made.width + x)];
+        std::uint8_t* to = &result.rgba[4 * (std::size_t(y) * result.width + x)];
         to[3] = has_alpha ? from[3] : std::max({from[0], from[1], from[2]});
         if (color == kNoTexture) std::fill(to, to + 3, std::uint8_t(255));
       }
     }
-    scene.textures.push_back(std::move(made));
+    scene.textures.push_back(std::move(result));
     return index_of[key] = int(scene.textures.size()) - 1;
   }
 
-  /// Returns a copy of a texture with its alpha averaged over kBlendFraction of its width, to cut out regions that are
-  /// mostly clear and not each small spot, which would give a speckled border. Small textures, such as palettes, have
-  /// no such spots and stay unchanged.
+  /// Returns the index of a copy of a texture whose alpha is averaged over kBlendFraction of its width. Then only
+  /// regions that are mostly transparent are cut out, not each small spot, which would give speckled borders. Small
+  /// textures, such as palettes, have no such spots and stay unchanged.
   int find_blended(int index) {
     const int radius = int(0.5 * kBlendFraction * scene.textures[std::size_t(index)].width);
     if (radius < 1) return index;
     const std::string key = scene.textures[std::size_t(index)].name + "\nblended";
     if (const auto known = index_of.find(key); known != index_of.end()) return known->second;
-    Texture made = scene.textures[std::size_t(index)];
-    const std::ptrdiff_t row = 4 * std::ptrdiff_t(made.width);
-    average_alpha(made, made.width, made.height, 4, row, radius);
-    average_alpha(made, made.height, made.width, row, 4, radius);
-    scene.textures.push_back(std::move(made));
+    Texture result = scene.textures[std::size_t(index)];
+    const std::ptrdiff_t row = 4 * std::ptrdiff_t(result.width);
+    average_alpha(result, result.width, result.height, 4, row, radius);
+    average_alpha(result, result.height, result.width, row, 4, radius);
+    scene.textures.push_back(std::move(result));
     return index_of[key] = int(scene.textures.size()) - 1;
   }
 
  private:
-  /// Applies a box filter of 2 radius + 1 texels twice to each of `lines` lines of `length` texels, which repeat.
+  /// Applies a box filter of 2 radius + 1 texels twice to the alpha of `lines` rows or columns of `length` texels each.
+  /// The texture repeats. `step`: bytes from a texel to the next one in its line. `next`: bytes from a line to the
+  /// next.
   static void average_alpha(Texture& texture, int length, int lines, std::ptrdiff_t step, std::ptrdiff_t next,
                             int radius) {
     constexpr int kRounds = 2;
@@ -252,17 +254,18 @@ void set_highlight_of_roughness(const aiMaterial& source, Material& material) {
   const std::optional<float> metalness = number_of(source, AI_MATKEY_METALLIC_FACTOR),
                              roughness = number_of(source, AI_MATKEY_ROUGHNESS_FACTOR);
   if (!metalness && !roughness) return;
-  // Roughness maps are not read, and the factors beside them have no meaning; matte is right on average.
+  // Roughness maps are not read, and the factors have no meaning without their maps. On average a matte surface is
+  // right.
   if (!texture_path(source, aiTextureType_DIFFUSE_ROUGHNESS).empty() ||
       !texture_path(source, aiTextureType_METALNESS).empty() || !texture_path(source, aiTextureType_UNKNOWN).empty()) {
     return;
   }
-  const float rough = std::max(in_unit(roughness.value_or(1.0f)), 0.01f);
+  const float rough = std::max(clamp_to_unit(roughness.value_or(1.0f)), 0.01f);
   const float brightest = std::max({material.albedo.x, material.albedo.y, material.albedo.z});
-  const float reflectance = glm::mix(kDielectricReflectance, brightest, in_unit(metalness.value_or(1.0f)));
+  const float reflectance = glm::mix(kDielectricReflectance, brightest, clamp_to_unit(metalness.value_or(1.0f)));
   const float exponent = std::clamp(2.0f / (rough * rough * rough * rough) - 2.0f, 0.0f, kMaxExponent);
   constexpr float kPeakPerExponent = 1.0f / 8.0f;
-  material.specular_strength = in_unit(reflectance * exponent * kPeakPerExponent);
+  material.specular_strength = clamp_to_unit(reflectance * exponent * kPeakPerExponent);
   material.specular_exponent = std::max(exponent, kMinExponent);
 }
 
@@ -274,12 +277,12 @@ void set_highlight(const aiMaterial& source, Material& material) {
   const std::optional<float> exponent = number_of(source, AI_MATKEY_SHININESS);
   if (!specular || !exponent || *exponent <= 0.0f) return;
   const float fraction = number_of(source, AI_MATKEY_SHININESS_STRENGTH).value_or(1.0f);
-  material.specular_strength = in_unit(std::max({specular->x, specular->y, specular->z}) * fraction);
+  material.specular_strength = clamp_to_unit(std::max({specular->x, specular->y, specular->z}) * fraction);
   material.specular_exponent = std::clamp(*exponent, kMinExponent, kMaxExponent);
 }
 
 /// Sets the emission. Emission textures are used only for glTF.
-void set_emission(const aiMaterial& source, const GltfMaterial* gltf, TextureCache& shelf, Material& material) {
+void set_emission(const aiMaterial& source, const GltfMaterial* gltf, TextureCache& textures, Material& material) {
   const std::string map = texture_path(source, aiTextureType_EMISSIVE);
   const auto emission = color_of(source, AI_MATKEY_COLOR_EMISSIVE);
   if (!emission || (!map.empty() && !gltf)) return;
@@ -290,46 +293,47 @@ void set_emission(const aiMaterial& source, const GltfMaterial* gltf, TextureCac
     material.emission[i] = channel > 0.0f && std::isfinite(channel) ? channel : 0.0f;
   }
   if (map.empty() || material.emission == glm::vec3(0.0f)) return;
-  material.emission_texture = shelf.find(map);
+  material.emission_texture = textures.find(map);
   if (material.emission_texture == kNoTexture) material.emission = glm::vec3(0.0f);
 }
 
 Material material_of(const aiMaterial& source, const std::string& format, const GltfMaterial* gltf,
-                     TextureCache& shelf) {
+                     TextureCache& textures) {
   Material material;
   aiString name;
   if (source.Get(AI_MATKEY_NAME, name) == AI_SUCCESS) material.name = name.C_Str();
   const bool is_gltf = format == "gltf" || format == "glb", unlit = gltf && gltf->unlit;
 
-  // STL, PLY and OFF have no materials, 3DS may have none: the material is then Assimp's default.
+  // STL, PLY and OFF files have no materials, and 3DS files may have none: then the material is Assimp's default.
   constexpr const char* kDefaultOf3ds = "%%%DEFAULT";
-  const bool made_up = (material.name == AI_DEFAULT_MATERIAL_NAME && !is_gltf) || material.name == kDefaultOf3ds;
+  const bool is_default = (material.name == AI_DEFAULT_MATERIAL_NAME && !is_gltf) || material.name == kDefaultOf3ds;
   std::optional<glm::vec3> color = color_of(source, AI_MATKEY_BASE_COLOR);
   if (!color) color = color_of(source, AI_MATKEY_COLOR_DIFFUSE);
-  glm::vec3 albedo = color && !made_up ? in_unit(*color) : kNeutral;
+  glm::vec3 albedo = color && !is_default ? clamp_to_unit(*color) : kNeutral;
   if (format == "3ds") albedo = {linear_of_srgb(albedo.x), linear_of_srgb(albedo.y), linear_of_srgb(albedo.z)};
   material.albedo = albedo;
   if (is_gltf) {
     if (!unlit) set_highlight_of_roughness(source, material);  // unlit materials are drawn matte
-  } else if (!made_up) {
+  } else if (!is_default) {
     set_highlight(source, material);
   }
 
-  if (!made_up) set_emission(source, gltf, shelf, material);
+  if (!is_default) set_emission(source, gltf, textures, material);
 
-  std::string picture = texture_path(source, aiTextureType_BASE_COLOR);
-  if (picture.empty()) picture = texture_path(source, aiTextureType_DIFFUSE);
+  std::string color_path = texture_path(source, aiTextureType_BASE_COLOR);
+  if (color_path.empty()) color_path = texture_path(source, aiTextureType_DIFFUSE);
   const std::string mask = is_gltf ? "" : texture_path(source, aiTextureType_OPACITY);
-  if (picture.empty() && mask.empty()) return material;
-  material.texture = mask.empty() || mask == picture ? shelf.find(picture) : shelf.find_with_mask(picture, mask);
+  if (color_path.empty() && mask.empty()) return material;
+  material.texture =
+      mask.empty() || mask == color_path ? textures.find(color_path) : textures.find_with_mask(color_path, mask);
   if (material.texture == kNoTexture) {
     material.albedo = kNeutral;
     return material;
   }
-  // Some exporters write black beside a texture, which replaces the colour in their viewer.
+  // Some exporters write a black colour with a texture, because the texture replaces the colour in their viewer.
   if (!is_gltf && albedo == glm::vec3(0.0f)) material.albedo = glm::vec3(1.0f);
 
-  const Texture& texture = shelf.scene.textures[std::size_t(material.texture)];
+  const Texture& texture = textures.scene.textures[std::size_t(material.texture)];
   aiString mode;
   const bool has_mode = source.Get(AI_MATKEY_GLTF_ALPHAMODE, mode) == AI_SUCCESS;
   if (has_mode && std::strcmp(mode.C_Str(), "MASK") == 0) {
@@ -338,11 +342,11 @@ Material material_of(const aiMaterial& source, const std::string& format, const 
     aiColor4D factor;
     if (source.Get(AI_MATKEY_BASE_COLOR, factor) == AI_SUCCESS && factor.a > 0.0f) material.alpha_cutoff /= factor.a;
   } else if (!has_mode || std::strcmp(mode.C_Str(), "OPAQUE") != 0) {
-    // There is no blending: of a blended surface only the parts with alpha of at least one half are drawn.
+    // Blended surfaces are cut out instead: only their parts with an alpha of at least 0.5 are drawn.
     material.alpha_mask = is_cut_out(texture);
     if (!material.alpha_mask && has_mode && has_clear_texels(texture)) {
-      const int blended = shelf.find_blended(material.texture);
-      material.alpha_mask = has_clear_texels(shelf.scene.textures[std::size_t(blended)]);
+      const int blended = textures.find_blended(material.texture);
+      material.alpha_mask = has_clear_texels(textures.scene.textures[std::size_t(blended)]);
       if (material.alpha_mask) material.texture = blended;
     }
   }
@@ -353,10 +357,10 @@ Material material_of(const aiMaterial& source, const std::string& format, const 
 
 void import_materials(const aiScene& source, const fs::path& file, const std::string& format, const GltfFacts& gltf,
                       Scene& scene, std::vector<bool>& not_drawn) {
-  TextureCache shelf{&source, file.parent_path(), scene, {}};
+  TextureCache textures{&source, file.parent_path(), scene, {}};
   for (unsigned i = 0; i < source.mNumMaterials; ++i) {
     const GltfMaterial* facts = i < gltf.materials.size() ? &gltf.materials[i] : nullptr;
-    scene.materials.push_back(material_of(*source.mMaterials[i], format, facts, shelf));
+    scene.materials.push_back(material_of(*source.mMaterials[i], format, facts, textures));
     constexpr float kHalf = 0.5f;
     const bool blended = facts && facts->mode == "BLEND" && facts->alpha < kHalf,
                masked = facts && facts->mode == "MASK" && facts->alpha < facts->cutoff;
@@ -365,8 +369,8 @@ void import_materials(const aiScene& source, const fs::path& file, const std::st
 }
 
 int import_texture(const fs::path& file, const std::string& name, Scene& scene) {
-  TextureCache shelf{nullptr, file.parent_path(), scene, {}};
-  return shelf.find(name);
+  TextureCache textures{nullptr, file.parent_path(), scene, {}};
+  return textures.find(name);
 }
 
 }  // namespace umbrage

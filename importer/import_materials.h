@@ -10,13 +10,13 @@ struct aiScene;
 
 namespace umbrage {
 
-/// Appends one Material per material of `source`, in order, and the textures they need; a texture used twice is read
-/// once. Anything missing adds a sentence to scene.warnings. `format` is the file's extension in lower case.
+/// Appends one Material per material of `source`, in order, and the textures that they need; each texture is read once.
+/// Each missing file adds a sentence to scene.warnings. `format` is the file's extension in lower case.
 ///
-/// Colours: 3DS stores colours as picked on a screen, taken as sRGB; the factors of all other formats are linear.
+/// Colours: 3DS stores colours as picked on a screen, so they are read as sRGB; those of all other formats are linear.
 ///
-/// There is no blending: `not_drawn` receives, for each material, whether it is not drawn: its alpha factor is below
-/// 0.5 (BLEND) or below the cutoff (MASK).
+/// Transparent surfaces are not blended. `not_drawn` receives, for each material, whether its surfaces are not drawn,
+/// because its alpha factor is below 0.5 (BLEND) or below the cutoff (MASK).
 void import_materials(const aiScene& source, const std::filesystem::path& file, const std::string& format,
                       const GltfFacts& gltf, Scene& scene, std::vector<bool>& not_drawn);
 

@@ -1,4 +1,4 @@
-// Import in a separate process: whatever the reader does, the host continues and gets an error.
+// Import in a separate process: whatever the reader does, the host continues and receives an error.
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
@@ -58,17 +58,17 @@ TEST_F(IsolatedImport, SurvivesWhatItsReaderDoes) {
   expect_error("liar.obj", "another version");
 }
 
-TEST_F(IsolatedImport, StopsAReaderWithoutEnd) {
+TEST_F(IsolatedImport, StopsAHangingReader) {
   expect_error("spin.obj", "stopped after 1 s");
   expect_error("wait.obj", "stopped after 1 s");
 }
 
-TEST_F(IsolatedImport, RefusesMemoryToAHungryReader) {
-  if (!memory_can_be_limited()) GTEST_SKIP() << "a sanitizer has reserved all memory there is";
+TEST_F(IsolatedImport, LimitsTheMemoryOfTheReader) {
+  if (!memory_can_be_limited()) GTEST_SKIP() << "a sanitizer has reserved the address space";
   expect_error("hunger.obj", "needs more memory than is available");
 }
 
-TEST_F(IsolatedImport, IsASentenceOfTheProgram) {
+TEST_F(IsolatedImport, ProgramReportsOneSentence) {
   for (const std::string name : {"crash.obj", "abort.obj", "exit.obj"}) {
     model(name);
     bad(name + " -o out.png", 3, {name, "its reader crashed"}, kFaulty);
@@ -76,28 +76,29 @@ TEST_F(IsolatedImport, IsASentenceOfTheProgram) {
 }
 
 TEST_F(IsolatedImport, LeavesNoProcessBehind) {
-  // The host is killed while its reader waits; the reader's open files close when it ends, too.
-  int ends[2];
-  ASSERT_EQ(::pipe(ends), 0);
+  // Kill the host while its reader waits. The pipe, which the reader has inherited, closes only if the reader ends,
+  // too.
+  int pipe_ends[2];
+  ASSERT_EQ(::pipe(pipe_ends), 0);
   const std::string file = model("linger.obj").string(), started = file + ".started";
   const pid_t program = ::fork();
   if (program == 0) {
-    ::dup2(ends[1], 9), ::close(ends[0]), ::close(ends[1]);
+    ::dup2(pipe_ends[1], 9), ::close(pipe_ends[0]), ::close(pipe_ends[1]);
     ::execl(UMBRAGE_PROGRAM, "umbrage", file.c_str(), "-o", (file + ".png").c_str(), nullptr);
     ::_exit(1);
   }
-  ::close(ends[1]);
+  ::close(pipe_ends[1]);
   for (int i = 0; i < 1000 && !fs::exists(started); ++i) ::usleep(10'000);
   EXPECT_TRUE(fs::exists(started));
   ::kill(program, SIGKILL);
   ::waitpid(program, nullptr, 0);
-  pollfd reader{ends[0], POLLIN, 0};
-  constexpr int kFarBelowItsLingering = 10'000;
-  EXPECT_EQ(::poll(&reader, 1, kFarBelowItsLingering), 1);
-  ::close(ends[0]);
+  pollfd reader{pipe_ends[0], POLLIN, 0};
+  constexpr int kTimeoutMs = 10'000;  // much less than the reader waits
+  EXPECT_EQ(::poll(&reader, 1, kTimeoutMs), 1);
+  ::close(pipe_ends[0]);
 }
 
-TEST_F(IsolatedImport, EndsWithItsReaderWhereItIsToldTo) {
+TEST_F(IsolatedImport, StopsItsReaderOnRequest) {
   const fs::path file = model("linger.obj");
   const fs::path started = file.string() + ".started";
   std::chrono::steady_clock::time_point ended;
@@ -112,7 +113,7 @@ TEST_F(IsolatedImport, EndsWithItsReaderWhereItIsToldTo) {
 }
 
 TEST_F(IsolatedImport, WorksInAnyProgram) {
-  // A host that ignores its children, has closed its standard files, and imports in several threads.
+  // The host ignores its children, has closed its standard input, and imports in several threads.
   ::signal(SIGCHLD, SIG_IGN);
   const int input = ::dup(STDIN_FILENO);
   ::close(STDIN_FILENO);
@@ -140,7 +141,7 @@ TEST_F(IsolatedImport, NeedsItsProgram) {
   EXPECT_TRUE(import_scene(model("sound.obj")));
 }
 
-/// An open file without a name.
+/// An open file in memory, without a name.
 struct Memory {
   int file = ::memfd_create("test", 0);
   ~Memory() { ::close(file); }
@@ -189,7 +190,7 @@ TEST(Transfer, KeepsEveryField) {
   EXPECT_EQ(error->error().message, "a sentence");
 }
 
-TEST(Transfer, RefusesWhatIsNotWholeOrNotSound) {
+TEST(Transfer, RejectsIncompleteOrInconsistentData) {
   Memory whole, changed;
   ASSERT_TRUE(send_import(whole.file, small_scene()));
   const std::string bytes = whole.bytes();
@@ -197,7 +198,7 @@ TEST(Transfer, RefusesWhatIsNotWholeOrNotSound) {
     changed.fill(bytes.substr(0, size));
     EXPECT_FALSE(receive_import(changed.file)) << size << " of " << bytes.size();
   }
-  // Any byte may change: the data is then rejected, or it is still consistent.
+  // Change any byte: the data must be rejected or still be consistent.
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     std::string other = bytes;
     other[i] = char(other[i] ^ 0xff);
@@ -207,19 +208,19 @@ TEST(Transfer, RefusesWhatIsNotWholeOrNotSound) {
     for (const Mesh& mesh : (*read)->meshes)
       for (const std::uint32_t index : mesh.indices) EXPECT_LT(index, mesh.positions.size()) << i;
   }
-  const auto spoil = [&](auto change) {
+  const auto is_rejected_after = [&](auto change) {
     Scene scene = small_scene();
     change(scene);
     Memory file;
     EXPECT_TRUE(send_import(file.file, scene));
     return !receive_import(file.file);
   };
-  EXPECT_FALSE(spoil([](Scene&) {}));
-  EXPECT_TRUE(spoil([](Scene& s) { s.meshes[0].indices[1] = 3; }));
-  EXPECT_TRUE(spoil([](Scene& s) { s.meshes[0].normals.pop_back(); }));
-  EXPECT_TRUE(spoil([](Scene& s) { s.meshes[0].material = 1; }));
-  EXPECT_TRUE(spoil([](Scene& s) { s.materials[0].texture = 1; }));
-  EXPECT_TRUE(spoil([](Scene& s) { s.textures[0].width = 1000; }));
+  EXPECT_FALSE(is_rejected_after([](Scene&) {}));
+  EXPECT_TRUE(is_rejected_after([](Scene& s) { s.meshes[0].indices[1] = 3; }));
+  EXPECT_TRUE(is_rejected_after([](Scene& s) { s.meshes[0].normals.pop_back(); }));
+  EXPECT_TRUE(is_rejected_after([](Scene& s) { s.meshes[0].material = 1; }));
+  EXPECT_TRUE(is_rejected_after([](Scene& s) { s.materials[0].texture = 1; }));
+  EXPECT_TRUE(is_rejected_after([](Scene& s) { s.textures[0].width = 1000; }));
 }
 
 }  // namespace

@@ -13,8 +13,8 @@ namespace {
 
 // OBJ, STL, 3DS and glTF take 0.01 to 0.1 s per megabyte and at most 20 bytes of memory per byte (docs/reliability.md).
 // The limits allow for slow machines and for highly compressed textures or buffers.
-constexpr double kSecondsAtOnce = 8.0, kSecondsPerMegabyte = 2.0;
-constexpr double kMemoryAtOnce = 1.5e9, kMemoryPerByte = 200.0;
+constexpr double kBaseSeconds = 8.0, kSecondsPerMegabyte = 2.0;
+constexpr double kBaseMemory = 1.5e9, kMemoryPerByte = 200.0;
 constexpr double kWaitingPerSecond = 8.0;  ///< elapsed time per second of processor time, for a busy machine
 
 double bytes_allowed = -1.0;  // below 0: limit_process has not been called
@@ -28,9 +28,9 @@ void set(int resource, double value) {
 }
 
 void apply() {
-  const double seconds = kSecondsAtOnce + kSecondsPerMegabyte * 1e-6 * bytes_allowed;
+  const double seconds = kBaseSeconds + kSecondsPerMegabyte * 1e-6 * bytes_allowed;
   set(RLIMIT_CPU, seconds);
-  if (memory_can_be_limited()) set(RLIMIT_AS, kMemoryAtOnce + kMemoryPerByte * bytes_allowed);
+  if (memory_can_be_limited()) set(RLIMIT_AS, kBaseMemory + kMemoryPerByte * bytes_allowed);
   ::alarm(unsigned(std::min(1e6, kWaitingPerSecond * seconds)));
 }
 
@@ -39,8 +39,8 @@ void apply() {
 bool memory_can_be_limited() {
   double pages = 0.0;
   std::ifstream("/proc/self/statm") >> pages;
-  constexpr double kShadow = 1e12;
-  return pages * double(::sysconf(_SC_PAGESIZE)) < kShadow;
+  constexpr double kMinShadowMemory = 1e12;  // bytes; the shadow memory of sanitizers is larger
+  return pages * double(::sysconf(_SC_PAGESIZE)) < kMinShadowMemory;
 }
 
 void limit_process() {

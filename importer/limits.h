@@ -5,8 +5,8 @@
 namespace umbrage {
 
 /// Limits this process to more than any valid model needs: a base amount of processor time and memory, plus an amount
-/// per megabyte passed to raise_limits_for. Exceeded time ends the process by SIGXCPU, or by SIGALRM if it only waits;
-/// exceeded memory makes allocations fail.
+/// per megabyte passed to raise_limits_for. If the time is exceeded, SIGXCPU ends the process, or SIGALRM if it
+/// only waits; if the memory is exceeded, allocations fail.
 void limit_process();
 
 /// Raises the limits for a file that is about to be read. Does nothing before limit_process.

@@ -1,4 +1,4 @@
-// The main function of umbrage-import, without the reader.
+// The main function of umbrage-import. The readers are parameters.
 #pragma once
 #include <functional>
 

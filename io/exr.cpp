@@ -3,8 +3,8 @@
 //
 // Names. Plane <-> channel: color.r <-> R (the same for g, b, a), depth <-> depth.Z and layer1.depth <->
 // layer1.depth.Z, normal.x <-> normal.X (the same for endings r, g, b, a, x, y, z); other names are unchanged. In a
-// file of several parts the channels of the first part and names with a dot are unchanged; other names follow the name
-// of their part: Z of the part Depth is Depth.z.
+// file of several parts the channels of the first part and names with a dot are unchanged; other names get the name of
+// their part as a prefix: Z of the part Depth is Depth.z.
 //
 // Windows. An image has the size of the display window. Outside the data window, planes are 0 and depth is +infinity;
 // pixels outside the display window are dropped.
@@ -21,10 +21,10 @@
 //   RLE            write 136 ms,  read 185 ms,  37.5 MB      96 ms,   66 ms,  12.3 MB
 //   none           write  40 ms,  read 120 ms,  50.3 MB      53 ms,   37 ms,  29.4 MB
 //
-// Threads. The library's threads are one pool of the process, and its size is up to the host; in the default pool
-// without threads, the thread number given for a file has no effect. Blocks are therefore compressed here, by oneTBB's
-// threads, each as a file in memory of that block alone; its bytes, which are the same as in a complete file, are
-// concatenated. Rows are read through one file object per thread.
+// Threads. The library has one thread pool per process, whose size the host sets. By default the pool has no threads,
+// and the number of threads that a file requests has no effect. Therefore this file compresses with oneTBB's threads:
+// each one writes a few blocks as a file in memory. Blocks have the same bytes there as in the complete file, so they
+// are concatenated. Rows are read through one file object per thread.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -66,7 +66,7 @@ constexpr std::string_view kColor = "color.";
 constexpr std::string_view kDepth = "depth", kDepthEnding = ".Z";
 constexpr std::string_view kSmallLetters = "rgbaxyz", kCapitals = "RGBAXYZ";
 
-/// Returns the requested number of threads, 0 being all, but at most the number of the machine.
+/// Returns the number of threads to use: `requested`, or all for 0; at most the number of the machine.
 int thread_count(int requested) {
   const int max = tbb::info::default_concurrency();
   return requested > 0 ? std::min(requested, max) : max;
@@ -163,13 +163,14 @@ void add_camera(Imf::Header& header, const Camera& camera) {
   header.screenWindowCenter() = Imath::V2f((camera.left + camera.right) / 2, (camera.bottom + camera.top) / 2);
 }
 
-/// Rows of an image: row `row` of `image` is the file's row `first`.
+/// `count` rows of an image: row `row` of `image` is row `first` of the file, and so on.
 struct Rows {
   const Image* image;
   int row, first, count;
 };
 
-/// Returns the bytes of a file with only these rows, as these channels. The first `before` bytes are header and table.
+/// Returns the bytes of a file that contains only these rows. `channels`: names of the planes in the file. `before`
+/// receives the number of bytes of the header and the table before the blocks.
 std::string file_of(const Rows& rows, const std::vector<std::string>& channels, Imf::Header header,
                     std::size_t& before) {
   header.dataWindow().min.y = rows.first;
@@ -193,9 +194,9 @@ std::string file_of(const Rows& rows, const std::vector<std::string>& channels, 
     pixels.insert(channels[p], Imf::Slice::Make(type, start, origin, plane.width, rows.count, step, stride));
   }
   Stream stream;
-  // Typical compression ratio of floats; reserved memory that is not used costs nothing.
-  constexpr std::size_t kUsualRatio = 2;
-  stream.bytes.reserve(channels.size() * std::size_t(rows.image->width) * rows.count * sizeof(float) / kUsualRatio);
+  // Typical compression ratio of floats. It may be too low: reserved memory that is not used costs nothing.
+  constexpr std::size_t kTypicalRatio = 2;
+  stream.bytes.reserve(channels.size() * std::size_t(rows.image->width) * rows.count * sizeof(float) / kTypicalRatio);
   {
     Imf::OutputFile output(stream, header, 0);
     before = std::size_t(stream.tellp());
@@ -215,69 +216,70 @@ class BlockWriter {
     Stream stream;
     { const Imf::OutputFile without_pixels(stream, header, 0); }
     table_at_ = stream.bytes.size() - std::size_t((height_ + kBlockRows - 1) / kBlockRows) * sizeof(std::uint64_t);
-    put(stream.bytes.data(), stream.bytes.size());
+    write_bytes(stream.bytes.data(), stream.bytes.size());
   }
 
   void take(const Image& image) {
     for (int row = 0; row < image.height;) {
-      const int in_block = next_ % kBlockRows, left = image.height - row;
-      const int in_last = (next_ + left) % kBlockRows;
-      const int whole = next_ + left == height_ ? left : left - in_last;
-      if (in_block == 0 && whole > 0) {
-        compress({&image, row, next_, whole});
-        next_ += whole;
-        row += whole;
+      const int in_block = next_ % kBlockRows, remaining = image.height - row;
+      const int in_last_block = (next_ + remaining) % kBlockRows;
+      const int complete = next_ + remaining == height_ ? remaining : remaining - in_last_block;
+      if (in_block == 0 && complete > 0) {
+        compress({&image, row, next_, complete});
+        next_ += complete;
+        row += complete;
         continue;
       }
-      // An incomplete block waits for the remaining rows.
-      const int count = std::min(left, std::min(kBlockRows - in_block, height_ - next_));
-      if (in_block == 0) part_ = Image(width_, kBlockRows);
+      // Keep an incomplete block until its remaining rows arrive.
+      const int count = std::min(remaining, std::min(kBlockRows - in_block, height_ - next_));
+      if (in_block == 0) incomplete_block_ = Image(width_, kBlockRows);
       for (std::size_t p = 0; p < channels_.size(); ++p) {
-        Plane& to = part_.add(channels_[p]);
+        Plane& to = incomplete_block_.add(channels_[p]);
         for (int y = 0; y < count; ++y) std::copy_n(image.planes[p].row(row + y), width_, to.row(in_block + y));
       }
       next_ += count;
       row += count;
       if (next_ % kBlockRows == 0 || next_ == height_)
-        compress({&part_, 0, next_ - in_block - count, in_block + count});
+        compress({&incomplete_block_, 0, next_ - in_block - count, in_block + count});
     }
   }
 
-  /// Writes the table of offsets. Call it after all rows.
+  /// Writes the table of offsets. Call it after all rows have been taken.
   void finish() {
     if (::fseeko(out_, off_t(table_at_), SEEK_SET) != 0) throw std::runtime_error(std::strerror(errno));
     std::string table;
     for (const std::uint64_t offset : offsets_)
       for (unsigned byte = 0; byte < sizeof offset; ++byte) table += char(offset >> (8 * byte) & 0xff);
-    put(table.data(), table.size());
+    write_bytes(table.data(), table.size());
   }
 
  private:
-  void put(const char* bytes, std::size_t count) {
+  void write_bytes(const char* bytes, std::size_t count) {
     if (std::fwrite(bytes, 1, count, out_) != count) throw std::runtime_error(std::strerror(errno));
     at_ += count;
   }
 
-  /// Compresses and appends complete blocks, or the image's last one.
+  /// Compresses and appends complete blocks, or the image's last block.
   void compress(const Rows& rows) {
     struct Part {
       std::string file;
       std::size_t before = 0;
     };
-    // The library allocates buffers for each file: several blocks share one.
+    // The library allocates buffers for each file, so several blocks share one file.
     constexpr int kParts = 8, kMaxBlocks = 8;  // kParts: per thread
     const int blocks = (rows.count + kBlockRows - 1) / kBlockRows;
-    const int together = kBlockRows * std::clamp(blocks / (kParts * arena_.max_concurrency()), 1, kMaxBlocks);
-    int begun = 0;
+    const int rows_per_file = kBlockRows * std::clamp(blocks / (kParts * arena_.max_concurrency()), 1, kMaxBlocks);
+    int started = 0;
     const auto next = tbb::make_filter<void, Rows>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
-      const Rows part{rows.image, rows.row + begun, rows.first + begun, std::min(together, rows.count - begun)};
-      if (begun >= rows.count) control.stop();
-      begun += together;
+      const Rows part{rows.image, rows.row + started, rows.first + started,
+                      std::min(rows_per_file, rows.count - started)};
+      if (started >= rows.count) control.stop();
+      started += rows_per_file;
       return part;
     });
-    const auto file = tbb::make_filter<Rows, Part>(tbb::filter_mode::parallel, [&](const Rows& some) {
+    const auto file = tbb::make_filter<Rows, Part>(tbb::filter_mode::parallel, [&](const Rows& rows_of_file) {
       Part part;
-      part.file = file_of(some, channels_, header_, part.before);
+      part.file = file_of(rows_of_file, channels_, header_, part.before);
       return part;
     });
     const auto append = tbb::make_filter<Part, void>(tbb::filter_mode::serial_in_order, [&](const Part& part) {
@@ -286,7 +288,7 @@ class BlockWriter {
     arena_.execute([&] { tbb::parallel_pipeline(2 * std::size_t(arena_.max_concurrency()), next & file & append); });
   }
 
-  /// Appends blocks in the file's form: row, size and that many bytes.
+  /// Appends blocks as they are in a file: row number, size, and as many bytes.
   void add(std::string_view blocks) {
     constexpr std::size_t kSizeAt = 4, kBytesAt = 8;
     for (std::size_t at = 0; at + kBytesAt <= blocks.size();) {
@@ -296,7 +298,7 @@ class BlockWriter {
         size |= std::size_t(static_cast<unsigned char>(blocks[at + kSizeAt + byte])) << (8 * byte);
       at += kBytesAt + size;
     }
-    put(blocks.data(), blocks.size());
+    write_bytes(blocks.data(), blocks.size());
   }
 
   std::FILE* out_;
@@ -304,9 +306,9 @@ class BlockWriter {
   const std::vector<std::string>& channels_;
   tbb::task_arena arena_;
   int width_ = 0, height_ = 0;
-  int next_ = 0;          // next row
-  Image part_;            // an incomplete block
-  std::uint64_t at_ = 0;  // position in the file
+  int next_ = 0;            // next row
+  Image incomplete_block_;  // rows that wait for the rest of their block
+  std::uint64_t at_ = 0;    // position in the file
   std::size_t table_at_ = 0;
   std::vector<std::uint64_t> offsets_;
 };
@@ -349,7 +351,7 @@ Result<void> write(const fs::path& file, const ImageShape& image, const WriteSet
   });
 }
 
-/// Returns whether a channel is depth: its name is depth, or Z without an X beside it.
+/// Returns whether a channel is depth: its name is depth, or Z and its layer has no channel X.
 bool is_depth(std::string_view channel, const Imf::ChannelList& channels) {
   if (last_word(channel) == kDepth) return true;
   if (last_word(channel) != "Z") return false;
@@ -358,7 +360,7 @@ bool is_depth(std::string_view channel, const Imf::ChannelList& channels) {
   return !channels.findChannel(beside);
 }
 
-/// Returns `plane`, which covers `data`, moved to its position in `display`.
+/// Returns a plane of the size of `display`: `plane`, which covers `data`, at its position, and `outside` elsewhere.
 Plane placed(const Plane& plane, const Imath::Box2i& data, const Imath::Box2i& display, float outside) {
   Plane out(display.max.x - display.min.x + 1, display.max.y - display.min.y + 1, outside);
   const int x0 = std::max(data.min.x, display.min.x), x1 = std::min(data.max.x, display.max.x);
@@ -376,7 +378,7 @@ Result<void> check_window(const fs::path& file, const Imath::Box2i& window) {
 /// Reads a part's rows with several threads, each through its own file object.
 void read_rows(const fs::path& file, int index, const Imath::Box2i& data, const Imf::FrameBuffer& pixels,
                Imf::MultiPartInputFile& input) {
-  constexpr int kMaxBlock = 256;  // rows per block of DWAB; a block needed by two threads is decompressed twice
+  constexpr int kMaxBlock = 256;  // max rows per block (DWAB); a block that two threads read is decompressed twice
   const auto read_from = [&](Imf::MultiPartInputFile& from, int first, int last) {
     Imf::InputPart reader(from, index);
     reader.setFrameBuffer(pixels);
@@ -384,14 +386,14 @@ void read_rows(const fs::path& file, int index, const Imath::Box2i& data, const 
   };
   const int blocks = (data.max.y - data.min.y) / kMaxBlock + 1;
   if (blocks < 2) return read_from(input, data.min.y, data.max.y);
-  const auto row_at = [&](int fraction) { return data.min.y + blocks * fraction / kReadThreads * kMaxBlock; };
+  const auto first_row_of = [&](int thread) { return data.min.y + blocks * thread / kReadThreads * kMaxBlock; };
   tbb::task_arena arena(thread_count(kReadThreads));
   arena.execute([&] {
-    tbb::parallel_for(0, kReadThreads, [&](int fraction) {
-      const int first = row_at(fraction), last = std::min(row_at(fraction + 1) - 1, data.max.y);
-      if (fraction == 0) return read_from(input, first, last);
-      Imf::MultiPartInputFile own(file.c_str(), 0, kNoRepair);
-      read_from(own, first, last);
+    tbb::parallel_for(0, kReadThreads, [&](int thread) {
+      const int first = first_row_of(thread), last = std::min(first_row_of(thread + 1) - 1, data.max.y);
+      if (thread == 0) return read_from(input, first, last);
+      Imf::MultiPartInputFile input_of_thread(file.c_str(), 0, kNoRepair);
+      read_from(input_of_thread, first, last);
     });
   });
 }
@@ -405,7 +407,7 @@ Result<void> read_part(const fs::path& file, Imf::MultiPartInputFile& input, int
                       file.string(), printable(header.type()), printable(part));
   const Imath::Box2i& data = header.dataWindow();
   const Imath::Box2i& display = input.header(0).displayWindow();  // common to all parts
-  if (Result<void> sane = check_window(file, data); !sane) return sane;
+  if (Result<void> fine = check_window(file, data); !fine) return fine;
   const int width = data.max.x - data.min.x + 1, height = data.max.y - data.min.y + 1;
   Imf::FrameBuffer pixels;
   std::map<std::string, Plane> planes;
@@ -435,7 +437,7 @@ Result<void> read_part(const fs::path& file, Imf::MultiPartInputFile& input, int
   return {};
 }
 
-/// Reads a name up to a zero byte. Returns false if the file ends before, or if the name is too long.
+/// Reads a name up to a zero byte. Returns false if the file ends before the zero byte, or if the name is too long.
 bool read_name(std::FILE* stream, std::string& name) {
   constexpr int kMaxLength = 256;
   name.clear();
@@ -448,7 +450,7 @@ bool read_name(std::FILE* stream, std::string& name) {
   return false;
 }
 
-/// Reads the next 4-byte numbers. Returns false if the file ends before.
+/// Reads the next 4-byte numbers. Returns false if the file contains too few.
 bool read_numbers(std::FILE* stream, std::span<std::int64_t> numbers) {
   for (std::int64_t& number : numbers) {
     unsigned char bytes[4];
@@ -459,7 +461,7 @@ bool read_numbers(std::FILE* stream, std::span<std::int64_t> numbers) {
   return true;
 }
 
-/// Returns the size of a value of that type in bytes; 0 if it varies.
+/// Returns the size of a value of an attribute type, in bytes; 0 if it varies.
 std::int64_t size_of(std::string_view type) {
   static constexpr std::pair<std::string_view, std::int64_t> kSizes[] = {{"box2f", 16},
                                                                          {"box2i", 16},
@@ -490,10 +492,10 @@ std::int64_t size_of(std::string_view type) {
   return 0;
 }
 
-/// Returns whether the value at the stream's position has the size that the header claims. The library relies on the
-/// claim for some types and reads what it needs for others; with a wrong claim it would see other attributes than
-/// check_headers.
-bool takes(std::FILE* stream, std::string_view type, std::int64_t claimed) {
+/// Returns whether the value at the stream's position has the size that the header claims. For some types the library
+/// relies on the claimed size, for others it reads what it needs. With a wrong claim it would find other attributes
+/// than check_headers does.
+bool has_claimed_size(std::FILE* stream, std::string_view type, std::int64_t claimed) {
   const std::int64_t end = std::ftell(stream) + claimed;
   if (type == "preview") {
     std::array<std::int64_t, 2> sides{};
@@ -501,11 +503,11 @@ bool takes(std::FILE* stream, std::string_view type, std::int64_t claimed) {
            sides[1] <= kMaxSide && 8 + 4 * sides[0] * sides[1] == claimed;
   }
   if (type == "chlist") {
-    constexpr long kOfChannel = 16;
+    constexpr long kChannelBytes = 16;
     std::string name;
     while (read_name(stream, name) && std::ftell(stream) <= end) {
       if (name.empty()) return std::ftell(stream) == end;
-      if (std::fseek(stream, kOfChannel, SEEK_CUR) != 0) return false;
+      if (std::fseek(stream, kChannelBytes, SEEK_CUR) != 0) return false;
     }
     return false;
   }
@@ -523,8 +525,8 @@ bool is_huge(std::FILE* stream, std::string_view name, std::string_view type) {
   return std::uint32_t(numbers[0]) > kMaxSide || std::uint32_t(numbers[1]) > kMaxSide;
 }
 
-/// Checks the headers before the library reads them, since it allocates what a damaged header claims without a check:
-/// up to 2 GB for an attribute, and tables for windows of any size. Errors: kFile.
+/// Checks the headers before the library reads them. The library allocates whatever a damaged header claims: up to 2 GB
+/// for an attribute, and tables for windows of any size. Errors: kFile.
 Result<void> check_headers(const fs::path& file, std::FILE* stream, std::int64_t size) {
   constexpr int kFlags = 5, kHeaders = 8;  // byte offsets
   constexpr int kSeveralParts = 0x10;      // in the second byte of the version
@@ -532,7 +534,7 @@ Result<void> check_headers(const fs::path& file, std::FILE* stream, std::int64_t
   std::fseek(stream, kFlags, SEEK_SET);
   const int flags = std::fgetc(stream);
   std::fseek(stream, kHeaders, SEEK_SET);
-  // A header is a list of attributes and an empty name; several headers end with another empty name.
+  // A header is a list of attributes that ends with an empty name. After several headers another empty name follows.
   std::string name, type;
   bool first = true;
   while (true) {
@@ -544,7 +546,7 @@ Result<void> check_headers(const fs::path& file, std::FILE* stream, std::int64_t
     if (!read_name(stream, type) || !read_numbers(stream, claimed)) return damaged;
     const long value = std::ftell(stream);
     const std::int64_t bytes = std::uint32_t(claimed[0]);
-    if (bytes > size - value || !takes(stream, type, bytes)) return damaged;
+    if (bytes > size - value || !has_claimed_size(stream, type, bytes)) return damaged;
     std::fseek(stream, value, SEEK_SET);
     if (is_huge(stream, name, type))
       return file_error(
@@ -556,29 +558,29 @@ Result<void> check_headers(const fs::path& file, std::FILE* stream, std::int64_t
 }
 
 /// Returns the maximum compression ratio: 1032 for deflate, times 64 for the preceding run-length step of DWA and PIZ.
-/// A shorter file cannot contain the pixels that a damaged header claims.
-std::int64_t best_ratio(Imf::Compression compression) {
+/// A file that is shorter than this ratio permits cannot contain the pixels that its header claims.
+std::int64_t max_ratio(Imf::Compression compression) {
   constexpr std::int64_t kDeflate = 1032, kRuns = 64;
-  const bool runs_first = compression == Imf::PIZ_COMPRESSION || compression == Imf::DWAA_COMPRESSION ||
-                          compression == Imf::DWAB_COMPRESSION;
-  return runs_first ? kDeflate * kRuns : kDeflate;
+  const bool has_runs = compression == Imf::PIZ_COMPRESSION || compression == Imf::DWAA_COMPRESSION ||
+                        compression == Imf::DWAB_COMPRESSION;
+  return has_runs ? kDeflate * kRuns : kDeflate;
 }
 
 Result<Image> read(const fs::path& file) {
   std::int64_t size = 0;
   const Result<InputFile> stream = open_to_read(file, size);
   if (!stream) return stream.error();
-  if (auto sound = check_headers(file, stream->get(), size); !sound) return sound.error();
+  if (auto fine = check_headers(file, stream->get(), size); !fine) return fine.error();
   try {
     Imf::MultiPartInputFile input(file.c_str(), 0, kNoRepair);
     const Imath::Box2i& display = input.header(0).displayWindow();
-    if (Result<void> sane = check_window(file, display); !sane) return sane.error();
+    if (Result<void> fine = check_window(file, display); !fine) return fine.error();
     Image image(display.max.x - display.min.x + 1, display.max.y - display.min.y + 1);
     std::int64_t values = 0, stored = 0;
     for (int part = 0; part < input.parts(); ++part) {
       const Imf::Header& header = input.header(part);
       const Imath::Box2i& data = header.dataWindow();
-      if (Result<void> sane = check_window(file, data); !sane) return sane.error();
+      if (Result<void> fine = check_window(file, data); !fine) return fine.error();
       const std::int64_t width = std::int64_t(data.max.x) - data.min.x + 1,
                          height = std::int64_t(data.max.y) - data.min.y + 1;
       std::int64_t bytes = 0;
@@ -587,16 +589,17 @@ Result<Image> read(const fs::path& file) {
         stored += width * height;
         bytes += width * height * (it.channel().type == Imf::HALF ? 2 : 4);
       }
-      if (bytes / best_ratio(header.compression()) > size)
+      if (bytes / max_ratio(header.compression()) > size)
         return file_error("'{}' is cut short: {} bytes cannot hold {} x {} pixels", file.string(), size, width, height);
     }
     constexpr std::int64_t kMaxValues = std::int64_t(1) << 31;  // 8 GB
     if (values > kMaxValues)
       return file_error("'{}' has {} values in {} x {} pixels: at most {} can be read", file.string(), values,
                         image.width, image.height, kMaxValues);
-    // A crop may be a small part of its frame, but a frame of gigabytes with almost no data is a damaged header.
-    constexpr std::int64_t kMaxEmpty = std::int64_t(1) << 27, kMaxTimes = 64;
-    if (values > kMaxEmpty + kMaxTimes * stored)
+    // The data window may be a small part of the display window. But if the display window is gigabytes in size and
+    // there is almost no data, the header is damaged.
+    constexpr std::int64_t kMaxEmpty = std::int64_t(1) << 27, kMaxRatio = 64;
+    if (values > kMaxEmpty + kMaxRatio * stored)
       return file_error("'{}' has a frame of {} x {} pixels in its header, but data for too few of them", file.string(),
                         image.width, image.height);
     for (int part = 0; part < input.parts(); ++part)
@@ -604,7 +607,7 @@ Result<Image> read(const fs::path& file) {
     if (image.planes.empty()) return file_error("'{}' has no channels", file.string());
     return image;
   } catch (const std::bad_alloc&) {
-    throw;  // read_image returns an error for it
+    throw;  // read_image turns it into an error
   } catch (const std::exception& exception) {
     return file_error("'{}' cannot be read as EXR: {}", file.string(), cause(exception));
   }
@@ -619,9 +622,9 @@ Result<std::optional<Camera>> read_camera(const fs::path& file) {
   Result<InputFile> stream = open_to_read(file, size);
   if (!stream) return stream.error();
   char start[4] = {};
-  const std::size_t got = std::fread(start, 1, sizeof start, stream->get());
-  if (!recognises(std::string_view(start, got))) return std::optional<Camera>();
-  if (auto sound = check_headers(file, stream->get(), size); !sound) return sound.error();
+  const std::size_t byte_count = std::fread(start, 1, sizeof start, stream->get());
+  if (!recognises(std::string_view(start, byte_count))) return std::optional<Camera>();
+  if (auto fine = check_headers(file, stream->get(), size); !fine) return fine.error();
   try {
     const Imf::MultiPartInputFile input(file.c_str(), 0, kNoRepair);
     const Imf::Header& header = input.header(0);

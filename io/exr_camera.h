@@ -7,8 +7,8 @@
 
 namespace umbrage {
 
-/// Matrices transform columns (m * p), as in glm. Imath transforms rows and stores rows, which gives the same 16
-/// numbers.
+/// The matrices of a camera in OpenEXR's header. They transform columns (m * p), as in glm. Imath transforms rows and
+/// stores rows, which gives the same 16 numbers.
 struct ExrCamera {
   /// World to OpenEXR's camera space: left-handed, +x right, +y up, +z forward.
   glm::dmat4 camera_from_world{1.0};
@@ -18,10 +18,11 @@ struct ExrCamera {
   glm::dmat4 ndc_from_world{1.0};
 };
 
+/// Returns the matrices of a camera.
 ExrCamera exr_camera(const Camera& camera);
 
-/// Returns the camera that the two matrices describe, or nothing if they are no pinhole or parallel camera that Camera
-/// can represent.
+/// Returns the camera that the two matrices describe, or nothing if they describe no pinhole or parallel camera that
+/// Camera can represent.
 std::optional<Camera> camera_from(const ExrCamera& matrices);
 
 }  // namespace umbrage

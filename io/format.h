@@ -14,7 +14,8 @@ namespace umbrage {
 
 extern const ImageFormat kPng, kExr, kPfm;
 
-/// Larger pictures are rejected before memory is allocated: only damaged headers have such sizes.
+/// Max side and max number of pixels of a picture that is read. Larger ones are rejected before memory is allocated:
+/// only damaged headers have such sizes.
 inline constexpr std::int64_t kMaxSide = 65536, kMaxPixels = std::int64_t(1) << 28;
 
 /// Checks the size of a picture that is read from a file. Errors: kFile, naming the file.
@@ -29,26 +30,26 @@ std::string lowercase_extension(const std::filesystem::path& file);
 Result<std::vector<const Plane*>> picture_planes(const std::filesystem::path& file, const Image& image,
                                                  bool with_alpha);
 
-/// Returns an image of that shape with planes without pixels.
+/// Returns an image of this shape whose planes have no pixels.
 Image image_without_pixels(const ImageShape& shape);
 
 /// Returns the shape of an image.
 ImageShape shape_of(const Image& image);
-/// Returns a source of rows that passes on the whole image at once.
+/// Returns a producer of rows that passes the whole image at once.
 MakeImageRows rows_of(const Image& image);
 
-/// Returns an image with `channels` planes: `grey` for one, else color.r, color.g, color.b, color.a.
+/// Returns an image with `channels` planes: `grey` for 1, else the first of color.r, color.g, color.b and color.a.
 Image picture(int width, int height, int channels);
 
-/// Calls `write` on a temporary file beside `file`, then renames it. On any failure the temporary file is removed and
-/// an existing `file` is unchanged. Devices and pipes are written directly. `write` need not report disk errors.
+/// Calls `write` on a temporary file beside `file`, then renames it. After a failure the temporary file is removed
+/// and an existing `file` is unchanged. Devices and pipes are written directly. `write` need not report disk errors.
 Result<void> write_atomically(const std::filesystem::path& file, const std::function<Result<void>(std::FILE*)>& write);
 
-/// A temporary file beside `file` that another program fills, under the name path(); keep() renames it to `file`.
-/// Without keep() it is removed, also by abandon_writes.
+/// A temporary file beside `file`, called path(), that another program writes. keep() renames it to `file`. If keep()
+/// is not called, the destructor or abandon_writes removes it.
 class PartFile {
  public:
-  /// Checks that `file` can be written and chooses the temporary name. Errors: kFile, as check_writable, and for
+  /// Checks that `file` can be written and chooses the temporary name. Errors: kFile: those of check_writable, and for
   /// devices and pipes.
   static Result<std::unique_ptr<PartFile>> begin(const std::filesystem::path& file);
   ~PartFile();
@@ -62,7 +63,7 @@ class PartFile {
   std::unique_ptr<State> state_;
 };
 
-/// Deleter for an open file.
+/// Closes an open file; a deleter for unique_ptr.
 struct CloseFile {
   void operator()(std::FILE* stream) const { std::fclose(stream); }
 };

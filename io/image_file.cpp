@@ -32,7 +32,7 @@ fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.
 bool allowed(const fs::path& path, int access) { return ::faccessat(AT_FDCWD, path.c_str(), access, AT_EACCESS) == 0; }
 
 /// Returns the name of the temporary file beside `file`. The counter distinguishes threads, the process number
-/// programs; the name is truncated so that the suffix fits where names may have 255 bytes.
+/// distinguishes programs. The name is truncated, so that it has at most 255 bytes with the suffix.
 fs::path part_of(const fs::path& file) {
   static std::atomic<int> count = 0;
   constexpr std::size_t kMaxStemLength = 200;
@@ -44,9 +44,9 @@ Error write_error(const fs::path& file, int cause) {
   return file_error("'{}' cannot be written: {}", file.string(), std::strerror(cause));
 }
 
-/// Runs `write` on the stream and closes it. Catches exceptions: one of a library becomes the error that the file
-/// cannot be written.
-Result<void> fill(const fs::path& file, std::FILE* stream, const std::function<Result<void>(std::FILE*)>& write) {
+/// Runs `write` on the stream and closes the stream. Turns exceptions into errors.
+Result<void> write_and_close(const fs::path& file, std::FILE* stream,
+                             const std::function<Result<void>(std::FILE*)>& write) {
   errno = 0;
   Result<void> done;
   try {
@@ -73,27 +73,27 @@ std::span<const ImageFormat> image_formats() {
 }
 
 std::string lowercase_extension(const fs::path& file) {
-  std::string ending = file.extension().string();
-  if (!ending.empty()) ending.erase(0, 1);
-  for (char& c : ending)
+  std::string own_extension = file.extension().string();
+  if (!own_extension.empty()) own_extension.erase(0, 1);
+  for (char& c : own_extension)
     if (c >= 'A' && c <= 'Z') c += 'a' - 'A';
-  return ending;
+  return own_extension;
 }
 
 Result<const ImageFormat*> format_of(const fs::path& file) {
-  const std::string ending = lowercase_extension(file);
-  std::vector<std::string> endings, dotted;
+  const std::string own_extension = lowercase_extension(file);
+  std::vector<std::string> extensions, dotted;
   for (const ImageFormat& format : image_formats()) {
-    if (format.extension == ending) return &format;
-    endings.emplace_back(format.extension);
-    dotted.push_back("." + endings.back());
+    if (format.extension == own_extension) return &format;
+    extensions.emplace_back(format.extension);
+    dotted.push_back("." + extensions.back());
   }
-  if (ending.empty())
+  if (own_extension.empty())
     return usage_error("'{}' does not end in an image extension; it must end in {}", file.string(), listed(dotted));
-  const std::string nearest = suggestion(ending, endings);
+  const std::string nearest = suggestion(own_extension, extensions);
   const bool near = nearest.find("did you mean") != std::string::npos;
   return usage_error("'{}' ends in '.{}', which is not a known image format; it must end in {}{}", file.string(),
-                     ending, listed(dotted), near ? nearest : "");
+                     own_extension, listed(dotted), near ? nearest : "");
 }
 
 Result<void> check_writable(const fs::path& file) {
@@ -103,9 +103,9 @@ Result<void> check_writable(const fs::path& file) {
     return file_error("'{}' is a folder: name a file in it", file.string());
   const fs::path folder = folder_of(file);
   if (!fs::is_directory(folder, ignored)) {
-    const bool there = fs::exists(folder, ignored);
+    const bool is_file = fs::exists(folder, ignored);
     return file_error("'{}' cannot be written: '{}' {}", file.string(), folder.string(),
-                      there ? "is not a folder" : "does not exist; create that folder first");
+                      is_file ? "is not a folder" : "does not exist; create that folder first");
   }
   const bool exists = fs::exists(file, ignored);
   if (exists && !allowed(file, W_OK))
@@ -118,7 +118,7 @@ Result<void> check_writable(const fs::path& file) {
 
 Result<void> check_size(const fs::path& file, std::int64_t width, std::int64_t height) {
   if (width >= 1 && height >= 1 && width <= kMaxSide && height <= kMaxSide && width * height <= kMaxPixels) return {};
-  return file_error("'{}' has {} x {} pixels in its header: 1 to {} a side and at most {} in total can be read",
+  return file_error("'{}' has {} x {} pixels in its header: 1 to {} per side and at most {} in total can be read",
                     file.string(), width, height, kMaxSide, kMaxPixels);
 }
 
@@ -167,42 +167,42 @@ namespace {
 
 /// The temporary files being written, for a signal handler, which may only access lock-free atomics. If the list is
 /// full, a temporary file is written normally but abandon_writes does not remove it.
-constexpr int kMaxUnfinished = 64;
-std::atomic<const char*> unfinished[kMaxUnfinished];
+constexpr int kMaxListedPaths = 64;
+std::atomic<const char*> listed_paths[kMaxListedPaths];
 static_assert(std::atomic<const char*>::is_always_lock_free);
 
-/// Keeps a path in the list during its lifetime.
-class Unfinished {
+/// An entry of the list for a path, during the lifetime of this object.
+class ListedPath {
  public:
-  explicit Unfinished(const fs::path& part) {
-    for (auto& place : unfinished) {
+  explicit ListedPath(const fs::path& part) {
+    for (auto& slot : listed_paths) {
       const char* free = nullptr;
-      if (!place.compare_exchange_strong(free, part.c_str())) continue;
-      place_ = &place;
+      if (!slot.compare_exchange_strong(free, part.c_str())) continue;
+      slot_ = &slot;
       return;
     }
   }
-  ~Unfinished() {
-    if (place_) *place_ = nullptr;
+  ~ListedPath() {
+    if (slot_) *slot_ = nullptr;
   }
-  Unfinished(const Unfinished&) = delete;
+  ListedPath(const ListedPath&) = delete;
 
  private:
-  std::atomic<const char*>* place_ = nullptr;
+  std::atomic<const char*>* slot_ = nullptr;
 };
 
-/// Returns the path of the file to write. A symbolic link is kept: its target is replaced.
+/// Returns the path of the file to write. If `file` is a symbolic link, this is its target: the link is kept.
 fs::path target_of(const fs::path& file) {
   std::error_code code;
   fs::path resolved = fs::canonical(file, code);
   if (!code) return resolved;
   if (!fs::is_symlink(fs::symlink_status(file, code))) return file;
-  const fs::path aim = fs::read_symlink(file, code);  // target of a dangling link
-  return aim.is_absolute() ? aim : file.parent_path() / aim;
+  const fs::path link_target = fs::read_symlink(file, code);  // target of a dangling link
+  return link_target.is_absolute() ? link_target : file.parent_path() / link_target;
 }
 
 /// Renames the finished temporary file to the target; errors name `file`. A replaced file keeps its permissions.
-Result<void> put_in_place(const fs::path& part, const fs::path& target, const fs::path& file) {
+Result<void> rename_to_target(const fs::path& part, const fs::path& target, const fs::path& file) {
   std::error_code code;
   if (const fs::file_status old = fs::status(target, code); fs::exists(old))
     fs::permissions(part, old.permissions(), code);
@@ -213,8 +213,8 @@ Result<void> put_in_place(const fs::path& part, const fs::path& target, const fs
 }  // namespace
 
 void abandon_writes() {
-  for (const auto& place : unfinished)
-    if (const char* part = place) ::unlink(part);
+  for (const auto& slot : listed_paths)
+    if (const char* part = slot) ::unlink(part);
 }
 
 Result<void> write_atomically(const fs::path& file, const std::function<Result<void>(std::FILE*)>& write) {
@@ -223,11 +223,11 @@ Result<void> write_atomically(const fs::path& file, const std::function<Result<v
   const fs::path target = target_of(file);
   if (fs::exists(target, code) && !fs::is_regular_file(target, code)) {
     std::FILE* stream = std::fopen(target.c_str(), "wb");
-    return stream ? fill(file, stream, write) : write_error(file, errno);
+    return stream ? write_and_close(file, stream, write) : write_error(file, errno);
   }
   fs::path part;
   std::FILE* stream = nullptr;
-  std::optional<Unfinished> listed;  // before the file is created, so that a signal handler always finds it
+  std::optional<ListedPath> listed;  // before the file is created, so that a signal handler always finds it
   constexpr int kAttempts = 16;      // an earlier process of the same number may have left such names
   for (int i = 0; i < kAttempts && !stream; ++i) {
     listed.reset();
@@ -237,15 +237,15 @@ Result<void> write_atomically(const fs::path& file, const std::function<Result<v
     if (!stream && errno != EEXIST) break;
   }
   if (!stream) return write_error(file, errno);
-  Result<void> done = fill(file, stream, write);
-  if (done) done = put_in_place(part, target, file);
+  Result<void> done = write_and_close(file, stream, write);
+  if (done) done = rename_to_target(part, target, file);
   if (!done) fs::remove(part, code);
   return done;
 }
 
 struct PartFile::State {
   fs::path file, target, part;
-  Unfinished listed{part};
+  ListedPath listed{part};
 };
 
 PartFile::PartFile(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -257,7 +257,7 @@ PartFile::~PartFile() {
 
 const fs::path& PartFile::path() const { return state_->part; }
 
-Result<void> PartFile::keep() { return put_in_place(state_->part, state_->target, state_->file); }
+Result<void> PartFile::keep() { return rename_to_target(state_->part, state_->target, state_->file); }
 
 Result<std::unique_ptr<PartFile>> PartFile::begin(const fs::path& file) {
   if (Result<void> ok = check_writable(file); !ok) return ok.error();
@@ -300,15 +300,15 @@ Result<Image> read_image(const fs::path& file) {
     Result<InputFile> stream = open_to_read(file, size);
     if (!stream) return stream.error();
     char start[8] = {};
-    const std::size_t got = std::fread(start, 1, sizeof start, stream->get());
+    const std::size_t byte_count = std::fread(start, 1, sizeof start, stream->get());
     stream->reset();
-    std::vector<std::string> endings;
+    std::vector<std::string> extensions;
     for (const ImageFormat& format : image_formats()) {
-      if (format.recognises(std::string_view(start, got))) return format.read(file);
-      endings.push_back("." + std::string(format.extension));
+      if (format.recognises(std::string_view(start, byte_count))) return format.read(file);
+      extensions.push_back("." + std::string(format.extension));
     }
     return file_error("'{}' {}: its content must be that of {}", file.string(),
-                      size == 0 ? "is empty" : "is not an image that can be read", listed(endings));
+                      size == 0 ? "is empty" : "is not an image that can be read", listed(extensions));
   } catch (const std::bad_alloc&) {
     return file_error("'{}' cannot be read: its pixels need more memory than is available", file.string());
   }

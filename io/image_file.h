@@ -14,14 +14,16 @@
 
 namespace umbrage {
 
+/// How image files are written.
 struct WriteSettings {
   int bits = 8;        ///< PNG: bits per value, 8 or 16
   bool half = false;   ///< EXR: half instead of float
-  bool small = false;  ///< PNG: smallest file instead of fastest
+  bool small = false;  ///< PNG: smallest file instead of fastest writing
   /// EXR: planes whose floats hold the bits of integers, written as integers.
   std::vector<std::string> whole_numbers = {};
   int threads = 2;  ///< EXR: number of compression threads; 0: all; the file does not depend on it
-  /// EXR: written as worldToCamera and worldToNDC, which OpenEXR defines as left-handed with +z forward.
+  /// EXR: camera to write as worldToCamera and worldToNDC, which OpenEXR defines as left-handed with +z forward; or
+  /// null.
   const Camera* camera = nullptr;
 };
 
@@ -31,9 +33,9 @@ struct ImageShape {
   std::vector<std::string> names;  ///< plane names
 };
 
-/// Takes the next rows of an image, from top to bottom; `rows.height` gives their number.
+/// A receiver of the next rows of an image, from top to bottom; `rows.height` is their number.
 using TakeImageRows = std::function<Result<void>(const Image& rows)>;
-/// Produces all rows of an image and passes them to `take` as they are produced.
+/// A producer of all rows of an image, which passes them to `take` as they are produced.
 using MakeImageRows = std::function<Result<void>(const TakeImageRows& take)>;
 
 /// An image file format.
@@ -55,13 +57,13 @@ Result<void> check_writable(const std::filesystem::path& file);
 
 /// Writes the image atomically (to a temporary file beside it, then renamed).
 /// PNG: planes color.r, color.g, color.b and, if present, color.a, not converted, clamped to [0, 1], NaN as 0; or the
-/// only plane, as grey. PFM: the same, float, without alpha. EXR: every plane; color.r/g/b/a become R, G, B, A; `depth`
-/// becomes depth.Z; names ending in .r .g .b .a .x .y .z get that letter in upper case; with `half`, depth and id
-/// planes are still float. Errors: kFile; kUsage for an unknown extension.
+/// only plane, as grey. PFM: the same planes without alpha, as floats. EXR: every plane; color.r/g/b/a become R, G, B,
+/// A; `depth` becomes depth.Z; names ending in .r .g .b .a .x .y .z get this letter in upper case; with `half`, depth
+/// and id planes are still float. Errors: kFile; kUsage for an unknown extension.
 Result<void> write_image(const std::filesystem::path& file, const Image& image, const WriteSettings& settings = {});
 
-/// Writes the same file from rows that are produced during writing, so that they need not all be in memory. Errors:
-/// also those of `make`.
+/// Writes the same file as write_image, from rows that are produced during writing, so that they need not all be in
+/// memory. Errors: those of write_image and of `make`.
 Result<void> write_image_rows(const std::filesystem::path& file, const ImageShape& shape, const WriteSettings& settings,
                               const MakeImageRows& make);
 
@@ -69,16 +71,16 @@ Result<void> write_image_rows(const std::filesystem::path& file, const ImageShap
 Result<std::string> encode_png(const Image& image, const WriteSettings& settings = {});
 Result<std::string> encode_png_rows(const ImageShape& shape, const WriteSettings& settings, const MakeImageRows& make);
 
-/// Reads an image of any of the formats, detected by content; plane names are those that were written. A single plane
-/// of PNG or PFM is called `grey`. PNG values are in [0, 1], not linearized. For EXR parts and windows see exr.cpp.
+/// Reads an image of any of the formats, detected by content. Plane names are as written. A single plane of PNG or PFM
+/// is called `grey`. PNG values are in [0, 1], not linearized. For EXR parts and windows see exr.cpp.
 /// Errors: kFile.
 Result<Image> read_image(const std::filesystem::path& file);
 
-/// Removes the temporary files of writes in progress. For signal handlers, before they end the program.
+/// Removes the temporary files of writes in progress. Signal handlers call it before they end the program.
 void abandon_writes();
 
-/// Returns the camera in an EXR file's worldToCamera and worldToNDC; nothing if it has none that Camera can represent,
-/// and for other formats. Errors: kFile.
+/// Returns the camera in an EXR file's worldToCamera and worldToNDC. Returns nothing for other formats, or if the file
+/// has no camera that Camera can represent. Errors: kFile.
 Result<std::optional<Camera>> read_camera(const std::filesystem::path& file);
 
 /// Writes text to a file atomically. Errors: kFile.

@@ -67,18 +67,19 @@ using ImageFile = Files;
 using PngFile = Files;
 using ExrFile = Files;
 using PfmFile = Files;
-using WholeFile = Files;
+using AtomicWrite = Files;
 
 std::string content(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-void put(const fs::path& file, std::string_view bytes) {
+void write_bytes(const fs::path& file, std::string_view bytes) {
   std::ofstream(file, std::ios::binary).write(bytes.data(), std::streamsize(bytes.size()));
 }
 
-/// Random planes in [low, high]. The padding behind the end of a row is NaN, to detect code that reads it.
+/// Returns random planes with values in [low, high]. The padding after the end of each row is NaN, to detect code that
+/// reads it.
 Image random_image(int width, int height, std::initializer_list<const char*> names, float low = 0.0f,
                    float high = 1.0f) {
   Image image(width, height);
@@ -103,22 +104,22 @@ Image read_or_fail(const fs::path& file) {
 float difference(const Image& image, const std::string& name, const Plane& expected) {
   const Plane* plane = image.find(name);
   if (!plane || plane->width != expected.width || plane->height != expected.height) return kInfinity;
-  float worst = 0.0f;
+  float max_error = 0.0f;
   for (int y = 0; y < expected.height; ++y)
     for (int x = 0; x < expected.width; ++x) {
       const float error = std::abs(plane->at(x, y) - expected.at(x, y));
-      worst = error <= worst ? worst : error;
+      max_error = error <= max_error ? max_error : error;
     }
-  return worst;
+  return max_error;
 }
 
-/// Expects that every plane is bitwise identical, NaN included.
-void expect_same(const Image& got, const Image& expected) {
-  ASSERT_EQ(got.width, expected.width);
-  ASSERT_EQ(got.height, expected.height);
-  ASSERT_EQ(got.planes.size(), expected.planes.size());
+/// Expects that all planes are bitwise identical, NaN included.
+void expect_same(const Image& actual, const Image& expected) {
+  ASSERT_EQ(actual.width, expected.width);
+  ASSERT_EQ(actual.height, expected.height);
+  ASSERT_EQ(actual.planes.size(), expected.planes.size());
   for (const std::string& name : expected.names) {
-    const Plane* plane = got.find(name);
+    const Plane* plane = actual.find(name);
     ASSERT_TRUE(plane) << name;
     for (int y = 0; y < expected.height; ++y)
       ASSERT_EQ(0, std::memcmp(plane->row(y), expected.plane(name).row(y), expected.width * sizeof(float)))
@@ -140,7 +141,7 @@ void expect_error(const Result<T>& result, std::initializer_list<std::string_vie
 
 // --- Choice of the format -------------------------------------------------------------------------------------------
 
-TEST_F(ImageFile, EndingsNameFormats) {
+TEST_F(ImageFile, ExtensionsSelectFormats) {
   for (const ImageFormat& format : image_formats()) {
     const Result<const ImageFormat*> found = format_of("a.b/picture." + std::string(format.extension));
     ASSERT_TRUE(found);
@@ -152,7 +153,7 @@ TEST_F(ImageFile, EndingsNameFormats) {
   EXPECT_EQ((*format_of("PICTURE.PNG"))->extension, "png");
 }
 
-TEST_F(ImageFile, ExrHeadersPromiseNoMoreThanTheFileHolds) {
+TEST_F(ImageFile, ExrHeadersThatClaimTooMuchAreRejected) {
   const fs::path file = *this / "a.exr";
   Image image(4, 4);
   image.add("depth");
@@ -193,7 +194,7 @@ TEST_F(ImageFile, ExrHeadersOfHugeWindowsAreRefusedBeforeTheLibrarySeesThem) {
   }
 }
 
-// The library's thread number and limits belong to the whole process; a host sets them for its own files.
+// The library's number of threads and its limits apply to the whole process. The host sets them for its own files.
 TEST_F(ImageFile, ExrLeavesTheLibrarysSettingsAlone) {
   for (const int threads : {0, 3}) {
     Imf::setGlobalThreadCount(threads);
@@ -201,11 +202,12 @@ TEST_F(ImageFile, ExrLeavesTheLibrarysSettingsAlone) {
     const Image image = random_image(300, 700, {"a", "b"});
     for (const int own : {0, 1, 2, 5}) {
       ASSERT_TRUE(write_image(file, image, {.threads = own}));
-      const auto back = read_image(file);
-      ASSERT_TRUE(back);
+      const auto read_back = read_image(file);
+      ASSERT_TRUE(read_back);
       for (std::size_t p = 0; p < 2; ++p)
         for (int y = 0; y < image.height; ++y)
-          ASSERT_TRUE(std::equal(image.planes[p].row(y), image.planes[p].row(y) + image.width, back->planes[p].row(y)));
+          ASSERT_TRUE(
+              std::equal(image.planes[p].row(y), image.planes[p].row(y) + image.width, read_back->planes[p].row(y)));
     }
     EXPECT_EQ(Imf::globalThreadCount(), threads);
   }
@@ -215,7 +217,7 @@ TEST_F(ImageFile, ExrLeavesTheLibrarysSettingsAlone) {
   EXPECT_NO_THROW(wide.sanityCheck()) << "a size that umbrage rejects and the host may use";
 }
 
-TEST_F(ImageFile, ExrFilesDoNotDependOnThreadsNorOnThePiecesTheyAreMadeOf) {
+TEST_F(ImageFile, ExrFilesDoNotDependOnThreadsOrRowGroups) {
   const auto bytes_of = [&](const fs::path& file) {
     std::ostringstream text;
     text << std::ifstream(file, std::ios::binary).rdbuf();
@@ -226,7 +228,7 @@ TEST_F(ImageFile, ExrFilesDoNotDependOnThreadsNorOnThePiecesTheyAreMadeOf) {
     for (const bool half : {false, true}) {
       ASSERT_TRUE(write_image(*this / "whole.exr", image, {.half = half, .threads = 1}));
       const std::string whole = bytes_of(*this / "whole.exr");
-      // A file of the complete picture, written by the library itself.
+      // Let the library write a file of the complete picture.
       Imf::Header header = Imf::InputFile((*this / "whole.exr").c_str()).header();
       header.zipCompressionLevel() = 1;
       {
@@ -266,7 +268,7 @@ TEST_F(ImageFile, ExrFilesDoNotDependOnThreadsNorOnThePiecesTheyAreMadeOf) {
   }
 }
 
-TEST_F(ImageFile, UnknownEndingListsAll) {
+TEST_F(ImageFile, UnknownExtensionListsAll) {
   expect_error(format_of("out.webp"), {"'out.webp'", ".webp", ".png, .exr or .pfm"}, ErrorKind::kUsage);
   expect_error(format_of("out.pngg"), {"did you mean 'png'?", ".png, .exr or .pfm"}, ErrorKind::kUsage);
   expect_error(format_of("out"), {"'out'", "does not end in an image extension", ".png, .exr or .pfm"},
@@ -288,9 +290,9 @@ TEST_F(ImageFile, UnreadableFilesAreNamed) {
   expect_error(read_image(*this / "none.png"), {"none.png", "does not exist"});
   expect_error(read_image(folder), {folder.string(), "is a folder"});
   expect_error(read_image("/dev/null"), {"/dev/null", "device"});
-  put(*this / "empty.exr", "");
+  write_bytes(*this / "empty.exr", "");
   expect_error(read_image(*this / "empty.exr"), {"empty.exr", "is empty"});
-  put(*this / "text.png", "This is no picture at all.");
+  write_bytes(*this / "text.png", "This is no picture at all.");
   expect_error(read_image(*this / "text.png"), {"text.png", "not an image", ".png, .exr or .pfm"});
   for (const ImageFormat& format : image_formats()) expect_error(format.read(*this / "text.png"), {"text.png"});
 }
@@ -302,7 +304,7 @@ TEST_F(ImageFile, TruncatedFilesAreErrors) {
     ASSERT_TRUE(write_image(file, image));
     const std::string whole = content(file);
     for (int part = 0; part < 16; ++part) {
-      put(file, std::string_view(whole).substr(0, whole.size() * part / 16));
+      write_bytes(file, std::string_view(whole).substr(0, whole.size() * part / 16));
       expect_error(read_image(file), {file.string()});
       expect_error(format.read(file), {file.string()});
     }
@@ -319,10 +321,10 @@ TEST_F(ImageFile, DamagedFilesDoNotCrash) {
     int errors = 0;
     for (int i = 0; i < 400; ++i) {
       std::string bytes = whole;
-      // Mostly in the header, where one byte matters most.
+      // Change mostly the header, where a byte has the largest effect.
       const std::size_t range = i % 4 ? std::min<std::size_t>(whole.size(), 400) : whole.size();
       for (int k = i % 3; k >= 0; --k) bytes[random() % range] = char(random());
-      put(file, bytes);
+      write_bytes(file, bytes);
       const Result<Image> result = format.read(file);
       if (result) continue;
       ++errors;
@@ -354,15 +356,15 @@ TEST_F(PngFile, RoundTripsWithinHalfAStep) {
                       : channels == 3 ? random_image(width, height, {"color.r", "color.g", "color.b"})
                                       : random_image(width, height, {"color.b", "color.a", "color.r", "color.g"});
         ASSERT_TRUE(write_image(*this / "x.png", image, {.bits = bits}));
-        const Image back = read_or_fail(*this / "x.png");
-        EXPECT_EQ(int(back.planes.size()), channels);
+        const Image read_back = read_or_fail(*this / "x.png");
+        EXPECT_EQ(int(read_back.planes.size()), channels);
         const float step = bits == 8 ? 1.0f / 255 : 1.0f / 65535;
         for (const std::string& name : image.names)
-          EXPECT_LE(difference(back, channels == 1 ? "grey" : name, image.plane(name)), 0.5001f * step)
+          EXPECT_LE(difference(read_back, channels == 1 ? "grey" : name, image.plane(name)), 0.5001f * step)
               << width << " x " << height << ", " << bits << " bits, " << name;
-        // An image that was read is a fixed point.
-        ASSERT_TRUE(write_image(*this / "y.png", back, {.bits = bits}));
-        expect_same(read_or_fail(*this / "y.png"), back);
+        // An image that was read does not change when it is written and read again.
+        ASSERT_TRUE(write_image(*this / "y.png", read_back, {.bits = bits}));
+        expect_same(read_or_fail(*this / "y.png"), read_back);
       }
 }
 
@@ -372,10 +374,10 @@ TEST_F(PngFile, ClampsAndTakesNanAsBlack) {
   std::copy_n(values, 6, image.add("x").row(0));
   for (int bits : {8, 16}) {
     ASSERT_TRUE(write_image(*this / "x.png", image, {.bits = bits}));
-    const Image back = read_or_fail(*this / "x.png");
+    const Image read_back = read_or_fail(*this / "x.png");
     const float half = bits == 8 ? 128.0f / 255 : 32768.0f / 65535;
     const float expected[] = {0, 0, 1, 0, 1, half};
-    for (int x = 0; x < 6; ++x) EXPECT_EQ(back.plane("grey").at(x, 0), expected[x]) << "pixel " << x;
+    for (int x = 0; x < 6; ++x) EXPECT_EQ(read_back.plane("grey").at(x, 0), expected[x]) << "pixel " << x;
   }
 }
 
@@ -389,19 +391,19 @@ TEST_F(PngFile, OnlyColourIsMarkedSrgb) {
 TEST_F(PngFile, OtherPlanesAndColoursOrderDoNotMatter) {
   const Image image = random_image(5, 4, {"depth", "color.b", "ao", "color.g", "color.r"});
   ASSERT_TRUE(write_image(*this / "x.png", image, {.bits = 16}));
-  const Image back = read_or_fail(*this / "x.png");
-  EXPECT_EQ(back.names, (std::vector<std::string>{"color.r", "color.g", "color.b"}));
-  EXPECT_LE(difference(back, "color.b", image.plane("color.b")), 1.0f / 65535);
+  const Image read_back = read_or_fail(*this / "x.png");
+  EXPECT_EQ(read_back.names, (std::vector<std::string>{"color.r", "color.g", "color.b"}));
+  EXPECT_LE(difference(read_back, "color.b", image.plane("color.b")), 1.0f / 65535);
 }
 
 TEST_F(PngFile, RefusesOtherDepths) {
   expect_error(write_image(*this / "x.png", random_image(2, 2, {"a"}), {.bits = 12}), {"x.png", "12", "8 or 16"});
 }
 
-/// Writes rows of raw bytes with any header that PNG allows.
-void put_png(const fs::path& file, int width, int height, int bits, int type, int interlace,
-             const std::vector<std::vector<png_byte>>& rows, const std::vector<png_color>& palette = {},
-             const std::vector<png_byte>& transparency = {}) {
+/// Writes a PNG file of rows of raw bytes. The header can be any that PNG allows.
+void write_png(const fs::path& file, int width, int height, int bits, int type, int interlace,
+               const std::vector<std::vector<png_byte>>& rows, const std::vector<png_color>& palette = {},
+               const std::vector<png_byte>& transparency = {}) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
   png_infop info = png_create_info_struct(png);
   std::FILE* out = std::fopen(file.c_str(), "wb");
@@ -421,33 +423,34 @@ void put_png(const fs::path& file, int width, int height, int bits, int type, in
 
 TEST_F(PngFile, ReadsAllColourTypes) {
   const float x = 0x33 / 255.0f;
-  put_png(*this / "p.png", 2, 1, 8, PNG_COLOR_TYPE_PALETTE, PNG_INTERLACE_NONE, {{1, 0}}, {{0, 0, 0}, {255, 0, 0x33}});
+  write_png(*this / "p.png", 2, 1, 8, PNG_COLOR_TYPE_PALETTE, PNG_INTERLACE_NONE, {{1, 0}},
+            {{0, 0, 0}, {255, 0, 0x33}});
   Image image = read_or_fail(*this / "p.png");
   EXPECT_EQ(image.planes.size(), 3u);
   EXPECT_EQ(image.plane("color.r").at(0, 0), 1.0f);
   EXPECT_EQ(image.plane("color.b").at(0, 0), x);
   EXPECT_EQ(image.plane("color.r").at(1, 0), 0.0f);
 
-  put_png(*this / "t.png", 2, 1, 8, PNG_COLOR_TYPE_PALETTE, PNG_INTERLACE_NONE, {{1, 0}}, {{0, 0, 0}, {255, 0, 0}},
-          {0x33, 255});
+  write_png(*this / "t.png", 2, 1, 8, PNG_COLOR_TYPE_PALETTE, PNG_INTERLACE_NONE, {{1, 0}}, {{0, 0, 0}, {255, 0, 0}},
+            {0x33, 255});
   image = read_or_fail(*this / "t.png");
   EXPECT_EQ(image.planes.size(), 4u);
   EXPECT_EQ(image.plane("color.a").at(1, 0), x);
 
-  put_png(*this / "g1.png", 3, 1, 1, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, {{0b10100000}});
+  write_png(*this / "g1.png", 3, 1, 1, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, {{0b10100000}});
   image = read_or_fail(*this / "g1.png");
   EXPECT_EQ(image.plane("grey").at(0, 0), 1.0f);
   EXPECT_EQ(image.plane("grey").at(1, 0), 0.0f);
-  put_png(*this / "g4.png", 2, 1, 4, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, {{0x3f}});
+  write_png(*this / "g4.png", 2, 1, 4, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, {{0x3f}});
   EXPECT_EQ(read_or_fail(*this / "g4.png").plane("grey").at(0, 0), x);
 
-  put_png(*this / "ga.png", 1, 1, 8, PNG_COLOR_TYPE_GRAY_ALPHA, PNG_INTERLACE_NONE, {{0x33, 0xff}});
+  write_png(*this / "ga.png", 1, 1, 8, PNG_COLOR_TYPE_GRAY_ALPHA, PNG_INTERLACE_NONE, {{0x33, 0xff}});
   image = read_or_fail(*this / "ga.png");
   EXPECT_EQ(image.planes.size(), 4u);
   EXPECT_EQ(image.plane("color.g").at(0, 0), x);
   EXPECT_EQ(image.plane("color.a").at(0, 0), 1.0f);
 
-  put_png(*this / "w.png", 1, 1, 16, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, {{0x12, 0x34, 0xff, 0xff, 0, 1}});
+  write_png(*this / "w.png", 1, 1, 16, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, {{0x12, 0x34, 0xff, 0xff, 0, 1}});
   image = read_or_fail(*this / "w.png");
   EXPECT_EQ(image.plane("color.r").at(0, 0), 0x1234 / 65535.0f);
   EXPECT_EQ(image.plane("color.g").at(0, 0), 1.0f);
@@ -456,7 +459,7 @@ TEST_F(PngFile, ReadsAllColourTypes) {
   std::vector<std::vector<png_byte>> rows(9, std::vector<png_byte>(11));
   for (int y = 0; y < 9; ++y)
     for (int i = 0; i < 11; ++i) rows[y][i] = png_byte(y * 20 + i);
-  put_png(*this / "i.png", 11, 9, 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_ADAM7, rows);
+  write_png(*this / "i.png", 11, 9, 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_ADAM7, rows);
   image = read_or_fail(*this / "i.png");
   for (int y = 0; y < 9; ++y)
     for (int i = 0; i < 11; ++i) ASSERT_EQ(image.plane("grey").at(i, y), float(y * 20 + i) / 255) << i << ", " << y;
@@ -464,7 +467,7 @@ TEST_F(PngFile, ReadsAllColourTypes) {
 
 /// Returns a PNG file of one white pixel with another size in its header.
 std::string png_of_size(const fs::path& file, std::uint32_t width, std::uint32_t height) {
-  put_png(file, 1, 1, 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, {{255}});
+  write_png(file, 1, 1, 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, {{255}});
   std::string bytes = content(file);
   constexpr std::size_t kHeader = 12, kLength = 17;  // "IHDR" and its 13 bytes of data
   for (int i = 0; i < 4; ++i) {
@@ -478,13 +481,13 @@ std::string png_of_size(const fs::path& file, std::uint32_t width, std::uint32_t
 
 TEST_F(PngFile, RefusesHostileSizes) {
   const fs::path file = *this / "x.png";
-  put(file, png_of_size(file, 0x7fffffff, 0x7fffffff));
+  write_bytes(file, png_of_size(file, 0x7fffffff, 0x7fffffff));
   expect_error(read_image(file), {"x.png", "2147483647 x 2147483647", "65536"});
-  put(file, png_of_size(file, 65536, 65536));
+  write_bytes(file, png_of_size(file, 65536, 65536));
   expect_error(read_image(file), {"65536 x 65536", "268435456"});
-  put(file, png_of_size(file, 16384, 16384));
+  write_bytes(file, png_of_size(file, 16384, 16384));
   expect_error(read_image(file), {"cut short", "16384 x 16384"});
-  put(file, png_of_size(file, 0, 5));
+  write_bytes(file, png_of_size(file, 0, 5));
   expect_error(read_image(file), {"x.png"});
 }
 
@@ -510,12 +513,12 @@ TEST_F(PngFile, EncodesSmoothShadingSmallAndFast) {
   const auto size = fs::file_size(*this / "x.png");
   std::printf("write_image, 1024 x 1024 RGB, 8 bit: median %.1f ms, %zu kB\n", times[2], std::size_t(size / 1000));
   EXPECT_LT(size, 400'000u);
-  EXPECT_LT(times[2], 500.0);  // the budget of a whole run; a typical machine takes 25 ms
+  EXPECT_LT(times[2], 500.0);  // a generous limit: a typical machine takes 25 ms
 }
 
 // --- PFM ------------------------------------------------------------------------------------------------------------
 
-TEST_F(PfmFile, RoundTripsToTheBit) {
+TEST_F(PfmFile, RoundTripsExactly) {
   for (auto [width, height] : kSizes) {
     Image grey = random_image(width, height, {"grey"}, -1e6f, 1e6f);
     grey.plane("grey").at(0, 0) = kInfinity;
@@ -537,7 +540,7 @@ TEST_F(PfmFile, BottomRowFirstLittleEndian) {
 }
 
 TEST_F(PfmFile, ReadsBigEndianAndAnyScale) {
-  put(*this / "x.pfm", std::string("PF 1\t1\r2.5\n\x3f\x80\0\0\x40\0\0\0\xc0\0\0\0", 23));
+  write_bytes(*this / "x.pfm", std::string("PF 1\t1\r2.5\n\x3f\x80\0\0\x40\0\0\0\xc0\0\0\0", 23));
   const Image image = read_or_fail(*this / "x.pfm");
   EXPECT_EQ(image.plane("color.r").at(0, 0), 1.0f);
   EXPECT_EQ(image.plane("color.g").at(0, 0), 2.0f);
@@ -545,28 +548,28 @@ TEST_F(PfmFile, ReadsBigEndianAndAnyScale) {
 }
 
 TEST_F(PfmFile, RefusesBadHeaders) {
-  const auto try_it = [&](std::string_view header) {
-    put(*this / "x.pfm", std::string(header) + std::string(64, '\0'));
+  const auto read_with_header = [&](std::string_view header) {
+    write_bytes(*this / "x.pfm", std::string(header) + std::string(64, '\0'));
     return read_image(*this / "x.pfm");
   };
-  expect_error(try_it("Pf\n0 4\n-1\n"), {"x.pfm", "0 x 4"});
-  expect_error(try_it("Pf\n-4 4\n-1\n"), {"-4 x 4"});
-  expect_error(try_it("Pf\n70000 1\n-1\n"), {"70000 x 1"});
-  expect_error(try_it("Pf\n65536 65536\n-1\n"), {"65536 x 65536"});
-  expect_error(try_it("PF\n5000 5000\n-1\n"), {"cut short", "300000000 bytes", "has 64"});
-  expect_error(try_it("Pf\nfour 4\n-1\n"), {"'four 4'", "two integers"});
-  expect_error(try_it("Pf\n4.5 4\n-1\n"), {"'4.5 4'"});
-  expect_error(try_it("Pf\nnan 1e400\n-1\n"), {"'nan 1e400'"});
-  expect_error(try_it("Pf\n4 4\n0\n"), {"scale '0'"});
-  expect_error(try_it("Pf\n4 4\ninf\n"), {"scale 'inf'"});
-  expect_error(try_it("Pf\n4 4\nx\n"), {"scale 'x'"});
-  expect_error(try_it("Pfx\n4 4\n-1\n"), {"PF or Pf"});
-  expect_error(try_it("Pf\n" + std::string(1000, '9')), {"x.pfm"});
+  expect_error(read_with_header("Pf\n0 4\n-1\n"), {"x.pfm", "0 x 4"});
+  expect_error(read_with_header("Pf\n-4 4\n-1\n"), {"-4 x 4"});
+  expect_error(read_with_header("Pf\n70000 1\n-1\n"), {"70000 x 1"});
+  expect_error(read_with_header("Pf\n65536 65536\n-1\n"), {"65536 x 65536"});
+  expect_error(read_with_header("PF\n5000 5000\n-1\n"), {"cut short", "300000000 bytes", "has 64"});
+  expect_error(read_with_header("Pf\nfour 4\n-1\n"), {"'four 4'", "two integers"});
+  expect_error(read_with_header("Pf\n4.5 4\n-1\n"), {"'4.5 4'"});
+  expect_error(read_with_header("Pf\nnan 1e400\n-1\n"), {"'nan 1e400'"});
+  expect_error(read_with_header("Pf\n4 4\n0\n"), {"scale '0'"});
+  expect_error(read_with_header("Pf\n4 4\ninf\n"), {"scale 'inf'"});
+  expect_error(read_with_header("Pf\n4 4\nx\n"), {"scale 'x'"});
+  expect_error(read_with_header("Pfx\n4 4\n-1\n"), {"PF or Pf"});
+  expect_error(read_with_header("Pf\n" + std::string(1000, '9')), {"x.pfm"});
 }
 
 // --- OpenEXR --------------------------------------------------------------------------------------------------------
 
-TEST_F(ExrFile, RoundTripsToTheBit) {
+TEST_F(ExrFile, RoundTripsExactly) {
   for (auto [width, height] : kSizes) {
     Image image = random_image(width, height,
                                {"color.r", "color.g", "color.b", "color.a", "depth", "normal.x", "normal.y", "normal.z",
@@ -580,22 +583,22 @@ TEST_F(ExrFile, RoundTripsToTheBit) {
   }
 }
 
-TEST_F(ExrFile, HalfIsNearAndSparesDepthAndIds) {
+TEST_F(ExrFile, HalfIsCloseAndExcludesDepthAndIds) {
   for (auto [width, height] : kSizes) {
     Image image = random_image(width, height, {"color.r", "color.g", "color.b", "depth", "l1.depth", "object_id", "id"},
                                1e-4f, 65000.0f);
     image.plane("color.g").at(0, 0) = kInfinity;
     ASSERT_TRUE(write_image(*this / "x.exr", image, {.half = true}));
-    const Image back = read_or_fail(*this / "x.exr");
+    const Image read_back = read_or_fail(*this / "x.exr");
     for (const char* name : {"color.r", "color.b"})
       for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
           const float value = image.plane(name).at(x, y);
-          ASSERT_NEAR(back.plane(name).at(x, y), value, value / 2048) << name;
+          ASSERT_NEAR(read_back.plane(name).at(x, y), value, value / 2048) << name;
         }
-    EXPECT_EQ(back.plane("color.g").at(0, 0), kInfinity);
+    EXPECT_EQ(read_back.plane("color.g").at(0, 0), kInfinity);
     for (const char* name : {"depth", "l1.depth", "object_id", "id"})
-      EXPECT_EQ(difference(back, name, image.plane(name)), 0.0f) << name;
+      EXPECT_EQ(difference(read_back, name, image.plane(name)), 0.0f) << name;
     const Imf::InputFile file((*this / "x.exr").c_str());
     EXPECT_EQ(file.header().channels()["R"].type, Imf::HALF);
     EXPECT_EQ(file.header().channels()["depth.Z"].type, Imf::FLOAT);
@@ -653,7 +656,7 @@ void expect_at(const Imath::V3f& point, float x, float y, float bound) {
   EXPECT_NEAR(point.y, y, bound);
 }
 
-/// Writes a picture with this camera and returns its header.
+/// Writes a picture with this camera. Returns the header of the file.
 Imf::Header header_with_camera(const std::filesystem::path& path, const Camera& camera) {
   EXPECT_TRUE(write_image(path, random_image(8, 4, {"ao"}), {.camera = &camera}));
   return Imf::InputFile(path.c_str()).header();
@@ -662,16 +665,17 @@ Imf::Header header_with_camera(const std::filesystem::path& path, const Camera& 
 TEST_F(ExrFile, PerspectiveCameraAttributes) {
   const Imf::Header header = header_with_camera(*this / "x.exr", sideways(Projection::kPerspective));
   const Imath::M44f to_camera = Imf::worldToCamera(header), to_ndc = Imf::worldToNDC(header);
-  // 4 in front of the camera, 2 to the right, 1 up: at distance 1 that is (0.5, 0.25) in a window of 4 by 2.
+  // A point 4 in front of the camera, 2 to the right and 1 up. At distance 1 it is at (0.5, 0.25) in a window of 4
+  // by 2.
   const Imath::V3f point(6, 1, -2);
-  const Imath::V3f seen = point * to_camera, ndc = point * to_ndc;
-  expect_at(seen, 2, 1, 1e-5f);
-  EXPECT_NEAR(seen.z, 4, 1e-5f);
+  const Imath::V3f in_camera = point * to_camera, ndc = point * to_ndc;
+  expect_at(in_camera, 2, 1, 1e-5f);
+  EXPECT_NEAR(in_camera.z, 4, 1e-5f);
   expect_at(ndc, 0.375f, 0.625f, 1e-6f);
-  // The window's upper left corner, 5 in front of the camera: x = -5 is z = 5, y = 7.5.
+  // The window's upper left corner, 5 in front of the camera: its x of -5 is z = 5 in the world, its y is 7.5.
   const Imath::V3f corner = Imath::V3f(5, 7.5f, 5) * to_ndc;
   expect_at(corner, 0, 0, 1e-6f);
-  // The lower right corner, 2 in front of it: x = 6 is z = -6, y = -1.
+  // The lower right corner, 2 in front of the camera: its x of 6 is z = -6 in the world, its y is -1.
   const Imath::V3f other = Imath::V3f(8, -1, -6) * to_ndc;
   expect_at(other, 1, 1, 1e-6f);
   EXPECT_GT(std::abs(to_ndc.determinant()), 1e-3f);
@@ -683,8 +687,8 @@ TEST_F(ExrFile, OrthographicCameraAttributes) {
   const Imf::Header header = header_with_camera(*this / "x.exr", sideways(Projection::kOrthographic));
   const Imath::M44f to_camera = Imf::worldToCamera(header), to_ndc = Imf::worldToNDC(header);
   const Imath::V3f point(6, 1, -2);
-  const Imath::V3f seen = point * to_camera, ndc = point * to_ndc;
-  EXPECT_NEAR(seen.z, 4, 1e-5f);
+  const Imath::V3f in_camera = point * to_camera, ndc = point * to_ndc;
+  EXPECT_NEAR(in_camera.z, 4, 1e-5f);
   expect_at(ndc, 0.75f, 0.25f, 1e-6f);
   // A point at twice the distance has the same position.
   const Imath::V3f farther = Imath::V3f(2, 1, -2) * to_ndc;
@@ -692,34 +696,34 @@ TEST_F(ExrFile, OrthographicCameraAttributes) {
   EXPECT_GT(std::abs(to_ndc.determinant()), 1e-3f);
 }
 
-TEST_F(ExrFile, CameraComesBack) {
+TEST_F(ExrFile, CameraRoundTrips) {
   for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
     Camera camera = perspective_camera({120, -35, 7}, {-3, 8, 1}, {0, 0, 1}, 40, 1);
     camera.projection = projection;
     camera.left = -0.4f, camera.right = 0.7f, camera.bottom = -0.5f, camera.top = 0.3f;
     ASSERT_TRUE(write_image(*this / "x.exr", random_image(8, 4, {"ao"}), {.camera = &camera}));
-    const Result<std::optional<Camera>> back = read_camera(*this / "x.exr");
-    ASSERT_TRUE(back) << back.error().message;
-    ASSERT_TRUE(*back);
-    EXPECT_EQ((*back)->projection, projection);
-    EXPECT_EQ((*back)->view_from_world, camera.view_from_world);
-    EXPECT_NEAR((*back)->left, camera.left, 2e-5f);
-    EXPECT_NEAR((*back)->right, camera.right, 2e-5f);
-    EXPECT_NEAR((*back)->bottom, camera.bottom, 2e-5f);
-    EXPECT_NEAR((*back)->top, camera.top, 2e-5f);
+    const Result<std::optional<Camera>> read_back = read_camera(*this / "x.exr");
+    ASSERT_TRUE(read_back) << read_back.error().message;
+    ASSERT_TRUE(*read_back);
+    EXPECT_EQ((*read_back)->projection, projection);
+    EXPECT_EQ((*read_back)->view_from_world, camera.view_from_world);
+    EXPECT_NEAR((*read_back)->left, camera.left, 2e-5f);
+    EXPECT_NEAR((*read_back)->right, camera.right, 2e-5f);
+    EXPECT_NEAR((*read_back)->bottom, camera.bottom, 2e-5f);
+    EXPECT_NEAR((*read_back)->top, camera.top, 2e-5f);
   }
 }
 
-TEST_F(ExrFile, CameraFarFromTheOriginComesBack) {
+TEST_F(ExrFile, CameraFarFromTheOriginRoundTrips) {
   Camera camera = perspective_camera({1e5f, -2e5f, 3e4f}, {1e5f + 1, -2e5f + 2, 3e4f - 1}, {0, 1, 0}, 40, 1.5f);
   ASSERT_TRUE(write_image(*this / "x.exr", random_image(8, 4, {"ao"}), {.camera = &camera}));
-  const Result<std::optional<Camera>> back = read_camera(*this / "x.exr");
-  ASSERT_TRUE(back && *back);
-  EXPECT_EQ((*back)->projection, Projection::kPerspective);
-  EXPECT_NEAR((*back)->right, camera.right, 1e-4f);
+  const Result<std::optional<Camera>> read_back = read_camera(*this / "x.exr");
+  ASSERT_TRUE(read_back && *read_back);
+  EXPECT_EQ((*read_back)->projection, Projection::kPerspective);
+  EXPECT_NEAR((*read_back)->right, camera.right, 1e-4f);
 }
 
-TEST_F(ExrFile, OnlyUsableCamerasComeBack) {
+TEST_F(ExrFile, OnlyUsableCamerasAreRead) {
   const Image image = random_image(8, 4, {"ao"});
   for (const char* name : {"x.exr", "x.png"}) {
     ASSERT_TRUE(write_image(*this / name, image));
@@ -742,11 +746,11 @@ TEST_F(ExrFile, OnlyUsableCamerasComeBack) {
     EXPECT_FALSE(*none);
   }
   expect_error(read_camera(*this / "none.exr"), {"none.exr", "does not exist"});
-  put(*this / "cut.exr", content(*this / "x.exr").substr(0, 40));
+  write_bytes(*this / "cut.exr", content(*this / "x.exr").substr(0, 40));
   expect_error(read_camera(*this / "cut.exr"), {"cut.exr"});
 }
 
-/// Channels of a part: name and base value; the value of the pixel (x, y) is `base` + x + 100 * y.
+/// The channels of a part, each with a name and a base value. Pixel (x, y) has the value base + x + 100 * y.
 struct Channels {
   Imath::Box2i window;
   std::vector<std::pair<std::string, float>> channels;
@@ -776,15 +780,15 @@ struct Channels {
 
 Imath::Box2i box(int x0, int y0, int x1, int y1) { return {{x0, y0}, {x1, y1}}; }
 
-void put_exr(const fs::path& file, Imath::Box2i display, const Channels& channels) {
+void write_exr(const fs::path& file, Imath::Box2i display, const Channels& channels) {
   Imf::OutputFile out(file.c_str(), channels.header(display));
   out.setFrameBuffer(channels.pixels());
   out.writePixels(channels.rows());
 }
 
 TEST_F(ExrFile, SmallDataWindowIsPadded) {
-  put_exr(*this / "x.exr", box(0, 0, 9, 7),
-          Channels(box(2, 1, 5, 4), {{"R", 1}, {"Z", 2}, {"N.X", 3}, {"N.Y", 4}, {"N.Z", 5}, {"depth.Z", 6}}));
+  write_exr(*this / "x.exr", box(0, 0, 9, 7),
+            Channels(box(2, 1, 5, 4), {{"R", 1}, {"Z", 2}, {"N.X", 3}, {"N.Y", 4}, {"N.Z", 5}, {"depth.Z", 6}}));
   const Image image = read_or_fail(*this / "x.exr");
   EXPECT_EQ(image.width, 10);
   EXPECT_EQ(image.height, 8);
@@ -800,13 +804,13 @@ TEST_F(ExrFile, SmallDataWindowIsPadded) {
 }
 
 TEST_F(ExrFile, LayersOfDepthAreInfiniteOutside) {
-  put_exr(*this / "x.exr", box(0, 0, 3, 3),
-          Channels(box(1, 1, 2, 2), {{"layer1.depth.Z", 1},
-                                     {"layer2.depth", 2},
-                                     {"layer1.normal.X", 3},
-                                     {"layer1.normal.Y", 4},
-                                     {"layer1.normal.Z", 5},
-                                     {"linear_depth", 6}}));
+  write_exr(*this / "x.exr", box(0, 0, 3, 3),
+            Channels(box(1, 1, 2, 2), {{"layer1.depth.Z", 1},
+                                       {"layer2.depth", 2},
+                                       {"layer1.normal.X", 3},
+                                       {"layer1.normal.Y", 4},
+                                       {"layer1.normal.Z", 5},
+                                       {"linear_depth", 6}}));
   const Image image = read_or_fail(*this / "x.exr");
   for (const char* name : {"layer1.depth", "layer2.depth"}) EXPECT_EQ(image.plane(name).at(0, 0), kInfinity) << name;
   for (const char* name : {"layer1.normal.z", "linear_depth"}) EXPECT_EQ(image.plane(name).at(0, 0), 0.0f) << name;
@@ -814,15 +818,15 @@ TEST_F(ExrFile, LayersOfDepthAreInfiniteOutside) {
   EXPECT_EQ(image.plane("layer2.depth").at(1, 2), 2 + 1 + 200);
 }
 
-TEST_F(ExrFile, FormsOfALayersDepthStayApart) {
-  put_exr(*this / "x.exr", box(0, 0, 1, 1), Channels(box(0, 0, 1, 1), {{"layer1.depth", 1}, {"layer1.depth.Z", 2}}));
+TEST_F(ExrFile, FormsOfALayersDepthAreKeptSeparate) {
+  write_exr(*this / "x.exr", box(0, 0, 1, 1), Channels(box(0, 0, 1, 1), {{"layer1.depth", 1}, {"layer1.depth.Z", 2}}));
   const Image image = read_or_fail(*this / "x.exr");
   ASSERT_EQ(image.names, (std::vector<std::string>{"layer1.depth", "layer1.depth.Z"}));
   for (int p = 0; p < 2; ++p) EXPECT_EQ(image.planes[p].at(0, 0), float(p + 1));
 }
 
 TEST_F(ExrFile, LargeDataWindowIsCut) {
-  put_exr(*this / "x.exr", box(-1, 2, 3, 5), Channels(box(-4, -3, 9, 8), {{"ao", 0.5f}}));
+  write_exr(*this / "x.exr", box(-1, 2, 3, 5), Channels(box(-4, -3, 9, 8), {{"ao", 0.5f}}));
   const Image image = read_or_fail(*this / "x.exr");
   ASSERT_EQ(image.width, 5);
   ASSERT_EQ(image.height, 4);
@@ -831,7 +835,7 @@ TEST_F(ExrFile, LargeDataWindowIsCut) {
 }
 
 TEST_F(ExrFile, DataBesideTheDisplayIsAllBackground) {
-  put_exr(*this / "x.exr", box(0, 0, 3, 3), Channels(box(10, 10, 12, 12), {{"Z", 0}}));
+  write_exr(*this / "x.exr", box(0, 0, 3, 3), Channels(box(10, 10, 12, 12), {{"Z", 0}}));
   const Image image = read_or_fail(*this / "x.exr");
   for (int y = 0; y < 4; ++y)
     for (int x = 0; x < 4; ++x) EXPECT_EQ(image.plane("Z").at(x, y), kInfinity);
@@ -866,9 +870,9 @@ TEST_F(ExrFile, PartsAreNamed) {
   EXPECT_EQ(image.plane("depth").at(0, 0), 7);
 }
 
-TEST_F(ExrFile, FormsOfOneNameStayApart) {
-  put_exr(*this / "x.exr", box(0, 0, 1, 1),
-          Channels(box(0, 0, 1, 1), {{"N.X", 1}, {"N.x", 2}, {"R", 3}, {"color.r", 4}}));
+TEST_F(ExrFile, FormsOfOneNameAreKeptSeparate) {
+  write_exr(*this / "x.exr", box(0, 0, 1, 1),
+            Channels(box(0, 0, 1, 1), {{"N.X", 1}, {"N.x", 2}, {"R", 3}, {"color.r", 4}}));
   const Image image = read_or_fail(*this / "x.exr");
   ASSERT_EQ(image.names, (std::vector<std::string>{"N.X", "N.x", "R", "color.r"}));
   for (int p = 0; p < 4; ++p) EXPECT_EQ(image.planes[p].at(0, 0), float(p + 1));
@@ -937,20 +941,20 @@ TEST_F(ExrFile, RefusesDeepSubsampledAndUnfinished) {
 }
 
 TEST_F(ExrFile, RefusesHostileSizes) {
-  put_exr(*this / "x.exr", box(0, 0, 99'999, 0), Channels(box(0, 0, 0, 0), {{"ao", 1}}));
+  write_exr(*this / "x.exr", box(0, 0, 99'999, 0), Channels(box(0, 0, 0, 0), {{"ao", 1}}));
   expect_error(read_image(*this / "x.exr"), {"x.exr"});
-  put_exr(*this / "y.exr", box(0, 0, 65'535, 65'535), Channels(box(0, 0, 0, 0), {{"ao", 1}}));
+  write_exr(*this / "y.exr", box(0, 0, 65'535, 65'535), Channels(box(0, 0, 0, 0), {{"ao", 1}}));
   expect_error(read_image(*this / "y.exr"), {"y.exr", "65536 x 65536", "268435456"});
   std::vector<std::pair<std::string, float>> many;
   for (int i = 0; i < 20; ++i) many.emplace_back("c" + std::to_string(i), 0.0f);
-  put_exr(*this / "z.exr", box(0, 0, 16'383, 16'383), Channels(box(0, 0, 0, 0), many));
+  write_exr(*this / "z.exr", box(0, 0, 16'383, 16'383), Channels(box(0, 0, 0, 0), many));
   expect_error(read_image(*this / "z.exr"), {"z.exr", "5368709120 values"});
 }
 
 // --- Atomic writing -------------------------------------------------------------------------------------------------
 
-TEST_F(WholeFile, ReplacesWhatWasThere) {
-  put(*this / "x.txt", "old");
+TEST_F(AtomicWrite, ReplacesExistingFiles) {
+  write_bytes(*this / "x.txt", "old");
   ASSERT_TRUE(write_text(*this / "x.txt", "new"));
   EXPECT_EQ(content(*this / "x.txt"), "new");
   ASSERT_TRUE(write_text(*this / "x.txt", ""));
@@ -958,15 +962,15 @@ TEST_F(WholeFile, ReplacesWhatWasThere) {
   EXPECT_EQ(listing(), std::vector<std::string>{"x.txt"});
 }
 
-TEST_F(WholeFile, LinksStayLinks) {
-  put(*this / "target", "old");
+TEST_F(AtomicWrite, LinksStayLinks) {
+  write_bytes(*this / "target", "old");
   fs::create_symlink("target", *this / "link");
   ASSERT_TRUE(write_text(*this / "link", "new"));
   EXPECT_TRUE(fs::is_symlink(*this / "link"));
   EXPECT_EQ(content(*this / "target"), "new");
 }
 
-TEST_F(WholeFile, LongNamesFit) {
+TEST_F(AtomicWrite, LongNamesFit) {
   const std::string name = std::string(251, 'n') + ".txt";
   ASSERT_TRUE(write_text(*this / name, "text"));
   EXPECT_EQ(listing(), std::vector<std::string>{name});
@@ -974,8 +978,8 @@ TEST_F(WholeFile, LongNamesFit) {
   EXPECT_EQ(listing(), std::vector<std::string>{name});
 }
 
-TEST_F(WholeFile, BadPlacesAreNamed) {
-  put(*this / "file", "x");
+TEST_F(AtomicWrite, BadPathsAreNamed) {
+  write_bytes(*this / "file", "x");
   const Image image = random_image(2, 2, {"a"});
   expect_error(check_writable(""), {"empty"});
   expect_error(check_writable(folder), {folder.string(), "is a folder"});
@@ -992,7 +996,7 @@ TEST_F(WholeFile, BadPlacesAreNamed) {
   EXPECT_FALSE(fs::exists("no_folder_given.png"));
 }
 
-/// Drops the rights of root, if the tests have them, for one block.
+/// Gives up the rights of root, if the tests run as root, during its lifetime.
 class Unprivileged {
  public:
   Unprivileged() {
@@ -1002,23 +1006,23 @@ class Unprivileged {
   ~Unprivileged() {
     if (changed_ && ::seteuid(0) != 0) std::abort();
   }
-  bool holds() const { return !root_ || changed_; }
+  bool is_unprivileged() const { return !root_ || changed_; }
 
  private:
   bool root_ = ::geteuid() == 0, changed_ = false;
 };
 
-TEST_F(WholeFile, MissingRightsAreNamed) {
+TEST_F(AtomicWrite, MissingPermissionsAreNamed) {
   fs::create_directory(*this / "locked");
-  put(*this / "locked/old.png", "old");
+  write_bytes(*this / "locked/old.png", "old");
   fs::permissions(*this / "locked", fs::perms(0555));
   fs::create_directory(*this / "open");
-  put(*this / "open/kept.png", "kept");
+  write_bytes(*this / "open/kept.png", "kept");
   fs::permissions(*this / "open/kept.png", fs::perms(0444));
   fs::permissions(*this / "open", fs::perms(0777));
   {
     const Unprivileged user;
-    ASSERT_TRUE(user.holds());
+    ASSERT_TRUE(user.is_unprivileged());
     const Image image = random_image(2, 2, {"a"});
     expect_error(check_writable(*this / "locked/new.png"), {"locked/new.png", "Permission denied"});
     expect_error(write_image(*this / "locked/new.png", image), {"Permission denied"});
@@ -1029,7 +1033,7 @@ TEST_F(WholeFile, MissingRightsAreNamed) {
   fs::permissions(*this / "locked", fs::perms(0755));
 }
 
-/// Limits the size of files for one block.
+/// Limits the size of files during its lifetime.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -1047,7 +1051,7 @@ class FileSizeLimit {
   void (*handler_)(int);
 };
 
-TEST_F(WholeFile, FailedWritesLeaveNothing) {
+TEST_F(AtomicWrite, FailedWritesLeaveNothing) {
   const Image image = random_image(200, 200, {"color.r", "color.g", "color.b"});
   for (const rlim_t limit : {0, 100, 5000, 40'000})
     for (const char* name : {"x.png", "x.exr", "x.pfm"}) {
@@ -1058,7 +1062,7 @@ TEST_F(WholeFile, FailedWritesLeaveNothing) {
       EXPECT_TRUE(listing().empty()) << name << " at " << limit;
     }
   for (const char* name : {"x.png", "x.exr", "x.pfm", "x.txt"}) {
-    put(*this / name, "older");
+    write_bytes(*this / name, "older");
     {
       const FileSizeLimit small(5000);
       if (std::string_view(name) == "x.txt")
@@ -1071,7 +1075,7 @@ TEST_F(WholeFile, FailedWritesLeaveNothing) {
   EXPECT_EQ(listing().size(), 4u);
 }
 
-TEST_F(WholeFile, FullDeviceIsAnError) {
+TEST_F(AtomicWrite, FullDeviceIsAnError) {
   const Image image = random_image(200, 200, {"color.r", "color.g", "color.b"});
   for (const char* name : {"x.png", "x.exr", "x.pfm"}) {
     fs::create_symlink("/dev/full", *this / name);
@@ -1083,8 +1087,8 @@ TEST_F(WholeFile, FullDeviceIsAnError) {
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
-TEST_F(WholeFile, AbandonedWritesLeaveNothing) {
-  put(*this / "x.txt", "older");
+TEST_F(AtomicWrite, AbandonedWritesLeaveNothing) {
+  write_bytes(*this / "x.txt", "older");
   abandon_writes();  // no write is in progress
   std::size_t during = 0, after = 0;
   const Result<void> done = write_atomically(*this / "x.txt", [&](std::FILE* stream) -> Result<void> {
@@ -1101,7 +1105,7 @@ TEST_F(WholeFile, AbandonedWritesLeaveNothing) {
   EXPECT_EQ(content(*this / "x.txt"), "older");
 }
 
-TEST_F(WholeFile, ThreadsDoNotMix) {
+TEST_F(AtomicWrite, ThreadsDoNotMix) {
   std::vector<std::thread> threads;
   for (int t = 0; t < 4; ++t)
     threads.emplace_back([&, t] {

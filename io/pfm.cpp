@@ -1,4 +1,4 @@
-// PFM, float maps: a text header ("PF" colour or "Pf" grey, width, height, scale), then rows of floats, the bottom one
+// PFM, float maps: a text header ("PF" colour or "Pf" grey, width, height, scale), then rows of floats, the bottom row
 // first. A negative scale means little-endian. Its magnitude is not applied: writers store arbitrary values there, and
 // for depth the stored numbers are needed. Based on Debevec's description (HDR Shop).
 #include <bit>
@@ -22,8 +22,8 @@ void swap_bytes(std::vector<float>& values) {
 }
 
 Result<void> write(const fs::path& file, const ImageShape& shape, const WriteSettings&, const MakeImageRows& make) {
-  const Image bare = image_without_pixels(shape);
-  const Result<std::vector<const Plane*>> picture = picture_planes(file, bare, false);
+  const Image empty_image = image_without_pixels(shape);
+  const Result<std::vector<const Plane*>> picture = picture_planes(file, empty_image, false);
   if (!picture) return picture.error();
   const std::size_t channels = picture->size();
   return write_atomically(file, [&](std::FILE* stream) -> Result<void> {
@@ -39,8 +39,8 @@ Result<void> write(const fs::path& file, const ImageShape& shape, const WriteSet
       first += rows.height;
       // Rows arrive in groups from the top; the file starts with the bottom row. Pipes, which cannot seek, get all rows
       // at once.
-      const off_t place = start + off_t(row.size() * sizeof(float)) * (shape.height - first);
-      if (rows.height < shape.height && ::fseeko(stream, place, SEEK_SET) != 0)
+      const off_t position = start + off_t(row.size() * sizeof(float)) * (shape.height - first);
+      if (rows.height < shape.height && ::fseeko(stream, position, SEEK_SET) != 0)
         return file_error("'{}' cannot be written: {}", file.string(), std::strerror(errno));
       for (int y = rows.height - 1; y >= 0; --y) {
         for (std::size_t c = 0; c < channels; ++c)
@@ -65,7 +65,7 @@ std::string word(std::FILE* stream) {
   return text;
 }
 
-/// Returns the number if it is the whole word, else NaN.
+/// Returns the value of a word, or NaN if the word is not a number.
 double number(const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
@@ -89,20 +89,20 @@ Result<Image> read(const fs::path& file) {
   if (!(std::isfinite(scale) && scale != 0.0))
     return file_error("'{}' has the scale '{}' in its header: it must be a number other than 0", file.string(),
                       words[2]);
-  if (Result<void> sane = check_size(file, std::int64_t(width), std::int64_t(height)); !sane) return sane.error();
+  if (Result<void> fine = check_size(file, std::int64_t(width), std::int64_t(height)); !fine) return fine.error();
   const int channels = kind == "PF" ? 3 : 1;
   const std::int64_t needed = std::int64_t(width) * std::int64_t(height) * channels * 4;
-  const std::int64_t there = size - std::ftell(in);
-  if (there < needed)
+  const std::int64_t available = size - std::ftell(in);
+  if (available < needed)
     return file_error("'{}' is cut short: {} x {} pixels are {} bytes and it has {}", file.string(), width, height,
-                      needed, there);
+                      needed, available);
   Image image = picture(int(width), int(height), channels);
-  const bool foreign = (scale < 0.0) != (std::endian::native == std::endian::little);
+  const bool is_swapped = (scale < 0.0) != (std::endian::native == std::endian::little);
   std::vector<float> row(std::size_t(image.width) * channels);
   for (int y = image.height - 1; y >= 0; --y) {
     if (std::fread(row.data(), sizeof(float), row.size(), in) != row.size())
       return file_error("'{}' cannot be read: row {} is missing", file.string(), y);
-    if (foreign) swap_bytes(row);
+    if (is_swapped) swap_bytes(row);
     for (int c = 0; c < channels; ++c)
       for (int x = 0; x < image.width; ++x) image.planes[c].at(x, y) = row[std::size_t(x) * channels + c];
   }

@@ -14,15 +14,15 @@
 namespace umbrage {
 namespace {
 
-constexpr float kTolerance = 0.05f;       // pixels: max. deviation of a path's width from the line's,
-constexpr float kMaxFraction = 0.02f;     // or this fraction of the width if that is more
-constexpr float kMinRun = 2.0f;           // pixels: min. length of a path
+constexpr float kTolerance = 0.05f;       // pixels: max deviation of a path's width from the width of the line
+constexpr float kMaxFraction = 0.02f;     // max deviation of wide lines, as a fraction of the width
+constexpr float kMinRun = 2.0f;           // pixels: min length of a path
 constexpr float kMaxOverlap = 0.25f;      // pixels: overlap of a path with the next, so that no gap is visible
-constexpr float kOverlapFraction = 0.1f;  // overlap of thin lines, as a fraction of the width: less is darkened twice
-constexpr int kMaxParts = 64;             // of one segment of varying width
+constexpr float kOverlapFraction = 0.1f;  // overlap of thin lines, as a fraction of the width: limits the darker area
+constexpr int kMaxParts = 64;             // max number of parts of a segment of varying width
 constexpr float kMinWidth = 0.005f;       // pixels: a smaller width would be written as 0
 
-constexpr float kFarthest = 1e9f;  // pixels: limit of coordinates and widths
+constexpr float kMaxMagnitude = 1e9f;  // pixels: limit of coordinates and widths
 
 float tolerance_of(float width) { return std::max(kTolerance, kMaxFraction * width); }
 
@@ -39,12 +39,12 @@ std::string_view name_of(LineKind kind) {
 }
 
 /// Clamps to [0, 1]; NaN becomes 0.
-float fraction(float v) { return std::fmin(std::fmax(v, 0.0f), 1.0f); }
+float clamp_to_unit(float v) { return std::fmin(std::fmax(v, 0.0f), 1.0f); }
 
 /// Returns the colour as "#rrggbb".
 std::string hex_of(const std::array<float, 3>& color) {
   std::string text = "#";
-  for (const float v : color) text += fmt::format("{:02x}", int(std::lround(255.0f * fraction(v))));
+  for (const float v : color) text += fmt::format("{:02x}", int(std::lround(255.0f * clamp_to_unit(v))));
   return text;
 }
 
@@ -54,7 +54,7 @@ double rounded(float v) { return std::round(double(v) * 100.0) / 100.0 + 0.0; }
 /// A point of a line, or an intermediate point of a segment.
 struct Knot {
   LinePoint at;
-  bool corner;  ///< true for a point of the line, where it may turn
+  bool corner;  ///< true for a point of the line, where its direction may change
 };
 
 /// Returns the line's points and at least one intermediate point per segment, more where the width changes.
@@ -75,7 +75,7 @@ std::vector<Knot> knots_of(const Line& line) {
 
 float distance(const LinePoint& a, const LinePoint& b) { return std::hypot(b.x - a.x, b.y - a.y); }
 
-/// Part of a line with nearly constant width: knots [first, last].
+/// A part of a line with nearly constant width: knots `first` to `last`, inclusive.
 struct Run {
   std::size_t first, last;
   float width;
@@ -119,9 +119,9 @@ void add_path(const std::vector<LinePoint>& points, float width, bool round, boo
   out += closed ? "Z\"/>\n" : "\"/>\n";
 }
 
-/// Appends the paths of a line. Adjacent paths overlap only as much as hides the seam, since an antialiased border
-/// drawn twice is darker. For the same reason paths inside the line have butt caps; only the ends of the line have
-/// round caps.
+/// Appends the paths of a line. Adjacent paths overlap only as much as is needed to hide the seam, because an
+/// antialiased border that is drawn twice is darker. For the same reason paths inside the line have butt caps; only the
+/// ends of the line have round caps.
 void add_line(const Line& line, std::string& out) {
   if (line.points.empty()) return;
   const std::vector<Knot> knots = knots_of(line);
@@ -142,11 +142,12 @@ void add_line(const Line& line, std::string& out) {
 Result<void> check_lines(const Lines& lines) {
   for (std::size_t k = 0; k < lines.lines.size(); ++k)
     for (const LinePoint& p : lines.lines[k].points)
-      if (!(std::abs(p.x) <= kFarthest && std::abs(p.y) <= kFarthest && p.width >= 0.0f && p.width <= kFarthest))
+      if (!(std::abs(p.x) <= kMaxMagnitude && std::abs(p.y) <= kMaxMagnitude && p.width >= 0.0f &&
+            p.width <= kMaxMagnitude))
         return usage_error(
             "stroke {} has a point at {}, {} of width {}: coordinates and widths must be at most {:g}, and widths at "
             "least 0",
-            k, p.x, p.y, p.width, kFarthest);
+            k, p.x, p.y, p.width, kMaxMagnitude);
   return {};
 }
 
@@ -168,7 +169,7 @@ Result<std::string> svg_text(const Lines& lines, const SvgStyle& style) {
   text += fmt::format(
       "<g id=\"lines\" fill=\"none\" stroke=\"{}\" stroke-linecap=\"round\" stroke-linejoin=\"round\" "
       "opacity=\"{:.3g}\">\n",
-      hex_of(style.color), fraction(style.opacity));
+      hex_of(style.color), clamp_to_unit(style.opacity));
   for (const auto& [key, paths] : groups) {
     if (paths.empty()) continue;
     const auto& [kind, object] = key;

@@ -21,11 +21,11 @@ struct SvgStyle {
 bool is_svg(const std::filesystem::path& file);
 
 /// Returns the file's text: one group per kind of line and object, in that order, with class "outline", "fold" or
-/// "crease" and the object id in data-object. A line of varying width becomes several paths. Errors: kUsage for points
-/// or widths that are not finite or beyond 1e9, and for negative widths.
+/// "crease" and the object id in data-object. A line of varying width becomes several paths. Errors: kUsage for
+/// coordinates or widths that are not finite or above 1e9 in magnitude, and for negative widths.
 Result<std::string> svg_text(const Lines& lines, const SvgStyle& style);
 
-/// Writes svg_text to a file atomically. Errors: also kFile.
+/// Writes svg_text to a file atomically. Errors: those of svg_text; kFile.
 Result<void> write_svg(const std::filesystem::path& file, const Lines& lines, const SvgStyle& style);
 
 }  // namespace umbrage

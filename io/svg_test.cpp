@@ -1,4 +1,4 @@
-// Lines as .svg files and as strokes: librsvg draws them as they are in the picture.
+// Lines as .svg files and as strokes. librsvg must draw them as they are in the picture.
 #include "io/svg.h"
 
 #include <sys/stat.h>
@@ -6,7 +6,7 @@
 #include "run_program.h"
 #include "support.h"
 #include "umbrage/umbrage.hpp"
-using namespace umb;  // the public interface; its names do not occur in umbrage
+using namespace umb;  // the public interface; its names differ from those in umbrage
 
 namespace umbrage {
 namespace {
@@ -43,7 +43,7 @@ double rmse(const Plane& a, const Plane& b) {
   return std::sqrt(sum / (double(a.width) * a.height));
 }
 
-/// Returns the number of occurrences of a part in a text.
+/// Returns how often a part occurs in a text.
 long count_of(const std::string& text, const std::string& part) {
   long count = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
@@ -52,7 +52,7 @@ long count_of(const std::string& text, const std::string& part) {
 
 const std::string kSmall = "scene:solids?detail=2000 --device cpu --look cartoon --ao none --resolution 128x96 ";
 
-TEST_F(SvgTest, IsDrawnAsThePictureHasIt) {
+TEST_F(SvgTest, MatchesThePicture) {
   write_cube();
   for (const std::string model : {"scene:solids", "cube.obj"})
     for (const int size : {256, 512})
@@ -63,12 +63,12 @@ TEST_F(SvgTest, IsDrawnAsThePictureHasIt) {
         good(line + "--passes outline -o lines.pfm --svg lines.svg");
         // Lines as wide as a thirtieth of the picture's height overlap, and antialiased borders are blended twice
         // there.
-        const bool crowded = model == "scene:solids" && size == 256 && width == 8;
-        EXPECT_LE(rmse(drawn("lines.svg"), image("lines.pfm").planes[0]), crowded ? 0.03 : 0.02) << line;
+        const bool lines_overlap = model == "scene:solids" && size == 256 && width == 8;
+        EXPECT_LE(rmse(drawn("lines.svg"), image("lines.pfm").planes[0]), lines_overlap ? 0.03 : 0.02) << line;
       }
 }
 
-TEST_F(SvgTest, IsTheSameHoweverItIsMade) {
+TEST_F(SvgTest, DoesNotDependOnTheCommand) {
   good(kSmall + "-o picture.png --svg beside.svg");
   good("scene:solids?detail=2000 --device cpu --resolution 128x96 -o alone.svg");
   good(kSmall + "--anti-aliasing 4 --threads 1 --no-background -o averaged.exr --svg averaged.svg");
@@ -96,7 +96,7 @@ TEST_F(SvgTest, IsTheSameOnVulkan) {
   EXPECT_EQ(text_of(folder_ / "gpu.svg"), text_of(folder_ / "cpu.svg"));
 }
 
-TEST_F(SvgTest, HasColorsAndNothingWhereNothingIsSeen) {
+TEST_F(SvgTest, HasColorsAndNoLinesInEmptyViews) {
   write_cube();
   good(
       "cube.obj --device cpu --resolution 64x48 --background-color 1,0.5,0 --set outline.r=0.5 --set "
@@ -105,17 +105,17 @@ TEST_F(SvgTest, HasColorsAndNothingWhereNothingIsSeen) {
   for (const char* part : {"width=\"64px\" height=\"48px\" viewBox=\"0 0 64 48\"", "<rect width=\"64\" height=\"48\" ",
                            "fill=\"#ff8000\"", "stroke=\"#bc0000\"", "opacity=\"0.25\"", "stroke-linecap=\"round\""})
     EXPECT_NE(cube.find(part), std::string::npos) << part;
-  const auto nothing =
+  const auto empty_view =
       run("cube.obj --device cpu --resolution 64x48 --camera-position 0,0,9 --camera-direction 0,0,1 "
           "-o nothing.svg");
-  EXPECT_EQ(nothing.code, 0) << nothing.err;
-  EXPECT_NE(nothing.err.find("nothing of cube.obj is in view"), std::string::npos) << nothing.err;
+  EXPECT_EQ(empty_view.code, 0) << empty_view.err;
+  EXPECT_NE(empty_view.err.find("nothing of cube.obj is in view"), std::string::npos) << empty_view.err;
   EXPECT_EQ(count_of(text_of(folder_ / "nothing.svg"), "<path"), 0);
   EXPECT_EQ(rmse(drawn("nothing.svg"), Plane(64, 48, 0.0f)), 0.0);
 }
 
 TEST_F(SvgTest, RefusesWhatCannotBe) {
-  // Detected before the model is read.
+  // All errors are detected before the model is read.
   const std::string lines = "nothere.obj -o lines.svg ";
   bad(lines + "--bits 16", 2, {"--bits", ".svg"});
   bad(lines + "--half", 2, {"--half", ".svg"});
@@ -134,7 +134,7 @@ TEST_F(SvgTest, RefusesWhatCannotBe) {
   bad("tri.obj --device cpu --resolution 32x32 -o full.svg", 3, {"'full.svg'", "No space left"});
 }
 
-TEST_F(SvgTest, StrokesOfTheLibraryAreThoseOfTheFile) {
+TEST_F(SvgTest, LibraryStrokesMatchTheFile) {
   RenderRequest request = {.model = "scene:solids?detail=2000",
                            .look = "cartoon",
                            .occlusion = "none",

@@ -54,13 +54,13 @@ glm::vec3 pixel_texel(const TracedScene& traced, const CameraRays& rays, const S
   const float inverse = 1.0f / glm::dot(ng, ng);
   const glm::vec3 gradient1 = glm::cross(e2, ng) * inverse, gradient2 = glm::cross(ng, e1) * inverse;
   const glm::vec3 gradient_u = gradient1 * t1.x + gradient2 * t2.x, gradient_v = gradient1 * t1.y + gradient2 * t2.y;
-  // Intersect the neighbouring pixels' rays with the triangle's plane, and return the change of the texture
-  // coordinates.
+  // Returns the change of the texture coordinates from the surface point to where the ray through (x, y) meets the
+  // triangle's plane.
   const auto change = [&](float x, float y) {
     const glm::vec3 origin = rays.origin_at(x, y), direction = rays.direction_at(x, y);
     const float t = glm::dot(ng, surface.position - origin) / glm::dot(ng, direction);
-    const glm::vec3 moved = origin + direction * t - surface.position;
-    return glm::vec2(glm::dot(moved, gradient_u), glm::dot(moved, gradient_v));
+    const glm::vec3 offset = origin + direction * t - surface.position;
+    return glm::vec2(glm::dot(offset, gradient_u), glm::dot(offset, gradient_v));
   };
   return glm::vec3(sample_filtered(traced.textures[texture], t0 + t1 * surface.u + t2 * surface.v,
                                    change(px + 1.0f, py), change(px, py + 1.0f)));

@@ -8,9 +8,9 @@
 
 namespace umbrage {
 
-/// The ray through the point (x, y) of the picture, in pixels from its top left corner, starts at origin + x origin_x +
-/// y origin_y and has the direction direction + x direction_x + y direction_y. The component of the direction along the
-/// view axis equals TracedScene::scale, so that a ray's parameter is depth in scene units.
+/// The rays of a camera. The ray through the point (x, y) of the picture, in pixels from its top left corner, starts at
+/// origin + x origin_x + y origin_y. Its direction is direction + x direction_x + y direction_y. The component of the
+/// direction along the view axis equals TracedScene::scale, so that a ray's parameter is depth in scene units.
 struct CameraRays {
   glm::mat3 world_from_view;
   glm::vec3 eye;
@@ -24,14 +24,15 @@ struct CameraRays {
 /// Returns the rays of a picture's camera.
 CameraRays camera_rays(const TracedScene& traced, const PictureInfo& info);
 
-/// Returns whether every ray of the picture is within kRayLimit; beyond it Embree ends the program.
+/// Returns whether every ray of the picture is within kRayLimit. Embree ends the program for rays beyond the limit.
 bool rays_within_limit(const CameraRays& rays, const PictureInfo& info);
 
-/// Returns the albedo at the surface that the pixel with the centre (px, py) shows: the material's, times the mesh's
-/// colour, times the texture averaged over the pixel.
+/// Returns the albedo of the surface that the pixel with the centre (px, py) shows: the product of the material's
+/// albedo, the mesh's colour, and the texture averaged over the pixel.
 glm::vec3 pixel_albedo(const TracedScene& traced, const CameraRays& rays, const Surface& surface, float px, float py);
 
-/// Returns the emission at that surface: the material's, times the emission texture averaged over the pixel.
+/// Returns the emission of the same surface: the material's emission times the emission texture averaged over the
+/// pixel.
 glm::vec3 pixel_emission(const TracedScene& traced, const CameraRays& rays, const Surface& surface, float px, float py);
 
 }  // namespace umbrage

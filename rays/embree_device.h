@@ -13,11 +13,11 @@ namespace umbrage {
 /// is exhausted. Errors: kDevice if Embree cannot start for another reason.
 Result<RTCDevice> new_embree_device();
 
-/// Returns the error for a hierarchy of the scene that Embree could not build. kDevice.
+/// Returns the kDevice error for a scene for which Embree could not build a hierarchy.
 Error build_error(const Scene& scene, RTCError error);
 
 /// Returns the name of the widest instruction set that Embree's kernels use on this machine, as in kernel/isa.h, or
-/// "sse2".
+/// "sse2"; "none" if Embree cannot start.
 std::string_view isa_of_rays();
 
 }  // namespace umbrage

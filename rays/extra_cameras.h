@@ -8,11 +8,12 @@
 namespace umbrage {
 
 /// Returns `count` cameras, at most 4, that look at one point c on the axis of the picture's camera. c is slightly in
-/// front of the median depth of the visible surfaces, or at a depth with clearly more free space around it, such as
-/// behind a drape in the middle of the picture. The cameras look from behind c, from both sides, and from above, in
-/// this order. Each is as far from c as the picture's camera, or nearer, so that nothing is between it and c, and shows
-/// as much as that camera around c, with a view angle of at most 110 degrees. Projection and picture size, guard band
-/// included, are those of the picture. The cameras do not depend on `count`.
+/// front of the median depth of the visible surfaces, unless another depth has clearly more free space around it, such
+/// as behind a drape in the middle of the picture. The cameras look from behind c, from both sides, and from above, in
+/// this order. Each is as far from c as the picture's camera, or closer if something would be between it and c. Each
+/// shows as large an area around c as the picture's camera does, but its view angle is at most 110 degrees. Projection
+/// and picture size, guard band included, are the same as in the picture. A smaller `count` gives the first of the same
+/// cameras.
 std::vector<Camera> extra_cameras(const TracedScene& traced, const PictureInfo& info, int count);
 
 }  // namespace umbrage

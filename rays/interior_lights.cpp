@@ -17,28 +17,30 @@ namespace umbrage {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr int kGrid = 32;                   // grid of rays, per side of the picture
-constexpr float kMinDefaultCosine = 0.15f;  // mean cosine of the default light on the visible surfaces that suffices
-constexpr float kMinSunCosine = 0.02f;      // mean cosine of the best sun below which sunlight cannot enter
-constexpr float kDefaultDirectionBonus = 0.2f;  // bonus of a sun in the direction of the default light
+constexpr int kGrid = 32;                       // grid of rays, per side of the picture
+constexpr float kMinDefaultCosine = 0.15f;      // min mean cosine of the default light on the visible surfaces
+constexpr float kMinSunCosine = 0.02f;          // min mean cosine of the best sun; with less, sunlight cannot enter
+constexpr float kDefaultDirectionBonus = 0.2f;  // relative bonus of a sun in the direction of the default light
 // Brighter than the default light, since many visible surfaces are in shadow and there is only this light.
 constexpr glm::vec3 kSun(1.5f, 1.38f, 1.18f), kLamp(1.1f, 1.0f, 0.85f);
-// Oblique light shows shapes better: a sun at this height scores best; the loss per degree of deviation.
-constexpr float kBestHeightDeg = 50.0f, kWorseByDeg = 0.01f;
-constexpr float kSunDeg = 0.53f;      // width of the sun's disc
+// Oblique light shows shapes better: a sun at height kBestHeightDeg scores best. kLossPerDeg: relative loss of score
+// per degree of deviation.
+constexpr float kBestHeightDeg = 50.0f, kLossPerDeg = 0.01f;
+constexpr float kSunDeg = 0.53f;      // angular diameter of the sun
 constexpr float kLampHeight = 0.85f;  // fraction of the way from the camera to the ceiling
 constexpr float kLampRadius = 0.05f;  // fraction of the median distance of the visible surfaces
 
-struct Seen {
+/// A visible surface point.
+struct VisiblePoint {
   Surface surface;
-  glm::vec3 start;  // origin of rays that leave it, unit space
+  glm::vec3 start;  // origin of rays that leave the surface, unit space
   float distance;   // from the camera, scene units
 };
 
-std::vector<Seen> visible_surfaces(const TracedScene& traced, const PictureInfo& info) {
+std::vector<VisiblePoint> visible_surfaces(const TracedScene& traced, const PictureInfo& info) {
   const CameraRays rays = camera_rays(traced, info);
-  std::vector<Seen> seen;
-  if (!rays_within_limit(rays, info)) return seen;
+  std::vector<VisiblePoint> points;
+  if (!rays_within_limit(rays, info)) return points;
   for (int j = 0; j < kGrid; ++j)
     for (int i = 0; i < kGrid; ++i) {
       const float x = (float(i) + 0.5f) / kGrid * float(info.width), y = (float(j) + 0.5f) / kGrid * float(info.height);
@@ -47,20 +49,20 @@ std::vector<Seen> visible_surfaces(const TracedScene& traced, const PictureInfo&
       if (!first_hit(traced, origin, direction, hit)) continue;
       const Surface surface = surface_at(traced, hit.hit.geomID, hit.hit.primID, hit.hit.u, hit.hit.v, origin,
                                          direction, {hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z}, hit.ray.tfar);
-      seen.push_back({surface, ray_origin_above(traced, surface, rays.eye),
-                      glm::distance(surface.position, rays.eye) / traced.scale});
+      points.push_back({surface, ray_origin_above(traced, surface, rays.eye),
+                        glm::distance(surface.position, rays.eye) / traced.scale});
     }
-  return seen;
+  return points;
 }
 
-/// Returns the mean cosine of parallel light on the visible surfaces, 0 where it is blocked.
-float mean_light(const TracedScene& traced, const std::vector<Seen>& seen, glm::vec3 direction) {
+/// Returns the mean cosine of parallel light on the visible surfaces; it counts 0 where it is blocked.
+float mean_light(const TracedScene& traced, const std::vector<VisiblePoint>& points, glm::vec3 direction) {
   float sum = 0.0f;
-  for (std::size_t first = 0; first < seen.size(); first += kPacket) {
+  for (std::size_t first = 0; first < points.size(); first += kPacket) {
     RayPacket rays;
     std::array<float, kPacket> cosines{};
-    for (int k = 0; k < kPacket && first + std::size_t(k) < seen.size(); ++k) {
-      const Seen& point = seen[first + std::size_t(k)];
+    for (int k = 0; k < kPacket && first + std::size_t(k) < points.size(); ++k) {
+      const VisiblePoint& point = points[first + std::size_t(k)];
       cosines[k] = glm::dot(point.surface.normal, direction);
       if (!(cosines[k] > 0.0f) || !(glm::dot(point.surface.geometric, direction) > 0.0f)) continue;
       rays.set(k, point.start, direction, 0.0f, kInfinity);
@@ -69,27 +71,27 @@ float mean_light(const TracedScene& traced, const std::vector<Seen>& seen, glm::
     for (int k = 0; k < kPacket; ++k)
       if (rays.arrives(k)) sum += cosines[k];
   }
-  return sum / float(seen.size());
+  return sum / float(points.size());
 }
 
-float median_distance(std::vector<Seen>& seen) {
-  const auto middle = seen.begin() + std::ptrdiff_t(seen.size() / 2);
-  std::nth_element(seen.begin(), middle, seen.end(),
-                   [](const Seen& a, const Seen& b) { return a.distance < b.distance; });
+float median_distance(std::vector<VisiblePoint>& points) {
+  const auto middle = points.begin() + std::ptrdiff_t(points.size() / 2);
+  std::nth_element(points.begin(), middle, points.end(),
+                   [](const VisiblePoint& a, const VisiblePoint& b) { return a.distance < b.distance; });
   return middle->distance;
 }
 
 }  // namespace
 
 std::vector<Light> interior_lights(const TracedScene& traced, const PictureInfo& info,
-                                   const std::vector<Light>& usual) {
-  std::vector<Seen> seen = visible_surfaces(traced, info);
-  if (seen.empty() || usual.empty()) return {};
-  if (mean_light(traced, seen, usual[0].direction) >= kMinDefaultCosine) return {};
+                                   const std::vector<Light>& defaults) {
+  std::vector<VisiblePoint> points = visible_surfaces(traced, info);
+  if (points.empty() || defaults.empty()) return {};
+  if (mean_light(traced, points, defaults[0].direction) >= kMinDefaultCosine) return {};
 
   const glm::vec3 up = glm::normalize(traced.scene->up);
-  const glm::vec3 some = std::abs(up.x) < 0.7f ? glm::vec3(1, 0, 0) : glm::vec3(0, 0, 1);
-  const glm::vec3 across = glm::normalize(glm::cross(up, some)), along = glm::cross(across, up);
+  const glm::vec3 other = std::abs(up.x) < 0.7f ? glm::vec3(1, 0, 0) : glm::vec3(0, 0, 1);
+  const glm::vec3 across = glm::normalize(glm::cross(up, other)), along = glm::cross(across, up);
   constexpr int kTurns = 16;
   glm::vec3 best = up;
   float best_score = 0.0f, best_light = 0.0f;
@@ -98,9 +100,9 @@ std::vector<Light> interior_lights(const TracedScene& traced, const PictureInfo&
       const float height = glm::radians(height_deg), angle = glm::two_pi<float>() * float(turn) / kTurns;
       const glm::vec3 direction = glm::normalize(
           up * std::sin(height) + (across * std::cos(angle) + along * std::sin(angle)) * std::cos(height));
-      const float light = mean_light(traced, seen, direction);
-      const float score = light * (1.0f + kDefaultDirectionBonus * glm::dot(direction, usual[0].direction)) *
-                          (1.0f - kWorseByDeg * std::abs(height_deg - kBestHeightDeg));
+      const float light = mean_light(traced, points, direction);
+      const float score = light * (1.0f + kDefaultDirectionBonus * glm::dot(direction, defaults[0].direction)) *
+                          (1.0f - kLossPerDeg * std::abs(height_deg - kBestHeightDeg));
       if (score > best_score) best_score = score, best_light = light, best = direction;
     }
   Light light;
@@ -111,12 +113,13 @@ std::vector<Light> interior_lights(const TracedScene& traced, const PictureInfo&
     light.angle_deg = kSunDeg;
     return {light};
   }
-  const float distance = median_distance(seen);
+  const float distance = median_distance(points);
   const glm::vec3 eye = inner_camera(info).eye();
   alignas(16) RTCRayHit hit;
-  const float room = first_hit(traced, traced.unit_of(eye), up, hit) ? hit.ray.tfar / traced.scale : distance;
+  const float ceiling_distance =
+      first_hit(traced, traced.unit_of(eye), up, hit) ? hit.ray.tfar / traced.scale : distance;
   light.kind = LightKind::kPoint;
-  light.position = eye + up * (kLampHeight * std::min(room, distance));
+  light.position = eye + up * (kLampHeight * std::min(ceiling_distance, distance));
   light.color = kLamp;
   light.reach = distance;
   light.radius = kLampRadius * distance;

@@ -1,4 +1,4 @@
-// Lights for scenes without lights, with the camera inside.
+// Lights for scenes without lights when the camera is inside the scene.
 #include "rays/interior_lights.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace umbrage {
 namespace {
 
-/// A hall of 8 x 4 x 8 with walls; its roof is closed or has a gap along the middle.
+/// Returns a hall of 8 x 4 x 8 with walls. Its roof has a gap along the middle if it is `open`.
 Scene hall(bool open) {
   Scene scene;
   scene.materials = {Material{}};
@@ -56,13 +56,13 @@ TEST(InteriorLights, ClosedRoomsGetALampBelowTheCeiling) {
   EXPECT_GT(lights[0].reach, 1.0f);
 }
 
-TEST(InteriorLights, WhatTheUsualLightReachesKeepsIt) {
+TEST(InteriorLights, ScenesReachedByTheDefaultLightKeepIt) {
   Scene scene;
   scene.materials = {Material{}};
   scene.meshes = {shapes::box({-4, -0.1f, -4}, {4, 0, 4}), shapes::box({-1, 0, -1}, {1, 1, 1})};
   finish_scene(scene);
   EXPECT_TRUE(lights_in(scene, kInside).empty());
-  // Nothing is visible.
+  // There are no lights if nothing is visible.
   EXPECT_TRUE(lights_in(scene, perspective_camera({0, 9, 0}, {0, 10, 0}, {0, 0, 1}, 40.0f, 1.0f)).empty());
 }
 

@@ -19,8 +19,8 @@ const std::array<float, 256> kLinearFromSrgb = [] {
   return t;
 }();
 
-// n / 255; the conversion costs more than a table lookup here.
-const std::array<float, 256> kShare = [] {
+// n / 255 as a table, because converting costs more than a lookup here.
+const std::array<float, 256> kUnitFromByte = [] {
   std::array<float, 256> t{};
   for (int i = 0; i < 256; ++i) t[i] = float(i) * (1.0f / 255.0f);
   return t;
@@ -32,7 +32,7 @@ std::uint8_t srgb_byte(float linear) {
 
 glm::vec4 texel(const MipLevel& level, int x, int y) {
   const std::uint8_t* p = level.rgba.data() + (std::size_t(y) * level.width + x) * 4;
-  return {kLinearFromSrgb[p[0]], kLinearFromSrgb[p[1]], kLinearFromSrgb[p[2]], kShare[p[3]]};
+  return {kLinearFromSrgb[p[0]], kLinearFromSrgb[p[1]], kLinearFromSrgb[p[2]], kUnitFromByte[p[3]]};
 }
 
 struct Bilinear {
@@ -52,15 +52,15 @@ float fraction_of(float x) {
   return std::abs(x) < kNoFraction ? x - float(floor_of(x)) : 0.0f;
 }
 
-/// Returns two neighbouring texels with repetition; `first` is at least -1 and below `size`.
+/// Returns the indices of texel `first` and the next one, with repetition; `first` is at least -1 and below `size`.
 void neighbours(int first, int size, int& low, int& high) {
   low = first < 0 ? size - 1 : first;
   high = first + 1 >= size ? 0 : first + 1;
 }
 
-/// Converts texture coordinates to fractions of the texture from its top left corner. They are repeated first, so that
-/// large ones keep the bits of their fraction.
-glm::vec2 within(glm::vec2 uv) { return {fraction_of(uv.x), 1.0f - fraction_of(uv.y)}; }
+/// Converts texture coordinates to fractions of the texture from its top left corner. Takes the fractional part first,
+/// so that large coordinates keep the bits of their fraction.
+glm::vec2 fraction_from_top_left(glm::vec2 uv) { return {fraction_of(uv.x), 1.0f - fraction_of(uv.y)}; }
 
 Bilinear bilinear_at(const MipLevel& level, glm::vec2 fraction) {
   const float x = fraction.x * float(level.width) - 0.5f;
@@ -74,8 +74,8 @@ Bilinear bilinear_at(const MipLevel& level, glm::vec2 fraction) {
   return b;
 }
 
-/// Adds the bilinear value of a level at a place, times a weight. Inlined: a vec4 that a function returns goes through
-/// memory in halves, and reading it as a whole stalls.
+/// Adds the bilinear value of a level, times a weight, to `sum`. Inlined, because a returned vec4 would be stored in
+/// halves, and loading it as a whole would stall.
 inline void add_level(const MipLevel& level, glm::vec2 fraction, float weight, glm::vec4& sum) {
   const Bilinear b = bilinear_at(level, fraction);
   const float lower = b.fy * weight, upper = weight - lower;
@@ -87,8 +87,8 @@ inline void add_level(const MipLevel& level, glm::vec2 fraction, float weight, g
 float log2_of(float x) {
   const auto bits = std::bit_cast<std::uint32_t>(x);
   const float t = std::bit_cast<float>((bits & 0x7fffffu) | 0x3f800000u) - 1.0f;
-  const float bow = 0.442419f + t * (-0.269578f + t * (0.150533f - t * 0.044874f));
-  return float(int(bits >> 23) - 127) + (t + t * (1.0f - t) * bow);
+  const float curve = 0.442419f + t * (-0.269578f + t * (0.150533f - t * 0.044874f));
+  return float(int(bits >> 23) - 127) + (t + t * (1.0f - t) * curve);
 }
 
 MipLevel half_of(const MipLevel& level) {
@@ -136,31 +136,32 @@ glm::vec4 sample_filtered(const MipTexture& texture, glm::vec2 uv, glm::vec2 rig
     axis = down;
   }
   const int last = int(texture.levels.size()) - 1;
-  int taps = 1, fine = last, used = 1;
+  int taps = 1, finer_level = last, level_count = 1;
   float blend = 0.0f;
   if (std::isfinite(longer)) {
-    // Rounded to nearest, so that a footprint that is square up to rounding takes one tap.
+    // Round to nearest, so that a footprint that is square up to rounding takes one tap.
     const float ratio = std::clamp(longer / std::max(shorter, 1e-6f), 1.0f, longer > 1.0f ? float(kMaxTaps) : 1.0f);
     taps = int(ratio + 0.5f);
     const float width = std::max(longer / float(taps), 1.0f);
     const float lod = width > 1.0f ? std::clamp(log2_of(width), 0.0f, float(last)) : 0.0f;
-    fine = int(lod);
-    blend = lod - float(fine);
-    used = blend > 0.0f ? 2 : 1;
+    finer_level = int(lod);
+    blend = lod - float(finer_level);
+    level_count = blend > 0.0f ? 2 : 1;
   }
-  const float each = 1.0f / float(taps);
+  const float tap_weight = 1.0f / float(taps);
   glm::vec4 sum(0.0f);
   for (int i = 0; i < taps; ++i) {
-    const glm::vec2 at = within(taps > 1 ? uv + axis * ((float(i) + 0.5f) * each - 0.5f) : uv);
-    for (int level = 0; level < used; ++level)
-      add_level(texture.levels[fine + level], at, level == 0 ? each - each * blend : each * blend, sum);
+    const glm::vec2 at = fraction_from_top_left(taps > 1 ? uv + axis * ((float(i) + 0.5f) * tap_weight - 0.5f) : uv);
+    for (int level = 0; level < level_count; ++level)
+      add_level(texture.levels[finer_level + level], at,
+                level == 0 ? tap_weight - tap_weight * blend : tap_weight * blend, sum);
   }
   return sum;
 }
 
 float sample_alpha(const MipTexture& texture, glm::vec2 uv) {
   const MipLevel& level = texture.levels[0];
-  const Bilinear b = bilinear_at(level, within(uv));
+  const Bilinear b = bilinear_at(level, fraction_from_top_left(uv));
   const auto alpha = [&](int x, int y) { return float(level.rgba[(std::size_t(y) * level.width + x) * 4 + 3]); };
   const float top = alpha(b.x0, b.y0) * (1.0f - b.fx) + alpha(b.x1, b.y0) * b.fx;
   const float bottom = alpha(b.x0, b.y1) * (1.0f - b.fx) + alpha(b.x1, b.y1) * b.fx;

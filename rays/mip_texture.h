@@ -9,11 +9,13 @@
 
 namespace umbrage {
 
+/// One level of a texture.
 struct MipLevel {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgba;  ///< sRGB colour, linear alpha, row 0 at the top
 };
 
+/// A texture with all its levels.
 struct MipTexture {
   std::vector<MipLevel> levels;  ///< the first is the texture itself, the last is 1 x 1
 };
@@ -23,7 +25,8 @@ struct MipTexture {
 MipTexture make_mips(const Texture& texture);
 
 /// Returns linear colour and alpha at `uv` (repeating), averaged over the footprint. `right` and `down` are the change
-/// of uv from one pixel to the next. Anisotropic filtering: footprint from [Heckbert 1989], taps as on GPUs.
+/// of uv from one pixel to the next one in that direction. Anisotropic filtering: footprint from [Heckbert 1989], taps
+/// as on GPUs.
 glm::vec4 sample_filtered(const MipTexture& texture, glm::vec2 uv, glm::vec2 right, glm::vec2 down);
 
 /// Returns the alpha of the finest level at `uv`, bilinear.

@@ -1,5 +1,5 @@
 // Ray packets: up to 16 rays that Embree traces together. All code that traces more than one ray uses them. The size is
-// always 16: where Embree's kernels are 8 or 4 wide it splits packets itself and is as fast (docs/performance.md).
+// always 16: if Embree's kernels are 8 or 4 wide, Embree splits packets itself and is as fast (docs/performance.md).
 #pragma once
 #include <embree3/rtcore.h>
 
@@ -13,7 +13,7 @@ namespace umbrage {
 /// Whether the rays of a packet have similar paths, such as those of neighbouring pixels from one camera.
 enum class Coherence { kCoherent, kIncoherent };
 
-/// Rays in unit space, one for each lane that has been set; the others are idle. All lanes always contain valid
+/// Rays in unit space, one for each lane that has been set; the other lanes are idle. All lanes always contain valid
 /// numbers, since Embree reads idle lanes, too: where it has no kernels for 16 rays, its stream filter ignores the mask
 /// and treats a lane as idle only if tnear > tfar (RenderKit/embree issues 301 and 520).
 class alignas(64) RayPacket {
@@ -30,7 +30,7 @@ class alignas(64) RayPacket {
     }
     set_range(k, near, far);
   }
-  /// Sets the range only; the lane keeps its origin and direction.
+  /// Sets only the range of t; the lane keeps its origin and direction.
   void set_range(int k, float near, float far) {
     rays_.ray.tnear[k] = near;
     rays_.ray.tfar[k] = far;
@@ -45,21 +45,21 @@ class alignas(64) RayPacket {
   float* directions(int axis) { return axis == 0 ? rays_.ray.dir_x : axis == 1 ? rays_.ray.dir_y : rays_.ray.dir_z; }
 
   bool is_set(int k) const { return valid_[std::size_t(k)] != 0; }
-  bool any() const;
+  bool any() const;  ///< whether any lane is set
 
   /// Finds the nearest hit of each ray.
   void find_hits(const TracedScene& traced, Coherence coherence);
   /// Finds for each ray whether anything blocks it.
   void find_blocked(const TracedScene& traced, Coherence coherence);
 
-  /// After find_hits.
+  /// Returns whether ray k hit a surface. Valid after find_hits.
   bool hit(int k) const { return is_set(k) && rays_.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID; }
-  float hit_distance(int k) const { return rays_.ray.tfar[k]; }  ///< t of the hit
+  float hit_distance(int k) const { return rays_.ray.tfar[k]; }  ///< t of the hit, after find_hits
   Surface surface(const TracedScene& traced, int k) const {
     return surface_at(traced, rays_.hit.geomID[k], rays_.hit.primID[k], rays_.hit.u[k], rays_.hit.v[k], origin(k),
                       direction(k), {rays_.hit.Ng_x[k], rays_.hit.Ng_y[k], rays_.hit.Ng_z[k]}, rays_.ray.tfar[k]);
   }
-  /// After find_blocked.
+  /// Returns whether nothing blocked ray k. Valid after find_blocked.
   bool arrives(int k) const { return is_set(k) && !(rays_.ray.tfar[k] < 0.0f); }
 
   glm::vec3 origin(int k) const { return {rays_.ray.org_x[k], rays_.ray.org_y[k], rays_.ray.org_z[k]}; }

@@ -27,8 +27,8 @@ std::pair<glm::vec3, glm::vec3> disc_axes(const glm::vec3& direction) {
 
 void narrow(PenumbraSize& size, const CameraRays& rays, const Surface& surface, float depth, glm::vec3 direction,
             glm::vec3 toward, float radius) {
-  // From one pixel to the next the point on the surface moves by `moved`; only its component perpendicular to the
-  // light's rays counts.
+  // `moved`: the step on the surface from one pixel to the next. Only its component perpendicular to the light's rays
+  // counts.
   const auto pixels = [&](glm::vec3 origin_step, glm::vec3 direction_step) {
     glm::vec3 moved = origin_step + depth * direction_step;
     moved -= direction * (glm::dot(surface.normal, moved) / glm::dot(surface.normal, direction));
@@ -53,22 +53,23 @@ std::vector<ShadowLight> shadow_lights(const TracedScene& traced, const CameraRa
     const glm::vec3 where = rays.world_from_view * (point ? light.position * traced.scale : light.direction);
     const float size = light_size(light) * (point ? traced.scale : 1.0f);
     const auto [right, up] = disc_axes(where);
-    // The noise of a faint light is less visible.
+    // Faint lights get fewer rays, because their noise is less visible.
     const float fraction = brightest > 0.0f ? std::sqrt(brightness(light) / brightest) : 1.0f;
     const bool soft = size > 0.0f && settings.shadow_rays > 0;
-    const int rays_of = soft ? std::clamp(int(std::lround(float(settings.shadow_rays) * fraction)), 1, kDiscPoints) : 0;
-    lights.push_back({k, point, point ? where + rays.eye : where, right, up, rays_of, size});
+    const int ray_count =
+        soft ? std::clamp(int(std::lround(float(settings.shadow_rays) * fraction)), 1, kDiscPoints) : 0;
+    lights.push_back({k, point, point ? where + rays.eye : where, right, up, ray_count, size});
   }
   return lights;
 }
 
 DiscPoints disc_points() {
-  const auto first = [](std::uint32_t n) {  // reverses the bits of n
+  const auto first_coordinate = [](std::uint32_t n) {  // reverses the bits of n
     std::uint32_t v = 0;
     for (int bit = 0; bit < 32; ++bit) v |= (n >> bit & 1u) << (31 - bit);
     return v;
   };
-  const auto second = [](std::uint32_t n) {
+  const auto second_coordinate = [](std::uint32_t n) {
     std::uint32_t v = 0, direction = 1u << 31;
     for (; n != 0; n >>= 1, direction ^= direction >> 1)
       if (n & 1u) v ^= direction;
@@ -76,12 +77,13 @@ DiscPoints disc_points() {
   };
   constexpr double kScale = 1.0 / 4294967296.0;
   // Permutation of the pixels within a ray's 16 points, different from ray to ray.
-  constexpr std::array<std::uint32_t, 4> kTurned = {0, 3, 1, 2};
+  constexpr std::array<std::uint32_t, 4> kPermutation = {0, 3, 1, 2};
   DiscPoints points;
   for (std::uint32_t n = 0; n < kDiscPoints; ++n)
     for (std::uint32_t k = 0; k < std::uint32_t(kPacket); ++k) {
-      const std::uint32_t m = n * kPacket + (k ^ kTurned[n % 4] ^ (kTurned[n / 4 % 4] << 2));
-      const double x = 2.0 * (double(first(m)) * kScale) - 1.0, y = 2.0 * (double(second(m)) * kScale) - 1.0;
+      const std::uint32_t m = n * kPacket + (k ^ kPermutation[n % 4] ^ (kPermutation[n / 4 % 4] << 2));
+      const double x = 2.0 * (double(first_coordinate(m)) * kScale) - 1.0,
+                   y = 2.0 * (double(second_coordinate(m)) * kScale) - 1.0;
       const bool wide = std::fabs(x) > std::fabs(y);
       const double radius = wide ? x : y, quarter = glm::pi<double>() / 4.0;
       const double angle = wide ? quarter * (y / x) : 2.0 * quarter - (y == 0.0 ? 0.0 : quarter * (x / y));

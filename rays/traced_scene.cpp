@@ -44,7 +44,7 @@ void cut_away(const RTCFilterFunctionNArguments* args) {
   }
 }
 
-/// Normalizes v, also if its square is outside the range of floats, as for the normal of a tiny triangle.
+/// Normalizes v even if its square is outside the range of floats, as for the normal of a tiny triangle.
 glm::vec3 unit(glm::vec3 v) {
   const glm::vec3 size = glm::abs(v);
   const float largest = std::max({size.x, size.y, size.z});
@@ -59,15 +59,15 @@ glm::vec2 uv_at(const Mesh& mesh, unsigned triangle, float u, float v) {
 }
 
 Surface surface_at(const TracedScene& traced, unsigned mesh_index, unsigned triangle, float u, float v,
-                   glm::vec3 origin, glm::vec3 direction, glm::vec3 across, float t) {
+                   glm::vec3 origin, glm::vec3 direction, glm::vec3 ng, float t) {
   const Mesh& mesh = traced.scene->meshes[mesh_index];
   Surface surface{
       .mesh = &mesh, .material = &traced.scene->materials[mesh.material], .triangle = triangle, .u = u, .v = v};
   surface.position = origin + direction * t;
-  glm::vec3 geometric = across, normal = across;
+  glm::vec3 geometric = ng, normal = ng;
   if (mesh.points) {
     // Embree's normal of a sphere has arbitrary length.
-    normal = geometric = mesh.spheres ? unit(across) : mesh.normals[triangle];
+    normal = geometric = mesh.spheres ? unit(ng) : mesh.normals[triangle];
   } else {
     const std::uint32_t* i = mesh.indices.data() + std::size_t(triangle) * 3;
     normal = mesh.normals[i[0]] * (1.0f - u - v) + mesh.normals[i[1]] * u + mesh.normals[i[2]] * v;
@@ -109,7 +109,7 @@ glm::vec3 ray_origin_to_light(const TracedScene& traced, const Surface& surface,
   const std::uint32_t* i = mesh.indices.data() + std::size_t(surface.triangle) * 3;
   const float weights[3] = {1.0f - surface.u - surface.v, surface.u, surface.v};
   const glm::vec3 start = ray_origin_above(traced, surface, seen_from);
-  constexpr float kFlat = 1.0f - 1e-6f;  // cosine: at most 0.1 % of a triangle's size is cut off
+  constexpr float kFlat = 1.0f - 1e-6f;  // cosine: ignores a lift of at most 0.1 % of a triangle's size
   const auto is_flat = [&](int k) { return std::abs(glm::dot(mesh.normals[i[k]], surface.geometric)) > kFlat; };
   if (is_flat(0) && is_flat(1) && is_flat(2)) return start;
   glm::vec3 lift(0.0f);
@@ -126,8 +126,8 @@ glm::vec3 ray_origin_to_light(const TracedScene& traced, const Surface& surface,
 namespace {
 
 /// Passes a mesh to Embree, moved to unit space. Returns false if memory is exhausted.
-bool fill_triangles(const TracedScene& traced, const Mesh& mesh, RTCGeometry geometry) {
-  // Embree's own buffers: it reads 16 bytes per vertex, beyond the end of a shared array of 12.
+bool set_triangles(const TracedScene& traced, const Mesh& mesh, RTCGeometry geometry) {
+  // Use buffers that Embree allocates: it reads 16 bytes per vertex, beyond the end of a shared array of 12 bytes each.
   void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3),
                                            mesh.positions.size());
   void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
@@ -139,7 +139,7 @@ bool fill_triangles(const TracedScene& traced, const Mesh& mesh, RTCGeometry geo
   return true;
 }
 
-bool fill_points(const TracedScene& traced, const Mesh& mesh, RTCGeometry geometry) {
+bool set_points(const TracedScene& traced, const Mesh& mesh, RTCGeometry geometry) {
   const std::size_t count = mesh.positions.size();
   auto* points = static_cast<glm::vec4*>(
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, sizeof(glm::vec4), count));
@@ -185,7 +185,7 @@ Result<TracedScenePtr> build_traced_scene(const Scene& scene, const ProgressMoni
                                  : mesh.spheres ? RTC_GEOMETRY_TYPE_SPHERE_POINT
                                                 : RTC_GEOMETRY_TYPE_ORIENTED_DISC_POINT;
     const RTCGeometry geometry = rtcNewGeometry(traced->device, type);
-    if (!(mesh.points ? fill_points(*traced, mesh, geometry) : fill_triangles(*traced, mesh, geometry))) {
+    if (!(mesh.points ? set_points(*traced, mesh, geometry) : set_triangles(*traced, mesh, geometry))) {
       rtcReleaseGeometry(geometry);
       return build_error(scene, RTC_ERROR_OUT_OF_MEMORY);
     }
@@ -198,14 +198,14 @@ Result<TracedScenePtr> build_traced_scene(const Scene& scene, const ProgressMoni
     rtcAttachGeometryByID(traced->rtc, geometry, unsigned(m));
     rtcReleaseGeometry(geometry);
   }
-  // Called by all threads that build, including the calling one.
+  // Embree calls this from all threads that build, including the calling thread.
   if (monitor)
     rtcSetSceneProgressMonitorFunction(
         traced->rtc,
         [](void* pointer, double fraction) {
-          auto& building = *static_cast<Watch*>(pointer);
-          building.reached(fraction);
-          return !building.ended();
+          auto& watched = *static_cast<Watch*>(pointer);
+          watched.reached(fraction);
+          return !watched.ended();
         },
         &watch);
   rtcCommitScene(traced->rtc);

@@ -18,7 +18,7 @@ namespace umbrage {
 
 /// A scene in unit space: Embree gets the scene moved to the origin and scaled to about unit size, since products of
 /// four edge lengths exceed the range of floats for a scene of micrometres or of light years. The scale is a power of
-/// two, which is exact.
+/// two, so scaling is exact.
 struct TracedScene {
   const Scene* scene = nullptr;
   RTCDevice device = nullptr;
@@ -36,9 +36,9 @@ struct FreeTracedScene {
 using TracedScenePtr = std::unique_ptr<TracedScene, FreeTracedScene>;
 
 /// Builds the hierarchy. The scene must outlive the result. Rays pass through texels that alpha cuts out. Errors:
-/// kDevice if Embree cannot build it (out of memory); kInterrupted.
+/// kDevice if Embree cannot build the hierarchy (out of memory); kInterrupted.
 Result<TracedScenePtr> build_traced_scene(const Scene& scene, const ProgressMonitor& monitor = {});
-/// The same with at most `threads` threads.
+/// Does the same with at most `threads` threads.
 Result<TracedScenePtr> build_traced_scene(const Scene& scene, int threads, const ProgressMonitor& monitor = {});
 
 /// The surface that a ray hit, in unit space.
@@ -49,21 +49,21 @@ struct Surface {
   float u = 0.0f, v = 0.0f;  ///< barycentric weights of the triangle's second and third vertex
   glm::vec3 position{0.0f};
   glm::vec3 geometric{0.0f};  ///< normal of the triangle or point, unit, on the ray's side
-  glm::vec3 normal{0.0f};     ///< interpolated normal, unit, on the ray's side of triangle and ray
+  glm::vec3 normal{0.0f};     ///< interpolated normal, unit, on the ray's side, not facing away from the ray
 };
 
-/// Returns the surface at the hit of a ray with this origin and direction at parameter `t`. `across` is a normal of the
-/// triangle, of any length and sign, as Embree returns it. The side that the ray hit counts, independent of the
-/// winding.
+/// Returns the surface at the hit of a ray with this origin and direction at parameter `t`. `ng` is the normal of
+/// the triangle as Embree returns it, of any length and sign. Normals of the result are on the side that the ray hit,
+/// independent of the winding.
 Surface surface_at(const TracedScene& traced, unsigned mesh, unsigned triangle, float u, float v, glm::vec3 origin,
-                   glm::vec3 direction, glm::vec3 across, float t);
+                   glm::vec3 direction, glm::vec3 ng, float t);
 
-/// Returns the origin for a ray that leaves the surface: offset along the geometric normal so that rounding does not
-/// make it hit the surface again; above a disc so far that the surrounding discs, which deviate slightly in height, do
-/// not block it. `seen_from` is the origin of the ray that hit the surface.
+/// Returns the origin for a ray that leaves the surface: offset along the geometric normal, so that rounding does not
+/// make the ray hit the surface again. Above a disc the offset is larger, so that the surrounding discs, which deviate
+/// slightly in height, do not block the ray. `seen_from` is the origin of the ray that hit the surface.
 glm::vec3 ray_origin_above(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from);
 
-/// Returns the origin for a ray to a light: on the smooth surface that the vertex normals of the triangle suggest. The
+/// Returns the origin for a ray to a light: on the smooth surface that the vertex normals of the triangle imply. The
 /// triangle lies below that surface; at grazing light, rays from the triangle itself would be blocked by its neighbours
 /// and give jagged shadows. [Hanika 2021]
 glm::vec3 ray_origin_to_light(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from);
@@ -74,11 +74,10 @@ inline constexpr float kDiscRayOffset = 0.3f;
 /// Returns the mesh's colour at a hit; white if the mesh has none.
 glm::vec3 mesh_color(const Surface& surface);
 
-/// Returns the texture coordinates of a hit. The mesh must have some.
+/// Returns the texture coordinates of a hit. The mesh must have texture coordinates.
 glm::vec2 uv_at(const Mesh& mesh, unsigned triangle, float u, float v);
 
-/// Returns whether a single ray, in unit space, hits a surface, and sets `hit`. A ray that would leave the range of
-/// floats hits nothing.
+/// Returns whether a ray, in unit space, hits a surface, and sets `hit`. A ray beyond kRayLimit hits nothing.
 bool first_hit(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction, RTCRayHit& hit);
 
 /// Embree ends the program if a ray's origin or direction has a component beyond 1.844e18; rays stay below this.

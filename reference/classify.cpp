@@ -1,11 +1,11 @@
 // classify(): silhouettes, thin objects and open surfaces from depth and normals.
 //
 // The basis is a test for a depth discontinuity between two neighbouring pixels. Each pixel has a tangent plane. On one
-// smooth surface, however steep, each point lies on the other's plane. At a concave crease each lies in front of the
-// other's plane, at a convex one each is behind it: the planes meet between the pixels. Only where the nearer point
-// lies in front of the farther one's plane, and the farther point behind the nearer one's, is there a gap that neither
-// plane explains. At the silhouette of a round object the last pixel's plane may be so steep that it explains any gap;
-// there the pixel before it is tested, too.
+// smooth surface, however steep, each point is on the other point's plane. At a concave crease each point is in front
+// of the other's plane, at a convex crease each is behind it: the planes meet between the pixels. There is a gap that
+// neither plane explains only if the nearer point is in front of the plane of the farther point, and the farther point
+// is behind the plane of the nearer point. At the silhouette of a round object the last pixel's plane may be so steep
+// that it explains any gap. Therefore the pixel before the last one is tested, too.
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -31,15 +31,17 @@ constexpr float kTolerancePx = 1.0f;
 constexpr double kSilhouetteFraction = 2.0 / 1024.0;
 constexpr int kSilhouetteMin = 1;
 
-// Thin is a tenth of a usual radius (a tenth of the height): samples step over it or take it for a wall.
+// Thin objects are at most as wide as a tenth of a typical radius, which is a tenth of the height: samples step over
+// them or treat them as thick.
 constexpr double kThinFraction = 0.01;
 constexpr int kThinMin = 2;
 
-// The picture's border: as wide as the inner half of a usual radius, where the samples with the largest weight lie.
+// The picture's border is about as wide as the inner half of a typical radius, where the samples with the largest
+// weight lie.
 constexpr double kBorderFraction = 0.04;
 constexpr int kBorderMin = 1;
 
-int share_of(int size, double fraction, int min) { return std::max(min, int(std::lround(size * fraction))); }
+int scaled_size(int size, double fraction, int min) { return std::max(min, int(std::lround(size * fraction))); }
 
 /// The visible surface point of a pixel, view space.
 struct Surfel {
@@ -47,7 +49,7 @@ struct Surfel {
   scalar::Vec3 point{}, normal{};
 };
 
-/// Computes the surfels of one row.
+/// Computes the surfels of a G-buffer row by row.
 class SurfelRows {
  public:
   explicit SurfelRows(const GBuffer& gbuffer) : depth_(gbuffer.layers[0].plane("depth")) {
@@ -113,13 +115,14 @@ Discontinuity discontinuity_between(const SurfelRows& rows, const Surfel& before
   return down ? Discontinuity::kDown : Discontinuity::kUp;
 }
 
-/// The neighbours with which each pixel is compared; the opposite ones compare with it.
+/// The steps to the neighbours with which each pixel is compared. The neighbours on the opposite sides are compared
+/// from there.
 struct Step {
   int x, y;
 };
 constexpr std::array<Step, 4> kSteps = {{{1, 0}, {0, 1}, {1, 1}, {-1, 1}}};
 constexpr int kStraightSteps = 2;  // the steps along the axes come first
-constexpr int kMargin = 2;         // reach of a step's line of four surfels beyond the picture
+constexpr int kMargin = 2;         // columns beyond the picture that lines of four surfels reach
 
 /// The discontinuities between each pixel and its neighbours.
 struct DiscontinuityMap {
@@ -134,11 +137,11 @@ DiscontinuityMap find_discontinuities(const SurfelRows& surfels, int width, int 
   DiscontinuityMap map{width, height, {}};
   for (auto& discontinuities : map.discontinuities)
     discontinuities.assign(std::size_t(width) * height, Discontinuity::kNone);
-  constexpr int kGrain = 32;  // rows per task: enough to outweigh the extra rows read above and below
-  tbb::parallel_for(tbb::blocked_range<int>(0, height, kGrain), [&](const tbb::blocked_range<int>& rows) {
+  constexpr int kRowsPerTask = 32;  // rows per task: enough to outweigh the extra rows read above and below
+  tbb::parallel_for(tbb::blocked_range<int>(0, height, kRowsPerTask), [&](const tbb::blocked_range<int>& rows) {
     // Rows y - 1 to y + 2; row r is stored at index r mod 4.
-    std::array<std::vector<Surfel>, 4> kept;
-    const auto row = [&](int r) -> std::vector<Surfel>& { return kept[(r + 4) % 4]; };
+    std::array<std::vector<Surfel>, 4> window;
+    const auto row = [&](int r) -> std::vector<Surfel>& { return window[(r + 4) % 4]; };
     const auto read = [&](int r) {
       row(r).assign(width + 2 * kMargin, {});
       if (r >= 0 && r < height) surfels.read(r, row(r).data() + kMargin);
@@ -161,7 +164,7 @@ DiscontinuityMap find_discontinuities(const SurfelRows& surfels, int width, int 
   return map;
 }
 
-/// Marks pixels at most `reach` pixels along the axes from a discontinuity; 1: only the pixels beside it.
+/// Marks the pixels that are at most `reach` pixels from a discontinuity, along the axes; 1: only the pixels beside it.
 std::vector<char> mark_silhouettes(const DiscontinuityMap& map, int reach) {
   const int width = map.width, height = map.height;
   const std::size_t size = std::size_t(width) * height;
@@ -189,7 +192,7 @@ std::vector<char> mark_silhouettes(const DiscontinuityMap& map, int reach) {
   return marked;
 }
 
-/// Marks runs of at most `most` pixels along the step that begin with a kUp and end with a kDown.
+/// Marks runs of at most `max` pixels along the step that begin after a kUp and end at a kDown.
 void mark_runs(const DiscontinuityMap& map, int step, int max, std::vector<char>& marked) {
   const auto [dx, dy] = kSteps[step];
   for (int y0 = 0; y0 < map.height; ++y0)
@@ -226,9 +229,9 @@ ClassMap classify(const GBuffer& gbuffer) {
 
   const SurfelRows surfels(gbuffer);
   const DiscontinuityMap discontinuities = find_discontinuities(surfels, width, height);
-  const auto silhouette = mark_silhouettes(discontinuities, share_of(height, kSilhouetteFraction, kSilhouetteMin));
-  const auto thin = mark_thin(discontinuities, share_of(height, kThinFraction, kThinMin));
-  const int border = share_of(std::min(width, height), kBorderFraction, kBorderMin);
+  const auto silhouette = mark_silhouettes(discontinuities, scaled_size(height, kSilhouetteFraction, kSilhouetteMin));
+  const auto thin = mark_thin(discontinuities, scaled_size(height, kThinFraction, kThinMin));
+  const int border = scaled_size(std::min(width, height), kBorderFraction, kBorderMin);
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
       if (!surfels.is_surface(x, y)) continue;

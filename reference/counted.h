@@ -1,4 +1,4 @@
-// The values that count in a comparison: those of covered pixels, with NaN and infinity replaced.
+// The values that count in a comparison: values of covered pixels, with 0 in place of NaN and infinity.
 #pragma once
 #include <cmath>
 

@@ -1,10 +1,10 @@
 // FLIP for low dynamic range [Andersson et al. 2020]: the difference that a viewer perceives when flipping between two
 // pictures on a screen.
 //
-// Colour: both pictures are blurred by the contrast sensitivity of the eye at that distance, per opponent channel, and
-// compared in a perceptual space. Features: edges and points that only one of them shows increase the error. All
-// filters are Gaussians, derivatives of Gaussians or sums of them, hence separable. At the border the last pixel is
-// repeated. Grey pictures need only the achromatic channel: the other ones are 0.
+// Colour: both pictures are blurred by the contrast sensitivity of the eye at the viewing distance, per opponent
+// channel, and compared in a perceptual space. Features: edges and points that only one of the pictures shows increase
+// the error. All filters are Gaussians, derivatives of Gaussians or sums of them, hence separable. At the border the
+// last pixel is repeated. Grey pictures need only the achromatic channel: the other channels are 0.
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -47,15 +47,16 @@ const std::vector<Sensitivity> kRedGreen = {{1.0, 0.0053}};
 const std::vector<Sensitivity> kBlueYellow = {{34.1, 0.04}, {13.5, 0.025}};
 constexpr double kMaxB = 0.04;
 
-constexpr int kGrain = 16;  // rows per task: enough to outweigh its scratch memory
+constexpr int kRowsPerTask = 16;  // rows per task: enough to outweigh its scratch memory
 
-/// A filter along one axis: weights at distances 0, 1, ... on the far side; `sign` times those on the near side.
+/// A filter along one axis: weights at distances 0, 1, ... towards larger coordinates; towards smaller ones, `sign`
+/// times these weights.
 struct Kernel {
   std::vector<float> weights;
   float sign = 1.0f;
 };
 
-/// A term of a blur: `share` times the Gaussian along both axes.
+/// A term of a blur: `fraction` times the Gaussian along both axes.
 struct Blur {
   float fraction;
   Kernel gaussian;
@@ -66,7 +67,7 @@ int reach(double deviation) { return int(std::ceil(3.0 * deviation)); }
 
 int blur_reach() { return reach(std::sqrt(kMaxB / (2.0 * pi * pi)) * kPixelsPerDegree); }
 
-/// Normalizes weights at 0 to `radius` by the sum over both sides.
+/// Returns a symmetric filter: weights at distances 0, 1, ..., normalized by their sum over both sides.
 Kernel even_kernel(const std::vector<double>& weights) {
   double sum = weights[0];
   for (std::size_t k = 1; k < weights.size(); ++k) sum += 2.0 * weights[k];
@@ -96,7 +97,7 @@ std::vector<Blur> blur_of(const std::vector<Sensitivity>& terms) {
 }
 
 /// The feature detectors along their axis, and the Gaussian across it, which both use. Positive weights sum to 1,
-/// negative ones to -1.
+/// negative weights to -1.
 struct Detectors {
   Kernel across, edge, point;
 };
@@ -104,7 +105,7 @@ struct Detectors {
 Detectors make_detectors() {
   const double deviation = 0.5 * kFeatureWidth * kPixelsPerDegree;
   std::vector<double> gaussian, edge, point;
-  double edge_sum = 0.0, rise = 0.0, fall = 0.0;
+  double edge_sum = 0.0, positive_sum = 0.0, negative_sum = 0.0;
   for (int k = 0; k <= reach(deviation); ++k) {
     const double g = std::exp(-0.5 * k * k / (deviation * deviation));
     const double second = (k * k / (deviation * deviation) - 1.0) * g;
@@ -112,33 +113,33 @@ Detectors make_detectors() {
     edge.push_back(k * g);
     point.push_back(second);
     edge_sum += k * g;
-    (second > 0.0 ? rise : fall) += (k == 0 ? 1.0 : 2.0) * std::abs(second);
+    (second > 0.0 ? positive_sum : negative_sum) += (k == 0 ? 1.0 : 2.0) * std::abs(second);
   }
   Detectors detectors{even_kernel(gaussian), {{}, -1.0f}, {{}, 1.0f}};
   for (double w : edge) detectors.edge.weights.push_back(float(w / edge_sum));
-  for (double w : point) detectors.point.weights.push_back(float(w / (w > 0.0 ? rise : fall)));
+  for (double w : point) detectors.point.weights.push_back(float(w / (w > 0.0 ? positive_sum : negative_sum)));
   return detectors;
 }
 
-/// Returns the max reach of all filters.
-int farthest_reach() {
+/// Returns the reach of the widest filter.
+int max_reach() {
   const auto reach = [](const Kernel& kernel) { return int(kernel.weights.size()) - 1; };
-  static const int farthest = [&] {
+  static const int result = [&] {
     const Detectors detectors = make_detectors();
     return std::max({blur_reach(), reach(detectors.across), reach(detectors.edge), reach(detectors.point)});
   }();
-  return farthest;
+  return result;
 }
 
 /// A row whose end values are repeated on either side, so that filters need no bounds checks.
 struct Row {
-  explicit Row(int width) : values(width + 2 * farthest_reach()) {}
+  explicit Row(int width) : values(width + 2 * max_reach()) {}
   std::vector<float> values;
-  float* begin() { return values.data() + farthest_reach(); }
-  const float* begin() const { return values.data() + farthest_reach(); }
+  float* begin() { return values.data() + max_reach(); }
+  const float* begin() const { return values.data() + max_reach(); }
 };
 
-/// Filters down the columns of a plane around row y.
+/// Filters a plane along its columns. `out` receives row y of the result.
 void filter_down(const Plane& plane, int y, const Kernel& kernel, Row& out) {
   const int width = plane.width;
   float* sums = out.begin();
@@ -164,7 +165,8 @@ void filter_along(const Row& row, const Kernel& kernel, float fraction, std::vec
   }
 }
 
-/// Linear Rec.709 and XYZ divided by that of white [IEC 61966-2-1], with the fractions that the paper's authors use.
+/// Conversions between linear Rec.709 and XYZ relative to white [IEC 61966-2-1], with the numbers that the paper's
+/// authors use.
 struct Matrices {
   glm::mat3 xyz_from_rgb, rgb_from_xyz;
 };
@@ -183,11 +185,11 @@ Matrices make_matrices() {
 }
 
 const Matrices& matrices() {
-  static const Matrices made = make_matrices();
-  return made;
+  static const Matrices cached = make_matrices();
+  return cached;
 }
 
-/// The curve of L*a*b*: a cube root with a linear segment near 0.
+/// Returns the curve of L*a*b*: a cube root with a linear segment near 0.
 float lab_curve(float t) {
   constexpr float kFoot = 6.0f / 29.0f;
   return t > kFoot * kFoot * kFoot ? std::cbrt(t) : t / (3.0f * kFoot * kFoot) + 4.0f / 29.0f;
@@ -195,7 +197,7 @@ float lab_curve(float t) {
 
 float lightness(float y) { return 116.0f * lab_curve(y) - 16.0f; }
 
-/// L*a*b* of linear light, with chroma adjusted for the Hunt effect: colours are less vivid in the dark.
+/// Returns L*a*b* of linear light, with chroma adjusted for the Hunt effect: colours are less vivid in the dark.
 glm::vec3 hunt_lab(glm::vec3 rgb) {
   const glm::vec3 xyz = matrices().xyz_from_rgb * rgb;
   const glm::vec3 f(lab_curve(xyz.x), lab_curve(xyz.y), lab_curve(xyz.z));
@@ -206,7 +208,8 @@ glm::vec3 hunt_lab(glm::vec3 rgb) {
 /// Returns the HyAB distance: the difference of lightness is added to the distance of hue and chroma.
 float hyab(glm::vec3 a, glm::vec3 b) { return std::abs(a.x - b.x) + std::hypot(a.y - b.y, a.z - b.z); }
 
-/// Maps a HyAB distance to an error from 0 to 1: most of the range is for differences below those of pure colours.
+/// Maps a HyAB distance to an error from 0 to 1. Most of the range is for differences smaller than those of pure
+/// colours.
 float colour_error(float distance) {
   static const float largest =
       std::pow(hyab(hunt_lab({0.0f, 1.0f, 0.0f}), hunt_lab({0.0f, 0.0f, 1.0f})), kColourExponent);
@@ -215,7 +218,8 @@ float colour_error(float distance) {
   return kPointT + (power - knee) / (largest - knee) * (1.0f - kPointT);
 }
 
-/// Returns a picture's opponent channels: YCxCz without the scale and offset of each. A grey picture has only Y.
+/// Returns a picture's opponent channels: YCxCz without the scale and offset of each channel; only Y for a grey
+/// picture.
 std::vector<Plane> opponent_channels(const Image& image, const ClassMap& classes) {
   const int width = classes.width, height = classes.height;
   const std::size_t channels = image.planes.size();
@@ -242,52 +246,54 @@ std::vector<Plane> opponent_channels(const Image& image, const ClassMap& classes
 }
 
 /// Filtered values of one row of a picture.
-struct Seen {
+struct FilteredRow {
   std::array<std::vector<float>, 3> colour;  ///< blurred opponent channels
   std::array<std::vector<float>, 2> edge, point;
 };
 
-struct Eye {
+/// The filters of all channels.
+struct Filters {
   std::array<std::vector<Blur>, 3> blurs = {blur_of(kAchromatic), blur_of(kRedGreen), blur_of(kBlueYellow)};
   Detectors detectors = make_detectors();
 };
 
-void filter_row(const Eye& eye, const std::vector<Plane>& channels, int y, Row& scratch, Seen& seen) {
+void filter_row(const Filters& filters, const std::vector<Plane>& channels, int y, Row& scratch,
+                FilteredRow& filtered) {
   const int width = channels[0].width;
   for (std::size_t c = 0; c < channels.size(); ++c) {
-    seen.colour[c].assign(width, 0.0f);
-    for (const Blur& blur : eye.blurs[c]) {
+    filtered.colour[c].assign(width, 0.0f);
+    for (const Blur& blur : filters.blurs[c]) {
       filter_down(channels[c], y, blur.gaussian, scratch);
-      filter_along(scratch, blur.gaussian, blur.fraction, seen.colour[c]);
+      filter_along(scratch, blur.gaussian, blur.fraction, filtered.colour[c]);
     }
   }
   for (int axis = 0; axis < 2; ++axis) {
-    seen.edge[axis].assign(width, 0.0f);
-    seen.point[axis].assign(width, 0.0f);
+    filtered.edge[axis].assign(width, 0.0f);
+    filtered.point[axis].assign(width, 0.0f);
   }
-  const Detectors& detectors = eye.detectors;
+  const Detectors& detectors = filters.detectors;
   filter_down(channels[0], y, detectors.across, scratch);
-  filter_along(scratch, detectors.edge, 1.0f, seen.edge[0]);
-  filter_along(scratch, detectors.point, 1.0f, seen.point[0]);
+  filter_along(scratch, detectors.edge, 1.0f, filtered.edge[0]);
+  filter_along(scratch, detectors.point, 1.0f, filtered.point[0]);
   filter_down(channels[0], y, detectors.edge, scratch);
-  filter_along(scratch, detectors.across, 1.0f, seen.edge[1]);
+  filter_along(scratch, detectors.across, 1.0f, filtered.edge[1]);
   filter_down(channels[0], y, detectors.point, scratch);
-  filter_along(scratch, detectors.across, 1.0f, seen.point[1]);
+  filter_along(scratch, detectors.across, 1.0f, filtered.point[1]);
 }
 
-/// Returns the distance of the blurred colours of pixel x.
-float colour_distance(const Seen& a, const Seen& b, int x, bool grey) {
+/// Returns the perceptual distance of the blurred colours of pixel x.
+float colour_distance(const FilteredRow& a, const FilteredRow& b, int x, bool grey) {
   if (grey) return std::abs(lightness(a.colour[0][x]) - lightness(b.colour[0][x]));
-  const auto lab = [x](const Seen& seen) {
-    const float y = seen.colour[0][x];
-    const glm::vec3 rgb = matrices().rgb_from_xyz * glm::vec3(y + seen.colour[1][x], y, y - seen.colour[2][x]);
+  const auto lab = [x](const FilteredRow& filtered) {
+    const float y = filtered.colour[0][x];
+    const glm::vec3 rgb = matrices().rgb_from_xyz * glm::vec3(y + filtered.colour[1][x], y, y - filtered.colour[2][x]);
     return hunt_lab(glm::clamp(rgb, 0.0f, 1.0f));
   };
   return hyab(lab(a), lab(b));
 }
 
 /// Returns the difference of the features of pixel x, 0 to 1.
-float feature_error(const Seen& a, const Seen& b, int x) {
+float feature_error(const FilteredRow& a, const FilteredRow& b, int x) {
   const auto strength = [x](const std::array<std::vector<float>, 2>& feature) {
     return std::sqrt(feature[0][x] * feature[0][x] + feature[1][x] * feature[1][x]);
   };
@@ -303,21 +309,21 @@ Plane flip_map(const Image& picture, const Image& truth, const ClassMap& classes
   const int width = classes.width, height = classes.height;
   Plane map(width, height, 0.0f);
   if (picture.planes.empty()) return map;
-  static const Eye eye;
+  static const Filters filters;
   const bool grey = picture.planes.size() == 1;
   const std::vector<Plane> channels = opponent_channels(picture, classes);
   const std::vector<Plane> reference_channels = opponent_channels(truth, classes);
-  tbb::parallel_for(tbb::blocked_range<int>(0, height, kGrain), [&](const tbb::blocked_range<int>& rows) {
+  tbb::parallel_for(tbb::blocked_range<int>(0, height, kRowsPerTask), [&](const tbb::blocked_range<int>& rows) {
     Row scratch(width);
-    Seen seen, reference_seen;
+    FilteredRow filtered, filtered_reference;
     for (int y = rows.begin(); y < rows.end(); ++y) {
-      filter_row(eye, channels, y, scratch, seen);
-      filter_row(eye, reference_channels, y, scratch, reference_seen);
+      filter_row(filters, channels, y, scratch, filtered);
+      filter_row(filters, reference_channels, y, scratch, filtered_reference);
       for (int x = 0; x < width; ++x) {
         if (!is_counted(classes.row(y)[x])) continue;
-        const float distance = colour_distance(seen, reference_seen, x, grey);
+        const float distance = colour_distance(filtered, filtered_reference, x, grey);
         if (distance == 0.0f) continue;
-        map.row(y)[x] = std::pow(colour_error(distance), 1.0f - feature_error(seen, reference_seen, x));
+        map.row(y)[x] = std::pow(colour_error(distance), 1.0f - feature_error(filtered, filtered_reference, x));
       }
     }
   });

@@ -1,4 +1,5 @@
-// score(): sums per row and class, then over the rows in order, so that the result is independent of the threads.
+// Metrics. score() sums per row and class, then over the rows in order, so that the result is independent of the
+// threads.
 #include "reference/metrics.h"
 
 #include <tbb/parallel_for.h>
@@ -153,14 +154,14 @@ ScoreCard score_light(const Image& picture, const Image& truth, const ClassMap& 
     return image;
   };
   ScoreCard card = score(exposed(picture), exposed(truth), classes);
-  const auto in_means = [](Scores& scores) {
+  const auto make_relative = [](Scores& scores) {
     scores.rmse /= kMiddleGrey;
     scores.bias /= kMiddleGrey;
     scores.p99 /= kMiddleGrey;
     scores.psnr += 20.0 * std::log10(kMiddleGrey);
   };
-  in_means(card.covered);
-  for (Scores& scores : card.by_class) in_means(scores);
+  make_relative(card.covered);
+  for (Scores& scores : card.by_class) make_relative(scores);
   return card;
 }
 

@@ -1,7 +1,8 @@
 // Metrics: the error of a picture against the reference, over all covered pixels and by class of pixel.
 //
 // A picture is one plane (occlusion, display values) or three (light, linear Rec.709, displayed with the sRGB curve).
-// Values are expected in [0, 1]; others count unchanged in the errors and are clamped in the perceptual metric (FLIP).
+// Values are expected in [0, 1]. Other values count unchanged in the errors and are clamped in the perceptual metric
+// (FLIP).
 #pragma once
 #include <array>
 #include <cstddef>
@@ -14,7 +15,7 @@
 
 namespace umbrage {
 
-/// The class of a covered pixel: the first of this order that applies.
+/// The class of a pixel: the first in this order that applies.
 enum class PixelClass : std::uint8_t {
   kBorder,      ///< near the picture's border, beyond which a screen-space technique has no data
   kThin,        ///< on a narrow surface in front of a farther one
@@ -35,10 +36,12 @@ struct ClassMap {
 
 /// Classifies the pixels of a G-buffer's first layer by its planes `depth` and `normal` and the camera. The result does
 /// not depend on the scene's scale; widths are proportional to the picture's height, so that an object keeps its class
-/// at any resolution. Without a depth plane all is background; a normal that is missing, 0 or NaN faces the viewer.
+/// at any resolution. Without a depth plane all pixels are background. A normal that is missing, 0 or NaN counts as
+/// facing the camera.
 ClassMap classify(const GBuffer& gbuffer);
 
-/// Scores over a set of pixels; all channels have the same weight. For no pixels: all 0, psnr infinite, ssim 1.
+/// Scores of a set of pixels. All channels have the same weight. Without pixels, psnr is infinite, ssim 1, all others
+/// 0.
 struct Scores {
   long pixels = 0;
   double rmse = 0.0;  ///< root of the mean squared error
@@ -49,28 +52,29 @@ struct Scores {
   double flip = 0.0;  ///< mean of the perceptual error [Andersson et al. 2020], 0 to 1
 };
 
+/// Scores of a picture: over all covered pixels and by class.
 struct ScoreCard {
   Scores covered;
   std::array<Scores, kPixelClasses> by_class;
 };
 
-/// Compares a picture with the reference. Both have one or both have three planes, in the same order, of the map's
-/// size. Values that are not finite count as 0. The scores are bitwise identical for any number of threads.
+/// Compares a picture with the reference. Both must have one plane or both three, in the same order, of the map's size.
+/// Values that are not finite count as 0. The scores are bitwise identical for any number of threads.
 ScoreCard score(const Image& picture, const Image& truth, const ClassMap& classes);
 
-/// Display value of the mean of the reference's light: middle grey.
+/// Value to which the mean of the reference's light is exposed, linear: middle grey.
 inline constexpr double kMiddleGrey = 0.18;
 
 /// Returns the mean over the counted pixels and all planes; 0 if there are none.
 double mean_of(const Image& picture, const ClassMap& classes);
 
 /// Compares light of arbitrary unit: errors are relative to the reference's mean (a black picture has a bias of -1),
-/// and the perceptual metrics (SSIM, FLIP) use the exposure at which the reference's mean is middle grey. For a
-/// reference that is black everywhere, as score().
+/// and the perceptual metrics (SSIM, FLIP) use the exposure at which the reference's mean is middle grey. If the
+/// reference is black everywhere, returns score().
 ScoreCard score_light(const Image& picture, const Image& truth, const ClassMap& classes);
 
-/// Returns the perceptual error of each pixel, as score() uses it. Background of the map counts as white in both
-/// pictures and has no error.
+/// Returns the perceptual error of each pixel, as score() uses it. Background pixels count as white in both
+/// pictures and have no error.
 Plane flip_map(const Image& picture, const Image& truth, const ClassMap& classes);
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// Image metrics on pictures with known results: closed forms, literal implementations in double, and analytic scenes.
+// Image metrics on pictures with known results: closed forms, direct implementations in double, and analytic scenes.
 #include "reference/metrics.h"
 
 #include <gtest/gtest.h>
@@ -78,7 +78,7 @@ Texel noise(unsigned seed) {
   return [seed](int x, int y) { return random_value(seed, x, y); };
 }
 
-/// Smooth waves with a little noise, similar to real pictures.
+/// Returns smooth waves with a little noise, similar to real pictures.
 Texel waves(unsigned seed) {
   return [seed](int x, int y) {
     return 0.5f + 0.3f * std::sin(0.4f * float(x) + float(seed)) * std::cos(0.3f * float(y)) +
@@ -129,7 +129,7 @@ TEST(Metrics, SomePixelsOff) {
   }
 }
 
-TEST(Metrics, EqualPicturesAreFaultless) {
+TEST(Metrics, EqualPicturesHaveNoError) {
   const Image grey_picture = grey(33, 21, noise(1)), colours = colour(33, 21, noise(1), noise(2), noise(3));
   for (const Image& picture : {grey_picture, colours}) {
     const Scores s = score(picture, picture, with_holes(33, 21)).covered;
@@ -142,7 +142,7 @@ TEST(Metrics, EqualPicturesAreFaultless) {
   }
 }
 
-TEST(Metrics, ChannelsCountAlike) {
+TEST(Metrics, ChannelsHaveEqualWeight) {
   const Image truth = flat_colour(30, 30, {0.5f, 0.5f, 0.5f});
   const Image picture = flat_colour(30, 30, {0.5f, 0.625f, 0.25f});
   const Scores s = score(picture, truth, all_open(30, 30)).covered;
@@ -160,7 +160,7 @@ TEST(Metrics, ChannelsCountAlike) {
   EXPECT_NEAR(s.ssim, ssim, 1e-6);
 }
 
-TEST(Metrics, LightIsMeasuredInItsMean) {
+TEST(Metrics, LightErrorsAreRelativeToTheMean) {
   const ClassMap map = with_holes(40, 30);
   const auto times = [](Image image, float factor) {
     for (Plane& plane : image.planes)
@@ -171,7 +171,7 @@ TEST(Metrics, LightIsMeasuredInItsMean) {
   const Image truth = colour(40, 30, waves(1), waves(2), noise(3)),
               picture = colour(40, 30, noise(4), waves(5), waves(6));
   const ScoreCard card = score_light(picture, truth, map);
-  // The unit does not matter.
+  // The scores do not depend on the unit of light.
   const ScoreCard brighter = score_light(times(picture, 16.0f), times(truth, 16.0f), map);
   EXPECT_NEAR(brighter.covered.rmse, card.covered.rmse, 1e-6);
   EXPECT_NEAR(brighter.covered.flip, card.covered.flip, 1e-6);
@@ -197,7 +197,7 @@ TEST(Metrics, LightIsMeasuredInItsMean) {
             score(picture, times(truth, 0.0f), map).covered.rmse);
 }
 
-TEST(Metrics, ClassesAreScoredApart) {
+TEST(Metrics, ClassesAreScoredSeparately) {
   ClassMap map = all_open(40, 40);
   for (int y = 0; y < 40; ++y)
     for (int x = 0; x < 40; ++x) {
@@ -244,7 +244,7 @@ TEST(Metrics, BackgroundChangesNothing) {
   expect_same(score(changed, truth, map), before);
 }
 
-TEST(Metrics, WhatIsNoNumberCountsAsZero) {
+TEST(Metrics, NonFiniteValuesCountAsZero) {
   Image picture = grey(32, 32, waves(1)), zeroed = picture;
   picture.planes[0].at(3, 4) = kNaN;
   picture.planes[0].at(20, 20) = kInfinity;
@@ -303,7 +303,7 @@ TEST(Metrics, SameBitsOnAnyNumberOfThreads) {
 // ---- SSIM
 
 /// Computes SSIM by its definition: Gaussian windows of 11 x 11 over covered pixels, two passes for the variances.
-double literal_ssim(const Plane& a, const Plane& b, const ClassMap& map) {
+double direct_ssim(const Plane& a, const Plane& b, const ClassMap& map) {
   double total = 0.0;
   int pixels = 0;
   for (int y = 0; y < map.height; ++y)
@@ -349,23 +349,23 @@ TEST(Metrics, SsimOfANegativeIsBelowZero) {
   EXPECT_GE(ssim, -1.0);
 }
 
-TEST(Metrics, SsimIsTheDefinition) {
+TEST(Metrics, SsimMatchesItsDefinition) {
   const Image a = grey(23, 17, noise(1)), b = grey(23, 17, waves(2));
   for (const ClassMap& map : {all_open(23, 17), with_holes(23, 17)})
-    EXPECT_NEAR(score(a, b, map).covered.ssim, literal_ssim(a.planes[0], b.planes[0], map), 1e-6);
+    EXPECT_NEAR(score(a, b, map).covered.ssim, direct_ssim(a.planes[0], b.planes[0], map), 1e-6);
 }
 
 TEST(Metrics, SsimKeepsSmallVariances) {
-  // A ripple of 1e-4 on 0.9: its variance is 1e-8 of the squares whose difference it is.
+  // A ripple of 1e-4 on 0.9. Its variance is the difference of two squares that are 1e8 times larger.
   const Image a = grey(23, 17, [](int x, int) { return 0.9f + (x % 2 ? 1e-4f : -1e-4f); });
   const Image b = grey(23, 17, [](int, int y) { return 0.9f + (y % 2 ? 1e-4f : -1e-4f); });
   const ClassMap map = all_open(23, 17);
-  const double exact = literal_ssim(a.planes[0], b.planes[0], map);
+  const double exact = direct_ssim(a.planes[0], b.planes[0], map);
   EXPECT_NEAR(score(a, b, map).covered.ssim, exact, 1e-6);
   EXPECT_LT(exact, 1.0 - 1e-5);
 }
 
-// ---- FLIP, implemented literally in double: two-dimensional kernels, pixel by pixel
+// ---- FLIP, implemented directly in double: two-dimensional kernels, pixel by pixel
 
 using Colour = std::array<double, 3>;
 
@@ -395,7 +395,7 @@ Colour lab_hunt(const Colour& rgb) {
   return {l, 0.01 * l * 500.0 * (curve(xyz[0]) - curve(xyz[1])), 0.01 * l * 200.0 * (curve(xyz[1]) - curve(xyz[2]))};
 }
 
-double literal_colour_error(const Colour& rgb_a, const Colour& rgb_b) {
+double direct_colour_error(const Colour& rgb_a, const Colour& rgb_b) {
   const auto hyab = [](const Colour& a, const Colour& b) {
     return std::abs(a[0] - b[0]) + std::sqrt(std::pow(a[1] - b[1], 2) + std::pow(a[2] - b[2], 2));
   };
@@ -405,7 +405,7 @@ double literal_colour_error(const Colour& rgb_a, const Colour& rgb_b) {
 }
 
 /// Returns the colour of a pixel, linear light, after filtering with the contrast sensitivity.
-Colour literal_seen(const Matrix& ycxcz, int x, int y) {
+Colour direct_filtered_colour(const Matrix& ycxcz, int x, int y) {
   constexpr int kRadius = 10;
   constexpr std::array<std::array<double, 4>, 3> kTerms = {
       {{1.0, 0.0047, 0.0, 1e-5}, {1.0, 0.0053, 0.0, 1e-5}, {34.1, 0.04, 13.5, 0.025}}};
@@ -429,26 +429,27 @@ Colour literal_seen(const Matrix& ycxcz, int x, int y) {
 }
 
 /// Returns the magnitude of the response to edges (order 1) or points (order 2) in a pixel.
-double literal_feature(const Matrix& ycxcz, int x, int y, int order) {
+double direct_feature(const Matrix& ycxcz, int x, int y, int order) {
   const double sd = 0.5 * 0.082 * kDegree;
   const int radius = int(std::ceil(3.0 * sd));
   const auto kernel = [&](int i, int j) {
     const double g = std::exp(-(i * i + j * j) / (2.0 * sd * sd));
     return order == 1 ? -i * g : (i * i / (sd * sd) - 1.0) * g;
   };
-  double rise = 0.0, fall = 0.0, along_x = 0.0, along_y = 0.0;
+  double positive_sum = 0.0, negative_sum = 0.0, along_x = 0.0, along_y = 0.0;
   for (int j = -radius; j <= radius; ++j)
-    for (int i = -radius; i <= radius; ++i) (kernel(i, j) > 0.0 ? rise : fall) += std::abs(kernel(i, j));
+    for (int i = -radius; i <= radius; ++i)
+      (kernel(i, j) > 0.0 ? positive_sum : negative_sum) += std::abs(kernel(i, j));
   for (int j = -radius; j <= radius; ++j)
     for (int i = -radius; i <= radius; ++i) {
-      const double w = kernel(i, j) / (kernel(i, j) > 0.0 ? rise : fall);
+      const double w = kernel(i, j) / (kernel(i, j) > 0.0 ? positive_sum : negative_sum);
       along_x += w * (ycxcz.at(x + i, y + j)[0] + 16.0) / 116.0;
       along_y += w * (ycxcz.at(x + j, y + i)[0] + 16.0) / 116.0;
     }
   return std::hypot(along_x, along_y);
 }
 
-Matrix literal_ycxcz(const Image& image, const ClassMap& map) {
+Matrix direct_ycxcz(const Image& image, const ClassMap& map) {
   Matrix out{map.width, map.height, {}};
   for (int y = 0; y < map.height; ++y)
     for (int x = 0; x < map.width; ++x) {
@@ -464,10 +465,10 @@ Matrix literal_ycxcz(const Image& image, const ClassMap& map) {
   return out;
 }
 
-/// Returns the max difference between flip_map() and the literal error, over covered pixels.
+/// Returns the max difference between flip_map() and the direct implementation, over covered pixels.
 double flip_difference(const Image& picture, const Image& truth, const ClassMap& map) {
   const Plane fast = flip_map(picture, truth, map);
-  const Matrix a = literal_ycxcz(picture, map), b = literal_ycxcz(truth, map);
+  const Matrix a = direct_ycxcz(picture, map), b = direct_ycxcz(truth, map);
   double max = 0.0;
   for (int y = 0; y < map.height; ++y)
     for (int x = 0; x < map.width; ++x) {
@@ -475,16 +476,17 @@ double flip_difference(const Image& picture, const Image& truth, const ClassMap&
         EXPECT_EQ(fast.at(x, y), 0.0f);
         continue;
       }
-      const double edge = std::abs(literal_feature(a, x, y, 1) - literal_feature(b, x, y, 1));
-      const double point = std::abs(literal_feature(a, x, y, 2) - literal_feature(b, x, y, 2));
+      const double edge = std::abs(direct_feature(a, x, y, 1) - direct_feature(b, x, y, 1));
+      const double point = std::abs(direct_feature(a, x, y, 2) - direct_feature(b, x, y, 2));
       const double feature = std::sqrt(std::max(edge, point) / std::sqrt(2.0));
-      const double error = std::pow(literal_colour_error(literal_seen(a, x, y), literal_seen(b, x, y)), 1.0 - feature);
+      const double error = std::pow(
+          direct_colour_error(direct_filtered_colour(a, x, y), direct_filtered_colour(b, x, y)), 1.0 - feature);
       max = std::max(max, std::abs(error - fast.at(x, y)));
     }
   return max;
 }
 
-TEST(Metrics, FlipIsThePaper) {
+TEST(Metrics, FlipMatchesThePaper) {
   constexpr int kWidth = 27, kHeight = 22;
   const Texel step = [](int x, int y) { return x + y > 24 ? 0.9f : 0.1f; };
   for (const ClassMap& map : {all_open(kWidth, kHeight), with_holes(kWidth, kHeight)}) {
@@ -498,13 +500,13 @@ TEST(Metrics, FlipIsThePaper) {
 
 TEST(Metrics, FlipOfConstants) {
   const auto flip = [](const Image& a, const Image& b) { return score(a, b, all_open(30, 30)).covered.flip; };
-  // White and black differ by 100 in L* and in nothing else. L*a*b* of pure green is (87.73, -86.18, 83.18), of pure
+  // White and black differ only in L*, by 100. L*a*b* of pure green is (87.73, -86.18, 83.18), of pure
   // blue (32.30, 79.19, -107.86), as in published tables.
   const double chroma = std::hypot(0.8773 * -86.18 - 0.3230 * 79.19, 0.8773 * 83.18 - 0.3230 * -107.86);
   const double largest = std::pow(87.73 - 32.30 + chroma, 0.7);
   const double expected = 0.95 + 0.05 * (std::pow(100.0, 0.7) - 0.4 * largest) / (0.6 * largest);
   EXPECT_NEAR(flip(flat(30, 30, 0.0f), flat(30, 30, 1.0f)), expected, 1e-4);
-  EXPECT_NEAR(flip(flat(30, 30, 0.0f), flat(30, 30, 1.0f)), literal_colour_error({0, 0, 0}, {1, 1, 1}), 1e-5);
+  EXPECT_NEAR(flip(flat(30, 30, 0.0f), flat(30, 30, 1.0f)), direct_colour_error({0, 0, 0}, {1, 1, 1}), 1e-5);
   // The scale ends at pure green against pure blue.
   EXPECT_NEAR(flip(flat_colour(30, 30, {0, 1, 0}), flat_colour(30, 30, {0, 0, 1})), 1.0, 1e-5);
   // Values outside [0, 1] are displayed as 0 or 1.
@@ -514,11 +516,11 @@ TEST(Metrics, FlipOfConstants) {
 
 TEST(Metrics, FlipIsSymmetric) {
   const Image a = colour(31, 26, waves(1), waves(2), waves(3)), b = colour(31, 26, waves(4), noise(5), waves(6));
-  const Plane there = flip_map(a, b, with_holes(31, 26)), back = flip_map(b, a, with_holes(31, 26));
-  for (int y = 0; y < 26; ++y) EXPECT_TRUE(same_bits(there.row(y), back.row(y), 31 * sizeof(float)));
+  const Plane forward = flip_map(a, b, with_holes(31, 26)), backward = flip_map(b, a, with_holes(31, 26));
+  for (int y = 0; y < 26; ++y) EXPECT_TRUE(same_bits(forward.row(y), backward.row(y), 31 * sizeof(float)));
 }
 
-TEST(Metrics, FlipShowsGreyAsItIs) {
+TEST(Metrics, FlipTreatsGreyAsDisplayValues) {
   // A grey picture holds display values; light passes through the sRGB curve first.
   const Texel a = waves(1), b = waves(2);
   const auto light = [](const Texel& shown) {
@@ -536,7 +538,7 @@ TEST(Metrics, FlipShowsGreyAsItIs) {
   EXPECT_NEAR(shown, linear, 1e-5);
 }
 
-TEST(Metrics, FlipSeesALineRatherThanAHaze) {
+TEST(Metrics, FlipRatesALineAboveAHaze) {
   constexpr int kSide = 81;
   constexpr double kSpread = 8.0;  // pixels
   const auto shown = [](double light) {
@@ -562,7 +564,7 @@ struct Hit {
   int object = -1;
 };
 
-/// Returns the first hit of a ray, in view space.
+/// A function that returns the first hit of a ray, in view space.
 using Scene = std::function<Hit(glm::dvec3 origin, glm::dvec3 direction)>;
 
 Hit nearer(const Hit& a, const Hit& b) { return a.t <= b.t ? a : b; }
@@ -585,13 +587,14 @@ Hit hit_round(glm::dvec3 o, glm::dvec3 d, glm::dvec3 centre, double radius, int 
   return {t, glm::normalize(from + t * along), object};
 }
 
+/// A rendered scene.
 struct Cast {
   GBuffer gbuffer;
   std::vector<int> objects;
   int object(int x, int y) const { return objects[std::size_t(y) * gbuffer.info.width + x]; }
 };
 
-/// Renders a scene around depth 10, where the window is 8 high.
+/// Renders a scene around depth 10. The window is 8 high there.
 Cast cast(int width, int height, Projection projection, const Scene& scene, double scale = 1.0) {
   Cast out;
   out.gbuffer.info.width = width;
@@ -643,12 +646,12 @@ bool beside_other(const Cast& picture, int x, int y) {
          (y > 0 && picture.object(x, y - 1) != object) || (y + 1 < info.height && picture.object(x, y + 1) != object);
 }
 
-/// Expects silhouettes along all borders of objects, on both sides, and nowhere else. (Where the grid cuts an outline
-/// so that only a few pixels are side by side, they may count as thin.)
+/// Expects silhouettes on both sides of all borders between objects, and nowhere else. If only a few pixels of an
+/// object are side by side, they may count as thin.
 void expect_outlines(const Cast& picture) {
   const PictureInfo& info = picture.gbuffer.info;
   const ClassMap map = classify(picture.gbuffer);
-  int missed = 0, false_ones = 0, outlines = 0;
+  int missed = 0, false_positives = 0, outlines = 0;
   for (int y = 0; y < info.height; ++y)
     for (int x = 0; x < info.width; ++x) {
       const PixelClass pixel = map.row(y)[x];
@@ -662,15 +665,15 @@ void expect_outlines(const Cast& picture) {
         ++outlines;
         missed += !outline;
       } else if (!near_other(picture, x, y, info.height / 256)) {
-        false_ones += outline;
+        false_positives += outline;
       }
     }
   EXPECT_GT(outlines, info.height / 2);
   EXPECT_EQ(missed, 0);
-  EXPECT_EQ(false_ones, 0);
+  EXPECT_EQ(false_positives, 0);
 }
 
-TEST(MetricsClasses, SphereHasASilhouetteAllRound) {
+TEST(MetricsClasses, SphereHasASilhouetteAllAround) {
   for (const Projection projection : kProjections)
     for (const int size : {128, 300, 512}) {
       SCOPED_TRACE(size);
@@ -679,21 +682,22 @@ TEST(MetricsClasses, SphereHasASilhouetteAllRound) {
       expect_outlines(cast(size, size, projection, [](glm::dvec3 o, glm::dvec3 d) {
         return hit_round(o, d, {0.1, -0.2, -10}, 2.0, 1);
       }));
-      // A gap of an eighth of the radius behind the widest part.
+      // The gap behind the widest part is an eighth of the radius.
       if (size == 512) expect_outlines(cast(size, size, projection, sphere_before_wall(3.0, 0.375)));
     }
 }
 
-TEST(MetricsClasses, SilhouettesAreAsWideAsTheResolutionAsks) {
-  // Along the middle row: wall, sphere, wall; 1 pixel on either side at 256, 2 at 1024.
+TEST(MetricsClasses, SilhouetteWidthFollowsTheResolution) {
+  // The middle row shows wall, sphere, wall. Silhouettes have 1 pixel on either side at size 256, and 2 at 1024.
   for (const auto& [size, width] : {std::pair{256, 1}, {1024, 2}}) {
     const ClassMap map = classify(cast(size, size, Projection::kPerspective, sphere_before_wall(2.0, 3.0)).gbuffer);
     EXPECT_EQ(std::count(map.row(size / 2), map.row(size / 2) + size, PixelClass::kSilhouette), 4 * width) << size;
   }
 }
 
-TEST(MetricsClasses, HalfSunkSphereHasNone) {
-  // Only orthographic: in perspective, the outline is in front of the circle where sphere and wall meet.
+TEST(MetricsClasses, HalfSunkSphereHasNoSilhouette) {
+  // This is true only in orthographic views: in perspective, the outline is in front of the circle where the sphere
+  // meets the wall.
   for (const double radius : {0.1, 0.5, 2.0}) {
     const Scene scene = sphere_before_wall(radius, 0.0);
     const ClassMap map = classify(cast(400, 400, Projection::kOrthographic, scene).gbuffer);
@@ -701,7 +705,7 @@ TEST(MetricsClasses, HalfSunkSphereHasNone) {
   }
 }
 
-TEST(MetricsClasses, GrazingPlaneHasNone) {
+TEST(MetricsClasses, GrazingPlaneHasNoSilhouette) {
   for (const Projection projection : kProjections)
     for (const double tilt : {0.0, 0.3, 1.0, 3.0, 10.0, 30.0})
       for (const double turn : {0.0, 0.7, 2.0}) {
@@ -715,7 +719,7 @@ TEST(MetricsClasses, GrazingPlaneHasNone) {
       }
 }
 
-TEST(MetricsClasses, GrazingPlanesWithRoughNormalsHaveNoneAndStepsHave) {
+TEST(MetricsClasses, GrazingPlanesHaveSilhouettesOnlyAtSteps) {
   test::at_grazing_angles({.width = 200, .height = 160, .error_deg = 2.0}, [](const test::TiltedPlane& plane) {
     const ClassMap map = classify(test::seen(plane));
     EXPECT_EQ(count(map, PixelClass::kOpen) + count(map, PixelClass::kBorder), 200 * 160);
@@ -728,7 +732,7 @@ TEST(MetricsClasses, GrazingPlanesWithRoughNormalsHaveNoneAndStepsHave) {
   });
 }
 
-TEST(MetricsClasses, GroundToTheHorizonHasItsEdgeThere) {
+TEST(MetricsClasses, GroundHasASilhouetteAtTheHorizon) {
   // The horizon lies between rows 149 and 150, just above the middle of the picture.
   const Cast ground = cast(300, 300, Projection::kPerspective, [](glm::dvec3 o, glm::dvec3 d) {
     return hit_plane(o, d, {0, 1, 0}, -1.0, 0);
@@ -741,7 +745,7 @@ TEST(MetricsClasses, GroundToTheHorizonHasItsEdgeThere) {
   }
 }
 
-TEST(MetricsClasses, CreasesHaveNone) {
+TEST(MetricsClasses, CreasesHaveNoSilhouette) {
   // Three random planes that all face the camera: the farthest hit forms a convex corner, the nearest a concave one.
   for (unsigned seed = 0; seed < 24; ++seed) {
     std::array<glm::dvec3, 3> normals;
@@ -772,7 +776,7 @@ TEST(MetricsClasses, CreasesHaveNone) {
 }
 
 TEST(MetricsClasses, RodIsThinAtAnyResolution) {
-  // A rod of 0.8 % of the height in front of a wall is thin; one of 4 % is not.
+  // In front of a wall, a rod with a width of 0.8 % of the height is thin, a rod with a width of 4 % is not.
   for (const Projection projection : kProjections)
     for (const double angle : {0.0, 0.4, kPi / 4.0, kPi / 2.0, 2.5})
       for (const int size : {512, 1024}) {
@@ -802,7 +806,7 @@ TEST(MetricsClasses, RodIsThinAtAnyResolution) {
       }
 }
 
-TEST(MetricsClasses, BorderIsAShareOfTheShorterSide) {
+TEST(MetricsClasses, BorderIsAFractionOfTheShorterSide) {
   const Scene wall = [](glm::dvec3 o, glm::dvec3 d) { return hit_plane(o, d, {0, 0, 1}, -10, 0); };
   const ClassMap map = classify(cast(200, 100, Projection::kPerspective, wall).gbuffer);
   EXPECT_EQ(map.width, 200);
@@ -821,9 +825,9 @@ TEST(MetricsClasses, ScaleOfTheSceneChangesNothing) {
     const auto map = [&](double scale) {
       return classify(cast(256, 256, projection, sphere_before_wall(2.0, 0.5), scale).gbuffer).classes;
     };
-    const auto usual = map(1.0);
-    EXPECT_EQ(usual, map(0x1p-20));
-    EXPECT_EQ(usual, map(0x1p+20));
+    const auto unscaled = map(1.0);
+    EXPECT_EQ(unscaled, map(0x1p-20));
+    EXPECT_EQ(unscaled, map(0x1p+20));
   }
 }
 
@@ -836,17 +840,17 @@ TEST(MetricsClasses, AnyInputHasAClass) {
       const bool surface = std::isfinite(depth.at(x, y)) && depth.at(x, y) > 0.0f;
       EXPECT_EQ(map.row(y)[x] != PixelClass::kBackground, surface);
     }
-  // A picture without normals still has its silhouettes; one without depth has none.
-  GBuffer bare = cast(256, 256, Projection::kPerspective, sphere_before_wall(2.0, 2.0)).gbuffer;
-  const int outlines = count(classify(bare), PixelClass::kSilhouette);
-  GBuffer no_normals = bare;
+  // A picture without normals has silhouettes, too; a picture without depth has none.
+  GBuffer without_planes = cast(256, 256, Projection::kPerspective, sphere_before_wall(2.0, 2.0)).gbuffer;
+  const int outlines = count(classify(without_planes), PixelClass::kSilhouette);
+  GBuffer no_normals = without_planes;
   no_normals.layers[0] = Image(256, 256);
-  no_normals.layers[0].add("depth") = bare.layers[0].plane("depth");
+  no_normals.layers[0].add("depth") = without_planes.layers[0].plane("depth");
   EXPECT_GE(count(classify(no_normals), PixelClass::kSilhouette), outlines);
-  bare.layers[0] = Image(256, 256);
-  EXPECT_EQ(count(classify(bare), PixelClass::kBackground), 256 * 256);
-  bare.layers.clear();
-  EXPECT_EQ(count(classify(bare), PixelClass::kBackground), 256 * 256);
+  without_planes.layers[0] = Image(256, 256);
+  EXPECT_EQ(count(classify(without_planes), PixelClass::kBackground), 256 * 256);
+  without_planes.layers.clear();
+  EXPECT_EQ(count(classify(without_planes), PixelClass::kBackground), 256 * 256);
 }
 
 }  // namespace

@@ -56,19 +56,21 @@ Result<Image> trace_reference(const TracedScene& scene, const PictureInfo& info,
   const auto& params = as<ReferenceParams>(bytes);
   const auto radius = radius_in_scene("reference.radius", params.radius, info);
   if (!radius) return radius.error();
-  // Occlusion and light each trace about as many rays as they have kinds of planes; both report one progress.
+  // Both traces report one progress, divided by the approximate number of rays of each.
   const bool light = params.light != kReferenceOcclusion, bounce = params.light == kReferenceBounce;
-  const double occlusion_share = light ? bounce ? 0.2 : 0.5 : 1.0;
-  TraceControl first = control, second = control;
-  first.progress = [&](double done) { return control.progress(occlusion_share * done); };
-  second.progress = [&](double done) { return control.progress(occlusion_share + (1.0 - occlusion_share) * done); };
+  const double occlusion_fraction = light ? bounce ? 0.2 : 0.5 : 1.0;
+  TraceControl occlusion_control = control, light_control = control;
+  occlusion_control.progress = [&](double done) { return control.progress(occlusion_fraction * done); };
+  light_control.progress = [&](double done) {
+    return control.progress(occlusion_fraction + (1.0 - occlusion_fraction) * done);
+  };
   auto image = trace_occlusion(scene, info,
                                {.samples = params.samples,
                                 .radius = *radius,
                                 .falloff = Falloff(params.falloff),
                                 .normal = HemisphereNormal(params.normal),
                                 .seed = std::uint32_t(params.seed)},
-                               first);
+                               occlusion_control);
   if (!image || !light) return image;
   auto lit = trace_light(
       scene, info,
@@ -78,7 +80,7 @@ Result<Image> trace_reference(const TracedScene& scene, const PictureInfo& info,
        .captured_shadows = params.shadows == kReferenceCapturedShadows,
        .sun_angle_deg = params.sun_angle_deg,
        .seed = std::uint32_t(params.seed)},
-      second);
+      light_control);
   if (!lit) return lit;
   for (std::size_t p = 0; p < lit->planes.size(); ++p) image->add(lit->names[p]) = std::move(lit->planes[p]);
   return image;

@@ -1,5 +1,5 @@
 // The reference on scenes whose occlusion and light are known in closed form or by quadrature in double. Random results
-// are compared within three standard errors, which are measured: the noise of all pixels is independent.
+// may deviate by three standard errors. The standard error is measured over pixels, whose noise is independent.
 #include "reference/reference.h"
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ using test::PixelRay;
 using test::ray_of;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-// Size of walls that represent infinite ones. At a distance of 1 the missing part contributes less than 1e-5.
+// Size of walls that stand for infinite walls. At a distance of 1 the missing part contributes less than 1e-5.
 constexpr float kFar = 1e5f;
 
 // ---- statistics ----
@@ -84,16 +84,16 @@ Mesh level_square(float half, float height = 0.0f) {
   return parallelogram({-half, -half, height}, {2 * half, 0, 0}, {0, 2 * half, 0});
 }
 
-/// Makes a wall in the plane x = where, from -height to height. It extends below the floor so that the scene's centre,
-/// where floats are most precise, is on the floor.
+/// Makes a wall in the plane x = `where`, from -height to height. It extends below the floor so that the scene's
+/// centre, where floats are most precise, is on the floor.
 Mesh wall_x(float where, float height = kFar, float half_length = kFar) {
   return parallelogram({where, -half_length, -height}, {0, 2 * half_length, 0}, {0, 0, 2 * height});
 }
 
 Mesh wall_y(float where) { return parallelogram({-kFar, where, -kFar}, {2 * kFar, 0, 0}, {0, 0, 2 * kFar}); }
 
-/// A traced scene. The scene must not move, since the traced one points into it.
-struct Stage {
+/// A scene and its traced scene, which points to it; therefore the scene is on the heap.
+struct PreparedScene {
   std::unique_ptr<Scene> scene;
   TracedScenePtr traced;
 
@@ -103,15 +103,15 @@ struct Stage {
   }
 };
 
-Stage stage_of(Scene scene) {
-  Stage stage{std::make_unique<Scene>(std::move(scene)), {}};
-  auto traced = build_traced_scene(*stage.scene);
+PreparedScene make_prepared_scene(Scene scene) {
+  PreparedScene prepared{std::make_unique<Scene>(std::move(scene)), {}};
+  auto traced = build_traced_scene(*prepared.scene);
   EXPECT_TRUE(traced);
-  stage.traced = std::move(*traced);
-  return stage;
+  prepared.traced = std::move(*traced);
+  return prepared;
 }
 
-/// Finishes a scene: mesh k is object k of material k, or of the last one.
+/// Makes a finished scene. Mesh k is object k and has material k, or the last material.
 Scene scene_of(std::vector<Mesh> meshes, std::vector<Material> materials = {Material{}}, std::vector<Light> lights = {},
                std::vector<Texture> textures = {}) {
   Scene scene;
@@ -152,14 +152,14 @@ glm::dvec3 bent_at(const Image& image, const PictureInfo& info, int x, int y) {
          vector_at(image, "bent_normal", {"x", "y", "z"}, x, y);
 }
 
-Image occlusion(const Stage& stage, const PictureInfo& info, const OcclusionSettings& settings) {
-  auto image = trace_occlusion(*stage, info, settings);
+Image occlusion(const PreparedScene& prepared, const PictureInfo& info, const OcclusionSettings& settings) {
+  auto image = trace_occlusion(*prepared, info, settings);
   EXPECT_TRUE(image);
   return std::move(*image);
 }
 
-Image light(const Stage& stage, const PictureInfo& info, const LightSettings& settings) {
-  auto image = trace_light(*stage, info, settings);
+Image light(const PreparedScene& prepared, const PictureInfo& info, const LightSettings& settings) {
+  auto image = trace_light(*prepared, info, settings);
   EXPECT_TRUE(image);
   return std::move(*image);
 }
@@ -183,10 +183,10 @@ void expect_equal(const Image& a, const Image& b, std::string_view what) {
 /// Traces occlusion and compares it with `truth` at the floor point of each pixel. `sees_floor` excludes pixels in
 /// which something else covers the floor.
 void expect_occlusion(
-    const Stage& stage, const PictureInfo& info, const OcclusionSettings& settings,
+    const PreparedScene& prepared, const PictureInfo& info, const OcclusionSettings& settings,
     const std::function<double(glm::dvec3)>& truth, std::string_view what, double max_error = 1e-3,
     const std::function<bool(const PixelRay&)>& sees_floor = [](const PixelRay&) { return true; }) {
-  const Image image = occlusion(stage, info, settings);
+  const Image image = occlusion(prepared, info, settings);
   Tally error;
   for_each_pixel(info, [&](int x, int y) {
     const PixelRay ray = ray_of(info, x, y);
@@ -195,8 +195,8 @@ void expect_occlusion(
   expect_mean(error, 0.0, max_error, what);
 }
 
-// ---- ground truth ---- The cosine-weighted fraction of the hemisphere of a set of directions is the area of its
-// projection on the floor's unit disc, over pi.
+// ---- ground truth ---- The cosine-weighted fraction of the hemisphere that a set of directions fills is the area of
+// the set's projection on the floor's unit disc, divided by pi.
 
 /// Returns the fraction of a disc beyond a chord at distance k from its centre.
 double segment(double k) {
@@ -209,19 +209,20 @@ struct Wall {
   double azimuth, distance;
 };
 
-/// Visibility of a point on the floor between walls and below a ceiling, within a radius: the fraction of open
-/// directions, and their mean as a vector.
-struct Openness {
+/// Visibility at a point of the floor: the fraction of open directions, and the cosine-weighted mean of the open
+/// directions as a vector.
+struct Visibility {
   double fraction = 0.0;
   glm::dvec3 moment{0.0};
 };
 
-Openness assumed_visibility(const std::vector<Wall>& walls, double ceiling, double radius) {
+/// Computes the visibility between walls and below a ceiling, within a radius, by quadrature.
+Visibility assumed_visibility(const std::vector<Wall>& walls, double ceiling, double radius) {
   constexpr int kAzimuths = 4000;
-  Openness open;
+  Visibility open;
   // A direction that projects to r at this azimuth meets the ceiling at ceiling / sqrt(1 - r^2).
-  const double ceiling_share = std::min(ceiling / radius, 1.0);
-  const double low = std::sqrt(1.0 - ceiling_share * ceiling_share);
+  const double ceiling_fraction = std::min(ceiling / radius, 1.0);
+  const double low = std::sqrt(1.0 - ceiling_fraction * ceiling_fraction);
   const double from = radius > ceiling ? low : 0.0;
   for (int k = 0; k < kAzimuths; ++k) {
     const double azimuth = (k + 0.5) * 2.0 * M_PI / kAzimuths;
@@ -254,19 +255,20 @@ TEST(Reference, QuadratureAgreesWithTheClosedForms) {
   EXPECT_NEAR(assumed_visibility({{0.0, 0.0}, {M_PI / 2, 0.0}}, 9.0, 1.0).fraction, 0.25, 1e-12);
 }
 
-TEST(Reference, APlaneIsOpenToTheBit) {
+TEST(Reference, PlaneIsExactlyUnoccluded) {
   for (const float tilt_deg : {0.0f, 37.0f, 80.0f})
     for (const glm::vec3 middle : {glm::vec3(0.0f), glm::vec3(300.0f, -200.0f, 500.0f)}) {
       const glm::vec3 u = glm::normalize(glm::vec3(0.8f, 0.3f, -0.2f)), v = glm::normalize(glm::cross({0.1f, 2, 1}, u));
       const glm::vec3 front = glm::cross(u, v), a = middle - u - v;
-      const Stage stage = stage_of(scene_of({shapes::quad(a, a + 2.0f * u, a + 2.0f * (u + v), a + 2.0f * v, 30, 30)}));
+      const PreparedScene prepared =
+          make_prepared_scene(scene_of({shapes::quad(a, a + 2.0f * u, a + 2.0f * (u + v), a + 2.0f * v, 30, 30)}));
       const glm::vec3 eye =
           middle + 6.0f * (std::cos(glm::radians(tilt_deg)) * front + std::sin(glm::radians(tilt_deg)) * u);
       for (const Camera& camera :
            {perspective_camera(eye, middle, v, 12.0f, 1.0f), orthographic_camera(eye, middle, v, 1.2f, 1.0f)})
         for (const float radius : {kInfinity, 0.3f}) {
-          const PictureInfo info = stage.info(camera, 24, 24);
-          const Image image = occlusion(stage, info, {.samples = 100, .radius = radius});
+          const PictureInfo info = prepared.info(camera, 24, 24);
+          const Image image = occlusion(prepared, info, {.samples = 100, .radius = radius});
           long surfaces = 0;
           Tally across;
           for_each_pixel(info, [&](int x, int y) {
@@ -285,10 +287,10 @@ TEST(Reference, APlaneIsOpenToTheBit) {
 }
 
 TEST(Reference, BackgroundIsOpenAndHasNoNormal) {
-  const Stage stage = stage_of(scene_of({level_square(0.5f)}));
-  const PictureInfo info = stage.info(from_above(2, 2), 8, 8);
-  const Image image = occlusion(stage, info, {.samples = 4});
-  const Image lit = light(stage, info, {.samples = 4});
+  const PreparedScene prepared = make_prepared_scene(scene_of({level_square(0.5f)}));
+  const PictureInfo info = prepared.info(from_above(2, 2), 8, 8);
+  const Image image = occlusion(prepared, info, {.samples = 4});
+  const Image lit = light(prepared, info, {.samples = 4});
   EXPECT_EQ(image.plane("ao").at(0, 0), 1.0f);
   EXPECT_EQ(bent_at(image, info, 0, 0), glm::dvec3(0.0));
   EXPECT_GT(bent_at(image, info, 4, 4).z, 0.5);
@@ -298,38 +300,39 @@ TEST(Reference, BackgroundIsOpenAndHasNoNormal) {
 }
 
 TEST(Reference, WallOfFiniteHeight) {
-  // (1 + cos E) / 2 for a wall of elevation E.
+  // Beside a wall whose top is at elevation E, the visibility is (1 + cos E) / 2.
   constexpr double kDistance = 2.0, kHeight = 1.0;
-  const Stage stage = stage_of(scene_of({level_square(4.0f), wall_x(kDistance, kHeight)}));
+  const PreparedScene prepared = make_prepared_scene(scene_of({level_square(4.0f), wall_x(kDistance, kHeight)}));
   const auto truth = [&](glm::dvec3 p) {
     const double away = kDistance - p.x;
     return 0.5 + 0.5 * away / std::hypot(away, kHeight);
   };
-  expect_occlusion(stage, stage.info(from_above(3, 3, {0.4f, 0}), 32, 32), {.samples = 256}, truth, "orthographic");
+  expect_occlusion(prepared, prepared.info(from_above(3, 3, {0.4f, 0}), 32, 32), {.samples = 256}, truth,
+                   "orthographic");
   const Camera camera = perspective_camera({-3, -2, 3}, {0.6f, 0, 0}, {0, 0, 1}, 11.0f, 1.0f);
-  expect_occlusion(stage, stage.info(camera, 32, 32), {.samples = 256}, truth, "perspective");
+  expect_occlusion(prepared, prepared.info(camera, 32, 32), {.samples = 256}, truth, "perspective");
 }
 
 TEST(Reference, WallWithinARadius) {
-  // Hits within R project beyond a chord at distance / R.
+  // The projections of hits within the radius R are beyond a chord at distance / R.
   constexpr double kRadius = 1.3;
-  const Stage stage = stage_of(scene_of({level_square(4.0f), wall_x(1.5f, 3.0f, 6.0f)}));
+  const PreparedScene prepared = make_prepared_scene(scene_of({level_square(4.0f), wall_x(1.5f, 3.0f, 6.0f)}));
   const auto truth = [&](glm::dvec3 p) { return 1.0 - segment((1.5 - p.x) / kRadius); };
   const OcclusionSettings settings{.samples = 256, .radius = kRadius};
-  expect_occlusion(stage, stage.info(from_above(1.6f, 1, {0.65f, 0}), 40, 25), settings, truth, "orthographic");
+  expect_occlusion(prepared, prepared.info(from_above(1.6f, 1, {0.65f, 0}), 40, 25), settings, truth, "orthographic");
   const Camera camera = perspective_camera({-3, -2, 3}, {0.8f, 0, 0}, {0, 0, 1}, 7.0f, 1.0f);
-  expect_occlusion(stage, stage.info(camera, 32, 32), settings, truth, "perspective");
+  expect_occlusion(prepared, prepared.info(camera, 32, 32), settings, truth, "perspective");
 }
 
 TEST(Reference, CornersOfInfiniteWalls) {
-  // An infinite wall blocks half of the disc, two walls at a corner three quarters, three walls all of it.
+  // One infinite wall blocks half of the disc, two walls at a corner block three quarters, three walls all of it.
   const Mesh floor = level_square(4.0f);
-  const PictureInfo info = stage_of(scene_of({floor})).info(from_above(1, 1), 24, 24);
+  const PictureInfo info = make_prepared_scene(scene_of({floor})).info(from_above(1, 1), 24, 24);
   const auto expect_fraction = [&](std::vector<Mesh> walls, double fraction) {
     walls.push_back(floor);
-    const Stage stage = stage_of(scene_of(walls));
+    const PreparedScene prepared = make_prepared_scene(scene_of(walls));
     expect_occlusion(
-        stage, info, {.samples = 256}, [&](glm::dvec3) { return fraction; }, "infinite walls");
+        prepared, info, {.samples = 256}, [&](glm::dvec3) { return fraction; }, "infinite walls");
   };
   expect_fraction({wall_x(1)}, 0.5);
   expect_fraction({wall_x(1), wall_y(1)}, 0.25);
@@ -346,26 +349,27 @@ TEST(Reference, CornersWithinARadius) {
       all.resize(std::size_t(walls));
       return assumed_visibility(all, 100.0, kRadius).fraction;
     };
-    const Stage stage = stage_of(scene_of(meshes));
-    expect_occlusion(stage, stage.info(from_above(1.8f, 1.2f), 30, 20), {.samples = 256, .radius = kRadius}, truth,
-                     fmt::format("{} walls", walls));
+    const PreparedScene prepared = make_prepared_scene(scene_of(meshes));
+    expect_occlusion(prepared, prepared.info(from_above(1.8f, 1.2f), 30, 20), {.samples = 256, .radius = kRadius},
+                     truth, fmt::format("{} walls", walls));
   }
 }
 
-/// Makes a sphere of radius 1 that touches the floor. Its 384 facets around reduce it by less than 1e-4.
-Stage ball_on_floor() {
-  return stage_of(scene_of({level_square(20.0f), shapes::moved(shapes::sphere(1.0f, 384, 192), {0, 0, 1})}));
+/// Makes a sphere of radius 1 that touches the floor. Its 384 facets around the axis reduce its size by less than 1e-4.
+PreparedScene sphere_on_floor() {
+  return make_prepared_scene(scene_of({level_square(20.0f), shapes::moved(shapes::sphere(1.0f, 384, 192), {0, 0, 1})}));
 }
 
-bool misses_ball(const PixelRay& ray) {
+bool misses_sphere(const PixelRay& ray) {
   const glm::dvec3 direction = glm::normalize(ray.direction), away = glm::dvec3(0, 0, 1) - ray.origin;
   return glm::length(away - direction * glm::dot(away, direction)) > 1.01;
 }
 
-TEST(Reference, BallOnAPlane) {
-  // The sphere fills a cone of sine r / d; its cosine-weighted fraction is sine^2 cos(theta). Hits within R fill the
-  // inner part of that cone: the distance to the sphere increases with the angle to the axis.
-  const Stage stage = ball_on_floor();
+TEST(Reference, SphereOnAPlane) {
+  // The sphere fills a cone whose half angle has the sine r / d. The cosine-weighted fraction of the cone is
+  // sine^2 cos(theta). Hits within R fill the inner part of the cone, because the distance to the sphere increases with
+  // the angle to the axis.
+  const PreparedScene prepared = sphere_on_floor();
   for (const float radius : {kInfinity, 1.5f}) {
     const auto truth = [&](glm::dvec3 p) {
       const double squared = p.x * p.x + p.y * p.y + 1.0, distance = std::sqrt(squared);
@@ -378,46 +382,48 @@ TEST(Reference, BallOnAPlane) {
     };
     const OcclusionSettings settings{.samples = 256, .radius = radius};
     const std::string what = fmt::format("radius {}", radius);
-    expect_occlusion(stage, stage.info(from_above(6, 6), 40, 40), settings, truth, what + ", orthographic", 1e-3,
-                     misses_ball);
+    expect_occlusion(prepared, prepared.info(from_above(6, 6), 40, 40), settings, truth, what + ", orthographic", 1e-3,
+                     misses_sphere);
     const Camera camera = perspective_camera({7, 1, 0.8f}, {0.3f, 0, 0}, {0, 0, 1}, 10.0f, 1.0f);
-    expect_occlusion(stage, stage.info(camera, 40, 40), settings, truth, what + ", perspective", 1e-3, misses_ball);
+    expect_occlusion(prepared, prepared.info(camera, 40, 40), settings, truth, what + ", perspective", 1e-3,
+                     misses_sphere);
   }
 }
 
 TEST(Reference, FloatingSlab) {
-  // A slab with a round underside of radius r at height h, from distance a to its axis.
+  // A slab has a round underside of radius r at height h; the point is at distance a from its axis.
   constexpr double kDisc = 1.0, kHeight = 0.7;
   const Mesh slab = shapes::moved(shapes::turned_x(shapes::cylinder(kDisc, 0.4f, 512), 90.0f), {0, 0, kHeight});
-  const Stage stage = stage_of(scene_of({level_square(5.0f), slab}));
+  const PreparedScene prepared = make_prepared_scene(scene_of({level_square(5.0f), slab}));
   const auto truth = [&](glm::dvec3 p) {
     const double a = p.x * p.x + p.y * p.y, h = kHeight * kHeight, r = kDisc * kDisc;
     return 1.0 - 0.5 * (1.0 - (a + h - r) / std::sqrt((a + h + r) * (a + h + r) - 4.0 * a * r));
   };
   EXPECT_NEAR(truth({0, 0, 0}), 1.0 - kDisc * kDisc / (kDisc * kDisc + kHeight * kHeight), 1e-12);
   // Both cameras are below the slab; the sides of the slab occlude nothing that they see.
-  expect_occlusion(stage, stage.info(from_above(1.4f, 1.4f, {0.2f, 0}, 0.5f), 32, 32), {.samples = 256}, truth,
+  expect_occlusion(prepared, prepared.info(from_above(1.4f, 1.4f, {0.2f, 0}, 0.5f), 32, 32), {.samples = 256}, truth,
                    "below");
   const Camera camera = perspective_camera({0.1f, -0.2f, 0.4f}, {0.1f, -0.2f, 0}, {0, 1, 0}, 70.0f, 1.0f);
-  expect_occlusion(stage, stage.info(camera, 32, 32), {.samples = 256}, truth, "perspective");
-  // On the axis, within R: R reaches the underside up to the cosine h / R, if that is inside the disc.
+  expect_occlusion(prepared, prepared.info(camera, 32, 32), {.samples = 256}, truth, "perspective");
+  // On the axis, rays of length R reach the plane of the underside if their cosine is above h / R. Here they reach it
+  // inside the disc.
   const double radius = 0.9;
   expect_occlusion(
-      stage, stage.info(from_above(1e-3f, 1e-3f, {0, 0}, 0.5f), 24, 24), {.samples = 256, .radius = 0.9f},
+      prepared, prepared.info(from_above(1e-3f, 1e-3f, {0, 0}, 0.5f), 24, 24), {.samples = 256, .radius = 0.9f},
       [&](glm::dvec3) { return kHeight * kHeight / (radius * radius); }, "within a radius");
 }
 
 TEST(Reference, FalloffBelowACeiling) {
-  // With k = h / R: the mean of w(k / c) over the cosines c, of density 2 c.
-  const Stage stage = stage_of(scene_of({level_square(3.0f), level_square(3.0f, 0.4f)}));
-  const PictureInfo info = stage.info(from_above(0.5f, 0.5f, {0, 0}, 0.3f), 24, 24);
+  // With k = h / R, occlusion is the mean of w(k / c) over the cosines c, which have the density 2 c.
+  const PreparedScene prepared = make_prepared_scene(scene_of({level_square(3.0f), level_square(3.0f, 0.4f)}));
+  const PictureInfo info = prepared.info(from_above(0.5f, 0.5f, {0, 0}, 0.3f), 24, 24);
   for (const float radius : {0.5f, 1.0f, 2.5f}) {
     const double k = 0.4 / radius;
     const double linear = (1 - k) * (1 - k), smooth = 1 + 3 * k * k - 4 * k * k * k + 6 * k * k * std::log(k);
     const auto expect_closed = [&](Falloff falloff, double closed) {
       expect_occlusion(
-          stage, info, {.samples = 256, .radius = radius, .falloff = falloff}, [&](glm::dvec3) { return 1.0 - closed; },
-          fmt::format("{}, radius {}", int(falloff), radius));
+          prepared, info, {.samples = 256, .radius = radius, .falloff = falloff},
+          [&](glm::dvec3) { return 1.0 - closed; }, fmt::format("{}, radius {}", int(falloff), radius));
     };
     expect_closed(Falloff::kNone, 1 - k * k);
     expect_closed(Falloff::kLinear, linear);
@@ -427,15 +433,16 @@ TEST(Reference, FalloffBelowACeiling) {
 
 TEST(Reference, FalloffBesideAWall) {
   constexpr double kRadius = 2.0;
-  const Stage stage = stage_of(scene_of({level_square(4.0f), wall_x(1.5f, 3.0f, 6.0f)}));
-  const PictureInfo info = stage.info(from_above(1.6f, 1.6f, {0.65f, 0}), 24, 24);
+  const PreparedScene prepared = make_prepared_scene(scene_of({level_square(4.0f), wall_x(1.5f, 3.0f, 6.0f)}));
+  const PictureInfo info = prepared.info(from_above(1.6f, 1.6f, {0.65f, 0}), 24, 24);
   for (const Falloff falloff : {Falloff::kLinear, Falloff::kSmooth}) {
     std::vector<double> columns;  // the truth depends only on x
     for (int x = 0; x < info.width; ++x) {
       constexpr int kSteps = 400;
       const double k = (1.5 - on_floor(ray_of(info, x, 0)).x) / kRadius;
       double closed = 0.0;
-      // Chords of the disc at s: the wall is k / s radii away along every direction that projects to one.
+      // Integrate over chords of the disc at distance s. In all directions that project to a chord, the wall is k / s
+      // radii away.
       for (int i = 0; i < kSteps; ++i) {
         const double s = k + (1.0 - k) * (i + 0.5) / kSteps;
         closed += weight_of(falloff, k / s) * 2.0 * std::sqrt(1.0 - s * s) / M_PI * (1.0 - k) / kSteps;
@@ -443,17 +450,17 @@ TEST(Reference, FalloffBesideAWall) {
       columns.push_back(1.0 - closed);
     }
     const auto truth = [&](glm::dvec3 p) { return columns[std::size_t((p.x + 0.15) / 1.6 * info.width)]; };
-    expect_occlusion(stage, info, {.samples = 256, .radius = kRadius, .falloff = falloff}, truth, "beside a wall");
+    expect_occlusion(prepared, info, {.samples = 256, .radius = kRadius, .falloff = falloff}, truth, "beside a wall");
   }
 }
 
 TEST(Reference, BentNormalBesideAWall) {
-  const Stage stage = stage_of(scene_of({level_square(4.0f), wall_x(1.0f)}));
+  const PreparedScene prepared = make_prepared_scene(scene_of({level_square(4.0f), wall_x(1.0f)}));
   const Camera tilted = perspective_camera({-4, -3, 5}, {0.2f, 0, 0}, {0, 0, 1}, 6.0f, 1.0f);
   for (const float radius : {1.0f, 20.0f})
     for (const Camera& camera : {from_above(1.5f, 1.5f), tilted}) {
-      const PictureInfo info = stage.info(camera, 24, 24);
-      const Image image = occlusion(stage, info, {.samples = 256, .radius = radius});
+      const PictureInfo info = prepared.info(camera, 24, 24);
+      const Image image = occlusion(prepared, info, {.samples = 256, .radius = radius});
       Tally towards, along;
       for_each_pixel(info, [&](int x, int y) {
         const glm::dvec3 bent = bent_at(image, info, x, y);
@@ -469,10 +476,11 @@ TEST(Reference, BentNormalBesideAWall) {
     }
 }
 
-TEST(Reference, BentNormalOfSymmetricScenesHasNoSide) {
-  const Stage stage = stage_of(scene_of({level_square(4.0f), wall_x(1.0f), wall_x(-1.0f), wall_y(0.5f)}));
-  const PictureInfo info = stage.info(from_above(1e-4f, 1e-4f), 32, 32);
-  const Image image = occlusion(stage, info, {.samples = 100, .radius = 3.0f});
+TEST(Reference, BentNormalOfSymmetricScenesIsSymmetric) {
+  const PreparedScene prepared =
+      make_prepared_scene(scene_of({level_square(4.0f), wall_x(1.0f), wall_x(-1.0f), wall_y(0.5f)}));
+  const PictureInfo info = prepared.info(from_above(1e-4f, 1e-4f), 32, 32);
+  const Image image = occlusion(prepared, info, {.samples = 100, .radius = 3.0f});
   Tally side;
   for_each_pixel(info, [&](int x, int y) {
     const glm::dvec3 bent = bent_at(image, info, x, y);
@@ -483,9 +491,9 @@ TEST(Reference, BentNormalOfSymmetricScenesHasNoSide) {
 }
 
 TEST(Reference, WhereNothingIsOpenTheBentNormalIsTheNormal) {
-  const Stage stage = stage_of(scene_of({shapes::box({-1, -1, 0}, {1, 1, 1})}));
-  const PictureInfo info = stage.info(from_above(1.8f, 1.8f, {0, 0}, 0.5f), 16, 16);
-  const Image image = occlusion(stage, info, {.samples = 256});
+  const PreparedScene prepared = make_prepared_scene(scene_of({shapes::box({-1, -1, 0}, {1, 1, 1})}));
+  const PictureInfo info = prepared.info(from_above(1.8f, 1.8f, {0, 0}, 0.5f), 16, 16);
+  const Image image = occlusion(prepared, info, {.samples = 256});
   for_each_pixel(info, [&](int x, int y) {
     EXPECT_EQ(image.plane("ao").at(x, y), 0.0f) << "no ray leaves a closed box";
     EXPECT_EQ(bent_at(image, info, x, y), glm::dvec3(0, 0, 1));
@@ -493,10 +501,10 @@ TEST(Reference, WhereNothingIsOpenTheBentNormalIsTheNormal) {
 }
 
 TEST(Reference, ConvexMeshesAreOpenAroundTheirTriangles) {
-  const Stage stage = stage_of(scene_of({shapes::sphere(1.0f, 12, 6)}));
-  const PictureInfo info = stage.info(perspective_camera({2, 3, 4}, {0, 0, 0}, {0, 1, 0}, 28.0f, 1.0f), 48, 48);
-  const Image flat = occlusion(stage, info, {.samples = 64});
-  const Image smooth = occlusion(stage, info, {.samples = 64, .normal = HemisphereNormal::kShading});
+  const PreparedScene prepared = make_prepared_scene(scene_of({shapes::sphere(1.0f, 12, 6)}));
+  const PictureInfo info = prepared.info(perspective_camera({2, 3, 4}, {0, 0, 0}, {0, 1, 0}, 28.0f, 1.0f), 48, 48);
+  const Image flat = occlusion(prepared, info, {.samples = 64});
+  const Image smooth = occlusion(prepared, info, {.samples = 64, .normal = HemisphereNormal::kShading});
   long closed = 0, surfaces = 0;
   for_each_pixel(info, [&](int x, int y) {
     EXPECT_EQ(flat.plane("ao").at(x, y), 1.0f) << x << ',' << y;
@@ -508,23 +516,23 @@ TEST(Reference, ConvexMeshesAreOpenAroundTheirTriangles) {
   EXPECT_GT(closed, surfaces / 4) << "facets show around interpolated normals";
 }
 
-TEST(Reference, DirectionsBelowTheTriangleAreClosed) {
-  // A plane whose shading normals are tilted by an angle: (1 + cos angle) / 2 of their hemisphere lies above the plane.
+TEST(Reference, DirectionsBelowTheTriangleAreBlocked) {
+  // The shading normals of a plane are tilted by an angle: (1 + cos angle) / 2 of their hemisphere is above the plane.
   for (const double lean : {0.3, 0.8}) {
     Mesh floor = level_square(2.0f);
     floor.normals.assign(4, glm::vec3(std::sin(lean), 0.0, std::cos(lean)));
-    const Stage stage = stage_of(scene_of({floor}));
-    const PictureInfo info = stage.info(from_above(2, 2), 32, 32);
+    const PreparedScene prepared = make_prepared_scene(scene_of({floor}));
+    const PictureInfo info = prepared.info(from_above(2, 2), 32, 32);
     expect_occlusion(
-        stage, info, {.samples = 128, .normal = HemisphereNormal::kShading},
+        prepared, info, {.samples = 128, .normal = HemisphereNormal::kShading},
         [&](glm::dvec3) { return 0.5 + 0.5 * std::cos(lean); }, fmt::format("leaning by {}", lean));
     expect_occlusion(
-        stage, info, {.samples = 128}, [](glm::dvec3) { return 1.0; }, "around the triangle's normal");
+        prepared, info, {.samples = 128}, [](glm::dvec3) { return 1.0; }, "around the triangle's normal");
   }
 }
 
 TEST(Reference, CutAwayTexelsLetRaysThrough) {
-  // A ceiling whose left half is cut away, from below its centre: half of it remains.
+  // The left half of the ceiling is cut away. Below its centre, half of its occlusion remains.
   Texture halves;
   halves.name = "halves";
   halves.width = 64;
@@ -537,13 +545,13 @@ TEST(Reference, CutAwayTexelsLetRaysThrough) {
     leaf.alpha_mask = masked;
     Mesh ceiling = level_square(4.0f, 1.0f), leaf_below = level_square(0.3f, 0.5f);
     for (glm::vec2& uv : leaf_below.uvs) uv = glm::vec2(0.25f);  // all of it is cut away
-    const Stage stage =
-        stage_of(scene_of({ceiling, leaf_below, level_square(4.0f)}, {leaf, leaf, Material{}}, {}, {halves}));
-    // The camera above the lower leaf sees the floor through it, and so do the rays. If the leaf is not cut away, it is
-    // the visible surface, 0.5 below the ceiling.
+    const PreparedScene prepared = make_prepared_scene(
+        scene_of({ceiling, leaf_below, level_square(4.0f)}, {leaf, leaf, Material{}}, {}, {halves}));
+    // The camera above the lower leaf sees the floor through the leaf, and rays pass through it, too. If the leaf is
+    // not cut away, it is the visible surface, 0.5 below the ceiling.
     const double truth = masked ? 1.0 - 0.5 * (1.0 - 1.0 / 4.0) : 1.0 / 16.0;
     expect_occlusion(
-        stage, stage.info(from_above(1e-3f, 1e-3f, {0, 0}, 0.8f), 24, 24), {.samples = 256, .radius = 2.0f},
+        prepared, prepared.info(from_above(1e-3f, 1e-3f, {0, 0}, 0.8f), 24, 24), {.samples = 256, .radius = 2.0f},
         [&](glm::dvec3) { return truth; }, masked ? "cut" : "whole");
   }
 }
@@ -570,14 +578,16 @@ Material matt(glm::vec3 albedo, glm::vec3 emission = glm::vec3(0.0f)) {
   return material;
 }
 
-TEST(Reference, HardShadowsAreTheCaptures) {
+TEST(Reference, HardShadowsMatchTheCapture) {
   for (const Light& key : {sun({0.9f, 0.5f, 1.0f}), lamp({1.5f, -0.5f, 4.0f})}) {
-    const Stage stage = stage_of(scene_of({level_square(8.0f), level_square(1.0f, 2.0f),
-                                           shapes::moved(shapes::sphere(1.0f, 48, 24), {-2.0f, 1.0f, 1.0f})},
-                                          {Material{}}, {key}));
-    const PictureInfo info = stage.info(perspective_camera({-5, -6, 9}, {-1, -1, 0}, {0, 0, 1}, 40.0f, 1.0f), 100, 100);
-    const Image drawn = *capture_planes(*stage, info, {.width = 100, .height = 100});
-    const Image traced = light(stage, info, {.samples = 4, .bounce = false});
+    const PreparedScene prepared =
+        make_prepared_scene(scene_of({level_square(8.0f), level_square(1.0f, 2.0f),
+                                      shapes::moved(shapes::sphere(1.0f, 48, 24), {-2.0f, 1.0f, 1.0f})},
+                                     {Material{}}, {key}));
+    const PictureInfo info =
+        prepared.info(perspective_camera({-5, -6, 9}, {-1, -1, 0}, {0, 0, 1}, 40.0f, 1.0f), 100, 100);
+    const Image drawn = *capture_planes(*prepared, info, {.width = 100, .height = 100});
+    const Image traced = light(prepared, info, {.samples = 4, .bounce = false});
     long dark = 0;
     for_each_pixel(info, [&](int x, int y) { dark += drawn.plane("shadow").at(x, y) == 0.0f; });
     EXPECT_GT(dark, 300);
@@ -590,9 +600,10 @@ TEST(Reference, HardShadowsAreTheCaptures) {
 TEST(Reference, DirectLightIsLambertTimesColour) {
   const glm::vec3 albedo(0.2f, 0.5f, 0.9f), color(3.0f, 1.0f, 0.5f);
   const glm::vec3 towards = glm::normalize(glm::vec3(0.3f, -0.2f, 0.7f));
-  const Stage stage = stage_of(scene_of({level_square(3.0f)}, {matt(albedo)}, {sun(towards, color)}));
-  const PictureInfo info = stage.info(perspective_camera({2, 1, 4}, {0, 0, 0}, {0, 0, 1}, 30.0f, 1.0f), 16, 16);
-  const Image image = light(stage, info, {.samples = 7});
+  const PreparedScene prepared =
+      make_prepared_scene(scene_of({level_square(3.0f)}, {matt(albedo)}, {sun(towards, color)}));
+  const PictureInfo info = prepared.info(perspective_camera({2, 1, 4}, {0, 0, 0}, {0, 0, 1}, 30.0f, 1.0f), 16, 16);
+  const Image image = light(prepared, info, {.samples = 7});
   for_each_pixel(info, [&](int x, int y) {
     const glm::dvec3 direct = color_at(image, "direct", x, y);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(direct[c], albedo[c] * color[c] * towards.z, 1e-6);
@@ -604,20 +615,20 @@ TEST(Reference, DirectLightIsLambertTimesColour) {
 TEST(Reference, LampsFallOffWithTheSquare) {
   const glm::dvec3 where(0.5, 0.2, 1.5);
   for (const float reach : {0.0f, 2.0f}) {
-    const Stage stage =
-        stage_of(scene_of({level_square(5.0f)}, {matt(glm::vec3(0.5f))}, {lamp(where, reach, {2, 1, 1})}));
-    const PictureInfo info = stage.info(from_above(8, 8), 32, 32);
-    const Image image = light(stage, info, {.samples = 2, .bounce = false});
+    const PreparedScene prepared =
+        make_prepared_scene(scene_of({level_square(5.0f)}, {matt(glm::vec3(0.5f))}, {lamp(where, reach, {2, 1, 1})}));
+    const PictureInfo info = prepared.info(from_above(8, 8), 32, 32);
+    const Image image = light(prepared, info, {.samples = 2, .bounce = false});
     for_each_pixel(info, [&](int x, int y) {
       const glm::dvec3 away = where - on_floor(ray_of(info, x, y));
-      const double squared = glm::dot(away, away), falls = reach > 0.0f ? reach * reach / squared : 1.0;
-      const double expected = 0.5 * 2.0 * falls * away.z / std::sqrt(squared);
+      const double squared = glm::dot(away, away), distance_factor = reach > 0.0f ? reach * reach / squared : 1.0;
+      const double expected = 0.5 * 2.0 * distance_factor * away.z / std::sqrt(squared);
       EXPECT_NEAR(image.plane("direct.r").at(x, y), expected, 1e-5 * expected);
     });
   }
 }
 
-/// Makes a floor with waves only in its normals: nothing blocks light, but the normals of all pixels differ.
+/// Makes a flat floor with wavy normals: nothing blocks light, but the normals of all pixels differ.
 Mesh wavy_floor() {
   Mesh mesh = shapes::quad({-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}, 40, 40);
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
@@ -627,7 +638,7 @@ Mesh wavy_floor() {
   return mesh;
 }
 
-TEST(Reference, WithoutShadowsDirectLightIsTheLightingEffects) {
+TEST(Reference, WithoutShadowsDirectLightMatchesEffectLighting) {
   Material shiny = matt({0.6f, 0.3f, 0.2f});
   shiny.specular_strength = 0.7f;
   shiny.specular_exponent = 20.0f;
@@ -654,14 +665,14 @@ TEST(Reference, WithoutShadowsDirectLightIsTheLightingEffects) {
   }
 }
 
-TEST(Reference, WhatTheEyesOwnLightShowsIsLit) {
+TEST(Reference, HeadLightCastsNoVisibleShadow) {
   // An orthographic camera in the middle of a room: geometry behind it casts no shadow forward.
-  const Stage stage =
-      stage_of(scene_of({shapes::box({-1, -1, 0}, {1, 1, 1})}, {matt(glm::vec3(0.5f))}, {{.kind = LightKind::kHead}}));
+  const PreparedScene prepared = make_prepared_scene(
+      scene_of({shapes::box({-1, -1, 0}, {1, 1, 1})}, {matt(glm::vec3(0.5f))}, {{.kind = LightKind::kHead}}));
   for (const Camera& camera :
        {from_above(1.8f, 1.8f, {0, 0}, 0.5f), perspective_camera({0, 0, 0.5f}, {0, 0, 0}, {0, 1, 0}, 60.0f, 1.0f)}) {
-    const PictureInfo info = stage.info(camera, 16, 16);
-    const Image image = light(stage, info, {.samples = 16});
+    const PictureInfo info = prepared.info(camera, 16, 16);
+    const Image image = light(prepared, info, {.samples = 16});
     for_each_pixel(info, [&](int x, int y) {
       EXPECT_EQ(image.plane("shadow").at(x, y), 1.0f);
       EXPECT_GT(image.plane("direct.g").at(x, y), 0.3f);
@@ -670,28 +681,29 @@ TEST(Reference, WhatTheEyesOwnLightShowsIsLit) {
 }
 
 TEST(Reference, LargeLightsShineAsBrightlyAsPoints) {
-  // Above the horizon and unoccluded, a disc or sphere of constant radiance illuminates as if it were at its centre.
+  // An unoccluded disc or sphere of constant radiance above the horizon illuminates as if it were a point at its
+  // centre.
   const glm::dvec3 where(0.4, 0.3, 1.5);
   const glm::vec3 towards = glm::normalize(glm::vec3(0.5f, -0.2f, 0.8f));
   const Mesh floor = level_square(3.0f);
-  const PictureInfo info = stage_of(scene_of({floor})).info(from_above(2, 2), 32, 32);
+  const PictureInfo info = make_prepared_scene(scene_of({floor})).info(from_above(2, 2), 32, 32);
   for (const float angle_deg : {0.5f, 20.0f, 80.0f}) {
-    const Stage stage =
-        stage_of(scene_of({floor}, {matt(glm::vec3(1.0f))}, {sun(towards, glm::vec3(1.0f), angle_deg)}));
+    const PreparedScene prepared =
+        make_prepared_scene(scene_of({floor}, {matt(glm::vec3(1.0f))}, {sun(towards, glm::vec3(1.0f), angle_deg)}));
     PictureInfo here = info;
-    here.lights = stage.info(info.camera, 32, 32).lights;
-    const Image image = light(stage, here, {.samples = 64, .bounce = false});
+    here.lights = prepared.info(info.camera, 32, 32).lights;
+    const Image image = light(prepared, here, {.samples = 64, .bounce = false});
     Tally error;
     for_each_pixel(info, [&](int x, int y) { error.add(image.plane("direct.g").at(x, y) - towards.z); });
     expect_mean(error, 0.0, 1e-3, fmt::format("sun of {} degrees", angle_deg));
   }
   for (const float radius : {0.1f, 1.2f})
     for (const float reach : {0.0f, 1.0f}) {
-      const Stage stage =
-          stage_of(scene_of({floor}, {matt(glm::vec3(1.0f))}, {lamp(where, reach, glm::vec3(1.0f), radius)}));
+      const PreparedScene prepared = make_prepared_scene(
+          scene_of({floor}, {matt(glm::vec3(1.0f))}, {lamp(where, reach, glm::vec3(1.0f), radius)}));
       PictureInfo here = info;
-      here.lights = stage.info(info.camera, 32, 32).lights;
-      const Image image = light(stage, here, {.samples = 64, .bounce = false});
+      here.lights = prepared.info(info.camera, 32, 32).lights;
+      const Image image = light(prepared, here, {.samples = 64, .bounce = false});
       Tally error;
       for_each_pixel(info, [&](int x, int y) {
         const glm::dvec3 away = where - on_floor(ray_of(info, x, y));
@@ -704,18 +716,18 @@ TEST(Reference, LargeLightsShineAsBrightlyAsPoints) {
 }
 
 TEST(Reference, PenumbraOfAnEdge) {
-  // A half plane at height h below a sun in the zenith: the disc emerges from x = -h tan(angle / 2) to h tan(angle /
-  // 2).
+  // A half plane at height h is below a sun in the zenith. From x = -h tan(angle / 2) to h tan(angle / 2) a growing
+  // part of the sun's disc is visible.
   constexpr double kHeight = 1.0;
   for (const float angle_deg : {0.05f, 0.53f, 30.0f}) {
     const double half = glm::radians(0.5 * angle_deg), width = kHeight * std::tan(half);
-    // No larger than necessary: the position of an edge is rounded as the ends of its triangle are.
+    // The half plane is no larger than necessary: the rounding error of its edge grows with its size.
     const float reach = float(4.0 * width);
     const Mesh edge = parallelogram({-reach, -reach, kHeight}, {reach, 0, 0}, {0, 2 * reach, 0});
-    const Stage stage = stage_of(
+    const PreparedScene prepared = make_prepared_scene(
         scene_of({level_square(reach), edge}, {matt(glm::vec3(1.0f))}, {sun({0, 0, 1}, glm::vec3(1.0f), angle_deg)}));
-    const PictureInfo info = stage.info(from_above(float(2.6 * width), float(1.3 * width), {0, 0}, 0.5f), 40, 20);
-    const Image image = light(stage, info, {.samples = 144, .bounce = false});
+    const PictureInfo info = prepared.info(from_above(float(2.6 * width), float(1.3 * width), {0, 0}, 0.5f), 40, 20);
+    const Image image = light(prepared, info, {.samples = 144, .bounce = false});
     std::array<Tally, 4> errors;  // by position on the ramp
     for_each_pixel(info, [&](int x, int y) {
       constexpr int kSteps = 200;
@@ -726,7 +738,7 @@ TEST(Reference, PenumbraOfAnEdge) {
       } else if (at > 1.01 * std::tan(half)) {
         EXPECT_EQ(shadow, 1.0f) << at;
       } else {
-        // Rings of the disc, of equal solid angle: the edge cuts each along a chord.
+        // Sum over rings of the disc of equal solid angle. The edge cuts each ring along a chord.
         double visible = 0.0;
         for (int k = 0; k < kSteps; ++k) {
           const double sine = std::sin(0.5 * half);
@@ -746,9 +758,9 @@ TEST(Reference, PenumbraOfAnEdge) {
 TEST(Reference, TheSunsAngleCanBeSet) {
   const Mesh edge = parallelogram({-50, -50, 1}, {50, 0, 0}, {0, 100, 0});
   const auto traced_with = [&](float lights_own, float setting) {
-    const Stage stage = stage_of(
+    const PreparedScene prepared = make_prepared_scene(
         scene_of({level_square(50.0f), edge}, {matt(glm::vec3(1.0f))}, {sun({0, 0, 1}, glm::vec3(1.0f), lights_own)}));
-    return light(stage, stage.info(from_above(1, 0.5f, {0, 0}, 0.5f), 32, 16),
+    return light(prepared, prepared.info(from_above(1, 0.5f, {0, 0}, 0.5f), 32, 16),
                  {.samples = 9, .sun_angle_deg = setting});
   };
   const Image ten = traced_with(10.0f, 0.0f);
@@ -757,32 +769,33 @@ TEST(Reference, TheSunsAngleCanBeSet) {
   EXPECT_GT(differing_pixels(ten.plane("shadow"), traced_with(3.0f, 0.0f).plane("shadow")), 20);
 }
 
-TEST(Reference, BallsThrowSoftShadows) {
-  // Where the edge of a half plane cuts the sphere through its centre, half of it is visible. Geometry behind the light
-  // casts no shadow.
+TEST(Reference, SphericalLightsCastSoftShadows) {
+  // At a point from which the edge of a half plane covers half of the sphere, visibility is 0.5. Geometry behind the
+  // light casts no shadow.
   const Mesh edge = parallelogram({-50, -50, 1}, {50, 0, 0}, {0, 100, 0});
-  const Stage stage = stage_of(scene_of({level_square(50.0f), edge, level_square(20.0f, 5.0f)}, {matt(glm::vec3(1.0f))},
-                                        {lamp({0, 0, 3}, 0.0f, glm::vec3(1.0f), 0.8f)}));
-  const PictureInfo info = stage.info(from_above(1e-3f, 1e-3f, {0, 0}, 0.5f), 24, 24);
-  const Image image = light(stage, info, {.samples = 100, .bounce = false});
+  const PreparedScene prepared =
+      make_prepared_scene(scene_of({level_square(50.0f), edge, level_square(20.0f, 5.0f)}, {matt(glm::vec3(1.0f))},
+                                   {lamp({0, 0, 3}, 0.0f, glm::vec3(1.0f), 0.8f)}));
+  const PictureInfo info = prepared.info(from_above(1e-3f, 1e-3f, {0, 0}, 0.5f), 24, 24);
+  const Image image = light(prepared, info, {.samples = 100, .bounce = false});
   Tally half;
   for_each_pixel(info, [&](int x, int y) { half.add(image.plane("shadow").at(x, y)); });
   expect_mean(half, 0.5, 1e-3, "half a ball");
-  const PictureInfo lit = stage.info(from_above(1, 1, {3, 0}, 0.5f), 8, 8);
-  const Image whole = light(stage, lit, {.samples = 50, .bounce = false});
+  const PictureInfo lit = prepared.info(from_above(1, 1, {3, 0}, 0.5f), 8, 8);
+  const Image whole = light(prepared, lit, {.samples = 50, .bounce = false});
   for_each_pixel(lit, [&](int x, int y) { EXPECT_EQ(whole.plane("shadow").at(x, y), 1.0f); });
 }
 
 // ---- the bounce ----
 
 TEST(Reference, WallOfConstantRadiance) {
-  // The wall contributes its radiance times the fraction of the hemisphere that it fills: (1 - cos E) / 2.
+  // The wall contributes its radiance times (1 - cos E) / 2, the fraction of the hemisphere that it fills.
   const glm::dvec3 radiance(2.0, 1.0, 0.25);
   for (const double height : {1.0, 20.0}) {
-    const Stage stage = stage_of(
+    const PreparedScene prepared = make_prepared_scene(
         scene_of({level_square(4.0f), wall_x(2.0f, float(height))}, {Material{}, matt(glm::vec3(0.8f), radiance)}));
-    const PictureInfo info = stage.info(from_above(3, 3, {0.4f, 0}), 32, 32);
-    const Image image = light(stage, info, {.samples = 128});
+    const PictureInfo info = prepared.info(from_above(3, 3, {0.4f, 0}), 32, 32);
+    const Image image = light(prepared, info, {.samples = 128});
     std::array<Tally, 3> errors;
     for_each_pixel(info, [&](int x, int y) {
       const double away = 2.0 - on_floor(ray_of(info, x, y)).x;
@@ -796,35 +809,35 @@ TEST(Reference, WallOfConstantRadiance) {
 }
 
 TEST(Reference, FurnaceGivesItsRadianceEverywhere) {
-  const Stage stage = stage_of(scene_of({shapes::box({-1, -1, -1}, {1, 1, 1}), shapes::sphere(0.4f, 24, 12)},
-                                        {matt(glm::vec3(0.9f), glm::vec3(0.7f))}));
+  const PreparedScene prepared = make_prepared_scene(scene_of(
+      {shapes::box({-1, -1, -1}, {1, 1, 1}), shapes::sphere(0.4f, 24, 12)}, {matt(glm::vec3(0.9f), glm::vec3(0.7f))}));
   const PictureInfo info =
-      stage.info(perspective_camera({0.9f, 0.8f, 0.7f}, {0, 0, 0}, {0, 0, 1}, 100.0f, 1.0f), 32, 32);
+      prepared.info(perspective_camera({0.9f, 0.8f, 0.7f}, {0, 0, 0}, {0, 0, 1}, 100.0f, 1.0f), 32, 32);
   for (const int samples : {1, 7, 64}) {
-    const Image image = light(stage, info, {.samples = samples});
+    const Image image = light(prepared, info, {.samples = samples});
     long off = 0;  // interpolated normals of the sphere: directions below its triangles contribute nothing
     for_each_pixel(info, [&](int x, int y) { off += std::fabs(image.plane("indirect.g").at(x, y) - 0.7f) > 1e-6f; });
-    const Image ball = *capture_planes(*stage, info, {.width = 32, .height = 32});
-    long on_ball = 0;
-    for_each_pixel(info, [&](int x, int y) { on_ball += ball.plane("object_id").at(x, y) == 1.0f; });
-    EXPECT_GT(on_ball, 30);
-    EXPECT_LE(off, on_ball) << samples << " samples";
+    const Image ball = *capture_planes(*prepared, info, {.width = 32, .height = 32});
+    long on_sphere = 0;
+    for_each_pixel(info, [&](int x, int y) { on_sphere += ball.plane("object_id").at(x, y) == 1.0f; });
+    EXPECT_GT(on_sphere, 30);
+    EXPECT_LE(off, on_sphere) << samples << " samples";
   }
 }
 
 TEST(Reference, SunlitFloorLightsAWall) {
-  // The floor fills half of the wall's hemisphere: albedo x colour x cosine / 2, whether the sun is a point or a disc.
-  // The sun is in front of the wall, so that the wall hides no part of it.
+  // The floor fills half of the wall's hemisphere, so indirect light is albedo x colour x cosine / 2, whether the sun
+  // is a point or a disc. The sun is in front of the wall, so that the wall hides no part of the sun.
   const glm::vec3 albedo(0.9f, 0.5f, 0.1f), towards = glm::normalize(glm::vec3(0.6f, 0.2f, 1.0f));
   const Mesh floor = parallelogram({0, -kFar, 0}, {kFar, 0, 0}, {0, 2 * kFar, 0});
   const Mesh wall = parallelogram({0, -3, 0}, {0, 6, 0}, {0, 0, 3});
-  // Looks along -x, from in front of the wall.
+  // The camera is in front of the wall and looks along -x.
   const Camera camera = orthographic_camera({1, 0, 0.5f}, {0, 0, 0.5f}, {0, 0, 1}, 0.6f, 1.0f);
   for (const float angle_deg : {0.0f, 20.0f}) {
-    const Stage stage = stage_of(
+    const PreparedScene prepared = make_prepared_scene(
         scene_of({wall, floor}, {matt(glm::vec3(0.8f)), matt(albedo)}, {sun(towards, glm::vec3(2.0f), angle_deg)}));
-    const PictureInfo info = stage.info(camera, 32, 32);
-    const Image image = light(stage, info, {.samples = 128});
+    const PictureInfo info = prepared.info(camera, 32, 32);
+    const Image image = light(prepared, info, {.samples = 128});
     std::array<Tally, 3> errors;
     for_each_pixel(info, [&](int x, int y) {
       const glm::dvec3 indirect = color_at(image, "indirect", x, y);
@@ -835,13 +848,13 @@ TEST(Reference, SunlitFloorLightsAWall) {
   }
 }
 
-TEST(Reference, FloorsInTheDarkGiveNothing) {
+TEST(Reference, UnlitFloorsGiveNoLight) {
   const Mesh wall = parallelogram({0, -3, 0}, {0, 6, 0}, {0, 0, 3});
-  const Stage stage = stage_of(scene_of({wall, level_square(8.0f), level_square(20.0f, 3.0f)}, {Material{}},
-                                        {sun({0.1f, 0.2f, 1.0f}), lamp({1, 0, 9})}));
+  const PreparedScene prepared = make_prepared_scene(scene_of(
+      {wall, level_square(8.0f), level_square(20.0f, 3.0f)}, {Material{}}, {sun({0.1f, 0.2f, 1.0f}), lamp({1, 0, 9})}));
   const Camera camera = orthographic_camera({1, 0, 0.5f}, {0, 0, 0.5f}, {0, 0, 1}, 0.6f, 1.0f);
-  const PictureInfo info = stage.info(camera, 16, 16);
-  const Image image = light(stage, info, {.samples = 64});
+  const PictureInfo info = prepared.info(camera, 16, 16);
+  const Image image = light(prepared, info, {.samples = 64});
   for_each_pixel(info, [&](int x, int y) {
     EXPECT_EQ(color_at(image, "indirect", x, y), glm::dvec3(0.0));
     EXPECT_EQ(color_at(image, "direct", x, y), glm::dvec3(0.0));
@@ -858,10 +871,11 @@ TEST(Reference, TexturesColourTheBounce) {
   textured.texture = 0;
   const Mesh wall = parallelogram({0, -3, 0}, {0, 6, 0}, {0, 0, 3});
   const Mesh floor = parallelogram({0, -kFar, 0}, {kFar, 0, 0}, {0, 2 * kFar, 0});
-  const Stage stage = stage_of(scene_of({wall, floor}, {Material{}, textured}, {sun({1, 0, 1})}, {grey}));
+  const PreparedScene prepared =
+      make_prepared_scene(scene_of({wall, floor}, {Material{}, textured}, {sun({1, 0, 1})}, {grey}));
   const Camera camera = orthographic_camera({1, 0, 0.5f}, {0, 0, 0.5f}, {0, 0, 1}, 0.6f, 1.0f);
-  const PictureInfo info = stage.info(camera, 24, 24);
-  const Image image = light(stage, info, {.samples = 64});
+  const PictureInfo info = prepared.info(camera, 24, 24);
+  const Image image = light(prepared, info, {.samples = 64});
   const double red = std::pow((188.0 / 255.0 + 0.055) / 1.055, 2.4);
   Tally fraction;
   for_each_pixel(info, [&](int x, int y) {
@@ -876,22 +890,23 @@ TEST(Reference, TexturesColourTheBounce) {
 TEST(Reference, BounceEndsAtItsReach) {
   // For an emissive ceiling at height 1, the part within R of a point on the floor fills 1 - 1 / R^2 of the hemisphere,
   // cosine-weighted.
-  const Stage stage = stage_of(
+  const PreparedScene prepared = make_prepared_scene(
       scene_of({level_square(4.0f), level_square(200.0f, 1.0f)}, {Material{}, matt(glm::vec3(0.8f), glm::vec3(3.0f))}));
-  const PictureInfo info = stage.info(from_above(2, 2, {0, 0}, 0.5f), 24, 24);
+  const PictureInfo info = prepared.info(from_above(2, 2, {0, 0}, 0.5f), 24, 24);
   for (const auto& [reach, fraction] : {std::pair(0.9f, 0.0), {1.25f, 1.0 - 1.0 / 1.5625}, {2.0f, 0.75}}) {
-    const Image image = light(stage, info, {.samples = 128, .reach = reach});
+    const Image image = light(prepared, info, {.samples = 128, .reach = reach});
     Tally error;
     for_each_pixel(info, [&](int x, int y) { error.add(color_at(image, "indirect", x, y).g - 3.0 * fraction); });
     expect_mean(error, 0.0, 3e-3, fmt::format("reach {}", reach));
   }
 }
 
-TEST(Reference, BounceAloneIsTheSameBounce) {
-  const Stage stage =
-      stage_of(scene_of({level_square(4.0f), wall_x(1.0f, 1.0f)}, {Material{}}, {sun({-1, 0, 1}), lamp({0, 0, 3})}));
-  const PictureInfo info = stage.info(from_above(3, 3), 16, 16);
-  const Image both = light(stage, info, {.samples = 16}), alone = light(stage, info, {.samples = 16, .direct = false});
+TEST(Reference, BounceAloneMatchesBounceWithDirectLight) {
+  const PreparedScene prepared = make_prepared_scene(
+      scene_of({level_square(4.0f), wall_x(1.0f, 1.0f)}, {Material{}}, {sun({-1, 0, 1}), lamp({0, 0, 3})}));
+  const PictureInfo info = prepared.info(from_above(3, 3), 16, 16);
+  const Image both = light(prepared, info, {.samples = 16}),
+              alone = light(prepared, info, {.samples = 16, .direct = false});
   EXPECT_EQ(alone.names, (std::vector<std::string>{"indirect.r", "indirect.g", "indirect.b"}));
   double max = 0.0;
   for (const std::string& name : alone.names)
@@ -900,16 +915,17 @@ TEST(Reference, BounceAloneIsTheSameBounce) {
   EXPECT_GT(max, 0.1);
 }
 
-TEST(Reference, CapturedShadowsAreTheCaptures) {
-  // A lamp with a radius and a sun that casts no shadow: a hard shadow, and none.
+TEST(Reference, CapturedShadowsMatchTheCapture) {
+  // The lamp has a radius, but its captured shadow is hard. The sun casts no shadow.
   Light fill = sun({0.2f, 0.1f, 1.0f}, glm::vec3(0.5f), 30.0f);
   fill.casts_shadow = false;
-  const Stage stage = stage_of(scene_of({level_square(8.0f), level_square(1.0f, 2.0f)}, {matt(glm::vec3(0.8f))},
-                                        {lamp({0.5f, -0.5f, 4.0f}, 0.0f, glm::vec3(1.0f), 0.5f), fill}));
-  const PictureInfo info = stage.info(from_above(6, 6, {-1, 1}, 1.5f), 60, 60);  // below the plate
-  const Image drawn = *capture_planes(*stage, info, {.width = 60, .height = 60});
-  const Image traced = light(stage, info, {.samples = 16, .bounce = false, .captured_shadows = true});
-  const Image soft = light(stage, info, {.samples = 16, .bounce = false});
+  const PreparedScene prepared =
+      make_prepared_scene(scene_of({level_square(8.0f), level_square(1.0f, 2.0f)}, {matt(glm::vec3(0.8f))},
+                                   {lamp({0.5f, -0.5f, 4.0f}, 0.0f, glm::vec3(1.0f), 0.5f), fill}));
+  const PictureInfo info = prepared.info(from_above(6, 6, {-1, 1}, 1.5f), 60, 60);  // below the plate
+  const Image drawn = *capture_planes(*prepared, info, {.width = 60, .height = 60});
+  const Image traced = light(prepared, info, {.samples = 16, .bounce = false, .captured_shadows = true});
+  const Image soft = light(prepared, info, {.samples = 16, .bounce = false});
   long dark = 0, dimmer = 0;
   const double filled = 0.8 * 0.5 * glm::normalize(glm::dvec3(0.2, 0.1, 1.0)).z;
   for_each_pixel(info, [&](int x, int y) {
@@ -923,7 +939,7 @@ TEST(Reference, CapturedShadowsAreTheCaptures) {
     }
   });
   EXPECT_GT(dark, 100);
-  EXPECT_GT(dimmer, 100) << "where every light throws a shadow, two meet";
+  EXPECT_GT(dimmer, 100) << "where all lights cast shadows, two shadows meet";
   EXPECT_LE(differing_pixels(drawn.plane("shadow"), traced.plane("shadow")), 5) << "only rays along edges may differ";
 }
 
@@ -962,7 +978,7 @@ TEST(Sampler, PointsLieInsideTheSquare) {
   EXPECT_GT(high, 1.0f - 1e-6f);
 }
 
-TEST(Sampler, EveryPointIsAnywhereWithEqualChance) {
+TEST(Sampler, EachPointIsUniformlyDistributed) {
   const SampleTable table = sample_table(16);
   for (const int i : {0, 5, 15}) {
     Tally x, y, product;
@@ -997,13 +1013,13 @@ TEST(Sampler, ShufflingMakesTwoSetsIndependent) {
       unshuffled.insert(box(i));
     }
     EXPECT_EQ(int(numbers.size()), count) << "a permutation";
-    EXPECT_GE(boxes.size(), 56u) << "of 64 that two sets' first coordinates span";
-    EXPECT_EQ(unshuffled.size(), 8u) << "which scrambling alone leaves empty";
+    EXPECT_GE(boxes.size(), 56u) << "of 64 boxes over the first coordinates of both sets";
+    EXPECT_EQ(unshuffled.size(), 8u) << "most boxes are empty with scrambling alone";
   }
 }
 
-/// The variance of a plane over seeds, the mean over its pixels and its standard error. Pixels and seeds are
-/// independent.
+/// Statistics of a plane over seeds: the variance of a pixel, the mean over all pixels, and the standard error of this
+/// mean. Pixels and seeds are independent.
 struct Spread {
   double variance = 0.0, mean = 0.0, standard_error = 0.0;
 };
@@ -1041,16 +1057,16 @@ Camera solids_camera(const Scene& scene, float scale = 1.0f) {
   return perspective_camera(view.eye * scale, view.target * scale, {0, 1, 0}, view.angle_deg, 1.0f);
 }
 
-/// Max ratio of the variances when the number of samples doubles: a half, and the error of measuring it.
-constexpr double kMinGain = 0.55;
+/// Max ratio of the variances when the number of samples doubles: a half, plus the error of measuring it.
+constexpr double kMaxVarianceRatio = 0.55;
 
 TEST(Reference, DoublingSamplesHalvesTheVarianceOfOcclusion) {
-  const Stage stage = stage_of(small_solids());
-  const PictureInfo info = stage.info(solids_camera(*stage.scene), 64, 64);
+  const PreparedScene prepared = make_prepared_scene(small_solids());
+  const PictureInfo info = prepared.info(solids_camera(*prepared.scene), 64, 64);
   const float radius = 0.2f * info.scene_radius;
   const auto spread = [&](int samples, int seeds) {
     return spread_of(seeds, [&](std::uint32_t seed) {
-      return occlusion(stage, info, {.samples = samples, .radius = radius, .seed = seed}).plane("ao");
+      return occlusion(prepared, info, {.samples = samples, .radius = radius, .seed = seed}).plane("ao");
     });
   };
   const Spread first = spread(16, 8);
@@ -1060,7 +1076,7 @@ TEST(Reference, DoublingSamplesHalvesTheVarianceOfOcclusion) {
   Spread last = first;
   for (const int samples : {32, 64, 128}) {
     const Spread next = spread(samples, 8);
-    EXPECT_LE(next.variance / last.variance, kMinGain) << samples << " samples";
+    EXPECT_LE(next.variance / last.variance, kMaxVarianceRatio) << samples << " samples";
     expect_same_mean(next, first, fmt::format("{} samples", samples));
     last = next;
   }
@@ -1070,10 +1086,10 @@ TEST(Reference, DoublingSamplesHalvesTheVarianceOfOcclusion) {
   EXPECT_GT(spread(1, 6).variance, 8.0 * first.variance);
 }
 
-void expect_light_converges(const Stage& stage, const PictureInfo& info, const char* name, bool bounce) {
+void expect_light_converges(const PreparedScene& prepared, const PictureInfo& info, const char* name, bool bounce) {
   const auto spread = [&](int samples) {
     return spread_of(8, [&](std::uint32_t seed) {
-      return light(stage, info, {.samples = samples, .bounce = bounce, .seed = seed}).plane(name);
+      return light(prepared, info, {.samples = samples, .bounce = bounce, .seed = seed}).plane(name);
     });
   };
   const Spread first = spread(16);
@@ -1081,7 +1097,7 @@ void expect_light_converges(const Stage& stage, const PictureInfo& info, const c
   Spread last = first;
   for (const int samples : {32, 64, 128, 256}) {
     const Spread next = spread(samples);
-    EXPECT_LE(next.variance / last.variance, kMinGain) << name << ", " << samples << " samples";
+    EXPECT_LE(next.variance / last.variance, kMaxVarianceRatio) << name << ", " << samples << " samples";
     expect_same_mean(next, first, fmt::format("{}, {} samples", name, samples));
     last = next;
   }
@@ -1089,33 +1105,37 @@ void expect_light_converges(const Stage& stage, const PictureInfo& info, const c
 }
 
 TEST(Reference, DoublingSamplesHalvesTheVarianceOfLight) {
-  // A slatted roof under a wide sun.
+  // The scene is a slatted roof below a sun with a large disc.
   std::vector<Mesh> meshes = {parallelogram({0, -4, 0}, {8, 0, 0}, {0, 8, 0}),
                               parallelogram({0, -3, 0}, {0, 6, 0}, {0, 0, 2})};
   for (int k = 0; k < 8; ++k) meshes.push_back(parallelogram({0.6f * k, -4, 2}, {0.3f, 0, 0}, {0, 8, 0}));
-  const Stage stage = stage_of(scene_of(meshes, {Material{}}, {sun({0.3f, 0, 1}, glm::vec3(1.0f), 40.0f)}));
+  const PreparedScene prepared =
+      make_prepared_scene(scene_of(meshes, {Material{}}, {sun({0.3f, 0, 1}, glm::vec3(1.0f), 40.0f)}));
   // In front of the wall, below the roof, above the floor: wall and floor are both visible.
-  const PictureInfo info = stage.info(perspective_camera({3, 0, 1.2f}, {0, 0, 0.4f}, {0, 0, 1}, 50.0f, 1.0f), 24, 24);
-  expect_light_converges(stage, info, "direct.g", false);
-  expect_light_converges(stage, info, "shadow", false);
-  expect_light_converges(stage, info, "indirect.g", true);
+  const PictureInfo info =
+      prepared.info(perspective_camera({3, 0, 1.2f}, {0, 0, 0.4f}, {0, 0, 1}, 50.0f, 1.0f), 24, 24);
+  expect_light_converges(prepared, info, "direct.g", false);
+  expect_light_converges(prepared, info, "shadow", false);
+  expect_light_converges(prepared, info, "indirect.g", true);
 }
 
-TEST(Reference, TheBouncesTwoChoicesAreIndependent) {
-  // A fin above the floor, seen from a low wall behind it: the floor's left half sees only the sun's left half, so that
-  // the result depends on both choices of a sample together: the direction of the ray and the point on the sun.
+TEST(Reference, BounceSamplesItsTwoChoicesIndependently) {
+  // Because of the fin above the floor, only the left half of the sun lights the left half of the floor. So light on
+  // the wall depends on both random choices of a sample together: the direction of the ray and the point on the sun.
   const Mesh wall = parallelogram({0, -3, 0}, {0, 6, 0}, {0, 0, 0.9f}), floor = level_square(8.0f);
   const Mesh fin = parallelogram({-8, 0, 1}, {16, 0, 0}, {0, 0, 40});
-  const Stage stage = stage_of(scene_of({wall, floor, fin}, {Material{}}, {sun({0, 0, 1}, glm::vec3(1.0f), 80.0f)}));
-  const PictureInfo info = stage.info(orthographic_camera({1, 0, 0.5f}, {0, 0, 0.5f}, {0, 0, 1}, 0.4f, 1.0f), 20, 20);
-  expect_light_converges(stage, info, "indirect.g", true);
+  const PreparedScene prepared =
+      make_prepared_scene(scene_of({wall, floor, fin}, {Material{}}, {sun({0, 0, 1}, glm::vec3(1.0f), 80.0f)}));
+  const PictureInfo info =
+      prepared.info(orthographic_camera({1, 0, 0.5f}, {0, 0, 0.5f}, {0, 0, 1}, 0.4f, 1.0f), 20, 20);
+  expect_light_converges(prepared, info, "indirect.g", true);
 }
 
-TEST(Reference, TheMostSamplesComeNearestToTheTruth) {
-  const Stage stage = stage_of(scene_of({level_square(4.0f), wall_x(1.5f, 3.0f, 6.0f)}));
-  const PictureInfo info = stage.info(from_above(0.8f, 0.8f, {0.9f, 0}), 8, 8);
+TEST(Reference, MoreSamplesAreCloserToTheGroundTruth) {
+  const PreparedScene prepared = make_prepared_scene(scene_of({level_square(4.0f), wall_x(1.5f, 3.0f, 6.0f)}));
+  const PictureInfo info = prepared.info(from_above(0.8f, 0.8f, {0.9f, 0}), 8, 8);
   for (const auto& [samples, max] : {std::pair{64, 0.06}, {kMaxSamples, 3e-3}}) {
-    const Image image = occlusion(stage, info, {.samples = samples, .radius = 1.3f});
+    const Image image = occlusion(prepared, info, {.samples = samples, .radius = 1.3f});
     for_each_pixel(info, [&](int x, int y) {
       EXPECT_NEAR(image.plane("ao").at(x, y), 1.0 - segment((1.5 - on_floor(ray_of(info, x, y)).x) / 1.3), max);
     });
@@ -1127,13 +1147,13 @@ TEST(Reference, TheMostSamplesComeNearestToTheTruth) {
 TEST(Reference, ThreadsAndRunsDoNotMatter) {
   Scene scene = small_solids();
   scene.lights = {sun({0.4f, 1, 0.3f}, glm::vec3(1.0f), 10.0f), lamp({1, 3, 2}, 2.0f, glm::vec3(1.0f), 0.3f)};
-  const Stage stage = stage_of(std::move(scene));
-  const PictureInfo info = stage.info(solids_camera(*stage.scene), 72, 50);
+  const PreparedScene prepared = make_prepared_scene(std::move(scene));
+  const PictureInfo info = prepared.info(solids_camera(*prepared.scene), 72, 50);
   ParameterBytes bytes = initial_parameters(reference_effect().parameters, reference_effect().params_size);
   auto& params = as<ReferenceParams>(bytes);
   params.samples = 10;
   params.light = 2;
-  const auto trace = [&](int threads) { return *trace_reference(*stage, info, bytes, {.threads = threads}); };
+  const auto trace = [&](int threads) { return *trace_reference(*prepared, info, bytes, {.threads = threads}); };
   const Image one = trace(1);
   EXPECT_EQ(one.planes.size(), 11u);
   for (const int threads : {1, 2, 0, 64}) expect_equal(one, trace(threads), fmt::format("{} threads", threads));
@@ -1153,9 +1173,9 @@ Scene scaled_scene(Scene scene, float scale) {
 TEST(Reference, ScaleDoesNotMatter) {
   const Scene solids = small_solids();
   const auto trace = [&](float scale) {
-    const Stage stage = stage_of(scaled_scene(solids, scale));
-    const PictureInfo info = stage.info(solids_camera(solids, scale), 48, 48);
-    return occlusion(stage, info, {.samples = 16, .radius = 0.25f * info.scene_radius});
+    const PreparedScene prepared = make_prepared_scene(scaled_scene(solids, scale));
+    const PictureInfo info = prepared.info(solids_camera(solids, scale), 48, 48);
+    return occlusion(prepared, info, {.samples = 16, .radius = 0.25f * info.scene_radius});
   };
   const Image one = trace(1.0f);
   for (const float power : {0x1p-10f, 0x1p10f}) expect_equal(one, trace(power), "a power of two");
@@ -1170,31 +1190,31 @@ TEST(Reference, ScaleDoesNotMatter) {
 }
 
 TEST(Reference, FarPerspectiveIsOrthographic) {
-  const Stage stage = ball_on_floor();
+  const PreparedScene prepared = sphere_on_floor();
   constexpr float kDistance = 100.0f;
   const float angle_deg = float(2.0 * std::atan(3.0 / kDistance) * 180.0 / M_PI);
-  const PictureInfo near = stage.info(from_above(6, 6), 40, 40);
+  const PictureInfo near = prepared.info(from_above(6, 6), 40, 40);
   const PictureInfo far =
-      stage.info(perspective_camera({0, 0, kDistance}, {0, 0, 0}, {0, 1, 0}, angle_deg, 1.0f), 40, 40);
-  const Image a = occlusion(stage, near, {.samples = 256, .radius = 2.0f});
-  const Image b = occlusion(stage, far, {.samples = 256, .radius = 2.0f, .seed = 1});
+      prepared.info(perspective_camera({0, 0, kDistance}, {0, 0, 0}, {0, 1, 0}, angle_deg, 1.0f), 40, 40);
+  const Image a = occlusion(prepared, near, {.samples = 256, .radius = 2.0f});
+  const Image b = occlusion(prepared, far, {.samples = 256, .radius = 2.0f, .seed = 1});
   Tally change;
   for_each_pixel(near, [&](int x, int y) {
-    if (misses_ball(ray_of(near, x, y)) && misses_ball(ray_of(far, x, y)))
+    if (misses_sphere(ray_of(near, x, y)) && misses_sphere(ray_of(far, x, y)))
       change.add(b.plane("ao").at(x, y) - a.plane("ao").at(x, y));
   });
   expect_mean(change, 0.0, 1e-3, "perspective less orthographic");
 }
 
-TEST(Reference, TheGuardBandIsLeftOut) {
+TEST(Reference, GuardBandIsNotTraced) {
   constexpr int kGuard = 9;
   Scene scene = small_solids();
   scene.lights = {sun({0.4f, 1, 0.3f}, glm::vec3(1.0f), 10.0f)};
-  const Stage stage = stage_of(std::move(scene));
-  const Camera camera = solids_camera(*stage.scene);
-  const PictureInfo bare = stage.info(camera, 50, 40), wide = stage.info(camera, 50, 40, kGuard);
-  const Image occluded = occlusion(stage, wide, {.samples = 16, .radius = 1.0f});
-  const Image lit = light(stage, wide, {.samples = 4});
+  const PreparedScene prepared = make_prepared_scene(std::move(scene));
+  const Camera camera = solids_camera(*prepared.scene);
+  const PictureInfo without_guard = prepared.info(camera, 50, 40), wide = prepared.info(camera, 50, 40, kGuard);
+  const Image occluded = occlusion(prepared, wide, {.samples = 16, .radius = 1.0f});
+  const Image lit = light(prepared, wide, {.samples = 4});
   ASSERT_EQ(occluded.width, 50 + 2 * kGuard);
   ASSERT_EQ(occluded.plane("ao").height, 40 + 2 * kGuard);
   for_each_pixel(wide, [&](int x, int y) {
@@ -1207,16 +1227,18 @@ TEST(Reference, TheGuardBandIsLeftOut) {
   });
   // Inside, the guard band changes the last bits of positions, and through them a few rays.
   const Plane inside = cropped(occluded.plane("ao"), kGuard);
-  EXPECT_LT(differing_pixels(occlusion(stage, bare, {.samples = 16, .radius = 1.0f}).plane("ao"), inside), 40);
-  EXPECT_LT(differing_pixels(light(stage, bare, {.samples = 4}).plane("shadow"), cropped(lit.plane("shadow"), kGuard)),
+  EXPECT_LT(differing_pixels(occlusion(prepared, without_guard, {.samples = 16, .radius = 1.0f}).plane("ao"), inside),
+            40);
+  EXPECT_LT(differing_pixels(light(prepared, without_guard, {.samples = 4}).plane("shadow"),
+                             cropped(lit.plane("shadow"), kGuard)),
             40);
 }
 
 TEST(Reference, SmallAndOddSizes) {
-  const Stage stage = stage_of(small_solids());
+  const PreparedScene prepared = make_prepared_scene(small_solids());
   for (const auto& [width, height] : {std::pair{1, 1}, {3, 2}, {17, 33}}) {
-    const PictureInfo info = stage.info(solids_camera(*stage.scene), width, height, 1);
-    const Image image = occlusion(stage, info, {.samples = 5, .radius = 1.0f});
+    const PictureInfo info = prepared.info(solids_camera(*prepared.scene), width, height, 1);
+    const Image image = occlusion(prepared, info, {.samples = 5, .radius = 1.0f});
     EXPECT_EQ(image.width, width + 2);
     for_each_pixel(info, [&](int x, int y) {
       EXPECT_GE(image.plane("ao").at(x, y), 0.0f);
@@ -1228,8 +1250,8 @@ TEST(Reference, SmallAndOddSizes) {
 // ---- progress ----
 
 TEST(Reference, ProgressNeverFallsAndEndsAtOne) {
-  const Stage stage = stage_of(small_solids());
-  const PictureInfo info = stage.info(solids_camera(*stage.scene), 100, 70);
+  const PreparedScene prepared = make_prepared_scene(small_solids());
+  const PictureInfo info = prepared.info(solids_camera(*prepared.scene), 100, 70);
   ParameterBytes bytes = initial_parameters(reference_effect().parameters, reference_effect().params_size);
   as<ReferenceParams>(bytes).samples = 2;
   for (const int light : {0, 1, 2})
@@ -1240,12 +1262,12 @@ TEST(Reference, ProgressNeverFallsAndEndsAtOne) {
       const auto progress = [&](double done) {
         EXPECT_EQ(++inside, 1) << "two threads at once";
         reported.push_back(done);
-        // Long enough for other threads, including the one with the last tile, to arrive.
+        // Wait so long that other threads, including the thread with the last tile, arrive.
         if (threads == 0) std::this_thread::sleep_for(std::chrono::microseconds(200));
         --inside;
         return true;
       };
-      ASSERT_TRUE(trace_reference(*stage, info, bytes, {threads, progress}));
+      ASSERT_TRUE(trace_reference(*prepared, info, bytes, {threads, progress}));
       // The number of calls depends on scheduling: one thread may finish all its tiles while another reports.
       ASSERT_FALSE(reported.empty());
       EXPECT_TRUE(std::is_sorted(reported.begin(), reported.end())) << threads << " threads, light " << light;
@@ -1260,38 +1282,38 @@ TEST(Reference, ProgressNeverFallsAndEndsAtOne) {
 }
 
 TEST(Reference, ProgressCanEndTheWork) {
-  const Stage stage = stage_of(small_solids());
-  const PictureInfo info = stage.info(solids_camera(*stage.scene), 100, 100);
+  const PreparedScene prepared = make_prepared_scene(small_solids());
+  const PictureInfo info = prepared.info(solids_camera(*prepared.scene), 100, 100);
   ParameterBytes bytes = initial_parameters(reference_effect().parameters, reference_effect().params_size);
   as<ReferenceParams>(bytes).samples = 1;
   as<ReferenceParams>(bytes).light = 2;
   for (const double end_at : {0.0, 0.1, 0.6})
     for (const int threads : {1, 0}) {
-      int told_after = 0;
+      int calls_after_end = 0;
       bool ended = false;
       const auto progress = [&](double done) {
-        told_after += ended;
+        calls_after_end += ended;
         ended = ended || done >= end_at;
         return !ended;
       };
-      const auto image = trace_reference(*stage, info, bytes, {threads, progress});
+      const auto image = trace_reference(*prepared, info, bytes, {threads, progress});
       ASSERT_FALSE(image) << end_at;
       EXPECT_EQ(image.error().kind, ErrorKind::kInterrupted);
-      EXPECT_EQ(told_after, 0) << "no further report";
+      EXPECT_EQ(calls_after_end, 0) << "no further report";
     }
 }
 
 // ---- parameters ----
 
 TEST(Reference, PlanesFollowTheLightParameter) {
-  const Stage stage = stage_of(scene_of({level_square(1.0f)}));
-  const PictureInfo info = stage.info(from_above(1, 1), 4, 4);
+  const PreparedScene prepared = make_prepared_scene(scene_of({level_square(1.0f)}));
+  const PictureInfo info = prepared.info(from_above(1, 1), 4, 4);
   ParameterBytes bytes = initial_parameters(reference_effect().parameters, reference_effect().params_size);
   const auto& outputs = reference_effect().dispatches[0].outputs;
   const std::vector<std::string> all(outputs.begin(), outputs.end());
   for (const auto& [light, planes] : {std::pair{0, 4}, {1, 8}, {2, 11}}) {
     as<ReferenceParams>(bytes).light = light;
-    const auto image = trace_reference(*stage, info, bytes);
+    const auto image = trace_reference(*prepared, info, bytes);
     ASSERT_TRUE(image);
     EXPECT_EQ(image->names, std::vector<std::string>(all.begin(), all.begin() + planes));
   }
@@ -1299,16 +1321,16 @@ TEST(Reference, PlanesFollowTheLightParameter) {
 }
 
 TEST(Reference, ParametersReachTheTrace) {
-  // Below a ceiling at 0.4 every choice gives another number: see FalloffBelowACeiling.
+  // Below a ceiling at 0.4 each value of a parameter gives another result: see FalloffBelowACeiling.
   Mesh floor = level_square(1.0f);
   floor.normals.assign(4, glm::normalize(glm::vec3(0.5f, 0, 1)));
-  const Stage stage = stage_of(scene_of({floor, level_square(1.0f, 0.4f)}));
-  const PictureInfo info = stage.info(from_above(1, 1, {0, 0}, 0.3f), 8, 8);
+  const PreparedScene prepared = make_prepared_scene(scene_of({floor, level_square(1.0f, 0.4f)}));
+  const PictureInfo info = prepared.info(from_above(1, 1, {0, 0}, 0.3f), 8, 8);
   const auto mean = [&](const std::vector<std::pair<std::string_view, std::string_view>>& settings) {
     ParameterBytes bytes = initial_parameters(reference_effect().parameters, reference_effect().params_size);
     for (const auto& [name, value] : settings)
       EXPECT_TRUE(set_parameter("reference", *find_parameter(reference_effect(), name), value, bytes));
-    const auto image = trace_reference(*stage, info, bytes);
+    const auto image = trace_reference(*prepared, info, bytes);
     EXPECT_TRUE(image);
     double sum = 0.0;
     for_each_pixel(info, [&](int x, int y) { sum += image->plane("ao").at(x, y) / 64.0; });
@@ -1364,10 +1386,10 @@ TEST(Reference, RadiusFitsTheScene) {
   expect_refused({201.0f, 1}, "'201%'", "larger than the scene");
   expect_refused({kInfinity, 0}, "'inf'", "larger than the scene");
 
-  const Stage stage = stage_of(scene_of({level_square(1.0f)}));
+  const PreparedScene prepared = make_prepared_scene(scene_of({level_square(1.0f)}));
   ParameterBytes bytes = initial_parameters(reference_effect().parameters, reference_effect().params_size);
   as<ReferenceParams>(bytes).radius = {300.0f, 1};
-  const auto image = trace_reference(*stage, stage.info(from_above(1, 1), 4, 4), bytes);
+  const auto image = trace_reference(*prepared, prepared.info(from_above(1, 1), 4, 4), bytes);
   ASSERT_FALSE(image);
   EXPECT_EQ(image.error().kind, ErrorKind::kUsage);
   EXPECT_NE(image.error().message.find("reference.radius"), std::string::npos) << image.error().message;

@@ -17,6 +17,7 @@ inline std::uint32_t hash(std::uint32_t a, std::uint32_t b) {
   return v ^ (v >> 16);
 }
 
+/// Reverses the bits of a number.
 inline std::uint32_t reversed(std::uint32_t v) {
   v = (v >> 16) | (v << 16);
   v = ((v & 0x00ff00ffu) << 8) | ((v & 0xff00ff00u) >> 8);
@@ -25,8 +26,8 @@ inline std::uint32_t reversed(std::uint32_t v) {
   return ((v & 0x55555555u) << 1) | ((v & 0xaaaaaaaau) >> 1);
 }
 
-/// Permutes numbers such that each bit depends only on itself and lower bits [Laine and Karras 2011], with the
-/// constants of [Vegdahl 2021].
+/// Permutes 32-bit numbers such that each bit of the result depends only on the same and lower bits [Laine and Karras
+/// 2011], with the constants of [Vegdahl 2021].
 inline std::uint32_t scrambled_low_to_high(std::uint32_t v, std::uint32_t seed) {
   v ^= v * 0x3d20adeau;
   v += seed;
@@ -63,8 +64,8 @@ inline glm::vec2 sample_point(const SampleTable& table, int i, std::uint32_t see
 }
 
 /// Returns the index of the i-th point in a permuted order that maps aligned runs of a power of two to such runs
-/// [Burley 2020]. If one ray uses points of two sets, one of them must be shuffled: scrambling alone keeps both in
-/// the same halves, quarters and so on, and their integral would not converge.
+/// [Burley 2020]. If one ray uses points of two sets, one set must be shuffled. With scrambling alone, the points
+/// of both sets would always lie in corresponding halves, quarters and so on, and their integral would not converge.
 inline int shuffled(const SampleTable& table, int i, std::uint32_t seed) {
   const std::uint32_t mixed = reversed(scrambled_low_to_high(reversed(std::uint32_t(i)), hash(seed, 3u)));
   return int(mixed & std::uint32_t(table.first.size() - 1));

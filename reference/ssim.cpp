@@ -1,5 +1,5 @@
-// Means, variances and the covariance under a Gaussian window, which is separable: down the columns, then along the
-// row. Uses double, since variances are small differences of large sums.
+// SSIM from means, variances and the covariance under a Gaussian window. The window is separable: sums go down the
+// columns first, then along the row. Uses double, since variances are small differences of large sums.
 #include "reference/ssim.h"
 
 #include <tbb/blocked_range.h>
@@ -21,7 +21,7 @@ constexpr double kSigma = 1.5;
 constexpr double kC1 = 0.01 * 0.01;
 constexpr double kC2 = 0.03 * 0.03;
 
-constexpr int kGrain = 16;  // rows per task: enough to outweigh its scratch memory
+constexpr int kRowsPerTask = 16;  // rows per task: enough to outweigh its scratch memory
 
 enum Moment { kWeight, kA, kB, kAA, kBB, kAB, kMoments };
 
@@ -31,7 +31,7 @@ std::array<double, kRadius + 1> window() {
   return weights;
 }
 
-/// Two planes with the counted values, and their weight: 1 where a pixel counts, else 0.
+/// The counted values of two planes, and their weight: 1 where a pixel counts, else 0.
 struct Pair {
   Plane a, b, weight;
 };
@@ -48,7 +48,7 @@ Pair counted_pair(const Plane& a, const Plane& b, const ClassMap& classes) {
   return pair;
 }
 
-/// Weighted sums down the columns around row y, each with kRadius zeros on either side.
+/// Weighted sums of each column around one row, with kRadius zeros on either side.
 using Columns = std::array<std::vector<double>, kMoments>;
 
 void sum_columns(const Pair& pair, int y, const std::array<double, kRadius + 1>& weights, Columns& columns) {
@@ -93,11 +93,11 @@ double similarity(double a, double b, double aa, double bb, double ab) {
 Plane ssim_map(const Image& picture, const Image& truth, const ClassMap& classes) {
   const int width = classes.width, height = classes.height;
   const auto weights = window();
-  const float fraction = 1.0f / float(std::max<std::size_t>(picture.planes.size(), 1));
+  const float plane_weight = 1.0f / float(std::max<std::size_t>(picture.planes.size(), 1));
   Plane map(width, height, picture.planes.empty() ? 1.0f : 0.0f);
   for (std::size_t p = 0; p < picture.planes.size(); ++p) {
     const Pair pair = counted_pair(picture.planes[p], truth.planes[p], classes);
-    tbb::parallel_for(tbb::blocked_range<int>(0, height, kGrain), [&](const tbb::blocked_range<int>& rows) {
+    tbb::parallel_for(tbb::blocked_range<int>(0, height, kRowsPerTask), [&](const tbb::blocked_range<int>& rows) {
       Columns columns;
       std::array<std::vector<double>, kMoments> sums;
       for (auto& sum : sums) sum.resize(width);
@@ -107,12 +107,13 @@ Plane ssim_map(const Image& picture, const Image& truth, const ClassMap& classes
         const PixelClass* row = classes.row(y);
         for (int x = 0; x < width; ++x) {
           if (!is_counted(row[x])) {
-            map.row(y)[x] += fraction;
+            map.row(y)[x] += plane_weight;
             continue;
           }
           const double scale = 1.0 / sums[kWeight][x];
-          map.row(y)[x] += fraction * float(similarity(sums[kA][x] * scale, sums[kB][x] * scale, sums[kAA][x] * scale,
-                                                       sums[kBB][x] * scale, sums[kAB][x] * scale));
+          map.row(y)[x] +=
+              plane_weight * float(similarity(sums[kA][x] * scale, sums[kB][x] * scale, sums[kAA][x] * scale,
+                                              sums[kBB][x] * scale, sums[kAB][x] * scale));
         }
       }
     });

@@ -25,7 +25,7 @@ namespace {
 constexpr int kTile = 16;  // side of the tile of one task, pixels
 constexpr float kPi = 3.14159265f;
 
-/// Independent sets of sample points of one pixel.
+/// The independent sets of sample points of a pixel.
 enum SampleSet : std::uint32_t { kHemisphere = 1, kBounceLight = 2, kFirstLight = 3 };
 
 /// Returns an orthonormal basis with z = n, continuous except at n.z = 0 [Duff et al. 2017].
@@ -47,7 +47,7 @@ glm::vec3 cosine_direction(glm::vec2 sample) {
     radius = b;
     angle = kPi / 2.0f - kPi / 4.0f * (a / b);
   }
-  // No sample is on the disc's edge, so that z > 0: (1 - r) (1 + r) preserves that, 1 - x x - y y may not.
+  // No sample is on the disc's edge, so z > 0. (1 - r) (1 + r) keeps it above 0; 1 - x x - y y may round to 0.
   return {radius * std::cos(angle), radius * std::sin(angle), std::sqrt((1.0f - radius) * (1.0f + radius))};
 }
 
@@ -59,7 +59,8 @@ glm::vec3 cone_direction(glm::vec2 sample, float cone_height) {
   return {across * std::cos(angle), across * std::sin(angle), 1.0f - below};
 }
 
-/// Pixels are counted from inside the guard band, so that it does not change the noise.
+/// Returns the seed of a pixel. Pixels are counted from the inner border of the guard band, so that the guard band does
+/// not change the noise.
 std::uint32_t pixel_seed(const PictureInfo& info, int x, int y, std::uint32_t seed) {
   return hash(hash(std::uint32_t(x - info.guard), seed), std::uint32_t(y - info.guard));
 }
@@ -80,14 +81,14 @@ template <class Trace>
 Result<void> for_each_surface(const TracedScene& traced, const PictureInfo& info, const TraceControl& control,
                               const Trace& trace) {
   const CameraRays rays = camera_rays(traced, info);
-  if (!rays_within_limit(rays, info)) {  // no surface is visible from there
+  if (!rays_within_limit(rays, info)) {  // such a camera sees no surface
     if (!control.progress(1.0)) return Error{ErrorKind::kInterrupted, "interrupted"};
     return {};
   }
   const int columns = (info.inner_width() + kTile - 1) / kTile, rows = (info.inner_height() + kTile - 1) / kTile;
   std::atomic<int> done = 0;
   std::atomic<bool> ended = false;
-  std::mutex telling;
+  std::mutex report_mutex;
   const int max = tbb::info::default_concurrency();
   tbb::task_arena arena(control.threads > 0 ? std::min(control.threads, max) : max);
   arena.execute([&] {
@@ -101,7 +102,7 @@ Result<void> for_each_surface(const TracedScene& traced, const PictureInfo& info
                 if (Surface surface; primary_surface(traced, rays, x, y, surface)) trace(x, y, surface, rays);
             // Only the last task waits to report. The count is read under the lock, so that it never decreases.
             const bool last = ++done == rows * columns;
-            std::unique_lock lock(telling, std::try_to_lock);
+            std::unique_lock lock(report_mutex, std::try_to_lock);
             if (last && !lock.owns_lock()) lock.lock();
             if (lock.owns_lock() && !ended && !control.progress(double(done) / (rows * columns))) ended = true;
           }
@@ -121,7 +122,7 @@ struct VectorPlanes {
   }
 };
 
-/// Makes an image of these planes, each filled with one value.
+/// Makes an image of these planes. Each is filled with one value.
 Image filled_image(const PictureInfo& info, std::initializer_list<std::pair<const char*, float>> planes) {
   Image image(info.width, info.height);
   for (const auto& [name, value] : planes) image.add(name) = Plane(info.width, info.height, value);
@@ -132,7 +133,7 @@ VectorPlanes vector_planes(Image& image, std::array<const char*, 3> names) {
   return {{&image.plane(names[0]), &image.plane(names[1]), &image.plane(names[2])}};
 }
 
-/// Returns the weight of a hit at distance `share` times the radius.
+/// Returns the weight of a hit at distance `fraction` times the radius.
 float weight_of(Falloff falloff, float fraction) {
   if (falloff == Falloff::kNone) return 1.0f;
   if (falloff == Falloff::kLinear) return 1.0f - fraction;
@@ -143,12 +144,12 @@ float weight_of(Falloff falloff, float fraction) {
 struct TracedLight {
   bool point = false;
   bool from_camera = false;  ///< directional light that starts at the plane of the camera
-  glm::vec3 where{0.0f};     ///< direction to the light, unit, or its centre
+  glm::vec3 where{0.0f};     ///< unit direction to the light, or position of its centre
   glm::vec3 color{0.0f};
   float reach_squared = 0.0f;  ///< 0: no distance falloff
-  float radius = 0.0f;         ///< of a spherical light
+  float radius = 0.0f;         ///< radius of a spherical light
   float cone_height = 0.0f;    ///< 1 minus the cosine of the half angle of a directional light
-  bool throws_shadow = true;
+  bool casts_shadow = true;
 };
 
 std::vector<TracedLight> traced_lights(const TracedScene& traced, const CameraRays& rays, const PictureInfo& info,
@@ -157,7 +158,7 @@ std::vector<TracedLight> traced_lights(const TracedScene& traced, const CameraRa
   for (const Light& light : info.lights) {
     TracedLight out{.color = light.color};
     const bool head = light.kind == LightKind::kHead, points = settings.captured_shadows;
-    if (points) out.throws_shadow = light.casts_shadow && !head && int(lights.size()) < kMaxShadows;
+    if (points) out.casts_shadow = light.casts_shadow && !head && int(lights.size()) < kMaxShadows;
     out.point = light.kind == LightKind::kPoint || (head && info.camera.projection == Projection::kPerspective);
     if (head) {
       out.where = out.point ? rays.eye : rays.world_from_view[2];
@@ -168,8 +169,8 @@ std::vector<TracedLight> traced_lights(const TracedScene& traced, const CameraRa
       out.radius = points ? 0.0f : light.radius * traced.scale;
     } else {
       out.where = glm::normalize(rays.world_from_view * light.direction);
-      const float own_deg = settings.sun_angle_deg > 0.0f ? settings.sun_angle_deg : light.angle_deg;
-      const float angle_deg = points ? 0.0f : own_deg;
+      const float light_deg = settings.sun_angle_deg > 0.0f ? settings.sun_angle_deg : light.angle_deg;
+      const float angle_deg = points ? 0.0f : light_deg;
       const float sine = std::sin(glm::radians(0.25f * angle_deg));
       out.cone_height = 2.0f * sine * sine;
     }
@@ -178,11 +179,11 @@ std::vector<TracedLight> traced_lights(const TracedScene& traced, const CameraRa
   return lights;
 }
 
-/// Returns the length of the ray to a light; a ray of length 0 hits nothing.
-float ray_length(const TracedLight& light, float distance) { return light.throws_shadow ? distance : 0.0f; }
+/// Returns the length of the shadow ray to a light. 0 for a light without shadows: a ray of length 0 hits nothing.
+float ray_length(const TracedLight& light, float distance) { return light.casts_shadow ? distance : 0.0f; }
 
-/// One sample of a light from a point: the direction to it, unit, its distance, and the radiance of a white surface
-/// that faces this direction.
+/// One sample of a light, for one surface point: unit direction and distance to the light, and the radiance of a white
+/// surface that faces this direction.
 struct LightSample {
   glm::vec3 direction;
   float distance;
@@ -208,27 +209,27 @@ LightSample sample_light(const TracedLight& light, const CameraRays& rays, glm::
   const glm::vec3 color =
       light.reach_squared > 0.0f ? light.color * (light.reach_squared / falloff_squared) : light.color;
   if (!(light.radius > 0.0f)) return {toward, distance, color};
-  // The cone that the sphere subtends from outside; from inside, a hemisphere.
+  // Seen from outside, the sphere fills a cone; from inside, a hemisphere is used.
   const float sine_squared = std::min(1.0f, light.radius * light.radius / squared);
   const float cone_height = sine_squared / (1.0f + std::sqrt(1.0f - sine_squared));
   const glm::vec3 local = cone_direction(sample, cone_height);
-  const float to_ball = distance * local.z -
-                        std::sqrt(std::max(0.0f, light.radius * light.radius - squared * (1.0f - local.z * local.z)));
-  return {basis_around(toward) * local, std::max(to_ball, 0.0f), color * cone_gain(cone_height)};
+  const float to_sphere = distance * local.z -
+                          std::sqrt(std::max(0.0f, light.radius * light.radius - squared * (1.0f - local.z * local.z)));
+  return {basis_around(toward) * local, std::max(to_sphere, 0.0f), color * cone_gain(cone_height)};
 }
 
-/// Returns the finest texel of a surface that is not seen by a pixel; white without such a texture.
-glm::vec3 plain_texel(const TracedScene& traced, const Surface& surface, int texture) {
+/// Returns the texture's unfiltered value at a surface that is not directly visible; white if there is no texture.
+glm::vec3 unfiltered_texel(const TracedScene& traced, const Surface& surface, int texture) {
   if (texture == kNoTexture || surface.mesh->uvs.empty()) return glm::vec3(1.0f);
   const glm::vec2 uv = uv_at(*surface.mesh, surface.triangle, surface.u, surface.v);
   return glm::vec3(sample_filtered(traced.textures[texture], uv, glm::vec2(0.0f), glm::vec2(0.0f)));
 }
 
-glm::vec3 plain_albedo(const TracedScene& traced, const Surface& surface) {
-  return surface.material->albedo * mesh_color(surface) * plain_texel(traced, surface, surface.material->texture);
+glm::vec3 unfiltered_albedo(const TracedScene& traced, const Surface& surface) {
+  return surface.material->albedo * mesh_color(surface) * unfiltered_texel(traced, surface, surface.material->texture);
 }
 
-/// Returns Blinn-Phong's highlight of a sample, as in effects/lighting.
+/// Returns the Blinn-Phong highlight of a light sample, as in effects/lighting.
 float highlight_of(const Surface& surface, glm::vec3 to_light, glm::vec3 to_eye) {
   const Material& material = *surface.material;
   if (!(material.specular_strength > 0.0f)) return 0.0f;
@@ -252,8 +253,8 @@ DirectLight direct_light(const TracedScene& traced, const CameraRays& rays, cons
   const glm::vec3 start = ray_origin_to_light(traced, surface, rays.eye);
   for (std::size_t l = 0; l < lights.size(); ++l) {
     const TracedLight& light = lights[l];
-    const bool hard = light.point ? !(light.radius > 0.0f) : !(light.cone_height > 0.0f);
-    const int count = hard ? 1 : samples;  // all samples of a point light are equal
+    const bool has_hard_shadow = light.point ? !(light.radius > 0.0f) : !(light.cone_height > 0.0f);
+    const int count = has_hard_shadow ? 1 : samples;  // all samples of a point light are equal
     int arrived = 0;
     for (int first = 0; first < count; first += kPacket) {
       const int n = std::min(kPacket, count - first);
@@ -281,8 +282,8 @@ DirectLight direct_light(const TracedScene& traced, const CameraRays& rays, cons
   return sum;
 }
 
-/// Returns the mean radiance from the hemisphere: emission of the surfaces within `reach`, and their reflection of the
-/// lights, with one sample per light.
+/// Returns the mean radiance from the hemisphere: the emission of surfaces within `reach`, and the light that they
+/// reflect, with one sample per light.
 glm::vec3 bounced_light(const TracedScene& traced, const CameraRays& rays, const Surface& surface,
                         const std::vector<TracedLight>& lights, const SampleTable& table, int samples, float reach,
                         std::uint32_t seed) {
@@ -302,8 +303,8 @@ glm::vec3 bounced_light(const TracedScene& traced, const CameraRays& rays, const
     for (int k = 0; k < n; ++k) {
       if (!packet.hit(k)) continue;
       hits[k] = packet.surface(traced, k);
-      albedo[k] = plain_albedo(traced, hits[k]);
-      sum += hits[k].material->emission * plain_texel(traced, hits[k], hits[k].material->emission_texture);
+      albedo[k] = unfiltered_albedo(traced, hits[k]);
+      sum += hits[k].material->emission * unfiltered_texel(traced, hits[k], hits[k].material->emission_texture);
     }
     for (std::size_t l = 0; l < lights.size(); ++l) {
       RayPacket to_light;

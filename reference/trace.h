@@ -1,5 +1,5 @@
-// Trace: ground truth by ray tracing, slow and literal. Occlusion, direct light with soft shadows, and one bounce, at
-// the surface on the ray through each pixel's centre.
+// Trace: ground truth by brute-force ray tracing. Computes occlusion, direct light with soft shadows, and one bounce of
+// light for the surface on the ray through each pixel's centre.
 #pragma once
 #include <functional>
 #include <limits>
@@ -20,12 +20,13 @@ enum class Falloff {
   kSmooth,  ///< 1 - smoothstep(0, radius, t)
 };
 
-/// The normal around which the hemisphere lies.
+/// The axis of the hemisphere.
 enum class HemisphereNormal {
-  kTriangle,  ///< of the actual facets: the reference for techniques
-  kShading,   ///< interpolated; directions below the triangle are blocked
+  kTriangle,  ///< normal of the triangle: the reference for techniques
+  kShading,   ///< interpolated normal; directions below the triangle are blocked
 };
 
+/// Settings of trace_occlusion.
 struct OcclusionSettings {
   int samples = 64;                                       ///< rays per pixel, 1 to kMaxSamples
   float radius = std::numeric_limits<float>::infinity();  ///< scene units, > 0
@@ -34,26 +35,28 @@ struct OcclusionSettings {
   std::uint32_t seed = 0;
 };
 
+/// Settings of trace_light.
 struct LightSettings {
   int samples = 64;    ///< rays per pixel to each light of nonzero size, and for the bounce
   bool direct = true;  ///< trace `direct` and `shadow`
   bool bounce = true;  ///< trace `indirect`
   float reach = std::numeric_limits<float>::infinity();  ///< max distance of bounced light, scene units
-  /// Lights are points, and only those cast a shadow for which a capture holds a `shadow` plane.
+  /// Lights have no size, and a light casts a shadow only if a capture contains a `shadow` plane for it.
   bool captured_shadows = false;
-  float sun_angle_deg = 0.0f;  ///< angular diameter of directional lights; 0: that of each light
+  float sun_angle_deg = 0.0f;  ///< angular diameter of directional lights; 0: each light's own
   std::uint32_t seed = 0;
 };
 
+/// Threads and progress of a trace.
 struct TraceControl {
-  int threads = 0;  ///< 0: all that the process may use; the result does not depend on it
+  int threads = 0;  ///< 0: all that the process may use; the result does not depend on the number
   /// Called with the finished fraction, by one thread at a time, not always the same. It never decreases and ends at 1.
   /// If it returns false, tracing stops and there are no more calls.
   std::function<bool(double)> progress = [](double) { return true; };
 };
 
-/// Traces visibility: the cosine-weighted fraction of the hemisphere in which nothing lies within the radius; with a
-/// falloff, an occluder counts partly. Planes, of the picture's whole size:
+/// Traces visibility: the cosine-weighted fraction of the hemisphere without an occluder within the radius. With a
+/// falloff, an occluder counts only partly. Planes, of the picture's whole size:
 ///   ao                     1 open, 0 blocked; 1 where there is no surface, and in the guard band
 ///   bent_normal.x .y .z    mean open direction, unit, view space; the normal where nothing is open; 0 without surface
 /// Errors: kInterrupted.
@@ -63,12 +66,12 @@ Result<Image> trace_occlusion(const TracedScene& scene, const PictureInfo& info,
 /// Traces light. Planes, of the picture's whole size, 0 where there is no surface and in the guard band:
 ///   direct.r .g .b     (with direct) emission, and diffuse reflection and highlight of the lights towards the camera,
 ///                      as in effects/lighting, with shadows as soft as the lights are large. A light's size does not
-///                      change its brightness: a surface that sees all of it gets as much as from a point of the same
-///                      colour
+///                      change its brightness: a surface that sees all of it receives as much as from a point light of
+///                      the same colour
 ///   shadow             (with direct) visible fraction of the key light; 1 where there is no surface
 ///   indirect.r .g .b   (with bounce) mean radiance from the shading normal's hemisphere, cosine-weighted: emission and
-///                      diffuse reflection of the lights by the surfaces within reach. Times the albedo it is the
-///                      indirect light towards the camera
+///                      diffuse reflection of the lights by the surfaces within reach. Multiplied by the albedo, it
+///                      is the indirect light towards the camera
 /// Errors: kInterrupted.
 Result<Image> trace_light(const TracedScene& scene, const PictureInfo& info, const LightSettings& settings,
                           const TraceControl& control = {});

@@ -14,18 +14,18 @@ namespace {
 bool is_color(std::string_view name) { return name.starts_with("color."); }
 
 glm::vec2 r2(int k) {
-  constexpr double kX = 0.7548776662466927, kY = 0.5698402909980532;  // 1 over the plastic number, and its square
+  constexpr double kX = 0.7548776662466927, kY = 0.5698402909980532;  // 1 / p and 1 / p^2; p is the plastic number
   const double x = 0.5 + k * kX, y = 0.5 + k * kY;
   return {float(x - std::floor(x) - 0.5), float(y - std::floor(y) - 0.5)};
 }
 
 }  // namespace
 
-glm::vec2 sample_offset(int frame, int count) {
-  if (frame == 0 || count < 3) return frame == 0 ? glm::vec2(0.0f) : glm::vec2(0.5f, 0.5f) * 0.999f;
+glm::vec2 sample_offset(int sample, int count) {
+  if (sample == 0 || count < 3) return sample == 0 ? glm::vec2(0.0f) : glm::vec2(0.5f, 0.5f) * 0.999f;
   glm::vec2 mean(0.0f);
   for (int k = 1; k < count; ++k) mean += r2(k) / float(count - 1);
-  return glm::clamp(r2(frame) - mean, glm::vec2(-0.4999f), glm::vec2(0.4999f));
+  return glm::clamp(r2(sample) - mean, glm::vec2(-0.4999f), glm::vec2(0.4999f));
 }
 
 Camera shifted_camera(const Camera& camera, glm::vec2 offset, int width, int height) {
@@ -52,14 +52,14 @@ void add_rows(PictureSum& total, const Image& rows, int first, int height) {
   total.count += first == 0;
   const Plane* alpha = rows.find("color.a");
   for (std::size_t k = 0; k < rows.names.size(); ++k) {
-    const bool multiplied = alpha && is_color(rows.names[k]) && &rows.planes[k] != alpha;
+    const bool times_alpha = alpha && is_color(rows.names[k]) && &rows.planes[k] != alpha;
     for (int y = 0; y < rows.height; ++y) {
       const float* in = rows.planes[k].row(y);
       const float* fraction = alpha ? alpha->row(y) : nullptr;
       float* out = total.sum.planes[k].row(first + y);
-      if (multiplied && total.as_square_roots)
+      if (times_alpha && total.as_square_roots)
         for (int x = 0; x < rows.width; ++x) out[x] += std::sqrt(std::max(in[x], 0.0f)) * fraction[x];
-      else if (multiplied)
+      else if (times_alpha)
         for (int x = 0; x < rows.width; ++x) out[x] += in[x] * fraction[x];
       else
         for (int x = 0; x < rows.width; ++x) out[x] += in[x];

@@ -11,27 +11,28 @@ namespace umbrage {
 
 inline constexpr int kMaxFrames = 256;
 
-/// Returns the offset of the sample positions from the pixel centres for sample index `frame` of `count`, in pixels:
-/// well distributed over (-0.5, 0.5)^2, with mean 0 for `count` >= 3. Index 0 samples the centres.
+/// Returns the offset of the sample positions from the pixel centres for sample index `sample` of `count`, in pixels.
+/// The offsets are well distributed over (-0.5, 0.5)^2; their mean is 0 for `count` >= 3. Index 0 samples the centres.
 /// Based on [Roberts 2018], R2.
-glm::vec2 sample_offset(int frame, int count);
+glm::vec2 sample_offset(int sample, int count);
 
-/// Returns the camera that samples at its pixel centres what `camera` sees `offset` pixels to the right of and below
-/// its own, in a picture of width x height pixels.
+/// Returns a camera whose pixel centres show the points that `camera` shows `offset` pixels to the right of and below
+/// its pixel centres, in a picture of width x height pixels.
 Camera shifted_camera(const Camera& camera, glm::vec2 offset, int width, int height);
 
-/// A sum of pictures.
+/// A sum of pictures with the same planes.
 struct PictureSum {
-  bool as_square_roots = false;  ///< colour is averaged as square roots of light, as in mixed_as_square_roots
+  bool as_square_roots = false;  ///< the sum is of square roots of light, as in mixed_as_square_roots
   int count = 0;
-  Image sum;  ///< colour (or its square roots) multiplied by alpha; alpha; the other averaged planes, unchanged
+  Image sum;  ///< colour (or its square roots) times alpha; alpha; the other planes unchanged
 };
 
-/// Adds a picture. Planes: color.r, .g, .b (linear light, straight alpha) and color.a, or none of the four, and any
-/// others. All pictures of a sum have the same planes.
+/// Adds a picture. Its planes: color.r, .g, .b (linear light, straight alpha) and color.a, or none of these four, and
+/// any other planes.
 void add_picture(PictureSum& total, const Image& picture);
 
-/// Adds rows of a picture of `height` rows; `first` is the index of the first one. Row 0 of each picture comes first.
+/// Adds rows of a picture of `height` rows; `first` is the index of the first added row. Row 0 of a picture must be
+/// added first: it counts the picture.
 void add_rows(PictureSum& total, const Image& rows, int first, int height);
 
 /// Returns the sum of `count` rows, from row `first`.
@@ -41,7 +42,7 @@ PictureSum rows_of(const PictureSum& total, int first, int count);
 /// `cover_for_eye` if `as_square_roots` is set), and a depth of infinity everywhere.
 GBuffer mean_picture(const PictureSum& total, const PictureInfo& info);
 
-/// Returns the means of these planes, which are not colour.
+/// Returns the means of these planes. They must not be colour.
 Image mean_planes(const PictureSum& total, std::span<const std::string> names);
 
 }  // namespace umbrage

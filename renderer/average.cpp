@@ -10,11 +10,12 @@ namespace umbrage {
 std::vector<std::string> line_planes(const Plan& plan) {
   std::vector<std::string> names;
   if (plan.lines.empty()) return names;
-  const auto& read = find_effect("output")->dispatches[0].inputs;
+  const auto& output_inputs = find_effect("output")->dispatches[0].inputs;
   for (const Dispatch& dispatch : find_effect("outline")->dispatches)
     if (!dispatch.needed || dispatch.needed(plan.lines))
       for (const std::string_view plane : dispatch.outputs)
-        if (std::find(read.begin(), read.end(), plane) != read.end()) names.emplace_back(plane);
+        if (std::find(output_inputs.begin(), output_inputs.end(), plane) != output_inputs.end())
+          names.emplace_back(plane);
   return names;
 }
 
@@ -27,8 +28,8 @@ std::vector<std::string> other_averaged_planes(const Plan& plan) {
 std::vector<std::string> averaged_planes(const Plan& plan) {
   std::vector<std::string> names;
   if (plan.recipe.wants("color.r")) names = {"color.r", "color.g", "color.b", "color.a"};
-  const auto also = other_averaged_planes(plan);
-  names.insert(names.end(), also.begin(), also.end());
+  const auto others = other_averaged_planes(plan);
+  names.insert(names.end(), others.begin(), others.end());
   return names;
 }
 
@@ -55,17 +56,17 @@ Result<Image> finished_color(Device& device, const PictureSum& total, const Plan
 
 namespace {
 
-/// Extends planes by a guard band of `band` pixels, repeating the border pixels.
-Image with_guard_band(const Image& inner, int band) {
-  Image whole(inner.width + 2 * band, inner.height + 2 * band);
+/// Extends planes by a guard band of `guard` pixels, which repeats the border pixels.
+Image with_guard_band(const Image& inner, int guard) {
+  Image extended(inner.width + 2 * guard, inner.height + 2 * guard);
   for (std::size_t k = 0; k < inner.names.size(); ++k) {
-    Plane& plane = whole.add(inner.names[k]) = Plane(whole.width, whole.height);
-    for (int y = 0; y < whole.height; ++y)
-      for (int x = 0; x < whole.width; ++x)
+    Plane& plane = extended.add(inner.names[k]) = Plane(extended.width, extended.height);
+    for (int y = 0; y < extended.height; ++y)
+      for (int x = 0; x < extended.width; ++x)
         plane.at(x, y) =
-            inner.planes[k].at(std::clamp(x - band, 0, inner.width - 1), std::clamp(y - band, 0, inner.height - 1));
+            inner.planes[k].at(std::clamp(x - guard, 0, inner.width - 1), std::clamp(y - guard, 0, inner.height - 1));
   }
-  return whole;
+  return extended;
 }
 
 }  // namespace

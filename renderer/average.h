@@ -9,19 +9,20 @@
 
 namespace umbrage {
 
-/// Returns the planes that are averaged; other_averaged_planes returns only those that are not colour.
+/// averaged_planes returns the planes that are averaged; other_averaged_planes returns those of them that are not
+/// colour.
 std::vector<std::string> averaged_planes(const Plan& plan);
 std::vector<std::string> other_averaged_planes(const Plan& plan);
 
-/// Draws the lines that lie over the average. Runs at sample index 0; does nothing at the others.
+/// Draws the lines over the average at sample index 0. Does nothing at other indices.
 Result<RunState> draw_lines(Device& device, const Plan& plan, Frame& frame, const ProgressMonitor& monitor,
                             StageTimes& times);
 
 /// Returns the planes of sample 0 from which `output` draws the lines.
 std::vector<std::string> line_planes(const Plan& plan);
 
-/// Returns the finished colour of averaged pictures as planes color.r, .g, .b and .a. `lines`: their line_planes.
-/// `info`: of a picture of the size of the sum.
+/// Returns the finished colour of averaged pictures as planes color.r, .g, .b and .a. `lines`: the line_planes of
+/// sample 0. `info`: properties of a picture that has the size of the sum.
 Result<Image> finished_color(Device& device, const PictureSum& total, const Plan& plan, const Image& lines,
                              const PictureInfo& info);
 

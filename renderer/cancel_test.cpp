@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// Makes a wavy square of side x side cells, two triangles each.
+/// Returns a wavy square of side x side cells with two triangles each.
 Mesh waves(int side) {
   Mesh mesh;
   for (int j = 0; j <= side; ++j)
@@ -44,11 +44,11 @@ Mesh waves(int side) {
   return mesh;
 }
 
-/// Work that reports to a monitor and ends when the monitor returns false.
+/// A function that reports progress to a monitor and ends when the monitor returns false.
 using Work = std::function<Result<void>(const ProgressMonitor& monitor)>;
 
-/// Expects rising progress in [0, 1], reported on the calling thread, and that work stops within a tenth of its total
-/// time, or within kAtOnce seconds, after the monitor returns false.
+/// Expects rising progress in [0, 1] that is reported on the calling thread, and that after the monitor returns false,
+/// work stops within a tenth of its total time or within kMaxSeconds.
 void expect_ends(const Work& work, const char* what) {
   SCOPED_TRACE(what);
   const auto thread = std::this_thread::get_id();
@@ -59,52 +59,52 @@ void expect_ends(const Work& work, const char* what) {
     reported.push_back(done);
     return true;
   }));
-  const double whole = seconds_since(begin);
+  const double total = seconds_since(begin);
   ASSERT_FALSE(reported.empty());
   EXPECT_TRUE(std::is_sorted(reported.begin(), reported.end()));
   EXPECT_GE(reported.front(), 0.0);
   EXPECT_LE(reported.back(), 1.0);
-  double max = 0.0, max_told = 0.0;
+  double max = 0.0, max_reported = 0.0;
   for (const double fraction : {0.0, 0.3, 0.7}) {
     const Clock::time_point start = Clock::now();
     Clock::time_point ended;
-    bool said = false;
+    bool cancelled = false;
     const auto done = work([&](double at) {
-      EXPECT_FALSE(said) << "nothing is asked after false";
-      max_told = std::max(max_told, at);
-      if (seconds_since(start) < fraction * whole) return true;
-      said = true;
+      EXPECT_FALSE(cancelled) << "the monitor is called after it returned false";
+      max_reported = std::max(max_reported, at);
+      if (seconds_since(start) < fraction * total) return true;
+      cancelled = true;
       ended = Clock::now();
       return false;
     });
-    if (!said) continue;  // it finished first
+    if (!cancelled) continue;  // the work finished first
     max = std::max(max, seconds_since(ended));
     ASSERT_FALSE(done);
     EXPECT_EQ(done.error().kind, ErrorKind::kInterrupted);
   }
-  std::printf("%s: %.0f ms, ends within %.0f ms, asked %zu times\n", what, 1e3 * whole, 1e3 * max, reported.size());
-  constexpr double kAtOnce = 0.3;
-  EXPECT_LT(max, std::max(kAtOnce, 0.1 * whole));
+  std::printf("%s: %.0f ms, ends within %.0f ms, %zu monitor calls\n", what, 1e3 * total, 1e3 * max, reported.size());
+  constexpr double kMaxSeconds = 0.3;
+  EXPECT_LT(max, std::max(kMaxSeconds, 0.1 * total));
 }
 
 class Cancel : public test::ProgramTest {
  protected:
   /// Writes a quarter of a million triangles to a file of this kind.
-  fs::path file_of(const std::string& ending) {
+  fs::path file_of(const std::string& extension) {
     constexpr int kSide = 350;
     const Mesh mesh = waves(kSide);
-    const fs::path file = folder_ / ("waves." + ending);
+    const fs::path file = folder_ / ("waves." + extension);
     std::string text;
-    if (ending == "ply")
+    if (extension == "ply")
       text = fmt::format(
           "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
           "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
           mesh.positions.size(), mesh.indices.size() / 3);
-    if (ending == "off") text = fmt::format("OFF\n{} {} 0\n", mesh.positions.size(), mesh.indices.size() / 3);
-    const bool obj = ending == "obj";
+    if (extension == "off") text = fmt::format("OFF\n{} {} 0\n", mesh.positions.size(), mesh.indices.size() / 3);
+    const bool obj = extension == "obj";
     for (const glm::vec3& p : mesh.positions)
       fmt::format_to(std::back_inserter(text), "{}{} {} {}\n", obj ? "v " : "", p.x, p.y, p.z);
-    for (std::size_t i = 0; i < mesh.indices.size() && ending != "xyz"; i += 3) {
+    for (std::size_t i = 0; i < mesh.indices.size() && extension != "xyz"; i += 3) {
       const unsigned first = obj ? 1 : 0;
       fmt::format_to(std::back_inserter(text), "{} {} {} {}\n", obj ? "f" : "3", mesh.indices[i] + first,
                      mesh.indices[i + 1] + first, mesh.indices[i + 2] + first);
@@ -120,14 +120,14 @@ void expect_no_children() {
 }
 
 TEST_F(Cancel, ReadingAFileEnds) {
-  for (const char* ending : {"ply", "off", "xyz", "obj"}) {
-    const fs::path file = file_of(ending);
+  for (const char* extension : {"ply", "off", "xyz", "obj"}) {
+    const fs::path file = file_of(extension);
     expect_ends(
         [&](const ProgressMonitor& monitor) {
           const auto scene = import_scene(file, {}, monitor);
           return scene ? Result<void>() : scene.error();
         },
-        ending);
+        extension);
     expect_no_children();
     fs::remove(file);
   }
@@ -143,7 +143,7 @@ TEST_F(Cancel, SeveralModelsAreOneWork) {
       "three models");
 }
 
-TEST_F(Cancel, AHierarchyIsNotBuiltToItsEnd) {
+TEST_F(Cancel, BuildingAHierarchyEnds) {
   Scene scene;
   constexpr int kSide = 500;
   scene.meshes.push_back(waves(kSide));
@@ -174,8 +174,8 @@ TEST_F(Cancel, AHierarchyIsNotBuiltToItsEnd) {
 }
 
 TEST_F(Cancel, TheLibraryEndsWhileItOpensAModel) {
-  for (const char* ending : {"ply", "obj"}) {
-    const std::string file = file_of(ending).string();
+  for (const char* extension : {"ply", "obj"}) {
+    const std::string file = file_of(extension).string();
     for (const int last : {2, 4, 6}) {
       int calls = 0;
       umb::FrameRenderer renderer;

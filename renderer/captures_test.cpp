@@ -20,10 +20,10 @@ struct Case {
   std::string scale = {};
 };
 
-/// A scene furnished for a look, with a ground for a look that hides it, and a device that is prepared with it.
-class Stage {
+/// A scene completed for a look, by default with a ground, and a device that is prepared with it.
+class PreparedScene {
  public:
-  Stage(Device& device, const std::string& look, Ground ground = Ground::kOn)
+  PreparedScene(Device& device, const std::string& look, Ground ground = Ground::kOn)
       : device_(device), scene_(*load_scene("scene:solids?detail=2000")) {
     Recipe recipe = recipe_of({look, {}});
     recipe.ground = ground;
@@ -69,49 +69,50 @@ void expect_same(const Image& a, const Image& b) {
   EXPECT_EQ(a.names.size(), b.names.size());
 }
 
-void expect_captures_serve(Device& device, const std::string& look, int frames, const std::string& scale) {
+void expect_captures_are_reusable(Device& device, const std::string& look, int frames, const std::string& scale) {
   SCOPED_TRACE(look + " " + std::to_string(frames) + " " + scale);
-  Stage stage(device, look);
+  PreparedScene prepared(device, look);
   const std::vector<Case> cases = {{look, {}, frames, scale},
                                    {look, {"output.exposure=1", "bitmask.thickness=0.3"}, frames, scale},
                                    {look, {"outline.opacity=0.5", "composite.damping=0.3"}, frames, scale},
                                    {look, {}, frames, scale}};
-  const Captures captures = stage.captured(stage.plan_of(cases[0]));
+  const Captures captures = prepared.captured(prepared.plan_of(cases[0]));
   const Image before = *device.download_all(captures[0]);
   std::vector<Image> pictures;
   for (const Case& wanted : cases) {
-    const Plan plan = stage.plan_of(wanted);
-    if (!same_captures(plan, stage.plan_of(cases[0]))) continue;
-    pictures.push_back(stage.drawn(plan, captures));
-    expect_same(stage.drawn(plan), pictures.back());
+    const Plan plan = prepared.plan_of(wanted);
+    if (!same_captures(plan, prepared.plan_of(cases[0]))) continue;
+    pictures.push_back(prepared.drawn(plan, captures));
+    expect_same(prepared.drawn(plan), pictures.back());
   }
   ASSERT_GE(pictures.size(), 3u);
   EXPECT_NE(pictures[0].plane("color.r").at(30, 22), pictures[1].plane("color.r").at(30, 22));
   expect_same(before, *device.download_all(captures[0]));
 }
 
-TEST(Captures, ServeOtherEffectsOnTheCpu) {
+TEST(Captures, AreReusableForOtherEffectsOnTheCpu) {
   const auto device = make_cpu_device();
-  for (const char* look : {"studio", "bleeding", "cartoon", "lit"}) expect_captures_serve(*device, look, 1, "full");
-  expect_captures_serve(*device, "studio", 3, "full");
-  expect_captures_serve(*device, "studio", 1, "half");
+  for (const char* look : {"studio", "bleeding", "cartoon", "lit"})
+    expect_captures_are_reusable(*device, look, 1, "full");
+  expect_captures_are_reusable(*device, "studio", 3, "full");
+  expect_captures_are_reusable(*device, "studio", 1, "half");
 }
 
-TEST(Captures, ServeOtherEffectsOnVulkan) {
+TEST(Captures, AreReusableForOtherEffectsOnVulkan) {
   Device* device = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(device);
   const test::NoMessages no_messages;
-  expect_captures_serve(*device, "studio", 1, "half");
-  expect_captures_serve(*device, "cartoon", 2, "full");
+  expect_captures_are_reusable(*device, "studio", 1, "half");
+  expect_captures_are_reusable(*device, "cartoon", 2, "full");
 }
 
-TEST(Captures, TellOfASubmissionThatFails) {
+TEST(Captures, ReportAFailedSubmission) {
   if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
   const auto device = test::new_vulkan_device({.get = test::faulty_get});
   UMBRAGE_NEEDS_VULKAN(device);
-  Stage stage(*device, "studio");
+  PreparedScene prepared(*device, "studio");
   StageTimes times;
-  const Plan plan = stage.plan_of({"studio", {}});
+  const Plan plan = prepared.plan_of({"studio", {}});
   EXPECT_TRUE(capture(*device, plan, times));
   test::faulty().faults.submit = VK_ERROR_OUT_OF_DEVICE_MEMORY;
   const auto captures = capture(*device, plan, times);
@@ -120,14 +121,14 @@ TEST(Captures, TellOfASubmissionThatFails) {
   EXPECT_EQ(captures.error().kind, ErrorKind::kDevice);
 }
 
-TEST(Captures, DoNotServeOtherCamerasOrLayers) {
+TEST(Captures, AreNotReusableForOtherCamerasOrLayers) {
   const auto device = make_cpu_device();
-  Stage stage(*device, "studio");
-  const Plan plan = stage.plan_of({"studio", {}});
-  EXPECT_TRUE(same_captures(plan, stage.plan_of({"studio", {"output.exposure=1"}})));
-  EXPECT_FALSE(same_captures(plan, stage.plan_of({"studio", {}, 4})));
-  EXPECT_FALSE(same_captures(plan, stage.plan_of({"bleeding", {}})));
-  Plan bare = Stage(*device, "studio", Ground::kOff).plan_of({"studio", {}});
+  PreparedScene prepared(*device, "studio");
+  const Plan plan = prepared.plan_of({"studio", {}});
+  EXPECT_TRUE(same_captures(plan, prepared.plan_of({"studio", {"output.exposure=1"}})));
+  EXPECT_FALSE(same_captures(plan, prepared.plan_of({"studio", {}, 4})));
+  EXPECT_FALSE(same_captures(plan, prepared.plan_of({"bleeding", {}})));
+  Plan bare = PreparedScene(*device, "studio", Ground::kOff).plan_of({"studio", {}});
   EXPECT_TRUE(plan.has_ground);
   EXPECT_FALSE(bare.has_ground);
   bare.camera = plan.camera;

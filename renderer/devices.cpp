@@ -11,7 +11,7 @@
 namespace umbrage {
 namespace {
 
-/// Returns how a Vulkan device captures, from UMBRAGE_VULKAN_CAPTURE; by default the device decides.
+/// Returns how Vulkan devices capture, as UMBRAGE_VULKAN_CAPTURE sets it; by default the device decides.
 Result<VulkanCapture> vulkan_capture() {
   const char* requested = std::getenv("UMBRAGE_VULKAN_CAPTURE");
   if (!requested || *requested == '\0') return VulkanCapture::kAuto;

@@ -11,89 +11,90 @@
 namespace umbrage {
 namespace {
 
-/// Returns a callback for the reference, which may call it from any thread. It forwards only calls of the thread that
-/// created it, at most every 40 ms.
-std::function<bool(double)> own_thread_only(const ProgressMonitor& monitor) {
+/// Returns a callback for the ray tracer of the reference, which may call it from any thread. The callback forwards
+/// only calls from the thread that created it, at most one every 40 ms.
+std::function<bool(double)> calling_thread_only(const ProgressMonitor& monitor) {
   using Clock = std::chrono::steady_clock;
-  return [&monitor, own = std::this_thread::get_id(), last = Clock::time_point()](double done) mutable {
-    constexpr std::chrono::milliseconds kOften(40);
-    if (!monitor || std::this_thread::get_id() != own || Clock::now() - last < kOften) return true;
+  return [&monitor, caller = std::this_thread::get_id(), last = Clock::time_point()](double done) mutable {
+    constexpr std::chrono::milliseconds kInterval(40);
+    if (!monitor || std::this_thread::get_id() != caller || Clock::now() - last < kInterval) return true;
     last = Clock::now();
     return monitor(done);
   };
 }
 
-/// Converts the progress of one step on a device to that of the whole drawing.
+/// Converts the progress of single steps on a device to the progress of the whole drawing.
 class DrawProgress {
  public:
-  /// `steps` is the number of steps of a sample. Work between two steps counts as part of the second.
-  DrawProgress(const ProgressMonitor& monitor, std::size_t steps, int frames)
-      : monitor_(monitor), steps_(double(steps)), frames_(frames) {}
+  /// `steps`: number of steps per sample. Work between two steps counts as part of the second step.
+  DrawProgress(const ProgressMonitor& monitor, std::size_t steps, int samples)
+      : monitor_(monitor), steps_(double(steps)), samples_(samples) {}
 
-  /// Returns the monitor for each step.
-  ProgressMonitor of_step() {
-    return [this](double fraction) { return tell(fraction); };
+  /// Returns the monitor to pass to each step.
+  ProgressMonitor step_monitor() {
+    return [this](double fraction) { return report(fraction); };
   }
   void step_done() { ++step_; }
-  void frame_done() {
-    ++frame_;
+  void sample_done() {
+    ++sample_;
     step_ = 0;
   }
-  /// Errors: kInterrupted.
+  /// Reports that all is drawn. Errors: kInterrupted.
   Result<void> end() const { return !monitor_ || monitor_(1.0) ? Result<void>() : interrupted(); }
 
  private:
-  bool tell(double fraction) {
-    const double of_frame = std::min((step_ + fraction) / steps_, 1.0);
+  bool report(double fraction) {
+    const double of_sample = std::min((step_ + fraction) / steps_, 1.0);
     // An effect of several dispatches or on several layers restarts at 0 for each; reported progress never decreases.
-    reported_ = std::max(reported_, std::min((frame_ + of_frame) / frames_, 1.0));
+    reported_ = std::max(reported_, std::min((sample_ + of_sample) / samples_, 1.0));
     return !monitor_ || monitor_(reported_);
   }
 
   const ProgressMonitor& monitor_;
   const double steps_;
-  const int frames_;
-  int step_ = 0, frame_ = 0;
+  const int samples_;
+  int step_ = 0, sample_ = 0;
   double reported_ = 0.0;
 };
 
-/// Returns the run of the recipe's look; finished effects are reported to `times` and `progress`.
+/// Returns the run of the recipe's look. It reports finished effects to `times` and `progress`.
 LookRun timed_look_run(const Recipe& recipe, StageTimes& times, DrawProgress& progress) {
   LookRun run = look_run(recipe);
   run.after = [&times, &progress](std::string_view name) {
     times.done(name);
     progress.step_done();
   };
-  run.monitor = progress.of_step();
+  run.monitor = progress.step_monitor();
   return run;
 }
 
 std::size_t effect_count(const Plan& plan) { return steps_of(look_run(plan.recipe)).size(); }
 
-/// Returns the frame of a sample before any effect has run. The plan is at that sample.
-using FrameOfSample = std::function<Result<Frame>(const Plan& plan, const Camera& camera)>;
+/// A function that returns the frame of a sample before any effect has run. `plan` and `camera` are for that sample.
+using GetFrame = std::function<Result<Frame>(const Plan& plan, const Camera& camera)>;
 
-Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& planned, const FrameOfSample& frame_of,
+Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& planned, const GetFrame& get_frame,
                            DrawProgress& progress, StageTimes& times, std::optional<float> stops) {
   Plan plan = planned;  // each sample has its own noise
-  const ProgressMonitor of_step = progress.of_step();
-  TracedScenePtr hierarchy;  // of the reference; built once for all samples
+  const ProgressMonitor step_monitor = progress.step_monitor();
+  TracedScenePtr hierarchy;  // for the reference; built once for all samples
   LookRun run = timed_look_run(plan.recipe, times, progress);
   run.stops = stops;
-  run.run_external_effect = [&](const Effect&, const ParameterBytes& params, Frame& on) -> Result<void> {
+  run.run_external_effect = [&](const Effect&, const ParameterBytes& params, Frame& current) -> Result<void> {
     if (!hierarchy) {
-      auto traced = build_traced_scene(scene, device.threads(), [&](double) { return of_step(0.0); });
+      auto traced = build_traced_scene(scene, device.threads(), [&](double) { return step_monitor(0.0); });
       if (!traced) return traced.error();
       hierarchy = std::move(*traced);
     }
-    const auto planes = trace_reference(*hierarchy, on.info, params, {device.threads(), own_thread_only(of_step)});
-    return planes ? device.add(*planes, on) : planes.error();
+    const auto planes =
+        trace_reference(*hierarchy, current.info, params, {device.threads(), calling_thread_only(step_monitor)});
+    return planes ? device.add(*planes, current) : planes.error();
   };
   PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots};
   // Sample 0 is drawn last; its frame is returned.
   for (int k = plan.recipe.frames - 1;; --k) {
     const Camera camera = begin_sample(plan, k);
-    auto frame = frame_of(plan, camera);
+    auto frame = get_frame(plan, camera);
     if (!frame) return frame.error();
     if (auto added = add_sky(device, plan, *frame); !added) return added.error();
     if (plan.recipe.hdri.shown()) times.done("sky");
@@ -105,8 +106,8 @@ Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& plann
       if (!picture) return picture.error();
       add_picture(total, *picture);
       times.done("average");
-      if (auto drawn = draw_lines(device, plan, *frame, of_step, times); !drawn) return drawn.error();
-      progress.frame_done();
+      if (auto drawn = draw_lines(device, plan, *frame, step_monitor, times); !drawn) return drawn.error();
+      progress.sample_done();
       if (k > 0) continue;
       if (auto finished = finish_average(device, total, plan, *frame); !finished) return finished.error();
       times.done("average");
@@ -127,11 +128,11 @@ Result<void> add_sky(Device& device, const Plan& plan, Frame& frame) {
 
 Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
                    const ProgressMonitor& monitor, std::optional<float> stops) {
-  const ScopedPlanePool kept(device.pool());
+  const ScopedPlanePool pool_scope(device.pool());
   DrawProgress progress(monitor, 1 + effect_count(plan), plan.recipe.frames);
-  const ProgressMonitor of_step = progress.of_step();
+  const ProgressMonitor step_monitor = progress.step_monitor();
   const auto captured = [&](const Plan& sample, const Camera& camera) {
-    auto frame = device.capture(camera, sample.capture, of_step);
+    auto frame = device.capture(camera, sample.capture, step_monitor);
     times.done("capture");
     progress.step_done();
     return frame;
@@ -140,17 +141,17 @@ Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTi
 }
 
 Result<Captures> capture(Device& device, const Plan& planned, StageTimes& times, const ProgressMonitor& monitor) {
-  const ScopedPlanePool kept(device.pool());
+  const ScopedPlanePool pool_scope(device.pool());
   Plan plan = planned;
   DrawProgress progress(monitor, 1, plan.recipe.frames);
-  const ProgressMonitor of_step = progress.of_step();
+  const ProgressMonitor step_monitor = progress.step_monitor();
   Captures captures;
   for (int k = 0; k < plan.recipe.frames; ++k) {
-    auto frame = device.capture(begin_sample(plan, k), plan.capture, of_step);
+    auto frame = device.capture(begin_sample(plan, k), plan.capture, step_monitor);
     if (!frame) return frame.error();
     captures.push_back(std::move(*frame));
     times.done("capture");
-    progress.frame_done();
+    progress.sample_done();
   }
   // Devices may defer work; errors appear when it finishes.
   if (auto done = device.finish(); !done) return done.error();
@@ -166,12 +167,12 @@ bool same_captures(const Plan& a, const Plan& b) {
 Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan, const Captures& captures,
                             StageTimes& times, const ProgressMonitor& monitor, std::optional<float> stops) {
   check_equal(captures.size(), std::size_t(plan.recipe.frames), "captures of a picture");
-  const ScopedPlanePool kept(device.pool());
+  const ScopedPlanePool pool_scope(device.pool());
   DrawProgress progress(monitor, std::max<std::size_t>(effect_count(plan), 1), plan.recipe.frames);
-  const auto kept_frame = [&](const Plan& sample, const Camera&) {
+  const auto branch_of_capture = [&](const Plan& sample, const Camera&) {
     return Result<Frame>(device.branch(captures[std::size_t(sample.capture.sample)]));
   };
-  return draw_samples(device, scene, plan, kept_frame, progress, times, stops);
+  return draw_samples(device, scene, plan, branch_of_capture, progress, times, stops);
 }
 
 Result<Frame> draw(Device& device, const Scene& scene, const Recipe& recipe, StageTimes& times) {
@@ -189,7 +190,7 @@ Result<Frame> draw(Device& device, const Scene& scene, const Request& request, S
 namespace {
 
 /// Uploads a G-buffer and reconstructs missing normals.
-Result<Frame> uploaded(Device& device, GBuffer gbuffer, const EffectSettings& settings) {
+Result<Frame> upload_with_normals(Device& device, GBuffer gbuffer, const EffectSettings& settings) {
   std::vector<bool> has_normals;
   for (const Image& layer : gbuffer.layers) has_normals.push_back(layer.find("normal.x") != nullptr);
   auto frame = device.upload(std::move(gbuffer));
@@ -206,7 +207,7 @@ Result<Frame> uploaded(Device& device, GBuffer gbuffer, const EffectSettings& se
 
 Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const Recipe& requested, StageTimes& times,
                            const ProgressMonitor& monitor) {
-  Recipe recipe = requested;  // its radius is converted to scene units
+  Recipe recipe = requested;  // for this G-buffer, with the radius in scene units
   if (gbuffer.info.lights.empty() && !recipe.own_look) {
     // In view space the lights do not depend on the camera's position.
     Camera at_origin = gbuffer.info.camera;
@@ -220,7 +221,7 @@ Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const Recipe& reques
     apply_radius(*radius, gbuffer.info, recipe);
   }
   DrawProgress progress(monitor, 1 + recipe.look->effects.size(), 1);
-  auto frame = uploaded(device, std::move(gbuffer), recipe.settings);
+  auto frame = upload_with_normals(device, std::move(gbuffer), recipe.settings);
   if (!frame) return frame;
   progress.step_done();
   times.done("upload");

@@ -7,35 +7,38 @@
 
 namespace umbrage {
 
+/// A drawn picture.
 struct Drawn {
   Frame frame;
-  std::optional<float> stops;  ///< exposure that metering added, in stops; for pictures that share one exposure
+  std::optional<float> stops;  ///< exposure that metering added, in stops; for other pictures with the same exposure
 };
 
-/// Draws a scene that the device is prepared with: captures it and runs the look. `stops`: exposure of another picture,
-/// used in place of metering. Errors: kInterrupted; those of the device.
+/// Draws the scene for which the device is prepared: captures it and runs the look. `stops`: exposure of another
+/// picture, used in place of metering. Errors: kInterrupted; the errors of the device.
 Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
                    const ProgressMonitor& monitor = {}, std::optional<float> stops = {});
 
-/// The captured planes of a plan before any effect has run, one frame per sample. The device has finished them when
-/// capture returns, so capture reports all errors of drawing them.
+/// The captured planes of a plan before any effect has run, one frame per sample.
 using Captures = std::vector<Frame>;
+
+/// Captures all samples of a plan. The device has finished all work when this returns, so all errors of the device are
+/// reported here. Errors: kInterrupted; the errors of the device.
 Result<Captures> capture(Device& device, const Plan& plan, StageTimes& times, const ProgressMonitor& monitor = {});
-/// Returns whether the captures of one plan are valid for the other, i.e. the plans differ only in effects.
+/// Returns whether captures of one plan are valid for the other plan: the plans differ only in effects.
 bool same_captures(const Plan& a, const Plan& b);
-/// Draws from captures, which it leaves unchanged. The picture is bitwise identical to that of draw.
+/// Draws from captures, which stay unchanged. The picture is bitwise identical to the picture that `draw` returns.
 Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan, const Captures& captures,
                             StageTimes& times, const ProgressMonitor& monitor = {}, std::optional<float> stops = {});
 
 /// Plans and draws a scene that `complete_scene` has completed.
 Result<Frame> draw(Device& device, const Scene& scene, const Recipe& recipe, StageTimes& times);
 
-/// Makes a recipe, plans and draws; environment images are not read. Errors: kUsage, and those of draw.
+/// Makes a recipe, plans and draws; environment images are not read. Errors: kUsage; the errors of `draw`.
 Result<Frame> draw(Device& device, const Scene& scene, const Request& request, StageTimes& times);
 
-/// Shades a G-buffer of another renderer by a recipe of its request. Missing normals are reconstructed from depth. If
-/// gbuffer.info has no lights, a look gets the default lights, placed relative to the camera as for a model without
-/// lights. Errors: kUsage for missing planes and for a radius larger than the scene; kInterrupted.
+/// Shades a G-buffer of another renderer with a recipe from make_shading_recipe. Missing normals are reconstructed from
+/// depth. If gbuffer.info has no lights, a look gets the default lights, placed relative to the camera as for a model
+/// without lights. Errors: kUsage for missing planes and for a radius larger than the scene; kInterrupted.
 Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const Recipe& recipe, StageTimes& times,
                            const ProgressMonitor& monitor = {});
 

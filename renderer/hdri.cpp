@@ -20,24 +20,24 @@ namespace umbrage {
 namespace {
 
 const Panorama& panorama_of(const Hdri& hdri) {
-  if (!hdri.panorama) fail_check("the image around the scene has not been read");
+  if (!hdri.panorama) fail_check("the environment image has not been read");
   return *hdri.panorama;
 }
 
 /// Returns whether a reader of io/ recognises the first bytes of the file. Errors: kFile if it cannot be opened.
-Result<bool> is_own_format(const std::filesystem::path& file) {
+Result<bool> is_io_format(const std::filesystem::path& file) {
   std::int64_t size = 0;
   const auto stream = open_to_read(file, size);
   if (!stream) return stream.error();
   if (size == 0) return file_error("'{}' is empty: it is not an image", file.string());
-  char start[8] = {};
-  const std::size_t got = std::fread(start, 1, sizeof start, stream->get());
+  char first_bytes[8] = {};
+  const std::size_t byte_count = std::fread(first_bytes, 1, sizeof first_bytes, stream->get());
   for (const ImageFormat& format : image_formats())
-    if (format.recognises(std::string_view(start, got))) return true;
+    if (format.recognises(std::string_view(first_bytes, byte_count))) return true;
   return false;
 }
 
-Result<Panorama> read_own_format(const std::filesystem::path& file) {
+Result<Panorama> read_io_format(const std::filesystem::path& file) {
   const auto image = read_image(file);
   if (!image) return image.error();
   std::array<const Plane*, 3> planes = {image->find("color.r"), image->find("color.g"), image->find("color.b")};
@@ -48,26 +48,26 @@ Result<Panorama> read_own_format(const std::filesystem::path& file) {
     return file_error("'{}' has {} x {} pixels: an environment image takes at most {}", file.string(), image->width,
                       image->height, kMaxPanoramaPixels);
   std::int64_t size = 0;
-  char start[8] = {};
+  char first_bytes[8] = {};
   if (const auto stream = open_to_read(file, size))
-    static_cast<void>(std::fread(start, 1, sizeof start, stream->get()));
-  const bool of_display = kPng.recognises(std::string_view(start, sizeof start));
+    static_cast<void>(std::fread(first_bytes, 1, sizeof first_bytes, stream->get()));
+  const bool is_srgb = kPng.recognises(std::string_view(first_bytes, sizeof first_bytes));
   Panorama panorama{file.string(), image->width, image->height, {}};
   panorama.rgb.reserve(std::size_t(image->width) * std::size_t(image->height) * 3);
   for (int y = 0; y < image->height; ++y)
     for (int x = 0; x < image->width; ++x)
       for (const Plane* plane : planes) {
         const float v = plane->at(x, y);
-        panorama.rgb.push_back(of_display ? linear_from_srgb(v) : v);
+        panorama.rgb.push_back(is_srgb ? linear_from_srgb(v) : v);
       }
   return panorama;
 }
 
 Result<Panorama> read_file(const std::string& file, const ProgressMonitor& monitor) {
   if (file == "sky:") return sky_panorama();
-  const auto own = is_own_format(file);
-  if (!own) return own.error();
-  if (*own) return read_own_format(file);
+  const auto is_io = is_io_format(file);
+  if (!is_io) return is_io.error();
+  if (*is_io) return read_io_format(file);
   Poll poll(monitor);
   return read_panorama_in_child_process(file, &poll);
 }
@@ -102,7 +102,7 @@ Lighting image_lighting(const Hdri& hdri, glm::vec3 up) {
   lighting.lights = light.lights;
   for (Light& each : lighting.lights) {
     each.direction = glm::normalize(axes * each.direction);
-    // A disc that extends below the horizon would darken the ground from its edge on.
+    // A light's disc that extended below the horizon would darken the ground from the ground's edge inwards.
     const float height = std::asin(std::clamp(glm::dot(each.direction, glm::normalize(up)), -1.0f, 1.0f));
     if (height > 0.0f) each.angle_deg = std::min(each.angle_deg, 2.0f * glm::degrees(height));
     each.color *= hdri.intensity;
@@ -114,17 +114,17 @@ Lighting image_lighting(const Hdri& hdri, glm::vec3 up) {
   return lighting;
 }
 
-Image sky_planes(const Hdri& hdri, glm::vec3 up, float gain, const PictureInfo& info, const Rows& wanted) {
+Image sky_planes(const Hdri& hdri, glm::vec3 up, float gain, const PictureInfo& info, const Rows& rows) {
   const Panorama& panorama = panorama_of(hdri);
   const Camera& camera = info.camera;
   const glm::mat3 panorama_from_view =
       glm::transpose(glm::mat3(camera.view_from_world) * panorama_axes(up, hdri.rotation_deg));
-  Image image(info.width, wanted.count());
+  Image image(info.width, rows.count());
   Plane* planes[3] = {};
   image.planes.reserve(3);
   for (int c = 0; c < 3; ++c) planes[c] = &image.add(std::string("sky.") + "rgb"[c]);
-  tbb::parallel_for(tbb::blocked_range<int>(wanted.begin, wanted.end), [&](const tbb::blocked_range<int>& rows) {
-    for (int y = rows.begin(); y < rows.end(); ++y)
+  tbb::parallel_for(tbb::blocked_range<int>(rows.begin, rows.end), [&](const tbb::blocked_range<int>& range) {
+    for (int y = range.begin(); y < range.end(); ++y)
       for (int x = 0; x < info.width; ++x) {
         glm::vec3 ray(0.0f, 0.0f, -1.0f);
         if (camera.projection == Projection::kPerspective) {
@@ -132,7 +132,7 @@ Image sky_planes(const Hdri& hdri, glm::vec3 up, float gain, const PictureInfo& 
           ray.y = camera.top - (float(y) + 0.5f) / float(info.height) * (camera.top - camera.bottom);
         }
         const glm::vec3 radiance = gain * panorama_radiance(panorama, panorama_from_view * ray);
-        for (int c = 0; c < 3; ++c) planes[c]->at(x, y - wanted.begin) = radiance[c];
+        for (int c = 0; c < 3; ++c) planes[c]->at(x, y - rows.begin) = radiance[c];
       }
   });
   return image;

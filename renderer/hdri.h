@@ -1,4 +1,4 @@
-// Environment image: lights a scene and is its background.
+// Environment image: lights a scene, is its background, or both.
 #pragma once
 #include <memory>
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace umbrage {
 
-/// Fields are named as those of Request.
+/// An environment image and how it is used. The fields correspond to the hdri_ fields of Request.
 struct Hdri {
   std::string file;  ///< empty: none; "sky:": the built-in sky
   bool ambient = true, skybox = false;
@@ -24,15 +24,15 @@ struct Hdri {
   bool shown() const { return !file.empty() && skybox; }
 };
 
-/// Reads the file of `hdri`, if any: EXR, PNG and PFM with io/, other formats in a separate process. Returns warnings.
-/// Errors: kFile.
+/// Reads the file of `hdri`, if any: EXR, PNG and PFM with the readers of io/, other formats in a separate process.
+/// Returns warnings. Errors: kFile.
 Result<std::vector<std::string>> read_hdri(Hdri& hdri, const ProgressMonitor& monitor = {});
 
 /// Returns the light of an image that has been read, for a scene whose upward direction is `up`.
 Lighting image_lighting(const Hdri& hdri, glm::vec3 up);
 
 /// Returns the planes sky.r, sky.g and sky.b of a picture: the image's radiance times `gain` along each pixel's ray.
-/// Contains `rows` only.
+/// The planes contain only `rows`.
 Image sky_planes(const Hdri& hdri, glm::vec3 up, float gain, const PictureInfo& info, const Rows& rows);
 
 }  // namespace umbrage

@@ -27,7 +27,8 @@ constexpr double kPi = std::numbers::pi;
 
 double luminance(const dvec3& color) { return glm::dot(color, dvec3(0.2126, 0.7152, 0.0722)); }
 
-/// Makes a panorama of radiance by direction in its own axes, averaged over samples x samples points of each pixel.
+/// Makes a panorama from a function that returns the radiance of a direction in the panorama's axes. Each pixel is the
+/// mean over samples x samples points.
 Panorama panorama_of(int width, int height, const std::function<dvec3(dvec3)>& radiance, int samples = 3) {
   Panorama panorama{"made", width, height, {}};
   for (int y = 0; y < height; ++y)
@@ -42,7 +43,7 @@ Panorama panorama_of(int width, int height, const std::function<dvec3(dvec3)>& r
   return panorama;
 }
 
-/// Integrates radiance times weight(direction) over fine points of the panorama's pixels, each of constant colour.
+/// Integrates radiance times weight(direction) numerically over several points per pixel; pixels have constant colour.
 dvec3 quadrature(const Panorama& panorama, const std::function<double(dvec3)>& weight) {
   const int across = std::max(1, 512 / panorama.width), down = std::max(1, 256 / panorama.height);
   dvec3 sum(0.0);
@@ -114,7 +115,7 @@ Panorama disc(int width, int height, dvec3 middle, double half_angle_deg, dvec3 
 
 // ---- decomposition of an image
 
-TEST(Environment, AnEvenSkyIsAmbientLightAlone) {
+TEST(Environment, UniformSkyIsOnlyAmbientLight) {
   for (const auto& [width, height] : {std::pair(1, 1), {2, 1}, {7, 3}, {33, 20}, {64, 32}, {101, 400}, {1500, 700}}) {
     SCOPED_TRACE(fmt::format("{} x {}", width, height));
     const Panorama white = panorama_of(
@@ -146,7 +147,8 @@ TEST(Environment, ASmallDiscIsOneLight) {
         const Light& sun = light.lights[0];
         EXPECT_TRUE(sun.casts_shadow);
         EXPECT_LT(glm::degrees(std::acos(std::min(1.0, glm::dot(middle, dvec3(sun.direction))))), 0.1);
-        // The expected size is that of the disc as sampled by the image; also of the disc itself if it is large.
+        // The light must be as large as the disc that the pixels show; if the disc is large, as large as the disc
+        // itself.
         double flux = 0.0, squares = 0.0;
         for (int y = 0; y < height; ++y)
           for (int x = 0; x < width; ++x) {
@@ -170,7 +172,7 @@ TEST(Environment, ASmallDiscIsOneLight) {
       }
 }
 
-TEST(Environment, NothingIsLost) {
+TEST(Environment, EnergyIsPreserved) {
   const Panorama images[] = {
       reduced_panorama(sky_panorama(), 512, 256),
       disc(400, 200, direction_at(40, 20), 6, {40, 40, 60}, {0.5, 0.4, 0.3}),
@@ -184,24 +186,24 @@ TEST(Environment, NothingIsLost) {
   for (const Panorama& image : images) {
     SCOPED_TRACE(image.name + fmt::format(" {} x {}", image.width, image.height));
     const EnvironmentLight light = environment_light(image);
-    // The mean irradiance over all normals is a quarter of the flux; this is true of lights, too.
+    // The mean irradiance over all normals is a quarter of the flux, also for lights.
     dvec3 mean(light.ambient);
     for (const Light& each : light.lights) mean += 0.25 * dvec3(each.color);
     const dvec3 expected = mean_radiance(image);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c], expected[c], 2e-4 * expected[c]) << c;
-    // By normal: as closely as second-degree harmonics and a few lights can represent.
-    double max = 0.0, worst = 0.0;
+    // The irradiance of each normal is as close as second-degree harmonics and a few lights permit.
+    double max = 0.0, max_error = 0.0;
     for (const dvec3& n : normals_all_around()) max = std::max(max, luminance(irradiance(image, n)));
     for (const dvec3& n : normals_all_around())
-      worst = std::max(worst, std::abs(luminance(irradiance(image, n)) - luminance(irradiance(light, n))));
-    EXPECT_LT(worst, (&image == &images[3] ? 0.07 : 0.04) * max);
+      max_error = std::max(max_error, std::abs(luminance(irradiance(image, n)) - luminance(irradiance(light, n))));
+    EXPECT_LT(max_error, (&image == &images[3] ? 0.07 : 0.04) * max);
     EXPECT_GE(light.brightest * kPi, 0.97 * max);
     EXPECT_LE(light.brightest * kPi, 1.1 * max);
   }
 }
 
 TEST(Environment, PolesCountByTheirSolidAngle) {
-  // A bright row at the pole: one of 32 rows, but 0.24 percent of the sphere.
+  // The bright row at the pole is one of 32 rows, but covers only 0.24 percent of the sphere.
   Panorama top = panorama_of(
       64, 32, [](dvec3) { return dvec3(1.0); }, 1);
   for (int x = 0; x < 64 * 3; ++x) top.rgb[std::size_t(x)] = 3.0f;
@@ -211,7 +213,7 @@ TEST(Environment, PolesCountByTheirSolidAngle) {
   EXPECT_NEAR(reduced.at(7, 0).g, 1.0 + 2.0 * fraction, 1e-5);
 }
 
-TEST(Environment, PartsWhatIsApart) {
+TEST(Environment, SeparatesDistantLights) {
   const dvec3 a = direction_at(30, 40), b = direction_at(-100, 20), c = direction_at(170, -10);
   const Panorama three = panorama_of(512, 256, [&](dvec3 d) {
     if (glm::dot(d, a) > std::cos(glm::radians(4.0))) return dvec3(50.0);
@@ -256,7 +258,7 @@ TEST(Environment, OddPixelsHaveDefinedResults) {
 
 void expect_near(glm::vec3 a, glm::vec3 b) { EXPECT_LT(glm::distance(a, b), 1e-5f) << a.x << " " << a.y << " " << a.z; }
 
-TEST(Environment, LiesAsItsDocumentationSays) {
+TEST(Environment, HasTheDocumentedOrientation) {
   const glm::mat3 y_up = panorama_axes({0, 2, 0}, 0.0f);
   expect_near(y_up[0], {1, 0, 0});
   expect_near(y_up[1], {0, 0, 1});
@@ -283,7 +285,7 @@ TEST(Environment, LiesAsItsDocumentationSays) {
     EXPECT_LT(glm::distance(dvec3(panorama_radiance(image, glm::vec3(n))), n + 2.0), 0.01);
 }
 
-TEST(Environment, TurnsWithItsAxes) {
+TEST(Environment, RotatesWithItsAxes) {
   const EnvironmentLight light = environment_light(panorama_of(
       128, 64, [](dvec3 d) { return dvec3(1 + d.x * d.y + d.z, 1 + d.y * d.z - d.x, 1 + d.x * d.x - 0.5 * d.y); }));
   const glm::mat3 axes = panorama_axes({0.3f, 1.0f, -0.2f}, 57.0f);
@@ -322,7 +324,7 @@ class HdriFile : public test::ProgramTest {
     const Image image = sky_image();
     ASSERT_TRUE(stbi_write_hdr(path(name).c_str(), image.width, image.height, 3, values(image).data()));
   }
-  /// One colour in every pixel, 8-bit.
+  /// Returns an 8-bit image with the same value in all pixels.
   std::vector<std::uint8_t> grey(int width, int height, std::uint8_t value) {
     return std::vector<std::uint8_t>(std::size_t(width) * std::size_t(height) * 3, value);
   }
@@ -339,7 +341,7 @@ TEST_F(HdriFile, ReadsWhatDecodersRead) {
     const float max = std::max({expected[k], expected[k + 1], expected[k + 2]});
     for (std::size_t c = k; c < k + 3; ++c) EXPECT_NEAR(hdr->rgb[c], expected[c], max / 120.0f);
   }
-  // Other formats are sRGB: 188 is half the light.
+  // Other formats are sRGB: the value 188 is half of the max light.
   ASSERT_TRUE(stbi_write_jpg(path("grey.jpg").c_str(), 32, 16, 3, grey(32, 16, 188).data(), 95));
   ASSERT_TRUE(stbi_write_tga(path("grey.tga").c_str(), 32, 16, 3, grey(32, 16, 188).data()));
   for (const char* name : {"grey.jpg", "grey.tga"}) {
@@ -349,7 +351,7 @@ TEST_F(HdriFile, ReadsWhatDecodersRead) {
   }
 }
 
-TEST_F(HdriFile, ReadsRadianceHoweverItLies) {
+TEST_F(HdriFile, ReadsRadianceInAnyOrientation) {
   const std::string pixels[] = {"\x80\x40\x20\x81", "\x10\x20\x30\x84"};  // 1, .5, .25 and 1, 2, 3
   const std::string head = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n";
   const auto read = [&](const std::string& bytes) {
@@ -358,18 +360,19 @@ TEST_F(HdriFile, ReadsRadianceHoweverItLies) {
     EXPECT_TRUE(panorama) << panorama.error().message;
     return panorama ? panorama->rgb : std::vector<float>();
   };
-  const std::vector<float> there = {1.0f, 0.5f, 0.25f, 1.0f, 2.0f, 3.0f}, back = {1.0f, 2.0f, 3.0f, 1.0f, 0.5f, 0.25f};
-  EXPECT_EQ(read(head + "\n-Y 1 +X 2\n" + pixels[0] + pixels[1]), there);
-  EXPECT_EQ(read(head + "\n-Y 1 -X 2\n" + pixels[0] + pixels[1]), back);
-  EXPECT_EQ(read(head + "\n-Y 2 +X 1\n" + pixels[0] + pixels[1]), there);
-  EXPECT_EQ(read(head + "\n+Y 2 +X 1\n" + pixels[0] + pixels[1]), back);
-  EXPECT_EQ(read("#?RADIANCE\r\nFORMAT=32-bit_rle_rgbe\r\n\r\n-Y 1 +X 2\r\n" + pixels[0] + pixels[1]), there);
-  EXPECT_EQ(read(head + "EXPOSURE=2\nEXPOSURE=.5\n\n-Y 1 +X 2\n" + pixels[0] + pixels[1]), there);
+  const std::vector<float> stored = {1.0f, 0.5f, 0.25f, 1.0f, 2.0f, 3.0f},
+                           reversed = {1.0f, 2.0f, 3.0f, 1.0f, 0.5f, 0.25f};
+  EXPECT_EQ(read(head + "\n-Y 1 +X 2\n" + pixels[0] + pixels[1]), stored);
+  EXPECT_EQ(read(head + "\n-Y 1 -X 2\n" + pixels[0] + pixels[1]), reversed);
+  EXPECT_EQ(read(head + "\n-Y 2 +X 1\n" + pixels[0] + pixels[1]), stored);
+  EXPECT_EQ(read(head + "\n+Y 2 +X 1\n" + pixels[0] + pixels[1]), reversed);
+  EXPECT_EQ(read("#?RADIANCE\r\nFORMAT=32-bit_rle_rgbe\r\n\r\n-Y 1 +X 2\r\n" + pixels[0] + pixels[1]), stored);
+  EXPECT_EQ(read(head + "EXPOSURE=2\nEXPOSURE=.5\n\n-Y 1 +X 2\n" + pixels[0] + pixels[1]), stored);
   write("two.hdr", head + "EXPOSURE=1e-30\nEXPOSURE=1e-30\n\n-Y 1 +X 2\n" + pixels[0] + pixels[1]);
   bad(kDraw_ + "two.hdr", 3, {"two.hdr", "exposures"});
 }
 
-TEST_F(HdriFile, LightsByEveryFormat) {
+TEST_F(HdriFile, LightsScenesFromEveryFormat) {
   write_hdr("sky.hdr");
   ASSERT_TRUE(write_image(folder_ / "sky.exr", sky_image(), {.half = true}));
   ASSERT_TRUE(write_image(folder_ / "sky.pfm", sky_image()));
@@ -390,7 +393,7 @@ TEST_F(HdriFile, LightsByEveryFormat) {
     for (int x = 0; x < 40; ++x) ASSERT_NEAR(image("out.png").planes[0].at(x, y), by_jpg.planes[0].at(x, y), 0.01f);
 }
 
-TEST_F(HdriFile, WhatCannotBeUsedIsASentence) {
+TEST_F(HdriFile, UnusableFilesGiveOneSentence) {
   bad(kDraw_ + "none.hdr", 3, {"none.hdr", "does not exist"});
   write("text.hdr", "no picture at all");
   bad(kDraw_ + "text.hdr", 3, {"text.hdr", "is not an image"});
@@ -419,7 +422,7 @@ TEST_F(HdriFile, WhatCannotBeUsedIsASentence) {
   bad(kDraw_ + "crash.hdr", 3, {"crash.hdr", "its reader crashed"}, "UMBRAGE_IMPORT=" UMBRAGE_FAULTY_IMPORT);
 }
 
-TEST_F(HdriFile, WrongValuesAreWrongUsage) {
+TEST_F(HdriFile, WrongValuesAreUsageErrors) {
   bad_option("--hdri-file sky: --hdri-rotation up", {"--hdri-rotation", "up"});
   bad_option("--hdri-file sky: --hdri-intensity=-1", {"--hdri-intensity", "-1"});
   bad_option("--hdri-file sky: --hdri-intensity nan", {"--hdri-intensity", "nan"});
@@ -428,7 +431,7 @@ TEST_F(HdriFile, WrongValuesAreWrongUsage) {
   bad_option("--light-size 91", {"--light-size", "91"});
 }
 
-TEST_F(HdriFile, WarnsOfWhatIsOdd) {
+TEST_F(HdriFile, WarnsAboutOddImages) {
   const test::Outcome alone = run("tri.obj -o out.png --resolution 40x40 --hdri-rotation 30");
   EXPECT_EQ(alone.code, 0);
   EXPECT_NE(alone.err.find("--hdri-rotation does nothing"), std::string::npos) << alone.err;
@@ -473,7 +476,7 @@ class HdriPicture : public HdriFile {
       }
     write("ball.obj", ball);
   }
-  /// Writes a panorama file of a function of the direction in the panorama's axes.
+  /// Writes a panorama file from a function that returns the radiance of a direction in the panorama's axes.
   void write_panorama(const std::string& name, const std::function<dvec3(dvec3)>& radiance) {
     const Panorama made = panorama_of(256, 128, radiance);
     Image image(made.width, made.height);
@@ -497,23 +500,23 @@ TEST_F(HdriPicture, AWhiteSurfaceUnderAWhiteSkyIsWhite) {
     if (std::string(device) == "vulkan" && outcome.code == 4) continue;  // no Vulkan device
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const Image planes = image("out.exr");
-    int seen = 0;
+    int covered = 0;
     for (int y = 0; y < 64; ++y)
       for (int x = 0; x < 64; ++x)
         if (std::isfinite(planes.plane("depth").at(x, y))) {
-          ++seen;
+          ++covered;
           ASSERT_NEAR(planes.plane("lit.r").at(x, y), 1.0f, 1e-4f);
         }
-    EXPECT_GT(seen, 1000);
+    EXPECT_GT(covered, 1000);
   }
-  // Twice the light is twice as bright: the exposure is for the unscaled image, whatever the intensity.
+  // The exposure is for the unscaled image, so half the intensity gives half the light.
   good("ball.obj --look lit --ao none --resolution 64x64 --hdri-file white.pfm --hdri-intensity 0.5 -o out.png");
   EXPECT_NEAR(image("out.png").planes[0].at(32, 32), 0.7354f, 0.01f);  // half of the light, in sRGB
   good("ball.obj --look lit --ao none --resolution 64x64 --hdri-file white.pfm -o out.png");
   EXPECT_GT(image("out.png").planes[0].at(32, 32), 0.99f);
 }
 
-TEST_F(HdriPicture, LooksAreExposedForAnyStrength) {
+TEST_F(HdriPicture, LooksAreExposedForAnyBrightness) {
   // The same image in other units gives the same picture, with the key light and its shadow.
   for (const char* look : {"studio", "lit", "bleeding", "cartoon"}) {
     Image first;
@@ -539,7 +542,7 @@ TEST_F(HdriPicture, LooksAreExposedForAnyStrength) {
   }
 }
 
-TEST_F(HdriPicture, LightComesFromWhereTheImageHasIt) {
+TEST_F(HdriPicture, LightComesFromItsPositionInTheImage) {
   // A lamp at the image's middle is at +x; turned by 90 degrees it is at -z. Up is the model's up.
   write_panorama("lamp.pfm",
                  [](dvec3 d) { return glm::dot(d, dvec3(1, 0, 0)) > std::cos(0.1) ? dvec3(100.0) : dvec3(0.01); });
@@ -565,7 +568,7 @@ TEST_F(HdriPicture, LightComesFromWhereTheImageHasIt) {
   EXPECT_EQ(brightest_normal("--hdri-rotation=-180"), 1);        // at -x
 }
 
-TEST_F(HdriPicture, TheSkyIsSeenWhereItIsAskedFor) {
+TEST_F(HdriPicture, SkyIsShownOnRequest) {
   write_panorama("half.pfm", [](dvec3 d) { return d.z > 0.0 ? dvec3(0.1, 0.2, 0.8) : dvec3(0.3, 0.1, 0.05); });
   const std::string line =
       "ball.obj --resolution 64x64 --hdri-file half.pfm --camera-direction=-1,0,0 --camera-zoom-factor 0.5 ";
@@ -581,14 +584,14 @@ TEST_F(HdriPicture, TheSkyIsSeenWhereItIsAskedFor) {
     // The model is unchanged.
     EXPECT_NEAR(with.planes[1].at(32, 32), without.planes[1].at(32, 32), 0.005f) << look;
   }
-  // Background but no light: the lights are those of the model or the look.
+  // The image is the background but not the light: then the lights of the model or the look are used.
   good(line + "--look lit --hdri-skybox --hdri-ambient=false -o sky.png");
   good("ball.obj --resolution 64x64 --camera-direction=-1,0,0 --camera-zoom-factor 0.5 --look lit -o own.png");
   EXPECT_NEAR(image("sky.png").planes[1].at(32, 32), image("own.png").planes[1].at(32, 32), 0.005f);
 }
 
 TEST_F(HdriPicture, TheGroundOfALowLightHasNoEdge) {
-  // A setting sun: the shadow is longer than any ground. Neither it nor the ground may end in a line.
+  // The shadow of a setting sun is longer than any ground. Neither the shadow nor the ground may end in a line.
   write_panorama("low.pfm", [](dvec3 d) {
     return glm::dot(d, direction_at(100, 6)) > std::cos(0.06) ? dvec3(200.0) : dvec3(0.2);
   });
@@ -613,7 +616,7 @@ TEST_F(HdriPicture, TheKeyLightsSizeCanBeSet) {
   // A plate above a plane: the penumbra is as wide as the light is large.
   write("plate.obj",
         "v -4 0 -4\nv 4 0 -4\nv 4 0 4\nv -4 0 4\nf 4 3 2 1\nv -1 2 -1\nv 1 2 -1\nv 1 2 1\nv -1 2 1\nf 8 7 6 5\n");
-  const auto partly = [&](const std::string& size) {
+  const auto partly_lit = [&](const std::string& size) {
     good("plate.obj --look lit --quality high --anti-aliasing 1 --resolution 160x160 --passes shadow -o shadow.exr " +
          size);
     const Image shadow = image("shadow.exr");
@@ -622,14 +625,14 @@ TEST_F(HdriPicture, TheKeyLightsSizeCanBeSet) {
       for (int x = 0; x < 160; ++x) count += shadow.planes[0].at(x, y) > 0.05f && shadow.planes[0].at(x, y) < 0.95f;
     return count;
   };
-  const int hard = partly("--light-size 0"), own = partly(""), soft = partly("--light-size 40");
+  const int hard = partly_lit("--light-size 0"), own = partly_lit(""), soft = partly_lit("--light-size 40");
   EXPECT_EQ(hard, 0);
   EXPECT_GT(own, 20);
   EXPECT_GT(soft, 2 * own);
 }
 
 TEST_F(HdriPicture, AShadowOfTheSunLeavesNoTraceBesideItsEdge) {
-  // The penumbra is narrower than a pixel here: partly lit pixels are only at its edge or at an object's.
+  // The penumbra is narrower than a pixel here: pixels are partly lit only at the edge of the shadow or of an object.
   write("plate.obj",
         "v -4 0 -4\nv 4 0 -4\nv 4 0 4\nv -4 0 4\nf 4 3 2 1\nv -1 2 -1\nv 1 2 -1\nv 1 2 1\nv -1 2 1\nf 8 7 6 5\n");
   good(
@@ -638,7 +641,7 @@ TEST_F(HdriPicture, AShadowOfTheSunLeavesNoTraceBesideItsEdge) {
   const Image shadow = image("shadow.exr");
   const Plane &plane = shadow.plane("shadow"), &object = shadow.plane("object_id");
   constexpr int kNear = 3;
-  int partly = 0, astray = 0;
+  int partly_lit = 0, away_from_edge = 0;
   for (int y = kNear; y < plane.height - kNear; ++y)
     for (int x = kNear; x < plane.width - kNear; ++x) {
       const float v = plane.at(x, y);
@@ -647,14 +650,14 @@ TEST_F(HdriPicture, AShadowOfTheSunLeavesNoTraceBesideItsEdge) {
       for (int j = -kNear; j <= kNear; ++j)
         for (int i = -kNear; i <= kNear; ++i)
           edge = edge || std::abs(plane.at(x + i, y + j) - v) > 0.25f || object.at(x + i, y + j) != object.at(x, y);
-      ++partly;
-      astray += !edge;
+      ++partly_lit;
+      away_from_edge += !edge;
     }
-  EXPECT_GT(partly, 50);
-  EXPECT_EQ(astray, 0);
+  EXPECT_GT(partly_lit, 50);
+  EXPECT_EQ(away_from_edge, 0);
 }
 
-TEST_F(HdriPicture, IsInThePublicInterfaceToo) {
+TEST_F(HdriPicture, PublicInterfaceGivesTheSamePicture) {
   write_panorama("sun.pfm", [](dvec3 d) {
     return glm::dot(d, direction_at(60, 50)) > std::cos(0.05) ? dvec3(400.0) : dvec3(0.3, 0.4, 0.6);
   });

@@ -11,10 +11,10 @@ namespace umbrage {
 Result<void> use_isa(std::string_view name) {
   if (choose_isa(name)) return {};
   const auto& known = known_isas();
-  const std::string has = fmt::format("this machine has {}", fmt::join(usable_isas(), ", "));
+  const std::string usable_text = fmt::format("this machine has {}", fmt::join(usable_isas(), ", "));
   if (std::find(known.begin(), known.end(), name) == known.end())
-    return usage_error("`isa` (or UMBRAGE_ISA) cannot be '{}': {}", name, has);
-  return device_error("`isa` (or UMBRAGE_ISA) cannot be '{}' on this CPU: {}", name, has);
+    return usage_error("`isa` (or UMBRAGE_ISA) cannot be '{}': {}", name, usable_text);
+  return device_error("`isa` (or UMBRAGE_ISA) cannot be '{}' on this CPU: {}", name, usable_text);
 }
 
 Result<void> check_isa_setting() { return wrong_isa_setting().empty() ? Result<void>() : use_isa(wrong_isa_setting()); }

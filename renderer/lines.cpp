@@ -20,7 +20,7 @@ const Dispatch& tracing_dispatch() {
                        [](const Dispatch& dispatch) { return dispatch.host != nullptr; });
 }
 
-/// Returns whether a part of the line may be visible in a picture of that size.
+/// Returns whether a part of the line may be visible in a picture of width x height pixels.
 bool is_inside(const Line& line, int width, int height) {
   if (line.points.empty()) return false;
   float left = line.points[0].x, right = left, top = line.points[0].y, bottom = top;
@@ -34,10 +34,10 @@ bool is_inside(const Line& line, int width, int height) {
 
 }  // namespace
 
-Result<ParameterBytes> line_parameters(std::string_view who, std::span<const std::string_view> effects,
+Result<ParameterBytes> line_parameters(std::string_view subject, std::span<const std::string_view> effects,
                                        const EffectSettings& settings) {
   if (std::find(effects.begin(), effects.end(), "outline") == effects.end())
-    return usage_error("{} no lines: the look cartoon and the effect outline do", who);
+    return usage_error("{} no lines: the look cartoon and the effect outline do", subject);
   const ParameterBytes& params = params_of(settings, "outline");
   const auto& outline = as<OutlineParams>(params);
   if (outline.mode == kOutlinePaper)
@@ -47,9 +47,9 @@ Result<ParameterBytes> line_parameters(std::string_view who, std::span<const std
 }
 
 Result<ParameterBytes> line_parameters(const Recipe& recipe) {
-  const std::string who =
+  const std::string subject =
       recipe.own_look ? "the requested effects draw" : fmt::format("the look '{}' draws", recipe.look->name);
-  return line_parameters(who, recipe.look->effects, recipe.settings);
+  return line_parameters(subject, recipe.look->effects, recipe.settings);
 }
 
 std::span<const std::string_view> edge_planes() { return tracing_dispatch().inputs; }
@@ -57,9 +57,9 @@ std::span<const std::string_view> edge_planes() { return tracing_dispatch().inpu
 Lines traced_lines(const PictureInfo& info, const Image& planes, const ParameterBytes& outline_params, int threads) {
   OutlineConstants constants{};
   find_effect("outline")->constants(outline_params, info, &constants);
-  std::vector<const Plane*> of_table;
-  for (const std::string_view name : edge_planes()) of_table.push_back(&planes.plane(name));
-  const std::vector<HostPlane> inputs = host_inputs(tracing_dispatch(), of_table);
+  std::vector<const Plane*> in_table_order;
+  for (const std::string_view name : edge_planes()) in_table_order.push_back(&planes.plane(name));
+  const std::vector<HostPlane> inputs = host_inputs(tracing_dispatch(), in_table_order);
   const HostFrame frame{info, frame_constants(info, inputs[0].stride, 0), &constants, inputs, {}};
   Lines lines;
   tbb::task_arena arena(std::max(threads, 1));
@@ -73,9 +73,9 @@ Lines traced_lines(const PictureInfo& info, const Image& planes, const Parameter
 }
 
 Result<Lines> traced_lines(Device& device, const Frame& frame, const ParameterBytes& outline_params) {
-  Frame whole = frame;
-  whole.info.guard = 0;  // download returns the guard band, too
-  const auto planes = device.download(whole, {edge_planes().begin(), edge_planes().end()});
+  Frame whole_frame = frame;
+  whole_frame.info.guard = 0;  // so that download returns the guard band, too
+  const auto planes = device.download(whole_frame, {edge_planes().begin(), edge_planes().end()});
   if (!planes) return planes.error();
   return traced_lines(frame.info, *planes, outline_params, device.threads());
 }

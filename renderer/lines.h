@@ -1,5 +1,5 @@
-// The lines of a drawn picture as curves. `outline` traces them from planes that remain in the frame and are identical
-// on all devices, so that the lines can be traced again after drawing.
+// The lines of a drawn picture as curves. The effect `outline` traces them from planes that remain in the frame and are
+// identical on all devices. Therefore the lines can be traced again after drawing.
 #pragma once
 #include <array>
 #include <span>
@@ -10,19 +10,19 @@
 
 namespace umbrage {
 
-/// Returns the parameters of `outline` if these effects draw lines that are curves. `who` is the start of the error
+/// Returns the parameters of `outline` if these effects draw lines that are curves. `subject` is the start of the error
 /// message, such as "the look 'ao' draws". Errors: kUsage if there are no such lines.
-Result<ParameterBytes> line_parameters(std::string_view who, std::span<const std::string_view> effects,
+Result<ParameterBytes> line_parameters(std::string_view subject, std::span<const std::string_view> effects,
                                        const EffectSettings& settings);
-/// Returns those of a recipe's look. Over averaged pictures, too, lines are drawn once.
+/// Does the same for a recipe's look. Averaged pictures have such lines, too: they are drawn once, over the average.
 Result<ParameterBytes> line_parameters(const Recipe& recipe);
 
 /// Returns the planes from which lines are traced.
 std::span<const std::string_view> edge_planes();
 
 /// Traces the lines of a picture from its edge_planes, which include the guard band. Points are in pixels of the
-/// picture without the guard band; lines entirely outside of it are left out. Uses `threads` threads; the result does
-/// not depend on their number.
+/// picture without the guard band; lines entirely outside of the picture are left out. Uses `threads` threads; the
+/// result does not depend on their number.
 Lines traced_lines(const PictureInfo& info, const Image& planes, const ParameterBytes& outline_params, int threads);
 
 /// Traces the lines of a frame on which `outline` has run. Errors: those of Device::download.

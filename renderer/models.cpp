@@ -43,13 +43,13 @@ void append_scene(Scene next, Scene& all) {
 
 Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSettings& settings,
                           const ProgressMonitor& monitor) {
-  std::size_t read = 0;
-  ProgressMonitor of_model;
-  if (monitor) of_model = [&](double done) { return monitor((double(read) + done) / double(models.size())); };
-  auto all = load_scene(models.at(0), settings, of_model);
+  std::size_t loaded = 0;
+  ProgressMonitor model_monitor;
+  if (monitor) model_monitor = [&](double done) { return monitor((double(loaded) + done) / double(models.size())); };
+  auto all = load_scene(models.at(0), settings, model_monitor);
   for (std::size_t m = 1; all && m < models.size(); ++m) {
-    read = m;
-    auto next = load_scene(models[m], settings, of_model);
+    loaded = m;
+    auto next = load_scene(models[m], settings, model_monitor);
     if (!next) return next;
     append_scene(std::move(*next), *all);
   }
@@ -64,11 +64,12 @@ Result<void> use_camera(int index, Scene& scene) {
                        : cameras.size() == 1 ? "one camera, 0"
                                              : fmt::format("cameras 0 to {}", cameras.size() - 1));
   View view = cameras[std::size_t(index)];
-  // A file's camera orbits the point on its axis that is closest to the centre of the scene, if that is in front of it.
-  const glm::vec3 along = glm::normalize(view.target - view.eye);
-  const float distance = glm::dot(scene.center() - view.eye, along);
+  // A file's camera orbits the point on its axis that is closest to the centre of the scene, if the point is in front
+  // of it.
+  const glm::vec3 axis = glm::normalize(view.target - view.eye);
+  const float distance = glm::dot(scene.center() - view.eye, axis);
   if (!scene.cameras.empty())
-    view.target = view.eye + along * (distance > 0.0f ? distance : std::max(scene.radius(), 1e-6f));
+    view.target = view.eye + axis * (distance > 0.0f ? distance : std::max(scene.radius(), 1e-6f));
   scene.views = {view};
   return {};
 }

@@ -9,8 +9,8 @@
 namespace umbrage {
 namespace {
 
-constexpr std::string_view kLengthTaken = "a length above 0 in scene units, or a percentage such as 5%";
-constexpr float kMaxPosition = 1e15f;  // as for models: Embree cannot trace rays beyond
+constexpr std::string_view kValidLength = "a length above 0 in scene units, or a percentage such as 5%";
+constexpr float kMaxPosition = 1e15f;  // scene units; as for models: Embree cannot trace rays beyond
 
 /// Parses `count` numbers separated by commas.
 std::optional<std::vector<float>> parse_numbers(std::string_view text, std::size_t count) {
@@ -32,31 +32,31 @@ std::optional<Vector3> parse_three(std::string_view text) {
   return v ? std::optional(Vector3{(*v)[0], (*v)[1], (*v)[2]}) : std::nullopt;
 }
 
-/// Returns the length of a field that is a list of numbers.
+/// Returns how many numbers a value of this form has.
 std::size_t count_of(OptionForm form) { return form == OptionForm::kRotation ? 9 : 4; }
 
 bool is_zero(const Vector3& v) { return v[0] == 0.0f && v[1] == 0.0f && v[2] == 0.0f; }
 
-/// Returns whether a vector is a valid value for this form.
-bool is_within(OptionForm form, const Vector3& v) {
-  const auto all = [&](auto fits) { return std::all_of(v.begin(), v.end(), fits); };
+/// Returns whether a vector is a valid value of this form.
+bool is_valid_vector(OptionForm form, const Vector3& v) {
+  const auto all = [&](auto is_valid) { return std::all_of(v.begin(), v.end(), is_valid); };
   if (form == OptionForm::kColor) return all([](float x) { return x >= 0.0f && x <= 1.0f; });
   return all([](float x) { return std::abs(x) <= kMaxPosition; }) && (form != OptionForm::kDirection || !is_zero(v));
 }
 
-std::string joined(const std::vector<std::string_view>& words) {
+std::string joined_by_or(const std::vector<std::string_view>& names) {
   std::string text;
-  for (std::size_t k = 0; k < words.size(); ++k)
-    text += std::string(k == 0 ? "" : k + 1 == words.size() ? " or " : ", ") + std::string(words[k]);
+  for (std::size_t k = 0; k < names.size(); ++k)
+    text += std::string(k == 0 ? "" : k + 1 == names.size() ? " or " : ", ") + std::string(names[k]);
   return text;
 }
 
 /// Returns a description of the valid values.
-std::string taken(const Option& o) {
-  if (!o.choices.empty()) return joined(o.choices);
+std::string valid_values(const Option& o) {
+  if (!o.choices.empty()) return joined_by_or(o.choices);
   switch (o.form) {
     case OptionForm::kLength:
-      return std::string(kLengthTaken);
+      return std::string(kValidLength);
     case OptionForm::kPercent:
       return fmt::format("{:g}% to {:g}% of the picture's longer side", o.min, o.max);
     case OptionForm::kPosition:
@@ -75,13 +75,13 @@ std::string taken(const Option& o) {
 }
 
 template <class T>
-Error wrong(const Option& o, const T& value) {
-  return usage_error("`{}` cannot be '{}': it takes {}", o.field, value, taken(o));
+Error value_error(const Option& o, const T& value) {
+  return usage_error("`{}` cannot be '{}': it takes {}", o.field, value, valid_values(o));
 }
 
 Result<void> check_choice(const Option& o, std::string_view text) {
   const bool known = std::find(o.choices.begin(), o.choices.end(), text) != o.choices.end();
-  return o.choices.empty() || known ? Result<void>() : wrong(o, text);
+  return o.choices.empty() || known ? Result<void>() : value_error(o, text);
 }
 
 /// Checks the value of an option in a request. Errors: kUsage.
@@ -94,20 +94,21 @@ class CheckValue {
   Result<void> operator()(FieldOf<std::vector<std::string>>) { return {}; }
   Result<void> operator()(FieldOf<std::vector<float>> of) {
     const std::vector<float>& values = of(request_);
-    return values.size() == count_of(o_.form) ? Result<void>() : wrong(o_, fmt::format("{} numbers", values.size()));
+    return values.size() == count_of(o_.form) ? Result<void>()
+                                              : value_error(o_, fmt::format("{} numbers", values.size()));
   }
-  Result<void> operator()(FieldOf<int> of) { return number(of(request_)); }
-  Result<void> operator()(FieldOf<float> of) { return number(of(request_)); }
+  Result<void> operator()(FieldOf<int> of) { return check_number(of(request_)); }
+  Result<void> operator()(FieldOf<float> of) { return check_number(of(request_)); }
   Result<void> operator()(FieldOf<std::optional<int>> of) {
-    return of(request_) ? number(*of(request_)) : Result<void>();
+    return of(request_) ? check_number(*of(request_)) : Result<void>();
   }
   Result<void> operator()(FieldOf<std::optional<float>> of) {
-    return of(request_) ? number(*of(request_)) : Result<void>();
+    return of(request_) ? check_number(*of(request_)) : Result<void>();
   }
   Result<void> operator()(FieldOf<std::string> of) {
     const std::string& text = of(request_);
-    Request untouched;
-    if (text.empty() && of(untouched).empty()) return {};
+    Request defaults;
+    if (text.empty() && of(defaults).empty()) return {};
     if (o_.form == OptionForm::kLength) {
       const auto length = parse_length(o_.field, text);
       return length ? Result<void>() : length.error();
@@ -116,12 +117,14 @@ class CheckValue {
   }
   Result<void> operator()(FieldOf<std::optional<Vector3>> of) {
     const auto& v = of(request_);
-    if (!v || is_within(o_.form, *v)) return {};
-    return wrong(o_, fmt::format("{},{},{}", (*v)[0], (*v)[1], (*v)[2]));
+    if (!v || is_valid_vector(o_.form, *v)) return {};
+    return value_error(o_, fmt::format("{},{},{}", (*v)[0], (*v)[1], (*v)[2]));
   }
 
  private:
-  Result<void> number(double value) { return interval_of(o_).has(value) ? Result<void>() : wrong(o_, value); }
+  Result<void> check_number(double value) {
+    return interval_of(o_).has(value) ? Result<void>() : value_error(o_, value);
+  }
 
   const Option& o_;
   Request& request_;
@@ -149,7 +152,7 @@ class SetValue {
   }
   Result<void> operator()(FieldOf<std::vector<float>> of) {
     const auto values = parse_numbers(text_, count_of(o_.form));
-    if (!values) return wrong(o_, text_);
+    if (!values) return value_error(o_, text_);
     of(request_) = *values;
     return {};
   }
@@ -157,36 +160,36 @@ class SetValue {
     of(request_) = text_;
     return CheckValue(o_, request_)(of);
   }
-  Result<void> operator()(FieldOf<int> of) { return whole(of(request_)); }
-  Result<void> operator()(FieldOf<std::optional<int>> of) { return whole(of(request_)); }
-  Result<void> operator()(FieldOf<float> of) { return real(of(request_)); }
-  Result<void> operator()(FieldOf<std::optional<float>> of) { return real(of(request_)); }
+  Result<void> operator()(FieldOf<int> of) { return set_integer(of(request_)); }
+  Result<void> operator()(FieldOf<std::optional<int>> of) { return set_integer(of(request_)); }
+  Result<void> operator()(FieldOf<float> of) { return set_number(of(request_)); }
+  Result<void> operator()(FieldOf<std::optional<float>> of) { return set_number(of(request_)); }
   Result<void> operator()(FieldOf<std::optional<Vector3>> of) {
     const auto v = vector();
-    if (!v || !is_within(o_.form, *v)) return wrong(o_, text_);
+    if (!v || !is_valid_vector(o_.form, *v)) return value_error(o_, text_);
     of(request_) = v;
     return {};
   }
 
  private:
-  Result<void> whole(auto& to) {
+  Result<void> set_integer(auto& to) {
     const auto value = parse_number(text_, interval_of(o_));
-    if (!value) return wrong(o_, text_);
+    if (!value) return value_error(o_, text_);
     to = int(*value);
     return {};
   }
-  Result<void> real(auto& to) {
+  Result<void> set_number(auto& to) {
     const bool percent = o_.form == OptionForm::kPercent;
     const std::string_view digits = text_.substr(0, text_.size() - (percent && text_.ends_with('%') ? 1 : 0));
     const auto value = parse_number(digits, interval_of(o_));
-    if (!value || percent != text_.ends_with('%')) return wrong(o_, text_);
+    if (!value || percent != text_.ends_with('%')) return value_error(o_, text_);
     to = float(*value);
     return {};
   }
   std::optional<Vector3> vector() const {
-    const bool axis = o_.form == OptionForm::kDirection && text_.size() == 2 && (text_[0] == '+' || text_[0] == '-');
-    if (!axis) return parse_three(text_);
-    const int index = (text_[1] | 0x20) - 'x';  // in lower case
+    const bool is_axis = o_.form == OptionForm::kDirection && text_.size() == 2 && (text_[0] == '+' || text_[0] == '-');
+    if (!is_axis) return parse_three(text_);
+    const int index = (text_[1] | 0x20) - 'x';  // lower case
     if (index < 0 || index > 2) return std::nullopt;
     Vector3 v{};
     v[std::size_t(index)] = text_[0] == '+' ? 1.0f : -1.0f;
@@ -198,8 +201,8 @@ class SetValue {
   Request& request_;
 };
 
-/// Checks options that contradict each other. Errors: kUsage.
-Result<void> check_together(const Request& r) {
+/// Checks that options do not contradict each other. Errors: kUsage.
+Result<void> check_combinations(const Request& r) {
   const CameraSettings& camera = r.camera;
   if (camera.index && (camera.position || camera.focal_point || camera.direction))
     return usage_error("`camera.index` and `camera.{}` both set the position of the camera: give one of them",
@@ -242,9 +245,9 @@ Result<void> set_option(const Option& option, std::string_view text, Request& re
 }
 
 void reset_option(const Option& option, Request& request) {
-  Request untouched;
+  Request defaults;
   const auto reset = [&](auto of) {
-    if constexpr (!std::is_same_v<decltype(of), std::monostate>) of(request) = of(untouched);
+    if constexpr (!std::is_same_v<decltype(of), std::monostate>) of(request) = of(defaults);
   };
   std::visit(reset, option.where);
 }
@@ -261,45 +264,46 @@ Result<void> check_request(const Request& request, long max_pixels) {
   if (long(request.width) * request.height > max_pixels)
     return usage_error("a picture cannot have {} x {} pixels: it takes at most {} in total", request.width,
                        request.height, max_pixels);
-  return check_together(request);
+  return check_combinations(request);
 }
 
 std::vector<std::string> split(std::string_view text) {
-  std::vector<std::string> words;
+  std::vector<std::string> names;
   for (std::size_t start = 0; start <= text.size();) {
     const std::size_t comma = std::min(text.find(',', start), text.size());
-    words.emplace_back(text.substr(start, comma - start));
+    names.emplace_back(text.substr(start, comma - start));
     start = comma + 1;
   }
-  return words;
+  return names;
 }
 
 Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view text, long max_pixels) {
-  const std::size_t part = text.find_first_of(",x");
-  const auto side = [&](std::string_view number) {
+  const std::size_t separator = text.find_first_of(",x");
+  const auto parse_side = [&](std::string_view number) {
     int pixels = 0;
     const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), pixels);
     return error == std::errc() && end == number.data() + number.size() && pixels <= kMaxSide ? pixels : 0;
   };
-  const int width = side(text.substr(0, part)), height = part == text.npos ? 0 : side(text.substr(part + 1));
+  const int width = parse_side(text.substr(0, separator)),
+            height = separator == text.npos ? 0 : parse_side(text.substr(separator + 1));
   if (width >= 1 && height >= 1 && long(width) * height <= max_pixels) return std::pair(width, height);
   return usage_error("`{}` cannot be '{}': it takes width,height from 1 to {} pixels, at most {} in total", field, text,
                      kMaxSide, std::min(max_pixels, long(kMaxSide) * kMaxSide));
 }
 
 Result<Length> parse_length(std::string_view field, std::string_view text) {
-  const bool fraction = text.ends_with('%');
-  const float value = float(parse_number(text.substr(0, text.size() - (fraction ? 1 : 0))).value_or(0.0));
+  const bool percent = text.ends_with('%');
+  const float value = float(parse_number(text.substr(0, text.size() - (percent ? 1 : 0))).value_or(0.0));
   if (!(value > 0.0f) || !std::isfinite(value))
-    return usage_error("`{}` cannot be '{}': it takes {}", field, text, kLengthTaken);
-  return Length{value, fraction ? 1 : 0};
+    return usage_error("`{}` cannot be '{}': it takes {}", field, text, kValidLength);
+  return Length{value, percent ? 1 : 0};
 }
 
 Result<int> parse_scale(std::string_view field, std::string_view text) {
   const Option& option = option_of(field);
   for (std::size_t k = 0; k < option.choices.size(); ++k)
     if (option.choices[k] == text) return 1 << k;
-  return wrong(option, text);
+  return value_error(option, text);
 }
 
 }  // namespace umbrage

@@ -27,21 +27,21 @@ using Field = std::variant<std::monostate, FieldOf<bool>, FieldOf<int>, FieldOf<
                            FieldOf<std::optional<float>>, FieldOf<std::string>, FieldOf<std::vector<std::string>>,
                            FieldOf<std::vector<float>>, FieldOf<std::optional<Vector3>>>;
 
-/// The syntax of a value, where its type does not determine it.
+/// The syntax of a value, if its type does not determine the syntax.
 enum class OptionForm {
   kPlain,
   kSize,       ///< width and height: "640,480" or "640x480"
   kPercent,    ///< "5%"
   kLength,     ///< "0.3" scene units, or "5%" of the bounding-sphere radius
   kPosition,   ///< "1,2.5,-3"
-  kDirection,  ///< the same, or "+Y"; not the zero vector
+  kDirection,  ///< "0,1,0" or "+Y"; not the zero vector
   kColor,      ///< three numbers from 0 to 1
   kRotation,   ///< nine numbers
   kWindow,     ///< four numbers
   kWords,      ///< "depth,normal"
 };
 
-/// The commands that have an option; a bit set.
+/// The commands that have an option, as bits.
 enum OptionCommand : unsigned {
   kRender = 1,
   kCompare = 2,
@@ -53,18 +53,17 @@ enum OptionCommand : unsigned {
 };
 
 struct Option {
-  std::string_view field;  ///< name in APIs: "camera.zoom"
-  std::string_view
-      option;  ///< and on a command line, without dashes: "camera-zoom-factor"; empty: it has none of its own
+  std::string_view field;   ///< name in APIs: "camera.zoom"
+  std::string_view option;  ///< name on a command line, without dashes: "camera-zoom-factor"; empty: none
   std::string_view group, help;
-  std::string_view initial;  ///< default as shown in help; empty: none is shown
+  std::string_view initial;  ///< default as shown in help; empty: not shown
   Field where;               ///< empty: the option belongs to the command line or the process, not to Request
   unsigned commands = kRender;
   double min = 0.0, max = 0.0;  ///< inclusive range of numbers
   OptionForm form = OptionForm::kPlain;
-  std::string_view unit = {};                          ///< of numbers: "deg", "px", "%", "scene units"
+  std::string_view unit = {};                          ///< unit of numbers: "deg", "px", "%", "scene units"
   std::vector<std::string_view> choices = {};          ///< all valid values; checked by set_option
-  std::vector<std::string_view> (*names)() = nullptr;  ///< or the valid names, checked by make_recipe
+  std::vector<std::string_view> (*names)() = nullptr;  ///< returns the valid names; checked by make_recipe
   std::string_view environment = {};  ///< environment variable that sets the default on the command line
 };
 
@@ -91,22 +90,22 @@ void reset_option(const Option& option, Request& request);
 /// Checks the range and choices of one field. Errors: kUsage.
 Result<void> check_option(const Option& option, Request& request);
 
-/// Checks everything in a request that can be checked without the registries: ranges, choices and contradictions, but
-/// not names. `max_pixels`: max number of pixels of the picture. Errors: kUsage.
+/// Checks everything in a request that can be checked without the registries of looks and effects: ranges, choices and
+/// contradictions, but not names. `max_pixels`: max number of pixels of the picture. Errors: kUsage.
 Result<void> check_request(const Request& request, long max_pixels);
 
 /// Splits a list at commas.
 std::vector<std::string> split(std::string_view text);
-/// Parses "640,480" or "640x480". `field` is named in errors, here and below. Errors: kUsage.
+/// Parses "640,480" or "640x480". `field`: its name in errors, also in the functions below. Errors: kUsage.
 Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view text, long max_pixels);
 /// Parses "0.3" or "5%", > 0. Errors: kUsage.
 Result<Length> parse_length(std::string_view field, std::string_view text);
 /// Parses "full", "half" or "quarter". Returns the downsampling factor: 1, 2 or 4. Errors: kUsage.
 Result<int> parse_scale(std::string_view field, std::string_view text);
 
-/// Limits of a picture: its side, and the pixels of all layers that are held in memory at once. More pixels need more
-/// memory than most machines have (64 million need at least 8 GB). Larger pictures are drawn in strips, up to
-/// kMaxStripPixels: see renderer/strips.h.
+/// Limits of a picture. kMaxSide: width and height, pixels. kMaxPixels: pixels of all layers together that are in
+/// memory at once; more need more memory than most machines have (64 million need at least 8 GB). kMaxStripPixels:
+/// pixels of a picture that is drawn in strips (renderer/strips.h).
 inline constexpr int kMaxSide = 16384;
 inline constexpr long kMaxPixels = 8192L * 8192L;
 inline constexpr long kMaxStripPixels = 2L * kMaxSide * kMaxSide;

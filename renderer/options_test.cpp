@@ -31,7 +31,7 @@ TEST(Options, NamesAreUnique) {
   }
 }
 
-TEST(Options, NumbersTakeTheirRangeAndNoMore) {
+TEST(Options, NumbersAcceptOnlyTheirRange) {
   for (const Option& o : options()) {
     if (!is_number(o) || o.form == OptionForm::kSize) continue;
     SCOPED_TRACE(o.field);
@@ -54,7 +54,7 @@ TEST(Options, NumbersTakeTheirRangeAndNoMore) {
   }
 }
 
-TEST(Options, WholeNumbersTakeNoFractions) {
+TEST(Options, IntegersAcceptNoFractions) {
   for (const Option& o : options()) {
     if (!is_number(o) || interval_of(o).kind == NumberKind::kReal || o.form == OptionForm::kSize || o.field == "height")
       continue;
@@ -65,7 +65,7 @@ TEST(Options, WholeNumbersTakeNoFractions) {
   }
 }
 
-TEST(Options, ChoicesTakeWhatTheyListAndNoMore) {
+TEST(Options, ChoicesAcceptOnlyListedValues) {
   for (const Option& o : options()) {
     Request request;
     for (const std::string_view choice : o.choices) EXPECT_TRUE(set_option(o, choice, request)) << choice;
@@ -74,7 +74,7 @@ TEST(Options, ChoicesTakeWhatTheyListAndNoMore) {
   }
 }
 
-TEST(Options, TheLibraryChecksWhatTheTableSays) {
+TEST(Options, LibraryChecksTheTable) {
   const auto refused = [](const Request& request, const std::string& text) {
     const auto recipe = make_recipe(request);
     ASSERT_FALSE(recipe) << text;
@@ -95,7 +95,7 @@ TEST(Options, TheLibraryChecksWhatTheTableSays) {
   refused({.passes = {"nothing"}}, "writes no pass 'nothing'");
 }
 
-TEST(Options, MessagesAreSaidInOtherWords) {
+TEST(Options, FieldsAreRenamedInMessages) {
   const auto dashed = [](const Option& o) { return "--" + std::string(o.option); };
   EXPECT_EQ(with_fields_renamed("`occlusion_scale` cannot be 'x' with `occlusion` y", dashed),
             "--ao-scale cannot be 'x' with --ao y");
@@ -104,8 +104,8 @@ TEST(Options, MessagesAreSaidInOtherWords) {
   EXPECT_EQ(with_fields_renamed("", dashed), "");
 }
 
-// File names may contain field names.
-TEST(Options, WhatIsQuotedIsSaidAsItIs) {
+// File names may contain field names: quoted text must not change.
+TEST(Options, QuotedTextIsNotChanged) {
   const auto dashed = [](const Option& o) { return "--" + std::string(o.option); };
   const auto stays = [&](const std::string& quoted, const std::string& before, const std::string& after) {
     const std::string renamed = with_fields_renamed(before + quoted + after + "`width`", dashed);

@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::string_view kAll = "all";
 
-/// Returns the number of layers that would provide the pass, if `names` has it on another layer; else 0.
+/// Returns the number of layers that a picture needs to have a pass of a layer above 0, if `names` contains the pass's
+/// name on the first layer; else 0.
 int layers_for(std::string_view pass, std::span<const std::string> names) {
   for (int layer = 1; layer < kMaxLayers; ++layer) {
     const std::string start = layer_plane(layer, "");
@@ -234,20 +235,21 @@ Error missing_pass_error(const std::string& word, std::span<const std::string> c
 }  // namespace
 
 Result<void> check_captured(const Recipe& recipe, std::span<const std::string> captured) {
-  const auto can_be_lacking = [](std::string_view pass) { return pass == "emission" || pass.starts_with("shadow"); };
-  std::set<std::string> there;
+  const auto depends_on_scene = [](std::string_view pass) { return pass == "emission" || pass.starts_with("shadow"); };
+  std::set<std::string> produced;
   const int layers = *layer_count(recipe.capture);
-  for (const std::string& plane : planes_read(look_run(recipe), layers)) there.insert(pass_of(plane));
+  for (const std::string& plane : planes_read(look_run(recipe), layers)) produced.insert(pass_of(plane));
   for (int layer = 0; layer < layers; ++layer)
-    for (const std::string& plane : captured) there.insert(layer_plane(layer, pass_of(plane)));
+    for (const std::string& plane : captured) produced.insert(layer_plane(layer, pass_of(plane)));
   for (const std::string& word : recipe.passes)
-    if (can_be_lacking(name_on_first_layer(word)) && !there.contains(word)) return missing_pass_error(word, captured);
+    if (depends_on_scene(name_on_first_layer(word)) && !produced.contains(word))
+      return missing_pass_error(word, captured);
   return {};
 }
 
 namespace {
 
-/// Returns whether a needed plane is a mean of samples. Lines that are curves come from sample 0.
+/// Returns whether a needed plane is a mean of samples. Lines that are curves are not: they come from sample 0.
 bool averages_something(const Recipe& recipe) {
   if (recipe.wants("color.r")) return true;
   const bool curves = as<OutlineParams>(params_of(recipe.settings, "outline")).mode != kOutlinePaper;
@@ -260,13 +262,13 @@ bool averages_something(const Recipe& recipe) {
 void keep_only_passes(Recipe& recipe, std::span<const std::string_view> besides) {
   if (recipe.passes.empty() || recipe.passes[0] == kAll) return;
   recipe.wanted.emplace(besides.begin(), besides.end());
-  int deepest = 0;  // highest requested layer
+  int max_layer = 0;  // highest layer of a requested pass
   for (const std::string& pass : recipe.passes) {
-    deepest = std::max(deepest, layer_of_plane(pass));
+    max_layer = std::max(max_layer, layer_of_plane(pass));
     for (const std::string& channel : channels_of(pass)) recipe.wanted->push_back(pass + channel);
   }
   const auto steps = steps_of(look_run(recipe));
-  if (!averages_something(recipe)) recipe.frames = 1;  // sample 0, at the pixel centres
+  if (!averages_something(recipe)) recipe.frames = 1;  // only sample 0, at the pixel centres
   std::vector<std::string>& captured = recipe.capture.planes.emplace();
   for (const std::string& plane : *recipe.wanted) captured.emplace_back(name_on_first_layer(plane));
   for (const Effect* effect : steps)
@@ -277,7 +279,7 @@ void keep_only_passes(Recipe& recipe, std::span<const std::string_view> besides)
     for (const std::string& pass : recipe.passes)
       if (pass_of(name_on_first_layer(pass)) == shadow_plane(light)) shadows = light + 1;
   recipe.capture.shadows = std::min(recipe.capture.shadows, std::max(shadows, shadows_read(recipe, steps)));
-  if (!steps.empty() || deepest > 0) return;
+  if (!steps.empty() || max_layer > 0) return;
   // Nothing reads the other layers.
   recipe.capture.layers = 1;
   recipe.capture.back_sides = false;

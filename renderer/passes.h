@@ -24,7 +24,7 @@ std::vector<PassPlanes> grouped_planes(std::span<const std::string> planes);
 /// Returns the channel suffixes of a pass: ".x", ".y" and ".z" for `normal`, one empty string for `depth`; empty for a
 /// name that no effect reads or writes.
 std::vector<std::string> channels_of(std::string_view pass);
-/// Returns all planes of a first layer that effects read or write or that a capture contains, sorted by name.
+/// Returns the names of all planes of the first layer that effects read or write or that a capture contains, sorted.
 const std::vector<std::string>& known_planes();
 
 /// A pass that users can request, and what it holds.
@@ -35,15 +35,16 @@ struct PassEntry {
 /// Returns the passes of the first layer that a picture of this look can have, with default settings.
 std::vector<PassEntry> passes_of_look(const Look& look);
 
-/// Checks the passes of a request against those that the recipe produces, and enables the shadow rays and averages that
-/// they need. `all` selects every pass and must be the only name. Errors: kUsage.
+/// Checks the passes of a request against the passes that the recipe produces, stores them in the recipe, and enables
+/// the shadow rays and averages that they need. `all` selects every pass and must be the only name. Errors: kUsage.
 Result<void> take_passes(const Request& request, Recipe& recipe);
 
-/// Checks the passes of a recipe against the planes that its capture contains in each layer, which depend on the scene.
-/// Errors: kUsage.
+/// Checks the passes of a recipe against `captured`, the planes that its capture contains in each layer. These depend
+/// on the scene. Errors: kUsage.
 Result<void> check_captured(const Recipe& recipe, std::span<const std::string> captured);
 
-/// Removes from a recipe everything that neither its passes nor the planes `besides` need, including the picture.
+/// Removes everything from a recipe that is needed neither for its passes nor for the planes `besides`. The picture
+/// itself is removed, too.
 void keep_only_passes(Recipe& recipe, std::span<const std::string_view> besides = {});
 
 /// Selects the planes of these passes among those of a frame, in the order of `words`. Errors: kUsage for a pass that

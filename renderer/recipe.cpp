@@ -16,7 +16,7 @@
 namespace umbrage {
 namespace {
 
-/// Returns the quality that the request, or else the look, names; or null.
+/// Returns the quality that the request names, or else the quality of the look; null if neither names one.
 const Quality* quality_of(const Request& request, const Look& look) {
   return find_quality(request.quality.empty() ? look.quality : std::string_view(request.quality));
 }
@@ -36,8 +36,8 @@ bool computes_indirect_light(const Look& look, const EffectSettings& settings) {
   });
 }
 
-/// Applies the changes that an environment image makes to a look: a look that is lit by it and depends on the
-/// brightness of lights uses its light unchanged, with an exposure to match.
+/// Applies the changes that an environment image makes to a look. If the image lights the scene and the picture depends
+/// on the brightness of lights, the look uses the image's light unchanged, with an exposure to match.
 void apply_environment(const Request& request, Recipe& recipe) {
   const Look& look = *recipe.look;
   auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
@@ -100,20 +100,20 @@ Result<void> resolve_names(const Request& request, Recipe& recipe) {
 
 /// Sets the downsampling factor of occlusion. Errors: kUsage.
 Result<void> resolve_scale(const Request& request, const Quality* quality, Recipe& recipe) {
-  const bool traced = !find_effect(recipe.occlusion);  // or there is no technique
+  const bool full_only = !find_effect(recipe.occlusion);  // the ray-traced reference, or no technique
   recipe.occlusion_downsampling = quality ? quality->occlusion_downsampling : recipe.look->occlusion_downsampling;
-  if (traced) recipe.occlusion_downsampling = 1;
+  if (full_only) recipe.occlusion_downsampling = 1;
   if (request.occlusion_scale.empty()) return {};
-  const auto every = parse_scale("occlusion_scale", request.occlusion_scale);
-  if (!every) return every.error();
-  if (traced && *every > 1)
+  const auto factor = parse_scale("occlusion_scale", request.occlusion_scale);
+  if (!factor) return factor.error();
+  if (full_only && *factor > 1)
     return usage_error("`occlusion_scale` cannot be '{}' with `occlusion` {}: it takes full, or another technique",
                        request.occlusion_scale, recipe.occlusion);
-  recipe.occlusion_downsampling = *every;
+  recipe.occlusion_downsampling = *factor;
   return {};
 }
 
-/// Makes a look of the effects of these names. Errors: kUsage.
+/// Makes a look that consists of these effects. Errors: kUsage.
 Result<Look> look_of(const std::vector<std::string>& names) {
   Look look{.name = "effects"};
   for (const std::string& name : names) {
@@ -157,7 +157,7 @@ LookRun look_run(const Recipe& recipe) {
 }
 
 int shadows_read(const Recipe& recipe, std::span<const Effect* const> steps) {
-  int wanted = 0;
+  int count = 0;
   for (const Effect* effect : steps) {
     if (find_named(external_effects(), effect->name)) continue;
     const ParameterBytes& params = params_of(recipe.settings, effect->name);
@@ -165,11 +165,11 @@ int shadows_read(const Recipe& recipe, std::span<const Effect* const> steps) {
     if (strength && real_value(*strength, params) == 0.0f) continue;
     if (find_parameter(*effect, "rig") && !by_scene_lights(*effect, recipe.settings)) continue;
     for (const Dispatch& dispatch : effect->dispatches)
-      for (int light = wanted; light < kMaxShadows; ++light)
+      for (int light = count; light < kMaxShadows; ++light)
         if (std::find(dispatch.inputs.begin(), dispatch.inputs.end(), shadow_plane(light)) != dispatch.inputs.end())
-          wanted = light + 1;
+          count = light + 1;
   }
-  return wanted;
+  return count;
 }
 
 std::vector<const Effect*> effects_with_external() { return all_effects(external_effects()); }

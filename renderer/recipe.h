@@ -18,7 +18,7 @@ namespace umbrage {
 
 /// Whether a ground is added below the model.
 enum class Ground {
-  kAuto,  ///< if the look has a ground and the model is outdoors without a ground of its own
+  kAuto,  ///< added if the look has a ground and the model is outdoors without a ground of its own
   kOn,
   kOff,
 };
@@ -30,7 +30,7 @@ struct Recipe {
   std::string occlusion;                 ///< the technique, or kNoOcclusion
   int occlusion_downsampling = 1;        ///< downsampling factor of occlusion: 1, 2 or 4; see LookRun
   int frames = 1;                        ///< number of averaged pictures
-  EffectSettings settings;               ///< all settings of the request are applied; `radius` is not
+  EffectSettings settings;               ///< with all settings of the request, but not yet `radius`
   /// The parameters that the request sets, without values. They take precedence over derived values.
   std::vector<Setting> set_by_request;
   std::optional<Length> radius;  ///< radius of occlusion; empty: as in the settings
@@ -51,7 +51,7 @@ struct Recipe {
   }
 };
 
-/// Returns the occlusion techniques that no device runs because they need the scene: the ray-traced reference.
+/// Returns the occlusion techniques that devices cannot run because they need the scene: the ray-traced reference.
 std::span<const Effect* const> external_effects();
 
 /// Returns all effects and the techniques of external_effects.
@@ -68,7 +68,7 @@ Result<Recipe> make_shading_recipe(const Request& request);
 int choice_index(std::string_view field, std::string_view text);
 
 Framing framing_of(const CameraSettings& camera);
-/// Returns how to import the model of a request. Errors: kUsage.
+/// Returns the import settings for the model of a request. Errors: kUsage.
 Result<ImportSettings> import_settings(const Request& request);
 
 /// Returns what the device captures for a look. Errors: kUsage for too many layers or pixels.

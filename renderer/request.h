@@ -1,5 +1,5 @@
-// Request: what a caller requests, in fields of plain types. Every interface fills one in: the command line, the C API
-// and the APIs built on it. renderer/options.h is the table of its fields.
+// Request: what to draw, in fields of plain types. Every interface fills in a Request: the command line, the C API and
+// the APIs built on it. renderer/options.h is the table of its fields.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -11,8 +11,8 @@
 
 namespace umbrage {
 
-/// The camera. Unset fields default to the model's own view, or else to a view of the whole model from slightly above
-/// and to the side. World space, scene units, degrees.
+/// The camera. Unset fields default to the model's own view; if it has none, to a view of the whole model from slightly
+/// above and to the side. World space, scene units, degrees.
 struct CameraSettings {
   std::optional<int> index{};  ///< a camera of the file, from 0; not with position, focal point or direction
   std::optional<std::array<float, 3>> position{};     ///< camera position
@@ -20,7 +20,7 @@ struct CameraSettings {
   std::optional<std::array<float, 3>> view_up{};      ///< direction that points up in the picture; not 0
   std::optional<std::array<float, 3>> direction{};    ///< viewing direction; not 0
   std::optional<float> view_angle_deg{};              ///< vertical field of view, 0.1 to 179
-  float azimuth_deg = 0.0f;                           ///< rotation around the model, after the above
+  float azimuth_deg = 0.0f;                           ///< rotation around the model, applied after the fields above
   float elevation_deg = 0.0f;                         ///< rotation upwards around the model
   float zoom = 1.0f;                                  ///< > 1: closer; 0.001 to 1000
   bool orthographic = false;
@@ -30,8 +30,8 @@ struct CameraSettings {
 struct GBufferSettings {
   std::string depth_kind = "view";            ///< "view", "ray", "window", "reversed": see DepthMeaning
   float near_plane = 0.1f, far_plane = 0.0f;  ///< for "window" and "reversed"; far_plane 0: at infinity
-  /// Rows of a rotation from the space of the normals to view space: the upper left part of the view matrix if they are
-  /// in world space. Normals need not have unit length or face the camera.
+  /// Rows of a rotation from the space of the normals to view space: the upper left part of the view matrix if the
+  /// normals are in world space. Normals need not have unit length or face the camera.
   std::vector<float> view_from_normal = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   bool orthographic = false;
   /// Left, right, bottom and top of the window that the picture fills: at distance 1, or in scene units for an
@@ -42,29 +42,30 @@ struct GBufferSettings {
   float scene_radius = 0.0f;
 };
 
-/// What to draw or shade. All fields but the model, or the images of the G-buffer, have usable defaults.
+/// What to draw or shade. Only the model, or the images of the G-buffer, must be set; all other defaults are usable.
 struct Request {
   std::string model{};  ///< a file (OBJ, PLY, STL, glTF/GLB, 3DS, DAE, FBX, OFF) or "scene:NAME?detail=N"
   std::vector<std::string> more_models{};  ///< additional models, placed as in their files
   std::string look = "studio";             ///< name of a look: see `umbrage list looks`
-  std::string occlusion{};                 ///< an occlusion technique, "reference" or "none"; empty: that of the look
+  std::string occlusion{};                 ///< an occlusion technique, "reference" or "none"; empty: set by the look
   std::vector<std::string> settings{};     ///< "effect.parameter=value": see `umbrage list effects`
-  int width = 1024, height = 1024;         ///< pixels, 1 to 16384 each, together at most 67 108 864
+  int width = 1024, height = 1024;         ///< pixels, 1 to 16384 each; width * height at most 67 108 864
   int threads = 0;                         ///< 0: one per hardware thread; at most 1024
   std::string device = "auto";             ///< "cpu", "vulkan", "vulkan:N", or "auto": a GPU if there is one
   CameraSettings camera{};
-  std::optional<std::array<float, 3>> up{};  ///< the model's up direction; default: that of its format
+  std::optional<std::array<float, 3>> up{};  ///< the model's up direction; default: set by its format
   std::optional<int> scene_index{};          ///< scene of a glTF file, from 0; default: its default scene
   /// 0 to 180: edges with a larger angle stay sharp where normals are generated; default: 80.
   std::optional<float> crease_angle_deg{};
   std::string point_size{};  ///< size of a file's points: "0.01" scene units, or "0.5%"; empty: from their spacing
   std::string point_sprites = "auto";  ///< shape of a file's points: "auto", "disc", "sphere"
-  std::string quality{};               ///< "draft", "normal", "high", "ultra"; empty: that of the look
-  std::optional<int> anti_aliasing{};  ///< averaged pictures, 1 to 256; default: that of the quality or look
-  std::string occlusion_radius{};      ///< "0.3" scene units, or "5%" of the scene; empty: that of the technique
-  std::string occlusion_scale{};       ///< "full", "half", "quarter" resolution; empty: that of the look
-  std::string ground = "auto";         ///< a ground that only shows shadows: "auto", "on", "off"
-  std::optional<std::array<float, 3>> background{};  ///< 0 to 1, display values; default: that of the look
+  std::string quality{};               ///< "draft", "normal", "high", "ultra"; empty: set by the look
+  std::optional<int> anti_aliasing{};  ///< averaged pictures, 1 to 256; default: set by the quality or look
+  /// "0.3" scene units, or "5%" of the bounding-sphere radius; empty: set by the technique.
+  std::string occlusion_radius{};
+  std::string occlusion_scale{};                     ///< "full", "half", "quarter" resolution; empty: set by the look
+  std::string ground = "auto";                       ///< a ground that only shows shadows: "auto", "on", "off"
+  std::optional<std::array<float, 3>> background{};  ///< 0 to 1, display values; default: set by the look
   bool transparent = false;                          ///< alpha 0 where there is no surface
   /// Equirectangular environment image that lights the scene in place of its own lights: HDR, EXR, PFM (linear), PNG,
   /// JPEG, TGA, BMP (sRGB), or "sky:", which is built in; empty: none. It is twice as wide as it is high; its upper
@@ -73,19 +74,19 @@ struct Request {
   bool hdri_ambient = true;               ///< the image lights the scene
   bool hdri_skybox = false;               ///< the image is the background; not with `transparent`
   float hdri_rotation_deg = 0.0f;         ///< rotation about the model's up, to the left as seen from inside
-  float hdri_intensity = 1.0f;            ///< factor for its radiance, 0 to 1000000
-  std::optional<float> light_size_deg{};  ///< angular diameter of the key light, 0 to 90; default: that of the light
-  std::optional<int> layers{};            ///< surfaces captured along each ray, 1 to 16; default: that of the look
-  std::optional<int> extra_views{};       ///< additional cameras, 0 to 4; default: that of the look
+  float hdri_intensity = 1.0f;            ///< factor for the image's radiance, 0 to 1000000
+  std::optional<float> light_size_deg{};  ///< angular diameter of the key light, 0 to 90; default: set by the light
+  std::optional<int> layers{};            ///< surfaces captured along each ray, 1 to 16; default: set by the look
+  std::optional<int> extra_views{};       ///< additional cameras, 0 to 4; default: set by the look
   float guard_band = 0.0f;                ///< border drawn beyond each side, in percent of the longer side; 0 to 100
   std::vector<std::string> passes{};      ///< additional output planes: "depth", "normal", "ao", ...
-  bool strokes = false;                   ///< returns the look's lines as curves; `cartoon` has some
+  bool strokes = false;                   ///< whether to return the look's lines as curves; `cartoon` draws such lines
   // For shading the planes of another renderer:
   std::vector<std::string> effects{};  ///< effects run in this order, in place of the look
   GBufferSettings gbuffer{};
 };
 
-/// The meaning of the values of a depth image. In all of them NaN and infinity mean that there is no surface.
+/// The meaning of the values of a depth image. NaN and infinity always mean that there is no surface.
 enum class DepthMeaning {
   kView,      ///< distance along the view axis, scene units; values <= 0, too, mean no surface
   kRay,       ///< distance from the camera along the pixel's ray, scene units; values <= 0, too, mean no surface

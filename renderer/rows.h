@@ -5,7 +5,7 @@
 
 namespace umbrage {
 
-/// Calls work(y) for all rows, in parallel.
+/// Calls work(y) for all y from 0 to height - 1, in parallel.
 template <class Work>
 void for_rows(int height, const Work& work) {
   constexpr int kRowsAtOnce = 32;  // with fewer rows, scheduling costs more than copying

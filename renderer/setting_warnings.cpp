@@ -17,16 +17,16 @@ bool contains(const auto& names, std::string_view name) {
 
 /// Returns whether the picture uses the effect. `upsample` always counts as used: another quality may compute occlusion
 /// at reduced resolution.
-bool runs(const Recipe& recipe, std::string_view effect) {
+bool uses_effect(const Recipe& recipe, std::string_view effect) {
   return effect == recipe.occlusion || effect == "upsample" || contains(recipe.look->effects, effect);
 }
 
-void add_of_effects(const Request& request, const Recipe& recipe,
-                    const std::function<bool(std::string_view)>& is_reported, std::vector<std::string>& sentences) {
+void warn_about_effects(const Request& request, const Recipe& recipe,
+                        const std::function<bool(std::string_view)>& is_reported, std::vector<std::string>& sentences) {
   const auto techniques = occlusion_names(external_effects());
   for (const std::string& setting : request.settings) {
     const std::string effect = setting.substr(0, setting.find('.'));
-    if (runs(recipe, effect) || !is_reported(setting)) continue;
+    if (uses_effect(recipe, effect) || !is_reported(setting)) continue;
     if (recipe.own_look)
       sentences.push_back(fmt::format("`settings` {} does nothing: {} is not among the `effects`", setting, effect));
     else if (contains(techniques, effect))
@@ -40,7 +40,7 @@ void add_of_effects(const Request& request, const Recipe& recipe,
   }
 }
 
-void add_of_former_names(const Request& request, std::vector<std::string>& sentences) {
+void warn_about_former_names(const Request& request, std::vector<std::string>& sentences) {
   for (const std::string& text : request.settings) {
     const auto setting = parse_setting(text, external_effects());
     if (!setting) continue;  // reported as an error
@@ -51,8 +51,8 @@ void add_of_former_names(const Request& request, std::vector<std::string>& sente
   }
 }
 
-/// Reports settings of looks, for a request that names effects in place of a look.
-void add_of_looks(const Request& request, std::vector<std::string>& sentences) {
+/// Adds warnings about settings of looks, for a request that names effects in place of a look.
+void warn_about_looks(const Request& request, std::vector<std::string>& sentences) {
   const Request initial;
   const std::pair<const char*, bool> all[] = {{"look", request.look != initial.look},
                                               {"quality", request.quality != initial.quality},
@@ -62,7 +62,7 @@ void add_of_looks(const Request& request, std::vector<std::string>& sentences) {
     if (is_set) sentences.push_back(fmt::format("`{}` does nothing: `effects` replace the look", field));
 }
 
-void add_of_images(const Request& request, const Recipe& recipe, std::vector<std::string>& sentences) {
+void warn_about_images(const Request& request, const Recipe& recipe, std::vector<std::string>& sentences) {
   const Hdri& hdri = recipe.hdri;
   if (hdri.file.empty()) {
     const Request initial;
@@ -74,11 +74,12 @@ void add_of_images(const Request& request, const Recipe& recipe, std::vector<std
       if (is_set) sentences.push_back(fmt::format("`{}` does nothing: there is no image; try `hdri_file` sky:", field));
     return;
   }
-  const bool shines = std::any_of(recipe.look->effects.begin(), recipe.look->effects.end(), [&](std::string_view name) {
-    const Effect* effect = find_effect(name);
-    return effect && by_scene_lights(*effect, recipe.settings);
-  });
-  if (hdri.skybox || (shines && hdri.ambient)) return;
+  const bool uses_lights =
+      std::any_of(recipe.look->effects.begin(), recipe.look->effects.end(), [&](std::string_view name) {
+        const Effect* effect = find_effect(name);
+        return effect && by_scene_lights(*effect, recipe.settings);
+      });
+  if (hdri.skybox || (uses_lights && hdri.ambient)) return;
   sentences.push_back(hdri.ambient
                           ? fmt::format("`hdri_file` does nothing: the look {} has its own lights", recipe.look->name)
                           : "`hdri_file` does nothing: it is used neither as light nor as background");
@@ -89,13 +90,13 @@ void add_of_images(const Request& request, const Recipe& recipe, std::vector<std
 std::vector<std::string> setting_warnings(const Request& request, const Recipe& recipe, const Scene* scene,
                                           const std::function<bool(std::string_view setting)>& is_reported) {
   std::vector<std::string> sentences;
-  add_of_former_names(request, sentences);
-  add_of_effects(request, recipe, is_reported, sentences);
-  if (recipe.own_look) add_of_looks(request, sentences);
+  warn_about_former_names(request, sentences);
+  warn_about_effects(request, recipe, is_reported, sentences);
+  if (recipe.own_look) warn_about_looks(request, sentences);
   if (recipe.radius && recipe.occlusion == kNoOcclusion && !recipe.own_look)
     sentences.push_back(
         fmt::format("`occlusion_radius` {} does nothing: this picture has no occlusion", request.occlusion_radius));
-  add_of_images(request, recipe, sentences);
+  warn_about_images(request, recipe, sentences);
   if (scene && scene->point_count() == 0) {
     const char* field = !request.point_size.empty()       ? "point_size"
                         : request.point_sprites != "auto" ? "point_sprites"

@@ -16,44 +16,45 @@
 namespace umbrage {
 namespace {
 
-constexpr std::size_t kMaxIds = 1 << 24;  // integers that a float represents exactly
-constexpr float kNothing = std::numeric_limits<float>::infinity();
+constexpr std::size_t kMaxIds = 1 << 24;  // a float represents integers up to this exactly
+constexpr float kNoSurface = std::numeric_limits<float>::infinity();
 
 /// Computes the view depth of one pixel; infinity where there is no surface.
 class ViewDepth {
  public:
-  explicit ViewDepth(const Lens& r) : r_(r) {}
+  explicit ViewDepth(const Lens& lens) : lens_(lens) {}
 
   float at(float value, int x, int y) const {
-    if (!std::isfinite(value)) return kNothing;
-    const float n = r_.near_plane, f = r_.far_plane;
-    switch (r_.depth_kind) {
+    if (!std::isfinite(value)) return kNoSurface;
+    const float n = lens_.near_plane, f = lens_.far_plane;
+    switch (lens_.depth_kind) {
       case DepthMeaning::kView:
-        return value > 0.0f ? value : kNothing;
+        return value > 0.0f ? value : kNoSurface;
       case DepthMeaning::kRay: {
-        if (!(value > 0.0f)) return kNothing;
-        if (r_.orthographic) return value;
-        const float across = r_.left + (r_.right - r_.left) * (float(x) + 0.5f) / float(r_.width);
-        const float up = r_.top + (r_.bottom - r_.top) * (float(y) + 0.5f) / float(r_.height);
+        if (!(value > 0.0f)) return kNoSurface;
+        if (lens_.orthographic) return value;
+        const float across = lens_.left + (lens_.right - lens_.left) * (float(x) + 0.5f) / float(lens_.width);
+        const float up = lens_.top + (lens_.bottom - lens_.top) * (float(y) + 0.5f) / float(lens_.height);
         return value / std::sqrt(1.0f + across * across + up * up);
       }
       case DepthMeaning::kWindow:
-        if (value >= 1.0f) return kNothing;
-        if (r_.orthographic) return n + std::max(value, 0.0f) * (f - n);
+        if (value >= 1.0f) return kNoSurface;
+        if (lens_.orthographic) return n + std::max(value, 0.0f) * (f - n);
         return std::isfinite(f) ? n * f / (f - std::max(value, 0.0f) * (f - n)) : n / (1.0f - std::max(value, 0.0f));
       case DepthMeaning::kReversed:
-        if (value <= 0.0f) return kNothing;
-        if (r_.orthographic) return f - std::min(value, 1.0f) * (f - n);
+        if (value <= 0.0f) return kNoSurface;
+        if (lens_.orthographic) return f - std::min(value, 1.0f) * (f - n);
         return std::isfinite(f) ? n * f / (n + std::min(value, 1.0f) * (f - n)) : n / std::min(value, 1.0f);
     }
-    return kNothing;
+    return kNoSurface;
   }
 
  private:
-  const Lens& r_;
+  const Lens& lens_;
 };
 
-Result<void> check(const Request& request, const Lens& lens) {
+/// Checks the camera and the settings of a G-buffer. Errors: kUsage.
+Result<void> check_settings(const Request& request, const Lens& lens) {
   if (auto fine = check_lens(lens); !fine) return fine;
   if (!(lens.right > lens.left && lens.top > lens.bottom))
     return usage_error(
@@ -94,14 +95,14 @@ Result<void> check_image(const Lens& lens, std::span<const NamedImage> images, c
   return {};
 }
 
-bool holds_ids(const NamedImage& named) { return is_id(named.name) && is_whole(named.image.type); }
+bool has_integer_ids(const NamedImage& named) { return is_id(named.name) && is_whole(named.image.type); }
 
-/// Floats cannot represent all 32-bit ids: planes hold indices into a sorted list of the ids that occur. All layers
-/// share the list.
+/// Returns the ids that occur in the images of a plane in any layer, sorted. Planes hold indices into this list,
+/// because floats cannot represent all 32-bit ids.
 std::vector<std::uint32_t> ids_of(std::span<const NamedImage> images, std::string_view name) {
   std::vector<std::uint32_t> ids;
   for (const NamedImage& named : images)
-    if (holds_ids(named) && name_on_first_layer(named.name) == name)
+    if (has_integer_ids(named) && name_on_first_layer(named.name) == name)
       read_ids(named.image, [&](int, int, std::uint32_t id) {
         if (ids.empty() || ids.back() != id) ids.push_back(id);
       });
@@ -132,7 +133,7 @@ void add_image(const NamedImage& named, const SharedIds& ids, Image& layer) {
       continue;
     }
     plane = Plane(layer.width, layer.height);
-    if (!holds_ids(named)) {
+    if (!has_integer_ids(named)) {
       read_channel(named.image, int(c), plane);
       continue;
     }
@@ -145,7 +146,7 @@ void add_image(const NamedImage& named, const SharedIds& ids, Image& layer) {
 
 /// Returns whether test(x, y) is true for every pixel. All pixels of a row are tested, so that the loop vectorizes.
 template <class Test>
-bool holds_everywhere(const Plane& plane, const Test& test) {
+bool is_true_everywhere(const Plane& plane, const Test& test) {
   std::atomic<bool> all = true;
   for_rows(plane.height, [&](int y) {
     int wrong = 0;
@@ -156,13 +157,13 @@ bool holds_everywhere(const Plane& plane, const Test& test) {
 }
 
 /// Copies a view, so that the plane can be written.
-void own(Plane& plane) {
+void make_owned(Plane& plane) {
   if (plane.is_view()) plane = Plane(plane);
 }
 
 /// The min and max finite depth; infinity and 0 if there is none.
 struct DepthRange {
-  float nearest = kNothing, farthest = 0.0f;
+  float nearest = kNoSurface, farthest = 0.0f;
 
   void include(const DepthRange& other) {
     nearest = std::min(nearest, other.nearest);
@@ -170,10 +171,10 @@ struct DepthRange {
   }
 };
 
-/// Returns the range of depths > 0, infinity included. Positive floats have the order of their bits, and integer
-/// comparisons vectorize.
+/// Returns the range of the finite depths; all depths must be > 0, and may be infinite. Compares bits as integers:
+/// positive floats have the same order, and integer comparisons vectorize.
 DepthRange range_of(const float* depths, int count) {
-  constexpr auto kInfinity = std::bit_cast<std::int32_t>(kNothing);
+  constexpr auto kInfinity = std::bit_cast<std::int32_t>(kNoSurface);
   std::int32_t nearest = kInfinity, farthest = 0;
   for (int x = 0; x < count; ++x) {
     const auto bits = std::bit_cast<std::int32_t>(depths[x]);
@@ -183,53 +184,54 @@ DepthRange range_of(const float* depths, int count) {
   return {std::bit_cast<float>(nearest), std::bit_cast<float>(farthest)};
 }
 
-/// Converts depth to view depth, in place. Returns its range.
+/// Converts depth to view depth, in place. Returns the range of the view depth.
 DepthRange convert_depth(const Lens& lens, Plane& depth) {
-  std::vector<DepthRange> of_rows(std::size_t(depth.height));
+  std::vector<DepthRange> row_ranges(std::size_t(depth.height));
   const auto whole_range = [&] {
     DepthRange range;
-    for (const DepthRange& row : of_rows) range.include(row);
+    for (const DepthRange& row : row_ranges) range.include(row);
     return range;
   };
-  std::atomic<bool> is_taken = lens.depth_kind == DepthMeaning::kView;
-  if (is_taken)
+  std::atomic<bool> is_view_depth = lens.depth_kind == DepthMeaning::kView;
+  if (is_view_depth)
     for_rows(depth.height, [&](int y) {
       int wrong = 0;
       for (int x = 0; x < depth.width; ++x) wrong |= int(!(depth.row(y)[x] > 0.0f));  // infinity is valid
-      if (wrong != 0) is_taken = false;
-      of_rows[std::size_t(y)] = range_of(depth.row(y), depth.width);
+      if (wrong != 0) is_view_depth = false;
+      row_ranges[std::size_t(y)] = range_of(depth.row(y), depth.width);
     });
-  if (is_taken) return whole_range();
-  own(depth);
+  if (is_view_depth) return whole_range();
+  make_owned(depth);
   const ViewDepth view_depth(lens);
   for_rows(depth.height, [&](int y) {
     for (int x = 0; x < depth.width; ++x) depth.at(x, y) = view_depth.at(depth.at(x, y), x, y);
-    of_rows[std::size_t(y)] = range_of(depth.row(y), depth.width);
+    row_ranges[std::size_t(y)] = range_of(depth.row(y), depth.width);
   });
   return whole_range();
 }
 
 /// Rotates normals to view space and normalizes them; invalid ones become zero.
-void rotate_normals(const std::vector<float>& turn, Image& layer) {
-  constexpr float kUnit = 2e-6f;  // tolerance of the squared length of a unit vector
+void rotate_normals(const std::vector<float>& rotation, Image& layer) {
+  constexpr float kUnitTolerance = 2e-6f;  // for the squared length of a unit vector
   Plane &nx = layer.plane("normal.x"), &ny = layer.plane("normal.y"), &nz = layer.plane("normal.z");
-  const bool turned = turn != GBufferSettings().view_from_normal;
-  const auto is_unit = [](const glm::vec3& n) { return std::abs(glm::dot(n, n) - 1.0f) <= kUnit; };
+  const bool is_rotated = rotation != GBufferSettings().view_from_normal;
+  const auto is_unit = [](const glm::vec3& n) { return std::abs(glm::dot(n, n) - 1.0f) <= kUnitTolerance; };
   const auto at = [&](int x, int y) { return glm::vec3(nx.row(y)[x], ny.row(y)[x], nz.row(y)[x]); };
-  if (!turned && holds_everywhere(nx, [&](int x, int y) {
+  if (!is_rotated && is_true_everywhere(nx, [&](int x, int y) {
         const glm::vec3 n = at(x, y);
         const float square = glm::dot(n, n);
-        return (std::abs(square - 1.0f) <= kUnit) | ((n.x == 0.0f) & (n.y == 0.0f) & (n.z == 0.0f));
+        return (std::abs(square - 1.0f) <= kUnitTolerance) | ((n.x == 0.0f) & (n.y == 0.0f) & (n.z == 0.0f));
       }))
     return;
-  for (Plane* plane : {&nx, &ny, &nz}) own(*plane);
+  for (Plane* plane : {&nx, &ny, &nz}) make_owned(*plane);
   for_rows(nx.height, [&](int y) {
     for (int x = 0; x < nx.width; ++x) {
       const glm::vec3 n = at(x, y);
       glm::vec3 v = n;
-      if (turned)
-        v = {turn[0] * n.x + turn[1] * n.y + turn[2] * n.z, turn[3] * n.x + turn[4] * n.y + turn[5] * n.z,
-             turn[6] * n.x + turn[7] * n.y + turn[8] * n.z};
+      if (is_rotated)
+        v = {rotation[0] * n.x + rotation[1] * n.y + rotation[2] * n.z,
+             rotation[3] * n.x + rotation[4] * n.y + rotation[5] * n.z,
+             rotation[6] * n.x + rotation[7] * n.y + rotation[8] * n.z};
       const float length = glm::length(v);
       if (!is_unit(v)) v = length > 0.0f && std::isfinite(length) ? v / length : glm::vec3(0.0f);
       nx.at(x, y) = v.x;
@@ -239,40 +241,40 @@ void rotate_normals(const std::vector<float>& turn, Image& layer) {
   });
 }
 
-/// Computes the extent of the scene from the depth of the first layer and its range.
-void compute_extent(const Lens& request, const Plane& depth, const DepthRange& range, PictureInfo& info) {
+/// Computes the extent of the scene from the depth of the first layer and the range of that depth.
+void compute_extent(const Lens& lens, const Plane& depth, const DepthRange& range, PictureInfo& info) {
   constexpr int kSamples = 1 << 16;          // pixels to sample: more do not improve the estimate
   constexpr double kOutlierFraction = 0.01;  // fraction of the pixels to ignore, on either side
-  const int every = std::max(1, int(std::sqrt(double(depth.width) * depth.height / kSamples)));
+  const int step = std::max(1, int(std::sqrt(double(depth.width) * depth.height / kSamples)));
   std::vector<float> along[3];
-  for (int y = 0; y < depth.height; y += every)
-    for (int x = 0; x < depth.width; x += every) {
+  for (int y = 0; y < depth.height; y += step)
+    for (int x = 0; x < depth.width; x += step) {
       const float d = depth.at(x, y);
       if (!std::isfinite(d)) continue;
-      const float scale = request.orthographic ? 1.0f : d;
-      along[0].push_back(scale * (request.left + (request.right - request.left) * float(x) / float(depth.width)));
-      along[1].push_back(scale * (request.top + (request.bottom - request.top) * float(y) / float(depth.height)));
+      const float scale = lens.orthographic ? 1.0f : d;
+      along[0].push_back(scale * (lens.left + (lens.right - lens.left) * float(x) / float(depth.width)));
+      along[1].push_back(scale * (lens.top + (lens.bottom - lens.top) * float(y) / float(depth.height)));
       along[2].push_back(d);
     }
-  if (request.scene_radius > 0.0f) info.scene_radius = request.scene_radius;
+  if (lens.scene_radius > 0.0f) info.scene_radius = lens.scene_radius;
   if (range.nearest > range.farthest) return;  // no surface is visible: the defaults remain
   info.depth_min = range.nearest;
   info.depth_max = range.farthest;
-  if (request.scene_radius > 0.0f) return;
+  if (lens.scene_radius > 0.0f) return;
   std::array<float, 3> squares{};
   tbb::parallel_for(std::size_t(0), std::size_t(3), [&](std::size_t axis) {
     std::vector<float>& values = along[axis];
     if (values.empty()) return;
     const auto at = [&](double fraction) {
-      const auto place = values.begin() + long(fraction * double(values.size() - 1));
-      std::nth_element(values.begin(), place, values.end());
-      return *place;
+      const auto nth = values.begin() + long(fraction * double(values.size() - 1));
+      std::nth_element(values.begin(), nth, values.end());
+      return *nth;
     };
     const float size = at(1.0 - kOutlierFraction) - at(kOutlierFraction);
     squares[axis] = size * size;
   });
   const float square = squares[0] + squares[1] + squares[2];
-  // All samples coincide (for example, there is one pixel): use the distance as the size.
+  // If all samples coincide, for example because there is only one pixel, use the distance as the radius.
   info.scene_radius = square > 0.0f ? 0.5f * std::sqrt(square) : range.farthest;
 }
 
@@ -291,7 +293,7 @@ bool is_id(std::string_view pass) {
 
 Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedImage> images) {
   const Lens lens = lens_of(request);
-  if (auto fine = check(request, lens); !fine) return fine.error();
+  if (auto fine = check_settings(request, lens); !fine) return fine.error();
   SharedGBuffer shared;
   GBuffer& gbuffer = shared.gbuffer;
   if (std::none_of(images.begin(), images.end(), [](const NamedImage& named) { return named.name == "depth"; }))
@@ -326,7 +328,7 @@ Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedIm
     if (layer.find("normal.x")) rotate_normals(request.gbuffer.view_from_normal, layer);
     for (const auto& [name, ids] : shared.ids)
       if (Plane* plane = layer.find(name)) {
-        own(*plane);
+        make_owned(*plane);
         for (int y = 0; y < depth.height; ++y)
           for (int x = 0; x < depth.width; ++x)
             if (!std::isfinite(depth.at(x, y))) plane->at(x, y) = -1.0f;
@@ -342,8 +344,8 @@ Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedIm
   return shared;
 }
 
-std::uint32_t callers_id(std::span<const std::uint32_t> known, float place) {
-  return place >= 0.0f && place < float(known.size()) ? known[std::size_t(place)] : 0;
+std::uint32_t callers_id(std::span<const std::uint32_t> known, float index) {
+  return index >= 0.0f && index < float(known.size()) ? known[std::size_t(index)] : 0;
 }
 
 }  // namespace umbrage

@@ -12,9 +12,10 @@
 
 namespace umbrage {
 
-/// The caller's ids by plane name, sorted. The plane holds indices into the list.
+/// The caller's ids, sorted, by plane name. Each plane holds indices into its list.
 using SharedIds = std::map<std::string, std::vector<std::uint32_t>, std::less<>>;
 
+/// A G-buffer that shares the caller's images where possible.
 struct SharedGBuffer {
   GBuffer gbuffer;
   SharedIds ids;
@@ -31,7 +32,7 @@ Error unknown_image(const std::string& name);
 /// Returns whether a pass holds ids.
 bool is_id(std::string_view pass);
 
-/// Returns the caller's id at index `place` of `known`; 0 where there is no surface.
-std::uint32_t callers_id(std::span<const std::uint32_t> known, float place);
+/// Returns the caller's id at `index` of the sorted list `known`; 0 where there is no surface.
+std::uint32_t callers_id(std::span<const std::uint32_t> known, float index);
 
 }  // namespace umbrage

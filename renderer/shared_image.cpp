@@ -70,10 +70,10 @@ SharedImage with_strides(SharedImage image) {
 }
 
 void read_channel(const SharedImage& image, int channel, Plane& plane) {
-  const auto same = [](float value) { return value; };
+  const auto unchanged = [](float value) { return value; };
   switch (image.type) {
     case PixelType::kFloat32:
-      return read_as<float>(image, channel, plane, same);
+      return read_as<float>(image, channel, plane, unchanged);
     case PixelType::kFloat16:
       return read_as<std::uint16_t>(image, channel, plane,
                                     [](std::uint16_t bits) { return imath_half_to_float(bits); });
@@ -99,8 +99,8 @@ void write_channel(const Plane& plane, int channel, const SharedImage& image) {
                                      [](float v) { return rounded<std::uint16_t>(v, kMaxUint16); });
     case PixelType::kUint32:
       return write_as<std::uint32_t>(plane, channel, image, [](float v) {
-        constexpr float kBeyond = 4294967296.0f;
-        return v > 0.0f ? (v < kBeyond ? std::uint32_t(v) : std::numeric_limits<std::uint32_t>::max()) : 0u;
+        constexpr float kEnd = 4294967296.0f;
+        return v > 0.0f ? (v < kEnd ? std::uint32_t(v) : std::numeric_limits<std::uint32_t>::max()) : 0u;
       });
   }
 }

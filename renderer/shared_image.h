@@ -10,6 +10,7 @@
 
 namespace umbrage {
 
+/// The type of a channel value.
 enum class PixelType {
   kFloat32 = 1,
   kFloat16 = 2,
@@ -24,7 +25,8 @@ inline bool is_whole(PixelType type) { return type != PixelType::kFloat32 && typ
 /// Returns the size of one channel value, in bytes.
 std::size_t size_of(PixelType type);
 
-/// Strides are in bytes and may be negative. `data` points to channel 0 of the upper left pixel.
+/// An image in the caller's memory. Strides are in bytes and may be negative. `data` points to channel 0 of the upper
+/// left pixel.
 struct SharedImage {
   void* data = nullptr;
   PixelType type = PixelType::kFloat32;
@@ -32,7 +34,8 @@ struct SharedImage {
   std::ptrdiff_t channel_stride = 0, pixel_stride = 0, row_stride = 0;
 };
 
-/// Replaces strides of 0: channels are adjacent, then pixels, then rows.
+/// Replaces strides of 0 by those of packed data: adjacent channels in a pixel, adjacent pixels in a row, adjacent
+/// rows. With another `channel_stride`, the pixels of a channel are adjacent.
 SharedImage with_strides(SharedImage image);
 
 /// An image that holds the planes of a pass: "normal" with three channels.

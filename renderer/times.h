@@ -7,7 +7,7 @@
 
 namespace umbrage {
 
-/// Stages are in the order of their first completion. Stages of the same name are added up.
+/// The stages, in the order of their first completion. Times of the same stage are added up.
 struct StageTimes {
   struct Stage {
     std::string name;
@@ -16,7 +16,7 @@ struct StageTimes {
   std::vector<Stage> stages;
   std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
 
-  /// Ends a stage that began when the previous one ended.
+  /// Ends a stage that began when the previous stage ended.
   void done(std::string_view name);
   double total() const;
 };

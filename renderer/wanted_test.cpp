@@ -9,6 +9,7 @@
 namespace umbrage {
 namespace {
 
+/// A picture and how it was drawn.
 struct Made {
   std::vector<std::string> stages;
   Recipe recipe;
@@ -16,7 +17,7 @@ struct Made {
   std::vector<std::string> names;  // all planes of the frame
 };
 
-/// Draws only these passes of a look, or everything if there are none.
+/// Draws only these passes of a look, or the whole picture if there are none. Downloads `planes`.
 Made made_for(const std::string& look, const std::vector<std::string>& passes, const std::vector<std::string>& planes) {
   Request request{.look = look, .width = 48, .height = 36, .passes = passes};
   Made made{.stages = {}, .recipe = *make_recipe(request), .planes = {}, .names = {}};
@@ -48,10 +49,10 @@ TEST(Wanted, GeometryTakesOneCaptureWithoutShadows) {
   const Made depth = made_for("studio", {"depth"}, {"depth"});
   EXPECT_EQ(depth.stages, Names({"capture", "hide_ground"}));
   EXPECT_EQ(std::count(depth.names.begin(), depth.names.end(), "albedo.r"), 0);
-  EXPECT_EQ(std::count(depth.names.begin(), depth.names.end(), "object_id"), 1) << "it tells the ground";
+  EXPECT_EQ(std::count(depth.names.begin(), depth.names.end(), "object_id"), 1) << "it identifies the ground";
 }
 
-TEST(Wanted, PassesAreThoseOfTheWholePicture) {
+TEST(Wanted, PassesMatchTheWholePicture) {
   for (const char* look : {"studio", "ao", "bleeding", "lit", "cartoon"})
     for (const auto& [pass, planes] : {std::pair<std::string, Names>{"depth", {"depth"}},
                                        {"ao", {"ao"}},
@@ -79,7 +80,7 @@ TEST(Wanted, PassesAreThoseOfTheWholePicture) {
     }
 }
 
-TEST(Wanted, OcclusionAloneNeedsNoLightOfAnother) {
+TEST(Wanted, OcclusionAloneRunsNoOtherEffects) {
   const Made made = made_for("cartoon", {"ao"}, {"ao"});
   EXPECT_EQ(std::count(made.stages.begin(), made.stages.end(), "toon"), 0);
   EXPECT_EQ(std::count(made.stages.begin(), made.stages.end(), "outline"), 0);
@@ -88,8 +89,9 @@ TEST(Wanted, OcclusionAloneNeedsNoLightOfAnother) {
   EXPECT_EQ(made.recipe.frames, 4) << "it is averaged";
 }
 
-// make_plan reports passes that neither the capture nor a uniform plane provides; the picture has all that it accepts.
-TEST(Wanted, PlansTellOfPassesThatNothingInTheSceneMakes) {
+// make_plan reports passes that neither the capture nor a uniform plane provides. A picture has all passes that
+// make_plan accepts.
+TEST(Wanted, PlansReportPassesThatTheSceneLacks) {
   auto scene = load_scene("scene:solids?detail=2000");
   const auto device = make_cpu_device();
   int refused = 0, made = 0;

@@ -23,20 +23,20 @@ constexpr double kPi = 3.14159265358979;
 
 double luminance(const dvec3& color) { return glm::dot(color, dvec3(0.2126, 0.7152, 0.0722)); }
 
-/// Size at which a panorama is summed: large enough for sums over pixel centres, and at most a sixth of a degree per
-/// pixel, a third of the sun's diameter.
+/// Limits of the size at which a panorama is summed, pixels. Smaller ones are too coarse for sums over pixel centres.
+/// At the max size a pixel is a sixth of a degree wide, a third of the sun's diameter.
 constexpr int kMinWidth = 512, kMinHeight = 256, kMaxWidth = 2048, kMaxHeight = 1024;
 
 // ---- selection and splitting of lights
 
-constexpr double kBright = 4.0;        // times the mean luminance over all directions: brighter pixels belong to lights
-constexpr double kFaint = 0.02;        // fraction of all light: a weaker part becomes no light of its own
-constexpr double kApart = 0.4;         // a part is split if its variance falls below this fraction
-constexpr double kNarrowDeg = 2.0;     // half angle of a disc, degrees: narrower parts are never split
-constexpr double kWideDeg = 20.0;      // half angle of a disc, degrees: wider parts are always split
-constexpr float kMaxLightDeg = 90.0f;  // width of a light's disc: its rays must not start below the horizon
+constexpr double kBrightRatio = 4.0;  // times the mean luminance over all directions: brighter pixels belong to lights
+constexpr double kMinLightFraction = 0.02;  // fraction of all light: weaker parts do not become lights
+constexpr double kMaxVarianceLeft = 0.4;    // a part is split if that reduces its variance below this fraction
+constexpr double kNarrowDeg = 2.0;          // half angle of a disc, degrees: narrower parts are never split
+constexpr double kWideDeg = 20.0;           // half angle of a disc, degrees: wider parts are always split
+constexpr float kMaxLightDeg = 90.0f;       // max diameter of a light's disc: its rays must not start below the horizon
 
-/// The part of a pixel's light that belongs to a light.
+/// A bright pixel and the flux that it contributes to a light.
 struct Cell {
   dvec3 direction;
   dvec3 flux;     ///< (radiance - mean of the dim pixels) times solid angle
@@ -44,15 +44,15 @@ struct Cell {
   double solid_angle;
 };
 
-/// Cells that form one light.
+/// A set of cells that becomes one light.
 struct Part {
   std::vector<Cell> cells;
   double weight = 0.0;
   dvec3 mean{0.0};        ///< weighted mean of the directions, not unit
   dvec3 axis{0.0};        ///< unit, the direction of the largest variance
-  double variance = 0.0;  ///< of the directions, summed over all axes
+  double variance = 0.0;  ///< variance of the directions, summed over all axes
 
-  /// Returns the half angle of a disc with that variance, radians.
+  /// Returns the half angle of a disc that has this variance, radians.
   double half_angle() const { return std::sqrt(2.0 * variance); }
 };
 
@@ -89,7 +89,7 @@ Part part_of(std::vector<Cell> cells) {
 
 /// Splits a part in two across its axis, where the weighted sum of the halves' variances is smallest. Returns the
 /// remaining fraction of the variance; 1 if the part cannot be split. Sorts the part's cells.
-double parted(Part& part, std::array<Part, 2>& halves) {
+double split_part(Part& part, std::array<Part, 2>& halves) {
   std::sort(part.cells.begin(), part.cells.end(), [&](const Cell& a, const Cell& b) {
     return glm::dot(a.direction, part.axis) < glm::dot(b.direction, part.axis);
   });
@@ -126,10 +126,10 @@ std::vector<Part> parts_of(std::vector<Cell> cells) {
     Part part = std::move(*widest);
     parts.erase(widest);
     std::array<Part, 2> halves;
-    const bool room = parts.size() + done.size() + 2 <= std::size_t(kMaxEnvironmentLights);
-    if (room && part.half_angle() > narrow) {
-      const double left = parted(part, halves);
-      if (left < kApart || (left < 1.0 && part.half_angle() > wide)) {
+    const bool has_room = parts.size() + done.size() + 2 <= std::size_t(kMaxEnvironmentLights);
+    if (has_room && part.half_angle() > narrow) {
+      const double variance_left = split_part(part, halves);
+      if (variance_left < kMaxVarianceLeft || (variance_left < 1.0 && part.half_angle() > wide)) {
         for (Part& half : halves) parts.push_back(std::move(half));
         continue;
       }
@@ -139,8 +139,8 @@ std::vector<Part> parts_of(std::vector<Cell> cells) {
   return done;
 }
 
-/// Converts a part to a light. Its irradiance on a surface that faces it equals that of the part; its disc has the
-/// solid angle over which the part's light is spread.
+/// Converts a part to a light. On a surface that faces the light, its irradiance equals the part's. The light's disc
+/// has the solid angle over which the part's light is spread.
 Light light_of(const Part& part) {
   std::array<dvec3, 3> vectors{};  // irradiance of each colour, as a vector
   double squares = 0.0;
@@ -161,8 +161,9 @@ Light light_of(const Part& part) {
 
 // ---- spherical harmonics
 
-/// Returns the real spherical harmonics up to degree 2.
-constexpr int kHarmonics = 9;
+constexpr int kHarmonics = 9;  // number of spherical harmonics up to degree 2
+
+/// Returns the values of the real spherical harmonics up to degree 2.
 std::array<double, kHarmonics> harmonics(const dvec3& d) {
   return {0.282095,
           0.488603 * d.x,
@@ -182,23 +183,23 @@ void add(Coefficients& sum, const dvec3& direction, const dvec3& flux) {
   for (int k = 0; k < kHarmonics; ++k) sum[std::size_t(k)] += y[std::size_t(k)] * flux;
 }
 
-/// Stores the radiance of a white diffuse surface under light with these coefficients: each degree times its factor of
-/// the clamped cosine, over pi [Ramamoorthi and Hanrahan 2001].
+/// Stores the radiance of a white diffuse surface under light with these coefficients: each degree is multiplied by its
+/// factor of the clamped cosine and divided by pi [Ramamoorthi and Hanrahan 2001].
 void store_ambient(const Coefficients& light, EnvironmentLight& out) {
-  constexpr double kFirst = 2.0 / 3.0, kSecond = 1.0 / 4.0;  // factors of degrees 1 and 2; that of the mean is 1
+  constexpr double kFirst = 2.0 / 3.0, kSecond = 1.0 / 4.0;  // factors of degrees 1 and 2; the factor of degree 0 is 1
   out.ambient = glm::vec3(0.282095 * light[0]);
   for (int c = 0; c < 3; ++c) {
-    const auto factor = [&](int k) { return float(light[std::size_t(k)][c]); };
+    const auto coefficient = [&](int k) { return float(light[std::size_t(k)][c]); };
     glm::mat4& m = out.shape.by_color[std::size_t(c)];
     m = glm::mat4(0.0f);
-    const auto both = [&](int i, int j, double v) { m[i][j] = m[j][i] = float(v); };
-    both(0, 3, 0.5 * kFirst * 0.488603 * factor(1));
-    both(1, 3, 0.5 * kFirst * 0.488603 * factor(2));
-    both(2, 3, 0.5 * kFirst * 0.488603 * factor(3));
-    both(0, 1, 0.5 * kSecond * 1.092548 * factor(4));
-    both(1, 2, 0.5 * kSecond * 1.092548 * factor(5));
-    both(2, 0, 0.5 * kSecond * 1.092548 * factor(6));
-    const double xx_yy = kSecond * 0.546274 * factor(7), zz = kSecond * 0.315392 * factor(8);
+    const auto set_symmetric = [&](int i, int j, double v) { m[i][j] = m[j][i] = float(v); };
+    set_symmetric(0, 3, 0.5 * kFirst * 0.488603 * coefficient(1));
+    set_symmetric(1, 3, 0.5 * kFirst * 0.488603 * coefficient(2));
+    set_symmetric(2, 3, 0.5 * kFirst * 0.488603 * coefficient(3));
+    set_symmetric(0, 1, 0.5 * kSecond * 1.092548 * coefficient(4));
+    set_symmetric(1, 2, 0.5 * kSecond * 1.092548 * coefficient(5));
+    set_symmetric(2, 0, 0.5 * kSecond * 1.092548 * coefficient(6));
+    const double xx_yy = kSecond * 0.546274 * coefficient(7), zz = kSecond * 0.315392 * coefficient(8);
     // 3 z z - 1 = 2 z z - x x - y y on the unit sphere.
     m[0][0] = float(xx_yy - zz);
     m[1][1] = float(-xx_yy - zz);
@@ -206,7 +207,7 @@ void store_ambient(const Coefficients& light, EnvironmentLight& out) {
   }
 }
 
-/// Returns the solid angle of one pixel of each row.
+/// Returns the solid angle of a pixel, for each row.
 std::vector<double> solid_angles(int width, int height) {
   std::vector<double> rows;
   rows.reserve(std::size_t(height));
@@ -226,7 +227,7 @@ struct Directions {
       around.emplace_back(std::cos(angle), std::sin(angle), 0.0);
     }
     for (int y = 0; y < height; ++y) {
-      // The row's centre halves its solid angle.
+      // The centre of a row divides its solid angle into halves.
       const double cosine = 0.5 * (std::cos(kPi * y / height) + std::cos(kPi * (y + 1) / height));
       below_zenith.emplace_back(cosine, std::sqrt(std::max(0.0, 1.0 - cosine * cosine)));
     }
@@ -249,14 +250,14 @@ std::size_t clean_panorama(Panorama& panorama) {
   constexpr float kMaxHalf = 65504.0f;
   std::size_t changed = 0;
   for (std::size_t p = 0; p + 2 < panorama.rgb.size(); p += 3) {
-    bool other = false;
+    bool is_changed = false;
     for (std::size_t k = p; k < p + 3; ++k) {
       float& v = panorama.rgb[k];
       if (v >= 0.0f && v <= kMaxRadiance) continue;
-      other = true;
+      is_changed = true;
       v = !(v > 0.0f) ? 0.0f : std::isinf(v) ? kMaxHalf : kMaxRadiance;
     }
-    changed += other;
+    changed += is_changed;
   }
   return changed;
 }
@@ -352,28 +353,28 @@ EnvironmentLight environment_light(const Panorama& panorama) {
                                    std::clamp(panorama.height, kMinHeight, kMaxHeight));
   const auto solid = solid_angles(image.width, image.height);
   const Directions directions(image.width, image.height);
-  const auto each = [&](const auto& visit) {
+  const auto for_each_pixel = [&](const auto& visit) {
     for (int y = 0; y < image.height; ++y)
       for (int x = 0; x < image.width; ++x) visit(directions.at(x, y), dvec3(image.at(x, y)), solid[std::size_t(y)]);
   };
   Coefficients rest{};
   dvec3 all(0.0);
-  each([&](const dvec3& direction, const dvec3& radiance, double solid_angle) {
+  for_each_pixel([&](const dvec3& direction, const dvec3& radiance, double solid_angle) {
     add(rest, direction, radiance * solid_angle);
     all += radiance * solid_angle;
   });
-  // Lights take the radiance above the mean of the dim pixels.
-  const double bright = kBright * luminance(all) / (4.0 * kPi);
+  // The lights receive the radiance above the mean of the dim pixels.
+  const double bright = kBrightRatio * luminance(all) / (4.0 * kPi);
   dvec3 dim(0.0);
   double dim_angle = 0.0;
-  each([&](const dvec3&, const dvec3& radiance, double solid_angle) {
+  for_each_pixel([&](const dvec3&, const dvec3& radiance, double solid_angle) {
     if (luminance(radiance) > bright) return;
     dim += radiance * solid_angle;
     dim_angle += solid_angle;
   });
   if (dim_angle > 0.0) dim /= dim_angle;
   std::vector<Cell> cells;
-  each([&](const dvec3& direction, const dvec3& radiance, double solid_angle) {
+  for_each_pixel([&](const dvec3& direction, const dvec3& radiance, double solid_angle) {
     if (!(luminance(radiance) > bright)) return;
     const dvec3 flux = glm::max(radiance - dim, dvec3(0.0)) * solid_angle;
     if (luminance(flux) > 0.0) cells.push_back({direction, flux, luminance(flux), solid_angle});
@@ -381,14 +382,14 @@ EnvironmentLight environment_light(const Panorama& panorama) {
   if (!cells.empty()) {
     const auto parts = parts_of(std::move(cells));
     for (const Part& part : parts)
-      if (part.weight > kFaint * luminance(all)) out.lights.push_back(light_of(part));
+      if (part.weight > kMinLightFraction * luminance(all)) out.lights.push_back(light_of(part));
     std::stable_sort(out.lights.begin(), out.lights.end(),
                      [](const Light& a, const Light& b) { return luminance(a.color) > luminance(b.color); });
   }
   for (const Light& light : out.lights) add(rest, dvec3(light.direction), dvec3(light.color) * -kPi);
   store_ambient(rest, out);
   // Maximum over normals in all directions and towards the lights.
-  const auto white = [&](const glm::vec3& n) {
+  const auto white_luminance = [&](const glm::vec3& n) {
     glm::vec3 sum = glm::max(out.ambient + out.shape.at(n), glm::vec3(0.0f));
     for (const Light& light : out.lights) sum += light.color * std::max(glm::dot(light.direction, n), 0.0f);
     return float(luminance(sum));
@@ -396,16 +397,16 @@ EnvironmentLight environment_light(const Panorama& panorama) {
   constexpr int kNormals = 32;
   for (int y = 0; y < kNormals / 2; ++y)
     for (int x = 0; x < kNormals; ++x)
-      out.brightest = std::max(
-          out.brightest, white(panorama_direction((float(x) + 0.5f) / kNormals, (float(y) + 0.5f) * 2.0f / kNormals)));
-  for (const Light& light : out.lights) out.brightest = std::max(out.brightest, white(light.direction));
+      out.brightest = std::max(out.brightest, white_luminance(panorama_direction((float(x) + 0.5f) / kNormals,
+                                                                                 (float(y) + 0.5f) * 2.0f / kNormals)));
+  for (const Light& light : out.lights) out.brightest = std::max(out.brightest, white_luminance(light.direction));
   return out;
 }
 
 Panorama sky_panorama() {
-  // Luminance by the CIE's clear sky, type 12 [CIE 2003]: brighter towards the sun and the horizon.
+  // Luminance of the CIE standard clear sky, type 12 [CIE 2003]: brighter towards the sun and the horizon.
   constexpr int kWidth = 1024, kHeight = 512;
-  constexpr double kSunHeight = 42.0, kSunAngle = 0.53 / 2.0;  // degrees, the disc's half angle
+  constexpr double kSunHeight = 42.0, kSunAngle = 0.53 / 2.0;  // degrees; kSunAngle: half angle of the disc
   constexpr double kSunIrradiance = 6.5, kSkyIrradiance = 1.3, kGround = 0.25;
   const double height = glm::radians(kSunHeight);
   const dvec3 sun(std::cos(height) * std::cos(2.2), std::cos(height) * std::sin(2.2), std::sin(height));
@@ -425,14 +426,14 @@ Panorama sky_panorama() {
       const dvec3 d = directions.at(x, y);
       irradiance += luminance_at(d) * d.z * solid[std::size_t(y)];
     }
-  // Each of luminance about 1.
+  // Colours with a luminance of about 1.
   const dvec3 zenith(0.55, 0.92, 1.75), horizon(0.92, 1.0, 1.14), sunlight(1.12, 0.98, 0.80);
   const double sun_radiance = kSunIrradiance / (kPi * std::pow(std::sin(glm::radians(kSunAngle)), 2.0));
   const dvec3 ground = kGround / kPi * (kSkyIrradiance + kSunIrradiance * sun.z) * dvec3(1.03, 1.0, 0.93);
   Panorama sky{"sky:", kWidth, kHeight, {}};
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) {
-      // The sun is smaller than two pixels: it is sampled within each pixel.
+      // The sun is smaller than two pixels: sample it within each pixel.
       constexpr int kSamples = 8;
       dvec3 sum(0.0);
       const dvec3 middle = directions.at(x, y);

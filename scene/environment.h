@@ -1,5 +1,5 @@
-// Environment: a panorama of a scene's surroundings and the light that it emits: directional lights with an angular
-// size for its brightest regions, ambient light by normal for the rest.
+// Environment: a panorama of a scene's surroundings and the light that it emits. The brightest regions become
+// directional lights with an angular size; the rest becomes ambient light that depends on the normal.
 #pragma once
 #include <glm/mat3x3.hpp>
 #include <string>
@@ -35,7 +35,8 @@ Panorama reduced_panorama(const Panorama& panorama, int max_width, int max_heigh
 /// +x is up), rotated about `up` by `rotation_deg`, to the left as seen from inside.
 glm::mat3 panorama_axes(glm::vec3 up, float rotation_deg);
 
-/// Returns the unit direction, in the panorama's axes, of the point (x, y): 0 to 1, from the upper left corner.
+/// Returns the unit direction, in the panorama's axes, of the point (x, y) of a panorama; x and y are 0 to 1, from the
+/// upper left corner.
 glm::vec3 panorama_direction(float x, float y);
 
 /// Returns the radiance from `direction` (panorama axes, not zero), bilinear between pixel centres.

@@ -1,5 +1,5 @@
-// Normals, removal of unusable triangles, bounds. Normals are weighted by the angle of the face at the vertex [Thürmer
-// and Wüthrich 1998], so that they do not depend on how a polygon was triangulated.
+// The last step of building a scene: normals, removal of unusable triangles, bounds. Normals are weighted by the angle
+// of the face at the vertex [Thürmer and Wüthrich 1998], so that they do not depend on how a polygon was triangulated.
 #include "scene/finish.h"
 
 #include <algorithm>
@@ -20,14 +20,14 @@ namespace {
 using Index = std::uint32_t;
 constexpr Index kNone = std::numeric_limits<Index>::max();
 
-/// A triangle is degenerate if its doubled area is below this fraction of its longest edge squared: its width is then a
-/// ten-millionth of its length, the precision of a float, and its normal is noise.
+/// A triangle is degenerate if its doubled area is below this fraction of its longest edge squared: its width is then
+/// less than a ten-millionth of its length, which is the precision of a float, and its normal is noise.
 constexpr double kDegenerate = 1e-7;
 
-/// Squares of lengths above this are infinite in a float; coordinates beyond it count as not finite.
+/// Larger coordinates count as not finite, so that squares of lengths stay in the range of floats.
 constexpr float kMaxCoordinate = 1e15f;
 
-/// Shorter normals of a file count as missing.
+/// Normals of a file that are shorter count as missing.
 constexpr float kMinNormalLength = 1e-12f;
 
 constexpr glm::vec3 kAnyNormal{0.0f, 1.0f, 0.0f};
@@ -49,7 +49,7 @@ bool is_degenerate(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
 }
 
 /// Returns whether a triangle can be drawn.
-bool stays(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+bool is_drawable(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   return usable(a) && usable(b) && usable(c) && !is_degenerate(a, b, c);
 }
 
@@ -72,36 +72,37 @@ Face face_of(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
 /// Returns the bits of a float, the same for 0 and -0.
 std::uint32_t bits_of(float x) { return std::bit_cast<std::uint32_t>(x + 0.0f); }
 
-std::uint64_t mixed(std::uint64_t x) {
+std::uint64_t mix_bits(std::uint64_t x) {
   x ^= x >> 32;
   x *= 0xd6e8feb86659fd93ull;
   x ^= x >> 32;
   return x;
 }
 
-/// Numbers items by equality: result[i] is the number of item i; numbers start at 0, in order of appearance.
+/// Returns the number of each item. Equal items have the same number; numbers start at 0, in order of appearance.
+/// `distinct` receives how many numbers there are.
 template <class Hash, class Equal>
-std::vector<Index> numbered(std::size_t count, Index& distinct, Hash hash, Equal equal) {
+std::vector<Index> number_items(std::size_t count, Index& distinct, Hash hash, Equal equal) {
   const std::size_t slots = std::bit_ceil(std::max<std::size_t>(16, count + count / 2));
   struct Slot {
-    Index thing, number;
+    Index item, number;
   };
   std::vector<Slot> table(slots, Slot{kNone, 0});
   std::vector<Index> number_of(count);
   distinct = 0;
   for (Index i = 0; i < count; ++i) {
     std::size_t slot = hash(i) & (slots - 1);
-    while (table[slot].thing != kNone && !equal(table[slot].thing, i)) slot = (slot + 1) & (slots - 1);
-    if (table[slot].thing == kNone) table[slot] = {i, distinct++};
+    while (table[slot].item != kNone && !equal(table[slot].item, i)) slot = (slot + 1) & (slots - 1);
+    if (table[slot].item == kNone) table[slot] = {i, distinct++};
     number_of[i] = table[slot].number;
   }
   return number_of;
 }
 
 std::uint64_t hash_of(const glm::vec3& p) {
-  return mixed(mixed(std::uint64_t(bits_of(p.x)) << 32 | bits_of(p.y)) + bits_of(p.z));
+  return mix_bits(mix_bits(std::uint64_t(bits_of(p.x)) << 32 | bits_of(p.y)) + bits_of(p.z));
 }
-std::uint64_t hash_of(const glm::vec2& p) { return mixed(std::uint64_t(bits_of(p.x)) << 32 | bits_of(p.y)); }
+std::uint64_t hash_of(const glm::vec2& p) { return mix_bits(std::uint64_t(bits_of(p.x)) << 32 | bits_of(p.y)); }
 bool same(const glm::vec3& a, const glm::vec3& b) {
   return bits_of(a.x) == bits_of(b.x) && bits_of(a.y) == bits_of(b.y) && bits_of(a.z) == bits_of(b.z);
 }
@@ -110,8 +111,9 @@ bool same(const glm::vec2& a, const glm::vec2& b) {
 }
 
 /// Groups the corners around one point: `group[i]` is the first corner of i's group. Two corners belong to one group if
-/// their faces share an edge there and meet within the crease angle.
+/// their faces share an edge at the point and meet within the crease angle.
 struct CornerGroups {
+  /// An edge of a face from the point to a neighbour.
   struct Spoke {
     Index neighbor, corner;
   };
@@ -129,9 +131,9 @@ struct CornerGroups {
     group.resize(count);
     std::iota(group.begin(), group.end(), 0u);
     for (Index i = 0; i < count; ++i) {
-      const Index first = corners[i] / 3 * 3, turn = corners[i] % 3;
-      spokes.push_back({point_of[indices[first + (turn + 1) % 3]], i});
-      spokes.push_back({point_of[indices[first + (turn + 2) % 3]], i});
+      const Index first = corners[i] / 3 * 3, corner_of_face = corners[i] % 3;
+      spokes.push_back({point_of[indices[first + (corner_of_face + 1) % 3]], i});
+      spokes.push_back({point_of[indices[first + (corner_of_face + 2) % 3]], i});
     }
     std::sort(spokes.begin(), spokes.end(), [](const Spoke& a, const Spoke& b) {
       return a.neighbor != b.neighbor ? a.neighbor < b.neighbor : a.corner < b.corner;
@@ -179,7 +181,7 @@ std::size_t clean_triangles(Mesh& mesh) {
     const Index a = mesh.indices[i], b = mesh.indices[i + 1], c = mesh.indices[i + 2];
     if (std::max({a, b, c}) >= mesh.positions.size()) continue;
     const glm::vec3 &p = mesh.positions[a], &q = mesh.positions[b], &r = mesh.positions[c];
-    if (!stays(p, q, r)) continue;
+    if (!is_drawable(p, q, r)) continue;
     mesh.indices[kept++] = a;
     mesh.indices[kept++] = b;
     mesh.indices[kept++] = c;
@@ -226,10 +228,10 @@ bool repair_normals(Mesh& mesh) {
 bool has_uvs(const Mesh& mesh) { return mesh.uvs.size() == mesh.positions.size() && !mesh.uvs.empty(); }
 bool has_colors(const Mesh& mesh) { return mesh.colors.size() == mesh.positions.size() && !mesh.colors.empty(); }
 
-/// Vertices at equal positions are one point; vertices that also have equal texture coordinates and colours can become
-/// one vertex again.
+/// Vertices grouped by equality. Vertices at equal positions are one point. Those that also have equal texture
+/// coordinates and colours can become one vertex.
 struct JoinedVertices {
-  std::vector<Index> point_of, joined;  ///< joined: empty if points are vertices
+  std::vector<Index> point_of, joined;  ///< joined: empty if each point can become one vertex
   Index point_count = 0, vertex_count = 0;
   const std::vector<Index>& vertex_of() const { return joined.empty() ? point_of : joined; }
 };
@@ -237,24 +239,24 @@ struct JoinedVertices {
 JoinedVertices joined_vertices(const Mesh& mesh) {
   const std::vector<glm::vec3>& positions = mesh.positions;
   const bool uvs = has_uvs(mesh), colors = has_colors(mesh);
-  JoinedVertices made;
-  made.point_of = numbered(
-      positions.size(), made.point_count, [&](Index i) { return hash_of(positions[i]); },
+  JoinedVertices result;
+  result.point_of = number_items(
+      positions.size(), result.point_count, [&](Index i) { return hash_of(positions[i]); },
       [&](Index i, Index j) { return same(positions[i], positions[j]); });
-  made.vertex_count = made.point_count;
-  if (!uvs && !colors) return made;
-  const std::vector<Index>& point_of = made.point_of;
-  made.joined = numbered(
-      positions.size(), made.vertex_count,
+  result.vertex_count = result.point_count;
+  if (!uvs && !colors) return result;
+  const std::vector<Index>& point_of = result.point_of;
+  result.joined = number_items(
+      positions.size(), result.vertex_count,
       [&](Index i) {
-        const std::uint64_t hash = uvs ? mixed(hash_of(mesh.uvs[i]) + point_of[i]) : point_of[i];
-        return colors ? mixed(hash_of(mesh.colors[i]) + hash) : hash;
+        const std::uint64_t hash = uvs ? mix_bits(hash_of(mesh.uvs[i]) + point_of[i]) : point_of[i];
+        return colors ? mix_bits(hash_of(mesh.colors[i]) + hash) : hash;
       },
       [&](Index i, Index j) {
         return point_of[i] == point_of[j] && (!uvs || same(mesh.uvs[i], mesh.uvs[j])) &&
                (!colors || same(mesh.colors[i], mesh.colors[j]));
       });
-  return made;
+  return result;
 }
 
 std::vector<Face> faces_of(const Mesh& mesh) {
@@ -276,13 +278,13 @@ struct CornerLists {
 };
 
 CornerLists corner_lists(const std::vector<Index>& indices, const JoinedVertices& vertices) {
-  CornerLists made{std::vector<Index>(vertices.point_count + 1, 0), std::vector<Index>(indices.size())};
-  for (const Index index : indices) ++made.first[vertices.point_of[index] + 1];
-  for (Index p = 0; p < vertices.point_count; ++p) made.first[p + 1] += made.first[p];
-  std::vector<Index> next(made.first.begin(), made.first.end() - 1);
+  CornerLists result{std::vector<Index>(vertices.point_count + 1, 0), std::vector<Index>(indices.size())};
+  for (const Index index : indices) ++result.first[vertices.point_of[index] + 1];
+  for (Index p = 0; p < vertices.point_count; ++p) result.first[p + 1] += result.first[p];
+  std::vector<Index> next(result.first.begin(), result.first.end() - 1);
   for (Index corner = 0; corner < indices.size(); ++corner)
-    made.corners[next[vertices.point_of[indices[corner]]]++] = corner;
-  return made;
+    result.corners[next[vertices.point_of[indices[corner]]]++] = corner;
+  return result;
 }
 
 /// Creates vertices from groups of corners that share a normal.
@@ -291,35 +293,35 @@ class VertexMaker {
   VertexMaker(const Mesh& mesh, const std::vector<Face>& faces, const JoinedVertices& vertices)
       : mesh_(mesh), faces_(faces), vertex_of_(vertices.vertex_of()), uvs_(has_uvs(mesh)), colors_(has_colors(mesh)) {
     latest_.resize(vertices.vertex_count);
-    made_.indices.resize(mesh.indices.size());
-    made_.positions.reserve(vertices.vertex_count);
-    made_.normals.reserve(vertices.vertex_count);
-    if (uvs_) made_.uvs.reserve(vertices.vertex_count);
-    if (colors_) made_.colors.reserve(vertices.vertex_count);
+    new_mesh_.indices.resize(mesh.indices.size());
+    new_mesh_.positions.reserve(vertices.vertex_count);
+    new_mesh_.normals.reserve(vertices.vertex_count);
+    if (uvs_) new_mesh_.uvs.reserve(vertices.vertex_count);
+    if (colors_) new_mesh_.colors.reserve(vertices.vertex_count);
   }
 
   void add_group(std::span<const Index> corners) {
     const glm::vec3 normal = normal_of(corners);
     for (const Index corner : corners) {
       const Index old = mesh_.indices[corner];
-      Latest& made_of = latest_[vertex_of_[old]];
-      if (made_of.group != group_number_) {
-        made_of = {group_number_, Index(made_.positions.size())};
-        made_.positions.push_back(mesh_.positions[old]);
-        made_.normals.push_back(normal);
-        if (uvs_) made_.uvs.push_back(mesh_.uvs[old]);
-        if (colors_) made_.colors.push_back(mesh_.colors[old]);
+      Latest& latest = latest_[vertex_of_[old]];
+      if (latest.group != group_number_) {
+        latest = {group_number_, Index(new_mesh_.positions.size())};
+        new_mesh_.positions.push_back(mesh_.positions[old]);
+        new_mesh_.normals.push_back(normal);
+        if (uvs_) new_mesh_.uvs.push_back(mesh_.uvs[old]);
+        if (colors_) new_mesh_.colors.push_back(mesh_.colors[old]);
       }
-      made_.indices[corner] = made_of.vertex;
+      new_mesh_.indices[corner] = latest.vertex;
     }
     ++group_number_;
   }
 
-  /// Returns positions, normals, texture coordinates, colours and indices.
-  Mesh take() { return std::move(made_); }
+  /// Returns a mesh of positions, normals, texture coordinates, colours and indices.
+  Mesh take() { return std::move(new_mesh_); }
 
  private:
-  /// The new vertex that the latest group of corners created for an old one; groups have consecutive numbers.
+  /// The new vertex that was created last for an old vertex, and the number of its group.
   struct Latest {
     Index group = kNone, vertex = 0;
   };
@@ -341,7 +343,7 @@ class VertexMaker {
   const bool uvs_, colors_;
   std::vector<Latest> latest_;
   Index group_number_ = 0;
-  Mesh made_;
+  Mesh new_mesh_;
 };
 
 /// Returns whether all faces at a point are within half the crease angle of their mean, so that each pair is within the
@@ -393,12 +395,12 @@ void make_normals(Mesh& mesh, float crease_angle_deg, Poll* poll) {
       maker.add_group(members);
     }
   }
-  Mesh made = maker.take();
-  mesh.positions = std::move(made.positions);
-  mesh.normals = std::move(made.normals);
-  mesh.uvs = std::move(made.uvs);
-  mesh.colors = std::move(made.colors);
-  mesh.indices = std::move(made.indices);
+  Mesh result = maker.take();
+  mesh.positions = std::move(result.positions);
+  mesh.normals = std::move(result.normals);
+  mesh.uvs = std::move(result.uvs);
+  mesh.colors = std::move(result.colors);
+  mesh.indices = std::move(result.indices);
 }
 
 void add_triangles(const Mesh& mesh, const glm::mat4& world_from_mesh, SceneBox& box) {
@@ -407,7 +409,7 @@ void add_triangles(const Mesh& mesh, const glm::mat4& world_from_mesh, SceneBox&
     const Index* corner = &mesh.indices[i];
     if (std::max({corner[0], corner[1], corner[2]}) >= mesh.positions.size()) continue;
     const glm::vec3 corners[3] = {at(corner[0]), at(corner[1]), at(corner[2])};
-    if (!stays(corners[0], corners[1], corners[2])) continue;
+    if (!is_drawable(corners[0], corners[1], corners[2])) continue;
     for (const glm::vec3& p : corners) box = {glm::min(box.low, p), glm::max(box.high, p)};
   }
 }

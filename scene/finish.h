@@ -14,10 +14,10 @@ namespace umbrage {
 /// split again along creases. If the poll ends, the mesh stays without normals.
 void make_normals(Mesh& mesh, float crease_angle_deg, Poll* poll = nullptr);
 
-/// Drops triangles that are degenerate, have an index out of range or are not finite, and points that are not finite or
-/// have a radius that is not; creates missing normals; gives points their shape; removes empty meshes; computes the
-/// bounds. Returns the number of dropped triangles and points. If the poll ends, the scene is incomplete and must be
-/// discarded.
+/// Drops triangles that are degenerate, have an index out of range or coordinates that are not finite. Drops points
+/// whose position or radius is not usable (clean_points). Creates missing normals, shapes points (shape_points),
+/// removes empty meshes and computes the bounds. Returns the number of dropped triangles and points. If the poll ends,
+/// the scene is incomplete and must be discarded.
 std::size_t finish_scene(Scene& scene, float crease_angle_deg = 80.0f, const PointSettings& points = {},
                          Poll* poll = nullptr);
 
@@ -27,7 +27,7 @@ struct SceneBox {
   bool is_empty() const { return low.x > high.x; }
 };
 
-/// Extends the box by those triangles of a mesh, placed by `world_from_mesh`, that finish_scene would keep.
+/// Extends the box by the triangles of a mesh that finish_scene would keep, transformed by `world_from_mesh`.
 void add_triangles(const Mesh& mesh, const glm::mat4& world_from_mesh, SceneBox& box);
 
 }  // namespace umbrage

@@ -11,10 +11,10 @@ namespace umbrage {
 /// floor of a house is below its roof and does not count.
 bool lacks_ground(const Scene& scene);
 
-/// Adds a white diffuse disc under the scene, several times wider than it, as an object of its own
-/// (Scene::ground_object). The bounds stay those of the model. `lowest_light_deg` is the height of the lowest light
-/// above the horizon: the disc then extends as far as its shadows do, up to a limit, and shadows fade over its outer
-/// half (Scene::ground_fade_distance).
+/// Adds a white diffuse disc under the scene, several times wider than the scene, as a separate object
+/// (Scene::ground_object). The bounds of the scene do not change. `lowest_light_deg`: height of the lowest light above
+/// the horizon, degrees; if set, the disc extends as far as the shadows of this light do, up to a limit, and shadows
+/// fade out over the outer half of the disc (Scene::ground_fade_distance).
 void add_ground(Scene& scene, std::optional<float> lowest_light_deg = {});
 
 }  // namespace umbrage

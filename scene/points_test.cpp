@@ -15,7 +15,7 @@
 namespace umbrage {
 namespace {
 
-/// Returns a finished scene of these points.
+/// Returns a scene of these points after finish_scene.
 Scene scene_of(std::vector<glm::vec3> positions, const PointSettings& settings = {}) {
   Scene scene;
   Mesh mesh;
@@ -26,7 +26,7 @@ Scene scene_of(std::vector<glm::vec3> positions, const PointSettings& settings =
   return scene;
 }
 
-std::vector<glm::vec3> random_ball(int count, bool filled, unsigned seed = 1) {
+std::vector<glm::vec3> random_sphere(int count, bool filled, unsigned seed = 1) {
   std::mt19937 random(seed);
   std::normal_distribution<float> normal;
   std::uniform_real_distribution<float> unit;
@@ -56,23 +56,23 @@ TEST(Points, OfAGridAreDiscsThatJustCoverIt) {
 }
 
 TEST(Points, OfARoughlyEvenSurfaceLeaveNoHole) {
-  const Scene scene = scene_of(random_ball(4000, false));
+  const Scene scene = scene_of(random_sphere(4000, false));
   const Mesh& mesh = scene.meshes.at(0);
   ASSERT_FALSE(mesh.spheres);
   for (std::size_t i = 0; i < mesh.positions.size(); ++i)
     EXPECT_GT(std::abs(glm::dot(mesh.normals[i], mesh.positions[i])), 0.97f)
         << "the normal of a sphere is along its radius";
   // Count the directions that meet no disc.
-  const std::vector<glm::vec3> directions = random_ball(3000, false, 2);
+  const std::vector<glm::vec3> directions = random_sphere(3000, false, 2);
   int open = 0;
   double area = 0.0;
   for (const glm::vec3& d : directions) {
-    bool met = false;
-    for (std::size_t i = 0; i < mesh.positions.size() && !met; ++i) {
+    bool is_covered = false;
+    for (std::size_t i = 0; i < mesh.positions.size() && !is_covered; ++i) {
       const float t = glm::dot(mesh.positions[i], mesh.normals[i]) / glm::dot(d, mesh.normals[i]);
-      met = t > 0.0f && glm::distance(d * t, mesh.positions[i]) < mesh.radii[i];
+      is_covered = t > 0.0f && glm::distance(d * t, mesh.positions[i]) < mesh.radii[i];
     }
-    open += !met;
+    open += !is_covered;
   }
   for (const float radius : mesh.radii) area += std::numbers::pi * radius * radius;
   EXPECT_LE(open, 6) << "of 3000";
@@ -80,18 +80,18 @@ TEST(Points, OfARoughlyEvenSurfaceLeaveNoHole) {
 }
 
 TEST(Points, OfACloudAreSpheresOfOneSize) {
-  const Scene scene = scene_of(random_ball(3000, true));
+  const Scene scene = scene_of(random_sphere(3000, true));
   const Mesh& mesh = scene.meshes.at(0);
   EXPECT_TRUE(mesh.spheres);
   EXPECT_TRUE(mesh.normals.empty());
-  // 3000 in a sphere of volume 4.19: one per cube of side 0.112.
+  // 3000 points in a sphere of volume 4.19: one point per cube of side 0.112.
   for (const float radius : mesh.radii) EXPECT_EQ(radius, mesh.radii[0]);
   EXPECT_NEAR(mesh.radii[0], 0.056f, 0.008f);
 }
 
 TEST(Points, ScaleWithTheirScene) {
   for (const float scale : {1e-6f, 1e-3f, 1e4f}) {
-    std::vector<glm::vec3> small = random_ball(500, false), scaled = small;
+    std::vector<glm::vec3> small = random_sphere(500, false), scaled = small;
     for (glm::vec3& p : scaled) p *= scale;
     const Scene a = scene_of(small), b = scene_of(scaled);
     double sum_a = 0.0, sum_b = 0.0;
@@ -102,8 +102,8 @@ TEST(Points, ScaleWithTheirScene) {
   }
 }
 
-TEST(Points, AFarOneStaysSmall) {
-  std::vector<glm::vec3> points = random_ball(500, false);
+TEST(Points, FarPointsStaySmall) {
+  std::vector<glm::vec3> points = random_sphere(500, false);
   points.emplace_back(1000.0f, 0.0f, 0.0f);
   const Scene scene = scene_of(points);
   for (const float radius : scene.meshes.at(0).radii) EXPECT_LT(radius, 1.0f);
@@ -123,11 +123,11 @@ TEST(Points, FewAreDrawnToo) {
   }
 }
 
-TEST(Points, TwinsAndNumbersThatAreNoneAreLeftOut) {
+TEST(Points, DuplicatesAndNonFinitePointsAreDropped) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  std::vector<glm::vec3> points = random_ball(100, false);
-  const std::vector<glm::vec3> once = points;
-  for (int k = 0; k < 20; ++k) points.insert(points.end(), once.begin(), once.end());
+  std::vector<glm::vec3> points = random_sphere(100, false);
+  const std::vector<glm::vec3> unique_points = points;
+  for (int k = 0; k < 20; ++k) points.insert(points.end(), unique_points.begin(), unique_points.end());
   points.emplace_back(kNan, 0.0f, 0.0f);
   points.emplace_back(0.0f, 1e30f, 0.0f);
   Scene scene;
@@ -141,9 +141,9 @@ TEST(Points, TwinsAndNumbersThatAreNoneAreLeftOut) {
   EXPECT_EQ(scene.meshes[0].colors.size(), 100u);
 }
 
-TEST(Points, StandOnAGroundUnlessTheyBringOne) {
-  EXPECT_TRUE(lacks_ground(scene_of(random_ball(2000, false))));
-  std::vector<glm::vec3> with_floor = random_ball(2000, false);
+TEST(Points, LackGroundUnlessTheyContainOne) {
+  EXPECT_TRUE(lacks_ground(scene_of(random_sphere(2000, false))));
+  std::vector<glm::vec3> with_floor = random_sphere(2000, false);
   for (int z = -40; z <= 40; ++z)
     for (int x = -40; x <= 40; ++x) with_floor.emplace_back(0.05f * float(x), -1.0f, 0.05f * float(z));
   EXPECT_FALSE(lacks_ground(scene_of(with_floor)));

@@ -45,14 +45,14 @@ struct Mesh {
   bool spheres = false;                ///< points only: drawn as spheres
   std::vector<float> radii;            ///< points only: one per position, scene units; empty only before finish_scene
   int material = 0;                    ///< index into Scene::materials
-  int object = 0;                      ///< object id; parts of one object share it
+  int object = 0;                      ///< object id; parts of one object have the same id
 };
 
-/// A viewpoint and what it looks at.
+/// A camera of a scene: where it is, where it looks, and its projection.
 struct View {
   glm::vec3 eye{0.0f}, target{0.0f};
   float angle_deg = 30.0f;  ///< vertical field of view
-  glm::vec3 up{0.0f};       ///< zero: Scene::up is used
+  glm::vec3 up{0.0f};       ///< up direction; zero: Scene::up
   float height = 0.0f;      ///< height of the window of a parallel projection, scene units; 0: perspective
   std::string name;
 };
@@ -74,9 +74,9 @@ struct Scene {
   float lit_white_luminance = 1.0f;
   glm::vec3 bounds_min{0.0f}, bounds_max{0.0f};  ///< filled by finish_scene
   int ground_object = -1;                        ///< object id of the disc from add_ground; below 0: there is none
-  glm::vec3 ground_center{0.0f};                 ///< centre of that disc
-  float ground_fade_distance =
-      0.0f;  ///< distance from there at which shadows on it have faded out; 0: they do not fade
+  glm::vec3 ground_center{0.0f};                 ///< centre of the disc
+  /// Distance from the centre of the disc at which shadows on the disc have faded out; 0: they do not fade.
+  float ground_fade_distance = 0.0f;
   std::vector<std::string> warnings;  ///< one sentence each, shown to the user
 
   glm::vec3 center() const { return 0.5f * (bounds_min + bounds_max); }
@@ -88,6 +88,7 @@ struct Scene {
 
 /// Returns a copy of the scene's lighting.
 Lighting lighting_of(const Scene& scene);
+/// Replaces the scene's lighting.
 void set_lighting(Lighting lighting, Scene& scene);
 
 /// Returns the scene's size as text: "12 triangles", "5 points", "12 triangles and 5 points".

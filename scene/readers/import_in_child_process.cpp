@@ -1,6 +1,6 @@
-// The counterpart of importer/serve.cpp. Spawns a program instead of forking: after fork alone, the child of a program
-// with threads may not even allocate memory, and copying the page tables of a large program costs more than starting a
-// small one (docs/reliability.md).
+// Runs umbrage-import in a child process; importer/serve.cpp is the code in the child. The child is spawned instead of
+// forked: after fork alone, the child of a program with threads may not even allocate memory, and copying the page
+// tables of a large program costs more than starting a small one (docs/reliability.md).
 #include "scene/readers/import_in_child_process.h"
 
 #include <dlfcn.h>
@@ -47,7 +47,7 @@ struct Descriptor {
   }
 };
 
-/// Moves a descriptor to a number that the child does not use, where dup2 would close one for another.
+/// Moves a descriptor to a number that is not one of the child's, so that the child's dup2 calls do not close it.
 Descriptor moved_to_free_number(int number) {
   constexpr int kFirstFree = 10;
   Descriptor low(number);
@@ -55,14 +55,14 @@ Descriptor moved_to_free_number(int number) {
 }
 
 /// How a child process ended.
-struct Ended {
+struct ChildExit {
   int status = 0;        ///< status of wait4
   double seconds = 0.0;  ///< processor time, or elapsed time if SIGALRM ended it
   bool known = false;    ///< false if the host ignores its children (SIGCHLD)
 };
 
-Ended wait_for(pid_t child, std::chrono::steady_clock::time_point started) {
-  Ended ended;
+ChildExit wait_for(pid_t child, std::chrono::steady_clock::time_point started) {
+  ChildExit ended;
   rusage used{};
   pid_t waited = 0;
   do waited = ::wait4(child, &ended.status, 0, &used);
@@ -76,7 +76,7 @@ Ended wait_for(pid_t child, std::chrono::steady_clock::time_point started) {
 }
 
 /// Returns the error for a process that ended without a result.
-Error error_of_ended_child(const fs::path& file, const Ended& ended) {
+Error error_of_child(const fs::path& file, const ChildExit& ended) {
   const int signal = ended.known && WIFSIGNALED(ended.status) ? WTERMSIG(ended.status) : 0;
   if (signal == SIGXCPU || signal == SIGALRM)
     return file_error("'{}' is damaged or too complex; its reader was stopped after {:.0f} s", file.string(),
@@ -88,35 +88,36 @@ Error error_of_ended_child(const fs::path& file, const Ended& ended) {
                     signal ? fmt::format(" ({})", ::strsignal(signal)) : "");
 }
 
-void add_beside(const fs::path& module, std::vector<fs::path>& places) {
+/// Adds the paths where umbrage-import may be installed relative to a program or library.
+void add_paths_near(const fs::path& module, std::vector<fs::path>& paths) {
   if (!module.has_parent_path()) return;
   const fs::path folder = module.parent_path();
-  places.push_back(folder / kProgram);
-  places.push_back(folder / "bin" / kProgram);  // for a library in its build tree
-  // For PREFIX/bin, PREFIX/lib and PREFIX/lib/x86_64-linux-gnu.
-  for (const char* up : {"..", "../.."}) places.push_back(folder / up / "libexec" / "umbrage" / kProgram);
+  paths.push_back(folder / kProgram);
+  paths.push_back(folder / "bin" / kProgram);  // for a library in its build tree
+  // For a module in PREFIX/bin, PREFIX/lib or PREFIX/lib/x86_64-linux-gnu.
+  for (const char* up : {"..", "../.."}) paths.push_back(folder / up / "libexec" / "umbrage" / kProgram);
 }
 
 }  // namespace
 
 fs::path import_program() {
-  if (const char* named = std::getenv("UMBRAGE_IMPORT"); named && *named) return named;
-  std::vector<fs::path> places;
+  if (const char* configured = std::getenv("UMBRAGE_IMPORT"); configured && *configured) return configured;
+  std::vector<fs::path> paths;
   Dl_info module{};
   if (::dladdr(reinterpret_cast<const void*>(&import_program), &module) != 0 && module.dli_fname)
-    add_beside(module.dli_fname, places);
+    add_paths_near(module.dli_fname, paths);
   std::error_code error;
-  if (const fs::path self = fs::read_symlink("/proc/self/exe", error); !error) add_beside(self, places);
-  places.push_back(fs::path(UMBRAGE_LIBEXEC) / kProgram);
-  for (const fs::path& place : places)
-    if (::access(place.c_str(), X_OK) == 0) return place;
+  if (const fs::path self = fs::read_symlink("/proc/self/exe", error); !error) add_paths_near(self, paths);
+  paths.push_back(fs::path(UMBRAGE_LIBEXEC) / kProgram);
+  for (const fs::path& path : paths)
+    if (::access(path.c_str(), X_OK) == 0) return path;
   return {};
 }
 
 namespace {
 
-/// Waits for the byte that marks a complete result, or for the pipe's end, and calls the poll meanwhile. Returns 1 for
-/// the byte.
+/// Waits for the byte that marks a complete result, or for the end of the pipe, and calls the poll meanwhile. Returns 1
+/// if the byte has arrived.
 ssize_t wait_for_byte(int pipe, Poll* poll) {
   while (poll) {
     pollfd ready{.fd = pipe, .events = POLLIN, .revents = 0};
@@ -125,10 +126,10 @@ ssize_t wait_for_byte(int pipe, Poll* poll) {
     if (poll->ask(0.0)) return 0;
   }
   char byte = 0;
-  ssize_t got = 0;
-  do got = ::read(pipe, &byte, 1);
-  while (got < 0 && errno == EINTR);
-  return got;
+  ssize_t byte_count = 0;
+  do byte_count = ::read(pipe, &byte, 1);
+  while (byte_count < 0 && errno == EINTR);
+  return byte_count;
 }
 
 /// Runs umbrage-import with these arguments, which name the file, and receives its result.
@@ -140,13 +141,14 @@ Result<T> read_in_child_process(const fs::path& file, const std::vector<std::str
     return file_error("'{}' cannot be read: the program {} is missing; install it, or set UMBRAGE_IMPORT to its path",
                       file.string(), kProgram);
   Descriptor result = moved_to_free_number(::memfd_create("umbrage-scene", MFD_CLOEXEC));
-  int ends[2] = {-1, -1};
+  int pipe_ends[2] = {-1, -1};
   Descriptor reported, done;
-  if (::pipe2(ends, O_CLOEXEC) == 0) reported = moved_to_free_number(ends[0]), done = moved_to_free_number(ends[1]);
+  if (::pipe2(pipe_ends, O_CLOEXEC) == 0)
+    reported = moved_to_free_number(pipe_ends[0]), done = moved_to_free_number(pipe_ends[1]);
   if (result.number < 0 || reported.number < 0 || done.number < 0)
     return file_error("'{}' cannot be read: {}", file.string(), std::strerror(errno));
   const auto started = std::chrono::steady_clock::now();
-  // The child's output is discarded: users get the error instead.
+  // The child's standard output and error are discarded: users get the returned error instead.
   const ChildProgram reader{.program = fs::absolute(program),  // absolute, so that PATH is not searched
                             .words = words,
                             .files = {{STDIN_FILENO},
@@ -158,21 +160,21 @@ Result<T> read_in_child_process(const fs::path& file, const std::vector<std::str
   if (const int failed = start_child(reader, child))
     return file_error("'{}' cannot be read: the program '{}' does not start ({})", file.string(), program.string(),
                       std::strerror(failed));
-  done.close();  // only the child's end is open now, so that its end closes the pipe
-  const ssize_t got = wait_for_byte(reported.number, poll);
+  done.close();  // now only the child can write to the pipe, so the pipe closes when the child exits
+  const ssize_t byte_count = wait_for_byte(reported.number, poll);
   if (poll && poll->ended()) {
     ::kill(child, SIGKILL);
     wait_for(child, started);
     return interrupted();
   }
   std::optional<Result<T>> received;
-  if (got == 1) received = receive(result.number);
-  const Ended ended = wait_for(child, started);
+  if (byte_count == 1) received = receive(result.number);
+  const ChildExit ended = wait_for(child, started);
   if (received) return std::move(*received);
-  if (got == 1)
+  if (byte_count == 1)
     return file_error("'{}' cannot be read: '{}' has another version than this program", file.string(),
                       program.string());
-  return error_of_ended_child(file, ended);
+  return error_of_child(file, ended);
 }
 
 }  // namespace

@@ -11,8 +11,8 @@ namespace umbrage {
 inline constexpr int kImportResult = 3, kImportDone = 4;
 
 /// Runs umbrage-import on a file. Safe to call from several threads and in any host: processes are started only by
-/// posix_spawn, and signal handlers are not changed. Errors: kFile: the reader's own, one sentence if it crashed or was
-/// stopped, one if the program umbrage-import is missing; kInterrupted, after umbrage-import has ended.
+/// posix_spawn, and signal handlers are not changed. Errors: kFile: the reader's error, or that it crashed
+/// or was stopped, or that the program umbrage-import is missing; kInterrupted, after umbrage-import has ended.
 Result<Scene> import_in_child_process(const std::filesystem::path& file, const ImportSettings& settings,
                                       Poll* poll = nullptr);
 
@@ -26,8 +26,9 @@ inline constexpr const char* kReadPanorama = "--panorama";
 /// Errors: as import_in_child_process.
 Result<Panorama> read_panorama_in_child_process(const std::filesystem::path& file, Poll* poll = nullptr);
 
-/// Returns the path of umbrage-import: the environment variable UMBRAGE_IMPORT, else beside the program or library that
-/// contains this function or in its ../libexec/umbrage, else the installation path. Empty if none exists.
+/// Returns the path of umbrage-import: the value of the environment variable UMBRAGE_IMPORT, if set; else the first
+/// file found beside the library or program that contains this function, in libexec/umbrage near it, or in the
+/// installation path. Empty if there is none.
 std::filesystem::path import_program();
 
 }  // namespace umbrage

@@ -79,7 +79,7 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
-/// A glTF file of the triangle (0,0,0) (1,0,0) (0,1,0), without normals, under one node.
+/// Returns a glTF file that contains the triangle (0,0,0) (1,0,0) (0,1,0), without normals, under one node.
 std::string triangle_gltf(const std::string& node, const std::string& material) {
   const std::string bytes = bytes_of({0, 0, 0, 1, 0, 0, 0, 1, 0, /* texture coordinates */ 0, 0, 1, 0, 0, 1});
   return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0)" + node +
@@ -94,7 +94,7 @@ std::string triangle_gltf(const std::string& node, const std::string& material) 
 "textures":[{"source":0}],"images":[{"uri":"dots.tga"}]})";
 }
 
-/// A glTF file of the same triangle, with vertex colours.
+/// Returns a glTF file that contains the same triangle with vertex colours.
 std::string colored_gltf() {
   std::string text = triangle_gltf("", "{}");
   const std::string bytes = bytes_of({0, 0, 0, 1, 0, 0, 0, 1, 0, .5f, .25f, 1, .5f, .25f, 1, .5f, .25f, 1});
@@ -110,14 +110,14 @@ std::string colored_gltf() {
   return text;
 }
 
-/// A glTF file of three points, the triangle's corners.
+/// Returns a glTF file that contains three points, the corners of the same triangle.
 std::string points_gltf() {
   std::string text = triangle_gltf("", "{}");
   const std::string from = R"("material":0})";
   return text.replace(text.find(from), from.size(), R"("material":0,"mode":0})");
 }
 
-/// An uncompressed TGA of 2 x 1 texels: opaque red, transparent green.
+/// Returns an uncompressed TGA file of 2 x 1 texels: opaque red, transparent green.
 std::string two_texels_tga() {
   std::string file(18, '\0');
   file[2] = 2;      // colours, not compressed
@@ -145,7 +145,7 @@ TEST_F(Import, ReadsObj) {
   EXPECT_EQ(scene.materials.at(std::size_t(scene.meshes[0].material)).albedo, glm::vec3(0.8f));
 }
 
-TEST_F(Import, ReadsNumbersThatBeginWithTheirPoint) {
+TEST_F(Import, ReadsNumbersWithoutLeadingZero) {
   const Scene scene = read("point.obj", "v .5 -.25 0\nv 1 0 0\nv 0 .75e0 +.5\nf 1 2 3\n");
   EXPECT_EQ(scene.bounds_min, glm::vec3(0.0f, -0.25f, 0.0f));
   EXPECT_EQ(scene.bounds_max, glm::vec3(1.0f, 0.75f, 0.5f));
@@ -172,10 +172,10 @@ TEST_F(Import, ReadsMaterialsOfObj) {
   EXPECT_TRUE(scene.warnings.empty());
 }
 
-TEST_F(Import, WarnsOfMissingLibraryAndTexture) {
-  const Scene bare = read("a.obj", "mtllib gone.mtl\nusemtl x\n" + cube_obj());
-  ASSERT_EQ(bare.warnings.size(), 1u);
-  EXPECT_NE(bare.warnings[0].find("gone.mtl"), std::string::npos);
+TEST_F(Import, WarnsAboutMissingLibraryAndTexture) {
+  const Scene without_library = read("a.obj", "mtllib gone.mtl\nusemtl x\n" + cube_obj());
+  ASSERT_EQ(without_library.warnings.size(), 1u);
+  EXPECT_NE(without_library.warnings[0].find("gone.mtl"), std::string::npos);
   write("b.mtl", "newmtl x\nKd 0.1 0.1 0.1\nmap_Kd gone.png\nnewmtl y\nmap_Kd gone.png\n");
   const Scene scene = read("b.obj", std::string("mtllib b.mtl\n") + kCubeVertices +
                                         "vt 0 0\nusemtl x\nf 1/1 2/1 3/1\nusemtl y\nf 5/1 6/1 7/1\n");
@@ -206,7 +206,7 @@ TEST_F(Import, FindsTexturesOnceByAnyCaseAndBareName) {
   for (const Mesh& mesh : scene.meshes) {
     const Material& material = scene.materials.at(std::size_t(mesh.material));
     EXPECT_NE(material.texture, kNoTexture);
-    EXPECT_TRUE(material.alpha_mask) << "its alpha is clear or opaque";
+    EXPECT_TRUE(material.alpha_mask) << "each texel is transparent or opaque";
     EXPECT_EQ(mesh.uvs.at(0), glm::vec2(0.25f, 0.75f));
     if (material.name == "a") {
       EXPECT_EQ(material.albedo, glm::vec3(1.0f));
@@ -217,12 +217,12 @@ TEST_F(Import, FindsTexturesOnceByAnyCaseAndBareName) {
   }
 }
 
-TEST_F(Import, TakesTheMaskOfObjFromItsOwnFile) {
+TEST_F(Import, ReadsTheMaskOfObjFromASeparateFile) {
   write("color.tga", two_texels_tga());
   std::string mask = two_texels_tga();
   for (std::size_t i = 18; i < 22; ++i) mask[i] = 0;           // the first texel black
   for (std::size_t i = 22; i < 26; ++i) mask[i] = char(0xff);  // the second white
-  mask[21] = char(0xff);                                       // both opaque: the brightness counts
+  mask[21] = char(0xff);                                       // both opaque: the brightness is the mask
   write("mask.tga", mask);
   write("d.mtl", "newmtl a\nKd 1 1 1\nmap_Kd color.tga\nmap_d mask.tga\n");
   const Scene scene =
@@ -255,7 +255,7 @@ TEST_F(Import, ReadsPlyAsTextAndBinaryAndStrips) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(face_normal(strips.meshes[0], i), glm::vec3(0, 0, 1)) << i;
 }
 
-/// Linear value of 0.5 in sRGB.
+/// The linear value of sRGB 0.5.
 constexpr float kHalfLinear = 0.21404114f;
 
 void expect_near(const glm::vec3& a, const glm::vec3& b, const char* what) {
@@ -280,8 +280,8 @@ TEST_F(Import, ReadsColorsOfVertices) {
     EXPECT_TRUE(scene.warnings.empty()) << scene.name;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t corner = mesh.positions[k].x == 1.0f ? 1 : mesh.positions[k].y == 1.0f ? 2 : 0;
-      const glm::vec3 seen = mesh.colors[k] * scene.materials[std::size_t(mesh.material)].albedo;
-      if (scene.name != "a.obj") expect_near(seen, wanted[corner], scene.name.c_str());
+      const glm::vec3 product = mesh.colors[k] * scene.materials[std::size_t(mesh.material)].albedo;
+      if (scene.name != "a.obj") expect_near(product, wanted[corner], scene.name.c_str());
       expect_near(mesh.colors[k], wanted[corner], scene.name.c_str());
     }
   }
@@ -304,8 +304,8 @@ TEST_F(Import, ReadsColorsOfVertices) {
   EXPECT_TRUE(read("w.obj", "v 0 0 0 1 1 1\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\n").meshes.at(0).colors.empty());
 }
 
-TEST_F(Import, ColorsPartVerticesWhereTheyDiffer) {
-  // Two triangles share an edge, one is red and the other blue: normals are averaged across it, colours are not.
+TEST_F(Import, DifferentColorsSplitVertices) {
+  // Two triangles share an edge; one is red, the other blue. Normals are averaged across the edge, colours are not.
   const Scene scene = read("seam.obj",
                            "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\n"
                            "v 1 0 0 0 0 1\nv 1 1 0 0 0 1\nv 0 1 0 0 0 1\nf 1 2 3\nf 4 5 6\n");
@@ -348,7 +348,7 @@ TEST_F(Import, ReadsPoints) {
   }
 }
 
-TEST_F(Import, ReadsWhatFollowsAPointInText) {
+TEST_F(Import, ReadsColumnsAfterPositions) {
   const auto mesh_of = [&](const std::string& text) { return read("a.xyz", text).meshes.at(0); };
   const Mesh colored = mesh_of("# a scan\n0 0 0 255 0 0\n1,0,0,255,0,0\n0;1;0;51;0;0\n");
   ASSERT_EQ(colored.colors.size(), 3u);
@@ -359,7 +359,7 @@ TEST_F(Import, ReadsWhatFollowsAPointInText) {
   EXPECT_TRUE(mesh_of("0 0 0 0.5\n1 0 0 0.25\n0 1 0 1\n").colors.empty()) << "an intensity alone";
 }
 
-TEST_F(Import, PointSettingsGoBeforeWhatThePointsSay) {
+TEST_F(Import, PointSettingsOverrideTheFile) {
   const std::string text = "0 0 0\n2 0 0\n0 2 0\n2 2 0\n1 1 0\n";
   ImportSettings settings;
   settings.points = {PointShape::kSpheres, {0.5f, 0}};
@@ -434,7 +434,7 @@ TEST_F(Import, BakesTransformsAndTurnsMirroredFaces) {
   EXPECT_NEAR(material.specular_exponent, 30.0f, 1e-3f) << "2 / 0.5^4 - 2";
   EXPECT_NEAR(material.specular_strength, 0.04f * 30.0f / 8.0f, 1e-4f);
 
-  // Mirroring turns the winding, but the outside stays outside: the face still points to +z.
+  // Mirroring reverses the winding, but the face must still point to +z.
   const Scene mirrored = read("b.gltf", triangle_gltf(R"(,"scale":[-1,1,1])", plain));
   EXPECT_EQ(mirrored.bounds_min.x, -1.0f);
   EXPECT_EQ(face_normal(mirrored.meshes.at(0), 0), glm::vec3(0, 0, 1));
@@ -505,7 +505,7 @@ TEST_F(Import, ReadsEmissionOfGltf) {
   EXPECT_EQ(material_of(R"("emissiveTexture":{"index":0})").emission_texture, kNoTexture) << "times 0";
 }
 
-TEST_F(Import, PlacesTexturesAsGltfSays) {
+TEST_F(Import, AppliesGltfTextureTransforms) {
   write("dots.tga", two_texels_tga());
   // The triangle's texture coordinates are its x and y, with v measured from the top.
   const auto expect_uvs = [&](const std::string& use, auto wanted) {
@@ -531,7 +531,7 @@ TEST_F(Import, PlacesTexturesAsGltfSays) {
   expect_uvs(R"(,"texCoord":1)", [](float x, float y) { return glm::vec2(x, y); });  // a missing set
 }
 
-TEST_F(Import, LeavesOutWhatIsMostlyClear) {
+TEST_F(Import, SkipsMostlyTransparentMeshes) {
   const auto two_of = [&](const std::string& other) {
     std::string text = triangle_gltf("", R"({"name":"wall"},{"name":"pane",)" + other + "}");
     text.replace(text.find(R"("nodes":[0])"), 11, R"("nodes":[0,1])");
@@ -551,7 +551,7 @@ TEST_F(Import, LeavesOutWhatIsMostlyClear) {
   EXPECT_EQ(two_of(alpha + R"(0.2]},"alphaMode":"MASK","alphaCutoff":0.1)").meshes.size(), 2u);
   EXPECT_EQ(two_of(alpha + R"(0.8]},"alphaMode":"BLEND")").meshes.size(), 2u);
   EXPECT_EQ(two_of(alpha + R"(0.2]})").meshes.size(), 2u) << "opaque, whatever its alpha";
-  // If it is the only mesh, it is drawn: a glass.
+  // A transparent mesh, such as a glass, is drawn if it is the only mesh.
   const Scene glass = read("glass.gltf", triangle_gltf("", "{" + alpha + R"(0.2]},"alphaMode":"BLEND"})"));
   EXPECT_EQ(glass.triangle_count(), 1u);
 }
@@ -569,7 +569,7 @@ TEST_F(Import, ReadsCamerasAndScenesOfGltf) {
 {"name":"front","camera":0,"translation":[0,1,0]},{"camera":1,"scale":[2,2,2]}])");
   const Scene scene = read("cameras.gltf", text);
   EXPECT_EQ(scene.triangle_count(), 1u);
-  EXPECT_TRUE(scene.views.empty()) << "they are used on request";
+  EXPECT_TRUE(scene.views.empty()) << "cameras of the file are used on request";
   ASSERT_EQ(scene.cameras.size(), 2u);
   const View &front = scene.cameras[0], &plan = scene.cameras[1];
   EXPECT_EQ(front.name, "front");
@@ -586,22 +586,22 @@ TEST_F(Import, ReadsCamerasAndScenesOfGltf) {
 
 constexpr const char* kBlended = R"({"alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})";
 
-/// Returns the texture of a scene's only material, which was blended and is now cut out.
+/// Returns the texture of a scene's only material, which is blended in the file and must be cut out.
 const Texture& cut_out_of(const Scene& scene) {
   const Material& material = scene.materials.at(std::size_t(scene.meshes.at(0).material));
   EXPECT_TRUE(material.alpha_mask);
   return scene.textures.at(std::size_t(material.texture));
 }
 
-TEST_F(Import, CutsWhatIsBlendedAlongSmoothEdges) {
-  // Dirty glass: spots with alpha above and below one half; the left half is opaque on average.
+TEST_F(Import, CutsOutBlendedTexturesAlongSmoothEdges) {
+  // Alpha varies from texel to texel, as on dirty glass; only the left half of the texture is opaque on average.
   constexpr int kWidth = 256, kHeight = 64;
   std::string tga = two_texels_tga().substr(0, 18);
   tga[12] = char(kWidth & 255), tga[13] = char(kWidth >> 8), tga[14] = char(kHeight), tga[15] = 0;
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) {
-      const bool grain = (x * 7 + y * 13 + x * y) % 3 == 0;
-      const int alpha = x < kWidth / 2 ? (grain ? 70 : 200) : (grain ? 190 : 60);
+      const bool is_spot = (x * 7 + y * 13 + x * y) % 3 == 0;
+      const int alpha = x < kWidth / 2 ? (is_spot ? 70 : 200) : (is_spot ? 190 : 60);
       tga += {char(90), char(90), char(90), char(alpha)};
     }
   write("dots.tga", tga);
@@ -619,8 +619,8 @@ TEST_F(Import, CutsWhatIsBlendedAlongSmoothEdges) {
   EXPECT_EQ(wrong, 0);
 }
 
-TEST_F(Import, KeepsThePalettesOfWhatIsBlended) {
-  // Two texels, one of them mostly transparent: an average would make them equal.
+TEST_F(Import, KeepsPalettesOfBlendedMaterials) {
+  // One of the two texels is mostly transparent. Averaging would make them equal.
   std::string tga = two_texels_tga();
   tga[21] = char(255), tga[25] = char(40);
   tga[18] = tga[19] = tga[20] = tga[22] = tga[23] = tga[24] = char(90);
@@ -688,8 +688,8 @@ TEST_F(Import, DropsWhatCannotBeDrawn) {
   EXPECT_EQ(scene.warnings[1], "3 of 5 triangles are degenerate or not finite and are left out");
 }
 
-TEST_F(Import, SaysThatIndicesAreOutOfRange) {
-  // Also for glTF, where the reader itself drops such triangles.
+TEST_F(Import, ReportsIndicesOutOfRange) {
+  // This is a glTF file: for glTF the reader itself drops such triangles.
   std::string text = triangle_gltf("", "{}");
   const std::string indices = std::string("\0\0\1\0\2\0\0\0\1\0\x63\0", 12);
   text.replace(text.find(R"("TEXCOORD_0":1})"), 15, R"("TEXCOORD_0":1},"indices":2)");
@@ -716,18 +716,18 @@ Mesh cube_mesh() {
   return mesh;
 }
 
-/// Returns the same triangles with three vertices each, and zeros of both signs.
-Mesh torn(const Mesh& mesh) {
-  Mesh soup;
+/// Returns the same triangles with three separate vertices each, and with zeros of both signs.
+Mesh with_separate_vertices(const Mesh& mesh) {
+  Mesh separate;
   for (std::uint32_t index : mesh.indices) {
-    soup.indices.push_back(std::uint32_t(soup.positions.size()));
+    separate.indices.push_back(std::uint32_t(separate.positions.size()));
     glm::vec3 p = mesh.positions[index];
-    if (soup.positions.size() % 2) {
+    if (separate.positions.size() % 2) {
       for (int k = 0; k < 3; ++k) p[k] = p[k] == 0.0f ? -0.0f : p[k];
     }
-    soup.positions.push_back(p);
+    separate.positions.push_back(p);
   }
-  return soup;
+  return separate;
 }
 
 Mesh sphere_mesh(int rings, int sectors, float radius, glm::vec3 center) {
@@ -750,7 +750,7 @@ Mesh sphere_mesh(int rings, int sectors, float radius, glm::vec3 center) {
 }
 
 TEST(Normals, CreaseAngleSplitsACube) {
-  for (const Mesh& source : {cube_mesh(), torn(cube_mesh())}) {
+  for (const Mesh& source : {cube_mesh(), with_separate_vertices(cube_mesh())}) {
     Mesh sharp = source, smooth = source, just_below = source, just_above = source;
     make_normals(sharp, 60.0f);
     make_normals(smooth, 180.0f);
@@ -764,7 +764,7 @@ TEST(Normals, CreaseAngleSplitsACube) {
       EXPECT_LT(glm::distance(sharp.normals[sharp.indices[i]], face_normal(sharp, i / 3)), 1e-6f);
       EXPECT_EQ(sharp.positions[sharp.indices[i]], source.positions[source.indices[i]]);
     }
-    // Weighted by angle, a corner's normal is its diagonal however its faces are triangulated.
+    // Because of the weights by angle, a corner's normal is its diagonal, however its faces are triangulated.
     for (std::size_t v = 0; v < 8; ++v) {
       const glm::vec3 diagonal = glm::normalize(smooth.positions[v] - 0.5f);
       EXPECT_LT(glm::distance(smooth.normals[v], diagonal), 1e-5f);
@@ -773,7 +773,7 @@ TEST(Normals, CreaseAngleSplitsACube) {
 }
 
 TEST(Normals, KeepTextureSeams) {
-  Mesh mesh = torn(cube_mesh());
+  Mesh mesh = with_separate_vertices(cube_mesh());
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) mesh.uvs.emplace_back(v < 18 ? 0.0f : 1.0f, 0.0f);
   make_normals(mesh, 180.0f);
   ASSERT_EQ(mesh.uvs.size(), mesh.positions.size());
@@ -791,7 +791,7 @@ TEST(Normals, OfASphereAreRadialAtAnyScale) {
     glm::vec3 center;
     float tolerance_deg;
   };
-  // In the last case a step of the float grid is 0.008, which is 1e-4 of the radius and 0.2 degrees of a face.
+  // In the last case adjacent floats differ by 0.008, which is 1e-4 of the radius and tilts a face by 0.2 degrees.
   for (const Case& c : {Case{1.0f, glm::vec3(0.0f), 1.0f}, Case{1e-6f, glm::vec3(0.0f), 1.0f},
                         Case{1e-15f, glm::vec3(0.0f), 1.0f}, Case{1e6f, glm::vec3(0.0f), 1.0f},
                         Case{1e15f, glm::vec3(0.0f), 1.0f}, Case{80.0f, glm::vec3(1e5f, 0.0f, 0.0f), 1.0f}}) {
@@ -827,10 +827,10 @@ TEST(Finish, RepairsBadNormals) {
   mesh.normals[50] = glm::vec3(std::numeric_limits<float>::quiet_NaN());
   scene.meshes.push_back(mesh);
   finish_scene(scene);
-  const Mesh& done = scene.meshes.at(0);
-  for (std::size_t v = 0; v < done.positions.size(); ++v) {
-    EXPECT_NEAR(glm::length(done.normals[v]), 1.0f, 1e-5f);
-    EXPECT_GT(glm::dot(done.normals[v], glm::normalize(done.positions[v])), 0.95f) << v;
+  const Mesh& finished = scene.meshes.at(0);
+  for (std::size_t v = 0; v < finished.positions.size(); ++v) {
+    EXPECT_NEAR(glm::length(finished.normals[v]), 1.0f, 1e-5f);
+    EXPECT_GT(glm::dot(finished.normals[v], glm::normalize(finished.positions[v])), 0.95f) << v;
   }
 }
 
@@ -852,7 +852,7 @@ TEST(Finish, TakesAnEmptyScene) {
   EXPECT_EQ(scene.radius(), 0.0f);
 }
 
-TEST(TextureFile, RefusesWhatIsNoImage) {
+TEST(TextureFile, RejectsOtherData) {
   const std::vector<std::uint8_t> noise(100, 7);
   const Result<Texture> texture = decode_texture(noise, "noise.png");
   ASSERT_FALSE(texture);

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kBlank = " \t\r\n";
 
-/// Reads words and numbers; "#" starts a comment that extends to the end of the line.
+/// A reader of words and numbers; "#" starts a comment that extends to the end of the line.
 struct Words {
   std::string_view text;
   bool failed = false;
@@ -56,7 +56,7 @@ struct Words {
     return failed ? 0 : std::size_t(value);
   }
 
-  void rest_of_line() { text.remove_prefix(std::min(text.find('\n'), text.size())); }
+  void skip_line() { text.remove_prefix(std::min(text.find('\n'), text.size())); }
 };
 
 }  // namespace
@@ -78,7 +78,7 @@ Result<Scene> read_off(const fs::path& path, Poll* poll) {
 
   const std::size_t vertex_count = words.count(), face_count = words.count();
   words.count();  // number of edges, not used
-  // A vertex has three numbers and a face at least one, each followed by a blank.
+  // A vertex takes three numbers and a face at least one number, each followed by a blank.
   if (words.failed || vertex_count > words.text.size() / 6 + 1 || face_count > words.text.size() / 2 + 1) {
     return file_error("'{}' is cut short, or its counts of vertices and faces are wrong", file);
   }
@@ -106,9 +106,9 @@ Result<Scene> read_off(const fs::path& path, Poll* poll) {
     }
     if (has_uvs) mesh.uvs.emplace_back(count > 1 ? values[count - 2] : 0.0f, count > 0 ? values[count - 1] : 0.0f);
     if (has_colors) mesh.colors.emplace_back(values[0], values[1], values[2]);
-    words.rest_of_line();
+    words.skip_line();
   }
-  // Colours are 0 to 1, or bytes.
+  // Colours are 0 to 1, or 0 to 255 if any value is above 1.
   float brightest = 0.0f;
   for (const glm::vec3& c : mesh.colors) brightest = std::max({brightest, c.x, c.y, c.z});
   for (glm::vec3& c : mesh.colors) c = linear_color(brightest > 1.0f ? c / 255.0f : c);
@@ -130,7 +130,7 @@ Result<Scene> read_off(const fs::path& path, Poll* poll) {
       return file_error("'{}' is cut short, or has something other than an index, at face {} of {}", file, i + 1,
                         face_count);
     }
-    words.rest_of_line();
+    words.skip_line();
   }
   mesh.points = face_count == 0;
   scene.materials.emplace_back();

@@ -63,7 +63,8 @@ struct Header {
   std::string texture;
 };
 
-/// Reads numbers in sequence; after the end it returns zeros, and `ended` is set.
+/// A reader of numbers in sequence. After the end, or at something other than a number, it returns zeros, and `ended`
+/// is set.
 struct Body {
   const char* at;
   const char* end;
@@ -227,7 +228,7 @@ Slot slot_of(std::string_view name) {
   return kNowhere;
 }
 
-/// Returns the divisor that maps a colour component to 0 to 1.
+/// Returns the divisor that maps a colour component to the range 0 to 1.
 float full_scale(Number number) {
   switch (number) {
     case Number::kInt8:
@@ -293,16 +294,17 @@ void add_fan(const std::vector<std::uint32_t>& corners, Mesh& mesh) {
   }
 }
 
-/// Every second triangle of a strip has the opposite winding; -1 starts a new strip.
+/// Adds the triangles of strips. Every second triangle of a strip has the opposite winding; index -1 starts a new
+/// strip.
 void add_strips(const std::vector<std::uint32_t>& corners, Mesh& mesh) {
   std::size_t begin = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     if (corners[i] == kNoVertex) {
       begin = i + 1;
     } else if (i >= begin + 2) {
-      const bool turned = (i - begin) % 2 == 1;
+      const bool is_flipped = (i - begin) % 2 == 1;
       mesh.indices.insert(mesh.indices.end(),
-                          {corners[turned ? i - 1 : i - 2], corners[turned ? i - 2 : i - 1], corners[i]});
+                          {corners[is_flipped ? i - 1 : i - 2], corners[is_flipped ? i - 2 : i - 1], corners[i]});
     }
   }
 }
@@ -316,14 +318,14 @@ void read_lists(const Element& element, Body& body, bool strips, Mesh* mesh, Pol
         body.next(property.number);
         continue;
       }
-      const bool wanted = mesh && (property.name == "vertex_indices" || property.name == "vertex_index");
+      const bool is_index_list = mesh && (property.name == "vertex_indices" || property.name == "vertex_index");
       const double count = body.next(*property.list_size);
       corners.clear();
       for (double j = 0; j < count && !body.ended; ++j) {
         const double index = body.next(property.number);
-        if (wanted) corners.push_back(vertex_of(index));
+        if (is_index_list) corners.push_back(vertex_of(index));
       }
-      if (!wanted || body.ended) continue;
+      if (!is_index_list || body.ended) continue;
       if (strips) {
         add_strips(corners, *mesh);
       } else {
@@ -358,8 +360,8 @@ Result<Scene> read_ply(const fs::path& path, std::string& texture_name, Poll* po
   Mesh mesh;
   Body body{text.data(), text.data() + text.size(), header->storage};
   for (const Element& element : header->elements) {
-    // Each property takes at least one byte, plus a blank in text form: checks the header's count against the remaining
-    // bytes.
+    // Check the header's count against the remaining bytes: each property takes at least one byte, plus a blank in text
+    // form.
     const std::size_t row = std::max<std::size_t>(1, element.properties.size());
     if (element.count > body.left() / row + 1) {
       return file_error(

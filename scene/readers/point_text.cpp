@@ -1,4 +1,4 @@
-// Parses lines of numbers; see the header for the columns.
+// Readers for points in text form. The header describes the columns.
 #include "scene/readers/point_text.h"
 
 #include <algorithm>
@@ -64,8 +64,8 @@ bool is_color(const Row& row, std::size_t first) {
 }
 
 bool is_normal(const Row& row, std::size_t first) {
-  constexpr float kOff = 0.02f;  // tolerance for numbers with two digits
-  return std::abs(glm::length(triple(row, first)) - 1.0f) < kOff;
+  constexpr float kTolerance = 0.02f;  // tolerance for numbers with two digits
+  return std::abs(glm::length(triple(row, first)) - 1.0f) < kTolerance;
 }
 
 Scene scene_of(Mesh mesh, const fs::path& file) {
@@ -86,36 +86,36 @@ Result<Scene> read_xyz(const fs::path& path, Poll* poll) {
   const auto text = read_whole_file(path, poll);
   if (!text) return text.error();
   std::vector<Row> rows;
-  std::size_t wrong = 0;
+  std::size_t wrong_line = 0;
   for_each_line(*text, [&](std::string_view line, std::size_t number) {
-    constexpr std::size_t kLines = 4096;  // lines between calls of the poll
-    if (poll && number % kLines == 0 && poll->passing(double(line.data() - text->data()) / double(text->size())))
+    constexpr std::size_t kLinesPerPoll = 4096;  // lines between calls of the poll
+    if (poll && number % kLinesPerPoll == 0 && poll->passing(double(line.data() - text->data()) / double(text->size())))
       return false;
     line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
     if (line.empty() || line.starts_with('#') || line.starts_with("//")) return true;
     const Row row = row_of(line);
-    if (row.count < 3 && rows.empty() && number == 1) return true;  // the number of points, or names of the columns
+    if (row.count < 3 && rows.empty() && number == 1) return true;  // number of points, or column names
     if (row.count < 3) {
-      wrong = number;
+      wrong_line = number;
       return false;
     }
     rows.push_back(row);
     return true;
   });
   if (poll && poll->ended()) return interrupted();
-  if (wrong > 0) return file_error("'{}' has fewer than three numbers in line {}", file, wrong);
+  if (wrong_line > 0) return file_error("'{}' has fewer than three numbers in line {}", file, wrong_line);
 
   Mesh mesh;
   std::size_t columns = kMaxColumns;
   for (const Row& row : rows) columns = std::min(columns, row.count);
   // An intensity may come between position and colour.
   for (std::size_t first = 3; first + 3 <= columns; ++first) {
-    const auto all = [&](auto is) {
-      return std::all_of(rows.begin(), rows.end(), [&](const Row& row) { return is(row, first); });
+    const auto all_rows = [&](auto test) {
+      return std::all_of(rows.begin(), rows.end(), [&](const Row& row) { return test(row, first); });
     };
-    if (mesh.normals.empty() && all(is_normal)) {
+    if (mesh.normals.empty() && all_rows(is_normal)) {
       for (const Row& row : rows) mesh.normals.push_back(triple(row, first));
-    } else if (mesh.colors.empty() && all(is_color)) {
+    } else if (mesh.colors.empty() && all_rows(is_color)) {
       for (const Row& row : rows) mesh.colors.push_back(linear_color(triple(row, first) / 255.0f));
     } else {
       continue;
@@ -128,20 +128,20 @@ Result<Scene> read_xyz(const fs::path& path, Poll* poll) {
 
 bool is_obj_of_points(std::string_view text) {
   if (text.find("\nf ") != std::string_view::npos) return false;  // quick test for most files
-  bool vertices = false, more = false;
+  bool vertices = false, has_others = false;
   for_each_line(text, [&](std::string_view line, std::size_t) {
     line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
     const std::string_view word = line.substr(0, line.find_first_of(kBlank));
     vertices = vertices || word == "v";
-    more = word == "f" || word == "l" || word == "fo" || word == "curv" || word == "surf";
-    return !more;
+    has_others = word == "f" || word == "l" || word == "fo" || word == "curv" || word == "surf";
+    return !has_others;
   });
-  return vertices && !more;
+  return vertices && !has_others;
 }
 
 Result<Scene> read_obj_points(const fs::path& path, std::string_view text) {
   Mesh mesh;
-  std::size_t wrong = 0;
+  std::size_t wrong_line = 0;
   std::vector<glm::vec3> normals;
   for_each_line(text, [&](std::string_view line, std::size_t number) {
     line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
@@ -149,7 +149,7 @@ Result<Scene> read_obj_points(const fs::path& path, std::string_view text) {
     if (word != "v" && word != "vn") return true;
     const Row row = row_of(line.substr(word.size()));
     if (row.count < 3) {
-      wrong = number;
+      wrong_line = number;
       return false;
     }
     if (word == "vn") {
@@ -160,7 +160,7 @@ Result<Scene> read_obj_points(const fs::path& path, std::string_view text) {
     if (row.count >= 6) mesh.colors.push_back(triple(row, 3));
     return true;
   });
-  if (wrong > 0) return file_error("'{}' has fewer than three numbers in line {}", path.string(), wrong);
+  if (wrong_line > 0) return file_error("'{}' has fewer than three numbers in line {}", path.string(), wrong_line);
   if (normals.size() == mesh.positions.size()) mesh.normals = std::move(normals);
   if (mesh.colors.size() != mesh.positions.size()) mesh.colors.clear();
   for (glm::vec3& color : mesh.colors) color = linear_color(color);

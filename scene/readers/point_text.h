@@ -8,17 +8,18 @@
 
 namespace umbrage {
 
-/// Reads a file of one point per line, x y z, separated by blanks, commas or semicolons. Of the columns that follow,
+/// Reads a file of one point per line, x y z, separated by blanks, commas or semicolons. Among the columns that follow,
 /// three integers from 0 to 255 are a colour, and three numbers that are a unit vector in every line are a normal;
-/// other columns, such as an intensity, are ignored, as are lines that begin with # or //, and a first line with the
-/// number of points. The scene has one mesh, before finish_scene. Errors: kFile, naming the wrong line; kInterrupted.
+/// other columns, such as an intensity, are ignored. Ignores lines that begin with # or //, and a first line that
+/// contains the number of points or column names. The scene has one mesh, before finish_scene. Errors: kFile, naming
+/// the wrong line; kInterrupted.
 Result<Scene> read_xyz(const std::filesystem::path& file, Poll* poll = nullptr);
 
 /// Returns whether the text of an OBJ file has vertices but neither faces nor lines.
 bool is_obj_of_points(std::string_view text);
 
-/// Reads the text of an OBJ file without faces: vertices, colours if every vertex has one, and normals if their number
-/// equals that of the vertices.
+/// Reads the text of an OBJ file without faces: vertices, colours if every vertex has one, and normals if there are as
+/// many normals as vertices. Errors: kFile, naming the wrong line.
 Result<Scene> read_obj_points(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace umbrage

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kChannels = 4;  // red, green, blue, exponent
 
-/// Reads bytes in sequence. After the last one it returns 0, and `ended` is set.
+/// A reader of bytes in sequence. After the last byte it returns 0, and `ended` is set.
 struct Source {
   std::span<const std::uint8_t> bytes;
   std::size_t at = 0;
@@ -61,7 +61,7 @@ bool parse_size(std::string_view text, Header& header) {
   return fine;
 }
 
-/// Reads up to the pixels. Returns the cause of an error, or an empty text.
+/// Reads the header. Returns the cause of an error, or an empty text.
 std::string read_header(Source& source, Header& header) {
   for (std::string_view line = source.line(); !line.empty(); line = source.line()) {
     if (source.ended) return "its header is cut short";
@@ -82,28 +82,29 @@ std::string read_header(Source& source, Header& header) {
   return "";
 }
 
-/// Reads one row; each pixel's channels are adjacent. Returns false if it is damaged.
+/// Reads one row into `row`, with the channels of a pixel adjacent. Returns false if the row is damaged.
 bool read_row(Source& source, int width, std::vector<std::uint8_t>& row) {
-  constexpr int kMinRuns = 8, kMaxRuns = 32767;  // rows of other widths are never run-length encoded by channel
+  constexpr int kMinRunWidth = 8, kMaxRunWidth = 32767;  // width of rows that may be run-length encoded by channel
   std::uint8_t first[kChannels];
   for (std::uint8_t& byte : first) byte = source.next();
-  if (width >= kMinRuns && width <= kMaxRuns && first[0] == 2 && first[1] == 2 && first[2] < 128) {
+  if (width >= kMinRunWidth && width <= kMaxRunWidth && first[0] == 2 && first[1] == 2 && first[2] < 128) {
     if (first[2] * 256 + first[3] != width) return false;
     for (int c = 0; c < kChannels; ++c)
       for (int x = 0; x < width && !source.ended;) {
         const int code = source.next();
-        const bool run = code > 128;
-        const int count = run ? code - 128 : code;
+        const bool is_run = code > 128;
+        const int count = is_run ? code - 128 : code;
         if (count == 0 || count > width - x) return false;
-        std::uint8_t value = run ? source.next() : std::uint8_t(0);
+        std::uint8_t value = is_run ? source.next() : std::uint8_t(0);
         for (int k = 0; k < count; ++k, ++x) {
-          if (!run) value = source.next();
+          if (!is_run) value = source.next();
           row[std::size_t(x) * kChannels + std::size_t(c)] = value;
         }
       }
     return true;
   }
-  // Pixel by pixel. 1 1 1 n repeats the previous pixel n times; consecutive ones are digits of one number.
+  // The row is stored pixel by pixel. The bytes 1 1 1 n repeat the previous pixel n times. In consecutive repeats, the
+  // values n are digits of one count, to base 256, lowest first.
   int shift = 0;
   for (int x = 0; x < width && !source.ended;) {
     if (x > 0 || shift > 0)
@@ -133,8 +134,8 @@ Result<Panorama> decode_radiance(std::span<const std::uint8_t> bytes, const std:
                                  std::int64_t max_pixels) {
   Source source{bytes};
   Header header;
-  if (const std::string wrong = read_header(source, header); !wrong.empty())
-    return file_error("'{}' cannot be read as a Radiance picture: {}", name, wrong);
+  if (const std::string cause = read_header(source, header); !cause.empty())
+    return file_error("'{}' cannot be read as a Radiance picture: {}", name, cause);
   const int width = header.width, height = header.height;
   constexpr int kMaxWidth = 1 << 16;  // limits the memory of a row, which is allocated before any pixel is read
   if (std::int64_t(width) * height > max_pixels || width > kMaxWidth)
@@ -142,14 +143,14 @@ Result<Panorama> decode_radiance(std::span<const std::uint8_t> bytes, const std:
   std::vector<std::uint8_t> row(std::size_t(width) * kChannels);
   Panorama out{name, width, height, {}};
   for (int y = 0; y < height; ++y) {
-    const bool sound = read_row(source, width, row);
+    const bool is_valid = read_row(source, width, row);
     if (source.ended) return file_error("'{}' is cut short: row {} of {} is incomplete", name, y + 1, height);
-    if (!sound) return file_error("'{}' is damaged in row {} of {}", name, y + 1, height);
-    // After the first row, so that a header alone cannot cause a large allocation.
+    if (!is_valid) return file_error("'{}' is damaged in row {} of {}", name, y + 1, height);
+    // Allocate after the first row, so that a header alone cannot cause a large allocation.
     if (y == 0) out.rgb.reserve(std::size_t(width) * std::size_t(height) * 3);
     for (int x = 0; x < width; ++x) {
       const std::uint8_t* pixel = row.data() + std::size_t(header.mirrored ? width - 1 - x : x) * kChannels;
-      constexpr int kBias = 128 + 8;
+      constexpr int kBias = 128 + 8;  // of the exponent, plus 8 bits of the mantissa
       const float scale = pixel[3] == 0 ? 0.0f : std::ldexp(1.0f, pixel[3] - kBias) / header.exposure;
       for (int c = 0; c < 3; ++c) out.rgb.push_back(float(pixel[c]) * scale);
     }

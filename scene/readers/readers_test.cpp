@@ -1,4 +1,4 @@
-// A short version of the fuzzers' work: every reader gets its seeds complete, truncated and with random changes.
+// A short version of the fuzz tests: every reader reads its seeds complete, truncated and with random changes.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -39,7 +39,7 @@ std::string changed(std::string bytes, std::mt19937& random) {
   return bytes;
 }
 
-/// Test names consist of letters and digits only.
+/// Returns the reader's name for the name of a test, which may contain only letters and digits.
 std::string test_name(const testing::TestParamInfo<Reader>& info) {
   std::string name(info.param.name);
   std::erase(name, '-');
@@ -57,7 +57,7 @@ TEST_P(Readers, TakeAnyBytes) {
   for (const std::string& seed : seeds) {
     ASSERT_FALSE(seed.empty());
     reader.read(seed);
-    // Third-party readers may crash, so they run in a separate process, below.
+    // Third-party readers may crash. They are tested below, in a separate process.
     if (reader.is_third_party) continue;
     constexpr std::size_t kCuts = 100;
     for (std::size_t i = 0; i < kCuts; ++i) reader.read(std::string_view(seed).substr(0, seed.size() * i / kCuts));
@@ -68,19 +68,19 @@ TEST_P(Readers, TakeAnyBytes) {
 
 INSTANTIATE_TEST_SUITE_P(All, Readers, testing::ValuesIn(readers().begin(), readers().end()), test_name);
 
-TEST(ReadersOfOthers, NeverTakeTheProgramAlong) {
+TEST(ThirdPartyReaders, NeverCrashTheProgram) {
   std::string name = (fs::temp_directory_path() / "umbrage-readers-XXXXXX").string();
   ASSERT_NE(::mkdtemp(name.data()), nullptr);
   const fs::path folder = name;
   std::mt19937 random(2);
-  int sound = 0;
+  int valid_count = 0;
   for (const Reader& reader : readers()) {
     const auto& formats = import_formats();
     if (!reader.is_third_party || std::find(formats.begin(), formats.end(), reader.name) == formats.end()) continue;
     const fs::path file = folder / ("model." + std::string(reader.name));
     for (const std::string& seed : reader.seeds()) {
       std::ofstream(file, std::ios::binary) << seed;
-      sound += bool(import_scene(file));
+      valid_count += bool(import_scene(file));
       constexpr int kChanges = 6;
       for (int i = 0; i < kChanges; ++i) {
         std::ofstream(file, std::ios::binary) << changed(seed, random);
@@ -90,7 +90,7 @@ TEST(ReadersOfOthers, NeverTakeTheProgramAlong) {
       }
     }
   }
-  EXPECT_GE(sound, 8) << "the seeds are sound, but for a glTF file whose buffer is elsewhere";
+  EXPECT_GE(valid_count, 8) << "all seeds are valid except a glTF file whose buffer is missing";
   fs::remove_all(folder);
 }
 

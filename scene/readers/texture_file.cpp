@@ -19,7 +19,7 @@
 namespace umbrage {
 namespace {
 
-/// A gigabyte of RGBA: the header of a damaged file may have any size.
+/// Max pixels of a texture: a gigabyte of RGBA. The header of a damaged file may contain any size.
 constexpr std::int64_t kMaxPixels = std::int64_t(1) << 28;
 
 /// The size in an image's header.
@@ -42,12 +42,12 @@ Result<ImageHeader> check_header(std::span<const std::uint8_t> bytes, const std:
   return header;
 }
 
-Error broken(const std::string& name) {
+Error damaged_image_error(const std::string& name) {
   const char* reason = stbi_failure_reason();
   return file_error("'{}' is a damaged image: {}", name, reason ? reason : "it has no pixels");
 }
 
-Result<std::vector<std::uint8_t>> bytes_of(const std::filesystem::path& file) {
+Result<std::vector<std::uint8_t>> read_bytes(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return file_error("'{}' cannot be opened", file.string());
   std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
@@ -64,7 +64,7 @@ Result<Texture> decode_texture(std::span<const std::uint8_t> bytes, const std::s
   constexpr int kRgba = 4;
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
       stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, kRgba), stbi_image_free);
-  if (!pixels || width <= 0 || height <= 0) return broken(name);
+  if (!pixels || width <= 0 || height <= 0) return damaged_image_error(name);
   Texture texture;
   texture.name = name;
   texture.width = width;
@@ -74,7 +74,7 @@ Result<Texture> decode_texture(std::span<const std::uint8_t> bytes, const std::s
 }
 
 Result<Texture> read_texture(const std::filesystem::path& file) {
-  const auto bytes = bytes_of(file);
+  const auto bytes = read_bytes(file);
   return bytes ? decode_texture(*bytes, file.string()) : bytes.error();
 }
 
@@ -89,7 +89,7 @@ Result<Panorama> decode_panorama(std::span<const std::uint8_t> bytes, const std:
   int width = 0, height = 0, channels = 0;
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
       stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, kRgb), stbi_image_free);
-  if (!pixels || width != header->width || height != header->height) return broken(name);
+  if (!pixels || width != header->width || height != header->height) return damaged_image_error(name);
   std::array<float, 256> linear;
   for (int v = 0; v < 256; ++v) linear[std::size_t(v)] = linear_from_srgb(float(v) / 255.0f);
   panorama.rgb.reserve(values);
@@ -98,7 +98,7 @@ Result<Panorama> decode_panorama(std::span<const std::uint8_t> bytes, const std:
 }
 
 Result<Panorama> read_panorama(const std::filesystem::path& file) {
-  const auto bytes = bytes_of(file);
+  const auto bytes = read_bytes(file);
   if (!bytes) return bytes.error();
   auto panorama = decode_panorama(*bytes, file.string());
   if (!panorama) return panorama;

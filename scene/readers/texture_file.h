@@ -20,11 +20,13 @@ Result<Texture> read_texture(const std::filesystem::path& file);
 
 /// Upper limit for the pixels of a panorama: 16384 x 8192.
 inline constexpr std::int64_t kMaxPanoramaPixels = std::int64_t(1) << 27;
-/// Larger panoramas are reduced to this size when they are read.
+/// Panoramas that are larger are reduced to this size when they are read.
 inline constexpr int kMaxPanoramaWidth = 8192, kMaxPanoramaHeight = 4096;
 
-/// Reads a panorama: HDR as linear light, other formats as sRGB. Errors: kFile.
+/// Decodes a panorama in memory: HDR as linear light, other formats as sRGB; `name` is for messages. Errors: kFile.
 Result<Panorama> decode_panorama(std::span<const std::uint8_t> bytes, const std::string& name);
+
+/// Reads, decodes and reduces a panorama file. Errors: kFile.
 Result<Panorama> read_panorama(const std::filesystem::path& file);
 
 }  // namespace umbrage

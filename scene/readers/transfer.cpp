@@ -1,5 +1,6 @@
-// Both programs come from one build and run on one machine, so data is written in its memory layout. A mark at the
-// start identifies the version, a mark at the end confirms completeness.
+// Transfer of a scene or a panorama between two processes. Both programs come from one build and run on one machine, so
+// data is written in its memory layout. A mark at the start identifies the version, a mark at the end confirms
+// completeness.
 #include "scene/readers/transfer.h"
 
 #include <sys/mman.h>
@@ -15,41 +16,41 @@
 namespace umbrage {
 namespace {
 
-// Every field of every struct is listed here. The structured bindings do not compile if a field is missing.
+// These functions list every field of every struct. The structured bindings do not compile if a field is missing.
 template <class Archive>
-void pass(Archive& archive, Texture& texture) {
+void list_fields(Archive& archive, Texture& texture) {
   auto& [name, width, height, rgba] = texture;
   archive(name, width, height, rgba);
 }
 template <class Archive>
-void pass(Archive& archive, Material& material) {
+void list_fields(Archive& archive, Material& material) {
   auto& [name, albedo, texture, alpha_mask, alpha_cutoff, specular_strength, specular_exponent, emission,
          emission_texture] = material;
   archive(name, albedo, texture, alpha_mask, alpha_cutoff, specular_strength, specular_exponent, emission,
           emission_texture);
 }
 template <class Archive>
-void pass(Archive& archive, Mesh& mesh) {
+void list_fields(Archive& archive, Mesh& mesh) {
   auto& [name, positions, normals, uvs, colors, indices, points, spheres, radii, material, object] = mesh;
   archive(name, positions, normals, uvs, colors, indices, points, spheres, radii, material, object);
 }
 template <class Archive>
-void pass(Archive& archive, Light& light) {
+void list_fields(Archive& archive, Light& light) {
   auto& [kind, direction, position, color, reach, angle_deg, radius, casts_shadow] = light;
   archive(kind, direction, position, color, reach, angle_deg, radius, casts_shadow);
 }
 template <class Archive>
-void pass(Archive& archive, View& view) {
+void list_fields(Archive& archive, View& view) {
   auto& [eye, target, angle_deg, up, height, name] = view;
   archive(eye, target, angle_deg, up, height, name);
 }
 template <class Archive>
-void pass(Archive& archive, AmbientShape& shape) {
+void list_fields(Archive& archive, AmbientShape& shape) {
   auto& [by_color] = shape;
   for (glm::mat4& matrix : by_color) archive(matrix[0], matrix[1], matrix[2], matrix[3]);
 }
 template <class Archive>
-void pass(Archive& archive, Scene& scene) {
+void list_fields(Archive& archive, Scene& scene) {
   auto& [name, meshes, materials, textures, lights, views, cameras, scene_names, scene_index, up, ambient,
          ambient_shape, lit_white_luminance, bounds_min, bounds_max, ground_object, ground_center, ground_fade_distance,
          warnings] = scene;
@@ -58,17 +59,17 @@ void pass(Archive& archive, Scene& scene) {
           ground_fade_distance, warnings);
 }
 template <class Archive>
-void pass(Archive& archive, Panorama& panorama) {
+void list_fields(Archive& archive, Panorama& panorama) {
   auto& [name, width, height, rgb] = panorama;
   archive(name, width, height, rgb);
 }
 template <class Archive>
-void pass(Archive& archive, Error& error) {
+void list_fields(Archive& archive, Error& error) {
   auto& [kind, message] = error;
   archive(kind, message);
 }
 
-/// Types written as they are in memory: numbers and glm vectors.
+/// Whether values of type T are written as they are in memory: numbers and glm vectors.
 template <class T>
 constexpr bool kPlain = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 template <glm::length_t n, class T>
@@ -89,7 +90,7 @@ std::uint64_t version_mark() {
 
 struct Writer {
   int file;
-  std::string small = {};  // buffer for small values, since a system call costs more than a copy
+  std::string buffer = {};  // buffer for small values, since a system call costs more than a copy
   bool failed = false;
 
   void flush(const char* bytes, std::size_t size) {
@@ -101,13 +102,13 @@ struct Writer {
     }
   }
   void bytes(const void* start, std::size_t size) {
-    constexpr std::size_t kGathered = 1 << 16;
-    if (small.size() + size <= kGathered) {
-      small.append(static_cast<const char*>(start), size);
+    constexpr std::size_t kBufferSize = 1 << 16;
+    if (buffer.size() + size <= kBufferSize) {
+      buffer.append(static_cast<const char*>(start), size);
       return;
     }
-    flush(small.data(), small.size());
-    small.clear();
+    flush(buffer.data(), buffer.size());
+    buffer.clear();
     flush(static_cast<const char*>(start), size);
   }
   template <class... T>
@@ -119,7 +120,7 @@ struct Writer {
     if constexpr (kPlain<T>)
       bytes(&value, sizeof value);
     else
-      pass(*this, value);
+      list_fields(*this, value);
   }
   void write(std::string& text) { write_list(text); }
   template <class T>
@@ -138,14 +139,14 @@ struct Writer {
 
 struct Reader {
   const char* at;
-  std::size_t left;
+  std::size_t remaining;
   bool failed = false;
 
   void bytes(void* to, std::size_t size) {
-    failed = failed || size > left;
+    failed = failed || size > remaining;
     if (failed || size == 0) return;
     std::memcpy(to, at, size);
-    at += size, left -= size;
+    at += size, remaining -= size;
   }
   template <class... T>
   void operator()(T&... values) {
@@ -156,7 +157,7 @@ struct Reader {
     if constexpr (kPlain<T>)
       bytes(&value, sizeof value);
     else
-      pass(*this, value);
+      list_fields(*this, value);
   }
   void read(bool& value) {
     std::uint8_t byte = 0;
@@ -172,7 +173,7 @@ struct Reader {
     using Value = std::remove_cvref_t<decltype(list[0])>;
     std::uint64_t count = 0;
     read(count);
-    failed = failed || count > left / (kPlain<Value> ? sizeof(Value) : 1);
+    failed = failed || count > remaining / (kPlain<Value> ? sizeof(Value) : 1);
     if (failed) return;
     if constexpr (kPlain<Value>) {
       list.resize(count);
@@ -184,7 +185,7 @@ struct Reader {
 };
 
 /// Returns whether all indices in the scene are in range and all list sizes match.
-bool sound(const Scene& scene) {
+bool is_consistent(const Scene& scene) {
   for (const Texture& texture : scene.textures) {
     if (texture.width < 1 || texture.height < 1) return false;
     if (texture.rgba.size() != std::size_t(texture.width) * std::size_t(texture.height) * 4) return false;
@@ -203,7 +204,7 @@ bool sound(const Scene& scene) {
   return true;
 }
 
-bool sound(const Panorama& panorama) {
+bool is_consistent(const Panorama& panorama) {
   return panorama.width >= 1 && panorama.height >= 1 &&
          panorama.rgb.size() == std::size_t(panorama.width) * std::size_t(panorama.height) * 3;
 }
@@ -212,15 +213,16 @@ template <class T>
 bool send(int file, const Result<T>& read) {
   Writer writer{file};
   std::uint64_t mark = version_mark(), end = kEnd;
-  bool there = bool(read);
-  writer(mark, there);
-  // The functions that list the fields serve both directions; writing changes nothing.
-  if (there)
+  bool has_value = bool(read);
+  writer(mark, has_value);
+  // The functions that list the fields take mutable objects because they are also used for reading; writing does not
+  // change the objects.
+  if (has_value)
     writer(const_cast<T&>(*read));
   else
     writer(const_cast<Error&>(read.error()));
   writer(end);
-  writer.flush(writer.small.data(), writer.small.size());
+  writer.flush(writer.buffer.data(), writer.buffer.size());
   return !writer.failed;
 }
 
@@ -232,23 +234,23 @@ std::optional<Result<T>> receive(int file) {
   void* mapped = ::mmap(nullptr, size, PROT_READ, MAP_SHARED | MAP_POPULATE, file, 0);
   if (mapped == MAP_FAILED) return std::nullopt;
   const auto unmap = [size](void* start) { ::munmap(start, size); };
-  const std::unique_ptr<void, decltype(unmap)> kept(mapped, unmap);
+  const std::unique_ptr<void, decltype(unmap)> mapping(mapped, unmap);
 
   Reader reader{static_cast<const char*>(mapped), size};
   std::uint64_t mark = 0, end = 0;
-  bool there = false;
-  reader(mark, there);
+  bool has_value = false;
+  reader(mark, has_value);
   if (mark != version_mark()) return std::nullopt;
   T value;
   Error error;
-  if (there)
+  if (has_value)
     reader(value);
   else
     reader(error);
   reader(end);
   if (reader.failed || end != kEnd) return std::nullopt;
-  if (!there) return Result<T>(std::move(error));
-  if (!sound(value)) return std::nullopt;
+  if (!has_value) return Result<T>(std::move(error));
+  if (!is_consistent(value)) return std::nullopt;
   return Result<T>(std::move(value));
 }
 

@@ -11,11 +11,11 @@ namespace umbrage {
 /// Writes a scene, or the error in its place, to an open file. Returns false if not all could be written.
 bool send_import(int file, const Result<Scene>& imported);
 
-/// Reads what send_import wrote. Returns nothing if it is incomplete, inconsistent (an index out of range), or from
-/// another version.
+/// Reads what send_import wrote. Returns nothing if the data is incomplete, inconsistent (an index is out of range), or
+/// from another version.
 std::optional<Result<Scene>> receive_import(int file);
 
-/// The same for a panorama.
+/// Do the same for a panorama.
 bool send_panorama(int file, const Result<Panorama>& read);
 std::optional<Result<Panorama>> receive_panorama(int file);
 
