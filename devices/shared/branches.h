@@ -6,7 +6,8 @@
 
 namespace umbrage {
 
-/// Part of the storage of a frame. The storage of a branch has the result of its frame's branch().
+/// Knows whether a frame has branches. The storage of each frame contains one; that of a branch contains the result of
+/// branch() of the original frame's.
 class Branches {
  public:
   Branches() = default;
@@ -18,7 +19,7 @@ class Branches {
 
  private:
   struct Link {
-    std::shared_ptr<const Link> of;  // held by all branches of it
+    std::shared_ptr<const Link> of;  // all branches of a frame refer to it
   };
   explicit Branches(std::shared_ptr<const Link> of) : own_(std::make_shared<const Link>(Link{std::move(of)})) {}
   std::shared_ptr<const Link> own_ = std::make_shared<const Link>();

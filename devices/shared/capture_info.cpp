@@ -26,9 +26,9 @@ PictureInfo picture_info(const Scene& scene, const Camera& camera, const Capture
     nearest = std::min(nearest, depth);
     farthest = std::max(farthest, depth);
   }
-  constexpr float kNearestShare = 1e-3f;  // of the farthest depth, for a camera inside the scene
+  constexpr float kMinNearToFarthest = 1e-3f;  // for a camera inside the scene
   info.depth_max = farthest > 0.0f ? farthest : 1.0f;
-  info.depth_min = std::clamp(nearest, kNearestShare * info.depth_max, info.depth_max);
+  info.depth_min = std::clamp(nearest, kMinNearToFarthest * info.depth_max, info.depth_max);
   const glm::mat3 rotation(camera.view_from_world);
   info.ambient_shape = turned(lighting.ambient_shape, rotation);
   info.lit_white_luminance = lighting.lit_white_luminance;

@@ -25,8 +25,8 @@ std::size_t PlaneStore::staged_at_once(const DevicePlanes& planes) const {
 
 Result<DevicePlanePtr> PlaneStore::writable(DevicePlanes& planes, const std::string& name) {
   const auto found = planes.made.find(name);
-  const bool is_there = found != planes.made.end();
-  if (is_there && !planes.kept.contains(name)) return found->second;
+  const bool exists = found != planes.made.end();
+  if (exists && !planes.kept.contains(name)) return found->second;
   auto plane = memory_->plane(planes.bytes);
   if (!plane) return plane;
   if (const DevicePlane* before = planes.find(name)) {
@@ -36,7 +36,7 @@ Result<DevicePlanePtr> PlaneStore::writable(DevicePlanes& planes, const std::str
     const VkBufferCopy region{before->offset, (*plane)->offset, planes.bytes};
     gpu_->vk.CmdCopyBuffer(*buffer, before->buffer, (*plane)->buffer, 1, &region);
   }
-  if (!is_there) planes.names.push_back(name);
+  if (!exists) planes.names.push_back(name);
   planes.made[name] = *plane;
   planes.kept.erase(name);
   return plane;

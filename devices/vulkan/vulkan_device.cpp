@@ -269,7 +269,7 @@ class VulkanDevice final : public Device {
     if (dispatch.host) return run_host(run, planes);
     fault_point();
     for (std::string_view output : dispatch.outputs)
-      if (run.is_there(output))
+      if (run.has_layer_of(output))
         if (auto made = store_->writable(planes, run.plane(output)); !made) return made.error();
     if (settings_.tuned && run.pixels == PixelSet::kAll)
       for (const GpuVariant& way : dispatch.gpu_variants)
@@ -288,7 +288,7 @@ class VulkanDevice final : public Device {
     const std::vector<Plane> outputs = run_host_step(run, inputs);
     std::vector<NamedPlane> made;
     for (std::size_t k = 0; k < outputs.size(); ++k)
-      if (run.is_there(run.dispatch.outputs[k])) made.push_back({run.plane(run.dispatch.outputs[k]), &outputs[k]});
+      if (run.has_layer_of(run.dispatch.outputs[k])) made.push_back({run.plane(run.dispatch.outputs[k]), &outputs[k]});
     return store_->copy_to(made, run.info, planes);
   }
 
