@@ -229,7 +229,7 @@ void shade_block(const Drawing& drawing, int x0, int y0, const RayPacket& primar
   surfaces.y0 = y0;
   for (int k = 0; k < kPacket; ++k) {
     if (!primary.hit(k)) continue;
-    // Constructed in place: copying a partly_lit written object stalls until the writes are done.
+    // Constructed in place: copying a partly written object stalls until the writes are done.
     const Surface& surface = *new (&surfaces.at[k]) Surface(primary.surface(drawing.traced, k));
     surfaces.is_hit[k] = true;
     const glm::vec3 n = view * surface.normal;

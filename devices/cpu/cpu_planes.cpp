@@ -41,15 +41,15 @@ const Plane* find_plane(const CpuPlanes& planes, std::string_view name) {
 }
 
 std::vector<std::string> names_of(const CpuPlanes& planes) {
-  std::vector<const CpuPlanes*>
-      ancestors;  // the branches that lead to `planes`, starting with the frame that is not a branch
-  for (const CpuPlanes* each = &planes; each; each = each->parent.get()) ancestors.insert(ancestors.begin(), each);
+  // From the frame that is not a branch to `planes`.
+  std::vector<const CpuPlanes*> lineage;
+  for (const CpuPlanes* each = &planes; each; each = each->parent.get()) lineage.insert(lineage.begin(), each);
   std::vector<std::string> names;
   std::set<std::string_view> listed;
-  for (const CpuPlanes* each : ancestors)
+  for (const CpuPlanes* each : lineage)
     for (const std::string& name : each->image.names)
       if (listed.insert(name).second) names.push_back(name);
-  for (const CpuPlanes* each : ancestors)
+  for (const CpuPlanes* each : lineage)
     for (const std::string& name : each->neutral)
       if (listed.insert(name).second) names.push_back(name);
   return names;

@@ -6,8 +6,8 @@
 
 namespace umbrage {
 
-/// Knows whether a frame has branches. The storage of each frame contains one; that of a branch contains the result of
-/// branch() of the original frame's.
+/// Knows whether a frame has branches. The storage of each frame contains one; that of a branch is created by branch()
+/// of the original's.
 class Branches {
  public:
   Branches() = default;
@@ -19,7 +19,7 @@ class Branches {
 
  private:
   struct Link {
-    std::shared_ptr<const Link> of;  // all branches of a frame refer to it
+    std::shared_ptr<const Link> parent;  // shared by all branches of a frame
   };
   explicit Branches(std::shared_ptr<const Link> of) : own_(std::make_shared<const Link>(Link{std::move(of)})) {}
   std::shared_ptr<const Link> own_ = std::make_shared<const Link>();
