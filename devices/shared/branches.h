@@ -21,7 +21,7 @@ class Branches {
   struct Link {
     std::shared_ptr<const Link> parent;  // shared by all branches of a frame
   };
-  explicit Branches(std::shared_ptr<const Link> of) : own_(std::make_shared<const Link>(Link{std::move(of)})) {}
+  explicit Branches(std::shared_ptr<const Link> parent) : own_(std::make_shared<const Link>(Link{std::move(parent)})) {}
   std::shared_ptr<const Link> own_ = std::make_shared<const Link>();
 };
 
