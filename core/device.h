@@ -32,7 +32,7 @@ inline constexpr int kMaxMixedLayers = 8;
 
 struct CaptureSettings {
   int width = 1024, height = 1024;  ///< without the guard band
-  int shadows = kMaxShadows;        ///< number of lights with traced shadows; 1: key light only
+  int shadows = kMaxShadows;        ///< number of lights, from the first, with traced shadows; 1: key light only
   // Order of the layers: `layers`, then as many back sides if `back_sides` is set, then `extra_views`.
   int layers = 1;           ///< surfaces along each primary ray, 1 to kMaxLayers
   bool back_sides = false;  ///< also capture the back sides of each layer, as one more layer
@@ -94,7 +94,7 @@ class Device {
   /// of it lives, calling run, add or place on the original throws InternalError.
   virtual Frame branch(const Frame& frame) = 0;
   /// Adds planes from the host to a frame and replaces those of the same names. Their size is that of the frame, guard
-  /// band included; for a strip, its held_rows.
+  /// band included; for a strip, its rows_with_margin.
   virtual Result<void> add(const Image& planes, Frame& frame) = 0;
   /// Runs the dispatches of an effect; its outputs become planes of the frame. On layer n > 0 all its inputs and
   /// outputs are planes of that layer. PixelSet::kMissing requires runs_for_missing. On a strip the effect may remain

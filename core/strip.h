@@ -55,7 +55,7 @@ struct Strip {
 
 /// Returns the rows that the frame of a strip contains, margin included. The first one is a multiple of 4. `height`:
 /// height of the picture.
-inline Rows held_rows(const Strip& strip, int height) {
+inline Rows rows_with_margin(const Strip& strip, int height) {
   constexpr int kMultiple = 4;
   return {std::max(0, strip.rows.begin - strip.margin) / kMultiple * kMultiple,
           std::min(height, strip.rows.end + strip.margin)};

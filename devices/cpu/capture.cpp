@@ -390,7 +390,7 @@ Result<Image> capture_planes(const TracedScene& traced, const PictureInfo& info,
                              const ProgressMonitor& monitor, bool scalar) {
   const std::vector<DrawnPlane> planes = drawn_planes(*traced.scene, info, settings);
   const int all = 1 + int(info.more_layers.size());
-  const Rows rows = settings.strip ? held_rows(*settings.strip, info.height) : Rows{0, info.height};
+  const Rows rows = settings.strip ? rows_with_margin(*settings.strip, info.height) : Rows{0, info.height};
   Image image(info.width, rows.count());
   image.planes.reserve(std::size_t(all) * planes.size());
   for (int layer = 0; layer < all; ++layer)

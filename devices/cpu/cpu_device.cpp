@@ -77,7 +77,7 @@ class CpuDevice final : public Device {
     auto stored = std::make_shared<CpuPlanes>(CpuPlanes{std::move(*planes)});
     if (settings.strip) {
       stored->strip = settings.strip;
-      stored->rows = held_rows(*settings.strip, frame.info.height);
+      stored->rows = rows_with_margin(*settings.strip, frame.info.height);
       for (const std::string& name : stored->image.names)
         stored->strip_rows[name] = {.valid = stored->rows, .first = stored->rows.begin};
       for (const int light : softened_lights(frame.info, settings))

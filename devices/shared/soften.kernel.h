@@ -43,8 +43,8 @@ FN void soften_pixel(Int px, Int py) {
   } else {
     Real reach = block_soften_reach(kSoftenBlock, 0, 0);
     for (int k = 1; k < kSoftenReachBlocks; ++k) {
-      // A tap represents four pixels. The filter reaches a fraction of them, those nearest to the centre, on which the
-      // tap has the least influence: hence the square.
+      // A tap represents four pixels, of which the filter reaches a fraction. The weight is the square of this
+      // fraction, since the pixels that are reached are nearer than the tap.
       Real fraction = clamp((reach + kSoftenMin) * 0.25f - float(k), Real(0.0f), Real(1.0f));
       if (some(fraction > 0.0f)) {
         int right = k * kSoftenBlock * C.dx;

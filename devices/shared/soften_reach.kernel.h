@@ -4,7 +4,7 @@
 IN_REAL(penumbra)
 OUT_REAL(soften_reach)
 
-// The filter changes the shadow by at most 0.12 * kRadiusFraction^1.5, at the ends of a penumbra.
+// At the ends of a penumbra the filter changes the shadow by 0.12 * kRadiusFraction^1.5.
 CONST float kRadiusFraction = 0.2f;
 
 FN void soften_reach_pixel(Int px, Int py) {

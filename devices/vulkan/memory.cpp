@@ -10,7 +10,7 @@ constexpr VkDeviceSize kSlab = VkDeviceSize(64) << 20;  // bytes: few allocation
 constexpr VkDeviceSize kMaxPlanesOfSlab = 16;
 // Max bytes of empty slabs that are kept when a new slab is allocated.
 constexpr VkDeviceSize kMaxEmptySlabBytes = VkDeviceSize(256) << 20;
-constexpr VkDeviceSize kHostStep = VkDeviceSize(1) << 20;  // host buffers have multiples of this size
+constexpr VkDeviceSize kHostStep = VkDeviceSize(1) << 20;  // sizes of host buffers are multiples of this
 // Max bytes of free host buffers that are kept when a new one is allocated.
 constexpr VkDeviceSize kMaxFreeHostBytes = VkDeviceSize(256) << 20;
 
