@@ -71,7 +71,7 @@ class Device {
   virtual std::string description() const = 0;
   /// Returns the number of CPU threads that work for the device.
   virtual int threads() const = 0;
-  /// Returns the plane pool for the planes of its pictures. Hold it with ScopedPlanePool while several pictures are
+  /// Returns the plane pool for the planes of its pictures. Use it with ScopedPlanePool while several pictures are
   /// drawn.
   virtual PlanePoolPtr pool() const = 0;
   /// Returns whether the device can draw pictures in strips. On a strip's frame all functions process only the rows of
@@ -106,7 +106,7 @@ class Device {
   /// reduced_info. Planes that no layer has are left out.
   virtual Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) = 0;
   /// Copies planes of a reduced frame into the frame that it was made from, under the name reduced_plane(name). They
-  /// lie in the upper left corner, since all planes of a frame have one size; the remainder is 0. Errors: kUsage if a
+  /// are in the upper left corner, since all planes of a frame have one size; the remainder is 0. Errors: kUsage if a
   /// plane is missing.
   virtual Result<void> place(const Frame& small, const std::vector<std::string>& names, Frame& full) = 0;
   /// Waits until all submitted work is done. A device that works asynchronously may defer work until this call or a
@@ -117,8 +117,8 @@ class Device {
   /// Returns the names of all planes of a frame: first those captured, added or computed, then the constant planes that
   /// dispatches read in place of missing ones.
   virtual std::vector<std::string> plane_names(const Frame& frame) const = 0;
-  /// Returns the planes of these names, in this order, without the guard band; for a strip, its own rows, whose
-  /// validity missing_rows reports. Errors: kUsage if a plane is missing.
+  /// Returns the planes of these names, in this order, without the guard band; of a strip only its own rows: see
+  /// missing_rows. Errors: kUsage if a plane is missing.
   virtual Result<Image> download(const Frame& frame, const std::vector<std::string>& names) = 0;
   /// Calls `take` with each of these planes and its index in `names`, without a copy if the device can.
   virtual Result<void> visit(const Frame& frame, const std::vector<std::string>& names,
@@ -130,7 +130,7 @@ class Device {
   }
   /// Returns all planes of a frame.
   Result<Image> download_all(const Frame& frame) { return download(frame, plane_names(frame)); }
-  /// Returns the number of rows that the margin of a strip lacks for its own rows of these planes to be valid; 0: they
+  /// Returns by how many rows the margin of a strip is too small for its own rows of these planes to be valid; 0: they
   /// are valid.
   virtual int missing_rows(const Frame&, const std::vector<std::string>& /*names*/) const { return 0; }
 };

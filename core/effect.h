@@ -104,9 +104,9 @@ struct Effect {
   std::size_t constants_size = 0;
   /// Computes the constants that all dispatches read, from the params and the picture.
   void (*constants)(const ParameterBytes& params, const PictureInfo& info, void* constants) = nullptr;
-  /// For a technique with a radius: sets it, `radius` in scene units, as closely as its parameters allow.
+  /// For a technique with a radius: sets it to `radius`, scene units, as closely as its parameters allow.
   void (*set_radius)(float radius, const PictureInfo& info, ParameterBytes& params) = nullptr;
-  /// For the effect that upsamples a picture of reduced resolution: sets what it upsamples.
+  /// For the effect that upsamples a picture of reduced resolution: sets its parameters for this reduction.
   void (*set_reduction)(const Reduction& reduction, ParameterBytes& params) = nullptr;
   /// For an effect that applies exposure: `exposed_by` returns what the exposure depends on, `add_stops` raises it by
   /// `stops`.

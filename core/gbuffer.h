@@ -24,7 +24,7 @@ namespace umbrage {
 /// The content of a depth layer beyond the first.
 enum class LayerKind {
   kBehind,  ///< the next surface behind that of layer `of`, along the same rays
-  /// The other side of the surfaces of layer `of`: normals face away from the camera, and light and shadow are those of
+  /// The back side of the surfaces of layer `of`: normals face away from the camera, and light and shadow are those of
   /// that side. No highlight, since no camera sees that side.
   kBack,
   kOther,  ///< the surfaces that another camera sees
@@ -32,7 +32,7 @@ enum class LayerKind {
 
 struct LayerInfo {
   LayerKind kind = LayerKind::kBehind;
-  int of = 0;     ///< index of a layer
+  int of = 0;     ///< index of the layer to which `kind` refers
   Camera camera;  ///< kOther: camera of the layer, with the picture's size; otherwise unused
 };
 

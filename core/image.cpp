@@ -30,7 +30,7 @@ std::size_t next_stagger() {
   return count++ % kStaggers * kStagger;
 }
 
-/// The pool of the planes that this thread makes, owned by a ScopedPlanePool; null: none.
+/// The pool of the planes that this thread creates, owned by a ScopedPlanePool; null: none.
 thread_local const PlanePoolPtr* pool_of_thread = nullptr;
 
 }  // namespace
@@ -93,7 +93,7 @@ ScopedPlanePool::ScopedPlanePool(PlanePoolPtr pool)
 ScopedPlanePool::~ScopedPlanePool() { pool_of_thread = previous_; }
 
 void Plane::Free::operator()(float*) {
-  if (const PlanePoolPtr kept = pool.lock(); kept && kept->give(size, base)) return;
+  if (const PlanePoolPtr owner = pool.lock(); owner && owner->give(size, base)) return;
   std::free(base);
 }
 
@@ -138,7 +138,7 @@ Plane::Plane(int width_, int height_, float value) : Plane(width_, height_) {
 }
 
 Plane::Plane(const Plane& other) : Plane(other.width, other.height) {
-  // After the last row of a view there may be no memory.
+  // Does not copy the padding of the last row, since the memory of a view may end before it.
   if (data_) std::memcpy(data(), other.data(), (std::size_t(stride) * (height - 1) + width) * sizeof(float));
 }
 

@@ -29,8 +29,8 @@ class PlanePool {
  private:
   friend class Plane;
   friend class PlanePoolLock;
-  void* take(std::size_t size);             // null if none is kept
-  bool give(std::size_t size, void* base);  // false if the pool does not keep it
+  void* take(std::size_t size);             // returns null if none is kept
+  bool give(std::size_t size, void* base);  // returns false if the pool does not keep it
   void drop_all();                          // requires the lock
   mutable std::mutex mutex_;
   int holders_ = 0;

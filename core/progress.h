@@ -25,7 +25,7 @@ class Poll {
   /// `monitor` must outlive this object.
   explicit Poll(const ProgressMonitor& monitor) : monitor_(monitor) {}
 
-  /// Starts a part of the work, from this fraction of the whole to that one.
+  /// Starts a part of the work, which takes the progress from the fraction `from` to `to` of the whole.
   void part(double from, double to) {
     from_ = from;
     to_ = to;

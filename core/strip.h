@@ -3,10 +3,12 @@
 // The frame of a strip contains the rows of the strip, and a margin above and below for dispatches that read
 // neighbours. Each dispatch states how many rows it reads above and below a pixel, and runs only on rows for which all
 // its inputs are valid: the valid rows shrink from dispatch to dispatch. The result is bitwise identical to that of a
-// picture drawn whole. A dispatch that reads any row gets planes of the whole picture, which are gathered from the
-// strips first: each strip adds its rows and stops before this dispatch, unfinished. Once all strips have added their
-// rows, each strip is drawn again, starting with its capture. The outputs of a host step are planes of the whole
-// picture too; the first strip computes them for all strips.
+// picture drawn whole.
+//
+// A dispatch that reads any row gets planes of the whole picture, which are gathered from the strips first: each strip
+// adds its rows and stops before this dispatch, unfinished. Once all strips have added their rows, each strip is drawn
+// again, starting with its capture. The outputs of a host step are planes of the whole picture too; the first strip
+// computes them for all strips.
 #pragma once
 #include <algorithm>
 #include <map>
@@ -44,7 +46,7 @@ struct RunState {
   int missing_rows = 0;  ///< if not finished: rows that the margin lacks; 0: other strips must run first
 };
 
-/// The part of a picture that the frame of a strip holds.
+/// The part of a picture in the frame of a strip.
 struct Strip {
   Rows rows;       ///< rows of the strip in the picture, guard band included; begin is a multiple of 4
   int margin = 0;  ///< further rows above and below, cropped to the picture

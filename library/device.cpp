@@ -118,7 +118,7 @@ void DeviceObject::set_log_callback(UmbLogCallback callback, void* user) {
 
 }  // namespace umbrage
 
-using namespace umbrage;  // the functions below are C's
+using namespace umbrage;  // for the C functions below
 
 int umbGetVersion(void) { return UMB_VERSION; }
 

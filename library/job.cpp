@@ -181,7 +181,7 @@ const char* JobObject::output_name(int index) const {
 
 }  // namespace umbrage
 
-using namespace umbrage;  // the functions below are C's
+using namespace umbrage;  // for the C functions below
 
 namespace {
 

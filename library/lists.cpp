@@ -132,7 +132,7 @@ Result<std::vector<UmbParameter>> parameters_of(const std::string& owner) {
 }  // namespace
 }  // namespace umbrage
 
-using namespace umbrage;  // the functions below are C's
+using namespace umbrage;  // for the C functions below
 
 UmbError umbGetListEntry(UmbList list, int index, const char** name, const char** summary) {
   bool in_range = false;

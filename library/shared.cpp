@@ -97,8 +97,8 @@ bool channels_overlap(const SharedImage& a, const SharedImage& b, std::ptrdiff_t
     // The columns between which the distance changes its sign, and one more on either side.
     const std::ptrdiff_t near = -rest / a.pixel_stride;
     for (std::ptrdiff_t dx = near - 2; dx <= near + 2; ++dx) {
-      const std::ptrdiff_t apart = rest + a.pixel_stride * dx;
-      if (dx > -a.width && dx < b.width && apart < size_a && -apart < size_b) return true;
+      const std::ptrdiff_t distance = rest + a.pixel_stride * dx;
+      if (dx > -a.width && dx < b.width && distance < size_a && -distance < size_b) return true;
     }
   }
   return false;

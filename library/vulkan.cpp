@@ -177,7 +177,7 @@ Result<std::shared_ptr<Object>> new_shading(const UmbVulkanContext* context) {
 }  // namespace
 }  // namespace umbrage
 
-using namespace umbrage;  // the functions below are C's
+using namespace umbrage;  // for the C functions below
 
 UmbVulkanShading umbNewVulkanShading(const UmbVulkanContext* context) {
   return make_object<UmbVulkanShading>("umbNewVulkanShading", [&] { return new_shading(context); });

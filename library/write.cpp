@@ -107,7 +107,7 @@ Result<void> write_strokes(const std::string& file, int width, int height, std::
 }  // namespace
 }  // namespace umbrage
 
-using namespace umbrage;  // the functions below are C's
+using namespace umbrage;  // for the C functions below
 
 UmbError umbWriteImages(const char* file, const char* const* names, const UmbImage* images, int count, int bits,
                         bool half) {

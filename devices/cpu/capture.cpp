@@ -126,8 +126,9 @@ void store_penumbrae(const Drawing& drawing, const Block& block, int x0, int y0)
 struct Surfaces {
   std::array<Surface, kPacket> at;
   std::array<bool, kPacket> is_hit{};
-  int x0 = 0, y0 = 0;     ///< first pixel of the block
-  bool softened = false;  ///< record penumbra sizes: the first layer alone, whose shadows are softened
+  int x0 = 0, y0 = 0;  ///< first pixel of the block
+  /// Record penumbra sizes: only for the first layer, whose shadows are softened.
+  bool softened = false;
 };
 
 /// Traces one ray per pixel: to the point `disc_places` of a light's disc if `soft`, otherwise to the centre. Adds 1 to

@@ -250,7 +250,7 @@ class CpuDevice final : public Device {
   /// Runs a host step, once for a whole picture. Its outputs are valid for all strips of the picture.
   Result<RunState> run_host(const DispatchRun& run, CpuPlanes& planes, const ProgressMonitor& monitor) {
     const PictureInfo& info = run.info;
-    std::list<Plane> whole_neutral;  // neutral planes; those in `planes` have only the rows of the strip
+    std::list<Plane> whole_neutral;  // neutral planes of the whole picture; `planes` has only those of the strip
     std::vector<const Plane*> inputs;
     for (const std::string_view input : run.dispatch.inputs) {
       const std::string name = run.plane(input);

@@ -64,7 +64,7 @@ const Plane* find_plane(const CpuPlanes& planes, std::string_view name);
 /// the neutral ones.
 std::vector<std::string> names_of(const CpuPlanes& planes);
 
-/// Returns that version of a strip's plane for the whole picture, or null if it is incomplete.
+/// Returns the plane of the whole picture with that name and version, or null if it is incomplete.
 const Plane* find_whole(const CpuPlanes& planes, const PictureInfo& info, std::string_view name, int version);
 
 /// Returns the rows of that plane in a strip, or null if the strip has no such plane.

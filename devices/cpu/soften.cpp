@@ -111,7 +111,7 @@ void soften_shadows(const PictureInfo& info, const Rows& rows, std::span<const P
   for (const PenumbraRadii& penumbrae : radii) {
     Plane& shadow = image.plane(shadow_plane(penumbrae.light));
     Plane between(shadow.width, shadow.height);
-    Plane reach(shadow.width, soften_blocks(shadow.height), kSoftenMin);  // the min where not computed
+    Plane reach(shadow.width, soften_blocks(shadow.height), kSoftenMin);  // value where it is not computed
     Run run{.frame = frame_constants(info, shadow.stride, 0), .kernel = kernel_of(soften_dispatch())};
     // The filter along columns needs rows above and below that the filter along rows has processed.
     const auto filter = [&](bool second, bool down, const Segments& where) {

@@ -6,7 +6,7 @@
 
 namespace umbrage {
 
-/// Knows whether a frame has branches. The storage of each frame contains one; that of a branch is created by branch()
+/// Tracks whether a frame has branches. The storage of each frame contains one; that of a branch is created by branch()
 /// of the original's.
 class Branches {
  public:

@@ -52,8 +52,9 @@ void add_layers(const TracedScene& traced, const CaptureSettings& settings, Pict
 std::vector<std::string> captured_planes(const Scene& scene, const PictureInfo& info, const CaptureSettings& settings) {
   std::vector<std::string> planes = {"depth", "normal.x", "normal.y", "normal.z"};
   const auto add = [&](const char* name) {
-    const auto& wanted = settings.planes;
-    if (!wanted || std::find(wanted->begin(), wanted->end(), name) != wanted->end()) planes.emplace_back(name);
+    const auto& requested = settings.planes;
+    if (!requested || std::find(requested->begin(), requested->end(), name) != requested->end())
+      planes.emplace_back(name);
   };
   for (const char* name : {"albedo.r", "albedo.g", "albedo.b", "specular", "shininess"}) add(name);
   planes.emplace_back("shadow");

@@ -167,7 +167,7 @@ Result<void> Commands::wait_for_submission() {
   struct AtEnd {
     Commands& commands;
     ~AtEnd() { commands.reset(); }
-  } const at_end{*this};  // also if reading the times throws: the fence will not be signalled again
+  } const at_end{*this};  // even if reading the times throws: the fence will not be signalled again
   if (const auto r = vk.ResetFences(gpu_->device, 1, &fence_); r != VK_SUCCESS) lost_ = vulkan_error(r, "worked");
   if (waited != VK_SUCCESS) return failed(waited);
   return lost_ ? Result<void>(*lost_) : read_times();
@@ -182,7 +182,7 @@ Result<void> Commands::read_times() {
   if (read != VK_SUCCESS) return vulkan_error(read, "reported the times of its dispatches");
   if (times_.size() > kMaxTimes) times_.clear();
   if (ms_per_group_.size() > kMaxKinds) ms_per_group_.clear();
-  std::map<Kind, double> slowest;  // row ranges of one dispatch differ: background is faster
+  std::map<Kind, double> slowest;  // of the row ranges of a dispatch, which differ: background is faster
   for (std::size_t k = 0; k < timed_.size(); ++k) {
     Timed& timed = timed_[k];
     timed.time.ms = double(ticks[2 * k + 1] - ticks[2 * k]) * gpu_->ns_of_tick * 1e-6;

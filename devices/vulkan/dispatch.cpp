@@ -25,7 +25,7 @@ std::vector<std::byte> block_of(const FrameConstants& frame, std::span<const std
 Result<void> Dispatcher::run_kernel(const GpuStep& step, GpuWork work, const PictureInfo& info, Constants block,
                                     VkDeviceSize bytes, std::span<const DevicePlane* const> planes) {
   const VkDeviceSize max = gpu_->properties.limits.maxStorageBufferRange;
-  const auto pipeline = pipelines_->of(step, block, bytes <= max);
+  const auto pipeline = pipelines_->kernel(step, block, bytes <= max);
   if (!pipeline) return pipeline.error();
   std::vector<VkDeviceAddress> table;
   for (const DevicePlane* plane : planes) table.push_back(plane ? plane->address : 0);

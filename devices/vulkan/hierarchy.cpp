@@ -18,7 +18,8 @@ namespace umbrage {
 namespace {
 
 constexpr unsigned kMaxInLeaf = 4;  // a child has three bits for the count: see Hierarchy
-constexpr unsigned kDepth = 40;     // below, Embree splits into halves: kHierarchyDepth levels suffice
+// At greater depth Embree splits into halves, so that the tree has at most kHierarchyDepth levels.
+constexpr unsigned kDepth = 40;
 
 /// A node made by Embree's builder: two children, or triangles and points.
 struct BuiltNode {
@@ -43,7 +44,8 @@ BuiltNode* new_node(RTCThreadLocalAllocator memory, void* pointer) {
 // Enlargement of boxes, relative to position and size: a ray along a side must not miss the box.
 constexpr float kBoxEnlargement = 5e-7f;
 
-constexpr double kCollected = 0.1, kBuilt = 0.8;  // approximate progress when primitives are collected, tree is built
+// Approximate progress when the primitives are collected, and when the tree is built.
+constexpr double kCollected = 0.1, kBuilt = 0.8;
 
 float bits(int v) { return std::bit_cast<float>(v); }
 

@@ -21,7 +21,7 @@ std::string version_text(std::uint32_t version) {
   return fmt::format("{}.{}", VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version));
 }
 
-/// Returns what effects need and the device lacks, as a noun; empty: nothing.
+/// Returns what effects require and the device lacks, as a noun; empty: nothing.
 std::string missing_features(const Instance& instance, VkPhysicalDevice gpu, std::uint32_t version) {
   if (version < VK_API_VERSION_1_2) return fmt::format("Vulkan 1.2 (its driver supports {})", version_text(version));
   VkPhysicalDeviceVulkan12Features has{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};

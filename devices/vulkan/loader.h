@@ -43,7 +43,7 @@ struct VulkanFunctions {
 /// kDevice if there is none of that name.
 Result<PFN_vkGetInstanceProcAddr> load_vulkan(const std::string& library = "libvulkan.so.1");
 
-/// Returns the functions without an instance. Errors: kDevice.
+/// Returns the functions that are found without an instance. Errors: kDevice.
 Result<VulkanFunctions> global_functions(PFN_vkGetInstanceProcAddr get);
 
 /// Adds the other functions. Errors: kDevice if one is missing.

@@ -197,7 +197,7 @@ Result<HostBufferPtr> Memory::host(VkDeviceSize bytes, bool uniform) {
     else
       try {
         self->free_host_.push_back(copy);
-      } catch (const std::bad_alloc&) {  // not kept
+      } catch (const std::bad_alloc&) {  // not kept for reuse
         self->destroy(copy);
       }
     delete buffer;

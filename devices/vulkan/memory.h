@@ -88,7 +88,7 @@ class Memory : public std::enable_shared_from_this<Memory> {
   void destroy(Block& block);
   void destroy(const DrawnImage& image);
   Result<void> add_slab(VkDeviceSize plane_bytes);
-  /// Returns slabs without a plane in use to the driver.
+  /// Frees all slabs that contain no plane in use.
   Result<void> free_empty_slabs();
   /// Frees memory after a failed allocation: calls `release_memory`, then frees empty slabs.
   Result<void> make_room();

@@ -22,9 +22,11 @@ struct Module {
   std::map<std::uint32_t, std::vector<std::uint32_t>> structs;               // member types
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> offsets;  // by struct and member, bytes
   std::map<std::uint32_t, std::pair<std::uint32_t, std::uint32_t>> arrays;   // element type and number of elements
-  std::map<std::uint32_t, std::uint32_t> pointees, constants;  // type that a pointer type refers to; value
+  std::map<std::uint32_t, std::uint32_t> pointees;                           // the type to which a pointer type points
+  std::map<std::uint32_t, std::uint32_t> constants;                          // value
   std::set<std::uint32_t> ints, blocks, block_variables;
-  std::map<std::uint32_t, Member> pointers, loaded;  // the member that is pointed to; whose value was loaded
+  std::map<std::uint32_t, Member> pointers;  // the member to which a pointer points
+  std::map<std::uint32_t, Member> loaded;    // the member from which a value was loaded
 };
 
 }  // namespace

@@ -141,7 +141,7 @@ Pipelines::~Pipelines() {
     if (layout) vk.DestroyDescriptorSetLayout(device, layout, nullptr);
 }
 
-Result<VkPipeline> Pipelines::of(const GpuStep& step, std::span<const std::byte> block, bool bound) {
+Result<VkPipeline> Pipelines::kernel(const GpuStep& step, std::span<const std::byte> block, bool bound) {
   auto known = options_.find(step.spirv.data());
   if (known == options_.end()) known = options_.emplace(step.spirv.data(), options_of(step.spirv)).first;
   const Options options = option_values(known->second, block);

@@ -41,7 +41,7 @@ class Pipelines {
 
   /// Returns the step's pipeline for this block of constants. Compiles it on the first request with these options.
   /// `bound`: its first planes are bound, as in bound_layout(). Errors: kDevice.
-  Result<VkPipeline> of(const GpuStep& step, std::span<const std::byte> block, bool bound);
+  Result<VkPipeline> kernel(const GpuStep& step, std::span<const std::byte> block, bool bound);
   Result<VkPipeline> pick();
   /// Return the pipelines of capture.comp and convert.comp, which get constants and a table, like kernels.
   Result<VkPipeline> capture();

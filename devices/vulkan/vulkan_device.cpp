@@ -78,7 +78,7 @@ class VulkanDevice final : public Device {
     auto drawn = capture_->capture(camera, settings, monitor);
     if (!drawn) return drawn;
     Frame whole = *drawn;
-    whole.info.guard = 0;  // no part is cropped
+    whole.info.guard = 0;  // so that download_all crops nothing
     const auto planes = capture_->download_all(whole);
     if (!planes) return planes.error();
     Frame frame{drawn->info, empty_planes(drawn->info)};

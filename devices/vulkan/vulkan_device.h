@@ -20,7 +20,7 @@ enum class VulkanCapture {
 };
 
 struct VulkanSettings {
-  int index = -1;     ///< in the driver's order; -1: a hardware GPU if there is one, else any device
+  int index = -1;     ///< in the loader's order; -1: a hardware GPU if there is one, else any device
   bool real = false;  ///< with index -1: fail if there is no usable hardware GPU
   /// If set, validation layers check every call, synchronization included, and report here.
   ValidationMessage on_message;
