@@ -1,10 +1,10 @@
-// Conversion of a Length to an absolute number. Separate from core/length.h, which GLSL reads too.
+// Conversion of a Length to an absolute number. Not in core/length.h, because GLSL includes that file too.
 #pragma once
 #include "core/length.h"
 
 namespace umbrage {
 
-/// Returns the length in the unit of `whole`, which percentages refer to.
+/// Returns the absolute length. `whole`: the length that is 100%, in the unit of absolute lengths.
 inline float absolute_length(const Length& length, float whole) {
   return length.relative != 0 ? length.value / 100.0f * whole : length.value;
 }

@@ -26,7 +26,7 @@ struct Camera {
 /// `angle_deg` is the vertical field of view; `aspect` is width / height.
 Camera perspective_camera(glm::vec3 eye, glm::vec3 target, glm::vec3 up, float angle_deg, float aspect);
 
-/// Returns the same camera with an orthographic projection: the image is `height` scene units high.
+/// Returns an orthographic camera with the same conventions; the image is `height` scene units high.
 Camera orthographic_camera(glm::vec3 eye, glm::vec3 target, glm::vec3 up, float height, float aspect);
 
 }  // namespace umbrage

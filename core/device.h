@@ -32,19 +32,19 @@ inline constexpr int kMaxMixedLayers = 8;
 
 struct CaptureSettings {
   int width = 1024, height = 1024;  ///< without the guard band
-  int shadows = kMaxShadows;        ///< shadows are traced for this many lights, from the first; 1: key light only
+  int shadows = kMaxShadows;        ///< number of lights, from the first, with traced shadows; 1: key light only
   // Order of the layers: `layers`, then as many back sides if `back_sides` is set, then `extra_views`.
   int layers = 1;           ///< surfaces along each primary ray, 1 to kMaxLayers
-  bool back_sides = false;  ///< one more layer for each of these: the other side of its surfaces
+  bool back_sides = false;  ///< also capture the back sides of each layer, as one more layer
   int extra_views = 0;      ///< further cameras, one layer each, 0 to kMaxExtraViews
   int guard = 0;            ///< guard band, pixels on each side; see PictureInfo::guard
   /// Shadow rays per pixel to each light that has a size. With two or more, blocks of 4 x 4 pixels take one ray per
-  /// pixel where the light is either fully visible or fully blocked. Shadows are then averaged along surfaces, over 4 x
-  /// 4 pixels, or more where penumbrae are wide. 0: lights are points.
+  /// pixel where the light is either fully visible or fully blocked. Shadows are then averaged over pixels of the same
+  /// surface: 4 x 4 pixels, or more where penumbrae are wide. 0: lights are points.
   int shadow_rays = 0;
   std::optional<Lighting> lighting = {};  ///< replaces the lighting of the scene
   int sample = 0;                         ///< sample index of an accumulation; selects the shadow rays
-  /// Names, as on the first layer, of the material and id planes to capture; nullopt: all. Depth, normals and shadows
+  /// The material and id planes to capture, by their names on the first layer; nullopt: all. Depth, normals and shadows
   /// are always captured.
   std::optional<std::vector<std::string>> planes = {};
   std::optional<Strip> strip = {};  ///< draw only this strip; requires Device::draws_strips()
@@ -71,16 +71,17 @@ class Device {
   virtual std::string description() const = 0;
   /// Returns the number of CPU threads that work for the device.
   virtual int threads() const = 0;
-  /// Returns the plane pool for the planes of its pictures. Hold it with ScopedPlanePool while several pictures are
+  /// Returns the plane pool for the planes of its pictures. Use it with ScopedPlanePool while several pictures are
   /// drawn.
   virtual PlanePoolPtr pool() const = 0;
-  /// Returns whether the device can draw pictures in strips. On the frame of a strip all functions work on the rows of
+  /// Returns whether the device can draw pictures in strips. On a strip's frame all functions process only the rows of
   /// the strip.
   virtual bool draws_strips() const { return false; }
-  /// Prepares the scene for capture (acceleration structure, textures). The scene must outlive the last capture or the
-  /// next prepare. After an error nothing is prepared, and capture throws InternalError. Errors: kDevice, kInterrupted.
+  /// Prepares the scene for capture (acceleration structure, textures). The scene must live until its last capture or
+  /// the next prepare. After an error nothing is prepared, and capture throws InternalError. Errors: kDevice,
+  /// kInterrupted.
   virtual Result<void> prepare(const Scene& scene, const ProgressMonitor& monitor = {}) = 0;
-  /// Frees what prepare made, if the device can. Before the next capture, prepare must be called again.
+  /// Frees the memory that prepare allocated, if the device can. The next capture requires a new call of prepare.
   virtual void forget_scene() {}
   /// Captures the prepared scene. Returns a frame with the planes of core/gbuffer.h.
   virtual Result<Frame> capture(const Camera& camera, const CaptureSettings& settings,
@@ -88,15 +89,15 @@ class Device {
   /// Returns a frame with planes from the host. Planes that are views are read during the lifetime of the frame, and
   /// never written.
   virtual Result<Frame> upload(GBuffer gbuffer) = 0;
-  /// Returns a frame that starts with the planes of another frame, of a whole picture, and shares their memory. Effects
-  /// that run on the branch leave the original unchanged. While the branch or a branch of it lives, calling run, add or
-  /// place on the original throws InternalError.
+  /// Returns a frame that starts with the planes of `frame` and shares their memory. `frame` must be of a whole
+  /// picture, not of a strip. Effects that run on the branch leave the original unchanged. While the branch or a branch
+  /// of it lives, calling run, add or place on the original throws InternalError.
   virtual Frame branch(const Frame& frame) = 0;
   /// Adds planes from the host to a frame and replaces those of the same names. Their size is that of the frame, guard
-  /// band included; for a strip, its held_rows.
+  /// band included; for a strip, its rows_with_margin.
   virtual Result<void> add(const Image& planes, Frame& frame) = 0;
-  /// Runs the passes of an effect; its outputs become planes of the frame. On layer n > 0 all its inputs and outputs
-  /// are planes of that layer. PixelSet::kMissing requires runs_for_missing. On a strip the effect may remain
+  /// Runs the dispatches of an effect; its outputs become planes of the frame. On layer n > 0 all its inputs and
+  /// outputs are planes of that layer. PixelSet::kMissing requires runs_for_missing. On a strip the effect may remain
   /// unfinished, if WholePlanes must be completed first or the margin is too small. After kInterrupted the outputs are
   /// incomplete. Errors: kUsage if an input plane is missing; kInterrupted.
   virtual Result<RunState> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer = 0,
@@ -105,7 +106,7 @@ class Device {
   /// reduced_info. Planes that no layer has are left out.
   virtual Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) = 0;
   /// Copies planes of a reduced frame into the frame that it was made from, under the name reduced_plane(name). They
-  /// lie in the upper left corner, since all planes of a frame have one size; the remainder is 0. Errors: kUsage if a
+  /// are in the upper left corner, since all planes of a frame have one size; the remainder is 0. Errors: kUsage if a
   /// plane is missing.
   virtual Result<void> place(const Frame& small, const std::vector<std::string>& names, Frame& full) = 0;
   /// Waits until all submitted work is done. A device that works asynchronously may defer work until this call or a
@@ -113,11 +114,11 @@ class Device {
   virtual Result<void> finish() { return {}; }
   /// Returns the times of all dispatches since the last call, in order, if the device measures them itself.
   virtual std::vector<DispatchTime> take_dispatch_times() { return {}; }
-  /// Returns the names of all planes of a frame: first those captured, added or made, then the constant planes that
-  /// passes read in place of missing ones.
+  /// Returns the names of all planes of a frame: first those captured, added or computed, then the constant planes that
+  /// dispatches read in place of missing ones.
   virtual std::vector<std::string> plane_names(const Frame& frame) const = 0;
-  /// Returns the planes of these names, in this order, without the guard band; for a strip, its own rows, whose
-  /// validity missing_rows reports. Errors: kUsage if a plane is missing.
+  /// Returns the planes of these names, in this order, without the guard band; of a strip only its own rows: see
+  /// missing_rows. Errors: kUsage if a plane is missing.
   virtual Result<Image> download(const Frame& frame, const std::vector<std::string>& names) = 0;
   /// Calls `take` with each of these planes and its index in `names`, without a copy if the device can.
   virtual Result<void> visit(const Frame& frame, const std::vector<std::string>& names,
@@ -129,7 +130,7 @@ class Device {
   }
   /// Returns all planes of a frame.
   Result<Image> download_all(const Frame& frame) { return download(frame, plane_names(frame)); }
-  /// Returns the number of rows that the margin of a strip lacks for its own rows of these planes to be valid; 0: they
+  /// Returns by how many rows the margin of a strip is too small for its own rows of these planes to be valid; 0: they
   /// are valid.
   virtual int missing_rows(const Frame&, const std::vector<std::string>& /*names*/) const { return 0; }
 };

@@ -1,4 +1,4 @@
-// Effect: one technique as data: parameters, passes, inputs and outputs.
+// Effect: one technique as data: parameters, dispatches, inputs and outputs.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -26,19 +26,19 @@ struct Kernel {
   std::span<const std::uint32_t> spirv;         ///< compute shader
 };
 
-/// A pass that computes whole planes on the host. It may use all threads of its oneTBB arena.
+/// A dispatch that computes whole planes on the host. It may use all threads of its oneTBB arena.
 using HostStep = void (*)(const HostFrame&);
 
-/// One dispatch over all pixels on a GPU.
+/// One compute shader that runs over all pixels, as a part of a dispatch.
 struct GpuStep {
   std::string_view name;
-  /// Planes of the pass, and temporary planes of its steps, which live from the first step to the last.
+  /// Planes of the dispatch, or temporary planes, which live from its first step to its last.
   std::vector<std::string_view> inputs, outputs;
   std::span<const std::uint32_t> spirv;
   int group_width = 8, group_height = 8;  ///< pixels per workgroup, which has 8 x 8 invocations
 };
 
-/// An alternative GPU implementation of a pass, with bitwise identical results.
+/// An alternative GPU implementation of a dispatch, with bitwise identical results.
 struct GpuVariant {
   bool (*fits)(const void* constants) = nullptr;  ///< whether it is exact with these constants, and faster
   std::vector<GpuStep> steps;
@@ -49,7 +49,7 @@ struct GpuVariant {
 enum class PixelSet { kAll, kMissing };
 
 /// The tile that a CPU thread computes at a time, pixels; `width` is a multiple of 16. Whole rows by default;
-/// kSquareTile for passes that read in all directions around a pixel.
+/// kSquareTile for dispatches that read in all directions around a pixel.
 struct TileSize {
   int width = 1 << 20, height = 16;
 };
@@ -64,10 +64,10 @@ struct Dispatch {
   Kernel kernel;
   CpuKernel tuned = nullptr;                               ///< faster kernel with bitwise identical results, or null
   std::vector<GpuVariant> gpu_variants;                    ///< the first that fits runs instead of `kernel`
-  HostStep host = nullptr;                                 ///< runs instead of kernels; such a pass has no `reach`
-  bool (*needed)(const ParameterBytes& params) = nullptr;  ///< whether the pass runs at all; null: always
+  HostStep host = nullptr;                                 ///< runs instead of kernels; `reach` is then null
+  bool (*needed)(const ParameterBytes& params) = nullptr;  ///< whether the dispatch runs at all; null: always
   TileSize tile;
-  /// Returns the max number of rows above and below a pixel that it reads, with these constants; null: any row.
+  /// Returns how many rows above and below a pixel it reads at most, with these constants; null: any row.
   int (*reach)(const void* constants, int round) = nullptr;
   /// Inputs that may be read at any pixel, regardless of `reach`. A layer that does not exist is not read.
   std::vector<std::string_view> unbounded_inputs = {};
@@ -102,13 +102,14 @@ struct Effect {
   std::vector<Parameter> parameters;
   std::size_t params_size = 0;
   std::size_t constants_size = 0;
-  /// Fills the constants that all passes read, from the params and the picture.
+  /// Computes the constants that all dispatches read, from the params and the picture.
   void (*constants)(const ParameterBytes& params, const PictureInfo& info, void* constants) = nullptr;
-  /// For a technique with a radius: sets it, `radius` in scene units, as closely as its parameters allow.
+  /// For a technique with a radius: sets it to `radius`, scene units, as closely as its parameters allow.
   void (*set_radius)(float radius, const PictureInfo& info, ParameterBytes& params) = nullptr;
-  /// For the effect that upsamples a picture of reduced resolution: sets what it upsamples.
+  /// For the effect that upsamples a picture of reduced resolution: sets its parameters for this reduction.
   void (*set_reduction)(const Reduction& reduction, ParameterBytes& params) = nullptr;
-  /// For an effect that applies exposure: returns what the exposure depends on; and raises it by `stops`.
+  /// For an effect that applies exposure: `exposed_by` returns what the exposure depends on, `add_stops` raises it by
+  /// `stops`.
   Exposure (*exposed_by)(const ParameterBytes& params) = nullptr;
   void (*add_stops)(float stops, ParameterBytes& params) = nullptr;
   /// Name of the integer parameter that selects the noise: each sample index of an accumulation gets its own value.
@@ -116,13 +117,13 @@ struct Effect {
   /// Parameters that trade time for quality, or one error for another, in the order in which tuning searches them.
   std::vector<std::string_view> tunable;
   /// Settings that differ in cost or quality, for timing and comparison: "parameter=value parameter=value". Always
-  /// includes the empty string, all defaults.
+  /// includes the empty string, which leaves all defaults.
   std::vector<std::string_view> variants;
   /// The change of an output when one sample or one tone step flips, for kernels that count or threshold: machines that
   /// differ in the last bits may flip a few. 0: the outputs are smooth.
   double quantum = 0.0;
   std::vector<Dispatch> dispatches;
-  /// Returns the number of rounds, each of which runs all passes in order, for this picture; null: one.
+  /// Returns the number of rounds, each of which runs all dispatches in order, for this picture; null: one.
   int (*rounds)(const ParameterBytes& params, const PictureInfo& info) = nullptr;
 };
 
@@ -133,16 +134,16 @@ Parameter radius_row(std::string_view name, Length Params::*field, std::string_v
   return length_row(name, field, {.initial_percent = 10, .max = 1e12, .unit = "scene units", .above_zero = true}, help);
 }
 
-/// Effect::set_radius of a technique whose field is a length in the scene, such as &HbaoParams::radius.
+/// Implements Effect::set_radius for a technique whose `field` is a length in the scene, such as &HbaoParams::radius.
 template <auto field>
 void set_radius_of(float radius, const PictureInfo&, ParameterBytes& bytes) {
   const auto set = [&]<class Params>(Length Params::*length) { as<Params>(bytes).*length = {radius, 0}; };
   set(field);
 }
 
-/// Returns `effect` completed with this kind and table, and with the structs that `fill_constants` takes: a function
-/// like void fill_constants(const BoxParams&, const PictureInfo&, BoxConstants&), which gets the constants
-/// zero-initialized. A pass without a name gets the name of the effect.
+/// Returns `effect` with this kind and parameter table, and with the sizes and the `constants` function that follow
+/// from `fill_constants`: a function such as void fill_constants(const BoxParams&, const PictureInfo&, BoxConstants&),
+/// which receives zero-initialized constants. A dispatch without a name gets the name of the effect.
 template <auto fill_constants>
 Effect effect_of(EffectKind kind, std::vector<Parameter> table, Effect effect) {
   effect.kind = kind;
@@ -162,7 +163,7 @@ Effect effect_of(EffectKind kind, std::vector<Parameter> table, Effect effect) {
   return effect;
 }
 
-/// Usage: `return filter_effect<fill_constants>(kTable, {...});`.
+/// Return an effect of one kind, completed by effect_of. Usage: `return filter_effect<fill_constants>(kTable, {...});`.
 template <auto fill_constants>
 Effect occlusion_effect(std::vector<Parameter> table, Effect effect) {
   return effect_of<fill_constants>(EffectKind::kOcclusion, std::move(table), std::move(effect));
@@ -180,19 +181,20 @@ Effect output_effect(std::vector<Parameter> table, Effect effect) {
   return effect_of<fill_constants>(EffectKind::kOutput, std::move(table), std::move(effect));
 }
 
-/// Dispatch::reach of a pass that reads only its own row.
+/// Implements Dispatch::reach for a dispatch that reads only its own row.
 inline int own_row(const void*, int) { return 0; }
 
-/// Returns the pass of an occlusion technique that reads depth anywhere around each pixel, and the normal only at the
-/// pixel.
+/// Returns the dispatch of an occlusion technique that reads depth anywhere around each pixel, and the normal only at
+/// the pixel.
 Dispatch sampling_dispatch(const Kernel& kernel);
 
-/// Returns whether an effect can run on missing pixels: with these params it must have a pass for them.
+/// Returns whether an effect can run on PixelSet::kMissing: one of its dispatches must be for missing pixels and be
+/// needed with these params.
 bool runs_for_missing(const Effect& effect, const ParameterBytes& params);
 
-/// Converts a length to pixels of this picture. An absolute length is in pixels of full resolution, several of which
-/// one pixel at reduced resolution covers; a relative length is in percent of `whole_px`: reference_width() or
-/// reference_height() of the picture.
+/// Converts a length to pixels of this picture. An absolute length is in pixels of full resolution and is divided by
+/// the downsampling factor; a relative length is in percent of `whole_px`, the reference_width() or reference_height()
+/// of the picture.
 float length_px(const Length& length, float whole_px, const PictureInfo& info);
 
 /// Converts a radius to scene units; a relative length is in percent of the bounding-sphere radius. `owner` names the
@@ -200,7 +202,7 @@ float length_px(const Length& length, float whole_px, const PictureInfo& info);
 /// bounding-sphere radius.
 Result<float> radius_in_scene(std::string_view owner, const Length& radius, const PictureInfo& info);
 
-/// Returns the row of that name, or null.
+/// Returns the row with that name or former name, or null.
 const Parameter* find_parameter(const Effect& effect, std::string_view name);
 
 }  // namespace umbrage

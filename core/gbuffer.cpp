@@ -19,13 +19,13 @@ Camera widened(Camera camera, int width, int height, int pixels) {
   return camera;
 }
 
-/// Returns the camera of one pixel in `factor`, from the first one on. The ray of a pixel goes through its centre,
-/// hence the half pixels.
+/// Returns the camera of a picture with one pixel in `factor`, across and down, starting with the first. A ray goes
+/// through the centre of its pixel, so the window extends (factor - 1) / 2 pixels beyond the first pixel.
 Camera camera_of_every_nth(Camera camera, int width, int height, int factor) {
   const double across = (double(camera.right) - camera.left) / width;
   const double down = (double(camera.top) - camera.bottom) / height;
-  const double before = (factor - 1) / 2.0;  // pixels by which the first one grows on each side
-  const double left = camera.left - before * across, top = camera.top + before * down;
+  const double beyond_first = (factor - 1) / 2.0;
+  const double left = camera.left - beyond_first * across, top = camera.top + beyond_first * down;
   camera.left = float(left);
   camera.top = float(top);
   camera.right = float(left + across * factor * reduced_side(width, factor));

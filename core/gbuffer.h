@@ -24,15 +24,15 @@ namespace umbrage {
 /// The content of a depth layer beyond the first.
 enum class LayerKind {
   kBehind,  ///< the next surface behind that of layer `of`, along the same rays
-  /// The other side of the surfaces of layer `of`: normals face away from the camera, light and shadow are those of
-  /// that side; no highlight, since no camera sees it.
+  /// The back side of the surfaces of layer `of`: normals face away from the camera, and light and shadow are those of
+  /// that side. No highlight, since no camera sees that side.
   kBack,
   kOther,  ///< the surfaces that another camera sees
 };
 
 struct LayerInfo {
   LayerKind kind = LayerKind::kBehind;
-  int of = 0;     ///< index of a layer
+  int of = 0;     ///< index of the layer to which `kind` refers
   Camera camera;  ///< kOther: camera of the layer, with the picture's size; otherwise unused
 };
 
@@ -42,13 +42,13 @@ struct PictureInfo {
   int guard = 0;              ///< guard band: pixels on each side that effects can read, cropped from the result
   Camera camera;              ///< of the whole picture, guard band included
   std::vector<Light> lights;  ///< in view space
-  /// From the view space of the first layer's camera to that of this picture; see layer_info.
+  /// Transform from the view space of the first layer's camera to that of this picture; see layer_info.
   glm::mat4 view_from_first{1.0f};
   std::vector<LayerInfo> more_layers;  ///< the layers beyond the first
   glm::vec3 ambient{0.3f};             ///< ambient light, mean over all normals
   AmbientShape ambient_shape;          ///< in view space
   float lit_white_luminance = 1.0f;    ///< luminance of a white surface that faces the light: see Scene
-  /// Radius of the bounding sphere, scene units; for a bare G-buffer half the robust depth extent.
+  /// Radius of the bounding sphere, scene units; for a G-buffer without a scene half the robust depth extent.
   float scene_radius = 1.0f;
   float depth_min = 1.0f, depth_max = 2.0f;  ///< range of view depths that contains the scene
   int ground_object = -1;                    ///< object id of a ground that shows only shadow and occlusion; < 0: none
@@ -71,28 +71,29 @@ struct PictureInfo {
   float reference_height() const { return reduced > 1 ? float(whole_height) / float(reduced) : float(inner_height()); }
 };
 
-/// Returns a picture without a guard band extended by `guard` pixels of the same size on each side.
+/// Returns the information of `inner`, a picture without a guard band, extended by `guard` pixels of the same size on
+/// each side.
 PictureInfo with_guard(PictureInfo inner, int guard);
 
 /// Returns the camera of the picture without its guard band.
 Camera inner_camera(const PictureInfo& info);
 
-/// Returns the picture without its guard band, which matches the planes that a device returns.
+/// Returns the information of the picture without its guard band: that of the planes that Device::download returns.
 PictureInfo inner_info(const PictureInfo& info);
 
 /// Returns the number of pixels in a row or column of a picture at reduced resolution.
 int reduced_side(int whole, int factor);
 
-/// Returns the picture whose pixel (i, j) is the pixel (factor i, factor j) of another one; its size is rounded up. Its
-/// cameras give each pixel its original ray. It has no guard band: the former one becomes part of the picture.
+/// Returns the information of the picture whose pixel (i, j) is pixel (factor i, factor j) of `whole`, on the same ray.
+/// Its size is rounded up. It has no guard band: that of `whole` becomes part of the picture.
 PictureInfo reduced_info(const PictureInfo& whole, int factor);
 
 /// Returns the name of a reduced-resolution plane that lies in the upper left corner of a picture at full resolution:
 /// `reduced_ao`.
 std::string reduced_plane(std::string_view name);
 
-/// Returns the picture as layer `layer` shows it: for a layer of another camera, lights are in the view space of that
-/// camera.
+/// Returns the information of layer `layer`. If another camera captured it, camera, lights and ground are those of the
+/// view space of that camera.
 PictureInfo layer_info(const PictureInfo& info, int layer);
 
 /// Returns the name of the shadow plane of a light: `shadow`, `shadow1`.

@@ -29,7 +29,7 @@ std::invoke_result_t<Work> guarded(const Purpose& memory_purpose, const Work& wo
   }
 }
 
-/// Fault injection for tests of this boundary: if set, the drawing threads call it. It throws.
+/// For tests of this boundary: a function that throws, called by the drawing threads through fault_point; null: none.
 inline std::atomic<void (*)()> injected_fault{nullptr};
 
 inline void fault_point() {

@@ -89,9 +89,9 @@ TEST_P(Guarded, Shade) {
 
 INSTANTIATE_TEST_SUITE_P(Faults, Guarded, testing::ValuesIn(kFaults), [](const auto& info) { return info.param.name; });
 
-TEST(KernelFrame, RefusesPlanesThatAPassDoesNotList) { EXPECT_THROW(KernelFrame{}.plane("x"), std::logic_error); }
+TEST(KernelFrame, RefusesPlanesThatTheDispatchDoesNotList) { EXPECT_THROW(KernelFrame{}.plane("x"), std::logic_error); }
 
-// The limit at which memory runs out is unknown: the program runs with several.
+// Runs the program with several memory limits, since the memory that it has when it starts to draw is unknown.
 class ShortMemory : public test::ProgramTest {};
 
 TEST_F(ShortMemory, IsCodeFourAndWritesNothing) {

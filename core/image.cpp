@@ -17,19 +17,20 @@ constexpr std::size_t kCacheLine = 64;
 constexpr std::size_t kHugePage = std::size_t(2) << 20;
 constexpr std::size_t kPage = 4096;
 
-/// Rows and planes that start a multiple of this distance apart, bytes, map to the same lines of the first-level cache,
-/// and a pass over a dozen planes then evicts its own data.
+/// Rows and planes whose starts are a multiple of this many bytes apart map to the same lines of the first-level cache,
+/// and a loop over a dozen planes then evicts its own data.
 constexpr std::size_t kCacheWay = 1024;
 constexpr std::size_t kStagger = 17 * kCacheLine;
 constexpr unsigned kStaggers = 32;
 
-/// Returns the offset at which a large plane starts in its memory, bytes: a different one for each plane of a thread.
+/// Returns the offset at which a large plane starts in its memory, bytes. The planes of a thread cycle through
+/// kStaggers offsets.
 std::size_t next_stagger() {
   thread_local unsigned count = 0;
   return count++ % kStaggers * kStagger;
 }
 
-/// The pool of the planes that this thread makes, owned by a ScopedPlanePool; null: none.
+/// The pool of the planes that this thread creates, owned by a ScopedPlanePool; null: none.
 thread_local const PlanePoolPtr* pool_of_thread = nullptr;
 
 }  // namespace
@@ -84,27 +85,29 @@ PlanePoolLock::~PlanePoolLock() {
   if (--pool_->holders_ == 0) pool_->drop_all();
 }
 
-ScopedPlanePool::ScopedPlanePool(PlanePoolPtr pool) : held_(pool), own_(std::move(pool)), before_(pool_of_thread) {
-  pool_of_thread = &own_;
+ScopedPlanePool::ScopedPlanePool(PlanePoolPtr pool)
+    : lock_(pool), scoped_pool_(std::move(pool)), previous_(pool_of_thread) {
+  pool_of_thread = &scoped_pool_;
 }
 
-ScopedPlanePool::~ScopedPlanePool() { pool_of_thread = before_; }
+ScopedPlanePool::~ScopedPlanePool() { pool_of_thread = previous_; }
 
 void Plane::Free::operator()(float*) {
-  if (const PlanePoolPtr kept = pool.lock(); kept && kept->give(size, base)) return;
+  if (const PlanePoolPtr owner = pool.lock(); owner && owner->give(size, base)) return;
   std::free(base);
 }
 
 Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(plane_stride(width_)) {
   const std::size_t bytes = std::size_t(stride) * height * sizeof(float);
   if (bytes == 0) return;
-  // Large planes use huge pages: fresh memory costs page faults, which take as long as an effect. The remainder uses
-  // small pages: the system clears whole huge pages, and a plane of 1024 x 1024 is slightly larger than two.
+  // Large planes use huge pages, since the page faults of fresh memory take as long as an effect. The part beyond the
+  // last full huge page uses small pages: the system clears whole huge pages, and a plane of 1024 x 1024 is slightly
+  // larger than two.
   const bool large = bytes >= kHugePage;
   const std::size_t offset = large ? next_stagger() : 0;
   const std::size_t alignment = large ? kHugePage : kCacheLine;
   const std::size_t rounding = large ? kPage : kCacheLine;
-  // The same for all planes of one size, so that their memory is interchangeable.
+  // Equal for all planes of one size, whatever their offset, so that their memory is interchangeable.
   const std::size_t needed = bytes + (large ? (kStaggers - 1) * kStagger : 0);
   const std::size_t whole = (needed + rounding - 1) / rounding * rounding;
   const PlanePoolPtr pool = large && pool_of_thread ? *pool_of_thread : nullptr;
@@ -135,7 +138,7 @@ Plane::Plane(int width_, int height_, float value) : Plane(width_, height_) {
 }
 
 Plane::Plane(const Plane& other) : Plane(other.width, other.height) {
-  // After the last row of a view there may be no memory.
+  // Does not copy the padding of the last row, since the memory of a view may end before it.
   if (data_) std::memcpy(data(), other.data(), (std::size_t(stride) * (height - 1) + width) * sizeof(float));
 }
 

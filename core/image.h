@@ -10,8 +10,8 @@
 
 namespace umbrage {
 
-/// Rows start at multiples of this many floats, so that a vector of the widest machine (16 lanes) may be stored across
-/// the end of a row.
+/// Rows start at multiples of this many floats, so that storing a vector of the widest instruction set (16 lanes) at
+/// the end of a row does not overwrite the next row.
 inline constexpr int kRowAlignment = 16;
 
 /// Memory of released planes, kept for new planes of the same size: fresh memory costs page faults, which take half the
@@ -29,8 +29,8 @@ class PlanePool {
  private:
   friend class Plane;
   friend class PlanePoolLock;
-  void* take(std::size_t size);             // null if none is kept
-  bool give(std::size_t size, void* base);  // false if the pool does not keep it
+  void* take(std::size_t size);             // returns null if none is kept
+  bool give(std::size_t size, void* base);  // returns false if the pool does not keep it
   void drop_all();                          // requires the lock
   mutable std::mutex mutex_;
   int holders_ = 0;
@@ -51,7 +51,7 @@ class PlanePoolLock {
 };
 
 /// A PlanePoolLock that also makes the planes of this thread use the pool: they take their memory from it, and return
-/// it on any thread. Planes may outlive the pool. Of several, the last created is in effect.
+/// it on any thread. Planes may outlive the pool. If a thread has several, the last created is in effect.
 class ScopedPlanePool {
  public:
   explicit ScopedPlanePool(PlanePoolPtr pool);
@@ -60,20 +60,20 @@ class ScopedPlanePool {
   ScopedPlanePool& operator=(const ScopedPlanePool&) = delete;
 
  private:
-  PlanePoolLock held_;
-  PlanePoolPtr own_;
-  const PlanePoolPtr* before_;  // the previous one of this thread
+  PlanePoolLock lock_;
+  PlanePoolPtr scoped_pool_;
+  const PlanePoolPtr* previous_;  // the thread's pool before this one
 };
 
-/// Returns the stride of planes of that width, floats. It is the same for all, since a kernel has one stride for its
-/// planes.
+/// Returns the stride, in floats, of all planes of that width. It depends on nothing else, since a kernel has one
+/// stride for its planes.
 int plane_stride(int width);
 
 /// One float per pixel. Row y starts at data() + y * stride; row 0 is the top one.
 class Plane {
  public:
   Plane() = default;
-  /// An uninitialised plane.
+  /// Creates an uninitialised plane.
   Plane(int width, int height);
   Plane(int width, int height, float value);
   Plane(const Plane& other);

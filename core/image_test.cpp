@@ -1,4 +1,4 @@
-// Memory of planes and its ownership.
+// Tests of the memory of planes and of plane pools.
 #include "core/image.h"
 
 #include <gtest/gtest.h>
@@ -14,19 +14,19 @@
 namespace umbrage {
 namespace {
 
-// Large enough for the pool to keep: 4 MB.
+// A plane of this size takes 4 MB, which is large enough for the pool.
 constexpr int kSide = 1024;
 
-TEST(PlanePool, MemoryServesTheNextPlanesOfItsSize) {
+TEST(PlanePool, MemoryIsReusedForPlanesOfTheSameSize) {
   const auto pool = std::make_shared<PlanePool>();
   {
-    const ScopedPlanePool kept(pool);
+    const ScopedPlanePool scoped_pool(pool);
     { const Plane plane(kSide, kSide); }
     const std::size_t one = pool->bytes();
     EXPECT_GE(one, std::size_t(kSide) * kSide * sizeof(float));
     {
       const Plane again(kSide, kSide);
-      EXPECT_EQ(pool->bytes(), 0u) << "it was taken";
+      EXPECT_EQ(pool->bytes(), 0u) << "its memory is in use again";
       const Plane other(kSide, kSide + 512), small(64, 64);
     }
     EXPECT_GT(pool->bytes(), 2 * one);
@@ -36,37 +36,37 @@ TEST(PlanePool, MemoryServesTheNextPlanesOfItsSize) {
   EXPECT_EQ(pool->bytes(), 0u);
 }
 
-TEST(PlanePool, HoldingThePoolDoesNotPoolOwnPlanes) {
+TEST(PlanePool, ALockDoesNotPoolThePlanesOfItsThread) {
   const auto pool = std::make_shared<PlanePool>();
-  const PlanePoolLock held(pool);
+  const PlanePoolLock lock(pool);
   { const Plane plane(kSide, kSide); }
   EXPECT_EQ(pool->bytes(), 0u) << "planes of this thread are not pooled";
   {
-    const ScopedPlanePool kept(pool);
+    const ScopedPlanePool scoped_pool(pool);
     const Plane plane(kSide, kSide);
   }
-  EXPECT_GT(pool->bytes(), 0u) << "from picture to picture";
+  EXPECT_GT(pool->bytes(), 0u) << "kept while the lock exists";
 }
 
-TEST(PlanePool, ThreadsHaveTheirOwn) {
+TEST(PlanePool, EachThreadUsesItsOwnPool) {
   const auto first = std::make_shared<PlanePool>(), second = std::make_shared<PlanePool>();
-  const PlanePoolLock held(first);
-  const ScopedPlanePool kept(second);
-  std::optional<Plane> handed_on;
+  const PlanePoolLock lock(first);
+  const ScopedPlanePool scoped_pool(second);
+  std::optional<Plane> moved_plane;
   std::thread([&] {
     { const Plane plane(kSide, kSide); }
-    EXPECT_EQ(second->bytes(), 0u) << "of another thread";
-    const ScopedPlanePool own(first);
-    handed_on.emplace(kSide, kSide);
+    EXPECT_EQ(second->bytes(), 0u) << "it belongs to another thread";
+    const ScopedPlanePool scoped_first(first);
+    moved_plane.emplace(kSide, kSide);
   }).join();
-  handed_on.reset();
-  EXPECT_GT(first->bytes(), 0u) << "back to where it came from";
+  moved_plane.reset();
+  EXPECT_GT(first->bytes(), 0u) << "returned to the pool from which it came";
   EXPECT_EQ(second->bytes(), 0u);
 }
 
-TEST(PlanePool, TheLastMadeCountsAndPlanesMayOutliveIt) {
+TEST(PlanePool, TheLastCreatedIsUsedAndPlanesMayOutliveIt) {
   auto outer = std::make_shared<PlanePool>();
-  const ScopedPlanePool kept(outer);
+  const ScopedPlanePool scoped_pool(outer);
   std::optional<Plane> plane;
   {
     const ScopedPlanePool inner(std::make_shared<PlanePool>());
@@ -74,7 +74,7 @@ TEST(PlanePool, TheLastMadeCountsAndPlanesMayOutliveIt) {
   }
   EXPECT_EQ(plane->at(kSide - 1, kSide - 1), 0.5f);
   plane.reset();
-  EXPECT_EQ(outer->bytes(), 0u) << "it was the inner one's";
+  EXPECT_EQ(outer->bytes(), 0u) << "its memory came from the inner pool";
   plane.emplace(kSide, kSide);
   plane.reset();
   EXPECT_GT(outer->bytes(), 0u);
@@ -89,7 +89,7 @@ TEST(PlanePool, EachDeviceHasItsOwn) {
   const auto first = make_cpu_device(), second = make_cpu_device();
   EXPECT_NE(first->pool(), second->pool());
   ASSERT_TRUE(first->prepare(scene));
-  const ScopedPlanePool kept(first->pool());
+  const ScopedPlanePool scoped_pool(first->pool());
   { ASSERT_TRUE(first->capture(frame_scene(scene, {}, kSide, kSide), {.width = kSide, .height = kSide})); }
   EXPECT_GT(first->pool()->bytes(), 10 * std::size_t(kSide) * kSide * sizeof(float)) << "of depth, normals and others";
   EXPECT_EQ(second->pool()->bytes(), 0u);

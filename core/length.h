@@ -2,8 +2,8 @@
 #ifndef UMBRAGE_CORE_LENGTH_H
 #define UMBRAGE_CORE_LENGTH_H
 
-// An absolute length in the unit of its parameter, or (relative != 0) a percentage of a whole that the parameter's help
-// names.
+// An absolute length in the unit of its parameter, or (relative != 0) a percentage of the size that the parameter's
+// help names.
 struct Length {
   float value;
   int relative;

@@ -28,19 +28,20 @@ struct Light {
   bool operator==(const Light&) const = default;
 };
 
-/// The dependence of ambient light on the surface normal n: in each colour it differs from its mean by (n, 1) M (n, 1)
-/// [Ramamoorthi and Hanrahan 2001]. All 0: ambient light is uniform.
+/// The dependence of ambient light on the surface normal n: the radiance of a colour differs from its mean by (n, 1) M
+/// (n, 1)^T [Ramamoorthi and Hanrahan 2001]. All 0: ambient light is uniform.
 struct AmbientShape {
   std::array<glm::mat4, 3> by_color{glm::mat4(0.0f), glm::mat4(0.0f),
                                     glm::mat4(0.0f)};  ///< red, green, blue; symmetric
 
+  /// Returns whether ambient light is uniform.
   bool even() const;
   /// Returns the difference from the mean for the normal `n`, a unit vector.
   glm::vec3 at(glm::vec3 n) const;
   bool operator==(const AmbientShape&) const = default;
 };
 
-/// Returns the same light, rotated.
+/// Returns the shape, rotated.
 AmbientShape turned(const AmbientShape& shape, const glm::mat3& rotation);
 
 /// Max lights whose shadows a capture can hold, one plane each.

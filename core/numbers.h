@@ -10,7 +10,7 @@
 
 namespace umbrage {
 
-/// Parses the whole text as a number; nullopt if it is none, or not finite.
+/// Returns the number that `text` consists of, or nullopt if it is not a finite number.
 inline std::optional<double> parse_number(std::string_view text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -38,7 +38,7 @@ struct Interval {
   }
 };
 
-/// Parses the whole text as a number; nullopt unless it is in the interval.
+/// Returns the number that `text` consists of, or nullopt if it is not a number in the interval.
 inline std::optional<double> parse_number(std::string_view text, const Interval& interval) {
   const auto value = parse_number(text);
   return value && interval.has(*value) ? value : std::nullopt;

@@ -21,17 +21,17 @@ enum class ParameterType {
   kLength,  ///< Length: an absolute number in `unit`, or a percentage written with %
 };
 
-/// One field of a params struct. Tables are made of the rows below.
+/// One field of a params struct. The functions below create rows.
 struct Parameter {
   std::string_view name, help;
   ParameterType type = ParameterType::kReal;
-  std::size_t offset = 0;       ///< bytes from the start of the struct
-  double initial = 0.0;         ///< default (index of the choice; absolute length)
-  double min = 0.0, max = 0.0;  ///< inclusive range; of the number before % for a relative length: 0 to 1000
-  std::string_view unit = {};   ///< "px", "deg", "" for a plain number
+  std::size_t offset = 0;                      ///< bytes from the start of the struct
+  double initial = 0.0;                        ///< default (index of the choice; absolute length)
+  double min = 0.0, max = 0.0;                 ///< inclusive range; a percentage is always 0 to 1000
+  std::string_view unit = {};                  ///< "px", "deg", "" for a plain number
   std::vector<std::string_view> choices = {};  ///< for kChoice
   bool initially_relative = false;             ///< for kLength: `initial` is in percent
-  bool above_zero = false;                     ///< 0 itself is refused, also as 0%
+  bool above_zero = false;                     ///< 0 and 0% are errors
   std::string_view zero_means = {};            ///< meaning of 0, such as "automatic"; empty: none
   std::string_view former_name = {};           ///< accepted, with a warning, until the next minor version; or empty
 };
@@ -42,8 +42,8 @@ struct NumberRange {
   std::string_view unit = {}, zero_means = {};
 };
 
-/// The range of a length: absolute from `min` to `max`, or any percentage. The default is `initial_percent` if that is
-/// not 0, else `initial`.
+/// The range of a length: absolute from `min` to `max`, or 0% to 1000%. The default is `initial_percent` if that is not
+/// 0, else `initial`.
 struct LengthRange {
   double initial = 0.0, initial_percent = 0.0, min = 0.0, max = 0.0;
   std::string_view unit = {}, zero_means = {};
@@ -61,8 +61,8 @@ std::size_t offset_of(Field Params::*field) {
 Parameter number_row(ParameterType type, std::string_view name, std::size_t offset, const NumberRange& range,
                      std::string_view help);
 
-/// Return one row of a parameter table: its name as in `settings`, its field, its range and its help. Choices and
-/// switches are fields of type int; the initial choice is an index.
+/// Return one row of a parameter table. `name` is the name in settings. Choices and switches are fields of type int;
+/// the initial choice is an index.
 template <class Params>
 Parameter real_row(std::string_view name, float Params::*field, const NumberRange& range, std::string_view help) {
   return number_row(ParameterType::kReal, name, offset_of(field), range, help);
@@ -75,16 +75,16 @@ Parameter int_row(std::string_view name, int Params::*field, const NumberRange& 
 
 template <class Params>
 Parameter length_row(std::string_view name, Length Params::*field, const LengthRange& range, std::string_view help) {
-  const bool fraction = range.initial_percent != 0.0;
+  const bool relative = range.initial_percent != 0.0;
   return {.name = name,
           .help = help,
           .type = ParameterType::kLength,
           .offset = offset_of(field),
-          .initial = fraction ? range.initial_percent : range.initial,
+          .initial = relative ? range.initial_percent : range.initial,
           .min = range.min,
           .max = range.max,
           .unit = range.unit,
-          .initially_relative = fraction,
+          .initially_relative = relative,
           .above_zero = range.above_zero,
           .zero_means = range.zero_means};
 }

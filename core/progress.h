@@ -18,14 +18,14 @@ inline Error interrupted() { return {ErrorKind::kInterrupted, "interrupted"}; }
 /// Min time between two calls of a monitor; faster than users can see.
 inline constexpr std::chrono::milliseconds kMonitorInterval(40);
 
-/// Calls a monitor from work of one thread. After false the result is discarded, so that loops may stop at once. The
-/// reported progress never decreases.
+/// Calls a monitor during work on one thread. Once the work is cancelled its result is discarded, so loops may stop at
+/// once. The reported progress never decreases.
 class Poll {
  public:
   /// `monitor` must outlive this object.
   explicit Poll(const ProgressMonitor& monitor) : monitor_(monitor) {}
 
-  /// Starts a part of the work, from this fraction of the whole to that one.
+  /// Starts a part of the work, which takes the progress from the fraction `from` to `to` of the whole.
   void part(double from, double to) {
     from_ = from;
     to_ = to;
@@ -40,7 +40,7 @@ class Poll {
     return ended_ = !monitor_(reported_);
   }
 
-  /// Does the same if kMonitorInterval has passed.
+  /// Calls the monitor as above, but only if kMonitorInterval has passed since the last call.
   bool passing(double done) {
     if (!monitor_ || ended_ || std::chrono::steady_clock::now() - last_ < kMonitorInterval) return ended_;
     return ask(done);
@@ -57,7 +57,7 @@ class Poll {
 
 /// Returns whether a loop over `count` items should stop before `item`. Null: never.
 inline bool stops(Poll* poll, std::size_t item, std::size_t count) {
-  constexpr std::size_t kItems = 4096;  // they take far less than kMonitorInterval
+  constexpr std::size_t kItems = 4096;  // items between two calls; they take far less than kMonitorInterval
   return poll && (poll->ended() || (item % kItems == 0 && poll->passing(double(item) / double(count))));
 }
 

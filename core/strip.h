@@ -1,12 +1,14 @@
 // Strips: a picture that is too large for memory is drawn in strips of full-width rows, one after the other.
 //
-// The frame of a strip holds its own rows and a margin above and below, for dispatches that read neighbours. Each
-// dispatch states how many rows it reads above and below a pixel, and runs only on rows for which all its inputs are
-// valid: the valid rows shrink from dispatch to dispatch. The result is bitwise identical to that of a picture drawn
-// whole.
+// The frame of a strip contains the rows of the strip, and a margin above and below for dispatches that read
+// neighbours. Each dispatch states how many rows it reads above and below a pixel, and runs only on rows for which all
+// its inputs are valid: the valid rows shrink from dispatch to dispatch. The result is bitwise identical to that of a
+// picture drawn whole.
+//
 // A dispatch that reads any row gets planes of the whole picture, which are gathered from the strips first: each strip
-// adds its rows and stops before this dispatch, unfinished. Once all strips have added theirs, each is drawn again from
-// its capture on. The outputs of a host step are whole planes too; the first strip computes them for all.
+// adds its rows and stops before this dispatch, unfinished. Once all strips have added their rows, each strip is drawn
+// again, starting with its capture. The outputs of a host step are planes of the whole picture too; the first strip
+// computes them for all strips.
 #pragma once
 #include <algorithm>
 #include <map>
@@ -41,21 +43,21 @@ struct WholePlanes {
 /// How far an effect, or a look, got on a frame. On a frame of a whole picture it is always finished.
 struct RunState {
   bool finished = true;
-  int missing_rows = 0;  ///< if not finished: rows that the margin lacks; 0: other strips come first
+  int missing_rows = 0;  ///< if not finished: rows that the margin lacks; 0: other strips must run first
 };
 
-/// The part of a picture that the frame of a strip holds.
+/// The part of a picture in the frame of a strip.
 struct Strip {
   Rows rows;       ///< rows of the strip in the picture, guard band included; begin is a multiple of 4
-  int margin = 0;  ///< further rows above and below, as far as the picture has them
+  int margin = 0;  ///< further rows above and below, cropped to the picture
   std::shared_ptr<WholePlanes> wholes;
 
   bool operator==(const Strip&) const = default;
 };
 
-/// Returns the rows that the frame of a strip holds, margin included. `height`: of the picture. The first row is a
-/// multiple of 4.
-inline Rows held_rows(const Strip& strip, int height) {
+/// Returns the rows that the frame of a strip contains, margin included. The first one is a multiple of 4. `height`:
+/// height of the picture.
+inline Rows rows_with_margin(const Strip& strip, int height) {
   constexpr int kMultiple = 4;
   return {std::max(0, strip.rows.begin - strip.margin) / kMultiple * kMultiple,
           std::min(height, strip.rows.end + strip.margin)};

@@ -1,4 +1,4 @@
-// "did you mean": the closest of several names.
+// "did you mean": suggests the name closest to a misspelt word.
 #pragma once
 #include <algorithm>
 #include <numeric>
@@ -12,25 +12,27 @@ namespace umbrage {
 /// Returns the number of letters inserted, deleted, changed or swapped with their neighbour between two words (optimal
 /// string alignment distance).
 inline int edit_distance(std::string_view a, std::string_view b) {
-  std::vector<int> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
-  std::iota(last.begin(), last.end(), 0);
+  std::vector<int> previous_row(b.size() + 1), last_row(b.size() + 1), row(b.size() + 1);
+  std::iota(last_row.begin(), last_row.end(), 0);
   for (std::size_t i = 1; i <= a.size(); ++i) {
     row[0] = int(i);
     for (std::size_t j = 1; j <= b.size(); ++j) {
-      row[j] = std::min({last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1), last[j] + 1, row[j - 1] + 1});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) row[j] = std::min(row[j], before[j - 2] + 1);
+      row[j] = std::min({last_row[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1), last_row[j] + 1, row[j - 1] + 1});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        row[j] = std::min(row[j], previous_row[j - 2] + 1);
     }
-    before.swap(last);
-    last.swap(row);
+    previous_row.swap(last_row);
+    last_row.swap(row);
   }
-  return last.back();
+  return last_row.back();
 }
 
 /// Returns " (did you mean 'x'?)" for the closest of `names` if it is close, otherwise " (available: a, b, c)".
 template <class Names>
 std::string suggestion(std::string_view word, const Names& names) {
-  constexpr int kMaxSlips = 2;  // more, or two in a word of up to four letters, is a different word
-  int best = kMaxSlips + 1;
+  // A larger distance, or 2 for a name of up to four letters, means a different word.
+  constexpr int kMaxEdits = 2;
+  int best = kMaxEdits + 1;
   std::string_view nearest;
   std::string all;
   for (std::string_view name : names) {

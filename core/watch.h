@@ -9,8 +9,8 @@
 
 namespace umbrage {
 
-/// Progress of work in `parts` parts, which any thread may do. The thread that creates the watch calls the monitor
-/// whenever it has finished a part itself, at most once per kMonitorInterval.
+/// Progress of work that consists of `parts` parts, which may run on any thread. Only the thread that created the watch
+/// calls the monitor, when it finishes a part, at most once per kMonitorInterval.
 class Watch {
  public:
   /// `monitor` must outlive the watch.
@@ -43,7 +43,7 @@ class Watch {
   const double parts_;
   const std::thread::id monitor_thread_ = std::this_thread::get_id();
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-  double reported_ = 0.0;  // reported by that thread
+  double reported_ = 0.0;  // only accessed by monitor_thread_
   std::atomic<long> done_ = 0;
   std::atomic<bool> ended_ = false;
 };

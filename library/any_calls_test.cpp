@@ -30,7 +30,7 @@ std::string bytes_of(unsigned seed) {
   return bytes;
 }
 
-TEST(AnyCalls, KeepTheHeadersPromises) {
+TEST(AnyCalls, ObeyTheContractOfTheHeader) {
   fuzz::CallCounts all;
   for (unsigned seed = 1; seed <= 60; ++seed) all += fuzz::make_calls(bytes_of(seed));
   EXPECT_GT(all.calls, 2000);
@@ -39,13 +39,13 @@ TEST(AnyCalls, KeepTheHeadersPromises) {
   EXPECT_GT(all.cancelled, 15);
 }
 
-TEST(AnyCalls, KeepThemInThreads) {
+TEST(AnyCalls, ObeyTheContractInThreads) {
   fuzz::CallCounts all;
   for (unsigned seed = 1; seed <= 3; ++seed) all += fuzz::make_calls_in_threads(bytes_of(seed), 3);
   EXPECT_GT(all.executed, 5);
 }
 
-/// A device, a scene with a box, and a job that draws it.
+/// A device, a scene, and a job that draws it.
 struct Picture {
   UmbDevice device = umbNewDevice("cpu", 2);
   UmbScene scene = umbNewScene(device);
@@ -75,7 +75,7 @@ struct Picture {
     umbSetJobProgressCallback(job, once, &act);
     const UmbError code = umbExecuteJob(job);
     umbSetJobProgressCallback(job, nullptr, nullptr);
-    EXPECT_FALSE(act) << "no error was reported";
+    EXPECT_FALSE(act) << "no progress was reported";
     return code;
   }
 
@@ -86,8 +86,8 @@ struct Picture {
   }
 };
 
-/// Expects the error of an object in use. It is stored with the thread, since the object's errors belong to the call
-/// that uses the object.
+/// Expects the error of an object in use. The error is stored with the thread, since the errors of the object belong to
+/// the call that uses it.
 void expect_in_use(UmbError code) {
   EXPECT_EQ(code, UMB_ERROR_USAGE);
   const char* message = "";
@@ -95,7 +95,7 @@ void expect_in_use(UmbError code) {
   EXPECT_NE(std::string(message).find("in use"), std::string::npos) << message;
 }
 
-TEST(AnyCalls, CallbacksCannotUseWhatIsAtWork) {
+TEST(AnyCalls, CallbacksCannotUseObjectsInUse) {
   Picture p, other;
   std::vector<float> pixels(24 * 24 * 4), small(4);
   const UmbImage image{pixels.data(), UMB_TYPE_FLOAT32, 24, 24, 4, 0, 0, 0};
@@ -111,7 +111,7 @@ TEST(AnyCalls, CallbacksCannotUseWhatIsAtWork) {
     EXPECT_EQ(umbAddMesh(p.scene, "mesh", 1, 0), -1);
     expect_in_use(UMB_ERROR_USAGE);
     float box[6];
-    EXPECT_EQ(umbGetSceneBounds(p.scene, box, box + 3), UMB_ERROR_NONE) << "read beside";
+    EXPECT_EQ(umbGetSceneBounds(p.scene, box, box + 3), UMB_ERROR_NONE) << "reads are allowed meanwhile";
     EXPECT_GE(umbGetJobCounter(p.job, "hierarchies_built"), 0);
     EXPECT_EQ(umbGetJobOutputName(p.job, 0), nullptr);
     // Otherwise two devices could wait for each other.
@@ -135,7 +135,7 @@ TEST(AnyCalls, AJobMayBeReleasedWhileItExecutes) {
   EXPECT_EQ(umbGetError(nullptr), UMB_ERROR_USAGE);
 }
 
-TEST(AnyCalls, ThreadsCannotUseWhatAnotherOneChanges) {
+TEST(AnyCalls, ThreadsCannotUseAnObjectBeingChanged) {
   Picture p;
   EXPECT_EQ(p.execute([&] {
     std::thread([&] {
@@ -145,10 +145,10 @@ TEST(AnyCalls, ThreadsCannotUseWhatAnotherOneChanges) {
     }).join();
   }),
             UMB_ERROR_NONE);
-  EXPECT_EQ(p.error(), "") << "what others were refused is no error of the job";
+  EXPECT_EQ(p.error(), "") << "refused calls of others are not errors of the job";
 }
 
-TEST(AnyCalls, AChangeWaitsForThoseThatRead) {
+TEST(AnyCalls, AChangeWaitsForReads) {
   Picture p;
   ASSERT_EQ(umbExecuteJob(p.job), UMB_ERROR_NONE) << p.error();
   std::atomic<bool> is_done = false;
@@ -198,7 +198,7 @@ TEST(AnyCalls, AMeshIsRemoved) {
   EXPECT_EQ(umbAddMesh(p.scene, "next", 1, 0), mesh + 1);
 }
 
-TEST(AnyCalls, ASceneServesSeveralDevicesAtOnce) {
+TEST(AnyCalls, SeveralDevicesMayDrawASceneAtOnce) {
   Picture p, other;
   const UmbJob job = umbNewRenderJob(other.device, p.scene);
   for (const char* side : {"width", "height"}) umbSetJobInt(job, side, 24);
@@ -208,31 +208,31 @@ TEST(AnyCalls, ASceneServesSeveralDevicesAtOnce) {
   umbReleaseJob(job);
 }
 
-TEST(AnyCalls, ErrorCallbacksHearNothingOfTheirOwnErrors) {
+TEST(AnyCalls, ErrorCallbacksAreNotCalledForTheirOwnErrors) {
   Picture p;
-  struct Heard {
+  struct CallbackData {
     UmbJob job;
     int count = 0;
-  } heard{p.job};
+  } data{p.job};
   umbSetDeviceErrorCallback(
       p.device,
       [](void* user, UmbError, const char*) {
-        auto& h = *static_cast<Heard*>(user);
+        auto& h = *static_cast<CallbackData*>(user);
         ++h.count;
         EXPECT_EQ(umbSetJobInt(h.job, "widht", 1), UMB_ERROR_USAGE);
       },
-      &heard);
+      &data);
   EXPECT_EQ(umbSetJobInt(p.job, "heihgt", 1), UMB_ERROR_USAGE);
   EXPECT_EQ(umbSetJobInt(p.job, "heihgt", 1), UMB_ERROR_USAGE);
-  EXPECT_EQ(heard.count, 2);
+  EXPECT_EQ(data.count, 2);
 }
 
-TEST(AnyCalls, CountsAloneTakeNoMemory) {
+TEST(AnyCalls, MeshCountsAloneTakeNoMemory) {
   Picture p;
   constexpr std::size_t kMax = (std::size_t(1) << 31) - 1;
   EXPECT_GE(umbAddMesh(p.scene, "huge", kMax, kMax), 0) << p.scene_error();
   float box[6];
-  EXPECT_EQ(umbGetSceneBounds(p.scene, box, box + 3), UMB_ERROR_NONE) << "of what is whole";
+  EXPECT_EQ(umbGetSceneBounds(p.scene, box, box + 3), UMB_ERROR_NONE) << "of the complete meshes";
   const UmbScene lone = umbNewScene(p.device);
   EXPECT_EQ(umbAddMesh(lone, "huge", kMax, kMax), 0);
   EXPECT_EQ(umbGetSceneBounds(lone, box, box + 3), UMB_ERROR_USAGE);
@@ -242,7 +242,7 @@ TEST(AnyCalls, CountsAloneTakeNoMemory) {
   umbReleaseScene(lone);
 }
 
-TEST(AnyCalls, ATextureHasPixels) {
+TEST(AnyCalls, ATextureWithoutPixelsIsAnError) {
   Picture p;
   const int mesh = umbAddMesh(p.scene, "mesh", 3, 1);
   const UmbImage none{nullptr, UMB_TYPE_UINT8, 4, 4, 4, 0, 0, 0};
@@ -250,7 +250,7 @@ TEST(AnyCalls, ATextureHasPixels) {
   EXPECT_NE(p.scene_error().find("no pixels"), std::string::npos);
 }
 
-TEST(AnyCalls, PointsHaveTheRadiiThatTheyAreGiven) {
+TEST(AnyCalls, PointsHaveTheGivenRadii) {
   const UmbDevice device = umbNewDevice("cpu", 1);
   const UmbScene scene = umbNewScene(device);
   const int mesh = umbAddMesh(scene, "points", 3, 0);
@@ -269,7 +269,7 @@ TEST(AnyCalls, PointsHaveTheRadiiThatTheyAreGiven) {
   umbReleaseDevice(device);
 }
 
-TEST(AnyCalls, TheBoxIsThatOfWhatIsDrawn) {
+TEST(AnyCalls, BoundsContainOnlyWhatIsDrawn) {
   const UmbDevice device = umbNewDevice("cpu", 1);
   const UmbScene scene = umbNewScene(device);
   // A triangle, a triangle without area, a triangle that is not finite, and a vertex that no triangle uses.
@@ -290,7 +290,7 @@ TEST(AnyCalls, TheBoxIsThatOfWhatIsDrawn) {
   umbReleaseDevice(device);
 }
 
-TEST(AnyCalls, AnOutputOfAllIsMadeOnce) {
+TEST(AnyCalls, AnOutputRequestedTwiceIsProducedOnce) {
   Picture p;
   const UmbImage own{};
   for (const char* pass : {"all", "color"}) ASSERT_EQ(umbSetJobOutput(p.job, pass, &own), UMB_ERROR_NONE);
@@ -301,7 +301,7 @@ TEST(AnyCalls, AnOutputOfAllIsMadeOnce) {
   EXPECT_GT(k, 3);
 }
 
-TEST(AnyCalls, IdsThatAreTooLargeAreNone) {
+TEST(AnyCalls, TooLargeIdsMeanNoObject) {
   Picture p;
   const UmbJob job = umbNewShadeJob(p.device);
   std::vector<float> depth(16, 2.0f), ids(16, 1e30f);
@@ -319,7 +319,7 @@ TEST(AnyCalls, IdsThatAreTooLargeAreNone) {
   umbReleaseJob(job);
 }
 
-TEST(AnyCalls, CountersAreThoseThatAreListed) {
+TEST(AnyCalls, OnlyListedCountersExist) {
   Picture p;
   for (const char* name : {"hierarchies_built", "captures_made", "planes_copied"})
     EXPECT_EQ(umbGetJobCounter(p.job, name), 0) << name;

@@ -45,7 +45,7 @@ std::vector<float> output(UmbJob job, const char* name) {
   return {values, values + std::size_t(image.width) * std::size_t(image.height) * std::size_t(image.channels)};
 }
 
-void want(UmbJob job, const char* name) {
+void request_output(UmbJob job, const char* name) {
   const UmbImage own{};
   EXPECT_EQ(umbSetJobOutput(job, name, &own), UMB_ERROR_NONE) << job_error(job);
 }
@@ -75,7 +75,7 @@ int add_box(UmbScene scene) {
   return mesh;
 }
 
-TEST(CInterface, EffectsChangeOnWhatIsKept) {
+TEST(CInterface, EffectsRunOnKeptCaptures) {
   Objects o;
   ASSERT_EQ(umbLoadModel(o.scene, "scene:solids?detail=2000"), UMB_ERROR_NONE);
   make_render_job(o, "studio");
@@ -107,7 +107,7 @@ TEST(CInterface, EffectsChangeOnWhatIsKept) {
   EXPECT_EQ(output(o.job, "color"), kept);
 }
 
-TEST(CInterface, JobsOfOneDeviceTakeTurns) {
+TEST(CInterface, JobsOfOneDeviceMayAlternate) {
   Objects a, b;
   ASSERT_EQ(umbLoadModel(a.scene, "scene:solids?detail=2000"), UMB_ERROR_NONE);
   add_box(b.scene);
@@ -121,7 +121,7 @@ TEST(CInterface, JobsOfOneDeviceTakeTurns) {
   EXPECT_EQ(output(a.job, "color"), first);
 }
 
-TEST(CInterface, MeshesFromMemoryAreThoseOfAFile) {
+TEST(CInterface, MeshesFromMemoryEqualThoseOfAFile) {
   const std::string file = testing::TempDir() + "umbrage_box.off";
   std::FILE* out = std::fopen(file.c_str(), "w");
   std::fprintf(out, "OFF\n8 12 0\n");
@@ -133,7 +133,7 @@ TEST(CInterface, MeshesFromMemoryAreThoseOfAFile) {
   add_box(made.scene);
   for (Objects* o : {&read, &made}) {
     make_render_job(*o);
-    for (const char* pass : {"color", "depth", "normal"}) want(o->job, pass);
+    for (const char* pass : {"color", "depth", "normal"}) request_output(o->job, pass);
     ASSERT_EQ(umbExecuteJob(o->job), UMB_ERROR_NONE) << job_error(o->job);
   }
   for (const char* pass : {"color", "depth", "normal"})
@@ -141,7 +141,7 @@ TEST(CInterface, MeshesFromMemoryAreThoseOfAFile) {
   std::remove(file.c_str());
 }
 
-TEST(CInterface, ColoursOfAMeshMultiplyNoGrey) {
+TEST(CInterface, MeshColorsAreNotMultipliedByTheDefaultGrey) {
   constexpr float kClay[3] = {0.5f, 0.3f, 0.2f}, kWhite[3] = {1, 1, 1}, kHalf[3] = {0.5f, 0.5f, 0.5f};
   float colors[8][3];
   for (auto& color : colors) std::copy(kClay, kClay + 3, color);
@@ -155,22 +155,22 @@ TEST(CInterface, ColoursOfAMeshMultiplyNoGrey) {
       EXPECT_EQ(umbSetMeshFloats(o.scene, mesh, "albedo", albedo, 3), UMB_ERROR_NONE);
     }
     make_render_job(o, "lit");
-    want(o.job, "albedo");
+    request_output(o.job, "albedo");
     EXPECT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
     return output(o.job, "albedo");
   };
   const auto clay = drawn(false, kClay);
-  const auto difference = [&](const std::vector<float>& other) {  // interpolation rounds
-    float largest = 0.0f;
-    for (std::size_t k = 0; k < clay.size(); ++k) largest = std::max(largest, std::abs(other[k] - clay[k]));
-    return largest;
+  const auto difference = [&](const std::vector<float>& other) {  // not 0, since interpolation rounds
+    float max = 0.0f;
+    for (std::size_t k = 0; k < clay.size(); ++k) max = std::max(max, std::abs(other[k] - clay[k]));
+    return max;
   };
   EXPECT_LT(difference(drawn(true, nullptr)), 1e-6f);
   EXPECT_LT(difference(drawn(true, kWhite)), 1e-6f);
   EXPECT_NEAR(difference(drawn(true, kHalf)), 0.25f, 1e-6f);
 }
 
-TEST(CInterface, InstancesAreObjectsOfTheirOwn) {
+TEST(CInterface, EachInstanceIsAnObject) {
   Objects o;
   const int mesh = add_box(o.scene);
   const float places[2][12] = {{1, 0, 0, -2, 0, 1, 0, 0, 0, 0, 1, 0}, {-1, 0, 0, 2, 0, 1, 0, 0, 0, 0, 1, 0}};
@@ -256,11 +256,11 @@ TEST(CInterface, InputsComeInEveryTypeAndLayout) {
 }
 
 /// The G-buffer of a sphere in front of a wall, as an engine provides it.
-struct Drawn {
+struct EngineGBuffer {
   int width, height;
   std::vector<float> depth, normal, albedo;  // planar
 
-  Drawn(int w, int h) : width(w), height(h), depth(count()), normal(3 * count()), albedo(3 * count(), 0.6f) {
+  EngineGBuffer(int w, int h) : width(w), height(h), depth(count()), normal(3 * count()), albedo(3 * count(), 0.6f) {
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x) {
         const std::size_t k = std::size_t(w * y + x);
@@ -274,9 +274,9 @@ struct Drawn {
       }
   }
   std::size_t count() const { return std::size_t(width) * std::size_t(height); }
-  UmbImage image(std::vector<float>& of, int channels) const {
+  UmbImage image(std::vector<float>& values, int channels) const {
     const auto plane = std::ptrdiff_t(count() * sizeof(float));
-    return {of.data(), UMB_TYPE_FLOAT32, width, height, channels, plane, sizeof(float), 0};
+    return {values.data(), UMB_TYPE_FLOAT32, width, height, channels, plane, sizeof(float), 0};
   }
   void set(UmbJob job) {
     const UmbImage images[3] = {image(depth, 1), image(normal, 3), image(albedo, 3)};
@@ -286,18 +286,18 @@ struct Drawn {
   }
 };
 
-TEST(CInterface, PlanesAreReadWhereTheyLie) {
+TEST(CInterface, PlanesAreReadInPlace) {
   Objects o;
-  Drawn drawn(64, 40);
+  EngineGBuffer gbuffer(64, 40);
   o.job = umbNewShadeJob(o.device);
-  drawn.set(o.job);
+  gbuffer.set(o.job);
   for (int k = 0; k < 2; ++k) {
     ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
     EXPECT_EQ(umbGetJobCounter(o.job, "planes_copied"), 0);
   }
   // A pixel with a negative depth, which means no surface, makes the library copy the plane.
-  std::vector<float> all = drawn.depth;
-  const UmbImage image = drawn.image(all, 1);
+  std::vector<float> all = gbuffer.depth;
+  const UmbImage image = gbuffer.image(all, 1);
   all[0] = -1.0f;
   ASSERT_EQ(umbSetJobImage(o.job, "depth", &image), UMB_ERROR_NONE);
   ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
@@ -307,28 +307,28 @@ TEST(CInterface, PlanesAreReadWhereTheyLie) {
 
 /// Compares packed planes with interleaved pixels, which are copied. At widths that are multiples of 256 the library's
 /// own planes have padded rows.
-TEST(CInterface, PlanesOfAllWidthsAreShadedAlike) {
+TEST(CInterface, ShadingDoesNotDependOnTheLayoutOfPlanes) {
   for (const int width : {16, 64, 250, 256, 496, 512, 768, 1024}) {
     SCOPED_TRACE(width);
     Objects o;
-    Drawn drawn(width, 9);
-    const Drawn before = drawn;
-    std::vector<float> normals(3 * drawn.count()), albedos(3 * drawn.count());
-    for (std::size_t k = 0; k < drawn.count(); ++k)
+    EngineGBuffer gbuffer(width, 9);
+    const EngineGBuffer before = gbuffer;
+    std::vector<float> normals(3 * gbuffer.count()), albedos(3 * gbuffer.count());
+    for (std::size_t k = 0; k < gbuffer.count(); ++k)
       for (std::size_t c = 0; c < 3; ++c) {
-        normals[3 * k + c] = drawn.normal[c * drawn.count() + k];
-        albedos[3 * k + c] = drawn.albedo[c * drawn.count() + k];
+        normals[3 * k + c] = gbuffer.normal[c * gbuffer.count() + k];
+        albedos[3 * k + c] = gbuffer.albedo[c * gbuffer.count() + k];
       }
     const auto shaded = [&](const char* look, bool interleaved) {
       umbReleaseJob(o.job);
       o.job = umbNewShadeJob(o.device);
-      drawn.set(o.job);
+      gbuffer.set(o.job);
       if (interleaved) {
         const UmbImage normal = floats(normals.data(), width, 9, 3), albedo = floats(albedos.data(), width, 9, 3);
         umbSetJobImage(o.job, "normal", &normal);
         umbSetJobImage(o.job, "albedo", &albedo);
       }
-      for (const char* pass : {"color", "depth"}) want(o.job, pass);
+      for (const char* pass : {"color", "depth"}) request_output(o.job, pass);
       umbSetJobString(o.job, "look", look);
       EXPECT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
       EXPECT_EQ(output(o.job, "depth"), before.depth);
@@ -336,13 +336,13 @@ TEST(CInterface, PlanesOfAllWidthsAreShadedAlike) {
     };
     for (const char* look : {"studio", "lit", "ao", "cartoon"})
       EXPECT_EQ(shaded(look, false), shaded(look, true)) << look;
-    EXPECT_EQ(drawn.depth, before.depth);
-    EXPECT_EQ(drawn.normal, before.normal);
-    EXPECT_EQ(drawn.albedo, before.albedo);
+    EXPECT_EQ(gbuffer.depth, before.depth);
+    EXPECT_EQ(gbuffer.normal, before.normal);
+    EXPECT_EQ(gbuffer.albedo, before.albedo);
   }
 }
 
-TEST(CInterface, HandlesAreCounted) {
+TEST(CInterface, ReferencesAreCounted) {
   UmbDevice device = umbNewDevice("cpu", 1);
   UmbScene scene = umbNewScene(device);
   UmbJob job = umbNewRenderJob(device, scene);
@@ -369,16 +369,16 @@ TEST(CInterface, HandlesAreCounted) {
   EXPECT_EQ(umbGetError(&message), UMB_ERROR_NONE);
 }
 
-struct Told {
+struct Reports {
   std::vector<std::string> errors, warnings;
 };
 
-TEST(CInterface, CallbacksHearOfErrors) {
+TEST(CInterface, ErrorsAreReportedToCallbacks) {
   Objects o;
-  Told reported;
+  Reports reported;
   const auto on_error = [](void* user, UmbError code, const char* message) {
     EXPECT_EQ(code, UMB_ERROR_USAGE);
-    static_cast<Told*>(user)->errors.emplace_back(message);
+    static_cast<Reports*>(user)->errors.emplace_back(message);
   };
   umbSetDeviceErrorCallback(o.device, on_error, &reported);
   make_render_job(o);
@@ -391,7 +391,7 @@ TEST(CInterface, CallbacksHearOfErrors) {
   EXPECT_EQ(job_error(o.job), "");
 }
 
-TEST(CInterface, ParametersTakeTheirTypesAlone) {
+TEST(CInterface, ParametersTakeOnlyTheirTypes) {
   Objects o;
   make_render_job(o);
   const auto refused = [&](UmbError code, const char* text) {
@@ -434,7 +434,7 @@ TEST(CInterface, ParametersTakeTheirTypesAlone) {
   EXPECT_EQ(umbCheckJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
 }
 
-TEST(CInterface, ImagesThatCannotBeAreRefused) {
+TEST(CInterface, InvalidImagesAreErrors) {
   Objects o;
   o.job = umbNewShadeJob(o.device);
   std::vector<float> depth(64, 2.0f), out(64 * 4);
@@ -482,7 +482,7 @@ TEST(CInterface, ImagesThatCannotBeAreRefused) {
   refused(umbGetJobOutput(o.job, "ao", &made), "produced no 'ao'");
 }
 
-TEST(CInterface, MeshesThatCannotBeAreRefused) {
+TEST(CInterface, InvalidMeshesAreErrors) {
   Objects o;
   const auto refused = [&](UmbError code, const char* text) {
     EXPECT_EQ(code, UMB_ERROR_USAGE) << text;
@@ -511,7 +511,7 @@ TEST(CInterface, MeshesThatCannotBeAreRefused) {
   EXPECT_EQ(umbLoadModel(o.scene, "missing.obj"), UMB_ERROR_FILE);
 }
 
-TEST(CInterface, ListsWhatThereIs) {
+TEST(CInterface, ListsEntriesAndParameters) {
   const char *name = nullptr, *summary = nullptr;
   int looks = 0;
   bool studio = false;
@@ -554,11 +554,11 @@ TEST(CInterface, ListsWhatThereIs) {
   }
 }
 
-TEST(CInterface, WarnsOnceOfWhatDoesNothing) {
+TEST(CInterface, WarnsOnceOfSettingsWithoutEffect) {
   Objects o;
-  Told reported;
+  Reports reported;
   umbSetDeviceLogCallback(
-      o.device, [](void* user, const char* message) { static_cast<Told*>(user)->warnings.emplace_back(message); },
+      o.device, [](void* user, const char* message) { static_cast<Reports*>(user)->warnings.emplace_back(message); },
       &reported);
   add_box(o.scene);
   make_render_job(o);
@@ -572,7 +572,7 @@ TEST(CInterface, WarnsOnceOfWhatDoesNothing) {
   EXPECT_EQ(reported.warnings.size(), 1u);
 }
 
-TEST(CInterface, FilesOfOnePictureTakeNoOther) {
+TEST(CInterface, SinglePictureFilesTakeOneImage) {
   std::vector<float> color(4 * 6, 0.5f), depth(6, 2.0f);
   const UmbImage images[2] = {floats(color.data(), 3, 2, 4), floats(depth.data(), 3, 2)};
   const char* const names[2] = {"color", "depth"};
@@ -590,11 +590,11 @@ TEST(CInterface, FilesOfOnePictureTakeNoOther) {
   EXPECT_EQ(umbGetError(nullptr), UMB_ERROR_USAGE);
 }
 
-TEST(CInterface, SaysWhatIsLeftOutOfAMesh) {
+TEST(CInterface, WarnsOfTrianglesLeftOut) {
   Objects o;
-  Told reported;
+  Reports reported;
   umbSetDeviceLogCallback(
-      o.device, [](void* user, const char* message) { static_cast<Told*>(user)->warnings.emplace_back(message); },
+      o.device, [](void* user, const char* message) { static_cast<Reports*>(user)->warnings.emplace_back(message); },
       &reported);
   const int mesh = add_box(o.scene);
   float corners[8][3];
@@ -623,7 +623,7 @@ TEST(CInterface, ShadingNeedsADepth) {
   EXPECT_NE(job_error(o.job).find("needs an image 'depth'"), std::string::npos);
 }
 
-TEST(CInterface, ProgressEndsAJobThatMayGoOn) {
+TEST(CInterface, ACancelledJobMayExecuteAgain) {
   Objects o;
   ASSERT_EQ(umbLoadModel(o.scene, "scene:solids?detail=2000"), UMB_ERROR_NONE);
   make_render_job(o);

@@ -47,33 +47,33 @@ bool count_calls(void* user, double) {
   return true;
 }
 
-constexpr std::chrono::seconds kMaxLength(20);  // max time that a thread waits for another
+constexpr std::chrono::seconds kMaxWait(20);  // max time for which a thread waits for another
 
 // A second thread uses the job when the first thread's call ends, so that the callback of the first cannot be removed.
 struct TwoThreads {
   umb::Device device{"cpu", 1};
   umb::Job job = small_job(device);
   std::thread second;
-  std::promise<void> at_work, may_end;
-  std::atomic<bool> is_at_work = false;
+  std::promise<void> executing, may_end;
+  std::atomic<bool> is_executing = false;
 
-  // The second thread's execution warns of a setting without effect. The callback waits.
+  // Log callback: the second thread warns of a setting without effect, and waits.
   static void warned(void* user, const char*) {
     auto* all = static_cast<TwoThreads*>(user);
-    if (all->is_at_work.exchange(true)) return;
-    all->at_work.set_value();
-    all->may_end.get_future().wait_for(kMaxLength);
+    if (all->is_executing.exchange(true)) return;
+    all->executing.set_value();
+    all->may_end.get_future().wait_for(kMaxWait);
   }
-  // The first thread is at the end of its call.
+  // Error callback: the first thread is at the end of its call, and starts the second one.
   static void failed(void* user, UmbError code, const char*) {
     auto* all = static_cast<TwoThreads*>(user);
     if (code != UMB_ERROR_CANCELLED) return;
     all->second = std::thread([all] { umbExecuteJob(all->job.get()); });
-    all->at_work.get_future().wait_for(kMaxLength);
+    all->executing.get_future().wait_for(kMaxWait);
   }
 };
 
-TEST(CppCalls, AnotherThreadsWorkCallsNoProgressThatHasEnded) {
+TEST(CppCalls, AProgressFunctionIsNotCalledAfterItsCall) {
   TwoThreads all;
   all.job.set("outline.width", 3);  // has no effect in the look ao
   int kept = 0;
@@ -81,29 +81,29 @@ TEST(CppCalls, AnotherThreadsWorkCallsNoProgressThatHasEnded) {
   all.device.set_log_callback(TwoThreads::warned, &all);
   all.device.set_error_callback(TwoThreads::failed, &all);
   const auto first = std::this_thread::get_id();
-  std::atomic<int> astray = 0;
+  std::atomic<int> foreign_calls = 0;
   {
     const umb::Progress once = [&](double) {
-      const bool is_astray = std::this_thread::get_id() != first;
-      astray += is_astray;
-      return is_astray;
+      const bool is_foreign = std::this_thread::get_id() != first;
+      foreign_calls += is_foreign;
+      return is_foreign;
     };
     EXPECT_EQ(thrown([&] { all.job.execute(once); }).code, UMB_ERROR_CANCELLED);
   }
   all.may_end.set_value();
   all.second.join();
-  EXPECT_EQ(astray, 0) << "the second thread's work called the first thread's function";
+  EXPECT_EQ(foreign_calls, 0) << "the second thread's work called the first thread's function";
   all.device.set_error_callback(nullptr);
   all.device.set_log_callback(nullptr);
-  // The callback that was set is called again.
+  // The callback that was set before is called again.
   all.job.set("camera.azimuth_deg", 10);
   kept = 0;
   all.job.execute();
-  EXPECT_EQ(astray, 0);
+  EXPECT_EQ(foreign_calls, 0);
   EXPECT_GT(kept, 0);
 }
 
-TEST(CppCalls, TheCallbackThatWasSetStays) {
+TEST(CppCalls, ACallbackIsRestoredAfterACallWithItsOwn) {
   const umb::Device device("cpu", 1);
   umb::Job job = small_job(device);
   const umb::Job copy = job;
@@ -136,7 +136,7 @@ TEST(CppCalls, TheCallbackThatWasSetStays) {
   EXPECT_GT(kept, 0);
 }
 
-TEST(CppCalls, ACallThrowsItsOwnErrorAndNoOlderOne) {
+TEST(CppCalls, ACallThrowsOnlyItsOwnError) {
   const umb::Device device("cpu", 1);
   umb::Job job = small_job(device);
   const auto stale = [&] { EXPECT_EQ(umbSetJobString(job.get(), "lok", "ao"), UMB_ERROR_USAGE); };
@@ -165,15 +165,15 @@ TEST(CppCalls, ACallThrowsItsOwnErrorAndNoOlderOne) {
 }
 
 TEST(CppCalls, HandlesOfTheCInterfaceAreAdopted) {
-  const UmbDevice of_c = umbNewDevice("cpu", 1);
-  umbRetainDevice(of_c);
-  umb::Device device = umb::Device::adopt(of_c);
-  EXPECT_EQ(device.get(), of_c);
-  umb::Scene scene = umb::Scene::adopt(umbNewScene(of_c));
+  const UmbDevice handle = umbNewDevice("cpu", 1);
+  umbRetainDevice(handle);
+  umb::Device device = umb::Device::adopt(handle);
+  EXPECT_EQ(device.get(), handle);
+  umb::Scene scene = umb::Scene::adopt(umbNewScene(handle));
   scene.load(kSolids);
   int reported = 0;
   {
-    umb::Job job = umb::Job::adopt(umbNewRenderJob(of_c, scene.get()));
+    umb::Job job = umb::Job::adopt(umbNewRenderJob(handle, scene.get()));
     job.set("width", 8);
     job.set("height", 8);
     job.execute([&](double) { return ++reported, true; });
@@ -186,13 +186,13 @@ TEST(CppCalls, HandlesOfTheCInterfaceAreAdopted) {
   EXPECT_GT(reported, 0);
   scene = {};
   device = {};
-  EXPECT_NE(umbGetDeviceDescription(of_c), nullptr) << "the caller's own reference";
-  umbReleaseDevice(of_c);
-  EXPECT_EQ(umbGetDeviceDescription(of_c), nullptr);
+  EXPECT_NE(umbGetDeviceDescription(handle), nullptr) << "the caller's own reference";
+  umbReleaseDevice(handle);
+  EXPECT_EQ(umbGetDeviceDescription(handle), nullptr);
   EXPECT_FALSE(umb::Device::adopt(nullptr) || umb::Scene::adopt(nullptr) || umb::Job::adopt(nullptr));
 }
 
-TEST(CppCalls, FramesReadNothingAgain) {
+TEST(CppCalls, FramesDoNotReadFilesAgain) {
   const std::string file = testing::TempDir() + "umbrage_frames.pfm";
   {
     const std::vector<float> sky(3 * 8 * 4, 0.5f);
@@ -222,7 +222,7 @@ TEST(CppCalls, FramesReadNothingAgain) {
   EXPECT_EQ(again.rgba, first.rgba);
 }
 
-TEST(CppCalls, LargeIdsComeWithTheirPlaces) {
+TEST(CppCalls, LargeIdsAreReturnedExactly) {
   // Floats cannot distinguish the first two.
   constexpr std::uint32_t kLow = 16777217, kNext = 16777218, kHigh = 4000000001;
   const std::vector<float> depth = {2, 2, 2, 2, 2, std::numeric_limits<float>::infinity()};

@@ -32,7 +32,7 @@ int add_square(umb::Scene& scene) {
   return mesh;
 }
 
-void look_at_it(umb::Job& job) {
+void set_view(umb::Job& job) {
   job.set("look", "ao");
   job.set("width", kWidth);
   job.set("height", kHeight);
@@ -41,7 +41,7 @@ void look_at_it(umb::Job& job) {
 }
 
 /// Returns the central pixel of a pass of the last execution.
-std::vector<float> middle(const umb::Job& job, const char* name) {
+std::vector<float> central_pixel(const umb::Job& job, const char* name) {
   const UmbImage image = job.output(name);
   const float* values = static_cast<const float*>(image.data) +
                         std::ptrdiff_t(image.height / 2 * image.width + image.width / 2) * image.channels;
@@ -50,7 +50,7 @@ std::vector<float> middle(const umb::Job& job, const char* name) {
 
 /// Returns whether the call throws an Error with the code, and with a message that contains the text.
 template <class Call>
-testing::AssertionResult refuses(const Call& call, UmbError code, const std::string& text) {
+testing::AssertionResult throws_error(const Call& call, UmbError code, const std::string& text) {
   try {
     call();
   } catch (const umb::Error& error) {
@@ -79,7 +79,7 @@ struct Square {
   umb::Job job{device, scene};
   Square() {
     add_square(scene);
-    look_at_it(job);
+    set_view(job);
   }
 };
 
@@ -115,9 +115,9 @@ TEST(CppInterface, NumbersOfAllTypes) {
   for (const auto& call : {std::function<void()>([&] { job.set("layers", (std::uint64_t(1) << 32) + 1); }),
                            std::function<void()>([&] { job.set("layers", (std::int64_t(-1) << 32) + 1); }),
                            std::function<void()>([&] { job.set("layers", 4294967295u); })})
-    EXPECT_TRUE(refuses(call, UMB_ERROR_USAGE, "1 to 16"));
-  EXPECT_TRUE(refuses([&] { job.set("transparent", 1u); }, UMB_ERROR_USAGE, "true or false"));
-  EXPECT_TRUE(refuses([&] { job.set("width", true); }, UMB_ERROR_USAGE, "width"));
+    EXPECT_TRUE(throws_error(call, UMB_ERROR_USAGE, "1 to 16"));
+  EXPECT_TRUE(throws_error([&] { job.set("transparent", 1u); }, UMB_ERROR_USAGE, "true or false"));
+  EXPECT_TRUE(throws_error([&] { job.set("width", true); }, UMB_ERROR_USAGE, "width"));
 }
 
 TEST(CppInterface, SeveralNumbersAndText) {
@@ -130,7 +130,7 @@ TEST(CppInterface, SeveralNumbersAndText) {
   const auto depth = [&](const auto& position) {
     job.set("camera.position", position);
     job.execute();
-    return middle(job, "depth")[0];
+    return central_pixel(job, "depth")[0];
   };
   EXPECT_FLOAT_EQ(depth(std::array<float, 3>{0, 0, 7}), 7.0f);
   EXPECT_FLOAT_EQ(depth(std::array<double, 3>{0, 0, 6}), 6.0f);
@@ -142,30 +142,30 @@ TEST(CppInterface, SeveralNumbersAndText) {
   EXPECT_FLOAT_EQ(depth(std::string_view("0,0,7,8").substr(0, 5)), 7.0f);
   job.set("camera.position", {x, 0.0f, z});
   job.execute();
-  EXPECT_FLOAT_EQ(middle(job, "depth")[0], 9.0f);
-  EXPECT_TRUE(refuses([&] { job.set("camera.position", std::vector<float>()); }, UMB_ERROR_USAGE, "no values"));
+  EXPECT_FLOAT_EQ(central_pixel(job, "depth")[0], 9.0f);
+  EXPECT_TRUE(throws_error([&] { job.set("camera.position", std::vector<float>()); }, UMB_ERROR_USAGE, "no values"));
 }
 
 TEST(CppInterface, ParametersOfScenes) {
   const umb::Device device("cpu", 1);
   umb::Scene scene(device);
   std::array<float, 3> lower{}, upper{};
-  EXPECT_TRUE(refuses([&] { scene.bounds(lower, upper); }, UMB_ERROR_USAGE, "empty"));
+  EXPECT_TRUE(throws_error([&] { scene.bounds(lower, upper); }, UMB_ERROR_USAGE, "empty"));
   scene.set("up", {0, 0, 1});
   scene.set("crease_angle_deg", 30u);
   scene.set("crease_angle_deg", 30.5);
   scene.set("point_size", "5%");
   scene.set("point_sprites", std::string_view("disc"));
   scene.reset("point_size");
-  EXPECT_TRUE(refuses([&] { scene.set("crease_angle_deg", 200); }, UMB_ERROR_USAGE, "crease_angle_deg"));
-  EXPECT_TRUE(refuses([&] { scene.set("point_sprites", true); }, UMB_ERROR_USAGE, "point_sprites"));
-  EXPECT_TRUE(refuses([&] { scene.set("uq", "+Z"); }, UMB_ERROR_USAGE, "'uq'"));
-  EXPECT_TRUE(refuses([&] { scene.load("missing.obj"); }, UMB_ERROR_FILE, "missing.obj"));
-  EXPECT_TRUE(refuses([&] { scene.add_mesh("none", 0, 0); }, UMB_ERROR_USAGE, "0 vertices"));
+  EXPECT_TRUE(throws_error([&] { scene.set("crease_angle_deg", 200); }, UMB_ERROR_USAGE, "crease_angle_deg"));
+  EXPECT_TRUE(throws_error([&] { scene.set("point_sprites", true); }, UMB_ERROR_USAGE, "point_sprites"));
+  EXPECT_TRUE(throws_error([&] { scene.set("uq", "+Z"); }, UMB_ERROR_USAGE, "'uq'"));
+  EXPECT_TRUE(throws_error([&] { scene.load("missing.obj"); }, UMB_ERROR_FILE, "missing.obj"));
+  EXPECT_TRUE(throws_error([&] { scene.add_mesh("none", 0, 0); }, UMB_ERROR_USAGE, "0 vertices"));
   EXPECT_EQ(scene.camera_count(), 0);
 }
 
-TEST(CppInterface, NumbersAreTextInAnyLocale) {
+TEST(CppInterface, NumbersDoNotDependOnTheLocale) {
   struct Comma : std::numpunct<char> {
     char do_decimal_point() const override { return ','; }
     char do_thousands_sep() const override { return '.'; }
@@ -189,7 +189,7 @@ TEST(CppInterface, InstancesAndBounds) {
   scene.bounds(lower, upper);
   EXPECT_EQ(lower, (std::array<float, 3>{-5, -1, -2}));
   EXPECT_EQ(upper, (std::array<float, 3>{5, 1, 2}));
-  EXPECT_TRUE(refuses([&] { scene.add_instance(mesh + 1, {}); }, UMB_ERROR_USAGE, "no mesh 1"));
+  EXPECT_TRUE(throws_error([&] { scene.add_instance(mesh + 1, {}); }, UMB_ERROR_USAGE, "no mesh 1"));
 }
 
 TEST(CppInterface, MaterialsAndTextures) {
@@ -197,21 +197,21 @@ TEST(CppInterface, MaterialsAndTextures) {
   umb::Scene scene(device);
   const int mesh = add_square(scene);
   umb::Job job(device, scene);
-  look_at_it(job);
+  set_view(job);
   job.set_output("albedo");
   scene.set_floats(mesh, "albedo", {0.5f, 0.25f, 1.0f});
   job.execute();
-  EXPECT_EQ(middle(job, "albedo"), (std::vector<float>{0.5f, 0.25f, 1.0f}));
+  EXPECT_EQ(central_pixel(job, "albedo"), (std::vector<float>{0.5f, 0.25f, 1.0f}));
   std::array<std::uint8_t, 4> green = {0, 255, 0, 255};
   scene.set_texture(mesh, "albedo", umb::image_of(green.data(), 1, 1, 4));
   job.execute();
-  EXPECT_EQ(middle(job, "albedo"), (std::vector<float>{0.0f, 0.25f, 0.0f}));
+  EXPECT_EQ(central_pixel(job, "albedo"), (std::vector<float>{0.0f, 0.25f, 0.0f}));
   std::array<std::uint16_t, 4> deep{};
-  EXPECT_TRUE(refuses([&] { scene.set_texture(mesh, "albedo", umb::image_of(deep.data(), 1, 1, 4)); }, UMB_ERROR_USAGE,
-                      "8 bits"));
+  EXPECT_TRUE(throws_error([&] { scene.set_texture(mesh, "albedo", umb::image_of(deep.data(), 1, 1, 4)); },
+                           UMB_ERROR_USAGE, "8 bits"));
 }
 
-TEST(CppInterface, WhatAJobKeepsIsCounted) {
+TEST(CppInterface, CountersCountReuse) {
   Square square;
   auto& [device, scene, job] = square;
   job.set("anti_aliasing", 1);
@@ -231,7 +231,7 @@ TEST(CppInterface, ChecksResetsAndOutputs) {
   Square square;
   auto& [device, scene, job] = square;
   job.set("look", "aoo");
-  EXPECT_TRUE(refuses([&] { job.check(); }, UMB_ERROR_USAGE, "'ao'"));
+  EXPECT_TRUE(throws_error([&] { job.check(); }, UMB_ERROR_USAGE, "'ao'"));
   job.reset("look");
   job.check();
   job.set_output("depth");
@@ -241,7 +241,7 @@ TEST(CppInterface, ChecksResetsAndOutputs) {
   job.remove_output("depth");
   job.execute();
   EXPECT_EQ(job.output_names(), (std::vector<std::string>{"normal"}));
-  EXPECT_TRUE(refuses([&] { job.output("depth"); }, UMB_ERROR_USAGE, "no 'depth'"));
+  EXPECT_TRUE(throws_error([&] { job.output("depth"); }, UMB_ERROR_USAGE, "no 'depth'"));
   job.reset();
   job.set("width", 8u);
   job.set("height", 8u);
@@ -267,7 +267,7 @@ TEST(CppInterface, Strokes) {
   EXPECT_GT(opacity, 0.0f);
 }
 
-TEST(CppInterface, ImagesComeAndGo) {
+TEST(CppInterface, ImagesCanBeSetAndRemoved) {
   umb::Job job{umb::Device("cpu", 1)};
   std::vector<float> depth(kWidth * kHeight, 2.0f), ao(depth.size(), -1.0f);
   std::vector<std::uint32_t> ids(depth.size(), 7);
@@ -281,15 +281,15 @@ TEST(CppInterface, ImagesComeAndGo) {
   job.execute();
   job.remove_output("ao");
   job.remove_image("depth");
-  EXPECT_TRUE(refuses([&] { job.execute(); }, UMB_ERROR_USAGE, "depth"));
+  EXPECT_TRUE(throws_error([&] { job.execute(); }, UMB_ERROR_USAGE, "depth"));
 }
 
-TEST(CppInterface, ProgressIsToldAndWhatItThrowsComesOut) {
+TEST(CppInterface, ProgressIsReportedAndMayThrow) {
   const umb::Device device("cpu", 1);
   umb::Scene scene(device);
-  struct Mine {};
-  const auto throws = [](double) -> bool { throw Mine(); };
-  EXPECT_THROW(scene.load("scene:solids?detail=1000", throws), Mine);
+  struct CustomException {};
+  const auto throws = [](double) -> bool { throw CustomException(); };
+  EXPECT_THROW(scene.load("scene:solids?detail=1000", throws), CustomException);
   EXPECT_EQ(scene.error().code, UMB_ERROR_NONE) << "it has been reported already";
   double last = -1.0;
   const auto rises = [&](double done) {
@@ -307,8 +307,8 @@ TEST(CppInterface, ProgressIsToldAndWhatItThrowsComesOut) {
   job.execute(rises);
   EXPECT_GT(last, 0.5);
   job.set("camera.azimuth_deg", 10);
-  EXPECT_TRUE(refuses([&] { job.execute([](double) { return false; }); }, UMB_ERROR_CANCELLED, ""));
-  EXPECT_THROW(job.execute(throws), Mine);
+  EXPECT_TRUE(throws_error([&] { job.execute([](double) { return false; }); }, UMB_ERROR_CANCELLED, ""));
+  EXPECT_THROW(job.execute(throws), CustomException);
   EXPECT_EQ(job.error().code, UMB_ERROR_NONE);
   job.execute();
   const auto count = [](void* user, double) { return ++*static_cast<int*>(user), true; };
@@ -332,7 +332,7 @@ TEST(CppInterface, CallbacksOfDevices) {
       },
       &reported);
   umb::Scene scene(device);
-  EXPECT_TRUE(refuses([&] { scene.load("scene:solid"); }, UMB_ERROR_USAGE, "solids"));
+  EXPECT_TRUE(throws_error([&] { scene.load("scene:solid"); }, UMB_ERROR_USAGE, "solids"));
   ASSERT_EQ(reported.size(), 1u);
   EXPECT_NE(reported[0].find("solids"), std::string::npos);
   EXPECT_EQ(device.error().code, UMB_ERROR_USAGE);
@@ -340,7 +340,7 @@ TEST(CppInterface, CallbacksOfDevices) {
   device.set_error_callback(nullptr);
 }
 
-TEST(CppInterface, WarningsAreHeard) {
+TEST(CppInterface, WarningsAreReported) {
   const auto folder = std::filesystem::temp_directory_path() / "umbrage_cpp_interface";
   std::filesystem::create_directories(folder);
   std::ofstream(folder / "bare.obj") << "mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
@@ -354,7 +354,7 @@ TEST(CppInterface, WarningsAreHeard) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(CppInterface, EmptyAndMovedFromOnesAreHarmless) {
+TEST(CppInterface, EmptyAndMovedFromObjectsAreHarmless) {
   umb::Device device("cpu", 1);
   umb::Scene scene(device);
   add_square(scene);
@@ -364,7 +364,7 @@ TEST(CppInterface, EmptyAndMovedFromOnesAreHarmless) {
   const umb::Device gone = std::move(device);
   EXPECT_TRUE(moved && other && gone);
   EXPECT_FALSE(job || scene || device);
-  const auto is_null = [](const auto& call) { return refuses(call, UMB_ERROR_USAGE, "NULL"); };
+  const auto is_null = [](const auto& call) { return throws_error(call, UMB_ERROR_USAGE, "NULL"); };
   EXPECT_TRUE(is_null([&] { job.set("width", 3); }));
   EXPECT_TRUE(is_null([&] { job.execute(); }));
   EXPECT_TRUE(is_null([&] { job.execute([](double) { return true; }); }));
@@ -400,21 +400,21 @@ TEST(CppInterface, EmptyAndMovedFromOnesAreHarmless) {
 TEST(CppInterface, WithoutAnObject) {
   EXPECT_GT(umb::list_of(UMB_LIST_LOOKS).size(), 3u);
   EXPECT_FALSE(umb::list_of(UMB_LIST_EFFECTS)[0].summary.empty());
-  EXPECT_TRUE(refuses([] { umb::list_of(UmbList(99)); }, UMB_ERROR_USAGE, "99"));
+  EXPECT_TRUE(throws_error([] { umb::list_of(UmbList(99)); }, UMB_ERROR_USAGE, "99"));
   const std::vector<UmbParameter> parameters = umb::parameters_of("bitmask");
   EXPECT_TRUE(std::any_of(parameters.begin(), parameters.end(),
                           [](const UmbParameter& p) { return std::string_view(p.name) == "bitmask.radius"; }));
-  EXPECT_TRUE(refuses([] { umb::parameters_of("bitmusk"); }, UMB_ERROR_USAGE, "bitmusk"));
+  EXPECT_TRUE(throws_error([] { umb::parameters_of("bitmusk"); }, UMB_ERROR_USAGE, "bitmusk"));
   EXPECT_EQ(umb::pass_channels("normal"), 3);
   EXPECT_EQ(umb::pass_channels("norml"), 0);
   EXPECT_EQ(umb::thread_error().code, UMB_ERROR_NONE);
-  EXPECT_TRUE(refuses([] { umb::Device("gpu"); }, UMB_ERROR_USAGE, "gpu"));
+  EXPECT_TRUE(throws_error([] { umb::Device("gpu"); }, UMB_ERROR_USAGE, "gpu"));
   const auto file = std::filesystem::temp_directory_path() / "umbrage_cpp_interface.png";
   std::vector<float> gray(12, 0.5f);
   umb::write_images(file.string(), {{"color", umb::image_of(gray.data(), 2, 2, 3)}});
   EXPECT_TRUE(std::filesystem::exists(file));
   std::filesystem::remove(file);
-  EXPECT_TRUE(refuses(
+  EXPECT_TRUE(throws_error(
       [&] {
         umb::write_images("picture.gif", {{"color", umb::image_of(gray.data(), 2, 2, 3)}});
       },

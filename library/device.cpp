@@ -7,7 +7,7 @@
 namespace umbrage {
 namespace {
 
-thread_local bool holds_turn = false;         // this thread holds the Turn of a device
+thread_local bool has_exclusive_use = false;  // this thread has an ExclusiveUse of a device
 thread_local bool in_error_callback = false;  // this thread runs an error callback
 
 }  // namespace
@@ -23,46 +23,46 @@ Result<std::shared_ptr<Object>> DeviceObject::make(const char* name, int threads
   object->device = std::move(*made);
   object->description = object->device->description();
   object->arena.initialize(object->device->threads());
-  object->held_pool.emplace(object->device->pool());
+  object->pool_lock.emplace(object->device->pool());
   return std::shared_ptr<Object>(std::move(object));
 }
 
-DeviceObject::Turn::Turn(DeviceObject& device) : device_(device) {
-  nested_ = holds_turn;
+DeviceObject::ExclusiveUse::ExclusiveUse(DeviceObject& device) : device_(device) {
+  nested_ = has_exclusive_use;
   if (nested_) return;
   device.in_use_.lock();
-  holds_turn = true;
-  device.free_deferred();
+  has_exclusive_use = true;
+  device.release_deferred();
 }
 
-DeviceObject::Turn::~Turn() {
+DeviceObject::ExclusiveUse::~ExclusiveUse() {
   if (nested_) return;
-  device_.free_deferred();
-  holds_turn = false;
+  device_.release_deferred();
+  has_exclusive_use = false;
   device_.in_use_.unlock();
 }
 
-Result<void> DeviceObject::Turn::begun() const {
+Result<void> DeviceObject::ExclusiveUse::check_begun() const {
   return nested_ ? usage_error("a callback cannot execute a job while another one executes") : Result<void>();
 }
 
-void DeviceObject::leave(std::list<Left> left) noexcept {
+void DeviceObject::release_later(std::list<DeferredRelease> deferred) noexcept {
   {
     const std::lock_guard lock(deferred_mutex_);
-    deferred_.splice(deferred_.end(), left);
+    deferred_.splice(deferred_.end(), deferred);
   }
-  if (holds_turn || !in_use_.try_lock()) return;  // the holder of the Turn frees the memory at its end
-  free_deferred();
+  if (has_exclusive_use || !in_use_.try_lock()) return;  // the ExclusiveUse frees the memory when it ends
+  release_deferred();
   in_use_.unlock();
 }
 
-void DeviceObject::free_deferred() {
-  decltype(deferred_) left;
+void DeviceObject::release_deferred() {
+  decltype(deferred_) deferred;
   {
     const std::lock_guard lock(deferred_mutex_);
-    left.swap(deferred_);
+    deferred.swap(deferred_);
   }
-  for (const auto& [scene, frames] : left)
+  for (const auto& [scene, frames] : deferred)
     if (scene && scene.get() == prepared) {
       prepared = nullptr;
       device->forget_scene();
@@ -70,11 +70,11 @@ void DeviceObject::free_deferred() {
 }
 
 void DeviceObject::keep_memory_for(int width, int height) {
-  if (width == kept_width_ && height == kept_height_) return;
-  held_pool.reset();
-  held_pool.emplace(device->pool());
-  kept_width_ = width;
-  kept_height_ = height;
+  if (width == pool_width_ && height == pool_height_) return;
+  pool_lock.reset();
+  pool_lock.emplace(device->pool());
+  pool_width_ = width;
+  pool_height_ = height;
 }
 
 void DeviceObject::report_error(const Error& error) {
@@ -118,7 +118,7 @@ void DeviceObject::set_log_callback(UmbLogCallback callback, void* user) {
 
 }  // namespace umbrage
 
-using namespace umbrage;  // the functions below are C's
+using namespace umbrage;  // for the C functions below
 
 int umbGetVersion(void) { return UMB_VERSION; }
 

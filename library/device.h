@@ -18,7 +18,7 @@ namespace umbrage {
 
 class DeviceObject final : public Object {
  public:
-  /// Errors: those of make_device.
+  /// Creates a device. Errors: those of make_device.
   static Result<std::shared_ptr<Object>> make(const char* name, int threads);
 
   void report_error(const Error& error);
@@ -28,43 +28,44 @@ class DeviceObject final : public Object {
 
   std::unique_ptr<Device> device;
   std::string description;
-  /// Exclusive use of a device for one picture: jobs of one device execute one after the other. Errors: kUsage from
-  /// within a callback of a job of any device, since two jobs could wait for each other.
-  class Turn {
+  /// Exclusive use of a device for one picture: jobs of one device execute one after the other.
+  class ExclusiveUse {
    public:
-    explicit Turn(DeviceObject& device);
-    ~Turn();
-    Result<void> begun() const;
+    explicit ExclusiveUse(DeviceObject& device);
+    ~ExclusiveUse();
+    /// Errors: kUsage within a callback of a job of any device, since two jobs could wait for each other.
+    Result<void> check_begun() const;
 
    private:
     DeviceObject& device_;
-    bool nested_ = false;
+    bool nested_ = false;  ///< this thread already has an ExclusiveUse
   };
-  /// Device memory of a job that is to be freed.
-  struct Left {
+  /// Data of a job that occupy device memory, to be freed.
+  struct DeferredRelease {
     std::unique_ptr<Scene> scene;
     std::vector<Frame> frames;
   };
-  /// Frees the memory now, or at the end of the current picture.
-  void leave(std::list<Left> left) noexcept;
-  /// Keeps the memory of planes for pictures of one size. The caller holds a Turn.
+  /// Frees the memory now, or when the current ExclusiveUse ends.
+  void release_later(std::list<DeferredRelease> deferred) noexcept;
+  /// Keeps the memory of released planes for pictures of this size, and frees that of another size. The caller must
+  /// have an ExclusiveUse.
   void keep_memory_for(int width, int height);
 
-  const Scene* prepared = nullptr;  ///< scene that the device is prepared for; guarded by Turn
-  /// Has as many threads as the device, for work on images. It is kept since each creation allocates memory.
+  const Scene* prepared = nullptr;  ///< scene for which the device is prepared; guarded by ExclusiveUse
+  /// Runs work on images, with as many threads as the device. It is kept because creating one allocates memory.
   tbb::task_arena arena{1};
-  std::optional<PlanePoolLock> held_pool;
+  std::optional<PlanePoolLock> pool_lock;
 
  protected:
   DeviceObject* reporting_device() override { return this; }
 
  private:
-  void free_deferred();
+  void release_deferred();
 
   std::mutex in_use_;
   std::mutex deferred_mutex_;
-  std::list<Left> deferred_;
-  int kept_width_ = 0, kept_height_ = 0;
+  std::list<DeferredRelease> deferred_;
+  int pool_width_ = 0, pool_height_ = 0;
   std::mutex callbacks_;
   UmbErrorCallback on_error_ = nullptr;
   UmbLogCallback on_log_ = nullptr;

@@ -1,4 +1,4 @@
-// Execution of a job: from its parameters to its outputs, and the data that is kept for the next execution.
+// Execution of a job, from its parameters to its outputs, with the data kept for the next execution.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace {
 
 const std::vector<std::string> kColor = {"color.r", "color.g", "color.b", "color.a"};
 
-/// Returns the passes that an effect makes, without planes that only its own dispatches read.
+/// Returns the passes that an effect writes, without intermediate planes that its own dispatches read.
 std::vector<std::string> passes_of_effect(const Effect& effect, const ParameterBytes& params) {
   std::vector<std::string> planes;
   for (const Dispatch& dispatch : effect.dispatches) {
@@ -30,23 +30,24 @@ std::vector<std::string> passes_of_effect(const Effect& effect, const ParameterB
   return names;
 }
 
-/// Returns a key of the scene version and the environment image that lights it.
+/// Returns a key that identifies the scene version and the environment image that lights it.
 std::string environment_key(const Recipe& recipe, long version) {
   const Hdri& hdri = recipe.hdri;
   return hdri.lights() ? fmt::format("{} {} {} {}", version, hdri.file, hdri.rotation_deg, hdri.intensity)
                        : fmt::format("{}", version);
 }
 
-/// Returns a key of everything that the lights of a scene without lights depend on, except the first picture's camera.
+/// Returns a key of all settings on which the default lights of a scene without lights depend, except the camera of the
+/// first picture.
 std::string light_key(const Recipe& recipe) {
   return fmt::format("{} {} {} {}", environment_key(recipe, 0), recipe.look->name, recipe.occlusion,
                      recipe.light_size_deg.value_or(-1.0f));
 }
 
 /// Converts an id that a plane stores as a float. Values that are negative, NaN or too large give all bits set.
-std::uint32_t id_of(float place) {
-  constexpr float kBeyond = 4294967296.0f;
-  return place >= 0.0f && place < kBeyond ? std::uint32_t(place) : ~std::uint32_t(0);
+std::uint32_t id_of(float value) {
+  constexpr float kIdLimit = 4294967296.0f;
+  return value >= 0.0f && value < kIdLimit ? std::uint32_t(value) : ~std::uint32_t(0);
 }
 
 /// Checks the outputs against the size of the picture. Errors: kUsage.
@@ -68,28 +69,28 @@ Result<void> check_outputs(std::span<const Output> outputs, int width, int heigh
   return {};
 }
 
-/// Marks a scene as being drawn while this object exists. The scene may be null.
+/// Marks a scene as being drawn during the lifetime of this object. The scene may be null.
 class SceneInUse {
  public:
   explicit SceneInUse(SceneObject* scene) {
-    if (scene) held_.emplace(scene->workers, Use::kDraws);
+    if (scene) guard_.emplace(scene->use_lock, Use::kDraws);
   }
   /// Errors: kUsage if the scene is being changed.
-  Result<void> begun() const {
-    return !held_ || *held_
+  Result<void> check_begun() const {
+    return !guard_ || *guard_
                ? Result<void>()
                : usage_error("the scene is being changed by another thread or by the call that runs this callback");
   }
 
  private:
-  std::optional<Held> held_;
+  std::optional<UseGuard> guard_;
 };
 
 }  // namespace
 
 JobObject::~JobObject() {
   deferred_release_.front() = {std::move(scene_copy_), std::move(captures_)};
-  device_->leave(std::move(deferred_release_));
+  device_->release_later(std::move(deferred_release_));
 }
 
 const NamedImage* JobObject::find_image(std::string_view name) const {
@@ -115,45 +116,45 @@ Result<Recipe> JobObject::recipe_of(const Request& request) const {
   auto recipe = renders() ? make_recipe(request) : make_shading_recipe(request);
   if (!recipe || outputs_.empty()) return recipe;
   const bool color = std::any_of(outputs_.begin(), outputs_.end(), [](const Output& o) { return o.pass == "color"; });
-  std::vector<std::string_view> besides;
-  if (request.strokes) besides.assign(edge_planes().begin(), edge_planes().end());
-  if (!color && renders()) keep_only_passes(*recipe, besides);
+  std::vector<std::string_view> other_planes;
+  if (request.strokes) other_planes.assign(edge_planes().begin(), edge_planes().end());
+  if (!color && renders()) keep_only_passes(*recipe, other_planes);
   return recipe;
 }
 
-Result<JobObject::Order> JobObject::order() const {
+Result<JobObject::ResolvedJob> JobObject::resolve() const {
   Request request = full_request();
   auto recipe = recipe_of(request);
   if (!recipe) return recipe.error();
-  auto lines_wanted = request.strokes ? line_parameters(*recipe) : Result<ParameterBytes>(ParameterBytes());
-  if (!lines_wanted) return lines_wanted.error();
+  auto stroke_parameters = request.strokes ? line_parameters(*recipe) : Result<ParameterBytes>(ParameterBytes());
+  if (!stroke_parameters) return stroke_parameters.error();
   // A shaded picture has the size of its depth image.
   if (renders() || find_image("depth"))
     if (auto fine = check_outputs(outputs_, request.width, request.height); !fine) return fine.error();
-  return Order{std::move(request), std::move(*recipe), std::move(*lines_wanted)};
+  return ResolvedJob{std::move(request), std::move(*recipe), std::move(*stroke_parameters)};
 }
 
 Result<void> JobObject::check() const {
-  const auto wanted = order();
-  return wanted ? Result<void>() : wanted.error();
+  const auto resolved = resolve();
+  return resolved ? Result<void>() : resolved.error();
 }
 
 Result<void> JobObject::execute() {
-  const auto wanted = order();
-  if (!wanted) return wanted.error();
-  const auto& [request, recipe, of_lines] = *wanted;
+  const auto resolved = resolve();
+  if (!resolved) return resolved.error();
+  const auto& [request, recipe, stroke_settings] = *resolved;
   const SceneInUse in_use(scene_.get());
-  const DeviceObject::Turn turn(*device_);
-  if (auto begun = turn.begun(); !begun) return begun;
-  if (auto free = in_use.begun(); !free) return free;
+  const DeviceObject::ExclusiveUse exclusive_use(*device_);
+  if (auto begun = exclusive_use.check_begun(); !begun) return begun;
+  if (auto free = in_use.check_begun(); !free) return free;
   device_->keep_memory_for(request.width, request.height);
-  const ScopedPlanePool kept(device_->device->pool());
-  const auto frame = renders() ? rendered(recipe) : shaded(request, recipe);
+  const ScopedPlanePool scoped_pool(device_->device->pool());
+  const auto frame = renders() ? render_frame(recipe) : shade_frame(request, recipe);
   if (!frame) return frame.error();
   report_setting_warnings(request, recipe);
   Lines traced;
-  if (!of_lines.empty()) {
-    auto found = traced_lines(*device_->device, *frame, of_lines);
+  if (!stroke_settings.empty()) {
+    auto found = traced_lines(*device_->device, *frame, stroke_settings);
     if (!found) return found.error();
     traced = std::move(*found);
     if (const auto ids = ids_.find("object_id"); ids != ids_.end() && !renders())
@@ -161,8 +162,8 @@ Result<void> JobObject::execute() {
   }
   if (auto done = write_outputs(*frame, outputs_.empty() ? default_outputs(recipe) : outputs_); !done) return done;
   lines = std::move(traced);
-  line_color = of_lines.empty() ? std::array<float, 3>() : umbrage::line_color(of_lines);
-  line_opacity = of_lines.empty() ? 0.0f : umbrage::line_opacity(of_lines);
+  line_color = stroke_settings.empty() ? std::array<float, 3>() : umbrage::line_color(stroke_settings);
+  line_opacity = stroke_settings.empty() ? 0.0f : umbrage::line_opacity(stroke_settings);
   return {};
 }
 
@@ -170,9 +171,9 @@ Result<void> JobObject::prepare() {
   auto recipe = recipe_of(full_request());
   if (!recipe || !renders()) return recipe ? Result<void>() : recipe.error();
   const SceneInUse in_use(scene_.get());
-  const DeviceObject::Turn turn(*device_);
-  if (auto begun = turn.begun(); !begun) return begun;
-  if (auto free = in_use.begun(); !free) return free;
+  const DeviceObject::ExclusiveUse exclusive_use(*device_);
+  if (auto begun = exclusive_use.check_begun(); !begun) return begun;
+  if (auto free = in_use.check_begun(); !free) return free;
   if (auto ready = prepare_scene(*recipe, preparation_progress()); !ready) return ready;
   return prepare_device(preparation_progress());
 }
@@ -193,22 +194,22 @@ ProgressMonitor JobObject::preparation_progress() const {
   return [this](double) { return progress(0.0); };
 }
 
-Result<Frame> JobObject::rendered(Recipe recipe) {
-  const ProgressMonitor before = preparation_progress();
-  if (auto ready = prepare_scene(recipe, before); !ready) return ready.error();
+Result<Frame> JobObject::render_frame(Recipe recipe) {
+  const ProgressMonitor monitor = preparation_progress();
+  if (auto ready = prepare_scene(recipe, monitor); !ready) return ready.error();
   const std::string key = light_key(recipe);
   if (const auto lit = lightings_.find(key); lit != lightings_.end()) recipe.capture.lighting = lit->second;
-  const auto plan = make_plan(recipe, *scene_copy_, device_->device->threads(), before);
+  const auto plan = make_plan(recipe, *scene_copy_, device_->device->threads(), monitor);
   if (!plan) return plan.error();
-  auto frame = drawn(*plan);
+  auto frame = draw_frame(*plan);
   if (frame) lightings_.emplace(key, plan->lighting());
   return frame;
 }
 
-Result<void> JobObject::prepare_scene(Recipe& recipe, const ProgressMonitor& before) {
+Result<void> JobObject::prepare_scene(Recipe& recipe, const ProgressMonitor& monitor) {
   if (recipe.hdri.file == hdri_.file) recipe.hdri.panorama = hdri_.panorama;
   if (!recipe.hdri.panorama) {
-    const auto warnings = read_hdri(recipe.hdri, before);
+    const auto warnings = read_hdri(recipe.hdri, monitor);
     if (!warnings) return warnings.error();
     for (const std::string& warning : *warnings) device_->report_warning(warning);
   }
@@ -224,9 +225,9 @@ Result<void> JobObject::prepare_scene(Recipe& recipe, const ProgressMonitor& bef
   for (const std::string& warning : warnings) device_->report_warning(warning);
   if (scene_->version() != scene_copy_version_) lightings_.clear();
   captured_plan_.reset();
-  std::list<DeviceObject::Left> left(1);
-  left.front() = {std::move(scene_copy_), std::move(captures_)};
-  device_->leave(std::move(left));
+  std::list<DeviceObject::DeferredRelease> deferred(1);
+  deferred.front() = {std::move(scene_copy_), std::move(captures_)};
+  device_->release_later(std::move(deferred));
   captures_.clear();
   scene_copy_ = std::make_unique<Scene>(std::move(*copied));
   scene_copy_key_.clear();
@@ -244,16 +245,16 @@ Result<void> JobObject::choose_view(const Recipe& recipe) {
   return recipe.camera_index ? use_camera(*recipe.camera_index, *scene_copy_) : Result<void>();
 }
 
-Result<void> JobObject::prepare_device(const ProgressMonitor& before) {
+Result<void> JobObject::prepare_device(const ProgressMonitor& monitor) {
   if (device_->prepared == scene_copy_.get()) return {};
   device_->prepared = nullptr;
-  if (auto ready = device_->device->prepare(*scene_copy_, before); !ready) return ready;
+  if (auto ready = device_->device->prepare(*scene_copy_, monitor); !ready) return ready;
   ++counters.hierarchies_built;
   device_->prepared = scene_copy_.get();
   return {};
 }
 
-Result<Frame> JobObject::drawn(const Plan& plan) {
+Result<Frame> JobObject::draw_frame(const Plan& plan) {
   StageTimes times;
   Device& device = *device_->device;
   if (plan.averages()) {  // captures of many samples would need too much memory
@@ -278,7 +279,7 @@ Result<Frame> JobObject::drawn(const Plan& plan) {
   return drawn ? Result<Frame>(std::move(drawn->frame)) : drawn.error();
 }
 
-Result<Frame> JobObject::shaded(const Request& request, const Recipe& recipe) {
+Result<Frame> JobObject::shade_frame(const Request& request, const Recipe& recipe) {
   for (const Output& output : outputs_)  // images are read until all outputs are written
     for (const NamedImage& named : images_)
       if (overlap(output.image, named.image))
@@ -305,51 +306,52 @@ std::vector<Output> JobObject::default_outputs(const Recipe& recipe) const {
   return outputs;
 }
 
-Result<void> JobObject::write_outputs(const Frame& frame, std::vector<Output> wanted) {
+Result<void> JobObject::write_outputs(const Frame& frame, std::vector<Output> requested) {
   Device& device = *device_->device;
   std::vector<std::string> names;
   std::vector<Output> outputs;
-  for (Output& output : wanted)
+  for (Output& output : requested)
     if (output.pass == "color")
       outputs.push_back(std::move(output));
     else
       names.push_back(output.pass);
   std::vector<std::vector<std::string>> planes(outputs.size(), kColor);
-  const std::vector<std::string> there = device.plane_names(frame);
-  if (!outputs.empty() && std::find(there.begin(), there.end(), "color.r") == there.end())
+  const std::vector<std::string> available = device.plane_names(frame);
+  if (!outputs.empty() && std::find(available.begin(), available.end(), "color.r") == available.end())
     return usage_error("the effects write no picture: the output 'color' requires a look or the effect 'output'");
   if (!names.empty()) {
-    const auto chosen = chosen_planes(names, there, frame.info);
+    const auto chosen = chosen_planes(names, available, frame.info);
     if (!chosen) return chosen.error();
     for (const PassPlanes& pass : *chosen) {
       if (std::any_of(outputs.begin(), outputs.end(), [&](const Output& o) { return o.pass == pass.name; }))
         continue;  // requested by name and by "all"
-      const auto set = std::find_if(wanted.begin(), wanted.end(), [&](const Output& o) { return o.pass == pass.name; });
-      outputs.push_back(set != wanted.end() ? std::move(*set) : Output{.pass = pass.name, .image = {}, .own = {}});
+      const auto set =
+          std::find_if(requested.begin(), requested.end(), [&](const Output& o) { return o.pass == pass.name; });
+      outputs.push_back(set != requested.end() ? std::move(*set) : Output{.pass = pass.name, .image = {}, .own = {}});
       planes.push_back(pass.planes);
     }
   }
   for (std::size_t k = 0; k < outputs.size(); ++k)
     if (outputs[k].image.data) planes[k].resize(std::size_t(outputs[k].image.channels));
   // From here on the memory of the last outputs is reused, and their contents are lost.
-  std::vector<Output> last = std::move(made_);
-  made_.clear();
+  std::vector<Output> last = std::move(results_);
+  results_.clear();
   for (Output& output : outputs)
-    for (Output& before : last)
-      if (before.pass == output.pass) output.own = std::move(before.own);
+    for (Output& previous : last)
+      if (previous.pass == output.pass) output.own = std::move(previous.own);
   for (std::size_t k = 0; k < outputs.size(); ++k)
     if (auto done = fill(frame, planes[k], outputs[k]); !done) return done;
-  made_ = std::move(outputs);
+  results_ = std::move(outputs);
   return {};
 }
 
 Result<void> JobObject::fill(const Frame& frame, const std::vector<std::string>& planes, Output& output) {
   Device& device = *device_->device;
   SharedImage& to = output.image;
-  const auto known = renders() ? ids_.end() : ids_.find(name_on_first_layer(output.pass));
+  const auto caller_ids = renders() ? ids_.end() : ids_.find(name_on_first_layer(output.pass));
   if (!to.data) {
     to = {.data = nullptr,
-          .type = known != ids_.end() ? PixelType::kUint32 : PixelType::kFloat32,
+          .type = caller_ids != ids_.end() ? PixelType::kUint32 : PixelType::kFloat32,
           .width = frame.info.inner_width(),
           .height = frame.info.inner_height(),
           .channels = int(planes.size())};
@@ -357,14 +359,14 @@ Result<void> JobObject::fill(const Frame& frame, const std::vector<std::string>&
     to.data = output.own.data();
     to = with_strides(to);
   }
-  const bool whole_numbers = to.type != PixelType::kFloat32 && to.type != PixelType::kFloat16;
-  const bool ids = is_id(output.pass) && (known != ids_.end() || whole_numbers);
+  const bool are_integers = to.type != PixelType::kFloat32 && to.type != PixelType::kFloat16;
+  const bool ids = is_id(output.pass) && (caller_ids != ids_.end() || are_integers);
   return device.visit(frame, planes, [&](std::size_t channel, const Plane& plane) {
     if (!ids) return device_->arena.execute([&] { write_channel(plane, int(channel), to); });
     for (int y = 0; y < to.height; ++y)
       for (int x = 0; x < to.width; ++x) {
-        const float place = plane.at(x, y);
-        write_id(to, x, y, known != ids_.end() ? callers_id(known->second, place) : id_of(place));
+        const float value = plane.at(x, y);
+        write_id(to, x, y, caller_ids != ids_.end() ? callers_id(caller_ids->second, value) : id_of(value));
       }
   });
 }

@@ -136,12 +136,12 @@ Result<void> JobObject::set_image(const std::string& name, const UmbImage* image
   if (image) {
     const auto channels = channels_of(name);
     if (channels.empty()) return unknown_image(name);
-    UmbImage whole = *image;
-    if (whole.channels == 0) whole.channels = int(channels.size());
-    auto made = shared_image("the image '" + name + "'", whole);
-    if (!made) return made.error();
-    if (!made->data) return usage_error("the image '{}' has no values", name);
-    shared = *made;
+    UmbImage completed = *image;
+    if (completed.channels == 0) completed.channels = int(channels.size());
+    auto checked = shared_image("the image '" + name + "'", completed);
+    if (!checked) return checked.error();
+    if (!checked->data) return usage_error("the image '{}' has no values", name);
+    shared = *checked;
   }
   std::erase_if(images_, [&](const NamedImage& named) { return named.name == name; });
   if (shared) images_.push_back({name, *shared});
@@ -154,15 +154,15 @@ Result<void> JobObject::set_output(const std::string& name, const UmbImage* imag
   if (image && image->data) {
     if (name == "all")
       return usage_error("the output 'all' cannot use the caller's memory: it stands for several images");
-    UmbImage whole = *image;
-    if (whole.channels == 0) whole.channels = umbGetPassChannels(name.c_str());
-    auto made = shared_image("the output '" + name + "'", whole);
-    if (!made) return made.error();
-    if (overlaps_itself(*made)) return usage_error("pixels of the output '{}' share memory with each other", name);
+    UmbImage completed = *image;
+    if (completed.channels == 0) completed.channels = umbGetPassChannels(name.c_str());
+    auto checked = shared_image("the output '" + name + "'", completed);
+    if (!checked) return checked.error();
+    if (overlaps_itself(*checked)) return usage_error("pixels of the output '{}' share memory with each other", name);
     for (const Output& other : outputs_)
-      if (other.pass != name && overlap(*made, other.image))
+      if (other.pass != name && overlap(*checked, other.image))
         return usage_error("the outputs '{}' and '{}' share memory", name, other.pass);
-    shared = *made;
+    shared = *checked;
   }
   std::erase_if(outputs_, [&](const Output& output) { return output.pass == name; });
   if (image) outputs_.push_back({.pass = name, .image = shared.value_or(SharedImage())});
@@ -170,27 +170,27 @@ Result<void> JobObject::set_output(const std::string& name, const UmbImage* imag
 }
 
 Result<UmbImage> JobObject::output(const std::string& name) const {
-  for (const Output& output : made_)
+  for (const Output& output : results_)
     if (output.pass == name) return as_umb(output.image);
   return usage_error("the last execution produced no '{}'", name);
 }
 
 const char* JobObject::output_name(int index) const {
-  return index >= 0 && std::size_t(index) < made_.size() ? made_[std::size_t(index)].pass.c_str() : nullptr;
+  return index >= 0 && std::size_t(index) < results_.size() ? results_[std::size_t(index)].pass.c_str() : nullptr;
 }
 
 }  // namespace umbrage
 
-using namespace umbrage;  // the functions below are C's
+using namespace umbrage;  // for the C functions below
 
 namespace {
 
 Result<std::shared_ptr<Object>> new_job(UmbDevice device, UmbScene scene, bool renders) {
-  auto of_device = object_of<DeviceObject>(device);
-  if (!of_device) return usage_error("a job needs a device: it is NULL, or was released");
-  auto of_scene = object_of<SceneObject>(scene);
-  if (renders && !of_scene) return usage_error("a render job needs a scene: it is NULL, or was released");
-  return std::shared_ptr<Object>(std::make_shared<JobObject>(std::move(of_device), std::move(of_scene)));
+  auto device_object = object_of<DeviceObject>(device);
+  if (!device_object) return usage_error("a job needs a device: it is NULL, or was released");
+  auto scene_object = object_of<SceneObject>(scene);
+  if (renders && !scene_object) return usage_error("a render job needs a scene: it is NULL, or was released");
+  return std::shared_ptr<Object>(std::make_shared<JobObject>(std::move(device_object), std::move(scene_object)));
 }
 
 /// Sets a parameter from text, numbers or a flag.

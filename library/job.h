@@ -22,10 +22,10 @@ bool is_parameter(const Option& row, std::string_view owner);
 /// Returns the error for a parameter that "render", "shade" or "scene" does not have.
 Error unknown_parameter(const std::string& name, std::string_view owner);
 
-/// A requested pass and the memory that it is written to.
+/// A requested pass, and the memory into which it is written.
 struct Output {
   std::string pass;
-  SharedImage image;       ///< without data: `own` is used
+  SharedImage image;       ///< without data: the output is written into `own`
   std::vector<float> own;  ///< memory of the library
 };
 
@@ -68,53 +68,54 @@ class JobObject final : public Object {
   DeviceObject* reporting_device() override { return device_.get(); }
 
  private:
-  /// The work of an execution, as far as the parameters determine it.
-  struct Order {
+  /// A job with all parameters resolved, as far as this is possible without its scene.
+  struct ResolvedJob {
     Request request;  ///< with the requested passes
     Recipe recipe;
     ParameterBytes lines;  ///< parameters of the lines if strokes are requested; otherwise empty
   };
-  /// Errors: kUsage.
-  Result<Order> order() const;
+  /// Resolves the parameters. Errors: kUsage.
+  Result<ResolvedJob> resolve() const;
   Request full_request() const;
   /// Returns an input image; null if it is not set.
   const NamedImage* find_image(std::string_view name) const;
   Result<Recipe> recipe_of(const Request& request) const;
   /// Warns of settings that have no effect. Does not repeat the warnings of the last execution.
   void report_setting_warnings(const Request& request, const Recipe& recipe);
-  Result<Frame> rendered(Recipe recipe);
-  Result<Frame> shaded(const Request& request, const Recipe& recipe);
+  Result<Frame> render_frame(Recipe recipe);
+  Result<Frame> shade_frame(const Request& request, const Recipe& recipe);
   /// Returns a monitor for the work that precedes drawing. It reports 0, since the reported fractions are those of
   /// drawing.
   ProgressMonitor preparation_progress() const;
   /// Prepares the scene, and reads the environment image into the recipe.
-  Result<void> prepare_scene(Recipe& recipe, const ProgressMonitor& before);
+  Result<void> prepare_scene(Recipe& recipe, const ProgressMonitor& monitor);
   Result<void> choose_view(const Recipe& recipe);
-  Result<void> prepare_device(const ProgressMonitor& before);
-  Result<Frame> drawn(const Plan& plan);
-  Result<void> write_outputs(const Frame& frame, std::vector<Output> outputs);
+  Result<void> prepare_device(const ProgressMonitor& monitor);
+  Result<Frame> draw_frame(const Plan& plan);
+  Result<void> write_outputs(const Frame& frame, std::vector<Output> requested);
   Result<void> fill(const Frame& frame, const std::vector<std::string>& planes, Output& output);
   /// Returns the outputs of a job for which no output is set.
   std::vector<Output> default_outputs(const Recipe& recipe) const;
 
   std::shared_ptr<DeviceObject> device_;
-  std::list<DeviceObject::Left> deferred_release_{1};  // allocated in advance, since the destructor cannot fail
+  // Allocated in advance, since the destructor cannot fail.
+  std::list<DeviceObject::DeferredRelease> deferred_release_{1};
   std::shared_ptr<SceneObject> scene_;
   Request request_;
   std::map<std::string, std::string> settings_;  // of effects, by "effect.parameter"
   std::vector<NamedImage> images_;
   std::vector<Output> outputs_;        // requested by the caller
-  std::vector<Output> made_;           // by the last execution
+  std::vector<Output> results_;        // of the last execution
   SharedIds ids_;                      // of the last G-buffer
   std::vector<std::string> reported_;  // the last warnings of settings without effect
 
   // Data of the last picture of a scene:
   std::unique_ptr<Scene> scene_copy_;
-  std::string scene_copy_key_;                 // key of the request and the scene version that scene_copy_ was made for
-  bool scene_lacks_ground_ = false;            // of scene_copy_
-  long scene_copy_version_ = -1;               // SceneObject::version of scene_copy_
-  std::vector<View> views_;                    // suggested by the scene itself
-  std::map<std::string, Lighting> lightings_;  // made for a scene without lights, by light_key
+  std::string scene_copy_key_;                 // environment_key for which scene_copy_ was made
+  bool scene_lacks_ground_ = false;            // see lacks_ground
+  long scene_copy_version_ = -1;               // SceneObject::version at the time of the copy
+  std::vector<View> views_;                    // views that the scene suggests
+  std::map<std::string, Lighting> lightings_;  // default lights of a scene without lights, by light_key
   Hdri hdri_;                                  // with its panorama
   std::optional<Plan> captured_plan_;
   Captures captures_;

@@ -73,7 +73,8 @@ std::string_view type_of(const Option& row) {
   return kTypes[row.where.index()];
 }
 
-/// Returns the default of a parameter in words; for the picture's size and for flags as the setters accept it.
+/// Returns the default of a parameter as text: for flags and the size of the picture in the form that the setters
+/// accept, for others in words.
 std::string initial_of(const Option& row) {
   Request request;
   if (const auto* flag = std::get_if<FieldOf<bool>>(&row.where)) return (*flag)(request) ? "true" : "false";
@@ -131,19 +132,19 @@ Result<std::vector<UmbParameter>> parameters_of(const std::string& owner) {
 }  // namespace
 }  // namespace umbrage
 
-using namespace umbrage;  // the functions below are C's
+using namespace umbrage;  // for the C functions below
 
 UmbError umbGetListEntry(UmbList list, int index, const char** name, const char** summary) {
-  bool there = false;
+  bool in_range = false;
   const UmbError code = call_without_object("umbGetListEntry", [&]() -> Result<void> {
     const auto all = entries(list);
     if (!all) return all.error();
-    there = index >= 0 && std::size_t(index) < all->size();
-    if (there && name) *name = interned_text((*all)[std::size_t(index)].name);
-    if (there && summary) *summary = interned_text((*all)[std::size_t(index)].summary);
+    in_range = index >= 0 && std::size_t(index) < all->size();
+    if (in_range && name) *name = interned_text((*all)[std::size_t(index)].name);
+    if (in_range && summary) *summary = interned_text((*all)[std::size_t(index)].summary);
     return {};
   });
-  return code == UMB_ERROR_NONE && !there ? UMB_ERROR_USAGE : code;
+  return code == UMB_ERROR_NONE && !in_range ? UMB_ERROR_USAGE : code;
 }
 
 int umbGetPassChannels(const char* pass) {
@@ -156,23 +157,23 @@ int umbGetPassChannels(const char* pass) {
 }
 
 UmbError umbGetParameter(const char* owner, int index, UmbParameter* parameter) {
-  bool there = false;
+  bool in_range = false;
   const UmbError code = call_without_object("umbGetParameter", [&]() -> Result<void> {
     const auto all = parameters_of(text_of(owner));
     if (!all) return all.error();
     if (!parameter) return usage_error("umbGetParameter: parameter cannot be NULL");
-    constexpr std::size_t kFirstSize = offsetof(UmbParameter, max) + sizeof(double);  // of version 0.1
+    constexpr std::size_t kFirstSize = offsetof(UmbParameter, max) + sizeof(double);  // size in version 0.1
     if (parameter->size < kFirstSize)
       return usage_error("umbGetParameter: the parameter's size cannot be {}: set it to sizeof(UmbParameter)",
                          parameter->size);
-    there = index >= 0 && std::size_t(index) < all->size();
-    if (there) {
+    in_range = index >= 0 && std::size_t(index) < all->size();
+    if (in_range) {
       const std::size_t size = parameter->size;
-      std::memset(parameter, 0, size);  // members that only a newer header has
+      std::memset(parameter, 0, size);  // clears members that only a newer header has
       std::memcpy(parameter, &(*all)[std::size_t(index)], std::min(size, sizeof(UmbParameter)));
       parameter->size = size;
     }
     return {};
   });
-  return code == UMB_ERROR_NONE && !there ? UMB_ERROR_USAGE : code;
+  return code == UMB_ERROR_NONE && !in_range ? UMB_ERROR_USAGE : code;
 }

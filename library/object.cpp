@@ -20,20 +20,20 @@ Table& table() {
 
 }  // namespace
 
-UmbError ErrorSlot::note(Error error) {
+UmbError ErrorSlot::store(Error error) {
   const std::lock_guard lock(mutex_);
   const auto code = UmbError(error.kind);
-  if (!there_ || !keeps_first_) error_ = std::move(error);
-  there_ = true;
+  if (!has_error_ || !keeps_first_) error_ = std::move(error);
+  has_error_ = true;
   return code;
 }
 
 UmbError ErrorSlot::take(const char** message) {
   const std::lock_guard lock(mutex_);
-  const UmbError code = there_ ? UmbError(error_.kind) : UMB_ERROR_NONE;
-  taken_ = there_ ? std::move(error_.message) : std::string();
-  there_ = false;
-  if (message) *message = taken_.c_str();
+  const UmbError code = has_error_ ? UmbError(error_.kind) : UMB_ERROR_NONE;
+  taken_message_ = has_error_ ? std::move(error_.message) : std::string();
+  has_error_ = false;
+  if (message) *message = taken_message_.c_str();
   return code;
 }
 
@@ -67,8 +67,8 @@ UmbError Object::fail(Error error) {
   const auto code = UmbError(error.kind);
   try {
     DeviceObject* device = reporting_device();
-    if (device && device != this) device->errors.note(error);
-    errors.note(error);
+    if (device && device != this) device->errors.store(error);
+    errors.store(error);
     if (device) device->report_error(error);
   } catch (...) {  // an exception of a callback, or memory for the message ran out; neither may reach C code
   }
@@ -90,8 +90,8 @@ std::shared_ptr<Object> find_object(const void* handle) {
   return found != table().objects.end() ? found->second : nullptr;
 }
 
-void release_found(const void* handle) {
-  std::shared_ptr<Object> last;  // is destroyed outside the lock
+void release_reference(const void* handle) {
+  std::shared_ptr<Object> last;  // destroyed after the lock is released
   {
     const std::lock_guard lock(table().mutex);
     const auto found = table().objects.find(handle);

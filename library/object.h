@@ -1,4 +1,5 @@
-// Object: the object behind a handle of the C interface, with its references and errors, and the wrapper of each call.
+// Object: the object behind a handle of the C interface, with its reference count and errors, and the wrappers of the
+// calls.
 //
 // Handles are keys in a table of all live objects. A released or invalid handle is therefore detected.
 #pragma once
@@ -14,12 +15,12 @@
 
 namespace umbrage {
 
-/// Stores an error until it is read: the first one of an object, since later ones may follow from it; the last one of a
-/// thread.
+/// Stores an error until it is read: for an object the first one, since later ones may follow from it; for a thread the
+/// last one.
 class ErrorSlot {
  public:
   explicit ErrorSlot(bool keeps_first) : keeps_first_(keeps_first) {}
-  UmbError note(Error error);
+  UmbError store(Error error);
   /// Returns and clears the error. The text is valid until the next call.
   UmbError take(const char** message);
 
@@ -27,11 +28,11 @@ class ErrorSlot {
   std::mutex mutex_;
   const bool keeps_first_;
   Error error_;
-  bool there_ = false;
-  std::string taken_;
+  bool has_error_ = false;
+  std::string taken_message_;
 };
 
-/// Returns the errors of this thread's calls that have no object.
+/// Returns the slot for errors of this thread's calls that have no object.
 ErrorSlot& thread_errors();
 
 /// How a call uses its object.
@@ -42,8 +43,8 @@ enum class Use {
   kFree,     ///< always allowed; the data that the call uses have their own locks
 };
 
-/// The uses of an object that are in progress. A change waits for reads and for nothing else, so that no callback waits
-/// for the call that it is a part of.
+/// Tracks the uses of an object that are in progress. A change waits for reads, but for nothing else: so no callback
+/// can wait for the call that runs it.
 class UseLock {
  public:
   /// Returns whether the use may begin. If so, the caller must end it.
@@ -57,19 +58,19 @@ class UseLock {
   bool is_changed_ = false;
 };
 
-/// A use of an object that lasts as long as this guard, unless it is refused.
-class Held {
+/// Uses an object during the lifetime of this guard. Converts to false if the use is refused.
+class UseGuard {
  public:
-  Held(UseLock& workers, Use use) : workers_(workers), use_(use), begun_(workers.begin(use)) {}
-  ~Held() {
-    if (begun_) workers_.end(use_);
+  UseGuard(UseLock& lock, Use use) : lock_(lock), use_(use), begun_(lock.begin(use)) {}
+  ~UseGuard() {
+    if (begun_) lock_.end(use_);
   }
-  Held(const Held&) = delete;
-  Held& operator=(const Held&) = delete;
+  UseGuard(const UseGuard&) = delete;
+  UseGuard& operator=(const UseGuard&) = delete;
   explicit operator bool() const { return begun_; }
 
  private:
-  UseLock& workers_;
+  UseLock& lock_;
   const Use use_;
   const bool begun_;
 };
@@ -86,7 +87,7 @@ class Object {
   UmbError fail(Error error);
 
   ErrorSlot errors{true};
-  UseLock workers;
+  UseLock use_lock;
   std::atomic<long> references{1};
 
  protected:
@@ -98,10 +99,10 @@ class Object {
 void* add_object(std::shared_ptr<Object> object);
 /// Returns the object of a handle; null if there is none.
 std::shared_ptr<Object> find_object(const void* handle);
-/// Removes a reference of an object in the table.
-void release_found(const void* handle);
+/// Removes a reference of an object; with the last one, removes the object from the table.
+void release_reference(const void* handle);
 
-/// Returns the object of type T; null if the handle is not one of such an object.
+/// Returns the object of type T; null if the handle does not refer to one.
 template <class T>
 std::shared_ptr<T> object_of(const void* handle) {
   return std::dynamic_pointer_cast<T>(find_object(handle));
@@ -113,14 +114,14 @@ void retain_object(const void* handle) {
 }
 template <class T>
 void release_object(const void* handle) {
-  if (object_of<T>(handle)) release_found(handle);
+  if (object_of<T>(handle)) release_reference(handle);
 }
 
 /// Runs a call that has no object. Errors are stored with the thread.
 template <class Work>
 UmbError call_without_object(const char* call, const Work& work) {
   Result<void> done = guarded([&] { return std::string(call); }, work);
-  return done ? UMB_ERROR_NONE : thread_errors().note(std::move(done.error()));
+  return done ? UMB_ERROR_NONE : thread_errors().store(std::move(done.error()));
 }
 
 /// Runs a call on an object. `call`: the name of its function. Errors are stored with the object, except kUsage for an
@@ -136,14 +137,15 @@ UmbError call_on(const void* handle, const char* call, Use use, const Work& work
   if (found != UMB_ERROR_NONE) return found;
   Result<void> done;
   {
-    const Held held(object->workers, use);
-    if (!held)
+    const UseGuard guard(object->use_lock, use);
+    if (!guard)
       return call_without_object(call, [&]() -> Result<void> {
         return usage_error("{}: the object is in use by another thread or by the call that runs this callback", call);
       });
     done = guarded([&] { return object->memory_purpose(call); }, [&]() -> Result<void> { return work(*object); });
   }
-  return done ? UMB_ERROR_NONE : object->fail(std::move(done.error()));  // the callback may use the object
+  // After the guard has ended, since the error callback may use the object.
+  return done ? UMB_ERROR_NONE : object->fail(std::move(done.error()));
 }
 
 /// Returns what `get` reads of an object; `otherwise` if the handle is invalid or the object is being changed.
@@ -151,8 +153,8 @@ template <class T, class Value, class Get>
 Value read_of(const void* handle, Value otherwise, const Get& get) {
   const auto object = object_of<T>(handle);
   if (!object) return otherwise;
-  const Held held(object->workers, Use::kReads);
-  return held ? get(*object) : otherwise;  // `get` does not throw
+  const UseGuard guard(object->use_lock, Use::kReads);
+  return guard ? get(*object) : otherwise;  // `get` does not throw
 }
 
 /// Returns and clears the first error of an object, or the thread's error if the handle is not of type T: see

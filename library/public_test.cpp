@@ -1,4 +1,4 @@
-// Tests of the public interface; uses only its header.
+// Tests of the public C++ interface; they use only its header.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -44,7 +44,7 @@ TEST(Public, DrawsAPicture) {
   EXPECT_GT(max, 0.9f);
 }
 
-TEST(Public, SaysWhatIsWrongAndLeavesThePicture) {
+TEST(Public, ReportsErrorsAndLeavesThePictureUnchanged) {
   umb::Picture picture{1, 1, {0.25f, 0.5f, 0.75f, 1.0f}, {}};
   const auto refused = [&](const umb::RenderRequest& request, int code, const std::string& text) {
     const umb::Outcome outcome = umb::render(request, picture);
@@ -83,7 +83,7 @@ TEST(Public, SaysWhatIsWrongAndLeavesThePicture) {
   refused({.model = kSolids, .passes = {"dept"}}, 2, "depth");
 }
 
-TEST(Public, HandsOutPasses) {
+TEST(Public, ReturnsPasses) {
   umb::Picture picture;
   const auto outcome = umb::render({.model = kSolids,
                                     .look = "ao",
@@ -113,7 +113,7 @@ TEST(Public, HandsOutPasses) {
   pass(all, "object_id", 1);
 }
 
-TEST(Public, TakesTheCommandLinesOptions) {
+TEST(Public, AcceptsTheOptionsOfTheCommandLine) {
   const auto drawn = [](umb::RenderRequest request) {
     request.model = kSolids;
     request.width = 48;
@@ -148,7 +148,7 @@ TEST(Public, TakesTheCommandLinesOptions) {
 /// A rendered picture, and a request that shades its depth and normals.
 struct Rendered {
   umb::Picture picture;
-  umb::ShadeRequest again;
+  umb::ShadeRequest request;
 };
 
 Rendered rendered_solids(bool orthographic) {
@@ -167,7 +167,7 @@ Rendered rendered_solids(bool orthographic) {
                                     .passes = {"depth", "normal", "ao"}},
                                    r.picture);
   EXPECT_EQ(outcome.code, 0) << outcome.message;
-  umb::ShadeRequest& request = r.again;
+  umb::ShadeRequest& request = r.request;
   request.width = 64;
   request.height = 48;
   // The same window as orthographic_camera: its height is that of the view at the focal point.
@@ -199,14 +199,14 @@ void expect_same_occlusion(const Rendered& r, const umb::ShadeRequest& request, 
 }
 
 // Shading a rendered G-buffer gives the rendered occlusion, whatever the memory layout of the arrays.
-TEST(Public, ShadesArraysAsItShadesModels) {
+TEST(Public, ShadesArraysLikeModels) {
   for (const bool orthographic : {false, true}) {
     const Rendered r = rendered_solids(orthographic);
     const auto &depth = pass(r.picture, "depth", 1), &normal = pass(r.picture, "normal", 3);
     const umb::PixelArray packed = {.name = "normal", .values = normal.data()};
-    expect_same_occlusion(r, r.again, depth, packed, 1e-7);
+    expect_same_occlusion(r, r.request, depth, packed, 1e-7);
     // Planar, bottom up, in world space with -z up, not of length 1.
-    const int width = r.again.width, height = r.again.height;
+    const int width = r.request.width, height = r.request.height;
     const std::size_t pixels = depth.size();
     std::vector<float> planes(3 * pixels);
     for (int y = 0; y < height; ++y)
@@ -217,13 +217,13 @@ TEST(Public, ShadesArraysAsItShadesModels) {
         planes[pixels + at] = 3.0f * n[2];
         planes[2 * pixels + at] = -3.0f * n[1];
       }
-    umb::ShadeRequest turned = r.again;
+    umb::ShadeRequest turned = r.request;
     turned.view_from_normal = {1, 0, 0, 0, 0, -1, 0, 1, 0};
-    const umb::PixelArray apart = {.name = "normal",
-                                   .values = planes.data() + pixels - width,
-                                   .row_stride = -width,
-                                   .channel_stride = std::ptrdiff_t(pixels)};
-    expect_same_occlusion(r, turned, depth, apart, 1e-5);
+    const umb::PixelArray planar = {.name = "normal",
+                                    .values = planes.data() + pixels - width,
+                                    .row_stride = -width,
+                                    .channel_stride = std::ptrdiff_t(pixels)};
+    expect_same_occlusion(r, turned, depth, planar, 1e-5);
   }
 }
 
@@ -232,7 +232,7 @@ TEST(Public, ShadesDepthsOfAllKinds) {
     const Rendered r = rendered_solids(orthographic);
     const auto& depth = pass(r.picture, "depth", 1);
     const umb::PixelArray normals = {.name = "normal", .values = pass(r.picture, "normal", 3).data()};
-    umb::ShadeRequest request = r.again;
+    umb::ShadeRequest request = r.request;
     request.near_plane = 0.5f;
     for (const float far_plane : {50.0f, std::numeric_limits<float>::infinity()}) {
       if (orthographic && std::isinf(far_plane)) continue;
@@ -306,7 +306,7 @@ TEST(Public, ShadesDepthAloneWithEveryKindOfLook) {
   EXPECT_EQ(umb::shade(request, picture).code, 0);
 }
 
-TEST(Public, SaysWhatIsWrongWithArrays) {
+TEST(Public, ReportsErrorsOfArrays) {
   const auto depth = sphere_depth(8);
   umb::ShadeRequest good;
   good.width = good.height = 8;
@@ -344,7 +344,7 @@ TEST(Public, SaysWhatIsWrongWithArrays) {
   refused([](Request& r) { r.device = "gpu"; }, "gpu");
 }
 
-TEST(Public, TellsItsProgressOnTheThreadThatCalled) {
+TEST(Public, ReportsProgressOnTheCallingThread) {
   for (const char* occlusion : {"bitmask", "reference"}) {
     std::vector<double> reported;
     const auto thread = std::this_thread::get_id();
@@ -374,7 +374,7 @@ TEST(Public, TellsItsProgressOnTheThreadThatCalled) {
 
 // Wherever drawing is cancelled, progress is not called again, the picture is unchanged, and the next picture is not
 // affected.
-TEST(Public, EndsWhereverItIsToldTo) {
+TEST(Public, CanBeCancelledAnywhere) {
   int calls = 0, last = 0;
   umb::RenderRequest request = {.model = kSolids,
                                 .look = "bleeding",
@@ -411,7 +411,7 @@ TEST(Public, EndsWhereverItIsToldTo) {
 }
 
 // Cancelling ends a long dispatch early.
-TEST(Public, EndsWithinAPass) {
+TEST(Public, CanBeCancelledWithinADispatch) {
   using Clock = std::chrono::steady_clock;
   const auto drawn = [&](bool end) {
     const auto start = Clock::now();
@@ -436,7 +436,7 @@ TEST(Public, EndsWithinAPass) {
   EXPECT_LT(drawn(true), 0.25 * whole);
 }
 
-TEST(Public, LetsTheCallersExceptionsThrough) {
+TEST(Public, PropagatesExceptionsOfTheCaller) {
   umb::Picture picture;
   int calls = 0;
   const umb::RenderRequest request = {
@@ -460,18 +460,18 @@ TEST(Public, CamerasAndScenesAreChosenByIndex) {
   EXPECT_EQ(first.rgba, own.rgba) << "the first view is the default";
   EXPECT_NE(second.rgba, first.rgba);
   request.camera.index = 99;
-  const auto astray = umb::render(request, second);
-  EXPECT_EQ(astray.code, 2);
-  EXPECT_NE(astray.message.find("`camera.index`"), std::string::npos) << astray.message;
+  const auto wrong_camera = umb::render(request, second);
+  EXPECT_EQ(wrong_camera.code, 2);
+  EXPECT_NE(wrong_camera.message.find("`camera.index`"), std::string::npos) << wrong_camera.message;
   request.camera = {.index = 0, .position = {{1, 2, 3}}};
   EXPECT_EQ(umb::render(request, second).code, 2);
   request.camera = {};
   request.scene_index = 0;
   EXPECT_EQ(umb::render(request, second).code, 0);
   request.scene_index = 1;
-  const auto elsewhere = umb::render(request, second);
-  EXPECT_EQ(elsewhere.code, 2);
-  EXPECT_NE(elsewhere.message.find("`scene_index`"), std::string::npos) << elsewhere.message;
+  const auto wrong_scene = umb::render(request, second);
+  EXPECT_EQ(wrong_scene.code, 2);
+  EXPECT_NE(wrong_scene.message.find("`scene_index`"), std::string::npos) << wrong_scene.message;
 }
 
 class PublicFiles : public testing::Test {
@@ -490,7 +490,7 @@ class PublicFiles : public testing::Test {
   }
 };
 
-TEST_F(PublicFiles, DrawsPointsAsLargeAsAsked) {
+TEST_F(PublicFiles, DrawsPointsOfTheRequestedSize) {
   const std::string file = (folder_ / "points.xyz").string();
   std::ofstream(file) << "0 0 0\n1 0 0\n0 1 0\n1 1 1\n";
   const auto drawn = [&](const std::string& size, const std::string& sprites) {
@@ -547,7 +547,7 @@ TEST_F(PublicFiles, SavesInTheFormatOfTheName) {
 
 TEST(Public, HasAVersion) { EXPECT_EQ(std::string(umb::version()).find('.'), 1u); }
 
-TEST(Public, IdsOfAllBitsSurvive) {
+TEST(Public, IdsKeepAllBits) {
   // Two objects on one plane whose ids differ in the last of 32 bits, and no surface in the last column.
   const int width = 12, height = 6;
   const std::uint32_t left = 0xfffffffe, right = 0xffffffff;

@@ -17,7 +17,7 @@ namespace umbrage {
 /// A mesh from memory. Buffers that the caller has not set are empty; the counts alone use no memory.
 struct SharedMesh {
   std::size_t vertices = 0, triangles = 0;
-  ImportSettings settings;  ///< those at the time of umbAddMesh
+  ImportSettings settings;  ///< the settings at the time of umbAddMesh
   Mesh mesh;
   Material material;
   bool has_albedo = false;   ///< whether the caller set an albedo
@@ -33,9 +33,9 @@ class SceneObject final : public Object {
   explicit SceneObject(std::shared_ptr<DeviceObject> device) : device_(std::move(device)) {}
 
   /// Returns a finished copy of the models and all complete meshes, to which a picture may add objects. Appends
-  /// warnings of parts of meshes that were left out. Errors: kUsage for an empty scene.
+  /// warnings about parts of meshes that were left out. Errors: kUsage for an empty scene.
   Result<Scene> copied(std::vector<std::string>& warnings) const;
-  /// Returns the bounding box of the same scene. Errors: as for copied.
+  /// Returns the bounding box of such a copy. Errors: as for copied.
   Result<SceneBox> bounds() const;
   /// Returns a number that changes with each change of the scene.
   long version() const { return version_; }

@@ -16,13 +16,13 @@ namespace {
 /// Returns the first byte of an image's pixels, and the byte after the last.
 std::pair<std::intptr_t, std::intptr_t> bytes_of(const SharedImage& image) {
   auto first = reinterpret_cast<std::intptr_t>(image.data), last = first;
-  const auto reach = [&](std::ptrdiff_t stride, int count) {
+  const auto extend = [&](std::ptrdiff_t stride, int count) {
     const std::ptrdiff_t far = stride * (count - 1);
     (far < 0 ? first : last) += far;
   };
-  reach(image.channel_stride, image.channels);
-  reach(image.pixel_stride, image.width);
-  reach(image.row_stride, image.height);
+  extend(image.channel_stride, image.channels);
+  extend(image.pixel_stride, image.width);
+  extend(image.row_stride, image.height);
   return {first, last + std::ptrdiff_t(size_of(image.type))};
 }
 
@@ -90,15 +90,15 @@ namespace {
 
 /// Returns whether a value of one channel of `a` shares a byte with a value of one channel of `b`. `byte`: offset of
 /// the channel of `b` from that of `a`. Both images have the same strides.
-bool channels_meet(const SharedImage& a, const SharedImage& b, std::ptrdiff_t byte) {
+bool channels_overlap(const SharedImage& a, const SharedImage& b, std::ptrdiff_t byte) {
   const auto size_a = std::ptrdiff_t(size_of(a.type)), size_b = std::ptrdiff_t(size_of(b.type));
   for (std::ptrdiff_t dy = -(a.height - 1); dy < b.height; ++dy) {
     const std::ptrdiff_t rest = byte + a.row_stride * dy;
     // The columns between which the distance changes its sign, and one more on either side.
     const std::ptrdiff_t near = -rest / a.pixel_stride;
     for (std::ptrdiff_t dx = near - 2; dx <= near + 2; ++dx) {
-      const std::ptrdiff_t apart = rest + a.pixel_stride * dx;
-      if (dx > -a.width && dx < b.width && apart < size_a && -apart < size_b) return true;
+      const std::ptrdiff_t distance = rest + a.pixel_stride * dx;
+      if (dx > -a.width && dx < b.width && distance < size_a && -distance < size_b) return true;
     }
   }
   return false;
@@ -118,7 +118,7 @@ bool overlap(const SharedImage& a, const SharedImage& b) {
   };
   for (int i = 0; i < a.channels; ++i)
     for (int j = 0; j < b.channels; ++j)
-      if (channels_meet(a, b, start(b, j) - start(a, i))) return true;
+      if (channels_overlap(a, b, start(b, j) - start(a, i))) return true;
   return false;
 }
 

@@ -27,9 +27,10 @@ bool overlap(const SharedImage& a, const SharedImage& b);
 /// Returns whether values of one image share a byte.
 bool overlaps_itself(const SharedImage& image);
 
-/// Returns a copy of a text that is never freed; for names, of which there are few.
+/// Returns a copy of a text that is never freed. Use it only for names, of which there are few.
 const char* interned_text(std::string_view text);
 
+/// Returns `v` normalized, or 0 if its length is 0, not finite, or at least 1e30.
 inline glm::vec3 unit_or_zero(glm::vec3 v) {
   const float length = glm::length(v);
   return length > 0.0f && length < 1e30f ? v / length : glm::vec3(0.0f);

@@ -45,8 +45,8 @@ struct Planes {
         normal[2 * kPixels + k] = out > 0.0f ? out / 0.3f : 1.0f;
       }
   }
-  static SharedImage image(std::vector<float>& of, int channels) {
-    return {.data = of.data(),
+  static SharedImage image(std::vector<float>& values, int channels) {
+    return {.data = values.data(),
             .width = kWidth,
             .height = kHeight,
             .channels = channels,
@@ -54,12 +54,12 @@ struct Planes {
             .pixel_stride = sizeof(float),
             .row_stride = kWidth * std::ptrdiff_t(sizeof(float))};
   }
-  static UmbImage umb(std::vector<float>& of, int channels) {
-    return {of.data(), UMB_TYPE_FLOAT32, kWidth, kHeight, channels, std::ptrdiff_t(kPixels * sizeof(float)), 4, 0};
+  static UmbImage umb(std::vector<float>& values, int channels) {
+    return {values.data(), UMB_TYPE_FLOAT32, kWidth, kHeight, channels, std::ptrdiff_t(kPixels * sizeof(float)), 4, 0};
   }
 };
 
-TEST(JobSpeed, DISABLED_OfASecondShade) {
+TEST(JobSpeed, DISABLED_SecondShade) {
   Planes planes;
   constexpr int kRuns = 15;
   for (const char* look : {"ao", "studio"}) {
@@ -80,27 +80,27 @@ TEST(JobSpeed, DISABLED_OfASecondShade) {
     request.height = kHeight;
     const Recipe recipe = *make_shading_recipe(request);
     const auto own = make_cpu_device();
-    const ScopedPlanePool kept(own->pool());
+    const ScopedPlanePool scoped_pool(own->pool());
     const std::vector<NamedImage> images = {{"depth", Planes::image(planes.depth, 1)},
                                             {"normal", Planes::image(planes.normal, 3)},
                                             {"albedo", Planes::image(planes.albedo, 3)}};
-    std::vector<double> of_job, of_effects, of_inputs, of_upload;
+    std::vector<double> job_ms, effects_ms, inputs_ms, upload_ms;
     for (int k = 0; k < kRuns; ++k) {  // alternating, so that both see the same noise
       const double begin = now_ms();
       ASSERT_EQ(umbExecuteJob(job), UMB_ERROR_NONE);
-      of_job.push_back(now_ms() - begin);
+      job_ms.push_back(now_ms() - begin);
       const double before = now_ms();
       auto shared = gbuffer_of(request, images);
-      of_inputs.push_back(now_ms() - before);
+      inputs_ms.push_back(now_ms() - before);
       StageTimes times;
       ASSERT_TRUE(shade_planes(*own, std::move(shared->gbuffer), recipe, times));
       double sum = 0.0;
-      for (const auto& stage : times.stages) (stage.name == "upload" ? of_upload.emplace_back() : sum) += stage.ms;
-      of_effects.push_back(sum);
+      for (const auto& stage : times.stages) (stage.name == "upload" ? upload_ms.emplace_back() : sum) += stage.ms;
+      effects_ms.push_back(sum);
     }
     EXPECT_EQ(umbGetJobCounter(job, "planes_copied"), 0);
-    std::printf("%s: effects %.1f ms, inputs %.1f and %.1f ms, a job %.1f ms: %.3f\n", look, median(of_effects),
-                median(of_inputs), median(of_upload), median(of_job), median(of_job) / median(of_effects));
+    std::printf("%s: effects %.1f ms, inputs %.1f and %.1f ms, a job %.1f ms: %.3f\n", look, median(effects_ms),
+                median(inputs_ms), median(upload_ms), median(job_ms), median(job_ms) / median(effects_ms));
     umbReleaseJob(job);
     umbReleaseDevice(device);
   }

@@ -19,7 +19,7 @@ namespace umbrage {
 
 class VulkanShadingObject final : public Object {
  public:
-  explicit VulkanShadingObject(std::unique_ptr<Device> of) : device(std::move(of)) {}
+  explicit VulkanShadingObject(std::unique_ptr<Device> opened) : device(std::move(opened)) {}
   std::string memory_purpose(const char*) const override { return "a G-buffer of " + size; }
 
   std::unique_ptr<Device> device;
@@ -97,7 +97,7 @@ std::vector<std::string> texts_of(const char* const* texts, int count) {
   return all;
 }
 
-bool is_rotation(const float (&m)[9]) {
+bool is_set(const float (&m)[9]) {
   return std::any_of(std::begin(m), std::end(m), [](float v) { return v != 0.0f; });
 }
 
@@ -107,11 +107,11 @@ Result<void> shade_images(Device& device, const UmbVulkanGBuffer& g, const UmbVu
   if ((!request.effects && request.effect_count > 0) || (!request.settings && request.setting_count > 0) ||
       (!request.outputs && request.output_count > 0))
     return usage_error("the effects, settings or outputs are NULL, and their count is not 0");
-  std::vector<const Effect*> wanted;
+  std::vector<const Effect*> effects_to_run;
   for (const std::string& name : texts_of(request.effects, request.effect_count)) {
     const auto effect = require_named("effect", effects(), name);
     if (!effect) return effect.error();
-    wanted.push_back(*effect);
+    effects_to_run.push_back(*effect);
   }
   const auto initial = effect_settings(texts_of(request.settings, request.setting_count));
   if (!initial) return initial.error();
@@ -130,10 +130,10 @@ Result<void> shade_images(Device& device, const UmbVulkanGBuffer& g, const UmbVu
                            .top = lens.top};
   if (auto read = read_image(device, device_image(g.depth), depth, kDepth, *frame); !read) return read;
   if (g.normal.image) {
-    ImageMeaning turned{.role = kNormalRole};
-    constexpr float kSame[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    std::copy_n(is_rotation(g.view_from_normal) ? g.view_from_normal : kSame, 9, turned.turn);
-    if (auto read = read_image(device, device_image(g.normal), turned, kNormal, *frame); !read) return read;
+    ImageMeaning normal{.role = kNormalRole};
+    constexpr float kIdentity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    std::copy_n(is_set(g.view_from_normal) ? g.view_from_normal : kIdentity, 9, normal.rotation);
+    if (auto read = read_image(device, device_image(g.normal), normal, kNormal, *frame); !read) return read;
   } else {
     const Effect& normals = *find_effect("normals");
     if (auto done = device.run(normals, params_of(settings, normals.name), *frame); !done) return done.error();
@@ -142,7 +142,7 @@ Result<void> shade_images(Device& device, const UmbVulkanGBuffer& g, const UmbVu
     if (auto read = read_image(device, device_image(g.albedo), {}, kAlbedo, *frame); !read) return read;
   if (g.light.image)
     if (auto read = read_image(device, device_image(g.light), {}, kLit, *frame); !read) return read;
-  for (const Effect* effect : wanted)
+  for (const Effect* effect : effects_to_run)
     if (auto done = device.run(*effect, params_of(settings, effect->name), *frame); !done) return done.error();
   for (int k = 0; k < request.output_count; ++k) {
     const UmbVulkanOutput& output = request.outputs[k];
@@ -154,7 +154,7 @@ Result<void> shade_images(Device& device, const UmbVulkanGBuffer& g, const UmbVu
   return submit_without_waiting(device, request.signal);
 }
 
-/// Discards the work that a failed call recorded on a device, also if an exception is thrown.
+/// Discards the work that a failed call has recorded on a device, even if an exception is thrown.
 struct DropUnlessDone {
   Device& device;
   bool done = false;
@@ -177,7 +177,7 @@ Result<std::shared_ptr<Object>> new_shading(const UmbVulkanContext* context) {
 }  // namespace
 }  // namespace umbrage
 
-using namespace umbrage;  // the functions below are C's
+using namespace umbrage;  // for the C functions below
 
 UmbVulkanShading umbNewVulkanShading(const UmbVulkanContext* context) {
   return make_object<UmbVulkanShading>("umbNewVulkanShading", [&] { return new_shading(context); });

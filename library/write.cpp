@@ -12,7 +12,7 @@
 namespace umbrage {
 namespace {
 
-/// Returns the channel suffixes of a pass; for an unknown pass they are chosen by the number of channels.
+/// Returns the channel suffixes of a pass. Those of an unknown pass follow from the number of channels.
 std::vector<std::string> channels_to_write(const std::string& pass, int channels) {
   auto names = channels_of(pass);
   if (int(names.size()) == channels) return names;
@@ -41,13 +41,13 @@ Result<void> add_image(const std::string& name, const SharedImage& from, Image& 
     return usage_error("the image '{}' cannot hold 32-bit integers: only ids can", name);
   if (name == "color" && from.channels < 3)
     return usage_error("the image 'color' cannot have {} channels: it takes 3 or 4", from.channels);
-  const bool whole_numbers = is_id(name) && is_whole(from.type);
-  if (whole_numbers) settings.whole_numbers.push_back(name);
+  const bool are_integers = is_id(name) && is_whole(from.type);
+  if (are_integers) settings.whole_numbers.push_back(name);
   for (int c = 0; c < from.channels; ++c) {
     const std::string plane_name = name + channels[std::size_t(c)];
     if (image.find(plane_name)) return usage_error("there are two images '{}'", name);
     Plane& plane = image.add(plane_name) = Plane(image.width, image.height);
-    if (whole_numbers)
+    if (are_integers)
       read_ids(from, [&](int x, int y, std::uint32_t id) { plane.at(x, y) = std::bit_cast<float>(id); });
     else
       read_channel(from, c, plane);
@@ -61,15 +61,15 @@ Result<void> add_image(const std::string& name, const SharedImage& from, Image& 
 
 Result<void> write_images(const std::string& file, std::span<const std::pair<std::string, SharedImage>> images,
                           WriteSettings settings) {
-  Request ignored;  // set_option checks the value; `bits` has no field in it
+  Request ignored;  // set_option only checks the value, since a Request has no field for `bits`
   if (auto fine = set_option(option_of("bits"), fmt::format("{}", settings.bits), ignored); !fine) return fine;
   const auto format = format_of(file);
   if (!format) return Error{ErrorKind::kUsage, format.error().message};
   if (images.empty()) return usage_error("there is no picture to write to '{}'", file);
   if (auto writable = check_writable(file); !writable) return writable;
   Image image(images[0].second.width, images[0].second.height);
-  const bool holds_passes = (*format)->extension == "exr";
-  if (holds_passes) {
+  const bool supports_passes = (*format)->extension == "exr";
+  if (supports_passes) {
     for (const auto& [name, from] : images)
       if (auto added = add_image(name, from, image, settings); !added) return added;
   } else {
@@ -107,7 +107,7 @@ Result<void> write_strokes(const std::string& file, int width, int height, std::
 }  // namespace
 }  // namespace umbrage
 
-using namespace umbrage;  // the functions below are C's
+using namespace umbrage;  // for the C functions below
 
 UmbError umbWriteImages(const char* file, const char* const* names, const UmbImage* images, int count, int bits,
                         bool half) {

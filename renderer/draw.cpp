@@ -122,7 +122,7 @@ Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& plann
 Result<void> add_sky(Device& device, const Plan& plan, Frame& frame) {
   if (!plan.recipe.hdri.shown()) return {};
   const int height = frame.info.height;
-  const Rows rows = plan.capture.strip ? held_rows(*plan.capture.strip, height) : Rows{0, height};
+  const Rows rows = plan.capture.strip ? rows_with_margin(*plan.capture.strip, height) : Rows{0, height};
   return device.add(sky_planes(plan.recipe.hdri, plan.up, plan.sky_gain, frame.info, rows), frame);
 }
 

@@ -1,4 +1,4 @@
-// Child processes.
+// Starting of child processes.
 #pragma once
 #include <sys/types.h>
 
@@ -15,8 +15,8 @@ struct ChildProgram {
 
   std::string program;             ///< a path, or a name that is looked up on PATH
   std::vector<std::string> words;  ///< arguments, without the program name
-  std::vector<File> files;         ///< open files of the child; all that is marked close-on-exec is closed
-  bool own_group = false;          ///< own process group, which gets no signals from the terminal
+  std::vector<File> files;         ///< open files of the child, besides those not marked close-on-exec
+  bool own_group = false;          ///< put the child into its own process group, without signals of the terminal
 };
 
 /// Starts the program with all signals unblocked and at their defaults. Returns 0 and its process id in `child`, or an

@@ -29,13 +29,14 @@
 namespace umbrage {
 namespace {
 
-constexpr int kBlock = kSoftenBlock;  // a packet of rays is a block of 4 x 4 pixels
+constexpr int kBlock = kSoftenBlock;  // one packet of rays covers a block of 4 x 4 pixels
 constexpr int kTileBlocks = 8;        // blocks per side of a tile that one task draws: 32 pixels
-// The next surface along a ray is searched for behind the last one, at this fraction of the sum of the hit's distances
-// from the scene's origin and from the camera: two triangles that share an edge are one surface, but a sheet of paper
-// has two sides.
+// The search for the next surface along a ray starts this far behind the last hit, as a fraction of the sum of the
+// hit's distances from the scene's origin and from the camera. Two triangles that share an edge then count as one
+// surface, but the two sides of a sheet of paper as two.
 constexpr float kLayerStep = 1e-5f;
-// Max error of a ray's end, relative to its length: a ray from a light must end above the surface by more.
+// Max error of a ray's end, relative to its length: a ray that starts at a light must end farther than this above the
+// surface.
 constexpr float kEndRounding = 1e-6f;
 
 /// Values of a block of pixels. They are stored row by row once complete, since scattering single floats over a dozen
@@ -47,11 +48,11 @@ struct alignas(64) Block {
   PenumbraSize penumbra[kMaxShadows];
 };
 
-/// A plane to draw, and the place of its values in a block.
+/// A plane to capture, and the offset of its values in a block.
 struct DrawnPlane {
   std::string name;
   std::size_t offset;
-  float nothing = 0.0f;  ///< value where there is no surface
+  float background_value = 0.0f;  ///< value where there is no surface
 
   float* in(Block& block) const { return reinterpret_cast<float*>(reinterpret_cast<char*>(&block) + offset); }
   const float* in(const Block& block) const {
@@ -62,7 +63,7 @@ struct DrawnPlane {
 /// Data shared by all blocks of a view.
 struct Drawing {
   const TracedScene& traced;
-  PictureInfo info;  ///< as the camera of the view sees it
+  PictureInfo info;  ///< for the camera of the view
   Rows rows;         ///< rows of the picture to draw; begin is a multiple of kBlock
   CameraRays rays;
   std::vector<ShadowLight> lights;
@@ -72,7 +73,7 @@ struct Drawing {
   bool has_albedo = true, has_emission = true;
 };
 
-/// Returns the planes of a layer, and their places in a block.
+/// Returns the planes of a layer, and their offsets in a block.
 std::vector<DrawnPlane> drawn_planes(const Scene& scene, const PictureInfo& info, const CaptureSettings& settings) {
   std::vector<DrawnPlane> all = {{"depth", offsetof(Block, depth), std::numeric_limits<float>::infinity()},
                                  {"normal.x", offsetof(Block, nx)},
@@ -98,12 +99,12 @@ std::vector<DrawnPlane> drawn_planes(const Scene& scene, const PictureInfo& info
 }
 
 void clear(const Drawing& drawing, Block& block) {
-  for (const DrawnPlane& plane : drawing.planes) std::fill_n(plane.in(block), kPacket, plane.nothing);
+  for (const DrawnPlane& plane : drawing.planes) std::fill_n(plane.in(block), kPacket, plane.background_value);
   std::fill_n(block.penumbra, kMaxShadows, PenumbraSize{});
 }
 
-/// Stores the rows of block (x0, y0) that are to be drawn. Rows are padded to kRowAlignment floats, so that a block may
-/// extend beyond the right border of the picture.
+/// Stores the rows of block (x0, y0) that lie in `drawing.rows`. Rows are padded to kRowAlignment floats, so that a
+/// block may extend beyond the right border of the picture.
 void store(const Drawing& drawing, const Block& block, int x0, int y0, int layer, Image& image) {
   for (std::size_t p = 0; p < drawing.planes.size(); ++p) {
     Plane& plane = image.planes[std::size_t(layer) * drawing.planes.size() + p];
@@ -121,22 +122,24 @@ void store_penumbrae(const Drawing& drawing, const Block& block, int x0, int y0)
   }
 }
 
-/// The surfaces of a block.
+/// The surfaces that the rays of a block hit.
 struct Surfaces {
   std::array<Surface, kPacket> at;
-  std::array<bool, kPacket> there{};
+  std::array<bool, kPacket> is_hit{};
   int x0 = 0, y0 = 0;  ///< first pixel of the block
-  bool first = false;  ///< the visible surfaces, of the first layer: their shadows are softened
+  /// Record penumbra sizes: only for the first layer, whose shadows are softened.
+  bool softened = false;
 };
 
-/// Traces one ray per pixel to a point on a light's disc; adds 1 to `lit` if it is unblocked. If it is blocked and the
-/// light is soft, narrows the penumbra in `block` to the width that the blocker causes.
+/// Traces one ray per pixel: to the point `disc_places` of a light's disc if `soft`, otherwise to the centre. Adds 1 to
+/// `lit` where the ray is unblocked. Where it is blocked and the shadow is softened, limits the penumbra in `block` to
+/// the size that the occluder causes.
 void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const ShadowLight& light, bool soft,
-                    const std::array<glm::vec2, kPacket>& places, std::array<float, kPacket>& lit, Block& block) {
+                    const std::array<glm::vec2, kPacket>& disc_places, std::array<float, kPacket>& lit, Block& block) {
   RayPacket to_light;
   PenumbraSize& penumbra = block.penumbra[light.index];
   for (int k = 0; k < kPacket; ++k) {
-    if (!surfaces.there[k]) continue;
+    if (!surfaces.is_hit[k]) continue;
     const Surface& surface = surfaces.at[k];
     glm::vec3 toward = light.point ? light.where - surface.position : light.where;
     if (!(glm::dot(surface.normal, toward) > 0.0f)) {
@@ -147,7 +150,7 @@ void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const Shad
     glm::vec3 where = light.where;
     if (soft) {
       const auto [right, up] = light.point ? disc_axes(toward) : std::pair(light.right, light.up);
-      where = light.where + light.size * (places[k].x * right + places[k].y * up);
+      where = light.where + light.size * (disc_places[k].x * right + disc_places[k].y * up);
       toward = light.point ? where - surface.position : where;
       if (!(glm::dot(surface.normal, toward) > 0.0f)) {
         penumbra = {0.0f, 0.0f};  // radius 0: the surface itself blocks the light
@@ -164,7 +167,7 @@ void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const Shad
       to_light.set(k, start, where - start, 0.0f, 1.0f);
     }
   }
-  if (!soft || !surfaces.first) {
+  if (!soft || !surfaces.softened) {
     to_light.find_blocked(drawing.traced, Coherence::kCoherent);
     for (int k = 0; k < kPacket; ++k)
       if (to_light.arrives(k)) lit[k] += 1.0f;
@@ -186,26 +189,27 @@ void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const Shad
   }
 }
 
-/// Computes the unblocked fraction of each light. For a light with a size each pixel first traces one ray, to different
-/// points on the border of the light: an occluder that hides a part of the light crosses its border. If all rays of the
-/// block agree, it is all lit or all dark; otherwise each pixel traces its own set of rays.
+/// Computes the unblocked fraction of each light. For a light with several rays per pixel, each pixel of the block
+/// first traces one ray, to a point of its own on the border of the light: an occluder that blocks a part of the light
+/// crosses its border. If all these rays agree, the block is fully lit or fully dark; otherwise each pixel traces its
+/// own set of rays.
 void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out) {
   static const DiscPoints points = disc_points();
-  static const auto rim = disc_border_points();
+  static const auto border_points = disc_border_points();
   for (const ShadowLight& light : drawing.lights) {
     std::array<float, kPacket> lit{};
     float scale = 1.0f;
-    bool partly = light.rays > 0;
+    bool partly_lit = light.rays > 0;
     if (light.rays != 1) {
-      trace_to_light(drawing, surfaces, light, light.rays > 0, rim, lit, out);
-      int arrived = 0, pixels = 0;
+      trace_to_light(drawing, surfaces, light, light.rays > 0, border_points, lit, out);
+      int lit_pixels = 0, pixels = 0;
       for (int k = 0; k < kPacket; ++k) {
-        pixels += surfaces.there[k];
-        arrived += surfaces.there[k] && lit[k] > 0.0f;
+        pixels += surfaces.is_hit[k];
+        lit_pixels += surfaces.is_hit[k] && lit[k] > 0.0f;
       }
-      partly = partly && arrived != 0 && arrived != pixels;
+      partly_lit = partly_lit && lit_pixels != 0 && lit_pixels != pixels;
     }
-    if (partly) {
+    if (partly_lit) {
       lit = {};
       for (int ray = 0; ray < light.rays; ++ray)
         trace_to_light(drawing, surfaces, light, true,
@@ -213,7 +217,7 @@ void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out)
       scale = 1.0f / float(light.rays);
     }
     for (int k = 0; k < kPacket; ++k)
-      if (surfaces.there[k]) out.shadow[light.index][k] = lit[k] * scale;
+      if (surfaces.is_hit[k]) out.shadow[light.index][k] = lit[k] * scale;
   }
 }
 
@@ -221,14 +225,14 @@ void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out)
 void shade_block(const Drawing& drawing, int x0, int y0, const RayPacket& primary, Surfaces& surfaces, Block& out) {
   clear(drawing, out);
   const glm::mat3 view(drawing.info.camera.view_from_world);
-  surfaces.there = {};
+  surfaces.is_hit = {};
   surfaces.x0 = x0;
   surfaces.y0 = y0;
   for (int k = 0; k < kPacket; ++k) {
     if (!primary.hit(k)) continue;
     // Constructed in place: copying a partly written object stalls until the writes are done.
     const Surface& surface = *new (&surfaces.at[k]) Surface(primary.surface(drawing.traced, k));
-    surfaces.there[k] = true;
+    surfaces.is_hit[k] = true;
     const glm::vec3 n = view * surface.normal;
     const float px = float(x0 + k % kBlock) + 0.5f, py = float(y0 + k / kBlock) + 0.5f;
     const glm::vec3 albedo =
@@ -253,11 +257,11 @@ void shade_block(const Drawing& drawing, int x0, int y0, const RayPacket& primar
   trace_shadows(drawing, surfaces, out);
 }
 
-/// Flips the surfaces to their other side, which has its own shadows, but no highlight, since no camera sees it.
+/// Flips the surfaces to their back side, which has its own shadows, but no highlight, since no camera sees it.
 void flip_block(const Drawing& drawing, Surfaces& surfaces, Block& block) {
   for (const ShadowLight& light : drawing.lights) std::fill_n(block.shadow[light.index], kPacket, 1.0f);
   for (int k = 0; k < kPacket; ++k) {
-    if (!surfaces.there[k]) continue;
+    if (!surfaces.is_hit[k]) continue;
     block.nx[k] = -block.nx[k];
     block.ny[k] = -block.ny[k];
     block.nz[k] = -block.nz[k];
@@ -272,10 +276,10 @@ void flip_block(const Drawing& drawing, Surfaces& surfaces, Block& block) {
 struct DrawnLayers {
   int first = 0;   ///< layer of the nearest surfaces
   int count = 1;   ///< number of consecutive layers, front to back
-  int backs = -1;  ///< first of as many layers of their back sides, or -1
+  int backs = -1;  ///< first of the `count` layers of their back sides; -1: none
 };
 
-/// Draws all layers of the 4 x 4 pixels from (x0, y0) on.
+/// Draws all layers of the block of 4 x 4 pixels that starts at (x0, y0).
 void draw_block(const Drawing& drawing, const DrawnLayers& layers, int x0, int y0, Image& image) {
   const CameraRays& rays = drawing.rays;
   RayPacket primary;
@@ -314,18 +318,18 @@ void draw_block(const Drawing& drawing, const DrawnLayers& layers, int x0, int y
       }
     }
     primary.find_hits(drawing.traced, Coherence::kCoherent);
-    surfaces.first = layer == 0 && drawing.penumbrae;
+    surfaces.softened = layer == 0 && drawing.penumbrae;
     shade_block(drawing, x0, y0, primary, surfaces, block);
     store(drawing, block, x0, y0, layers.first + layer, image);
-    if (surfaces.first) store_penumbrae(drawing, block, x0, y0);
-    surfaces.first = false;
+    if (surfaces.softened) store_penumbrae(drawing, block, x0, y0);
+    surfaces.softened = false;
     if (layers.backs < 0) continue;
     flip_block(drawing, surfaces, block);
     store(drawing, block, x0, y0, layers.backs + layer, image);
   }
 }
 
-/// Draws the view of the picture's camera, or that of the camera of layer `view`.
+/// Draws the layers of one camera: that of the picture if `view` is 0, otherwise that of layer `view`.
 void draw_view(const TracedScene& traced, const PictureInfo& info, const Rows& drawn,
                const std::vector<DrawnPlane>& planes, const CaptureSettings& settings, int view,
                const DrawnLayers& layers, std::vector<PenumbraRadii>* penumbrae, Watch& watch, Image& image) {
@@ -337,15 +341,15 @@ void draw_view(const TracedScene& traced, const PictureInfo& info, const Rows& d
                   .sample = settings.sample,
                   .planes = planes,
                   .penumbrae = penumbrae};
-  const auto holds = [&](std::string_view name) {
+  const auto has_plane = [&](std::string_view name) {
     return std::any_of(planes.begin(), planes.end(), [&](const DrawnPlane& plane) { return plane.name == name; });
   };
-  drawing.has_albedo = holds("albedo.r") || holds("albedo.g") || holds("albedo.b");
-  drawing.has_emission = holds("emission.r") || holds("emission.g") || holds("emission.b");
+  drawing.has_albedo = has_plane("albedo.r") || has_plane("albedo.g") || has_plane("albedo.b");
+  drawing.has_emission = has_plane("emission.r") || has_plane("emission.g") || has_plane("emission.b");
   drawing.rays = camera_rays(traced, drawing.info);
   drawing.lights = shadow_lights(traced, drawing.rays, drawing.info, settings);
   if (!rays_within_limit(drawing.rays, drawing.info)) {
-    // Nothing is visible from there.
+    // The camera is too far away for rays to be traced.
     Block background;
     clear(drawing, background);
     for (int y = drawn.begin; y < drawn.end; y += kBlock)
@@ -371,7 +375,7 @@ long blocks_of(const PictureInfo& info, const Rows& rows) {
   return long((info.width + kBlock - 1) / kBlock) * long((rows.count() + kBlock - 1) / kBlock);
 }
 
-/// Returns the radii for each shadow to soften, initialized for an empty picture.
+/// Returns the radii for each shadow to soften, infinite everywhere.
 std::vector<PenumbraRadii> penumbra_radii(const PictureInfo& info, const Rows& rows, const CaptureSettings& settings) {
   std::vector<PenumbraRadii> all;
   for (const int light : softened_lights(info, settings)) {
@@ -387,7 +391,7 @@ Result<Image> capture_planes(const TracedScene& traced, const PictureInfo& info,
                              const ProgressMonitor& monitor, bool scalar) {
   const std::vector<DrawnPlane> planes = drawn_planes(*traced.scene, info, settings);
   const int all = 1 + int(info.more_layers.size());
-  const Rows rows = settings.strip ? held_rows(*settings.strip, info.height) : Rows{0, info.height};
+  const Rows rows = settings.strip ? rows_with_margin(*settings.strip, info.height) : Rows{0, info.height};
   Image image(info.width, rows.count());
   image.planes.reserve(std::size_t(all) * planes.size());
   for (int layer = 0; layer < all; ++layer)

@@ -29,7 +29,7 @@ void copy_every(const float* from, float* to, int count) {
   for (int x = 0; x < count; ++x) to[x] = from[std::ptrdiff_t(x) * step];
 }
 
-/// Returns `requested` threads, at most as many as the machine has; 0: all.
+/// Returns the number of threads to use: `requested`, but at most as many as the process may use; 0: all of these.
 int thread_count(int requested) {
   const int max = tbb::info::default_concurrency();
   return requested > 0 ? std::min(requested, max) : max;
@@ -77,11 +77,11 @@ class CpuDevice final : public Device {
     auto stored = std::make_shared<CpuPlanes>(CpuPlanes{std::move(*planes)});
     if (settings.strip) {
       stored->strip = settings.strip;
-      stored->rows = held_rows(*settings.strip, frame.info.height);
+      stored->rows = rows_with_margin(*settings.strip, frame.info.height);
       for (const std::string& name : stored->image.names)
-        stored->held[name] = {.valid = stored->rows, .first = stored->rows.begin};
+        stored->strip_rows[name] = {.valid = stored->rows, .first = stored->rows.begin};
       for (const int light : softened_lights(frame.info, settings))
-        stored->held[shadow_plane(light)].valid = shrunk(stored->rows, kSoftenMargin, frame.info.height);
+        stored->strip_rows[shadow_plane(light)].valid = shrunk(stored->rows, kSoftenMargin, frame.info.height);
     }
     frame.storage = std::move(stored);
     return frame;
@@ -111,8 +111,8 @@ class CpuDevice final : public Device {
   Frame branch(const Frame& frame) override {
     if (cpu_planes(frame).strip) fail_check("a strip cannot have branches");
     auto planes = std::make_shared<CpuPlanes>(CpuPlanes{Image(frame.info.width, frame.info.height)});
-    planes->kept = std::static_pointer_cast<const CpuPlanes>(frame.storage);
-    planes->branches = planes->kept->branches.branch();
+    planes->parent = std::static_pointer_cast<const CpuPlanes>(frame.storage);
+    planes->branches = planes->parent->branches.branch();
     return {frame.info, std::move(planes)};
   }
 
@@ -122,7 +122,7 @@ class CpuDevice final : public Device {
       check_equal(planes.planes[p].width, frame.info.width, planes.names[p]);
       CpuPlanes& all = cpu_planes(frame);
       check_equal(planes.planes[p].height, all.strip ? all.rows.count() : frame.info.height, planes.names[p]);
-      if (all.strip) all.held[planes.names[p]] = {.valid = all.rows, .first = all.rows.begin};
+      if (all.strip) all.strip_rows[planes.names[p]] = {.valid = all.rows, .first = all.rows.begin};
       cpu_planes(frame).image.add(planes.names[p]) = planes.planes[p];
       cpu_planes(frame).placed.erase(planes.names[p]);
     }
@@ -141,32 +141,34 @@ class CpuDevice final : public Device {
     check_less(0, factor, "factor of a reduced frame");
     Frame small;
     small.info = reduced_info(frame.info, factor);
-    // Reuses the planes of a reduced frame that no one uses any more: fresh memory costs as much as the technique.
+    // Reuses the planes of the last reduced frame if nothing else refers to them: fresh memory costs as much as the
+    // technique.
     std::shared_ptr<CpuPlanes>& last = cpu_planes(frame).last_reduced;
     const CpuPlanes& from_planes = cpu_planes(frame);
-    const Rows rows = from_planes.strip ? divided(from_planes.rows, factor) : Rows{0, small.info.height};
-    const bool again =
+    const Rows rows = from_planes.strip ? reduced_rows(from_planes.rows, factor) : Rows{0, small.info.height};
+    const bool reuse =
         last && last.use_count() == 1 && last->image.width == small.info.width && last->image.height == rows.count();
-    if (!again) last = std::make_shared<CpuPlanes>(CpuPlanes{Image(small.info.width, rows.count())});
+    if (!reuse) last = std::make_shared<CpuPlanes>(CpuPlanes{Image(small.info.width, rows.count())});
     std::shared_ptr<CpuPlanes> planes = last;
     if (from_planes.strip) {
-      planes->strip = Strip{divided(from_planes.strip->rows, factor), 0, from_planes.strip->wholes};
+      planes->strip = Strip{reduced_rows(from_planes.strip->rows, factor), 0, from_planes.strip->wholes};
       planes->rows = rows;
-      planes->held.clear();
+      planes->strip_rows.clear();
       planes->dispatches = 0;
     }
-    // Takes the first pixel of each block, not the mean: a mean depth of two surfaces lies on neither, and a technique
-    // would find occluders in the air. Takes the first and not the nearest, so that one camera fits all pixels.
+    // Takes the first pixel of each block, not the mean: the mean depth of two surfaces lies on neither, and a
+    // technique would find occluders in the air. Takes the first pixel, not the nearest, so that one camera fits all
+    // pixels.
     for (const std::string& name : names)
       for (int layer = 0; layer < kMaxLayers; ++layer) {
-        const std::string of_layer = layer_plane(layer, name);
-        const Plane* in = find_made(from_planes, of_layer);
+        const std::string layer_name = layer_plane(layer, name);
+        const Plane* in = find_stored(from_planes, layer_name);
         if (!in) continue;
-        Plane& out = planes->image.add(of_layer);
+        Plane& out = planes->image.add(layer_name);
         int first = 0;  // row of `in` that is row 0 of `out`
-        if (const Held* held = find_held(from_planes, of_layer)) {
-          planes->held[of_layer] = {divided(held->valid, factor), held->version, rows.begin};
-          first = rows.begin * factor - held->first;
+        if (const StripRows* strip_rows = find_strip_rows(from_planes, layer_name)) {
+          planes->strip_rows[layer_name] = {reduced_rows(strip_rows->valid, factor), strip_rows->version, rows.begin};
+          first = rows.begin * factor - strip_rows->first;
         }
         for_rows(arena_, out.height, [&](int y) {
           const float* from = in->row(first + y * factor);
@@ -194,13 +196,13 @@ class CpuDevice final : public Device {
       const Plane* in = find_plane(cpu_planes(small), name);
       if (!in) return usage_error("the picture has no plane '{}'", name);
       Plane& out = writable(whole, reduced_plane(name));
-      if (const Held* held = find_held(cpu_planes(small), name); held && whole.strip) {
-        // A pass reads the plane at the full-resolution rows that it covers.
-        const Rows valid{held->valid.begin * factor,
-                         held->valid.end < small.info.height ? held->valid.end * factor : full.info.height};
-        whole.held[reduced_plane(name)] = {valid, ++whole.dispatches, held->first};
+      if (const StripRows* strip_rows = find_strip_rows(cpu_planes(small), name); strip_rows && whole.strip) {
+        // Dispatches read the plane at the full-resolution rows that it covers.
+        const Rows valid{strip_rows->valid.begin * factor,
+                         strip_rows->valid.end < small.info.height ? strip_rows->valid.end * factor : full.info.height};
+        whole.strip_rows[reduced_plane(name)] = {valid, ++whole.dispatches, strip_rows->first};
       }
-      // The rest is 0 already if a picture of this size was placed there before.
+      // The remainder is 0 already if a picture of this size was placed there before.
       std::pair<int, int>& placed = cpu_planes(full).placed[reduced_plane(name)];
       const bool fresh = placed != std::pair(in->width, in->height);
       placed = {in->width, in->height};
@@ -248,13 +250,13 @@ class CpuDevice final : public Device {
   /// Runs a host step, once for a whole picture. Its outputs are valid for all strips of the picture.
   Result<RunState> run_host(const DispatchRun& run, CpuPlanes& planes, const ProgressMonitor& monitor) {
     const PictureInfo& info = run.info;
-    std::list<Plane> whole_neutral;  // those of a strip have only its rows
+    std::list<Plane> whole_neutral;  // neutral planes of the whole picture; `planes` has only those of the strip
     std::vector<const Plane*> inputs;
     for (const std::string_view input : run.dispatch.inputs) {
       const std::string name = run.plane(input);
-      const Held* held = find_held(planes, name);
-      if (held)
-        inputs.push_back(find_whole(planes, info, name, held->version));
+      const StripRows* strip_rows = find_strip_rows(planes, name);
+      if (strip_rows)
+        inputs.push_back(find_whole(planes, info, name, strip_rows->version));
       else if (planes.strip)
         inputs.push_back(&whole_neutral.emplace_back(info.width, info.height, *neutral_value(name)));
       else
@@ -265,11 +267,11 @@ class CpuDevice final : public Device {
     std::vector<Plane> outputs;
     arena_.execute([&] { outputs = run_host_step(run, inputs); });
     for (std::size_t k = 0; k < outputs.size(); ++k) {
-      if (!run.is_there(run.dispatch.outputs[k])) continue;
+      if (!run.has_layer_of(run.dispatch.outputs[k])) continue;
       const std::string name = run.plane(run.dispatch.outputs[k]);
       if (planes.strip) {
         planes.strip->wholes->planes[{info.reduced, name, planes.dispatches}] = {std::move(outputs[k]), true};
-        planes.held[name] = {planes.rows, planes.dispatches, 0, false};
+        planes.strip_rows[name] = {planes.rows, planes.dispatches, 0, false};
       } else {
         planes.image.add(name) = std::move(outputs[k]);
       }
@@ -283,43 +285,44 @@ class CpuDevice final : public Device {
     const PictureInfo& info = run.info;
     for (std::string_view input : dispatch.inputs) {
       const std::string name = run.plane(input);
-      if (find_plane(planes, name) || find_held(planes, name)) continue;
+      if (find_plane(planes, name) || find_strip_rows(planes, name)) continue;
       const auto value = neutral_value(name);
       if (!value) return missing_plane(run, name);
       if (!planes.constants.count(*value))
         planes.constants.emplace(*value, Plane(info.width, planes.image.height, *value));
       planes.neutral.push_back(name);
     }
-    // Looks up the inputs before it makes the outputs, which may have the same names.
     std::vector<KernelPlane> kernel_planes;
     StripRun strip{.rows = {0, info.height}};
     if (planes.strip) {
       strip = prepare_strip(run, planes, arena_);
-      if (strip.done || !strip.progression.finished) return strip.progression;
+      if (strip.done || !strip.state.finished) return strip.state;
     }
     if (dispatch.host) return run_host(run, planes, monitor);
     for (std::string_view output : dispatch.outputs)
-      if (run.is_there(output)) writable(planes, run.plane(output));
+      if (run.has_layer_of(output)) writable(planes, run.plane(output));
     if (strip.rows.count() <= 0) return RunState();
     // The kernel writes only to its outputs, which no other frame shares.
     for (std::string_view name : dispatch.inputs)
       kernel_planes.push_back({name, row_zero_of(run, planes, strip, run.plane(name))});
     for (std::string_view name : dispatch.outputs)
-      kernel_planes.push_back({name, run.is_there(name) ? row_zero_of(run, planes, strip, run.plane(name)) : nullptr});
+      kernel_planes.push_back(
+          {name, run.has_layer_of(name) ? row_zero_of(run, planes, strip, run.plane(name)) : nullptr});
     const int stride = planes.image.plane(run.plane(dispatch.outputs[0])).stride;
     const bool all = run.pixels == PixelSet::kAll;
-    const Plane* ao = all ? nullptr : find_made(planes, run.plane("ao"));
+    const Plane* ao = all ? nullptr : find_stored(planes, run.plane("ao"));
     if (!all && !ao) return missing_plane(run, "ao");
     KernelFrame kernel_frame{frame_constants(info, stride, run.round, run.pixels), run.constants.data(), kernel_planes,
                              ao ? row_zero_of(run, planes, strip, run.plane("ao")) : nullptr};
-    if (planes.strip && strip.far.empty()) {
+    if (planes.strip && strip.unbounded.empty()) {
       kernel_frame.first_row = planes.rows.begin;
       kernel_frame.last_row = planes.rows.end - 1;
     }
     const bool tuned = settings_.tuned && dispatch.tuned && all;
     const CpuKernel kernel = settings_.scalar ? dispatch.kernel.scalar : tuned ? dispatch.tuned : dispatch.kernel.lanes;
 
-    // Missing pixels are few: each tile leaves lanes unused, but distant pixels share no cache lines.
+    // Kernels pack the missing pixels of a tile, which are few, into lanes: a small tile leaves lanes unused, and in a
+    // large one the packed pixels are too distant to share cache lines.
     constexpr int kMissingTile = 128;
     const int tile_width = std::min(all ? dispatch.tile.width : kMissingTile, stride);
     const int tile_height = all ? dispatch.tile.height : kMissingTile;

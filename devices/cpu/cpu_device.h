@@ -1,4 +1,4 @@
-// The CPU device: Embree captures, kernels run as SIMD lanes on oneTBB tiles.
+// The CPU device: captures with Embree and runs kernels in SIMD lanes, on tiles in parallel with oneTBB.
 #pragma once
 #include <memory>
 
@@ -7,9 +7,9 @@
 namespace umbrage {
 
 struct CpuSettings {
-  int threads = 0;      ///< 0: all that the process may use; larger numbers are reduced to that
+  int threads = 0;      ///< 0, or more than the process may use: all that it may use
   bool scalar = false;  ///< run kernels as plain C++ instead of lanes; the reference for tests
-  bool tuned = true;    ///< run the tuned kernel of a pass if it has one
+  bool tuned = true;    ///< run the tuned kernel of a dispatch if it has one
 };
 
 /// Creates a CPU device. Cannot fail.

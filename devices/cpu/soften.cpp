@@ -20,16 +20,16 @@ constexpr int kSegment = kSegmentBlocks * kSoftenBlock;  // pixels of a row that
 /// A flag for each segment of each row of blocks.
 struct Segments {
   int columns, rows;
-  std::vector<std::uint8_t> holds;
+  std::vector<std::uint8_t> flags;
 
   Segments(int columns_, int rows_)
-      : columns(columns_), rows(rows_), holds(std::size_t(columns_) * std::size_t(rows_)) {}
-  std::uint8_t& at(int i, int j) { return holds[std::size_t(j) * std::size_t(columns) + std::size_t(i)]; }
-  bool at(int i, int j) const { return holds[std::size_t(j) * std::size_t(columns) + std::size_t(i)] != 0; }
+      : columns(columns_), rows(rows_), flags(std::size_t(columns_) * std::size_t(rows_)) {}
+  std::uint8_t& at(int i, int j) { return flags[std::size_t(j) * std::size_t(columns) + std::size_t(i)]; }
+  bool at(int i, int j) const { return flags[std::size_t(j) * std::size_t(columns) + std::size_t(i)] != 0; }
 };
 
-/// Dilates the flags by `aside` segments to both sides and `above` blocks up and down.
-Segments around(const Segments& in, int aside, int above) {
+/// Returns the flags dilated by `aside` segments to both sides and `above` blocks up and down.
+Segments dilated(const Segments& in, int aside, int above) {
   Segments out(in.columns, in.rows);
   for (int j = 0; j < in.rows; ++j)
     for (int i = 0; i < in.columns; ++i)
@@ -47,7 +47,7 @@ void for_block_rows(int rows, const Work& work) {
   });
 }
 
-/// Flags the segments in which a shadow changes: within the segment, or from it to the next one, to the right or below.
+/// Returns flags for the segments in which a shadow changes, or differs from the adjacent pixels to the right or below.
 Segments changing(const Plane& shadow) {
   Segments out((shadow.width + kSegment - 1) / kSegment, soften_blocks(shadow.height));
   for_block_rows(out.rows, [&](int j) {
@@ -64,9 +64,9 @@ Segments changing(const Plane& shadow) {
   return out;
 }
 
-/// Returns the rows of blocks, counted from the first that is held, whose `neighbours` rows above and below are held or
-/// outside the picture.
-Rows held_blocks(int height, const Rows& rows, int neighbours) {
+/// Returns the rows of blocks, counted from the first one in memory, whose `neighbours` rows above and below are in
+/// memory or outside the picture.
+Rows computable_blocks(int height, const Rows& rows, int neighbours) {
   return {rows.begin == 0 ? 0 : neighbours,
           rows.end == height ? soften_blocks(rows.count()) : rows.count() / kSoftenBlock - neighbours};
 }
@@ -76,7 +76,7 @@ float* data_of(const Plane& plane, int first = 0) {
   return row_zero(const_cast<float*>(plane.data()), plane.stride, first);  // a kernel stores only to its outputs
 }
 
-/// One run of a kernel over the segments of a picture.
+/// A kernel and its arguments, to run over the segments of a picture.
 struct Run {
   FrameConstants frame;
   SoftenConstants constants;
@@ -84,11 +84,10 @@ struct Run {
   CpuKernel kernel;
 };
 
-/// Runs the kernel on the flagged segments in the rows of blocks whose `neighbours` rows above and below are held or
-/// outside the picture.
+/// Runs the kernel on the flagged segments, in the rows of blocks that computable_blocks returns.
 void run_segments(const Run& run, const Rows& rows, const Segments& where, int neighbours) {
   const KernelFrame frame{run.frame, &run.constants, run.planes};
-  const Rows blocks = held_blocks(run.frame.height, rows, neighbours);
+  const Rows blocks = computable_blocks(run.frame.height, rows, neighbours);
   for_block_rows(where.rows, [&](int j) {
     if (j < blocks.begin || j >= blocks.end) return;
     const int y0 = rows.begin + j * kSoftenBlock, y1 = std::min(y0 + kSoftenBlock, rows.end);
@@ -109,8 +108,8 @@ void soften_shadows(const PictureInfo& info, const Rows& rows, std::span<const P
   const auto kernel_of = [&](const Dispatch& dispatch) {
     return scalar ? dispatch.kernel.scalar : dispatch.kernel.lanes;
   };
-  for (const PenumbraRadii& of : radii) {
-    Plane& shadow = image.plane(shadow_plane(of.light));
+  for (const PenumbraRadii& penumbrae : radii) {
+    Plane& shadow = image.plane(shadow_plane(penumbrae.light));
     Plane between(shadow.width, shadow.height);
     Plane reach(shadow.width, soften_blocks(shadow.height), kSoftenMin);  // value where it is not computed
     Run run{.frame = frame_constants(info, shadow.stride, 0), .kernel = kernel_of(soften_dispatch())};
@@ -128,24 +127,24 @@ void soften_shadows(const PictureInfo& info, const Rows& rows, std::span<const P
       run_segments(run, rows, where, !down ? 0 : second ? kSoftenReachBlocks - 1 : 1);
     };
     const Segments changes = changing(shadow);
-    const Segments near = around(changes, 1, 1);
-    filter(false, false, around(near, 0, 1));
+    const Segments near = dilated(changes, 1, 1);
+    filter(false, false, dilated(near, 0, 1));
     filter(false, true, near);
 
-    const Segments far = around(changes, 1, 1 + kSoftenReachBlocks);
+    const Segments far = dilated(changes, 1, 1 + kSoftenReachBlocks);
     for (const bool down : {false, true}) {
       Run blocks{.frame = run.frame, .kernel = kernel_of(soften_reach_dispatch())};
       blocks.frame.width = soften_blocks(shadow.width);
       blocks.frame.height = soften_blocks(info.height);
       const int first = rows.begin / kSoftenBlock;
-      blocks.planes = {{"penumbra", data_of(down ? of.down : of.across, first)},
+      blocks.planes = {{"penumbra", data_of(down ? penumbrae.down : penumbrae.across, first)},
                        {"soften_reach", data_of(reach, first)}};
       const KernelFrame frame{blocks.frame, &blocks.constants, blocks.planes};
-      const Rows held = held_blocks(info.height, rows, kSoftenReachBlocks);
-      for_block_rows(held.end, [&](int j) {
-        if (j >= held.begin) blocks.kernel(frame, {0, first + j, blocks.frame.width, first + j + 1});
+      const Rows computable = computable_blocks(info.height, rows, kSoftenReachBlocks);
+      for_block_rows(computable.end, [&](int j) {
+        if (j >= computable.begin) blocks.kernel(frame, {0, first + j, blocks.frame.width, first + j + 1});
       });
-      filter(true, down, down ? far : around(far, 0, kSoftenReachBlocks));
+      filter(true, down, down ? far : dilated(far, 0, kSoftenReachBlocks));
     }
   }
 }

@@ -1,4 +1,4 @@
-// Filtering of soft shadows on the CPU: runs the passes of devices/shared/soften_dispatches.h where they are needed.
+// Filtering of soft shadows on the CPU: runs the dispatches of devices/shared/soften_dispatches.h where shadows change.
 #pragma once
 #include <span>
 
@@ -9,25 +9,26 @@
 
 namespace umbrage {
 
-/// The radius of one light's penumbra along a row and along a column, pixels: that of the narrowest penumbra in each
-/// block of 4 x 4 pixels; infinite where nothing blocks the light. Block (i, j) is at (i, j).
+/// The radii of one light's penumbra along rows and along columns, pixels: for each block of 4 x 4 pixels that of its
+/// narrowest penumbra; infinite where nothing blocks the light. Block (i, j) is pixel (i, j) of the planes.
 struct PenumbraRadii {
   int light = 0;
-  Plane across, down;  ///< as wide as the picture, so that the strides match
+  Plane across, down;  ///< as wide as the picture, so that their stride is that of its planes
 };
 
 /// Returns the number of blocks of 4 x 4 pixels that cover this many pixels.
 int soften_blocks(int pixels);
 
-/// Rows above and below that a softened shadow depends on: the second filter reads kSoftenReachBlocks - 1 blocks, and
-/// its width depends on penumbrae up to kSoftenReachBlocks farther away.
+/// The number of rows above and below a pixel on which its softened shadow depends: the second filter reads
+/// kSoftenReachBlocks - 1 blocks, and its width there depends on penumbrae up to kSoftenReachBlocks blocks farther
+/// away.
 inline constexpr int kSoftenMargin = (2 * kSoftenReachBlocks - 1) * kSoftenBlock;
 
-/// Averages the shadows of these lights in the first layer along surfaces: over the 4 x 4 pixels around, then, where
-/// penumbrae are wide, over up to 28 x 28, a fifth of their width. Uniform neighbourhoods do not change. Uses all
-/// threads of the calling task arena; the result does not depend on their number. `scalar`: use the scalar form of the
-/// kernels. The image holds `rows` of the picture, which start at a multiple of 4; within kSoftenMargin of a strip's
-/// end inside the picture shadows are invalid afterwards.
+/// Averages the shadows of these lights in the first layer over pixels of the same surface: first over 4 x 4 pixels,
+/// then, where penumbrae are wide, over a fifth of their width, up to 28 x 28 pixels. Where all neighbours are equal,
+/// shadows do not change. Uses all threads of the calling task arena; the result does not depend on their number.
+/// `scalar`: use the scalar form of the kernels. The image contains `rows` of the picture, which start at a multiple of
+/// 4. Where they begin or end inside the picture, kSoftenMargin rows of the shadows are invalid afterwards.
 void soften_shadows(const PictureInfo& info, const Rows& rows, std::span<const PenumbraRadii> radii, bool scalar,
                     Image& image);
 

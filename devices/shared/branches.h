@@ -6,7 +6,8 @@
 
 namespace umbrage {
 
-/// Part of the storage of a frame. The storage of a branch has the result of its frame's branch().
+/// Tracks whether a frame has branches. The storage of each frame contains one; that of a branch is created by branch()
+/// of the original's.
 class Branches {
  public:
   Branches() = default;
@@ -18,9 +19,9 @@ class Branches {
 
  private:
   struct Link {
-    std::shared_ptr<const Link> of;  // held by all branches of it
+    std::shared_ptr<const Link> parent;  // shared by all branches of a frame
   };
-  explicit Branches(std::shared_ptr<const Link> of) : own_(std::make_shared<const Link>(Link{std::move(of)})) {}
+  explicit Branches(std::shared_ptr<const Link> parent) : own_(std::make_shared<const Link>(Link{std::move(parent)})) {}
   std::shared_ptr<const Link> own_ = std::make_shared<const Link>();
 };
 

@@ -33,7 +33,7 @@ TEST(Capture, SmallAndOddSizes) {
   }
 }
 
-TEST(Capture, ThreadsDoNotMatter) {
+TEST(Capture, DoesNotDependOnThreads) {
   const Scene scene = mixed_scene();
   const Camera camera = perspective_camera({-5, -6, 9}, {-1, -1, 0}, {0, 0, 1}, 40.0f, 0.6f);
   const Picture one = capture(scene, camera, 120, 200, {.threads = 1});
@@ -42,7 +42,7 @@ TEST(Capture, ThreadsDoNotMatter) {
                  fmt::format("{} threads", threads));
 }
 
-TEST(Capture, ADeviceTakesOneSceneAfterTheOther) {
+TEST(Capture, ADeviceCapturesSeveralScenesInTurn) {
   const Scene first = mixed_scene(), second = scene_of({square(3.0f, 1.5f)});
   const Camera camera = from_above(10.0f);
   const auto device = make_cpu_device();
@@ -58,7 +58,7 @@ TEST(Capture, ADeviceTakesOneSceneAfterTheOther) {
   EXPECT_GT(test::difference(a.plane("depth"), b.plane("depth"), 0.0).max, 0.5);
 }
 
-TEST(Capture, FramesOfOneDeviceAreApart) {
+TEST(Capture, FramesOfOneDeviceAreIndependent) {
   const Scene scene = mixed_scene();
   const auto device = make_cpu_device();
   ASSERT_TRUE(device->prepare(scene));
@@ -69,7 +69,7 @@ TEST(Capture, FramesOfOneDeviceAreApart) {
   EXPECT_EQ(small->info.width, 20);
 }
 
-TEST(Device, SaysWhichPlaneIsMissing) {
+TEST(Device, ReportsTheMissingPlane) {
   const auto device = make_cpu_device();
   GBuffer g = test::empty_gbuffer(4, 3);
   const Effect& effect = *find_effect("lighting");
@@ -102,7 +102,7 @@ TEST(Device, UploadsAndDownloadsTheSamePlanes) {
   EXPECT_EQ(two.names, (std::vector<std::string>{"normal.y", "depth"}));
 }
 
-TEST(Device, NeutralValuesStandInForPlanesThatAreMissing) {
+TEST(Device, NeutralValuesReplaceMissingPlanes) {
   // Depth and normals alone suffice to light a picture.
   const auto device = make_cpu_device();
   GBuffer g = test::empty_gbuffer(2, 2);
@@ -130,7 +130,7 @@ TEST(PictureInfo, DepthsSpanTheScene) {
   EXPECT_NEAR(info.scene_radius, std::sqrt(1.0 + 4.0 + 9.0), 1e-5);
 }
 
-TEST(PictureInfo, CapturedDepthsLieWithin) {
+TEST(PictureInfo, CapturedDepthsLieWithinTheRange) {
   const Scene scene = mixed_scene();
   for (const Camera& camera : {perspective_camera({-5, -6, 9}, {-1, -1, 0}, {0, 0, 1}, 40.0f, 1.0f),
                                perspective_camera({0, 0, 1}, {8, 0, 0.5f}, {0, 0, 1}, 90.0f, 1.0f),  // inside the scene
@@ -152,7 +152,7 @@ TEST(PictureInfo, CapturedDepthsLieWithin) {
   }
 }
 
-TEST(PictureInfo, IsSaneWhereTheSceneIsBehindTheCamera) {
+TEST(PictureInfo, IsValidIfTheSceneIsBehindTheCamera) {
   const Scene scene = scene_of({square(1.0f)});
   const PictureInfo info =
       picture_info(scene, perspective_camera({0, 0, 5}, {0, 0, 9}, {0, 1, 0}, 40.0f, 1.0f), {.width = 8, .height = 8});

@@ -26,9 +26,9 @@ PictureInfo picture_info(const Scene& scene, const Camera& camera, const Capture
     nearest = std::min(nearest, depth);
     farthest = std::max(farthest, depth);
   }
-  constexpr float kNearestShare = 1e-3f;  // of the farthest depth, for a camera inside the scene
+  constexpr float kMinNearToFarthest = 1e-3f;  // for a camera inside the scene
   info.depth_max = farthest > 0.0f ? farthest : 1.0f;
-  info.depth_min = std::clamp(nearest, kNearestShare * info.depth_max, info.depth_max);
+  info.depth_min = std::clamp(nearest, kMinNearToFarthest * info.depth_max, info.depth_max);
   const glm::mat3 rotation(camera.view_from_world);
   info.ambient_shape = turned(lighting.ambient_shape, rotation);
   info.lit_white_luminance = lighting.lit_white_luminance;
@@ -52,8 +52,9 @@ void add_layers(const TracedScene& traced, const CaptureSettings& settings, Pict
 std::vector<std::string> captured_planes(const Scene& scene, const PictureInfo& info, const CaptureSettings& settings) {
   std::vector<std::string> planes = {"depth", "normal.x", "normal.y", "normal.z"};
   const auto add = [&](const char* name) {
-    const auto& wanted = settings.planes;
-    if (!wanted || std::find(wanted->begin(), wanted->end(), name) != wanted->end()) planes.emplace_back(name);
+    const auto& requested = settings.planes;
+    if (!requested || std::find(requested->begin(), requested->end(), name) != requested->end())
+      planes.emplace_back(name);
   };
   for (const char* name : {"albedo.r", "albedo.g", "albedo.b", "specular", "shininess"}) add(name);
   planes.emplace_back("shadow");

@@ -1,4 +1,4 @@
-// Properties of a capture, on every device: its picture information and its planes.
+// The picture information and the planes of a capture, for all devices.
 #pragma once
 #include <string>
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace umbrage {
 
-/// Returns the information that shading needs of a scene: lights in view space, depths. `camera` is that of the picture
-/// without its guard band.
+/// Returns the picture information of a capture: lights and ground in view space, the range of depths, the guard band.
+/// `camera` is that of the picture without its guard band.
 PictureInfo picture_info(const Scene& scene, const Camera& camera, const CaptureSettings& settings);
 
 /// Adds the layers of a capture with these settings to `info`: see CaptureSettings.
@@ -19,7 +19,8 @@ void add_layers(const TracedScene& traced, const CaptureSettings& settings, Pict
 /// Returns the names of the planes of a layer. The shadow of the key light is always among them.
 std::vector<std::string> captured_planes(const Scene& scene, const PictureInfo& info, const CaptureSettings& settings);
 
-/// Returns the lights that have a size: if the capture has shadow rays, their shadows in the first layer are softened.
+/// Returns the lights whose shadows in the first layer are softened: if the capture has shadow rays, those that have a
+/// size.
 std::vector<int> softened_lights(const PictureInfo& info, const CaptureSettings& settings);
 
 }  // namespace umbrage

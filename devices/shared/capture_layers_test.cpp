@@ -56,7 +56,7 @@ TEST(CaptureLayers, ParallelSheetsComeInOrder) {
   }
 }
 
-TEST(CaptureLayers, ABoxHasItsBackBehindItsFront) {
+TEST(CaptureLayers, TheBackOfABoxIsBehindItsFront) {
   const Scene scene = scene_of({shapes::box({-1, -1, -1}, {1, 1, 1})});
   const Picture picture =
       capture_with({64, 64, true, 3}, scene, perspective_camera({0, 0, 6}, {0, 0, 0}, {0, 1, 0}, 25.0f, 1.0f));
@@ -144,7 +144,7 @@ TEST(CaptureLayers, RaysEnterAndLeaveClosedSolids) {
   }
 }
 
-TEST(CaptureLayers, AGridsVerticesAndDiagonalsAreOneSurface) {
+TEST(CaptureLayers, VerticesAndDiagonalsOfAGridAreOneSurface) {
   // Pixel centres fall on the vertices of 17 x 17, and on the diagonals of 16 x 16.
   const auto grid = [](float half, int cells) {
     return scene_of(
@@ -155,9 +155,9 @@ TEST(CaptureLayers, AGridsVerticesAndDiagonalsAreOneSurface) {
     for (int y = 0; y < pixels; ++y)
       for (int x = 0; x < pixels; ++x) ASSERT_EQ(surfaces_at(picture, 3, x, y), 1) << x << ',' << y;
   }
-  // Rounding decides whether a border that falls on pixel centres belongs to the surface: with fused multiply-adds all
-  // of it does for Embree's rays, without (SSE4.2) half of it, as in rasterisation. So the border is cropped.
-  const auto inside = [](Image image) {
+  // Rounding decides whether a border that falls on pixel centres belongs to the surface: for Embree's rays all of it
+  // does with fused multiply-adds, and half of it without (SSE4.2), as in rasterisation. So the border is cropped.
+  const auto without_border = [](Image image) {
     Image out(image.width - 2, image.height - 2);
     for (std::size_t p = 0; p < image.planes.size(); ++p) out.add(image.names[p]) = cropped(image.planes[p], 1);
     return out;
@@ -166,15 +166,15 @@ TEST(CaptureLayers, AGridsVerticesAndDiagonalsAreOneSurface) {
     const Scene scene = grid(2.0f, 16);
     const CaptureSettings settings{.width = 17, .height = 17, .layers = 3};
     const test::Deviation d =
-        test::deviation({inside(test::captured(*gpu, scene, from_above(4.25f), settings)),
-                         inside(test::captured(*make_cpu_device(), scene, from_above(4.25f), settings))},
+        test::deviation({without_border(test::captured(*gpu, scene, from_above(4.25f), settings)),
+                         without_border(test::captured(*make_cpu_device(), scene, from_above(4.25f), settings))},
                         settings.layers);
     EXPECT_LE(d.anywhere, d.pixels / 200);
     for (const auto& [plane, count] : d.inside) EXPECT_LE(count, d.pixels / 500) << plane;
   }
 }
 
-TEST(CaptureLayers, SheetsOfPaperAreOneFromAfarAndTwoFromNear) {
+TEST(CaptureLayers, CloseSheetsAreOneSurfaceFromAfarAndTwoFromNear) {
   for (const float scale : {1.0f, 0x1p-20f, 0x1p30f}) {
     const float distance = 8.0f * scale;
     for (const auto& [fraction, surfaces] : {std::pair{0.8e-5f, 1}, {1e-4f, 2}}) {
@@ -232,7 +232,7 @@ TEST(CaptureLayers, EveryLayerHasItsShadow) {
   EXPECT_GT(under, 900);
 }
 
-TEST(CaptureLayers, TriangleSoupMatchesALiteralSearch) {
+TEST(CaptureLayers, TriangleSoupMatchesABruteForceSearch) {
   Mesh soup;
   constexpr unsigned kTriangles = 120;
   const auto random = [](unsigned i) { return 2.0f * (float(test::hash(i) >> 8) * 0x1p-24f) - 1.0f; };
@@ -250,7 +250,7 @@ TEST(CaptureLayers, TriangleSoupMatchesALiteralSearch) {
       for (int x = 0; x < 60; ++x) {
         const PixelRay ray = ray_of(picture.info, x, y);
         std::vector<double> depths;
-        bool clear = true;  // no edge or second surface so near that rounding decides
+        bool clear = true;  // no edge or second surface is so close that rounding decides
         for (unsigned i = 0; i < kTriangles; ++i) {
           const glm::dvec3 a(soup.positions[3 * i]), b(soup.positions[3 * i + 1]), c(soup.positions[3 * i + 2]);
           // [Moeller and Trumbore 1997]
@@ -263,8 +263,8 @@ TEST(CaptureLayers, TriangleSoupMatchesALiteralSearch) {
           if (margin > 0.0 && depth > 0.0) depths.push_back(depth);
         }
         std::sort(depths.begin(), depths.end());
-        constexpr double kApart = 5e-4;
-        for (std::size_t k = 1; k < depths.size(); ++k) clear = clear && depths[k] - depths[k - 1] > kApart;
+        constexpr double kMinGap = 5e-4;
+        for (std::size_t k = 1; k < depths.size(); ++k) clear = clear && depths[k] - depths[k - 1] > kMinGap;
         if (!clear) continue;
         ++compared;
         max = std::max(max, long(depths.size()));
@@ -278,7 +278,7 @@ TEST(CaptureLayers, TriangleSoupMatchesALiteralSearch) {
   }
 }
 
-TEST(CaptureLayers, TheNumberOfLayersChangesNoLayer) {
+TEST(CaptureLayers, LayersDoNotDependOnTheirNumber) {
   const Scene scene = mixed_scene();
   const Camera camera = perspective_camera({-5, -6, 9}, {-1, -1, 0}, {0, 0, 1}, 40.0f, 0.6f);
   const Picture four = capture_with({61, 103, true, 4}, scene, camera);
@@ -293,7 +293,7 @@ TEST(CaptureLayers, TheNumberOfLayersChangesNoLayer) {
   }
 }
 
-TEST(CaptureLayers, ThreadsDoNotMatter) {
+TEST(CaptureLayers, DoNotDependOnThreads) {
   const Scene scene = mixed_scene();
   const Camera camera = perspective_camera({-5, -6, 9}, {-1, -1, 0}, {0, 0, 1}, 40.0f, 0.6f);
   const CaptureSettings settings{.width = 90, .height = 150, .layers = 3};
@@ -315,7 +315,7 @@ TEST(CaptureLayers, SmallAndOddSizes) {
   }
 }
 
-TEST(CaptureLayers, PowersOfTwoScaleDepthsAlone) {
+TEST(CaptureLayers, ScalingByPowersOfTwoChangesOnlyDepths) {
   const auto picture_at = [](float scale) {
     Scene scene = mixed_scene();
     for (Mesh& mesh : scene.meshes)
@@ -339,7 +339,7 @@ TEST(CaptureLayers, PowersOfTwoScaleDepthsAlone) {
   }
 }
 
-TEST(CaptureLayers, OutOfReachEveryLayerIsEmpty) {
+TEST(CaptureLayers, BeyondTheRayLimitEveryLayerIsEmpty) {
   const Scene scene = scene_of({square(1.0f)});
   const Picture picture =
       capture_with({5, 3, true, 3}, scene, orthographic_camera({0, 0, 1e19f}, {0, 0, 0}, {0, 1, 0}, 4.0f, 1.0f));

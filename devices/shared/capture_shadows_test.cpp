@@ -14,20 +14,20 @@ struct ShadowErrors {
   long wrongly_dark = 0, wrongly_lit = 0, dark = 0, lit = 0;
 };
 
-/// Compares the ground's shadow with `inside`, the distance by which the ray to the light passes inside the blocker;
-/// outside it is negative.
+/// Compares the ground's shadow with an exact one. `inside` returns the distance by which the ray from a point of the
+/// ground to the light passes inside the occluder; < 0: outside.
 ShadowErrors compare_shadow(const Picture& picture, const std::function<double(glm::dvec3)>& inside, double margin,
                             std::string_view plane = "shadow") {
   ShadowErrors errors;
   for (int y = 0; y < picture.info.height; ++y)
     for (int x = 0; x < picture.info.width; ++x) {
       if (picture["object_id"].at(x, y) != 0.0f) continue;
-      const double depth_inside = inside(ray_of(picture.info, x, y).at(picture.depth(x, y)));
-      if (std::fabs(depth_inside) < margin) continue;
+      const double distance_inside = inside(ray_of(picture.info, x, y).at(picture.depth(x, y)));
+      if (std::fabs(distance_inside) < margin) continue;
       const float shadow = picture[plane].at(x, y);
-      (depth_inside > 0.0 ? errors.dark : errors.lit) += 1;
-      if (depth_inside > 0.0) errors.wrongly_lit += shadow != 0.0f;
-      if (depth_inside < 0.0) errors.wrongly_dark += shadow != 1.0f;
+      (distance_inside > 0.0 ? errors.dark : errors.lit) += 1;
+      if (distance_inside > 0.0) errors.wrongly_lit += shadow != 0.0f;
+      if (distance_inside < 0.0) errors.wrongly_dark += shadow != 1.0f;
     }
   return errors;
 }
@@ -38,7 +38,7 @@ Picture lit_from_above(Scene scene, const Light& light, int size) {
   return capture(scene, from_above(12.0f), size, size);
 }
 
-TEST(Capture, DirectionalLightThrowsTheSquaresShadow) {
+TEST(Capture, DirectionalLightCastsTheShadowOfTheSquare) {
   for (const bool orthographic : {true, false}) {
     Scene scene = square_over_ground();
     const glm::vec3 towards(0.9f, 0.5f, 1.0f);
@@ -62,7 +62,7 @@ TEST(Capture, DirectionalLightThrowsTheSquaresShadow) {
   }
 }
 
-TEST(Capture, PointLightThrowsTheSquaresShadow) {
+TEST(Capture, PointLightCastsTheShadowOfTheSquare) {
   const glm::vec3 lamp(1.0f, 0.6f, 4.5f);
   const Picture picture = lit_from_above(square_over_ground(), key_lamp(lamp), 200);
   const auto inside = [&](glm::dvec3 p) {
@@ -107,22 +107,22 @@ TEST(Capture, EachLightHasItsOwnShadow) {
   EXPECT_EQ(test::difference(many["shadow7"], both["shadow"], 0.0).max, 0.0);
 }
 
-TEST(Capture, EmissionIsAPlaneWhereAnyMaterialShines) {
+TEST(Capture, EmissionIsCapturedIfAMaterialEmits) {
   Scene scene = square_over_ground();
   scene.materials.push_back({.emission = {3.0f, 0.5f, 0.25f}});
   scene.meshes[1].material = 1;
   const Picture picture = capture(scene, from_above(24.0f), 96, 96);
-  long shining = 0, background = 0;
+  long emitting = 0, background = 0;
   for (int y = 0; y < 96; ++y)
     for (int x = 0; x < 96; ++x) {
       const float object = picture["object_id"].at(x, y);
       ASSERT_EQ(picture["emission.r"].at(x, y), object == 1.0f ? 3.0f : 0.0f);
       ASSERT_EQ(picture["emission.g"].at(x, y), object == 1.0f ? 0.5f : 0.0f);
       ASSERT_EQ(picture["emission.b"].at(x, y), object == 1.0f ? 0.25f : 0.0f);
-      shining += object == 1.0f;
+      emitting += object == 1.0f;
       background += object == -1.0f;
     }
-  EXPECT_GT(shining, 30);
+  EXPECT_GT(emitting, 30);
   EXPECT_GT(background, 1000);
   EXPECT_EQ(capture(square_over_ground(), from_above(24.0f), 8, 8).planes.find("emission.r"), nullptr);
 }
@@ -156,7 +156,7 @@ TEST(Capture, EmissionIsTextured) {
     }
 }
 
-TEST(Capture, WhatIsBehindAPointLightThrowsNoShadow) {
+TEST(Capture, SurfacesBehindAPointLightCastNoShadow) {
   const Light lamp = key_lamp({3.0f, -0.2f, 1.0f});  // lower than the square, which would otherwise shadow x > 4.7
   const Picture picture = lit_from_above(square_over_ground(), lamp, 64);
   for (int y = 0; y < 64; ++y)
@@ -218,7 +218,7 @@ TEST(Capture, LightFromBelowLeavesTheUpperSideInShadow) {
   for (int x = 0; x < 8; ++x) EXPECT_EQ(other["shadow"].at(x, 5), 1.0f);
 }
 
-TEST(Capture, OnlyAKeyLightThatCastsHasAShadow) {
+TEST(Capture, OnlyAShadowCastingKeyLightHasAShadow) {
   Scene scene = square_over_ground();
   Light light = key_light({0.9f, 0.5f, 1.0f});
   const auto darkest = [&](const std::vector<Light>& lights) {
@@ -238,7 +238,7 @@ TEST(Capture, OnlyAKeyLightThatCastsHasAShadow) {
   EXPECT_EQ(darkest({{.kind = LightKind::kHead, .casts_shadow = true}}), 1.0f);
 }
 
-TEST(Capture, ShadowsCanBeLeftOut) {
+TEST(Capture, ShadowsCanBeDisabled) {
   Scene scene = square_over_ground();
   scene.lights = {key_light({0.9f, 0.5f, 1.0f})};
   const auto device = make_cpu_device();
@@ -284,11 +284,11 @@ TEST(Capture, AMaskWithoutAlphaOrCoordinatesCutsNothing) {
   EXPECT_EQ(picture["object_id"].at(36, 35), 1.0f);  // the centre of the square
 }
 
-struct Place {
+struct ScaleAndOffset {
   float scale, offset;  // offset from the origin, relative to the size of the scene
 };
 
-class ShadowAcne : public testing::TestWithParam<Place> {};
+class ShadowAcne : public testing::TestWithParam<ScaleAndOffset> {};
 
 TEST_P(ShadowAcne, OpenGroundIsLitEverywhere) {
   const auto [scale, offset] = GetParam();
@@ -321,7 +321,7 @@ TEST_P(ShadowAcne, OpenGroundIsLitEverywhere) {
     }
 }
 
-TEST_P(ShadowAcne, ThingsOnTheGroundKeepTheirShadow) {
+TEST_P(ShadowAcne, ObjectsOnTheGroundCastShadows) {
   const auto [scale, offset] = GetParam();
   // A box on the ground casts a shadow as long as its height, which begins at its base.
   const glm::vec3 middle = offset * scale * glm::normalize(glm::vec3(0.6f, 0.3f, -0.8f));
@@ -343,8 +343,10 @@ TEST_P(ShadowAcne, ThingsOnTheGroundKeepTheirShadow) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scales, ShadowAcne,
-                         testing::Values(Place{1e-12f, 0.0f}, Place{1e12f, 0.0f}, Place{1e-3f, 0.0f}, Place{1.0f, 0.0f},
-                                         Place{1e4f, 0.0f}, Place{1e-3f, 1e3f}, Place{1.0f, 1e3f}, Place{1e4f, 1e3f}),
+                         testing::Values(ScaleAndOffset{1e-12f, 0.0f}, ScaleAndOffset{1e12f, 0.0f},
+                                         ScaleAndOffset{1e-3f, 0.0f}, ScaleAndOffset{1.0f, 0.0f},
+                                         ScaleAndOffset{1e4f, 0.0f}, ScaleAndOffset{1e-3f, 1e3f},
+                                         ScaleAndOffset{1.0f, 1e3f}, ScaleAndOffset{1e4f, 1e3f}),
                          [](const auto& info) {
                            const long power = std::lround(std::log10(info.param.scale));
                            return fmt::format("Scale{}1e{}{}", power < 0 ? "Minus" : "", std::abs(power),

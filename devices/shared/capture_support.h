@@ -26,7 +26,8 @@ namespace umbrage::test {
 
 inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// The parallelogram origin + s u + t v for s, t in [0, 1], with texture coordinates (s, t) * repeat; front u x v.
+/// Returns the parallelogram origin + s u + t v for s, t in [0, 1], with texture coordinates (s, t) * repeat. Its front
+/// faces along u x v.
 inline Mesh parallelogram(glm::vec3 origin, glm::vec3 u, glm::vec3 v, float repeat = 1.0f) {
   Mesh mesh;
   mesh.positions = {origin, origin + u, origin + u + v, origin + v};
@@ -36,7 +37,7 @@ inline Mesh parallelogram(glm::vec3 origin, glm::vec3 u, glm::vec3 v, float repe
   return mesh;
 }
 
-/// Returns a square with sides 2 half in the plane z = height, front towards +z.
+/// Returns a square with sides of length 2 * half in the plane z = height. Its front faces +z.
 inline Mesh square(float half, float height = 0.0f, glm::vec2 center = {0, 0}) {
   return parallelogram({center.x - half, center.y - half, height}, {2 * half, 0, 0}, {0, 2 * half, 0});
 }
@@ -73,6 +74,7 @@ struct Picture {
   float depth(int x, int y) const { return (*this)["depth"].at(x, y); }
 };
 
+/// Captures on the CPU; small pictures also on the GPU, if there is one, and compares both.
 inline Picture capture_with(const CaptureSettings& settings, const Scene& scene, const Camera& camera,
                             const CpuSettings& cpu = {}) {
   const auto device = make_cpu_device(cpu);
@@ -85,7 +87,7 @@ inline Picture capture_with(const CaptureSettings& settings, const Scene& scene,
   for (const VulkanCapture how : test::kGpuCaptures) {
     Device* const gpu = small ? test::capturing_device(how) : nullptr;
     if (!gpu) continue;
-    // CPU and GPU must agree at almost all pixels. A whole row of them may lie on a silhouette.
+    // CPU and GPU must agree at almost all pixels. A whole row of pixels may lie on a silhouette.
     const test::NoMessages no_messages;
     const test::Both both{test::captured(*gpu, scene, camera, settings),
                           test::captured(*device, scene, camera, settings)};
@@ -156,6 +158,7 @@ inline Scene holed_square_over_ground() {
   return scene;
 }
 
+/// Returns holed_square_over_ground with a sphere next to the square, and a directional light.
 inline Scene mixed_scene() {
   Scene scene = holed_square_over_ground();
   Mesh ball = shapes::sphere(1.0f, 40, 20);

@@ -85,7 +85,7 @@ TEST(Capture, SphereHasTheNormalsOfASphere) {
     }
 }
 
-/// Returns points with these radii, which were not estimated.
+/// Returns a scene of points with this diameter: discs if there are normals, otherwise spheres.
 Scene points_of(std::vector<glm::vec3> positions, std::vector<glm::vec3> normals, float across,
                 std::vector<glm::vec3> colors = {}) {
   Mesh mesh;
@@ -193,7 +193,7 @@ TEST(Capture, ColorsRunFromVertexToVertex) {
   Material grey;
   grey.albedo = glm::vec3(0.5f);
   Mesh plain = square(1.0f, 0.0f, {3.0f, 0.0f});
-  // The coloured mesh is not the first; its colours must be found all the same.
+  // The coloured mesh is not the first one: its colours must still be found.
   const Scene scene = scene_of({plain, mesh}, {grey});
   const Picture picture = capture(scene, from_above(2.0f), 100, 100);
   for (int y = 2; y < 98; ++y)
@@ -405,7 +405,8 @@ TEST(Capture, NearCheckersAreCrisp) {
   const Picture picture = capture(scene, camera, 200, 200);
   const long pure = count_green(picture, 0, 200, [](float g) { return g < 0.01f || g > 0.99f; });
   const long light = count_green(picture, 0, 200, [](float g) { return g > 0.5f; });
-  // A checker is 35 pixels wide, the blend between two is one texel of 4.4 pixels: a fraction (1 - 4.4 / 35)^2 is pure.
+  // A checker is 35 pixels wide, the blend between two is one texel of 4.4 pixels: a fraction (1 - 4.4 / 35)^2 is pure
+  // black or white.
   EXPECT_GT(pure, 40000 * 0.72);
   EXPECT_NEAR(light, 20000, 2000);
 }

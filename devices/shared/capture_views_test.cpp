@@ -1,4 +1,4 @@
-// Captured layers of back sides and of further cameras.
+// Captured layers of back sides and of extra views.
 #include "capture_support.h"
 
 namespace umbrage {
@@ -6,7 +6,7 @@ namespace {
 
 using namespace test;
 
-// ---- other sides, other cameras ----
+// ---- back sides, extra views ----
 
 TEST(CaptureBackSides, AThinSheetLitFromBehindIsDarkInFrontAndLitBehind) {
   for (const bool point : {false, true}) {
@@ -39,7 +39,7 @@ TEST(CaptureBackSides, AThinSheetLitFromBehindIsDarkInFrontAndLitBehind) {
   }
 }
 
-TEST(CaptureBackSides, InsideASolidNoLightArrives) {
+TEST(CaptureBackSides, NoLightArrivesInsideASolid) {
   Scene scene = scene_of({shapes::sphere(1.0f, 48, 24), shapes::box({-3, -3, -1.6f}, {3, 3, -1.2f})});
   scene.lights = {key_light({0.3f, 0.2f, 1.0f}), key_lamp({2.0f, -3.0f, 1.0f}), key_light({-1.0f, 0.1f, -0.2f})};
   const Picture picture = capture_with({.width = 90, .height = 90, .layers = 2, .back_sides = true}, scene,
@@ -55,8 +55,8 @@ TEST(CaptureBackSides, InsideASolidNoLightArrives) {
   for (int y = 0; y < 90; ++y)
     for (int x = 0; x < 90; ++x) {
       if (!std::isfinite(picture.depth(x, y))) continue;
-      // The first surface is the outside of a solid: its other side is inside. The second one is the far side of the
-      // solid, seen from inside; its other side is outside again.
+      // The first surface is the outside of a solid: its back side is inside. The second one is the far side of the
+      // solid, seen from inside; its back side is outside again.
       for (const char* name : {"layer2.shadow", "layer2.shadow1", "layer2.shadow2"})
         inside += picture[name].at(x, y) == 0.0f;
       lit += 3;
@@ -67,7 +67,7 @@ TEST(CaptureBackSides, InsideASolidNoLightArrives) {
   EXPECT_GT(outer, 100) << "the light from below and behind reaches what the camera does not see";
 }
 
-TEST(CaptureBackSides, LayersInFrontStayAsTheyAre) {
+TEST(CaptureBackSides, OtherLayersAreUnchanged) {
   const Scene scene = mixed_scene();
   const Camera camera = perspective_camera({-5, -6, 9}, {-1, -1, 0}, {0, 0, 1}, 40.0f, 0.6f);
   const Picture plain = capture_with({.width = 61, .height = 103, .layers = 3}, scene, camera);
@@ -92,14 +92,14 @@ Scene room_with_drape() {
   return scene;
 }
 
-TEST(CaptureExtraViews, AgreeWithTheFirstCameraAboutWhereThingsAre) {
+TEST(CaptureExtraViews, AgreeWithTheFirstCameraOnPositions) {
   const Scene scene = room_with_drape();
   for (const bool orthographic : {false, true}) {
     const Camera camera = orthographic ? orthographic_camera({-4.5f, 4.4f, 2.5f}, {2, 0.5f, 0}, {0, 1, 0}, 4.5f, 1.5f)
                                        : perspective_camera({-5.5f, 2.6f, 0.3f}, {6, 2.2f, 0}, {0, 1, 0}, 60.0f, 1.5f);
     const Picture picture = capture_with({.width = 181, .height = 121, .extra_views = 4}, scene, camera);
     ASSERT_EQ(picture.info.more_layers.size(), 4u);
-    const auto of_layer = [&](int layer, const char* name) -> const Plane& {
+    const auto plane_of_layer = [&](int layer, const char* name) -> const Plane& {
       return picture[layer_plane(layer, name)];
     };
     const glm::dvec3 axis = ray_of(picture.info, 90, 60).direction, eye = ray_of(picture.info, 90, 60).origin;
@@ -125,12 +125,14 @@ TEST(CaptureExtraViews, AgreeWithTheFirstCameraAboutWhereThingsAre) {
           const double v = (other.camera.top - q.y / spread) / (double(other.camera.top) - other.camera.bottom) * 121.0;
           if (!(q.z < 0.0 && u >= 0.0 && u < 181.0 && v >= 0.0 && v < 121.0)) continue;
           const int i = int(u), j = int(v);
-          if (of_layer(layer, "object_id").at(i, j) != picture["object_id"].at(x, y)) continue;
-          const glm::dvec3 there = ray_of(other, i, j).at(of_layer(layer, "depth").at(i, j));
+          if (plane_of_layer(layer, "object_id").at(i, j) != picture["object_id"].at(x, y)) continue;
+          const glm::dvec3 other_point = ray_of(other, i, j).at(plane_of_layer(layer, "depth").at(i, j));
           const glm::dvec3 normal = glm::transpose(glm::dmat3(other_from_world)) * layer_normal(picture, layer, i, j);
-          const glm::dvec3 own = glm::transpose(glm::dmat3(glm::dmat4(camera.view_from_world))) * picture.normal(x, y);
-          if (glm::dot(normal, own) < 0.999) continue;  // another face of the pillar, the other side of the sheet
-          const double off = std::fabs(glm::dot(p - there, normal));
+          const glm::dvec3 first_normal =
+              glm::transpose(glm::dmat3(glm::dmat4(camera.view_from_world))) * picture.normal(x, y);
+          // Skips another face of the pillar, and the back side of the sheet.
+          if (glm::dot(normal, first_normal) < 0.999) continue;
+          const double off = std::fabs(glm::dot(p - other_point, normal));
           (off < 1e-4 * std::max(-q.z, double(picture.depth(x, y))) ? agree : disagree) += 1;
         }
       EXPECT_EQ(disagree, 0) << layer;
@@ -153,13 +155,13 @@ TEST(CaptureExtraViews, AgreeWithTheFirstCameraAboutWhereThingsAre) {
       const double to_common = glm::dot(common - middle.origin, glm::normalize(middle.direction));
       EXPECT_GT(to_common, 0.0) << layer;
       EXPECT_LT(glm::length(glm::cross(common - middle.origin, glm::normalize(middle.direction))), 2e-3) << layer;
-      EXPECT_GT(of_layer(layer, "depth").at(90, 60) * glm::length(middle.direction), to_common) << layer;
+      EXPECT_GT(plane_of_layer(layer, "depth").at(90, 60) * glm::length(middle.direction), to_common) << layer;
       EXPECT_LT(to_common, glm::dot(common - eye, glm::normalize(axis)) * 1.0001) << "no farther than the first";
     }
   }
 }
 
-TEST(CaptureExtraViews, SeeWhatTheFirstCameraDoesNot) {
+TEST(CaptureExtraViews, ShowSurfacesHiddenFromTheFirstCamera) {
   // The pillar is behind the sheet; it is visible from behind or from the side.
   const Scene scene = room_with_drape();
   const Picture picture = capture_with({.width = 120, .height = 80, .extra_views = 3}, scene,
@@ -172,7 +174,7 @@ TEST(CaptureExtraViews, SeeWhatTheFirstCameraDoesNot) {
   EXPECT_GT(seen[1] + seen[2] + seen[3], 1000);
 }
 
-TEST(CaptureExtraViews, TheirNumberTheLayersAndTheGuardBandDoNotMoveThem) {
+TEST(CaptureExtraViews, DoNotDependOnTheirNumberLayersOrGuardBand) {
   const Scene scene = room_with_drape();
   const Camera camera = perspective_camera({-5.5f, 2.6f, 0.3f}, {6, 2.2f, 0}, {0, 1, 0}, 60.0f, 1.5f);
   const Picture four = capture_with({.width = 90, .height = 60, .extra_views = 4}, scene, camera);
@@ -193,15 +195,16 @@ TEST(CaptureExtraViews, TheirNumberTheLayersAndTheGuardBandDoNotMoveThem) {
   }
 }
 
-TEST(CaptureExtraViews, ScenesAndCamerasThatShowNothingStillGiveThem) {
+TEST(CaptureExtraViews, ExistEvenIfNothingIsVisible) {
   for (const Scene& scene :
        {scene_of({square(1.0f)}), scene_of({shapes::sphere(1.0f, 16, 8)}), scene_of({square(1e-20f)})})
     for (const Camera& camera : {perspective_camera({0, 0, 5}, {0, 0, 9}, {0, 1, 0}, 40.0f, 1.0f), from_above(3.0f),
                                  perspective_camera({0, 0, 0.5f}, {0, 0, 0}, {0, 1, 0}, 170.0f, 1.0f),
                                  perspective_camera({0, 0, 1e16f}, {0, 0, 0}, {0, 1, 0}, 40.0f, 1.0f),
-                                 // On the surface, which half of the rays leave immediately.
+                                 // On the surface: half of the rays leave it immediately.
                                  perspective_camera({0, 0, 0}, {1, 0.01f, 0.001f}, {0, 0, 1}, 40.0f, 1.0f)}) {
-      // With one thread, so without a GPU: for a camera on a surface rounding decides what is visible.
+      // A number of threads disables the comparison with the GPU: for a camera on a surface rounding decides what is
+      // visible.
       const Picture picture = capture_with({.width = 5, .height = 5, .extra_views = 4}, scene, camera, {.threads = 1});
       ASSERT_EQ(picture.info.more_layers.size(), 4u);
       for (const LayerInfo& layer : picture.info.more_layers) {
@@ -212,7 +215,7 @@ TEST(CaptureExtraViews, ScenesAndCamerasThatShowNothingStillGiveThem) {
     }
 }
 
-TEST(CaptureExtraViews, TooManyLayersAreRefused) {
+TEST(CaptureExtraViews, TooManyLayersAreAnError) {
   const Scene scene = scene_of({square(1.0f)});
   const auto device = make_cpu_device();
   ASSERT_TRUE(device->prepare(scene));
@@ -231,7 +234,7 @@ TEST(CaptureExtraViews, TooManyLayersAreRefused) {
   }
 }
 
-TEST(CaptureExtraViews, LightsStandWhereTheyStand) {
+TEST(CaptureExtraViews, LightsKeepTheirPositions) {
   // The light that a surface receives does not depend on the camera: diffuse light of both views agrees on the same
   // surface.
   Scene scene = room_with_drape();

@@ -22,7 +22,7 @@ FrameConstants frame_constants(const PictureInfo& info, int stride, int round, P
 
 std::string DispatchRun::plane(std::string_view name) const { return layer_plane(layer, name); }
 
-bool DispatchRun::is_there(std::string_view output) const {
+bool DispatchRun::has_layer_of(std::string_view output) const {
   return layer_of_plane(output) <= int(info.more_layers.size());
 }
 

@@ -1,4 +1,4 @@
-// Running the passes of an effect, on every device.
+// Runs the dispatches of an effect, on every device.
 #pragma once
 #include <cstddef>
 #include <functional>
@@ -14,27 +14,27 @@ namespace umbrage {
 /// Returns the constants of the picture that all kernels read. `stride`: floats between rows of its planes.
 FrameConstants frame_constants(const PictureInfo& info, int stride, int round, PixelSet pixels = PixelSet::kAll);
 
-/// A pass of an effect and everything needed to run it.
+/// One dispatch of an effect, with all data needed to run it.
 struct DispatchRun {
   const Effect& effect;
   const Dispatch& dispatch;
   std::span<const std::byte> params, constants;
-  const PictureInfo& info;  ///< of the picture as the layer shows it
+  const PictureInfo& info;  ///< of the layer: see layer_info
   int layer = 0, round = 0;
   PixelSet pixels = PixelSet::kAll;
 
-  /// Returns the name in the frame of one of the pass's planes.
+  /// Returns the name that a plane of the dispatch has in the frame.
   std::string plane(std::string_view name) const;
   /// Returns whether the picture has the layer of this output; kernels do not store to other layers.
-  bool is_there(std::string_view output) const;
+  bool has_layer_of(std::string_view output) const;
 };
 
-/// Calls `run` for each pass that the effect needs with these params, in order. Stops at the first one that fails or
-/// does not finish.
+/// Calls `run` for each dispatch that the effect needs with these params, in order. Stops at the first one that fails
+/// or does not finish.
 Result<RunState> run_dispatches(const Effect& effect, const ParameterBytes& params, const Frame& frame, int layer,
                                 PixelSet pixels, const std::function<Result<RunState>(const DispatchRun&)>& run);
 
-/// Returns the error of a pass that reads a plane that the picture lacks.
+/// Returns the error that an effect reads a plane that the picture lacks.
 Error missing_plane(const DispatchRun& run, std::string_view plane);
 
 /// Throws InternalError if a setting is outside its range. Errors: see layer_count.

@@ -1,4 +1,5 @@
-// Passes that compute whole planes on the host: the same on every device, and once for a picture in strips.
+// Dispatches that compute whole planes on the host: they work in the same way on every device, and run once for a
+// picture in strips.
 #include "kernel/host_frame.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +22,7 @@ constexpr float kScale = 2.0f;
 std::atomic<int> calls = 0, threads = 0;
 std::atomic<bool> fails = false;
 
-/// Writes twice the depth at the opposite end of the picture, and the value of a missing plane.
+/// Writes twice the depth of the opposite pixel, plus the value of a missing plane.
 void turn(const HostFrame& frame) {
   ++calls;
   threads = tbb::this_task_arena::max_concurrency();
@@ -40,7 +41,7 @@ void turn(const HostFrame& frame) {
   });
 }
 
-/// Writes the value to the right, to a plane of the same name.
+/// Writes the value of the pixel to the right, to the plane from which it reads.
 void move(const HostFrame& frame) {
   ++calls;
   const HostPlane &from = frame.input("ao"), &to = frame.output("ao");
@@ -89,7 +90,7 @@ void expect_turned(Device& device, int width, int height) {
 
 constexpr std::pair<int, int> kSizes[] = {{1, 1}, {5, 3}, {131, 77}};
 
-TEST(HostStep, IsTheSameOnAnyThreads) {
+TEST(HostStep, DoesNotDependOnThreads) {
   for (const auto& [width, height] : kSizes)
     for (const bool scalar : {false, true})
       for (const int count : {1, 2}) {

@@ -28,7 +28,7 @@ std::vector<Plane> run_host_step(const DispatchRun& run, std::span<const Plane* 
   std::vector<Plane> outputs;
   int stride = 0;
   for (const std::string_view name : dispatch.outputs) {
-    Plane& plane = outputs.emplace_back(run.is_there(name) ? Plane(info.width, info.height) : Plane());
+    Plane& plane = outputs.emplace_back(run.has_layer_of(name) ? Plane(info.width, info.height) : Plane());
     out.push_back({name, plane.data(), plane.stride});
     stride = std::max(stride, plane.stride);
   }

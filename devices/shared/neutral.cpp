@@ -8,7 +8,7 @@
 namespace umbrage {
 
 std::optional<float> neutral_value(std::string_view plane) {
-  bool of_layer = false;
+  bool has_layer_prefix = false;
   if (const std::string start = reduced_plane(""); plane.starts_with(start)) plane.remove_prefix(start.size());
   // A layer that does not exist has no surface.
   if (plane.starts_with("layer") && plane.ends_with(".depth")) return std::numeric_limits<float>::infinity();
@@ -16,7 +16,7 @@ std::optional<float> neutral_value(std::string_view plane) {
     const std::size_t dot = plane.find('.');
     plane = plane.substr(dot == std::string_view::npos ? plane.size() : dot + 1);
     if (plane.starts_with("normal.")) return 0.0f;
-    of_layer = true;
+    has_layer_prefix = true;
   }
   if (plane.starts_with("albedo.")) return 0.8f;
   if (plane == "specular") return 0.0f;
@@ -29,7 +29,7 @@ std::optional<float> neutral_value(std::string_view plane) {
   if (plane.starts_with("direct.") || plane.starts_with("ambient.") || plane.starts_with("indirect.") ||
       plane.starts_with("emission.") || plane.starts_with("sky.") || plane.starts_with("line."))
     return 0.0f;
-  if (of_layer) return 0.0f;  // an effect's output of a layer that does not exist
+  if (has_layer_prefix) return 0.0f;  // an effect's output of a layer that does not exist
   return std::nullopt;
 }
 

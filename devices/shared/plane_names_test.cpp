@@ -1,4 +1,4 @@
-// The names of a frame's planes equal those of download on every device, without reading any plane back.
+// Device::plane_names returns the names of a download of all planes on every device, but reads no plane back.
 #include <algorithm>
 
 #include "core/check.h"
@@ -11,14 +11,14 @@
 namespace umbrage {
 namespace {
 
-std::vector<std::string> names_on(Device& device) {
+std::vector<std::string> names_after_output(Device& device) {
   GBuffer g = test::empty_gbuffer(24, 16);
   for (const char* name : {"depth", "normal.x", "normal.y", "normal.z", "lit.r", "lit.g", "lit.b"})
     g.layers[0].add(name);
   auto frame = device.upload(g);
   EXPECT_TRUE(frame);
   EXPECT_EQ(device.plane_names(*frame), device.download_all(*frame)->names);
-  // It writes colour, and reads lines and a sky that do not exist.
+  // The effect `output` writes colour, and reads planes of lines and of the sky that do not exist.
   const Effect& output = *find_effect("output");
   const ParameterBytes params = initial_parameters(output.parameters, output.params_size);
   EXPECT_TRUE(device.run(output, params, *frame));
@@ -54,31 +54,31 @@ std::vector<std::vector<std::string>> names_of_branches(Device& device) {
   EXPECT_EQ(checked_names(device, branch), all.back());
   Image made(24, 16);
   made.add("added") = Plane(24, 16, 3.0f);
-  made.add("shadow1") = Plane(24, 16, 0.25f);  // constant so far
+  made.add("shadow1") = Plane(24, 16, 0.25f);  // so far a constant plane
   EXPECT_TRUE(device.add(made, branch));
   EXPECT_TRUE(run(device, "sphere", branch));
   all.push_back(checked_names(device, branch));
-  Frame twig = device.branch(branch);
-  EXPECT_EQ(checked_names(device, twig), all.back());
-  EXPECT_TRUE(run(device, "gaussian", twig));
-  EXPECT_TRUE(run(device, "composite", twig));
-  all.push_back(checked_names(device, twig));
-  EXPECT_EQ(device.download(twig, {"added"})->plane("added").at(5, 5), 3.0f);
-  EXPECT_EQ(device.download(twig, {"shadow1"})->plane("shadow1").at(5, 5), 0.25f);
+  Frame second_branch = device.branch(branch);
+  EXPECT_EQ(checked_names(device, second_branch), all.back());
+  EXPECT_TRUE(run(device, "gaussian", second_branch));
+  EXPECT_TRUE(run(device, "composite", second_branch));
+  all.push_back(checked_names(device, second_branch));
+  EXPECT_EQ(device.download(second_branch, {"added"})->plane("added").at(5, 5), 3.0f);
+  EXPECT_EQ(device.download(second_branch, {"shadow1"})->plane("shadow1").at(5, 5), 0.25f);
   EXPECT_EQ(device.download(*frame, {"shadow1"})->plane("shadow1").at(5, 5), 1.0f);
   // Shared planes are not written, even after the branch between them is gone.
   EXPECT_THROW(run(device, "lighting", branch), InternalError);
   EXPECT_THROW(device.add(made, *frame), InternalError);
   branch = {};
   EXPECT_THROW(run(device, "lighting", *frame), InternalError);
-  EXPECT_EQ(checked_names(device, twig), all.back());
-  twig = {};
+  EXPECT_EQ(checked_names(device, second_branch), all.back());
+  second_branch = {};
   EXPECT_TRUE(run(device, "lighting", *frame));
   EXPECT_EQ(checked_names(device, *frame), all.front());
   return all;
 }
 
-TEST(PlaneNames, OfBranchesAreTheSameOnAllDevices) {
+TEST(PlaneNames, OfBranchesDoNotDependOnTheDevice) {
   const auto cpu = make_cpu_device();
   const auto names = names_of_branches(*cpu);
   for (const char* name : {"depth", "direct.r", "added", "shadow1", "shadow2", "ao", "lit.r"})
@@ -88,14 +88,14 @@ TEST(PlaneNames, OfBranchesAreTheSameOnAllDevices) {
   EXPECT_EQ(names_of_branches(*gpu), names);
 }
 
-TEST(PlaneNames, AreThoseThatDownloadHas) {
+TEST(PlaneNames, EqualThoseOfADownload) {
   const auto cpu = make_cpu_device();
-  const std::vector<std::string> names = names_on(*cpu);
+  const std::vector<std::string> names = names_after_output(*cpu);
   for (const char* name : {"depth", "color.r", "color.a", "outline", "sky.b"})
     EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
   Device* const gpu = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(gpu);
-  EXPECT_EQ(names_on(*gpu), names);
+  EXPECT_EQ(names_after_output(*gpu), names);
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
-// Constants of the filters of soft shadows, on every device. Shared by C++ and GLSL.
+// Constants of the filters that soften shadows, for all devices. Shared by C++ and GLSL.
 #ifndef UMBRAGE_DEVICES_SHARED_SOFTEN_H
 #define UMBRAGE_DEVICES_SHARED_SOFTEN_H
 
-const int kSoftenBlock = 4;  // pixels; the shadow rays of a block go to as many points on the light as it has pixels
+const int kSoftenBlock = 4;  // pixels; each pixel of a block traces its shadow rays to other points on the light
 // Min and max half width of the filter, pixels; the min is that of the first filter.
 const float kSoftenMin = 2.0f, kSoftenMax = 14.0f;
 const int kSoftenReachBlocks = 4;  // reach of the widest filter, blocks

@@ -1,4 +1,4 @@
-// The filter of soft shadows on surfaces at grazing angles, and at steps.
+// Tests of the filter of soft shadows on surfaces at grazing angles, and at depth steps.
 #include <limits>
 
 #include "devices/cpu/soften.h"
@@ -12,7 +12,7 @@ namespace {
 
 /// Passes the shadow of the first light, softened with the widest filter, to `check`, for every SIMD target and the
 /// scalar kernels.
-void softened(const GBuffer& g, const Plane& shadow, const std::function<void(const Plane&)>& check) {
+void check_softened(const GBuffer& g, const Plane& shadow, const std::function<void(const Plane&)>& check) {
   PenumbraRadii radii{.light = 0, .across = Plane(g.info.width, g.info.height), .down = {}};
   radii.across = radii.down = Plane(g.info.width, g.info.height, std::numeric_limits<float>::infinity());
   const auto run = [&](bool scalar) {
@@ -30,7 +30,7 @@ void softened(const GBuffer& g, const Plane& shadow, const std::function<void(co
   choose_isa("");
 }
 
-TEST(Soften, GrazingPlanesAreAsFacingOnes) {
+TEST(Soften, GrazingPlanesAreFilteredLikeFacingOnes) {
   GBuffer facing = test::seen({.angle_deg = 85.0, .orthographic = true});
   facing.layers[0].plane("depth") = Plane(64, 64, 5.0f);
   for (const char* name : {"normal.x", "normal.y"}) facing.layers[0].plane(name) = Plane(64, 64, 0.0f);
@@ -39,21 +39,21 @@ TEST(Soften, GrazingPlanesAreAsFacingOnes) {
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 64; ++x) shadow.at(x, y) = float(test::hash(x + 4099u * y) >> 31);
   Plane expected;
-  softened(facing, shadow, [&](const Plane& out) { expected = out; });
+  check_softened(facing, shadow, [&](const Plane& out) { expected = out; });
   EXPECT_GT(test::difference(expected, shadow, 0.0).mean, 0.1);
   test::at_grazing_angles({.error_deg = 2.0}, [&](const test::TiltedPlane& plane) {
-    softened(test::seen(plane), shadow,
-             [&](const Plane& out) { EXPECT_LE(test::difference(out, expected, 0.0).max, 1e-5); });
+    check_softened(test::seen(plane), shadow,
+                   [&](const Plane& out) { EXPECT_LE(test::difference(out, expected, 0.0).max, 1e-5); });
   });
 }
 
-TEST(Soften, NothingCrossesAStep) {
+TEST(Soften, NothingIsFilteredAcrossAStep) {
   Plane shadow(64, 64, 0.0f);
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 32; ++x) shadow.at(x, y) = 1.0f;
   test::at_grazing_angles({.step_px = 150.0, .depth_ratio = 0.1}, [&](const test::TiltedPlane& plane) {
-    softened(test::seen(plane), shadow,
-             [&](const Plane& out) { EXPECT_EQ(test::difference(out, shadow, 0.0).max, 0.0); });
+    check_softened(test::seen(plane), shadow,
+                   [&](const Plane& out) { EXPECT_EQ(test::difference(out, shadow, 0.0).max, 0.0); });
   });
 }
 

@@ -1,6 +1,6 @@
-// Captures one depth layer of a scene, like devices/cpu/capture.cpp and rays/, on a GPU without its driver's ray
-// tracing. The triangle that a pixel sees is found by a ray, or read from a picture of triangles (peel.frag). A
-// workgroup is four blocks of 4 x 4 pixels; each block decides how many rays a soft shadow needs.
+// Captures one depth layer of a scene, as devices/cpu/capture.cpp and rays/ do on the CPU, without hardware ray
+// tracing. The visible triangle of a pixel is found by a ray, or read from the triangle indices that peel.frag has
+// drawn. A workgroup is four blocks of 4 x 4 pixels; each block decides how many rays a soft shadow needs.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "devices/shared/soften.h"
@@ -10,11 +10,11 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer OutPlane { float at[]; };
 
 shared int block_pixels[4], block_lit[4];
-// Bits of the narrowest penumbra's radius, squared: same order as the floats.
+// Squared radius of the narrowest penumbra, as the bits of a float: non-negative floats are ordered like their bits.
 shared uint block_across[4], block_down[4];
 
-const float kStartOffset = 4e-6f;  // rays/traced_scene.cpp
-const float kDiscRayOffset = 0.3f;     // rays/traced_scene.h
+const float kStartOffset = 4e-6f;  // as in rays/traced_scene.cpp
+const float kDiscRayOffset = 0.3f;     // as in rays/traced_scene.h
 
 vec3 light_vector(float v[3 * kCaptureLights], int k) { return vec3(v[3 * k], v[3 * k + 1], v[3 * k + 2]); }
 
@@ -29,12 +29,12 @@ bool meets(Ray ray, int k, inout Hit hit) {
   Crossing at = crossing_of(ray, triangle);
   if (!at.inside || !(at.t > ray.nearest && at.t < hit.t)) return false;
   float u = clamp(at.u / at.sum, 0.0f, 1.0f), v = clamp(at.v / at.sum, 0.0f, 1.0f);
-  if (cut_away(triangle, u, v)) return false;
+  if (is_cut_out(triangle, u, v)) return false;
   hit = Hit(at.t, u, v, k);
   return true;
 }
 
-// Returns the first triangle that the ray meets, or with `any` an arbitrary one.
+// Returns the nearest hit of the ray, or with `any` an arbitrary one.
 Hit trace(Ray ray, bool any) {
   Hit hit = Hit(ray.farthest, 0.0f, 0.0f, -1);
   Vectors nodes = Vectors(table[kNodesSlot]);
@@ -45,7 +45,7 @@ Hit trace(Ray ray, bool any) {
                  size;
   const float kRounding = 1.0000005f;  // enlarges boxes slightly, so that none is missed
   int stack[kHierarchyDepth];
-  int waiting = 0, at = C.root;
+  int stack_size = 0, at = C.root;
   while (true) {
     if (at < 0) {
       int first = ~at >> 3, count = ~at & 7;
@@ -63,8 +63,8 @@ Hit trace(Ray ray, bool any) {
       int first = floatBitsToInt(a.w), second = floatBitsToInt(c.w);
       if (meets_a && meets_b) {
         bool swapped = b_in < a_in;
-        stack[waiting] = swapped ? first : second;
-        ++waiting;
+        stack[stack_size] = swapped ? first : second;
+        ++stack_size;
         at = swapped ? second : first;
         continue;
       }
@@ -73,9 +73,9 @@ Hit trace(Ray ray, bool any) {
         continue;
       }
     }
-    if (waiting == 0) return hit;
-    --waiting;
-    at = stack[waiting];
+    if (stack_size == 0) return hit;
+    --stack_size;
+    at = stack[stack_size];
   }
   return hit;
 }
@@ -89,8 +89,8 @@ struct Surface {
 };
 
 vec3 unit(vec3 v) {
-  float largest = max_component(abs(v));
-  return largest > 0.0f ? normalize(v / largest) : vec3(0.0f, 0.0f, 1.0f);
+  float max_abs = max_component(abs(v));
+  return max_abs > 0.0f ? normalize(v / max_abs) : vec3(0.0f, 0.0f, 1.0f);
 }
 
 Surface surface_at(Ray ray, Hit hit) {
@@ -117,7 +117,7 @@ Surface surface_at(Ray ray, Hit hit) {
 }
 
 vec3 ray_origin_to_light(Surface s) {
-  vec3 extent = abs(s.position) + abs(s.position - three(C.eye));
+  vec3 extent = abs(s.position) + abs(s.position - to_vec3(C.eye));
   vec3 start = s.position + s.geometric * (kStartOffset * max_component(extent));
   if (s.triangle.kind == kDisc) start += s.geometric * (kDiscRayOffset * s.triangle.p2.x);
   if (s.triangle.kind != kTriangle) return start;
@@ -134,8 +134,8 @@ vec3 ray_origin_to_light(Surface s) {
   return start + lift;
 }
 
-// Returns the change of the texture coordinates from the surface to where the ray of a neighbouring pixel meets its
-// plane.
+// Returns the difference in texture coordinates between the surface point and the point at which the ray of a
+// neighbouring pixel meets the surface's plane.
 vec2 uv_change(Surface s, vec2 pixel, vec3 across, vec3 gradient_u, vec3 gradient_v) {
   vec3 origin = origin_at(pixel), direction = direction_at(pixel);
   float t = dot(across, s.position - origin) / dot(across, direction);
@@ -162,7 +162,7 @@ vec3 color_at(int vertex) {
 }
 
 vec3 pixel_albedo(Surface s, CaptureMesh mesh, vec2 pixel) {
-  vec3 albedo = three(mesh.albedo);
+  vec3 albedo = to_vec3(mesh.albedo);
   if (mesh.colored != 0) {
     ivec3 at = s.triangle.corner + mesh.color_shift;
     albedo *= color_at(at.x) * (1.0f - s.u - s.v) + color_at(at.y) * s.u + color_at(at.z) * s.v;
@@ -171,7 +171,7 @@ vec3 pixel_albedo(Surface s, CaptureMesh mesh, vec2 pixel) {
 }
 
 vec3 pixel_emission(Surface s, CaptureMesh mesh, vec2 pixel) {
-  vec3 emission = three(mesh.emission);
+  vec3 emission = to_vec3(mesh.emission);
   return mesh.emission_texture < 0 ? emission : emission * pixel_texel(s, mesh.emission_texture, pixel);
 }
 
@@ -182,7 +182,7 @@ vec2 disc_point(int set, int k) {
   return vec2(from.at[2 * (16 * set + k)], from.at[2 * (16 * set + k) + 1]);
 }
 
-// Narrows the penumbra radii of the pixel's block: rays/shadow_lights.h.
+// Limits the penumbra radii of a block, like narrow() in rays/shadow_lights.h.
 void narrow(int block, vec2 radius_squared) {
   atomicMin(block_across[block], floatBitsToUint(radius_squared.x));
   atomicMin(block_down[block], floatBitsToUint(radius_squared.y));
@@ -204,111 +204,114 @@ struct Receiver {
   float depth;
   vec3 direction;  // of the camera's ray
   int block;
-  bool measured;  // penumbra radii of this layer are requested
+  bool softened;  // record penumbra radii, since the shadows of this layer will be softened
 };
 
 // Returns whether a ray to a point on the light's disc is unblocked.
-bool arrives(Receiver r, int light, bool soft, vec2 place) {
+bool reaches_light(Receiver r, int light, bool soft, vec2 disc_place) {
   bool point = C.light_point[light] != 0;
-  vec3 where = light_vector(C.light_where, light), middle = point ? where - r.s.position : where, toward = middle;
+  vec3 where = light_vector(C.light_where, light);
+  vec3 toward_center = point ? where - r.s.position : where, toward = toward_center;
   bool faces = dot(r.s.normal, toward) > 0.0f;
   if (faces && soft) {
     vec3 right = light_vector(C.light_right, light), up = light_vector(C.light_up, light);
     if (point) disc_axes(toward, right, up);
-    where += C.light_size[light] * (place.x * right + place.y * up);
+    where += C.light_size[light] * (disc_place.x * right + disc_place.y * up);
     toward = point ? where - r.s.position : where;
     faces = dot(r.s.normal, toward) > 0.0f;
   }
   if (!faces) {
-    if (r.measured) narrow(r.block, vec2(0.0f));
+    if (r.softened) narrow(r.block, vec2(0.0f));
     return false;
   }
   Ray ray = point ? Ray(r.start, where - r.start, 0.0f, 1.0f) : Ray(r.start, toward, 0.0f, kInfinity);
-  Hit hit = trace(ray, !(soft && r.measured));
+  Hit hit = trace(ray, !(soft && r.softened));
   if (hit.triangle < 0) return true;
-  if (soft && r.measured) {
+  if (soft && r.softened) {
     float radius = C.light_size[light] * (point ? hit.t / max(1.0f - hit.t, 1e-6f) : hit.t);
-    narrow(r.block,
-           vec2(penumbra_pixels(r.s, r.depth, three(C.origin_x), r.direction, three(C.direction_x), middle, radius),
-                penumbra_pixels(r.s, r.depth, three(C.origin_y), r.direction, three(C.direction_y), middle, radius)));
+    float across =
+        penumbra_pixels(r.s, r.depth, to_vec3(C.origin_x), r.direction, to_vec3(C.direction_x), toward_center, radius);
+    float down =
+        penumbra_pixels(r.s, r.depth, to_vec3(C.origin_y), r.direction, to_vec3(C.direction_y), toward_center, radius);
+    narrow(r.block, vec2(across, down));
   }
   return false;
 }
 
 // Returns the unblocked fraction of a light. All pixels of the workgroup must call it together.
-float shadow_of(Receiver r, bool there, int light, int k) {
+float shadow_of(Receiver r, bool is_hit, int light, int k) {
   int rays = C.light_rays[light], block = r.block;
   float lit = 0.0f;
-  bool partly = rays > 0;
+  bool partly_lit = rays > 0;
   if (rays != 1) {
-    if (there && arrives(r, light, rays > 0, disc_point(kCaptureDiscPoints, k))) lit = 1.0f;
+    if (is_hit && reaches_light(r, light, rays > 0, disc_point(kCaptureDiscPoints, k))) lit = 1.0f;
     barrier();
     if (k == 0) block_pixels[block] = block_lit[block] = 0;
     barrier();
-    if (there) atomicAdd(block_pixels[block], 1);
+    if (is_hit) atomicAdd(block_pixels[block], 1);
     if (lit > 0.0f) atomicAdd(block_lit[block], 1);
     barrier();
-    partly = partly && block_lit[block] != 0 && block_lit[block] != block_pixels[block];
+    partly_lit = partly_lit && block_lit[block] != 0 && block_lit[block] != block_pixels[block];
   }
-  if (!partly || !there) return lit;
+  if (!partly_lit || !is_hit) return lit;
   lit = 0.0f;
   for (int ray = 0; ray < rays; ++ray)
-    if (arrives(r, light, true, disc_point((ray + C.sample_index * rays) % kCaptureDiscPoints, k))) lit += 1.0f;
+    if (reaches_light(r, light, true, disc_point((ray + C.sample_index * rays) % kCaptureDiscPoints, k))) lit += 1.0f;
   return lit / float(rays);
 }
 
 // ---- planes ----
 
-void put(int slot, int place, float v) {
+void store(int slot, int index, float v) {
   uvec2 address = table[slot];
-  if ((address.x | address.y) != 0u) OutPlane(address).at[place] = v;
+  if ((address.x | address.y) != 0u) OutPlane(address).at[index] = v;
 }
 
-void put3(int slot, int place, vec3 v) {
-  put(slot, place, v.x);
-  put(slot + 1, place, v.y);
-  put(slot + 2, place, v.z);
+void store3(int slot, int index, vec3 v) {
+  store(slot, index, v.x);
+  store(slot + 1, index, v.y);
+  store(slot + 2, index, v.z);
 }
 
-void put_surface(int first, int place, bool there, float depth, vec3 normal, vec3 albedo, vec3 emission, float specular,
-                 CaptureMesh mesh) {
-  put(first + kDepthSlot, place, there ? depth : kInfinity);
+void store_surface(int first, int index, bool is_hit, float depth, vec3 normal, vec3 albedo, vec3 emission,
+                   float specular, CaptureMesh mesh) {
+  store(first + kDepthSlot, index, is_hit ? depth : kInfinity);
   mat3 to_view = transpose(mat3(C.to_view[0], C.to_view[1], C.to_view[2], C.to_view[3], C.to_view[4], C.to_view[5],
                                 C.to_view[6], C.to_view[7], C.to_view[8]));
-  put3(first + kNormalSlot, place, there ? to_view * normal : vec3(0.0f));
-  put3(first + kAlbedoSlot, place, there ? albedo : vec3(0.0f));
-  put(first + kSpecularSlot, place, there ? specular : 0.0f);
-  put(first + kShininessSlot, place, there ? mesh.shininess : 0.0f);
-  put3(first + kEmissionSlot, place, there ? emission : vec3(0.0f));
-  put(first + kObjectSlot, place, there ? mesh.object_id : -1.0f);
-  put(first + kMaterialSlot, place, there ? mesh.material_id : -1.0f);
-  for (int light = 0; light < kCaptureLights; ++light) put(first + kShadowSlot + light, place, 1.0f);
+  store3(first + kNormalSlot, index, is_hit ? to_view * normal : vec3(0.0f));
+  store3(first + kAlbedoSlot, index, is_hit ? albedo : vec3(0.0f));
+  store(first + kSpecularSlot, index, is_hit ? specular : 0.0f);
+  store(first + kShininessSlot, index, is_hit ? mesh.shininess : 0.0f);
+  store3(first + kEmissionSlot, index, is_hit ? emission : vec3(0.0f));
+  store(first + kObjectSlot, index, is_hit ? mesh.object_id : -1.0f);
+  store(first + kMaterialSlot, index, is_hit ? mesh.material_id : -1.0f);
+  for (int light = 0; light < kCaptureLights; ++light) store(first + kShadowSlot + light, index, 1.0f);
 }
 
 void main() {
   ivec2 here = ivec2(gl_GlobalInvocationID.xy), local = ivec2(gl_LocalInvocationID.xy);
   bool inside = here.x < C.width && here.y < C.height;
-  int place = here.y * C.stride + here.x;
+  int index = here.y * C.stride + here.x;
   int block = local.y / 4 * 2 + local.x / 4, k = local.y % 4 * 4 + local.x % 4;
   vec2 pixel = vec2(here) + 0.5f;
 
   Ray ray;
   Hit hit = Hit(kInfinity, 0.0f, 0.0f, -1);
-  if (inside && C.nothing == 0) {
-    bool wanted = pixel_ray(here, ray);
-    uvec2 seen = table[kTriangleIndexSlot];
-    if ((seen.x | seen.y) != 0u) {
-      int k = int(Uints(seen).at[place]) - 1;
+  if (inside && C.nothing_visible == 0) {
+    bool in_front = pixel_ray(here, ray);
+    uvec2 indices = table[kTriangleIndexSlot];
+    if ((indices.x | indices.y) != 0u) {
+      int k = int(Uints(indices).at[index]) - 1;
       if (k >= 0) hit = hit_of_covered(ray, triangle_at(k), k);
-    } else if (wanted) {
+    } else if (in_front) {
       hit = trace(ray, false);
     }
   }
-  bool there = hit.triangle >= 0;
+  bool is_hit = hit.triangle >= 0;
   Surface s;
   CaptureMesh mesh;
   vec3 albedo = vec3(0.0f), emission = vec3(0.0f);
-  if (there) {
+  if (is_hit) {
     s = surface_at(ray, hit);
     mesh = Meshes(table[kMeshesSlot]).at[s.triangle.mesh];
     albedo = pixel_albedo(s, mesh, pixel);
@@ -316,30 +319,30 @@ void main() {
   }
   for (int side = 0; side <= C.back; ++side) {
     int first = side * kBackSlots;
-    if (side == 1 && there) {
+    if (side == 1 && is_hit) {
       s.geometric = -s.geometric;
       s.normal = -s.normal;
     }
     if (inside)
-      put_surface(first, place, there, hit.t, s.normal, albedo, emission, side == 0 ? mesh.specular : 0.0f, mesh);
-    vec3 start = there ? ray_origin_to_light(s) : vec3(0.0f);
+      store_surface(first, index, is_hit, hit.t, s.normal, albedo, emission, side == 0 ? mesh.specular : 0.0f, mesh);
+    vec3 start = is_hit ? ray_origin_to_light(s) : vec3(0.0f);
     for (int light = 0; light < C.light_count; ++light) {
       int radii = kPenumbraSlot + 2 * C.light_index[light];
-      bool measured = (table[radii].x | table[radii].y) != 0u && side == 0;
-      if (measured) {
+      bool softened = (table[radii].x | table[radii].y) != 0u && side == 0;
+      if (softened) {
         barrier();
         if (k == 0) block_across[block] = block_down[block] = floatBitsToUint(kInfinity);
         barrier();
       }
-      Receiver receiver = Receiver(s, start, hit.t, ray.direction, block, measured);
-      float lit = shadow_of(receiver, there, light, k);
-      if (there) put(first + kShadowSlot + C.light_index[light], place, lit);
-      if (measured) {
+      Receiver receiver = Receiver(s, start, hit.t, ray.direction, block, softened);
+      float lit = shadow_of(receiver, is_hit, light, k);
+      if (is_hit) store(first + kShadowSlot + C.light_index[light], index, lit);
+      if (softened) {
         barrier();
         if (k == 0 && inside) {
           int at = here.y / kSoftenBlock * C.stride + here.x / kSoftenBlock;
-          put(radii, at, sqrt(uintBitsToFloat(block_across[block])));
-          put(radii + 1, at, sqrt(uintBitsToFloat(block_down[block])));
+          store(radii, at, sqrt(uintBitsToFloat(block_across[block])));
+          store(radii + 1, at, sqrt(uintBitsToFloat(block_down[block])));
         }
       }
     }

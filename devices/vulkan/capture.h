@@ -2,42 +2,42 @@
 #ifndef UMBRAGE_DEVICES_VULKAN_CAPTURE_H
 #define UMBRAGE_DEVICES_VULKAN_CAPTURE_H
 
-// Indices in the table of addresses: the planes of a layer, the same planes of its other side, the depth of the layer
-// before, and the buffers of the scene. Address 0: absent, or not requested.
+// Indices in the table of addresses: the planes of a layer, the same planes of its back sides, the depth of the
+// previous layer, and the buffers of the scene. Address 0: absent, or not requested.
 const int kDepthSlot = 0, kNormalSlot = 1, kAlbedoSlot = 4, kSpecularSlot = 7, kShininessSlot = 8, kShadowSlot = 9;
 const int kEmissionSlot = 17, kObjectSlot = 20, kMaterialSlot = 21;
 const int kBackSlots = 22;
 const int kPreviousDepthSlot = 44;
 const int kNodesSlot = 45, kTrianglesSlot = 46, kNormalsSlot = 47, kUvsSlot = 48, kMeshesSlot = 49;
 const int kTexturesSlot = 50, kLevelsSlot = 51, kTexelsSlot = 52, kPointsSlot = 53, kColorsSlot = 54;
-// By light: the planes of the penumbra radius along a row, and then along a column, by blocks of 4 x 4 pixels.
+// Two planes per light: the penumbra radius along rows and along columns, with one value per block of 4 x 4 pixels.
 const int kPenumbraSlot = 55;
-// The index + 1 of the triangle that each pixel sees, or 0. Address 0: rays find the triangle.
+// Index + 1 of the triangle that is visible in each pixel; 0: none. Address 0: rays find the triangle.
 const int kTriangleIndexSlot = 71;
 const int kCaptureSlots = 72;
 
 const int kCaptureLights = 8;
-// Sets of 16 points; the set after the last one lies on the border of the disc. The 256 linear values of sRGB bytes
-// follow.
+// Number of sets of 16 sample points on a light's disc. In their buffer, a set on the border of the disc follows, then
+// the linear values of the 256 sRGB bytes.
 const int kCaptureDiscPoints = 256;
 const int kHierarchyDepth = 64;
 
 struct CaptureConstants {
   int width, height, stride;
-  int root;          // of the hierarchy: a node, or ~(8 first + count) for triangles
-  int nothing;       // 1: nothing is visible, trace no rays
-  int back;          // 1: capture the other sides too
-  int sample_index;  // sample index of an accumulation
+  int root;             // root of the hierarchy; see Hierarchy::nodes
+  int nothing_visible;  // 1: nothing is visible; trace no rays
+  int back;             // 1: also capture the back sides
+  int sample_index;     // sample index of an accumulation
   int light_count;
   float to_view[9];  // rows
-  float eye[3];      // all that follows is in unit space: rays/camera_rays.h
+  float eye[3];      // this and all members below are in unit space: rays/camera_rays.h
   float origin[3], origin_x[3], origin_y[3];
   float direction[3], direction_x[3], direction_y[3];
   // Projection of triangles: these rows times a point, relative to the origin, in homogeneous coordinates. The row of w
   // gives the parameter of the ray through the point, also for an orthographic camera, whose w is 1.
   float clip_x[3], clip_y[3], clip_w[3];
   int orthographic;
-  float nearest;  // ray parameter that maps to depth 1; a farther t maps to nearest / t, nearer ones to 1
+  float nearest;  // ray parameter that maps to depth 1; a larger t maps to nearest / t, a smaller one to 1
   // Lights: rays/shadow_lights.h.
   int light_index[kCaptureLights], light_point[kCaptureLights], light_rays[kCaptureLights];
   float light_size[kCaptureLights];

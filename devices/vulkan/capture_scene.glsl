@@ -1,5 +1,5 @@
-// Code shared by tracing and drawing of a scene (capture.comp, corner.vert, peel.frag): access to its data, its
-// textures, and the intersection of a pixel's ray and a triangle.
+// Code shared by ray tracing and rasterisation of a scene (capture.comp, corner.vert, peel.frag): access to its data,
+// texture filtering, and the intersection of rays with triangles and points.
 #ifndef UMBRAGE_DEVICES_VULKAN_CAPTURE_SCENE_GLSL
 #define UMBRAGE_DEVICES_VULKAN_CAPTURE_SCENE_GLSL
 #extension GL_EXT_scalar_block_layout : require
@@ -19,12 +19,12 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly b
 layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly buffer Levels { CaptureLevel at[]; };
 
 const float kInfinity = 1.0f / 0.0f;
-const float kLayerStep = 1e-5f;             // devices/cpu/capture.cpp
+const float kLayerStep = 1e-5f;             // as in devices/cpu/capture.cpp
 // Relative tolerance of edges: the border of a triangle belongs to it, as in Embree.
 const float kEdgeRounding = 1.1920929e-7f;
-const int kMaxTaps = 8;                    // rays/mip_texture.cpp
+const int kMaxTaps = 8;                    // as in rays/mip_texture.cpp
 
-vec3 three(float v[3]) { return vec3(v[0], v[1], v[2]); }
+vec3 to_vec3(float v[3]) { return vec3(v[0], v[1], v[2]); }
 
 // ---- textures ----
 
@@ -38,11 +38,12 @@ vec4 texel(CaptureLevel level, int x, int y) {
 
 float fraction_of(float x) { return abs(x) < 8388608.0f ? x - floor(x) : 0.0f; }
 
-vec2 within(vec2 uv) { return vec2(fraction_of(uv.x), 1.0f - fraction_of(uv.y)); }
+vec2 wrapped(vec2 uv) { return vec2(fraction_of(uv.x), 1.0f - fraction_of(uv.y)); }
 
-// Returns the two texels around a point along one side, and the point's position between them.
-void neighbours(float share, int size, out int low, out int high, out float between) {
-  float x = share * float(size) - 0.5f;
+// Returns the two texels next to a coordinate along one side of a texture. `between`: its position between their
+// centres, from 0 to 1.
+void neighbours(float coordinate, int size, out int low, out int high, out float between) {
+  float x = coordinate * float(size) - 0.5f;
   float whole = floor(x);
   between = x - whole;
   low = min(int(whole), size - 1);
@@ -50,11 +51,11 @@ void neighbours(float share, int size, out int low, out int high, out float betw
   low = low < 0 ? size - 1 : low;
 }
 
-vec4 bilinear(CaptureLevel level, vec2 share) {
+vec4 bilinear(CaptureLevel level, vec2 coordinate) {
   int x0, x1, y0, y1;
   float fx, fy;
-  neighbours(share.x, level.width, x0, x1, fx);
-  neighbours(share.y, level.height, y0, y1, fy);
+  neighbours(coordinate.x, level.width, x0, x1, fx);
+  neighbours(coordinate.y, level.height, y0, y1, fy);
   return mix(mix(texel(level, x0, y0), texel(level, x1, y0), fx), mix(texel(level, x0, y1), texel(level, x1, y1), fx),
              fy);
 }
@@ -78,7 +79,7 @@ vec4 sample_filtered(int index, vec2 uv, vec2 right, vec2 down) {
   }
   vec4 sum = vec4(0.0f);
   for (int i = 0; i < taps; ++i) {
-    vec2 at = within(taps > 1 ? uv + axis * ((float(i) + 0.5f) / float(taps) - 0.5f) : uv);
+    vec2 at = wrapped(taps > 1 ? uv + axis * ((float(i) + 0.5f) / float(taps) - 0.5f) : uv);
     vec4 color = bilinear(levels.at[image.first_level + fine], at);
     if (blend > 0.0f) color = mix(color, bilinear(levels.at[image.first_level + fine + 1], at), blend);
     sum += color;
@@ -89,7 +90,7 @@ vec4 sample_filtered(int index, vec2 uv, vec2 right, vec2 down) {
 // Returns the bilinear alpha of the finest level.
 float sample_alpha(int index, vec2 uv) {
   CaptureTexture image = Textures(table[kTexturesSlot]).at[index];
-  return bilinear(Levels(table[kLevelsSlot]).at[image.first_level], within(uv)).a;
+  return bilinear(Levels(table[kLevelsSlot]).at[image.first_level], wrapped(uv)).a;
 }
 
 // ---- triangles ----
@@ -138,7 +139,7 @@ struct Hit {
   int triangle;   // < 0: none
 };
 
-bool cut_away(Triangle triangle, float u, float v) {
+bool is_cut_out(Triangle triangle, float u, float v) {
   CaptureMesh mesh = Meshes(table[kMeshesSlot]).at[triangle.mesh];
   if (mesh.masked == 0) return false;
   vec2 uv = uv_at(triangle.corner.x) * (1.0f - u - v) + uv_at(triangle.corner.y) * u + uv_at(triangle.corner.z) * v;
@@ -186,28 +187,28 @@ Crossing crossing_of(Ray ray, Triangle triangle) {
   return Crossing(dot(v0, across) / dot(across, ray.direction), u, v, w, sum, inside);
 }
 
-// ---- a picture's pixels ----
+// ---- pixels ----
 
-vec3 origin_at(vec2 p) { return three(C.origin) + three(C.origin_x) * p.x + three(C.origin_y) * p.y; }
-vec3 direction_at(vec2 p) { return three(C.direction) + three(C.direction_x) * p.x + three(C.direction_y) * p.y; }
+vec3 origin_at(vec2 p) { return to_vec3(C.origin) + to_vec3(C.origin_x) * p.x + to_vec3(C.origin_y) * p.y; }
+vec3 direction_at(vec2 p) { return to_vec3(C.direction) + to_vec3(C.direction_x) * p.x + to_vec3(C.direction_y) * p.y; }
 
-// Computes the ray through a pixel's centre, starting behind the layer before. Returns false if nothing is visible
-// there.
+// Computes the ray through a pixel's centre, which starts behind the previous layer. Returns false if the previous
+// layer shows background there.
 bool pixel_ray(ivec2 here, out Ray ray) {
   vec2 pixel = vec2(here) + 0.5f;
   ray = Ray(origin_at(pixel), direction_at(pixel), 0.0f, kInfinity);
-  uvec2 before = table[kPreviousDepthSlot];
-  if ((before.x | before.y) == 0u) return true;
-  float depth = Floats(before).at[here.y * C.stride + here.x];
+  uvec2 previous = table[kPreviousDepthSlot];
+  if ((previous.x | previous.y) == 0u) return true;
+  float depth = Floats(previous).at[here.y * C.stride + here.x];
   vec3 hit = ray.origin + ray.direction * depth;
-  ray.nearest = depth + kLayerStep * (length(hit) + distance(hit, three(C.eye))) / length(ray.direction);
+  ray.nearest = depth + kLayerStep * (length(hit) + distance(hit, to_vec3(C.eye))) / length(ray.direction);
   return depth < kInfinity;
 }
 
 // Returns the hit of a pixel's ray with a triangle that covers the pixel. Rasterisation decides coverage, so on the
-// triangle's border the ray may miss it slightly. Then the hit is where the ray meets the plane, clamped to the depths
-// of the triangle, with the nearest weights.
-Hit covered(Ray ray, Triangle triangle, int k) {
+// triangle's border the ray may miss it slightly. Then the hit is where the ray meets the triangle's plane, with depth
+// and weights clamped to those of the triangle.
+Hit hit_of_covered_triangle(Ray ray, Triangle triangle, int k) {
   Crossing at = crossing_of(ray, triangle);
   float side = at.sum < 0.0f ? -1.0f : 1.0f;
   vec3 weights = max(side * vec3(at.u, at.v, at.w), 0.0f);
@@ -215,7 +216,7 @@ Hit covered(Ray ray, Triangle triangle, int k) {
   weights = sum > 0.0f ? weights / sum : vec3(1.0f / 3.0f);
   float t = at.t;
   if (!at.inside) {
-    vec3 row = three(C.clip_w), origin = three(C.origin);
+    vec3 row = to_vec3(C.clip_w), origin = to_vec3(C.origin);
     vec3 depths = vec3(dot(triangle.p0 - origin, row), dot(triangle.p1 - origin, row), dot(triangle.p2 - origin, row));
     float low = min(min(depths.x, depths.y), depths.z), high = max(max(depths.x, depths.y), depths.z);
     t = t > low ? (t < high ? t : high) : low;
@@ -223,9 +224,10 @@ Hit covered(Ray ray, Triangle triangle, int k) {
   return Hit(t, weights.x, weights.y, k);
 }
 
-// Returns the hit of a pixel's ray with a triangle or point whose drawing covers the pixel; a point may be missed.
+// Returns the hit of a pixel's ray with a triangle or point whose rasterised shape covers the pixel; the ray may miss a
+// point.
 Hit hit_of_covered(Ray ray, Triangle triangle, int k) {
-  if (triangle.kind == kTriangle) return covered(ray, triangle, k);
+  if (triangle.kind == kTriangle) return hit_of_covered_triangle(ray, triangle, k);
   Hit hit = Hit(kInfinity, 0.0f, 0.0f, -1);
   meets_point(ray, triangle, k, hit);
   return hit;

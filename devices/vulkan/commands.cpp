@@ -10,10 +10,11 @@
 namespace umbrage {
 namespace {
 
-constexpr std::size_t kUniformBytes = std::size_t(4) << 20;  // of constants: some hundreds of dispatches
-constexpr std::uint32_t kMaxPasses = 1024;  // of a submission; each takes two timestamps and a descriptor set
-constexpr std::size_t kMaxTimes = 65536;    // unread times that are kept
-constexpr std::size_t kMaxKinds = 4096;     // kinds of work whose time is known
+/// Memory for constants, bytes: enough for some hundreds of dispatches.
+constexpr std::size_t kUniformBytes = std::size_t(4) << 20;
+constexpr std::uint32_t kMaxDispatches = 1024;  // per submission; each uses two timestamps and a descriptor set
+constexpr std::size_t kMaxTimes = 65536;        // unread times that are kept
+constexpr std::size_t kMaxKinds = 4096;         // kinds of work whose time is known
 constexpr VkAccessFlags kWrites = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
 constexpr VkAccessFlags kReads = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT;
 constexpr VkPipelineStageFlags kStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
@@ -22,35 +23,36 @@ constexpr VkPipelineStageFlags kStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | 
 
 Result<std::unique_ptr<Commands>> Commands::make(GpuPtr gpu, const std::shared_ptr<Memory>& memory) {
   auto commands = std::unique_ptr<Commands>(new Commands(std::move(gpu)));
-  const Gpu& on = *commands->gpu_;
+  const Gpu& opened = *commands->gpu_;
   const auto failed = [](VkResult result) -> Error { return vulkan_error(result, "was opened"); };
   VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
   pool.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
-  pool.queueFamilyIndex = on.family;
-  if (const auto r = on.vk.CreateCommandPool(on.device, &pool, nullptr, &commands->pool_); r != VK_SUCCESS)
+  pool.queueFamilyIndex = opened.family;
+  if (const auto r = opened.vk.CreateCommandPool(opened.device, &pool, nullptr, &commands->pool_); r != VK_SUCCESS)
     return failed(r);
   VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
   allocate.commandPool = commands->pool_;
   allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
   allocate.commandBufferCount = 1;
-  if (const auto r = on.vk.AllocateCommandBuffers(on.device, &allocate, &commands->buffer_); r != VK_SUCCESS)
+  if (const auto r = opened.vk.AllocateCommandBuffers(opened.device, &allocate, &commands->buffer_); r != VK_SUCCESS)
     return failed(r);
   const VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-  if (const auto r = on.vk.CreateFence(on.device, &fence, nullptr, &commands->fence_); r != VK_SUCCESS)
+  if (const auto r = opened.vk.CreateFence(opened.device, &fence, nullptr, &commands->fence_); r != VK_SUCCESS)
     return failed(r);
-  if (on.ns_of_tick > 0.0) {
+  if (opened.ns_of_tick > 0.0) {
     VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
     queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
-    queries.queryCount = 2 * kMaxPasses;
-    if (const auto r = on.vk.CreateQueryPool(on.device, &queries, nullptr, &commands->queries_); r != VK_SUCCESS)
+    queries.queryCount = 2 * kMaxDispatches;
+    if (const auto r = opened.vk.CreateQueryPool(opened.device, &queries, nullptr, &commands->queries_);
+        r != VK_SUCCESS)
       return failed(r);
   }
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kMaxPasses * std::uint32_t(kBoundPlanes)};
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kMaxDispatches * std::uint32_t(kBoundPlanes)};
   VkDescriptorPoolCreateInfo sets{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-  sets.maxSets = kMaxPasses;
+  sets.maxSets = kMaxDispatches;
   sets.poolSizeCount = 1;
   sets.pPoolSizes = &size;
-  if (const auto r = on.vk.CreateDescriptorPool(on.device, &sets, nullptr, &commands->sets_); r != VK_SUCCESS)
+  if (const auto r = opened.vk.CreateDescriptorPool(opened.device, &sets, nullptr, &commands->sets_); r != VK_SUCCESS)
     return failed(r);
   auto uniforms = memory->host(kUniformBytes + kMaxUniforms, true);
   if (!uniforms) return uniforms.error();
@@ -78,7 +80,7 @@ Result<VkCommandBuffer> Commands::buffer() {
   if (const auto r = gpu_->vk.BeginCommandBuffer(buffer_, &begin); r != VK_SUCCESS)
     return vulkan_error(r, "recorded its work");
   recording_ = true;
-  if (queries_) gpu_->vk.CmdResetQueryPool(buffer_, queries_, 0, 2 * kMaxPasses);
+  if (queries_) gpu_->vk.CmdResetQueryPool(buffer_, queries_, 0, 2 * kMaxDispatches);
   return buffer_;
 }
 
@@ -140,9 +142,9 @@ Result<void> Commands::submit(VkSemaphore signal) {
   VkSubmitInfo work{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   work.commandBufferCount = 1;
   work.pCommandBuffers = &buffer_;
-  const VkSemaphore before = std::exchange(wait_semaphore_, VK_NULL_HANDLE);
-  work.waitSemaphoreCount = before ? 1 : 0;
-  work.pWaitSemaphores = &before;
+  const VkSemaphore wait_semaphore = std::exchange(wait_semaphore_, VK_NULL_HANDLE);
+  work.waitSemaphoreCount = wait_semaphore ? 1 : 0;
+  work.pWaitSemaphores = &wait_semaphore;
   work.pWaitDstStageMask = &all;
   work.signalSemaphoreCount = signal ? 1 : 0;
   work.pSignalSemaphores = &signal;
@@ -165,7 +167,7 @@ Result<void> Commands::wait_for_submission() {
   struct AtEnd {
     Commands& commands;
     ~AtEnd() { commands.reset(); }
-  } const at_end{*this};  // also if reading the times throws: the fence will not be signalled again
+  } const at_end{*this};  // even if reading the times throws: the fence will not be signalled again
   if (const auto r = vk.ResetFences(gpu_->device, 1, &fence_); r != VK_SUCCESS) lost_ = vulkan_error(r, "worked");
   if (waited != VK_SUCCESS) return failed(waited);
   return lost_ ? Result<void>(*lost_) : read_times();
@@ -180,7 +182,7 @@ Result<void> Commands::read_times() {
   if (read != VK_SUCCESS) return vulkan_error(read, "reported the times of its dispatches");
   if (times_.size() > kMaxTimes) times_.clear();
   if (ms_per_group_.size() > kMaxKinds) ms_per_group_.clear();
-  std::map<Kind, double> slowest;  // row ranges of one dispatch differ: background is faster
+  std::map<Kind, double> slowest;  // of the row ranges of a dispatch, which differ: background is faster
   for (std::size_t k = 0; k < timed_.size(); ++k) {
     Timed& timed = timed_[k];
     timed.time.ms = double(ticks[2 * k + 1] - ticks[2 * k]) * gpu_->ns_of_tick * 1e-6;
@@ -205,12 +207,12 @@ Result<Commands::Uniforms> Commands::uniforms(std::size_t bytes) {
   if (lost_) return *lost_;
   if (submitted_)
     if (auto done = wait_for_submission(); !done) return done.error();
-  if (uniforms_used_ + bytes > kUniformBytes || timed_.size() >= kMaxPasses)
+  if (uniforms_used_ + bytes > kUniformBytes || timed_.size() >= kMaxDispatches)
     if (auto done = finish(); !done) return done.error();
-  const Uniforms given{uniforms_->mapped + uniforms_used_, std::uint32_t(uniforms_used_)};
+  const Uniforms slice{uniforms_->mapped + uniforms_used_, std::uint32_t(uniforms_used_)};
   const std::size_t step = gpu_->properties.limits.minUniformBufferOffsetAlignment;
   uniforms_used_ = (uniforms_used_ + bytes + step - 1) / step * step;
-  return given;
+  return slice;
 }
 
 Result<VkDescriptorSet> Commands::descriptor_set(VkDescriptorSetLayout layout,

@@ -16,6 +16,7 @@ namespace umbrage {
 
 class Commands {
  public:
+  /// Creates the recorder. Errors: kDevice.
   static Result<std::unique_ptr<Commands>> make(GpuPtr gpu, const std::shared_ptr<Memory>& memory);
   ~Commands();
   Commands(const Commands&) = delete;

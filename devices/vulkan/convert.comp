@@ -1,4 +1,5 @@
-// Converts texels of a caller's image to planes, or back. Table: the texels, and up to four planes.
+// Converts texels of a caller's image to planes, or back. The table contains the addresses of the texels and of up to
+// four planes; 0: no such plane.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -50,31 +51,31 @@ float view_depth(float d, ivec2 here) {
   return near * far / (near + d * (far - near));
 }
 
-void put(int slot, int place, float v) {
-  if ((table[slot].x | table[slot].y) != 0u) Reals(table[slot]).at[place] = v;
+void store(int slot, int index, float v) {
+  if ((table[slot].x | table[slot].y) != 0u) Reals(table[slot]).at[index] = v;
 }
-float get(int slot, int place, float otherwise) {
-  return (table[slot].x | table[slot].y) != 0u ? Reals(table[slot]).at[place] : otherwise;
+float load(int slot, int index, float otherwise) {
+  return (table[slot].x | table[slot].y) != 0u ? Reals(table[slot]).at[index] : otherwise;
 }
 
 void main() {
   ivec2 here = ivec2(gl_GlobalInvocationID.xy);
   if (here.x >= C.width || here.y >= C.height) return;
-  int k = here.y * C.width + here.x, place = here.y * C.stride + here.x;
+  int k = here.y * C.width + here.x, index = here.y * C.stride + here.x;
   if (C.to_image == 0) {
     vec4 v = texel(k);
     if (C.role == kNormalRole) {
       vec3 n = C.format == kBytes4 || C.format == kBytes4Swapped ? v.xyz * 2.0f - 1.0f : v.xyz;
-      v.x = C.turn[0] * n.x + C.turn[1] * n.y + C.turn[2] * n.z;
-      v.y = C.turn[3] * n.x + C.turn[4] * n.y + C.turn[5] * n.z;
-      v.z = C.turn[6] * n.x + C.turn[7] * n.y + C.turn[8] * n.z;
+      v.x = C.rotation[0] * n.x + C.rotation[1] * n.y + C.rotation[2] * n.z;
+      v.y = C.rotation[3] * n.x + C.rotation[4] * n.y + C.rotation[5] * n.z;
+      v.z = C.rotation[6] * n.x + C.rotation[7] * n.y + C.rotation[8] * n.z;
     } else if (C.role != kPlainRole) {
       v.x = view_depth(v.x, here);
     }
-    for (int c = 0; c < 4; ++c) put(1 + c, place, v[c]);
+    for (int c = 0; c < 4; ++c) store(1 + c, index, v[c]);
     return;
   }
-  vec4 v = vec4(get(1, place, 0.0f), get(2, place, 0.0f), get(3, place, 0.0f), get(4, place, 1.0f));
+  vec4 v = vec4(load(1, index, 0.0f), load(2, index, 0.0f), load(3, index, 0.0f), load(4, index, 1.0f));
   Words to = Words(table[0]);
   if (C.format == kFloat1) {
     to.at[k] = floatBitsToUint(v.x);

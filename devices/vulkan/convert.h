@@ -6,7 +6,7 @@
 const int kFloat1 = 0, kFloat4 = 1, kHalf4 = 2, kBytes4 = 3, kBytes4Swapped = 4;
 // Meaning of the texels.
 const int kPlainRole = 0;          // plain numbers
-const int kNormalRole = 1;         // a vector; bytes map from [0, 1] to [-1, 1]; rotated by `turn`
+const int kNormalRole = 1;         // a vector; bytes map from [0, 1] to [-1, 1]; rotated by `rotation`
 const int kViewDepthRole = 2;      // view depth
 const int kWindowDepthRole = 3;    // window depth: 0 at the near plane, 1 at the far plane
 const int kReversedDepthRole = 4;  // window depth: 1 at the near plane, 0 at the far plane
@@ -21,7 +21,7 @@ struct ConvertConstants {
   int orthographic;
   float near_depth, far_depth;     // the far plane may be at infinity
   float left, right, bottom, top;  // kRayDepthRole: window at distance 1
-  float turn[9];                   // rotation of normals, rows
+  float rotation[9];               // of normals, by rows
 };
 
 #endif

@@ -71,7 +71,7 @@ std::vector<CaptureMesh> meshes_of(const Scene& scene) {
 }
 
 /// Returns the sample points on lights, followed by the linear values of sRGB bytes.
-std::vector<float> tables() {
+std::vector<float> point_table() {
   std::vector<float> out;
   const auto points = disc_points();
   for (const auto& set : points)
@@ -123,7 +123,7 @@ Result<DeviceScene> upload_scene(const Scene& scene, Memory& memory, Commands& c
   }
   const std::vector<CaptureMesh> meshes = meshes_of(scene);
   out.masks = std::any_of(meshes.begin(), meshes.end(), [](const CaptureMesh& mesh) { return mesh.masked != 0; });
-  const std::vector<float> points = tables();
+  const std::vector<float> points = point_table();
   for (const Bytes bytes :
        {bytes_of(hierarchy->nodes), bytes_of(hierarchy->triangles), bytes_of(normals), bytes_of(uvs), bytes_of(meshes),
         bytes_of(textures), bytes_of(levels), bytes_of(texels), bytes_of(points), bytes_of(colors)}) {

@@ -14,12 +14,12 @@ struct DeviceScene {
   const Scene* scene = nullptr;  ///< must outlive this
   glm::vec3 center{0.0f};        ///< see TracedScene
   float scale = 1.0f;
-  int root = 0;
+  int root = 0;  ///< see Hierarchy
   bool empty = false;
   bool points = false;  ///< has discs or spheres
-  bool masks = false;   ///< has textures that cut holes
+  bool masks = false;   ///< has alpha masks
   int triangles = 0;    ///< number of triangles and points
-  /// In the order of the table of addresses, from kNodesSlot on.
+  /// The buffers of the scene, in the order of the table of addresses, starting with kNodesSlot.
   std::vector<DevicePlanePtr> buffers;
 };
 

@@ -9,8 +9,8 @@
 namespace umbrage {
 namespace {
 
-constexpr int kMinTrianglesPerSubmission = 1024;  // min triangles per submission
-/// Size of the table of planes; on every device a multiple of the alignment of constants.
+constexpr int kMinTrianglesPerSubmission = 1024;
+/// Size of the table of plane addresses, bytes; on every device a multiple of the alignment of constants.
 constexpr std::size_t kTableBytes = kMaxPlanes * sizeof(VkDeviceAddress);
 
 }  // namespace
@@ -25,12 +25,12 @@ std::vector<std::byte> block_of(const FrameConstants& frame, std::span<const std
 Result<void> Dispatcher::run_kernel(const GpuStep& step, GpuWork work, const PictureInfo& info, Constants block,
                                     VkDeviceSize bytes, std::span<const DevicePlane* const> planes) {
   const VkDeviceSize max = gpu_->properties.limits.maxStorageBufferRange;
-  const auto pipeline = pipelines_->of(step, block, bytes <= max);
+  const auto pipeline = pipelines_->kernel(step, block, bytes <= max);
   if (!pipeline) return pipeline.error();
   std::vector<VkDeviceAddress> table;
   for (const DevicePlane* plane : planes) table.push_back(plane ? plane->address : 0);
-  // A missing plane is replaced by another one, and one that is too large is bound with its beginning: no shader reads
-  // them, but all bindings must be set.
+  // All bindings must be set, even those that no shader reads: in place of a missing plane another one is bound, and of
+  // a plane that is too large only the beginning.
   const auto any = std::find_if(planes.begin(), planes.end(), [](auto* plane) { return plane != nullptr; });
   if (any == planes.end()) fail_check(fmt::format("kernel {} has no planes", step.name));
   std::array<VkDescriptorBufferInfo, kBoundPlanes> bound;
@@ -49,29 +49,30 @@ Result<void> Dispatcher::dispatch(const GpuWork& work, const PictureInfo& info, 
   const int columns = work.target ? 1 : groups_of(info.width, work.group_width);
   const int rows =
       work.target ? groups_of(work.triangles, kMinTrianglesPerSubmission) : groups_of(info.height, work.group_height);
-  if (!(longest_ms_ > 0.0) || !commands_->measures_times())
+  if (!(max_submission_ms_ > 0.0) || !commands_->measures_times())
     return record_rows(work, columns, 0, rows, false, constants, table);
   const Commands::Kind kind{work.pipeline, work.settings};
   const int first_rows = std::max(first_groups_ / columns, 1);
   int begin = 0, end = 0;  // rows that are done
   if (!commands_->ms_per_group(kind)) {
     if (rows <= first_rows) return record_rows(work, columns, 0, rows, false, constants, table);
-    begin = work.target ? 0 : (rows - first_rows) / 2;  // of several triangles in one place the first is visible
+    // Triangles must be drawn in order: of coincident ones the first is visible.
+    begin = work.target ? 0 : (rows - first_rows) / 2;
     end = begin + first_rows;
     if (auto done = record_rows(work, columns, begin, end, false, constants, table); !done) return done;
     if (auto done = commands_->finish(); !done) return done;
   }
   const bool continues = end > begin;
-  if (auto done = note_strips(work, columns, 0, begin, continues, constants, table); !done) return done;
-  return note_strips(work, columns, end, rows, continues, constants, table);
+  if (auto done = record_strips(work, columns, 0, begin, continues, constants, table); !done) return done;
+  return record_strips(work, columns, end, rows, continues, constants, table);
 }
 
-Result<void> Dispatcher::note_strips(const GpuWork& work, int columns, int row, int end, bool continues,
-                                     Constants constants, Table table) {
+Result<void> Dispatcher::record_strips(const GpuWork& work, int columns, int row, int end, bool continues,
+                                       Constants constants, Table table) {
   while (row < end) {
     const double ms_per_row =
         std::max(columns * commands_->ms_per_group({work.pipeline, work.settings}).value_or(0.0), 1e-9);
-    const double left_ms = longest_ms_ - commands_->recorded_ms();
+    const double left_ms = max_submission_ms_ - commands_->recorded_ms();
     if (left_ms < ms_per_row && commands_->recorded_ms() > 0.0) {
       if (auto done = commands_->finish(); !done) return done;
       continue;
@@ -101,19 +102,19 @@ Result<void> Dispatcher::record_rows(const GpuWork& work, int columns, int row, 
   // The table comes first: its size is the same for all shaders, so the constants are as aligned as the table.
   std::memcpy(uniforms->bytes, table.data(), table.size_bytes());
   std::memcpy(uniforms->bytes + kTableBytes, constants.data(), constants.size());
-  // Before the barrier: after drawing, lavapipe takes the time at the next barrier.
+  // This precedes the barrier because lavapipe measures the end of a draw at the next barrier.
   commands_->begin_dispatch(work.effect, work.dispatch, {work.pipeline, work.settings}, double(columns) * (end - row),
                             continues);
   commands_->barrier();
   const VkPipelineBindPoint point = work.target ? VK_PIPELINE_BIND_POINT_GRAPHICS : VK_PIPELINE_BIND_POINT_COMPUTE;
   gpu_->vk.CmdBindPipeline(*buffer, point, work.pipeline);
   const std::uint32_t offsets[] = {uniforms->offset + std::uint32_t(kTableBytes), uniforms->offset};
-  gpu_->vk.CmdBindDescriptorSets(*buffer, point, pipelines_->pass_layout(), 0, sets[1] ? 2 : 1, sets, 2, offsets);
+  gpu_->vk.CmdBindDescriptorSets(*buffer, point, pipelines_->kernel_layout(), 0, sets[1] ? 2 : 1, sets, 2, offsets);
   if (work.target) {
     const int first = row * kMinTrianglesPerSubmission,
               last = std::min(end * kMinTrianglesPerSubmission, work.triangles);
     begin_drawing(*gpu_, *buffer, *work.target, *drawing, row == 0);
-    const std::uint32_t corners = work.points ? 6 : 3;  // of each triangle: see corner.vert
+    const std::uint32_t corners = work.points ? 6 : 3;  // vertices of each triangle or point: see corner.vert
     gpu_->vk.CmdDraw(*buffer, std::uint32_t(last - first) * corners, 1, std::uint32_t(first) * corners, 0);
     end_drawing(*gpu_, *buffer);
   } else {

@@ -22,12 +22,13 @@ struct GpuWork {
   std::string_view effect, dispatch;
   std::size_t settings = 0;                         // see Commands::Kind
   int group_width = kGroup, group_height = kGroup;  // pixels per workgroup
-  const RasterTarget* target = nullptr;  // not null: draws the triangles and points of a scene, some at a time
-  int triangles = 0;                     // of the scene, points included
-  bool points = false;                   // whether the scene has points
-  std::span<const VkDescriptorBufferInfo> bound = {};  // kBoundPlanes buffers, for kernels with kernel/glsl.h
+  // Not null: draws the triangles and points of a scene into it, instead of a dispatch.
+  const RasterTarget* target = nullptr;
+  int triangles = 0;                                   // number in the scene, points included
+  bool points = false;                                 // whether the scene has points
+  std::span<const VkDescriptorBufferInfo> bound = {};  // kBoundPlanes buffers, for kernels that use kernel/glsl.h
 };
-/// Temporary planes of steps, besides those of a frame.
+/// The temporary planes of GpuSteps, by name.
 using StepPlanes = std::map<std::string_view, DevicePlanePtr>;
 
 /// Returns the number of workgroups that cover this many pixels.
@@ -36,7 +37,7 @@ inline int groups_of(int pixels, int group) { return (pixels + group - 1) / grou
 /// Returns the block of constants that a kernel reads.
 std::vector<std::byte> block_of(const FrameConstants& frame, std::span<const std::byte> constants);
 
-/// Records shaders.
+/// Records shader runs.
 class Dispatcher {
  public:
   /// `max_submission_ms`: max time of a submission; 0: unlimited. A shader with unknown time first runs on
@@ -45,7 +46,7 @@ class Dispatcher {
       : gpu_(&gpu),
         commands_(&commands),
         pipelines_(&pipelines),
-        longest_ms_(max_submission_ms),
+        max_submission_ms_(max_submission_ms),
         first_groups_(first_groups) {}
 
   using Constants = std::span<const std::byte>;
@@ -63,8 +64,8 @@ class Dispatcher {
 
  private:
   /// Records rows of workgroups whose time is known; submits whenever the recorded work takes too long.
-  Result<void> note_strips(const GpuWork& work, int columns, int row, int end, bool continues, Constants constants,
-                           Table table);
+  Result<void> record_strips(const GpuWork& work, int columns, int row, int end, bool continues, Constants constants,
+                             Table table);
 
   Result<void> record_rows(const GpuWork& work, int columns, int row, int end, bool continues, Constants constants,
                            Table table);
@@ -72,7 +73,7 @@ class Dispatcher {
   const Gpu* gpu_;
   Commands* commands_;
   Pipelines* pipelines_;
-  double longest_ms_;
+  double max_submission_ms_;
   int first_groups_;
 };
 

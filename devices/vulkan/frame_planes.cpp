@@ -24,21 +24,21 @@ std::size_t PlaneStore::staged_at_once(const DevicePlanes& planes) const {
 }
 
 Result<DevicePlanePtr> PlaneStore::writable(DevicePlanes& planes, const std::string& name) {
-  const auto found = planes.made.find(name);
-  const bool is_there = found != planes.made.end();
-  if (is_there && !planes.kept.contains(name)) return found->second;
+  const auto found = planes.stored.find(name);
+  const bool exists = found != planes.stored.end();
+  if (exists && !planes.of_parent.contains(name)) return found->second;
   auto plane = memory_->plane(planes.bytes);
   if (!plane) return plane;
-  if (const DevicePlane* before = planes.find(name)) {
+  if (const DevicePlane* previous = planes.find(name)) {
     const auto buffer = commands_->buffer();
     if (!buffer) return buffer.error();
     commands_->barrier();
-    const VkBufferCopy region{before->offset, (*plane)->offset, planes.bytes};
-    gpu_->vk.CmdCopyBuffer(*buffer, before->buffer, (*plane)->buffer, 1, &region);
+    const VkBufferCopy region{previous->offset, (*plane)->offset, planes.bytes};
+    gpu_->vk.CmdCopyBuffer(*buffer, previous->buffer, (*plane)->buffer, 1, &region);
   }
-  if (!is_there) planes.names.push_back(name);
-  planes.made[name] = *plane;
-  planes.kept.erase(name);
+  if (!exists) planes.names.push_back(name);
+  planes.stored[name] = *plane;
+  planes.of_parent.erase(name);
   return plane;
 }
 
@@ -49,11 +49,12 @@ Result<void> PlaneStore::copy_to(const std::vector<NamedPlane>& from, const Pict
     const std::size_t end = std::min(first + at_once, from.size());
     if (first > 0)  // staged data must remain until it is copied
       if (auto done = commands_->finish(); !done) return done;
-    for (std::size_t p = first; p < end; ++p)  // before staging: new memory may submit the recorded work
+    for (std::size_t p = first; p < end; ++p)  // before staging: allocation may submit the recorded work
       if (const auto out = writable(planes, from[p].name); !out) return out.error();
     const auto staged = memory_->host(planes.bytes * (end - first));
     if (!staged) return staged.error();
-    if (const auto begun = commands_->buffer(); !begun) return begun.error();  // it may release kept objects
+    // This may wait for submitted work, and then releases kept objects.
+    if (const auto begun = commands_->buffer(); !begun) return begun.error();
     commands_->keep(*staged);
     for (std::size_t p = first; p < end; ++p) {
       check_equal(from[p].plane->width, info.width, from[p].name);
@@ -64,7 +65,7 @@ Result<void> PlaneStore::copy_to(const std::vector<NamedPlane>& from, const Pict
       else
         for (int y = 0; y < info.height; ++y)
           std::memcpy(to + std::size_t(y) * planes.stride * sizeof(float), from[p].plane->row(y), row_bytes);
-      const DevicePlanePtr& out = planes.made.find(from[p].name)->second;
+      const DevicePlanePtr& out = planes.stored.find(from[p].name)->second;
       const auto buffer = commands_->buffer();
       if (!buffer) return buffer.error();
       if (p == first) commands_->barrier();
@@ -75,20 +76,20 @@ Result<void> PlaneStore::copy_to(const std::vector<NamedPlane>& from, const Pict
   return {};
 }
 
-Result<Image> PlaneStore::copied(const DevicePlanes& planes, const std::vector<std::string>& wanted,
+Result<Image> PlaneStore::copied(const DevicePlanes& planes, const std::vector<std::string>& names,
                                  const PictureInfo& info, int margin) {
   Image out(info.width - 2 * margin, info.height - 2 * margin);
   const std::size_t at_once = staged_at_once(planes);
-  for (std::size_t first = 0; first < wanted.size(); first += at_once)
-    if (auto done = copy_from(planes, wanted, first, std::min(first + at_once, wanted.size()), margin, out); !done)
+  for (std::size_t first = 0; first < names.size(); first += at_once)
+    if (auto done = copy_from(planes, names, first, std::min(first + at_once, names.size()), margin, out); !done)
       return done.error();
-  // Also if nothing is copied: errors of earlier work show here.
+  // Finishes even if nothing is copied, since errors of earlier work are reported here.
   if (auto done = commands_->finish(); !done) return done.error();
   return out;
 }
 
-Result<void> PlaneStore::copy_from(const DevicePlanes& planes, const std::vector<std::string>& wanted,
-                                   std::size_t first, std::size_t end, int margin, Image& out) {
+Result<void> PlaneStore::copy_from(const DevicePlanes& planes, const std::vector<std::string>& names, std::size_t first,
+                                   std::size_t end, int margin, Image& out) {
   const auto staged = memory_->host(planes.bytes * (end - first));
   if (!staged) return staged.error();
   const auto buffer = commands_->buffer();
@@ -96,8 +97,8 @@ Result<void> PlaneStore::copy_from(const DevicePlanes& planes, const std::vector
   commands_->keep(*staged);
   commands_->barrier();
   for (std::size_t p = first; p < end; ++p) {
-    const DevicePlane* plane = planes.find(wanted[p]);
-    if (!plane) return usage_error("the picture has no plane '{}'", wanted[p]);
+    const DevicePlane* plane = planes.find(names[p]);
+    if (!plane) return usage_error("the picture has no plane '{}'", names[p]);
     const VkBufferCopy region{plane->offset, planes.bytes * (p - first), planes.bytes};
     gpu_->vk.CmdCopyBuffer(*buffer, plane->buffer, (*staged)->buffer, 1, &region);
   }
@@ -108,7 +109,7 @@ Result<void> PlaneStore::copy_from(const DevicePlanes& planes, const std::vector
     for (int y = 0; y < out.height; ++y)
       std::memcpy(to.row(y), from + std::size_t(y + margin) * planes.stride + margin,
                   std::size_t(out.width) * sizeof(float));
-    out.names.push_back(wanted[p]);
+    out.names.push_back(names[p]);
     out.planes.push_back(std::move(to));
   }
   return {};

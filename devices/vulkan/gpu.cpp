@@ -55,8 +55,8 @@ Result<GpuPtr> open_gpu(InstancePtr instance, const PhysicalGpu& from) {
   VkDeviceCreateInfo create{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
   create.queueCreateInfoCount = 1;
   create.pQueueCreateInfos = &queue;
-  if (const VkResult made = gpu->vk.CreateDevice(from.handle, &create, nullptr, &gpu->device); made != VK_SUCCESS)
-    return vulkan_error(made, "was opened");
+  if (const VkResult result = gpu->vk.CreateDevice(from.handle, &create, nullptr, &gpu->device); result != VK_SUCCESS)
+    return vulkan_error(result, "was opened");
   gpu->vk.GetDeviceQueue(gpu->device, gpu->family, 0, &gpu->queue);
 
   query_properties(*gpu);
@@ -80,8 +80,8 @@ Result<GpuPtr> adopt_gpu(const ForeignGpu& foreign) {
   gpu->queue = foreign.queue;
   gpu->family = foreign.family;
   query_properties(*gpu);
-  if (const std::string room = missing_limits(gpu->properties.limits); !room.empty())
-    return device_error("the Vulkan device '{}' cannot be used: it lacks {}", gpu->properties.deviceName, room);
+  if (const std::string missing = missing_limits(gpu->properties.limits); !missing.empty())
+    return device_error("the Vulkan device '{}' cannot be used: it lacks {}", gpu->properties.deviceName, missing);
   return GpuPtr(std::move(gpu));
 }
 

@@ -14,22 +14,22 @@
 namespace umbrage {
 namespace {
 
-void put(const glm::vec3& v, float* to) {
+void copy_to(const glm::vec3& v, float* to) {
   for (int c = 0; c < 3; ++c) to[c] = v[c];
 }
 
-/// Computes the projection of triangles. A ray's point is origin + x origin_x + y origin_y + t (direction + x
-/// direction_x + y direction_y); this solves for x and y, times t in perspective, and t.
-void put_projection(const TracedScene& unit, const CameraRays& rays, const PictureInfo& info, CaptureConstants& c) {
+/// Computes the projection of triangles. A point on a ray is origin + x origin_x + y origin_y + t (direction + x
+/// direction_x + y direction_y). The projection yields x and y, in perspective multiplied by t, and t.
+void set_projection(const TracedScene& unit, const CameraRays& rays, const PictureInfo& info, CaptureConstants& c) {
   constexpr float kNearest = 1e-6f;  // near clipping depth, relative to the farthest depth
   const bool parallel = info.camera.projection == Projection::kOrthographic;
   const glm::dmat3 rows = glm::transpose(
       glm::inverse(glm::dmat3(glm::dvec3(parallel ? rays.origin_x : rays.direction_x),
                               glm::dvec3(parallel ? rays.origin_y : rays.direction_y), glm::dvec3(rays.direction))));
   const glm::dvec3 away = parallel ? glm::dvec3(0.0) : rows[2];
-  put(glm::vec3(rows[0] * (2.0 / info.width) - away), c.clip_x);
-  put(glm::vec3(rows[1] * (2.0 / info.height) - away), c.clip_y);
-  put(glm::vec3(rows[2]), c.clip_w);
+  copy_to(glm::vec3(rows[0] * (2.0 / info.width) - away), c.clip_x);
+  copy_to(glm::vec3(rows[1] * (2.0 / info.height) - away), c.clip_y);
+  copy_to(glm::vec3(rows[2]), c.clip_w);
   c.orthographic = parallel ? 1 : 0;
   double farthest = 0.0;
   for (int corner = 0; corner < 8; ++corner) {
@@ -56,36 +56,36 @@ CaptureConstants capture_constants(const DeviceScene& scene, const PictureInfo& 
   c.height = info.height;
   c.stride = stride;
   c.root = scene.root;
-  c.nothing = scene.empty || !rays_within_limit(rays, info) ? 1 : 0;
+  c.nothing_visible = scene.empty || !rays_within_limit(rays, info) ? 1 : 0;
   c.back = back ? 1 : 0;
   c.sample_index = settings.sample;
   const glm::mat3 to_view(info.camera.view_from_world);
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column) c.to_view[3 * row + column] = to_view[column][row];
-  put(rays.eye, c.eye);
-  put(rays.origin, c.origin);
-  put(rays.origin_x, c.origin_x);
-  put(rays.origin_y, c.origin_y);
-  put(rays.direction, c.direction);
-  put(rays.direction_x, c.direction_x);
-  put(rays.direction_y, c.direction_y);
-  put_projection(unit, rays, info, c);
+  copy_to(rays.eye, c.eye);
+  copy_to(rays.origin, c.origin);
+  copy_to(rays.origin_x, c.origin_x);
+  copy_to(rays.origin_y, c.origin_y);
+  copy_to(rays.direction, c.direction);
+  copy_to(rays.direction_x, c.direction_x);
+  copy_to(rays.direction_y, c.direction_y);
+  set_projection(unit, rays, info, c);
   for (const ShadowLight& light : shadow_lights(unit, rays, info, settings)) {
     const int k = c.light_count++;
     c.light_index[k] = light.index;
     c.light_point[k] = light.point ? 1 : 0;
     c.light_rays[k] = light.rays;
     c.light_size[k] = light.size;
-    put(light.where, c.light_where + 3 * k);
-    put(light.right, c.light_right + 3 * k);
-    put(light.up, c.light_up + 3 * k);
+    copy_to(light.where, c.light_where + 3 * k);
+    copy_to(light.right, c.light_right + 3 * k);
+    copy_to(light.up, c.light_up + 3 * k);
   }
   return c;
 }
 
 bool can_draw(const DeviceScene& scene, const CaptureConstants& c, const Gpu& gpu) {
-  if (scene.empty || c.nothing || std::max(c.width, c.height) > gpu.max_drawn_side) return false;
-  // Nor if all is behind the camera, or its rays lie in one plane.
+  if (scene.empty || c.nothing_visible || std::max(c.width, c.height) > gpu.max_drawn_side) return false;
+  // Triangles cannot be drawn either if everything is behind the camera or all rays lie in one plane.
   const auto finite = [](const float(&row)[3]) {
     return std::all_of(row, row + 3, [](float v) { return std::isfinite(v); });
   };

@@ -1,4 +1,4 @@
-// Constants of capture.comp and of the drawing of triangles.
+// Constants of capture.comp, and of the shaders that draw triangles.
 #pragma once
 #include "core/device.h"
 #include "devices/vulkan/capture.h"
@@ -6,14 +6,14 @@
 
 namespace umbrage {
 
-/// Returns the constants of a layer of the picture. `back`: capture its other sides too.
+/// Returns the constants of a layer of the picture. `back`: also capture the back sides of its surfaces.
 CaptureConstants capture_constants(const DeviceScene& scene, const PictureInfo& info, const CaptureSettings& settings,
                                    int stride, bool back);
 
-/// Returns whether triangles can be drawn for this layer, so that no primary rays are needed.
+/// Returns whether the triangles of this layer can be rasterised, which replaces primary rays.
 bool can_draw(const DeviceScene& scene, const CaptureConstants& constants, const Gpu& gpu);
 
-/// Returns the index of a captured plane's address in the table.
+/// Returns the index of a captured plane in the table of addresses.
 int capture_slot(std::string_view plane);
 
 }  // namespace umbrage

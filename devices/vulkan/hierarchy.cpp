@@ -17,8 +17,9 @@
 namespace umbrage {
 namespace {
 
-constexpr unsigned kMaxInLeaf = 4;  // capture.comp has three bits for the count
-constexpr unsigned kDepth = 40;     // deeper Embree splits by halves: at most kHierarchyDepth levels
+constexpr unsigned kMaxInLeaf = 4;  // a child has three bits for the count: see Hierarchy
+// At greater depth Embree splits into halves, so that the tree has at most kHierarchyDepth levels.
+constexpr unsigned kDepth = 40;
 
 /// A node made by Embree's builder: two children, or triangles and points.
 struct BuiltNode {
@@ -35,15 +36,16 @@ struct Ended : std::exception {};
 /// the Watch.
 BuiltNode* new_node(RTCThreadLocalAllocator memory, void* pointer) {
   if (static_cast<const Watch*>(pointer)->ended()) throw Ended();
-  void* place = rtcThreadLocalAlloc(memory, sizeof(BuiltNode), 16);
-  if (!place) throw std::bad_alloc();
-  return new (place) BuiltNode;
+  void* address = rtcThreadLocalAlloc(memory, sizeof(BuiltNode), 16);
+  if (!address) throw std::bad_alloc();
+  return new (address) BuiltNode;
 }
 
 // Enlargement of boxes, relative to position and size: a ray along a side must not miss the box.
-constexpr float kWider = 5e-7f;
+constexpr float kBoxEnlargement = 5e-7f;
 
-constexpr double kMeasured = 0.1, kBuilt = 0.8;  // approximate fractions of the work that are then done
+// Approximate progress when the primitives are collected, and when the tree is built.
+constexpr double kCollected = 0.1, kBuilt = 0.8;
 
 float bits(int v) { return std::bit_cast<float>(v); }
 
@@ -55,14 +57,14 @@ struct Flattener {
   float scale;
   Hierarchy& out;
   Watch& watch;
-  int leaves = 0;  ///< so far
+  int leaves = 0;  ///< number of leaves written so far
 
   int add(const BuiltNode& node, int depth) {
     check_less(depth, kHierarchyDepth + 1, "depth of a hierarchy");
     if (watch.ended()) return 0;
     if (node.count > 0) {
       const int first = int(out.triangles.size());
-      constexpr int kLeaves = 1024;  // between progress reports
+      constexpr int kLeaves = 1024;  // leaves between progress reports
       if (leaves++ % kLeaves == 0)
         watch.reached(kBuilt + (1.0 - kBuilt) * double(first) / double(out.triangles.capacity()));
       for (unsigned k = 0; k < node.count; ++k) {
@@ -92,9 +94,9 @@ struct Flattener {
       const int child = add(*node.children[side], depth + 1);
       const RTCBounds& b = node.bounds[side];
       const glm::vec3 low(b.lower_x, b.lower_y, b.lower_z), high(b.upper_x, b.upper_y, b.upper_z);
-      const glm::vec3 wider = kWider * (glm::max(glm::abs(low), glm::abs(high)) + (high - low));
-      out.nodes[at][2 * side] = glm::vec4(low - wider, bits(child));
-      out.nodes[at][2 * side + 1] = glm::vec4(high + wider, 0.0f);
+      const glm::vec3 margin = kBoxEnlargement * (glm::max(glm::abs(low), glm::abs(high)) + (high - low));
+      out.nodes[at][2 * side] = glm::vec4(low - margin, bits(child));
+      out.nodes[at][2 * side + 1] = glm::vec4(high + margin, 0.0f);
     }
     return int(at);
   }
@@ -106,7 +108,7 @@ std::vector<RTCBuildPrimitive> primitives_of(const Scene& scene, const std::vect
   primitives.reserve(scene.triangle_count() + scene.point_count());
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
-    watch.reached(kMeasured * double(primitives.size()) / double(primitives.capacity()));
+    watch.reached(kCollected * double(primitives.size()) / double(primitives.capacity()));
     if (watch.ended()) break;
     for (std::size_t k = 0; k < mesh.radii.size(); ++k) {
       const glm::vec3 p = positions[std::size_t(first_vertex[m]) + k];
@@ -152,23 +154,23 @@ Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float sc
   if (!started) return started.error();
   const std::unique_ptr<std::remove_pointer_t<RTCDevice>, Release> device(*started);
   const std::unique_ptr<std::remove_pointer_t<RTCBVH>, Release> bvh(rtcNewBVH(device.get()));
-  RTCBuildArguments how = rtcDefaultBuildArguments();
-  how.maxLeafSize = kMaxInLeaf;
-  how.maxDepth = kDepth;
-  how.bvh = bvh.get();
-  how.primitives = primitives.data();
-  how.primitiveCount = how.primitiveArrayCapacity = primitives.size();
-  how.createNode = [](RTCThreadLocalAllocator memory, unsigned, void* pointer) -> void* {
+  RTCBuildArguments arguments = rtcDefaultBuildArguments();
+  arguments.maxLeafSize = kMaxInLeaf;
+  arguments.maxDepth = kDepth;
+  arguments.bvh = bvh.get();
+  arguments.primitives = primitives.data();
+  arguments.primitiveCount = arguments.primitiveArrayCapacity = primitives.size();
+  arguments.createNode = [](RTCThreadLocalAllocator memory, unsigned, void* pointer) -> void* {
     return new_node(memory, pointer);
   };
-  how.setNodeChildren = [](void* node, void** children, unsigned, void*) {
+  arguments.setNodeChildren = [](void* node, void** children, unsigned, void*) {
     for (int k = 0; k < 2; ++k) static_cast<BuiltNode*>(node)->children[k] = static_cast<const BuiltNode*>(children[k]);
   };
-  how.setNodeBounds = [](void* node, const RTCBounds** bounds, unsigned, void*) {
+  arguments.setNodeBounds = [](void* node, const RTCBounds** bounds, unsigned, void*) {
     for (int k = 0; k < 2; ++k) static_cast<BuiltNode*>(node)->bounds[k] = *bounds[k];
   };
-  how.createLeaf = [](RTCThreadLocalAllocator memory, const RTCBuildPrimitive* primitives, std::size_t count,
-                      void* pointer) -> void* {
+  arguments.createLeaf = [](RTCThreadLocalAllocator memory, const RTCBuildPrimitive* primitives, std::size_t count,
+                            void* pointer) -> void* {
     BuiltNode* node = new_node(memory, pointer);
     node->count = unsigned(count);
     for (std::size_t k = 0; k < count; ++k) {
@@ -177,13 +179,13 @@ Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float sc
     }
     return node;
   };
-  how.userPtr = &watch;
-  how.buildProgress = [](void* pointer, double fraction) {
+  arguments.userPtr = &watch;
+  arguments.buildProgress = [](void* pointer, double fraction) {
     auto& building = *static_cast<Watch*>(pointer);
-    building.reached(kMeasured + (kBuilt - kMeasured) * fraction);
+    building.reached(kCollected + (kBuilt - kCollected) * fraction);
     return !building.ended();
   };
-  const auto* root = static_cast<const BuiltNode*>(rtcBuildBVH(&how));
+  const auto* root = static_cast<const BuiltNode*>(rtcBuildBVH(&arguments));
   if (watch.ended()) return interrupted();
   if (!root) return build_error(scene, rtcGetDeviceError(device.get()));
   out.triangles.reserve(primitives.size());

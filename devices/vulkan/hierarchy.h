@@ -13,13 +13,14 @@ namespace umbrage {
 
 /// Nodes and triangles as four vectors each; integers are stored as the bits of floats.
 struct Hierarchy {
-  /// For each inner node the boxes of both children, lower and upper corner: the fourth number of a lower corner is the
-  /// child, a node or ~(8 first + count) for triangles.
+  /// For each inner node, the lower and the upper corner of the boxes of both children. The fourth component of a lower
+  /// corner is the child: the index of a node, or ~(8 first + count) for a leaf of `count` triangles from `first` on.
   std::vector<std::array<glm::vec4, 4>> nodes;
-  /// In the order of the leaves: three corners, whose fourth numbers are mesh, first and second corner's index among
-  /// all vertices of the scene; then the third corner's index.
+  /// Triangles and points in the order of the leaves. Of a triangle, the three corners, whose fourth components are the
+  /// mesh and the indices of the first and second corner among all vertices of the scene; then the index of the third
+  /// corner, and kTriangle. For points see capture_scene.glsl.
   std::vector<std::array<glm::vec4, 4>> triangles;
-  int root = 0;  ///< encoded like a child
+  int root = 0;  ///< encoded like a child in `nodes`
 
   bool empty() const { return triangles.empty(); }
 };

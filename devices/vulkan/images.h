@@ -1,4 +1,4 @@
-// Images of a caller's Vulkan device, which planes are read from and written to.
+// Images of a caller's Vulkan device, from which planes are read or into which they are written.
 #pragma once
 #include <optional>
 
@@ -8,7 +8,7 @@
 
 namespace umbrage {
 
-/// A 2D image of the frame's size (without a guard band), one level, one layer.
+/// A 2D image of the size of the frame, which has no guard band, with one level and one layer.
 struct DeviceImage {
   VkImage image = VK_NULL_HANDLE;
   VkFormat format = VK_FORMAT_UNDEFINED;
@@ -16,13 +16,14 @@ struct DeviceImage {
   VkImageLayout layout_after = VK_IMAGE_LAYOUT_UNDEFINED;
 };
 
-/// The layout of texels in a buffer; nullopt if convert.comp does not support the format.
+/// The layout of texels in a buffer.
 struct TexelFormat {
-  int format = kFloat1;
-  int bytes = 4;
+  int format = kFloat1;  ///< see convert.h
+  int bytes = 4;         ///< per texel
   bool srgb = false;
   bool depth = false;
 };
+/// Returns the texel format of images of that format, or nullopt if convert.comp does not support it.
 std::optional<TexelFormat> texel_format(VkFormat format);
 
 /// Returns the names of the formats that texel_format supports: "R8G8B8A8_UNORM, ...".
@@ -38,13 +39,13 @@ VkBufferImageCopy whole_image(const PictureInfo& info, const TexelFormat& format
 void change_layout(const Gpu& gpu, VkCommandBuffer buffer, const DeviceImage& image, const TexelFormat& format,
                    VkImageLayout from, VkImageLayout to);
 
-/// Meaning of texels, besides their format.
+/// The meaning of texels; see convert.h.
 struct ImageMeaning {
   int role = kPlainRole;
   bool orthographic = false;
   float near_depth = 0.0f, far_depth = 0.0f;
   float left = -1.0f, right = 1.0f, bottom = -1.0f, top = 1.0f;  ///< kRayDepthRole: window at distance 1
-  float turn[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};                   ///< kNormalRole: rotation, rows
+  float rotation[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};               ///< kNormalRole: by rows
 };
 
 }  // namespace umbrage

@@ -21,7 +21,7 @@ std::string version_text(std::uint32_t version) {
   return fmt::format("{}.{}", VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version));
 }
 
-/// Returns what effects need and the device lacks, as a noun; empty: nothing.
+/// Returns what effects require and the device lacks, as a noun; empty: nothing.
 std::string missing_features(const Instance& instance, VkPhysicalDevice gpu, std::uint32_t version) {
   if (version < VK_API_VERSION_1_2) return fmt::format("Vulkan 1.2 (its driver supports {})", version_text(version));
   VkPhysicalDeviceVulkan12Features has{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
@@ -31,7 +31,7 @@ std::string missing_features(const Instance& instance, VkPhysicalDevice gpu, std
   if (!has.scalarBlockLayout) return "scalar block layout";
   VkPhysicalDeviceProperties properties{};
   instance.vk.GetPhysicalDeviceProperties(gpu, &properties);
-  if (std::string room = missing_limits(properties.limits); !room.empty()) return room;
+  if (std::string missing = missing_limits(properties.limits); !missing.empty()) return missing;
   if (queue_family(instance, gpu) < 0) return "a compute queue";
   return {};
 }
@@ -97,10 +97,10 @@ Result<InstancePtr> make_instance(PFN_vkGetInstanceProcAddr get, ValidationMessa
     create.enabledExtensionCount = 2;
     create.ppEnabledExtensionNames = extensions;
   }
-  const VkResult made = instance->vk.CreateInstance(&create, nullptr, &instance->handle);
-  if (made == VK_ERROR_INCOMPATIBLE_DRIVER)
+  const VkResult result = instance->vk.CreateInstance(&create, nullptr, &instance->handle);
+  if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
     return device_error("there is no Vulkan driver: install the graphics card's driver or use `device` cpu");
-  if (made != VK_SUCCESS) return vulkan_error(made, "was started");
+  if (result != VK_SUCCESS) return vulkan_error(result, "was started");
   if (auto found = add_functions(instance->handle, instance->vk); !found) return found.error();
   if (instance->on_message) {
     // The messenger chained to the instance above reports only while the instance is created or destroyed.

@@ -7,7 +7,7 @@
 
 #include "core/result.h"
 
-// Functions without an instance, and the others. This is the only list of them.
+// All functions that are used: those that are found without an instance, and the others.
 #define UMBRAGE_VULKAN_GLOBAL(X) X(EnumerateInstanceVersion) X(EnumerateInstanceLayerProperties) X(CreateInstance)
 // clang-format off
 #define UMBRAGE_VULKAN_FUNCTIONS(X) \
@@ -43,13 +43,14 @@ struct VulkanFunctions {
 /// kDevice if there is none of that name.
 Result<PFN_vkGetInstanceProcAddr> load_vulkan(const std::string& library = "libvulkan.so.1");
 
-/// Returns the functions without an instance. Errors: kDevice.
+/// Returns the functions that are found without an instance. Errors: kDevice.
 Result<VulkanFunctions> global_functions(PFN_vkGetInstanceProcAddr get);
 
 /// Adds the other functions. Errors: kDevice if one is missing.
 Result<void> add_functions(VkInstance instance, VulkanFunctions& vk);
 
-/// Returns the error of a failed function as a sentence: "the Vulkan device ran out of memory while it ...".
+/// Returns the error of a failed function as a sentence: "the Vulkan device ran out of memory while it ...", followed
+/// by `doing`, such as "compiled a kernel".
 Error vulkan_error(VkResult result, std::string_view doing);
 
 }  // namespace umbrage

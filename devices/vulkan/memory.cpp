@@ -5,13 +5,14 @@
 namespace umbrage {
 namespace {
 
-constexpr VkDeviceSize kAlignment = 256;                // of planes in a slab: the max that descriptors require
-constexpr VkDeviceSize kSlab = VkDeviceSize(64) << 20;  // few allocations, and little unused memory
-constexpr VkDeviceSize kMaxPlanesOfSlab = 16;           // planes
-// Max bytes of empty slabs of other sizes while new ones are made.
+constexpr VkDeviceSize kAlignment = 256;  // of planes in a slab, bytes; no device requires more for descriptors
+constexpr VkDeviceSize kSlab = VkDeviceSize(64) << 20;  // bytes: few allocations, but little unused memory
+constexpr VkDeviceSize kMaxPlanesOfSlab = 16;
+// Max bytes of empty slabs that are kept when a new slab is allocated.
 constexpr VkDeviceSize kMaxEmptySlabBytes = VkDeviceSize(256) << 20;
-constexpr VkDeviceSize kHostStep = VkDeviceSize(1) << 20;
-constexpr VkDeviceSize kKeptHost = VkDeviceSize(256) << 20;
+constexpr VkDeviceSize kHostStep = VkDeviceSize(1) << 20;  // sizes of host buffers are multiples of this
+// Max bytes of free host buffers that are kept when a new one is allocated.
+constexpr VkDeviceSize kMaxFreeHostBytes = VkDeviceSize(256) << 20;
 
 VkDeviceSize rounded_up(VkDeviceSize v, VkDeviceSize step) { return (v + step - 1) / step * step; }
 
@@ -24,20 +25,20 @@ Memory::~Memory() {
   for (Block& block : free_host_) destroy(block);
 }
 
-Result<VkDeviceMemory> Memory::allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags wanted,
-                                        VkMemoryPropertyFlags liked, bool addressed) {
+Result<VkDeviceMemory> Memory::allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags required,
+                                        VkMemoryPropertyFlags preferred, bool addressed) {
   int type = -1, best = -1;
   for (std::uint32_t k = 0; k < gpu_->memory.memoryTypeCount; ++k) {
     const VkMemoryPropertyFlags has = gpu_->memory.memoryTypes[k].propertyFlags;
-    if (!(needs.memoryTypeBits >> k & 1u) || (has & wanted) != wanted) continue;
-    const int score = __builtin_popcount(has & liked);
+    if (!(needs.memoryTypeBits >> k & 1u) || (has & required) != required) continue;
+    const int score = __builtin_popcount(has & preferred);
     if (score > best) best = score, type = int(k);
   }
   if (type < 0)
     return device_error("the Vulkan device has no usable memory type for a picture of {:.0f} MiB",
                         mebibytes(needs.size));
-  // Some drivers promise more memory than there is.
-  const bool on_device = (wanted & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT) != 0;
+  // Checks the size here, since some drivers grant more memory than there is.
+  const bool on_device = (required & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT) != 0;
   const VkDeviceSize heap = gpu_->memory.memoryHeaps[gpu_->memory.memoryTypes[type].heapIndex].size;
   VkDeviceMemory memory = VK_NULL_HANDLE;
   VkResult done = VK_ERROR_OUT_OF_DEVICE_MEMORY;
@@ -54,8 +55,8 @@ Result<VkDeviceMemory> Memory::allocate(const VkMemoryRequirements& needs, VkMem
   return memory;
 }
 
-Result<Block> Memory::make_block(VkDeviceSize bytes, VkBufferUsageFlags usage, VkMemoryPropertyFlags wanted,
-                                 VkMemoryPropertyFlags liked) {
+Result<Block> Memory::make_block(VkDeviceSize bytes, VkBufferUsageFlags usage, VkMemoryPropertyFlags required,
+                                 VkMemoryPropertyFlags preferred) {
   const auto& vk = gpu_->vk;
   Block block;
   block.size = bytes;
@@ -63,19 +64,19 @@ Result<Block> Memory::make_block(VkDeviceSize bytes, VkBufferUsageFlags usage, V
   create.size = bytes;
   create.usage = usage;
   create.sharingMode = VK_SHARING_MODE_EXCLUSIVE;
-  if (const VkResult made = vk.CreateBuffer(gpu_->device, &create, nullptr, &block.buffer); made != VK_SUCCESS)
-    return vulkan_error(made, "allocated memory for a picture");
+  if (const VkResult result = vk.CreateBuffer(gpu_->device, &create, nullptr, &block.buffer); result != VK_SUCCESS)
+    return vulkan_error(result, "allocated memory for a picture");
   VkMemoryRequirements needs{};
   vk.GetBufferMemoryRequirements(gpu_->device, block.buffer, &needs);
   const bool addressed = (usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT) != 0;
-  const auto memory = allocate(needs, wanted, liked, addressed);
+  const auto memory = allocate(needs, required, preferred, addressed);
   if (!memory) {
     destroy(block);
     return memory.error();
   }
   block.memory = *memory;
   VkResult done = vk.BindBufferMemory(gpu_->device, block.buffer, block.memory, 0);
-  if (done == VK_SUCCESS && (wanted & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT)) {
+  if (done == VK_SUCCESS && (required & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT)) {
     void* mapped = nullptr;
     done = vk.MapMemory(gpu_->device, block.memory, 0, VK_WHOLE_SIZE, 0, &mapped);
     block.mapped = static_cast<std::byte*>(mapped);
@@ -84,11 +85,11 @@ Result<Block> Memory::make_block(VkDeviceSize bytes, VkBufferUsageFlags usage, V
     destroy(block);
     return vulkan_error(done, "allocated memory for a picture");
   }
-  (wanted & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT ? device_bytes_ : host_bytes_) += block.size;
+  (required & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT ? device_bytes_ : host_bytes_) += block.size;
   block.counted = true;
   if (addressed) {
-    const VkBufferDeviceAddressInfo of{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO, nullptr, block.buffer};
-    block.address = vk.GetBufferDeviceAddress(gpu_->device, &of);
+    const VkBufferDeviceAddressInfo info{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO, nullptr, block.buffer};
+    block.address = vk.GetBufferDeviceAddress(gpu_->device, &info);
   }
   return block;
 }
@@ -106,7 +107,7 @@ Result<void> Memory::free_empty_slabs() {
 }
 
 Result<void> Memory::make_room() {
-  if (auto spared = spare(); !spared) return spared;
+  if (auto released = release_memory(); !released) return released;
   return free_empty_slabs();
 }
 
@@ -176,18 +177,18 @@ Result<HostBufferPtr> Memory::host(VkDeviceSize bytes, bool uniform) {
     block = *found;
     free_host_.erase(found);
   } else {
-    VkDeviceSize kept = 0;
-    for (const Block& free : free_host_) kept += free.size;
-    if (kept > kKeptHost) {
+    VkDeviceSize free_bytes = 0;
+    for (const Block& free : free_host_) free_bytes += free.size;
+    if (free_bytes > kMaxFreeHostBytes) {
       for (Block& free : free_host_) destroy(free);
       free_host_.clear();
     }
     const VkBufferUsageFlags usage = uniform ? VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT
                                              : VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-    auto made = make_block(size, usage, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
-                           uniform ? VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT : VK_MEMORY_PROPERTY_HOST_CACHED_BIT);
-    if (!made) return made.error();
-    block = *made;
+    auto created = make_block(size, usage, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
+                              uniform ? VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT : VK_MEMORY_PROPERTY_HOST_CACHED_BIT);
+    if (!created) return created.error();
+    block = *created;
   }
   return HostBufferPtr(new Block(block), [self = shared_from_this(), uniform](const Block* buffer) {
     Block copy = *buffer;
@@ -196,7 +197,7 @@ Result<HostBufferPtr> Memory::host(VkDeviceSize bytes, bool uniform) {
     else
       try {
         self->free_host_.push_back(copy);
-      } catch (const std::bad_alloc&) {  // not kept
+      } catch (const std::bad_alloc&) {  // not kept for reuse
         self->destroy(copy);
       }
     delete buffer;
@@ -206,7 +207,7 @@ Result<HostBufferPtr> Memory::host(VkDeviceSize bytes, bool uniform) {
 Result<DrawnImagePtr> Memory::image(int width, int height, VkFormat format, VkImageUsageFlags usage,
                                     VkImageAspectFlags aspect) {
   const auto& vk = gpu_->vk;
-  DrawnImage made;
+  DrawnImage result;
   VkImageCreateInfo create{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
   create.imageType = VK_IMAGE_TYPE_2D;
   create.format = format;
@@ -215,33 +216,33 @@ Result<DrawnImagePtr> Memory::image(int width, int height, VkFormat format, VkIm
   create.samples = VK_SAMPLE_COUNT_1_BIT;
   create.usage = usage;
   const auto failed = [&](const Error& error) {
-    destroy(made);
+    destroy(result);
     return error;
   };
-  if (const VkResult r = vk.CreateImage(gpu_->device, &create, nullptr, &made.image); r != VK_SUCCESS)
+  if (const VkResult r = vk.CreateImage(gpu_->device, &create, nullptr, &result.image); r != VK_SUCCESS)
     return failed(vulkan_error(r, "allocated memory for a picture"));
   VkMemoryRequirements needs{};
-  vk.GetImageMemoryRequirements(gpu_->device, made.image, &needs);
+  vk.GetImageMemoryRequirements(gpu_->device, result.image, &needs);
   auto memory = allocate(needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0, false);
   if (!memory) {
     if (auto freed = make_room(); !freed) return failed(freed.error());
     memory = allocate(needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0, false);
   }
   if (!memory) return failed(memory.error());
-  made.memory = *memory;
-  made.size = needs.size;
-  device_bytes_ += made.size;
-  VkResult done = vk.BindImageMemory(gpu_->device, made.image, made.memory, 0);
+  result.memory = *memory;
+  result.size = needs.size;
+  device_bytes_ += result.size;
+  VkResult done = vk.BindImageMemory(gpu_->device, result.image, result.memory, 0);
   if (done == VK_SUCCESS) {
     VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
-    view.image = made.image;
+    view.image = result.image;
     view.viewType = VK_IMAGE_VIEW_TYPE_2D;
     view.format = format;
     view.subresourceRange = {aspect, 0, 1, 0, 1};
-    done = vk.CreateImageView(gpu_->device, &view, nullptr, &made.view);
+    done = vk.CreateImageView(gpu_->device, &view, nullptr, &result.view);
   }
   if (done != VK_SUCCESS) return failed(vulkan_error(done, "allocated memory for a picture"));
-  return DrawnImagePtr(new DrawnImage(made), [self = shared_from_this()](const DrawnImage* image) {
+  return DrawnImagePtr(new DrawnImage(result), [self = shared_from_this()](const DrawnImage* image) {
     self->destroy(*image);
     delete image;
   });

@@ -23,7 +23,7 @@ struct Block {
   bool counted = false;         ///< included in the byte counts of the pool
 };
 
-/// Memory of one plane on the device.
+/// The memory of one plane on the device: a part of a buffer.
 struct DevicePlane {
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceSize offset = 0;
@@ -48,17 +48,18 @@ class Memory : public std::enable_shared_from_this<Memory> {
   Memory(const Memory&) = delete;
   Memory& operator=(const Memory&) = delete;
 
-  /// Called before memory is returned to the driver: must wait until the device uses none of it.
+  /// Called before memory is returned to the driver: must wait until the device no longer uses any memory of the pool.
   std::function<Result<void>()> wait = [] { return Result<void>(); };
-  /// Called when the driver is out of memory: releases what can be recreated, and waits until the device no longer uses
-  /// it.
-  std::function<Result<void>()> spare = [] { return Result<void>(); };
+  /// Called when the driver is out of memory: must release memory whose contents can be recreated, and wait until the
+  /// device no longer uses it.
+  std::function<Result<void>()> release_memory = [] { return Result<void>(); };
 
   /// Returns memory for a plane, uninitialised. Earlier recorded work may still read the former contents: place a
   /// barrier before writing to it. Errors: kDevice.
   Result<DevicePlanePtr> plane(VkDeviceSize bytes);
-  /// Returns a buffer of at least this size that the host writes or reads, and the device copies from or to; or, with
-  /// `uniform`, reads constants from. It must not be released while the device uses it. Errors: kDevice.
+  /// Returns a buffer of at least this size that the host writes or reads, and from or to which the device copies; or,
+  /// with `uniform`, from which the device reads constants. It must not be released while the device uses it. Errors:
+  /// kDevice.
   Result<HostBufferPtr> host(VkDeviceSize bytes, bool uniform = false);
 
   /// Returns an attachment, uninitialised. It must not be released while the device uses it. Errors: kDevice.
@@ -78,17 +79,18 @@ class Memory : public std::enable_shared_from_this<Memory> {
     std::vector<int> free;
   };
 
-  Result<Block> make_block(VkDeviceSize bytes, VkBufferUsageFlags usage, VkMemoryPropertyFlags wanted,
-                           VkMemoryPropertyFlags liked);
-  /// Allocates memory for a buffer or an image; prefers the type with most of the `liked` flags. Errors: kDevice.
-  Result<VkDeviceMemory> allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags wanted,
-                                  VkMemoryPropertyFlags liked, bool addressed);
+  Result<Block> make_block(VkDeviceSize bytes, VkBufferUsageFlags usage, VkMemoryPropertyFlags required,
+                           VkMemoryPropertyFlags preferred);
+  /// Allocates memory for a buffer or an image; prefers the memory type with most of the `preferred` flags. Errors:
+  /// kDevice.
+  Result<VkDeviceMemory> allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags required,
+                                  VkMemoryPropertyFlags preferred, bool addressed);
   void destroy(Block& block);
   void destroy(const DrawnImage& image);
   Result<void> add_slab(VkDeviceSize plane_bytes);
-  /// Returns slabs without a plane in use to the driver.
+  /// Frees all slabs that contain no plane in use.
   Result<void> free_empty_slabs();
-  /// Frees memory after a failed allocation: calls `spare`, then frees empty slabs.
+  /// Frees memory after a failed allocation: calls `release_memory`, then frees empty slabs.
   Result<void> make_room();
   std::uint64_t empty_bytes() const;
 

@@ -10,21 +10,23 @@
 namespace umbrage {
 namespace {
 
-constexpr std::size_t kHeaderWords = 5;  // of a module, before its first instruction
+constexpr std::size_t kHeaderWords = 5;  // words of a module before its first instruction
 
 struct Member {
-  std::uint32_t first = 0, second = 0;  // index in the block, and in the struct there
+  std::uint32_t first = 0, second = 0;  // index of a struct in the block, and of a member in that struct
   auto operator<=>(const Member&) const = default;
 };
 
 /// The declarations of a shader, by id.
 struct Module {
   std::map<std::uint32_t, std::vector<std::uint32_t>> structs;               // member types
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> offsets;  // of the member of a struct
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> offsets;  // by struct and member, bytes
   std::map<std::uint32_t, std::pair<std::uint32_t, std::uint32_t>> arrays;   // element type and number of elements
-  std::map<std::uint32_t, std::uint32_t> pointees, constants;
+  std::map<std::uint32_t, std::uint32_t> pointees;                           // the type to which a pointer type points
+  std::map<std::uint32_t, std::uint32_t> constants;                          // value
   std::set<std::uint32_t> ints, blocks, block_variables;
-  std::map<std::uint32_t, Member> pointers, loaded;
+  std::map<std::uint32_t, Member> pointers;  // the member to which a pointer points
+  std::map<std::uint32_t, Member> loaded;    // the member from which a value was loaded
 };
 
 }  // namespace

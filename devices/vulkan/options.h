@@ -1,6 +1,6 @@
-// Options of a compiled kernel: integers among its constants that it compares with others, to choose between branches.
-// Each set of values gets its own shader, in which they are constants, so that unused branches are removed: they take
-// no registers, and on lavapipe, which runs both sides of a branch, no time.
+// Options of a compiled kernel: integers among its constants that it compares with fixed values, to choose between
+// branches. Each set of values gets its own shader, in which they are constants, so that unused branches are removed:
+// they take no registers, and on lavapipe, which runs both sides of a branch, no time.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace umbrage {
 /// An integer, or an array of them, in a shader's block of constants.
 struct Option {
   std::size_t offset = 0;  ///< bytes
-  int count = 1;
+  int count = 1;           ///< number of elements
 };
 
 /// An instruction that loads an option.
@@ -35,7 +35,7 @@ KernelOptions options_of(std::span<const std::uint32_t> spirv);
 /// Returns the values of the options in a block of constants; nullopt if the elements of an array differ.
 std::vector<std::optional<std::int32_t>> option_values(const KernelOptions& options, std::span<const std::byte> block);
 
-/// Returns the shader with these values in place of the loads.
+/// Returns the shader with these values in place of the loads; options whose value is nullopt are still loaded.
 std::vector<std::uint32_t> with_options(std::span<const std::uint32_t> spirv, const KernelOptions& options,
                                         std::span<const std::optional<std::int32_t>> values);
 

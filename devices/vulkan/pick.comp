@@ -18,7 +18,7 @@ layout(push_constant, scalar) uniform Pushed {
 void main() {
   ivec2 here = ivec2(gl_GlobalInvocationID.xy);
   if (here.x >= to_width || here.y >= to_height) return;
-  ivec2 there = here * factor;
-  bool inside = there.x < from_width && there.y < from_height;
-  to.at[here.y * to_stride + here.x] = inside ? from.at[there.y * from_stride + there.x] : 0.0f;
+  ivec2 source = here * factor;
+  bool inside = source.x < from_width && source.y < from_height;
+  to.at[here.y * to_stride + here.x] = inside ? from.at[source.y * from_stride + source.x] : 0.0f;
 }

@@ -10,13 +10,13 @@
 namespace umbrage {
 namespace {
 
-/// Precedes the driver's bytes: not all drivers check that theirs are complete.
+/// The beginning of the file, before the driver's data. It reveals damaged data, which not all drivers detect.
 struct Header {
   char magic[8] = {'u', 'm', 'b', 'r', 'p', 'i', 'p', '1'};
   std::uint64_t size = 0, hash = 0;
 };
 
-/// FNV-1a.
+/// Returns the FNV-1a hash.
 std::uint64_t hash_of(const std::vector<std::byte>& data) {
   std::uint64_t hash = 0xcbf29ce484222325u;
   for (const std::byte byte : data) hash = (hash ^ std::uint64_t(byte)) * 0x100000001b3u;
@@ -54,19 +54,19 @@ std::vector<std::byte> read_pipelines(const std::filesystem::path& file) {
 void write_pipelines(const std::filesystem::path& file, const std::vector<std::byte>& data) {
   std::error_code failed;
   std::filesystem::create_directories(file.parent_path(), failed);
-  const std::filesystem::path beside = file.string() + "." + std::to_string(::getpid());
+  const std::filesystem::path temporary = file.string() + "." + std::to_string(::getpid());
   Header header;
   header.size = data.size();
   header.hash = hash_of(data);
   bool written = false;
   {
-    std::ofstream out(beside, std::ios::binary);
+    std::ofstream out(temporary, std::ios::binary);
     out.write(reinterpret_cast<const char*>(&header), sizeof header);
     out.write(reinterpret_cast<const char*>(data.data()), std::streamsize(data.size()));
     written = bool(out.flush());
   }
-  if (written) std::filesystem::rename(beside, file, failed);
-  if (!written || failed) std::filesystem::remove(beside, failed);
+  if (written) std::filesystem::rename(temporary, file, failed);
+  if (!written || failed) std::filesystem::remove(temporary, failed);
 }
 
 }  // namespace umbrage

@@ -38,10 +38,10 @@ std::vector<std::string_view> plane_table(const GpuStep& step) {
 }
 
 Result<std::unique_ptr<Pipelines>> Pipelines::make(GpuPtr gpu, VkBuffer uniforms, std::filesystem::path file) {
-  auto made = std::unique_ptr<Pipelines>(new Pipelines(std::move(gpu)));
-  made->file_ = std::move(file);
-  if (auto done = made->make_layouts(uniforms); !done) return done.error();
-  return made;
+  auto pipelines = std::unique_ptr<Pipelines>(new Pipelines(std::move(gpu)));
+  pipelines->file_ = std::move(file);
+  if (auto done = pipelines->make_layouts(uniforms); !done) return done.error();
+  return pipelines;
 }
 
 Result<void> Pipelines::make_layouts(VkBuffer uniforms) {
@@ -93,9 +93,9 @@ Result<void> Pipelines::make_layouts(VkBuffer uniforms) {
   const VkDescriptorSetLayout sets[] = {set_layout_, bound_layout_};
   layout.setLayoutCount = 2;
   layout.pSetLayouts = sets;
-  if (const auto r = vk.CreatePipelineLayout(device, &layout, nullptr, &pass_layout_); r != VK_SUCCESS)
+  if (const auto r = vk.CreatePipelineLayout(device, &layout, nullptr, &kernel_layout_); r != VK_SUCCESS)
     return failed(r);
-  // Without the padding at the end of the C++ struct.
+  // The size excludes the padding at the end of the C++ struct.
   const VkPushConstantRange pushed{VK_SHADER_STAGE_COMPUTE_BIT, 0, offsetof(PickConstants, factor) + sizeof(int)};
   layout.setLayoutCount = 0;
   layout.pushConstantRangeCount = 1;
@@ -104,7 +104,7 @@ Result<void> Pipelines::make_layouts(VkBuffer uniforms) {
     return failed(r);
 
   const std::vector<std::byte> data = file_.empty() ? std::vector<std::byte>() : read_pipelines(file_);
-  read_ = data.size();
+  file_bytes_ = data.size();
   VkPipelineCacheCreateInfo cache{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
   cache.initialDataSize = data.size();
   cache.pInitialData = data.data();
@@ -116,7 +116,7 @@ void Pipelines::save() const {
   const auto& vk = gpu_->vk;
   std::size_t size = 0;
   if (!cache_ || file_.empty() || vk.GetPipelineCacheData(gpu_->device, cache_, &size, nullptr) != VK_SUCCESS) return;
-  if (size <= read_) return;
+  if (size <= file_bytes_) return;
   std::vector<std::byte> data(size);
   if (vk.GetPipelineCacheData(gpu_->device, cache_, &size, data.data()) != VK_SUCCESS) return;
   data.resize(size);
@@ -131,17 +131,17 @@ Pipelines::~Pipelines() {
   } catch (const std::exception&) {  // the next process compiles them again
   }
   for (const auto& [key, pipeline] : pipelines_) vk.DestroyPipeline(device, pipeline, nullptr);
-  for (const VkRenderPass dispatch : drawing_)
-    if (dispatch) vk.DestroyRenderPass(device, dispatch, nullptr);
+  for (const VkRenderPass render_pass : drawing_)
+    if (render_pass) vk.DestroyRenderPass(device, render_pass, nullptr);
   if (cache_) vk.DestroyPipelineCache(device, cache_, nullptr);
   if (pick_layout_) vk.DestroyPipelineLayout(device, pick_layout_, nullptr);
-  if (pass_layout_) vk.DestroyPipelineLayout(device, pass_layout_, nullptr);
+  if (kernel_layout_) vk.DestroyPipelineLayout(device, kernel_layout_, nullptr);
   if (pool_) vk.DestroyDescriptorPool(device, pool_, nullptr);
   for (const VkDescriptorSetLayout layout : {set_layout_, bound_layout_})
     if (layout) vk.DestroyDescriptorSetLayout(device, layout, nullptr);
 }
 
-Result<VkPipeline> Pipelines::of(const GpuStep& step, std::span<const std::byte> block, bool bound) {
+Result<VkPipeline> Pipelines::kernel(const GpuStep& step, std::span<const std::byte> block, bool bound) {
   auto known = options_.find(step.spirv.data());
   if (known == options_.end()) known = options_.emplace(step.spirv.data(), options_of(step.spirv)).first;
   const Options options = option_values(known->second, block);
@@ -160,12 +160,12 @@ Result<VkPipeline> Pipelines::of(const GpuStep& step, std::span<const std::byte>
   }
   const VkSpecializationInfo specialization{std::uint32_t(entries.size()), entries.data(),
                                             values.size() * sizeof(std::int32_t), values.data()};
-  return compile(step.spirv, options, bound, pass_layout_, &specialization);
+  return compile(step.spirv, options, bound, kernel_layout_, &specialization);
 }
 
 Result<VkPipeline> Pipelines::pick() { return compile(pick_spirv(), {}, false, pick_layout_, nullptr); }
-Result<VkPipeline> Pipelines::capture() { return compile(capture_spirv(), {}, false, pass_layout_, nullptr); }
-Result<VkPipeline> Pipelines::convert() { return compile(convert_spirv(), {}, false, pass_layout_, nullptr); }
+Result<VkPipeline> Pipelines::capture() { return compile(capture_spirv(), {}, false, kernel_layout_, nullptr); }
+Result<VkPipeline> Pipelines::convert() { return compile(convert_spirv(), {}, false, kernel_layout_, nullptr); }
 
 Result<VkShaderModule> Pipelines::shader_of(std::span<const std::uint32_t> words) {
   VkShaderModuleCreateInfo code{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
@@ -178,20 +178,20 @@ Result<VkShaderModule> Pipelines::shader_of(std::span<const std::uint32_t> words
 }
 
 Result<VkRenderPass> Pipelines::drawing(bool clear) {
-  VkRenderPass& kept = drawing_[clear];
-  if (!kept) {
-    auto made = make_render_pass(*gpu_, clear);
-    if (!made) return made;
-    kept = *made;
+  VkRenderPass& render_pass = drawing_[clear];
+  if (!render_pass) {
+    auto created = make_render_pass(*gpu_, clear);
+    if (!created) return created;
+    render_pass = *created;
   }
-  return kept;
+  return render_pass;
 }
 
 Result<VkPipeline> Pipelines::peel(bool masks, bool points) {
   const Key key(std::data(peel_spirv()), Options{masks ? 1 : 0, points ? 1 : 0}, false);
   if (const auto found = pipelines_.find(key); found != pipelines_.end()) return found->second;
-  const auto dispatch = drawing(true);
-  if (!dispatch) return dispatch.error();
+  const auto render_pass = drawing(true);
+  if (!render_pass) return render_pass.error();
   const auto& vk = gpu_->vk;
   const VkBool32 numbers[] = {masks, points};
   const VkSpecializationMapEntry entries[] = {{0, 0, sizeof *numbers}, {1, sizeof *numbers, sizeof *numbers}};
@@ -219,22 +219,22 @@ Result<VkPipeline> Pipelines::peel(bool masks, bool points) {
   viewport.viewportCount = viewport.scissorCount = 1;
   VkPipelineRasterizationStateCreateInfo fill{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
   fill.polygonMode = VK_POLYGON_MODE_FILL;
-  fill.cullMode = VK_CULL_MODE_NONE;  // surfaces have two sides
+  fill.cullMode = VK_CULL_MODE_NONE;  // surfaces are visible from both sides
   fill.lineWidth = 1.0f;
   VkPipelineMultisampleStateCreateInfo samples{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
   samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
   VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
   depth.depthTestEnable = depth.depthWriteEnable = VK_TRUE;
   depth.depthCompareOp = VK_COMPARE_OP_GREATER;  // 1 is near
-  VkPipelineColorBlendAttachmentState whole{};
-  whole.colorWriteMask = VK_COLOR_COMPONENT_R_BIT;
+  VkPipelineColorBlendAttachmentState color_attachment{};
+  color_attachment.colorWriteMask = VK_COLOR_COMPONENT_R_BIT;
   VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
   blend.attachmentCount = 1;
-  blend.pAttachments = &whole;
-  const VkDynamicState later[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+  blend.pAttachments = &color_attachment;
+  const VkDynamicState dynamic_states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
   VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
   dynamic.dynamicStateCount = 2;
-  dynamic.pDynamicStates = later;
+  dynamic.pDynamicStates = dynamic_states;
   VkGraphicsPipelineCreateInfo create{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
   create.stageCount = 2;
   create.pStages = stages;
@@ -246,13 +246,13 @@ Result<VkPipeline> Pipelines::peel(bool masks, bool points) {
   create.pDepthStencilState = &depth;
   create.pColorBlendState = &blend;
   create.pDynamicState = &dynamic;
-  create.layout = pass_layout_;
-  create.renderPass = *dispatch;
+  create.layout = kernel_layout_;
+  create.renderPass = *render_pass;
   VkPipeline pipeline = VK_NULL_HANDLE;
-  const VkResult made = vk.CreateGraphicsPipelines(gpu_->device, cache_, 1, &create, nullptr, &pipeline);
+  const VkResult result = vk.CreateGraphicsPipelines(gpu_->device, cache_, 1, &create, nullptr, &pipeline);
   vk.DestroyShaderModule(gpu_->device, *corner, nullptr);
   vk.DestroyShaderModule(gpu_->device, *pixel, nullptr);
-  if (made != VK_SUCCESS) return vulkan_error(made, "compiled a kernel");
+  if (result != VK_SUCCESS) return vulkan_error(result, "compiled a kernel");
   pipelines_[key] = pipeline;
   return pipeline;
 }
@@ -275,9 +275,9 @@ Result<VkPipeline> Pipelines::compile(std::span<const std::uint32_t> spirv, cons
   create.stage.pSpecializationInfo = values;
   create.layout = layout;
   VkPipeline pipeline = VK_NULL_HANDLE;
-  const VkResult made = vk.CreateComputePipelines(gpu_->device, cache_, 1, &create, nullptr, &pipeline);
+  const VkResult result = vk.CreateComputePipelines(gpu_->device, cache_, 1, &create, nullptr, &pipeline);
   vk.DestroyShaderModule(gpu_->device, *shader, nullptr);
-  if (made != VK_SUCCESS) return vulkan_error(made, "compiled a kernel");
+  if (result != VK_SUCCESS) return vulkan_error(result, "compiled a kernel");
   pipelines_[key] = pipeline;
   return pipeline;
 }

@@ -23,11 +23,11 @@ struct PickConstants {
   int factor = 1;
 };
 
-/// Returns the step that runs a pass by its kernel alone.
+/// Returns the step that runs a dispatch with its plain kernel, rather than with a GpuVariant.
 GpuStep plain_step(const Dispatch& dispatch);
 
-/// Returns the names of a step's planes, each once: inputs of the nearest layer, further inputs, outputs. This is the
-/// order of their addresses in the table of kernel/glsl.h; the first kBoundPlanes are bound.
+/// Returns the names of a step's planes, each once: inputs of the first layer, other inputs, outputs. This is the order
+/// of their addresses in the table of kernel/glsl.h; the first kBoundPlanes are bound.
 std::vector<std::string_view> plane_table(const GpuStep& step);
 
 class Pipelines {
@@ -39,24 +39,26 @@ class Pipelines {
   Pipelines(const Pipelines&) = delete;
   Pipelines& operator=(const Pipelines&) = delete;
 
-  /// Returns the step's pipeline for this block of constants; compiled on the first request with these options.
+  /// Returns the step's pipeline for this block of constants. Compiles it on the first request with these options.
   /// `bound`: its first planes are bound, as in bound_layout(). Errors: kDevice.
-  Result<VkPipeline> of(const GpuStep& step, std::span<const std::byte> block, bool bound);
+  Result<VkPipeline> kernel(const GpuStep& step, std::span<const std::byte> block, bool bound);
   Result<VkPipeline> pick();
-  /// Return capture.comp and convert.comp, which get constants and a table like passes.
+  /// Return the pipelines of capture.comp and convert.comp, which get constants and a table, like kernels.
   Result<VkPipeline> capture();
   Result<VkPipeline> convert();
 
-  /// Returns corner.vert and peel.frag, which get the same. `masks`: some textures cut holes; `points`: the scene has
-  /// points. Errors: kDevice.
+  /// Returns the pipeline of corner.vert and peel.frag, which get constants and a table too. `masks`: the scene has
+  /// alpha masks; `points`: it has points. Errors: kDevice.
   Result<VkPipeline> peel(bool masks, bool points);
   /// Returns the render pass that starts drawing (`clear`) or continues it. Errors: kDevice.
   Result<VkRenderPass> drawing(bool clear);
 
-  VkPipelineLayout pass_layout() const { return pass_layout_; }
+  VkPipelineLayout kernel_layout() const { return kernel_layout_; }
   VkPipelineLayout pick_layout() const { return pick_layout_; }
-  VkDescriptorSet constants() const { return set_; }  ///< takes two offsets: of the constants, of the table
-  VkDescriptorSetLayout bound_layout() const { return bound_layout_; }  ///< of the second set: kBoundPlanes planes
+  /// Returns the first descriptor set, which has two dynamic offsets: of the constants and of the table.
+  VkDescriptorSet constants() const { return set_; }
+  /// Returns the layout of the second descriptor set, which binds kBoundPlanes planes.
+  VkDescriptorSetLayout bound_layout() const { return bound_layout_; }
 
  private:
   explicit Pipelines(GpuPtr gpu) : gpu_(std::move(gpu)) {}
@@ -75,13 +77,13 @@ class Pipelines {
   VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE, bound_layout_ = VK_NULL_HANDLE;
   VkDescriptorPool pool_ = VK_NULL_HANDLE;
   VkDescriptorSet set_ = VK_NULL_HANDLE;
-  VkPipelineLayout pass_layout_ = VK_NULL_HANDLE, pick_layout_ = VK_NULL_HANDLE;
+  VkPipelineLayout kernel_layout_ = VK_NULL_HANDLE, pick_layout_ = VK_NULL_HANDLE;
   VkPipelineCache cache_ = VK_NULL_HANDLE;
   std::map<const std::uint32_t*, KernelOptions> options_;  // by SPIR-V
   std::map<Key, VkPipeline> pipelines_;
-  VkRenderPass drawing_[2] = {};  // to continue, to start
+  VkRenderPass drawing_[2] = {};  // [0] continues drawing, [1] starts it
   std::filesystem::path file_;
-  std::size_t read_ = 0;  // bytes read from the file
+  std::size_t file_bytes_ = 0;  // size of the data read from the file
 };
 
 }  // namespace umbrage

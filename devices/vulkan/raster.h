@@ -1,4 +1,4 @@
-// The render target of triangles: the index of the triangle that each pixel sees, and how near it is.
+// The render target of triangles: for each pixel the number of the visible triangle, and its depth.
 #pragma once
 #include <memory>
 
@@ -8,14 +8,14 @@ namespace umbrage {
 
 inline constexpr VkFormat kTriangleIndexFormat = VK_FORMAT_R32_UINT, kDepthFormat = VK_FORMAT_D32_SFLOAT;
 
-/// Creates a render pass with an image of indices and a depth image, which are cleared first (`clear`) or kept. Errors:
+/// Creates a render pass with an image of triangle indices and a depth image. `clear`: clears them first. Errors:
 /// kDevice.
 Result<VkRenderPass> make_render_pass(const Gpu& gpu, bool clear);
 
 struct RasterTarget {
   GpuPtr gpu;
   int width = 0, height = 0;
-  DrawnImagePtr seen, nearness;
+  DrawnImagePtr indices, depth;
   VkFramebuffer framebuffer = VK_NULL_HANDLE;
 
   RasterTarget() = default;
@@ -32,7 +32,7 @@ Result<RasterTargetPtr> make_raster_target(GpuPtr gpu, Memory& memory, VkRenderP
 /// former contents.
 void begin_drawing(const Gpu& gpu, VkCommandBuffer buffer, const RasterTarget& target, VkRenderPass pass, bool first);
 void end_drawing(const Gpu& gpu, VkCommandBuffer buffer);
-/// Records a copy of the triangle indices to a plane with rows of `stride`.
+/// Records a copy of the triangle indices to a plane. `stride`: distance of its rows, in pixels.
 void copy_triangle_indices(const Gpu& gpu, VkCommandBuffer buffer, const RasterTarget& target, const DevicePlane& to,
                            int stride);
 

@@ -13,7 +13,7 @@ namespace umbrage {
 
 Result<void> SceneCapture::prepare(const Scene& scene, const ProgressMonitor& monitor) {
   scene_ = {};
-  ++scenes_;
+  ++scene_count_;
   traced_.reset();
   auto ready = upload_scene(scene, *memory_, *commands_, *gpu_, monitor);
   if (!ready) return ready.error();
@@ -21,9 +21,9 @@ Result<void> SceneCapture::prepare(const Scene& scene, const ProgressMonitor& mo
   return {};
 }
 
-Result<void> SceneCapture::spare() {
-  if (!scene_.scene) return {};  // nothing was drawn
-  const RasterTargetPtr spared = std::exchange(target_, nullptr);
+Result<void> SceneCapture::release_memory() {
+  if (!scene_.scene) return {};  // no scene was prepared
+  const RasterTargetPtr released = std::exchange(target_, nullptr);
   return commands_->finish();
 }
 
@@ -33,9 +33,9 @@ Result<Frame> SceneCapture::capture(const Camera& camera, const CaptureSettings&
   if (auto fine = check_capture(settings); !fine) return fine.error();
   Frame frame;
   frame.info = picture_info(*scene_.scene, camera, settings);
-  if (settings.extra_views > 0 && !traced_) {  // rays determine their positions
-    const ProgressMonitor before = monitor ? [&](double) { return monitor(0.0); } : ProgressMonitor();
-    auto traced = build_traced_scene(*scene_.scene, threads_, before);
+  if (settings.extra_views > 0 && !traced_) {  // their cameras are found by tracing rays
+    const ProgressMonitor preparation_monitor = monitor ? [&](double) { return monitor(0.0); } : ProgressMonitor();
+    auto traced = build_traced_scene(*scene_.scene, threads_, preparation_monitor);
     if (!traced) return traced.error();
     traced_ = std::move(*traced);
   }
@@ -58,12 +58,12 @@ Result<Frame> SceneCapture::capture(const Camera& camera, const CaptureSettings&
     return layer == 0 ? LayerKind::kBehind : frame.info.more_layers[std::size_t(layer) - 1].kind;
   };
   for (int layer = 0; layer < all; ++layer) {
-    if (kind_of(layer) == LayerKind::kBack) continue;  // captured with its front
+    if (kind_of(layer) == LayerKind::kBack) continue;  // captured with its front sides
     int back = -1;
     for (int k = 1; k < all; ++k)
       if (kind_of(k) == LayerKind::kBack && frame.info.more_layers[std::size_t(k) - 1].of == layer) back = k;
-    const auto measured = std::span(radii).first(layer == 0 ? radii.size() : 0);
-    if (auto done = draw_layer(frame, names, settings, layer, back, measured); !done) return done.error();
+    const auto softened = std::span(radii).first(layer == 0 ? radii.size() : 0);
+    if (auto done = draw_layer(frame, names, settings, layer, back, softened); !done) return done.error();
   }
   if (auto done = soften(frame, radii); !done) return done.error();
   return frame;
@@ -80,24 +80,25 @@ Result<void> SceneCapture::draw_layer(const Frame& frame, const std::vector<std:
     table[std::size_t(capture_slot(name))] = planes.find(layer_plane(layer, name))->address;
     if (back > 0) table[kBackSlots + std::size_t(capture_slot(name))] = planes.find(layer_plane(back, name))->address;
   }
-  const bool other = layer > 0 && frame.info.more_layers[std::size_t(layer) - 1].kind == LayerKind::kOther;
-  if (layer > 0 && !other) table[kPreviousDepthSlot] = planes.find(layer_plane(layer - 1, "depth"))->address;
+  const bool has_own_camera = layer > 0 && frame.info.more_layers[std::size_t(layer) - 1].kind == LayerKind::kOther;
+  if (layer > 0 && !has_own_camera) table[kPreviousDepthSlot] = planes.find(layer_plane(layer - 1, "depth"))->address;
   for (std::size_t k = 0; k < scene_.buffers.size(); ++k) table[kNodesSlot + k] = scene_.buffers[k]->address;
-  for (const PenumbraPlanes& of : radii) {
-    table[kPenumbraSlot + 2 * std::size_t(of.light)] = of.across->address;
-    table[kPenumbraSlot + 2 * std::size_t(of.light) + 1] = of.down->address;
+  for (const PenumbraPlanes& penumbra : radii) {
+    table[kPenumbraSlot + 2 * std::size_t(penumbra.light)] = penumbra.across->address;
+    table[kPenumbraSlot + 2 * std::size_t(penumbra.light) + 1] = penumbra.down->address;
   }
   const PictureInfo info = layer_info(frame.info, layer);
   const CaptureConstants constants = capture_constants(scene_, info, settings, planes.stride, back > 0);
-  // The time of the rays depends on scene, lights and the layers before.
-  const std::size_t kind = ((scenes_ * kMaxLayers + std::size_t(layer)) * 64 + std::size_t(settings.shadow_rays)) * 64 +
-                           std::size_t(settings.shadows);
-  DevicePlanePtr seen;
+  // The time of the rays depends on the scene, the lights and the previous layers.
+  const std::size_t kind =
+      ((scene_count_ * kMaxLayers + std::size_t(layer)) * 64 + std::size_t(settings.shadow_rays)) * 64 +
+      std::size_t(settings.shadows);
+  DevicePlanePtr indices;
   if (draws_ && can_draw(scene_, constants, *gpu_)) {
     const auto drawn = draw_triangle_indices(info, layer, planes, std::as_bytes(std::span(&constants, 1)), table);
     if (!drawn) return drawn.error();
-    seen = *drawn;
-    if (seen) table[kTriangleIndexSlot] = seen->address;
+    indices = *drawn;
+    if (indices) table[kTriangleIndexSlot] = indices->address;
   }
   return dispatcher_->dispatch({*pipeline, "capture", layer_plane(layer, "planes"), kind}, info,
                                std::as_bytes(std::span(&constants, 1)), table);
@@ -108,12 +109,12 @@ Result<DevicePlanePtr> SceneCapture::draw_triangle_indices(const PictureInfo& in
                                                            Dispatcher::Table table) {
   const auto pipeline = pipelines_->peel(scene_.masks, scene_.points);
   if (!pipeline) return pipeline.error();
-  auto seen = memory_->plane(planes.bytes);  // first: it may take the memory of the target
-  if (!seen) return DevicePlanePtr();
+  auto indices = memory_->plane(planes.bytes);  // allocated first, since this may release target_
+  if (!indices) return DevicePlanePtr();
   if (!target_ || target_->width != info.width || target_->height != info.height) {
     const auto drawing = pipelines_->drawing(true);
     if (!drawing) return drawing.error();
-    target_.reset();  // unused by now, or kept by the commands
+    target_.reset();  // no longer in use, or kept alive by the commands
     const auto made = make_raster_target(gpu_, *memory_, *drawing, info.width, info.height);
     if (!made) return DevicePlanePtr();  // a lost device reports its error with the next call
     target_ = *made;
@@ -123,7 +124,7 @@ Result<DevicePlanePtr> SceneCapture::draw_triangle_indices(const PictureInfo& in
   if (auto done = dispatcher_->dispatch({.pipeline = *pipeline,
                                          .effect = "capture",
                                          .dispatch = layer_plane(layer, "seen"),
-                                         .settings = (scenes_ * kMaxLayers + std::size_t(layer)) * 64 + size,
+                                         .settings = (scene_count_ * kMaxLayers + std::size_t(layer)) * 64 + size,
                                          .target = target_.get(),
                                          .triangles = scene_.triangles,
                                          .points = scene_.points},
@@ -132,9 +133,9 @@ Result<DevicePlanePtr> SceneCapture::draw_triangle_indices(const PictureInfo& in
     return done.error();
   const auto buffer = commands_->buffer();
   if (!buffer) return buffer.error();
-  copy_triangle_indices(*gpu_, *buffer, *target_, **seen, planes.stride);
+  copy_triangle_indices(*gpu_, *buffer, *target_, **indices, planes.stride);
   commands_->keep(target_);
-  return seen;
+  return indices;
 }
 
 Result<void> SceneCapture::soften(const Frame& frame, std::span<const PenumbraPlanes> radii) {
@@ -160,13 +161,13 @@ Result<void> SceneCapture::soften(const Frame& frame, std::span<const PenumbraPl
   PictureInfo blocks = frame.info;
   blocks.width = (blocks.width + kSoftenBlock - 1) / kSoftenBlock;
   blocks.height = (blocks.height + kSoftenBlock - 1) / kSoftenBlock;
-  for (const PenumbraPlanes& of : radii) {
-    const DevicePlanePtr& shadow = planes.made.find(shadow_plane(of.light))->second;
+  for (const PenumbraPlanes& penumbra : radii) {
+    const DevicePlanePtr& shadow = planes.stored.find(shadow_plane(penumbra.light))->second;
     for (const int second : {0, 1})
       for (const int down : {0, 1}) {
         if (second)
           if (auto done = run(soften_reach_dispatch(), blocks, {},
-                              {{"penumbra", down ? of.down : of.across}, {"soften_reach", *reach}});
+                              {{"penumbra", down ? penumbra.down : penumbra.across}, {"soften_reach", *reach}});
               !done)
             return done;
         if (auto done = run(soften_dispatch(), frame.info, {.dx = 1 - down, .dy = down, .second = second},

@@ -1,5 +1,5 @@
-// Captures a scene on a GPU: visible surfaces by rasterisation or rays, shadows by rays, softened for lights with a
-// size.
+// Captures a scene on a GPU: visible surfaces by rasterisation or rays, shadows by rays, which are then softened for
+// lights that have a size.
 #pragma once
 #include <cstddef>
 #include <span>
@@ -14,7 +14,7 @@
 
 namespace umbrage {
 
-/// The radius of one light's penumbra along a row and along a column, in pixels, by block of 4 x 4 pixels.
+/// The radii of one light's penumbra along rows and along columns, pixels, with one value per block of 4 x 4 pixels.
 struct PenumbraPlanes {
   int light = 0;
   DevicePlanePtr across, down;
@@ -50,15 +50,15 @@ class SceneCapture {
   /// extra views.
   Result<Frame> capture(const Camera& camera, const CaptureSettings& settings, const ProgressMonitor& monitor);
 
-  /// Releases the memory that is not needed between captures, and waits until it is unused.
-  Result<void> spare();
+  /// Releases memory that is not needed between captures, and waits until the device no longer uses it.
+  Result<void> release_memory();
 
  private:
   Result<void> draw_layer(const Frame& frame, const std::vector<std::string>& names, const CaptureSettings& settings,
                           int layer, int back, std::span<const PenumbraPlanes> radii);
 
-  /// Draws all triangles to find which one each pixel of a layer sees. Returns null if there is no memory to draw into:
-  /// rays need none.
+  /// Draws all triangles to find the one that is visible in each pixel of a layer. Returns null if there is too little
+  /// memory for the render target; rays then find the triangles.
   Result<DevicePlanePtr> draw_triangle_indices(const PictureInfo& info, int layer, const DevicePlanes& planes,
                                                Dispatcher::Constants constants, Dispatcher::Table table);
 
@@ -73,10 +73,10 @@ class SceneCapture {
   Dispatcher* dispatcher_;
   int threads_;
   bool draws_;
-  RasterTargetPtr target_;  // of the size of the last picture
+  RasterTargetPtr target_;  // has the size of the last picture
   DeviceScene scene_;
-  std::size_t scenes_ = 0;  // number of scenes prepared so far
-  TracedScenePtr traced_;   // only if extra views were requested
+  std::size_t scene_count_ = 0;  // number of scenes prepared so far
+  TracedScenePtr traced_;        // null until extra views are requested
 };
 
 }  // namespace umbrage

@@ -14,10 +14,10 @@ struct Slot {
   std::uint32_t constant = 0;
 };
 
-/// Returns all slots of a shader, in its order.
+/// Returns all slots of a shader, in the order in which it declares them.
 std::vector<Slot> slots_of(std::span<const std::uint32_t> spirv);
 
-/// Returns a plane's name in the form of slots.
+/// Returns the name of a plane in the form of Slot::plane.
 std::string slot_name(std::string_view plane);
 
 }  // namespace umbrage

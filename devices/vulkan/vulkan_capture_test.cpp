@@ -27,7 +27,7 @@ struct Shot {
 
 class VulkanCaptureShots : public testing::TestWithParam<std::tuple<Shot, VulkanCapture>> {};
 
-TEST_P(VulkanCaptureShots, PlanesAreThoseOfEmbree) {
+TEST_P(VulkanCaptureShots, PlanesMatchEmbree) {
   const auto& [shot, how] = GetParam();
   Device* const device = test::capturing_device(how);
   UMBRAGE_NEEDS_VULKAN(device);
@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(
       return std::string(std::get<0>(info.param).name) + "_" + test::name_of(std::get<1>(info.param));
     });
 
-/// Checks the boxes of the hierarchy, from the root on, against their contents.
+/// Expects that the boxes below `child`, and [low, high], contain their triangles. Counts each triangle in `seen`.
 void expect_boxes_contain(const Hierarchy& h, int child, glm::vec3 low, glm::vec3 high, std::vector<int>& seen) {
   if (child < 0) {
     for (int k = ~child >> 3; k < (~child >> 3) + (~child & 7); ++k) {
@@ -96,7 +96,7 @@ void expect_boxes_contain(const Hierarchy& h, int child, glm::vec3 low, glm::vec
   }
 }
 
-TEST(Hierarchy, HoldsEachTriangleOnceInItsBoxes) {
+TEST(Hierarchy, ContainsEachTriangleOnceInItsBoxes) {
   auto scene = load_scene("scene:solids?detail=3000");
   ASSERT_TRUE(scene);
   // A thousand triangles in one place: no plane separates them.
@@ -117,12 +117,12 @@ TEST(Hierarchy, HoldsEachTriangleOnceInItsBoxes) {
   EXPECT_TRUE(build_hierarchy(empty, {}, 1.0f)->empty());
 }
 
-class VulkanCaptureWays : public testing::TestWithParam<VulkanCapture> {};
+class VulkanCaptureModes : public testing::TestWithParam<VulkanCapture> {};
 
-INSTANTIATE_TEST_SUITE_P(Ways, VulkanCaptureWays, testing::ValuesIn(test::kGpuCaptures),
+INSTANTIATE_TEST_SUITE_P(Modes, VulkanCaptureModes, testing::ValuesIn(test::kGpuCaptures),
                          [](const auto& info) { return std::string(test::name_of(info.param)); });
 
-/// Returns the difference of two devices' pictures: the max, and as share, for the worst channel, the fraction of
+/// Returns the difference of two devices' pictures in the worst channel: the max, and as fraction_over the fraction of
 /// pixels that differ by more than 2/255.
 test::Difference difference_between(std::array<Device*, 2> devices, Request settings) {
   settings.width = 150;
@@ -147,7 +147,7 @@ test::Difference difference_between(std::array<Device*, 2> devices, Request sett
   return max;
 }
 
-TEST_P(VulkanCaptureWays, EveryLookGivesTheSamePicture) {
+TEST_P(VulkanCaptureModes, EveryLookGivesTheSamePicture) {
   Device* const gpu = test::capturing_device(GetParam());
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
@@ -167,7 +167,7 @@ TEST_P(VulkanCaptureWays, EveryLookGivesTheSamePicture) {
   EXPECT_LE(d.max, 0.1);
 }
 
-TEST_P(VulkanCaptureWays, TakesOneSceneAfterTheOtherWithoutGrowth) {
+TEST_P(VulkanCaptureModes, MemoryDoesNotGrowFromSceneToScene) {
   Device* const gpu = test::capturing_device(GetParam());
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
@@ -196,7 +196,7 @@ bool drew(Device& gpu, const Scene& scene, const Camera& camera, const CaptureSe
   return std::any_of(times.begin(), times.end(), [](const DispatchTime& time) { return time.dispatch == "seen"; });
 }
 
-TEST(VulkanCapture, DrawsTrianglesWhereItCan) {
+TEST(VulkanCapture, DrawsTrianglesIfItCan) {
   Device* const rays = test::capturing_device(VulkanCapture::kRays);
   Device* const raster = test::capturing_device(VulkanCapture::kRaster);
   UMBRAGE_NEEDS_VULKAN(rays && raster);
@@ -242,18 +242,18 @@ Scene scene_of(std::vector<Mesh> meshes) {
   return scene;
 }
 
-TEST(VulkanCapture, RasterisationLeavesNoHoleAroundTheEye) {
+TEST(VulkanCapture, RasterisationLeavesNoHoleAroundTheCamera) {
   Device* const rays = test::capturing_device(VulkanCapture::kRays);
   Device* const raster = test::capturing_device(VulkanCapture::kRaster);
   UMBRAGE_NEEDS_VULKAN(rays && raster);
   const test::NoMessages no_messages;
-  // The camera in a box of a few large triangles that extend to both sides of it, once close to a wall, and in a sphere
-  // of many small ones.
+  // The camera is inside a box of a few large triangles that extend on both sides of it, once close to a wall, and
+  // inside a sphere of many small triangles.
   Mesh box;
   for (int k = 0; k < 8; ++k) box.positions.emplace_back(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1);
   box.indices = {0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1,
                  2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3};
-  // Also inside a point, and inside a second one, which occludes part of it.
+  // The camera is also inside a point; a second, smaller point occludes a part of it.
   Scene points;
   points.materials.resize(1);
   points.meshes.resize(1);
@@ -278,11 +278,11 @@ TEST(VulkanCapture, RasterisationLeavesNoHoleAroundTheEye) {
       }
 }
 
-TEST(VulkanCapture, RasterisationTellsSheetsApartFarFromTheEye) {
+TEST(VulkanCapture, RasterisationSeparatesDistantSheets) {
   Device* const raster = test::capturing_device(VulkanCapture::kRaster);
   UMBRAGE_NEEDS_VULKAN(raster);
   const test::NoMessages no_messages;
-  // Two sheets from behind the camera to the horizon, with either one drawn first.
+  // Two sheets that extend from behind the camera to the horizon; either one is drawn first.
   const auto sheet = [](float height) {
     Mesh mesh;
     mesh.positions = {{-100, height, -100}, {-100, height, 100}, {100, height, 100}, {100, height, -100}};
@@ -310,7 +310,7 @@ TEST(VulkanCapture, RasterisationTellsSheetsApartFarFromTheEye) {
     }
 }
 
-TEST_P(VulkanCaptureWays, TooLittleMemoryForASceneIsAnError) {
+TEST_P(VulkanCaptureModes, TooLittleMemoryForASceneIsAnError) {
   if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
   const auto gpu = test::new_vulkan_device({.capture = GetParam(), .get = test::faulty_get});
   UMBRAGE_NEEDS_VULKAN(gpu);
@@ -326,7 +326,7 @@ TEST_P(VulkanCaptureWays, TooLittleMemoryForASceneIsAnError) {
   EXPECT_TRUE(gpu->capture(frame_scene(*scene, {}, 32, 32), {.width = 32, .height = 32}));
 }
 
-TEST_P(VulkanCaptureWays, WhereThereIsNoMemoryToDrawIntoRaysDo) {
+TEST_P(VulkanCaptureModes, TracesRaysWithoutMemoryForTheRenderTarget) {
   if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
   const auto gpu = test::new_vulkan_device({.capture = GetParam(), .get = test::faulty_get});
   Device* const rays = test::capturing_device(VulkanCapture::kRays);
@@ -348,7 +348,7 @@ TEST_P(VulkanCaptureWays, WhereThereIsNoMemoryToDrawIntoRaysDo) {
     return any;
   };
   EXPECT_EQ(drew(*gpu), GetParam() == VulkanCapture::kRaster);
-  // There is memory for planes of the same size, but not for the target of drawing.
+  // There is memory for planes of the same size, but not for the render target.
   test::faulty().faults.memory_left = 0;
   const auto without = captured(*gpu, 30);
   test::faulty().faults.memory_left = std::uint64_t(1) << 30;
@@ -358,17 +358,17 @@ TEST_P(VulkanCaptureWays, WhereThereIsNoMemoryToDrawIntoRaysDo) {
   EXPECT_FALSE(drew(*gpu));
   const auto traced = captured(*rays, 30);
   ASSERT_TRUE(traced);
-  const auto wanted = rays->download(*traced, {"depth", "normal.x"});
-  ASSERT_TRUE(wanted);
+  const auto expected = rays->download(*traced, {"depth", "normal.x"});
+  ASSERT_TRUE(expected);
   for (int p = 0; p < 2; ++p)
     for (int y = 0; y < 32; ++y)
-      EXPECT_TRUE(std::equal(image->planes[p].row(y), image->planes[p].row(y) + 30, wanted->planes[p].row(y)));
+      EXPECT_TRUE(std::equal(image->planes[p].row(y), image->planes[p].row(y) + 30, expected->planes[p].row(y)));
   ASSERT_TRUE(captured(*gpu, 30));
   ASSERT_TRUE(gpu->finish());
   EXPECT_EQ(drew(*gpu), GetParam() == VulkanCapture::kRaster);
 }
 
-TEST(VulkanCapture, PicturesThatNeedTheMemoryGetWhatTrianglesWereDrawnInto) {
+TEST(VulkanCapture, TheRenderTargetIsReleasedIfPlanesNeedItsMemory) {
   if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
   const auto gpu = test::new_vulkan_device({.capture = VulkanCapture::kRaster, .get = test::faulty_get});
   UMBRAGE_NEEDS_VULKAN(gpu);
@@ -381,13 +381,13 @@ TEST(VulkanCapture, PicturesThatNeedTheMemoryGetWhatTrianglesWereDrawnInto) {
   ASSERT_TRUE(frame);
   const auto before = gpu->download_all(*frame);  // also allocates host memory for uploads
   ASSERT_TRUE(before);
-  const std::uint64_t held = vulkan_memory(*gpu).device_bytes;
+  const std::uint64_t bytes_before = vulkan_memory(*gpu).device_bytes;
   test::faulty().faults.memory_left = 0;
   test::faulty().faults.reuses_memory = true;
-  // Its planes take less memory than depth and the triangle indices did.
+  // The planes of this frame take less memory than the render target.
   const auto other = gpu->upload(test::bumpy_gbuffer(80, 60, 5));
   EXPECT_TRUE(other) << other.error().message;
-  EXPECT_LT(vulkan_memory(*gpu).device_bytes, held);
+  EXPECT_LT(vulkan_memory(*gpu).device_bytes, bytes_before);
   test::faulty().faults.memory_left = std::uint64_t(1) << 30;
   const auto again = capture();
   ASSERT_TRUE(again);

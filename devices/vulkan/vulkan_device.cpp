@@ -35,7 +35,7 @@ class VulkanDevice final : public Device {
         settings_(settings) {}
 
   ~VulkanDevice() override {
-    memory_->wait = memory_->spare = [] { return Result<void>(); };
+    memory_->wait = memory_->release_memory = [] { return Result<void>(); };
     gpu_->vk.DeviceWaitIdle(gpu_->device);
   }
 
@@ -44,10 +44,10 @@ class VulkanDevice final : public Device {
     if (!commands) return commands.error();
     commands_ = std::move(*commands);
     memory_->wait = [this] { return commands_->finish(); };
-    memory_->spare = [this] { return scene_ ? scene_->spare() : Result<void>(); };
-    auto made = Pipelines::make(gpu_, commands_->uniform_buffer(), pipelines);
-    if (!made) return made.error();
-    pipelines_ = std::move(*made);
+    memory_->release_memory = [this] { return scene_ ? scene_->release_memory() : Result<void>(); };
+    auto created = Pipelines::make(gpu_, commands_->uniform_buffer(), pipelines);
+    if (!created) return created.error();
+    pipelines_ = std::move(*created);
     store_.emplace(*gpu_, *memory_, *commands_);
     dispatcher_.emplace(*gpu_, *commands_, *pipelines_, settings_.max_submission_ms, settings_.first_groups);
     const CaptureParts parts{gpu_, memory_.get(), commands_.get(), pipelines_.get(), &*store_, &*dispatcher_};
@@ -78,7 +78,7 @@ class VulkanDevice final : public Device {
     auto drawn = capture_->capture(camera, settings, monitor);
     if (!drawn) return drawn;
     Frame whole = *drawn;
-    whole.info.guard = 0;  // no part is cropped
+    whole.info.guard = 0;  // so that download_all crops nothing
     const auto planes = capture_->download_all(whole);
     if (!planes) return planes.error();
     Frame frame{drawn->info, empty_planes(drawn->info)};
@@ -98,7 +98,7 @@ class VulkanDevice final : public Device {
 
   Frame branch(const Frame& frame) override {
     auto planes = std::make_shared<DevicePlanes>(planes_of(frame));
-    planes->kept.insert(planes->names.begin(), planes->names.end());
+    planes->of_parent.insert(planes->names.begin(), planes->names.end());
     planes->branches = planes_of(frame).branches.branch();
     return {frame.info, std::move(planes)};
   }
@@ -127,10 +127,10 @@ class VulkanDevice final : public Device {
     small.storage = planes;
     for (const std::string& name : names)
       for (int layer = 0; layer < kMaxLayers; ++layer) {
-        const std::string of_layer = layer_plane(layer, name);
-        const auto in = planes_of(frame).made.find(of_layer);
-        if (in == planes_of(frame).made.end()) continue;
-        const auto out = store_->writable(*planes, of_layer);
+        const std::string layer_name = layer_plane(layer, name);
+        const auto in = planes_of(frame).stored.find(layer_name);
+        if (in == planes_of(frame).stored.end()) continue;
+        const auto out = store_->writable(*planes, layer_name);
         if (!out) return out.error();
         if (auto done = pick(frame, *in->second, factor, small, **out); !done) return done.error();
       }
@@ -209,7 +209,7 @@ class VulkanDevice final : public Device {
 
   void drop() { commands_->drop(); }
 
-  void wait_for(VkSemaphore before) { commands_->wait_for(before); }
+  void wait_for(VkSemaphore semaphore) { commands_->wait_for(semaphore); }
 
   Result<void> submit_without_waiting(VkSemaphore signal) { return commands_->submit_without_waiting(signal); }
 
@@ -221,7 +221,7 @@ class VulkanDevice final : public Device {
     const DevicePlanes& planes = planes_of(frame);
     std::vector<std::string> names = planes.names;
     for (const std::string& name : planes.neutral)
-      if (!planes.made.contains(name)) names.push_back(name);
+      if (!planes.stored.contains(name)) names.push_back(name);
     return names;
   }
 
@@ -251,7 +251,7 @@ class VulkanDevice final : public Device {
     constants.top = meaning.top;
     constants.near_depth = meaning.near_depth;
     constants.far_depth = meaning.far_depth;
-    std::copy_n(meaning.turn, 9, constants.turn);
+    std::copy_n(meaning.rotation, 9, constants.rotation);
     return dispatcher_->dispatch({*pipeline, "image", to_image ? "write" : "read"}, frame.info,
                                  std::as_bytes(std::span(&constants, 1)), table);
   }
@@ -269,11 +269,11 @@ class VulkanDevice final : public Device {
     if (dispatch.host) return run_host(run, planes);
     fault_point();
     for (std::string_view output : dispatch.outputs)
-      if (run.is_there(output))
+      if (run.has_layer_of(output))
         if (auto made = store_->writable(planes, run.plane(output)); !made) return made.error();
     if (settings_.tuned && run.pixels == PixelSet::kAll)
-      for (const GpuVariant& way : dispatch.gpu_variants)
-        if (way.fits(run.constants.data())) return run_variant(run, way, planes);
+      for (const GpuVariant& variant : dispatch.gpu_variants)
+        if (variant.fits(run.constants.data())) return run_variant(run, variant, planes);
     return run_step(run, plain_step(dispatch), planes, {});
   }
 
@@ -286,46 +286,49 @@ class VulkanDevice final : public Device {
     std::vector<const Plane*> inputs;
     for (const Plane& plane : read->planes) inputs.push_back(&plane);
     const std::vector<Plane> outputs = run_host_step(run, inputs);
-    std::vector<NamedPlane> made;
+    std::vector<NamedPlane> results;
     for (std::size_t k = 0; k < outputs.size(); ++k)
-      if (run.is_there(run.dispatch.outputs[k])) made.push_back({run.plane(run.dispatch.outputs[k]), &outputs[k]});
-    return store_->copy_to(made, run.info, planes);
+      if (run.has_layer_of(run.dispatch.outputs[k]))
+        results.push_back({run.plane(run.dispatch.outputs[k]), &outputs[k]});
+    return store_->copy_to(results, run.info, planes);
   }
 
-  Result<void> run_variant(const DispatchRun& run, const GpuVariant& way, DevicePlanes& planes) {
-    // All outputs of the last step are outputs of the pass. Memory released here is reused by work recorded later.
-    StepPlanes own;
-    const auto& of_dispatch = run.dispatch.outputs;
-    for (const GpuStep& step : way.steps) {
+  Result<void> run_variant(const DispatchRun& run, const GpuVariant& variant, DevicePlanes& planes) {
+    // All outputs of the last step are outputs of the dispatch. The temporary planes are released on return; only work
+    // that is recorded later reuses their memory.
+    StepPlanes temporary_planes;
+    const auto& dispatch_outputs = run.dispatch.outputs;
+    for (const GpuStep& step : variant.steps) {
       for (std::string_view output : step.outputs) {
-        if (std::find(of_dispatch.begin(), of_dispatch.end(), output) != of_dispatch.end() || own.contains(output))
+        if (std::find(dispatch_outputs.begin(), dispatch_outputs.end(), output) != dispatch_outputs.end() ||
+            temporary_planes.contains(output))
           continue;
         const auto made = memory_->plane(planes.bytes);
         if (!made) return made.error();
-        own.emplace(output, *made);
+        temporary_planes.emplace(output, *made);
       }
-      if (auto done = run_step(run, step, planes, own); !done) return done;
+      if (auto done = run_step(run, step, planes, temporary_planes); !done) return done;
     }
     return {};
   }
 
   Result<void> run_step(const DispatchRun& run, const GpuStep& step, const DevicePlanes& planes,
-                        const StepPlanes& own) {
+                        const StepPlanes& temporary_planes) {
     const std::vector<std::byte> block =
         block_of(frame_constants(run.info, planes.stride, run.round, run.pixels), run.constants);
     std::vector<const DevicePlane*> table;
     for (std::string_view name : plane_table(step)) {
-      const auto found = own.find(name);
-      table.push_back(found != own.end() ? found->second.get() : planes.find(run.plane(name)));
+      const auto found = temporary_planes.find(name);
+      table.push_back(found != temporary_planes.end() ? found->second.get() : planes.find(run.plane(name)));
     }
     if (run.pixels == PixelSet::kMissing) {
       table.resize(kMaxPlanes);
       table.back() = planes.find(run.plane("ao"));  // kernel/glsl.h reads it there
       if (!table.back()) return missing_plane(run, "ao");
     }
-    return dispatcher_->run_kernel(
-        step, {.effect = run.effect.name, .dispatch = step.name, .settings = number_of(run.params)}, run.info, block,
-        planes.bytes, table);
+    return dispatcher_->run_kernel(step,
+                                   {.effect = run.effect.name, .dispatch = step.name, .settings = hash_of(run.params)},
+                                   run.info, block, planes.bytes, table);
   }
 
   /// Records pick.comp.
@@ -346,7 +349,7 @@ class VulkanDevice final : public Device {
     return {};
   }
 
-  static std::size_t number_of(std::span<const std::byte> bytes) {
+  static std::size_t hash_of(std::span<const std::byte> bytes) {
     return std::hash<std::string_view>()({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   }
 
@@ -406,8 +409,8 @@ Result<std::unique_ptr<Device>> make_vulkan_device(const VulkanSettings& setting
         gpus->size() == 1 ? std::string("only vulkan:0") : fmt::format("vulkan:0 to vulkan:{}", gpus->size() - 1));
   if (index < 0) {
     const auto best = std::max_element(gpus->begin(), gpus->end(), [](const PhysicalGpu& a, const PhysicalGpu& b) {
-      const auto worth = [](const PhysicalGpu& gpu) { return 2 * int(gpu.lacks.empty()) + int(!gpu.software); };
-      return worth(a) < worth(b);
+      const auto rank = [](const PhysicalGpu& gpu) { return 2 * int(gpu.lacks.empty()) + int(!gpu.software); };
+      return rank(a) < rank(b);
     });
     index = int(best - gpus->begin());
   }
@@ -425,13 +428,13 @@ Result<std::unique_ptr<Device>> make_vulkan_device(const VulkanSettings& setting
                                           : settings.pipeline_folder.empty()
                                               ? pipeline_file(file)
                                               : std::filesystem::path(settings.pipeline_folder) / file;
-  const bool here = settings.capture == VulkanCapture::kRays || settings.capture == VulkanCapture::kRaster ||
-                    (settings.capture == VulkanCapture::kAuto && !chosen.software);
+  const bool captures_itself = settings.capture == VulkanCapture::kRays || settings.capture == VulkanCapture::kRaster ||
+                               (settings.capture == VulkanCapture::kAuto && !chosen.software);
   const int threads = capture->threads();
   std::string description = fmt::format("vulkan:{}: {}", index, summary_of(chosen));
-  if (!here) description += fmt::format("; scenes are captured by {}", capture->description());
+  if (!captures_itself) description += fmt::format("; scenes are captured by {}", capture->description());
   auto device = std::make_unique<VulkanDevice>(*gpu, fmt::format("vulkan:{}", index), std::move(description), threads,
-                                               here ? nullptr : std::move(capture), settings);
+                                               captures_itself ? nullptr : std::move(capture), settings);
   if (auto started = device->start(pipelines); !started) return started.error();
   return std::unique_ptr<Device>(std::move(device));
 }
@@ -460,7 +463,7 @@ Result<void> write_image(Device& device, const Frame& frame, const std::vector<s
   return dynamic_cast<VulkanDevice&>(device).write_image(frame, planes, image);
 }
 
-void wait_for(Device& device, VkSemaphore before) { dynamic_cast<VulkanDevice&>(device).wait_for(before); }
+void wait_for(Device& device, VkSemaphore semaphore) { dynamic_cast<VulkanDevice&>(device).wait_for(semaphore); }
 
 Result<void> submit_without_waiting(Device& device, VkSemaphore signal) {
   return dynamic_cast<VulkanDevice&>(device).submit_without_waiting(signal);

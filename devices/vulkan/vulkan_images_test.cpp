@@ -1,4 +1,4 @@
-// Vulkan devices and images of a caller, and successive frames.
+// Tests of a caller's Vulkan device and images, and of successive frames.
 #include <array>
 #include <cmath>
 #include <limits>
@@ -84,14 +84,14 @@ struct Engine {
     const VkCommandBuffer buffer = *(*commands)->buffer();
     const VkImageSubresourceRange range = {
         VkImageAspectFlags(depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT), 0, 1, 0, 1};
-    VkImageMemoryBarrier turn{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
-    turn.dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
-    turn.newLayout = VK_IMAGE_LAYOUT_GENERAL;
-    turn.srcQueueFamilyIndex = turn.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-    turn.image = image;
-    turn.subresourceRange = range;
+    VkImageMemoryBarrier barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
+    barrier.dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+    barrier.newLayout = VK_IMAGE_LAYOUT_GENERAL;
+    barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+    barrier.image = image;
+    barrier.subresourceRange = range;
     gpu->vk.CmdPipelineBarrier(buffer, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, nullptr, 0,
-                               nullptr, 1, &turn);
+                               nullptr, 1, &barrier);
     if (depth) {
       const VkClearDepthStencilValue to = {value[0], 0};
       function<PFN_vkCmdClearDepthStencilImage>("vkCmdClearDepthStencilImage")(buffer, image, VK_IMAGE_LAYOUT_GENERAL,
@@ -122,14 +122,14 @@ std::optional<Engine> open_engine(PFN_vkGetInstanceProcAddr get = nullptr) {
   return engine;
 }
 
-struct Known {
+struct KnownFormat {
   VkFormat format;
   double step;  // between adjacent values near 1
 };
-constexpr Known kFormats[] = {{VK_FORMAT_R32_SFLOAT, 0.0},           {VK_FORMAT_R32G32B32A32_SFLOAT, 0.0},
-                              {VK_FORMAT_R16G16B16A16_SFLOAT, 1e-3}, {VK_FORMAT_R8G8B8A8_UNORM, 1.0 / 255},
-                              {VK_FORMAT_B8G8R8A8_UNORM, 1.0 / 255}, {VK_FORMAT_R8G8B8A8_SRGB, 0.01},
-                              {VK_FORMAT_B8G8R8A8_SRGB, 0.01}};
+constexpr KnownFormat kFormats[] = {{VK_FORMAT_R32_SFLOAT, 0.0},           {VK_FORMAT_R32G32B32A32_SFLOAT, 0.0},
+                                    {VK_FORMAT_R16G16B16A16_SFLOAT, 1e-3}, {VK_FORMAT_R8G8B8A8_UNORM, 1.0 / 255},
+                                    {VK_FORMAT_B8G8R8A8_UNORM, 1.0 / 255}, {VK_FORMAT_R8G8B8A8_SRGB, 0.01},
+                                    {VK_FORMAT_B8G8R8A8_SRGB, 0.01}};
 
 const std::vector<std::string> kFour = {"a", "b", "c", "d"};
 
@@ -141,7 +141,7 @@ TEST(VulkanImages, AreReadAndWrittenInEveryFormat) {
   UMBRAGE_NEEDS_VULKAN(engine);
   const auto device = make_vulkan_device_on(engine->foreign());
   ASSERT_TRUE(device) << device.error().message;
-  for (const Known& known : kFormats) {
+  for (const KnownFormat& known : kFormats) {
     SCOPED_TRACE(int(known.format));
     const int channels = known.format == VK_FORMAT_R32_SFLOAT ? 1 : 4;
     const std::array<float, 4> value = {0.25f, 0.5f, 0.875f, 0.625f};
@@ -175,7 +175,7 @@ TEST(VulkanImages, AreReadAndWrittenInEveryFormat) {
   }
 }
 
-TEST(VulkanImages, DepthBecomesDistance) {
+TEST(VulkanImages, DepthBecomesViewDepth) {
   const test::NoMessages no_messages;
   auto engine = open_engine();
   UMBRAGE_NEEDS_VULKAN(engine);
@@ -188,7 +188,7 @@ TEST(VulkanImages, DepthBecomesDistance) {
     float far, stored, distance;
   };
   const float window = f / (f - n) * (1.0f - n / z);  // window depth of a projection to [0, 1]
-  // The length of the ray through the last pixel per distance along the view axis, for a window from -1 to 1.
+  // Ray depth divided by view depth at the last pixel, for a window from -1 to 1.
   const float across = 1.0f - 1.0f / float(kWidth), down = 1.0f - 1.0f / float(kHeight);
   const float slant = std::sqrt(1.0f + across * across + down * down);
   const Case cases[] = {{kWindowDepthRole, false, f, window, z},
@@ -235,8 +235,8 @@ VulkanGBuffer wall(Engine& engine) {
   g.normal = {engine.image(VK_FORMAT_R8G8B8A8_UNORM), VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_LAYOUT_GENERAL,
               VK_IMAGE_LAYOUT_GENERAL};
   engine.clear(g.normal.image, {1.0f, 0.5f, 0.5f, 0}, false);  // along +x in world space, the direction of the camera
-  const float turn[9] = {0, 0, 1, 0, 1, 0, 1, 0, 0};           // world x is view z
-  std::copy_n(turn, 9, g.view_from_normal);
+  const float rotation[9] = {0, 0, 1, 0, 1, 0, 1, 0, 0};       // world x is view z
+  std::copy_n(rotation, 9, g.view_from_normal);
   return g;
 }
 
@@ -285,7 +285,7 @@ TEST(VulkanShading, ShadesAnEnginesImages) {
     engine->function<PFN_vkDestroySemaphore>("vkDestroySemaphore")(engine->gpu->device, s, nullptr);
 }
 
-TEST(VulkanShading, TurnsNormals) {
+TEST(VulkanShading, RotatesNormals) {
   const test::NoMessages no_messages;
   auto engine = open_engine();
   UMBRAGE_NEEDS_VULKAN(engine);
@@ -301,7 +301,7 @@ TEST(VulkanShading, TurnsNormals) {
   EXPECT_NEAR(first_texel(*engine, request.outputs[0].image), -1.0f, 0.005f);
 }
 
-TEST(VulkanShading, SaysWhatIsWrong) {
+TEST(VulkanShading, ReportsErrors) {
   const test::NoMessages no_messages;
   if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
   auto engine = open_engine(test::faulty_get);
@@ -356,7 +356,7 @@ TEST(VulkanShading, SaysWhatIsWrong) {
   EXPECT_EQ(shading.finish().code, 4);
 }
 
-TEST(FrameRenderer, DrawsFramesAsRenderDoes) {
+TEST(FrameRenderer, DrawsFramesLikeRender) {
   RenderRequest request = {
       .model = "scene:solids?detail=3000", .look = "ao", .width = 64, .height = 48, .device = "cpu"};
   Picture alone;

@@ -1,4 +1,4 @@
-// Which constants of a kernel become part of its shader, and that the shader remains valid.
+// Tests that the right constants of a kernel become part of its shader, and that the shader remains valid.
 #include "devices/vulkan/options.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace umbrage {
 namespace {
 
-const Dispatch& pass_of(std::string_view effect, std::string_view name) {
+const Dispatch& dispatch_of(std::string_view effect, std::string_view name) {
   const auto& dispatches = find_effect(effect)->dispatches;
   return *std::find_if(dispatches.begin(), dispatches.end(),
                        [&](const Dispatch& dispatch) { return dispatch.name == name; });
@@ -26,8 +26,8 @@ const Option* option_at(const KernelOptions& options, std::size_t offset) {
   return nullptr;
 }
 
-TEST(KernelOptions, AreWhatTheKernelCompares) {
-  const KernelOptions options = options_of(pass_of("hemisphere", "occlusion").kernel.spirv);
+TEST(KernelOptions, AreTheConstantsThatTheKernelCompares) {
+  const KernelOptions options = options_of(dispatch_of("hemisphere", "occlusion").kernel.spirv);
   const std::size_t effect = sizeof(FrameConstants);
   const Option* range = option_at(options, effect + offsetof(HemisphereConstants, range));
   ASSERT_NE(range, nullptr);
@@ -37,7 +37,7 @@ TEST(KernelOptions, AreWhatTheKernelCompares) {
   EXPECT_EQ(other->count, kLayersRead);
   EXPECT_NE(option_at(options, effect + offsetof(HemisphereConstants, layer_count)), nullptr);
   EXPECT_NE(option_at(options, offsetof(FrameConstants, orthographic)), nullptr);
-  // Counters and operands are not options: other values need no other shader.
+  // Counters and operands are not options: all their values share one shader.
   EXPECT_EQ(option_at(options, effect + offsetof(HemisphereConstants, samples)), nullptr);
   EXPECT_EQ(option_at(options, effect + offsetof(HemisphereConstants, seed)), nullptr);
   EXPECT_EQ(option_at(options, offsetof(FrameConstants, width)), nullptr);
@@ -54,7 +54,7 @@ TEST(KernelOptions, AreReadFromTheBlock) {
   EXPECT_EQ(values[2], std::nullopt);  // elements differ
 }
 
-TEST(KernelOptions, TakeThePlaceOfLoads) {
+TEST(KernelOptions, ReplaceLoads) {
   for (const Effect* effect : effects())
     for (const Dispatch& dispatch : effect->dispatches) {
       if (dispatch.host) continue;

@@ -1,4 +1,5 @@
-// Times on a Vulkan device, in alternation. Prints them without asserting: machines are never idle enough for that.
+// Measures times on a Vulkan device, in alternation. Prints them without assertions, since machines are never idle
+// enough for those.
 // umbrage_tests --gtest_also_run_disabled_tests --gtest_filter='VulkanSpeed.*'
 #include <gtest/gtest.h>
 
@@ -26,7 +27,7 @@
 namespace umbrage {
 namespace {
 
-constexpr int kTurns = 9;
+constexpr int kRuns = 9;
 
 std::unique_ptr<Device> device_without_validation(bool tuned) {
   auto made = make_vulkan_device({.tuned = tuned}, make_cpu_device());
@@ -51,7 +52,7 @@ Result<Frame> captured(Device& device, const char* scene_name, int width, int he
   return draw(device, *scene, settings, ignored);
 }
 
-/// Returns the GPU time of all passes of an effect except those named `without`, milliseconds.
+/// Returns the GPU time of all dispatches of an effect except those named `without`, milliseconds.
 double gpu_ms(Device& device, const Effect& effect, const ParameterBytes& params, Frame& frame,
               std::string_view without = {}) {
   device.take_dispatch_times();
@@ -63,26 +64,26 @@ double gpu_ms(Device& device, const Effect& effect, const ParameterBytes& params
   return ms;
 }
 
-TEST(VulkanSpeed, DISABLED_UnsharpByItsWaysAndPlain) {
+TEST(VulkanSpeed, DISABLED_UnsharpVariantsAndPlain) {
   const auto tuned = device_without_validation(true), plain = device_without_validation(false);
   UMBRAGE_NEEDS_VULKAN(tuned && plain);
-  fmt::print("{}\nms of unsharp, median of {} by turns: its ways, plain, ratio\n", tuned->description(), kTurns);
+  fmt::print("{}\nms of unsharp, median of {}, alternating: variants, plain, ratio\n", tuned->description(), kRuns);
   const Effect& effect = *find_effect("unsharp");
   auto a = captured(*tuned, "scene:claw", 512, 512), b = captured(*plain, "scene:claw", 512, 512);
   ASSERT_TRUE(a && b);
   for (const char* threshold : {"0", "0.02"})
     for (const char* kernel : {"8", "12", "15", "40", "121"}) {
       const ParameterBytes params = test::parameters_of(effect, {{"kernel", kernel}, {"threshold", threshold}});
-      std::vector<double> ways, whole;
-      for (int turn = 0; turn <= kTurns; ++turn) {
-        const double of_ways = gpu_ms(*tuned, effect, params, *a, "linearize");
-        const double of_plain = gpu_ms(*plain, effect, params, *b, "linearize");
+      std::vector<double> variants_ms, plain_ms;
+      for (int turn = 0; turn <= kRuns; ++turn) {
+        const double variant_ms = gpu_ms(*tuned, effect, params, *a, "linearize");
+        const double one_plain_ms = gpu_ms(*plain, effect, params, *b, "linearize");
         if (turn == 0) continue;
-        ways.push_back(of_ways);
-        whole.push_back(of_plain);
+        variants_ms.push_back(variant_ms);
+        plain_ms.push_back(one_plain_ms);
       }
-      fmt::print("k = {:>3}, threshold {:<5} {:8.2f} {:8.2f} {:6.2f}\n", kernel, threshold, median(ways), median(whole),
-                 median(whole) / median(ways));
+      fmt::print("k = {:>3}, threshold {:<5} {:8.2f} {:8.2f} {:6.2f}\n", kernel, threshold, median(variants_ms),
+                 median(plain_ms), median(plain_ms) / median(variants_ms));
     }
 }
 
@@ -199,7 +200,7 @@ void add_image(HandWritten& h, int k, VkFormat format, const std::vector<float>&
   view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
   expect_success(h.f.create_view(device, &view, nullptr, &h.views[k]));
   upload(h, texels, [&](VkCommandBuffer buffer, VkBuffer from) {
-    const auto turn = [&](VkImageLayout old_layout, VkImageLayout new_layout) {
+    const auto change_layout = [&](VkImageLayout old_layout, VkImageLayout new_layout) {
       VkImageMemoryBarrier barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
       barrier.srcAccessMask = barrier.dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT;
       barrier.oldLayout = old_layout;
@@ -210,12 +211,12 @@ void add_image(HandWritten& h, int k, VkFormat format, const std::vector<float>&
       vk.CmdPipelineBarrier(buffer, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0,
                             nullptr, 0, nullptr, 1, &barrier);
     };
-    turn(VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    change_layout(VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     VkBufferImageCopy region{};
     region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
     region.imageExtent = create.extent;
     vk.CmdCopyBufferToImage(buffer, from, h.images[k], VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
-    turn(VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+    change_layout(VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
   });
 }
 
@@ -256,7 +257,7 @@ std::unique_ptr<HandWritten> hand_written(const Image& image) {
   return made;
 }
 
-/// Compiles a shader and binds everything to it; returns its index.
+/// Compiles a shader and binds all planes, as images or buffers, to it. Returns its index.
 std::size_t add_shader(HandWritten& h, std::span<const std::uint32_t> spirv, bool images) {
   const auto& vk = h.gpu->vk;
   const VkDevice device = h.gpu->device;
@@ -365,7 +366,7 @@ const ByHand kByHand[] = {{"hemisphere", "occlusion", hemisphere_by_hand_address
                           {"bitmask", "occlusion", bitmask_by_hand_addresses_spirv(), bitmask_by_hand_buffers_spirv(),
                            bitmask_by_hand_images_spirv()}};
 
-/// Times all four in alternation, and checks that they compute the same picture.
+/// Times our kernel and the three hand-written shaders in alternation, and checks that they compute the same picture.
 void compare_with_hand(const char* scene, int width, int height, int turns) {
   const auto ours = device_without_validation(true);
   UMBRAGE_NEEDS_VULKAN(ours);
@@ -378,10 +379,10 @@ void compare_with_hand(const char* scene, int width, int height, int turns) {
   for (const ByHand& by_hand : kByHand) {
     const Effect& effect = *find_effect(by_hand.effect);
     const ParameterBytes params = initial_parameters(effect.parameters, effect.params_size);
-    const FrameConstants of_frame = frame_constants(frame->info, h->stride, 0);
-    std::vector<std::byte> constants(sizeof of_frame + effect.constants_size);
-    std::memcpy(constants.data(), &of_frame, sizeof of_frame);
-    effect.constants(params, frame->info, constants.data() + sizeof of_frame);
+    const FrameConstants frame_block = frame_constants(frame->info, h->stride, 0);
+    std::vector<std::byte> constants(sizeof frame_block + effect.constants_size);
+    std::memcpy(constants.data(), &frame_block, sizeof frame_block);
+    effect.constants(params, frame->info, constants.data() + sizeof frame_block);
     for (const DevicePlanePtr& plane : h->planes) {
       const auto address = std::as_bytes(std::span(&plane->address, 1));
       constants.insert(constants.end(), address.begin(), address.end());
@@ -422,8 +423,8 @@ TEST(VulkanSpeed, ShadersByHandMakeTheSamePictures) { compare_with_hand("scene:s
 
 TEST(VulkanSpeed, DISABLED_ByHandAndOurs) {
   for (const char* scene : {"scene:solids", "scene:atrium"}) {
-    fmt::print("{} at 1024x1024, median of {} by turns\n", scene, kTurns);
-    compare_with_hand(scene, 1024, 1024, kTurns);
+    fmt::print("{} at 1024x1024, median of {}, alternating\n", scene, kRuns);
+    compare_with_hand(scene, 1024, 1024, kRuns);
   }
 }
 

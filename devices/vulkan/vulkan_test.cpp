@@ -59,7 +59,7 @@ void expect_equal(const Image& a, const Image& b) {
 
 // ---- planes and results ----
 
-TEST(Vulkan, HoldsWhatItIsGiven) {
+TEST(Vulkan, StoresUploadedPlanes) {
   Device* const gpu = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
@@ -80,7 +80,7 @@ TEST(Vulkan, HoldsWhatItIsGiven) {
   }
 }
 
-TEST(Vulkan, AddsInPlaceOfWhatHasTheName) {
+TEST(Vulkan, AddReplacesPlanesOfTheSameName) {
   Device* const gpu = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
@@ -95,7 +95,7 @@ TEST(Vulkan, AddsInPlaceOfWhatHasTheName) {
   expect_equal(*image, more);
 }
 
-TEST(Vulkan, ReducesAndPlacesAsTheCpuDoes) {
+TEST(Vulkan, ReducesAndPlacesLikeTheCpu) {
   Device* const gpu = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
@@ -126,7 +126,7 @@ TEST(Vulkan, ReducesAndPlacesAsTheCpuDoes) {
     }
 }
 
-TEST(Vulkan, MissingPlanesAreNeutralOrNamed) {
+TEST(Vulkan, MissingPlanesAreNeutralOrReported) {
   Device* const gpu = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
@@ -205,10 +205,10 @@ TEST(Vulkan, SubmitsOncePerFrame) {
 TEST(Vulkan, StripsOfLongDispatchesGiveTheSameBits) {
   // One device with time for one row of workgroups per submission, and one that never splits.
   if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
-  const auto cut = test::new_vulkan_device(
+  const auto splitting = test::new_vulkan_device(
       {.capture = VulkanCapture::kRaster, .max_submission_ms = 1e-6, .first_groups = 1, .get = test::faulty_get});
   const auto whole = test::new_vulkan_device({.capture = VulkanCapture::kRaster, .max_submission_ms = 0.0});
-  UMBRAGE_NEEDS_VULKAN(cut && whole);
+  UMBRAGE_NEEDS_VULKAN(splitting && whole);
   const test::NoMessages no_messages;
   auto scene = load_scene("scene:solids?detail=2000");
   ASSERT_TRUE(scene);
@@ -220,7 +220,7 @@ TEST(Vulkan, StripsOfLongDispatchesGiveTheSameBits) {
     std::array<Image, 2> images;
     int k = 0;
     const int before = faulty().faults.submits;
-    for (Device* device : {cut.get(), whole.get()}) {
+    for (Device* device : {splitting.get(), whole.get()}) {
       StageTimes times;
       ASSERT_TRUE(device->prepare(*scene));
       device->take_dispatch_times();
@@ -230,13 +230,13 @@ TEST(Vulkan, StripsOfLongDispatchesGiveTheSameBits) {
     }
     expect_equal(images[0], images[1]);
     // The row ranges of a dispatch count as one in the reported times.
-    const auto dispatches = cut->take_dispatch_times();
+    const auto dispatches = splitting->take_dispatch_times();
     EXPECT_EQ(dispatches.size(), whole->take_dispatch_times().size()) << look;
     EXPECT_GE(faulty().faults.submits - before, 3 * int(dispatches.size())) << look;
   }
 }
 
-TEST(Vulkan, CutsNoFrameThatIsShort) {
+TEST(Vulkan, DoesNotSplitShortFrames) {
   if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
   const auto gpu = test::new_vulkan_device({.max_submission_ms = 1e6, .first_groups = 16, .get = test::faulty_get});
   UMBRAGE_NEEDS_VULKAN(gpu);
@@ -276,7 +276,7 @@ TEST(Vulkan, ReportsTheTimeOfDispatches) {
   EXPECT_TRUE(gpu->take_dispatch_times().empty());
 }
 
-TEST(Vulkan, AThousandFramesTakeNoMoreMemoryThanTen) {
+TEST(Vulkan, MemoryDoesNotGrowFromFrameToFrame) {
   Device* const gpu = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
@@ -345,10 +345,10 @@ TEST(Vulkan, KeepsCompiledKernels) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(Vulkan, ValidationLooksOn) {
-  // Two mistakes, one of them in synchronization: tests that expect no messages would see both.
-  std::vector<std::string> heard;
-  const auto instance = make_instance(nullptr, [&](std::string_view message) { heard.emplace_back(message); });
+TEST(Vulkan, ValidationReportsMistakes) {
+  // Makes two mistakes, one of them in synchronization: tests that expect no messages would detect both.
+  std::vector<std::string> messages;
+  const auto instance = make_instance(nullptr, [&](std::string_view message) { messages.emplace_back(message); });
   if (!instance && std::getenv("CI")) FAIL() << instance.error().message;
   UMBRAGE_NEEDS_VULKAN(instance);
   const auto gpus = physical_gpus(**instance);
@@ -360,23 +360,23 @@ TEST(Vulkan, ValidationLooksOn) {
   ASSERT_TRUE(commands);
   const auto plane = memory->plane(1024);
   ASSERT_TRUE(plane);
-  EXPECT_TRUE(heard.empty()) << heard.front();
+  EXPECT_TRUE(messages.empty()) << messages.front();
   const auto buffer = (*commands)->buffer();
   ASSERT_TRUE(buffer);
   (*gpu)->vk.CmdFillBuffer(*buffer, (*plane)->buffer, (*plane)->offset, 1024, 1);
   (*gpu)->vk.CmdFillBuffer(*buffer, (*plane)->buffer, (*plane)->offset, 1024, 2);  // without a barrier in between
-  ASSERT_EQ(heard.size(), 1u);
-  EXPECT_NE(heard[0].find("SYNC-HAZARD-WRITE-AFTER-WRITE"), std::string::npos) << heard[0];
+  ASSERT_EQ(messages.size(), 1u);
+  EXPECT_NE(messages[0].find("SYNC-HAZARD-WRITE-AFTER-WRITE"), std::string::npos) << messages[0];
   (*commands)->barrier();
   (*gpu)->vk.CmdFillBuffer(*buffer, (*plane)->buffer, (*plane)->offset, 1024, 3);
-  EXPECT_EQ(heard.size(), 1u);
+  EXPECT_EQ(messages.size(), 1u);
   (*gpu)->vk.CmdFillBuffer(*buffer, (*plane)->buffer, 1, 1024, 3);  // misaligned
-  EXPECT_GT(heard.size(), 1u);
+  EXPECT_GT(messages.size(), 1u);
 }
 
 // ---- errors ----
 
-TEST(Vulkan, SaysWhatIsMissing) {
+TEST(Vulkan, ReportsMissingRequirements) {
   if (!test::start_faulty()) {
     if (std::getenv("CI")) FAIL() << "no Vulkan here";
     GTEST_SKIP() << "no Vulkan here";
@@ -425,7 +425,7 @@ TEST(Vulkan, ALostDeviceIsAnError) {
   }
 }
 
-TEST(Vulkan, WorksOnAfterAWaitThatFailed) {
+TEST(Vulkan, WorksAfterAFailedWait) {
   const auto gpu = faulty_device();
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
