@@ -82,7 +82,7 @@ class Device {
   /// kInterrupted.
   virtual Result<void> prepare(const Scene& scene, const ProgressMonitor& monitor = {}) = 0;
   /// Frees the memory that prepare allocated, if the device can. The next capture requires a new call of prepare.
-  virtual void forget_scene() {}
+  virtual void release_scene() {}
   /// Captures the prepared scene. Returns a frame with the planes of core/gbuffer.h.
   virtual Result<Frame> capture(const Camera& camera, const CaptureSettings& settings,
                                 const ProgressMonitor& monitor = {}) = 0;

@@ -108,9 +108,9 @@ struct Effect {
   void (*set_radius)(float radius, const PictureInfo& info, ParameterBytes& params) = nullptr;
   /// For the effect that upsamples a picture of reduced resolution: sets its parameters for this reduction.
   void (*set_reduction)(const Reduction& reduction, ParameterBytes& params) = nullptr;
-  /// For an effect that applies exposure: `exposed_by` returns what the exposure depends on, `add_stops` raises it by
-  /// `stops`.
-  Exposure (*exposed_by)(const ParameterBytes& params) = nullptr;
+  /// For an effect that applies exposure: `exposure_source` returns what the exposure depends on, `add_stops` raises it
+  /// by `stops`.
+  Exposure (*exposure_source)(const ParameterBytes& params) = nullptr;
   void (*add_stops)(float stops, ParameterBytes& params) = nullptr;
   /// Name of the integer parameter that selects the noise: each sample index of an accumulation gets its own value.
   std::string_view noise;

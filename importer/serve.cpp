@@ -22,7 +22,7 @@ namespace umbrage {
 void serve_import(int argc, char** argv, const ImportFunction& import, const PanoramaFunction& panorama) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // ends this process when the host ends
   constexpr int kArguments = 7, kPanoramaArguments = 3;
-  const bool is_panorama = argc == kPanoramaArguments && std::string_view(argv[1]) == kReadPanorama;
+  const bool is_panorama = argc == kPanoramaArguments && std::string_view(argv[1]) == kPanoramaOption;
   if ((argc != kArguments && !is_panorama) || ::fcntl(kImportResult, F_GETFD) < 0 ||
       ::fcntl(kImportDone, F_GETFD) < 0) {
     fmt::print(stderr, "umbrage-import: this program is started by umbrage and its library, not by hand\n");

@@ -332,7 +332,7 @@ Result<void> write(const fs::path& file, const ImageShape& image, const WriteSet
     if (header.channels().findChannel(channel))
       return file_error("'{}' cannot be written: '{}' and another plane would both be the channel '{}'", file.string(),
                         name, channel);
-    const auto& whole = settings.whole_numbers;
+    const auto& whole = settings.integer_planes;
     const Imf::PixelType type = std::find(whole.begin(), whole.end(), name) != whole.end() ? Imf::UINT
                                 : settings.half && !needs_float(name)                      ? Imf::HALF
                                                                                            : Imf::FLOAT;

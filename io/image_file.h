@@ -20,7 +20,7 @@ struct WriteSettings {
   bool half = false;   ///< EXR: half instead of float
   bool small = false;  ///< PNG: smallest file instead of fastest writing
   /// EXR: planes whose floats hold the bits of integers, written as integers.
-  std::vector<std::string> whole_numbers = {};
+  std::vector<std::string> integer_planes = {};
   int threads = 2;  ///< EXR: number of compression threads; 0: all; the file does not depend on it
   /// EXR: camera to write as worldToCamera and worldToNDC, which OpenEXR defines as left-handed with +z forward; or
   /// null.

@@ -2,7 +2,7 @@
 // that need them include this file.
 
 // Converts random bits to a number in [0, 1).
-FN Real share_of_one(Uint v) { return to_real(v >> 8) * 5.9604645e-8f; }  // 2^-24
+FN Real unit_real(Uint v) { return to_real(v >> 8) * 5.9604645e-8f; }  // 2^-24
 
 // Returns the sine of u quarter turns, u in [-0.5, 0.5], from a truncated series; error below 1e-6.
 FN Real sine_of_quarter_turns(Real u) {

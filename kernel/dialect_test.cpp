@@ -28,7 +28,7 @@ struct DialectResults {
   // Results of operations across lanes.
   int lanes = 0;
   std::vector<int> count_lanes, this_lane;
-  std::vector<float> packed, of_lane, added[3];
+  std::vector<float> packed, lane_value, added[3];
   std::vector<unsigned> packed_bits, bits_of;
 };
 #endif
@@ -65,7 +65,7 @@ void RunDialect(const DialectInput& in, DialectResults& out) {
     hn::StoreU(this_lane().v, di, out.this_lane.data() + i);
     hn::StoreU(packed(odd, real).v, d, out.packed.data() + i);
     hn::StoreU(packed(odd, bits).v, du, out.packed_bits.data() + i);
-    hn::StoreU(of_lane(real, lane).v, d, out.of_lane.data() + i);
+    hn::StoreU(lane_value(real, lane).v, d, out.lane_value.data() + i);
     LaneSums sums;
     clear(sums);
     add_to_lanes(sums, this_lane(), Vec3{real * Real(5.0f), real * Real(7.0f), real});
@@ -108,7 +108,7 @@ void expect_lanes_together(const DialectInput& in, const DialectResults& out, st
     const unsigned other = in.bits[i] >> 9 & unsigned(out.lanes - 1);
     ASSERT_EQ(out.this_lane[i], lane) << target;
     ASSERT_EQ(out.count_lanes[i], int(odd.size())) << target;
-    ASSERT_EQ(out.of_lane[i], in.reals[first + other]) << target;
+    ASSERT_EQ(out.lane_value[i], in.reals[first + other]) << target;
     for (int channel = 0; channel < 3; ++channel) sums[channel][other] += in.reals[i] * float(channel + 1);
   }
   for (std::size_t k = 0; k < odd.size(); ++k) {

@@ -33,7 +33,7 @@
 #define some(mask) (mask)
 #define count_lanes(mask) ((mask) ? 1 : 0)
 #define this_lane() 0
-#define of_lane(v, lane) (v)
+#define lane_value(v, lane) (v)
 #define select(mask, a, b) ((mask) ? (a) : (b))
 #define pow(a, b) pow_of(a, b)
 #include "kernel/frame_constants.h"

@@ -96,6 +96,6 @@ bool choose_isa(std::string_view name) {
   return true;
 }
 
-std::string_view wrong_isa_setting() { return chosen ? std::string_view() : machine().wrong; }
+std::string_view unusable_isa_setting() { return chosen ? std::string_view() : machine().wrong; }
 
 }  // namespace umbrage

@@ -24,6 +24,6 @@ bool choose_isa(std::string_view name);
 
 /// Returns the value of UMBRAGE_ISA if this CPU does not support it and choose_isa has not been called with a name;
 /// else an empty string. Code that creates devices for users must report the value as an error.
-std::string_view wrong_isa_setting();
+std::string_view unusable_isa_setting();
 
 }  // namespace umbrage

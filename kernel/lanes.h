@@ -190,17 +190,17 @@ OP Uint ones_from(Int b) {
 #endif
 /// Returns a + b where the mask is set, else a; for vectors of 32-bit integers of any length.
 template <class V, class M>
-OP V add_where(M mask, V a, V b) {
+OP V masked_add(M mask, V a, V b) {
   return hn::Add(a, hn::IfThenElseZero(mask, b));
 }
 #if HWY_TARGET == HWY_AVX3
 // A single instruction, which the compiler does not generate from the code above.
-OP hn::Vec512<std::int32_t> add_where(hn::Mask512<std::int32_t> mask, hn::Vec512<std::int32_t> a,
-                                      hn::Vec512<std::int32_t> b) {
+OP hn::Vec512<std::int32_t> masked_add(hn::Mask512<std::int32_t> mask, hn::Vec512<std::int32_t> a,
+                                       hn::Vec512<std::int32_t> b) {
   return hn::Vec512<std::int32_t>{_mm512_mask_add_epi32(a.raw, mask.raw, a.raw, b.raw)};
 }
-OP hn::Vec256<std::int32_t> add_where(hn::Mask256<std::int32_t> mask, hn::Vec256<std::int32_t> a,
-                                      hn::Vec256<std::int32_t> b) {
+OP hn::Vec256<std::int32_t> masked_add(hn::Mask256<std::int32_t> mask, hn::Vec256<std::int32_t> a,
+                                       hn::Vec256<std::int32_t> b) {
   return hn::Vec256<std::int32_t>{_mm256_mask_add_epi32(a.raw, mask.raw, a.raw, b.raw)};
 }
 #endif
@@ -208,7 +208,7 @@ OP Bool is_finite(Real a) { return {hn::Le(hn::Abs(a.v), hn::Set(D(), 3.40282346
 OP bool some(Bool a) { return !hn::AllFalse(D(), a.m); }
 OP int count_lanes(Bool a) { return int(hn::CountTrue(D(), a.m)); }
 OP Int this_lane() { return hn::Iota(DI(), 0); }
-OP Real of_lane(Real v, Int lane) { return hn::TableLookupLanes(v.v, hn::IndicesFromVec(D(), lane.v)); }
+OP Real lane_value(Real v, Int lane) { return hn::TableLookupLanes(v.v, hn::IndicesFromVec(D(), lane.v)); }
 OP Real packed(Bool where, Real v) { return hn::Compress(v.v, where.m); }
 OP Uint packed(Bool where, Uint v) { return hn::Compress(v.v, hn::RebindMask(DU(), where.m)); }
 

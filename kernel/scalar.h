@@ -51,7 +51,7 @@ inline int count_lanes(Bool a) { return a ? 1 : 0; }
 /// Returns the index of this pixel's lane, 0 to kLanes - 1.
 inline Int this_lane() { return 0; }
 /// Returns the value v of the lane with that index.
-inline Real of_lane(Real v, Int) { return v; }
+inline Real lane_value(Real v, Int) { return v; }
 
 struct Vec2 {
   Real x, y;

@@ -14,4 +14,6 @@ inline Vec3 cross(Vec3 a, Vec3 b) { return Vec3{a.y * b.z - a.z * b.y, a.z * b.x
 inline Vec3 select(Bool mask, Vec3 a, Vec3 b) {
   return Vec3{select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
 }
-inline Vec3 of_lane(Vec3 v, Int lane) { return Vec3{of_lane(v.x, lane), of_lane(v.y, lane), of_lane(v.z, lane)}; }
+inline Vec3 lane_value(Vec3 v, Int lane) {
+  return Vec3{lane_value(v.x, lane), lane_value(v.y, lane), lane_value(v.z, lane)};
+}

@@ -65,7 +65,7 @@ void DeviceObject::release_deferred() {
   for (const auto& [scene, frames] : deferred)
     if (scene && scene.get() == prepared) {
       prepared = nullptr;
-      device->forget_scene();
+      device->release_scene();
     }
 }
 

@@ -118,7 +118,7 @@ Result<Recipe> JobObject::recipe_of(const Request& request) const {
   const bool color = std::any_of(outputs_.begin(), outputs_.end(), [](const Output& o) { return o.pass == "color"; });
   std::vector<std::string_view> other_planes;
   if (request.strokes) other_planes.assign(edge_planes().begin(), edge_planes().end());
-  if (!color && renders()) keep_only_passes(*recipe, other_planes);
+  if (!color && renders()) reduce_to_passes(*recipe, other_planes);
   return recipe;
 }
 
@@ -158,7 +158,7 @@ Result<void> JobObject::execute() {
     if (!found) return found.error();
     traced = std::move(*found);
     if (const auto ids = ids_.find("object_id"); ids != ids_.end() && !renders())
-      for (Line& line : traced.lines) line.object = int(callers_id(ids->second, float(line.object)));
+      for (Line& line : traced.lines) line.object = int(caller_id(ids->second, float(line.object)));
   }
   if (auto done = write_outputs(*frame, outputs_.empty() ? default_outputs(recipe) : outputs_); !done) return done;
   lines = std::move(traced);
@@ -233,7 +233,7 @@ Result<void> JobObject::prepare_scene(Recipe& recipe, const ProgressMonitor& mon
   scene_copy_key_.clear();
   views_ = scene_copy_->views;
   if (auto viewed = choose_view(recipe); !viewed) return viewed;
-  scene_lacks_ground_ = lacks_ground(*scene_copy_);
+  scene_lacks_ground_ = lacks_own_ground(*scene_copy_);
   complete_scene(*scene_copy_, recipe);
   scene_copy_key_ = key;
   scene_copy_version_ = scene_->version();
@@ -294,8 +294,8 @@ Result<Frame> JobObject::shade_frame(const Request& request, const Recipe& recip
 
 std::vector<Output> JobObject::default_outputs(const Recipe& recipe) const {
   std::vector<std::string> passes = {"color"};
-  if (recipe.own_look) {
-    const auto& effects = recipe.own_look->effects;
+  if (recipe.effects_look) {
+    const auto& effects = recipe.effects_look->effects;
     if (std::find(effects.begin(), effects.end(), "output") == effects.end()) passes.clear();
     for (const std::string& name :
          passes_of_effect(*find_effect(effects.back()), params_of(recipe.settings, effects.back())))
@@ -366,7 +366,7 @@ Result<void> JobObject::fill(const Frame& frame, const std::vector<std::string>&
     for (int y = 0; y < to.height; ++y)
       for (int x = 0; x < to.width; ++x) {
         const float value = plane.at(x, y);
-        write_id(to, x, y, caller_ids != ids_.end() ? callers_id(caller_ids->second, value) : id_of(value));
+        write_id(to, x, y, caller_ids != ids_.end() ? caller_id(caller_ids->second, value) : id_of(value));
       }
   });
 }

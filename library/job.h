@@ -112,7 +112,7 @@ class JobObject final : public Object {
   // Data of the last picture of a scene:
   std::unique_ptr<Scene> scene_copy_;
   std::string scene_copy_key_;                 // environment_key for which scene_copy_ was made
-  bool scene_lacks_ground_ = false;            // see lacks_ground
+  bool scene_lacks_ground_ = false;            // see lacks_own_ground
   long scene_copy_version_ = -1;               // SceneObject::version at the time of the copy
   std::vector<View> views_;                    // views that the scene suggests
   std::map<std::string, Lighting> lightings_;  // default lights of a scene without lights, by light_key

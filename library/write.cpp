@@ -42,7 +42,7 @@ Result<void> add_image(const std::string& name, const SharedImage& from, Image& 
   if (name == "color" && from.channels < 3)
     return usage_error("the image 'color' cannot have {} channels: it takes 3 or 4", from.channels);
   const bool are_integers = is_id(name) && is_whole(from.type);
-  if (are_integers) settings.whole_numbers.push_back(name);
+  if (are_integers) settings.integer_planes.push_back(name);
   for (int c = 0; c < from.channels; ++c) {
     const std::string plane_name = name + channels[std::size_t(c)];
     if (image.find(plane_name)) return usage_error("there are two images '{}'", name);

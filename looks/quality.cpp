@@ -11,14 +11,14 @@ std::span<const Quality> qualities() {
        .occlusion_downsampling = 2,
        .shadow_rays = 1,
        .settings = {"bitmask.slices=1", "bitmask.steps=8", "hemisphere.samples=8", "sphere.samples=8"},
-       .settings_of_frames = {"bitmask.slices=1", "bitmask.steps=8", "hemisphere.samples=8", "sphere.samples=8"}},
+       .settings_of_averaged = {"bitmask.slices=1", "bitmask.steps=8", "hemisphere.samples=8", "sphere.samples=8"}},
       {.name = "normal",
        .summary = "for everyday use: four averaged frames, smooth edges",
        .frames = 4,
        .occlusion_downsampling = 2,
        .shadow_rays = 1,
        .settings = {"bitmask.slices=2", "bitmask.steps=12", "hemisphere.samples=16", "sphere.samples=16"},
-       .settings_of_frames = {"bitmask.slices=1", "bitmask.steps=12", "hemisphere.samples=8", "sphere.samples=16"}},
+       .settings_of_averaged = {"bitmask.slices=1", "bitmask.steps=12", "hemisphere.samples=8", "sphere.samples=16"}},
       {.name = "high",
        .summary = "for print: eight averaged frames, occlusion at full resolution from two depth layers",
        .frames = 8,
@@ -27,8 +27,8 @@ std::span<const Quality> qualities() {
        .shadow_rays = 4,
        .settings = {"bitmask.slices=2", "bitmask.steps=16", "bitmask.mode=layers", "hemisphere.samples=32",
                     "sphere.samples=32"},
-       .settings_of_frames = {"bitmask.slices=1", "bitmask.steps=16", "bitmask.mode=layers", "hemisphere.samples=16",
-                              "sphere.samples=32"}},
+       .settings_of_averaged = {"bitmask.slices=1", "bitmask.steps=16", "bitmask.mode=layers", "hemisphere.samples=16",
+                                "sphere.samples=32"}},
       {.name = "ultra",
        .summary = "for best quality: sixteen frames, four depth layers",
        .frames = 16,
@@ -37,8 +37,8 @@ std::span<const Quality> qualities() {
        .shadow_rays = 8,
        .settings = {"bitmask.slices=4", "bitmask.steps=24", "bitmask.mode=layers", "hemisphere.samples=64",
                     "sphere.samples=64"},
-       .settings_of_frames = {"bitmask.slices=2", "bitmask.steps=24", "bitmask.mode=layers", "hemisphere.samples=32",
-                              "sphere.samples=32"}}};
+       .settings_of_averaged = {"bitmask.slices=2", "bitmask.steps=24", "bitmask.mode=layers", "hemisphere.samples=32",
+                                "sphere.samples=32"}}};
   return all;
 }
 

@@ -13,7 +13,7 @@ struct Quality {
   int layers = 1;                  ///< min, see CaptureSettings
   int shadow_rays = 0;             ///< see CaptureSettings
   /// Settings, "effect.parameter=value": for a single picture, and for each of several averaged ones.
-  std::vector<std::string_view> settings, settings_of_frames;
+  std::vector<std::string_view> settings, settings_of_averaged;
 };
 
 /// Returns the presets from the fastest to the best: draft, normal, high, ultra. docs/performance.md lists the time and

@@ -189,7 +189,7 @@ Result<RunState> run_reduced(const LookRun& run, const Steps& steps, std::size_t
 Result<LookDone> run_exposed(const LookRun& run, const Effect& effect, Device& device, Frame& frame) {
   ParameterBytes params = params_of(run, effect);
   LookDone done;
-  if (const Exposure by = effect.exposed_by(params); by != Exposure::kAsSet) {
+  if (const Exposure by = effect.exposure_source(params); by != Exposure::kAsSet) {
     std::optional<float> stops = run.stops;
     if (!stops && by == Exposure::kLights) stops = stops_from_lights(frame.info);
     if (!stops) {
@@ -240,7 +240,7 @@ std::set<std::string> planes_read(const LookRun& run, int layers) {
       if (fills_missing(run, effect)) add(effect, 0, &Dispatch::for_missing);
       step = last - 1;
     } else if (!find_named(run.external_effects, effect.name)) {
-      const int of_step = !effect.exposed_by && runs_on_layers(run, steps, step) ? layers : 1;
+      const int of_step = !effect.exposure_source && runs_on_layers(run, steps, step) ? layers : 1;
       for (int layer = 0; layer < of_step; ++layer) add(effect, layer, &Dispatch::for_all);
     }
   }
@@ -256,7 +256,7 @@ Result<LookDone> run_look(const LookRun& run, Device& device, Frame& frame) {
     if (of_others && !run.run_external_effect)
       fail_check(fmt::format("LookRun::run_external_effect is not set; effect '{}' requires it", effect.name));
     std::size_t next = step + 1;
-    if (effect.exposed_by) {
+    if (effect.exposure_source) {
       const auto done = run_exposed(run, effect, device, frame);
       if (!done || !done->finished) return done;
       all.stops = done->stops;

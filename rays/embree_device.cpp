@@ -40,7 +40,7 @@ Error build_error(const Scene& scene, RTCError error) {
                       int(error));
 }
 
-std::string_view isa_of_rays() {
+std::string_view isa_of_embree() {
   const auto device = new_embree_device();
   if (!device) return "none";
   const std::string_view name = widest_of(*device);

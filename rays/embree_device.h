@@ -18,6 +18,6 @@ Error build_error(const Scene& scene, RTCError error);
 
 /// Returns the name of the widest instruction set that Embree's kernels use on this machine, as in kernel/isa.h, or
 /// "sse2"; "none" if Embree cannot start.
-std::string_view isa_of_rays();
+std::string_view isa_of_embree();
 
 }  // namespace umbrage

@@ -9,7 +9,7 @@
 
 namespace umbrage {
 
-inline constexpr int kMaxFrames = 256;
+inline constexpr int kMaxAveragedPictures = 256;
 
 /// Returns the offset of the sample positions from the pixel centres for sample index `sample` of `count`, in pixels.
 /// The offsets are well distributed over (-0.5, 0.5)^2; their mean is 0 for `count` >= 3. Index 0 samples the centres.

@@ -208,7 +208,7 @@ Result<Frame> upload_with_normals(Device& device, GBuffer gbuffer, const EffectS
 Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const Recipe& requested, StageTimes& times,
                            const ProgressMonitor& monitor) {
   Recipe recipe = requested;  // for this G-buffer, with the radius in scene units
-  if (gbuffer.info.lights.empty() && !recipe.own_look) {
+  if (gbuffer.info.lights.empty() && !recipe.effects_look) {
     // In view space the lights do not depend on the camera's position.
     Camera at_origin = gbuffer.info.camera;
     at_origin.view_from_world = glm::mat4(1.0f);

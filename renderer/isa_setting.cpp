@@ -17,6 +17,8 @@ Result<void> use_isa(std::string_view name) {
   return device_error("`isa` (or UMBRAGE_ISA) cannot be '{}' on this CPU: {}", name, usable_text);
 }
 
-Result<void> check_isa_setting() { return wrong_isa_setting().empty() ? Result<void>() : use_isa(wrong_isa_setting()); }
+Result<void> check_isa_setting() {
+  return unusable_isa_setting().empty() ? Result<void>() : use_isa(unusable_isa_setting());
+}
 
 }  // namespace umbrage

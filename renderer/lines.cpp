@@ -48,7 +48,7 @@ Result<ParameterBytes> line_parameters(std::string_view subject, std::span<const
 
 Result<ParameterBytes> line_parameters(const Recipe& recipe) {
   const std::string subject =
-      recipe.own_look ? "the requested effects draw" : fmt::format("the look '{}' draws", recipe.look->name);
+      recipe.effects_look ? "the requested effects draw" : fmt::format("the look '{}' draws", recipe.look->name);
   return line_parameters(subject, recipe.look->effects, recipe.settings);
 }
 

@@ -196,7 +196,7 @@ std::vector<PassEntry> passes_of_look(const Look& look) {
   return entries;
 }
 
-Result<void> take_passes(const Request& request, Recipe& recipe) {
+Result<void> apply_passes(const Request& request, Recipe& recipe) {
   const std::vector<std::string>& words = request.passes;
   const bool all = words.size() == 1 && words[0] == kAll;
   recipe.passes = words;
@@ -259,7 +259,7 @@ bool averages_something(const Recipe& recipe) {
 
 }  // namespace
 
-void keep_only_passes(Recipe& recipe, std::span<const std::string_view> besides) {
+void reduce_to_passes(Recipe& recipe, std::span<const std::string_view> besides) {
   if (recipe.passes.empty() || recipe.passes[0] == kAll) return;
   recipe.wanted.emplace(besides.begin(), besides.end());
   int max_layer = 0;  // highest layer of a requested pass

@@ -37,7 +37,7 @@ std::vector<PassEntry> passes_of_look(const Look& look);
 
 /// Checks the passes of a request against the passes that the recipe produces, stores them in the recipe, and enables
 /// the shadow rays and averages that they need. `all` selects every pass and must be the only name. Errors: kUsage.
-Result<void> take_passes(const Request& request, Recipe& recipe);
+Result<void> apply_passes(const Request& request, Recipe& recipe);
 
 /// Checks the passes of a recipe against `captured`, the planes that its capture contains in each layer. These depend
 /// on the scene. Errors: kUsage.
@@ -45,7 +45,7 @@ Result<void> check_captured(const Recipe& recipe, std::span<const std::string> c
 
 /// Removes everything from a recipe that is needed neither for its passes nor for the planes `besides`. The picture
 /// itself is removed, too.
-void keep_only_passes(Recipe& recipe, std::span<const std::string_view> besides = {});
+void reduce_to_passes(Recipe& recipe, std::span<const std::string_view> besides = {});
 
 /// Selects the planes of these passes among those of a frame, in the order of `words`. Errors: kUsage for a pass that
 /// nothing in the scene produces.

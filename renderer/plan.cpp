@@ -53,7 +53,7 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
   bool seen = recipe.occlusion == reference_effect().name;
   for (const std::string_view name : recipe.look->effects) {
     const Effect* effect = find_effect(name);
-    seen = seen || (effect && by_scene_lights(*effect, recipe.settings));
+    seen = seen || (effect && uses_scene_lights(*effect, recipe.settings));
   }
   const bool inside = is_inside_scene(plan.camera, scene);
   plan.lit_from_camera = !inside;
@@ -73,7 +73,7 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
 void meter_indoors(const Scene& scene, Plan& plan) {
   if (!plan.recipe.hdri.lights() || !is_inside_scene(plan.camera, scene)) return;
   for (const Setting& given : plan.recipe.set_by_request)
-    if (given.effect->exposed_by && given.parameter->name == "metering") return;
+    if (given.effect->exposure_source && given.parameter->name == "metering") return;
   auto& output = as<OutputParams>(params_of(plan.recipe.settings, "output"));
   if (output.metering == kMeteringLight) output.metering = kMeteringPicture;
 }
@@ -104,7 +104,7 @@ Result<void> resolve_lengths(const Scene& scene, Plan& plan) {
 /// Returns the gain of the background. Looks that ignore the brightness of lights show the sky relative to white.
 float sky_gain(const Plan& plan) {
   const float intensity = plan.recipe.hdri.intensity, usual = plan.lighting().lit_white_luminance;
-  return shows_light(plan.recipe) || !(usual > 0.0f) ? intensity : intensity / usual;
+  return depends_on_light_brightness(plan.recipe) || !(usual > 0.0f) ? intensity : intensity / usual;
 }
 
 /// Returns the noise parameter of the technique, or null.
@@ -144,7 +144,7 @@ bool needs_ground(const Scene& scene, bool lacks_one, const Recipe& recipe) {
 
 void complete_scene(Scene& scene, const Recipe& recipe) {
   if (recipe.hdri.lights()) set_lighting(image_lighting(recipe.hdri, scene.up), scene);
-  if (needs_ground(scene, lacks_ground(scene), recipe))
+  if (needs_ground(scene, lacks_own_ground(scene), recipe))
     add_ground(scene, recipe.hdri.lights() ? lowest_light_deg(scene) : std::nullopt);
 }
 
@@ -205,7 +205,7 @@ Camera begin_sample(Plan& plan, int frame) {
   plan.capture.sample = frame;
   Recipe& recipe = plan.recipe;
   if (const Parameter* noise = noise_of(recipe); noise && plan.averages())
-    set_int(*noise, (plan.first_noise + frame) % kMaxFrames, params_of(recipe.settings, recipe.occlusion));
+    set_int(*noise, (plan.first_noise + frame) % kMaxAveragedPictures, params_of(recipe.settings, recipe.occlusion));
   return shifted_camera(plan.camera, sample_offset(frame, recipe.frames), recipe.width, recipe.height);
 }
 

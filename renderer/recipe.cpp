@@ -42,7 +42,7 @@ void apply_environment(const Request& request, Recipe& recipe) {
   const Look& look = *recipe.look;
   auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
   if (recipe.hdri.shown()) output.sky = 1;
-  if (!is_lit_by_image(request) || !shows_light(recipe)) return;
+  if (!is_lit_by_image(request) || !depends_on_light_brightness(recipe)) return;
   apply_presets(look.name, look.image_lit_presets, recipe.settings);
   if (output.metering == kMeteringNone) apply_presets(look.name, look.image_exposed_presets, recipe.settings);
 }
@@ -54,7 +54,7 @@ Result<void> apply_settings(const std::vector<std::string>& assignments, Recipe&
     if (!setting) return setting.error();
     const Effect& effect = *setting->effect;
     const Parameter& row = *setting->parameter;
-    if (!recipe.own_look && effect.set_reduction && (row.name == "factor" || row.name == "indirect"))
+    if (!recipe.effects_look && effect.set_reduction && (row.name == "factor" || row.name == "indirect"))
       return usage_error("`settings` '{}': {}.{} follows from `occlusion_scale`", assignment, effect.name, row.name);
     if (auto done = set_parameter(effect.name, row, setting->value, params_of(recipe.settings, effect.name)); !done)
       return done;
@@ -131,8 +131,8 @@ Result<Recipe> recipe_of_effects(const Request& request) {
   auto look = look_of(request.effects);
   if (!look) return look.error();
   Recipe recipe{.width = request.width, .height = request.height};
-  recipe.own_look = std::make_shared<const Look>(std::move(*look));
-  recipe.look = recipe.own_look.get();
+  recipe.effects_look = std::make_shared<const Look>(std::move(*look));
+  recipe.look = recipe.effects_look.get();
   recipe.occlusion = kNoOcclusion;
   recipe.settings = initial_settings(external_effects());
   if (auto done = apply_request(request, recipe); !done) return done.error();
@@ -163,7 +163,7 @@ int shadows_read(const Recipe& recipe, std::span<const Effect* const> steps) {
     const ParameterBytes& params = params_of(recipe.settings, effect->name);
     const Parameter* strength = find_parameter(*effect, "shadow");
     if (strength && real_value(*strength, params) == 0.0f) continue;
-    if (find_parameter(*effect, "rig") && !by_scene_lights(*effect, recipe.settings)) continue;
+    if (find_parameter(*effect, "rig") && !uses_scene_lights(*effect, recipe.settings)) continue;
     for (const Dispatch& dispatch : effect->dispatches)
       for (int light = count; light < kMaxShadows; ++light)
         if (std::find(dispatch.inputs.begin(), dispatch.inputs.end(), shadow_plane(light)) != dispatch.inputs.end())
@@ -174,14 +174,14 @@ int shadows_read(const Recipe& recipe, std::span<const Effect* const> steps) {
 
 std::vector<const Effect*> effects_with_external() { return all_effects(external_effects()); }
 
-bool by_scene_lights(const Effect& effect, const EffectSettings& settings) {
+bool uses_scene_lights(const Effect& effect, const EffectSettings& settings) {
   const Parameter* rig = find_parameter(effect, "rig");
   return rig && int_value(*rig, params_of(settings, effect.name)) == int(Rig::kScene);
 }
 
-bool shows_light(const Recipe& recipe) {
+bool depends_on_light_brightness(const Recipe& recipe) {
   const Effect* lighting = find_effect(recipe.look->lit_by);
-  return lighting && by_scene_lights(*lighting, recipe.settings);
+  return lighting && uses_scene_lights(*lighting, recipe.settings);
 }
 
 int choice_index(std::string_view field, std::string_view text) {
@@ -268,7 +268,8 @@ Result<Recipe> make_recipe(const Request& request, long max_pixels) {
   recipe.light_size_deg = request.light_size_deg;
   recipe.settings = look_settings(look, external_effects());
   if (quality)
-    apply_presets(quality->name, recipe.frames > 1 ? quality->settings_of_frames : quality->settings, recipe.settings);
+    apply_presets(quality->name, recipe.frames > 1 ? quality->settings_of_averaged : quality->settings,
+                  recipe.settings);
   apply_environment(request, recipe);
   // The reference computes indirect light, too, if the look's technique does, unless the request sets it.
   if (recipe.occlusion == reference_effect().name && computes_indirect_light(look, recipe.settings))
@@ -277,7 +278,7 @@ Result<Recipe> make_recipe(const Request& request, long max_pixels) {
   const auto capture = capture_settings(request, look, shadows_read(recipe, steps_of(look_run(recipe))), max_pixels);
   if (!capture) return capture.error();
   recipe.capture = *capture;
-  if (auto fine = take_passes(request, recipe); !fine) return fine.error();
+  if (auto fine = apply_passes(request, recipe); !fine) return fine.error();
   return recipe;
 }
 

@@ -26,11 +26,11 @@ enum class Ground {
 struct Recipe {
   int width = 0, height = 0;  ///< pixels, without the guard band
   const Look* look = nullptr;
-  std::shared_ptr<const Look> own_look;  ///< owns `look` if the request names effects in place of a look; else null
-  std::string occlusion;                 ///< the technique, or kNoOcclusion
-  int occlusion_downsampling = 1;        ///< downsampling factor of occlusion: 1, 2 or 4; see LookRun
-  int frames = 1;                        ///< number of averaged pictures
-  EffectSettings settings;               ///< with all settings of the request, but not yet `radius`
+  std::shared_ptr<const Look> effects_look;  ///< owns `look` if the request names effects in place of a look; else null
+  std::string occlusion;                     ///< the technique, or kNoOcclusion
+  int occlusion_downsampling = 1;            ///< downsampling factor of occlusion: 1, 2 or 4; see LookRun
+  int frames = 1;                            ///< number of averaged pictures
+  EffectSettings settings;                   ///< with all settings of the request, but not yet `radius`
   /// The parameters that the request sets, without values. They take precedence over derived values.
   std::vector<Setting> set_by_request;
   std::optional<Length> radius;  ///< radius of occlusion; empty: as in the settings
@@ -92,8 +92,8 @@ LookRun look_run(const Recipe& recipe);
 int shadows_read(const Recipe& recipe, std::span<const Effect* const> steps);
 
 /// Returns whether an effect uses the scene's lights rather than a light rig of its own.
-bool by_scene_lights(const Effect& effect, const EffectSettings& settings);
+bool uses_scene_lights(const Effect& effect, const EffectSettings& settings);
 /// Returns whether the picture depends on the brightness of the scene's lights.
-bool shows_light(const Recipe& recipe);
+bool depends_on_light_brightness(const Recipe& recipe);
 
 }  // namespace umbrage

@@ -27,7 +27,7 @@ void warn_about_effects(const Request& request, const Recipe& recipe,
   for (const std::string& setting : request.settings) {
     const std::string effect = setting.substr(0, setting.find('.'));
     if (uses_effect(recipe, effect) || !is_reported(setting)) continue;
-    if (recipe.own_look)
+    if (recipe.effects_look)
       sentences.push_back(fmt::format("`settings` {} does nothing: {} is not among the `effects`", setting, effect));
     else if (contains(techniques, effect))
       sentences.push_back(
@@ -77,7 +77,7 @@ void warn_about_images(const Request& request, const Recipe& recipe, std::vector
   const bool uses_lights =
       std::any_of(recipe.look->effects.begin(), recipe.look->effects.end(), [&](std::string_view name) {
         const Effect* effect = find_effect(name);
-        return effect && by_scene_lights(*effect, recipe.settings);
+        return effect && uses_scene_lights(*effect, recipe.settings);
       });
   if (hdri.skybox || (uses_lights && hdri.ambient)) return;
   sentences.push_back(hdri.ambient
@@ -92,8 +92,8 @@ std::vector<std::string> setting_warnings(const Request& request, const Recipe& 
   std::vector<std::string> sentences;
   warn_about_former_names(request, sentences);
   warn_about_effects(request, recipe, is_reported, sentences);
-  if (recipe.own_look) warn_about_looks(request, sentences);
-  if (recipe.radius && recipe.occlusion == kNoOcclusion && !recipe.own_look)
+  if (recipe.effects_look) warn_about_looks(request, sentences);
+  if (recipe.radius && recipe.occlusion == kNoOcclusion && !recipe.effects_look)
     sentences.push_back(
         fmt::format("`occlusion_radius` {} does nothing: this picture has no occlusion", request.occlusion_radius));
   warn_about_images(request, recipe, sentences);

@@ -344,7 +344,7 @@ Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedIm
   return shared;
 }
 
-std::uint32_t callers_id(std::span<const std::uint32_t> known, float index) {
+std::uint32_t caller_id(std::span<const std::uint32_t> known, float index) {
   return index >= 0.0f && index < float(known.size()) ? known[std::size_t(index)] : 0;
 }
 

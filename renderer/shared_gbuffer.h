@@ -33,6 +33,6 @@ Error unknown_image(const std::string& name);
 bool is_id(std::string_view pass);
 
 /// Returns the caller's id at `index` of the sorted list `known`; 0 where there is no surface.
-std::uint32_t callers_id(std::span<const std::uint32_t> known, float index);
+std::uint32_t caller_id(std::span<const std::uint32_t> known, float index);
 
 }  // namespace umbrage

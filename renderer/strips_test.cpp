@@ -25,7 +25,7 @@ Image drawn(const Request& settings, int rows, const std::vector<std::string>& p
   const auto device = make_cpu_device({.threads = threads});
   auto recipe = make_recipe(settings, kMaxStripPixels);
   EXPECT_TRUE(recipe) << recipe.error().message;
-  if (alone) keep_only_passes(*recipe);
+  if (alone) reduce_to_passes(*recipe);
   complete_scene(scene, *recipe);
   EXPECT_TRUE(device->prepare(scene));
   StageTimes times;

@@ -21,7 +21,7 @@ struct Made {
 Made made_for(const std::string& look, const std::vector<std::string>& passes, const std::vector<std::string>& planes) {
   Request request{.look = look, .width = 48, .height = 36, .passes = passes};
   Made made{.stages = {}, .recipe = *make_recipe(request), .planes = {}, .names = {}};
-  keep_only_passes(made.recipe);
+  reduce_to_passes(made.recipe);
   auto scene = load_scene("scene:solids?detail=2000");
   const auto device = make_cpu_device();
   complete_scene(*scene, made.recipe);
@@ -112,7 +112,7 @@ TEST(Wanted, PlansReportPassesThatTheSceneLacks) {
         request.anti_aliasing = 1;
         auto recipe = make_recipe(request);
         if (!recipe) continue;  // the look has no such pass
-        keep_only_passes(*recipe);
+        reduce_to_passes(*recipe);
         const auto plan = make_plan(*recipe, *scene, device->threads());
         Recipe unchecked = *recipe;
         unchecked.passes.clear();

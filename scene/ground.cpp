@@ -121,7 +121,7 @@ class PlanGrid {
 
 }  // namespace
 
-bool lacks_ground(const Scene& scene) {
+bool lacks_own_ground(const Scene& scene) {
   constexpr float kFlat = 0.25f;    // height over width of a landscape
   constexpr float kFilled = 0.95f;  // fraction of the cells that a landscape fills
   constexpr float kLow = 0.12f;     // maximum height of a slab's top over the bottom, as a fraction of the width

@@ -9,7 +9,7 @@ namespace umbrage {
 /// Returns whether a scene has no ground of its own. Seen from straight above, along Scene::up, a scene with ground is
 /// flat and wide like a landscape, or has a level slab near its bottom that is visible in a large part of its plan. The
 /// floor of a house is below its roof and does not count.
-bool lacks_ground(const Scene& scene);
+bool lacks_own_ground(const Scene& scene);
 
 /// Adds a white diffuse disc under the scene, several times wider than the scene, as a separate object
 /// (Scene::ground_object). The bounds of the scene do not change. `lowest_light_deg`: height of the lowest light above

@@ -142,11 +142,11 @@ TEST(Points, DuplicatesAndNonFinitePointsAreDropped) {
 }
 
 TEST(Points, LackGroundUnlessTheyContainOne) {
-  EXPECT_TRUE(lacks_ground(scene_of(random_sphere(2000, false))));
+  EXPECT_TRUE(lacks_own_ground(scene_of(random_sphere(2000, false))));
   std::vector<glm::vec3> with_floor = random_sphere(2000, false);
   for (int z = -40; z <= 40; ++z)
     for (int x = -40; x <= 40; ++x) with_floor.emplace_back(0.05f * float(x), -1.0f, 0.05f * float(z));
-  EXPECT_FALSE(lacks_ground(scene_of(with_floor)));
+  EXPECT_FALSE(lacks_own_ground(scene_of(with_floor)));
 }
 
 }  // namespace

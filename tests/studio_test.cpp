@@ -347,16 +347,16 @@ Scene box_scene(glm::vec3 size) {
 }
 
 TEST(GroundUnderModels, ModelsInTheOpenLackAGround) {
-  EXPECT_TRUE(lacks_ground(box_scene({1, 1, 1})));
-  EXPECT_TRUE(lacks_ground(box_scene({1, 3, 1})));
-  EXPECT_TRUE(lacks_ground(box_scene({1, 0.4f, 1})));
-  EXPECT_FALSE(lacks_ground(box_scene({10, 0.5f, 10}))) << "a slab is a ground itself";
+  EXPECT_TRUE(lacks_own_ground(box_scene({1, 1, 1})));
+  EXPECT_TRUE(lacks_own_ground(box_scene({1, 3, 1})));
+  EXPECT_TRUE(lacks_own_ground(box_scene({1, 0.4f, 1})));
+  EXPECT_FALSE(lacks_own_ground(box_scene({10, 0.5f, 10}))) << "a slab is a ground itself";
   for (const char* name : {"scene:terrain", "scene:solids", "scene:tank"})
-    EXPECT_FALSE(lacks_ground(*make_builtin_scene(std::string(name) + "?detail=8000"))) << name;
-  EXPECT_FALSE(lacks_ground(Scene{}));
+    EXPECT_FALSE(lacks_own_ground(*make_builtin_scene(std::string(name) + "?detail=8000"))) << name;
+  EXPECT_FALSE(lacks_own_ground(Scene{}));
   // The floor of a house is below its roof: seen from outside, the house stands in the open.
   for (const char* name : {"scene:room", "scene:atrium"})
-    EXPECT_TRUE(lacks_ground(*make_builtin_scene(std::string(name) + "?detail=8000"))) << name;
+    EXPECT_TRUE(lacks_own_ground(*make_builtin_scene(std::string(name) + "?detail=8000"))) << name;
 }
 
 TEST(GroundUnderModels, LeavesTheBoundsAndTheFraming) {

@@ -37,7 +37,7 @@ Result<LineFile> line_file_of(const RenderOptions& o, int frames) {
   return lines;
 }
 
-Result<void> take_recipe(const RenderOptions& o, const Recipe& recipe, LineFile& lines) {
+Result<void> set_line_parameters(const RenderOptions& o, const Recipe& recipe, LineFile& lines) {
   auto params = line_parameters(recipe);
   if (!params) return params.error();
   lines.params = std::move(*params);

@@ -29,7 +29,7 @@ Result<LineFile> line_file_of(const RenderOptions& o, int frames);
 
 /// Fills in the parameters and style from the recipe. Errors: kUsage if the recipe draws no lines that can be
 /// written as curves.
-Result<void> take_recipe(const RenderOptions& o, const Recipe& recipe, LineFile& lines);
+Result<void> set_line_parameters(const RenderOptions& o, const Recipe& recipe, LineFile& lines);
 
 /// Turns off anti-aliasing and occlusion, on which lines do not depend, when only lines are written. Occlusion stays on
 /// if its radius is given, since the hint about the radius needs it.

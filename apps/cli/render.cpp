@@ -86,7 +86,7 @@ Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& dev
   auto recipe = make_recipe(small);
   if (!recipe) return recipe.error();
   recipe->hdri = plan.recipe.hdri;
-  keep_only_passes(*recipe);
+  reduce_to_passes(*recipe);
   StageTimes times;
   const auto frame = draw(device, scene, *recipe, times);
   if (!frame) return frame.error();
@@ -303,7 +303,7 @@ Result<RenderJob> make_job(const RenderOptions& o) {
   job.requested = job.recipe = std::move(*recipe);
   if (auto fine = check_output(o, *output); !fine) return fine.error();
   if (job.lines)
-    if (auto taken = take_recipe(o, job.requested, job.lines); !taken) return taken.error();
+    if (auto taken = set_line_parameters(o, job.requested, job.lines); !taken) return taken.error();
   if (job.lines.alone) {
     Request of_lines = o.request;
     disable_unused_effects(of_lines);
@@ -313,7 +313,7 @@ Result<RenderJob> make_job(const RenderOptions& o) {
     job.recipe.wanted = hint_planes(job.recipe);
     job.recipe.wanted->insert(job.recipe.wanted->end(), edge_planes().begin(), edge_planes().end());
   }
-  keep_only_passes(job.recipe, job.lines ? edge_planes() : std::span<const std::string_view>());
+  reduce_to_passes(job.recipe, job.lines ? edge_planes() : std::span<const std::string_view>());
   if (output->is_video)
     if (auto fine = check_video(o.output, video_settings(o)); !fine) return fine.error();
   const auto import_with = import_settings(o.request);

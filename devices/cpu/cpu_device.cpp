@@ -43,7 +43,7 @@ class CpuDevice final : public Device {
 
   std::string description() const override {
     return fmt::format("cpu: kernels {}, rays {}, {} threads", settings_.scalar ? "scalar" : isa_in_use(),
-                       isa_of_rays(), threads());
+                       isa_of_embree(), threads());
   }
 
   int threads() const override { return arena_.max_concurrency(); }
@@ -59,7 +59,7 @@ class CpuDevice final : public Device {
     return {};
   }
 
-  void forget_scene() override {
+  void release_scene() override {
     traced_.reset();
     scene_ = nullptr;
   }

@@ -67,8 +67,8 @@ class VulkanDevice final : public Device {
     return capture_ ? capture_->prepare(scene, monitor) : scene_->prepare(scene, monitor);
   }
 
-  void forget_scene() override {
-    if (capture_) capture_->forget_scene();
+  void release_scene() override {
+    if (capture_) capture_->release_scene();
   }
 
   Result<Frame> capture(const Camera& camera, const CaptureSettings& settings,

@@ -14,7 +14,7 @@ OUT_REAL(ao)
 FN Vec2 rotation_at(Int px, Int py) {
   Uint x = to_uint(px);
   Uint y = to_uint(py);
-  return direction_of_turn(share_of_one(((x * Uint(3u)) ^ (y + x * y)) * Uint(0x976fc894u)));
+  return direction_of_turn(unit_real(((x * Uint(3u)) ^ (y + x * y)) * Uint(0x976fc894u)));
 }
 
 FN Real visibility_at(Int px, Int py, Real depth) {

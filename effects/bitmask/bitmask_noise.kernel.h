@@ -36,7 +36,7 @@ FN Vec3 noise_at(Int px, Int py) {
       second = scrambled(first + Uint(1u));
       third = scrambled(first + Uint(2u));
     }
-    noise = Vec3(share_of_one(first), share_of_one(second), share_of_one(third));
+    noise = Vec3(unit_real(first), unit_real(second), unit_real(third));
   }
   if (C.noise == kBitmaskTile) {
     // 4 x 4 pixels have sixteen rotations and sixteen offsets; a filter of this width removes the noise entirely.

@@ -215,7 +215,7 @@ TEST(Bitmask, LightOfAWallIsExact) {
 
 // ---- planes
 
-TEST(Bitmask, PlanesAreOpenAtEveryTilt) {
+TEST(Bitmask, PlanesAreUnoccludedAtEveryTilt) {
   for (const bool orthographic : {false, true})
     for (const double tilt_deg : {0.0, 35.0, 70.0, 84.0}) {
       const double tilt = tilt_deg * kRadian, azimuth = 0.6;

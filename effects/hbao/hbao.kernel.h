@@ -21,8 +21,8 @@ FN Real visibility_at(Int px, Int py, Real depth) {
   Real y = to_real(py) + 0.5f;
   // "we randomly rotate the directions and jitter the samples" [section 3.2].
   Uint random_bits = scrambled(to_uint(px) ^ scrambled(to_uint(py) + Uint(0x9e3779b9u)));
-  Real jitter = share_of_one(scrambled(random_bits + Uint(1u)));
-  Vec2 direction = direction_of_turn(share_of_one(random_bits) * Real(C.turn_fraction));
+  Real jitter = unit_real(scrambled(random_bits + Uint(1u)));
+  Vec2 direction = direction_of_turn(unit_real(random_bits) * Real(C.turn_fraction));
   Real sum = Real(0.0f);
   for (int i = 0; i < C.directions; ++i) {
     // `slope` is that of the tangent plane along the direction; `tangent_sin`, the sine of its elevation plus the bias.

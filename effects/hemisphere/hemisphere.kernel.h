@@ -201,7 +201,7 @@ FN void add_recorded_light(int found, int first, Vec3 position, Vec3 normal, Int
     Real y = to_real(to_signed(pixel >> 16));
     Int place = select(sends, place_of(x, y), own_place);
     Int lane = select(sends, to_signed(source & Uint(0xffu)), Int(0));
-    Vec3 receiver = of_lane(position, lane);
+    Vec3 receiver = lane_value(position, lane);
     Real receiver_depth = -receiver.z;
     Real emitter_depth = entries_found_depth(first_record);
     Vec3 position_there = position_in_view(first, x, y, emitter_depth);
@@ -238,7 +238,7 @@ FN void add_recorded_light(int found, int first, Vec3 position, Vec3 normal, Int
       depth_ratio = entries_found_sample_depth(first_record) / emitter_depth;
     }
     if (other_camera) view_ray = rotated_from_view(first, view_ray);
-    Real weight = hit_weight(to_emitter, of_lane(normal, lane), emitter_normal, view_ray, depth_ratio) *
+    Real weight = hit_weight(to_emitter, lane_value(normal, lane), emitter_normal, view_ray, depth_ratio) *
                   range_weight(receiver_depth, emitter_depth, range_limit(receiver_depth));
     weight = select(sends, weight, Real(0.0f));
     Vec3 sent = none;

@@ -30,13 +30,13 @@ FN Vec3 noise_at(Int px, Int py) {
   }
   if (C.even == 0) {
     // The paper's noise texture: a vector with x and y uniform in [-1, 1], scaled to length 1.
-    Real a = mad(share_of_one(first), Real(2.0f), Real(-1.0f + 5.9604645e-8f));  // never 0: half a step off
-    Real b = mad(share_of_one(second), Real(2.0f), Real(-1.0f));
+    Real a = mad(unit_real(first), Real(2.0f), Real(-1.0f + 5.9604645e-8f));  // never 0: half a step off
+    Real b = mad(unit_real(second), Real(2.0f), Real(-1.0f));
     Real scale = Real(1.0f) / sqrt(mad(a, a, b * b));
     return Vec3(a * scale, b * scale, Real(0.0f));
   }
   // The rotation is by `quarter` + `rest` quarter turns, with `rest` in [-0.5, 0.5).
-  Real turn = share_of_one(first) * 4.0f;
+  Real turn = unit_real(first) * 4.0f;
   Real quarter = floor(turn);
   Real rest = turn - quarter - 0.5f;
   Real s = sine_of_quarter_turns(rest);
@@ -45,7 +45,7 @@ FN Vec3 noise_at(Int px, Int py) {
   Real turn_sin = select(quarter == 1.0f || quarter == 3.0f, c, s);
   turn_cos = select(quarter == 1.0f || quarter == 2.0f, -turn_cos, turn_cos);
   turn_sin = select(quarter == 2.0f || quarter == 3.0f, -turn_sin, turn_sin);
-  return Vec3(turn_cos, turn_sin, share_of_one(second));
+  return Vec3(turn_cos, turn_sin, unit_real(second));
 }
 
 // Returns the first vector of the basis, of unit length: the cross product of a fixed vector and the normal, rotated

@@ -268,7 +268,7 @@ ReferencePixel reference_pixel(const GBuffer& g, const HemisphereConstants& c, i
   return {1.0 - factor / c.samples, bleed};
 }
 
-TEST(Hemisphere, PaperSettingsAreWhatThePaperDescribes) {
+TEST(Hemisphere, PaperSettingsMatchThePaper) {
   Rectangles scene = floor_and_wall();
   scene[0].front = {0.2, 0.5, 0.3};
   scene.push_back({.corner = {1, 0.4, 0.5}, .u = {0.8, 0, 0}, .v = {0, 0, -0.8}, .front = {0.1, 0.2, 0.9}});
@@ -327,7 +327,7 @@ GBuffer plane(double tilt_deg, bool orthographic) {
                  100, 80);
 }
 
-TEST(Hemisphere, PlanesStayOpenAndDark) {
+TEST(Hemisphere, PlanesStayUnoccludedAndDark) {
   for (const double tilt : {0.0, 30.0, 60.0, 80.0})
     for (const bool orthographic : {false, true}) {
       const GBuffer g = plane(tilt, orthographic);
@@ -342,7 +342,7 @@ TEST(Hemisphere, PlanesStayOpenAndDark) {
     }
 }
 
-TEST(Hemisphere, TheWholeBallHidesHalfOfAPlane) {
+TEST(Hemisphere, WholeSphereOccludesHalfOfAPlane) {
   for (const char* distribution : {"even", "paper"}) {
     const GBuffer g = plane(30.0, false);
     const Image image = run(g, {{"shape", "sphere"},
@@ -358,7 +358,7 @@ TEST(Hemisphere, TheWholeBallHidesHalfOfAPlane) {
   }
 }
 
-TEST(Hemisphere, ConvexCornersAreLighterInTheWholeBallAlone) {
+TEST(Hemisphere, ConvexCornersAreLighterInTheWholeSphereOnly) {
   // Two faces that meet at 90 degrees, in a ridge that points at the camera.
   const Rectangles ridge = {{.corner = {-2, -2, -2}, .u = {2, 0, 2}, .v = {0, 4, 0}},
                             {.corner = {0, -2, 0}, .u = {2, 0, -2}, .v = {0, 4, 0}}};
@@ -461,7 +461,7 @@ Rectangles open_box() {
           face({1, 0, -1}, {0, 0, 2}, {0, 1, 0})};
 }
 
-TEST(Hemisphere, AmbientLightBouncesAsTheSeriesSays) {
+TEST(Hemisphere, AmbientBouncesMatchTheSeries) {
   const Rectangles box = open_box();
   const Camera camera = perspective_camera({0, 4, 0.001f}, {0, 0, 0}, {0, 1, 0}, 42, 1.0f);
   const GBuffer g = picture(box, camera, 160, 160);

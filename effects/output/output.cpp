@@ -49,7 +49,7 @@ void fill_constants(const OutputParams& params, const PictureInfo&, OutputConsta
        .background_alpha = opaque};
 }
 
-Exposure exposed_by(const ParameterBytes& params) {
+Exposure exposure_source(const ParameterBytes& params) {
   switch (as<OutputParams>(params).metering) {
     case kMeteringPicture:
       return Exposure::kPicture;
@@ -69,7 +69,7 @@ Effect effect_output() {
       kTable, {.name = "output",
                .summary = "light to picture: exposure, transfer function, background",
                .source = "IEC 61966-2-1",
-               .exposed_by = exposed_by,
+               .exposure_source = exposure_source,
                .add_stops = add_stops,
                .dispatches = {{.inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline", "line.r", "line.g", "line.b",
                                           "cover", "cover_for_eye", "sky.r", "sky.g", "sky.b"},

@@ -240,8 +240,8 @@ HWY_INLINE void flush(Sums& s) {
 HWY_INLINE void add_sample(Sums& s, MI mask, const std::int32_t* steps) {
   const VI distance = hn::Sub(hn::LoadU(DI(), steps), s.biased_low);
   const MI counts = hn::AndNot(hn::Gt(distance, s.biased_span), mask);
-  s.excess = add_where(counts, s.excess, distance);
-  s.count = add_where(counts, s.count, hn::Set(DI(), 1));
+  s.excess = masked_add(counts, s.excess, distance);
+  s.count = masked_add(counts, s.count, hn::Set(DI(), 1));
 }
 
 // Adds a block. Blocks of level 0 and 1 are added sample by sample.
@@ -261,8 +261,8 @@ HWY_INLINE void add_block(Sums& s, MI mask, const Pyramid& p, std::ptrdiff_t at)
     const MI beyond = hn::Or(hn::Lt(min, s.low), hn::Gt(max, s.high));
     const MI whole = hn::And(mask, hn::Not(beyond));
     const VI sum = hn::Sub(hn::LoadU(di, level.sum.data() + at), hn::ShiftLeft<2 * kLevel>(s.low));
-    s.excess = add_where(whole, s.excess, sum);
-    s.count = add_where(whole, s.count, hn::Set(di, kSize * kSize));
+    s.excess = masked_add(whole, s.excess, sum);
+    s.count = masked_add(whole, s.count, hn::Set(di, kSize * kSize));
     const MI mixed = hn::And(mask, hn::And(beyond, hn::Not(outside)));
     if (hn::AllFalse(di, mixed)) return;
     if constexpr (kLevel == 2) {

@@ -189,7 +189,7 @@ Result<Scene> import_in_child_process(const fs::path& file, const ImportSettings
 }
 
 Result<Panorama> read_panorama_in_child_process(const fs::path& file, Poll* poll) {
-  return read_in_child_process<Panorama>(file, {kReadPanorama, file.string()}, receive_panorama, poll);
+  return read_in_child_process<Panorama>(file, {kPanoramaOption, file.string()}, receive_panorama, poll);
 }
 
 }  // namespace umbrage

@@ -20,7 +20,7 @@ Result<Scene> import_in_child_process(const std::filesystem::path& file, const I
 inline constexpr int kNoSceneIndex = -1;
 
 /// Command-line option of umbrage-import: the next argument is a file for read_panorama.
-inline constexpr const char* kReadPanorama = "--panorama";
+inline constexpr const char* kPanoramaOption = "--panorama";
 
 /// Runs read_panorama (scene/readers/texture_file.h) in a separate process, since the decoders are third-party code.
 /// Errors: as import_in_child_process.

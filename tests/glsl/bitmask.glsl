@@ -35,7 +35,7 @@ float visibility_at(ivec2 here, float z) {
   if (facing < 0.0) normal = normalize(normal + eye * (0.1 - facing));
   facing = max(dot(normal, eye), 0.1);
 
-  float reach = min(C.reach / z, 1e5);
+  float reach = min(C.radius_px / z, 1e5);
   vec3 noise = noise_at(here);
   float open = 0.0, all = 0.0;
   for (int s = 0; s < C.slices; ++s) {
@@ -60,7 +60,7 @@ float visibility_at(ivec2 here, float z) {
       float off = fraction * sqrt(fraction) * reach + 1.3;
       for (int side = 0; side < 2; ++side) {
         Side half_slice = sides[side];
-        ivec2 there = ivec2(floor(vec2(here) + 0.5 + half_slice.sign * off * vec2(direction.x, direction.y * C.step_y)));
+        ivec2 there = ivec2(floor(vec2(here) + 0.5 + half_slice.sign * off * vec2(direction.x, direction.y * C.rows_per_column)));
         if (any(lessThan(there, ivec2(0))) || any(greaterThanEqual(there, size))) continue;
         inside[side] += 1.0;
         float tap = depth_at(there);
@@ -68,7 +68,7 @@ float visibility_at(ivec2 here, float z) {
         vec3 to_tap = position_at(there, tap) - position;
         float height = dot(to_tap, normal) - z * 2e-6;
         vec2 pixels = vec2(there - here);
-        float across = dot(vec2(direction.x, direction.y * C.along_y), pixels) * tap * t * F.ray_scale_x;
+        float across = dot(vec2(direction.x, direction.y * C.columns_per_row), pixels) * tap * t * F.ray_scale_x;
         float to_eye = (height - across * along) / facing;
         float across2 = max(across * across, 1e-30);
         float distance2 = to_eye * to_eye + across2;
