@@ -179,7 +179,7 @@ struct Files : Assimp::DefaultIOSystem {
     }
     if (import_format(name) == "mtl") {
       if (stream) {
-        missing.names_not_drawn();
+        missing.clear();
       } else {
         missing.push_back(fs::path(name).filename().string());
       }
