@@ -279,6 +279,50 @@ std::vector<std::string> options_of(const Search& search, const Trial& best, con
   return words;
 }
 
+bool any_within(const std::vector<Trial>& trials, double budget_ms) {
+  return std::any_of(trials.begin(), trials.end(), [&](const Trial& trial) { return trial.ms <= budget_ms; });
+}
+
+/// Returns the trial to search from next, one on the frontier that was not searched from yet: the closest of those near
+/// the budget, or the fastest while no trial is within it. Returns nothing if there is none.
+std::optional<std::size_t> next_start(const std::vector<Trial>& trials, double budget_ms,
+                                      const std::set<std::size_t>& searched) {
+  const bool within = any_within(trials, budget_ms);
+  std::optional<std::size_t> from;
+  for (std::size_t k = 0; k < trials.size(); ++k) {
+    const Trial& trial = trials[k];
+    if (!trial.frontier || searched.count(k) || (within && trial.ms > kMaxTimeFactor * budget_ms)) continue;
+    if (!from || (within ? trial.rmse < trials[*from].rmse : trial.ms < trials[*from].ms)) from = k;
+  }
+  return from;
+}
+
+/// Returns the trial with the fewest changes among those within the budget with about the min error there. Errors:
+/// kInternal if none is within the budget.
+Result<std::size_t> best_of(const std::vector<Trial>& trials, double budget_ms) {
+  std::optional<double> closest;  // min error within the budget
+  for (const Trial& trial : trials)
+    if (trial.ms <= budget_ms && (!closest || trial.rmse < *closest)) closest = trial.rmse;
+  if (!closest) {
+    const auto fastest =
+        std::min_element(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.ms < b.ms; });
+    return Error{ErrorKind::kInternal,
+                 fmt::format("none of the {} settings tried takes {:g} ms or less, the fastest takes {:.3g} ms: raise "
+                             "--time or --trials, or lower --resolution",
+                             trials.size(), budget_ms, fastest->ms)};
+  }
+  const auto rank = [&](const Trial& trial) {
+    const std::size_t changes = trial.settings.size() + (trial.scale != trials[0].scale ? 1 : 0);
+    return std::pair(changes, trial.rmse);
+  };
+  std::optional<std::size_t> best;
+  for (std::size_t k = 0; k < trials.size(); ++k)
+    if (trials[k].ms <= budget_ms && trials[k].rmse <= *closest * (1.0 + kEqualErrorTolerance) &&
+        (!best || rank(trials[k]) < rank(trials[*best])))
+      best = k;
+  return *best;
+}
+
 }  // namespace
 
 Result<void> check_tune(const TuneSettings& settings) {
@@ -323,45 +367,32 @@ Result<Tuning> tune(Device& device, const TuneSettings& settings) {
   if (auto done = attempt(search, start); !done) return done.error();
   result.budget_ms = settings.budget_ms > 0.0 ? settings.budget_ms : search.trials[0].ms;
 
-  // Search from the closest trial on the frontier that was not searched from yet, until there is none.
   std::set<std::size_t> searched;
   while (int(search.trials.size()) < settings.trials) {
     mark_frontier(search.trials);
-    std::size_t from = search.trials.size();
-    for (std::size_t k = 0; k < search.trials.size(); ++k) {
-      const Trial& trial = search.trials[k];
-      if (!trial.frontier || trial.ms > kMaxTimeFactor * result.budget_ms || searched.count(k)) continue;
-      if (from == search.trials.size() || trial.rmse < search.trials[from].rmse) from = k;
-    }
-    if (from == search.trials.size()) break;
-    searched.insert(from);
-    const auto next = steps_from(search, search.candidates[from]);
+    const auto from = next_start(search.trials, result.budget_ms, searched);
+    if (!from) break;
+    searched.insert(*from);
+    const double from_ms = search.trials[*from].ms;
+    const auto next = steps_from(search, search.candidates[*from]);
     if (!next) return next.error();
     for (const Candidate& candidate : *next) {
-      if (int(search.trials.size()) >= settings.trials) break;
+      const std::size_t tried = search.trials.size();
+      if (int(tried) >= settings.trials) break;
       if (auto done = attempt(search, candidate); !done) return done.error();
+      // Over the budget, a faster trial is the next start; the other steps from here follow once the budget is met.
+      if (!any_within(search.trials, result.budget_ms) && search.trials.size() > tried &&
+          search.trials.back().ms < from_ms) {
+        searched.erase(*from);
+        break;
+      }
     }
   }
   mark_frontier(search.trials);
-  std::optional<double> closest;  // min error within the budget
-  for (const Trial& trial : search.trials)
-    if (trial.ms <= result.budget_ms && (!closest || trial.rmse < *closest)) closest = trial.rmse;
-  // Among trials with about the same error, choose the one with the fewest changes.
-  std::size_t best = 0;
-  const auto worse_than = [&](std::size_t k, std::size_t other) {
-    const auto changes = [&](const Trial& trial) {
-      return trial.settings.size() + (trial.scale != search.trials[0].scale ? 1 : 0);
-    };
-    const Trial &a = search.trials[k], &b = search.trials[other];
-    return std::pair(changes(a), a.rmse) > std::pair(changes(b), b.rmse);
-  };
-  const auto as_close = [&](const Trial& trial) {
-    return closest && trial.ms <= result.budget_ms && trial.rmse <= *closest * (1.0 + kEqualErrorTolerance);
-  };
-  for (std::size_t k = 1; k < search.trials.size(); ++k)
-    if (as_close(search.trials[k]) && (!as_close(search.trials[best]) || worse_than(best, k))) best = k;
+  const auto best = best_of(search.trials, result.budget_ms);
+  if (!best) return best.error();
   result.start = search.trials[0];
-  result.best = search.trials[best];
+  result.best = search.trials[*best];
   result.options = options_of(search, result.best, settings.draw.occlusion_radius);
   result.trials = std::move(search.trials);
   return result;

@@ -41,9 +41,10 @@ struct Tuning {
 Result<void> check_tune(const TuneSettings& settings);
 
 /// Draws, traces and searches. The search changes one parameter by one step, starting from each trial on the frontier
-/// of error against time. Settings and scale that `draw` sets stay fixed. A step multiplies or divides a number by
+/// of error against time: the closest within the budget first, or the fastest, and any faster one that it leads to,
+/// while none is within it. Settings and scale that `draw` sets stay fixed. A step multiplies or divides a number by
 /// about the square root of 2, or selects another choice or another scale. Errors: kUsage, kFile for models,
-/// kInterrupted.
+/// kInterrupted, kInternal if no trial is within the budget.
 Result<Tuning> tune(Device& device, const TuneSettings& settings);
 
 }  // namespace umbrage

@@ -73,6 +73,26 @@ TEST(Tune, TheFrontierIsWhatNothingBeats) {
   EXPECT_LE(tuning.best.rmse, tuning.start.rmse);
 }
 
+TEST(Tune, ABudgetBelowTheStartIsMetByFasterSettings) {
+  const double start_ms = tuned(quick(2)).start.ms;
+  TuneSettings settings = quick(60);
+  settings.budget_ms = 0.7 * start_ms;  // kMaxTimeFactor does not reach the start
+  const Tuning tuning = tuned(settings);
+  EXPECT_LE(tuning.best.ms, tuning.budget_ms);
+  EXPECT_FALSE(tuning.options.empty());
+}
+
+TEST(Tune, ABudgetThatNoSettingMeetsIsAnError) {
+  TuneSettings settings = quick(30);
+  settings.budget_ms = 1e-3;
+  const auto device = make_device("cpu", 0);
+  const auto tuning = tune(**device, settings);
+  ASSERT_FALSE(tuning);
+  EXPECT_EQ(tuning.error().kind, ErrorKind::kInternal);
+  EXPECT_NE(tuning.error().message.find("none of the 30 settings"), std::string::npos) << tuning.error().message;
+  EXPECT_NE(tuning.error().message.find("the fastest takes"), std::string::npos) << tuning.error().message;
+}
+
 TEST(Tune, OptionsMakeTheBestOneAgain) {
   TuneSettings settings = quick(25);
   settings.budget_ms = 1e5;
@@ -147,6 +167,7 @@ TEST_F(TuneCli, BadInputGetsASentence) {
   bad(kQuick + " --ao bitmaks", 2, {"bitmaks", "bitmask"});
   bad(kQuick + " --look studioo", 2, {"studioo", "studio"});
   bad(kQuick + " --time=-1", 2, {"--time", "-1"});
+  bad(kQuick + " --time 0.0001", 1, {"0.0001 ms", "the fastest takes", "--time"});
   bad("tune tri.obj --trials 1", 2, {"--trials", "1"});
   bad("tune tri.obj --samples 3", 2, {"--samples", "3"});
   bad("tune tri.obj --runs 0", 2, {"--runs"});
