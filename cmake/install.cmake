@@ -1,5 +1,21 @@
 # Install rules, in four components: program, library (shared), development, python (only on request).
 include(CMakePackageConfigHelpers)
+# CMake's own check comes file by file: without this one, an installation that lacks a file stops half-done.
+# umbrage_check_built(COMPONENT TARGET...): before anything is installed, checks that these targets have been built.
+function(umbrage_check_built component)
+  foreach(target ${ARGN})
+    install(CODE "if(NOT EXISTS \"$<TARGET_FILE:${target}>\")
+  message(FATAL_ERROR \"$<TARGET_FILE_NAME:${target}> is not built: build everything first, with cmake --build ${PROJECT_BINARY_DIR}\")
+endif()" COMPONENT ${component})
+  endforeach()
+endfunction()
+umbrage_check_built(program umbrage umbrage-import)
+if(TARGET umbrage_shared)
+  umbrage_check_built(library umbrage_shared)
+endif()
+if(TARGET umbrage_static)
+  umbrage_check_built(development umbrage_static)
+endif()
 install(TARGETS umbrage RUNTIME COMPONENT program)
 # The program and the library start umbrage-import to read models.
 install(TARGETS umbrage-import RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/umbrage COMPONENT program)

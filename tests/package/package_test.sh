@@ -61,6 +61,20 @@ case $name in
     done
     if grep -rIl -e "$place/first" -e "$BUILD" -e "$SOURCE" "$prefix" | grep .; then fail "these files contain folders of the build"; fi
     ;;
+  Unbuilt)
+    # A build tree like this one, of which only the programs are built, as scripts/demo does.
+    rm -rf "$place/unbuilt"
+    mkdir -p "$place/unbuilt/bin"
+    cp "$BUILD/bin/umbrage" "$BUILD/bin/umbrage-import" "$place/unbuilt/bin/"
+    cp -r "$BUILD/share" "$place/unbuilt/"
+    sed "s|$BUILD|$place/unbuilt|g" "$BUILD/cmake_install.cmake" >"$place/unbuilt/cmake_install.cmake"
+    code=0
+    said=$("$CMAKE" -DCMAKE_INSTALL_PREFIX="$place/unbuilt/prefix" -DCMAKE_INSTALL_LOCAL_ONLY=1 \
+      -P "$place/unbuilt/cmake_install.cmake" 2>&1 | tr -s ' \n' ' ') || code=$?
+    [ "$code" != 0 ] || fail "an incomplete build was installed"
+    [[ $said == *"is not built"*"cmake --build"* ]] || fail "the message does not say what to build: $said"
+    [ ! -e "$place/unbuilt/prefix" ] || fail "an incomplete build was installed in part"
+    ;;
   Program)
     [ "$("$prefix/bin/umbrage" --version)" = "umbrage $VERSION" ] || fail "wrong version"
     "$prefix/bin/umbrage" 'scene:solids?detail=3000' --resolution 64x48 -o "$place/program.png"
