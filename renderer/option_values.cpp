@@ -285,10 +285,11 @@ Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view 
     return error == std::errc() && end == number.data() + number.size() && pixels <= kMaxSide ? pixels : 0;
   };
   const int width = parse_side(text.substr(0, separator)),
-            height = separator == text.npos ? 0 : parse_side(text.substr(separator + 1));
+            height = separator == text.npos ? width : parse_side(text.substr(separator + 1));
   if (width >= 1 && height >= 1 && long(width) * height <= max_pixels) return std::pair(width, height);
-  return usage_error("`{}` cannot be '{}': it takes width,height from 1 to {} pixels, at most {} in total", field, text,
-                     kMaxSide, std::min(max_pixels, long(kMaxSide) * kMaxSide));
+  return usage_error(
+      "`{}` cannot be '{}': it takes width,height from 1 to {} pixels, at most {} in total, or one number for a square",
+      field, text, kMaxSide, std::min(max_pixels, long(kMaxSide) * kMaxSide));
 }
 
 Result<Length> parse_length(std::string_view field, std::string_view text) {

@@ -30,7 +30,7 @@ using Field = std::variant<std::monostate, FieldOf<bool>, FieldOf<int>, FieldOf<
 /// The syntax of a value, if its type does not determine the syntax.
 enum class OptionForm {
   kPlain,
-  kSize,       ///< width and height: "640,480" or "640x480"
+  kSize,       ///< width and height: "640,480", "640x480", or "512" for a square
   kPercent,    ///< "5%"
   kLength,     ///< "0.3" scene units, or "5%" of the bounding-sphere radius
   kPosition,   ///< "1,2.5,-3"
@@ -96,7 +96,8 @@ Result<void> check_request(const Request& request, long max_pixels);
 
 /// Splits a list at commas.
 std::vector<std::string> split(std::string_view text);
-/// Parses "640,480" or "640x480". `field`: its name in errors, also in the functions below. Errors: kUsage.
+/// Parses "640,480" or "640x480", or "512" for 512 x 512. `field`: its name in errors, also in the functions below.
+/// Errors: kUsage.
 Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view text, long max_pixels);
 /// Parses "0.3" or "5%", > 0. Errors: kUsage.
 Result<Length> parse_length(std::string_view field, std::string_view text);

@@ -62,7 +62,7 @@ TEST_F(CliRefusals, RefusesModelsThatAreCutShort) {
 }
 
 TEST_F(CliRefusals, RefusesResolutions) {
-  for (const char* text : {"0x0", "-5x5", "100000x100000", "16385x16384", "abc", "64", "64x", "x64", "64x64x64",
+  for (const char* text : {"0x0", "-5x5", "100000x100000", "16385x16384", "abc", "0", "64,", "64x", "x64", "64x64x64",
                            "1e2x64", "64.5x64", "99999999999x1"})
     bad_option(std::string("--resolution ") + text, {"--resolution", fmt::format("'{}'", text), "16384"});
 }

@@ -30,6 +30,10 @@ TEST_F(Cli, PrintsHelpAndVersion) {
     EXPECT_NE(help.out.find("Usage: umbrage"), std::string::npos) << line << ": " << help.out;
   }
   EXPECT_NE(good("--help").out.find("render"), std::string::npos);
+  EXPECT_EQ(good("help").out, good("--help").out);
+  for (const char* command : {"render", "tune", "help"})
+    EXPECT_EQ(good(std::string("help ") + command).out, good(std::string(command) + " --help").out);
+  bad("help rendre", 2, {"no command 'rendre'", "did you mean 'render'"});
   EXPECT_NE(good("render --help").out.find("--resolution"), std::string::npos);
   const std::string version = good("--version").out;
   EXPECT_EQ(version.rfind("umbrage ", 0), 0u);
@@ -50,6 +54,20 @@ TEST_F(Cli, DrawsABuiltInSceneInEveryFormat) {
     EXPECT_LT(min, 0.8f) << name << ": nothing is occluded";
     EXPECT_GT(max, 0.95f) << name << ": nothing is open";
   }
+}
+
+TEST_F(Cli, OneNumberIsASquare) {
+  good("tri.obj -o out.png --look ao --resolution 24");
+  EXPECT_EQ(image("out.png").width, 24);
+  EXPECT_EQ(image("out.png").height, 24);
+  const auto records = nlohmann::json::parse(
+      good("bench tri.obj --effect capture --runs 1 --device cpu --json --resolution 16 --resolution 24x8").out);
+  ASSERT_EQ(records.size(), 4u);  // with and without a shadow
+  for (const auto& record : records)
+    EXPECT_EQ(record.at("height").get<int>(), record.at("width").get<int>() == 16 ? 16 : 8) << record;
+  write("mine", "resolution = 20\n");
+  good("tri.obj -o out.png --look ao --config mine");
+  EXPECT_EQ(image("out.png").height, 20);
 }
 
 TEST_F(Cli, DrawsAFile) {

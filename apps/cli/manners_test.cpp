@@ -338,7 +338,7 @@ TEST_F(Manners, InvalidConfigurationValuesNameTheLine) {
   refused(render, "camera-zoom-factor = near", "--camera-zoom-factor cannot be 'near': it takes a number from 0.001");
   refused(render, "ao-radius = wide", "--ao-radius cannot be 'wide'");
   refused(render, "ground = maybe", "--ground cannot be 'maybe': it takes auto, on or off");
-  refused(render, "resolution = 64", "--resolution cannot be '64'");
+  refused(render, "resolution = 64x", "--resolution cannot be '64x'");
   refused(render, "guard-band = 200%", "--guard-band cannot be '200%'");
   refused(render, "background-color = 2,0,0", "--background-color cannot be '2,0,0'");
   refused(render, "set = unsharp.kernel=0", "unsharp.kernel cannot be '0'");

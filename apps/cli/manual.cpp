@@ -1,4 +1,4 @@
-// umbrage completion and umbrage manual: shell completion scripts and the manual page, generated from the options.
+// umbrage help, completion and manual: help, shell completion scripts and the manual page, generated from the options.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
@@ -18,7 +18,7 @@ namespace {
 using Words = std::vector<std::string>;
 
 struct ManualOptions {
-  std::string shell;
+  std::string shell, command;
 };
 
 constexpr std::array<std::string_view, 3> kShells = {"bash", "zsh", "fish"};
@@ -55,10 +55,18 @@ Words scene_names() {
   return names;
 }
 
+Words command_names(const CLI::App& app) {
+  Words names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(command->get_name());
+  return names;
+}
+
 /// Returns the possible values of an option or positional argument; empty for numbers, files and other open values.
 Words values_of(const CLI::App& command, std::string_view option) {
   const std::string& name = command.get_name();
   if (option == "WHAT" && name == "list") return {"looks", "effects", "passes", "scenes", "devices", "formats"};
+  if (option == "COMMAND") return command_names(*command.get_parent());
   if (option == "SHELL") return {kShells.begin(), kShells.end()};
   if (option == "filter") return filter_names();
   if (option == "effect") return effect_names();
@@ -373,10 +381,27 @@ Result<void> completion(const CLI::App& app, const ManualOptions& o) {
   return {};
 }
 
+/// Prints the help of a command, or that of the program if none is named.
+Result<void> help(const CLI::App& app, const ManualOptions& o) {
+  if (o.command.empty()) {
+    // CLI::App::help would print the help of the command that was parsed.
+    fmt::print("{}", app.get_formatter()->make_help(&app, app.get_name(), CLI::AppFormatMode::Normal));
+    return {};
+  }
+  const Words names = command_names(app);
+  if (std::find(names.begin(), names.end(), o.command) == names.end())
+    return usage_error("there is no command '{}'{}", o.command, suggestion(o.command, names));
+  fmt::print("{}", app.get_subcommand(o.command)->help(app.get_name()));
+  return {};
+}
+
 }  // namespace
 
 void add_manual(CLI::App& app, std::function<Result<void>()>& run) {
   auto options = std::make_shared<ManualOptions>();
+  CLI::App* helper = app.add_subcommand("help", "print the help of a command, as --help does");
+  helper->add_option("COMMAND", options->command, "a command; without one, all are listed");
+  helper->callback([&app, options, &run] { run = [&app, options] { return help(app, *options); }; });
   CLI::App* shell = app.add_subcommand("completion", "print the completion script of a shell");
   shell->add_option("SHELL", options->shell, "bash, zsh or fish")->required();
   shell->callback([&app, options, &run] { run = [&app, options] { return completion(app, *options); }; });

@@ -79,7 +79,9 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, double& valu
 
 CLI::Option* add_sizes(CLI::App& command, std::vector<std::string>& sizes, std::string_view initial) {
   CLI::Option* option =
-      command.add_option("--resolution", sizes, fmt::format("width,height; may be given several times [{}]", initial))
+      command
+          .add_option("--resolution", sizes,
+                      fmt::format("width,height, or one number for a square; may be given several times [{}]", initial))
           ->take_all()
           ->expected(1)
           ->allow_extra_args(false);
