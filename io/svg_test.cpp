@@ -69,12 +69,17 @@ TEST_F(SvgTest, MatchesThePicture) {
 }
 
 TEST_F(SvgTest, DoesNotDependOnTheCommand) {
-  good(kSmall + "-o picture.png --svg beside.svg");
-  good("scene:solids?detail=2000 --device cpu --resolution 128x96 -o alone.svg");
-  good(kSmall + "--anti-aliasing 4 --threads 1 --no-background -o averaged.exr --svg averaged.svg");
-  good(kSmall + "--memory 1K -o strips.svg");
-  good(kSmall + "--memory 1K --anti-aliasing 2 -o strips.png --svg strips_beside.svg");
-  good(kSmall + "-o turn.svg --turntable 2");
+  // High enough for strips that need less memory than the whole picture.
+  const std::string high = "scene:solids?detail=2000 --device cpu --look cartoon --ao none --resolution 96x1600 ";
+  const std::string strips = "--memory 70M ";
+  good(high + "-o picture.png --svg beside.svg");
+  good("scene:solids?detail=2000 --device cpu --resolution 96x1600 -o alone.svg");
+  good(high + "--anti-aliasing 4 --threads 1 --no-background -o averaged.exr --svg averaged.svg");
+  good(high + strips + "-o strips.svg");
+  good(high + strips + "--anti-aliasing 2 -o strips.png --svg strips_beside.svg");
+  for (const char* file : {"strips.svg", "strips.png"})
+    EXPECT_NE(run(high + strips + "--verbose -o " + file).err.find("drawn in strips"), std::string::npos) << file;
+  good(high + "-o turn.svg --turntable 2");
   const std::string lines = text_of(folder_ / "alone.svg");
   for (const char* kind : {"outline", "fold", "crease"})
     EXPECT_GE(count_of(lines, fmt::format("class=\"{}\" data-object=", kind)), 1) << kind;
@@ -82,8 +87,8 @@ TEST_F(SvgTest, DoesNotDependOnTheCommand) {
     EXPECT_EQ(text_of(folder_ / name), lines) << name;
   EXPECT_NE(text_of(folder_ / "turn_0001.svg"), lines);
   // Lines in the guard band are detected, but not written.
-  good(kSmall + "--guard-band 10% -o guard.svg");
-  good(kSmall + "--guard-band 10% --memory 1K -o guard_strips.svg");
+  good(high + "--guard-band 10% -o guard.svg");
+  good(high + "--guard-band 10% --memory 100M " + "-o guard_strips.svg");
   EXPECT_EQ(text_of(folder_ / "guard_strips.svg"), text_of(folder_ / "guard.svg"));
   EXPECT_LE(rmse(drawn("guard.svg"), drawn("alone.svg")), 0.1);
 }

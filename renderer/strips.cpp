@@ -234,16 +234,19 @@ PlaneCount count_planes(const Recipe& recipe, int layers) {
 
 Result<StripSizes> plan_strips(const Device& device, const Recipe& recipe, double memory) {
   constexpr double kBytes = sizeof(float);
-  constexpr double kFixed = 150e6;              // the program and a scene, bytes
-  constexpr double kMargin = 64.0;              // rows above and below a strip
+  constexpr double kFixed = 60e6;               // the program and a scene of 100 000 triangles, bytes
+  constexpr double kMargin = 64.0;              // rows above and below a strip, in high pictures
+  constexpr double kMarginOfHeight = 0.05;      // the same in low ones, relative to the height
   constexpr int kMinRows = 64, kMaxRows = 512;  // rows of a strip: fewer are mostly margin, more save no memory
   const int layers = *layer_count(recipe.capture);
   const PlaneCount count = count_planes(recipe, layers);
   const double width = recipe.width + 2.0 * recipe.capture.guard, height = recipe.height + 2.0 * recipe.capture.guard;
   StripSizes plan;
+  const double margins = 2.0 * std::min(kMargin, kMarginOfHeight * height);
   plan.bytes = kFixed + (count.held + count.averaged) * kBytes * width * height;
   const bool traced = find_named(external_effects(), recipe.occlusion);
   const bool fits = width * height * layers <= double(kMaxPixels);
+  plan.exceeds = device.draws_strips() && plan.bytes > memory;
   if (fits && plan.bytes <= memory) return plan;
   if (!device.draws_strips() || traced) {
     if (fits) return plan;
@@ -256,10 +259,12 @@ Result<StripSizes> plan_strips(const Device& device, const Recipe& recipe, doubl
   }
   const double fixed = kFixed + (count.far + count.averaged) * kBytes * width * height;
   const double row = count.held * kBytes * width;
-  const int rows = int(std::clamp((memory - fixed) / row - 2.0 * kMargin, double(kMinRows), double(kMaxRows)));
-  plan.rows = rows / kMinRows * kMinRows;
-  plan.bytes = fixed + row * (plan.rows + 2.0 * kMargin);
-  return plan;
+  const int rows = int(std::clamp((memory - fixed) / row - margins, double(kMinRows), double(kMaxRows)));
+  StripSizes strips{.rows = rows / kMinRows * kMinRows};
+  strips.bytes = fixed + row * std::min(strips.rows + margins, height);
+  strips.exceeds = strips.bytes > memory;
+  // Planes that dispatches read at arbitrary distance are whole ones in strips, too.
+  return fits && strips.bytes >= plan.bytes ? plan : strips;
 }
 
 namespace {

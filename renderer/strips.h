@@ -14,11 +14,13 @@ namespace umbrage {
 struct StripSizes {
   int rows = 0;        ///< rows of a strip, a multiple of 4 (of 64 as planned); 0: the picture is drawn whole
   double bytes = 0.0;  ///< estimated memory for drawing, bytes
+  /// Whether that is more than the limit, on a device that holds pictures in the memory of the host.
+  bool exceeds = false;
 };
 
 /// Plans a picture for about `memory` bytes: whole if they suffice and it has at most kMaxPixels pixels, else in
-/// strips, of the minimum height if even these need more. Devices that cannot draw strips and techniques that trace the
-/// scene draw the picture whole. Errors: kUsage if it is too large for that.
+/// strips, of the minimum height if even these need more, or whole if strips would not need less. Devices that cannot
+/// draw strips and techniques that trace the scene draw the picture whole. Errors: kUsage if it is too large for that.
 Result<StripSizes> plan_strips(const Device& device, const Recipe& recipe, double memory);
 
 /// Receives finished rows with the requested planes, from top to bottom; `first` is the index of the first row.

@@ -199,6 +199,19 @@ TEST(Strips, SoftShadowsOfAModelInTheOpen) {
     expect_same(drawn(settings, 0, planes, 0, model), drawn(settings, 32, planes, 0, model));
 }
 
+// A strip of the min height is as large as a low picture, and lines need whole planes besides.
+TEST(Strips, AreNotPlannedWhereTheySaveNothing) {
+  const auto device = make_cpu_device();
+  for (const char* look : {"cartoon", "studio"}) {
+    const auto recipe = make_recipe(of_look(look, 8192, 64), kMaxStripPixels);
+    const auto whole = plan_strips(*device, *recipe, 6e9), low = plan_strips(*device, *recipe, 1e8);
+    EXPECT_EQ(low->rows, 0) << look;
+    EXPECT_EQ(low->bytes, whole->bytes) << look;
+    EXPECT_TRUE(low->exceeds) << look;
+    EXPECT_FALSE(whole->exceeds) << look;
+  }
+}
+
 TEST(Strips, ArePlannedWhereMemoryIsShort) {
   const auto device = make_cpu_device();
   Request settings = of_look("studio", 1024, 1024);
@@ -206,7 +219,11 @@ TEST(Strips, ArePlannedWhereMemoryIsShort) {
     return plan_strips(*device, *make_recipe(settings, kMaxStripPixels), memory);
   };
   EXPECT_EQ(planned(6e9)->rows, 0);
+  EXPECT_FALSE(planned(6e9)->exceeds);
   EXPECT_GT(planned(3e8)->rows, 0);
+  EXPECT_FALSE(planned(3e8)->exceeds);
+  EXPECT_GT(planned(1e6)->rows, 0);
+  EXPECT_TRUE(planned(1e6)->exceeds);
   settings.width = settings.height = 16384;
   const auto plan = planned(6e9);
   ASSERT_TRUE(plan);

@@ -169,7 +169,7 @@ TEST_F(CliRefusals, RefusesValues) {
   bad_option("--passes depth,normal", {"depth,normal", ".exr"});
   // Only after the model is read is it known that these passes do not exist. Even so, nothing is drawn.
   const std::string none = "there is no pass ";
-  for (const char* extra : {"", " --turntable 2", " --memory 1M", " --anti-aliasing 4"}) {
+  for (const char* extra : {"", " --turntable 2", " --memory 200M", " --anti-aliasing 4"}) {
     bad_option("--passes emission" + std::string(extra), {none + "'emission'", "leave it out of --passes"});
     bad_option("--passes shadow5" + std::string(extra), {none + "'shadow5'", "--passes takes shadow"});
   }

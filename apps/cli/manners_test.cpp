@@ -433,6 +433,14 @@ TEST_F(Manners, ShellsCompleteEveryOption) {
   EXPECT_EQ(shell("! command -v groff >/dev/null || test -z \"$(groff -man -ww -Tutf8 -z umbrage.1 2>&1)\"").code, 0);
 }
 
+TEST_F(Manners, WarnsOfAMemoryLimitThatCannotBeMet) {
+  const Outcome outcome = run("tri.obj -o x.png --look cartoon --resolution 64 --device cpu --memory 1M");
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_TRUE(outcome.err.starts_with("umbrage: warning: 64 x 64 pixels take about 0.06")) << outcome.err;
+  EXPECT_NE(outcome.err.find("more than --memory 1M"), std::string::npos) << outcome.err;
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+}
+
 TEST_F(Manners, WarnsOfSettingsThatDoNothing) {
   const auto warned = [&](const std::string& line, const std::string& text) {
     const Outcome outcome = run("tri.obj -o x.png --resolution 32x24 --device cpu " + line);

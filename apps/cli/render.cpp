@@ -396,6 +396,12 @@ Result<void> render(const RenderOptions& given) {
   if (!plan) return plan.error();
   line.reset();
   times.done("prepare");
+  if (strips->exceeds)
+    fmt::print(stderr,
+               "umbrage: warning: {} x {} pixels take about {:.2g} GB{}, more than --memory {}: raise it, or lower "
+               "--resolution\n",
+               o.request.width, o.request.height, strips->bytes * 1e-9, strips->rows > 0 ? ", even in strips" : "",
+               o.memory);
   if (strips->rows > 0 && o.verbose)
     fmt::print(stderr,
                "drawn in strips of {} rows in about {:.1f} GB; the whole picture would need more than --memory {}\n",
