@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -87,6 +88,24 @@ Result<void> check_value(CLI::Option& option, std::string value) {
   }
 }
 
+/// Returns whether a text contains the option as a word.
+bool names_option(std::string_view text, const std::string& option) {
+  const std::string name = "--" + option;
+  for (std::size_t at = text.find(name); at != text.npos; at = text.find(name, at + 1)) {
+    const char next = at + name.size() < text.size() ? text[at + name.size()] : ' ';
+    if (next != '-' && !std::isalnum(static_cast<unsigned char>(next))) return true;
+  }
+  return false;
+}
+
+/// Returns whether a text quotes a value or, of a list, one of its words.
+bool quotes_value(const std::string& text, const std::string& value) {
+  if (text.find("'" + value + "'") != text.npos) return true;
+  const auto words = split(value);
+  return std::any_of(words.begin(), words.end(),
+                     [&](const std::string& word) { return text.find("'" + word + "'") != text.npos; });
+}
+
 }  // namespace
 
 void add_config_option(CLI::App& command) {
@@ -98,30 +117,29 @@ void add_config_option(CLI::App& command) {
       ->group("Configuration");
 }
 
-Result<std::vector<std::string>> with_config(CLI::App& app, std::vector<std::string> words) {
-  if (words.empty()) return words;
+Result<Configured> with_config(CLI::App& app, std::vector<std::string> words) {
+  if (words.empty()) return Configured();
   CLI::App* command = nullptr;
   for (CLI::App* each : app.get_subcommands([](const CLI::App*) { return true; }))
     if (each->get_name() == words[0]) command = each;
-  if (!command || !command->get_option_no_throw(kOption)) return words;
+  if (!command || !command->get_option_no_throw(kOption)) return Configured{std::move(words), {}};
   const auto named = named_file(words);
-  if (named && *named == kNone) return words;
+  if (named && *named == kNone) return Configured{std::move(words), {}};
   const fs::path file = named ? fs::path(*named) : default_file();
   std::error_code ignored;
-  if (!named && (file.empty() || !fs::is_regular_file(file, ignored))) return words;
+  if (!named && (file.empty() || !fs::is_regular_file(file, ignored))) return Configured{std::move(words), {}};
   std::ifstream stream(file);
   if (!stream || fs::is_directory(file, ignored))
     return file_error("'{}' cannot be read as a configuration", file.string());
 
-  std::vector<std::string> added;
+  std::vector<ConfigValue> added;
   std::map<std::string, std::string> heading_of;  // heading of each added option, by option name
   std::string section, line;
   for (int number = 1; std::getline(stream, line); ++number) {
     const std::string_view text = trimmed(line);
     if (text.empty() || text[0] == '#' || text[0] == ';') continue;
-    const auto wrong = [&](const std::string& what) {
-      return usage_error("'{}', line {}: {}", file.string(), number, what);
-    };
+    const std::string place = fmt::format("'{}', line {}", file.string(), number);
+    const auto wrong = [&](const std::string& what) { return usage_error("{}: {}", place, what); };
     if (text[0] == '[') {
       const std::size_t end = std::min(text.find(']'), text.size());
       section = std::string(trimmed(text.substr(1, end - 1)));
@@ -167,12 +185,32 @@ Result<std::vector<std::string>> with_config(CLI::App& app, std::vector<std::str
     // A later line overrides an earlier one, unless both are values of a repeatable option under the same heading.
     const auto [earlier, first] = heading_of.emplace(name, section);
     if (!first && !adds_up && !(several && earlier->second == section))
-      std::erase_if(added, [&](const std::string& word) { return word.starts_with("--" + name + "="); });
+      std::erase_if(added, [&](const ConfigValue& other) { return other.option == name; });
     earlier->second = section;
-    added.push_back("--" + name + "=" + value);
+    added.push_back({name, value, place});
   }
-  words.insert(words.begin() + 1, added.begin(), added.end());
-  return words;
+  std::vector<std::string> texts;
+  for (const ConfigValue& each : added) texts.push_back("--" + each.option + "=" + each.value);
+  words.insert(words.begin() + 1, texts.begin(), texts.end());
+  return Configured{std::move(words), std::move(added)};
+}
+
+Error with_place(Error error, const std::vector<ConfigValue>& values) {
+  if (error.kind == ErrorKind::kInternal || error.kind == ErrorKind::kInterrupted) return error;
+  // Options after the first colon or semicolon are remedies.
+  const std::string& message = error.message;
+  const std::string problem = message.substr(0, std::min(message.find(": "), message.find("; ")));
+  const auto first = [&](const auto& matches) {
+    const auto at = std::find_if(values.begin(), values.end(), matches);
+    return at == values.end() ? nullptr : &*at;
+  };
+  // A message "--option cannot be ..." is about that option alone; others may quote a value without naming its option.
+  const bool names_one = problem.starts_with("--") && problem.find(" cannot be ") == problem.find(' ');
+  const ConfigValue* found = nullptr;
+  if (!names_one) found = first([&](const ConfigValue& each) { return quotes_value(message, each.value); });
+  if (!found) found = first([&](const ConfigValue& each) { return names_option(problem, each.option); });
+  if (found) error.message = found->place + ": " + message;
+  return error;
 }
 
 }  // namespace umbrage::cli

@@ -149,7 +149,10 @@ int run(int argc, char** argv) {
   if (const auto error = option_without_value(words)) return report(*error);
   auto configured = with_config(app, std::move(words));
   if (!configured) return report(configured.error());
-  words = std::move(*configured);
+  words = std::move(configured->words);
+  const auto located = [&](const Error& error) {
+    return with_place({error.kind, with_option_names(error.message)}, configured->values);
+  };
   std::reverse(words.begin(), words.end());  // the order that CLI11 expects
   try {
     app.parse(words);
@@ -165,11 +168,11 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (argc < 2)
       return report(usage_error("name a model, such as umbrage bunny.obj -o bunny.png; see umbrage --help"));
-    return report(parse_error(app, error));
+    return report(located(parse_error(app, error)));
   }
   if (const auto error = empty_option(app)) return report(*error);
   try {
-    if (const Result<void> done = command(); !done) return report(done.error());
+    if (const Result<void> done = command(); !done) return report(located(done.error()));
   } catch (const std::system_error&) {
     if (!std::ferror(stdout)) throw;  // fmt::print failed to write; finish_output() reports it
   }
