@@ -1,5 +1,7 @@
 #include "effects/ground/ground.h"
 
+#include <algorithm>
+
 #include "core/effect.h"
 #include "kernels/ground.h"
 
@@ -7,7 +9,8 @@ namespace umbrage {
 namespace {
 
 const std::vector<Parameter> kTable = {
-    real_row("strength", &GroundParams::strength, {.initial = 1, .max = 2}, "strength of the shadow on the ground"),
+    real_row("strength", &GroundParams::strength, {.initial = 1, .max = 2},
+             "strength of the shadow on the ground; above 1 its light parts get darker"),
     choice_row(
         "blend", &GroundParams::blend, 0, {"light", "display"},
         "how the shadow is blended over a background: in linear light, or in display values, as image viewers do"),
@@ -15,7 +18,8 @@ const std::vector<Parameter> kTable = {
 
 void fill_constants(const GroundParams& params, const PictureInfo& info, GroundConstants& c) {
   c = {.object = float(info.ground_object),
-       .strength = params.strength,
+       .strength = std::min(params.strength, 1.0f),
+       .excess = std::max(params.strength - 1.0f, 0.0f),
        .display = params.blend,
        .middle_x = info.ground_center.x,
        .middle_y = info.ground_center.y,

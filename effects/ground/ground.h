@@ -7,13 +7,14 @@ const int kGroundBlendLight = 0, kGroundBlendDisplay = 1;
 
 // Each field has one row in the parameter table of ground.cpp.
 struct GroundParams {
-  float strength;  // factor of the shadow on the ground
+  float strength;  // of the shadow on the ground: up to 1 a factor; from 1 to 2 an exponent of the light that arrives
   int blend;       // how the shadow is blended over a background: 0 in linear light, 1 in display values
 };
 
 struct GroundConstants {
-  float object;  // object id of the ground; < 0: none
-  float strength;
+  float object;                        // object id of the ground; < 0: none
+  float strength;                      // of the shadow, up to 1
+  float excess;                        // strength above 1
   int display;                         // 0 or 1: blend in display values
   float middle_x, middle_y, middle_z;  // centre of the ground, view space
   float inverse_fade_distance;         // 1 / distance from the centre at which the shadow has faded out; 0: no fading

@@ -17,6 +17,8 @@ FN void ground_pixel(Int px, Int py) {
   Real arrives = dot(lit - clean_light(near_indirect(0, 0)), Vec3(Real(0.2126f), Real(0.7152f), Real(0.0722f))) /
                  select(open > 0.0f, open, Real(1.0f));
   Real shade = clamp((Real(1.0f) - arrives) * C.strength, Real(0.0f), Real(1.0f));
+  // Above strength 1, between 1 - arrives and 1 - arrives^2: a factor would clip the shadow to black.
+  shade = mad(shade * (Real(1.0f) - shade), Real(C.excess), shade);
   if (C.inverse_fade_distance > 0.0f) {
     // Fade over the outer half, so that a shadow longer than the ground has no visible end.
     Vec3 away = view_position(px, py, select(is_surface(depth), depth, Real(1.0f))) -

@@ -41,6 +41,19 @@ TEST(Ground, CoverIsTheFractionOfMissingLight) {
   });
 }
 
+TEST(Ground, AboveStrengthOneTheShadowKeepsItsGradation) {
+  const std::vector<float> arrives = {0.3f, 0.04f, 0.1f, 0.4f, 0.8f, 1.6f};
+  for (const auto& [strength, text] : {std::pair{1.5, "1.5"}, {2.0, "2"}})
+    test::on_every_target("ground", row_of(arrives, 0.8f), {{"strength", text}}, [&](const Image& image) {
+      for (int x = 1; x < image.width; ++x) {
+        const double light = std::min(arrives[x] / 0.8, 1.0);
+        const double cover = (2.0 - strength) * (1.0 - light) + (strength - 1.0) * (1.0 - light * light);
+        EXPECT_NEAR(image.plane("cover").at(x, 0), cover, 1e-6) << strength << " " << x;
+        EXPECT_LT(image.plane("cover").at(x, 0), 1.0f);
+      }
+    });
+}
+
 TEST(Ground, OverAnyBackgroundViewersShowTheSameShade) {
   // A viewer that blends black by that alpha in display values gets the shadow in linear light, except near black,
   // where sRGB is linear.
