@@ -44,28 +44,37 @@ Error write_error(const fs::path& file, int cause) {
   return file_error("'{}' cannot be written: {}", file.string(), std::strerror(cause));
 }
 
-/// Runs `write` on the stream and closes the stream. Turns exceptions into errors.
+/// As fill_stream. After a failed write the error is errno's, which describes it better than a library's message.
 Result<void> write_and_close(const fs::path& file, std::FILE* stream,
                              const std::function<Result<void>(std::FILE*)>& write) {
+  int cause = 0;
+  Result<void> done = fill_stream(file, stream, cause, write);
+  return cause != 0 ? write_error(file, cause) : done;
+}
+
+}  // namespace
+
+Error no_memory_to_write(const fs::path& file) {
+  return device_error("not enough memory to write '{}'", file.string());
+}
+
+Result<void> fill_stream(const fs::path& file, std::FILE* stream, int& cause,
+                         const std::function<Result<void>(std::FILE*)>& write) {
   errno = 0;
   Result<void> done;
   try {
     done = write(stream);
   } catch (const std::bad_alloc&) {
-    done = device_error("not enough memory to write '{}'", file.string());
+    done = no_memory_to_write(file);
   } catch (const InternalError& error) {
     done = Error{ErrorKind::kInternal, fmt::format("internal error: {}", error.what())};
   } catch (const std::exception& exception) {
     done = file_error("'{}' cannot be written: {}", file.string(), exception.what());
   }
-  // For a short write errno names the cause better than a library's message.
-  int cause = std::ferror(stream) ? errno : 0;
+  cause = std::ferror(stream) ? errno : 0;
   if (std::fclose(stream) != 0 && cause == 0) cause = errno;
-  if (cause != 0) return write_error(file, cause);
   return done;
 }
-
-}  // namespace
 
 std::span<const ImageFormat> image_formats() {
   static const ImageFormat table[] = {kPng, kExr, kPfm};

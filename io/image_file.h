@@ -67,9 +67,10 @@ Result<void> write_image(const std::filesystem::path& file, const Image& image, 
 Result<void> write_image_rows(const std::filesystem::path& file, const ImageShape& shape, const WriteSettings& settings,
                               const MakeImageRows& make);
 
-/// Returns the bytes of the PNG file that write_image would write. Errors: kFile.
-Result<std::string> encode_png(const Image& image, const WriteSettings& settings = {});
-Result<std::string> encode_png_rows(const ImageShape& shape, const WriteSettings& settings, const MakeImageRows& make);
+/// Returns the bytes of the PNG file that write_image would write; `name` stands for it in errors. Errors: as there.
+Result<std::string> encode_png(const std::string& name, const Image& image, const WriteSettings& settings = {});
+Result<std::string> encode_png_rows(const std::string& name, const ImageShape& shape, const WriteSettings& settings,
+                                    const MakeImageRows& make);
 
 /// Reads an image of any of the formats, detected by content. Plane names are as written. A single plane of PNG or PFM
 /// is called `grey`. PNG values are in [0, 1], not linearized. For EXR parts and windows see exr.cpp.

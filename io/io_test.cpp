@@ -1033,6 +1033,22 @@ TEST_F(AtomicWrite, MissingPermissionsAreNamed) {
   fs::permissions(*this / "locked", fs::perms(0755));
 }
 
+// In a file and in memory alike: kDevice, with the name.
+TEST_F(AtomicWrite, LackOfMemoryIsADeviceError) {
+  const ImageShape shape{8, 8, {"grey"}};
+  const MakeImageRows make = [](const TakeImageRows&) -> Result<void> { throw std::bad_alloc(); };
+  const auto expect_no_memory = [](const Error& error, const std::string& name) {
+    EXPECT_EQ(error.kind, ErrorKind::kDevice);
+    EXPECT_EQ(error.message, "not enough memory to write '" + name + "'");
+  };
+  const auto file = write_image_rows(*this / "x.png", shape, {}, make);
+  ASSERT_FALSE(file);
+  expect_no_memory(file.error(), (*this / "x.png").string());
+  const auto bytes = encode_png_rows("standard output", shape, {}, make);
+  ASSERT_FALSE(bytes);
+  expect_no_memory(bytes.error(), "standard output");
+}
+
 /// Limits the size of files during its lifetime.
 class FileSizeLimit {
  public:

@@ -20,6 +20,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
+#include <new>
 
 #include "io/format.h"
 
@@ -237,25 +238,27 @@ bool recognises(std::string_view start) { return start == "\x89PNG\r\n\x1a\n"; }
 
 }  // namespace
 
-Result<std::string> encode_png(const Image& image, const WriteSettings& settings) {
-  return encode_png_rows(shape_of(image), settings, rows_of(image));
+Result<std::string> encode_png(const std::string& name, const Image& image, const WriteSettings& settings) {
+  return encode_png_rows(name, shape_of(image), settings, rows_of(image));
 }
 
-Result<std::string> encode_png_rows(const ImageShape& shape, const WriteSettings& settings, const MakeImageRows& make) {
-  const auto no_memory = [&] {
-    return file_error("not enough memory for a PNG of {} x {} pixels", shape.width, shape.height);
-  };
+Result<std::string> encode_png_rows(const std::string& name, const ImageShape& shape, const WriteSettings& settings,
+                                    const MakeImageRows& make) {
   char* bytes = nullptr;
   std::size_t size = 0;
   std::FILE* stream = open_memstream(&bytes, &size);
-  if (!stream) return no_memory();
-  const Result<void> written = write_to(stream, "picture.png", shape, settings, make);
-  const bool closed = std::fclose(stream) == 0;
-  std::string out(bytes, closed ? size : 0);
-  std::free(bytes);
+  if (!stream) return no_memory_to_write(name);
+  int cause = 0;
+  const Result<void> written =
+      fill_stream(name, stream, cause, [&](std::FILE* to) { return write_to(to, name, shape, settings, make); });
+  const std::unique_ptr<char, void (*)(void*)> owned(bytes, std::free);
+  if (cause != 0) return no_memory_to_write(name);  // the only cause for a stream in memory
   if (!written) return written.error();
-  if (!closed) return no_memory();
-  return out;
+  try {
+    return std::string(bytes, size);
+  } catch (const std::bad_alloc&) {
+    return no_memory_to_write(name);
+  }
 }
 
 const ImageFormat kPng = {"png", "8 or 16 bit grey, RGB or RGBA pictures, sRGB", write, read, recognises};

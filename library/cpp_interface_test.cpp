@@ -162,6 +162,14 @@ TEST(CppInterface, ParametersOfScenes) {
   EXPECT_TRUE(throws_error([&] { scene.set("uq", "+Z"); }, UMB_ERROR_USAGE, "'uq'"));
   EXPECT_TRUE(throws_error([&] { scene.load("missing.obj"); }, UMB_ERROR_FILE, "missing.obj"));
   EXPECT_TRUE(throws_error([&] { scene.add_mesh("none", 0, 0); }, UMB_ERROR_USAGE, "0 vertices"));
+  EXPECT_TRUE(throws_error([&] { scene.add_mesh("many", 3, std::size_t(1) << 31); }, UMB_ERROR_USAGE,
+                           "at most 2147483647 triangles"));
+  const int mesh = scene.add_mesh("triangle", 3, 1);
+  const std::int32_t numbers[9] = {};
+  EXPECT_TRUE(throws_error([&] { scene.set_buffer(mesh, "position", numbers, UMB_TYPE_UINT32, 3); }, UMB_ERROR_USAGE,
+                           "cannot hold 32-bit integers: it takes 32-bit floats"));
+  EXPECT_TRUE(throws_error([&] { scene.set_buffer(mesh, "color", numbers, UMB_TYPE_UINT32, 3); }, UMB_ERROR_USAGE,
+                           "it takes 32-bit floats, 8-bit integers or 16-bit integers"));
   EXPECT_EQ(scene.camera_count(), 0);
 }
 

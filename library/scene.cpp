@@ -105,8 +105,9 @@ Result<void> SceneObject::load(const std::string& model) {
 Result<int> SceneObject::add_mesh(const std::string& name, std::size_t vertices, std::size_t triangles) {
   constexpr std::size_t kMaxCount = std::size_t(1) << 31;
   if (vertices == 0 || vertices >= kMaxCount || triangles >= kMaxCount)
-    return usage_error("a mesh cannot have {} vertices and {} triangles: it takes 1 to {} vertices", vertices,
-                       triangles, kMaxCount - 1);
+    return usage_error(
+        "a mesh cannot have {} vertices and {} triangles: it takes 1 to {} vertices and at most {} triangles", vertices,
+        triangles, kMaxCount - 1, kMaxCount - 1);
   const auto settings = import_settings(request_);
   if (!settings) return settings.error();
   SharedMesh shared{.vertices = vertices, .triangles = triangles, .settings = *settings};

@@ -59,7 +59,7 @@ Result<std::string> extension_of(const std::string& file) {
 Result<void> write_rows(const Destination& destination, const ImageShape& shape, const WriteSettings& settings,
                         const MakeImageRows& make) {
   if (destination.file != kStandardOutput) return write_image_rows(destination.file, shape, settings, make);
-  const auto bytes = encode_png_rows(shape, settings, make);
+  const auto bytes = encode_png_rows("standard output", shape, settings, make);
   if (!bytes) return bytes.error();
   if (std::fwrite(bytes->data(), 1, bytes->size(), stdout) != bytes->size() || std::fflush(stdout) != 0)
     return file_error("standard output cannot be written");

@@ -45,7 +45,7 @@ Result<std::string> data_url(const Image& picture, float exposure) {
       for (int x = 0; x < plane.width; ++x)
         plane.at(x, y) = srgb_from_linear(std::clamp(exposure * plane.at(x, y), 0.0f, 1.0f));
   }
-  const auto bytes = encode_png(image, {.small = true});
+  const auto bytes = encode_png("index.html", image, {.small = true});
   if (!bytes) return bytes.error();
   return "data:image/png;base64," + base64(*bytes);
 }

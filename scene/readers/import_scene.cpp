@@ -2,10 +2,14 @@
 // third-party readers in a separate one.
 #include "scene/readers/import.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
-#include <fstream>
+#include <cstring>
 #include <glm/geometric.hpp>
 #include <new>
 #include <system_error>
@@ -75,9 +79,9 @@ std::optional<Error> check_model_file(const fs::path& file, const std::string& f
   }
   if (status.type() != fs::file_type::regular) return file_error("'{}' is not a regular file", file.string());
   if (fs::file_size(file, error) == 0 && !error) return file_error("'{}' is empty", file.string());
-  if (!std::ifstream(file, std::ios::binary)) {
-    return file_error("'{}' cannot be opened: check its permissions", file.string());
-  }
+  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return file_error("'{}' cannot be opened: {}", file.string(), std::strerror(errno));
+  ::close(descriptor);
   return std::nullopt;
 }
 

@@ -2,6 +2,7 @@
 #include "scene/readers/import.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
@@ -132,6 +133,20 @@ glm::vec3 face_normal(const Mesh& mesh, std::size_t triangle) {
   const std::uint32_t* corner = &mesh.indices[3 * triangle];
   return glm::normalize(glm::cross(mesh.positions[corner[1]] - mesh.positions[corner[0]],
                                    mesh.positions[corner[2]] - mesh.positions[corner[0]]));
+}
+
+TEST_F(Import, NamesTheCauseOfAFileThatCannotBeOpened) {
+  write("square.ply", "ply\n");
+  rlimit old{};
+  ::getrlimit(RLIMIT_NOFILE, &old);
+  const rlimit none{0, old.rlim_max};
+  ::setrlimit(RLIMIT_NOFILE, &none);
+  const auto scene = import_scene(folder / "square.ply", {});
+  ::setrlimit(RLIMIT_NOFILE, &old);
+  ASSERT_FALSE(scene);
+  EXPECT_EQ(scene.error().kind, ErrorKind::kFile);
+  EXPECT_NE(scene.error().message.find("square.ply' cannot be opened: Too many open files"), std::string::npos)
+      << scene.error().message;
 }
 
 TEST_F(Import, ReadsObj) {
