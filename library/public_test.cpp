@@ -60,6 +60,9 @@ TEST(Public, ReportsErrorsAndLeavesThePictureUnchanged) {
   refused({.model = kSolids, .settings = {"unsharp.kernel=-1"}}, 2, "unsharp.kernel");
   refused({.model = kSolids, .width = 0}, 2, "`width`");
   refused({.model = kSolids, .width = 16384, .height = 16384}, 2, "16384 x 16384");
+  refused({.model = kSolids, .width = 16384, .height = 16384}, 2,
+          "at most 67108864 in total; umbrage render draws up to 536870912, in strips");
+  refused({.model = kSolids, .width = 8192, .height = 8192, .layers = 2}, 2, "; umbrage render draws up to 536870912");
   refused({.model = kSolids, .device = "gpu"}, 2, "gpu");
   refused({.model = kSolids, .threads = -1}, 2, "`threads`");
   refused({.model = kSolids, .threads = 1025}, 2, "1024");

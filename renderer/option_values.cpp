@@ -262,8 +262,8 @@ Result<void> check_request(const Request& request, long max_pixels) {
   for (const Option& option : options())
     if (auto fine = std::visit(CheckValue(option, fields), option.where); !fine) return fine;
   if (long(request.width) * request.height > max_pixels)
-    return usage_error("a picture cannot have {} x {} pixels: it takes at most {} in total", request.width,
-                       request.height, max_pixels);
+    return usage_error("a picture cannot have {} x {} pixels: it takes at most {} in total{}", request.width,
+                       request.height, max_pixels, remedy_for_size(max_pixels));
   return check_combinations(request);
 }
 
@@ -275,6 +275,11 @@ std::vector<std::string> split(std::string_view text) {
     start = comma + 1;
   }
   return names;
+}
+
+std::string remedy_for_size(long max_pixels) {
+  if (max_pixels >= kMaxStripPixels) return "";
+  return fmt::format("; umbrage render draws up to {}, in strips", kMaxStripPixels);
 }
 
 Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view text, long max_pixels) {

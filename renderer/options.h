@@ -94,6 +94,9 @@ Result<void> check_option(const Option& option, Request& request);
 /// contradictions, but not names. `max_pixels`: max number of pixels of the picture. Errors: kUsage.
 Result<void> check_request(const Request& request, long max_pixels);
 
+/// Returns what a message about a picture of more than `max_pixels` pixels adds: what can draw it.
+std::string remedy_for_size(long max_pixels);
+
 /// Splits a list at commas.
 std::vector<std::string> split(std::string_view text);
 /// Parses "640,480" or "640x480", or "512" for 512 x 512. `field`: its name in errors, also in the functions below.

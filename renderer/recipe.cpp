@@ -241,9 +241,9 @@ Result<CaptureSettings> capture_settings(const Request& request, const Look& loo
   const auto layers = layer_count(settings);
   if (!layers) return layers.error();
   if (width * height * *layers > max_pixels)
-    return usage_error("{} of {} x {} pixels {} too large: at most {} pixels in total",
+    return usage_error("{} of {} x {} pixels {} too large: at most {} pixels in total{}",
                        *layers == 1 ? "one layer" : fmt::format("{} layers", *layers), width, height,
-                       *layers == 1 ? "is" : "are", max_pixels);
+                       *layers == 1 ? "is" : "are", max_pixels, remedy_for_size(max_pixels));
   return settings;
 }
 

@@ -220,7 +220,8 @@ UMB_API UmbError umbPrepareJob(UmbJob job);
 /* Makes the picture. Reuses data of the last execution that is still valid: the device, the scene's acceleration
  * structure, the captured G-buffer if only effects have changed, and memory. A scene without lights gets lights that
  * are placed relative to the camera of its first picture, and keeps them. After a failure the job can be executed
- * again; its outputs are undefined after UMB_ERROR_DEVICE, and unchanged after other errors. */
+ * again; its outputs are undefined after UMB_ERROR_DEVICE, and unchanged after other errors. A picture of more than
+ * 67108864 pixels, summed over its layers, is UMB_ERROR_USAGE: the program `umbrage render` draws such pictures. */
 UMB_API UmbError umbExecuteJob(UmbJob job);
 
 /* Returns an output of the last execution: the caller's image, or a packed image in memory of the library, which is
