@@ -26,14 +26,16 @@ if(TARGET umbrage_static)
   install(TARGETS umbrage_static EXPORT umbrage-static ARCHIVE COMPONENT development)
 endif()
 install(DIRECTORY include/umbrage TYPE INCLUDE COMPONENT development)
-install(FILES LICENSE README.md CHANGELOG.md TYPE DOC COMPONENT program)
+install(FILES LICENSE README.md CHANGELOG.md CONTRIBUTING.md TYPE DOC COMPONENT program)
 install(DIRECTORY docs TYPE DOC COMPONENT program)
+# The pages link to the README of each effect and to the examples.
+install(DIRECTORY effects reference TYPE DOC COMPONENT program FILES_MATCHING PATTERN README.md)
 # The manual page and shell completions, which apps/CMakeLists.txt generates with the program.
 if(NOT CMAKE_CROSSCOMPILING)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/share/ TYPE DATA COMPONENT program)
 endif()
 install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT development
-        FILES_MATCHING PATTERN "*.cpp" PATTERN "*.c" PATTERN CMakeLists.txt)
+        FILES_MATCHING PATTERN "*.cpp" PATTERN "*.c" PATTERN "*.py" PATTERN "*.ipynb" PATTERN CMakeLists.txt)
 
 # The folder is that of Debian's Python. Elsewhere use PYTHONPATH or scripts/wheel.
 install(DIRECTORY python/umbrage DESTINATION lib/python3/dist-packages COMPONENT python EXCLUDE_FROM_ALL

@@ -59,6 +59,15 @@ case $name in
       share/doc/umbrage/examples/render_file.cpp share/man/man1/umbrage.1 libexec/umbrage/umbrage-import; do
       [ -s "$prefix/$file" ] || fail "$file is not installed"
     done
+    # Links between the installed pages resolve.
+    grep -rHo --include='*.md' '](\([^)# ]*\)[)#]' "$prefix/share/doc/umbrage" |
+      sed -e 's/:](/ /' -e 's/[)#]$//' | grep -v -e ' $' -e ' [a-z]*:' | while read -r page link; do
+      [ -e "$(dirname "$page")/$link" ] || echo "$page links to $link"
+    done >"$place/broken_links"
+    if [ -s "$place/broken_links" ]; then
+      cat "$place/broken_links"
+      fail "these links of installed pages lead nowhere"
+    fi
     if grep -rIl -e "$place/first" -e "$BUILD" -e "$SOURCE" "$prefix" | grep .; then fail "these files contain folders of the build"; fi
     ;;
   Unbuilt)
