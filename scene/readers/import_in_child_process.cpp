@@ -12,11 +12,13 @@
 #include <unistd.h>
 #include <csignal>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -98,6 +100,20 @@ void add_paths_near(const fs::path& module, std::vector<fs::path>& paths) {
   for (const char* up : {"..", "../.."}) paths.push_back(folder / up / "libexec" / "umbrage" / kProgram);
 }
 
+/// Returns the program umbrage that a shell would start, with links resolved; an empty path if there is none.
+fs::path program_on_path() {
+  const char* list = std::getenv("PATH");
+  for (std::string_view rest = list ? list : ""; !rest.empty();) {
+    const fs::path folder = rest.substr(0, rest.find(':'));
+    rest.remove_prefix(std::min(rest.find(':'), rest.size() - 1) + 1);
+    const fs::path program = folder / "umbrage";
+    std::error_code error;
+    if (folder.is_absolute() && ::access(program.c_str(), X_OK) == 0 && fs::is_regular_file(program, error))
+      return fs::canonical(program, error);
+  }
+  return {};
+}
+
 }  // namespace
 
 fs::path import_program() {
@@ -109,6 +125,8 @@ fs::path import_program() {
   std::error_code error;
   if (const fs::path self = fs::read_symlink("/proc/self/exe", error); !error) add_paths_near(self, paths);
   paths.push_back(fs::path(UMBRAGE_LIBEXEC) / kProgram);
+  // A statically linked program does not know where the library was installed.
+  add_paths_near(program_on_path(), paths);
   for (const fs::path& path : paths)
     if (::access(path.c_str(), X_OK) == 0) return path;
   return {};

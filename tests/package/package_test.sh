@@ -132,8 +132,8 @@ case $name in
     ;;
   CMakeStatic)
     build_with_cmake "$place/cmake-static" -DBUILD_SHARED_LIBS=OFF
-    # A statically linked program does not know the folder of the library.
-    UMBRAGE_IMPORT=$prefix/libexec/umbrage/umbrage-import run_examples "$place/cmake-static"
+    # A statically linked program does not know the folder of the library, but finds the program on PATH.
+    PATH=$prefix/bin:$PATH run_examples "$place/cmake-static"
     [ "$(needs_shared "$place/cmake-static")" = no ] || fail "linked with the shared library"
     ;;
   PkgConfig)
