@@ -26,13 +26,6 @@ T load(const ParameterBytes& bytes, std::size_t offset) {
   return value;
 }
 
-std::string join_choices(const std::vector<std::string_view>& names) {
-  std::string all;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    all += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + std::string(names[i]);
-  return all;
-}
-
 void store_initial(const Parameter& row, ParameterBytes& bytes) {
   switch (row.type) {
     case ParameterType::kReal:
@@ -75,7 +68,7 @@ std::string parameter_range(const Parameter& row) {
     case ParameterType::kBool:
       return "on or off";
     case ParameterType::kChoice:
-      return join_choices(row.choices);
+      return joined_by_or(row.choices);
     case ParameterType::kLength:
       if (row.above_zero) return fmt::format("a number above 0{} or a percentage up to {:g}%", of_unit, kMaxPercent);
       return fmt::format("{:g} to {:g}{} or 0% to {:g}%{}", row.min, row.max, unit, kMaxPercent, zero);

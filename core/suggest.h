@@ -1,6 +1,7 @@
-// "did you mean": suggests the name closest to a misspelt word.
+// Lists of names in messages: "did you mean" for a misspelt word, and "a, b or c".
 #pragma once
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 #include <string>
 #include <string_view>
@@ -25,6 +26,19 @@ inline int edit_distance(std::string_view a, std::string_view b) {
     last_row.swap(row);
   }
   return last_row.back();
+}
+
+/// Returns "a, b or c". `names` has a size and elements that convert to std::string_view.
+template <class Names>
+std::string joined_by_or(const Names& names) {
+  std::string text;
+  std::size_t k = 0;
+  for (const std::string_view name : names) {
+    text += k == 0 ? "" : k + 1 == std::size(names) ? " or " : ", ";
+    text += name;
+    ++k;
+  }
+  return text;
 }
 
 /// Returns " (did you mean 'x'?)" for the closest of `names` if it is close, otherwise " (available: a, b, c)".

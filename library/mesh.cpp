@@ -31,14 +31,9 @@ struct Buffer {
 Result<void> expect(const Buffer& buffer, const std::string& name, std::initializer_list<PixelType> types, int channels,
                     int max_channels) {
   if (std::find(types.begin(), types.end(), buffer.type) == types.end()) {
-    std::string taken;
-    for (const PixelType* type = types.begin(); type != types.end(); ++type)
-      taken += fmt::format("{}{}",
-                           type == types.begin()     ? ""
-                           : type + 1 == types.end() ? " or "
-                                                     : ", ",
-                           name_of(*type));
-    return usage_error("the buffer '{}' cannot hold {}: it takes {}", name, name_of(buffer.type), taken);
+    std::vector<std::string> names;
+    for (const PixelType type : types) names.emplace_back(name_of(type));
+    return usage_error("the buffer '{}' cannot hold {}: it takes {}", name, name_of(buffer.type), joined_by_or(names));
   }
   if (buffer.channels < channels || buffer.channels > max_channels)
     return usage_error("the buffer '{}' cannot have {} channels: it takes {}{}", name, buffer.channels, channels,

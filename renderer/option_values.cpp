@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "core/suggest.h"
 #include "renderer/options.h"
 
 namespace umbrage {
@@ -42,13 +43,6 @@ bool is_valid_vector(OptionForm form, const Vector3& v) {
   const auto all = [&](auto is_valid) { return std::all_of(v.begin(), v.end(), is_valid); };
   if (form == OptionForm::kColor) return all([](float x) { return x >= 0.0f && x <= 1.0f; });
   return all([](float x) { return std::abs(x) <= kMaxPosition; }) && (form != OptionForm::kDirection || !is_zero(v));
-}
-
-std::string joined_by_or(const std::vector<std::string_view>& names) {
-  std::string text;
-  for (std::size_t k = 0; k < names.size(); ++k)
-    text += std::string(k == 0 ? "" : k + 1 == names.size() ? " or " : ", ") + std::string(names[k]);
-  return text;
 }
 
 /// Returns a description of the valid values.
