@@ -45,13 +45,10 @@ Image picture(int width, int height, int channels);
 /// and an existing `file` is unchanged. Devices and pipes are written directly. `write` need not report disk errors.
 Result<void> write_atomically(const std::filesystem::path& file, const std::function<Result<void>(std::FILE*)>& write);
 
-/// Returns the error for a file that cannot be written for lack of memory.
-Error no_memory_to_write(const std::filesystem::path& file);
-
-/// Runs `write` on an open stream of `file` and closes it. `cause` receives the errno of a failed write, else 0. Turns
-/// exceptions into errors, std::bad_alloc into no_memory_to_write.
-Result<void> fill_stream(const std::filesystem::path& file, std::FILE* stream, int& cause,
-                         const std::function<Result<void>(std::FILE*)>& write);
+/// Runs `write` on an open stream of `file` and closes it. Turns exceptions into errors. `stream`: null if it could not
+/// be opened, for the reason in errno. Errors: kFile; kDevice without memory.
+Result<void> write_and_close(const std::filesystem::path& file, std::FILE* stream,
+                             const std::function<Result<void>(std::FILE*)>& write);
 
 /// A temporary file beside `file`, called path(), that another program writes. keep() renames it to `file`. If keep()
 /// is not called, the destructor or abandon_writes removes it.

@@ -19,14 +19,6 @@ namespace umbrage {
 namespace fs = std::filesystem;
 namespace {
 
-/// Returns the words as "a, b or c".
-std::string listed(const std::vector<std::string>& words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
-  return text;
-}
-
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
 bool allowed(const fs::path& path, int access) { return ::faccessat(AT_FDCWD, path.c_str(), access, AT_EACCESS) == 0; }
@@ -40,26 +32,20 @@ fs::path part_of(const fs::path& file) {
          fmt::format("{}.part-{}-{}", file.filename().string().substr(0, kMaxStemLength), ::getpid(), count++);
 }
 
-Error write_error(const fs::path& file, int cause) {
-  return file_error("'{}' cannot be written: {}", file.string(), std::strerror(cause));
-}
-
-/// As fill_stream. After a failed write the error is errno's, which describes it better than a library's message.
-Result<void> write_and_close(const fs::path& file, std::FILE* stream,
-                             const std::function<Result<void>(std::FILE*)>& write) {
-  int cause = 0;
-  Result<void> done = fill_stream(file, stream, cause, write);
-  return cause != 0 ? write_error(file, cause) : done;
-}
-
-}  // namespace
-
 Error no_memory_to_write(const fs::path& file) {
   return device_error("not enough memory to write '{}'", file.string());
 }
 
-Result<void> fill_stream(const fs::path& file, std::FILE* stream, int& cause,
-                         const std::function<Result<void>(std::FILE*)>& write) {
+Error write_error(const fs::path& file, int cause) {
+  if (cause == ENOMEM) return no_memory_to_write(file);
+  return file_error("'{}' cannot be written: {}", file.string(), std::strerror(cause));
+}
+
+}  // namespace
+
+Result<void> write_and_close(const fs::path& file, std::FILE* stream,
+                             const std::function<Result<void>(std::FILE*)>& write) {
+  if (!stream) return write_error(file, errno);
   errno = 0;
   Result<void> done;
   try {
@@ -71,8 +57,10 @@ Result<void> fill_stream(const fs::path& file, std::FILE* stream, int& cause,
   } catch (const std::exception& exception) {
     done = file_error("'{}' cannot be written: {}", file.string(), exception.what());
   }
-  cause = std::ferror(stream) ? errno : 0;
+  // For a short write errno names the cause better than a library's message.
+  int cause = std::ferror(stream) ? errno : 0;
   if (std::fclose(stream) != 0 && cause == 0) cause = errno;
+  if (cause != 0) return write_error(file, cause);
   return done;
 }
 
@@ -98,11 +86,12 @@ Result<const ImageFormat*> format_of(const fs::path& file) {
     dotted.push_back("." + extensions.back());
   }
   if (own_extension.empty())
-    return usage_error("'{}' does not end in an image extension; it must end in {}", file.string(), listed(dotted));
+    return usage_error("'{}' does not end in an image extension; it must end in {}", file.string(),
+                       joined_by_or(dotted));
   const std::string nearest = suggestion(own_extension, extensions);
   const bool near = nearest.find("did you mean") != std::string::npos;
   return usage_error("'{}' ends in '.{}', which is not a known image format; it must end in {}{}", file.string(),
-                     own_extension, listed(dotted), near ? nearest : "");
+                     own_extension, joined_by_or(dotted), near ? nearest : "");
 }
 
 Result<void> check_writable(const fs::path& file) {
@@ -231,8 +220,7 @@ Result<void> write_atomically(const fs::path& file, const std::function<Result<v
   std::error_code code;
   const fs::path target = target_of(file);
   if (fs::exists(target, code) && !fs::is_regular_file(target, code)) {
-    std::FILE* stream = std::fopen(target.c_str(), "wb");
-    return stream ? write_and_close(file, stream, write) : write_error(file, errno);
+    return write_and_close(file, std::fopen(target.c_str(), "wb"), write);
   }
   fs::path part;
   std::FILE* stream = nullptr;
@@ -317,7 +305,7 @@ Result<Image> read_image(const fs::path& file) {
       extensions.push_back("." + std::string(format.extension));
     }
     return file_error("'{}' {}: its content must be that of {}", file.string(),
-                      size == 0 ? "is empty" : "is not an image that can be read", listed(extensions));
+                      size == 0 ? "is empty" : "is not an image that can be read", joined_by_or(extensions));
   } catch (const std::bad_alloc&) {
     return file_error("'{}' cannot be read: its pixels need more memory than is available", file.string());
   }

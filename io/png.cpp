@@ -246,19 +246,15 @@ Result<std::string> encode_png_rows(const std::string& name, const ImageShape& s
                                     const MakeImageRows& make) {
   char* bytes = nullptr;
   std::size_t size = 0;
-  std::FILE* stream = open_memstream(&bytes, &size);
-  if (!stream) return no_memory_to_write(name);
-  int cause = 0;
-  const Result<void> written =
-      fill_stream(name, stream, cause, [&](std::FILE* to) { return write_to(to, name, shape, settings, make); });
-  const std::unique_ptr<char, void (*)(void*)> owned(bytes, std::free);
-  if (cause != 0) return no_memory_to_write(name);  // the only cause for a stream in memory
-  if (!written) return written.error();
-  try {
-    return std::string(bytes, size);
-  } catch (const std::bad_alloc&) {
-    return no_memory_to_write(name);
-  }
+  std::string out;
+  const Result<void> written = write_and_close(name, open_memstream(&bytes, &size), [&](std::FILE* to) -> Result<void> {
+    if (auto done = write_to(to, name, shape, settings, make); !done) return done;
+    if (std::fflush(to) != 0) throw std::bad_alloc();  // the only cause for a stream in memory
+    out.assign(bytes, size);
+    return {};
+  });
+  std::free(bytes);
+  return written ? Result<std::string>(std::move(out)) : written.error();
 }
 
 const ImageFormat kPng = {"png", "8 or 16 bit grey, RGB or RGBA pictures, sRGB", write, read, recognises};
