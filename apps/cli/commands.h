@@ -1,6 +1,8 @@
 // The commands of the program. Each one registers itself with the command line and runs if the user names it.
 #pragma once
+#include <array>
 #include <functional>
+#include <string_view>
 
 #include "core/result.h"
 
@@ -12,6 +14,10 @@ namespace umbrage::cli {
 
 /// The command line as the user typed it, quoted for a shell.
 extern std::string command_line;
+
+/// The lists that umbrage list prints.
+inline constexpr std::array<std::string_view, 6> kListKinds = {"looks",  "effects", "passes",
+                                                               "scenes", "devices", "formats"};
 
 /// Adds a command to `app`. Parsing sets `run` to the action of the command that the user names.
 using AddCommand = void (*)(CLI::App& app, std::function<Result<void>()>& run);

@@ -127,7 +127,7 @@ Result<void> run_compare(const CompareOptions& o) {
   if (!check) return check.error();
   for (const std::string& sentence : check->worse) fmt::print(stderr, "worse: {}\n", sentence);
   if (check->missing > 0)
-    fmt::print(stderr, "umbrage: warning: {} scores of {} were not measured in this run\n", check->missing, o.baseline);
+    print_warning(fmt::format("{} scores of {} were not measured in this run", check->missing, o.baseline));
   if (!check->worse.empty())
     return Error{ErrorKind::kInternal, fmt::format("{} scores got worse than in {}", check->worse.size(), o.baseline)};
   fmt::print("no score is worse than in {}: {} records compared\n", o.baseline, check->compared);

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <map>
 
+#include "apps/cli/options.h"
 #include "core/suggest.h"
 #include "renderer/options.h"
 
@@ -120,7 +121,7 @@ void add_config_option(CLI::App& command) {
 Result<Configured> with_config(CLI::App& app, std::vector<std::string> words) {
   if (words.empty()) return Configured();
   CLI::App* command = nullptr;
-  for (CLI::App* each : app.get_subcommands([](const CLI::App*) { return true; }))
+  for (CLI::App* each : app.get_subcommands({}))
     if (each->get_name() == words[0]) command = each;
   if (!command || !command->get_option_no_throw(kOption)) return Configured{std::move(words), {}};
   const auto named = named_file(words);
@@ -143,9 +144,7 @@ Result<Configured> with_config(CLI::App& app, std::vector<std::string> words) {
     if (text[0] == '[') {
       const std::size_t end = std::min(text.find(']'), text.size());
       section = std::string(trimmed(text.substr(1, end - 1)));
-      std::vector<std::string> names;
-      for (const CLI::App* each : app.get_subcommands([](const CLI::App*) { return true; }))
-        names.push_back(each->get_name());
+      const std::vector<std::string> names = command_names(app);
       if (end == text.size() || std::find(names.begin(), names.end(), section) == names.end())
         return wrong(fmt::format("there is no command '{}'{}", section, suggestion(section, names)));
       const std::string_view rest = trimmed(text.substr(end + 1));
@@ -163,7 +162,7 @@ Result<Configured> with_config(CLI::App& app, std::vector<std::string> words) {
     // The name must be an option of the section's command or, before the first heading, of any command.
     bool known = false;
     std::vector<std::string> names;
-    for (const CLI::App* each : app.get_subcommands([](const CLI::App*) { return true; })) {
+    for (const CLI::App* each : app.get_subcommands({})) {
       if (!section.empty() && each->get_name() != section) continue;
       for (const CLI::Option* option : each->get_options())
         for (const std::string& spelling : option->get_lnames())

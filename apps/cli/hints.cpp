@@ -44,10 +44,8 @@ std::string radius_hint(const Recipe& recipe, const HintStatistics& statistics, 
 
 void print_hints(const Recipe& recipe, const HintStatistics& statistics, const Scene& scene) {
   if (statistics.surfaces == 0)
-    fmt::print(stderr, "umbrage: warning: nothing of {} is in view; move the camera or omit the camera options\n",
-               scene.name);
-  if (const std::string hint = radius_hint(recipe, statistics, scene.radius()); !hint.empty())
-    fmt::print(stderr, "umbrage: warning: {}\n", hint);
+    print_warning(fmt::format("nothing of {} is in view; move the camera or omit the camera options", scene.name));
+  if (const std::string hint = radius_hint(recipe, statistics, scene.radius()); !hint.empty()) print_warning(hint);
 }
 
 }  // namespace umbrage::cli

@@ -20,9 +20,6 @@ struct ListOptions {
   bool json = false;
 };
 
-constexpr std::array<std::string_view, 6> kKinds = {"looks", "effects", "passes", "scenes", "devices", "formats"};
-constexpr std::string_view kKindsText = "looks, effects, passes, scenes, devices or formats";
-
 nlohmann::json list_looks() {
   nlohmann::json records = nlohmann::json::array();
   for (const Look* look : looks())
@@ -109,7 +106,7 @@ Result<void> list(const ListOptions& o) {
   else if (o.what == "formats")
     records = list_formats();
   else
-    return usage_error("there is no list '{}'{}", o.what, suggestion(o.what, kKinds));
+    return usage_error("there is no list '{}'{}", o.what, suggestion(o.what, kListKinds));
   if (!records) return records.error();
   if (o.json) {
     fmt::print("{}\n", records->dump(2));
@@ -125,9 +122,10 @@ Result<void> list(const ListOptions& o) {
 }  // namespace
 
 void add_list(CLI::App& app, std::function<Result<void>()>& run) {
-  CLI::App* command = app.add_subcommand("list", fmt::format("list {}", kKindsText));
+  const std::string kinds = joined_by_or(kListKinds);
+  CLI::App* command = app.add_subcommand("list", "list " + kinds);
   auto options = std::make_shared<ListOptions>();
-  command->add_option("WHAT", options->what, std::string(kKindsText))->required();
+  command->add_option("WHAT", options->what, kinds)->required();
   command->add_option("NAME", options->name, "effect whose parameters, or look whose passes, are listed");
   command->add_flag("--json", options->json, "print JSON");
   command->callback([options, &run] { run = [options] { return list(*options); }; });

@@ -141,8 +141,7 @@ int run(int argc, char** argv) {
   for (const AddCommand add :
        {add_render, add_compare, add_tune, add_figures, add_bench, add_info, add_list, add_manual})
     add(app, command);
-  std::vector<std::string> commands;
-  for (const CLI::App* sub : app.get_subcommands({})) commands.push_back(sub->get_name());
+  const std::vector<std::string> commands = command_names(app);
 
   std::vector<std::string> words = with_command(argc, argv, commands);
   if (const auto error = misspelt_command(words, commands)) return report(*error);

@@ -55,17 +55,10 @@ Words scene_names() {
   return names;
 }
 
-Words command_names(const CLI::App& app) {
-  Words names;
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
-    names.push_back(command->get_name());
-  return names;
-}
-
 /// Returns the possible values of an option or positional argument; empty for numbers, files and other open values.
 Words values_of(const CLI::App& command, std::string_view option) {
   const std::string& name = command.get_name();
-  if (option == "WHAT" && name == "list") return {"looks", "effects", "passes", "scenes", "devices", "formats"};
+  if (option == "WHAT" && name == "list") return {kListKinds.begin(), kListKinds.end()};
   if (option == "COMMAND") return command_names(*command.get_parent());
   if (option == "SHELL") return {kShells.begin(), kShells.end()};
   if (option == "filter") return filter_names();
@@ -363,9 +356,7 @@ std::string man_of(const CLI::App& app, const std::vector<const CLI::App*>& comm
 }
 
 std::vector<const CLI::App*> commands_of(const CLI::App& app) {
-  std::vector<const CLI::App*> commands;
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) commands.push_back(command);
-  return commands;
+  return app.get_subcommands(std::function<bool(const CLI::App*)>());
 }
 
 Result<void> completion(const CLI::App& app, const ManualOptions& o) {

@@ -34,7 +34,7 @@ std::function<bool(const std::string&, double)> progress_on(ProgressLine& line) 
 void print_measured(const MeasureOptions& o, const std::vector<std::string>& warnings, const Device& device,
                     ProgressLine& line) {
   line.wipe();
-  for (const std::string& warning : warnings) fmt::print(stderr, "umbrage: warning: {}\n", with_option_names(warning));
+  for (const std::string& warning : warnings) print_warning(warning);
   if (o.verbose) fmt::print(stderr, "{}\n", device.description());
 }
 

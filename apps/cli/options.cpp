@@ -164,6 +164,17 @@ std::string with_option_names(std::string_view message) {
   return with_fields_renamed(message, [](const Option& row) { return "--" + std::string(row.option); });
 }
 
+void print_warning(std::string_view message) {
+  fmt::print(stderr, "umbrage: warning: {}\n", with_option_names(message));
+}
+
+std::vector<std::string> command_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands(std::function<bool(const CLI::App*)>()))
+    names.push_back(command->get_name());
+  return names;
+}
+
 Result<std::unique_ptr<Device>> device_of(const CommonOptions& o) {
   if (o.is_given("isa"))
     if (auto valid = use_isa(o.text_of("isa")); !valid) return valid.error();

@@ -99,6 +99,12 @@ ModelCommand<Options> add_model_command(CLI::App& app, std::function<Result<void
 /// Returns a message of the library with field names replaced by option names.
 std::string with_option_names(std::string_view message);
 
+/// Prints a warning on standard error, with options in place of field names.
+void print_warning(std::string_view message);
+
+/// Returns the names of all commands, in the order of the help.
+std::vector<std::string> command_names(const CLI::App& app);
+
 /// Creates the requested device and applies --isa and --threads to the process.
 Result<std::unique_ptr<Device>> device_of(const CommonOptions& options);
 

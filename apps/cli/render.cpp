@@ -350,7 +350,7 @@ Result<StripSizes> planned_strips(const RenderOptions& o, const RenderJob& job, 
 Result<Scene> read_scene(const RenderOptions& o, RenderJob& job, ProgressLine& line) {
   const auto warn = [&](const std::string& warning) {
     line.wipe();
-    fmt::print(stderr, "umbrage: warning: {}\n", with_option_names(warning));
+    print_warning(warning);
   };
   if (!job.recipe.hdri.file.empty()) line.show("reading " + job.recipe.hdri.file);
   const auto hdri_warnings = read_hdri(job.recipe.hdri);
@@ -397,11 +397,9 @@ Result<void> render(const RenderOptions& given) {
   line.reset();
   times.done("prepare");
   if (strips->exceeds)
-    fmt::print(stderr,
-               "umbrage: warning: {} x {} pixels take about {:.2g} GB{}, more than --memory {}: raise it, or lower "
-               "--resolution\n",
-               o.request.width, o.request.height, strips->bytes * 1e-9, strips->rows > 0 ? ", even in strips" : "",
-               o.memory);
+    print_warning(fmt::format(
+        "{} x {} pixels take about {:.2g} GB{}, more than --memory {}: raise it, or lower --resolution",
+        o.request.width, o.request.height, strips->bytes * 1e-9, strips->rows > 0 ? ", even in strips" : "", o.memory));
   if (strips->rows > 0 && o.verbose)
     fmt::print(stderr,
                "drawn in strips of {} rows in about {:.1f} GB; the whole picture would need more than --memory {}\n",
