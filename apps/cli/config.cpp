@@ -107,6 +107,14 @@ bool quotes_value(const std::string& text, const std::string& value) {
                      [&](const std::string& word) { return text.find("'" + word + "'") != text.npos; });
 }
 
+/// Returns the last quotation of a text, with its quotation marks; empty if there is none.
+std::string last_quoted(const std::string& text) {
+  const std::size_t end = text.rfind('\'');
+  if (end == text.npos || end == 0) return "";
+  const std::size_t start = text.rfind('\'', end - 1);
+  return start == text.npos ? "" : text.substr(start, end - start + 1);
+}
+
 }  // namespace
 
 void add_config_option(CLI::App& command) {
@@ -194,7 +202,7 @@ Result<Configured> with_config(CLI::App& app, std::vector<std::string> words) {
   return Configured{std::move(words), std::move(added)};
 }
 
-Error with_place(Error error, const std::vector<ConfigValue>& values) {
+Error with_place(Error error, const std::vector<ConfigValue>& values, const std::vector<std::string>& typed) {
   if (error.kind == ErrorKind::kInternal || error.kind == ErrorKind::kInterrupted) return error;
   // Options after the first colon or semicolon are remedies.
   const std::string& message = error.message;
@@ -206,7 +214,14 @@ Error with_place(Error error, const std::vector<ConfigValue>& values) {
   // A message "--option cannot be ..." is about that option alone; others may quote a value without naming its option.
   const bool names_one = problem.starts_with("--") && problem.find(" cannot be ") == problem.find(' ');
   const ConfigValue* found = nullptr;
-  if (!names_one) found = first([&](const ConfigValue& each) { return quotes_value(message, each.value); });
+  if (!names_one) {
+    // The wrong value is quoted last: "the look 'ao' writes no pass 'depht'".
+    const std::string last = last_quoted(problem);
+    const bool is_typed = std::any_of(typed.begin(), typed.end(), [&](const std::string& word) {
+      return quotes_value(last, word.substr(word.starts_with("--") ? word.find('=') + 1 : 0));
+    });
+    if (!is_typed) found = first([&](const ConfigValue& each) { return quotes_value(message, each.value); });
+  }
   if (!found) found = first([&](const ConfigValue& each) { return names_option(problem, each.option); });
   if (found) error.message = found->place + ": " + message;
   return error;

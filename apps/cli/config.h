@@ -35,7 +35,7 @@ void add_config_option(CLI::App& command);
 Result<Configured> with_config(CLI::App& app, std::vector<std::string> words);
 
 /// Returns an error that was found after the values had been read, with file and line in front if it is about one of
-/// them. `error` names options, not fields.
-Error with_place(Error error, const std::vector<ConfigValue>& values);
+/// them and not about the words `typed` on the command line. `error` names options, not fields.
+Error with_place(Error error, const std::vector<ConfigValue>& values, const std::vector<std::string>& typed);
 
 }  // namespace umbrage::cli

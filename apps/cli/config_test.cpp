@@ -10,7 +10,14 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSmall = " --resolution 32x24 --look ao --device cpu";
 
-class Config : public test::ProgramTest {};
+class Config : public test::ProgramTest {
+ protected:
+  /// Checks that a command refuses this line of its configuration file, with file and line before the text.
+  void refused(const std::string& command, const std::string& line, const std::string& text, int code = 2) {
+    write("wrong", "# a comment\n" + line + "\n");
+    bad(command + " --config wrong", code, {"umbrage: 'wrong', line 2: " + text});
+  }
+};
 
 TEST_F(Config, ConfigurationFileSetsOptions) {
   write(
@@ -64,10 +71,6 @@ TEST_F(Config, ConfigurationLinesOfRepeatableOptionsAddUp) {
 }
 
 TEST_F(Config, InvalidConfigurationValuesNameTheLine) {
-  const auto refused = [&](const std::string& command, const std::string& line, const std::string& text) {
-    write("wrong", "# a comment\n" + line + "\n");
-    bad(command + " --config wrong", 2, {"umbrage: 'wrong', line 2: " + text});
-  };
   const std::string render = "tri.obj -o x.png";
   refused(render, "layers = 17", "--layers cannot be '17': it takes an integer from 1 to 16");
   refused(render, "camera-zoom-factor = near", "--camera-zoom-factor cannot be 'near': it takes a number from 0.001");
@@ -95,10 +98,6 @@ TEST_F(Config, InvalidConfigurationValuesNameTheLine) {
 
 // Values that depend on others, or on the model, are checked after the command line has been read.
 TEST_F(Config, ConfigurationValuesThatAreCheckedLaterNameTheLine) {
-  const auto refused = [&](const std::string& command, const std::string& line, const std::string& text, int code = 2) {
-    write("wrong", "# a comment\n" + line + "\n");
-    bad(command + " --config wrong", code, {"umbrage: 'wrong', line 2: " + text});
-  };
   const std::string render = "tri.obj -o x.png" + std::string(kSmall);
   refused("tri.obj -o x.png", "device = nowhere", "there is no device 'nowhere'");
   refused(render, "isa = mmx", "");
@@ -124,6 +123,8 @@ TEST_F(Config, ConfigurationValuesThatAreCheckedLaterNameTheLine) {
   write("right", "resolution = 9x9\nlayers = 2\nscene-index = 0\n");
   bad(render + " --config right --camera-index 0", 2, {"umbrage: --camera-index cannot be '0'"});
   bad("missing.obj -o x.png --config right", 3, {"umbrage: 'missing.obj' does not exist"});
+  write("right", "look = studio\n");
+  bad("tri.obj -o x.png --config right --passes xyzzy", 2, {"umbrage: the look 'studio' writes no pass 'xyzzy'"});
 }
 
 }  // namespace

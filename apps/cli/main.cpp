@@ -146,11 +146,12 @@ int run(int argc, char** argv) {
   std::vector<std::string> words = with_command(argc, argv, commands);
   if (const auto error = misspelt_command(words, commands)) return report(*error);
   if (const auto error = option_without_value(words)) return report(*error);
+  const std::vector<std::string> typed = words;
   auto configured = with_config(app, std::move(words));
   if (!configured) return report(configured.error());
   words = std::move(configured->words);
   const auto located = [&](const Error& error) {
-    return with_place({error.kind, with_option_names(error.message)}, configured->values);
+    return with_place({error.kind, with_option_names(error.message)}, configured->values, typed);
   };
   std::reverse(words.begin(), words.end());  // the order that CLI11 expects
   try {
