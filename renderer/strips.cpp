@@ -237,7 +237,7 @@ Result<StripSizes> plan_strips(const Device& device, const Recipe& recipe, doubl
   constexpr double kFixed = 60e6;               // the program and a scene of 100 000 triangles, bytes
   constexpr double kMargin = 64.0;              // rows above and below a strip, in high pictures
   constexpr double kMarginOfHeight = 0.05;      // the same in low ones, relative to the height
-  constexpr int kMinRows = 64, kMaxRows = 512;  // rows of a strip: fewer are mostly margin, more save no memory
+  constexpr int kMinRows = 64, kMaxRows = 512;  // rows of a strip: margins are 2/3 of what is drawn, or 1/5
   const int layers = *layer_count(recipe.capture);
   const PlaneCount count = count_planes(recipe, layers);
   const double width = recipe.width + 2.0 * recipe.capture.guard, height = recipe.height + 2.0 * recipe.capture.guard;

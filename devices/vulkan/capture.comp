@@ -13,8 +13,8 @@ shared int block_pixels[4], block_lit[4];
 // Squared radius of the narrowest penumbra, as the bits of a float: non-negative floats are ordered like their bits.
 shared uint block_across[4], block_down[4];
 
-const float kStartOffset = 4e-6f;  // as in rays/traced_scene.cpp
-const float kDiscRayOffset = 0.3f;     // as in rays/traced_scene.h
+const float kStartOffset = 4e-6f;   // as in rays/traced_scene.cpp
+const float kDiscRayOffset = 0.3f;  // as in rays/traced_scene.h
 
 vec3 light_vector(float v[3 * kCaptureLights], int k) { return vec3(v[3 * k], v[3 * k + 1], v[3 * k + 2]); }
 
