@@ -56,6 +56,8 @@ struct PictureInfo {
   float ground_fade_distance = 0.0f;  ///< distance from ground_center at which its shadow has faded out; 0: no fading
   int reduced = 1;                    ///< downsampling factor of a picture at reduced resolution; 1: full resolution
   int whole_width = 0, whole_height = 0;  ///< reduced > 1: inner size of the picture at full resolution
+  /// Of rows that were cut out of a finished picture: their first row there, and the rows of that picture; 0: whole.
+  int first_row = 0, whole_rows = 0;
 
   /// Return the distance between the centres of neighbouring pixels: at depth 1 in a perspective picture, at any depth
   /// in an orthographic one.

@@ -31,8 +31,9 @@ std::vector<std::string_view> occlusion_names(std::span<const Effect* const> ext
 /// frame.
 using RunExternalEffect = std::function<Result<void>(const Effect&, const ParameterBytes&, Frame&)>;
 
-/// Returns the stops to add to the exposure of a picture, or nullopt for a strip whose picture is not complete yet.
-using Meter = std::function<Result<std::optional<float>>(Device&, const Frame&)>;
+/// Returns the stops to add to the exposure of a picture, kPicture or kMedian, or nullopt for a strip whose picture is
+/// not complete yet.
+using Meter = std::function<Result<std::optional<float>>(Device&, const Frame&, Exposure)>;
 
 /// What to run and with which settings.
 struct LookRun {
@@ -48,7 +49,7 @@ struct LookRun {
   std::function<void(std::string_view)> after = [](std::string_view) {};
   ProgressMonitor monitor = {};                          ///< passed to every effect
   std::optional<float> stops = {};                       ///< to add in place of metering; unused if Exposure::kAsSet
-  Meter meter = metered_stops;                           ///< used with Exposure::kPicture
+  Meter meter = metered_stops;                           ///< used with Exposure::kPicture and kMedian
   std::span<const Effect* const> external_effects = {};  ///< external techniques
   RunExternalEffect run_external_effect = {};            ///< required if an external technique is used
 };

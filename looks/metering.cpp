@@ -26,14 +26,35 @@ void Metering::add(const Image& rows, int first, int height) {
     }
 }
 
-float Metering::stops(float usual) {
+float Metering::stops(float usual, Exposure by) {
+  const float stops = by == Exposure::kMedian ? stops_by_median(usual) : stops_by_picture(usual);
+  seen_ = {};
+  return stops;
+}
+
+float Metering::stops_by_median(float usual) {
+  constexpr double kHighlights = 0.03;      // fraction of the surface pixels that may be brighter than kMeteredBright
+  constexpr float kAppliedFraction = 0.9f;  // fraction of the correction, in stops, that is applied
+  constexpr float kMaxStops = 2.5f;         // bound of the correction, up or down
+  if (seen_.empty()) return usual;
+  const auto value_at = [this](double fraction) {
+    const auto value = seen_.begin() + long(double(seen_.size() - 1) * fraction);
+    std::nth_element(seen_.begin(), value, seen_.end());
+    return *value;
+  };
+  const float median = value_at(0.5), bright = value_at(1.0 - kHighlights);
+  if (!(median > 0.0f)) return usual;
+  const float stops = std::min(std::log2(kMeteredMedian / median), std::log2(kMeteredBright / bright)) - usual;
+  return usual + std::clamp(kAppliedFraction * stops, -kMaxStops, kMaxStops);
+}
+
+float Metering::stops_by_picture(float usual) {
   constexpr double kHighlights = 0.03;      // fraction of the surface pixels that may be brighter than white
   constexpr float kAppliedFraction = 0.7f;  // fraction of the correction, in stops, that is applied
   constexpr float kMaxStops = 2.5f;         // bound of the correction, up or down
   constexpr float kMaxBeyond = 1.0f;        // stops beyond white
   constexpr float kBlack = 1e-4f;           // relative to the brightest; darker values are clamped
-  std::vector<float> seen;
-  seen.swap(seen_);
+  std::vector<float>& seen = seen_;
   if (seen.empty()) return usual;
   const auto bright = seen.begin() + long(double(seen.size() - 1) * (1.0 - kHighlights));
   std::nth_element(seen.begin(), bright, seen.end());
@@ -46,12 +67,12 @@ float Metering::stops(float usual) {
   return usual + std::clamp(kAppliedFraction * stops, -kMaxStops, kMaxStops);
 }
 
-Result<std::optional<float>> metered_stops(Device& device, const Frame& frame) {
+Result<std::optional<float>> metered_stops(Device& device, const Frame& frame, Exposure by) {
   const auto image = device.download(frame, kMeteredPlanes);
   if (!image) return image.error();
   Metering metering;
   metering.add(*image, 0, image->height);
-  return std::optional<float>(metering.stops(stops_from_lights(frame.info)));
+  return std::optional<float>(metering.stops(stops_from_lights(frame.info), by));
 }
 
 }  // namespace umbrage

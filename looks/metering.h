@@ -20,13 +20,18 @@ class Metering {
   void add(const Image& rows, int first, int height);
 
   /// Returns the stops to add to the exposure, and clears the collected rows. `usual` is the result of
-  /// stops_from_lights. Metering moves the exposure from there so that the brightest surfaces, without highlights,
-  /// approach kMeteredWhite; it goes up to one stop beyond if most of the picture is far darker than they are and the
-  /// geometric mean is below kMeteredGrey. The correction is partial and limited, so that a dark scene still looks
-  /// dark. Returns `usual` if no surface is visible.
-  float stops(float usual);
+  /// stops_from_lights. The correction of `usual` is partial and limited, so that a dark scene still looks dark.
+  /// Returns `usual` if no surface is visible.
+  /// kPicture: the brightest surfaces, without highlights, approach kMeteredWhite; up to one stop beyond if most of the
+  /// picture is far darker than they are and the geometric mean is below kMeteredGrey.
+  /// kMedian: the median of the luminance approaches kMeteredMedian, unless that makes more than a few highlights
+  /// brighter than kMeteredBright.
+  float stops(float usual, Exposure by);
 
  private:
+  float stops_by_picture(float usual);
+  float stops_by_median(float usual);
+
   std::vector<float> seen_;  ///< luminance of one surface pixel each, linear
 };
 
@@ -34,9 +39,11 @@ class Metering {
 inline const std::vector<std::string> kMeteredPlanes = {"lit.r", "lit.g", "lit.b", "depth"};
 
 /// Returns the stops to add to the exposure of a whole picture.
-Result<std::optional<float>> metered_stops(Device& device, const Frame& frame);
+Result<std::optional<float>> metered_stops(Device& device, const Frame& frame, Exposure by);
 
-inline constexpr float kMeteredWhite = 0.72f;  ///< target luminance of the brightest surfaces
-inline constexpr float kMeteredGrey = 0.2f;    ///< target of the geometric mean of the luminance
+inline constexpr float kMeteredWhite = 0.72f;   ///< target luminance of the brightest surfaces
+inline constexpr float kMeteredGrey = 0.2f;     ///< target of the geometric mean of the luminance
+inline constexpr float kMeteredBright = 1.45f;  ///< bound of the brightest surfaces, without highlights
+inline constexpr float kMeteredMedian = 0.37f;  ///< target of the median: 157 of 255 after output.tone=neutral
 
 }  // namespace umbrage

@@ -193,7 +193,7 @@ Result<LookDone> run_exposed(const LookRun& run, const Effect& effect, Device& d
     std::optional<float> stops = run.stops;
     if (!stops && by == Exposure::kLights) stops = stops_from_lights(frame.info);
     if (!stops) {
-      const auto metered = run.meter(device, frame);
+      const auto metered = run.meter(device, frame, by);
       if (!metered) return metered.error();
       stops = *metered;
     }

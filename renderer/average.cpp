@@ -48,6 +48,7 @@ Result<Image> finished_color(Device& device, const PictureSum& total, const Plan
   if (!mean) return mean.error();
   if (auto done = device.add(lines, *mean); !done) return done.error();
   as<OutputParams>(output).exposure = 0.0f;  // already applied to each sample
+  as<OutputParams>(output).tone = kToneNone;
   as<OutputParams>(output).shoulder = 1.0f;
   as<OutputParams>(output).sky = 0;
   if (auto done = device.run(*find_effect("output"), output, *mean); !done) return done.error();

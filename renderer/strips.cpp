@@ -59,7 +59,7 @@ class StripDrawer {
     run_ = look_run(plan.recipe);
     run_.after = [this](std::string_view name) { times_.done(name); };
     run_.monitor = progress.dispatch_monitor();
-    run_.meter = [this](Device& of, const Frame& frame) { return meter(of, frame); };
+    run_.meter = [this](Device& of, const Frame& frame, Exposure by) { return meter(of, frame, by); };
   }
 
   /// Receives the inner rows of a finished strip; `first` is the index of the first row.
@@ -85,7 +85,7 @@ class StripDrawer {
       }
       for (auto& [key, entry] : whole_planes->planes) entry.complete = true;
       if (metered_in_sweep_) {
-        run_.stops = metering_.stops(stops_from_lights_);
+        run_.stops = metering_.stops(stops_from_lights_, metered_by_);
         metered = true;
       }
       progress_.sweep_done();
@@ -159,13 +159,14 @@ class StripDrawer {
 
   /// Adds a strip to the metering. Returns no exposure: it is known only after a sweep over all strips, and the next
   /// sweep uses it.
-  Result<std::optional<float>> meter(Device& device, const Frame& frame) {
+  Result<std::optional<float>> meter(Device& device, const Frame& frame, Exposure by) {
     metered_missing_ = device.missing_rows(frame, kMeteredPlanes);
     if (metered_missing_ > 0) return std::optional<float>();
     const auto rows = device.download(frame, kMeteredPlanes);
     if (!rows) return rows.error();
     metering_.add(*rows, first_, plan_.capture.height);
     stops_from_lights_ = stops_from_lights(frame.info);
+    metered_by_ = by;
     metered_in_sweep_ = true;
     return std::optional<float>();
   }
@@ -178,8 +179,9 @@ class StripDrawer {
   LookRun run_;
   Metering metering_;
   float stops_from_lights_ = 0.0f;  // exposure that metering starts from
-  bool metered_in_sweep_ = false;   // whether the sweep collects values for metering
-  int metered_missing_ = 0;         // rows that metering lacks in the current strip
+  Exposure metered_by_ = Exposure::kPicture;
+  bool metered_in_sweep_ = false;  // whether the sweep collects values for metering
+  int metered_missing_ = 0;        // rows that metering lacks in the current strip
   PictureInfo info_;
   int height_ = 0;
   std::size_t sweep_ = 0;     // index of the sweep within the sample
@@ -198,7 +200,7 @@ struct PlaneCount {
 
 /// Estimates the planes needed for drawing. Planes that later dispatches no longer read are counted, too.
 PlaneCount count_planes(const Recipe& recipe, int layers) {
-  constexpr int kCaptured = 17;              // planes of a captured layer, with a second shadow and emission
+  constexpr int kCaptured = 18;              // planes of a captured layer, with two further shadows and emission
   constexpr double kUniformAndOutput = 7.0;  // uniform planes, and output
   constexpr double kForAverage = 6.0;        // the finished picture and its inputs
   const double reduced = 1.0 / double(recipe.occlusion_downsampling * recipe.occlusion_downsampling);
@@ -283,6 +285,8 @@ Result<Image> averaged_rows(Device& device, const Plan& plan, const PictureSum& 
   add_rows(sum, planes_of(rows, averaged_planes(plan)), 0, rows.height);
   sum.count = plan.recipe.frames;
   PictureInfo inner = inner_info(info);
+  inner.first_row = first;
+  inner.whole_rows = inner.height;
   inner.height = rows.height;
   Image color;
   if (plan.recipe.wants("color.r")) {

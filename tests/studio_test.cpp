@@ -168,7 +168,7 @@ float stops_of(float brightness, float surface_fraction) {
     for (int x = 0; x < 60; ++x) depth.at(x, y) = std::numeric_limits<float>::infinity();
   const auto device = make_cpu_device();
   auto frame = device->upload(g);
-  return **metered_stops(*device, *frame);
+  return **metered_stops(*device, *frame, Exposure::kPicture);
 }
 
 TEST(Metering, ADarkHallWithASunlitFloorIsBrightened) {
@@ -182,7 +182,7 @@ TEST(Metering, ADarkHallWithASunlitFloorIsBrightened) {
   g.layers[0].add("depth") = Plane(60, 60, 1.0f);
   const auto device = make_cpu_device();
   auto frame = device->upload(g);
-  const float stops = **metered_stops(*device, *frame);
+  const float stops = **metered_stops(*device, *frame, Exposure::kPicture);
   EXPECT_GT(stops, 0.5f);
   EXPECT_LE(stops, 1.0f);
 }

@@ -30,10 +30,13 @@ const std::vector<Parameter> kTable = {
         "tint", &CompositeParams::tint, {.max = 1, .zero_means = "off"},
         "modes ambient and bleeding: how much of the occluded ambient light returns by bounces between surfaces of "
         "the same colour"),
+    real_row("direct", &CompositeParams::direct, {.max = 1, .zero_means = "off"},
+             "modes ambient and bleeding: how much occlusion darkens direct light too"),
 };
 
 void fill_constants(const CompositeParams& params, const PictureInfo&, CompositeConstants& c) {
-  c = {params.mode, params.darkness, params.chroma, params.contrast, params.damping, params.albedo, params.tint};
+  c = {params.mode,    params.darkness, params.chroma, params.contrast,
+       params.damping, params.albedo,   params.tint,   params.direct};
 }
 
 }  // namespace

@@ -9,6 +9,7 @@ struct CompositeParams {
   float damping;                     // mode bleeding: luminance of direct light where damping ends; 0: off
   int albedo;                        // albedo for bounced light: 0 linear, 1 in display values
   float tint;                        // 0 to 1; 0: off
+  float direct;                      // 0 to 1; 0: off
 };
 
 struct CompositeConstants {
@@ -17,6 +18,7 @@ struct CompositeConstants {
   float damping;
   int display;  // 0 or 1: albedo for bounced light in display values
   float tint;
+  float direct;
 };
 
 #endif

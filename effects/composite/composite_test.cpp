@@ -141,6 +141,27 @@ TEST(Composite, TintAddsInterreflectionsOfTheSameColour) {
     });
 }
 
+TEST(Composite, OcclusionDarkensDirectLightAsRequested) {
+  const GBuffer g = light_and_occlusion();
+  for (const char* mode : {"ambient", "bleeding"})
+    for (const double direct : {0.0, 0.6, 1.0})
+      test::on_every_target("composite", g, {{"mode", mode}, {"damping", "0"}, {"direct", fmt::format("{}", direct)}},
+                            [&](const Image& image) {
+                              double worst = 0.0;
+                              for (int y = 0; y < image.height; ++y)
+                                for (int x = 0; x < image.width; ++x) {
+                                  const PixelLight arriving(g.layers[0], x, y);
+                                  const double ao = g.layers[0].plane("ao").at(x, y);
+                                  const double darker = 1.0 - direct * (1.0 - std::clamp(ao, 0.0, 1.0));
+                                  const glm::dvec3 lit =
+                                      arriving.direct * darker + arriving.bounced + arriving.ambient * ao;
+                                  for (int c = 0; c < 3; ++c)
+                                    worst = std::max(worst, std::fabs(lit[c] - image.plane(kLit[c]).at(x, y)));
+                                }
+                              EXPECT_LE(worst, 2e-6) << mode << ' ' << direct;
+                            });
+}
+
 TEST(Composite, ModulateMatchesItsFormula) {
   expect_formula("modulate", {});
   expect_formula("modulate", {.darkness = 0.0, .chroma = 1.0});

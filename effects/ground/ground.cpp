@@ -11,12 +11,15 @@ namespace {
 const std::vector<Parameter> kTable = {
     real_row("strength", &GroundParams::strength, {.initial = 1, .max = 2},
              "strength of the shadow on the ground; above 1 its light parts get darker"),
+    real_row("border", &GroundParams::border, {.max = 50, .unit = "%", .zero_means = "off"},
+             "the shadow fades out towards the picture's border over this length, in percent of the shorter side"),
     choice_row(
         "blend", &GroundParams::blend, 0, {"light", "display"},
         "how the shadow is blended over a background: in linear light, or in display values, as image viewers do"),
 };
 
 void fill_constants(const GroundParams& params, const PictureInfo& info, GroundConstants& c) {
+  const float border_px = 0.01f * params.border * float(std::min(info.inner_width(), info.inner_height()));
   c = {.object = float(info.ground_object),
        .strength = std::min(params.strength, 1.0f),
        .excess = std::max(params.strength - 1.0f, 0.0f),
@@ -24,6 +27,10 @@ void fill_constants(const GroundParams& params, const PictureInfo& info, GroundC
        .middle_x = info.ground_center.x,
        .middle_y = info.ground_center.y,
        .middle_z = info.ground_center.z,
+       .first = info.guard,
+       .end_x = info.width - info.guard,
+       .end_y = info.height - info.guard,
+       .one_over_border = border_px > 0.0f ? 1.0f / border_px : 0.0f,
        .inverse_fade_distance = info.ground_fade_distance > 0.0f ? 1.0f / info.ground_fade_distance : 0.0f};
 }
 

@@ -7,6 +7,12 @@ IN_REAL(object_id)
 INOUT_COLOR(lit)
 OUT_REAL(cover)
 
+// Returns a fade from 0 to 1 without kinks at its ends.
+FN Real eased(Real t) {
+  t = clamp(t, Real(0.0f), Real(1.0f));
+  return t * t * mad(t, Real(-2.0f), Real(3.0f));
+}
+
 FN void ground_pixel(Int px, Int py) {
   Real depth = near_depth(0, 0);
   Vec3 lit = own_lit();
@@ -23,9 +29,12 @@ FN void ground_pixel(Int px, Int py) {
     // Fade over the outer half, so that a shadow longer than the ground has no visible end.
     Vec3 away = view_position(px, py, select(is_surface(depth), depth, Real(1.0f))) -
                 Vec3(Real(C.middle_x), Real(C.middle_y), Real(C.middle_z));
-    Real outer = clamp(mad(sqrt(dot(away, away)) * Real(C.inverse_fade_distance), Real(-2.0f), Real(2.0f)), Real(0.0f),
-                       Real(1.0f));
-    shade = shade * outer * outer * mad(outer, Real(-2.0f), Real(3.0f));
+    shade = shade * eased(mad(sqrt(dot(away, away)) * Real(C.inverse_fade_distance), Real(-2.0f), Real(2.0f)));
+  }
+  if (C.one_over_border > 0.0f) {
+    Int inside_x = min(px - Int(C.first), Int(C.end_x - 1) - px),
+        inside_y = min(py - Int(C.first), Int(C.end_y - 1) - py);
+    shade = shade * eased((to_real(min(inside_x, inside_y)) + 0.5f) * Real(C.one_over_border));
   }
   shade = select(ground && open > 0.0f && is_finite(shade), shade, Real(0.0f));
   if (C.display != 0) shade = Real(1.0f) - display_from_linear(Real(1.0f) - shade);

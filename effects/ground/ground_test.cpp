@@ -1,6 +1,7 @@
 // Tests `ground`: only the shadow remains of the ground.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "run_effect.h"
@@ -97,6 +98,26 @@ TEST(Ground, ShadowFadesTowardsTheEdgeOfTheGround) {
       const double outer = std::clamp(2.0 - 2.0 * x / 30.0, 0.0, 1.0);
       EXPECT_NEAR(image.plane("cover").at(x, 0), 0.5 * outer * outer * (3.0 - 2.0 * outer), 2e-5) << x;
     }
+  });
+}
+
+TEST(Ground, ShadowFadesTowardsTheBorderOfThePicture) {
+  // Half of the light arrives. The border is 10 % of the shorter side, 40 pixels without the guard band: 4 pixels.
+  constexpr int kGuard = 2, kWidth = 50 + 2 * kGuard, kHeight = 40 + 2 * kGuard;
+  GBuffer g = test::empty_gbuffer(kWidth, kHeight);
+  g.info.ground_object = 3;
+  g.info.guard = kGuard;
+  for (const char* name : {"depth", "object_id", "open_light", "lit.r", "lit.g", "lit.b"})
+    g.layers[0].add(name) = Plane(kWidth, kHeight, name[0] == 'l' ? 0.4f : name[0] == 'd' ? 2.0f : 0.8f);
+  g.layers[0].plane("object_id") = Plane(kWidth, kHeight, 3.0f);
+  test::on_every_target("ground", g, {{"border", "10"}}, [&](const Image& image) {
+    ASSERT_EQ(image.width, 50);
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x) {
+        const double inside = std::min({x, y, image.width - 1 - x, image.height - 1 - y}) + 0.5;
+        const double t = std::clamp(inside / 4.0, 0.0, 1.0);
+        EXPECT_NEAR(image.plane("cover").at(x, y), 0.5 * t * t * (3.0 - 2.0 * t), 1e-6) << x << ' ' << y;
+      }
   });
 }
 

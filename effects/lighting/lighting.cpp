@@ -19,6 +19,8 @@ const std::vector<Parameter> kTable = {
     real_row("specular", &LightingParams::specular, {.initial = 1, .max = kMaxFactor}, "factor for highlights"),
     real_row("emission", &LightingParams::emission, {.initial = 1, .max = kMaxFactor},
              "factor for the emission of surfaces"),
+    real_row("gloss", &LightingParams::gloss, {.max = 1, .zero_means = "off"},
+             "peak of a broad highlight, of parallel lights, on surfaces without a higher one"),
     real_row("shadow", &LightingParams::shadow, {.initial = 1, .max = 1}, "strength of shadows"),
     choice_row(
         "material", &LightingParams::material, 0, {"scene", "clay", "display"},
@@ -36,6 +38,7 @@ void fill_constants(const LightingParams& params, const PictureInfo& info, Light
   c.display = params.material == 2 ? 1 : 0;
   c.diffuse = params.diffuse;
   c.specular = params.specular;
+  c.gloss = params.material != 1 ? params.gloss : 0.0f;        // clay has no highlights
   c.emission = params.material != 1 ? params.emission : 0.0f;  // clay does not emit light
   const LightRig rig = light_rig(Rig(params.rig), info);
   c.ambient_r = rig.ambient.r * params.ambient;

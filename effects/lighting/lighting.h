@@ -8,6 +8,7 @@ const int kLightingShape = 9;  // number of factors per colour channel by which 
 struct LightingParams {
   float ambient, diffuse, specular;  // factors
   float emission;                    // factor
+  float gloss;                       // peak of the highlight of surfaces without a higher one, 0 to 1
   float shadow;                      // strength of shadows, 0 to 1
   int material;                      // 0 the scene's, 1 white clay, 2 the scene's with albedo as display values
   int open;                          // 0 or 1: also write `open_light`
@@ -21,7 +22,7 @@ struct LightingConstants {
   int shaped;  // 0 or 1: ambient light depends on the normal
   // Per colour channel: factors of x, y, z, xy, yz, zx, xx, yy, zz of the normal.
   float shape_r[kLightingShape], shape_g[kLightingShape], shape_b[kLightingShape];
-  float diffuse, specular, emission, shadow;
+  float diffuse, specular, emission, gloss, shadow;
   // Lights in view space, the key light first. kind 0: directional, (x, y, z) points towards the light; kind 1: point
   // light at (x, y, z).
   int kind[kLightingMaxLights];

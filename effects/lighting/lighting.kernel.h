@@ -23,6 +23,9 @@ OUT_COLOR(ambient)
 #include "effects/lighting/lighting_ambient.kernel.h"
 #include "effects/lighting/lighting_lights.kernel.h"
 
+// Half as bright where the halfway vector is 21 degrees off the normal: matt varnish.
+CONST float kGlossExponent = 10.0f;
+
 // Returns the visibility of a light, from its shadow plane; 1 for lights beyond the last plane.
 FN Real shadow_of(int light) {
   if (light == 0) return near_shadow(0, 0);
@@ -50,6 +53,14 @@ FN void lighting_pixel(Int px, Int py) {
     albedo = Vec3(Real(1.0f), Real(1.0f), Real(1.0f));
     strength = Real(0.0f);
   }
+  // For parallel light, matt surfaces get a broad highlight; on walls near a lamp it would be a blotch.
+  Real gloss = strength;
+  Real gloss_exponent = exponent;
+  if (C.gloss > 0.0f) {
+    Bool matt = strength < C.gloss;
+    gloss = select(matt, Real(C.gloss), strength);
+    gloss_exponent = select(matt, Real(kGlossExponent), exponent);
+  }
   Vec3 sum = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
   if (C.emission > 0.0f) sum = near_emission(0, 0) * Real(C.emission);
   for (int k = 0; k < C.light_count; ++k) {
@@ -58,9 +69,10 @@ FN void lighting_pixel(Int px, Int py) {
     if (C.shadow > 0.0f) attenuation = attenuation * mad(shadow_of(k) - 1.0f, Real(C.shadow), Real(1.0f));
     Real lambert = max(dot(normal, light), Real(0.0f));
     Real highlight = Real(0.0f);
-    if (C.specular > 0.0f) {
+    if (C.specular > 0.0f || C.gloss > 0.0f) {
       Vec3 halfway = normalized(light + eye);
-      highlight = strength * pow(max(dot(normal, halfway), Real(0.0f)), exponent);
+      Real cosine = max(dot(normal, halfway), Real(0.0f));
+      highlight = C.kind[k] == 1 ? strength * pow(cosine, exponent) : gloss * pow(cosine, gloss_exponent);
       // No highlight on surfaces that face away from the light.
       highlight = select(lambert > 0.0f, highlight, Real(0.0f));
     }

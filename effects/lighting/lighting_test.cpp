@@ -18,7 +18,7 @@ constexpr int kMaxLights = 16;  // as in lighting.h
 // ---- the formulas in double
 
 struct Factors {
-  double ambient = 1.0, diffuse = 1.0, specular = 1.0, emission = 1.0, shadow = 1.0;
+  double ambient = 1.0, diffuse = 1.0, specular = 1.0, emission = 1.0, gloss = 0.0, shadow = 1.0;
   bool clay = false;
 };
 
@@ -77,7 +77,10 @@ Lit shade(const GBuffer& g, const Factors& f, int x, int y) {
     double highlight = 0.0;
     if (!f.clay) {
       const double cosine = std::max(0.0, glm::dot(normal, glm::normalize(to_light + to_eye)));
-      highlight = value("specular") * f.specular * std::pow(cosine, exponent);
+      const double strength = value("specular") * f.specular;
+      const bool parallel = light.kind == LightKind::kDirectional || (light.kind == LightKind::kHead && !perspective);
+      const bool glossy = parallel && strength < f.gloss;
+      highlight = glossy ? f.gloss * std::pow(cosine, 10.0) : strength * std::pow(cosine, exponent);
     }
     const glm::dvec3 color = glm::dvec3(light.color) * attenuation;
     lit.direct += color * (albedo * facing * f.diffuse + highlight);
@@ -183,6 +186,12 @@ GBuffer with_shadows() {
       for (int x = 0; x < plane.width; ++x) plane.at(x, y) = float(test::hash(x + 101u * y + 10007u * k) % 5) / 4.0f;
   }
   return g;
+}
+
+TEST(Lighting, GlossIsABroadHighlightOfParallelLights) {
+  for (const char* gloss : {"0.1", "0.5", "1"}) compare(varied(true), {{"gloss", gloss}}, {.gloss = std::stod(gloss)});
+  compare(varied(false), {{"gloss", "0.3"}, {"specular", "0"}}, {.specular = 0.0, .gloss = 0.3f});
+  compare(varied(true), {{"gloss", "0.3"}, {"material", "clay"}}, {.clay = true});
 }
 
 TEST(Lighting, EachLightHasItsOwnShadow) {

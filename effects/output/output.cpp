@@ -14,9 +14,13 @@ constexpr double kMaxStops = 20.0;
 const std::vector<Parameter> kTable = {
     real_row("exposure", &OutputParams::exposure, {.min = -kMaxStops, .max = kMaxStops, .unit = "stops"},
              "brightness, in stops: 1 doubles the light"),
-    choice_row("metering", &OutputParams::metering, 0, {"none", "picture", "light"},
-               "automatic exposure, added to `exposure`: none, by the brightness of the picture's surfaces, or by the "
-               "brightness of the light of `hdri_file`"),
+    choice_row("metering", &OutputParams::metering, 0, {"none", "picture", "light", "median"},
+               "automatic exposure, added to `exposure`: none, by the brightness of the picture's surfaces, by the "
+               "brightness of the light of `hdri_file`, or by the median brightness of the surfaces"),
+    choice_row(
+        "tone", &OutputParams::tone, 0, {"none", "neutral"},
+        "tone curve: none, or Khronos PBR Neutral, which compresses highlights and deepens shadows and keeps hue "
+        "and saturation"),
     real_row("shoulder", &OutputParams::shoulder, {.initial = 1, .max = 1},
              "light above this value is compressed, so that nothing exceeds white; 1: off"),
     choice_row("transfer", &OutputParams::transfer, 0, {"srgb", "none"},
@@ -27,16 +31,19 @@ const std::vector<Parameter> kTable = {
              "green where there is no surface, as written to the file"),
     real_row("background_b", &OutputParams::background_b, {.initial = 1, .max = 1},
              "blue where there is no surface, as written to the file"),
+    real_row("gradient", &OutputParams::gradient, {.max = 1, .zero_means = "off"},
+             "the background darkens upwards: fraction of its light that is missing at the top"),
     bool_row("transparent", &OutputParams::transparent, false, "alpha 0 and black where there is no surface"),
     bool_row("sky", &OutputParams::sky, false,
              "show the planes `sky`, which `hdri_skybox` writes, where there is no surface"),
 };
 
-void fill_constants(const OutputParams& params, const PictureInfo&, OutputConstants& c) {
+void fill_constants(const OutputParams& params, const PictureInfo& info, OutputConstants& c) {
   const float opaque = params.transparent ? 0.0f : 1.0f;
   const auto light = [&](float v) { return params.transfer == 0 ? linear_from_srgb(v) : v; };
   c = {.sky = params.sky,
        .gain = std::exp2(params.exposure),
+       .tone = params.tone,
        .shoulder = params.shoulder,
        .room = params.shoulder < 1.0f ? 1.0f / (1.0f - params.shoulder) : 0.0f,
        .transfer = params.transfer,
@@ -46,6 +53,9 @@ void fill_constants(const OutputParams& params, const PictureInfo&, OutputConsta
        .behind_r = light(params.background_r),
        .behind_g = light(params.background_g),
        .behind_b = light(params.background_b),
+       .gradient = params.gradient,
+       .one_over_height = 1.0f / float(info.whole_rows > 0 ? info.whole_rows : info.inner_height()),
+       .first_row = info.guard - info.first_row,
        .background_alpha = opaque};
 }
 
@@ -55,6 +65,8 @@ Exposure exposure_source(const ParameterBytes& params) {
       return Exposure::kPicture;
     case kMeteringLight:
       return Exposure::kLights;
+    case kMeteringMedian:
+      return Exposure::kMedian;
     default:
       return Exposure::kAsSet;
   }
@@ -67,7 +79,7 @@ void add_stops(float stops, ParameterBytes& params) { as<OutputParams>(params).e
 Effect effect_output() {
   return output_effect<fill_constants>(
       kTable, {.name = "output",
-               .summary = "light to picture: exposure, transfer function, background",
+               .summary = "light to picture: exposure, tone curve, transfer function, background",
                .source = "IEC 61966-2-1",
                .exposure_source = exposure_source,
                .add_stops = add_stops,

@@ -3,7 +3,10 @@
 #define UMBRAGE_EFFECTS_OUTPUT_H
 
 // Values of OutputParams::metering.
-const int kMeteringNone = 0, kMeteringPicture = 1, kMeteringLight = 2;
+const int kMeteringNone = 0, kMeteringPicture = 1, kMeteringLight = 2, kMeteringMedian = 3;
+
+// Values of OutputParams::tone.
+const int kToneNone = 0, kToneNeutral = 1;
 
 // Values of OutputParams::transfer.
 const int kTransferSrgb = 0, kTransferNone = 1;
@@ -11,10 +14,12 @@ const int kTransferSrgb = 0, kTransferNone = 1;
 // One row of the table in output.cpp per field.
 struct OutputParams {
   float exposure;                                  // stops
-  int metering;                                    // 0 none, 1 by the picture, 2 by its light; applied by the caller
+  int metering;                                    // one of kMetering...; applied by the caller
+  int tone;                                        // one of kTone...
   float shoulder;                                  // light from which on it is compressed to below 1; 1: off
   int transfer;                                    // 0 srgb, 1 none
   float background_r, background_g, background_b;  // as written to the file
+  float gradient;                                  // fraction of the background's light that is missing at the top
   int transparent;                                 // 0 or 1
   int sky;                                         // 0 or 1: the planes `sky` are the background
 };
@@ -22,10 +27,13 @@ struct OutputParams {
 struct OutputConstants {
   int sky;
   float gain;
+  int tone;
   float shoulder, room;  // room: 1 / (1 - shoulder); 0: no compression
   int transfer;
   float background_r, background_g, background_b;  // as written to the file
   float behind_r, behind_g, behind_b;              // the same as linear light
+  float gradient, one_over_height;                 // see OutputParams; 1 / rows of the whole picture without guard band
+  int first_row;                                   // where these would begin
   float background_alpha;
 };
 

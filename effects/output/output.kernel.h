@@ -1,5 +1,5 @@
-// Converts light to the values of a file or a screen: exposure, transfer function, background. Based on [IEC 61966-2-1]
-// for sRGB.
+// Converts light to the values of a file or a screen: exposure, tone curve, transfer function, background. Based on
+// [IEC 61966-2-1] for sRGB and on [Khronos 2024] for the tone curve.
 //
 // At a pixel without surface, `lit` is the light of a shadow, or of surfaces in the average of several pictures, that
 // cover the fraction `cover` of the pixel; or `cover_for_eye`, if they are averaged perceptually. Lines of the colour
@@ -25,12 +25,35 @@ FN Real compressed(Real v) {
   return min(v, Real(C.shoulder)) + (Real(1.0f) - Real(1.0f) / (over + 1.0f)) * Real(1.0f - C.shoulder);
 }
 
+// The constants of [Khronos 2024] are F90, Ks and Kd.
+CONST float kRemoved = 0.04f;  // the light that a dielectric facing the camera reflects, as white as its light source
+CONST float kUncompressed = 0.76f;  // 0.8 - F90: brightest channel up to which light is not compressed
+CONST float kDesaturation = 0.15f;  // how fast compressed light becomes white
+
+// Returns light, which is not negative, after the tone curve Khronos PBR Neutral [Khronos 2024]: its highlights are
+// compressed below 1 and its shadows deepened; hue and saturation of what is between stay.
+FN Vec3 neutral(Vec3 light) {
+  Real darkest = min(min(light.x, light.y), light.z);
+  Real toe = darkest - darkest * darkest * (0.25f / kRemoved);
+  Real removed = select(darkest > 2.0f * kRemoved, Real(kRemoved), toe);
+  light = light - Vec3(removed, removed, removed);
+  Real peak = max(max(light.x, light.y), light.z);
+  Real bright = max(peak, Real(kUncompressed));
+  Real lowered =
+      Real(1.0f) - Real((1.0f - kUncompressed) * (1.0f - kUncompressed)) / (bright + (1.0f - 2.0f * kUncompressed));
+  Real colored = Real(1.0f) / mad(bright - lowered, Real(kDesaturation), Real(1.0f));
+  Real white = lowered * (Real(1.0f) - colored);
+  Vec3 compressed = light * (lowered * colored / bright) + Vec3(white, white, white);
+  return select(peak > kUncompressed, compressed, light);
+}
+
 FN Vec3 clamped_to_0(Vec3 v) { return Vec3(max(v.x, Real(0.0f)), max(v.y, Real(0.0f)), max(v.z, Real(0.0f))); }
 
-// Returns exposed light: finite, not negative, compressed by the shoulder.
+// Returns exposed light: finite, not negative, compressed by the tone curve and the shoulder.
 FN Vec3 exposed(Vec3 light) {
   light = finite_or_zero(light);  // NaN and infinity become black
   light = clamped_to_0(light);
+  if (C.tone == kToneNeutral) light = neutral(light);
   if (C.room > 0.0f) light = Vec3(compressed(light.x), compressed(light.y), compressed(light.z));
   return light;
 }
@@ -50,6 +73,10 @@ FN void output_pixel(Int px, Int py) {
   Real alpha = covered + behind;
   Real scale = Real(1.0f) / select(alpha > 0.0f, alpha, Real(1.0f));
   Vec3 beyond = Vec3(Real(C.behind_r), Real(C.behind_g), Real(C.behind_b));
+  if (C.gradient > 0.0f) {
+    Real height = mad(to_real(py - Int(C.first_row)) + 0.5f, Real(-C.one_over_height), Real(1.0f));
+    beyond = beyond * mad(clamp(height, Real(0.0f), Real(1.0f)), Real(-C.gradient), Real(1.0f));
+  }
   if (C.sky != 0) beyond = exposed(near_sky(0, 0) * Real(C.gain));
   Vec3 both = light * (covered * scale) + beyond * (behind * scale);
   both = select(as_square_roots, mixed_as_square_roots(beyond, light, covered * scale), both);
@@ -64,7 +91,7 @@ FN void output_pixel(Int px, Int py) {
   light = select(lines, drawn, light);
   if (C.transfer == 0) light = Vec3(srgb_from_linear(light.x), srgb_from_linear(light.y), srgb_from_linear(light.z));
   Vec3 background = Vec3(Real(C.background_r), Real(C.background_g), Real(C.background_b));
-  if (C.sky != 0 && C.background_alpha > 0.0f) background = light;
+  if ((C.sky != 0 || C.gradient > 0.0f) && C.background_alpha > 0.0f) background = light;
   store_color(select(surface || covered > 0.0f || lines, light, background));
   store_color_alpha(alpha);
 }

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <glm/vec3.hpp>
 #include <limits>
 
 #include "run_effect.h"
@@ -101,6 +102,85 @@ TEST(Output, AShoulderBendsLightBelowWhite) {
           }
         }
       });
+}
+
+/// The formula of [Khronos 2024], as its specification states it.
+glm::dvec3 neutral(const glm::dvec3& in) {
+  constexpr double kF90 = 0.04, kKs = 0.8 - kF90, kKd = 0.15;
+  const double x = std::min({in.r, in.g, in.b});
+  const glm::dvec3 out = in - (x <= 2.0 * kF90 ? x - x * x / (4.0 * kF90) : kF90);
+  const double p = std::max({out.r, out.g, out.b});
+  if (p <= kKs) return out;
+  const double pn = 1.0 - (1.0 - kKs) * (1.0 - kKs) / (p + 1.0 - 2.0 * kKs);
+  const double g = 1.0 / (kKd * (p - pn) + 1.0);
+  return out * (pn / p * g) + pn * (1.0 - g);
+}
+
+TEST(Output, TheNeutralCurveFollowsItsFormula) {
+  // All colours of these channels: toe, middle, shoulder, and far beyond white.
+  const std::vector<float> steps = {0.0f,  1e-4f, 0.02f, 0.079f, 0.081f, 0.2f, 0.5f,
+                                    0.79f, 0.81f, 1.0f,  1.7f,   5.0f,   60.0f};
+  const int count = int(steps.size());
+  GBuffer g = row_of(std::vector<float>(std::size_t(count * count * count)));
+  const auto color_of = [&](int x) {
+    return glm::vec3(steps[std::size_t(x % count)], steps[std::size_t(x / count % count)],
+                     steps[std::size_t(x / count / count)]);
+  };
+  for (int x = 0; x < count * count * count; ++x)
+    for (int c = 0; c < 3; ++c) g.layers[0].plane(test::kLit[c]).at(x, 0) = color_of(x)[c];
+  test::on_every_target("output", g, {{"tone", "neutral"}, {"transfer", "none"}}, [&](const Image& image) {
+    double worst = 0.0;
+    for (int x = 0; x < image.width; ++x) {
+      const glm::dvec3 expected = neutral(color_of(x));
+      int c = 0;
+      for (const char* name : {"color.r", "color.g", "color.b"}) {
+        const float v = image.plane(name).at(x, 0);
+        worst = std::max(worst, std::fabs(v - expected[c++]));
+        ASSERT_GE(v, 0.0f);
+        ASSERT_LT(v, 1.0f);
+      }
+    }
+    EXPECT_LE(worst, 1e-6);
+  });
+  // Exposure comes before the curve, the transfer function after it.
+  test::on_every_target("output", row_of({0.4f}), {{"tone", "neutral"}, {"exposure", "1"}}, [](const Image& image) {
+    EXPECT_NEAR(image.plane("color.g").at(0, 0), srgb(neutral(glm::dvec3(0.8)).g), 2e-6);
+  });
+  // Far beyond white it is white, and what is no light is black.
+  const float infinity = std::numeric_limits<float>::infinity();
+  test::on_every_target("output", row_of({3e38f, infinity, std::nanf("")}), {{"tone", "neutral"}},
+                        [](const Image& image) {
+                          EXPECT_NEAR(image.plane("color.g").at(0, 0), 1.0f, 1e-6f);
+                          EXPECT_EQ(image.plane("color.g").at(1, 0), 0.0f);
+                          EXPECT_EQ(image.plane("color.g").at(2, 0), 0.0f);
+                        });
+}
+
+TEST(Output, TheBackgroundDarkensUpwards) {
+  constexpr int kRows = 11, kGuard = 3;
+  GBuffer g = test::empty_gbuffer(7 + 2 * kGuard, kRows + 2 * kGuard);
+  g.info.guard = kGuard;
+  Image& image = g.layers[0];
+  image.add("depth") = Plane(image.width, image.height, std::numeric_limits<float>::infinity());
+  for (const char* name : {"lit.r", "lit.g", "lit.b", "cover"})
+    image.add(name) = Plane(image.width, image.height, 0.0f);
+  for (int y = 0; y < image.height; ++y) image.plane("cover").at(kGuard + 2, y) = 0.5f;  // a black shadow
+  const double light = std::pow((0.9 + 0.055) / 1.055, 2.4);
+  const Settings settings = {{"background_g", "0.9"}, {"gradient", "0.4"}};
+  test::on_every_target("output", g, settings, [&](const Image& drawn) {
+    ASSERT_EQ(drawn.height, kRows);
+    for (int y = 0; y < kRows; ++y) {
+      // 0.6 of the light at the upper border of the picture without guard band, all of it at the lower one.
+      const double height = 1.0 - (y + 0.5) / kRows;
+      for (const int x : {0, 6}) EXPECT_NEAR(drawn.plane("color.g").at(x, y), srgb(light * (1.0 - 0.4 * height)), 3e-6);
+      EXPECT_NEAR(drawn.plane("color.g").at(2, y), srgb(0.5 * light * (1.0 - 0.4 * height)), 3e-6);
+      EXPECT_EQ(drawn.plane("color.a").at(0, y), 1.0f);
+    }
+  });
+  test::on_every_target("output", g, {{"gradient", "0.4"}, {"transparent", "on"}}, [&](const Image& drawn) {
+    EXPECT_EQ(drawn.plane("color.g").at(0, 8), 0.0f);
+    EXPECT_EQ(drawn.plane("color.a").at(0, 8), 0.0f);
+  });
 }
 
 TEST(Output, AMeanForTheEyeAndTheBackgroundMixSo) {
