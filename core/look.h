@@ -33,9 +33,12 @@ struct Look {
   int frames = 1;
   bool averages_square_roots = false;  ///< averages square roots of light, like lines
   std::string_view quality = {};       ///< default quality, one of looks/quality.h; empty: the settings as they are
-  bool studio_lights = false;  ///< a scene without lights gets a soft key and a fill light instead of a key light alone
+  bool studio_lights = false;          ///< a scene without lights gets studio_lighting instead of a key light alone
   /// Outdoor objects get a ground that is invisible except for the shadows on it.
   bool ground = false;
+  // The automatic camera: see Framing.
+  float margin = 0.06f;
+  float view_angle_deg = 30.0f;
 };
 
 }  // namespace umbrage

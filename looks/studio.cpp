@@ -1,5 +1,5 @@
-// Look `studio`: a model as in a photo studio. Soft key and fill lights with shadows, a shadow catcher as ground under
-// models that stand outdoors, indirect light, exposure by metering of the picture.
+// Look `studio`: a model as in a photo studio. A key, a fill and a rim light with soft shadows, a shadow catcher as
+// ground under models that stand outdoors, indirect light, exposure by the median of the model.
 #include "core/look.h"
 
 namespace umbrage {
@@ -9,14 +9,17 @@ Look look_studio() {
           .summary = "soft light with shadows, occlusion and indirect light, on a ground that shows only its shadow",
           .occlusion = "bitmask",
           .effects = {"lighting", "occlusion", "denoise", "composite", "ground", "hide_ground", "output"},
-          .presets = {"bitmask.bleeding=1", "bitmask.radius=25%", "denoise.indirect=1", "denoise.light_rounds=3",
-                      "lighting.open=on", "output.metering=picture", "output.shoulder=0.8", "output.background_r=0.93",
-                      "output.background_g=0.93", "output.background_b=0.94"},
+          .presets = {"bitmask.bleeding=1", "bitmask.radius=50%", "composite.direct=0.6", "denoise.rounds=2",
+                      "denoise.indirect=1", "denoise.light_rounds=3", "lighting.open=on", "lighting.gloss=0.12",
+                      "ground.border=15", "output.metering=median", "output.tone=neutral", "output.background_r=0.91",
+                      "output.background_g=0.915", "output.background_b=0.925", "output.gradient=0.3"},
           .lit_by = "lighting",
           .image_lit_presets = {"lighting.ambient=1"},
           .quality = "normal",
           .studio_lights = true,
-          .ground = true};
+          .ground = true,
+          .margin = 0.11f,
+          .view_angle_deg = 35.0f};
 }
 
 }  // namespace umbrage

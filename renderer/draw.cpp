@@ -212,8 +212,14 @@ Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const Recipe& reques
     // In view space the lights do not depend on the camera's position.
     Camera at_origin = gbuffer.info.camera;
     at_origin.view_from_world = glm::mat4(1.0f);
-    gbuffer.info.lights = recipe.look->studio_lights ? studio_lights(at_origin) : default_lights({}, at_origin);
-    if (recipe.look->studio_lights) gbuffer.info.ambient = glm::vec3(kStudioAmbient);
+    if (recipe.look->studio_lights) {
+      const Lighting lighting = studio_lighting(at_origin, {0.0f, 1.0f, 0.0f});
+      gbuffer.info.lights = lighting.lights;
+      gbuffer.info.ambient = lighting.ambient;
+      gbuffer.info.ambient_shape = lighting.ambient_shape;
+    } else {
+      gbuffer.info.lights = default_lights({}, at_origin);
+    }
   }
   if (recipe.radius) {
     const auto radius = radius_in_scene("`occlusion_radius`", *recipe.radius, gbuffer.info);

@@ -572,7 +572,8 @@ TEST_F(HdriPicture, SkyIsShownOnRequest) {
   write_panorama("half.pfm", [](dvec3 d) { return d.z > 0.0 ? dvec3(0.1, 0.2, 0.8) : dvec3(0.3, 0.1, 0.05); });
   const std::string line =
       "ball.obj --resolution 64x64 --hdri-file half.pfm --camera-direction=-1,0,0 --camera-zoom-factor 0.5 ";
-  for (const std::string look : {"studio --ground off", "lit", "cartoon", "bleeding --anti-aliasing 2"}) {
+  for (const std::string look :
+       {"studio --ground off --set output.gradient=0", "lit", "cartoon", "bleeding --anti-aliasing 2"}) {
     good(line + "--hdri-skybox -o sky.png --look " + look);
     const Image with = image("sky.png");
     EXPECT_GT(with.planes[2].at(3, 3), with.planes[0].at(3, 3) + 0.2f) << look;    // blue above
@@ -596,8 +597,8 @@ TEST_F(HdriPicture, TheGroundOfALowLightHasNoEdge) {
     return glm::dot(d, direction_at(100, 6)) > std::cos(0.06) ? dvec3(200.0) : dvec3(0.2);
   });
   good(
-      "ball.obj --quality high --resolution 160x120 --hdri-file low.pfm --camera-zoom-factor 0.2 "
-      "--camera-elevation-angle 10 "
+      "ball.obj --quality high --resolution 160x120 --hdri-file low.pfm --camera-zoom-factor 0.25 "
+      "--camera-elevation-angle 10 --set ground.border=0 "
       "--passes cover -o cover.exr");
   const Image cover = image("cover.exr");
   float max = 0.0f, steepest = 0.0f;

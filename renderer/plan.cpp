@@ -45,8 +45,7 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
   const Recipe& recipe = plan.recipe;
   Lighting& lighting = plan.lighting();
   if (recipe.look->studio_lights) {
-    lighting.lights = studio_lights(plan.camera);
-    lighting.ambient = glm::vec3(kStudioAmbient);
+    lighting = studio_lighting(plan.camera, scene.up);
   } else {
     lighting.lights = default_lights(scene, plan.camera);
   }
@@ -65,17 +64,19 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
   if (lights.empty()) return {};
   lighting.lights = std::move(lights);
   lighting.ambient = kAmbientInside;
+  lighting.ambient_shape = {};
   return {};
 }
 
-/// In a courtyard or a hall little of an environment image's light arrives: a look with light metering uses picture
-/// metering there, unless the request sets `metering`.
+/// Inside a scene, a look that meters the light of an environment image, of which little arrives there, or the median of
+/// a model meters the picture, unless the request sets `metering`.
 void meter_indoors(const Scene& scene, Plan& plan) {
-  if (!plan.recipe.hdri.lights() || !is_inside_scene(plan.camera, scene)) return;
+  if (!is_inside_scene(plan.camera, scene)) return;
   for (const Setting& given : plan.recipe.set_by_request)
     if (given.effect->exposure_source && given.parameter->name == "metering") return;
   auto& output = as<OutputParams>(params_of(plan.recipe.settings, "output"));
-  if (output.metering == kMeteringLight) output.metering = kMeteringPicture;
+  const bool by_image = output.metering == kMeteringLight && plan.recipe.hdri.lights();
+  if (by_image || output.metering == kMeteringMedian) output.metering = kMeteringPicture;
 }
 
 /// Sets the angular diameter of the key light, a disc or a sphere, as seen from the centre of the scene.

@@ -41,7 +41,11 @@ bool computes_indirect_light(const Look& look, const EffectSettings& settings) {
 void apply_environment(const Request& request, Recipe& recipe) {
   const Look& look = *recipe.look;
   auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
-  if (recipe.hdri.shown()) output.sky = 1;
+  if (recipe.hdri.shown()) {
+    output.sky = 1;
+    // The shadow lies on the ground that the image shows, which does not end at the picture's border.
+    as<GroundParams>(params_of(recipe.settings, "ground")).border = 0.0f;
+  }
   if (!is_lit_by_image(request) || !depends_on_light_brightness(recipe)) return;
   apply_presets(look.name, look.image_lit_presets, recipe.settings);
   if (output.metering == kMeteringNone) apply_presets(look.name, look.image_exposed_presets, recipe.settings);
@@ -70,6 +74,7 @@ Result<void> apply_request(const Request& request, Recipe& recipe) {
     output.background_r = (*request.background)[0];
     output.background_g = (*request.background)[1];
     output.background_b = (*request.background)[2];
+    output.gradient = 0.0f;  // that colour everywhere
   }
   if (request.transparent) output.transparent = 1;
   if (auto done = apply_settings(request.settings, recipe); !done) return done;
@@ -257,6 +262,9 @@ Result<Recipe> make_recipe(const Request& request, long max_pixels) {
   if (auto fine = resolve_scale(request, quality, recipe); !fine) return fine.error();
   if (!request.occlusion_radius.empty()) recipe.radius = *parse_length("occlusion_radius", request.occlusion_radius);
   recipe.framing = framing_of(request.camera);
+  recipe.framing.usual_view_angle_deg = look.view_angle_deg;
+  recipe.framing.margin = look.margin;
+  recipe.framing.centers_shadow = look.ground && look.studio_lights;
   recipe.camera_index = request.camera.index;
   recipe.ground = Ground(choice_index("ground", request.ground));
   recipe.hdri = {.file = request.hdri_file,

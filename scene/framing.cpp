@@ -13,12 +13,11 @@
 namespace umbrage {
 namespace {
 
-constexpr float kMargin = 0.06f;            ///< fraction of the picture left free on each side
+constexpr float kMinMargin = 0.06f;         ///< fraction of the picture that a shift for a shadow leaves free
 constexpr float kAzimuthDeg = 30.0f;        ///< to the right of the model's front
 constexpr float kElevationDeg = 20.0f;      ///< above the horizon
 constexpr float kFlatElevationDeg = 45.0f;  ///< for flat scenes, which from 20 degrees are a thin strip
 constexpr float kFlat = 0.3f;               ///< height over width below which the elevation increases
-constexpr float kViewAngleDeg = 30.0f;      ///< vertical; narrow, for little perspective distortion
 constexpr float kMinAngleDeg = 0.01f, kMaxAngleDeg = 175.0f;
 constexpr float kNearest = 0.02f;  ///< min. distance from the camera to the scene, as a fraction of its radius
 
@@ -125,7 +124,7 @@ Axes axes_of(const glm::vec3& origin, const glm::vec3& side, const glm::vec3& up
 }
 
 /// Fits an orthographic camera. With `keep_middle` the origin of the axes stays in the middle of the picture.
-Fit fit_orthographic(const Scene& scene, const Axes& axes, float aspect, bool keep_middle) {
+Fit fit_orthographic(const Scene& scene, const Axes& axes, float aspect, float margin, bool keep_middle) {
   Interval x, y, z;
   for_each_vertex(scene, [&](const glm::vec3& p) {
     const glm::dvec3 q = axes.view(p);
@@ -136,15 +135,16 @@ Fit fit_orthographic(const Scene& scene, const Axes& axes, float aspect, bool ke
   Fit fit;
   fit.target = glm::vec3(axes.origin + x.middle() * axes.right + y.middle() * axes.up);
   fit.distance = float(std::max(2.0 * radius, radius - z.low));
-  fit.height = float(std::max({y.size(), x.size() / aspect, 1e-6 * radius}) / (1.0 - 2.0 * kMargin));
+  fit.height = float(std::max({y.size(), x.size() / aspect, 1e-6 * radius}) / (1.0 - 2.0 * margin));
   return fit;
 }
 
 /// Fits a perspective camera. Each of the four side planes of the view frustum is moved outwards until it touches a
 /// vertex, which gives the camera's position in closed form from one traversal of the vertices. The axis with space to
 /// spare is then centred by iteration.
-Fit fit_perspective(const Scene& scene, const Axes& axes, float angle_deg, float aspect, bool keep_middle) {
-  const double tan_y = std::tan(glm::radians(double(angle_deg)) / 2.0) * (1.0 - 2.0 * kMargin), tan_x = tan_y * aspect;
+Fit fit_perspective(const Scene& scene, const Axes& axes, float angle_deg, float aspect, float margin,
+                    bool keep_middle) {
+  const double tan_y = std::tan(glm::radians(double(angle_deg)) / 2.0) * (1.0 - 2.0 * margin), tan_x = tan_y * aspect;
   constexpr double kLowest = std::numeric_limits<double>::lowest();
   double right = kLowest, left = kLowest, top = kLowest, bottom = kLowest;
   Interval z;
@@ -196,6 +196,43 @@ Camera camera_at(const glm::vec3& eye, const glm::vec3& target, const glm::vec3&
   return camera;
 }
 
+/// Returns how far the middle of a window that ends at -half and half is shifted to centre `all`, but keeps `model`
+/// inside with kMinMargin.
+float shift_to(const Interval& all, const Interval& model, double half) {
+  const double room = half * (1.0 - 2.0 * kMinMargin);
+  return float(std::clamp(all.middle(), std::min(model.high - room, 0.0), std::max(model.low + room, 0.0)));
+}
+
+/// Shifts the window of a fitted camera: see Framing::centers_shadow.
+void center_shadow(const Scene& scene, float zoom, Camera& camera) {
+  constexpr double kMinSine = 0.2;  // shadows of lower lights are too long to fit
+  const glm::dvec3 up = glm::normalize(glm::dvec3(scene.up));
+  const Light key = scene.lights.empty() ? studio_lighting(camera, scene.up).lights[0] : scene.lights[0];
+  if (key.kind != LightKind::kDirectional) return;
+  const glm::dvec3 light(key.direction);
+  const double sine = glm::dot(light, up), ground = glm::dot(glm::dvec3(scene.ground_center), up);
+  if (sine < kMinSine) return;
+  const glm::dmat4 view(camera.view_from_world);
+  const bool parallel = camera.projection == Projection::kOrthographic;
+  Interval x, y, all_x, all_y;
+  for_each_vertex(scene, [&](const glm::vec3& vertex) {
+    const glm::dvec3 p(vertex), at(view * glm::dvec4(p, 1.0));
+    const glm::dvec3 shadow(view * glm::dvec4(p - light * ((glm::dot(p, up) - ground) / sine), 1.0));
+    x.add(at.x / (parallel ? 1.0 : -at.z)), y.add(at.y / (parallel ? 1.0 : -at.z));
+    if (shadow.z >= 0.0) return;  // behind the camera
+    all_x.add(shadow.x / (parallel ? 1.0 : -shadow.z)), all_y.add(shadow.y / (parallel ? 1.0 : -shadow.z));
+  });
+  // The soft end of a shadow weighs less than the model.
+  constexpr double kWeight = 0.5;
+  for (auto [all, model] : {std::pair{&all_x, &x}, std::pair{&all_y, &y}}) {
+    all->low = std::min(glm::mix(model->low, all->low, kWeight), model->low);
+    all->high = std::max(glm::mix(model->high, all->high, kWeight), model->high);
+  }
+  const float right = shift_to(all_x, x, camera.right * zoom), above = shift_to(all_y, y, camera.top * zoom);
+  camera.left += right, camera.right += right;
+  camera.bottom += above, camera.top += above;
+}
+
 /// Returns a camera at a given position, without a fit. An orthographic window is as large as the view frustum at the
 /// target, unless its height is given.
 Camera placed(glm::vec3 eye, const glm::vec3& target, const glm::vec3& up, float angle_deg, float aspect,
@@ -230,7 +267,8 @@ Camera camera_before_turn(const Scene& scene, const Framing& framing, int width,
   const bool by_view = uses_scene_view(scene, framing);
   const glm::vec3 up =
       unit_or(framing.view_up, by_view && is_direction(scene.views[0].up) ? scene.views[0].up : scene.up);
-  const float requested_angle = framing.view_angle_deg.value_or(by_view ? scene.views[0].angle_deg : kViewAngleDeg);
+  const float requested_angle =
+      framing.view_angle_deg.value_or(by_view ? scene.views[0].angle_deg : framing.usual_view_angle_deg);
   const float angle_deg = std::clamp(requested_angle, kMinAngleDeg, kMaxAngleDeg);
   if (by_view) {
     const View& view = scene.views[0];
@@ -243,9 +281,11 @@ Camera camera_before_turn(const Scene& scene, const Framing& framing, int width,
   side = turned(side, up, framing.azimuth_deg, framing.elevation_deg);
   const Axes axes = axes_of(framing.focal_point.value_or(scene.center()), side, up);
   const bool keep_middle = framing.focal_point.has_value();
-  const Fit fit = framing.orthographic ? fit_orthographic(scene, axes, aspect, keep_middle)
-                                       : fit_perspective(scene, axes, angle_deg, aspect, keep_middle);
-  return camera_at(fit.target + fit.distance * side, fit.target, up, angle_deg, fit.height, aspect, framing);
+  const Fit fit = framing.orthographic ? fit_orthographic(scene, axes, aspect, framing.margin, keep_middle)
+                                       : fit_perspective(scene, axes, angle_deg, aspect, framing.margin, keep_middle);
+  Camera camera = camera_at(fit.target + fit.distance * side, fit.target, up, angle_deg, fit.height, aspect, framing);
+  if (framing.centers_shadow && scene.ground_object >= 0 && !keep_middle) center_shadow(scene, framing.zoom, camera);
+  return camera;
 }
 
 }  // namespace
@@ -291,10 +331,26 @@ std::vector<Light> default_lights(const Scene&, const Camera& camera) {
   return {light_from(camera, 35.0f, 40.0f, glm::vec3(kKey), kDiscDeg)};
 }
 
-std::vector<Light> studio_lights(const Camera& camera) {
-  // A soft box of 1 m at 3 m, and a large reflector on the opposite side.
-  return {light_from(camera, 38.0f, 48.0f, glm::vec3(0.70f, 0.685f, 0.66f), 18.0f),
-          light_from(camera, -60.0f, 25.0f, glm::vec3(0.13f, 0.135f, 0.145f), 35.0f)};
+Lighting studio_lighting(const Camera& camera, const glm::vec3& up) {
+  constexpr glm::vec3 kAbove(0.18f, 0.20f, 0.23f), kBelow(0.053f, 0.05f, 0.046f);
+  constexpr float kBelowHorizon = 0.02f;  // sine; so that the rim light casts no shadow on level ground
+  const glm::vec3 vertical = glm::normalize(up);
+  Lighting studio;
+  // A soft box of 1 m at 3 m, a large reflector on the opposite side, and a strip light behind, as high as the model.
+  studio.lights = {light_from(camera, 50.0f, 43.0f, glm::vec3(0.94f, 0.9f, 0.81f), 18.0f),
+                   light_from(camera, -50.0f, 8.0f, glm::vec3(0.09f, 0.11f, 0.135f), 35.0f),
+                   light_from(camera, -145.0f, 20.0f, glm::vec3(1.2f, 1.25f, 1.32f), 18.0f)};
+  glm::vec3& rim = studio.lights[2].direction;
+  const glm::vec3 level = rim - glm::dot(rim, vertical) * vertical;
+  if (is_direction(level)) rim = glm::normalize(glm::normalize(level) - kBelowHorizon * vertical);
+  studio.ambient = 0.5f * (kAbove + kBelow);
+  // It changes linearly with the sine of the normal's elevation.
+  for (int color = 0; color < 3; ++color) {
+    glm::mat4& shape = studio.ambient_shape.by_color[color];
+    for (int axis = 0; axis < 3; ++axis)
+      shape[axis][3] = shape[3][axis] = 0.25f * (kAbove[color] - kBelow[color]) * vertical[axis];
+  }
+  return studio;
 }
 
 }  // namespace umbrage

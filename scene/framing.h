@@ -12,6 +12,12 @@ namespace umbrage {
 struct Framing {
   std::optional<glm::vec3> position, focal_point, view_up, direction;
   std::optional<float> view_angle_deg;  ///< vertical field of view
+  float usual_view_angle_deg = 30.0f;   ///< that of a fitted camera without view_angle_deg
+  float margin = 0.06f;                 ///< fraction of the picture left free on each side of a fitted model
+  /// A fitted camera centres the model together with its shadow on Scene::ground_object, if the key light, the scene's
+  /// or else that of studio_lighting, is parallel, and as far as the model keeps a margin of 0.06. The picture's window
+  /// is shifted, not the camera.
+  bool centers_shadow = false;
   float azimuth_deg = 0.0f, elevation_deg = 0.0f;
   float zoom = 1.0f;  ///< above 1: the model fills more of the picture
   bool orthographic = false;
@@ -32,11 +38,9 @@ Camera frame_scene(const Scene& scene, const Framing& framing, int width, int he
 /// shadow. Its disc spans 4 degrees, so that ray-traced shadows are slightly soft.
 std::vector<Light> default_lights(const Scene& scene, const Camera& camera);
 
-/// Returns studio lights: a large white key light from above and to the left, and a weaker, larger fill light from the
-/// other side, both with soft shadows.
-std::vector<Light> studio_lights(const Camera& camera);
-
-/// Ambient light to use with studio_lights.
-inline constexpr float kStudioAmbient = 0.42f;
+/// Returns studio lighting, relative to the camera: a large warm key light from above and to the left; a larger, cool
+/// fill light from the other side; a rim light from behind and above; all with soft shadows. Ambient light is cool from
+/// above, in the direction `up`, and weaker and warm from below.
+Lighting studio_lighting(const Camera& camera, const glm::vec3& up);
 
 }  // namespace umbrage

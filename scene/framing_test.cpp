@@ -13,6 +13,7 @@
 #include <string>
 
 #include "scene/finish.h"
+#include "scene/ground.h"
 
 namespace umbrage {
 namespace {
@@ -65,6 +66,42 @@ glm::vec3 forward_of(const Camera& camera) {
 void expect_near(const glm::vec3& a, const glm::vec3& b, float tolerance) {
   EXPECT_LT(glm::distance(a, b), tolerance)
       << a.x << " " << a.y << " " << a.z << " | " << b.x << " " << b.y << " " << b.z;
+}
+
+/// Returns a lump with a ground below.
+Scene lump_on_ground(const glm::vec3& half) {
+  Scene scene = lump(half, {3, 1, 0});
+  add_ground(scene);
+  return scene;
+}
+
+Extent model_extent_of(Scene scene, const Camera& camera) {
+  scene.meshes.resize(1);
+  return extent_of(scene, camera);
+}
+
+TEST(Framing, AModelAndItsShadowAreCentred) {
+  for (const glm::vec3& half : {glm::vec3(1, 1, 1), glm::vec3(0.5f, 2, 0.5f), glm::vec3(3, 1, 2)})
+    for (const bool orthographic : {false, true})
+      for (const float zoom : {1.0f, 2.0f}) {
+        const Scene scene = lump_on_ground(half);
+        Framing framing{.usual_view_angle_deg = 35.0f, .margin = 0.11f, .zoom = zoom, .orthographic = orthographic};
+        const Camera plain = frame_scene(scene, framing, 300, 300);
+        framing.centers_shadow = true;
+        const Camera shifted = frame_scene(scene, framing, 300, 300);
+        const Extent before = model_extent_of(scene, plain), after = model_extent_of(scene, shifted);
+        EXPECT_NEAR(before.fill(), zoom * 0.78f, 0.002f);
+        EXPECT_NEAR(after.fill(), before.fill(), 1e-4f);
+        // The key light is at the left: the shadow falls to the right, the model moves to the left.
+        EXPECT_LT(after.left, before.left - 0.02f * zoom);
+        EXPECT_GE(after.left, zoom * -0.8801f);
+        EXPECT_EQ(shifted.view_from_world, plain.view_from_world);
+        if (!orthographic) {
+          EXPECT_NEAR(zoom * (shifted.top - shifted.bottom), 2.0f * std::tan(glm::radians(17.5f)), 1e-5f);
+        }
+        framing.focal_point = scene.center();
+        EXPECT_EQ(frame_scene(scene, framing, 300, 300).left, -frame_scene(scene, framing, 300, 300).right);
+      }
 }
 
 TEST(Framing, FillsThePictureAndIsCentered) {

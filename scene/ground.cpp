@@ -159,6 +159,7 @@ bool lacks_own_ground(const Scene& scene) {
 void add_ground(Scene& scene, std::optional<float> lowest_light_deg) {
   constexpr int kCorners = 96;
   constexpr float kDefaultRadius = 3.0f;  // radius in radii of the model: enough for its shadow in typical light
+  constexpr float kDefaultFade = 1.4f;    // likewise: a longer shadow would end at the picture's border
   constexpr float kMaxRadius = 16.0f;
   // Distance of the disc below the model, as a fraction of the model's radius: keeps its lowest faces visible.
   constexpr float kOffsetBelow = 1e-4f;
@@ -166,6 +167,7 @@ void add_ground(Scene& scene, std::optional<float> lowest_light_deg) {
   const Extent extent = extent_of(scene, axes);
   const float radius = scene.radius();
   float radii = kDefaultRadius;
+  scene.ground_fade_distance = kDefaultFade * radius;
   if (lowest_light_deg) {
     const float max_shadow_length = 4.0f / std::tan(glm::radians(std::clamp(*lowest_light_deg, 1.0f, 90.0f)));
     radii = std::clamp(kDefaultRadius + max_shadow_length, kDefaultRadius, kMaxRadius);

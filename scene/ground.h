@@ -12,9 +12,10 @@ namespace umbrage {
 bool lacks_own_ground(const Scene& scene);
 
 /// Adds a white diffuse disc under the scene, several times wider than the scene, as a separate object
-/// (Scene::ground_object). The bounds of the scene do not change. `lowest_light_deg`: height of the lowest light above
-/// the horizon, degrees; if set, the disc extends as far as the shadows of this light do, up to a limit, and shadows
-/// fade out over the outer half of the disc (Scene::ground_fade_distance).
+/// (Scene::ground_object). The bounds of the scene do not change. Shadows fade out from half of
+/// Scene::ground_fade_distance on, which is 1.4 radii of the scene. `lowest_light_deg`: height of the lowest light
+/// above the horizon, degrees; if set, the disc extends as far as the shadows of this light do, up to a limit, and
+/// shadows fade out over the outer half of the disc.
 void add_ground(Scene& scene, std::optional<float> lowest_light_deg = {});
 
 }  // namespace umbrage

@@ -133,7 +133,7 @@ TEST_F(Cli, PassesArePlanes) {
   for (const char* name : {"depth", "normal.x", "normal.y", "normal.z", "albedo.r", "specular", "shininess", "shadow",
                            "object_id", "material_id", "direct.r", "ambient.b", "ao", "lit.g", "color.r"})
     EXPECT_NE(all.find(name), nullptr) << name;
-  good("tri.obj -o two.exr --passes depth,normal" + kSmall);
+  good("tri.obj --look unsharp -o two.exr --passes depth,normal" + kSmall);
   const Image two = image("two.exr");
   EXPECT_EQ(std::set<std::string>(two.names.begin(), two.names.end()),
             (std::set<std::string>{"depth", "normal.x", "normal.y", "normal.z"}));

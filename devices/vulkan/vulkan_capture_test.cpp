@@ -38,7 +38,8 @@ TEST_P(VulkanCaptureShots, PlanesMatchEmbree) {
   framing.orthographic = shot.orthographic;
   const Camera camera = frame_scene(*scene, framing, shot.settings.width, shot.settings.height);
   if (scene->lights.empty())
-    scene->lights = shot.settings.shadow_rays > 0 ? studio_lights(camera) : default_lights(*scene, camera);
+    scene->lights =
+        shot.settings.shadow_rays > 0 ? studio_lighting(camera, scene->up).lights : default_lights(*scene, camera);
   const test::Both both{test::captured(*device, *scene, camera, shot.settings),
                         test::captured(*make_cpu_device(), *scene, camera, shot.settings)};
   ASSERT_EQ(both.gpu.names, both.cpu.names);

@@ -1,0 +1,259 @@
+// Tests of the pictures of the look `studio`: brightness, contrast, light, background and composition.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "devices/cpu/cpu_device.h"
+#include "generators/builtin.h"
+#include "looks/metering.h"
+#include "renderer/draw.h"
+#include "scene/finish.h"
+#include "scene/framing.h"
+#include "scene/ground.h"
+#include "support.h"
+
+namespace umbrage {
+namespace {
+
+constexpr int kSide = 160;
+
+/// Returns a closed surface of revolution about the y axis that stands on height 0; `radius_at` takes the height, 0 to
+/// 1, and the angle.
+template <class Radius>
+Scene turned_body(Radius radius_at, float height = 1.0f) {
+  constexpr int kRows = 60, kColumns = 90;
+  Mesh mesh;
+  for (int row = 0; row <= kRows; ++row)
+    for (int column = 0; column < kColumns; ++column) {
+      const float v = float(row) / kRows, angle = 6.2831853f * float(column) / kColumns;
+      const float radius = radius_at(v, angle);
+      mesh.positions.emplace_back(radius * std::cos(angle), height * v, -radius * std::sin(angle));
+    }
+  for (int row = 0; row < kRows; ++row)
+    for (int column = 0; column < kColumns; ++column) {
+      const auto at = [&](int r, int c) { return std::uint32_t(r * kColumns + c % kColumns); };
+      const std::uint32_t a = at(row, column), b = at(row, column + 1), c = at(row + 1, column),
+                          d = at(row + 1, column + 1);
+      mesh.indices.insert(mesh.indices.end(), {a, b, d, a, d, c});
+    }
+  Scene scene;
+  scene.name = "body";
+  scene.materials.resize(1);
+  scene.meshes = {mesh};
+  finish_scene(scene);
+  return scene;
+}
+
+struct NamedScene {
+  std::string name;
+  Scene scene;
+};
+
+/// Models of different shape: round, bumpy, a vessel, flat, tall.
+std::vector<NamedScene> models() {
+  const auto sphere = [](float v, float) { return std::sqrt(std::max(v * (1.0f - v), 0.0f)); };
+  const auto bumpy = [&](float v, float angle) {
+    return sphere(v, angle) * (1.0f + 0.12f * std::sin(7.0f * angle) * std::sin(20.0f * v));
+  };
+  const auto vase = [](float v, float) { return 0.3f + 0.12f * std::sin(6.0f * v); };
+  std::vector<NamedScene> all = {{"sphere", turned_body(sphere)},
+                                 {"bumpy", turned_body(bumpy)},
+                                 {"vase", turned_body(vase)},
+                                 {"disc", turned_body(bumpy, 0.3f)},
+                                 {"tall", turned_body(bumpy, 3.0f)}};
+  for (const char* name : {"claw", "tank", "solids"})
+    all.push_back({name, *make_builtin_scene(fmt::format("scene:{}?detail=8000", name))});
+  return all;
+}
+
+struct Picture {
+  Image image;
+  PictureInfo info;
+  bool is_model(int x, int y) const { return std::isfinite(image.plane("depth").at(x, y)); }
+  /// The value that a file of 8 bits holds, without rounding; luma for a whole colour.
+  double value(int x, int y) const {
+    return 255.0 *
+           (0.2126 * image.planes[0].at(x, y) + 0.7152 * image.planes[1].at(x, y) + 0.0722 * image.planes[2].at(x, y));
+  }
+};
+
+Picture studio(Scene scene, Request request = {}) {
+  request.look = "studio";
+  request.width = request.height = kSide;
+  complete_scene(scene, *make_recipe(request));
+  const auto device = make_cpu_device();
+  EXPECT_TRUE(device->prepare(scene));
+  StageTimes times;
+  const auto frame = draw(*device, scene, request, times);
+  EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
+  return {*device->download(*frame, {"color.r", "color.g", "color.b", "color.a", "depth"}), frame->info};
+}
+
+std::vector<double> model_values(const Picture& picture) {
+  std::vector<double> values;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x)
+      if (picture.is_model(x, y)) values.push_back(picture.value(x, y));
+  std::sort(values.begin(), values.end());
+  return values;
+}
+
+double percentile(const std::vector<double>& sorted, double percent) {
+  return sorted[std::size_t(percent / 100.0 * double(sorted.size() - 1))];
+}
+
+TEST(StudioLook, ModelsAreMiddleGreyWithDarkAndLightParts) {
+  for (const auto& [name, scene] : models()) {
+    const auto values = model_values(studio(scene));
+    ASSERT_GT(values.size(), 1000u) << name;
+    EXPECT_GE(percentile(values, 50), 142.0) << name;
+    EXPECT_LE(percentile(values, 50), 168.0) << name;
+    EXPECT_LE(percentile(values, 1), 95.0) << name;
+    EXPECT_GE(percentile(values, 1), 5.0) << name;
+    EXPECT_GE(percentile(values, 99), 170.0) << name;
+    EXPECT_LE(percentile(values, 99), 248.0) << name;
+    EXPECT_LT(values.back(), 255.0) << name;
+  }
+}
+
+TEST(StudioLook, DarkModelsAreDarker) {
+  const auto median = [](float albedo) {
+    Scene scene = turned_body([](float v, float) { return std::sqrt(std::max(v * (1.0f - v), 0.0f)); });
+    scene.materials[0].albedo = glm::vec3(albedo);
+    return percentile(model_values(studio(scene)), 50);
+  };
+  const double white = median(0.8f), grey = median(0.2f), black = median(0.02f);
+  EXPECT_LT(grey, white - 3.0);
+  EXPECT_GT(grey, white - 40.0);
+  EXPECT_LT(black, grey - 30.0);
+}
+
+TEST(StudioLook, BackgroundIsAGradientAndPlainOnRequest) {
+  const Scene scene = turned_body([](float, float) { return 0.3f; });
+  const Picture picture = studio(scene, {.ground = "off"});
+  for (const int x : {0, kSide - 1}) {
+    for (int y = 1; y < kSide; ++y) EXPECT_GT(picture.value(x, y), picture.value(x, y - 1)) << x << ' ' << y;
+    EXPECT_NEAR(picture.value(x, 0), 200.0, 8.0);
+    EXPECT_NEAR(picture.value(x, kSide - 1), 233.0, 3.0);
+  }
+  const Picture white = studio(scene, {.ground = "off", .background = Vector3{1.0f, 1.0f, 1.0f}});
+  for (const int y : {0, kSide / 2, kSide - 1}) EXPECT_EQ(white.image.planes[1].at(0, y), 1.0f);
+}
+
+TEST(StudioLook, ShadowsEndBeforeTheBorder) {
+  for (const auto& [name, scene] : models()) {
+    if (!scene.views.empty()) continue;  // cameras of their own, which a model may fill to the border
+    const Picture with = studio(scene), without = studio(scene, {.ground = "off"});
+    double worst = 0.0;
+    long shaded = 0;
+    for (int y = 0; y < kSide; ++y) {
+      const double empty = without.value(0, y);  // the background depends on the row alone
+      for (const int x : {0, kSide - 1}) worst = std::max(worst, empty - with.value(x, y));
+      for (int x = 0; x < kSide; ++x) {
+        if (y == 0 || y == kSide - 1) worst = std::max(worst, empty - with.value(x, y));
+        shaded += !with.is_model(x, y) && with.value(x, y) < empty - 40.0;
+      }
+    }
+    EXPECT_LT(worst, 1.0) << name;
+    EXPECT_GT(shaded, 150) << name;
+  }
+}
+
+TEST(StudioLook, ModelsFillThreeQuartersOfTheHeight) {
+  const Picture picture = studio(turned_body([](float v, float) { return 0.2f + 0.02f * v; }));
+  int first = kSide, last = 0;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x)
+      if (picture.is_model(x, y)) first = std::min(first, y), last = y;
+  EXPECT_GE(last - first + 1, 0.75 * kSide);
+  EXPECT_LE(last - first + 1, 0.80 * kSide);
+  const Camera& camera = picture.info.camera;
+  EXPECT_NEAR(2.0 * std::atan(0.5 * (camera.top - camera.bottom)) * 180.0 / 3.14159265, 35.0, 1.0);
+}
+
+TEST(StudioLook, LightIsWarmAgainstCool) {
+  const Camera camera = perspective_camera({1, 2, 5}, {0, 0, 0}, {0, 1, 0}, 35.0f, 1.0f);
+  const Lighting lighting = studio_lighting(camera, {0, 1, 0});
+  ASSERT_EQ(lighting.lights.size(), 3u);
+  const auto luminance = [](const glm::vec3& c) { return glm::dot(c, glm::vec3(0.2126f, 0.7152f, 0.0722f)); };
+  const Light& key = lighting.lights[0];
+  const Light& fill = lighting.lights[1];
+  const Light& rim = lighting.lights[2];
+  EXPECT_GT(key.color.r, 1.1f * key.color.b);
+  EXPECT_GT(fill.color.b, 1.1f * fill.color.r);
+  // What faces the key light is about three times as bright as what only the fill light and ambient light reach.
+  const glm::vec3 level(0, 0, 1);
+  const float filled = luminance(fill.color + lighting.ambient + lighting.ambient_shape.at(level));
+  const float lit = luminance(key.color + lighting.ambient + lighting.ambient_shape.at(key.direction));
+  EXPECT_GT(lit / filled, 2.5f);
+  EXPECT_LT(lit / filled, 6.0f);
+  // The rim light is behind the model, and does not reach level ground.
+  EXPECT_LT(glm::dot(rim.direction, camera.eye()), 0.0f);
+  EXPECT_LT(rim.direction.y, 0.0f);
+  EXPECT_GT(rim.direction.y, -0.1f);
+  // Ambient light comes from above.
+  for (const glm::vec3& up : {glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)}) {
+    const AmbientShape shape = studio_lighting(camera, up).ambient_shape;
+    EXPECT_NEAR(luminance(shape.at(up)), 0.074f, 0.003f);
+    EXPECT_NEAR(luminance(shape.at(up) + shape.at(-up)), 0.0f, 1e-6f);
+  }
+}
+
+TEST(StudioLook, FacesOfOtherDirectionsDiffer) {
+  Scene scene;
+  scene.name = "box";
+  scene.materials.resize(1);
+  Mesh mesh;
+  for (int k = 0; k < 8; ++k)
+    mesh.positions.emplace_back(k & 1 ? 0.5f : -0.5f, k & 2 ? 1.0f : 0.0f, k & 4 ? 0.5f : -0.5f);
+  mesh.indices = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                  2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
+  scene.meshes = {mesh};
+  finish_scene(scene);
+  const Picture picture = studio(scene, {.ground = "off"});
+  // The mean of each visible face, by the pixel's position on the box.
+  double sum[3] = {};
+  long count[3] = {};
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      if (!picture.is_model(x, y)) continue;
+      const test::PixelRay ray = test::ray_of(picture.info, x, y);
+      const glm::dvec3 p = ray.at(picture.image.plane("depth").at(x, y));
+      for (int axis = 0; axis < 3; ++axis)
+        if (std::fabs(p[axis] - (axis == 1 ? 1.0 : 0.5)) < 0.01) sum[axis] += picture.value(x, y), ++count[axis];
+    }
+  for (int axis = 0; axis < 3; ++axis) ASSERT_GT(count[axis], 300) << axis;
+  const double right = sum[0] / double(count[0]), top = sum[1] / double(count[1]), front = sum[2] / double(count[2]);
+  EXPECT_GT(std::fabs(top - front), 15.0);
+  EXPECT_GT(std::fabs(top - right), 15.0);
+  EXPECT_GT(std::fabs(front - right), 15.0);
+}
+
+/// Returns the stops by the median for a picture of which a tenth is `bright` and the rest `v`.
+float stops_by_median(float v, float bright) {
+  GBuffer g = test::empty_gbuffer(60, 60);
+  for (const char* name : {"lit.r", "lit.g", "lit.b"}) {
+    Plane& plane = g.layers[0].add(name) = Plane(60, 60, v);
+    for (int y = 0; y < 6; ++y)
+      for (int x = 0; x < 60; ++x) plane.at(x, y) = bright;
+  }
+  g.layers[0].add("depth") = Plane(60, 60, 1.0f);
+  const auto device = make_cpu_device();
+  const auto frame = device->upload(g);
+  return **metered_stops(*device, *frame, Exposure::kMedian);
+}
+
+TEST(StudioLook, MeteringByTheMedian) {
+  EXPECT_NEAR(stops_by_median(kMeteredMedian, kMeteredMedian), 0.0, 1e-5);
+  EXPECT_NEAR(stops_by_median(0.25f * kMeteredMedian, 0.5f * kMeteredMedian), 1.8, 1e-4);
+  EXPECT_NEAR(stops_by_median(2.0f * kMeteredMedian, 2.0f * kMeteredMedian), -0.9, 1e-4);
+  EXPECT_NEAR(stops_by_median(1e-6f, 1e-6f), 2.5, 1e-5) << "what is black stays black";
+  EXPECT_NEAR(stops_by_median(kMeteredMedian, 2.0f * kMeteredBright), -0.9, 1e-4) << "bright parts are kept";
+  EXPECT_EQ(stops_by_median(0.0f, 0.0f), 0.0f);
+}
+
+}  // namespace
+}  // namespace umbrage
