@@ -43,7 +43,7 @@ Result<std::optional<float>> metered_stops(Device& device, const Frame& frame, E
 
 inline constexpr float kMeteredWhite = 0.72f;   ///< target luminance of the brightest surfaces
 inline constexpr float kMeteredGrey = 0.2f;     ///< target of the geometric mean of the luminance
-inline constexpr float kMeteredBright = 1.45f;  ///< bound of the brightest surfaces, without highlights
-inline constexpr float kMeteredMedian = 0.37f;  ///< target of the median: 157 of 255 after output.tone=neutral
+inline constexpr float kMeteredBright = 1.0f;   ///< bound of the brightest surfaces, without highlights
+inline constexpr float kMeteredMedian = 0.38f;  ///< target of the median: 159 of 255 after output.tone=neutral
 
 }  // namespace umbrage
