@@ -107,6 +107,7 @@ bound[kBoundPlanes];
 #define IN_REAL(name) IN_REAL_AT(name, 0)
 #define IN_VECTOR(name) IN_TRIPLE_AT(name, 0, x, y, z)
 #define IN_COLOR(name) IN_TRIPLE_AT(name, 0, r, g, b)
+#define IN_ALPHA(name) IN_REAL_AT(name##_a, 0)
 // Defines read_NAME_of(layer, place) for a plane that every layer has. `layer` is the same for all pixels. The code
 // selects the plane and then reads once, instead of selecting among values, since lavapipe runs all cases of a switch.
 #define SLOT_OF_LAYER(name)                      \

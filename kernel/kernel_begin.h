@@ -58,6 +58,10 @@ FN Bool near_inside(int i, int j) const { return view.inside(i, j); }
     return Vec3{view.block(name##_plane_0, f, i, j), view.block(name##_plane_1, f, i, j),                              \
                 view.block(name##_plane_2, f, i, j)};                                                                  \
   }
+// Declares the fourth plane of a colour, which IN_COLOR does not include.
+#define IN_ALPHA(name)                                  \
+  const float* name##_a_plane = view.plane(#name ".a"); \
+  FN Real near_##name##_a(int i, int j) const { return view.near(name##_a_plane, i, j); }
 #define IN_VECTOR(name) IN_TRIPLE(name, "x", "y", "z")
 #define IN_COLOR(name) IN_TRIPLE(name, "r", "g", "b")
 // Declares an input plane of every layer: read_NAME_of(layer, place), near_NAME_of(layer, i, j). A kernel reads only

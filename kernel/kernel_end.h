@@ -12,6 +12,7 @@
 #undef IN_LAYERS_VECTOR
 #undef IN_LAYERS_COLOR
 #undef OUT_REAL
+#undef IN_ALPHA
 #undef OUT_ALPHA
 #undef OUT_TRIPLE
 #undef OUT_VECTOR

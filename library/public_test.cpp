@@ -159,7 +159,7 @@ Rendered rendered_solids(bool orthographic) {
   const auto outcome = umb::render({.model = kSolids,
                                     .look = "ao",
                                     .occlusion = "bitmask",
-                                    .settings = {"bitmask.radius=0.7"},
+                                    .settings = {"bitmask.radius=0.7", "denoise.rounds=0"},
                                     .width = 64,
                                     .height = 48,
                                     .device = "cpu",

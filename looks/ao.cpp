@@ -7,7 +7,7 @@ Look look_ao() {
   return {.name = "ao",
           .summary = "the occlusion alone: white is open, black is occluded",
           .occlusion = "unsharp",
-          .effects = {"occlusion", "composite", "output"},
+          .effects = {"occlusion", "denoise", "composite", "output", "antialias"},
           .presets = {"unsharp.kernel=5%", "unsharp.threshold=0.15", "unsharp.linearization=extent",
                       "unsharp.strength=16", "unsharp.background=ignore", "unsharp.white_edge=off",
                       "composite.mode=occlusion", "output.transfer=none", "output.background_r=0.8",

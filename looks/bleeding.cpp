@@ -8,7 +8,7 @@ Look look_bleeding() {
   return {.name = "bleeding",
           .summary = "the scene's own materials and lights, with shadows, occlusion and colour bleeding",
           .occlusion = "hemisphere",
-          .effects = {"lighting", "occlusion", "denoise", "composite", "output"},
+          .effects = {"lighting", "occlusion", "denoise", "composite", "output", "antialias"},
           .presets = {"hemisphere.samples=32", "hemisphere.radius=25%", "hemisphere.bleeding=1", "hemisphere.weight=2",
                       "hemisphere.ambient_bounce=0.5", "denoise.rounds=3", "denoise.indirect=1", "lighting.ambient=0.6",
                       "output.exposure=0.5", "output.background_r=0.72", "output.background_g=0.77",

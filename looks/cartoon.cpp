@@ -11,7 +11,7 @@ Look look_cartoon() {
   return {.name = "cartoon",
           .summary = "toon shading with coloured shadows, contact shadows and clean outlines",
           .occlusion = "sphere",
-          .effects = {"occlusion", "denoise", "gaussian", "toon", "outline", "output"},
+          .effects = {"occlusion", "denoise", "gaussian", "toon", "outline", "output", "antialias"},
           .presets = {"sphere.samples=32",        "sphere.shape=hemisphere",
                       "sphere.reach=4%",          "sphere.depth=linear",
                       "sphere.sample_z=on",       "sphere.range=smooth",

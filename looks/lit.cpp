@@ -8,7 +8,7 @@ Look look_lit() {
       .name = "lit",
       .summary = "the scene's own materials and lights, with shadow and occlusion",
       .occlusion = "unsharp",
-      .effects = {"lighting", "occlusion", "composite", "output"},
+      .effects = {"lighting", "occlusion", "composite", "output", "antialias"},
       .presets = {"unsharp.kernel=4%", "unsharp.threshold=0.15", "unsharp.linearization=extent", "unsharp.strength=12",
                   "unsharp.background=ignore", "unsharp.white_edge=off", "composite.mode=multiply",
                   "output.background_r=0.72", "output.background_g=0.77", "output.background_b=0.82"},

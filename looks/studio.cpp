@@ -8,7 +8,7 @@ Look look_studio() {
   return {.name = "studio",
           .summary = "soft light with shadows, occlusion and indirect light, on a ground that shows only its shadow",
           .occlusion = "bitmask",
-          .effects = {"lighting", "occlusion", "denoise", "composite", "ground", "hide_ground", "output"},
+          .effects = {"lighting", "occlusion", "denoise", "composite", "ground", "hide_ground", "output", "antialias"},
           .presets = {"bitmask.bleeding=1", "bitmask.radius=50%", "composite.direct=0.6", "denoise.rounds=2",
                       "denoise.indirect=1", "denoise.light_rounds=3", "lighting.open=on", "lighting.gloss=0.12",
                       "ground.border=15", "output.metering=median", "output.tone=neutral", "output.background_r=0.91",

@@ -9,7 +9,7 @@ Look look_unsharp() {
   return {.name = "unsharp",
           .summary = "white clay with the unsharp mask of the depth buffer subtracted, as in the paper",
           .occlusion = "unsharp",
-          .effects = {"lighting", "occlusion", "composite", "output"},
+          .effects = {"lighting", "occlusion", "composite", "output", "antialias"},
           .presets = {"lighting.material=clay", "lighting.rig=key", "lighting.shadow=0", "unsharp.kernel=3.90625%",
                       "unsharp.threshold=0.02", "unsharp.linearization=listing", "unsharp.background=far",
                       "composite.mode=subtract", "output.transfer=none", "output.background_r=0.36",

@@ -7,6 +7,7 @@
 #include "core/check.h"
 #include "core/light_rig.h"
 #include "core/suggest.h"
+#include "effects/antialias/antialias.h"
 #include "effects/ground/ground.h"
 #include "effects/output/output.h"
 #include "looks/quality.h"
@@ -252,13 +253,16 @@ Result<CaptureSettings> capture_settings(const Request& request, const Look& loo
   return settings;
 }
 
-Result<Recipe> make_recipe(const Request& request, long max_pixels) {
+namespace {
+
+/// `many`: several pictures may be averaged, which takes a camera that moves.
+Result<Recipe> make_recipe_of(const Request& request, long max_pixels, bool many) {
   if (auto fine = check_request(request, max_pixels); !fine) return fine.error();
   Recipe recipe{.width = request.width, .height = request.height};
   if (auto found = resolve_names(request, recipe); !found) return found.error();
   const Look& look = *recipe.look;
   const Quality* quality = quality_of(request, look);
-  recipe.frames = request.anti_aliasing.value_or(quality ? quality->frames : look.frames);
+  if (many) recipe.frames = request.anti_aliasing.value_or(quality ? quality->frames : look.frames);
   if (auto fine = resolve_scale(request, quality, recipe); !fine) return fine.error();
   if (!request.occlusion_radius.empty()) recipe.radius = *parse_length("occlusion_radius", request.occlusion_radius);
   recipe.framing = framing_of(request.camera);
@@ -278,6 +282,9 @@ Result<Recipe> make_recipe(const Request& request, long max_pixels) {
   if (quality)
     apply_presets(quality->name, recipe.frames > 1 ? quality->settings_of_averaged : quality->settings,
                   recipe.settings);
+  // The average of several pictures has smooth edges already, and `anti_aliasing` 1 asks for pixels as they are.
+  if (recipe.frames > 1 || request.anti_aliasing)
+    as<AntialiasParams>(params_of(recipe.settings, "antialias")).search = 0;
   apply_environment(request, recipe);
   // The reference computes indirect light, too, if the look's technique does, unless the request sets it.
   if (recipe.occlusion == reference_effect().name && computes_indirect_light(look, recipe.settings))
@@ -290,12 +297,17 @@ Result<Recipe> make_recipe(const Request& request, long max_pixels) {
   return recipe;
 }
 
+}  // namespace
+
+Result<Recipe> make_recipe(const Request& request, long max_pixels) {
+  return make_recipe_of(request, max_pixels, true);
+}
+
 Result<Recipe> make_shading_recipe(const Request& request) {
   if (!request.effects.empty()) return recipe_of_effects(request);
   Request picture = request;
-  picture.anti_aliasing = 1;  // the G-buffer has a fixed camera
-  picture.passes.clear();     // checked later against the planes of the shaded frame
-  auto recipe = make_recipe(picture);
+  picture.passes.clear();  // checked later against the planes of the shaded frame
+  auto recipe = make_recipe_of(picture, kMaxPixels, false);
   if (!recipe) return recipe;
   if (!find_effect(recipe->occlusion) && recipe->occlusion != kNoOcclusion)
     return usage_error("`occlusion` {} needs the model: it cannot shade a G-buffer", recipe->occlusion);

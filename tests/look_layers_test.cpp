@@ -39,7 +39,7 @@ std::vector<std::string> planes_with(const Effect& technique, const CaptureSetti
                 .run_external_effect = [](const Effect&, const ParameterBytes&, Frame&) -> Result<void> { return {}; }},
                *device, *frame);
   EXPECT_TRUE(done);
-  EXPECT_EQ(stages, (std::vector<std::string>{"lighting", "reader", "composite", "output"}));
+  EXPECT_EQ(stages, (std::vector<std::string>{"lighting", "reader", "composite", "output", "antialias"}));
   return device->download_all(*frame)->names;
 }
 

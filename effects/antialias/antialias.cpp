@@ -1,0 +1,64 @@
+// The parameter table, kernel constants and dispatches of `antialias` [Reshetov 2009].
+#include "effects/antialias/antialias.h"
+
+#include "core/effect.h"
+#include "kernels/antialias.h"
+#include "kernels/antialias_edges.h"
+#include "kernels/antialias_search.h"
+
+namespace umbrage {
+namespace {
+
+const std::vector<Parameter> kTable = {
+    real_row("threshold", &AntialiasParams::threshold, {.initial = 0.06, .min = 0.001, .max = 1},
+             "difference of a channel of the picture from which two pixels have an edge between them"),
+    int_row("search", &AntialiasParams::search, {.initial = 24, .max = 64, .unit = "px", .zero_means = "off"},
+            "how far an edge is followed in each direction"),
+};
+
+void fill_constants(const AntialiasParams& params, const PictureInfo&, AntialiasConstants& c) {
+  c = {params.threshold, params.search};
+}
+
+bool runs(const ParameterBytes& bytes) { return as<AntialiasParams>(bytes).search > 0; }
+
+// Rows above and below that the dispatches read: edges two, the search as far as it goes, the mixing one.
+int reach_of_edges(const void*, int) { return 2; }
+int reach_of_search(const void* constants, int) {
+  return static_cast<const AntialiasConstants*>(constants)->search + 1;
+}
+int reach_of_blend(const void*, int) { return 1; }
+
+}  // namespace
+
+Effect effect_antialias() {
+  return output_effect<fill_constants>(
+      kTable,
+      {.name = "antialias",
+       .summary = "smooth the stair steps of edges of the finished picture",
+       .source = "Reshetov 2009",
+       .variants = {""},
+       .dispatches = {
+           {.name = "edges",
+            .inputs = {"color.r", "color.g", "color.b", "color.a"},
+            .outputs = {"antialias_edges", "antialias_color.r", "antialias_color.g", "antialias_color.b",
+                        "antialias_color.a"},
+            .kernel = antialias_edges_kernel(),
+            .needed = runs,
+            .reach = reach_of_edges},
+           {.name = "search",
+            .inputs = {"antialias_edges"},
+            .outputs = {"antialias_from_left", "antialias_to_left", "antialias_from_above", "antialias_to_above"},
+            .kernel = antialias_search_kernel(),
+            .needed = runs,
+            .reach = reach_of_search},
+           {.name = "blend",
+            .inputs = {"antialias_color.r", "antialias_color.g", "antialias_color.b", "antialias_color.a",
+                       "antialias_from_left", "antialias_to_left", "antialias_from_above", "antialias_to_above"},
+            .outputs = {"color.r", "color.g", "color.b", "color.a"},
+            .kernel = antialias_kernel(),
+            .needed = runs,
+            .reach = reach_of_blend}}});
+}
+
+}  // namespace umbrage
