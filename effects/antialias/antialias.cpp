@@ -10,8 +10,9 @@ namespace umbrage {
 namespace {
 
 const std::vector<Parameter> kTable = {
-    real_row("threshold", &AntialiasParams::threshold, {.initial = 0.06, .min = 0.001, .max = 1},
-             "difference of a channel of the picture from which two pixels have an edge between them"),
+    real_row("threshold", &AntialiasParams::threshold, {.initial = 0.04, .min = 0.001, .max = 1},
+             "difference of a channel of the picture above which two pixels have an edge between them; twice this is a "
+             "clear edge"),
     int_row("search", &AntialiasParams::search, {.initial = 24, .max = 64, .unit = "px", .zero_means = "off"},
             "how far an edge is followed in each direction"),
 };
@@ -41,13 +42,13 @@ Effect effect_antialias() {
        .dispatches = {
            {.name = "edges",
             .inputs = {"color.r", "color.g", "color.b", "color.a"},
-            .outputs = {"antialias_edges", "antialias_color.r", "antialias_color.g", "antialias_color.b",
-                        "antialias_color.a"},
+            .outputs = {"antialias_edge_left", "antialias_edge_above", "antialias_color.r", "antialias_color.g",
+                        "antialias_color.b", "antialias_color.a"},
             .kernel = antialias_edges_kernel(),
             .needed = runs,
             .reach = reach_of_edges},
            {.name = "search",
-            .inputs = {"antialias_edges"},
+            .inputs = {"antialias_edge_left", "antialias_edge_above"},
             .outputs = {"antialias_from_left", "antialias_to_left", "antialias_from_above", "antialias_to_above"},
             .kernel = antialias_search_kernel(),
             .needed = runs,

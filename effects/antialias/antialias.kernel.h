@@ -10,6 +10,8 @@ IN_REAL(antialias_to_above)
 OUT_COLOR(color)
 OUT_ALPHA(color)
 
+FN Real square(Real v) { return v * v; }
+
 FN void antialias_pixel(Int px, Int py) {
   Vec3 own = near_antialias_color(0, 0);
   Real alpha = near_antialias_color_a(0, 0);
@@ -18,12 +20,15 @@ FN void antialias_pixel(Int px, Int py) {
   Real above = near_antialias_from_above(0, 0);
   Real right = select(near_inside(1, 0), near_antialias_to_left(1, 0), none);
   Real below = select(near_inside(0, 1), near_antialias_to_above(0, 1), none);
-  // At a corner, where edges of both directions meet, those of the longer reach tell more.
-  Bool upright = left + right > above + below;
-  left = select(upright, left, none);
-  right = select(upright, right, none);
-  above = select(upright, none, above);
-  below = select(upright, none, below);
+  // At a corner, where edges of both directions meet, the direction that covers more prevails.
+  Real weight_across = square(square(left + right));
+  Real weight_along = square(square(above + below));
+  Real weights = weight_across + weight_along;
+  Real scale = Real(1.0f) / select(weights > 0.0f, weights, Real(1.0f));
+  left = left * (weight_across * scale);
+  right = right * (weight_across * scale);
+  above = above * (weight_along * scale);
+  below = below * (weight_along * scale);
   Bool changes = left + right + above + below > 0.0f;
   if (!some(changes)) {
     store_color(own);

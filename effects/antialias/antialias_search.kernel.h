@@ -6,52 +6,45 @@
 // middle between the two ends, and from there to the other end. So the pixels beside the border are covered in part by
 // the colour of the other side.
 //
-// `antialias_from_above` is the fraction of this pixel that the colour of the one above covers, `antialias_to_above` the
-// fraction of the pixel above that the colour of this one covers. `..._left`: the same to the left.
+// `antialias_from_above` is the fraction of this pixel that the colour of the one above covers, `antialias_to_above`
+// the fraction of the pixel above that the colour of this one covers. `..._left`: the same to the left.
 //
-// Differs: areas are computed, not looked up; edges across which two other edges leave, one to each side, count as ends
-// without a turn; no diagonal patterns.
-IN_REAL(antialias_edges)
+// Differs: areas are computed, not looked up, and weighted by the strengths of the edges; where edges turn off to both
+// sides, the line ends at the border; no diagonal patterns.
+IN_REAL(antialias_edge_left)
+IN_REAL(antialias_edge_above)
 OUT_REAL(antialias_from_left)
 OUT_REAL(antialias_to_left)
 OUT_REAL(antialias_from_above)
 OUT_REAL(antialias_to_above)
-
-FN Bool is_left_edge(Real edges) { return edges == Real(1.0f) || edges == Real(3.0f); }
-FN Bool is_above_edge(Real edges) { return edges >= Real(2.0f); }
 
 struct End {
   Real distance;  // pixels between this one and the last of the edge
   Real height;    // of the line at the end: 0.5 on this pixel's side of the border, -0.5 on the other, or 0
 };
 
-// Returns the flag of an edge along the border that is followed, or across it: `upright` selects the border to the
-// left.
-FN Bool along_of(Real edges, bool upright) {
-  if (upright) return is_left_edge(edges);
-  return is_above_edge(edges);
+// Returns the strength of an edge of the pixel (i, j) to the right and below, `upright`: of its left border.
+FN Real edge_of(bool upright, int i, int j) {
+  return upright ? near_antialias_edge_left(i, j) : near_antialias_edge_above(i, j);
 }
 
 // Follows the border above this pixel, or to its left if `upright`, in one direction: step -1 or 1.
-FN End end_of(Bool enabled, bool upright, int step) {
+FN End end_of(bool upright, int step) {
   End end = End(Real(0.0f), Real(0.0f));
-  Bool searching = enabled;
-  for (int k = 0; k <= C.search; ++k) {
-    if (!some(searching)) continue;
-    // Pixels on both sides of the border, behind the edge that crosses it.
+  Real remaining = Real(1.0f);  // the part of the edge that has not ended yet
+  for (int k = 0; k < C.search; ++k) {
+    if (!some(remaining > 0.0f)) continue;
+    // Edges that cross the end of pixel k, on this side of the border and on the other.
     int at = step * k + (step > 0 ? 1 : 0);
-    Real own = upright ? near_antialias_edges(0, at) : near_antialias_edges(at, 0);
-    Real other = upright ? near_antialias_edges(-1, at) : near_antialias_edges(at, -1);
-    Bool turns_here = along_of(own, !upright);
-    Bool turns_there = along_of(other, !upright);
+    Real here = edge_of(!upright, upright ? 0 : at, upright ? at : 0);
+    Real there = edge_of(!upright, upright ? -1 : at, upright ? at : -1);
+    end.height = mad(remaining * 0.5f, here - there, end.height);
+    remaining = remaining * (1.0f - max(here, there));
     int next = step * (k + 1);
-    Real beyond = upright ? near_antialias_edges(0, next) : near_antialias_edges(next, 0);
-    Bool inside = upright ? near_inside(0, next) : near_inside(next, 0);
-    Bool ends = searching && (turns_here || turns_there || !along_of(beyond, upright) || !inside);
-    Real height = select(turns_here, Real(0.5f), Real(0.0f)) - select(turns_there, Real(0.5f), Real(0.0f));
-    end.height = select(ends, height, end.height);
-    end.distance = select(searching, Real(float(k)), end.distance);
-    searching = searching && !ends;
+    Real beyond = edge_of(upright, upright ? 0 : next, upright ? next : 0);
+    Bool inside = near_inside(upright ? 0 : next, upright ? next : 0);
+    remaining = min(remaining, select(inside, beyond, Real(0.0f)));
+    end.distance = end.distance + remaining;
   }
   return end;
 }
@@ -69,24 +62,23 @@ struct Areas {
   Real from, to;  // covered on this pixel's side of the border, and on the other
 };
 
-FN Areas covered(Bool enabled, bool upright) {
+FN Areas covered(Real strength, bool upright) {
   Real none = Real(0.0f);
   Areas areas = Areas(none, none);
-  if (!some(enabled)) return areas;
-  End before = end_of(enabled, upright, -1);
-  End after = end_of(enabled, upright, 1);
+  if (!some(strength > 0.0f)) return areas;
+  End before = end_of(upright, -1);
+  End after = end_of(upright, 1);
   Real half_length = (before.distance + after.distance + 1.0f) * Real(0.5f);
-  Real first = area_of(before, half_length);
-  Real second = area_of(after, half_length);
-  areas.from = select(enabled, max(first, none) + max(second, none), none);
-  areas.to = select(enabled, max(-first, none) + max(-second, none), none);
+  Real first = area_of(before, half_length) * strength;
+  Real second = area_of(after, half_length) * strength;
+  areas.from = max(first, none) + max(second, none);
+  areas.to = max(-first, none) + max(-second, none);
   return areas;
 }
 
 FN void antialias_search_pixel(Int px, Int py) {
-  Real edges = near_antialias_edges(0, 0);
-  Areas left = covered(is_left_edge(edges), true);
-  Areas above = covered(is_above_edge(edges), false);
+  Areas left = covered(near_antialias_edge_left(0, 0), true);
+  Areas above = covered(near_antialias_edge_above(0, 0), false);
   store_antialias_from_left(left.from);
   store_antialias_to_left(left.to);
   store_antialias_from_above(above.from);

@@ -32,11 +32,13 @@ const std::vector<Parameter> kTable = {
         "the same colour"),
     real_row("direct", &CompositeParams::direct, {.max = 1, .zero_means = "off"},
              "modes ambient and bleeding: how much occlusion darkens direct light too"),
+    real_row("occlusion", &CompositeParams::occlusion, {.initial = 1, .max = kMaxFactor},
+             "factor for the occlusion of any technique"),
 };
 
 void fill_constants(const CompositeParams& params, const PictureInfo&, CompositeConstants& c) {
-  c = {params.mode,    params.darkness, params.chroma, params.contrast,
-       params.damping, params.albedo,   params.tint,   params.direct};
+  c = {params.mode,   params.darkness, params.chroma, params.contrast, params.damping,
+       params.albedo, params.tint,     params.direct, params.occlusion};
 }
 
 }  // namespace

@@ -10,6 +10,7 @@ struct CompositeParams {
   int albedo;                        // albedo for bounced light: 0 linear, 1 in display values
   float tint;                        // 0 to 1; 0: off
   float direct;                      // 0 to 1; 0: off
+  float occlusion;                   // factor for 1 - ao
 };
 
 struct CompositeConstants {
@@ -19,6 +20,7 @@ struct CompositeConstants {
   int display;  // 0 or 1: albedo for bounced light in display values
   float tint;
   float direct;
+  float occlusion;
 };
 
 #endif

@@ -14,6 +14,7 @@ IN_COLOR(indirect)
 IN_COLOR(albedo)
 IN_REAL(ao)
 OUT_COLOR(lit)
+#include "kernel/occlusion_strength.kernel.h"
 
 FN Vec3 gray(Real v) { return Vec3(v, v, v); }
 
@@ -44,6 +45,7 @@ FN Vec3 tinted(Real ao, Vec3 albedo) {
 
 FN void composite_pixel(Int px, Int py) {
   Real ao = near_ao(0, 0);
+  if (C.occlusion != 1.0f) ao = stronger_ao(ao, C.occlusion);
   Vec3 lit = gray(ao);
   if (C.mode != 4) {
     Vec3 direct = near_direct(0, 0);

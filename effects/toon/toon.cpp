@@ -51,6 +51,8 @@ const std::vector<Parameter> kTable = {
     choice_row(
         "albedo", &ToonParams::albedo, 0, {"texture", "display", "clay"},
         "the object's colour: its albedo, its albedo as a display shows it (for output.transfer=none), or white"),
+    real_row("occlusion", &ToonParams::occlusion, {.initial = 1, .max = 10},
+             "factor for the occlusion of any technique"),
 };
 
 float luminance(const glm::vec3& color) { return glm::dot(color, glm::vec3(0.2126f, 0.7152f, 0.0722f)); }
@@ -98,6 +100,7 @@ void fill_constants(const ToonParams& params, const PictureInfo& info, ToonConst
   c.extra = params.extra;
   c.shadow = params.shadow;
   c.specular = params.specular;
+  c.occlusion = params.occlusion;
   // An unoccluded surface that faces the key light is at the end of the ramp. Neither this intensity nor that of a
   // surface that faces away is at an edge between tone steps.
   c.steps_per_intensity = c.steps / (1.0f + params.ambient + params.extra);

@@ -20,6 +20,7 @@ struct ToonParams {
   float shadow_r, shadow_g, shadow_b;  // the darkest tone step
   float light_r, light_g, light_b;     // the brightest tone step, and highlights
   int albedo;                          // kToonTexture, kToonDisplay, kToonClay
+  float occlusion;                     // factor for 1 - ao
 };
 
 struct ToonConstants {
@@ -27,7 +28,7 @@ struct ToonConstants {
   int albedo;
   int light_count;
   float steps;
-  float ambient, extra, shadow, specular;
+  float ambient, extra, shadow, specular, occlusion;
   float steps_per_intensity;  // ramp: tone steps per unit of intensity
   float inverse_steps;        // paper: difference in brightness between tone steps
   float min_width, softness;  // min widths of an edge between tone steps, in steps, each at most 1

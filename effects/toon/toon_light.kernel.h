@@ -13,6 +13,7 @@ IN_REAL(ao)
 OUT_REAL(toon_intensity)
 OUT_REAL(toon_highlight)
 
+#include "kernel/occlusion_strength.kernel.h"
 #include "kernel/surface.kernel.h"
 
 // Min value of toon_highlight. If the value decay from 1 to less than this within a pixel, the highlight there is
@@ -94,7 +95,9 @@ FN void toon_light_pixel(Int px, Int py) {
       }
     }
   }
-  Real intensity = mad(diffuse + C.ambient, near_ao(0, 0), Real(C.extra)) + gloss;
+  Real ao = near_ao(0, 0);
+  if (C.occlusion != 1.0f) ao = stronger_ao(ao, C.occlusion);
+  Real intensity = mad(diffuse + C.ambient, ao, Real(C.extra)) + gloss;
   store_toon_intensity(select(surface, finite_or_zero(intensity), Real(0.0f)));
   highlight = select(surface && is_finite(highlight), max(highlight, Real(kNoHighlight)), Real(kNoHighlight));
   store_toon_highlight(highlight);
