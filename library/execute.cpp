@@ -30,18 +30,23 @@ std::vector<std::string> passes_of_effect(const Effect& effect, const ParameterB
   return names;
 }
 
-/// Returns a key that identifies the scene version and the environment image that lights it.
+/// Returns a key that identifies the scene version, the clay that replaces its materials, and the environment image
+/// that lights it.
 std::string environment_key(const Recipe& recipe, long version) {
   const Hdri& hdri = recipe.hdri;
-  return hdri.lights() ? fmt::format("{} {} {} {}", version, hdri.file, hdri.rotation_deg, hdri.intensity)
-                       : fmt::format("{}", version);
+  std::string key = fmt::format("{}", version);
+  if (recipe.clay) key += fmt::format(" clay {} {} {}", recipe.clay->r, recipe.clay->g, recipe.clay->b);
+  if (hdri.lights()) key += fmt::format(" {} {} {}", hdri.file, hdri.rotation_deg, hdri.intensity);
+  return key;
 }
 
 /// Returns a key of all settings on which the default lights of a scene without lights depend, except the camera of the
 /// first picture.
 std::string light_key(const Recipe& recipe) {
-  return fmt::format("{} {} {} {}", environment_key(recipe, 0), recipe.look->name, recipe.occlusion,
-                     recipe.light_size_deg.value_or(-1.0f));
+  const auto& angles = recipe.framing.light_deg;
+  return fmt::format("{} {} {} {} {} {}", environment_key(recipe, 0), recipe.look->name, recipe.occlusion,
+                     recipe.light_size_deg.value_or(-1.0f), fmt::join(recipe.light_factors, " "),
+                     angles ? fmt::format("{} {}", angles->x, angles->y) : "");
 }
 
 /// Converts an id that a plane stores as a float. Values that are negative, NaN or too large give all bits set.

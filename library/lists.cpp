@@ -68,6 +68,7 @@ std::string_view type_of(const Option& row) {
   if (row.form == OptionForm::kLength) return "length";
   if (row.form == OptionForm::kRotation) return "float9";
   if (row.form == OptionForm::kWindow) return "float4";
+  if (row.form == OptionForm::kAngles) return "float2";
   constexpr std::array<std::string_view, 10> kTypes = {"",      "bool",   "int",    "float", "int",
                                                        "float", "string", "string", "float", "float3"};
   return kTypes[row.where.index()];

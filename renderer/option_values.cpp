@@ -34,7 +34,15 @@ std::optional<Vector3> parse_three(std::string_view text) {
 }
 
 /// Returns how many numbers a value of this form has.
-std::size_t count_of(OptionForm form) { return form == OptionForm::kRotation ? 9 : 4; }
+std::size_t count_of(OptionForm form) {
+  return form == OptionForm::kRotation ? 9 : form == OptionForm::kAngles ? 2 : 4;
+}
+
+bool is_valid_list(OptionForm form, const std::vector<float>& v) {
+  if (form == OptionForm::kAngles && v.empty()) return true;  // not set
+  if (v.size() != count_of(form)) return false;
+  return form != OptionForm::kAngles || (std::abs(v[0]) <= 180.0f && std::abs(v[1]) <= 90.0f);
+}
 
 bool is_zero(const Vector3& v) { return v[0] == 0.0f && v[1] == 0.0f && v[2] == 0.0f; }
 
@@ -59,6 +67,8 @@ std::string valid_values(const Option& o) {
       return "+X, -X, +Y, -Y, +Z, -Z or three numbers that are not all 0";
     case OptionForm::kColor:
       return "three numbers from 0 to 1, such as 0.2,0.3,0.5";
+    case OptionForm::kAngles:
+      return "two numbers: azimuth from -180 to 180 and elevation from -90 to 90";
     case OptionForm::kRotation:
     case OptionForm::kWindow:
       return fmt::format("{} numbers", count_of(o.form));
@@ -88,8 +98,9 @@ class CheckValue {
   Result<void> operator()(FieldOf<std::vector<std::string>>) { return {}; }
   Result<void> operator()(FieldOf<std::vector<float>> of) {
     const std::vector<float>& values = of(request_);
-    return values.size() == count_of(o_.form) ? Result<void>()
-                                              : value_error(o_, fmt::format("{} numbers", values.size()));
+    if (is_valid_list(o_.form, values)) return {};
+    return value_error(o_, o_.form == OptionForm::kAngles ? fmt::format("{}", fmt::join(values, ","))
+                                                          : fmt::format("{} numbers", values.size()));
   }
   Result<void> operator()(FieldOf<int> of) { return check_number(of(request_)); }
   Result<void> operator()(FieldOf<float> of) { return check_number(of(request_)); }
@@ -146,7 +157,7 @@ class SetValue {
   }
   Result<void> operator()(FieldOf<std::vector<float>> of) {
     const auto values = parse_numbers(text_, count_of(o_.form));
-    if (!values) return value_error(o_, text_);
+    if (!values || !is_valid_list(o_.form, *values)) return value_error(o_, text_);
     of(request_) = *values;
     return {};
   }

@@ -7,6 +7,7 @@
 #include "core/device.h"
 #include "looks/looks.h"
 #include "looks/quality.h"
+#include "looks/style.h"
 #include "renderer/accumulation.h"
 #include "renderer/recipe.h"
 
@@ -14,6 +15,7 @@ namespace umbrage {
 namespace {
 
 constexpr double kAnyAngle = 36000.0;
+constexpr double kMaxLightFactor = 100.0;
 constexpr double kMaxDistance = 1e15;  // scene units
 constexpr double kMaxIndex = 1e9;      // of cameras and scenes; the true limit is known when the file has been read
 constexpr unsigned kSceneCommands = kRender | kCompare | kTune, kDeviceCommands = kSceneCommands | kBench | kFigures;
@@ -40,6 +42,12 @@ std::vector<std::string_view> look_names() {
 std::vector<std::string_view> quality_names() {
   std::vector<std::string_view> names;
   for (const Quality& quality : qualities()) names.push_back(quality.name);
+  return names;
+}
+
+std::vector<std::string_view> style_names() {
+  std::vector<std::string_view> names;
+  for (const Style& style : styles()) names.push_back(style.name);
   return names;
 }
 
@@ -180,6 +188,14 @@ const std::vector<Option> kOptions = {
      .commands = kSceneCommands | kShade,
      .form = OptionForm::kLength,
      .unit = "scene units"},
+    {.field = "occlusion_strength",
+     .option = "ao-strength",
+     .group = "Technique",
+     .help = "factor for the occlusion of any technique: 0 none, 2 twice as dark",
+     .initial = "1",
+     .where = in<&Request::occlusion_strength>,
+     .commands = kRender | kShade,
+     .max = 10.0},
     {.field = "settings",
      .option = "set",
      .group = "Technique",
@@ -289,6 +305,38 @@ const std::vector<Option> kOptions = {
      .where = in<&Request::background>,
      .commands = kRender | kShade,
      .form = OptionForm::kColor},
+    {.field = "exposure",
+     .option = "exposure",
+     .group = "Picture",
+     .help = "brightness, in stops: 1 doubles the light",
+     .initial = "0",
+     .where = in<&Request::exposure>,
+     .commands = kRender | kShade,
+     .min = -20.0,
+     .max = 20.0,
+     .unit = "stops"},
+    {.field = "material",
+     .option = "material",
+     .group = "Picture",
+     .help = "materials of the model: file, its own; clay, white plaster without textures",
+     .initial = "file",
+     .where = in<&Request::material>,
+     .choices = {"file", "clay"}},
+    {.field = "color",
+     .option = "color",
+     .group = "Picture",
+     .help = "colour of the whole model, as clay: red,green,blue from 0 to 1",
+     .initial = "that of the materials",
+     .where = in<&Request::color>,
+     .form = OptionForm::kColor},
+    {.field = "style",
+     .option = "style",
+     .group = "Picture",
+     .help = "colours for a purpose: white, dark, blueprint or clay; other options override them",
+     .initial = "none",
+     .where = in<&Request::style>,
+     .commands = kRender | kShade,
+     .names = style_names},
     {.field = "transparent",
      .option = "no-background",
      .group = "Picture",
@@ -337,6 +385,43 @@ const std::vector<Option> kOptions = {
      .where = in<&Request::light_size_deg>,
      .max = 90.0,
      .unit = "deg"},
+    {.field = "light_direction",
+     .option = "light-direction",
+     .group = "Light",
+     .help = "azimuth,elevation of the key light in degrees, as seen from the camera: -50,43 is to the left and above",
+     .initial = "set by the look or the scene",
+     .where = in<&Request::light_direction>,
+     .form = OptionForm::kAngles,
+     .unit = "deg"},
+    {.field = "key",
+     .option = "key",
+     .group = "Light",
+     .help = "factor for the key light, the first of the scene",
+     .initial = "1",
+     .where = in<&Request::key>,
+     .max = kMaxLightFactor},
+    {.field = "fill",
+     .option = "fill",
+     .group = "Light",
+     .help = "factor for the fill light of the look studio",
+     .initial = "1",
+     .where = in<&Request::fill>,
+     .max = kMaxLightFactor},
+    {.field = "rim",
+     .option = "rim",
+     .group = "Light",
+     .help = "factor for the rim light of the look studio",
+     .initial = "1",
+     .where = in<&Request::rim>,
+     .max = kMaxLightFactor},
+    {.field = "shadow_strength",
+     .option = "shadow-strength",
+     .group = "Light",
+     .help = "strength of shadows, on the model and on the ground: 0 none, 1 as the look has them",
+     .initial = "1",
+     .where = in<&Request::shadow_strength>,
+     .commands = kRender | kShade,
+     .max = 1.0},
     {.field = "device",
      .option = "device",
      .group = "Device",

@@ -38,6 +38,7 @@ enum class OptionForm {
   kColor,      ///< three numbers from 0 to 1
   kRotation,   ///< nine numbers
   kWindow,     ///< four numbers
+  kAngles,     ///< two numbers, degrees: azimuth from -180 to 180 and elevation from -90 to 90
   kWords,      ///< "depth,normal"
 };
 

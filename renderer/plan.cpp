@@ -68,8 +68,8 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
   return {};
 }
 
-/// Inside a scene, a look that meters the light of an environment image, of which little arrives there, or the median of
-/// a model meters the picture, unless the request sets `metering`.
+/// Inside a scene, a look that meters the light of an environment image, of which little arrives there, or the median
+/// of a model meters the picture, unless the request sets `metering`.
 void meter_indoors(const Scene& scene, Plan& plan) {
   if (!is_inside_scene(plan.camera, scene)) return;
   for (const Setting& given : plan.recipe.set_by_request)
@@ -85,6 +85,33 @@ void widen_key_light(float angle_deg, const Scene& scene, Lighting& lighting) {
   Light& key = lighting.lights[0];
   key.angle_deg = angle_deg;
   key.radius = glm::distance(key.position, scene.center()) * std::tan(glm::radians(0.5f * angle_deg));
+}
+
+/// Applies the directions and factors that the request gives for lights. The fill and the rim light are those of
+/// studio_lighting.
+void adjust_lights(bool of_studio, Plan& plan) {
+  Lighting& lighting = plan.lighting();
+  const Recipe& recipe = plan.recipe;
+  if (!lighting.lights.empty() && recipe.framing.light_deg && lighting.lights[0].kind == LightKind::kDirectional)
+    lighting.lights[0].direction = light_direction(plan.camera, *recipe.framing.light_deg);
+  const std::size_t count = std::min(lighting.lights.size(), of_studio ? recipe.light_factors.size() : 1);
+  for (std::size_t k = 0; k < count; ++k) lighting.lights[k].color *= recipe.light_factors[k];
+}
+
+/// Replaces the materials of all surfaces by clay. Cut-outs keep their shape.
+void make_clay(const glm::vec3& albedo, Scene& scene) {
+  for (Material& material : scene.materials) {
+    Material clay{.name = material.name, .albedo = albedo};
+    if (material.alpha_mask) {
+      clay.alpha_mask = true;
+      clay.alpha_cutoff = material.alpha_cutoff;
+      clay.texture = material.texture;
+    }
+    material = clay;
+  }
+  for (Texture& texture : scene.textures)
+    for (std::size_t k = 0; k < texture.rgba.size(); k += 4) std::fill_n(&texture.rgba[k], 3, std::uint8_t(255));
+  for (Mesh& mesh : scene.meshes) mesh.colors.clear();
 }
 
 /// Converts relative lengths to scene units and checks that lengths fit the scene. Errors: kUsage.
@@ -144,6 +171,7 @@ bool needs_ground(const Scene& scene, bool lacks_one, const Recipe& recipe) {
 }
 
 void complete_scene(Scene& scene, const Recipe& recipe) {
+  if (recipe.clay) make_clay(*recipe.clay, scene);
   if (recipe.hdri.lights()) set_lighting(image_lighting(recipe.hdri, scene.up), scene);
   if (needs_ground(scene, lacks_own_ground(scene), recipe))
     add_ground(scene, recipe.hdri.lights() ? lowest_light_deg(scene) : std::nullopt);
@@ -158,8 +186,10 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
   EffectSettings& settings = plan.recipe.settings;
   if (!plan.capture.lighting) {
     plan.capture.lighting = lighting_of(scene);
-    if (scene.lights.empty() && !recipe.hdri.lights())
+    const bool lacks_lights = scene.lights.empty() && !recipe.hdri.lights();
+    if (lacks_lights)
       if (auto added = add_lights(scene, threads, monitor, plan); !added) return added.error();
+    adjust_lights(lacks_lights && plan.lit_from_camera && recipe.look->studio_lights, plan);
   }
   meter_indoors(scene, plan);
   if (recipe.light_size_deg) widen_key_light(*recipe.light_size_deg, scene, plan.lighting());

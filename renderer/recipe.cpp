@@ -6,11 +6,16 @@
 
 #include "core/check.h"
 #include "core/light_rig.h"
+#include "core/srgb.h"
 #include "core/suggest.h"
 #include "effects/antialias/antialias.h"
+#include "effects/composite/composite.h"
 #include "effects/ground/ground.h"
+#include "effects/lighting/lighting.h"
 #include "effects/output/output.h"
+#include "effects/toon/toon.h"
 #include "looks/quality.h"
+#include "looks/style.h"
 #include "reference/reference.h"
 #include "renderer/passes.h"
 
@@ -25,6 +30,18 @@ const Quality* quality_of(const Request& request, const Look& look) {
 bool is_lit_by_image(const Request& request) { return !request.hdri_file.empty() && request.hdri_ambient; }
 
 glm::vec3 vector_of(const Vector3& v) { return {v[0], v[1], v[2]}; }
+
+/// Returns the linear albedo that replaces the model's materials; empty if they stay.
+std::optional<glm::vec3> clay_of(const Request& request) {
+  const Style* style = find_style(request.style);
+  std::optional<Vector3> color = request.color;
+  if (!color && style) color = style->color;
+  if (color) {
+    const Vector3& c = *color;
+    return glm::vec3(linear_from_srgb(c[0]), linear_from_srgb(c[1]), linear_from_srgb(c[2]));
+  }
+  return request.material == "clay" ? std::optional(Material{}.albedo) : std::nullopt;
+}
 
 /// Returns whether the look's own technique computes indirect light.
 bool computes_indirect_light(const Look& look, const EffectSettings& settings) {
@@ -68,9 +85,20 @@ Result<void> apply_settings(const std::vector<std::string>& assignments, Recipe&
   return {};
 }
 
+/// Applies the options that many looks share to the effects that they concern.
+void apply_strengths(const Request& request, EffectSettings& settings) {
+  as<OutputParams>(params_of(settings, "output")).exposure += request.exposure;
+  as<LightingParams>(params_of(settings, "lighting")).shadow *= request.shadow_strength;
+  as<ToonParams>(params_of(settings, "toon")).shadow *= request.shadow_strength;
+  as<GroundParams>(params_of(settings, "ground")).strength *= request.shadow_strength;
+  as<CompositeParams>(params_of(settings, "composite")).occlusion *= request.occlusion_strength;
+  as<ToonParams>(params_of(settings, "toon")).occlusion *= request.occlusion_strength;
+}
+
 /// Applies options and assignments of a request to the settings. Errors: kUsage.
 Result<void> apply_request(const Request& request, Recipe& recipe) {
   auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
+  if (const Style* style = find_style(request.style)) apply_presets(style->name, style->presets, recipe.settings);
   if (request.background) {
     output.background_r = (*request.background)[0];
     output.background_g = (*request.background)[1];
@@ -78,11 +106,16 @@ Result<void> apply_request(const Request& request, Recipe& recipe) {
     output.gradient = 0.0f;  // that colour everywhere
   }
   if (request.transparent) output.transparent = 1;
+  apply_strengths(request, recipe.settings);
   if (auto done = apply_settings(request.settings, recipe); !done) return done;
   // A transparent picture is composited later by its viewer, in display values: blend the ground's shadow likewise.
   if (output.transparent && output.transfer == kTransferSrgb)
     as<GroundParams>(params_of(recipe.settings, "ground")).blend = kGroundBlendDisplay;
   return {};
+}
+
+Error unknown_word(std::string_view field, const std::string& word) {
+  return usage_error("`{}` cannot be '{}'{}", field, word, suggestion(word, words_of(option_of(field))));
 }
 
 /// Resolves the look and the technique. Errors: kUsage.
@@ -98,10 +131,9 @@ Result<void> resolve_names(const Request& request, Recipe& recipe) {
   if (request.ground == "on" && !recipe.look->ground)
     return usage_error("`ground` on requires a look that shows the ground only by its shadow, such as studio, not '{}'",
                        request.look);
-  if (request.quality.empty() || find_quality(request.quality)) return {};
-  std::vector<std::string_view> names;
-  for (const Quality& each : qualities()) names.push_back(each.name);
-  return usage_error("`quality` cannot be '{}'{}", request.quality, suggestion(request.quality, names));
+  if (!request.style.empty() && !find_style(request.style)) return unknown_word("style", request.style);
+  if (!request.quality.empty() && !find_quality(request.quality)) return unknown_word("quality", request.quality);
+  return {};
 }
 
 /// Sets the downsampling factor of occlusion. Errors: kUsage.
@@ -278,6 +310,10 @@ Result<Recipe> make_recipe_of(const Request& request, long max_pixels, bool many
                  .intensity = request.hdri_intensity,
                  .panorama = nullptr};
   recipe.light_size_deg = request.light_size_deg;
+  recipe.light_factors = {request.key, request.fill, request.rim};
+  if (!request.light_direction.empty() && !is_lit_by_image(request))
+    recipe.framing.light_deg = glm::vec2(request.light_direction[0], request.light_direction[1]);
+  recipe.clay = clay_of(request);
   recipe.settings = look_settings(look, external_effects());
   if (quality)
     apply_presets(quality->name, recipe.frames > 1 ? quality->settings_of_averaged : quality->settings,

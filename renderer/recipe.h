@@ -1,6 +1,7 @@
 // Recipe: a request resolved as far as possible without its model. Names are resolved, values are parsed and checked.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>
@@ -38,9 +39,11 @@ struct Recipe {
   std::optional<int> camera_index;  ///< for use_camera
   Ground ground = Ground::kAuto;
   Hdri hdri;
-  std::optional<float> light_size_deg;  ///< angular diameter of the key light; empty: unchanged
-  CaptureSettings capture;              ///< for one sample
-  std::vector<std::string> passes;      ///< requested passes, by the names of renderer/passes.h
+  std::optional<float> light_size_deg;                   ///< angular diameter of the key light; empty: unchanged
+  std::array<float, 3> light_factors{1.0f, 1.0f, 1.0f};  ///< for the key, the fill and the rim light
+  std::optional<glm::vec3> clay;                         ///< linear albedo of the whole model; empty: its materials
+  CaptureSettings capture;                               ///< for one sample
+  std::vector<std::string> passes;                       ///< requested passes, by the names of renderer/passes.h
   /// The only planes that are needed; empty: the picture and all its intermediate planes.
   std::optional<std::vector<std::string>> wanted;
   std::vector<std::string> averaged;  ///< planes besides the picture that are averaged if frames > 1

@@ -76,11 +76,21 @@ struct Request {
   float hdri_rotation_deg = 0.0f;         ///< rotation about the model's up, to the left as seen from inside
   float hdri_intensity = 1.0f;            ///< factor for the image's radiance, 0 to 1000000
   std::optional<float> light_size_deg{};  ///< angular diameter of the key light, 0 to 90; default: set by the light
-  std::optional<int> layers{};            ///< surfaces captured along each ray, 1 to 16; default: set by the look
-  std::optional<int> extra_views{};       ///< additional cameras, 0 to 4; default: set by the look
-  float guard_band = 0.0f;                ///< border drawn beyond each side, in percent of the longer side; 0 to 100
-  std::vector<std::string> passes{};      ///< additional output planes: "depth", "normal", "ao", ...
-  bool strokes = false;                   ///< whether to return the look's lines as curves; `cartoon` draws such lines
+  /// Azimuth and elevation of the key light, degrees, as seen from the camera: 0,0 is the camera, 90,0 the right, 0,90
+  /// above. Empty: set by the look or the scene. Not for light from an image.
+  std::vector<float> light_direction{};
+  float key = 1.0f, fill = 1.0f, rim = 1.0f;    ///< factors for these lights, 0 to 100
+  float shadow_strength = 1.0f;                 ///< factor for the strength of shadows, 0 to 1
+  float occlusion_strength = 1.0f;              ///< factor for the occlusion of any technique, 0 to 10
+  float exposure = 0.0f;                        ///< added to the picture's exposure, stops, -20 to 20
+  std::string material = "file";                ///< "file": the model's own; "clay": white plaster everywhere
+  std::optional<std::array<float, 3>> color{};  ///< of clay, display values 0 to 1; implies material "clay"
+  std::string style{};                          ///< "white", "dark", "blueprint", "clay"; empty: none
+  std::optional<int> layers{};                  ///< surfaces captured along each ray, 1 to 16; default: set by the look
+  std::optional<int> extra_views{};             ///< additional cameras, 0 to 4; default: set by the look
+  float guard_band = 0.0f;            ///< border drawn beyond each side, in percent of the longer side; 0 to 100
+  std::vector<std::string> passes{};  ///< additional output planes: "depth", "normal", "ao", ...
+  bool strokes = false;               ///< whether to return the look's lines as curves; `cartoon` draws such lines
   // For shading the planes of another renderer:
   std::vector<std::string> effects{};  ///< effects run in this order, in place of the look
   GBufferSettings gbuffer{};

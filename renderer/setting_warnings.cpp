@@ -85,6 +85,22 @@ void warn_about_images(const Request& request, const Recipe& recipe, std::vector
                           : "`hdri_file` does nothing: it is used neither as light nor as background");
 }
 
+/// Adds warnings about factors and directions of lights that the picture does not have.
+void warn_about_lights(const Request& request, const Recipe& recipe, const Scene* scene,
+                       std::vector<std::string>& sentences) {
+  const bool by_image = recipe.hdri.lights(), own = by_image || (scene && !scene->lights.empty());
+  const std::string why = by_image ? "an image lights the scene"
+                          : own    ? "the scene has its own lights"
+                                   : fmt::format("the look {} has no such light", recipe.look->name);
+  for (const auto& [field, factor] : {std::pair{"fill", request.fill}, {"rim", request.rim}})
+    if (factor != 1.0f && (own || !recipe.look->studio_lights))
+      sentences.push_back(fmt::format("`{}` does nothing: {}", field, why));
+  if (request.light_direction.empty()) return;
+  if (by_image) sentences.push_back("`light_direction` does nothing: an image lights the scene");
+  if (!by_image && own && scene->lights[0].kind != LightKind::kDirectional)
+    sentences.push_back("`light_direction` does nothing: the first light of the scene is a lamp");
+}
+
 }  // namespace
 
 std::vector<std::string> setting_warnings(const Request& request, const Recipe& recipe, const Scene* scene,
@@ -97,6 +113,7 @@ std::vector<std::string> setting_warnings(const Request& request, const Recipe& 
     sentences.push_back(
         fmt::format("`occlusion_radius` {} does nothing: this picture has no occlusion", request.occlusion_radius));
   warn_about_images(request, recipe, sentences);
+  warn_about_lights(request, recipe, scene, sentences);
   if (scene && scene->point_count() == 0) {
     const char* field = !request.point_size.empty()       ? "point_size"
                         : request.point_sprites != "auto" ? "point_sprites"

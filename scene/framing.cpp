@@ -204,12 +204,12 @@ float shift_to(const Interval& all, const Interval& model, double half) {
 }
 
 /// Shifts the window of a fitted camera: see Framing::centers_shadow.
-void center_shadow(const Scene& scene, float zoom, Camera& camera) {
+void center_shadow(const Scene& scene, const Framing& framing, Camera& camera) {
   constexpr double kMinSine = 0.2;  // shadows of lower lights are too long to fit
   const glm::dvec3 up = glm::normalize(glm::dvec3(scene.up));
   const Light key = scene.lights.empty() ? studio_lighting(camera, scene.up).lights[0] : scene.lights[0];
   if (key.kind != LightKind::kDirectional) return;
-  const glm::dvec3 light(key.direction);
+  const glm::dvec3 light(framing.light_deg ? light_direction(camera, *framing.light_deg) : key.direction);
   const double sine = glm::dot(light, up), ground = glm::dot(glm::dvec3(scene.ground_center), up);
   if (sine < kMinSine) return;
   const glm::dmat4 view(camera.view_from_world);
@@ -228,7 +228,8 @@ void center_shadow(const Scene& scene, float zoom, Camera& camera) {
     all->low = std::min(glm::mix(model->low, all->low, kWeight), model->low);
     all->high = std::max(glm::mix(model->high, all->high, kWeight), model->high);
   }
-  const float right = shift_to(all_x, x, camera.right * zoom), above = shift_to(all_y, y, camera.top * zoom);
+  const float right = shift_to(all_x, x, camera.right * framing.zoom),
+              above = shift_to(all_y, y, camera.top * framing.zoom);
   camera.left += right, camera.right += right;
   camera.bottom += above, camera.top += above;
 }
@@ -284,7 +285,7 @@ Camera camera_before_turn(const Scene& scene, const Framing& framing, int width,
   const Fit fit = framing.orthographic ? fit_orthographic(scene, axes, aspect, framing.margin, keep_middle)
                                        : fit_perspective(scene, axes, angle_deg, aspect, framing.margin, keep_middle);
   Camera camera = camera_at(fit.target + fit.distance * side, fit.target, up, angle_deg, fit.height, aspect, framing);
-  if (framing.centers_shadow && scene.ground_object >= 0 && !keep_middle) center_shadow(scene, framing.zoom, camera);
+  if (framing.centers_shadow && scene.ground_object >= 0 && !keep_middle) center_shadow(scene, framing, camera);
   return camera;
 }
 
@@ -309,13 +310,10 @@ Camera frame_scene(const Scene& scene, const Framing& framing, int width, int he
 
 namespace {
 
-/// Returns a directional light from `left_deg` and `up_deg` degrees off the camera's direction, with a disc of
-/// `disc_deg` degrees.
-Light light_from(const Camera& camera, float left_deg, float up_deg, glm::vec3 color, float disc_deg) {
-  const float left = glm::radians(left_deg), up = glm::radians(up_deg);
-  const glm::vec3 in_view(-std::cos(up) * std::sin(left), std::sin(up), std::cos(up) * std::cos(left));
+/// Returns a directional light from this azimuth and elevation, with a disc of `disc_deg` degrees.
+Light light_from(const Camera& camera, float azimuth_deg, float elevation_deg, glm::vec3 color, float disc_deg) {
   Light light;
-  light.direction = glm::normalize(glm::transpose(glm::mat3(camera.view_from_world)) * in_view);
+  light.direction = light_direction(camera, {azimuth_deg, elevation_deg});
   light.color = color;
   light.angle_deg = disc_deg;
   light.casts_shadow = true;
@@ -324,11 +322,18 @@ Light light_from(const Camera& camera, float left_deg, float up_deg, glm::vec3 c
 
 }  // namespace
 
+glm::vec3 light_direction(const Camera& camera, const glm::vec2& light_deg) {
+  const glm::vec2 angle = glm::radians(light_deg);
+  const glm::vec3 in_view(std::cos(angle.y) * std::sin(angle.x), std::sin(angle.y),
+                          std::cos(angle.y) * std::cos(angle.x));
+  return glm::normalize(glm::transpose(glm::mat3(camera.view_from_world)) * in_view);
+}
+
 std::vector<Light> default_lights(const Scene&, const Camera& camera) {
   // With the default ambient light of 0.3, a white surface that faces the light is just white.
   constexpr float kKey = 0.7f;
   constexpr float kDiscDeg = 4.0f;  // a lamp of 35 cm at 5 m: shadows are sharp at contact and soft farther away
-  return {light_from(camera, 35.0f, 40.0f, glm::vec3(kKey), kDiscDeg)};
+  return {light_from(camera, -35.0f, 40.0f, glm::vec3(kKey), kDiscDeg)};
 }
 
 Lighting studio_lighting(const Camera& camera, const glm::vec3& up) {
@@ -337,9 +342,9 @@ Lighting studio_lighting(const Camera& camera, const glm::vec3& up) {
   const glm::vec3 vertical = glm::normalize(up);
   Lighting studio;
   // A soft box of 1 m at 3 m, a large reflector on the opposite side, and a strip light behind, as high as the model.
-  studio.lights = {light_from(camera, 50.0f, 43.0f, glm::vec3(0.94f, 0.9f, 0.81f), 18.0f),
-                   light_from(camera, -50.0f, 8.0f, glm::vec3(0.09f, 0.11f, 0.135f), 35.0f),
-                   light_from(camera, -145.0f, 20.0f, glm::vec3(1.2f, 1.25f, 1.32f), 18.0f)};
+  studio.lights = {light_from(camera, -50.0f, 43.0f, glm::vec3(0.94f, 0.9f, 0.81f), 18.0f),
+                   light_from(camera, 50.0f, 8.0f, glm::vec3(0.09f, 0.11f, 0.135f), 35.0f),
+                   light_from(camera, 145.0f, 20.0f, glm::vec3(1.2f, 1.25f, 1.32f), 18.0f)};
   glm::vec3& rim = studio.lights[2].direction;
   const glm::vec3 level = rim - glm::dot(rim, vertical) * vertical;
   if (is_direction(level)) rim = glm::normalize(glm::normalize(level) - kBelowHorizon * vertical);

@@ -18,6 +18,8 @@ struct Framing {
   /// or else that of studio_lighting, is parallel, and as far as the model keeps a margin of 0.06. The picture's window
   /// is shifted, not the camera.
   bool centers_shadow = false;
+  /// Azimuth and elevation of the key light, see light_direction; empty: chosen by the scene or the look.
+  std::optional<glm::vec2> light_deg;
   float azimuth_deg = 0.0f, elevation_deg = 0.0f;
   float zoom = 1.0f;  ///< above 1: the model fills more of the picture
   bool orthographic = false;
@@ -33,6 +35,10 @@ glm::vec3 turn_center(const Scene& scene, const Framing& framing);
 /// Returns the camera for a picture of width x height pixels. By default: the scene's first suggested view, or else the
 /// whole scene from slightly above and to the side, fitted to the picture with a small margin.
 Camera frame_scene(const Scene& scene, const Framing& framing, int width, int height);
+
+/// Returns the direction towards a light, in world space, from its azimuth and elevation in degrees as seen from the
+/// camera: 0, 0 is the direction towards the camera; positive azimuths are to the right.
+glm::vec3 light_direction(const Camera& camera, const glm::vec2& light_deg);
 
 /// Returns the lights of a scene without lights: one white key light from above and to the left of the camera, with a
 /// shadow. Its disc spans 4 degrees, so that ray-traced shadows are slightly soft.

@@ -312,6 +312,7 @@ Result<std::vector<Figure>> bleeding_figures(Device& device, int size,
   std::vector<Figure> figures;
   auto studio = open_studio(device, kScene, std::string(kPaper.look), size);
   if (!studio) return studio.error();
+  studio->draw.anti_aliasing = 1;  // numbers are measured per pixel
   const ClothGrid cloths(*studio->scene);
   for (const Preset& preset : kPresets) {
     studio->draw.look = std::string(preset.look);

@@ -10,6 +10,13 @@
 namespace umbrage {
 namespace {
 
+/// Opens a model in the look `unsharp`. Numbers are measured per pixel: edges keep their stair steps, as in the paper.
+Result<Studio> open_unsharp(Device& device, const std::string& model, int size) {
+  auto studio = open_studio(device, model, "unsharp", size);
+  if (studio) studio->draw.anti_aliasing = 1;
+  return studio;
+}
+
 float gray(const Shot& shot, int x, int y) { return shot.value("color.g", x, y); }
 
 /// Sets the camera to one of the scene's suggested views.
@@ -51,7 +58,7 @@ std::string window(int k, int size) {
 }
 
 Result<Figure> tank_figure(Device& device, int size) {
-  auto studio = open_studio(device, "scene:tank", "unsharp", size);
+  auto studio = open_unsharp(device, "scene:tank", size);
   if (!studio) return studio.error();
   const auto without = studio->shoot({}, "none");
   const auto with = studio->shoot({window(40, size), "unsharp.threshold=0.1"});
@@ -71,7 +78,7 @@ Result<Figure> tank_figure(Device& device, int size) {
 }
 
 Result<Figure> border_figure(Device& device, const std::string& bunny, int size) {
-  auto studio = open_studio(device, bunny, "unsharp", size);
+  auto studio = open_unsharp(device, bunny, size);
   if (!studio) return studio.error();
   studio->framing.zoom = 3.6f;  // the flank extends beyond the picture's sides
   const std::string kernel = window(40, size);
@@ -97,7 +104,7 @@ Result<Figure> border_figure(Device& device, const std::string& bunny, int size)
 }
 
 Result<Figure> bunny_figure(Device& device, const std::string& bunny, int size) {
-  auto studio = open_studio(device, bunny, "unsharp", size);
+  auto studio = open_unsharp(device, bunny, size);
   if (!studio) return studio.error();
   // From the front, where the chin is in front of the chest.
   studio->framing.azimuth_deg = -55.0f;
@@ -122,7 +129,7 @@ Result<Figure> bunny_figure(Device& device, const std::string& bunny, int size) 
 }
 
 Result<Figure> threshold_figure(Device& device, int size) {
-  auto studio = open_studio(device, "scene:claw", "unsharp", size);
+  auto studio = open_unsharp(device, "scene:claw", size);
   if (!studio) return studio.error();
   look_from(*studio, 0);
   // With a light at the camera, silhouettes are dark, so white silhouettes come from the unsharp mask.
@@ -172,7 +179,7 @@ Result<Figure> threshold_figure(Device& device, int size) {
 }
 
 Result<Figure> claw_figure(Device& device, int size) {
-  auto studio = open_studio(device, "scene:claw", "unsharp", size);
+  auto studio = open_unsharp(device, "scene:claw", size);
   if (!studio) return studio.error();
   look_from(*studio, 0);
   // The far plane is so far away that the depths of claw and body differ by 0.02 to 0.1.
@@ -245,7 +252,7 @@ Result<std::vector<FigureTable>> unsharp_tables(Device& device, const std::strin
   progress("time against the window");
   FigureTable windows{"window", "Time of unsharp against the window (bunny)", {}};
   {
-    auto studio = open_studio(device, bunny, "unsharp", size);
+    auto studio = open_unsharp(device, bunny, size);
     if (!studio) return studio.error();
     auto frame = frame_of(*studio);
     if (!frame) return frame.error();
@@ -258,7 +265,7 @@ Result<std::vector<FigureTable>> unsharp_tables(Device& device, const std::strin
   progress("time against the number of triangles");
   FigureTable triangles{"triangles", "Time of unsharp against the number of triangles (scene:terrain, k = 40)", {}};
   for (const char* detail : {"1000", "58000", "1000000"}) {
-    auto studio = open_studio(device, fmt::format("scene:terrain?detail={}", detail), "unsharp", size);
+    auto studio = open_unsharp(device, fmt::format("scene:terrain?detail={}", detail), size);
     if (!studio) return studio.error();
     auto frame = frame_of(*studio);
     if (!frame) return frame.error();
