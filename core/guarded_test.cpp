@@ -96,7 +96,7 @@ class ShortMemory : public test::ProgramTest {};
 
 TEST_F(ShortMemory, IsCodeFourAndWritesNothing) {
   const std::string words =
-      " scene:solids?detail=3000 --look ao --resolution 6000x6000 --device cpu --threads 2 -o big.png";
+      " scene:solids?detail=3000 --look ao --resolution 6000x6000 --memory 64G --device cpu --threads 2 -o big.png";
   for (const int megabytes : {150, 300, 500, 800, 1200}) {
     const test::fs::path err = root_ / "err";
     const std::string line =

@@ -291,7 +291,7 @@ UMB_API UmbError umbGetListEntry(UmbList list, int index, const char** name, con
 typedef struct UmbParameter {
   size_t size;      /* set to sizeof(UmbParameter) before the call: later versions add members at the end */
   const char* name; /* for the setters */
-  const char* type; /* "bool", "int", "float", "float3", "float4", "float9", "string", "length" or "choice" */
+  const char* type; /* "bool", "int", "float", "float2", "float3", "float4", "float9", "string", "length" or "choice" */
   const char* help;
   const char* unit;    /* "deg", "px", "%", "scene units", or "" for a plain number or text */
   const char* initial; /* default, in words; "": derived from the scene */

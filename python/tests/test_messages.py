@@ -185,7 +185,7 @@ class Messages(unittest.TestCase):
 
 
 class Lists(unittest.TestCase):
-    TYPES = ("bool", "int", "float", "float3", "float4", "float9", "string", "length", "choice")
+    TYPES = ("bool", "int", "float", "float2", "float3", "float4", "float9", "string", "length", "choice")
 
     def test_parameters_are_whole(self) -> None:
         for owner in ("render", "shade", "scene", *umbrage.effects()):

@@ -53,7 +53,7 @@ class Parameter(NamedTuple):
 
     name: str
     type: str
-    """"bool", "int", "float", "float3", "float4", "float9", "string", "length" or "choice"."""
+    """"bool", "int", "float", "float2", "float3", "float4", "float9", "string", "length" or "choice"."""
     help: str
     unit: str
     initial: str
@@ -66,7 +66,7 @@ class Parameter(NamedTuple):
         """The default, as a Python value; None if it is chosen when the picture is made."""
         if self.type == "bool":
             return {"on": True, "true": True, "off": False, "false": False}.get(self.initial)
-        if self.type in ("int", "float", "float3", "float4", "float9"):
+        if self.type in ("int", "float", "float2", "float3", "float4", "float9"):
             try:
                 numbers = [int(n) if self.type == "int" else float(n) for n in self.initial.split(",")]
             except ValueError:
@@ -93,7 +93,7 @@ class Parameter(NamedTuple):
     def values(self) -> str:
         """The kind of values that are accepted, as text."""
         words = {"int": "an integer", "length": "a number, or a relative length such as '5%'", "bool": "True or False"}
-        several = {"float3": "three numbers", "float4": "four numbers", "float9": "nine numbers"}
+        several = {"float2": "two numbers", "float3": "three numbers", "float4": "four numbers", "float9": "nine numbers"}
         return {**words, **several, "string": "a string", "choice": "a string"}.get(self.type, "a number")
 
 
