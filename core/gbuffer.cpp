@@ -93,6 +93,12 @@ PictureInfo layer_info(const PictureInfo& info, int layer) {
 
 std::string shadow_plane(int light) { return light == 0 ? "shadow" : fmt::format("shadow{}", light); }
 
+bool is_shadow_plane(std::string_view plane) {
+  constexpr std::string_view kShadow = "shadow";
+  return plane == kShadow || (plane.size() == kShadow.size() + 1 && plane.starts_with(kShadow) && plane.back() >= '1' &&
+                              plane.back() <= '9');
+}
+
 std::string layer_plane(int layer, std::string_view name) {
   return layer == 0 ? std::string(name) : fmt::format("layer{}.{}", layer, name);
 }

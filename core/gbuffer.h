@@ -100,6 +100,8 @@ PictureInfo layer_info(const PictureInfo& info, int layer);
 
 /// Returns the name of the shadow plane of a light: `shadow`, `shadow1`.
 std::string shadow_plane(int light);
+/// Returns whether this is the name of the shadow plane of a light, on the first layer.
+bool is_shadow_plane(std::string_view plane);
 
 /// Returns the name of a plane of a depth layer in a picture with all layers: `depth`, `layer1.depth`.
 std::string layer_plane(int layer, std::string_view name);

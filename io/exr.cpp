@@ -26,6 +26,7 @@
 // each one writes a few blocks as a file in memory. Blocks have the same bytes there as in the complete file, so they
 // are concatenated. Rows are read through one file object per thread.
 #include <ImfChannelList.h>
+#include <ImfChromaticities.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfIO.h>
@@ -322,6 +323,7 @@ Result<void> write(const fs::path& file, const ImageShape& image, const WriteSet
   header.compression() = kCompression;
   header.zipCompressionLevel() = kZipLevel;
   header.insert("software", Imf::StringAttribute("Umbrage"));
+  Imf::addChromaticities(header, Imf::Chromaticities());  // those of Rec.709 and sRGB, with white D65
   if (settings.camera) add_camera(header, *settings.camera);
   std::vector<std::string> channels;
   for (const std::string& name : image.names) {

@@ -12,6 +12,23 @@ namespace umbrage {
 namespace {
 
 bool is_color(std::string_view name) { return name.starts_with("color."); }
+bool is_beauty(std::string_view name) { return name.starts_with("beauty."); }
+
+/// Adds a row of colour with straight alpha. `fraction`: alpha.
+void add_color(const float* in, const float* fraction, int width, bool as_square_roots, float* out) {
+  if (as_square_roots)
+    for (int x = 0; x < width; ++x) out[x] += std::sqrt(std::max(in[x], 0.0f)) * fraction[x];
+  else
+    for (int x = 0; x < width; ++x) out[x] += in[x] * fraction[x];
+}
+
+/// Adds a row of values, or of light that is premultiplied by `fraction` as square roots.
+void add_values(const float* in, const float* fraction, int width, bool as_square_roots, float* out) {
+  if (as_square_roots)
+    for (int x = 0; x < width; ++x) out[x] += std::sqrt(std::max(in[x] * fraction[x], 0.0f));
+  else
+    for (int x = 0; x < width; ++x) out[x] += in[x];
+}
 
 glm::vec2 r2(int k) {
   constexpr double kX = 0.7548776662466927, kY = 0.5698402909980532;  // 1 / p and 1 / p^2; p is the plastic number
@@ -50,19 +67,17 @@ void add_rows(PictureSum& total, const Image& rows, int first, int height) {
   if (total.sum.names != rows.names || total.sum.width != rows.width || total.sum.height != height)
     fail_check("pictures that are averaged must have the same planes");
   total.count += first == 0;
-  const Plane* alpha = rows.find("color.a");
+  const Plane *alpha = rows.find("color.a"), *beauty_alpha = rows.find("beauty.a");
   for (std::size_t k = 0; k < rows.names.size(); ++k) {
-    const bool times_alpha = alpha && is_color(rows.names[k]) && &rows.planes[k] != alpha;
+    const bool color = alpha && is_color(rows.names[k]) && &rows.planes[k] != alpha;
+    const bool beauty = beauty_alpha && is_beauty(rows.names[k]) && &rows.planes[k] != beauty_alpha;
     for (int y = 0; y < rows.height; ++y) {
       const float* in = rows.planes[k].row(y);
-      const float* fraction = alpha ? alpha->row(y) : nullptr;
       float* out = total.sum.planes[k].row(first + y);
-      if (times_alpha && total.as_square_roots)
-        for (int x = 0; x < rows.width; ++x) out[x] += std::sqrt(std::max(in[x], 0.0f)) * fraction[x];
-      else if (times_alpha)
-        for (int x = 0; x < rows.width; ++x) out[x] += in[x] * fraction[x];
+      if (color)
+        add_color(in, alpha->row(y), rows.width, total.as_square_roots, out);
       else
-        for (int x = 0; x < rows.width; ++x) out[x] += in[x];
+        add_values(in, beauty ? beauty_alpha->row(y) : nullptr, rows.width, beauty && total.as_square_roots, out);
     }
   }
 }
@@ -89,13 +104,13 @@ Plane mean_plane(const PictureSum& total, std::string_view name) {
 
 }  // namespace
 
-GBuffer mean_picture(const PictureSum& total, const PictureInfo& info) {
+GBuffer mean_picture(const PictureSum& total, const PictureInfo& info, const std::string& pass) {
   GBuffer g;
   g.info = info;
   g.info.more_layers.clear();
   Image& image = g.layers.emplace_back(total.sum.width, total.sum.height);
-  const Plane alpha = mean_plane(total, "color.a");
-  for (const std::string channel : {"r", "g", "b"}) image.add("lit." + channel) = mean_plane(total, "color." + channel);
+  const Plane alpha = mean_plane(total, pass + ".a");
+  for (const std::string channel : {".r", ".g", ".b"}) image.add("lit" + channel) = mean_plane(total, pass + channel);
   const std::array<Plane*, 3> lit = {&image.plane("lit.r"), &image.plane("lit.g"), &image.plane("lit.b")};
   if (total.as_square_roots)
     for (Plane* plane : lit)

@@ -24,11 +24,11 @@ Camera shifted_camera(const Camera& camera, glm::vec2 offset, int width, int hei
 struct PictureSum {
   bool as_square_roots = false;  ///< the sum is of square roots of light, as in mixed_as_square_roots
   int count = 0;
-  Image sum;  ///< colour (or its square roots) times alpha; alpha; the other planes unchanged
+  Image sum;  ///< colour (or its square roots) times alpha; alpha; likewise beauty; the other planes unchanged
 };
 
-/// Adds a picture. Its planes: color.r, .g, .b (linear light, straight alpha) and color.a, or none of these four, and
-/// any other planes.
+/// Adds a picture. Its planes: color.r, .g, .b (linear light, straight alpha) and color.a, or none of these four; the
+/// same of beauty, which is premultiplied; and any other planes.
 void add_picture(PictureSum& total, const Image& picture);
 
 /// Adds rows of a picture of `height` rows; `first` is the index of the first added row. Row 0 of a picture must be
@@ -38,11 +38,11 @@ void add_rows(PictureSum& total, const Image& rows, int first, int height);
 /// Returns the sum of `count` rows, from row `first`.
 PictureSum rows_of(const PictureSum& total, int first, int count);
 
-/// Returns the averaged colour as a G-buffer for effect `output`: lit (multiplied by alpha), cover (mean alpha; named
-/// `cover_for_eye` if `as_square_roots` is set), and a depth of infinity everywhere.
-GBuffer mean_picture(const PictureSum& total, const PictureInfo& info);
+/// Returns the average of `pass`, color or beauty, as a G-buffer for effect `output`: lit (multiplied by alpha), cover
+/// (mean alpha; named `cover_for_eye` if `as_square_roots` is set), and a depth of infinity everywhere.
+GBuffer mean_picture(const PictureSum& total, const PictureInfo& info, const std::string& pass = "color");
 
-/// Returns the means of these planes. They must not be colour.
+/// Returns the means of these planes. They must be neither colour nor beauty.
 Image mean_planes(const PictureSum& total, std::span<const std::string> names);
 
 }  // namespace umbrage

@@ -27,7 +27,8 @@ std::vector<std::string> other_averaged_planes(const Plan& plan) {
 
 std::vector<std::string> averaged_planes(const Plan& plan) {
   std::vector<std::string> names;
-  if (plan.recipe.wants("color.r")) names = {"color.r", "color.g", "color.b", "color.a"};
+  for (const std::string& pass : picture_passes(plan.recipe))
+    for (const char* channel : {".r", ".g", ".b", ".a"}) names.push_back(pass + channel);
   const auto others = other_averaged_planes(plan);
   names.insert(names.end(), others.begin(), others.end());
   return names;
@@ -41,18 +42,61 @@ Result<RunState> draw_lines(Device& device, const Plan& plan, Frame& frame, cons
   return done;
 }
 
-Result<Image> finished_color(Device& device, const PictureSum& total, const Plan& plan, const Image& lines,
-                             const PictureInfo& info) {
-  ParameterBytes output = plan.output;
-  auto mean = device.upload(mean_picture(total, info));
+std::vector<std::string> picture_passes(const Recipe& recipe) {
+  std::vector<std::string> passes;
+  if (recipe.wants("color.r") && !recipe.scene_linear) passes.emplace_back("color");
+  const auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
+  if (recipe.wants("beauty.r") && output.beauty != kBeautyOff) passes.emplace_back("beauty");
+  return passes;
+}
+
+namespace {
+
+constexpr std::size_t kChannels = 4;
+constexpr const char* kBackgroundPart[] = {"beauty_background.r", "beauty_background.g", "beauty_background.b"};
+
+void add_plane(const Plane& from, Plane& to) {
+  for (int y = 0; y < to.height; ++y)
+    for (int x = 0; x < to.width; ++x) to.row(y)[x] += from.row(y)[x];
+}
+
+/// Adds the finished planes of one of picture_passes to `finished`.
+Result<void> finish_pass(Device& device, const PictureSum& total, const Plan& plan, const std::string& pass,
+                         const Image& lines, const PictureInfo& info, Image& finished) {
+  ParameterBytes bytes = plan.output;
+  auto& output = as<OutputParams>(bytes);
+  output.exposure = 0.0f;  // already applied to each sample, like the next two
+  output.tone = kToneNone;
+  output.shoulder = 1.0f;
+  output.sky = 0;
+  output.blend = kBlendLight;
+  if (pass == "color") output.beauty = kBeautyOff;
+  std::vector<std::string> names = {pass + ".r", pass + ".g", pass + ".b", pass + ".a"};
+  for (const char* plane : kBackgroundPart)
+    if (pass == "beauty" && total.sum.find(plane)) names.emplace_back(plane);
+  auto mean = device.upload(mean_picture(total, info, pass));
   if (!mean) return mean.error();
-  if (auto done = device.add(lines, *mean); !done) return done.error();
-  as<OutputParams>(output).exposure = 0.0f;  // already applied to each sample
-  as<OutputParams>(output).tone = kToneNone;
-  as<OutputParams>(output).shoulder = 1.0f;
-  as<OutputParams>(output).sky = 0;
-  if (auto done = device.run(*find_effect("output"), output, *mean); !done) return done.error();
-  return device.download(*mean, {"color.r", "color.g", "color.b", "color.a"});
+  if (auto done = device.add(lines, *mean); !done) return done;
+  if (auto done = device.run(*find_effect("output"), bytes, *mean); !done) return done.error();
+  auto planes = device.download(*mean, names);
+  if (!planes) return planes.error();
+  // The samples have some of the background, such as a sky.
+  const Image of_samples = mean_planes(total, std::span(names).subspan(kChannels));
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    Plane& plane = finished.add(names[k]) = std::move(planes->planes[k]);
+    if (const Plane* more = of_samples.find(names[k])) add_plane(*more, plane);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Image> finished_picture(Device& device, const PictureSum& total, const Plan& plan, const Image& lines,
+                               const PictureInfo& info) {
+  Image finished(total.sum.width, total.sum.height);
+  for (const std::string& pass : picture_passes(plan.recipe))
+    if (auto done = finish_pass(device, total, plan, pass, lines, info, finished); !done) return done.error();
+  return finished;
 }
 
 namespace {
@@ -76,16 +120,16 @@ Result<void> finish_average(Device& device, const PictureSum& total, const Plan&
   if (auto done = device.add(with_guard_band(mean_planes(total, other_averaged_planes(plan)), frame.info.guard), frame);
       !done)
     return done;
-  if (!plan.recipe.wants("color.r")) return {};
+  if (picture_passes(plan.recipe).empty()) return {};
   Image lines;
   if (const auto planes = line_planes(plan); !planes.empty()) {
     auto drawn = device.download(frame, planes);
     if (!drawn) return drawn.error();
     lines = std::move(*drawn);
   }
-  const auto color = finished_color(device, total, plan, lines, inner_info(frame.info));
-  if (!color) return color.error();
-  return device.add(with_guard_band(*color, frame.info.guard), frame);
+  const auto picture = finished_picture(device, total, plan, lines, inner_info(frame.info));
+  if (!picture) return picture.error();
+  return device.add(with_guard_band(*picture, frame.info.guard), frame);
 }
 
 }  // namespace umbrage

@@ -10,7 +10,7 @@
 namespace umbrage {
 
 /// averaged_planes returns the planes that are averaged; other_averaged_planes returns those of them that are not
-/// colour.
+/// those of picture_passes.
 std::vector<std::string> averaged_planes(const Plan& plan);
 std::vector<std::string> other_averaged_planes(const Plan& plan);
 
@@ -21,10 +21,13 @@ Result<RunState> draw_lines(Device& device, const Plan& plan, Frame& frame, cons
 /// Returns the planes of sample 0 from which `output` draws the lines.
 std::vector<std::string> line_planes(const Plan& plan);
 
-/// Returns the finished colour of averaged pictures as planes color.r, .g, .b and .a. `lines`: the line_planes of
-/// sample 0. `info`: properties of a picture that has the size of the sum.
-Result<Image> finished_color(Device& device, const PictureSum& total, const Plan& plan, const Image& lines,
-                             const PictureInfo& info);
+/// Returns the passes that hold the averaged picture: `color`, `beauty`, both or none.
+std::vector<std::string> picture_passes(const Recipe& recipe);
+
+/// Returns the finished picture_passes of averaged pictures, as planes color.r, .g, .b and .a or beauty.r and so on.
+/// `lines`: the line_planes of sample 0. `info`: properties of a picture that has the size of the sum.
+Result<Image> finished_picture(Device& device, const PictureSum& total, const Plan& plan, const Image& lines,
+                               const PictureInfo& info);
 
 /// Computes the finished colour and the other means, and stores them in `frame`, the frame of sample 0.
 Result<void> finish_average(Device& device, const PictureSum& total, const Plan& plan, Frame& frame);

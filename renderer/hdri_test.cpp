@@ -599,7 +599,7 @@ TEST_F(HdriPicture, TheGroundOfALowLightHasNoEdge) {
   good(
       "ball.obj --quality high --resolution 160x120 --hdri-file low.pfm --camera-zoom-factor 0.25 "
       "--camera-elevation-angle 10 --set ground.border=0 "
-      "--passes cover -o cover.exr");
+      "--passes shadow_catcher -o cover.exr");
   const Image cover = image("cover.exr");
   float max = 0.0f, steepest = 0.0f;
   for (int y = 1; y < 120; ++y)

@@ -449,7 +449,9 @@ const std::vector<Option> kOptions = {
     {.field = "passes",
      .option = "passes",
      .group = "Output",
-     .help = "planes to write instead of the picture: all, or names such as depth,normal,ao",
+     .help = "planes to write instead of the picture: names such as depth,normal,ao, or all; beauty: the picture, its "
+             "parts and "
+             "geometry, for compositing",
      .where = in<&Request::passes>,
      .form = OptionForm::kWords},
     {.field = "bits",

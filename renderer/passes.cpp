@@ -7,13 +7,51 @@
 
 #include "core/check.h"
 #include "core/suggest.h"
+#include "effects/composite/composite.h"
 #include "effects/effects.h"
 #include "effects/outline/outline.h"
+#include "effects/output/output.h"
+#include "renderer/background.h"
 
 namespace umbrage {
 namespace {
 
 constexpr std::string_view kAll = "all";
+
+/// The picture as scene-linear light, and its parts, which effects write only on request.
+constexpr std::string_view kBeauty = "beauty";
+constexpr std::string_view kParts[] = {"beauty_direct", "beauty_ambient", "beauty_indirect", "beauty_background"};
+
+/// The preset `beauty`.
+constexpr std::string_view kBeautyPasses[] = {"color",
+                                              "depth",
+                                              "normal",
+                                              "albedo",
+                                              "ao",
+                                              "shadow",
+                                              "direct",
+                                              "indirect",
+                                              "beauty_direct",
+                                              "beauty_ambient",
+                                              "beauty_indirect",
+                                              "beauty_background",
+                                              "shadow_catcher",
+                                              "object_id",
+                                              "material_id"};
+
+bool is_part(std::string_view pass) {
+  return std::find(std::begin(kParts), std::end(kParts), pass) != std::end(kParts);
+}
+
+bool contains(std::span<const std::string> words, std::string_view word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+/// Returns whether the values of a look are those of a display, not light: it has no transfer function by itself.
+bool has_display_values(const Look& look) {
+  const EffectSettings settings = look_settings(look, external_effects());
+  return as<OutputParams>(params_of(settings, "output")).transfer == kTransferNone;
+}
 
 /// Returns the number of layers that a picture needs to have a pass of a layer above 0, if `names` contains the pass's
 /// name on the first layer; else 0.
@@ -30,8 +68,8 @@ int layers_for(std::string_view pass, std::span<const std::string> names) {
 std::vector<std::string> averaged_passes(const std::vector<std::string>& words) {
   std::vector<std::string> planes;
   for (const std::string& word : words) {
-    if (word == "ao" || word == "outline" || word == "cover" || word.starts_with("shadow")) planes.push_back(word);
-    if (word == "direct" || word == "ambient" || word == "indirect" || word == "lit")
+    if (word == "ao" || word == "outline" || word == "shadow_catcher" || is_shadow_plane(word)) planes.push_back(word);
+    if (word == "direct" || word == "ambient" || word == "indirect" || word == "lit" || is_part(word))
       for (const char* channel : {".r", ".g", ".b"}) planes.push_back(word + channel);
   }
   return planes;
@@ -108,15 +146,18 @@ std::vector<std::string> passes_of(const Recipe& recipe) {
   std::vector<std::string> names;
   for (int layer = 0; layer < *layer_count(recipe.capture); ++layer)
     for (const std::string& name : captured_passes()) names.push_back(layer_plane(layer, name));
-  for (const Effect* effect : steps_of(look_run(recipe))) {
+  const auto steps = steps_of(look_run(recipe));
+  const bool has_parts = find_named<Effect>(steps, "composite") && !has_display_values(*recipe.look);
+  for (const Effect* effect : steps) {
     // Planes that the technique and its filters write at reduced resolution are unavailable, except the upsampled ones.
     const bool reduced = recipe.occlusion_downsampling > 1 &&
                          (effect->kind == EffectKind::kOcclusion || effect->kind == EffectKind::kFilter);
     for (const Dispatch& dispatch : effect->dispatches) {
-      if (dispatch.needed && !dispatch.needed(params_of(recipe.settings, effect->name))) continue;
+      const bool runs = !dispatch.needed || dispatch.needed(params_of(recipe.settings, effect->name));
       for (std::string_view plane : dispatch.outputs) {
         if (layer_of_plane(plane) > 0) continue;  // a captured layer, or one that does not exist
         const std::string group = pass_of(plane);
+        if (!runs && group != kBeauty && !(is_part(group) && has_parts)) continue;
         if (reduced && group != "ao" && group != "indirect") continue;
         if (std::find(names.begin(), names.end(), group) == names.end()) names.push_back(group);
       }
@@ -143,18 +184,23 @@ constexpr std::pair<std::string_view, std::string_view> kSummaries[] = {
     {"ao", "ambient visibility: 1 is open, 0 is occluded"},
     {"indirect", "light reflected by nearby surfaces, linear"},
     {"lit", "light before exposure and transfer function, linear"},
-    {"cover", "opacity of the shadow on the ground"},
+    {"shadow_catcher", "opacity of the shadow on the unseen ground, over what is behind it"},
     {"outline", "opacity of the lines"},
     {"line", "color of the lines, linear"},
     {"toon_intensity", "intensity before it is quantized to tone steps"},
-    {"color", "the finished picture"},
+    {"color", "the finished picture; in .exr scene-linear, premultiplied: R, G, B, A"},
+    {"beauty_direct", "light of the lights in the finished picture, exposed, linear"},
+    {"beauty_ambient", "ambient light in the finished picture, exposed, linear"},
+    {"beauty_indirect", "light of nearby surfaces in the finished picture, exposed, linear"},
+    {"beauty_background", "light of the background in the finished picture, and the change by lines, linear"},
+    {"beauty", "for compositing: the picture, its parts, geometry and ids; needs .exr"},
 };
 
 /// Returns what a pass holds; for planes that only effects read, the effect that writes them.
 std::string summary_of(std::string_view pass, const Recipe& recipe) {
   for (const auto& [name, summary] : kSummaries)
     if (name == pass) return std::string(summary);
-  if (pass.starts_with("shadow")) return fmt::format("the same for the light with index {}", pass.substr(6));
+  if (is_shadow_plane(pass)) return fmt::format("the same for the light with index {}", pass.substr(6));
   if (pass == kAll) return "every pass; the only name";
   for (const Effect* effect : steps_of(look_run(recipe)))
     for (const Dispatch& dispatch : effect->dispatches)
@@ -196,10 +242,37 @@ std::vector<PassEntry> passes_of_look(const Look& look) {
   return entries;
 }
 
+Result<std::vector<std::string>> beauty_passes(const Request& request) {
+  Request of_look = request;
+  of_look.passes.clear();
+  const auto recipe = make_recipe(of_look, kMaxStripPixels);
+  if (!recipe) return recipe.error();
+  const auto available = passes_of(*recipe);
+  std::vector<std::string> passes;
+  for (const std::string_view pass : kBeautyPasses)
+    if (contains(available, pass)) passes.emplace_back(pass);
+  return passes;
+}
+
+void enable_passes(const Request& request, Recipe& recipe) {
+  const auto& words = request.passes;
+  recipe.scene_linear = request.scene_linear;
+  auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
+  const bool parts = std::any_of(words.begin(), words.end(), is_part);
+  const bool wanted = request.scene_linear || contains(words, kBeauty) || contains(words, kAll) || parts;
+  if (wanted && output.beauty == kBeautyOff)
+    output.beauty =
+        output.transfer == kTransferNone && has_display_values(*recipe.look) ? kBeautyDisplay : kBeautyLight;
+  if (!parts) return;
+  output.parts = 1;
+  as<CompositeParams>(params_of(recipe.settings, "composite")).parts = 1;
+}
+
 Result<void> apply_passes(const Request& request, Recipe& recipe) {
   const std::vector<std::string>& words = request.passes;
   const bool all = words.size() == 1 && words[0] == kAll;
   recipe.passes = words;
+  enable_passes(request, recipe);
   recipe.averaged = averaged_passes(words);
   for (int light = 0; light < kMaxShadows; ++light)
     if (std::any_of(words.begin(), words.end(), [&](const std::string& word) {
@@ -227,7 +300,7 @@ Error missing_pass_error(const std::string& word, std::span<const std::string> c
                        word);
   std::vector<std::string> shadows;
   for (const std::string& plane : captured)
-    if (plane.starts_with("shadow")) shadows.push_back(layer_plane(layer_of_plane(word), plane));
+    if (is_shadow_plane(plane)) shadows.push_back(layer_plane(layer_of_plane(word), plane));
   return usage_error("there is no pass '{}' in this picture: its lights cast fewer shadows; `passes` takes {}", word,
                      fmt::join(shadows, ", "));
 }
@@ -235,7 +308,7 @@ Error missing_pass_error(const std::string& word, std::span<const std::string> c
 }  // namespace
 
 Result<void> check_captured(const Recipe& recipe, std::span<const std::string> captured) {
-  const auto depends_on_scene = [](std::string_view pass) { return pass == "emission" || pass.starts_with("shadow"); };
+  const auto depends_on_scene = [](std::string_view pass) { return pass == "emission" || is_shadow_plane(pass); };
   std::set<std::string> produced;
   const int layers = *layer_count(recipe.capture);
   for (const std::string& plane : planes_read(look_run(recipe), layers)) produced.insert(pass_of(plane));
@@ -251,7 +324,7 @@ namespace {
 
 /// Returns whether a needed plane is a mean of samples. Lines that are curves are not: they come from sample 0.
 bool averages_something(const Recipe& recipe) {
-  if (recipe.wants("color.r")) return true;
+  if (recipe.wants("color.r") || recipe.wants("beauty.r")) return true;
   const bool curves = as<OutlineParams>(params_of(recipe.settings, "outline")).mode != kOutlinePaper;
   return std::any_of(recipe.averaged.begin(), recipe.averaged.end(),
                      [&](const std::string& plane) { return plane != "outline" || !curves; });
@@ -265,12 +338,17 @@ void reduce_to_passes(Recipe& recipe, std::span<const std::string_view> besides)
   int max_layer = 0;  // highest layer of a requested pass
   for (const std::string& pass : recipe.passes) {
     max_layer = std::max(max_layer, layer_of_plane(pass));
-    for (const std::string& channel : channels_of(pass)) recipe.wanted->push_back(pass + channel);
+    const std::string name = pass == "color" ? std::string(recipe.picture()) : pass;
+    for (const std::string& channel : channels_of(name)) recipe.wanted->push_back(name + channel);
+    if (is_part(pass)) recipe.wanted->insert(recipe.wanted->end(), {"beauty.r", "beauty.g", "beauty.b", "beauty.a"});
   }
   const auto steps = steps_of(look_run(recipe));
   if (!averages_something(recipe)) recipe.frames = 1;  // only sample 0, at the pixel centres
   std::vector<std::string>& captured = recipe.capture.planes.emplace();
   for (const std::string& plane : *recipe.wanted) captured.emplace_back(name_on_first_layer(plane));
+  // These mark the pixels that get background values.
+  for (const std::string& plane : background_planes(*recipe.wanted, recipe.look->ground))
+    captured.emplace_back(name_on_first_layer(plane));
   for (const Effect* effect : steps)
     for (const Dispatch& dispatch : effect->dispatches)
       for (const std::string_view plane : dispatch.inputs) captured.emplace_back(name_on_first_layer(plane));

@@ -35,6 +35,14 @@ struct PassEntry {
 /// Returns the passes of the first layer that a picture of this look can have, with default settings.
 std::vector<PassEntry> passes_of_look(const Look& look);
 
+/// Returns the passes of the preset `beauty` that a picture of this request has: the picture, its parts and the
+/// geometry, for compositing. Errors: those of make_recipe.
+Result<std::vector<std::string>> beauty_passes(const Request& request);
+
+/// Enables the planes that effects write only on request, `beauty` and its parts, if the request has these passes or a
+/// scene-linear picture.
+void enable_passes(const Request& request, Recipe& recipe);
+
 /// Checks the passes of a request against the passes that the recipe produces, stores them in the recipe, and enables
 /// the shadow rays and averages that they need. `all` selects every pass and must be the only name. Errors: kUsage.
 Result<void> apply_passes(const Request& request, Recipe& recipe);

@@ -109,8 +109,10 @@ Result<void> apply_request(const Request& request, Recipe& recipe) {
   apply_strengths(request, recipe.settings);
   if (auto done = apply_settings(request.settings, recipe); !done) return done;
   // A transparent picture is composited later by its viewer, in display values: blend the ground's shadow likewise.
-  if (output.transparent && output.transfer == kTransferSrgb)
+  if (output.transparent && output.transfer == kTransferSrgb && !request.scene_linear) {
     as<GroundParams>(params_of(recipe.settings, "ground")).blend = kGroundBlendDisplay;
+    output.blend = kBlendDisplay;
+  }
   return {};
 }
 
@@ -174,6 +176,7 @@ Result<Recipe> recipe_of_effects(const Request& request) {
   recipe.occlusion = kNoOcclusion;
   recipe.settings = initial_settings(external_effects());
   if (auto done = apply_request(request, recipe); !done) return done.error();
+  enable_passes(request, recipe);
   if (!request.occlusion_radius.empty()) recipe.radius = *parse_length("occlusion_radius", request.occlusion_radius);
   return recipe;
 }
@@ -347,6 +350,7 @@ Result<Recipe> make_shading_recipe(const Request& request) {
   if (!recipe) return recipe;
   if (!find_effect(recipe->occlusion) && recipe->occlusion != kNoOcclusion)
     return usage_error("`occlusion` {} needs the model: it cannot shade a G-buffer", recipe->occlusion);
+  enable_passes(request, *recipe);
   return recipe;
 }
 

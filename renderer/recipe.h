@@ -46,8 +46,12 @@ struct Recipe {
   std::vector<std::string> passes;                       ///< requested passes, by the names of renderer/passes.h
   /// The only planes that are needed; empty: the picture and all its intermediate planes.
   std::optional<std::vector<std::string>> wanted;
+  /// The picture is `beauty`, scene-linear and premultiplied, in place of `color`.
+  bool scene_linear = false;
   std::vector<std::string> averaged;  ///< planes besides the picture that are averaged if frames > 1
 
+  /// Returns the pass that holds the picture.
+  std::string_view picture() const { return scene_linear ? "beauty" : "color"; }
   /// Returns whether a plane of the first layer is needed.
   bool wants(std::string_view plane) const {
     return !wanted || std::find(wanted->begin(), wanted->end(), plane) != wanted->end();

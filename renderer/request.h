@@ -90,7 +90,10 @@ struct Request {
   std::optional<int> extra_views{};             ///< additional cameras, 0 to 4; default: set by the look
   float guard_band = 0.0f;            ///< border drawn beyond each side, in percent of the longer side; 0 to 100
   std::vector<std::string> passes{};  ///< additional output planes: "depth", "normal", "ao", ...
-  bool strokes = false;               ///< whether to return the look's lines as curves; `cartoon` draws such lines
+  /// The picture is `beauty`, scene-linear light that is premultiplied by alpha, in place of `color`. No option sets
+  /// it: it follows from the format of a file.
+  bool scene_linear = false;
+  bool strokes = false;  ///< whether to return the look's lines as curves; `cartoon` draws such lines
   // For shading the planes of another renderer:
   std::vector<std::string> effects{};  ///< effects run in this order, in place of the look
   GBufferSettings gbuffer{};

@@ -8,6 +8,7 @@
 #include "devices/shared/neutral.h"
 #include "looks/metering.h"
 #include "renderer/average.h"
+#include "renderer/background.h"
 #include "renderer/draw.h"
 #include "renderer/lines.h"
 
@@ -63,7 +64,7 @@ class StripDrawer {
   }
 
   /// Receives the inner rows of a finished strip; `first` is the index of the first row.
-  using Finish = std::function<Result<void>(const Frame& frame, const Image& rows, int first)>;
+  using Finish = std::function<Result<void>(const Frame& frame, Image& rows, int first)>;
 
   /// Draws all strips in as many sweeps as needed and passes `planes` of the finished rows to `finish`. Returns the
   /// lines of the sample if `lines` is set.
@@ -150,7 +151,7 @@ class StripDrawer {
     const auto lines_state = draw_lines(device_, plan_, *frame, run_.monitor, times_);
     if (!lines_state || !lines_state->finished) return lines_state;
     if (const int missing = device_.missing_rows(*frame, planes); missing > 0) return RunState{false, missing};
-    const auto rows = device_.download(*frame, planes);
+    auto rows = device_.download(*frame, planes);
     if (!rows) return rows.error();
     if (rows->height > 0)
       if (auto taken = finish(*frame, *rows, first_); !taken) return taken.error();
@@ -227,7 +228,8 @@ PlaneCount count_planes(const Recipe& recipe, int layers) {
   if (!small.empty()) count.held += reduced * double(small.size() + std::size_t(kCaptured * layers)) + 8.0;
   count.far = double(far_full.size()) + reduced * double(far_small.size()) + for_host_steps;
   constexpr double kColor = 4.0;
-  if (recipe.frames > 1) count.averaged = kColor + double(recipe.averaged.size());
+  if (recipe.frames > 1)
+    count.averaged = kColor * double(picture_passes(recipe).size()) + double(recipe.averaged.size());
   count.held += recipe.frames > 1 ? kForAverage : 0.0;
   return count;
 }
@@ -288,26 +290,32 @@ Result<Image> averaged_rows(Device& device, const Plan& plan, const PictureSum& 
   inner.first_row = first;
   inner.whole_rows = inner.height;
   inner.height = rows.height;
-  Image color;
-  if (plan.recipe.wants("color.r")) {
-    auto made = finished_color(device, sum, plan, planes_of(rows, line_planes(plan)), inner);
-    if (!made) return made;
-    color = std::move(*made);
-  }
+  const auto picture = finished_picture(device, sum, plan, planes_of(rows, line_planes(plan)), inner);
+  if (!picture) return picture;
   const Image means = mean_planes(sum, other_averaged_planes(plan));
   Image finished(rows.width, rows.height);
   for (const std::string& name : planes) {
-    const Plane* made = color.find(name) ? color.find(name) : means.find(name);
+    const Plane* made = picture->find(name) ? picture->find(name) : means.find(name);
     finished.add(name) = made ? *made : rows.plane(name);
   }
   return finished;
 }
 
+/// Returns `planes` and those that set_background reads.
+std::vector<std::string> with_background_planes(const Plan& plan, std::vector<std::string> planes) {
+  const auto& captured = plan.capture.planes;
+  const bool has_ids = !captured || std::find(captured->begin(), captured->end(), "object_id") != captured->end();
+  for (const std::string& name : background_planes(planes, plan.has_ground && has_ids))
+    if (std::find(planes.begin(), planes.end(), name) == planes.end()) planes.push_back(name);
+  return planes;
+}
+
 }  // namespace
 
-Result<Lines> draw_strips(Device& device, const Plan& planned, int rows, const std::vector<std::string>& planes,
+Result<Lines> draw_strips(Device& device, const Plan& planned, int rows, const std::vector<std::string>& requested,
                           bool lines, const TakeRows& take, StageTimes& times, const ProgressMonitor& monitor) {
   Plan plan = planned;
+  const std::vector<std::string> planes = with_background_planes(plan, requested);
   StripProgress progress(monitor, plan.recipe.frames);
   StripDrawer drawer(device, plan, rows, progress, times);
   PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots};
@@ -321,12 +329,15 @@ Result<Lines> draw_strips(Device& device, const Plan& planned, int rows, const s
     times.done("average");
     return {};
   };
-  const auto finish = [&](const Frame& frame, const Image& part, int first) -> Result<void> {
-    if (!plan.averages()) return take(frame.info, part, first);
-    const auto finished = averaged_rows(device, plan, total, frame.info, part, first, planes);
-    if (!finished) return finished.error();
-    times.done("average");
-    return take(frame.info, *finished, first);
+  const auto finish = [&](const Frame& frame, Image& part, int first) -> Result<void> {
+    if (plan.averages()) {
+      auto finished = averaged_rows(device, plan, total, frame.info, part, first, planes);
+      if (!finished) return finished.error();
+      part = std::move(*finished);
+      times.done("average");
+    }
+    set_background(part, frame.info.ground_object);
+    return take(frame.info, part, first);
   };
   for (int k = plan.recipe.frames - 1; k > 0; --k)
     if (auto drawn = drawer.draw_sample(begin_sample(plan, k), averaged_planes(plan), false, add); !drawn)

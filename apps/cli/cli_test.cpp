@@ -176,9 +176,9 @@ TEST_F(Cli, JsonHasTheTimeOfEachStage) {
 }
 
 TEST_F(Cli, BackgroundOptionsApply) {
-  good("tri.obj -o color.exr --background-color 0.25,0.5,0.75" + kSmall);
-  EXPECT_EQ(image("color.exr").plane("color.r").at(0, 0), 0.25f);
-  EXPECT_EQ(image("color.exr").plane("color.b").at(0, 0), 0.75f);
+  good("tri.obj -o color.pfm --background-color 0.25,0.5,0.75" + kSmall);
+  EXPECT_EQ(image("color.pfm").plane("color.r").at(0, 0), 0.25f);
+  EXPECT_EQ(image("color.pfm").plane("color.b").at(0, 0), 0.75f);
   good("tri.obj -o none.png --no-background" + kSmall);
   const Image none = image("none.png");
   ASSERT_NE(none.find("color.a"), nullptr);
@@ -223,17 +223,17 @@ TEST_F(Cli, BitsAndHalfAreWritten) {
   good(kSolids + " -o eight.png" + kSmall);
   good(kSolids + " -o sixteen.png --bits 16" + kSmall);
   good(kSolids + " -o float.exr" + kSmall);
+  good(kSolids + " -o float.pfm" + kSmall);
   good(kSolids + " -o half.exr --half" + kSmall);
-  const Image exact = image("float.exr"), eight = image("eight.png"), sixteen = image("sixteen.png"),
-              half = image("half.exr");
-  const auto max_error = [&](const Image& other) {
-    return test::difference(exact.plane("color.r"), other.plane("color.r"), 0.0).max;
+  const Image display = image("float.pfm"), light = image("float.exr");
+  const auto max_error = [&](const Image& exact, const std::string& other) {
+    return test::difference(exact.plane("color.r"), image(other).plane("color.r"), 0.0).max;
   };
-  EXPECT_LE(max_error(eight), 0.5 / 255 + 1e-6);
-  EXPECT_GT(max_error(eight), 1e-3);
-  EXPECT_LE(max_error(sixteen), 0.5 / 65535 + 1e-6);
-  EXPECT_LE(max_error(half), 1e-3);
-  EXPECT_GT(max_error(half), 1e-6);
+  EXPECT_LE(max_error(display, "eight.png"), 0.5 / 255 + 1e-6);
+  EXPECT_GT(max_error(display, "eight.png"), 1e-3);
+  EXPECT_LE(max_error(display, "sixteen.png"), 0.5 / 65535 + 1e-6);
+  EXPECT_LE(max_error(light, "half.exr"), 1e-3);
+  EXPECT_GT(max_error(light, "half.exr"), 1e-6);
 }
 
 TEST_F(Cli, SeveralModelsShareOnePicture) {

@@ -1,5 +1,6 @@
 #include "apps/cli/picture_file.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -47,6 +48,23 @@ Image picture_of_lines(const Plane& cover, const EffectSettings& settings) {
   return out;
 }
 
+/// Returns `color.r` for `beauty.r`, and other names as they are.
+std::string color_of_beauty(const std::string& plane) {
+  constexpr std::string_view kBeauty = "beauty.";
+  return plane.starts_with(kBeauty) ? "color." + plane.substr(kBeauty.size()) : plane;
+}
+
+/// Multiplies colour by alpha, if the picture has both.
+void premultiply(Image& picture) {
+  const Plane* alpha = picture.find("color.a");
+  for (const char* name : {"color.r", "color.g", "color.b"}) {
+    if (!alpha || !picture.find(name)) return;
+    Plane& plane = picture.plane(name);
+    for (int y = 0; y < plane.height; ++y)
+      for (int x = 0; x < plane.width; ++x) plane.row(y)[x] *= alpha->row(y)[x];
+  }
+}
+
 }  // namespace
 
 Result<std::string> extension_of(const std::string& file) {
@@ -72,13 +90,20 @@ Result<void> write_picture(const Destination& destination, const Image& image, c
                     [&](const TakeImageRows& take) { return take(image); });
 }
 
+bool is_scene_linear(const RenderOptions& o, std::string_view extension) {
+  return extension == "exr" && std::none_of(o.request.settings.begin(), o.request.settings.end(),
+                                            [](const std::string& s) { return s.starts_with("output.transfer="); });
+}
+
 Image convert_for_file(const RenderOptions& o, const Destination& destination, const Image& drawn,
                        const std::vector<std::string>& names, const EffectSettings& settings, const PictureInfo& info) {
   const bool is_png = destination.extension() == "png";
   if (o.writes_only("outline") && is_png) return picture_of_lines(drawn.plane("outline"), settings);
   if (o.writes_passes() && is_png) return picture_of_pass(drawn, names, info);
   Image picture(drawn.width, drawn.height);
-  for (const std::string& name : names) picture.add(name) = drawn.plane(name);
+  for (const std::string& name : names)
+    picture.add(o.request.scene_linear ? color_of_beauty(name) : name) = drawn.plane(name);
+  if (destination.extension() == "exr" && !o.request.scene_linear) premultiply(picture);
   return picture;
 }
 

@@ -32,8 +32,12 @@ Result<void> write_rows(const Destination& destination, const ImageShape& shape,
 /// Writes a picture to the file or to standard output, or adds it to the video as a frame.
 Result<void> write_picture(const Destination& destination, const Image& image, const WriteSettings& settings);
 
+/// Returns whether the picture is written as scene-linear light: to .exr, unless output.transfer is set.
+bool is_scene_linear(const RenderOptions& o, std::string_view extension);
+
 /// Converts a drawn picture, or some of its rows, to the planes of the file. `names`: the planes of `drawn` to
-/// write. `info`: properties of the picture, for the range of depth.
+/// write. `info`: properties of the picture, for the range of depth. In .exr, colour is premultiplied, and `beauty`, if
+/// the picture is scene-linear, is the colour.
 Image convert_for_file(const RenderOptions& o, const Destination& destination, const Image& drawn,
                        const std::vector<std::string>& names, const EffectSettings& settings, const PictureInfo& info);
 

@@ -20,6 +20,7 @@
 #include "core/numbers.h"
 #include "effects/effects.h"
 #include "io/image_file.h"
+#include "renderer/background.h"
 #include "renderer/draw.h"
 #include "renderer/lines.h"
 #include "renderer/passes.h"
@@ -29,7 +30,26 @@
 namespace umbrage::cli {
 namespace {
 
-const std::vector<std::string> kColor = {"color.r", "color.g", "color.b"};
+/// Returns the planes of the picture as the file holds it.
+std::vector<std::string> picture_planes(const RenderOptions& o, const Destination& destination) {
+  const std::string pass = o.request.scene_linear ? "beauty" : "color";
+  std::vector<std::string> names = {pass + ".r", pass + ".g", pass + ".b"};
+  if (o.request.transparent || destination.extension() == "exr") names.push_back(pass + ".a");
+  return names;
+}
+
+/// Returns the planes of the requested passes. Errors: kUsage.
+Result<std::vector<std::string>> pass_planes_of(const RenderOptions& o, const Device& device, const Frame& frame) {
+  std::vector<std::string> words = o.request.passes;
+  if (o.request.scene_linear) std::replace(words.begin(), words.end(), std::string("color"), std::string("beauty"));
+  const auto chosen = chosen_planes(words, device.plane_names(frame), frame.info);
+  if (!chosen) return chosen.error();
+  std::vector<std::string> names;
+  for (const PassPlanes& pass : *chosen)
+    if (!o.request.scene_linear || pass.name != "color")
+      names.insert(names.end(), pass.planes.begin(), pass.planes.end());
+  return names;
+}
 
 /// Parses a number of bytes, such as "6G", "512M" or "100000". Errors: kUsage.
 Result<double> parse_memory(std::string_view text) {
@@ -46,18 +66,13 @@ Result<void> write_output(const RenderOptions& o, const Destination& destination
                           Device& device, const Frame& frame) {
   const Camera camera = inner_camera(frame.info);
   const WriteSettings settings{.bits = o.bits(), .half = o.half, .threads = device.threads(), .camera = &camera};
-  auto names = kColor;
-  if (o.request.transparent) names.push_back("color.a");
-  if (o.writes_passes()) {
-    const auto chosen = chosen_planes(o.request.passes, device.plane_names(frame), frame.info);
-    if (!chosen) return chosen.error();
-    names.clear();
-    for (const PassPlanes& pass : *chosen) names.insert(names.end(), pass.planes.begin(), pass.planes.end());
-  }
-  const auto image = device.download(frame, names);
+  const auto names = o.writes_passes() ? pass_planes_of(o, device, frame)
+                                       : Result<std::vector<std::string>>(picture_planes(o, destination));
+  if (!names) return names.error();
+  const auto image = download_passes(device, frame, *names);
   if (!image) return image.error();
   return write_picture(
-      destination, convert_for_file(o, destination, *image, names, effect_settings, destination.first_info), settings);
+      destination, convert_for_file(o, destination, *image, *names, effect_settings, destination.first_info), settings);
 }
 
 /// The files to write and the number of frames, checked before the model is read.
@@ -90,11 +105,7 @@ Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& dev
   StageTimes times;
   const auto frame = draw(device, scene, *recipe, times);
   if (!frame) return frame.error();
-  const auto chosen = chosen_planes(small.passes, device.plane_names(*frame), frame->info);
-  if (!chosen) return chosen.error();
-  std::vector<std::string> names;
-  for (const PassPlanes& pass : *chosen) names.insert(names.end(), pass.planes.begin(), pass.planes.end());
-  return names;
+  return pass_planes_of(o, device, *frame);
 }
 
 /// Draws the picture in strips directly into its file. Shows progress on `line`.
@@ -103,8 +114,7 @@ Result<void> draw_into_file(const RenderOptions& o, const RenderJob& job, Device
   const Recipe& recipe = job.recipe;
   const LineFile& lines = job.lines;
   const Destination destination{o.output, nullptr, {}};
-  auto names = lines.alone ? std::vector<std::string>() : kColor;
-  if (o.request.transparent && !lines.alone) names.push_back("color.a");
+  auto names = lines.alone ? std::vector<std::string>() : picture_planes(o, destination);
   if (o.writes_passes()) {
     auto planes = pass_planes(o, device, scene, plan);
     if (!planes) return planes.error();
@@ -289,6 +299,25 @@ Result<void> check_output(const RenderOptions& o, const Output& output) {
   return {};
 }
 
+/// Sets what follows from the format of the file: a scene-linear picture in .exr, and the passes of the preset
+/// `beauty`. Errors: kUsage.
+Result<void> choose_picture(RenderOptions& o) {
+  const auto extension =
+      is_video(o.output) || o.output == kStandardOutput ? Result<std::string>("") : extension_of(o.output);
+  o.request.scene_linear = extension && is_scene_linear(o, *extension);
+  auto& passes = o.request.passes;
+  const auto preset = std::find(passes.begin(), passes.end(), "beauty");
+  if (preset == passes.end()) return {};
+  const auto of_preset = beauty_passes(o.request);
+  if (!of_preset) return of_preset.error();
+  std::vector<std::string> all = *of_preset;
+  for (const std::string& word : passes)
+    if (word != "beauty" && std::find(of_preset->begin(), of_preset->end(), word) == of_preset->end())
+      all.push_back(word);
+  passes = std::move(all);
+  return {};
+}
+
 /// Checks the options. Errors: kUsage; kFile for a file that cannot be written.
 Result<RenderJob> make_job(const RenderOptions& o) {
   RenderJob job;
@@ -374,6 +403,7 @@ Result<Scene> read_scene(const RenderOptions& o, RenderJob& job, ProgressLine& l
 Result<void> render(const RenderOptions& given) {
   RenderOptions o = given;
   choose_line_look(o);
+  if (auto chosen = choose_picture(o); !chosen) return chosen;
   StageTimes times;
   auto job = make_job(o);
   if (!job) return job.error();

@@ -21,13 +21,14 @@ std::optional<float> neutral_value(std::string_view plane) {
   if (plane.starts_with("albedo.")) return 0.8f;
   if (plane == "specular") return 0.0f;
   if (plane == "shininess") return 1.0f;
-  if (plane.starts_with("shadow")) return 1.0f;
+  if (is_shadow_plane(plane)) return 1.0f;
   if (plane == "ao") return 1.0f;
-  if (plane == "outline" || plane == "cover" || plane == "cover_for_eye" || plane == "open_light" ||
-      plane == "object_id" || plane == "material_id" || plane == "bitmask_mips")
+  if (plane == "outline" || plane == "cover" || plane == "cover_for_eye" || plane == "shadow_catcher" ||
+      plane == "open_light" || plane == "object_id" || plane == "material_id" || plane == "bitmask_mips")
     return 0.0f;
   if (plane.starts_with("direct.") || plane.starts_with("ambient.") || plane.starts_with("indirect.") ||
-      plane.starts_with("emission.") || plane.starts_with("sky.") || plane.starts_with("line."))
+      plane.starts_with("emission.") || plane.starts_with("sky.") || plane.starts_with("lit_direct.") ||
+      plane.starts_with("lit_indirect.") || plane.starts_with("line."))
     return 0.0f;
   if (has_layer_prefix) return 0.0f;  // an effect's output of a layer that does not exist
   return std::nullopt;

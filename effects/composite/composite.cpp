@@ -3,6 +3,7 @@
 
 #include "core/effect.h"
 #include "kernels/composite.h"
+#include "kernels/composite_parts.h"
 
 namespace umbrage {
 namespace {
@@ -34,12 +35,16 @@ const std::vector<Parameter> kTable = {
              "modes ambient and bleeding: how much occlusion darkens direct light too"),
     real_row("occlusion", &CompositeParams::occlusion, {.initial = 1, .max = kMaxFactor},
              "factor for the occlusion of any technique"),
+    bool_row("parts", &CompositeParams::parts, false,
+             "also write `lit_direct` and `lit_indirect`, parts of the light; `passes` sets it"),
 };
 
 void fill_constants(const CompositeParams& params, const PictureInfo&, CompositeConstants& c) {
   c = {params.mode,   params.darkness, params.chroma, params.contrast, params.damping,
        params.albedo, params.tint,     params.direct, params.occlusion};
 }
+
+bool writes_parts(const ParameterBytes& params) { return as<CompositeParams>(params).parts != 0; }
 
 }  // namespace
 
@@ -53,6 +58,14 @@ Effect effect_composite() {
                                   "indirect.r", "indirect.g", "indirect.b", "albedo.r", "albedo.g", "albedo.b", "ao"},
                        .outputs = {"lit.r", "lit.g", "lit.b"},
                        .kernel = composite_kernel(),
+                       .reach = own_row},
+                      {.name = "composite_parts",
+                       .inputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b",
+                                  "indirect.r", "indirect.g", "indirect.b", "albedo.r", "albedo.g", "albedo.b", "ao"},
+                       .outputs = {"lit_direct.r", "lit_direct.g", "lit_direct.b", "lit_indirect.r", "lit_indirect.g",
+                                   "lit_indirect.b"},
+                       .kernel = composite_parts_kernel(),
+                       .needed = writes_parts,
                        .reach = own_row}}});
 }
 

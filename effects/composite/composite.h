@@ -11,6 +11,7 @@ struct CompositeParams {
   float tint;                        // 0 to 1; 0: off
   float direct;                      // 0 to 1; 0: off
   float occlusion;                   // factor for 1 - ao
+  int parts;                         // 0 or 1: write lit_direct and lit_indirect
 };
 
 struct CompositeConstants {

@@ -236,6 +236,31 @@ TEST(Composite, EachModeAtFullOcclusion) {
   expect_lit({{"mode", "modulate"}, {"darkness", "0.25"}}, {0.05, 0.25, 0.45});
 }
 
+TEST(Composite, PartsAreThoseOfTheLight) {
+  GBuffer g = light_and_occlusion();
+  for (int c = 0; c < 3; ++c) g.layers[0].plane(kAmbient[c]) = Plane(g.info.width, g.info.height, 0.0f);
+  // Without ambient light they are all of it.
+  for (const char* mode : {"ambient", "multiply", "bleeding"})
+    test::on_every_target("composite", g, {{"mode", mode}, {"direct", "0.6"}, {"parts", "on"}},
+                          [&](const Image& image) {
+                            for (const char* channel : {"r", "g", "b"}) {
+                              const auto plane = [&](const char* name) -> const Plane& {
+                                return image.plane(std::string(name) + channel);
+                              };
+                              for (int y = 0; y < image.height; ++y)
+                                for (int x = 0; x < image.width; ++x)
+                                  ASSERT_NEAR(plane("lit_direct.").at(x, y) + plane("lit_indirect.").at(x, y),
+                                              plane("lit.").at(x, y), 2e-6)
+                                      << mode;
+                            }
+                          });
+  // The occlusion alone has none.
+  test::on_every_target("composite", g, {{"mode", "occlusion"}, {"parts", "on"}}, [&](const Image& image) {
+    EXPECT_EQ(image.plane("lit_direct.r").at(5, 5), 0.0f);
+    EXPECT_EQ(image.plane("lit_indirect.r").at(5, 5), 0.0f);
+  });
+}
+
 TEST(Composite, MissingPlanesAreBlackAndUnoccluded) {
   GBuffer g = test::empty_gbuffer(3, 2);
   test::on_every_target("composite", g, {}, [](const Image& image) { EXPECT_EQ(image.plane("lit.g").at(2, 1), 0.0f); });

@@ -43,7 +43,7 @@ Effect effect_ground() {
                .source = "",
                .dispatches = {{.inputs = {"open_light", "indirect.r", "indirect.g", "indirect.b", "depth", "object_id",
                                           "lit.r", "lit.g", "lit.b"},
-                               .outputs = {"lit.r", "lit.g", "lit.b", "cover"},
+                               .outputs = {"lit.r", "lit.g", "lit.b", "shadow_catcher"},
                                .kernel = ground_kernel(),
                                .reach = own_row}}});
 }

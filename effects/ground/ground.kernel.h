@@ -1,11 +1,11 @@
-// Makes the ground under a model a shadow catcher: it becomes black, and `cover`, its opacity over the background, is
-// the fraction of the light that does not arrive.
+// Makes the ground under a model a shadow catcher: it becomes black, and `shadow_catcher`, its opacity over the
+// background, is the fraction of the light that does not arrive.
 IN_REAL(open_light)
 IN_COLOR(indirect)
 IN_REAL(depth)
 IN_REAL(object_id)
 INOUT_COLOR(lit)
-OUT_REAL(cover)
+OUT_REAL(shadow_catcher)
 
 // Returns a fade from 0 to 1 without kinks at its ends.
 FN Real eased(Real t) {
@@ -38,6 +38,6 @@ FN void ground_pixel(Int px, Int py) {
   }
   shade = select(ground && open > 0.0f && is_finite(shade), shade, Real(0.0f));
   if (C.display != 0) shade = Real(1.0f) - display_from_linear(Real(1.0f) - shade);
-  store_cover(shade);
+  store_shadow_catcher(shade);
   store_lit(select(ground, Vec3(Real(0.0f), Real(0.0f), Real(0.0f)), finite_or_zero(lit)));
 }

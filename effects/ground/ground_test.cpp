@@ -29,16 +29,16 @@ GBuffer row_of(const std::vector<float>& arrives, float open, int ground_object 
 TEST(Ground, CoverIsTheFractionOfMissingLight) {
   const std::vector<float> arrives = {0.3f, 0.0f, 0.4f, 0.8f, 1.6f};
   test::on_every_target("ground", row_of(arrives, 0.8f), {}, [&](const Image& image) {
-    EXPECT_EQ(image.plane("cover").at(0, 0), 0.0f) << "the model itself";
+    EXPECT_EQ(image.plane("shadow_catcher").at(0, 0), 0.0f) << "the model itself";
     EXPECT_EQ(image.plane("lit.g").at(0, 0), 0.3f);
     for (int x = 1; x < image.width; ++x) {
-      EXPECT_NEAR(image.plane("cover").at(x, 0), std::max(1.0 - arrives[x] / 0.8, 0.0), 1e-6) << x;
+      EXPECT_NEAR(image.plane("shadow_catcher").at(x, 0), std::max(1.0 - arrives[x] / 0.8, 0.0), 1e-6) << x;
       EXPECT_EQ(image.plane("lit.g").at(x, 0), 0.0f);
     }
   });
   test::on_every_target("ground", row_of(arrives, 0.8f), {{"strength", "0.5"}}, [](const Image& image) {
-    EXPECT_NEAR(image.plane("cover").at(1, 0), 0.5, 1e-6);
-    EXPECT_NEAR(image.plane("cover").at(2, 0), 0.25, 1e-6);
+    EXPECT_NEAR(image.plane("shadow_catcher").at(1, 0), 0.5, 1e-6);
+    EXPECT_NEAR(image.plane("shadow_catcher").at(2, 0), 0.25, 1e-6);
   });
 }
 
@@ -49,8 +49,8 @@ TEST(Ground, AboveStrengthOneTheShadowKeepsItsGradation) {
       for (int x = 1; x < image.width; ++x) {
         const double light = std::min(arrives[x] / 0.8, 1.0);
         const double cover = (2.0 - strength) * (1.0 - light) + (strength - 1.0) * (1.0 - light * light);
-        EXPECT_NEAR(image.plane("cover").at(x, 0), cover, 1e-6) << strength << " " << x;
-        EXPECT_LT(image.plane("cover").at(x, 0), 1.0f);
+        EXPECT_NEAR(image.plane("shadow_catcher").at(x, 0), cover, 1e-6) << strength << " " << x;
+        EXPECT_LT(image.plane("shadow_catcher").at(x, 0), 1.0f);
       }
     });
 }
@@ -61,7 +61,7 @@ TEST(Ground, OverAnyBackgroundViewersShowTheSameShade) {
   test::on_every_target("ground", row_of({0.3f, 0.4f, 0.2f}, 0.8f), {{"blend", "display"}}, [](const Image& image) {
     for (int x : {1, 2}) {
       const double arrives = x == 1 ? 0.5 : 0.25;
-      EXPECT_NEAR(1.0 - image.plane("cover").at(x, 0), 1.055 * std::pow(arrives, 1.0 / 2.4) - 0.055, 1e-4);
+      EXPECT_NEAR(1.0 - image.plane("shadow_catcher").at(x, 0), 1.055 * std::pow(arrives, 1.0 / 2.4) - 0.055, 1e-4);
     }
   });
 }
@@ -70,13 +70,13 @@ TEST(Ground, LightThatSurfacesSendIsLeftOut) {
   GBuffer g = row_of({0.3f, 0.6f}, 0.8f);
   for (const char* name : {"indirect.r", "indirect.g", "indirect.b"}) g.layers[0].add(name) = Plane(2, 1, 0.2f);
   test::on_every_target("ground", g, {},
-                        [](const Image& image) { EXPECT_NEAR(image.plane("cover").at(1, 0), 0.5, 1e-6); });
+                        [](const Image& image) { EXPECT_NEAR(image.plane("shadow_catcher").at(1, 0), 0.5, 1e-6); });
 }
 
 TEST(Ground, NothingChangesWithoutOne) {
   test::on_every_target("ground", row_of({0.3f, 0.2f}, 0.8f, -1), {}, [](const Image& image) {
     for (int x : {0, 1}) {
-      EXPECT_EQ(image.plane("cover").at(x, 0), 0.0f);
+      EXPECT_EQ(image.plane("shadow_catcher").at(x, 0), 0.0f);
       EXPECT_EQ(image.plane("lit.r").at(x, 0), x == 0 ? 0.3f : 0.2f);
     }
   });
@@ -84,7 +84,7 @@ TEST(Ground, NothingChangesWithoutOne) {
 
 TEST(Ground, NoLightGivesNoShadow) {
   test::on_every_target("ground", row_of({0.3f, 0.0f}, 0.0f), {},
-                        [](const Image& image) { EXPECT_EQ(image.plane("cover").at(1, 0), 0.0f); });
+                        [](const Image& image) { EXPECT_EQ(image.plane("shadow_catcher").at(1, 0), 0.0f); });
 }
 
 TEST(Ground, ShadowFadesTowardsTheEdgeOfTheGround) {
@@ -96,7 +96,7 @@ TEST(Ground, ShadowFadesTowardsTheEdgeOfTheGround) {
   test::on_every_target("ground", g, {}, [&](const Image& image) {
     for (int x = 1; x < 40; ++x) {
       const double outer = std::clamp(2.0 - 2.0 * x / 30.0, 0.0, 1.0);
-      EXPECT_NEAR(image.plane("cover").at(x, 0), 0.5 * outer * outer * (3.0 - 2.0 * outer), 2e-5) << x;
+      EXPECT_NEAR(image.plane("shadow_catcher").at(x, 0), 0.5 * outer * outer * (3.0 - 2.0 * outer), 2e-5) << x;
     }
   });
 }
@@ -116,7 +116,7 @@ TEST(Ground, ShadowFadesTowardsTheBorderOfThePicture) {
       for (int x = 0; x < image.width; ++x) {
         const double inside = std::min({x, y, image.width - 1 - x, image.height - 1 - y}) + 0.5;
         const double t = std::clamp(inside / 4.0, 0.0, 1.0);
-        EXPECT_NEAR(image.plane("cover").at(x, y), 0.5 * t * t * (3.0 - 2.0 * t), 1e-6) << x << ' ' << y;
+        EXPECT_NEAR(image.plane("shadow_catcher").at(x, y), 0.5 * t * t * (3.0 - 2.0 * t), 1e-6) << x << ' ' << y;
       }
   });
 }

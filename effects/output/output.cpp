@@ -5,6 +5,8 @@
 #include "core/effect.h"
 #include "core/srgb.h"
 #include "kernels/output.h"
+#include "kernels/output_beauty.h"
+#include "kernels/output_parts.h"
 
 namespace umbrage {
 namespace {
@@ -36,11 +38,18 @@ const std::vector<Parameter> kTable = {
     bool_row("transparent", &OutputParams::transparent, false, "alpha 0 and black where there is no surface"),
     bool_row("sky", &OutputParams::sky, false,
              "show the planes `sky`, which `hdri_skybox` writes, where there is no surface"),
+    choice_row("beauty", &OutputParams::beauty, kBeautyOff, {"off", "light", "display"},
+               "also write `beauty`, scene-linear and premultiplied, from light, or from display values, which it "
+               "decodes; the format of the file sets it"),
+    bool_row("parts", &OutputParams::parts, false, "with `beauty`, also write its parts; `passes` sets it"),
+    choice_row("blend", &OutputParams::blend, kBlendLight, {"light", "display"},
+               "what `shadow_catcher` is the opacity for, as ground.blend; `transparent` sets it"),
 };
 
 void fill_constants(const OutputParams& params, const PictureInfo& info, OutputConstants& c) {
   const float opaque = params.transparent ? 0.0f : 1.0f;
   const auto light = [&](float v) { return params.transfer == 0 ? linear_from_srgb(v) : v; };
+  const auto beauty_light = [&](float v) { return params.beauty == kBeautyDisplay ? v : linear_from_srgb(v); };
   c = {.sky = params.sky,
        .gain = std::exp2(params.exposure),
        .tone = params.tone,
@@ -56,7 +65,12 @@ void fill_constants(const OutputParams& params, const PictureInfo& info, OutputC
        .gradient = params.gradient,
        .one_over_height = 1.0f / float(info.whole_rows > 0 ? info.whole_rows : info.inner_height()),
        .first_row = info.guard - info.first_row,
-       .background_alpha = opaque};
+       .background_alpha = opaque,
+       .beauty_behind_r = beauty_light(params.background_r),
+       .beauty_behind_g = beauty_light(params.background_g),
+       .beauty_behind_b = beauty_light(params.background_b),
+       .decode = params.beauty == kBeautyDisplay,
+       .cover_display = params.blend == kBlendDisplay};
 }
 
 Exposure exposure_source(const ParameterBytes& params) {
@@ -72,6 +86,9 @@ Exposure exposure_source(const ParameterBytes& params) {
   }
 }
 
+bool writes_beauty(const ParameterBytes& params) { return as<OutputParams>(params).beauty != kBeautyOff; }
+bool writes_parts(const ParameterBytes& params) { return as<OutputParams>(params).parts != 0 && writes_beauty(params); }
+
 void add_stops(float stops, ParameterBytes& params) { as<OutputParams>(params).exposure += stops; }
 
 }  // namespace
@@ -84,9 +101,27 @@ Effect effect_output() {
                .exposure_source = exposure_source,
                .add_stops = add_stops,
                .dispatches = {{.inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline", "line.r", "line.g", "line.b",
-                                          "cover", "cover_for_eye", "sky.r", "sky.g", "sky.b"},
+                                          "cover", "cover_for_eye", "shadow_catcher", "sky.r", "sky.g", "sky.b"},
                                .outputs = {"color.r", "color.g", "color.b", "color.a"},
                                .kernel = output_kernel(),
+                               .reach = own_row},
+                              {.name = "beauty",
+                               .inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline", "line.r", "line.g", "line.b",
+                                          "cover", "cover_for_eye", "shadow_catcher", "sky.r", "sky.g", "sky.b"},
+                               .outputs = {"beauty.r", "beauty.g", "beauty.b", "beauty.a"},
+                               .kernel = output_beauty_kernel(),
+                               .needed = writes_beauty,
+                               .reach = own_row},
+                              {.name = "parts",
+                               .inputs = {"lit.r", "lit.g", "lit.b", "lit_direct.r", "lit_direct.g", "lit_direct.b",
+                                          "lit_indirect.r", "lit_indirect.g", "lit_indirect.b", "depth", "cover",
+                                          "shadow_catcher", "beauty.r", "beauty.g", "beauty.b"},
+                               .outputs = {"beauty_direct.r", "beauty_direct.g", "beauty_direct.b", "beauty_ambient.r",
+                                           "beauty_ambient.g", "beauty_ambient.b", "beauty_indirect.r",
+                                           "beauty_indirect.g", "beauty_indirect.b", "beauty_background.r",
+                                           "beauty_background.g", "beauty_background.b"},
+                               .kernel = output_parts_kernel(),
+                               .needed = writes_parts,
                                .reach = own_row}}});
 }
 

@@ -11,6 +11,12 @@ const int kToneNone = 0, kToneNeutral = 1;
 // Values of OutputParams::transfer.
 const int kTransferSrgb = 0, kTransferNone = 1;
 
+// Values of OutputParams::beauty.
+const int kBeautyOff = 0, kBeautyLight = 1, kBeautyDisplay = 2;
+
+// Values of OutputParams::blend.
+const int kBlendLight = 0, kBlendDisplay = 1;
+
 // One row of the table in output.cpp per field.
 struct OutputParams {
   float exposure;                                  // stops
@@ -22,6 +28,9 @@ struct OutputParams {
   float gradient;                                  // fraction of the background's light that is missing at the top
   int transparent;                                 // 0 or 1
   int sky;                                         // 0 or 1: the planes `sky` are the background
+  int beauty;                                      // one of kBeauty...
+  int parts;                                       // 0 or 1: write the parts of `beauty`
+  int blend;                                       // one of kBlend...: what `shadow_catcher` is a fraction of
 };
 
 struct OutputConstants {
@@ -35,6 +44,9 @@ struct OutputConstants {
   float gradient, one_over_height;                 // see OutputParams; 1 / rows of the whole picture without guard band
   int first_row;                                   // where these would begin
   float background_alpha;
+  float beauty_behind_r, beauty_behind_g, beauty_behind_b;  // the background, in the values that `beauty` mixes
+  int decode;                                               // 0 or 1: these are display values
+  int cover_display;                                        // 0 or 1: `shadow_catcher` blends display values
 };
 
 #endif

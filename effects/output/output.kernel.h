@@ -1,8 +1,9 @@
 // Converts light to the values of a file or a screen: exposure, tone curve, transfer function, background. Based on
 // [IEC 61966-2-1] for sRGB and on [Khronos 2024] for the tone curve.
 //
-// At a pixel without surface, `lit` is the light of a shadow, or of surfaces in the average of several pictures, that
-// cover the fraction `cover` of the pixel; or `cover_for_eye`, if they are averaged perceptually. Lines of the colour
+// At a pixel without surface, `lit` is the light of a shadow that covers the fraction `shadow_catcher` of the pixel, or
+// of surfaces in the average of several pictures that cover `cover` of it; or `cover_for_eye`, if they are averaged
+// perceptually. Lines of the colour
 // `line` that cover the fraction `outline` are drawn over the finished picture.
 IN_COLOR(lit)
 IN_REAL(depth)
@@ -10,9 +11,12 @@ IN_REAL(outline)
 IN_COLOR(line)
 IN_REAL(cover)
 IN_REAL(cover_for_eye)
+IN_REAL(shadow_catcher)
 IN_COLOR(sky)
 OUT_COLOR(color)
 OUT_ALPHA(color)
+
+#include "effects/output/output_mix.kernel.h"
 
 FN Real srgb_from_linear(Real v) {
   Real curve = mad(pow(v, Real(0.416666667f)), Real(1.055f), Real(-0.055f));
@@ -47,8 +51,6 @@ FN Vec3 neutral(Vec3 light) {
   return select(peak > kUncompressed, compressed, light);
 }
 
-FN Vec3 clamped_to_0(Vec3 v) { return Vec3(max(v.x, Real(0.0f)), max(v.y, Real(0.0f)), max(v.z, Real(0.0f))); }
-
 // Returns exposed light: finite, not negative, compressed by the tone curve and the shoulder.
 FN Vec3 exposed(Vec3 light) {
   light = finite_or_zero(light);  // NaN and infinity become black
@@ -58,40 +60,21 @@ FN Vec3 exposed(Vec3 light) {
   return light;
 }
 
-FN Real share_of(Real v) { return clamp(v, Real(0.0f), Real(1.0f)); }
-
 FN void output_pixel(Int px, Int py) {
   Bool surface = is_finite(near_depth(0, 0));
   Real of_eye = share_of(near_cover_for_eye(0, 0));
-  Real of_light = share_of(near_cover(0, 0));
-  Bool as_square_roots = of_eye > of_light;
+  Real of_light = max(share_of(near_cover(0, 0)), share_of(near_shadow_catcher(0, 0)));
   Real covered = max(of_eye, of_light);
   Real fraction = select(surface || covered == Real(0.0f), Real(1.0f), covered);
   Vec3 light = exposed(near_lit(0, 0) * (Real(C.gain) / fraction));
-  // Covers a fraction of the background, with straight alpha.
-  Real behind = (Real(1.0f) - covered) * Real(C.background_alpha);
-  Real alpha = covered + behind;
-  Real scale = Real(1.0f) / select(alpha > 0.0f, alpha, Real(1.0f));
-  Vec3 beyond = Vec3(Real(C.behind_r), Real(C.behind_g), Real(C.behind_b));
-  if (C.gradient > 0.0f) {
-    Real height = mad(to_real(py - Int(C.first_row)) + 0.5f, Real(-C.one_over_height), Real(1.0f));
-    beyond = beyond * mad(clamp(height, Real(0.0f), Real(1.0f)), Real(-C.gradient), Real(1.0f));
-  }
+  Vec3 beyond = background_at(py, Vec3(Real(C.behind_r), Real(C.behind_g), Real(C.behind_b)));
   if (C.sky != 0) beyond = exposed(near_sky(0, 0) * Real(C.gain));
-  Vec3 both = light * (covered * scale) + beyond * (behind * scale);
-  both = select(as_square_roots, mixed_as_square_roots(beyond, light, covered * scale), both);
-  light = select(surface, light, both);
-  alpha = select(surface, Real(1.0f), alpha);
-  // Lines over that, also with straight alpha.
-  Real line = share_of(near_outline(0, 0));
-  Bool lines = line > 0.0f;
-  alpha = select(lines, line + (Real(1.0f) - line) * alpha, alpha);
-  Vec3 drawn = mixed_as_square_roots(light, clamped_to_0(finite_or_zero(near_line(0, 0))),
-                                     line / select(lines, alpha, Real(1.0f)));
-  light = select(lines, drawn, light);
+  Mixed mixed = mixed_with_background_and_lines(surface, light, covered, of_eye > of_light, beyond);
+  light = mixed.light;
   if (C.transfer == 0) light = Vec3(srgb_from_linear(light.x), srgb_from_linear(light.y), srgb_from_linear(light.z));
   Vec3 background = Vec3(Real(C.background_r), Real(C.background_g), Real(C.background_b));
   if ((C.sky != 0 || C.gradient > 0.0f) && C.background_alpha > 0.0f) background = light;
-  store_color(select(surface || covered > 0.0f || lines, light, background));
-  store_color_alpha(alpha);
+  Bool drawn = surface || covered > 0.0f || near_outline(0, 0) > 0.0f;
+  store_color(select(drawn, light, background));
+  store_color_alpha(mixed.alpha);
 }

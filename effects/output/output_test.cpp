@@ -257,6 +257,93 @@ TEST(Output, LinesLieOverTheFinishedLight) {
     });
 }
 
+/// The beauty of pixels of a surface, of a shadow, and of nothing, without lines.
+GBuffer for_beauty() {
+  GBuffer g = under_a_line(0.0f);
+  Image& image = g.layers[0];
+  image.plane("cover").at(1, 0) = 0.0f;
+  image.add("shadow_catcher") = Plane(3, 1, 0.0f);
+  image.plane("shadow_catcher").at(1, 0) = 0.5f;
+  image.plane("lit.r").at(1, 0) = 0.0f;
+  return g;
+}
+
+double linear(double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); }
+
+TEST(Output, BeautyIsLightBeforeTheDisplayTransform) {
+  const Settings settings = {
+      {"beauty", "light"}, {"exposure", "3"}, {"tone", "neutral"}, {"shoulder", "0.5"}, {"background_r", "0.8"}};
+  for (const char* transfer : {"srgb", "none"})
+    test::on_every_target("output", for_beauty(), test::joined(settings, {{"transfer", transfer}}),
+                          [](const Image& image) {
+                            const Plane& r = image.plane("beauty.r");
+                            EXPECT_EQ(r.at(0, 0), 2.0f);
+                            EXPECT_NEAR(r.at(1, 0), 0.5 * linear(0.8), 1e-6);
+                            EXPECT_NEAR(r.at(2, 0), linear(0.8), 1e-6);
+                            for (int x = 0; x < 3; ++x) EXPECT_EQ(image.plane("beauty.a").at(x, 0), 1.0f) << x;
+                          });
+}
+
+TEST(Output, BeautyIsPremultiplied) {
+  GBuffer g = for_beauty();
+  Image& image = g.layers[0];
+  // A surface that covers 0.25 of the last pixel, in the mean of several pictures, and a line over half of the shadow.
+  image.plane("cover").at(2, 0) = 0.25f;
+  image.plane("lit.r").at(2, 0) = 0.25f * 0.8f;
+  image.plane("outline").at(1, 0) = 0.5f;
+  test::on_every_target("output", g, {{"beauty", "light"}, {"transparent", "on"}}, [](const Image& drawn) {
+    const Plane &r = drawn.plane("beauty.r"), &a = drawn.plane("beauty.a");
+    EXPECT_EQ(a.at(0, 0), 1.0f);
+    EXPECT_FLOAT_EQ(a.at(1, 0), 0.75f);
+    EXPECT_NEAR(r.at(1, 0), 0.75 * mixed(0.0, 0.64, 0.5 / 0.75), 1e-6);
+    EXPECT_EQ(a.at(2, 0), 0.25f);
+    EXPECT_FLOAT_EQ(r.at(2, 0), 0.25f * 0.8f);
+    EXPECT_NEAR(drawn.plane("color.r").at(2, 0), srgb(0.8), 2e-6) << "the picture is not";
+  });
+  test::on_every_target("output", row_of({std::nanf(""), -1.0f, 3e38f}), {{"beauty", "light"}, {"exposure", "9"}},
+                        [](const Image& drawn) {
+                          for (int x = 0; x < 3; ++x) EXPECT_EQ(drawn.plane("beauty.g").at(x, 0), 0.0f) << x;
+                        });
+}
+
+TEST(Output, BeautyDecodesDisplayValues) {
+  const Settings settings = {{"beauty", "display"}, {"transfer", "none"}, {"background_r", "0.8"}};
+  test::on_every_target("output", for_beauty(), settings, [](const Image& image) {
+    for (int x = 0; x < 3; ++x)
+      EXPECT_NEAR(srgb(image.plane("beauty.r").at(x, 0)), image.plane("color.r").at(x, 0), 1e-6) << x;
+  });
+  // The shadow of a transparent picture is that of its viewer: as light it has another opacity.
+  test::on_every_target("output", for_beauty(), {{"beauty", "light"}, {"transparent", "on"}, {"blend", "display"}},
+                        [](const Image& image) {
+                          EXPECT_EQ(image.plane("color.a").at(1, 0), 0.5f);
+                          EXPECT_NEAR(image.plane("beauty.a").at(1, 0), 1.0 - linear(0.5), 1e-6);
+                        });
+}
+
+TEST(Output, ThePartsOfBeautyAddUp) {
+  GBuffer g = for_beauty();
+  Image& image = g.layers[0];
+  for (const char* name : {"lit_direct.r", "lit_indirect.r"}) image.add(name) = Plane(3, 1, 0.0625f);
+  image.plane("outline").at(0, 0) = 0.5f;
+  for (const char* transparent : {"on", "off"})
+    test::on_every_target("output", g,
+                          {{"beauty", "light"}, {"parts", "on"}, {"exposure", "1"}, {"transparent", transparent}},
+                          [](const Image& drawn) {
+                            EXPECT_EQ(drawn.plane("beauty_direct.r").at(0, 0), 0.125f);
+                            EXPECT_EQ(drawn.plane("beauty_indirect.r").at(0, 0), 0.125f);
+                            EXPECT_EQ(drawn.plane("beauty_ambient.r").at(0, 0), 0.25f);
+                            for (int x = 0; x < 3; ++x) {
+                              float sum = 0.0f;
+                              for (const char* part : {"direct", "ambient", "indirect", "background"})
+                                sum += drawn.plane(fmt::format("beauty_{}.r", part)).at(x, 0);
+                              EXPECT_NEAR(sum, drawn.plane("beauty.r").at(x, 0), 1e-6) << x;
+                              if (x > 0) {
+                                EXPECT_EQ(drawn.plane("beauty_direct.r").at(x, 0), 0.0f) << x;
+                              }
+                            }
+                          });
+}
+
 TEST(Output, LinesHaveTheirAlphaWhereNothingIsBehind) {
   const Settings settings = {{"transfer", "none"}, {"transparent", "on"}};
   for (const float line : {0.0f, 0.25f, 1.0f})

@@ -1,0 +1,80 @@
+#include "renderer/background.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "renderer/passes.h"
+
+namespace umbrage {
+namespace {
+
+/// Returns the background value of a plane; nullopt for planes that set_background leaves as they are. On the first
+/// layer the effect `hide_ground` sets depth and ids.
+std::optional<float> background_value(std::string_view plane) {
+  const std::string pass = pass_of(name_on_first_layer(plane));
+  if (pass == "ao" || is_shadow_plane(pass)) return 1.0f;
+  for (const std::string_view name :
+       {"normal", "albedo", "specular", "shininess", "emission", "direct", "ambient", "open_light", "indirect"})
+    if (pass == name) return 0.0f;
+  if (layer_of_plane(plane) == 0) return std::nullopt;
+  if (pass == "depth") return std::numeric_limits<float>::infinity();
+  if (pass == "object_id" || pass == "material_id") return -1.0f;
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<std::string> background_planes(const std::vector<std::string>& names, bool has_ground) {
+  std::set<int> layers;
+  for (const std::string& name : names)
+    if (background_value(name)) layers.insert(layer_of_plane(name));
+  std::vector<std::string> planes;
+  for (const int layer : layers) {
+    planes.push_back(layer_plane(layer, "depth"));
+    if (has_ground) planes.push_back(layer_plane(layer, "object_id"));
+  }
+  return planes;
+}
+
+void set_background(Image& image, int ground_object) {
+  std::map<int, Plane> empty_by_layer;  // 1 at pixels without surface
+  for (const std::string& name : image.names) {
+    const int layer = layer_of_plane(name);
+    if (!background_value(name) || empty_by_layer.contains(layer)) continue;
+    const Plane* depth = image.find(layer_plane(layer, "depth"));
+    if (!depth) continue;  // a layer that was not captured is uniform
+    const Plane* object = ground_object >= 0 ? image.find(layer_plane(layer, "object_id")) : nullptr;
+    Plane& empty = empty_by_layer.emplace(layer, Plane(image.width, image.height)).first->second;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x) {
+        const bool is_ground = object && object->row(y)[x] == float(ground_object);
+        empty.row(y)[x] = is_ground || !std::isfinite(depth->row(y)[x]) ? 1.0f : 0.0f;
+      }
+  }
+  for (std::size_t k = 0; k < image.names.size(); ++k) {
+    const auto value = background_value(image.names[k]);
+    const auto empty = empty_by_layer.find(layer_of_plane(image.names[k]));
+    if (!value || empty == empty_by_layer.end()) continue;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        if (empty->second.row(y)[x] != 0.0f) image.planes[k].row(y)[x] = *value;
+  }
+}
+
+Result<Image> download_passes(Device& device, const Frame& frame, const std::vector<std::string>& names) {
+  std::vector<std::string> all = names;
+  const auto available = device.plane_names(frame);
+  for (const std::string& name : background_planes(names, frame.info.ground_object >= 0)) {
+    if (std::find(all.begin(), all.end(), name) != all.end()) continue;
+    if (std::find(available.begin(), available.end(), name) != available.end()) all.push_back(name);
+  }
+  auto image = device.download(frame, all);
+  if (image) set_background(*image, frame.info.ground_object);
+  return image;
+}
+
+}  // namespace umbrage

@@ -1,0 +1,23 @@
+// The values of passes at pixels that show no surface, also not the unseen ground under a model.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "core/device.h"
+
+namespace umbrage {
+
+/// Returns the planes from which set_background finds the pixels without surface, for those of `names` that it changes:
+/// depth, and object_id if the picture has an unseen ground.
+std::vector<std::string> background_planes(const std::vector<std::string>& names, bool has_ground);
+
+/// Gives pixels without surface their background values: 1 in ao and shadows, -1 in ids, infinity in depth, and 0 in
+/// other planes of geometry and of light that is reflected. `image` includes background_planes. `ground_object`: object
+/// id of the unseen ground; < 0: there is none.
+void set_background(Image& image, int ground_object);
+
+/// Returns the planes `names` of a frame as they are written, after set_background; perhaps with further planes behind
+/// them. Errors: those of Device::download.
+Result<Image> download_passes(Device& device, const Frame& frame, const std::vector<std::string>& names);
+
+}  // namespace umbrage
