@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
   request.width = 640;
   request.height = 480;
   request.camera.azimuth_deg = 20.0f;
-  request.passes = {"depth", "normal"};  // only .exr files store them
+  request.passes = {"beauty", "depth", "normal"};  // only .exr files store them; beauty is their colour
 
   umb::Picture picture;
   umb::Outcome outcome = umb::render(request, picture);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "io/image_file.h"
 #include "umbrage/umbrage.h"
 
 namespace umbrage {
@@ -588,6 +589,34 @@ TEST(CInterface, SinglePictureFilesTakeOneImage) {
   const UmbImage ids{depth.data(), UMB_TYPE_UINT32, 3, 2, 1, 0, 0, 0};
   EXPECT_EQ(umbWriteImages(exr.c_str(), names + 1, &ids, 1, 8, false), UMB_ERROR_USAGE);
   EXPECT_EQ(umbGetError(nullptr), UMB_ERROR_USAGE);
+}
+
+TEST(CInterface, FilesStoreTheView) {
+  std::vector<float> beauty = {4.0f, 0.5f, 0.25f, 0.5f};
+  const UmbImage images[2] = {floats(beauty.data(), 1, 1, 4), floats(beauty.data(), 1, 1, 4)};
+  const char* const names[2] = {"color", "beauty"};
+  const std::string file = testing::TempDir() + "umbrage_view.exr";
+  UmbView view{{1, 0, 0, 2, 0, 1, 0, 3, 0, 0, 1, -5}, -0.5f, 0.5f, -0.25f, 0.25f, 0};
+  EXPECT_EQ(umbWriteImagesOfView(file.c_str(), names, images, 2, 8, false, &view), UMB_ERROR_NONE);
+  const auto read = read_image(file);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->plane("color.r").at(0, 0), 4.0f) << "beauty as it is, in place of color";
+  EXPECT_EQ(read->names.size(), 4u);
+  const auto camera = read_camera(file);
+  ASSERT_TRUE(camera && *camera);
+  EXPECT_FLOAT_EQ((*camera)->view_from_world[3][1], 3.0f);
+  EXPECT_FLOAT_EQ((*camera)->top, 0.25f);
+  std::remove(file.c_str());
+  view.right = view.left;
+  EXPECT_EQ(umbWriteImagesOfView(file.c_str(), names, images, 2, 8, false, &view), UMB_ERROR_USAGE);
+  Objects o;
+  add_box(o.scene);
+  make_render_job(o);
+  EXPECT_EQ(umbGetJobView(o.job, &view), UMB_ERROR_USAGE);
+  EXPECT_EQ(umbGetJobView(o.job, nullptr), UMB_ERROR_USAGE);
+  EXPECT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
+  EXPECT_EQ(umbGetJobView(o.job, &view), UMB_ERROR_NONE);
+  EXPECT_GT(view.right, view.left);
 }
 
 TEST(CInterface, WarnsOfTrianglesLeftOut) {

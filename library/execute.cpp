@@ -5,6 +5,7 @@
 
 #include "library/job.h"
 #include "library/shared.h"
+#include "renderer/background.h"
 #include "renderer/hdri.h"
 #include "renderer/models.h"
 #include "renderer/passes.h"
@@ -207,6 +208,7 @@ Result<Frame> JobObject::render_frame(Recipe recipe) {
   const auto plan = make_plan(recipe, *scene_copy_, device_->device->threads(), monitor);
   if (!plan) return plan.error();
   auto frame = draw_frame(*plan);
+  if (frame) camera = plan->camera;
   if (frame) lightings_.emplace(key, plan->lighting());
   return frame;
 }
@@ -366,14 +368,19 @@ Result<void> JobObject::fill(const Frame& frame, const std::vector<std::string>&
   }
   const bool are_integers = to.type != PixelType::kFloat32 && to.type != PixelType::kFloat16;
   const bool ids = is_id(output.pass) && (caller_ids != ids_.end() || are_integers);
-  return device.visit(frame, planes, [&](std::size_t channel, const Plane& plane) {
+  const auto take = [&](std::size_t channel, const Plane& plane) {
     if (!ids) return device_->arena.execute([&] { write_channel(plane, int(channel), to); });
     for (int y = 0; y < to.height; ++y)
       for (int x = 0; x < to.width; ++x) {
         const float value = plane.at(x, y);
         write_id(to, x, y, caller_ids != ids_.end() ? caller_id(caller_ids->second, value) : id_of(value));
       }
-  });
+  };
+  if (!renders() || background_planes(planes, false).empty()) return device.visit(frame, planes, take);
+  const auto image = download_passes(device, frame, planes);
+  if (!image) return image.error();
+  for (std::size_t k = 0; k < planes.size(); ++k) take(k, image->planes[k]);
+  return {};
 }
 
 }  // namespace umbrage

@@ -313,6 +313,15 @@ UmbError umbGetJobStrokeColor(UmbJob job, float rgb[3], float* opacity) {
   });
 }
 
+UmbError umbGetJobView(UmbJob job, UmbView* view) {
+  return call_on<JobObject>(job, "umbGetJobView", Use::kReads, [&](JobObject& object) -> Result<void> {
+    if (!view) return usage_error("umbGetJobView: view cannot be NULL");
+    if (!object.camera) return usage_error("umbGetJobView: the job has rendered no picture of a scene");
+    *view = view_of(*object.camera);
+    return {};
+  });
+}
+
 int64_t umbGetJobCounter(UmbJob job, const char* name) {
   const auto object = object_of<JobObject>(job);
   if (!object) return -1;

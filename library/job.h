@@ -63,6 +63,7 @@ class JobObject final : public Object {
   Lines lines;  ///< of the last execution
   std::array<float, 3> line_color{};
   float line_opacity = 0.0f;
+  std::optional<Camera> camera;  ///< of the last picture of a scene
 
  protected:
   DeviceObject* reporting_device() override { return device_.get(); }

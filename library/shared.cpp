@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <memory>
@@ -133,6 +134,37 @@ bool overlaps_itself(const SharedImage& image) {
     needed += stride * (count - 1);
   }
   return false;
+}
+
+UmbView view_of(const Camera& camera) {
+  UmbView view{};
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column)
+      view.view_from_world[4 * row + column] = camera.view_from_world[column][row];
+  view.left = camera.left;
+  view.right = camera.right;
+  view.bottom = camera.bottom;
+  view.top = camera.top;
+  view.orthographic = camera.projection == Projection::kOrthographic;
+  return view;
+}
+
+Result<Camera> camera_of(const UmbView& view) {
+  Camera camera;
+  bool finite = true;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column) {
+      camera.view_from_world[column][row] = view.view_from_world[4 * row + column];
+      finite = finite && std::isfinite(view.view_from_world[4 * row + column]);
+    }
+  camera.left = view.left;
+  camera.right = view.right;
+  camera.bottom = view.bottom;
+  camera.top = view.top;
+  camera.projection = view.orthographic ? Projection::kOrthographic : Projection::kPerspective;
+  const float width = view.right - view.left, height = view.top - view.bottom;
+  if (finite && width > 0.0f && height > 0.0f && std::isfinite(width) && std::isfinite(height)) return camera;
+  return usage_error("the view is no camera: it takes finite numbers, left below right and bottom below top");
 }
 
 }  // namespace umbrage

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/camera.h"
 #include "core/result.h"
 #include "renderer/shared_image.h"
 #include "umbrage/umbrage.h"
@@ -35,5 +36,9 @@ inline glm::vec3 unit_or_zero(glm::vec3 v) {
   const float length = glm::length(v);
   return length > 0.0f && length < 1e30f ? v / length : glm::vec3(0.0f);
 }
+
+/// Convert between a camera and its form in the C interface. camera_of: errors: kUsage for values that are no camera.
+UmbView view_of(const Camera& camera);
+Result<Camera> camera_of(const UmbView& view);
 
 }  // namespace umbrage

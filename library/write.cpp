@@ -1,6 +1,7 @@
 // Writing of images and strokes to files.
 #include <bit>
 
+#include "core/srgb.h"
 #include "io/image_file.h"
 #include "io/svg.h"
 #include "library/object.h"
@@ -20,6 +21,17 @@ std::vector<std::string> channels_to_write(const std::string& pass, int channels
   names = {".r", ".g", ".b", ".a"};
   names.resize(std::size_t(std::clamp(channels, 0, 4)));
   return names;
+}
+
+/// Converts the colour of a picture, sRGB with straight alpha, to that of .exr: linear and premultiplied.
+void make_scene_linear(Image& image) {
+  const Plane* alpha = image.find("color.a");
+  for (const char* name : {"color.r", "color.g", "color.b"}) {
+    Plane& plane = image.plane(name);
+    for (int y = 0; y < plane.height; ++y)
+      for (int x = 0; x < plane.width; ++x)
+        plane.at(x, y) = linear_from_srgb(plane.at(x, y)) * (alpha ? alpha->at(x, y) : 1.0f);
+  }
 }
 
 bool is_opaque(const Plane& alpha) {
@@ -52,9 +64,20 @@ Result<void> add_image(const std::string& name, const SharedImage& from, Image& 
     else
       read_channel(from, c, plane);
   }
-  if (name == "color" && from.channels == 4 && is_opaque(image.plane("color.a"))) {
-    image.names.pop_back();
-    image.planes.pop_back();
+  return {};
+}
+
+/// Adds the images of an .exr file. Errors: kUsage.
+Result<void> add_images(std::span<const std::pair<std::string, SharedImage>> images, Image& image,
+                        WriteSettings& settings) {
+  const auto is_beauty = [](const auto& named) { return named.first == "beauty"; };
+  const bool has_beauty = std::any_of(images.begin(), images.end(), is_beauty);
+  for (const auto& [name, from] : images) {
+    if (name == "color" && has_beauty) continue;
+    if (name == "beauty" && from.channels < 3)
+      return usage_error("the image 'beauty' cannot have {} channels: it takes 3 or 4", from.channels);
+    if (auto added = add_image(name == "beauty" ? "color" : name, from, image, settings); !added) return added;
+    if (name == "color") make_scene_linear(image);
   }
   return {};
 }
@@ -70,14 +93,17 @@ Result<void> write_images(const std::string& file, std::span<const std::pair<std
   Image image(images[0].second.width, images[0].second.height);
   const bool supports_passes = (*format)->extension == "exr";
   if (supports_passes) {
-    for (const auto& [name, from] : images)
-      if (auto added = add_image(name, from, image, settings); !added) return added;
+    if (auto added = add_images(images, image, settings); !added) return added;
   } else {
     const auto& [name, from] = images[0];
     if (images.size() != 1 || (name != "color" && from.channels != 1 && from.channels != 3))
       return usage_error("'{}' takes 'color' or one pass of 1 or 3 channels; write {} to a .exr file", file,
                          images.size() == 1 ? "'" + name + "'" : fmt::format("{} images", images.size()));
     if (auto added = add_image(from.channels == 1 ? name : "color", from, image, settings); !added) return added;
+    if (const Plane* alpha = image.find("color.a"); alpha && is_opaque(*alpha)) {
+      image.names.pop_back();
+      image.planes.pop_back();
+    }
   }
   return write_image(file, image, settings);
 }
@@ -104,16 +130,12 @@ Result<void> write_strokes(const std::string& file, int width, int height, std::
   return write_svg(file, lines, {.color = {rgb[0], rgb[1], rgb[2]}, .opacity = opacity});
 }
 
-}  // namespace
-}  // namespace umbrage
-
-using namespace umbrage;  // for the C functions below
-
-UmbError umbWriteImages(const char* file, const char* const* names, const UmbImage* images, int count, int bits,
-                        bool half) {
-  return call_without_object("umbWriteImages", [&]() -> Result<void> {
+/// Implements umbWriteImages and umbWriteImagesOfView.
+UmbError write_with_view(const char* call, const char* file, const char* const* names, const UmbImage* images,
+                         int count, int bits, bool half, const UmbView* view) {
+  return call_without_object(call, [&]() -> Result<void> {
     if (!file || !names || !images || count < 1)
-      return usage_error("umbWriteImages: an argument is NULL, or `count` is below 1");
+      return usage_error("{}: an argument is NULL, or `count` is below 1", call);
     std::vector<std::pair<std::string, SharedImage>> all;
     for (int k = 0; k < count; ++k) {
       auto image = shared_image("the image '" + text_of(names[k]) + "'", images[k]);
@@ -121,8 +143,27 @@ UmbError umbWriteImages(const char* file, const char* const* names, const UmbIma
       if (!image->data) return usage_error("the image '{}' has no pixels", text_of(names[k]));
       all.emplace_back(text_of(names[k]), *image);
     }
-    return write_images(file, all, {.bits = bits, .half = half});
+    WriteSettings settings{.bits = bits, .half = half};
+    const auto camera = view ? camera_of(*view) : Result<Camera>(Camera());
+    if (!camera) return camera.error();
+    if (view) settings.camera = &*camera;
+    return write_images(file, all, settings);
   });
+}
+
+}  // namespace
+}  // namespace umbrage
+
+using namespace umbrage;  // for the C functions below
+
+UmbError umbWriteImages(const char* file, const char* const* names, const UmbImage* images, int count, int bits,
+                        bool half) {
+  return write_with_view("umbWriteImages", file, names, images, count, bits, half, nullptr);
+}
+
+UmbError umbWriteImagesOfView(const char* file, const char* const* names, const UmbImage* images, int count, int bits,
+                              bool half, const UmbView* view) {
+  return write_with_view("umbWriteImagesOfView", file, names, images, count, bits, half, view);
 }
 
 UmbError umbWriteStrokes(const char* file, int width, int height, const UmbStroke* strokes, size_t count,

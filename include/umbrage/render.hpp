@@ -199,6 +199,16 @@ inline void take(UmbJob job, bool strokes, Picture& picture) {
   }
   if (strokes) made.strokes = strokes_of(job);
   if (strokes) umbGetJobStrokeColor(job, made.stroke_color.data(), &made.stroke_opacity);
+  UmbView view{};
+  if (umbGetJobView(job, &view) == UMB_ERROR_NONE) {
+    PictureView& of_picture = made.view.emplace();
+    std::copy(std::begin(view.view_from_world), std::end(view.view_from_world), of_picture.view_from_world.begin());
+    of_picture.left = view.left;
+    of_picture.right = view.right;
+    of_picture.bottom = view.bottom;
+    of_picture.top = view.top;
+    of_picture.orthographic = view.orthographic != 0;
+  }
   picture = std::move(made);
 }
 
@@ -378,8 +388,10 @@ inline Outcome shade(const ShadeRequest& request, Picture& picture) {
 }
 
 /// Writes a picture to a file, completely or not at all. The extension selects the format: .png, .pfm (no alpha), .exr
-/// (with the passes), or .svg (strokes only). Colours are written as they are; alpha is written if any pixel is not
-/// opaque. Errors: code 2 for a picture of the wrong size or an unknown extension, 3 for a file that cannot be written.
+/// (with the passes and the camera), or .svg (strokes only). Colours are written as they are, but those of .exr are
+/// scene-linear and premultiplied: the pass "beauty", or else, with a warning, `rgba` without its sRGB encoding, whose
+/// tone curve remains. Alpha is omitted from .png if all pixels are opaque. Errors: code 2 for a picture of the wrong
+/// size or an unknown extension, 3 for a file that cannot be written.
 inline Outcome save(const Picture& picture, const std::string& file, const SaveRequest& request = {}) {
   detail::Calls calls;
   const std::size_t pixels = std::size_t(picture.width) * std::size_t(picture.height);
@@ -416,7 +428,12 @@ inline Outcome save(const Picture& picture, const std::string& file, const SaveR
     if (picture.rgba.size() != 4 * pixels) return wrong("color", picture.rgba.size());
     add("color", picture.rgba.data(), UMB_TYPE_FLOAT32, 4);
   }
-  const bool holds_passes = picture.rgba.empty() || ends_with(".exr", ".EXR");
+  const bool is_exr = ends_with(".exr", ".EXR"), holds_passes = picture.rgba.empty() || is_exr;
+  const auto is_beauty = [](const Pixels& pass) { return pass.name == "beauty"; };
+  if (is_exr && !picture.rgba.empty() && std::none_of(picture.passes.begin(), picture.passes.end(), is_beauty))
+    calls.outcome.warnings.push_back("'" + file +
+                                     "' holds display values without their sRGB encoding: request the pass "
+                                     "\"beauty\" for scene-linear light");
   for (const Pixels& pass : picture.passes) {
     if (!holds_passes) break;
     const std::size_t count = pass.ids.empty() ? pass.values.size() : pass.ids.size();
@@ -426,8 +443,17 @@ inline Outcome save(const Picture& picture, const std::string& file, const SaveR
     else
       add(pass.name.c_str(), pass.ids.data(), UMB_TYPE_UINT32, 1);
   }
-  calls.alone(
-      umbWriteImages(file.c_str(), names.data(), images.data(), int(images.size()), request.bits, request.half));
+  UmbView view{};
+  if (picture.view) {
+    std::copy(picture.view->view_from_world.begin(), picture.view->view_from_world.end(), view.view_from_world);
+    view.left = picture.view->left;
+    view.right = picture.view->right;
+    view.bottom = picture.view->bottom;
+    view.top = picture.view->top;
+    view.orthographic = picture.view->orthographic;
+  }
+  calls.alone(umbWriteImagesOfView(file.c_str(), names.data(), images.data(), int(images.size()), request.bits,
+                                   request.half, picture.view ? &view : nullptr));
   return calls.outcome;
 }
 

@@ -55,6 +55,13 @@ struct Stroke {
   std::vector<StrokePoint> points{};
 };
 
+/// A camera: see UmbView.
+struct PictureView {
+  std::array<float, 12> view_from_world{};
+  float left = 0.0f, right = 0.0f, bottom = 0.0f, top = 0.0f;
+  bool orthographic = false;
+};
+
 /// A picture as it would be written to an 8-bit file: red, green, blue, alpha, 0 to 1; alpha is not premultiplied.
 struct Picture {
   int width = 0, height = 0;
@@ -63,6 +70,7 @@ struct Picture {
   std::vector<Stroke> strokes{};        ///< empty if not requested
   std::array<float, 3> stroke_color{};  ///< red, green, blue, as in `rgba`
   float stroke_opacity = 0.0f;          ///< of all strokes together; 0: strokes were not requested
+  std::optional<PictureView> view{};    ///< camera of a rendered picture; .exr files store it
 };
 
 /// A camera. Members that are not set are chosen automatically: the model's own view, or else a view of the whole model
@@ -118,8 +126,10 @@ struct RenderRequest {
   std::optional<int> layers{};            ///< surfaces captured along each ray, 1 to 16; default: chosen by the look
   std::optional<int> extra_views{};       ///< additional cameras, 0 to 4; default: chosen by the look
   float guard_band = 0.0f;  ///< width drawn beyond each side and cut off, in percent of the longer side; 0 to 100
-  std::vector<std::string> passes{};  ///< passes to return besides the picture: "depth", "normal", "ao", ...
-  bool strokes = false;               ///< return the look's lines as curves; not all looks draw lines, `cartoon` does
+  /// Passes to return besides the picture: "depth", "normal", "ao", ... "beauty" is the picture as .exr files hold it:
+  /// scene-linear light, before the tone curve, premultiplied.
+  std::vector<std::string> passes{};
+  bool strokes = false;  ///< return the look's lines as curves; not all looks draw lines, `cartoon` does
   Progress progress{};
 };
 

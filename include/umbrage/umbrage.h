@@ -205,11 +205,12 @@ UMB_API UmbError umbResetJobParameter(UmbJob job, const char* name);
  * removes the input. */
 UMB_API UmbError umbSetJobImage(UmbJob job, const char* name, const UmbImage* image);
 
-/* Requests a pass: "color", "depth", "ao", ..., or "all" passes. The pass is written to `image`; if its `data` is NULL,
- * the library allocates the memory: see umbGetJobOutput. Integer types: values are clamped to 0 to 1, scaled to the
- * type's range and rounded; ids are written as integers. A pixel without a surface has an id with all bits set, or 0 if
- * the ids come from an image of the caller. NULL removes the request. A job without outputs makes "color", or, if
- * "effects" is set, the passes of the last effect. */
+/* Requests a pass: "color", "beauty" (the picture as .exr files hold it: scene-linear light, exposed, before the tone
+ * curve, premultiplied; 4 channels), "depth", "ao", ..., or "all" passes. The pass is written to `image`; if its `data`
+ * is NULL, the library allocates the memory: see umbGetJobOutput. Integer types: values are clamped to 0 to 1, scaled
+ * to the type's range and rounded; ids are written as integers. A pixel without a surface has an id with all bits set,
+ * or 0 if the ids come from an image of the caller. NULL removes the request. A job without outputs makes "color", or,
+ * if "effects" is set, the passes of the last effect. */
 UMB_API UmbError umbSetJobOutput(UmbJob job, const char* name, const UmbImage* image);
 
 /* Does the work that precedes the first picture of a render job: reads the environment image and builds the ray-tracing
@@ -255,6 +256,16 @@ UMB_API UmbError umbGetJobStroke(UmbJob job, size_t index, UmbStroke* stroke);
 /* Returns the sRGB colour of the strokes, and the opacity of all of them together. */
 UMB_API UmbError umbGetJobStrokeColor(UmbJob job, float rgb[3], float* opacity);
 
+/* A camera. `view_from_world`: the upper three rows of a rigid transform, row by row; the camera looks along -z, with
+ * +x right and +y up. `left` to `top`: the picture's borders, at distance 1 or, if `orthographic`, in scene units. */
+typedef struct UmbView {
+  float view_from_world[12];
+  float left, right, bottom, top;
+  int32_t orthographic; /* 0 or 1 */
+} UmbView;
+/* Returns the camera of the last picture. Errors: UMB_ERROR_USAGE for a job that has rendered none. */
+UMB_API UmbError umbGetJobView(UmbJob job, UmbView* view);
+
 /* Checks the parameters as far as possible without the scene and the images. Errors: UMB_ERROR_USAGE. */
 UMB_API UmbError umbCheckJob(UmbJob job);
 
@@ -265,11 +276,16 @@ UMB_API int64_t umbGetJobCounter(UmbJob job, const char* name);
 /* ---- Files ---- */
 
 /* Writes images to a file, completely or not at all. Each image has the name of its pass. .png and .pfm take "color" or
- * one pass of 1 or 3 channels, .exr takes any number of passes. .png clamps values to 0 to 1. Alpha is omitted if all
- * pixels are opaque. `bits`: 8 or 16, for .png; `half`: .exr stores 16-bit floats where they suffice. Errors (see
- * umbGetError): UMB_ERROR_USAGE; UMB_ERROR_FILE. */
+ * one pass of 1 or 3 channels, .exr takes any number of passes. .png clamps values to 0 to 1, and omits alpha if all
+ * pixels are opaque. R, G, B and A of .exr are scene-linear and premultiplied: the image "beauty" as it is, or else
+ * "color" with its sRGB encoding removed, whose tone curve remains. `bits`: 8 or 16, for .png; `half`: .exr stores
+ * 16-bit floats where they suffice. Errors (see umbGetError): UMB_ERROR_USAGE; UMB_ERROR_FILE. */
 UMB_API UmbError umbWriteImages(const char* file, const char* const* names, const UmbImage* images, int count, int bits,
                                 bool half);
+/* Does the same, and stores the camera of the picture in .exr, as `worldToCamera` and `worldToNDC`. `view` may be NULL.
+ */
+UMB_API UmbError umbWriteImagesOfView(const char* file, const char* const* names, const UmbImage* images, int count,
+                                      int bits, bool half, const UmbView* view);
 /* Writes strokes to a .svg file. `width` and `height`: size of the picture, pixels. Errors: as umbWriteImages. */
 UMB_API UmbError umbWriteStrokes(const char* file, int width, int height, const UmbStroke* strokes, size_t count,
                                  const float rgb[3], float opacity);

@@ -284,6 +284,7 @@ class Job : public detail::Ref<UmbJob, umbRetainJob, umbReleaseJob>, public deta
   UmbError stroke_color(std::array<float, 3>& rgb, float& opacity) const {
     return checked(umbGetJobStrokeColor(get(), rgb.data(), &opacity));
   }
+  UmbError view(UmbView& view) const { return checked(umbGetJobView(get(), &view)); }
   /// Returns a counter, summed over all executions: see umbGetJobCounter; -1 for an unknown name.
   std::int64_t counter(const char* name) const { return umbGetJobCounter(get(), name); }
   /// Returns and clears the first error since the last call of this function.
@@ -335,14 +336,15 @@ inline UmbImage image_of(std::uint32_t* data, int width, int height, int channel
 /// Returns and clears the last error of this thread that belongs to no object.
 inline Outcome thread_error() { return detail::taken(umbGetError); }
 
-/// Writes images to a file, each with the name of its pass: see umbWriteImages.
+/// Writes images to a file, each with the name of its pass: see umbWriteImagesOfView.
 inline UmbError write_images(const std::string& file, const std::vector<std::pair<std::string, UmbImage>>& images,
-                             const SaveRequest& request = {}) {
+                             const SaveRequest& request = {}, const UmbView* view = nullptr) {
   std::vector<const char*> names;
   std::vector<UmbImage> all;
   for (const auto& [name, image] : images) names.push_back(name.c_str()), all.push_back(image);
   return detail::check_with(
-      umbWriteImages(file.c_str(), names.data(), all.data(), int(all.size()), request.bits, request.half), umbGetError);
+      umbWriteImagesOfView(file.c_str(), names.data(), all.data(), int(all.size()), request.bits, request.half, view),
+      umbGetError);
 }
 
 /// A name and a summary of one line.

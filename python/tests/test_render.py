@@ -114,9 +114,30 @@ class Equality(unittest.TestCase):
         self.assertEqual(picture.strokes[0].points.shape[1], 3)
 
     def test_exr_holds_passes(self) -> None:
-        picture = umbrage.render(SOLIDS, size=SIZE, passes="depth,ao", dtype="float32", device="cpu")
+        picture = umbrage.render(SOLIDS, size=SIZE, passes="beauty,depth,ao", device="cpu")
         data = self.saved(picture, ".exr", half=True)
         self.assertTrue(data.startswith(b"v/1\x01") and b"depth.Z" in data and b"ao" in data)
+
+    def test_exr_is_that_of_the_program(self) -> None:
+        for more, options in (({}, ()), ({"transparent": True}, ("--no-background",))):
+            picture = umbrage.render(SOLIDS, size=SIZE, passes="beauty", device="cpu", **more)
+            beauty, alpha = picture["beauty"][..., :3], picture["beauty"][..., 3:]
+            self.assertEqual(picture["beauty"].shape, (32, 48, 4))
+            self.assertTrue((beauty[np.broadcast_to(alpha == 0, beauty.shape)] == 0).all())
+            if not more:
+                file = bytes_of_program(SOLIDS, "--resolution", "48,32", *options, ending=".exr")
+                self.assertEqual(self.saved(picture, ".exr"), file)
+
+    def test_beauty_is_the_sum_of_its_parts(self) -> None:
+        parts = ["beauty_direct", "beauty_ambient", "beauty_indirect", "beauty_background"]
+        picture = umbrage.render(SOLIDS, size=SIZE, passes=["beauty"] + parts, device="cpu")
+        total = sum(picture[name] for name in parts)
+        np.testing.assert_allclose(total, picture["beauty"][..., :3], atol=1e-5)
+
+    def test_exr_of_display_values_has_a_warning(self) -> None:
+        picture = umbrage.render(SOLIDS, size=SIZE, look="ao", device="cpu")
+        with self.assertWarnsRegex(umbrage.UmbrageWarning, "beauty"):
+            self.saved(picture, ".exr")
 
 
 class Reuse(unittest.TestCase):

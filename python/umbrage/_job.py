@@ -274,8 +274,16 @@ class Job:
         color = arrays.get("color")
         passes = {name: arrays[name] for name in made if name != "color"}
         if not self._has_strokes:
-            return Picture(color, passes, [])
-        return Picture(color, passes, *strokes_of(job))
+            return Picture(color, passes, [], view=self._view())
+        return Picture(color, passes, *strokes_of(job), view=self._view())
+
+    def _view(self) -> Optional[native.View]:
+        """Returns the camera of the last picture; None if it was shaded."""
+        if self._scene is None or not native.has("umbGetJobView"):
+            return None
+        view = native.View()
+        self._job.check(native.lib.umbGetJobView(self._job.pointer, byref(view)))
+        return view
 
     def _taken(self, name: str) -> NDArray[Any]:
         """Returns a copy of an output in the library's memory."""

@@ -47,6 +47,19 @@ class Image(Structure):
     ]
 
 
+class View(Structure):
+    """UmbView."""
+
+    _fields_ = [
+        ("view_from_world", c_float * 12),
+        ("left", c_float),
+        ("right", c_float),
+        ("bottom", c_float),
+        ("top", c_float),
+        ("orthographic", c_int32),
+    ]
+
+
 class StrokePoint(Structure):
     """UmbStrokePoint."""
 
@@ -140,7 +153,21 @@ _FUNCTIONS: Tuple[Tuple[Any, ...], ...] = (  # name, result, arguments
     ("umbGetParameter", c_int, c_char_p, c_int, POINTER(Parameter)),
 )
 # Functions that only later versions of the library have.
-_LATER_FUNCTIONS: Tuple[Tuple[Any, ...], ...] = (("umbRemoveMesh", c_int, c_void_p, c_int),)
+_LATER_FUNCTIONS: Tuple[Tuple[Any, ...], ...] = (
+    ("umbRemoveMesh", c_int, c_void_p, c_int),
+    ("umbGetJobView", c_int, c_void_p, POINTER(View)),
+    (
+        "umbWriteImagesOfView",
+        c_int,
+        c_char_p,
+        POINTER(c_char_p),
+        POINTER(Image),
+        c_int,
+        c_int,
+        c_bool,
+        POINTER(View),
+    ),
+)
 
 
 def _opened() -> ctypes.CDLL:

@@ -43,8 +43,10 @@ class Picture:
         strokes: List[Stroke],
         stroke_color: Tuple[float, float, float] = (0.0, 0.0, 0.0),
         stroke_opacity: float = 0.0,
+        view: Optional[native.View] = None,
     ) -> None:
         self._color = color
+        self._view = view
         self.passes = passes
         """The passes by name: "depth" (scene units, infinity where there is no surface), "normal" (view space), ..."""
         self.strokes = strokes
@@ -102,11 +104,13 @@ class Picture:
         return f"<umbrage.Picture {self.width} x {self.height}: {', '.join(self.keys())}>"
 
     def save(self, path: Union[str, "os.PathLike[str]"], *, bits: int = 8, half: bool = False) -> None:
-        """Writes a file, completely or not at all: .png or .pfm (the picture, or else the only pass), .exr (picture and
-        passes) or .svg (strokes).
+        """Writes a file, completely or not at all: .png or .pfm (the picture, or else the only pass), .exr (picture,
+        passes and camera) or .svg (strokes).
 
-        `bits`: 8 or 16, for .png. `half`: .exr stores 16-bit floats where they suffice. Neither improves a picture of 8
-        bits: render it with dtype="float32". Errors: UsageError; FileError.
+        Colours of .exr are scene-linear and premultiplied: the pass "beauty", or else, with a warning, the picture
+        without its sRGB encoding, whose tone curve remains. `bits`: 8 or 16, for .png. `half`: .exr stores 16-bit
+        floats where they suffice. Neither improves a picture of 8 bits: render it with dtype="float32". Errors:
+        UsageError; FileError.
         """
         try:
             file = native.bytes_of(os.fspath(path), "path")
@@ -118,7 +122,15 @@ class Picture:
             self._save_strokes(file)
             return
         has_color = self._color is not None
-        is_deep = ending.endswith((b".exr", b".pfm")) or bits == 16
+        is_exr = ending.endswith(b".exr")
+        is_deep = ending.endswith(b".pfm") or bits == 16
+        if has_color and is_exr and "beauty" not in self.passes:
+            warnings.warn(
+                f'"{os.fsdecode(file)}" holds display values without their sRGB encoding: '
+                'render with passes="beauty" for scene-linear light',
+                UmbrageWarning,
+                stacklevel=2,
+            )
         if has_color and is_deep and self.picture.dtype == "uint8":
             warnings.warn(
                 f'"{os.fsdecode(file)}" is written from a picture of 8 bits: render with dtype="float32" for full precision',
@@ -126,12 +138,16 @@ class Picture:
                 stacklevel=2,
             )
         arrays: List[Tuple[str, NDArray[Any]]] = [("color", self.picture)] if has_color else []
-        if not has_color or ending.endswith(b".exr"):
+        if not has_color or is_exr:
             arrays += self.passes.items()
         count = len(arrays)
         names = (ctypes.c_char_p * count)(*[native.bytes_of(name, "passes") for name, _ in arrays])
         images = (native.Image * count)(*[image_of(array) for _, array in arrays])
-        native.check(native.lib.umbWriteImages(file, names, images, count, native.int32(bits, "bits"), half))
+        arguments = file, names, images, count, native.int32(bits, "bits"), half
+        if self._view is not None and native.has("umbWriteImagesOfView"):
+            native.check(native.lib.umbWriteImagesOfView(*arguments, ctypes.byref(self._view)))
+        else:
+            native.check(native.lib.umbWriteImages(*arguments))
 
     def _save_strokes(self, file: bytes) -> None:
         import numpy as np

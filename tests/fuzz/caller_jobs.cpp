@@ -271,6 +271,8 @@ void Caller::query_job() {
   done(umbGetJobStroke(handle, std::size_t(any_int()), choose_.one_in(4) ? nullptr : &stroke), Kind::kJob, handle,
        "umbGetJobStroke");
   float color[4] = {};
+  UmbView view{};
+  done(umbGetJobView(handle, choose_.one_in(4) ? nullptr : &view), Kind::kJob, handle, "umbGetJobView");
   done(umbGetJobStrokeColor(handle, choose_.one_in(4) ? nullptr : color, color + 3), Kind::kJob, handle,
        "umbGetJobStrokeColor");
   for (const char* counter : {"hierarchies_built", "captures_made", "planes_copied"})
@@ -302,6 +304,11 @@ void Caller::write_files() {
                       images.data(), count, choose_.one_in(4) ? any_int() : 8 + 8 * int(choose_.below(2)),
                       choose_.below(2)),
        Kind::kNone, nullptr, "umbWriteImages");
+  UmbView view{{1, 0, 0, any_number(choose_), 0, 1, 0, 0, 0, 0, 1, 0}, -1, any_number(choose_), -1, 1, 0};
+  trace("umbWriteImagesOfView", file);
+  done(umbWriteImagesOfView(file.c_str(), names.data(), images.data(), count, 8, choose_.below(2),
+                            choose_.one_in(3) ? nullptr : &view),
+       Kind::kNone, nullptr, "umbWriteImagesOfView");
   std::vector<UmbStrokePoint> points(choose_.below(4));
   for (UmbStrokePoint& point : points) point = {any_number(choose_), any_number(choose_), any_number(choose_)};
   const std::vector<UmbStroke> strokes = {{points.data(), points.size(), int(choose_.below(4)), 1, 0},
