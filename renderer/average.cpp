@@ -65,8 +65,9 @@ Result<void> finish_pass(Device& device, const PictureSum& total, const Plan& pl
                          const Image& lines, const PictureInfo& info, Image& finished) {
   ParameterBytes bytes = plan.output;
   auto& output = as<OutputParams>(bytes);
-  output.exposure = 0.0f;  // already applied to each sample, like the next two
+  output.exposure = 0.0f;  // already applied to each sample, like the next three
   output.tone = kToneNone;
+  output.contrast = 1.0f;
   output.shoulder = 1.0f;
   output.sky = 0;
   output.blend = kBlendLight;

@@ -7,6 +7,7 @@
 
 #include "core/check.h"
 #include "core/suggest.h"
+#include "effects/antialias/antialias.h"
 #include "effects/composite/composite.h"
 #include "effects/effects.h"
 #include "effects/outline/outline.h"
@@ -263,8 +264,9 @@ void enable_passes(const Request& request, Recipe& recipe) {
   if (wanted && output.beauty == kBeautyOff)
     output.beauty =
         output.transfer == kTransferNone && has_display_values(*recipe.look) ? kBeautyDisplay : kBeautyLight;
+  if (wanted && !parts) as<AntialiasParams>(params_of(recipe.settings, "antialias")).beauty = 1;
   if (!parts) return;
-  output.parts = 1;
+  output.parts = 1;  // whose sum is `beauty` at every pixel
   as<CompositeParams>(params_of(recipe.settings, "composite")).parts = 1;
 }
 

@@ -88,6 +88,7 @@ Result<void> apply_settings(const std::vector<std::string>& assignments, Recipe&
 /// Applies the options that many looks share to the effects that they concern.
 void apply_strengths(const Request& request, EffectSettings& settings) {
   as<OutputParams>(params_of(settings, "output")).exposure += request.exposure;
+  as<OutputParams>(params_of(settings, "output")).contrast *= request.contrast;
   as<LightingParams>(params_of(settings, "lighting")).shadow *= request.shadow_strength;
   as<ToonParams>(params_of(settings, "toon")).shadow *= request.shadow_strength;
   as<GroundParams>(params_of(settings, "ground")).strength *= request.shadow_strength;

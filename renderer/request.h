@@ -82,6 +82,7 @@ struct Request {
   float key = 1.0f, fill = 1.0f, rim = 1.0f;    ///< factors for these lights, 0 to 100
   float shadow_strength = 1.0f;                 ///< factor for the strength of shadows, 0 to 1
   float occlusion_strength = 1.0f;              ///< factor for the occlusion of any technique, 0 to 10
+  float contrast = 1.0f;                        ///< factor for the contrast about middle grey, 0 to 4
   float exposure = 0.0f;                        ///< added to the picture's exposure, stops, -20 to 20
   std::string material = "file";                ///< "file": the model's own; "clay": white plaster everywhere
   std::optional<std::array<float, 3>> color{};  ///< of clay, display values 0 to 1; implies material "clay"

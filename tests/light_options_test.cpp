@@ -102,10 +102,10 @@ TEST(LightOptions, ShadowsHaveAStrength) {
   EXPECT_GT(light(0.0f), light(1.0f) + 0.01);
   EXPECT_NEAR(light(0.5f), 0.5 * (light(0.0f) + light(1.0f)), 1e-4);
   const auto cover = [](float strength) {
-    const Image image = drawn({.anti_aliasing = 1, .ground = "on", .shadow_strength = strength}, {"cover"});
+    const Image image = drawn({.anti_aliasing = 1, .ground = "on", .shadow_strength = strength}, {"shadow_catcher"});
     double sum = 0.0;
     for (int y = 0; y < kSide; ++y)
-      for (int x = 0; x < kSide; ++x) sum += image.plane("cover").at(x, y);
+      for (int x = 0; x < kSide; ++x) sum += image.plane("shadow_catcher").at(x, y);
     return sum;
   };
   EXPECT_GT(cover(1.0f), 10.0);

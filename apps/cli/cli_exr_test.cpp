@@ -28,7 +28,8 @@ double srgb(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 
 
 TEST_F(CliExr, ThePngIsItsDisplayTransform) {
   // Without averaging, and with a look without tone curve: the curve of an average is not the average of the curve.
-  for (const char* look : {"studio --anti-aliasing 1 --set output.tone=none", "lit", "cartoon", "ao"})
+  for (const char* look :
+       {"studio --anti-aliasing 1 --set output.tone=none", "lit --anti-aliasing 1", "cartoon", "ao --anti-aliasing 1"})
     for (const char* background : {"", " --no-background", " --background-color 0.2,0.4,0.6"}) {
       SCOPED_TRACE(std::string(look) + background);
       const std::string options = kSolids + " --look " + look + background;
@@ -87,8 +88,9 @@ TEST_F(CliExr, HeadersStateColourAndCamera) {
 }
 
 TEST_F(CliExr, BeautyIsTheSumOfItsParts) {
-  for (const char* options : {"", " --no-background", " --quality draft", " --look lit", " --look bleeding",
-                              " --hdri-file sky: --hdri-skybox", " --set output.exposure=1.5"}) {
+  for (const char* options :
+       {"", " --no-background", " --quality draft --anti-aliasing 1", " --look lit --anti-aliasing 1",
+        " --look bleeding --anti-aliasing 1", " --hdri-file sky: --hdri-skybox", " --set output.exposure=1.5"}) {
     SCOPED_TRACE(options);
     const Image all = exr(kSolids + options + " --passes beauty");
     for (const char* name : {"color.a", "depth", "normal.x", "albedo.r", "ao", "shadow", "direct.r", "object_id"})
@@ -111,6 +113,13 @@ TEST_F(CliExr, BeautyIsTheSumOfItsParts) {
     for (const char* name : {"color.r", "color.g", "color.b", "color.a"})
       EXPECT_EQ(test::difference(all.plane(name), alone.plane(name), 0.0).max, 0.0) << name;
   }
+}
+
+TEST_F(CliExr, EdgesAreSmoothWithoutParts) {
+  const Image smooth = exr(kSolids + " --look lit"), jagged = exr(kSolids + " --look lit --anti-aliasing 1"),
+              parts = exr(kSolids + " --look lit --passes beauty");
+  EXPECT_GT(test::difference(smooth.plane("color.g"), jagged.plane("color.g"), 0.0).max, 0.05);
+  EXPECT_EQ(test::difference(parts.plane("color.g"), jagged.plane("color.g"), 0.0).max, 0.0);
 }
 
 TEST_F(CliExr, BeautyIsForFilesOfSeveralPasses) {

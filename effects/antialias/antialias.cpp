@@ -3,6 +3,8 @@
 
 #include "core/effect.h"
 #include "kernels/antialias.h"
+#include "kernels/antialias_beauty.h"
+#include "kernels/antialias_copy.h"
 #include "kernels/antialias_edges.h"
 #include "kernels/antialias_search.h"
 
@@ -15,12 +17,16 @@ const std::vector<Parameter> kTable = {
              "clear edge"),
     int_row("search", &AntialiasParams::search, {.initial = 24, .max = 64, .unit = "px", .zero_means = "off"},
             "how far an edge is followed in each direction"),
+    bool_row("beauty", &AntialiasParams::beauty, false, "also smooth `beauty`; EXR files set it"),
 };
 
 void fill_constants(const AntialiasParams& params, const PictureInfo&, AntialiasConstants& c) {
   c = {params.threshold, params.search};
 }
 
+bool runs_on_beauty(const ParameterBytes& bytes) {
+  return as<AntialiasParams>(bytes).search > 0 && as<AntialiasParams>(bytes).beauty != 0;
+}
 bool runs(const ParameterBytes& bytes) { return as<AntialiasParams>(bytes).search > 0; }
 
 // Rows above and below that the dispatches read: edges two, the search as far as it goes, the mixing one.
@@ -59,6 +65,19 @@ Effect effect_antialias() {
             .outputs = {"color.r", "color.g", "color.b", "color.a"},
             .kernel = antialias_kernel(),
             .needed = runs,
+            .reach = reach_of_blend},
+           {.name = "copy beauty",
+            .inputs = {"beauty.r", "beauty.g", "beauty.b", "beauty.a"},
+            .outputs = {"antialias_beauty.r", "antialias_beauty.g", "antialias_beauty.b", "antialias_beauty.a"},
+            .kernel = antialias_copy_kernel(),
+            .needed = runs_on_beauty,
+            .reach = own_row},
+           {.name = "blend beauty",
+            .inputs = {"antialias_beauty.r", "antialias_beauty.g", "antialias_beauty.b", "antialias_beauty.a",
+                       "antialias_from_left", "antialias_to_left", "antialias_from_above", "antialias_to_above"},
+            .outputs = {"beauty.r", "beauty.g", "beauty.b", "beauty.a"},
+            .kernel = antialias_beauty_kernel(),
+            .needed = runs_on_beauty,
             .reach = reach_of_blend}}});
 }
 

@@ -6,6 +6,7 @@
 struct AntialiasParams {
   float threshold;  // of the difference of a channel, in values of the picture
   int search;       // pixels; 0: off
+  int beauty;       // 0 or 1: also smooth `beauty`
 };
 
 struct AntialiasConstants {

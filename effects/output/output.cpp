@@ -12,6 +12,7 @@ namespace umbrage {
 namespace {
 
 constexpr double kMaxStops = 20.0;
+constexpr float kMiddleGrey = 0.18f;
 
 const std::vector<Parameter> kTable = {
     real_row("exposure", &OutputParams::exposure, {.min = -kMaxStops, .max = kMaxStops, .unit = "stops"},
@@ -23,6 +24,8 @@ const std::vector<Parameter> kTable = {
         "tone", &OutputParams::tone, 0, {"none", "neutral"},
         "tone curve: none, or Khronos PBR Neutral, which compresses highlights and deepens shadows and keeps hue "
         "and saturation"),
+    real_row("contrast", &OutputParams::contrast, {.initial = 1, .max = 4},
+             "contrast about middle grey, before the tone curve: an exponent of light; 1: as it is"),
     real_row("shoulder", &OutputParams::shoulder, {.initial = 1, .max = 1},
              "light above this value is compressed, so that nothing exceeds white; 1: off"),
     choice_row("transfer", &OutputParams::transfer, 0, {"srgb", "none"},
@@ -53,6 +56,8 @@ void fill_constants(const OutputParams& params, const PictureInfo& info, OutputC
   c = {.sky = params.sky,
        .gain = std::exp2(params.exposure),
        .tone = params.tone,
+       .contrast = params.contrast,
+       .middle = params.transfer == kTransferSrgb ? kMiddleGrey : srgb_from_linear(kMiddleGrey),
        .shoulder = params.shoulder,
        .room = params.shoulder < 1.0f ? 1.0f / (1.0f - params.shoulder) : 0.0f,
        .transfer = params.transfer,

@@ -22,6 +22,7 @@ struct OutputParams {
   float exposure;                                  // stops
   int metering;                                    // one of kMetering...; applied by the caller
   int tone;                                        // one of kTone...
+  float contrast;                                  // exponent of light relative to middle grey
   float shoulder;                                  // light from which on it is compressed to below 1; 1: off
   int transfer;                                    // 0 srgb, 1 none
   float background_r, background_g, background_b;  // as written to the file
@@ -37,7 +38,8 @@ struct OutputConstants {
   int sky;
   float gain;
   int tone;
-  float shoulder, room;  // room: 1 / (1 - shoulder); 0: no compression
+  float contrast, middle;  // middle: grey that contrast does not change
+  float shoulder, room;    // room: 1 / (1 - shoulder); 0: no compression
   int transfer;
   float background_r, background_g, background_b;  // as written to the file
   float behind_r, behind_g, behind_b;              // the same as linear light

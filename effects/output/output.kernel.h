@@ -51,10 +51,13 @@ FN Vec3 neutral(Vec3 light) {
   return select(peak > kUncompressed, compressed, light);
 }
 
-// Returns exposed light: finite, not negative, compressed by the tone curve and the shoulder.
+FN Real contrasted(Real v) { return pow(v * Real(1.0f / C.middle), Real(C.contrast)) * Real(C.middle); }
+
+// Returns exposed light: finite, not negative, after contrast, compressed by the tone curve and the shoulder.
 FN Vec3 exposed(Vec3 light) {
   light = finite_or_zero(light);  // NaN and infinity become black
   light = clamped_to_0(light);
+  if (C.contrast != 1.0f) light = Vec3(contrasted(light.x), contrasted(light.y), contrasted(light.z));
   if (C.tone == kToneNeutral) light = neutral(light);
   if (C.room > 0.0f) light = Vec3(compressed(light.x), compressed(light.y), compressed(light.z));
   return light;
