@@ -1,6 +1,7 @@
 #include "core/gbuffer.h"
 
 #include <fmt/core.h>
+#include <algorithm>
 #include <charconv>
 
 #include <glm/matrix.hpp>
@@ -112,6 +113,17 @@ int layer_of_plane(std::string_view name) {
 
 std::string_view name_on_first_layer(std::string_view plane) {
   return layer_of_plane(plane) > 0 ? plane.substr(plane.find('.') + 1) : plane;
+}
+
+PictureInfo info_of(const GBuffer& gbuffer) {
+  PictureInfo info = gbuffer.info;
+  const auto has = [&](std::string_view plane) {
+    return std::any_of(gbuffer.layers.begin(), gbuffer.layers.end(),
+                       [&](const Image& layer) { return layer.find(plane) != nullptr; });
+  };
+  info.has_roughness = has("roughness");
+  info.has_material_ao = has("material_ao");
+  return info;
 }
 
 }  // namespace umbrage

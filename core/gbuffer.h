@@ -3,14 +3,18 @@
 // Planes of a layer, each optional but `depth`:
 //   depth             view depth, scene units; +infinity where nothing was hit
 //   normal.x .y .z    unit, view space, facing the camera; 0 where nothing was hit
-//   albedo.r .g .b    diffuse reflectance, linear
+//   albedo.r .g .b    diffuse reflectance, of metals the reflectance, linear
 //   specular          peak of the highlight, 0 to 1
 //   shininess         Blinn-Phong exponent
 //   shadow            fraction of the key light (light 0) that arrives, 0 to 1
 //   shadow1 to shadow7   the same for the lights 1 to 7, if they cast shadows
 //   emission.r .g .b  emitted light, linear; only if a material of the scene emits
+//   metallic          0 dielectric, 1 metal; this and roughness only if a material of the scene has a roughness
+//   roughness         0 to 1, as in glTF 2.0; below 0: none, and `specular` and `shininess` hold for the pixel
+//   material_ao       fraction of ambient light that arrives by the material's occlusion map; only if one has a map
 //   object_id, material_id   integers; -1 where nothing was hit
 #pragma once
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,10 +48,12 @@ struct PictureInfo {
   std::vector<Light> lights;  ///< in view space
   /// Transform from the view space of the first layer's camera to that of this picture; see layer_info.
   glm::mat4 view_from_first{1.0f};
-  std::vector<LayerInfo> more_layers;  ///< the layers beyond the first
-  glm::vec3 ambient{0.3f};             ///< ambient light, mean over all normals
-  AmbientShape ambient_shape;          ///< in view space
-  float lit_white_luminance = 1.0f;    ///< luminance of a white surface that faces the light: see Scene
+  std::vector<LayerInfo> more_layers;                          ///< the layers beyond the first
+  glm::vec3 ambient{0.3f};                                     ///< ambient light, mean over all normals
+  AmbientShape ambient_shape;                                  ///< in view space
+  std::shared_ptr<const ReflectionMap> reflections = nullptr;  ///< as in Lighting
+  bool has_roughness = false, has_material_ao = false;         ///< the planes `roughness`, `material_ao` exist
+  float lit_white_luminance = 1.0f;  ///< luminance of a white surface that faces the light: see Scene
   /// Radius of the bounding sphere, scene units; for a G-buffer without a scene half the robust depth extent.
   float scene_radius = 1.0f;
   float depth_min = 1.0f, depth_max = 2.0f;  ///< range of view depths that contains the scene
@@ -117,5 +123,8 @@ struct GBuffer {
   PictureInfo info;
   std::vector<Image> layers;
 };
+
+/// Returns the information of a G-buffer, with has_roughness and has_material_ao as its planes are.
+PictureInfo info_of(const GBuffer& gbuffer);
 
 }  // namespace umbrage

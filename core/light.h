@@ -1,9 +1,11 @@
 // Light: the light sources of a scene.
 #pragma once
 #include <array>
+#include <cstdint>
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <vector>
 
 namespace umbrage {
@@ -44,6 +46,23 @@ struct AmbientShape {
 /// Returns the shape, rotated.
 AmbientShape turned(const AmbientShape& shape, const glm::mat3& rotation);
 
+/// Levels of a reflection map, for the roughness 0, 0.25, 0.5, 0.75 and 1; texels per side of each, without its border.
+inline constexpr std::array<int, 5> kReflectionSides = {40, 24, 16, 10, 8};
+inline constexpr int kReflectionLevels = int(kReflectionSides.size());
+
+/// Returns the index of the first texel of a level; of the level after the last one: the number of texels.
+constexpr int first_reflection_texel(int level) {
+  int first = 0;
+  for (std::size_t k = 0; k < std::size_t(level); ++k) first += (kReflectionSides[k] + 2) * (kReflectionSides[k] + 2);
+  return first;
+}
+inline constexpr int kReflectionTexels = first_reflection_texel(kReflectionLevels);
+
+/// The levels one after the other, row by row. A level is an octahedral map [Cigolle et al. 2014] of directions with a
+/// border of one texel, which continues the map, so that bilinear lookups need no other case. A texel holds three
+/// numbers of 9 bits, red lowest, and in the upper 5 bits the exponent e of their common factor 2^(e - 24).
+using ReflectionMap = std::array<std::uint32_t, kReflectionTexels>;
+
 /// Max lights whose shadows a capture can hold, one plane each.
 inline constexpr int kMaxShadows = 8;
 
@@ -53,6 +72,8 @@ struct Lighting {
   glm::vec3 ambient{0.3f};    ///< ambient radiance, mean over all normals
   AmbientShape ambient_shape;
   float lit_white_luminance = 1.0f;  ///< luminance of a white surface that faces the light; pictures are exposed for it
+  /// What surfaces mirror, world space: all light but that of `lights`. Null: ambient light.
+  std::shared_ptr<const ReflectionMap> reflections;
 
   bool operator==(const Lighting&) const = default;
 };

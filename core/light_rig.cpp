@@ -1,7 +1,9 @@
 #include "core/light_rig.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 
 namespace umbrage {
 
@@ -30,7 +32,8 @@ LightRig light_rig(Rig rig, const PictureInfo& info) {
       where = glm::vec3(info.view_from_first[3]);
     else if (head || rig == Rig::kKey)
       where = glm::mat3(info.view_from_first) * where;
-    out.lights.push_back({point, where, light.color, head ? 0.0f : light.reach * light.reach});
+    const float size = point ? light.radius : std::sin(glm::radians(0.5f * light.angle_deg));
+    out.lights.push_back({point, where, light.color, head ? 0.0f : size, head ? 0.0f : light.reach * light.reach});
   }
   return out;
 }

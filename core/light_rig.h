@@ -18,6 +18,7 @@ struct RigLight {
   bool point = false;  ///< a point light at `where`; otherwise `where` is the unit direction towards the light
   glm::vec3 where{0.0f};
   glm::vec3 color{1.0f};
+  float size = 0.0f;           ///< sine of the angular radius; of a point light the radius of its sphere, scene units
   float reach_squared = 0.0f;  ///< (point) square of the distance at which the irradiance is `color`; 0: no falloff
 };
 

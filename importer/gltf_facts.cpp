@@ -1,6 +1,7 @@
 // Reads the JSON part of glTF 2.0 files.
 #include "importer/gltf_facts.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -83,14 +84,39 @@ GltfPlacement placement_of(const Json& use) {
   return placement;
 }
 
+constexpr std::string_view kMaterialExtension = "KHR_materials_";
+
+/// Returns whether an extension of a material changes its look and is not drawn.
+bool is_ignored(const std::string& name, const Json& properties) {
+  constexpr std::string_view kDrawn[] = {"unlit", "emissive_strength", "pbrSpecularGlossiness"};
+  if (!name.starts_with(kMaterialExtension)) return false;
+  const std::string_view kind = std::string_view(name).substr(kMaterialExtension.size());
+  constexpr float kDefaultIor = 1.5f;
+  if (kind == "ior") return number(member(properties, "ior"), kDefaultIor) != kDefaultIor;
+  return std::find(std::begin(kDrawn), std::end(kDrawn), kind) == std::end(kDrawn);
+}
+
 GltfMaterial material_of(const Json& json) {
   GltfMaterial material;
   const Json& color = member(json, "pbrMetallicRoughness");
-  material.has_color_texture = member(color, "baseColorTexture").is_object();
-  material.color = placement_of(member(color, "baseColorTexture"));
-  material.has_emission_texture = member(json, "emissiveTexture").is_object();
-  material.emission = placement_of(member(json, "emissiveTexture"));
+  const auto set_map = [&](GltfMap map, const Json& use) {
+    if (use.is_object()) material.maps[map] = placement_of(use);
+  };
+  set_map(kColorMap, member(color, "baseColorTexture"));
+  set_map(kEmissionMap, member(json, "emissiveTexture"));
+  set_map(kSurfaceMap, member(color, "metallicRoughnessTexture"));
+  set_map(kNormalMap, member(json, "normalTexture"));
+  set_map(kOcclusionMap, member(json, "occlusionTexture"));
+  const auto fraction = [](const Json& value) { return std::clamp(number(value, 1.0f), 0.0f, 1.0f); };
+  material.has_roughness = color.is_object();
+  material.metallic = fraction(member(color, "metallicFactor"));
+  material.roughness = fraction(member(color, "roughnessFactor"));
+  material.normal_scale = number(member(member(json, "normalTexture"), "scale"), 1.0f);
+  material.occlusion_strength = fraction(member(member(json, "occlusionTexture"), "strength"));
   const Json& extensions = member(json, "extensions");
+  if (extensions.is_object())
+    for (const auto& [name, properties] : extensions.items())
+      if (is_ignored(name, properties)) material.ignored.push_back(name.substr(kMaterialExtension.size()));
   material.emission_strength =
       std::max(number(member(member(extensions, "KHR_materials_emissive_strength"), "emissiveStrength"), 1.0f), 0.0f);
   material.unlit = member(extensions, "KHR_materials_unlit").is_object();
@@ -180,6 +206,12 @@ glm::vec2 GltfPlacement::placed(glm::vec2 uv) const {
   const float c = std::cos(rotation), s = std::sin(rotation);
   const glm::vec2 rotated(c * scaled.x + s * scaled.y, -s * scaled.x + c * scaled.y);
   return {rotated.x + offset.x, 1.0f - (rotated.y + offset.y)};
+}
+
+GltfPlacement GltfMaterial::placement() const {
+  for (const auto& map : maps)
+    if (map) return *map;
+  return {};
 }
 
 GltfFacts read_gltf_facts(const std::filesystem::path& file, std::optional<int> scene) {

@@ -1,5 +1,6 @@
 // Properties of a glTF file that Assimp 5.2 does not provide: texture transforms, emissive strengths, cameras, scenes.
 #pragma once
+#include <array>
 #include <filesystem>
 #include <glm/vec2.hpp>
 #include <optional>
@@ -21,18 +22,23 @@ struct GltfPlacement {
   glm::vec2 placed(glm::vec2 uv) const;
 };
 
+/// The maps of a material, in the order of preference for the mesh's texture coordinates.
+enum GltfMap { kColorMap, kEmissionMap, kSurfaceMap, kNormalMap, kOcclusionMap, kGltfMaps };
+
 struct GltfMaterial {
-  GltfPlacement color, emission;
-  bool has_color_texture = false, has_emission_texture = false;
-  float emission_strength = 1.0f;  ///< [KHR_materials_emissive_strength]
-  bool unlit = false;              ///< [KHR_materials_unlit]
-  float alpha = 1.0f;              ///< alpha of the base color factor
+  std::array<std::optional<GltfPlacement>, kGltfMaps> maps;  ///< nothing: there is no such map
+  bool has_roughness = false;                                ///< the file has `pbrMetallicRoughness`
+  float metallic = 1.0f, roughness = 1.0f;
+  float normal_scale = 1.0f, occlusion_strength = 1.0f;
+  std::vector<std::string> ignored;  ///< extensions that are not drawn, without their prefix: "transmission"
+  float emission_strength = 1.0f;    ///< [KHR_materials_emissive_strength]
+  bool unlit = false;                ///< [KHR_materials_unlit]
+  float alpha = 1.0f;                ///< alpha of the base color factor
   float cutoff = 0.5f;
   std::string mode = "OPAQUE";
 
-  /// Returns the placement for the mesh's texture coordinates: the colour texture's, or the emission texture's if there
-  /// is no colour texture.
-  const GltfPlacement& placement() const { return has_color_texture ? color : emission; }
+  /// Returns the placement for the mesh's texture coordinates: that of the first map.
+  GltfPlacement placement() const;
 };
 
 /// Properties of a glTF file.

@@ -9,6 +9,8 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>
@@ -356,6 +358,15 @@ glm::vec3 up_of(const aiScene& source, const std::string& format) {
   return up;
 }
 
+/// Adds one warning for all properties of materials that are not drawn.
+void warn_of_ignored(Scene& scene) {
+  std::set<std::string> ignored;
+  for (const Material& material : scene.materials) ignored.insert(material.ignored.begin(), material.ignored.end());
+  if (!ignored.empty())
+    scene.warnings.push_back(
+        fmt::format("the file's materials have properties that are not drawn: {}", fmt::join(ignored, ", ")));
+}
+
 Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, const ImportSettings& settings,
                                bool process_ends) {
   if (format == "dae") {
@@ -413,6 +424,7 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
                       rules.gltf.scenes.size()));
     scene.scene_names = std::move(rules.gltf.scenes);
   }
+  warn_of_ignored(scene);
   if (rules.gltf.lights > 0)
     scene.warnings.push_back(fmt::format("the file's {} not used; looks have their own",
                                          rules.gltf.lights == 1 ? "light is" : "lights are"));

@@ -3,6 +3,7 @@
 #include "importer/import_materials.h"
 
 #include <assimp/GltfMaterial.h>
+#include <assimp/ObjMaterial.h>
 #include <assimp/material.h>
 #include <assimp/scene.h>
 
@@ -16,8 +17,7 @@
 #include <system_error>
 
 #include "core/srgb.h"
-#include "importer/limits.h"
-#include "scene/readers/texture_file.h"
+#include "importer/texture_cache.h"
 
 namespace umbrage {
 namespace {
@@ -32,8 +32,6 @@ constexpr float kDielectricReflectance = 0.04f;
 /// A texture is a cut-out if at least kBinaryFraction of its texels are nearly transparent or nearly opaque, and at
 /// least kClearFraction are nearly transparent.
 constexpr double kBinaryFraction = 0.9, kClearFraction = 0.001;
-// Width over which the alpha of a blended surface is averaged, as a fraction of its texture's width.
-constexpr double kBlendFraction = 1.0 / 64.0;
 constexpr std::uint8_t kNearlyClear = 16, kNearlyOpaque = 239;
 
 float linear_of_srgb(float x) { return linear_from_srgb(std::clamp(x, 0.0f, 1.0f)); }
@@ -58,179 +56,6 @@ std::string texture_path(const aiMaterial& source, aiTextureType type) {
   if (source.GetTexture(type, 0, &path) != AI_SUCCESS) return {};
   return path.C_Str();
 }
-
-std::string lower(std::string text) {
-  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
-/// Replaces URI escapes such as "%20".
-std::string without_escapes(const std::string& text) {
-  std::string plain;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool escape = text[i] == '%' && i + 2 < text.size() &&
-                        std::isxdigit(static_cast<unsigned char>(text[i + 1])) &&
-                        std::isxdigit(static_cast<unsigned char>(text[i + 2]));
-    plain += escape ? char(std::stoi(text.substr(i + 1, 2), nullptr, 16)) : text[i];
-    if (escape) i += 2;
-  }
-  return plain;
-}
-
-bool is_file(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(path, ignored);
-}
-
-/// Returns the file of this name in a folder; upper and lower case are equal.
-std::optional<fs::path> find_in(const fs::path& folder, const std::string& name) {
-  std::error_code error;
-  const std::string lower_name = lower(name);
-  for (fs::directory_iterator entry(folder.empty() ? fs::path(".") : folder, error), end; !error && entry != end;
-       entry.increment(error)) {
-    if (lower(entry->path().filename().string()) == lower_name && is_file(entry->path())) return entry->path();
-  }
-  return std::nullopt;
-}
-
-/// Searches for a texture at the path in the model, then for the same path ignoring case, then for the file name beside
-/// the model: paths in model files are often valid only on the machine that wrote them.
-std::optional<fs::path> find_texture(const fs::path& folder, std::string name) {
-  std::replace(name.begin(), name.end(), '\\', '/');
-  name.erase(name.find_last_not_of(" \t\r") + 1);
-  // Assimp's parser includes MTL options in the name: "-colorspace sRGB wood.png".
-  const std::string last_word = name.substr(name.find_last_of(' ') + 1);
-  for (const std::string& spelling : {name, without_escapes(name), last_word}) {
-    if (spelling.empty()) continue;
-    const fs::path path(spelling), beside = folder / path;  // an absolute path replaces the folder
-    if (is_file(beside)) return beside;
-    if (auto found = find_in(beside.parent_path(), path.filename().string())) return found;
-    if (auto found = find_in(folder, path.filename().string())) return found;
-  }
-  return std::nullopt;
-}
-
-/// Reads each texture of a model file once.
-struct TextureCache {
-  const aiScene* source;  // null for formats without embedded textures
-  fs::path folder;
-  Scene& scene;
-  std::map<std::string, int> index_of;  // by the name in the file; kNoTexture if reading failed
-
-  Result<Texture> embedded(const aiTexture& texture, const std::string& name) {
-    if (!texture.pcData) return file_error("the embedded texture '{}' has no pixels", name);
-    if (texture.mHeight == 0) {
-      return decode_texture({reinterpret_cast<const std::uint8_t*>(texture.pcData), texture.mWidth},
-                            "the embedded texture " + name);
-    }
-    Texture result;
-    result.name = name;
-    result.width = int(texture.mWidth);
-    result.height = int(texture.mHeight);
-    result.rgba.reserve(std::size_t(result.width) * result.height * 4);
-    for (std::size_t i = 0; i < std::size_t(result.width) * result.height; ++i) {
-      const aiTexel& texel = texture.pcData[i];
-      result.rgba.insert(result.rgba.end(), {texel.r, texel.g, texel.b, texel.a});
-    }
-    return result;
-  }
-
-  Result<Texture> read(const std::string& name) {
-    if (const aiTexture* texture = source ? source->GetEmbeddedTexture(name.c_str()) : nullptr) {
-      return embedded(*texture, name);
-    }
-    const std::optional<fs::path> path = find_texture(folder, name);
-    if (!path) return file_error("the texture '{}' does not exist", name);
-    raise_limits_for(*path);
-    return read_texture(*path);
-  }
-
-  /// Returns the index of a texture in the scene, or kNoTexture after adding a warning.
-  int find(const std::string& name) {
-    if (const auto known = index_of.find(name); known != index_of.end()) return known->second;
-    Result<Texture> texture = read(name);
-    int index = kNoTexture;
-    if (texture) {
-      index = int(scene.textures.size());
-      scene.textures.push_back(std::move(*texture));
-    } else {
-      scene.warnings.push_back(texture.error().message + "; its surfaces are shown in a neutral colour");
-    }
-    index_of[name] = index;
-    return index;
-  }
-
-  /// Returns the index of a texture that combines the colour of the first texture with the mask of the second as alpha.
-  /// The mask is the alpha channel of the second texture if that is not 1 everywhere, else its brightness.
-  int find_with_mask(const std::string& color_name, const std::string& mask_name) {
-    const std::string key = color_name + '\n' + mask_name;
-    if (const auto known = index_of.find(key); known != index_of.end()) return known->second;
-    Result<Texture> mask = read(mask_name);
-    if (!mask) {
-      scene.warnings.push_back(mask.error().message + "; its surfaces are not cut out");
-      return index_of[key] = color_name.empty() ? kNoTexture : find(color_name);
-    }
-    const int color = color_name.empty() ? kNoTexture : find(color_name);
-    Texture result = *mask;
-    bool has_alpha = false;
-    for (std::size_t i = 3; i < mask->rgba.size() && !has_alpha; i += 4) has_alpha = mask->rgba[i] != 255;
-    if (color != kNoTexture) {
-      result = scene.textures[std::size_t(color)];
-      result.name += " with the mask " + mask->name;
-    }
-    for (int y = 0; y < result.height; ++y) {
-      for (int x = 0; x < result.width; ++x) {
-        const std::size_t from_x = std::size_t(x) * mask->width / result.width,
-                          from_y = std::size_t(y) * mask->height / result.height;
-        const std::uint8_t* from = &mask->rgba[4 * (from_y * mask->width + from_x)];
-        std::uint8_t* to = &result.rgba[4 * (std::size_t(y) * result.width + x)];
-        to[3] = has_alpha ? from[3] : std::max({from[0], from[1], from[2]});
-        if (color == kNoTexture) std::fill(to, to + 3, std::uint8_t(255));
-      }
-    }
-    scene.textures.push_back(std::move(result));
-    return index_of[key] = int(scene.textures.size()) - 1;
-  }
-
-  /// Returns the index of a copy of a texture whose alpha is averaged over kBlendFraction of its width. Then only
-  /// regions that are mostly transparent are cut out, not each small spot, which would give speckled borders. Small
-  /// textures, such as palettes, have no such spots and stay unchanged.
-  int find_blended(int index) {
-    const int radius = int(0.5 * kBlendFraction * scene.textures[std::size_t(index)].width);
-    if (radius < 1) return index;
-    const std::string key = scene.textures[std::size_t(index)].name + "\nblended";
-    if (const auto known = index_of.find(key); known != index_of.end()) return known->second;
-    Texture result = scene.textures[std::size_t(index)];
-    const std::ptrdiff_t row = 4 * std::ptrdiff_t(result.width);
-    average_alpha(result, result.width, result.height, 4, row, radius);
-    average_alpha(result, result.height, result.width, row, 4, radius);
-    scene.textures.push_back(std::move(result));
-    return index_of[key] = int(scene.textures.size()) - 1;
-  }
-
- private:
-  /// Applies a box filter of 2 radius + 1 texels twice to the alpha of `lines` rows or columns of `length` texels each.
-  /// The texture repeats. `step`: bytes from a texel to the next one in its line. `next`: bytes from a line to the
-  /// next.
-  static void average_alpha(Texture& texture, int length, int lines, std::ptrdiff_t step, std::ptrdiff_t next,
-                            int radius) {
-    constexpr int kRounds = 2;
-    std::vector<int> line(static_cast<std::size_t>(length + 2 * radius + 1));  // from -radius to length + radius
-    for (int k = 0; k < lines; ++k)
-      for (int round = 0; round < kRounds; ++round) {
-        std::uint8_t* alpha = texture.rgba.data() + k * next + 3;
-        for (int i = 0; i < length; ++i) line[std::size_t(i + radius)] = alpha[i * step];
-        for (int i = 0; i < radius; ++i) line[std::size_t(i)] = alpha[((i - radius) % length + length) % length * step];
-        for (int i = 0; i <= radius; ++i) line[std::size_t(length + radius + i)] = alpha[i % length * step];
-        int sum = 0;
-        for (int i = 0; i <= 2 * radius; ++i) sum += line[std::size_t(i)];
-        for (int i = 0; i < length; ++i) {
-          alpha[i * step] = std::uint8_t((sum + radius) / (2 * radius + 1));
-          sum += line[std::size_t(i + 2 * radius + 1)] - line[std::size_t(i)];
-        }
-      }
-  }
-};
 
 bool is_cut_out(const Texture& texture) {
   std::size_t clear = 0, opaque = 0;
@@ -281,11 +106,13 @@ void set_highlight(const aiMaterial& source, Material& material) {
   material.specular_exponent = std::clamp(*exponent, kMinExponent, kMaxExponent);
 }
 
-/// Sets the emission. Emission textures are used only for glTF.
-void set_emission(const aiMaterial& source, const GltfMaterial* gltf, TextureCache& textures, Material& material) {
+/// Sets the emission. Emission textures are used only for glTF and OBJ, where the map replaces the number.
+void set_emission(const aiMaterial& source, const GltfMaterial* gltf, bool is_obj, TextureCache& textures,
+                  Material& material) {
   const std::string map = texture_path(source, aiTextureType_EMISSIVE);
-  const auto emission = color_of(source, AI_MATKEY_COLOR_EMISSIVE);
-  if (!emission || (!map.empty() && !gltf)) return;
+  auto emission = color_of(source, AI_MATKEY_COLOR_EMISSIVE);
+  if (is_obj && !map.empty()) emission = glm::vec3(1.0f);
+  if (!emission || (!map.empty() && !gltf && !is_obj)) return;
   const float strength =
       gltf ? gltf->emission_strength : number_of(source, AI_MATKEY_EMISSIVE_INTENSITY).value_or(1.0f);
   for (int i = 0; i < 3; ++i) {
@@ -295,6 +122,60 @@ void set_emission(const aiMaterial& source, const GltfMaterial* gltf, TextureCac
   if (map.empty() || material.emission == glm::vec3(0.0f)) return;
   material.emission_texture = textures.find(map);
   if (material.emission_texture == kNoTexture) material.emission = glm::vec3(0.0f);
+}
+
+/// Sets metalness, roughness and the maps of glTF. A map that is placed otherwise than the material's first one is left
+/// out, since a mesh has one set of texture coordinates.
+void set_maps_of_gltf(const aiMaterial& source, const GltfMaterial& gltf, TextureCache& textures, Material& material) {
+  material.ignored = gltf.ignored;
+  const auto path_of = [&](GltfMap map, aiTextureType type, const char* name) -> std::string {
+    if (!gltf.maps[map]) return "";
+    if (*gltf.maps[map] == gltf.placement()) return texture_path(source, type);
+    material.ignored.push_back(fmt::format("{} with other texture coordinates", name));
+    return "";
+  };
+  if (gltf.has_roughness) {
+    material.metallic = gltf.metallic;
+    material.roughness = gltf.roughness;
+  }
+  const std::string surface = path_of(kSurfaceMap, aiTextureType_UNKNOWN, "metallicRoughnessTexture"),
+                    occlusion = path_of(kOcclusionMap, aiTextureType_LIGHTMAP, "occlusionTexture"),
+                    normal = path_of(kNormalMap, aiTextureType_NORMALS, "normalTexture");
+  if (!surface.empty() || !occlusion.empty())
+    material.surface_texture = textures.find_packed({{{occlusion, 0}, {surface, 1}, {surface, 2}}});
+  if (material.surface_texture == kNoTexture && gltf.maps[kSurfaceMap]) {
+    // Without their map the factors mean nothing.
+    material.metallic = 0.0f;
+    material.roughness = kNoRoughness;
+  }
+  if (!occlusion.empty()) material.occlusion_strength = gltf.occlusion_strength;
+  if (!normal.empty()) material.normal_texture = textures.find_linear(normal);
+  material.normal_scale = gltf.normal_scale;
+}
+
+/// Sets metalness, roughness and the maps of an OBJ's material, if it has any: Pr, Pm, map_Pr, map_Pm, norm, bump. A
+/// map replaces its number. A material without a roughness has that of its highlight.
+void set_maps_of_obj(const aiMaterial& source, TextureCache& textures, Material& material) {
+  const auto roughness = number_of(source, AI_MATKEY_ROUGHNESS_FACTOR),
+             metallic = number_of(source, AI_MATKEY_METALLIC_FACTOR);
+  const std::string rough_map = texture_path(source, aiTextureType_DIFFUSE_ROUGHNESS),
+                    metal_map = texture_path(source, aiTextureType_METALNESS);
+  if (!rough_map.empty() || !metal_map.empty())
+    material.surface_texture = textures.find_packed({{{"", 0}, {rough_map, 0}, {metal_map, 0}}});
+  const bool mapped = material.surface_texture != kNoTexture;
+  if (roughness || metallic || mapped) {
+    material.roughness = clamp_to_unit(roughness.value_or(std::pow(2.0f / (material.specular_exponent + 2.0f), 0.25f)));
+    material.metallic = clamp_to_unit(metallic.value_or(0.0f));
+    if (mapped && !rough_map.empty()) material.roughness = 1.0f;
+    if (mapped && !metal_map.empty()) material.metallic = 1.0f;
+  }
+  const std::string normal = texture_path(source, aiTextureType_NORMALS),
+                    bump = texture_path(source, aiTextureType_HEIGHT);
+  if (!normal.empty())
+    material.normal_texture = textures.find_linear(normal);
+  else if (!bump.empty())
+    material.normal_texture =
+        textures.find_normals_of_heights(bump, number_of(source, AI_MATKEY_OBJ_BUMPMULT_HEIGHT(0)).value_or(1.0f));
 }
 
 Material material_of(const aiMaterial& source, const std::string& format, const GltfMaterial* gltf,
@@ -318,7 +199,9 @@ Material material_of(const aiMaterial& source, const std::string& format, const 
     set_highlight(source, material);
   }
 
-  if (!is_default) set_emission(source, gltf, textures, material);
+  if (!is_default) set_emission(source, gltf, format == "obj", textures, material);
+  if (gltf && !unlit) set_maps_of_gltf(source, *gltf, textures, material);
+  if (format == "obj" && !is_default) set_maps_of_obj(source, textures, material);
 
   std::string color_path = texture_path(source, aiTextureType_BASE_COLOR);
   if (color_path.empty()) color_path = texture_path(source, aiTextureType_DIFFUSE);
@@ -357,7 +240,7 @@ Material material_of(const aiMaterial& source, const std::string& format, const 
 
 void import_materials(const aiScene& source, const fs::path& file, const std::string& format, const GltfFacts& gltf,
                       Scene& scene, std::vector<bool>& not_drawn) {
-  TextureCache textures{&source, file.parent_path(), scene, {}};
+  TextureCache textures{&source, file.parent_path(), scene};
   for (unsigned i = 0; i < source.mNumMaterials; ++i) {
     const GltfMaterial* facts = i < gltf.materials.size() ? &gltf.materials[i] : nullptr;
     scene.materials.push_back(material_of(*source.mMaterials[i], format, facts, textures));
@@ -369,7 +252,7 @@ void import_materials(const aiScene& source, const fs::path& file, const std::st
 }
 
 int import_texture(const fs::path& file, const std::string& name, Scene& scene) {
-  TextureCache textures{nullptr, file.parent_path(), scene, {}};
+  TextureCache textures{nullptr, file.parent_path(), scene};
   return textures.find(name);
 }
 

@@ -34,6 +34,7 @@
 #define count_lanes(mask) ((mask) ? 1 : 0)
 #define this_lane() 0
 #define lane_value(v, lane) (v)
+#define entry_of(array, k) ((array)[k])
 #define select(mask, a, b) ((mask) ? (a) : (b))
 #define pow(a, b) pow_of(a, b)
 #include "kernel/frame_constants.h"

@@ -209,6 +209,8 @@ OP bool some(Bool a) { return !hn::AllFalse(D(), a.m); }
 OP int count_lanes(Bool a) { return int(hn::CountTrue(D(), a.m)); }
 OP Int this_lane() { return hn::Iota(DI(), 0); }
 OP Real lane_value(Real v, Int lane) { return hn::TableLookupLanes(v.v, hn::IndicesFromVec(D(), lane.v)); }
+OP Real entry_of(const float* array, Int k) { return hn::GatherIndex(D(), array, k.v); }
+OP Int entry_of(const std::int32_t* array, Int k) { return hn::GatherIndex(DI(), array, k.v); }
 OP Real packed(Bool where, Real v) { return hn::Compress(v.v, where.m); }
 OP Uint packed(Bool where, Uint v) { return hn::Compress(v.v, hn::RebindMask(DU(), where.m)); }
 

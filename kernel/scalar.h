@@ -53,6 +53,12 @@ inline Int this_lane() { return 0; }
 /// Returns the value v of the lane with that index.
 inline Real lane_value(Real v, Int) { return v; }
 
+/// Returns an element of an array of constants.
+template <class T>
+inline T entry_of(const T* array, Int k) {
+  return array[k];
+}
+
 struct Vec2 {
   Real x, y;
 };

@@ -27,12 +27,4 @@ CameraRays camera_rays(const TracedScene& traced, const PictureInfo& info);
 /// Returns whether every ray of the picture is within kRayLimit. Embree ends the program for rays beyond the limit.
 bool rays_within_limit(const CameraRays& rays, const PictureInfo& info);
 
-/// Returns the albedo of the surface that the pixel with the centre (px, py) shows: the product of the material's
-/// albedo, the mesh's colour, and the texture averaged over the pixel.
-glm::vec3 pixel_albedo(const TracedScene& traced, const CameraRays& rays, const Surface& surface, float px, float py);
-
-/// Returns the emission of the same surface: the material's emission times the emission texture averaged over the
-/// pixel.
-glm::vec3 pixel_emission(const TracedScene& traced, const CameraRays& rays, const Surface& surface, float px, float py);
-
 }  // namespace umbrage

@@ -26,13 +26,15 @@ const std::array<float, 256> kUnitFromByte = [] {
   return t;
 }();
 
-std::uint8_t srgb_byte(float linear) {
-  return std::uint8_t(std::clamp(srgb_from_linear(linear), 0.0f, 1.0f) * 255.0f + 0.5f);
-}
+std::uint8_t byte_of(float v) { return std::uint8_t(std::clamp(v, 0.0f, 1.0f) * 255.0f + 0.5f); }
 
-glm::vec4 texel(const MipLevel& level, int x, int y) {
+/// The linear values of the bytes of a texture's colours.
+using Decoding = std::array<float, 256>;
+const Decoding& decoding_of(bool linear) { return linear ? kUnitFromByte : kLinearFromSrgb; }
+
+glm::vec4 texel(const MipLevel& level, const Decoding& decoding, int x, int y) {
   const std::uint8_t* p = level.rgba.data() + (std::size_t(y) * level.width + x) * 4;
-  return {kLinearFromSrgb[p[0]], kLinearFromSrgb[p[1]], kLinearFromSrgb[p[2]], kUnitFromByte[p[3]]};
+  return {decoding[p[0]], decoding[p[1]], decoding[p[2]], kUnitFromByte[p[3]]};
 }
 
 struct Bilinear {
@@ -76,11 +78,14 @@ Bilinear bilinear_at(const MipLevel& level, glm::vec2 fraction) {
 
 /// Adds the bilinear value of a level, times a weight, to `sum`. Inlined, because a returned vec4 would be stored in
 /// halves, and loading it as a whole would stall.
-inline void add_level(const MipLevel& level, glm::vec2 fraction, float weight, glm::vec4& sum) {
+inline void add_level(const MipLevel& level, const Decoding& decoding, glm::vec2 fraction, float weight,
+                      glm::vec4& sum) {
   const Bilinear b = bilinear_at(level, fraction);
   const float lower = b.fy * weight, upper = weight - lower;
-  sum += texel(level, b.x0, b.y0) * (upper - upper * b.fx) + texel(level, b.x1, b.y0) * (upper * b.fx) +
-         texel(level, b.x0, b.y1) * (lower - lower * b.fx) + texel(level, b.x1, b.y1) * (lower * b.fx);
+  sum += texel(level, decoding, b.x0, b.y0) * (upper - upper * b.fx) +
+         texel(level, decoding, b.x1, b.y0) * (upper * b.fx) +
+         texel(level, decoding, b.x0, b.y1) * (lower - lower * b.fx) +
+         texel(level, decoding, b.x1, b.y1) * (lower * b.fx);
 }
 
 /// Computes log2(x) of a finite x >= 1, within 5e-5: exact at powers of two, a polynomial between.
@@ -91,7 +96,7 @@ float log2_of(float x) {
   return float(int(bits >> 23) - 127) + (t + t * (1.0f - t) * curve);
 }
 
-MipLevel half_of(const MipLevel& level) {
+MipLevel half_of(const MipLevel& level, bool linear) {
   MipLevel half{std::max(level.width / 2, 1), std::max(level.height / 2, 1), {}};
   half.rgba.resize(std::size_t(half.width) * half.height * 4);
   for (int y = 0; y < half.height; ++y)
@@ -103,7 +108,7 @@ MipLevel half_of(const MipLevel& level) {
       float alpha = 0.0f;
       for (int j = y0; j < y1; ++j)
         for (int i = x0; i < x1; ++i) {
-          const glm::vec4 t = texel(level, i, j);
+          const glm::vec4 t = texel(level, decoding_of(linear), i, j);
           weighted += glm::vec3(t) * t.a;
           plain += glm::vec3(t);
           alpha += t.a;
@@ -111,7 +116,7 @@ MipLevel half_of(const MipLevel& level) {
       const float count = float((x1 - x0) * (y1 - y0));
       const glm::vec3 color = alpha > 0.0f ? weighted / alpha : plain / count;
       std::uint8_t* out = half.rgba.data() + (std::size_t(y) * half.width + x) * 4;
-      for (int c = 0; c < 3; ++c) out[c] = srgb_byte(color[c]);
+      for (int c = 0; c < 3; ++c) out[c] = byte_of(linear ? color[c] : srgb_from_linear(color[c]));
       out[3] = std::uint8_t(alpha / count * 255.0f + 0.5f);
     }
   return half;
@@ -120,10 +125,10 @@ MipLevel half_of(const MipLevel& level) {
 }  // namespace
 
 MipTexture make_mips(const Texture& texture) {
-  MipTexture mips;
+  MipTexture mips{.levels = {}, .linear = texture.linear};
   mips.levels.push_back({texture.width, texture.height, texture.rgba});
   while (mips.levels.back().width > 1 || mips.levels.back().height > 1)
-    mips.levels.push_back(half_of(mips.levels.back()));
+    mips.levels.push_back(half_of(mips.levels.back(), texture.linear));
   return mips;
 }
 
@@ -149,11 +154,12 @@ glm::vec4 sample_filtered(const MipTexture& texture, glm::vec2 uv, glm::vec2 rig
     level_count = blend > 0.0f ? 2 : 1;
   }
   const float tap_weight = 1.0f / float(taps);
+  const Decoding& decoding = decoding_of(texture.linear);
   glm::vec4 sum(0.0f);
   for (int i = 0; i < taps; ++i) {
     const glm::vec2 at = fraction_from_top_left(taps > 1 ? uv + axis * ((float(i) + 0.5f) * tap_weight - 0.5f) : uv);
     for (int level = 0; level < level_count; ++level)
-      add_level(texture.levels[finer_level + level], at,
+      add_level(texture.levels[finer_level + level], decoding, at,
                 level == 0 ? tap_weight - tap_weight * blend : tap_weight * blend, sum);
   }
   return sum;

@@ -12,12 +12,13 @@ namespace umbrage {
 /// One level of a texture.
 struct MipLevel {
   int width = 0, height = 0;
-  std::vector<std::uint8_t> rgba;  ///< sRGB colour, linear alpha, row 0 at the top
+  std::vector<std::uint8_t> rgba;  ///< as in Texture
 };
 
 /// A texture with all its levels.
 struct MipTexture {
   std::vector<MipLevel> levels;  ///< the first is the texture itself, the last is 1 x 1
+  bool linear = false;           ///< as in Texture
 };
 
 /// Creates the mip levels. Averages in linear light, weighted by alpha, so that the colour of cut-out texels does not

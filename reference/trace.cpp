@@ -16,7 +16,9 @@
 
 #include "core/check.h"
 #include "rays/camera_rays.h"
+#include "rays/pixel_material.h"
 #include "rays/ray_packet.h"
+#include "reference/metal_rough.h"
 #include "reference/sampler.h"
 
 namespace umbrage {
@@ -246,9 +248,14 @@ struct DirectLight {
   float key_visibility = 1.0f;
 };
 
-DirectLight direct_light(const TracedScene& traced, const CameraRays& rays, const Surface& surface, glm::vec3 to_eye,
-                         const std::vector<TracedLight>& lights, const SampleTable& table, int samples,
-                         std::uint32_t seed) {
+/// Returns the finish of a surface whose material has a roughness.
+MetalRough finish_of(const PixelMaterial& material, glm::vec3 to_eye) {
+  return {material.normal, to_eye, material.albedo, material.metallic, material.roughness};
+}
+
+DirectLight direct_light(const TracedScene& traced, const CameraRays& rays, const Surface& surface,
+                         const PixelMaterial& material, glm::vec3 to_eye, const std::vector<TracedLight>& lights,
+                         const SampleTable& table, int samples, std::uint32_t seed) {
   DirectLight sum;
   const glm::vec3 start = ray_origin_to_light(traced, surface, rays.eye);
   for (std::size_t l = 0; l < lights.size(); ++l) {
@@ -270,9 +277,13 @@ DirectLight direct_light(const TracedScene& traced, const CameraRays& rays, cons
       for (int k = 0; k < n; ++k) {
         if (!packet.arrives(k)) continue;
         ++arrived;
-        const float lambert = glm::dot(surface.normal, sample[k].direction);
+        const float lambert = glm::dot(material.normal, sample[k].direction);
         if (!(lambert > 0.0f)) continue;
         const glm::vec3 color = sample[k].color / float(count);
+        if (material.roughness >= 0.0f) {
+          sum.highlight += color * reflected_light(finish_of(material, to_eye), sample[k].direction);
+          continue;
+        }
         sum.diffuse += color * lambert;
         sum.highlight += color * highlight_of(surface, sample[k].direction, to_eye);
       }
@@ -326,6 +337,15 @@ glm::vec3 bounced_light(const TracedScene& traced, const CameraRays& rays, const
     }
   }
   return sum / float(samples);
+}
+
+/// Returns the radiance of a white diffuse surface under the environment, without occlusion.
+glm::vec3 irradiance(glm::vec3 normal, const LightSettings& settings, const SampleTable& table, std::uint32_t seed) {
+  const glm::mat3 basis = basis_around(normal);
+  glm::vec3 sum(0.0f);
+  for (int k = 0; k < settings.samples; ++k)
+    sum += settings.environment(basis * cosine_direction(sample_point(table, k, hash(seed, kHemisphere))));
+  return sum / float(settings.samples);
 }
 
 }  // namespace
@@ -389,7 +409,10 @@ Result<Image> trace_light(const TracedScene& traced, const PictureInfo& info, co
     if (settings.direct) image.add(name) = Plane(info.width, info.height, name[0] == 's' ? 1.0f : 0.0f);
   for (const char* name : {"indirect.r", "indirect.g", "indirect.b"})
     if (settings.bounce) image.add(name) = Plane(info.width, info.height, 0.0f);
-  VectorPlanes direct, indirect;
+  for (const char* name : {"ambient.r", "ambient.g", "ambient.b"})
+    if (settings.environment) image.add(name) = Plane(info.width, info.height, 0.0f);
+  VectorPlanes direct, indirect, ambient;
+  if (settings.environment) ambient = vector_planes(image, {"ambient.r", "ambient.g", "ambient.b"});
   if (settings.direct) direct = vector_planes(image, {"direct.r", "direct.g", "direct.b"});
   Plane* shadow = image.find("shadow");
   if (settings.bounce) indirect = vector_planes(image, {"indirect.r", "indirect.g", "indirect.b"});
@@ -402,12 +425,21 @@ Result<Image> trace_light(const TracedScene& traced, const PictureInfo& info, co
         const std::uint32_t seed = pixel_seed(info, x, y, settings.seed);
         if (settings.bounce)
           indirect.store(x, y, bounced_light(traced, rays, surface, lights, table, settings.samples, reach, seed));
-        if (!settings.direct) return;
+        if (!settings.direct && !settings.environment) return;
         const glm::vec3 to_eye = orthographic ? rays.world_from_view[2] : glm::normalize(rays.eye - surface.position);
-        const glm::vec3 albedo = pixel_albedo(traced, rays, surface, float(x) + 0.5f, float(y) + 0.5f);
-        const DirectLight light = direct_light(traced, rays, surface, to_eye, lights, table, settings.samples, seed);
-        const glm::vec3 emission = pixel_emission(traced, rays, surface, float(x) + 0.5f, float(y) + 0.5f);
-        direct.store(x, y, light.diffuse * albedo + light.highlight + emission);
+        const PixelMaterial material = pixel_material(traced, rays, surface, float(x) + 0.5f, float(y) + 0.5f);
+        if (settings.environment) {
+          const bool rough = material.roughness >= 0.0f;
+          // Without a roughness, a surface is diffuse.
+          ambient.store(x, y,
+                        rough ? reflected_environment(finish_of(material, to_eye), settings.environment, table,
+                                                      settings.samples, seed)
+                              : material.albedo * irradiance(material.normal, settings, table, seed));
+        }
+        if (!settings.direct) return;
+        const DirectLight light =
+            direct_light(traced, rays, surface, material, to_eye, lights, table, settings.samples, seed);
+        direct.store(x, y, light.diffuse * material.albedo + light.highlight + material.emission);
         shadow->at(x, y) = light.key_visibility;
       });
   if (!done) return done.error();

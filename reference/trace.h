@@ -44,6 +44,8 @@ struct LightSettings {
   /// Lights have no size, and a light casts a shadow only if a capture contains a `shadow` plane for it.
   bool captured_shadows = false;
   float sun_angle_deg = 0.0f;  ///< angular diameter of directional lights; 0: each light's own
+  /// Radiance from a unit direction in world space; if set, trace `ambient`.
+  std::function<glm::vec3(glm::vec3)> environment = {};
   std::uint32_t seed = 0;
 };
 
@@ -65,9 +67,10 @@ Result<Image> trace_occlusion(const TracedScene& scene, const PictureInfo& info,
 
 /// Traces light. Planes, of the picture's whole size, 0 where there is no surface and in the guard band:
 ///   direct.r .g .b     (with direct) emission, and diffuse reflection and highlight of the lights towards the camera,
-///                      as in effects/lighting, with shadows as soft as the lights are large. A light's size does not
-///                      change its brightness: a surface that sees all of it receives as much as from a point light of
-///                      the same colour
+///                      by metalness and roughness or as in effects/lighting, with shadows as soft as the lights are
+///                      large. A light's size does not change its brightness: a surface that sees all of it receives as
+///                      much as from a point light of the same colour
+///   ambient.r .g .b    (with environment) light of the environment, reflected towards the camera; nothing occludes it
 ///   shadow             (with direct) visible fraction of the key light; 1 where there is no surface
 ///   indirect.r .g .b   (with bounce) mean radiance from the shading normal's hemisphere, cosine-weighted: emission and
 ///                      diffuse reflection of the lights by the surfaces within reach. Multiplied by the albedo, it

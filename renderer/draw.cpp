@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
 #include <thread>
 
 #include "core/check.h"
 #include "reference/reference.h"
 #include "renderer/average.h"
+#include "scene/studio_reflections.h"
 
 namespace umbrage {
 namespace {
@@ -217,6 +220,8 @@ Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const Recipe& reques
       gbuffer.info.lights = lighting.lights;
       gbuffer.info.ambient = lighting.ambient;
       gbuffer.info.ambient_shape = lighting.ambient_shape;
+      const glm::mat3 world_from_view = glm::transpose(glm::mat3(gbuffer.info.camera.view_from_world));
+      if (info_of(gbuffer).has_roughness) gbuffer.info.reflections = studio_reflections(world_from_view[1]);
     } else {
       gbuffer.info.lights = default_lights({}, at_origin);
     }

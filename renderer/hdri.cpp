@@ -11,6 +11,7 @@
 #include <glm/trigonometric.hpp>
 
 #include "core/check.h"
+#include "core/reflection_map.h"
 #include "core/srgb.h"
 #include "io/format.h"
 #include "scene/readers/import_in_child_process.h"
@@ -95,7 +96,7 @@ Result<std::vector<std::string>> read_hdri(Hdri& hdri, const ProgressMonitor& mo
   return warnings;
 }
 
-Lighting image_lighting(const Hdri& hdri, glm::vec3 up) {
+Lighting image_lighting(const Hdri& hdri, glm::vec3 up, bool reflects) {
   const EnvironmentLight light = environment_light(panorama_of(hdri));
   const glm::mat3 axes = panorama_axes(up, hdri.rotation_deg);
   Lighting lighting;
@@ -110,6 +111,10 @@ Lighting image_lighting(const Hdri& hdri, glm::vec3 up) {
   lighting.ambient = light.ambient * hdri.intensity;
   lighting.ambient_shape = turned(light.shape, axes);
   for (glm::mat4& matrix : lighting.ambient_shape.by_color) matrix *= hdri.intensity;
+  if (reflects)
+    lighting.reflections = std::make_shared<const ReflectionMap>(reflection_map([&](glm::vec3 direction) {
+      return panorama_radiance(light.rest, glm::transpose(axes) * direction) * hdri.intensity;
+    }));
   lighting.lit_white_luminance = light.brightest > 0.0f ? light.brightest : 1.0f;
   return lighting;
 }

@@ -28,8 +28,9 @@ struct Hdri {
 /// Returns warnings. Errors: kFile.
 Result<std::vector<std::string>> read_hdri(Hdri& hdri, const ProgressMonitor& monitor = {});
 
-/// Returns the light of an image that has been read, for a scene whose upward direction is `up`.
-Lighting image_lighting(const Hdri& hdri, glm::vec3 up);
+/// Returns the light of an image that has been read, for a scene whose upward direction is `up`; with `reflects`,
+/// including what rough and mirroring surfaces reflect.
+Lighting image_lighting(const Hdri& hdri, glm::vec3 up, bool reflects);
 
 /// Returns the planes sky.r, sky.g and sky.b of a picture: the image's radiance times `gain` along each pixel's ray.
 /// The planes contain only `rows`.

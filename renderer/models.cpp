@@ -22,7 +22,7 @@ void append_scene(Scene next, Scene& all) {
   int objects = 0;
   for (const Mesh& mesh : all.meshes) objects = std::max(objects, mesh.object + 1);
   for (Material& material : next.materials) {
-    for (int* texture : {&material.texture, &material.emission_texture})
+    for (int* texture : textures_of(material))
       if (*texture != kNoTexture) *texture += textures;
     all.materials.push_back(std::move(material));
   }

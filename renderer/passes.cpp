@@ -109,7 +109,8 @@ std::vector<PassPlanes> grouped_planes(std::span<const std::string> planes) {
 
 const std::vector<std::string>& known_planes() {
   static const std::vector<std::string> all = [] {
-    std::set<std::string> names = {"specular", "shininess", "object_id", "material_id"};
+    std::set<std::string> names = {"specular",    "shininess", "metallic",   "roughness",
+                                   "material_ao", "object_id", "material_id"};
     for (const char* color : {"albedo", "emission"})
       for (const char* channel : {".r", ".g", ".b"}) names.insert(std::string(color) + channel);
     for (const char* channel : {".x", ".y", ".z"}) names.insert(std::string("normal") + channel);
@@ -136,8 +137,8 @@ namespace {
 
 /// Returns the passes that a capture may contain in one layer.
 std::vector<std::string> captured_passes() {
-  std::vector<std::string> captured = {"depth",     "normal",    "albedo",      "specular",
-                                       "shininess", "object_id", "material_id", "emission"};
+  std::vector<std::string> captured = {"depth",     "normal",      "albedo",    "specular",    "shininess", "metallic",
+                                       "roughness", "material_ao", "object_id", "material_id", "emission"};
   for (int light = 0; light < kMaxShadows; ++light) captured.push_back(shadow_plane(light));
   return captured;
 }
@@ -175,6 +176,9 @@ constexpr std::pair<std::string_view, std::string_view> kSummaries[] = {
     {"albedo", "diffuse reflectance, linear"},
     {"specular", "specular reflectance"},
     {"shininess", "exponent of the highlight"},
+    {"metallic", "metalness: 0 dielectric, 1 metal; only if a material has a roughness"},
+    {"roughness", "roughness of glTF, 0 to 1; below 0 where a material has none; only if a material has one"},
+    {"material_ao", "fraction of ambient light by the occlusion map; only if a material has one"},
     {"object_id", "index of the object"},
     {"material_id", "index of the material"},
     {"emission", "emitted light, linear; only if a material emits light"},
@@ -295,11 +299,19 @@ Result<void> apply_passes(const Request& request, Recipe& recipe) {
 
 namespace {
 
+/// Passes that are captured only if a material needs them, and what every material lacks where there is none.
+constexpr std::pair<std::string_view, std::string_view> kPassesOfMaterials[] = {
+    {"emission", "emits light"},
+    {"metallic", "has a roughness"},
+    {"roughness", "has a roughness"},
+    {"material_ao", "has an occlusion map"}};
+
 /// Returns the error for a pass that a capture lacks.
 Error missing_pass_error(const std::string& word, std::span<const std::string> captured) {
-  if (name_on_first_layer(word) == "emission")
-    return usage_error("there is no pass '{}' in this picture: no material emits light; leave it out of `passes`",
-                       word);
+  for (const auto& [pass, reason] : kPassesOfMaterials)
+    if (name_on_first_layer(word) == pass)
+      return usage_error("there is no pass '{}' in this picture: no material {}; leave it out of `passes`", word,
+                         reason);
   std::vector<std::string> shadows;
   for (const std::string& plane : captured)
     if (is_shadow_plane(plane)) shadows.push_back(layer_plane(layer_of_plane(word), plane));
@@ -310,7 +322,10 @@ Error missing_pass_error(const std::string& word, std::span<const std::string> c
 }  // namespace
 
 Result<void> check_captured(const Recipe& recipe, std::span<const std::string> captured) {
-  const auto depends_on_scene = [](std::string_view pass) { return pass == "emission" || is_shadow_plane(pass); };
+  const auto depends_on_scene = [](std::string_view pass) {
+    return is_shadow_plane(pass) || std::any_of(std::begin(kPassesOfMaterials), std::end(kPassesOfMaterials),
+                                                     [&](const auto& each) { return each.first == pass; });
+  };
   std::set<std::string> produced;
   const int layers = *layer_count(recipe.capture);
   for (const std::string& plane : planes_read(look_run(recipe), layers)) produced.insert(pass_of(plane));

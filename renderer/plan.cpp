@@ -17,6 +17,7 @@
 #include "renderer/accumulation.h"
 #include "renderer/passes.h"
 #include "scene/ground.h"
+#include "scene/studio_reflections.h"
 
 namespace umbrage {
 namespace {
@@ -66,6 +67,15 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
   lighting.ambient = kAmbientInside;
   lighting.ambient_shape = {};
   return {};
+}
+
+/// Adds what surfaces mirror besides the lights, if a material has a roughness: the environment image or the studio.
+void add_reflections(const Scene& scene, Plan& plan) {
+  if (!picture_info(scene, plan.camera, plan.capture).has_roughness) return;
+  if (plan.recipe.hdri.lights())
+    plan.lighting().reflections = image_lighting(plan.recipe.hdri, scene.up, true).reflections;
+  else if (plan.recipe.look->studio_lights && plan.lit_from_camera)
+    plan.lighting().reflections = studio_reflections(scene.up);
 }
 
 /// Inside a scene, a look that meters the light of an environment image, of which little arrives there, or the median
@@ -172,7 +182,7 @@ bool needs_ground(const Scene& scene, bool lacks_one, const Recipe& recipe) {
 
 void complete_scene(Scene& scene, const Recipe& recipe) {
   if (recipe.clay) make_clay(*recipe.clay, scene);
-  if (recipe.hdri.lights()) set_lighting(image_lighting(recipe.hdri, scene.up), scene);
+  if (recipe.hdri.lights()) set_lighting(image_lighting(recipe.hdri, scene.up, false), scene);
   if (needs_ground(scene, lacks_own_ground(scene), recipe))
     add_ground(scene, recipe.hdri.lights() ? lowest_light_deg(scene) : std::nullopt);
 }
@@ -191,6 +201,7 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
       if (auto added = add_lights(scene, threads, monitor, plan); !added) return added.error();
     adjust_lights(lacks_lights && plan.lit_from_camera && recipe.look->studio_lights, plan);
   }
+  add_reflections(scene, plan);
   meter_indoors(scene, plan);
   if (recipe.light_size_deg) widen_key_light(*recipe.light_size_deg, scene, plan.lighting());
   if (auto measured = resolve_lengths(scene, plan); !measured) return measured.error();
@@ -218,7 +229,7 @@ Plan turned(const Plan& first, const Scene& scene, float angle_deg) {
   recipe.hdri.rotation_deg += angle_deg;
   plan.camera = frame_scene(scene, recipe.framing, recipe.width, recipe.height);
   if (recipe.hdri.lights()) {
-    plan.lighting() = image_lighting(recipe.hdri, scene.up);
+    plan.lighting() = image_lighting(recipe.hdri, scene.up, first.lighting().reflections != nullptr);
   } else if (plan.lit_from_camera) {
     const glm::mat3 turn(glm::rotate(glm::mat4(1.0f), glm::radians(angle_deg), glm::normalize(scene.up)));
     const glm::vec3 center = turn_center(scene, first.recipe.framing);

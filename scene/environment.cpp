@@ -42,6 +42,7 @@ struct Cell {
   dvec3 flux;     ///< (radiance - mean of the dim pixels) times solid angle
   double weight;  ///< luminance of `flux`
   double solid_angle;
+  std::size_t pixel;  ///< index in the panorama
 };
 
 /// A set of cells that becomes one light.
@@ -357,10 +358,10 @@ EnvironmentLight environment_light(const Panorama& panorama) {
     for (int y = 0; y < image.height; ++y)
       for (int x = 0; x < image.width; ++x) visit(directions.at(x, y), dvec3(image.at(x, y)), solid[std::size_t(y)]);
   };
-  Coefficients rest{};
+  Coefficients coefficients{};
   dvec3 all(0.0);
   for_each_pixel([&](const dvec3& direction, const dvec3& radiance, double solid_angle) {
-    add(rest, direction, radiance * solid_angle);
+    add(coefficients, direction, radiance * solid_angle);
     all += radiance * solid_angle;
   });
   // The lights receive the radiance above the mean of the dim pixels.
@@ -374,20 +375,28 @@ EnvironmentLight environment_light(const Panorama& panorama) {
   });
   if (dim_angle > 0.0) dim /= dim_angle;
   std::vector<Cell> cells;
+  std::size_t pixel = 0;
   for_each_pixel([&](const dvec3& direction, const dvec3& radiance, double solid_angle) {
+    const std::size_t index = pixel++;
     if (!(luminance(radiance) > bright)) return;
     const dvec3 flux = glm::max(radiance - dim, dvec3(0.0)) * solid_angle;
-    if (luminance(flux) > 0.0) cells.push_back({direction, flux, luminance(flux), solid_angle});
+    if (luminance(flux) > 0.0) cells.push_back({direction, flux, luminance(flux), solid_angle, index});
   });
+  Panorama rest = image;
   if (!cells.empty()) {
     const auto parts = parts_of(std::move(cells));
-    for (const Part& part : parts)
-      if (part.weight > kMinLightFraction * luminance(all)) out.lights.push_back(light_of(part));
+    for (const Part& part : parts) {
+      if (!(part.weight > kMinLightFraction * luminance(all))) continue;
+      out.lights.push_back(light_of(part));
+      for (const Cell& cell : part.cells)
+        for (int c = 0; c < 3; ++c) rest.rgb[3 * cell.pixel + std::size_t(c)] -= float(cell.flux[c] / cell.solid_angle);
+    }
     std::stable_sort(out.lights.begin(), out.lights.end(),
                      [](const Light& a, const Light& b) { return luminance(a.color) > luminance(b.color); });
   }
-  for (const Light& light : out.lights) add(rest, dvec3(light.direction), dvec3(light.color) * -kPi);
-  store_ambient(rest, out);
+  for (const Light& light : out.lights) add(coefficients, dvec3(light.direction), dvec3(light.color) * -kPi);
+  store_ambient(coefficients, out);
+  out.rest = reduced_panorama(rest, kMaxRestWidth, kMaxRestWidth / 2);
   // Maximum over normals in all directions and towards the lights.
   const auto white_luminance = [&](const glm::vec3& n) {
     glm::vec3 sum = glm::max(out.ambient + out.shape.at(n), glm::vec3(0.0f));

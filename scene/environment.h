@@ -51,7 +51,11 @@ struct EnvironmentLight {
   AmbientShape shape;       ///< change of ambient light with the normal
   /// Maximum luminance of a white surface over all normals, with all lights unoccluded; 0 for a black panorama.
   float brightest = 0.0f;
+  /// The panorama without the light of `lights`, at most kMaxRestWidth pixels wide.
+  Panorama rest;
 };
+
+inline constexpr int kMaxRestWidth = 256;
 
 inline constexpr int kMaxEnvironmentLights = 6;
 

@@ -418,7 +418,7 @@ std::size_t finish_scene(Scene& scene, float crease_angle_deg, const PointSettin
   std::size_t dropped = 0;
   if (scene.materials.empty()) scene.materials.emplace_back();
   for (Material& material : scene.materials) {
-    for (int* texture : {&material.texture, &material.emission_texture}) {
+    for (int* texture : textures_of(material)) {
       if (*texture < 0 || *texture >= int(scene.textures.size())) *texture = kNoTexture;
     }
   }

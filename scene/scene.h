@@ -1,5 +1,6 @@
 // Scene: meshes, materials, textures, lights, views and bounds. World space, right-handed; lengths in the file's units.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -10,20 +11,24 @@
 
 namespace umbrage {
 
-/// An image that a material refers to. 8-bit RGBA, sRGB colour with linear alpha. Row 0 is at the top; texture
-/// coordinate (0, 0) is the lower left corner, so v = 1 at the top, as in OBJ.
+/// An image that a material refers to. 8-bit RGBA, sRGB or linear colour with linear alpha. Row 0 is at the top;
+/// texture coordinate (0, 0) is the lower left corner, so v = 1 at the top, as in OBJ.
 struct Texture {
   std::string name;  ///< file or description, for messages
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgba;  ///< width * height * 4
+  bool linear = false;             ///< the colour channels hold linear values
 };
 
 inline constexpr int kNoTexture = -1;
+/// Material::roughness of a material that has no metalness and roughness.
+inline constexpr float kNoRoughness = -1.0f;
 
-/// Reflection of a surface, linear Rec.709.
+/// Reflection of a surface, linear Rec.709: with a roughness that of glTF 2.0, appendix B, else Lambert and
+/// Blinn-Phong.
 struct Material {
   std::string name;
-  glm::vec3 albedo{0.8f};    ///< diffuse reflectance; multiplies the texture
+  glm::vec3 albedo{0.8f};    ///< diffuse reflectance, of metals the reflectance; multiplies the texture
   int texture = kNoTexture;  ///< index into Scene::textures
   bool alpha_mask = false;   ///< cut out where the texture's alpha is below alpha_cutoff
   float alpha_cutoff = 0.5f;
@@ -31,7 +36,23 @@ struct Material {
   float specular_exponent = 32.0f;  ///< Blinn-Phong exponent
   glm::vec3 emission{0.0f};
   int emission_texture = kNoTexture;  ///< multiplies `emission`
+  float metallic = 0.0f;              ///< 0 dielectric, 1 metal
+  float roughness = kNoRoughness;     ///< 0 to 1: perceptual, the square root of the GGX width; kNoRoughness: see above
+  /// A linear texture: red is the fraction of ambient light that arrives, green multiplies `roughness`, blue
+  /// `metallic`.
+  int surface_texture = kNoTexture;
+  float occlusion_strength = 0.0f;  ///< how far the red channel of `surface_texture` applies, 0 to 1
+  /// A linear texture with the normal in the triangle's tangent space: x towards u, y towards v, as 2 t - 1 of a texel
+  /// t.
+  int normal_texture = kNoTexture;
+  float normal_scale = 1.0f;         ///< multiplies x and y of the normal
+  std::vector<std::string> ignored;  ///< properties in the file that are not drawn: "transmission"
 };
+
+/// Returns the members of a material that are indices of textures.
+inline std::array<int*, 4> textures_of(Material& material) {
+  return {&material.texture, &material.emission_texture, &material.surface_texture, &material.normal_texture};
+}
 
 /// An indexed triangle mesh with one material, or a set of points.
 struct Mesh {

@@ -46,6 +46,19 @@ std::string format_of_model(const std::string& model) {
   return format;
 }
 
+/// Returns the maps of a material that are used, each with the name of its image.
+std::vector<std::pair<std::string_view, std::string>> maps_of(const Scene& scene, const Material& material) {
+  std::vector<std::pair<std::string_view, std::string>> maps;
+  const auto add = [&](std::string_view what, int texture) {
+    if (texture != kNoTexture) maps.emplace_back(what, scene.textures[std::size_t(texture)].name);
+  };
+  add("emission", material.emission_texture);
+  if (material.roughness >= 0.0f) add("metallic and roughness", material.surface_texture);
+  if (material.occlusion_strength > 0.0f) add("occlusion", material.surface_texture);
+  add("normal", material.normal_texture);
+  return maps;
+}
+
 /// Returns the JSON records. Each has a kind, `what` (model, mesh, material, texture, scene, camera, light, warning),
 /// and the properties of that kind.
 nlohmann::json records_of(const Scene& scene, const std::string& format) {
@@ -84,18 +97,25 @@ nlohmann::json records_of(const Scene& scene, const std::string& format) {
                        {"vertices", mesh.positions.size()},
                        {"texture_coordinates", !mesh.uvs.empty()},
                        {"colors", !mesh.colors.empty()}});
-  for (const Material& material : scene.materials)
-    records.push_back(
-        {{"what", "material"},
-         {"name", material.name},
-         {"albedo_r", material.albedo.r},
-         {"albedo_g", material.albedo.g},
-         {"albedo_b", material.albedo.b},
-         {"texture", material.texture == kNoTexture ? "" : scene.textures[std::size_t(material.texture)].name},
-         {"cut_out", material.alpha_mask},
-         {"specular", material.specular_strength},
-         {"shininess", material.specular_exponent},
-         {"emission", std::max({material.emission.r, material.emission.g, material.emission.b})}});
+  for (const Material& material : scene.materials) {
+    nlohmann::json record = {
+        {"what", "material"},
+        {"name", material.name},
+        {"albedo_r", material.albedo.r},
+        {"albedo_g", material.albedo.g},
+        {"albedo_b", material.albedo.b},
+        {"texture", material.texture == kNoTexture ? "" : scene.textures[std::size_t(material.texture)].name},
+        {"cut_out", material.alpha_mask},
+        {"specular", material.specular_strength},
+        {"shininess", material.specular_exponent},
+        {"emission", std::max({material.emission.r, material.emission.g, material.emission.b})},
+        {"metallic", material.metallic},
+        {"roughness", material.roughness},
+        {"maps", nlohmann::json::object()},
+        {"ignored", material.ignored}};
+    for (const auto& [map, image] : maps_of(scene, material)) record["maps"][map] = image;
+    records.push_back(std::move(record));
+  }
   for (const Texture& texture : scene.textures)
     records.push_back(
         {{"what", "texture"}, {"name", texture.name}, {"width", texture.width}, {"height", texture.height}});
@@ -162,6 +182,10 @@ void print_text(const Scene& scene, const std::string& format) {
     if (material.specular_strength > 0.0f)
       text +=
           fmt::format(", highlight {:.3g} of exponent {:.3g}", material.specular_strength, material.specular_exponent);
+    if (material.roughness >= 0.0f)
+      text += fmt::format(", metallic {:.3g}, roughness {:.3g}", material.metallic, material.roughness);
+    for (const auto& [map, image] : maps_of(scene, material)) text += fmt::format(", {} map {}", map, image);
+    if (!material.ignored.empty()) text += fmt::format(", not drawn: {}", fmt::join(material.ignored, ", "));
     if (material.emission != glm::vec3(0.0f)) text += fmt::format(", emits {}", vector_text(material.emission));
     print_line(m == 0 ? "materials" : "",
                fmt::format("{}: {}", material.name.empty() ? "(no name)" : material.name, text));

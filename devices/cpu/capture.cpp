@@ -22,6 +22,7 @@
 #include "devices/shared/capture_info.h"
 #include "devices/shared/soften.h"
 #include "rays/camera_rays.h"
+#include "rays/pixel_material.h"
 #include "rays/ray_packet.h"
 #include "rays/shadow_lights.h"
 #include "rays/traced_scene.h"
@@ -44,7 +45,7 @@ constexpr float kEndRounding = 1e-6f;
 struct alignas(64) Block {
   float depth[kPacket], nx[kPacket], ny[kPacket], nz[kPacket], ar[kPacket], ag[kPacket], ab[kPacket];
   float specular[kPacket], shininess[kPacket], shadow[kMaxShadows][kPacket], er[kPacket], eg[kPacket], eb[kPacket];
-  float object[kPacket], material[kPacket];
+  float metallic[kPacket], roughness[kPacket], material_ao[kPacket], object[kPacket], material[kPacket];
   PenumbraSize penumbra[kMaxShadows];
 };
 
@@ -70,7 +71,7 @@ struct Drawing {
   int sample = 0;                                   ///< sample index of an accumulation
   std::vector<DrawnPlane> planes;                   ///< planes of each layer, in order
   std::vector<PenumbraRadii>* penumbrae = nullptr;  ///< of the first layer, one per softened light
-  bool has_albedo = true, has_emission = true;
+  MaterialParts parts;                              ///< those that the planes need
 };
 
 /// Returns the planes of a layer, and their offsets in a block.
@@ -88,7 +89,10 @@ std::vector<DrawnPlane> drawn_planes(const Scene& scene, const PictureInfo& info
                                  {"material_id", offsetof(Block, material), -1.0f},
                                  {"emission.r", offsetof(Block, er)},
                                  {"emission.g", offsetof(Block, eg)},
-                                 {"emission.b", offsetof(Block, eb)}};
+                                 {"emission.b", offsetof(Block, eb)},
+                                 {"metallic", offsetof(Block, metallic)},
+                                 {"roughness", offsetof(Block, roughness), kNoRoughness},
+                                 {"material_ao", offsetof(Block, material_ao), 1.0f}};
   for (int k = 0; k < kMaxShadows; ++k)
     all.push_back({shadow_plane(k), offsetof(Block, shadow) + std::size_t(k) * sizeof(Block::shadow[0]), 1.0f});
   std::vector<DrawnPlane> planes;
@@ -233,22 +237,22 @@ void shade_block(const Drawing& drawing, int x0, int y0, const RayPacket& primar
     // Constructed in place: copying a partly written object stalls until the writes are done.
     const Surface& surface = *new (&surfaces.at[k]) Surface(primary.surface(drawing.traced, k));
     surfaces.is_hit[k] = true;
-    const glm::vec3 n = view * surface.normal;
     const float px = float(x0 + k % kBlock) + 0.5f, py = float(y0 + k / kBlock) + 0.5f;
-    const glm::vec3 albedo =
-        drawing.has_albedo ? pixel_albedo(drawing.traced, drawing.rays, surface, px, py) : glm::vec3(0.0f);
-    const glm::vec3 emission =
-        drawing.has_emission ? pixel_emission(drawing.traced, drawing.rays, surface, px, py) : glm::vec3(0.0f);
+    const PixelMaterial material = pixel_material(drawing.traced, drawing.rays, surface, px, py, drawing.parts);
+    const glm::vec3 n = view * material.normal;
     out.depth[k] = primary.hit_distance(k);
     out.nx[k] = n.x;
     out.ny[k] = n.y;
     out.nz[k] = n.z;
-    out.ar[k] = albedo.r;
-    out.ag[k] = albedo.g;
-    out.ab[k] = albedo.b;
-    out.er[k] = emission.r;
-    out.eg[k] = emission.g;
-    out.eb[k] = emission.b;
+    out.ar[k] = material.albedo.r;
+    out.ag[k] = material.albedo.g;
+    out.ab[k] = material.albedo.b;
+    out.er[k] = material.emission.r;
+    out.eg[k] = material.emission.g;
+    out.eb[k] = material.emission.b;
+    out.metallic[k] = material.metallic;
+    out.roughness[k] = material.roughness;
+    out.material_ao[k] = material.occlusion;
     out.specular[k] = surface.material->specular_strength;
     out.shininess[k] = surface.material->specular_exponent;
     out.object[k] = float(surface.mesh->object);
@@ -266,6 +270,7 @@ void flip_block(const Drawing& drawing, Surfaces& surfaces, Block& block) {
     block.ny[k] = -block.ny[k];
     block.nz[k] = -block.nz[k];
     block.specular[k] = 0.0f;
+    block.roughness[k] = kNoRoughness;
     surfaces.at[k].geometric = -surfaces.at[k].geometric;
     surfaces.at[k].normal = -surfaces.at[k].normal;
   }
@@ -344,8 +349,9 @@ void draw_view(const TracedScene& traced, const PictureInfo& info, const Rows& d
   const auto has_plane = [&](std::string_view name) {
     return std::any_of(planes.begin(), planes.end(), [&](const DrawnPlane& plane) { return plane.name == name; });
   };
-  drawing.has_albedo = has_plane("albedo.r") || has_plane("albedo.g") || has_plane("albedo.b");
-  drawing.has_emission = has_plane("emission.r") || has_plane("emission.g") || has_plane("emission.b");
+  drawing.parts.albedo = has_plane("albedo.r") || has_plane("albedo.g") || has_plane("albedo.b");
+  drawing.parts.emission = has_plane("emission.r") || has_plane("emission.g") || has_plane("emission.b");
+  drawing.parts.surface = has_plane("metallic") || has_plane("roughness") || has_plane("material_ao");
   drawing.rays = camera_rays(traced, drawing.info);
   drawing.lights = shadow_lights(traced, drawing.rays, drawing.info, settings);
   if (!rays_within_limit(drawing.rays, drawing.info)) {

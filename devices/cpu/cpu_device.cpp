@@ -91,7 +91,7 @@ class CpuDevice final : public Device {
 
   Result<Frame> upload(GBuffer gbuffer) override {
     Frame frame;
-    frame.info = gbuffer.info;
+    frame.info = info_of(gbuffer);
     auto planes = std::make_shared<CpuPlanes>(CpuPlanes{Image(gbuffer.info.width, gbuffer.info.height)});
     bool views = false;
     for (std::size_t layer = 0; layer < gbuffer.layers.size(); ++layer)

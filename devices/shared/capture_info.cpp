@@ -8,6 +8,13 @@
 #include "rays/shadow_lights.h"
 
 namespace umbrage {
+namespace {
+
+bool has_occlusion_map(const Material& material) {
+  return material.surface_texture != kNoTexture && material.occlusion_strength > 0.0f;
+}
+
+}  // namespace
 
 PictureInfo picture_info(const Scene& scene, const Camera& camera, const CaptureSettings& settings) {
   PictureInfo info = with_guard({.width = settings.width, .height = settings.height, .camera = camera}, settings.guard);
@@ -31,6 +38,11 @@ PictureInfo picture_info(const Scene& scene, const Camera& camera, const Capture
   info.depth_min = std::clamp(nearest, kMinNearToFarthest * info.depth_max, info.depth_max);
   const glm::mat3 rotation(camera.view_from_world);
   info.ambient_shape = turned(lighting.ambient_shape, rotation);
+  info.reflections = lighting.reflections;
+  for (const Material& material : scene.materials) {
+    info.has_roughness = info.has_roughness || material.roughness >= 0.0f;
+    info.has_material_ao = info.has_material_ao || has_occlusion_map(material);
+  }
   info.lit_white_luminance = lighting.lit_white_luminance;
   for (Light light : lighting.lights) {
     light.direction = rotation * light.direction;
@@ -65,6 +77,9 @@ std::vector<std::string> captured_planes(const Scene& scene, const PictureInfo& 
                                  [](const Material& material) { return material.emission != glm::vec3(0.0f); });
   if (emits)
     for (const char* name : {"emission.r", "emission.g", "emission.b"}) add(name);
+  if (info.has_roughness)
+    for (const char* name : {"metallic", "roughness"}) add(name);
+  if (info.has_material_ao) add("material_ao");
   return planes;
 }
 

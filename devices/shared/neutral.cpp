@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/gbuffer.h"
+#include "scene/scene.h"
 
 namespace umbrage {
 
@@ -22,7 +23,9 @@ std::optional<float> neutral_value(std::string_view plane) {
   if (plane == "specular") return 0.0f;
   if (plane == "shininess") return 1.0f;
   if (is_shadow_plane(plane)) return 1.0f;
-  if (plane == "ao") return 1.0f;
+  if (plane == "metallic") return 0.0f;
+  if (plane == "roughness") return kNoRoughness;
+  if (plane == "ao" || plane == "material_ao") return 1.0f;
   if (plane == "outline" || plane == "cover" || plane == "cover_for_eye" || plane == "shadow_catcher" ||
       plane == "open_light" || plane == "object_id" || plane == "material_id" || plane == "bitmask_mips")
     return 0.0f;

@@ -15,6 +15,7 @@ shared uint block_across[4], block_down[4];
 
 const float kStartOffset = 4e-6f;   // as in rays/traced_scene.cpp
 const float kDiscRayOffset = 0.3f;  // as in rays/traced_scene.h
+const float kNoRoughness = -1.0f;   // as in scene/scene.h
 
 vec3 light_vector(float v[3 * kCaptureLights], int k) { return vec3(v[3 * k], v[3 * k + 1], v[3 * k + 2]); }
 
@@ -143,36 +144,79 @@ vec2 uv_change(Surface s, vec2 pixel, vec3 across, vec3 gradient_u, vec3 gradien
   return vec2(dot(moved, gradient_u), dot(moved, gradient_v));
 }
 
-// Returns a texture averaged over the pixel.
-vec3 pixel_texel(Surface s, int index, vec2 pixel) {
+// The texture coordinates of a pixel, as in rays/pixel_material.cpp.
+struct PixelUv {
+  vec2 uv, right, down;
+  vec3 across, tangent;
+  float determinant;
+};
+
+PixelUv pixel_uv(Surface s, vec2 pixel) {
   vec3 e1 = s.triangle.p1 - s.triangle.p0, e2 = s.triangle.p2 - s.triangle.p0, across = cross(e1, e2);
   vec2 t0 = uv_at(s.triangle.corner.x), t1 = uv_at(s.triangle.corner.y) - t0, t2 = uv_at(s.triangle.corner.z) - t0;
   float inverse = 1.0f / dot(across, across);
   vec3 gradient1 = cross(e2, across) * inverse, gradient2 = cross(across, e1) * inverse;
   vec3 gradient_u = gradient1 * t1.x + gradient2 * t2.x, gradient_v = gradient1 * t1.y + gradient2 * t2.y;
-  return sample_filtered(index, t0 + t1 * s.u + t2 * s.v,
-                         uv_change(s, pixel + vec2(1.0f, 0.0f), across, gradient_u, gradient_v),
-                         uv_change(s, pixel + vec2(0.0f, 1.0f), across, gradient_u, gradient_v))
-      .rgb;
+  return PixelUv(t0 + t1 * s.u + t2 * s.v, uv_change(s, pixel + vec2(1.0f, 0.0f), across, gradient_u, gradient_v),
+                 uv_change(s, pixel + vec2(0.0f, 1.0f), across, gradient_u, gradient_v), across,
+                 e1 * t2.y - e2 * t1.y, t1.x * t2.y - t1.y * t2.x);
 }
+
+// Returns a texture averaged over the pixel.
+vec3 pixel_texel(PixelUv at, int index) { return sample_filtered(index, at.uv, at.right, at.down).rgb; }
 
 vec3 color_at(int vertex) {
   Floats from = Floats(table[kColorsSlot]);
   return vec3(from.at[3 * vertex], from.at[3 * vertex + 1], from.at[3 * vertex + 2]);
 }
 
-vec3 pixel_albedo(Surface s, CaptureMesh mesh, vec2 pixel) {
-  vec3 albedo = to_vec3(mesh.albedo);
-  if (mesh.colored != 0) {
-    ivec3 at = s.triangle.corner + mesh.color_shift;
-    albedo *= color_at(at.x) * (1.0f - s.u - s.v) + color_at(at.y) * s.u + color_at(at.z) * s.v;
-  }
-  return mesh.texture_index < 0 ? albedo : albedo * pixel_texel(s, mesh.texture_index, pixel);
+// Returns the surface's normal, turned by a texel of its normal map, as in rays/pixel_material.cpp.
+vec3 mapped_normal(Surface s, PixelUv at, vec3 normal_texel, float scale, vec3 ray) {
+  vec3 stored = normal_at(s.triangle.corner.x) * (1.0f - s.u - s.v) + normal_at(s.triangle.corner.y) * s.u +
+                normal_at(s.triangle.corner.z) * s.v;
+  float side = dot(stored, s.normal) < 0.0f ? -1.0f : 1.0f;
+  vec3 tangent = at.tangent * (at.determinant < 0.0f ? -1.0f : 1.0f);
+  tangent -= s.normal * dot(s.normal, tangent);
+  float size = length(tangent);
+  if (!(size > 0.0f) || at.determinant == 0.0f) return s.normal;
+  tangent /= size;
+  float handed = (dot(at.across, stored) < 0.0f) != (at.determinant < 0.0f) ? -1.0f : 1.0f;
+  vec3 bitangent = cross(s.normal, tangent) * (side * handed);
+  vec2 slope = (normal_texel.xy * 2.0f - 1.0f) * (scale * side);
+  vec3 mapped = tangent * slope.x + bitangent * slope.y + s.normal * (normal_texel.z * 2.0f - 1.0f);
+  size = length(mapped);
+  if (!(size > 1e-6f)) return s.normal;
+  mapped /= size;
+  float away = dot(mapped, ray);
+  return away > 0.0f ? normalize(mapped - ray * (away / dot(ray, ray) * 1.001f)) : mapped;
 }
 
-vec3 pixel_emission(Surface s, CaptureMesh mesh, vec2 pixel) {
-  vec3 emission = to_vec3(mesh.emission);
-  return mesh.emission_texture < 0 ? emission : emission * pixel_texel(s, mesh.emission_texture, pixel);
+// The material at a pixel, as in rays/pixel_material.h.
+struct PixelMaterial {
+  vec3 albedo, emission, normal;
+  float metallic, roughness, occlusion, specular;
+};
+
+PixelMaterial pixel_material(Surface s, CaptureMesh mesh, vec2 pixel, vec3 ray) {
+  PixelMaterial m = PixelMaterial(to_vec3(mesh.albedo), to_vec3(mesh.emission), s.normal, mesh.metallic, mesh.roughness,
+                                  1.0f, mesh.specular);
+  if (mesh.colored != 0) {
+    ivec3 at = s.triangle.corner + mesh.color_shift;
+    m.albedo *= color_at(at.x) * (1.0f - s.u - s.v) + color_at(at.y) * s.u + color_at(at.z) * s.v;
+  }
+  if (max(max(mesh.texture_index, mesh.emission_texture), max(mesh.surface_texture, mesh.normal_texture)) < 0) return m;
+  PixelUv at = pixel_uv(s, pixel);
+  if (mesh.texture_index >= 0) m.albedo *= pixel_texel(at, mesh.texture_index);
+  if (mesh.emission_texture >= 0) m.emission *= pixel_texel(at, mesh.emission_texture);
+  if (mesh.surface_texture >= 0) {
+    vec3 factors = pixel_texel(at, mesh.surface_texture);
+    m.occlusion = 1.0f + mesh.occlusion_strength * (factors.r - 1.0f);
+    if (m.roughness >= 0.0f) m.roughness *= factors.g;
+    m.metallic *= factors.b;
+  }
+  if (mesh.normal_texture >= 0)
+    m.normal = mapped_normal(s, at, pixel_texel(at, mesh.normal_texture), mesh.normal_scale, ray);
+  return m;
 }
 
 // ---- shadows ----
@@ -273,16 +317,18 @@ void store3(int slot, int index, vec3 v) {
   store(slot + 2, index, v.z);
 }
 
-void store_surface(int first, int index, bool is_hit, float depth, vec3 normal, vec3 albedo, vec3 emission,
-                   float specular, CaptureMesh mesh) {
+void store_surface(int first, int index, bool is_hit, float depth, PixelMaterial m, CaptureMesh mesh) {
   store(first + kDepthSlot, index, is_hit ? depth : kInfinity);
   mat3 to_view = transpose(mat3(C.to_view[0], C.to_view[1], C.to_view[2], C.to_view[3], C.to_view[4], C.to_view[5],
                                 C.to_view[6], C.to_view[7], C.to_view[8]));
-  store3(first + kNormalSlot, index, is_hit ? to_view * normal : vec3(0.0f));
-  store3(first + kAlbedoSlot, index, is_hit ? albedo : vec3(0.0f));
-  store(first + kSpecularSlot, index, is_hit ? specular : 0.0f);
+  store3(first + kNormalSlot, index, is_hit ? to_view * m.normal : vec3(0.0f));
+  store3(first + kAlbedoSlot, index, is_hit ? m.albedo : vec3(0.0f));
+  store(first + kSpecularSlot, index, is_hit ? m.specular : 0.0f);
   store(first + kShininessSlot, index, is_hit ? mesh.shininess : 0.0f);
-  store3(first + kEmissionSlot, index, is_hit ? emission : vec3(0.0f));
+  store3(first + kEmissionSlot, index, is_hit ? m.emission : vec3(0.0f));
+  store(first + kMetallicSlot, index, is_hit ? m.metallic : 0.0f);
+  store(first + kRoughnessSlot, index, is_hit ? m.roughness : kNoRoughness);
+  store(first + kMaterialAoSlot, index, is_hit ? m.occlusion : 1.0f);
   store(first + kObjectSlot, index, is_hit ? mesh.object_id : -1.0f);
   store(first + kMaterialSlot, index, is_hit ? mesh.material_id : -1.0f);
   for (int light = 0; light < kCaptureLights; ++light) store(first + kShadowSlot + light, index, 1.0f);
@@ -310,21 +356,22 @@ void main() {
   bool is_hit = hit.triangle >= 0;
   Surface s;
   CaptureMesh mesh;
-  vec3 albedo = vec3(0.0f), emission = vec3(0.0f);
+  PixelMaterial material;
   if (is_hit) {
     s = surface_at(ray, hit);
     mesh = Meshes(table[kMeshesSlot]).at[s.triangle.mesh];
-    albedo = pixel_albedo(s, mesh, pixel);
-    emission = pixel_emission(s, mesh, pixel);
+    material = pixel_material(s, mesh, pixel, ray.direction);
   }
   for (int side = 0; side <= C.back; ++side) {
     int first = side * kBackSlots;
     if (side == 1 && is_hit) {
       s.geometric = -s.geometric;
       s.normal = -s.normal;
+      material.normal = -material.normal;
+      material.specular = 0.0f;
+      material.roughness = kNoRoughness;
     }
-    if (inside)
-      store_surface(first, index, is_hit, hit.t, s.normal, albedo, emission, side == 0 ? mesh.specular : 0.0f, mesh);
+    if (inside) store_surface(first, index, is_hit, hit.t, material, mesh);
     vec3 start = is_hit ? ray_origin_to_light(s) : vec3(0.0f);
     for (int light = 0; light < C.light_count; ++light) {
       int radii = kPenumbraSlot + 2 * C.light_index[light];

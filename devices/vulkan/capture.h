@@ -6,15 +6,16 @@
 // previous layer, and the buffers of the scene. Address 0: absent, or not requested.
 const int kDepthSlot = 0, kNormalSlot = 1, kAlbedoSlot = 4, kSpecularSlot = 7, kShininessSlot = 8, kShadowSlot = 9;
 const int kEmissionSlot = 17, kObjectSlot = 20, kMaterialSlot = 21;
-const int kBackSlots = 22;
-const int kPreviousDepthSlot = 44;
-const int kNodesSlot = 45, kTrianglesSlot = 46, kNormalsSlot = 47, kUvsSlot = 48, kMeshesSlot = 49;
-const int kTexturesSlot = 50, kLevelsSlot = 51, kTexelsSlot = 52, kPointsSlot = 53, kColorsSlot = 54;
+const int kMetallicSlot = 22, kRoughnessSlot = 23, kMaterialAoSlot = 24;
+const int kBackSlots = 25;
+const int kPreviousDepthSlot = 50;
+const int kNodesSlot = 51, kTrianglesSlot = 52, kNormalsSlot = 53, kUvsSlot = 54, kMeshesSlot = 55;
+const int kTexturesSlot = 56, kLevelsSlot = 57, kTexelsSlot = 58, kPointsSlot = 59, kColorsSlot = 60;
 // Two planes per light: the penumbra radius along rows and along columns, with one value per block of 4 x 4 pixels.
-const int kPenumbraSlot = 55;
+const int kPenumbraSlot = 61;
 // Index + 1 of the triangle that is visible in each pixel; 0: none. Address 0: rays find the triangle.
-const int kTriangleIndexSlot = 71;
-const int kCaptureSlots = 72;
+const int kTriangleIndexSlot = 77;
+const int kCaptureSlots = 78;
 
 const int kCaptureLights = 8;
 // Number of sets of 16 sample points on a light's disc. In their buffer, a set on the border of the disc follows, then
@@ -47,7 +48,8 @@ struct CaptureConstants {
 // A mesh with its material.
 struct CaptureMesh {
   float albedo[3], specular, shininess, emission[3];
-  int texture_index, emission_texture;  // < 0: none
+  float metallic, roughness, occlusion_strength, normal_scale;
+  int texture_index, emission_texture, surface_texture, normal_texture;  // < 0: none
   int masked;                           // 1: cut out where the texture's alpha is below the cutoff
   float cutoff;
   int colored, color_shift;  // colored 1: the colour of a vertex is at its index + color_shift
@@ -59,6 +61,7 @@ const int kTriangle = 0, kDisc = 1, kSphere = 2;
 
 struct CaptureTexture {
   int first_level, levels;
+  int linear;  // 1: the colour channels hold linear values
 };
 
 struct CaptureLevel {

@@ -30,8 +30,9 @@ vec3 to_vec3(float v[3]) { return vec3(v[0], v[1], v[2]); }
 
 float linear_from_srgb(uint byte) { return Floats(table[kPointsSlot]).at[32 * (kCaptureDiscPoints + 1) + int(byte)]; }
 
-vec4 texel(CaptureLevel level, int x, int y) {
+vec4 texel(CaptureLevel level, bool linear, int x, int y) {
   uint v = Uints(table[kTexelsSlot]).at[level.first_texel + y * level.width + x];
+  if (linear) return unpackUnorm4x8(v);
   return vec4(linear_from_srgb(v & 255u), linear_from_srgb((v >> 8) & 255u), linear_from_srgb((v >> 16) & 255u),
               float(v >> 24) * (1.0f / 255.0f));
 }
@@ -51,13 +52,13 @@ void neighbours(float coordinate, int size, out int low, out int high, out float
   low = low < 0 ? size - 1 : low;
 }
 
-vec4 bilinear(CaptureLevel level, vec2 coordinate) {
+vec4 bilinear(CaptureLevel level, bool linear, vec2 coordinate) {
   int x0, x1, y0, y1;
   float fx, fy;
   neighbours(coordinate.x, level.width, x0, x1, fx);
   neighbours(coordinate.y, level.height, y0, y1, fy);
-  return mix(mix(texel(level, x0, y0), texel(level, x1, y0), fx), mix(texel(level, x0, y1), texel(level, x1, y1), fx),
-             fy);
+  return mix(mix(texel(level, linear, x0, y0), texel(level, linear, x1, y0), fx),
+             mix(texel(level, linear, x0, y1), texel(level, linear, x1, y1), fx), fy);
 }
 
 vec4 sample_filtered(int index, vec2 uv, vec2 right, vec2 down) {
@@ -77,11 +78,12 @@ vec4 sample_filtered(int index, vec2 uv, vec2 right, vec2 down) {
     fine = int(lod);
     blend = lod - float(fine);
   }
+  bool linear = image.linear != 0;
   vec4 sum = vec4(0.0f);
   for (int i = 0; i < taps; ++i) {
     vec2 at = wrapped(taps > 1 ? uv + axis * ((float(i) + 0.5f) / float(taps) - 0.5f) : uv);
-    vec4 color = bilinear(levels.at[image.first_level + fine], at);
-    if (blend > 0.0f) color = mix(color, bilinear(levels.at[image.first_level + fine + 1], at), blend);
+    vec4 color = bilinear(levels.at[image.first_level + fine], linear, at);
+    if (blend > 0.0f) color = mix(color, bilinear(levels.at[image.first_level + fine + 1], linear, at), blend);
     sum += color;
   }
   return sum / float(taps);
@@ -90,7 +92,7 @@ vec4 sample_filtered(int index, vec2 uv, vec2 right, vec2 down) {
 // Returns the bilinear alpha of the finest level.
 float sample_alpha(int index, vec2 uv) {
   CaptureTexture image = Textures(table[kTexturesSlot]).at[index];
-  return bilinear(Levels(table[kLevelsSlot]).at[image.first_level], wrapped(uv)).a;
+  return bilinear(Levels(table[kLevelsSlot]).at[image.first_level], image.linear != 0, wrapped(uv)).a;
 }
 
 // ---- triangles ----

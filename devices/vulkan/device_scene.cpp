@@ -57,6 +57,12 @@ std::vector<CaptureMesh> meshes_of(const Scene& scene) {
     out.shininess = material.specular_exponent;
     out.texture_index = mesh.uvs.empty() ? kNoTexture : material.texture;
     out.emission_texture = mesh.uvs.empty() ? kNoTexture : material.emission_texture;
+    out.surface_texture = mesh.uvs.empty() ? kNoTexture : material.surface_texture;
+    out.normal_texture = mesh.uvs.empty() ? kNoTexture : material.normal_texture;
+    out.metallic = material.metallic;
+    out.roughness = material.roughness;
+    out.occlusion_strength = material.occlusion_strength;
+    out.normal_scale = material.normal_scale;
     out.masked = material.alpha_mask && out.texture_index != kNoTexture ? 1 : 0;
     out.cutoff = material.alpha_cutoff;
     out.object_id = float(mesh.object);
@@ -115,7 +121,7 @@ Result<DeviceScene> upload_scene(const Scene& scene, Memory& memory, Commands& c
   for (const Texture& texture : scene.textures) {
     if (poll.passing(0.0)) return interrupted();
     const MipTexture mips = make_mips(texture);
-    textures.push_back({int(levels.size()), int(mips.levels.size())});
+    textures.push_back({int(levels.size()), int(mips.levels.size()), mips.linear ? 1 : 0});
     for (const MipLevel& level : mips.levels) {
       levels.push_back({int(texels.size() / 4), level.width, level.height});
       texels.insert(texels.end(), level.rgba.begin(), level.rgba.end());

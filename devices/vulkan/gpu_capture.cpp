@@ -93,7 +93,7 @@ bool can_draw(const DeviceScene& scene, const CaptureConstants& c, const Gpu& gp
 }
 
 int capture_slot(std::string_view plane) {
-  constexpr std::array<std::pair<std::string_view, int>, 14> kSlots = {{{"depth", kDepthSlot},
+  constexpr std::array<std::pair<std::string_view, int>, 17> kSlots = {{{"depth", kDepthSlot},
                                                                         {"normal.x", kNormalSlot},
                                                                         {"normal.y", kNormalSlot + 1},
                                                                         {"normal.z", kNormalSlot + 2},
@@ -105,6 +105,9 @@ int capture_slot(std::string_view plane) {
                                                                         {"emission.r", kEmissionSlot},
                                                                         {"emission.g", kEmissionSlot + 1},
                                                                         {"emission.b", kEmissionSlot + 2},
+                                                                        {"metallic", kMetallicSlot},
+                                                                        {"roughness", kRoughnessSlot},
+                                                                        {"material_ao", kMaterialAoSlot},
                                                                         {"object_id", kObjectSlot},
                                                                         {"material_id", kMaterialSlot}}};
   for (const auto& [name, slot] : kSlots)

@@ -87,7 +87,7 @@ class VulkanDevice final : public Device {
   }
 
   Result<Frame> upload(GBuffer gbuffer) override {
-    Frame frame{gbuffer.info, empty_planes(gbuffer.info)};
+    Frame frame{info_of(gbuffer), empty_planes(gbuffer.info)};
     std::vector<NamedPlane> planes;
     for (std::size_t layer = 0; layer < gbuffer.layers.size(); ++layer)
       for (std::size_t p = 0; p < gbuffer.layers[layer].planes.size(); ++p)

@@ -1,9 +1,13 @@
 #include "effects/lighting/lighting.h"
 
 #include <algorithm>
+#include <cstring>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
 
 #include "core/effect.h"
 #include "core/light_rig.h"
+#include "core/reflection_map.h"
 #include "kernels/lighting.h"
 #include "kernels/lighting_open.h"
 
@@ -16,7 +20,8 @@ const std::vector<Parameter> kTable = {
     real_row("ambient", &LightingParams::ambient, {.initial = 1, .max = kMaxFactor}, "factor for ambient light"),
     real_row("diffuse", &LightingParams::diffuse, {.initial = 1, .max = kMaxFactor},
              "factor for diffuse reflection of the lights"),
-    real_row("specular", &LightingParams::specular, {.initial = 1, .max = kMaxFactor}, "factor for highlights"),
+    real_row("specular", &LightingParams::specular, {.initial = 1, .max = kMaxFactor},
+             "factor for highlights and reflections"),
     real_row("emission", &LightingParams::emission, {.initial = 1, .max = kMaxFactor},
              "factor for the emission of surfaces"),
     real_row("gloss", &LightingParams::gloss, {.max = 1, .zero_means = "off"},
@@ -32,6 +37,28 @@ const std::vector<Parameter> kTable = {
         "rig", &LightingParams::rig, 0, {"scene", "head", "key"},
         "the scene's lights, one light at the camera, or one parallel light from above and to the left of the camera"),
 };
+
+/// Sets what shades surfaces with a roughness.
+void set_reflections(const LightingParams& params, const PictureInfo& info, const LightRig& rig, LightingConstants& c) {
+  static_assert(kLightingReflectionLevels == kReflectionLevels && kLightingReflectionTexels == kReflectionTexels &&
+                kLightingBrdfSide == EnvironmentBrdf::kSide);
+  c.reflection = params.ambient * params.specular;
+  // The map of an environment image is in world space, one of ambient light is made in view space.
+  const bool image = info.reflections && Rig(params.rig) == Rig::kScene;
+  const glm::mat3 to_map = image ? glm::transpose(glm::mat3(info.camera.view_from_world)) : glm::mat3(1.0f);
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column) c.to_map[3 * row + column] = to_map[column][row];
+  const ReflectionMap map = image ? *info.reflections : reflection_map(rig.ambient, rig.ambient_shape);
+  static_assert(sizeof map == sizeof c.reflections);
+  std::memcpy(c.reflections, map.data(), sizeof map);
+  for (int level = 0; level < kReflectionLevels; ++level) {
+    c.level_first[level] = first_reflection_texel(level);
+    c.level_side[level] = kReflectionSides[std::size_t(level)];
+  }
+  const EnvironmentBrdf& brdf = environment_brdf();
+  std::copy(brdf.scale.begin(), brdf.scale.end(), c.brdf_scale);
+  std::copy(brdf.bias.begin(), brdf.bias.end(), c.brdf_bias);
+}
 
 void fill_constants(const LightingParams& params, const PictureInfo& info, LightingConstants& c) {
   c.clay = params.material == 1 ? 1 : 0;
@@ -63,29 +90,35 @@ void fill_constants(const LightingParams& params, const PictureInfo& info, Light
     c.g[k] = light.color.g;
     c.b[k] = light.color.b;
     c.reach_squared[k] = light.reach_squared;
+    c.size[k] = light.size;
   }
+  c.rough = info.has_roughness && params.material != 1 ? 1 : 0;  // clay has none
+  c.map_ao = info.has_material_ao && params.material != 1 ? 1 : 0;
+  if (c.rough != 0) set_reflections(params, info, rig, c);
 }
 
 }  // namespace
 
 Effect effect_lighting() {
   return shading_effect<fill_constants>(
-      kTable, {.name = "lighting",
-               .summary = "Lambert and Blinn-Phong shading from the G-buffer, with direct and ambient light separate",
-               .source = "Blinn 1977",
-               .dispatches = {
-                   {.inputs = {"depth",    "normal.x",  "normal.y", "normal.z",   "albedo.r",   "albedo.g",  "albedo.b",
-                               "specular", "shininess", "shadow",   "shadow1",    "shadow2",    "shadow3",   "shadow4",
-                               "shadow5",  "shadow6",   "shadow7",  "emission.r", "emission.g", "emission.b"},
-                    .outputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b"},
-                    .kernel = lighting_kernel(),
-                    .reach = own_row},
-                   {.name = "lighting_open",
-                    .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
-                    .outputs = {"open_light"},
-                    .kernel = lighting_open_kernel(),
-                    .needed = [](const ParameterBytes& bytes) { return as<LightingParams>(bytes).open != 0; },
-                    .reach = own_row}}});
+      kTable,
+      {.name = "lighting",
+       .summary = "shading from the G-buffer, by metalness and roughness or Blinn-Phong, with direct and ambient light "
+                  "separate",
+       .source = "Blinn 1977",
+       .dispatches = {{.inputs = {"depth",      "normal.x",   "normal.y",  "normal.z",  "albedo.r",   "albedo.g",
+                                  "albedo.b",   "specular",   "shininess", "shadow",    "shadow1",    "shadow2",
+                                  "shadow3",    "shadow4",    "shadow5",   "shadow6",   "shadow7",    "emission.r",
+                                  "emission.g", "emission.b", "metallic",  "roughness", "material_ao"},
+                       .outputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b"},
+                       .kernel = lighting_kernel(),
+                       .reach = own_row},
+                      {.name = "lighting_open",
+                       .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
+                       .outputs = {"open_light"},
+                       .kernel = lighting_open_kernel(),
+                       .needed = [](const ParameterBytes& bytes) { return as<LightingParams>(bytes).open != 0; },
+                       .reach = own_row}}});
 }
 
 }  // namespace umbrage

@@ -2,6 +2,8 @@
 #ifndef UMBRAGE_EFFECTS_LIGHTING_H
 #define UMBRAGE_EFFECTS_LIGHTING_H
 const int kLightingMaxLights = 16;
+// Those of core/reflection_map.h.
+const int kLightingReflectionLevels = 5, kLightingReflectionTexels = 3008, kLightingBrdfSide = 12;
 const int kLightingShape = 9;  // number of factors per colour channel by which ambient light depends on the normal
 
 // Each field has one row in the parameter table of lighting.cpp.
@@ -30,6 +32,15 @@ struct LightingConstants {
   float r[kLightingMaxLights], g[kLightingMaxLights], b[kLightingMaxLights];
   // Point lights: squared distance at which the light has the colour (r, g, b); 0: no falloff.
   float reach_squared[kLightingMaxLights];
+  // Angular radius: of directional lights its sine; of point lights the radius of the sphere, scene units.
+  float size[kLightingMaxLights];
+  int rough;         // 0 or 1: surfaces may have a roughness; 0: none of the members below but map_ao is used
+  int map_ao;        // 0 or 1: materials may have occlusion maps
+  float reflection;  // factor of reflections
+  float to_map[9];   // rows: from view space to that of the map
+  int level_first[kLightingReflectionLevels], level_side[kLightingReflectionLevels];
+  int reflections[kLightingReflectionTexels];  // the bits of a ReflectionMap
+  float brdf_scale[kLightingBrdfSide * kLightingBrdfSide], brdf_bias[kLightingBrdfSide * kLightingBrdfSide];
 };
 
 #endif

@@ -1,4 +1,5 @@
-// Computes Lambert and Blinn-Phong shading from the G-buffer. Based on [Blinn 1977].
+// Computes shading from the G-buffer: where there is a roughness, that of glTF 2.0, else Lambert and Blinn-Phong [Blinn
+// 1977].
 //
 // Writes radiance as two colours, because occlusion darkens only the second: `direct` (lights and emission) and
 // `ambient`. Results that are not finite become 0.
@@ -17,11 +18,15 @@ IN_REAL(shadow5)
 IN_REAL(shadow6)
 IN_REAL(shadow7)
 IN_COLOR(emission)
+IN_REAL(metallic)
+IN_REAL(roughness)
+IN_REAL(material_ao)
 OUT_COLOR(direct)
 OUT_COLOR(ambient)
 
 #include "effects/lighting/lighting_ambient.kernel.h"
 #include "effects/lighting/lighting_lights.kernel.h"
+#include "effects/lighting/lighting_metal_rough.kernel.h"
 
 // Half as bright where the halfway vector is 21 degrees off the normal: matt varnish.
 CONST float kGlossExponent = 10.0f;
@@ -37,6 +42,20 @@ FN Real shadow_of(int light) {
   if (light == 6) return near_shadow6(0, 0);
   if (light == 7) return near_shadow7(0, 0);
   return Real(1.0f);
+}
+
+// Returns the light of all lights that a surface with a roughness reflects.
+FN Vec3 direct_on(Finish finish, Vec3 position) {
+  Vec3 sum = gray_of(Real(0.0f));
+  for (int k = 0; k < C.light_count; ++k) {
+    Vec3 light = towards_light(k, position);
+    Real attenuation = light_falloff(k, position);
+    if (C.shadow > 0.0f) attenuation = attenuation * mad(shadow_of(k) - 1.0f, Real(C.shadow), Real(1.0f));
+    Vec3 color = Vec3(Real(C.r[k]), Real(C.g[k]), Real(C.b[k])) * attenuation;
+    Real lambert = max(dot(finish.normal, light), Real(0.0f));
+    sum = sum + color * reflected_light(finish, light, lambert, light_sine(k, position));
+  }
+  return sum;
 }
 
 FN void lighting_pixel(Int px, Int py) {
@@ -61,8 +80,10 @@ FN void lighting_pixel(Int px, Int py) {
     gloss = select(matt, Real(C.gloss), strength);
     gloss_exponent = select(matt, Real(kGlossExponent), exponent);
   }
-  Vec3 sum = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
-  if (C.emission > 0.0f) sum = near_emission(0, 0) * Real(C.emission);
+  Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
+  Vec3 emission = none;
+  if (C.emission > 0.0f) emission = near_emission(0, 0) * Real(C.emission);
+  Vec3 sum = emission;
   for (int k = 0; k < C.light_count; ++k) {
     Vec3 light = towards_light(k, position);
     Real attenuation = light_falloff(k, position);
@@ -80,7 +101,17 @@ FN void lighting_pixel(Int px, Int py) {
     Vec3 white = Vec3(highlight, highlight, highlight);
     sum = sum + color * (albedo * (lambert * Real(C.diffuse)) + white);
   }
-  Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
+  Vec3 ambient = ambient_at_normal(normal);
+  Vec3 reflected = albedo * ambient;
+  if (C.rough != 0) {
+    Bool rough = near_roughness(0, 0) >= 0.0f;
+    if (some(rough)) {
+      Finish finish = finish_of(normal, eye, albedo, near_metallic(0, 0), near_roughness(0, 0));
+      sum = select(rough, emission + direct_on(finish, position), sum);
+      reflected = select(rough, reflected_ambient(finish, ambient), reflected);
+    }
+  }
+  if (C.map_ao != 0) reflected = reflected * near_material_ao(0, 0);
   store_direct(select(surface, finite_or_zero(sum), none));
-  store_ambient(select(surface, finite_or_zero(albedo * ambient_at_normal(normal)), none));
+  store_ambient(select(surface, finite_or_zero(reflected), none));
 }

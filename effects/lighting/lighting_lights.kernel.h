@@ -11,6 +11,13 @@ FN Vec3 towards_light(int k, Vec3 position) {
   return to_light * rsqrt(squared_distance(to_light));
 }
 
+// Returns the sine of the angular radius of light k, as seen from a position.
+FN Real light_sine(int k, Vec3 position) {
+  if (C.kind[k] != 1) return Real(C.size[k]);
+  Vec3 to_light = Vec3(Real(C.x[k]), Real(C.y[k]), Real(C.z[k])) - position;
+  return min(Real(C.size[k]) * rsqrt(squared_distance(to_light)), Real(1.0f));
+}
+
 // Returns the factor of the colour of light k at an unoccluded position, by its distance; may exceed 1.
 FN Real light_falloff(int k, Vec3 position) {
   if (C.kind[k] != 1 || !(C.reach_squared[k] > 0.0f)) return Real(1.0f);

@@ -29,6 +29,13 @@ class Examples(unittest.TestCase):
             self.assertIn("320 x 240", run("depth_map", target))
             self.assertTrue(os.path.exists(target))
 
+    def test_material_chart(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            target = os.path.join(folder, "chart.gltf")
+            run("material_chart", target)
+            with open(target, encoding="utf-8") as file:
+                self.assertEqual(len(json.load(file)["materials"]), 25)
+
     def test_numpy_mesh(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
             self.assertIn("64 x 48", run("numpy_mesh", os.path.join(folder, "wave.png"), "64"))

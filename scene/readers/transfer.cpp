@@ -19,15 +19,17 @@ namespace {
 // These functions list every field of every struct. The structured bindings do not compile if a field is missing.
 template <class Archive>
 void list_fields(Archive& archive, Texture& texture) {
-  auto& [name, width, height, rgba] = texture;
-  archive(name, width, height, rgba);
+  auto& [name, width, height, rgba, linear] = texture;
+  archive(name, width, height, rgba, linear);
 }
 template <class Archive>
 void list_fields(Archive& archive, Material& material) {
   auto& [name, albedo, texture, alpha_mask, alpha_cutoff, specular_strength, specular_exponent, emission,
-         emission_texture] = material;
+         emission_texture, metallic, roughness, surface_texture, occlusion_strength, normal_texture, normal_scale,
+         ignored] = material;
   archive(name, albedo, texture, alpha_mask, alpha_cutoff, specular_strength, specular_exponent, emission,
-          emission_texture);
+          emission_texture, metallic, roughness, surface_texture, occlusion_strength, normal_texture, normal_scale,
+          ignored);
 }
 template <class Archive>
 void list_fields(Archive& archive, Mesh& mesh) {
@@ -191,7 +193,8 @@ bool is_consistent(const Scene& scene) {
     if (texture.rgba.size() != std::size_t(texture.width) * std::size_t(texture.height) * 4) return false;
   }
   for (const Material& material : scene.materials)
-    for (const int texture : {material.texture, material.emission_texture})
+    for (const int texture :
+         {material.texture, material.emission_texture, material.surface_texture, material.normal_texture})
       if (texture != kNoTexture && std::size_t(texture) >= scene.textures.size()) return false;
   for (const Mesh& mesh : scene.meshes) {
     if (std::size_t(mesh.material) >= scene.materials.size() || mesh.indices.size() % 3 != 0) return false;

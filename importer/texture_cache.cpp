@@ -1,0 +1,237 @@
+#include "importer/texture_cache.h"
+
+#include <assimp/scene.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <system_error>
+
+#include "importer/limits.h"
+#include "scene/readers/texture_file.h"
+
+namespace umbrage {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Width over which the alpha of a blended surface is averaged, as a fraction of its texture's width.
+constexpr double kBlendFraction = 1.0 / 64.0;
+
+std::string lower(std::string text) {
+  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+/// Replaces URI escapes such as "%20".
+std::string without_escapes(const std::string& text) {
+  std::string plain;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool escape = text[i] == '%' && i + 2 < text.size() &&
+                        std::isxdigit(static_cast<unsigned char>(text[i + 1])) &&
+                        std::isxdigit(static_cast<unsigned char>(text[i + 2]));
+    plain += escape ? char(std::stoi(text.substr(i + 1, 2), nullptr, 16)) : text[i];
+    if (escape) i += 2;
+  }
+  return plain;
+}
+
+bool is_file(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+/// Returns the file of this name in a folder; upper and lower case are equal.
+std::optional<fs::path> find_in(const fs::path& folder, const std::string& name) {
+  std::error_code error;
+  const std::string lower_name = lower(name);
+  for (fs::directory_iterator entry(folder.empty() ? fs::path(".") : folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (lower(entry->path().filename().string()) == lower_name && is_file(entry->path())) return entry->path();
+  }
+  return std::nullopt;
+}
+
+/// Searches for a texture at the path in the model, then for the same path ignoring case, then for the file name beside
+/// the model: paths in model files are often valid only on the machine that wrote them.
+std::optional<fs::path> find_texture(const fs::path& folder, std::string name) {
+  std::replace(name.begin(), name.end(), '\\', '/');
+  name.erase(name.find_last_not_of(" \t\r") + 1);
+  // Assimp's parser includes MTL options in the name: "-colorspace sRGB wood.png".
+  const std::string last_word = name.substr(name.find_last_of(' ') + 1);
+  for (const std::string& spelling : {name, without_escapes(name), last_word}) {
+    if (spelling.empty()) continue;
+    const fs::path path(spelling), beside = folder / path;  // an absolute path replaces the folder
+    if (is_file(beside)) return beside;
+    if (auto found = find_in(beside.parent_path(), path.filename().string())) return found;
+    if (auto found = find_in(folder, path.filename().string())) return found;
+  }
+  return std::nullopt;
+}
+
+/// Applies a box filter of 2 radius + 1 texels twice to the alpha of `lines` rows or columns of `length` texels each.
+/// The texture repeats. `step`: bytes from a texel to the next one in its line. `next`: bytes from a line to the
+/// next.
+void average_alpha(Texture& texture, int length, int lines, std::ptrdiff_t step, std::ptrdiff_t next, int radius) {
+  constexpr int kRounds = 2;
+  std::vector<int> line(static_cast<std::size_t>(length + 2 * radius + 1));  // from -radius to length + radius
+  for (int k = 0; k < lines; ++k)
+    for (int round = 0; round < kRounds; ++round) {
+      std::uint8_t* alpha = texture.rgba.data() + k * next + 3;
+      for (int i = 0; i < length; ++i) line[std::size_t(i + radius)] = alpha[i * step];
+      for (int i = 0; i < radius; ++i) line[std::size_t(i)] = alpha[((i - radius) % length + length) % length * step];
+      for (int i = 0; i <= radius; ++i) line[std::size_t(length + radius + i)] = alpha[i % length * step];
+      int sum = 0;
+      for (int i = 0; i <= 2 * radius; ++i) sum += line[std::size_t(i)];
+      for (int i = 0; i < length; ++i) {
+        alpha[i * step] = std::uint8_t((sum + radius) / (2 * radius + 1));
+        sum += line[std::size_t(i + 2 * radius + 1)] - line[std::size_t(i)];
+      }
+    }
+}
+
+}  // namespace
+
+Result<Texture> TextureCache::embedded(const aiTexture& texture, const std::string& name) const {
+  if (!texture.pcData) return file_error("the embedded texture '{}' has no pixels", name);
+  if (texture.mHeight == 0) {
+    return decode_texture({reinterpret_cast<const std::uint8_t*>(texture.pcData), texture.mWidth},
+                          "the embedded texture " + name);
+  }
+  Texture result;
+  result.name = name;
+  result.width = int(texture.mWidth);
+  result.height = int(texture.mHeight);
+  result.rgba.reserve(std::size_t(result.width) * result.height * 4);
+  for (std::size_t i = 0; i < std::size_t(result.width) * result.height; ++i) {
+    const aiTexel& texel = texture.pcData[i];
+    result.rgba.insert(result.rgba.end(), {texel.r, texel.g, texel.b, texel.a});
+  }
+  return result;
+}
+
+Result<Texture> TextureCache::read(const std::string& name) const {
+  if (const aiTexture* texture = source ? source->GetEmbeddedTexture(name.c_str()) : nullptr) {
+    return embedded(*texture, name);
+  }
+  const std::optional<fs::path> path = find_texture(folder, name);
+  if (!path) return file_error("the texture '{}' does not exist", name);
+  raise_limits_for(*path);
+  return read_texture(*path);
+}
+
+std::optional<Texture> TextureCache::read_or_warn(const std::string& name, const char* consequence) {
+  Result<Texture> texture = read(name);
+  if (texture) return std::move(*texture);
+  if (reported.insert(name).second) scene.warnings.push_back(texture.error().message + "; " + consequence);
+  return std::nullopt;
+}
+
+int TextureCache::add(Texture texture, const std::string& key) {
+  scene.textures.push_back(std::move(texture));
+  return index_of[key] = int(scene.textures.size()) - 1;
+}
+
+int TextureCache::find(const std::string& name) {
+  if (const auto known = index_of.find(name); known != index_of.end()) return known->second;
+  std::optional<Texture> texture = read_or_warn(name, "its surfaces are shown in a neutral colour");
+  return texture ? add(std::move(*texture), name) : index_of[name] = kNoTexture;
+}
+
+int TextureCache::find_with_mask(const std::string& color_name, const std::string& mask_name) {
+  const std::string key = color_name + '\n' + mask_name;
+  if (const auto known = index_of.find(key); known != index_of.end()) return known->second;
+  const std::optional<Texture> mask = read_or_warn(mask_name, "its surfaces are not cut out");
+  if (!mask) return index_of[key] = color_name.empty() ? kNoTexture : find(color_name);
+  const int color = color_name.empty() ? kNoTexture : find(color_name);
+  Texture result = *mask;
+  bool has_alpha = false;
+  for (std::size_t i = 3; i < mask->rgba.size() && !has_alpha; i += 4) has_alpha = mask->rgba[i] != 255;
+  if (color != kNoTexture) {
+    result = scene.textures[std::size_t(color)];
+    result.name += " with the mask " + mask->name;
+  }
+  for (int y = 0; y < result.height; ++y) {
+    for (int x = 0; x < result.width; ++x) {
+      const std::size_t from_x = std::size_t(x) * mask->width / result.width,
+                        from_y = std::size_t(y) * mask->height / result.height;
+      const std::uint8_t* from = &mask->rgba[4 * (from_y * mask->width + from_x)];
+      std::uint8_t* to = &result.rgba[4 * (std::size_t(y) * result.width + x)];
+      to[3] = has_alpha ? from[3] : std::max({from[0], from[1], from[2]});
+      if (color == kNoTexture) std::fill(to, to + 3, std::uint8_t(255));
+    }
+  }
+  return add(std::move(result), key);
+}
+
+int TextureCache::find_blended(int index) {
+  const int radius = int(0.5 * kBlendFraction * scene.textures[std::size_t(index)].width);
+  if (radius < 1) return index;
+  const std::string key = scene.textures[std::size_t(index)].name + "\nblended";
+  if (const auto known = index_of.find(key); known != index_of.end()) return known->second;
+  Texture result = scene.textures[std::size_t(index)];
+  const std::ptrdiff_t row = 4 * std::ptrdiff_t(result.width);
+  average_alpha(result, result.width, result.height, 4, row, radius);
+  average_alpha(result, result.height, result.width, row, 4, radius);
+  return add(std::move(result), key);
+}
+
+int TextureCache::find_packed(const std::array<MapChannel, 3>& channels) {
+  std::string key = "\npacked";
+  for (const MapChannel& each : channels) key += fmt::format("\n{} {}", each.channel, each.name);
+  if (const auto known = index_of.find(key); known != index_of.end()) return known->second;
+  std::map<std::string, std::optional<Texture>> images;
+  Texture result{.name = {}, .rgba = {}, .linear = true};
+  for (const MapChannel& each : channels) {
+    if (each.name.empty() || images.contains(each.name)) continue;
+    const auto& image = images[each.name] = read_or_warn(each.name, "it is left out");
+    if (!image) continue;
+    result.name += (result.name.empty() ? "" : " and ") + image->name;
+    result.width = std::max(result.width, image->width);
+    result.height = std::max(result.height, image->height);
+  }
+  if (result.width == 0) return index_of[key] = kNoTexture;
+  result.rgba.assign(std::size_t(result.width) * std::size_t(result.height) * 4, std::uint8_t(255));
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    const auto image = images.find(channels[c].name);
+    if (image == images.end() || !image->second) continue;
+    const Texture& from = *image->second;
+    for (int y = 0; y < result.height; ++y)
+      for (int x = 0; x < result.width; ++x) {
+        const std::size_t from_x = std::size_t(x) * from.width / result.width,
+                          from_y = std::size_t(y) * from.height / result.height;
+        result.rgba[4 * (std::size_t(y) * result.width + x) + c] =
+            from.rgba[4 * (from_y * from.width + from_x) + std::size_t(channels[c].channel)];
+      }
+  }
+  return add(std::move(result), key);
+}
+
+int TextureCache::find_linear(const std::string& name) { return find_packed({{{name, 0}, {name, 1}, {name, 2}}}); }
+
+int TextureCache::find_normals_of_heights(const std::string& name, float scale) {
+  const std::string key = fmt::format("\nheights {} {}", scale, name);
+  if (const auto known = index_of.find(key); known != index_of.end()) return known->second;
+  const std::optional<Texture> heights = read_or_warn(name, "it is left out");
+  if (!heights) return index_of[key] = kNoTexture;
+  Texture result = *heights;
+  result.linear = true;
+  const auto height_at = [&](int x, int y) {  // the texture repeats
+    x = (x + heights->width) % heights->width;
+    y = (y + heights->height) % heights->height;
+    return float(heights->rgba[4 * (std::size_t(y) * heights->width + x)]) * (scale / 255.0f);
+  };
+  for (int y = 0; y < result.height; ++y)
+    for (int x = 0; x < result.width; ++x) {
+      // Row 0 is at the top, where v is 1.
+      const glm::vec3 normal = glm::normalize(glm::vec3(0.5f * (height_at(x - 1, y) - height_at(x + 1, y)),
+                                                        0.5f * (height_at(x, y + 1) - height_at(x, y - 1)), 1.0f));
+      std::uint8_t* to = &result.rgba[4 * (std::size_t(y) * result.width + x)];
+      for (int c = 0; c < 3; ++c) to[c] = std::uint8_t((0.5f * normal[c] + 0.5f) * 255.0f + 0.5f);
+      to[3] = 255;
+    }
+  return add(std::move(result), key);
+}
+
+}  // namespace umbrage

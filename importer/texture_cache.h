@@ -1,0 +1,59 @@
+// The textures of a model file: finds and reads each of them once, and combines them.
+#pragma once
+#include <array>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "core/result.h"
+#include "scene/scene.h"
+
+struct aiScene;
+struct aiTexture;
+
+namespace umbrage {
+
+/// One channel of an image file, 0 to 3. An empty name: white.
+struct MapChannel {
+  std::string name;
+  int channel = 0;
+};
+
+/// Adds textures to a scene. All functions return the index of a texture in the scene, or kNoTexture after adding one
+/// warning per missing or unreadable file.
+struct TextureCache {
+  const aiScene* source;  // null for formats without embedded textures
+  std::filesystem::path folder;
+  Scene& scene;
+  std::map<std::string, int> index_of = {};  // by the name in the file; kNoTexture if reading failed
+  std::set<std::string> reported = {};       // files with a warning
+
+  /// Finds a texture of colours.
+  int find(const std::string& name);
+  /// Finds a texture of linear values.
+  int find_linear(const std::string& name);
+  /// Finds a texture that combines the colour of the first texture with the mask of the second as alpha. The mask is
+  /// the alpha channel of the second texture if that is not 1 everywhere, else its brightness.
+  int find_with_mask(const std::string& color_name, const std::string& mask_name);
+  /// Finds a copy of the texture `index` whose alpha is averaged over a 64th of its width. Then only regions that are
+  /// mostly transparent are cut out, not each small spot, which would give speckled borders. Small textures, such as
+  /// palettes, have no such spots and stay unchanged.
+  int find_blended(int index);
+  /// Finds a linear texture with these channels as red, green and blue, as large as the largest of their images. Files
+  /// that cannot be read count as white; kNoTexture if none can.
+  int find_packed(const std::array<MapChannel, 3>& channels);
+  /// Finds a linear texture with the normals of a height map: of the first channel, whose whole range is `scale` times
+  /// the distance of two texels high.
+  int find_normals_of_heights(const std::string& name, float scale);
+
+ private:
+  Result<Texture> embedded(const aiTexture& texture, const std::string& name) const;
+  Result<Texture> read(const std::string& name) const;
+  /// Reads a texture, or adds a warning, which ends with `consequence`, unless the file has one.
+  std::optional<Texture> read_or_warn(const std::string& name, const char* consequence);
+  int add(Texture texture, const std::string& key);
+};
+
+}  // namespace umbrage
