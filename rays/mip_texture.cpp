@@ -132,37 +132,45 @@ MipTexture make_mips(const Texture& texture) {
   return mips;
 }
 
-glm::vec4 sample_filtered(const MipTexture& texture, glm::vec2 uv, glm::vec2 right, glm::vec2 down) {
-  const glm::vec2 size(texture.levels[0].width, texture.levels[0].height);
+MipFootprint footprint_of(const MipTexture& texture, glm::vec2 uv, glm::vec2 right, glm::vec2 down) {
+  MipFootprint out{.width = texture.levels[0].width, .height = texture.levels[0].height, .uv = uv, .axis = right};
+  const glm::vec2 size(out.width, out.height);
   float longer = glm::length(right * size), shorter = glm::length(down * size);
-  glm::vec2 axis = right;
   if (shorter > longer) {
     std::swap(longer, shorter);
-    axis = down;
+    out.axis = down;
   }
   const int last = int(texture.levels.size()) - 1;
-  int taps = 1, finer_level = last, level_count = 1;
-  float blend = 0.0f;
+  out.finer_level = last;
   if (std::isfinite(longer)) {
     // Round to nearest, so that a footprint that is square up to rounding takes one tap.
     const float ratio = std::clamp(longer / std::max(shorter, 1e-6f), 1.0f, longer > 1.0f ? float(kMaxTaps) : 1.0f);
-    taps = int(ratio + 0.5f);
-    const float width = std::max(longer / float(taps), 1.0f);
+    out.taps = int(ratio + 0.5f);
+    const float width = std::max(longer / float(out.taps), 1.0f);
     const float lod = width > 1.0f ? std::clamp(log2_of(width), 0.0f, float(last)) : 0.0f;
-    finer_level = int(lod);
-    blend = lod - float(finer_level);
-    level_count = blend > 0.0f ? 2 : 1;
+    out.finer_level = int(lod);
+    out.blend = lod - float(out.finer_level);
+    out.level_count = out.blend > 0.0f ? 2 : 1;
   }
-  const float tap_weight = 1.0f / float(taps);
+  return out;
+}
+
+glm::vec4 sample_filtered(const MipTexture& texture, const MipFootprint& f) {
+  const float tap_weight = 1.0f / float(f.taps);
   const Decoding& decoding = decoding_of(texture.linear);
   glm::vec4 sum(0.0f);
-  for (int i = 0; i < taps; ++i) {
-    const glm::vec2 at = fraction_from_top_left(taps > 1 ? uv + axis * ((float(i) + 0.5f) * tap_weight - 0.5f) : uv);
-    for (int level = 0; level < level_count; ++level)
-      add_level(texture.levels[finer_level + level], decoding, at,
-                level == 0 ? tap_weight - tap_weight * blend : tap_weight * blend, sum);
+  for (int i = 0; i < f.taps; ++i) {
+    const glm::vec2 at =
+        fraction_from_top_left(f.taps > 1 ? f.uv + f.axis * ((float(i) + 0.5f) * tap_weight - 0.5f) : f.uv);
+    for (int level = 0; level < f.level_count; ++level)
+      add_level(texture.levels[std::size_t(f.finer_level + level)], decoding, at,
+                level == 0 ? tap_weight - tap_weight * f.blend : tap_weight * f.blend, sum);
   }
   return sum;
+}
+
+glm::vec4 sample_filtered(const MipTexture& texture, glm::vec2 uv, glm::vec2 right, glm::vec2 down) {
+  return sample_filtered(texture, footprint_of(texture, uv, right, down));
 }
 
 float sample_alpha(const MipTexture& texture, glm::vec2 uv) {

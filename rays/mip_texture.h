@@ -25,6 +25,20 @@ struct MipTexture {
 /// bleed.
 MipTexture make_mips(const Texture& texture);
 
+/// The texels of a texture that sample_filtered averages.
+struct MipFootprint {
+  int width = 0, height = 0;  ///< of the textures that have this footprint
+  glm::vec2 uv{0.0f}, axis{0.0f};
+  int taps = 1, finer_level = 0, level_count = 1;
+  float blend = 0.0f;  ///< weight of the coarser level
+};
+
+/// Returns the footprint at `uv` on all textures of the size of `texture`; the arguments are those of sample_filtered.
+MipFootprint footprint_of(const MipTexture& texture, glm::vec2 uv, glm::vec2 right, glm::vec2 down);
+
+/// Returns linear colour and alpha, averaged over a footprint on a texture of its size.
+glm::vec4 sample_filtered(const MipTexture& texture, const MipFootprint& footprint);
+
 /// Returns linear colour and alpha at `uv` (repeating), averaged over the footprint. `right` and `down` are the change
 /// of uv from one pixel to the next one in that direction. Anisotropic filtering: footprint from [Heckbert 1989], taps
 /// as on GPUs.

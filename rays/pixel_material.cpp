@@ -89,8 +89,12 @@ PixelMaterial pixel_material(const TracedScene& traced, const CameraRays& rays, 
   if (parts.albedo && !surface.mesh->colors.empty()) out.albedo *= mesh_color(surface);
   if (!albedo && !emission && !maps && !normal) return out;
   const PixelUv at = pixel_uv(traced, rays, surface, px, py);
-  const auto texel = [&](int texture) {
-    return glm::vec3(sample_filtered(traced.textures[std::size_t(texture)], at.uv, at.right, at.down));
+  MipFootprint footprint;  // the maps of a material usually have one size
+  const auto texel = [&](int index) {
+    const MipTexture& texture = traced.textures[std::size_t(index)];
+    if (texture.levels[0].width != footprint.width || texture.levels[0].height != footprint.height)
+      footprint = footprint_of(texture, at.uv, at.right, at.down);
+    return glm::vec3(sample_filtered(texture, footprint));
   };
   if (albedo) out.albedo *= texel(material.texture);
   if (emission) out.emission *= texel(material.emission_texture);

@@ -108,7 +108,7 @@ TEST(CaptureMaterials, TextureCoordinatesWithoutAreaKeepTheNormal) {
 }
 
 TEST(CaptureMaterials, DevicesAgreeOnACurvedSurface) {
-  Mesh ball = sphere(0.9f, 24, 12);
+  Mesh ball = shapes::sphere(0.9f, 24, 12);
   ball.uvs.clear();
   for (const glm::vec3& p : ball.positions) ball.uvs.emplace_back(3.0f * p.x + p.z, 2.0f * p.y);
   Scene scene = scene_of({ball}, {{.metallic = 1.0f, .roughness = 1.0f}});

@@ -44,9 +44,11 @@ FN Vec3 reflected_light(Finish f, Vec3 light, Real lambert, Real sine) {
   Real masking =
       nl * sqrt(mad(f.cosine * f.cosine, Real(1.0f) - a2, a2)) + f.cosine * sqrt(mad(nl * nl, Real(1.0f) - a2, a2));
   Real lobe = a2 * kept * nl * 0.5f / max(spread * spread * masking, Real(1e-30f));
-  Vec3 fresnel = f.reflectance + (gray_of(Real(1.0f)) - f.reflectance) * power5(Real(1.0f) - vh);
-  Vec3 sum =
-      f.diffuse * (gray_of(Real(1.0f)) - fresnel) * (lambert * Real(C.diffuse)) + fresnel * (lobe * Real(C.specular));
+  Real grazing = power5(Real(1.0f) - vh);
+  Vec3 fresnel = f.reflectance + (gray_of(Real(1.0f)) - f.reflectance) * grazing;
+  // The diffuse part is that of the dielectric, whatever the metal reflects.
+  Real refracted = (Real(1.0f) - grazing) * (1.0f - kDielectricReflectance);
+  Vec3 sum = f.diffuse * (refracted * lambert * Real(C.diffuse)) + fresnel * (lobe * Real(C.specular));
   return select(lambert > 0.0f, sum, gray_of(Real(0.0f)));
 }
 
@@ -120,7 +122,7 @@ FN Vec3 reflected_ambient(Finish f, Vec3 ambient) {
   Vec2 brdf = environment_brdf(f);
   Real away = Real(1.0f) - min(f.cosine, Real(1.0f));
   Real grazing = away * away * away * kMeanGrazing;
-  Real fresnel = mad(grazing, Real(1.0f - kDielectricReflectance), Real(kDielectricReflectance));
+  Real refracted = (Real(1.0f) - grazing) * (1.0f - kDielectricReflectance);
   Vec3 reflected = reflection_of(f) * (f.reflectance * brdf.x + gray_of(brdf.y));
-  return f.diffuse * ambient * (Real(1.0f) - fresnel) + reflected * Real(C.reflection);
+  return f.diffuse * ambient * refracted + reflected * Real(C.reflection);
 }
