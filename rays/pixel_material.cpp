@@ -59,14 +59,14 @@ glm::vec3 mapped_normal(const Surface& surface, const PixelUv& at, glm::vec3 tex
   tangent -= normal * glm::dot(normal, tangent);
   const float length = glm::length(tangent);
   if (!(length > 0.0f) || at.determinant == 0.0f) return normal;
-  tangent /= length;
+  tangent *= 1.0f / length;
   const float handed = (glm::dot(at.across, stored) < 0.0f) != (at.determinant < 0.0f) ? -1.0f : 1.0f;
   const glm::vec3 bitangent = glm::cross(normal, tangent) * (side * handed);
   const glm::vec2 slope = (glm::vec2(texel) * 2.0f - 1.0f) * (surface.material->normal_scale * side);
   glm::vec3 mapped = tangent * slope.x + bitangent * slope.y + normal * (texel.z * 2.0f - 1.0f);
   const float size = glm::length(mapped);
   if (!(size > 1e-6f)) return normal;
-  mapped /= size;
+  mapped *= 1.0f / size;
   // As in surface_at: a normal that faces away from the camera is turned until it does not.
   const float away = glm::dot(mapped, ray);
   return away > 0.0f ? glm::normalize(mapped - ray * (away / glm::dot(ray, ray) * 1.001f)) : mapped;
