@@ -254,6 +254,23 @@ TEST(Environment, OddPixelsHaveDefinedResults) {
   EXPECT_EQ(black.brightest, 0.0f);
 }
 
+TEST(Environment, TheGroundOfTheBuiltInSkyIsLitAndMeetsTheSkySoftly) {
+  const Panorama sky = sky_panorama();
+  const double up = luminance(irradiance(sky, dvec3(0, 0, 1)));
+  // Straight below is the ground's own light, slightly veiled by air.
+  const double below = luminance(dvec3(sky.at(0, sky.height - 1)));
+  EXPECT_GT(below, 0.37 * up / kPi);
+  EXPECT_LT(below, 0.45 * up / kPi);
+  const double white = double(environment_light(sky).brightest);  // a white surface that faces the sun
+  EXPECT_GT(below, 0.25 * white);
+  for (int x = 0; x < sky.width; x += 7)
+    for (int y = sky.height / 2 - 8; y + 1 < sky.height; ++y) {
+      const double above = luminance(dvec3(sky.at(x, y))), here = luminance(dvec3(sky.at(x, y + 1)));
+      ASSERT_GT(here, 0.2 * white) << x << " " << y;
+      ASSERT_NEAR(here / above, 1.0, 0.05) << x << " " << y;
+    }
+}
+
 // ---- orientation
 
 void expect_near(glm::vec3 a, glm::vec3 b) { EXPECT_LT(glm::distance(a, b), 1e-5f) << a.x << " " << a.y << " " << a.z; }

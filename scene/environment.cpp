@@ -416,9 +416,13 @@ Panorama sky_panorama() {
   // Luminance of the CIE standard clear sky, type 12 [CIE 2003]: brighter towards the sun and the horizon.
   constexpr int kWidth = 1024, kHeight = 512;
   constexpr double kSunHeight = 42.0, kSunAngle = 0.53 / 2.0;  // degrees; kSunAngle: half angle of the disc
-  constexpr double kSunIrradiance = 6.5, kSkyIrradiance = 1.3, kGround = 0.25;
+  constexpr double kSunIrradiance = 6.5, kSkyIrradiance = 2.0;
+  constexpr double kHaze = 0.06;  // optical thickness of the air between the eye and the ground straight below
   const double height = glm::radians(kSunHeight);
   const dvec3 sun(std::cos(height) * std::cos(2.2), std::cos(height) * std::sin(2.2), std::sin(height));
+  // Colours with a luminance of about 1, and the albedo of dry, light ground.
+  const dvec3 zenith(0.55, 0.92, 1.75), horizon(0.92, 1.0, 1.14), sunlight(1.12, 0.98, 0.80);
+  const dvec3 ground_albedo(0.41, 0.40, 0.37);
   const auto gradation = [](double rise) { return 1.0 - std::exp(-0.32 / std::max(rise, 0.01)); };
   const auto indicatrix = [](double angle) {
     const double cosine = std::cos(angle);
@@ -429,29 +433,36 @@ Panorama sky_panorama() {
   };
   const Directions directions(kWidth, kHeight);
   const auto solid = solid_angles(kWidth, kHeight);
-  double irradiance = 0.0;
+  double scale = 0.0;  // irradiance of a level surface by luminance_at
   for (int y = 0; y < kHeight / 2; ++y)
     for (int x = 0; x < kWidth; ++x) {
       const dvec3 d = directions.at(x, y);
-      irradiance += luminance_at(d) * d.z * solid[std::size_t(y)];
+      scale += luminance_at(d) * d.z * solid[std::size_t(y)];
     }
-  // Colours with a luminance of about 1.
-  const dvec3 zenith(0.55, 0.92, 1.75), horizon(0.92, 1.0, 1.14), sunlight(1.12, 0.98, 0.80);
+  scale = kSkyIrradiance / scale;
+  const auto sky_at = [&](const dvec3& d) {
+    return glm::mix(horizon, zenith, std::sqrt(d.z)) * (luminance_at(d) * scale);
+  };
+  dvec3 irradiance = kSunIrradiance * sun.z * sunlight;
+  for (int y = 0; y < kHeight / 2; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const dvec3 d = directions.at(x, y);
+      irradiance += sky_at(d) * (d.z * solid[std::size_t(y)]);
+    }
+  const dvec3 ground = ground_albedo * irradiance / kPi;
+  // The ray to the ground is the longer, the closer it is to the horizon, where only air is visible.
+  const auto ground_at = [&](const dvec3& d) {
+    return glm::mix(sky_at(glm::normalize(dvec3(d.x, d.y, 0.0))), ground, std::exp(-kHaze / -d.z));
+  };
   const double sun_radiance = kSunIrradiance / (kPi * std::pow(std::sin(glm::radians(kSunAngle)), 2.0));
-  const dvec3 ground = kGround / kPi * (kSkyIrradiance + kSunIrradiance * sun.z) * dvec3(1.03, 1.0, 0.93);
   Panorama sky{"sky:", kWidth, kHeight, {}};
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) {
       // The sun is smaller than two pixels: sample it within each pixel.
       constexpr int kSamples = 8;
-      dvec3 sum(0.0);
       const dvec3 middle = directions.at(x, y);
       const bool near_sun = glm::dot(middle, sun) > std::cos(glm::radians(1.5));
-      if (middle.z < 0.0) {
-        sum = ground;
-      } else {
-        sum = glm::mix(horizon, zenith, std::sqrt(middle.z)) * (luminance_at(middle) * kSkyIrradiance / irradiance);
-      }
+      dvec3 sum = middle.z < 0.0 ? ground_at(middle) : sky_at(middle);
       double fraction = 0.0;
       for (int k = 0; near_sun && k < kSamples * kSamples; ++k) {
         const dvec3 d = panorama_direction((float(x) + (float(k % kSamples) + 0.5f) / kSamples) / kWidth,

@@ -65,7 +65,8 @@ inline constexpr int kMaxEnvironmentLights = 6;
 /// of direction most [Viriyothai and Debevec 2009]. The panorama must be clean (see clean_panorama).
 EnvironmentLight environment_light(const Panorama& panorama);
 
-/// Returns the built-in panorama: a clear sky with a sun above grey ground.
+/// Returns the built-in panorama: a clear sky with a sun above light ground, which sun and sky light and whose colour
+/// fades into the sky's towards the horizon.
 Panorama sky_panorama();
 
 }  // namespace umbrage

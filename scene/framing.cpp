@@ -13,11 +13,12 @@
 namespace umbrage {
 namespace {
 
-constexpr float kMinMargin = 0.06f;         ///< fraction of the picture that a shift for a shadow leaves free
-constexpr float kAzimuthDeg = 30.0f;        ///< to the right of the model's front
-constexpr float kElevationDeg = 20.0f;      ///< above the horizon
-constexpr float kFlatElevationDeg = 45.0f;  ///< for flat scenes, which from 20 degrees are a thin strip
-constexpr float kFlat = 0.3f;               ///< height over width below which the elevation increases
+constexpr float kMinMargin = 0.06f;           ///< fraction of the picture that a shift for a shadow leaves free
+constexpr float kAzimuthDeg = 30.0f;          ///< to the right of the model's front
+constexpr float kElevationDeg = 20.0f;        ///< above the horizon
+constexpr float kHorizonElevationDeg = 8.0f;  ///< instead of both, if the picture shows the horizon
+constexpr float kFlatElevationDeg = 45.0f;    ///< for flat scenes, which from 20 degrees are a thin strip
+constexpr float kFlat = 0.3f;                 ///< height over width below which the elevation increases
 constexpr float kMinAngleDeg = 0.01f, kMaxAngleDeg = 175.0f;
 constexpr float kNearest = 0.02f;  ///< min. distance from the camera to the scene, as a fraction of its radius
 
@@ -39,13 +40,14 @@ glm::vec3 front_of(const glm::vec3& up) {
 }
 
 /// Returns the default direction from the scene to the camera.
-glm::vec3 default_side(const Scene& scene, const glm::vec3& up) {
+glm::vec3 default_side(const Scene& scene, const glm::vec3& up, bool shows_horizon) {
   const glm::vec3 front = front_of(up), right = glm::cross(up, front);
   const glm::vec3 size = scene.bounds_max - scene.bounds_min;
   const float height = glm::dot(size, glm::abs(up));
   const float width = std::max(glm::dot(size, glm::abs(front)), glm::dot(size, glm::abs(right)));
   const float flatness = width > 0.0f ? std::clamp(1.0f - height / (kFlat * width), 0.0f, 1.0f) : 0.0f;
-  const float elevation = glm::radians(kElevationDeg + flatness * (kFlatElevationDeg - kElevationDeg));
+  const float elevation = glm::radians(shows_horizon ? kHorizonElevationDeg
+                                                     : kElevationDeg + flatness * (kFlatElevationDeg - kElevationDeg));
   const float azimuth = glm::radians(kAzimuthDeg);
   return std::cos(elevation) * (std::cos(azimuth) * front + std::sin(azimuth) * right) + std::sin(elevation) * up;
 }
@@ -278,7 +280,7 @@ Camera camera_before_turn(const Scene& scene, const Framing& framing, int width,
 
   if (framing.position) return placed(*framing.position, target_of(scene, framing), up, angle_deg, aspect, framing);
   const bool has_direction = framing.direction && is_direction(*framing.direction);
-  glm::vec3 side = has_direction ? -glm::normalize(*framing.direction) : default_side(scene, up);
+  glm::vec3 side = has_direction ? -glm::normalize(*framing.direction) : default_side(scene, up, framing.shows_horizon);
   side = turned(side, up, framing.azimuth_deg, framing.elevation_deg);
   const Axes axes = axes_of(framing.focal_point.value_or(scene.center()), side, up);
   const bool keep_middle = framing.focal_point.has_value();

@@ -13,7 +13,9 @@ struct Framing {
   std::optional<glm::vec3> position, focal_point, view_up, direction;
   std::optional<float> view_angle_deg;  ///< vertical field of view
   float usual_view_angle_deg = 30.0f;   ///< that of a fitted camera without view_angle_deg
-  float margin = 0.06f;                 ///< fraction of the picture left free on each side of a fitted model
+  /// A fitted camera without a direction looks down less, so that the horizon is in the upper part of the picture.
+  bool shows_horizon = false;
+  float margin = 0.06f;  ///< fraction of the picture left free on each side of a fitted model
   /// A fitted camera centres the model together with its shadow on Scene::ground_object, if the key light, the scene's
   /// or else that of studio_lighting, is parallel, and as far as the model keeps a margin of 0.06. The picture's window
   /// is shifted, not the camera.
