@@ -11,6 +11,7 @@
 
 #include "core/watch.h"
 #include "rays/embree_device.h"
+#include "scene/point_normals.h"
 
 namespace umbrage {
 
@@ -68,6 +69,9 @@ Surface surface_at(const TracedScene& traced, unsigned mesh_index, unsigned tria
   if (mesh.points) {
     // Embree's normal of a sphere has arbitrary length.
     normal = geometric = mesh.spheres ? unit(ng) : mesh.normals[triangle];
+    if (!mesh.bends.empty())
+      normal = bent_normal(normal, mesh.bends[triangle] / traced.scale,
+                           surface.position - traced.unit_of(mesh.positions[triangle]));
   } else {
     const std::uint32_t* i = mesh.indices.data() + std::size_t(triangle) * 3;
     normal = mesh.normals[i[0]] * (1.0f - u - v) + mesh.normals[i[1]] * u + mesh.normals[i[2]] * v;

@@ -17,6 +17,7 @@
 #include <tuple>
 
 #include "core/absolute_length.h"
+#include "scene/point_normals.h"
 
 namespace umbrage {
 namespace {
@@ -237,14 +238,19 @@ struct NeighborEstimates {
   std::vector<float> spacing;  ///< mean distance of neighbours, for points on a surface
   std::vector<float> cover;    ///< see covering_radius
   std::vector<SmallestVariance> planes;
-  int count = 0;
+  int count = 0;                         ///< number of neighbours of each point
+  std::vector<std::uint32_t> neighbors;  ///< `count` indices of points for each point
 };
 
 NeighborEstimates neighbor_estimates_of(const Mesh& mesh) {
   const std::size_t size = mesh.positions.size();
-  NeighborEstimates estimates{std::vector<float>(size), std::vector<float>(size), std::vector<SmallestVariance>(size),
-                              int(std::min<std::size_t>(kNeighbors, size - 1))};
+  NeighborEstimates estimates{std::vector<float>(size),
+                              std::vector<float>(size),
+                              std::vector<SmallestVariance>(size),
+                              int(std::min<std::size_t>(kNeighbors, size - 1)),
+                              {}};
   if (estimates.count == 0) return estimates;
+  estimates.neighbors.resize(size * std::size_t(estimates.count));
   std::vector<IndexedPoint> placed(size);
   for (std::size_t i = 0; i < size; ++i) placed[i] = {mesh.positions[i], std::uint32_t(i)};
   const Tree tree(std::move(placed));
@@ -265,6 +271,8 @@ NeighborEstimates neighbor_estimates_of(const Mesh& mesh) {
       for (int k = 0; k < nearest.count; ++k) {
         offsets[std::size_t(k)] = glm::dvec3(positions[nearest.places[std::size_t(k)]]) - glm::dvec3(positions[i]);
         sum += offsets[std::size_t(k)];
+        estimates.neighbors[out * std::size_t(estimates.count) + std::size_t(k)] =
+            tree.points[nearest.places[std::size_t(k)]].index;
       }
       const glm::dvec3 middle = sum / double(nearest.count + 1);
       glm::dmat3 variance = glm::outerProduct(middle, middle);  // contribution of the point itself
@@ -279,6 +287,24 @@ NeighborEstimates neighbor_estimates_of(const Mesh& mesh) {
     }
   });
   return estimates;
+}
+
+bool lie_on_surfaces(const NeighborEstimates& estimates) {
+  std::vector<float> fractions(estimates.planes.size());
+  std::transform(estimates.planes.begin(), estimates.planes.end(), fractions.begin(),
+                 [](const SmallestVariance& plane) { return plane.fraction; });
+  return quantile_of(std::move(fractions), 0.5) <= kFlat;
+}
+
+/// Returns the radius of spheres, all of which have one size. On a surface they leave no hole where points are as dense
+/// as most. In a cloud they would touch on a grid, and may overlap where points are dense.
+float sphere_radius(const NeighborEstimates& estimates) {
+  if (lie_on_surfaces(estimates)) return kSlack * quantile_of(estimates.cover, kRadiusQuantile);
+  // The sphere around a point whose radius is the distance of the farthest of n neighbours has n times the volume per
+  // point.
+  const double reach = quantile_of(estimates.spacing, 0.5) / std::sqrt(std::numbers::pi / estimates.count);
+  const double spacing = reach * std::cbrt(4.0 / 3.0 * std::numbers::pi / estimates.count);
+  return float(kSphereRadius * spacing);
 }
 
 }  // namespace
@@ -328,14 +354,10 @@ void shape_points(Mesh& mesh, const PointSettings& settings, float scene_radius)
   const bool given_size = given_radii || settings.size.value > 0.0f;
   const bool needs_planes = settings.shape != PointShape::kSpheres && (!has_normals || !without_normal.empty());
   NeighborEstimates estimates;
-  if (needs_planes || !given_size) estimates = neighbor_estimates_of(mesh);
+  const bool blended = settings.shape != PointShape::kSpheres && !given_radii;
+  if (needs_planes || !given_size || blended) estimates = neighbor_estimates_of(mesh);
   mesh.spheres = settings.shape == PointShape::kSpheres;
-  if (settings.shape == PointShape::kAuto && !has_normals) {
-    std::vector<float> fractions(size);
-    std::transform(estimates.planes.begin(), estimates.planes.end(), fractions.begin(),
-                   [](const SmallestVariance& plane) { return plane.fraction; });
-    mesh.spheres = quantile_of(std::move(fractions), 0.5) > kFlat;
-  }
+  if (settings.shape == PointShape::kAuto && !has_normals) mesh.spheres = !lie_on_surfaces(estimates);
   if (mesh.spheres) {
     mesh.normals.clear();
   } else if (!has_normals) {
@@ -349,6 +371,7 @@ void shape_points(Mesh& mesh, const PointSettings& settings, float scene_radius)
   if (given_size) {
     const float diameter = absolute_length(settings.size, scene_radius);
     mesh.radii.assign(size, 0.5f * diameter);
+    if (!mesh.spheres) blend_discs(mesh, estimates.neighbors, estimates.count);
     return;
   }
   if (estimates.count == 0) {
@@ -356,16 +379,13 @@ void shape_points(Mesh& mesh, const PointSettings& settings, float scene_radius)
     return;
   }
   if (mesh.spheres) {
-    // All spheres have one size, and may overlap where points are dense. The sphere around a point whose radius is the
-    // distance of the farthest of n neighbours has n times the volume per point.
-    const double reach = quantile_of(estimates.spacing, 0.5) / std::sqrt(std::numbers::pi / estimates.count);
-    const double spacing = reach * std::cbrt(4.0 / 3.0 * std::numbers::pi / estimates.count);
-    mesh.radii.assign(size, float(kSphereRadius * spacing));
+    mesh.radii.assign(size, sphere_radius(estimates));
     return;
   }
   mesh.radii = std::move(estimates.cover);
   const float max = kMaxRatioToQuantile * quantile_of(mesh.radii, kRadiusQuantile);
   for (float& radius : mesh.radii) radius = kSlack * std::min(radius, max);
+  blend_discs(mesh, estimates.neighbors, estimates.count);
 }
 
 }  // namespace umbrage

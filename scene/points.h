@@ -24,7 +24,8 @@ struct PointSettings {
 std::size_t clean_points(Mesh& mesh);
 
 /// Sets the radii of cleaned points, unless they have some, and, for discs, the missing normals. With radii from the
-/// spacing, the discs of a surface leave no hole, and spheres, all of one size, would touch on a grid. A missing normal
+/// spacing, the discs or spheres of a surface leave no hole, and the spheres of a cloud would touch on a grid; all
+/// spheres have one size. Discs without given radii blend: see blend_discs. A missing normal
 /// is that of the plane fitted to a point's neighbours [Hoppe et al. 1992], with either sign: renderers flip it towards
 /// the viewer.
 void shape_points(Mesh& mesh, const PointSettings& settings, float scene_radius);

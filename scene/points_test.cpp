@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -11,6 +12,7 @@
 
 #include "scene/finish.h"
 #include "scene/ground.h"
+#include "scene/point_normals.h"
 
 namespace umbrage {
 namespace {
@@ -77,6 +79,90 @@ TEST(Points, OfARoughlyEvenSurfaceLeaveNoHole) {
   for (const float radius : mesh.radii) area += std::numbers::pi * radius * radius;
   EXPECT_LE(open, 6) << "of 3000";
   EXPECT_LT(area, 5.0 * 4.0 * std::numbers::pi) << "each spot is covered a few times, not many";
+}
+
+/// Returns the mean and the maximum angle, degrees, between the normals of two discs at points where they overlap.
+std::pair<double, double> normal_steps(const Mesh& mesh, bool bent) {
+  double sum = 0.0, max = 0.0;
+  int count = 0;
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k) {
+      const glm::vec3 away = mesh.positions[k] - mesh.positions[i];
+      if (glm::length(away) > 0.9f * (mesh.radii[i] + mesh.radii[k])) continue;
+      const glm::vec3 middle = 0.5f * away;
+      const glm::vec3 bend_i = bent ? mesh.bends[i] : glm::vec3(0.0f), bend_k = bent ? mesh.bends[k] : glm::vec3(0.0f);
+      const float cosine =
+          glm::dot(bent_normal(mesh.normals[i], bend_i, middle), bent_normal(mesh.normals[k], bend_k, -middle));
+      const double angle = std::acos(std::clamp(double(std::abs(cosine)), 0.0, 1.0)) * 180.0 / std::numbers::pi;
+      sum += angle;
+      max = std::max(max, angle);
+      ++count;
+    }
+  return {sum / count, max};
+}
+
+TEST(Points, NormalsOfOverlappingDiscsBlend) {
+  // A sphere whose normals have noise of about 10 degrees, as those of a scan.
+  Scene scene;
+  Mesh noisy;
+  noisy.points = true;
+  noisy.positions = random_sphere(3000, false);
+  const std::vector<glm::vec3> noise = random_sphere(3000, false, 3);
+  for (std::size_t i = 0; i < noise.size(); ++i)
+    noisy.normals.push_back(glm::normalize(noisy.positions[i] + 0.2f * noise[i]));
+  scene.meshes = {noisy};
+  finish_scene(scene, 80.0f);
+  const Mesh& mesh = scene.meshes.at(0);
+  ASSERT_EQ(mesh.bends.size(), mesh.positions.size());
+  const auto [flat, flat_max] = normal_steps(mesh, false);
+  const auto [mean, max] = normal_steps(mesh, true);
+  EXPECT_LT(mean, 0.5 * flat);
+  EXPECT_LT(mean, 1.5);
+  EXPECT_LT(max, 12.0) << "two of the given normals differ by up to 23 degrees from noise alone";
+  double off = 0.0;
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+    off += 1.0 - std::abs(double(glm::dot(mesh.normals[i], mesh.positions[i])));
+  EXPECT_LT(std::sqrt(2.0 * off / double(mesh.positions.size())), 0.08) << "radians, of 0.16 before";
+}
+
+TEST(Points, NormalsDoNotBlendAcrossACreaseOrAGap) {
+  // Two walls that meet at 90 degrees, and a disc far from both.
+  std::vector<glm::vec3> points;
+  for (int y = 0; y < 30; ++y)
+    for (int x = 1; x < 30; ++x) {
+      points.emplace_back(0.1f * float(x), 0.1f * float(y), 0.0f);
+      points.emplace_back(0.0f, 0.1f * float(y), 0.1f * float(x));
+    }
+  Scene scene;
+  Mesh walls;
+  walls.points = true;
+  walls.positions = points;
+  for (const glm::vec3& p : points) walls.normals.push_back(p.x > 0.0f ? glm::vec3(0, 0, 1) : glm::vec3(1, 0, 0));
+  walls.positions.emplace_back(30.0f, 0.0f, 0.0f);
+  walls.normals.push_back(glm::normalize(glm::vec3(0.3f, 0.0f, 1.0f)));
+  scene.meshes = {walls};
+  finish_scene(scene, 80.0f);
+  const Mesh& mesh = scene.meshes.at(0);
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const glm::vec3 p = mesh.positions[i];
+    const glm::vec3 expected = p.x > 20.0f  ? glm::normalize(glm::vec3(0.3f, 0.0f, 1.0f))
+                               : p.x > 0.0f ? glm::vec3(0, 0, 1)
+                                            : glm::vec3(1, 0, 0);
+    EXPECT_GT(glm::dot(mesh.normals[i], expected), 0.9999f) << p.x << " " << p.y << " " << p.z;
+    EXPECT_LT(glm::length(mesh.bends[i]) * mesh.radii[i], 0.02f);
+  }
+}
+
+TEST(Points, OfGivenRadiiStayFlat) {
+  Scene scene;
+  Mesh splats;
+  splats.points = true;
+  splats.positions = {{0, 0, 0}, {0.5f, 0, 0}};
+  splats.normals = {{0, 0, 1}, {0.5f, 0, 1}};
+  splats.radii = {1.0f, 1.0f};
+  scene.meshes = {splats};
+  finish_scene(scene, 80.0f);
+  EXPECT_TRUE(scene.meshes.at(0).bends.empty());
 }
 
 TEST(Points, OfACloudAreSpheresOfOneSize) {

@@ -65,6 +65,8 @@ struct Mesh {
   bool points = false;                 ///< each position is drawn as a disc perpendicular to its normal, or as a sphere
   bool spheres = false;                ///< points only: drawn as spheres
   std::vector<float> radii;            ///< points only: one per position, scene units; empty only before finish_scene
+  /// Discs only: change of the normal across each disc, see bent_normal; 1 / scene units; empty: discs are flat.
+  std::vector<glm::vec3> bends;
   int material = 0;                    ///< index into Scene::materials
   int object = 0;                      ///< object id; parts of one object have the same id
 };

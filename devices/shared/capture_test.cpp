@@ -179,6 +179,11 @@ TEST(Capture, DiscsOfARoundSurfaceDoNotShadowEachOther) {
     for (int x = 0; x < 130; ++x) {
       if (!std::isfinite(picture.depth(x, y))) continue;
       const glm::dvec3 n = picture.normal(x, y);
+      // The discs are flat, within 3.5 degrees of the sphere; their normals are those of the sphere.
+      const glm::dvec3 place = ray_of(picture.info, x, y).at(picture.depth(x, y));
+      if (place.z > 0.3) {
+        ASSERT_LT(degrees_between(n, glm::normalize(place)), 0.7) << x << ',' << y;
+      }
       if (glm::dot(n, glm::normalize(glm::dvec3(0.5, 0.3, 1))) < 0.3) continue;
       (picture["shadow"].at(x, y) > 0.5f ? lit : dark) += 1;
     }

@@ -94,6 +94,14 @@ vec3 unit(vec3 v) {
   return max_abs > 0.0f ? normalize(v / max_abs) : vec3(0.0f, 0.0f, 1.0f);
 }
 
+// Returns the normal of a disc at a point on it, as bent_normal in scene/point_normals.cpp.
+vec3 bent_normal(Triangle disc, vec3 position) {
+  vec3 right = normalize(cross(disc.p1, abs(disc.p1.x) < 0.7f ? vec3(1.0f, 0.0f, 0.0f) : vec3(0.0f, 1.0f, 0.0f)));
+  vec3 up = cross(right, disc.p1), offset = position - disc.p0;
+  float x = dot(offset, right), y = dot(offset, up);
+  return normalize(disc.p1 + right * (disc.p2.y * x + disc.p2.z * y) + up * (disc.p2.z * x + disc.bend * y));
+}
+
 Surface surface_at(Ray ray, Hit hit) {
   Surface s;
   s.triangle = triangle_at(hit.triangle);
@@ -105,7 +113,7 @@ Surface surface_at(Ray ray, Hit hit) {
   if (point) geometric = s.triangle.kind == kDisc ? s.triangle.p1 : unit(s.position - s.triangle.p0);
   vec3 normal = normal_at(s.triangle.corner.x) * (1.0f - hit.u - hit.v) + normal_at(s.triangle.corner.y) * hit.u +
                 normal_at(s.triangle.corner.z) * hit.v;
-  if (point) normal = geometric;
+  if (point) normal = s.triangle.kind == kDisc ? bent_normal(s.triangle, s.position) : geometric;
   if (dot(geometric, ray.direction) > 0.0f) geometric = -geometric;
   if (dot(normal, geometric) < 0.0f) normal = -normal;
   s.geometric = unit(geometric);

@@ -98,19 +98,22 @@ float sample_alpha(int index, vec2 uv) {
 // ---- triangles ----
 
 // Four vectors: the three corners, with the mesh, the corners' indices and the kind in the last components. For a
-// point, p0 is the centre, p1 the normal of a disc, p2.x the radius.
+// point, p0 is the centre, p1 the normal of a disc, p2.x the radius; p2.y, p2.z and bend are the change of a disc's normal
+// (Mesh::bends).
 struct Triangle {
   vec3 p0, p1, p2;
   int mesh;
   ivec3 corner;
   int kind;
+  float bend;
 };
 
 Triangle triangle_at(int k) {
   Vectors from = Vectors(table[kTrianglesSlot]);
   vec4 a = from.at[4 * k], b = from.at[4 * k + 1], c = from.at[4 * k + 2], d = from.at[4 * k + 3];
   return Triangle(a.xyz, b.xyz, c.xyz, floatBitsToInt(a.w),
-                  ivec3(floatBitsToInt(b.w), floatBitsToInt(c.w), floatBitsToInt(d.x)), floatBitsToInt(d.y));
+                  ivec3(floatBitsToInt(b.w), floatBitsToInt(c.w), floatBitsToInt(d.x)), floatBitsToInt(d.y),
+                  d.z);
 }
 
 vec3 normal_at(int corner) {

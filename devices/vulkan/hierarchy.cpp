@@ -72,10 +72,11 @@ struct Flattener {
         if (mesh.points) {
           const std::size_t point = node.triangles[k];
           const int vertex = first_vertex[node.meshes[k]] + int(point);
+          const glm::vec3 bend = mesh.bends.empty() ? glm::vec3(0.0f) : mesh.bends[point] / scale;
           out.triangles.push_back({glm::vec4(positions[vertex], bits(int(node.meshes[k]))),
                                    glm::vec4(mesh.spheres ? glm::vec3(0.0f) : mesh.normals[point], bits(vertex)),
-                                   glm::vec4(mesh.radii[point] * scale, 0.0f, 0.0f, bits(vertex)),
-                                   glm::vec4(bits(vertex), bits(mesh.spheres ? kSphere : kDisc), 0.0f, 0.0f)});
+                                   glm::vec4(mesh.radii[point] * scale, bend.x, bend.y, bits(vertex)),
+                                   glm::vec4(bits(vertex), bits(mesh.spheres ? kSphere : kDisc), bend.z, 0.0f)});
           continue;
         }
         int corner[3];

@@ -279,6 +279,31 @@ TEST(VulkanCapture, RasterisationLeavesNoHoleAroundTheCamera) {
       }
 }
 
+TEST(VulkanCapture, DiscsThatBlendHaveTheNormalsOfTheCpu) {
+  // Points on an ellipsoid of uneven axes: the normals of the discs change differently along and across.
+  Mesh discs;
+  discs.points = true;
+  for (int k = 0; k < 1200; ++k) {
+    const float z = 1.0f - (2.0f * float(k) + 1.0f) / 1200.0f, turn = 2.4f * float(k), r = std::sqrt(1.0f - z * z);
+    discs.positions.push_back(3.0f * glm::vec3(r * std::cos(turn), 0.6f * r * std::sin(turn), 0.4f * z));
+    discs.normals.push_back(glm::normalize(glm::vec3(r * std::cos(turn), r * std::sin(turn) / 0.6f, z / 0.4f)));
+  }
+  const Scene scene = scene_of({discs});
+  ASSERT_FALSE(scene.meshes[0].bends.empty());
+  const CaptureSettings settings{.width = 120, .height = 90};
+  const Camera camera = frame_scene(scene, {}, settings.width, settings.height);
+  const Image cpu = test::captured(*make_cpu_device(), scene, camera, settings);
+  for (const VulkanCapture way : test::kGpuCaptures) {
+    Device* const gpu = test::capturing_device(way);
+    UMBRAGE_NEEDS_VULKAN(gpu);
+    const test::NoMessages no_messages;
+    const Image image = test::captured(*gpu, scene, camera, settings);
+    for (const char* plane : {"normal.x", "normal.y", "normal.z"})
+      EXPECT_LE(test::difference(image.plane(plane), cpu.plane(plane), 1e-3).fraction_over, 2e-3)
+          << test::name_of(way) << ' ' << plane;
+  }
+}
+
 TEST(VulkanCapture, RasterisationSeparatesDistantSheets) {
   Device* const raster = test::capturing_device(VulkanCapture::kRaster);
   UMBRAGE_NEEDS_VULKAN(raster);

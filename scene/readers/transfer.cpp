@@ -33,8 +33,8 @@ void list_fields(Archive& archive, Material& material) {
 }
 template <class Archive>
 void list_fields(Archive& archive, Mesh& mesh) {
-  auto& [name, positions, normals, uvs, colors, indices, points, spheres, radii, material, object] = mesh;
-  archive(name, positions, normals, uvs, colors, indices, points, spheres, radii, material, object);
+  auto& [name, positions, normals, uvs, colors, indices, points, spheres, radii, bends, material, object] = mesh;
+  archive(name, positions, normals, uvs, colors, indices, points, spheres, radii, bends, material, object);
 }
 template <class Archive>
 void list_fields(Archive& archive, Light& light) {
