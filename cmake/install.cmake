@@ -30,6 +30,8 @@ install(FILES LICENSE README.md CHANGELOG.md CONTRIBUTING.md TYPE DOC COMPONENT 
 install(DIRECTORY docs TYPE DOC COMPONENT program)
 # The pages link to the README of each effect and to the examples.
 install(DIRECTORY effects reference TYPE DOC COMPONENT program FILES_MATCHING PATTERN README.md)
+# The thumbnailer of file managers, and the MIME types that it names and shared-mime-info lacks.
+install(DIRECTORY apps/share/ TYPE DATA COMPONENT program)
 # The manual page and shell completions, which apps/CMakeLists.txt generates with the program.
 if(NOT CMAKE_CROSSCOMPILING)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/share/ TYPE DATA COMPONENT program)

@@ -139,7 +139,7 @@ int run(int argc, char** argv) {
   app.fallthrough(false);
   std::function<Result<void>()> command;
   for (const AddCommand add :
-       {add_render, add_compare, add_tune, add_figures, add_bench, add_info, add_list, add_manual})
+       {add_render, add_thumbnails, add_compare, add_tune, add_figures, add_bench, add_info, add_list, add_manual})
     add(app, command);
   const std::vector<std::string> commands = command_names(app);
 

@@ -56,7 +56,8 @@ case $name in
     mv "$place/first" "$prefix"
     for file in bin/umbrage include/umbrage/umbrage.h include/umbrage/umbrage.hpp include/umbrage/vulkan.h "$LIB/pkgconfig/umbrage.pc" \
       "$LIB/cmake/umbrage/umbrage-config.cmake" share/doc/umbrage/LICENSE share/doc/umbrage/docs/library.md \
-      share/doc/umbrage/examples/render_file.cpp share/man/man1/umbrage.1 libexec/umbrage/umbrage-import; do
+      share/doc/umbrage/examples/render_file.cpp share/man/man1/umbrage.1 \
+      share/thumbnailers/umbrage.thumbnailer share/mime/packages/umbrage.xml libexec/umbrage/umbrage-import; do
       [ -s "$prefix/$file" ] || fail "$file is not installed"
     done
     # Links between the installed pages resolve.
@@ -172,7 +173,9 @@ case $name in
     done
     # Each file must be in only one package.
     if cat ./*.list | grep -v '/$' | sort | uniq -d | grep .; then fail "these files are in two packages"; fi
-    grep -qx ./usr/bin/umbrage umbrage.list || fail "the program is missing"
+    for file in bin/umbrage share/thumbnailers/umbrage.thumbnailer share/mime/packages/umbrage.xml; do
+      grep -qx "./usr/$file" umbrage.list || fail "the package of the program lacks $file"
+    done
     grep -q "/libumbrage\.so\.$ABI\$" "libumbrage$ABI.list" || fail "the shared library is missing"
     for file in umbrage.h libumbrage.so libumbrage.a umbrage.pc umbrage-config.cmake; do
       grep -q "/$file\$" libumbrage-dev.list || fail "libumbrage-dev lacks $file"

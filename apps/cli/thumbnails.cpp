@@ -1,0 +1,203 @@
+// umbrage thumbnails: draws a small picture of each of many models. Models are read and drawn at the same time, each by
+// one thread; a model that cannot be read or drawn does not stop the others.
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "apps/cli/commands.h"
+#include "apps/cli/picture_file.h"
+#include "apps/cli/progress.h"
+#include "apps/cli/render_options.h"
+#include "core/guarded.h"
+#include "io/image_file.h"
+#include "renderer/devices.h"
+#include "renderer/draw.h"
+#include "renderer/models.h"
+#include "scene/readers/import.h"
+
+namespace umbrage::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ThumbnailOptions : RenderOptions {
+  int size = 256;
+};
+
+/// A model, and the file that its picture is written to.
+struct Thumbnail {
+  std::string model;
+  fs::path file;
+};
+
+bool is_model(const fs::path& file) {
+  std::string extension = file.extension().string();
+  if (extension.empty() || file.filename().string().starts_with('.')) return false;
+  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+  const auto& formats = import_formats();
+  return std::find(formats.begin(), formats.end(), extension.substr(1)) != formats.end();
+}
+
+/// Returns the models in a folder and its subfolders, sorted. Errors: kFile if there are none.
+Result<std::vector<fs::path>> models_in(const fs::path& folder) {
+  std::vector<fs::path> models;
+  std::error_code error;
+  fs::recursive_directory_iterator entry(folder, fs::directory_options::skip_permission_denied, error), end;
+  for (; !error && entry != end; entry.increment(error)) {
+    std::error_code ignored;
+    if (entry->is_regular_file(ignored) && is_model(entry->path())) models.push_back(entry->path());
+  }
+  if (error) return file_error("the folder '{}' cannot be read: {}", folder.string(), error.message());
+  if (models.empty()) return file_error("the folder '{}' contains no model; see umbrage list formats", folder.string());
+  std::sort(models.begin(), models.end());
+  return models;
+}
+
+/// Returns the name of a model's picture: "bunny.obj.png", or "claw.png" for "scene:claw?detail=100".
+fs::path picture_name(const std::string& model) {
+  constexpr std::string_view kBuiltIn = "scene:";
+  if (model.starts_with(kBuiltIn)) return model.substr(kBuiltIn.size(), model.find('?') - kBuiltIn.size()) + ".png";
+  return fs::path(model).filename().string() + ".png";
+}
+
+/// Returns the pictures to make: one for each model that is named, or in a folder that is named. Errors: kFile; kUsage
+/// for two pictures of one name.
+Result<std::vector<Thumbnail>> thumbnails_of(const ThumbnailOptions& o) {
+  std::vector<Thumbnail> all;
+  std::error_code ignored;
+  const fs::path output = o.output;
+  const bool is_file = o.models.size() == 1 && output.extension() == ".png" && !fs::is_directory(output, ignored) &&
+                       !fs::is_directory(o.models[0], ignored);
+  if (is_file) return std::vector<Thumbnail>{{o.models[0], output}};
+  for (const std::string& model : o.models) {
+    if (!fs::is_directory(model, ignored)) {
+      all.push_back({model, output / picture_name(model)});
+      continue;
+    }
+    const auto models = models_in(model);
+    if (!models) return models.error();
+    for (const fs::path& file : *models)
+      all.push_back({file.string(), output / file.lexically_relative(model).parent_path() / picture_name(file)});
+  }
+  std::map<fs::path, std::string> models;
+  for (const Thumbnail& one : all)
+    if (const auto [other, is_new] = models.emplace(one.file, one.model); !is_new)
+      return usage_error("'{}' and '{}' would both be written to '{}'", other->second, one.model, one.file.string());
+  if (auto fine = check_folder(output, {}); !fine) return fine.error();
+  return all;
+}
+
+/// Reads, draws and writes one model. `drawing` is locked while the device is used.
+Result<void> make(const Thumbnail& one, const ThumbnailOptions& o, const Recipe& recipe,
+                  const ImportSettings& import_with, Device& device, std::mutex& drawing) {
+  auto scene = load_scene(one.model, import_with);
+  if (!scene) return scene.error();
+  complete_scene(*scene, recipe);
+  std::error_code error;
+  if (one.file.has_parent_path()) fs::create_directories(one.file.parent_path(), error);
+  if (error)
+    return file_error("the folder '{}' cannot be created: {}", one.file.parent_path().string(), error.message());
+  const std::lock_guard lock(drawing);
+  const ScopedPlanePool kept(device.pool());
+  if (auto ready = device.prepare(*scene); !ready) return ready;
+  const auto plan = make_plan(recipe, *scene, device.threads());
+  if (!plan) return plan.error();
+  StageTimes times;
+  const auto drawn = draw(device, *scene, *plan, times);
+  if (!drawn) return drawn.error();
+  std::vector<std::string> names = {"color.r", "color.g", "color.b"};
+  if (o.request.transparent) names.push_back("color.a");
+  const auto image = device.download(drawn->frame, names);
+  if (!image) return image.error();
+  const Destination destination{one.file.string(), nullptr, drawn->frame.info};
+  return write_picture(destination, convert_for_file(o, destination, *image, names, recipe.settings, {}),
+                       {.bits = o.bits(), .threads = 1});
+}
+
+/// Returns the devices: on the CPU one for each of `count` threads, among which the cores are divided.
+Result<std::vector<std::unique_ptr<Device>>> devices_of(const ThumbnailOptions& o, std::size_t count) {
+  std::vector<std::unique_ptr<Device>> devices;
+  auto first = device_of(o);
+  if (!first) return first.error();
+  const int threads = (*first)->threads();
+  const bool is_cpu = (*first)->description().starts_with("cpu");
+  count = std::clamp(count, std::size_t(1), std::size_t(threads));
+  devices.push_back(std::move(*first));
+  if (!is_cpu || count == 1) return devices;
+  devices.clear();
+  while (devices.size() < count) {
+    auto next = make_device("cpu", std::max(1, threads / int(count)));
+    if (!next) return next.error();
+    devices.push_back(std::move(*next));
+  }
+  return devices;
+}
+
+Result<void> thumbnails(const ThumbnailOptions& given) {
+  ThumbnailOptions o = given;
+  o.request.width = o.request.height = o.size;
+  if (!o.is_given("anti-aliasing") && !o.is_given("quality")) o.request.anti_aliasing = 4;
+  const auto recipe = make_recipe(o.request);
+  if (!recipe) return recipe.error();
+  const auto import_with = import_settings(o.request);
+  if (!import_with) return import_with.error();
+  const auto all = thumbnails_of(o);
+  if (!all) return all.error();
+  auto devices = devices_of(o, all->size());
+  if (!devices) return devices.error();
+
+  ProgressLine line;
+  std::mutex reporting;
+  std::vector<std::mutex> drawing(devices->size());
+  std::atomic<std::size_t> next = 0, done = 0, failed = 0;
+  std::optional<Error> last;  // guarded by `reporting`
+  const auto work = [&](std::size_t worker) {
+    const std::size_t own = worker % devices->size();
+    for (std::size_t k = next++; k < all->size(); k = next++) {
+      const Thumbnail& one = (*all)[k];
+      const auto made = guarded([&] { return one.model; },
+                                [&] { return make(one, o, *recipe, *import_with, *(*devices)[own], drawing[own]); });
+      line.show("drawing " + one.model, double(++done) / double(all->size()));
+      if (made) continue;
+      ++failed;
+      const std::lock_guard lock(reporting);
+      last = made.error();
+      if (all->size() == 1) continue;
+      line.wipe();
+      std::fputs(("umbrage: " + with_option_names(last->message) + "\n").c_str(), stderr);
+    }
+  };
+  std::vector<std::jthread> workers;
+  const std::size_t count = std::min(all->size(), std::size_t(std::max(1u, std::thread::hardware_concurrency())));
+  for (std::size_t worker = 1; worker < count; ++worker) workers.emplace_back(work, worker);
+  work(0);
+  workers.clear();
+  line.wipe();
+  if (failed == 0) return {};
+  if (all->size() == 1) return *last;
+  return file_error("{} of {} models have no picture: see above", failed.load(), all->size());
+}
+
+}  // namespace
+
+void add_thumbnails(CLI::App& app, std::function<Result<void>()>& run) {
+  CLI::App* command = app.add_subcommand("thumbnails", "draw a small picture of each model, also of whole folders");
+  auto options = std::make_shared<ThumbnailOptions>();
+  command->add_option("MODEL", options->models, "model files, folders of model files, or scene:NAME")->required();
+  command
+      ->add_option("-o,--output", options->output,
+                   "folder for the pictures, NAME.png for the model NAME; for a single model also a .png file")
+      ->required();
+  add_number(*command, "--size", options->size, {1, 4096, NumberKind::kInteger}, "width and height, pixels");
+  for (const char* field : {"look", "quality", "anti_aliasing", "transparent", "up"})
+    add_one(*command, *options, field, "", "", std::string_view(field) == "anti_aliasing" ? "4" : "");
+  add_device_options(*command, *options, kRender);
+  command->callback([options, &run] { run = with_options(options, thumbnails); });
+}
+
+}  // namespace umbrage::cli
