@@ -309,6 +309,42 @@ TEST(Public, ShadesDepthAloneWithEveryKindOfLook) {
   EXPECT_EQ(umb::shade(request, picture).code, 0);
 }
 
+TEST(Public, HolesOfADepthMapAreBackground) {
+  const int side = 48;
+  umb::ShadeRequest request;
+  request.width = request.height = side;
+  request.orthographic = true;
+  request.left = request.bottom = -1.2f;
+  request.right = request.top = 1.2f;
+  request.transparent = true;
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const auto is_hole = [](int x, int y) { return (x > 30 && y > 30) || (x % 9 == 4 && y % 7 == 3); };
+  for (const char* look : {"studio", "bleeding", "cartoon", "unsharp", "lit", "ao"})
+    for (const umb::DepthKind kind : {umb::DepthKind::kView, umb::DepthKind::kRay}) {
+      request.look = look;
+      request.depth_kind = kind;
+      umb::Picture expected;
+      for (const float value : {kInfinity, -kInfinity, std::numeric_limits<float>::quiet_NaN(), 0.0f, -1.0f, 1e10f,
+                                65504.0f, std::numeric_limits<float>::max()}) {
+        auto depth = sphere_depth(side);
+        for (int y = 0; y < side; ++y)
+          for (int x = 0; x < side; ++x)
+            if (is_hole(x, y)) depth[std::size_t(y) * std::size_t(side) + std::size_t(x)] = value;
+        request.arrays = {{.name = "depth", .values = depth.data()}};
+        umb::Picture picture;
+        const auto outcome = umb::shade(request, picture);
+        ASSERT_EQ(outcome.code, 0) << look << ": " << outcome.message;
+        if (expected.rgba.empty()) {
+          expected = picture;
+          // Lines of a look may cover a hole's border.
+          EXPECT_LT(picture.rgba[(44 * side + 44) * 4 + 3], 1e-6f) << look;
+          EXPECT_GT(picture.rgba[(12 * side + 20) * 4 + 3], 0.999f) << look;
+        }
+        ASSERT_EQ(picture.rgba, expected.rgba) << look << ", " << value;
+      }
+    }
+}
+
 TEST(Public, ReportsErrorsOfArrays) {
   const auto depth = sphere_depth(8);
   umb::ShadeRequest good;

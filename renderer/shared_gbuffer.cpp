@@ -19,6 +19,13 @@ namespace {
 constexpr std::size_t kMaxIds = 1 << 24;  // a float represents integers up to this exactly
 constexpr float kNoSurface = std::numeric_limits<float>::infinity();
 
+/// Returns whether a distance is one of the values that renderers write where there is no surface: 1e10 (Cycles), 65504
+/// (infinity stored as a half float that may not be infinite), the largest float.
+bool means_no_surface(float distance) {
+  constexpr float kCyclesBackground = 1e10f, kMaxHalf = 65504.0f;
+  return distance == kCyclesBackground || distance == kMaxHalf || distance == std::numeric_limits<float>::max();
+}
+
 /// Computes the view depth of one pixel; infinity where there is no surface.
 class ViewDepth {
  public:
@@ -29,9 +36,9 @@ class ViewDepth {
     const float n = lens_.near_plane, f = lens_.far_plane;
     switch (lens_.depth_kind) {
       case DepthMeaning::kView:
-        return value > 0.0f ? value : kNoSurface;
+        return value > 0.0f && !means_no_surface(value) ? value : kNoSurface;
       case DepthMeaning::kRay: {
-        if (!(value > 0.0f)) return kNoSurface;
+        if (!(value > 0.0f) || means_no_surface(value)) return kNoSurface;
         if (lens_.orthographic) return value;
         const float across = lens_.left + (lens_.right - lens_.left) * (float(x) + 0.5f) / float(lens_.width);
         const float up = lens_.top + (lens_.bottom - lens_.top) * (float(y) + 0.5f) / float(lens_.height);
@@ -196,7 +203,8 @@ DepthRange convert_depth(const Lens& lens, Plane& depth) {
   if (is_view_depth)
     for_rows(depth.height, [&](int y) {
       int wrong = 0;
-      for (int x = 0; x < depth.width; ++x) wrong |= int(!(depth.row(y)[x] > 0.0f));  // infinity is valid
+      for (int x = 0; x < depth.width; ++x)  // infinity is valid
+        wrong |= int(!(depth.row(y)[x] > 0.0f)) | int(means_no_surface(depth.row(y)[x]));
       if (wrong != 0) is_view_depth = false;
       row_ranges[std::size_t(y)] = range_of(depth.row(y), depth.width);
     });

@@ -170,7 +170,7 @@ def shade(
 
     depth: (H, W). `depth_kind`: "view": distance along the view axis, any unit; "ray": distance from the camera along
     the pixel's ray; "window": 0 at the plane `near`, 1 at `far`, as in a depth buffer; "reversed": the opposite. NaN
-    and infinity, and 0 for "view" and "ray", mean that there is no surface.
+    and infinity, and for "view" and "ray" 0, 1e10, 65504 and the largest float, mean that there is no surface.
     normal: (H, W, 3), view space, +x right, +y up, +z towards the camera; default: computed from depth. The parameter
     `view_from_normal`, a 3 x 3 rotation, converts normals of another space.
     albedo: (H, W, 3), linear, 0 to 1, or one colour. Alpha, a fourth channel, is not read.
