@@ -1,0 +1,40 @@
+// The rows of the table of options, in two parts, and what both need. Internal to renderer/options.cpp.
+#pragma once
+#include <vector>
+
+#include "renderer/options.h"
+
+namespace umbrage {
+
+/// The options of the model, the camera and the technique.
+std::vector<Option> scene_options();
+
+/// The options of the picture, its light, the device, the files and a G-buffer.
+std::vector<Option> picture_options();
+
+inline constexpr double kAnyAngle = 36000.0;  // degrees
+inline constexpr unsigned kSceneCommands = kRender | kCompare | kTune;
+
+/// Access a field of a request, of its camera and of its G-buffer.
+template <auto member>
+auto& in(Request& request) {
+  return request.*member;
+}
+template <auto member>
+auto& in_camera(Request& request) {
+  return request.camera.*member;
+}
+template <auto member>
+auto& in_gbuffer(Request& request) {
+  return request.gbuffer.*member;
+}
+
+/// Returns the names of a list of values.
+template <class Entries>
+std::vector<std::string_view> names_of(const Entries& entries) {
+  std::vector<std::string_view> names;
+  for (const auto& entry : entries) names.push_back(entry.name);
+  return names;
+}
+
+}  // namespace umbrage
