@@ -143,7 +143,8 @@ void set_maps_of_gltf(const aiMaterial& source, const GltfMaterial& gltf, Textur
                     normal = path_of(kNormalMap, aiTextureType_NORMALS, "normalTexture");
   if (!surface.empty() || !occlusion.empty())
     material.surface_texture = textures.find_packed({{{occlusion, 0}, {surface, 1}, {surface, 2}}});
-  if (material.surface_texture == kNoTexture && gltf.maps[kSurfaceMap]) {
+  const bool read = material.surface_texture != kNoTexture && !surface.empty() && !textures.reported.contains(surface);
+  if (!read && gltf.maps[kSurfaceMap]) {
     // Without their map the factors mean nothing.
     material.metallic = 0.0f;
     material.roughness = kNoRoughness;
@@ -162,12 +163,15 @@ void set_maps_of_obj(const aiMaterial& source, TextureCache& textures, Material&
                     metal_map = texture_path(source, aiTextureType_METALNESS);
   if (!rough_map.empty() || !metal_map.empty())
     material.surface_texture = textures.find_packed({{{"", 0}, {rough_map, 0}, {metal_map, 0}}});
-  const bool mapped = material.surface_texture != kNoTexture;
-  if (roughness || metallic || mapped) {
+  const auto is_read = [&](const std::string& map) {
+    return material.surface_texture != kNoTexture && !map.empty() && !textures.reported.contains(map);
+  };
+  const bool rough_mapped = is_read(rough_map), metal_mapped = is_read(metal_map);
+  if (roughness || metallic || rough_mapped || metal_mapped) {
     material.roughness = clamp_to_unit(roughness.value_or(std::pow(2.0f / (material.specular_exponent + 2.0f), 0.25f)));
     material.metallic = clamp_to_unit(metallic.value_or(0.0f));
-    if (mapped && !rough_map.empty()) material.roughness = 1.0f;
-    if (mapped && !metal_map.empty()) material.metallic = 1.0f;
+    if (rough_mapped) material.roughness = 1.0f;
+    if (metal_mapped) material.metallic = 1.0f;
   }
   const std::string normal = texture_path(source, aiTextureType_NORMALS),
                     bump = texture_path(source, aiTextureType_HEIGHT);

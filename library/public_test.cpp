@@ -138,6 +138,17 @@ TEST(Public, AcceptsTheOptionsOfTheCommandLine) {
   EXPECT_NE(drawn({.occlusion_radius = "2%"}), plain);
   EXPECT_NE(drawn({.occlusion_scale = "quarter"}), plain);
   EXPECT_NE(drawn({.background = {{1, 0, 0}}}), plain);
+  EXPECT_NE(drawn({.light_direction = {{60.0f, 20.0f}}}), plain);
+  EXPECT_NE(drawn({.key = 2.0f}), plain);
+  EXPECT_NE(drawn({.fill = 0.0f}), plain);
+  EXPECT_NE(drawn({.rim = 0.0f}), plain);
+  EXPECT_NE(drawn({.shadow_strength = 0.5f}), plain);
+  EXPECT_NE(drawn({.occlusion_strength = 0.0f}), plain);
+  EXPECT_NE(drawn({.exposure = 0.5f}), plain);
+  EXPECT_NE(drawn({.contrast = 1.5f}), plain);
+  EXPECT_NE(drawn({.material = "clay"}), plain);
+  EXPECT_NE(drawn({.color = {{1, 0, 0}}}), plain);
+  EXPECT_NE(drawn({.style = "dark"}), plain);
   EXPECT_NE(drawn({.guard_band = 10.0f}), plain);
   const auto cartoon = drawn({.look = "cartoon"});
   EXPECT_EQ(drawn({.look = "cartoon", .anti_aliasing = 4}), cartoon);

@@ -6,20 +6,23 @@
 namespace umbrage {
 
 Look look_bleeding_paper() {
-  return {
-      .name = "bleeding-paper",
-      .summary = "ambient occlusion and colour bleeding from one hemisphere of samples, as in the paper",
-      .occlusion = "hemisphere",
-      .effects = {"lighting", "occlusion", "box", "composite", "output"},
-      .presets = {"lighting.material=display", "hemisphere.distribution=paper", "hemisphere.range=quadratic",
-                  "hemisphere.range_depth=window", "hemisphere.bias_of=depth", "hemisphere.bias=0",
-                  "hemisphere.border=clamp", "hemisphere.weight=1", "hemisphere.bleeding=1", "hemisphere.area=paper",
-                  "hemisphere.floor=0", "hemisphere.ambient_bounce=0", "box.background=mix", "composite.mode=bleeding",
-                  "composite.albedo=display", "output.transfer=none", "output.background_r=0.36",
-                  "output.background_g=0.40", "output.background_b=0.45"},
-      .lit_by = "lighting",
-      .image_lit_presets = {"lighting.ambient=1"},
-      .image_exposed_presets = {"output.metering=light", "output.exposure=0"}};
+  return {.name = "bleeding-paper",
+          .summary = "ambient occlusion and colour bleeding from one hemisphere of samples, as in the paper",
+          .occlusion = "hemisphere",
+          .effects = {"lighting", "occlusion", "box", "composite", "output"},
+          .presets = {"lighting.material=display",  "hemisphere.distribution=paper",
+                      "hemisphere.range=quadratic", "hemisphere.range_depth=window",
+                      "hemisphere.bias_of=depth",   "hemisphere.bias=0",
+                      "hemisphere.border=clamp",    "hemisphere.weight=1",
+                      "hemisphere.bleeding=1",      "hemisphere.area=paper",
+                      "hemisphere.floor=0",         "hemisphere.ambient_bounce=0",
+                      "box.background=mix",         "composite.mode=bleeding",
+                      "composite.albedo=display",   "output.transfer=none",
+                      "output.pivot=0.46",          "output.background_r=0.36",
+                      "output.background_g=0.40",   "output.background_b=0.45"},
+          .lit_by = "lighting",
+          .image_lit_presets = {"lighting.ambient=1"},
+          .image_exposed_presets = {"output.metering=light", "output.exposure=0"}};
 }
 
 }  // namespace umbrage

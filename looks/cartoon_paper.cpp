@@ -11,7 +11,7 @@ Look look_cartoon_paper() {
           .occlusion = "sphere",
           .effects = {"occlusion", "gaussian", "toon", "outline", "output"},
           .presets = {"gaussian.rounds=4", "toon.mode=paper", "toon.rig=key", "toon.shadow=0", "toon.albedo=display",
-                      "outline.mode=paper", "output.transfer=none", "output.background_r=0.36",
+                      "outline.mode=paper", "output.transfer=none", "output.pivot=0.46", "output.background_r=0.36",
                       "output.background_g=0.40", "output.background_b=0.45"}};
 }
 

@@ -10,7 +10,7 @@ std::span<const Style> styles() {
       {.name = "dark",
        .summary = "a dark background, for slides",
        .presets = {"output.background_r=0.14", "output.background_g=0.15", "output.background_b=0.17",
-                   "output.gradient=0.5", "outline.r=0", "outline.g=0", "outline.b=0"}},
+                   "output.gradient=0.5", "outline.r=0.85", "outline.g=0.87", "outline.b=0.9"}},
       {.name = "blueprint",
        .summary = "a blue model on dark blue, with light lines where the look draws lines",
        .presets = {"output.background_r=0.07", "output.background_g=0.18", "output.background_b=0.36",

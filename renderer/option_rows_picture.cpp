@@ -115,7 +115,7 @@ std::vector<Option> picture_options() {
        .option = "material",
        .group = "Picture",
        .help = "materials of the model: file, its own; clay, white plaster without textures",
-       .initial = "file",
+       .initial = "file, unless set by the style",
        .where = in<&Request::material>,
        .choices = {"file", "clay"}},
       {.field = "color",
@@ -248,8 +248,7 @@ std::vector<Option> picture_options() {
        .group = "Output",
        .help =
            "planes to write instead of the picture: names such as depth,normal,ao, or all; beauty: the picture, its "
-           "parts and "
-           "geometry, for compositing",
+           "parts and geometry, for compositing",
        .where = in<&Request::passes>,
        .form = OptionForm::kWords},
       {.field = "bits",

@@ -224,6 +224,8 @@ Result<void> check_combinations(const Request& r) {
         "`camera.position` and `camera.focal_point` are both '{},{},{}': a camera cannot look at its own position",
         v[0], v[1], v[2]);
   }
+  if (r.color && r.material == "file")
+    return usage_error("`color` needs `material` clay: the colours of the file are its own");
   if (r.hdri_skybox && r.hdri_file.empty())
     return usage_error("`hdri_skybox` needs an image: `hdri_file` FILE, or `hdri_file` sky:");
   if (r.hdri_skybox && r.transparent)

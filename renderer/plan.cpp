@@ -71,7 +71,7 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
 
 /// Adds what surfaces mirror besides the lights, if a material has a roughness: the environment image or the studio.
 void add_reflections(const Scene& scene, Plan& plan) {
-  if (!picture_info(scene, plan.camera, plan.capture).has_roughness) return;
+  if (plan.lighting().reflections || !picture_info(scene, plan.camera, plan.capture).has_roughness) return;
   if (plan.recipe.hdri.lights())
     plan.lighting().reflections = image_lighting(plan.recipe.hdri, scene.up, true).reflections;
   else if (plan.recipe.look->studio_lights && plan.lit_from_camera)
@@ -230,6 +230,7 @@ Plan turned(const Plan& first, const Scene& scene, float angle_deg) {
   plan.camera = frame_scene(scene, recipe.framing, recipe.width, recipe.height);
   if (recipe.hdri.lights()) {
     plan.lighting() = image_lighting(recipe.hdri, scene.up, first.lighting().reflections != nullptr);
+    adjust_lights(false, plan);
   } else if (plan.lit_from_camera) {
     const glm::mat3 turn(glm::rotate(glm::mat4(1.0f), glm::radians(angle_deg), glm::normalize(scene.up)));
     const glm::vec3 center = turn_center(scene, first.recipe.framing);

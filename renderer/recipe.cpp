@@ -33,6 +33,7 @@ glm::vec3 vector_of(const Vector3& v) { return {v[0], v[1], v[2]}; }
 
 /// Returns the linear albedo that replaces the model's materials; empty if they stay.
 std::optional<glm::vec3> clay_of(const Request& request) {
+  if (request.material == "file") return std::nullopt;
   const Style* style = find_style(request.style);
   std::optional<Vector3> color = request.color;
   if (!color && style) color = style->color;
@@ -91,7 +92,6 @@ void apply_strengths(const Request& request, EffectSettings& settings) {
   as<OutputParams>(params_of(settings, "output")).contrast *= request.contrast;
   as<LightingParams>(params_of(settings, "lighting")).shadow *= request.shadow_strength;
   as<ToonParams>(params_of(settings, "toon")).shadow *= request.shadow_strength;
-  as<GroundParams>(params_of(settings, "ground")).strength *= request.shadow_strength;
   as<CompositeParams>(params_of(settings, "composite")).occlusion *= request.occlusion_strength;
   as<ToonParams>(params_of(settings, "toon")).occlusion *= request.occlusion_strength;
 }

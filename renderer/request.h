@@ -84,7 +84,7 @@ struct Request {
   float occlusion_strength = 1.0f;              ///< factor for the occlusion of any technique, 0 to 10
   float contrast = 1.0f;                        ///< factor for the contrast about middle grey, 0 to 4
   float exposure = 0.0f;                        ///< added to the picture's exposure, stops, -20 to 20
-  std::string material = "file";                ///< "file": the model's own; "clay": white plaster everywhere
+  std::string material{};                       ///< "file": the model's own; "clay": white plaster; empty: by `style`
   std::optional<std::array<float, 3>> color{};  ///< of clay, display values 0 to 1; implies material "clay"
   std::string style{};                          ///< "white", "dark", "blueprint", "clay"; empty: none
   std::optional<int> layers{};                  ///< surfaces captured along each ray, 1 to 16; default: set by the look

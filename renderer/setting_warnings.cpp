@@ -7,6 +7,7 @@
 #include "effects/effects.h"
 #include "looks/looks.h"
 #include "looks/settings.h"
+#include "reference/reference.h"
 
 namespace umbrage {
 namespace {
@@ -62,6 +63,15 @@ void warn_about_looks(const Request& request, std::vector<std::string>& sentence
     if (is_set) sentences.push_back(fmt::format("`{}` does nothing: `effects` replace the look", field));
 }
 
+/// Returns whether an effect of the look uses the lights of the scene.
+bool uses_scene_lights(const Recipe& recipe) {
+  if (recipe.occlusion == reference_effect().name) return true;
+  return std::any_of(recipe.look->effects.begin(), recipe.look->effects.end(), [&](std::string_view name) {
+    const Effect* effect = find_effect(name);
+    return effect && uses_scene_lights(*effect, recipe.settings);
+  });
+}
+
 void warn_about_images(const Request& request, const Recipe& recipe, std::vector<std::string>& sentences) {
   const Hdri& hdri = recipe.hdri;
   if (hdri.file.empty()) {
@@ -74,20 +84,40 @@ void warn_about_images(const Request& request, const Recipe& recipe, std::vector
       if (is_set) sentences.push_back(fmt::format("`{}` does nothing: there is no image; try `hdri_file` sky:", field));
     return;
   }
-  const bool uses_lights =
-      std::any_of(recipe.look->effects.begin(), recipe.look->effects.end(), [&](std::string_view name) {
-        const Effect* effect = find_effect(name);
-        return effect && uses_scene_lights(*effect, recipe.settings);
-      });
-  if (hdri.skybox || (uses_lights && hdri.ambient)) return;
+  if (hdri.skybox || (uses_scene_lights(recipe) && hdri.ambient)) return;
   sentences.push_back(hdri.ambient
                           ? fmt::format("`hdri_file` does nothing: the look {} has its own lights", recipe.look->name)
                           : "`hdri_file` does nothing: it is used neither as light nor as background");
 }
 
+/// Adds warnings about strengths of what the picture does not have, and about a background that it does not show.
+void warn_about_strengths(const Request& request, const Recipe& recipe, std::vector<std::string>& sentences) {
+  if (request.occlusion_strength != 1.0f && recipe.occlusion == kNoOcclusion && !recipe.effects_look)
+    sentences.push_back("`occlusion_strength` does nothing: this picture has no occlusion");
+  if (request.shadow_strength != 1.0f && recipe.occlusion == reference_effect().name &&
+      as<ReferenceParams>(params_of(recipe.settings, recipe.occlusion)).light != kReferenceOcclusion)
+    sentences.push_back("`shadow_strength` does nothing: the reference traces the shadows");
+  if (request.background && (recipe.hdri.shown() || request.transparent))
+    sentences.push_back(fmt::format("`background` does nothing: `{}` replaces it",
+                                    recipe.hdri.shown() ? "hdri_skybox" : "transparent"));
+}
+
 /// Adds warnings about factors and directions of lights that the picture does not have.
 void warn_about_lights(const Request& request, const Recipe& recipe, const Scene* scene,
                        std::vector<std::string>& sentences) {
+  if (recipe.clay && request.model.empty())
+    sentences.push_back("`style` " + request.style + " changes the background alone: a G-buffer keeps its colours");
+  if (!uses_scene_lights(recipe)) {
+    const std::pair<const char*, bool> all[] = {{"light_direction", !request.light_direction.empty()},
+                                                {"key", request.key != 1.0f},
+                                                {"fill", request.fill != 1.0f},
+                                                {"rim", request.rim != 1.0f},
+                                                {"shadow_strength", request.shadow_strength != 1.0f}};
+    for (const auto& [field, is_set] : all)
+      if (is_set)
+        sentences.push_back(fmt::format("`{}` does nothing: the look {} has its own light", field, recipe.look->name));
+    return;
+  }
   const bool by_image = recipe.hdri.lights(), own = by_image || (scene && !scene->lights.empty());
   const std::string why = by_image ? "an image lights the scene"
                           : own    ? "the scene has its own lights"
@@ -113,6 +143,7 @@ std::vector<std::string> setting_warnings(const Request& request, const Recipe& 
     sentences.push_back(
         fmt::format("`occlusion_radius` {} does nothing: this picture has no occlusion", request.occlusion_radius));
   warn_about_images(request, recipe, sentences);
+  warn_about_strengths(request, recipe, sentences);
   warn_about_lights(request, recipe, scene, sentences);
   if (scene && scene->point_count() == 0) {
     const char* field = !request.point_size.empty()       ? "point_size"

@@ -201,7 +201,8 @@ struct PlaneCount {
 
 /// Estimates the planes needed for drawing. Planes that later dispatches no longer read are counted, too.
 PlaneCount count_planes(const Recipe& recipe, int layers) {
-  constexpr int kCaptured = 18;              // planes of a captured layer, with two further shadows and emission
+  constexpr int kCaptured =
+      21;  // planes of a captured layer, with two further shadows, emission and those of materials
   constexpr double kUniformAndOutput = 7.0;  // uniform planes, and output
   constexpr double kForAverage = 6.0;        // the finished picture and its inputs
   const double reduced = 1.0 / double(recipe.occlusion_downsampling * recipe.occlusion_downsampling);

@@ -428,6 +428,7 @@ std::size_t finish_scene(Scene& scene, float crease_angle_deg, const PointSettin
     if (mesh.uvs.size() != mesh.positions.size()) mesh.uvs.clear();
     if (mesh.colors.size() != mesh.positions.size()) mesh.colors.clear();
     if (mesh.radii.size() != mesh.positions.size()) mesh.radii.clear();
+    if (mesh.bends.size() != mesh.positions.size()) mesh.bends.clear();
     for (glm::vec3& color : mesh.colors) {
       for (int c = 0; c < 3; ++c) color[c] = color[c] >= 0.0f ? std::min(color[c], 1.0f) : 0.0f;
     }

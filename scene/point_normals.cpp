@@ -18,7 +18,7 @@ constexpr double kReach = 1.5;
 // Added to the variance of the neighbours' positions, as a fraction of the squared reach: few neighbours, or neighbours
 // on a line, give no slope rather than a random one.
 constexpr double kDamping = 0.001;
-// The normal at a disc's border is at most this tangent from the one at its centre.
+// Bound of the slopes of the normal over a disc: of each entry of their matrix, relative to the radius.
 constexpr float kMaxBend = 1.0f;
 
 // The second round fits to smoother normals: their slopes are less noisy, and sharper than those of one wider fit.

@@ -6,6 +6,7 @@
 #include "devices/cpu/cpu_device.h"
 #include "generators/builtin.h"
 #include "renderer/draw.h"
+#include "renderer/hdri.h"
 #include "renderer/setting_warnings.h"
 #include "support.h"
 
@@ -108,8 +109,10 @@ TEST(LightOptions, ShadowsHaveAStrength) {
       for (int x = 0; x < kSide; ++x) sum += image.plane("shadow_catcher").at(x, y);
     return sum;
   };
-  EXPECT_GT(cover(1.0f), 10.0);
-  EXPECT_EQ(cover(0.0f), 0.0);
+  // Occlusion on the ground is not a shadow of a light.
+  const double without = cover(0.0f), with = cover(1.0f);
+  EXPECT_GT(with, without + 10.0);
+  EXPECT_NEAR(cover(0.5f), 0.5 * (with + without), 0.1 * (with - without));
 }
 
 TEST(LightOptions, ExposureIsInStops) {
@@ -120,6 +123,43 @@ TEST(LightOptions, ExposureIsInStops) {
   };
   EXPECT_NEAR(value(1.0f), 2.0 * value(0.0f), 1e-4);
   EXPECT_NEAR(value(-2.0f), 0.25 * value(0.0f), 1e-4);
+}
+
+TEST(LightOptions, ContrastIsAboutMiddleGrey) {
+  // lit.r and color.r of one picture without exposure, as linear values.
+  const Image drawn_once = drawn(
+      {.look = "lit", .settings = {"output.transfer=none", "output.tone=none"}, .anti_aliasing = 1, .contrast = 2.0f},
+      {"lit.r", "color.r"});
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const float light = std::max(drawn_once.plane("lit.r").at(x, y), 0.0f);  // ao below 0 gives less than none
+      if (!std::isfinite(drawn_once.plane("depth").at(x, y))) continue;
+      ASSERT_NEAR(drawn_once.plane("color.r").at(x, y), light * light / 0.18f, 1e-4f * (1.0f + light * light));
+    }
+  // Averaging does not change it, except at edges.
+  const auto value = [](int frames, float contrast) {
+    return mean(drawn({.look = "studio", .anti_aliasing = frames, .ground = "off", .contrast = contrast}, {"color.g"}),
+                "color.g", kAll);
+  };
+  EXPECT_NEAR(value(4, 1.6f), value(1, 1.6f), 0.01);
+  EXPECT_GT(std::abs(value(1, 1.6f) - value(1, 1.0f)), 0.01);
+}
+
+TEST(LightOptions, AKeyFactorHoldsForEveryFrameOfATurntable) {
+  const auto key_of = [](float factor) {
+    Request request{.hdri_file = "sky:", .key = factor};
+    auto recipe = make_recipe(request);
+    EXPECT_TRUE(read_hdri(recipe->hdri, {}));
+    Scene scene = model();
+    complete_scene(scene, *recipe);
+    const auto plan = make_plan(*recipe, scene, 1);
+    return std::pair(plan->lighting().lights.at(0).color.g,
+                     turned(*plan, scene, 90.0f).lighting().lights.at(0).color.g);
+  };
+  const auto [first, turned_first] = key_of(1.0f);
+  const auto [doubled, turned_doubled] = key_of(2.0f);
+  EXPECT_FLOAT_EQ(doubled, 2.0f * first);
+  EXPECT_FLOAT_EQ(turned_doubled, 2.0f * turned_first);
 }
 
 TEST(LightOptions, ClayReplacesMaterials) {
@@ -151,6 +191,8 @@ TEST(LightOptions, StylesAreOverriddenByOptions) {
   EXPECT_LT(corner({.style = "dark"}), 0.2f);
   EXPECT_NEAR(corner({.look = "cartoon", .style = "blueprint"}), 0.36f, 1e-5f);
   EXPECT_EQ(corner({.background = Vector3{0.5f, 0.5f, 0.25f}, .style = "white"}), 0.25f);
+  EXPECT_FALSE(make_recipe({.material = "file", .style = "clay"})->clay);
+  EXPECT_FALSE(make_recipe({.material = "file", .color = Vector3{1.0f, 0.0f, 0.0f}}));
   const auto refused = make_recipe({.style = "whit"});
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("`style` cannot be 'whit' (did you mean 'white'?)"), std::string::npos)
@@ -174,6 +216,8 @@ TEST(LightOptions, WhatDoesNothingIsReported) {
     return setting_warnings(request, *make_recipe(request), &scene, [](std::string_view) { return true; });
   };
   const Scene scene = model();
+  EXPECT_EQ(warnings({.look = "unsharp", .key = 2.0f}, scene),
+            (std::vector<std::string>{"`key` does nothing: the look unsharp has its own light"}));
   EXPECT_TRUE(warnings({.light_direction = {10.0f, 20.0f}, .key = 2.0f, .fill = 0.5f, .rim = 0.5f}, scene).empty());
   EXPECT_EQ(warnings({.look = "lit", .rim = 0.5f}, scene),
             (std::vector<std::string>{"`rim` does nothing: the look lit has no such light"}));

@@ -74,13 +74,19 @@ Result<std::vector<Thumbnail>> thumbnails_of(const ThumbnailOptions& o) {
   const bool is_file = o.models.size() == 1 && output.extension() == ".png" && !fs::is_directory(output, ignored) &&
                        !fs::is_directory(o.models[0], ignored);
   if (is_file) return std::vector<Thumbnail>{{o.models[0], output}};
+  if (output.extension() == ".png" && !fs::is_directory(output, ignored))
+    return usage_error("'{}' would be a folder: several models need --output FOLDER", output.string());
   for (const std::string& model : o.models) {
     if (!fs::is_directory(model, ignored)) {
       all.push_back({model, output / picture_name(model)});
       continue;
     }
     const auto models = models_in(model);
-    if (!models) return models.error();
+    if (!models && o.models.size() == 1) return models.error();
+    if (!models) {  // reported like a model that cannot be read
+      all.push_back({model, output / picture_name(model)});
+      continue;
+    }
     for (const fs::path& file : *models)
       all.push_back({file.string(), output / file.lexically_relative(model).parent_path() / picture_name(file)});
   }
@@ -92,16 +98,21 @@ Result<std::vector<Thumbnail>> thumbnails_of(const ThumbnailOptions& o) {
   return all;
 }
 
+/// Makes a folder with its parents, unless it exists or `folder` is empty. Errors: kFile.
+Result<void> make_folder(const fs::path& folder) {
+  std::error_code error;
+  if (!folder.empty()) fs::create_directories(folder, error);
+  if (error) return file_error("the folder '{}' cannot be created: {}", folder.string(), error.message());
+  return {};
+}
+
 /// Reads, draws and writes one model. `drawing` is locked while the device is used.
 Result<void> make(const Thumbnail& one, const ThumbnailOptions& o, const Recipe& recipe,
                   const ImportSettings& import_with, Device& device, std::mutex& drawing) {
   auto scene = load_scene(one.model, import_with);
   if (!scene) return scene.error();
   complete_scene(*scene, recipe);
-  std::error_code error;
-  if (one.file.has_parent_path()) fs::create_directories(one.file.parent_path(), error);
-  if (error)
-    return file_error("the folder '{}' cannot be created: {}", one.file.parent_path().string(), error.message());
+  if (auto made = make_folder(one.file.parent_path()); !made) return made;
   const std::lock_guard lock(drawing);
   const ScopedPlanePool kept(device.pool());
   if (auto ready = device.prepare(*scene); !ready) return ready;
@@ -148,6 +159,7 @@ Result<void> thumbnails(const ThumbnailOptions& given) {
   if (!import_with) return import_with.error();
   const auto all = thumbnails_of(o);
   if (!all) return all.error();
+  if (auto made = make_folder(all->front().file.parent_path()); !made) return made;
   auto devices = devices_of(o, all->size());
   if (!devices) return devices.error();
 
@@ -173,7 +185,8 @@ Result<void> thumbnails(const ThumbnailOptions& given) {
     }
   };
   std::vector<std::jthread> workers;
-  const std::size_t count = std::min(all->size(), std::size_t(std::max(1u, std::thread::hardware_concurrency())));
+  const unsigned threads = o.request.threads > 0 ? unsigned(o.request.threads) : std::thread::hardware_concurrency();
+  const std::size_t count = std::min(all->size(), std::size_t(std::max(1u, threads)));
   for (std::size_t worker = 1; worker < count; ++worker) workers.emplace_back(work, worker);
   work(0);
   workers.clear();

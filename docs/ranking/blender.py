@@ -36,7 +36,7 @@ def load(path):
 
 
 def add_camera(points):
-    """Views the points from 30 degrees to the side and 20 above, as Umbrage does. Returns the lowest corner and a radius."""
+    """Views the points from 30 degrees to the side and 20 above, as Umbrage does. Returns their lowest corner, centre and radius."""
     low = Vector([min(p[i] for p in points) for i in range(3)])
     high = Vector([max(p[i] for p in points) for i in range(3)])
     center, radius = (low + high) / 2, (high - low).length / 2

@@ -3,7 +3,7 @@
 //
 // `antialias_edge_left` is the strength of the edge between this pixel and the one to its left, `antialias_edge_above`
 // of that to the one above: 0 where there is none, 1 where it is clear. `antialias_color` is a copy of the picture,
-// which the last dispatch overwrites.
+// which the third dispatch overwrites.
 //
 // Differs: edges have a strength instead of a flag. So a small change of the picture never changes the result much.
 IN_COLOR(color)

@@ -49,7 +49,8 @@ FN Combined combined() {
     Vec3 lit = direct + ambient + bounced;
     if (C.mode == 5 && C.damping > 0.0f)
       bounced = bounced * clamp(luminance_of(direct) * Real(1.0f / C.damping), Real(0.0f), Real(1.0f));
-    if (C.direct > 0.0f) direct = direct * mad(clamp(ao, Real(0.0f), Real(1.0f)) - 1.0f, Real(C.direct), Real(1.0f));
+    if (C.direct > 0.0f && (C.mode == 0 || C.mode == 5))
+      direct = direct * mad(clamp(ao, Real(0.0f), Real(1.0f)) - 1.0f, Real(C.direct), Real(1.0f));
     if (C.mode == 0 || C.mode == 5) lit = direct + bounced + ambient * tinted(ao, near_albedo(0, 0));
     if (C.mode == 1) lit = lit + gray(ao - 1.0f);
     if (C.mode == 2) lit = (direct + ambient) * ao + bounced;

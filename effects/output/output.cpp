@@ -12,7 +12,6 @@ namespace umbrage {
 namespace {
 
 constexpr double kMaxStops = 20.0;
-constexpr float kMiddleGrey = 0.18f;
 
 const std::vector<Parameter> kTable = {
     real_row("exposure", &OutputParams::exposure, {.min = -kMaxStops, .max = kMaxStops, .unit = "stops"},
@@ -25,7 +24,9 @@ const std::vector<Parameter> kTable = {
         "tone curve: none, or Khronos PBR Neutral, which compresses highlights and deepens shadows and keeps hue "
         "and saturation"),
     real_row("contrast", &OutputParams::contrast, {.initial = 1, .max = 4},
-             "contrast about middle grey, before the tone curve: an exponent of light; 1: as it is"),
+             "contrast about `pivot`, before the tone curve: an exponent of light; 1: as it is"),
+    real_row("pivot", &OutputParams::pivot, {.initial = 0.18, .min = 0.001, .max = 1},
+             "light that contrast does not change: middle grey, 0.46 in looks that draw display values"),
     real_row("shoulder", &OutputParams::shoulder, {.initial = 1, .max = 1},
              "light above this value is compressed, so that nothing exceeds white; 1: off"),
     choice_row("transfer", &OutputParams::transfer, 0, {"srgb", "none"},
@@ -57,7 +58,7 @@ void fill_constants(const OutputParams& params, const PictureInfo& info, OutputC
        .gain = std::exp2(params.exposure),
        .tone = params.tone,
        .contrast = params.contrast,
-       .middle = params.transfer == kTransferSrgb ? kMiddleGrey : srgb_from_linear(kMiddleGrey),
+       .pivot = params.pivot,
        .shoulder = params.shoulder,
        .room = params.shoulder < 1.0f ? 1.0f / (1.0f - params.shoulder) : 0.0f,
        .transfer = params.transfer,

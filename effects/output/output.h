@@ -22,7 +22,8 @@ struct OutputParams {
   float exposure;                                  // stops
   int metering;                                    // one of kMetering...; applied by the caller
   int tone;                                        // one of kTone...
-  float contrast;                                  // exponent of light relative to middle grey
+  float contrast;                                  // exponent of light relative to `pivot`
+  float pivot;                                     // light that contrast does not change
   float shoulder;                                  // light from which on it is compressed to below 1; 1: off
   int transfer;                                    // 0 srgb, 1 none
   float background_r, background_g, background_b;  // as written to the file
@@ -38,13 +39,13 @@ struct OutputConstants {
   int sky;
   float gain;
   int tone;
-  float contrast, middle;  // middle: grey that contrast does not change
-  float shoulder, room;    // room: 1 / (1 - shoulder); 0: no compression
+  float contrast, pivot;
+  float shoulder, room;  // room: 1 / (1 - shoulder); 0: no compression
   int transfer;
   float background_r, background_g, background_b;  // as written to the file
   float behind_r, behind_g, behind_b;              // the same as linear light
   float gradient, one_over_height;                 // see OutputParams; 1 / rows of the whole picture without guard band
-  int first_row;                                   // where these would begin
+  int first_row;  // where the first row of the whole picture is; negative in later strips
   float background_alpha;
   float beauty_behind_r, beauty_behind_g, beauty_behind_b;  // the background, in the values that `beauty` mixes
   int decode;                                               // 0 or 1: these are display values

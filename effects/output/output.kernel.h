@@ -3,8 +3,7 @@
 //
 // At a pixel without surface, `lit` is the light of a shadow that covers the fraction `shadow_catcher` of the pixel, or
 // of surfaces in the average of several pictures that cover `cover` of it; or `cover_for_eye`, if they are averaged
-// perceptually. Lines of the colour
-// `line` that cover the fraction `outline` are drawn over the finished picture.
+// perceptually. Lines of the colour `line` that cover the fraction `outline` are drawn over the finished picture.
 IN_COLOR(lit)
 IN_REAL(depth)
 IN_REAL(outline)
@@ -51,7 +50,7 @@ FN Vec3 neutral(Vec3 light) {
   return select(peak > kUncompressed, compressed, light);
 }
 
-FN Real contrasted(Real v) { return pow(v * Real(1.0f / C.middle), Real(C.contrast)) * Real(C.middle); }
+FN Real contrasted(Real v) { return pow(v * Real(1.0f / C.pivot), Real(C.contrast)) * Real(C.pivot); }
 
 // Returns exposed light: finite, not negative, after contrast, compressed by the tone curve and the shoulder.
 FN Vec3 exposed(Vec3 light) {
@@ -65,8 +64,8 @@ FN Vec3 exposed(Vec3 light) {
 
 FN void output_pixel(Int px, Int py) {
   Bool surface = is_finite(near_depth(0, 0));
-  Real of_eye = share_of(near_cover_for_eye(0, 0));
-  Real of_light = max(share_of(near_cover(0, 0)), share_of(near_shadow_catcher(0, 0)));
+  Real of_eye = fraction_of(near_cover_for_eye(0, 0));
+  Real of_light = max(fraction_of(near_cover(0, 0)), fraction_of(near_shadow_catcher(0, 0)));
   Real covered = max(of_eye, of_light);
   Real fraction = select(surface || covered == Real(0.0f), Real(1.0f), covered);
   Vec3 light = exposed(near_lit(0, 0) * (Real(C.gain) / fraction));

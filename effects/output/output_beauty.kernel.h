@@ -24,10 +24,10 @@ FN Real linear_from_display(Real v) {
 
 FN void output_beauty_pixel(Int px, Int py) {
   Bool surface = is_finite(near_depth(0, 0));
-  Real of_eye = share_of(near_cover_for_eye(0, 0));
-  Real shade = share_of(near_shadow_catcher(0, 0));
-  if (C.cover_display != 0) shade = share_of(Real(1.0f) - linear_from_display(Real(1.0f) - shade));
-  Real of_light = max(share_of(near_cover(0, 0)), shade);
+  Real of_eye = fraction_of(near_cover_for_eye(0, 0));
+  Real shade = fraction_of(near_shadow_catcher(0, 0));
+  if (C.cover_display != 0) shade = fraction_of(Real(1.0f) - linear_from_display(Real(1.0f) - shade));
+  Real of_light = max(fraction_of(near_cover(0, 0)), shade);
   Real covered = max(of_eye, of_light);
   Real fraction = select(surface || covered == Real(0.0f), Real(1.0f), covered);
   Vec3 light = light_of(near_lit(0, 0) * (Real(C.gain) / fraction));

@@ -3,7 +3,7 @@
 
 FN Vec3 clamped_to_0(Vec3 v) { return Vec3(max(v.x, Real(0.0f)), max(v.y, Real(0.0f)), max(v.z, Real(0.0f))); }
 
-FN Real share_of(Real v) { return clamp(v, Real(0.0f), Real(1.0f)); }
+FN Real fraction_of(Real v) { return clamp(v, Real(0.0f), Real(1.0f)); }
 
 // Returns the background's light at a row: `color`, darkened upwards by the gradient.
 FN Vec3 background_at(Int py, Vec3 color) {
@@ -30,7 +30,7 @@ FN Mixed mixed_with_background_and_lines(Bool surface, Vec3 light, Real covered,
   both = select(as_square_roots, mixed_as_square_roots(beyond, light, covered * scale), both);
   light = select(surface, light, both);
   alpha = select(surface, Real(1.0f), alpha);
-  Real line = share_of(near_outline(0, 0));
+  Real line = fraction_of(near_outline(0, 0));
   Bool lines = line > 0.0f;
   alpha = select(lines, line + (Real(1.0f) - line) * alpha, alpha);
   Vec3 drawn = mixed_as_square_roots(light, clamped_to_0(finite_or_zero(near_line(0, 0))),

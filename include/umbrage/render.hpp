@@ -101,6 +101,11 @@ void set_common(const Request& r, Setter& set) {
   set("background", r.background);
   set("transparent", r.transparent);
   set("strokes", r.strokes);
+  set("shadow_strength", r.shadow_strength);
+  set("occlusion_strength", r.occlusion_strength);
+  set("exposure", r.exposure);
+  set("contrast", r.contrast);
+  set("style", r.style);
   for (const std::string& setting : r.settings) set.assign(setting);
 }
 
@@ -130,6 +135,12 @@ inline void set_all(const RenderRequest& r, Setter& set) {
   set("hdri_rotation_deg", r.hdri_rotation_deg);
   set("hdri_intensity", r.hdri_intensity);
   set("light_size_deg", r.light_size_deg);
+  set("light_direction", r.light_direction);
+  set("key", r.key);
+  set("fill", r.fill);
+  set("rim", r.rim);
+  set("material", r.material);
+  set("color", r.color);
   set("layers", r.layers);
   set("extra_views", r.extra_views);
   set("guard_band", r.guard_band);

@@ -123,8 +123,18 @@ struct RenderRequest {
   float hdri_rotation_deg = 0.0f;         ///< rotation about the model's up direction, to the left as seen from inside
   float hdri_intensity = 1.0f;            ///< factor for the brightness of the image, 0 to 1000000
   std::optional<float> light_size_deg{};  ///< angular size of the key light, 0 to 90; default: given by the light
-  std::optional<int> layers{};            ///< surfaces captured along each ray, 1 to 16; default: chosen by the look
-  std::optional<int> extra_views{};       ///< additional cameras, 0 to 4; default: chosen by the look
+  /// Azimuth and elevation of the key light, degrees, as seen from the camera; default: set by the look or the scene.
+  std::optional<std::array<float, 2>> light_direction{};
+  float key = 1.0f, fill = 1.0f, rim = 1.0f;    ///< factors for these lights, 0 to 100
+  float shadow_strength = 1.0f;                 ///< factor for the strength of shadows, 0 to 1
+  float occlusion_strength = 1.0f;              ///< factor for the occlusion of any technique, 0 to 10
+  float exposure = 0.0f;                        ///< stops, -20 to 20
+  float contrast = 1.0f;                        ///< about middle grey, 0 to 4
+  std::string material{};                       ///< "file": the model's own; "clay": white plaster; empty: by `style`
+  std::optional<std::array<float, 3>> color{};  ///< of the whole model, as clay; sRGB, 0 to 1
+  std::string style{};                          ///< "white", "dark", "blueprint", "clay"; empty: none
+  std::optional<int> layers{};       ///< surfaces captured along each ray, 1 to 16; default: chosen by the look
+  std::optional<int> extra_views{};  ///< additional cameras, 0 to 4; default: chosen by the look
   float guard_band = 0.0f;  ///< width drawn beyond each side and cut off, in percent of the longer side; 0 to 100
   /// Passes to return besides the picture: "depth", "normal", "ao", ... "beauty" is the picture as .exr files hold it:
   /// scene-linear light, before the tone curve, premultiplied.
@@ -192,6 +202,8 @@ struct ShadeRequest {
   std::vector<std::string> settings{};
   std::optional<std::array<float, 3>> background{};
   bool transparent = false;
+  float shadow_strength = 1.0f, occlusion_strength = 1.0f, exposure = 0.0f, contrast = 1.0f;
+  std::string style{};
   /// Passes to return, named as in RenderRequest. If empty while `effects` is set: the passes that the last effect
   /// makes.
   std::vector<std::string> passes{};

@@ -198,7 +198,8 @@ bool is_consistent(const Scene& scene) {
       if (texture != kNoTexture && std::size_t(texture) >= scene.textures.size()) return false;
   for (const Mesh& mesh : scene.meshes) {
     if (std::size_t(mesh.material) >= scene.materials.size() || mesh.indices.size() % 3 != 0) return false;
-    for (const std::size_t size : {mesh.normals.size(), mesh.uvs.size(), mesh.colors.size(), mesh.radii.size()})
+    for (const std::size_t size :
+         {mesh.normals.size(), mesh.uvs.size(), mesh.colors.size(), mesh.radii.size(), mesh.bends.size()})
       if (size != 0 && size != mesh.positions.size()) return false;
     std::uint32_t max = 0;
     for (const std::uint32_t index : mesh.indices) max = std::max(max, index);
