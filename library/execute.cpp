@@ -309,6 +309,7 @@ std::vector<Output> JobObject::default_outputs(const Recipe& recipe) const {
       passes.push_back(name);
   }
   std::vector<Output> outputs;
+  outputs.reserve(passes.size());
   for (const std::string& pass : passes) outputs.push_back({.pass = pass, .image = {}, .own = {}});
   return outputs;
 }

@@ -297,7 +297,7 @@ Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view 
     return error == std::errc() && end == number.data() + number.size() && pixels <= kMaxSide ? pixels : 0;
   };
   const int width = parse_side(text.substr(0, separator)),
-            height = separator == text.npos ? width : parse_side(text.substr(separator + 1));
+            height = separator == std::string_view::npos ? width : parse_side(text.substr(separator + 1));
   if (width >= 1 && height >= 1 && long(width) * height <= max_pixels) return std::pair(width, height);
   return usage_error(
       "`{}` cannot be '{}': it takes width,height from 1 to {} pixels, at most {} in total, or one number for a square",

@@ -46,10 +46,10 @@ std::string with_fields_renamed(std::string_view message, std::string (*rename)(
   for (std::size_t at = 0; at < message.size();) {
     if (message[at] == '`') {
       const std::size_t close = message.find('`', at + 1);
-      const std::string_view field = message.substr(at + 1, close == message.npos ? close : close - at - 1);
+      const std::string_view field = message.substr(at + 1, close == std::string_view::npos ? close : close - at - 1);
       const auto row =
           std::find_if(all_options().begin(), all_options().end(), [&](const Option& o) { return o.field == field; });
-      if (close != message.npos && row != all_options().end()) {
+      if (close != std::string_view::npos && row != all_options().end()) {
         text += rename(*row);
         at = close + 1;
         continue;

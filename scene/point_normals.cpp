@@ -44,7 +44,8 @@ double weight_of(const Mesh& mesh, std::size_t i, std::size_t k, const glm::dvec
 
 Fit fit_of(const Mesh& mesh, std::size_t i, std::span<const std::uint32_t> neighbors) {
   const glm::dvec3 center(mesh.positions[i]), normal(mesh.normals[i]);
-  const auto [right, up] = axes_of_disc(mesh.normals[i]);
+  glm::vec3 right, up;
+  std::tie(right, up) = axes_of_disc(mesh.normals[i]);  // clang 14 captures no structured bindings
   // Weighted least squares of normal(x, y) = a + b x + c y, by the normal equations; x, y relative to the reach.
   glm::dmat3 moments(0.0), sums(0.0);  // columns of `sums`: sum of normals, of x times normals, of y times normals
   const double unit = 2.0 * kReach * double(mesh.radii[i]);

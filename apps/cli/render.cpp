@@ -54,12 +54,12 @@ Result<std::vector<std::string>> pass_planes_of(const RenderOptions& o, const De
 /// Parses a number of bytes, such as "6G", "512M" or "100000". Errors: kUsage.
 Result<double> parse_memory(std::string_view text) {
   constexpr std::string_view kUnits = "KMGT";
-  const std::size_t unit = text.empty() ? kUnits.npos : kUnits.find(text.back());
-  const auto number = parse_number(text.substr(0, text.size() - (unit == kUnits.npos ? 0 : 1)));
+  const std::size_t unit = text.empty() ? std::string_view::npos : kUnits.find(text.back());
+  const auto number = parse_number(text.substr(0, text.size() - (unit == std::string_view::npos ? 0 : 1)));
   if (!number || !(*number > 0.0))
     return usage_error(
         "--memory cannot be '{}': it takes a number of bytes, or a number followed by K, M, G or T, such as 6G", text);
-  return unit == kUnits.npos ? *number : *number * std::pow(1024.0, double(unit + 1));
+  return unit == std::string_view::npos ? *number : *number * std::pow(1024.0, double(unit + 1));
 }
 
 Result<void> write_output(const RenderOptions& o, const Destination& destination, const EffectSettings& effect_settings,
