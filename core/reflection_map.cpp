@@ -8,6 +8,8 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>
 
+#include "core/basis.h"
+
 namespace umbrage {
 namespace {
 
@@ -74,8 +76,7 @@ float alpha_of(int level) {
 
 ReflectionMap reflection_map(const std::function<glm::vec3(glm::vec3)>& radiance) {
   return map_of([&](int level, glm::vec3 axis) {
-    const glm::vec3 other = std::abs(axis.x) < 0.7f ? glm::vec3(1.0f, 0.0f, 0.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
-    const glm::vec3 right = glm::normalize(glm::cross(other, axis));
+    const glm::vec3 right = glm::normalize(glm::cross(axis_beside(axis), axis));
     const glm::mat3 basis(right, glm::cross(axis, right), axis);
     glm::vec3 sum(0.0f);
     float weights = 0.0f;

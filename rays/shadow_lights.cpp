@@ -7,6 +7,8 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/trigonometric.hpp>
 
+#include "core/basis.h"
+
 namespace umbrage {
 
 float light_size(const Light& light) {
@@ -20,8 +22,7 @@ bool casts_visible_shadow(const Light& light) {
 
 std::pair<glm::vec3, glm::vec3> disc_axes(const glm::vec3& direction) {
   const glm::vec3 axis = glm::normalize(direction);
-  const glm::vec3 other = std::fabs(axis.x) < 0.7f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
-  const glm::vec3 right = glm::normalize(glm::cross(axis, other));
+  const glm::vec3 right = glm::normalize(glm::cross(axis, axis_beside(axis)));
   return {right, glm::cross(right, axis)};
 }
 

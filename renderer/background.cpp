@@ -8,6 +8,7 @@
 #include <set>
 
 #include "renderer/passes.h"
+#include "scene/scene.h"
 
 namespace umbrage {
 namespace {
@@ -16,9 +17,10 @@ namespace {
 /// layer the effect `hide_ground` sets depth and ids.
 std::optional<float> background_value(std::string_view plane) {
   const std::string pass = pass_of(name_on_first_layer(plane));
-  if (pass == "ao" || is_shadow_plane(pass)) return 1.0f;
-  for (const std::string_view name :
-       {"normal", "albedo", "specular", "shininess", "emission", "direct", "ambient", "open_light", "indirect"})
+  if (pass == "ao" || pass == "material_ao" || is_shadow_plane(pass)) return 1.0f;
+  if (pass == "roughness") return kNoRoughness;
+  for (const std::string_view name : {"normal", "albedo", "specular", "shininess", "metallic", "emission", "direct",
+                                      "ambient", "open_light", "indirect"})
     if (pass == name) return 0.0f;
   if (layer_of_plane(plane) == 0) return std::nullopt;
   if (pass == "depth") return std::numeric_limits<float>::infinity();

@@ -11,9 +11,9 @@ namespace umbrage {
 /// depth, and object_id if the picture has an unseen ground.
 std::vector<std::string> background_planes(const std::vector<std::string>& names, bool has_ground);
 
-/// Gives pixels without surface their background values: 1 in ao and shadows, -1 in ids, infinity in depth, and 0 in
-/// other planes of geometry and of light that is reflected. `image` includes background_planes. `ground_object`: object
-/// id of the unseen ground; < 0: there is none.
+/// Gives pixels without surface their background values: 1 in occlusion and shadows, -1 in ids and roughness, infinity
+/// in depth, and 0 in other planes of geometry and of light that is reflected. `image` includes background_planes.
+/// `ground_object`: object id of the unseen ground; < 0: there is none.
 void set_background(Image& image, int ground_object);
 
 /// Returns the planes `names` of a frame as they are written, after set_background; perhaps with further planes behind

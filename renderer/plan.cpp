@@ -57,6 +57,8 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
   }
   const bool inside = is_inside_scene(plan.camera, scene);
   plan.lit_from_camera = !inside;
+  if (!inside && recipe.look->studio_lights && has_roughness(scene))
+    lighting.reflections = studio_reflections(scene.up);
   if (!inside || !seen) return {};
   const auto traced = build_traced_scene(scene, threads, monitor);
   if (!traced) return traced.error();
@@ -67,15 +69,6 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
   lighting.ambient = kAmbientInside;
   lighting.ambient_shape = {};
   return {};
-}
-
-/// Adds what surfaces mirror besides the lights, if a material has a roughness: the environment image or the studio.
-void add_reflections(const Scene& scene, Plan& plan) {
-  if (plan.lighting().reflections || !picture_info(scene, plan.camera, plan.capture).has_roughness) return;
-  if (plan.recipe.hdri.lights())
-    plan.lighting().reflections = image_lighting(plan.recipe.hdri, scene.up, true).reflections;
-  else if (plan.recipe.look->studio_lights && plan.lit_from_camera)
-    plan.lighting().reflections = studio_reflections(scene.up);
 }
 
 /// Inside a scene, a look that meters the light of an environment image, of which little arrives there, or the median
@@ -108,6 +101,11 @@ void adjust_lights(bool of_studio, Plan& plan) {
   for (std::size_t k = 0; k < count; ++k) lighting.lights[k].color *= recipe.light_factors[k];
 }
 
+/// Leaves only the alpha of a texture.
+void make_white(Texture& texture) {
+  for (std::size_t k = 0; k < texture.rgba.size(); k += 4) std::fill_n(&texture.rgba[k], 3, std::uint8_t(255));
+}
+
 /// Replaces the materials of all surfaces by clay. Cut-outs keep their shape.
 void make_clay(const glm::vec3& albedo, Scene& scene) {
   for (Material& material : scene.materials) {
@@ -116,11 +114,10 @@ void make_clay(const glm::vec3& albedo, Scene& scene) {
       clay.alpha_mask = true;
       clay.alpha_cutoff = material.alpha_cutoff;
       clay.texture = material.texture;
+      if (clay.texture != kNoTexture) make_white(scene.textures[std::size_t(clay.texture)]);
     }
     material = clay;
   }
-  for (Texture& texture : scene.textures)
-    for (std::size_t k = 0; k < texture.rgba.size(); k += 4) std::fill_n(&texture.rgba[k], 3, std::uint8_t(255));
   for (Mesh& mesh : scene.meshes) mesh.colors.clear();
 }
 
@@ -182,7 +179,7 @@ bool needs_ground(const Scene& scene, bool lacks_one, const Recipe& recipe) {
 
 void complete_scene(Scene& scene, const Recipe& recipe) {
   if (recipe.clay) make_clay(*recipe.clay, scene);
-  if (recipe.hdri.lights()) set_lighting(image_lighting(recipe.hdri, scene.up, false), scene);
+  if (recipe.hdri.lights()) set_lighting(image_lighting(recipe.hdri, scene.up, has_roughness(scene)), scene);
   if (needs_ground(scene, lacks_own_ground(scene), recipe))
     add_ground(scene, recipe.hdri.lights() ? lowest_light_deg(scene) : std::nullopt);
 }
@@ -201,7 +198,6 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
       if (auto added = add_lights(scene, threads, monitor, plan); !added) return added.error();
     adjust_lights(lacks_lights && plan.lit_from_camera && recipe.look->studio_lights, plan);
   }
-  add_reflections(scene, plan);
   meter_indoors(scene, plan);
   if (recipe.light_size_deg) widen_key_light(*recipe.light_size_deg, scene, plan.lighting());
   if (auto measured = resolve_lengths(scene, plan); !measured) return measured.error();

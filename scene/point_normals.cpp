@@ -9,6 +9,8 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
+#include "core/basis.h"
+
 namespace umbrage {
 namespace {
 
@@ -105,8 +107,7 @@ double height_of(const Mesh& mesh, std::size_t i, const Fit& fit, std::span<cons
 }  // namespace
 
 std::pair<glm::vec3, glm::vec3> axes_of_disc(const glm::vec3& normal) {
-  const glm::vec3 other = std::fabs(normal.x) < 0.7f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
-  const glm::vec3 right = glm::normalize(glm::cross(normal, other));
+  const glm::vec3 right = glm::normalize(glm::cross(normal, axis_beside(normal)));
   return {right, glm::cross(right, normal)};
 }
 

@@ -17,6 +17,7 @@
 #include <tuple>
 
 #include "core/absolute_length.h"
+#include "core/basis.h"
 #include "scene/point_normals.h"
 
 namespace umbrage {
@@ -193,8 +194,7 @@ using Offsets = std::array<glm::dvec3, kNeighbors>;
 /// Such discs of all points leave no hole. The cell is what remains of a square when each neighbour has cut off the
 /// part that is closer to that neighbour. `spacing` is the mean distance of neighbours.
 double covering_radius(const Offsets& offsets, int count, const glm::dvec3& normal, double spacing) {
-  const glm::dvec3 other = std::abs(normal.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
-  const glm::dvec3 right = glm::normalize(glm::cross(normal, other)), up = glm::cross(normal, right);
+  const glm::dvec3 right = glm::normalize(glm::cross(normal, axis_beside(normal))), up = glm::cross(normal, right);
   struct Corner {
     double x, y;
   };

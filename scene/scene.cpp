@@ -1,6 +1,8 @@
 // Functions of Scene: bounds, counts, size text, lighting.
 #include "scene/scene.h"
 
+#include <algorithm>
+
 #include <cmath>
 
 namespace umbrage {
@@ -29,8 +31,13 @@ std::string size_text(const Scene& scene) {
   return (triangles > 0 ? std::to_string(triangles) + " triangles and " : "") + std::to_string(points) + " points";
 }
 
+bool has_roughness(const Scene& scene) {
+  return std::any_of(scene.materials.begin(), scene.materials.end(),
+                     [](const Material& material) { return material.roughness >= 0.0f; });
+}
+
 Lighting lighting_of(const Scene& scene) {
-  return {scene.lights, scene.ambient, scene.ambient_shape, scene.lit_white_luminance};
+  return {scene.lights, scene.ambient, scene.ambient_shape, scene.lit_white_luminance, scene.reflections};
 }
 
 void set_lighting(Lighting lighting, Scene& scene) {
@@ -38,6 +45,7 @@ void set_lighting(Lighting lighting, Scene& scene) {
   scene.ambient = lighting.ambient;
   scene.ambient_shape = lighting.ambient_shape;
   scene.lit_white_luminance = lighting.lit_white_luminance;
+  scene.reflections = std::move(lighting.reflections);
 }
 
 }  // namespace umbrage

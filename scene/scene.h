@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -67,8 +68,8 @@ struct Mesh {
   std::vector<float> radii;            ///< points only: one per position, scene units; empty only before finish_scene
   /// Discs only: change of the normal across each disc, see bent_normal; 1 / scene units; empty: discs are flat.
   std::vector<glm::vec3> bends;
-  int material = 0;                    ///< index into Scene::materials
-  int object = 0;                      ///< object id; parts of one object have the same id
+  int material = 0;  ///< index into Scene::materials
+  int object = 0;    ///< object id; parts of one object have the same id
 };
 
 /// A camera of a scene: where it is, where it looks, and its projection.
@@ -95,9 +96,10 @@ struct Scene {
   AmbientShape ambient_shape;  ///< change of ambient light with the normal, world space
   /// Luminance of a white surface that faces the light; pictures are exposed for it. With the built-in lights about 1.
   float lit_white_luminance = 1.0f;
-  glm::vec3 bounds_min{0.0f}, bounds_max{0.0f};  ///< filled by finish_scene
-  int ground_object = -1;                        ///< object id of the disc from add_ground; below 0: there is none
-  glm::vec3 ground_center{0.0f};                 ///< centre of the disc
+  std::shared_ptr<const ReflectionMap> reflections;  ///< see Lighting
+  glm::vec3 bounds_min{0.0f}, bounds_max{0.0f};      ///< filled by finish_scene
+  int ground_object = -1;                            ///< object id of the disc from add_ground; below 0: there is none
+  glm::vec3 ground_center{0.0f};                     ///< centre of the disc
   /// Distance from the centre of the disc at which shadows on the disc have faded out; 0: they do not fade.
   float ground_fade_distance = 0.0f;
   std::vector<std::string> warnings;  ///< one sentence each, shown to the user
@@ -108,6 +110,9 @@ struct Scene {
   std::size_t triangle_count() const;
   std::size_t point_count() const;
 };
+
+/// Returns whether a material has a roughness, and so reflects its surroundings.
+bool has_roughness(const Scene& scene);
 
 /// Returns a copy of the scene's lighting.
 Lighting lighting_of(const Scene& scene);

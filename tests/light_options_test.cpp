@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "devices/cpu/cpu_device.h"
+#include "draw_picture.h"
 #include "generators/builtin.h"
 #include "renderer/draw.h"
 #include "renderer/hdri.h"
@@ -21,15 +21,8 @@ Scene model() { return *make_builtin_scene("scene:solids?detail=4000"); }
 /// Draws the model; `planes` besides depth.
 Image drawn(Request request, std::vector<std::string> planes) {
   request.width = request.height = kSide;
-  Scene scene = model();
-  complete_scene(scene, *make_recipe(request));
-  const auto device = make_cpu_device();
-  EXPECT_TRUE(device->prepare(scene));
-  StageTimes times;
-  const auto frame = draw(*device, scene, request, times);
-  EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
   planes.emplace_back("depth");
-  return *device->download(*frame, planes);
+  return test::drawn_picture(model(), request, planes).image;
 }
 
 /// Returns the mean of a plane over the surfaces whose pixels satisfy `chosen(x, y)`.

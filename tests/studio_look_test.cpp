@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "devices/cpu/cpu_device.h"
+#include "draw_picture.h"
 #include "generators/builtin.h"
 #include "looks/metering.h"
 #include "renderer/draw.h"
@@ -83,13 +84,9 @@ struct Picture {
 Picture studio(Scene scene, Request request = {}) {
   request.look = "studio";
   request.width = request.height = kSide;
-  complete_scene(scene, *make_recipe(request));
-  const auto device = make_cpu_device();
-  EXPECT_TRUE(device->prepare(scene));
-  StageTimes times;
-  const auto frame = draw(*device, scene, request, times);
-  EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
-  return {*device->download(*frame, {"color.r", "color.g", "color.b", "color.a", "depth"}), frame->info};
+  const auto drawn =
+      test::drawn_picture(std::move(scene), request, {"color.r", "color.g", "color.b", "color.a", "depth"});
+  return {drawn.image, drawn.info};
 }
 
 std::vector<double> model_values(const Picture& picture) {

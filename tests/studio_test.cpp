@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "devices/cpu/cpu_device.h"
+#include "draw_picture.h"
 #include "generators/builtin.h"
 #include "looks/metering.h"
 #include "renderer/accumulation.h"
@@ -392,19 +393,13 @@ TEST(GroundUnderModels, HidesNothingFromBelow) {
 }
 
 Image studio_picture(Scene scene, const std::string& ground, const std::vector<std::string>& settings = {}) {
-  auto device = make_cpu_device();
   Request request;
   request.width = 128;
   request.height = 128;
   request.look = "studio";
   request.ground = ground;
   request.settings = settings;
-  complete_scene(scene, *make_recipe(request));
-  EXPECT_TRUE(device->prepare(scene));
-  StageTimes times;
-  const auto frame = draw(*device, scene, request, times);
-  EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
-  return *device->download(*frame, {"color.r", "color.g", "color.b", "color.a"});
+  return test::drawn_picture(std::move(scene), request, {"color.r", "color.g", "color.b", "color.a"}).image;
 }
 
 const std::vector<std::string> kPlainBackground = {"output.background_g=0.93", "output.gradient=0"};

@@ -105,9 +105,7 @@ Result<void> run_compare(const CompareOptions& o) {
   const auto page = report_page(*comparison, command_line, **device);
   if (!page) return page.error();
   line.wipe();
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) return file_error("the folder '{}' cannot be created: {}", folder.string(), error.message());
+  if (auto made = make_folder(folder); !made) return made;
   if (auto written = write_text(folder / "scores.json", scores_text(scores)); !written) return written;
   if (auto written = write_text(folder / "index.html", *page); !written) return written;
 

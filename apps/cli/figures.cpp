@@ -107,9 +107,7 @@ Result<void> make_figures(const FiguresOptions& requested) {
   const auto tables = paper->tables(**device, o, progress);
   if (!tables) return tables.error();
   line.wipe();
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!fs::is_directory(folder)) return file_error("the folder '{}' cannot be created", o.output);
+  if (auto made = make_folder(folder); !made) return made;
 
   nlohmann::json records = nlohmann::json::array();
   int missed = 0;

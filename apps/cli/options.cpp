@@ -185,6 +185,13 @@ Result<std::unique_ptr<Device>> device_of(const CommonOptions& o) {
   return make_device(o.request.device, o.request.threads);
 }
 
+Result<void> make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (!folder.empty()) std::filesystem::create_directories(folder, error);
+  if (error) return file_error("the folder '{}' cannot be created: {}", folder.string(), error.message());
+  return {};
+}
+
 Result<void> check_folder(const std::filesystem::path& folder, std::initializer_list<const char*> files) {
   namespace fs = std::filesystem;
   std::error_code ignored;

@@ -112,4 +112,7 @@ Result<std::unique_ptr<Device>> device_of(const CommonOptions& options);
 /// Errors: kFile.
 Result<void> check_folder(const std::filesystem::path& folder, std::initializer_list<const char*> files);
 
+/// Makes a folder with its parents, unless it exists or `folder` is empty. Errors: kFile.
+Result<void> make_folder(const std::filesystem::path& folder);
+
 }  // namespace umbrage::cli

@@ -95,6 +95,13 @@ bool is_scene_linear(const RenderOptions& o, std::string_view extension) {
                                             [](const std::string& s) { return s.starts_with("output.transfer="); });
 }
 
+std::vector<std::string> picture_planes(const RenderOptions& o, const Destination& destination) {
+  const std::string pass = o.request.scene_linear ? "beauty" : "color";
+  std::vector<std::string> names = {pass + ".r", pass + ".g", pass + ".b"};
+  if (o.request.transparent || destination.extension() == "exr") names.push_back(pass + ".a");
+  return names;
+}
+
 Image convert_for_file(const RenderOptions& o, const Destination& destination, const Image& drawn,
                        const std::vector<std::string>& names, const EffectSettings& settings, const PictureInfo& info) {
   const bool is_png = destination.extension() == "png";

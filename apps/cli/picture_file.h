@@ -35,6 +35,9 @@ Result<void> write_picture(const Destination& destination, const Image& image, c
 /// Returns whether the picture is written as scene-linear light: to .exr, unless output.transfer is set.
 bool is_scene_linear(const RenderOptions& o, std::string_view extension);
 
+/// Returns the planes of the picture as the file holds it.
+std::vector<std::string> picture_planes(const RenderOptions& o, const Destination& destination);
+
 /// Converts a drawn picture, or some of its rows, to the planes of the file. `names`: the planes of `drawn` to
 /// write. `info`: properties of the picture, for the range of depth. In .exr, colour is premultiplied, and `beauty`, if
 /// the picture is scene-linear, is the colour.

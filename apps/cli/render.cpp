@@ -30,14 +30,6 @@
 namespace umbrage::cli {
 namespace {
 
-/// Returns the planes of the picture as the file holds it.
-std::vector<std::string> picture_planes(const RenderOptions& o, const Destination& destination) {
-  const std::string pass = o.request.scene_linear ? "beauty" : "color";
-  std::vector<std::string> names = {pass + ".r", pass + ".g", pass + ".b"};
-  if (o.request.transparent || destination.extension() == "exr") names.push_back(pass + ".a");
-  return names;
-}
-
 /// Returns the planes of the requested passes. Errors: kUsage.
 Result<std::vector<std::string>> pass_planes_of(const RenderOptions& o, const Device& device, const Frame& frame) {
   std::vector<std::string> words = o.request.passes;

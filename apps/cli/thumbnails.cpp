@@ -98,14 +98,6 @@ Result<std::vector<Thumbnail>> thumbnails_of(const ThumbnailOptions& o) {
   return all;
 }
 
-/// Makes a folder with its parents, unless it exists or `folder` is empty. Errors: kFile.
-Result<void> make_folder(const fs::path& folder) {
-  std::error_code error;
-  if (!folder.empty()) fs::create_directories(folder, error);
-  if (error) return file_error("the folder '{}' cannot be created: {}", folder.string(), error.message());
-  return {};
-}
-
 /// Reads, draws and writes one model. `drawing` is locked while the device is used.
 Result<void> make(const Thumbnail& one, const ThumbnailOptions& o, const Recipe& recipe,
                   const ImportSettings& import_with, Device& device, std::mutex& drawing) {
@@ -121,11 +113,10 @@ Result<void> make(const Thumbnail& one, const ThumbnailOptions& o, const Recipe&
   StageTimes times;
   const auto drawn = draw(device, *scene, *plan, times);
   if (!drawn) return drawn.error();
-  std::vector<std::string> names = {"color.r", "color.g", "color.b"};
-  if (o.request.transparent) names.push_back("color.a");
+  const Destination destination{one.file.string(), nullptr, drawn->frame.info};
+  const auto names = picture_planes(o, destination);
   const auto image = device.download(drawn->frame, names);
   if (!image) return image.error();
-  const Destination destination{one.file.string(), nullptr, drawn->frame.info};
   return write_picture(destination, convert_for_file(o, destination, *image, names, recipe.settings, {}),
                        {.bits = o.bits(), .threads = 1});
 }

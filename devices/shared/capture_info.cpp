@@ -39,10 +39,8 @@ PictureInfo picture_info(const Scene& scene, const Camera& camera, const Capture
   const glm::mat3 rotation(camera.view_from_world);
   info.ambient_shape = turned(lighting.ambient_shape, rotation);
   info.reflections = lighting.reflections;
-  for (const Material& material : scene.materials) {
-    info.has_roughness = info.has_roughness || material.roughness >= 0.0f;
-    info.has_material_ao = info.has_material_ao || has_occlusion_map(material);
-  }
+  info.has_roughness = has_roughness(scene);
+  info.has_material_ao = std::any_of(scene.materials.begin(), scene.materials.end(), has_occlusion_map);
   info.lit_white_luminance = lighting.lit_white_luminance;
   for (Light light : lighting.lights) {
     light.direction = rotation * light.direction;

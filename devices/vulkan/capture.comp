@@ -166,8 +166,8 @@ PixelUv pixel_uv(Surface s, vec2 pixel) {
   vec3 gradient1 = cross(e2, across) * inverse, gradient2 = cross(across, e1) * inverse;
   vec3 gradient_u = gradient1 * t1.x + gradient2 * t2.x, gradient_v = gradient1 * t1.y + gradient2 * t2.y;
   return PixelUv(t0 + t1 * s.u + t2 * s.v, uv_change(s, pixel + vec2(1.0f, 0.0f), across, gradient_u, gradient_v),
-                 uv_change(s, pixel + vec2(0.0f, 1.0f), across, gradient_u, gradient_v), across,
-                 e1 * t2.y - e2 * t1.y, t1.x * t2.y - t1.y * t2.x);
+                 uv_change(s, pixel + vec2(0.0f, 1.0f), across, gradient_u, gradient_v), across, e1 * t2.y - e2 * t1.y,
+                 t1.x * t2.y - t1.y * t2.x);
 }
 
 // Returns a texture averaged over the pixel.

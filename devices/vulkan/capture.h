@@ -50,7 +50,7 @@ struct CaptureMesh {
   float albedo[3], specular, shininess, emission[3];
   float metallic, roughness, occlusion_strength, normal_scale;
   int texture_index, emission_texture, surface_texture, normal_texture;  // < 0: none
-  int masked;                           // 1: cut out where the texture's alpha is below the cutoff
+  int masked;  // 1: cut out where the texture's alpha is below the cutoff
   float cutoff;
   int colored, color_shift;  // colored 1: the colour of a vertex is at its index + color_shift
   float object_id, material_id;

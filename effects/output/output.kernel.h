@@ -1,17 +1,5 @@
 // Converts light to the values of a file or a screen: exposure, tone curve, transfer function, background. Based on
 // [IEC 61966-2-1] for sRGB and on [Khronos 2024] for the tone curve.
-//
-// At a pixel without surface, `lit` is the light of a shadow that covers the fraction `shadow_catcher` of the pixel, or
-// of surfaces in the average of several pictures that cover `cover` of it; or `cover_for_eye`, if they are averaged
-// perceptually. Lines of the colour `line` that cover the fraction `outline` are drawn over the finished picture.
-IN_COLOR(lit)
-IN_REAL(depth)
-IN_REAL(outline)
-IN_COLOR(line)
-IN_REAL(cover)
-IN_REAL(cover_for_eye)
-IN_REAL(shadow_catcher)
-IN_COLOR(sky)
 OUT_COLOR(color)
 OUT_ALPHA(color)
 
@@ -54,8 +42,7 @@ FN Real contrasted(Real v) { return pow(v * Real(1.0f / C.pivot), Real(C.contras
 
 // Returns exposed light: finite, not negative, after contrast, compressed by the tone curve and the shoulder.
 FN Vec3 exposed(Vec3 light) {
-  light = finite_or_zero(light);  // NaN and infinity become black
-  light = clamped_to_0(light);
+  light = light_of(light);
   if (C.contrast != 1.0f) light = Vec3(contrasted(light.x), contrasted(light.y), contrasted(light.z));
   if (C.tone == kToneNeutral) light = neutral(light);
   if (C.room > 0.0f) light = Vec3(compressed(light.x), compressed(light.y), compressed(light.z));
@@ -63,20 +50,15 @@ FN Vec3 exposed(Vec3 light) {
 }
 
 FN void output_pixel(Int px, Int py) {
-  Bool surface = is_finite(near_depth(0, 0));
-  Real of_eye = fraction_of(near_cover_for_eye(0, 0));
-  Real of_light = max(fraction_of(near_cover(0, 0)), fraction_of(near_shadow_catcher(0, 0)));
-  Real covered = max(of_eye, of_light);
-  Real fraction = select(surface || covered == Real(0.0f), Real(1.0f), covered);
-  Vec3 light = exposed(near_lit(0, 0) * (Real(C.gain) / fraction));
+  Front front = front_of(fraction_of(near_shadow_catcher(0, 0)));
   Vec3 beyond = background_at(py, Vec3(Real(C.behind_r), Real(C.behind_g), Real(C.behind_b)));
   if (C.sky != 0) beyond = exposed(near_sky(0, 0) * Real(C.gain));
-  Mixed mixed = mixed_with_background_and_lines(surface, light, covered, of_eye > of_light, beyond);
-  light = mixed.light;
+  Mixed mixed = mixed_with_background_and_lines(front, exposed(front.light), beyond);
+  Vec3 light = mixed.light;
   if (C.transfer == 0) light = Vec3(srgb_from_linear(light.x), srgb_from_linear(light.y), srgb_from_linear(light.z));
   Vec3 background = Vec3(Real(C.background_r), Real(C.background_g), Real(C.background_b));
   if ((C.sky != 0 || C.gradient > 0.0f) && C.background_alpha > 0.0f) background = light;
-  Bool drawn = surface || covered > 0.0f || near_outline(0, 0) > 0.0f;
+  Bool drawn = front.surface || front.covered > 0.0f || near_outline(0, 0) > 0.0f;
   store_color(select(drawn, light, background));
   store_color_alpha(mixed.alpha);
 }

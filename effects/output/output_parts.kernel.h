@@ -12,11 +12,12 @@ OUT_COLOR(beauty_ambient)
 OUT_COLOR(beauty_indirect)
 OUT_COLOR(beauty_background)
 
+#include "effects/output/output_light.kernel.h"
+
 FN void output_parts_pixel(Int px, Int py) {
   Bool surface = is_finite(near_depth(0, 0));
   Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
-  Vec3 light = finite_or_zero(near_lit(0, 0) * Real(C.gain));
-  light = Vec3(max(light.x, Real(0.0f)), max(light.y, Real(0.0f)), max(light.z, Real(0.0f)));
+  Vec3 light = light_of(near_lit(0, 0) * Real(C.gain));
   Vec3 direct = finite_or_zero(near_lit_direct(0, 0) * Real(C.gain));
   Vec3 indirect = finite_or_zero(near_lit_indirect(0, 0) * Real(C.gain));
   store_beauty_direct(select(surface, direct, none));

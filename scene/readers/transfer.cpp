@@ -53,9 +53,10 @@ void list_fields(Archive& archive, AmbientShape& shape) {
 }
 template <class Archive>
 void list_fields(Archive& archive, Scene& scene) {
+  // No reader sets `reflections`.
   auto& [name, meshes, materials, textures, lights, views, cameras, scene_names, scene_index, up, ambient,
-         ambient_shape, lit_white_luminance, bounds_min, bounds_max, ground_object, ground_center, ground_fade_distance,
-         warnings] = scene;
+         ambient_shape, lit_white_luminance, reflections, bounds_min, bounds_max, ground_object, ground_center,
+         ground_fade_distance, warnings] = scene;
   archive(name, meshes, materials, textures, lights, views, cameras, scene_names, scene_index, up, ambient,
           ambient_shape, lit_white_luminance, bounds_min, bounds_max, ground_object, ground_center,
           ground_fade_distance, warnings);
