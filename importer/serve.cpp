@@ -21,7 +21,7 @@ namespace umbrage {
 
 void serve_import(int argc, char** argv, const ImportFunction& import, const PanoramaFunction& panorama) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // ends this process when the host ends
-  constexpr int kArguments = 7, kPanoramaArguments = 3;
+  constexpr int kArguments = 9, kPanoramaArguments = 3;
   const bool is_panorama = argc == kPanoramaArguments && std::string_view(argv[1]) == kPanoramaOption;
   if ((argc != kArguments && !is_panorama) || ::fcntl(kImportResult, F_GETFD) < 0 ||
       ::fcntl(kImportDone, F_GETFD) < 0) {
@@ -51,8 +51,14 @@ void serve_import(int argc, char** argv, const ImportFunction& import, const Pan
     sent = send_panorama(kImportResult, catch_bad_alloc([&] { return panorama(file); }));
   } else {
     const auto number = [&](int i) { return std::strtof(argv[i], nullptr); };
-    ImportSettings settings{.crease_angle_deg = number(2), .up = {number(3), number(4), number(5)}};
-    if (const int scene = std::atoi(argv[6]); scene != kNoSceneIndex) settings.scene_index = scene;
+    const auto index = [&](int i) {
+      const int value = std::atoi(argv[i]);
+      return value == kNoIndex ? std::nullopt : std::optional(value);
+    };
+    ImportSettings settings{.up = {number(3), number(4), number(5)}, .scene_index = index(6)};
+    if (const float angle = number(2); angle != kNoAngle) settings.crease_angle_deg = angle;
+    settings.animation_index = index(7);
+    settings.animation_time = number(8);
     sent = send_import(kImportResult, catch_bad_alloc([&] { return import(file, settings); }));
   }
   const char byte = 1;

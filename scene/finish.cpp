@@ -414,7 +414,7 @@ void add_triangles(const Mesh& mesh, const glm::mat4& world_from_mesh, SceneBox&
   }
 }
 
-std::size_t finish_scene(Scene& scene, float crease_angle_deg, const PointSettings& points, Poll* poll) {
+std::size_t finish_scene(Scene& scene, std::optional<float> crease_angle_deg, const PointSettings& points, Poll* poll) {
   std::size_t dropped = 0;
   if (scene.materials.empty()) scene.materials.emplace_back();
   for (Material& material : scene.materials) {
@@ -440,7 +440,7 @@ std::size_t finish_scene(Scene& scene, float crease_angle_deg, const PointSettin
     dropped += clean_triangles(mesh);
     if (poll && poll->passing(0.0)) return dropped;
     if (mesh.indices.empty()) continue;
-    if (mesh.normals.empty() || !repair_normals(mesh)) make_normals(mesh, crease_angle_deg, poll);
+    if (mesh.normals.empty() || !repair_normals(mesh)) make_normals(mesh, crease_angle_deg.value_or(80.0f), poll);
     if (poll && poll->ended()) return dropped;
     for (glm::vec2& uv : mesh.uvs) {
       if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = glm::vec2(0.0f);

@@ -2,6 +2,7 @@
 #pragma once
 #include <glm/mat4x4.hpp>
 #include <limits>
+#include <optional>
 
 #include "core/progress.h"
 #include "scene/points.h"
@@ -18,7 +19,7 @@ void make_normals(Mesh& mesh, float crease_angle_deg, Poll* poll = nullptr);
 /// whose position or radius is not usable (clean_points). Creates missing normals, shapes points (shape_points),
 /// removes empty meshes and computes the bounds. Returns the number of dropped triangles and points. If the poll ends,
 /// the scene is incomplete and must be discarded.
-std::size_t finish_scene(Scene& scene, float crease_angle_deg = 80.0f, const PointSettings& points = {},
+std::size_t finish_scene(Scene& scene, std::optional<float> crease_angle_deg = {}, const PointSettings& points = {},
                          Poll* poll = nullptr);
 
 /// An axis-aligned box around parts of a scene, world space.

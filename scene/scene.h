@@ -46,8 +46,13 @@ struct Material {
   /// A linear texture with the normal in the triangle's tangent space: x towards u, y towards v, as 2 t - 1 of a texel
   /// t.
   int normal_texture = kNoTexture;
-  float normal_scale = 1.0f;         ///< multiplies x and y of the normal
-  std::vector<std::string> ignored;  ///< properties in the file that are not drawn: "transmission"
+  float normal_scale = 1.0f;  ///< multiplies x and y of the normal
+  /// Blended: the surface covers a pixel by its opacity, and what is behind it is seen, multiplied by `tint`, through
+  /// the remainder. Multiplied by the alpha of `texture`.
+  bool blended = false;
+  float opacity = 1.0f;
+  glm::vec3 tint{1.0f};              ///< blended only: transmittance of the material, linear
+  std::vector<std::string> ignored;  ///< properties in the file that are not drawn: "clearcoat"
 };
 
 /// Returns the members of a material that are indices of textures.
@@ -63,9 +68,11 @@ struct Mesh {
   std::vector<glm::vec2> uvs;          ///< one per position, or empty; points have none
   std::vector<glm::vec3> colors;       ///< one per position, linear, or empty; they multiply the material's albedo
   std::vector<std::uint32_t> indices;  ///< three per triangle; points have none
-  bool points = false;                 ///< each position is drawn as a disc perpendicular to its normal, or as a sphere
-  bool spheres = false;                ///< points only: drawn as spheres
-  std::vector<float> radii;            ///< points only: one per position, scene units; empty only before finish_scene
+  /// Smoothing group of each triangle, or empty; only before finish_scene. Normals are created within a group; 0: flat.
+  std::vector<std::uint32_t> smoothing;
+  bool points = false;       ///< each position is drawn as a disc perpendicular to its normal, or as a sphere
+  bool spheres = false;      ///< points only: drawn as spheres
+  std::vector<float> radii;  ///< points only: one per position, scene units; empty only before finish_scene
   /// Discs only: change of the normal across each disc, see bent_normal; 1 / scene units; empty: discs are flat.
   std::vector<glm::vec3> bends;
   int material = 0;  ///< index into Scene::materials
@@ -89,8 +96,12 @@ struct Scene {
   std::vector<Light> lights;  ///< world space; the first one is the key light; empty: default lights are used
   std::vector<View> views;    ///< suggested by the scene; the first is the default camera; empty: automatic framing
   std::vector<View> cameras;  ///< cameras of the file, used on request
-  std::vector<std::string> scene_names;  ///< names of all scenes in the file, if it has several; else empty
-  int scene_index = 0;                   ///< index of this scene in scene_names
+  std::vector<std::string> scene_names;      ///< names of all scenes in the file, if it has several; else empty
+  int scene_index = 0;                       ///< index of this scene in scene_names
+  std::vector<std::string> animation_names;  ///< names of all animations in the file
+  /// Position of the scene's origin in the coordinates of the file, which exceed the precision of floats if the model
+  /// is far from the file's origin.
+  glm::dvec3 origin{0.0};
   glm::vec3 up{0.0f, 1.0f, 0.0f};
   glm::vec3 ambient{0.3f};     ///< radiance of ambient light, averaged over all normals
   AmbientShape ambient_shape;  ///< change of ambient light with the normal, world space

@@ -12,12 +12,16 @@ namespace umbrage {
 
 struct ImportSettings {
   /// Faces that meet at a larger angle get a hard edge where normals are created. Degrees.
-  float crease_angle_deg = 80.0f;
+  /// Not set: chosen for each mesh.
+  std::optional<float> crease_angle_deg;
   /// World up. Zero: as the format defines it (+z for STL, the file's own axis for FBX and DAE, otherwise +y).
   glm::vec3 up{0.0f};
   PointSettings points;
   /// Index of the scene in a file with several, from 0. Not set: the file's default scene, or else the first.
   std::optional<int> scene_index;
+  /// Index of an animation in the file, from 0. Not set: the file's pose without animation.
+  std::optional<int> animation_index;
+  float animation_time = 0.0f;  ///< seconds from the start of the animation
 };
 
 /// Reads OBJ with MTL, STL, glTF/GLB, 3DS, DAE and FBX through Assimp, PLY, OFF and XYZ with built-in readers, and

@@ -199,10 +199,12 @@ Result<T> read_in_child_process(const fs::path& file, const std::vector<std::str
 
 Result<Scene> import_in_child_process(const fs::path& file, const ImportSettings& settings, Poll* poll) {
   const auto number = [](float v) { return fmt::format("{}", v); };
+  const auto index = [](const std::optional<int>& v) { return fmt::format("{}", v.value_or(kNoIndex)); };
   return read_in_child_process<Scene>(
       file,
-      {file.string(), number(settings.crease_angle_deg), number(settings.up.x), number(settings.up.y),
-       number(settings.up.z), fmt::format("{}", settings.scene_index.value_or(kNoSceneIndex))},
+      {file.string(), number(settings.crease_angle_deg.value_or(kNoAngle)), number(settings.up.x),
+       number(settings.up.y), number(settings.up.z), index(settings.scene_index), index(settings.animation_index),
+       number(settings.animation_time)},
       receive_import, poll);
 }
 

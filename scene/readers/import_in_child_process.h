@@ -16,8 +16,9 @@ inline constexpr int kImportResult = 3, kImportDone = 4;
 Result<Scene> import_in_child_process(const std::filesystem::path& file, const ImportSettings& settings,
                                       Poll* poll = nullptr);
 
-/// Command-line value for ImportSettings::scene_index that is not set.
-inline constexpr int kNoSceneIndex = -1;
+/// Command-line values for an index and an angle of ImportSettings that are not set.
+inline constexpr int kNoIndex = -1;
+inline constexpr float kNoAngle = -1.0f;
 
 /// Command-line option of umbrage-import: the next argument is a file for read_panorama.
 inline constexpr const char* kPanoramaOption = "--panorama";

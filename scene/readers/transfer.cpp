@@ -26,15 +26,16 @@ template <class Archive>
 void list_fields(Archive& archive, Material& material) {
   auto& [name, albedo, texture, alpha_mask, alpha_cutoff, specular_strength, specular_exponent, emission,
          emission_texture, metallic, roughness, surface_texture, occlusion_strength, normal_texture, normal_scale,
-         ignored] = material;
+         blended, opacity, tint, ignored] = material;
   archive(name, albedo, texture, alpha_mask, alpha_cutoff, specular_strength, specular_exponent, emission,
           emission_texture, metallic, roughness, surface_texture, occlusion_strength, normal_texture, normal_scale,
-          ignored);
+          blended, opacity, tint, ignored);
 }
 template <class Archive>
 void list_fields(Archive& archive, Mesh& mesh) {
-  auto& [name, positions, normals, uvs, colors, indices, points, spheres, radii, bends, material, object] = mesh;
-  archive(name, positions, normals, uvs, colors, indices, points, spheres, radii, bends, material, object);
+  auto& [name, positions, normals, uvs, colors, indices, smoothing, points, spheres, radii, bends, material, object] =
+      mesh;
+  archive(name, positions, normals, uvs, colors, indices, smoothing, points, spheres, radii, bends, material, object);
 }
 template <class Archive>
 void list_fields(Archive& archive, Light& light) {
@@ -54,11 +55,11 @@ void list_fields(Archive& archive, AmbientShape& shape) {
 template <class Archive>
 void list_fields(Archive& archive, Scene& scene) {
   // No reader sets `reflections`.
-  auto& [name, meshes, materials, textures, lights, views, cameras, scene_names, scene_index, up, ambient,
-         ambient_shape, lit_white_luminance, reflections, bounds_min, bounds_max, ground_object, ground_center,
-         ground_fade_distance, warnings] = scene;
-  archive(name, meshes, materials, textures, lights, views, cameras, scene_names, scene_index, up, ambient,
-          ambient_shape, lit_white_luminance, bounds_min, bounds_max, ground_object, ground_center,
+  auto& [name, meshes, materials, textures, lights, views, cameras, scene_names, scene_index, animation_names, origin,
+         up, ambient, ambient_shape, lit_white_luminance, reflections, bounds_min, bounds_max, ground_object,
+         ground_center, ground_fade_distance, warnings] = scene;
+  archive(name, meshes, materials, textures, lights, views, cameras, scene_names, scene_index, animation_names, origin,
+          up, ambient, ambient_shape, lit_white_luminance, bounds_min, bounds_max, ground_object, ground_center,
           ground_fade_distance, warnings);
 }
 template <class Archive>
@@ -254,9 +255,9 @@ std::optional<Result<T>> receive(int file) {
     reader(error);
   reader(end);
   if (reader.failed || end != kEnd) return std::nullopt;
-  if (!has_value) return Result<T>(std::move(error));
+  if (!has_value) return std::optional<Result<T>>(std::in_place, std::move(error));
   if (!is_consistent(value)) return std::nullopt;
-  return Result<T>(std::move(value));
+  return std::optional<Result<T>>(std::in_place, std::move(value));
 }
 
 }  // namespace
