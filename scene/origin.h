@@ -1,0 +1,14 @@
+// The origin of a scene whose file has coordinates too large for floats, such as georeferenced ones.
+#pragma once
+#include <glm/common.hpp>
+#include <glm/vec3.hpp>
+
+namespace umbrage {
+
+/// Returns the position that a reader subtracts, in double precision, from the coordinates of a file with this bounding
+/// box, before it converts them to floats, and that it stores in Scene::origin. Zero if the box is near the origin for
+/// its size: then floats are precise enough and coordinates stay as they are. Otherwise near the box's centre, a
+/// multiple of a power of two, so that the subtraction is exact.
+glm::dvec3 scene_origin(const glm::dvec3& low, const glm::dvec3& high);
+
+}  // namespace umbrage
