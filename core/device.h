@@ -43,7 +43,10 @@ struct CaptureSettings {
   /// surface: 4 x 4 pixels, or more where penumbrae are wide. 0: lights are points.
   int shadow_rays = 0;
   std::optional<Lighting> lighting = {};  ///< replaces the lighting of the scene
-  int sample = 0;                         ///< sample index of an accumulation; selects the shadow rays
+  /// Captures blended surfaces as if they were opaque; otherwise rays pass through them. With them, the planes
+  /// `opacity` and `transmittance` of core/gbuffer.h.
+  bool blended = false;
+  int sample = 0;  ///< sample index of an accumulation; selects the shadow rays
   /// The material and id planes to capture, by their names on the first layer; nullopt: all. Depth, normals and shadows
   /// are always captured.
   std::optional<std::vector<std::string>> planes = {};

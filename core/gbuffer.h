@@ -12,6 +12,8 @@
 //   metallic          0 dielectric, 1 metal; this and roughness only if a material of the scene has a roughness
 //   roughness         0 to 1, as in glTF 2.0; below 0: none, and `specular` and `shininess` hold for the pixel
 //   material_ao       fraction of ambient light that arrives by the material's occlusion map; only if one has a map
+//   opacity           of all blended surfaces along the ray together: the fraction of the pixel that they cover
+//   transmittance.r .g .b   fraction of the light from behind them that arrives; these four only if they are captured
 //   object_id, material_id   integers; -1 where nothing was hit
 #pragma once
 #include <memory>

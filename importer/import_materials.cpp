@@ -106,6 +106,14 @@ void set_highlight(const aiMaterial& source, Material& material) {
   material.specular_exponent = std::clamp(*exponent, kMinExponent, kMaxExponent);
 }
 
+/// Sets the opacity. Some exporters write 0 where they mean that nothing is transparent.
+void set_opacity(const aiMaterial& source, Material& material) {
+  const float opacity = number_of(source, AI_MATKEY_OPACITY).value_or(1.0f);
+  if (!(opacity >= kMinOpacity && opacity < kOpaque)) return;
+  material.blended = true;
+  material.opacity = opacity;
+}
+
 /// Sets the emission. Emission textures are used only for glTF and OBJ, where the map replaces the number.
 void set_emission(const aiMaterial& source, const GltfMaterial* gltf, bool is_obj, TextureCache& textures,
                   Material& material) {
@@ -203,6 +211,7 @@ Material material_of(const aiMaterial& source, const std::string& format, const 
     set_highlight(source, material);
   }
 
+  if (!is_gltf && !is_default) set_opacity(source, material);
   if (!is_default) set_emission(source, gltf, format == "obj", textures, material);
   if (gltf && !unlit) set_maps_of_gltf(source, *gltf, textures, material);
   if (format == "obj" && !is_default) set_maps_of_obj(source, textures, material);

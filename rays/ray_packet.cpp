@@ -7,10 +7,9 @@ namespace {
 
 constexpr float kIdleNear = 1.0f, kIdleFar = 0.0f;
 
-RTCIntersectContext make_context(Coherence coherence) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags =
+RayContext make_context(Coherence coherence, float min_opacity) {
+  RayContext context = ray_context(min_opacity);
+  context.embree.flags =
       coherence == Coherence::kCoherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   return context;
 }
@@ -32,16 +31,16 @@ bool RayPacket::any() const {
   return std::any_of(valid_.begin(), valid_.end(), [](int lane) { return lane != 0; });
 }
 
-void RayPacket::find_hits(const TracedScene& traced, Coherence coherence) {
+void RayPacket::find_hits(const TracedScene& traced, Coherence coherence, float min_opacity) {
   if (!any()) return;
-  RTCIntersectContext context = make_context(coherence);
-  rtcIntersect16(valid_.data(), traced.rtc, &context, &rays_);
+  RayContext context = make_context(coherence, min_opacity);
+  rtcIntersect16(valid_.data(), traced.rtc, &context.embree, &rays_);
 }
 
-void RayPacket::find_blocked(const TracedScene& traced, Coherence coherence) {
+void RayPacket::find_blocked(const TracedScene& traced, Coherence coherence, float min_opacity) {
   if (!any()) return;
-  RTCIntersectContext context = make_context(coherence);
-  rtcOccluded16(valid_.data(), traced.rtc, &context, &rays_.ray);
+  RayContext context = make_context(coherence, min_opacity);
+  rtcOccluded16(valid_.data(), traced.rtc, &context.embree, &rays_.ray);
 }
 
 }  // namespace umbrage

@@ -47,10 +47,10 @@ class alignas(64) RayPacket {
   bool is_set(int k) const { return valid_[std::size_t(k)] != 0; }
   bool any() const;  ///< whether any lane is set
 
-  /// Finds the nearest hit of each ray.
-  void find_hits(const TracedScene& traced, Coherence coherence);
+  /// Finds the nearest hit of each ray. Rays pass through blended surfaces with less than `min_opacity`.
+  void find_hits(const TracedScene& traced, Coherence coherence, float min_opacity = kOpaque);
   /// Finds for each ray whether anything blocks it.
-  void find_blocked(const TracedScene& traced, Coherence coherence);
+  void find_blocked(const TracedScene& traced, Coherence coherence, float min_opacity = kOpaque);
 
   /// Returns whether ray k hit a surface. Valid after find_hits.
   bool hit(int k) const { return is_set(k) && rays_.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID; }

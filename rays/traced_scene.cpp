@@ -29,19 +29,29 @@ constexpr float kStartOffset = 4e-6f;
 
 bool is_masked(const TracedScene& traced, const Mesh& mesh) {
   const Material& material = traced.scene->materials[mesh.material];
-  return material.alpha_mask && material.texture != kNoTexture && !mesh.uvs.empty();
+  return material.blended || (material.alpha_mask && material.texture != kNoTexture && !mesh.uvs.empty());
 }
 
-/// Filter function of Embree: rejects hits where the texture's alpha is below the cutoff.
+/// Returns the alpha of the mesh's texture; 1 if it has none.
+float alpha_at(const TracedScene& traced, const Mesh& mesh, unsigned triangle, float u, float v) {
+  const int texture = traced.scene->materials[mesh.material].texture;
+  if (texture == kNoTexture || mesh.uvs.empty()) return 1.0f;
+  return sample_alpha(traced.textures[texture], uv_at(mesh, triangle, u, v));
+}
+
+/// Filter function of Embree: rejects hits where the texture's alpha is below the cutoff, or the opacity of a blended
+/// surface below that of the context.
 void cut_away(const RTCFilterFunctionNArguments* args) {
   const auto& traced = *static_cast<const TracedScene*>(args->geometryUserPtr);
+  const float min_opacity = reinterpret_cast<const RayContext*>(args->context)->min_opacity;
   for (unsigned k = 0; k < args->N; ++k) {
     if (args->valid[k] == 0) continue;
     const Mesh& mesh = traced.scene->meshes[RTCHitN_geomID(args->hit, args->N, k)];
     const Material& material = traced.scene->materials[mesh.material];
-    const glm::vec2 uv = uv_at(mesh, RTCHitN_primID(args->hit, args->N, k), RTCHitN_u(args->hit, args->N, k),
-                               RTCHitN_v(args->hit, args->N, k));
-    if (sample_alpha(traced.textures[material.texture], uv) < material.alpha_cutoff) args->valid[k] = 0;
+    const float alpha = alpha_at(traced, mesh, RTCHitN_primID(args->hit, args->N, k), RTCHitN_u(args->hit, args->N, k),
+                                 RTCHitN_v(args->hit, args->N, k));
+    const bool cut = material.blended ? alpha * material.opacity < min_opacity : alpha < material.alpha_cutoff;
+    if (cut) args->valid[k] = 0;
   }
 }
 
@@ -57,6 +67,17 @@ glm::vec3 unit(glm::vec3 v) {
 glm::vec2 uv_at(const Mesh& mesh, unsigned triangle, float u, float v) {
   const std::uint32_t* i = mesh.indices.data() + std::size_t(triangle) * 3;
   return mesh.uvs[i[0]] * (1.0f - u - v) + mesh.uvs[i[1]] * u + mesh.uvs[i[2]] * v;
+}
+
+float opacity_at(const TracedScene& traced, const Mesh& mesh, unsigned triangle, float u, float v) {
+  const Material& material = traced.scene->materials[mesh.material];
+  return material.blended ? material.opacity * alpha_at(traced, mesh, triangle, u, v) : 1.0f;
+}
+
+RayContext ray_context(float min_opacity) {
+  RayContext context{.embree = {}, .min_opacity = min_opacity};
+  rtcInitIntersectContext(&context.embree);
+  return context;
 }
 
 Surface surface_at(const TracedScene& traced, unsigned mesh_index, unsigned triangle, float u, float v,
@@ -222,8 +243,7 @@ Result<TracedScenePtr> build_traced_scene(const Scene& scene, const ProgressMoni
 
 bool first_hit(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction, RTCRayHit& hit) {
   if (!within_ray_limit(origin) || !within_ray_limit(direction)) return false;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
+  RayContext context = ray_context();
   hit = {};
   hit.ray.org_x = origin.x;
   hit.ray.org_y = origin.y;
@@ -234,7 +254,7 @@ bool first_hit(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction,
   hit.ray.tfar = std::numeric_limits<float>::infinity();
   hit.ray.mask = ~0u;
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(traced.rtc, &context, &hit);
+  rtcIntersect1(traced.rtc, &context.embree, &hit);
   return hit.hit.geomID != RTC_INVALID_GEOMETRY_ID;
 }
 

@@ -77,7 +77,17 @@ glm::vec3 mesh_color(const Surface& surface);
 /// Returns the texture coordinates of a hit. The mesh must have texture coordinates.
 glm::vec2 uv_at(const Mesh& mesh, unsigned triangle, float u, float v);
 
-/// Returns whether a ray, in unit space, hits a surface, and sets `hit`. A ray beyond kRayLimit hits nothing.
+/// Returns the opacity of a surface: that of its material times the texture's alpha; 1 if it is not blended.
+float opacity_at(const TracedScene& traced, const Mesh& mesh, unsigned triangle, float u, float v);
+
+/// The context of a query: its rays pass through blended surfaces with less than `min_opacity`.
+struct RayContext {
+  RTCIntersectContext embree;  ///< first member: Embree returns its address to filter functions
+  float min_opacity;
+};
+RayContext ray_context(float min_opacity = kOpaque);
+
+/// Returns whether a ray, in unit space, hits an opaque surface, and sets `hit`. A ray beyond kRayLimit hits nothing.
 bool first_hit(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction, RTCRayHit& hit);
 
 /// Embree ends the program if a ray's origin or direction has a component beyond 1.844e18; rays stay below this.

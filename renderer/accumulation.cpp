@@ -83,7 +83,10 @@ void add_rows(PictureSum& total, const Image& rows, int first, int height) {
 }
 
 PictureSum rows_of(const PictureSum& total, int first, int count) {
-  PictureSum rows{.as_square_roots = total.as_square_roots, .count = total.count, .sum = Image(total.sum.width, count)};
+  PictureSum rows{.as_square_roots = total.as_square_roots,
+                  .per_sample = total.per_sample,
+                  .count = total.count,
+                  .sum = Image(total.sum.width, count)};
   for (const std::string& name : total.sum.names) {
     const Plane& from = total.sum.plane(name);
     Plane& to = rows.sum.add(name);
@@ -96,7 +99,7 @@ namespace {
 
 Plane mean_plane(const PictureSum& total, std::string_view name) {
   Plane mean = total.sum.plane(name);
-  const auto count = float(total.count);
+  const float count = float(total.count) / float(total.per_sample);
   for (int y = 0; y < mean.height; ++y)
     for (int x = 0; x < mean.width; ++x) mean.row(y)[x] /= count;
   return mean;

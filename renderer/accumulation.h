@@ -23,7 +23,8 @@ Camera shifted_camera(const Camera& camera, glm::vec2 offset, int width, int hei
 /// A sum of pictures with the same planes.
 struct PictureSum {
   bool as_square_roots = false;  ///< the sum is of square roots of light, as in mixed_as_square_roots
-  int count = 0;
+  int per_sample = 1;            ///< number of pictures per sample, whose weights have the sum 1
+  int count = 0;                 ///< number of pictures
   Image sum;  ///< colour (or its square roots) times alpha; alpha; likewise beauty; the other planes unchanged
 };
 

@@ -117,17 +117,22 @@ Image with_guard_band(const Image& inner, int guard) {
 
 }  // namespace
 
-Result<void> finish_average(Device& device, const PictureSum& total, const Plan& plan, Frame& frame) {
+Result<void> finish_average(Device& device, const PictureSum& total, const Plan& plan, const FrontLines& front,
+                            Frame& frame) {
   if (auto done = device.add(with_guard_band(mean_planes(total, other_averaged_planes(plan)), frame.info.guard), frame);
       !done)
     return done;
-  if (picture_passes(plan.recipe).empty()) return {};
   Image lines;
   if (const auto planes = line_planes(plan); !planes.empty()) {
     auto drawn = device.download(frame, planes);
     if (!drawn) return drawn.error();
     lines = std::move(*drawn);
+    if (!front.planes.planes.empty()) {
+      front.join(lines, 0);
+      if (auto done = device.add(with_guard_band(lines, frame.info.guard), frame); !done) return done;
+    }
   }
+  if (picture_passes(plan.recipe).empty()) return {};
   const auto picture = finished_picture(device, total, plan, lines, inner_info(frame.info));
   if (!picture) return picture.error();
   return device.add(with_guard_band(*picture, frame.info.guard), frame);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "renderer/accumulation.h"
+#include "renderer/blend.h"
 #include "renderer/plan.h"
 #include "renderer/times.h"
 
@@ -29,7 +30,9 @@ std::vector<std::string> picture_passes(const Recipe& recipe);
 Result<Image> finished_picture(Device& device, const PictureSum& total, const Plan& plan, const Image& lines,
                                const PictureInfo& info);
 
-/// Computes the finished colour and the other means, and stores them in `frame`, the frame of sample 0.
-Result<void> finish_average(Device& device, const PictureSum& total, const Plan& plan, Frame& frame);
+/// Computes the finished colour and the other means, and stores them in `frame`, the frame of sample 0. Its lines are
+/// joined with `front`.
+Result<void> finish_average(Device& device, const PictureSum& total, const Plan& plan, const FrontLines& front,
+                            Frame& frame);
 
 }  // namespace umbrage

@@ -76,6 +76,20 @@ std::size_t effect_count(const Plan& plan) { return steps_of(look_run(plan.recip
 /// A function that returns the frame of a sample before any effect has run. `plan` and `camera` are for that sample.
 using GetFrame = std::function<Result<Frame>(const Plan& plan, const Camera& camera)>;
 
+/// Adds a picture with its weights.
+Result<void> add_weighted(Device& device, const Plan& plan, const Frame& frame, BlendWeights& weights,
+                          PictureSum& total) {
+  const bool front = plan.capture.blended;
+  auto picture = device.download(frame, front ? with_blend_planes(averaged_planes(plan)) : averaged_planes(plan));
+  if (!picture) return picture.error();
+  if (front)
+    weights.take_front(*picture, 0, picture->height);
+  else if (plan.has_blended)
+    weights.weigh_behind(*picture, 0);
+  add_picture(total, *picture);
+  return {};
+}
+
 Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& planned, const GetFrame& get_frame,
                            DrawProgress& progress, StageTimes& times, std::optional<float> stops) {
   Plan plan = planned;  // each sample has its own noise
@@ -93,10 +107,13 @@ Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& plann
         trace_reference(*hierarchy, current.info, params, {device.threads(), calling_thread_only(step_monitor)});
     return planes ? device.add(*planes, current) : planes.error();
   };
-  PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots};
-  // Sample 0 is drawn last; its frame is returned.
-  for (int k = plan.recipe.frames - 1;; --k) {
-    const Camera camera = begin_sample(plan, k);
+  PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots, .per_sample = plan.has_blended ? 2 : 1};
+  BlendWeights weights;
+  FrontLines front_lines;
+  // The frame of the last picture, that of sample 0, is returned.
+  std::optional<Frame> last;
+  for (const PictureIndex& index : pictures_of(plan)) {
+    const Camera camera = begin_picture(plan, index);
     auto frame = get_frame(plan, camera);
     if (!frame) return frame.error();
     if (auto added = add_sky(device, plan, *frame); !added) return added.error();
@@ -105,19 +122,24 @@ Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& plann
     if (!done) return done.error();
     run.stops = done->stops;  // one exposure for all samples
     if (plan.averages()) {
-      const auto picture = device.download(*frame, averaged_planes(plan));
-      if (!picture) return picture.error();
-      add_picture(total, *picture);
+      if (auto added = add_weighted(device, plan, *frame, weights, total); !added) return added.error();
       times.done("average");
       if (auto drawn = draw_lines(device, plan, *frame, step_monitor, times); !drawn) return drawn.error();
+      if (index.blended && index.sample == 0) {
+        const auto lines = device.download(*frame, line_planes(plan));
+        if (!lines) return lines.error();
+        front_lines.take(*lines, lines->names, 0, lines->height);
+      }
       progress.sample_done();
-      if (k > 0) continue;
-      if (auto finished = finish_average(device, total, plan, *frame); !finished) return finished.error();
-      times.done("average");
     }
-    if (auto ended = progress.end(); !ended) return ended.error();
-    return Drawn{std::move(*frame), run.stops};
+    last = std::move(*frame);
   }
+  if (plan.averages()) {
+    if (auto finished = finish_average(device, total, plan, front_lines, *last); !finished) return finished.error();
+    times.done("average");
+  }
+  if (auto ended = progress.end(); !ended) return ended.error();
+  return Drawn{std::move(*last), run.stops};
 }
 
 }  // namespace
@@ -132,7 +154,7 @@ Result<void> add_sky(Device& device, const Plan& plan, Frame& frame) {
 Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
                    const ProgressMonitor& monitor, std::optional<float> stops) {
   const ScopedPlanePool pool_scope(device.pool());
-  DrawProgress progress(monitor, 1 + effect_count(plan), plan.recipe.frames);
+  DrawProgress progress(monitor, 1 + effect_count(plan), plan.pictures());
   const ProgressMonitor step_monitor = progress.step_monitor();
   const auto captured = [&](const Plan& sample, const Camera& camera) {
     auto frame = device.capture(camera, sample.capture, step_monitor);
@@ -146,11 +168,11 @@ Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTi
 Result<Captures> capture(Device& device, const Plan& planned, StageTimes& times, const ProgressMonitor& monitor) {
   const ScopedPlanePool pool_scope(device.pool());
   Plan plan = planned;
-  DrawProgress progress(monitor, 1, plan.recipe.frames);
+  DrawProgress progress(monitor, 1, plan.pictures());
   const ProgressMonitor step_monitor = progress.step_monitor();
   Captures captures;
-  for (int k = 0; k < plan.recipe.frames; ++k) {
-    auto frame = device.capture(begin_sample(plan, k), plan.capture, step_monitor);
+  for (const PictureIndex& index : pictures_of(plan)) {
+    auto frame = device.capture(begin_picture(plan, index), plan.capture, step_monitor);
     if (!frame) return frame.error();
     captures.push_back(std::move(*frame));
     times.done("capture");
@@ -164,16 +186,17 @@ Result<Captures> capture(Device& device, const Plan& planned, StageTimes& times,
 
 bool same_captures(const Plan& a, const Plan& b) {
   return a.camera == b.camera && a.capture == b.capture && a.recipe.frames == b.recipe.frames &&
-         a.has_ground == b.has_ground;
+         a.has_blended == b.has_blended && a.has_ground == b.has_ground;
 }
 
 Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan, const Captures& captures,
                             StageTimes& times, const ProgressMonitor& monitor, std::optional<float> stops) {
-  check_equal(captures.size(), std::size_t(plan.recipe.frames), "captures of a picture");
+  check_equal(captures.size(), std::size_t(plan.pictures()), "captures of a picture");
   const ScopedPlanePool pool_scope(device.pool());
-  DrawProgress progress(monitor, std::max<std::size_t>(effect_count(plan), 1), plan.recipe.frames);
-  const auto branch_of_capture = [&](const Plan& sample, const Camera&) {
-    return Result<Frame>(device.branch(captures[std::size_t(sample.capture.sample)]));
+  DrawProgress progress(monitor, std::max<std::size_t>(effect_count(plan), 1), plan.pictures());
+  std::size_t next = 0;
+  const auto branch_of_capture = [&](const Plan&, const Camera&) {
+    return Result<Frame>(device.branch(captures[next++]));
   };
   return draw_samples(device, scene, plan, branch_of_capture, progress, times, stops);
 }

@@ -18,10 +18,10 @@ struct Drawn {
 Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
                    const ProgressMonitor& monitor = {}, std::optional<float> stops = {});
 
-/// The captured planes of a plan before any effect has run, one frame per sample.
+/// The captured planes of a plan before any effect has run, one frame for each of pictures_of.
 using Captures = std::vector<Frame>;
 
-/// Captures all samples of a plan. The device has finished all work when this returns, so all errors of the device are
+/// Captures all pictures of a plan. The device has finished all work when this returns, so all errors of the device are
 /// reported here. Errors: kInterrupted; the errors of the device.
 Result<Captures> capture(Device& device, const Plan& plan, StageTimes& times, const ProgressMonitor& monitor = {});
 /// Returns whether captures of one plan are valid for the other plan: the plans differ only in effects.

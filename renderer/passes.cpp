@@ -324,7 +324,7 @@ Error missing_pass_error(const std::string& word, std::span<const std::string> c
 Result<void> check_captured(const Recipe& recipe, std::span<const std::string> captured) {
   const auto depends_on_scene = [](std::string_view pass) {
     return is_shadow_plane(pass) || std::any_of(std::begin(kPassesOfMaterials), std::end(kPassesOfMaterials),
-                                                     [&](const auto& each) { return each.first == pass; });
+                                                [&](const auto& each) { return each.first == pass; });
   };
   std::set<std::string> produced;
   const int layers = *layer_count(recipe.capture);
@@ -337,17 +337,12 @@ Result<void> check_captured(const Recipe& recipe, std::span<const std::string> c
   return {};
 }
 
-namespace {
-
-/// Returns whether a needed plane is a mean of samples. Lines that are curves are not: they come from sample 0.
 bool averages_something(const Recipe& recipe) {
   if (recipe.wants("color.r") || recipe.wants("beauty.r")) return true;
   const bool curves = as<OutlineParams>(params_of(recipe.settings, "outline")).mode != kOutlinePaper;
   return std::any_of(recipe.averaged.begin(), recipe.averaged.end(),
                      [&](const std::string& plane) { return plane != "outline" || !curves; });
 }
-
-}  // namespace
 
 void reduce_to_passes(Recipe& recipe, std::span<const std::string_view> besides) {
   if (recipe.passes.empty() || recipe.passes[0] == kAll) return;

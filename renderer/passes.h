@@ -51,6 +51,9 @@ Result<void> apply_passes(const Request& request, Recipe& recipe);
 /// on the scene. Errors: kUsage.
 Result<void> check_captured(const Recipe& recipe, std::span<const std::string> captured);
 
+/// Returns whether a needed plane is a mean of samples. Lines that are curves are not: they come from sample 0.
+bool averages_something(const Recipe& recipe);
+
 /// Removes everything from a recipe that is needed neither for its passes nor for the planes `besides`. The picture
 /// itself is removed, too.
 void reduce_to_passes(Recipe& recipe, std::span<const std::string_view> besides = {});

@@ -110,9 +110,11 @@ void make_white(Texture& texture) {
 void make_clay(const glm::vec3& albedo, Scene& scene) {
   for (Material& material : scene.materials) {
     Material clay{.name = material.name, .albedo = albedo};
-    if (material.alpha_mask) {
-      clay.alpha_mask = true;
+    if (material.alpha_mask || material.blended) {
+      clay.alpha_mask = material.alpha_mask;
       clay.alpha_cutoff = material.alpha_cutoff;
+      clay.blended = material.blended;
+      clay.opacity = material.opacity;
       clay.texture = material.texture;
       if (clay.texture != kNoTexture) make_white(scene.textures[std::size_t(clay.texture)]);
     }
@@ -207,6 +209,7 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
   const PictureInfo info = picture_info(scene, plan.camera, plan.capture);
   if (auto fine = check_captured(plan.recipe, captured_planes(scene, info, plan.capture)); !fine) return fine.error();
   plan.output = params_of(settings, "output");
+  plan.has_blended = averages_something(recipe) && has_blended(scene);
   if (!plan.averages()) return plan;
   // Samples hold linear light with alpha, so that edges blend with the background as light (or as square roots of it).
   auto& output = as<OutputParams>(params_of(settings, "output"));
@@ -241,8 +244,18 @@ Plan turned(const Plan& first, const Scene& scene, float angle_deg) {
   return plan;
 }
 
-Camera begin_sample(Plan& plan, int frame) {
-  plan.capture.sample = frame;
+std::vector<PictureIndex> pictures_of(const Plan& plan) {
+  std::vector<PictureIndex> pictures;
+  for (int sample = plan.recipe.frames - 1; sample >= 0; --sample) {
+    if (plan.has_blended) pictures.push_back({sample, true});
+    pictures.push_back({sample, false});
+  }
+  return pictures;
+}
+
+Camera begin_picture(Plan& plan, const PictureIndex& picture) {
+  const int frame = plan.capture.sample = picture.sample;
+  plan.capture.blended = picture.blended;
   Recipe& recipe = plan.recipe;
   if (const Parameter* noise = noise_of(recipe); noise && plan.averages())
     set_int(*noise, (plan.first_noise + frame) % kMaxAveragedPictures, params_of(recipe.settings, recipe.occlusion));

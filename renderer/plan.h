@@ -1,6 +1,8 @@
 // Plan: a recipe resolved for one scene. Camera, lights and all effect parameters are fixed, lengths are in scene
 // units, the requested passes exist, and all errors of the request are reported. Drawing depends on the plan only.
 #pragma once
+#include <vector>
+
 #include "renderer/recipe.h"
 
 namespace umbrage {
@@ -12,6 +14,7 @@ struct Plan {
   bool lit_from_camera = false;  ///< the lights were placed relative to the camera and rotate with it around the scene
   glm::vec3 up{0.0f, 1.0f, 0.0f};  ///< up direction of the scene
   bool has_ground = false;         ///< the scene has a ground that `complete_scene` added
+  bool has_blended = false;        ///< the picture shows blended surfaces: each sample blends two pictures, see blend.h
   float sky_gain = 1.0f;           ///< factor for the radiance of the environment image as background
   ParameterBytes output;           ///< parameters of `output` for the averaged picture
   /// Parameters of `outline` if it is drawn once, by sample 0, over the averaged picture; else empty.
@@ -20,9 +23,10 @@ struct Plan {
 
   Lighting& lighting() { return *capture.lighting; }
   const Lighting& lighting() const { return *capture.lighting; }
-  /// Returns whether the picture averages samples. Samples are drawn in descending order; index 0, which samples the
-  /// pixel centres, is the last.
-  bool averages() const { return recipe.frames > 1; }
+  /// Returns whether the picture is the mean of several pictures: samples, and the two pictures of blended surfaces.
+  /// Samples are drawn in descending order; index 0, which samples the pixel centres, is the last.
+  bool averages() const { return pictures() > 1; }
+  int pictures() const { return recipe.frames * (has_blended ? 2 : 1); }
 };
 
 /// Returns whether a ground is added below the scene. `lacks_one`: the scene has none of its own.
@@ -41,7 +45,17 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
 /// with it; the scene's own lights, and those placed for a camera inside the scene, belong to the model.
 Plan turned(const Plan& first, const Scene& scene, float angle_deg);
 
-/// Sets the plan to sample index `frame` and returns the camera of that sample.
-Camera begin_sample(Plan& plan, int frame);
+/// A picture of a plan: sample index, and whether it shows blended surfaces.
+struct PictureIndex {
+  int sample = 0;
+  bool blended = false;
+};
+
+/// Returns the pictures of a plan in the order in which they are drawn: the last is that of sample 0 without blended
+/// surfaces.
+std::vector<PictureIndex> pictures_of(const Plan& plan);
+
+/// Sets the plan to a picture and returns its camera.
+Camera begin_picture(Plan& plan, const PictureIndex& picture);
 
 }  // namespace umbrage

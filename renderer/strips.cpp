@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <set>
+#include <span>
 
 #include "core/check.h"
 #include "devices/shared/neutral.h"
@@ -282,11 +283,14 @@ Image planes_of(const Image& rows, const std::vector<std::string>& names) {
 }
 
 /// Averages rows of sample 0 and the sum of the other samples. Returns the finished rows.
-Result<Image> averaged_rows(Device& device, const Plan& plan, const PictureSum& total, const PictureInfo& info,
-                            const Image& rows, int first, const std::vector<std::string>& planes) {
+Result<Image> averaged_rows(Device& device, const Plan& plan, const PictureSum& total, const BlendWeights& weights,
+                            const PictureInfo& info, const Image& rows, int first,
+                            const std::vector<std::string>& planes) {
   PictureSum sum = rows_of(total, first, rows.height);
-  add_rows(sum, planes_of(rows, averaged_planes(plan)), 0, rows.height);
-  sum.count = plan.recipe.frames;
+  Image weighted = planes_of(rows, averaged_planes(plan));
+  if (plan.has_blended) weights.weigh_behind(weighted, first);
+  add_rows(sum, weighted, 0, rows.height);
+  sum.count = plan.pictures();
   PictureInfo inner = inner_info(info);
   inner.first_row = first;
   inner.whole_rows = inner.height;
@@ -317,22 +321,34 @@ Result<Lines> draw_strips(Device& device, const Plan& planned, int rows, const s
                           bool lines, const TakeRows& take, StageTimes& times, const ProgressMonitor& monitor) {
   Plan plan = planned;
   const std::vector<std::string> planes = with_background_planes(plan, requested);
-  StripProgress progress(monitor, plan.recipe.frames);
+  StripProgress progress(monitor, plan.pictures());
   StripDrawer drawer(device, plan, rows, progress, times);
-  PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots};
-  std::vector<std::string> wanted = planes;  // planes of sample 0
+  PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots, .per_sample = plan.has_blended ? 2 : 1};
+  BlendWeights weights;
+  FrontLines front_lines;
+  const std::vector<std::string> averaged = averaged_planes(plan), drawn_lines = line_planes(plan);
+  std::vector<std::string> wanted = planes;  // planes of the last picture
   if (plan.averages())
-    for (const auto& more : {averaged_planes(plan), line_planes(plan)})
+    for (const auto& more : {averaged, drawn_lines})
       for (const std::string& name : more)
         if (std::find(wanted.begin(), wanted.end(), name) == wanted.end()) wanted.push_back(name);
-  const auto add = [&](const Frame&, const Image& part, int first) -> Result<void> {
-    add_rows(total, part, first, plan.recipe.height);
+  const auto add = [&](const Frame&, Image& part, int first) -> Result<void> {
+    const int height = plan.recipe.height;
+    if (plan.capture.blended) {
+      if (plan.capture.sample == 0) front_lines.take(part, drawn_lines, first, height);
+      part = planes_of(part, with_blend_planes(averaged));
+      weights.take_front(part, first, height);
+    } else if (plan.has_blended) {
+      weights.weigh_behind(part, first);
+    }
+    add_rows(total, part, first, height);
     times.done("average");
     return {};
   };
   const auto finish = [&](const Frame& frame, Image& part, int first) -> Result<void> {
     if (plan.averages()) {
-      auto finished = averaged_rows(device, plan, total, frame.info, part, first, planes);
+      front_lines.join(part, first);
+      auto finished = averaged_rows(device, plan, total, weights, frame.info, part, first, planes);
       if (!finished) return finished.error();
       part = std::move(*finished);
       times.done("average");
@@ -340,10 +356,13 @@ Result<Lines> draw_strips(Device& device, const Plan& planned, int rows, const s
     set_background(part, frame.info.ground_object);
     return take(frame.info, part, first);
   };
-  for (int k = plan.recipe.frames - 1; k > 0; --k)
-    if (auto drawn = drawer.draw_sample(begin_sample(plan, k), averaged_planes(plan), false, add); !drawn)
-      return drawn.error();
-  auto drawn = drawer.draw_sample(begin_sample(plan, 0), wanted, lines, finish);
+  const std::vector<PictureIndex> pictures = pictures_of(plan);
+  for (const PictureIndex& index : std::span(pictures).first(pictures.size() - 1)) {
+    std::vector<std::string> names = index.blended ? with_blend_planes(averaged) : averaged;
+    if (index.blended && index.sample == 0) names.insert(names.end(), drawn_lines.begin(), drawn_lines.end());
+    if (auto drawn = drawer.draw_sample(begin_picture(plan, index), names, false, add); !drawn) return drawn.error();
+  }
+  auto drawn = drawer.draw_sample(begin_picture(plan, pictures.back()), wanted, lines, finish);
   if (!drawn) return drawn.error();
   if (auto ended = progress.end(); !ended) return ended.error();
   return drawn;

@@ -36,6 +36,25 @@ bool has_roughness(const Scene& scene) {
                      [](const Material& material) { return material.roughness >= 0.0f; });
 }
 
+namespace {
+
+bool is_seen_through(const Scene& scene, const Material& material, bool has_uvs) {
+  if (!material.blended) return false;
+  if (material.opacity < kOpaque || material.texture == kNoTexture || !has_uvs) return material.opacity < kOpaque;
+  const std::vector<std::uint8_t>& rgba = scene.textures[std::size_t(material.texture)].rgba;
+  for (std::size_t i = 3; i < rgba.size(); i += 4)
+    if (material.opacity * float(rgba[i]) < kOpaque * 255.0f) return true;
+  return false;
+}
+
+}  // namespace
+
+bool has_blended(const Scene& scene) {
+  return std::any_of(scene.meshes.begin(), scene.meshes.end(), [&](const Mesh& mesh) {
+    return is_seen_through(scene, scene.materials[std::size_t(mesh.material)], !mesh.uvs.empty());
+  });
+}
+
 Lighting lighting_of(const Scene& scene) {
   return {scene.lights, scene.ambient, scene.ambient_shape, scene.lit_white_luminance, scene.reflections};
 }

@@ -51,6 +51,7 @@ struct Material {
   /// the remainder. Multiplied by the alpha of `texture`.
   bool blended = false;
   float opacity = 1.0f;
+  bool glass = false;                ///< blended only: reflects by Fresnel's law where it is clear, too
   glm::vec3 tint{1.0f};              ///< blended only: transmittance of the material, linear
   std::vector<std::string> ignored;  ///< properties in the file that are not drawn: "clearcoat"
 };
@@ -124,6 +125,16 @@ struct Scene {
 
 /// Returns whether a material has a roughness, and so reflects its surroundings.
 bool has_roughness(const Scene& scene);
+
+/// A blended surface with at least this opacity is drawn as an opaque one; with less than kMinOpacity it is not drawn;
+/// with less than kMinShadowOpacity it casts no shadow.
+inline constexpr float kOpaque = 0.95f, kMinOpacity = 1.0f / 64.0f, kMinShadowOpacity = 0.5f;
+
+/// Reflectance of glass seen from in front.
+inline constexpr float kGlassReflectance = 0.04f;
+
+/// Returns whether a mesh has a surface that is seen through.
+bool has_blended(const Scene& scene);
 
 /// Returns a copy of the scene's lighting.
 Lighting lighting_of(const Scene& scene);

@@ -46,6 +46,7 @@ struct alignas(64) Block {
   float depth[kPacket], nx[kPacket], ny[kPacket], nz[kPacket], ar[kPacket], ag[kPacket], ab[kPacket];
   float specular[kPacket], shininess[kPacket], shadow[kMaxShadows][kPacket], er[kPacket], eg[kPacket], eb[kPacket];
   float metallic[kPacket], roughness[kPacket], material_ao[kPacket], object[kPacket], material[kPacket];
+  float opacity[kPacket], tr[kPacket], tg[kPacket], tb[kPacket];
   PenumbraSize penumbra[kMaxShadows];
 };
 
@@ -68,6 +69,7 @@ struct Drawing {
   Rows rows;         ///< rows of the picture to draw; begin is a multiple of kBlock
   CameraRays rays;
   std::vector<ShadowLight> lights;
+  bool blended = false;                             ///< capture blended surfaces
   int sample = 0;                                   ///< sample index of an accumulation
   std::vector<DrawnPlane> planes;                   ///< planes of each layer, in order
   std::vector<PenumbraRadii>* penumbrae = nullptr;  ///< of the first layer, one per softened light
@@ -92,7 +94,11 @@ std::vector<DrawnPlane> drawn_planes(const Scene& scene, const PictureInfo& info
                                  {"emission.b", offsetof(Block, eb)},
                                  {"metallic", offsetof(Block, metallic)},
                                  {"roughness", offsetof(Block, roughness), kNoRoughness},
-                                 {"material_ao", offsetof(Block, material_ao), 1.0f}};
+                                 {"material_ao", offsetof(Block, material_ao), 1.0f},
+                                 {"opacity", offsetof(Block, opacity)},
+                                 {"transmittance.r", offsetof(Block, tr), 1.0f},
+                                 {"transmittance.g", offsetof(Block, tg), 1.0f},
+                                 {"transmittance.b", offsetof(Block, tb), 1.0f}};
   for (int k = 0; k < kMaxShadows; ++k)
     all.push_back({shadow_plane(k), offsetof(Block, shadow) + std::size_t(k) * sizeof(Block::shadow[0]), 1.0f});
   std::vector<DrawnPlane> planes;
@@ -172,12 +178,12 @@ void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const Shad
     }
   }
   if (!soft || !surfaces.softened) {
-    to_light.find_blocked(drawing.traced, Coherence::kCoherent);
+    to_light.find_blocked(drawing.traced, Coherence::kCoherent, kMinShadowOpacity);
     for (int k = 0; k < kPacket; ++k)
       if (to_light.arrives(k)) lit[k] += 1.0f;
     return;
   }
-  to_light.find_hits(drawing.traced, Coherence::kCoherent);
+  to_light.find_hits(drawing.traced, Coherence::kCoherent, kMinShadowOpacity);
   for (int k = 0; k < kPacket; ++k) {
     if (!to_light.is_set(k)) continue;
     if (!to_light.hit(k)) {
@@ -277,6 +283,62 @@ void flip_block(const Drawing& drawing, Surfaces& surfaces, Block& block) {
   trace_shadows(drawing, surfaces, block);
 }
 
+/// Moves the start of each ray behind its hit; rays without a hit become idle.
+void start_behind_hits(const Drawing& drawing, RayPacket& rays) {
+  for (int k = 0; k < kPacket; ++k) {
+    if (!rays.hit(k)) {
+      rays.set_idle(k);
+      continue;
+    }
+    const float depth = rays.hit_distance(k);
+    const glm::vec3 direction = rays.direction(k), hit = rays.origin(k) + direction * depth;
+    const float step = kLayerStep * (glm::length(hit) + glm::distance(hit, drawing.rays.eye)) / glm::length(direction);
+    rays.set_range(k, depth + step, std::numeric_limits<float>::infinity());
+  }
+}
+
+/// Returns the opacity of a surface as seen along `direction`.
+float seen_opacity(const TracedScene& traced, const Surface& surface, const glm::vec3& direction) {
+  const float opacity = opacity_at(traced, *surface.mesh, surface.triangle, surface.u, surface.v);
+  if (!surface.material->blended || !surface.material->glass) return opacity;
+  const float slant = 1.0f - std::min(std::abs(glm::dot(surface.normal, glm::normalize(direction))), 1.0f);
+  const float reflectance = kGlassReflectance + (1.0f - kGlassReflectance) * slant * slant * slant * slant * slant;
+  return opacity + (1.0f - opacity) * reflectance;
+}
+
+/// Follows the rays from their first hits to an opaque surface, and stores the opacity, the transmittance and the mean
+/// albedo of the blended surfaces up to there. The first pixel of the block is (x0, y0).
+void see_through(const Drawing& drawing, const RayPacket& primary, int x0, int y0, Block& out) {
+  constexpr int kMaxSurfaces = 16;
+  const MaterialParts parts{.albedo = drawing.parts.albedo, .emission = false, .surface = false, .normal = false};
+  RayPacket rays = primary;
+  for (int n = 0; n < kMaxSurfaces && rays.any(); ++n) {
+    for (int k = 0; k < kPacket; ++k) {
+      if (!rays.hit(k)) continue;
+      const Surface surface = rays.surface(drawing.traced, k);
+      const float opacity = seen_opacity(drawing.traced, surface, rays.direction(k));
+      if (!surface.material->blended || opacity >= kOpaque) {
+        rays.set_idle(k);
+        continue;
+      }
+      const float px = float(x0 + k % kBlock) + 0.5f, py = float(y0 + k / kBlock) + 0.5f;
+      const glm::vec3 albedo = pixel_material(drawing.traced, drawing.rays, surface, px, py, parts).albedo;
+      const float added = (1.0f - out.opacity[k]) * opacity;
+      out.opacity[k] += added;
+      const float fraction = added / out.opacity[k];
+      out.ar[k] += fraction * (albedo.r - out.ar[k]);
+      out.ag[k] += fraction * (albedo.g - out.ag[k]);
+      out.ab[k] += fraction * (albedo.b - out.ab[k]);
+      const glm::vec3 passing = (1.0f - opacity) * surface.material->tint;
+      out.tr[k] *= passing.r;
+      out.tg[k] *= passing.g;
+      out.tb[k] *= passing.b;
+    }
+    start_behind_hits(drawing, rays);
+    rays.find_hits(drawing.traced, Coherence::kCoherent, kMinOpacity);
+  }
+}
+
 /// The layers of the image that the rays of a camera fill.
 struct DrawnLayers {
   int first = 0;   ///< layer of the nearest surfaces
@@ -305,16 +367,7 @@ void draw_block(const Drawing& drawing, const DrawnLayers& layers, int x0, int y
   Surfaces surfaces;
   for (int layer = 0; layer < layers.count; ++layer) {
     if (layer > 0) {
-      for (int k = 0; k < kPacket; ++k) {
-        if (!primary.hit(k)) {
-          primary.set_idle(k);
-          continue;
-        }
-        const float depth = primary.hit_distance(k);
-        const glm::vec3 direction = primary.direction(k), hit = primary.origin(k) + direction * depth;
-        const float step = kLayerStep * (glm::length(hit) + glm::distance(hit, rays.eye)) / glm::length(direction);
-        primary.set_range(k, depth + step, kInfinity);
-      }
+      start_behind_hits(drawing, primary);
       if (!primary.any()) {
         clear(drawing, block);
         store(drawing, block, x0, y0, layers.first + layer, image);
@@ -322,9 +375,10 @@ void draw_block(const Drawing& drawing, const DrawnLayers& layers, int x0, int y
         continue;
       }
     }
-    primary.find_hits(drawing.traced, Coherence::kCoherent);
+    primary.find_hits(drawing.traced, Coherence::kCoherent, drawing.blended ? kMinOpacity : kOpaque);
     surfaces.softened = layer == 0 && drawing.penumbrae;
     shade_block(drawing, x0, y0, primary, surfaces, block);
+    if (drawing.blended) see_through(drawing, primary, x0, y0, block);
     store(drawing, block, x0, y0, layers.first + layer, image);
     if (surfaces.softened) store_penumbrae(drawing, block, x0, y0);
     surfaces.softened = false;
@@ -343,6 +397,7 @@ void draw_view(const TracedScene& traced, const PictureInfo& info, const Rows& d
                   .rows = drawn,
                   .rays = {},
                   .lights = {},
+                  .blended = settings.blended,
                   .sample = settings.sample,
                   .planes = planes,
                   .penumbrae = penumbrae};

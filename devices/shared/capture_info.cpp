@@ -78,6 +78,8 @@ std::vector<std::string> captured_planes(const Scene& scene, const PictureInfo& 
   if (info.has_roughness)
     for (const char* name : {"metallic", "roughness"}) add(name);
   if (info.has_material_ao) add("material_ao");
+  if (settings.blended)
+    planes.insert(planes.end(), {"opacity", "transmittance.r", "transmittance.g", "transmittance.b"});
   return planes;
 }
 

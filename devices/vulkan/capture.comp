@@ -24,19 +24,21 @@ float max_component(vec3 v) { return max(max(v.x, v.y), v.z); }
 // ---- rays ----
 
 // Returns whether the ray meets the triangle before `hit`, and if so replaces `hit`.
-bool meets(Ray ray, int k, inout Hit hit) {
+bool meets(Ray ray, int k, float min_opacity, inout Hit hit) {
   Triangle triangle = triangle_at(k);
-  if (triangle.kind != kTriangle) return meets_point(ray, triangle, k, hit);
+  if (triangle.kind != kTriangle)
+    return !is_cut_out(triangle, 0.0f, 0.0f, min_opacity) && meets_point(ray, triangle, k, hit);
   Crossing at = crossing_of(ray, triangle);
   if (!at.inside || !(at.t > ray.nearest && at.t < hit.t)) return false;
   float u = clamp(at.u / at.sum, 0.0f, 1.0f), v = clamp(at.v / at.sum, 0.0f, 1.0f);
-  if (is_cut_out(triangle, u, v)) return false;
+  if (is_cut_out(triangle, u, v, min_opacity)) return false;
   hit = Hit(at.t, u, v, k);
   return true;
 }
 
-// Returns the nearest hit of the ray, or with `any` an arbitrary one.
-Hit trace(Ray ray, bool any) {
+// Returns the nearest hit of the ray, or with `any` an arbitrary one. The ray passes through blended surfaces with less
+// than `min_opacity`.
+Hit trace(Ray ray, bool any, float min_opacity) {
   Hit hit = Hit(ray.farthest, 0.0f, 0.0f, -1);
   Vectors nodes = Vectors(table[kNodesSlot]);
   // Avoids 0 times infinity for a direction of 0.
@@ -51,7 +53,7 @@ Hit trace(Ray ray, bool any) {
     if (at < 0) {
       int first = ~at >> 3, count = ~at & 7;
       for (int k = first; k < first + count; ++k)
-        if (meets(ray, k, hit) && any) return hit;
+        if (meets(ray, k, min_opacity, hit) && any) return hit;
     } else {
       vec4 a = nodes.at[4 * at], b = nodes.at[4 * at + 1], c = nodes.at[4 * at + 2], d = nodes.at[4 * at + 3];
       vec3 a0 = (a.xyz - ray.origin) * inverse, a1 = (b.xyz - ray.origin) * inverse;
@@ -277,7 +279,7 @@ bool reaches_light(Receiver r, int light, bool soft, vec2 disc_place) {
     return false;
   }
   Ray ray = point ? Ray(r.start, where - r.start, 0.0f, 1.0f) : Ray(r.start, toward, 0.0f, kInfinity);
-  Hit hit = trace(ray, !(soft && r.softened));
+  Hit hit = trace(ray, !(soft && r.softened), C.min_shadow_opacity);
   if (hit.triangle < 0) return true;
   if (soft && r.softened) {
     float radius = C.light_size[light] * (point ? hit.t / max(1.0f - hit.t, 1e-6f) : hit.t);
@@ -342,6 +344,42 @@ void store_surface(int first, int index, bool is_hit, float depth, PixelMaterial
   for (int light = 0; light < kCaptureLights; ++light) store(first + kShadowSlot + light, index, 1.0f);
 }
 
+// Returns the opacity of a surface as seen along a ray.
+float seen_opacity(Surface s, CaptureMesh mesh, vec3 direction) {
+  if (mesh.masked != kBlended) return 1.0f;
+  float opacity = mesh.opacity * alpha_at(mesh, s.triangle, s.u, s.v);
+  if (mesh.glass == 0) return opacity;
+  float slant = 1.0f - min(abs(dot(s.normal, normalize(direction))), 1.0f);
+  float reflectance = C.glass_reflectance + (1.0f - C.glass_reflectance) * slant * slant * slant * slant * slant;
+  return opacity + (1.0f - opacity) * reflectance;
+}
+
+// Follows a ray from its first hit to an opaque surface, and stores the opacity, the transmittance and the mean albedo
+// of the blended surfaces up to there, like see_through in devices/cpu/capture.cpp.
+void see_through(Ray ray, Hit hit, vec2 pixel, int index) {
+  const int kMaxSurfaces = 16;
+  float opacity = 0.0f;
+  vec3 transmittance = vec3(1.0f), albedo = vec3(0.0f);
+  for (int n = 0; n < kMaxSurfaces && hit.triangle >= 0; ++n) {
+    Surface s = surface_at(ray, hit);
+    CaptureMesh mesh = Meshes(table[kMeshesSlot]).at[s.triangle.mesh];
+    float own = seen_opacity(s, mesh, ray.direction);
+    if (mesh.masked != kBlended || own >= C.opaque) break;
+    float added = (1.0f - opacity) * own;
+    opacity += added;
+    albedo += added / opacity * (pixel_material(s, mesh, pixel, ray.direction).albedo - albedo);
+    transmittance *= (1.0f - own) * to_vec3(mesh.tint);
+    vec3 at = ray.origin + ray.direction * hit.t;
+    ray.nearest = hit.t + kLayerStep * (length(at) + distance(at, to_vec3(C.eye))) / length(ray.direction);
+    hit = trace(ray, false, C.min_opacity);
+  }
+  for (int first = 0; first <= C.back * kBackSlots; first += kBackSlots) {
+    store(first + kOpacitySlot, index, opacity);
+    store3(first + kTransmittanceSlot, index, transmittance);
+    if (opacity > 0.0f) store3(first + kAlbedoSlot, index, albedo);
+  }
+}
+
 void main() {
   ivec2 here = ivec2(gl_GlobalInvocationID.xy), local = ivec2(gl_LocalInvocationID.xy);
   bool inside = here.x < C.width && here.y < C.height;
@@ -358,7 +396,7 @@ void main() {
       int k = int(Uints(indices).at[index]) - 1;
       if (k >= 0) hit = hit_of_covered(ray, triangle_at(k), k);
     } else if (in_front) {
-      hit = trace(ray, false);
+      hit = trace(ray, false, C.min_opacity);
     }
   }
   bool is_hit = hit.triangle >= 0;
@@ -380,6 +418,7 @@ void main() {
       material.roughness = kNoRoughness;
     }
     if (inside) store_surface(first, index, is_hit, hit.t, material, mesh);
+    if (inside && C.blended != 0 && side == C.back) see_through(ray, hit, pixel, index);
     vec3 start = is_hit ? ray_origin_to_light(s) : vec3(0.0f);
     for (int light = 0; light < C.light_count; ++light) {
       int radii = kPenumbraSlot + 2 * C.light_index[light];

@@ -6,16 +6,16 @@
 // previous layer, and the buffers of the scene. Address 0: absent, or not requested.
 const int kDepthSlot = 0, kNormalSlot = 1, kAlbedoSlot = 4, kSpecularSlot = 7, kShininessSlot = 8, kShadowSlot = 9;
 const int kEmissionSlot = 17, kObjectSlot = 20, kMaterialSlot = 21;
-const int kMetallicSlot = 22, kRoughnessSlot = 23, kMaterialAoSlot = 24;
-const int kBackSlots = 25;
-const int kPreviousDepthSlot = 50;
-const int kNodesSlot = 51, kTrianglesSlot = 52, kNormalsSlot = 53, kUvsSlot = 54, kMeshesSlot = 55;
-const int kTexturesSlot = 56, kLevelsSlot = 57, kTexelsSlot = 58, kPointsSlot = 59, kColorsSlot = 60;
+const int kMetallicSlot = 22, kRoughnessSlot = 23, kMaterialAoSlot = 24, kOpacitySlot = 25, kTransmittanceSlot = 26;
+const int kBackSlots = 29;
+const int kPreviousDepthSlot = 58;
+const int kNodesSlot = 59, kTrianglesSlot = 60, kNormalsSlot = 61, kUvsSlot = 62, kMeshesSlot = 63;
+const int kTexturesSlot = 64, kLevelsSlot = 65, kTexelsSlot = 66, kPointsSlot = 67, kColorsSlot = 68;
 // Two planes per light: the penumbra radius along rows and along columns, with one value per block of 4 x 4 pixels.
-const int kPenumbraSlot = 61;
+const int kPenumbraSlot = 69;
 // Index + 1 of the triangle that is visible in each pixel; 0: none. Address 0: rays find the triangle.
-const int kTriangleIndexSlot = 77;
-const int kCaptureSlots = 78;
+const int kTriangleIndexSlot = 85;
+const int kCaptureSlots = 86;
 
 const int kCaptureLights = 8;
 // Number of sets of 16 sample points on a light's disc. In their buffer, a set on the border of the disc follows, then
@@ -29,6 +29,10 @@ struct CaptureConstants {
   int nothing_visible;  // 1: nothing is visible; trace no rays
   int back;             // 1: also capture the back sides
   int sample_index;     // sample index of an accumulation
+  int blended;          // 1: capture blended surfaces
+  // Primary and shadow rays pass through blended surfaces with less opacity; one with `opaque` is opaque:
+  // scene/scene.h.
+  float min_opacity, min_shadow_opacity, opaque, glass_reflectance;
   int light_count;
   float to_view[9];  // rows
   float eye[3];      // this and all members below are in unit space: rays/camera_rays.h
@@ -50,11 +54,15 @@ struct CaptureMesh {
   float albedo[3], specular, shininess, emission[3];
   float metallic, roughness, occlusion_strength, normal_scale;
   int texture_index, emission_texture, surface_texture, normal_texture;  // < 0: none
-  int masked;  // 1: cut out where the texture's alpha is below the cutoff
-  float cutoff;
+  int masked;  // kMasked: cut out where the texture's alpha is below the cutoff; kBlended: see Material::blended
+  float cutoff, opacity, tint[3];
+  int glass;
   int colored, color_shift;  // colored 1: the colour of a vertex is at its index + color_shift
   float object_id, material_id;
 };
+
+// Values of CaptureMesh::masked.
+const int kMasked = 1, kBlended = 2;
 
 // Kinds of primitives in the hierarchy.
 const int kTriangle = 0, kDisc = 1, kSphere = 2;

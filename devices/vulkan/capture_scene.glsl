@@ -19,10 +19,10 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly b
 layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly buffer Levels { CaptureLevel at[]; };
 
 const float kInfinity = 1.0f / 0.0f;
-const float kLayerStep = 1e-5f;             // as in devices/cpu/capture.cpp
+const float kLayerStep = 1e-5f;  // as in devices/cpu/capture.cpp
 // Relative tolerance of edges: the border of a triangle belongs to it, as in Embree.
 const float kEdgeRounding = 1.1920929e-7f;
-const int kMaxTaps = 8;                    // as in rays/mip_texture.cpp
+const int kMaxTaps = 8;  // as in rays/mip_texture.cpp
 
 vec3 to_vec3(float v[3]) { return vec3(v[0], v[1], v[2]); }
 
@@ -98,8 +98,8 @@ float sample_alpha(int index, vec2 uv) {
 // ---- triangles ----
 
 // Four vectors: the three corners, with the mesh, the corners' indices and the kind in the last components. For a
-// point, p0 is the centre, p1 the normal of a disc, p2.x the radius; p2.y, p2.z and bend are the change of a disc's normal
-// (Mesh::bends).
+// point, p0 is the centre, p1 the normal of a disc, p2.x the radius; p2.y, p2.z and bend are the change of a disc's
+// normal (Mesh::bends).
 struct Triangle {
   vec3 p0, p1, p2;
   int mesh;
@@ -112,8 +112,7 @@ Triangle triangle_at(int k) {
   Vectors from = Vectors(table[kTrianglesSlot]);
   vec4 a = from.at[4 * k], b = from.at[4 * k + 1], c = from.at[4 * k + 2], d = from.at[4 * k + 3];
   return Triangle(a.xyz, b.xyz, c.xyz, floatBitsToInt(a.w),
-                  ivec3(floatBitsToInt(b.w), floatBitsToInt(c.w), floatBitsToInt(d.x)), floatBitsToInt(d.y),
-                  d.z);
+                  ivec3(floatBitsToInt(b.w), floatBitsToInt(c.w), floatBitsToInt(d.x)), floatBitsToInt(d.y), d.z);
 }
 
 vec3 normal_at(int corner) {
@@ -144,11 +143,19 @@ struct Hit {
   int triangle;   // < 0: none
 };
 
-bool is_cut_out(Triangle triangle, float u, float v) {
+// Returns the alpha of the mesh's texture; 1 if it has none.
+float alpha_at(CaptureMesh mesh, Triangle triangle, float u, float v) {
+  if (mesh.texture_index < 0) return 1.0f;
+  vec2 uv = uv_at(triangle.corner.x) * (1.0f - u - v) + uv_at(triangle.corner.y) * u + uv_at(triangle.corner.z) * v;
+  return sample_alpha(mesh.texture_index, uv);
+}
+
+// Returns whether a ray passes through the surface there: `min_opacity` is that of the ray.
+bool is_cut_out(Triangle triangle, float u, float v, float min_opacity) {
   CaptureMesh mesh = Meshes(table[kMeshesSlot]).at[triangle.mesh];
   if (mesh.masked == 0) return false;
-  vec2 uv = uv_at(triangle.corner.x) * (1.0f - u - v) + uv_at(triangle.corner.y) * u + uv_at(triangle.corner.z) * v;
-  return sample_alpha(mesh.texture_index, uv) < mesh.cutoff;
+  float alpha = alpha_at(mesh, triangle, u, v);
+  return mesh.masked == kBlended ? alpha * mesh.opacity < min_opacity : alpha < mesh.cutoff;
 }
 
 // Returns whether the ray meets a disc, or a sphere from either side, before `hit`, and if so replaces `hit`.

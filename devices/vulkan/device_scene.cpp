@@ -63,8 +63,14 @@ std::vector<CaptureMesh> meshes_of(const Scene& scene) {
     out.roughness = material.roughness;
     out.occlusion_strength = material.occlusion_strength;
     out.normal_scale = material.normal_scale;
-    out.masked = material.alpha_mask && out.texture_index != kNoTexture ? 1 : 0;
+    if (material.blended)
+      out.masked = kBlended;
+    else if (material.alpha_mask && out.texture_index != kNoTexture)
+      out.masked = kMasked;
     out.cutoff = material.alpha_cutoff;
+    out.opacity = material.opacity;
+    out.glass = material.glass ? 1 : 0;
+    for (int c = 0; c < 3; ++c) out.tint[c] = material.tint[c];
     out.object_id = float(mesh.object);
     out.material_id = float(mesh.material);
     out.colored = mesh.colors.empty() ? 0 : 1;

@@ -59,6 +59,11 @@ CaptureConstants capture_constants(const DeviceScene& scene, const PictureInfo& 
   c.nothing_visible = scene.empty || !rays_within_limit(rays, info) ? 1 : 0;
   c.back = back ? 1 : 0;
   c.sample_index = settings.sample;
+  c.blended = settings.blended ? 1 : 0;
+  c.min_opacity = settings.blended ? kMinOpacity : kOpaque;
+  c.min_shadow_opacity = kMinShadowOpacity;
+  c.opaque = kOpaque;
+  c.glass_reflectance = kGlassReflectance;
   const glm::mat3 to_view(info.camera.view_from_world);
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column) c.to_view[3 * row + column] = to_view[column][row];
@@ -93,23 +98,29 @@ bool can_draw(const DeviceScene& scene, const CaptureConstants& c, const Gpu& gp
 }
 
 int capture_slot(std::string_view plane) {
-  constexpr std::array<std::pair<std::string_view, int>, 17> kSlots = {{{"depth", kDepthSlot},
-                                                                        {"normal.x", kNormalSlot},
-                                                                        {"normal.y", kNormalSlot + 1},
-                                                                        {"normal.z", kNormalSlot + 2},
-                                                                        {"albedo.r", kAlbedoSlot},
-                                                                        {"albedo.g", kAlbedoSlot + 1},
-                                                                        {"albedo.b", kAlbedoSlot + 2},
-                                                                        {"specular", kSpecularSlot},
-                                                                        {"shininess", kShininessSlot},
-                                                                        {"emission.r", kEmissionSlot},
-                                                                        {"emission.g", kEmissionSlot + 1},
-                                                                        {"emission.b", kEmissionSlot + 2},
-                                                                        {"metallic", kMetallicSlot},
-                                                                        {"roughness", kRoughnessSlot},
-                                                                        {"material_ao", kMaterialAoSlot},
-                                                                        {"object_id", kObjectSlot},
-                                                                        {"material_id", kMaterialSlot}}};
+  constexpr std::pair<std::string_view, int> kSlots[] = {
+      {"depth", kDepthSlot},
+      {"normal.x", kNormalSlot},
+      {"normal.y", kNormalSlot + 1},
+      {"normal.z", kNormalSlot + 2},
+      {"albedo.r", kAlbedoSlot},
+      {"albedo.g", kAlbedoSlot + 1},
+      {"albedo.b", kAlbedoSlot + 2},
+      {"specular", kSpecularSlot},
+      {"shininess", kShininessSlot},
+      {"emission.r", kEmissionSlot},
+      {"emission.g", kEmissionSlot + 1},
+      {"emission.b", kEmissionSlot + 2},
+      {"metallic", kMetallicSlot},
+      {"roughness", kRoughnessSlot},
+      {"material_ao", kMaterialAoSlot},
+      {"object_id", kObjectSlot},
+      {"material_id", kMaterialSlot},
+      {"opacity", kOpacitySlot},
+      {"transmittance.r", kTransmittanceSlot},
+      {"transmittance.g", kTransmittanceSlot + 1},
+      {"transmittance.b", kTransmittanceSlot + 2},
+  };
   for (const auto& [name, slot] : kSlots)
     if (plane == name) return slot;
   for (int light = 0; light < kMaxShadows; ++light)

@@ -13,10 +13,10 @@ void main() {
   Ray ray;
   if (!pixel_ray(ivec2(gl_FragCoord.xy), ray)) discard;
   Triangle triangle = triangle_at(triangle_index);
-  Hit hit = kPoints ? hit_of_covered(ray, triangle, triangle_index)
-                    : hit_of_covered_triangle(ray, triangle, triangle_index);
+  Hit hit =
+      kPoints ? hit_of_covered(ray, triangle, triangle_index) : hit_of_covered_triangle(ray, triangle, triangle_index);
   if (!(hit.t > ray.nearest) || hit.triangle < 0) discard;
-  if (kMasks && is_cut_out(triangle, hit.u, hit.v)) discard;
+  if (kMasks && is_cut_out(triangle, hit.u, hit.v, C.min_opacity)) discard;
   triangle_number = uint(triangle_index) + 1u;
   gl_FragDepth = min(C.nearest / hit.t, 1.0f);
 }

@@ -51,6 +51,45 @@ TEST_P(VulkanCaptureShots, PlanesMatchEmbree) {
   for (const auto& [plane, count] : d.inside) EXPECT_LE(count, d.pixels / 5000) << shot.name << ' ' << plane;
 }
 
+TEST(VulkanCaptureBlended, PlanesMatchEmbree) {
+  // A sphere of glass, and a textured pane in front of a solid.
+  Scene scene = *load_scene("scene:solids?detail=3000");
+  for (std::size_t m = 0; m < scene.materials.size(); m += 2) {
+    scene.materials[m].blended = true;
+    scene.materials[m].opacity = m % 4 == 0 ? 0.3f : 0.7f;
+    scene.materials[m].glass = m % 4 == 0;
+    scene.materials[m].tint = {0.5f, 0.75f, 1.0f};
+  }
+  ASSERT_TRUE(has_blended(scene));
+  const Camera camera = frame_scene(scene, {}, 160, 120);
+  scene.lights = default_lights(scene, camera);
+  for (const VulkanCapture how : test::kGpuCaptures)
+    for (const bool blended : {false, true}) {
+      Device* const device = test::capturing_device(how);
+      UMBRAGE_NEEDS_VULKAN(device);
+      const test::NoMessages no_messages;
+      const CaptureSettings settings{.width = 160, .height = 120, .layers = 2, .blended = blended};
+      const test::Both both{test::captured(*device, scene, camera, settings),
+                            test::captured(*make_cpu_device(), scene, camera, settings)};
+      ASSERT_EQ(both.gpu.names, both.cpu.names);
+      const test::SurfacesAt surfaces(scene, picture_info(scene, camera, settings));
+      EXPECT_LE(test::deviation(both, 2, &surfaces).anywhere, both.cpu.width * both.cpu.height / 250)
+          << test::name_of(how) << blended;
+      if (!blended) continue;
+      // Pixels differ only where the border of a surface lies, perhaps behind others.
+      for (const char* name : {"opacity", "transmittance.r", "transmittance.b", "albedo.r", "albedo.g"}) {
+        int covered = 0, differing = 0;
+        for (int y = 0; y < both.cpu.height; ++y)
+          for (int x = 0; x < both.cpu.width; ++x) {
+            covered += both.cpu.plane("opacity").at(x, y) > 0.0f;
+            differing += std::fabs(both.cpu.plane(name).at(x, y) - both.gpu.plane(name).at(x, y)) > 2.0f / 255.0f;
+          }
+        EXPECT_GT(covered, 500) << "the scene has blended pixels";
+        EXPECT_LE(differing, covered / 50) << test::name_of(how) << ' ' << name;
+      }
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Scenes, VulkanCaptureShots,
     testing::Combine(

@@ -26,10 +26,10 @@ template <class Archive>
 void list_fields(Archive& archive, Material& material) {
   auto& [name, albedo, texture, alpha_mask, alpha_cutoff, specular_strength, specular_exponent, emission,
          emission_texture, metallic, roughness, surface_texture, occlusion_strength, normal_texture, normal_scale,
-         blended, opacity, tint, ignored] = material;
+         blended, opacity, glass, tint, ignored] = material;
   archive(name, albedo, texture, alpha_mask, alpha_cutoff, specular_strength, specular_exponent, emission,
           emission_texture, metallic, roughness, surface_texture, occlusion_strength, normal_texture, normal_scale,
-          blended, opacity, tint, ignored);
+          blended, opacity, glass, tint, ignored);
 }
 template <class Archive>
 void list_fields(Archive& archive, Mesh& mesh) {

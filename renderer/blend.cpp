@@ -1,0 +1,89 @@
+#include "renderer/blend.h"
+
+#include <algorithm>
+#include <array>
+
+namespace umbrage {
+namespace {
+
+constexpr const char* kOpacityPlane = "opacity";
+constexpr std::array<const char*, 3> kTransmittancePlanes = {"transmittance.r", "transmittance.g", "transmittance.b"};
+
+void multiply(Plane& plane, const auto& weight) {
+  for (int y = 0; y < plane.height; ++y) {
+    float* row = plane.row(y);
+    for (int x = 0; x < plane.width; ++x) row[x] *= weight(x, y);
+  }
+}
+
+/// Returns the index of the plane's colour channel, or -1 if it has none.
+int channel_of(std::string_view name) {
+  if (name.size() < 2 || name[name.size() - 2] != '.') return -1;
+  const std::size_t channel = std::string_view("rgb").find(name.back());
+  return channel == std::string_view::npos ? -1 : int(channel);
+}
+
+void copy_rows(const Image& rows, const std::vector<std::string>& names, int first, int height, Image& whole) {
+  if (whole.planes.empty()) {
+    whole = Image(rows.width, height);
+    for (const std::string& name : names) whole.add(name) = Plane(rows.width, height, 0.0f);
+  }
+  for (const std::string& name : names)
+    for (int y = 0; y < rows.height; ++y)
+      std::copy_n(rows.plane(name).row(y), rows.width, whole.plane(name).row(first + y));
+}
+
+}  // namespace
+
+std::vector<std::string> with_blend_planes(std::vector<std::string> names) {
+  names.emplace_back(kOpacityPlane);
+  names.insert(names.end(), kTransmittancePlanes.begin(), kTransmittancePlanes.end());
+  return names;
+}
+
+void BlendWeights::take_front(Image& rows, int first, int height) {
+  if (rows.height == 0) return;
+  copy_rows(rows, with_blend_planes({}), first, height, weights_);
+  Image others(rows.width, rows.height);
+  const Plane& opacity = weights_.plane(kOpacityPlane);
+  for (std::size_t k = 0; k < rows.names.size(); ++k) {
+    if (weights_.find(rows.names[k])) continue;
+    Plane& plane = others.add(rows.names[k]) = std::move(rows.planes[k]);
+    // Colour has straight alpha: its alpha has the weight.
+    if (rows.names[k].starts_with("color.") && channel_of(rows.names[k]) >= 0) continue;
+    multiply(plane, [&](int x, int y) { return opacity.row(first + y)[x]; });
+  }
+  rows = std::move(others);
+}
+
+void BlendWeights::weigh_behind(Image& rows, int first) const {
+  const Plane& opacity = weights_.plane(kOpacityPlane);
+  for (std::size_t k = 0; k < rows.names.size(); ++k) {
+    const int channel = channel_of(rows.names[k]);
+    if (channel < 0) {
+      multiply(rows.planes[k], [&](int x, int y) { return 1.0f - opacity.row(first + y)[x]; });
+      continue;
+    }
+    const Plane& transmittance = weights_.plane(kTransmittancePlanes[std::size_t(channel)]);
+    const bool straight = rows.names[k].starts_with("color.");
+    multiply(rows.planes[k], [&](int x, int y) {
+      const float passing = transmittance.row(first + y)[x], clear = 1.0f - opacity.row(first + y)[x];
+      return straight ? passing / std::max(clear, 1e-6f) : passing;
+    });
+  }
+}
+
+void FrontLines::take(const Image& rows, const std::vector<std::string>& names, int first, int height) {
+  if (rows.height > 0) copy_rows(rows, names, first, height, planes);
+}
+
+void FrontLines::join(Image& rows, int first) const {
+  for (const std::string& name : planes.names)
+    for (int y = 0; y < rows.height; ++y) {
+      const float* front = planes.plane(name).row(first + y);
+      float* row = rows.plane(name).row(y);
+      for (int x = 0; x < rows.width; ++x) row[x] = std::max(row[x], front[x]);
+    }
+}
+
+}  // namespace umbrage

@@ -1,0 +1,161 @@
+// Blended surfaces: the planes of their weights, the blended picture, and lines of and behind them.
+#include "renderer/blend.h"
+
+#include <gtest/gtest.h>
+
+#include "core/srgb.h"
+#include "devices/shared/capture_support.h"
+#include "draw_picture.h"
+#include "renderer/strips.h"
+
+namespace umbrage {
+namespace {
+
+using test::square;
+
+constexpr glm::vec3 kRed{0.8f, 0.1f, 0.1f};
+
+/// Returns a white wall at z = 0, with smaller panes in front of it, one for each material.
+Scene wall_behind(const std::vector<Material>& panes) {
+  std::vector<Mesh> meshes{square(2.0f)};
+  std::vector<Material> materials{{.albedo = glm::vec3(0.8f)}};
+  for (std::size_t k = 0; k < panes.size(); ++k) {
+    meshes.push_back(square(1.0f, 0.5f + 0.5f * float(k)));
+    materials.push_back(panes[k]);
+  }
+  return test::scene_of(std::move(meshes), std::move(materials));
+}
+
+Material pane(float opacity, glm::vec3 albedo = kRed, glm::vec3 tint = glm::vec3(1.0f)) {
+  return {.albedo = albedo, .blended = true, .opacity = opacity, .tint = tint};
+}
+
+Image captured_from_front(const Scene& scene, bool blended) {
+  const auto device = make_cpu_device();
+  const Camera camera = orthographic_camera({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 4.0f, 1.0f);
+  CaptureSettings settings{.width = 32, .height = 32, .blended = blended};
+  settings.lighting.emplace().lights = {test::key_light({0, 0, 1})};
+  return test::captured(*device, scene, camera, settings);
+}
+
+TEST(Blend, WeightsAreProductsAlongTheRay) {
+  const glm::vec3 blue(0.1f, 0.1f, 0.9f), tint(0.5f, 1.0f, 0.25f);
+  const Scene scene = wall_behind({pane(0.25f, kRed, tint), pane(0.5f, blue)});
+  const Image front = captured_from_front(scene, true), behind = captured_from_front(scene, false);
+  EXPECT_FLOAT_EQ(front.plane("opacity").at(16, 16), 1.0f - 0.75f * 0.5f);
+  const char* names[3][2] = {
+      {"transmittance.r", "albedo.r"}, {"transmittance.g", "albedo.g"}, {"transmittance.b", "albedo.b"}};
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_FLOAT_EQ(front.plane(names[c][0]).at(16, 16), 0.75f * 0.5f * tint[c]);
+    // The nearer pane covers one half, the other a quarter of the rest.
+    EXPECT_NEAR(front.plane(names[c][1]).at(16, 16), (0.5f * blue[c] + 0.125f * kRed[c]) / 0.625f, 1e-6f);
+    EXPECT_FLOAT_EQ(behind.plane(names[c][1]).at(16, 16), 0.8f);
+  }
+  EXPECT_FLOAT_EQ(front.plane("opacity").at(2, 2), 0.0f) << "beside the panes";
+  EXPECT_FLOAT_EQ(front.plane("transmittance.g").at(2, 2), 1.0f);
+  EXPECT_EQ(behind.find("opacity"), nullptr);
+  EXPECT_LT(front.plane("depth").at(16, 16), behind.plane("depth").at(16, 16) - 0.9f);
+  EXPECT_FLOAT_EQ(behind.plane("shadow").at(16, 16), 0.0f) << "a pane of half opacity casts a shadow";
+}
+
+TEST(Blend, OpaqueAndClearSurfacesAreNotBlended) {
+  EXPECT_FALSE(has_blended(wall_behind({pane(1.0f)})));
+  EXPECT_TRUE(has_blended(wall_behind({pane(0.9f)})));
+  EXPECT_FALSE(has_blended(wall_behind({{.opacity = 0.5f}})));
+  // Nearly opaque texels of a blended texture are opaque.
+  Scene scene = wall_behind({pane(1.0f)});
+  scene.materials[1].texture = 0;
+  scene.textures.push_back({.width = 4, .height = 1, .rgba = std::vector<std::uint8_t>(16, 255)});
+  EXPECT_FALSE(has_blended(scene));
+  scene.textures[0].rgba[11] = scene.textures[0].rgba[15] = 0;
+  EXPECT_TRUE(has_blended(scene));
+  const Image behind = captured_from_front(scene, false);
+  EXPECT_NE(behind.plane("depth").at(12, 16), behind.plane("depth").at(20, 16));
+}
+
+TEST(Blend, GlassReflectsMoreAtGrazingAngles) {
+  Material glass = pane(0.1f);
+  glass.glass = true;
+  const Image front = captured_from_front(wall_behind({glass}), true);
+  EXPECT_NEAR(front.plane("opacity").at(16, 16), 0.1f + 0.9f * kGlassReflectance, 1e-6f);
+  Scene tilted = wall_behind({});
+  tilted.materials.push_back(glass);
+  tilted.meshes.push_back(test::parallelogram({-1, -0.1f, 0.5f}, {2, 0, 0}, {0, 0.2f, 2}));
+  tilted.meshes.back().material = 1;
+  finish_scene(tilted);
+  EXPECT_GT(captured_from_front(tilted, true).plane("opacity").at(16, 16), 0.5f);
+}
+
+/// Draws a red surface in front of a wall, with the look `lit`. Returns the linear colour of the middle pixel.
+glm::vec3 middle_of(const Scene& scene) {
+  Request request;
+  request.look = "lit";
+  request.width = request.height = 64;
+  request.ground = "off";
+  request.camera.position = {0, 0, 6};
+  request.camera.focal_point = {0, 0, 0};
+  const auto drawn = test::drawn_picture(scene, request, {"color.r", "color.g", "color.b"});
+  glm::vec3 color;
+  for (int c = 0; c < 3; ++c) color[c] = linear_from_srgb(drawn.image.planes[std::size_t(c)].at(32, 32));
+  return color;
+}
+
+TEST(Blend, PictureIsWeightedSum) {
+  const glm::vec3 opaque = middle_of(wall_behind({{.albedo = kRed}})), nothing = middle_of(wall_behind({}));
+  const glm::vec3 blended = middle_of(wall_behind({pane(0.4f)}));
+  const glm::vec3 tinted = middle_of(wall_behind({pane(0.4f, kRed, {0.5f, 0.5f, 1.0f})}));
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(blended[c], 0.4f * opaque[c] + 0.6f * nothing[c], 0.02f) << c;
+    EXPECT_NEAR(tinted[c], 0.4f * opaque[c] + 0.6f * nothing[c] * (c == 2 ? 1.0f : 0.5f), 0.02f) << c;
+  }
+  EXPECT_GT(nothing.y, opaque.y + 0.1f) << "the test distinguishes the two pictures";
+}
+
+TEST(Blend, LinesOfPaneAndOfWhatIsBehind) {
+  Scene scene = test::scene_of({square(3.0f, -3.0f), square(0.3f), square(1.0f, 0.5f)},
+                               {{.albedo = glm::vec3(0.8f)}, {.albedo = kRed}, pane(0.3f, {0.2f, 0.4f, 0.8f})});
+  Request request;
+  request.look = "cartoon";
+  request.width = request.height = 128;
+  request.ground = "off";
+  request.camera.position = {0, 0, 6};
+  request.camera.focal_point = {0, 0, 0};
+  const auto drawn = test::drawn_picture(scene, request, {"outline", "depth"});
+  const Plane& lines = drawn.image.plane("outline");
+  int crossed = 0;  // by the row through the middle: two sides of the square behind and two of the pane
+  for (int x = 1; x < 128; ++x) crossed += (lines.at(x, 64) > 0.05f) != (lines.at(x - 1, 64) > 0.05f);
+  EXPECT_EQ(crossed, 8);
+}
+
+TEST(Blend, StripsAreTheSame) {
+  const Scene scene = wall_behind({pane(0.25f), pane(0.5f, {0.1f, 0.1f, 0.9f})});
+  for (const char* look : {"studio", "cartoon"}) {
+    Request request;
+    request.look = look;
+    request.width = 70;
+    request.height = 150;
+    request.ground = "off";
+    const std::vector<std::string> planes = {"color.r", "color.g", "color.b", "color.a", "depth"};
+    const auto whole = test::drawn_picture(scene, request, planes);
+    const auto device = make_cpu_device();
+    ASSERT_TRUE(device->prepare(scene));
+    const auto plan = make_plan(*make_recipe(request), scene, device->threads());
+    ASSERT_TRUE(plan);
+    EXPECT_TRUE(plan->has_blended);
+    StageTimes times;
+    const auto take = [&](const PictureInfo&, const Image& part, int first) -> Result<void> {
+      for (const std::string& name : planes)
+        for (int y = 0; y < part.height; ++y)
+          for (int x = 0; x < part.width; ++x) {
+            const float expected = whole.image.plane(name).at(x, first + y), value = part.plane(name).at(x, y);
+            if (expected != value) return file_error("{} differs at {}, {}", name, x, first + y);
+          }
+      return {};
+    };
+    const auto done = draw_strips(*device, *plan, 64, planes, false, take, times);
+    EXPECT_TRUE(done) << look << ": " << (done ? "" : done.error().message);
+  }
+}
+
+}  // namespace
+}  // namespace umbrage
