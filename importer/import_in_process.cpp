@@ -1,4 +1,5 @@
-// Import of models: PLY, OFF and points in text form by built-in readers, all other formats through Assimp. Assimp only
+// Import of models: PLY, OFF, STL and points in text form by built-in readers, PDB through Gemmi, all other formats
+// through Assimp. Assimp only
 // parses and triangulates; scene/finish.cpp joins vertices and creates normals, which is faster and gives all formats
 // the same rules.
 #include "importer/import_in_process.h"
@@ -33,10 +34,12 @@
 #include "importer/gltf_facts.h"
 #include "importer/import_materials.h"
 #include "importer/limits.h"
+#include "importer/pdb.h"
 #include "scene/readers/import_parts.h"
 #include "scene/readers/off.h"
 #include "scene/readers/ply.h"
 #include "scene/readers/point_text.h"
+#include "scene/readers/stl.h"
 #include "scene/readers/vertex_colors.h"
 #include "scene/readers/whole_file.h"
 
@@ -58,7 +61,6 @@ std::string reason_of(std::string reason) {
   static constexpr Known kKnown[] = {
       {"No suitable reader", "its content is of another format, or cut short"},
       {"No scene", "it contains no scene"},
-      {"storage representation", "it is neither a text nor a binary STL file"},
       {"Cannot parse string", "a number is missing"},
   };
   for (const Known& known : kKnown) {
@@ -347,7 +349,6 @@ void import_nodes(const aiScene& source, const glm::dmat4& root, const MeshRules
 
 /// Returns world up as the format or the file defines it. Assimp converts DAE itself, but not FBX.
 glm::vec3 up_of(const aiScene& source, const std::string& format) {
-  if (format == "stl") return {0.0f, 0.0f, 1.0f};
   std::int32_t axis = 1, sign = 1;
   if (format == "fbx" && source.mMetaData) {
     source.mMetaData->Get("UpAxis", axis);
@@ -406,9 +407,8 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
   Scene scene;
   scene.up = up_of(*source, format);
   import_materials(*source, file, format, rules.gltf, scene, rules.not_drawn);
-  // STL files contain only face normals. 3DS files contain no normals, and the normals that Assimp creates ignore
-  // creases.
-  rules.keep_normals = format != "stl" && format != "3ds";
+  // 3DS files contain no normals, and the normals that Assimp creates ignore creases.
+  rules.keep_normals = format != "3ds";
   // Assimp rotates 3DS files as if +z were up. Existing files have +y up, so the rotation is undone.
   const glm::dmat4 root =
       format == "3ds" ? glm::inverse(matrix_of(source->mRootNode->mTransformation)) : glm::dmat4(1.0);
@@ -439,12 +439,14 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
 }
 
 Result<Scene> import_ply(const fs::path& file) {
-  std::string texture;
-  Result<Scene> scene = read_ply(file, texture);
+  std::vector<std::string> textures;
+  Result<Scene> scene = read_ply(file, textures);
   if (!scene) return scene;
-  Material& material = scene->materials.at(0);
-  if (!texture.empty()) material.texture = import_texture(file, texture, *scene);
-  if (material.texture != kNoTexture) material.albedo = glm::vec3(1.0f);
+  for (std::size_t i = 0; i < std::min(textures.size(), scene->materials.size()); ++i) {
+    const int texture = import_texture(file, textures[i], *scene);
+    scene->materials[i].texture = texture;
+    if (texture != kNoTexture) scene->materials[i].albedo = glm::vec3(1.0f);
+  }
   return scene;
 }
 
@@ -454,10 +456,12 @@ Result<Scene> import_in_process(const fs::path& file, const ImportSettings& sett
   const std::string format = import_format(file);
   if (auto error = check_model_file(file, format)) return std::move(*error);
   try {
-    Result<Scene> scene = format == "ply"   ? import_ply(file)
-                          : format == "off" ? read_off(file)
-                          : format == "xyz" ? read_xyz(file)
-                                            : import_by_assimp(file, format, settings, process_ends);
+    Result<Scene> scene = format == "ply"                                         ? import_ply(file)
+                          : format == "off"                                       ? read_off(file)
+                          : format == "stl"                                       ? read_stl(file)
+                          : format == "xyz" || format == "pts" ? read_xyz(file)
+                          : format == "pdb" || format == "ent"                    ? read_pdb(file)
+                                                               : import_by_assimp(file, format, settings, process_ends);
     // complete_import uses several threads for points. The memory limits of this process leave no room for them.
     if (process_ends && scene && scene->point_count() > 0) return scene;
     return complete_import(std::move(scene), file, settings);

@@ -13,6 +13,7 @@
 #include <span>
 
 #include "core/check.h"
+#include "scene/strays.h"
 
 namespace umbrage {
 namespace {
@@ -414,7 +415,25 @@ void add_triangles(const Mesh& mesh, const glm::mat4& world_from_mesh, SceneBox&
   }
 }
 
-std::size_t finish_scene(Scene& scene, std::optional<float> crease_angle_deg, const PointSettings& points, Poll* poll) {
+namespace {
+
+/// Sets the bounds to the box of all vertices and points, or of all but strays, and warns of these.
+Strays set_bounds(Scene& scene, BoundsOf bounds) {
+  SceneBox all;
+  for (const Mesh& mesh : scene.meshes) {
+    for (const glm::vec3& p : mesh.positions) all = {glm::min(all.low, p), glm::max(all.high, p)};
+  }
+  const Strays strays = bounds == BoundsOf::kAll ? Strays{.rest = all} : find_strays(scene, all);
+  if (strays.any()) scene.warnings.push_back(strays_text(strays));
+  scene.bounds_min = scene.meshes.empty() ? glm::vec3(0.0f) : strays.rest.low;
+  scene.bounds_max = scene.meshes.empty() ? glm::vec3(0.0f) : strays.rest.high;
+  return strays;
+}
+
+}  // namespace
+
+std::size_t finish_scene(Scene& scene, std::optional<float> crease_angle_deg, const PointSettings& points, Poll* poll,
+                         BoundsOf bounds) {
   std::size_t dropped = 0;
   if (scene.materials.empty()) scene.materials.emplace_back();
   for (Material& material : scene.materials) {
@@ -448,21 +467,14 @@ std::size_t finish_scene(Scene& scene, std::optional<float> crease_angle_deg, co
   }
   std::erase_if(scene.meshes,
                 [](const Mesh& mesh) { return mesh.points ? mesh.positions.empty() : mesh.indices.empty(); });
-  glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
-  for (const Mesh& mesh : scene.meshes) {
-    for (const glm::vec3& p : mesh.positions) {
-      low = glm::min(low, p);
-      high = glm::max(high, p);
-    }
-  }
-  scene.bounds_min = scene.meshes.empty() ? glm::vec3(0.0f) : low;
-  scene.bounds_max = scene.meshes.empty() ? glm::vec3(0.0f) : high;
+  const Strays strays = set_bounds(scene, bounds);
   const float radius = scene.radius();
   for (Mesh& mesh : scene.meshes) {
     if (!mesh.points) continue;
     if (poll && poll->passing(0.0)) return dropped;
     shape_points(mesh, points, radius);
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+      if (strays.any() && !is_within(mesh.positions[i], mesh.radii[i], strays.rest)) continue;
       scene.bounds_min = glm::min(scene.bounds_min, mesh.positions[i] - mesh.radii[i]);
       scene.bounds_max = glm::max(scene.bounds_max, mesh.positions[i] + mesh.radii[i]);
     }

@@ -15,12 +15,15 @@ namespace umbrage {
 /// split again along creases. If the poll ends, the mesh stays without normals.
 void make_normals(Mesh& mesh, float crease_angle_deg, Poll* poll = nullptr);
 
+/// What Scene::bounds_min and bounds_max contain.
+enum class BoundsOf { kAll, kAllButStrays };
+
 /// Drops triangles that are degenerate, have an index out of range or coordinates that are not finite. Drops points
 /// whose position or radius is not usable (clean_points). Creates missing normals, shapes points (shape_points),
-/// removes empty meshes and computes the bounds. Returns the number of dropped triangles and points. If the poll ends,
-/// the scene is incomplete and must be discarded.
+/// removes empty meshes and computes the bounds; strays outside of them (scene/strays.h) cause a warning. Returns the
+/// number of dropped triangles and points. If the poll ends, the scene is incomplete and must be discarded.
 std::size_t finish_scene(Scene& scene, std::optional<float> crease_angle_deg = {}, const PointSettings& points = {},
-                         Poll* poll = nullptr);
+                         Poll* poll = nullptr, BoundsOf bounds = BoundsOf::kAll);
 
 /// An axis-aligned box around parts of a scene, world space.
 struct SceneBox {

@@ -10,6 +10,8 @@
 #include <glm/trigonometric.hpp>
 #include <limits>
 
+#include "scene/strays.h"
+
 namespace umbrage {
 namespace {
 
@@ -71,25 +73,34 @@ glm::vec3 turned(glm::vec3 side, const glm::vec3& up, float azimuth_deg, float e
   return side;
 }
 
+/// Calls visit(position, radius) for each vertex and point that is within the bounds: the centre and radius of a
+/// sphere, the ends of a disc, with a radius of 0.
 template <class Visit>
 void for_each_vertex(const Scene& scene, Visit visit) {
   for (const Mesh& mesh : scene.meshes) {
     if (scene.ground_object >= 0 && mesh.object == scene.ground_object) continue;
     if (!mesh.points) {
-      for (const glm::vec3& p : mesh.positions) visit(p);
+      for (const glm::vec3& p : mesh.positions)
+        if (is_in_bounds(scene, p)) visit(p, 0.0);
       continue;
     }
-    for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+      if (!is_in_bounds(scene, mesh.positions[i])) continue;
+      if (mesh.spheres) {
+        visit(mesh.positions[i], double(mesh.radii[i]));
+        continue;
+      }
       for (int axis = 0; axis < 3; ++axis) {
         glm::vec3 reach(0.0f);
         reach[axis] = mesh.radii[i];
-        visit(mesh.positions[i] - reach);
-        visit(mesh.positions[i] + reach);
+        visit(mesh.positions[i] - reach, 0.0);
+        visit(mesh.positions[i] + reach, 0.0);
       }
+    }
   }
   if (scene.meshes.empty()) {
-    visit(scene.bounds_min);
-    visit(scene.bounds_max);
+    visit(scene.bounds_min, 0.0);
+    visit(scene.bounds_max, 0.0);
   }
 }
 
@@ -128,9 +139,10 @@ Axes axes_of(const glm::vec3& origin, const glm::vec3& side, const glm::vec3& up
 /// Fits an orthographic camera. With `keep_middle` the origin of the axes stays in the middle of the picture.
 Fit fit_orthographic(const Scene& scene, const Axes& axes, float aspect, float margin, bool keep_middle) {
   Interval x, y, z;
-  for_each_vertex(scene, [&](const glm::vec3& p) {
+  for_each_vertex(scene, [&](const glm::vec3& p, double r) {
     const glm::dvec3 q = axes.view(p);
-    x.add(q.x), y.add(q.y), z.add(q.z);
+    x.add(q.x - r), y.add(q.y - r), z.add(q.z - r);
+    x.add(q.x + r), y.add(q.y + r), z.add(q.z + r);
   });
   if (keep_middle) x.add(-x.low), x.add(-x.high), y.add(-y.low), y.add(-y.high);
   const double radius = std::max(double(scene.radius()), 1e-30);
@@ -147,16 +159,17 @@ Fit fit_orthographic(const Scene& scene, const Axes& axes, float aspect, float m
 Fit fit_perspective(const Scene& scene, const Axes& axes, float angle_deg, float aspect, float margin,
                     bool keep_middle) {
   const double tan_y = std::tan(glm::radians(double(angle_deg)) / 2.0) * (1.0 - 2.0 * margin), tan_x = tan_y * aspect;
+  const double secant_x = std::sqrt(1.0 + tan_x * tan_x), secant_y = std::sqrt(1.0 + tan_y * tan_y);
   constexpr double kLowest = std::numeric_limits<double>::lowest();
   double right = kLowest, left = kLowest, top = kLowest, bottom = kLowest;
   Interval z;
-  for_each_vertex(scene, [&](const glm::vec3& p) {
+  for_each_vertex(scene, [&](const glm::vec3& p, double r) {
     const glm::dvec3 q = axes.view(p);
-    right = std::max(right, q.x - tan_x * q.z);
-    left = std::max(left, -q.x - tan_x * q.z);
-    top = std::max(top, q.y - tan_y * q.z);
-    bottom = std::max(bottom, -q.y - tan_y * q.z);
-    z.add(q.z);
+    right = std::max(right, q.x - tan_x * q.z + r * secant_x);
+    left = std::max(left, -q.x - tan_x * q.z + r * secant_x);
+    top = std::max(top, q.y - tan_y * q.z + r * secant_y);
+    bottom = std::max(bottom, -q.y - tan_y * q.z + r * secant_y);
+    z.add(q.z - r), z.add(q.z + r);
   });
   const double radius = std::max(double(scene.radius()), 1e-30);
   double eye_x = 0.0, eye_y = 0.0, eye_z = z.low - kNearest * radius;
@@ -170,13 +183,14 @@ Fit fit_perspective(const Scene& scene, const Axes& axes, float angle_deg, float
     for (int round = 0; round < kRounds; ++round) {
       Interval x, y;
       double depth_left = 1.0, depth_right = 1.0, depth_bottom = 1.0, depth_top = 1.0;
-      for_each_vertex(scene, [&](const glm::vec3& p) {
+      for_each_vertex(scene, [&](const glm::vec3& p, double r) {
         const glm::dvec3 q = axes.view(p);
         const double depth = q.z - eye_z, u = (q.x - eye_x) / depth, v = (q.y - eye_y) / depth;
-        if (u < x.low) x.low = u, depth_left = depth;
-        if (u > x.high) x.high = u, depth_right = depth;
-        if (v < y.low) y.low = v, depth_bottom = depth;
-        if (v > y.high) y.high = v, depth_top = depth;
+        const double du = r * std::sqrt(1.0 + u * u) / depth, dv = r * std::sqrt(1.0 + v * v) / depth;
+        if (u - du < x.low) x.low = u - du, depth_left = depth;
+        if (u + du > x.high) x.high = u + du, depth_right = depth;
+        if (v - dv < y.low) y.low = v - dv, depth_bottom = depth;
+        if (v + dv > y.high) y.high = v + dv, depth_top = depth;
       });
       // A step s moves the extremes by -s / depth; this step makes them equal and opposite.
       eye_x += (x.low + x.high) / (1.0 / depth_left + 1.0 / depth_right);
@@ -217,12 +231,17 @@ void center_shadow(const Scene& scene, const Framing& framing, Camera& camera) {
   const glm::dmat4 view(camera.view_from_world);
   const bool parallel = camera.projection == Projection::kOrthographic;
   Interval x, y, all_x, all_y;
-  for_each_vertex(scene, [&](const glm::vec3& vertex) {
+  for_each_vertex(scene, [&](const glm::vec3& vertex, double r) {
     const glm::dvec3 p(vertex), at(view * glm::dvec4(p, 1.0));
     const glm::dvec3 shadow(view * glm::dvec4(p - light * ((glm::dot(p, up) - ground) / sine), 1.0));
-    x.add(at.x / (parallel ? 1.0 : -at.z)), y.add(at.y / (parallel ? 1.0 : -at.z));
+    for (const double reach : {-r, r}) {
+      x.add((at.x + reach) / (parallel ? 1.0 : -at.z)), y.add((at.y + reach) / (parallel ? 1.0 : -at.z));
+    }
     if (shadow.z >= 0.0) return;  // behind the camera
-    all_x.add(shadow.x / (parallel ? 1.0 : -shadow.z)), all_y.add(shadow.y / (parallel ? 1.0 : -shadow.z));
+    for (const double reach : {-r, r}) {
+      all_x.add((shadow.x + reach) / (parallel ? 1.0 : -shadow.z));
+      all_y.add((shadow.y + reach) / (parallel ? 1.0 : -shadow.z));
+    }
   });
   // The soft end of a shadow weighs less than the model.
   constexpr double kWeight = 0.5;

@@ -147,6 +147,26 @@ TEST(Framing, FillsThePictureAndIsCentered) {
   }
 }
 
+TEST(Framing, LargeSpheresAreInsideThePicture) {
+  Scene scene;
+  Mesh& atoms = scene.meshes.emplace_back();
+  atoms.points = atoms.spheres = true;
+  atoms.positions = {glm::vec3(0.0f), glm::vec3(1.0f, 0.3f, 0.2f), glm::vec3(-0.5f, 0.8f, 0.4f)};
+  atoms.radii = {1.7f, 1.2f, 1.2f};
+  finish_scene(scene);
+  const Camera camera = frame_scene(scene, {.margin = 0.0f}, 200, 100);
+  float nearest = -1e9f;  // to a side of the picture, from inside
+  for (std::size_t i = 0; i < scene.meshes[0].positions.size(); ++i) {
+    const glm::vec3 p(camera.view_from_world * glm::vec4(scene.meshes[0].positions[i], 1.0f));
+    const auto outside = [&](float along, float edge) {
+      return (along + edge * p.z) / std::sqrt(1.0f + edge * edge) + scene.meshes[0].radii[i];
+    };
+    nearest = std::max({nearest, outside(p.x, camera.right), outside(-p.x, -camera.left), outside(p.y, camera.top),
+                        outside(-p.y, -camera.bottom)});
+  }
+  EXPECT_NEAR(nearest, 0.0f, 0.02f) << "in radii of 1.2 to 1.7: one touches the border, none crosses it";
+}
+
 TEST(Framing, LooksAtTheFrontOfFilesWithZUp) {
   Scene scene = lump({1, 2, 3}, {0, 0, 3});
   scene.up = {0, 0, 1};

@@ -9,6 +9,8 @@
 #include <limits>
 #include <vector>
 
+#include "scene/strays.h"
+
 namespace umbrage {
 namespace {
 
@@ -32,10 +34,13 @@ struct Extent {
 Extent extent_of(const Scene& scene, const Axes& axes) {
   Extent extent;
   for (const Mesh& mesh : scene.meshes)
-    for (const glm::vec3& p : mesh.positions) {
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+      const glm::vec3& p = mesh.positions[i];
+      if (!is_in_bounds(scene, p)) continue;
       const glm::vec3 q(glm::dot(p, axes.right), glm::dot(p, axes.up), glm::dot(p, axes.front));
-      extent.min = glm::min(extent.min, q);
-      extent.max = glm::max(extent.max, q);
+      const float radius = mesh.spheres ? mesh.radii[i] : 0.0f;
+      extent.min = glm::min(extent.min, q - radius);
+      extent.max = glm::max(extent.max, q + radius);
     }
   return extent;
 }

@@ -6,7 +6,7 @@
 namespace umbrage {
 
 enum class PointShape {
-  kAuto,   ///< discs if the points have normals or lie on surfaces, else spheres
+  kAuto,   ///< discs if the points have normals or lie on surfaces, unless Mesh::spheres is set; else spheres
   kDiscs,  ///< perpendicular to the normals, which are estimated where the file has none
   kSpheres,
 };

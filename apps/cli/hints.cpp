@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/mat4x4.hpp>
+#include <glm/vec4.hpp>
+
+#include "scene/framing.h"
 
 namespace umbrage::cli {
 
@@ -40,11 +44,28 @@ std::string radius_hint(const Recipe& recipe, const HintStatistics& statistics, 
       100.0 * changed / pixels, percent, kSuggested);
 }
 
+/// Returns whether the centre of any point of the scene is inside the picture.
+bool has_points_in_view(const Recipe& recipe, const Scene& scene) {
+  const Camera camera = frame_scene(scene, recipe.framing, recipe.width, recipe.height);
+  for (const Mesh& mesh : scene.meshes)
+    for (std::size_t i = 0; mesh.points && i < mesh.positions.size(); ++i) {
+      const glm::vec3 p(camera.view_from_world * glm::vec4(mesh.positions[i], 1.0f));
+      const float depth = camera.projection == Projection::kOrthographic ? 1.0f : -p.z;
+      const bool inside = p.z < 0.0f && p.x >= camera.left * depth && p.x <= camera.right * depth &&
+                          p.y >= camera.bottom * depth && p.y <= camera.top * depth;
+      if (inside) return true;
+    }
+  return false;
+}
+
 }  // namespace
 
 void print_hints(const Recipe& recipe, const HintStatistics& statistics, const Scene& scene) {
-  if (statistics.surfaces == 0)
+  if (statistics.surfaces == 0 && has_points_in_view(recipe, scene)) {
+    print_warning(fmt::format("the points of {} are smaller than a pixel; use a larger --point-size", scene.name));
+  } else if (statistics.surfaces == 0) {
     print_warning(fmt::format("nothing of {} is in view; move the camera or omit the camera options", scene.name));
+  }
   if (const std::string hint = radius_hint(recipe, statistics, scene.radius()); !hint.empty()) print_warning(hint);
 }
 

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "core/suggest.h"
+#include "scene/readers/molecule.h"
 
 namespace umbrage::cli {
 namespace {
@@ -128,12 +129,15 @@ std::string format_of_content(std::string_view bytes) {
   if (start.find('\0') != std::string_view::npos) return "";
   const std::vector<std::string_view> words = first_words(start);
   if (words.empty()) return "";
-  if (words[0] == "solid") return "stl";
+  if (words[0] == "solid" || words[0] == "SOLID") return "stl";
+  for (const char* record : {"HEADER", "TITLE", "REMARK", "CRYST1", "MODEL", "ATOM", "HETATM"})
+    if (words[0] == record) return "pdb";
   if (words[0].ends_with("OFF")) return "off";
   if (words[0].starts_with('{')) return "gltf";
   if (words[0].starts_with("<?xml") || words[0].starts_with("<COLLADA")) return "dae";
   for (const char* word : {"v", "vn", "vt", "o", "g", "mtllib", "usemtl", "s"})
     if (words[0] == word) return "obj";
+  if (is_molecule(start)) return "xyz";
   if (words.size() >= 3 && is_number(words[0]) && is_number(words[1]) && is_number(words[2])) return "xyz";
   return "";
 }

@@ -82,12 +82,10 @@ TEST_F(ThumbnailsTest, FileManagersFindTheCommandForEveryFormat) {
   const fs::path share = fs::path(UMBRAGE_SOURCE) / "apps/share";
   const std::string entry = text_of(share / "thumbnailers/umbrage.thumbnailer");
   const std::string types = text_of(share / "mime/packages/umbrage.xml");
-  // The types of shared-mime-info; the others are in our own file. Files of points in .xyz share their name with files
-  // of molecules, so they have no type.
+  // The types of shared-mime-info; the others are in our own file.
   const std::map<std::string, std::string> known = {
       {"stl", "model/stl"}, {"gltf", "model/gltf+json"}, {"glb", "model/gltf-binary"}, {"3ds", "image/x-3ds"}};
   for (const std::string& format : import_formats()) {
-    if (format == "xyz") continue;
     std::string type;
     if (const auto found = known.find(format); found != known.end()) {
       type = found->second;

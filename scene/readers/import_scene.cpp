@@ -20,6 +20,7 @@
 #include "scene/readers/off.h"
 #include "scene/readers/ply.h"
 #include "scene/readers/point_text.h"
+#include "scene/readers/stl.h"
 
 namespace umbrage {
 namespace {
@@ -32,15 +33,26 @@ std::string list_of_formats() {
   return list;
 }
 
-/// Reads PLY, OFF or XYZ. Returns nothing for other formats, and for files with a texture, which a third-party decoder
-/// reads.
+/// Reads PLY, OFF, STL, or points in text form. Returns nothing for other formats, and for files with a texture, which
+/// a third-party decoder reads.
 std::optional<Result<Scene>> import_own(const fs::path& file, const std::string& format, Poll* poll) {
   if (format == "off") return read_off(file, poll);
-  if (format == "xyz") return read_xyz(file, poll);
+  if (format == "stl") return read_stl(file, poll);
+  if (format == "xyz" || format == "pts") return read_xyz(file, poll);
   if (format != "ply") return std::nullopt;
-  if (!ply_texture(file).empty()) return std::nullopt;
-  std::string texture;
-  return read_ply(file, texture, poll);
+  if (ply_has_texture(file)) return std::nullopt;
+  std::vector<std::string> textures;
+  return read_ply(file, textures, poll);
+}
+
+/// Returns what to do with a file of a known format that is not read; empty for other formats.
+std::string conversion_of(const std::string& format) {
+  for (const char* cloud : {"las", "laz", "e57", "pcd", "ptx"})
+    if (format == cloud) return "a point cloud that is not read; convert it to .ply, for example with CloudCompare";
+  for (const char* molecule : {"cif", "mol", "mol2", "sdf", "gro"})
+    if (format == molecule) return "a format that is not read; convert a molecule to .pdb or .xyz, as with Open Babel";
+  if (format == "csv") return "not a model file; points in text form are read from files that end in .xyz";
+  return {};
 }
 
 /// Returns the number of triangles with an index out of range, which a damaged file has.
@@ -54,7 +66,8 @@ std::size_t count_triangles_out_of_range(const Mesh& mesh) {
 }  // namespace
 
 const std::vector<std::string>& import_formats() {
-  static const std::vector<std::string> formats{"obj", "ply", "stl", "gltf", "glb", "3ds", "dae", "fbx", "off", "xyz"};
+  static const std::vector<std::string> formats{"obj", "ply", "stl", "gltf", "glb", "3ds", "dae",
+                                                "fbx", "off", "xyz", "pts",  "pdb", "ent"};
   return formats;
 }
 
@@ -74,6 +87,8 @@ std::optional<Error> check_model_file(const fs::path& file, const std::string& f
     return file_error("'{}' is a folder, not a model file", file.string());
   }
   const auto& formats = import_formats();
+  if (const std::string conversion = conversion_of(format); !conversion.empty())
+    return file_error("'{}' is {}", file.string(), conversion);
   if (std::find(formats.begin(), formats.end(), format) == formats.end()) {
     return file_error("'{}' is not a supported model file; it must end in one of {}", file.string(), list_of_formats());
   }
@@ -105,7 +120,10 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
     scene.warnings.push_back(
         fmt::format("{} of {} triangles have vertex indices out of range and are left out", astray, triangles));
   }
-  const std::size_t dropped = finish_scene(scene, settings.crease_angle_deg, settings.points, poll);
+  if (settings.points.size.value > 0.0f)  // the user's size replaces that of the file
+    for (Mesh& mesh : scene.meshes) mesh.radii.clear();
+  const std::size_t dropped =
+      finish_scene(scene, settings.crease_angle_deg, settings.points, poll, BoundsOf::kAllButStrays);
   if (poll && poll->ended()) return interrupted();
   if (scene.meshes.empty() && points > 0) {
     return file_error("'{}' has no points that can be drawn; all {} are not finite", file.string(), points);

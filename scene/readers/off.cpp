@@ -1,14 +1,18 @@
-// Reads OFF in text form [Geomview, "Object File Format"]. Used instead of Assimp, since Assimp 5.2 ends the program on
-// some files with wrong counts.
+// Reads OFF in text form [Geomview, "Object File Format"]. Used instead of Assimp, since Assimp 5.2 reads neither
+// colours of faces nor files without faces.
 #include "scene/readers/off.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "scene/readers/face_attributes.h"
+#include "scene/readers/polygon.h"
+#include "scene/readers/positions.h"
 #include "scene/readers/vertex_colors.h"
 #include "scene/readers/whole_file.h"
 
@@ -56,8 +60,106 @@ struct Words {
     return failed ? 0 : std::size_t(value);
   }
 
+  /// Returns up to six numbers on the rest of the line, and moves to its end.
+  std::vector<float> rest_of_line() {
+    Words rest{text.substr(0, text.find('\n'))};
+    std::vector<float> numbers;
+    constexpr std::size_t kMax = 6;
+    while (numbers.size() < kMax) {
+      const float value = float(rest.number());
+      if (rest.failed) break;
+      numbers.push_back(value);
+    }
+    skip_line();
+    return numbers;
+  }
+
   void skip_line() { text.remove_prefix(std::min(text.find('\n'), text.size())); }
 };
+
+/// What follows a vertex's position.
+struct Columns {
+  bool normals = false, uvs = false, colors = false;
+};
+
+/// Reads vertices until the first that is not valid. Returns false if interrupted.
+bool read_vertices(Words& words, const Columns& columns, std::size_t count, Mesh& mesh, Scene& scene, Poll* poll) {
+  std::vector<glm::dvec3> positions;
+  positions.reserve(count);
+  for (std::size_t i = 0; i < count && !words.failed; ++i) {
+    if (stops(poll, i, count)) return false;
+    const double x = words.number(), y = words.number(), z = words.number();
+    positions.emplace_back(x, y, z);
+    if (columns.normals) {
+      const float nx = float(words.number()), ny = float(words.number()), nz = float(words.number());
+      mesh.normals.emplace_back(nx, ny, nz);
+    }
+    if (!columns.uvs && !columns.colors) {
+      words.skip_line();
+      continue;
+    }
+    // A colour of three or four numbers may follow; texture coordinates are the last two numbers of the line.
+    std::vector<float> values = words.rest_of_line();
+    const std::size_t found = values.size();
+    values.resize(std::max<std::size_t>(3, found));
+    if (columns.uvs) mesh.uvs.emplace_back(found > 1 ? values[found - 2] : 0.0f, found > 0 ? values[found - 1] : 0.0f);
+    if (columns.colors) mesh.colors.emplace_back(values[0], values[1], values[2]);
+  }
+  // Colours are 0 to 1, or 0 to 255 if any value is above 1.
+  float brightest = 0.0f;
+  for (const glm::vec3& c : mesh.colors) brightest = std::max({brightest, c.x, c.y, c.z});
+  for (glm::vec3& c : mesh.colors) c = linear_color(brightest > 1.0f ? c / 255.0f : c);
+  set_positions(positions, mesh, scene);
+  return true;
+}
+
+/// Colours of triangles, as in the file: 0 to 1, or 0 to 255 if any value is above 1.
+struct FaceColors {
+  std::vector<std::optional<glm::vec3>> colors;
+  float brightest = 0.0f;
+  bool any = false, any_index = false;
+
+  void add(const std::vector<float>& numbers, std::size_t triangles) {
+    std::optional<glm::vec3> color;
+    if (numbers.size() == 3 || numbers.size() == 4) color = {numbers[0], numbers[1], numbers[2]};
+    if (color) brightest = std::max({brightest, color->x, color->y, color->z});
+    any = any || color;
+    any_index = any_index || numbers.size() == 1;
+    colors.insert(colors.end(), triangles, color);
+  }
+  std::vector<glm::vec3> linear() const {
+    std::vector<glm::vec3> all;
+    for (const auto& color : colors)
+      all.push_back(color ? linear_color(brightest > 1.0f ? *color / 255.0f : *color) : Material().albedo);
+    return all;
+  }
+};
+
+/// Memory of read_face that is kept between faces.
+struct FaceMemory {
+  std::vector<std::uint32_t> corners, triangles;
+  std::vector<glm::vec3> positions;
+};
+
+void read_face(Words& words, FaceMemory& memory, Mesh& mesh, FaceColors& colors) {
+  auto& [corners, triangles, positions] = memory;
+  corners.clear(), triangles.clear(), positions.clear();
+  const std::size_t count = words.count();
+  bool valid = true;
+  for (std::size_t k = 0; k < count && !words.failed; ++k) {
+    corners.push_back(std::uint32_t(words.count()));
+    valid = valid && corners.back() < mesh.positions.size();
+    if (valid) positions.push_back(mesh.positions[corners.back()]);
+  }
+  if (words.failed) return;
+  if (valid && count > 3) {
+    split_polygon(positions, triangles);
+  } else {
+    for (std::uint32_t i = 2; i < count; ++i) triangles.insert(triangles.end(), {0u, i - 1, i});
+  }
+  for (const std::uint32_t corner : triangles) mesh.indices.push_back(corners[corner]);
+  colors.add(words.rest_of_line(), triangles.size() / 3);
+}
 
 }  // namespace
 
@@ -83,57 +185,28 @@ Result<Scene> read_off(const fs::path& path, Poll* poll) {
     return file_error("'{}' is cut short, or its counts of vertices and faces are wrong", file);
   }
   Scene scene;
+  scene.materials.emplace_back();
   Mesh mesh;
   mesh.name = path.stem().string();
-  mesh.positions.reserve(vertex_count);
-  for (std::size_t i = 0; i < vertex_count && !words.failed; ++i) {
-    if (stops(poll, i, vertex_count)) return interrupted();
-    const float x = float(words.number()), y = float(words.number()), z = float(words.number());
-    mesh.positions.emplace_back(x, y, z);
-    if (has_normals) {
-      const float nx = float(words.number()), ny = float(words.number()), nz = float(words.number());
-      mesh.normals.emplace_back(nx, ny, nz);
-    }
-    // A colour of three or four numbers may follow; texture coordinates are the last two numbers of the line.
-    const std::size_t line_end = std::min(words.text.find('\n'), words.text.size());
-    Words rest{words.text.substr(0, line_end)};
-    std::array<float, 6> values{};
-    std::size_t count = 0;
-    while ((has_uvs || has_colors) && count < values.size()) {
-      const float value = float(rest.number());
-      if (rest.failed) break;
-      values[count++] = value;
-    }
-    if (has_uvs) mesh.uvs.emplace_back(count > 1 ? values[count - 2] : 0.0f, count > 0 ? values[count - 1] : 0.0f);
-    if (has_colors) mesh.colors.emplace_back(values[0], values[1], values[2]);
-    words.skip_line();
-  }
-  // Colours are 0 to 1, or 0 to 255 if any value is above 1.
-  float brightest = 0.0f;
-  for (const glm::vec3& c : mesh.colors) brightest = std::max({brightest, c.x, c.y, c.z});
-  for (glm::vec3& c : mesh.colors) c = linear_color(brightest > 1.0f ? c / 255.0f : c);
+  const Columns columns{.normals = has_normals, .uvs = has_uvs, .colors = has_colors};
+  if (!read_vertices(words, columns, vertex_count, mesh, scene, poll)) return interrupted();
   if (words.failed) {
     return file_error("'{}' is cut short, or has something other than a number, at vertex {} of {}", file,
                       mesh.positions.size(), vertex_count);
   }
-  for (std::size_t i = 0; i < face_count; ++i) {
-    if (stops(poll, i, face_count)) return interrupted();
-    const std::size_t corners = words.count();
-    std::uint32_t first = 0, previous = 0;
-    for (std::size_t k = 0; k < corners && !words.failed; ++k) {
-      const std::uint32_t corner = std::uint32_t(words.count());
-      if (k == 0) first = corner;
-      if (k >= 2) mesh.indices.insert(mesh.indices.end(), {first, previous, corner});
-      previous = corner;
-    }
-    if (words.failed) {
-      return file_error("'{}' is cut short, or has something other than an index, at face {} of {}", file, i + 1,
-                        face_count);
-    }
-    words.skip_line();
+  FaceColors colors;
+  FaceMemory memory;
+  std::size_t face = 0;
+  for (; face < face_count && !words.failed; ++face) {
+    if (stops(poll, face, face_count)) return interrupted();
+    read_face(words, memory, mesh, colors);
   }
+  if (words.failed)
+    return file_error("'{}' is cut short, or has something other than an index, at face {} of {}", file, face,
+                      face_count);
+  if (colors.any && mesh.colors.empty()) set_face_attributes({.uvs = {}, .colors = colors.linear()}, mesh);
+  if (colors.any_index) scene.warnings.push_back("colours of faces that are numbers of a colour map are not drawn");
   mesh.points = face_count == 0;
-  scene.materials.emplace_back();
   if (!mesh.colors.empty()) scene.materials[0].albedo = glm::vec3(1.0f);
   if (mesh.points || !mesh.indices.empty()) scene.meshes.push_back(std::move(mesh));
   return scene;

@@ -9,8 +9,8 @@
 namespace umbrage {
 
 /// Reads an OFF file (also COFF, NOFF, STOFF and their combinations) into a scene of one mesh, before finish_scene.
-/// Polygons are split into triangle fans, which is correct for convex ones. Without polygons, the vertices become
-/// points. Vertex colours are kept, face colours are not. Errors: kFile, naming the wrong field; kInterrupted.
+/// Positions are read in double precision. Without polygons, the vertices become points. Colours of faces are kept if
+/// vertices have none. Errors: kFile, naming the wrong field; kInterrupted.
 Result<Scene> read_off(const std::filesystem::path& file, Poll* poll = nullptr);
 
 }  // namespace umbrage

@@ -4,15 +4,17 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
-#include <charconv>
 #include <cmath>
-#include <cstring>
 #include <fstream>
-#include <optional>
+#include <limits>
 #include <string_view>
 #include <vector>
 
+#include "scene/readers/face_attributes.h"
+#include "scene/readers/ply_parts.h"
+#include "scene/readers/polygon.h"
+#include "scene/readers/positions.h"
+#include "scene/readers/splats.h"
 #include "scene/readers/vertex_colors.h"
 #include "scene/readers/whole_file.h"
 
@@ -20,213 +22,39 @@ namespace umbrage {
 namespace {
 
 namespace fs = std::filesystem;
+using ply::Body;
+using ply::Element;
+using ply::Header;
+using ply::Number;
+using ply::Property;
 
-enum class Number { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
-
-constexpr std::array<int, 8> kBytes{1, 1, 2, 2, 4, 4, 4, 8};
-
-std::optional<Number> number_named(std::string_view name) {
-  struct Named {
-    std::string_view name;
-    Number number;
-  };
-  static constexpr Named kNames[] = {
-      {"char", Number::kInt8},      {"int8", Number::kInt8},       {"uchar", Number::kUint8},
-      {"uint8", Number::kUint8},    {"short", Number::kInt16},     {"int16", Number::kInt16},
-      {"ushort", Number::kUint16},  {"uint16", Number::kUint16},   {"int", Number::kInt32},
-      {"int32", Number::kInt32},    {"uint", Number::kUint32},     {"uint32", Number::kUint32},
-      {"float", Number::kFloat32},  {"float32", Number::kFloat32}, {"double", Number::kFloat64},
-      {"float64", Number::kFloat64}};
-  for (const Named& named : kNames) {
-    if (named.name == name) return named.number;
-  }
-  return std::nullopt;
-}
-
-struct Property {
-  std::string name;
-  Number number = Number::kFloat32;
-  std::optional<Number> list_size;  ///< set for lists
-};
-
-struct Element {
-  std::string name;
-  std::size_t count = 0;
-  std::vector<Property> properties;
-};
-
-enum class Storage { kText, kLittle, kBig };
-
-struct Header {
-  Storage storage = Storage::kText;
-  std::vector<Element> elements;
-  std::string texture;
-};
-
-/// A reader of numbers in sequence. After the end, or at something other than a number, it returns zeros, and `ended`
-/// is set.
-struct Body {
-  const char* at;
-  const char* end;
-  Storage storage;
-  bool ended = false;
-
-  template <class T>
-  double binary() {
-    std::array<char, sizeof(T)> bytes;
-    std::memcpy(bytes.data(), at, sizeof(T));
-    const bool swap = (storage == Storage::kBig) == (std::endian::native == std::endian::little);
-    if (swap) std::reverse(bytes.begin(), bytes.end());
-    at += sizeof(T);
-    return double(std::bit_cast<T>(bytes));
-  }
-
-  double text() {
-    while (at < end && (*at == ' ' || *at == '\n' || *at == '\r' || *at == '\t')) ++at;
-    if (at < end && *at == '+') ++at;
-    double value = 0.0;
-    const auto [stop, error] = std::from_chars(at, end, value);
-    if (error == std::errc::result_out_of_range) value = INFINITY;
-    if (stop == at) ended = true;
-    at = stop;
-    return value;
-  }
-
-  double next(Number number) {
-    if (storage == Storage::kText) return ended ? 0.0 : text();
-    if (end - at < kBytes[std::size_t(number)]) {
-      ended = true;
-      return 0.0;
-    }
-    switch (number) {
-      case Number::kInt8:
-        return binary<std::int8_t>();
-      case Number::kUint8:
-        return binary<std::uint8_t>();
-      case Number::kInt16:
-        return binary<std::int16_t>();
-      case Number::kUint16:
-        return binary<std::uint16_t>();
-      case Number::kInt32:
-        return binary<std::int32_t>();
-      case Number::kUint32:
-        return binary<std::uint32_t>();
-      case Number::kFloat32:
-        return binary<float>();
-      case Number::kFloat64:
-        return binary<double>();
-    }
-    return 0.0;
-  }
-
-  std::size_t left() const { return std::size_t(end - at); }
-};
-
-std::vector<std::string_view> words_of(std::string_view line) {
-  std::vector<std::string_view> words;
-  constexpr std::string_view kBlank = " \t\r";
-  for (std::size_t i = line.find_first_not_of(kBlank); i < line.size(); i = line.find_first_not_of(kBlank, i)) {
-    const std::size_t end = std::min(line.find_first_of(kBlank, i), line.size());
-    words.push_back(line.substr(i, end - i));
-    i = end;
-  }
-  return words;
-}
-
-/// Reads the header and moves `text` past it.
-Result<Header> read_header(std::string_view& text, const std::string& file) {
-  Header header;
-  constexpr std::size_t kMaxShown = 60;  // characters of a line in a message
-  bool first = true, has_format = false;
-  while (true) {
-    const std::size_t end = text.find('\n');
-    if (end == std::string_view::npos) return file_error("'{}' has a PLY header without end_header", file);
-    const std::string_view line = text.substr(0, end);
-    text.remove_prefix(end + 1);
-    const std::vector<std::string_view> words = words_of(line);
-    if (first && (words.size() != 1 || words[0] != "ply")) {
-      return file_error("'{}' cannot be read as PLY (its first line is not 'ply')", file);
-    }
-    first = false;
-    if (words.empty() || words[0] == "ply" || words[0] == "obj_info") continue;
-    if (words[0] == "end_header") break;
-    std::string shown(line.substr(0, kMaxShown));
-    std::replace_if(
-        shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-    const Error wrong = file_error("'{}' has the PLY header line '{}', which is not valid", file, shown);
-    if (words[0] == "comment") {
-      if (words.size() > 2 && words[1] == "TextureFile") header.texture = line.substr(words[2].data() - line.data());
-    } else if (words[0] == "format") {
-      if (words.size() < 2) return wrong;
-      if (words[1] == "ascii") {
-        header.storage = Storage::kText;
-      } else if (words[1] == "binary_little_endian") {
-        header.storage = Storage::kLittle;
-      } else if (words[1] == "binary_big_endian") {
-        header.storage = Storage::kBig;
-      } else {
-        return wrong;
-      }
-      has_format = true;
-    } else if (words[0] == "element") {
-      if (words.size() != 3) return wrong;
-      Element element{std::string(words[1]), 0, {}};
-      const auto [stop, error] = std::from_chars(words[2].data(), words[2].data() + words[2].size(), element.count);
-      if (error != std::errc() || stop != words[2].data() + words[2].size()) return wrong;
-      header.elements.push_back(std::move(element));
-    } else if (words[0] == "property") {
-      if (header.elements.empty() || words.size() < 3) return wrong;
-      Property property;
-      const bool is_list = words[1] == "list";
-      if (words.size() != (is_list ? 5u : 3u)) return wrong;
-      const std::optional<Number> number = number_named(words[is_list ? 3 : 1]);
-      if (is_list) property.list_size = number_named(words[2]);
-      if (!number || (is_list && !property.list_size)) return wrong;
-      property.number = *number;
-      property.name = words.back();
-      header.elements.back().properties.push_back(std::move(property));
-    } else {
-      return wrong;
-    }
-  }
-  if (!has_format) return file_error("'{}' has a PLY header without a format", file);
-  return header;
-}
-
-/// Destination of a vertex property: a component of position, normal, texture coordinate or colour.
-enum Slot { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kU, kV, kRed, kGreen, kBlue, kNowhere };
+// clang-format off
+/// Destination of a property: a component of position, normal, texture coordinate, colour or Gaussian.
+enum Slot { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kU, kV, kRed, kGreen, kBlue, kAlpha, kScalar, kTexture,
+            kOpacity, kHarmonic0, kHarmonic1, kHarmonic2, kScale0, kScale1, kScale2, kRotation0, kRotation1, kRotation2,
+            kRotation3, kNowhere, kSlots };
 
 Slot slot_of(std::string_view name) {
   struct Named {
     std::string_view name;
     Slot slot;
   };
-  static constexpr Named kNames[] = {{"x", kX},
-                                     {"y", kY},
-                                     {"z", kZ},
-                                     {"nx", kNormalX},
-                                     {"ny", kNormalY},
-                                     {"nz", kNormalZ},
-                                     {"u", kU},
-                                     {"v", kV},
-                                     {"s", kU},
-                                     {"t", kV},
-                                     {"texture_u", kU},
-                                     {"texture_v", kV},
-                                     {"red", kRed},
-                                     {"green", kGreen},
-                                     {"blue", kBlue},
-                                     {"r", kRed},
-                                     {"g", kGreen},
-                                     {"b", kBlue},
-                                     {"diffuse_red", kRed},
-                                     {"diffuse_green", kGreen},
-                                     {"diffuse_blue", kBlue}};
+  static constexpr Named kNames[] = {
+      {"x", kX}, {"y", kY}, {"z", kZ}, {"nx", kNormalX}, {"ny", kNormalY}, {"nz", kNormalZ},
+      {"u", kU}, {"v", kV}, {"s", kU}, {"t", kV}, {"texture_u", kU}, {"texture_v", kV},
+      {"red", kRed}, {"green", kGreen}, {"blue", kBlue}, {"r", kRed}, {"g", kGreen}, {"b", kBlue},
+      {"diffuse_red", kRed}, {"diffuse_green", kGreen}, {"diffuse_blue", kBlue}, {"alpha", kAlpha},
+      {"intensity", kScalar}, {"quality", kScalar}, {"reflectance", kScalar}, {"texnumber", kTexture},
+      {"opacity", kOpacity},
+      {"f_dc_0", kHarmonic0}, {"f_dc_1", kHarmonic1}, {"f_dc_2", kHarmonic2},
+      {"scale_0", kScale0}, {"scale_1", kScale1}, {"scale_2", kScale2},
+      {"rot_0", kRotation0}, {"rot_1", kRotation1}, {"rot_2", kRotation2}, {"rot_3", kRotation3}};
   for (const Named& named : kNames) {
     if (named.name == name) return named.slot;
   }
-  return kNowhere;
+  return name.starts_with("scalar_") ? kScalar : kNowhere;  // CloudCompare's names
 }
+// clang-format on
 
 /// Returns the divisor that maps a colour component to the range 0 to 1.
 float full_scale(Number number) {
@@ -247,39 +75,89 @@ float full_scale(Number number) {
   return 1.0f;
 }
 
-void read_vertices(const Element& element, Body& body, Mesh& mesh, Poll* poll) {
-  std::vector<Slot> slots;
-  std::array<bool, kNowhere + 1> has{};
-  float color_scale = 1.0f;
-  for (const Property& property : element.properties) {
-    slots.push_back(property.list_size ? kNowhere : slot_of(property.name));
-    has[slots.back()] = true;
-    if (slots.back() == kRed) color_scale = full_scale(property.number);
+/// The destinations of an element's properties.
+struct Slots {
+  std::vector<Slot> of;  ///< one per property
+  std::array<bool, kSlots> has{};
+  float color_scale = 1.0f, alpha_scale = 1.0f;
+
+  explicit Slots(const Element& element) {
+    for (const Property& property : element.properties) {
+      of.push_back(property.list_size ? kNowhere : slot_of(property.name));
+      if (of.back() == kScalar && has[kScalar]) of.back() = kNowhere;  // the first one counts
+      has[of.back()] = true;
+      if (of.back() == kRed) color_scale = full_scale(property.number);
+      if (of.back() == kAlpha) alpha_scale = full_scale(property.number);
+    }
   }
-  const bool has_colors = has[kRed] && has[kGreen] && has[kBlue];
-  const bool has_normals = has[kNormalX] && has[kNormalY] && has[kNormalZ], has_uvs = has[kU] && has[kV];
-  mesh.positions.reserve(element.count);
+  bool all(Slot first, Slot last) const {
+    return std::all_of(&has[first], &has[last] + 1, [](bool b) { return b; });
+  }
+  bool colors() const { return all(kRed, kBlue); }
+  bool splats() const { return all(kOpacity, kRotation3); }
+};
+
+using Values = std::array<double, kSlots>;
+
+glm::vec3 triple(const Values& values, Slot first) {
+  return {float(values[first]), float(values[first + 1]), float(values[first + 2])};
+}
+
+/// What is read from a file besides its mesh.
+struct Contents {
+  Mesh mesh;
+  std::vector<Splat> splats;
+  std::vector<float> scalars;  ///< one per vertex, or empty
+  std::string scalar_name;
+  FaceAttributes faces;
+  std::vector<int> textures;  ///< for each triangle: index of a texture; kNoTexture: none
+  bool has_textures = false;  ///< some triangles have texture coordinates at their corners
+  bool transparent = false;
+};
+
+void read_vertices(const Element& element, Body& body, Contents& out, Scene& scene, Poll* poll) {
+  const Slots slots(element);
+  Mesh& mesh = out.mesh;
+  const bool has_normals = slots.all(kNormalX, kNormalZ), has_uvs = slots.all(kU, kV), has_colors = slots.colors();
+  std::vector<glm::dvec3> positions;
+  positions.reserve(element.count);
   if (has_normals) mesh.normals.reserve(element.count);
   if (has_uvs) mesh.uvs.reserve(element.count);
   if (has_colors) mesh.colors.reserve(element.count);
-  for (std::size_t i = 0; i < element.count && !body.ended && !stops(poll, i, element.count); ++i) {
-    std::array<float, kNowhere + 1> value{};
-    for (std::size_t k = 0; k < slots.size(); ++k) {
+  const auto is_scalar = [](Slot slot) { return slot == kScalar; };
+  if (slots.has[kScalar])
+    out.scalar_name =
+        element.properties[std::size_t(std::find_if(slots.of.begin(), slots.of.end(), is_scalar) - slots.of.begin())]
+            .name;
+  for (std::size_t i = 0; i < element.count && !body.ended() && !stops(poll, i, element.count); ++i) {
+    Values value{};
+    body.begin_row();
+    for (std::size_t k = 0; k < slots.of.size(); ++k) {
       const Property& property = element.properties[k];
       if (property.list_size) {
         const double count = body.next(*property.list_size);
-        for (double j = 0; j < count && !body.ended; ++j) body.next(property.number);
+        for (double j = 0; j < count && !body.ended(); ++j) body.next(property.number);
       } else {
-        value[slots[k]] = float(body.next(property.number));
+        value[slots.of[k]] = body.next(property.number);
       }
     }
-    mesh.positions.emplace_back(value[kX], value[kY], value[kZ]);
-    if (has_normals) mesh.normals.emplace_back(value[kNormalX], value[kNormalY], value[kNormalZ]);
-    if (has_uvs) mesh.uvs.emplace_back(value[kU], value[kV]);
-    if (has_colors) {
-      mesh.colors.push_back(linear_color(glm::vec3(value[kRed], value[kGreen], value[kBlue]) / color_scale));
-    }
+    if (body.end_row()) value[kX] = std::numeric_limits<double>::quiet_NaN();  // such vertices are dropped later
+    positions.emplace_back(value[kX], value[kY], value[kZ]);
+    if (has_normals) mesh.normals.push_back(triple(value, kNormalX));
+    if (has_uvs) mesh.uvs.emplace_back(float(value[kU]), float(value[kV]));
+    if (has_colors) mesh.colors.push_back(triple(value, kRed));
+    if (slots.has[kAlpha]) out.transparent = out.transparent || value[kAlpha] < slots.alpha_scale;
+    if (slots.has[kScalar] && !has_colors) out.scalars.push_back(float(value[kScalar]));
+    if (slots.splats())
+      out.splats.push_back({triple(value, kHarmonic0), float(value[kOpacity]), triple(value, kScale0),
+                            glm::vec4(float(value[kRotation0]), triple(value, kRotation1))});
   }
+  set_positions(positions, mesh, scene);
+  float brightest = 0.0f;
+  for (const glm::vec3& c : mesh.colors) brightest = std::max({brightest, c.x, c.y, c.z});
+  // Some programs write bytes as floats.
+  const float scale = slots.color_scale == 1.0f && brightest > 1.0f ? 255.0f : slots.color_scale;
+  for (glm::vec3& c : mesh.colors) c = linear_color(c / scale);
 }
 
 constexpr std::uint32_t kNoVertex = 0xffffffffu;  // out of range of any mesh; such triangles are dropped later
@@ -288,11 +166,28 @@ std::uint32_t vertex_of(double index) {
   return index >= 0.0 && index < double(kNoVertex) ? std::uint32_t(index) : kNoVertex;
 }
 
-void add_fan(const std::vector<std::uint32_t>& corners, Mesh& mesh) {
-  for (std::size_t i = 2; i < corners.size(); ++i) {
-    mesh.indices.insert(mesh.indices.end(), {corners[0], corners[i - 1], corners[i]});
+/// Splits polygons into triangles; keeps its memory between calls.
+class PolygonSplitter {
+ public:
+  /// Returns the corner numbers of the triangles. Corners that are out of range of the mesh make a fan.
+  const std::vector<std::uint32_t>& split(const std::vector<std::uint32_t>& corners, const Mesh& mesh) {
+    triangles_.clear();
+    const bool valid = corners.size() > 3 && std::all_of(corners.begin(), corners.end(),
+                                                         [&](std::uint32_t v) { return v < mesh.positions.size(); });
+    if (valid) {
+      positions_.clear();
+      for (const std::uint32_t v : corners) positions_.push_back(mesh.positions[v]);
+      split_polygon(positions_, triangles_);
+      return triangles_;
+    }
+    for (std::uint32_t i = 2; i < corners.size(); ++i) triangles_.insert(triangles_.end(), {0u, i - 1, i});
+    return triangles_;
   }
-}
+
+ private:
+  std::vector<glm::vec3> positions_;
+  std::vector<std::uint32_t> triangles_;
+};
 
 /// Adds the triangles of strips. Every second triangle of a strip has the opposite winding; index -1 starts a new
 /// strip.
@@ -309,56 +204,156 @@ void add_strips(const std::vector<std::uint32_t>& corners, Mesh& mesh) {
   }
 }
 
-/// Reads the lists of indices of faces or strips; skips all other properties.
-void read_lists(const Element& element, Body& body, bool strips, Mesh* mesh, Poll* poll) {
+/// Reads the lists of faces or strips; skips all other elements.
+void read_lists(const Element& element, Body& body, std::size_t texture_count, Contents& out, Poll* poll) {
+  const bool strips = element.name == "tristrips", faces = element.name == "face";
+  const Slots slots(element);
+  const auto list_named = [&](const char* a, const char* b) {
+    const int found = faces || strips ? element.find(a, true) : -1;
+    return found >= 0 || !(faces || strips) ? found : element.find(b, true);
+  };
+  const int index_list = list_named("vertex_indices", "vertex_index"), uv_list = list_named("texcoord", "texcoords");
+  const bool has_colors = faces && slots.colors(), has_uvs = faces && uv_list >= 0;
+  PolygonSplitter splitter;
   std::vector<std::uint32_t> corners;
-  for (std::size_t i = 0; i < element.count && !body.ended && !stops(poll, i, element.count); ++i) {
-    for (const Property& property : element.properties) {
+  std::vector<float> uvs;
+  for (std::size_t i = 0; i < element.count && !body.ended() && !stops(poll, i, element.count); ++i) {
+    Values value{};
+    corners.clear();
+    uvs.clear();
+    if (!element.properties.empty()) body.begin_row();
+    for (std::size_t k = 0; k < element.properties.size(); ++k) {
+      const Property& property = element.properties[k];
       if (!property.list_size) {
-        body.next(property.number);
+        value[slots.of[k]] = body.next(property.number);
         continue;
       }
-      const bool is_index_list = mesh && (property.name == "vertex_indices" || property.name == "vertex_index");
       const double count = body.next(*property.list_size);
-      corners.clear();
-      for (double j = 0; j < count && !body.ended; ++j) {
-        const double index = body.next(property.number);
-        if (is_index_list) corners.push_back(vertex_of(index));
-      }
-      if (!is_index_list || body.ended) continue;
-      if (strips) {
-        add_strips(corners, *mesh);
-      } else {
-        add_fan(corners, *mesh);
+      for (double j = 0; j < count && !body.ended(); ++j) {
+        const double number = body.next(property.number);
+        if (int(k) == index_list) corners.push_back(vertex_of(number));
+        if (int(k) == uv_list && has_uvs) uvs.push_back(float(number));
       }
     }
+    if (!element.properties.empty() && body.end_row()) continue;
+    if (body.ended()) return;
+    if (strips) {
+      add_strips(corners, out.mesh);
+      continue;
+    }
+    if (!faces) continue;
+    const std::vector<std::uint32_t>& triangles = splitter.split(corners, out.mesh);
+    for (const std::uint32_t corner : triangles) out.mesh.indices.push_back(corners[corner]);
+    const bool textured = uvs.size() == 2 * corners.size();
+    if (has_uvs) {
+      for (const std::uint32_t k : triangles)
+        out.faces.uvs.push_back(textured ? glm::vec2(uvs[2 * k], uvs[2 * k + 1]) : glm::vec2(0.0f));
+      const double number = slots.has[kTexture] ? value[kTexture] : 0.0;
+      const bool known = textured && number >= 0.0 && number < double(texture_count);
+      out.textures.insert(out.textures.end(), triangles.size() / 3, known ? int(number) : kNoTexture);
+      out.has_textures = out.has_textures || textured;
+    }
+    if (has_colors)
+      out.faces.colors.insert(out.faces.colors.end(), triangles.size() / 3,
+                              linear_color(triple(value, kRed) / slots.color_scale));
+    if (slots.has[kAlpha]) out.transparent = out.transparent || value[kAlpha] < slots.alpha_scale;
   }
+}
+
+/// Colours points from grey to white by a scalar, over the range of most of its values.
+void color_by_scalar(Contents& contents, Scene& scene) {
+  std::vector<float> sorted;
+  for (const float v : contents.scalars)
+    if (std::isfinite(v)) sorted.push_back(v);
+  if (sorted.empty()) return;
+  std::sort(sorted.begin(), sorted.end());
+  const std::size_t cut = sorted.size() / 50;
+  const float low = sorted[cut], high = sorted[sorted.size() - 1 - cut];
+  if (!(high > low)) return;
+  constexpr float kDarkest = 0.35f;  // so that shading remains visible
+  for (const float v : contents.scalars) {
+    const float grey = kDarkest + (1.0f - kDarkest) * std::clamp((v - low) / (high - low), 0.0f, 1.0f);
+    contents.mesh.colors.push_back(linear_color(glm::vec3(grey)));
+  }
+  scene.warnings.push_back(
+      fmt::format("the points have no colours; they are drawn in greys by their '{}', {:g} to {:g}",
+                  contents.scalar_name, low, high));
+}
+
+/// Adds warnings about what is in the file and is not drawn.
+void warn_of_ignored(const Header& header, const Contents& contents, Scene& scene) {
+  for (const Element& element : header.elements) {
+    if (element.count == 0) continue;
+    if (element.name == "edge") scene.warnings.push_back(fmt::format("{} edges are not drawn", element.count));
+    if (element.name == "material") scene.warnings.push_back("the file's materials are not drawn");
+  }
+  if (contents.transparent) scene.warnings.push_back("the property 'alpha' is not drawn: surfaces are opaque");
+  if (!header.textures.empty() && contents.mesh.uvs.empty() && !contents.has_textures)
+    scene.warnings.push_back(
+        fmt::format("the texture '{}' is not drawn: there are no texture coordinates", header.textures[0]));
+}
+
+/// Makes meshes and materials of what was read.
+void assemble(const Header& header, Contents contents, Scene& scene) {
+  Mesh& mesh = contents.mesh;
+  mesh.points = mesh.indices.empty();
+  if (mesh.positions.empty()) {
+    scene.materials.emplace_back();
+    return;
+  }
+  const bool is_splats = mesh.points && contents.splats.size() == mesh.positions.size();
+  if (mesh.points && mesh.colors.empty() && !contents.scalars.empty() && !is_splats) color_by_scalar(contents, scene);
+  FaceAttributes& faces = contents.faces;
+  if (!contents.has_textures) faces.uvs.clear();
+  const auto complete = [&](std::size_t count, std::size_t per) { return count * per == mesh.indices.size(); };
+  if (!complete(faces.uvs.size(), 1)) faces.uvs.clear();  // a file with faces and strips
+  if (!complete(faces.colors.size(), 3)) faces.colors.clear();
+  if (!mesh.colors.empty() && !faces.colors.empty()) {
+    if (std::any_of(faces.colors.begin(), faces.colors.end(), [&](const glm::vec3& c) { return c != faces.colors[0]; }))
+      scene.warnings.push_back("colours of faces are not drawn, since vertices have colours");
+    faces.colors.clear();
+  }
+  set_face_attributes(faces, mesh);
+  const bool is_colored = !mesh.colors.empty();
+  const bool by_face = complete(contents.textures.size(), 3) && !faces.uvs.empty() && !header.textures.empty();
+  const int plain = by_face ? int(header.textures.size()) : 0;  // the material without a texture
+  scene.materials.resize(std::size_t(plain) + 1);
+  if (is_colored || is_splats)
+    for (Material& material : scene.materials) material.albedo = glm::vec3(1.0f);
+  if (!by_face) {
+    scene.meshes.push_back(std::move(mesh));
+    if (is_splats) draw_splats(contents.splats, scene);
+    return;
+  }
+  for (int& texture : contents.textures) texture = texture == kNoTexture ? plain : texture;
+  scene.meshes = split_by_material(std::move(mesh), contents.textures);
 }
 
 }  // namespace
 
-std::string ply_texture(const fs::path& path) {
+bool ply_has_texture(const fs::path& path) {
   constexpr std::size_t kMaxHeaderLength = 1 << 16;
   std::string bytes(kMaxHeaderLength, '\0');
   std::ifstream stream(path, std::ios::binary);
   stream.read(bytes.data(), std::streamsize(bytes.size()));
   std::string_view text(bytes.data(), std::size_t(stream.gcount()));
-  const Result<Header> header = read_header(text, path.string());
-  return header ? header->texture : std::string();
+  const Result<Header> header = ply::read_header(text, path.string());
+  return header && !header->textures.empty();
 }
 
-Result<Scene> read_ply(const fs::path& path, std::string& texture_name, Poll* poll) {
+Result<Scene> read_ply(const fs::path& path, std::vector<std::string>& textures, Poll* poll) {
   const std::string file = path.string();
   const auto bytes = read_whole_file(path, poll);
   if (!bytes) return bytes.error();
   std::string_view text = *bytes;
-  Result<Header> header = read_header(text, file);
+  Result<Header> header = ply::read_header(text, file);
   if (!header) return header.error();
-  texture_name = header->texture;
+  textures = header->textures;
 
   Scene scene;
-  Mesh mesh;
-  Body body{text.data(), text.data() + text.size(), header->storage};
+  Contents contents;
+  contents.mesh.name = path.stem().string();
+  Body body(*bytes, text, *header);
   for (const Element& element : header->elements) {
     // Check the header's count against the remaining bytes: each property takes at least one byte, plus a blank in text
     // form.
@@ -369,28 +364,29 @@ Result<Scene> read_ply(const fs::path& path, std::string& texture_name, Poll* po
           "{} bytes that follow",
           file, element.name, element.count, body.left());
     }
+    body.forget_bad_rows();
     if (element.name == "vertex") {
-      for (const char* name : {"x", "y", "z"}) {
-        if (std::none_of(element.properties.begin(), element.properties.end(),
-                         [&](const Property& property) { return property.name == name && !property.list_size; }))
-          return file_error("'{}' has vertices without '{}'", file, name);
-      }
-      read_vertices(element, body, mesh, poll);
+      if (element.find("packed_position") >= 0)
+        return file_error("'{}' has compressed Gaussian splats, which are not read; save them uncompressed", file);
+      for (const char* name : {"x", "y", "z"})
+        if (element.find(name) < 0) return file_error("'{}' has vertices without '{}'", file, name);
+      read_vertices(element, body, contents, scene, poll);
     } else {
-      const bool strips = element.name == "tristrips";
-      read_lists(element, body, strips, strips || element.name == "face" ? &mesh : nullptr, poll);
+      read_lists(element, body, header->textures.size(), contents, poll);
     }
     if (poll && poll->ended()) return interrupted();
-    if (body.ended) {
-      return file_error("'{}' is cut short, or has something other than a number, in its list of '{}'", file,
-                        element.name);
+    constexpr std::size_t kMaxBad = 4;  // one in four
+    if (body.ended() || body.bad_rows() * kMaxBad > element.count) {
+      return file_error("'{}' is cut short, or has something other than a number, in its list of '{}'{}", file,
+                        element.name,
+                        body.bad_rows() > 0 ? fmt::format(", line {}", body.first_bad_line()) : std::string());
     }
+    if (body.bad_rows() > 0)
+      scene.warnings.push_back(fmt::format("{} of {} entries of '{}' lack a number and are left out, first in line {}",
+                                           body.bad_rows(), element.count, element.name, body.first_bad_line()));
   }
-  mesh.name = path.stem().string();
-  mesh.points = mesh.indices.empty();
-  scene.materials.emplace_back();
-  if (!mesh.colors.empty()) scene.materials[0].albedo = glm::vec3(1.0f);
-  if (!mesh.positions.empty()) scene.meshes.push_back(std::move(mesh));
+  warn_of_ignored(*header, contents, scene);
+  assemble(*header, std::move(contents), scene);
   return scene;
 }
 

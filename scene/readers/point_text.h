@@ -10,9 +10,10 @@ namespace umbrage {
 
 /// Reads a file of one point per line, x y z, separated by blanks, commas or semicolons. Among the columns that follow,
 /// three integers from 0 to 255 are a colour, and three numbers that are a unit vector in every line are a normal;
-/// other columns, such as an intensity, are ignored. Ignores lines that begin with # or //, and a first line that
-/// contains the number of points or column names. The scene has one mesh, before finish_scene. Errors: kFile, naming
-/// the wrong line; kInterrupted.
+/// other columns, such as an intensity, are ignored. Ignores lines that begin with # or //, lines with the number of
+/// points, and a first line of column names, which may give x, y and z another place. Leaves out lines with fewer than
+/// three numbers, with a warning, if they are few. A file of atoms is a molecule: see read_molecule. The scene has one
+/// mesh, before finish_scene. Errors: kFile, naming the wrong line; kInterrupted.
 Result<Scene> read_xyz(const std::filesystem::path& file, Poll* poll = nullptr);
 
 /// Returns whether the text of an OBJ file has vertices but neither faces nor lines.

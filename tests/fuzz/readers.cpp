@@ -20,6 +20,7 @@
 #include "scene/readers/ply.h"
 #include "scene/readers/point_text.h"
 #include "scene/readers/radiance.h"
+#include "scene/readers/stl.h"
 #include "scene/readers/texture_file.h"
 #include "scene/readers/transfer.h"
 #include "seeds.h"
@@ -71,16 +72,18 @@ void check_model(Result<Scene> scene) {
 
 void read_as_ply(std::string_view bytes) {
   const MemoryFile file(bytes);
-  std::string texture;
-  check_model(read_ply(file.path, texture));
-  static_cast<void>(ply_texture(file.path));
+  std::vector<std::string> textures;
+  check_model(read_ply(file.path, textures));
+  static_cast<void>(ply_has_texture(file.path));
 }
 
 void read_as_off(std::string_view bytes) { check_model(read_off(MemoryFile(bytes).path)); }
 
+void read_as_stl(std::string_view bytes) { check_model(read_stl(MemoryFile(bytes).path)); }
+
 void read_as_xyz(std::string_view bytes) { check_model(read_xyz(MemoryFile(bytes).path)); }
 
-/// Reads through Assimp, by the file's extension.
+/// Reads through a third-party library, by the file's extension.
 template <const char* const& kExtension>
 void import_as(std::string_view bytes) {
   static const fs::path folder = [] {
@@ -193,12 +196,13 @@ void read_as_baseline(std::string_view bytes) {
     check_equal(checked->worse.size(), 0u, "scores worse than themselves");
 }
 
-constexpr const char *kObj = "obj", *kStl = "stl", *kGltf = "gltf", *kGlb = "glb", *k3ds = "3ds", *kDae = "dae",
+constexpr const char *kObj = "obj", *kGltf = "gltf", *kGlb = "glb", *k3ds = "3ds", *kDae = "dae", *kPdb = "pdb",
                      *kFbx = "fbx";
 
 constexpr Reader kReaders[] = {
     {"ply", read_as_ply, ply_seeds, false},
     {"off", read_as_off, off_seeds, false},
+    {"stl", read_as_stl, stl_seeds, false},
     {"xyz", read_as_xyz, xyz_seeds, false},
     {"radiance", read_as_radiance, radiance_seeds, false},
     {"png", read_as_image, png_seeds, false},
@@ -210,12 +214,12 @@ constexpr Reader kReaders[] = {
     {"exr", read_as_image, exr_seeds, true},
     {"texture", read_as_texture, texture_seeds, true},
     {"obj", import_as<kObj>, obj_seeds, true},
-    {"stl", import_as<kStl>, stl_seeds, true},
     {"gltf", import_as<kGltf>, gltf_seeds, true},
     {"glb", import_as<kGlb>, glb_seeds, true},
     {"3ds", import_as<k3ds>, seeds_of_3ds, true},
     {"dae", import_as<kDae>, dae_seeds, true},
     {"fbx", import_as<kFbx>, fbx_seeds, true},
+    {"pdb", import_as<kPdb>, pdb_seeds, true},
 };
 
 }  // namespace

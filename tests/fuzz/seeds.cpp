@@ -118,6 +118,15 @@ Seeds ply_seeds() {
       "element tristrips 1\r\nproperty list int int vertex_indices\r\nend_header\r\n"
       "0 0 0 0 0 1 0 0 255 0 0\r\n1 0 0 0 0 1 1 0 0 255 0\r\n0 1 0 0 0 1 0 1 0 0 255\r\n1 1 0 0 0 1 1 1 9 9 9\r\n"
       "6 0 1 2 -1 1 3\r\n",
+      "ply\nformat ascii 1.0\ncomment TextureFile a.png\ncomment TextureFile b.png\n" + vertices +
+          "element face 2\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\n"
+          "property int texnumber\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
+          "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 6 0 0 1 0 1 1 1 255 0 0\n4 0 1 2 1 8 0 0 1 0 1 1 0 1 0 0 0 255\n",
+      "ply\nformat ascii 1.0\n" + vertices +
+          "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\nproperty float opacity\n"
+          "property float scale_0\nproperty float scale_1\nproperty float scale_2\nproperty float rot_0\n"
+          "property float rot_1\nproperty float rot_2\nproperty float rot_3\nend_header\n"
+          "0 0 0 1 0 -1 9 -4 -4 -4 1 0 0 0\n1 0 0 0 0 0 1 -4 -5 -9 1 1 0 0\n0 1 0 0 0 0 -9 -4 -4 -4 0 0 0 0\n",
       "ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty short x\nproperty uint y\nproperty char z\n"
       "property list ushort float other\nend_header\n" +
           from_hex("0001"
@@ -129,6 +138,7 @@ Seeds ply_seeds() {
 
 Seeds off_seeds() {
   return {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+          "OFF\n4 2 0\n0 0 0\n2 0 0\n.5 .5 0\n0 2 0\n4 0 1 2 3 255 0 0\n3 0 1 2 7\n",
           "STCNOFF # a comment\n4 1 0\n0 0 0 0 0 1 1 0 0 1 0 0\n1 0 0 0 0 1 0 1 0 1 1 0\n1 1 0 0 0 1 0 0 1 1 1 1\n"
           "0 1 0 0 0 1 .5 .5 .5 1 0 1\n4 0 1 2 3 255 0 0\n"};
 }
@@ -143,6 +153,7 @@ Seeds stl_seeds() {
   return {
       "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
       "endsolid a\n",
+      "SOLID a\nFACET\nVERTEX 0 0 0\nVERTEX 1 0 0\nVERTEX 0 1 0\nENDFACET\nENDSOLID\nsolid\nendsolid\n",
       std::string(80, ' ') + bytes_of(1u) + bytes_of(0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f) +
           "\0\0"s};
 }
@@ -245,9 +256,18 @@ Seeds exr_seeds() {
           image_bytes("exr", small_image({"color.r", "color.g", "color.b"}), {.half = true})};
 }
 
+Seeds pdb_seeds() {
+  return {
+      "ATOM      1  CA  GLY A   1       0.000   1.000   2.000  1.00  0.00           C  \n"
+      "HETATM    2 CA    CA A   2       3.000   1.000   2.000  1.00  0.00          CA  \nEND\n",
+      "MODEL        1\nATOM      1  N  AGLY A   1       0.000   1.000   2.000\n"
+      "ATOM      1  N  BGLY A   1       0.500   1.000   2.000\nENDMDL\nMODEL        2\nENDMDL\n"};
+}
+
 Seeds xyz_seeds() {
   return {"0 0 0\n1 0 0\n0 1 0\n", "3\n# x y z r g b\n0;0;0;255;0;0\n1;0;0;0;255;0\n0;1;.5;0;0;255\n",
-          "// normals\n0,0,0,0,0,1\n1e-3,2E2,-3,1,0,0\n"};
+          "// normals\n0,0,0,0,0,1\n1e-3,2E2,-3,1,0,0\n", "id,y,x,z\n1,2,3,4\n5,6,7,8\n",
+          "2\na molecule\nC 0 0 0\nFe2+ 1.5 0 -.5e1\n1\n\nH 0 0 0\n"};
 }
 
 Seeds radiance_seeds() {

@@ -18,6 +18,7 @@ Seeds glb_seeds();
 Seeds seeds_of_3ds();
 Seeds dae_seeds();
 Seeds fbx_seeds();
+Seeds pdb_seeds();
 Seeds png_seeds();
 Seeds exr_seeds();
 Seeds pfm_seeds();

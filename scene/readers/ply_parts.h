@@ -1,0 +1,83 @@
+// Parts of the PLY reader: the header, and the numbers that follow it.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/result.h"
+
+namespace umbrage::ply {
+
+enum class Number { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
+
+inline constexpr std::array<int, 8> kBytes{1, 1, 2, 2, 4, 4, 4, 8};
+
+struct Property {
+  std::string name;
+  Number number = Number::kFloat32;
+  std::optional<Number> list_size;  ///< set for lists
+};
+
+struct Element {
+  std::string name;
+  std::size_t count = 0;
+  std::vector<Property> properties;
+
+  /// Returns the index of a property that is not a list, or is one; -1 if there is none.
+  int find(std::string_view property, bool list = false) const;
+};
+
+enum class Storage { kText, kLittle, kBig };
+
+struct Header {
+  Storage storage = Storage::kText;
+  std::vector<Element> elements;
+  std::vector<std::string> textures;  ///< names in comments "TextureFile NAME"
+};
+
+/// Reads the header and moves `text` past it. Errors: kFile.
+Result<Header> read_header(std::string_view& text, const std::string& file);
+
+/// A reader of the numbers after a header. After the end it returns zeros, and `ended` is set. In a text file with one
+/// row of an element per line, as the format demands, a row that lacks a number, or has a word that is none, is marked
+/// as bad, and reading goes on in the next line; in other text files such a word is the end.
+class Body {
+ public:
+  /// `whole`: all of the file, for the numbers of lines. `body`: what follows the header.
+  Body(std::string_view whole, std::string_view body, const Header& header);
+
+  void begin_row();
+  /// Returns a number; NaN, and the row is bad, for a word that is none.
+  double next(Number number) { return storage_ == Storage::kText ? text() : binary(number); }
+  /// Returns whether the row is bad.
+  bool end_row();
+
+  bool ended() const { return ended_; }
+  std::size_t left() const { return std::size_t(end_ - at_); }
+  std::size_t bad_rows() const { return bad_rows_; }
+  /// Returns the number of the line with the first bad row, from 1.
+  std::size_t first_bad_line() const;
+  /// Forgets the bad rows so far.
+  void forget_bad_rows() { bad_rows_ = 0; }
+
+ private:
+  double text();
+  double binary(Number number);
+  template <class T>
+  double binary_as();
+
+  const char* whole_;
+  const char* at_;
+  const char* end_;
+  const char* row_end_;
+  const char* row_begin_;
+  const char* first_bad_ = nullptr;
+  Storage storage_;
+  bool row_per_line_ = false, row_is_bad_ = false, ended_ = false;
+  std::size_t bad_rows_ = 0;
+};
+
+}  // namespace umbrage::ply

@@ -1,0 +1,203 @@
+#include "scene/readers/polygon.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/vec2.hpp>
+
+namespace umbrage {
+namespace {
+
+using Index = std::uint32_t;
+
+/// Returns the normal of a polygon, as long as twice its area (Newell).
+glm::dvec3 area_normal(std::span<const glm::vec3> corners) {
+  glm::dvec3 normal(0.0);
+  const glm::dvec3 start(corners[0]);  // small numbers are added with less rounding
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+    const glm::dvec3 a = glm::dvec3(corners[i]) - start, b = glm::dvec3(corners[i + 1]) - start;
+    normal += glm::dvec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+  }
+  return normal;
+}
+
+/// Returns twice the signed area of a triangle.
+double turn(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
+  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+void append_fan(const std::vector<Index>& polygon, std::vector<Index>& triangles) {
+  for (std::size_t i = 1; i + 1 < polygon.size(); ++i)
+    triangles.insert(triangles.end(), {polygon[0], polygon[i], polygon[i + 1]});
+}
+
+/// The corners that are not convex, in a grid over the polygon's bounding box.
+class CornerGrid {
+ public:
+  CornerGrid(const std::vector<glm::dvec2>& points, const std::vector<Index>& corners) {
+    low_ = high_ = points[0];
+    for (const glm::dvec2& p : points) {
+      low_ = {std::min(low_.x, p.x), std::min(low_.y, p.y)};
+      high_ = {std::max(high_.x, p.x), std::max(high_.y, p.y)};
+    }
+    side_ = std::max(1, int(std::sqrt(double(corners.size()))));
+    first_.assign(std::size_t(side_) * std::size_t(side_) + 1, 0);
+    const auto cell = [&](Index corner) {
+      return row(points[corner].y) * std::size_t(side_) + column(points[corner].x);
+    };
+    for (const Index corner : corners) ++first_[cell(corner) + 1];
+    for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
+    std::vector<Index> next(first_.begin(), first_.end() - 1);
+    corners_.resize(corners.size());
+    for (const Index corner : corners) corners_[next[cell(corner)]++] = corner;
+  }
+
+  /// Returns whether `test` is true for any corner in a box. Adds the number of visited cells and corners to `work`.
+  template <class Test>
+  bool any(const glm::dvec2& low, const glm::dvec2& high, std::size_t& work, Test test) const {
+    for (std::size_t y = row(low.y); y <= row(high.y); ++y) {
+      const std::size_t start = first_[y * std::size_t(side_) + column(low.x)],
+                        stop = first_[y * std::size_t(side_) + column(high.x) + 1];
+      work += stop - start + 1;
+      if (std::any_of(corners_.begin() + std::ptrdiff_t(start), corners_.begin() + std::ptrdiff_t(stop), test))
+        return true;
+    }
+    return false;
+  }
+
+ private:
+  std::size_t place(double at, double low, double high) const {
+    if (!(high > low)) return 0;
+    return std::size_t(std::clamp((at - low) / (high - low) * side_, 0.0, double(side_ - 1)));
+  }
+  std::size_t column(double x) const { return place(x, low_.x, high_.x); }
+  std::size_t row(double y) const { return place(y, low_.y, high_.y); }
+
+  glm::dvec2 low_, high_;
+  int side_ = 1;
+  std::vector<Index> first_, corners_;
+};
+
+/// Cuts corners off a polygon whose orientation is counterclockwise, as long as no other corner is in the triangle.
+class EarClipping {
+ public:
+  explicit EarClipping(const std::vector<glm::dvec2>& points)
+      : points_(points), previous_(points.size()), next_(points.size()), is_blocker_(points.size()) {
+    const Index count = Index(points.size());
+    std::vector<Index> blockers;
+    for (Index i = 0; i < count; ++i) {
+      previous_[i] = (i + count - 1) % count;
+      next_[i] = (i + 1) % count;
+    }
+    for (Index i = 0; i < count; ++i) {
+      is_blocker_[i] = !is_convex(i);
+      if (is_blocker_[i]) blockers.push_back(i);
+    }
+    grid_ = CornerGrid(points, blockers);
+  }
+
+  void split(std::vector<Index>& triangles) {
+    // Bounds the time for polygons whose triangles overlap almost all of their corners.
+    const std::size_t max_work = kMaxWorkPerCorner * points_.size();
+    std::size_t count = points_.size(), misses = 0;
+    Index at = 0;
+    while (count > 3 && work_ < max_work) {
+      if (misses < count && !is_ear(at)) {
+        at = next_[at];
+        ++misses;
+        continue;
+      }
+      if (misses >= count) at = best_without_ears(at, count);
+      const Index before = previous_[at], after = next_[at];
+      cut(at, triangles);
+      // Not the next corner, so that triangles do not all meet in one corner; where ears are rare, search near this
+      // one.
+      at = misses == 0 ? next_[after] : before;
+      misses = 0;
+      --count;
+    }
+    std::vector<Index> polygon;
+    for (std::size_t i = 0; i < count; ++i, at = next_[at]) polygon.push_back(at);
+    append_fan(polygon, triangles);
+  }
+
+ private:
+  static constexpr std::size_t kMaxWorkPerCorner = 4096;
+
+  double turn_at(Index i) const { return turn(points_[previous_[i]], points_[i], points_[next_[i]]); }
+  bool is_convex(Index i) const { return turn_at(i) > 0.0; }
+
+  bool is_ear(Index i) {
+    ++work_;
+    if (is_blocker_[i]) return false;
+    const Index before = previous_[i], after = next_[i];
+    const glm::dvec2 a = points_[before], b = points_[i], c = points_[after];
+    const glm::dvec2 low{std::min({a.x, b.x, c.x}), std::min({a.y, b.y, c.y})},
+        high{std::max({a.x, b.x, c.x}), std::max({a.y, b.y, c.y})};
+    return !grid_.any(low, high, work_, [&](Index other) {
+      if (!is_blocker_[other] || other == before || other == after) return false;
+      const glm::dvec2& p = points_[other];
+      // Corners at the place of the triangle's own touch the triangle without entering it.
+      if (p == a || p == b || p == c) return false;
+      return turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0;
+    });
+  }
+
+  /// Returns the corner to cut off where there is no ear: one without area if there is any, else the most convex one.
+  Index best_without_ears(Index at, std::size_t count) {
+    Index best = at;
+    double best_turn = -INFINITY;
+    work_ += count;
+    for (std::size_t i = 0; i < count; ++i, at = next_[at]) {
+      const double here = turn_at(at);
+      if (here == 0.0) return at;
+      if (here > best_turn) best = at, best_turn = here;
+    }
+    return best;
+  }
+
+  void cut(Index i, std::vector<Index>& triangles) {
+    const Index before = previous_[i], after = next_[i];
+    triangles.insert(triangles.end(), {before, i, after});
+    next_[before] = after;
+    previous_[after] = before;
+    is_blocker_[i] = false;
+    // A corner that has become convex stays so; rounding could only turn it back.
+    for (const Index end : {before, after}) is_blocker_[end] = is_blocker_[end] && !is_convex(end);
+  }
+
+  const std::vector<glm::dvec2>& points_;
+  std::vector<Index> previous_, next_;
+  std::vector<std::uint8_t> is_blocker_;
+  CornerGrid grid_{{glm::dvec2(0.0)}, {}};
+  std::size_t work_ = 0;
+};
+
+}  // namespace
+
+void split_polygon(std::span<const glm::vec3> corners, std::vector<Index>& triangles) {
+  const std::size_t count = corners.size();
+  if (count < 3) return;
+  if (count == 3) {
+    triangles.insert(triangles.end(), {0, 1, 2});
+    return;
+  }
+  const glm::dvec3 normal = area_normal(corners);
+  const double x = std::abs(normal.x), y = std::abs(normal.y), z = std::abs(normal.z);
+  // The plane's axes, such that the polygon is counterclockwise in it.
+  int u = x >= y && x >= z ? 1 : y >= z ? 2 : 0, v = (u + 1) % 3;
+  if (normal[(v + 1) % 3] < 0.0) std::swap(u, v);
+  const auto at = [&](std::size_t i) { return glm::dvec2(corners[i % count][u], corners[i % count][v]); };
+  bool is_strictly_convex = true;
+  for (std::size_t i = 0; i < count && is_strictly_convex; ++i)
+    is_strictly_convex = turn(at(i), at(i + 1), at(i + 2)) > 0.0;
+  const double size = x + y + z;
+  if (is_strictly_convex || !(size > 0.0) || !std::isfinite(size)) {
+    for (Index i = 1; i + 1 < count; ++i) triangles.insert(triangles.end(), {0, i, i + 1});
+    return;
+  }
+  std::vector<glm::dvec2> points(count);
+  for (std::size_t i = 0; i < count; ++i) points[i] = at(i);
+  EarClipping(points).split(triangles);
+}
+
+}  // namespace umbrage

@@ -1,0 +1,17 @@
+// Triangulation of polygons for readers: ear clipping [Meisters 1975].
+#pragma once
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+namespace umbrage {
+
+/// Splits a polygon of n corners into n - 2 triangles and appends three corner numbers, 0 to n - 1, for each of them.
+/// Triangles have the orientation of the polygon. Concave polygons are split correctly, also with collinear or repeated
+/// corners and with holes that are connected by a pair of edges; strictly convex ones become a fan around corner 0. The
+/// shape is judged in the plane to which the polygon is most parallel. A polygon that crosses itself, has no area or
+/// coordinates that are not finite is split somehow. Less than three corners: no triangles.
+void split_polygon(std::span<const glm::vec3> corners, std::vector<std::uint32_t>& triangles);
+
+}  // namespace umbrage
