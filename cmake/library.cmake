@@ -15,8 +15,9 @@ function(umbrage_library kind)
   target_include_directories(umbrage_${kind} INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
                                                        $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(
-    umbrage_${kind} PRIVATE embree fmt::fmt OpenEXR::OpenEXR PNG::PNG TBB::tbb
-                            $<BUILD_INTERFACE:PkgConfig::HWY> $<INSTALL_INTERFACE:hwy> ${CMAKE_DL_LIBS})
+    umbrage_${kind} PRIVATE embree fmt::fmt JPEG::JPEG OpenEXR::OpenEXR PNG::PNG TBB::tbb ZLIB::ZLIB
+                            $<BUILD_INTERFACE:PkgConfig::HWY> $<INSTALL_INTERFACE:hwy>
+                            $<BUILD_INTERFACE:PkgConfig::WEBP> $<INSTALL_INTERFACE:webp> ${CMAKE_DL_LIBS})
 endfunction()
 
 include(GNUInstallDirs)

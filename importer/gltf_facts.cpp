@@ -28,6 +28,13 @@ struct GlbStart {
 
 /// Returns the JSON text of a .gltf or .glb file; empty if it cannot be read.
 std::string json_text(const std::filesystem::path& file) {
+  if (is_gzip_file(file)) {
+    const auto bytes = read_whole_file(file);
+    if (!bytes || !bytes->starts_with("glTF") || bytes->size() < sizeof(GlbStart)) return bytes ? *bytes : "";
+    GlbStart start{};
+    std::memcpy(&start, bytes->data(), sizeof start);
+    return start.json_length > bytes->size() ? "" : bytes->substr(sizeof start, start.json_length);
+  }
   std::ifstream stream(file, std::ios::binary);
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(file, error);

@@ -35,6 +35,7 @@
 #include "importer/import_materials.h"
 #include "importer/limits.h"
 #include "importer/pdb.h"
+#include "importer/three_mf.h"
 #include "scene/readers/import_parts.h"
 #include "scene/readers/off.h"
 #include "scene/readers/ply.h"
@@ -171,6 +172,9 @@ struct Files : Assimp::DefaultIOSystem {
   std::vector<std::string>& missing;
   Files(std::string model, std::string text, std::vector<std::string>& missing)
       : model(std::move(model)), text(std::move(text)), missing(missing) {}
+  bool Exists(const char* name) const override {
+    return (!text.empty() && name == model) || Assimp::DefaultIOSystem::Exists(name);
+  }
   Assimp::IOStream* Open(const char* name, const char* mode) override {
     if (!text.empty() && name == model) {
       return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
@@ -374,10 +378,17 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
     if (auto error = check_dae(file)) return std::move(*error);
   }
   std::string changed;  // text for Assimp in place of the file
+  if (is_gzip_file(file)) {
+    auto text = read_whole_file(file);
+    if (!text) return text.error();
+    changed = std::move(*text);
+    raise_limits_by(double(changed.size()));
+  }
   if (format == "obj") {
-    changed = text_of(file);
+    if (changed.empty()) changed = text_of(file);
     if (is_obj_of_points(changed)) return read_obj_points(file, changed);
-    changed = with_leading_zeros(changed);
+    if (std::string zeros = with_leading_zeros(changed); !zeros.empty() || !is_gzip_file(file))
+      changed = std::move(zeros);
   }
   const bool is_gltf = format == "gltf" || format == "glb";
   MeshRules rules;
@@ -394,7 +405,8 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
   auto owner = std::make_unique<Assimp::Importer>();
   // Freeing the importer's faces one by one takes a tenth of the import time.
   Assimp::Importer& importer = process_ends ? *owner.release() : *owner;
-  importer.SetIOHandler(new Files(file.string(), std::move(changed), missing_libraries));  // takes ownership
+  const std::string name = without_gz(file).string();  // Assimp selects the reader by the extension
+  importer.SetIOHandler(new Files(name, std::move(changed), missing_libraries));  // takes ownership
   // In formats other than glTF, points are what remains of invalid faces.
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_LINE | (is_gltf ? 0 : aiPrimitiveType_POINT));
   importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
@@ -402,7 +414,7 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, false);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_LIGHTS, false);
   const Log log;
-  const aiScene* source = importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_SortByPType);
+  const aiScene* source = importer.ReadFile(name, aiProcess_Triangulate | aiProcess_SortByPType);
   if (!source || !source->mRootNode) return unreadable(file, format, importer.GetErrorString());
   Scene scene;
   scene.up = up_of(*source, format);
@@ -456,11 +468,12 @@ Result<Scene> import_in_process(const fs::path& file, const ImportSettings& sett
   const std::string format = import_format(file);
   if (auto error = check_model_file(file, format)) return std::move(*error);
   try {
-    Result<Scene> scene = format == "ply"                                         ? import_ply(file)
-                          : format == "off"                                       ? read_off(file)
-                          : format == "stl"                                       ? read_stl(file)
+    Result<Scene> scene = format == "ply"                      ? import_ply(file)
+                          : format == "off"                    ? read_off(file)
+                          : format == "stl"                    ? read_stl(file)
                           : format == "xyz" || format == "pts" ? read_xyz(file)
-                          : format == "pdb" || format == "ent"                    ? read_pdb(file)
+                          : format == "3mf"                    ? read_3mf(file)
+                          : format == "pdb" || format == "ent" ? read_pdb(file)
                                                                : import_by_assimp(file, format, settings, process_ends);
     // complete_import uses several threads for points. The memory limits of this process leave no room for them.
     if (process_ends && scene && scene->point_count() > 0) return scene;

@@ -50,11 +50,14 @@ void limit_process() {
 }
 
 void raise_limits_for(const std::filesystem::path& file) {
-  if (bytes_allowed < 0.0) return;
   std::error_code error;
   const auto size = std::filesystem::file_size(file, error);
-  if (error) return;
-  bytes_allowed += double(size);
+  if (!error) raise_limits_by(double(size));
+}
+
+void raise_limits_by(double bytes) {
+  if (bytes_allowed < 0.0) return;
+  bytes_allowed += bytes;
   apply();
 }
 

@@ -12,6 +12,10 @@ void limit_process();
 /// Raises the limits for a file that is about to be read. Does nothing before limit_process.
 void raise_limits_for(const std::filesystem::path& file);
 
+/// Raises the limits for bytes that are about to be parsed in addition to those of the files, such as inflated ones.
+/// Does nothing before limit_process.
+void raise_limits_by(double bytes);
+
 /// Returns whether memory can be limited: not with sanitizers, which reserve terabytes of address space.
 bool memory_can_be_limited();
 

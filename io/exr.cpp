@@ -140,24 +140,36 @@ class Stream : public Imf::OStream {
   std::size_t at_ = 0;
 };
 
-Imath::M44f imath(const glm::dmat4& m) {
-  Imath::M44f out;
+/// Names of the attributes that hold the matrices in double precision, for worlds whose coordinates exceed the
+/// precision of the standard attributes.
+constexpr const char *kWorldToCameraDouble = "worldToCameraDouble", *kWorldToNdcDouble = "worldToNDCDouble";
+
+template <class T>
+Imath::Matrix44<T> imath(const glm::dmat4& m) {
+  Imath::Matrix44<T> out;
   for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j) out[i][j] = float(m[i][j]);
+    for (int j = 0; j < 4; ++j) out[i][j] = T(m[i][j]);
   return out;
 }
 
-glm::dmat4 glm_from(const Imath::M44f& m) {
+template <class T>
+glm::dmat4 glm_from(const Imath::Matrix44<T>& m) {
   glm::dmat4 out;
   for (int i = 0; i < 4; ++i)
     for (int j = 0; j < 4; ++j) out[i][j] = m[i][j];
   return out;
 }
 
-void add_camera(Imf::Header& header, const Camera& camera) {
-  const ExrCamera matrices = exr_camera(camera);
-  Imf::addWorldToCamera(header, imath(matrices.camera_from_world));
-  Imf::addWorldToNDC(header, imath(matrices.ndc_from_world));
+void add_camera(Imf::Header& header, const Camera& camera, const glm::dmat4* view_from_world) {
+  const ExrCamera matrices =
+      exr_camera(camera, view_from_world ? *view_from_world : glm::dmat4(camera.view_from_world));
+  const Imath::M44f standard = imath<float>(matrices.camera_from_world);
+  Imf::addWorldToCamera(header, standard);
+  Imf::addWorldToNDC(header, imath<float>(matrices.ndc_from_world));
+  if (glm_from(standard) != matrices.camera_from_world) {
+    header.insert(kWorldToCameraDouble, Imf::M44dAttribute(imath<double>(matrices.camera_from_world)));
+    header.insert(kWorldToNdcDouble, Imf::M44dAttribute(imath<double>(matrices.ndc_from_world)));
+  }
   if (camera.projection != Projection::kPerspective) return;
   // OpenEXR's screen window is at distance 1, as in Camera.
   header.screenWindowWidth() = camera.right - camera.left;
@@ -324,7 +336,7 @@ Result<void> write(const fs::path& file, const ImageShape& image, const WriteSet
   header.zipCompressionLevel() = kZipLevel;
   header.insert("software", Imf::StringAttribute("Umbrage"));
   Imf::addChromaticities(header, Imf::Chromaticities());  // those of Rec.709 and sRGB, with white D65
-  if (settings.camera) add_camera(header, *settings.camera);
+  if (settings.camera) add_camera(header, *settings.camera, settings.view_from_world);
   std::vector<std::string> channels;
   for (const std::string& name : image.names) {
     const std::string channel = channel_of(name);
@@ -631,6 +643,9 @@ Result<std::optional<Camera>> read_camera(const fs::path& file) {
     const Imf::MultiPartInputFile input(file.c_str(), 0, kNoRepair);
     const Imf::Header& header = input.header(0);
     if (!Imf::hasWorldToCamera(header) || !Imf::hasWorldToNDC(header)) return std::optional<Camera>();
+    const auto* exact_camera = header.findTypedAttribute<Imf::M44dAttribute>(kWorldToCameraDouble);
+    const auto* exact_ndc = header.findTypedAttribute<Imf::M44dAttribute>(kWorldToNdcDouble);
+    if (exact_camera && exact_ndc) return camera_from({glm_from(exact_camera->value()), glm_from(exact_ndc->value())});
     return camera_from({glm_from(Imf::worldToCamera(header)), glm_from(Imf::worldToNDC(header))});
   } catch (const std::exception& exception) {
     return file_error("'{}' cannot be read as EXR: {}", file.string(), cause(exception));

@@ -28,9 +28,9 @@ bool is_rigid(const glm::dmat4& m) {
 
 }  // namespace
 
-ExrCamera exr_camera(const Camera& camera) {
+ExrCamera exr_camera(const Camera& camera, const glm::dmat4& view_from_world) {
   ExrCamera out;
-  out.camera_from_world = with_z_flipped(glm::dmat4(camera.view_from_world));
+  out.camera_from_world = with_z_flipped(view_from_world);
   const double width = double(camera.right) - camera.left, height = double(camera.top) - camera.bottom;
   // u and v follow from the camera's x, y and depth d. Perspective: u = (x / d - left) / width, v = (top - y / d) /
   // height.

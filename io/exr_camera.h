@@ -18,8 +18,9 @@ struct ExrCamera {
   glm::dmat4 ndc_from_world{1.0};
 };
 
-/// Returns the matrices of a camera.
-ExrCamera exr_camera(const Camera& camera);
+/// Returns the matrices of a camera whose view matrix is `view_from_world`.
+ExrCamera exr_camera(const Camera& camera, const glm::dmat4& view_from_world);
+inline ExrCamera exr_camera(const Camera& camera) { return exr_camera(camera, glm::dmat4(camera.view_from_world)); }
 
 /// Returns the camera that the two matrices describe, or nothing if they describe no pinhole or parallel camera that
 /// Camera can represent.

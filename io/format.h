@@ -12,7 +12,7 @@
 
 namespace umbrage {
 
-extern const ImageFormat kPng, kExr, kPfm;
+extern const ImageFormat kPng, kExr, kPfm, kJpg, kJpeg, kWebp;
 
 /// Max side and max number of pixels of a picture that is read. Larger ones are rejected before memory is allocated:
 /// only damaged headers have such sizes.
@@ -29,6 +29,9 @@ std::string lowercase_extension(const std::filesystem::path& file);
 /// plane.
 Result<std::vector<const Plane*>> picture_planes(const std::filesystem::path& file, const Image& image,
                                                  bool with_alpha);
+
+/// Converts row `y` of 1, 3 or 4 planes to interleaved bytes: [0, 1] rounded to nearest, NaN as 0.
+void bytes_of_row(std::span<const Plane* const> planes, int y, std::uint8_t* out);
 
 /// Returns an image of this shape whose planes have no pixels.
 Image image_without_pixels(const ImageShape& shape);

@@ -65,7 +65,7 @@ Result<void> write_and_close(const fs::path& file, std::FILE* stream,
 }
 
 std::span<const ImageFormat> image_formats() {
-  static const ImageFormat table[] = {kPng, kExr, kPfm};
+  static const ImageFormat table[] = {kPng, kExr, kPfm, kJpg, kJpeg, kWebp};
   return table;
 }
 
@@ -135,6 +135,15 @@ Result<std::vector<const Plane*>> picture_planes(const fs::path& file, const Ima
       "'{}' cannot be written: a picture needs the planes color.r, color.g and color.b, or a single plane, and this "
       "image has {}; a .exr file takes any planes",
       file.string(), names.empty() ? "none" : names);
+}
+
+void bytes_of_row(std::span<const Plane* const> planes, int y, std::uint8_t* out) {
+  constexpr float kMax = 255.0f;
+  for (int x = 0; x < planes[0]->width; ++x)
+    for (const Plane* plane : planes) {
+      const float v = plane->at(x, y) > 0.0f ? plane->at(x, y) : 0.0f;
+      *out++ = std::uint8_t((v < 1.0f ? v : 1.0f) * kMax + 0.5f);
+    }
 }
 
 Image image_without_pixels(const ImageShape& shape) {
@@ -301,8 +310,12 @@ Result<Image> read_image(const fs::path& file) {
     stream->reset();
     std::vector<std::string> extensions;
     for (const ImageFormat& format : image_formats()) {
-      if (format.recognises(std::string_view(start, byte_count))) return format.read(file);
-      extensions.push_back("." + std::string(format.extension));
+      const bool recognised = format.recognises(std::string_view(start, byte_count));
+      if (recognised && !format.read)
+        return file_error("'{}' is a .{} file, which is only written: convert it to .png", file.string(),
+                          format.extension);
+      if (recognised) return format.read(file);
+      if (format.read) extensions.push_back("." + std::string(format.extension));
     }
     return file_error("'{}' {}: its content must be that of {}", file.string(),
                       size == 0 ? "is empty" : "is not an image that can be read", joined_by_or(extensions));

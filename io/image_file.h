@@ -19,12 +19,15 @@ struct WriteSettings {
   int bits = 8;        ///< PNG: bits per value, 8 or 16
   bool half = false;   ///< EXR: half instead of float
   bool small = false;  ///< PNG: smallest file instead of fastest writing
+  int quality = 90;    ///< JPEG and WebP: 1 to 100; WebP of 100 is lossless
   /// EXR: planes whose floats hold the bits of integers, written as integers.
   std::vector<std::string> integer_planes = {};
   int threads = 2;  ///< EXR: number of compression threads; 0: all; the file does not depend on it
   /// EXR: camera to write as worldToCamera and worldToNDC, which OpenEXR defines as left-handed with +z forward; or
   /// null.
   const Camera* camera = nullptr;
+  /// EXR: view matrix of that camera for coordinates that exceed the precision of floats, in place of its own; or null.
+  const glm::dmat4* view_from_world = nullptr;
 };
 
 /// Size and plane names of an image.
@@ -42,8 +45,11 @@ using MakeImageRows = std::function<Result<void>(const TakeImageRows& take)>;
 struct ImageFormat {
   std::string_view extension, summary;  ///< extension without the dot, lower case
   Result<void> (*write)(const std::filesystem::path&, const ImageShape&, const WriteSettings&, const MakeImageRows&);
-  Result<Image> (*read)(const std::filesystem::path&);
-  bool (*recognises)(std::string_view start);  ///< checks the first 8 bytes of a file
+  Result<Image> (*read)(const std::filesystem::path&);  ///< null: the format is only written
+  bool (*recognises)(std::string_view start);           ///< checks the first 8 bytes of a file
+  bool display = false;                                 ///< holds display values from 0 to 1, as viewers show them
+  bool alpha = true;                                    ///< can hold transparency
+  int max_bits = 8;                                     ///< of values, if these are display values
 };
 
 /// Returns the table of all formats.
@@ -56,10 +62,10 @@ Result<const ImageFormat*> format_of(const std::filesystem::path& file);
 Result<void> check_writable(const std::filesystem::path& file);
 
 /// Writes the image atomically (to a temporary file beside it, then renamed).
-/// PNG: planes color.r, color.g, color.b and, if present, color.a, not converted, clamped to [0, 1], NaN as 0; or the
-/// only plane, as grey. PFM: the same planes without alpha, as floats. EXR: every plane; color.r/g/b/a become R, G, B,
-/// A; `depth` becomes depth.Z; names ending in .r .g .b .a .x .y .z get this letter in upper case; with `half`, depth
-/// and id planes are still float. Errors: kFile; kUsage for an unknown extension.
+/// PNG, WebP and JPEG: planes color.r, color.g, color.b and, if present and not JPEG, color.a, not converted, clamped
+/// to [0, 1], NaN as 0; or the only plane, as grey. PFM: the same planes without alpha, as floats. EXR: every plane;
+/// color.r/g/b/a become R, G, B, A; `depth` becomes depth.Z; names ending in .r .g .b .a .x .y .z get this letter in
+/// upper case; with `half`, depth and id planes are still float. Errors: kFile; kUsage for an unknown extension.
 Result<void> write_image(const std::filesystem::path& file, const Image& image, const WriteSettings& settings = {});
 
 /// Writes the same file as write_image, from rows that are produced during writing, so that they need not all be in

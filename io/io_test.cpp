@@ -148,7 +148,7 @@ TEST_F(ImageFile, ExtensionsSelectFormats) {
     EXPECT_EQ((*found)->extension, format.extension);
     EXPECT_FALSE(format.summary.empty());
   }
-  EXPECT_EQ(image_formats().size(), 3u);
+  EXPECT_EQ(image_formats().size(), 6u);
   ASSERT_TRUE(format_of("PICTURE.PNG"));
   EXPECT_EQ((*format_of("PICTURE.PNG"))->extension, "png");
 }
@@ -269,12 +269,12 @@ TEST_F(ImageFile, ExrFilesDoNotDependOnThreadsOrRowGroups) {
 }
 
 TEST_F(ImageFile, UnknownExtensionListsAll) {
-  expect_error(format_of("out.webp"), {"'out.webp'", ".webp", ".png, .exr or .pfm"}, ErrorKind::kUsage);
-  expect_error(format_of("out.pngg"), {"did you mean 'png'?", ".png, .exr or .pfm"}, ErrorKind::kUsage);
-  expect_error(format_of("out"), {"'out'", "does not end in an image extension", ".png, .exr or .pfm"},
+  expect_error(format_of("out.bmp"), {"'out.bmp'", ".bmp", ".png, .exr, .pfm, .jpg, .jpeg or .webp"}, ErrorKind::kUsage);
+  expect_error(format_of("out.pngg"), {"did you mean 'png'?", ".jpeg or .webp"}, ErrorKind::kUsage);
+  expect_error(format_of("out"), {"'out'", "does not end in an image extension", ".jpeg or .webp"},
                ErrorKind::kUsage);
-  expect_error(format_of(""), {".png, .exr or .pfm"}, ErrorKind::kUsage);
-  expect_error(write_image(*this / "x.jpg", random_image(2, 2, {"a"})), {"x.jpg", ".png, .exr or .pfm"},
+  expect_error(format_of(""), {".jpeg or .webp"}, ErrorKind::kUsage);
+  expect_error(write_image(*this / "x.bmp", random_image(2, 2, {"a"})), {"x.bmp", ".jpeg or .webp"},
                ErrorKind::kUsage);
   EXPECT_TRUE(listing().empty());
 }
@@ -294,7 +294,8 @@ TEST_F(ImageFile, UnreadableFilesAreNamed) {
   expect_error(read_image(*this / "empty.exr"), {"empty.exr", "is empty"});
   write_bytes(*this / "text.png", "This is no picture at all.");
   expect_error(read_image(*this / "text.png"), {"text.png", "not an image", ".png, .exr or .pfm"});
-  for (const ImageFormat& format : image_formats()) expect_error(format.read(*this / "text.png"), {"text.png"});
+  for (const ImageFormat& format : image_formats())
+    if (format.read) expect_error(format.read(*this / "text.png"), {"text.png"});
 }
 
 TEST_F(ImageFile, TruncatedFilesAreErrors) {
@@ -302,6 +303,7 @@ TEST_F(ImageFile, TruncatedFilesAreErrors) {
   for (const ImageFormat& format : image_formats()) {
     const fs::path file = *this / ("x." + std::string(format.extension));
     ASSERT_TRUE(write_image(file, image));
+    if (!format.read) continue;
     const std::string whole = content(file);
     for (int part = 0; part < 16; ++part) {
       write_bytes(file, std::string_view(whole).substr(0, whole.size() * part / 16));
@@ -317,6 +319,7 @@ TEST_F(ImageFile, DamagedFilesDoNotCrash) {
   for (const ImageFormat& format : image_formats()) {
     const fs::path file = *this / ("x." + std::string(format.extension));
     ASSERT_TRUE(write_image(file, image));
+    if (!format.read) continue;
     const std::string whole = content(file);
     int errors = 0;
     for (int i = 0; i < 400; ++i) {

@@ -257,6 +257,7 @@ Result<std::string> encode_png_rows(const std::string& name, const ImageShape& s
   return written ? Result<std::string>(std::move(out)) : written.error();
 }
 
-const ImageFormat kPng = {"png", "8 or 16 bit grey, RGB or RGBA pictures, sRGB", write, read, recognises};
+const ImageFormat kPng = {"png", "8 or 16 bit grey, RGB or RGBA pictures, sRGB", write, read, recognises, true, true,
+                          16};
 
 }  // namespace umbrage

@@ -21,8 +21,8 @@ TEST(Abi, StructsAreAsRecorded) {
   EXPECT_EQ(sizeof(UmbStroke), 32u);
   EXPECT_EQ(offsetof(UmbStroke, kind), 16u);
   EXPECT_EQ(offsetof(UmbStroke, closed), 24u);
-  EXPECT_EQ(sizeof(UmbView), 68u);
-  EXPECT_EQ(offsetof(UmbView, orthographic), 64u);
+  EXPECT_EQ(sizeof(UmbView), 120u);
+  EXPECT_EQ(offsetof(UmbView, orthographic), 112u);
   EXPECT_EQ(sizeof(UmbParameter), 72u);
   EXPECT_EQ(offsetof(UmbParameter, name), 8u);
   EXPECT_EQ(offsetof(UmbParameter, min), 56u);

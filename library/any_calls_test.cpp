@@ -110,7 +110,7 @@ TEST(AnyCalls, CallbacksCannotUseObjectsInUse) {
     expect_in_use(umbLoadModel(p.scene, "scene:solids?detail=1000"));
     EXPECT_EQ(umbAddMesh(p.scene, "mesh", 1, 0), -1);
     expect_in_use(UMB_ERROR_USAGE);
-    float box[6];
+    double box[6];
     EXPECT_EQ(umbGetSceneBounds(p.scene, box, box + 3), UMB_ERROR_NONE) << "reads are allowed meanwhile";
     EXPECT_GE(umbGetJobCounter(p.job, "hierarchies_built"), 0);
     EXPECT_EQ(umbGetJobOutputName(p.job, 0), nullptr);
@@ -183,7 +183,7 @@ TEST(AnyCalls, ReleasedObjectsAreFreed) {
 
 TEST(AnyCalls, AMeshIsRemoved) {
   Picture p;
-  float before[6], box[6];
+  double before[6], box[6];
   ASSERT_EQ(umbGetSceneBounds(p.scene, before, before + 3), UMB_ERROR_NONE);
   const int mesh = umbAddMesh(p.scene, "far", 1, 0);
   const float far[3] = {1000, 0, 0};
@@ -231,7 +231,7 @@ TEST(AnyCalls, MeshCountsAloneTakeNoMemory) {
   Picture p;
   constexpr std::size_t kMax = (std::size_t(1) << 31) - 1;
   EXPECT_GE(umbAddMesh(p.scene, "huge", kMax, kMax), 0) << p.scene_error();
-  float box[6];
+  double box[6];
   EXPECT_EQ(umbGetSceneBounds(p.scene, box, box + 3), UMB_ERROR_NONE) << "of the complete meshes";
   const UmbScene lone = umbNewScene(p.device);
   EXPECT_EQ(umbAddMesh(lone, "huge", kMax, kMax), 0);
@@ -259,7 +259,7 @@ TEST(AnyCalls, PointsHaveTheGivenRadii) {
   ASSERT_EQ(umbSetMeshBuffer(scene, mesh, "radius", radii, UMB_TYPE_FLOAT32, 1, 0), UMB_ERROR_NONE);
   EXPECT_EQ(umbSetMeshBuffer(scene, mesh, "radius", wrong, UMB_TYPE_FLOAT32, 1, 0), UMB_ERROR_USAGE);
   const float twice[12] = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0};
-  float box[6];
+  double box[6];
   ASSERT_EQ(umbGetSceneBounds(scene, box, box + 3), UMB_ERROR_NONE);
   EXPECT_EQ(std::vector<float>(box, box + 6), (std::vector<float>{-3, -2, -3, 12, 13, 3}));
   ASSERT_EQ(umbAddMeshInstance(scene, mesh, twice), UMB_ERROR_NONE);
@@ -277,7 +277,7 @@ TEST(AnyCalls, BoundsContainOnlyWhatIsDrawn) {
   const std::uint8_t corners[9] = {0, 1, 2, 3, 4, 3, 5, 0, 1};
   const int mesh = umbAddMesh(scene, "mesh", 8, 3);
   ASSERT_EQ(umbSetMeshBuffer(scene, mesh, "position", at, UMB_TYPE_FLOAT32, 3, 0), UMB_ERROR_NONE);
-  float box[6];
+  double box[6];
   EXPECT_EQ(umbGetSceneBounds(scene, box, box + 3), UMB_ERROR_USAGE) << "no indices";
   ASSERT_EQ(umbSetMeshBuffer(scene, mesh, "index", corners, UMB_TYPE_UINT8, 3, 0), UMB_ERROR_NONE);
   ASSERT_EQ(umbGetSceneBounds(scene, box, box + 3), UMB_ERROR_NONE);

@@ -176,7 +176,7 @@ TEST(CInterface, EachInstanceIsAnObject) {
   const int mesh = add_box(o.scene);
   const float places[2][12] = {{1, 0, 0, -2, 0, 1, 0, 0, 0, 0, 1, 0}, {-1, 0, 0, 2, 0, 1, 0, 0, 0, 0, 1, 0}};
   for (const auto& place : places) ASSERT_EQ(umbAddMeshInstance(o.scene, mesh, place), UMB_ERROR_NONE);
-  float lower[3], upper[3];
+  double lower[3], upper[3];
   ASSERT_EQ(umbGetSceneBounds(o.scene, lower, upper), UMB_ERROR_NONE);
   EXPECT_FLOAT_EQ(lower[0], -3.0f);
   EXPECT_FLOAT_EQ(upper[0], 3.0f);
@@ -494,7 +494,7 @@ TEST(CInterface, InvalidMeshesAreErrors) {
   EXPECT_LT(umbAddMesh(o.scene, "huge", std::size_t(1) << 40, 1), 0);
   scene_error(o.scene);
   const int mesh = umbAddMesh(o.scene, "box", 8, 12);
-  float lower[3], upper[3];
+  double lower[3], upper[3];
   refused(umbGetSceneBounds(o.scene, lower, upper), "lacks its positions");
   refused(umbSetMeshBuffer(o.scene, mesh, "position", nullptr, UMB_TYPE_FLOAT32, 3, 0), "NULL");
   refused(umbSetMeshBuffer(o.scene, mesh, "position", kCorners, UMB_TYPE_UINT8, 3, 0), "8-bit integers");

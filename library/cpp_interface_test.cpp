@@ -149,7 +149,7 @@ TEST(CppInterface, SeveralNumbersAndText) {
 TEST(CppInterface, ParametersOfScenes) {
   const umb::Device device("cpu", 1);
   umb::Scene scene(device);
-  std::array<float, 3> lower{}, upper{};
+  std::array<double, 3> lower{}, upper{};
   EXPECT_TRUE(throws_error([&] { scene.bounds(lower, upper); }, UMB_ERROR_USAGE, "empty"));
   scene.set("up", {0, 0, 1});
   scene.set("crease_angle_deg", 30u);
@@ -189,14 +189,14 @@ TEST(CppInterface, InstancesAndBounds) {
   const umb::Device device("cpu", 1);
   umb::Scene scene(device);
   const int mesh = add_square(scene);
-  std::array<float, 3> lower{}, upper{};
+  std::array<double, 3> lower{}, upper{};
   scene.bounds(lower, upper);
-  EXPECT_EQ(lower, (std::array<float, 3>{-1, -1, 0}));
+  EXPECT_EQ(lower, (std::array<double, 3>{-1, -1, 0}));
   scene.add_instance(mesh, {1, 0, 0, -4, 0, 1, 0, 0, 0, 0, 1, 2});
   scene.add_instance(mesh, {1, 0, 0, 4, 0, 1, 0, 0, 0, 0, 1, -2});
   scene.bounds(lower, upper);
-  EXPECT_EQ(lower, (std::array<float, 3>{-5, -1, -2}));
-  EXPECT_EQ(upper, (std::array<float, 3>{5, 1, 2}));
+  EXPECT_EQ(lower, (std::array<double, 3>{-5, -1, -2}));
+  EXPECT_EQ(upper, (std::array<double, 3>{5, 1, 2}));
   EXPECT_TRUE(throws_error([&] { scene.add_instance(mesh + 1, {}); }, UMB_ERROR_USAGE, "no mesh 1"));
 }
 

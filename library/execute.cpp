@@ -208,7 +208,7 @@ Result<Frame> JobObject::render_frame(Recipe recipe) {
   const auto plan = make_plan(recipe, *scene_copy_, device_->device->threads(), monitor);
   if (!plan) return plan.error();
   auto frame = draw_frame(*plan);
-  if (frame) camera = plan->camera;
+  if (frame) camera = plan->camera, origin = plan->origin;
   if (frame) lightings_.emplace(key, plan->lighting());
   return frame;
 }

@@ -27,7 +27,9 @@ bool is_word(const Option& row) {
 
 std::string number_text(std::span<const double> numbers) {
   std::string text;
-  for (const double number : numbers) text += fmt::format("{}{:.9g}", text.empty() ? "" : ",", number);
+  for (const double number : numbers)
+    text += (text.empty() ? "" : ",") +
+            (double(float(number)) == number ? fmt::format("{:.9g}", number) : fmt::format("{}", number));
   return text;
 }
 
@@ -245,6 +247,13 @@ UmbError umbSetJobFloats(UmbJob job, const char* name, const float* values, int 
   });
 }
 
+UmbError umbSetJobDoubles(UmbJob job, const char* name, const double* values, int count) {
+  return call_on<JobObject>(job, "umbSetJobDoubles", Use::kChanges, [&](JobObject& object) -> Result<void> {
+    if (!values || count < 1) return usage_error("`{}` has no values", text_of(name));
+    return object.set(text_of(name), std::span<const double>(values, std::size_t(count)));
+  });
+}
+
 UmbError umbResetJobParameter(UmbJob job, const char* name) {
   return call_on<JobObject>(job, "umbResetJobParameter", Use::kChanges,
                             [&](JobObject& object) { return object.reset(name); });
@@ -317,7 +326,7 @@ UmbError umbGetJobView(UmbJob job, UmbView* view) {
   return call_on<JobObject>(job, "umbGetJobView", Use::kReads, [&](JobObject& object) -> Result<void> {
     if (!view) return usage_error("umbGetJobView: view cannot be NULL");
     if (!object.camera) return usage_error("umbGetJobView: the job has rendered no picture of a scene");
-    *view = view_of(*object.camera);
+    *view = view_of(*object.camera, object.origin);
     return {};
   });
 }

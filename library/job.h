@@ -64,6 +64,7 @@ class JobObject final : public Object {
   std::array<float, 3> line_color{};
   float line_opacity = 0.0f;
   std::optional<Camera> camera;  ///< of the last picture of a scene
+  glm::dvec3 origin{0.0};        ///< Scene::origin of that scene
 
  protected:
   DeviceObject* reporting_device() override { return device_.get(); }

@@ -69,8 +69,9 @@ std::string_view type_of(const Option& row) {
   if (row.form == OptionForm::kRotation) return "float9";
   if (row.form == OptionForm::kWindow) return "float4";
   if (row.form == OptionForm::kAngles) return "float2";
-  constexpr std::array<std::string_view, 10> kTypes = {"",      "bool",   "int",    "float", "int",
-                                                       "float", "string", "string", "float", "float3"};
+  constexpr std::array<std::string_view, 11> kTypes = {"",       "bool",   "int",   "float",  "int",   "float",
+                                                       "string", "string", "float", "float3", "float3"};
+  static_assert(std::size(kTypes) == std::variant_size_v<Field>);
   return kTypes[row.where.index()];
 }
 

@@ -166,16 +166,19 @@ Result<Scene> SceneObject::copied(std::vector<std::string>& warnings) const {
   return all;
 }
 
-Result<SceneBox> SceneObject::bounds() const {
-  SceneBox all;
-  if (has_models_) all = {models_.bounds_min, models_.bounds_max};
+Result<std::pair<glm::dvec3, glm::dvec3>> SceneObject::bounds() const {
+  constexpr double kMax = std::numeric_limits<double>::max();
+  glm::dvec3 low(kMax), high(-kMax);
+  if (has_models_)
+    low = glm::dvec3(models_.bounds_min) + models_.origin, high = glm::dvec3(models_.bounds_max) + models_.origin;
   for (const SharedMesh& shared : meshes_) {
     if (!shared.is_whole()) continue;
     const SceneBox box = box_of(shared);
-    all = {glm::min(all.low, box.low), glm::max(all.high, box.high)};
+    if (box.is_empty()) continue;
+    low = glm::min(low, glm::dvec3(box.low)), high = glm::max(high, glm::dvec3(box.high));
   }
-  if (all.is_empty()) return empty_scene_error();
-  return all;
+  if (low.x > high.x) return empty_scene_error();
+  return std::pair(low, high);
 }
 
 }  // namespace umbrage
@@ -220,14 +223,14 @@ int umbAddMesh(UmbScene scene, const char* name, size_t vertices, size_t triangl
   return index;
 }
 
-UmbError umbGetSceneBounds(UmbScene scene, float lower[3], float upper[3]) {
+UmbError umbGetSceneBounds(UmbScene scene, double lower[3], double upper[3]) {
   return call_on<SceneObject>(scene, "umbGetSceneBounds", Use::kReads, [&](SceneObject& object) -> Result<void> {
     if (!lower || !upper) return usage_error("umbGetSceneBounds: lower and upper cannot be NULL");
     const auto box = object.bounds();
     if (!box) return box.error();
     for (int k = 0; k < 3; ++k) {
-      lower[k] = box->low[k];
-      upper[k] = box->high[k];
+      lower[k] = box->first[k];
+      upper[k] = box->second[k];
     }
     return {};
   });

@@ -35,8 +35,9 @@ class SceneObject final : public Object {
   /// Returns a finished copy of the models and all complete meshes, to which a picture may add objects. Appends
   /// warnings about parts of meshes that were left out. Errors: kUsage for an empty scene.
   Result<Scene> copied(std::vector<std::string>& warnings) const;
-  /// Returns the bounding box of such a copy. Errors: as for copied.
-  Result<SceneBox> bounds() const;
+  /// Returns the lower and upper corner of the bounding box of such a copy, in the coordinates of the models' files.
+  /// Errors: as for copied.
+  Result<std::pair<glm::dvec3, glm::dvec3>> bounds() const;
   /// Returns a number that changes with each change of the scene.
   long version() const { return version_; }
 

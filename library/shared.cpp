@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "renderer/options.h"
+#include "scene/origin.h"
 
 namespace umbrage {
 namespace {
@@ -136,11 +137,11 @@ bool overlaps_itself(const SharedImage& image) {
   return false;
 }
 
-UmbView view_of(const Camera& camera) {
+UmbView view_of(const Camera& camera, const glm::dvec3& origin) {
   UmbView view{};
+  const glm::dmat4 view_from_world = view_from_file(camera.view_from_world, origin);
   for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 4; ++column)
-      view.view_from_world[4 * row + column] = camera.view_from_world[column][row];
+    for (int column = 0; column < 4; ++column) view.view_from_world[4 * row + column] = view_from_world[column][row];
   view.left = camera.left;
   view.right = camera.right;
   view.bottom = camera.bottom;
@@ -149,14 +150,19 @@ UmbView view_of(const Camera& camera) {
   return view;
 }
 
+glm::dmat4 matrix_of(const UmbView& view) {
+  glm::dmat4 matrix(1.0);
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column) matrix[column][row] = view.view_from_world[4 * row + column];
+  return matrix;
+}
+
 Result<Camera> camera_of(const UmbView& view) {
   Camera camera;
+  camera.view_from_world = glm::mat4(matrix_of(view));
   bool finite = true;
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 4; ++column) {
-      camera.view_from_world[column][row] = view.view_from_world[4 * row + column];
-      finite = finite && std::isfinite(view.view_from_world[4 * row + column]);
-    }
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 3; ++row) finite = finite && std::isfinite(camera.view_from_world[column][row]);
   camera.left = view.left;
   camera.right = view.right;
   camera.bottom = view.bottom;

@@ -37,8 +37,11 @@ inline glm::vec3 unit_or_zero(glm::vec3 v) {
   return length > 0.0f && length < 1e30f ? v / length : glm::vec3(0.0f);
 }
 
-/// Convert between a camera and its form in the C interface. camera_of: errors: kUsage for values that are no camera.
-UmbView view_of(const Camera& camera);
+/// Convert between a camera of a scene with this Scene::origin and its form in the C interface, which is in the
+/// coordinates of the file. camera_of: errors: kUsage for values that are no camera.
+UmbView view_of(const Camera& camera, const glm::dvec3& origin);
 Result<Camera> camera_of(const UmbView& view);
+/// Returns the view matrix in double precision.
+glm::dmat4 matrix_of(const UmbView& view);
 
 }  // namespace umbrage

@@ -146,7 +146,8 @@ UmbError write_with_view(const char* call, const char* file, const char* const* 
     WriteSettings settings{.bits = bits, .half = half};
     const auto camera = view ? camera_of(*view) : Result<Camera>(Camera());
     if (!camera) return camera.error();
-    if (view) settings.camera = &*camera;
+    const glm::dmat4 view_from_world = view ? matrix_of(*view) : glm::dmat4(1.0);
+    if (view) settings.camera = &*camera, settings.view_from_world = &view_from_world;
     return write_images(file, all, settings);
   });
 }

@@ -34,7 +34,7 @@ Result<bool> is_io_format(const std::filesystem::path& file) {
   char first_bytes[8] = {};
   const std::size_t byte_count = std::fread(first_bytes, 1, sizeof first_bytes, stream->get());
   for (const ImageFormat& format : image_formats())
-    if (format.recognises(std::string_view(first_bytes, byte_count))) return true;
+    if (format.read && format.recognises(std::string_view(first_bytes, byte_count))) return true;
   return false;
 }
 

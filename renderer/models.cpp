@@ -4,8 +4,29 @@
 #include <glm/geometric.hpp>
 
 #include "generators/builtin.h"
+#include "scene/origin.h"
 
 namespace umbrage {
+
+namespace {
+
+/// Gives two scenes one origin: that of the two in whose frame the coordinates of the worse scene, relative to its
+/// size, are smaller, since they are rounded to floats.
+void share_origin(Scene& a, Scene& b) {
+  if (a.origin == b.origin) return;
+  const auto worse = [&](const glm::dvec3& origin) {
+    double max = 0.0;
+    for (const Scene* scene : {&a, &b})
+      max = std::max(max, glm::distance(scene->origin + glm::dvec3(scene->center()), origin) /
+                              std::max(double(scene->radius()), 1e-30));
+    return max;
+  };
+  const glm::dvec3 origin = worse(b.origin) < worse(a.origin) ? b.origin : a.origin;
+  set_origin(origin, a);
+  set_origin(origin, b);
+}
+
+}  // namespace
 
 Result<Scene> load_scene(const std::string& model, const ImportSettings& settings, const ProgressMonitor& monitor) {
   if (model.empty()) return usage_error("the name of a model is empty");
@@ -19,6 +40,7 @@ Result<Scene> load_scene(const std::string& model, const ImportSettings& setting
 
 void append_scene(Scene next, Scene& all) {
   const int materials = int(all.materials.size()), textures = int(all.textures.size());
+  share_origin(all, next);
   int objects = 0;
   for (const Mesh& mesh : all.meshes) objects = std::max(objects, mesh.object + 1);
   for (Material& material : next.materials) {

@@ -18,7 +18,8 @@ Result<Scene> load_scene(const std::string& model, const ImportSettings& setting
 /// name of `all`.
 void append_scene(Scene next, Scene& all);
 
-/// Loads several models into one scene, placed as in their files.
+/// Loads several models into one scene, placed as in their files. Their origin is that
+/// of one of them.
 Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSettings& settings = {},
                           const ProgressMonitor& monitor = {});
 

@@ -67,7 +67,7 @@ std::vector<Option> scene_options() {
       {.field = "camera.position",
        .option = "camera-position",
        .group = "Camera",
-       .help = "camera position x,y,z",
+       .help = "camera position x,y,z in the coordinates of the file",
        .where = in_camera<&CameraSettings::position>,
        .commands = kSceneCommands,
        .form = OptionForm::kPosition,

@@ -1,9 +1,11 @@
 // Parses and checks the values of options.
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <tuple>
 
+#include "core/color_names.h"
 #include "core/suggest.h"
 #include "renderer/options.h"
 
@@ -11,26 +13,27 @@ namespace umbrage {
 namespace {
 
 constexpr std::string_view kValidLength = "a length above 0 in scene units, or a percentage such as 5%";
-constexpr float kMaxPosition = 1e15f;  // scene units; as for models: Embree cannot trace rays beyond
+constexpr double kMaxPosition = 1e15;  // scene units; as for models: Embree cannot trace rays beyond
 
 /// Parses `count` numbers separated by commas.
-std::optional<std::vector<float>> parse_numbers(std::string_view text, std::size_t count) {
-  std::vector<float> v(count);
+std::optional<std::vector<double>> parse_numbers(std::string_view text, std::size_t count) {
+  std::vector<double> v(count);
   std::size_t start = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t end = i + 1 == count ? text.size() : text.find(',', start);
     if (end == std::string_view::npos) return std::nullopt;
     const auto value = parse_number(text.substr(start, end - start));
     if (!value) return std::nullopt;
-    v[i] = float(*value);
+    v[i] = *value;
     start = end + 1;
   }
   return v;
 }
 
-std::optional<Vector3> parse_three(std::string_view text) {
+template <class T>
+std::optional<std::array<T, 3>> parse_three(std::string_view text) {
   const auto v = parse_numbers(text, 3);
-  return v ? std::optional(Vector3{(*v)[0], (*v)[1], (*v)[2]}) : std::nullopt;
+  return v ? std::optional(std::array<T, 3>{T((*v)[0]), T((*v)[1]), T((*v)[2])}) : std::nullopt;
 }
 
 /// Returns how many numbers a value of this form has.
@@ -44,13 +47,17 @@ bool is_valid_list(OptionForm form, const std::vector<float>& v) {
   return form != OptionForm::kAngles || (std::abs(v[0]) <= 180.0f && std::abs(v[1]) <= 90.0f);
 }
 
-bool is_zero(const Vector3& v) { return v[0] == 0.0f && v[1] == 0.0f && v[2] == 0.0f; }
+template <class T>
+bool is_zero(const std::array<T, 3>& v) {
+  return v[0] == T(0) && v[1] == T(0) && v[2] == T(0);
+}
 
 /// Returns whether a vector is a valid value of this form.
-bool is_valid_vector(OptionForm form, const Vector3& v) {
+template <class T>
+bool is_valid_vector(OptionForm form, const std::array<T, 3>& v) {
   const auto all = [&](auto is_valid) { return std::all_of(v.begin(), v.end(), is_valid); };
-  if (form == OptionForm::kColor) return all([](float x) { return x >= 0.0f && x <= 1.0f; });
-  return all([](float x) { return std::abs(x) <= kMaxPosition; }) && (form != OptionForm::kDirection || !is_zero(v));
+  if (form == OptionForm::kColor) return all([](T x) { return x >= T(0) && x <= T(1); });
+  return all([](T x) { return std::abs(x) <= kMaxPosition; }) && (form != OptionForm::kDirection || !is_zero(v));
 }
 
 /// Returns a description of the valid values.
@@ -66,7 +73,7 @@ std::string valid_values(const Option& o) {
     case OptionForm::kDirection:
       return "+X, -X, +Y, -Y, +Z, -Z or three numbers that are not all 0";
     case OptionForm::kColor:
-      return "three numbers from 0 to 1, such as 0.2,0.3,0.5";
+      return "a CSS name such as white, #rrggbb, #rgb, or three numbers from 0 to 1 such as 0.2,0.3,0.5";
     case OptionForm::kAngles:
       return "two numbers: azimuth from -180 to 180 and elevation from -90 to 90";
     case OptionForm::kRotation:
@@ -81,6 +88,15 @@ std::string valid_values(const Option& o) {
 template <class T>
 Error value_error(const Option& o, const T& value) {
   return usage_error("`{}` cannot be '{}': it takes {}", o.field, value, valid_values(o));
+}
+
+/// Returns the error for a colour, with the nearest name if the text is a word.
+Error color_error(const Option& o, std::string_view text) {
+  Error error = value_error(o, text);
+  const bool is_word = !text.empty() && std::isalpha(static_cast<unsigned char>(text[0]));
+  const std::string nearest = is_word ? suggestion(text, color_names()) : "";
+  if (nearest.find("did you mean") != std::string::npos) error.message += nearest;
+  return error;
 }
 
 Result<void> check_choice(const Option& o, std::string_view text) {
@@ -120,13 +136,15 @@ class CheckValue {
     }
     return check_choice(o_, text);
   }
-  Result<void> operator()(FieldOf<std::optional<Vector3>> of) {
-    const auto& v = of(request_);
+  Result<void> operator()(FieldOf<std::optional<Vector3>> of) { return check_vector(of(request_)); }
+  Result<void> operator()(FieldOf<std::optional<Position>> of) { return check_vector(of(request_)); }
+
+ private:
+  template <class T>
+  Result<void> check_vector(const std::optional<std::array<T, 3>>& v) {
     if (!v || is_valid_vector(o_.form, *v)) return {};
     return value_error(o_, fmt::format("{},{},{}", (*v)[0], (*v)[1], (*v)[2]));
   }
-
- private:
   Result<void> check_number(double value) {
     return interval_of(o_).has(value) ? Result<void>() : value_error(o_, value);
   }
@@ -157,8 +175,10 @@ class SetValue {
   }
   Result<void> operator()(FieldOf<std::vector<float>> of) {
     const auto values = parse_numbers(text_, count_of(o_.form));
-    if (!values || !is_valid_list(o_.form, *values)) return value_error(o_, text_);
-    of(request_) = *values;
+    const std::vector<float> floats =
+        values ? std::vector<float>(values->begin(), values->end()) : std::vector<float>();
+    if (!values || !is_valid_list(o_.form, floats)) return value_error(o_, text_);
+    of(request_) = floats;
     return {};
   }
   Result<void> operator()(FieldOf<std::string> of) {
@@ -171,6 +191,13 @@ class SetValue {
   Result<void> operator()(FieldOf<std::optional<float>> of) { return set_number(of(request_)); }
   Result<void> operator()(FieldOf<std::optional<Vector3>> of) {
     const auto v = vector();
+    if (!v || !is_valid_vector(o_.form, *v))
+      return o_.form == OptionForm::kColor ? color_error(o_, text_) : value_error(o_, text_);
+    of(request_) = v;
+    return {};
+  }
+  Result<void> operator()(FieldOf<std::optional<Position>> of) {
+    const auto v = parse_three<double>(text_);
     if (!v || !is_valid_vector(o_.form, *v)) return value_error(o_, text_);
     of(request_) = v;
     return {};
@@ -193,7 +220,9 @@ class SetValue {
   }
   std::optional<Vector3> vector() const {
     const bool is_axis = o_.form == OptionForm::kDirection && text_.size() == 2 && (text_[0] == '+' || text_[0] == '-');
-    if (!is_axis) return parse_three(text_);
+    if (o_.form == OptionForm::kColor)
+      if (const auto color = named_color(text_)) return color;
+    if (!is_axis) return parse_three<float>(text_);
     const int index = (text_[1] | 0x20) - 'x';  // lower case
     if (index < 0 || index > 2) return std::nullopt;
     Vector3 v{};
@@ -219,7 +248,7 @@ Result<void> check_combinations(const Request& r) {
         "`camera.focal_point` and `camera.direction` both set the direction of a camera at `camera.position`: give one "
         "of them");
   if (camera.position && camera.focal_point && *camera.position == *camera.focal_point) {
-    const Vector3& v = *camera.position;
+    const Position& v = *camera.position;
     return usage_error(
         "`camera.position` and `camera.focal_point` are both '{},{},{}': a camera cannot look at its own position",
         v[0], v[1], v[2]);

@@ -23,9 +23,11 @@ namespace umbrage {
 template <class T>
 using FieldOf = T& (*)(Request&);
 using Vector3 = std::array<float, 3>;
-using Field = std::variant<std::monostate, FieldOf<bool>, FieldOf<int>, FieldOf<float>, FieldOf<std::optional<int>>,
-                           FieldOf<std::optional<float>>, FieldOf<std::string>, FieldOf<std::vector<std::string>>,
-                           FieldOf<std::vector<float>>, FieldOf<std::optional<Vector3>>>;
+using Position = std::array<double, 3>;
+using Field =
+    std::variant<std::monostate, FieldOf<bool>, FieldOf<int>, FieldOf<float>, FieldOf<std::optional<int>>,
+                 FieldOf<std::optional<float>>, FieldOf<std::string>, FieldOf<std::vector<std::string>>,
+                 FieldOf<std::vector<float>>, FieldOf<std::optional<Vector3>>, FieldOf<std::optional<Position>>>;
 
 /// The syntax of a value, if its type does not determine the syntax.
 enum class OptionForm {
@@ -35,7 +37,7 @@ enum class OptionForm {
   kLength,     ///< "0.3" scene units, or "5%" of the bounding-sphere radius
   kPosition,   ///< "1,2.5,-3"
   kDirection,  ///< "0,1,0" or "+Y"; not the zero vector
-  kColor,      ///< three numbers from 0 to 1
+  kColor,      ///< "white", "#ff8000", "#f80" or three numbers from 0 to 1
   kRotation,   ///< nine numbers
   kWindow,     ///< four numbers
   kAngles,     ///< two numbers, degrees: azimuth from -180 to 180 and elevation from -90 to 90

@@ -76,19 +76,6 @@ std::vector<std::string> averaged_passes(const std::vector<std::string>& words) 
   return planes;
 }
 
-/// Returns the name of the first look that writes the pass; empty if none does.
-std::string_view look_with_pass(std::string_view pass) {
-  for (const Look* look : looks())
-    for (const std::string_view name : look->effects) {
-      const Effect* effect = find_effect(name == kOcclusionStep ? look->occlusion : name);
-      if (!effect) continue;
-      for (const Dispatch& each : effect->dispatches)
-        for (const std::string_view plane : each.outputs)
-          if (pass_of(plane) == pass) return look->name;
-    }
-  return {};
-}
-
 }  // namespace
 
 std::string pass_of(std::string_view plane) {
@@ -201,17 +188,21 @@ constexpr std::pair<std::string_view, std::string_view> kSummaries[] = {
     {"beauty", "for compositing: the picture, its parts, geometry and ids; needs .exr"},
 };
 
-/// Returns what a pass holds; for planes that only effects read, the effect that writes them.
-std::string summary_of(std::string_view pass, const Recipe& recipe) {
+/// Returns what a pass holds; empty for planes that only effects read, which lists leave out.
+std::string summary_of(std::string_view pass) {
   for (const auto& [name, summary] : kSummaries)
     if (name == pass) return std::string(summary);
   if (is_shadow_plane(pass)) return fmt::format("the same for the light with index {}", pass.substr(6));
-  if (pass == kAll) return "every pass; the only name";
-  for (const Effect* effect : steps_of(look_run(recipe)))
-    for (const Dispatch& dispatch : effect->dispatches)
-      for (const std::string_view plane : dispatch.outputs)
-        if (pass_of(plane) == pass) return fmt::format("intermediate result of the effect {}", effect->name);
-  return "";
+  return pass == kAll ? "every pass; the only name" : "";
+}
+
+/// Returns the name of the first look whose pictures have the pass; empty if none does.
+std::string_view look_with_pass(std::string_view pass) {
+  for (const Look* look : looks())
+    if (const auto recipe = make_recipe({.look = std::string(look->name)});
+        recipe && contains(passes_of(*recipe), pass))
+      return look->name;
+  return {};
 }
 
 /// Returns the error for an unknown pass, with its reason.
@@ -230,7 +221,7 @@ Error unknown_pass_error(const std::string& word, std::vector<std::string> names
   // Passes of further layers are suggested only for a misspelling: the full list would be too long.
   std::string hint = suggestion(word, names);
   if (!hint.starts_with(" (did")) {
-    std::erase_if(names, [](const std::string& name) { return layer_of_plane(name) > 0; });
+    std::erase_if(names, [](const std::string& name) { return layer_of_plane(name) > 0 || summary_of(name).empty(); });
     hint = suggestion(word, names);
   }
   return usage_error("the look '{}' writes no pass '{}'{}", look.name, word, hint);
@@ -243,7 +234,7 @@ std::vector<PassEntry> passes_of_look(const Look& look) {
   if (!recipe) fail_check(recipe.error().message);
   std::vector<PassEntry> entries;
   for (const std::string& name : passes_of(*recipe))
-    if (layer_of_plane(name) == 0) entries.push_back({name, summary_of(name, *recipe)});
+    if (layer_of_plane(name) == 0 && !summary_of(name).empty()) entries.push_back({name, summary_of(name)});
   return entries;
 }
 

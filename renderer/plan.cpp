@@ -191,6 +191,7 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
             .camera = frame_scene(scene, recipe.framing, recipe.width, recipe.height),
             .capture = recipe.capture,
             .up = scene.up,
+            .origin = scene.origin,
             .has_ground = scene.ground_object >= 0};
   EffectSettings& settings = plan.recipe.settings;
   if (!plan.capture.lighting) {

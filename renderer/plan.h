@@ -13,6 +13,7 @@ struct Plan {
   CaptureSettings capture;       ///< includes the lighting
   bool lit_from_camera = false;  ///< the lights were placed relative to the camera and rotate with it around the scene
   glm::vec3 up{0.0f, 1.0f, 0.0f};  ///< up direction of the scene
+  glm::dvec3 origin{0.0};          ///< Scene::origin
   bool has_ground = false;         ///< the scene has a ground that `complete_scene` added
   bool has_blended = false;        ///< the picture shows blended surfaces: each sample blends two pictures, see blend.h
   float sky_gain = 1.0f;           ///< factor for the radiance of the environment image as background

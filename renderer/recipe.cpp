@@ -235,14 +235,16 @@ int choice_index(std::string_view field, std::string_view text) {
 
 Framing framing_of(const CameraSettings& camera) {
   Framing framing;
-  const auto vector = [](const std::optional<Vector3>& from, bool direction) -> std::optional<glm::vec3> {
-    if (!from) return std::nullopt;
-    return direction ? glm::normalize(vector_of(*from)) : vector_of(*from);
+  const auto position = [](const std::optional<Position>& from) {
+    return from ? std::optional(glm::dvec3((*from)[0], (*from)[1], (*from)[2])) : std::nullopt;
   };
-  framing.position = vector(camera.position, false);
-  framing.focal_point = vector(camera.focal_point, false);
-  framing.view_up = vector(camera.view_up, true);
-  framing.direction = vector(camera.direction, true);
+  const auto direction = [](const std::optional<Vector3>& from) {
+    return from ? std::optional(glm::normalize(vector_of(*from))) : std::nullopt;
+  };
+  framing.position = position(camera.position);
+  framing.focal_point = position(camera.focal_point);
+  framing.view_up = direction(camera.view_up);
+  framing.direction = direction(camera.direction);
   framing.view_angle_deg = camera.view_angle_deg;
   framing.azimuth_deg = camera.azimuth_deg;
   framing.elevation_deg = camera.elevation_deg;

@@ -15,14 +15,15 @@ namespace umbrage {
 /// above and to the side. World space, scene units, degrees.
 struct CameraSettings {
   std::optional<int> index{};  ///< a camera of the file, from 0; not with position, focal point or direction
-  std::optional<std::array<float, 3>> position{};     ///< camera position
-  std::optional<std::array<float, 3>> focal_point{};  ///< point at the centre of the picture
-  std::optional<std::array<float, 3>> view_up{};      ///< direction that points up in the picture; not 0
-  std::optional<std::array<float, 3>> direction{};    ///< viewing direction; not 0
-  std::optional<float> view_angle_deg{};              ///< vertical field of view, 0.1 to 179
-  float azimuth_deg = 0.0f;                           ///< rotation around the model, applied after the fields above
-  float elevation_deg = 0.0f;                         ///< rotation upwards around the model
-  float zoom = 1.0f;                                  ///< > 1: closer; 0.001 to 1000
+  /// Camera position, and point at the centre of the picture, in the coordinates of the file: double, since they may
+  /// exceed the precision of floats.
+  std::optional<std::array<double, 3>> position{}, focal_point{};
+  std::optional<std::array<float, 3>> view_up{};    ///< direction that points up in the picture; not 0
+  std::optional<std::array<float, 3>> direction{};  ///< viewing direction; not 0
+  std::optional<float> view_angle_deg{};            ///< vertical field of view, 0.1 to 179
+  float azimuth_deg = 0.0f;                         ///< rotation around the model, applied after the fields above
+  float elevation_deg = 0.0f;                       ///< rotation upwards around the model
+  float zoom = 1.0f;                                ///< > 1: closer; 0.001 to 1000
   bool orthographic = false;
 };
 

@@ -275,12 +275,21 @@ bool uses_scene_view(const Scene& scene, const Framing& framing) {
   return !scene.views.empty() && !framing.position && !framing.focal_point && !framing.direction;
 }
 
+/// Converts a position from the coordinates of the file to those of the scene.
+glm::vec3 in_scene(const Scene& scene, const glm::dvec3& position) { return glm::vec3(position - scene.origin); }
+
+/// Returns the focal point that the user has set, or else the centre of the scene.
+glm::vec3 focal_point_of(const Scene& scene, const Framing& framing) {
+  return framing.focal_point ? in_scene(scene, *framing.focal_point) : scene.center();
+}
+
 /// Returns the point that a camera at a given position looks at.
 glm::vec3 target_of(const Scene& scene, const Framing& framing) {
-  if (framing.focal_point) return *framing.focal_point;
-  if (!framing.direction || !is_direction(*framing.direction)) return scene.center();
-  const float to_center = glm::distance(*framing.position, scene.center());
-  return *framing.position +
+  if (framing.focal_point || !framing.direction || !is_direction(*framing.direction))
+    return focal_point_of(scene, framing);
+  const glm::vec3 position = in_scene(scene, *framing.position);
+  const float to_center = glm::distance(position, scene.center());
+  return position +
          (to_center > 0.0f ? to_center : std::max(scene.radius(), 1.0f)) * glm::normalize(*framing.direction);
 }
 
@@ -297,11 +306,12 @@ Camera camera_before_turn(const Scene& scene, const Framing& framing, int width,
     return placed(view.eye, view.target, up, angle_deg, aspect, framing, view.height);
   }
 
-  if (framing.position) return placed(*framing.position, target_of(scene, framing), up, angle_deg, aspect, framing);
+  if (framing.position)
+    return placed(in_scene(scene, *framing.position), target_of(scene, framing), up, angle_deg, aspect, framing);
   const bool has_direction = framing.direction && is_direction(*framing.direction);
   glm::vec3 side = has_direction ? -glm::normalize(*framing.direction) : default_side(scene, up, framing.shows_horizon);
   side = turned(side, up, framing.azimuth_deg, framing.elevation_deg);
-  const Axes axes = axes_of(framing.focal_point.value_or(scene.center()), side, up);
+  const Axes axes = axes_of(focal_point_of(scene, framing), side, up);
   const bool keep_middle = framing.focal_point.has_value();
   const Fit fit = framing.orthographic ? fit_orthographic(scene, axes, aspect, framing.margin, keep_middle)
                                        : fit_perspective(scene, axes, angle_deg, aspect, framing.margin, keep_middle);
@@ -314,7 +324,7 @@ Camera camera_before_turn(const Scene& scene, const Framing& framing, int width,
 
 glm::vec3 turn_center(const Scene& scene, const Framing& framing) {
   if (uses_scene_view(scene, framing)) return scene.views[0].target;
-  return framing.position ? target_of(scene, framing) : framing.focal_point.value_or(scene.center());
+  return framing.position ? target_of(scene, framing) : focal_point_of(scene, framing);
 }
 
 Camera frame_scene(const Scene& scene, const Framing& framing, int width, int height) {

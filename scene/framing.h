@@ -7,10 +7,10 @@
 
 namespace umbrage {
 
-/// A user's request for the camera; members that are not set are chosen automatically. Positions in scene units, angles
-/// in degrees.
+/// A user's request for the camera; members that are not set are chosen automatically. Angles in degrees.
 struct Framing {
-  std::optional<glm::vec3> position, focal_point, view_up, direction;
+  std::optional<glm::dvec3> position, focal_point;  ///< in the coordinates of the file: see Scene::origin
+  std::optional<glm::vec3> view_up, direction;
   std::optional<float> view_angle_deg;  ///< vertical field of view
   float usual_view_angle_deg = 30.0f;   ///< that of a fitted camera without view_angle_deg
   /// A fitted camera without a direction looks down less, so that the horizon is in the upper part of the picture.

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "scene/scene.h"
 
 namespace umbrage {
 
@@ -14,6 +17,22 @@ glm::dvec3 scene_origin(const glm::dvec3& low, const glm::dvec3& high) {
   if (!(extent > 0.0) || !std::isfinite(extent) || !(distance > kMaxDistance * extent)) return glm::dvec3(0.0);
   const double step = std::exp2(std::ceil(std::log2(extent)));
   return glm::round(center / step) * step;
+}
+
+void set_origin(const glm::dvec3& origin, Scene& scene) {
+  if (origin == scene.origin) return;
+  const glm::dvec3 shift = scene.origin - origin;
+  const auto move = [&](glm::vec3& position) { position = glm::vec3(glm::dvec3(position) + shift); };
+  for (Mesh& mesh : scene.meshes) std::for_each(mesh.positions.begin(), mesh.positions.end(), move);
+  for (std::vector<View>* views : {&scene.views, &scene.cameras})
+    for (View& view : *views) move(view.eye), move(view.target);
+  for (Light& light : scene.lights) move(light.position);
+  for (glm::vec3* position : {&scene.bounds_min, &scene.bounds_max, &scene.ground_center}) move(*position);
+  scene.origin = origin;
+}
+
+glm::dmat4 view_from_file(const glm::mat4& view_from_scene, const glm::dvec3& origin) {
+  return glm::translate(glm::dmat4(view_from_scene), -origin);
 }
 
 }  // namespace umbrage

@@ -335,7 +335,7 @@ TEST_F(Cli, FiguresRefuseWhatTheyCannotDo) {
 // ---- Lists
 
 TEST_F(Cli, ListsEverything) {
-  Words look_names, effect_names, scene_names, format_names = {".png", ".exr", ".pfm"};
+  Words look_names, effect_names, scene_names, format_names = {".png", ".exr", ".pfm", ".jpg", ".jpeg", ".webp"};
   for (const Look* look : looks()) look_names.emplace_back(look->name);
   for (const Effect* effect : effects()) {
     effect_names.emplace_back(effect->name);

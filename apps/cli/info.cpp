@@ -34,14 +34,14 @@ std::string axis_text(glm::vec3 up) {
 /// Returns the unit of length of formats that define one; else an empty string. Assimp converts no other format to
 /// metres.
 std::string units_of(const std::string& format) {
+  if (format == "3MF") return "mm";
   if (format == "GLTF" || format == "GLB") return "m";
   return "";
 }
 
 std::string format_of_model(const std::string& model) {
   if (model.starts_with("scene:")) return "built-in";
-  std::string format = std::filesystem::path(model).extension().string();
-  if (!format.empty()) format.erase(0, 1);
+  std::string format = import_format(model);
   for (char& c : format) c = char(std::toupper(static_cast<unsigned char>(c)));
   return format;
 }
@@ -80,8 +80,9 @@ nlohmann::json records_of(const Scene& scene, const std::string& format) {
                           {"up", axis_text(scene.up)},
                           {"units", units_of(format)}};
   for (int axis = 0; axis < 3; ++axis) {
-    model[fmt::format("min_{}", "xyz"[axis])] = scene.bounds_min[axis];
-    model[fmt::format("max_{}", "xyz"[axis])] = scene.bounds_max[axis];
+    model[fmt::format("min_{}", "xyz"[axis])] = scene.origin[axis] + scene.bounds_min[axis];
+    model[fmt::format("max_{}", "xyz"[axis])] = scene.origin[axis] + scene.bounds_max[axis];
+    model[fmt::format("origin_{}", "xyz"[axis])] = scene.origin[axis];
   }
   records.push_back(std::move(model));
   for (const Mesh& mesh : scene.meshes)
@@ -132,8 +133,8 @@ nlohmann::json records_of(const Scene& scene, const std::string& format) {
                              {"angle_deg", cameras[k].height > 0.0f ? 0.0f : cameras[k].angle_deg},
                              {"orthographic", cameras[k].height > 0.0f}};
     for (int axis = 0; axis < 3; ++axis) {
-      record[fmt::format("eye_{}", "xyz"[axis])] = cameras[k].eye[axis];
-      record[fmt::format("target_{}", "xyz"[axis])] = cameras[k].target[axis];
+      record[fmt::format("eye_{}", "xyz"[axis])] = scene.origin[axis] + cameras[k].eye[axis];
+      record[fmt::format("target_{}", "xyz"[axis])] = scene.origin[axis] + cameras[k].target[axis];
     }
     records.push_back(std::move(record));
   }
@@ -155,6 +156,16 @@ std::string counted(std::size_t count, std::string_view one, std::string_view ma
 
 std::string vector_text(glm::vec3 v) { return fmt::format("{:.4g}, {:.4g}, {:.4g}", v.x, v.y, v.z); }
 
+/// Returns a position of the scene in the coordinates of the file, with digits enough for the size of the scene.
+std::string position_text(const Scene& scene, const glm::vec3& position) {
+  if (scene.origin == glm::dvec3(0.0)) return vector_text(position);
+  constexpr int kDigits = 4, kMaxDecimals = 12;
+  const int above = int(std::floor(std::log10(std::max(scene.radius(), 1e-12f))));
+  const int decimals = std::clamp(kDigits - 1 - above, 0, kMaxDecimals);
+  const glm::dvec3 p = scene.origin + glm::dvec3(position);
+  return fmt::format("{:.{}f}, {:.{}f}, {:.{}f}", p.x, decimals, p.y, decimals, p.z, decimals);
+}
+
 void print_line(std::string_view name, const std::string& text) { fmt::print("{:<11}{}\n", name, text); }
 
 void print_text(const Scene& scene, const std::string& format) {
@@ -164,8 +175,8 @@ void print_text(const Scene& scene, const std::string& format) {
   };
   fmt::print("{}: {}, {} in {}\n", scene.name, format, size_text(scene),
              counted(scene.meshes.size(), "mesh", "meshes"));
-  print_line("bounds", fmt::format("{} to {}, radius {:.4g}", vector_text(scene.bounds_min),
-                                   vector_text(scene.bounds_max), scene.radius()));
+  print_line("bounds", fmt::format("{} to {}, radius {:.4g}", position_text(scene, scene.bounds_min),
+                                   position_text(scene, scene.bounds_max), scene.radius()));
   print_line("up", axis_text(scene.up));
   print_line("units", units_of(format).empty() ? "unknown" : units_of(format));
   if (scene.point_count() > 0) {
@@ -209,7 +220,7 @@ void print_text(const Scene& scene, const std::string& format) {
                                                 : fmt::format("{:.4g} deg", view.angle_deg);
     print_line(k == 0 ? "cameras" : "",
                fmt::format("--camera-index {}{}: from {} to {}, {}", k, view.name.empty() ? "" : " (" + view.name + ")",
-                           vector_text(view.eye), vector_text(view.target), lens));
+                           position_text(scene, view.eye), position_text(scene, view.target), lens));
   }
   print_omitted(cameras.size());
   print_line("lights",

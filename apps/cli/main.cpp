@@ -104,6 +104,26 @@ std::optional<Error> option_without_value(const std::vector<std::string>& words)
   return std::nullopt;
 }
 
+const CLI::App* command_of(const CLI::App& app, const std::string& name) {
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    if (command->get_name() == name) return command;
+  return nullptr;
+}
+
+/// Returns an error for an option whose value is missing, so that CLI11 would take the option after it as the value.
+std::optional<Error> option_as_value(const CLI::App& app, const std::vector<std::string>& words) {
+  const CLI::App* command = words.empty() ? nullptr : command_of(app, words[0]);
+  if (!command) return std::nullopt;
+  for (std::size_t k = 1; k + 1 < words.size(); ++k) {
+    const std::string next = words[k + 1].substr(0, words[k + 1].find('='));
+    if (!words[k].starts_with('-') || !next.starts_with('-') || next.size() < 2) continue;
+    const CLI::Option* option = command->get_option_no_throw(words[k]);
+    if (option && option->get_items_expected_min() > 0 && command->get_option_no_throw(next))
+      return usage_error("{} needs a value: the word after it, {}, is an option", words[k], next);
+  }
+  return std::nullopt;
+}
+
 /// Quotes a word of a command line if a shell requires it.
 std::string quoted(const std::string& word) {
   const bool plain = !word.empty() && word.find_first_not_of(
@@ -146,6 +166,7 @@ int run(int argc, char** argv) {
   std::vector<std::string> words = with_command(argc, argv, commands);
   if (const auto error = misspelt_command(words, commands)) return report(*error);
   if (const auto error = option_without_value(words)) return report(*error);
+  if (const auto error = option_as_value(app, words)) return report(*error);
   const std::vector<std::string> typed = words;
   auto configured = with_config(app, std::move(words));
   if (!configured) return report(configured.error());

@@ -74,6 +74,25 @@ Result<std::string> extension_of(const std::string& file) {
   return std::string((*format)->extension);
 }
 
+bool holds_display_values(std::string_view extension) {
+  for (const ImageFormat& format : image_formats())
+    if (format.extension == extension) return format.display;
+  return false;
+}
+
+Result<void> check_format(const RenderOptions& o, const std::string& extension) {
+  constexpr int kMaxWebpSide = 16383;  // of the format
+  if (extension == "webp" && std::max(o.request.width, o.request.height) > kMaxWebpSide)
+    return usage_error("`width` is too large for a .webp, which has at most {} pixels per side", kMaxWebpSide);
+  if (extension != "jpg" && extension != "jpeg") return {};
+  if (o.request.transparent)
+    return usage_error("`transparent` is for .png, .webp and .exr: a .{} has no transparency", extension);
+  if (o.writes_only("outline"))
+    return usage_error("lines alone are drawn on transparency, which a .{} does not have: write .png, .webp or .svg",
+                       extension);
+  return {};
+}
+
 Result<void> write_rows(const Destination& destination, const ImageShape& shape, const WriteSettings& settings,
                         const MakeImageRows& make) {
   if (destination.file != kStandardOutput) return write_image_rows(destination.file, shape, settings, make);
@@ -104,9 +123,9 @@ std::vector<std::string> picture_planes(const RenderOptions& o, const Destinatio
 
 Image convert_for_file(const RenderOptions& o, const Destination& destination, const Image& drawn,
                        const std::vector<std::string>& names, const EffectSettings& settings, const PictureInfo& info) {
-  const bool is_png = destination.extension() == "png";
-  if (o.writes_only("outline") && is_png) return picture_of_lines(drawn.plane("outline"), settings);
-  if (o.writes_passes() && is_png) return picture_of_pass(drawn, names, info);
+  const bool display = holds_display_values(destination.extension());
+  if (o.writes_only("outline") && display) return picture_of_lines(drawn.plane("outline"), settings);
+  if (o.writes_passes() && display) return picture_of_pass(drawn, names, info);
   Image picture(drawn.width, drawn.height);
   for (const std::string& name : names)
     picture.add(o.request.scene_linear ? color_of_beauty(name) : name) = drawn.plane(name);

@@ -17,6 +17,12 @@ inline constexpr std::string_view kStandardOutput = "-";  // value of --output
 /// Returns the extension of a file name, without the dot. Errors: kUsage for a format that cannot be written.
 Result<std::string> extension_of(const std::string& file);
 
+/// Returns whether files of this extension hold display values, 0 to 1, which viewers show.
+bool holds_display_values(std::string_view extension);
+
+/// Checks that the format can hold the size and the transparency that the request asks for. Errors: kUsage.
+Result<void> check_format(const RenderOptions& o, const std::string& extension);
+
 /// The destination of a picture.
 struct Destination {
   std::string file;        ///< file name or kStandardOutput

@@ -26,6 +26,7 @@
 #include "renderer/passes.h"
 #include "renderer/setting_warnings.h"
 #include "renderer/strips.h"
+#include "scene/origin.h"
 
 namespace umbrage::cli {
 namespace {
@@ -55,9 +56,15 @@ Result<double> parse_memory(std::string_view text) {
 }
 
 Result<void> write_output(const RenderOptions& o, const Destination& destination, const EffectSettings& effect_settings,
-                          Device& device, const Frame& frame) {
+                          const glm::dvec3& origin, Device& device, const Frame& frame) {
   const Camera camera = inner_camera(frame.info);
-  const WriteSettings settings{.bits = o.bits(), .half = o.half, .threads = device.threads(), .camera = &camera};
+  const glm::dmat4 view = view_from_file(camera.view_from_world, origin);
+  const WriteSettings settings{.bits = o.bits(),
+                               .half = o.half,
+                               .quality = o.picture_quality,
+                               .threads = device.threads(),
+                               .camera = &camera,
+                               .view_from_world = &view};
   const auto names = o.writes_passes() ? pass_planes_of(o, device, frame)
                                        : Result<std::vector<std::string>>(picture_planes(o, destination));
   if (!names) return names.error();
@@ -122,7 +129,13 @@ Result<void> draw_into_file(const RenderOptions& o, const RenderJob& job, Device
                          convert_for_file(o, destination, pixel, names, recipe.settings, {}).names};
   HintStatistics statistics;
   Lines traced;
-  const WriteSettings settings{.bits = o.bits(), .half = o.half, .threads = device.threads(), .camera = &plan.camera};
+  const glm::dmat4 view = view_from_file(plan.camera.view_from_world, plan.origin);
+  const WriteSettings settings{.bits = o.bits(),
+                               .half = o.half,
+                               .quality = o.picture_quality,
+                               .threads = device.threads(),
+                               .camera = &plan.camera,
+                               .view_from_world = &view};
   const auto monitor = [&](double done) {
     line.show("drawing", done);
     return true;
@@ -265,7 +278,8 @@ Result<void> draw_frames(const RenderOptions& o, const RenderJob& job, Device& d
     }
     if (output.is_turntable && !video) destination.file = output.names.of(frame_number);
     if (!lines.alone)
-      if (auto written = write_output(o, destination, job.recipe.settings, device, frame); !written) return written;
+      if (auto written = write_output(o, destination, job.recipe.settings, scene.origin, device, frame); !written)
+        return written;
     times.done("write");
     if (!lines) continue;
     if (auto written = write_lines(lines, frame_number, device, frame); !written) return written;
@@ -287,6 +301,9 @@ Result<void> check_output(const RenderOptions& o, const Output& output) {
     return usage_error("--passes {} needs a file that holds several passes: write to a name that ends in .exr",
                        o.text_of("passes"));
   if (o.bits() != 8 && extension != "png") return usage_error("--bits is for .png files, not .{}", extension);
+  if (auto fine = check_format(o, extension); !fine) return fine;
+  if (o.picture_quality != WriteSettings().quality && extension != "jpg" && extension != "jpeg" && extension != "webp")
+    return usage_error("--picture-quality is for .jpg and .webp files, not .{}", extension);
   if (o.half && extension != "exr") return usage_error("--half is for .exr files, not .{}", extension);
   return {};
 }
@@ -445,7 +462,8 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   const auto output = "Output";
   command
       ->add_option("-o,--output", options->output,
-                   "file to write: .png, .exr or .pfm; .svg for only the lines, by default those of the look cartoon; "
+                   "file to write: .png, .jpg, .webp, .exr or .pfm; .svg for only the lines, by default those of the "
+                   "look cartoon; "
                    "- for a PNG on standard output; with --turntable also .mp4, .webm or .gif")
       ->required()
       ->group(output);
@@ -457,6 +475,9 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
       ->group(output);
   add_number(*command, "--frame-rate", options->frame_rate, {0.1, 1000}, "frames per second of a video")->group(output);
   add_one(*command, *options, "bits", output);
+  add_number(*command, "--picture-quality", options->picture_quality, {1, 100, NumberKind::kInteger},
+             "quality of a .jpg or .webp, 1 to 100; a .webp of 100 is lossless")
+      ->group(output);
   command->add_flag("--half", options->half, "16-bit floats in an EXR, for planes for which their precision suffices")
       ->group(output);
   CLI::Option* memory = command->add_option(

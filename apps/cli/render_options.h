@@ -3,6 +3,7 @@
 #include <string>
 
 #include "apps/cli/options.h"
+#include "io/image_file.h"
 
 namespace umbrage::cli {
 
@@ -11,6 +12,7 @@ struct RenderOptions : CommonOptions {
   int turntable = 0;         ///< number of frames; 0: one picture
   double frame_rate = 30.0;  ///< frames per second of a video
   bool half = false, json = false;
+  int picture_quality = WriteSettings().quality;  ///< of .jpg and .webp, 1 to 100
 
   int bits() const { return text_of("bits") == "16" ? 16 : 8; }
   bool writes_passes() const { return !request.passes.empty(); }

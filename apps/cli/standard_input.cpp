@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "core/suggest.h"
+#include "scene/readers/gzip.h"
 #include "scene/readers/molecule.h"
 
 namespace umbrage::cli {
@@ -71,7 +72,9 @@ Result<fs::path> copy_standard_input(const std::string& format) {
     if (std::ferror(stdin)) return file_error("standard input cannot be read");
   }
   if (bytes.empty()) return file_error("standard input is empty");
-  const std::string extension = format.empty() ? format_of_content(bytes) : format;
+  constexpr std::size_t kInflatedBytes = std::size_t(1) << 16;
+  const std::string start = is_gzip(bytes) ? inflated_start(bytes, kInflatedBytes) : std::string();
+  const std::string extension = format.empty() ? format_of_content(start.empty() ? bytes : start) : format;
   if (extension.empty()) return file_error("standard input has an unknown format; name it with --input-format");
   std::error_code code;
   const fs::path temporary_folder = fs::temp_directory_path(code);
@@ -124,6 +127,7 @@ std::string format_of_content(std::string_view bytes) {
     if (bytes.size() == kHeader + std::size_t(count) * kTriangle) return "stl";
   }
   if (starts("\x4d\x4d")) return "3ds";
+  if (starts("PK\3\4")) return "3mf";
   constexpr std::size_t kDetectionBytes = 4096;
   const std::string_view start = bytes.substr(0, kDetectionBytes);
   if (start.find('\0') != std::string_view::npos) return "";

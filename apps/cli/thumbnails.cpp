@@ -27,6 +27,7 @@ namespace fs = std::filesystem;
 
 struct ThumbnailOptions : RenderOptions {
   int size = 256;
+  std::string format = "png";
 };
 
 /// A model, and the file that its picture is written to.
@@ -36,11 +37,9 @@ struct Thumbnail {
 };
 
 bool is_model(const fs::path& file) {
-  std::string extension = file.extension().string();
-  if (extension.empty() || file.filename().string().starts_with('.')) return false;
-  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
   const auto& formats = import_formats();
-  return std::find(formats.begin(), formats.end(), extension.substr(1)) != formats.end();
+  return !file.filename().string().starts_with('.') &&
+         std::find(formats.begin(), formats.end(), import_format(file)) != formats.end();
 }
 
 /// Returns the models in a folder and its subfolders, sorted. Errors: kFile if there are none.
@@ -59,10 +58,18 @@ Result<std::vector<fs::path>> models_in(const fs::path& folder) {
 }
 
 /// Returns the name of a model's picture: "bunny.obj.png", or "claw.png" for "scene:claw?detail=100".
-fs::path picture_name(const std::string& model) {
+fs::path picture_name(const ThumbnailOptions& o, const std::string& model) {
   constexpr std::string_view kBuiltIn = "scene:";
-  if (model.starts_with(kBuiltIn)) return model.substr(kBuiltIn.size(), model.find('?') - kBuiltIn.size()) + ".png";
-  return fs::path(model).filename().string() + ".png";
+  if (model.starts_with(kBuiltIn))
+    return model.substr(kBuiltIn.size(), model.find('?') - kBuiltIn.size()) + "." + o.format;
+  return fs::path(model).filename().string() + "." + o.format;
+}
+
+/// Returns whether a path names a picture that can be made, and no folder that exists.
+bool is_picture(const fs::path& path) {
+  std::error_code ignored;
+  const auto extension = extension_of(path.string());
+  return extension && holds_display_values(*extension) && !fs::is_directory(path, ignored);
 }
 
 /// Returns the pictures to make: one for each model that is named, or in a folder that is named. Errors: kFile; kUsage
@@ -71,24 +78,23 @@ Result<std::vector<Thumbnail>> thumbnails_of(const ThumbnailOptions& o) {
   std::vector<Thumbnail> all;
   std::error_code ignored;
   const fs::path output = o.output;
-  const bool is_file = o.models.size() == 1 && output.extension() == ".png" && !fs::is_directory(output, ignored) &&
-                       !fs::is_directory(o.models[0], ignored);
+  const bool is_file = o.models.size() == 1 && is_picture(output) && !fs::is_directory(o.models[0], ignored);
   if (is_file) return std::vector<Thumbnail>{{o.models[0], output}};
-  if (output.extension() == ".png" && !fs::is_directory(output, ignored))
+  if (is_picture(output))
     return usage_error("'{}' would be a folder: several models need --output FOLDER", output.string());
   for (const std::string& model : o.models) {
     if (!fs::is_directory(model, ignored)) {
-      all.push_back({model, output / picture_name(model)});
+      all.push_back({model, output / picture_name(o, model)});
       continue;
     }
     const auto models = models_in(model);
     if (!models && o.models.size() == 1) return models.error();
     if (!models) {  // reported like a model that cannot be read
-      all.push_back({model, output / picture_name(model)});
+      all.push_back({model, output / picture_name(o, model)});
       continue;
     }
     for (const fs::path& file : *models)
-      all.push_back({file.string(), output / file.lexically_relative(model).parent_path() / picture_name(file)});
+      all.push_back({file.string(), output / file.lexically_relative(model).parent_path() / picture_name(o, file)});
   }
   std::map<fs::path, std::string> models;
   for (const Thumbnail& one : all)
@@ -118,7 +124,7 @@ Result<void> make(const Thumbnail& one, const ThumbnailOptions& o, const Recipe&
   const auto image = device.download(drawn->frame, names);
   if (!image) return image.error();
   return write_picture(destination, convert_for_file(o, destination, *image, names, recipe.settings, {}),
-                       {.bits = o.bits(), .threads = 1});
+                       {.bits = o.bits(), .quality = o.picture_quality, .threads = 1});
 }
 
 /// Returns the devices: on the CPU one for each of `count` threads, among which the cores are divided.
@@ -150,6 +156,8 @@ Result<void> thumbnails(const ThumbnailOptions& given) {
   if (!import_with) return import_with.error();
   const auto all = thumbnails_of(o);
   if (!all) return all.error();
+  for (const Thumbnail& one : *all)
+    if (auto fine = check_format(o, *extension_of(one.file.string())); !fine) return fine;
   if (auto made = make_folder(all->front().file.parent_path()); !made) return made;
   auto devices = devices_of(o, all->size());
   if (!devices) return devices.error();
@@ -194,9 +202,18 @@ void add_thumbnails(CLI::App& app, std::function<Result<void>()>& run) {
   auto options = std::make_shared<ThumbnailOptions>();
   command->add_option("MODEL", options->models, "model files, folders of model files, or scene:NAME")->required();
   command
-      ->add_option("-o,--output", options->output,
-                   "folder for the pictures, NAME.png for the model NAME; for a single model also a .png file")
+      ->add_option(
+          "-o,--output", options->output,
+          "folder for the pictures, NAME.png for the model NAME; for a single model also a .png, .jpg or .webp file")
       ->required();
+  CLI::Option* format =
+      command->add_option("--format", options->format, "format of pictures in a folder: png, jpg or webp [png]");
+  add_check(*format, [](const std::string& text) -> Result<void> {
+    if (holds_display_values(text)) return {};
+    return usage_error("--format cannot be '{}': it takes png, jpg or webp", text);
+  });
+  add_number(*command, "--picture-quality", options->picture_quality, {1, 100, NumberKind::kInteger},
+             "quality of a .jpg or .webp, 1 to 100; a .webp of 100 is lossless");
   add_number(*command, "--size", options->size, {1, 4096, NumberKind::kInteger}, "width and height, pixels");
   for (const char* field : {"look", "quality", "anti_aliasing", "transparent", "up"})
     add_one(*command, *options, field, "", "", std::string_view(field) == "anti_aliasing" ? "4" : "");

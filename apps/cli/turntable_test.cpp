@@ -159,7 +159,7 @@ TEST_F(TurntableTest, RefusesWhatCannotBe) {
     bad(fmt::format("tri.obj -o out.png --turntable={}", frames), 2, {"--turntable", "1 to 100000"});
   bad("tri.obj -o out.mp4", 2, {"out.mp4", "--turntable"}, path);
   bad("tri.obj -o - --turntable 2", 2, {"--turntable", "-o -"});
-  bad("tri.obj -o out.jpg --turntable 2", 2, {".png, .exr or .pfm"});
+  bad("tri.obj -o out.bmp --turntable 2", 2, {".jpeg or .webp"});
   for (const char* name : {"a%q.png", "a%4d.png", "a%d%d.png", "a%.png", "a%0999999999999d.png"})
     bad({"tri.obj", "-o", name, "--turntable", "2"}, 2, {name, "%04d"});
   for (const char* rate : {"0", "1001", "fast"})

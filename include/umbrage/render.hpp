@@ -68,6 +68,10 @@ class Setter {
   void operator()(const char* name, const std::array<float, count>& values) {
     if (calls_.fine()) calls_.job(job_, umbSetJobFloats(job_, name, values.data(), int(count)));
   }
+  template <std::size_t count>
+  void operator()(const char* name, const std::array<double, count>& values) {
+    if (calls_.fine()) calls_.job(job_, umbSetJobDoubles(job_, name, values.data(), int(count)));
+  }
   template <class T>
   void operator()(const char* name, const std::optional<T>& value) {
     if (value) (*this)(name, *value);
@@ -398,10 +402,10 @@ inline Outcome shade(const ShadeRequest& request, Picture& picture) {
   return calls.outcome;
 }
 
-/// Writes a picture to a file, completely or not at all. The extension selects the format: .png, .pfm (no alpha), .exr
-/// (with the passes and the camera), or .svg (strokes only). Colours are written as they are, but those of .exr are
-/// scene-linear and premultiplied: the pass "beauty", or else, with a warning, `rgba` without its sRGB encoding, whose
-/// tone curve remains. Alpha is omitted from .png if all pixels are opaque. Errors: code 2 for a picture of the wrong
+/// Writes a picture to a file, completely or not at all. The extension selects the format: .png, .webp, .jpg and .pfm
+/// (no alpha), .exr (with the passes and the camera), or .svg (strokes only). Colours are written as they are, but those
+/// of .exr are scene-linear and premultiplied: the pass "beauty", or else, with a warning, `rgba` without its sRGB
+/// encoding, whose tone curve remains. Alpha is omitted if all pixels are opaque. Errors: code 2 for a picture of the wrong
 /// size or an unknown extension, 3 for a file that cannot be written.
 inline Outcome save(const Picture& picture, const std::string& file, const SaveRequest& request = {}) {
   detail::Calls calls;

@@ -57,7 +57,7 @@ struct Stroke {
 
 /// A camera: see UmbView.
 struct PictureView {
-  std::array<float, 12> view_from_world{};
+  std::array<double, 12> view_from_world{};
   float left = 0.0f, right = 0.0f, bottom = 0.0f, top = 0.0f;
   bool orthographic = false;
 };
@@ -77,14 +77,14 @@ struct Picture {
 /// from slightly above and to the side. Values are in world space, in scene units and degrees.
 struct CameraRequest {
   std::optional<int> index{};  ///< a camera of the file, from 0; not with position, focal_point or direction
-  std::optional<std::array<float, 3>> position{};     ///< camera position
-  std::optional<std::array<float, 3>> focal_point{};  ///< point that the camera looks at
-  std::optional<std::array<float, 3>> view_up{};      ///< direction that points up in the picture; not 0
-  std::optional<std::array<float, 3>> direction{};    ///< view direction; not 0; not with both position and focal_point
-  std::optional<float> view_angle_deg{};              ///< vertical field of view, 0.1 to 179
-  float azimuth_deg = 0.0f;                           ///< rotation around the model, applied last
-  float elevation_deg = 0.0f;                         ///< elevation above the model, applied last
-  float zoom = 1.0f;                                  ///< > 1: closer; 0.001 to 1000
+  std::optional<std::array<double, 3>> position{};     ///< camera position, in the coordinates of the file
+  std::optional<std::array<double, 3>> focal_point{};  ///< point that the camera looks at, in the same
+  std::optional<std::array<float, 3>> view_up{};       ///< direction that points up in the picture; not 0
+  std::optional<std::array<float, 3>> direction{};  ///< view direction; not 0; not with both position and focal_point
+  std::optional<float> view_angle_deg{};            ///< vertical field of view, 0.1 to 179
+  float azimuth_deg = 0.0f;                         ///< rotation around the model, applied last
+  float elevation_deg = 0.0f;                       ///< elevation above the model, applied last
+  float zoom = 1.0f;                                ///< > 1: closer; 0.001 to 1000
   bool orthographic = false;
 };
 
@@ -146,8 +146,9 @@ struct RenderRequest {
 /// The camera of one frame. If `placed` is false, the camera of the request is used.
 struct FrameCamera {
   bool placed = false;
-  /// Position, point that the camera looks at, and up direction. World space.
-  float eye[3] = {0, 0, 1}, target[3] = {0, 0, 0}, up[3] = {0, 1, 0};
+  /// Position, point that the camera looks at, and up direction. World space: the coordinates of the file.
+  double eye[3] = {0, 0, 1}, target[3] = {0, 0, 0};
+  float up[3] = {0, 1, 0};
   float angle_deg = 30.0f;  ///< vertical field of view
 };
 

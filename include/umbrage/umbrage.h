@@ -172,7 +172,7 @@ UMB_API UmbError umbSetMeshTexture(UmbScene scene, int mesh, const char* name, c
 UMB_API UmbError umbAddMeshInstance(UmbScene scene, int mesh, const float world_from_mesh[12]);
 
 /* Returns the axis-aligned bounding box of the scene. Errors: UMB_ERROR_USAGE for an empty scene. */
-UMB_API UmbError umbGetSceneBounds(UmbScene scene, float lower[3], float upper[3]);
+UMB_API UmbError umbGetSceneBounds(UmbScene scene, double lower[3], double upper[3]);
 /* Returns the number of cameras that "camera.index" can select. */
 UMB_API int umbGetSceneCameraCount(UmbScene scene);
 
@@ -197,6 +197,8 @@ UMB_API UmbError umbSetJobBool(UmbJob job, const char* name, bool value);
 UMB_API UmbError umbSetJobInt(UmbJob job, const char* name, int value);
 UMB_API UmbError umbSetJobFloat(UmbJob job, const char* name, float value);
 UMB_API UmbError umbSetJobFloats(UmbJob job, const char* name, const float* values, int count);
+/* For positions in files with coordinates that exceed the precision of floats. */
+UMB_API UmbError umbSetJobDoubles(UmbJob job, const char* name, const double* values, int count);
 /* Restores the default of a parameter; NULL: of all parameters. */
 UMB_API UmbError umbResetJobParameter(UmbJob job, const char* name);
 
@@ -256,10 +258,11 @@ UMB_API UmbError umbGetJobStroke(UmbJob job, size_t index, UmbStroke* stroke);
 /* Returns the sRGB colour of the strokes, and the opacity of all of them together. */
 UMB_API UmbError umbGetJobStrokeColor(UmbJob job, float rgb[3], float* opacity);
 
-/* A camera. `view_from_world`: the upper three rows of a rigid transform, row by row; the camera looks along -z, with
- * +x right and +y up. `left` to `top`: the picture's borders, at distance 1 or, if `orthographic`, in scene units. */
+/* A camera. `view_from_world`: the upper three rows of a rigid transform from the coordinates of the models' files, row
+ * by row; the camera looks along -z, with +x right and +y up. `left` to `top`: the picture's borders, at distance 1 or,
+ * if `orthographic`, in scene units. */
 typedef struct UmbView {
-  float view_from_world[12];
+  double view_from_world[12];
   float left, right, bottom, top;
   int32_t orthographic; /* 0 or 1 */
 } UmbView;
@@ -275,11 +278,12 @@ UMB_API int64_t umbGetJobCounter(UmbJob job, const char* name);
 
 /* ---- Files ---- */
 
-/* Writes images to a file, completely or not at all. Each image has the name of its pass. .png and .pfm take "color" or
- * one pass of 1 or 3 channels, .exr takes any number of passes. .png clamps values to 0 to 1, and omits alpha if all
- * pixels are opaque. R, G, B and A of .exr are scene-linear and premultiplied: the image "beauty" as it is, or else
- * "color" with its sRGB encoding removed, whose tone curve remains. `bits`: 8 or 16, for .png; `half`: .exr stores
- * 16-bit floats where they suffice. Errors (see umbGetError): UMB_ERROR_USAGE; UMB_ERROR_FILE. */
+/* Writes images to a file, completely or not at all. Each image has the name of its pass. .png, .jpg, .webp and .pfm
+ * take "color" or one pass of 1 or 3 channels, .exr takes any number of passes. .png, .jpg and .webp clamp values to 0
+ * to 1, and omit alpha if all pixels are opaque; .jpg has no alpha. R, G, B and A of .exr are scene-linear and
+ * premultiplied: the image "beauty" as it is, or else "color" with its sRGB encoding removed, whose tone curve remains.
+ * `bits`: 8 or 16, for .png; `half`: .exr stores 16-bit floats where they suffice. Errors (see umbGetError):
+ * UMB_ERROR_USAGE; UMB_ERROR_FILE. */
 UMB_API UmbError umbWriteImages(const char* file, const char* const* names, const UmbImage* images, int count, int bits,
                                 bool half);
 /* Does the same, and stores the camera of the picture in .exr, as `worldToCamera` and `worldToNDC`. `view` may be NULL.

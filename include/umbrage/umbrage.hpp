@@ -199,7 +199,7 @@ class Scene : public detail::Ref<UmbScene, umbRetainScene, umbReleaseScene>, pub
     return checked(umbAddMeshInstance(get(), mesh, world_from_mesh.data()));
   }
   /// Returns the axis-aligned bounding box of the scene.
-  UmbError bounds(std::array<float, 3>& lower, std::array<float, 3>& upper) const {
+  UmbError bounds(std::array<double, 3>& lower, std::array<double, 3>& upper) const {
     return checked(umbGetSceneBounds(get(), lower.data(), upper.data()));
   }
   /// Returns the number of cameras that "camera.index" can select.
@@ -304,6 +304,9 @@ class Job : public detail::Ref<UmbJob, umbRetainJob, umbReleaseJob>, public deta
   UmbError assign(const std::string& name, float value) { return checked(umbSetJobFloat(get(), name.c_str(), value)); }
   UmbError assign(const std::string& name, const float* values, std::size_t count) {
     return checked(umbSetJobFloats(get(), name.c_str(), values, int(count)));
+  }
+  UmbError assign(const std::string& name, const double* values, std::size_t count) {
+    return checked(umbSetJobDoubles(get(), name.c_str(), values, int(count)));
   }
   UmbError watched(const Progress& progress, UmbError (*work)(UmbJob)) {
     if (!progress) return checked(progresses_.run(get(), work));

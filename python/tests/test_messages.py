@@ -91,7 +91,7 @@ class Messages(unittest.TestCase):
             (rendered(anti_aliasing="abc"), "`anti_aliasing` cannot be 'abc': it takes an integer"),
             (rendered(anti_aliasing=object()), "`anti_aliasing` takes an integer, not <object"),
             (rendered(anti_aliasing=True), "`anti_aliasing` takes an integer, not True"),
-            (rendered(background="abc"), "`background` cannot be 'abc': it takes three numbers"),
+            (rendered(background="abc"), "`background` cannot be 'abc': it takes a CSS name"),
             (rendered(background={}), "`background` "),
             (rendered(background=[None] * 3), "`background` takes three numbers, not"),
             (rendered(camera=3), "`camera` takes a Camera or a dict, not 3"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 import os
 import threading
 from contextlib import contextmanager
-from ctypes import byref, c_float
+from ctypes import byref, c_double
 from dataclasses import dataclass
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Type, TypeVar, Union
@@ -172,10 +172,10 @@ class Job:
         if numbers and all(isinstance(word, str) for word in numbers):
             return int(native.lib.umbSetJobString(self._job.pointer, key, native.bytes_of(",".join(numbers), name)))
         try:
-            array = (c_float * len(numbers))(*[float(number) for number in numbers])
+            array = (c_double * len(numbers))(*[float(number) for number in numbers])
         except (TypeError, ValueError, OverflowError):
             raise wrong from None
-        return int(native.lib.umbSetJobFloats(self._job.pointer, key, array, len(numbers)))
+        return int(native.lib.umbSetJobDoubles(self._job.pointer, key, array, len(numbers)))
 
     def _set_all(self, settings: Optional[Mapping[str, Any]], **parameters: Any) -> None:
         given = {name: value for name, value in parameters.items() if value is not None}

@@ -51,7 +51,7 @@ class View(Structure):
     """UmbView."""
 
     _fields_ = [
-        ("view_from_world", c_float * 12),
+        ("view_from_world", c_double * 12),
         ("left", c_float),
         ("right", c_float),
         ("bottom", c_float),
@@ -123,7 +123,7 @@ _FUNCTIONS: Tuple[Tuple[Any, ...], ...] = (  # name, result, arguments
     ("umbSetMeshFloats", c_int, c_void_p, c_int, c_char_p, POINTER(c_float), c_int),
     ("umbSetMeshTexture", c_int, c_void_p, c_int, c_char_p, POINTER(Image)),
     ("umbAddMeshInstance", c_int, c_void_p, c_int, POINTER(c_float)),
-    ("umbGetSceneBounds", c_int, c_void_p, POINTER(c_float), POINTER(c_float)),
+    ("umbGetSceneBounds", c_int, c_void_p, POINTER(c_double), POINTER(c_double)),
     ("umbGetSceneCameraCount", c_int, c_void_p),
     ("umbNewRenderJob", c_void_p, c_void_p, c_void_p),
     ("umbNewShadeJob", c_void_p, c_void_p),
@@ -135,6 +135,7 @@ _FUNCTIONS: Tuple[Tuple[Any, ...], ...] = (  # name, result, arguments
     ("umbSetJobInt", c_int, c_void_p, c_char_p, c_int),
     ("umbSetJobFloat", c_int, c_void_p, c_char_p, c_float),
     ("umbSetJobFloats", c_int, c_void_p, c_char_p, POINTER(c_float), c_int),
+    ("umbSetJobDoubles", c_int, c_void_p, c_char_p, POINTER(c_double), c_int),
     ("umbResetJobParameter", c_int, c_void_p, c_char_p),
     ("umbSetJobImage", c_int, c_void_p, c_char_p, POINTER(Image)),
     ("umbSetJobOutput", c_int, c_void_p, c_char_p, POINTER(Image)),

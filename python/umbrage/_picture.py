@@ -104,8 +104,8 @@ class Picture:
         return f"<umbrage.Picture {self.width} x {self.height}: {', '.join(self.keys())}>"
 
     def save(self, path: Union[str, "os.PathLike[str]"], *, bits: int = 8, half: bool = False) -> None:
-        """Writes a file, completely or not at all: .png or .pfm (the picture, or else the only pass), .exr (picture,
-        passes and camera) or .svg (strokes).
+        """Writes a file, completely or not at all: .png, .jpg, .webp or .pfm (the picture, or else the only pass), .exr
+        (picture, passes and camera) or .svg (strokes).
 
         Colours of .exr are scene-linear and premultiplied: the pass "beauty", or else, with a warning, the picture
         without its sRGB encoding, whose tone curve remains. `bits`: 8 or 16, for .png. `half`: .exr stores 16-bit

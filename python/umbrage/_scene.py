@@ -239,12 +239,13 @@ class Scene:
 
     @property
     def bounds(self) -> NDArray[Any]:
-        """Axis-aligned bounding box of the scene: (2, 3) float32, lower and upper corner. Errors: UsageError if
+        """Axis-aligned bounding box of the scene: (2, 3) float64, lower and upper corner, in the coordinates of
+        the files. Errors: UsageError if
         empty."""
         import numpy as np
 
-        box = np.empty((2, 3), np.float32)
-        corners = [corner.ctypes.data_as(ctypes.POINTER(ctypes.c_float)) for corner in box]
+        box = np.empty((2, 3), np.float64)
+        corners = [corner.ctypes.data_as(ctypes.POINTER(ctypes.c_double)) for corner in box]
         with self.reading():
             self.check_filled()
             self._handle.check(native.lib.umbGetSceneBounds(self._handle.pointer, *corners))

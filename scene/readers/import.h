@@ -36,6 +36,9 @@ Result<Scene> import_scene(const std::filesystem::path& file, const ImportSettin
 /// Checks that the requested scene index exists in a file with `count` scenes. Errors: kUsage.
 Result<void> check_scene_index(const ImportSettings& settings, const std::string& name, std::size_t count);
 
+/// Returns the format of a model by its name: the extension in lower case without the dot, of "bunny.obj.gz" "obj".
+std::string import_format(const std::filesystem::path& file);
+
 /// Returns the file extensions that import_scene reads, lower case without the dot.
 const std::vector<std::string>& import_formats();
 

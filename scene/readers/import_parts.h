@@ -6,9 +6,6 @@
 
 namespace umbrage {
 
-/// Returns the file's extension in lower case, without the dot.
-std::string import_format(const std::filesystem::path& file);
-
 /// Checks what can be checked before a file is parsed: existence, type, supported extension, size, permission.
 std::optional<Error> check_model_file(const std::filesystem::path& file, const std::string& format);
 

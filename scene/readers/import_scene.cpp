@@ -21,6 +21,8 @@
 #include "scene/readers/ply.h"
 #include "scene/readers/point_text.h"
 #include "scene/readers/stl.h"
+#include "scene/readers/unread_formats.h"
+#include "scene/readers/whole_file.h"
 
 namespace umbrage {
 namespace {
@@ -45,16 +47,6 @@ std::optional<Result<Scene>> import_own(const fs::path& file, const std::string&
   return read_ply(file, textures, poll);
 }
 
-/// Returns what to do with a file of a known format that is not read; empty for other formats.
-std::string conversion_of(const std::string& format) {
-  for (const char* cloud : {"las", "laz", "e57", "pcd", "ptx"})
-    if (format == cloud) return "a point cloud that is not read; convert it to .ply, for example with CloudCompare";
-  for (const char* molecule : {"cif", "mol", "mol2", "sdf", "gro"})
-    if (format == molecule) return "a format that is not read; convert a molecule to .pdb or .xyz, as with Open Babel";
-  if (format == "csv") return "not a model file; points in text form are read from files that end in .xyz";
-  return {};
-}
-
 /// Returns the number of triangles with an index out of range, which a damaged file has.
 std::size_t count_triangles_out_of_range(const Mesh& mesh) {
   std::size_t count = 0;
@@ -67,12 +59,12 @@ std::size_t count_triangles_out_of_range(const Mesh& mesh) {
 
 const std::vector<std::string>& import_formats() {
   static const std::vector<std::string> formats{"obj", "ply", "stl", "gltf", "glb", "3ds", "dae",
-                                                "fbx", "off", "xyz", "pts",  "pdb", "ent"};
+                                                "fbx", "off", "xyz", "pts",  "pdb", "ent", "3mf"};
   return formats;
 }
 
 std::string import_format(const fs::path& file) {
-  std::string ending = file.extension().string();
+  std::string ending = without_gz(file).extension().string();
   if (!ending.empty()) ending.erase(0, 1);
   for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
   return ending;
@@ -87,10 +79,11 @@ std::optional<Error> check_model_file(const fs::path& file, const std::string& f
     return file_error("'{}' is a folder, not a model file", file.string());
   }
   const auto& formats = import_formats();
-  if (const std::string conversion = conversion_of(format); !conversion.empty())
-    return file_error("'{}' is {}", file.string(), conversion);
+  if (const std::string advice = conversion_advice(format); !advice.empty())
+    return file_error("'{}' is {}", file.string(), advice);
   if (std::find(formats.begin(), formats.end(), format) == formats.end()) {
-    return file_error("'{}' is not a supported model file; it must end in one of {}", file.string(), list_of_formats());
+    return file_error("'{}' is not a supported model file; it must end in one of {}, or one of these and .gz",
+                      file.string(), list_of_formats());
   }
   if (status.type() != fs::file_type::regular) return file_error("'{}' is not a regular file", file.string());
   if (fs::file_size(file, error) == 0 && !error) return file_error("'{}' is empty", file.string());

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <limits>
+#include <cstring>
 #include <string_view>
 #include <vector>
 
@@ -333,10 +333,8 @@ void assemble(const Header& header, Contents contents, Scene& scene) {
 
 bool ply_has_texture(const fs::path& path) {
   constexpr std::size_t kMaxHeaderLength = 1 << 16;
-  std::string bytes(kMaxHeaderLength, '\0');
-  std::ifstream stream(path, std::ios::binary);
-  stream.read(bytes.data(), std::streamsize(bytes.size()));
-  std::string_view text(bytes.data(), std::size_t(stream.gcount()));
+  const std::string bytes = read_file_start(path, kMaxHeaderLength);
+  std::string_view text = bytes;
   const Result<Header> header = ply::read_header(text, path.string());
   return header && !header->textures.empty();
 }

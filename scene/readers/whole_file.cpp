@@ -2,11 +2,32 @@
 #include "scene/readers/whole_file.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdint>
 #include <fstream>
 #include <system_error>
 
+#include "scene/readers/gzip.h"
+
 namespace umbrage {
+namespace {
+
+bool ends_in_gz(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return ending == ".gz";
+}
+
+/// Returns the first bytes of a file as they are stored.
+std::string stored_start(const std::filesystem::path& file, std::size_t count) {
+  std::string bytes(count, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(bytes.data(), std::streamsize(bytes.size()));
+  bytes.resize(std::size_t(std::max<std::streamsize>(0, stream.gcount())));
+  return bytes;
+}
+
+}  // namespace
 
 Result<std::string> read_whole_file(const std::filesystem::path& file, Poll* poll) {
   std::error_code error;
@@ -20,7 +41,27 @@ Result<std::string> read_whole_file(const std::filesystem::path& file, Poll* pol
     if (poll && poll->passing(0.0)) return interrupted();
     if (!stream.read(bytes.data() + at, std::streamsize(std::min(kBlockSize, bytes.size() - at)))) return unreadable;
   }
+  if (is_gzip(bytes)) {
+    auto content = inflated(bytes, file.string(), poll);
+    if (content && content->empty()) return file_error("'{}' is empty", file.string());
+    return content;
+  }
+  if (ends_in_gz(file)) return file_error("'{}' is not a gzip file", file.string());
   return bytes;
+}
+
+std::string read_file_start(const std::filesystem::path& file, std::size_t count) {
+  std::string bytes = stored_start(file, count);
+  return is_gzip(bytes) ? inflated_start(bytes, count) : bytes;
+}
+
+bool is_gzip_file(const std::filesystem::path& file) {
+  constexpr std::size_t kMagicSize = 3;
+  return ends_in_gz(file) || is_gzip(stored_start(file, kMagicSize));
+}
+
+std::filesystem::path without_gz(const std::filesystem::path& file) {
+  return ends_in_gz(file) ? std::filesystem::path(file).replace_extension() : file;
 }
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// Reading a file into memory.
+// Reading a file into memory, inflated if it is compressed by gzip. All readers of models read through these functions.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -8,7 +8,17 @@
 
 namespace umbrage {
 
-/// Returns all bytes of a file. Errors: kFile if it cannot be read; kInterrupted.
+/// Returns all bytes of a file; of one compressed by gzip its content. Errors: kFile if it cannot be read or inflated,
+/// and if its name ends in .gz but it is not compressed; kInterrupted.
 Result<std::string> read_whole_file(const std::filesystem::path& file, Poll* poll = nullptr);
+
+/// Returns the first `count` bytes of that, or fewer if there are no more; empty if the file cannot be read.
+std::string read_file_start(const std::filesystem::path& file, std::size_t count);
+
+/// Returns whether a file is compressed by gzip.
+bool is_gzip_file(const std::filesystem::path& file);
+
+/// Returns the path without the extension .gz.
+std::filesystem::path without_gz(const std::filesystem::path& file);
 
 }  // namespace umbrage

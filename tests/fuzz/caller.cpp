@@ -228,7 +228,7 @@ void Caller::query_objects() {
   demand(umbGetVersion() == UMB_VERSION, "the version");
   const UmbScene scene = any_scene();
   demand(umbGetSceneCameraCount(scene) >= 0, "a count of cameras below 0");
-  float box[6] = {};
+  double box[6] = {};
   const UmbError code = umbGetSceneBounds(scene, choose_.one_in(9) ? nullptr : box, box + 3);
   if (done(code, Kind::kScene, scene, "umbGetSceneBounds") == UMB_ERROR_NONE)
     for (int k = 0; k < 3; ++k)

@@ -39,6 +39,8 @@ void Caller::set_parameter() {
       for (float& value : values) value = any_number(choose_);
       trace("umbSetJobFloats", name.shown());
       code = umbSetJobFloats(handle, name.get(), choose_.one_in(12) ? nullptr : values.data(), count);
+      const std::vector<double> doubles(values.begin(), values.end());
+      if (choose_.below(2)) code = umbSetJobDoubles(handle, name.get(), doubles.data(), count);
       break;
     }
     case 4:
@@ -283,7 +285,7 @@ void Caller::query_job() {
 void Caller::write_files() {
   static const std::string kFolder = std::filesystem::temp_directory_path().string() + "/umbrage_calls_" +
                                      std::to_string(std::size_t(Clock::now().time_since_epoch().count()));
-  static const std::vector<const char*> kEnds = {".png", ".pfm", ".exr", ".svg", "", "/none/x.png"};
+  static const std::vector<const char*> kEnds = {".png", ".pfm", ".exr", ".jpg", ".webp", ".svg", "", "/none/x.png"};
   const std::string file = kFolder + choose_.one_of(kEnds);
   const int count = choose_.one_in(8) ? -1 : int(choose_.below(4));
   std::vector<Pixels> pixels;

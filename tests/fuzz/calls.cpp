@@ -106,7 +106,7 @@ void Caller::call_shared() {
       umbSetSceneProgressCallback(scene, on_progress, nullptr);
       return;
     case 5: {
-      float box[6];
+      double box[6];
       done(umbGetSceneBounds(scene, box, box + 3), Kind::kScene, scene, "umbGetSceneBounds");
       return;
     }

@@ -16,6 +16,7 @@
 #include "importer/import_in_process.h"
 #include "io/image_file.h"
 #include "scene/finish.h"
+#include "scene/readers/gzip.h"
 #include "scene/readers/off.h"
 #include "scene/readers/ply.h"
 #include "scene/readers/point_text.h"
@@ -82,6 +83,11 @@ void read_as_off(std::string_view bytes) { check_model(read_off(MemoryFile(bytes
 void read_as_stl(std::string_view bytes) { check_model(read_stl(MemoryFile(bytes).path)); }
 
 void read_as_xyz(std::string_view bytes) { check_model(read_xyz(MemoryFile(bytes).path)); }
+
+void read_as_gzip(std::string_view bytes) {
+  static_cast<void>(inflated_start(bytes, bytes.size()));
+  if (const auto content = inflated(bytes, "a file"); !content) check(content.error());
+}
 
 /// Reads through a third-party library, by the file's extension.
 template <const char* const& kExtension>
@@ -197,13 +203,14 @@ void read_as_baseline(std::string_view bytes) {
 }
 
 constexpr const char *kObj = "obj", *kGltf = "gltf", *kGlb = "glb", *k3ds = "3ds", *kDae = "dae", *kPdb = "pdb",
-                     *kFbx = "fbx";
+                     *kFbx = "fbx", *k3mf = "3mf";
 
 constexpr Reader kReaders[] = {
     {"ply", read_as_ply, ply_seeds, false},
     {"off", read_as_off, off_seeds, false},
     {"stl", read_as_stl, stl_seeds, false},
     {"xyz", read_as_xyz, xyz_seeds, false},
+    {"gzip", read_as_gzip, gzip_seeds, false},
     {"radiance", read_as_radiance, radiance_seeds, false},
     {"png", read_as_image, png_seeds, false},
     {"pfm", read_as_image, pfm_seeds, false},
@@ -220,6 +227,7 @@ constexpr Reader kReaders[] = {
     {"dae", import_as<kDae>, dae_seeds, true},
     {"fbx", import_as<kFbx>, fbx_seeds, true},
     {"pdb", import_as<kPdb>, pdb_seeds, true},
+    {"3mf", import_as<k3mf>, three_mf_seeds, true},
 };
 
 }  // namespace

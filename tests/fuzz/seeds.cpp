@@ -11,6 +11,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "../archives.h"
 #include "io/image_file.h"
 #include "scene/readers/transfer.h"
 
@@ -141,6 +142,22 @@ Seeds off_seeds() {
           "OFF\n4 2 0\n0 0 0\n2 0 0\n.5 .5 0\n0 2 0\n4 0 1 2 3 255 0 0\n3 0 1 2 7\n",
           "STCNOFF # a comment\n4 1 0\n0 0 0 0 0 1 1 0 0 1 0 0\n1 0 0 0 0 1 0 1 0 1 1 0\n1 1 0 0 0 1 0 0 1 1 1 1\n"
           "0 1 0 0 0 1 .5 .5 .5 1 0 1\n4 0 1 2 3 255 0 0\n"};
+}
+
+Seeds gzip_seeds() {
+  return {test::gzip_of("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+          test::gzip_of("v 0 0 0\n") + test::gzip_of(std::string(5000, 'x'))};
+}
+
+Seeds three_mf_seeds() {
+  return {test::three_mf_of(test::object_3mf(test::cube_3mf(1.0))),
+          test::three_mf_of(
+              "<resources><basematerials id=\"5\"><base displaycolor=\"#FF000080\"/></basematerials><m:colorgroup "
+              "id=\"7\"><m:color color=\"#00FF00\"/></m:colorgroup><object id=\"1\" pid=\"5\" pindex=\"0\">" +
+                  test::cube_3mf(1.0, {}, [](int k) { return std::string(k % 2 ? "pid=\"7\" p1=\"0\"" : ""); }) +
+                  "</object><object id=\"2\"><components><component objectid=\"1\" transform=\"1 0 0 0 1 0 0 0 -1 "
+                  "4 0 0\"/></components></object></resources><build><item objectid=\"2\"/></build>",
+              "inch")};
 }
 
 Seeds obj_seeds() {

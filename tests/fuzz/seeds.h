@@ -19,6 +19,8 @@ Seeds seeds_of_3ds();
 Seeds dae_seeds();
 Seeds fbx_seeds();
 Seeds pdb_seeds();
+Seeds gzip_seeds();
+Seeds three_mf_seeds();
 Seeds png_seeds();
 Seeds exr_seeds();
 Seeds pfm_seeds();

@@ -1,0 +1,374 @@
+#include "importer/three_mf.h"
+
+#include <zip.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+#include <glm/mat4x4.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <pugixml.hpp>
+#include <set>
+#include <unordered_map>
+
+#include "importer/limits.h"
+#include "scene/origin.h"
+#include "scene/readers/texture_file.h"
+#include "scene/readers/vertex_colors.h"
+
+namespace umbrage {
+namespace {
+
+namespace fs = std::filesystem;
+using pugi::xml_node;
+
+std::string_view local_name(const char* name) {
+  const char* colon = std::strchr(name, ':');
+  return colon ? colon + 1 : name;
+}
+
+/// Returns an attribute by its name without the namespace's prefix, of which files may choose any.
+std::string_view attribute(const xml_node& node, std::string_view name) {
+  for (const pugi::xml_attribute& each : node.attributes())
+    if (local_name(each.name()) == name) return each.value();
+  return {};
+}
+
+xml_node child(const xml_node& node, std::string_view name) {
+  for (const xml_node& each : node.children())
+    if (local_name(each.name()) == name) return each;
+  return {};
+}
+
+template <class T>
+std::optional<T> number(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '+')) text.remove_prefix(1);
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end != text.data() ? std::optional(value) : std::nullopt;
+}
+
+/// Parses a transform, 12 numbers: a matrix of 4 rows of 3 that multiplies row vectors from the right.
+glm::dmat4 transform_of(const xml_node& node) {
+  std::string_view text = attribute(node, "transform");
+  glm::dmat4 m(1.0);
+  for (int i = 0; i < 12; ++i) {
+    const std::size_t start = std::min(text.find_first_not_of(" \t\r\n"), text.size());
+    text.remove_prefix(start);
+    const auto value = number<double>(text);
+    if (!value) return glm::dmat4(1.0);
+    m[i / 3][i % 3] = *value;
+    text.remove_prefix(std::min(text.find_first_of(" \t\r\n"), text.size()));
+  }
+  return m;
+}
+
+/// Parses "#RRGGBB" or "#RRGGBBAA", sRGB. Returns linear colour and alpha.
+glm::vec4 color_of(std::string_view text) {
+  constexpr glm::vec4 kNeutral(0.8f, 0.8f, 0.8f, 1.0f);
+  constexpr std::size_t kWithAlpha = 9, kPlain = 7;
+  if ((text.size() != kPlain && text.size() != kWithAlpha) || text[0] != '#') return kNeutral;
+  std::uint32_t value = 0;
+  const auto [end, error] = std::from_chars(text.data() + 1, text.data() + text.size(), value, 16);
+  if (error != std::errc() || end != text.data() + text.size()) return kNeutral;
+  if (text.size() == kPlain) value = value << 8 | 255;
+  const auto byte = [&](int shift) { return float(value >> shift & 255) / 255.0f; };
+  return {linear_color({byte(24), byte(16), byte(8)}), byte(0)};
+}
+
+/// A group of properties that triangles refer to.
+struct Group {
+  enum Kind { kMaterials, kColors, kTexture } kind = kMaterials;
+  std::vector<int> materials;      ///< kMaterials: indices into Scene::materials; kTexture: one
+  std::vector<glm::vec4> colors;   ///< kColors
+  std::vector<glm::vec2> corners;  ///< kTexture: texture coordinates
+};
+
+/// One .model file of the archive.
+struct Part {
+  pugi::xml_document document;
+  std::map<std::string, xml_node, std::less<>> objects;
+  std::map<std::string, Group, std::less<>> groups;
+};
+
+/// A mesh, whose positions are still in double precision.
+struct PlacedMesh {
+  Mesh mesh;
+  std::vector<glm::dvec3> positions;
+};
+
+/// The reading of one archive.
+class Reader {
+ public:
+  explicit Reader(const fs::path& file) : file_(file.string()) {}
+  ~Reader() {
+    if (archive_) zip_discard(archive_);
+  }
+  Reader(const Reader&) = delete;
+
+  Result<Scene> read();
+
+ private:
+  Error unreadable(const std::string& reason) const {
+    return file_error("'{}' cannot be read as 3MF ({})", file_, reason);
+  }
+  void warn(const std::string& text) {
+    if (warned_.insert(text).second) scene_.warnings.push_back(text);
+  }
+  Result<std::string> content(std::string name) const;
+  Result<Part*> part(const std::string& name);
+  void read_group(const xml_node& node, const std::map<std::string, xml_node, std::less<>>& images, Part& to);
+  int add_texture(std::string_view path);
+  Result<void> add_object(const std::string& part_name, std::string_view id, const glm::dmat4& place, int depth);
+  void add_mesh(const xml_node& object, const Part& of, const glm::dmat4& place);
+  /// Returns the material of triangles without one, or of those that have colours.
+  int plain_material(bool colored);
+
+  std::string file_;
+  zip_t* archive_ = nullptr;
+  std::map<std::string, std::unique_ptr<Part>> parts_;
+  Scene scene_;
+  std::vector<PlacedMesh> meshes_;
+  std::set<std::string> warned_;
+  std::size_t wrong_triangles_ = 0;
+  int plain_materials_[2] = {-1, -1}, object_ = 0;
+};
+
+Result<std::string> Reader::content(std::string name) const {
+  if (name.starts_with('/')) name.erase(0, 1);
+  zip_stat_t status;
+  zip_stat_init(&status);
+  if (zip_stat(archive_, name.c_str(), ZIP_FL_NOCASE, &status) != 0 || !(status.valid & ZIP_STAT_SIZE))
+    return unreadable(fmt::format("its part '{}' is missing", name));
+  constexpr std::uint64_t kMaxUnchecked = std::uint64_t(64) << 20, kMaxRatio = 100;  // as for .gz files
+  if (status.size > kMaxUnchecked && status.size / kMaxRatio > status.comp_size)
+    return unreadable(
+        fmt::format("its part '{}' would be inflated from {} to {} bytes", name, status.comp_size, status.size));
+  raise_limits_by(double(status.size));
+  std::string bytes(status.size, '\0');
+  zip_file_t* stream = zip_fopen_index(archive_, status.index, 0);
+  if (!stream) return unreadable(zip_strerror(archive_));
+  const zip_int64_t read = zip_fread(stream, bytes.data(), bytes.size());
+  zip_fclose(stream);
+  if (read < 0 || std::size_t(read) != bytes.size()) return unreadable(fmt::format("its part '{}' is damaged", name));
+  return bytes;
+}
+
+int Reader::plain_material(bool colored) {
+  int& known = plain_materials_[colored];
+  if (known < 0) {
+    known = int(scene_.materials.size());
+    Material& material = scene_.materials.emplace_back();
+    if (colored) material.albedo = glm::vec3(1.0f);  // colours multiply it
+  }
+  return known;
+}
+
+int Reader::add_texture(std::string_view path) {
+  const auto bytes = content(std::string(path));
+  auto texture =
+      bytes ? decode_texture({reinterpret_cast<const std::uint8_t*>(bytes->data()), bytes->size()}, std::string(path))
+            : Result<Texture>(bytes.error());
+  if (!texture) {
+    warn(texture.error().message + "; its surfaces are shown in a neutral colour");
+    return kNoTexture;
+  }
+  scene_.textures.push_back(std::move(*texture));
+  return int(scene_.textures.size()) - 1;
+}
+
+void Reader::read_group(const xml_node& node, const std::map<std::string, xml_node, std::less<>>& images, Part& to) {
+  const std::string_view kind = local_name(node.name());
+  Group group;
+  if (kind == "basematerials") {
+    for (const xml_node& base : node.children()) {
+      const glm::vec4 color = color_of(attribute(base, "displaycolor"));
+      Material material{.name = std::string(attribute(base, "name")), .albedo = glm::vec3(color)};
+      material.blended = color.a < 1.0f;
+      material.opacity = color.a;
+      group.materials.push_back(int(scene_.materials.size()));
+      scene_.materials.push_back(std::move(material));
+    }
+  } else if (kind == "colorgroup") {
+    group.kind = Group::kColors;
+    for (const xml_node& color : node.children()) group.colors.push_back(color_of(attribute(color, "color")));
+  } else if (kind == "texture2dgroup") {
+    group.kind = Group::kTexture;
+    const auto image = images.find(attribute(node, "texid"));
+    Material material;
+    if (image != images.end()) material.texture = add_texture(attribute(image->second, "path"));
+    if (material.texture != kNoTexture) material.albedo = glm::vec3(1.0f);
+    group.materials.push_back(int(scene_.materials.size()));
+    scene_.materials.push_back(std::move(material));
+    for (const xml_node& corner : node.children())
+      group.corners.emplace_back(number<float>(attribute(corner, "u")).value_or(0.0f),
+                                 number<float>(attribute(corner, "v")).value_or(0.0f));
+  } else {
+    if (kind == "compositematerials" || kind == "multiproperties")
+      warn(fmt::format("the file's {} are not drawn", kind));
+    return;
+  }
+  to.groups.emplace(attribute(node, "id"), std::move(group));
+}
+
+Result<Part*> Reader::part(const std::string& name) {
+  if (const auto known = parts_.find(name); known != parts_.end()) return known->second.get();
+  const auto bytes = content(name);
+  if (!bytes) return bytes.error();
+  auto made = std::make_unique<Part>();
+  constexpr double kMemoryPerByte = 2.0;
+  raise_limits_by(kMemoryPerByte * double(bytes->size()));
+  const pugi::xml_parse_result parsed = made->document.load_buffer(bytes->data(), bytes->size());
+  if (!parsed)
+    return unreadable(fmt::format("its part '{}' is invalid XML at byte {}", name, std::size_t(parsed.offset)));
+  const xml_node resources = child(child(made->document, "model"), "resources");
+  std::map<std::string, xml_node, std::less<>> images;
+  for (const xml_node& node : resources.children()) {
+    if (local_name(node.name()) == "texture2d") images.emplace(attribute(node, "id"), node);
+    if (local_name(node.name()) == "object") made->objects.emplace(attribute(node, "id"), node);
+  }
+  for (const xml_node& node : resources.children())
+    if (local_name(node.name()) != "object") read_group(node, images, *made);
+  return (parts_[name] = std::move(made)).get();
+}
+
+void Reader::add_mesh(const xml_node& object, const Part& of, const glm::dmat4& place) {
+  const xml_node mesh = child(object, "mesh");
+  std::vector<glm::dvec3> vertices;
+  for (const xml_node& vertex : child(mesh, "vertices").children()) {
+    const auto at = [&](const char* name) {
+      return number<double>(vertex.attribute(name).value()).value_or(std::numeric_limits<double>::quiet_NaN());
+    };
+    vertices.emplace_back(place * glm::dvec4(at("x"), at("y"), at("z"), 1.0));
+  }
+  if (child(mesh, "beamlattice")) warn("the file's beam lattices are not drawn");
+  const bool mirrored = glm::determinant(glm::dmat3(place)) < 0.0;
+  const std::string_view object_group = attribute(object, "pid");
+  const auto object_index = number<std::uint32_t>(attribute(object, "pindex")).value_or(0);
+  // By material, with the indices of their vertices.
+  std::map<int, std::pair<PlacedMesh, std::unordered_map<std::uint64_t, std::uint32_t>>> meshes;
+  for (const xml_node& triangle : child(mesh, "triangles").children()) {
+    const char* const names[] = {"v1", "v2", "v3"};
+    const char* const properties[] = {"p1", "p2", "p3"};
+    std::uint32_t corners[3], values[3];
+    bool sound = true;
+    const std::string_view own_group = triangle.attribute("pid").value();
+    for (int k = 0; k < 3; ++k) {
+      const auto corner = number<std::uint32_t>(triangle.attribute(names[k]).value());
+      sound = sound && corner && *corner < vertices.size();
+      corners[k] = corner.value_or(0);
+      const auto first = number<std::uint32_t>(triangle.attribute("p1").value());
+      values[k] =
+          number<std::uint32_t>(triangle.attribute(properties[k]).value()).value_or(first.value_or(object_index));
+    }
+    if (!sound) {
+      ++wrong_triangles_;
+      continue;
+    }
+    if (triangle.attribute("paint_color") || triangle.attribute("slic3rpe:mmu_segmentation"))
+      warn("colours painted in a slicer are not drawn");
+    const auto found = of.groups.find(own_group.empty() ? object_group : own_group);
+    const Group* group = found == of.groups.end() ? nullptr : &found->second;
+    int material = -1;
+    if (group && group->kind == Group::kMaterials && values[0] < group->materials.size())
+      material = group->materials[values[0]];
+    if (group && group->kind == Group::kTexture) material = group->materials[0];
+    const bool colored = group && group->kind == Group::kColors, textured = group && group->kind == Group::kTexture;
+    if (material < 0) material = plain_material(colored);
+    auto& [to, index_of] = meshes[material];
+    to.mesh.material = material;
+    if (mirrored) std::swap(corners[1], corners[2]), std::swap(values[1], values[2]);
+    for (int k = 0; k < 3; ++k) {
+      const std::uint64_t key = corners[k] | (colored || textured ? std::uint64_t(values[k]) << 32 : 0);
+      const auto [entry, is_new] = index_of.emplace(key, std::uint32_t(to.positions.size()));
+      to.mesh.indices.push_back(entry->second);
+      if (!is_new) continue;
+      to.positions.push_back(vertices[corners[k]]);
+      if (colored)
+        to.mesh.colors.push_back(values[k] < group->colors.size() ? glm::vec3(group->colors[values[k]])
+                                                                  : glm::vec3(0.8f));
+      if (textured)
+        to.mesh.uvs.push_back(values[k] < group->corners.size() ? group->corners[values[k]] : glm::vec2(0.0f));
+    }
+  }
+  for (auto& [material, made] : meshes) {
+    made.first.mesh.name = attribute(object, "name");
+    made.first.mesh.object = object_;
+    meshes_.push_back(std::move(made.first));
+  }
+  if (!meshes.empty()) ++object_;
+}
+
+Result<void> Reader::add_object(const std::string& part_name, std::string_view id, const glm::dmat4& place, int depth) {
+  constexpr int kMaxDepth = 64;
+  if (depth > kMaxDepth) return unreadable("its objects contain each other");
+  const auto of = part(part_name);
+  if (!of) return of.error();
+  const auto object = (*of)->objects.find(id);
+  if (object == (*of)->objects.end()) return unreadable(fmt::format("its part '{}' has no object '{}'", part_name, id));
+  add_mesh(object->second, **of, place);
+  for (const xml_node& component : child(object->second, "components").children()) {
+    const std::string path(attribute(component, "path"));
+    auto added = add_object(path.empty() ? part_name : path, attribute(component, "objectid"),
+                            place * transform_of(component), depth + 1);
+    if (!added) return added;
+  }
+  return {};
+}
+
+/// Returns the length of a unit of the specification, mm.
+double unit_of(std::string_view name) {
+  constexpr std::pair<std::string_view, double> kUnits[] = {
+      {"micron", 0.001}, {"centimeter", 10.0}, {"inch", 25.4}, {"foot", 304.8}, {"meter", 1000.0}};
+  for (const auto& [known, length] : kUnits)
+    if (known == name) return length;
+  return 1.0;  // millimetre, also the default
+}
+
+Result<Scene> Reader::read() {
+  int code = 0;
+  archive_ = zip_open(file_.c_str(), ZIP_RDONLY, &code);
+  if (!archive_) return unreadable("it is not a zip archive, or cut short");
+  std::string root = "3D/3dmodel.model";
+  if (const auto relations = content("_rels/.rels")) {
+    pugi::xml_document document;
+    document.load_buffer(relations->data(), relations->size());
+    for (const xml_node& relation : child(document, "Relationships").children())
+      if (attribute(relation, "Type").ends_with("/3dmodel")) root = attribute(relation, "Target");
+  }
+  const auto first = part(root);
+  if (!first) return first.error();
+  const xml_node model = child((*first)->document, "model");
+  scene_.up = {0.0f, 0.0f, 1.0f};
+  const double unit = unit_of(attribute(model, "unit"));
+  glm::dmat4 to_millimetres(unit);
+  to_millimetres[3][3] = 1.0;
+  for (const xml_node& item : child(model, "build").children()) {
+    const std::string path(attribute(item, "path"));
+    auto added =
+        add_object(path.empty() ? root : path, attribute(item, "objectid"), to_millimetres * transform_of(item), 0);
+    if (!added) return added.error();
+  }
+  if (wrong_triangles_ > 0)
+    warn(fmt::format("{} triangles have vertex indices out of range and are left out", wrong_triangles_));
+  glm::dvec3 low(std::numeric_limits<double>::max()), high(-low);
+  for (const PlacedMesh& placed : meshes_)
+    for (const glm::dvec3& p : placed.positions) low = glm::min(low, p), high = glm::max(high, p);
+  scene_.origin = scene_origin(low, high);
+  for (PlacedMesh& placed : meshes_) {
+    placed.mesh.positions.reserve(placed.positions.size());
+    for (const glm::dvec3& p : placed.positions) placed.mesh.positions.emplace_back(p - scene_.origin);
+    scene_.meshes.push_back(std::move(placed.mesh));
+  }
+  return std::move(scene_);
+}
+
+}  // namespace
+
+Result<Scene> read_3mf(const fs::path& file) { return Reader(file).read(); }
+
+}  // namespace umbrage

@@ -1,0 +1,113 @@
+// JPEG through libjpeg-turbo, only written: baseline JFIF, without subsampling of colour, which would fray coloured
+// lines, with the profile of sRGB.
+#include <cstdio>
+// jpeglib.h needs cstdio before it.
+#include <jpeglib.h>
+
+#include <csetjmp>
+#include <vector>
+
+#include "io/format.h"
+#include "io/srgb_profile.h"
+
+namespace umbrage {
+namespace fs = std::filesystem;
+namespace {
+
+/// libjpeg reports errors by a call that must not return; here longjmp, so functions that call setjmp own nothing with
+/// a destructor.
+struct JpegError {
+  jpeg_error_mgr manager;
+  std::jmp_buf jump;
+  char text[JMSG_LENGTH_MAX] = "";
+};
+
+[[noreturn]] void on_error(j_common_ptr jpeg) {
+  auto* error = reinterpret_cast<JpegError*>(jpeg->err);
+  (*error->manager.format_message)(jpeg, error->text);
+  std::longjmp(error->jump, 1);
+}
+
+struct Writer {
+  jpeg_compress_struct jpeg{};
+  JpegError error;
+  ~Writer() { jpeg_destroy_compress(&jpeg); }
+};
+
+bool start(Writer& writer, std::FILE* stream, int width, int height, int channels, int quality) {
+  jpeg_compress_struct& jpeg = writer.jpeg;
+  jpeg.err = jpeg_std_error(&writer.error.manager);
+  writer.error.manager.error_exit = on_error;
+  writer.error.manager.output_message = [](j_common_ptr) {};
+  if (setjmp(writer.error.jump)) return false;
+  jpeg_create_compress(&jpeg);
+  jpeg_stdio_dest(&jpeg, stream);
+  jpeg.image_width = JDIMENSION(width);
+  jpeg.image_height = JDIMENSION(height);
+  jpeg.input_components = channels;
+  jpeg.in_color_space = channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
+  jpeg_set_defaults(&jpeg);
+  jpeg_set_quality(&jpeg, quality, TRUE);
+  for (int c = 0; c < jpeg.num_components; ++c) jpeg.comp_info[c].h_samp_factor = jpeg.comp_info[c].v_samp_factor = 1;
+  jpeg.optimize_coding = TRUE;
+  jpeg_start_compress(&jpeg, TRUE);
+  const auto& profile = srgb_profile();
+  if (channels == 3) jpeg_write_icc_profile(&jpeg, profile.data(), unsigned(profile.size()));
+  return true;
+}
+
+bool write_row(Writer& writer, std::uint8_t* row) {
+  if (setjmp(writer.error.jump)) return false;
+  jpeg_write_scanlines(&writer.jpeg, &row, 1);
+  return true;
+}
+
+bool finish(Writer& writer) {
+  if (setjmp(writer.error.jump)) return false;
+  jpeg_finish_compress(&writer.jpeg);
+  return true;
+}
+
+/// Writes the rows to an open file; `name` is its name in errors.
+Result<void> write_to(std::FILE* stream, const fs::path& name, const ImageShape& shape, int channels,
+                      const WriteSettings& settings, const MakeImageRows& make) {
+  Writer writer;
+  const auto failed = [&] {
+    return file_error("'{}' cannot be written as JPEG: {}", name.string(), writer.error.text);
+  };
+  if (!start(writer, stream, shape.width, shape.height, channels, settings.quality)) return failed();
+  std::vector<std::uint8_t> row(std::size_t(shape.width) * std::size_t(channels));
+  Result<void> made = make([&](const Image& rows) -> Result<void> {
+    const auto planes = picture_planes(name, rows, false);
+    if (!planes) return planes.error();
+    for (int y = 0; y < rows.height; ++y) {
+      bytes_of_row(*planes, y, row.data());
+      if (!write_row(writer, row.data())) return failed();
+    }
+    return {};
+  });
+  if (!made) return made;
+  return finish(writer) ? Result<void>() : failed();
+}
+
+Result<void> write(const fs::path& file, const ImageShape& shape, const WriteSettings& settings,
+                   const MakeImageRows& make) {
+  const Image bare = image_without_pixels(shape);
+  const auto planes = picture_planes(file, bare, true);
+  if (!planes) return planes.error();
+  if (planes->size() > 3)
+    return file_error("'{}' cannot be written: JPEG has no transparency; .png and .webp have", file.string());
+  return write_atomically(
+      file, [&](std::FILE* to) { return write_to(to, file, shape, int(planes->size()), settings, make); });
+}
+
+bool recognises(std::string_view start) { return start.starts_with("\xff\xd8\xff"); }
+
+constexpr std::string_view kSummary = "8 bit grey or RGB pictures, sRGB, only written";
+
+}  // namespace
+
+const ImageFormat kJpg = {"jpg", kSummary, write, nullptr, recognises, true, false, 8};
+const ImageFormat kJpeg = {"jpeg", kSummary, write, nullptr, recognises, true, false, 8};
+
+}  // namespace umbrage

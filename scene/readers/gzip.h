@@ -1,0 +1,23 @@
+// Models compressed by gzip, as bunny.obj.gz: inflation by zlib, which is used only in gzip.cpp.
+#pragma once
+#include <string>
+#include <string_view>
+
+#include "core/progress.h"
+#include "core/result.h"
+
+namespace umbrage {
+
+/// Returns whether bytes begin as a gzip file does. No model format begins so.
+bool is_gzip(std::string_view bytes);
+
+/// Returns the content of a gzip file, of one or several members. `file`: its name in errors. Errors: kFile if it is
+/// damaged or cut short, and if the content is more than 64 MB and 100 times as large as the file, which only files
+/// made to exhaust memory are; kInterrupted.
+Result<std::string> inflated(std::string_view bytes, const std::string& file, Poll* poll = nullptr);
+
+/// Returns the first bytes of a gzip file's content, at most `count`, of the first bytes of the file; fewer if they are
+/// damaged.
+std::string inflated_start(std::string_view bytes, std::size_t count);
+
+}  // namespace umbrage
