@@ -18,7 +18,7 @@ std::vector<Option> scene_options() {
        .option = "crease-angle",
        .group = "Scene",
        .help = "angle in degrees above which edges stay sharp where a file has no normals",
-       .initial = "80",
+       .initial = "chosen for each mesh",
        .where = in<&Request::crease_angle_deg>,
        .commands = kSceneCommands | kInfo,
        .max = 180.0,

@@ -56,7 +56,7 @@ struct Request {
   CameraSettings camera{};
   std::optional<std::array<float, 3>> up{};  ///< the model's up direction; default: set by its format
   std::optional<int> scene_index{};          ///< scene of a glTF file, from 0; default: its default scene
-  /// 0 to 180: edges with a larger angle stay sharp where normals are generated; default: 80.
+  /// 0 to 180: edges with a larger angle stay sharp where normals are generated; default: chosen per mesh.
   std::optional<float> crease_angle_deg{};
   std::string point_size{};  ///< size of a file's points: "0.01" scene units, or "0.5%"; empty: from their spacing
   std::string point_sprites = "auto";  ///< shape of a file's points: "auto", "disc", "sphere"

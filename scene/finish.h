@@ -7,13 +7,9 @@
 #include "core/progress.h"
 #include "scene/points.h"
 #include "scene/scene.h"
+#include "scene/vertex_normals.h"
 
 namespace umbrage {
-
-/// Creates smooth normals for a mesh without normals: angle-weighted face normals [Thürmer and Wüthrich 1998], averaged
-/// over the faces around a vertex that meet within `crease_angle_deg`. Vertices at equal positions are merged first and
-/// split again along creases. If the poll ends, the mesh stays without normals.
-void make_normals(Mesh& mesh, float crease_angle_deg, Poll* poll = nullptr);
 
 /// What Scene::bounds_min and bounds_max contain.
 enum class BoundsOf { kAll, kAllButStrays };
@@ -24,6 +20,14 @@ enum class BoundsOf { kAll, kAllButStrays };
 /// number of dropped triangles and points. If the poll ends, the scene is incomplete and must be discarded.
 std::size_t finish_scene(Scene& scene, std::optional<float> crease_angle_deg = {}, const PointSettings& points = {},
                          Poll* poll = nullptr, BoundsOf bounds = BoundsOf::kAll);
+
+/// Triangles of a scene before finish_scene that a damaged file has, and that finish_scene drops.
+struct DamagedTriangles {
+  std::size_t out_of_range = 0;  ///< with an index out of range
+  std::size_t not_finite = 0;    ///< of the others, with a coordinate that is not finite or above 1e15
+};
+
+DamagedTriangles count_damaged(const Scene& scene);
 
 /// An axis-aligned box around parts of a scene, world space.
 struct SceneBox {

@@ -101,7 +101,8 @@ struct RenderRequest {
   CameraRequest camera{};
   std::optional<std::array<float, 3>> up{};  ///< up direction of the model; default: given by its format
   std::optional<int> scene_index{};          ///< scene of a glTF file, from 0; default: the file's default scene
-  std::optional<float> crease_angle_deg{};   ///< 0 to 180: computed normals keep larger angles sharp; default: 80
+  /// 0 to 180: computed normals keep larger angles sharp; default: chosen for each mesh.
+  std::optional<float> crease_angle_deg{};
   /// Size of the points of a file: "0.01" scene units, or "0.5%" of the bounding-sphere radius; empty: derived
   /// from their spacing.
   std::string point_size{};

@@ -14,6 +14,7 @@
 #include <new>
 #include <system_error>
 
+#include "scene/coplanar.h"
 #include "scene/finish.h"
 #include "scene/readers/import_in_child_process.h"
 #include "scene/readers/import_parts.h"
@@ -45,14 +46,6 @@ std::optional<Result<Scene>> import_own(const fs::path& file, const std::string&
   if (ply_has_texture(file)) return std::nullopt;
   std::vector<std::string> textures;
   return read_ply(file, textures, poll);
-}
-
-/// Returns the number of triangles with an index out of range, which a damaged file has.
-std::size_t count_triangles_out_of_range(const Mesh& mesh) {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3)
-    count += std::max({mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]}) >= mesh.positions.size();
-  return count;
 }
 
 }  // namespace
@@ -107,16 +100,17 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
   }
   if (scene.meshes.empty()) return file_error("'{}' has no triangles and no points", file.string());
   const std::size_t triangles = scene.triangle_count(), points = scene.point_count();
-  std::size_t astray = 0;
-  for (const Mesh& mesh : scene.meshes) astray += count_triangles_out_of_range(mesh);
-  if (astray > 0) {
-    scene.warnings.push_back(
-        fmt::format("{} of {} triangles have vertex indices out of range and are left out", astray, triangles));
-  }
+  const DamagedTriangles damaged = count_damaged(scene);
+  const auto warn = [&](std::size_t count, std::size_t of, const char* what) {
+    if (count > 0) scene.warnings.push_back(fmt::format("{} of {} {} and are left out", count, of, what));
+  };
+  warn(damaged.out_of_range, triangles, "triangles have vertex indices out of range");
+  warn(damaged.not_finite, triangles, "triangles have coordinates that are not finite or above 1e15");
   if (settings.points.size.value > 0.0f)  // the user's size replaces that of the file
     for (Mesh& mesh : scene.meshes) mesh.radii.clear();
   const std::size_t dropped =
       finish_scene(scene, settings.crease_angle_deg, settings.points, poll, BoundsOf::kAllButStrays);
+  separate_coplanar_faces(scene, poll);
   if (poll && poll->ended()) return interrupted();
   if (scene.meshes.empty() && points > 0) {
     return file_error("'{}' has no points that can be drawn; all {} are not finite", file.string(), points);
@@ -125,13 +119,11 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
     return file_error("'{}' has no triangles that can be drawn; all {} are degenerate or not finite", file.string(),
                       triangles);
   }
+  const std::size_t dropped_triangles = triangles - scene.triangle_count();
+  if (points > 0) warn(dropped - dropped_triangles, points, "points are not finite");
   constexpr std::size_t kWarnOneIn = 4;  // one in four; fewer are common in CAD and not visible
-  if (dropped > astray && (dropped - astray) * kWarnOneIn > triangles + points) {
-    scene.warnings.push_back(points == 0
-                                 ? fmt::format("{} of {} triangles are degenerate or not finite and are left out",
-                                               dropped - astray, triangles)
-                                 : fmt::format("{} of {} points are not finite and are left out", dropped, points));
-  }
+  const std::size_t degenerate = dropped_triangles - damaged.out_of_range - damaged.not_finite;
+  if (degenerate * kWarnOneIn > triangles) warn(degenerate, triangles, "triangles are degenerate");
   return imported;
 }
 

@@ -1,0 +1,282 @@
+// Faces of different meshes in one plane: where they overlap, rounding would decide at each pixel which is in front.
+// Triangles are sorted by their plane, rounded; overlaps within a plane are found by a sweep over boxes.
+#include "scene/coplanar.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec4.hpp>
+#include <glm/vector_relational.hpp>
+#include <limits>
+#include <unordered_map>
+
+#include "scene/mesh_corners.h"
+
+namespace umbrage {
+namespace {
+
+using Index = MeshIndex;
+
+// In radii of the scene. Decimals of files put corners of one plane up to some millionths apart.
+constexpr double kSamePlane = 4e-6;
+constexpr double kStep = 1e-5;  // more than kSamePlane, and far above the rounding of depths
+
+/// Cells into which planes are rounded. The noise of the normal of a triangle of a hundredth of the radius is smaller.
+constexpr double kNormalCell = 2e-3, kDistanceCell = 2e-4;
+
+constexpr std::size_t kMaxBoxTests = 50'000'000;  // bounds the time for scenes with very many faces in one plane
+constexpr int kMaxLevel = 100;                    // steps by which faces on top of each other are moved
+
+struct Triangle {
+  Index mesh, face;
+  std::uint64_t cell;  ///< of its plane
+};
+
+struct Overlap {
+  Triangle below, above;
+};
+
+std::uint64_t id_of(const Triangle& t) { return std::uint64_t(t.mesh) << 32 | t.face; }
+
+struct Corners {
+  glm::dvec3 at[3];
+  /// Returns the normal with the length of twice the area.
+  glm::dvec3 normal() const { return glm::cross(at[1] - at[0], at[2] - at[0]); }
+};
+
+/// The triangles of a scene, with its centre as origin and its radius as unit.
+class Triangles {
+ public:
+  explicit Triangles(const Scene& scene) : scene_(scene), center_(scene.center()), scale_(1.0 / scene.radius()) {}
+
+  Corners corners(Index mesh, Index face) const {
+    const Mesh& m = scene_.meshes[mesh];
+    const auto at = [&](int k) { return (glm::dvec3(m.positions[m.indices[3 * face + k]]) - center_) * scale_; };
+    return {at(0), at(1), at(2)};
+  }
+
+  /// Returns the plane of a triangle, its normal and distance from the centre, in cells.
+  glm::vec4 plane(Index mesh, Index face) const {
+    const Corners c = corners(mesh, face);
+    const glm::dvec3 n = c.normal();
+    // A direction in which planes are rarely parallel: the sign of a normal must not depend on rounding.
+    const double side = glm::dot(n, glm::dvec3(0.531, 0.742, 0.409)) < 0.0 ? -1.0 : 1.0;
+    const double scale = side / glm::length(n), distance = scale / 3.0 * glm::dot(n, c.at[0] + c.at[1] + c.at[2]);
+    return glm::vec4(n * (scale / kNormalCell), distance / kDistanceCell);
+  }
+
+ private:
+  const Scene& scene_;
+  const glm::dvec3 center_;
+  const double scale_;
+};
+
+/// Returns the number of the cell of a plane. `shift` moves the borders of the cells, in cells.
+std::uint64_t cell_of(const glm::vec4& plane, float shift) {
+  // Positive, so that conversion rounds down. 0.3: planes through zero are common; they must not be on the border of
+  // two cells.
+  constexpr float kOffset = float(int(2.0 / kDistanceCell)) + 0.3f;
+  std::uint64_t hash = 0;
+  for (int i = 0; i < 4; ++i) {
+    hash = (hash ^ std::uint64_t(std::int64_t(plane[i] + (kOffset + shift)))) * 0x9e3779b97f4a7c15ull;
+    hash ^= hash >> 29;
+  }
+  return hash;
+}
+
+/// The planes of all triangles.
+struct Planes {
+  std::vector<glm::vec4> planes;
+  std::vector<Index> first;  ///< index of each mesh's first plane
+};
+
+Planes planes_of(const Scene& scene, const Triangles& triangles, Poll* poll) {
+  Planes result;
+  result.planes.reserve(scene.triangle_count());
+  for (Index m = 0; m < scene.meshes.size(); ++m) {
+    result.first.push_back(Index(result.planes.size()));
+    const std::size_t count = scene.meshes[m].indices.size() / 3;
+    for (Index face = 0; face < count && !stops(poll, face, count); ++face)
+      result.planes.push_back(triangles.plane(m, face));
+  }
+  result.first.push_back(Index(result.planes.size()));
+  return result;
+}
+
+/// Returns the triangles in whose cell there are also triangles of another mesh, sorted by cell; also others, whose
+/// cells share a place in a table.
+std::vector<Triangle> shared_planes(const Planes& all, float shift) {
+  constexpr Index kSeveral = kNoIndex32 - 1;
+  constexpr std::size_t kPlaces = 4;  // per triangle, so that cells rarely share one
+  std::vector<Index> owner(std::bit_ceil(kPlaces * all.planes.size() + 16), kNoIndex32);
+  const auto place_of = [&](std::uint64_t cell) { return cell & (owner.size() - 1); };
+  for (Index m = 0; m + 1 < all.first.size(); ++m)
+    for (Index i = all.first[m]; i < all.first[m + 1]; ++i) {
+      Index& place = owner[place_of(cell_of(all.planes[i], shift))];
+      place = place == kNoIndex32 || place == m ? m : kSeveral;
+    }
+  std::vector<Triangle> result;
+  for (Index m = 0; m + 1 < all.first.size(); ++m)
+    for (Index i = all.first[m]; i < all.first[m + 1]; ++i) {
+      const std::uint64_t cell = cell_of(all.planes[i], shift);
+      if (owner[place_of(cell)] == kSeveral) result.push_back({m, i - all.first[m], cell});
+    }
+  std::sort(result.begin(), result.end(), [](const Triangle& a, const Triangle& b) {
+    return a.cell != b.cell ? a.cell < b.cell : id_of(a) < id_of(b);
+  });
+  return result;
+}
+
+/// Returns whether two triangles in about one plane are within kSamePlane of each other and overlap, by more than that.
+bool overlap(const Corners& a, const Corners& b) {
+  const glm::dvec3 normal_a = a.normal(), normal_b = b.normal();
+  const bool by_a = glm::dot(normal_a, normal_a) >= glm::dot(normal_b, normal_b);
+  const Corners &large = by_a ? a : b, &small = by_a ? b : a;
+  const glm::dvec3 n = glm::normalize(by_a ? normal_a : normal_b);
+  for (const glm::dvec3& p : small.at)
+    if (std::abs(glm::dot(n, p - large.at[0])) > kSamePlane) return false;
+  for (const Corners* of : {&a, &b})
+    for (int k = 0; k < 3; ++k) {
+      // Triangles are apart if one of their edges separates them.
+      const glm::dvec3 axis = glm::normalize(glm::cross(n, of->at[(k + 1) % 3] - of->at[k]));
+      double low[2], high[2];
+      for (int i = 0; i < 2; ++i) {
+        const Corners& c = i == 0 ? a : b;
+        const double x = glm::dot(axis, c.at[0]), y = glm::dot(axis, c.at[1]), z = glm::dot(axis, c.at[2]);
+        low[i] = std::min({x, y, z});
+        high[i] = std::max({x, y, z});
+      }
+      if (std::min(high[0], high[1]) - std::max(low[0], low[1]) <= 2.0 * kSamePlane) return false;
+    }
+  return true;
+}
+
+/// Adds the overlaps among triangles of one rounded plane.
+void find_overlaps(const Triangles& triangles, std::span<const Triangle> plane, std::size_t& tests,
+                   std::vector<Overlap>& overlaps) {
+  struct Boxed {
+    Triangle triangle;
+    Corners corners;
+    glm::dvec3 low, high;
+  };
+  std::vector<Boxed> boxes;
+  boxes.reserve(plane.size());
+  for (const Triangle& t : plane) {
+    const Corners c = triangles.corners(t.mesh, t.face);
+    boxes.push_back(
+        {t, c, glm::min(glm::min(c.at[0], c.at[1]), c.at[2]), glm::max(glm::max(c.at[0], c.at[1]), c.at[2])});
+  }
+  // Sweep along the axis in which the plane extends further, so that boxes are short against it.
+  glm::dvec3 low = boxes[0].low, high = boxes[0].high;
+  for (const Boxed& box : boxes) low = glm::min(low, box.low), high = glm::max(high, box.high);
+  const glm::dvec3 size = high - low;
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  std::sort(boxes.begin(), boxes.end(), [&](const Boxed& a, const Boxed& b) {
+    return a.low[axis] != b.low[axis] ? a.low[axis] < b.low[axis] : id_of(a.triangle) < id_of(b.triangle);
+  });
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    for (std::size_t j = i + 1; j < boxes.size() && boxes[j].low[axis] < boxes[i].high[axis]; ++j) {
+      if (++tests > kMaxBoxTests) return;
+      const Boxed &a = boxes[i], &b = boxes[j];
+      if (a.triangle.mesh == b.triangle.mesh) continue;
+      if (glm::any(glm::greaterThan(a.low, b.high + kSamePlane)) ||
+          glm::any(glm::greaterThan(b.low, a.high + kSamePlane)))
+        continue;
+      if (!overlap(a.corners, b.corners)) continue;
+      if (a.triangle.mesh < b.triangle.mesh)
+        overlaps.push_back({a.triangle, b.triangle});
+      else
+        overlaps.push_back({b.triangle, a.triangle});
+    }
+}
+
+/// The movement of a point of a mesh along the normal of one of its faces.
+struct Move {
+  Index point;
+  glm::vec3 normal;
+  int level;
+};
+
+void move_points(Mesh& mesh, const std::vector<Index>& point_of, std::vector<Move>& moves, float step) {
+  // The face that moves further comes first; others of the same plane are then left out.
+  std::sort(moves.begin(), moves.end(),
+            [](const Move& a, const Move& b) { return a.point != b.point ? a.point < b.point : a.level > b.level; });
+  std::unordered_map<Index, glm::vec3> offset_of;
+  std::vector<glm::vec3> normals;
+  constexpr float kSameNormal = 0.999f;
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    if (i == 0 || moves[i].point != moves[i - 1].point) normals.clear();
+    const glm::vec3 n = moves[i].normal;
+    if (std::any_of(normals.begin(), normals.end(), [&](const glm::vec3& m) { return glm::dot(m, n) > kSameNormal; }))
+      continue;
+    normals.push_back(n);
+    offset_of[moves[i].point] += step * float(moves[i].level) * n;
+  }
+  for (Index v = 0; v < mesh.positions.size(); ++v)
+    if (const auto found = offset_of.find(point_of[v]); found != offset_of.end()) mesh.positions[v] += found->second;
+}
+
+/// Returns by how many steps each overlapping face moves, as (triangle, level), sorted by mesh.
+std::vector<std::pair<Triangle, int>> levels_of(std::vector<Overlap>& overlaps) {
+  std::sort(overlaps.begin(), overlaps.end(), [](const Overlap& a, const Overlap& b) {
+    return id_of(a.above) != id_of(b.above) ? id_of(a.above) < id_of(b.above) : id_of(a.below) < id_of(b.below);
+  });
+  std::unordered_map<std::uint64_t, int> level_of;  // of faces of earlier meshes these are final: they come first
+  std::vector<std::pair<Triangle, int>> levels;
+  for (const Overlap& o : overlaps) {
+    const auto below = level_of.find(id_of(o.below));
+    const int level = std::min(kMaxLevel, 1 + (below == level_of.end() ? 0 : below->second));
+    if (levels.empty() || id_of(levels.back().first) != id_of(o.above)) levels.push_back({o.above, 0});
+    levels.back().second = std::max(levels.back().second, level);
+    level_of[id_of(o.above)] = levels.back().second;
+  }
+  return levels;
+}
+
+}  // namespace
+
+std::size_t separate_coplanar_faces(Scene& scene, Poll* poll) {
+  const auto has_faces = [](const Mesh& mesh) { return !mesh.points; };
+  if (std::count_if(scene.meshes.begin(), scene.meshes.end(), has_faces) < 2 || !(scene.radius() > 0.0f)) return 0;
+  std::vector<Overlap> overlaps;
+  {
+    const Triangles triangles(scene);
+    const Planes planes = planes_of(scene, triangles, poll);
+    if (poll && poll->ended()) return 0;
+    std::size_t tests = 0;
+    for (const float shift : {0.0f, 0.5f}) {  // planes on both sides of a border of cells are together in the other
+      const std::vector<Triangle> shared = shared_planes(planes, shift);
+      for (std::size_t first = 0, last = 0; first < shared.size(); first = last) {
+        while (last < shared.size() && shared[last].cell == shared[first].cell) ++last;
+        if (shared[first].mesh == shared[last - 1].mesh) continue;
+        if (poll && poll->passing(0.0)) return 0;
+        find_overlaps(triangles, std::span(shared).subspan(first, last - first), tests, overlaps);
+      }
+    }
+  }
+  const std::vector<std::pair<Triangle, int>> levels = levels_of(overlaps);
+  const float step = float(kStep) * scene.radius();
+  for (std::size_t first = 0, last = 0; first < levels.size(); first = last) {
+    Mesh& mesh = scene.meshes[levels[first].first.mesh];
+    const std::vector<Index> point_of = joined_vertices(mesh).point_of;
+    std::vector<Move> moves;
+    for (; last < levels.size() && levels[last].first.mesh == levels[first].first.mesh; ++last) {
+      const Index* corner = &mesh.indices[3 * levels[last].first.face];
+      glm::vec3 normal =
+          face_of(mesh.positions[corner[0]], mesh.positions[corner[1]], mesh.positions[corner[2]]).normal;
+      if (glm::dot(normal, mesh.normals[corner[0]] + mesh.normals[corner[1]] + mesh.normals[corner[2]]) < 0.0f)
+        normal = -normal;
+      for (int k = 0; k < 3; ++k) moves.push_back({point_of[corner[k]], normal, levels[last].second});
+    }
+    move_points(mesh, point_of, moves, step);
+    for (const glm::vec3& p : mesh.positions) {
+      scene.bounds_min = glm::min(scene.bounds_min, p);
+      scene.bounds_max = glm::max(scene.bounds_max, p);
+    }
+  }
+  return levels.size();
+}
+
+}  // namespace umbrage

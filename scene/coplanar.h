@@ -1,0 +1,13 @@
+// Faces of different meshes in one plane: where they overlap, rounding would decide at each pixel which is in front.
+#pragma once
+#include "core/progress.h"
+#include "scene/scene.h"
+
+namespace umbrage {
+
+/// Moves faces that overlap a face of an earlier mesh in the same plane to its front, by 1e-5 of the scene's radius, so
+/// that they hide it. "Front" is the side of the moved face's normals. The vertices at one position move together.
+/// For a finished scene. Returns the number of faces moved.
+std::size_t separate_coplanar_faces(Scene& scene, Poll* poll = nullptr);
+
+}  // namespace umbrage

@@ -1,0 +1,118 @@
+// Faces of different meshes in one plane: the later mesh is in front.
+#include "scene/coplanar.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "scene/finish.h"
+
+namespace umbrage {
+namespace {
+
+/// An orthonormal frame that is not aligned to the axes.
+struct Frame {
+  glm::vec3 u = glm::normalize(glm::vec3(3, 1, -2)), n = glm::normalize(glm::cross(u, glm::vec3(0, 1, 0.3f)));
+  glm::vec3 v = glm::cross(n, u);
+  glm::vec3 at(float x, float y, float height) const { return glm::vec3(1, 2, 3) + x * u + y * v + height * n; }
+};
+
+/// Returns a rectangle of `cells` times `cells` quadrilaterals in a slanted plane; `up`: it faces along Frame::n.
+Mesh rectangle(glm::vec2 low, glm::vec2 high, float height, int cells, bool up = true) {
+  const Frame frame;
+  Mesh mesh;
+  for (int i = 0; i <= cells; ++i)
+    for (int k = 0; k <= cells; ++k) {
+      const glm::vec2 p = low + (high - low) * glm::vec2(i, k) / float(cells);
+      glm::vec3 q = frame.at(p.x, p.y, height);
+      for (int c = 0; c < 3; ++c) q[c] = std::round(q[c] * 1e6f) / 1e6f;  // as files are written
+      mesh.positions.push_back(q);
+    }
+  for (int i = 0; i < cells; ++i)
+    for (int k = 0; k < cells; ++k) {
+      const std::uint32_t a = std::uint32_t(i * (cells + 1) + k), b = a + 1, c = a + std::uint32_t(cells) + 1,
+                          d = c + 1;
+      if (up)
+        mesh.indices.insert(mesh.indices.end(), {a, c, d, a, d, b});
+      else
+        mesh.indices.insert(mesh.indices.end(), {a, d, c, a, b, d});
+    }
+  return mesh;
+}
+
+Scene scene_of(std::vector<Mesh> meshes) {
+  Scene scene;
+  scene.meshes = std::move(meshes);
+  finish_scene(scene);
+  return scene;
+}
+
+/// Returns the range of heights of a mesh above the slanted plane, in radii of the scene.
+glm::vec2 heights(const Scene& scene, std::size_t mesh) {
+  const Frame frame;
+  glm::vec2 range(1e9f, -1e9f);
+  for (const glm::vec3& p : scene.meshes[mesh].positions) {
+    const float height = float(glm::dot(glm::dvec3(p) - glm::dvec3(1, 2, 3), glm::dvec3(frame.n))) / scene.radius();
+    range = {std::min(range.x, height), std::max(range.y, height)};
+  }
+  return range;
+}
+
+TEST(CoplanarFaces, OfALaterMeshAreInFront) {
+  Scene scene = scene_of({rectangle({-1, -1}, {1, 1}, 0, 3), rectangle({-0.5f, -0.6f}, {0.7f, 0.5f}, 0, 5),
+                          rectangle({-0.2f, -0.3f}, {0.4f, 0.3f}, 0, 2)});
+  EXPECT_GT(separate_coplanar_faces(scene), 0u);
+  EXPECT_LT(heights(scene, 0).y, 2e-6f);
+  EXPECT_GT(heights(scene, 1).x, 7e-6f);
+  EXPECT_LT(heights(scene, 1).y, 1.3e-5f);
+  EXPECT_GT(heights(scene, 2).x, 1.7e-5f) << "two steps above the first, one above the second";
+  EXPECT_EQ(separate_coplanar_faces(scene), 0u) << "a second time, none are in one plane";
+}
+
+TEST(CoplanarFaces, AreInFrontOnTheSideOfTheirNormals) {
+  Scene scene = scene_of({rectangle({-1, -1}, {1, 1}, 0, 1), rectangle({-0.5f, -0.6f}, {0.7f, 0.5f}, 0, 1, false)});
+  EXPECT_EQ(separate_coplanar_faces(scene), 2u);
+  EXPECT_LT(heights(scene, 1).y, -7e-6f);
+}
+
+TEST(CoplanarFaces, ThatOnlyTouchOrAreApartDoNotMove) {
+  const Mesh base = rectangle({-1, -1}, {1, 1}, 0, 3);
+  for (const Mesh& other : {rectangle({1, -1}, {2, 1}, 0, 3), rectangle({-0.5f, -0.5f}, {0.5f, 0.5f}, 1e-3f, 3),
+                            rectangle({1.5f, -1}, {2, 1}, 0, 3)}) {
+    Scene scene = scene_of({base, other});
+    const std::vector<glm::vec3> before = scene.meshes[1].positions;
+    EXPECT_EQ(separate_coplanar_faces(scene), 0u);
+    EXPECT_EQ(scene.meshes[1].positions, before);
+  }
+}
+
+TEST(CoplanarFaces, StayJoinedToTheirNeighbours) {
+  // A box of separate faces, whose top is in the plane of another mesh: its sides follow.
+  Mesh box;
+  const Frame frame;
+  const auto quad = [&](glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d) {
+    const std::uint32_t first = std::uint32_t(box.positions.size());
+    for (const glm::vec3& p : {a, b, c, d}) box.positions.push_back(frame.at(p.x, p.y, p.z));
+    box.indices.insert(box.indices.end(), {first, first + 1, first + 2, first, first + 2, first + 3});
+  };
+  quad({0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0});
+  quad({0, 0, -1}, {1, 0, -1}, {1, 0, 0}, {0, 0, 0});
+  quad({1, 0, -1}, {1, 1, -1}, {1, 1, 0}, {1, 0, 0});
+  Scene scene = scene_of({rectangle({-1, -1}, {2, 2}, 0, 1), box});
+  const std::vector<glm::vec3> before = scene.meshes[1].positions;
+  EXPECT_EQ(separate_coplanar_faces(scene), 2u);
+  std::size_t moved = 0;
+  for (std::size_t v = 0; v < before.size(); ++v)
+    for (std::size_t w = 0; w < before.size(); ++w) {
+      if (before[v] == before[w]) {
+        EXPECT_EQ(scene.meshes[1].positions[v], scene.meshes[1].positions[w]);
+      }
+      moved += v == w && before[v] != scene.meshes[1].positions[v];
+    }
+  EXPECT_EQ(moved, 8u) << "four corners of the top and the upper corners of the sides";
+}
+
+}  // namespace
+}  // namespace umbrage

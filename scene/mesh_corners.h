@@ -1,0 +1,80 @@
+// Points, faces and corners of a triangle mesh, for what needs to know which faces meet where.
+#pragma once
+#include <glm/vec3.hpp>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace umbrage {
+
+using MeshIndex = std::uint32_t;
+inline constexpr MeshIndex kNoIndex32 = std::numeric_limits<MeshIndex>::max();
+
+/// Returns the corner before or after a corner in its triangle. Corner c is mesh.indices[c], of triangle c / 3.
+inline MeshIndex next_corner(MeshIndex corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
+inline MeshIndex previous_corner(MeshIndex corner) { return corner % 3 == 0 ? corner + 2 : corner - 1; }
+
+inline bool has_uvs(const Mesh& mesh) { return mesh.uvs.size() == mesh.positions.size() && !mesh.uvs.empty(); }
+inline bool has_colors(const Mesh& mesh) { return mesh.colors.size() == mesh.positions.size() && !mesh.colors.empty(); }
+
+struct Face {
+  glm::vec3 normal{0.0f};      ///< unit, or zero for a face without area
+  float angle[3] = {0, 0, 0};  ///< angles at its corners, radians
+};
+
+Face face_of(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
+std::vector<Face> faces_of(const Mesh& mesh);
+
+/// Vertices grouped by equality. Vertices at equal positions are one point. Those that also have equal texture
+/// coordinates and colours can become one vertex.
+struct JoinedVertices {
+  std::vector<MeshIndex> point_of, joined;  ///< joined: empty if each point can become one vertex
+  MeshIndex point_count = 0, vertex_count = 0;
+  const std::vector<MeshIndex>& vertex_of() const { return joined.empty() ? point_of : joined; }
+};
+
+JoinedVertices joined_vertices(const Mesh& mesh);
+
+/// The corners around each point, stored in one array.
+struct CornerLists {
+  std::vector<MeshIndex> first, corners;
+  std::span<const MeshIndex> around(MeshIndex point) const {
+    return {corners.data() + first[point], corners.data() + first[point + 1]};
+  }
+};
+
+CornerLists corner_lists(const std::vector<MeshIndex>& indices, const JoinedVertices& vertices);
+
+/// A mesh with its points, faces and corners.
+struct MeshCorners {
+  const Mesh* mesh;
+  JoinedVertices vertices;
+  std::vector<Face> faces;
+  CornerLists lists;
+
+  MeshIndex point(MeshIndex corner) const { return vertices.point_of[mesh->indices[corner]]; }
+  const glm::vec3& normal(MeshIndex corner) const { return faces[corner / 3].normal; }
+};
+
+/// An edge of a face from the point that a list of corners is around to a neighbour.
+struct Spoke {
+  MeshIndex neighbor;  ///< a point
+  MeshIndex corner;    ///< position in the list
+  bool leaves;         ///< the face runs through the edge towards the neighbour
+};
+
+/// Sets `spokes` to two edges of each corner in the list `around`, sorted by neighbour, then corner.
+void collect_spokes(const MeshCorners& corners, std::span<const MeshIndex> around, std::vector<Spoke>& spokes);
+
+/// The other face at the edge of a triangle that starts at a corner.
+struct EdgeNeighbor {
+  MeshIndex face = kNoIndex32;    ///< none unless exactly two faces share the edge
+  MeshIndex corner = kNoIndex32;  ///< its corner at the start of the edge
+  bool same_direction = false;    ///< both faces run through the edge in one direction: their windings differ
+};
+
+EdgeNeighbor edge_neighbor(const MeshCorners& corners, MeshIndex corner);
+
+}  // namespace umbrage
