@@ -1,7 +1,6 @@
-// Import of models: PLY, OFF, STL and points in text form by built-in readers, PDB through Gemmi, all other formats
-// through Assimp. Assimp only
-// parses and triangulates; scene/finish.cpp joins vertices and creates normals, which is faster and gives all formats
-// the same rules.
+// Import of models: OBJ, PLY, OFF, STL, 3MF and points in text form by our own readers, PDB through Gemmi, all other
+// formats through Assimp. Assimp only parses and triangulates; scene/finish.cpp joins vertices and creates normals,
+// which is faster and gives all formats the same rules.
 #include "importer/import_in_process.h"
 
 #include <assimp/DefaultIOSystem.h>
@@ -34,6 +33,7 @@
 #include "importer/gltf_facts.h"
 #include "importer/import_materials.h"
 #include "importer/limits.h"
+#include "importer/obj_maps.h"
 #include "importer/pdb.h"
 #include "importer/three_mf.h"
 #include "scene/readers/import_parts.h"
@@ -147,31 +147,10 @@ std::optional<Error> check_dae(const fs::path& file) {
   return std::nullopt;
 }
 
-/// Returns the text of an OBJ file with a zero inserted before each number that starts with its decimal point, or an
-/// empty text if there is none: Assimp does not parse ".5" as a number.
-std::string with_leading_zeros(const std::string& text) {
-  std::string changed;
-  std::size_t copied = 0;
-  for (std::size_t i = text.find('.', 1); i < text.size(); i = text.find('.', i + 1)) {
-    const char before = text[i - 1], after = i + 1 < text.size() ? text[i + 1] : ' ';
-    const bool begins = before == ' ' || before == '\t' || before == '-' || before == '+';
-    if (!begins || !std::isdigit(static_cast<unsigned char>(after))) continue;
-    const std::size_t line_end = text.rfind('\n', i), line = line_end == std::string::npos ? 0 : line_end + 1;
-    if (text[line] != 'v') continue;
-    changed.append(text, copied, i - copied).push_back('0');
-    copied = i;
-  }
-  if (copied > 0) changed.append(text, copied);
-  return changed;
-}
-
-/// File access for Assimp. If `text` is not empty, it replaces the content of the model's file. Records missing
-/// material libraries, which Assimp does not report.
+/// File access for Assimp. If `text` is not empty, it replaces the content of the model's file.
 struct Files : Assimp::DefaultIOSystem {
   std::string model, text;
-  std::vector<std::string>& missing;
-  Files(std::string model, std::string text, std::vector<std::string>& missing)
-      : model(std::move(model)), text(std::move(text)), missing(missing) {}
+  Files(std::string model, std::string text) : model(std::move(model)), text(std::move(text)) {}
   bool Exists(const char* name) const override {
     return (!text.empty() && name == model) || Assimp::DefaultIOSystem::Exists(name);
   }
@@ -180,19 +159,9 @@ struct Files : Assimp::DefaultIOSystem {
       return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
     }
     std::error_code error;
-    Assimp::IOStream* stream = nullptr;
-    if (fs::is_regular_file(name, error)) {  // a name in a model may be a pipe, which never ends
-      if (name != model) raise_limits_for(name);
-      stream = Assimp::DefaultIOSystem::Open(name, mode);
-    }
-    if (import_format(name) == "mtl") {
-      if (stream) {
-        missing.clear();
-      } else {
-        missing.push_back(fs::path(name).filename().string());
-      }
-    }
-    return stream;
+    if (!fs::is_regular_file(name, error)) return nullptr;  // a name in a model may be a pipe, which never ends
+    if (name != model) raise_limits_for(name);
+    return Assimp::DefaultIOSystem::Open(name, mode);
   }
 };
 
@@ -363,15 +332,6 @@ glm::vec3 up_of(const aiScene& source, const std::string& format) {
   return up;
 }
 
-/// Adds one warning for all properties of materials that are not drawn.
-void warn_of_ignored(Scene& scene) {
-  std::set<std::string> ignored;
-  for (const Material& material : scene.materials) ignored.insert(material.ignored.begin(), material.ignored.end());
-  if (!ignored.empty())
-    scene.warnings.push_back(
-        fmt::format("the file's materials have properties that are not drawn: {}", fmt::join(ignored, ", ")));
-}
-
 Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, const ImportSettings& settings,
                                bool process_ends) {
   if (format == "dae") {
@@ -384,12 +344,6 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
     changed = std::move(*text);
     raise_limits_by(double(changed.size()));
   }
-  if (format == "obj") {
-    if (changed.empty()) changed = text_of(file);
-    if (is_obj_of_points(changed)) return read_obj_points(file, changed);
-    if (std::string zeros = with_leading_zeros(changed); !zeros.empty() || !is_gzip_file(file))
-      changed = std::move(zeros);
-  }
   const bool is_gltf = format == "gltf" || format == "glb";
   MeshRules rules;
   if (is_gltf) {
@@ -401,12 +355,11 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
       if (settings.scene_index) changed = gltf_with_scene(file, *settings.scene_index);
     }
   }
-  std::vector<std::string> missing_libraries;
   auto owner = std::make_unique<Assimp::Importer>();
   // Freeing the importer's faces one by one takes a tenth of the import time.
   Assimp::Importer& importer = process_ends ? *owner.release() : *owner;
-  const std::string name = without_gz(file).string();  // Assimp selects the reader by the extension
-  importer.SetIOHandler(new Files(name, std::move(changed), missing_libraries));  // takes ownership
+  const std::string name = without_gz(file).string();          // Assimp selects the reader by the extension
+  importer.SetIOHandler(new Files(name, std::move(changed)));  // takes ownership
   // In formats other than glTF, points are what remains of invalid faces.
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_LINE | (is_gltf ? 0 : aiPrimitiveType_POINT));
   importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
@@ -443,11 +396,19 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
   if (log.dropped_faces) {
     scene.warnings.push_back("some triangles have vertex indices out of range and are left out");
   }
-  if (!missing_libraries.empty()) {
-    scene.warnings.push_back(fmt::format(
-        "the material library '{}' does not exist; surfaces are shown in a neutral colour", missing_libraries.front()));
-  }
   return scene;
+}
+
+Result<Scene> import_obj(const fs::path& path) {
+  const Result<ObjFile> file = open_obj(path);
+  if (!file) return file.error();
+  for (const fs::path& library : file->libraries) raise_limits_for(library);
+  constexpr bool kThreads = false;  // the memory limits of this process leave no room for them
+  Result<ObjScene> obj = read_obj(*file, kThreads);
+  if (!obj) return obj.error();
+  import_obj_maps(*file, *obj);
+  warn_of_ignored(obj->scene);
+  return std::move(obj->scene);
 }
 
 Result<Scene> import_ply(const fs::path& file) {
@@ -468,7 +429,8 @@ Result<Scene> import_in_process(const fs::path& file, const ImportSettings& sett
   const std::string format = import_format(file);
   if (auto error = check_model_file(file, format)) return std::move(*error);
   try {
-    Result<Scene> scene = format == "ply"                      ? import_ply(file)
+    Result<Scene> scene = format == "obj"                      ? import_obj(file)
+                          : format == "ply"                    ? import_ply(file)
                           : format == "off"                    ? read_off(file)
                           : format == "stl"                    ? read_stl(file)
                           : format == "xyz" || format == "pts" ? read_xyz(file)

@@ -3,7 +3,6 @@
 #include "importer/import_materials.h"
 
 #include <assimp/GltfMaterial.h>
-#include <assimp/ObjMaterial.h>
 #include <assimp/material.h>
 #include <assimp/scene.h>
 
@@ -17,6 +16,7 @@
 #include <system_error>
 
 #include "core/srgb.h"
+#include "importer/material_rules.h"
 #include "importer/texture_cache.h"
 
 namespace umbrage {
@@ -28,11 +28,6 @@ constexpr glm::vec3 kNeutral{0.8f};      ///< surfaces without a colour in the f
 constexpr float kMinExponent = 1.0f;     ///< with less, a highlight is as wide as the diffuse lobe
 constexpr float kMaxExponent = 2048.0f;  ///< with more, a highlight is smaller than a pixel
 constexpr float kDielectricReflectance = 0.04f;
-
-/// A texture is a cut-out if at least kBinaryFraction of its texels are nearly transparent or nearly opaque, and at
-/// least kClearFraction are nearly transparent.
-constexpr double kBinaryFraction = 0.9, kClearFraction = 0.001;
-constexpr std::uint8_t kNearlyClear = 16, kNearlyOpaque = 239;
 
 float linear_of_srgb(float x) { return linear_from_srgb(std::clamp(x, 0.0f, 1.0f)); }
 
@@ -55,16 +50,6 @@ std::string texture_path(const aiMaterial& source, aiTextureType type) {
   aiString path;
   if (source.GetTexture(type, 0, &path) != AI_SUCCESS) return {};
   return path.C_Str();
-}
-
-bool is_cut_out(const Texture& texture) {
-  std::size_t clear = 0, opaque = 0;
-  for (std::size_t i = 3; i < texture.rgba.size(); i += 4) {
-    clear += texture.rgba[i] < kNearlyClear;
-    opaque += texture.rgba[i] > kNearlyOpaque;
-  }
-  const double count = double(texture.rgba.size() / 4);
-  return double(clear + opaque) >= kBinaryFraction * count && double(clear) >= kClearFraction * count;
 }
 
 bool has_clear_texels(const Texture& texture) {
@@ -114,13 +99,11 @@ void set_opacity(const aiMaterial& source, Material& material) {
   material.opacity = opacity;
 }
 
-/// Sets the emission. Emission textures are used only for glTF and OBJ, where the map replaces the number.
-void set_emission(const aiMaterial& source, const GltfMaterial* gltf, bool is_obj, TextureCache& textures,
-                  Material& material) {
+/// Sets the emission. Emission textures are used only for glTF.
+void set_emission(const aiMaterial& source, const GltfMaterial* gltf, TextureCache& textures, Material& material) {
   const std::string map = texture_path(source, aiTextureType_EMISSIVE);
-  auto emission = color_of(source, AI_MATKEY_COLOR_EMISSIVE);
-  if (is_obj && !map.empty()) emission = glm::vec3(1.0f);
-  if (!emission || (!map.empty() && !gltf && !is_obj)) return;
+  const auto emission = color_of(source, AI_MATKEY_COLOR_EMISSIVE);
+  if (!emission || (!map.empty() && !gltf)) return;
   const float strength =
       gltf ? gltf->emission_strength : number_of(source, AI_MATKEY_EMISSIVE_INTENSITY).value_or(1.0f);
   for (int i = 0; i < 3; ++i) {
@@ -128,7 +111,7 @@ void set_emission(const aiMaterial& source, const GltfMaterial* gltf, bool is_ob
     material.emission[i] = channel > 0.0f && std::isfinite(channel) ? channel : 0.0f;
   }
   if (map.empty() || material.emission == glm::vec3(0.0f)) return;
-  material.emission_texture = textures.find(map);
+  material.emission_texture = textures.find(map, "its surfaces do not glow");
   if (material.emission_texture == kNoTexture) material.emission = glm::vec3(0.0f);
 }
 
@@ -162,34 +145,6 @@ void set_maps_of_gltf(const aiMaterial& source, const GltfMaterial& gltf, Textur
   material.normal_scale = gltf.normal_scale;
 }
 
-/// Sets metalness, roughness and the maps of an OBJ's material, if it has any: Pr, Pm, map_Pr, map_Pm, norm, bump. A
-/// map replaces its number. A material without a roughness has that of its highlight.
-void set_maps_of_obj(const aiMaterial& source, TextureCache& textures, Material& material) {
-  const auto roughness = number_of(source, AI_MATKEY_ROUGHNESS_FACTOR),
-             metallic = number_of(source, AI_MATKEY_METALLIC_FACTOR);
-  const std::string rough_map = texture_path(source, aiTextureType_DIFFUSE_ROUGHNESS),
-                    metal_map = texture_path(source, aiTextureType_METALNESS);
-  if (!rough_map.empty() || !metal_map.empty())
-    material.surface_texture = textures.find_packed({{{"", 0}, {rough_map, 0}, {metal_map, 0}}});
-  const auto is_read = [&](const std::string& map) {
-    return material.surface_texture != kNoTexture && !map.empty() && !textures.reported.contains(map);
-  };
-  const bool rough_mapped = is_read(rough_map), metal_mapped = is_read(metal_map);
-  if (roughness || metallic || rough_mapped || metal_mapped) {
-    material.roughness = clamp_to_unit(roughness.value_or(std::pow(2.0f / (material.specular_exponent + 2.0f), 0.25f)));
-    material.metallic = clamp_to_unit(metallic.value_or(0.0f));
-    if (rough_mapped) material.roughness = 1.0f;
-    if (metal_mapped) material.metallic = 1.0f;
-  }
-  const std::string normal = texture_path(source, aiTextureType_NORMALS),
-                    bump = texture_path(source, aiTextureType_HEIGHT);
-  if (!normal.empty())
-    material.normal_texture = textures.find_linear(normal);
-  else if (!bump.empty())
-    material.normal_texture =
-        textures.find_normals_of_heights(bump, number_of(source, AI_MATKEY_OBJ_BUMPMULT_HEIGHT(0)).value_or(1.0f));
-}
-
 Material material_of(const aiMaterial& source, const std::string& format, const GltfMaterial* gltf,
                      TextureCache& textures) {
   Material material;
@@ -212,9 +167,8 @@ Material material_of(const aiMaterial& source, const std::string& format, const 
   }
 
   if (!is_gltf && !is_default) set_opacity(source, material);
-  if (!is_default) set_emission(source, gltf, format == "obj", textures, material);
+  if (!is_default) set_emission(source, gltf, textures, material);
   if (gltf && !unlit) set_maps_of_gltf(source, *gltf, textures, material);
-  if (format == "obj" && !is_default) set_maps_of_obj(source, textures, material);
 
   std::string color_path = texture_path(source, aiTextureType_BASE_COLOR);
   if (color_path.empty()) color_path = texture_path(source, aiTextureType_DIFFUSE);

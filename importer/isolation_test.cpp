@@ -35,7 +35,11 @@ class IsolatedImport : public ProgramTest {
 
   /// Returns a valid model under this name, which selects the fault.
   fs::path model(const std::string& name) {
-    fs::copy_file(folder_ / "tri.obj", folder_ / name, fs::copy_options::overwrite_existing);
+    write(name, R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
+"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,
+"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})");
     return folder_ / name;
   }
   void expect_error(const std::string& name, const std::string& text) {
@@ -49,27 +53,27 @@ class IsolatedImport : public ProgramTest {
 };
 
 TEST_F(IsolatedImport, SurvivesWhatItsReaderDoes) {
-  EXPECT_TRUE(import_scene(model("sound.obj")));
-  expect_error("crash.obj", "its reader crashed on it (Segmentation fault)");
-  expect_error("abort.obj", "its reader crashed on it (Aborted)");
-  expect_error("throw.obj", "its reader crashed on it (Aborted)");
-  expect_error("exit.obj", "its reader crashed on it");
-  expect_error("killed.obj", "more memory than is available");
-  expect_error("liar.obj", "another version");
+  EXPECT_TRUE(import_scene(model("sound.gltf")));
+  expect_error("crash.gltf", "its reader crashed on it (Segmentation fault)");
+  expect_error("abort.gltf", "its reader crashed on it (Aborted)");
+  expect_error("throw.gltf", "its reader crashed on it (Aborted)");
+  expect_error("exit.gltf", "its reader crashed on it");
+  expect_error("killed.gltf", "more memory than is available");
+  expect_error("liar.gltf", "another version");
 }
 
 TEST_F(IsolatedImport, StopsAHangingReader) {
-  expect_error("spin.obj", "stopped after 1 s");
-  expect_error("wait.obj", "stopped after 1 s");
+  expect_error("spin.gltf", "stopped after 1 s");
+  expect_error("wait.gltf", "stopped after 1 s");
 }
 
 TEST_F(IsolatedImport, LimitsTheMemoryOfTheReader) {
   if (!memory_can_be_limited()) GTEST_SKIP() << "a sanitizer has reserved the address space";
-  expect_error("hunger.obj", "needs more memory than is available");
+  expect_error("hunger.gltf", "needs more memory than is available");
 }
 
 TEST_F(IsolatedImport, ProgramReportsOneSentence) {
-  for (const std::string name : {"crash.obj", "abort.obj", "exit.obj"}) {
+  for (const std::string name : {"crash.gltf", "abort.gltf", "exit.gltf"}) {
     model(name);
     bad(name + " -o out.png", 3, {name, "its reader crashed"}, kFaulty);
   }
@@ -80,7 +84,7 @@ TEST_F(IsolatedImport, LeavesNoProcessBehind) {
   // too.
   int pipe_ends[2];
   ASSERT_EQ(::pipe(pipe_ends), 0);
-  const std::string file = model("linger.obj").string(), started = file + ".started";
+  const std::string file = model("linger.gltf").string(), started = file + ".started";
   const pid_t program = ::fork();
   if (program == 0) {
     ::dup2(pipe_ends[1], 9), ::close(pipe_ends[0]), ::close(pipe_ends[1]);
@@ -99,7 +103,7 @@ TEST_F(IsolatedImport, LeavesNoProcessBehind) {
 }
 
 TEST_F(IsolatedImport, StopsItsReaderOnRequest) {
-  const fs::path file = model("linger.obj");
+  const fs::path file = model("linger.gltf");
   const fs::path started = file.string() + ".started";
   std::chrono::steady_clock::time_point ended;
   const Result<Scene> scene = import_scene(file, {}, [&](double) {
@@ -117,14 +121,14 @@ TEST_F(IsolatedImport, WorksInAnyProgram) {
   ::signal(SIGCHLD, SIG_IGN);
   const int input = ::dup(STDIN_FILENO);
   ::close(STDIN_FILENO);
-  EXPECT_TRUE(import_scene(model("sound.obj")));
-  expect_error("crash.obj", "its reader crashed on it");
+  EXPECT_TRUE(import_scene(model("sound.gltf")));
+  expect_error("crash.gltf", "its reader crashed on it");
   ::dup2(input, STDIN_FILENO);
   ::close(input);
   ::signal(SIGCHLD, SIG_DFL);
   std::atomic<int> good = 0, bad = 0;
   std::vector<std::thread> threads;
-  const fs::path sound = model("sound.obj"), crash = model("crash.obj");
+  const fs::path sound = model("sound.gltf"), crash = model("crash.gltf");
   for (int i = 0; i < 6; ++i) threads.emplace_back([&, i] { (import_scene(i % 2 ? sound : crash) ? good : bad) += 1; });
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(good, 3);
@@ -133,12 +137,13 @@ TEST_F(IsolatedImport, WorksInAnyProgram) {
 
 TEST_F(IsolatedImport, NeedsItsProgram) {
   ::setenv("UMBRAGE_IMPORT", "/nowhere/umbrage-import", 1);
-  expect_error("sound.obj", "'/nowhere/umbrage-import' does not start");
+  expect_error("sound.gltf", "'/nowhere/umbrage-import' does not start");
+  EXPECT_TRUE(import_scene(folder_ / "tri.obj")) << "our own reader needs no other program";
   ::setenv("UMBRAGE_IMPORT", "/bin/true", 1);
-  expect_error("sound.obj", "its reader crashed on it");
+  expect_error("sound.gltf", "its reader crashed on it");
   ::unsetenv("UMBRAGE_IMPORT");
   EXPECT_EQ(import_program().filename(), "umbrage-import");
-  EXPECT_TRUE(import_scene(model("sound.obj")));
+  EXPECT_TRUE(import_scene(model("sound.gltf")));
 }
 
 /// An open file in memory, without a name.

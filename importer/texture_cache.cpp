@@ -9,6 +9,8 @@
 #include <system_error>
 
 #include "importer/limits.h"
+#include "importer/material_rules.h"
+#include "scene/readers/find_file.h"
 #include "scene/readers/texture_file.h"
 
 namespace umbrage {
@@ -18,11 +20,6 @@ namespace fs = std::filesystem;
 
 // Width over which the alpha of a blended surface is averaged, as a fraction of its texture's width.
 constexpr double kBlendFraction = 1.0 / 64.0;
-
-std::string lower(std::string text) {
-  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 /// Replaces URI escapes such as "%20".
 std::string without_escapes(const std::string& text) {
@@ -37,37 +34,34 @@ std::string without_escapes(const std::string& text) {
   return plain;
 }
 
-bool is_file(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(path, ignored);
-}
-
-/// Returns the file of this name in a folder; upper and lower case are equal.
-std::optional<fs::path> find_in(const fs::path& folder, const std::string& name) {
-  std::error_code error;
-  const std::string lower_name = lower(name);
-  for (fs::directory_iterator entry(folder.empty() ? fs::path(".") : folder, error), end; !error && entry != end;
-       entry.increment(error)) {
-    if (lower(entry->path().filename().string()) == lower_name && is_file(entry->path())) return entry->path();
-  }
+/// Searches for a texture as find_file does, also without URI escapes, and without what is no part of a name.
+std::optional<fs::path> find_texture(const fs::path& folder, const std::string& name) {
+  // Assimp's parsers include options in names: "-colorspace sRGB wood.png".
+  const std::string last_word = name.substr(name.find_last_of(' ') + 1),
+                    before_comment = name.substr(0, name.find(" #"));
+  for (const std::string& spelling : {name, without_escapes(name), before_comment, last_word})
+    if (auto found = find_file(folder, spelling)) return found;
   return std::nullopt;
 }
 
-/// Searches for a texture at the path in the model, then for the same path ignoring case, then for the file name beside
-/// the model: paths in model files are often valid only on the machine that wrote them.
-std::optional<fs::path> find_texture(const fs::path& folder, std::string name) {
-  std::replace(name.begin(), name.end(), '\\', '/');
-  name.erase(name.find_last_not_of(" \t\r") + 1);
-  // Assimp's parser includes MTL options in the name: "-colorspace sRGB wood.png".
-  const std::string last_word = name.substr(name.find_last_of(' ') + 1);
-  for (const std::string& spelling : {name, without_escapes(name), last_word}) {
-    if (spelling.empty()) continue;
-    const fs::path path(spelling), beside = folder / path;  // an absolute path replaces the folder
-    if (is_file(beside)) return beside;
-    if (auto found = find_in(beside.parent_path(), path.filename().string())) return found;
-    if (auto found = find_in(folder, path.filename().string())) return found;
+/// Applies an ImageEdit to a texture.
+void edit_image(const ImageEdit& edit, Texture& texture) {
+  std::array<std::uint8_t, 256> changed;
+  for (int k = 0; k < 256; ++k)
+    changed[std::size_t(k)] =
+        std::uint8_t(std::clamp(edit.base + edit.gain * (float(k) / 255.0f), 0.0f, 1.0f) * 255.0f + 0.5f);
+  for (std::size_t i = 0; i + 3 < texture.rgba.size(); i += 4) {
+    std::uint8_t* texel = &texture.rgba[i];
+    if (edit.channel != '\0') {
+      constexpr std::string_view kChannels = "rgbm";
+      const auto channel = kChannels.find(edit.channel);
+      const float luminance = 0.2126f * texel[0] + 0.7152f * texel[1] + 0.0722f * texel[2];
+      const std::uint8_t value = channel < kChannels.size() ? texel[channel] : std::uint8_t(luminance + 0.5f);
+      std::fill(texel, texel + 3, value);
+      texel[3] = 255;
+    }
+    for (int c = 0; c < 3; ++c) texel[c] = changed[texel[c]];
   }
-  return std::nullopt;
 }
 
 /// Applies a box filter of 2 radius + 1 texels twice to the alpha of `lines` rows or columns of `length` texels each.
@@ -112,6 +106,11 @@ Result<Texture> TextureCache::embedded(const aiTexture& texture, const std::stri
 }
 
 Result<Texture> TextureCache::read(const std::string& name) const {
+  if (const auto edit = edits.find(name); edit != edits.end()) {
+    Result<Texture> texture = read(edit->second.file);
+    if (texture) edit_image(edit->second, *texture);
+    return texture;
+  }
   if (const aiTexture* texture = source ? source->GetEmbeddedTexture(name.c_str()) : nullptr) {
     return embedded(*texture, name);
   }
@@ -133,9 +132,9 @@ int TextureCache::add(Texture texture, const std::string& key) {
   return index_of[key] = int(scene.textures.size()) - 1;
 }
 
-int TextureCache::find(const std::string& name) {
+int TextureCache::find(const std::string& name, const char* consequence) {
   if (const auto known = index_of.find(name); known != index_of.end()) return known->second;
-  std::optional<Texture> texture = read_or_warn(name, "its surfaces are shown in a neutral colour");
+  std::optional<Texture> texture = read_or_warn(name, consequence);
   return texture ? add(std::move(*texture), name) : index_of[name] = kNoTexture;
 }
 
@@ -146,8 +145,7 @@ int TextureCache::find_with_mask(const std::string& color_name, const std::strin
   if (!mask) return index_of[key] = color_name.empty() ? kNoTexture : find(color_name);
   const int color = color_name.empty() ? kNoTexture : find(color_name);
   Texture result = *mask;
-  bool has_alpha = false;
-  for (std::size_t i = 3; i < mask->rgba.size() && !has_alpha; i += 4) has_alpha = mask->rgba[i] != 255;
+  const bool has_alpha = has_transparent_texels(*mask);
   if (color != kNoTexture) {
     result = scene.textures[std::size_t(color)];
     result.name += " with the mask " + mask->name;

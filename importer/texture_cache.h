@@ -21,17 +21,26 @@ struct MapChannel {
   int channel = 0;
 };
 
+/// An image with changed texels: the channel r, g, b, m (alpha) or l (luminance) in place of the colours, unless it is
+/// '\0', then base + gain * value of values from 0 to 1.
+struct ImageEdit {
+  std::string file;
+  char channel = '\0';
+  float base = 0.0f, gain = 1.0f;
+};
+
 /// Adds textures to a scene. All functions return the index of a texture in the scene, or kNoTexture after adding one
 /// warning per missing or unreadable file.
 struct TextureCache {
   const aiScene* source;  // null for formats without embedded textures
   std::filesystem::path folder;
   Scene& scene;
-  std::map<std::string, int> index_of = {};  // by the name in the file; kNoTexture if reading failed
-  std::set<std::string> reported = {};       // files with a warning
+  std::map<std::string, int> index_of = {};     // by the name in the file; kNoTexture if reading failed
+  std::set<std::string> reported = {};          // files with a warning
+  std::map<std::string, ImageEdit> edits = {};  // names that stand for an image with changed texels
 
-  /// Finds a texture of colours.
-  int find(const std::string& name);
+  /// Finds a texture of colours. `consequence`: the end of the warning if it cannot be read.
+  int find(const std::string& name, const char* consequence = "its surfaces are shown in a neutral colour");
   /// Finds a texture of linear values.
   int find_linear(const std::string& name);
   /// Finds a texture that combines the colour of the first texture with the mask of the second as alpha. The mask is

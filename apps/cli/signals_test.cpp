@@ -114,11 +114,11 @@ class Signals : public test::ProgramTest {
 TEST_F(Signals, EndTheReaderOfAModel) {
   ::setenv("UMBRAGE_IMPORT", UMBRAGE_FAULTY_IMPORT, 1);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    write("linger.obj", "v 0 0 0\n");
-    const Running running = start("linger.obj -o out.png");
-    wait_for([&] { return fs::exists(folder_ / "linger.obj.started"); });
+    write("linger.gltf", "{}");
+    const Running running = start("linger.gltf -o out.png");
+    wait_for([&] { return fs::exists(folder_ / "linger.gltf.started"); });
     interrupt(running, files(), signal);
-    fs::remove(folder_ / "linger.obj.started");
+    fs::remove(folder_ / "linger.gltf.started");
   }
   ::unsetenv("UMBRAGE_IMPORT");
 }
@@ -132,9 +132,12 @@ TEST_F(Signals, RemoveTheCopyOfStandardInput) {
   std::this_thread::sleep_for(200ms);
   interrupt(copying, before);
   ::close(pipe_end);
-  // Interrupts the program while it reads or draws the copy.
+  // Interrupts the program while it reads or draws the copy. A large one, since a small one is read in no time.
+  std::string large = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  for (int i = 0; i < 300'000; ++i) large += "f 1 2 3\n";
+  std::ofstream(root_ / "large.obj") << large;
   const Running drawing =
-      start("- -o out.png --resolution 4000x4000 --ao reference --input-format obj", (folder_ / "tri.obj").string());
+      start("- -o out.png --resolution 4000x4000 --ao reference --input-format obj", (root_ / "large.obj").string());
   wait_for([&] { return !fs::is_empty(temporary_) || ::kill(drawing.pid, 0) != 0; });
   interrupt(drawing, before);
 }

@@ -24,8 +24,8 @@ struct ImportSettings {
   float animation_time = 0.0f;  ///< seconds from the start of the animation
 };
 
-/// Reads OBJ with MTL, glTF/GLB, 3DS, DAE and FBX through Assimp, PDB through Gemmi, PLY, STL, OFF and points in text
-/// form (XYZ, PTS) with built-in readers, and textures through stb_image. Applies node transforms, triangulates
+/// Reads glTF/GLB, 3DS, DAE and FBX through Assimp, PDB through Gemmi, OBJ with MTL, PLY, STL, OFF, 3MF and points in
+/// text form (XYZ, PTS) with built-in readers, and textures through stb_image. Applies node transforms, triangulates
 /// faces, drops degenerate triangles and triangles with coordinates that are not finite, and creates normals where the
 /// file has none. PLY, OFF, OBJ and XYZ files without faces, and points of glTF files without triangles, become points.
 /// Missing textures cause a warning and a neutral colour. Errors: kFile with one sentence that names the file and the

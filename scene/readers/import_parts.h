@@ -12,6 +12,9 @@ std::optional<Error> check_model_file(const std::filesystem::path& file, const s
 /// Returns the error for a file that needs more memory than is available.
 Error too_large_to_read(const std::filesystem::path& file);
 
+/// Adds one warning for all properties of materials that are not drawn.
+void warn_of_ignored(Scene& scene);
+
 /// Completes a scene after a reader of any format: name, up, normals, removal of unusable triangles, bounds. Errors:
 /// those of `imported`; kFile if nothing is left to draw; kInterrupted.
 Result<Scene> complete_import(Result<Scene> imported, const std::filesystem::path& file, const ImportSettings& settings,

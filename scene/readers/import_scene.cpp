@@ -3,6 +3,7 @@
 #include "scene/readers/import.h"
 
 #include <fcntl.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,12 +13,14 @@
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <new>
+#include <set>
 #include <system_error>
 
 #include "scene/coplanar.h"
 #include "scene/finish.h"
 #include "scene/readers/import_in_child_process.h"
 #include "scene/readers/import_parts.h"
+#include "scene/readers/obj.h"
 #include "scene/readers/off.h"
 #include "scene/readers/ply.h"
 #include "scene/readers/point_text.h"
@@ -36,9 +39,22 @@ std::string list_of_formats() {
   return list;
 }
 
-/// Reads PLY, OFF, STL, or points in text form. Returns nothing for other formats, and for files with a texture, which
-/// a third-party decoder reads.
+/// Reads an OBJ file whose materials have no textures.
+std::optional<Result<Scene>> import_own_obj(const fs::path& path, Poll* poll) {
+  const Result<ObjFile> file = open_obj(path, poll);
+  if (!file) return file.error();
+  if (file->has_maps()) return std::nullopt;
+  constexpr bool kThreads = true;
+  Result<ObjScene> obj = read_obj(*file, kThreads, poll);
+  if (!obj) return obj.error();
+  warn_of_ignored(obj->scene);
+  return std::move(obj->scene);
+}
+
+/// Reads OBJ, PLY, OFF, STL, or points in text form. Returns nothing for other formats, and for files with a texture,
+/// which a third-party decoder reads.
 std::optional<Result<Scene>> import_own(const fs::path& file, const std::string& format, Poll* poll) {
+  if (format == "obj") return import_own_obj(file, poll);
   if (format == "off") return read_off(file, poll);
   if (format == "stl") return read_stl(file, poll);
   if (format == "xyz" || format == "pts") return read_xyz(file, poll);
@@ -88,6 +104,14 @@ std::optional<Error> check_model_file(const fs::path& file, const std::string& f
 
 Error too_large_to_read(const fs::path& file) {
   return file_error("'{}' needs more memory than is available, or is damaged", file.string());
+}
+
+void warn_of_ignored(Scene& scene) {
+  std::set<std::string> ignored;
+  for (const Material& material : scene.materials) ignored.insert(material.ignored.begin(), material.ignored.end());
+  if (!ignored.empty())
+    scene.warnings.push_back(
+        fmt::format("the file's materials have properties that are not drawn: {}", fmt::join(ignored, ", ")));
 }
 
 Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, const ImportSettings& settings,

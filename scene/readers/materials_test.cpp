@@ -211,5 +211,64 @@ TEST_F(ImportMaterials, ConvertsHeightsToNormals) {
   EXPECT_LT(deeper.textures.at(std::size_t(material_of(deeper).normal_texture)).rgba[0], 40);
 }
 
+TEST_F(ImportMaterials, AppliesOptionsOfMapsOfObj) {
+  write_row("t.tga", {{{10, 100, 200}}, {{0, 0, 0}}});
+  const Scene scene = obj("map_Kd -s 4 2 1 -o 0.5 -1 0 t.tga\nmap_Bump -bm 2 -s 4 2 -o 0.5 -1 t.tga\n");
+  EXPECT_TRUE(scene.warnings.empty());
+  EXPECT_EQ(scene.meshes.at(0).uvs, (std::vector<glm::vec2>{{0.5f, -1}, {4.5f, -1}, {0.5f, 1}}));
+  EXPECT_EQ(material_of(scene).albedo, glm::vec3(1.0f));
+  EXPECT_NE(material_of(scene).normal_texture, kNoTexture);
+  const Scene changed = obj("Kd 1 1 1\nmap_Kd -imfchan g -mm 0.1 0.5 t.tga\n");
+  EXPECT_EQ(changed.textures.at(std::size_t(material_of(changed).texture)).rgba,
+            (Bytes{76, 76, 76, 255, 26, 26, 26, 255}));
+
+  const Scene apart = obj("Kd 1 1 1\nmap_Kd -s 2 2 t.tga\nmap_Bump t.tga\n");
+  EXPECT_EQ(material_of(apart).normal_texture, kNoTexture);
+  ASSERT_EQ(apart.warnings.size(), 1u);
+  EXPECT_NE(apart.warnings[0].find("map_Bump"), std::string::npos) << apart.warnings[0];
+  EXPECT_TRUE(obj("map_Kd -clamp on t.tga\n").warnings.empty()) << "no coordinate is outside";
+  const Scene clamped = obj("map_Kd -s 2 2 -clamp on t.tga\n");
+  ASSERT_EQ(clamped.warnings.size(), 1u);
+  EXPECT_NE(clamped.warnings[0].find("-clamp"), std::string::npos) << clamped.warnings[0];
+}
+
+TEST_F(ImportMaterials, FindsAndNamesMapsOfObj) {
+  fs::create_directories(folder / "Maps");
+  write_row("Maps/My Wood.tga", {{{1, 2, 3}}});
+  for (const char* name : {"Maps/My Wood.tga", "\"maps\\my wood.TGA\"", "C:\\art\\Maps\\..\\maps\\My Wood.tga"}) {
+    const Scene scene = obj(std::string("map_Kd ") + name + "\n");
+    EXPECT_NE(material_of(scene).texture, kNoTexture) << name;
+    EXPECT_TRUE(scene.warnings.empty()) << name;
+  }
+  const Scene dark = obj("Kd 1 1 1\nKe 1 1 1\nmap_Ke gone.png\n");
+  ASSERT_EQ(dark.warnings.size(), 1u);
+  EXPECT_NE(dark.warnings[0].find("'gone.png' does not exist; its surfaces do not glow"), std::string::npos)
+      << dark.warnings[0];
+  EXPECT_EQ(material_of(dark).emission, glm::vec3(0.0f));
+}
+
+TEST_F(ImportMaterials, NamesObjMaterialsWithoutTextureCoordinates) {
+  write_row("t.tga", {{{1, 2, 3}}});
+  write("a.mtl", "newmtl m\nmap_Kd t.tga\n");
+  write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
+  const Scene scene = read("a.obj");
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_NE(scene.warnings[0].find("'m' have no texture coordinates"), std::string::npos) << scene.warnings[0];
+}
+
+TEST_F(ImportMaterials, BlendsGradedMasksOfObj) {
+  write_row("graded.tga", {{{64, 64, 64}}, {{128, 128, 128}}, {{200, 200, 200}}, {{255, 255, 255}}});
+  write_row("cut.tga", {{{0, 0, 0}}, {{255, 255, 255}}});
+  const Scene graded = obj("Kd 1 0 0\nmap_d graded.tga\n"), cut = obj("Kd 1 0 0\nmap_d cut.tga\n"),
+              both = obj("Kd 1 0 0\nd 0.5\nmap_d cut.tga\n");
+  EXPECT_TRUE(material_of(graded).blended);
+  EXPECT_EQ(material_of(graded).opacity, 1.0f) << "times the alpha of the texture";
+  EXPECT_FALSE(material_of(graded).alpha_mask);
+  EXPECT_FALSE(material_of(cut).blended);
+  EXPECT_TRUE(material_of(cut).alpha_mask);
+  EXPECT_TRUE(material_of(both).blended && material_of(both).alpha_mask);
+  EXPECT_EQ(material_of(both).opacity, 0.5f);
+}
+
 }  // namespace
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// Readers for points in text form. The header describes the columns.
+// Reader for points in text form. The header describes the columns.
 #include "scene/readers/point_text.h"
 
 #include <algorithm>
@@ -222,48 +222,6 @@ Result<Scene> read_xyz(const fs::path& path, Poll* poll) {
   Scene scene = scene_of(std::move(mesh), positions, path);
   scene.warnings = std::move(warnings);
   return scene;
-}
-
-bool is_obj_of_points(std::string_view text) {
-  if (text.find("\nf ") != std::string_view::npos) return false;  // quick test for most files
-  bool vertices = false, has_others = false;
-  for_each_line(text, [&](std::string_view line, std::size_t) {
-    line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
-    const std::string_view word = line.substr(0, line.find_first_of(kBlank));
-    vertices = vertices || word == "v";
-    has_others = word == "f" || word == "l" || word == "fo" || word == "curv" || word == "surf";
-    return !has_others;
-  });
-  return vertices && !has_others;
-}
-
-Result<Scene> read_obj_points(const fs::path& path, std::string_view text) {
-  Mesh mesh;
-  std::size_t wrong_line = 0;
-  std::vector<glm::vec3> normals;
-  std::vector<glm::dvec3> positions;
-  for_each_line(text, [&](std::string_view line, std::size_t number) {
-    line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
-    const std::string_view word = line.substr(0, line.find_first_of(kBlank));
-    if (word != "v" && word != "vn") return true;
-    const Row row = row_of(line.substr(word.size()));
-    if (row.count < 3) {
-      wrong_line = number;
-      return false;
-    }
-    if (word == "vn") {
-      normals.push_back(triple(row, 0));
-      return true;
-    }
-    positions.push_back(row.position);
-    if (row.count >= 6) mesh.colors.push_back(triple(row, 3));
-    return true;
-  });
-  if (wrong_line > 0) return file_error("'{}' has fewer than three numbers in line {}", path.string(), wrong_line);
-  if (normals.size() == positions.size()) mesh.normals = std::move(normals);
-  if (mesh.colors.size() != positions.size()) mesh.colors.clear();
-  for (glm::vec3& color : mesh.colors) color = linear_color(color);
-  return scene_of(std::move(mesh), positions, path);
 }
 
 }  // namespace umbrage

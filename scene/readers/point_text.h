@@ -1,4 +1,4 @@
-// Reader for points in text form: XYZ files, and OBJ files without faces.
+// Reader for points in text form: XYZ files.
 #pragma once
 #include <filesystem>
 
@@ -15,12 +15,5 @@ namespace umbrage {
 /// three numbers, with a warning, if they are few. A file of atoms is a molecule: see read_molecule. The scene has one
 /// mesh, before finish_scene. Errors: kFile, naming the wrong line; kInterrupted.
 Result<Scene> read_xyz(const std::filesystem::path& file, Poll* poll = nullptr);
-
-/// Returns whether the text of an OBJ file has vertices but neither faces nor lines.
-bool is_obj_of_points(std::string_view text);
-
-/// Reads the text of an OBJ file without faces: vertices, colours if every vertex has one, and normals if there are as
-/// many normals as vertices. Errors: kFile, naming the wrong line.
-Result<Scene> read_obj_points(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace umbrage

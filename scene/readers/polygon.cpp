@@ -33,8 +33,8 @@ void append_fan(const std::vector<Index>& polygon, std::vector<Index>& triangles
 /// The corners that are not convex, in a grid over the polygon's bounding box.
 class CornerGrid {
  public:
-  CornerGrid(const std::vector<glm::dvec2>& points, const std::vector<Index>& corners) {
-    low_ = high_ = points[0];
+  CornerGrid(const std::vector<glm::dvec2>& points, const std::vector<Index>& corners)
+      : low_(points[0]), high_(points[0]) {
     for (const glm::dvec2& p : points) {
       low_ = {std::min(low_.x, p.x), std::min(low_.y, p.y)};
       high_ = {std::max(high_.x, p.x), std::max(high_.y, p.y)};

@@ -203,6 +203,7 @@ bool is_consistent(const Scene& scene) {
     for (const std::size_t size :
          {mesh.normals.size(), mesh.uvs.size(), mesh.colors.size(), mesh.radii.size(), mesh.bends.size()})
       if (size != 0 && size != mesh.positions.size()) return false;
+    if (!mesh.smoothing.empty() && mesh.smoothing.size() != mesh.indices.size() / 3) return false;
     std::uint32_t max = 0;
     for (const std::uint32_t index : mesh.indices) max = std::max(max, index);
     if (!mesh.indices.empty() && max >= mesh.positions.size()) return false;

@@ -163,7 +163,17 @@ Seeds three_mf_seeds() {
 Seeds obj_seeds() {
   return {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
           "# a\nmtllib none.mtl\no a b\ng g\nv 0 0 0 1 0 0\nv 1 0 0\nv .5 1 0\nv -1 -1e-3 2\nvt 0 0\nvt 1 0\nvt 1 1\n"
-          "vn 0 0 1\nusemtl m\ns 1\nf 1/1/1 2/2/1 3/3/1\nf 1//1 2//1 3//1 4//1\nf -1 -2 -3\nl 1 2\np 1\n"};
+          "vn 0 0 1\nusemtl m\ns 1\nf 1/1/1 2/2/1 3/3/1\nf 1//1 2//1 3//1 4//1\nf -1 -2 -3\nl 1 2\np 1\n",
+          "\xef\xbb\xbfv 0 0 0\rv 500000.25 1e3 .5\rv 9 \\\r 9 9\rv 3 3 nan\ro a\rs off\rf 1 2 3\r\nf 1 2 9\n# C:\\\nf "
+          "3 1 2\n"};
+}
+
+Seeds mtl_seeds() {
+  return {
+      "newmtl a\nKa 0 0 0\nKd 0.5 .5 1\nKs 0.2\nNs 30\nKe 3 2 1\nd 0.5\nTr 0.5\nTf 1 1 1\nNi 1.5\nillum 4\nPr 0.3\nPm "
+      "1\n",
+      "newmtl b c\nmap_Kd -s 4 4 1 -o 0.5 0 0 \"my tex.png\" -mm 0.1 2 -clamp on\nmap_d -imfchan m d.png\n"
+      "bump -bm 2 b.png\nnorm n.png\nmap_Ke e.png\nd -halo 0.3\ndisp -t 1 1 1 x.png\nfoo\nPc 1\n"};
 }
 
 Seeds stl_seeds() {

@@ -12,6 +12,7 @@ Seeds off_seeds();
 Seeds xyz_seeds();
 Seeds radiance_seeds();
 Seeds obj_seeds();
+Seeds mtl_seeds();
 Seeds stl_seeds();
 Seeds gltf_seeds();
 Seeds glb_seeds();

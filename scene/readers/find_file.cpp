@@ -1,0 +1,74 @@
+#include "scene/readers/find_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <iterator>
+#include <system_error>
+
+namespace umbrage {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string lower(std::string text) {
+  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+bool is_file(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+/// Returns the entry of this name in a folder; upper and lower case are equal.
+std::optional<fs::path> find_in(const fs::path& folder, const std::string& name) {
+  std::error_code error;
+  const std::string lower_name = lower(name);
+  for (fs::directory_iterator entry(folder.empty() ? fs::path(".") : folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string other = entry->path().filename().string();
+    if (lower(other) == lower_name) return folder / other;
+  }
+  return std::nullopt;
+}
+
+/// Returns the file at a path whose parts may differ from it in upper and lower case.
+std::optional<fs::path> find_ignoring_case(const fs::path& folder, const fs::path& relative) {
+  fs::path found = folder;
+  for (const fs::path& part : relative) {
+    const fs::path exact = found / part;
+    std::error_code ignored;
+    if (fs::exists(exact, ignored)) {
+      found = exact;
+    } else if (const auto other = find_in(found, part.string())) {
+      found = *other;
+    } else {
+      return std::nullopt;
+    }
+  }
+  return is_file(found) ? std::optional(found) : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<fs::path> find_file(const fs::path& folder, std::string name) {
+  std::replace(name.begin(), name.end(), '\\', '/');
+  name.erase(name.find_last_not_of(" \t\r") + 1);
+  constexpr std::size_t kMaxLength = 4096;  // PATH_MAX of Linux
+  if (name.empty() || name.size() > kMaxLength) return std::nullopt;
+  const fs::path path(name), beside = folder / path;  // an absolute path replaces the folder
+  if (is_file(beside)) return beside;
+  if (path.is_absolute())
+    if (auto found = find_ignoring_case({}, path)) return found;
+  constexpr std::ptrdiff_t kMaxParts = 16;
+  const std::ptrdiff_t count = std::distance(path.begin(), path.end());
+  for (std::ptrdiff_t skipped = std::max<std::ptrdiff_t>(0, count - kMaxParts); skipped < count; ++skipped) {
+    fs::path end;
+    for (auto part = std::next(path.begin(), skipped); part != path.end(); ++part) end /= *part;
+    if (end.is_absolute()) continue;
+    if (auto found = find_ignoring_case(folder, end)) return found;
+  }
+  return std::nullopt;
+}
+
+}  // namespace umbrage

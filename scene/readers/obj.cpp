@@ -1,0 +1,106 @@
+#include "scene/readers/obj.h"
+
+#include <algorithm>
+#include <set>
+#include <string_view>
+
+#include "scene/readers/find_file.h"
+#include "scene/readers/obj_meshes.h"
+#include "scene/readers/obj_text.h"
+#include "scene/readers/whole_file.h"
+
+namespace umbrage {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Returns the names of the libraries in a line "mtllib a.mtl b.mtl"; names may contain blanks or be quoted.
+void add_libraries(std::string_view line, const fs::path& folder, std::vector<std::string>& names) {
+  constexpr std::size_t kMaxNames = 256;  // bounds the time for long lines
+  line = trimmed(line);
+  while (!line.empty() && names.size() < kMaxNames) {
+    if (const std::size_t close = line.find('"', 1); line[0] == '"' && close != std::string_view::npos) {
+      names.emplace_back(line.substr(1, close - 1));
+      line = trimmed(line.substr(close + 1));
+      continue;
+    }
+    // The longest name of a file that exists; else the text up to ".mtl" before a blank.
+    constexpr int kMaxBlanks = 32;
+    std::size_t end = line.size(), next_end = line.size();
+    bool exists = false;
+    for (int k = 0; k < kMaxBlanks && !exists; ++k) {
+      exists = find_file(folder, std::string(trimmed(line.substr(0, end)))).has_value();
+      if (exists) break;
+      const std::size_t blank = line.find_last_of(" \t", end - 1);
+      if (blank == std::string_view::npos || blank == 0) break;
+      end = line.find_last_not_of(" \t", blank) + 1;
+    }
+    if (!exists) {
+      for (const std::string_view ending : {".mtl ", ".mtl\t", ".MTL ", ".MTL\t"})
+        next_end =
+            std::min(next_end, line.find(ending) == std::string_view::npos ? line.size() : line.find(ending) + 4);
+      end = next_end;
+    }
+    names.emplace_back(trimmed(line.substr(0, end)));
+    line = trimmed(line.substr(end));
+  }
+}
+
+std::vector<std::string> libraries_of(std::string_view text, const fs::path& folder) {
+  constexpr std::string_view kWord = "mtllib";
+  std::vector<std::string> names;
+  std::set<std::string_view> lines;
+  for (std::size_t at = text.find(kWord); at != std::string_view::npos; at = text.find(kWord, at + 1)) {
+    const std::size_t line_end = text.find('\n', at), after = at + kWord.size();
+    const std::size_t before = text.find_last_not_of(" \t\v", at - 1);
+    if (!is_blank(text[after]) || (at > 0 && before != std::string_view::npos && text[before] != '\n')) continue;
+    // Some exporters repeat the line for each object.
+    if (const std::string_view line = text.substr(after, line_end - after); lines.insert(line).second)
+      add_libraries(line, folder, names);
+  }
+  return names;
+}
+
+}  // namespace
+
+bool ObjFile::has_maps() const {
+  return std::any_of(materials.begin(), materials.end(), [](const MtlMaterial& each) { return each.has_maps(); });
+}
+
+Result<ObjFile> open_obj(const fs::path& path, Poll* poll) {
+  auto text = read_whole_file(path, poll);
+  if (!text) return text.error();
+  if (text->starts_with("\xff\xfe") || text->starts_with("\xfe\xff"))
+    return file_error("'{}' is UTF-16 text; save it as UTF-8", path.string());
+  ObjFile file{.path = path, .text = std::move(*text)};
+  normalize_lines(file.text);
+  const fs::path folder = path.parent_path();
+  std::set<std::string> known, read;
+  for (const std::string& name : libraries_of(file.text, folder)) {
+    if (!read.insert(name).second) continue;
+    const auto found = find_file(folder, name);
+    auto content = found ? read_whole_file(*found, poll) : Result<std::string>(file_error("missing"));
+    if (poll && poll->ended()) return interrupted();
+    if (!content) {
+      file.missing_libraries.push_back(name);
+      continue;
+    }
+    normalize_lines(*content);
+    MtlLibrary library = read_mtl(*content, found->filename().string());
+    file.libraries.push_back(*found);
+    file.warnings.insert(file.warnings.end(), library.warnings.begin(), library.warnings.end());
+    for (MtlMaterial& material : library.materials)  // the first library that defines a name applies
+      if (known.insert(material.name).second) file.materials.push_back(std::move(material));
+  }
+  return file;
+}
+
+Result<ObjScene> read_obj(const ObjFile& file, bool threads, Poll* poll) {
+  constexpr std::size_t kMaxBytes = std::size_t(1) << 33;  // so that indices fit into 32 bits
+  if (file.text.size() > kMaxBytes) return file_error("'{}' is larger than 8 GB", file.path.string());
+  std::vector<ObjBlock> blocks = parse_obj(file.text, threads, poll);
+  if (poll && poll->ended()) return interrupted();
+  return ObjMeshes(file, std::move(blocks), poll).scene();
+}
+
+}  // namespace umbrage

@@ -1,0 +1,393 @@
+#include "scene/readers/obj_meshes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+#include "scene/origin.h"
+#include "scene/readers/polygon.h"
+#include "scene/readers/vertex_colors.h"
+
+namespace umbrage {
+namespace {
+
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+bool is_finite(const glm::dvec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+
+struct Box {
+  glm::dvec3 low{std::numeric_limits<double>::max()}, high{std::numeric_limits<double>::lowest()};
+  void add(const glm::dvec3& p) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+};
+
+/// Returns the smoothing group of a statement s: "off", "0", "on" or a number.
+std::uint32_t smoothing_of(std::string_view name) {
+  if (name == "on") return 1;
+  std::uint32_t group = 0;
+  std::from_chars(name.data(), name.data() + name.size(), group);
+  return group;
+}
+
+/// Returns "'a', 'b' and 3 more".
+std::string list_of(const std::vector<std::string>& names) {
+  constexpr std::size_t kMaxShown = 4;
+  std::string list;
+  for (std::size_t i = 0; i < std::min(names.size(), kMaxShown); ++i)
+    list += (i == 0 ? "'" : i + 1 == names.size() ? " and '" : ", '") + names[i] + "'";
+  return names.size() > kMaxShown ? fmt::format("{} and {} more", list, names.size() - kMaxShown) : list;
+}
+
+}  // namespace
+
+ObjMeshes::ObjMeshes(const ObjFile& file, std::vector<ObjBlock> blocks, Poll* poll)
+    : file_(file), blocks_(std::move(blocks)), poll_(poll) {}
+
+Result<ObjScene> ObjMeshes::scene() {
+  const std::string name = file_.path.string();
+  result_.scene.warnings = file_.warnings;
+  std::size_t vertex_lines = 0;
+  for (const ObjBlock& block : blocks_) {
+    face_count_ += block.faces.size();
+    vertex_lines += block.vertex_lines;
+    bad_positions_.add(block.bad_positions);
+    lines_.add(block.lines);
+    points_.add(block.points);
+    curves_.add(block.curves);
+  }
+  if (face_count_ == 0 && vertex_lines == 0 && lines_.count == 0)
+    return file_error("'{}' cannot be read as OBJ (it has no vertices and no faces)", name);
+  if (face_count_ == 0 && lines_.count + curves_.count > 0)
+    return file_error("'{}' has no triangles; {} are not drawn", name,
+                      lines_.count > 0 ? "lines" : "free-form curves and surfaces");
+  check_faces();
+  if (ended()) return interrupted();
+  convert_vertices();
+  if (face_count_ == 0) {
+    if (!add_points())
+      return file_error("'{}' has no points that can be drawn; none has three finite numbers{}", name, bad_line());
+  } else {
+    if (bad_count_ == face_count_)
+      return file_error(
+          "'{}' has no triangles that can be drawn; all {} faces have vertices that are missing or not finite, the "
+          "first in line {}{}",
+          name, face_count_, first_bad_line_, bad_line());
+    sort_faces();
+    newest_.assign(positions_.size(), kNone);
+    for (const Part& part : parts_) {
+      add_meshes(part);
+      if (ended()) return interrupted();
+    }
+  }
+  warn_of_elements();
+  warn_of_materials();
+  return std::move(result_);
+}
+
+/// Returns a clause that names the first vertex with something other than three finite numbers, if there is any.
+std::string ObjMeshes::bad_line() const {
+  if (bad_positions_.count == 0) return "";
+  return fmt::format(" (line {} is not a vertex of three finite numbers)",
+                     line_number(file_.text, bad_positions_.first));
+}
+
+/// Sets kinds_, bad_count_ and the origin, and converts the positions.
+void ObjMeshes::check_faces() {
+  std::size_t position_count = 0, uv_count = 0, normal_count = 0;
+  for (const ObjBlock& block : blocks_) {
+    position_count += block.positions.size();
+    uv_count += block.uvs.size();
+    normal_count += block.normals.size();
+  }
+  std::vector<glm::dvec3> positions;
+  positions.reserve(position_count);
+  for (ObjBlock& block : blocks_) {
+    positions.insert(positions.end(), block.positions.begin(), block.positions.end());
+    position_counts_.push_back(block.positions.size());
+    std::vector<glm::dvec3>().swap(block.positions);
+  }
+  Box box;
+  const auto is_in = [](std::int32_t index, std::size_t count) { return index >= 0 && std::size_t(index) < count; };
+  const auto kind_of = [&](const ObjCorner* corner, const ObjCorner* end) {
+    std::uint8_t kind = kWithUvs | kWithNormals;
+    bool has_lost_uvs = false;
+    for (; corner != end; ++corner) {
+      if (!is_in(corner->x, position_count) || !is_finite(positions[std::size_t(corner->x)])) return kBad;
+      box.add(positions[std::size_t(corner->x)]);
+      if (!is_in(corner->y, uv_count)) kind &= std::uint8_t(~kWithUvs);
+      if (!is_in(corner->z, normal_count)) kind &= std::uint8_t(~kWithNormals);
+      has_lost_uvs = has_lost_uvs || (corner->y != kNoObjIndex && !is_in(corner->y, uv_count));
+    }
+    lost_uvs_ += has_lost_uvs;
+    return FaceKind(kind);
+  };
+  for (const ObjBlock& block : blocks_) {
+    if (poll_ && poll_->passing(0.0)) return;
+    std::vector<std::uint8_t>& kinds = kinds_.emplace_back(block.faces.size());
+    std::uint32_t first = 0;
+    for (std::size_t f = 0; f < block.faces.size(); ++f) {
+      const ObjFace& face = block.faces[f];
+      const ObjCorner* corners = block.corners.data();
+      const bool is_bad = face.is_bad || face.end < first + 3;
+      kinds[f] = is_bad ? kBad : kind_of(corners + first, corners + face.end);
+      first = face.end;
+      if (kinds[f] == kBad && bad_count_++ == 0) first_bad_line_ = line_of(block, face);
+    }
+  }
+  if (face_count_ == 0)
+    for (const glm::dvec3& p : positions)
+      if (is_finite(p)) box.add(p);
+  const glm::dvec3 origin = scene_origin(box.low, box.high);
+  result_.scene.origin = origin;
+  positions_.reserve(position_count);
+  for (const glm::dvec3& p : positions) positions_.emplace_back(p - origin);
+}
+
+/// Joins the other vertex data of all blocks.
+void ObjMeshes::convert_vertices() {
+  const bool colored =
+      std::any_of(blocks_.begin(), blocks_.end(), [](const ObjBlock& block) { return !block.colors.empty(); });
+  for (ObjBlock& block : blocks_) {
+    std::copy(block.normals.begin(), block.normals.end(), std::back_inserter(normals_));
+    for (const glm::dvec2& uv : block.uvs) uvs_.emplace_back(uv);
+    std::vector<glm::dvec2>().swap(block.uvs);
+    std::vector<glm::vec3>().swap(block.normals);
+  }
+  if (!colored) return;
+  std::size_t end = 0;
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    std::copy(blocks_[b].colors.begin(), blocks_[b].colors.end(), std::back_inserter(colors_));
+    colors_.resize(end += position_counts_[b], glm::vec3(1.0f));
+  }
+  // Colours are 0 to 1, or 0 to 255 if any value is above 1.
+  const bool bytes = std::any_of(colors_.begin(), colors_.end(), [](const glm::vec3& c) {
+    return std::max({c.x, c.y, c.z}) > 1.0f;
+  });
+  for (glm::vec3& color : colors_) color = linear_color(bytes ? color / 255.0f : color);
+}
+
+/// Distributes the faces to parts_.
+void ObjMeshes::sort_faces() {
+  std::string object, group;
+  std::string_view material;
+  std::uint32_t smoothing = 0;
+  std::size_t part = 0;
+  bool changed = true;
+  for (std::uint32_t b = 0; b < blocks_.size(); ++b) {
+    const ObjBlock& block = blocks_[b];
+    std::size_t first = 0;
+    const auto add_run = [&](std::size_t last) {
+      if (last == first) return;
+      if (changed) part = part_of(object + '\n' + group, group.empty() ? object : group, material);
+      changed = false;
+      parts_[part].runs.push_back({b, first, last, smoothing});
+      first = last;
+    };
+    for (const ObjStatement& statement : block.statements) {
+      add_run(statement.face);
+      if (statement.kind == ObjStatement::kSmoothing) {
+        has_smoothing_ = true;
+        smoothing = smoothing_of(statement.name);
+        continue;
+      }
+      changed = true;
+      if (statement.kind == ObjStatement::kMaterial) material = statement.name;
+      if (statement.kind == ObjStatement::kGroup) group = statement.name;
+      if (statement.kind == ObjStatement::kObject) object = statement.name, group.clear();
+    }
+    add_run(block.faces.size());
+  }
+}
+
+std::size_t ObjMeshes::part_of(const std::string& object, std::string_view name, std::string_view material) {
+  const int object_number = object_numbers_.emplace(object, int(object_numbers_.size())).first->second;
+  const int material_number = material_named(material);
+  const auto [known, is_new] = part_numbers_.emplace(std::pair(object_number, material_number), parts_.size());
+  if (is_new) parts_.push_back({std::string(name), object_number, material_number, {}});
+  return known->second;
+}
+
+/// Returns the index of a material of the scene. Materials that no library defines are neutral.
+int ObjMeshes::material_named(std::string_view name) {
+  if (const auto known = material_numbers_.find(name); known != material_numbers_.end()) return known->second;
+  const auto& all = file_.materials;
+  const auto source = std::find_if(all.begin(), all.end(), [&](const MtlMaterial& each) { return each.name == name; });
+  Material neutral;
+  neutral.name = name;
+  const bool is_defined = source != all.end();
+  std::vector<Material>& materials = result_.scene.materials;
+  materials.push_back(is_defined ? material_of(*source) : neutral);
+  result_.sources.push_back(is_defined ? &*source : nullptr);
+  if (!is_defined && !name.empty()) undefined_.emplace_back(name);
+  return material_numbers_[std::string(name)] = int(materials.size()) - 1;
+}
+
+/// Adds the meshes of a part: one for each combination of vertex data.
+void ObjMeshes::add_meshes(const Part& part) {
+  bool exists[4] = {};
+  for (const Run& run : part.runs)
+    for (std::size_t f = run.first; f < run.last; ++f)
+      if (kinds_[run.block][f] != kBad) exists[kinds_[run.block][f]] = true;
+  for (const FaceKind kind : {kPlain, kWithUvs, kWithNormals, FaceKind(kWithUvs | kWithNormals)})
+    if (exists[kind]) result_.scene.meshes.push_back(mesh_of(part, kind));
+}
+
+std::uint32_t ObjMeshes::vertex_of(const ObjCorner& corner) {
+  constexpr int kMaxCompared = 16;  // bounds the time if thousands of corners share a position; copies do no harm
+  std::uint32_t& newest = newest_[std::size_t(corner.x)];
+  std::uint32_t at = newest;
+  for (int k = 0; k < kMaxCompared && at != kNone; ++k, at = vertices_[at].next)
+    if (vertices_[at].corner == corner) return at;
+  vertices_.push_back({corner, newest});
+  return newest = std::uint32_t(vertices_.size() - 1);
+}
+
+Mesh ObjMeshes::mesh_of(const Part& part, FaceKind kind) {
+  Mesh mesh{.name = part.name, .material = part.material, .object = part.object};
+  const bool has_uvs = kind & kWithUvs, has_normals = kind & kWithNormals, smooths = has_smoothing_ && !has_normals;
+  vertices_.clear();
+  std::vector<std::uint32_t> face, triangles;
+  std::vector<glm::vec3> polygon;
+  std::size_t face_count = 0;
+  for (const Run& run : part.runs) face_count += run.last - run.first;
+  mesh.indices.reserve(3 * face_count);
+  for (const Run& run : part.runs) {
+    const ObjBlock& block = blocks_[run.block];
+    if (poll_ && poll_->passing(0.0)) return mesh;
+    for (std::size_t f = run.first; f < run.last; ++f) {
+      if (kinds_[run.block][f] != kind) continue;
+      face.clear();
+      for (std::uint32_t c = f == 0 ? 0 : block.faces[f - 1].end; c < block.faces[f].end; ++c) {
+        const ObjCorner& corner = block.corners[c];
+        face.push_back(vertex_of({corner.x, has_uvs ? corner.y : kNoObjIndex, has_normals ? corner.z : kNoObjIndex}));
+      }
+      if (face.size() == 3) {
+        mesh.indices.insert(mesh.indices.end(), face.begin(), face.end());
+      } else {
+        polygon.clear();
+        triangles.clear();
+        for (const std::uint32_t vertex : face) polygon.push_back(positions_[std::size_t(vertices_[vertex].corner.x)]);
+        split_polygon(polygon, triangles);
+        for (const std::uint32_t corner : triangles) mesh.indices.push_back(face[corner]);
+      }
+      if (smooths) mesh.smoothing.resize(mesh.indices.size() / 3, run.smoothing);
+    }
+  }
+  mesh.positions.reserve(vertices_.size());
+  for (const Vertex& vertex : vertices_) mesh.positions.push_back(positions_[std::size_t(vertex.corner.x)]);
+  if (has_uvs)
+    for (const Vertex& vertex : vertices_) mesh.uvs.push_back(uvs_[std::size_t(vertex.corner.y)]);
+  if (has_normals)
+    for (const Vertex& vertex : vertices_) mesh.normals.push_back(normals_[std::size_t(vertex.corner.z)]);
+  if (!colors_.empty())
+    for (const Vertex& vertex : vertices_) mesh.colors.push_back(colors_[std::size_t(vertex.corner.x)]);
+  const auto is_white = [](const glm::vec3& color) { return color == glm::vec3(1.0f); };
+  if (std::all_of(mesh.colors.begin(), mesh.colors.end(), is_white)) mesh.colors.clear();
+  for (const Vertex& vertex : vertices_) newest_[std::size_t(vertex.corner.x)] = kNone;
+  return mesh;
+}
+
+/// Adds the vertices as points: with colours if every vertex has one, and with normals if there are as many. Returns
+/// false if there are none.
+bool ObjMeshes::add_points() {
+  Mesh mesh{.name = file_.path.stem().string(), .points = true};
+  const bool has_normals = normals_.size() == positions_.size(), has_colors = colors_.size() == positions_.size();
+  for (std::size_t i = 0; i < positions_.size(); ++i) {
+    const glm::vec3& p = positions_[i];
+    if (!is_finite(p)) {
+      ++bad_count_;
+      continue;
+    }
+    mesh.positions.push_back(p);
+    if (has_normals) mesh.normals.push_back(normals_[i]);
+    if (has_colors) mesh.colors.push_back(colors_[i]);
+  }
+  result_.scene.materials.emplace_back().albedo = glm::vec3(has_colors ? 1.0f : 0.8f);
+  result_.sources.push_back(nullptr);
+  if (bad_count_ > 0)
+    result_.scene.warnings.push_back(
+        fmt::format("{} of {} points do not have three finite numbers and are left out; the first is in line {}",
+                    bad_count_, positions_.size(), line_number(file_.text, bad_positions_.first)));
+  if (mesh.positions.empty()) return false;
+  result_.scene.meshes.push_back(std::move(mesh));
+  return true;
+}
+
+/// Adds warnings of faces and other elements that are not drawn.
+void ObjMeshes::warn_of_elements() {
+  std::vector<std::string>& warnings = result_.scene.warnings;
+  if (face_count_ > 0 && bad_count_ > 0)
+    warnings.push_back(fmt::format(
+        "{} of {} faces have vertices that are missing or not finite and are left out; the first is in line {}{}",
+        bad_count_, face_count_, first_bad_line_, bad_line()));
+  if (lost_uvs_ > 0)
+    warnings.push_back(
+        fmt::format("{} of {} faces have indices of texture coordinates out of range and are drawn without texture",
+                    lost_uvs_, face_count_));
+  const auto warn_of = [&](const ObjLines& what, const char* name) {
+    if (what.count > 0)
+      warnings.push_back(fmt::format("the file has {}, which are not drawn; the first is in line {}", name,
+                                     line_number(file_.text, what.first)));
+  };
+  warn_of(lines_, "lines");
+  if (face_count_ > 0) warn_of(points_, "points beside faces");
+  warn_of(curves_, "free-form curves or surfaces");
+  std::vector<std::string> others;
+  for (const ObjBlock& block : blocks_)
+    for (const std::string_view word : block.other)
+      if (std::find(others.begin(), others.end(), word) == others.end()) others.emplace_back(word);
+  for (std::string& word : others)
+    for (char& c : word)
+      if (static_cast<unsigned char>(c) < ' ') c = '?';
+  if (!others.empty())
+    warnings.push_back(fmt::format("the file has statements that are not known and are ignored: {}", list_of(others)));
+}
+
+/// Adds warnings of materials that are missing or invisible. If all are invisible, they are drawn opaque.
+void ObjMeshes::warn_of_materials() {
+  Scene& scene = result_.scene;
+  const auto is_invisible = [](const Material& each) { return each.blended && each.opacity == 0.0f; };
+  const bool all_invisible = std::all_of(scene.materials.begin(), scene.materials.end(), is_invisible);
+  std::vector<std::string> invisible, opaque;
+  for (std::size_t m = 0; m < scene.materials.size(); ++m) {
+    Material& material = scene.materials[m];
+    if (is_invisible(material)) (all_invisible ? opaque : invisible).push_back(material.name);
+    if (result_.sources[m] && is_invisible_by_tr(*result_.sources[m])) opaque.push_back(material.name);
+    if (all_invisible) material.blended = false, material.opacity = 1.0f;
+  }
+  const auto noun = [](const std::vector<std::string>& names, const char* one, const char* several) {
+    return fmt::format("{} {}", names.size() == 1 ? one : several, list_of(names));
+  };
+  if (!invisible.empty())
+    scene.warnings.push_back(noun(invisible, "the material", "the materials") +
+                             (invisible.size() == 1 ? " is" : " are") + " fully transparent and not seen");
+  if (!opaque.empty())
+    scene.warnings.push_back(noun(opaque, "the material", "the materials") + " would be fully transparent and " +
+                             (opaque.size() == 1 ? "is" : "are") + " drawn opaque");
+  const auto& missing = file_.missing_libraries;
+  if (!missing.empty()) {
+    scene.warnings.push_back(fmt::format(
+        "{} not exist; surfaces are shown in a neutral colour",
+        noun(missing, "the material library", "the material libraries") + (missing.size() == 1 ? " does" : " do")));
+  } else if (!undefined_.empty()) {
+    const bool one = undefined_.size() == 1;
+    const std::string reason = file_.libraries.empty()
+                                   ? "names no material library"
+                                   : fmt::format("its material library does not define {}", one ? "it" : "them");
+    scene.warnings.push_back(fmt::format("the file uses {}, but {}; {} surfaces are shown in a neutral colour",
+                                         noun(undefined_, "the material", "the materials"), reason,
+                                         one ? "its" : "their"));
+  }
+}
+
+std::size_t ObjMeshes::line_of(const ObjBlock& block, const ObjFace& face) const {
+  return line_number(file_.text, std::size_t(block.text.data() - file_.text.data()) + face.line);
+}
+
+}  // namespace umbrage
