@@ -26,11 +26,10 @@
 #include <memory>
 #include <new>
 #include <optional>
-#include <set>
 #include <string_view>
 #include <system_error>
 
-#include "importer/gltf_facts.h"
+#include "importer/gltf.h"
 #include "importer/import_materials.h"
 #include "importer/limits.h"
 #include "importer/obj_maps.h"
@@ -200,25 +199,7 @@ bool all_white(const aiMesh& source) {
 struct MeshRules {
   bool keep_normals = true;    ///< false for formats whose normals contain no more than the face normals
   bool linear_colors = false;  ///< otherwise vertex colours are sRGB
-  GltfFacts gltf = {};
-  std::vector<bool> not_drawn = {};  ///< for each material, whether it is not drawn
 };
-
-/// Sets the mesh's texture coordinates: the set that its material uses, with the material's texture transform.
-void set_uvs(const aiMesh& source, const MeshRules& rules, Mesh& mesh) {
-  GltfPlacement placement;
-  if (source.mMaterialIndex < rules.gltf.materials.size())
-    placement = rules.gltf.materials[source.mMaterialIndex].placement();
-  if (placement.set >= AI_MAX_NUMBER_OF_TEXTURECOORDS || !source.mTextureCoords[placement.set]) placement.set = 0;
-  const aiVector3D* uvs = source.mTextureCoords[placement.set];
-  if (!uvs) return;
-  const GltfPlacement plain{.set = placement.set};
-  mesh.uvs.resize(source.mNumVertices);
-  for (unsigned i = 0; i < source.mNumVertices; ++i) {
-    const glm::vec2 uv(uvs[i].x, uvs[i].y);
-    mesh.uvs[i] = placement == plain ? uv : placement.placed(uv);
-  }
-}
 
 /// Converts a mesh of a node. `world_from_mesh`: the transform of the node.
 Mesh mesh_of(const aiMesh& source, const glm::dmat4& world_from_mesh, const MeshRules& rules) {
@@ -252,7 +233,10 @@ Mesh mesh_of(const aiMesh& source, const glm::dmat4& world_from_mesh, const Mesh
       mesh.normals[i] = length > 0.0 ? glm::vec3(rotated / length) : glm::vec3(0.0f);
     }
   }
-  set_uvs(source, rules, mesh);
+  if (const aiVector3D* uvs = source.mTextureCoords[0]) {
+    mesh.uvs.resize(source.mNumVertices);
+    for (unsigned i = 0; i < source.mNumVertices; ++i) mesh.uvs[i] = {uvs[i].x, uvs[i].y};
+  }
   if (source.mColors[0] && !all_white(source)) {
     mesh.colors.resize(source.mNumVertices);
     for (unsigned i = 0; i < source.mNumVertices; ++i) {
@@ -283,13 +267,6 @@ void import_nodes(const aiScene& source, const glm::dmat4& root, const MeshRules
   std::vector<PendingNode> stack{{source.mRootNode, root}};
   const bool only_points = std::all_of(source.mMeshes, source.mMeshes + source.mNumMeshes,
                                        [](const aiMesh* mesh) { return is_points(*mesh); });
-  // If no mesh has a material that is drawn, all meshes are drawn.
-  const auto is_not_drawn = [&](const aiMesh& mesh) {
-    return mesh.mMaterialIndex < rules.not_drawn.size() && rules.not_drawn[mesh.mMaterialIndex];
-  };
-  const bool skips_not_drawn = !std::all_of(source.mMeshes, source.mMeshes + source.mNumMeshes,
-                                            [&](const aiMesh* mesh) { return is_not_drawn(*mesh); });
-  std::set<std::string> names_not_drawn;
   int object = 0;
   while (!stack.empty()) {
     const PendingNode pending = stack.back();
@@ -300,10 +277,6 @@ void import_nodes(const aiScene& source, const glm::dmat4& root, const MeshRules
     for (unsigned i = 0; i < pending.node->mNumMeshes; ++i) {
       const unsigned index = pending.node->mMeshes[i];
       if (index >= source.mNumMeshes || (is_points(*source.mMeshes[index]) && !only_points)) continue;
-      if (skips_not_drawn && is_not_drawn(*source.mMeshes[index])) {
-        names_not_drawn.insert(scene.materials[source.mMeshes[index]->mMaterialIndex].name);
-        continue;
-      }
       Mesh mesh = mesh_of(*source.mMeshes[index], world_from_node, rules);
       if (mesh.indices.empty() && !mesh.points) continue;
       if (mesh.name.empty()) mesh.name = pending.node->mName.C_Str();
@@ -315,9 +288,6 @@ void import_nodes(const aiScene& source, const glm::dmat4& root, const MeshRules
     for (unsigned i = pending.node->mNumChildren; i-- > 0;)
       stack.push_back({pending.node->mChildren[i], world_from_node});
   }
-  for (const std::string& name : names_not_drawn)
-    scene.warnings.push_back(
-        fmt::format("surfaces of the material '{}' are mostly transparent and are not drawn", name));
 }
 
 /// Returns world up as the format or the file defines it. Assimp converts DAE itself, but not FBX.
@@ -332,8 +302,7 @@ glm::vec3 up_of(const aiScene& source, const std::string& format) {
   return up;
 }
 
-Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, const ImportSettings& settings,
-                               bool process_ends) {
+Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, bool process_ends) {
   if (format == "dae") {
     if (auto error = check_dae(file)) return std::move(*error);
   }
@@ -344,17 +313,8 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
     changed = std::move(*text);
     raise_limits_by(double(changed.size()));
   }
-  const bool is_gltf = format == "gltf" || format == "glb";
+  const bool is_gltf = format == "gltf" || format == "glb";  // of version 1.0
   MeshRules rules;
-  if (is_gltf) {
-    rules.gltf = read_gltf_facts(file, settings.scene_index);
-    // A file without scenes is invalid: Assimp reports the cause.
-    if (const std::size_t scenes = rules.gltf.scenes.size(); scenes > 0) {
-      if (auto fine = check_scene_index(settings, file.filename().string(), scenes); !fine) return fine.error();
-      // Assimp reads only the nodes of the default scene.
-      if (settings.scene_index) changed = gltf_with_scene(file, *settings.scene_index);
-    }
-  }
   auto owner = std::make_unique<Assimp::Importer>();
   // Freeing the importer's faces one by one takes a tenth of the import time.
   Assimp::Importer& importer = process_ends ? *owner.release() : *owner;
@@ -371,7 +331,7 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
   if (!source || !source->mRootNode) return unreadable(file, format, importer.GetErrorString());
   Scene scene;
   scene.up = up_of(*source, format);
-  import_materials(*source, file, format, rules.gltf, scene, rules.not_drawn);
+  import_materials(*source, file, format, scene);
   // 3DS files contain no normals, and the normals that Assimp creates ignore creases.
   rules.keep_normals = format != "3ds";
   // Assimp rotates 3DS files as if +z were up. Existing files have +y up, so the rotation is undone.
@@ -379,20 +339,6 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
       format == "3ds" ? glm::inverse(matrix_of(source->mRootNode->mTransformation)) : glm::dmat4(1.0);
   rules.linear_colors = is_gltf;
   import_nodes(*source, root, rules, scene);
-  scene.cameras = std::move(rules.gltf.cameras);
-  if (rules.gltf.scenes.size() > 1) {
-    scene.scene_index = rules.gltf.scene;
-    if (!settings.scene_index)
-      scene.warnings.push_back(
-          fmt::format("the file has {} scenes; its default scene, or else the first, is drawn; "
-                      "`scene_index` selects another",
-                      rules.gltf.scenes.size()));
-    scene.scene_names = std::move(rules.gltf.scenes);
-  }
-  warn_of_ignored(scene);
-  if (rules.gltf.lights > 0)
-    scene.warnings.push_back(fmt::format("the file's {} not used; looks have their own",
-                                         rules.gltf.lights == 1 ? "light is" : "lights are"));
   if (log.dropped_faces) {
     scene.warnings.push_back("some triangles have vertex indices out of range and are left out");
   }
@@ -429,14 +375,17 @@ Result<Scene> import_in_process(const fs::path& file, const ImportSettings& sett
   const std::string format = import_format(file);
   if (auto error = check_model_file(file, format)) return std::move(*error);
   try {
-    Result<Scene> scene = format == "obj"                      ? import_obj(file)
+    const bool is_gltf = format == "gltf" || format == "glb";
+    std::optional<Result<Scene>> gltf = is_gltf ? read_gltf(file, settings) : std::nullopt;
+    Result<Scene> scene = gltf                                 ? std::move(*gltf)
+                          : format == "obj"                    ? import_obj(file)
                           : format == "ply"                    ? import_ply(file)
                           : format == "off"                    ? read_off(file)
                           : format == "stl"                    ? read_stl(file)
                           : format == "xyz" || format == "pts" ? read_xyz(file)
                           : format == "3mf"                    ? read_3mf(file)
                           : format == "pdb" || format == "ent" ? read_pdb(file)
-                                                               : import_by_assimp(file, format, settings, process_ends);
+                                                               : import_by_assimp(file, format, process_ends);
     // complete_import uses several threads for points. The memory limits of this process leave no room for them.
     if (process_ends && scene && scene->point_count() > 0) return scene;
     return complete_import(std::move(scene), file, settings);

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <string>
 
-#include "importer/gltf_facts.h"
 #include "scene/scene.h"
 
 struct aiScene;
@@ -14,11 +13,8 @@ namespace umbrage {
 /// Each missing file adds a sentence to scene.warnings. `format` is the file's extension in lower case.
 ///
 /// Colours: 3DS stores colours as picked on a screen, so they are read as sRGB; those of all other formats are linear.
-///
-/// Transparent surfaces are not blended. `not_drawn` receives, for each material, whether its surfaces are not drawn,
-/// because its alpha factor is below 0.5 (BLEND) or below the cutoff (MASK).
 void import_materials(const aiScene& source, const std::filesystem::path& file, const std::string& format,
-                      const GltfFacts& gltf, Scene& scene, std::vector<bool>& not_drawn);
+                      Scene& scene);
 
 /// Appends the texture `name` that the model `file` refers to. Returns its index, or kNoTexture after adding a warning.
 int import_texture(const std::filesystem::path& file, const std::string& name, Scene& scene);

@@ -21,7 +21,7 @@ namespace umbrage {
 
 void serve_import(int argc, char** argv, const ImportFunction& import, const PanoramaFunction& panorama) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // ends this process when the host ends
-  constexpr int kArguments = 9, kPanoramaArguments = 3;
+  constexpr int kArguments = 10, kPanoramaArguments = 3;
   const bool is_panorama = argc == kPanoramaArguments && std::string_view(argv[1]) == kPanoramaOption;
   if ((argc != kArguments && !is_panorama) || ::fcntl(kImportResult, F_GETFD) < 0 ||
       ::fcntl(kImportDone, F_GETFD) < 0) {
@@ -59,6 +59,7 @@ void serve_import(int argc, char** argv, const ImportFunction& import, const Pan
     if (const float angle = number(2); angle != kNoAngle) settings.crease_angle_deg = angle;
     settings.animation_index = index(7);
     settings.animation_time = number(8);
+    settings.file_lights = number(9) != 0.0f;
     sent = send_import(kImportResult, catch_bad_alloc([&] { return import(file, settings); }));
   }
   const char byte = 1;

@@ -10,39 +10,13 @@
 
 #include "importer/limits.h"
 #include "importer/material_rules.h"
+#include "importer/texture_image.h"
 #include "scene/readers/find_file.h"
-#include "scene/readers/texture_file.h"
 
 namespace umbrage {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Width over which the alpha of a blended surface is averaged, as a fraction of its texture's width.
-constexpr double kBlendFraction = 1.0 / 64.0;
-
-/// Replaces URI escapes such as "%20".
-std::string without_escapes(const std::string& text) {
-  std::string plain;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool escape = text[i] == '%' && i + 2 < text.size() &&
-                        std::isxdigit(static_cast<unsigned char>(text[i + 1])) &&
-                        std::isxdigit(static_cast<unsigned char>(text[i + 2]));
-    plain += escape ? char(std::stoi(text.substr(i + 1, 2), nullptr, 16)) : text[i];
-    if (escape) i += 2;
-  }
-  return plain;
-}
-
-/// Searches for a texture as find_file does, also without URI escapes, and without what is no part of a name.
-std::optional<fs::path> find_texture(const fs::path& folder, const std::string& name) {
-  // Assimp's parsers include options in names: "-colorspace sRGB wood.png".
-  const std::string last_word = name.substr(name.find_last_of(' ') + 1),
-                    before_comment = name.substr(0, name.find(" #"));
-  for (const std::string& spelling : {name, without_escapes(name), before_comment, last_word})
-    if (auto found = find_file(folder, spelling)) return found;
-  return std::nullopt;
-}
 
 /// Applies an ImageEdit to a texture.
 void edit_image(const ImageEdit& edit, Texture& texture) {
@@ -64,34 +38,34 @@ void edit_image(const ImageEdit& edit, Texture& texture) {
   }
 }
 
-/// Applies a box filter of 2 radius + 1 texels twice to the alpha of `lines` rows or columns of `length` texels each.
-/// The texture repeats. `step`: bytes from a texel to the next one in its line. `next`: bytes from a line to the
-/// next.
-void average_alpha(Texture& texture, int length, int lines, std::ptrdiff_t step, std::ptrdiff_t next, int radius) {
-  constexpr int kRounds = 2;
-  std::vector<int> line(static_cast<std::size_t>(length + 2 * radius + 1));  // from -radius to length + radius
-  for (int k = 0; k < lines; ++k)
-    for (int round = 0; round < kRounds; ++round) {
-      std::uint8_t* alpha = texture.rgba.data() + k * next + 3;
-      for (int i = 0; i < length; ++i) line[std::size_t(i + radius)] = alpha[i * step];
-      for (int i = 0; i < radius; ++i) line[std::size_t(i)] = alpha[((i - radius) % length + length) % length * step];
-      for (int i = 0; i <= radius; ++i) line[std::size_t(length + radius + i)] = alpha[i % length * step];
-      int sum = 0;
-      for (int i = 0; i <= 2 * radius; ++i) sum += line[std::size_t(i)];
-      for (int i = 0; i < length; ++i) {
-        alpha[i * step] = std::uint8_t((sum + radius) / (2 * radius + 1));
-        sum += line[std::size_t(i + 2 * radius + 1)] - line[std::size_t(i)];
-      }
-    }
+}  // namespace
+
+std::string without_escapes(const std::string& text) {
+  std::string plain;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool escape = text[i] == '%' && i + 2 < text.size() &&
+                        std::isxdigit(static_cast<unsigned char>(text[i + 1])) &&
+                        std::isxdigit(static_cast<unsigned char>(text[i + 2]));
+    plain += escape ? char(std::stoi(text.substr(i + 1, 2), nullptr, 16)) : text[i];
+    if (escape) i += 2;
+  }
+  return plain;
 }
 
-}  // namespace
+std::optional<fs::path> find_referenced_file(const fs::path& folder, const std::string& name) {
+  // Assimp's parsers include options in names: "-colorspace sRGB wood.png".
+  const std::string last_word = name.substr(name.find_last_of(' ') + 1),
+                    before_comment = name.substr(0, name.find(" #"));
+  for (const std::string& spelling : {name, without_escapes(name), before_comment, last_word})
+    if (auto found = find_file(folder, spelling)) return found;
+  return std::nullopt;
+}
 
 Result<Texture> TextureCache::embedded(const aiTexture& texture, const std::string& name) const {
   if (!texture.pcData) return file_error("the embedded texture '{}' has no pixels", name);
   if (texture.mHeight == 0) {
-    return decode_texture({reinterpret_cast<const std::uint8_t*>(texture.pcData), texture.mWidth},
-                          "the embedded texture " + name);
+    return decode_texture_image({reinterpret_cast<const std::uint8_t*>(texture.pcData), texture.mWidth},
+                                "the embedded texture " + name);
   }
   Texture result;
   result.name = name;
@@ -111,13 +85,15 @@ Result<Texture> TextureCache::read(const std::string& name) const {
     if (texture) edit_image(edit->second, *texture);
     return texture;
   }
+  if (read_embedded)
+    if (auto texture = read_embedded(name)) return std::move(*texture);
   if (const aiTexture* texture = source ? source->GetEmbeddedTexture(name.c_str()) : nullptr) {
     return embedded(*texture, name);
   }
-  const std::optional<fs::path> path = find_texture(folder, name);
+  const std::optional<fs::path> path = find_referenced_file(folder, name);
   if (!path) return file_error("the texture '{}' does not exist", name);
   raise_limits_for(*path);
-  return read_texture(*path);
+  return read_texture_image(*path);
 }
 
 std::optional<Texture> TextureCache::read_or_warn(const std::string& name, const char* consequence) {
@@ -160,18 +136,6 @@ int TextureCache::find_with_mask(const std::string& color_name, const std::strin
       if (color == kNoTexture) std::fill(to, to + 3, std::uint8_t(255));
     }
   }
-  return add(std::move(result), key);
-}
-
-int TextureCache::find_blended(int index) {
-  const int radius = int(0.5 * kBlendFraction * scene.textures[std::size_t(index)].width);
-  if (radius < 1) return index;
-  const std::string key = scene.textures[std::size_t(index)].name + "\nblended";
-  if (const auto known = index_of.find(key); known != index_of.end()) return known->second;
-  Texture result = scene.textures[std::size_t(index)];
-  const std::ptrdiff_t row = 4 * std::ptrdiff_t(result.width);
-  average_alpha(result, result.width, result.height, 4, row, radius);
-  average_alpha(result, result.height, result.width, row, 4, radius);
   return add(std::move(result), key);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -14,6 +15,12 @@ struct aiScene;
 struct aiTexture;
 
 namespace umbrage {
+
+/// Replaces URI escapes such as "%20".
+std::string without_escapes(const std::string& text);
+
+/// Searches for a file as find_file does, also without URI escapes, and without what is no part of a name.
+std::optional<std::filesystem::path> find_referenced_file(const std::filesystem::path& folder, const std::string& name);
 
 /// One channel of an image file, 0 to 3. An empty name: white.
 struct MapChannel {
@@ -38,6 +45,8 @@ struct TextureCache {
   std::map<std::string, int> index_of = {};     // by the name in the file; kNoTexture if reading failed
   std::set<std::string> reported = {};          // files with a warning
   std::map<std::string, ImageEdit> edits = {};  // names that stand for an image with changed texels
+  /// Reads a texture that is not in a file of its own; nothing if it is. May be empty.
+  std::function<std::optional<Result<Texture>>(const std::string& name)> read_embedded = {};
 
   /// Finds a texture of colours. `consequence`: the end of the warning if it cannot be read.
   int find(const std::string& name, const char* consequence = "its surfaces are shown in a neutral colour");
@@ -46,10 +55,6 @@ struct TextureCache {
   /// Finds a texture that combines the colour of the first texture with the mask of the second as alpha. The mask is
   /// the alpha channel of the second texture if that is not 1 everywhere, else its brightness.
   int find_with_mask(const std::string& color_name, const std::string& mask_name);
-  /// Finds a copy of the texture `index` whose alpha is averaged over a 64th of its width. Then only regions that are
-  /// mostly transparent are cut out, not each small spot, which would give speckled borders. Small textures, such as
-  /// palettes, have no such spots and stay unchanged.
-  int find_blended(int index);
   /// Finds a linear texture with these channels as red, green and blue, as large as the largest of their images. Files
   /// that cannot be read count as white; kNoTexture if none can.
   int find_packed(const std::array<MapChannel, 3>& channels);

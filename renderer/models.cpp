@@ -32,6 +32,7 @@ Result<Scene> load_scene(const std::string& model, const ImportSettings& setting
   if (model.empty()) return usage_error("the name of a model is empty");
   if (!model.starts_with("scene:")) return import_scene(model, settings, monitor);
   if (auto fine = check_scene_index(settings, model, 1); !fine) return fine.error();
+  if (auto fine = check_animation_index(settings, model, 0); !fine) return fine.error();
   if (monitor && !monitor(0.0)) return interrupted();
   auto scene = make_builtin_scene(model);
   if (scene && settings.up != glm::vec3(0.0f)) scene->up = settings.up;
@@ -59,6 +60,8 @@ void append_scene(Scene next, Scene& all) {
   all.bounds_max = glm::max(all.bounds_max, next.bounds_max);
   all.views.clear();
   all.scene_names.clear();
+  all.animation_names.clear();
+  all.animation_durations_s.clear();
   all.cameras.insert(all.cameras.end(), next.cameras.begin(), next.cameras.end());
   all.name += " + " + next.name;
 }

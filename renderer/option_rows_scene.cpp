@@ -6,7 +6,8 @@
 namespace umbrage {
 namespace {
 
-constexpr double kMaxIndex = 1e9;  // of cameras and scenes; the true limit is known when the file has been read
+// Of cameras, scenes and animations; the true limits are known when the file has been read.
+constexpr double kMaxIndex = 1e9, kMaxTime = 1e6;
 
 std::vector<std::string_view> quality_names() { return names_of(qualities()); }
 
@@ -56,6 +57,31 @@ std::vector<Option> scene_options() {
        .where = in<&Request::scene_index>,
        .commands = kSceneCommands | kInfo,
        .max = kMaxIndex},
+      {.field = "animation_index",
+       .option = "animation-index",
+       .group = "Scene",
+       .help = "number of an animation in a glTF file, counted from 0: see umbrage info",
+       .initial = "none: the file's pose",
+       .where = in<&Request::animation_index>,
+       .commands = kSceneCommands | kInfo,
+       .max = kMaxIndex},
+      {.field = "animation_time",
+       .option = "animation-time",
+       .group = "Scene",
+       .help = "time in seconds from the start of an animation, of the first one unless animation-index is given",
+       .initial = "0",
+       .where = in<&Request::animation_time>,
+       .commands = kSceneCommands | kInfo,
+       .max = kMaxTime,
+       .unit = "s"},
+      {.field = "lights",
+       .option = "lights",
+       .group = "Scene",
+       .help = "lights of a glTF file: studio (the look's lights in their place) or file",
+       .initial = "studio",
+       .where = in<&Request::lights>,
+       .commands = kSceneCommands | kInfo,
+       .choices = {"studio", "file"}},
       {.field = "camera.index",
        .option = "camera-index",
        .group = "Camera",

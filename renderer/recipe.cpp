@@ -258,6 +258,10 @@ Result<ImportSettings> import_settings(const Request& request) {
   if (auto fine = check_request(request, kMaxStripPixels); !fine) return fine.error();
   if (request.up) settings.up = glm::normalize(vector_of(*request.up));
   settings.scene_index = request.scene_index;
+  settings.animation_index = request.animation_index;
+  if (request.animation_time && !request.animation_index) settings.animation_index = 0;
+  settings.animation_time = request.animation_time.value_or(0.0f);
+  settings.file_lights = request.lights == "file";
   if (!request.point_size.empty()) settings.points.size = *parse_length("point_size", request.point_size);
   settings.points.shape = PointShape(choice_index("point_sprites", request.point_sprites));
   if (request.crease_angle_deg) settings.crease_angle_deg = *request.crease_angle_deg;

@@ -56,6 +56,10 @@ struct Request {
   CameraSettings camera{};
   std::optional<std::array<float, 3>> up{};  ///< the model's up direction; default: set by its format
   std::optional<int> scene_index{};          ///< scene of a glTF file, from 0; default: its default scene
+  std::optional<int> animation_index{};      ///< animation of a glTF file, from 0; default: none, the file's pose
+  /// Seconds from the start of the animation, of the first one unless `animation_index` is set.
+  std::optional<float> animation_time{};
+  std::string lights = "studio";  ///< "file": the lights of a glTF file; "studio": the look's in their place
   /// 0 to 180: edges with a larger angle stay sharp where normals are generated; default: chosen per mesh.
   std::optional<float> crease_angle_deg{};
   std::string point_size{};  ///< size of a file's points: "0.01" scene units, or "0.5%"; empty: from their spacing

@@ -9,7 +9,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 #include <glm/vector_relational.hpp>
-#include <limits>
+#include <map>
+#include <set>
 #include <unordered_map>
 
 #include "scene/mesh_corners.h"
@@ -26,16 +27,18 @@ constexpr double kStep = 1e-5;  // more than kSamePlane, and far above the round
 /// Cells into which planes are rounded. The noise of the normal of a triangle of a hundredth of the radius is smaller.
 constexpr double kNormalCell = 2e-3, kDistanceCell = 2e-4;
 
-constexpr std::size_t kMaxBoxTests = 50'000'000;  // bounds the time for scenes with very many faces in one plane
-constexpr int kMaxLevel = 100;                    // steps by which faces on top of each other are moved
+/// Max number of pairs of boxes that are tested, per triangle of a plane. Above it, all faces of later meshes move.
+constexpr std::size_t kMaxBoxTests = 256;
+constexpr int kMaxLevel = 100;  // steps by which faces on top of each other are moved
 
 struct Triangle {
   Index mesh, face;
   std::uint64_t cell;  ///< of its plane
 };
 
-struct Overlap {
-  Triangle below, above;
+struct RaisedFace {
+  Triangle triangle;
+  int level;  ///< number of steps
 };
 
 std::uint64_t id_of(const Triangle& t) { return std::uint64_t(t.mesh) << 32 | t.face; }
@@ -153,43 +156,73 @@ bool overlap(const Corners& a, const Corners& b) {
   return true;
 }
 
-/// Adds the overlaps among triangles of one rounded plane.
-void find_overlaps(const Triangles& triangles, std::span<const Triangle> plane, std::size_t& tests,
-                   std::vector<Overlap>& overlaps) {
-  struct Boxed {
-    Triangle triangle;
-    Corners corners;
-    glm::dvec3 low, high;
-  };
+struct Boxed {
+  Triangle triangle;
+  Corners corners;
+  glm::dvec3 low, high;
+  bool is_above = false;  ///< overlaps a face of an earlier mesh
+};
+
+/// Returns triangles with their boxes, sorted along the axis in which they extend furthest: boxes are short against it.
+std::vector<Boxed> boxes_of(const Triangles& triangles, std::span<const Triangle> plane, int& axis) {
   std::vector<Boxed> boxes;
   boxes.reserve(plane.size());
+  glm::dvec3 low(1e9), high(-1e9);
   for (const Triangle& t : plane) {
     const Corners c = triangles.corners(t.mesh, t.face);
     boxes.push_back(
         {t, c, glm::min(glm::min(c.at[0], c.at[1]), c.at[2]), glm::max(glm::max(c.at[0], c.at[1]), c.at[2])});
+    low = glm::min(low, boxes.back().low);
+    high = glm::max(high, boxes.back().high);
   }
-  // Sweep along the axis in which the plane extends further, so that boxes are short against it.
-  glm::dvec3 low = boxes[0].low, high = boxes[0].high;
-  for (const Boxed& box : boxes) low = glm::min(low, box.low), high = glm::max(high, box.high);
   const glm::dvec3 size = high - low;
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   std::sort(boxes.begin(), boxes.end(), [&](const Boxed& a, const Boxed& b) {
     return a.low[axis] != b.low[axis] ? a.low[axis] < b.low[axis] : id_of(a.triangle) < id_of(b.triangle);
   });
+  return boxes;
+}
+
+/// Meshes of which a face of the second overlaps one of the first, which is earlier.
+using MeshPairs = std::set<std::pair<Index, Index>>;
+
+/// Finds overlaps among triangles of one cell. Returns false if there are too many to test.
+bool find_overlaps(std::vector<Boxed>& boxes, int axis, MeshPairs& pairs) {
+  std::size_t tests = 0;
   for (std::size_t i = 0; i < boxes.size(); ++i)
     for (std::size_t j = i + 1; j < boxes.size() && boxes[j].low[axis] < boxes[i].high[axis]; ++j) {
-      if (++tests > kMaxBoxTests) return;
-      const Boxed &a = boxes[i], &b = boxes[j];
+      if (++tests > kMaxBoxTests * boxes.size()) return false;
+      Boxed &a = boxes[i], &b = boxes[j];
       if (a.triangle.mesh == b.triangle.mesh) continue;
+      Boxed &below = a.triangle.mesh < b.triangle.mesh ? a : b, &above = &below == &a ? b : a;
       if (glm::any(glm::greaterThan(a.low, b.high + kSamePlane)) ||
           glm::any(glm::greaterThan(b.low, a.high + kSamePlane)))
         continue;
+      const std::pair<Index, Index> meshes(below.triangle.mesh, above.triangle.mesh);
+      if (above.is_above && pairs.contains(meshes)) continue;
       if (!overlap(a.corners, b.corners)) continue;
-      if (a.triangle.mesh < b.triangle.mesh)
-        overlaps.push_back({a.triangle, b.triangle});
-      else
-        overlaps.push_back({b.triangle, a.triangle});
+      above.is_above = true;
+      pairs.insert(meshes);
     }
+  return true;
+}
+
+/// Adds the faces of one cell that are to be moved.
+void raise_faces(const Triangles& triangles, std::span<const Triangle> plane, std::vector<RaisedFace>& raised) {
+  int axis = 0;
+  std::vector<Boxed> boxes = boxes_of(triangles, plane, axis);
+  MeshPairs pairs;
+  if (!find_overlaps(boxes, axis, pairs)) {
+    std::set<Index> meshes;
+    for (Boxed& box : boxes) meshes.insert(box.triangle.mesh);
+    for (Boxed& box : boxes) box.is_above = box.triangle.mesh != *meshes.begin();
+    for (auto mesh = meshes.begin(); std::next(mesh) != meshes.end(); ++mesh) pairs.insert({*mesh, *std::next(mesh)});
+  }
+  std::map<Index, int> level_of;  // pairs are sorted by the earlier mesh, whose level is final by then
+  for (const auto& [below, above] : pairs)
+    level_of[above] = std::max(level_of[above], std::min(level_of[below] + 1, kMaxLevel));
+  for (const Boxed& box : boxes)
+    if (box.is_above) raised.push_back({box.triangle, level_of[box.triangle.mesh]});
 }
 
 /// The movement of a point of a mesh along the normal of one of its faces.
@@ -218,21 +251,14 @@ void move_points(Mesh& mesh, const std::vector<Index>& point_of, std::vector<Mov
     if (const auto found = offset_of.find(point_of[v]); found != offset_of.end()) mesh.positions[v] += found->second;
 }
 
-/// Returns by how many steps each overlapping face moves, as (triangle, level), sorted by mesh.
-std::vector<std::pair<Triangle, int>> levels_of(std::vector<Overlap>& overlaps) {
-  std::sort(overlaps.begin(), overlaps.end(), [](const Overlap& a, const Overlap& b) {
-    return id_of(a.above) != id_of(b.above) ? id_of(a.above) < id_of(b.above) : id_of(a.below) < id_of(b.below);
+/// Returns each raised face once, with its max level, sorted by mesh. A face is in the cells of both shifts.
+std::vector<RaisedFace> unique_faces(std::vector<RaisedFace> raised) {
+  std::sort(raised.begin(), raised.end(), [](const RaisedFace& a, const RaisedFace& b) {
+    return id_of(a.triangle) != id_of(b.triangle) ? id_of(a.triangle) < id_of(b.triangle) : a.level > b.level;
   });
-  std::unordered_map<std::uint64_t, int> level_of;  // of faces of earlier meshes these are final: they come first
-  std::vector<std::pair<Triangle, int>> levels;
-  for (const Overlap& o : overlaps) {
-    const auto below = level_of.find(id_of(o.below));
-    const int level = std::min(kMaxLevel, 1 + (below == level_of.end() ? 0 : below->second));
-    if (levels.empty() || id_of(levels.back().first) != id_of(o.above)) levels.push_back({o.above, 0});
-    levels.back().second = std::max(levels.back().second, level);
-    level_of[id_of(o.above)] = levels.back().second;
-  }
-  return levels;
+  const auto same = [](const RaisedFace& a, const RaisedFace& b) { return id_of(a.triangle) == id_of(b.triangle); };
+  raised.erase(std::unique(raised.begin(), raised.end(), same), raised.end());
+  return raised;
 }
 
 }  // namespace
@@ -240,35 +266,34 @@ std::vector<std::pair<Triangle, int>> levels_of(std::vector<Overlap>& overlaps) 
 std::size_t separate_coplanar_faces(Scene& scene, Poll* poll) {
   const auto has_faces = [](const Mesh& mesh) { return !mesh.points; };
   if (std::count_if(scene.meshes.begin(), scene.meshes.end(), has_faces) < 2 || !(scene.radius() > 0.0f)) return 0;
-  std::vector<Overlap> overlaps;
+  std::vector<RaisedFace> raised;
   {
     const Triangles triangles(scene);
     const Planes planes = planes_of(scene, triangles, poll);
     if (poll && poll->ended()) return 0;
-    std::size_t tests = 0;
     for (const float shift : {0.0f, 0.5f}) {  // planes on both sides of a border of cells are together in the other
       const std::vector<Triangle> shared = shared_planes(planes, shift);
       for (std::size_t first = 0, last = 0; first < shared.size(); first = last) {
         while (last < shared.size() && shared[last].cell == shared[first].cell) ++last;
         if (shared[first].mesh == shared[last - 1].mesh) continue;
         if (poll && poll->passing(0.0)) return 0;
-        find_overlaps(triangles, std::span(shared).subspan(first, last - first), tests, overlaps);
+        raise_faces(triangles, std::span(shared).subspan(first, last - first), raised);
       }
     }
   }
-  const std::vector<std::pair<Triangle, int>> levels = levels_of(overlaps);
+  raised = unique_faces(std::move(raised));
   const float step = float(kStep) * scene.radius();
-  for (std::size_t first = 0, last = 0; first < levels.size(); first = last) {
-    Mesh& mesh = scene.meshes[levels[first].first.mesh];
+  for (std::size_t first = 0, last = 0; first < raised.size(); first = last) {
+    Mesh& mesh = scene.meshes[raised[first].triangle.mesh];
     const std::vector<Index> point_of = joined_vertices(mesh).point_of;
     std::vector<Move> moves;
-    for (; last < levels.size() && levels[last].first.mesh == levels[first].first.mesh; ++last) {
-      const Index* corner = &mesh.indices[3 * levels[last].first.face];
+    for (; last < raised.size() && raised[last].triangle.mesh == raised[first].triangle.mesh; ++last) {
+      const Index* corner = &mesh.indices[3 * raised[last].triangle.face];
       glm::vec3 normal =
           face_of(mesh.positions[corner[0]], mesh.positions[corner[1]], mesh.positions[corner[2]]).normal;
       if (glm::dot(normal, mesh.normals[corner[0]] + mesh.normals[corner[1]] + mesh.normals[corner[2]]) < 0.0f)
         normal = -normal;
-      for (int k = 0; k < 3; ++k) moves.push_back({point_of[corner[k]], normal, levels[last].second});
+      for (int k = 0; k < 3; ++k) moves.push_back({point_of[corner[k]], normal, raised[last].level});
     }
     move_points(mesh, point_of, moves, step);
     for (const glm::vec3& p : mesh.positions) {
@@ -276,7 +301,7 @@ std::size_t separate_coplanar_faces(Scene& scene, Poll* poll) {
       scene.bounds_max = glm::max(scene.bounds_max, p);
     }
   }
-  return levels.size();
+  return raised.size();
 }
 
 }  // namespace umbrage

@@ -129,6 +129,8 @@ EdgeNeighbor edge_neighbor(const MeshCorners& corners, Index corner) {
   const Index from = corners.point(corner), to = corners.point(next_corner(corner));
   const std::span<const Index> at_from = corners.lists.around(from), at_to = corners.lists.around(to);
   const bool by_from = at_from.size() <= at_to.size();  // the shorter list: the other may have thousands of corners
+  constexpr std::size_t kMaxCorners = 64;               // bounds the work if both have
+  if (std::min(at_from.size(), at_to.size()) > kMaxCorners) return {};
   const Index far = by_from ? to : from;
   EdgeNeighbor result;
   for (const Index other : by_from ? at_from : at_to) {

@@ -75,6 +75,7 @@ struct EdgeNeighbor {
   bool same_direction = false;    ///< both faces run through the edge in one direction: their windings differ
 };
 
+/// Where more than 64 corners meet at both ends of an edge, no face is found.
 EdgeNeighbor edge_neighbor(const MeshCorners& corners, MeshIndex corner);
 
 }  // namespace umbrage

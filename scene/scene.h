@@ -100,6 +100,7 @@ struct Scene {
   std::vector<std::string> scene_names;      ///< names of all scenes in the file, if it has several; else empty
   int scene_index = 0;                       ///< index of this scene in scene_names
   std::vector<std::string> animation_names;  ///< names of all animations in the file
+  std::vector<float> animation_durations_s;  ///< one per name, seconds
   /// Position of the scene's origin in the coordinates of the file, which exceed the precision of floats if the model
   /// is far from the file's origin.
   glm::dvec3 origin{0.0};
@@ -130,8 +131,8 @@ bool has_roughness(const Scene& scene);
 /// with less than kMinShadowOpacity it casts no shadow.
 inline constexpr float kOpaque = 0.95f, kMinOpacity = 1.0f / 64.0f, kMinShadowOpacity = 0.5f;
 
-/// Reflectance of glass seen from in front.
-inline constexpr float kGlassReflectance = 0.04f;
+/// Reflectance of glass seen from in front, and the min opacity that readers give it, so that a pane remains visible.
+inline constexpr float kGlassReflectance = 0.04f, kGlassOpacity = 0.1f;
 
 /// Returns whether a mesh has a surface that is seen through.
 bool has_blended(const Scene& scene);

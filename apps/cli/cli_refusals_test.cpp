@@ -39,7 +39,7 @@ TEST_F(CliRefusals, RefusesFilesThatAreNotModels) {
   bad("folder.obj -o out.png", 3, {"folder.obj", "folder"});
   bad("notes.txt -o out.png", 3, {"notes.txt", ".obj", ".ply"});
   bad("lines.obj -o out.png", 3, {"lines.obj", "no triangles"});
-  bad("range.obj -o out.png", 3, {"range.obj", "out of range"});
+  bad("range.obj -o out.png", 3, {"range.obj", "vertices that are missing"});
   bad("nan.obj -o out.png", 3, {"nan.obj", "not finite"});
   bad("line.obj -o out.png", 3, {"line.obj", "degenerate"});
   bad("tri.obj nothere.obj -o out.png", 3, {"nothere.obj"});

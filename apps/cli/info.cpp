@@ -107,6 +107,8 @@ nlohmann::json records_of(const Scene& scene, const std::string& format) {
         {"albedo_b", material.albedo.b},
         {"texture", material.texture == kNoTexture ? "" : scene.textures[std::size_t(material.texture)].name},
         {"cut_out", material.alpha_mask},
+        {"blended", material.blended},
+        {"opacity", material.opacity},
         {"specular", material.specular_strength},
         {"shininess", material.specular_exponent},
         {"emission", std::max({material.emission.r, material.emission.g, material.emission.b})},
@@ -125,6 +127,11 @@ nlohmann::json records_of(const Scene& scene, const std::string& format) {
                        {"index", k},
                        {"name", scene.scene_names[k]},
                        {"drawn", k == std::size_t(scene.scene_index)}});
+  for (std::size_t k = 0; k < scene.animation_names.size(); ++k)
+    records.push_back({{"what", "animation"},
+                       {"index", k},
+                       {"name", scene.animation_names[k]},
+                       {"duration_s", scene.animation_durations_s.at(k)}});
   const std::vector<View>& cameras = scene.cameras.empty() ? scene.views : scene.cameras;
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     nlohmann::json record = {{"what", "camera"},
@@ -190,6 +197,8 @@ void print_text(const Scene& scene, const std::string& format) {
     std::string text = fmt::format("albedo {}", vector_text(material.albedo));
     if (material.texture != kNoTexture) text += ", " + scene.textures[std::size_t(material.texture)].name;
     if (material.alpha_mask) text += ", cut out";
+    if (material.blended)
+      text += fmt::format(", blended, opacity {:.3g}, tint {}", material.opacity, vector_text(material.tint));
     if (material.specular_strength > 0.0f)
       text +=
           fmt::format(", highlight {:.3g} of exponent {:.3g}", material.specular_strength, material.specular_exponent);
@@ -213,6 +222,13 @@ void print_text(const Scene& scene, const std::string& format) {
                                                    k == std::size_t(scene.scene_index) ? ": this one" : ""));
   }
   print_omitted(scene.scene_names.size());
+  for (std::size_t k = 0; k < std::min(scene.animation_names.size(), kMaxShown); ++k) {
+    const std::string& name = scene.animation_names[k];
+    print_line(k == 0 ? "animations" : "",
+               fmt::format("--animation-index {}{}: {:.4g} s", k, name.empty() ? "" : " (" + name + ")",
+                           scene.animation_durations_s.at(k)));
+  }
+  print_omitted(scene.animation_names.size());
   const std::vector<View>& cameras = scene.cameras.empty() ? scene.views : scene.cameras;
   for (std::size_t k = 0; k < std::min(cameras.size(), kMaxShown); ++k) {
     const View& view = cameras[k];

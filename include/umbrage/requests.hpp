@@ -101,6 +101,9 @@ struct RenderRequest {
   CameraRequest camera{};
   std::optional<std::array<float, 3>> up{};  ///< up direction of the model; default: given by its format
   std::optional<int> scene_index{};          ///< scene of a glTF file, from 0; default: the file's default scene
+  std::optional<int> animation_index{};      ///< animation of a glTF file, from 0; default: the file's pose
+  std::optional<float> animation_time{};     ///< seconds from the start of the animation
+  std::string lights = "studio";             ///< "file": the lights of a glTF file
   /// 0 to 180: computed normals keep larger angles sharp; default: chosen for each mesh.
   std::optional<float> crease_angle_deg{};
   /// Size of the points of a file: "0.01" scene units, or "0.5%" of the bounding-sphere radius; empty: derived

@@ -133,8 +133,8 @@ UMB_API UmbError umbGetSceneError(UmbScene scene, const char** message);
 UMB_API UmbError umbSetSceneProgressCallback(UmbScene scene, UmbProgressCallback callback, void* user);
 
 /* Sets a parameter for models and meshes that are added later: "up" (axis "+Z" or "x,y,z"), "crease_angle_deg",
- * "point_size", "point_sprites", "scene_index". `value` is written as on the command line; NULL or "" restores the
- * default. */
+ * "point_size", "point_sprites", "scene_index", "animation_index", "animation_time", "lights". `value` is written as on
+ * the command line; NULL or "" restores the default. */
 UMB_API UmbError umbSetSceneParameter(UmbScene scene, const char* name, const char* value);
 
 /* Adds a model: a file, or "scene:NAME?detail=N". Errors: UMB_ERROR_USAGE for an unknown scene name or index;

@@ -22,7 +22,16 @@ if TYPE_CHECKING:
 
     from ._picture import Picture
 
-SCENE_PARAMETERS = ("up", "crease_angle_deg", "point_size", "point_sprites", "scene_index")
+SCENE_PARAMETERS = (
+    "up",
+    "crease_angle_deg",
+    "point_size",
+    "point_sprites",
+    "scene_index",
+    "animation_index",
+    "animation_time",
+    "lights",
+)
 _MESH_ARGUMENTS = (
     "colors",
     "normals",

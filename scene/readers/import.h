@@ -22,14 +22,15 @@ struct ImportSettings {
   /// Index of an animation in the file, from 0. Not set: the file's pose without animation.
   std::optional<int> animation_index;
   float animation_time = 0.0f;  ///< seconds from the start of the animation
+  bool file_lights = false;     ///< whether the lights of a glTF file are read; else looks have their own
 };
 
-/// Reads glTF/GLB, 3DS, DAE and FBX through Assimp, PDB through Gemmi, OBJ with MTL, PLY, STL, OFF, 3MF and points in
-/// text form (XYZ, PTS) with built-in readers, and textures through stb_image. Applies node transforms, triangulates
-/// faces, drops degenerate triangles and triangles with coordinates that are not finite, and creates normals where the
-/// file has none. PLY, OFF, OBJ and XYZ files without faces, and points of glTF files without triangles, become points.
+/// Reads 3DS, DAE and FBX through Assimp, PDB through Gemmi, OBJ with MTL, glTF/GLB, PLY, STL, OFF, 3MF and points in
+/// text form (XYZ, PTS) with readers of our own, and textures through stb_image and libwebp. Applies node transforms,
+/// triangulates faces, drops degenerate triangles and triangles with coordinates that are not finite, and creates
+/// normals where the file has none. PLY, OFF, OBJ and XYZ files without faces, and points of glTF files, become points.
 /// Missing textures cause a warning and a neutral colour. Errors: kFile with one sentence that names the file and the
-/// cause; kUsage for a scene index that the file does not have; kInterrupted.
+/// cause; kUsage for a scene or animation index that the file does not have; kInterrupted.
 Result<Scene> import_scene(const std::filesystem::path& file, const ImportSettings& settings = {},
                            const ProgressMonitor& monitor = {});
 
@@ -38,6 +39,8 @@ Result<void> check_scene_index(const ImportSettings& settings, const std::string
 
 /// Returns the format of a model by its name: the extension in lower case without the dot, of "bunny.obj.gz" "obj".
 std::string import_format(const std::filesystem::path& file);
+/// Checks that the requested animation index exists in a file with `count` animations. Errors: kUsage.
+Result<void> check_animation_index(const ImportSettings& settings, const std::string& name, std::size_t count);
 
 /// Returns the file extensions that import_scene reads, lower case without the dot.
 const std::vector<std::string>& import_formats();

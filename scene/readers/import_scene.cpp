@@ -160,11 +160,24 @@ Result<void> check_scene_index(const ImportSettings& settings, const std::string
                                   : fmt::format("{} scenes, 0 to {}", count, count - 1));
 }
 
+Result<void> check_animation_index(const ImportSettings& settings, const std::string& name, std::size_t count) {
+  if (!settings.animation_index) return {};
+  if (*settings.animation_index >= 0 && std::size_t(*settings.animation_index) < count) return {};
+  return usage_error("`animation_index` cannot be '{}': '{}' has {}", *settings.animation_index, name,
+                     count == 0   ? "no animation that is read"
+                     : count == 1 ? "one animation, 0"
+                     : count == 2 ? "two animations, 0 and 1"
+                                  : fmt::format("{} animations, 0 to {}", count, count - 1));
+}
+
 Result<Scene> import_scene(const fs::path& file, const ImportSettings& settings, const ProgressMonitor& monitor) {
   const std::string format = import_format(file);
   if (auto error = check_model_file(file, format)) return std::move(*error);
-  if (format != "gltf" && format != "glb")  // a file of another format is one scene
-    if (auto fine = check_scene_index(settings, file.filename().string(), 1); !fine) return fine.error();
+  if (format != "gltf" && format != "glb") {  // a file of another format is one scene
+    const std::string name = file.filename().string();
+    if (auto fine = check_scene_index(settings, name, 1); !fine) return fine.error();
+    if (auto fine = check_animation_index(settings, name, 0); !fine) return fine.error();
+  }
   try {
     constexpr double kRead = 0.5;  // approximate fraction of the work after reading the file
     Poll poll(monitor);

@@ -136,13 +136,12 @@ TEST_F(ImportMaterials, WarnsOncePerMissingMap) {
 
 TEST_F(ImportMaterials, NamesWhatIsNotDrawn) {
   write_row("n.tga", {{{128, 128, 255}}});
-  const Scene scene = gltf(R"("extensions":{"KHR_materials_transmission":{"transmissionFactor":1},
+  const Scene scene = gltf(R"("extensions":{"KHR_materials_clearcoat":{"clearcoatFactor":1},
 "KHR_materials_ior":{"ior":1.3},"KHR_materials_emissive_strength":{"emissiveStrength":2}},)" +
                                kRough + R"(},"emissiveTexture":{"index":0},"normalTexture":{"index":0,"texCoord":1})",
                            {"n.tga"});
   ASSERT_EQ(scene.warnings.size(), 1u);
-  EXPECT_NE(scene.warnings[0].find("ior, normalTexture with other texture coordinates, transmission"),
-            std::string::npos)
+  EXPECT_NE(scene.warnings[0].find("clearcoat, ior, normalTexture with other texture coordinates"), std::string::npos)
       << scene.warnings[0];
   EXPECT_EQ(material_of(scene).ignored.size(), 3u);
   EXPECT_EQ(material_of(scene).normal_texture, kNoTexture);

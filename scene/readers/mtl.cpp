@@ -282,7 +282,6 @@ class LibraryParser {
 constexpr float kNeutral = 0.8f;         ///< reflectance of surfaces without a colour in the file
 constexpr float kMinExponent = 1.0f;     ///< with less, a highlight is as wide as the diffuse lobe
 constexpr float kMaxExponent = 2048.0f;  ///< with more, a highlight is smaller than a pixel
-constexpr float kGlassOpacity = 0.1f;    ///< a pane remains visible
 
 /// Returns whether light passes through a material that is not transparent by d or Tr. Maya writes opaque materials as
 /// illum 4 with Ni 1 and Tf 1 1 1, which as glass would be air.
@@ -326,6 +325,7 @@ Material material_of(const MtlMaterial& source) {
   if (is_invisible_by_tr(source) || contradicts) opacity = 1.0f;
   if (glass) opacity = opacity < 1.0f ? std::max(opacity, kGlassOpacity) : kGlassOpacity;
   material.blended = opacity < 1.0f;
+  material.glass = glass;
   material.opacity = opacity;
   if (material.blended && source.filter) material.tint = *source.filter;
   material.ignored = source.ignored;

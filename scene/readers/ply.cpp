@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <cstring>
+#include <limits>
 #include <string_view>
 #include <vector>
 
@@ -115,7 +115,8 @@ struct Contents {
   bool transparent = false;
 };
 
-void read_vertices(const Element& element, Body& body, Contents& out, Scene& scene, Poll* poll) {
+/// `indexed`: other elements refer to vertices by their index, so bad ones are kept, and dropped with their triangles.
+void read_vertices(const Element& element, bool indexed, Body& body, Contents& out, Scene& scene, Poll* poll) {
   const Slots slots(element);
   Mesh& mesh = out.mesh;
   const bool has_normals = slots.all(kNormalX, kNormalZ), has_uvs = slots.all(kU, kV), has_colors = slots.colors();
@@ -141,7 +142,10 @@ void read_vertices(const Element& element, Body& body, Contents& out, Scene& sce
         value[slots.of[k]] = body.next(property.number);
       }
     }
-    if (body.end_row()) value[kX] = std::numeric_limits<double>::quiet_NaN();  // such vertices are dropped later
+    if (body.end_row()) {
+      if (!indexed) continue;
+      value[kX] = std::numeric_limits<double>::quiet_NaN();
+    }
     positions.emplace_back(value[kX], value[kY], value[kZ]);
     if (has_normals) mesh.normals.push_back(triple(value, kNormalX));
     if (has_uvs) mesh.uvs.emplace_back(float(value[kU]), float(value[kV]));
@@ -368,7 +372,9 @@ Result<Scene> read_ply(const fs::path& path, std::vector<std::string>& textures,
         return file_error("'{}' has compressed Gaussian splats, which are not read; save them uncompressed", file);
       for (const char* name : {"x", "y", "z"})
         if (element.find(name) < 0) return file_error("'{}' has vertices without '{}'", file, name);
-      read_vertices(element, body, contents, scene, poll);
+      const bool indexed = std::any_of(header->elements.begin(), header->elements.end(),
+                                       [](const Element& other) { return other.name != "vertex" && other.count > 0; });
+      read_vertices(element, indexed, body, contents, scene, poll);
     } else {
       read_lists(element, body, header->textures.size(), contents, poll);
     }

@@ -12,7 +12,7 @@ namespace umbrage {
 namespace {
 
 constexpr float kHarmonicOfDegree0 = 0.28209479f;  // 1 / (2 sqrt(pi))
-constexpr float kMinOpacity = 0.3f;                // more transparent ones would look like a crust over what is behind
+constexpr float kMinSplatOpacity = 0.3f;           // more transparent ones would look like a crust over what is behind
 constexpr float kFlat = 0.5f;      // max ratio of the shortest axis to the middle one of a Gaussian drawn as a disc
 constexpr float kRadius = 1.5f;    // in standard deviations: a third of the peak remains there
 constexpr double kQuantile = 0.9;  // radii are bounded by this quantile of all
@@ -61,7 +61,7 @@ void draw_splats(const std::vector<Splat>& splats, Scene& scene) {
   std::size_t transparent = 0;
   for (std::size_t i = 0; i < splats.size(); ++i) {
     const Splat& splat = splats[i];
-    if (!(1.0f / (1.0f + std::exp(-splat.opacity)) >= kMinOpacity)) {
+    if (!(1.0f / (1.0f + std::exp(-splat.opacity)) >= kMinSplatOpacity)) {
       ++transparent;
       continue;
     }

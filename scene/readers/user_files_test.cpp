@@ -317,7 +317,7 @@ TEST_F(UserFiles, PdbGivesAtomsOfTheFirstModelOnce) {
 TEST_F(UserFiles, KnownFormatsThatAreNotReadSayWhatToDo) {
   for (const char* name : {"a.las", "a.laz", "a.e57"})
     EXPECT_TRUE(contains(error_of(name, "LASF"), "convert it to .ply"));
-  EXPECT_TRUE(contains(error_of("a.cif", "data_"), "convert a molecule to .pdb"));
+  EXPECT_TRUE(contains(error_of("a.cif", "data_"), "a molecule that is not read; convert it to .pdb"));
   EXPECT_TRUE(contains(error_of("a.csv", "1,2,3"), ".xyz"));
 }
 

@@ -55,8 +55,9 @@ void Caller::change_scene() {
     case 0:
       return load_model(scene);
     case 1: {
-      static const std::vector<const char*> kNames = {"up", "crease_angle_deg", "point_size", "point_sprites",
-                                                      "scene_index"};
+      static const std::vector<const char*> kNames = {
+          "up",          "crease_angle_deg", "point_size",     "point_sprites",
+          "scene_index", "animation_index",  "animation_time", "lights"};
       static const std::vector<std::string> kValues = {"+Z", "0,0,0", "1,2,nan", "30", "5%", "discs", "spheres", "0"};
       const Text name = choose_.one_in(6) ? any_odd(choose_) : Text(choose_.one_of(kNames));
       const Text value = choose_.one_in(6) ? any_odd(choose_) : Text(choose_.one_of(kValues));

@@ -1,0 +1,241 @@
+// glTF: geometry of all kinds of accessors, primitives, nodes, skins and animations, and bad files.
+#include "importer/gltf.h"
+#include "importer/gltf_test_support.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+namespace umbrage::test {
+namespace {
+
+void expect_near(const glm::vec3& a, const glm::vec3& b, float tolerance = 1e-5f) {
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], tolerance) << "axis " << c;
+}
+
+TEST_F(GltfTest, ReadsQuantizedPositionsAndNormalisedIntegers) {
+  GltfBuilder b = GltfBuilder::triangle();
+  auto& attributes = b.primitive()["attributes"];
+  attributes["POSITION"] = b.add(std::vector<std::uint16_t>{0, 0, 0, 1000, 0, 0, 0, 2000, 0}, "VEC3", 3);
+  attributes["NORMAL"] = b.add(std::vector<std::int8_t>{0, 0, 127, 0, 0, 127, 0, 0, -128}, "VEC3", 3, true);
+  attributes["TEXCOORD_0"] = b.add(std::vector<std::uint16_t>{0, 0, 65535, 0, 0, 65535}, "VEC2", 2, true);
+  attributes["COLOR_0"] = b.add(std::vector<std::uint8_t>{255, 0, 51, 255, 0, 51, 255, 0, 51}, "VEC3", 3, true);
+  b.json["nodes"][0]["scale"] = {0.001, 0.001, 0.001};
+  const Scene scene = read(b);
+  EXPECT_TRUE(scene.warnings.empty()) << warnings_of(scene);
+  expect_near(scene.bounds_max, {1, 2, 0});
+  const Mesh& mesh = scene.meshes.at(0);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(mesh.uvs[i], glm::vec2(mesh.positions[i].x, 1.0f - 0.5f * mesh.positions[i].y));
+    expect_near(mesh.colors[i], {1.0f, 0.0f, 0.2f});
+    EXPECT_EQ(std::abs(mesh.normals[i].z), 1.0f);
+  }
+}
+
+TEST_F(GltfTest, ReadsSparseAccessors) {
+  GltfBuilder b = GltfBuilder::triangle();
+  const int indices = b.add_view(std::vector<std::uint8_t>{2}), values = b.add_view(std::vector<float>{0, 7, 0});
+  b.json["accessors"][0]["sparse"] = {{"count", 1},
+                                      {"indices", {{"bufferView", indices}, {"componentType", 5121}}},
+                                      {"values", {{"bufferView", values}}}};
+  EXPECT_EQ(read(b).bounds_max, glm::vec3(1, 7, 0));
+  b.json["accessors"][0]["sparse"]["count"] = 2;
+  EXPECT_FALSE(try_read("b.gltf", b.gltf()));
+}
+
+TEST_F(GltfTest, ReadsStripsFansAndPointsAndWarnsOfLines) {
+  const auto triangles_of = [&](int mode) {
+    GltfBuilder b;
+    const int positions = b.add(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0.5f, 2, 0}, "VEC3", 3);
+    b.add_primitive({{"attributes", {{"POSITION", positions}}}, {"mode", mode}});
+    return b;
+  };
+  const Scene strip = read(triangles_of(5));
+  EXPECT_EQ(strip.triangle_count(), 3u);
+  for (const glm::vec3& n : strip.meshes.at(0).normals) EXPECT_EQ(n, glm::vec3(0, 0, 1)) << "one winding";
+  EXPECT_EQ(read(triangles_of(6)).triangle_count(), 3u);
+  EXPECT_EQ(read(triangles_of(0)).point_count(), 5u);
+  const auto lines = try_read("l.gltf", triangles_of(3).gltf());
+  ASSERT_FALSE(lines);
+  GltfBuilder mixed = GltfBuilder::triangle();
+  mixed.add_primitive({{"attributes", {{"POSITION", 0}}}, {"mode", 1}});
+  const Scene scene = read(mixed);
+  EXPECT_EQ(scene.triangle_count(), 1u);
+  EXPECT_TRUE(warns(scene, "lines")) << warnings_of(scene);
+}
+
+TEST_F(GltfTest, FlatWithoutNormalsUnlessACreaseAngleIsGiven) {
+  // Two triangles at an angle of 20 degrees share two vertices.
+  GltfBuilder b;
+  const int positions = b.add(std::vector<float>{0, 0, 0, 0, 1, 0, 1, 0, 0, -1, 0, 0.35f}, "VEC3", 3),
+            indices = b.add(std::vector<std::uint16_t>{0, 2, 1, 0, 1, 3}, "SCALAR", 1);
+  b.add_primitive({{"attributes", {{"POSITION", positions}}}, {"indices", indices}});
+  const auto smoothing = [&](const ImportSettings& settings) {
+    const auto scene = read_gltf(write("a.gltf", b.gltf()), settings);
+    return scene && *scene ? (*scene)->meshes.at(0).smoothing : std::vector<std::uint32_t>{9};
+  };
+  EXPECT_EQ(smoothing({}), (std::vector<std::uint32_t>{0, 0})) << "two flat triangles";
+  ImportSettings smooth;
+  smooth.crease_angle_deg = 80.0f;
+  EXPECT_TRUE(smoothing(smooth).empty());
+}
+
+TEST_F(GltfTest, KeepsAMeshSharpFarFromTheOrigin) {
+  GltfBuilder b = GltfBuilder::triangle();
+  b.json["nodes"][0]["scale"] = {0.25, 0.25, 0.25};
+  const Scene near = read(b);
+  b.json["nodes"][0]["translation"] = {500000.125, 4200000.0, 100.0};
+  const Scene far = read(b);
+  const glm::vec3 offset(glm::dvec3(500000.125, 4200000.0, 100.0) - far.origin);
+  for (std::size_t i = 0; i < 3; ++i)
+    expect_near(far.meshes.at(0).positions[i], near.meshes.at(0).positions[i] + offset, 1e-6f);
+}
+
+TEST_F(GltfTest, AppliesMorphTargets) {
+  GltfBuilder b = GltfBuilder::triangle();
+  const int up = b.add(std::vector<float>{0, 0, 0, 0, 0, 0, 0, 2, 0}, "VEC3", 3),
+            right = b.add(std::vector<float>{0, 0, 0, 3, 0, 0, 0, 0, 0}, "VEC3", 3);
+  b.primitive()["targets"] = {{{"POSITION", up}}, {{"POSITION", right}}};
+  EXPECT_EQ(read(b).bounds_max, glm::vec3(1, 1, 0));
+  b.json["meshes"][0]["weights"] = {0.5, 0};
+  EXPECT_EQ(read(b).bounds_max, glm::vec3(1, 2, 0));
+  b.json["nodes"][0]["weights"] = {0, 1};
+  EXPECT_EQ(read(b).bounds_max, glm::vec3(4, 1, 0));
+}
+
+/// The triangle, skinned by node 1, which is at (0, 0, 5) and twice as large; the mesh's own node is elsewhere.
+GltfBuilder skinned() {
+  GltfBuilder b = GltfBuilder::triangle();
+  auto& attributes = b.primitive()["attributes"];
+  attributes["JOINTS_0"] = b.add(std::vector<std::uint8_t>(12, 0), "VEC4", 4);
+  attributes["WEIGHTS_0"] = b.add(std::vector<std::uint8_t>{255, 0, 0, 0, 255, 0, 0, 0, 255, 0, 0, 0}, "VEC4", 4, true);
+  b.json["nodes"] = {{{"mesh", 0}, {"skin", 0}, {"translation", {100, 0, 0}}},
+                     {{"translation", {0, 0, 5}}, {"scale", {2, 2, 2}}}};
+  b.json["scenes"][0]["nodes"] = {0, 1};
+  b.json["skins"] = {{{"joints", {1}}}};
+  return b;
+}
+
+TEST_F(GltfTest, SkinsAtTheFilesPose) {
+  const Scene scene = read(skinned());
+  EXPECT_EQ(scene.bounds_min, glm::vec3(0, 0, 5));
+  EXPECT_EQ(scene.bounds_max, glm::vec3(2, 2, 5));
+  EXPECT_TRUE(scene.warnings.empty()) << warnings_of(scene);
+}
+
+/// Adds an animation of node `node`.
+void add_animation(GltfBuilder& b, const char* path, int node, const std::vector<float>& values, const char* type,
+                   int width, const char* interpolation) {
+  const int times = b.add(std::vector<float>{0, 2}, "SCALAR", 1), output = b.add(values, type, width);
+  b.json["animations"].push_back(
+      {{"name", path},
+       {"channels", {{{"sampler", 0}, {"target", {{"node", node}, {"path", path}}}}}},
+       {"samplers", {{{"input", times}, {"output", output}, {"interpolation", interpolation}}}}});
+}
+
+TEST_F(GltfTest, AnimatesNodesSkinsAndWeights) {
+  GltfBuilder b = skinned();
+  b.json["animations"] = Json::array();
+  const int up = b.add(std::vector<float>{0, 0, 0, 0, 0, 0, 0, 2, 0}, "VEC3", 3);
+  b.primitive()["targets"] = {{{"POSITION", up}}};
+  add_animation(b, "translation", 1, {0, 0, 0, 8, 0, 0}, "VEC3", 3, "LINEAR");
+  add_animation(b, "scale", 1, {1, 1, 1, 4, 4, 4}, "VEC3", 3, "STEP");
+  add_animation(b, "rotation", 1, {0, 0, 0, 1, 0, 0, 1, 0}, "VEC4", 4, "LINEAR");
+  // From 0 to 1, with tangents of 0.
+  add_animation(b, "weights", 0, {0, 0, 0, 0, 1, 0}, "SCALAR", 1, "CUBICSPLINE");
+  const auto at = [&](int animation, float time) {
+    ImportSettings settings;
+    settings.animation_index = animation;
+    settings.animation_time = time;
+    return read(b, settings);
+  };
+  const Scene pose = read(b);
+  ASSERT_EQ(pose.animation_names, (std::vector<std::string>{"translation", "scale", "rotation", "weights"}));
+  EXPECT_EQ(pose.animation_durations_s, std::vector<float>(4, 2.0f));
+  EXPECT_EQ(pose.bounds_max, glm::vec3(2, 2, 5));
+  EXPECT_EQ(at(0, 0.5f).bounds_min.x, 2.0f);
+  EXPECT_EQ(at(0, 9.0f).bounds_min.x, 8.0f) << "after its end";
+  EXPECT_EQ(at(1, 1.9f).bounds_max.x, 1.0f);
+  EXPECT_EQ(at(1, 2.0f).bounds_max.x, 4.0f);
+  EXPECT_NEAR(at(2, 1.0f).bounds_max.y, 2.0f, 1e-5f) << "a quarter turn: x becomes y";
+  EXPECT_NEAR(at(2, 1.0f).bounds_min.x, -2.0f, 1e-5f);
+  EXPECT_NEAR(at(3, 1.0f).bounds_max.y, 2.0f * (1.0f + 2.0f * 0.5f), 1e-5f);
+  EXPECT_NEAR(at(3, 0.5f).bounds_max.y, 2.0f * (1.0f + 2.0f * (3.0f / 16.0f - 2.0f / 64.0f)), 1e-5f);
+}
+
+TEST_F(GltfTest, RefusesAnAnimationThatIsNotThere) {
+  ImportSettings settings;
+  settings.animation_index = 1;
+  GltfBuilder b = skinned();
+  add_animation(b, "scale", 1, {1, 1, 1, 4, 4, 4}, "VEC3", 3, "STEP");
+  for (const std::string& bytes : {b.gltf(), GltfBuilder::triangle().gltf()}) {
+    const auto scene = try_read("a.gltf", bytes, settings);
+    ASSERT_FALSE(scene);
+    EXPECT_EQ(scene.error().kind, ErrorKind::kUsage);
+    EXPECT_NE(scene.error().message.find("animation"), std::string::npos);
+  }
+}
+
+TEST_F(GltfTest, FindsBuffersByEscapedNames) {
+  GltfBuilder b = GltfBuilder::triangle();
+  std::filesystem::create_directories(folder / "my data");
+  write("my data/a b.bin", b.bytes);
+  Json json = b.json;
+  json["buffers"] = {{{"byteLength", b.bytes.size()}, {"uri", "my%20data/a%20b.bin"}}};
+  EXPECT_TRUE(try_read("e.gltf", json.dump()));
+  json["buffers"][0]["uri"] = "gone.bin";
+  const auto scene = try_read("e.gltf", json.dump());
+  ASSERT_FALSE(scene);
+  EXPECT_NE(scene.error().message.find("gone.bin"), std::string::npos) << scene.error().message;
+}
+
+TEST_F(GltfTest, RefusesEveryTruncatedGlb) {
+  const std::string whole = GltfBuilder::triangle().glb();
+  ASSERT_TRUE(try_read("a.glb", whole));
+  for (std::size_t size = 1; size < whole.size(); size += 3) {
+    const auto scene = try_read("a.glb", whole.substr(0, size));
+    ASSERT_FALSE(scene) << size;
+    EXPECT_EQ(scene.error().kind, ErrorKind::kFile);
+    EXPECT_NE(scene.error().message.find("a.glb"), std::string::npos);
+    EXPECT_EQ(scene.error().message.find('\n'), std::string::npos);
+  }
+}
+
+TEST_F(GltfTest, WarnsOfValuesOfWrongTypeAndOutOfRange) {
+  GltfBuilder b = GltfBuilder::triangle();
+  b.json["materials"][0]["pbrMetallicRoughness"] = {{"metallicFactor", "a lot"}, {"roughnessFactor", 7}};
+  b.json["nodes"][0]["translation"] = {1, 2};
+  const Scene scene = read(b);
+  EXPECT_EQ(scene.bounds_max, glm::vec3(1, 1, 0));
+  ASSERT_EQ(scene.warnings.size(), 1u) << warnings_of(scene);
+  EXPECT_TRUE(warns(scene, "3 values")) << warnings_of(scene);
+  EXPECT_TRUE(warns(scene, "nodes[0].translation")) << warnings_of(scene);
+  EXPECT_EQ(scene.materials.at(0).roughness, 1.0f);
+}
+
+TEST_F(GltfTest, SurvivesNodesThatAreTheirOwnAncestors) {
+  GltfBuilder b = GltfBuilder::triangle();
+  b.json["nodes"] = {{{"mesh", 0}, {"children", {1}}}, {{"children", {0}}, {"translation", {0, 0, 1}}}};
+  const Scene scene = read(b);
+  EXPECT_EQ(scene.triangle_count(), 1u);
+  EXPECT_TRUE(warns(scene, "children")) << warnings_of(scene);
+}
+
+TEST_F(GltfTest, RefusesCountsWithoutData) {
+  GltfBuilder b = GltfBuilder::triangle();
+  b.json["accessors"][0]["count"] = 2000000000;
+  EXPECT_FALSE(try_read("a.gltf", b.gltf()));
+  b.json["accessors"][0].erase("bufferView");
+  EXPECT_FALSE(try_read("a.gltf", b.gltf()));
+}
+
+TEST_F(GltfTest, DrawsFilesWithoutScenes) {
+  GltfBuilder b = GltfBuilder::triangle();
+  b.json.erase("scenes");
+  b.json.erase("scene");
+  EXPECT_EQ(read(b).triangle_count(), 1u);
+  b.json.erase("nodes");
+  EXPECT_EQ(read(b).triangle_count(), 1u);
+}
+
+}  // namespace
+}  // namespace umbrage::test
