@@ -137,26 +137,17 @@ struct FaceColors {
 
 /// Memory of read_face that is kept between faces.
 struct FaceMemory {
-  std::vector<std::uint32_t> corners, triangles;
-  std::vector<glm::vec3> positions;
+  std::vector<std::uint32_t> corners;
+  FaceSplitter splitter;
 };
 
 void read_face(Words& words, FaceMemory& memory, Mesh& mesh, FaceColors& colors) {
-  auto& [corners, triangles, positions] = memory;
-  corners.clear(), triangles.clear(), positions.clear();
+  auto& [corners, splitter] = memory;
+  corners.clear();
   const std::size_t count = words.count();
-  bool valid = true;
-  for (std::size_t k = 0; k < count && !words.failed; ++k) {
-    corners.push_back(std::uint32_t(words.count()));
-    valid = valid && corners.back() < mesh.positions.size();
-    if (valid) positions.push_back(mesh.positions[corners.back()]);
-  }
+  for (std::size_t k = 0; k < count && !words.failed; ++k) corners.push_back(std::uint32_t(words.count()));
   if (words.failed) return;
-  if (valid && count > 3) {
-    split_polygon(positions, triangles);
-  } else {
-    for (std::uint32_t i = 2; i < count; ++i) triangles.insert(triangles.end(), {0u, i - 1, i});
-  }
+  const std::vector<std::uint32_t>& triangles = splitter.split(corners, mesh.positions);
   for (const std::uint32_t corner : triangles) mesh.indices.push_back(corners[corner]);
   colors.add(words.rest_of_line(), triangles.size() / 3);
 }

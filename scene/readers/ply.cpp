@@ -170,29 +170,6 @@ std::uint32_t vertex_of(double index) {
   return index >= 0.0 && index < double(kNoVertex) ? std::uint32_t(index) : kNoVertex;
 }
 
-/// Splits polygons into triangles; keeps its memory between calls.
-class PolygonSplitter {
- public:
-  /// Returns the corner numbers of the triangles. Corners that are out of range of the mesh make a fan.
-  const std::vector<std::uint32_t>& split(const std::vector<std::uint32_t>& corners, const Mesh& mesh) {
-    triangles_.clear();
-    const bool valid = corners.size() > 3 && std::all_of(corners.begin(), corners.end(),
-                                                         [&](std::uint32_t v) { return v < mesh.positions.size(); });
-    if (valid) {
-      positions_.clear();
-      for (const std::uint32_t v : corners) positions_.push_back(mesh.positions[v]);
-      split_polygon(positions_, triangles_);
-      return triangles_;
-    }
-    for (std::uint32_t i = 2; i < corners.size(); ++i) triangles_.insert(triangles_.end(), {0u, i - 1, i});
-    return triangles_;
-  }
-
- private:
-  std::vector<glm::vec3> positions_;
-  std::vector<std::uint32_t> triangles_;
-};
-
 /// Adds the triangles of strips. Every second triangle of a strip has the opposite winding; index -1 starts a new
 /// strip.
 void add_strips(const std::vector<std::uint32_t>& corners, Mesh& mesh) {
@@ -218,7 +195,7 @@ void read_lists(const Element& element, Body& body, std::size_t texture_count, C
   };
   const int index_list = list_named("vertex_indices", "vertex_index"), uv_list = list_named("texcoord", "texcoords");
   const bool has_colors = faces && slots.colors(), has_uvs = faces && uv_list >= 0;
-  PolygonSplitter splitter;
+  FaceSplitter splitter;
   std::vector<std::uint32_t> corners;
   std::vector<float> uvs;
   for (std::size_t i = 0; i < element.count && !body.ended() && !stops(poll, i, element.count); ++i) {
@@ -246,7 +223,7 @@ void read_lists(const Element& element, Body& body, std::size_t texture_count, C
       continue;
     }
     if (!faces) continue;
-    const std::vector<std::uint32_t>& triangles = splitter.split(corners, out.mesh);
+    const std::vector<std::uint32_t>& triangles = splitter.split(corners, out.mesh.positions);
     for (const std::uint32_t corner : triangles) out.mesh.indices.push_back(corners[corner]);
     const bool textured = uvs.size() == 2 * corners.size();
     if (has_uvs) {

@@ -25,10 +25,14 @@ double turn(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-void append_fan(const std::vector<Index>& polygon, std::vector<Index>& triangles) {
-  for (std::size_t i = 1; i + 1 < polygon.size(); ++i)
-    triangles.insert(triangles.end(), {polygon[0], polygon[i], polygon[i + 1]});
+/// Appends the triangles of a polygon of `count` corners that meet in its first one; `corner(i)`: number of corner i.
+template <class Corner>
+void append_fan(Index count, Corner corner, std::vector<Index>& triangles) {
+  for (Index i = 2; i < count; ++i) triangles.insert(triangles.end(), {corner(0), corner(i - 1), corner(i)});
 }
+
+/// The corner numbers of a whole polygon.
+constexpr auto kAllCorners = [](Index i) { return i; };
 
 /// The corners that are not convex, in a grid over the polygon's bounding box.
 class CornerGrid {
@@ -117,7 +121,8 @@ class EarClipping {
     }
     std::vector<Index> polygon;
     for (std::size_t i = 0; i < count; ++i, at = next_[at]) polygon.push_back(at);
-    append_fan(polygon, triangles);
+    append_fan(
+        Index(count), [&](Index i) { return polygon[i]; }, triangles);
   }
 
  private:
@@ -192,12 +197,25 @@ void split_polygon(std::span<const glm::vec3> corners, std::vector<Index>& trian
     is_strictly_convex = turn(at(i), at(i + 1), at(i + 2)) > 0.0;
   const double size = x + y + z;
   if (is_strictly_convex || !(size > 0.0) || !std::isfinite(size)) {
-    for (Index i = 1; i + 1 < count; ++i) triangles.insert(triangles.end(), {0, i, i + 1});
+    append_fan(Index(count), kAllCorners, triangles);
     return;
   }
   std::vector<glm::dvec2> points(count);
   for (std::size_t i = 0; i < count; ++i) points[i] = at(i);
   EarClipping(points).split(triangles);
+}
+
+const std::vector<Index>& FaceSplitter::split(std::span<const Index> vertices, std::span<const glm::vec3> positions) {
+  triangles_.clear();
+  const auto is_in_range = [&](Index v) { return v < positions.size(); };
+  if (vertices.size() > 3 && std::all_of(vertices.begin(), vertices.end(), is_in_range)) {
+    corners_.clear();
+    for (const Index v : vertices) corners_.push_back(positions[v]);
+    split_polygon(corners_, triangles_);
+  } else {
+    append_fan(Index(vertices.size()), kAllCorners, triangles_);
+  }
+  return triangles_;
 }
 
 }  // namespace umbrage

@@ -14,4 +14,17 @@ namespace umbrage {
 /// coordinates that are not finite is split somehow. Less than three corners: no triangles.
 void split_polygon(std::span<const glm::vec3> corners, std::vector<std::uint32_t>& triangles);
 
+/// Splits the faces of a mesh; keeps its memory between calls.
+class FaceSplitter {
+ public:
+  /// Returns the corner numbers of a face's triangles. `vertices`: the index of each corner in `positions`; if one is
+  /// out of range, the triangles are a fan. The result is valid until the next call.
+  const std::vector<std::uint32_t>& split(std::span<const std::uint32_t> vertices,
+                                          std::span<const glm::vec3> positions);
+
+ private:
+  std::vector<glm::vec3> corners_;
+  std::vector<std::uint32_t> triangles_;
+};
+
 }  // namespace umbrage
