@@ -115,6 +115,13 @@ struct Contents {
   bool transparent = false;
 };
 
+/// Reads a list and calls visit(number) for each of its numbers. A count that is too large ends with its row.
+template <class Visit>
+void read_list(const Property& property, Body& body, Visit visit) {
+  const double count = body.next(*property.list_size);
+  for (double j = 0; j < count && body.row_goes_on(); ++j) visit(body.next(property.number));
+}
+
 /// `indexed`: other elements refer to vertices by their index, so bad ones are kept, and dropped with their triangles.
 void read_vertices(const Element& element, bool indexed, Body& body, Contents& out, Scene& scene, Poll* poll) {
   const Slots slots(element);
@@ -136,8 +143,7 @@ void read_vertices(const Element& element, bool indexed, Body& body, Contents& o
     for (std::size_t k = 0; k < slots.of.size(); ++k) {
       const Property& property = element.properties[k];
       if (property.list_size) {
-        const double count = body.next(*property.list_size);
-        for (double j = 0; j < count && !body.ended(); ++j) body.next(property.number);
+        read_list(property, body, [](double) {});
       } else {
         value[slots.of[k]] = body.next(property.number);
       }
@@ -209,12 +215,10 @@ void read_lists(const Element& element, Body& body, std::size_t texture_count, C
         value[slots.of[k]] = body.next(property.number);
         continue;
       }
-      const double count = body.next(*property.list_size);
-      for (double j = 0; j < count && !body.ended(); ++j) {
-        const double number = body.next(property.number);
+      read_list(property, body, [&](double number) {
         if (int(k) == index_list) corners.push_back(vertex_of(number));
         if (int(k) == uv_list && has_uvs) uvs.push_back(float(number));
-      }
+      });
     }
     if (!element.properties.empty() && body.end_row()) continue;
     if (body.ended()) return;
@@ -333,6 +337,7 @@ Result<Scene> read_ply(const fs::path& path, std::vector<std::string>& textures,
   Contents contents;
   contents.mesh.name = path.stem().string();
   Body body(*bytes, text, *header);
+  bool has_vertices = false;
   for (const Element& element : header->elements) {
     // Check the header's count against the remaining bytes: each property takes at least one byte, plus a blank in text
     // form.
@@ -345,6 +350,8 @@ Result<Scene> read_ply(const fs::path& path, std::vector<std::string>& textures,
     }
     body.forget_bad_rows();
     if (element.name == "vertex") {
+      if (has_vertices) return file_error("'{}' has two lists of vertices", file);
+      has_vertices = true;
       if (element.find("packed_position") >= 0)
         return file_error("'{}' has compressed Gaussian splats, which are not read; save them uncompressed", file);
       for (const char* name : {"x", "y", "z"})

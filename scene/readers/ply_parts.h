@@ -52,6 +52,8 @@ class Body {
   void begin_row();
   /// Returns a number; NaN, and the row is bad, for a word that is none.
   double next(Number number) { return storage_ == Storage::kText ? text() : binary(number); }
+  /// Returns whether there may be more numbers of this row: false after the end and in a bad row.
+  bool row_goes_on() const { return !ended_ && !row_is_bad_; }
   /// Returns whether the row is bad.
   bool end_row();
 

@@ -209,6 +209,26 @@ TEST_F(UserFiles, AFewBadRowsAreLeftOut) {
   EXPECT_TRUE(contains(error_of("c.ply", ply("element vertex 2\n" + kXyz, "0 0 0\n0 1")), "cut short"));
 }
 
+TEST_F(UserFiles, WrongCountsInPlyEndWithTheirRow) {
+  const std::string elements = "element vertex 3\n" + kXyz + "element face 5\nproperty list uchar int vertex_indices\n",
+                    face = "3 0 1 2\n";
+  const Scene scene =
+      read("count.ply", ply(elements, "0 0 0\n1 0 0\n0 1 0\n" + face + face + "400000000000 0 1 2\n" + face + face));
+  EXPECT_EQ(scene.triangle_count(), 4u);
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_TRUE(contains(scene.warnings[0], "1 of 5 entries of 'face'")) << scene.warnings[0];
+}
+
+TEST_F(UserFiles, TwoListsOfVerticesInPlyAreRefused) {
+  const std::string elements = "element vertex 1\n" + kXyz + "property uchar red\nproperty uchar green\n" +
+                               "property uchar blue\nelement vertex 3\n" + kXyz +
+                               "element face 1\nproperty list uchar int vertex_indices\n"
+                               "property list uchar float texcoord\n";
+  const std::string error =
+      error_of("two.ply", ply(elements, "0 0 0 1 2 3\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 6 0 0 1 0 0 1\n"));
+  EXPECT_TRUE(contains(error, "two lists of vertices")) << error;
+}
+
 TEST_F(UserFiles, ColumnNamesGivePositionsTheirPlace) {
   const Scene scene = read("a.xyz", "id,x,y,z\n7,1,2,3\n8,4,5,6\n");
   ASSERT_EQ(scene.point_count(), 2u);
