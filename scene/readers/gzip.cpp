@@ -39,28 +39,32 @@ Result<std::string> inflated(std::string_view bytes, const std::string& file, Po
     return std::string_view(at, std::size_t(end - at));
   };
   std::string content;
+  std::size_t used = 0;  // bytes of it that are set; members may be tiny, so space for a block serves many of them
   while (true) {
     if (poll && poll->passing(0.0)) return interrupted();
-    const std::size_t before = content.size();
-    if (before > max)
+    if (used > max)
       return file_error(
           "'{}' would be inflated from {:.3g} to more than {:.3g} MB: it is made to exhaust memory, or damaged; if "
-          "not, "
-          "inflate it with gunzip",
+          "not, inflate it with gunzip",
           file, 1e-6 * double(bytes.size()), 1e-6 * double(max));
-    if (content.capacity() < before + kBlockSize) content.reserve(2 * before + kBlockSize);
-    content.resize(before + kBlockSize);
-    stream.next_out = reinterpret_cast<Bytef*>(content.data() + before);
-    stream.avail_out = uInt(kBlockSize);
+    if (used == content.size()) {
+      if (content.capacity() < used + kBlockSize) content.reserve(2 * used + kBlockSize);
+      content.resize(used + kBlockSize);
+    }
+    stream.next_out = reinterpret_cast<Bytef*>(content.data() + used);
+    stream.avail_out = uInt(content.size() - used);
     stream.avail_in = uInt(std::min<std::size_t>(rest().size(), std::numeric_limits<uInt>::max()));
     const int status = ::inflate(&stream, Z_NO_FLUSH);
-    content.resize(before + kBlockSize - stream.avail_out);
+    used = content.size() - stream.avail_out;
     if (status == Z_STREAM_END) {
       // Programs that ignore other bytes after the last member are the rule.
-      if (!is_gzip(rest())) return content;
+      if (!is_gzip(rest())) {
+        content.resize(used);
+        return content;
+      }
       ::inflateReset(&stream);
     } else if (status == Z_BUF_ERROR || (status == Z_OK && rest().empty() && stream.avail_out > 0)) {
-      return file_error("'{}' is cut short: its compressed data ends after {} bytes of content", file, content.size());
+      return file_error("'{}' is cut short: its compressed data ends after {} bytes of content", file, used);
     } else if (status != Z_OK) {
       return file_error("'{}' is damaged: gzip cannot inflate it ({})", file, stream.msg ? stream.msg : "invalid data");
     }
