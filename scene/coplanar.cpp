@@ -14,6 +14,7 @@
 #include <unordered_map>
 
 #include "scene/mesh_corners.h"
+#include "scene/strays.h"
 
 namespace umbrage {
 namespace {
@@ -81,9 +82,10 @@ std::uint64_t cell_of(const glm::vec4& plane, float shift) {
   // Positive, so that conversion rounds down. 0.3: planes through zero are common; they must not be on the border of
   // two cells.
   constexpr float kOffset = float(int(2.0 / kDistanceCell)) + 0.3f;
+  constexpr float kMaxCell = 1e9f;  // strays may be farther away than an integer can count
   std::uint64_t hash = 0;
   for (int i = 0; i < 4; ++i) {
-    hash = (hash ^ std::uint64_t(std::int64_t(plane[i] + (kOffset + shift)))) * 0x9e3779b97f4a7c15ull;
+    hash = (hash ^ std::uint64_t(std::clamp(plane[i] + (kOffset + shift), 0.0f, kMaxCell))) * 0x9e3779b97f4a7c15ull;
     hash ^= hash >> 29;
   }
   return hash;
@@ -283,6 +285,8 @@ std::size_t separate_coplanar_faces(Scene& scene, Poll* poll) {
   }
   raised = unique_faces(std::move(raised));
   const float step = float(kStep) * scene.radius();
+  const SceneBox bounds{scene.bounds_min, scene.bounds_max};
+  const float max_move = 3.0f * float(kMaxLevel) * step;  // along three normals; strays are farther outside
   for (std::size_t first = 0, last = 0; first < raised.size(); first = last) {
     Mesh& mesh = scene.meshes[raised[first].triangle.mesh];
     const std::vector<Index> point_of = joined_vertices(mesh).point_of;
@@ -297,6 +301,7 @@ std::size_t separate_coplanar_faces(Scene& scene, Poll* poll) {
     }
     move_points(mesh, point_of, moves, step);
     for (const glm::vec3& p : mesh.positions) {
+      if (!is_within(p, max_move, bounds)) continue;
       scene.bounds_min = glm::min(scene.bounds_min, p);
       scene.bounds_max = glm::max(scene.bounds_max, p);
     }

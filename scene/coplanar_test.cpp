@@ -71,6 +71,20 @@ TEST(CoplanarFaces, OfALaterMeshAreInFront) {
   EXPECT_EQ(separate_coplanar_faces(scene), 0u) << "a second time, none are in one plane";
 }
 
+TEST(CoplanarFaces, DoNotReturnStraysToTheBounds) {
+  Mesh upper = rectangle({-0.5f, -0.6f}, {0.7f, 0.5f}, 0, 5);
+  const auto stray = std::uint32_t(upper.positions.size());
+  upper.positions.insert(upper.positions.end(), {{1e4f, 0, 0}, {1e4f + 1, 0, 0}, {1e4f, 1, 0}});
+  upper.indices.insert(upper.indices.end(), {stray, stray + 1, stray + 2});
+  Scene scene;
+  scene.meshes = {rectangle({-1, -1}, {1, 1}, 0, 3), upper};
+  finish_scene(scene, {}, {}, nullptr, BoundsOf::kAllButStrays);
+  const float radius = scene.radius();
+  ASSERT_LT(radius, 10.0f);
+  EXPECT_GT(separate_coplanar_faces(scene), 0u);
+  EXPECT_LT(scene.radius(), 1.01f * radius);
+}
+
 TEST(CoplanarFaces, AreInFrontOnTheSideOfTheirNormals) {
   Scene scene = scene_of({rectangle({-1, -1}, {1, 1}, 0, 1), rectangle({-0.5f, -0.6f}, {0.7f, 0.5f}, 0, 1, false)});
   EXPECT_EQ(separate_coplanar_faces(scene), 2u);
