@@ -305,7 +305,7 @@ Result<Image> read_image(const fs::path& file) {
     std::int64_t size = 0;
     Result<InputFile> stream = open_to_read(file, size);
     if (!stream) return stream.error();
-    char start[8] = {};
+    char start[12] = {};
     const std::size_t byte_count = std::fread(start, 1, sizeof start, stream->get());
     stream->reset();
     std::vector<std::string> extensions;

@@ -46,7 +46,7 @@ struct ImageFormat {
   std::string_view extension, summary;  ///< extension without the dot, lower case
   Result<void> (*write)(const std::filesystem::path&, const ImageShape&, const WriteSettings&, const MakeImageRows&);
   Result<Image> (*read)(const std::filesystem::path&);  ///< null: the format is only written
-  bool (*recognises)(std::string_view start);           ///< checks the first 8 bytes of a file
+  bool (*recognises)(std::string_view start);           ///< checks the first 12 bytes of a file
   bool display = false;                                 ///< holds display values from 0 to 1, as viewers show them
   bool alpha = true;                                    ///< can hold transparency
   int max_bits = 8;                                     ///< of values, if these are display values

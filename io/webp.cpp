@@ -75,7 +75,10 @@ Result<void> write(const fs::path& file, const ImageShape& shape, const WriteSet
   });
 }
 
-bool recognises(std::string_view start) { return start.starts_with("RIFF"); }
+bool recognises(std::string_view start) {
+  constexpr std::size_t kForm = 8;  // after the mark and a size; sound and video begin with RIFF, too
+  return start.size() > kForm && start.starts_with("RIFF") && start.substr(kForm).starts_with("WEBP");
+}
 
 }  // namespace
 
