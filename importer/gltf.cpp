@@ -83,7 +83,6 @@ void add_mesh(Build& build, int node_index, int mesh_index, int& object) {
       file.warn_once("skin",
                      fmt::format("a skin cannot be used, its mesh is shown without it: {}", read.error().message));
   }
-  const bool is_instanced = extension_of(json, "EXT_mesh_gpu_instancing").is_object();
   for (const glm::dmat4& instance : instances_of(file, json)) {
     bool has_mesh = false;
     for (const auto& primitive : *primitives) {
@@ -103,7 +102,6 @@ void add_mesh(Build& build, int node_index, int mesh_index, int& object) {
       build.meshes.push_back(std::move(mesh));
     }
     if (has_mesh) ++object;
-    if (!is_instanced) break;
   }
 }
 

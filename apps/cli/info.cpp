@@ -31,8 +31,8 @@ std::string axis_text(glm::vec3 up) {
   return fmt::format("{:.3g},{:.3g},{:.3g}", up.x, up.y, up.z);
 }
 
-/// Returns the unit of length of formats that define one; else an empty string. Assimp converts no other format to
-/// metres.
+/// Returns the unit of length of formats that define one; else an empty string. The formats that Assimp reads are not
+/// converted to metres.
 std::string units_of(const std::string& format) {
   if (format == "3MF") return "mm";
   if (format == "GLTF" || format == "GLB") return "m";
@@ -59,8 +59,43 @@ std::vector<std::pair<std::string_view, std::string>> maps_of(const Scene& scene
   return maps;
 }
 
-/// Returns the JSON records. Each has a kind, `what` (model, mesh, material, texture, scene, camera, light, warning),
-/// and the properties of that kind.
+nlohmann::json record_of(const Scene& scene, const Material& material) {
+  nlohmann::json record = {
+      {"what", "material"},
+      {"name", material.name},
+      {"albedo_r", material.albedo.r},
+      {"albedo_g", material.albedo.g},
+      {"albedo_b", material.albedo.b},
+      {"texture", material.texture == kNoTexture ? "" : scene.textures[std::size_t(material.texture)].name},
+      {"cut_out", material.alpha_mask},
+      {"blended", material.blended},
+      {"opacity", material.opacity},
+      {"specular", material.specular_strength},
+      {"shininess", material.specular_exponent},
+      {"emission", std::max({material.emission.r, material.emission.g, material.emission.b})},
+      {"metallic", material.metallic},
+      {"roughness", material.roughness},
+      {"maps", nlohmann::json::object()},
+      {"ignored", material.ignored}};
+  for (const auto& [map, image] : maps_of(scene, material)) record["maps"][map] = image;
+  return record;
+}
+
+nlohmann::json record_of(const Scene& scene, const View& camera, std::size_t index) {
+  nlohmann::json record = {{"what", "camera"},
+                           {"index", index},
+                           {"name", camera.name},
+                           {"angle_deg", camera.height > 0.0f ? 0.0f : camera.angle_deg},
+                           {"orthographic", camera.height > 0.0f}};
+  for (int axis = 0; axis < 3; ++axis) {
+    record[fmt::format("eye_{}", "xyz"[axis])] = scene.origin[axis] + camera.eye[axis];
+    record[fmt::format("target_{}", "xyz"[axis])] = scene.origin[axis] + camera.target[axis];
+  }
+  return record;
+}
+
+/// Returns the JSON records. Each has a kind, `what` (model, mesh, material, texture, scene, animation, camera,
+/// light, warning), and the properties of that kind.
 nlohmann::json records_of(const Scene& scene, const std::string& format) {
   nlohmann::json records = nlohmann::json::array();
   std::set<int> objects;
@@ -98,27 +133,7 @@ nlohmann::json records_of(const Scene& scene, const std::string& format) {
                        {"vertices", mesh.positions.size()},
                        {"texture_coordinates", !mesh.uvs.empty()},
                        {"colors", !mesh.colors.empty()}});
-  for (const Material& material : scene.materials) {
-    nlohmann::json record = {
-        {"what", "material"},
-        {"name", material.name},
-        {"albedo_r", material.albedo.r},
-        {"albedo_g", material.albedo.g},
-        {"albedo_b", material.albedo.b},
-        {"texture", material.texture == kNoTexture ? "" : scene.textures[std::size_t(material.texture)].name},
-        {"cut_out", material.alpha_mask},
-        {"blended", material.blended},
-        {"opacity", material.opacity},
-        {"specular", material.specular_strength},
-        {"shininess", material.specular_exponent},
-        {"emission", std::max({material.emission.r, material.emission.g, material.emission.b})},
-        {"metallic", material.metallic},
-        {"roughness", material.roughness},
-        {"maps", nlohmann::json::object()},
-        {"ignored", material.ignored}};
-    for (const auto& [map, image] : maps_of(scene, material)) record["maps"][map] = image;
-    records.push_back(std::move(record));
-  }
+  for (const Material& material : scene.materials) records.push_back(record_of(scene, material));
   for (const Texture& texture : scene.textures)
     records.push_back(
         {{"what", "texture"}, {"name", texture.name}, {"width", texture.width}, {"height", texture.height}});
@@ -133,18 +148,7 @@ nlohmann::json records_of(const Scene& scene, const std::string& format) {
                        {"name", scene.animation_names[k]},
                        {"duration_s", scene.animation_durations_s.at(k)}});
   const std::vector<View>& cameras = scene.cameras.empty() ? scene.views : scene.cameras;
-  for (std::size_t k = 0; k < cameras.size(); ++k) {
-    nlohmann::json record = {{"what", "camera"},
-                             {"index", k},
-                             {"name", cameras[k].name},
-                             {"angle_deg", cameras[k].height > 0.0f ? 0.0f : cameras[k].angle_deg},
-                             {"orthographic", cameras[k].height > 0.0f}};
-    for (int axis = 0; axis < 3; ++axis) {
-      record[fmt::format("eye_{}", "xyz"[axis])] = scene.origin[axis] + cameras[k].eye[axis];
-      record[fmt::format("target_{}", "xyz"[axis])] = scene.origin[axis] + cameras[k].target[axis];
-    }
-    records.push_back(std::move(record));
-  }
+  for (std::size_t k = 0; k < cameras.size(); ++k) records.push_back(record_of(scene, cameras[k], k));
   for (const Light& light : scene.lights)
     records.push_back({{"what", "light"},
                        {"kind", light.kind == LightKind::kPoint ? "point" : "directional"},
