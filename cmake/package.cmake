@@ -60,8 +60,8 @@ endforeach()
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
     "Umbrage draws 3D models so that their shape can be read: ambient occlusion,
 indirect light, soft shadows, toon shading, outlines. It reads OBJ, PLY,
-STL, glTF and more, writes PNG, OpenEXR and PFM, and runs on any CPU, without
-a display, or on a Vulkan GPU.")
+STL, glTF, 3MF and more, writes PNG, JPEG, WebP, OpenEXR and PFM, and runs on
+any CPU, without a display, or on a Vulkan GPU.")
 set(CPACK_COMPONENT_LIBRARY_DESCRIPTION
     "Umbrage draws 3D models so that their shape can be read, and shades what other
 programs have drawn. This package contains the shared library.")

@@ -85,7 +85,7 @@ Material material_of(const aiMaterial& source, const std::string& format, Textur
   aiString name;
   if (source.Get(AI_MATKEY_NAME, name) == AI_SUCCESS) material.name = name.C_Str();
 
-  // STL, PLY and OFF files have no materials, and 3DS files may have none: then the material is Assimp's default.
+  // Files may have no materials: then the material is Assimp's default.
   constexpr const char* kDefaultOf3ds = "%%%DEFAULT";
   const bool is_default = material.name == AI_DEFAULT_MATERIAL_NAME || material.name == kDefaultOf3ds;
   std::optional<glm::vec3> color = color_of(source, AI_MATKEY_BASE_COLOR);

@@ -11,7 +11,7 @@
 namespace umbrage {
 namespace {
 
-// OBJ, STL, 3DS and glTF take 0.01 to 0.1 s per megabyte and at most 20 bytes of memory per byte (docs/reliability.md).
+// OBJ, 3DS and glTF take 0.01 to 0.1 s per megabyte and at most 20 bytes of memory per byte (docs/reliability.md).
 // The limits allow for slow machines and for highly compressed textures or buffers.
 constexpr double kBaseSeconds = 8.0, kSecondsPerMegabyte = 2.0;
 constexpr double kBaseMemory = 1.5e9, kMemoryPerByte = 200.0;

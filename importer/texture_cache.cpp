@@ -53,7 +53,7 @@ std::string without_escapes(const std::string& text) {
 }
 
 std::optional<fs::path> find_referenced_file(const fs::path& folder, const std::string& name) {
-  // Assimp's parsers include options in names: "-colorspace sRGB wood.png".
+  // Libraries of OBJ files have comments after names, and options that are not known: "-gamma 2 wood.png # oak".
   const std::string last_word = name.substr(name.find_last_of(' ') + 1),
                     before_comment = name.substr(0, name.find(" #"));
   for (const std::string& spelling : {name, without_escapes(name), before_comment, last_word})

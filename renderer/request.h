@@ -45,7 +45,8 @@ struct GBufferSettings {
 
 /// What to draw or shade. Only the model, or the images of the G-buffer, must be set; all other defaults are usable.
 struct Request {
-  std::string model{};  ///< a file (OBJ, PLY, STL, glTF/GLB, 3DS, DAE, FBX, OFF, XYZ, PDB) or "scene:NAME?detail=N"
+  /// A file (OBJ, PLY, STL, glTF/GLB, 3DS, DAE, FBX, OFF, XYZ, PTS, PDB, 3MF; also .gz), or "scene:NAME?detail=N".
+  std::string model{};
   std::vector<std::string> more_models{};  ///< additional models, placed as in their files
   std::string look = "studio";             ///< name of a look: see `umbrage list looks`
   std::string occlusion{};                 ///< an occlusion technique, "reference" or "none"; empty: set by the look

@@ -90,7 +90,8 @@ struct CameraRequest {
 
 /// A picture to render. All members except `model` have usable defaults.
 struct RenderRequest {
-  std::string model{};  ///< a file (OBJ, PLY, STL, glTF/GLB, 3DS, DAE, FBX, OFF, XYZ, PDB) or "scene:NAME?detail=N"
+  /// A file (OBJ, PLY, STL, glTF/GLB, 3DS, DAE, FBX, OFF, XYZ, PTS, PDB, 3MF; also .gz), or "scene:NAME?detail=N".
+  std::string model{};
   std::vector<std::string> more_models{};  ///< further models, placed as in their files
   std::string look = "studio";             ///< name of a look: see `umbrage list looks`
   std::string occlusion{};                 ///< an occlusion technique, "reference" or "none"; empty: chosen by the look
