@@ -172,7 +172,7 @@ inline void set_scene(const RenderRequest& r, UmbScene scene, Calls& calls) {
   if (r.up) set("up", text_of(r.up->data(), 3));
   if (r.scene_index) set("scene_index", std::to_string(*r.scene_index));
   if (r.animation_index) set("animation_index", std::to_string(*r.animation_index));
-  if (r.animation_time) set("animation_time", std::to_string(*r.animation_time));
+  if (r.animation_time) set("animation_time", text_of(&*r.animation_time, 1));
   set("lights", r.lights);
   if (r.crease_angle_deg) set("crease_angle_deg", text_of(&*r.crease_angle_deg, 1));
   set("point_size", r.point_size);
