@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
+#include <iterator>
 #include <new>
 #include <set>
 #include <system_error>
@@ -109,9 +110,13 @@ Error too_large_to_read(const fs::path& file) {
 void warn_of_ignored(Scene& scene) {
   std::set<std::string> ignored;
   for (const Material& material : scene.materials) ignored.insert(material.ignored.begin(), material.ignored.end());
-  if (!ignored.empty())
-    scene.warnings.push_back(
-        fmt::format("the file's materials have properties that are not drawn: {}", fmt::join(ignored, ", ")));
+  if (ignored.empty()) return;
+  constexpr std::size_t kMaxShown = 32;  // more than readers know, apart from unknown words of the file
+  const std::size_t shown = std::min(ignored.size(), kMaxShown);
+  const auto end = std::next(ignored.begin(), std::ptrdiff_t(shown));
+  scene.warnings.push_back(fmt::format(
+      "the file's materials have properties that are not drawn: {}{}", fmt::join(ignored.begin(), end, ", "),
+      shown < ignored.size() ? fmt::format(" and {} more", ignored.size() - shown) : ""));
 }
 
 Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, const ImportSettings& settings,

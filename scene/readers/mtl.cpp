@@ -144,7 +144,9 @@ class LibraryParser {
 
   void ignore(const std::string& what) {
     auto& ignored = material_->ignored;
-    if (std::find(ignored.begin(), ignored.end(), what) == ignored.end()) ignored.push_back(what);
+    constexpr std::size_t kMaxIgnored = 64;  // more are only in a file that is something else
+    if (ignored.size() < kMaxIgnored && std::find(ignored.begin(), ignored.end(), what) == ignored.end())
+      ignored.push_back(what);
   }
 
   /// Clamps a number to 0 to max.
