@@ -28,8 +28,9 @@ constexpr double kStep = 1e-5;  // more than kSamePlane, and far above the round
 /// Cells into which planes are rounded. The noise of the normal of a triangle of a hundredth of the radius is smaller.
 constexpr double kNormalCell = 2e-3, kDistanceCell = 2e-4;
 
-/// Max number of pairs of boxes that are tested, per triangle of a plane. Above it, all faces of later meshes move.
-constexpr std::size_t kMaxBoxTests = 256;
+/// Max numbers of pairs of boxes that are tested and of pairs of meshes that overlap, per triangle of a plane. Above
+/// them, all faces of later meshes move; for a stack of meshes that is the same.
+constexpr std::size_t kMaxBoxTests = 256, kMaxMeshPairs = 16;
 constexpr int kMaxLevel = 100;  // steps by which faces on top of each other are moved
 
 struct Triangle {
@@ -188,12 +189,14 @@ std::vector<Boxed> boxes_of(const Triangles& triangles, std::span<const Triangle
 /// Meshes of which a face of the second overlaps one of the first, which is earlier.
 using MeshPairs = std::set<std::pair<Index, Index>>;
 
-/// Finds overlaps among triangles of one cell. Returns false if there are too many to test.
-bool find_overlaps(std::vector<Boxed>& boxes, int axis, MeshPairs& pairs) {
+/// Finds overlaps among triangles of one cell. Returns false if there are too many to test. Stops if the poll ends.
+bool find_overlaps(std::vector<Boxed>& boxes, int axis, Poll* poll, MeshPairs& pairs) {
+  constexpr std::size_t kTestsPerPoll = 4096;
   std::size_t tests = 0;
   for (std::size_t i = 0; i < boxes.size(); ++i)
     for (std::size_t j = i + 1; j < boxes.size() && boxes[j].low[axis] < boxes[i].high[axis]; ++j) {
-      if (++tests > kMaxBoxTests * boxes.size()) return false;
+      if (++tests > kMaxBoxTests * boxes.size() || pairs.size() > kMaxMeshPairs * boxes.size()) return false;
+      if (poll && tests % kTestsPerPoll == 0 && poll->passing(0.0)) return true;
       Boxed &a = boxes[i], &b = boxes[j];
       if (a.triangle.mesh == b.triangle.mesh) continue;
       Boxed &below = a.triangle.mesh < b.triangle.mesh ? a : b, &above = &below == &a ? b : a;
@@ -210,11 +213,13 @@ bool find_overlaps(std::vector<Boxed>& boxes, int axis, MeshPairs& pairs) {
 }
 
 /// Adds the faces of one cell that are to be moved.
-void raise_faces(const Triangles& triangles, std::span<const Triangle> plane, std::vector<RaisedFace>& raised) {
+void raise_faces(const Triangles& triangles, std::span<const Triangle> plane, Poll* poll,
+                 std::vector<RaisedFace>& raised) {
   int axis = 0;
   std::vector<Boxed> boxes = boxes_of(triangles, plane, axis);
   MeshPairs pairs;
-  if (!find_overlaps(boxes, axis, pairs)) {
+  if (!find_overlaps(boxes, axis, poll, pairs)) {
+    pairs.clear();
     std::set<Index> meshes;
     for (Boxed& box : boxes) meshes.insert(box.triangle.mesh);
     for (Boxed& box : boxes) box.is_above = box.triangle.mesh != *meshes.begin();
@@ -279,7 +284,7 @@ std::size_t separate_coplanar_faces(Scene& scene, Poll* poll) {
         while (last < shared.size() && shared[last].cell == shared[first].cell) ++last;
         if (shared[first].mesh == shared[last - 1].mesh) continue;
         if (poll && poll->passing(0.0)) return 0;
-        raise_faces(triangles, std::span(shared).subspan(first, last - first), raised);
+        raise_faces(triangles, std::span(shared).subspan(first, last - first), poll, raised);
       }
     }
   }
@@ -288,6 +293,7 @@ std::size_t separate_coplanar_faces(Scene& scene, Poll* poll) {
   const SceneBox bounds{scene.bounds_min, scene.bounds_max};
   const float max_move = 3.0f * float(kMaxLevel) * step;  // along three normals; strays are farther outside
   for (std::size_t first = 0, last = 0; first < raised.size(); first = last) {
+    if (poll && poll->passing(0.0)) return 0;
     Mesh& mesh = scene.meshes[raised[first].triangle.mesh];
     const std::vector<Index> point_of = joined_vertices(mesh).point_of;
     std::vector<Move> moves;

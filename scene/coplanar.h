@@ -7,7 +7,7 @@ namespace umbrage {
 
 /// Moves faces that overlap a face of an earlier mesh in the same plane to its front, by 1e-5 of the scene's radius, so
 /// that they hide it. "Front" is the side of the moved face's normals. The vertices at one position move together.
-/// For a finished scene. Returns the number of faces moved.
+/// For a finished scene. Returns the number of faces moved. If the poll ends, only some of them move.
 std::size_t separate_coplanar_faces(Scene& scene, Poll* poll = nullptr);
 
 }  // namespace umbrage

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -126,6 +127,32 @@ TEST(CoplanarFaces, StayJoinedToTheirNeighbours) {
       moved += v == w && before[v] != scene.meshes[1].positions[v];
     }
   EXPECT_EQ(moved, 8u) << "four corners of the top and the upper corners of the sides";
+}
+
+Scene stacked(std::size_t count) {
+  Mesh triangle = rectangle({-1, -1}, {1, 1}, 0, 1);
+  triangle.indices.resize(3);
+  return scene_of(std::vector<Mesh>(count, triangle));
+}
+
+TEST(CoplanarFaces, AreMovedApartInLimitedTime) {
+  constexpr std::size_t kCount = 20000;
+  Scene scene = stacked(kCount);
+  const auto started = std::chrono::steady_clock::now();
+  EXPECT_EQ(separate_coplanar_faces(scene), kCount - 1);
+  EXPECT_LT(std::chrono::steady_clock::now() - started, std::chrono::seconds(3)) << "5 s if all pairs are kept";
+  EXPECT_GT(heights(scene, 1).x, 7e-6f);
+  EXPECT_GT(heights(scene, kCount - 1).x, 9e-4f) << "the max level";
+}
+
+TEST(CoplanarFaces, StayWhereTheyAreOnceThePollEnds) {
+  Scene scene = stacked(100);
+  const glm::vec3 before = scene.meshes[99].positions[0];
+  const ProgressMonitor monitor = [](double) { return false; };
+  Poll poll(monitor);
+  poll.ask(0.0);
+  EXPECT_EQ(separate_coplanar_faces(scene, &poll), 0u);
+  EXPECT_EQ(scene.meshes[99].positions[0], before);
 }
 
 }  // namespace
