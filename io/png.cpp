@@ -234,7 +234,7 @@ Result<Image> read(const fs::path& file) {
   return image;
 }
 
-bool recognises(std::string_view start) { return start == "\x89PNG\r\n\x1a\n"; }
+bool recognises(std::string_view start) { return start.starts_with("\x89PNG\r\n\x1a\n"); }
 
 }  // namespace
 
