@@ -20,43 +20,44 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, ignored);
 }
 
-/// Returns the entry of this name in a folder; upper and lower case are equal.
-std::optional<fs::path> find_in(const fs::path& folder, const std::string& name) {
+}  // namespace
+
+const FileFinder::Entries& FileFinder::entries_of(const fs::path& folder) {
+  const auto [known, is_new] = entries_.try_emplace(folder.string());
+  if (!is_new) return known->second;
   std::error_code error;
-  const std::string lower_name = lower(name);
   for (fs::directory_iterator entry(folder.empty() ? fs::path(".") : folder, error), end; !error && entry != end;
        entry.increment(error)) {
-    const std::string other = entry->path().filename().string();
-    if (lower(other) == lower_name) return folder / other;
+    const std::string name = entry->path().filename().string();
+    known->second.emplace(lower(name), name);
   }
-  return std::nullopt;
+  return known->second;
 }
 
 /// Returns the file at a path whose parts may differ from it in upper and lower case.
-std::optional<fs::path> find_ignoring_case(const fs::path& folder, const fs::path& relative) {
+std::optional<fs::path> FileFinder::find_ignoring_case(const fs::path& folder, const fs::path& relative) {
   fs::path found = folder;
   for (const fs::path& part : relative) {
-    const fs::path exact = found / part;
+    fs::path exact = found / part;
     std::error_code ignored;
     if (fs::exists(exact, ignored)) {
-      found = exact;
-    } else if (const auto other = find_in(found, part.string())) {
-      found = *other;
-    } else {
-      return std::nullopt;
+      found = std::move(exact);
+      continue;
     }
+    const Entries& entries = entries_of(found);
+    const auto other = entries.find(lower(part.string()));
+    if (other == entries.end()) return std::nullopt;
+    found /= other->second;
   }
   return is_file(found) ? std::optional(found) : std::nullopt;
 }
 
-}  // namespace
-
-std::optional<fs::path> find_file(const fs::path& folder, std::string name) {
+std::optional<fs::path> FileFinder::find(std::string name) {
   std::replace(name.begin(), name.end(), '\\', '/');
   name.erase(name.find_last_not_of(" \t\r") + 1);
   constexpr std::size_t kMaxLength = 4096;  // PATH_MAX of Linux
   if (name.empty() || name.size() > kMaxLength) return std::nullopt;
-  const fs::path path(name), beside = folder / path;  // an absolute path replaces the folder
+  const fs::path path(name), beside = folder_ / path;  // an absolute path replaces the folder
   if (is_file(beside)) return beside;
   if (path.is_absolute())
     if (auto found = find_ignoring_case({}, path)) return found;
@@ -66,9 +67,13 @@ std::optional<fs::path> find_file(const fs::path& folder, std::string name) {
     fs::path end;
     for (auto part = std::next(path.begin(), skipped); part != path.end(); ++part) end /= *part;
     if (end.is_absolute()) continue;
-    if (auto found = find_ignoring_case(folder, end)) return found;
+    if (auto found = find_ignoring_case(folder_, end)) return found;
   }
   return std::nullopt;
+}
+
+std::optional<fs::path> find_file(const fs::path& folder, std::string name) {
+  return FileFinder(folder).find(std::move(name));
 }
 
 }  // namespace umbrage

@@ -14,8 +14,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The search for the libraries of a file. Bounds the time for lines with thousands of words.
+struct LibrarySearch {
+  FileFinder finder;
+  Poll* poll;
+  int look_ups_left = 1024;
+
+  bool exists(std::string_view name) {
+    if (look_ups_left == 0 || (poll && poll->passing(0.0))) return false;
+    --look_ups_left;
+    return finder.find(std::string(name)).has_value();
+  }
+};
+
 /// Returns the names of the libraries in a line "mtllib a.mtl b.mtl"; names may contain blanks or be quoted.
-void add_libraries(std::string_view line, const fs::path& folder, std::vector<std::string>& names) {
+void add_libraries(std::string_view line, LibrarySearch& search, std::vector<std::string>& names) {
   constexpr std::size_t kMaxNames = 256;  // bounds the time for long lines
   line = trimmed(line);
   while (!line.empty() && names.size() < kMaxNames) {
@@ -29,7 +42,7 @@ void add_libraries(std::string_view line, const fs::path& folder, std::vector<st
     std::size_t end = line.size(), next_end = line.size();
     bool exists = false;
     for (int k = 0; k < kMaxBlanks && !exists; ++k) {
-      exists = find_file(folder, std::string(trimmed(line.substr(0, end)))).has_value();
+      exists = search.exists(trimmed(line.substr(0, end)));
       if (exists) break;
       const std::size_t blank = line.find_last_of(" \t", end - 1);
       if (blank == std::string_view::npos || blank == 0) break;
@@ -46,7 +59,7 @@ void add_libraries(std::string_view line, const fs::path& folder, std::vector<st
   }
 }
 
-std::vector<std::string> libraries_of(std::string_view text, const fs::path& folder) {
+std::vector<std::string> libraries_of(std::string_view text, LibrarySearch& search) {
   constexpr std::string_view kWord = "mtllib";
   std::vector<std::string> names;
   std::set<std::string_view> lines;
@@ -56,7 +69,7 @@ std::vector<std::string> libraries_of(std::string_view text, const fs::path& fol
     if (!is_blank(text[after]) || (at > 0 && before != std::string_view::npos && text[before] != '\n')) continue;
     // Some exporters repeat the line for each object.
     if (const std::string_view line = text.substr(after, line_end - after); lines.insert(line).second)
-      add_libraries(line, folder, names);
+      add_libraries(line, search, names);
   }
   return names;
 }
@@ -74,11 +87,12 @@ Result<ObjFile> open_obj(const fs::path& path, Poll* poll) {
     return file_error("'{}' is UTF-16 text; save it as UTF-8", path.string());
   ObjFile file{.path = path, .text = std::move(*text)};
   normalize_lines(file.text);
-  const fs::path folder = path.parent_path();
+  LibrarySearch search{FileFinder(path.parent_path()), poll};
   std::set<std::string> known, read;
-  for (const std::string& name : libraries_of(file.text, folder)) {
+  for (const std::string& name : libraries_of(file.text, search)) {
     if (!read.insert(name).second) continue;
-    const auto found = find_file(folder, name);
+    if (poll && poll->passing(0.0)) return interrupted();
+    const auto found = search.finder.find(name);
     auto content = found ? read_whole_file(*found, poll) : Result<std::string>(file_error("missing"));
     if (poll && poll->ended()) return interrupted();
     if (!content) {

@@ -231,6 +231,17 @@ TEST_F(Obj, FindsLibraries) {
   expect_warning(read(std::string(kSquare) + "usemtl x\nf 1 2 3\n"), {"'x'", "no material library"});
 }
 
+TEST_F(Obj, LooksForLibrariesInLimitedTime) {
+  for (int i = 0; i < 300; ++i) write(fmt::format("{}.txt", i), "");
+  write("a.mtl", "newmtl a\nKd 1 0 0\n");
+  std::string line = "mtllib a.mtl";
+  for (int i = 0; i < 400; ++i) line += fmt::format(" x/{}.mtl", i);
+  const auto started = std::chrono::steady_clock::now();
+  const Scene scene = raw(line + "\n" + kSquare + "usemtl a\nf 1 2 3\n");
+  EXPECT_LT(std::chrono::steady_clock::now() - started, std::chrono::seconds(5));
+  EXPECT_EQ(scene.materials.at(0).albedo, glm::vec3(1, 0, 0));
+}
+
 TEST_F(Obj, ShowsSomethingOfInvisibleMaterials) {
   write("t.mtl", "newmtl a\nd 0\nnewmtl b\nKd 1 1 1\nnewmtl c\nTr 1\n");
   const std::string start = std::string("mtllib t.mtl\n") + kSquare + "usemtl a\nf 1 2 3\n";
