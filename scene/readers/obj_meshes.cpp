@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <set>
 
 #include "scene/origin.h"
 #include "scene/readers/polygon.h"
@@ -79,6 +80,7 @@ Result<ObjScene> ObjMeshes::scene() {
           "first in line {}{}",
           name, face_count_, first_bad_line_, bad_line());
     sort_faces();
+    if (ended()) return interrupted();
     newest_.assign(positions_.size(), kNone);
     for (const Part& part : parts_) {
       add_meshes(part);
@@ -172,19 +174,28 @@ void ObjMeshes::convert_vertices() {
   for (glm::vec3& color : colors_) color = linear_color(bytes ? color / 255.0f : color);
 }
 
+/// Returns the number of a name, in the order in which names appear.
+int ObjMeshes::Names::number_of(std::string_view name) {
+  const auto [known, is_new] = numbers.emplace(name, int(all.size()));
+  if (is_new) all.push_back(name);
+  return known->second;
+}
+
 /// Distributes the faces to parts_.
 void ObjMeshes::sort_faces() {
-  std::string object, group;
-  std::string_view material;
+  int object = names_.number_of(""), group = object, material = object;
+  const int no_name = object;
   std::uint32_t smoothing = 0;
   std::size_t part = 0;
   bool changed = true;
+  for (const MtlMaterial& each : file_.materials) defined_.emplace(names_.number_of(each.name), &each);
   for (std::uint32_t b = 0; b < blocks_.size(); ++b) {
+    if (poll_ && poll_->passing(0.0)) return;
     const ObjBlock& block = blocks_[b];
     std::size_t first = 0;
     const auto add_run = [&](std::size_t last) {
       if (last == first) return;
-      if (changed) part = part_of(object + '\n' + group, group.empty() ? object : group, material);
+      if (changed) part = part_of({object, group}, material);
       changed = false;
       parts_[part].runs.push_back({b, first, last, smoothing});
       first = last;
@@ -197,35 +208,42 @@ void ObjMeshes::sort_faces() {
         continue;
       }
       changed = true;
-      if (statement.kind == ObjStatement::kMaterial) material = statement.name;
-      if (statement.kind == ObjStatement::kGroup) group = statement.name;
-      if (statement.kind == ObjStatement::kObject) object = statement.name, group.clear();
+      const int name = names_.number_of(statement.name);
+      if (statement.kind == ObjStatement::kMaterial) material = name;
+      if (statement.kind == ObjStatement::kGroup) group = name;
+      if (statement.kind == ObjStatement::kObject) object = name, group = no_name;
     }
     add_run(block.faces.size());
   }
 }
 
-std::size_t ObjMeshes::part_of(const std::string& object, std::string_view name, std::string_view material) {
+/// Returns the index of the part of an object, given by the numbers of its name and group, and a material.
+std::size_t ObjMeshes::part_of(std::pair<int, int> object, int material_name) {
   const int object_number = object_numbers_.emplace(object, int(object_numbers_.size())).first->second;
-  const int material_number = material_named(material);
-  const auto [known, is_new] = part_numbers_.emplace(std::pair(object_number, material_number), parts_.size());
-  if (is_new) parts_.push_back({std::string(name), object_number, material_number, {}});
+  const int material = material_named(material_name);
+  const auto [known, is_new] = part_numbers_.emplace(std::pair(object_number, material), parts_.size());
+  if (is_new) {
+    const std::string_view group = names_.all[std::size_t(object.second)];
+    const std::string_view name = group.empty() ? names_.all[std::size_t(object.first)] : group;
+    parts_.push_back({std::string(name), object_number, material, {}});
+  }
   return known->second;
 }
 
 /// Returns the index of a material of the scene. Materials that no library defines are neutral.
-int ObjMeshes::material_named(std::string_view name) {
-  if (const auto known = material_numbers_.find(name); known != material_numbers_.end()) return known->second;
-  const auto& all = file_.materials;
-  const auto source = std::find_if(all.begin(), all.end(), [&](const MtlMaterial& each) { return each.name == name; });
+int ObjMeshes::material_named(int number) {
+  std::vector<Material>& materials = result_.scene.materials;
+  const auto [known, is_new] = material_numbers_.emplace(number, int(materials.size()));
+  if (!is_new) return known->second;
+  const std::string_view name = names_.all[std::size_t(number)];
+  const auto found = defined_.find(number);
+  const MtlMaterial* source = found == defined_.end() ? nullptr : found->second;
   Material neutral;
   neutral.name = name;
-  const bool is_defined = source != all.end();
-  std::vector<Material>& materials = result_.scene.materials;
-  materials.push_back(is_defined ? material_of(*source) : neutral);
-  result_.sources.push_back(is_defined ? &*source : nullptr);
-  if (!is_defined && !name.empty()) undefined_.emplace_back(name);
-  return material_numbers_[std::string(name)] = int(materials.size()) - 1;
+  materials.push_back(source ? material_of(*source) : neutral);
+  result_.sources.push_back(source);
+  if (!source && !name.empty()) undefined_.emplace_back(name);
+  return known->second;
 }
 
 /// Adds the meshes of a part: one for each combination of vertex data.
@@ -339,9 +357,10 @@ void ObjMeshes::warn_of_elements() {
   if (face_count_ > 0) warn_of(points_, "points beside faces");
   warn_of(curves_, "free-form curves or surfaces");
   std::vector<std::string> others;
+  std::set<std::string_view> known;
   for (const ObjBlock& block : blocks_)
     for (const std::string_view word : block.other)
-      if (std::find(others.begin(), others.end(), word) == others.end()) others.emplace_back(word);
+      if (known.insert(word).second) others.emplace_back(word);
   for (std::string& word : others)
     for (char& c : word)
       if (static_cast<unsigned char>(c) < ' ') c = '?';

@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -36,14 +37,20 @@ class ObjMeshes {
     int object, material;
     std::vector<Run> runs;
   };
+  /// The names of objects, groups and materials, each of which is compared once per statement.
+  struct Names {
+    std::unordered_map<std::string_view, int> numbers;
+    std::vector<std::string_view> all;
+    int number_of(std::string_view name);
+  };
   enum FaceKind : std::uint8_t { kPlain = 0, kWithUvs = 1, kWithNormals = 2, kBad = 4 };
 
   bool ended() const { return poll_ && poll_->ended(); }
   void check_faces();
   void convert_vertices();
   void sort_faces();
-  std::size_t part_of(const std::string& object, std::string_view name, std::string_view material);
-  int material_named(std::string_view name);
+  std::size_t part_of(std::pair<int, int> object, int material_name);
+  int material_named(int number);
   void add_meshes(const Part& part);
   Mesh mesh_of(const Part& part, FaceKind kind);
   std::uint32_t vertex_of(const ObjCorner& corner);
@@ -67,9 +74,11 @@ class ObjMeshes {
   std::vector<std::vector<std::uint8_t>> kinds_;  ///< FaceKind of each face of each block
   std::vector<Part> parts_;
   std::map<std::pair<int, int>, std::size_t> part_numbers_;  ///< by object and material
-  std::map<std::string, int> object_numbers_;
-  std::map<std::string, int, std::less<>> material_numbers_;
-  std::vector<std::string> undefined_;  ///< names of materials that no library defines
+  Names names_;
+  std::map<std::pair<int, int>, int> object_numbers_;    ///< by numbers of the object's name and the group's
+  std::unordered_map<int, const MtlMaterial*> defined_;  ///< materials of libraries, by number of their name
+  std::unordered_map<int, int> material_numbers_;        ///< of materials of the scene, by number of their name
+  std::vector<std::string> undefined_;                   ///< names of materials that no library defines
 
   /// A vertex of the mesh that is being made, and the next one at the same position.
   struct Vertex {

@@ -262,7 +262,15 @@ TEST_F(Obj, TakesLimitedTimeForAnyText) {
   }
   polygon += "f";
   for (int i = 0; i < 100000; ++i) polygon += fmt::format(" {}", 1 + i % 4);
-  for (const std::string& text : {many_normals, continued + "\nf 1 2 3\n", polygon + "\n"}) {
+  std::string names = kSquare, long_name = kSquare + ("o " + std::string(1000000, 'n') + "\n"), library;
+  for (int i = 0; i < 60000; ++i) {
+    library += fmt::format("newmtl m{}\n", i);
+    names += fmt::format("usemtl m{}\nf 1 2 3\n", 59999 - i);
+    long_name += fmt::format("g {}\nf 1 2 3\n", i % 7);
+  }
+  write("many.mtl", library);
+  for (const std::string& text :
+       {many_normals, continued + "\nf 1 2 3\n", polygon + "\n", "mtllib many.mtl\n" + names, long_name}) {
     const auto started = std::chrono::steady_clock::now();
     const Scene scene = raw(text);
     EXPECT_GT(scene.triangle_count(), 0u);
