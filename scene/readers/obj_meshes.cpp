@@ -291,7 +291,7 @@ Mesh ObjMeshes::mesh_of(const Part& part, FaceKind kind) {
         polygon.clear();
         triangles.clear();
         for (const std::uint32_t vertex : face) polygon.push_back(positions_[std::size_t(vertices_[vertex].corner.x)]);
-        split_polygon(polygon, triangles);
+        split_polygon(polygon, triangles, poll_);
         for (const std::uint32_t corner : triangles) mesh.indices.push_back(face[corner]);
       }
       if (smooths) mesh.smoothing.resize(mesh.indices.size() / 3, run.smoothing);

@@ -186,7 +186,7 @@ Result<Scene> read_off(const fs::path& path, Poll* poll) {
                       mesh.positions.size(), vertex_count);
   }
   FaceColors colors;
-  FaceMemory memory;
+  FaceMemory memory{{}, FaceSplitter(poll)};
   std::size_t face = 0;
   for (; face < face_count && !words.failed; ++face) {
     if (stops(poll, face, face_count)) return interrupted();

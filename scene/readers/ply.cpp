@@ -201,7 +201,7 @@ void read_lists(const Element& element, Body& body, std::size_t texture_count, C
   };
   const int index_list = list_named("vertex_indices", "vertex_index"), uv_list = list_named("texcoord", "texcoords");
   const bool has_colors = faces && slots.colors(), has_uvs = faces && uv_list >= 0;
-  FaceSplitter splitter;
+  FaceSplitter splitter(poll);
   std::vector<std::uint32_t> corners;
   std::vector<float> uvs;
   for (std::size_t i = 0; i < element.count && !body.ended() && !stops(poll, i, element.count); ++i) {

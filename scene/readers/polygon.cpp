@@ -99,12 +99,17 @@ class EarClipping {
     grid_ = CornerGrid(points, blockers);
   }
 
-  void split(std::vector<Index>& triangles) {
+  void split(std::vector<Index>& triangles, Poll* poll) {
+    constexpr std::size_t kWorkPerPoll = 1 << 16;
     // Bounds the time for polygons whose triangles overlap almost all of their corners.
     const std::size_t max_work = kMaxWorkPerCorner * points_.size();
-    std::size_t count = points_.size(), misses = 0;
+    std::size_t count = points_.size(), misses = 0, next_poll = kWorkPerPoll;
     Index at = 0;
     while (count > 3 && work_ < max_work) {
+      if (work_ > next_poll) {
+        if (poll && poll->passing(0.0)) break;
+        next_poll = work_ + kWorkPerPoll;
+      }
       if (misses < count && !is_ear(at)) {
         at = next_[at];
         ++misses;
@@ -126,7 +131,7 @@ class EarClipping {
   }
 
  private:
-  static constexpr std::size_t kMaxWorkPerCorner = 4096;
+  static constexpr std::size_t kMaxWorkPerCorner = 1024;
 
   double turn_at(Index i) const { return turn(points_[previous_[i]], points_[i], points_[next_[i]]); }
   bool is_convex(Index i) const { return turn_at(i) > 0.0; }
@@ -179,7 +184,7 @@ class EarClipping {
 
 }  // namespace
 
-void split_polygon(std::span<const glm::vec3> corners, std::vector<Index>& triangles) {
+void split_polygon(std::span<const glm::vec3> corners, std::vector<Index>& triangles, Poll* poll) {
   const std::size_t count = corners.size();
   if (count < 3) return;
   if (count == 3) {
@@ -202,7 +207,7 @@ void split_polygon(std::span<const glm::vec3> corners, std::vector<Index>& trian
   }
   std::vector<glm::dvec2> points(count);
   for (std::size_t i = 0; i < count; ++i) points[i] = at(i);
-  EarClipping(points).split(triangles);
+  EarClipping(points).split(triangles, poll);
 }
 
 const std::vector<Index>& FaceSplitter::split(std::span<const Index> vertices, std::span<const glm::vec3> positions) {
@@ -211,7 +216,7 @@ const std::vector<Index>& FaceSplitter::split(std::span<const Index> vertices, s
   if (vertices.size() > 3 && std::all_of(vertices.begin(), vertices.end(), is_in_range)) {
     corners_.clear();
     for (const Index v : vertices) corners_.push_back(positions[v]);
-    split_polygon(corners_, triangles_);
+    split_polygon(corners_, triangles_, poll_);
   } else {
     append_fan(Index(vertices.size()), kAllCorners, triangles_);
   }

@@ -70,6 +70,47 @@ TEST(Polygon, SplitsConcaveOnes) {
   expect_split(star, "star");
 }
 
+/// Returns the outline of Koch's snowflake, of 3 * 4^levels corners.
+Polygon snowflake(int levels) {
+  std::vector<glm::dvec2> outline{{0.0, 0.0}, {0.5, std::sqrt(0.75)}, {1.0, 0.0}};
+  for (; levels > 0; --levels) {
+    std::vector<glm::dvec2> finer;
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+      const glm::dvec2 a = outline[i], b = outline[(i + 1) % outline.size()], third = (b - a) / 3.0;
+      const glm::dvec2 outward(-third.y, third.x);
+      finer.insert(finer.end(), {a, a + third, 0.5 * (a + b) + std::sqrt(0.75) * outward, b - third});
+    }
+    outline = finer;
+  }
+  Polygon polygon;
+  for (const glm::dvec2& p : outline) polygon.push_back({float(p.x), float(p.y), 0.0f});
+  return polygon;
+}
+
+TEST(Polygon, SplitsThoseOfManyCorners) {
+  expect_split(snowflake(3), "snowflake of 192 corners");
+  expect_split(snowflake(6), "snowflake of 12288 corners");
+  Polygon comb, rays;
+  constexpr int kCorners = 20000;
+  for (int i = 0; i < kCorners; ++i) {
+    comb.push_back({float(i), i % 2 == 0 ? 0.0f : 20.0f + float(i % 17), 0.0f});
+    const float angle = float(i) * 2.0f * std::numbers::pi_v<float> / float(kCorners),
+                radius = i % 2 == 0 ? 1.0f : 0.5f;
+    rays.push_back({radius * std::cos(angle), radius * std::sin(angle), 0.0f});
+  }
+  Polygon spiral;
+  for (int i = 0; i < 5 * kCorners; ++i) {
+    const int along = std::min(i, 5 * kCorners - 1 - i);  // out on one side and back on the other
+    const float angle = 0.00628f * float(along), radius = 1.0f + angle + (along == i ? 0.0f : 3.0f);
+    spiral.push_back({radius * std::cos(angle), radius * std::sin(angle), 0.0f});
+  }
+  expect_split(spiral, "spiral");
+  comb.push_back({float(kCorners) - 1.0f, -9.0f, 0.0f});
+  comb.push_back({0.0f, -9.0f, 0.0f});
+  expect_split(comb, "comb");
+  expect_split(rays, "rays");
+}
+
 TEST(Polygon, SplitsRandomOnes) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
@@ -104,6 +145,18 @@ TEST(Polygon, SplitsAnythingInLimitedTime) {
     EXPECT_EQ(triangles.size(), 3 * (polygon.size() - 2));
   }
   expect_split(spiral, "spiral");
+}
+
+TEST(Polygon, StopsOnceThePollEnds) {
+  const Polygon polygon = snowflake(8);
+  const ProgressMonitor monitor = [](double) { return false; };
+  Poll poll(monitor);
+  poll.ask(0.0);
+  std::vector<std::uint32_t> stopped, whole;
+  split_polygon(polygon, stopped, &poll);
+  split_polygon(polygon, whole);
+  EXPECT_EQ(stopped.size(), whole.size());
+  EXPECT_NE(stopped, whole);
 }
 
 }  // namespace
