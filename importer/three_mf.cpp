@@ -135,7 +135,7 @@ class Reader {
   std::vector<PlacedMesh> meshes_;
   std::set<std::string> warned_;
   std::size_t wrong_triangles_ = 0;
-  int plain_materials_[2] = {-1, -1}, object_ = 0;
+  int plain_materials_[2] = {-1, -1}, object_ = 0, placed_count_ = 0;
 };
 
 Result<std::string> Reader::content(std::string name) const {
@@ -304,8 +304,10 @@ void Reader::add_mesh(const xml_node& object, const Part& of, const glm::dmat4& 
 }
 
 Result<void> Reader::add_object(const std::string& part_name, std::string_view id, const glm::dmat4& place, int depth) {
-  constexpr int kMaxDepth = 64;
+  constexpr int kMaxDepth = 64, kMaxPlaced = 1'000'000;
   if (depth > kMaxDepth) return unreadable("its objects contain each other");
+  if (++placed_count_ > kMaxPlaced)
+    return unreadable(fmt::format("its objects are placed more than {} times", kMaxPlaced));
   const auto of = part(part_name);
   if (!of) return of.error();
   const auto object = (*of)->objects.find(id);

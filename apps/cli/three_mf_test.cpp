@@ -57,6 +57,16 @@ TEST_F(ThreeMf, TransformsAndComponentsPlaceObjects) {
   EXPECT_EQ(all.at(0)["objects"], 2);
 }
 
+TEST_F(ThreeMf, ComponentsThatMultiplyAreRefused) {
+  std::string objects = "<object id=\"0\"/>";
+  for (int level = 1; level <= 60; ++level) {
+    const std::string lower = "<component objectid=\"" + std::to_string(level - 1) + "\"/>";
+    objects += "<object id=\"" + std::to_string(level) + "\"><components>" + lower + lower + "</components></object>";
+  }
+  write("model.3mf", three_mf_of("<resources>" + objects + "</resources><build><item objectid=\"60\"/></build>"));
+  bad("model.3mf -o out.png", 3, {"its objects are placed more than 1000000 times"});
+}
+
 TEST_F(ThreeMf, PartsInOtherFilesAreRead) {
   const std::string part =
       "<?xml version=\"1.0\"?><model><resources><object id=\"7\">" + cube_3mf(5.0) + "</object></resources></model>";
