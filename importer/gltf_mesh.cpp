@@ -84,15 +84,12 @@ void read_colors(Reader& reader, GltfPrimitive& primitive) {
   const Json& flag = member(accessor, "normalized");
   if (!flag.is_boolean() || !flag.get<bool>())
     for (float& v : colors->values) v = normalized(double(v), index_of(member(accessor, "componentType")));
-  bool is_white = true;
   mesh.colors.resize(mesh.positions.size());
   for (std::size_t i = 0; i < mesh.colors.size(); ++i) {
     const float* c = colors->at(i);
     for (int k = 0; k < 3; ++k) mesh.colors[i][k] = c[k] >= 0.0f && std::isfinite(c[k]) ? c[k] : 0.0f;
-    is_white = is_white && mesh.colors[i] == glm::vec3(1.0f);
     primitive.has_alpha = primitive.has_alpha || (colors->width == 4 && c[3] < 1.0f);
   }
-  if (is_white) mesh.colors.clear();
 }
 
 /// Adds the displacements of the morph targets.
@@ -244,6 +241,8 @@ Result<GltfPrimitive> read_primitive(GltfFile& file, const Json& json, std::size
     warn_of_borders(reader, mesh);
   read_colors(reader, primitive);
   apply_morphs(reader, morph_weights, mesh);
+  const auto is_white = [](const glm::vec3& color) { return color == glm::vec3(1.0f); };
+  if (std::all_of(mesh.colors.begin(), mesh.colors.end(), is_white)) mesh.colors.clear();
   read_joints(reader, primitive);
   if (mesh.points) return primitive;
   const auto indices = indices_of(reader, count);

@@ -102,6 +102,16 @@ TEST_F(GltfTest, AppliesMorphTargets) {
   EXPECT_EQ(read(b).bounds_max, glm::vec3(4, 1, 0));
 }
 
+TEST_F(GltfTest, MorphsWhiteColors) {
+  GltfBuilder b = GltfBuilder::triangle();
+  b.primitive()["attributes"]["COLOR_0"] = b.add(std::vector<float>(9, 1.0f), "VEC3", 3);
+  const int darker = b.add(std::vector<float>{0, -1, -1, 0, -1, -1, 0, -1, -1}, "VEC3", 3);
+  b.primitive()["targets"] = {{{"COLOR_0", darker}}};
+  EXPECT_TRUE(read(b).meshes.at(0).colors.empty());
+  b.json["meshes"][0]["weights"] = {0.5};
+  EXPECT_EQ(read(b).meshes.at(0).colors.at(0), glm::vec3(1.0f, 0.5f, 0.5f));
+}
+
 /// The triangle, skinned by node 1, which is at (0, 0, 5) and twice as large; the mesh's own node is elsewhere.
 GltfBuilder skinned() {
   GltfBuilder b = GltfBuilder::triangle();
