@@ -311,7 +311,6 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
     auto text = read_whole_file(file);
     if (!text) return text.error();
     changed = std::move(*text);
-    raise_limits_by(double(changed.size()));
   }
   const bool is_gltf = format == "gltf" || format == "glb";  // of version 1.0
   MeshRules rules;
@@ -375,6 +374,11 @@ Result<Scene> import_in_process(const fs::path& file, const ImportSettings& sett
   const std::string format = import_format(file);
   if (auto error = check_model_file(file, format)) return std::move(*error);
   try {
+    if (is_gzip_file(file)) {
+      const auto size = inflated_size_of(file);
+      if (!size) return size.error();
+      raise_limits_by(double(*size));
+    }
     const bool is_gltf = format == "gltf" || format == "glb";
     std::optional<Result<Scene>> gltf = is_gltf ? read_gltf(file, settings) : std::nullopt;
     Result<Scene> scene = gltf                                 ? std::move(*gltf)

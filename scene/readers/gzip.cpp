@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
+#include <vector>
 
 namespace umbrage {
 namespace {
@@ -23,13 +25,27 @@ struct Inflation {
   Inflation(const Inflation&) = delete;
 };
 
-}  // namespace
+/// The max size of a file's content, and why larger content is refused.
+struct Bound {
+  std::size_t bytes;
+  const char* reason;
+};
 
-bool is_gzip(std::string_view bytes) { return bytes.starts_with(kMagic); }
+/// Returns the bound for a file of `size` bytes, if so much `memory` is available.
+Bound bound_of(std::size_t size, double memory) {
+  constexpr std::size_t kMaxUnchecked = std::size_t(64) << 20, kMaxRatio = 100;
+  constexpr double kMaxFraction = 0.5;  // what is made of the content needs memory, too
+  const std::size_t by_ratio = std::max(kMaxUnchecked, kMaxRatio * size);
+  const double by_memory = kMaxFraction * memory;
+  if (double(by_ratio) > by_memory) return {std::size_t(by_memory), "that is more than half of the memory available"};
+  return {by_ratio, "it is made to exhaust memory, or damaged; if not, inflate it with gunzip"};
+}
 
-Result<std::string> inflated(std::string_view bytes, const std::string& file, Poll* poll) {
-  constexpr std::size_t kMaxUnchecked = std::size_t(64) << 20, kMaxRatio = 100, kBlockSize = std::size_t(8) << 20;
-  const std::size_t max = std::max(kMaxUnchecked, kMaxRatio * bytes.size());
+/// Inflates all members of a gzip file. Calls `next_block` for space, also before the first byte; returns the number of
+/// bytes of content.
+template <class NextBlock>
+Result<std::size_t> inflate_members(std::string_view bytes, const std::string& file, const Bound& max, Poll* poll,
+                                    NextBlock next_block) {
   Inflation inflation(bytes);
   if (!inflation.ready) return device_error("not enough memory to read '{}'", file);
   z_stream& stream = inflation.stream;
@@ -38,30 +54,24 @@ Result<std::string> inflated(std::string_view bytes, const std::string& file, Po
     const char* at = reinterpret_cast<const char*>(stream.next_in);
     return std::string_view(at, std::size_t(end - at));
   };
-  std::string content;
-  std::size_t used = 0;  // bytes of it that are set; members may be tiny, so space for a block serves many of them
+  std::size_t used = 0;  // members may be tiny, so a block serves many of them
   while (true) {
     if (poll && poll->passing(0.0)) return interrupted();
-    if (used > max)
-      return file_error(
-          "'{}' would be inflated from {:.3g} to more than {:.3g} MB: it is made to exhaust memory, or damaged; if "
-          "not, inflate it with gunzip",
-          file, 1e-6 * double(bytes.size()), 1e-6 * double(max));
-    if (used == content.size()) {
-      if (content.capacity() < used + kBlockSize) content.reserve(2 * used + kBlockSize);
-      content.resize(used + kBlockSize);
+    if (stream.avail_out == 0) {
+      const std::span<char> block = next_block();
+      stream.next_out = reinterpret_cast<Bytef*>(block.data());
+      stream.avail_out = uInt(block.size());
     }
-    stream.next_out = reinterpret_cast<Bytef*>(content.data() + used);
-    stream.avail_out = uInt(content.size() - used);
+    const std::size_t space = stream.avail_out;
     stream.avail_in = uInt(std::min<std::size_t>(rest().size(), std::numeric_limits<uInt>::max()));
     const int status = ::inflate(&stream, Z_NO_FLUSH);
-    used = content.size() - stream.avail_out;
+    used += space - stream.avail_out;
+    if (used > max.bytes)
+      return file_error("'{}' would be inflated from {:.3g} to more than {:.3g} MB: {}", file,
+                        1e-6 * double(bytes.size()), 1e-6 * double(max.bytes), max.reason);
     if (status == Z_STREAM_END) {
       // Programs that ignore other bytes after the last member are the rule.
-      if (!is_gzip(rest())) {
-        content.resize(used);
-        return content;
-      }
+      if (!is_gzip(rest())) return used;
       ::inflateReset(&stream);
     } else if (status == Z_BUF_ERROR || (status == Z_OK && rest().empty() && stream.avail_out > 0)) {
       return file_error("'{}' is cut short: its compressed data ends after {} bytes of content", file, used);
@@ -69,6 +79,30 @@ Result<std::string> inflated(std::string_view bytes, const std::string& file, Po
       return file_error("'{}' is damaged: gzip cannot inflate it ({})", file, stream.msg ? stream.msg : "invalid data");
     }
   }
+}
+
+constexpr std::size_t kBlockSize = std::size_t(8) << 20;
+
+}  // namespace
+
+bool is_gzip(std::string_view bytes) { return bytes.starts_with(kMagic); }
+
+Result<std::string> inflated(std::string_view bytes, const std::string& file, Poll* poll, double memory) {
+  std::string content;
+  const auto size = inflate_members(bytes, file, bound_of(bytes.size(), memory), poll, [&] {
+    const std::size_t used = content.size();
+    if (content.capacity() < used + kBlockSize) content.reserve(2 * used + kBlockSize);
+    content.resize(used + kBlockSize);
+    return std::span(content).subspan(used);
+  });
+  if (!size) return size.error();
+  content.resize(*size);
+  return content;
+}
+
+Result<std::size_t> inflated_size(std::string_view bytes, const std::string& file, double memory) {
+  std::vector<char> block(kBlockSize);
+  return inflate_members(bytes, file, bound_of(bytes.size(), memory), nullptr, [&] { return std::span(block); });
 }
 
 std::string inflated_start(std::string_view bytes, std::size_t count) {

@@ -5,6 +5,7 @@
 
 #include "core/progress.h"
 #include "core/result.h"
+#include "system/memory.h"
 
 namespace umbrage {
 
@@ -13,8 +14,12 @@ bool is_gzip(std::string_view bytes);
 
 /// Returns the content of a gzip file, of one or several members. `file`: its name in errors. Errors: kFile if it is
 /// damaged or cut short, and if the content is more than 64 MB and 100 times as large as the file, which only files
-/// made to exhaust memory are; kInterrupted.
-Result<std::string> inflated(std::string_view bytes, const std::string& file, Poll* poll = nullptr);
+/// made to exhaust memory are, or more than half of `memory`; kInterrupted.
+Result<std::string> inflated(std::string_view bytes, const std::string& file, Poll* poll = nullptr,
+                             double memory = available_memory());
+
+/// Returns the size of that content. Has the same errors, and takes no memory.
+Result<std::size_t> inflated_size(std::string_view bytes, const std::string& file, double memory = available_memory());
 
 /// Returns the first bytes of a gzip file's content, at most `count`, of the first bytes of the file; fewer if they are
 /// damaged.

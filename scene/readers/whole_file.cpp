@@ -27,9 +27,8 @@ std::string stored_start(const std::filesystem::path& file, std::size_t count) {
   return bytes;
 }
 
-}  // namespace
-
-Result<std::string> read_whole_file(const std::filesystem::path& file, Poll* poll) {
+/// Returns all bytes of a file as they are stored.
+Result<std::string> stored_bytes(const std::filesystem::path& file, Poll* poll) {
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   std::ifstream stream(file, std::ios::binary);
@@ -41,13 +40,27 @@ Result<std::string> read_whole_file(const std::filesystem::path& file, Poll* pol
     if (poll && poll->passing(0.0)) return interrupted();
     if (!stream.read(bytes.data() + at, std::streamsize(std::min(kBlockSize, bytes.size() - at)))) return unreadable;
   }
-  if (is_gzip(bytes)) {
-    auto content = inflated(bytes, file.string(), poll);
+  return bytes;
+}
+
+}  // namespace
+
+Result<std::string> read_whole_file(const std::filesystem::path& file, Poll* poll) {
+  auto bytes = stored_bytes(file, poll);
+  if (!bytes) return bytes;
+  if (is_gzip(*bytes)) {
+    auto content = inflated(*bytes, file.string(), poll);
     if (content && content->empty()) return file_error("'{}' is empty", file.string());
     return content;
   }
   if (ends_in_gz(file)) return file_error("'{}' is not a gzip file", file.string());
   return bytes;
+}
+
+Result<std::size_t> inflated_size_of(const std::filesystem::path& file) {
+  const auto bytes = stored_bytes(file, nullptr);
+  if (!bytes) return bytes.error();
+  return is_gzip(*bytes) ? inflated_size(*bytes, file.string()) : Result<std::size_t>(bytes->size());
 }
 
 std::string read_file_start(const std::filesystem::path& file, std::size_t count) {

@@ -1,5 +1,6 @@
 // Reading a file into memory, inflated if it is compressed by gzip. All readers of models read through these functions.
 #pragma once
+#include <cstddef>
 #include <filesystem>
 #include <string>
 
@@ -11,6 +12,9 @@ namespace umbrage {
 /// Returns all bytes of a file; of one compressed by gzip its content. Errors: kFile if it cannot be read or inflated,
 /// and if its name ends in .gz but it is not compressed; kInterrupted.
 Result<std::string> read_whole_file(const std::filesystem::path& file, Poll* poll = nullptr);
+
+/// Returns the number of those bytes. Errors: kFile if the file cannot be read or inflated.
+Result<std::size_t> inflated_size_of(const std::filesystem::path& file);
 
 /// Returns the first `count` bytes of that, or fewer if there are no more; empty if the file cannot be read.
 std::string read_file_start(const std::filesystem::path& file, std::size_t count);

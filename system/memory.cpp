@@ -1,0 +1,25 @@
+// Reads /proc/meminfo (proc(5)) and the limit of the control group, version 2, that a container sees as its own.
+#include "system/memory.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <string_view>
+
+namespace umbrage {
+
+double available_memory() {
+  double available = std::numeric_limits<double>::infinity();
+  std::ifstream info("/proc/meminfo");
+  for (std::string line; std::getline(info, line);) {
+    constexpr std::string_view kName = "MemAvailable:";
+    constexpr double kUnit = 1024.0;  // "kB"
+    if (line.starts_with(kName)) available = kUnit * std::strtod(line.c_str() + kName.size(), nullptr);
+  }
+  if (double limit = 0.0; std::ifstream("/sys/fs/cgroup/memory.max") >> limit) available = std::min(available, limit);
+  return available;
+}
+
+}  // namespace umbrage
