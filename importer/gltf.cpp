@@ -13,8 +13,8 @@
 #include "importer/gltf_materials.h"
 #include "importer/gltf_nodes.h"
 #include "importer/gltf_skin.h"
-#include "scene/origin.h"
 #include "scene/readers/import_parts.h"
+#include "scene/readers/positions.h"
 
 namespace umbrage {
 namespace {
@@ -128,19 +128,13 @@ void add_meshes(Build& build) {
 
 /// Moves the meshes to the scene, relative to an origin near them.
 void move_to_origin(Build& build) {
-  glm::dvec3 low(std::numeric_limits<double>::max()), high(std::numeric_limits<double>::lowest());
-  const auto add = [&](const glm::dvec3& p) {
-    if (!std::isfinite(p.x + p.y + p.z)) return;
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  };
+  OriginFinder finder;
   for (const PlacedMesh& mesh : build.meshes) {
-    for (const glm::dvec3& p : mesh.positions) add(p);
+    for (const glm::dvec3& p : mesh.positions) finder.add(p);
     if (mesh.positions.empty())
-      for (const glm::vec3& p : mesh.mesh.positions) add(glm::dvec3(p));
+      for (const glm::vec3& p : mesh.mesh.positions) finder.add(glm::dvec3(p));
   }
-  if (low.x <= high.x) build.scene.origin = scene_origin(low, high);
-  const glm::dvec3 origin = build.scene.origin;
+  const glm::dvec3 origin = build.scene.origin = finder.origin();
   for (PlacedMesh& placed : build.meshes) {
     Mesh& mesh = placed.mesh;
     for (std::size_t i = 0; i < placed.positions.size(); ++i)

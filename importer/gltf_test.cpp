@@ -88,6 +88,13 @@ TEST_F(GltfTest, KeepsAMeshSharpFarFromTheOrigin) {
   const glm::vec3 offset(glm::dvec3(500000.125, 4200000.0, 100.0) - far.origin);
   for (std::size_t i = 0; i < 3; ++i)
     expect_near(far.meshes.at(0).positions[i], near.meshes.at(0).positions[i] + offset, 1e-6f);
+  for (int k = 1; k < 8; ++k) {
+    b.json["nodes"][k] = b.json["nodes"][0];
+    b.json["scenes"][0]["nodes"].push_back(k);
+  }
+  b.json["nodes"][8] = {{"mesh", 0}, {"translation", {0, 0, 0}}};
+  b.json["scenes"][0]["nodes"].push_back(8);
+  EXPECT_EQ(read(b).origin, far.origin) << "a mesh far from the rest";
 }
 
 TEST_F(GltfTest, AppliesMorphTargets) {

@@ -16,7 +16,7 @@
 #include <unordered_map>
 
 #include "importer/limits.h"
-#include "scene/origin.h"
+#include "scene/readers/positions.h"
 #include "scene/readers/texture_file.h"
 #include "scene/readers/vertex_colors.h"
 
@@ -357,10 +357,10 @@ Result<Scene> Reader::read() {
   }
   if (wrong_triangles_ > 0)
     warn(fmt::format("{} triangles have vertex indices out of range and are left out", wrong_triangles_));
-  glm::dvec3 low(std::numeric_limits<double>::max()), high(-low);
+  OriginFinder finder;
   for (const PlacedMesh& placed : meshes_)
-    for (const glm::dvec3& p : placed.positions) low = glm::min(low, p), high = glm::max(high, p);
-  scene_.origin = scene_origin(low, high);
+    for (const glm::dvec3& p : placed.positions) finder.add(p);
+  scene_.origin = finder.origin();
   for (PlacedMesh& placed : meshes_) {
     placed.mesh.positions.reserve(placed.positions.size());
     for (const glm::dvec3& p : placed.positions) placed.mesh.positions.emplace_back(p - scene_.origin);

@@ -9,24 +9,14 @@
 #include <limits>
 #include <set>
 
-#include "scene/origin.h"
 #include "scene/readers/polygon.h"
+#include "scene/readers/positions.h"
 #include "scene/readers/vertex_colors.h"
 
 namespace umbrage {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-
-bool is_finite(const glm::dvec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
-
-struct Box {
-  glm::dvec3 low{std::numeric_limits<double>::max()}, high{std::numeric_limits<double>::lowest()};
-  void add(const glm::dvec3& p) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-};
 
 /// Returns the smoothing group of a statement s: "off", "0", "on" or a number.
 std::uint32_t smoothing_of(std::string_view name) {
@@ -114,14 +104,14 @@ void ObjMeshes::check_faces() {
     position_counts_.push_back(block.positions.size());
     std::vector<glm::dvec3>().swap(block.positions);
   }
-  Box box;
+  OriginFinder finder;
   const auto is_in = [](std::int32_t index, std::size_t count) { return index >= 0 && std::size_t(index) < count; };
   const auto kind_of = [&](const ObjCorner* corner, const ObjCorner* end) {
     std::uint8_t kind = kWithUvs | kWithNormals;
     bool has_lost_uvs = false;
     for (; corner != end; ++corner) {
       if (!is_in(corner->x, position_count) || !is_finite(positions[std::size_t(corner->x)])) return kBad;
-      box.add(positions[std::size_t(corner->x)]);
+      finder.add(positions[std::size_t(corner->x)]);
       if (!is_in(corner->y, uv_count)) kind &= std::uint8_t(~kWithUvs);
       if (!is_in(corner->z, normal_count)) kind &= std::uint8_t(~kWithNormals);
       has_lost_uvs = has_lost_uvs || (corner->y != kNoObjIndex && !is_in(corner->y, uv_count));
@@ -143,9 +133,8 @@ void ObjMeshes::check_faces() {
     }
   }
   if (face_count_ == 0)
-    for (const glm::dvec3& p : positions)
-      if (is_finite(p)) box.add(p);
-  const glm::dvec3 origin = scene_origin(box.low, box.high);
+    for (const glm::dvec3& p : positions) finder.add(p);
+  const glm::dvec3 origin = finder.origin();
   result_.scene.origin = origin;
   positions_.reserve(position_count);
   for (const glm::dvec3& p : positions) positions_.emplace_back(p - origin);

@@ -190,6 +190,7 @@ TEST_F(Obj, SubtractsAFarOrigin) {
         glm::dvec3(far.meshes.at(0).positions.at(i)) + far.origin - glm::dvec3(500000.0, 4649776.0, 0.0);
     EXPECT_LT(glm::length(there - glm::dvec3(near.meshes.at(0).positions.at(i))), 1e-7) << i;
   }
+  EXPECT_EQ(raw(text(500000.0, 4649776.0) + "f 1 1 2\nf 1 1 4\n").origin, far.origin) << "a corner far from the rest";
 }
 
 TEST_F(Obj, SeparatesObjectsMaterialsAndVertexData) {
