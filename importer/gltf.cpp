@@ -244,7 +244,6 @@ void add_warnings(Build& build) {
                     file.faults.count == 1 ? "is" : "are", file.faults.first));
   warn_of_ignored(scene);
   scene.warnings.insert(scene.warnings.end(), file.warnings.begin(), file.warnings.end());
-  for (std::string& warning : scene.warnings) warning = printable(std::move(warning));
 }
 
 Result<Scene> build_scene(GltfFile& file, const ImportSettings& settings) {
@@ -283,9 +282,7 @@ std::optional<Result<Scene>> read_gltf(const std::filesystem::path& path, const 
   auto file = open_gltf(path);
   if (!file) return file.error();
   if (is_first_version(*file)) return std::nullopt;
-  auto scene = build_scene(*file, settings);
-  if (!scene) scene.error().message = printable(scene.error().message);
-  return scene;
+  return build_scene(*file, settings);
 }
 
 }  // namespace umbrage

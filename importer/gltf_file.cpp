@@ -117,12 +117,6 @@ const Json& meshopt_of(const Json& view) {
 
 }  // namespace
 
-std::string printable(std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < ' ' || c == 127) c = ' ';
-  return text;
-}
-
 std::size_t GltfFile::byte_count() const {
   std::size_t count = bytes.size();
   for (const auto& [index, buffer] : buffers)
@@ -131,7 +125,7 @@ std::size_t GltfFile::byte_count() const {
 }
 
 void GltfFile::warn_once(const std::string& key, const std::string& sentence) {
-  if (warned.insert(key).second) warnings.push_back(printable(sentence));
+  if (warned.insert(key).second) warnings.push_back(sentence);
 }
 
 std::optional<Result<Bytes>> data_of_uri(const std::string& uri) {

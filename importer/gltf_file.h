@@ -46,9 +46,6 @@ struct GltfFile {
   std::set<std::string> warned;
 };
 
-/// Returns a text from a file for a message, without line ends and other control characters.
-std::string printable(std::string text);
-
 /// Reads the JSON text of a .gltf or .glb file. Errors: kFile with one sentence.
 Result<GltfFile> open_gltf(const std::filesystem::path& path);
 

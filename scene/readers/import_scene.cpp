@@ -25,6 +25,7 @@
 #include "scene/readers/off.h"
 #include "scene/readers/ply.h"
 #include "scene/readers/point_text.h"
+#include "scene/readers/printable.h"
 #include "scene/readers/stl.h"
 #include "scene/readers/unread_formats.h"
 #include "scene/readers/whole_file.h"
@@ -63,6 +64,21 @@ std::optional<Result<Scene>> import_own(const fs::path& file, const std::string&
   if (ply_has_texture(file)) return std::nullopt;
   std::vector<std::string> textures;
   return read_ply(file, textures, poll);
+}
+
+/// Makes all texts of a scene printable.
+void make_printable(Scene& scene) {
+  const auto clean = [](std::string& text) { text = printable(std::move(text)); };
+  clean(scene.name);
+  for (std::vector<std::string>* texts : {&scene.scene_names, &scene.animation_names, &scene.warnings})
+    std::for_each(texts->begin(), texts->end(), clean);
+  for (Mesh& mesh : scene.meshes) clean(mesh.name);
+  for (Texture& texture : scene.textures) clean(texture.name);
+  for (View& camera : scene.cameras) clean(camera.name);
+  for (Material& material : scene.materials) {
+    clean(material.name);
+    std::for_each(material.ignored.begin(), material.ignored.end(), clean);
+  }
 }
 
 }  // namespace
@@ -121,9 +137,13 @@ void warn_of_ignored(Scene& scene) {
 
 Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, const ImportSettings& settings,
                               Poll* poll) {
-  if (!imported) return imported;
+  if (!imported) {
+    imported.error().message = printable(imported.error().message);
+    return imported;
+  }
   Scene& scene = *imported;
   scene.name = file.filename().string();
+  make_printable(scene);
   if (const float length = glm::length(settings.up); length > 0.0f && std::isfinite(length)) {
     scene.up = settings.up / length;
   }
@@ -191,10 +211,9 @@ Result<Scene> import_scene(const fs::path& file, const ImportSettings& settings,
     auto own = import_own(file, format, &poll);
     const bool apart = !own;
     auto scene = apart ? import_in_child_process(file, settings, &poll) : std::move(*own);
-    if (!scene) return scene;
     poll.part(kRead, 1.0);
-    if (!apart || scene->point_count() > 0) scene = complete_import(std::move(scene), file, settings, &poll);
-    if (poll.ask(1.0)) return interrupted();
+    if (!apart || !scene || scene->point_count() > 0) scene = complete_import(std::move(scene), file, settings, &poll);
+    if (scene && poll.ask(1.0)) return interrupted();
     return scene;
   } catch (const std::bad_alloc&) {
     return too_large_to_read(file);

@@ -43,7 +43,7 @@ struct Faults {
     if (count++ > 0) return;
     line = at;
     constexpr std::size_t kMaxShown = 60;  // bytes in a message
-    for (const char c : text.substr(0, kMaxShown)) statement += std::iscntrl(static_cast<unsigned char>(c)) ? ' ' : c;
+    statement = text.substr(0, kMaxShown);
     if (text.size() > kMaxShown) statement += "...";
   }
   std::string others() const {

@@ -350,9 +350,6 @@ void ObjMeshes::warn_of_elements() {
   for (const ObjBlock& block : blocks_)
     for (const std::string_view word : block.other)
       if (known.insert(word).second) others.emplace_back(word);
-  for (std::string& word : others)
-    for (char& c : word)
-      if (static_cast<unsigned char>(c) < ' ') c = '?';
   if (!others.empty())
     warnings.push_back(fmt::format("the file has statements that are not known and are ignored: {}", list_of(others)));
 }

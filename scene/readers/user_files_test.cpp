@@ -334,6 +334,27 @@ TEST_F(UserFiles, PdbGivesAtomsOfTheFirstModelOnce) {
   EXPECT_TRUE(contains(error_of("e.pdb", "HEADER    NOTHING\nEND\n"), "no atoms"));
 }
 
+TEST_F(UserFiles, TextsForTerminalsHaveNoControlCharacters) {
+  const std::string evil = "a\x1b[2J\xc2\x9b\x07z", clean = "a [2J   z";
+  const std::string square = "v 0 0 0\nv 2 0 0\nv 2 2 0\n", face = "f 1 2 3\n";
+  const Scene obj = read("e.obj", square + evil + " 1\no " + evil + "\nusemtl " + evil + "\n" + face);
+  EXPECT_EQ(obj.meshes.at(0).name, clean);
+  EXPECT_EQ(obj.materials.at(0).name, clean);
+  const Scene png = read("e.ply", "ply\nformat ascii 1.0\ncomment TextureFile " + evil + ".png\nelement vertex 1\n" +
+                                      kXyz + "end_header\n0 0 0\n");
+  for (const Scene* scene : {&obj, &png}) {
+    ASSERT_FALSE(scene->warnings.empty());
+    for (const std::string& warning : scene->warnings) EXPECT_TRUE(contains(warning, clean)) << warning;
+  }
+  const std::string error = error_of(
+      "e.gltf",
+      "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"uri\":\"a\\u001b[2J\\u009b\\u0007z\",\"byteLength\":36}],"
+      "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"accessors\":[{\"bufferView\":0,"
+      "\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}],"
+      "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]}");
+  EXPECT_TRUE(contains(error, clean)) << error;
+}
+
 TEST_F(UserFiles, KnownFormatsThatAreNotReadSayWhatToDo) {
   for (const char* name : {"a.las", "a.laz", "a.e57"})
     EXPECT_TRUE(contains(error_of(name, "LASF"), "convert it to .ply"));
