@@ -53,12 +53,8 @@ std::string without_escapes(const std::string& text) {
 }
 
 std::optional<fs::path> find_referenced_file(const fs::path& folder, const std::string& name) {
-  // Libraries of OBJ files have comments after names, and options that are not known: "-gamma 2 wood.png # oak".
-  const std::string last_word = name.substr(name.find_last_of(' ') + 1),
-                    before_comment = name.substr(0, name.find(" #"));
-  for (const std::string& spelling : {name, without_escapes(name), before_comment, last_word})
-    if (auto found = find_file(folder, spelling)) return found;
-  return std::nullopt;
+  if (auto found = find_file(folder, name)) return found;
+  return find_file(folder, without_escapes(name));
 }
 
 Result<Texture> TextureCache::embedded(const aiTexture& texture, const std::string& name) const {

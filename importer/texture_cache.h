@@ -19,7 +19,7 @@ namespace umbrage {
 /// Replaces URI escapes such as "%20".
 std::string without_escapes(const std::string& text);
 
-/// Searches for a file as find_file does, also without URI escapes, and without what is no part of a name.
+/// Searches for a file as find_file does, also without URI escapes.
 std::optional<std::filesystem::path> find_referenced_file(const std::filesystem::path& folder, const std::string& name);
 
 /// One channel of an image file, 0 to 3. An empty name: white.

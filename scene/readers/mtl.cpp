@@ -200,29 +200,33 @@ class LibraryParser {
     return count;
   }
 
-  /// Reads the options and the file's name, which may contain blanks, in any order.
+  /// Reads the options and the file's name, which may contain blanks, in any order. A '#' starts a comment after a
+  /// quoted name or one with an extension: "wood #2.png # oak". Other words after a quoted name are ignored.
   void read_map(MtlMapKind kind, std::string_view rest, std::string_view line) {
     MtlMap map;
-    const char *name_start = nullptr, *name_end = nullptr;
+    bool is_quoted = false;
+    std::string_view name;
     while (!rest.empty()) {
       std::string_view after = rest;
       const std::string_view word = take_word(after);
-      if (word[0] == '"' && !name_start) {
-        const std::size_t close = rest.find('"', 1);
-        name_start = rest.data() + 1;
-        name_end = rest.data() + std::min(close, rest.size());
-        rest = trimmed(rest.substr(std::min(close, rest.size() - 1) + 1));
+      if (word[0] == '"' && name.empty() && !is_quoted) {
+        is_quoted = true;
+        const std::size_t close = std::min(rest.find('"', 1), rest.size());
+        name = rest.substr(1, close - 1);
+        rest = trimmed(rest.substr(std::min(close + 1, rest.size())));
+      } else if (word[0] == '#' && (is_quoted || name.find('.') != std::string_view::npos)) {
+        break;
       } else if (word[0] == '-' && word.size() > 1 && word.find('.') == std::string_view::npos) {
         rest = after;
         read_option(lower(word), rest, map, line);
       } else {
-        if (!name_start) name_start = word.data();
-        name_end = word.data() + word.size();
+        const char* const start = name.empty() ? word.data() : name.data();
+        if (!is_quoted) name = {start, std::size_t(word.data() + word.size() - start)};
         rest = after;
       }
     }
-    if (!name_start || name_start == name_end) return;  // some exporters write the statement without a file
-    map.file = std::string(name_start, name_end);
+    if (name.empty()) return;  // some exporters write the statement without a file
+    map.file = name;
     material_->maps[kind] = std::move(map);
   }
 
@@ -258,6 +262,10 @@ class LibraryParser {
         ignore(fmt::format("-imfchan {} of maps", channel));
     } else {
       ignore(fmt::format("{} of maps", option));
+      // It has numbers, or else one word, which is no name of a file.
+      std::string_view after = rest;
+      const std::string_view word = take_word(after);
+      if (take_numbers(rest, values) == 0 && !after.empty() && word.find('.') == std::string_view::npos) rest = after;
     }
   }
 

@@ -45,6 +45,20 @@ TEST(Mtl, ReadsOptionsOfMapsInAnyPlace) {
   EXPECT_TRUE(all.ignored.empty());
 }
 
+TEST(Mtl, SeparatesNamesOfMapsFromCommentsAndOptions) {
+  const auto name_of = [](const std::string& words) { return material("map_Kd " + words + "\n").maps[kMapKd].file; };
+  EXPECT_EQ(name_of("wood.png # oak"), "wood.png");
+  EXPECT_EQ(name_of("wood #2.png #oak"), "wood #2.png");
+  EXPECT_EQ(name_of("\"a b.png\" foo"), "a b.png");
+  EXPECT_EQ(name_of("\"a b\" # -s 2"), "a b");
+  EXPECT_EQ(name_of("\"a b.png"), "a b.png");
+  EXPECT_EQ(name_of("\""), "");
+  EXPECT_EQ(name_of("-gamma 2.2 my wood.png"), "my wood.png");
+  EXPECT_EQ(name_of("-space sRGB my wood.png"), "my wood.png");
+  EXPECT_EQ(name_of("-flag wood.png # oak"), "wood.png");
+  EXPECT_EQ(name_of("-flag wood"), "wood");
+}
+
 TEST(Mtl, NamesWhatIsNotDrawn) {
   EXPECT_EQ(material("map_Ks s.png\ndisp d.png\nPc 0.5\nPs 0\nKa 1 1 1\nmap_Ka a.png\nmap_Kd -t 1 1 1 a.png\n").ignored,
             (std::vector<std::string>{"map_Ks", "disp", "Pc", "-t (turbulence) of maps"}));
