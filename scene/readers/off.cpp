@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kBlank = " \t\r\n";
+constexpr std::string_view kBlank = " \t\r\n", kLineEnd = "\r\n";
 
 /// A reader of words and numbers; "#" starts a comment that extends to the end of the line.
 struct Words {
@@ -32,7 +32,7 @@ struct Words {
     while (true) {
       text.remove_prefix(std::min(text.find_first_not_of(kBlank), text.size()));
       if (text.empty() || text[0] != '#') return;
-      text.remove_prefix(std::min(text.find('\n'), text.size()));
+      skip_line();
     }
   }
 
@@ -62,7 +62,7 @@ struct Words {
 
   /// Returns up to six numbers on the rest of the line, and moves to its end.
   std::vector<float> rest_of_line() {
-    Words rest{text.substr(0, text.find('\n'))};
+    Words rest{text.substr(0, text.find_first_of(kLineEnd))};
     std::vector<float> numbers;
     constexpr std::size_t kMax = 6;
     while (numbers.size() < kMax) {
@@ -74,7 +74,7 @@ struct Words {
     return numbers;
   }
 
-  void skip_line() { text.remove_prefix(std::min(text.find('\n'), text.size())); }
+  void skip_line() { text.remove_prefix(std::min(text.find_first_of(kLineEnd), text.size())); }
 };
 
 /// What follows a vertex's position.

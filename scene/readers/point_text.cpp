@@ -150,8 +150,8 @@ Rows read_rows(std::string_view text, Poll* poll) {
     line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
     if (line.empty() || line.starts_with('#') || line.starts_with("//")) return true;
     const Row row = row_of(line);
-    if (row.count < 3 && out.rows.empty() && number == 1) return true;  // number of points, or column names
-    if (row.count == 1 && row.all_numbers) return true;                 // number of points of a further scan
+    if (row.count == 0 && out.rows.empty() && number == 1) return true;  // column names
+    if (row.count == 1 && row.all_numbers) return true;                  // number of points, also of a further scan
     if (row.count >= 3) {
       out.rows.push_back(ordered(row, order, line));
     } else if (out.bad++ == 0) {

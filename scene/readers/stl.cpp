@@ -147,13 +147,26 @@ struct Words {
     while (at < end && !is_blank(*at)) ++at;
     return {begin, std::size_t(at - begin)};
   }
-  /// Returns the rest of the line, without blanks around it.
-  std::string_view line() {
-    const char* stop = std::find_if(at, end, [](char c) { return c == '\r' || c == '\n'; });
-    while (at < stop && is_blank(*at)) ++at;
-    const char* const begin = at;
-    at = stop;
-    while (stop > begin && is_blank(stop[-1])) --stop;
+  /// Returns the name after "solid" or "endsolid": the rest of the line, without blanks around it. Some files are a
+  /// single line: then the name ends before "facet normal" or "endsolid", and that after "endsolid" before "solid".
+  std::string_view name(bool after_end) {
+    const char *begin = nullptr, *stop = nullptr;
+    while (true) {
+      while (at < end && (*at == ' ' || *at == '\t')) ++at;
+      if (at == end || is_blank(*at)) break;
+      const char* const before = at;
+      const std::string_view word = next();
+      Words ahead = *this;
+      const bool ends =
+          after_end ? same_word(word, "solid")
+                    : same_word(word, "endsolid") || (same_word(word, "facet") && same_word(ahead.next(), "normal"));
+      if (ends) {
+        at = before;
+        break;
+      }
+      if (!begin) begin = before;
+      stop = at;
+    }
     return {begin, std::size_t(stop - begin)};
   }
   bool number(double& value) {
@@ -222,10 +235,10 @@ bool read_facets(Words words, Facets& facets, Poll* poll) {
       facets.end_facet(word.data());
     } else if (same_word(word, "solid")) {
       facets.end_facet(word.data());
-      facets.solids.push_back({std::string(words.line()), facets.positions.size()});
+      facets.solids.push_back({std::string(words.name(false)), facets.positions.size()});
     } else if (same_word(word, "endsolid")) {
       facets.end_facet(word.data());
-      words.line();
+      words.name(true);
     }
   }
   return true;

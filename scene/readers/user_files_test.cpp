@@ -291,6 +291,49 @@ TEST_F(UserFiles, StlInTextHasCapitalsAndSeveralSolids) {
       contains(error_of("bad.stl", "solid\nfacet\nvertex 0 0 0\nvertex 1 x 0\nvertex 0 1 0\nendfacet\n"), "line"));
 }
 
+TEST_F(UserFiles, OffHasLineEndsOfAnyKind) {
+  std::string text = "COFF # colours\n3 1 0\n\n0 0 0 255 0 0 # red\n1 0 0 255 0 0\n# last\n0 1 0 255 0 0\n3 0 1 2\n";
+  for (const std::string line_end : {"\n", "\r\n", "\r"}) {
+    std::string file;
+    for (const char c : text) file += c == '\n' ? line_end : std::string(1, c);
+    const Scene scene = read("a.off", file);
+    EXPECT_EQ(scene.triangle_count(), 1u);
+    ASSERT_EQ(scene.meshes[0].colors.size(), 3u);
+    EXPECT_EQ(scene.meshes[0].colors[2], glm::vec3(1, 0, 0));
+  }
+}
+
+TEST_F(UserFiles, StlInTextMayBeASingleLine) {
+  const std::string facet = " facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet ";
+  const Scene scene = read("a.stl", "solid my facet model" + facet + facet + "endsolid my facet model solid" + facet +
+                                        "endsolid solid empty endsolid empty");
+  ASSERT_EQ(scene.meshes.size(), 2u);
+  EXPECT_EQ(scene.meshes[0].name, "my facet model");
+  EXPECT_EQ(scene.meshes[0].indices.size(), 6u);
+  EXPECT_EQ(scene.meshes[1].name, "a");
+  EXPECT_EQ(scene.meshes[1].indices.size(), 3u);
+}
+
+TEST_F(UserFiles, AFirstLineThatIsNoPointIsNamed) {
+  const std::string rows = "0 0 0\n1 0 0\n0 1 0\n";
+  for (const char* good : {"3", "x y z", "// a scan"})
+    EXPECT_TRUE(read("a.xyz", std::string(good) + "\n" + rows).warnings.empty()) << good;
+  for (const char* bad : {"1 2", "1.5 2 lost"}) {
+    const Scene scene = read("a.xyz", std::string(bad) + "\n" + rows);
+    EXPECT_EQ(scene.point_count(), 3u) << bad;
+    ASSERT_EQ(scene.warnings.size(), 1u) << bad;
+    EXPECT_TRUE(contains(scene.warnings[0], "first line 1")) << scene.warnings[0];
+  }
+}
+
+TEST_F(UserFiles, TexturesHaveTheWholeNameOfTheFile) {
+  write("wood.png", "");
+  const Scene scene = read("a.ply", "ply\nformat ascii 1.0\ncomment TextureFile my wood.png\nelement vertex 1\n" +
+                                        kXyz + "end_header\n0 0 0\n");
+  ASSERT_EQ(scene.warnings.size(), 2u);
+  EXPECT_TRUE(contains(scene.warnings[1], "'my wood.png' does not exist")) << scene.warnings[1];
+}
+
 TEST_F(UserFiles, MoleculesAreSpheresOfTheirElements) {
   const Scene xyz = read("m.xyz", "2\ncarbon monoxide\nC 0.0 0.0 0.0\nO 1.128 0.0 0.0\n2\nagain\nC 0 0 0\nO 2 0 0\n");
   ASSERT_EQ(xyz.point_count(), 2u);
