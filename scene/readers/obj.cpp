@@ -110,10 +110,18 @@ Result<ObjFile> open_obj(const fs::path& path, Poll* poll) {
 }
 
 Result<ObjScene> read_obj(const ObjFile& file, bool threads, Poll* poll) {
-  constexpr std::size_t kMaxBytes = std::size_t(1) << 33;  // so that indices fit into 32 bits
+  constexpr std::size_t kMaxBytes = std::size_t(1) << 33;  // so that numbers of corners fit into 32 bits
   if (file.text.size() > kMaxBytes) return file_error("'{}' is larger than 8 GB", file.path.string());
   std::vector<ObjBlock> blocks = parse_obj(file.text, threads, poll);
   if (poll && poll->ended()) return interrupted();
+  std::size_t positions = 0, uvs = 0, normals = 0;
+  for (const ObjBlock& block : blocks) {
+    positions += block.positions.size();
+    uvs += block.uvs.size();
+    normals += block.normals.size();
+  }
+  if (std::max({positions, uvs, normals}) > std::size_t(kMaxObjIndex))
+    return file_error("'{}' has more than {} vertices", file.path.string(), kMaxObjIndex);
   return ObjMeshes(file, std::move(blocks), poll).scene();
 }
 

@@ -165,10 +165,9 @@ class BlockParser {
   bool index(int component, std::size_t count, ObjCorner& corner) {
     const bool is_negative = *at_ == '-';
     if (is_negative || *at_ == '+') ++at_;
-    constexpr std::int64_t kMax = INT32_MAX / 2;
     std::int64_t value = 0;
     const char* const first = at_;
-    for (; *at_ >= '0' && *at_ <= '9'; ++at_) value = std::min(10 * value + (*at_ - '0'), kMax);
+    for (; *at_ >= '0' && *at_ <= '9'; ++at_) value = std::min<std::int64_t>(10 * value + (*at_ - '0'), kMaxObjIndex);
     if (at_ == first) return false;
     if (value == 0) return true;
     if (is_negative) relative.push_back(3 * block_.corners.size() + std::size_t(component));
@@ -315,9 +314,14 @@ std::vector<ObjBlock> parse_obj(std::string_view text, bool threads, Poll* poll)
       for (std::size_t i = first; i < last; ++i) parse(i);
   }
   ObjCorner before(0);
+  const auto add = [](std::int32_t& sum, std::size_t count) {  // without overflow, for files that read_obj refuses
+    sum = std::int32_t(std::min(std::size_t(sum) + count, std::size_t(kMaxObjIndex)));
+  };
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     for (const std::size_t place : relative[i]) blocks[i].corners[place / 3][int(place % 3)] += before[int(place % 3)];
-    before += ObjCorner(blocks[i].positions.size(), blocks[i].uvs.size(), blocks[i].normals.size());
+    add(before.x, blocks[i].positions.size());
+    add(before.y, blocks[i].uvs.size());
+    add(before.z, blocks[i].normals.size());
   }
   return blocks;
 }

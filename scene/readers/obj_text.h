@@ -16,6 +16,8 @@ namespace umbrage {
 /// are kNoObjIndex; they may also be out of range.
 using ObjCorner = glm::ivec3;
 inline constexpr std::int32_t kNoObjIndex = INT32_MIN;
+/// Indices in files are at most this; larger ones count as this one.
+inline constexpr std::int32_t kMaxObjIndex = INT32_MAX / 2;
 
 struct ObjFace {
   std::uint32_t end;   ///< number of corners in its block up to and including this face
