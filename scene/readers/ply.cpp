@@ -321,7 +321,8 @@ bool ply_has_texture(const fs::path& path) {
   const std::string bytes = read_file_start(path, kMaxHeaderLength);
   std::string_view text = bytes;
   const Result<Header> header = ply::read_header(text, path.string());
-  return header && !header->textures.empty();
+  if (header) return !header->textures.empty();
+  return bytes.size() == kMaxHeaderLength && bytes.find("end_header") == std::string::npos;
 }
 
 Result<Scene> read_ply(const fs::path& path, std::vector<std::string>& textures, Poll* poll) {

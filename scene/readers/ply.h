@@ -19,7 +19,7 @@ namespace umbrage {
 /// wrong field; kInterrupted.
 Result<Scene> read_ply(const std::filesystem::path& file, std::vector<std::string>& textures, Poll* poll = nullptr);
 
-/// Returns whether a PLY file's header names a texture.
+/// Returns whether a PLY file's header names a texture, or may do so: it is too long to find out.
 bool ply_has_texture(const std::filesystem::path& file);
 
 }  // namespace umbrage

@@ -127,6 +127,15 @@ TEST_F(UserFiles, PlyHasSeveralTextures) {
   ASSERT_EQ(scene.warnings.size(), 2u) << "both textures are missing";
 }
 
+TEST_F(UserFiles, PlyHasATextureAfterALongHeader) {
+  std::string comments;
+  for (int i = 0; i < 3000; ++i) comments += "comment of the program that wrote the file\n";
+  const Scene scene = read("a.ply", "ply\nformat ascii 1.0\n" + comments + "comment TextureFile gone.png\n" +
+                                        "element vertex 1\n" + kXyz + "end_header\n0 0 0\n");
+  EXPECT_TRUE(std::any_of(scene.warnings.begin(), scene.warnings.end(),
+                          [](const std::string& warning) { return contains(warning, "'gone.png' does not exist"); }));
+}
+
 TEST_F(UserFiles, FarFromTheOriginKeepTheirPrecision) {
   const glm::dvec3 far(512345.0, 4212345.0, 101.0);
   const auto at = [&](double x, double y, double z) {
