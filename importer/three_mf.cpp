@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
@@ -17,6 +18,7 @@
 
 #include "importer/limits.h"
 #include "scene/readers/positions.h"
+#include "scene/readers/read_number.h"
 #include "scene/readers/texture_file.h"
 #include "scene/readers/vertex_colors.h"
 
@@ -47,6 +49,12 @@ xml_node child(const xml_node& node, std::string_view name) {
 template <class T>
 std::optional<T> number(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '+')) text.remove_prefix(1);
+  if constexpr (std::is_floating_point_v<T>) {
+    const char* at = text.data();
+    double value = 0.0;
+    const bool found = read_number(at, at + text.size(), value) && std::isfinite(value);
+    return found ? std::optional(T(value)) : std::nullopt;
+  }
   T value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   return error == std::errc() && end != text.data() ? std::optional(value) : std::nullopt;

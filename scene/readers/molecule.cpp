@@ -12,6 +12,7 @@
 
 #include "scene/readers/elements.h"
 #include "scene/readers/positions.h"
+#include "scene/readers/read_number.h"
 
 namespace umbrage {
 namespace {
@@ -37,7 +38,7 @@ std::string_view take_line(std::string_view& text) {
 }
 
 template <class T>
-std::optional<T> number_of(std::string_view word) {
+std::optional<T> integer_of(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
   T value{};
   const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -51,12 +52,12 @@ std::optional<Atom> atom_of(std::string_view line) {
   if (symbol.empty()) return std::nullopt;
   Atom atom{glm::dvec3(0.0), std::string(symbol)};
   if (!std::isalpha(static_cast<unsigned char>(symbol[0]))) {
-    const auto number = number_of<unsigned>(symbol);
+    const auto number = integer_of<unsigned>(symbol);
     atom.symbol = number ? symbol_of(*number) : "";
     if (atom.symbol.empty()) return std::nullopt;
   }
   for (int axis = 0; axis < 3; ++axis) {
-    const auto value = number_of<double>(take_word(line));
+    const auto value = number_of(take_word(line));
     if (!value || !std::isfinite(*value)) return std::nullopt;
     atom.position[axis] = *value;
   }
@@ -111,8 +112,8 @@ bool is_molecule(std::string_view text) {
     const bool is_symbol = !word.empty() && std::isalpha(static_cast<unsigned char>(word[0]));
     // Atomic numbers in place of symbols are known by the head of the file.
     if (atom && find_element(atom->symbol) && (is_symbol || (line == 2 && has_head))) return true;
-    if (line == 0) has_head = number_of<std::uint64_t>(word) && take_word(row).empty();
-    if (line == 1) has_head = has_head && !number_of<double>(word);
+    if (line == 0) has_head = integer_of<std::uint64_t>(word) && take_word(row).empty();
+    if (line == 1) has_head = has_head && !number_of(word);
   }
   return false;
 }
@@ -124,7 +125,7 @@ Result<Scene> read_molecule(const fs::path& path, std::string_view text, Poll* p
   std::size_t line = 0, bad = 0, first_bad = 0;
   std::optional<std::uint64_t> count;
   std::string_view ahead = rest;
-  if (std::string_view first = take_line(ahead); (count = number_of<std::uint64_t>(take_word(first)))) {
+  if (std::string_view first = take_line(ahead); (count = integer_of<std::uint64_t>(take_word(first)))) {
     if (!take_word(first).empty()) count.reset();
   }
   if (count) {

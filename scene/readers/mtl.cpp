@@ -9,6 +9,7 @@
 #include <span>
 
 #include "scene/readers/obj_text.h"
+#include "scene/readers/read_number.h"
 
 namespace umbrage {
 namespace {
@@ -26,13 +27,6 @@ std::string_view take_word(std::string_view& line) {
   const std::string_view word = line.substr(0, size);
   line = trimmed(line.substr(size));
   return word;
-}
-
-std::optional<double> number_of(std::string_view word) {
-  const char* at = word.data();
-  double value = 0.0;
-  if (word.empty() || !read_number(at, word.data() + word.size(), value)) return std::nullopt;
-  return value;
 }
 
 /// Faults of one kind: their count and the first of them.

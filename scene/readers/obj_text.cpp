@@ -1,14 +1,13 @@
-// Numbers are the file's time: those of up to 15 digits without an exponent are a quotient of two exact doubles, which
-// rounds correctly [Clinger 1990]; all others take std::from_chars.
 #include "scene/readers/obj_text.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <limits>
+
+#include "scene/readers/read_number.h"
 
 namespace umbrage {
 namespace {
@@ -91,6 +90,7 @@ class BlockParser {
     for (; count < max; ++count) {
       skip_blanks();
       if (*at_ == '\n' || !read_number(at_, end_, values[count])) break;
+      if (!is_blank(*at_) && *at_ != '\n') break;  // a number that goes on is none
     }
     return count;
   }
@@ -246,48 +246,6 @@ std::size_t line_number(std::string_view text, std::size_t at) {
   const std::string_view before = text.substr(0, at);
   return 1 +
          std::size_t(std::count(before.begin(), before.end(), '\n') + std::count(before.begin(), before.end(), '\v'));
-}
-
-bool read_number(const char*& at, const char* end, double& value) {
-  static constexpr double kPowers[] = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                       1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
-  constexpr std::ptrdiff_t kMaxExactDigits = 15;  // an integer of 15 digits and 1e15 are exact doubles
-  const auto ends = [&](const char* here) { return here == end || is_blank(*here) || *here == '\n'; };
-  const char* here = at;
-  if (here < end && *here == '+' && here + 1 < end && here[1] != '-') at = ++here;
-  const bool is_negative = here < end && *here == '-';
-  here += is_negative;
-  const char* const first = here;
-  std::int64_t digits = 0;
-  std::ptrdiff_t point = 0;  // digits after the decimal point
-  const auto read_digits = [&] {
-    const char* const start = here;
-    for (; here < end && *here >= '0' && *here <= '9' && here - first <= kMaxExactDigits; ++here)
-      digits = 10 * digits + (*here - '0');
-    return here - start;
-  };
-  std::ptrdiff_t count = read_digits();
-  if (here < end && *here == '.') {
-    ++here;
-    count += point = read_digits();
-  }
-  if (count > 0 && count <= kMaxExactDigits && ends(here)) {
-    const double exact = double(digits) / kPowers[point];
-    value = is_negative ? -exact : exact;
-    at = here;
-    return true;
-  }
-  const auto [stop, error] = std::from_chars(at, end, value);
-  if (stop == at) return false;
-  if (error == std::errc::result_out_of_range) {
-    // Too small or too large: by the sign of the exponent.
-    const std::string_view number(at, std::size_t(stop - at));
-    const bool is_tiny = number.find("e-") != std::string_view::npos || number.find("E-") != std::string_view::npos ||
-                         number.find_first_of("eE") == std::string_view::npos;
-    value = is_tiny ? 0.0 : is_negative ? -HUGE_VAL : HUGE_VAL;
-  }
-  at = stop;
-  return ends(at);
 }
 
 std::string_view trimmed(std::string_view text) {

@@ -71,10 +71,6 @@ std::size_t line_number(std::string_view text, std::size_t at);
 /// Returns whether a character of a normalized text separates words of a line.
 constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 
-/// Reads a number, such as 1, +1, .5, 1. or 1e3, and moves `at` past it. Returns false if the text there is something
-/// else, or goes on without a blank. Numbers that exceed the range become infinite or 0.
-bool read_number(const char*& at, const char* end, double& value);
-
 /// Removes blanks at both ends.
 std::string_view trimmed(std::string_view text);
 

@@ -3,7 +3,6 @@
 #include "scene/readers/off.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -13,6 +12,7 @@
 #include "scene/readers/face_attributes.h"
 #include "scene/readers/polygon.h"
 #include "scene/readers/positions.h"
+#include "scene/readers/read_number.h"
 #include "scene/readers/vertex_colors.h"
 #include "scene/readers/whole_file.h"
 
@@ -45,13 +45,9 @@ struct Words {
 
   double number() {
     if (failed) return 0.0;
-    std::string_view found = word();
-    if (found.starts_with('+')) found.remove_prefix(1);
-    double value = 0.0;
-    const auto [stop, error] = std::from_chars(found.data(), found.data() + found.size(), value);
-    if (error == std::errc::result_out_of_range) value = INFINITY;
-    failed = found.empty() || stop != found.data() + found.size();
-    return value;
+    const std::optional<double> value = number_of(word());
+    failed = !value;
+    return value.value_or(0.0);
   }
 
   std::size_t count() {

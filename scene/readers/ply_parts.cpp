@@ -7,6 +7,8 @@
 #include <cstring>
 #include <limits>
 
+#include "scene/readers/read_number.h"
+
 namespace umbrage::ply {
 namespace {
 
@@ -184,13 +186,12 @@ double Body::text() {
     ended_ = row_end_ == end_;
     return std::numeric_limits<double>::quiet_NaN();
   }
-  if (*at_ == '+') ++at_;
   double value = 0.0;
-  auto [stop, error] = std::from_chars(at_, row_end_, value);
-  if (error == std::errc::result_out_of_range) value = INFINITY;
-  if (stop == at_ || (stop < row_end_ && !is_blank(*stop))) {
+  const char* stop = at_;
+  const bool found = read_number(stop, row_end_, value);
+  if (!found || (stop < row_end_ && !is_blank(*stop))) {
     row_is_bad_ = true;
-    if (!row_per_line_) ended_ = stop == at_;
+    if (!row_per_line_) ended_ = !found;
     if (row_per_line_) value = std::numeric_limits<double>::quiet_NaN();
     if (row_per_line_) stop = std::find_if(stop, row_end_, is_blank);
   }

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <string>
@@ -12,6 +11,7 @@
 
 #include "scene/readers/molecule.h"
 #include "scene/readers/positions.h"
+#include "scene/readers/read_number.h"
 #include "scene/readers/vertex_colors.h"
 #include "scene/readers/whole_file.h"
 
@@ -37,13 +37,10 @@ Row row_of(std::string_view line) {
   while (row.count < kMaxColumns) {
     line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
     if (line.empty()) break;
-    if (line.front() == '+') line.remove_prefix(1);
     double value = 0.0;
-    const auto [stop, error] = std::from_chars(line.data(), line.data() + line.size(), value);
-    row.all_numbers =
-        stop != line.data() && (stop == line.data() + line.size() || kBlank.find(*stop) != std::string_view::npos);
+    const char *stop = line.data(), *const end = stop + line.size();
+    row.all_numbers = read_number(stop, end, value) && (stop == end || kBlank.find(*stop) != std::string_view::npos);
     if (!row.all_numbers) break;
-    if (error == std::errc::result_out_of_range) value = INFINITY;
     if (row.count < 3) row.position[int(row.count)] = value;
     row.values[row.count++] = float(value);
     line.remove_prefix(std::size_t(stop - line.data()));

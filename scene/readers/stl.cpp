@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "scene/readers/positions.h"
+#include "scene/readers/read_number.h"
 #include "scene/readers/vertex_colors.h"
 #include "scene/readers/whole_file.h"
 
@@ -170,11 +170,9 @@ struct Words {
     return {begin, std::size_t(stop - begin)};
   }
   bool number(double& value) {
-    std::string_view word = next();
-    if (word.starts_with('+')) word.remove_prefix(1);
-    const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error == std::errc::result_out_of_range) value = INFINITY;
-    return !word.empty() && stop == word.data() + word.size();
+    const std::optional<double> found = number_of(next());
+    value = found.value_or(0.0);
+    return found.has_value();
   }
 };
 
