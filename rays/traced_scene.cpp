@@ -241,9 +241,9 @@ Result<TracedScenePtr> build_traced_scene(const Scene& scene, const ProgressMoni
   return traced;
 }
 
-bool first_hit(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction, RTCRayHit& hit) {
+bool first_hit(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction, RTCRayHit& hit, float min_opacity) {
   if (!within_ray_limit(origin) || !within_ray_limit(direction)) return false;
-  RayContext context = ray_context();
+  RayContext context = ray_context(min_opacity);
   hit = {};
   hit.ray.org_x = origin.x;
   hit.ray.org_y = origin.y;

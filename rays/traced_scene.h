@@ -87,8 +87,10 @@ struct RayContext {
 };
 RayContext ray_context(float min_opacity = kOpaque);
 
-/// Returns whether a ray, in unit space, hits an opaque surface, and sets `hit`. A ray beyond kRayLimit hits nothing.
-bool first_hit(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction, RTCRayHit& hit);
+/// Returns whether a ray, in unit space, hits a surface with at least this opacity, and sets `hit`. A ray beyond
+/// kRayLimit hits nothing.
+bool first_hit(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction, RTCRayHit& hit,
+               float min_opacity = kOpaque);
 
 /// Embree ends the program if a ray's origin or direction has a component beyond 1.844e18; rays stay below this.
 inline constexpr float kRayLimit = 1e18f;

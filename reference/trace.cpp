@@ -68,11 +68,12 @@ std::uint32_t pixel_seed(const PictureInfo& info, int x, int y, std::uint32_t se
 }
 
 /// Finds the surface on the ray through a pixel's centre, if any.
-bool primary_surface(const TracedScene& traced, const CameraRays& rays, int x, int y, Surface& surface) {
+bool primary_surface(const TracedScene& traced, const CameraRays& rays, int x, int y, float min_opacity,
+                     Surface& surface) {
   const float px = float(x) + 0.5f, py = float(y) + 0.5f;
   const glm::vec3 origin = rays.origin_at(px, py), direction = rays.direction_at(px, py);
   alignas(16) RTCRayHit rh;
-  if (!first_hit(traced, origin, direction, rh)) return false;
+  if (!first_hit(traced, origin, direction, rh, min_opacity)) return false;
   surface = surface_at(traced, rh.hit.geomID, rh.hit.primID, rh.hit.u, rh.hit.v, origin, direction,
                        {rh.hit.Ng_x, rh.hit.Ng_y, rh.hit.Ng_z}, rh.ray.tfar);
   return true;
@@ -101,7 +102,8 @@ Result<void> for_each_surface(const TracedScene& traced, const PictureInfo& info
             const int x0 = info.guard + t % columns * kTile, y0 = info.guard + t / columns * kTile;
             for (int y = y0; y < std::min(y0 + kTile, info.height - info.guard); ++y)
               for (int x = x0; x < std::min(x0 + kTile, info.width - info.guard); ++x)
-                if (Surface surface; primary_surface(traced, rays, x, y, surface)) trace(x, y, surface, rays);
+                if (Surface surface; primary_surface(traced, rays, x, y, control.min_opacity, surface))
+                  trace(x, y, surface, rays);
             // Only the last task waits to report. The count is read under the lock, so that it never decreases.
             const bool last = ++done == rows * columns;
             std::unique_lock lock(report_mutex, std::try_to_lock);

@@ -55,6 +55,7 @@ struct TraceControl {
   /// Called with the finished fraction, by one thread at a time, not always the same. It never decreases and ends at 1.
   /// If it returns false, tracing stops and there are no more calls.
   std::function<bool(double)> progress = [](double) { return true; };
+  float min_opacity = kOpaque;  ///< pixels show the first surface with at least this opacity
 };
 
 /// Traces visibility: the cosine-weighted fraction of the hemisphere without an occluder within the radius. With a

@@ -117,7 +117,7 @@ Image with_guard_band(const Image& inner, int guard) {
 
 }  // namespace
 
-Result<void> finish_average(Device& device, const PictureSum& total, const Plan& plan, const FrontLines& front,
+Result<void> finish_average(Device& device, const PictureSum& total, const Plan& plan, const BlendedSample& blended,
                             Frame& frame) {
   if (auto done = device.add(with_guard_band(mean_planes(total, other_averaged_planes(plan)), frame.info.guard), frame);
       !done)
@@ -127,8 +127,8 @@ Result<void> finish_average(Device& device, const PictureSum& total, const Plan&
     auto drawn = device.download(frame, planes);
     if (!drawn) return drawn.error();
     lines = std::move(*drawn);
-    if (!front.planes.planes.empty()) {
-      front.join(lines, 0);
+    if (plan.has_blended) {
+      blended.join_lines(lines, 0);
       if (auto done = device.add(with_guard_band(lines, frame.info.guard), frame); !done) return done;
     }
   }

@@ -31,8 +31,8 @@ Result<Image> finished_picture(Device& device, const PictureSum& total, const Pl
                                const PictureInfo& info);
 
 /// Computes the finished colour and the other means, and stores them in `frame`, the frame of sample 0. Its lines are
-/// joined with `front`.
-Result<void> finish_average(Device& device, const PictureSum& total, const Plan& plan, const FrontLines& front,
+/// joined with those of `blended`.
+Result<void> finish_average(Device& device, const PictureSum& total, const Plan& plan, const BlendedSample& blended,
                             Frame& frame);
 
 }  // namespace umbrage

@@ -23,6 +23,9 @@ int channel_of(std::string_view name) {
   return channel == std::string_view::npos ? -1 : int(channel);
 }
 
+/// Returns the strength of lines of a surface that covers this fraction of a pixel.
+float line_weight(float fraction) { return std::min(fraction / kGlassOpacity, 1.0f); }
+
 void copy_rows(const Image& rows, const std::vector<std::string>& names, int first, int height, Image& whole) {
   if (whole.planes.empty()) {
     whole = Image(rows.width, height);
@@ -41,7 +44,7 @@ std::vector<std::string> with_blend_planes(std::vector<std::string> names) {
   return names;
 }
 
-void BlendWeights::take_front(Image& rows, int first, int height) {
+void BlendedSample::take_front(Image& rows, int first, int height) {
   if (rows.height == 0) return;
   copy_rows(rows, with_blend_planes({}), first, height, weights_);
   Image others(rows.width, rows.height);
@@ -56,7 +59,7 @@ void BlendWeights::take_front(Image& rows, int first, int height) {
   rows = std::move(others);
 }
 
-void BlendWeights::weigh_behind(Image& rows, int first) const {
+void BlendedSample::weigh_behind(Image& rows, int first) const {
   const Plane& opacity = weights_.plane(kOpacityPlane);
   for (std::size_t k = 0; k < rows.names.size(); ++k) {
     const int channel = channel_of(rows.names[k]);
@@ -73,16 +76,21 @@ void BlendWeights::weigh_behind(Image& rows, int first) const {
   }
 }
 
-void FrontLines::take(const Image& rows, const std::vector<std::string>& names, int first, int height) {
-  if (rows.height > 0) copy_rows(rows, names, first, height, planes);
+void BlendedSample::take_lines(const Image& rows, const std::vector<std::string>& names, int first, int height) {
+  if (rows.height == 0) return;
+  copy_rows(rows, names, first, height, lines_);
+  const Plane& opacity = weights_.plane(kOpacityPlane);
+  for (const std::string& name : names)
+    for (int y = first; y < first + rows.height; ++y)
+      for (int x = 0; x < rows.width; ++x) lines_.plane(name).row(y)[x] *= line_weight(opacity.row(y)[x]);
 }
 
-void FrontLines::join(Image& rows, int first) const {
-  for (const std::string& name : planes.names)
+void BlendedSample::join_lines(Image& rows, int first) const {
+  for (const std::string& name : lines_.names)
     for (int y = 0; y < rows.height; ++y) {
-      const float* front = planes.plane(name).row(first + y);
+      const float *front = lines_.plane(name).row(first + y), *opacity = weights_.plane(kOpacityPlane).row(first + y);
       float* row = rows.plane(name).row(y);
-      for (int x = 0; x < rows.width; ++x) row[x] = std::max(row[x], front[x]);
+      for (int x = 0; x < rows.width; ++x) row[x] = std::max(row[x] * line_weight(1.0f - opacity[x]), front[x]);
     }
 }
 

@@ -13,26 +13,23 @@ namespace umbrage {
 /// Returns `names` and the planes of the weights, which are captured with the picture in front.
 std::vector<std::string> with_blend_planes(std::vector<std::string> names);
 
-/// The weights of one sample, whole pictures without the guard band.
-class BlendWeights {
+/// The weights of a sample, and the lines of its picture in front; whole pictures without the guard band.
+class BlendedSample {
  public:
   /// Takes the planes of the weights from rows of the picture in front and multiplies the other planes by the opacity;
   /// `first`: index of the first row; `height`: that of the picture.
   void take_front(Image& rows, int first, int height);
+  /// Takes the planes `names`, lines of the picture in front. The weights must have been taken.
+  void take_lines(const Image& rows, const std::vector<std::string>& names, int first, int height);
   /// Multiplies rows of the picture behind by the transmittance (planes of colour) or by 1 - opacity (others).
   void weigh_behind(Image& rows, int first) const;
+  /// Replaces the lines in rows of the picture behind by the maximum of both pictures. Lines keep their strength,
+  /// except where a blended surface is nearly clear or nearly opaque, so that they end softly where its opacity does.
+  /// Does nothing if no lines have been taken.
+  void join_lines(Image& rows, int first) const;
 
  private:
-  Image weights_;
-};
-
-/// Lines of both pictures of sample 0.
-struct FrontLines {
-  Image planes;  ///< line_planes of the picture in front; none before it is drawn
-  /// Adds rows of the picture in front.
-  void take(const Image& rows, const std::vector<std::string>& names, int first, int height);
-  /// Replaces the planes of rows of the picture behind by the maximum of both.
-  void join(Image& rows, int first) const;
+  Image weights_, lines_;
 };
 
 }  // namespace umbrage

@@ -127,6 +127,32 @@ TEST(Blend, LinesOfPaneAndOfWhatIsBehind) {
   EXPECT_EQ(crossed, 8);
 }
 
+TEST(Blend, NoSeamWhereOpacityBecomesFull) {
+  // The opacity falls from 1 to 0 across the pane.
+  Scene scene = wall_behind({pane(1.0f)});
+  scene.materials[1].texture = 0;
+  Texture& ramp =
+      scene.textures.emplace_back(Texture{.width = 64, .height = 1, .rgba = std::vector<std::uint8_t>(256, 255)});
+  for (std::size_t x = 0; x < 64; ++x)
+    ramp.rgba[4 * x + 3] = std::uint8_t(x < 2 ? 255 : x > 61 ? 0 : 255 - (x - 2) * 255 / 60);
+  for (const char* look : {"lit", "cartoon"}) {
+    Request request;
+    request.look = look;
+    request.width = request.height = 128;
+    request.ground = "off";
+    request.anti_aliasing = 1;
+    request.camera.position = {0, 0, 6};
+    request.camera.focal_point = {0, 0, 0};
+    const auto drawn = test::drawn_picture(scene, request, {"color.g"});
+    const Plane& green = drawn.image.plane("color.g");
+    for (int x = 23; x < 105; ++x) {
+      if (x > 34 && x < 92) continue;  // the wall has the shadow of the half with an opacity above 0.5
+      const float bend = green.at(x - 1, 64) - 2.0f * green.at(x, 64) + green.at(x + 1, 64);
+      EXPECT_LT(std::fabs(bend), look == std::string("lit") ? 0.02f : 0.15f) << look << " at " << x;
+    }
+  }
+}
+
 TEST(Blend, StripsAreTheSame) {
   const Scene scene = wall_behind({pane(0.25f), pane(0.5f, {0.1f, 0.1f, 0.9f})});
   for (const char* look : {"studio", "cartoon"}) {

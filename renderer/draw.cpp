@@ -77,15 +77,15 @@ std::size_t effect_count(const Plan& plan) { return steps_of(look_run(plan.recip
 using GetFrame = std::function<Result<Frame>(const Plan& plan, const Camera& camera)>;
 
 /// Adds a picture with its weights.
-Result<void> add_weighted(Device& device, const Plan& plan, const Frame& frame, BlendWeights& weights,
+Result<void> add_weighted(Device& device, const Plan& plan, const Frame& frame, BlendedSample& blended,
                           PictureSum& total) {
   const bool front = plan.capture.blended;
   auto picture = device.download(frame, front ? with_blend_planes(averaged_planes(plan)) : averaged_planes(plan));
   if (!picture) return picture.error();
   if (front)
-    weights.take_front(*picture, 0, picture->height);
+    blended.take_front(*picture, 0, picture->height);
   else if (plan.has_blended)
-    weights.weigh_behind(*picture, 0);
+    blended.weigh_behind(*picture, 0);
   add_picture(total, *picture);
   return {};
 }
@@ -103,13 +103,14 @@ Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& plann
       if (!traced) return traced.error();
       hierarchy = std::move(*traced);
     }
-    const auto planes =
-        trace_reference(*hierarchy, current.info, params, {device.threads(), calling_thread_only(step_monitor)});
+    const auto planes = trace_reference(*hierarchy, current.info, params,
+                                        {.threads = device.threads(),
+                                         .progress = calling_thread_only(step_monitor),
+                                         .min_opacity = plan.capture.blended ? kMinOpacity : kOpaque});
     return planes ? device.add(*planes, current) : planes.error();
   };
   PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots, .per_sample = plan.has_blended ? 2 : 1};
-  BlendWeights weights;
-  FrontLines front_lines;
+  BlendedSample blended;
   // The frame of the last picture, that of sample 0, is returned.
   std::optional<Frame> last;
   for (const PictureIndex& index : pictures_of(plan)) {
@@ -122,20 +123,20 @@ Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& plann
     if (!done) return done.error();
     run.stops = done->stops;  // one exposure for all samples
     if (plan.averages()) {
-      if (auto added = add_weighted(device, plan, *frame, weights, total); !added) return added.error();
+      if (auto added = add_weighted(device, plan, *frame, blended, total); !added) return added.error();
       times.done("average");
       if (auto drawn = draw_lines(device, plan, *frame, step_monitor, times); !drawn) return drawn.error();
       if (index.blended && index.sample == 0) {
         const auto lines = device.download(*frame, line_planes(plan));
         if (!lines) return lines.error();
-        front_lines.take(*lines, lines->names, 0, lines->height);
+        blended.take_lines(*lines, lines->names, 0, lines->height);
       }
       progress.sample_done();
     }
     last = std::move(*frame);
   }
   if (plan.averages()) {
-    if (auto finished = finish_average(device, total, plan, front_lines, *last); !finished) return finished.error();
+    if (auto finished = finish_average(device, total, plan, blended, *last); !finished) return finished.error();
     times.done("average");
   }
   if (auto ended = progress.end(); !ended) return ended.error();

@@ -283,12 +283,12 @@ Image planes_of(const Image& rows, const std::vector<std::string>& names) {
 }
 
 /// Averages rows of sample 0 and the sum of the other samples. Returns the finished rows.
-Result<Image> averaged_rows(Device& device, const Plan& plan, const PictureSum& total, const BlendWeights& weights,
+Result<Image> averaged_rows(Device& device, const Plan& plan, const PictureSum& total, const BlendedSample& blended,
                             const PictureInfo& info, const Image& rows, int first,
                             const std::vector<std::string>& planes) {
   PictureSum sum = rows_of(total, first, rows.height);
   Image weighted = planes_of(rows, averaged_planes(plan));
-  if (plan.has_blended) weights.weigh_behind(weighted, first);
+  if (plan.has_blended) blended.weigh_behind(weighted, first);
   add_rows(sum, weighted, 0, rows.height);
   sum.count = plan.pictures();
   PictureInfo inner = inner_info(info);
@@ -324,8 +324,7 @@ Result<Lines> draw_strips(Device& device, const Plan& planned, int rows, const s
   StripProgress progress(monitor, plan.pictures());
   StripDrawer drawer(device, plan, rows, progress, times);
   PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots, .per_sample = plan.has_blended ? 2 : 1};
-  BlendWeights weights;
-  FrontLines front_lines;
+  BlendedSample blended;
   const std::vector<std::string> averaged = averaged_planes(plan), drawn_lines = line_planes(plan);
   std::vector<std::string> wanted = planes;  // planes of the last picture
   if (plan.averages())
@@ -335,11 +334,12 @@ Result<Lines> draw_strips(Device& device, const Plan& planned, int rows, const s
   const auto add = [&](const Frame&, Image& part, int first) -> Result<void> {
     const int height = plan.recipe.height;
     if (plan.capture.blended) {
-      if (plan.capture.sample == 0) front_lines.take(part, drawn_lines, first, height);
-      part = planes_of(part, with_blend_planes(averaged));
-      weights.take_front(part, first, height);
+      Image weighted = planes_of(part, with_blend_planes(averaged));
+      blended.take_front(weighted, first, height);
+      if (plan.capture.sample == 0) blended.take_lines(part, drawn_lines, first, height);
+      part = std::move(weighted);
     } else if (plan.has_blended) {
-      weights.weigh_behind(part, first);
+      blended.weigh_behind(part, first);
     }
     add_rows(total, part, first, height);
     times.done("average");
@@ -347,8 +347,8 @@ Result<Lines> draw_strips(Device& device, const Plan& planned, int rows, const s
   };
   const auto finish = [&](const Frame& frame, Image& part, int first) -> Result<void> {
     if (plan.averages()) {
-      front_lines.join(part, first);
-      auto finished = averaged_rows(device, plan, total, weights, frame.info, part, first, planes);
+      blended.join_lines(part, first);
+      auto finished = averaged_rows(device, plan, total, blended, frame.info, part, first, planes);
       if (!finished) return finished.error();
       part = std::move(*finished);
       times.done("average");

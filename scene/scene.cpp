@@ -38,8 +38,8 @@ bool has_roughness(const Scene& scene) {
 
 namespace {
 
+/// Returns whether a blended material is seen through: on meshes with texture coordinates, or on those without.
 bool is_seen_through(const Scene& scene, const Material& material, bool has_uvs) {
-  if (!material.blended) return false;
   if (material.opacity < kOpaque || material.texture == kNoTexture || !has_uvs) return material.opacity < kOpaque;
   const std::vector<std::uint8_t>& rgba = scene.textures[std::size_t(material.texture)].rgba;
   for (std::size_t i = 3; i < rgba.size(); i += 4)
@@ -50,9 +50,16 @@ bool is_seen_through(const Scene& scene, const Material& material, bool has_uvs)
 }  // namespace
 
 bool has_blended(const Scene& scene) {
-  return std::any_of(scene.meshes.begin(), scene.meshes.end(), [&](const Mesh& mesh) {
-    return is_seen_through(scene, scene.materials[std::size_t(mesh.material)], !mesh.uvs.empty());
-  });
+  for (std::size_t m = 0; m < scene.materials.size(); ++m) {
+    if (!scene.materials[m].blended) continue;
+    for (const bool has_uvs : {false, true}) {
+      const bool is_used = std::any_of(scene.meshes.begin(), scene.meshes.end(), [&](const Mesh& mesh) {
+        return std::size_t(mesh.material) == m && mesh.uvs.empty() != has_uvs;
+      });
+      if (is_used && is_seen_through(scene, scene.materials[m], has_uvs)) return true;
+    }
+  }
+  return false;
 }
 
 Lighting lighting_of(const Scene& scene) {

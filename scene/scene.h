@@ -129,7 +129,7 @@ bool has_roughness(const Scene& scene);
 
 /// A blended surface with at least this opacity is drawn as an opaque one; with less than kMinOpacity it is not drawn;
 /// with less than kMinShadowOpacity it casts no shadow.
-inline constexpr float kOpaque = 0.95f, kMinOpacity = 1.0f / 64.0f, kMinShadowOpacity = 0.5f;
+inline constexpr float kOpaque = 0.998f, kMinOpacity = 0.002f, kMinShadowOpacity = 0.5f;
 
 /// Reflectance of glass seen from in front, and the min opacity that readers give it, so that a pane remains visible.
 inline constexpr float kGlassReflectance = 0.04f, kGlassOpacity = 0.1f;

@@ -63,8 +63,12 @@ bool has_points_in_view(const Recipe& recipe, const Scene& scene) {
 void print_hints(const Recipe& recipe, const HintStatistics& statistics, const Scene& scene) {
   if (statistics.surfaces == 0 && has_points_in_view(recipe, scene)) {
     print_warning(fmt::format("the points of {} are smaller than a pixel; use a larger --point-size", scene.name));
-  } else if (statistics.surfaces == 0) {
-    print_warning(fmt::format("nothing of {} is in view; move the camera or omit the camera options", scene.name));
+  } else if (statistics.surfaces == 0 && !has_blended(scene)) {
+    const Framing& framing = recipe.framing;
+    const bool is_fitted = !framing.position && !framing.focal_point && !framing.direction;
+    print_warning(
+        is_fitted ? fmt::format("nothing of {} covers a pixel; its parts are far apart, or very thin", scene.name)
+                  : fmt::format("nothing of {} is in view; move the camera or omit the camera options", scene.name));
   }
   if (const std::string hint = radius_hint(recipe, statistics, scene.radius()); !hint.empty()) print_warning(hint);
 }

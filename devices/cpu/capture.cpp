@@ -318,6 +318,11 @@ void see_through(const Drawing& drawing, const RayPacket& primary, int x0, int y
       const Surface surface = rays.surface(drawing.traced, k);
       const float opacity = seen_opacity(drawing.traced, surface, rays.direction(k));
       if (!surface.material->blended || opacity >= kOpaque) {
+        // Where a blended surface becomes opaque, its weight must not change.
+        if (n == 0 && surface.material->blended) {
+          out.opacity[k] = 1.0f;
+          out.tr[k] = out.tg[k] = out.tb[k] = 0.0f;
+        }
         rays.set_idle(k);
         continue;
       }

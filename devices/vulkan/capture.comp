@@ -364,7 +364,13 @@ void see_through(Ray ray, Hit hit, vec2 pixel, int index) {
     Surface s = surface_at(ray, hit);
     CaptureMesh mesh = Meshes(table[kMeshesSlot]).at[s.triangle.mesh];
     float own = seen_opacity(s, mesh, ray.direction);
-    if (mesh.masked != kBlended || own >= C.opaque) break;
+    if (mesh.masked != kBlended || own >= C.opaque) {
+      if (n == 0 && mesh.masked == kBlended) {
+        opacity = 1.0f;
+        transmittance = vec3(0.0f);
+      }
+      break;
+    }
     float added = (1.0f - opacity) * own;
     opacity += added;
     albedo += added / opacity * (pixel_material(s, mesh, pixel, ray.direction).albedo - albedo);
@@ -376,7 +382,7 @@ void see_through(Ray ray, Hit hit, vec2 pixel, int index) {
   for (int first = 0; first <= C.back * kBackSlots; first += kBackSlots) {
     store(first + kOpacitySlot, index, opacity);
     store3(first + kTransmittanceSlot, index, transmittance);
-    if (opacity > 0.0f) store3(first + kAlbedoSlot, index, albedo);
+    if (opacity > 0.0f && opacity < 1.0f) store3(first + kAlbedoSlot, index, albedo);
   }
 }
 
