@@ -159,7 +159,8 @@ void read_emission(Reader& r) {
 /// Sets the transmittance of glass [KHR_materials_transmission, KHR_materials_volume].
 void read_transmission(Reader& r, const std::string& color) {
   const Json &extension = r.extension("transmission"), &volume = r.extension("volume");
-  const float factor = float(r.fraction(extension, "transmissionFactor", 0.0));
+  // Only the dielectric part transmits.
+  const float factor = float(r.fraction(extension, "transmissionFactor", 0.0)) * (1.0f - r.material.metallic);
   if (factor <= 0.0f) return;
   Material& material = r.material;
   material.blended = material.glass = true;

@@ -6,13 +6,16 @@
 #include <vector>
 
 #include "scene/readers/molecule.h"
+#include "scene/readers/obj_text.h"
 #include "scene/readers/whole_file.h"
 
 namespace umbrage {
 
 Result<Scene> read_pdb(const std::filesystem::path& file) {
-  const auto text = read_whole_file(file);
+  auto text = read_whole_file(file);
   if (!text) return text.error();
+  if (text->starts_with("\xef\xbb\xbf")) text->erase(0, 3);  // columns count
+  normalize_lines(*text);
   const gemmi::Structure structure = gemmi::read_pdb_from_memory(text->data(), text->size(), file.string());
   std::vector<Atom> atoms;
   if (!structure.models.empty())

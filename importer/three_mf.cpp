@@ -21,6 +21,7 @@
 #include "scene/readers/read_number.h"
 #include "scene/readers/texture_file.h"
 #include "scene/readers/vertex_colors.h"
+#include "scene/readers/whole_file.h"
 
 namespace umbrage {
 namespace {
@@ -136,7 +137,7 @@ class Reader {
   /// Returns the material of triangles without one, or of those that have colours.
   int plain_material(bool colored);
 
-  std::string file_;
+  std::string file_, bytes_;  // bytes_: the archive
   zip_t* archive_ = nullptr;
   std::map<std::string, std::unique_ptr<Part>> parts_;
   Scene scene_;
@@ -340,8 +341,13 @@ double unit_of(std::string_view name) {
 }
 
 Result<Scene> Reader::read() {
-  int code = 0;
-  archive_ = zip_open(file_.c_str(), ZIP_RDONLY, &code);
+  auto bytes = read_whole_file(file_);
+  if (!bytes) return bytes.error();
+  bytes_ = std::move(*bytes);
+  zip_source_t* const source = zip_source_buffer_create(bytes_.data(), bytes_.size(), 0, nullptr);
+  if (!source) throw std::bad_alloc();
+  archive_ = zip_open_from_source(source, ZIP_RDONLY, nullptr);
+  if (!archive_) zip_source_free(source);
   if (!archive_) return unreadable("it is not a zip archive, or cut short");
   std::string root = "3D/3dmodel.model";
   if (const auto relations = content("_rels/.rels")) {

@@ -40,8 +40,18 @@ struct Triangle {
 
 struct RaisedFace {
   Triangle triangle;
-  int level;  ///< number of steps
+  int level;       ///< number of steps
+  glm::vec3 side;  ///< normal of the earliest mesh in the plane: faces move to its side
 };
+
+/// Returns the normal of a face, on the side of its vertices' normals.
+glm::vec3 facing_normal(const Mesh& mesh, Index face) {
+  const Index* corner = &mesh.indices[3 * std::size_t(face)];
+  const glm::vec3 normal =
+      face_of(mesh.positions[corner[0]], mesh.positions[corner[1]], mesh.positions[corner[2]]).normal;
+  const glm::vec3 stored = mesh.normals[corner[0]] + mesh.normals[corner[1]] + mesh.normals[corner[2]];
+  return glm::dot(normal, stored) < 0.0f ? -normal : normal;
+}
 
 std::uint64_t id_of(const Triangle& t) { return std::uint64_t(t.mesh) << 32 | t.face; }
 
@@ -213,7 +223,7 @@ bool find_overlaps(std::vector<Boxed>& boxes, int axis, Poll* poll, MeshPairs& p
 }
 
 /// Adds the faces of one cell that are to be moved.
-void raise_faces(const Triangles& triangles, std::span<const Triangle> plane, Poll* poll,
+void raise_faces(const Scene& scene, const Triangles& triangles, std::span<const Triangle> plane, Poll* poll,
                  std::vector<RaisedFace>& raised) {
   int axis = 0;
   std::vector<Boxed> boxes = boxes_of(triangles, plane, axis);
@@ -228,8 +238,11 @@ void raise_faces(const Triangles& triangles, std::span<const Triangle> plane, Po
   std::map<Index, int> level_of;  // pairs are sorted by the earlier mesh, whose level is final by then
   for (const auto& [below, above] : pairs)
     level_of[above] = std::max(level_of[above], std::min(level_of[below] + 1, kMaxLevel));
+  const auto earliest = std::min_element(plane.begin(), plane.end(),
+                                         [](const Triangle& a, const Triangle& b) { return a.mesh < b.mesh; });
+  const glm::vec3 side = facing_normal(scene.meshes[earliest->mesh], earliest->face);
   for (const Boxed& box : boxes)
-    if (box.is_above) raised.push_back({box.triangle, level_of[box.triangle.mesh]});
+    if (box.is_above) raised.push_back({box.triangle, level_of[box.triangle.mesh], side});
 }
 
 /// The movement of a point of a mesh along the normal of one of its faces.
@@ -284,7 +297,7 @@ std::size_t separate_coplanar_faces(Scene& scene, Poll* poll) {
         while (last < shared.size() && shared[last].cell == shared[first].cell) ++last;
         if (shared[first].mesh == shared[last - 1].mesh) continue;
         if (poll && poll->passing(0.0)) return 0;
-        raise_faces(triangles, std::span(shared).subspan(first, last - first), poll, raised);
+        raise_faces(scene, triangles, std::span(shared).subspan(first, last - first), poll, raised);
       }
     }
   }
@@ -299,10 +312,8 @@ std::size_t separate_coplanar_faces(Scene& scene, Poll* poll) {
     std::vector<Move> moves;
     for (; last < raised.size() && raised[last].triangle.mesh == raised[first].triangle.mesh; ++last) {
       const Index* corner = &mesh.indices[3 * raised[last].triangle.face];
-      glm::vec3 normal =
-          face_of(mesh.positions[corner[0]], mesh.positions[corner[1]], mesh.positions[corner[2]]).normal;
-      if (glm::dot(normal, mesh.normals[corner[0]] + mesh.normals[corner[1]] + mesh.normals[corner[2]]) < 0.0f)
-        normal = -normal;
+      glm::vec3 normal = facing_normal(mesh, raised[last].triangle.face);
+      if (glm::dot(normal, raised[last].side) < 0.0f) normal = -normal;
       for (int k = 0; k < 3; ++k) moves.push_back({point_of[corner[k]], normal, raised[last].level});
     }
     move_points(mesh, point_of, moves, step);

@@ -188,9 +188,10 @@ Result<void> check_scene_index(const ImportSettings& settings, const std::string
 Result<void> check_animation_index(const ImportSettings& settings, const std::string& name, std::size_t count) {
   if (!settings.animation_index) return {};
   if (*settings.animation_index >= 0 && std::size_t(*settings.animation_index) < count) return {};
+  if (count == 0)
+    return usage_error("'{}' has no animation that is read; omit `animation_index` and `animation_time`", name);
   return usage_error("`animation_index` cannot be '{}': '{}' has {}", *settings.animation_index, name,
-                     count == 0   ? "no animation that is read"
-                     : count == 1 ? "one animation, 0"
+                     count == 1   ? "one animation, 0"
                      : count == 2 ? "two animations, 0 and 1"
                                   : fmt::format("{} animations, 0 to {}", count, count - 1));
 }

@@ -156,6 +156,7 @@ Result<Scene> read_off(const fs::path& path, Poll* poll) {
   if (!bytes) return bytes.error();
   Words words{*bytes};
   std::string_view kind = words.word();
+  if (kind.starts_with("\xef\xbb\xbf")) kind.remove_prefix(3);
   if (!kind.ends_with("OFF") || kind.find_first_not_of("STCNOF") != std::string_view::npos) {
     return file_error("'{}' cannot be read as OFF (its first word is not OFF, COFF, NOFF or the like)", file);
   }

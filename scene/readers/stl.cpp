@@ -82,6 +82,18 @@ void set_colors(std::string_view bytes, std::size_t count, Mesh& mesh) {
   }
 }
 
+/// Replaces coordinates that are rounding errors, such as the sine of pi, by 0, so that vertices at a pole are equal.
+void round_to_zero(std::vector<glm::dvec3>& positions) {
+  for (int axis = 0; axis < 3; ++axis) {
+    double largest = 0.0;
+    for (const glm::dvec3& p : positions)
+      if (std::isfinite(p[axis])) largest = std::max(largest, std::abs(p[axis]));
+    const double error = largest * std::numeric_limits<float>::epsilon();
+    for (glm::dvec3& p : positions)
+      if (std::abs(p[axis]) < error) p[axis] = 0.0;
+  }
+}
+
 /// Counts triangles without an area, or with coordinates that are not finite.
 std::size_t count_flat(const std::vector<glm::dvec3>& positions) {
   std::size_t count = 0;
@@ -127,6 +139,7 @@ Result<Scene> read_binary(std::string_view bytes, const fs::path& path, Poll* po
                         file, count);
     scene.warnings.push_back(fmt::format("{} bytes after the last triangle are not read", trailing));
   }
+  round_to_zero(positions);
   set_positions(positions, mesh, scene);
   set_colors(bytes, count, mesh);
   scene.materials.emplace_back();
@@ -266,6 +279,7 @@ Result<Scene> read_text(std::string_view text, const fs::path& path, Poll* poll)
         fmt::format("{} of {} facets are not three vertices of three numbers and are left out, first before line {}",
                     facets.bad, facets.bad + count, line_of(text, facets.first_bad)));
   Mesh all;
+  round_to_zero(facets.positions);
   set_positions(facets.positions, all, scene);
   scene.materials.emplace_back();
   facets.solids.push_back({"", facets.positions.size()});

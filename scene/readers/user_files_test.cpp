@@ -407,6 +407,30 @@ TEST_F(UserFiles, TextsForTerminalsHaveNoControlCharacters) {
   EXPECT_TRUE(contains(error, clean)) << error;
 }
 
+TEST_F(UserFiles, ByteOrderMarksAndLineEndsOfOtherSystems) {
+  const std::string off = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  EXPECT_EQ(read("m.off", "\xef\xbb\xbf" + off).triangle_count(), 1u);
+  const std::string atom = "ATOM      1  N   ALA A   1       0.000   0.000   0.000  1.00  0.00           N";
+  std::string other = atom;
+  other.replace(10, 4, "2  C"), other.replace(33, 5, "1.500"), other.back() = 'C';
+  EXPECT_EQ(read("m.pdb", "\xef\xbb\xbf" + atom + "\r" + other + "\rEND\r").point_count(), 2u);
+}
+
+TEST_F(UserFiles, PolesOfStlSpheresAreOneVertex) {
+  // Four triangles around a pole whose coordinates are rounding errors.
+  std::string text = "solid pole\n";
+  for (int k = 0; k < 4; ++k) {
+    const double a = 1.5707963267948966 * k, b = 1.5707963267948966 * (k + 1);
+    text += fmt::format(
+        "facet normal 0 0 1\nouter loop\nvertex {} {} 1\nvertex {} {} 0\nvertex {} {} 0\nendloop\nendfacet\n",
+        1e-16 * std::cos(a), 1e-16 * std::sin(a), std::cos(a), std::sin(a), std::cos(b), std::sin(b));
+  }
+  const Scene scene = read("pole.stl", text + "endsolid pole\n");
+  const Mesh& mesh = scene.meshes.at(0);
+  for (const glm::vec3& p : mesh.positions)
+    EXPECT_TRUE(p.z != 1.0f || glm::vec2(p) == glm::vec2(0.0f));
+}
+
 TEST_F(UserFiles, KnownFormatsThatAreNotReadSayWhatToDo) {
   for (const char* name : {"a.las", "a.laz", "a.e57"})
     EXPECT_TRUE(contains(error_of(name, "LASF"), "convert it to .ply"));
