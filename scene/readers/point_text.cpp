@@ -134,7 +134,24 @@ Row ordered(const Row& row, const std::vector<std::size_t>& order, std::string_v
 struct Rows {
   std::vector<Row> rows;
   std::size_t bad = 0, first_bad = 0;  ///< lines with fewer than three numbers, and the first of them
+  std::size_t decimal_commas = 0;      ///< first line with numbers such as 0,5; 0: none
+  double counted = 0.0;                ///< number of points by the lines that count them
 };
+
+/// Returns whether blanks separate the numbers of a line and commas are decimal points, as in "0,5 1,0 2,5".
+bool has_decimal_commas(std::string_view line) {
+  if (line.find(',') == std::string_view::npos || line.find('.') != std::string_view::npos) return false;
+  const auto is_digit = [&](std::size_t i) {
+    return i < line.size() && std::isdigit(static_cast<unsigned char>(line[i]));
+  };
+  bool within = false, between = false;
+  for (std::size_t i = 1; i + 1 < line.size(); ++i) {
+    if (!is_digit(i - 1)) continue;
+    within = within || (line[i] == ',' && is_digit(i + 1));
+    between = between || ((line[i] == ' ' || line[i] == '\t') && (is_digit(i + 1) || line[i + 1] == '-'));
+  }
+  return within && between;
+}
 
 Rows read_rows(std::string_view text, Poll* poll) {
   Rows out;
@@ -148,7 +165,15 @@ Rows read_rows(std::string_view text, Poll* poll) {
     if (line.empty() || line.starts_with('#') || line.starts_with("//")) return true;
     const Row row = row_of(line);
     if (row.count == 0 && out.rows.empty() && number == 1) return true;  // column names
-    if (row.count == 1 && row.all_numbers) return true;                  // number of points, also of a further scan
+    if (row.count == 1 && row.all_numbers) {                             // number of points, also of a further scan
+      out.counted += double(row.values[0]);
+      return true;
+    }
+    constexpr std::size_t kTestedLines = 16;
+    if (out.rows.size() < kTestedLines && has_decimal_commas(line)) {
+      out.decimal_commas = number;
+      return false;
+    }
     if (row.count >= 3) {
       out.rows.push_back(ordered(row, order, line));
     } else if (out.bad++ == 0) {
@@ -188,12 +213,16 @@ Result<Scene> read_xyz(const fs::path& path, Poll* poll) {
   std::vector<Row>& rows = read.rows;
   const std::size_t bad = read.bad, first_bad = read.first_bad;
   if (poll && poll->ended()) return interrupted();
+  if (read.decimal_commas > 0)
+    return file_error("'{}' has decimal commas, as in line {}; write decimal points", file, read.decimal_commas);
   if (bad > 0 && bad * kMaxBad > rows.size() + bad)
     return file_error("'{}' has fewer than three numbers in line {}", file, first_bad);
   std::vector<std::string> warnings;
   if (bad > 0)
     warnings.push_back(fmt::format("{} of {} lines have fewer than three numbers and are left out, first line {}", bad,
                                    rows.size() + bad, first_bad));
+  if (read.counted > double(rows.size() + bad))
+    warnings.push_back(fmt::format("the file counts {} points, but has {}", read.counted, rows.size() + bad));
   const std::size_t before = rows.size(), columns = common_columns(rows);
   if (rows.size() < before)
     warnings.push_back(

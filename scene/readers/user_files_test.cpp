@@ -407,12 +407,28 @@ TEST_F(UserFiles, TextsForTerminalsHaveNoControlCharacters) {
   EXPECT_TRUE(contains(error, clean)) << error;
 }
 
+TEST_F(UserFiles, PointsWithDecimalCommasOrAWrongCount) {
+  EXPECT_TRUE(contains(error_of("c.xyz", "0,309 1,0 0,951\n1,5 2,5 -3,5\n"), "decimal commas, as in line 1"));
+  EXPECT_EQ(read("t.xyz", "0,3,1\n1,5,2\n").point_count(), 2u);
+  EXPECT_EQ(read("s.xyz", "0, 3, 1\n1, 5, 2\n").point_count(), 2u);
+  const Scene cut = read("n.pts", "9\n0 0 0\n1 0 0\n");
+  ASSERT_EQ(cut.warnings.size(), 1u);
+  EXPECT_EQ(cut.warnings[0], "the file counts 9 points, but has 2");
+  EXPECT_TRUE(read("two.pts", "1\n0 0 0\n2\n1 0 0\n0 1 0\n").warnings.empty());
+}
+
 TEST_F(UserFiles, ByteOrderMarksAndLineEndsOfOtherSystems) {
   const std::string off = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
   EXPECT_EQ(read("m.off", "\xef\xbb\xbf" + off).triangle_count(), 1u);
   const std::string atom = "ATOM      1  N   ALA A   1       0.000   0.000   0.000  1.00  0.00           N";
   std::string other = atom;
   other.replace(10, 4, "2  C"), other.replace(33, 5, "1.500"), other.back() = 'C';
+  std::string wrong = other;
+  wrong.replace(33, 5, "x.500");
+  const Scene without = read("w.pdb", atom + "\n" + wrong + "\nEND\n");
+  EXPECT_EQ(without.point_count(), 1u);
+  ASSERT_EQ(without.warnings.size(), 1u);
+  EXPECT_EQ(without.warnings[0], "1 of 2 atoms have no position of three numbers and are left out, first in line 2");
   EXPECT_EQ(read("m.pdb", "\xef\xbb\xbf" + atom + "\r" + other + "\rEND\r").point_count(), 2u);
 }
 
@@ -427,8 +443,7 @@ TEST_F(UserFiles, PolesOfStlSpheresAreOneVertex) {
   }
   const Scene scene = read("pole.stl", text + "endsolid pole\n");
   const Mesh& mesh = scene.meshes.at(0);
-  for (const glm::vec3& p : mesh.positions)
-    EXPECT_TRUE(p.z != 1.0f || glm::vec2(p) == glm::vec2(0.0f));
+  for (const glm::vec3& p : mesh.positions) EXPECT_TRUE(p.z != 1.0f || glm::vec2(p) == glm::vec2(0.0f));
 }
 
 TEST_F(UserFiles, KnownFormatsThatAreNotReadSayWhatToDo) {
