@@ -16,15 +16,14 @@
 #include "core/srgb.h"
 #include "importer/material_rules.h"
 #include "importer/texture_cache.h"
+#include "scene/readers/specular_exponent.h"
 
 namespace umbrage {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr glm::vec3 kNeutral{0.8f};      ///< surfaces without a colour in the file
-constexpr float kMinExponent = 1.0f;     ///< with less, a highlight is as wide as the diffuse lobe
-constexpr float kMaxExponent = 2048.0f;  ///< with more, a highlight is smaller than a pixel
+constexpr glm::vec3 kNeutral{0.8f};  ///< surfaces without a colour in the file
 
 float linear_of_srgb(float x) { return linear_from_srgb(std::clamp(x, 0.0f, 1.0f)); }
 

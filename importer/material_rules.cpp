@@ -1,4 +1,5 @@
 #include "importer/material_rules.h"
+#include "scene/readers/specular_exponent.h"
 
 #include <algorithm>
 #include <glm/common.hpp>
@@ -6,8 +7,6 @@
 namespace umbrage {
 namespace {
 
-constexpr float kMinExponent = 1.0f;     ///< with less, a highlight is as wide as the diffuse lobe
-constexpr float kMaxExponent = 2048.0f;  ///< with more, a highlight is smaller than a pixel
 constexpr float kDielectricReflectance = 0.04f;
 
 /// A texture is a cut-out if at least kBinaryFraction of its texels are nearly transparent or nearly opaque, and at

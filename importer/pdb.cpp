@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "scene/readers/byte_order_mark.h"
 #include "scene/readers/molecule.h"
 #include "scene/readers/read_number.h"
 #include "scene/readers/whole_file.h"
@@ -55,7 +56,7 @@ BadAtoms remove_bad_atoms(std::string& text) {
 Result<Scene> read_pdb(const std::filesystem::path& file) {
   auto text = read_whole_file(file);
   if (!text) return text.error();
-  if (text->starts_with("\xef\xbb\xbf")) text->erase(0, 3);  // columns count
+  text->erase(0, text->size() - without_mark(*text).size());  // columns count
   if (text->find('\n') == std::string::npos) std::replace(text->begin(), text->end(), '\r', '\n');
   const BadAtoms bad = remove_bad_atoms(*text);
   const gemmi::Structure structure = gemmi::read_pdb_from_memory(text->data(), text->size(), file.string());

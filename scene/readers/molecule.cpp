@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 
+#include "scene/readers/byte_order_mark.h"
 #include "scene/readers/elements.h"
 #include "scene/readers/positions.h"
 #include "scene/readers/read_number.h"
@@ -62,11 +63,6 @@ std::optional<Atom> atom_of(std::string_view line) {
     atom.position[axis] = *value;
   }
   return atom;
-}
-
-std::string_view without_mark(std::string_view text) {
-  constexpr std::string_view kMark = "\xef\xbb\xbf";
-  return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
 }
 
 }  // namespace
@@ -123,17 +119,16 @@ Result<Scene> read_molecule(const fs::path& path, std::string_view text, Poll* p
   std::string_view rest = without_mark(text);
   std::vector<Atom> atoms;
   std::size_t line = 0, bad = 0, first_bad = 0;
-  std::optional<std::uint64_t> count;
-  std::string_view ahead = rest;
-  if (std::string_view first = take_line(ahead); (count = integer_of<std::uint64_t>(take_word(first)))) {
-    if (!take_word(first).empty()) count.reset();
-  }
-  if (count) {
+  std::string_view ahead = rest, first = take_line(ahead);
+  const auto number = integer_of<std::uint64_t>(take_word(first));
+  const bool has_count = number && take_word(first).empty();
+  const std::uint64_t count = number.value_or(0);
+  if (has_count) {
     rest = ahead;
     take_line(rest);  // the comment, which may be empty
     line = 2;
   }
-  const auto is_complete = [&] { return count && atoms.size() + bad >= *count; };
+  const auto is_complete = [&] { return has_count && atoms.size() + bad >= count; };
   while (!rest.empty() && !is_complete()) {
     ++line;
     constexpr std::size_t kLinesPerPoll = 4096;
@@ -151,14 +146,14 @@ Result<Scene> read_molecule(const fs::path& path, std::string_view text, Poll* p
   constexpr std::size_t kMaxBad = 3;  // one in four of all
   if (bad * kMaxBad > atoms.size())
     return file_error("'{}' has no element and three numbers in line {}", file, first_bad);
-  if (count && !is_complete())
-    return file_error("'{}' is cut short: it counts {} atoms and has {}", file, *count, atoms.size() + bad);
+  if (has_count && !is_complete())
+    return file_error("'{}' is cut short: it counts {} atoms and has {}", file, count, atoms.size() + bad);
   Scene scene = scene_of_atoms(atoms, path);
   if (bad > 0)
     scene.warnings.push_back(
         fmt::format("{} of {} lines lack an element or three numbers and are left out, first line {}", bad,
                     atoms.size() + bad, first_bad));
-  if (count && rest.find_first_not_of(" \t\r\n") != std::string_view::npos)
+  if (has_count && rest.find_first_not_of(" \t\r\n") != std::string_view::npos)
     scene.warnings.push_back("the file has more than one frame; the first is drawn");
   return scene;
 }

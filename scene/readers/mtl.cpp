@@ -10,6 +10,7 @@
 
 #include "scene/readers/obj_text.h"
 #include "scene/readers/read_number.h"
+#include "scene/readers/specular_exponent.h"
 
 namespace umbrage {
 namespace {
@@ -283,9 +284,7 @@ class LibraryParser {
   Faults bad_, outside_, unknown_;
 };
 
-constexpr float kNeutral = 0.8f;         ///< reflectance of surfaces without a colour in the file
-constexpr float kMinExponent = 1.0f;     ///< with less, a highlight is as wide as the diffuse lobe
-constexpr float kMaxExponent = 2048.0f;  ///< with more, a highlight is smaller than a pixel
+constexpr float kNeutral = 0.8f;  ///< reflectance of surfaces without a colour in the file
 
 /// Returns whether light passes through a material that is not transparent by d or Tr. Maya writes opaque materials as
 /// illum 4 with Ni 1 and Tf 1 1 1, which as glass would be air.

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "scene/readers/byte_order_mark.h"
 #include "scene/readers/face_attributes.h"
 #include "scene/readers/polygon.h"
 #include "scene/readers/positions.h"
@@ -155,8 +156,7 @@ Result<Scene> read_off(const fs::path& path, Poll* poll) {
   const auto bytes = read_whole_file(path, poll);
   if (!bytes) return bytes.error();
   Words words{*bytes};
-  std::string_view kind = words.word();
-  if (kind.starts_with("\xef\xbb\xbf")) kind.remove_prefix(3);
+  const std::string_view kind = without_mark(words.word());
   if (!kind.ends_with("OFF") || kind.find_first_not_of("STCNOF") != std::string_view::npos) {
     return file_error("'{}' cannot be read as OFF (its first word is not OFF, COFF, NOFF or the like)", file);
   }

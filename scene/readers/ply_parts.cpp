@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 
+#include "scene/readers/byte_order_mark.h"
 #include "scene/readers/read_number.h"
 
 namespace umbrage::ply {
@@ -102,7 +103,7 @@ int Element::find(std::string_view property, bool list) const {
 Result<Header> read_header(std::string_view& text, const std::string& file) {
   Header header;
   constexpr std::size_t kMaxShown = 60;  // characters of a line in a message
-  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  text = without_mark(text);
   const std::size_t first_end = text.find_first_of("\r\n");
   // Some programs end lines in CR alone.
   const bool ends_in_cr = first_end != std::string_view::npos && text[first_end] == '\r' &&

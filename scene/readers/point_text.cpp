@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "scene/readers/byte_order_mark.h"
 #include "scene/readers/molecule.h"
 #include "scene/readers/positions.h"
 #include "scene/readers/read_number.h"
@@ -205,9 +206,7 @@ Result<Scene> read_xyz(const fs::path& path, Poll* poll) {
   const std::string file = path.string();
   const auto bytes = read_whole_file(path, poll);
   if (!bytes) return bytes.error();
-  std::string_view text = *bytes;
-  constexpr std::string_view kMark = "\xef\xbb\xbf";
-  if (text.starts_with(kMark)) text.remove_prefix(kMark.size());
+  const std::string_view text = without_mark(*bytes);
   if (is_molecule(text)) return read_molecule(path, text, poll);
   Rows read = read_rows(text, poll);
   std::vector<Row>& rows = read.rows;

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "scene/readers/byte_order_mark.h"
 #include "scene/readers/positions.h"
 #include "scene/readers/read_number.h"
 #include "scene/readers/vertex_colors.h"
@@ -43,8 +44,8 @@ bool same_word(std::string_view word, std::string_view lower_case) {
 /// Returns whether the file is a text: it begins with "solid", as the header of a binary file may, too, and words of a
 /// text file follow.
 bool is_text(std::string_view bytes) {
-  constexpr std::string_view kMark = "\xef\xbb\xbf", kBlank = " \t\r\n";
-  if (bytes.starts_with(kMark)) bytes.remove_prefix(kMark.size());
+  constexpr std::string_view kBlank = " \t\r\n";
+  bytes = without_mark(bytes);
   bytes.remove_prefix(std::min(bytes.find_first_not_of(kBlank), bytes.size()));
   if (bytes.size() < 5 || !same_word(bytes.substr(0, 5), "solid")) return false;
   // Characters of a text as the count of a binary file would make it larger than this file is.
@@ -263,9 +264,8 @@ std::size_t line_of(std::string_view text, const char* at) {
 Result<Scene> read_text(std::string_view text, const fs::path& path, Poll* poll) {
   const std::string file = path.string();
   Facets facets;
-  constexpr std::string_view kMark = "\xef\xbb\xbf";
-  const std::size_t skipped = text.starts_with(kMark) ? kMark.size() : 0;
-  if (!read_facets({text.data() + skipped, text.data() + text.size()}, facets, poll)) return interrupted();
+  const std::string_view facets_text = without_mark(text);
+  if (!read_facets({facets_text.data(), facets_text.data() + facets_text.size()}, facets, poll)) return interrupted();
   if (facets.in_facet)
     return file_error("'{}' is cut short: its last facet, after {} others, does not end", file,
                       (facets.positions.size() - facets.corners) / 3);
