@@ -86,15 +86,20 @@ TEST(Blend, GlassReflectsMoreAtGrazingAngles) {
   EXPECT_GT(captured_from_front(tilted, true).plane("opacity").at(16, 16), 0.5f);
 }
 
-/// Draws a red surface in front of a wall, with the look `lit`. Returns the linear colour of the middle pixel.
-glm::vec3 middle_of(const Scene& scene) {
+/// Returns the request of a square picture of the wall from in front.
+Request front_request(const char* look, int size) {
   Request request;
-  request.look = "lit";
-  request.width = request.height = 64;
+  request.look = look;
+  request.width = request.height = size;
   request.ground = "off";
   request.camera.position = {0, 0, 6};
   request.camera.focal_point = {0, 0, 0};
-  const auto drawn = test::drawn_picture(scene, request, {"color.r", "color.g", "color.b"});
+  return request;
+}
+
+/// Draws a red surface in front of a wall, with the look `lit`. Returns the linear colour of the middle pixel.
+glm::vec3 middle_of(const Scene& scene) {
+  const auto drawn = test::drawn_picture(scene, front_request("lit", 64), {"color.r", "color.g", "color.b"});
   glm::vec3 color;
   for (int c = 0; c < 3; ++c) color[c] = linear_from_srgb(drawn.image.planes[std::size_t(c)].at(32, 32));
   return color;
@@ -114,13 +119,7 @@ TEST(Blend, PictureIsWeightedSum) {
 TEST(Blend, LinesOfPaneAndOfWhatIsBehind) {
   Scene scene = test::scene_of({square(3.0f, -3.0f), square(0.3f), square(1.0f, 0.5f)},
                                {{.albedo = glm::vec3(0.8f)}, {.albedo = kRed}, pane(0.3f, {0.2f, 0.4f, 0.8f})});
-  Request request;
-  request.look = "cartoon";
-  request.width = request.height = 128;
-  request.ground = "off";
-  request.camera.position = {0, 0, 6};
-  request.camera.focal_point = {0, 0, 0};
-  const auto drawn = test::drawn_picture(scene, request, {"outline", "depth"});
+  const auto drawn = test::drawn_picture(scene, front_request("cartoon", 128), {"outline", "depth"});
   const Plane& lines = drawn.image.plane("outline");
   int crossed = 0;  // by the row through the middle: two sides of the square behind and two of the pane
   for (int x = 1; x < 128; ++x) crossed += (lines.at(x, 64) > 0.05f) != (lines.at(x - 1, 64) > 0.05f);
@@ -136,13 +135,8 @@ TEST(Blend, NoSeamWhereOpacityBecomesFull) {
   for (std::size_t x = 0; x < 64; ++x)
     ramp.rgba[4 * x + 3] = std::uint8_t(x < 2 ? 255 : x > 61 ? 0 : 255 - (x - 2) * 255 / 60);
   for (const char* look : {"lit", "cartoon"}) {
-    Request request;
-    request.look = look;
-    request.width = request.height = 128;
-    request.ground = "off";
+    Request request = front_request(look, 128);
     request.anti_aliasing = 1;
-    request.camera.position = {0, 0, 6};
-    request.camera.focal_point = {0, 0, 0};
     const auto drawn = test::drawn_picture(scene, request, {"color.g"});
     const Plane& green = drawn.image.plane("color.g");
     for (int x = 23; x < 105; ++x) {

@@ -15,6 +15,7 @@
 #include <numbers>
 #include <random>
 
+#include "file_folder.h"
 #include "scene/finish.h"
 #include "scene/readers/texture_file.h"
 
@@ -23,25 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A separate folder for each test.
-struct Import : testing::Test {
-  fs::path folder;
-  void SetUp() override {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    folder = fs::path(testing::TempDir()) /
-             ("umbrage_" + std::string(test->name()) + std::to_string(std::random_device{}()));
-    fs::create_directories(folder);
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-  }
-
-  fs::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder / name, std::ios::binary) << text;
-    return folder / name;
-  }
-
+struct Import : test::FileFolder {
   Scene read(const std::string& name, const std::string& text, const ImportSettings& settings = {}) const {
     Result<Scene> scene = import_scene(write(name, text), settings);
     EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);

@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 #include <random>
 
+#include "file_folder.h"
 #include "scene/readers/import.h"
 
 namespace umbrage {
@@ -20,17 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSquare = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\n";
 
-struct Obj : testing::Test {
-  fs::path folder = fs::path(testing::TempDir()) / ("umbrage_obj_" + std::to_string(std::random_device{}()));
-  void SetUp() override { fs::create_directories(folder); }
-  void TearDown() override {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-  }
-  fs::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder / name, std::ios::binary) << text;
-    return folder / name;
-  }
+struct Obj : test::FileFolder {
   Scene read(const std::string& text, const std::string& name = "a.obj") const {
     Result<Scene> scene = import_scene(write(name, text));
     EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <random>
 
+#include "file_folder.h"
 #include "scene/readers/import.h"
 #include "scene/readers/vertex_colors.h"
 
@@ -17,23 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A separate folder for each test.
-struct UserFiles : testing::Test {
-  fs::path folder;
-  void SetUp() override {
-    folder = fs::path(testing::TempDir()) / ("umbrage_user_files_" + std::to_string(std::random_device{}()));
-    fs::create_directories(folder);
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-  }
-
-  fs::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder / name, std::ios::binary) << text;
-    return folder / name;
-  }
-
+struct UserFiles : test::FileFolder {
   Scene read(const std::string& name, const std::string& text, const ImportSettings& settings = {}) const {
     Result<Scene> scene = import_scene(write(name, text), settings);
     EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
