@@ -269,13 +269,12 @@ TEST_F(ImageFile, ExrFilesDoNotDependOnThreadsOrRowGroups) {
 }
 
 TEST_F(ImageFile, UnknownExtensionListsAll) {
-  expect_error(format_of("out.bmp"), {"'out.bmp'", ".bmp", ".png, .exr, .pfm, .jpg, .jpeg or .webp"}, ErrorKind::kUsage);
+  expect_error(format_of("out.bmp"), {"'out.bmp'", ".bmp", ".png, .exr, .pfm, .jpg, .jpeg or .webp"},
+               ErrorKind::kUsage);
   expect_error(format_of("out.pngg"), {"did you mean 'png'?", ".jpeg or .webp"}, ErrorKind::kUsage);
-  expect_error(format_of("out"), {"'out'", "does not end in an image extension", ".jpeg or .webp"},
-               ErrorKind::kUsage);
+  expect_error(format_of("out"), {"'out'", "does not end in an image extension", ".jpeg or .webp"}, ErrorKind::kUsage);
   expect_error(format_of(""), {".jpeg or .webp"}, ErrorKind::kUsage);
-  expect_error(write_image(*this / "x.bmp", random_image(2, 2, {"a"})), {"x.bmp", ".jpeg or .webp"},
-               ErrorKind::kUsage);
+  expect_error(write_image(*this / "x.bmp", random_image(2, 2, {"a"})), {"x.bmp", ".jpeg or .webp"}, ErrorKind::kUsage);
   EXPECT_TRUE(listing().empty());
 }
 

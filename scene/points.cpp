@@ -1,6 +1,6 @@
 // Normals and sizes of points, estimated from their nearest neighbours, which a k-d tree finds [Bentley 1975].
-// nanoflann 1.4 takes as long (3.7 s for a tree of 1e6 points and twelve neighbours of each, on two cores) and finds the
-// same, but builds its tree in one thread and does not order the points in memory.
+// nanoflann 1.4 takes as long (3.7 s for a tree of 1e6 points and twelve neighbours of each, on two cores) and finds
+// the same, but builds its tree in one thread and does not order the points in memory.
 #include "scene/points.h"
 
 #include <tbb/blocked_range.h>

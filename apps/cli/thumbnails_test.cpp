@@ -83,8 +83,11 @@ TEST_F(ThumbnailsTest, FileManagersFindTheCommandForEveryFormat) {
   const std::string entry = text_of(share / "thumbnailers/umbrage.thumbnailer");
   const std::string types = text_of(share / "mime/packages/umbrage.xml");
   // The types of shared-mime-info; the others are in our own file.
-  const std::map<std::string, std::string> known = {
-      {"stl", "model/stl"}, {"gltf", "model/gltf+json"}, {"glb", "model/gltf-binary"}, {"3ds", "image/x-3ds"}, {"3mf", "model/3mf"}};
+  const std::map<std::string, std::string> known = {{"stl", "model/stl"},
+                                                    {"gltf", "model/gltf+json"},
+                                                    {"glb", "model/gltf-binary"},
+                                                    {"3ds", "image/x-3ds"},
+                                                    {"3mf", "model/3mf"}};
   for (const std::string& format : import_formats()) {
     std::string type;
     if (const auto found = known.find(format); found != known.end()) {

@@ -406,10 +406,10 @@ inline Outcome shade(const ShadeRequest& request, Picture& picture) {
 }
 
 /// Writes a picture to a file, completely or not at all. The extension selects the format: .png, .webp, .jpg and .pfm
-/// (no alpha), .exr (with the passes and the camera), or .svg (strokes only). Colours are written as they are, but those
-/// of .exr are scene-linear and premultiplied: the pass "beauty", or else, with a warning, `rgba` without its sRGB
-/// encoding, whose tone curve remains. Alpha is omitted if all pixels are opaque. Errors: code 2 for a picture of the wrong
-/// size or an unknown extension, 3 for a file that cannot be written.
+/// (no alpha), .exr (with the passes and the camera), or .svg (strokes only). Colours are written as they are, but
+/// those of .exr are scene-linear and premultiplied: the pass "beauty", or else, with a warning, `rgba` without its
+/// sRGB encoding, whose tone curve remains. Alpha is omitted if all pixels are opaque. Errors: code 2 for a picture of
+/// the wrong size or an unknown extension, 3 for a file that cannot be written.
 inline Outcome save(const Picture& picture, const std::string& file, const SaveRequest& request = {}) {
   detail::Calls calls;
   const std::size_t pixels = std::size_t(picture.width) * std::size_t(picture.height);
