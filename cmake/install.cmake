@@ -79,7 +79,7 @@ if(absolute_include)
 endif()
 # Libraries for static linking. Requires.private is not used: it would require the development packages of these
 # libraries for dynamic linking too.
-pkg_check_modules(PC_PRIVATE QUIET fmt libhwy libjpeg libpng libwebp OpenEXR tbb zlib)
+pkg_check_modules(PC_PRIVATE QUIET fmt libdeflate libhwy libjpeg libpng libtiff-4 libwebp libzip OpenEXR tbb zlib)
 if(NOT PC_PRIVATE_FOUND)
   message(STATUS "pkg-config does not find all libraries: umbrage.pc will not support static linking")
 endif()

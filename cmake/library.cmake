@@ -2,12 +2,12 @@
 # objects. If BUILD_SHARED_LIBS is set, it selects one of them.
 set(UMBRAGE_ABI 1) # ABI version, the SOVERSION of the shared library
 set(objects "")
-foreach(folder core system kernel lines effects looks scene scene_readers generators rays reference devices_shared devices_cpu devices_vulkan io renderer library)
+foreach(folder core system kernel lines effects looks scene scene_readers generators rays reference devices_shared devices_cpu devices_vulkan io gbuffers renderer library)
   list(APPEND objects $<TARGET_OBJECTS:umbrage_${folder}>)
 endforeach()
 
-# umbrage_library(shared|static KIND): adds one kind of the library. Highway has no CMake package that users of the
-# installed library could find, so it is linked by name.
+# umbrage_library(shared|static KIND): adds one kind of the library. Highway and others have no CMake package that users of
+# the installed library could find, so they are linked by name.
 function(umbrage_library kind)
   add_library(umbrage_${kind} ${ARGN} ${objects})
   set_target_properties(umbrage_${kind} PROPERTIES OUTPUT_NAME umbrage EXPORT_NAME ${kind} LINKER_LANGUAGE CXX)
@@ -15,8 +15,10 @@ function(umbrage_library kind)
   target_include_directories(umbrage_${kind} INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
                                                        $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(
-    umbrage_${kind} PRIVATE embree fmt::fmt JPEG::JPEG OpenEXR::OpenEXR PNG::PNG TBB::tbb ZLIB::ZLIB
+    umbrage_${kind} PRIVATE embree fmt::fmt JPEG::JPEG OpenEXR::OpenEXR PNG::PNG TBB::tbb TIFF::TIFF ZLIB::ZLIB
+                            $<BUILD_INTERFACE:PkgConfig::DEFLATE> $<INSTALL_INTERFACE:deflate>
                             $<BUILD_INTERFACE:PkgConfig::HWY> $<INSTALL_INTERFACE:hwy>
+                            $<BUILD_INTERFACE:PkgConfig::ZIP> $<INSTALL_INTERFACE:zip>
                             $<BUILD_INTERFACE:PkgConfig::WEBP> $<INSTALL_INTERFACE:webp> ${CMAKE_DL_LIBS})
 endfunction()
 

@@ -30,7 +30,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     "libumbrage${UMBRAGE_ABI} (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 # Static linking and umbrage/vulkan.h need these.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS
-    "libembree-dev, libfmt-dev, libhwy-dev, libjpeg62-turbo-dev, libopenexr-dev, libpng-dev, libtbb-dev, libvulkan-dev, libwebp-dev, zlib1g-dev")
+    "libdeflate-dev, libembree-dev, libfmt-dev, libhwy-dev, libjpeg62-turbo-dev, libopenexr-dev, libpng-dev, libtbb-dev, libtiff-dev, libvulkan-dev, libwebp-dev, libzip-dev, zlib1g-dev")
 
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-umbrage)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)

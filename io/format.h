@@ -18,7 +18,14 @@ extern const ImageFormat kPng, kExr, kPfm, kJpg, kJpeg, kWebp;
 /// only damaged headers have such sizes.
 inline constexpr std::int64_t kMaxSide = 65536, kMaxPixels = std::int64_t(1) << 28;
 
-/// Checks the size of a picture that is read from a file. Errors: kFile, naming the file.
+/// Returns the text with a question mark for every control character, so that a text from a file is safe for a
+/// terminal.
+std::string printable(std::string_view text);
+
+/// Checks the sides of a picture that is read by rows: each at most kMaxSide. Errors: kFile, naming the file.
+Result<void> check_sides(const std::filesystem::path& file, std::int64_t width, std::int64_t height);
+
+/// Checks the size of a picture that is read as a whole. Errors: kFile, naming the file.
 Result<void> check_size(const std::filesystem::path& file, std::int64_t width, std::int64_t height);
 
 /// Returns the file's extension in lower case without the dot, such as "png"; empty if there is none.

@@ -114,6 +114,19 @@ Result<void> check_writable(const fs::path& file) {
   return {};
 }
 
+std::string printable(std::string_view text) {
+  std::string out(text);
+  for (char& c : out)
+    if ((unsigned char)(c) < 0x20 || c == 0x7f) c = '?';
+  return out;
+}
+
+Result<void> check_sides(const fs::path& file, std::int64_t width, std::int64_t height) {
+  if (width >= 1 && height >= 1 && width <= kMaxSide && height <= kMaxSide) return {};
+  return file_error("'{}' has {} x {} pixels in its header: 1 to {} per side can be read", file.string(), width, height,
+                    kMaxSide);
+}
+
 Result<void> check_size(const fs::path& file, std::int64_t width, std::int64_t height) {
   if (width >= 1 && height >= 1 && width <= kMaxSide && height <= kMaxSide && width * height <= kMaxPixels) return {};
   return file_error("'{}' has {} x {} pixels in its header: 1 to {} per side and at most {} in total can be read",

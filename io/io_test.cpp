@@ -486,7 +486,7 @@ TEST_F(PngFile, RefusesHostileSizes) {
   write_bytes(file, png_of_size(file, 0x7fffffff, 0x7fffffff));
   expect_error(read_image(file), {"x.png", "2147483647 x 2147483647", "65536"});
   write_bytes(file, png_of_size(file, 65536, 65536));
-  expect_error(read_image(file), {"65536 x 65536", "268435456"});
+  expect_error(read_image(file), {"cut short", "65536 x 65536"});
   write_bytes(file, png_of_size(file, 16384, 16384));
   expect_error(read_image(file), {"cut short", "16384 x 16384"});
   write_bytes(file, png_of_size(file, 0, 5));
@@ -913,7 +913,7 @@ TEST_F(ExrFile, ReadsIntegers) {
   EXPECT_EQ(image.plane("id").at(1, 0), 16777216.0f);
 }
 
-TEST_F(ExrFile, RefusesDeepSubsampledAndUnfinished) {
+TEST_F(ExrFile, RepeatsSubsampledChannelsAndRefusesUnfinishedFiles) {
   {
     Imf::Header header(4, 4);
     header.channels().insert("Z", Imf::Channel(Imf::FLOAT));
@@ -921,18 +921,21 @@ TEST_F(ExrFile, RefusesDeepSubsampledAndUnfinished) {
     header.compression() = Imf::ZIPS_COMPRESSION;
     Imf::DeepScanLineOutputFile out((*this / "deep.exr").c_str(), header);
   }
-  expect_error(read_image(*this / "deep.exr"), {"deep.exr", "deepscanline", "flatten"});
+  expect_error(read_image(*this / "deep.exr"), {"deep.exr"});  // it has no pixels
   {
     Imf::Header header(4, 4);
     header.channels().insert("BY", Imf::Channel(Imf::FLOAT, 2, 2));
-    const std::vector<float> values(4);
+    const std::vector<float> values = {1, 2, 3, 4};
     Imf::FrameBuffer pixels;
-    pixels.insert("BY", Imf::Slice::Make(Imf::FLOAT, values.data(), header.dataWindow(), 0, 0, 2, 2));
+    pixels.insert("BY", Imf::Slice::Make(Imf::FLOAT, values.data(), header.dataWindow(), 4, 8, 2, 2));
     Imf::OutputFile out((*this / "half.exr").c_str(), header);
     out.setFrameBuffer(pixels);
     out.writePixels(4);
   }
-  expect_error(read_image(*this / "half.exr"), {"half.exr", "'BY'", "2 x 2", "subsampling"});
+  const Image repeated = read_or_fail(*this / "half.exr");
+  for (int y = 0; y < 4; ++y)
+    for (int x = 0; x < 4; ++x)
+      EXPECT_EQ(repeated.plane("BY").at(x, y), float(1 + x / 2 + y / 2 * 2)) << x << ", " << y;
   {
     const Channels channels(box(0, 0, 63, 63), {{"ao", 1}});
     Imf::OutputFile out((*this / "part.exr").c_str(), channels.header(channels.window));

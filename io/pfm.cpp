@@ -6,20 +6,16 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/numbers.h"
 #include "io/format.h"
+#include "io/layer_format.h"
+#include "io/samples.h"
 
 namespace umbrage {
 namespace fs = std::filesystem;
 namespace {
 
 static_assert(sizeof(float) == 4);
-
-void swap_bytes(std::vector<float>& values) {
-  for (float& value : values) {
-    std::uint32_t bits = std::bit_cast<std::uint32_t>(value);
-    value = std::bit_cast<float>((bits >> 24) | ((bits >> 8) & 0xff00u) | ((bits << 8) & 0xff0000u) | (bits << 24));
-  }
-}
 
 Result<void> write(const fs::path& file, const ImageShape& shape, const WriteSettings&, const MakeImageRows& make) {
   const Image empty_image = image_without_pixels(shape);
@@ -66,13 +62,20 @@ std::string word(std::FILE* stream) {
 }
 
 /// Returns the value of a word, or NaN if the word is not a number.
-double number(const std::string& text) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  return text.empty() || *end ? std::nan("") : value;
+double number(std::string_view text) {
+  const auto value = take_number(text);
+  return value && text.empty() ? *value : std::nan("");
 }
 
-Result<Image> read(const fs::path& file) {
+/// A PFM being read.
+struct Reader {
+  InputFile stream;
+  int width = 0, height = 0, channels = 0;
+  bool is_swapped = false;
+  off_t start = 0;  // of the pixels, in bytes
+};
+
+Result<void> open(const fs::path& file, Reader& reader) {
   std::int64_t size = 0;
   Result<InputFile> stream = open_to_read(file, size);
   if (!stream) return stream.error();
@@ -89,30 +92,56 @@ Result<Image> read(const fs::path& file) {
   if (!(std::isfinite(scale) && scale != 0.0))
     return file_error("'{}' has the scale '{}' in its header: it must be a number other than 0", file.string(),
                       words[2]);
-  if (Result<void> fine = check_size(file, std::int64_t(width), std::int64_t(height)); !fine) return fine.error();
-  const int channels = kind == "PF" ? 3 : 1;
-  const std::int64_t needed = std::int64_t(width) * std::int64_t(height) * channels * 4;
-  const std::int64_t available = size - std::ftell(in);
+  if (Result<void> fine = check_sides(file, std::int64_t(width), std::int64_t(height)); !fine) return fine;
+  reader.channels = kind == "PF" ? 3 : 1;
+  reader.start = ::ftello(in);
+  const std::int64_t needed = std::int64_t(width) * std::int64_t(height) * reader.channels * 4;
+  const std::int64_t available = size - reader.start;
   if (available < needed)
     return file_error("'{}' is cut short: {} x {} pixels are {} bytes and it has {}", file.string(), width, height,
                       needed, available);
-  Image image = picture(int(width), int(height), channels);
-  const bool is_swapped = (scale < 0.0) != (std::endian::native == std::endian::little);
-  std::vector<float> row(std::size_t(image.width) * channels);
-  for (int y = image.height - 1; y >= 0; --y) {
-    if (std::fread(row.data(), sizeof(float), row.size(), in) != row.size())
-      return file_error("'{}' cannot be read: row {} is missing", file.string(), y);
-    if (is_swapped) swap_bytes(row);
-    for (int c = 0; c < channels; ++c)
-      for (int x = 0; x < image.width; ++x) image.planes[c].at(x, y) = row[std::size_t(x) * channels + c];
-  }
-  return image;
+  reader.stream = std::move(*stream);
+  reader.width = int(width);
+  reader.height = int(height);
+  reader.is_swapped = (scale < 0.0) != (std::endian::native == std::endian::little);
+  return {};
 }
+
+Result<LayeredFile> read_pfm_header(const fs::path& file) {
+  Reader reader;
+  if (auto opened = open(file, reader); !opened) return opened.error();
+  LayeredFile header = plain_header(reader.width, reader.height);
+  add_picture_channels(header, reader.channels, ChannelType::kFloat);
+  return header;
+}
+
+Result<void> read_pfm_rows(const LayeredFile& file, std::span<const int> channels, RowTarget& target) {
+  Reader reader;
+  if (auto opened = open(file.path, reader); !opened) return opened;
+  if (reader.width != file.width || reader.height != file.height || reader.channels != int(file.channels.size()))
+    return changed_file(file);
+  const SampleType type{SampleKind::kFloat, sizeof(float), reader.is_swapped};
+  const std::ptrdiff_t step = reader.channels * type.bytes;
+  std::vector<char> row(std::size_t(step) * std::size_t(reader.width));
+  return target.each_block(1, [&](int first, int end) -> Result<void> {
+    ::fseeko(reader.stream.get(), reader.start + off_t(row.size()) * (reader.height - end), SEEK_SET);
+    for (int y = end - 1; y >= first; --y) {
+      if (std::fread(row.data(), 1, row.size(), reader.stream.get()) != row.size())
+        return file_error("'{}' cannot be read: row {} is missing", file.path.string(), y);
+      for (std::size_t c = 0; c < channels.size(); ++c)
+        to_floats(type, row.data() + channels[c] * type.bytes, step, file.width, target.row(int(c), y));
+    }
+    return {};
+  });
+}
+
+Result<Image> read(const fs::path& file) { return read_picture_as(kPfmLayers, file); }
 
 bool recognises(std::string_view start) { return start.starts_with("PF") || start.starts_with("Pf"); }
 
 }  // namespace
 
 const ImageFormat kPfm = {"pfm", "float maps, grey or RGB", write, read, recognises};
+const LayerFormat kPfmLayers = {"PFM", "pfm", recognises, read_pfm_header, read_pfm_rows};
 
 }  // namespace umbrage

@@ -23,6 +23,8 @@
 #include <new>
 
 #include "io/format.h"
+#include "io/layer_format.h"
+#include "io/samples.h"
 
 namespace umbrage {
 namespace fs = std::filesystem;
@@ -61,12 +63,6 @@ void quantise_row(const Plane* const* planes, int channels, int y, Integer* out)
   if (channels == 1) quantise<Integer, 1>(rows, width, out);
   if (channels == 3) quantise<Integer, 3>(rows, width, out);
   if (channels == 4) quantise<Integer, 4>(rows, width, out);
-}
-
-template <class Integer>
-void dequantise(const Integer* values, int count, int step, float* out) {
-  constexpr float kMax = float(Integer(~Integer(0)));
-  for (int x = 0; x < count; ++x) out[x] = float(values[std::size_t(x) * step]) / kMax;
 }
 
 /// A PNG being written.
@@ -155,10 +151,14 @@ struct Reader {
   png_structp png = nullptr;
   png_infop info = nullptr;
   PngError png_error;
+  int width = 0, height = 0, channels = 0, bits = 0;  // of the pixels as they are read
+  std::size_t row_bytes = 0;
+  bool is_interlaced = false;
+  std::int64_t stored_bytes = 0;  // without compression
   ~Reader() { png_destroy_read_struct(&png, &info, nullptr); }
 };
 
-/// Reads the header, up to the pixels.
+/// Reads the header, up to the pixels. Palettes, fewer than 8 bits and a transparent colour are expanded.
 bool start(Reader& reader, std::FILE* stream) {
   reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader.png_error, on_error, on_warning);
   if (reader.png) reader.info = png_create_info_struct(reader.png);
@@ -167,72 +167,111 @@ bool start(Reader& reader, std::FILE* stream) {
     return false;
   }
   if (setjmp(png_jmpbuf(reader.png))) return false;
-  png_init_io(reader.png, stream);
-  png_set_user_limits(reader.png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // check_size applies the limits
-  png_read_info(reader.png, reader.info);
+  png_structp png = reader.png;
+  png_init_io(png, stream);
+  png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // check_sides applies the limits
+  png_read_info(png, reader.info);
+  reader.width = int(png_get_image_width(png, reader.info));
+  reader.height = int(png_get_image_height(png, reader.info));
+  reader.stored_bytes = std::int64_t(png_get_rowbytes(png, reader.info)) * reader.height;
+  reader.is_interlaced = png_get_interlace_type(png, reader.info) != PNG_INTERLACE_NONE;
   return true;
 }
 
-void expand(png_structp png, png_infop info) {
-  const int type = png_get_color_type(png, info);
-  png_set_expand(png);  // palettes, fewer than 8 bits, transparency
-  /// Expands palettes, fewer than 8 bits, transparency.
-  const bool alpha = (type & PNG_COLOR_MASK_ALPHA) || png_get_valid(png, info, PNG_INFO_tRNS);
-  if (type == PNG_COLOR_TYPE_GRAY_ALPHA || (type == PNG_COLOR_TYPE_GRAY && alpha)) png_set_gray_to_rgb(png);
+bool expand(Reader& reader) {
+  if (setjmp(png_jmpbuf(reader.png))) return false;
+  png_structp png = reader.png;
+  png_set_expand(png);
   if (std::endian::native == std::endian::little) png_set_swap(png);
   png_set_interlace_handling(png);
-  png_read_update_info(png, info);
-}
-
-bool update(Reader& reader) {
-  if (setjmp(png_jmpbuf(reader.png))) return false;
-  expand(reader.png, reader.info);
+  png_read_update_info(png, reader.info);
+  reader.channels = png_get_channels(png, reader.info);
+  reader.bits = png_get_bit_depth(png, reader.info);
+  reader.row_bytes = png_get_rowbytes(png, reader.info);
   return true;
 }
 
-bool finish(Reader& reader, png_bytepp rows) {
+bool read_row(Reader& reader, png_bytep row) {
+  if (setjmp(png_jmpbuf(reader.png))) return false;
+  png_read_row(reader.png, row, nullptr);
+  return true;
+}
+
+bool read_all(Reader& reader, png_bytepp rows) {
   if (setjmp(png_jmpbuf(reader.png))) return false;
   png_read_image(reader.png, rows);
+  return true;
+}
+
+bool finish(Reader& reader) {
+  if (setjmp(png_jmpbuf(reader.png))) return false;
   png_read_end(reader.png, nullptr);
   return true;
 }
 
-Result<Image> read(const fs::path& file) {
+Error read_error(const fs::path& file, const Reader& reader) {
+  return file_error("'{}' cannot be read as PNG: {}", file.string(), reader.png_error.text);
+}
+
+/// Opens a file and reads its header.
+Result<void> open(const fs::path& file, InputFile& stream, Reader& reader) {
   std::int64_t size = 0;
-  Result<InputFile> stream = open_to_read(file, size);
-  if (!stream) return stream.error();
-  Reader reader;
-  const auto failed = [&] {
-    return file_error("'{}' cannot be read as PNG: {}", file.string(), reader.png_error.text);
-  };
-  if (!start(reader, stream->get())) return failed();
-  const int width = int(png_get_image_width(reader.png, reader.info));
-  const int height = int(png_get_image_height(reader.png, reader.info));
-  if (Result<void> sane = check_size(file, width, height); !sane) return sane.error();
+  Result<InputFile> opened = open_to_read(file, size);
+  if (!opened) return opened.error();
+  stream = std::move(*opened);
+  if (!start(reader, stream.get())) return read_error(file, reader);
+  if (auto sane = check_sides(file, reader.width, reader.height); !sane) return sane;
   // Deflate compresses by a factor of at most 1032, so a short file cannot contain the size in a damaged header.
   constexpr std::int64_t kBestRatio = 1032;
-  const std::int64_t stored = std::int64_t(png_get_rowbytes(reader.png, reader.info)) * height;
-  if (stored / kBestRatio > size)
-    return file_error("'{}' is cut short: {} bytes cannot hold {} x {} pixels", file.string(), size, width, height);
-  if (!update(reader)) return failed();
-  const int channels = png_get_channels(reader.png, reader.info);
-  const int bits = png_get_bit_depth(reader.png, reader.info);
-  const std::size_t row_bytes = png_get_rowbytes(reader.png, reader.info);
-  const std::unique_ptr<std::uint16_t[]> pixels(new std::uint16_t[(row_bytes * height + 1) / 2]);
-  auto* bytes = reinterpret_cast<png_byte*>(pixels.get());
-  std::vector<png_bytep> rows(height);
-  for (int y = 0; y < height; ++y) rows[y] = bytes + y * row_bytes;
-  if (!finish(reader, rows.data())) return failed();
-  Image image = picture(width, height, channels);
-  for (int c = 0; c < channels; ++c)
-    for (int y = 0; y < height; ++y) {
-      if (bits == 16)
-        dequantise(reinterpret_cast<const std::uint16_t*>(rows[y]) + c, width, channels, image.planes[c].row(y));
-      else
-        dequantise(rows[y] + c, width, channels, image.planes[c].row(y));
-    }
-  return image;
+  if (reader.stored_bytes / kBestRatio > size)
+    return file_error("'{}' is cut short: {} bytes cannot hold {} x {} pixels", file.string(), size, reader.width,
+                      reader.height);
+  return expand(reader) ? Result<void>() : read_error(file, reader);
 }
+
+Result<LayeredFile> read_png_header(const fs::path& file) {
+  InputFile stream;
+  Reader reader;
+  if (auto opened = open(file, stream, reader); !opened) return opened.error();
+  LayeredFile header = plain_header(reader.width, reader.height);
+  add_picture_channels(header, reader.channels, reader.bits == 16 ? ChannelType::kUint16 : ChannelType::kUint8);
+  header.is_srgb = true;
+  header.max_integer = reader.bits == 16 ? 65535.0 : 255.0;
+  return header;
+}
+
+Result<void> read_png_rows(const LayeredFile& file, std::span<const int> channels, RowTarget& target) {
+  InputFile stream;
+  Reader reader;
+  if (auto opened = open(file.path, stream, reader); !opened) return opened;
+  if (reader.width != file.width || reader.height != file.height || reader.channels != int(file.channels.size()))
+    return changed_file(file);
+  // Rows of an interlaced file are complete only at its end.
+  std::vector<png_byte> whole;
+  if (reader.is_interlaced) {
+    if (auto fits = check_size(file.path, reader.width, reader.height); !fits) return fits;
+    whole.resize(reader.row_bytes * std::size_t(reader.height));
+    std::vector<png_bytep> rows;
+    for (int y = 0; y < reader.height; ++y) rows.push_back(whole.data() + std::size_t(y) * reader.row_bytes);
+    if (!read_all(reader, rows.data())) return read_error(file.path, reader);
+  }
+  const SampleType type{SampleKind::kUnsigned, reader.bits / 8, false};
+  std::vector<png_byte> row(reader.row_bytes);
+  auto done = target.each_block(1, [&](int first, int end) -> Result<void> {
+    for (int y = first; y < end; ++y) {
+      if (!reader.is_interlaced && !read_row(reader, row.data())) return read_error(file.path, reader);
+      const png_byte* from = reader.is_interlaced ? whole.data() + std::size_t(y) * reader.row_bytes : row.data();
+      for (std::size_t c = 0; c < channels.size(); ++c)
+        to_floats(type, from + channels[c] * type.bytes, std::ptrdiff_t(reader.channels) * type.bytes, file.width,
+                  target.row(int(c), y));
+    }
+    return {};
+  });
+  if (!done) return done;
+  return finish(reader) ? Result<void>() : read_error(file.path, reader);
+}
+
+Result<Image> read(const fs::path& file) { return read_picture_as(kPngLayers, file); }
 
 bool recognises(std::string_view start) { return start.starts_with("\x89PNG\r\n\x1a\n"); }
 
@@ -259,5 +298,6 @@ Result<std::string> encode_png_rows(const std::string& name, const ImageShape& s
 
 const ImageFormat kPng = {"png", "8 or 16 bit grey, RGB or RGBA pictures, sRGB", write, read, recognises, true, true,
                           16};
+const LayerFormat kPngLayers = {"PNG", "png", recognises, read_png_header, read_png_rows};
 
 }  // namespace umbrage

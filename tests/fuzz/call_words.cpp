@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <limits>
 #include <sstream>
 
@@ -33,6 +34,23 @@ std::string number_text(double number) {
   return text;
 }
 
+/// Writes a small depth image. Returns its file.
+std::string depth_file() {
+  constexpr int kWidth = 9, kHeight = 7;
+  const std::string file = std::filesystem::temp_directory_path().string() + "/umbrage_calls_depth.pfm";
+  std::vector<float> depth;
+  for (int k = 0; k < kWidth * kHeight; ++k) depth.push_back(2.0f + float(k % 4));
+  const char* names[] = {"depth"};
+  UmbImage image{};
+  image.data = depth.data();
+  image.type = UMB_TYPE_FLOAT32;
+  image.width = kWidth;
+  image.height = kHeight;
+  image.channels = 1;
+  umbWriteImages(file.c_str(), names, &image, 1, 8, false);
+  return file;
+}
+
 /// Max number, since larger ones make pictures that take seconds.
 constexpr double kMaxNumber = 24.0;
 
@@ -50,6 +68,7 @@ const Words& words() {
     for (const std::string& effect : result->effects) add_parameters(effect, result->parameters);
     // Calls must not read other files or stdin.
     std::erase_if(result->parameters, [](const ListedParameter& p) { return p.name == "hdri_file"; });
+    result->files = {depth_file(), depth_file() + ":depth", "/none/depth.exr", "/"};
     result->passes = {"depth",
                       "normal",
                       "albedo",
@@ -116,6 +135,7 @@ float any_number(Choices& choose) {
 std::string value_of(Choices& choose, const ListedParameter& parameter) {
   if (choose.one_in(12)) return choose.one_of(words().odd);
   if (!parameter.choices.empty()) return choose.one_of(parameter.choices);
+  if (parameter.name == "file" || parameter.name.ends_with("_file")) return choose.one_of(words().files);
   if (parameter.name == "look") return choose.one_of(words().looks);
   if (parameter.name == "effects") {
     std::string names = choose.one_of(words().effects);

@@ -17,7 +17,8 @@ struct ListedParameter {
 struct Words {
   std::vector<ListedParameter> parameters;  ///< parameters of jobs
   std::vector<std::string> effects, looks, scenes, passes;
-  std::vector<std::string> odd;  ///< unusual texts: not UTF-8, very long, format strings
+  std::vector<std::string> files;  ///< of a G-buffer: one that holds a depth image, and ones that cannot be used
+  std::vector<std::string> odd;    ///< unusual texts: not UTF-8, very long, format strings
 };
 const Words& words();
 

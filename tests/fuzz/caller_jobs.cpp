@@ -269,6 +269,8 @@ void Caller::query_job() {
   done(umbGetJobOutput(handle, name.get(), choose_.one_in(4) ? nullptr : &image), Kind::kJob, handle,
        "umbGetJobOutput");
   umbGetJobOutputName(handle, any_int());
+  umbGetJobFact(handle, any_int());
+  umbGetJobFileLayer(handle, any_int());
   UmbStroke stroke{};
   done(umbGetJobStroke(handle, std::size_t(any_int()), choose_.one_in(4) ? nullptr : &stroke), Kind::kJob, handle,
        "umbGetJobStroke");

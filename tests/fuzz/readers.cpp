@@ -15,6 +15,7 @@
 #include "generators/builtin.h"
 #include "importer/import_in_process.h"
 #include "io/image_file.h"
+#include "io/layers.h"
 #include "scene/finish.h"
 #include "scene/readers/gzip.h"
 #include "scene/readers/mtl.h"
@@ -150,6 +151,36 @@ void read_as_image(std::string_view bytes) {
   if (const auto camera = read_camera(file.path); !camera) check(camera.error());
 }
 
+/// Reads a layered file: its header, all channels as a whole, and, of EXR files, a copy with one more layer.
+void read_as_layers(std::string_view bytes) {
+  const MemoryFile file(bytes);
+  const Result<LayeredFile> header = read_header(file.path);
+  if (!header) return check(header.error());
+  expect(header->width > 0 && header->height > 0 && !header->channels.empty(), "an empty header");
+  for (const auto& [name, text] : header->attributes)
+    expect((name + text).find('\n') == std::string::npos, "a line end in an attribute");
+  std::vector<int> all;
+  for (const Channel& channel : header->channels) all.push_back(channel.index);
+  constexpr std::int64_t kMaxPixels = 1 << 20;  // more take longer than they find
+  if (std::int64_t(header->width) * header->height * std::int64_t(all.size()) > kMaxPixels) return;
+  const Result<Image> image = read_channels(*header, all);
+  if (!image) return check(image.error());
+  check_equal(image->planes.size(), header->channels.size(), "planes");
+  int rows = 0;
+  const auto done = read_rows(*header, all, [&](const Image& block, int first) -> Result<void> {
+    check_equal(first, rows, "the first row of a block");
+    rows += block.height;
+    return {};
+  });
+  expect(bool(done), "rows that are whole are an error in blocks");
+  check_equal(rows, header->height, "rows");
+  if (header->format != "EXR") return;
+  Image layer(header->width, header->height);
+  layer.names = {"umbrage.ao"};
+  layer.planes.emplace_back(header->width, header->height, 0.5f);
+  if (const auto merged = write_merged(*header, layer, true, "/dev/null"); !merged) check(merged.error());
+}
+
 void read_as_texture(std::string_view bytes) {
   const auto* start = reinterpret_cast<const std::uint8_t*>(bytes.data());
   const Result<Texture> texture = decode_texture({start, bytes.size()}, "a texture");
@@ -245,6 +276,10 @@ constexpr Reader kReaders[] = {
     {"transfer", read_as_transfer, transfer_seeds, false},
     {"baseline", read_as_baseline, baseline_seeds, false},
     {"exr", read_as_image, exr_seeds, true},
+    {"layers-exr", read_as_layers, exr_seeds, true},
+    {"layers-tiff", read_as_layers, tiff_seeds, true},
+    {"layers-array", read_as_layers, array_seeds, false},
+    {"layers-picture", read_as_layers, picture_seeds, true},
     {"texture", read_as_texture, texture_seeds, true},
     {"gltf", import_as<kGltf>, gltf_seeds, true},
     {"glb", import_as<kGlb>, glb_seeds, true},

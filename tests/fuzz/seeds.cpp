@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "../archives.h"
+#include "../layered_files.h"
 #include "io/image_file.h"
 #include "scene/readers/transfer.h"
 
@@ -281,6 +282,42 @@ Seeds exr_seeds() {
   Camera camera;
   return {image_bytes("exr", small_image({"depth", "normal.x", "id"}), {.camera = &camera}),
           image_bytes("exr", small_image({"color.r", "color.g", "color.b"}), {.half = true})};
+}
+
+Seeds tiff_seeds() {
+  const std::vector<float> values = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18};
+  const std::string bytes = test::memory_of(values);
+  const fs::path folder = fs::temp_directory_path();
+  return {test::tiff_of(folder, 3, 6, bytes, {}),
+          test::tiff_of(folder, 3, 2, bytes, {.samples = 3, .compression = COMPRESSION_LZW, .predictor = 3}),
+          test::tiff_of(folder, 3, 2, bytes, {.samples = 3, .planar = PLANARCONFIG_SEPARATE, .tile = 16}),
+          test::tiff_of(folder, 6, 4, bytes,
+                        {.samples = 3,
+                         .bits = 8,
+                         .format = SAMPLEFORMAT_UINT,
+                         .compression = COMPRESSION_ADOBE_DEFLATE,
+                         .is_big = true})};
+}
+
+Seeds array_seeds() {
+  const std::vector<float> values = {1, 2, 3, 4, 5, 6};
+  const std::string array = test::npy_of("<f4", "2, 3", test::memory_of(values));
+  return {array, test::npy_of(">u2", "1, 2, 3, 2", test::memory_of(values)),
+          test::npy_of("<f4", "2, 3", test::memory_of(values), true),
+          test::zip_of({{"depth.npy", array}, {"k.npy", test::npy_of("<f4", "2,", test::memory_of(values))}})};
+}
+
+Seeds picture_seeds() {
+  const Image color = small_image({"color.r", "color.g", "color.b"});
+  return {image_bytes("png", color),
+          image_bytes("pfm", color),
+          image_bytes("jpg", color),
+          image_bytes("webp", color),
+          "P2 # one\n2 2 9\n1 2 3 4\n",
+          "P6 1 1 65535\nabcdef",
+          "ncols 2\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 2\nnodata_value -1\n1.5 -1\n",
+          test::hdr_of(1, 2, "abcdefgh"),
+          test::hdr_of(8, 1, "\2\2\0\10\210a\210b\210c\10abcdefgh"s)};
 }
 
 Seeds pdb_seeds() {

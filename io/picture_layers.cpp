@@ -1,0 +1,280 @@
+// Reading of JPEG and WebP pictures as layers, through libjpeg-turbo and libwebp, and of Radiance pictures (.hdr),
+// based on the description in Ward's "Real Pixels" and on the header of the Radiance distribution.
+#include <cstdio>
+// jpeglib.h needs cstdio before it.
+#include <jpeglib.h>
+#include <webp/decode.h>
+
+#include <cmath>
+#include <csetjmp>
+#include <cstring>
+
+#include "io/layer_format.h"
+#include "io/samples.h"
+
+namespace umbrage {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr SampleType kByte{SampleKind::kUnsigned, 1, false};
+
+LayeredFile display_header(int width, int height, int channels) {
+  LayeredFile header = plain_header(width, height);
+  add_picture_channels(header, channels, ChannelType::kUint8);
+  header.is_srgb = true;
+  header.max_integer = 255.0;
+  return header;
+}
+
+// --- JPEG -----------------------------------------------------------------------------------------------------------
+
+/// libjpeg reports errors by a call that must not return; here longjmp, so functions that call setjmp own nothing with
+/// a destructor.
+struct Jpeg {
+  jpeg_decompress_struct jpeg{};
+  jpeg_error_mgr manager{};
+  std::jmp_buf jump{};
+  char text[JMSG_LENGTH_MAX] = "";
+  bool warned = false;
+  InputFile stream;
+  ~Jpeg() { jpeg_destroy_decompress(&jpeg); }
+};
+
+[[noreturn]] void on_error(j_common_ptr common) {
+  auto* own = static_cast<Jpeg*>(common->client_data);
+  (*own->manager.format_message)(common, own->text);
+  std::longjmp(own->jump, 1);
+}
+
+/// Warnings are about damaged data, for which the library would make up pixels.
+void on_message(j_common_ptr common, int level) {
+  auto* own = static_cast<Jpeg*>(common->client_data);
+  if (level >= 0 || own->warned) return;
+  own->warned = true;
+  (*own->manager.format_message)(common, own->text);
+}
+
+bool start(Jpeg& own) {
+  own.jpeg.err = jpeg_std_error(&own.manager);
+  own.manager.error_exit = on_error;
+  own.manager.emit_message = on_message;
+  own.jpeg.client_data = &own;
+  if (setjmp(own.jump)) return false;
+  jpeg_create_decompress(&own.jpeg);
+  jpeg_stdio_src(&own.jpeg, own.stream.get());
+  jpeg_read_header(&own.jpeg, TRUE);
+  own.jpeg.out_color_space = own.jpeg.num_components == 1 ? JCS_GRAYSCALE : JCS_RGB;
+  jpeg_calc_output_dimensions(&own.jpeg);
+  return true;
+}
+
+bool decompress(Jpeg& own) {
+  if (setjmp(own.jump)) return false;
+  return jpeg_start_decompress(&own.jpeg) != FALSE;
+}
+
+bool read_row(Jpeg& own, JSAMPROW row) {
+  if (setjmp(own.jump)) return false;
+  return jpeg_read_scanlines(&own.jpeg, &row, 1) == 1 && !own.warned;
+}
+
+Error jpeg_error(const fs::path& file, const Jpeg& own) {
+  return file_error("'{}' cannot be read as JPEG: {}", file.string(),
+                    own.text[0] ? printable(own.text) : "it is damaged");
+}
+
+Result<void> open(const fs::path& file, Jpeg& own) {
+  std::int64_t size = 0;
+  Result<InputFile> stream = open_to_read(file, size);
+  if (!stream) return stream.error();
+  own.stream = std::move(*stream);
+  if (!start(own)) return jpeg_error(file, own);
+  if (auto fine = check_size(file, own.jpeg.image_width, own.jpeg.image_height); !fine) return fine;
+  const std::int64_t blocks = std::int64_t(own.jpeg.image_width) * own.jpeg.image_height / 64;
+  constexpr std::int64_t kBlocksPerByte = 1 << 15;  // runs of empty blocks in progressive files
+  if (blocks / kBlocksPerByte > size)
+    return file_error("'{}' is cut short: {} bytes cannot hold {} x {} pixels", file.string(), size,
+                      own.jpeg.image_width, own.jpeg.image_height);
+  return {};
+}
+
+Result<LayeredFile> read_jpeg_header(const fs::path& file) {
+  Jpeg own;
+  if (auto opened = open(file, own); !opened) return opened.error();
+  return display_header(int(own.jpeg.image_width), int(own.jpeg.image_height), own.jpeg.num_components == 1 ? 1 : 3);
+}
+
+Result<void> read_jpeg_rows(const LayeredFile& file, std::span<const int> channels, RowTarget& target) {
+  Jpeg own;
+  if (auto opened = open(file.path, own); !opened) return opened;
+  if (!decompress(own)) return jpeg_error(file.path, own);
+  const int count = own.jpeg.output_components;
+  if (int(own.jpeg.output_width) != file.width || int(own.jpeg.output_height) != file.height ||
+      count != int(file.channels.size()))
+    return changed_file(file);
+  std::vector<JSAMPLE> row(std::size_t(file.width) * std::size_t(count));
+  return target.each_block(1, [&](int first, int end) -> Result<void> {
+    for (int y = first; y < end; ++y) {
+      if (!read_row(own, row.data())) return jpeg_error(file.path, own);
+      for (std::size_t c = 0; c < channels.size(); ++c)
+        to_floats(kByte, row.data() + channels[c], count, file.width, target.row(int(c), y));
+    }
+    return {};
+  });
+}
+
+// --- WebP -----------------------------------------------------------------------------------------------------------
+
+/// Reads a whole file that is decoded in memory.
+Result<std::vector<std::uint8_t>> whole_file(const fs::path& file) {
+  std::int64_t size = 0;
+  const Result<InputFile> stream = open_to_read(file, size);
+  if (!stream) return stream.error();
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
+  if (std::fread(bytes.data(), 1, bytes.size(), stream->get()) != bytes.size())
+    return file_error("'{}' cannot be read to its end", file.string());
+  return bytes;
+}
+
+Result<LayeredFile> read_webp_header(const fs::path& file) {
+  const auto bytes = whole_file(file);
+  if (!bytes) return bytes.error();
+  WebPBitstreamFeatures about;
+  if (WebPGetFeatures(bytes->data(), bytes->size(), &about) != VP8_STATUS_OK)
+    return file_error("'{}' cannot be read as WebP: its header is damaged", file.string());
+  if (about.has_animation) return file_error("'{}' is an animation: only a single picture can be read", file.string());
+  if (auto fine = check_size(file, about.width, about.height); !fine) return fine.error();
+  return display_header(about.width, about.height, about.has_alpha ? 4 : 3);
+}
+
+Result<void> read_webp_rows(const LayeredFile& file, std::span<const int> channels, RowTarget& target) {
+  const auto bytes = whole_file(file.path);
+  if (!bytes) return bytes.error();
+  const int count = int(file.channels.size());
+  int width = 0, height = 0;
+  const auto decode = count == 4 ? WebPDecodeRGBA : WebPDecodeRGB;
+  const std::unique_ptr<std::uint8_t, void (*)(void*)> pixels(decode(bytes->data(), bytes->size(), &width, &height),
+                                                              WebPFree);
+  if (!pixels) return file_error("'{}' cannot be read as WebP: it is damaged or cut short", file.path.string());
+  if (width != file.width || height != file.height) return changed_file(file);
+  return target.each_block(1, [&](int first, int end) -> Result<void> {
+    for (int y = first; y < end; ++y)
+      for (std::size_t c = 0; c < channels.size(); ++c)
+        to_floats(kByte, pixels.get() + std::ptrdiff_t(y) * width * count + channels[c], count, width,
+                  target.row(int(c), y));
+    return {};
+  });
+}
+
+// --- Radiance -------------------------------------------------------------------------------------------------------
+
+/// A Radiance picture being read.
+struct Radiance {
+  InputFile stream;
+  int width = 0, height = 0;
+};
+
+std::string next_line(std::FILE* stream) {
+  constexpr std::size_t kMaxLength = 2048;
+  std::string line;
+  for (int c = std::fgetc(stream); c != EOF && c != '\n' && line.size() < kMaxLength; c = std::fgetc(stream))
+    line += char(c);
+  return line;
+}
+
+Result<void> open(const fs::path& file, Radiance& reader) {
+  std::int64_t size = 0;
+  Result<InputFile> stream = open_to_read(file, size);
+  if (!stream) return stream.error();
+  reader.stream = std::move(*stream);
+  std::string line = next_line(reader.stream.get());
+  for (int i = 0; i < 256 && !line.empty(); ++i) {
+    line = next_line(reader.stream.get());
+    if (line.starts_with("FORMAT=") && !line.starts_with("FORMAT=32-bit_rle_rgbe"))
+      return file_error("'{}' has the colours '{}': only 32-bit_rle_rgbe can be read", file.string(),
+                        printable(line.substr(7, 32)));
+  }
+  line = next_line(reader.stream.get());
+  long long width = 0, height = 0;
+  if (std::sscanf(line.c_str(), "-Y %lld +X %lld", &height, &width) != 2)
+    return file_error("'{}' cannot be read as HDR: its size must be given as -Y height +X width", file.string());
+  if (auto fine = check_size(file, width, height); !fine) return fine;
+  constexpr std::int64_t kBestRatio = 64;  // a run of 127 pixels takes 8 bytes
+  if (width * height * 4 / kBestRatio > size)
+    return file_error("'{}' is cut short: {} bytes cannot hold {} x {} pixels", file.string(), size, width, height);
+  reader.width = int(width);
+  reader.height = int(height);
+  return {};
+}
+
+/// Reads a row of pixels, 4 bytes each. Returns false if it is damaged.
+bool read_radiance_row(Radiance& reader, std::vector<unsigned char>& row, std::vector<unsigned char>& plane) {
+  std::FILE* in = reader.stream.get();
+  const auto width = std::size_t(reader.width);
+  constexpr std::size_t kMinRuns = 8, kMaxRuns = 0x7fff;  // widths of rows that may be compressed
+  if (std::fread(row.data(), 1, 4, in) != 4) return false;
+  const bool is_compressed = width >= kMinRuns && width <= kMaxRuns && row[0] == 2 && row[1] == 2 && row[2] < 128;
+  if (!is_compressed) return std::fread(row.data() + 4, 1, 4 * width - 4, in) == 4 * width - 4;
+  if ((std::size_t(row[2]) << 8 | row[3]) != width) return false;
+  for (std::size_t c = 0; c < 4; ++c) {
+    for (std::size_t x = 0; x < width;) {
+      const int code = std::fgetc(in);
+      const auto count = std::size_t(code > 128 ? code - 128 : code);
+      if (code <= 0 || x + count > width) return false;
+      if (code > 128) {
+        const int value = std::fgetc(in);
+        if (value == EOF) return false;
+        std::memset(plane.data() + x, value, count);
+      } else if (std::fread(plane.data() + x, 1, count, in) != count) {
+        return false;
+      }
+      x += count;
+    }
+    for (std::size_t x = 0; x < width; ++x) row[4 * x + c] = plane[x];
+  }
+  return true;
+}
+
+Result<LayeredFile> read_radiance_header(const fs::path& file) {
+  Radiance reader;
+  if (auto opened = open(file, reader); !opened) return opened.error();
+  LayeredFile header = plain_header(reader.width, reader.height);
+  add_picture_channels(header, 3, ChannelType::kFloat);
+  return header;
+}
+
+Result<void> read_radiance_rows(const LayeredFile& file, std::span<const int> channels, RowTarget& target) {
+  Radiance reader;
+  if (auto opened = open(file.path, reader); !opened) return opened;
+  if (reader.width != file.width || reader.height != file.height) return changed_file(file);
+  std::vector<unsigned char> row(std::size_t(file.width) * 4), plane(static_cast<std::size_t>(file.width));
+  return target.each_block(1, [&](int first, int end) -> Result<void> {
+    for (int y = first; y < end; ++y) {
+      if (!read_radiance_row(reader, row, plane))
+        return file_error("'{}' cannot be read: row {} is missing or damaged", file.path.string(), y);
+      for (std::size_t c = 0; c < channels.size(); ++c)
+        for (int x = 0; x < file.width; ++x) {
+          const unsigned char* pixel = row.data() + std::ptrdiff_t(4) * x;
+          constexpr int kBias = 128 + 8;  // of the exponent; mantissas have 8 bits
+          target.row(int(c), y)[x] = pixel[3] == 0 ? 0.0f : std::ldexp(float(pixel[channels[c]]), pixel[3] - kBias);
+        }
+    }
+    return {};
+  });
+}
+
+}  // namespace
+
+const LayerFormat kJpegLayers = {"JPEG", "jpg jpeg",
+                                 [](std::string_view start) { return start.starts_with("\xff\xd8\xff"); },
+                                 read_jpeg_header, read_jpeg_rows};
+const LayerFormat kWebpLayers = {"WebP", "webp",
+                                 [](std::string_view start) {
+                                   return start.starts_with("RIFF") && start.size() > 8 &&
+                                          start.substr(8).starts_with("WEBP");
+                                 },
+                                 read_webp_header, read_webp_rows};
+const LayerFormat kHdrLayers = {"HDR", "hdr", [](std::string_view start) { return start.starts_with("#?"); },
+                                read_radiance_header, read_radiance_rows};
+
+}  // namespace umbrage
