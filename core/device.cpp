@@ -1,6 +1,10 @@
 #include "core/device.h"
 
+#include "core/check.h"
+
 namespace umbrage {
+
+Result<Frame> Device::upload_strip(GBuffer, const Strip&) { fail_check("a device that draws no strips"); }
 
 Result<int> layer_count(const CaptureSettings& settings) {
   const int sides = settings.back_sides ? 2 : 1;

@@ -92,6 +92,9 @@ class Device {
   /// Returns a frame with planes from the host. Planes that are views are read during the lifetime of the frame, and
   /// never written.
   virtual Result<Frame> upload(GBuffer gbuffer) = 0;
+  /// Returns a frame of a strip. gbuffer.info describes the whole picture; the planes have only the rows of
+  /// rows_with_margin. Throws InternalError unless draws_strips().
+  virtual Result<Frame> upload_strip(GBuffer gbuffer, const Strip& strip);
   /// Returns a frame that starts with the planes of `frame` and shares their memory. `frame` must be of a whole
   /// picture, not of a strip. Effects that run on the branch leave the original unchanged. While the branch or a branch
   /// of it lives, calling run, add or place on the original throws InternalError.

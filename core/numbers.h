@@ -2,6 +2,7 @@
 #pragma once
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -15,6 +16,20 @@ inline std::optional<double> parse_number(std::string_view text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+/// Removes a number from the start of `text`, with white space before it, and returns it; nullopt if there is none. NaN
+/// and infinity are numbers, as in files. Like parse_number, and unlike strtod, it does not depend on the locale of the
+/// process, where the decimal point may be a comma.
+inline std::optional<double> take_number(std::string_view& text) {
+  std::string_view rest = text;
+  rest.remove_prefix(std::min(rest.find_first_not_of(" \t\r\n"), rest.size()));
+  if (rest.size() > 1 && rest[0] == '+' && rest[1] != '-') rest.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
+  if (error != std::errc()) return std::nullopt;
+  text = rest.substr(std::size_t(end - rest.data()));
   return value;
 }
 

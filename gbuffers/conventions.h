@@ -1,0 +1,62 @@
+// Conventions: what the stored values of a G-buffer mean, decided once from headers, names and a sample of the pixels.
+// Plain data: convert.h applies it to any rows.
+#pragma once
+#include <array>
+#include <glm/mat3x3.hpp>
+#include <span>
+#include <vector>
+
+#include "gbuffers/depth_model.h"
+#include "gbuffers/gbuffer_file.h"
+#include "gbuffers/roles.h"
+#include "gbuffers/samples.h"
+
+namespace umbrage {
+
+struct DepthConvention {
+  std::array<double, 3> weights{1.0, 0.0, 0.0};  ///< of the channels: the stored depth is their weighted sum
+  DepthModel model;
+  std::vector<double> background;  ///< stored depths that mean no surface, besides those that always do
+  bool from_position = false;      ///< there is no usable depth layer: it is computed from positions
+  bool is_own = false;             ///< Umbrage wrote it, so that it is exact
+};
+
+struct NormalConvention {
+  double scale = 1.0, offset = 0.0;  ///< component = offset + scale * stored value
+  glm::dmat3 view_from_stored{1.0};
+};
+
+/// view depth = dot(forward, position - eye).
+struct PositionConvention {
+  glm::dvec3 forward{0.0, 0.0, -1.0}, eye{0.0};
+};
+
+struct ColorConvention {
+  double max_integer = 0.0;  ///< stored value that means 1; 0: floats
+  bool is_srgb = false;
+};
+
+struct Conventions {
+  int width = 0, height = 0;
+  Camera camera;
+  DepthConvention depth;
+  NormalConvention normal;
+  PositionConvention position;
+  std::array<ColorConvention, kRoleCount> color;  ///< by role
+  bool is_premultiplied = false;                  ///< the beauty is multiplied by its alpha
+  std::array<bool, kRoleCount> is_unusable{};     ///< by role: most of its values are NaN
+  std::string step_warning;                       ///< its beginning, if there are few different depths
+};
+
+/// Returns the stored depth of a sample's tap, or NaN where it means that there is no surface.
+double stored_depth(const DepthConvention& depth, const std::array<double, 3>& channels);
+
+/// Decides all conventions, and adds a line to the facts for each. There is depth, or there are positions. Errors:
+/// kUsage for options that contradict each other; kFile for a colour picture that was taken for depth.
+Result<Conventions> decide_conventions(const GBufferSettings& settings, std::span<const LayeredFile> headers,
+                                       const Roles& roles, const Samples& samples, GBufferFacts& facts);
+
+/// Returns the text for a number in messages: 3 to 6 digits.
+std::string number_text(double value);
+
+}  // namespace umbrage

@@ -1,0 +1,254 @@
+#include "gbuffers/depth_guess.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace umbrage {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// Far over near of a relative depth whose offset nothing tells.
+constexpr double kFarOverNear = 10.0;
+
+struct Candidate {
+  DepthModel model;
+  std::string meaning;
+  bool is_relative = false;
+  bool is_inverse = false, is_dark_high = false;  // of a relative one
+  double offset = 0.0;
+};
+
+std::string_view word_of(DepthMeaning meaning) {
+  constexpr std::string_view kWords[] = {
+      "planar", "distance along the ray", "window depth", "reversed window depth", "disparity", "elevation"};
+  return kWords[std::size_t(meaning)];
+}
+
+Candidate plain(DepthMeaning meaning, const DepthModel& base) {
+  Candidate out;
+  out.model = base;
+  out.meaning = word_of(meaning);
+  out.model.meaning = meaning;
+  return out;
+}
+
+/// Returns depth, or inverse depth, that grows linearly with the brightness t from 0 to 1 (or 1 to 0, `is_dark_high`):
+/// offset + t. The unit is such that the nearest depth is 1.
+Candidate relative(bool is_inverse, bool is_dark_high, double offset, const DepthValues& values) {
+  const double low = values.range_min(), span = std::max(values.range_max() - low, 1e-30);
+  const double near_value = is_inverse ? offset + 1.0 : std::max(offset, 1e-3);
+  Candidate out;
+  out.is_relative = true;
+  out.is_inverse = is_inverse;
+  out.is_dark_high = is_dark_high;
+  out.offset = offset;
+  out.model.meaning = is_inverse ? DepthMeaning::kDisparity : DepthMeaning::kPlanar;
+  const double slope = (is_dark_high ? -1.0 : 1.0) / span;
+  out.model.scale = slope / near_value;
+  out.model.offset = (offset - slope * (is_dark_high ? low + span : low)) / near_value;
+  out.meaning = fmt::format("{} of unknown scale, {} is near", is_inverse ? "disparity" : "depth",
+                            is_inverse != is_dark_high ? "bright" : "dark");
+  return out;
+}
+
+/// Returns the offset of a relative depth without evidence.
+double default_offset(const DepthValues& values) {
+  constexpr double kStartsAtZero = 0.02;  // fraction of the max below which the min counts as 0
+  // Values that start well above 0 are taken for true lengths or disparities.
+  return values.range_min() == 0.0 && values.min > kStartsAtZero * values.max && !values.is_full_range()
+             ? 0.0
+             : 1.0 / (kFarOverNear - 1.0);
+}
+
+bool is_window(const DepthEvidence& e) {
+  const std::string& kind = e.settings.depth_kind;
+  return kind == "window" || kind == "reversed" ||
+         (kind == "auto" && (e.hint == DepthHint::kWindow || e.hint == DepthHint::kReversed));
+}
+
+/// Returns the map from stored to real values that the options give, and whether they give one. Errors: kUsage.
+Result<bool> map_of_options(const DepthEvidence& e, bool is_disparity, DepthModel& model) {
+  const GBufferSettings& s = e.settings;
+  const double low = e.values.range_min(), high = e.values.range_max();
+  double scale = 1.0, offset = 0.0;
+  if (s.depth_invert) scale = -1.0, offset = low + high;
+  if (!s.depth_range.empty()) {
+    double a = s.depth_range[0], b = s.depth_range[1];
+    if (is_disparity) {
+      if (!(a > 0.0 && b > 0.0))
+        return usage_error("`depth_range` of disparities must be above 0, not {:g},{:g}", a, b);
+      const double far_inverse = 1.0 / std::max(a, b), near_inverse = 1.0 / std::min(a, b);
+      a = far_inverse;
+      b = near_inverse;
+    }
+    const double slope = (b - a) / std::max(high - low, 1e-30);
+    offset = a + slope * (offset - low);
+    scale *= slope;
+  }
+  // A depth buffer's integers stand for 0 to 1.
+  const bool is_unit = is_window(e) && e.values.max_integer > 0.0 && s.depth_range.empty();
+  const double factor = s.depth_scale ? double(*s.depth_scale) : is_unit ? 1.0 / e.values.max_integer : 1.0;
+  model.scale = factor * scale;
+  model.offset = s.depth_offset.value_or(0.0f) + factor * offset;
+  if (e.values.is_negative && !s.depth_scale && s.depth_range.empty() && !s.depth_invert) model.scale = -model.scale;
+  model.near_plane = s.near_plane;
+  model.far_plane = s.far_plane > 0.0f ? double(s.far_plane) : kNoDepth;
+  return s.depth_scale || s.depth_offset || !s.depth_range.empty();
+}
+
+/// Offsets of a relative depth that are tried against normals.
+constexpr double kOffsets[] = {0.0, 0.02, 0.05, 1.0 / 9.0, 0.25, 0.5, 1.0, 2.0};
+
+/// Adds one relative candidate, or, where normals can tell, one for each offset.
+void add_relative(const DepthEvidence& e, bool is_inverse, bool is_dark_high, std::vector<Candidate>& list) {
+  list.push_back(relative(is_inverse, is_dark_high, default_offset(e.values), e.values));
+  if (!e.cells.have_normals) return;
+  for (const double offset : kOffsets) list.push_back(relative(is_inverse, is_dark_high, offset, e.values));
+}
+
+/// Returns whether the lower part of the picture is brighter than the upper part.
+bool is_bright_below(const Cells& cells) {
+  std::vector<double> upper, lower;
+  for (const Cell& cell : cells.cells) {
+    if (cell.y * 3 < cells.height) upper.push_back(cell.stored[kCenter]);
+    if (cell.y * 3 > 2 * cells.height) lower.push_back(cell.stored[kCenter]);
+  }
+  return quantile(std::move(lower), 0.5) >= quantile(std::move(upper), 0.5);
+}
+
+/// Returns the candidates for a depth that the options do not explain, the likeliest first.
+std::vector<Candidate> candidates_for(const DepthEvidence& e, const DepthModel& base) {
+  const Candidate planar = plain(DepthMeaning::kPlanar, base), distance = plain(DepthMeaning::kDistance, base);
+  std::vector<Candidate> list;
+  const auto add_all_relative = [&](bool inverse_first, bool dark_high) {
+    for (const bool is_inverse : {inverse_first, !inverse_first})
+      for (const bool is_other : {false, true}) {
+        if (is_other && !e.cells.have_normals) continue;
+        add_relative(e, is_inverse, (is_inverse == inverse_first) == (dark_high != is_other), list);
+      }
+  };
+  switch (e.hint) {
+    case DepthHint::kPlanar:
+      return {planar, distance};
+    case DepthHint::kDistance:
+      return {distance, planar};
+    case DepthHint::kWindow:
+      return {plain(DepthMeaning::kWindow, base)};
+    case DepthHint::kReversed:
+      return {plain(DepthMeaning::kReversed, base)};
+    case DepthHint::kHeight:
+      return {plain(DepthMeaning::kHeight, base)};
+    case DepthHint::kDisparity:
+      add_relative(e, true, false, list);
+      if (e.cells.have_normals) add_relative(e, true, true, list);
+      return list;
+    case DepthHint::kGrey:
+      if (!e.values.is_unit() && e.values.max_integer == 0.0) return {planar, distance};
+      add_all_relative(false, is_bright_below(e.cells));
+      return list;
+    case DepthHint::kNone:
+      break;
+  }
+  constexpr double kMaxByte = 255.0;
+  if (e.values.is_full_range() || e.values.max_integer == kMaxByte) {
+    // Networks write near as bright and games near as dark; what is below in a picture is nearer.
+    const bool near_is_bright = is_bright_below(e.cells);
+    add_all_relative(near_is_bright, false);
+    return list;
+  }
+  list = {planar, distance};
+  if (e.values.is_unit()) {
+    list.push_back(plain(DepthMeaning::kWindow, base));
+    list.push_back(plain(DepthMeaning::kReversed, base));
+  } else if (e.cells.have_normals) {
+    list.push_back(plain(DepthMeaning::kDisparity, base));
+  }
+  return list;
+}
+
+Camera assumed_camera(double aspect) { return symmetric_camera(std::tan(kAssumedAngle_deg * kPi / 360.0), aspect); }
+
+/// Tries a candidate: with the known camera, else with all fields of view where the samples can tell.
+Trial try_candidate(const DepthEvidence& e, const Cells& cells, const DepthModel& model, bool& is_clear) {
+  is_clear = false;
+  if (e.camera) return try_depth(cells, model, *e.camera);
+  const bool depends = cells.have_normals || model.meaning == DepthMeaning::kDistance;
+  if (!depends) return try_depth(cells, model, assumed_camera(e.aspect));
+  const Trial trial = try_fields_of_view(cells, model, e.aspect, is_clear);
+  return is_clear ? trial : try_depth(cells, model, assumed_camera(e.aspect));
+}
+
+/// Improves the offset of a relative depth by the normals.
+void refine_offset(const DepthEvidence& e, const Cells& cells, Candidate& candidate, DepthGuess& guess) {
+  constexpr double kMinOffset = 1e-3;
+  for (const double factor : {1.5, 1.2, 1.1, 1.05, 1.02, 1.01, 1.005, 1.002})
+    for (const double by : {factor, 1.0 / factor}) {
+      const Candidate other =
+          relative(candidate.is_inverse, candidate.is_dark_high, std::max(candidate.offset, kMinOffset) * by, e.values);
+      bool is_clear = false;
+      const Trial trial = try_candidate(e, cells, other.model, is_clear);
+      if (!(trial.normals.squares < guess.trial.normals.squares)) continue;
+      candidate = other;
+      guess.trial = trial;
+      guess.fitted_fov = is_clear;
+    }
+}
+
+std::string reason_for(const DepthEvidence& e, bool is_prior) {
+  if (is_prior && e.hint != DepthHint::kNone) return "by its name";
+  if (e.cells.have_normals && !e.cells.cells.empty()) return "agrees best with the normals";
+  return is_prior ? "assumed" : "makes flat surfaces flat";
+}
+
+}  // namespace
+
+Result<DepthGuess> guess_depth(const DepthEvidence& e) {
+  const bool by_option = e.settings.depth_kind != "auto";
+  constexpr std::string_view kKinds[] = {"planar", "distance", "window", "reversed", "disparity", "height"};
+  const auto kind = std::find(std::begin(kKinds), std::end(kKinds), e.settings.depth_kind) - std::begin(kKinds);
+  DepthModel base;
+  const bool is_disparity = by_option ? kKinds[kind] == "disparity" : e.hint == DepthHint::kDisparity;
+  const auto is_mapped = map_of_options(e, is_disparity, base);
+  if (!is_mapped) return is_mapped.error();
+  std::vector<Candidate> candidates;
+  if (is_disparity && !*is_mapped) {
+    add_relative(e, true, e.settings.depth_invert, candidates);
+  } else if (by_option) {
+    candidates = {plain(DepthMeaning(kind), base)};
+  } else if (*is_mapped) {
+    candidates = {plain(is_disparity ? DepthMeaning::kDisparity : DepthMeaning::kPlanar, base)};
+    if (!is_disparity) candidates.push_back(plain(DepthMeaning::kDistance, base));
+  } else if (e.settings.depth_invert) {
+    add_relative(e, false, true, candidates);
+  } else {
+    candidates = candidates_for(e, base);
+  }
+  constexpr std::size_t kTrialCells = 1000;
+  const Cells cells = e.cells.balanced(kTrialCells);
+  DepthGuess guess;
+  std::size_t chosen = 0;
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    bool is_clear = false;
+    const Trial trial = try_candidate(e, cells, candidates[k].model, is_clear);
+    // Candidates that differ in their offset only compete without a bonus for the first.
+    const bool same_kind = k > 0 && candidates[k].is_relative && candidates[chosen].is_relative &&
+                           candidates[k].meaning == candidates[chosen].meaning;
+    const bool better =
+        same_kind ? trial.normals.score_deg < guess.trial.normals.score_deg : is_much_better(cells, trial, guess.trial);
+    if (k > 0 && !better) continue;
+    guess.trial = trial;
+    guess.fitted_fov = is_clear;
+    chosen = k;
+  }
+  if (candidates[chosen].is_relative && cells.have_normals) refine_offset(e, cells, candidates[chosen], guess);
+  guess.meaning = candidates[chosen].meaning;
+  guess.is_relative = candidates[chosen].is_relative;
+  guess.reason = by_option ? "by option" : reason_for(e, chosen == 0);
+  return guess;
+}
+
+}  // namespace umbrage

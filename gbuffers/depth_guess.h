@@ -1,0 +1,36 @@
+// What stored depths mean: candidates by name and range, tried against normals or flat surfaces.
+#pragma once
+#include <optional>
+#include <string>
+
+#include "gbuffers/camera_guess.h"
+#include "gbuffers/depth_trial.h"
+#include "gbuffers/depth_values.h"
+
+namespace umbrage {
+
+/// What a guess may use.
+struct DepthEvidence {
+  const GBufferSettings& settings;
+  const DepthValues& values;
+  DepthHint hint = DepthHint::kNone;
+  Cells cells;
+  std::optional<Camera> camera;  ///< if its window is known
+  double aspect = 1.0;           ///< width / height of the picture
+};
+
+struct DepthGuess {
+  Trial trial;
+  std::string meaning;       ///< for the facts: "planar"
+  std::string reason;        ///< for the facts: "by its name"
+  bool fitted_fov = false;   ///< the camera of the trial was fitted
+  bool is_relative = false;  ///< scale and offset are not known
+};
+
+/// Returns what the depths mean. Errors: kUsage for options that contradict each other.
+Result<DepthGuess> guess_depth(const DepthEvidence& evidence);
+
+/// Returns the angle that is assumed for cameras of which nothing is known, vertical, in degrees.
+inline constexpr double kAssumedAngle_deg = 55.0;
+
+}  // namespace umbrage

@@ -1,0 +1,85 @@
+// Facts and warnings about the depth of a G-buffer.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "gbuffers/deciding.h"
+
+namespace umbrage {
+namespace {
+
+std::string background_text(const DepthConvention& depth) {
+  if (depth.background.empty()) return "";
+  std::vector<std::string> values;
+  for (const double v : depth.background) values.push_back(number_text(v));
+  return fmt::format(", background {}", fmt::join(values, " and "));
+}
+
+/// Prepares the warning of steps that show as terraces.
+void warn_of_steps(Deciding& d) {
+  constexpr int kFewLevels = 256;
+  const DepthValues& v = d.values;
+  const bool is_byte = v.max_integer == 255.0 && d.settings.depth_packing == "none";
+  constexpr std::size_t kEnough = 2000;  // samples, below which few values are no sign
+  const bool few = v.distinct <= kFewLevels && v.surfaces > kEnough;
+  constexpr int kMinLevels = 3;  // fewer are no steps of a slope
+  if ((!is_byte && !few) || v.distinct < kMinLevels || !(v.max > v.min)) return;
+  const double step = is_byte ? 1.0 : (v.max - v.min) / std::max(v.distinct - 1, 1);
+  d.out.step_warning = fmt::format("the depth {} has only {} different values, steps of {} ({:.2g} % of its range)",
+                                   d.roles[Role::kDepth].name, v.distinct, number_text(step),
+                                   100.0 * step / std::max(v.max - v.min, 1e-30));
+}
+
+void warn_of_no_surface(Deciding& d) {
+  const std::vector<double>& background = d.out.depth.background;
+  const bool any = std::any_of(d.values.taps.begin(), d.values.taps.end(), [&](const auto& taps) {
+    const double v = taps[kCenter];
+    return std::isfinite(view_depth(d.guess.trial.model, v, 1.0)) &&
+           std::find(background.begin(), background.end(), v) == background.end();
+  });
+  std::string values = "all its values mean background";
+  if (d.values.surfaces > 0)
+    values = fmt::format(
+        "as {} all its values, {} to {}, mean background; `depth_kind`, `depth_scale`, `depth_offset` "
+        "and `depth_range` say otherwise",
+        d.guess.meaning, number_text(d.values.min), number_text(d.values.max));
+  if (!any) d.warn(fmt::format("the depth {} shows no surface: {}", d.roles[Role::kDepth].name, values));
+}
+
+}  // namespace
+
+void report_depth(Deciding& d) {
+  const DepthModel& model = d.guess.trial.model;
+  std::string line = fmt::format("depth: {}, {}, {}", d.roles[Role::kDepth].name, d.guess.meaning, d.guess.reason);
+  if (d.values.is_negative && model.scale < 0.0) line += ", stored as negative numbers";
+  line += background_text(d.out.depth);
+  const bool is_length = model.meaning == DepthMeaning::kPlanar || model.meaning == DepthMeaning::kDistance;
+  if (is_length && d.values.surfaces > 0 && !d.guess.is_relative && d.values.max_integer > 0.0 &&
+      !d.settings.depth_scale && d.settings.depth_range.empty())
+    line += ", integers as they are stored: `depth_scale` 0.001 for metres from millimetres";
+  d.fact(line);
+  if (d.guess.is_relative && d.values.surfaces > 0) {
+    const double a = view_depth(model, d.values.min, 1.0), b = view_depth(model, d.values.max, 1.0);
+    d.warn(
+        fmt::format("the depth {} has no scale: far is taken to be about {:.2g} times as far as near; `depth_range` "
+                    "NEAR,FAR, `depth_kind` and `depth_invert` say otherwise",
+                    d.roles[Role::kDepth].name, std::max(a, b) / std::min(a, b)));
+  }
+  warn_of_steps(d);
+  warn_of_no_surface(d);
+}
+
+void warn_of_flip(Deciding& d) {
+  constexpr double kMuch = 0.3, kLittle = 0.02;  // fractions of the lower and the upper third
+  std::size_t all[3] = {}, empty[3] = {};
+  for (std::size_t k = 0; k < d.samples.size(); ++k) {
+    const int third = std::min(2, 3 * d.samples.y[k] / std::max(d.samples.height, 1));
+    ++all[third];
+    empty[third] += std::size_t(!std::isfinite(d.values.taps[k][kCenter]));
+  }
+  if (double(empty[2]) > kMuch * double(all[2]) && double(empty[0]) < kLittle * double(all[0]))
+    d.warn("the background is at the bottom of the picture: `flip` if it is upside down");
+}
+
+}  // namespace umbrage

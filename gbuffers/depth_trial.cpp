@@ -1,0 +1,175 @@
+#include "gbuffers/depth_trial.h"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <map>
+#include <numbers>
+#include <set>
+
+namespace umbrage {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// The value of a model that is linear in the image on flat surfaces: inverse depth, or depth in a parallel picture.
+double linear_on_planes(const DepthModel& model, double stored, double ray) {
+  const double depth = view_depth(model, stored, ray);
+  return model.orthographic ? depth : 1.0 / depth;
+}
+
+/// What a model gives at a cell.
+struct Local {
+  glm::dvec3 normal{0.0};
+  double curvature = 1e9;  ///< second differences over first ones
+};
+
+Local local_at(const Cell& cell, int reach, const DepthModel& model, const PixelGrid& grid) {
+  const auto value = [&](Tap tap, int dx, int dy) {
+    return linear_on_planes(model, cell.stored[tap], grid.ray(cell.x + dx * reach, cell.y + dy * reach));
+  };
+  const double c = value(kCenter, 0, 0), l = value(kLeft, -1, 0), r = value(kRight, 1, 0), a = value(kAbove, 0, -1),
+               b = value(kBelow, 0, 1);
+  const double across = (r - l) / (2.0 * reach * grid.step_x), up = (a - b) / (2.0 * reach * grid.step_y);
+  // Slopes below this fraction of the value are rounding errors of floats.
+  constexpr double kRounding = 1e-5;
+  Local local;
+  local.curvature = (std::abs(l - 2.0 * c + r) + std::abs(a - 2.0 * c + b)) /
+                    (std::abs(r - l) + std::abs(a - b) + kRounding * std::abs(c));
+  // On a plane n.p = -k the inverse depth is (n.x u + n.y v - n.z) / -k.
+  const double u = grid.u(cell.x), v = grid.v(cell.y);
+  const glm::dvec3 m =
+      model.orthographic ? glm::dvec3(across, up, 1.0) : -glm::dvec3(across, up, across * u + up * v - c);
+  const double length = glm::length(m);
+  if (length > 0.0 && std::isfinite(length)) local.normal = m / length;
+  return local;
+}
+
+/// Returns the number of a bin of directions.
+long bin_of(const glm::dvec3& n) {
+  constexpr int kSteps = 3;  // bins per unit of a component
+  constexpr long kSide = 2 * kSteps + 1;
+  return (std::lround(n.x * kSteps) * kSide + std::lround(n.y * kSteps)) * kSide + std::lround(n.z * kSteps);
+}
+
+}  // namespace
+
+Cells Cells::some(std::size_t count) const {
+  Cells out = *this;
+  if (cells.size() <= count) return out;
+  out.cells.clear();
+  for (std::size_t k = 0; k < count; ++k) out.cells.push_back(cells[k * cells.size() / count]);
+  return out;
+}
+
+int Cells::directions() const {
+  std::set<long> bins;
+  if (have_normals)
+    for (const Cell& cell : cells) bins.insert(bin_of(cell.normal));
+  return int(bins.size());
+}
+
+Cells Cells::balanced(std::size_t count) const {
+  if (!have_normals) return some(count);
+  constexpr std::size_t kMinBins = 8;  // a direction has at most this part of the cells
+  std::map<long, std::vector<const Cell*>> bins;
+  for (const Cell& cell : cells) bins[bin_of(cell.normal)].push_back(&cell);
+  Cells out = *this;
+  out.cells.clear();
+  const std::size_t per_bin = std::max<std::size_t>(1, count / kMinBins);
+  for (const auto& [bin, members] : bins) {
+    const std::size_t taken = std::min(per_bin, members.size());
+    for (std::size_t k = 0; k < taken; ++k) out.cells.push_back(*members[k * members.size() / taken]);
+  }
+  return out.some(2 * count);
+}
+
+RebuiltNormals rebuild_normals(const Cells& cells, const DepthModel& model, const Camera& camera) {
+  constexpr double kEdge = 0.6;    // quantile of curvature above which a cell is at an edge
+  constexpr double kExact = 3e-3;  // curvature below which differences are exact
+  const PixelGrid grid(camera, cells.width, cells.height);
+  RebuiltNormals out;
+  std::vector<Local> locals;
+  std::vector<double> curvatures;
+  for (const Cell& cell : cells.cells) {
+    locals.push_back(local_at(cell, cells.reach, model, grid));
+    const double curvature = locals.back().curvature;
+    curvatures.push_back(std::isfinite(curvature) ? curvature : 1e9);
+  }
+  const double limit = quantile(curvatures, kEdge);
+  out.flatness = curvatures.empty() ? 1e9 : quantile(curvatures, 0.5);
+  for (std::size_t k = 0; k < locals.size(); ++k) {
+    if (curvatures[k] > limit || locals[k].normal == glm::dvec3(0.0) || cells.cells[k].normal == glm::dvec3(0.0))
+      continue;
+    out.pairs.from.push_back(cells.cells[k].normal);
+    out.pairs.to.push_back(locals[k].normal);
+    out.pairs.weights.push_back(1.0 / (curvatures[k] * curvatures[k] + kExact * kExact));
+  }
+  return out;
+}
+
+Trial try_depth(const Cells& cells, const DepthModel& model, const Camera& camera) {
+  Trial trial{model, camera, {}, 1e9, 0};
+  trial.model.orthographic = camera.projection == Projection::kOrthographic;
+  const RebuiltNormals rebuilt = rebuild_normals(cells, trial.model, camera);
+  trial.flatness = rebuilt.flatness;
+  trial.used = rebuilt.pairs.size();
+  if (cells.have_normals) trial.normals = fit_directions(rebuilt.pairs, true);
+  return trial;
+}
+
+Camera symmetric_camera(double half_height, double aspect) {
+  Camera camera;
+  camera.top = float(half_height);
+  camera.bottom = -camera.top;
+  camera.right = float(half_height * aspect);
+  camera.left = -camera.right;
+  return camera;
+}
+
+Trial try_fields_of_view(const Cells& cells, const DepthModel& model, double aspect, bool& is_clear) {
+  constexpr std::size_t kCoarse = 400;  // cells of the first trials
+  constexpr int kSteps = 16, kRefinements = 14;
+  const double min_log = std::log(std::tan(4.0 * kPi / 180.0)), max_log = std::log(std::tan(62.0 * kPi / 180.0));
+  const Cells few = cells.some(kCoarse);
+  const auto cost = [&](const Trial& trial) { return cells.have_normals ? trial.normals.squares : trial.flatness; };
+  const auto at = [&](const Cells& used, double log_height) {
+    return try_depth(used, model, symmetric_camera(std::exp(log_height), aspect));
+  };
+  double best_log = min_log, best_cost = 1e300;
+  const double step = (max_log - min_log) / (kSteps - 1);
+  for (int k = 0; k < kSteps; ++k) {
+    const double log_height = min_log + k * step, c = cost(at(few, log_height));
+    if (c < best_cost) best_cost = c, best_log = log_height;
+  }
+  // Golden section search around the best.
+  const double ratio = (std::sqrt(5.0) - 1.0) / 2.0;
+  double low = best_log - step, high = best_log + step;
+  double x1 = high - ratio * (high - low), x2 = low + ratio * (high - low);
+  double c1 = cost(at(cells, x1)), c2 = cost(at(cells, x2));
+  for (int k = 0; k < kRefinements; ++k) {
+    if (c1 < c2) {
+      high = x2, x2 = x1, c2 = c1;
+      x1 = high - ratio * (high - low);
+      c1 = cost(at(cells, x1));
+    } else {
+      low = x1, x1 = x2, c1 = c2;
+      x2 = low + ratio * (high - low);
+      c2 = cost(at(cells, x2));
+    }
+  }
+  const double found = (low + high) / 2.0;
+  const Trial best = at(cells, found);
+  constexpr double kBeside = 0.15, kRise = 1.15;  // a change of the angle by this factor must raise the error
+  const auto error = [&](const Trial& trial) { return cells.have_normals ? trial.normals.median_deg : trial.flatness; };
+  is_clear = std::min(error(at(cells, found - kBeside)), error(at(cells, found + kBeside))) > kRise * error(best) &&
+             found > min_log && found < max_log;
+  return best;
+}
+
+bool is_much_better(const Cells& cells, const Trial& other, const Trial& prior) {
+  constexpr double kBetterNormals = 0.7, kSlack_deg = 0.05, kBetterFlatness = 0.4;
+  if (cells.have_normals) return other.normals.score_deg < kBetterNormals * prior.normals.score_deg - kSlack_deg;
+  return other.flatness < kBetterFlatness * prior.flatness;
+}
+
+}  // namespace umbrage

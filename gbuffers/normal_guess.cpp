@@ -1,0 +1,154 @@
+#include "gbuffers/normal_guess.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace umbrage {
+namespace {
+
+/// Returns "x right, y up, z to the camera" for a matrix of axis directions.
+std::string axes_text(const glm::dmat3& view_from_stored) {
+  constexpr std::string_view kDirections[3][2] = {{"left", "right"}, {"down", "up"}, {"away", "to the camera"}};
+  std::string text;
+  for (int stored = 0; stored < 3; ++stored)
+    for (int axis = 0; axis < 3; ++axis)
+      if (const double v = view_from_stored[stored][axis]; v != 0.0)
+        text += fmt::format("{}{} {}", text.empty() ? "" : ", ", "xyz"[stored], kDirections[axis][v > 0.0]);
+  return text;
+}
+
+/// Returns the 48 matrices that exchange and mirror axes; the identity is the first.
+std::vector<glm::dmat3> axis_matrices() {
+  std::vector<glm::dmat3> all;
+  std::array<int, 3> order = {0, 1, 2};
+  do {
+    for (int signs = 0; signs < 8; ++signs) {
+      glm::dmat3 m(0.0);
+      for (int axis = 0; axis < 3; ++axis) m[axis][order[std::size_t(axis)]] = (signs >> axis) & 1 ? -1.0 : 1.0;
+      all.push_back(m);
+    }
+  } while (std::next_permutation(order.begin(), order.end()));
+  return all;
+}
+
+NormalChoice choice_of(const RebuiltNormals& rebuilt, const DirectionFit& fit, bool is_world, std::string meaning) {
+  NormalChoice choice{fit.matrix, is_world, std::move(meaning), 0.0, {}};
+  if (rebuilt.pairs.size() == 0) return choice;
+  choice.score_deg = fit.score_deg;
+  choice.median_deg = fit.median_deg;
+  return choice;
+}
+
+NormalChoice rated(const RebuiltNormals& rebuilt, const glm::dmat3& matrix, bool is_world, std::string meaning) {
+  return choice_of(rebuilt, rate_directions(rebuilt.pairs, matrix), is_world, std::move(meaning));
+}
+
+/// Returns the choice of axis directions: camera space if the third axis is along the view, else a world whose axes are
+/// those of the camera.
+NormalChoice axis_choice(const RebuiltNormals& rebuilt, const glm::dmat3& matrix) {
+  const bool is_world = matrix[2][2] == 0.0;
+  return rated(rebuilt, matrix, is_world, (is_world ? "world space, " : "camera space, ") + axes_text(matrix));
+}
+
+/// The stored normals of the samples.
+class StoredNormals {
+ public:
+  StoredNormals(const Samples& samples, const LayeredFile& header)
+      : unit_(header.max_integer > 0.0 ? 1.0 / header.max_integer : 1.0) {
+    for (std::size_t c = 0; c < 3; ++c) stored_[c] = &(*samples.find(Role::kNormal, c))[kCenter];
+  }
+  NormalConvention convention(bool is_unsigned) const {
+    return is_unsigned ? NormalConvention{2.0 * unit_, -1.0, glm::dmat3(1.0)}
+                       : NormalConvention{unit_, 0.0, glm::dmat3(1.0)};
+  }
+  glm::dvec3 decoded(const NormalConvention& c, std::size_t k) const {
+    return {c.offset + c.scale * at(0, k), c.offset + c.scale * at(1, k), c.offset + c.scale * at(2, k)};
+  }
+  bool is_empty(std::size_t k) const { return at(0, k) == 0.0 && at(1, k) == 0.0 && at(2, k) == 0.0; }
+  /// Returns the finite lengths of the normals of surfaces.
+  std::vector<double> lengths(const NormalConvention& c, const std::vector<char>& has_surface) const {
+    std::vector<double> all;
+    for (std::size_t k = 0; k < has_surface.size(); ++k)
+      if (has_surface[k] && !is_empty(k)) all.push_back(glm::length(decoded(c, k)));
+    std::erase_if(all, [](double v) { return !std::isfinite(v); });
+    return all;
+  }
+
+ private:
+  double at(std::size_t c, std::size_t k) const { return double((*stored_[c])[k]); }
+  double unit_;
+  std::array<const std::vector<float>*, 3> stored_{};
+};
+
+}  // namespace
+
+EncodingGuess guess_encoding(const Samples& samples, const std::vector<char>& has_surface,
+                             const GBufferSettings& settings, const LayeredFile& header) {
+  if (settings.normal_encoding != "auto") return {settings.normal_encoding == "unsigned", true};
+  const StoredNormals stored(samples, header);
+  // Averaging shortens normals at edges, so that the median is compared.
+  const auto deviation = [&](bool is_unsigned) {
+    std::vector<double> deviations = stored.lengths(stored.convention(is_unsigned), has_surface);
+    for (double& v : deviations) v = std::abs(v - 1.0);
+    return quantile(std::move(deviations), 0.5);
+  };
+  const double as_unsigned = deviation(true), as_signed = deviation(false);
+  const double better = std::min(as_unsigned, as_signed), worse = std::max(as_unsigned, as_signed);
+  constexpr double kUnit = 0.05, kFactor = 0.25;  // of lengths that are 1, and that are nearer to 1 than others
+  return {as_unsigned < as_signed, better < kUnit && better < kFactor * worse};
+}
+
+std::vector<glm::dvec3> decode_normals(const Samples& samples, const std::vector<char>& has_surface,
+                                       const LayeredFile& header, bool is_unsigned, NormalConvention& convention) {
+  const StoredNormals stored(samples, header);
+  convention = stored.convention(is_unsigned);
+  const double usual = quantile(stored.lengths(convention, has_surface), 0.5);
+  std::vector<glm::dvec3> normals(samples.size(), glm::dvec3(0.0));
+  // Of the usual length. Shorter: nothing, or an average of opposite directions; longer: a background, such as white.
+  constexpr double kMinLength = 0.3, kMaxLength = 1.5;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    if (stored.is_empty(k)) continue;
+    const glm::dvec3 n = stored.decoded(convention, k);
+    const double length = glm::length(n);
+    if (length > kMinLength * usual && length < kMaxLength * usual) normals[k] = n / length;
+  }
+  return normals;
+}
+
+NormalChoice choose_rotation(const GBufferSettings& settings, const RebuiltNormals& rebuilt,
+                             const std::vector<KnownRotation>& known) {
+  if (const auto& given = settings.view_from_normal; !given.empty()) {
+    glm::dmat3 matrix;
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column) matrix[column][row] = given[std::size_t(3 * row + column)];
+    return rated(rebuilt, matrix, false, "rotated by option");
+  }
+  const bool may_camera = settings.normal_space != "world", may_world = settings.normal_space != "camera";
+  std::vector<NormalChoice> axes, choices;
+  for (const KnownRotation& rotation : known)
+    if (may_world && !rotation.is_camera_space && (!may_camera || !rebuilt.pairs.from.empty()))
+      choices.push_back(rated(rebuilt, rotation.view_from_stored, true, "world space, " + rotation.source));
+  if (may_camera)
+    for (const glm::dmat3& matrix : axis_matrices()) axes.push_back(axis_choice(rebuilt, matrix));
+  // Without depth to compare with, all are equal, and the first axis directions are meant.
+  std::stable_sort(axes.begin(), axes.end(),
+                   [](const NormalChoice& a, const NormalChoice& b) { return a.score_deg < b.score_deg; });
+  if (!axes.empty()) choices.push_back(axes.front());
+  if (may_world)
+    choices.push_back(
+        choice_of(rebuilt, fit_directions(rebuilt.pairs, true), true, "world space, rotation fitted to depth"));
+  double best = 180.0;
+  for (const NormalChoice& choice : choices) best = std::min(best, choice.score_deg);
+  // Fitted rotations have more freedom than others, so that they must be better.
+  constexpr double kSlack_deg = 0.02, kSlack = 0.15;
+  for (const NormalChoice& choice : choices)
+    if (choice.score_deg <= best * (1.0 + kSlack) + kSlack_deg) return choice;
+  return choices.front();
+}
+
+}  // namespace umbrage

@@ -1,0 +1,145 @@
+#include "gbuffers/raw_planes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace umbrage {
+namespace {
+
+/// A channel of a file and the plane that it fills.
+struct Filled {
+  int channel = 0;
+  std::string plane;
+};
+
+std::vector<Filled> planes_of(const Roles& roles, int file) {
+  std::vector<Filled> planes;
+  for (int role = 0; role < kRoleCount; ++role) {
+    const RoleChannels& of = roles.of[std::size_t(role)];
+    if (of.file != file) continue;
+    for (std::size_t c = 0; c < of.channels.size(); ++c) planes.push_back({of.channels[c], raw_plane(Role(role), c)});
+  }
+  return planes;
+}
+
+/// Returns the rows in the opposite order.
+Image upside_down(const Image& rows) {
+  Image out(rows.width, rows.height);
+  for (std::size_t k = 0; k < rows.planes.size(); ++k) {
+    Plane& plane = out.add(rows.names[k]) = Plane(rows.width, rows.height);
+    for (int y = 0; y < rows.height; ++y)
+      std::copy_n(rows.planes[k].row(rows.height - 1 - y), rows.width, plane.row(y));
+  }
+  return out;
+}
+
+/// Reads the channels of one file into a store with one plane per role that uses them.
+Result<void> fill(const LayeredFile& header, const std::vector<Filled>& planes, bool flip, RowStore& store) {
+  std::vector<int> channels;
+  for (const Filled& filled : planes)
+    if (std::find(channels.begin(), channels.end(), filled.channel) == channels.end())
+      channels.push_back(filled.channel);
+  return read_rows(header, channels, [&](const Image& rows, int first) -> Result<void> {
+    Image named(rows.width, rows.height);
+    for (const Filled& filled : planes) {
+      const auto at = std::find(channels.begin(), channels.end(), filled.channel) - channels.begin();
+      named.add(filled.plane) = rows.planes[std::size_t(at)];
+    }
+    if (!flip) return store.write(named, first);
+    return store.write(upside_down(named), header.height - first - rows.height);
+  });
+}
+
+}  // namespace
+
+std::string raw_plane(Role role, std::size_t channel) {
+  constexpr std::string_view kNames[] = {"depth",    "normal",         "position", "albedo",    "beauty",      "alpha",
+                                         "indirect", "indirect_color", "emission", "object_id", "material_id", "own"};
+  return fmt::format("{}.{}", kNames[std::size_t(role)], channel);
+}
+
+const Plane* RawRows::find(Role role, std::size_t channel) const {
+  const std::string name = raw_plane(role, channel);
+  for (std::size_t k = 0; k < names.size(); ++k)
+    if (names[k] == name) return planes[k];
+  return nullptr;
+}
+
+Result<RawPlanes> RawPlanes::read(std::span<const LayeredFile> headers, const Roles& roles, bool flip, double memory,
+                                  const std::string& scratch_folder) {
+  RawPlanes raw;
+  const LayeredFile* sized = nullptr;
+  double bytes = 0.0;
+  for (std::size_t file = 0; file < headers.size(); ++file) {
+    const std::size_t count = planes_of(roles, int(file)).size();
+    if (count == 0) continue;
+    const LayeredFile& header = headers[file];
+    bytes += double(count) * sizeof(float) * header.width * header.height;
+    if (!sized) sized = &header;
+    if (header.width != sized->width || header.height != sized->height)
+      return usage_error("'{}' has {} x {} pixels, and '{}' has {} x {}: files of one G-buffer have the same size",
+                         header.path.string(), header.width, header.height, sized->path.string(), sized->width,
+                         sized->height);
+  }
+  for (std::size_t file = 0; file < headers.size(); ++file) {
+    const std::vector<Filled> planes = planes_of(roles, int(file));
+    if (planes.empty()) continue;
+    const LayeredFile& header = headers[file];
+    std::vector<std::string> names;
+    for (const Filled& filled : planes) names.push_back(filled.plane);
+    // All files go to scratch files if they do not fit together.
+    auto store =
+        RowStore::create(header.width, header.height, std::move(names), bytes <= memory ? memory : 0.0, scratch_folder);
+    if (!store) return store.error();
+    if (auto filled = fill(header, planes, flip, *store); !filled) return filled.error();
+    raw.width_ = header.width;
+    raw.height_ = header.height;
+    raw.stores_.push_back(std::move(*store));
+  }
+  return raw;
+}
+
+Result<RawPlanes> RawPlanes::of(const Image& planes) {
+  RawPlanes raw;
+  auto store = RowStore::create(planes.width, planes.height, planes.names, 1e18, ".");
+  if (!store) return store.error();
+  if (auto written = store->write(planes, 0); !written) return written.error();
+  raw.width_ = planes.width;
+  raw.height_ = planes.height;
+  raw.stores_.push_back(std::move(*store));
+  return raw;
+}
+
+bool RawPlanes::is_in_memory() const {
+  return std::all_of(stores_.begin(), stores_.end(), [](const RowStore& store) { return store.is_in_memory(); });
+}
+
+bool RawPlanes::has(Role role, std::size_t channel) const {
+  const std::string name = raw_plane(role, channel);
+  return std::any_of(stores_.begin(), stores_.end(), [&](const RowStore& store) {
+    return std::find(store.names().begin(), store.names().end(), name) != store.names().end();
+  });
+}
+
+Result<RawRows> RawPlanes::rows(const Rows& rows) const {
+  RawRows out;
+  const bool in_memory = is_in_memory();
+  out.first = in_memory ? 0 : rows.begin;
+  out.owned.reserve(stores_.size());
+  for (const RowStore& store : stores_) {
+    const Image* image = store.whole();
+    if (!in_memory) {
+      auto read = store.read(rows);
+      if (!read) return read.error();
+      image = &out.owned.emplace_back(std::move(*read));
+    }
+    for (std::size_t k = 0; k < image->planes.size(); ++k) {
+      out.names.push_back(image->names[k]);
+      out.planes.push_back(&image->planes[k]);
+    }
+  }
+  return out;
+}
+
+}  // namespace umbrage
