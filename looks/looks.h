@@ -18,6 +18,9 @@ namespace umbrage {
 /// Returns all looks, sorted by name.
 std::span<const Look* const> looks();
 
+/// Returns the looks that can draw a scene: all but those that need a finished picture, sorted by name.
+std::span<const Look* const> scene_looks();
+
 /// Returns the look of that name, or null.
 const Look* find_look(std::string_view name);
 

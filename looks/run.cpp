@@ -25,6 +25,15 @@ std::span<const Look* const> looks() {
   return all;
 }
 
+std::span<const Look* const> scene_looks() {
+  static const std::vector<const Look*> all = [] {
+    std::vector<const Look*> kept(looks().begin(), looks().end());
+    std::erase_if(kept, [](const Look* look) { return look->needs_beauty; });
+    return kept;
+  }();
+  return all;
+}
+
 const Look* find_look(std::string_view name) { return find_named(looks(), name); }
 
 std::vector<std::string_view> occlusion_names(std::span<const Effect* const> external_effects) {

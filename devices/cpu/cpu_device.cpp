@@ -76,10 +76,7 @@ class CpuDevice final : public Device {
     if (!planes) return planes.error();
     auto stored = std::make_shared<CpuPlanes>(CpuPlanes{std::move(*planes)});
     if (settings.strip) {
-      stored->strip = settings.strip;
-      stored->rows = rows_with_margin(*settings.strip, frame.info.height);
-      for (const std::string& name : stored->image.names)
-        stored->strip_rows[name] = {.valid = stored->rows, .first = stored->rows.begin};
+      begin_strip(*settings.strip, frame.info.height, *stored);
       for (const int light : softened_lights(frame.info, settings))
         stored->strip_rows[shadow_plane(light)].valid = shrunk(stored->rows, kSoftenMargin, frame.info.height);
     }
@@ -90,22 +87,19 @@ class CpuDevice final : public Device {
   bool draws_strips() const override { return true; }
 
   Result<Frame> upload(GBuffer gbuffer) override {
-    Frame frame;
-    frame.info = info_of(gbuffer);
-    auto planes = std::make_shared<CpuPlanes>(CpuPlanes{Image(gbuffer.info.width, gbuffer.info.height)});
     bool views = false;
-    for (std::size_t layer = 0; layer < gbuffer.layers.size(); ++layer)
-      for (std::size_t p = 0; p < gbuffer.layers[layer].planes.size(); ++p) {
-        const std::string& name = gbuffer.layers[layer].names[p];
-        Plane& plane = gbuffer.layers[layer].planes[p];
-        check_equal(plane.width, gbuffer.info.width, name);
-        check_equal(plane.height, gbuffer.info.height, name);
-        views = views || plane.is_view();
-        planes->image.names.push_back(layer_plane(int(layer), name));
-        planes->image.planes.push_back(std::move(plane));
-      }
-    frame.storage = std::move(planes);
+    for (const Image& layer : gbuffer.layers)
+      for (const Plane& plane : layer.planes) views = views || plane.is_view();
+    const Rows rows{0, gbuffer.info.height};
+    Frame frame = frame_of(std::move(gbuffer), rows);
     return views ? branch(frame) : frame;  // effects on a branch do not write to the views
+  }
+
+  Result<Frame> upload_strip(GBuffer gbuffer, const Strip& strip) override {
+    const int height = gbuffer.info.height;
+    Frame frame = frame_of(std::move(gbuffer), rows_with_margin(strip, height));
+    begin_strip(strip, height, cpu_planes(frame));
+    return frame;
   }
 
   Frame branch(const Frame& frame) override {
@@ -247,6 +241,24 @@ class CpuDevice final : public Device {
   }
 
  private:
+  /// Returns a frame with the planes of a G-buffer, which have these rows.
+  static Frame frame_of(GBuffer gbuffer, const Rows& rows) {
+    Frame frame;
+    frame.info = info_of(gbuffer);
+    auto planes = std::make_shared<CpuPlanes>(CpuPlanes{Image(gbuffer.info.width, rows.count())});
+    for (std::size_t layer = 0; layer < gbuffer.layers.size(); ++layer)
+      for (std::size_t p = 0; p < gbuffer.layers[layer].planes.size(); ++p) {
+        const std::string& name = gbuffer.layers[layer].names[p];
+        Plane& plane = gbuffer.layers[layer].planes[p];
+        check_equal(plane.width, gbuffer.info.width, name);
+        check_equal(plane.height, rows.count(), name);
+        planes->image.names.push_back(layer_plane(int(layer), name));
+        planes->image.planes.push_back(std::move(plane));
+      }
+    frame.storage = std::move(planes);
+    return frame;
+  }
+
   /// Runs a host step, once for a whole picture. Its outputs are valid for all strips of the picture.
   Result<RunState> run_host(const DispatchRun& run, CpuPlanes& planes, const ProgressMonitor& monitor) {
     const PictureInfo& info = run.info;

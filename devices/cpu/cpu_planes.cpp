@@ -61,6 +61,13 @@ const Plane* find_whole(const CpuPlanes& planes, const PictureInfo& info, std::s
   return found != all.end() && found->second.complete ? &found->second.plane : nullptr;
 }
 
+void begin_strip(const Strip& strip, int height, CpuPlanes& planes) {
+  planes.strip = strip;
+  planes.rows = rows_with_margin(strip, height);
+  for (const std::string& name : planes.image.names)
+    planes.strip_rows[name] = {.valid = planes.rows, .first = planes.rows.begin};
+}
+
 const StripRows* find_strip_rows(const CpuPlanes& planes, std::string_view name) {
   const auto found = planes.strip_rows.find(name);
   return found != planes.strip_rows.end() ? &found->second : nullptr;

@@ -67,6 +67,10 @@ std::vector<std::string> names_of(const CpuPlanes& planes);
 /// Returns the plane of the whole picture with that name and version, or null if it is incomplete.
 const Plane* find_whole(const CpuPlanes& planes, const PictureInfo& info, std::string_view name, int version);
 
+/// Makes `planes`, which have the rows of the strip and its margin, those of a strip. All rows are valid. `height`:
+/// height of the picture.
+void begin_strip(const Strip& strip, int height, CpuPlanes& planes);
+
 /// Returns the rows of that plane in a strip, or null if the strip has no such plane.
 const StripRows* find_strip_rows(const CpuPlanes& planes, std::string_view name);
 

@@ -25,7 +25,7 @@ std::optional<float> neutral_value(std::string_view plane) {
   if (is_shadow_plane(plane)) return 1.0f;
   if (plane == "metallic") return 0.0f;
   if (plane == "roughness") return kNoRoughness;
-  if (plane == "ao" || plane == "material_ao") return 1.0f;
+  if (plane == "ao" || plane == "material_ao" || plane == "coverage" || plane == "beauty.a") return 1.0f;
   if (plane == "outline" || plane == "cover" || plane == "cover_for_eye" || plane == "shadow_catcher" ||
       plane == "open_light" || plane == "object_id" || plane == "material_id" || plane == "bitmask_mips")
     return 0.0f;

@@ -192,7 +192,7 @@ TEST_P(VulkanCaptureModes, EveryLookGivesTheSamePicture) {
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
   const auto cpu = make_cpu_device();
-  for (const Look* look : looks()) {
+  for (const Look* look : scene_looks()) {
     Request settings;
     settings.look = std::string(look->name);
     if (settings.look == "cartoon") settings.settings = {"outline.opacity=0"};

@@ -231,7 +231,7 @@ VulkanGBuffer wall(Engine& engine) {
   g.depth = {engine.image(VK_FORMAT_R32_SFLOAT), VK_FORMAT_R32_SFLOAT, VK_IMAGE_LAYOUT_GENERAL,
              VK_IMAGE_LAYOUT_GENERAL};
   engine.clear(g.depth.image, {3.0f, 0, 0, 0}, false);
-  g.depth_kind = DepthKind::kView;
+  g.depth_kind = DepthKind::kPlanar;
   g.normal = {engine.image(VK_FORMAT_R8G8B8A8_UNORM), VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_LAYOUT_GENERAL,
               VK_IMAGE_LAYOUT_GENERAL};
   engine.clear(g.normal.image, {1.0f, 0.5f, 0.5f, 0}, false);  // along +x in world space, the direction of the camera

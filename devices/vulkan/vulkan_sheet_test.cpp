@@ -73,15 +73,15 @@ TEST_P(VulkanSheet, DISABLED_LooksOfAllScenes) {
   const char* chosen_folder = std::getenv("UMBRAGE_SHEET_FOLDER");
   const std::filesystem::path folder = chosen_folder ? chosen_folder : ".";
   const auto scenes = builtin_scenes();
-  Sheet pictures(int(scenes.size()), int(looks().size()), kWidth / kPictureDownsampling,
+  Sheet pictures(int(scenes.size()), int(scene_looks().size()), kWidth / kPictureDownsampling,
                  kHeight / kPictureDownsampling);
-  Sheet errors(int(scenes.size()), int(looks().size()), kWidth / kErrorDownsampling, kHeight / kErrorDownsampling);
+  Sheet errors(int(scenes.size()), int(scene_looks().size()), kWidth / kErrorDownsampling, kHeight / kErrorDownsampling);
   std::string table =
       "| look | scene | most, in 1/255 | mean, in 1/255 | pixels over 2/255, of 10 000 |\n| --- | --- | --- | --- | "
       "--- |\n";
   long over_all = 0;
   int row = 0;
-  for (const Look* look : looks()) {
+  for (const Look* look : scene_looks()) {
     int column = 0;
     for (const auto& scene : scenes) {
       Request settings;
@@ -124,7 +124,7 @@ TEST_P(VulkanSheet, DISABLED_LooksOfAllScenes) {
     }
     ++row;
   }
-  fmt::print("{} pixels over 2/255, of {}\n", over_all, long(kWidth) * kHeight * long(scenes.size() * looks().size()));
+  fmt::print("{} pixels over 2/255, of {}\n", over_all, long(kWidth) * kHeight * long(scenes.size() * scene_looks().size()));
   EXPECT_TRUE(write_image(folder / "vulkan-looks.png", pictures.image, {.small = true}));
   const std::string name = std::string("vulkan-errors-") + test::name_of(GetParam());
   EXPECT_TRUE(write_image(folder / (name + ".png"), errors.image, {.small = true}));

@@ -163,13 +163,13 @@ TEST(Vulkan, EveryLookGivesTheSamePicture) {
   const auto cpu = make_cpu_device();
   auto scene = load_scene("scene:solids?detail=3000");
   ASSERT_TRUE(scene);
-  for (const Look* look : looks()) {
+  for (const Look* look : scene_looks()) {
     Request settings;
     settings.width = 150;
     settings.height = 110;
     settings.look = std::string(look->name);
     settings.guard_band = 5.0f;
-    if (look == looks().front()) settings.occlusion_scale = "half";
+    if (look == scene_looks().front()) settings.occlusion_scale = "half";
     std::array<Image, 2> images;
     int k = 0;
     for (Device* device : {gpu, static_cast<Device*>(cpu.get())}) {

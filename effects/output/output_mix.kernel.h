@@ -2,7 +2,8 @@
 //
 // At a pixel without surface, `lit` is the light of a shadow that covers the fraction `shadow_catcher` of the pixel, or
 // of surfaces in the average of several pictures that cover `cover` of it; or `cover_for_eye`, if they are averaged
-// perceptually. Lines of the colour `line` that cover the fraction `outline` are drawn over the finished picture.
+// perceptually. `coverage` is the alpha of a picture of another renderer: what is not a line has at most this alpha.
+// Lines of the colour `line` that cover the fraction `outline` are drawn over the finished picture.
 #include "effects/output/output_light.kernel.h"
 
 // Declared on other lines than the outputs of the files that include this one: see PLANE in kernel/glsl.h.
@@ -14,6 +15,7 @@ IN_REAL(cover)
 IN_REAL(cover_for_eye)
 IN_REAL(shadow_catcher)
 IN_COLOR(sky)
+IN_REAL(coverage)
 
 FN Real fraction_of(Real v) { return clamp(v, Real(0.0f), Real(1.0f)); }
 
@@ -60,7 +62,7 @@ FN Mixed mixed_with_background_and_lines(Front front, Vec3 light, Vec3 beyond) {
   Vec3 both = light * (covered * scale) + beyond * (behind * scale);
   both = select(front.as_square_roots, mixed_as_square_roots(beyond, light, covered * scale), both);
   light = select(front.surface, light, both);
-  alpha = select(front.surface, Real(1.0f), alpha);
+  alpha = select(front.surface, Real(1.0f), alpha) * fraction_of(near_coverage(0, 0));
   Real line = fraction_of(near_outline(0, 0));
   Bool lines = line > 0.0f;
   alpha = select(lines, line + (Real(1.0f) - line) * alpha, alpha);
