@@ -230,40 +230,57 @@ Result<Frame> upload_with_normals(Device& device, GBuffer gbuffer, const EffectS
   return frame;
 }
 
+/// Places the default lights of a look for a G-buffer, in view space, where they do not depend on the camera's
+/// position.
+void place_default_lights(const Recipe& recipe, PictureInfo& info) {
+  Camera at_origin = info.camera;
+  at_origin.view_from_world = glm::mat4(1.0f);
+  if (recipe.look->studio_lights) {
+    // Seen from above, the vertical points towards the camera.
+    const glm::vec3 up = recipe.from_above ? glm::vec3(0.0f, 0.0f, 1.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
+    const Lighting lighting = studio_lighting(at_origin, up);
+    info.lights = lighting.lights;
+    if (recipe.from_above)
+      info.lights.resize(1);  // the fill and the rim light would fill its shadows with other slopes
+    info.ambient = lighting.ambient;
+    info.ambient_shape = lighting.ambient_shape;
+    const glm::mat3 world_from_view = glm::transpose(glm::mat3(info.camera.view_from_world));
+    if (info.has_roughness) info.reflections = studio_reflections(world_from_view[1]);
+  } else {
+    info.lights = default_lights({}, at_origin);
+  }
+  adjust_lights(recipe, at_origin, recipe.look->studio_lights, info.lights);
+}
+
 }  // namespace
 
-Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const Recipe& requested, StageTimes& times,
-                           const ProgressMonitor& monitor) {
-  Recipe recipe = requested;  // for this G-buffer, with the radius in scene units
-  if (gbuffer.info.lights.empty() && !recipe.effects_look) {
-    // In view space the lights do not depend on the camera's position.
-    Camera at_origin = gbuffer.info.camera;
-    at_origin.view_from_world = glm::mat4(1.0f);
-    if (recipe.look->studio_lights) {
-      const Lighting lighting = studio_lighting(at_origin, {0.0f, 1.0f, 0.0f});
-      gbuffer.info.lights = lighting.lights;
-      gbuffer.info.ambient = lighting.ambient;
-      gbuffer.info.ambient_shape = lighting.ambient_shape;
-      const glm::mat3 world_from_view = glm::transpose(glm::mat3(gbuffer.info.camera.view_from_world));
-      if (info_of(gbuffer).has_roughness) gbuffer.info.reflections = studio_reflections(world_from_view[1]);
-    } else {
-      gbuffer.info.lights = default_lights({}, at_origin);
-    }
-  }
+Result<Recipe> complete_shading(const Recipe& requested, PictureInfo& info) {
+  Recipe recipe = requested;
+  if (info.lights.empty() && !recipe.effects_look) place_default_lights(recipe, info);
   if (recipe.radius) {
-    const auto radius = radius_in_scene("`occlusion_radius`", *recipe.radius, gbuffer.info);
+    const auto radius = radius_in_scene("`occlusion_radius`", *recipe.radius, info);
     if (!radius) return radius.error();
-    apply_radius(*radius, gbuffer.info, recipe);
+    apply_radius(*radius, info, recipe);
   }
-  DrawProgress progress(monitor, 1 + recipe.look->effects.size(), 1);
-  auto frame = upload_with_normals(device, std::move(gbuffer), recipe.settings);
-  if (!frame) return frame;
+  return recipe;
+}
+
+Result<Drawn> shade_planes(Device& device, GBuffer gbuffer, const Recipe& requested, StageTimes& times,
+                           const ProgressMonitor& monitor, std::optional<float> stops) {
+  gbuffer.info = info_of(gbuffer);
+  const auto recipe = complete_shading(requested, gbuffer.info);
+  if (!recipe) return recipe.error();
+  DrawProgress progress(monitor, 1 + recipe->look->effects.size(), 1);
+  auto frame = upload_with_normals(device, std::move(gbuffer), recipe->settings);
+  if (!frame) return frame.error();
   progress.step_done();
   times.done("upload");
-  const LookRun run = timed_look_run(recipe, times, progress);
-  if (const auto done = run_look(run, device, *frame); !done) return done.error();
+  LookRun run = timed_look_run(*recipe, times, progress);
+  run.stops = stops;
+  const auto done = run_look(run, device, *frame);
+  if (!done) return done.error();
   if (auto ended = progress.end(); !ended) return ended.error();
-  return frame;
+  return Drawn{std::move(*frame), done->stops};
 }
 
 }  // namespace umbrage

@@ -36,11 +36,16 @@ Result<Frame> draw(Device& device, const Scene& scene, const Recipe& recipe, Sta
 /// Makes a recipe, plans and draws; environment images are not read. Errors: kUsage; the errors of `draw`.
 Result<Frame> draw(Device& device, const Scene& scene, const Request& request, StageTimes& times);
 
+/// Returns a recipe from make_shading_recipe with its radius in scene units. If `info` of a G-buffer has no lights, a
+/// look gets the default lights, placed relative to the camera as for a model without lights. Errors: kUsage for a
+/// radius larger than the scene.
+Result<Recipe> complete_shading(const Recipe& recipe, PictureInfo& info);
+
 /// Shades a G-buffer of another renderer with a recipe from make_shading_recipe. Missing normals are reconstructed from
-/// depth. If gbuffer.info has no lights, a look gets the default lights, placed relative to the camera as for a model
-/// without lights. Errors: kUsage for missing planes and for a radius larger than the scene; kInterrupted.
-Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const Recipe& recipe, StageTimes& times,
-                           const ProgressMonitor& monitor = {});
+/// depth. `stops`: exposure of another picture, used in place of metering. Errors: kUsage for missing planes; those of
+/// complete_shading; kInterrupted.
+Result<Drawn> shade_planes(Device& device, GBuffer gbuffer, const Recipe& recipe, StageTimes& times,
+                           const ProgressMonitor& monitor = {}, std::optional<float> stops = {});
 
 /// Adds the environment image to a frame if the plan shows it as background.
 Result<void> add_sky(Device& device, const Plan& plan, Frame& frame);

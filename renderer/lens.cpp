@@ -6,19 +6,27 @@
 #include "renderer/recipe.h"
 
 namespace umbrage {
+namespace {
+
+DepthMeaning meaning_in_memory(DepthMeaning given) {
+  return given == DepthMeaning::kAuto ? DepthMeaning::kPlanar : given;
+}
+
+}  // namespace
 
 Lens lens_of(const Request& request) {
   const GBufferSettings& g = request.gbuffer;
+  const std::vector<float> window = g.window.empty() ? std::vector<float>{-1, 1, -1, 1} : g.window;
   return {.width = request.width,
           .height = request.height,
-          .depth_kind = DepthMeaning(choice_index("depth_kind", g.depth_kind)),
+          .depth_kind = meaning_in_memory(DepthMeaning(choice_index("depth_kind", g.depth_kind))),
           .near_plane = g.near_plane,
           .far_plane = g.far_plane != 0.0f ? g.far_plane : std::numeric_limits<float>::infinity(),
           .orthographic = g.orthographic,
-          .left = g.window[0],
-          .right = g.window[1],
-          .bottom = g.window[2],
-          .top = g.window[3],
+          .left = window[0],
+          .right = window[1],
+          .bottom = window[2],
+          .top = window[3],
           .scene_radius = g.scene_radius};
 }
 

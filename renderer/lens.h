@@ -9,7 +9,7 @@ namespace umbrage {
 
 struct Lens {
   int width = 0, height = 0;
-  DepthMeaning depth_kind = DepthMeaning::kView;
+  DepthMeaning depth_kind = DepthMeaning::kPlanar;
   float near_plane = 0.1f, far_plane = 0.0f;  ///< for kWindow and kReversed
   bool orthographic = false;
   float left = -1.0f, right = 1.0f, bottom = -1.0f, top = 1.0f;  ///< see GBufferSettings::window

@@ -1,4 +1,4 @@
-// The rows of the table of options, in two parts, and what both need. Internal to renderer/options.cpp.
+// The rows of the table of options, in three parts, and what they share. Internal to renderer/options.cpp.
 #pragma once
 #include <vector>
 
@@ -9,8 +9,11 @@ namespace umbrage {
 /// The options of the model, the camera and the technique.
 std::vector<Option> scene_options();
 
-/// The options of the picture, its light, the device, the files and a G-buffer.
+/// The options of the picture, its light, the device and the files.
 std::vector<Option> picture_options();
+
+/// The options of a G-buffer.
+std::vector<Option> gbuffer_options();
 
 inline constexpr double kAnyAngle = 36000.0;  // degrees
 inline constexpr unsigned kSceneCommands = kRender | kCompare | kTune;

@@ -1,4 +1,4 @@
-// The options of the picture, its light, the device, the files and a G-buffer, in the order of the help.
+// The options of the picture, its light, the device, and the files, in the order of the help.
 #include "looks/looks.h"
 #include "looks/style.h"
 #include "renderer/accumulation.h"
@@ -9,8 +9,7 @@ namespace umbrage {
 namespace {
 
 constexpr double kMaxLightFactor = 100.0;
-constexpr double kMaxDistance = 1e15;  // scene units
-constexpr unsigned kDeviceCommands = kSceneCommands | kBench | kFigures;
+constexpr unsigned kDeviceCommands = kSceneCommands | kBench | kFigures | kShade;
 
 std::vector<std::string_view> look_names() {
   std::vector<std::string_view> names;
@@ -50,7 +49,7 @@ std::vector<Option> picture_options() {
        .option = "look",
        .group = "Picture",
        .help = "style of the picture: see umbrage list looks",
-       .initial = "studio",
+       .initial = "studio; comp for a file with the renderer's own picture",
        .where = in<&Request::look>,
        .commands = kRender | kTune | kShade,
        .names = look_names},
@@ -263,75 +262,6 @@ std::vector<Option> picture_options() {
        .help = "return the look's lines as curves",
        .where = in<&Request::strokes>,
        .commands = 0},
-      {.field = "effects",
-       .option = "effects",
-       .group = "G-buffer",
-       .help = "effects to run in this order in place of the look: bitmask,denoise",
-       .initial = "set by the look",
-       .where = in<&Request::effects>,
-       .commands = kShade,
-       .form = OptionForm::kWords},
-      {.field = "depth_kind",
-       .option = "depth-kind",
-       .group = "G-buffer",
-       .help =
-           "meaning of depth: distance along the view axis, or along the ray, or a depth buffer's value, which may be "
-           "reversed",
-       .initial = "view",
-       .where = in_gbuffer<&GBufferSettings::depth_kind>,
-       .commands = kShade,
-       .choices = {"view", "ray", "window", "reversed"}},
-      {.field = "near_plane",
-       .option = "near-plane",
-       .group = "G-buffer",
-       .help = "near plane of a depth buffer, scene units",
-       .initial = "0.1",
-       .where = in_gbuffer<&GBufferSettings::near_plane>,
-       .commands = kShade,
-       .max = kMaxDistance,
-       .unit = "scene units"},
-      {.field = "far_plane",
-       .option = "far-plane",
-       .group = "G-buffer",
-       .help = "far plane of a depth buffer, scene units; 0: at infinity",
-       .initial = "0",
-       .where = in_gbuffer<&GBufferSettings::far_plane>,
-       .commands = kShade,
-       .max = kMaxDistance,
-       .unit = "scene units"},
-      {.field = "view_from_normal",
-       .option = "view-from-normal",
-       .group = "G-buffer",
-       .help = "rotation of normals to view space, three rows of three numbers",
-       .initial = "none",
-       .where = in_gbuffer<&GBufferSettings::view_from_normal>,
-       .commands = kShade,
-       .form = OptionForm::kRotation},
-      {.field = "orthographic",
-       .option = "orthographic",
-       .group = "G-buffer",
-       .help = "the G-buffer's camera is orthographic",
-       .where = in_gbuffer<&GBufferSettings::orthographic>,
-       .commands = kShade},
-      {.field = "window",
-       .option = "window",
-       .group = "G-buffer",
-       .help =
-           "left, right, bottom and top of the window that the picture fills: at distance 1, or in scene units for an "
-           "orthographic camera",
-       .initial = "-1,1,-1,1",
-       .where = in_gbuffer<&GBufferSettings::window>,
-       .commands = kShade,
-       .form = OptionForm::kWindow},
-      {.field = "scene_radius",
-       .option = "scene-radius",
-       .group = "G-buffer",
-       .help = "bounding-sphere radius, the base of relative lengths; 0: derived from the depth",
-       .initial = "0",
-       .where = in_gbuffer<&GBufferSettings::scene_radius>,
-       .commands = kShade,
-       .max = kMaxDistance,
-       .unit = "scene units"},
       {.field = "model", .option = "MODEL", .group = "", .help = "", .where = in<&Request::model>, .commands = 0},
   };
 }

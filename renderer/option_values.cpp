@@ -36,14 +36,17 @@ std::optional<std::array<T, 3>> parse_three(std::string_view text) {
   return v ? std::optional(std::array<T, 3>{T((*v)[0]), T((*v)[1]), T((*v)[2])}) : std::nullopt;
 }
 
-/// Returns how many numbers a value of this form has.
+/// Returns how many numbers a value of this form has; for kIntrinsics it may be one.
 std::size_t count_of(OptionForm form) {
-  return form == OptionForm::kRotation ? 9 : form == OptionForm::kAngles ? 2 : 4;
+  return form == OptionForm::kRotation ? 9 : form == OptionForm::kWindow || form == OptionForm::kIntrinsics ? 4 : 2;
 }
 
 bool is_valid_list(OptionForm form, const std::vector<float>& v) {
-  if (form == OptionForm::kAngles && v.empty()) return true;  // not set
+  if (v.empty()) return true;  // not set
+  if (form == OptionForm::kIntrinsics)
+    return (v.size() == 1 || v.size() == 4) && std::all_of(v.begin(), v.end(), [](float x) { return x > 0.0f; });
   if (v.size() != count_of(form)) return false;
+  if (form == OptionForm::kPair) return v[0] != v[1];
   return form != OptionForm::kAngles || (std::abs(v[0]) <= 180.0f && std::abs(v[1]) <= 90.0f);
 }
 
@@ -76,6 +79,10 @@ std::string valid_values(const Option& o) {
       return "a CSS name such as white, #rrggbb, #rgb, or three numbers from 0 to 1 such as 0.2,0.3,0.5";
     case OptionForm::kAngles:
       return "two numbers: azimuth from -180 to 180 and elevation from -90 to 90";
+    case OptionForm::kPair:
+      return "two different numbers, such as 0.5,20";
+    case OptionForm::kIntrinsics:
+      return "one number above 0, or four: fx,fy,cx,cy";
     case OptionForm::kRotation:
     case OptionForm::kWindow:
       return fmt::format("{} numbers", count_of(o.form));
@@ -174,7 +181,8 @@ class SetValue {
     return {};
   }
   Result<void> operator()(FieldOf<std::vector<float>> of) {
-    const auto values = parse_numbers(text_, count_of(o_.form));
+    const bool is_one = o_.form == OptionForm::kIntrinsics && text_.find(',') == std::string_view::npos;
+    const auto values = parse_numbers(text_, is_one ? 1 : count_of(o_.form));
     const std::vector<float> floats =
         values ? std::vector<float>(values->begin(), values->end()) : std::vector<float>();
     if (!values || !is_valid_list(o_.form, floats)) return value_error(o_, text_);

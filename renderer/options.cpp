@@ -13,7 +13,7 @@ namespace {
 const std::vector<Option>& all_options() {
   static const std::vector<Option> all = [] {
     std::vector<Option> rows = scene_options();
-    for (const Option& row : picture_options()) rows.push_back(row);
+    for (const auto& more : {picture_options(), gbuffer_options()}) rows.insert(rows.end(), more.begin(), more.end());
     return rows;
   }();
   return all;

@@ -32,16 +32,18 @@ using Field =
 /// The syntax of a value, if its type does not determine the syntax.
 enum class OptionForm {
   kPlain,
-  kSize,       ///< width and height: "640,480", "640x480", or "512" for a square
-  kPercent,    ///< "5%"
-  kLength,     ///< "0.3" scene units, or "5%" of the bounding-sphere radius
-  kPosition,   ///< "1,2.5,-3"
-  kDirection,  ///< "0,1,0" or "+Y"; not the zero vector
-  kColor,      ///< "white", "#ff8000", "#f80" or three numbers from 0 to 1
-  kRotation,   ///< nine numbers
-  kWindow,     ///< four numbers
-  kAngles,     ///< two numbers, degrees: azimuth from -180 to 180 and elevation from -90 to 90
-  kWords,      ///< "depth,normal"
+  kSize,        ///< width and height: "640,480", "640x480", or "512" for a square
+  kPercent,     ///< "5%"
+  kLength,      ///< "0.3" scene units, or "5%" of the bounding-sphere radius
+  kPosition,    ///< "1,2.5,-3"
+  kDirection,   ///< "0,1,0" or "+Y"; not the zero vector
+  kColor,       ///< "white", "#ff8000", "#f80" or three numbers from 0 to 1
+  kRotation,    ///< nine numbers, or none
+  kWindow,      ///< four numbers, or none
+  kPair,        ///< two different numbers, or none
+  kIntrinsics,  ///< one number or four, above 0, or none
+  kAngles,      ///< two numbers, degrees: azimuth from -180 to 180 and elevation from -90 to 90
+  kWords,       ///< "depth,normal"
 };
 
 /// The commands that have an option, as bits.

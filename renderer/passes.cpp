@@ -196,9 +196,9 @@ std::string summary_of(std::string_view pass) {
   return pass == kAll ? "every pass; the only name" : "";
 }
 
-/// Returns the name of the first look whose pictures have the pass; empty if none does.
+/// Returns the name of the first look whose pictures of a model have the pass; empty if none does.
 std::string_view look_with_pass(std::string_view pass) {
-  for (const Look* look : looks())
+  for (const Look* look : scene_looks())
     if (const auto recipe = make_recipe({.look = std::string(look->name)});
         recipe && contains(passes_of(*recipe), pass))
       return look->name;
@@ -230,7 +230,8 @@ Error unknown_pass_error(const std::string& word, std::vector<std::string> names
 }  // namespace
 
 std::vector<PassEntry> passes_of_look(const Look& look) {
-  const auto recipe = make_recipe({.look = std::string(look.name)});
+  const Request request{.look = std::string(look.name)};
+  const auto recipe = look.needs_beauty ? make_shading_recipe(request) : make_recipe(request);
   if (!recipe) fail_check(recipe.error().message);
   std::vector<PassEntry> entries;
   for (const std::string& name : passes_of(*recipe))

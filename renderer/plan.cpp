@@ -90,17 +90,6 @@ void widen_key_light(float angle_deg, const Scene& scene, Lighting& lighting) {
   key.radius = glm::distance(key.position, scene.center()) * std::tan(glm::radians(0.5f * angle_deg));
 }
 
-/// Applies the directions and factors that the request gives for lights. The fill and the rim light are those of
-/// studio_lighting.
-void adjust_lights(bool of_studio, Plan& plan) {
-  Lighting& lighting = plan.lighting();
-  const Recipe& recipe = plan.recipe;
-  if (!lighting.lights.empty() && recipe.framing.light_deg && lighting.lights[0].kind == LightKind::kDirectional)
-    lighting.lights[0].direction = light_direction(plan.camera, *recipe.framing.light_deg);
-  const std::size_t count = std::min(lighting.lights.size(), of_studio ? recipe.light_factors.size() : 1);
-  for (std::size_t k = 0; k < count; ++k) lighting.lights[k].color *= recipe.light_factors[k];
-}
-
 /// Leaves only the alpha of a texture.
 void make_white(Texture& texture) {
   for (std::size_t k = 0; k < texture.rgba.size(); k += 4) std::fill_n(&texture.rgba[k], 3, std::uint8_t(255));
@@ -179,6 +168,13 @@ bool needs_ground(const Scene& scene, bool lacks_one, const Recipe& recipe) {
   return lacks_one && !below && !is_inside_scene(camera, scene);
 }
 
+void adjust_lights(const Recipe& recipe, const Camera& camera, bool of_studio, std::vector<Light>& lights) {
+  if (!lights.empty() && recipe.framing.light_deg && lights[0].kind == LightKind::kDirectional)
+    lights[0].direction = light_direction(camera, *recipe.framing.light_deg);
+  const std::size_t count = std::min(lights.size(), of_studio ? recipe.light_factors.size() : 1);
+  for (std::size_t k = 0; k < count; ++k) lights[k].color *= recipe.light_factors[k];
+}
+
 void complete_scene(Scene& scene, const Recipe& recipe) {
   if (recipe.clay) make_clay(*recipe.clay, scene);
   if (recipe.hdri.lights()) set_lighting(image_lighting(recipe.hdri, scene.up, has_roughness(scene)), scene);
@@ -199,7 +195,8 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
     const bool lacks_lights = scene.lights.empty() && !recipe.hdri.lights();
     if (lacks_lights)
       if (auto added = add_lights(scene, threads, monitor, plan); !added) return added.error();
-    adjust_lights(lacks_lights && plan.lit_from_camera && recipe.look->studio_lights, plan);
+    adjust_lights(recipe, plan.camera, lacks_lights && plan.lit_from_camera && recipe.look->studio_lights,
+                  plan.lighting().lights);
   }
   meter_indoors(scene, plan);
   if (recipe.light_size_deg) widen_key_light(*recipe.light_size_deg, scene, plan.lighting());
@@ -230,7 +227,7 @@ Plan turned(const Plan& first, const Scene& scene, float angle_deg) {
   plan.camera = frame_scene(scene, recipe.framing, recipe.width, recipe.height);
   if (recipe.hdri.lights()) {
     plan.lighting() = image_lighting(recipe.hdri, scene.up, first.lighting().reflections != nullptr);
-    adjust_lights(false, plan);
+    adjust_lights(recipe, plan.camera, false, plan.lighting().lights);
   } else if (plan.lit_from_camera) {
     const glm::mat3 turn(glm::rotate(glm::mat4(1.0f), glm::radians(angle_deg), glm::normalize(scene.up)));
     const glm::vec3 center = turn_center(scene, first.recipe.framing);

@@ -41,6 +41,10 @@ void complete_scene(Scene& scene, const Recipe& recipe);
 /// are placed using `threads` threads; 0: all. Errors: kUsage; kInterrupted.
 Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, const ProgressMonitor& monitor = {});
 
+/// Applies the directions and factors that a request gives for lights in the space of `camera`. `of_studio`: the lights
+/// are those of studio_lighting, of which the second and third are the fill and the rim light.
+void adjust_lights(const Recipe& recipe, const Camera& camera, bool of_studio, std::vector<Light>& lights);
+
 /// Returns the plan with the model turned in front of the camera: the camera moves by `angle_deg` around it,
 /// counterclockwise as seen from above. The environment image and lights that were placed relative to the camera move
 /// with it; the scene's own lights, and those placed for a camera inside the scene, belong to the model.

@@ -121,9 +121,14 @@ Error unknown_word(std::string_view field, const std::string& word) {
   return usage_error("`{}` cannot be '{}'{}", field, word, suggestion(word, words_of(option_of(field))));
 }
 
+/// Returns the look of a request. Errors: kUsage.
+Result<const Look*> requested_look(const Request& request) {
+  return require_named("look", looks(), request.look.empty() ? kDefaultLook : std::string_view(request.look));
+}
+
 /// Resolves the look and the technique. Errors: kUsage.
 Result<void> resolve_names(const Request& request, Recipe& recipe) {
-  const auto look = require_named("look", looks(), request.look);
+  const auto look = requested_look(request);
   if (!look) return look.error();
   recipe.look = *look;
   recipe.occlusion = request.occlusion.empty() ? std::string(recipe.look->occlusion) : request.occlusion;
@@ -133,7 +138,7 @@ Result<void> resolve_names(const Request& request, Recipe& recipe) {
                        suggestion(recipe.occlusion, techniques));
   if (request.ground == "on" && !recipe.look->ground)
     return usage_error("`ground` on requires a look that shows the ground only by its shadow, such as studio, not '{}'",
-                       request.look);
+                       recipe.look->name);
   if (!request.style.empty() && !find_style(request.style)) return unknown_word("style", request.style);
   if (!request.quality.empty() && !find_quality(request.quality)) return unknown_word("quality", request.quality);
   return {};
@@ -166,9 +171,9 @@ Result<Look> look_of(const std::vector<std::string>& names) {
 }
 
 /// Makes a recipe of effects only, without the presets of a look. Errors: kUsage.
-Result<Recipe> recipe_of_effects(const Request& request) {
-  if (auto fine = check_request(request, kMaxPixels); !fine) return fine.error();
-  if (const auto known = require_named("look", looks(), request.look); !known) return known.error();
+Result<Recipe> recipe_of_effects(const Request& request, long max_pixels) {
+  if (auto fine = check_request(request, max_pixels); !fine) return fine.error();
+  if (const auto known = requested_look(request); !known) return known.error();
   auto look = look_of(request.effects);
   if (!look) return look.error();
   Recipe recipe{.width = request.width, .height = request.height};
@@ -347,14 +352,17 @@ Result<Recipe> make_recipe_of(const Request& request, long max_pixels, bool many
 }  // namespace
 
 Result<Recipe> make_recipe(const Request& request, long max_pixels) {
+  if (const Look* look = find_look(request.look); look && look->needs_beauty)
+    return usage_error("the look '{}' needs the finished picture of another renderer: it cannot draw a model",
+                       request.look);
   return make_recipe_of(request, max_pixels, true);
 }
 
-Result<Recipe> make_shading_recipe(const Request& request) {
-  if (!request.effects.empty()) return recipe_of_effects(request);
+Result<Recipe> make_shading_recipe(const Request& request, long max_pixels) {
+  if (!request.effects.empty()) return recipe_of_effects(request, max_pixels);
   Request picture = request;
   picture.passes.clear();  // checked later against the planes of the shaded frame
-  auto recipe = make_recipe_of(picture, kMaxPixels, false);
+  auto recipe = make_recipe_of(picture, max_pixels, false);
   if (!recipe) return recipe;
   if (!find_effect(recipe->occlusion) && recipe->occlusion != kNoOcclusion)
     return usage_error("`occlusion` {} needs the model: it cannot shade a G-buffer", recipe->occlusion);

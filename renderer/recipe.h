@@ -37,6 +37,8 @@ struct Recipe {
   std::optional<Length> radius;  ///< radius of occlusion; empty: as in the settings
   Framing framing;
   std::optional<int> camera_index;  ///< for use_camera
+  bool from_above = false;          ///< the G-buffer is an elevation model: its vertical is the view axis
+  int reduction = 1;                ///< of a G-buffer: factor by which the finished picture is reduced
   Ground ground = Ground::kAuto;
   Hdri hdri;
   std::optional<float> light_size_deg;                   ///< angular diameter of the key light; empty: unchanged
@@ -68,8 +70,8 @@ std::vector<const Effect*> effects_with_external();
 Result<Recipe> make_recipe(const Request& request, long max_pixels = kMaxPixels);
 
 /// Resolves a request to shade a G-buffer: one sample, a look or a list of effects, no lights and no framing.
-/// Errors: kUsage.
-Result<Recipe> make_shading_recipe(const Request& request);
+/// Errors: kUsage, also for more than `max_pixels` pixels.
+Result<Recipe> make_shading_recipe(const Request& request, long max_pixels = kMaxPixels);
 
 /// Returns the index of a text in the choices of an option; check_request must have accepted it.
 int choice_index(std::string_view field, std::string_view text);

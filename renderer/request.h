@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "gbuffers/settings.h"
 #include "renderer/shared_image.h"
 
 namespace umbrage {
@@ -27,28 +29,15 @@ struct CameraSettings {
   bool orthographic = false;
 };
 
-/// The meaning of the planes of another renderer.
-struct GBufferSettings {
-  std::string depth_kind = "view";            ///< "view", "ray", "window", "reversed": see DepthMeaning
-  float near_plane = 0.1f, far_plane = 0.0f;  ///< for "window" and "reversed"; far_plane 0: at infinity
-  /// Rows of a rotation from the space of the normals to view space: the upper left part of the view matrix if the
-  /// normals are in world space. Normals need not have unit length or face the camera.
-  std::vector<float> view_from_normal = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  bool orthographic = false;
-  /// Left, right, bottom and top of the window that the picture fills: at distance 1, or in scene units for an
-  /// orthographic camera. For a perspective camera top is tan(angle / 2), right is top * width / height.
-  std::vector<float> window = {-1, 1, -1, 1};
-  /// Bounding-sphere radius of the shaded scene, the base of relative lengths, scene units. 0: half the diagonal of the
-  /// view-aligned box that contains nearly all visible points.
-  float scene_radius = 0.0f;
-};
+/// The look of a request that names none, except for a file with a finished picture: see make_file_recipe.
+inline constexpr std::string_view kDefaultLook = "studio";
 
 /// What to draw or shade. Only the model, or the images of the G-buffer, must be set; all other defaults are usable.
 struct Request {
   /// A file (OBJ, PLY, STL, glTF/GLB, 3DS, DAE, FBX, OFF, XYZ, PTS, PDB, 3MF; also .gz), or "scene:NAME?detail=N".
   std::string model{};
   std::vector<std::string> more_models{};  ///< additional models, placed as in their files
-  std::string look = "studio";             ///< name of a look: see `umbrage list looks`
+  std::string look{};                      ///< name of a look: see `umbrage list looks`; empty: kDefaultLook
   std::string occlusion{};                 ///< an occlusion technique, "reference" or "none"; empty: set by the look
   std::vector<std::string> settings{};     ///< "effect.parameter=value": see `umbrage list effects`
   int width = 1024, height = 1024;         ///< pixels, 1 to 16384 each; width * height at most 67 108 864
@@ -104,14 +93,6 @@ struct Request {
   // For shading the planes of another renderer:
   std::vector<std::string> effects{};  ///< effects run in this order, in place of the look
   GBufferSettings gbuffer{};
-};
-
-/// The meaning of the values of a depth image. NaN and infinity always mean that there is no surface.
-enum class DepthMeaning {
-  kView,      ///< distance along the view axis, scene units; values <= 0, too, mean no surface
-  kRay,       ///< distance from the camera along the pixel's ray, scene units; values <= 0, too, mean no surface
-  kWindow,    ///< depth buffer: 0 at the near plane, 1 at the far plane and where there is no surface
-  kReversed,  ///< depth buffer: 1 at the near plane, 0 at the far plane and where there is no surface
 };
 
 }  // namespace umbrage

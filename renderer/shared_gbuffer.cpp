@@ -1,7 +1,6 @@
 #include "renderer/shared_gbuffer.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <bit>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <limits>
 
 #include "core/suggest.h"
+#include "gbuffers/extent.h"
 #include "renderer/lens.h"
 #include "renderer/passes.h"
 #include "renderer/rows.h"
@@ -35,9 +35,9 @@ class ViewDepth {
     if (!std::isfinite(value)) return kNoSurface;
     const float n = lens_.near_plane, f = lens_.far_plane;
     switch (lens_.depth_kind) {
-      case DepthMeaning::kView:
+      case DepthMeaning::kPlanar:
         return value > 0.0f && !means_no_surface(value) ? value : kNoSurface;
-      case DepthMeaning::kRay: {
+      case DepthMeaning::kDistance: {
         if (!(value > 0.0f) || means_no_surface(value)) return kNoSurface;
         if (lens_.orthographic) return value;
         const float across = lens_.left + (lens_.right - lens_.left) * (float(x) + 0.5f) / float(lens_.width);
@@ -52,6 +52,10 @@ class ViewDepth {
         if (value <= 0.0f) return kNoSurface;
         if (lens_.orthographic) return f - std::min(value, 1.0f) * (f - n);
         return std::isfinite(f) ? n * f / (n + std::min(value, 1.0f) * (f - n)) : n / std::min(value, 1.0f);
+      case DepthMeaning::kDisparity:
+      case DepthMeaning::kHeight:
+      case DepthMeaning::kAuto:
+        break;  // refused by check_settings
     }
     return kNoSurface;
   }
@@ -62,6 +66,9 @@ class ViewDepth {
 
 /// Checks the camera and the settings of a G-buffer. Errors: kUsage.
 Result<void> check_settings(const Request& request, const Lens& lens) {
+  if (lens.depth_kind > DepthMeaning::kReversed)
+    return usage_error("`depth_kind` {} is for files: an image in memory takes planar, distance, window or reversed",
+                       request.gbuffer.depth_kind);
   if (auto fine = check_lens(lens); !fine) return fine;
   if (!(lens.right > lens.left && lens.top > lens.bottom))
     return usage_error(
@@ -199,7 +206,7 @@ DepthRange convert_depth(const Lens& lens, Plane& depth) {
     for (const DepthRange& row : row_ranges) range.include(row);
     return range;
   };
-  std::atomic<bool> is_view_depth = lens.depth_kind == DepthMeaning::kView;
+  std::atomic<bool> is_view_depth = lens.depth_kind == DepthMeaning::kPlanar;
   if (is_view_depth)
     for_rows(depth.height, [&](int y) {
       int wrong = 0;
@@ -222,7 +229,8 @@ DepthRange convert_depth(const Lens& lens, Plane& depth) {
 void rotate_normals(const std::vector<float>& rotation, Image& layer) {
   constexpr float kUnitTolerance = 2e-6f;  // for the squared length of a unit vector
   Plane &nx = layer.plane("normal.x"), &ny = layer.plane("normal.y"), &nz = layer.plane("normal.z");
-  const bool is_rotated = rotation != GBufferSettings().view_from_normal;
+  const std::vector<float> identity = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const bool is_rotated = !rotation.empty() && rotation != identity;
   const auto is_unit = [](const glm::vec3& n) { return std::abs(glm::dot(n, n) - 1.0f) <= kUnitTolerance; };
   const auto at = [&](int x, int y) { return glm::vec3(nx.row(y)[x], ny.row(y)[x], nz.row(y)[x]); };
   if (!is_rotated && is_true_everywhere(nx, [&](int x, int y) {
@@ -247,43 +255,6 @@ void rotate_normals(const std::vector<float>& rotation, Image& layer) {
       nz.at(x, y) = v.z;
     }
   });
-}
-
-/// Computes the extent of the scene from the depth of the first layer and the range of that depth.
-void compute_extent(const Lens& lens, const Plane& depth, const DepthRange& range, PictureInfo& info) {
-  constexpr int kSamples = 1 << 16;          // pixels to sample: more do not improve the estimate
-  constexpr double kOutlierFraction = 0.01;  // fraction of the pixels to ignore, on either side
-  const int step = std::max(1, int(std::sqrt(double(depth.width) * depth.height / kSamples)));
-  std::vector<float> along[3];
-  for (int y = 0; y < depth.height; y += step)
-    for (int x = 0; x < depth.width; x += step) {
-      const float d = depth.at(x, y);
-      if (!std::isfinite(d)) continue;
-      const float scale = lens.orthographic ? 1.0f : d;
-      along[0].push_back(scale * (lens.left + (lens.right - lens.left) * float(x) / float(depth.width)));
-      along[1].push_back(scale * (lens.top + (lens.bottom - lens.top) * float(y) / float(depth.height)));
-      along[2].push_back(d);
-    }
-  if (lens.scene_radius > 0.0f) info.scene_radius = lens.scene_radius;
-  if (range.nearest > range.farthest) return;  // no surface is visible: the defaults remain
-  info.depth_min = range.nearest;
-  info.depth_max = range.farthest;
-  if (lens.scene_radius > 0.0f) return;
-  std::array<float, 3> squares{};
-  tbb::parallel_for(std::size_t(0), std::size_t(3), [&](std::size_t axis) {
-    std::vector<float>& values = along[axis];
-    if (values.empty()) return;
-    const auto at = [&](double fraction) {
-      const auto nth = values.begin() + long(fraction * double(values.size() - 1));
-      std::nth_element(values.begin(), nth, values.end());
-      return *nth;
-    };
-    const float size = at(1.0 - kOutlierFraction) - at(kOutlierFraction);
-    squares[axis] = size * size;
-  });
-  const float square = squares[0] + squares[1] + squares[2];
-  // If all samples coincide, for example because there is only one pixel, use the distance as the radius.
-  info.scene_radius = square > 0.0f ? 0.5f * std::sqrt(square) : range.farthest;
 }
 
 }  // namespace
@@ -348,7 +319,11 @@ Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedIm
   PictureInfo& info = gbuffer.info;
   set_lens(lens, info);
   for (LayerInfo& layer : info.more_layers) layer.camera = info.camera;
-  compute_extent(lens, gbuffer.layers[0].plane("depth"), first_range, info);
+  ExtentOfDepth extent(info);
+  extent.add_range(first_range.nearest, first_range.farthest);
+  const Plane& depth = gbuffer.layers[0].plane("depth");
+  for (int y = 0; y < depth.height; ++y) extent.add_sample(depth.row(y), y);
+  extent.finish(lens.scene_radius, info);
   return shared;
 }
 

@@ -18,10 +18,14 @@ struct StripSizes {
   bool exceeds = false;
 };
 
+/// Max number of planes of a captured layer, with two further shadows, emission and those of materials.
+inline constexpr int kMaxCaptured = 21;
+
 /// Plans a picture for about `memory` bytes: whole if they suffice and it has at most kMaxPixels pixels, else in
 /// strips, of the minimum height if even these need more, or whole if strips would not need less. Devices that cannot
 /// draw strips and techniques that trace the scene draw the picture whole. Errors: kUsage if it is too large for that.
-Result<StripSizes> plan_strips(const Device& device, const Recipe& recipe, double memory);
+/// `captured`: number of planes of a layer before any effect runs.
+Result<StripSizes> plan_strips(const Device& device, const Recipe& recipe, double memory, int captured = kMaxCaptured);
 
 /// Receives finished rows with the requested planes, from top to bottom; `first` is the index of the first row.
 using TakeRows = std::function<Result<void>(const PictureInfo& info, const Image& rows, int first)>;

@@ -94,7 +94,7 @@ Request of_look(std::string_view look, int width = 200, int height = 150) {
 }
 
 TEST(Strips, EveryLook) {
-  for (const Look* look : looks()) {
+  for (const Look* look : scene_looks()) {
     SCOPED_TRACE(look->name);
     expect_strips_same(of_look(look->name));
   }

@@ -1,0 +1,50 @@
+// Shades the G-buffer in image files, whole or in strips.
+#pragma once
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gbuffers/gbuffer_file.h"
+#include "renderer/recipe.h"
+#include "renderer/strips.h"
+#include "renderer/times.h"
+
+namespace umbrage {
+
+/// Resolves a request for the planes of a file. Without a look in the request: `comp` if the file has a beauty, else
+/// `studio`. Errors: kUsage.
+Result<Recipe> make_file_recipe(const Request& request, const GBufferFile& file);
+
+/// What later frames of a sequence take from the first one, so that the picture does not change from frame to frame.
+struct SequenceStart {
+  float scene_radius = 0.0f;                 ///< see GBufferSettings::scene_radius
+  std::optional<float> stops;                ///< exposure by metering
+  float depth_min = 0.0f, depth_max = 0.0f;  ///< see PictureInfo; both 0: of the frame itself
+};
+
+/// Sets what a later frame takes from the first one. Returns `info` unchanged if `start` is empty.
+PictureInfo started(PictureInfo info, const std::optional<SequenceStart>& start);
+/// Returns what later frames take from this one, with the exposure `stops`.
+SequenceStart start_of(const PictureInfo& info, float stops);
+
+/// A file that was shaded whole.
+struct ShadedFile {
+  Frame frame;  ///< not reduced
+  SequenceStart start;
+};
+
+/// Shades a file as a whole. `start`: as for shade_file. Errors: those of shade_file.
+Result<ShadedFile> shade_whole_file(Device& device, const GBufferFile& file, const Recipe& recipe,
+                                    const std::optional<SequenceStart>& start, StageTimes& times,
+                                    const ProgressMonitor& monitor = {});
+
+/// Shades a file and passes finished rows with `planes`, from top to bottom, to `take`: all at once, or in strips if
+/// the picture does not fit in memory; both are bitwise identical. The rows are reduced as the request says.
+/// Returns what later frames take. `start`: of the first frame; empty for it. Errors: kUsage; kFile; kInterrupted.
+Result<SequenceStart> shade_file(Device& device, const GBufferFile& file, const Recipe& recipe,
+                                 const std::vector<std::string>& planes, const TakeRows& take,
+                                 const std::optional<SequenceStart>& start, StageTimes& times,
+                                 const ProgressMonitor& monitor = {});
+
+}  // namespace umbrage

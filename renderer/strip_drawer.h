@@ -1,0 +1,94 @@
+// StripDrawer: runs a look on the strips of a picture, wherever their frames come from. Internal to renderer/.
+#pragma once
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/lines.h"
+#include "looks/looks.h"
+#include "renderer/times.h"
+
+namespace umbrage {
+
+/// Progress of drawing all samples. Drawing a sample takes one or more sweeps, each over all strips.
+class StripProgress {
+ public:
+  StripProgress(const ProgressMonitor& monitor, int samples) : monitor_(monitor), samples_(samples) {}
+
+  ProgressMonitor dispatch_monitor() {
+    return [this](double) { return report(); };
+  }
+  /// Sets the finished fraction of a sweep.
+  void show(double fraction) { fraction_ = fraction; }
+  void sweep_done();
+  /// Ends a sample. The next sample is expected to need as many sweeps; one fewer if this sample was `metered`.
+  void sample_done(bool metered);
+  /// Reports that all is drawn. Errors: kInterrupted.
+  Result<void> end() const { return !monitor_ || monitor_(1.0) ? Result<void>() : interrupted(); }
+
+ private:
+  bool report();
+
+  const ProgressMonitor& monitor_;
+  const int samples_;
+  int sample_ = 0, sweep_ = 0, expected_sweeps_ = 2;
+  double fraction_ = 0.0, reported_ = 0.0;
+};
+
+/// A picture to draw in strips: its size, its look, and where the frames of its strips come from.
+struct StripSource {
+  LookRun run;                  ///< the drawer sets `after`, `monitor` and `meter`; with `stops`, nothing is metered
+  int height = 0;               ///< rows of the picture, guard band included
+  int guard = 0;                ///< guard band, pixels on each side
+  const ParameterBytes& lines;  ///< parameters of the effect that makes the lines
+  /// Returns the frame of a strip before any effect of the look has run. Called once for each strip of each sweep.
+  std::function<Result<Frame>(const Strip&, const ProgressMonitor&)> make_frame;
+  /// Runs on each frame after the look; may be unfinished as Device::run.
+  std::function<Result<RunState>(Frame&, const ProgressMonitor&)> after_look;
+};
+
+/// Draws the strips of pictures of one size.
+class StripDrawer {
+ public:
+  /// `rows`: rows of a strip, a multiple of 4. The source's parameters of lines must outlive the drawer.
+  StripDrawer(Device& device, StripSource source, int rows, StripProgress& progress, StageTimes& times);
+
+  /// Receives the inner rows of a finished strip; `first` is the index of the first row.
+  using Finish = std::function<Result<void>(const Frame& frame, Image& rows, int first)>;
+
+  /// Draws all strips in as many sweeps as needed and passes `planes` of the finished rows to `finish`. Returns the
+  /// lines of the picture if `lines` is set.
+  Result<Lines> draw_picture(const std::vector<std::string>& planes, bool lines, const Finish& finish);
+
+  /// Returns the exposure of the last picture, as LookDone::stops. Later pictures of the drawer use it too.
+  float stops() const { return stops_; }
+
+ private:
+  Lines lines_of(WholePlanes& whole_planes) const;
+  Result<bool> draw_strip(Strip strip, const std::vector<std::string>& planes, const Finish& finish);
+  void prepare_plane_pool(const Rows& rows);
+  Result<RunState> try_strip(const Strip& strip, const std::vector<std::string>& planes, const Finish& finish);
+  Result<std::optional<float>> meter(Device& device, const Frame& frame, Exposure by);
+
+  Device& device_;
+  StripSource source_;
+  const int rows_;
+  StripProgress& progress_;
+  StageTimes& times_;
+  Metering metering_;
+  float stops_from_lights_ = 0.0f;  // exposure that metering starts from
+  float stops_ = 0.0f;
+  Exposure metered_by_ = Exposure::kPicture;
+  bool metered_in_sweep_ = false;  // whether the sweep collects values for metering
+  int metered_missing_ = 0;        // rows that metering lacks in the current strip
+  PictureInfo info_;
+  std::size_t sweep_ = 0;     // index of the sweep within the picture
+  std::vector<int> margins_;  // rows above and below the strips of each sweep, kept for all pictures
+  std::optional<ScopedPlanePool> kept_;
+  int kept_rows_ = 0;
+  int first_ = 0;  // first inner row of the strip
+};
+
+}  // namespace umbrage
