@@ -68,6 +68,14 @@ Result<Frame> reduced_frame(Device& device, const Frame& frame, int downsampling
   return device.reduced(frame, downsampling, names);
 }
 
+/// Adds the finished picture that some effects read in files of other renderers: here the albedo.
+Result<void> add_beauty(Device& device, Frame& frame) {
+  auto picture = device.download(frame, {"albedo.r", "albedo.g", "albedo.b"});
+  if (!picture) return picture.error();
+  picture->names = {"beauty.r", "beauty.g", "beauty.b"};
+  return device.add(*picture, frame);
+}
+
 /// The checked options.
 struct BenchPlan {
   std::vector<std::pair<int, int>> sizes;
@@ -114,6 +122,7 @@ class Bench {
     StageTimes ignored;
     auto frame = draw(device_, scene, request, ignored);
     if (!frame) return frame.error();
+    if (auto added = add_beauty(device_, *frame); !added) return added;
     if (plan_.downsampling > 1) {
       auto small = reduced_frame(device_, *frame, plan_.downsampling);
       if (!small) return small.error();

@@ -127,7 +127,7 @@ TEST_F(CliLayers, TheGuardBandIsSeenByEffects) {
 
 TEST_F(CliLayers, TheReferenceIsATechnique) {
   const std::string few = " --resolution 24x24 --ao reference --set reference.samples=2";
-  for (const Look* look : looks()) good(fmt::format("{} -o out.png --look {}{}", kSolids, look->name, few));
+  for (const Look* look : scene_looks()) good(fmt::format("{} -o out.png --look {}{}", kSolids, look->name, few));
   good(kSolids + " -o out.exr --passes ao,bent_normal" + few);
   const Image planes = image("out.exr");
   EXPECT_EQ(std::set<std::string>(planes.names.begin(), planes.names.end()),

@@ -23,6 +23,7 @@ inline constexpr std::array<std::string_view, 6> kListKinds = {"looks",  "effect
 using AddCommand = void (*)(CLI::App& app, std::function<Result<void>()>& run);
 
 void add_render(CLI::App& app, std::function<Result<void>()>& run);
+void add_shade(CLI::App& app, std::function<Result<void>()>& run);
 void add_thumbnails(CLI::App& app, std::function<Result<void>()>& run);
 void add_figures(CLI::App& app, std::function<Result<void>()>& run);
 void add_bench(CLI::App& app, std::function<Result<void>()>& run);

@@ -1,37 +1,95 @@
 #include "apps/cli/frame_names.h"
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
+#include <optional>
 
 namespace umbrage::cli {
+namespace {
+
+constexpr int kMaxDigits = 9;
+
+/// A frame number in a name: its place, and its digits.
+struct NumberPlace {
+  std::size_t begin = 0, end = 0;
+  int digits = 1;
+};
+
+/// Returns the number that begins at `at`, with # or %; nullopt if these characters are none.
+std::optional<NumberPlace> number_at(const std::string& name, std::size_t at) {
+  NumberPlace place{at, at + 1, 1};
+  if (name[at] == '#') {
+    place.end = std::min(name.find_first_not_of('#', at), name.size());
+    place.digits = int(place.end - at);
+  } else {
+    place.end = std::min(name.find_first_not_of("0123456789", at + 1), name.size());
+    const std::string_view width = std::string_view(name).substr(at + 1, place.end - at - 1);
+    if (place.end == name.size() || name[place.end] != 'd') return std::nullopt;
+    ++place.end;
+    if (!width.empty() &&
+        (width[0] != '0' || std::from_chars(width.begin(), width.end(), place.digits).ec != std::errc()))
+      return std::nullopt;
+    place.digits = std::max(place.digits, 1);
+  }
+  return place.digits <= kMaxDigits ? std::optional(place) : std::nullopt;
+}
+
+}  // namespace
 
 std::string FrameNames::of(int frame) const { return fmt::format("{}{:0{}}{}", before, frame, digits, after); }
 
-Result<FrameNames> frame_names(const std::string& output) {
-  const auto wrong = [&] {
-    return usage_error("--output cannot be '{}': it takes one frame number, such as %04d; write %% for a percent sign",
-                       output);
-  };
+std::vector<int> FrameNames::existing() const {
+  namespace fs = std::filesystem;
+  std::vector<int> frames;
+  if (after.find('/') != std::string::npos) return frames;
+  const fs::path start(before);
+  const std::string stem = start.filename().string();
+  std::error_code error;
+  fs::directory_iterator entry(start.has_parent_path() ? start.parent_path() : fs::path("."), error), end;
+  for (; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name.size() <= stem.size() + after.size() || !name.starts_with(stem) || !name.ends_with(after)) continue;
+    const std::string_view number(name.data() + stem.size(), name.size() - stem.size() - after.size());
+    int frame = 0;
+    const auto [stop, failed] = std::from_chars(number.begin(), number.end(), frame);
+    // The same number may be written with other digits, which is another name.
+    if (failed == std::errc() && stop == number.end() && fs::path(of(frame)).filename().string() == name)
+      frames.push_back(frame);
+  }
+  std::sort(frames.begin(), frames.end());
+  return frames;
+}
+
+bool has_frame_number(const std::string& name) {
+  for (std::size_t at = 0; at < name.size(); ++at) {
+    if (name[at] != '%' && name[at] != '#') continue;
+    const bool begins = at == 0 || name[at - 1] != '#';  // further # belong to the same number
+    if (begins && number_at(name, at)) return true;
+    if (name.compare(at, 2, "%%") == 0) ++at;
+  }
+  return false;
+}
+
+Result<FrameNames> frame_names(const std::string& name, std::string_view option) {
   FrameNames names;
   bool numbered = false;
-  for (std::size_t at = 0; at < output.size(); ++at) {
+  for (std::size_t at = 0; at < name.size(); ++at) {
     std::string& part = numbered ? names.after : names.before;
-    if (output[at] != '%' || output.compare(at, 2, "%%") == 0) {
-      part += output[at];
-      if (output[at] == '%') ++at;
+    const bool is_escaped = name.compare(at, 2, "%%") == 0;
+    if ((name[at] != '%' && name[at] != '#') || is_escaped) {
+      part += name[at];
+      if (is_escaped) ++at;
       continue;
     }
-    const std::size_t end = output.find_first_not_of("0123456789", at + 1);
-    const std::string width = output.substr(at + 1, end == std::string::npos ? std::string::npos : end - at - 1);
-    constexpr int kMaxDigits = 9;
-    if (end == std::string::npos || output[end] != 'd' || numbered || (!width.empty() && width[0] != '0'))
-      return wrong();
-    if (!width.empty() && (std::from_chars(width.data(), width.data() + width.size(), names.digits).ec != std::errc() ||
-                           names.digits > kMaxDigits))
-      return wrong();
-    names.digits = std::max(names.digits, 1);
+    const auto place = number_at(name, at);
+    if (!place || numbered)
+      return usage_error(
+          "{} cannot be '{}': it takes one frame number, such as #### or %04d; write %% for a percent sign", option,
+          name);
+    names.digits = place->digits;
     numbered = true;
-    at = end;
+    at = place->end - 1;
   }
   if (numbered) return names;
   constexpr int kDefaultDigits = 4;

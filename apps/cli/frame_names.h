@@ -1,6 +1,8 @@
-// File names of numbered pictures: turn.png becomes turn_0000.png, turn_0001.png; turn-%03d.png becomes turn-000.png.
+// File names of numbered pictures: turn.png becomes turn_0000.png, turn_0001.png; turn.###.png and turn.%03d.png become
+// turn.000.png.
 #pragma once
 #include <string>
+#include <vector>
 
 #include "core/result.h"
 
@@ -10,9 +12,15 @@ struct FrameNames {
   std::string before, after;        ///< text before and after the number
   int digits = 1;                   ///< min number of digits, padded with zeros
   std::string of(int frame) const;  ///< returns the name of a frame's file
+  /// Returns the frames of which a file exists, ascending; none if the number is in the name of a folder.
+  std::vector<int> existing() const;
 };
 
-/// Parses the value of --output. Errors: kUsage for a % that is not one of %d, %04d and %%, and for two numbers.
-Result<FrameNames> frame_names(const std::string& output);
+/// Returns whether a name has a frame number: ####, %d or %04d.
+bool has_frame_number(const std::string& name);
+
+/// Parses a name with a frame number; without one, _0000 is inserted before the extension. `option`: for errors.
+/// Errors: kUsage for a % that is not one of %d, %04d and %%, and for two numbers.
+Result<FrameNames> frame_names(const std::string& name, std::string_view option);
 
 }  // namespace umbrage::cli

@@ -1,4 +1,4 @@
-// umbrage info: prints the content of a model and how it was interpreted.
+// umbrage info: prints the content of a model or an image file and how it was interpreted.
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
@@ -7,6 +7,7 @@
 #include <set>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/info_image.h"
 #include "apps/cli/options.h"
 #include "apps/cli/standard_input.h"
 
@@ -15,6 +16,7 @@ namespace {
 
 struct InfoOptions : CommonOptions {
   bool json = false;
+  std::string contact_sheet;
 };
 
 /// Returns the number of meshes for which `has` is true.
@@ -249,6 +251,9 @@ void print_text(const Scene& scene, const std::string& format) {
 }
 
 Result<void> info(const InfoOptions& o) {
+  if (has_image(o)) return print_image_info(o, o.json, o.contact_sheet);
+  if (!o.contact_sheet.empty()) return usage_error("--contact-sheet is for image files");
+  if (o.models.empty()) return usage_error("info needs a MODEL or an image file");
   const auto import_with = import_settings(o.request);
   if (!import_with) return import_with.error();
   const auto scene = load_models(o.models, o.input_format, *import_with);
@@ -268,9 +273,12 @@ Result<void> info(const InfoOptions& o) {
 }  // namespace
 
 void add_info(CLI::App& app, std::function<Result<void>()>& run) {
-  const auto [command, options] =
-      add_model_command(app, run, "info", "print the content of a model and how it was interpreted", kInfo, info);
+  const auto [command, options] = add_model_command(
+      app, run, "info", "print the content of a model or image and how it was interpreted", kInfo, info);
+  command->get_option("MODEL")->required(false);
+  for (const char* group : {"Files", "G-buffer"}) add_group(*command, *options, kInfo, group);
   command->add_flag("--json", options->json, "print JSON");
+  command->add_option("--contact-sheet", options->contact_sheet, "PNG file to draw all layers of an image file into");
   add_config_option(*command);
 }
 

@@ -29,7 +29,7 @@ Result<LineFile> line_file_of(const RenderOptions& o, int frames) {
     if (auto writable = check_writable(lines.file); !writable) return writable.error();
     return lines;
   }
-  auto names = frame_names(lines.file);
+  auto names = frame_names(lines.file, lines.alone ? "--output" : "--svg");
   if (!names) return names.error();
   lines.names = std::move(*names);
   for (const int frame : {0, frames - 1})

@@ -47,7 +47,7 @@ Result<nlohmann::json> list_effects(const std::string& name) {
 }
 
 Result<nlohmann::json> list_passes(const std::string& name) {
-  const auto look = require_named<Look>("look", looks(), name.empty() ? Request().look : name);
+  const auto look = require_named<Look>("look", looks(), name.empty() ? std::string(kDefaultLook) : name);
   if (!look) return look.error();
   nlohmann::json records = nlohmann::json::array();
   for (const PassEntry& pass : passes_of_look(**look))

@@ -12,6 +12,7 @@
 #include "apps/cli/signals.h"
 #include "core/guarded.h"
 #include "core/suggest.h"
+#include "io/layers.h"
 
 namespace umbrage::cli {
 namespace {
@@ -65,12 +66,14 @@ Error parse_error(const CLI::App& app, const CLI::ParseError& error) {
   return usage_error("{}; see {}", text, help);
 }
 
-/// Inserts the command render if none is named: `umbrage MODEL ...` is short for `umbrage render MODEL ...`.
+/// Inserts the command render, or shade for an image file, if none is named: `umbrage MODEL ...` is short for
+/// `umbrage render MODEL ...`.
 std::vector<std::string> with_command(int argc, char** argv, const std::vector<std::string>& commands) {
   std::vector<std::string> words(argv + 1, argv + argc);
   const bool has_command = !words.empty() && std::find(commands.begin(), commands.end(), words[0]) != commands.end();
   const bool wants_help = !words.empty() && (words[0] == "--help" || words[0] == "-h" || words[0] == "--version");
-  if (!words.empty() && !has_command && !wants_help) words.insert(words.begin(), "render");
+  if (!words.empty() && !has_command && !wants_help)
+    words.insert(words.begin(), has_image_extension(words[0]) ? "shade" : "render");
   return words;
 }
 
@@ -152,14 +155,15 @@ int run(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) command_line += " " + quoted(argv[i]);
   CLI::App app{
       "Screen-space shading: ambient occlusion and more, for any 3D model.\n"
-      "umbrage MODEL -o out.png is short for umbrage render MODEL -o out.png.",
+      "umbrage MODEL -o out.png is short for umbrage render MODEL -o out.png,\n"
+      "umbrage IMAGE -o out.png for umbrage shade IMAGE -o out.png.",
       "umbrage"};
   app.set_version_flag("--version", "umbrage " UMBRAGE_VERSION);
   app.require_subcommand(1);
   app.fallthrough(false);
   std::function<Result<void>()> command;
-  for (const AddCommand add :
-       {add_render, add_thumbnails, add_compare, add_tune, add_figures, add_bench, add_info, add_list, add_manual})
+  for (const AddCommand add : {add_render, add_shade, add_thumbnails, add_compare, add_tune, add_figures, add_bench,
+                               add_info, add_list, add_manual})
     add(app, command);
   const std::vector<std::string> commands = command_names(app);
 

@@ -54,7 +54,8 @@ Result<void> check_text(const Option& row, const std::string& text) {
   if (const auto settings = effect_settings(alone.settings); !settings) return settings.error();
   // Other options may depend on each other and cannot be checked alone.
   if (row.field != "look" && row.field != "occlusion" && row.field != "quality") return {};
-  const auto recipe = make_recipe(alone);
+  const Look* look = find_look(alone.look);
+  const auto recipe = look && look->needs_beauty ? make_shading_recipe(alone) : make_recipe(alone);
   return recipe ? Result<void>() : recipe.error();
 }
 
@@ -117,7 +118,7 @@ void add_one(CLI::App& command, CommonOptions& o, std::string_view field, std::s
 
 void add_group(CLI::App& command, CommonOptions& o, OptionCommand which, std::string_view group) {
   for (const Option& row : options())
-    if ((row.commands & which) && row.group == group) add_one(command, o, row.field, group);
+    if ((row.commands & which) && row.group == group && !row.option.empty()) add_one(command, o, row.field, group);
 }
 
 CLI::App* add_model_command(CLI::App& app, const std::string& name, const std::string& help, CommonOptions& o,
@@ -183,6 +184,24 @@ Result<std::unique_ptr<Device>> device_of(const CommonOptions& o) {
   if (o.request.threads > 0)
     limit.emplace(tbb::global_control::max_allowed_parallelism, std::size_t(o.request.threads));
   return make_device(o.request.device, o.request.threads);
+}
+
+Result<std::vector<std::unique_ptr<Device>>> worker_devices(const CommonOptions& o, std::size_t count) {
+  std::vector<std::unique_ptr<Device>> devices;
+  auto first = device_of(o);
+  if (!first) return first.error();
+  const int threads = (*first)->threads();
+  const bool is_cpu = (*first)->description().starts_with("cpu");
+  count = std::clamp(count, std::size_t(1), std::size_t(threads));
+  devices.push_back(std::move(*first));
+  if (!is_cpu || count == 1) return devices;
+  devices.clear();
+  while (devices.size() < count) {
+    auto next = make_device("cpu", std::max(1, threads / int(count)));
+    if (!next) return next.error();
+    devices.push_back(std::move(*next));
+  }
+  return devices;
 }
 
 Result<void> make_folder(const std::filesystem::path& folder) {

@@ -108,6 +108,10 @@ std::vector<std::string> command_names(const CLI::App& app);
 /// Creates the requested device and applies --isa and --threads to the process.
 Result<std::unique_ptr<Device>> device_of(const CommonOptions& options);
 
+/// Returns the devices of `count` threads that draw at the same time: on the CPU one for each thread, at most one for
+/// each core, among which the cores are divided; else one for all.
+Result<std::vector<std::unique_ptr<Device>>> worker_devices(const CommonOptions& options, std::size_t count);
+
 /// Checks that a folder can be created or, if it exists, that these files can be written into it. Creates nothing.
 /// Errors: kFile.
 Result<void> check_folder(const std::filesystem::path& folder, std::initializer_list<const char*> files);

@@ -1,23 +1,22 @@
 // umbrage render: draws a model to a picture, a turntable or a video.
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <mutex>
+#include <numeric>
 #include <span>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/frame_names.h"
 #include "apps/cli/hints.h"
 #include "apps/cli/line_file.h"
+#include "apps/cli/output.h"
 #include "apps/cli/picture_file.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/render_options.h"
 #include "apps/cli/standard_input.h"
 #include "apps/cli/video.h"
 #include "core/guarded.h"
-#include "core/numbers.h"
 #include "effects/effects.h"
 #include "io/image_file.h"
 #include "renderer/background.h"
@@ -44,41 +43,14 @@ Result<std::vector<std::string>> pass_planes_of(const RenderOptions& o, const De
   return names;
 }
 
-/// Parses a number of bytes, such as "6G", "512M" or "100000". Errors: kUsage.
-Result<double> parse_memory(std::string_view text) {
-  constexpr std::string_view kUnits = "KMGT";
-  const std::size_t unit = text.empty() ? std::string_view::npos : kUnits.find(text.back());
-  const auto number = parse_number(text.substr(0, text.size() - (unit == std::string_view::npos ? 0 : 1)));
-  if (!number || !(*number > 0.0))
-    return usage_error(
-        "--memory cannot be '{}': it takes a number of bytes, or a number followed by K, M, G or T, such as 6G", text);
-  return unit == std::string_view::npos ? *number : *number * std::pow(1024.0, double(unit + 1));
-}
-
-Result<void> write_output(const RenderOptions& o, const Destination& destination, const EffectSettings& effect_settings,
-                          const glm::dvec3& origin, Device& device, const Frame& frame) {
-  const Camera camera = inner_camera(frame.info);
-  const glm::dmat4 view = view_from_file(camera.view_from_world, origin);
-  const WriteSettings settings{.bits = o.bits(),
-                               .half = o.half,
-                               .quality = o.picture_quality,
-                               .threads = device.threads(),
-                               .camera = &camera,
-                               .view_from_world = &view};
-  const auto names = o.writes_passes() ? pass_planes_of(o, device, frame)
-                                       : Result<std::vector<std::string>>(picture_planes(o, destination));
-  if (!names) return names.error();
-  const auto image = download_passes(device, frame, *names);
-  if (!image) return image.error();
-  return write_picture(
-      destination, convert_for_file(o, destination, *image, *names, effect_settings, destination.first_info), settings);
-}
-
 /// The files to write and the number of frames, checked before the model is read.
 struct Output {
   int frames = 1;
   bool is_turntable = false, is_video = false;  ///< a video is a turntable, too
   FrameNames names;                             ///< file names of a turntable that is not a video
+  Sequence sequence;                            ///< frames of a turntable that is not a video
+
+  bool is_sequence() const { return is_turntable && !is_video; }
 };
 
 /// A command line whose options are checked and resolved, before the model is read.
@@ -168,44 +140,14 @@ Result<void> draw_into_file(const RenderOptions& o, const RenderJob& job, Device
   return written;
 }
 
-/// Returns the total time of each dispatch, sorted by the first run of each.
-std::vector<DispatchTime> times_by_dispatch(const std::vector<DispatchTime>& dispatches) {
-  std::vector<DispatchTime> sums;
-  for (const DispatchTime& dispatch : dispatches) {
-    const auto same = std::find_if(sums.begin(), sums.end(), [&](const DispatchTime& sum) {
-      return sum.effect == dispatch.effect && sum.dispatch == dispatch.dispatch;
-    });
-    if (same == sums.end())
-      sums.push_back(dispatch);
-    else
-      same->ms += dispatch.ms;
-  }
-  return sums;
-}
-
-void print_times(const StageTimes& times, const std::vector<DispatchTime>& dispatches, bool json) {
-  if (!json) {
-    for (const auto& stage : times.stages) fmt::print(stderr, "{:<12}{:9.1f} ms\n", stage.name, stage.ms);
-    fmt::print(stderr, "{:<12}{:9.1f} ms\n", "total", times.total());
-    for (const DispatchTime& dispatch : dispatches)
-      fmt::print(stderr, "{:<34}{:9.3f} ms on the GPU\n", fmt::format("{} / {}", dispatch.effect, dispatch.dispatch),
-                 dispatch.ms);
-    return;
-  }
-  nlohmann::json records = nlohmann::json::array();
-  for (const auto& stage : times.stages) records.push_back({{"stage", stage.name}, {"ms", stage.ms}});
-  for (const DispatchTime& dispatch : dispatches)
-    records.push_back({{"stage", dispatch.effect}, {"pass", dispatch.dispatch}, {"gpu_ms", dispatch.ms}});
-  records.push_back({{"stage", "total"}, {"ms", times.total()}});
-  fmt::print("{}\n", records.dump(2));
-}
-
 Result<Output> output_of(const RenderOptions& o) {
   Output output;
   const bool piped = o.output == kStandardOutput;
-  if (piped && ::isatty(STDOUT_FILENO))
-    return usage_error("-o - writes a PNG to standard output, which is a terminal: redirect it to a file or a program");
-  if (piped && o.json) return usage_error("-o - and --json cannot both write to standard output");
+  if (piped)
+    if (auto fine = check_piped(o); !fine) return fine.error();
+  if ((o.turntable == 0 || is_video(o.output)) && (!o.sequence.shard.empty() || o.sequence.overwrite))
+    return usage_error("{} is for the numbered pictures of --turntable",
+                       o.sequence.overwrite ? "--overwrite" : "--shard");
   if (o.turntable == 0) {
     if (is_video(o.output) && !format_of(o.output))
       return usage_error("'{}' is a video, which needs several frames: give --turntable, such as --turntable 120",
@@ -222,7 +164,7 @@ Result<Output> output_of(const RenderOptions& o) {
   if (piped)
     return usage_error("--turntable {} writes several pictures, and -o - takes one: name a file, such as turn.png",
                        o.turntable);
-  auto names = frame_names(o.output);
+  auto names = frame_names(o.output, "--output");
   if (!names) return names.error();
   output.names = *names;
   for (const int frame : {0, output.frames - 1})
@@ -238,74 +180,112 @@ VideoSettings video_settings(const RenderOptions& o) {
           .alpha = o.writes_passes() ? o.writes_only("outline") : o.request.transparent};
 }
 
-/// Draws and writes all frames.
-Result<void> draw_frames(const RenderOptions& o, const RenderJob& job, Device& device, const Scene& scene,
-                         const Plan& plan, StageTimes& times) {
-  const Output& output = job.output;
-  const LineFile& lines = job.lines;
-  ProgressLine line;
-  int frame_number = 0;
-  const auto monitor = [&](double done) {
-    line.show(output.frames == 1 ? "drawing" : fmt::format("drawing frame {} of {}", frame_number + 1, output.frames),
-              (frame_number + done) / output.frames);
-    return true;
-  };
-  const ScopedPlanePool kept(device.pool());
-  std::unique_ptr<Video> video;
-  Destination destination{o.output, nullptr, {}};
-  if (output.is_video) {
-    auto begun = Video::begin(o.output, video_settings(o));
-    if (!begun) return begun.error();
-    video = std::move(*begun);
-    destination.video = video.get();
-  }
-  std::optional<float> stops;  // exposure of the first frame, used for all
+/// What all frames of a model need.
+struct Drawing {
+  const RenderOptions& o;
+  const RenderJob& job;
+  Device& device;
+  const Scene& scene;
+  const Plan& plan;
+  Destination destination;          ///< of the first frame
+  std::optional<float> stops = {};  ///< exposure of the first frame, used for all
+  bool is_first = true;
+  std::mutex mutex = {};  ///< guards the device and the members above it
+};
+
+/// Draws a frame and writes its files. While one thread writes, another can draw.
+Result<void> draw_frame(Drawing& all, const FrameTask& task, StageTimes& times) {
+  const RenderOptions& o = all.o;
+  const RenderJob& job = all.job;
+  std::unique_lock lock(all.mutex);
+  times.last = std::chrono::steady_clock::now();
+  const ScopedPlanePool kept(all.device.pool());
   constexpr float kWholeTurnDeg = 360.0f;
-  for (; frame_number < output.frames; ++frame_number) {
-    const float angle_deg = kWholeTurnDeg * float(frame_number) / float(output.frames);
-    const auto drawn = draw(device, scene, turned(plan, scene, angle_deg), times, monitor, stops);
-    if (!drawn) return drawn.error();
-    const Frame& frame = drawn->frame;
-    stops = drawn->stops;
-    if (frame_number == 0) {
-      line.wipe();
-      const auto planes = device.download(frame, hint_planes(job.recipe));
-      if (!planes) return planes.error();
-      HintStatistics statistics;
-      statistics.add(planes->plane("depth"), planes->find("ao"));
-      print_hints(job.recipe, statistics, scene);
-      destination.first_info = frame.info;
-    }
-    if (output.is_turntable && !video) destination.file = output.names.of(frame_number);
-    if (!lines.alone)
-      if (auto written = write_output(o, destination, job.recipe.settings, scene.origin, device, frame); !written)
-        return written;
-    times.done("write");
-    if (!lines) continue;
-    if (auto written = write_lines(lines, frame_number, device, frame); !written) return written;
+  const float angle_deg = kWholeTurnDeg * float(task.frame) / float(job.output.frames);
+  const auto drawn =
+      draw(all.device, all.scene, turned(all.plan, all.scene, angle_deg), times, task.monitor, all.stops);
+  if (!drawn) return drawn.error();
+  const Frame& frame = drawn->frame;
+  all.stops = drawn->stops;
+  if (all.is_first) {
+    const auto planes = all.device.download(frame, hint_planes(job.recipe));
+    if (!planes) return planes.error();
+    HintStatistics statistics;
+    statistics.add(planes->plane("depth"), planes->find("ao"));
+    task.wipe_progress();
+    print_hints(job.recipe, statistics, all.scene);
+    all.destination.first_info = frame.info;
+    all.is_first = false;
+  }
+  if (!task.writes) return {};
+  if (job.lines) {
+    if (auto written = write_lines(job.lines, task.frame, all.device, frame); !written) return written;
     times.done("lines");
   }
+  if (job.lines.alone) return {};
+  Destination destination = all.destination;
+  if (job.output.is_sequence()) destination.file = job.output.names.of(task.frame);
+  const auto names = o.writes_passes() ? pass_planes_of(o, all.device, frame)
+                                       : Result<std::vector<std::string>>(picture_planes(o, destination));
+  if (!names) return names.error();
+  const auto image = download_passes(all.device, frame, *names);
+  if (!image) return image.error();
+  lock.unlock();
+  const Camera camera = inner_camera(frame.info);
+  const glm::dmat4 view = view_from_file(camera.view_from_world, all.scene.origin);
+  const WriteSettings settings{.bits = o.bits(),
+                               .half = o.half,
+                               .quality = o.picture_quality,
+                               .threads = all.device.threads(),
+                               .camera = &camera,
+                               .view_from_world = &view};
+  auto written = write_picture(
+      destination, convert_for_file(o, destination, *image, *names, job.recipe.settings, destination.first_info),
+      settings);
+  times.done("write");
+  return written;
+}
+
+/// Draws a picture, or the frames of a video one after the other.
+Result<void> draw_in_order(Drawing& all, Video* video, StageTimes& times) {
+  ProgressLine line;
+  const int frames = all.job.output.frames;
+  all.destination.video = video;
+  for (int frame = 0; frame < frames; ++frame) {
+    const auto monitor = [&](double done) {
+      line.show(frames == 1 ? "drawing" : fmt::format("drawing frame {} of {}", frame + 1, frames),
+                (frame + done) / frames);
+      return true;
+    };
+    const FrameTask task{.frame = frame, .monitor = monitor, .wipe_progress = [&] { line.wipe(); }};
+    if (auto drawn = draw_frame(all, task, times); !drawn) return drawn;
+  }
   if (!video) return {};
-  line.show("finishing " + o.output);
+  line.show("finishing " + all.o.output);
   if (auto written = video->finish(); !written) return written;
   times.done("write");
   return {};
 }
 
-/// Checks that the file format supports the requested passes, bits and half floats. Errors: kUsage.
-Result<void> check_output(const RenderOptions& o, const Output& output) {
-  const std::string extension = output.is_video ? std::filesystem::path(o.output).extension().string().substr(1)
-                                : o.output == kStandardOutput ? "png"
-                                                              : *extension_of(o.output);
-  if (extension != "exr" && (o.request.passes.size() > 1 || o.writes_only("all")))
-    return usage_error("--passes {} needs a file that holds several passes: write to a name that ends in .exr",
-                       o.text_of("passes"));
-  if (o.bits() != 8 && extension != "png") return usage_error("--bits is for .png files, not .{}", extension);
-  if (auto fine = check_format(o, extension); !fine) return fine;
-  if (o.picture_quality != WriteSettings().quality && extension != "jpg" && extension != "jpeg" && extension != "webp")
-    return usage_error("--picture-quality is for .jpg and .webp files, not .{}", extension);
-  if (o.half && extension != "exr") return usage_error("--half is for .exr files, not .{}", extension);
-  return {};
+/// Draws and writes all frames.
+Result<void> draw_frames(const RenderOptions& o, const RenderJob& job, Device& device, const Scene& scene,
+                         const Plan& plan, StageTimes& times) {
+  const ScopedPlanePool kept(device.pool());
+  Drawing all{o, job, device, scene, plan, {o.output, nullptr, {}}};
+  if (!job.output.is_turntable) return draw_in_order(all, nullptr, times);
+  if (job.output.is_video) {
+    auto video = Video::begin(o.output, video_settings(o));
+    return video ? draw_in_order(all, video->get(), times) : Result<void>(video.error());
+  }
+  constexpr int kWorkers = 3;  // one draws with all threads while the others write
+  std::vector<StageTimes> times_of(kWorkers);
+  const auto make = [&](const FrameTask& task) { return draw_frame(all, task, times_of[std::size_t(task.worker)]); };
+  auto made = make_sequence(job.output.sequence,
+                            {.activity = "drawing", .verbose = o.verbose, .make = make, .start_workers = [] {
+                               return Result<int>(kWorkers);
+                             }});
+  for (const StageTimes& worker : times_of) add_times(times, worker);
+  return made;
 }
 
 /// Sets what follows from the format of the file: a scene-linear picture in .exr, and the passes of the preset
@@ -339,7 +319,10 @@ Result<RenderJob> make_job(const RenderOptions& o) {
   auto recipe = make_recipe(o.request, kMaxStripPixels);
   if (!recipe) return recipe.error();
   job.requested = job.recipe = std::move(*recipe);
-  if (auto fine = check_output(o, *output); !fine) return fine.error();
+  const std::string extension = output->is_video ? std::filesystem::path(o.output).extension().string().substr(1)
+                                : o.output == kStandardOutput ? "png"
+                                                              : *extension_of(o.output);
+  if (auto fine = check_output(o, extension); !fine) return fine.error();
   if (job.lines)
     if (auto taken = set_line_parameters(o, job.requested, job.lines); !taken) return taken.error();
   if (job.lines.alone) {
@@ -357,6 +340,17 @@ Result<RenderJob> make_job(const RenderOptions& o) {
   const auto import_with = import_settings(o.request);
   if (!import_with) return import_with.error();
   job.model_import = *import_with;
+  if (!output->is_sequence()) return job;
+  SequenceFiles files;
+  files.shared.assign(o.models.begin(), o.models.end());
+  files.shared.emplace_back(o.request.hdri_file);
+  if (!job.lines.alone) files.outputs.push_back(output->names);
+  if (job.lines) files.outputs.push_back(job.lines.names);
+  std::vector<int> range(std::size_t(output->frames));
+  std::iota(range.begin(), range.end(), 0);
+  auto sequence = plan_sequence(o.sequence, files, std::move(range));
+  if (!sequence) return sequence.error();
+  job.output.sequence = std::move(*sequence);
   return job;
 }
 
@@ -416,6 +410,7 @@ Result<void> render(const RenderOptions& given) {
   StageTimes times;
   auto job = make_job(o);
   if (!job) return job.error();
+  if (job->output.is_sequence() && job->output.sequence.own.empty()) return {};
   auto opened = device_of(o);
   if (!opened) return opened.error();
   std::unique_ptr<Device> device = std::move(*opened);
@@ -468,28 +463,14 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
       ->required()
       ->group(output);
   command->add_option("--svg", options->svg, "also write the look's lines as curves to this .svg file")->group(output);
-  add_one(*command, *options, "passes", output);
   add_number(*command, "--turntable", options->turntable, {1, 100000, NumberKind::kInteger},
              "number of frames for one turn of the model, written as turn_0000.png and so on, or as a video",
              "one picture")
       ->group(output);
+  add_sequence_options(*command, options->sequence, false);
   add_number(*command, "--frame-rate", options->frame_rate, {0.1, 1000}, "frames per second of a video")->group(output);
-  add_one(*command, *options, "bits", output);
-  add_number(*command, "--picture-quality", options->picture_quality, {1, 100, NumberKind::kInteger},
-             "quality of a .jpg or .webp, 1 to 100; a .webp of 100 is lossless")
-      ->group(output);
-  command->add_flag("--half", options->half, "16-bit floats in an EXR, for planes for which their precision suffices")
-      ->group(output);
-  CLI::Option* memory = command->add_option(
-      "--memory", options->memory,
-      fmt::format("approximate memory limit, such as 6G or 500M; a picture that needs more is drawn in strips [{}]",
-                  options->memory));
-  memory->group(output);
-  add_check(*memory, [](const std::string& text) -> Result<void> {
-    const auto bytes = parse_memory(text);
-    return bytes ? Result<void>() : bytes.error();
-  });
-  command->add_flag("--json", options->json, "print the time of each stage as JSON")->group(output);
+  add_output_options(*command, *options,
+                     "approximate memory limit, such as 6G or 500M; a picture that needs more is drawn in strips");
   add_device_options(*command, *options, kRender);
 }
 

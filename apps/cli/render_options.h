@@ -3,13 +3,15 @@
 #include <string>
 
 #include "apps/cli/options.h"
+#include "apps/cli/sequence.h"
 #include "io/image_file.h"
 
 namespace umbrage::cli {
 
 struct RenderOptions : CommonOptions {
   std::string output, svg, memory = "6G";
-  int turntable = 0;         ///< number of frames; 0: one picture
+  int turntable = 0;  ///< number of frames; 0: one picture
+  SequenceOptions sequence;
   double frame_rate = 30.0;  ///< frames per second of a video
   bool half = false, json = false;
   int picture_quality = WriteSettings().quality;  ///< of .jpg and .webp, 1 to 100

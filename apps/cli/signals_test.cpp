@@ -242,7 +242,7 @@ TEST_F(Signals, ProgressIsWipedAtTheEnd) {
   const std::string written = read_terminal(running.terminal, "");
   EXPECT_EQ(code_of(running), 0);
   ::close(running.terminal);
-  const Shown end = shown(written, "drawing frame ");
+  const Shown end = shown(written, "drawing, ");
   EXPECT_EQ(end.line, "") << written;
   EXPECT_EQ(written.find('\n'), std::string::npos) << written;
   if (std::chrono::steady_clock::now() - begun > 3s) {

@@ -59,9 +59,9 @@ Error name_standard_input(Error error) {
   return error;
 }
 
-/// Copies standard input to a temporary file and returns its path.
-Result<fs::path> copy_standard_input(const std::string& format) {
-  if (::isatty(STDIN_FILENO)) return usage_error("- reads a model from standard input, which is a terminal");
+/// Returns the bytes of standard input. `what`: of what, for an error.
+Result<std::string> read_standard_input(std::string_view what) {
+  if (::isatty(STDIN_FILENO)) return usage_error("- reads {} from standard input, which is a terminal", what);
   std::string bytes;
   constexpr std::size_t kStep = 1 << 20;
   while (!std::feof(stdin)) {
@@ -72,10 +72,11 @@ Result<fs::path> copy_standard_input(const std::string& format) {
     if (std::ferror(stdin)) return file_error("standard input cannot be read");
   }
   if (bytes.empty()) return file_error("standard input is empty");
-  constexpr std::size_t kInflatedBytes = std::size_t(1) << 16;
-  const std::string start = is_gzip(bytes) ? inflated_start(bytes, kInflatedBytes) : std::string();
-  const std::string extension = format.empty() ? format_of_content(start.empty() ? bytes : start) : format;
-  if (extension.empty()) return file_error("standard input has an unknown format; name it with --input-format");
+  return bytes;
+}
+
+/// Writes a copy of standard input to a temporary file and returns its path.
+Result<fs::path> store_copy(const std::string& bytes, const std::string& extension) {
   std::error_code code;
   const fs::path temporary_folder = fs::temp_directory_path(code);
   std::random_device random;
@@ -100,6 +101,17 @@ Result<fs::path> copy_standard_input(const std::string& format) {
   if (!stream || std::fclose(stream) != 0 || !written)
     return file_error("standard input cannot be copied to '{}'", folder);
   return fs::path(file);
+}
+
+/// Copies a model on standard input to a temporary file and returns its path.
+Result<fs::path> copy_standard_input(const std::string& format) {
+  const auto bytes = read_standard_input("a model");
+  if (!bytes) return bytes.error();
+  constexpr std::size_t kInflatedBytes = std::size_t(1) << 16;
+  const std::string start = is_gzip(*bytes) ? inflated_start(*bytes, kInflatedBytes) : std::string();
+  const std::string extension = format.empty() ? format_of_content(start.empty() ? *bytes : start) : format;
+  if (extension.empty()) return file_error("standard input has an unknown format; name it with --input-format");
+  return store_copy(*bytes, extension);
 }
 
 struct RemoveCopyAtEnd {
@@ -169,6 +181,16 @@ Result<Scene> load_models(const std::vector<std::string>& models, const std::str
   auto scene = load_scenes(files, settings);
   if (!scene) return name_standard_input(scene.error());
   return scene;
+}
+
+Result<void> with_image_on_standard_input(const std::function<Result<void>(const std::string& file)>& work) {
+  const RemoveCopyAtEnd remove_copy;
+  const auto bytes = read_standard_input("an image");
+  if (!bytes) return bytes.error();
+  const auto file = store_copy(*bytes, "image");
+  if (!file) return file.error();
+  auto done = work(file->string());
+  return done ? done : Result<void>(name_standard_input(done.error()));
 }
 
 std::function<Result<Scene>(const std::string&, const ImportSettings&)> loader_of(const CommonOptions& o) {

@@ -25,6 +25,10 @@ Result<Scene> load_models(const std::vector<std::string>& models, const std::str
 /// Returns a function that reads one of the models. The models must have passed check_standard_input.
 std::function<Result<Scene>(const std::string&, const ImportSettings&)> loader_of(const CommonOptions& options);
 
+/// Calls `work` with the path of a copy of standard input, an image, which exists during the call. Errors: those of
+/// `work`; kUsage and kFile if standard input is a terminal, empty or cannot be copied.
+Result<void> with_image_on_standard_input(const std::function<Result<void>(const std::string& file)>& work);
+
 /// Removes the temporary copy of standard input, if it exists. Async-signal-safe.
 void remove_standard_input_copy();
 

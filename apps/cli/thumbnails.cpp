@@ -15,7 +15,6 @@
 #include "apps/cli/render_options.h"
 #include "core/guarded.h"
 #include "io/image_file.h"
-#include "renderer/devices.h"
 #include "renderer/draw.h"
 #include "renderer/models.h"
 #include "scene/readers/import.h"
@@ -127,25 +126,6 @@ Result<void> make(const Thumbnail& one, const ThumbnailOptions& o, const Recipe&
                        {.bits = o.bits(), .quality = o.picture_quality, .threads = 1});
 }
 
-/// Returns the devices: on the CPU one for each of `count` threads, among which the cores are divided.
-Result<std::vector<std::unique_ptr<Device>>> devices_of(const ThumbnailOptions& o, std::size_t count) {
-  std::vector<std::unique_ptr<Device>> devices;
-  auto first = device_of(o);
-  if (!first) return first.error();
-  const int threads = (*first)->threads();
-  const bool is_cpu = (*first)->description().starts_with("cpu");
-  count = std::clamp(count, std::size_t(1), std::size_t(threads));
-  devices.push_back(std::move(*first));
-  if (!is_cpu || count == 1) return devices;
-  devices.clear();
-  while (devices.size() < count) {
-    auto next = make_device("cpu", std::max(1, threads / int(count)));
-    if (!next) return next.error();
-    devices.push_back(std::move(*next));
-  }
-  return devices;
-}
-
 Result<void> thumbnails(const ThumbnailOptions& given) {
   ThumbnailOptions o = given;
   o.request.width = o.request.height = o.size;
@@ -159,7 +139,7 @@ Result<void> thumbnails(const ThumbnailOptions& given) {
   for (const Thumbnail& one : *all)
     if (auto fine = check_format(o, *extension_of(one.file.string())); !fine) return fine;
   if (auto made = make_folder(all->front().file.parent_path()); !made) return made;
-  auto devices = devices_of(o, all->size());
+  auto devices = worker_devices(o, all->size());
   if (!devices) return devices.error();
 
   ProgressLine line;

@@ -100,11 +100,11 @@ TEST_F(TurntableTest, LightStaysWithTheCamera) {
   // After a quarter turn a cube looks as before, unless the light has turned with it.
   write_cube("newmtl side\nKd 0.6 0.5 0.4\nnewmtl back\nKd 0.6 0.5 0.4\nnewmtl top\nKd 0.3 0.6 0.3\n");
   for (const std::string look : {"--look studio", "--look lit", "--look studio --hdri-file sky: --hdri-skybox"}) {
-    good("cube.obj --device cpu --resolution 96x72 -o turn.png --turntable 4 " + look);
+    good("cube.obj --device cpu --resolution 96x72 -o turn.png --turntable 4 --overwrite " + look);
     for (const char* name : {"turn_0001.png", "turn_0002.png", "turn_0003.png"})
       EXPECT_LT(difference(image("turn_0000.png"), image(name)), 0.004) << look << " " << name;
     // An eighth of a turn shows a difference.
-    good("cube.obj --device cpu --resolution 96x72 -o eighth.png --turntable 8 " + look);
+    good("cube.obj --device cpu --resolution 96x72 -o eighth.png --turntable 8 --overwrite " + look);
     EXPECT_GT(difference(image("eighth_0000.png"), image("eighth_0001.png")), 0.012) << look;
   }
 }

@@ -263,7 +263,7 @@ Result<void> take_pictures(Search& search, std::size_t model_index, Scene& scene
 /// Returns the options of `umbrage render` that select a trial.
 std::vector<std::string> options_of(const Search& search, const Trial& best, const std::string& radius) {
   const Request& draw = search.settings.draw;
-  std::vector<std::string> words = {"--look", draw.look};
+  std::vector<std::string> words = {"--look", std::string(search.recipe.look->name)};
   const auto add = [&](const std::string& name, const std::string& value) {
     if (!value.empty()) words.insert(words.end(), {name, value});
   };

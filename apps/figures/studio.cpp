@@ -58,7 +58,7 @@ Result<Shot> Studio::shoot(const std::vector<std::string>& settings, const std::
   names.insert(names.end(), planes.begin(), planes.end());
   auto image = device.download(*frame, names);
   if (!image) return image.error();
-  std::string command = fmt::format("umbrage {} -o out.png --look {} --resolution {},{}", model, request.look,
+  std::string command = fmt::format("umbrage {} -o out.png --look {} --resolution {},{}", model, recipe->look->name,
                                     request.width, request.height);
   if (request.anti_aliasing) command += fmt::format(" --anti-aliasing {}", *request.anti_aliasing);
   if (!occlusion.empty()) command += " --ao " + occlusion;

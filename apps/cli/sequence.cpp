@@ -1,0 +1,266 @@
+#include "apps/cli/sequence.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <numeric>
+#include <optional>
+#include <thread>
+
+#include "apps/cli/frame_range.h"
+#include "apps/cli/options.h"
+#include "apps/cli/progress.h"
+#include "core/guarded.h"
+
+namespace umbrage::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Returns the time of the last change of a file; nullopt if there is none.
+std::optional<fs::file_time_type> time_of(const fs::path& file) {
+  std::error_code error;
+  const auto time = fs::last_write_time(file, error);
+  return error ? std::nullopt : std::optional(time);
+}
+
+bool has_inputs(const SequenceFiles& files, int frame) {
+  std::error_code ignored;
+  return std::all_of(files.inputs.begin(), files.inputs.end(),
+                     [&](const FrameNames& names) { return fs::exists(names.of(frame), ignored); });
+}
+
+/// Returns whether all outputs of a frame are there and no input is newer.
+bool is_finished(const SequenceFiles& files, int frame) {
+  auto oldest = fs::file_time_type::max();
+  for (const FrameNames& names : files.outputs) {
+    const auto time = time_of(names.of(frame));
+    if (!time) return false;
+    oldest = std::min(oldest, *time);
+  }
+  const auto is_older = [&](const fs::path& file) {
+    const auto time = time_of(file);
+    return !time || *time <= oldest;
+  };
+  return std::all_of(files.shared.begin(), files.shared.end(), is_older) &&
+         std::all_of(files.inputs.begin(), files.inputs.end(),
+                     [&](const FrameNames& names) { return is_older(names.of(frame)); });
+}
+
+/// Checks that the outputs of a frame are none of its inputs. Errors: kUsage.
+Result<void> check_inputs_remain(const SequenceFiles& files, int frame) {
+  std::vector<fs::path> inputs = files.shared;
+  for (const FrameNames& names : files.inputs) inputs.emplace_back(names.of(frame));
+  for (const FrameNames& names : files.outputs)
+    for (const fs::path& input : inputs)
+      if (auto fine = check_input_remains(input, names.of(frame)); !fine) return fine;
+  return {};
+}
+
+/// Returns a name with its number as ####.
+std::string pattern_of(const FrameNames& names) {
+  return names.before + std::string(std::size_t(names.digits), '#') + names.after;
+}
+
+/// Returns the error for frames without a file. Names the frames that exist, or else files of similar names.
+Error no_file_error(const FrameNames& names, const std::vector<int>& frames) {
+  const std::string pattern = pattern_of(names);
+  if (const auto existing = names.existing(); !existing.empty())
+    return file_error("there is no file '{}' for a frame of {}: there are frames {}", pattern, frames_text(frames),
+                      frames_text(existing));
+  const fs::path start(pattern);
+  const fs::path folder = start.has_parent_path() ? start.parent_path() : fs::path(".");
+  std::error_code error;
+  std::vector<std::string> near;
+  fs::directory_iterator entry(folder, error), end;
+  for (; !error && entry != end; entry.increment(error))
+    if (entry->path().extension() == start.extension()) near.push_back(entry->path().filename().string());
+  if (error) return file_error("there is no file '{}': the folder '{}' cannot be read", pattern, folder.string());
+  if (near.empty())
+    return file_error("there is no file '{}': the folder '{}' has no {} file", pattern, folder.string(),
+                      start.extension().string());
+  std::sort(near.begin(), near.end());
+  return file_error("there is no file '{}': the folder has {}{}", pattern, near.front(),
+                    near.size() > 1 ? fmt::format(" to {}", near.back()) : "");
+}
+
+/// State of the threads that make frames.
+struct Progress {
+  const SequenceWork& work;
+  std::size_t total;
+  std::size_t done = 0;
+  std::vector<int> failed = {};
+  std::vector<double> fractions = {};  // of the frame that each worker makes
+  std::optional<Error> end = {};       // ends the sequence
+  std::mutex mutex = {};               // guards the members above
+  ProgressLine line = {};
+
+  void show() {
+    const double partial = std::accumulate(fractions.begin(), fractions.end(), 0.0);
+    line.show(fmt::format("{}, {} of {} frames done", work.activity, done, total),
+              std::min(1.0, (double(done) + partial) / double(total)));
+  }
+
+  /// Makes a frame and adds its outcome, except an error that `ends` the sequence. Returns the error.
+  Result<void> make(int worker, int frame, bool writes, bool (*ends)(ErrorKind)) {
+    const auto start = std::chrono::steady_clock::now();
+    const auto monitor = [&](double fraction) {
+      const std::lock_guard lock(mutex);
+      fractions[std::size_t(worker)] = fraction;
+      show();
+      return !end;
+    };
+    auto made = guarded([&] { return fmt::format("frame {}; try a smaller --memory", frame); },
+                        [&] {
+                          return work.make({worker, frame, writes, monitor, [&] { line.wipe(); }});
+                        });
+    const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const std::lock_guard lock(mutex);
+    fractions[std::size_t(worker)] = 0.0;
+    if (!made && !end && ends(made.error().kind)) end = made.error();
+    if (!writes || (!made && end)) return made;
+    ++done;
+    if (!made) failed.push_back(frame);
+    if (!made || work.verbose) {
+      line.wipe();
+      const std::string text = made ? fmt::format("{:.2f} s", s) : with_option_names(made.error().message);
+      // fmt::print would throw if standard error cannot be written.
+      std::fputs(fmt::format("umbrage: frame {}: {}\n", frame, text).c_str(), stderr);
+    }
+    show();
+    return made;
+  }
+};
+
+bool is_interruption(ErrorKind kind) { return kind == ErrorKind::kInterrupted; }
+bool is_not_about_frame(ErrorKind kind) { return is_interruption(kind) || kind == ErrorKind::kUsage; }
+
+/// Makes the first frame that can be made. Returns it, or the last one; the frames before it have failed.
+Result<int> make_first(const Sequence& sequence, Progress& progress) {
+  for (const int frame : sequence.all) {
+    const bool is_own = std::binary_search(sequence.own.begin(), sequence.own.end(), frame);
+    const auto made = progress.make(0, frame, is_own, is_not_about_frame);
+    if (made) return frame;
+    if (progress.end) return *progress.end;
+    if (!is_own && made.error().kind != ErrorKind::kFile) return made.error();
+  }
+  return sequence.all.back();
+}
+
+}  // namespace
+
+Result<void> check_input_remains(const fs::path& input, const std::string& output) {
+  std::error_code ignored;
+  if (!fs::equivalent(input, output, ignored)) return {};
+  return usage_error("--output '{}' is the input: name another file", output);
+}
+
+void add_sequence_options(CLI::App& command, SequenceOptions& options, bool has_frames) {
+  const auto output = "Output";
+  if (has_frames) {
+    CLI::Option* frames = command.add_option(
+        "--frames", options.frames,
+        "frames of a sequence: 1-240, 1-240x2 for every second one, or 1,3,5-9 [all files of the name]");
+    frames->group(output);
+    add_check(*frames, [](const std::string& text) -> Result<void> {
+      const auto parsed = parse_frames(text);
+      return parsed ? Result<void>() : parsed.error();
+    });
+  }
+  command
+      .add_option("--shard", options.shard,
+                  "make one part of the frames: 2/6 is the second of six; slurm: that of this task of a Slurm array "
+                  "[all frames]")
+      ->group(output);
+  command.add_flag("--overwrite", options.overwrite, "also make frames whose files are there and up to date")
+      ->group(output);
+}
+
+Result<Sequence> plan_sequence(const SequenceOptions& options, const SequenceFiles& files, std::vector<int> range) {
+  Shard shard;
+  if (!options.shard.empty()) {
+    const auto parsed = parse_shard(options.shard);
+    if (!parsed) return parsed.error();
+    shard = *parsed;
+  }
+  if (range.empty() && !options.frames.empty()) {
+    auto parsed = parse_frames(options.frames);
+    if (!parsed) return parsed.error();
+    range = std::move(*parsed);
+  } else if (range.empty()) {
+    range = files.inputs.front().existing();
+  }
+  Sequence sequence;
+  for (const int frame : range)
+    if (has_inputs(files, frame)) sequence.all.push_back(frame);
+  if (sequence.all.empty()) {
+    const auto lacking = std::find_if(files.inputs.begin(), files.inputs.end(), [&](const FrameNames& names) {
+      std::error_code ignored;
+      return std::none_of(range.begin(), range.end(), [&](int frame) { return fs::exists(names.of(frame), ignored); });
+    });
+    if (lacking != files.inputs.end()) return no_file_error(*lacking, range);
+    return file_error("no frame of {} has all its files: '{}' and the others have different frames", frames_text(range),
+                      pattern_of(files.inputs.front()));
+  }
+  for (const int frame : shard.of(range)) {
+    if (auto fine = check_inputs_remain(files, frame); !fine) return fine.error();
+    if (!std::binary_search(sequence.all.begin(), sequence.all.end(), frame))
+      sequence.missing.push_back(frame);
+    else if (!options.overwrite && is_finished(files, frame))
+      ++sequence.finished;
+    else
+      sequence.own.push_back(frame);
+  }
+  return sequence;
+}
+
+Result<void> make_sequence(const Sequence& sequence, const SequenceWork& work) {
+  if (sequence.finished > 0)
+    fmt::print(stderr, "umbrage: {} of {} frames are there already; --overwrite makes them again\n", sequence.finished,
+               sequence.finished + sequence.own.size() + sequence.missing.size());
+  Progress progress{work, sequence.own.size()};
+  progress.fractions.resize(1);
+  if (!sequence.own.empty()) {
+    const auto first = make_first(sequence, progress);
+    if (!first) return first.error();
+    // Frames up to the first have been made, or have failed.
+    const auto rest = std::upper_bound(sequence.own.begin(), sequence.own.end(), *first);
+    const auto count = std::size_t(sequence.own.end() - rest);
+    if (count > 0) {
+      const auto workers = work.start_workers();
+      if (!workers) return workers.error();
+      const std::size_t threads = std::clamp(std::size_t(*workers), std::size_t(1), count);
+      progress.fractions.resize(threads);
+      std::atomic<std::size_t> next = 0;
+      const auto run = [&](int worker) {
+        for (std::size_t k = next++; k < count; k = next++) {
+          {
+            const std::lock_guard lock(progress.mutex);
+            if (progress.end) return;
+          }
+          static_cast<void>(bool(progress.make(worker, rest[std::ptrdiff_t(k)], true, is_interruption)));
+        }
+      };
+      std::vector<std::jthread> others;
+      for (std::size_t worker = 1; worker < threads; ++worker) others.emplace_back(run, int(worker));
+      run(0);
+      others.clear();
+    }
+  }
+  progress.line.wipe();
+  if (progress.end) return *progress.end;
+  if (!sequence.missing.empty())
+    fmt::print(stderr, "umbrage: these frames have no input: {}\n", frames_text(sequence.missing));
+  const std::size_t bad = progress.failed.size() + sequence.missing.size();
+  if (bad == 0) return {};
+  std::vector<int> frames = progress.failed;
+  frames.insert(frames.end(), sequence.missing.begin(), sequence.missing.end());
+  std::sort(frames.begin(), frames.end());
+  return file_error("{} of {} frames have no picture: {}", bad,
+                    sequence.finished + sequence.own.size() + sequence.missing.size(), frames_text(frames));
+}
+
+}  // namespace umbrage::cli

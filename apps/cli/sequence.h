@@ -1,0 +1,74 @@
+// Sequences: numbered frames that are made several at once. A frame whose file is there already is finished, since
+// files appear whole; a frame that fails does not stop the others.
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "apps/cli/frame_names.h"
+#include "core/progress.h"
+#include "core/result.h"
+
+namespace CLI {
+class App;
+}
+
+namespace umbrage::cli {
+
+/// The options of a sequence, as texts.
+struct SequenceOptions {
+  std::string frames, shard;
+  bool overwrite = false;
+};
+
+/// Checks that an output is not this input. Errors: kUsage.
+Result<void> check_input_remains(const std::filesystem::path& input, const std::string& output);
+
+/// Adds --shard and --overwrite to the group Output, and --frames if `has_frames`.
+void add_sequence_options(CLI::App& command, SequenceOptions& options, bool has_frames);
+
+/// The files of a sequence.
+struct SequenceFiles {
+  std::vector<FrameNames> inputs, outputs;    ///< files that each frame reads and writes
+  std::vector<std::filesystem::path> shared;  ///< files that all frames read
+};
+
+/// The frames to make, ascending.
+struct Sequence {
+  std::vector<int> all;      ///< frames of the whole range whose inputs are there, of all shards
+  std::vector<int> own;      ///< those of this process that are not finished
+  std::vector<int> missing;  ///< frames of this process that have no input
+  std::size_t finished = 0;  ///< number of frames of this process that were finished before
+};
+
+/// Returns the frames of a sequence. `range`: all frames; empty: those of --frames, or else all files of the first
+/// input. Frames whose outputs are there and not older than their inputs are finished, unless --overwrite is given.
+/// Errors: kUsage, also if an output is an input; kFile if the range has no file.
+Result<Sequence> plan_sequence(const SequenceOptions& options, const SequenceFiles& files, std::vector<int> range);
+
+/// A frame to make.
+struct FrameTask {
+  int worker = 0;  ///< number of the calling thread
+  int frame = 0;
+  bool writes = true;  ///< false: the frame is only needed for those after it
+  ProgressMonitor monitor = {};
+  std::function<void()> wipe_progress = {};  ///< call it before anything is printed
+};
+using MakeFrame = std::function<Result<void>(const FrameTask& task)>;
+
+struct SequenceWork {
+  std::string activity;  ///< "shading", for the progress line
+  bool verbose = false;  ///< prints a line for each frame
+  MakeFrame make;
+  /// Called after the first frame; makes ready for several and returns their number.
+  std::function<Result<int>()> start_workers = [] { return Result<int>(1); };
+};
+
+/// Makes the frames. One line on standard error states how many were finished before. The first frame of all shards
+/// that can be made is made first, alone and on worker 0, so that the others can depend on it; it is written only if it
+/// is one of `own`. A failure is reported by one line on standard error. Errors: kFile if frames failed or were
+/// missing; kUsage of the first frame and kInterrupted of any end the sequence.
+Result<void> make_sequence(const Sequence& sequence, const SequenceWork& work);
+
+}  // namespace umbrage::cli
