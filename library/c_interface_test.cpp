@@ -426,8 +426,8 @@ TEST(CInterface, ParametersTakeOnlyTheirTypes) {
   refused(umbSetJobFloats(o.job, "camera.view_up", nullptr, 3), "no values");
   refused(umbSetJobString(o.job, "bitmask.slices", "x"), "bitmask.slices");
   refused(umbSetJobString(o.job, "bitmask.slyces", "4"), "did you mean");
-  refused(umbSetJobString(o.job, "depth_kind", "view"), "depth_kind");
-  refused(umbSetJobString(o.job, nullptr, "view"), "there is no parameter");
+  refused(umbSetJobString(o.job, "depth_kind", "planar"), "depth_kind");
+  refused(umbSetJobString(o.job, nullptr, "planar"), "there is no parameter");
   refused(umbSetJobFloat(o.job, "camera.zom", 2.0f), "did you mean 'camera.zoom'");
   umbSetJobString(o.job, "look", "stodio");
   refused(umbCheckJob(o.job), "did you mean 'studio'");

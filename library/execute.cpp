@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "library/job.h"
 #include "library/shared.h"
@@ -9,6 +10,7 @@
 #include "renderer/hdri.h"
 #include "renderer/models.h"
 #include "renderer/passes.h"
+#include "renderer/reduced_rows.h"
 #include "renderer/setting_warnings.h"
 #include "scene/ground.h"
 
@@ -118,8 +120,10 @@ Request JobObject::full_request() const {
   return request;
 }
 
-Result<Recipe> JobObject::recipe_of(const Request& request) const {
-  auto recipe = renders() ? make_recipe(request) : make_shading_recipe(request);
+Result<Recipe> JobObject::recipe_of(const Request& request, const GBufferFile* file) const {
+  auto recipe = renders() ? make_recipe(request)
+                : file    ? make_file_recipe(request, *file)
+                          : make_shading_recipe(request);
   if (!recipe || outputs_.empty()) return recipe;
   const bool color = std::any_of(outputs_.begin(), outputs_.end(), [](const Output& o) { return o.pass == "color"; });
   std::vector<std::string_view> other_planes;
@@ -128,15 +132,27 @@ Result<Recipe> JobObject::recipe_of(const Request& request) const {
   return recipe;
 }
 
-Result<JobObject::ResolvedJob> JobObject::resolve() const {
+Result<JobObject::ResolvedJob> JobObject::resolve(const GBufferFile* file) const {
   Request request = full_request();
-  auto recipe = recipe_of(request);
+  if (reads_files() && !images_.empty())
+    return usage_error("the job has the image '{}' and files: a G-buffer consists of images or of files",
+                       images_[0].name);
+  if (file) {
+    request.width = file->info().width;
+    request.height = file->info().height;
+  }
+  auto recipe = recipe_of(request, file);
   if (!recipe) return recipe.error();
+  if (!renders()) recipe->reduction = request.gbuffer.reduction;
+  const int width = request.width / recipe->reduction, height = request.height / recipe->reduction;
+  if (std::min(width, height) < 1)
+    return usage_error("`reduction` cannot be {}: the picture has {} x {} pixels", recipe->reduction, request.width,
+                       request.height);
   auto stroke_parameters = request.strokes ? line_parameters(*recipe) : Result<ParameterBytes>(ParameterBytes());
   if (!stroke_parameters) return stroke_parameters.error();
-  // A shaded picture has the size of its depth image.
-  if (renders() || find_image("depth"))
-    if (auto fine = check_outputs(outputs_, request.width, request.height); !fine) return fine.error();
+  // A shaded picture has the size of its depth image, or of its files.
+  if (renders() || find_image("depth") || file)
+    if (auto fine = check_outputs(outputs_, width, height); !fine) return fine.error();
   return ResolvedJob{std::move(request), std::move(*recipe), std::move(*stroke_parameters)};
 }
 
@@ -146,16 +162,26 @@ Result<void> JobObject::check() const {
 }
 
 Result<void> JobObject::execute() {
-  const auto resolved = resolve();
+  auto resolved = resolve();
   if (!resolved) return resolved.error();
-  const auto& [request, recipe, stroke_settings] = *resolved;
   const SceneInUse in_use(scene_.get());
   const DeviceObject::ExclusiveUse exclusive_use(*device_);
   if (auto begun = exclusive_use.check_begun(); !begun) return begun;
   if (auto free = in_use.check_begun(); !free) return free;
+  std::optional<GBufferFile> file;
+  if (reads_files()) {
+    auto opened = open_files();
+    if (!opened) return opened.error();
+    file = std::move(*opened);
+    resolved = resolve(&*file);
+    if (!resolved) return resolved.error();
+  }
+  const auto& [request, recipe, stroke_settings] = *resolved;
   device_->keep_memory_for(request.width, request.height);
   const ScopedPlanePool scoped_pool(device_->device->pool());
-  const auto frame = renders() ? render_frame(recipe) : shade_frame(request, recipe);
+  const auto frame = renders() ? render_frame(recipe)
+                     : file    ? shade_files(*file, recipe)
+                               : shade_frame(request, recipe);
   if (!frame) return frame.error();
   report_setting_warnings(request, recipe);
   Lines traced;
@@ -163,10 +189,14 @@ Result<void> JobObject::execute() {
     auto found = traced_lines(*device_->device, *frame, stroke_settings);
     if (!found) return found.error();
     traced = std::move(*found);
+    for (Line& line : traced.lines)
+      for (LinePoint& point : line.points)
+        for (float* value : {&point.x, &point.y, &point.width}) *value /= float(recipe.reduction);
     if (const auto ids = ids_.find("object_id"); ids != ids_.end() && !renders())
       for (Line& line : traced.lines) line.object = int(caller_id(ids->second, float(line.object)));
   }
-  if (auto done = write_outputs(*frame, outputs_.empty() ? default_outputs(recipe) : outputs_); !done) return done;
+  if (auto done = write_outputs(*frame, recipe, outputs_.empty() ? default_outputs(recipe) : outputs_); !done)
+    return done;
   lines = std::move(traced);
   line_color = stroke_settings.empty() ? std::array<float, 3>() : umbrage::line_color(stroke_settings);
   line_opacity = stroke_settings.empty() ? 0.0f : umbrage::line_opacity(stroke_settings);
@@ -174,7 +204,14 @@ Result<void> JobObject::execute() {
 }
 
 Result<void> JobObject::prepare() {
-  auto recipe = recipe_of(full_request());
+  if (reads_files()) {
+    auto described = describe_gbuffer(request_.gbuffer);
+    if (!described) return described.error();
+    facts = std::move(*described);
+    for (const std::string& warning : facts.warnings) device_->report_warning(warning);
+    return {};
+  }
+  auto recipe = recipe_of(full_request(), nullptr);
   if (!recipe || !renders()) return recipe ? Result<void>() : recipe.error();
   const SceneInUse in_use(scene_.get());
   const DeviceObject::ExclusiveUse exclusive_use(*device_);
@@ -296,7 +333,35 @@ Result<Frame> JobObject::shade_frame(const Request& request, const Recipe& recip
   counters.planes_copied += shared->copied;
   ids_ = std::move(shared->ids);
   StageTimes times;
-  return shade_planes(*device_->device, std::move(shared->gbuffer), recipe, times, progress);
+  auto drawn = shade_planes(*device_->device, std::move(shared->gbuffer), recipe, times, progress);
+  if (!drawn) return drawn.error();
+  return std::move(drawn->frame);
+}
+
+Result<GBufferFile> JobObject::open_files() {
+  // Pixels of the caller are in memory, so the picture is shaded whole, too.
+  constexpr double kAnyMemory = std::numeric_limits<double>::infinity();
+  auto file = device_->arena.execute([&] { return GBufferFile::open(request_.gbuffer, kAnyMemory, ""); });
+  if (!file) return file;
+  const long pixels = long(file->info().width) * file->info().height;
+  if (pixels > kMaxPixels)
+    return usage_error(
+        "a picture of {} x {} pixels is too large: at most {} pixels; umbrage shade draws up to {}, in "
+        "strips",
+        file->info().width, file->info().height, kMaxPixels, kMaxStripPixels);
+  facts = file->facts();
+  for (const std::string& warning : facts.warnings) device_->report_warning(warning);
+  return file;
+}
+
+Result<Frame> JobObject::shade_files(const GBufferFile& file, const Recipe& recipe) {
+  ids_.clear();
+  StageTimes times;
+  auto shaded = shade_whole_file(*device_->device, file, recipe, {}, times, progress);
+  if (!shaded) return shaded.error();
+  camera = shaded->frame.info.camera;
+  origin = glm::dvec3(0.0);
+  return std::move(shaded->frame);
 }
 
 std::vector<Output> JobObject::default_outputs(const Recipe& recipe) const {
@@ -310,11 +375,11 @@ std::vector<Output> JobObject::default_outputs(const Recipe& recipe) const {
   }
   std::vector<Output> outputs;
   outputs.reserve(passes.size());
-  for (const std::string& pass : passes) outputs.push_back({.pass = pass, .image = {}, .own = {}});
+  for (const std::string& pass : passes) outputs.push_back({.pass = pass});
   return outputs;
 }
 
-Result<void> JobObject::write_outputs(const Frame& frame, std::vector<Output> requested) {
+Result<void> JobObject::write_outputs(const Frame& frame, const Recipe& recipe, std::vector<Output> requested) {
   Device& device = *device_->device;
   std::vector<std::string> names;
   std::vector<Output> outputs;
@@ -335,7 +400,7 @@ Result<void> JobObject::write_outputs(const Frame& frame, std::vector<Output> re
         continue;  // requested by name and by "all"
       const auto set =
           std::find_if(requested.begin(), requested.end(), [&](const Output& o) { return o.pass == pass.name; });
-      outputs.push_back(set != requested.end() ? std::move(*set) : Output{.pass = pass.name, .image = {}, .own = {}});
+      outputs.push_back(set != requested.end() ? std::move(*set) : Output{.pass = pass.name});
       planes.push_back(pass.planes);
     }
   }
@@ -348,20 +413,21 @@ Result<void> JobObject::write_outputs(const Frame& frame, std::vector<Output> re
     for (Output& previous : last)
       if (previous.pass == output.pass) output.own = std::move(previous.own);
   for (std::size_t k = 0; k < outputs.size(); ++k)
-    if (auto done = fill(frame, planes[k], outputs[k]); !done) return done;
+    if (auto done = fill(frame, recipe, planes[k], outputs[k]); !done) return done;
   results_ = std::move(outputs);
   return {};
 }
 
-Result<void> JobObject::fill(const Frame& frame, const std::vector<std::string>& planes, Output& output) {
+Result<void> JobObject::fill(const Frame& frame, const Recipe& recipe, const std::vector<std::string>& planes,
+                             Output& output) {
   Device& device = *device_->device;
   SharedImage& to = output.image;
   const auto caller_ids = renders() ? ids_.end() : ids_.find(name_on_first_layer(output.pass));
   if (!to.data) {
     to = {.data = nullptr,
-          .type = caller_ids != ids_.end() ? PixelType::kUint32 : PixelType::kFloat32,
-          .width = frame.info.inner_width(),
-          .height = frame.info.inner_height(),
+          .type = caller_ids != ids_.end() ? PixelType::kUint32 : output.own_type,
+          .width = frame.info.inner_width() / recipe.reduction,
+          .height = frame.info.inner_height() / recipe.reduction,
           .channels = int(planes.size())};
     output.own.resize(std::size_t(to.width) * std::size_t(to.height) * planes.size());
     to.data = output.own.data();
@@ -377,6 +443,16 @@ Result<void> JobObject::fill(const Frame& frame, const std::vector<std::string>&
         write_id(to, x, y, caller_ids != ids_.end() ? caller_id(caller_ids->second, value) : id_of(value));
       }
   };
+  if (recipe.reduction > 1) {
+    // The mean colour is weighed by alpha, also if the caller takes three channels.
+    const auto image = device.download(frame, output.pass == "color" ? kColor : planes);
+    if (!image) return image.error();
+    const auto reduce = reduced_rows(recipe.reduction, recipe, [&](const PictureInfo&, const Image& rows, int) {
+      for (std::size_t k = 0; k < planes.size(); ++k) take(k, rows.planes[k]);
+      return Result<void>();
+    });
+    return reduce(frame.info, *image, 0);
+  }
   if (!renders() || background_planes(planes, false).empty()) return device.visit(frame, planes, take);
   const auto image = download_passes(device, frame, planes);
   if (!image) return image.error();

@@ -63,7 +63,8 @@ bool is_parameter(const Option& row, std::string_view owner) {
   if (std::holds_alternative<std::monostate>(row.where) || row.group == "Device") return false;
   if (owner == "scene") return row.group == "Scene";
   if (row.group == "Scene" || row.field == "model" || row.field == "settings" || row.field == "passes") return false;
-  return owner == "render" ? row.group != "G-buffer" : (row.commands & kShade) != 0 || row.field == "strokes";
+  return owner == "render" ? row.group != "G-buffer" && row.group != "Files"
+                           : (row.commands & kShade) != 0 || row.field == "strokes";
 }
 
 Error unknown_parameter(const std::string& name, std::string_view owner) {
@@ -166,8 +167,17 @@ Result<void> JobObject::set_output(const std::string& name, const UmbImage* imag
         return usage_error("the outputs '{}' and '{}' share memory", name, other.pass);
     shared = *checked;
   }
+  PixelType own_type = PixelType::kFloat32;
+  if (image && !image->data && image->type != 0) {
+    const auto type = pixel_type(image->type);
+    if (!type) return type.error();
+    if (*type == PixelType::kUint32 && !is_id(name))
+      return usage_error("the output '{}' cannot hold 32-bit integers: only ids can", name);
+    own_type = *type;
+  }
   std::erase_if(outputs_, [&](const Output& output) { return output.pass == name; });
-  if (image) outputs_.push_back({.pass = name, .image = shared.value_or(SharedImage())});
+  if (image)
+    outputs_.push_back({.pass = name, .image = shared.value_or(SharedImage()), .own = {}, .own_type = own_type});
   return {};
 }
 
@@ -200,6 +210,16 @@ template <class Value>
 UmbError set_parameter(UmbJob job, const char* call, const char* name, const Value& value) {
   return call_on<JobObject>(job, call, Use::kChanges,
                             [&](JobObject& object) { return object.set(text_of(name), value); });
+}
+
+/// Returns a text of a list of the job; NULL beyond the last one.
+template <class Texts>
+const char* text_at(UmbJob job, int index, const Texts& texts) {
+  const char* none = nullptr;
+  return read_of<JobObject>(job, none, [&](const JobObject& object) {
+    const std::vector<std::string>& all = texts(object);
+    return index >= 0 && std::size_t(index) < all.size() ? all[std::size_t(index)].c_str() : none;
+  });
 }
 
 UmbError set_number(UmbJob job, const char* call, const char* name, double value) {
@@ -325,10 +345,20 @@ UmbError umbGetJobStrokeColor(UmbJob job, float rgb[3], float* opacity) {
 UmbError umbGetJobView(UmbJob job, UmbView* view) {
   return call_on<JobObject>(job, "umbGetJobView", Use::kReads, [&](JobObject& object) -> Result<void> {
     if (!view) return usage_error("umbGetJobView: view cannot be NULL");
-    if (!object.camera) return usage_error("umbGetJobView: the job has rendered no picture of a scene");
+    if (!object.camera) return usage_error("umbGetJobView: the job has made no picture of a scene or of files");
     *view = view_of(*object.camera, object.origin);
     return {};
   });
+}
+
+const char* umbGetJobFact(UmbJob job, int index) {
+  return text_at(
+      job, index, [](const JobObject& object) -> const auto& { return object.facts.lines; });
+}
+
+const char* umbGetJobFileLayer(UmbJob job, int index) {
+  return text_at(
+      job, index, [](const JobObject& object) -> const auto& { return object.facts.layers; });
 }
 
 int64_t umbGetJobCounter(UmbJob job, const char* name) {

@@ -12,6 +12,7 @@
 #include "library/scene.h"
 #include "renderer/draw.h"
 #include "renderer/lines.h"
+#include "renderer/shade_file.h"
 #include "renderer/shared_gbuffer.h"
 
 namespace umbrage {
@@ -25,8 +26,9 @@ Error unknown_parameter(const std::string& name, std::string_view owner);
 /// A requested pass, and the memory into which it is written.
 struct Output {
   std::string pass;
-  SharedImage image;       ///< without data: the output is written into `own`
+  SharedImage image;       ///< without data: the output is written into `own`, as values of `own_type`
   std::vector<float> own;  ///< memory of the library
+  PixelType own_type = PixelType::kFloat32;
 };
 
 /// See umbGetJobCounter. Callbacks and other threads may read the counters while the job executes.
@@ -63,8 +65,9 @@ class JobObject final : public Object {
   Lines lines;  ///< of the last execution
   std::array<float, 3> line_color{};
   float line_opacity = 0.0f;
-  std::optional<Camera> camera;  ///< of the last picture of a scene
+  std::optional<Camera> camera;  ///< of the last picture of a scene or of files
   glm::dvec3 origin{0.0};        ///< Scene::origin of that scene
+  GBufferFacts facts;            ///< of the last files
 
  protected:
   DeviceObject* reporting_device() override { return device_.get(); }
@@ -76,16 +79,22 @@ class JobObject final : public Object {
     Recipe recipe;
     ParameterBytes lines;  ///< parameters of the lines if strokes are requested; otherwise empty
   };
-  /// Resolves the parameters. Errors: kUsage.
-  Result<ResolvedJob> resolve() const;
+  /// Resolves the parameters, for these files if there are any and they are open. Errors: kUsage.
+  Result<ResolvedJob> resolve(const GBufferFile* file = nullptr) const;
+  /// Returns whether the G-buffer is read from files.
+  bool reads_files() const { return !renders() && request_.gbuffer.has_files(); }
+  /// Opens the files. Reports their warnings. Errors: those of GBufferFile::open; kUsage for a picture that is too
+  /// large to be drawn whole.
+  Result<GBufferFile> open_files();
   Request full_request() const;
   /// Returns an input image; null if it is not set.
   const NamedImage* find_image(std::string_view name) const;
-  Result<Recipe> recipe_of(const Request& request) const;
+  Result<Recipe> recipe_of(const Request& request, const GBufferFile* file) const;
   /// Warns of settings that have no effect. Does not repeat the warnings of the last execution.
   void report_setting_warnings(const Request& request, const Recipe& recipe);
   Result<Frame> render_frame(Recipe recipe);
   Result<Frame> shade_frame(const Request& request, const Recipe& recipe);
+  Result<Frame> shade_files(const GBufferFile& file, const Recipe& recipe);
   /// Returns a monitor for the work that precedes drawing. It reports 0, since the reported fractions are those of
   /// drawing.
   ProgressMonitor preparation_progress() const;
@@ -94,8 +103,8 @@ class JobObject final : public Object {
   Result<void> choose_view(const Recipe& recipe);
   Result<void> prepare_device(const ProgressMonitor& monitor);
   Result<Frame> draw_frame(const Plan& plan);
-  Result<void> write_outputs(const Frame& frame, std::vector<Output> requested);
-  Result<void> fill(const Frame& frame, const std::vector<std::string>& planes, Output& output);
+  Result<void> write_outputs(const Frame& frame, const Recipe& recipe, std::vector<Output> requested);
+  Result<void> fill(const Frame& frame, const Recipe& recipe, const std::vector<std::string>& planes, Output& output);
   /// Returns the outputs of a job for which no output is set.
   std::vector<Output> default_outputs(const Recipe& recipe) const;
 

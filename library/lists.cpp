@@ -68,7 +68,8 @@ std::string_view type_of(const Option& row) {
   if (row.form == OptionForm::kLength) return "length";
   if (row.form == OptionForm::kRotation) return "float9";
   if (row.form == OptionForm::kWindow) return "float4";
-  if (row.form == OptionForm::kAngles) return "float2";
+  if (row.form == OptionForm::kIntrinsics) return "float4";  // or one number
+  if (row.form == OptionForm::kAngles || row.form == OptionForm::kPair) return "float2";
   constexpr std::array<std::string_view, 11> kTypes = {"",       "bool",   "int",   "float",  "int",   "float",
                                                        "string", "string", "float", "float3", "float3"};
   static_assert(std::size(kTypes) == std::variant_size_v<Field>);

@@ -266,7 +266,7 @@ TEST(Public, ShadesDepthsOfAllKinds) {
       }
       for (const auto& [kind, values] : {std::pair{umb::DepthKind::kWindow, &window},
                                          {umb::DepthKind::kReversed, &reversed},
-                                         {umb::DepthKind::kRay, &ray}}) {
+                                         {umb::DepthKind::kDistance, &ray}}) {
         request.depth_kind = kind;
         expect_same_occlusion(r, request, *values, normals, 2e-3);
       }
@@ -331,7 +331,7 @@ TEST(Public, HolesOfADepthMapAreBackground) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const auto is_hole = [](int x, int y) { return (x > 30 && y > 30) || (x % 9 == 4 && y % 7 == 3); };
   for (const char* look : {"studio", "bleeding", "cartoon", "unsharp", "lit", "ao"})
-    for (const umb::DepthKind kind : {umb::DepthKind::kView, umb::DepthKind::kRay}) {
+    for (const umb::DepthKind kind : {umb::DepthKind::kPlanar, umb::DepthKind::kDistance}) {
       request.look = look;
       request.depth_kind = kind;
       umb::Picture expected;

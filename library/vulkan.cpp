@@ -42,13 +42,13 @@ DeviceImage device_image(const UmbVulkanImage& image) {
 
 int depth_role(DepthMeaning kind) {
   switch (kind) {
-    case DepthMeaning::kView:
+    case DepthMeaning::kPlanar:
       return kViewDepthRole;
-    case DepthMeaning::kRay:
+    case DepthMeaning::kDistance:
       return kRayDepthRole;
     case DepthMeaning::kWindow:
       return kWindowDepthRole;
-    case DepthMeaning::kReversed:
+    default:
       break;
   }
   return kReversedDepthRole;
@@ -83,7 +83,7 @@ PictureInfo info_of(const Lens& lens) {
 
 Result<void> check(const UmbVulkanGBuffer& g, const Lens& lens) {
   if (!g.depth.image) return usage_error("a G-buffer needs a depth image");
-  if (g.depth_kind < UMB_DEPTH_VIEW || g.depth_kind > UMB_DEPTH_REVERSED)
+  if (g.depth_kind < UMB_DEPTH_PLANAR || g.depth_kind > UMB_DEPTH_REVERSED)
     return usage_error("`depth_kind` cannot be {}: see UmbDepthKind", g.depth_kind);
   if (auto fine = check_lens(lens); !fine) return fine;
   if (!(lens.scene_radius > 0.0f))

@@ -151,15 +151,26 @@ inline void set_all(const RenderRequest& r, Setter& set) {
 }
 
 inline void set_all(const ShadeRequest& r, Setter& set) {
-  constexpr const char* kKinds[] = {"view", "ray", "window", "reversed"};
+  constexpr const char* kKinds[] = {"planar", "distance", "window", "reversed", "disparity", "height", "auto"};
   set_common(r, set);
   set("depth_kind", std::string(kKinds[int(r.depth_kind)]));
   set("near_plane", r.near_plane);
   if (r.far_plane < std::numeric_limits<float>::infinity()) set("far_plane", r.far_plane);
-  set("view_from_normal", r.view_from_normal);
   set("orthographic", r.orthographic);
-  set("window", std::array<float, 4>{r.left, r.right, r.bottom, r.top});
   set("scene_radius", r.scene_radius);
+  if (r.files.empty()) {
+    set("view_from_normal", r.view_from_normal);
+    set("window", std::array<float, 4>{r.left, r.right, r.bottom, r.top});
+  }
+  set("file", r.files.file);
+  set("depth_file", r.files.depth_file);
+  set("normal_file", r.files.normal_file);
+  set("albedo_file", r.files.albedo_file);
+  set("beauty_file", r.files.beauty_file);
+  set("position_file", r.files.position_file);
+  set("id_file", r.files.id_file);
+  set("fov_deg", r.files.fov_deg);
+  for (const auto& [name, value] : r.files.parameters) set(name.c_str(), value);
   std::string effects;
   for (const std::string& effect : r.effects) effects += (effects.empty() ? "" : ",") + effect;
   set("effects", effects);
@@ -227,6 +238,7 @@ inline void take(UmbJob job, bool strokes, Picture& picture) {
     of_picture.top = view.top;
     of_picture.orthographic = view.orthographic != 0;
   }
+  for (int k = 0; const char* fact = umbGetJobFact(job, k); ++k) made.facts.emplace_back(fact);
   picture = std::move(made);
 }
 
@@ -348,9 +360,10 @@ inline Outcome render(const RenderRequest& request, Picture& picture) {
   return drawn;
 }
 
-/// Shades the G-buffer of another renderer. With `effects` the picture has colour only if one of them is "output".
-/// Errors: code 2 for invalid names, values and arrays, including an effect whose input plane is missing and a look
-/// whose occlusion is "reference", which needs the model; 4 for the device; 130. On failure the picture is unchanged.
+/// Shades the G-buffer of another renderer, from arrays or from files. With `effects` the picture has colour only if
+/// one of them is "output". Errors: code 2 for invalid names, values and arrays, including an effect whose input plane
+/// is missing and a look whose occlusion is "reference", which needs the model; 3 for files; 4 for the device; 130. On
+/// failure the picture is unchanged.
 inline Outcome shade(const ShadeRequest& request, Picture& picture) {
   detail::Calls calls;
   detail::Watch watch(request.progress);
@@ -368,7 +381,7 @@ inline Outcome shade(const ShadeRequest& request, Picture& picture) {
   const auto refuse = [&](const std::string& message) {
     if (calls.fine()) calls.outcome = {int(UMB_ERROR_USAGE), message, {}};
   };
-  if (request.width < 1 || request.height < 1)
+  if (request.files.empty() && (request.width < 1 || request.height < 1))
     refuse("`width` and `height` cannot be " + std::to_string(request.width) + " and " +
            std::to_string(request.height) + ": they take integers above 0");
   for (const PixelArray& array : request.arrays) {

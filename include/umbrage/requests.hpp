@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace umb {
@@ -70,7 +71,8 @@ struct Picture {
   std::vector<Stroke> strokes{};        ///< empty if not requested
   std::array<float, 3> stroke_color{};  ///< red, green, blue, as in `rgba`
   float stroke_opacity = 0.0f;          ///< of all strokes together; 0: strokes were not requested
-  std::optional<PictureView> view{};    ///< camera of a rendered picture; .exr files store it
+  std::optional<PictureView> view{};    ///< camera of a rendered picture or of files; .exr files store it
+  std::vector<std::string> facts{};     ///< what was found about the files of a G-buffer, one line each
 };
 
 /// A camera. Members that are not set are chosen automatically: the model's own view, or else a view of the whole model
@@ -159,10 +161,13 @@ struct FrameCamera {
 
 /// The meaning of depth values. For all kinds, NaN and infinity mean that there is no surface.
 enum class DepthKind {
-  kView,      ///< distance along the view axis, scene units; no surface if <= 0
-  kRay,       ///< distance from the camera along the pixel's ray, scene units; no surface if <= 0
-  kWindow,    ///< 0 at the near plane, 1 at the far plane and where there is no surface, as in a depth buffer
-  kReversed,  ///< 1 at the near plane, 0 at the far plane and where there is no surface
+  kPlanar,     ///< distance along the view axis, scene units; no surface if <= 0
+  kDistance,   ///< distance from the camera along the pixel's ray, scene units; no surface if <= 0
+  kWindow,     ///< 0 at the near plane, 1 at the far plane and where there is no surface, as in a depth buffer
+  kReversed,   ///< 1 at the near plane, 0 at the far plane and where there is no surface
+  kDisparity,  ///< files: proportional to inverse planar depth
+  kHeight,     ///< files: elevation, seen from above by an orthographic camera
+  kAuto,       ///< recognised in files; kPlanar for arrays
 };
 
 /// An array of the caller with the picture's size. It is read during the call and not kept.
@@ -182,11 +187,27 @@ struct PixelArray {
   const std::uint32_t* ids = nullptr;
 };
 
+/// Files that hold a G-buffer, as an alternative to arrays. Each is "FILE" or "FILE:LAYER"; empty: none.
+struct FilesRequest {
+  std::string file{};  ///< file whose layers are recognised
+  std::string depth_file{}, normal_file{}, albedo_file{}, beauty_file{}, position_file{}, id_file{};
+  /// Other parameters of files, such as {"depth_scale", "0.001"}: see umbGetParameter for "shade". Values are written
+  /// as on the command line.
+  std::vector<std::pair<std::string, std::string>> parameters{};
+  std::optional<float> fov_deg{};  ///< vertical field of view; default: as the files say, else 55 degrees
+
+  bool empty() const {
+    return file.empty() && depth_file.empty() && normal_file.empty() && albedo_file.empty() && beauty_file.empty() &&
+           position_file.empty() && id_file.empty();
+  }
+};
+
 /// A G-buffer (depth, normals and other values of each pixel) to shade, and how to shade it.
 struct ShadeRequest {
+  FilesRequest files{};              ///< in place of width, height, arrays, the window and view_from_normal
   int width = 0, height = 0;         ///< pixels; limits as in RenderRequest
   std::vector<PixelArray> arrays{};  ///< depth is required; missing normals are computed from depth
-  DepthKind depth_kind = DepthKind::kView;
+  DepthKind depth_kind = DepthKind::kAuto;
   float near_plane = 0.1f, far_plane = std::numeric_limits<float>::infinity();  ///< for kWindow and kReversed
   /// Rotation from the space of the normals to view space, row by row: the upper left part of the view matrix for
   /// normals in world space. Normals need neither have length 1 nor face the camera.
@@ -199,8 +220,9 @@ struct ShadeRequest {
   /// the view-aligned box that contains nearly all visible surfaces.
   float scene_radius = 0.0f;
 
-  /// Name of the look. It uses its own lights: behind the camera, above and to the left.
-  std::string look = "studio";
+  /// Name of the look. It uses its own lights: behind the camera, above and to the left. Empty: "studio", or "comp" for
+  /// files that hold a beauty.
+  std::string look{};
   /// Effects that run, in this order, instead of the look, such as "bitmask", "denoise".
   std::vector<std::string> effects{};
   /// As in RenderRequest; only with a look.

@@ -180,7 +180,8 @@ UMB_API int umbGetSceneCameraCount(UmbScene scene);
 
 /* Creates a job that renders a scene. */
 UMB_API UmbJob umbNewRenderJob(UmbDevice device, UmbScene scene);
-/* Creates a job that shades the G-buffer set by umbSetJobImage. */
+/* Creates a job that shades a G-buffer: images set by umbSetJobImage, or files named by the parameter "file", whose
+ * layers are recognised, or by "depth_file", "normal_file" and so on. */
 UMB_API UmbJob umbNewShadeJob(UmbDevice device);
 UMB_API void umbRetainJob(UmbJob job);
 UMB_API void umbReleaseJob(UmbJob job);
@@ -209,27 +210,29 @@ UMB_API UmbError umbSetJobImage(UmbJob job, const char* name, const UmbImage* im
 
 /* Requests a pass: "color", "beauty" (the picture as .exr files hold it: scene-linear light, exposed, before the tone
  * curve, premultiplied; 4 channels), "depth", "ao", ..., or "all" passes. The pass is written to `image`; if its `data`
- * is NULL, the library allocates the memory: see umbGetJobOutput. Integer types: values are clamped to 0 to 1, scaled
- * to the type's range and rounded; ids are written as integers. A pixel without a surface has an id with all bits set,
- * or 0 if the ids come from an image of the caller. NULL removes the request. A job without outputs makes "color", or,
- * if "effects" is set, the passes of the last effect. */
+ * is NULL, the library allocates the memory, for values of its `type`, or of FLOAT32 if that is 0: see umbGetJobOutput.
+ * Integer types: values are clamped to 0 to 1, scaled to the type's range and rounded; ids are written as integers. A
+ * pixel without a surface has an id with all bits set, or 0 if the ids come from an image of the caller. NULL removes
+ * the request. A job without outputs makes "color", or, if "effects" is set, the passes of the last effect. */
 UMB_API UmbError umbSetJobOutput(UmbJob job, const char* name, const UmbImage* image);
 
 /* Does the work that precedes the first picture of a render job: reads the environment image and builds the ray-tracing
- * acceleration structure. umbExecuteJob does this work if it has not been done. Errors: UMB_ERROR_USAGE,
- * UMB_ERROR_FILE, UMB_ERROR_DEVICE, UMB_ERROR_CANCELLED. */
+ * acceleration structure. umbExecuteJob does this work if it has not been done. For the files of a shade job, it only
+ * finds what they hold: see umbGetJobFact. Errors: UMB_ERROR_USAGE, UMB_ERROR_FILE, UMB_ERROR_DEVICE,
+ * UMB_ERROR_CANCELLED. */
 UMB_API UmbError umbPrepareJob(UmbJob job);
 
 /* Makes the picture. Reuses data of the last execution that is still valid: the device, the scene's acceleration
  * structure, the captured G-buffer if only effects have changed, and memory. A scene without lights gets lights that
  * are placed relative to the camera of its first picture, and keeps them. After a failure the job can be executed
  * again; its outputs are undefined after UMB_ERROR_DEVICE, and unchanged after other errors. A picture of more than
- * 67108864 pixels, summed over its layers, is UMB_ERROR_USAGE: the program `umbrage render` draws such pictures. */
+ * 67108864 pixels, summed over its layers, is UMB_ERROR_USAGE: the programs `umbrage render` and `umbrage shade` draw
+ * such pictures. The files of a shade job are read each time. */
 UMB_API UmbError umbExecuteJob(UmbJob job);
 
 /* Returns an output of the last execution: the caller's image, or a packed image in memory of the library, which is
- * valid until the next execution. The library's images are FLOAT32; those of ids that come from an image of the caller
- * are UINT32. Errors: UMB_ERROR_USAGE for an output that was not made. */
+ * valid until the next execution. The library's images are of the requested type; those of ids that come from an image
+ * of the caller are UINT32. Errors: UMB_ERROR_USAGE for an output that was not made. */
 UMB_API UmbError umbGetJobOutput(UmbJob job, const char* name, UmbImage* image);
 /* Returns the name of an output of the last execution; NULL beyond the last one. */
 UMB_API const char* umbGetJobOutputName(UmbJob job, int index);
@@ -266,8 +269,16 @@ typedef struct UmbView {
   float left, right, bottom, top;
   int32_t orthographic; /* 0 or 1 */
 } UmbView;
-/* Returns the camera of the last picture. Errors: UMB_ERROR_USAGE for a job that has rendered none. */
+/* Returns the camera of the last picture; for files the one that they hold, or that was found from their values.
+ * Errors: UMB_ERROR_USAGE for a job that has made none, and for images of the caller. */
 UMB_API UmbError umbGetJobView(UmbJob job, UmbView* view);
+
+/* Return a fact about the files of a shade job, such as "depth: ViewLayer.Depth.Z, planar, background 1e+10", and a
+ * layer of these files with its channels, such as "ViewLayer.Depth (Z)"; NULL beyond the last one. Facts are found by
+ * umbPrepareJob, which also describes files that hold no G-buffer, and by umbExecuteJob; a text is valid until the next
+ * call of these. Warnings about the files go to the log callback of the device. */
+UMB_API const char* umbGetJobFact(UmbJob job, int index);
+UMB_API const char* umbGetJobFileLayer(UmbJob job, int index);
 
 /* Checks the parameters as far as possible without the scene and the images. Errors: UMB_ERROR_USAGE. */
 UMB_API UmbError umbCheckJob(UmbJob job);

@@ -280,6 +280,18 @@ class Job : public detail::Ref<UmbJob, umbRetainJob, umbReleaseJob>, public deta
     while (const char* name = umbGetJobOutputName(get(), int(names.size()))) names.push_back(name);
     return names;
   }
+  /// What is known about the files of a shade job, after prepare or execute: see umbGetJobFact.
+  std::vector<std::string> facts() const {
+    std::vector<std::string> texts;
+    while (const char* text = umbGetJobFact(get(), int(texts.size()))) texts.push_back(text);
+    return texts;
+  }
+  /// The layers of these files: see umbGetJobFileLayer.
+  std::vector<std::string> file_layers() const {
+    std::vector<std::string> texts;
+    while (const char* text = umbGetJobFileLayer(get(), int(texts.size()))) texts.push_back(text);
+    return texts;
+  }
   std::vector<Stroke> strokes() const { return detail::strokes_of(get()); }
   UmbError stroke_color(std::array<float, 3>& rgb, float& opacity) const {
     return checked(umbGetJobStrokeColor(get(), rgb.data(), &opacity));

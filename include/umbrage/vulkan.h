@@ -35,10 +35,10 @@ typedef struct UmbVulkanImage {
 
 /* The values of the parameter "depth_kind" as numbers. */
 typedef enum UmbDepthKind {
-  UMB_DEPTH_VIEW = 0,    /* distance along the view axis */
-  UMB_DEPTH_RAY = 1,     /* distance from the camera along the pixel's ray */
-  UMB_DEPTH_WINDOW = 2,  /* 0 at the near plane, 1 at the far plane */
-  UMB_DEPTH_REVERSED = 3 /* 1 at the near plane, 0 at the far plane */
+  UMB_DEPTH_PLANAR = 0,   /* distance along the view axis */
+  UMB_DEPTH_DISTANCE = 1, /* distance from the camera along the pixel's ray */
+  UMB_DEPTH_WINDOW = 2,   /* 0 at the near plane, 1 at the far plane */
+  UMB_DEPTH_REVERSED = 3  /* 1 at the near plane, 0 at the far plane */
 } UmbDepthKind;
 
 /* Inputs of shading. An image with a null handle is absent. */

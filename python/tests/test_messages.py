@@ -110,9 +110,9 @@ class Messages(unittest.TestCase):
             (shaded(orthographic="abc"), "`orthographic` takes True or False, not 'abc'"),
             (shaded(images=3), "`images` takes a dict of arrays by name, not 3"),
             (shaded(out=3), "the output `color` takes an array, not 3"),
-            (shaded(depth=None), "`depth` takes an array, not None"),
-            (shaded(depth="abc"), "`depth` takes an array, not 'abc'"),
-            (shaded(normal="abc"), "`normal` takes an array, not 'abc'"),
+            (shaded(depth=None), "`depth` takes an array or a path, not None"),
+            (shaded(depth=3), "`depth` has the shape"),
+            (shaded(normal="abc"), "`depth` is an array and `normal` a path: give files for all, or arrays for all"),
             (shaded(images={"depth": DEPTH}), "two images 'depth'"),
             (meshed(vertices=object()), "`vertices` takes an array, not"),
             (meshed(name=3), "`name` takes a string, not 3"),
@@ -211,7 +211,7 @@ class Lists(unittest.TestCase):
         self.assertIs(rows["bitmask.mips"].default, False)
         self.assertEqual(rows["bitmask.mode"].default, "thick")
         self.assertIsNone(rows["quality"].default)
-        self.assertEqual(umbrage.parameters("shade")["window"].default, (-1, 1, -1, 1))
+        self.assertEqual(umbrage.parameters("shade")["window"].default, None)
 
 
 if __name__ == "__main__":

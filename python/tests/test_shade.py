@@ -226,7 +226,6 @@ class Mistakes(unittest.TestCase):
         self.refused("complex", d.astype(np.complex64))
         self.refused("int64", d.astype(np.int64))
         self.refused("object", np.array([[None]]))
-        self.refused("takes an array", "depth")
         self.refused("has the dtype", [["depth"]])
         self.refused("CPU", OnAGpu(d))
         self.refused("`depth` cannot be read as an array", NeedsGradient())

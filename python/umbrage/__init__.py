@@ -3,6 +3,7 @@
     import umbrage
     umbrage.render("bunny.obj", size=(1024, 1024), look="studio").save("bunny.png")
     umbrage.shade(depth, fov=40).picture
+    umbrage.shade("render.exr").save("shaded.png")
 
 docs/python.md is the guide. Errors are UmbrageError with `code`; see its subclasses.
 """
@@ -14,7 +15,7 @@ from ._native import version_text as _version_text
 from ._picture import Picture, Stroke
 from ._render import Renderer, render
 from ._scene import Scene
-from ._shade import Shader, shade
+from ._shade import FileInfo, Shader, info, shade
 
 __version__: str = _version_text(_lib.umbGetVersion())
 
@@ -23,6 +24,7 @@ __all__ = [
     "Cancelled",
     "DeviceError",
     "FileError",
+    "FileInfo",
     "InternalError",
     "Parameter",
     "Picture",
@@ -36,6 +38,7 @@ __all__ = [
     "devices",
     "effects",
     "file_formats",
+    "info",
     "looks",
     "occlusions",
     "parameters",

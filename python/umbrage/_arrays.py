@@ -17,6 +17,11 @@ _MAX_TEXTURE_SIDE = 16384  # max side of a texture, pixels
 _ONE_CHANNEL = frozenset(("depth", "specular", "shininess", "shadow", "object_id", "material_id", "ao"))
 
 
+def type_number(dtype: np.dtype[Any]) -> int:
+    """Returns the UmbType of a type that the library has."""
+    return _TYPES[dtype.name]
+
+
 def is_id(name: str) -> bool:
     """Returns whether a pass contains ids."""
     return name.rsplit(".", 1)[-1] in ("object_id", "material_id")

@@ -240,9 +240,16 @@ class Job:
                 lib.umbSetDeviceLogCallback(device, native.no_log, None)
         issue_warnings(messages)
 
-    def _make(self, size: Tuple[int, int], wanted: Dict[str, Optional[NDArray[Any]]], progress: Progress) -> Picture:
-        """Executes the job. `size`: (width, height). `wanted`: for each pass the array to write, or None for a new
-        array. If `wanted` is empty, the library's default passes are returned."""
+    def _make(
+        self,
+        size: Tuple[int, int],
+        wanted: Dict[str, Optional[NDArray[Any]]],
+        progress: Progress,
+        color_type: int = 1,
+    ) -> Picture:
+        """Executes the job. `size`: (width, height); (0, 0) for that of files. `wanted`: for each pass the array to
+        write, or None for a new array, which for "color" has the type `color_type`. If `wanted` is empty, the library's
+        default passes are returned."""
         import numpy as np
 
         lib, job = native.lib, self._job
@@ -259,7 +266,7 @@ class Job:
                     arrays[name] = array
                     image = image_of(array)
                 else:
-                    image = native.Image(type=1, width=width, height=height)
+                    image = native.Image(type=color_type if name == "color" else 1, width=width, height=height)
                 key = native.bytes_of(name, "name")
                 job.check(lib.umbSetJobOutput(job.pointer, key, byref(image)))
                 is_set.append(key)
@@ -273,13 +280,16 @@ class Job:
                 lib.umbSetJobOutput(job.pointer, key, None)
         color = arrays.get("color")
         passes = {name: arrays[name] for name in made if name != "color"}
+        is_from_files = self._scene is None and size == (0, 0)
+        view = self._view() if self._scene is not None or is_from_files else None
+        facts = tuple(native.names_of(lib.umbGetJobFact, job.pointer)) if is_from_files else ()
         if not self._has_strokes:
-            return Picture(color, passes, [], view=self._view())
-        return Picture(color, passes, *strokes_of(job), view=self._view())
+            return Picture(color, passes, [], view=view, facts=facts)
+        return Picture(color, passes, *strokes_of(job), view=view, facts=facts)
 
     def _view(self) -> Optional[native.View]:
-        """Returns the camera of the last picture; None if it was shaded."""
-        if self._scene is None or not native.has("umbGetJobView"):
+        """Returns the camera of the last picture; None if the library cannot."""
+        if not native.has("umbGetJobView"):
             return None
         view = native.View()
         self._job.check(native.lib.umbGetJobView(self._job.pointer, byref(view)))

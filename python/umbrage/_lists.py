@@ -125,7 +125,20 @@ def known_parameters(owner: str) -> Dict[str, Parameter]:
     return _KNOWN[owner]
 
 
-_RENAMED_PARAMETERS = ("width", "height", "near_plane", "far_plane")  # these have other names in this package
+_RENAMED_PARAMETERS = (
+    "width",
+    "height",
+    "near_plane",
+    "far_plane",
+    "fov_deg",
+    "file",
+    "depth_file",
+    "normal_file",
+    "albedo_file",
+    "beauty_file",
+    "position_file",
+    "id_file",
+)  # these have other names in this package
 
 
 def check_keywords(given: Iterable[str], owner: str, arguments: Sequence[str]) -> None:

@@ -157,6 +157,8 @@ _FUNCTIONS: Tuple[Tuple[Any, ...], ...] = (  # name, result, arguments
 _LATER_FUNCTIONS: Tuple[Tuple[Any, ...], ...] = (
     ("umbRemoveMesh", c_int, c_void_p, c_int),
     ("umbGetJobView", c_int, c_void_p, POINTER(View)),
+    ("umbGetJobFact", c_char_p, c_void_p, c_int),
+    ("umbGetJobFileLayer", c_char_p, c_void_p, c_int),
     (
         "umbWriteImagesOfView",
         c_int,

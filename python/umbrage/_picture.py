@@ -44,9 +44,12 @@ class Picture:
         stroke_color: Tuple[float, float, float] = (0.0, 0.0, 0.0),
         stroke_opacity: float = 0.0,
         view: Optional[native.View] = None,
+        facts: Tuple[str, ...] = (),
     ) -> None:
         self._color = color
         self._view = view
+        self.facts = facts
+        """What was found about the files of a shaded G-buffer, one line each."""
         self.passes = passes
         """The passes by name: "depth" (scene units, infinity where there is no surface), "normal" (view space), ..."""
         self.strokes = strokes

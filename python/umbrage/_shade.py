@@ -2,20 +2,82 @@
 from __future__ import annotations
 
 import math
+import os
 from ctypes import byref
-from typing import Any, List, Mapping, Optional, Sequence, Union
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from . import _native as native
-from ._arrays import image_array, image_of, share_memory
+from ._arrays import image_array, image_of, share_memory, type_number
 from ._errors import UsageError
-from ._job import Job, requested_outputs
+from ._job import Job, checked_dtype, requested_outputs
 from ._lists import check_keywords
 from ._picture import Picture
 from ._progress import Progress, check_progress
+from ._suggest import shown
 
-_ARGUMENTS = ("depth", "normal", "albedo", "object_id", "images", "fov", "window", "orthographic", "depth_kind", "near",
-              "far", "look", "effects", "passes", "quality", "settings", "dtype", "out", "device", "threads", "progress")
-_OTHER_NAMES = {"near_plane": "near", "far_plane": "far"}
+_ARGUMENTS = ("depth", "normal", "albedo", "beauty", "position", "object_id", "images", "fov", "window", "orthographic",
+              "depth_kind", "near", "far", "look", "effects", "passes", "quality", "settings", "dtype", "out", "device",
+              "threads", "progress")
+_FILE_PARAMETERS = {  # the parameter of the library for each input that can be a file
+    "depth": "depth_file",
+    "normal": "normal_file",
+    "albedo": "albedo_file",
+    "beauty": "beauty_file",
+    "position": "position_file",
+    "object_id": "id_file",
+}
+_OTHER_NAMES = {
+    "near_plane": "near",
+    "far_plane": "far",
+    "fov_deg": "fov",
+    **{parameter: name for name, parameter in _FILE_PARAMETERS.items()},
+}
+Path = Union[str, "os.PathLike[str]"]
+
+
+class FileInfo(NamedTuple):
+    """What is known about the files of a G-buffer."""
+
+    facts: Tuple[str, ...]
+    """What was recognised and how, one line each; empty if the files hold no G-buffer."""
+    layers: Tuple[str, ...]
+    """Every layer with its channels, such as "ViewLayer.Depth (Z)"."""
+
+
+def _is_path(value: Any) -> bool:
+    return isinstance(value, (str, bytes, os.PathLike))
+
+
+def _inputs(
+    source: Any, given: Mapping[str, Any], images: Optional[Mapping[str, Any]]
+) -> Tuple[Dict[str, Any], Dict[str, Any]]:
+    """Returns the files, by parameter of the library, and the arrays, by name. Errors: UsageError."""
+    arrays = native.mapping(images, "images", "a dict of arrays by name")
+    inputs = {name: value for name, value in given.items() if value is not None}
+    files = {}
+    if _is_path(source):
+        files["file"] = os.fsdecode(source)
+    elif source is not None:
+        if "depth" in inputs:
+            raise UsageError("there are two images 'depth': the first argument, and the argument `depth`")
+        inputs["depth"] = source
+    for name, value in inputs.items():
+        if name in arrays:
+            raise UsageError(f"there are two images '{name}': `images` has it, and the argument `{name}`")
+        if _is_path(value):
+            files[_FILE_PARAMETERS[name]] = os.fsdecode(value)
+        else:
+            arrays[name] = value
+    if files and arrays:
+        array, file = next(iter(arrays)), next(iter(files))
+        name = next((name for name, parameter in _FILE_PARAMETERS.items() if parameter == file), None)
+        raise UsageError(
+            f"`{array}` is an array and {f'`{name}`' if name else 'the first argument'} a path: give files for all, or "
+            "arrays for all"
+        )
+    if not files and "depth" not in arrays:
+        raise UsageError("`depth` takes an array or a path, not None")
+    return files, arrays
 
 
 class Shader(Job):
@@ -40,7 +102,7 @@ class Shader(Job):
         fov: Optional[float] = None,
         window: Optional[Sequence[float]] = None,
         orthographic: bool = False,
-        depth_kind: str = "view",
+        depth_kind: str = "auto",
         near: Optional[float] = None,
         far: Optional[float] = None,
         look: Optional[str] = None,
@@ -55,6 +117,8 @@ class Shader(Job):
         **parameters: Any,
     ) -> None:
         """Arguments and errors are those of umbrage.shade."""
+        if "file" in parameters:
+            raise UsageError("`file` cannot be set: it is the first argument of shade")
         for name in parameters:
             if name in _OTHER_NAMES:
                 raise UsageError(f"there is no parameter '{name}' (did you mean '{_OTHER_NAMES[name]}'?)")
@@ -65,8 +129,8 @@ class Shader(Job):
             raise UsageError("`fov` and `window` exclude each other: give one of them")
         if native.is_true(orthographic, "orthographic") and window is None:
             raise UsageError("an orthographic camera takes `window`: left, right, bottom and top, in scene units")
-        self._fov = 40.0 if fov is None else native.number(fov, "fov")
-        if not 0.0 < self._fov < 180.0:
+        self._fov = None if fov is None else native.number(fov, "fov")
+        if self._fov is not None and not 0.0 < self._fov < 180.0:
             raise UsageError(f"`fov` cannot be {self._fov:g}: it takes degrees, above 0 and below 180")
         self._window = window
         self._effects = native.words(effects, "effects")
@@ -89,64 +153,121 @@ class Shader(Job):
 
     def shade(
         self,
-        depth: Any,
+        source: Any = None,
+        /,
         normal: Any = None,
         albedo: Any = None,
         *,
+        depth: Any = None,
+        beauty: Any = None,
+        position: Any = None,
         object_id: Any = None,
         images: Optional[Mapping[str, Any]] = None,
         out: Any = None,
         progress: Progress = None,
     ) -> Picture:
-        """Shades arrays: see umbrage.shade. Errors: UsageError, DeviceError, exceptions of `progress`; the outputs are
-        then unchanged."""
-        lib, job = native.lib, self._job
+        """Shades arrays or files: see umbrage.shade. Errors: UsageError, FileError, DeviceError, exceptions of
+        `progress`; the outputs are then unchanged."""
         check_progress(progress)
-        inputs = native.mapping(images, "images", "a dict of arrays by name")
-        if depth is None:
-            raise UsageError("`depth` takes an array, not None")
-        for name, values in (("depth", depth), ("normal", normal), ("albedo", albedo), ("object_id", object_id)):
-            if values is not None:
-                if name in inputs:
-                    raise UsageError(f"there are two images '{name}': `images` has it, and the argument `{name}`")
-                inputs[name] = values
+        given = dict(depth=depth, normal=normal, albedo=albedo, beauty=beauty, position=position, object_id=object_id)
+        files, inputs = _inputs(source, given, images)
         with self._exclusive():
-            first = image_array(depth, "depth")
-            height, width = first.shape[:2]
-            arrays = {name: image_array(values, name, (height, width)) for name, values in inputs.items()}
-            has_color = not self._effects or "output" in self._effects
-            wanted = requested_outputs((width, height), self._dtype, self._passes, out, has_color)
-            for output, memory in wanted.items():
-                for name, array in arrays.items():
-                    if memory is not None and memory.size and share_memory(memory, array):
-                        raise UsageError(f"the output `{output}` and the input `{name}` share memory that is still read")
-            if self._window is None and height > 0:
-                top = math.tan(math.radians(self._fov) / 2)
-                right = top * width / height
-                self._set("window", (-right, right, -top, top))
-            is_set: List[bytes] = []
+            progress = self._progress if progress is None else progress
+            return self._shade_files(files, out, progress) if files else self._shade_arrays(inputs, out, progress)
+
+    @property
+    def _has_color(self) -> bool:
+        return not self._effects or "output" in self._effects
+
+    def _shade_files(self, files: Mapping[str, Any], out: Any, progress: Progress) -> Picture:
+        if not native.has("umbGetJobFact"):
+            raise UsageError("the library of Umbrage is too old to shade files: install the version of this package")
+        color_type = type_number(checked_dtype(self._dtype))
+        wanted = requested_outputs((0, 0), self._dtype, self._passes, out, self._has_color)
+        color = wanted.get("color")
+        if color is not None and color.size == 0:
+            wanted["color"] = None  # the library allocates it, since the size of the files is not known yet
+        try:
+            self._set_all(None, **files)
+            self._set("window", self._window)
+            self._set("fov_deg", self._fov)
+            return self._make((0, 0), wanted, progress, color_type)
+        finally:
+            for name in files:
+                self._set(name, None)
+
+    def _shade_arrays(self, inputs: Mapping[str, Any], out: Any, progress: Progress) -> Picture:
+        lib, job = native.lib, self._job
+        first = image_array(inputs["depth"], "depth")
+        height, width = first.shape[:2]
+        arrays = {name: image_array(values, name, (height, width)) for name, values in inputs.items()}
+        wanted = requested_outputs((width, height), self._dtype, self._passes, out, self._has_color)
+        for output, memory in wanted.items():
+            for name, array in arrays.items():
+                if memory is not None and memory.size and share_memory(memory, array):
+                    raise UsageError(f"the output `{output}` and the input `{name}` share memory that is still read")
+        if self._window is None and height > 0:
+            top = math.tan(math.radians(40.0 if self._fov is None else self._fov) / 2)
+            right = top * width / height
+            self._set("window", (-right, right, -top, top))
+        is_set: List[bytes] = []
+        try:
+            for name, array in arrays.items():
+                key = native.bytes_of(name, "images")
+                job.check(lib.umbSetJobImage(job.pointer, key, byref(image_of(array))))
+                is_set.append(key)
+            return self._make((width, height), wanted, progress)
+        finally:
+            for key in is_set:
+                lib.umbSetJobImage(job.pointer, key, None)
+
+    def info(
+        self,
+        source: Optional[Path] = None,
+        /,
+        *,
+        depth: Optional[Path] = None,
+        normal: Optional[Path] = None,
+        albedo: Optional[Path] = None,
+        beauty: Optional[Path] = None,
+        position: Optional[Path] = None,
+        object_id: Optional[Path] = None,
+    ) -> FileInfo:
+        """Returns what is known about files, with the parameters of this object: see umbrage.info."""
+        given = dict(depth=depth, normal=normal, albedo=albedo, beauty=beauty, position=position, object_id=object_id)
+        for name, value in {"the first argument": source, **given}.items():
+            if value is not None and not _is_path(value):
+                raise UsageError(f"`{name}` takes a path, not {shown(value)}")
+        files, _ = _inputs(source, given, None)
+        lib, job = native.lib, self._job
+        with self._exclusive():
             try:
-                for name, array in arrays.items():
-                    key = native.bytes_of(name, "images")
-                    job.check(lib.umbSetJobImage(job.pointer, key, byref(image_of(array))))
-                    is_set.append(key)
-                return self._make((width, height), wanted, self._progress if progress is None else progress)
+                self._set_all(None, **files)
+                self._call(lib.umbPrepareJob, None)
+                facts, layers = (
+                    tuple(native.names_of(each, job.pointer)) for each in (lib.umbGetJobFact, lib.umbGetJobFileLayer)
+                )
+                return FileInfo(facts, layers)
             finally:
-                for key in is_set:
-                    lib.umbSetJobImage(job.pointer, key, None)
+                for name in files:
+                    self._set(name, None)
 
 
 def shade(
-    depth: Any,
+    source: Any = None,
+    /,
     normal: Any = None,
     albedo: Any = None,
     *,
+    depth: Any = None,
+    beauty: Any = None,
+    position: Any = None,
     object_id: Any = None,
     images: Optional[Mapping[str, Any]] = None,
     fov: Optional[float] = None,
     window: Optional[Sequence[float]] = None,
     orthographic: bool = False,
-    depth_kind: str = "view",
+    depth_kind: str = "auto",
     near: Optional[float] = None,
     far: Optional[float] = None,
     look: Optional[str] = None,
@@ -167,10 +288,15 @@ def shade(
 
         picture = umbrage.shade(depth, fov=60).picture                                  # the look "studio"
         ao = umbrage.shade(depth, normal, effects=("bitmask", "denoise"), passes="ao")["ao"]
+        umbrage.shade("render.exr").save("shaded.png")                                  # as `umbrage shade` does
+        umbrage.shade(depth="depth.tif", normal="passes.exr:N", fov=40)
 
-    depth: (H, W). `depth_kind`: "view": distance along the view axis, any unit; "ray": distance from the camera along
+    source: the depth, or the path of a file whose layers are recognised. The inputs depth, normal, albedo, beauty,
+    position and object_id are arrays, or paths, which may end in ":" and the name of a layer. `facts` of the returned
+    picture says how files were understood.
+    depth: (H, W). `depth_kind`: "planar": distance along the view axis, any unit; "distance": from the camera along
     the pixel's ray; "window": 0 at the plane `near`, 1 at `far`, as in a depth buffer; "reversed": the opposite. NaN
-    and infinity, and for "view" and "ray" 0, 1e10, 65504 and the largest float, mean that there is no surface.
+    and infinity, and for "planar" and "distance" 0, 1e10, 65504 and the largest float, mean that there is no surface.
     normal: (H, W, 3), view space, +x right, +y up, +z towards the camera; default: computed from depth. The parameter
     `view_from_normal`, a 3 x 3 rotation, converts normals of another space.
     albedo: (H, W, 3), linear, 0 to 1, or one colour. Alpha, a fourth channel, is not read.
@@ -178,9 +304,10 @@ def shade(
     Arrays: NumPy, torch (CPU), or any object with the buffer protocol, `__array_interface__` or DLPack; float32,
     float16, uint8 or uint16, whose 255 and 65535 mean 1. Arrays of these types are not copied, whatever their strides
     are.
-    fov: vertical field of view, degrees; default: 40. window: used instead of `fov`: (left, right, bottom, top) at
-    distance 1, or in scene units for `orthographic`.
-    look: a name of umbrage.looks(); default: "studio". effects: effects that run, in this order, instead of the look.
+    fov: vertical field of view, degrees; default: 40; of files: as the file says, else 55. window: used instead of
+    `fov`: (left, right, bottom, top) at distance 1, or in scene units for `orthographic`.
+    look: a name of umbrage.looks(); default: "studio", and "comp" for files with a beauty. effects: effects that run,
+    in this order, instead of the look.
     passes: passes to return besides the picture. If empty and `effects` is set: the passes that the last effect makes.
     out: an array (H, W, 4 or 3) for the picture, or a dict of arrays by pass, which are written.
     Other arguments and errors are those of render. Other keywords are names of umbrage.parameters("shade").
@@ -203,4 +330,47 @@ def shade(
         progress=progress,
         **parameters,
     ) as shader:
-        return shader.shade(depth, normal, albedo, object_id=object_id, images=images, out=out)
+        return shader.shade(
+            source,
+            normal,
+            albedo,
+            depth=depth,
+            beauty=beauty,
+            position=position,
+            object_id=object_id,
+            images=images,
+            out=out,
+        )
+
+
+def info(
+    source: Optional[Path] = None,
+    /,
+    *,
+    depth: Optional[Path] = None,
+    normal: Optional[Path] = None,
+    albedo: Optional[Path] = None,
+    beauty: Optional[Path] = None,
+    position: Optional[Path] = None,
+    object_id: Optional[Path] = None,
+    **parameters: Any,
+) -> FileInfo:
+    """Returns what umbrage.shade would read from files, as `umbrage info` does.
+
+    ::
+
+        for line in umbrage.info("render.exr").facts:
+            print(line)
+
+    Also for files that hold no G-buffer. Arguments are those of shade. Errors: UsageError; FileError.
+    """
+    with Shader(device="cpu", **parameters) as shader:
+        return shader.info(
+            source,
+            depth=depth,
+            normal=normal,
+            albedo=albedo,
+            beauty=beauty,
+            position=position,
+            object_id=object_id,
+        )
