@@ -55,7 +55,7 @@ TEST_P(IsaLooks, DrawTheSamePicture) {
     expect_same(fmt::format("{} --look {} --device cpu{}", scene, GetParam()->name, kSize));
 }
 
-INSTANTIATE_TEST_SUITE_P(Every, IsaLooks, testing::ValuesIn(looks().begin(), looks().end()), [](const auto& info) {
+INSTANTIATE_TEST_SUITE_P(Every, IsaLooks, testing::ValuesIn(scene_looks().begin(), scene_looks().end()), [](const auto& info) {
   std::string name(info.param->name);
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
