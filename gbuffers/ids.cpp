@@ -7,7 +7,6 @@
 namespace umbrage {
 namespace {
 
-constexpr std::size_t kMaxIds = 1 << 24;  // a float represents integers up to this exactly
 constexpr int kBlockRows = 256;
 
 std::string lower(std::string text) {

@@ -9,6 +9,9 @@
 
 namespace umbrage {
 
+/// Max number of different ids: a float represents integers up to this exactly.
+inline constexpr std::size_t kMaxIds = 1 << 24;
+
 /// The ids that occur in a picture, sorted; planes hold indices into it, since floats cannot represent all ids.
 struct IdTable {
   std::vector<std::uint32_t> ids;

@@ -9,6 +9,7 @@
 
 #include "core/suggest.h"
 #include "gbuffers/extent.h"
+#include "gbuffers/ids.h"
 #include "renderer/lens.h"
 #include "renderer/passes.h"
 #include "renderer/rows.h"
@@ -16,7 +17,6 @@
 namespace umbrage {
 namespace {
 
-constexpr std::size_t kMaxIds = 1 << 24;  // a float represents integers up to this exactly
 constexpr float kNoSurface = std::numeric_limits<float>::infinity();
 
 /// Returns whether a distance is one of the values that renderers write where there is no surface: 1e10 (Cycles), 65504

@@ -75,7 +75,8 @@ TEST_P(VulkanSheet, DISABLED_LooksOfAllScenes) {
   const auto scenes = builtin_scenes();
   Sheet pictures(int(scenes.size()), int(scene_looks().size()), kWidth / kPictureDownsampling,
                  kHeight / kPictureDownsampling);
-  Sheet errors(int(scenes.size()), int(scene_looks().size()), kWidth / kErrorDownsampling, kHeight / kErrorDownsampling);
+  Sheet errors(int(scenes.size()), int(scene_looks().size()), kWidth / kErrorDownsampling,
+               kHeight / kErrorDownsampling);
   std::string table =
       "| look | scene | most, in 1/255 | mean, in 1/255 | pixels over 2/255, of 10 000 |\n| --- | --- | --- | --- | "
       "--- |\n";
@@ -124,7 +125,8 @@ TEST_P(VulkanSheet, DISABLED_LooksOfAllScenes) {
     }
     ++row;
   }
-  fmt::print("{} pixels over 2/255, of {}\n", over_all, long(kWidth) * kHeight * long(scenes.size() * scene_looks().size()));
+  fmt::print("{} pixels over 2/255, of {}\n", over_all,
+             long(kWidth) * kHeight * long(scenes.size() * scene_looks().size()));
   EXPECT_TRUE(write_image(folder / "vulkan-looks.png", pictures.image, {.small = true}));
   const std::string name = std::string("vulkan-errors-") + test::name_of(GetParam());
   EXPECT_TRUE(write_image(folder / (name + ".png"), errors.image, {.small = true}));
