@@ -111,12 +111,16 @@ Surface surface_at(const TracedScene& traced, unsigned mesh_index, unsigned tria
   return surface;
 }
 
-glm::vec3 ray_origin_above(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from) {
+float ray_origin_height(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from) {
   const glm::vec3 extent = glm::abs(surface.position) + glm::abs(surface.position - seen_from);
   float height = kStartOffset * std::max({extent.x, extent.y, extent.z});
   const Mesh& mesh = *surface.mesh;
   if (mesh.points && !mesh.spheres) height += kDiscRayOffset * traced.scale * mesh.radii[surface.triangle];
-  return surface.position + surface.geometric * height;
+  return height;
+}
+
+glm::vec3 ray_origin_above(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from) {
+  return surface.position + surface.geometric * ray_origin_height(traced, surface, seen_from);
 }
 
 glm::vec3 mesh_color(const Surface& surface) {

@@ -62,6 +62,8 @@ Surface surface_at(const TracedScene& traced, unsigned mesh, unsigned triangle, 
 /// make the ray hit the surface again. Above a disc the offset is larger, so that the surrounding discs, which deviate
 /// slightly in height, do not block the ray. `seen_from` is the origin of the ray that hit the surface.
 glm::vec3 ray_origin_above(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from);
+/// Returns the length of that offset.
+float ray_origin_height(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from);
 
 /// Returns the origin for a ray to a light: on the smooth surface that the vertex normals of the triangle imply. The
 /// triangle lies below that surface; at grazing light, rays from the triangle itself would be blocked by its neighbours

@@ -18,6 +18,8 @@ const std::vector<Parameter> kTable = {
                "weight of an occluder within the radius: 1, or falling with distance"),
     choice_row("normal", &ReferenceParams::normal, 0, {"triangle", "shading"},
                "normal of the hemisphere: that of the triangle, or the interpolated one"),
+    choice_row("occluders", &ReferenceParams::occluders, 0, {"all", "window", "layers"},
+               "occluders that count: all, those of the first layer inside the picture, or those of all its layers"),
     choice_row("light", &ReferenceParams::light, 0, {"off", "direct", "bounce"},
                "also trace the lights with soft shadows, and one bounce of their light"),
     choice_row("bounce_from", &ReferenceParams::bounce_from, 0, {"anywhere", "radius"},
@@ -69,6 +71,7 @@ Result<Image> trace_reference(const TracedScene& scene, const PictureInfo& info,
                                 .radius = *radius,
                                 .falloff = Falloff(params.falloff),
                                 .normal = HemisphereNormal(params.normal),
+                                .occluders = Occluders(params.occluders),
                                 .seed = std::uint32_t(params.seed)},
                                occlusion_control);
   if (!image || !light) return image;

@@ -17,6 +17,7 @@ struct ReferenceParams {
   Length radius;        // scene units, or relative to the bounding-sphere radius
   int falloff;          // a Falloff
   int normal;           // a HemisphereNormal
+  int occluders;        // an Occluders
   int light;            // only occlusion; also direct light; or also one bounce
   int bounce_from;      // surfaces at any distance, or within the radius
   int shadows;          // soft shadows of all lights, or only the shadows that a capture contains

@@ -7,15 +7,9 @@
 #include <glm/vec2.hpp>
 #include <vector>
 
-namespace umbrage {
+#include "core/hash.h"
 
-/// Returns a hash of two numbers.
-inline std::uint32_t hash(std::uint32_t a, std::uint32_t b) {
-  std::uint32_t v = a ^ (b * 0x9e3779b9u + 0x7f4a7c15u);
-  v = (v ^ (v >> 16)) * 0x7feb352du;
-  v = (v ^ (v >> 15)) * 0x846ca68bu;
-  return v ^ (v >> 16);
-}
+namespace umbrage {
 
 /// Reverses the bits of a number.
 inline std::uint32_t reversed(std::uint32_t v) {
@@ -57,10 +51,9 @@ inline SampleTable sample_table(int count) {
 
 /// Returns point i of the set `seed`, strictly inside the unit square.
 inline glm::vec2 sample_point(const SampleTable& table, int i, std::uint32_t seed) {
-  constexpr float kStep = 0x1p-23f;  // floats have 24 bits: 23 for the step, one for its centre
   const std::uint32_t x = reversed(scrambled_low_to_high(table.first[i], hash(seed, 1u)));
   const std::uint32_t y = reversed(scrambled_low_to_high(table.second[i], hash(seed, 2u)));
-  return {(float(x >> 9) + 0.5f) * kStep, (float(y >> 9) + 0.5f) * kStep};
+  return {unit_real(x), unit_real(y)};
 }
 
 /// Returns the index of the i-th point in a permuted order that maps aligned runs of a power of two to such runs

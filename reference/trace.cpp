@@ -11,13 +11,15 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
-#include <glm/trigonometric.hpp>
 #include <mutex>
 
 #include "core/check.h"
 #include "rays/camera_rays.h"
+#include "rays/directions.h"
+#include "rays/hit_light.h"
 #include "rays/pixel_material.h"
 #include "rays/ray_packet.h"
+#include "rays/traced_lights.h"
 #include "reference/metal_rough.h"
 #include "reference/sampler.h"
 
@@ -25,41 +27,9 @@ namespace umbrage {
 namespace {
 
 constexpr int kTile = 16;  // side of the tile of one task, pixels
-constexpr float kPi = 3.14159265f;
 
 /// The independent sets of sample points of a pixel.
 enum SampleSet : std::uint32_t { kHemisphere = 1, kBounceLight = 2, kFirstLight = 3 };
-
-/// Returns an orthonormal basis with z = n, continuous except at n.z = 0 [Duff et al. 2017].
-glm::mat3 basis_around(glm::vec3 n) {
-  const float sign = std::copysign(1.0f, n.z);
-  const float a = -1.0f / (sign + n.z), b = n.x * n.y * a;
-  return {{1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
-}
-
-/// Returns a direction about +z with a probability density proportional to its cosine: a point of the disc, by the
-/// concentric map, which keeps neighbouring samples close [Shirley and Chiu 1997], projected to the sphere.
-glm::vec3 cosine_direction(glm::vec2 sample) {
-  const float a = 2.0f * sample.x - 1.0f, b = 2.0f * sample.y - 1.0f;
-  float radius = 0.0f, angle = 0.0f;
-  if (std::abs(a) > std::abs(b)) {
-    radius = a;
-    angle = kPi / 4.0f * (b / a);
-  } else if (b != 0.0f) {
-    radius = b;
-    angle = kPi / 2.0f - kPi / 4.0f * (a / b);
-  }
-  // No sample is on the disc's edge, so z > 0. (1 - r) (1 + r) keeps it above 0; 1 - x x - y y may round to 0.
-  return {radius * std::cos(angle), radius * std::sin(angle), std::sqrt((1.0f - radius) * (1.0f + radius))};
-}
-
-/// Returns a direction about +z within a cone, uniform in solid angle. `cone_height` is 1 minus the cosine of its half
-/// angle, which floats represent even for the narrowest cone.
-glm::vec3 cone_direction(glm::vec2 sample, float cone_height) {
-  const float below = sample.x * cone_height;
-  const float across = std::sqrt(below * (2.0f - below)), angle = 2.0f * kPi * sample.y;
-  return {across * std::cos(angle), across * std::sin(angle), 1.0f - below};
-}
 
 /// Returns the seed of a pixel. Pixels are counted from the inner border of the guard band, so that the guard band does
 /// not change the noise.
@@ -137,100 +107,30 @@ VectorPlanes vector_planes(Image& image, std::array<const char*, 3> names) {
   return {{&image.plane(names[0]), &image.plane(names[1]), &image.plane(names[2])}};
 }
 
-/// Returns the weight of a hit at distance `fraction` times the radius.
-float weight_of(Falloff falloff, float fraction) {
-  if (falloff == Falloff::kNone) return 1.0f;
-  if (falloff == Falloff::kLinear) return 1.0f - fraction;
-  return 1.0f - fraction * fraction * (3.0f - 2.0f * fraction);
-}
-
-/// A light in the unit space of TracedScene.
-struct TracedLight {
-  bool point = false;
-  bool from_camera = false;  ///< directional light that starts at the plane of the camera
-  glm::vec3 where{0.0f};     ///< unit direction to the light, or position of its centre
-  glm::vec3 color{0.0f};
-  float reach_squared = 0.0f;  ///< 0: no distance falloff
-  float radius = 0.0f;         ///< radius of a spherical light
-  float cone_height = 0.0f;    ///< 1 minus the cosine of the half angle of a directional light
-  bool casts_shadow = true;
-};
-
-std::vector<TracedLight> traced_lights(const TracedScene& traced, const CameraRays& rays, const PictureInfo& info,
-                                       const LightSettings& settings) {
-  std::vector<TracedLight> lights;
-  for (const Light& light : info.lights) {
-    TracedLight out{.color = light.color};
-    const bool head = light.kind == LightKind::kHead, points = settings.captured_shadows;
-    if (points) out.casts_shadow = light.casts_shadow && !head && int(lights.size()) < kMaxShadows;
-    out.point = light.kind == LightKind::kPoint || (head && info.camera.projection == Projection::kPerspective);
-    if (head) {
-      out.where = out.point ? rays.eye : rays.world_from_view[2];
-      out.from_camera = !out.point;
-    } else if (out.point) {
-      out.where = rays.eye + rays.world_from_view * (light.position * traced.scale);
-      out.reach_squared = light.reach * light.reach * traced.scale * traced.scale;
-      out.radius = points ? 0.0f : light.radius * traced.scale;
-    } else {
-      out.where = glm::normalize(rays.world_from_view * light.direction);
-      const float light_deg = settings.sun_angle_deg > 0.0f ? settings.sun_angle_deg : light.angle_deg;
-      const float angle_deg = points ? 0.0f : light_deg;
-      const float sine = std::sin(glm::radians(0.25f * angle_deg));
-      out.cone_height = 2.0f * sine * sine;
-    }
-    lights.push_back(out);
+/// Returns for each ray of a packet the fraction that occluders within `radius` leave visible; 0 for an idle lane. If
+/// there are views, only occluders that they hold count.
+std::array<float, kPacket> visible_fractions(const TracedScene& traced, const std::vector<HeldView>& views,
+                                             const OcclusionSettings& settings, float radius, float min_opacity,
+                                             RayPacket& packet) {
+  std::array<float, kPacket> visible{};
+  for (int k = 0; k < kPacket; ++k) visible[k] = packet.is_set(k) ? 1.0f : 0.0f;
+  const auto hide_at = [&](int k, float distance) {
+    visible[k] = 1.0f - falloff_weight(settings.falloff, std::min(distance / radius, 1.0f));
+  };
+  if (!views.empty()) {
+    const auto distances = held_hit_distances(traced, views, radius, min_opacity, packet);
+    for (int k = 0; k < kPacket; ++k)
+      if (std::isfinite(distances[k])) hide_at(k, distances[k]);
+  } else if (settings.falloff == Falloff::kNone) {
+    packet.find_blocked(traced, Coherence::kIncoherent);
+    for (int k = 0; k < kPacket; ++k)
+      if (packet.is_set(k) && !packet.arrives(k)) visible[k] = 0.0f;
+  } else {
+    packet.find_hits(traced, Coherence::kIncoherent);
+    for (int k = 0; k < kPacket; ++k)
+      if (packet.hit(k)) hide_at(k, packet.hit_distance(k));
   }
-  return lights;
-}
-
-/// Returns the length of the shadow ray to a light. 0 for a light without shadows: a ray of length 0 hits nothing.
-float ray_length(const TracedLight& light, float distance) { return light.casts_shadow ? distance : 0.0f; }
-
-/// One sample of a light, for one surface point: unit direction and distance to the light, and the radiance of a white
-/// surface that faces this direction.
-struct LightSample {
-  glm::vec3 direction;
-  float distance;
-  glm::vec3 color;
-};
-
-/// Returns the factor that makes a white surface that faces the cone's axis as bright as under a point light of the
-/// same colour: 1 over the mean cosine of the cone's directions to its axis.
-float cone_gain(float cone_height) { return 1.0f / (1.0f - 0.5f * cone_height); }
-
-LightSample sample_light(const TracedLight& light, const CameraRays& rays, glm::vec3 from, glm::vec2 sample) {
-  if (!light.point) {
-    const glm::vec3 direction = basis_around(light.where) * cone_direction(sample, light.cone_height);
-    const float distance =
-        light.from_camera ? glm::dot(rays.eye - from, light.where) : std::numeric_limits<float>::infinity();
-    return {direction, distance, light.color * cone_gain(light.cone_height)};
-  }
-  const glm::vec3 to_center = light.where - from;
-  const float squared = std::max(glm::dot(to_center, to_center), 1e-20f), distance = std::sqrt(squared);
-  const glm::vec3 toward = to_center / distance;
-  // The falloff is clamped at the sphere's surface: points inside a light would be fireflies.
-  const float falloff_squared = std::max(squared, light.radius * light.radius);
-  const glm::vec3 color =
-      light.reach_squared > 0.0f ? light.color * (light.reach_squared / falloff_squared) : light.color;
-  if (!(light.radius > 0.0f)) return {toward, distance, color};
-  // Seen from outside, the sphere fills a cone; from inside, a hemisphere is used.
-  const float sine_squared = std::min(1.0f, light.radius * light.radius / squared);
-  const float cone_height = sine_squared / (1.0f + std::sqrt(1.0f - sine_squared));
-  const glm::vec3 local = cone_direction(sample, cone_height);
-  const float to_sphere = distance * local.z -
-                          std::sqrt(std::max(0.0f, light.radius * light.radius - squared * (1.0f - local.z * local.z)));
-  return {basis_around(toward) * local, std::max(to_sphere, 0.0f), color * cone_gain(cone_height)};
-}
-
-/// Returns the texture's unfiltered value at a surface that is not directly visible; white if there is no texture.
-glm::vec3 unfiltered_texel(const TracedScene& traced, const Surface& surface, int texture) {
-  if (texture == kNoTexture || surface.mesh->uvs.empty()) return glm::vec3(1.0f);
-  const glm::vec2 uv = uv_at(*surface.mesh, surface.triangle, surface.u, surface.v);
-  return glm::vec3(sample_filtered(traced.textures[texture], uv, glm::vec2(0.0f), glm::vec2(0.0f)));
-}
-
-glm::vec3 unfiltered_albedo(const TracedScene& traced, const Surface& surface) {
-  return surface.material->albedo * mesh_color(surface) * unfiltered_texel(traced, surface, surface.material->texture);
+  return visible;
 }
 
 /// Returns the Blinn-Phong highlight of a light sample, as in effects/lighting.
@@ -317,7 +217,7 @@ glm::vec3 bounced_light(const TracedScene& traced, const CameraRays& rays, const
       if (!packet.hit(k)) continue;
       hits[k] = packet.surface(traced, k);
       albedo[k] = unfiltered_albedo(traced, hits[k]);
-      sum += hits[k].material->emission * unfiltered_texel(traced, hits[k], hits[k].material->emission_texture);
+      sum += unfiltered_emission(traced, hits[k]);
     }
     for (std::size_t l = 0; l < lights.size(); ++l) {
       RayPacket to_light;
@@ -363,6 +263,7 @@ Result<Image> trace_occlusion(const TracedScene& traced, const PictureInfo& info
   const SampleTable table = sample_table(settings.samples);
   const float radius = settings.radius * traced.scale;
   const glm::mat3 view_from_world(info.camera.view_from_world);
+  const std::vector<HeldView> views = held_views(traced, info, settings.occluders);
   const auto done =
       for_each_surface(traced, info, control, [&](int x, int y, const Surface& surface, const CameraRays& rays) {
         const glm::vec3 start = ray_origin_above(traced, surface, rays.eye);
@@ -379,19 +280,10 @@ Result<Image> trace_occlusion(const TracedScene& traced, const PictureInfo& info
             directions[k] = basis * cosine_direction(sample_point(table, first + k, seed));
             if (glm::dot(directions[k], surface.geometric) > 0.0f) packet.set(k, start, directions[k], 0.0f, radius);
           }
-          if (settings.falloff == Falloff::kNone)
-            packet.find_blocked(traced, Coherence::kIncoherent);
-          else
-            packet.find_hits(traced, Coherence::kIncoherent);
+          const auto visible = visible_fractions(traced, views, settings, radius, control.min_opacity, packet);
           for (int k = 0; k < n; ++k) {
-            if (!packet.is_set(k)) continue;
-            float visible = 1.0f;
-            if (settings.falloff == Falloff::kNone)
-              visible = packet.arrives(k) ? 1.0f : 0.0f;
-            else if (packet.hit(k))
-              visible = 1.0f - weight_of(settings.falloff, std::min(packet.hit_distance(k) / radius, 1.0f));
-            open += visible;
-            bent += directions[k] * visible;
+            open += visible[k];
+            bent += directions[k] * visible[k];
           }
         }
         ao.at(x, y) = open / float(settings.samples);
@@ -419,7 +311,8 @@ Result<Image> trace_light(const TracedScene& traced, const PictureInfo& info, co
   Plane* shadow = image.find("shadow");
   if (settings.bounce) indirect = vector_planes(image, {"indirect.r", "indirect.g", "indirect.b"});
   const SampleTable table = sample_table(settings.samples);
-  const std::vector<TracedLight> lights = traced_lights(traced, camera_rays(traced, info), info, settings);
+  const std::vector<TracedLight> lights =
+      traced_lights(traced, camera_rays(traced, info), info, {settings.captured_shadows, settings.sun_angle_deg});
   const bool orthographic = info.camera.projection == Projection::kOrthographic;
   const float reach = settings.reach * traced.scale;
   const auto done =

@@ -6,19 +6,14 @@
 
 #include "core/gbuffer.h"
 #include "core/image.h"
+#include "core/ray_settings.h"
 #include "core/result.h"
 #include "rays/traced_scene.h"
+#include "reference/held_occluders.h"
 
 namespace umbrage {
 
 inline constexpr int kMaxSamples = 4096;
-
-/// Weight of an occluder at distance t.
-enum class Falloff {
-  kNone,    ///< 1 within the radius
-  kLinear,  ///< 1 - t / radius
-  kSmooth,  ///< 1 - smoothstep(0, radius, t)
-};
 
 /// The axis of the hemisphere.
 enum class HemisphereNormal {
@@ -32,6 +27,7 @@ struct OcclusionSettings {
   float radius = std::numeric_limits<float>::infinity();  ///< scene units, > 0
   Falloff falloff = Falloff::kNone;
   HemisphereNormal normal = HemisphereNormal::kTriangle;
+  Occluders occluders = Occluders::kAll;
   std::uint32_t seed = 0;
 };
 
@@ -59,7 +55,8 @@ struct TraceControl {
 };
 
 /// Traces visibility: the cosine-weighted fraction of the hemisphere without an occluder within the radius. With a
-/// falloff, an occluder counts only partly. Planes, of the picture's whole size:
+/// falloff, an occluder counts only partly: the nearest of each ray among those that count. Planes, of the picture's
+/// whole size:
 ///   ao                     1 open, 0 blocked; 1 where there is no surface, and in the guard band
 ///   bent_normal.x .y .z    mean open direction, unit, view space; the normal where nothing is open; 0 without surface
 /// Errors: kInterrupted.
