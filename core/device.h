@@ -46,7 +46,8 @@ struct CaptureSettings {
   /// Captures blended surfaces as if they were opaque; otherwise rays pass through them. With them, the planes
   /// `opacity` and `transmittance` of core/gbuffer.h.
   bool blended = false;
-  int sample = 0;  ///< sample index of an accumulation; selects the shadow rays
+  bool ray_offsets = false;  ///< also capture the planes ray_offset.x .y .z of core/gbuffer.h
+  int sample = 0;            ///< sample index of an accumulation; selects the shadow rays
   /// The material and id planes to capture, by their names on the first layer; nullopt: all. Depth, normals and shadows
   /// are always captured.
   std::optional<std::vector<std::string>> planes = {};
@@ -89,6 +90,15 @@ class Device {
   /// Captures the prepared scene. Returns a frame with the planes of core/gbuffer.h.
   virtual Result<Frame> capture(const Camera& camera, const CaptureSettings& settings,
                                 const ProgressMonitor& monitor = {}) = 0;
+  /// Captures a further sample of a picture at the pixels that are marked: where the plane `marks` of `first`, the
+  /// frame of the first sample, is 1. Other pixels have undefined values. The marks become a plane of the frame, as by
+  /// add_first. Soft shadows are not captured, since their filter needs all pixels: their planes are 1. `settings` must
+  /// be of one layer. A device may capture all pixels. Errors: as capture.
+  virtual Result<Frame> capture_marked(const Camera& camera, const CaptureSettings& settings, const Frame& first,
+                                       const ProgressMonitor& monitor = {});
+  /// Adds planes of `first` to the frame of a further sample, under the names of first_plane. They may share their
+  /// memory with those of `first`, which must then not change before the frame is gone.
+  virtual Result<void> add_first(const Frame& first, const std::vector<std::string>& names, Frame& frame);
   /// Returns a frame with planes from the host. Planes that are views are read during the lifetime of the frame, and
   /// never written.
   virtual Result<Frame> upload(GBuffer gbuffer) = 0;
@@ -101,13 +111,16 @@ class Device {
   virtual Frame branch(const Frame& frame) = 0;
   /// Adds planes from the host to a frame and replaces those of the same names. Their size is that of the frame, guard
   /// band included; for a strip, its rows_with_margin.
-  virtual Result<void> add(const Image& planes, Frame& frame) = 0;
+  virtual Result<void> add(Image planes, Frame& frame) = 0;
   /// Runs the dispatches of an effect; its outputs become planes of the frame. On layer n > 0 all its inputs and
   /// outputs are planes of that layer. PixelSet::kMissing requires runs_for_missing. On a strip the effect may remain
   /// unfinished, if WholePlanes must be completed first or the margin is too small. After kInterrupted the outputs are
   /// incomplete. Errors: kUsage if an input plane is missing; kInterrupted.
   virtual Result<RunState> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer = 0,
                                PixelSet pixels = PixelSet::kAll, const ProgressMonitor& monitor = {}) = 0;
+  /// Frees these planes of a frame, which nothing reads any more; names of other planes are ignored. A branch does not
+  /// free the planes of its original. A device may keep planes, or all of them.
+  virtual void release(Frame& /*frame*/, const std::vector<std::string>& /*names*/) {}
   /// Returns a frame with one pixel in `factor`, across and down, of these planes in all layers that have them: see
   /// reduced_info. Planes that no layer has are left out.
   virtual Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) = 0;
@@ -126,19 +139,18 @@ class Device {
   /// Returns the planes of these names, in this order, without the guard band; of a strip only its own rows: see
   /// missing_rows. Errors: kUsage if a plane is missing.
   virtual Result<Image> download(const Frame& frame, const std::vector<std::string>& names) = 0;
-  /// Calls `take` with each of these planes and its index in `names`, without a copy if the device can.
-  virtual Result<void> visit(const Frame& frame, const std::vector<std::string>& names,
-                             const std::function<void(std::size_t name, const Plane& plane)>& take) {
-    const auto image = download(frame, names);
-    if (!image) return image.error();
-    for (std::size_t k = 0; k < names.size(); ++k) take(k, image->planes[k]);
-    return {};
+  /// Returns the same as download. Without a copy if the device can: the planes are then views, which are valid until
+  /// the frame changes or ends.
+  virtual Result<Image> view(const Frame& frame, const std::vector<std::string>& names) {
+    return download(frame, names);
   }
   /// Returns all planes of a frame.
   Result<Image> download_all(const Frame& frame) { return download(frame, plane_names(frame)); }
-  /// Returns by how many rows the margin of a strip is too small for its own rows of these planes to be valid; 0: they
-  /// are valid.
-  virtual int missing_rows(const Frame&, const std::vector<std::string>& /*names*/) const { return 0; }
+  /// Returns by how many rows the margin of a strip is too small for its own rows of these planes to be valid, and
+  /// `around` rows above and below them; 0: they are valid.
+  virtual int missing_rows(const Frame&, const std::vector<std::string>& /*names*/, int /*around*/ = 0) const {
+    return 0;
+  }
 };
 
 }  // namespace umbrage

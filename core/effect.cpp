@@ -38,6 +38,11 @@ Result<float> radius_in_scene(std::string_view owner, const Length& radius, cons
   return length;
 }
 
+bool needs_scene(const Effect& effect) {
+  return std::any_of(effect.dispatches.begin(), effect.dispatches.end(),
+                     [](const Dispatch& dispatch) { return dispatch.rays != nullptr; });
+}
+
 const Parameter* find_parameter(const Effect& effect, std::string_view name) {
   for (const Parameter& row : effect.parameters)
     if (row.name == name || (!name.empty() && row.former_name == name)) return &row;

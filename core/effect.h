@@ -9,6 +9,7 @@
 #include "core/gbuffer.h"
 #include "core/length.h"
 #include "core/parameters.h"
+#include "core/ray_settings.h"
 
 namespace umbrage {
 
@@ -44,9 +45,14 @@ struct GpuVariant {
   std::vector<GpuStep> steps;
 };
 
-/// The pixels that an effect runs on: all, or only those where `ao` is kMissing. The latter get the occlusion that a
-/// run on all pixels would give them, and no other output; the others keep theirs.
-enum class PixelSet { kAll, kMissing };
+/// The pixels that an effect runs on.
+enum class PixelSet {
+  kAll,
+  /// Only those where `ao` is kMissing. They get the occlusion that a run on all pixels would give them, and no other
+  /// output; the others keep theirs.
+  kMissing,
+  kMarked,  ///< all those where `first_marks` is 1, and any others, whose values are undefined: see capture_marked
+};
 
 /// The tile that a CPU thread computes at a time, pixels; `width` is a multiple of 16. Whole rows by default;
 /// kSquareTile for dispatches that read in all directions around a pixel.
@@ -62,9 +68,18 @@ struct Dispatch {
   std::vector<std::string_view> inputs, outputs;  ///< planes; a colour or vector counts as its three planes
   std::vector<std::string_view> later_inputs;     ///< the inputs that the first round does not read
   Kernel kernel;
-  CpuKernel tuned = nullptr;                               ///< faster kernel with bitwise identical results, or null
-  std::vector<GpuVariant> gpu_variants;                    ///< the first that fits runs instead of `kernel`
-  HostStep host = nullptr;                                 ///< runs instead of kernels; `reach` is then null
+  CpuKernel tuned = nullptr;             ///< faster kernel with bitwise identical results, or null
+  std::vector<GpuVariant> gpu_variants;  ///< the first that fits runs instead of `kernel`
+  HostStep host = nullptr;               ///< runs instead of kernels; `reach` is then null
+  /// If not null, the dispatch traces rays in the captured scene. Its kernel makes them: it runs once for each ray
+  /// index, FrameConstants::round from 0 to max_rays - 1, and writes `ray.x .y .z`, a unit direction in view space, or
+  /// 0 where the pixel has fewer rays. A ray starts at the pixel's surface point plus `ray_offset`. The device writes
+  /// the outputs:
+  ///   ao                   mean visibility of the pixel's rays within the radius; 1 without rays
+  ///   traced_rays          number of rays
+  ///   bent.x .y .z         mean direction of unblocked rays, unit, view space; 0 if there are none
+  ///   indirect.r .g .b     mean radiance that arrives along the rays
+  RaySettings (*rays)(const ParameterBytes& params, const PictureInfo& info) = nullptr;
   bool (*needed)(const ParameterBytes& params) = nullptr;  ///< whether the dispatch runs at all; null: always
   TileSize tile;
   /// Returns how many rows above and below a pixel it reads at most, with these constants; null: any row.
@@ -72,6 +87,7 @@ struct Dispatch {
   /// Inputs that may be read at any pixel, regardless of `reach`. A layer that does not exist is not read.
   std::vector<std::string_view> unbounded_inputs = {};
   bool for_all = true, for_missing = false;  ///< the pixel sets that it runs on
+  bool first_round_only = false;             ///< it runs in the first of the effect's rounds only
 };
 
 enum class EffectKind {
@@ -115,6 +131,9 @@ struct Effect {
   void (*add_stops)(float stops, ParameterBytes& params) = nullptr;
   /// Name of the integer parameter that selects the noise: each sample index of an accumulation gets its own value.
   std::string_view noise;
+  /// For a technique that filters its own output: looks leave out the effects of kind kFilter behind it. It runs at
+  /// full resolution only.
+  bool filters_itself = false;
   /// Parameters that trade time for quality, or one error for another, in the order in which tuning searches them.
   std::vector<std::string_view> tunable;
   /// Settings that differ in cost or quality, for timing and comparison: "parameter=value parameter=value". Always
@@ -184,6 +203,8 @@ Effect output_effect(std::vector<Parameter> table, Effect effect) {
 
 /// Implements Dispatch::reach for a dispatch that reads only its own row.
 inline int own_row(const void*, int) { return 0; }
+/// Implements it for a dispatch that reads only its own pixel.
+inline int own_pixel(const void*, int) { return 0; }
 
 /// Returns the dispatch of an occlusion technique that reads depth anywhere around each pixel, and the normal only at
 /// the pixel.
@@ -202,6 +223,9 @@ float length_px(const Length& length, float whole_px, const PictureInfo& info);
 /// parameter in errors ("reference.radius"). Errors: kUsage if the radius is not above 0 or exceeds 200% of the
 /// bounding-sphere radius.
 Result<float> radius_in_scene(std::string_view owner, const Length& radius, const PictureInfo& info);
+
+/// Returns whether an effect needs the scene of the picture besides its planes: one of its dispatches traces rays.
+bool needs_scene(const Effect& effect);
 
 /// Returns the row with that name or former name, or null.
 const Parameter* find_parameter(const Effect& effect, std::string_view name);

@@ -74,6 +74,7 @@ PictureInfo reduced_info(const PictureInfo& whole, int factor) {
 }
 
 std::string reduced_plane(std::string_view name) { return "reduced_" + std::string(name); }
+std::string first_plane(std::string_view name) { return "first_" + std::string(name); }
 
 PictureInfo layer_info(const PictureInfo& info, int layer) {
   PictureInfo out = info;

@@ -15,6 +15,8 @@
 //   opacity           of all blended surfaces along the ray together: the fraction of the pixel that they cover
 //   transmittance.r .g .b   fraction of the light from behind them that arrives; these four only if they are captured
 //   object_id, material_id   integers; -1 where nothing was hit
+//   ray_offset.x .y .z   from the surface to the point where rays leave it, view space, scene units: along the
+//                     triangle's normal, on the visible side; 0 where nothing was hit; only on request
 #pragma once
 #include <memory>
 #include <string>
@@ -101,6 +103,9 @@ PictureInfo reduced_info(const PictureInfo& whole, int factor);
 /// Returns the name of a reduced-resolution plane that lies in the upper left corner of a picture at full resolution:
 /// `reduced_ao`.
 std::string reduced_plane(std::string_view name);
+
+/// Returns the name that a plane of the first sample of a picture has in the frames of its further samples: `first_ao`.
+std::string first_plane(std::string_view name);
 
 /// Returns the information of layer `layer`. If another camera captured it, camera, lights and ground are those of the
 /// view space of that camera.

@@ -16,6 +16,8 @@ namespace {
 constexpr std::size_t kCacheLine = 64;
 constexpr std::size_t kHugePage = std::size_t(2) << 20;
 constexpr std::size_t kPage = 4096;
+/// Min size of pooled planes, bytes. The allocator keeps smaller blocks itself, but maps most larger ones anew.
+constexpr std::size_t kMinPooled = std::size_t(64) << 10;
 
 /// Rows and planes whose starts are a multiple of this many bytes apart map to the same lines of the first-level cache,
 /// and a loop over a dozen planes then evicts its own data.
@@ -110,7 +112,7 @@ Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(p
   // Equal for all planes of one size, whatever their offset, so that their memory is interchangeable.
   const std::size_t needed = bytes + (large ? (kStaggers - 1) * kStagger : 0);
   const std::size_t whole = (needed + rounding - 1) / rounding * rounding;
-  const PlanePoolPtr pool = large && pool_of_thread ? *pool_of_thread : nullptr;
+  const PlanePoolPtr pool = bytes >= kMinPooled && pool_of_thread ? *pool_of_thread : nullptr;
   void* base = pool ? pool->take(whole) : nullptr;
   if (!base) {
     if (posix_memalign(&base, alignment, whole) != 0) throw std::bad_alloc();
@@ -123,12 +125,21 @@ Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(p
   data_ = {reinterpret_cast<float*>(static_cast<std::byte*>(base) + offset), Free{base, whole, pool}};
 }
 
+Plane Plane::view(const Plane& of) {
+  Plane view;
+  view.width = of.width;
+  view.height = of.height;
+  view.stride = of.stride;
+  view.data_ = {const_cast<float*>(of.data()), Free{nullptr, 0, {}}};
+  return view;
+}
+
 Plane Plane::view(const float* data, int width, int height) {
   check_equal(width % kRowAlignment, 0, "width of a view");
   Plane view;
   view.width = width;
-  view.stride = plane_stride(width);
   view.height = height;
+  view.stride = plane_stride(width);
   view.data_ = {const_cast<float*>(data), Free{nullptr, 0, {}}};
   return view;
 }

@@ -14,9 +14,9 @@ namespace umbrage {
 /// the end of a row does not overwrite the next row.
 inline constexpr int kRowAlignment = 16;
 
-/// Memory of released planes, kept for new planes of the same size: fresh memory costs page faults, which take half the
-/// time when pictures are drawn one after the other. Each device has one; threads may share it. It keeps memory only
-/// while a PlanePoolLock exists, and frees it with the last one.
+/// Memory of released planes of 64 KiB and more, kept for new planes of the same size: fresh memory costs page faults,
+/// which take half the time when pictures are drawn one after the other. Each device has one; threads may share it. It
+/// keeps memory only while a PlanePoolLock exists, and frees it with the last one.
 class PlanePool {
  public:
   PlanePool() = default;
@@ -82,6 +82,8 @@ class Plane {
   /// Returns a plane that refers to the caller's floats, rows plane_stride(width) apart, which must outlive it. Copies
   /// own their memory. The width must be a multiple of kRowAlignment.
   static Plane view(const float* data, int width, int height);
+  /// Returns a plane that refers to the floats of `of`, which must outlive it.
+  static Plane view(const Plane& of);
   bool is_view() const { return data_ && !data_.get_deleter().base; }
 
   int width = 0, height = 0;

@@ -14,7 +14,7 @@
 namespace umbrage {
 namespace {
 
-// A plane of this size takes 4 MB, which is large enough for the pool.
+// A plane of this size takes 4 MB.
 constexpr int kSide = 1024;
 
 TEST(PlanePool, MemoryIsReusedForPlanesOfTheSameSize) {
@@ -34,6 +34,15 @@ TEST(PlanePool, MemoryIsReusedForPlanesOfTheSameSize) {
   EXPECT_EQ(pool->bytes(), 0u) << "no plane is in use";
   { const Plane plane(kSide, kSide); }
   EXPECT_EQ(pool->bytes(), 0u);
+}
+
+TEST(PlanePool, KeepsPlanesFrom64KiBOn) {
+  const auto pool = std::make_shared<PlanePool>();
+  const ScopedPlanePool scoped_pool(pool);
+  { const Plane plane(128, 127); }
+  EXPECT_EQ(pool->bytes(), 0u);
+  { const Plane plane(128, 128); }
+  EXPECT_EQ(pool->bytes(), std::size_t(64) << 10);
 }
 
 TEST(PlanePool, ALockDoesNotPoolThePlanesOfItsThread) {

@@ -10,7 +10,8 @@ Look look_bleeding() {
           .occlusion = "hemisphere",
           .effects = {"lighting", "occlusion", "denoise", "composite", "output", "antialias"},
           .presets = {"hemisphere.samples=32", "hemisphere.radius=25%", "hemisphere.bleeding=1", "hemisphere.weight=2",
-                      "hemisphere.ambient_bounce=0.5", "denoise.rounds=3", "denoise.indirect=1", "lighting.ambient=0.6",
+                      "hemisphere.ambient_bounce=0.5", "traced.radius=25%", "traced.bleeding=1",
+                      "traced.ambient_bounce=0.5", "denoise.rounds=3", "denoise.indirect=1", "lighting.ambient=0.6",
                       "output.exposure=0.5", "output.background_r=0.72", "output.background_g=0.77",
                       "output.background_b=0.82"},
           .lit_by = "lighting",
@@ -18,7 +19,8 @@ Look look_bleeding() {
           .image_exposed_presets = {"output.metering=light", "output.exposure=0"},
           .layers = 2,
           .back_sides = true,
-          .shadow_rays = 1};
+          .shadow_rays = 1,
+          .model_occlusion = "traced"};
 }
 
 }  // namespace umbrage

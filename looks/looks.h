@@ -42,14 +42,20 @@ using Meter = std::function<Result<std::optional<float>>(Device&, const Frame&, 
 struct LookRun {
   const Look* look = nullptr;
   std::string_view occlusion;  ///< name of the technique, or kNoOcclusion
-  /// Downsampling factor of the technique and of the filters that follow it: 1, 2 or 4. External techniques always run
-  /// at full resolution.
+  /// Downsampling factor of the technique and of the filters that follow it: 1, 2 or 4. External techniques and those
+  /// that filter themselves always run at full resolution.
   int occlusion_downsampling = 1;
   const EffectSettings* settings = nullptr;
   /// Requested planes; effects that contribute to none of them are skipped. nullopt: all effects run.
   std::optional<std::vector<std::string>> wanted = {};
+  /// The planes that are read after the run, on all layers: `wanted` and more. The device releases each other plane
+  /// when no later step reads it. nullopt: all planes are kept.
+  std::optional<std::vector<std::string>> kept = {};
   /// Called with the name of each effect when the effect is done.
   std::function<void(std::string_view)> after = [](std::string_view) {};
+  /// kMarked: draws a further sample, on a frame of capture_marked. The technique and its filters are left out, so the
+  /// frame must have the planes that they write. Requires runs_on_marked and `stops`.
+  PixelSet pixels = PixelSet::kAll;
   ProgressMonitor monitor = {};                          ///< passed to every effect
   std::optional<float> stops = {};                       ///< to add in place of metering; unused if Exposure::kAsSet
   Meter meter = metered_stops;                           ///< used with Exposure::kPicture and kMedian
@@ -57,8 +63,17 @@ struct LookRun {
   RunExternalEffect run_external_effect = {};            ///< required if an external technique is used
 };
 
-/// Returns the effects of a run in order, with the occlusion technique in its place.
+/// Returns the effects of a run in order, with the occlusion technique in its place. Filters behind a technique that
+/// filters itself are left out.
 std::vector<const Effect*> steps_of(const LookRun& run);
+
+/// Returns the effects of a run except for the technique and the filters that follow it.
+std::vector<const Effect*> steps_besides_technique(const LookRun& run);
+
+/// Returns whether a run can draw further samples at marked pixels: apart from the technique and its filters all
+/// effects compute each pixel by itself, and neither they nor `planes` need any planes of the technique and its
+/// filters but `ao` and `indirect`.
+bool runs_on_marked(const LookRun& run, std::span<const std::string> planes);
 
 /// Returns the planes that a run reads from a frame of `layers` layers. Those that nothing has written exist after the
 /// run with their neutral value everywhere, if they have one. Planes that the run downsamples first are not included.

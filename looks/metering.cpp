@@ -68,7 +68,7 @@ float Metering::stops_by_picture(float usual) {
 }
 
 Result<std::optional<float>> metered_stops(Device& device, const Frame& frame, Exposure by) {
-  const auto image = device.download(frame, kMeteredPlanes);
+  const auto image = device.view(frame, kMeteredPlanes);
   if (!image) return image.error();
   Metering metering;
   metering.add(*image, 0, image->height);

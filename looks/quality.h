@@ -1,4 +1,4 @@
-// Quality: presets that trade time for quality, for the techniques `bitmask`, `hemisphere` and `sphere`.
+// Quality: presets that trade time for quality, for the techniques `traced`, `bitmask`, `hemisphere` and `sphere`.
 #pragma once
 #include <span>
 #include <string_view>
@@ -12,7 +12,8 @@ struct Quality {
   int occlusion_downsampling = 1;  ///< downsampling factor, see Look
   int layers = 1;                  ///< min, see CaptureSettings
   int shadow_rays = 0;             ///< see CaptureSettings
-  /// Settings, "effect.parameter=value": for a single picture, and for each of several averaged ones.
+  bool screen_space = false;       ///< models, too, get the screen-space technique of their look
+  /// Settings, "effect.parameter=value": for a single picture, and for each of several whose occlusion is averaged.
   std::vector<std::string_view> settings, settings_of_averaged;
 };
 

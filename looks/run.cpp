@@ -46,9 +46,7 @@ std::vector<std::string_view> occlusion_names(std::span<const Effect* const> ext
 
 namespace {
 
-bool contains(const auto& names, std::string_view name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
+bool contains(const auto& list, const auto& value) { return std::find(list.begin(), list.end(), value) != list.end(); }
 
 bool runs(const Dispatch& dispatch, const ParameterBytes& params) {
   return !dispatch.needed || dispatch.needed(params);
@@ -99,13 +97,18 @@ bool runs_on_layers(const LookRun& run, const Steps& steps, std::size_t step) {
   });
 }
 
-/// Returns the end of the steps that run at reduced resolution from `step` on; `step` itself if it does not.
-std::size_t reduced_end(const LookRun& run, const Steps& steps, std::size_t step) {
-  const bool of_others = find_named(run.external_effects, steps[step]->name) != nullptr;
-  if (steps[step]->name != run.occlusion || run.occlusion_downsampling == 1 || of_others) return step;
+/// Returns the end of the technique and its filters if `step` is the technique, otherwise `step`.
+std::size_t technique_end(const LookRun& run, const Steps& steps, std::size_t step) {
+  if (steps[step]->name != run.occlusion) return step;
   ++step;
   while (step < steps.size() && steps[step]->kind == EffectKind::kFilter) ++step;
   return step;
+}
+
+/// Returns the end of the steps that run at reduced resolution from `step` on; `step` itself if it does not.
+std::size_t reduced_end(const LookRun& run, const Steps& steps, std::size_t step) {
+  const bool whole = find_named(run.external_effects, steps[step]->name) || steps[step]->filters_itself;
+  return run.occlusion_downsampling == 1 || whole ? step : technique_end(run, steps, step);
 }
 
 /// Returns whether a technique, after its run at reduced resolution, computes the pixels that no reduced pixel covers.
@@ -122,7 +125,7 @@ Result<RunState> run_step(const LookRun& run, const Steps& steps, std::size_t st
   } else {
     const int layers = runs_on_layers(run, steps, step) ? 1 + int(frame.info.more_layers.size()) : 1;
     for (int layer = 0; layer < layers; ++layer) {
-      const auto done = device.run(effect, params, frame, layer, PixelSet::kAll, run.monitor);
+      const auto done = device.run(effect, params, frame, layer, run.pixels, run.monitor);
       if (!done || !done->finished) return done;
     }
   }
@@ -211,17 +214,40 @@ Result<LookDone> run_exposed(const LookRun& run, const Effect& effect, Device& d
     done.stops = *stops;
     effect.add_stops(*stops, params);
   }
-  const auto ran = device.run(effect, params, frame, 0, PixelSet::kAll, run.monitor);
+  const auto ran = device.run(effect, params, frame, 0, run.pixels, run.monitor);
   if (!ran) return ran.error();
   static_cast<RunState&>(done) = *ran;
   if (done.finished) run.after(effect.name);
   return done;
 }
 
+/// Releases the planes that are read neither by steps from `next` on nor after the run.
+void release_unread(const LookRun& run, const Steps& steps, std::size_t next, Device& device, Frame& frame) {
+  if (!run.kept) return;
+  std::set<std::string, std::less<>> needed;
+  const auto add = [&](const auto& names) {
+    for (const auto& name : names) needed.emplace(name_on_first_layer(name));
+  };
+  // A dispatch may write only a part of an output, and then needs its other values.
+  const auto add_effect = [&](const Effect& effect) {
+    for (const Dispatch& dispatch : effect.dispatches) add(dispatch.inputs), add(dispatch.outputs);
+    if (effect.exposure_source) add(kMeteredPlanes);
+  };
+  add(*run.kept);
+  for (std::size_t step = next; step < steps.size(); ++step) {
+    add_effect(*steps[step]);
+    if (reduced_end(run, steps, step) > step) add_effect(filling_effect());
+  }
+  std::vector<std::string> unread = device.plane_names(frame);
+  std::erase_if(unread, [&](const std::string& name) { return needed.contains(name_on_first_layer(name)); });
+  device.release(frame, unread);
+}
+
 }  // namespace
 
 std::vector<const Effect*> steps_of(const LookRun& run) {
   Steps steps;
+  bool filtered = false;  // the technique is among the steps, and filters itself
   for (std::string_view name : run.look->effects) {
     if (name == kOcclusionStep) {
       if (run.occlusion == kNoOcclusion) continue;  // `ao` then has its neutral value 1
@@ -230,9 +256,38 @@ std::vector<const Effect*> steps_of(const LookRun& run) {
     const Effect* of_others = find_named(run.external_effects, name);
     steps.push_back(of_others ? of_others : find_effect(name));
     if (!steps.back()) fail_check(fmt::format("look {}: there is no effect '{}'", run.look->name, name));
+    if (filtered && steps.back()->kind == EffectKind::kFilter)
+      steps.pop_back();
+    else
+      filtered = filtered || steps.back()->filters_itself;
   }
   if (run.wanted) keep_needed(run, steps);
   return steps;
+}
+
+std::vector<const Effect*> steps_besides_technique(const LookRun& run) {
+  Steps steps = steps_of(run);
+  for (std::size_t step = 0; step < steps.size(); ++step)
+    steps.erase(steps.begin() + long(step), steps.begin() + long(technique_end(run, steps, step)));
+  return steps;
+}
+
+bool runs_on_marked(const LookRun& run, std::span<const std::string> planes) {
+  const Steps others = steps_besides_technique(run);
+  std::set<std::string_view> lacking;
+  for (const Effect* effect : steps_of(run))
+    if (!contains(others, effect))
+      for (const Dispatch& dispatch : effect->dispatches)
+        for (const std::string_view plane : dispatch.outputs)
+          if (plane != "ao" && !plane.starts_with("indirect.")) lacking.insert(plane);
+  for (const Effect* effect : others)
+    for (const Dispatch& dispatch : effect->dispatches) {
+      if (!runs(dispatch, params_of(run, *effect))) continue;
+      if (dispatch.host || dispatch.reach != own_pixel) return false;
+      for (const std::string_view input : dispatch.inputs)
+        if (lacking.contains(input)) return false;
+    }
+  return std::none_of(planes.begin(), planes.end(), [&](const std::string& plane) { return lacking.contains(plane); });
 }
 
 std::set<std::string> planes_read(const LookRun& run, int layers) {
@@ -258,7 +313,7 @@ std::set<std::string> planes_read(const LookRun& run, int layers) {
 
 Result<LookDone> run_look(const LookRun& run, Device& device, Frame& frame) {
   LookDone all;
-  const Steps steps = steps_of(run);
+  const Steps steps = run.pixels == PixelSet::kMarked ? steps_besides_technique(run) : steps_of(run);
   for (std::size_t step = 0; step < steps.size();) {
     const Effect& effect = *steps[step];
     const bool of_others = find_named(run.external_effects, effect.name) != nullptr;
@@ -279,6 +334,7 @@ Result<LookDone> run_look(const LookRun& run, Device& device, Frame& frame) {
       if (!done->finished) return all;
     }
     step = next;
+    release_unread(run, steps, step, device, frame);
   }
   return all;
 }

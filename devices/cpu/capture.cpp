@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
@@ -18,6 +17,7 @@
 
 #include "core/guarded.h"
 #include "core/watch.h"
+#include "devices/cpu/capture_block.h"
 #include "devices/cpu/soften.h"
 #include "devices/shared/capture_info.h"
 #include "devices/shared/soften.h"
@@ -30,8 +30,8 @@
 namespace umbrage {
 namespace {
 
-constexpr int kBlock = kSoftenBlock;  // one packet of rays covers a block of 4 x 4 pixels
-constexpr int kTileBlocks = 8;        // blocks per side of a tile that one task draws: 32 pixels
+constexpr int kBlock = kSoftenBlock;
+constexpr int kTileBlocks = 8;  // blocks per side of a tile that one task draws: 32 pixels
 // The search for the next surface along a ray starts this far behind the last hit, as a fraction of the sum of the
 // hit's distances from the scene's origin and from the camera. Two triangles that share an edge then count as one
 // surface, but the two sides of a sheet of paper as two.
@@ -39,28 +39,6 @@ constexpr float kLayerStep = 1e-5f;
 // Max error of a ray's end, relative to its length: a ray that starts at a light must end farther than this above the
 // surface.
 constexpr float kEndRounding = 1e-6f;
-
-/// Values of a block of pixels. They are stored row by row once complete, since scattering single floats over a dozen
-/// planes costs more than shading.
-struct alignas(64) Block {
-  float depth[kPacket], nx[kPacket], ny[kPacket], nz[kPacket], ar[kPacket], ag[kPacket], ab[kPacket];
-  float specular[kPacket], shininess[kPacket], shadow[kMaxShadows][kPacket], er[kPacket], eg[kPacket], eb[kPacket];
-  float metallic[kPacket], roughness[kPacket], material_ao[kPacket], object[kPacket], material[kPacket];
-  float opacity[kPacket], tr[kPacket], tg[kPacket], tb[kPacket];
-  PenumbraSize penumbra[kMaxShadows];
-};
-
-/// A plane to capture, and the offset of its values in a block.
-struct DrawnPlane {
-  std::string name;
-  std::size_t offset;
-  float background_value = 0.0f;  ///< value where there is no surface
-
-  float* in(Block& block) const { return reinterpret_cast<float*>(reinterpret_cast<char*>(&block) + offset); }
-  const float* in(const Block& block) const {
-    return reinterpret_cast<const float*>(reinterpret_cast<const char*>(&block) + offset);
-  }
-};
 
 /// Data shared by all blocks of a view.
 struct Drawing {
@@ -70,43 +48,13 @@ struct Drawing {
   CameraRays rays;
   std::vector<ShadowLight> lights;
   bool blended = false;                             ///< capture blended surfaces
+  bool ray_offsets = false;                         ///< capture `ray_offset`
   int sample = 0;                                   ///< sample index of an accumulation
   std::vector<DrawnPlane> planes;                   ///< planes of each layer, in order
   std::vector<PenumbraRadii>* penumbrae = nullptr;  ///< of the first layer, one per softened light
+  const MarkedPixels* marked = nullptr;             ///< the pixels to capture; null: all
   MaterialParts parts;                              ///< those that the planes need
 };
-
-/// Returns the planes of a layer, and their offsets in a block.
-std::vector<DrawnPlane> drawn_planes(const Scene& scene, const PictureInfo& info, const CaptureSettings& settings) {
-  std::vector<DrawnPlane> all = {{"depth", offsetof(Block, depth), std::numeric_limits<float>::infinity()},
-                                 {"normal.x", offsetof(Block, nx)},
-                                 {"normal.y", offsetof(Block, ny)},
-                                 {"normal.z", offsetof(Block, nz)},
-                                 {"albedo.r", offsetof(Block, ar)},
-                                 {"albedo.g", offsetof(Block, ag)},
-                                 {"albedo.b", offsetof(Block, ab)},
-                                 {"specular", offsetof(Block, specular)},
-                                 {"shininess", offsetof(Block, shininess)},
-                                 {"object_id", offsetof(Block, object), -1.0f},
-                                 {"material_id", offsetof(Block, material), -1.0f},
-                                 {"emission.r", offsetof(Block, er)},
-                                 {"emission.g", offsetof(Block, eg)},
-                                 {"emission.b", offsetof(Block, eb)},
-                                 {"metallic", offsetof(Block, metallic)},
-                                 {"roughness", offsetof(Block, roughness), kNoRoughness},
-                                 {"material_ao", offsetof(Block, material_ao), 1.0f},
-                                 {"opacity", offsetof(Block, opacity)},
-                                 {"transmittance.r", offsetof(Block, tr), 1.0f},
-                                 {"transmittance.g", offsetof(Block, tg), 1.0f},
-                                 {"transmittance.b", offsetof(Block, tb), 1.0f}};
-  for (int k = 0; k < kMaxShadows; ++k)
-    all.push_back({shadow_plane(k), offsetof(Block, shadow) + std::size_t(k) * sizeof(Block::shadow[0]), 1.0f});
-  std::vector<DrawnPlane> planes;
-  for (const std::string& name : captured_planes(scene, info, settings))
-    planes.push_back(
-        *std::find_if(all.begin(), all.end(), [&](const DrawnPlane& plane) { return plane.name == name; }));
-  return planes;
-}
 
 void clear(const Drawing& drawing, Block& block) {
   for (const DrawnPlane& plane : drawing.planes) std::fill_n(plane.in(block), kPacket, plane.background_value);
@@ -261,6 +209,13 @@ void shade_block(const Drawing& drawing, int x0, int y0, const RayPacket& primar
     out.material_ao[k] = material.occlusion;
     out.specular[k] = surface.material->specular_strength;
     out.shininess[k] = surface.material->specular_exponent;
+    if (drawing.ray_offsets) {
+      const float height = ray_origin_height(drawing.traced, surface, drawing.rays.eye) / drawing.traced.scale;
+      const glm::vec3 offset = view * surface.geometric * height;
+      out.ox[k] = offset.x;
+      out.oy[k] = offset.y;
+      out.oz[k] = offset.z;
+    }
     out.object[k] = float(surface.mesh->object);
     out.material[k] = float(surface.mesh->material);
   }
@@ -275,6 +230,9 @@ void flip_block(const Drawing& drawing, Surfaces& surfaces, Block& block) {
     block.nx[k] = -block.nx[k];
     block.ny[k] = -block.ny[k];
     block.nz[k] = -block.nz[k];
+    block.ox[k] = -block.ox[k];
+    block.oy[k] = -block.oy[k];
+    block.oz[k] = -block.oz[k];
     block.specular[k] = 0.0f;
     block.roughness[k] = kNoRoughness;
     surfaces.at[k].geometric = -surfaces.at[k].geometric;
@@ -366,19 +324,18 @@ void draw_block(const Drawing& drawing, const DrawnLayers& layers, int x0, int y
   }
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   for (int k = 0; k < kPacket; ++k)
-    if (x0 + k % kBlock < drawing.info.width && y0 + k / kBlock < drawing.info.height)
+    if (const int x = x0 + k % kBlock, y = y0 + k / kBlock;
+        x < drawing.info.width && y < drawing.info.height && (!drawing.marked || drawing.marked->at(x, y)))
       primary.set_range(k, 0.0f, kInfinity);
   Block block;
   Surfaces surfaces;
   for (int layer = 0; layer < layers.count; ++layer) {
-    if (layer > 0) {
-      start_behind_hits(drawing, primary);
-      if (!primary.any()) {
-        clear(drawing, block);
-        store(drawing, block, x0, y0, layers.first + layer, image);
-        if (layers.backs >= 0) store(drawing, block, x0, y0, layers.backs + layer, image);
-        continue;
-      }
+    if (layer > 0) start_behind_hits(drawing, primary);
+    if (!primary.any()) {
+      clear(drawing, block);
+      store(drawing, block, x0, y0, layers.first + layer, image);
+      if (layers.backs >= 0) store(drawing, block, x0, y0, layers.backs + layer, image);
+      continue;
     }
     primary.find_hits(drawing.traced, Coherence::kCoherent, drawing.blended ? kMinOpacity : kOpaque);
     surfaces.softened = layer == 0 && drawing.penumbrae;
@@ -393,19 +350,40 @@ void draw_block(const Drawing& drawing, const DrawnLayers& layers, int x0, int y
   }
 }
 
+/// Draws the blocks in these columns and rows of blocks, counted from the first drawn row.
+void draw_tile(const Drawing& drawing, const DrawnLayers& layers, const tbb::blocked_range2d<int>& range,
+               Image& image) {
+  constexpr int kMarkedBlocks = kMarkedWidth / kBlock;
+  for (int r = range.rows().begin(); r < range.rows().end(); ++r) {
+    const int y0 = drawing.rows.begin + r * kBlock, y1 = std::min(y0 + kBlock, drawing.rows.end);
+    bool any = true;
+    for (int c = range.cols().begin(); c < range.cols().end(); ++c) {
+      const int x0 = c * kBlock;
+      if (drawing.marked && (c % kMarkedBlocks == 0 || c == range.cols().begin())) {
+        const int first = c / kMarkedBlocks * kMarkedWidth;
+        any = drawing.marked->any(first, std::min(first + kMarkedWidth, drawing.info.width), y0, y1);
+      }
+      if (any) draw_block(drawing, layers, x0, y0, image);
+    }
+  }
+}
+
 /// Draws the layers of one camera: that of the picture if `view` is 0, otherwise that of layer `view`.
 void draw_view(const TracedScene& traced, const PictureInfo& info, const Rows& drawn,
                const std::vector<DrawnPlane>& planes, const CaptureSettings& settings, int view,
-               const DrawnLayers& layers, std::vector<PenumbraRadii>* penumbrae, Watch& watch, Image& image) {
+               const DrawnLayers& layers, std::vector<PenumbraRadii>* penumbrae, const MarkedPixels* marked,
+               Watch& watch, Image& image) {
   Drawing drawing{.traced = traced,
                   .info = layer_info(info, view),
                   .rows = drawn,
                   .rays = {},
                   .lights = {},
                   .blended = settings.blended,
+                  .ray_offsets = settings.ray_offsets,
                   .sample = settings.sample,
                   .planes = planes,
-                  .penumbrae = penumbrae};
+                  .penumbrae = penumbrae,
+                  .marked = marked};
   const auto has_plane = [&](std::string_view name) {
     return std::any_of(planes.begin(), planes.end(), [&](const DrawnPlane& plane) { return plane.name == name; });
   };
@@ -414,6 +392,7 @@ void draw_view(const TracedScene& traced, const PictureInfo& info, const Rows& d
   drawing.parts.surface = has_plane("metallic") || has_plane("roughness") || has_plane("material_ao");
   drawing.rays = camera_rays(traced, drawing.info);
   drawing.lights = shadow_lights(traced, drawing.rays, drawing.info, settings);
+  if (marked) std::erase_if(drawing.lights, [](const ShadowLight& light) { return light.rays > 0; });
   if (!rays_within_limit(drawing.rays, drawing.info)) {
     // The camera is too far away for rays to be traced.
     Block background;
@@ -428,9 +407,7 @@ void draw_view(const TracedScene& traced, const PictureInfo& info, const Rows& d
   const int columns = (info.width + kBlock - 1) / kBlock, rows = (drawn.count() + kBlock - 1) / kBlock;
   tbb::parallel_for(tbb::blocked_range2d<int>(0, rows, kTileBlocks, 0, columns, kTileBlocks), [&](const auto& range) {
     if (watch.ended()) return;
-    for (int r = range.rows().begin(); r < range.rows().end(); ++r)
-      for (int c = range.cols().begin(); c < range.cols().end(); ++c)
-        draw_block(drawing, layers, c * kBlock, drawn.begin + r * kBlock, image);
+    draw_tile(drawing, layers, range, image);
     fault_point();
     watch.done(long(range.rows().size()) * long(range.cols().size()));
   });
@@ -454,7 +431,7 @@ std::vector<PenumbraRadii> penumbra_radii(const PictureInfo& info, const Rows& r
 }  // namespace
 
 Result<Image> capture_planes(const TracedScene& traced, const PictureInfo& info, const CaptureSettings& settings,
-                             const ProgressMonitor& monitor, bool scalar) {
+                             const ProgressMonitor& monitor, bool scalar, const MarkedPixels* marked) {
   const std::vector<DrawnPlane> planes = drawn_planes(*traced.scene, info, settings);
   const int all = 1 + int(info.more_layers.size());
   const Rows rows = settings.strip ? rows_with_margin(*settings.strip, info.height) : Rows{0, info.height};
@@ -471,11 +448,12 @@ Result<Image> capture_planes(const TracedScene& traced, const PictureInfo& info,
   const auto others = std::count_if(info.more_layers.begin(), info.more_layers.end(),
                                     [](const LayerInfo& layer) { return layer.kind == LayerKind::kOther; });
   Watch watch(monitor, blocks_of(info, rows) * (1 + long(others)));
-  std::vector<PenumbraRadii> penumbrae = penumbra_radii(info, rows, settings);
-  draw_view(traced, info, rows, planes, settings, 0, own, &penumbrae, watch, image);
+  std::vector<PenumbraRadii> penumbrae;
+  if (!marked) penumbrae = penumbra_radii(info, rows, settings);
+  draw_view(traced, info, rows, planes, settings, 0, own, marked ? nullptr : &penumbrae, marked, watch, image);
   for (int layer = 1; layer < all; ++layer)
     if (info.more_layers[std::size_t(layer) - 1].kind == LayerKind::kOther)
-      draw_view(traced, info, rows, planes, settings, layer, {.first = layer}, nullptr, watch, image);
+      draw_view(traced, info, rows, planes, settings, layer, {.first = layer}, nullptr, nullptr, watch, image);
   if (watch.ended()) return interrupted();
   soften_shadows(info, rows, penumbrae, scalar, image);
   return image;

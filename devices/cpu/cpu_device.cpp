@@ -14,6 +14,7 @@
 #include "devices/cpu/capture.h"
 #include "devices/cpu/cpu_planes.h"
 #include "devices/cpu/soften.h"
+#include "devices/cpu/trace_rays.h"
 #include "devices/shared/dispatches.h"
 #include "devices/shared/host_steps.h"
 #include "devices/shared/neutral.h"
@@ -33,6 +34,20 @@ void copy_every(const float* from, float* to, int count) {
 int thread_count(int requested) {
   const int max = tbb::info::default_concurrency();
   return requested > 0 ? std::min(requested, max) : max;
+}
+
+/// Runs a kernel on the blocks of a tile that have a marked pixel.
+void run_marked(CpuKernel kernel, const KernelFrame& frame, const MarkedPixels& marked, const Tile& tile) {
+  for (int y0 = tile.y0; y0 < tile.y1;) {
+    const int y1 = std::min(y0 / kMarkedHeight * kMarkedHeight + kMarkedHeight, tile.y1);
+    for (int x0 = tile.x0; x0 < tile.x1;) {
+      int x1 = x0;
+      while (x1 < tile.x1 && marked.any(x1, std::min(x1 + kMarkedWidth, tile.x1), y0, y1)) x1 += kMarkedWidth;
+      if (x1 > x0) kernel(frame, {x0, y0, std::min(x1, tile.x1), y1});
+      x0 = x1 + kMarkedWidth;
+    }
+    y0 = y1;
+  }
 }
 
 class CpuDevice final : public Device {
@@ -66,22 +81,27 @@ class CpuDevice final : public Device {
 
   Result<Frame> capture(const Camera& camera, const CaptureSettings& settings,
                         const ProgressMonitor& monitor) override {
-    if (!traced_) fail_check("capture before prepare");
-    if (auto fine = check_capture(settings); !fine) return fine.error();
-    Frame frame;
-    frame.info = picture_info(*scene_, camera, settings);
-    add_layers(*traced_, settings, frame.info);
-    auto planes =
-        arena_.execute([&] { return capture_planes(*traced_, frame.info, settings, monitor, settings_.scalar); });
-    if (!planes) return planes.error();
-    auto stored = std::make_shared<CpuPlanes>(CpuPlanes{std::move(*planes)});
-    if (settings.strip) {
-      begin_strip(*settings.strip, frame.info.height, *stored);
-      for (const int light : softened_lights(frame.info, settings))
-        stored->strip_rows[shadow_plane(light)].valid = shrunk(stored->rows, kSoftenMargin, frame.info.height);
-    }
-    frame.storage = std::move(stored);
+    auto frame = capture_frame(camera, settings, nullptr, monitor);
+    if (!frame || !settings.strip) return frame;
+    CpuPlanes& stored = cpu_planes(*frame);
+    for (const int light : softened_lights(frame->info, settings))
+      stored.strip_rows[shadow_plane(light)].valid = shrunk(stored.rows, kSoftenMargin, frame->info.height);
     return frame;
+  }
+
+  Result<Frame> capture_marked(const Camera& camera, const CaptureSettings& settings, const Frame& first,
+                               const ProgressMonitor& monitor) override {
+    check_equal(*layer_count(settings), 1, "layers of a further sample");
+    const StripRows* strip_rows = find_strip_rows(cpu_planes(first), "marks");
+    const MarkedPixels marked{*find_plane(cpu_planes(first), "marks"), strip_rows ? strip_rows->first : 0};
+    auto frame = capture_frame(camera, settings, &marked, monitor);
+    if (frame) cpu_planes(*frame).first = std::static_pointer_cast<const CpuPlanes>(first.storage);
+    return frame;
+  }
+
+  Result<void> add_first(const Frame& first, const std::vector<std::string>& /*names*/, Frame& frame) override {
+    cpu_planes(frame).first = std::static_pointer_cast<const CpuPlanes>(first.storage);
+    return {};
   }
 
   bool draws_strips() const override { return true; }
@@ -107,18 +127,21 @@ class CpuDevice final : public Device {
     auto planes = std::make_shared<CpuPlanes>(CpuPlanes{Image(frame.info.width, frame.info.height)});
     planes->parent = std::static_pointer_cast<const CpuPlanes>(frame.storage);
     planes->branches = planes->parent->branches.branch();
+    planes->traced = planes->parent->traced;
     return {frame.info, std::move(planes)};
   }
 
-  Result<void> add(const Image& planes, Frame& frame) override {
+  Result<void> add(Image planes, Frame& frame) override {
     cpu_planes(frame).branches.check_none();
     for (std::size_t p = 0; p < planes.planes.size(); ++p) {
       check_equal(planes.planes[p].width, frame.info.width, planes.names[p]);
       CpuPlanes& all = cpu_planes(frame);
       check_equal(planes.planes[p].height, all.strip ? all.rows.count() : frame.info.height, planes.names[p]);
       if (all.strip) all.strip_rows[planes.names[p]] = {.valid = all.rows, .first = all.rows.begin};
-      cpu_planes(frame).image.add(planes.names[p]) = planes.planes[p];
-      cpu_planes(frame).placed.erase(planes.names[p]);
+      Plane& plane = planes.planes[p];
+      all.image.add(planes.names[p]) = plane.is_view() ? Plane(plane) : std::move(plane);
+      all.placed.erase(planes.names[p]);
+      all.released.erase(planes.names[p]);
     }
     return {};
   }
@@ -131,24 +154,30 @@ class CpuDevice final : public Device {
     });
   }
 
+  void release(Frame& frame, const std::vector<std::string>& names) override {
+    CpuPlanes& planes = cpu_planes(frame);
+    if (planes.branches.any()) return;  // they share the planes
+    for (const std::string& name : names) {
+      const auto found = std::find(planes.image.names.begin(), planes.image.names.end(), name);
+      if (found == planes.image.names.end()) continue;
+      planes.image.planes.erase(planes.image.planes.begin() + (found - planes.image.names.begin()));
+      planes.image.names.erase(found);
+      planes.placed.erase(name);
+      planes.strip_rows.erase(name);
+      planes.released.insert(name);
+    }
+  }
+
   Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) override {
     check_less(0, factor, "factor of a reduced frame");
     Frame small;
     small.info = reduced_info(frame.info, factor);
-    // Reuses the planes of the last reduced frame if nothing else refers to them: fresh memory costs as much as the
-    // technique.
-    std::shared_ptr<CpuPlanes>& last = cpu_planes(frame).last_reduced;
     const CpuPlanes& from_planes = cpu_planes(frame);
     const Rows rows = from_planes.strip ? reduced_rows(from_planes.rows, factor) : Rows{0, small.info.height};
-    const bool reuse =
-        last && last.use_count() == 1 && last->image.width == small.info.width && last->image.height == rows.count();
-    if (!reuse) last = std::make_shared<CpuPlanes>(CpuPlanes{Image(small.info.width, rows.count())});
-    std::shared_ptr<CpuPlanes> planes = last;
+    auto planes = std::make_shared<CpuPlanes>(CpuPlanes{Image(small.info.width, rows.count())});
     if (from_planes.strip) {
       planes->strip = Strip{reduced_rows(from_planes.strip->rows, factor), 0, from_planes.strip->wholes};
       planes->rows = rows;
-      planes->strip_rows.clear();
-      planes->dispatches = 0;
     }
     // Takes the first pixel of each block, not the mean: the mean depth of two surfaces lies on neither, and a
     // technique would find occluders in the air. Takes the first pixel, not the nearest, so that one camera fits all
@@ -211,36 +240,52 @@ class CpuDevice final : public Device {
 
   std::vector<std::string> plane_names(const Frame& frame) const override { return names_of(cpu_planes(frame)); }
 
-  int missing_rows(const Frame& frame, const std::vector<std::string>& names) const override {
-    return cpu_planes(frame).strip ? missing_strip_rows(frame, names) : 0;
+  int missing_rows(const Frame& frame, const std::vector<std::string>& names, int around) const override {
+    return cpu_planes(frame).strip ? missing_strip_rows(frame, names, around) : 0;
   }
 
-  Result<void> visit(const Frame& frame, const std::vector<std::string>& names,
-                     const std::function<void(std::size_t name, const Plane& plane)>& take) override {
+  Result<Image> view(const Frame& frame, const std::vector<std::string>& names) override {
     const CpuPlanes& planes = cpu_planes(frame);
-    if (planes.strip || frame.info.guard > 0) return Device::visit(frame, names, take);
-    for (std::size_t k = 0; k < names.size(); ++k) {
-      const Plane* plane = find_plane(planes, names[k]);
-      if (!plane) return usage_error("the picture has no plane '{}'", names[k]);
-      take(k, *plane);
-    }
-    return {};
+    if (planes.strip || frame.info.guard > 0) return download(frame, names);
+    return image_of(frame, names, [](const Plane& plane) { return Plane::view(plane); });
   }
 
   Result<Image> download(const Frame& frame, const std::vector<std::string>& names) override {
-    const CpuPlanes& planes = cpu_planes(frame);
-    if (planes.strip) return download_strip(frame, names);
+    if (cpu_planes(frame).strip) return download_strip(frame, names);
+    return image_of(frame, names, [&](const Plane& plane) { return cropped(plane, frame.info.guard); });
+  }
+
+ private:
+  /// Returns an image of what `convert` makes of these planes of a frame. Errors: kUsage if a plane is missing.
+  static Result<Image> image_of(const Frame& frame, const std::vector<std::string>& names, const auto& convert) {
     Image out(frame.info.inner_width(), frame.info.inner_height());
     for (const std::string& name : names) {
-      const Plane* plane = find_plane(planes, name);
+      const Plane* plane = find_plane(cpu_planes(frame), name);
       if (!plane) return usage_error("the picture has no plane '{}'", name);
       out.names.push_back(name);
-      out.planes.push_back(cropped(*plane, frame.info.guard));
+      out.planes.push_back(convert(*plane));
     }
     return out;
   }
 
- private:
+  /// Captures all pixels, or those that are `marked`.
+  Result<Frame> capture_frame(const Camera& camera, const CaptureSettings& settings, const MarkedPixels* marked,
+                              const ProgressMonitor& monitor) {
+    if (!traced_) fail_check("capture before prepare");
+    if (auto fine = check_capture(settings); !fine) return fine.error();
+    Frame frame;
+    frame.info = picture_info(*scene_, camera, settings);
+    add_layers(*traced_, settings, frame.info);
+    auto planes = arena_.execute(
+        [&] { return capture_planes(*traced_, frame.info, settings, monitor, settings_.scalar, marked); });
+    if (!planes) return planes.error();
+    auto stored = std::make_shared<CpuPlanes>(CpuPlanes{std::move(*planes)});
+    stored->traced = traced_;
+    if (settings.strip) begin_strip(*settings.strip, frame.info.height, *stored);
+    frame.storage = std::move(stored);
+    return frame;
+  }
+
   /// Returns a frame with the planes of a G-buffer, which have these rows.
   static Frame frame_of(GBuffer gbuffer, const Rows& rows) {
     Frame frame;
@@ -285,7 +330,7 @@ class CpuDevice final : public Device {
         planes.strip->wholes->planes[{info.reduced, name, planes.dispatches}] = {std::move(outputs[k]), true};
         planes.strip_rows[name] = {planes.rows, planes.dispatches, 0, false};
       } else {
-        planes.image.add(name) = std::move(outputs[k]);
+        writable(planes, name) = std::move(outputs[k]);
       }
     }
     watch.done(1);
@@ -295,8 +340,11 @@ class CpuDevice final : public Device {
   Result<RunState> run_dispatch(const DispatchRun& run, CpuPlanes& planes, const ProgressMonitor& monitor) {
     const Dispatch& dispatch = run.dispatch;
     const PictureInfo& info = run.info;
+    if (dispatch.rays && !planes.traced) return missing_scene(run);
     for (std::string_view input : dispatch.inputs) {
       const std::string name = run.plane(input);
+      if (planes.released.contains(name))
+        fail_check(fmt::format("{} reads the released plane {}", run.effect.name, name));
       if (find_plane(planes, name) || find_strip_rows(planes, name)) continue;
       const auto value = neutral_value(name);
       if (!value) return missing_plane(run, name);
@@ -321,7 +369,7 @@ class CpuDevice final : public Device {
       kernel_planes.push_back(
           {name, run.has_layer_of(name) ? row_zero_of(run, planes, strip, run.plane(name)) : nullptr});
     const int stride = planes.image.plane(run.plane(dispatch.outputs[0])).stride;
-    const bool all = run.pixels == PixelSet::kAll;
+    const bool all = run.pixels != PixelSet::kMissing;
     const Plane* ao = all ? nullptr : find_stored(planes, run.plane("ao"));
     if (!all && !ao) return missing_plane(run, "ao");
     KernelFrame kernel_frame{frame_constants(info, stride, run.round, run.pixels), run.constants.data(), kernel_planes,
@@ -333,6 +381,12 @@ class CpuDevice final : public Device {
     const bool tuned = settings_.tuned && dispatch.tuned && all;
     const CpuKernel kernel = settings_.scalar ? dispatch.kernel.scalar : tuned ? dispatch.tuned : dispatch.kernel.lanes;
 
+    if (dispatch.rays) {
+      Watch watch(monitor, ray_steps(strip.rows));
+      const RayTask task{*planes.traced, info, dispatch.rays(run.params, info), kernel, kernel_frame, strip.rows};
+      arena_.execute([&] { trace_rays(task, watch); });
+      return watch.ended() ? Result<RunState>(interrupted()) : RunState();
+    }
     // Kernels pack the missing pixels of a tile, which are few, into lanes: a small tile leaves lanes unused, and in a
     // large one the packed pixels are too distant to share cache lines.
     constexpr int kMissingTile = 128;
@@ -340,6 +394,14 @@ class CpuDevice final : public Device {
     const int tile_height = all ? dispatch.tile.height : kMissingTile;
     const int columns = (info.width + tile_width - 1) / tile_width;
     const int rows = (strip.rows.count() + tile_height - 1) / tile_height;
+    std::optional<MarkedPixels> marked;
+    if (run.pixels == PixelSet::kMarked) {
+      const std::string marks = first_plane("marks");
+      const StripRows* strip_rows = find_strip_rows(planes, marks);
+      const Plane* plane = find_plane(planes, marks);
+      if (!plane) return missing_plane(run, marks);
+      marked.emplace(MarkedPixels{*plane, strip_rows ? strip_rows->first : 0});
+    }
     Watch watch(monitor, long(rows) * columns);
     arena_.execute([&] {
       tbb::parallel_for(
@@ -347,9 +409,13 @@ class CpuDevice final : public Device {
           [&](const tbb::blocked_range<int>& range) {
             for (int t = range.begin(); t < range.end() && !watch.ended(); ++t) {
               const int x0 = t % columns * tile_width, y0 = strip.rows.begin + t / columns * tile_height;
+              const Tile tile{x0, y0, std::min(x0 + tile_width, info.width),
+                              std::min(y0 + tile_height, strip.rows.end)};
               fault_point();
-              kernel(kernel_frame,
-                     {x0, y0, std::min(x0 + tile_width, info.width), std::min(y0 + tile_height, strip.rows.end)});
+              if (marked)
+                run_marked(kernel, kernel_frame, *marked, tile);
+              else
+                kernel(kernel_frame, tile);
               watch.done(1);
             }
           },
@@ -362,7 +428,7 @@ class CpuDevice final : public Device {
   tbb::task_arena arena_;
   PlanePoolPtr pool_ = std::make_shared<PlanePool>();
   const Scene* scene_ = nullptr;
-  TracedScenePtr traced_;
+  std::shared_ptr<const TracedScene> traced_;
 };
 
 }  // namespace

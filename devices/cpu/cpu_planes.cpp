@@ -11,21 +11,30 @@ namespace umbrage {
 namespace {
 
 /// Returns the number of full-resolution rows that the margin of a strip lacks if only the rows `valid` of a plane are
-/// valid.
-int missing_margin(const CpuPlanes& planes, const Rows& valid, int reduced) {
-  const int above = valid.begin - planes.strip->rows.begin, below = planes.strip->rows.end - valid.end;
+/// valid. `needed`: the rows that must be.
+int missing_margin(const Rows& needed, const Rows& valid, int reduced) {
+  const int above = valid.begin - needed.begin, below = needed.end - valid.end;
   return std::max({0, above * reduced, below * reduced});
+}
+
+/// Returns the name that a plane of a further sample's frame has in the frame of the first sample, or an empty one.
+std::string_view name_in_first(const CpuPlanes& planes, std::string_view name) {
+  const std::string start = first_plane("");
+  return planes.first && name.starts_with(start) ? name.substr(start.size()) : std::string_view();
 }
 
 }  // namespace
 
 const Plane* find_stored(const CpuPlanes& planes, std::string_view name) {
+  if (const std::string_view in_first = name_in_first(planes, name); !in_first.empty())
+    return find_plane(*planes.first, in_first);
   const Plane* own = planes.image.find(name);
   return own || !planes.parent ? own : find_stored(*planes.parent, name);
 }
 
 Plane& writable(CpuPlanes& planes, const std::string& name) {
   if (Plane* own = planes.image.find(name)) return *own;
+  planes.released.erase(name);
   // A dispatch may write only a part of the plane; the remainder keeps its previous or neutral values.
   const Plane* previous = find_plane(planes, name);
   Plane& own = planes.image.add(name);
@@ -69,6 +78,8 @@ void begin_strip(const Strip& strip, int height, CpuPlanes& planes) {
 }
 
 const StripRows* find_strip_rows(const CpuPlanes& planes, std::string_view name) {
+  if (const std::string_view in_first = name_in_first(planes, name); !in_first.empty())
+    return find_strip_rows(*planes.first, in_first);
   const auto found = planes.strip_rows.find(name);
   return found != planes.strip_rows.end() ? &found->second : nullptr;
 }
@@ -85,7 +96,7 @@ StripRun prepare_strip(const DispatchRun& run, CpuPlanes& planes, tbb::task_aren
   const PictureInfo& info = run.info;
   StripRun result{.rows = planes.rows};
   const int version = ++planes.dispatches;
-  bool all = run.pixels == PixelSet::kAll;
+  bool all = run.pixels != PixelSet::kMissing;
   for (const std::string_view output : run.dispatch.outputs)
     all = all && (!run.has_layer_of(output) || find_whole(planes, info, run.plane(output), version));
   if (all) {
@@ -105,7 +116,9 @@ StripRun prepare_strip(const DispatchRun& run, CpuPlanes& planes, tbb::task_aren
       result.unbounded.push_back(name);
       if (!find_whole(planes, info, name, strip_rows->version)) incomplete.push_back(name);
     } else if (strip_rows->stored) {
-      const Rows valid = shrunk(strip_rows->valid, reach, info.height);
+      // A further sample has marked pixels only: dispatches read neighbouring ones in the first sample alone.
+      const bool at_pixel = planes.first && name_in_first(planes, name).empty();
+      const Rows valid = shrunk(strip_rows->valid, at_pixel ? 0 : reach, info.height);
       result.rows = {std::max(result.rows.begin, valid.begin), std::min(result.rows.end, valid.end)};
     }
   }
@@ -117,7 +130,7 @@ StripRun prepare_strip(const DispatchRun& run, CpuPlanes& planes, tbb::task_aren
     const Rows& own = planes.strip->rows;
     result.state.finished = false;
     for (const std::string& name : incomplete) {
-      result.state.missing_rows = missing_margin(planes, find_strip_rows(planes, name)->valid, info.reduced);
+      result.state.missing_rows = missing_margin(own, find_strip_rows(planes, name)->valid, info.reduced);
       if (result.state.missing_rows > 0) return result;
     }
     for (const std::string& name : incomplete) {
@@ -157,12 +170,14 @@ float* row_zero_of(const DispatchRun& run, const CpuPlanes& planes, const StripR
                                : planes.rows.begin);
 }
 
-int missing_strip_rows(const Frame& frame, const std::vector<std::string>& names) {
+int missing_strip_rows(const Frame& frame, const std::vector<std::string>& names, int around) {
   const CpuPlanes& planes = cpu_planes(frame);
+  const Rows& own = planes.strip->rows;
+  const Rows needed{std::max(own.begin - around, 0), std::min(own.end + around, frame.info.height)};
   int missing = 0;
   for (const std::string& name : names)
     if (const StripRows* strip_rows = find_strip_rows(planes, name); strip_rows && strip_rows->stored)
-      missing = std::max(missing, missing_margin(planes, strip_rows->valid, frame.info.reduced));
+      missing = std::max(missing, missing_margin(needed, strip_rows->valid, frame.info.reduced));
   return missing;
 }
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "core/strip.h"
 #include "devices/shared/branches.h"
 #include "devices/shared/dispatches.h"
+#include "rays/traced_scene.h"
 
 namespace umbrage {
 
@@ -38,8 +40,10 @@ struct CpuPlanes {
   std::map<float, Plane> constants;
   std::map<std::string, std::pair<int, int>> placed;  ///< by plane name: size of the reduced plane placed in it
   std::shared_ptr<const CpuPlanes> parent;            ///< planes of the frame of which this is a branch, or null
+  std::shared_ptr<const CpuPlanes> first;             ///< planes that add_first has added, under their own names
   Branches branches;
-  std::shared_ptr<CpuPlanes> last_reduced;  ///< planes of the last reduced frame of this one
+  std::shared_ptr<const TracedScene> traced;  ///< the captured scene; null for planes of the host
+  std::set<std::string> released;             ///< names of planes that Device::release has freed
   // For a strip:
   std::optional<Strip> strip;
   Rows rows;                                                 ///< rows of the picture in `image`
@@ -98,7 +102,7 @@ StripRun prepare_strip(const DispatchRun& run, CpuPlanes& planes, tbb::task_aren
 float* row_zero_of(const DispatchRun& run, const CpuPlanes& planes, const StripRun& strip, const std::string& name);
 
 /// See Device::missing_rows.
-int missing_strip_rows(const Frame& frame, const std::vector<std::string>& names);
+int missing_strip_rows(const Frame& frame, const std::vector<std::string>& names, int around);
 
 /// Returns the planes of a strip, without the guard band.
 Result<Image> download_strip(const Frame& frame, const std::vector<std::string>& names);

@@ -12,9 +12,10 @@ class Branches {
  public:
   Branches() = default;
   Branches branch() const { return Branches(own_); }
+  bool any() const { return own_.use_count() > 1; }
   /// Throws InternalError if branches share the planes that are to be written.
   void check_none() const {
-    if (own_.use_count() > 1) fail_check("a frame is written while a branch of it lives");
+    if (any()) fail_check("a frame is written while a branch of it lives");
   }
 
  private:

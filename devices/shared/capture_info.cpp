@@ -80,6 +80,7 @@ std::vector<std::string> captured_planes(const Scene& scene, const PictureInfo& 
   if (info.has_material_ao) add("material_ao");
   if (settings.blended)
     planes.insert(planes.end(), {"opacity", "transmittance.r", "transmittance.g", "transmittance.b"});
+  if (settings.ray_offsets) planes.insert(planes.end(), {"ray_offset.x", "ray_offset.y", "ray_offset.z"});
   return planes;
 }
 

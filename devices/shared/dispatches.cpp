@@ -35,11 +35,12 @@ Result<RunState> run_dispatches(const Effect& effect, const ParameterBytes& para
   std::vector<std::byte> constants(effect.constants_size);
   const PictureInfo info = layer_info(frame.info, layer);
   effect.constants(params, info, constants.data());
-  const int rounds = effect.rounds && pixels == PixelSet::kAll ? effect.rounds(params, info) : 1;
+  const int rounds = effect.rounds && pixels != PixelSet::kMissing ? effect.rounds(params, info) : 1;
   for (int round = 0; round < rounds; ++round)
     for (const Dispatch& dispatch : effect.dispatches) {
       if (dispatch.needed && !dispatch.needed(params)) continue;
-      if (!(pixels == PixelSet::kAll ? dispatch.for_all : dispatch.for_missing)) continue;
+      if (dispatch.first_round_only && round > 0) continue;
+      if (!(pixels == PixelSet::kMissing ? dispatch.for_missing : dispatch.for_all)) continue;
       auto done = run({effect, dispatch, params, constants, info, layer, round, pixels});
       if (!done || !done->finished) return done;
     }
@@ -48,6 +49,10 @@ Result<RunState> run_dispatches(const Effect& effect, const ParameterBytes& para
 
 Error missing_plane(const DispatchRun& run, std::string_view plane) {
   return usage_error("{} needs the plane '{}', which this picture does not have", run.effect.name, plane);
+}
+
+Error missing_scene(const DispatchRun& run) {
+  return usage_error("{} needs the model: it cannot shade a G-buffer", run.effect.name);
 }
 
 Result<void> check_capture(const CaptureSettings& settings) {

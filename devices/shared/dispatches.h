@@ -18,7 +18,8 @@ FrameConstants frame_constants(const PictureInfo& info, int stride, int round, P
 struct DispatchRun {
   const Effect& effect;
   const Dispatch& dispatch;
-  std::span<const std::byte> params, constants;
+  const ParameterBytes& params;
+  std::span<const std::byte> constants;
   const PictureInfo& info;  ///< of the layer: see layer_info
   int layer = 0, round = 0;
   PixelSet pixels = PixelSet::kAll;
@@ -36,6 +37,9 @@ Result<RunState> run_dispatches(const Effect& effect, const ParameterBytes& para
 
 /// Returns the error that an effect reads a plane that the picture lacks.
 Error missing_plane(const DispatchRun& run, std::string_view plane);
+
+/// Returns the error that an effect needs the scene of a picture that has none.
+Error missing_scene(const DispatchRun& run);
 
 /// Throws InternalError if a setting is outside its range. Errors: see layer_count.
 Result<void> check_capture(const CaptureSettings& settings);

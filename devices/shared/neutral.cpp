@@ -11,6 +11,11 @@ namespace umbrage {
 std::optional<float> neutral_value(std::string_view plane) {
   bool has_layer_prefix = false;
   if (const std::string start = reduced_plane(""); plane.starts_with(start)) plane.remove_prefix(start.size());
+  if (const std::string start = first_plane(""); plane.starts_with(start)) {
+    plane.remove_prefix(start.size());
+    if (plane == "resample_depth") return 0.0f;  // no surface
+    if (plane.starts_with("normal.")) return 0.0f;
+  }
   // A layer that does not exist has no surface.
   if (plane.starts_with("layer") && plane.ends_with(".depth")) return std::numeric_limits<float>::infinity();
   if (plane.starts_with("layer")) {

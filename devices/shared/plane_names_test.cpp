@@ -1,4 +1,5 @@
-// Device::plane_names returns the names of a download of all planes on every device, but reads no plane back.
+// Device::plane_names returns the names of a download of all planes on every device, but reads no plane back. Released
+// planes are gone on every device.
 #include <algorithm>
 
 #include "core/check.h"
@@ -96,6 +97,61 @@ TEST(PlaneNames, EqualThoseOfADownload) {
   Device* const gpu = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(gpu);
   EXPECT_EQ(names_after_output(*gpu), names);
+}
+
+void release_planes(Device& device) {
+  auto frame = device.upload(test::bumpy_gbuffer(24, 16, 5));
+  ASSERT_TRUE(frame);
+  ASSERT_TRUE(run(device, "lighting", *frame));
+  const auto has = [&](const Frame& of, const char* name) {
+    const auto names = checked_names(device, of);
+    return std::count(names.begin(), names.end(), name) == 1;
+  };
+  const float lit = device.download(*frame, {"direct.r"})->planes[0].at(5, 5);
+  {
+    Frame branch = device.branch(*frame);
+    device.release(*frame, {"direct.r"});
+    EXPECT_TRUE(has(*frame, "direct.r")) << "a branch shares it";
+    device.release(branch, {"direct.r"});
+    ASSERT_TRUE(run(device, "composite", branch));
+    device.release(branch, {"lit.r", "no such plane"});
+    EXPECT_FALSE(has(branch, "lit.r"));
+    EXPECT_TRUE(has(branch, "lit.g"));
+  }
+  EXPECT_EQ(device.download(*frame, {"direct.r"})->planes[0].at(5, 5), lit) << "a branch does not own it";
+  device.release(*frame, {"direct.r"});
+  EXPECT_FALSE(has(*frame, "direct.r"));
+  EXPECT_FALSE(device.download(*frame, {"direct.r"}));
+  ASSERT_TRUE(run(device, "lighting", *frame));
+  EXPECT_EQ(device.download(*frame, {"direct.r"})->planes[0].at(5, 5), lit) << "written again";
+}
+
+TEST(ReleasedPlanes, AreGoneUntilTheyAreWrittenAgain) {
+  const auto cpu = make_cpu_device();
+  release_planes(*cpu);
+  Device* const gpu = test::vulkan_device();
+  UMBRAGE_NEEDS_VULKAN(gpu);
+  release_planes(*gpu);
+}
+
+TEST(ReleasedPlanes, AreNotReadAsNeutralOnes) {
+  const auto cpu = make_cpu_device();
+  auto frame = cpu->upload(test::bumpy_gbuffer(24, 16, 5));
+  ASSERT_TRUE(run(*cpu, "lighting", *frame));
+  cpu->release(*frame, {"direct.r"});
+  EXPECT_THROW(run(*cpu, "composite", *frame), InternalError);
+}
+
+TEST(Views, ReferToThePlanesOfTheFrame) {
+  const auto cpu = make_cpu_device();
+  GBuffer gbuffer = test::bumpy_gbuffer(24, 16, 5);
+  const float* const depth = gbuffer.layers[0].plane("depth").data();
+  const auto frame = cpu->upload(std::move(gbuffer));
+  const auto image = cpu->view(*frame, {"normal.x", "depth"});
+  ASSERT_TRUE(image);
+  EXPECT_EQ(image->names, (std::vector<std::string>{"normal.x", "depth"}));
+  EXPECT_EQ(image->plane("depth").data(), depth);
+  EXPECT_FALSE(cpu->view(*frame, {"no such plane"}));
 }
 
 }  // namespace

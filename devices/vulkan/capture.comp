@@ -4,7 +4,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "devices/shared/soften.h"
-#include "devices/vulkan/capture_scene.glsl"
+#include "devices/vulkan/surface.glsl"
+#include "devices/vulkan/trace.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer OutPlane { float at[]; };
@@ -13,137 +14,11 @@ shared int block_pixels[4], block_lit[4];
 // Squared radius of the narrowest penumbra, as the bits of a float: non-negative floats are ordered like their bits.
 shared uint block_across[4], block_down[4];
 
-const float kStartOffset = 4e-6f;   // as in rays/traced_scene.cpp
-const float kDiscRayOffset = 0.3f;  // as in rays/traced_scene.h
-const float kNoRoughness = -1.0f;   // as in scene/scene.h
+const float kNoRoughness = -1.0f;  // as in scene/scene.h
 
 vec3 light_vector(float v[3 * kCaptureLights], int k) { return vec3(v[3 * k], v[3 * k + 1], v[3 * k + 2]); }
 
-float max_component(vec3 v) { return max(max(v.x, v.y), v.z); }
-
-// ---- rays ----
-
-// Returns whether the ray meets the triangle before `hit`, and if so replaces `hit`.
-bool meets(Ray ray, int k, float min_opacity, inout Hit hit) {
-  Triangle triangle = triangle_at(k);
-  if (triangle.kind != kTriangle)
-    return !is_cut_out(triangle, 0.0f, 0.0f, min_opacity) && meets_point(ray, triangle, k, hit);
-  Crossing at = crossing_of(ray, triangle);
-  if (!at.inside || !(at.t > ray.nearest && at.t < hit.t)) return false;
-  float u = clamp(at.u / at.sum, 0.0f, 1.0f), v = clamp(at.v / at.sum, 0.0f, 1.0f);
-  if (is_cut_out(triangle, u, v, min_opacity)) return false;
-  hit = Hit(at.t, u, v, k);
-  return true;
-}
-
-// Returns the nearest hit of the ray, or with `any` an arbitrary one. The ray passes through blended surfaces with less
-// than `min_opacity`.
-Hit trace(Ray ray, bool any, float min_opacity) {
-  Hit hit = Hit(ray.farthest, 0.0f, 0.0f, -1);
-  Vectors nodes = Vectors(table[kNodesSlot]);
-  // Avoids 0 times infinity for a direction of 0.
-  vec3 size = max(abs(ray.direction), vec3(1e-30f));
-  vec3 inverse = vec3(ray.direction.x < 0.0f ? -1.0f : 1.0f, ray.direction.y < 0.0f ? -1.0f : 1.0f,
-                      ray.direction.z < 0.0f ? -1.0f : 1.0f) /
-                 size;
-  const float kRounding = 1.0000005f;  // enlarges boxes slightly, so that none is missed
-  int stack[kHierarchyDepth];
-  int stack_size = 0, at = C.root;
-  while (true) {
-    if (at < 0) {
-      int first = ~at >> 3, count = ~at & 7;
-      for (int k = first; k < first + count; ++k)
-        if (meets(ray, k, min_opacity, hit) && any) return hit;
-    } else {
-      vec4 a = nodes.at[4 * at], b = nodes.at[4 * at + 1], c = nodes.at[4 * at + 2], d = nodes.at[4 * at + 3];
-      vec3 a0 = (a.xyz - ray.origin) * inverse, a1 = (b.xyz - ray.origin) * inverse;
-      vec3 b0 = (c.xyz - ray.origin) * inverse, b1 = (d.xyz - ray.origin) * inverse;
-      vec3 a_low = min(a0, a1), a_high = max(a0, a1), b_low = min(b0, b1), b_high = max(b0, b1);
-      float a_in = max(max_component(a_low), ray.nearest), b_in = max(max_component(b_low), ray.nearest);
-      float a_out = min(min(a_high.x, a_high.y), a_high.z) * kRounding;
-      float b_out = min(min(b_high.x, b_high.y), b_high.z) * kRounding;
-      bool meets_a = a_in <= min(a_out, hit.t), meets_b = b_in <= min(b_out, hit.t);
-      int first = floatBitsToInt(a.w), second = floatBitsToInt(c.w);
-      if (meets_a && meets_b) {
-        bool swapped = b_in < a_in;
-        stack[stack_size] = swapped ? first : second;
-        ++stack_size;
-        at = swapped ? second : first;
-        continue;
-      }
-      if (meets_a || meets_b) {
-        at = meets_a ? first : second;
-        continue;
-      }
-    }
-    if (stack_size == 0) return hit;
-    --stack_size;
-    at = stack[stack_size];
-  }
-  return hit;
-}
-
-// ---- surfaces ----
-
-struct Surface {
-  Triangle triangle;
-  float u, v;
-  vec3 position, geometric, normal;
-};
-
-vec3 unit(vec3 v) {
-  float max_abs = max_component(abs(v));
-  return max_abs > 0.0f ? normalize(v / max_abs) : vec3(0.0f, 0.0f, 1.0f);
-}
-
-// Returns the normal of a disc at a point on it, as bent_normal in scene/point_normals.cpp.
-vec3 bent_normal(Triangle disc, vec3 position) {
-  vec3 right = normalize(cross(disc.p1, abs(disc.p1.x) < 0.7f ? vec3(1.0f, 0.0f, 0.0f) : vec3(0.0f, 1.0f, 0.0f)));
-  vec3 up = cross(right, disc.p1), offset = position - disc.p0;
-  float x = dot(offset, right), y = dot(offset, up);
-  return normalize(disc.p1 + right * (disc.p2.y * x + disc.p2.z * y) + up * (disc.p2.z * x + disc.bend * y));
-}
-
-Surface surface_at(Ray ray, Hit hit) {
-  Surface s;
-  s.triangle = triangle_at(hit.triangle);
-  s.u = hit.u;
-  s.v = hit.v;
-  s.position = ray.origin + ray.direction * hit.t;
-  bool point = s.triangle.kind != kTriangle;
-  vec3 geometric = cross(s.triangle.p1 - s.triangle.p0, s.triangle.p2 - s.triangle.p0);
-  if (point) geometric = s.triangle.kind == kDisc ? s.triangle.p1 : unit(s.position - s.triangle.p0);
-  vec3 normal = normal_at(s.triangle.corner.x) * (1.0f - hit.u - hit.v) + normal_at(s.triangle.corner.y) * hit.u +
-                normal_at(s.triangle.corner.z) * hit.v;
-  if (point) normal = s.triangle.kind == kDisc ? bent_normal(s.triangle, s.position) : geometric;
-  if (dot(geometric, ray.direction) > 0.0f) geometric = -geometric;
-  if (dot(normal, geometric) < 0.0f) normal = -normal;
-  s.geometric = unit(geometric);
-  float size = length(normal);
-  normal = size > 1e-12f ? normal / size : s.geometric;
-  float away = dot(normal, ray.direction);
-  if (away > 0.0f) normal = normalize(normal - ray.direction * (away / dot(ray.direction, ray.direction) * 1.001f));
-  s.normal = normal;
-  return s;
-}
-
-vec3 ray_origin_to_light(Surface s) {
-  vec3 extent = abs(s.position) + abs(s.position - to_vec3(C.eye));
-  vec3 start = s.position + s.geometric * (kStartOffset * max_component(extent));
-  if (s.triangle.kind == kDisc) start += s.geometric * (kDiscRayOffset * s.triangle.p2.x);
-  if (s.triangle.kind != kTriangle) return start;
-  const float kFlat = 1.0f - 1e-6f;
-  vec3 n0 = normal_at(s.triangle.corner.x), n1 = normal_at(s.triangle.corner.y), n2 = normal_at(s.triangle.corner.z);
-  float f0 = dot(n0, s.geometric), f1 = dot(n1, s.geometric), f2 = dot(n2, s.geometric);
-  if (abs(f0) > kFlat && abs(f1) > kFlat && abs(f2) > kFlat) return start;
-  if (f0 < 0.0f) n0 = -n0;
-  if (f1 < 0.0f) n1 = -n1;
-  if (f2 < 0.0f) n2 = -n2;
-  vec3 lift = n0 * ((1.0f - s.u - s.v) * max(-dot(s.position - s.triangle.p0, n0), 0.0f)) +
-              n1 * (s.u * max(-dot(s.position - s.triangle.p1, n1), 0.0f)) +
-              n2 * (s.v * max(-dot(s.position - s.triangle.p2, n2), 0.0f));
-  return start + lift;
-}
+// ---- materials ----
 
 // Returns the difference in texture coordinates between the surface point and the point at which the ray of a
 // neighbouring pixel meets the surface's plane.
@@ -175,11 +50,6 @@ PixelUv pixel_uv(Surface s, vec2 pixel) {
 // Returns a texture averaged over the pixel.
 vec3 pixel_texel(PixelUv at, int index) { return sample_filtered(index, at.uv, at.right, at.down).rgb; }
 
-vec3 color_at(int vertex) {
-  Floats from = Floats(table[kColorsSlot]);
-  return vec3(from.at[3 * vertex], from.at[3 * vertex + 1], from.at[3 * vertex + 2]);
-}
-
 // Returns the surface's normal, turned by a texel of its normal map, as in rays/pixel_material.cpp.
 vec3 mapped_normal(Surface s, PixelUv at, vec3 normal_texel, float scale, vec3 ray) {
   vec3 stored = normal_at(s.triangle.corner.x) * (1.0f - s.u - s.v) + normal_at(s.triangle.corner.y) * s.u +
@@ -210,10 +80,7 @@ struct PixelMaterial {
 PixelMaterial pixel_material(Surface s, CaptureMesh mesh, vec2 pixel, vec3 ray) {
   PixelMaterial m = PixelMaterial(to_vec3(mesh.albedo), to_vec3(mesh.emission), s.normal, mesh.metallic, mesh.roughness,
                                   1.0f, mesh.specular);
-  if (mesh.colored != 0) {
-    ivec3 at = s.triangle.corner + mesh.color_shift;
-    m.albedo *= color_at(at.x) * (1.0f - s.u - s.v) + color_at(at.y) * s.u + color_at(at.z) * s.v;
-  }
+  m.albedo *= mesh_color(s, mesh);
   if (max(max(mesh.texture_index, mesh.emission_texture), max(mesh.surface_texture, mesh.normal_texture)) < 0) return m;
   PixelUv at = pixel_uv(s, pixel);
   if (mesh.texture_index >= 0) m.albedo *= pixel_texel(at, mesh.texture_index);
@@ -327,10 +194,11 @@ void store3(int slot, int index, vec3 v) {
   store(slot + 2, index, v.z);
 }
 
-void store_surface(int first, int index, bool is_hit, float depth, PixelMaterial m, CaptureMesh mesh) {
+void store_surface(int first, int index, bool is_hit, Surface s, float depth, PixelMaterial m, CaptureMesh mesh) {
   store(first + kDepthSlot, index, is_hit ? depth : kInfinity);
-  mat3 to_view = transpose(mat3(C.to_view[0], C.to_view[1], C.to_view[2], C.to_view[3], C.to_view[4], C.to_view[5],
-                                C.to_view[6], C.to_view[7], C.to_view[8]));
+  mat3 to_view = view_rotation();
+  vec3 ray_offset = is_hit ? to_view * s.geometric * (ray_origin_height(s, to_vec3(C.eye)) / C.unit_scale) : vec3(0.0f);
+  store3(first + kRayOffsetSlot, index, ray_offset);
   store3(first + kNormalSlot, index, is_hit ? to_view * m.normal : vec3(0.0f));
   store3(first + kAlbedoSlot, index, is_hit ? m.albedo : vec3(0.0f));
   store(first + kSpecularSlot, index, is_hit ? m.specular : 0.0f);
@@ -423,9 +291,9 @@ void main() {
       material.specular = 0.0f;
       material.roughness = kNoRoughness;
     }
-    if (inside) store_surface(first, index, is_hit, hit.t, material, mesh);
+    if (inside) store_surface(first, index, is_hit, s, hit.t, material, mesh);
     if (inside && C.blended != 0 && side == C.back) see_through(ray, hit, pixel, index);
-    vec3 start = is_hit ? ray_origin_to_light(s) : vec3(0.0f);
+    vec3 start = is_hit ? ray_origin_to_light(s, to_vec3(C.eye)) : vec3(0.0f);
     for (int light = 0; light < C.light_count; ++light) {
       int radii = kPenumbraSlot + 2 * C.light_index[light];
       bool softened = (table[radii].x | table[radii].y) != 0u && side == 0;

@@ -1,4 +1,4 @@
-// Constants of capture.comp, corner.vert and peel.frag, shared by C++ and GLSL: 4-byte scalars only.
+// Constants of capture.comp, trace_rays.comp, corner.vert and peel.frag, shared by C++ and GLSL: 4-byte scalars only.
 #ifndef UMBRAGE_DEVICES_VULKAN_CAPTURE_H
 #define UMBRAGE_DEVICES_VULKAN_CAPTURE_H
 
@@ -7,21 +7,32 @@
 const int kDepthSlot = 0, kNormalSlot = 1, kAlbedoSlot = 4, kSpecularSlot = 7, kShininessSlot = 8, kShadowSlot = 9;
 const int kEmissionSlot = 17, kObjectSlot = 20, kMaterialSlot = 21;
 const int kMetallicSlot = 22, kRoughnessSlot = 23, kMaterialAoSlot = 24, kOpacitySlot = 25, kTransmittanceSlot = 26;
-const int kBackSlots = 29;
-const int kPreviousDepthSlot = 58;
-const int kNodesSlot = 59, kTrianglesSlot = 60, kNormalsSlot = 61, kUvsSlot = 62, kMeshesSlot = 63;
-const int kTexturesSlot = 64, kLevelsSlot = 65, kTexelsSlot = 66, kPointsSlot = 67, kColorsSlot = 68;
+const int kRayOffsetSlot = 29;
+const int kBackSlots = 32;
+const int kPreviousDepthSlot = 64;
+const int kNodesSlot = 65, kTrianglesSlot = 66, kNormalsSlot = 67, kUvsSlot = 68, kMeshesSlot = 69;
+const int kTexturesSlot = 70, kLevelsSlot = 71, kTexelsSlot = 72, kPointsSlot = 73, kColorsSlot = 74;
 // Two planes per light: the penumbra radius along rows and along columns, with one value per block of 4 x 4 pixels.
-const int kPenumbraSlot = 69;
+const int kPenumbraSlot = 75;
 // Index + 1 of the triangle that is visible in each pixel; 0: none. Address 0: rays find the triangle.
-const int kTriangleIndexSlot = 85;
-const int kCaptureSlots = 86;
+const int kTriangleIndexSlot = 91;
+// Planes of trace_rays.comp: the rays, and the outputs of their dispatch.
+const int kRaySlot = 92, kOpenSlot = 95, kRayCountSlot = 96, kBentSlot = 97, kIndirectSlot = 100;
+const int kCaptureSlots = 103;
 
 const int kCaptureLights = 8;
 // Number of sets of 16 sample points on a light's disc. In their buffer, a set on the border of the disc follows, then
 // the linear values of the 256 sRGB bytes.
 const int kCaptureDiscPoints = 256;
 const int kHierarchyDepth = 64;
+
+// A light for the surfaces that rays hit: TracedLight without a size.
+struct CaptureHitLight {
+  int point, from_camera, casts_shadow;  // 0 or 1
+  float where[3], color[3];
+  float reach_squared;
+};
+const int kCaptureHitLights = 16;
 
 struct CaptureConstants {
   int width, height, stride;
@@ -35,6 +46,7 @@ struct CaptureConstants {
   float min_opacity, min_shadow_opacity, opaque, glass_reflectance;
   int light_count;
   float to_view[9];  // rows
+  float unit_scale;  // units of unit space per scene unit: rays/traced_scene.h
   float eye[3];      // this and all members below are in unit space: rays/camera_rays.h
   float origin[3], origin_x[3], origin_y[3];
   float direction[3], direction_x[3], direction_y[3];
@@ -47,7 +59,22 @@ struct CaptureConstants {
   int light_index[kCaptureLights], light_point[kCaptureLights], light_rays[kCaptureLights];
   float light_size[kCaptureLights];
   float light_where[3 * kCaptureLights], light_right[3 * kCaptureLights], light_up[3 * kCaptureLights];
+  // Of trace_rays.comp:
+  int ray, last_ray;  // index of the ray of each pixel, and that of the last one
+  float ray_length;   // unit space
+  int falloff;        // a Falloff of core/ray_settings.h: kNoFalloff and so on
+  // The light of the surfaces that its rays hit: HitLighting.
+  float light;  // factor
+  int seed;
+  int hit_light_count;
+  CaptureHitLight hit_lights[kCaptureHitLights];
+  float ambient[3];
+  int even_ambient;
+  float ambient_shape[48];  // three matrices by columns
 };
+
+// Values of CaptureConstants::falloff.
+const int kNoFalloff = 0, kLinearFalloff = 1, kSmoothFalloff = 2;
 
 // A mesh with its material.
 struct CaptureMesh {

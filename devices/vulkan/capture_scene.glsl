@@ -25,6 +25,7 @@ const float kEdgeRounding = 1.1920929e-7f;
 const int kMaxTaps = 8;  // as in rays/mip_texture.cpp
 
 vec3 to_vec3(float v[3]) { return vec3(v[0], v[1], v[2]); }
+float max_component(vec3 v) { return max(max(v.x, v.y), v.z); }
 
 // ---- textures ----
 
@@ -200,6 +201,11 @@ Crossing crossing_of(Ray ray, Triangle triangle) {
 }
 
 // ---- pixels ----
+
+mat3 view_rotation() {
+  return transpose(mat3(C.to_view[0], C.to_view[1], C.to_view[2], C.to_view[3], C.to_view[4], C.to_view[5],
+                        C.to_view[6], C.to_view[7], C.to_view[8]));
+}
 
 vec3 origin_at(vec2 p) { return to_vec3(C.origin) + to_vec3(C.origin_x) * p.x + to_vec3(C.origin_y) * p.y; }
 vec3 direction_at(vec2 p) { return to_vec3(C.direction) + to_vec3(C.direction_x) * p.x + to_vec3(C.direction_y) * p.y; }

@@ -1,5 +1,6 @@
 // A scene on a Vulkan device: its hierarchy, vertices, materials and textures, uploaded once.
 #pragma once
+#include <cstddef>
 #include <glm/vec3.hpp>
 #include <vector>
 
@@ -11,7 +12,8 @@
 namespace umbrage {
 
 struct DeviceScene {
-  const Scene* scene = nullptr;  ///< must outlive this
+  const Scene* scene = nullptr;  ///< must live until the last capture
+  std::size_t number = 0;        ///< distinguishes the scenes of a device
   glm::vec3 center{0.0f};        ///< see TracedScene
   float scale = 1.0f;
   int root = 0;  ///< see Hierarchy

@@ -12,6 +12,7 @@
 #include "devices/shared/branches.h"
 #include "devices/shared/neutral.h"
 #include "devices/vulkan/commands.h"
+#include "devices/vulkan/device_scene.h"
 #include "devices/vulkan/memory.h"
 
 namespace umbrage {
@@ -28,6 +29,7 @@ struct DevicePlanes {
   Branches branches;
   std::vector<std::string> neutral;  // missing planes read so far, in order; some may be in `stored` by now
   std::map<float, DevicePlanePtr> constants;
+  std::shared_ptr<const DeviceScene> scene;  // the captured scene; null for planes of the host
 
   bool is_neutral(std::string_view name) const {
     return !stored.contains(name) && std::find(neutral.begin(), neutral.end(), name) != neutral.end();

@@ -8,7 +8,9 @@
 #include <glm/matrix.hpp>
 
 #include "core/check.h"
+#include "core/light_rig.h"
 #include "rays/camera_rays.h"
+#include "rays/hit_light.h"
 #include "rays/shadow_lights.h"
 
 namespace umbrage {
@@ -41,32 +43,45 @@ void set_projection(const TracedScene& unit, const CameraRays& rays, const Pictu
   c.nearest = kNearest * float(farthest);
 }
 
-}  // namespace
+void set_hit_light(const HitLighting& lighting, CaptureConstants& c) {
+  static_assert(kCaptureHitLights == kMaxRigLights);
+  for (const TracedLight& light : lighting.lights) {
+    CaptureHitLight& out = c.hit_lights[c.hit_light_count++];
+    out.point = light.point ? 1 : 0;
+    out.from_camera = light.from_camera ? 1 : 0;
+    out.casts_shadow = light.casts_shadow ? 1 : 0;
+    copy_to(light.where, out.where);
+    copy_to(light.color, out.color);
+    out.reach_squared = light.reach_squared;
+  }
+  copy_to(lighting.ambient, c.ambient);
+  c.even_ambient = lighting.even_ambient ? 1 : 0;
+  for (int k = 0; k < 48; ++k)
+    c.ambient_shape[k] = lighting.ambient_shape.by_color[std::size_t(k / 16)][k / 4 % 4][k % 4];
+}
 
-CaptureConstants capture_constants(const DeviceScene& scene, const PictureInfo& info, const CaptureSettings& settings,
-                                   int stride, bool back) {
-  static_assert(kCaptureLights == kMaxShadows);
-  TracedScene unit;  // only the members that camera_rays uses
+/// Returns the unit space of a scene: only the members that camera_rays uses.
+TracedScene unit_space(const DeviceScene& scene) {
+  TracedScene unit;
   unit.scene = scene.scene;
   unit.center = scene.center;
   unit.scale = scene.scale;
-  const CameraRays rays = camera_rays(unit, info);
+  return unit;
+}
+
+/// Returns the constants that any rays from the pixels of a picture need. Does not read the host's scene.
+CaptureConstants pixel_constants(const DeviceScene& scene, const CameraRays& rays, const PictureInfo& info,
+                                 int stride) {
   CaptureConstants c{};
   c.width = info.width;
   c.height = info.height;
   c.stride = stride;
   c.root = scene.root;
-  c.nothing_visible = scene.empty || !rays_within_limit(rays, info) ? 1 : 0;
-  c.back = back ? 1 : 0;
-  c.sample_index = settings.sample;
-  c.blended = settings.blended ? 1 : 0;
-  c.min_opacity = settings.blended ? kMinOpacity : kOpaque;
-  c.min_shadow_opacity = kMinShadowOpacity;
-  c.opaque = kOpaque;
-  c.glass_reflectance = kGlassReflectance;
+  c.min_opacity = c.opaque = kOpaque;
   const glm::mat3 to_view(info.camera.view_from_world);
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column) c.to_view[3 * row + column] = to_view[column][row];
+  c.unit_scale = scene.scale;
   copy_to(rays.eye, c.eye);
   copy_to(rays.origin, c.origin);
   copy_to(rays.origin_x, c.origin_x);
@@ -74,6 +89,24 @@ CaptureConstants capture_constants(const DeviceScene& scene, const PictureInfo& 
   copy_to(rays.direction, c.direction);
   copy_to(rays.direction_x, c.direction_x);
   copy_to(rays.direction_y, c.direction_y);
+  return c;
+}
+
+}  // namespace
+
+CaptureConstants capture_constants(const DeviceScene& scene, const PictureInfo& info, const CaptureSettings& settings,
+                                   int stride, bool back) {
+  static_assert(kCaptureLights == kMaxShadows);
+  const TracedScene unit = unit_space(scene);
+  const CameraRays rays = camera_rays(unit, info);
+  CaptureConstants c = pixel_constants(scene, rays, info, stride);
+  c.nothing_visible = scene.empty || !rays_within_limit(rays, info) ? 1 : 0;
+  c.back = back ? 1 : 0;
+  c.sample_index = settings.sample;
+  c.blended = settings.blended ? 1 : 0;
+  if (settings.blended) c.min_opacity = kMinOpacity;
+  c.min_shadow_opacity = kMinShadowOpacity;
+  c.glass_reflectance = kGlassReflectance;
   set_projection(unit, rays, info, c);
   for (const ShadowLight& light : shadow_lights(unit, rays, info, settings)) {
     const int k = c.light_count++;
@@ -85,6 +118,22 @@ CaptureConstants capture_constants(const DeviceScene& scene, const PictureInfo& 
     copy_to(light.right, c.light_right + 3 * k);
     copy_to(light.up, c.light_up + 3 * k);
   }
+  return c;
+}
+
+CaptureConstants ray_constants(const DeviceScene& scene, const PictureInfo& info, const RaySettings& settings, int ray,
+                               int stride) {
+  static_assert(int(Falloff::kNone) == kNoFalloff && int(Falloff::kLinear) == kLinearFalloff &&
+                int(Falloff::kSmooth) == kSmoothFalloff);
+  const TracedScene unit = unit_space(scene);
+  CaptureConstants c = pixel_constants(scene, camera_rays(unit, info), info, stride);
+  c.ray = ray;
+  c.last_ray = settings.max_rays - 1;
+  c.ray_length = settings.radius * scene.scale;
+  c.falloff = int(settings.falloff);
+  if (settings.light > 0.0f) set_hit_light(hit_lighting(unit, info, settings.ambient_bounce, c.ray_length), c);
+  c.light = settings.light;
+  c.seed = int(settings.seed);
   return c;
 }
 
@@ -120,6 +169,9 @@ int capture_slot(std::string_view plane) {
       {"transmittance.r", kTransmittanceSlot},
       {"transmittance.g", kTransmittanceSlot + 1},
       {"transmittance.b", kTransmittanceSlot + 2},
+      {"ray_offset.x", kRayOffsetSlot},
+      {"ray_offset.y", kRayOffsetSlot + 1},
+      {"ray_offset.z", kRayOffsetSlot + 2},
   };
   for (const auto& [name, slot] : kSlots)
     if (plane == name) return slot;

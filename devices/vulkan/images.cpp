@@ -1,5 +1,6 @@
 #include "devices/vulkan/images.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace umbrage {
@@ -49,6 +50,27 @@ void change_layout(const Gpu& gpu, VkCommandBuffer buffer, const DeviceImage& im
                               0, 1, 0, 1};
   gpu.vk.CmdPipelineBarrier(buffer, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0,
                             nullptr, 0, nullptr, 1, &barrier);
+}
+
+ConvertConstants convert_constants(const PictureInfo& info, int stride, const TexelFormat& format,
+                                   const ImageMeaning& meaning, bool to_image) {
+  ConvertConstants constants{};
+  constants.width = info.width;
+  constants.height = info.height;
+  constants.stride = stride;
+  constants.format = format.format;
+  constants.srgb = format.srgb ? 1 : 0;
+  constants.to_image = to_image ? 1 : 0;
+  constants.role = meaning.role;
+  constants.orthographic = meaning.orthographic ? 1 : 0;
+  constants.left = meaning.left;
+  constants.right = meaning.right;
+  constants.bottom = meaning.bottom;
+  constants.top = meaning.top;
+  constants.near_depth = meaning.near_depth;
+  constants.far_depth = meaning.far_depth;
+  std::copy_n(meaning.rotation, 9, constants.rotation);
+  return constants;
 }
 
 }  // namespace umbrage

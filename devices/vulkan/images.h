@@ -48,4 +48,8 @@ struct ImageMeaning {
   float rotation[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};               ///< kNormalRole: by rows
 };
 
+/// Returns the constants of convert.comp for an image of this size. `stride`: floats between rows of the planes.
+ConvertConstants convert_constants(const PictureInfo& info, int stride, const TexelFormat& format,
+                                   const ImageMeaning& meaning, bool to_image);
+
 }  // namespace umbrage

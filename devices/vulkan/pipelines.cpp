@@ -15,6 +15,7 @@
 #include "spirv/corner.h"
 #include "spirv/peel.h"
 #include "spirv/pick.h"
+#include "spirv/trace_rays.h"
 
 namespace umbrage {
 
@@ -165,6 +166,7 @@ Result<VkPipeline> Pipelines::kernel(const GpuStep& step, std::span<const std::b
 
 Result<VkPipeline> Pipelines::pick() { return compile(pick_spirv(), {}, false, pick_layout_, nullptr); }
 Result<VkPipeline> Pipelines::capture() { return compile(capture_spirv(), {}, false, kernel_layout_, nullptr); }
+Result<VkPipeline> Pipelines::trace_rays() { return compile(trace_rays_spirv(), {}, false, kernel_layout_, nullptr); }
 Result<VkPipeline> Pipelines::convert() { return compile(convert_spirv(), {}, false, kernel_layout_, nullptr); }
 
 Result<VkShaderModule> Pipelines::shader_of(std::span<const std::uint32_t> words) {

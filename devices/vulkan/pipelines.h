@@ -43,8 +43,10 @@ class Pipelines {
   /// `bound`: its first planes are bound, as in bound_layout(). Errors: kDevice.
   Result<VkPipeline> kernel(const GpuStep& step, std::span<const std::byte> block, bool bound);
   Result<VkPipeline> pick();
-  /// Return the pipelines of capture.comp and convert.comp, which get constants and a table, like kernels.
+  /// Return the pipelines of capture.comp, trace_rays.comp and convert.comp, which get constants and a table, like
+  /// kernels.
   Result<VkPipeline> capture();
+  Result<VkPipeline> trace_rays();
   Result<VkPipeline> convert();
 
   /// Returns the pipeline of corner.vert and peel.frag, which get constants and a table too. `masks`: the scene has

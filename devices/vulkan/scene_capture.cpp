@@ -1,6 +1,9 @@
 #include "devices/vulkan/scene_capture.h"
 
+#include <algorithm>
 #include <bit>
+#include <functional>
+#include <string_view>
 #include <utility>
 
 #include "core/check.h"
@@ -12,38 +15,39 @@
 namespace umbrage {
 
 Result<void> SceneCapture::prepare(const Scene& scene, const ProgressMonitor& monitor) {
-  scene_ = {};
-  ++scene_count_;
+  scene_.reset();
   traced_.reset();
   auto ready = upload_scene(scene, *memory_, *commands_, *gpu_, monitor);
   if (!ready) return ready.error();
-  scene_ = std::move(*ready);
+  ready->number = ++scene_count_;
+  scene_ = std::make_shared<const DeviceScene>(std::move(*ready));
   return {};
 }
 
 Result<void> SceneCapture::release_memory() {
-  if (!scene_.scene) return {};  // no scene was prepared
+  if (!scene_) return {};  // no scene was prepared
   const RasterTargetPtr released = std::exchange(target_, nullptr);
   return commands_->finish();
 }
 
 Result<Frame> SceneCapture::capture(const Camera& camera, const CaptureSettings& settings,
                                     const ProgressMonitor& monitor) {
-  if (!scene_.scene) fail_check("capture before prepare");
+  if (!scene_) fail_check("capture before prepare");
   if (auto fine = check_capture(settings); !fine) return fine.error();
   Frame frame;
-  frame.info = picture_info(*scene_.scene, camera, settings);
+  frame.info = picture_info(*scene_->scene, camera, settings);
   if (settings.extra_views > 0 && !traced_) {  // their cameras are found by tracing rays
     const ProgressMonitor preparation_monitor = monitor ? [&](double) { return monitor(0.0); } : ProgressMonitor();
-    auto traced = build_traced_scene(*scene_.scene, threads_, preparation_monitor);
+    auto traced = build_traced_scene(*scene_->scene, threads_, preparation_monitor);
     if (!traced) return traced.error();
     traced_ = std::move(*traced);
   }
   add_layers(traced_ ? *traced_ : TracedScene(), settings, frame.info);
   auto planes = empty_planes(frame.info);
+  planes->scene = scene_;
   frame.storage = planes;
   const int all = 1 + int(frame.info.more_layers.size());
-  const std::vector<std::string> names = captured_planes(*scene_.scene, frame.info, settings);
+  const std::vector<std::string> names = captured_planes(*scene_->scene, frame.info, settings);
   for (int layer = 0; layer < all; ++layer)
     for (const std::string& name : names)
       if (const auto made = store_->writable(*planes, layer_plane(layer, name)); !made) return made.error();
@@ -82,19 +86,19 @@ Result<void> SceneCapture::draw_layer(const Frame& frame, const std::vector<std:
   }
   const bool has_own_camera = layer > 0 && frame.info.more_layers[std::size_t(layer) - 1].kind == LayerKind::kOther;
   if (layer > 0 && !has_own_camera) table[kPreviousDepthSlot] = planes.find(layer_plane(layer - 1, "depth"))->address;
-  for (std::size_t k = 0; k < scene_.buffers.size(); ++k) table[kNodesSlot + k] = scene_.buffers[k]->address;
+  for (std::size_t k = 0; k < scene_->buffers.size(); ++k) table[kNodesSlot + k] = scene_->buffers[k]->address;
   for (const PenumbraPlanes& penumbra : radii) {
     table[kPenumbraSlot + 2 * std::size_t(penumbra.light)] = penumbra.across->address;
     table[kPenumbraSlot + 2 * std::size_t(penumbra.light) + 1] = penumbra.down->address;
   }
   const PictureInfo info = layer_info(frame.info, layer);
-  const CaptureConstants constants = capture_constants(scene_, info, settings, planes.stride, back > 0);
+  const CaptureConstants constants = capture_constants(*scene_, info, settings, planes.stride, back > 0);
   // The time of the rays depends on the scene, the lights and the previous layers.
   const std::size_t kind =
-      ((scene_count_ * kMaxLayers + std::size_t(layer)) * 64 + std::size_t(settings.shadow_rays)) * 64 +
+      ((scene_->number * kMaxLayers + std::size_t(layer)) * 64 + std::size_t(settings.shadow_rays)) * 64 +
       std::size_t(settings.shadows);
   DevicePlanePtr indices;
-  if (draws_ && can_draw(scene_, constants, *gpu_)) {
+  if (draws_ && can_draw(*scene_, constants, *gpu_)) {
     const auto drawn = draw_triangle_indices(info, layer, planes, std::as_bytes(std::span(&constants, 1)), table);
     if (!drawn) return drawn.error();
     indices = *drawn;
@@ -107,7 +111,7 @@ Result<void> SceneCapture::draw_layer(const Frame& frame, const std::vector<std:
 Result<DevicePlanePtr> SceneCapture::draw_triangle_indices(const PictureInfo& info, int layer,
                                                            const DevicePlanes& planes, Dispatcher::Constants constants,
                                                            Dispatcher::Table table) {
-  const auto pipeline = pipelines_->peel(scene_.masks, scene_.points);
+  const auto pipeline = pipelines_->peel(scene_->masks, scene_->points);
   if (!pipeline) return pipeline.error();
   auto indices = memory_->plane(planes.bytes);  // allocated first, since this may release target_
   if (!indices) return DevicePlanePtr();
@@ -124,10 +128,10 @@ Result<DevicePlanePtr> SceneCapture::draw_triangle_indices(const PictureInfo& in
   if (auto done = dispatcher_->dispatch({.pipeline = *pipeline,
                                          .effect = "capture",
                                          .dispatch = layer_plane(layer, "seen"),
-                                         .settings = (scene_count_ * kMaxLayers + std::size_t(layer)) * 64 + size,
+                                         .settings = (scene_->number * kMaxLayers + std::size_t(layer)) * 64 + size,
                                          .target = target_.get(),
-                                         .triangles = scene_.triangles,
-                                         .points = scene_.points},
+                                         .triangles = scene_->triangles,
+                                         .points = scene_->points},
                                         info, constants, table);
       !done)
     return done.error();
@@ -136,6 +140,38 @@ Result<DevicePlanePtr> SceneCapture::draw_triangle_indices(const PictureInfo& in
   copy_triangle_indices(*gpu_, *buffer, *target_, **indices, planes.stride);
   commands_->keep(target_);
   return indices;
+}
+
+Result<void> SceneCapture::trace_rays(const DispatchRun& run, const RaySettings& settings, const DevicePlanes& planes,
+                                      const StepPlanes& rays) {
+  const auto pipeline = pipelines_->trace_rays();
+  if (!pipeline) return pipeline.error();
+  const DeviceScene& scene = *planes.scene;
+  std::vector<VkDeviceAddress> table(kCaptureSlots);
+  for (const std::string_view name : {"depth", "ray_offset.x", "ray_offset.y", "ray_offset.z"})
+    table[std::size_t(capture_slot(name))] = planes.find(run.plane(name))->address;
+  for (std::size_t k = 0; k < scene.buffers.size(); ++k) table[kNodesSlot + k] = scene.buffers[k]->address;
+  constexpr std::pair<std::string_view, int> kRaySlots[] = {
+      {"ray.x", kRaySlot}, {"ray.y", kRaySlot + 1}, {"ray.z", kRaySlot + 2}};
+  for (const auto& [name, slot] : kRaySlots) table[std::size_t(slot)] = rays.at(name)->address;
+  constexpr std::pair<std::string_view, int> kOutputSlots[] = {{"ao", kOpenSlot},
+                                                               {"traced_rays", kRayCountSlot},
+                                                               {"bent.x", kBentSlot},
+                                                               {"bent.y", kBentSlot + 1},
+                                                               {"bent.z", kBentSlot + 2},
+                                                               {"indirect.r", kIndirectSlot},
+                                                               {"indirect.g", kIndirectSlot + 1},
+                                                               {"indirect.b", kIndirectSlot + 2}};
+  const auto& outputs = run.dispatch.outputs;
+  for (const auto& [name, slot] : kOutputSlots)
+    if (std::find(outputs.begin(), outputs.end(), name) != outputs.end())
+      table[std::size_t(slot)] = planes.find(run.plane(name))->address;
+  const CaptureConstants constants = ray_constants(scene, run.info, settings, run.round, planes.stride);
+  // The time depends on the scene, the lights, the length of the rays, and how many pixels have a ray of this index.
+  const std::size_t kind =
+      (scene.number * 1024 + std::size_t(run.round)) * 4096 + std::hash<float>()(settings.radius) % 4096;
+  return dispatcher_->dispatch({*pipeline, run.effect.name, run.dispatch.name, kind}, run.info,
+                               std::as_bytes(std::span(&constants, 1)), table);
 }
 
 Result<void> SceneCapture::soften(const Frame& frame, std::span<const PenumbraPlanes> radii) {

@@ -1,5 +1,5 @@
 // Captures a scene on a GPU: visible surfaces by rasterisation or rays, shadows by rays, which are then softened for
-// lights that have a size.
+// lights that have a size. Traces the rays of dispatches in the captured scene.
 #pragma once
 #include <cstddef>
 #include <span>
@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "core/device.h"
+#include "core/ray_settings.h"
+#include "devices/shared/dispatches.h"
 #include "devices/vulkan/device_scene.h"
 #include "devices/vulkan/dispatch.h"
 #include "devices/vulkan/frame_planes.h"
@@ -50,6 +52,17 @@ class SceneCapture {
   /// extra views.
   Result<Frame> capture(const Camera& camera, const CaptureSettings& settings, const ProgressMonitor& monitor);
 
+  /// Forgets the prepared scene. Frames that were captured keep it.
+  void release_scene() { scene_.reset(); }
+
+  /// Returns the prepared scene, or null.
+  std::shared_ptr<const DeviceScene> scene() const { return scene_; }
+
+  /// Traces ray number run.round of each pixel in the scene of these planes, and adds it to the outputs of the
+  /// dispatch: see Dispatch::rays. `rays`: the planes `ray.x`, `ray.y` and `ray.z`.
+  Result<void> trace_rays(const DispatchRun& run, const RaySettings& settings, const DevicePlanes& planes,
+                          const StepPlanes& rays);
+
   /// Releases memory that is not needed between captures, and waits until the device no longer uses it.
   Result<void> release_memory();
 
@@ -73,10 +86,10 @@ class SceneCapture {
   Dispatcher* dispatcher_;
   int threads_;
   bool draws_;
-  RasterTargetPtr target_;  // has the size of the last picture
-  DeviceScene scene_;
-  std::size_t scene_count_ = 0;  // number of scenes prepared so far
-  TracedScenePtr traced_;        // null until extra views are requested
+  RasterTargetPtr target_;                    // has the size of the last picture
+  std::shared_ptr<const DeviceScene> scene_;  // null: none is prepared
+  std::size_t scene_count_ = 0;               // number of scenes prepared so far
+  TracedScenePtr traced_;                     // null until extra views are requested
 };
 
 }  // namespace umbrage

@@ -29,6 +29,8 @@ class VulkanCaptureShots : public testing::TestWithParam<std::tuple<Shot, Vulkan
 
 TEST_P(VulkanCaptureShots, PlanesMatchEmbree) {
   const auto& [shot, how] = GetParam();
+  CaptureSettings settings = shot.settings;
+  settings.ray_offsets = true;
   Device* const device = test::capturing_device(how);
   UMBRAGE_NEEDS_VULKAN(device);
   const test::NoMessages no_messages;
@@ -40,8 +42,8 @@ TEST_P(VulkanCaptureShots, PlanesMatchEmbree) {
   if (scene->lights.empty())
     scene->lights =
         shot.settings.shadow_rays > 0 ? studio_lighting(camera, scene->up).lights : default_lights(*scene, camera);
-  const test::Both both{test::captured(*device, *scene, camera, shot.settings),
-                        test::captured(*make_cpu_device(), *scene, camera, shot.settings)};
+  const test::Both both{test::captured(*device, *scene, camera, settings),
+                        test::captured(*make_cpu_device(), *scene, camera, settings)};
   ASSERT_EQ(both.gpu.names, both.cpu.names);
   ASSERT_EQ(both.gpu.width, both.cpu.width);
   const int layers = *layer_count(shot.settings);

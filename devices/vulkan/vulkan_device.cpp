@@ -64,7 +64,10 @@ class VulkanDevice final : public Device {
   PlanePoolPtr pool() const override { return capture_ ? capture_->pool() : pool_; }
 
   Result<void> prepare(const Scene& scene, const ProgressMonitor& monitor) override {
-    return capture_ ? capture_->prepare(scene, monitor) : scene_->prepare(scene, monitor);
+    if (!capture_) return scene_->prepare(scene, monitor);
+    host_scene_ = &scene;
+    scene_->release_scene();
+    return capture_->prepare(scene, monitor);
   }
 
   void release_scene() override {
@@ -83,6 +86,12 @@ class VulkanDevice final : public Device {
     if (!planes) return planes.error();
     Frame frame{drawn->info, empty_planes(drawn->info)};
     if (auto done = add(*planes, frame); !done) return done.error();
+    if (!settings.ray_offsets) return frame;
+    // Rays will be traced in the scene on this device.
+    const ProgressMonitor preparation_monitor = monitor ? [&](double) { return monitor(1.0); } : ProgressMonitor();
+    if (!scene_->scene())
+      if (auto ready = scene_->prepare(*host_scene_, preparation_monitor); !ready) return ready.error();
+    planes_of(frame).scene = scene_->scene();
     return frame;
   }
 
@@ -103,7 +112,7 @@ class VulkanDevice final : public Device {
     return {frame.info, std::move(planes)};
   }
 
-  Result<void> add(const Image& image, Frame& frame) override {
+  Result<void> add(Image image, Frame& frame) override {
     planes_of(frame).branches.check_none();
     std::vector<NamedPlane> planes;
     for (std::size_t p = 0; p < image.planes.size(); ++p) planes.push_back({image.names[p], &image.planes[p]});
@@ -118,6 +127,16 @@ class VulkanDevice final : public Device {
       const auto done = run_dispatch(dispatch, planes_of(frame));
       return done ? Result<RunState>(RunState()) : done.error();
     });
+  }
+
+  void release(Frame& frame, const std::vector<std::string>& names) override {
+    DevicePlanes& planes = planes_of(frame);
+    if (planes.branches.any()) return;  // they share the planes
+    for (const std::string& name : names) {
+      if (planes.stored.erase(name) == 0) continue;
+      std::erase(planes.names, name);
+      planes.of_parent.erase(name);
+    }
   }
 
   Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) override {
@@ -236,28 +255,15 @@ class VulkanDevice final : public Device {
                        std::span<const VkDeviceAddress> table) {
     const auto pipeline = pipelines_->convert();
     if (!pipeline) return pipeline.error();
-    ConvertConstants constants{};
-    constants.width = frame.info.width;
-    constants.height = frame.info.height;
-    constants.stride = planes_of(frame).stride;
-    constants.format = format.format;
-    constants.srgb = format.srgb ? 1 : 0;
-    constants.to_image = to_image ? 1 : 0;
-    constants.role = meaning.role;
-    constants.orthographic = meaning.orthographic ? 1 : 0;
-    constants.left = meaning.left;
-    constants.right = meaning.right;
-    constants.bottom = meaning.bottom;
-    constants.top = meaning.top;
-    constants.near_depth = meaning.near_depth;
-    constants.far_depth = meaning.far_depth;
-    std::copy_n(meaning.rotation, 9, constants.rotation);
+    const ConvertConstants constants =
+        convert_constants(frame.info, planes_of(frame).stride, format, meaning, to_image);
     return dispatcher_->dispatch({*pipeline, "image", to_image ? "write" : "read"}, frame.info,
                                  std::as_bytes(std::span(&constants, 1)), table);
   }
 
   Result<void> run_dispatch(const DispatchRun& run, DevicePlanes& planes) {
     const Dispatch& dispatch = run.dispatch;
+    if (dispatch.rays && !planes.scene) return missing_scene(run);
     for (std::string_view input : dispatch.inputs) {
       const std::string name = run.plane(input);
       if (planes.find(name)) continue;
@@ -271,6 +277,7 @@ class VulkanDevice final : public Device {
     for (std::string_view output : dispatch.outputs)
       if (run.has_layer_of(output))
         if (auto made = store_->writable(planes, run.plane(output)); !made) return made.error();
+    if (dispatch.rays) return run_rays(run, planes);
     if (settings_.tuned && run.pixels == PixelSet::kAll)
       for (const GpuVariant& variant : dispatch.gpu_variants)
         if (variant.fits(run.constants.data())) return run_variant(run, variant, planes);
@@ -308,6 +315,25 @@ class VulkanDevice final : public Device {
         temporary_planes.emplace(output, *made);
       }
       if (auto done = run_step(run, step, planes, temporary_planes); !done) return done;
+    }
+    return {};
+  }
+
+  /// Runs a dispatch that traces rays: the kernel makes one ray of each pixel at a time, which a shader then traces.
+  Result<void> run_rays(const DispatchRun& run, const DevicePlanes& planes) {
+    GpuStep step = plain_step(run.dispatch);
+    step.outputs = {"ray.x", "ray.y", "ray.z"};
+    StepPlanes rays;
+    for (std::string_view name : step.outputs) {
+      const auto made = memory_->plane(planes.bytes);
+      if (!made) return made.error();
+      rays.emplace(name, *made);
+    }
+    const RaySettings settings = run.dispatch.rays(run.params, run.info);
+    DispatchRun one = run;
+    for (one.round = 0; one.round < settings.max_rays; ++one.round) {
+      if (auto done = run_step(one, step, planes, rays); !done) return done;
+      if (auto done = scene_->trace_rays(one, settings, planes, rays); !done) return done;
     }
     return {};
   }
@@ -360,6 +386,7 @@ class VulkanDevice final : public Device {
   std::string name_, description_;
   int threads_ = 1;
   std::unique_ptr<Device> capture_;
+  const Scene* host_scene_ = nullptr;  // last scene that `capture_` prepared
   PlanePoolPtr pool_ = std::make_shared<PlanePool>();
   VulkanSettings settings_;
   std::optional<PlaneStore> store_;

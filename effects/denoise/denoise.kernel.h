@@ -4,9 +4,7 @@
 // Differs: the weights are a box of 4 convolved with a box of 2, not a spline. One round removes noise of period 4,
 // such as that of techniques with a 4x4 tile of random vectors. The pixel itself gets the weight of a neighbour on
 // another surface; so two pixels give each other equal weight, and the mean is preserved.
-IN_REAL(depth)
-IN_VECTOR(normal)
-#include "kernel/surface.kernel.h"
+#include "kernel/joint.kernel.h"
 
 // A pixel is isolated if no neighbour in its row (or column) is on its surface, as on a fold or a wire one pixel wide.
 // The filter cannot smooth it. From the second round on, when the pixels beside it are smooth, its indirect light is
@@ -18,13 +16,7 @@ CONST float kMaxDarker = 0.75f;
 // Returns the weight of the pixel (i, j) to the right and below, from 0 to `full_weight`. It is full up to the distance
 // and the angle that users set.
 FN Real weight_of(int i, int j, Int px, Int py, Vec3 position, Vec3 normal, float full_weight) {
-  Vec3 position_there = view_position(px + Int(i), py + Int(j), near_depth(i, j));
-  Vec3 other_normal = near_normal(i, j);
-  Real angle_distance = (1.0f - dot(normal, other_normal)) * Real(C.turn);
-  Real joint_weight = same_surface_weight(
-      max(angle_distance, surface_distance(position, normal, position_there, other_normal, C.distance)));
-  // The test is needed since max() may ignore a NaN.
-  return select(is_finite(angle_distance) && near_inside(i, j), joint_weight * Real(full_weight), Real(0.0f));
+  return joint_weight(i, j, px, py, position, normal, C.distance, C.turn) * Real(full_weight);
 }
 
 // Returns the max weight of tap k, which is -2, -1, 1 or 2.

@@ -1,0 +1,241 @@
+#include "devices/cpu/trace_rays.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <optional>
+
+#include "core/guarded.h"
+#include "core/hash.h"
+#include "rays/camera_rays.h"
+#include "rays/hit_light.h"
+#include "rays/short_rays.h"
+
+namespace umbrage {
+namespace {
+
+constexpr int kBandRows = 4;     // rows that one task traces
+constexpr int kBlockWidth = 32;  // pixels whose rays are collected: neighbours, whose rays visit the same nodes
+constexpr int kBlockPixels = kBandRows * kBlockWidth;
+
+/// Returns the pixels of a block in the order of their rays: 8 x 2 pixels at a time.
+std::array<int, kBlockPixels> pixel_order() {
+  std::array<int, kBlockPixels> order{};
+  std::size_t k = 0;
+  for (int y0 = 0; y0 < kBandRows; y0 += 2)
+    for (int x0 = 0; x0 < kBlockWidth; x0 += 8)
+      for (int y = y0; y < y0 + 2; ++y)
+        for (int x = x0; x < x0 + 8; ++x) order[k++] = y * kBlockWidth + x;
+  return order;
+}
+
+/// The planes of a task by name; outputs that the dispatch does not have are null.
+struct RayPlanes {
+  explicit RayPlanes(const KernelFrame& frame)
+      : depth(frame.plane("depth")),
+        offset{frame.plane("ray_offset.x"), frame.plane("ray_offset.y"), frame.plane("ray_offset.z")},
+        ao(frame.plane("ao")),
+        count(frame.plane("traced_rays")) {
+    const auto find = [&](std::string_view name) -> float* {
+      for (const KernelPlane& plane : frame.planes)
+        if (plane.name == name) return plane.data;
+      return nullptr;
+    };
+    bent = {find("bent.x"), find("bent.y"), find("bent.z")};
+    indirect = {find("indirect.r"), find("indirect.g"), find("indirect.b")};
+  }
+
+  const float* depth;
+  std::array<const float*, 3> offset;
+  float *ao, *count;
+  std::array<float*, 3> bent, indirect;
+};
+
+/// Traces the rays of one block of pixels.
+class RayBlock {
+ public:
+  /// `lighting` is null if the dispatch gathers no light.
+  RayBlock(const RayTask& task, const CameraRays& rays, const RayPlanes& planes, const HitLighting* lighting)
+      : task_(task), rays_(rays), planes_(planes), lighting_(lighting), to_world_(rays.world_from_view) {}
+
+  /// `made`: rows of kBandRows x stride directions that the kernel writes for rows from y0 on.
+  void trace(int x0, int y0, std::array<std::vector<float>, 3>& made) {
+    x0_ = x0;
+    y0_ = y0;
+    x1_ = std::min(x0 + kBlockWidth, task_.info.width);
+    y1_ = std::min(y0 + kBandRows, task_.rows.end);
+    begin();
+    KernelFrame frame = task_.frame;
+    std::vector<KernelPlane> planes(frame.planes.begin(), frame.planes.end());
+    static constexpr std::string_view kNames[] = {"ray.x", "ray.y", "ray.z"};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      planes.push_back({kNames[axis], row_zero(made[axis].data(), frame.frame.stride, y0)});
+    frame.planes = planes;
+    for (int ray = 0; ray < task_.settings.max_rays; ++ray) {
+      frame.frame.round = ray;
+      task_.kernel(frame, {x0, y0, x1_, y1_});
+      if (!add_rays(made)) break;  // pixels have their rays at the first indices
+    }
+    flush();
+    store();
+  }
+
+ private:
+  std::size_t index_of(int pixel) const {
+    return std::size_t(y0_ + pixel / kBlockWidth) * std::size_t(task_.frame.frame.stride) +
+           std::size_t(x0_ + pixel % kBlockWidth);
+  }
+  bool contains(int pixel) const { return x0_ + pixel % kBlockWidth < x1_ && y0_ + pixel / kBlockWidth < y1_; }
+
+  void begin() {
+    open_ = {};
+    count_ = {};
+    bent_ = {};
+    light_ = {};
+    made_ = {};
+    for (int pixel = 0; pixel < kBlockPixels; ++pixel) {
+      if (!contains(pixel)) continue;
+      const std::size_t at = index_of(pixel);
+      const float x = float(x0_ + pixel % kBlockWidth) + 0.5f, y = float(y0_ + pixel / kBlockWidth) + 0.5f;
+      const glm::vec3 offset(planes_.offset[0][at], planes_.offset[1][at], planes_.offset[2][at]);
+      start_[std::size_t(pixel)] = rays_.origin_at(x, y) + rays_.direction_at(x, y) * planes_.depth[at] +
+                                   to_world_ * (offset * task_.traced.scale);
+    }
+  }
+
+  /// Adds the rays of one index. Returns whether there was any.
+  bool add_rays(const std::array<std::vector<float>, 3>& made) {
+    static const std::array<int, kBlockPixels> order = pixel_order();
+    bool any = false;
+    for (const int pixel : order) {
+      if (!contains(pixel)) continue;
+      const std::size_t at = index_of(pixel) - std::size_t(y0_) * std::size_t(task_.frame.frame.stride);
+      const glm::vec3 ray(made[0][at], made[1][at], made[2][at]);
+      if (ray == glm::vec3(0.0f)) continue;
+      any = true;
+      const glm::vec3 start = start_[std::size_t(pixel)], direction = to_world_ * ray;
+      if (!within_ray_limit(start) || !within_ray_limit(direction)) continue;
+      if (list_.full()) flush();
+      list_.add(start, direction, pixel);
+    }
+    return any;
+  }
+
+  void flush() {
+    if (lighting_)
+      gather_light();
+    else
+      test_occlusion();
+    list_.clear();
+  }
+
+  /// Adds the result of a ray of the list to its pixel. `blocked`: 1 for an occluder without falloff.
+  void add(int k, float blocked) {
+    const auto pixel = std::size_t(list_.id(k));
+    open_[pixel] += 1.0f - blocked;
+    count_[pixel] += 1.0f;
+    if (planes_.bent[0]) bent_[pixel] += list_.direction(k) * (1.0f - blocked);
+  }
+
+  /// Returns the weight of an occluder at the distance t, if there is one within `length`.
+  float blocked_at(float t, float length) const {
+    return t < length ? falloff_weight(task_.settings.falloff, t / length) : 0.0f;
+  }
+
+  void test_occlusion() {
+    const float length = task_.settings.radius * task_.traced.scale;
+    const bool distances = task_.settings.falloff != Falloff::kNone;
+    if (distances)
+      list_.find_distances(task_.traced, length);
+    else
+      list_.find_blocked(task_.traced, length);
+    for (int k = 0; k < list_.size(); ++k)
+      add(k, distances ? blocked_at(list_.distance(k), length) : float(list_.blocked(k)));
+  }
+
+  /// Does the same as test_occlusion, and adds the light of the surfaces that the rays hit.
+  void gather_light() {
+    const float length = task_.settings.radius * task_.traced.scale;
+    for (int first = 0; first < list_.size(); first += kPacket) {
+      const int n = std::min(kPacket, list_.size() - first);
+      RayPacket packet;
+      std::array<std::uint32_t, kPacket> seeds{};
+      for (int k = 0; k < n; ++k) {
+        packet.set(k, list_.origin(first + k), list_.direction(first + k), 0.0f, length);
+        const int pixel = list_.id(first + k);
+        const auto x = std::uint32_t(x0_ + pixel % kBlockWidth), y = std::uint32_t(y0_ + pixel / kBlockWidth);
+        seeds[std::size_t(k)] = hash(hash(hash(x, task_.settings.seed), y), std::uint32_t(made_[std::size_t(pixel)]++));
+      }
+      packet.find_hits(task_.traced, Coherence::kIncoherent);
+      const PacketLight light = light_of_hits(task_.traced, *lighting_, packet, seeds);
+      for (int k = 0; k < n; ++k) {
+        const float blocked = packet.hit(k) ? blocked_at(packet.hit_distance(k), length) : 0.0f;
+        add(first + k, blocked);
+        light_[std::size_t(list_.id(first + k))] += light[std::size_t(k)] * blocked;
+      }
+    }
+  }
+
+  void store() {
+    for (int pixel = 0; pixel < kBlockPixels; ++pixel) {
+      if (!contains(pixel)) continue;
+      const std::size_t at = index_of(pixel), k = std::size_t(pixel);
+      planes_.ao[at] = count_[k] > 0.0f ? open_[k] / count_[k] : 1.0f;
+      planes_.count[at] = count_[k];
+      if (planes_.bent[0]) {
+        const float length = glm::length(bent_[k]);
+        store(planes_.bent, at, length > 0.0f ? (bent_[k] / length) * to_world_ : glm::vec3(0.0f));
+      }
+      if (lighting_) store(planes_.indirect, at, light_[k] * (task_.settings.light / std::max(count_[k], 1.0f)));
+    }
+  }
+
+  static void store(const std::array<float*, 3>& planes, std::size_t at, glm::vec3 v) {
+    for (int axis = 0; axis < 3; ++axis) planes[std::size_t(axis)][at] = v[axis];
+  }
+
+  const RayTask& task_;
+  const CameraRays& rays_;
+  const RayPlanes& planes_;
+  const HitLighting* lighting_;
+  const glm::mat3 to_world_;
+  int x0_ = 0, y0_ = 0, x1_ = 0, y1_ = 0;
+  std::array<glm::vec3, kBlockPixels> start_{}, bent_{}, light_{};
+  std::array<int, kBlockPixels> made_{};  // rays of a pixel whose light is gathered
+  std::array<float, kBlockPixels> open_{}, count_{};
+  ShortRays list_;
+};
+
+}  // namespace
+
+long ray_steps(const Rows& rows) { return (rows.count() + kBandRows - 1) / kBandRows; }
+
+void trace_rays(const RayTask& task, Watch& watch) {
+  const CameraRays rays = camera_rays(task.traced, task.info);
+  const RayPlanes planes(task.frame);
+  std::optional<HitLighting> lighting;
+  if (task.settings.light > 0.0f)
+    lighting =
+        hit_lighting(task.traced, task.info, task.settings.ambient_bounce, task.settings.radius * task.traced.scale);
+  const int stride = task.frame.frame.stride;
+  tbb::parallel_for(
+      tbb::blocked_range<int>(0, int(ray_steps(task.rows)), 1),
+      [&](const tbb::blocked_range<int>& range) {
+        std::array<std::vector<float>, 3> made;
+        for (auto& plane : made) plane.resize(std::size_t(kBandRows) * std::size_t(stride));
+        RayBlock block(task, rays, planes, lighting ? &*lighting : nullptr);
+        for (int band = range.begin(); band < range.end() && !watch.ended(); ++band) {
+          fault_point();
+          for (int x0 = 0; x0 < task.info.width; x0 += kBlockWidth)
+            block.trace(x0, task.rows.begin + band * kBandRows, made);
+          watch.done(1);
+        }
+      },
+      tbb::simple_partitioner());
+}
+
+}  // namespace umbrage

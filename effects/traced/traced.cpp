@@ -1,0 +1,183 @@
+// The parameter table, kernel constants and dispatches of `traced`.
+#include "effects/traced/traced.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "core/absolute_length.h"
+#include "core/effect.h"
+#include "kernels/traced_across.h"
+#include "kernels/traced_down.h"
+#include "kernels/traced_joined.h"
+#include "kernels/traced_light_across.h"
+#include "kernels/traced_light_down.h"
+#include "kernels/traced_rays.h"
+
+namespace umbrage {
+namespace {
+
+constexpr double kMaxRays = 64;
+constexpr float kDistancePx = 1.0f, kAngleDeg = 25.0f;  // as in `denoise`
+
+const std::vector<Parameter> kTable = {
+    real_row("rays", &TracedParams::rays, {.initial = 1, .min = 0.0625, .max = kMaxRays},
+             "rays per pixel on an open surface; below 1, a part of the pixels gets one"),
+    int_row("max_rays", &TracedParams::max_rays, {.initial = 8, .min = 1, .max = kMaxRays},
+            "max rays of a pixel whose surface few neighbours show, as on edges and leaves"),
+    radius_row("radius", &TracedParams::radius,
+               "max distance of an occluder, in scene units or in percent of the bounding-sphere radius; 200% is the "
+               "whole scene"),
+    choice_row("falloff", &TracedParams::falloff, 0, {"none", "linear", "smooth"},
+               "weight of an occluder within the radius: 1, or falling with distance"),
+    choice_row("normal", &TracedParams::normal, kTracedTriangle, {"triangle", "shading"},
+               "normal of the hemisphere: that of the triangle, or the interpolated one"),
+    bool_row("filter", &TracedParams::filtered, true, "average the rays of neighbours on the same surface"),
+    bool_row("bent", &TracedParams::bent, false, "also write the mean open direction, planes bent.x .y .z"),
+    real_row("bleeding", &TracedParams::bleeding, {.max = 100, .zero_means = "off"},
+             "factor for the indirect light from occluders"),
+    real_row("ambient_bounce", &TracedParams::ambient_bounce, {.initial = 1, .max = 10},
+             "factor for the ambient light that surfaces reflect"),
+    int_row("sample_index", &TracedParams::sample_index, {.max = 1e6}, "index of the noise"),
+};
+
+/// One round of the filter, along rows and then columns.
+struct Level {
+  int step;                       // distance of neighbouring taps, pixels
+  float deviations;               // as in TracedConstants
+  float near_weight, far_weight;  // relative to that of the pixel itself
+  bool light_only = false;        // as in TracedConstants; left out without light
+};
+constexpr Level kFirst{1, 0.0f, 1.0f, 0.5f};  // a box of 4 convolved with a box of 2
+constexpr float kNear = 4.0f / 6.0f, kFar = 1.0f / 6.0f;
+// Light needs a wider round than visibility: few rays find a small bright surface. It does not depend on the
+// visibility: its deviation is larger where much light arrives, so that these pixels would take from darker ones more
+// than they give.
+constexpr Level kLight8{8, 0.0f, kNear, kFar, true};
+
+/// Returns the rounds for a number of rays: the fewer, the wider the filter. Rounds with steps of 2 and 4 pixels do not
+/// mix odd and even pixels; the round with step 1 after them does.
+std::array<Level, kTracedMaxRounds> levels_for(float rays) {
+  if (rays < 0.75f) return {kFirst, kLight8, {4, 6.0f, kNear, kFar}, {2, 6.0f, kNear, kFar}, {1, 6.0f, kNear, 0.0f}};
+  if (rays < 1.5f) return {kFirst, {2, 4.0f, kNear, kFar}, {4, 3.0f, kNear, kFar}, kLight8, {1, 4.0f, kNear, 0.0f}};
+  return {Level{1, 4.0f, kNear, kFar}, {2, 3.0f, kNear, kFar}, {4, 2.0f, kNear, kFar}, kLight8, {1, 3.0f, kNear, 0.0f}};
+}
+
+void fill_constants(const TracedParams& params, const PictureInfo&, TracedConstants& c) {
+  c.rays = params.rays;
+  c.max_rays = float(params.max_rays);
+  c.normal = params.normal;
+  // Interleaved gradient noise moved by 5.588238 pixels in both directions for each index.
+  c.shift = int(0x685bb218u * std::uint32_t(params.sample_index));
+  c.dither = float(std::fmod(0.6180339887498949 * params.sample_index, 1.0));
+  c.distance = kDistancePx;
+  c.turn = float(1.0 / (1.0 - std::cos(kAngleDeg * std::numbers::pi / 180.0)));
+  const auto levels = levels_for(params.rays);
+  for (const Level& level : levels) {
+    if (level.light_only && !(params.bleeding > 0.0f)) continue;
+    const int k = c.rounds++;
+    c.step[k] = level.step;
+    c.deviations[k] = level.deviations;
+    c.near_weight[k] = level.near_weight;
+    c.far_weight[k] = level.far_weight;
+    c.light_only[k] = level.light_only ? 1 : 0;
+  }
+}
+
+RaySettings ray_settings(const ParameterBytes& bytes, const PictureInfo& info) {
+  const auto& params = as<TracedParams>(bytes);
+  return {.max_rays = params.max_rays,
+          .radius = absolute_length(params.radius, info.scene_radius),
+          .falloff = Falloff(params.falloff),
+          .light = params.bleeding,
+          .ambient_bounce = params.ambient_bounce,
+          .seed = std::uint32_t(params.sample_index)};
+}
+
+bool is_filtered(const ParameterBytes& bytes) { return as<TracedParams>(bytes).filtered != 0; }
+bool gathers_light(const ParameterBytes& bytes) { return as<TracedParams>(bytes).bleeding > 0.0f; }
+bool filters_light(const ParameterBytes& bytes) { return is_filtered(bytes) && gathers_light(bytes); }
+bool filters_no_light(const ParameterBytes& bytes) { return is_filtered(bytes) && !gathers_light(bytes); }
+template <bool bent, bool light>
+bool traces(const ParameterBytes& bytes) {
+  return (as<TracedParams>(bytes).bent != 0) == bent && gathers_light(bytes) == light;
+}
+
+int rounds(const ParameterBytes& bytes, const PictureInfo& info) {
+  if (!is_filtered(bytes)) return 1;
+  TracedConstants constants{};
+  fill_constants(as<TracedParams>(bytes), info, constants);
+  return constants.rounds;
+}
+
+/// Returns Dispatch::reach of the dispatches along columns.
+int filter_reach(const void* constants, int round) {
+  return 2 * static_cast<const TracedConstants*>(constants)->step[round];
+}
+int joined_reach(const void*, int) { return 2; }
+
+Dispatch rays_dispatch(std::string_view name, bool (*needed)(const ParameterBytes&),
+                       const std::vector<std::string_view>& more_outputs = {}) {
+  std::vector<std::string_view> outputs = {"ao", "traced_rays"};
+  outputs.insert(outputs.end(), more_outputs.begin(), more_outputs.end());
+  return {.name = name,
+          .inputs = {"depth", "traced_joined", "ray_offset.x", "ray_offset.y", "ray_offset.z", "normal.x", "normal.y",
+                     "normal.z"},
+          .outputs = outputs,
+          .kernel = traced_rays_kernel(),
+          .rays = ray_settings,
+          .needed = needed,
+          .reach = own_row,
+          .first_round_only = true};
+}
+
+Dispatch filter_dispatch(std::string_view name, const Kernel& kernel, bool (*needed)(const ParameterBytes&),
+                         const std::vector<std::string_view>& from, const std::vector<std::string_view>& to,
+                         int (*reach)(const void*, int)) {
+  std::vector<std::string_view> inputs = from;
+  inputs.insert(inputs.end(), {"depth", "normal.x", "normal.y", "normal.z"});
+  return {.name = name, .inputs = inputs, .outputs = to, .kernel = kernel, .needed = needed, .reach = reach};
+}
+
+}  // namespace
+
+Effect effect_traced() {
+  return occlusion_effect<fill_constants>(
+      kTable,
+      {.name = "traced",
+       .summary = "few rays in the scene, more of them at edges, and a filter that counts them",
+       .set_radius = set_radius_of<&TracedParams::radius>,
+       .noise = "sample_index",
+       .filters_itself = true,
+       .tunable = {"rays"},
+       .variants = {"", "rays=0.125", "rays=0.25", "rays=0.5", "rays=2", "rays=6 max_rays=32", "bleeding=1"},
+       .quantum = 1.0,
+       .dispatches = {{.name = "joined",
+                       .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
+                       .outputs = {"traced_joined"},
+                       .kernel = traced_joined_kernel(),
+                       .reach = joined_reach,
+                       .first_round_only = true},
+                      rays_dispatch("rays", traces<false, false>),
+                      rays_dispatch("rays_bent", traces<true, false>, {"bent.x", "bent.y", "bent.z"}),
+                      rays_dispatch("rays_light", traces<false, true>, {"indirect.r", "indirect.g", "indirect.b"}),
+                      rays_dispatch("rays_light_bent", traces<true, true>,
+                                    {"indirect.r", "indirect.g", "indirect.b", "bent.x", "bent.y", "bent.z"}),
+                      filter_dispatch("across", traced_across_kernel(), filters_no_light, {"ao", "traced_rays"},
+                                      {"traced_across", "traced_across_rays"}, own_row),
+                      filter_dispatch("down", traced_down_kernel(), filters_no_light,
+                                      {"traced_across", "traced_across_rays"}, {"ao", "traced_rays"}, filter_reach),
+                      filter_dispatch(
+                          "light_across", traced_light_across_kernel(), filters_light,
+                          {"ao", "traced_rays", "indirect.r", "indirect.g", "indirect.b"},
+                          {"traced_across", "traced_across_rays", "traced_light.r", "traced_light.g", "traced_light.b"},
+                          own_row),
+                      filter_dispatch(
+                          "light_down", traced_light_down_kernel(), filters_light,
+                          {"traced_across", "traced_across_rays", "traced_light.r", "traced_light.g", "traced_light.b"},
+                          {"ao", "traced_rays", "indirect.r", "indirect.g", "indirect.b"}, filter_reach)},
+       .rounds = rounds});
+}
+
+}  // namespace umbrage

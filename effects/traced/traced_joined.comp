@@ -1,0 +1,11 @@
+// Compiles traced_joined.kernel.h for Vulkan.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "kernel/glsl.h"
+
+#include "effects/traced/traced.h"
+UMBRAGE_CONSTANTS(TracedConstants)
+#include "kernel/common.kernel.h"
+
+#include "effects/traced/traced_joined.kernel.h"
+UMBRAGE_MAIN(traced_joined)
