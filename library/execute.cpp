@@ -453,8 +453,8 @@ Result<void> JobObject::fill(const Frame& frame, const Recipe& recipe, const std
     });
     return reduce(frame.info, *image, 0);
   }
-  if (!renders() || background_planes(planes, false).empty()) return device.visit(frame, planes, take);
-  const auto image = download_passes(device, frame, planes);
+  const bool as_stored = !renders() || background_planes(planes, false).empty();
+  const auto image = as_stored ? device.view(frame, planes) : download_passes(device, frame, planes);
   if (!image) return image.error();
   for (std::size_t k = 0; k < planes.size(); ++k) take(k, image->planes[k]);
   return {};

@@ -1,5 +1,7 @@
 #include "renderer/accumulation.h"
 
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +9,7 @@
 #include <limits>
 
 #include "core/check.h"
+#include "renderer/rows.h"
 
 namespace umbrage {
 namespace {
@@ -56,35 +59,80 @@ Camera shifted_camera(const Camera& camera, glm::vec2 offset, int width, int hei
   return shifted;
 }
 
+namespace {
+
+/// Calls work(y) for all rows on this number of threads.
+template <class Work>
+void for_rows_on(int threads, int height, const Work& work) {
+  tbb::task_arena arena(std::max(threads, 1));
+  arena.execute([&] { for_rows(height, work); });
+}
+
+/// Calls work(x0, x1) for the pixels of a row to which a picture is added: all of the first picture, and the marked
+/// ones of others.
+template <class Work>
+void for_added_pixels(const PictureSum& total, int y, int width, const Work& work) {
+  if (total.marks.width == 0 || total.count == 1) return work(0, width);
+  const float* marks = total.marks.row(y);
+  for (int x = 0; x < width; ++x) {
+    const int begin = x;
+    while (x < width && marks[x] > 0.0f) ++x;
+    if (x > begin) work(begin, x);
+  }
+}
+
+/// Adds rows, one plane for each name.
+void add_all(PictureSum& total, const std::vector<std::string>& names, std::span<const Plane* const> planes, int first,
+             int height) {
+  const int width = planes.empty() ? total.sum.width : planes[0]->width;
+  if (total.sum.planes.empty()) {
+    total.sum = Image(width, height);
+    for (const std::string& name : names) total.sum.add(name) = Plane(width, height, 0.0f);
+  }
+  if (total.sum.names != names || total.sum.width != width || total.sum.height != height)
+    fail_check("pictures that are averaged must have the same planes");
+  total.count += first == 0;
+  const auto find = [&](std::string_view name) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    return found == names.end() ? nullptr : planes[std::size_t(found - names.begin())];
+  };
+  const Plane *alpha = find("color.a"), *beauty_alpha = find("beauty.a");
+  for_rows_on(total.threads, planes.empty() ? 0 : planes[0]->height, [&](int y) {
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      const bool color = alpha && is_color(names[k]) && planes[k] != alpha;
+      const bool beauty = beauty_alpha && is_beauty(names[k]) && planes[k] != beauty_alpha;
+      const float* in = planes[k]->row(y);
+      float* out = total.sum.planes[k].row(first + y);
+      for_added_pixels(total, first + y, width, [&](int x0, int x1) {
+        if (color)
+          add_color(in + x0, alpha->row(y) + x0, x1 - x0, total.as_square_roots, out + x0);
+        else
+          add_values(in + x0, beauty ? beauty_alpha->row(y) + x0 : nullptr, x1 - x0, beauty && total.as_square_roots,
+                     out + x0);
+      });
+    }
+  });
+}
+
+}  // namespace
+
 void add_picture(PictureSum& total, const Image& picture) { add_rows(total, picture, 0, picture.height); }
+
+void add_planes(PictureSum& total, const std::vector<std::string>& names, std::span<const Plane* const> planes) {
+  if (!planes.empty()) add_all(total, names, planes, 0, planes[0]->height);
+}
 
 void add_rows(PictureSum& total, const Image& rows, int first, int height) {
   if (rows.height == 0) return;
-  if (total.sum.planes.empty()) {
-    total.sum = Image(rows.width, height);
-    for (const std::string& name : rows.names) total.sum.add(name) = Plane(rows.width, height, 0.0f);
-  }
-  if (total.sum.names != rows.names || total.sum.width != rows.width || total.sum.height != height)
-    fail_check("pictures that are averaged must have the same planes");
-  total.count += first == 0;
-  const Plane *alpha = rows.find("color.a"), *beauty_alpha = rows.find("beauty.a");
-  for (std::size_t k = 0; k < rows.names.size(); ++k) {
-    const bool color = alpha && is_color(rows.names[k]) && &rows.planes[k] != alpha;
-    const bool beauty = beauty_alpha && is_beauty(rows.names[k]) && &rows.planes[k] != beauty_alpha;
-    for (int y = 0; y < rows.height; ++y) {
-      const float* in = rows.planes[k].row(y);
-      float* out = total.sum.planes[k].row(first + y);
-      if (color)
-        add_color(in, alpha->row(y), rows.width, total.as_square_roots, out);
-      else
-        add_values(in, beauty ? beauty_alpha->row(y) : nullptr, rows.width, beauty && total.as_square_roots, out);
-    }
-  }
+  std::vector<const Plane*> planes;
+  for (const Plane& plane : rows.planes) planes.push_back(&plane);
+  add_all(total, rows.names, planes, first, height);
 }
 
 PictureSum rows_of(const PictureSum& total, int first, int count) {
   PictureSum rows{.as_square_roots = total.as_square_roots,
                   .per_sample = total.per_sample,
+                  .threads = total.threads,
                   .count = total.count,
                   .sum = Image(total.sum.width, count)};
   for (const std::string& name : total.sum.names) {
@@ -97,37 +145,46 @@ PictureSum rows_of(const PictureSum& total, int first, int count) {
 
 namespace {
 
-Plane mean_plane(const PictureSum& total, std::string_view name) {
-  Plane mean = total.sum.plane(name);
+/// Returns the mean of a plane of the sum. `mean`: that plane, or a copy.
+Plane mean_plane(const PictureSum& total, Plane mean) {
   const float count = float(total.count) / float(total.per_sample);
-  for (int y = 0; y < mean.height; ++y)
-    for (int x = 0; x < mean.width; ++x) mean.row(y)[x] /= count;
+  for_rows_on(total.threads, mean.height, [&](int y) {
+    float* row = mean.row(y);
+    if (total.marks.width == 0) {
+      for (int x = 0; x < mean.width; ++x) row[x] /= count;
+      return;
+    }
+    const float* marks = total.marks.row(y);
+    for (int x = 0; x < mean.width; ++x) row[x] /= marks[x] > 0.0f ? count : 1.0f;
+  });
   return mean;
 }
 
 }  // namespace
 
-GBuffer mean_picture(const PictureSum& total, const PictureInfo& info, const std::string& pass) {
+GBuffer mean_picture(PictureSum& total, const PictureInfo& info, const std::string& pass) {
   GBuffer g;
   g.info = info;
   g.info.more_layers.clear();
   Image& image = g.layers.emplace_back(total.sum.width, total.sum.height);
-  const Plane alpha = mean_plane(total, pass + ".a");
-  for (const std::string channel : {".r", ".g", ".b"}) image.add("lit" + channel) = mean_plane(total, pass + channel);
+  Plane alpha = mean_plane(total, std::move(total.sum.plane(pass + ".a")));
+  for (const std::string channel : {".r", ".g", ".b"})
+    image.add("lit" + channel) = mean_plane(total, std::move(total.sum.plane(pass + channel)));
   const std::array<Plane*, 3> lit = {&image.plane("lit.r"), &image.plane("lit.g"), &image.plane("lit.b")};
   if (total.as_square_roots)
-    for (Plane* plane : lit)
-      for (int y = 0; y < plane->height; ++y)
+    for_rows_on(total.threads, image.height, [&](int y) {
+      for (Plane* plane : lit)
         for (int x = 0; x < plane->width; ++x)
           if (const float fraction = alpha.row(y)[x]; fraction > 0.0f) plane->row(y)[x] *= plane->row(y)[x] / fraction;
-  image.add(total.as_square_roots ? "cover_for_eye" : "cover") = alpha;
+    });
+  image.add(total.as_square_roots ? "cover_for_eye" : "cover") = std::move(alpha);
   image.add("depth") = Plane(image.width, image.height, std::numeric_limits<float>::infinity());
   return g;
 }
 
 Image mean_planes(const PictureSum& total, std::span<const std::string> names) {
   Image means(total.sum.width, total.sum.height);
-  for (const std::string& name : names) means.add(name) = mean_plane(total, name);
+  for (const std::string& name : names) means.add(name) = mean_plane(total, total.sum.plane(name));
   return means;
 }
 

@@ -4,6 +4,7 @@
 #include <glm/vec2.hpp>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/device.h"
 
@@ -24,6 +25,8 @@ Camera shifted_camera(const Camera& camera, glm::vec2 offset, int width, int hei
 struct PictureSum {
   bool as_square_roots = false;  ///< the sum is of square roots of light, as in mixed_as_square_roots
   int per_sample = 1;            ///< number of pictures per sample, whose weights have the sum 1
+  int threads = 1;               ///< number of threads to use
+  Plane marks = {};              ///< 1: pixels to which all pictures are added; others get only the first. Empty: all
   int count = 0;                 ///< number of pictures
   Image sum;  ///< colour (or its square roots) times alpha; alpha; likewise beauty; the other planes unchanged
 };
@@ -31,6 +34,9 @@ struct PictureSum {
 /// Adds a picture. Its planes: color.r, .g, .b (linear light, straight alpha) and color.a, or none of these four; the
 /// same of beauty, which is premultiplied; and any other planes.
 void add_picture(PictureSum& total, const Image& picture);
+
+/// Adds a picture with these planes, one for each name.
+void add_planes(PictureSum& total, const std::vector<std::string>& names, std::span<const Plane* const> planes);
 
 /// Adds rows of a picture of `height` rows; `first` is the index of the first added row. Row 0 of a picture must be
 /// added first: it counts the picture.
@@ -40,8 +46,9 @@ void add_rows(PictureSum& total, const Image& rows, int first, int height);
 PictureSum rows_of(const PictureSum& total, int first, int count);
 
 /// Returns the average of `pass`, color or beauty, as a G-buffer for effect `output`: lit (multiplied by alpha), cover
-/// (mean alpha; named `cover_for_eye` if `as_square_roots` is set), and a depth of infinity everywhere.
-GBuffer mean_picture(const PictureSum& total, const PictureInfo& info, const std::string& pass = "color");
+/// (mean alpha; named `cover_for_eye` if `as_square_roots` is set), and a depth of infinity everywhere. Takes
+/// the planes of the pass out of the sum.
+GBuffer mean_picture(PictureSum& total, const PictureInfo& info, const std::string& pass = "color");
 
 /// Returns the means of these planes. They must be neither colour nor beauty.
 Image mean_planes(const PictureSum& total, std::span<const std::string> names);

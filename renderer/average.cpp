@@ -61,7 +61,7 @@ void add_plane(const Plane& from, Plane& to) {
 }
 
 /// Adds the finished planes of one of picture_passes to `finished`.
-Result<void> finish_pass(Device& device, const PictureSum& total, const Plan& plan, const std::string& pass,
+Result<void> finish_pass(Device& device, PictureSum& total, const Plan& plan, const std::string& pass,
                          const Image& lines, const PictureInfo& info, Image& finished) {
   ParameterBytes bytes = plan.output;
   auto& output = as<OutputParams>(bytes);
@@ -92,7 +92,7 @@ Result<void> finish_pass(Device& device, const PictureSum& total, const Plan& pl
 
 }  // namespace
 
-Result<Image> finished_picture(Device& device, const PictureSum& total, const Plan& plan, const Image& lines,
+Result<Image> finished_picture(Device& device, PictureSum& total, const Plan& plan, const Image& lines,
                                const PictureInfo& info) {
   Image finished(total.sum.width, total.sum.height);
   for (const std::string& pass : picture_passes(plan.recipe))
@@ -103,7 +103,8 @@ Result<Image> finished_picture(Device& device, const PictureSum& total, const Pl
 namespace {
 
 /// Extends planes by a guard band of `guard` pixels, which repeats the border pixels.
-Image with_guard_band(const Image& inner, int guard) {
+Image with_guard_band(Image inner, int guard) {
+  if (guard == 0) return inner;
   Image extended(inner.width + 2 * guard, inner.height + 2 * guard);
   for (std::size_t k = 0; k < inner.names.size(); ++k) {
     Plane& plane = extended.add(inner.names[k]) = Plane(extended.width, extended.height);
@@ -117,7 +118,7 @@ Image with_guard_band(const Image& inner, int guard) {
 
 }  // namespace
 
-Result<void> finish_average(Device& device, const PictureSum& total, const Plan& plan, const BlendedSample& blended,
+Result<void> finish_average(Device& device, PictureSum& total, const Plan& plan, const BlendedSample& blended,
                             Frame& frame) {
   if (auto done = device.add(with_guard_band(mean_planes(total, other_averaged_planes(plan)), frame.info.guard), frame);
       !done)
@@ -133,9 +134,9 @@ Result<void> finish_average(Device& device, const PictureSum& total, const Plan&
     }
   }
   if (picture_passes(plan.recipe).empty()) return {};
-  const auto picture = finished_picture(device, total, plan, lines, inner_info(frame.info));
+  auto picture = finished_picture(device, total, plan, lines, inner_info(frame.info));
   if (!picture) return picture.error();
-  return device.add(with_guard_band(*picture, frame.info.guard), frame);
+  return device.add(with_guard_band(std::move(*picture), frame.info.guard), frame);
 }
 
 }  // namespace umbrage

@@ -26,13 +26,14 @@ std::vector<std::string> line_planes(const Plan& plan);
 std::vector<std::string> picture_passes(const Recipe& recipe);
 
 /// Returns the finished picture_passes of averaged pictures, as planes color.r, .g, .b and .a or beauty.r and so on.
-/// `lines`: the line_planes of sample 0. `info`: properties of a picture that has the size of the sum.
-Result<Image> finished_picture(Device& device, const PictureSum& total, const Plan& plan, const Image& lines,
+/// Takes their planes out of the sum. `lines`: the line_planes of sample 0. `info`: properties of a picture that has
+/// the size of the sum.
+Result<Image> finished_picture(Device& device, PictureSum& total, const Plan& plan, const Image& lines,
                                const PictureInfo& info);
 
 /// Computes the finished colour and the other means, and stores them in `frame`, the frame of sample 0. Its lines are
 /// joined with those of `blended`.
-Result<void> finish_average(Device& device, const PictureSum& total, const Plan& plan, const BlendedSample& blended,
+Result<void> finish_average(Device& device, PictureSum& total, const Plan& plan, const BlendedSample& blended,
                             Frame& frame);
 
 }  // namespace umbrage

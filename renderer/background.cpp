@@ -68,9 +68,11 @@ void set_background(Image& image, int ground_object) {
 }
 
 Result<Image> download_passes(Device& device, const Frame& frame, const std::vector<std::string>& names) {
+  const auto of_background = background_planes(names, frame.info.ground_object >= 0);
+  if (of_background.empty()) return device.view(frame, names);
   std::vector<std::string> all = names;
   const auto available = device.plane_names(frame);
-  for (const std::string& name : background_planes(names, frame.info.ground_object >= 0)) {
+  for (const std::string& name : of_background) {
     if (std::find(all.begin(), all.end(), name) != all.end()) continue;
     if (std::find(available.begin(), available.end(), name) != available.end()) all.push_back(name);
   }

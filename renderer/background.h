@@ -17,7 +17,7 @@ std::vector<std::string> background_planes(const std::vector<std::string>& names
 void set_background(Image& image, int ground_object);
 
 /// Returns the planes `names` of a frame as they are written, after set_background; perhaps with further planes behind
-/// them. Errors: those of Device::download.
+/// them. They may be views: see Device::view. Errors: those of Device::download.
 Result<Image> download_passes(Device& device, const Frame& frame, const std::vector<std::string>& names);
 
 }  // namespace umbrage

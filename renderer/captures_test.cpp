@@ -73,7 +73,7 @@ void expect_captures_are_reusable(Device& device, const std::string& look, int f
   SCOPED_TRACE(look + " " + std::to_string(frames) + " " + scale);
   PreparedScene prepared(device, look);
   const std::vector<Case> cases = {{look, {}, frames, scale},
-                                   {look, {"output.exposure=1", "bitmask.thickness=0.3"}, frames, scale},
+                                   {look, {"output.exposure=1", "traced.falloff=linear"}, frames, scale},
                                    {look, {"outline.opacity=0.5", "composite.damping=0.3"}, frames, scale},
                                    {look, {}, frames, scale}};
   const Captures captures = prepared.captured(prepared.plan_of(cases[0]));

@@ -9,6 +9,7 @@
 #include "core/check.h"
 #include "reference/reference.h"
 #include "renderer/average.h"
+#include "renderer/marked_samples.h"
 #include "scene/studio_reflections.h"
 
 namespace umbrage {
@@ -74,7 +75,8 @@ LookRun timed_look_run(const Recipe& recipe, StageTimes& times, DrawProgress& pr
 std::size_t effect_count(const Plan& plan) { return steps_of(look_run(plan.recipe)).size(); }
 
 /// A function that returns the frame of a sample before any effect has run. `plan` and `camera` are for that sample.
-using GetFrame = std::function<Result<Frame>(const Plan& plan, const Camera& camera)>;
+/// `first`: the frame of the first sample if this one is drawn at marked pixels only, otherwise null.
+using GetFrame = std::function<Result<Frame>(const Plan& plan, const Camera& camera, const Frame* first)>;
 
 /// Adds a picture with its weights.
 Result<void> add_weighted(Device& device, const Plan& plan, const Frame& frame, BlendedSample& blended,
@@ -88,6 +90,37 @@ Result<void> add_weighted(Device& device, const Plan& plan, const Frame& frame, 
     blended.weigh_behind(*picture, 0);
   add_picture(total, *picture);
   return {};
+}
+
+/// Draws the samples of a plan at the pixels that its first sample marks, and returns the frame of the first one with
+/// the average.
+Result<Drawn> draw_marked(Device& device, const Plan& planned, LookRun& run, const GetFrame& get_frame,
+                          DrawProgress& progress, StageTimes& times) {
+  Plan plan = planned;
+  auto first = get_frame(plan, begin_picture(plan, {}), nullptr);
+  if (!first) return first.error();
+  run.settings = &plan.recipe.settings;
+  const auto done = run_look(run, device, *first);
+  if (!done) return done.error();
+  if (auto drawn = draw_lines(device, plan, *first, run.monitor, times); !drawn) return drawn.error();
+  progress.sample_done();
+  auto total = begin_sum(device, plan, *first);
+  if (!total) return total.error();
+  run.stops = done->stops;
+  for (int sample = 1; sample < plan.recipe.frames; ++sample) {
+    Plan further = plan;
+    const Camera camera = begin_marked(further, sample);
+    auto frame = get_frame(further, camera, &*first);
+    if (!frame) return frame.error();
+    if (auto shaded = shade_marked(device, further, run, *first, *frame); !shaded) return shaded.error();
+    if (auto added = add_marked(device, plan, *frame, *total); !added) return added.error();
+    times.done("average");
+    progress.sample_done();
+  }
+  if (auto finished = finish_average(device, *total, plan, {}, *first); !finished) return finished.error();
+  times.done("average");
+  if (auto ended = progress.end(); !ended) return ended.error();
+  return Drawn{std::move(*first), run.stops};
 }
 
 Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& planned, const GetFrame& get_frame,
@@ -109,13 +142,17 @@ Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& plann
                                          .min_opacity = plan.capture.blended ? kMinOpacity : kOpaque});
     return planes ? device.add(*planes, current) : planes.error();
   };
-  PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots, .per_sample = plan.has_blended ? 2 : 1};
+  if (plan.marked) return draw_marked(device, plan, run, get_frame, progress, times);
+  PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots,
+                   .per_sample = plan.has_blended ? 2 : 1,
+                   .threads = device.threads()};
   BlendedSample blended;
   // The frame of the last picture, that of sample 0, is returned.
   std::optional<Frame> last;
   for (const PictureIndex& index : pictures_of(plan)) {
     const Camera camera = begin_picture(plan, index);
-    auto frame = get_frame(plan, camera);
+    last.reset();  // its memory is reused
+    auto frame = get_frame(plan, camera, nullptr);
     if (!frame) return frame.error();
     if (auto added = add_sky(device, plan, *frame); !added) return added.error();
     if (plan.recipe.hdri.shown()) times.done("sky");
@@ -157,8 +194,8 @@ Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTi
   const ScopedPlanePool pool_scope(device.pool());
   DrawProgress progress(monitor, 1 + effect_count(plan), plan.pictures());
   const ProgressMonitor step_monitor = progress.step_monitor();
-  const auto captured = [&](const Plan& sample, const Camera& camera) {
-    auto frame = device.capture(camera, sample.capture, step_monitor);
+  const auto captured = [&](const Plan& sample, const Camera& camera, const Frame* first) {
+    auto frame = capture_sample(device, sample, camera, first, step_monitor);
     times.done("capture");
     progress.step_done();
     return frame;
@@ -166,14 +203,16 @@ Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTi
   return draw_samples(device, scene, plan, captured, progress, times, stops);
 }
 
-Result<Captures> capture(Device& device, const Plan& planned, StageTimes& times, const ProgressMonitor& monitor) {
+Result<Captures> capture(Device& device, const Plan& plan, StageTimes& times, const ProgressMonitor& monitor) {
   const ScopedPlanePool pool_scope(device.pool());
-  Plan plan = planned;
   DrawProgress progress(monitor, 1, plan.pictures());
   const ProgressMonitor step_monitor = progress.step_monitor();
   Captures captures;
   for (const PictureIndex& index : pictures_of(plan)) {
-    auto frame = device.capture(begin_picture(plan, index), plan.capture, step_monitor);
+    const bool further = plan.marked && index.sample > 0;
+    Plan sample = plan;
+    const Camera camera = further ? begin_marked(sample, index.sample) : begin_picture(sample, index);
+    auto frame = capture_sample(device, sample, camera, further ? &captures[0] : nullptr, step_monitor);
     if (!frame) return frame.error();
     captures.push_back(std::move(*frame));
     times.done("capture");
@@ -187,7 +226,7 @@ Result<Captures> capture(Device& device, const Plan& planned, StageTimes& times,
 
 bool same_captures(const Plan& a, const Plan& b) {
   return a.camera == b.camera && a.capture == b.capture && a.recipe.frames == b.recipe.frames &&
-         a.has_blended == b.has_blended && a.has_ground == b.has_ground;
+         a.has_blended == b.has_blended && a.marked == b.marked && a.has_ground == b.has_ground;
 }
 
 Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan, const Captures& captures,
@@ -196,7 +235,7 @@ Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan
   const ScopedPlanePool pool_scope(device.pool());
   DrawProgress progress(monitor, std::max<std::size_t>(effect_count(plan), 1), plan.pictures());
   std::size_t next = 0;
-  const auto branch_of_capture = [&](const Plan&, const Camera&) {
+  const auto branch_of_capture = [&](const Plan&, const Camera&, const Frame*) {
     return Result<Frame>(device.branch(captures[next++]));
   };
   return draw_samples(device, scene, plan, branch_of_capture, progress, times, stops);

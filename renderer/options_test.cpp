@@ -91,6 +91,7 @@ TEST(Options, LibraryChecksTheTable) {
   refused({.occlusion = "reference", .occlusion_scale = "half"}, "`occlusion_scale` cannot be 'half'");
   refused({.hdri_skybox = true}, "`hdri_skybox` needs an image");
   refused({.settings = {"upsample.factor=4"}}, "follows from `occlusion_scale`");
+  refused({.settings = {"resample.right=1"}}, "follows from `anti_aliasing`");
   refused({.passes = {"layer1.depth"}}, "it requires `layers` 2");
   refused({.passes = {"nothing"}}, "writes no pass 'nothing'");
 }

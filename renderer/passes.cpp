@@ -13,6 +13,8 @@
 #include "effects/outline/outline.h"
 #include "effects/output/output.h"
 #include "renderer/background.h"
+#include "renderer/blend.h"
+#include "renderer/marked_samples.h"
 
 namespace umbrage {
 namespace {
@@ -337,30 +339,69 @@ bool averages_something(const Recipe& recipe) {
 }
 
 void reduce_to_passes(Recipe& recipe, std::span<const std::string_view> besides) {
-  if (recipe.passes.empty() || recipe.passes[0] == kAll) return;
-  recipe.wanted.emplace(besides.begin(), besides.end());
-  int max_layer = 0;  // highest layer of a requested pass
-  for (const std::string& pass : recipe.passes) {
-    max_layer = std::max(max_layer, layer_of_plane(pass));
+  if (!recipe.passes.empty() && recipe.passes[0] == kAll) return;
+  std::vector<std::string> planes(besides.begin(), besides.end());
+  const std::vector<std::string> picture = {"color"};
+  for (const std::string& pass : recipe.passes.empty() ? picture : recipe.passes) {
     const std::string name = pass == "color" ? std::string(recipe.picture()) : pass;
-    for (const std::string& channel : channels_of(name)) recipe.wanted->push_back(name + channel);
-    if (is_part(pass)) recipe.wanted->insert(recipe.wanted->end(), {"beauty.r", "beauty.g", "beauty.b", "beauty.a"});
+    for (const std::string& channel : channels_of(name)) planes.push_back(name + channel);
+    if (is_part(pass)) planes.insert(planes.end(), {"beauty.r", "beauty.g", "beauty.b", "beauty.a"});
   }
+  reduce_to_planes(recipe, std::move(planes));
+}
+
+namespace {
+
+/// Returns the planes that are read after a recipe's look has run.
+std::vector<std::string> planes_read_after(const Recipe& recipe, std::span<const Effect* const> steps) {
+  std::vector<std::string> planes = with_blend_planes(*recipe.wanted);
+  planes.emplace_back("depth");
+  const auto add = [&](const auto& names) { planes.insert(planes.end(), names.begin(), names.end()); };
+  add(recipe.averaged);
+  add(background_planes(*recipe.wanted, true));
+  // Further samples borrow from the first: see renderer/marked_samples.h.
+  if (draws_marked_samples(recipe)) {
+    for (const char* plane : {"marks", "resample_depth", "normal.x", "normal.y", "normal.z", "ao", "indirect.r",
+                              "indirect.g", "indirect.b"})
+      planes.emplace_back(plane);
+    for (int light = 0; light < kMaxShadows; ++light) planes.push_back(shadow_plane(light));
+  }
+  // Lines over an average are drawn after the look: see Plan::lines.
+  if (const Effect* outline = find_named<Effect>(steps, "outline"))
+    for (const Dispatch& dispatch : outline->dispatches) add(dispatch.inputs), add(dispatch.outputs);
+  return planes;
+}
+
+}  // namespace
+
+void reduce_to_planes(Recipe& recipe, std::vector<std::string> planes) {
+  recipe.wanted = std::move(planes);
   const auto steps = steps_of(look_run(recipe));
+  recipe.kept = planes_read_after(recipe, steps);
   if (!averages_something(recipe)) recipe.frames = 1;  // only sample 0, at the pixel centres
   std::vector<std::string>& captured = recipe.capture.planes.emplace();
-  for (const std::string& plane : *recipe.wanted) captured.emplace_back(name_on_first_layer(plane));
+  int max_layer = 0, shadows = 0;  // highest layer of a plane; number of lights whose shadows are among them
+  for (const std::string& plane : *recipe.wanted) {
+    captured.emplace_back(name_on_first_layer(plane));
+    max_layer = std::max(max_layer, layer_of_plane(plane));
+    for (int light = shadows; light < kMaxShadows; ++light)
+      if (captured.back() == shadow_plane(light)) shadows = light + 1;
+  }
   // These mark the pixels that get background values.
   for (const std::string& plane : background_planes(*recipe.wanted, recipe.look->ground))
     captured.emplace_back(name_on_first_layer(plane));
   for (const Effect* effect : steps)
     for (const Dispatch& dispatch : effect->dispatches)
       for (const std::string_view plane : dispatch.inputs) captured.emplace_back(name_on_first_layer(plane));
-  int shadows = 0;
-  for (int light = 0; light < kMaxShadows; ++light)
-    for (const std::string& pass : recipe.passes)
-      if (pass_of(name_on_first_layer(pass)) == shadow_plane(light)) shadows = light + 1;
-  recipe.capture.shadows = std::min(recipe.capture.shadows, std::max(shadows, shadows_read(recipe, steps)));
+  shadows = std::max(shadows, shadows_read(recipe, steps));
+  if (draws_marked_samples(recipe)) {
+    // A pass alone is drawn at the same marks as with the whole picture.
+    LookRun whole = look_run(recipe);
+    whole.wanted.reset();
+    for (const std::string& plane : planes_read(whole, 1)) captured.push_back(plane);
+    shadows = std::max(shadows, shadows_read(recipe, steps_of(whole)));
+  }
+  recipe.capture.shadows = std::min(recipe.capture.shadows, shadows);
   if (!steps.empty() || max_layer > 0) return;
   // Nothing reads the other layers.
   recipe.capture.layers = 1;

@@ -54,9 +54,12 @@ Result<void> check_captured(const Recipe& recipe, std::span<const std::string> c
 /// Returns whether a needed plane is a mean of samples. Lines that are curves are not: they come from sample 0.
 bool averages_something(const Recipe& recipe);
 
-/// Removes everything from a recipe that is needed neither for its passes nor for the planes `besides`. The picture
-/// itself is removed, too.
+/// Removes everything from a recipe that is needed neither for its passes, or the picture if it has none, nor for the
+/// planes `besides`. If it has passes, the picture itself is removed, too. Changes nothing for the pass `all`.
 void reduce_to_passes(Recipe& recipe, std::span<const std::string_view> besides = {});
+
+/// Removes everything from a recipe that is not needed for these planes.
+void reduce_to_planes(Recipe& recipe, std::vector<std::string> planes);
 
 /// Selects the planes of these passes among those of a frame, in the order of `words`. Errors: kUsage for a pass that
 /// nothing in the scene produces.

@@ -1,4 +1,5 @@
 #include "renderer/plan.h"
+#include "renderer/marked_samples.h"
 
 #include <algorithm>
 #include <cmath>
@@ -139,6 +140,9 @@ const Parameter* noise_of(const Recipe& recipe) {
   return technique && !technique->noise.empty() ? find_parameter(*technique, technique->noise) : nullptr;
 }
 
+/// Max number of shadow rays per pixel in sample 0 of marked samples; more do not show after the filter.
+constexpr int kMaxShadowRays = 16;
+
 /// Moves the parameters of lines that are drawn once, over the average, to plan.lines; the samples draw none. Lines of
 /// outline.mode=paper are drawn in each sample.
 void separate_lines(Plan& plan) {
@@ -215,6 +219,11 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
   if (output.beauty == kBeautyDisplay) output.beauty = kBeautyLight;  // display values are decoded after the average
   if (!recipe.hdri.shown()) output.transparent = 1;
   separate_lines(plan);
+  plan.marked = !plan.has_blended && draws_marked_samples(plan.recipe);
+  // Sample 0 alone has soft shadows of its own, so it takes the rays of all samples.
+  if (plan.marked)
+    plan.capture.shadow_rays =
+        std::max(plan.capture.shadow_rays, std::min(plan.capture.shadow_rays * recipe.frames, kMaxShadowRays));
   return plan;
 }
 
@@ -244,7 +253,8 @@ Plan turned(const Plan& first, const Scene& scene, float angle_deg) {
 
 std::vector<PictureIndex> pictures_of(const Plan& plan) {
   std::vector<PictureIndex> pictures;
-  for (int sample = plan.recipe.frames - 1; sample >= 0; --sample) {
+  for (int k = plan.recipe.frames - 1; k >= 0; --k) {
+    const int sample = plan.marked ? plan.recipe.frames - 1 - k : k;
     if (plan.has_blended) pictures.push_back({sample, true});
     pictures.push_back({sample, false});
   }

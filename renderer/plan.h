@@ -21,11 +21,14 @@ struct Plan {
   /// Parameters of `outline` if it is drawn once, by sample 0, over the averaged picture; else empty.
   ParameterBytes lines;
   int first_noise = 0;  ///< noise index of sample 0: see Effect::noise
+  /// Samples beyond the first are drawn only at the pixels that the first one marks: see marked_samples.h. Then sample
+  /// 0 is drawn first.
+  bool marked = false;
 
   Lighting& lighting() { return *capture.lighting; }
   const Lighting& lighting() const { return *capture.lighting; }
   /// Returns whether the picture is the mean of several pictures: samples, and the two pictures of blended surfaces.
-  /// Samples are drawn in descending order; index 0, which samples the pixel centres, is the last.
+  /// Index 0 samples the pixel centres.
   bool averages() const { return pictures() > 1; }
   int pictures() const { return recipe.frames * (has_blended ? 2 : 1); }
 };
@@ -56,11 +59,11 @@ struct PictureIndex {
   bool blended = false;
 };
 
-/// Returns the pictures of a plan in the order in which they are drawn: the last is that of sample 0 without blended
-/// surfaces.
+/// Returns the pictures of a plan in the order in which they are drawn. If samples are `marked`, sample 0 is the first;
+/// otherwise their order is descending, and the last picture is that of sample 0 without blended surfaces.
 std::vector<PictureIndex> pictures_of(const Plan& plan);
 
-/// Sets the plan to a picture and returns its camera.
+/// Sets the plan to a picture, which is none of those drawn at marked pixels only, and returns its camera.
 Camera begin_picture(Plan& plan, const PictureIndex& picture);
 
 }  // namespace umbrage

@@ -17,6 +17,7 @@
 #include "looks/quality.h"
 #include "looks/style.h"
 #include "reference/reference.h"
+#include "renderer/marked_samples.h"
 #include "renderer/passes.h"
 
 namespace umbrage {
@@ -79,6 +80,8 @@ Result<void> apply_settings(const std::vector<std::string>& assignments, Recipe&
     const Parameter& row = *setting->parameter;
     if (!recipe.effects_look && effect.set_reduction && (row.name == "factor" || row.name == "indirect"))
       return usage_error("`settings` '{}': {}.{} follows from `occlusion_scale`", assignment, effect.name, row.name);
+    if (!recipe.effects_look && effect.name == "resample" && follows_from_samples(row.name))
+      return usage_error("`settings` '{}': {}.{} follows from `anti_aliasing`", assignment, effect.name, row.name);
     if (auto done = set_parameter(effect.name, row, setting->value, params_of(recipe.settings, effect.name)); !done)
       return done;
     recipe.set_by_request.push_back({&effect, &row, {}});
@@ -126,12 +129,29 @@ Result<const Look*> requested_look(const Request& request) {
   return require_named("look", looks(), request.look.empty() ? kDefaultLook : std::string_view(request.look));
 }
 
-/// Resolves the look and the technique. Errors: kUsage.
-Result<void> resolve_names(const Request& request, Recipe& recipe) {
+/// Returns whether a request sets parameters that only the screen-space technique of its look has.
+bool asks_for_screen_space(const Request& request, const Look& look) {
+  const std::string owner = fmt::format("{}.", look.occlusion);
+  return (!request.occlusion_scale.empty() && request.occlusion_scale != "full") ||
+         std::any_of(request.settings.begin(), request.settings.end(),
+                     [&](const std::string& setting) { return setting.starts_with(owner); });
+}
+
+/// Returns the technique of a request. `of_model`: it draws a model, so that rays can be traced.
+std::string technique_of(const Request& request, const Look& look, bool of_model) {
+  if (!request.occlusion.empty()) return request.occlusion;
+  const Quality* quality = quality_of(request, look);
+  const bool traced = of_model && !look.model_occlusion.empty() && !(quality && quality->screen_space) &&
+                      !asks_for_screen_space(request, look);
+  return std::string(traced ? look.model_occlusion : look.occlusion);
+}
+
+/// Resolves the look and the technique. `of_model`: see technique_of. Errors: kUsage.
+Result<void> resolve_names(const Request& request, bool of_model, Recipe& recipe) {
   const auto look = requested_look(request);
   if (!look) return look.error();
   recipe.look = *look;
-  recipe.occlusion = request.occlusion.empty() ? std::string(recipe.look->occlusion) : request.occlusion;
+  recipe.occlusion = technique_of(request, *recipe.look, of_model);
   const auto techniques = occlusion_names(external_effects());
   if (std::find(techniques.begin(), techniques.end(), recipe.occlusion) == techniques.end())
     return usage_error("there is no occlusion technique '{}'{}", recipe.occlusion,
@@ -146,7 +166,9 @@ Result<void> resolve_names(const Request& request, Recipe& recipe) {
 
 /// Sets the downsampling factor of occlusion. Errors: kUsage.
 Result<void> resolve_scale(const Request& request, const Quality* quality, Recipe& recipe) {
-  const bool full_only = !find_effect(recipe.occlusion);  // the ray-traced reference, or no technique
+  const Effect* technique = find_effect(recipe.occlusion);
+  // The ray-traced reference and no technique, too, have no reduced resolution.
+  const bool full_only = !technique || technique->filters_itself;
   recipe.occlusion_downsampling = quality ? quality->occlusion_downsampling : recipe.look->occlusion_downsampling;
   if (full_only) recipe.occlusion_downsampling = 1;
   if (request.occlusion_scale.empty()) return {};
@@ -200,6 +222,7 @@ LookRun look_run(const Recipe& recipe) {
           .occlusion_downsampling = recipe.occlusion_downsampling,
           .settings = &recipe.settings,
           .wanted = recipe.wanted,
+          .kept = recipe.kept,
           .external_effects = external_effects()};
 }
 
@@ -302,14 +325,31 @@ Result<CaptureSettings> capture_settings(const Request& request, const Look& loo
 
 namespace {
 
-/// `many`: several pictures may be averaged, which takes a camera that moves.
-Result<Recipe> make_recipe_of(const Request& request, long max_pixels, bool many) {
+/// Returns what to capture. Techniques that trace rays need only the visible surfaces, unless the request asks for
+/// more.
+Result<CaptureSettings> capture_of(const Request& request, const Recipe& recipe, long max_pixels) {
+  const auto steps = steps_of(look_run(recipe));
+  Request drawn = request;
+  Look look = *recipe.look;
+  const bool traced = std::any_of(steps.begin(), steps.end(), [](const Effect* step) { return needs_scene(*step); });
+  if (traced) {
+    drawn.layers = request.layers.value_or(1);
+    look.back_sides = false;
+    look.extra_views = 0;
+  }
+  auto capture = capture_settings(drawn, look, shadows_read(recipe, steps), max_pixels);
+  if (capture) capture->ray_offsets = traced;
+  return capture;
+}
+
+/// `of_model`: the picture shows a model, so that rays can be traced and several pictures averaged.
+Result<Recipe> make_recipe_of(const Request& request, long max_pixels, bool of_model) {
   if (auto fine = check_request(request, max_pixels); !fine) return fine.error();
   Recipe recipe{.width = request.width, .height = request.height};
-  if (auto found = resolve_names(request, recipe); !found) return found.error();
+  if (auto found = resolve_names(request, of_model, recipe); !found) return found.error();
   const Look& look = *recipe.look;
   const Quality* quality = quality_of(request, look);
-  if (many) recipe.frames = request.anti_aliasing.value_or(quality ? quality->frames : look.frames);
+  if (of_model) recipe.frames = request.anti_aliasing.value_or(quality ? quality->frames : look.frames);
   if (auto fine = resolve_scale(request, quality, recipe); !fine) return fine.error();
   if (!request.occlusion_radius.empty()) recipe.radius = *parse_length("occlusion_radius", request.occlusion_radius);
   recipe.framing = framing_of(request.camera);
@@ -331,18 +371,19 @@ Result<Recipe> make_recipe_of(const Request& request, long max_pixels, bool many
     recipe.framing.light_deg = glm::vec2(request.light_direction[0], request.light_direction[1]);
   recipe.clay = clay_of(request);
   recipe.settings = look_settings(look, external_effects());
-  if (quality)
-    apply_presets(quality->name, recipe.frames > 1 ? quality->settings_of_averaged : quality->settings,
-                  recipe.settings);
   // The average of several pictures has smooth edges already, and `anti_aliasing` 1 asks for pixels as they are.
   if (recipe.frames > 1 || request.anti_aliasing)
     as<AntialiasParams>(params_of(recipe.settings, "antialias")).search = 0;
+  const bool averages_occlusion = recipe.frames > 1 && !draws_marked_samples(recipe);
+  if (quality)
+    apply_presets(quality->name, averages_occlusion ? quality->settings_of_averaged : quality->settings,
+                  recipe.settings);
   apply_environment(request, recipe);
   // The reference computes indirect light, too, if the look's technique does, unless the request sets it.
   if (recipe.occlusion == reference_effect().name && computes_indirect_light(look, recipe.settings))
     as<ReferenceParams>(params_of(recipe.settings, recipe.occlusion)).light = kReferenceBounce;
   if (auto done = apply_request(request, recipe); !done) return done.error();
-  const auto capture = capture_settings(request, look, shadows_read(recipe, steps_of(look_run(recipe))), max_pixels);
+  const auto capture = capture_of(request, recipe, max_pixels);
   if (!capture) return capture.error();
   recipe.capture = *capture;
   if (auto fine = apply_passes(request, recipe); !fine) return fine.error();
@@ -364,7 +405,8 @@ Result<Recipe> make_shading_recipe(const Request& request, long max_pixels) {
   picture.passes.clear();  // checked later against the planes of the shaded frame
   auto recipe = make_recipe_of(picture, max_pixels, false);
   if (!recipe) return recipe;
-  if (!find_effect(recipe->occlusion) && recipe->occlusion != kNoOcclusion)
+  const Effect* technique = find_effect(recipe->occlusion);
+  if (recipe->occlusion != kNoOcclusion && (!technique || needs_scene(*technique)))
     return usage_error("`occlusion` {} needs the model: it cannot shade a G-buffer", recipe->occlusion);
   enable_passes(request, *recipe);
   return recipe;

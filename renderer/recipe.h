@@ -48,6 +48,7 @@ struct Recipe {
   std::vector<std::string> passes;                       ///< requested passes, by the names of renderer/passes.h
   /// The only planes that are needed; empty: the picture and all its intermediate planes.
   std::optional<std::vector<std::string>> wanted;
+  std::optional<std::vector<std::string>> kept;  ///< as in LookRun; empty: all planes
   /// The picture is `beauty`, scene-linear and premultiplied, in place of `color`.
   bool scene_linear = false;
   std::vector<std::string> averaged;  ///< planes besides the picture that are averaged if frames > 1

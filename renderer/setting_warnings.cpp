@@ -8,6 +8,7 @@
 #include "looks/looks.h"
 #include "looks/settings.h"
 #include "reference/reference.h"
+#include "renderer/marked_samples.h"
 
 namespace umbrage {
 namespace {
@@ -19,6 +20,7 @@ bool contains(const auto& names, std::string_view name) {
 /// Returns whether the picture uses the effect. `upsample` always counts as used: another quality may compute occlusion
 /// at reduced resolution.
 bool uses_effect(const Recipe& recipe, std::string_view effect) {
+  if (effect == "resample") return draws_marked_samples(recipe);
   return effect == recipe.occlusion || effect == "upsample" || contains(recipe.look->effects, effect);
 }
 

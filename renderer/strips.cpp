@@ -8,6 +8,7 @@
 #include "renderer/average.h"
 #include "renderer/background.h"
 #include "renderer/draw.h"
+#include "renderer/marked_samples.h"
 #include "renderer/strip_drawer.h"
 
 namespace umbrage {
@@ -101,15 +102,19 @@ Image planes_of(const Image& rows, const std::vector<std::string>& names) {
   return chosen;
 }
 
-/// Averages rows of sample 0 and the sum of the other samples. Returns the finished rows.
-Result<Image> averaged_rows(Device& device, const Plan& plan, const PictureSum& total, const BlendedSample& blended,
-                            const PictureInfo& info, const Image& rows, int first,
-                            const std::vector<std::string>& planes) {
-  PictureSum sum = rows_of(total, first, rows.height);
+/// Returns the sum of rows of all samples. `sum`: that of the samples before sample 0, whose rows are `rows`.
+Result<PictureSum> completed(const Plan& plan, PictureSum sum, const Image& rows, const BlendedSample& blended,
+                             int first) {
   Image weighted = planes_of(rows, averaged_planes(plan));
   if (plan.has_blended) blended.weigh_behind(weighted, first);
   add_rows(sum, weighted, 0, rows.height);
   sum.count = plan.pictures();
+  return sum;
+}
+
+/// Returns the finished rows of an average. `rows`: those of sample 0.
+Result<Image> averaged_rows(Device& device, const Plan& plan, PictureSum& sum, const PictureInfo& info,
+                            const Image& rows, int first, const std::vector<std::string>& planes) {
   PictureInfo inner = inner_info(info);
   inner.first_row = first;
   inner.whole_rows = inner.height;
@@ -134,6 +139,8 @@ StripSource scene_source(Device& device, Plan& plan, const Camera& camera, Stage
     times.done("capture");
     if (auto added = add_sky(device, plan, *frame); !added) return added.error();
     if (plan.recipe.hdri.shown()) times.done("sky");
+    if (!plan.marked) return frame;
+    if (auto marked = mark_pixels(device, plan, *frame, monitor); !marked) return marked.error();
     return frame;
   };
   return {.run = look_run(plan.recipe),
@@ -141,8 +148,11 @@ StripSource scene_source(Device& device, Plan& plan, const Camera& camera, Stage
           .guard = plan.capture.guard,
           .lines = plan.lines.empty() ? params_of(plan.recipe.settings, "outline") : plan.lines,
           .make_frame = captured,
-          .after_look = [&](Frame& frame, const ProgressMonitor& monitor) {
-            return draw_lines(device, plan, frame, monitor, times);
+          .after_look = [&](Frame& frame, const ProgressMonitor& monitor) -> Result<RunState> {
+            auto drawn = draw_lines(device, plan, frame, monitor, times);
+            if (!drawn || !drawn->finished || !plan.marked) return drawn;
+            const int missing = missing_rows_for_marked(device, plan, frame);
+            return RunState{missing == 0, missing};
           }};
 }
 
@@ -155,16 +165,41 @@ std::vector<std::string> with_background_planes(const Plan& plan, std::vector<st
   return planes;
 }
 
+/// Draws the further samples of a strip at the pixels that its frame of the first sample marks. Returns their sum.
+Result<PictureSum> sum_of_strip(Device& device, const Plan& plan, float stops, const Frame& first, StageTimes& times,
+                                const ProgressMonitor& monitor) {
+  auto total = begin_sum(device, plan, first);
+  LookRun run = look_run(plan.recipe);
+  run.after = [&](std::string_view name) { times.done(name); };
+  run.monitor = monitor;
+  run.stops = stops;
+  for (int sample = 1; total && sample < plan.recipe.frames; ++sample) {
+    Plan further = plan;
+    const Camera camera = begin_marked(further, sample);
+    further.capture.strip->margin = 0;
+    further.capture.strip->wholes = std::make_shared<WholePlanes>();  // those of sample 0 have the same keys
+    auto frame = capture_sample(device, further, camera, &first, monitor);
+    if (!frame) return frame.error();
+    times.done("capture");
+    if (auto shaded = shade_marked(device, further, run, first, *frame); !shaded) return shaded.error();
+    if (auto added = add_marked(device, plan, *frame, *total); !added) return added.error();
+    times.done("average");
+  }
+  return total;
+}
+
 }  // namespace
 
 Result<Lines> draw_strips(Device& device, const Plan& planned, int rows, const std::vector<std::string>& requested,
                           bool lines, const TakeRows& take, StageTimes& times, const ProgressMonitor& monitor) {
   Plan plan = planned;
   const std::vector<std::string> planes = with_background_planes(plan, requested);
-  StripProgress progress(monitor, plan.pictures());
+  StripProgress progress(monitor, plan.marked ? 1 : plan.pictures());
   Camera camera;  // of the current picture
   StripDrawer drawer(device, scene_source(device, plan, camera, times), rows, progress, times);
-  PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots, .per_sample = plan.has_blended ? 2 : 1};
+  PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots,
+                   .per_sample = plan.has_blended ? 2 : 1,
+                   .threads = device.threads()};
   BlendedSample blended;
   const std::vector<std::string> averaged = averaged_planes(plan), drawn_lines = line_planes(plan);
   std::vector<std::string> wanted = planes;  // planes of the last picture
@@ -189,7 +224,10 @@ Result<Lines> draw_strips(Device& device, const Plan& planned, int rows, const s
   const auto finish = [&](const Frame& frame, Image& part, int first) -> Result<void> {
     if (plan.averages()) {
       blended.join_lines(part, first);
-      auto finished = averaged_rows(device, plan, total, blended, frame.info, part, first, planes);
+      auto sum = plan.marked ? sum_of_strip(device, plan, drawer.stops(), frame, times, progress.dispatch_monitor())
+                             : completed(plan, rows_of(total, first, part.height), part, blended, first);
+      if (!sum) return sum.error();
+      auto finished = averaged_rows(device, plan, *sum, frame.info, part, first, planes);
       if (!finished) return finished.error();
       part = std::move(*finished);
       times.done("average");
@@ -198,13 +236,14 @@ Result<Lines> draw_strips(Device& device, const Plan& planned, int rows, const s
     return take(frame.info, part, first);
   };
   const std::vector<PictureIndex> pictures = pictures_of(plan);
-  for (const PictureIndex& index : std::span(pictures).first(pictures.size() - 1)) {
+  const std::size_t before = plan.marked ? 0 : pictures.size() - 1;  // pictures drawn before the last sweeps
+  for (const PictureIndex& index : std::span(pictures).first(before)) {
     std::vector<std::string> names = index.blended ? with_blend_planes(averaged) : averaged;
     if (index.blended && index.sample == 0) names.insert(names.end(), drawn_lines.begin(), drawn_lines.end());
     camera = begin_picture(plan, index);
     if (auto drawn = drawer.draw_picture(names, false, add); !drawn) return drawn.error();
   }
-  camera = begin_picture(plan, pictures.back());
+  camera = begin_picture(plan, {});
   auto drawn = drawer.draw_picture(wanted, lines, finish);
   if (!drawn) return drawn.error();
   if (auto ended = progress.end(); !ended) return ended.error();

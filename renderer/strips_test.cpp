@@ -104,6 +104,7 @@ TEST(Strips, EveryTechniqueAtEveryScale) {
   for (const Effect* effect : effects()) {
     if (effect->kind != EffectKind::kOcclusion) continue;
     for (const char* scale : {"full", "half", "quarter"}) {
+      if (effect->filters_itself && scale != std::string_view("full")) continue;
       SCOPED_TRACE(fmt::format("{} {}", effect->name, scale));
       Request settings = of_look("bleeding", 121, 93);
       settings.occlusion = effect->name;

@@ -58,7 +58,7 @@ Effect effect_composite() {
                                   "indirect.r", "indirect.g", "indirect.b", "albedo.r", "albedo.g", "albedo.b", "ao"},
                        .outputs = {"lit.r", "lit.g", "lit.b"},
                        .kernel = composite_kernel(),
-                       .reach = own_row},
+                       .reach = own_pixel},
                       {.name = "composite_parts",
                        .inputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b",
                                   "indirect.r", "indirect.g", "indirect.b", "albedo.r", "albedo.g", "albedo.b", "ao"},
@@ -66,7 +66,7 @@ Effect effect_composite() {
                                    "lit_indirect.b"},
                        .kernel = composite_parts_kernel(),
                        .needed = writes_parts,
-                       .reach = own_row}}});
+                       .reach = own_pixel}}});
 }
 
 }  // namespace umbrage

@@ -45,7 +45,7 @@ Effect effect_ground() {
                                           "lit.r", "lit.g", "lit.b"},
                                .outputs = {"lit.r", "lit.g", "lit.b", "shadow_catcher"},
                                .kernel = ground_kernel(),
-                               .reach = own_row}}});
+                               .reach = own_pixel}}});
 }
 
 }  // namespace umbrage

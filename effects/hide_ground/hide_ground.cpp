@@ -21,7 +21,7 @@ Effect effect_hide_ground() {
                           .inputs = {"depth", "object_id", "material_id"},
                           .outputs = {"depth", "object_id", "material_id"},
                           .kernel = hide_ground_kernel(),
-                          .reach = own_row}}};
+                          .reach = own_pixel}}};
 }
 
 }  // namespace umbrage

@@ -112,13 +112,13 @@ Effect effect_lighting() {
                                   "emission.g", "emission.b", "metallic",  "roughness", "material_ao"},
                        .outputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b"},
                        .kernel = lighting_kernel(),
-                       .reach = own_row},
+                       .reach = own_pixel},
                       {.name = "lighting_open",
                        .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
                        .outputs = {"open_light"},
                        .kernel = lighting_open_kernel(),
                        .needed = [](const ParameterBytes& bytes) { return as<LightingParams>(bytes).open != 0; },
-                       .reach = own_row}}});
+                       .reach = own_pixel}}});
 }
 
 }  // namespace umbrage

@@ -112,14 +112,14 @@ Effect effect_output() {
                        "cover_for_eye", "shadow_catcher", "sky.r", "sky.g", "sky.b", "coverage"},
             .outputs = {"color.r", "color.g", "color.b", "color.a"},
             .kernel = output_kernel(),
-            .reach = own_row},
+            .reach = own_pixel},
            {.name = "beauty",
             .inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline", "line.r", "line.g", "line.b", "cover",
                        "cover_for_eye", "shadow_catcher", "sky.r", "sky.g", "sky.b", "coverage"},
             .outputs = {"beauty.r", "beauty.g", "beauty.b", "beauty.a"},
             .kernel = output_beauty_kernel(),
             .needed = writes_beauty,
-            .reach = own_row},
+            .reach = own_pixel},
            {.name = "parts",
             .inputs = {"lit.r", "lit.g", "lit.b", "lit_direct.r", "lit_direct.g", "lit_direct.b", "lit_indirect.r",
                        "lit_indirect.g", "lit_indirect.b", "depth", "cover", "shadow_catcher", "beauty.r", "beauty.g",
@@ -129,7 +129,7 @@ Effect effect_output() {
                         "beauty_background.r", "beauty_background.g", "beauty_background.b"},
             .kernel = output_parts_kernel(),
             .needed = writes_parts,
-            .reach = own_row}}});
+            .reach = own_pixel}}});
 }
 
 }  // namespace umbrage

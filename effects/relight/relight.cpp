@@ -40,7 +40,7 @@ Effect effect_relight() {
                                .outputs = {"ambient.r", "ambient.g", "ambient.b", "direct.r", "direct.g", "direct.b",
                                            "sky.r", "sky.g", "sky.b", "coverage"},
                                .kernel = relight_kernel(),
-                               .reach = own_row}}});
+                               .reach = own_pixel}}});
 }
 
 }  // namespace umbrage

@@ -1,0 +1,136 @@
+// The parameter table, kernel constants and dispatches of `resample`.
+#include "effects/resample/resample.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "core/effect.h"
+#include "kernels/resample_ao.h"
+#include "kernels/resample_light.h"
+#include "kernels/resample_mark.h"
+#include "kernels/resample_more_shadows.h"
+#include "kernels/resample_shadows.h"
+#include "kernels/resample_widen.h"
+
+namespace umbrage {
+namespace {
+
+constexpr int kAllShadows = (1 << kMaxShadows) - 1;
+constexpr int kFirstShadows = 7;  // bits of the lights of dispatch `shadows`
+
+const std::vector<Parameter> kTable = {
+    choice_row("part", &ResampleParams::part, kResampleMark, {"mark", "borrow"},
+               "what to do: mark the pixels at edges, or fill those of a further sample from the first"),
+    choice_row("occlusion", &ResampleParams::occlusion, kResampleAo, {"nothing", "ao", "light"},
+               "what to borrow besides shadows: nothing, occlusion, or occlusion and indirect light"),
+    int_row("hard_shadows", &ResampleParams::hard_shadows, {.initial = 1, .max = kAllShadows},
+            "bit k: mark the border of the shadow of light k"),
+    int_row("soft_shadows", &ResampleParams::soft_shadows, {.initial = 0, .max = kAllShadows},
+            "bit k: borrow the shadow of light k"),
+    real_row("distance", &ResampleParams::distance, {.initial = 1, .min = 0.01, .max = 100, .unit = "px"},
+             "max distance of a pixel from another's plane at which both show one surface"),
+    real_row("angle", &ResampleParams::angle, {.initial = 25, .min = 1, .max = 180, .unit = "deg"},
+             "max angle between normals at which pixels of two samples fit fully"),
+    real_row("crease", &ResampleParams::crease, {.initial = 15, .min = 0.1, .max = 180, .unit = "deg"},
+             "min angle between the normals of neighbours that is an edge"),
+    real_row("albedo", &ResampleParams::albedo, {.initial = 0.1, .min = 0, .max = 1},
+             "min difference of the square roots of albedo or emission that is an edge"),
+    real_row("shadow", &ResampleParams::shadow, {.initial = 0.1, .min = 0, .max = 1},
+             "min difference of a hard shadow that is an edge"),
+    real_row("right", &ResampleParams::right, {.initial = 0, .min = -1, .max = 1, .unit = "px"},
+             "distance of the sample to the right of the first"),
+    real_row("below", &ResampleParams::below, {.initial = 0, .min = -1, .max = 1, .unit = "px"},
+             "distance of the sample below the first"),
+};
+
+float one_minus_cosine(float angle_deg) { return float(1.0 - std::cos(angle_deg * std::numbers::pi / 180.0)); }
+
+void fill_constants(const ResampleParams& params, const PictureInfo&, ResampleConstants& c) {
+  c.hard_shadows = params.hard_shadows;
+  c.soft_shadows = params.soft_shadows;
+  c.distance = params.distance;
+  c.albedo = params.albedo;
+  c.shadow = params.shadow;
+  c.right = params.right;
+  c.below = params.below;
+  c.turn = 1.0f / one_minus_cosine(params.angle);
+  c.crease = one_minus_cosine(params.crease);
+}
+
+bool marks(const ParameterBytes& bytes) { return as<ResampleParams>(bytes).part == kResampleMark; }
+bool borrows(const ParameterBytes& bytes, int occlusion) {
+  return !marks(bytes) && as<ResampleParams>(bytes).occlusion == occlusion;
+}
+bool borrows_ao(const ParameterBytes& bytes) { return borrows(bytes, kResampleAo); }
+bool borrows_light(const ParameterBytes& bytes) { return borrows(bytes, kResampleLight); }
+bool borrows_shadows(const ParameterBytes& bytes) {
+  return !marks(bytes) && (as<ResampleParams>(bytes).soft_shadows & kFirstShadows) != 0;
+}
+bool borrows_more_shadows(const ParameterBytes& bytes) {
+  return !marks(bytes) && (as<ResampleParams>(bytes).soft_shadows & ~kFirstShadows) != 0;
+}
+
+int reach(const void*, int) { return 1; }
+
+/// Returns the inputs that all dispatches need that borrow, and more.
+std::vector<std::string_view> with_surfaces(std::vector<std::string_view> more) {
+  std::vector<std::string_view> inputs = {
+      "depth",          "normal.x",       "normal.y",      "normal.z", "first_resample_depth",
+      "first_normal.x", "first_normal.y", "first_normal.z"};
+  inputs.insert(inputs.end(), more.begin(), more.end());
+  return inputs;
+}
+
+}  // namespace
+
+Effect effect_resample() {
+  return shading_effect<fill_constants>(
+      kTable,
+      {.name = "resample",
+       .summary = "mark the pixels at edges, and fill them in further samples of an averaged picture",
+       .source = "Kopf et al. 2007",
+       .variants = {"", "part=borrow", "part=borrow occlusion=light", "part=borrow soft_shadows=255"},
+       .quantum = 1.0,
+       .dispatches = {
+           {.name = "mark",
+            .inputs = {"depth", "normal.x", "normal.y", "normal.z", "albedo.r", "albedo.g", "albedo.b", "emission.r",
+                       "emission.g", "emission.b", "shadow", "shadow1", "shadow2", "shadow3", "shadow4", "shadow5",
+                       "shadow6", "shadow7"},
+            .outputs = {"resample_edge", "resample_depth"},
+            .kernel = resample_mark_kernel(),
+            .needed = marks,
+            .reach = reach},
+           {.name = "widen",
+            .inputs = {"resample_edge"},
+            .outputs = {"marks"},
+            .kernel = resample_widen_kernel(),
+            .needed = marks,
+            .reach = reach},
+           {.name = "occlusion",
+            .inputs = with_surfaces({"first_ao"}),
+            .outputs = {"ao"},
+            .kernel = resample_ao_kernel(),
+            .needed = borrows_ao,
+            .reach = reach},
+           {.name = "light",
+            .inputs = with_surfaces({"first_ao", "first_indirect.r", "first_indirect.g", "first_indirect.b"}),
+            .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
+            .kernel = resample_light_kernel(),
+            .needed = borrows_light,
+            .reach = reach},
+           {.name = "shadows",
+            .inputs = with_surfaces({"first_shadow", "first_shadow1", "first_shadow2", "shadow", "shadow1", "shadow2"}),
+            .outputs = {"shadow", "shadow1", "shadow2"},
+            .kernel = resample_shadows_kernel(),
+            .needed = borrows_shadows,
+            .reach = reach},
+           {.name = "more shadows",
+            .inputs = with_surfaces({"first_shadow3", "first_shadow4", "first_shadow5", "first_shadow6",
+                                     "first_shadow7", "shadow3", "shadow4", "shadow5", "shadow6", "shadow7"}),
+            .outputs = {"shadow3", "shadow4", "shadow5", "shadow6", "shadow7"},
+            .kernel = resample_more_shadows_kernel(),
+            .needed = borrows_more_shadows,
+            .reach = reach}}});
+}
+
+}  // namespace umbrage

@@ -1,0 +1,91 @@
+// Averages whose further samples are drawn at marked pixels only, against averages of whole samples.
+#include "renderer/marked_samples.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "devices/cpu/cpu_device.h"
+#include "renderer/draw.h"
+#include "renderer/models.h"
+
+namespace umbrage {
+namespace {
+
+constexpr int kWidth = 120, kHeight = 90;
+
+/// A square that fills the picture.
+Scene square() {
+  Scene scene;
+  Mesh mesh;
+  mesh.positions = {{-100.0f, -100.0f, 0.0f}, {100.0f, -100.0f, 0.0f}, {100.0f, 100.0f, 0.0f}, {-100.0f, 100.0f, 0.0f}};
+  mesh.normals.assign(4, {0.0f, 0.0f, 1.0f});
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  scene.meshes.push_back(mesh);
+  scene.materials.emplace_back();
+  scene.bounds_min = {-100.0f, -100.0f, 0.0f};
+  scene.bounds_max = {100.0f, 100.0f, 0.0f};
+  return scene;
+}
+
+Image drawn(Scene scene, Request request, bool marked) {
+  request.width = kWidth;
+  request.height = kHeight;
+  const auto device = make_cpu_device({});
+  const auto recipe = make_recipe(request);
+  EXPECT_TRUE(recipe) << recipe.error().message;
+  complete_scene(scene, *recipe);
+  EXPECT_TRUE(device->prepare(scene));
+  auto plan = make_plan(*recipe, scene, device->threads());
+  EXPECT_TRUE(plan) << plan.error().message;
+  EXPECT_TRUE(plan->marked);
+  plan->marked = marked;
+  StageTimes times;
+  const auto picture = draw(*device, scene, *plan, times);
+  EXPECT_TRUE(picture) << picture.error().message;
+  std::vector<std::string> planes = {"color.r", "color.g", "color.b", "color.a"};
+  if (marked) planes.emplace_back("marks");
+  return *device->download(picture->frame, planes);
+}
+
+TEST(MarkedSamples, PictureWithoutEdgesIsThatOfTheFirstSample) {
+  Request request{.look = "lit", .occlusion = "traced"};
+  request.camera.position = {{0.0f, 3.0f, 10.0f}};
+  request.camera.focal_point = {{0.0f, 0.0f, 0.0f}};
+  request.anti_aliasing = 2;
+  const Image two = drawn(square(), request, true);
+  request.anti_aliasing = 7;
+  const Image seven = drawn(square(), request, true);
+  for (const std::string& name : two.names)
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) ASSERT_EQ(two.plane(name).at(x, y), seven.plane(name).at(x, y)) << name;
+  EXPECT_EQ(two.plane("marks").at(kWidth / 2, kHeight / 2), 0.0f);
+}
+
+// Without occlusion and soft shadows, a further sample computes each marked pixel as a whole sample does. Only the
+// order of the sum differs.
+TEST(MarkedSamples, MarkedPixelsEqualTheAverageOfWholeSamples) {
+  Request request{.look = "lit", .occlusion = "none"};
+  request.anti_aliasing = 5;
+  const Scene scene = *load_scene("scene:room?detail=3000");
+  const Image some = drawn(scene, request, true), all = drawn(scene, request, false);
+  double sum = 0.0;
+  int marked = 0;
+  for (const char* name : {"color.r", "color.g", "color.b", "color.a"})
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const float difference = std::abs(some.plane(name).at(x, y) - all.plane(name).at(x, y));
+        if (some.plane("marks").at(x, y) > 0.0f) {
+          ++marked;
+          ASSERT_LE(difference, 2e-6f) << name << " " << x << ", " << y;
+        } else {
+          sum += difference;
+        }
+      }
+  EXPECT_GT(marked, kWidth * kHeight / 10);
+  EXPECT_LT(marked, 4 * kWidth * kHeight * 9 / 10);
+  EXPECT_LE(sum / (4.0 * kWidth * kHeight - marked), 0.002);
+}
+
+}  // namespace
+}  // namespace umbrage
