@@ -82,7 +82,7 @@ TEST(Frames, ColourIsAveragedAsSquareRootsForSomeLooks) {
   add_picture(total, one_pixel(0.3f, 0.0f, 0.75f));
   add_picture(total, one_pixel(0.04f, 1.0f, 0.5f));
   add_picture(total, one_pixel(-1.0f, 0.0f, 0.5f));
-  for (const PictureSum& sum : {total, rows_of(total, 0, 1)}) {
+  for (PictureSum sum : {rows_of(total, 0, 1), rows_of(rows_of(total, 0, 1), 0, 1)}) {
     const GBuffer mean = mean_picture(sum, PictureInfo{.width = 1, .height = 1});
     EXPECT_EQ(mean.layers[0].find("cover"), nullptr);
     EXPECT_FLOAT_EQ(mean.layers[0].plane("cover_for_eye").at(0, 0), 0.5f);

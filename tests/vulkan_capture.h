@@ -97,6 +97,25 @@ struct Deviation {
   long pixels = 0;
 };
 
+/// Returns whether the ray offsets of a pixel have equal lengths, and their directions are those of one triangle: on
+/// the border of two, the devices may see either, and the other one is seen beside it.
+inline bool same_ray_offset(const Both& both, int layer, int x, int y) {
+  constexpr double kMaxDifference = 1e-3;  // relative length; angle, rad
+  const auto offset = [&](const Image& image, int i, int j) {
+    const auto at = [&](const char* name) { return double(image.plane(layer_plane(layer, name)).at(i, j)); };
+    return glm::dvec3(at("ray_offset.x"), at("ray_offset.y"), at("ray_offset.z"));
+  };
+  const glm::dvec3 on_gpu = offset(both.gpu, x, y);
+  const double length = glm::length(on_gpu), expected_length = glm::length(offset(both.cpu, x, y));
+  if (length == 0.0 || expected_length == 0.0) return length == expected_length;
+  if (!(std::fabs(length - expected_length) <= kMaxDifference * expected_length)) return false;
+  for (int j = std::max(y - 1, 0); j <= std::min(y + 1, both.cpu.height - 1); ++j)
+    for (int i = std::max(x - 1, 0); i <= std::min(x + 1, both.cpu.width - 1); ++i)
+      if (const glm::dvec3 seen = offset(both.cpu, i, j); glm::length(seen) > 0.0)
+        if (glm::distance(on_gpu / length, glm::normalize(seen)) <= kMaxDifference) return true;
+  return false;
+}
+
 /// Counts differing pixels. `surfaces`, for layers of one camera, excludes coincident surfaces from the count.
 inline Deviation deviation(const Both& both, int layers, const SurfacesAt* surfaces = nullptr) {
   Deviation d;
@@ -119,11 +138,12 @@ inline Deviation deviation(const Both& both, int layers, const SurfacesAt* surfa
         for (const char* name : {"normal.x", "normal.y", "normal.z"})
           squared += std::pow(double(a(name).at(x, y)) - b(name).at(x, y), 2.0);
         d.inside["normal"] += !(std::sqrt(squared) <= 0.1 * 3.14159265 / 180.0);
+        if (both.cpu.find("ray_offset.x")) d.inside["ray_offset"] += !same_ray_offset(both, layer, x, y);
         for (std::size_t p = 0; p < both.cpu.names.size(); ++p) {
           const std::string& name = both.cpu.names[p];
           if (layer_of_plane(name) != layer) continue;
           const std::string plain = layer == 0 ? name : name.substr(name.find('.') + 1);
-          if (plain == "depth" || plain.starts_with("normal.")) continue;
+          if (plain == "depth" || plain.starts_with("normal.") || plain.starts_with("ray_offset.")) continue;
           const float v = both.cpu.planes[p].at(x, y), w = both.gpu.plane(name).at(x, y);
           const float bound = plain.starts_with("albedo.") || plain.starts_with("shadow") ? 2.0f / 255.0f : 0.0f;
           d.inside[plain] += !(std::fabs(v - w) <= bound);

@@ -57,7 +57,7 @@ Result<Times> time_of(int runs, Device& device, const Run& run) {
 
 /// Returns whether --ao-scale applies to the effect.
 bool supports_scale(const Effect& effect) {
-  return effect.kind == EffectKind::kOcclusion || effect.kind == EffectKind::kFilter;
+  return (effect.kind == EffectKind::kOcclusion || effect.kind == EffectKind::kFilter) && !effect.filters_itself;
 }
 
 /// Returns the frame at reduced resolution with all its planes except further layers. `downsampling`: downsampling
@@ -120,7 +120,10 @@ class Bench {
     request.height = size.second;
     request.look = "unsharp";
     StageTimes ignored;
-    auto frame = draw(device_, scene, request, ignored);
+    auto recipe = make_recipe(request);
+    if (!recipe) return recipe.error();
+    recipe->capture.ray_offsets = true;  // for effects that trace rays
+    auto frame = draw(device_, scene, *recipe, ignored);
     if (!frame) return frame.error();
     if (auto added = add_beauty(device_, *frame); !added) return added;
     if (plan_.downsampling > 1) {

@@ -171,7 +171,7 @@ TEST_F(Cli, JsonHasTheTimeOfEachStage) {
   }
   EXPECT_EQ(records.back().at("stage"), "total");
   EXPECT_NEAR(records.back().at("ms").get<double>(), sum, 0.01);
-  for (const char* stage : {"load", "prepare", "capture", "bitmask", "average", "output", "write"})
+  for (const char* stage : {"load", "prepare", "capture", "traced", "average", "output", "write"})
     EXPECT_TRUE(stages.count(stage)) << stage;
 }
 
@@ -191,7 +191,7 @@ TEST_F(Cli, OptionsChangeThePicture) {
   good(line + "plain.exr");
   for (const char* option : {"--look unsharp",
                              "--ao none",
-                             "--ao-scale full",
+                             "--ao-scale half",
                              "--ao-radius 0.01",
                              "--ao-radius 90%",
                              "--set bitmask.steps=3",
@@ -313,7 +313,9 @@ TEST_F(Cli, BenchTimesEffects) {
   }
   for (const Effect* effect : effects())
     EXPECT_EQ(timed_half.count(std::string(effect->name)),
-              effect->kind == EffectKind::kOcclusion || effect->kind == EffectKind::kFilter ? 1u : 0u)
+              !effect->filters_itself && (effect->kind == EffectKind::kOcclusion || effect->kind == EffectKind::kFilter)
+                  ? 1u
+                  : 0u)
         << effect->name;
   EXPECT_FALSE(timed_half.count("capture"));
   bad("bench --ao-scale third", 2, {"--ao-scale", "'third'", "quarter"});

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 struct CompareOptions : MeasureOptions {
   std::string techniques = "all", output = "report", baseline, filter;
-  bool light = false;
+  bool light = false, budget = false;
   std::vector<std::string> sizes = {"960,540", "480,270"};
 };
 
@@ -31,19 +31,19 @@ std::string shown_setting(const std::string& setting) {
   return setting.size() <= kMaxWidth ? setting : setting.substr(0, kMaxWidth - 2) + "..";
 }
 
-/// Prints one line per technique and setting: means over all pictures of one size.
-void print_table(const Comparison& comparison, Quantity quantity, std::pair<int, int> size) {
-  fmt::print("{}, {}x{}, means over all scenes and cameras{}\n{:<11} {:<27} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7}\n",
+/// Prints one line per technique and setting: means over all pictures of one size. `divided`: with the parts of errors.
+void print_table(const Comparison& comparison, Quantity quantity, std::pair<int, int> size, bool divided) {
+  fmt::print("{}, {}x{}, means over all scenes and cameras{}\n{:<11} {:<27} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7}{}\n",
              kQuantityNames[int(quantity)], size.first, size.second,
              quantity == Quantity::kLight ? "; rmse, bias and p99 as fractions of the mean light" : "", "technique",
-             "setting", "ms", "rmse", "bias", "ssim", "p99", "flip");
+             "setting", "ms", "rmse", "bias", "ssim", "p99", "flip", divided ? "    view     own" : "");
   std::vector<std::pair<std::string, std::string>> shown;
   for (const Score& first : comparison.scores) {
     if (first.quantity != quantity) continue;
     const std::pair key(first.technique, first.setting);
     if (std::find(shown.begin(), shown.end(), key) != shown.end()) continue;
     shown.push_back(key);
-    double ms = 0.0, rmse = 0.0, bias = 0.0, ssim = 0.0, p99 = 0.0, flip = 0.0;
+    double ms = 0.0, rmse = 0.0, bias = 0.0, ssim = 0.0, p99 = 0.0, flip = 0.0, view = 0.0, own = 0.0;
     int count = 0;
     for (const Score& score : comparison.scores) {
       if (score.quantity != quantity || std::pair(score.technique, score.setting) != key ||
@@ -56,17 +56,19 @@ void print_table(const Comparison& comparison, Quantity quantity, std::pair<int,
       ssim += score.card.covered.ssim;
       p99 += score.card.covered.p99;
       flip += score.card.covered.flip;
+      if (score.budget) view += score.budget->view, own += score.budget->own;
     }
     if (count == 0) continue;
-    fmt::print("{:<11} {:<27} {:9.1f} {:7.4f} {:7.4f} {:7.4f} {:7.4f} {:7.4f}\n", first.technique,
+    fmt::print("{:<11} {:<27} {:9.1f} {:7.4f} {:7.4f} {:7.4f} {:7.4f} {:7.4f}{}\n", first.technique,
                shown_setting(first.setting), ms / count, rmse / count, bias / count, ssim / count, p99 / count,
-               flip / count);
+               flip / count, first.budget ? fmt::format(" {:7.4f} {:7.4f}", view / count, own / count) : "");
   }
 }
 
 Result<void> run_compare(const CompareOptions& o) {
   CompareSettings settings;
   settings.light = o.light;
+  settings.budget = o.budget;
   settings.filter = o.filter;
   settings.sizes.clear();
   for (const std::string& text : o.sizes) {
@@ -111,7 +113,8 @@ Result<void> run_compare(const CompareOptions& o) {
 
   for (const Quantity quantity : {Quantity::kOcclusion, Quantity::kLight})
     if (quantity == Quantity::kOcclusion || o.light)
-      for (const auto& size : settings.sizes) print_table(*comparison, quantity, size);
+      for (const auto& size : settings.sizes)
+        print_table(*comparison, quantity, size, o.budget && quantity == Quantity::kOcclusion);
   fmt::print(
       "ground truth: mean {:.4f} over all surfaces, {} rays per pixel within {}, standard error of a pixel {:.4f}\n",
       comparison->mean, comparison->terms.samples, comparison->terms.radius, comparison->noise);
@@ -146,7 +149,14 @@ void add_compare(CLI::App& app, std::function<Result<void>()>& run) {
       ->group(comparison);
   add_one(*command, *options, "occlusion_scale", comparison,
           "resolution at which techniques run: full, half or quarter", "full");
-  command->add_option("--filter", options->filter, "effect that filters the result of each technique, such as denoise")
+  command
+      ->add_option("--filter", options->filter,
+                   "effect that filters the result of each technique that does not filter itself; none: no filter "
+                   "[denoise]")
+      ->group(comparison);
+  command
+      ->add_flag("--budget", options->budget,
+                 "divide the error of each screen-space technique: that of what the view holds, and its own")
       ->group(comparison);
   command->add_option("-o,--output", options->output, "folder for index.html and scores.json [report]")
       ->group(comparison);

@@ -371,7 +371,7 @@ TEST_F(Manners, WarnsOfSettingsThatDoNothing) {
   };
   warned("--set outline.width=3", "--set outline.width=3 does nothing: the look studio has no outline");
   warned("--set hbao.radius=5%",
-         "--set hbao.radius=5% does nothing: the occlusion of this picture is bitmask; try --ao hbao");
+         "--set hbao.radius=5% does nothing: the occlusion of this picture is traced; try --ao hbao");
   warned("--ao none --ao-radius 5%", "--ao-radius 5% does nothing: this picture has no occlusion");
   warned("--point-size 1%", "--point-size does nothing: 'tri.obj' has no points");
   warned("--look cartoon --set toon.bands=3", "--set toon.bands=3: the parameter is now toon.steps");

@@ -127,9 +127,13 @@ Image convert_for_file(const RenderOptions& o, const Destination& destination, c
   if (o.writes_only("outline") && display) return picture_of_lines(drawn.plane("outline"), settings);
   if (o.writes_passes() && display) return picture_of_pass(drawn, names, info);
   Image picture(drawn.width, drawn.height);
-  for (const std::string& name : names)
-    picture.add(o.request.scene_linear ? color_of_beauty(name) : name) = drawn.plane(name);
-  if (destination.extension() == "exr" && !o.request.scene_linear) premultiply(picture);
+  const bool premultiplied = destination.extension() == "exr" && !o.request.scene_linear;
+  for (const std::string& name : names) {
+    const Plane& plane = drawn.plane(name);
+    picture.add(o.request.scene_linear ? color_of_beauty(name) : name) =
+        premultiplied ? Plane(plane) : Plane::view(plane);
+  }
+  if (premultiplied) premultiply(picture);
   return picture;
 }
 

@@ -46,7 +46,7 @@ std::vector<std::string> picture_planes(const RenderOptions& o, const Destinatio
 
 /// Converts a drawn picture, or some of its rows, to the planes of the file. `names`: the planes of `drawn` to
 /// write. `info`: properties of the picture, for the range of depth. In .exr, colour is premultiplied, and `beauty`, if
-/// the picture is scene-linear, is the colour.
+/// the picture is scene-linear, is the colour. The planes may be views of `drawn`, which must outlive them.
 Image convert_for_file(const RenderOptions& o, const Destination& destination, const Image& drawn,
                        const std::vector<std::string>& names, const EffectSettings& settings, const PictureInfo& info);
 

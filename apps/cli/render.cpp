@@ -208,7 +208,7 @@ Result<void> draw_frame(Drawing& all, const FrameTask& task, StageTimes& times) 
   const Frame& frame = drawn->frame;
   all.stops = drawn->stops;
   if (all.is_first) {
-    const auto planes = all.device.download(frame, hint_planes(job.recipe));
+    const auto planes = all.device.view(frame, hint_planes(job.recipe));
     if (!planes) return planes.error();
     HintStatistics statistics;
     statistics.add(planes->plane("depth"), planes->find("ao"));
@@ -331,10 +331,15 @@ Result<RenderJob> make_job(const RenderOptions& o) {
     auto alone = make_recipe(of_lines, kMaxStripPixels);
     if (!alone) return alone.error();
     job.recipe = std::move(*alone);
-    job.recipe.wanted = hint_planes(job.recipe);
-    job.recipe.wanted->insert(job.recipe.wanted->end(), edge_planes().begin(), edge_planes().end());
   }
-  reduce_to_passes(job.recipe, job.lines ? edge_planes() : std::span<const std::string_view>());
+  const bool has_passes = !job.recipe.passes.empty();
+  const auto hints = has_passes ? std::vector<std::string>() : hint_planes(job.recipe);
+  std::vector<std::string_view> besides(hints.begin(), hints.end());
+  if (job.lines) besides.insert(besides.end(), edge_planes().begin(), edge_planes().end());
+  if (job.lines.alone && !has_passes)
+    reduce_to_planes(job.recipe, {besides.begin(), besides.end()});
+  else
+    reduce_to_passes(job.recipe, besides);
   if (output->is_video)
     if (auto fine = check_video(o.output, video_settings(o)); !fine) return fine.error();
   const auto import_with = import_settings(o.request);

@@ -47,7 +47,8 @@ TEST_F(ShadeRoundTrip, OcclusionEqualsThatOfTheRenderer) {
 
 TEST_F(ShadeRoundTrip, StudioEqualsThatOfTheRendererWhereTheFileHasAllPlanes) {
   const std::string look =
-      " --look studio --ao-radius 0.4 --ao-scale full --set output.metering=none --set denoise.for_height=0";
+      " --look studio --ao bitmask --ao-radius 0.4 --ao-scale full --set output.metering=none --set "
+      "denoise.for_height=0";
   good(kScene +
        std::string(" -o drawn.exr --passes "
                    "color,depth,normal,albedo,specular,shininess,shadow,shadow1,shadow2,object_id,material_id") +

@@ -45,10 +45,12 @@ bool computes_indirect_light(const Effect& effect, const ParameterBytes& params)
 }
 
 Result<const Effect*> filter_of(const CompareSettings& settings) {
-  if (settings.filter.empty()) return nullptr;
+  if (settings.filter.empty()) return look_filter(*find_look("ao"));
+  if (settings.filter == kNoFilter) return nullptr;
   std::vector<std::string_view> names;
   for (const Effect* effect : effects_with_external())
     if (effect->kind == EffectKind::kFilter) names.push_back(effect->name);
+  names.push_back(kNoFilter);
   if (std::find(names.begin(), names.end(), settings.filter) == names.end())
     return usage_error("there is no filter '{}'{}: it takes {}", settings.filter, suggestion(settings.filter, names),
                        fmt::join(names, ", "));
@@ -59,10 +61,18 @@ Result<const Effect*> filter_of(const CompareSettings& settings) {
 Result<CaptureSettings> capture_with(const CompareSettings& settings, const Request& draw, const Look& look) {
   Look wanted = look;
   auto capture = capture_settings(draw, wanted, settings.light ? kMaxShadows : 0);
-  if (!settings.light || !capture || capture->layers < 2) return capture;
-  wanted.back_sides = true;
-  return capture_settings(draw, wanted, kMaxShadows);
+  if (settings.light && capture && capture->layers > 1) {
+    wanted.back_sides = true;
+    capture = capture_settings(draw, wanted, kMaxShadows);
+  }
+  const auto techniques = techniques_of(settings);
+  if (capture && techniques)
+    capture->ray_offsets = std::any_of(techniques->begin(), techniques->end(), [](auto* t) { return needs_scene(*t); });
+  return capture;
 }
+
+/// Returns whether a technique knows only what the view holds.
+bool is_screen_space(const Effect& effect) { return &effect != &reference_effect() && !needs_scene(effect); }
 
 /// Returns the recipe of the look `ao` with the user's settings. If light is compared, the filter also filters
 /// `indirect`, and ambient light and highlights are off.
@@ -73,7 +83,7 @@ Result<Recipe> recipe_of(const CompareSettings& settings) {
   if (const auto filter = filter_of(settings); !filter)
     return filter.error();
   else if (*filter && settings.light && find_parameter(**filter, "indirect"))
-    draw.settings.insert(draw.settings.begin(), fmt::format("{}.indirect=1", settings.filter));
+    draw.settings.insert(draw.settings.begin(), fmt::format("{}.indirect=1", (*filter)->name));
   if (settings.light) {
     draw.settings.push_back("lighting.ambient=0");
     draw.settings.push_back("lighting.specular=0");
@@ -129,7 +139,7 @@ double units_of(const Run& run, const Effect& effect) {
 
 /// Returns the estimated work of a picture, in units of Run.
 double units_of_picture(const Run& run) {
-  double sum = double(run.settings.samples) * (run.settings.light ? 2.0 : 1.0);
+  double sum = double(run.settings.samples) * (1.0 + double(run.settings.light) + double(run.settings.budget));
   for (const Effect* effect : run.techniques) sum += double(effect->variants.size()) * units_of(run, *effect);
   return sum;
 }
@@ -169,17 +179,21 @@ Result<std::vector<Truth>> trace_truths(Run& run, const TracedScene& traced, con
                                         const ClassMap& classes, const std::string& what) {
   const auto& reference = as<ReferenceParams>(params_of(run.recipe.settings, "reference"));
   const int half = run.settings.samples / 2;
-  auto occlusion = trace_truth(Quantity::kOcclusion, info, classes, [&](std::uint32_t seed) {
-    auto traced_half = trace_occlusion(traced, info,
-                                       {.samples = half,
-                                        .radius = radius,
-                                        .falloff = Falloff(reference.falloff),
-                                        .normal = HemisphereNormal(reference.normal),
-                                        .seed = seed},
-                                       run.control(what + ", truth", half));
-    run.done += half;
-    return traced_half;
-  });
+  const auto truth_of = [&](Occluders occluders) {
+    return trace_truth(Quantity::kOcclusion, info, classes, [&](std::uint32_t seed) {
+      auto traced_half = trace_occlusion(traced, info,
+                                         {.samples = half,
+                                          .radius = radius,
+                                          .falloff = Falloff(reference.falloff),
+                                          .normal = HemisphereNormal(reference.normal),
+                                          .occluders = occluders,
+                                          .seed = seed},
+                                         run.control(what + ", truth", half));
+      run.done += half;
+      return traced_half;
+    });
+  };
+  auto occlusion = truth_of(Occluders(reference.occluders));
   if (!occlusion) return occlusion.error();
   if (occlusion->pixels == 0)
     return usage_error("nothing of '{}' is in view: move the camera or omit the camera options", what);
@@ -187,6 +201,11 @@ Result<std::vector<Truth>> trace_truths(Run& run, const TracedScene& traced, con
   ++run.pictures;
   run.truth_sum += occlusion->sum;
   run.pixels += occlusion->pixels;
+  if (run.settings.budget) {
+    auto of_view = truth_of(Occluders::kLayers);
+    if (!of_view) return of_view.error();
+    occlusion->of_view = std::move(of_view->planes);
+  }
   std::vector<Truth> truths;
   truths.push_back(std::move(*occlusion));
   if (!run.settings.light) return truths;
@@ -210,6 +229,11 @@ Result<std::vector<Truth>> trace_truths(Run& run, const TracedScene& traced, con
   return truths;
 }
 
+/// Divides the error of a picture of occlusion.
+ErrorBudget budget_of(const Image& picture, const Truth& truth, const ClassMap& classes) {
+  return {covered_rmse(truth.of_view, truth.planes, classes), covered_rmse(picture, truth.of_view, classes)};
+}
+
 /// Runs the effect `lighting` on all layers of the frame, with the settings of the recipe.
 Result<void> light_frame(const Run& run, Frame& frame) {
   const Effect& lighting = *find_effect("lighting");
@@ -228,6 +252,10 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
   if (!wanted) return wanted.error();
   auto frame = run.device.capture(frame_scene(scene, shot.framing, draw.width, draw.height), *wanted);
   if (!frame) return frame.error();
+  if (run.settings.light) {  // no ambient light on the surfaces that rays hit, either
+    frame->info.ambient = glm::vec3(0.0f);
+    frame->info.ambient_shape = {};
+  }
   const auto length = parse_length("occlusion_radius", radius_text(run.settings));
   if (!length) return length.error();
   const auto radius = radius_in_scene("`occlusion_radius`", *length, frame->info);
@@ -278,9 +306,11 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
         auto picture = run.device.download(*frame, kQuantityPlanes[int(view.quantity)]);
         if (!picture) return picture.error();
         if (!light) clamp_occlusion(*picture);
+        const bool divided = !light && run.settings.budget && is_screen_space(*effect);
         run.result.scores.push_back(
             {view.quantity, model, shot.name, std::string(effect->name), std::string(variant),
              std::string(run.device.name()), view_text(inner_camera(frame->info)), size.first, size.second, *ms,
+             divided ? std::optional(budget_of(*picture, (*truths)[0], classes)) : std::nullopt,
              light ? score_light(*picture, view.truth, classes) : score(*picture, view.truth, classes)});
         if (keep) view.techniques.push_back({std::string(effect->name), std::string(variant), std::move(*picture)});
       }
@@ -315,6 +345,9 @@ Result<void> check_compare(const CompareSettings& settings) {
   if (!recipe) return recipe.error();
   if (settings.light)
     if (auto fine = check_light(settings, *recipe); !fine) return fine;
+  if (settings.budget &&
+      as<ReferenceParams>(params_of(recipe->settings, "reference")).occluders != int(Occluders::kAll))
+    return usage_error("--budget needs the whole ground truth: it takes `reference.occluders` all");
   for (const auto& [width, height] : settings.sizes) {
     Request draw = settings.draw;
     draw.width = width;
@@ -326,6 +359,7 @@ Result<void> check_compare(const CompareSettings& settings) {
 
 Terms terms_of(const CompareSettings& settings) {
   const auto recipe = recipe_of(settings);
+  const Effect* filter = *filter_of(settings);
   const ParameterBytes& reference = params_of(recipe->settings, "reference");
   const auto value_text = [&](std::string_view name) {
     return parameter_text(*find_parameter(reference_effect(), name), reference);
@@ -342,7 +376,7 @@ Terms terms_of(const CompareSettings& settings) {
           .scale = recipe->occlusion_downsampling == 1   ? "full"
                    : recipe->occlusion_downsampling == 2 ? "half"
                                                          : "quarter",
-          .filter = settings.filter,
+          .filter = filter ? std::string(filter->name) : "",
           .quality = settings.draw.quality};
 }
 

@@ -2,7 +2,9 @@
 // ray-traced ground truth. Optionally also scores the indirect light that techniques gather.
 #pragma once
 #include <array>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,14 +21,27 @@ enum class Quantity {
 inline constexpr int kQuantities = 2;
 inline constexpr std::array<std::string_view, kQuantities> kQuantityNames = {"occlusion", "light"};
 
+/// Value of CompareSettings::filter for techniques without a filter.
+inline constexpr std::string_view kNoFilter = "none";
+
 /// Settings of a comparison. `draw` provides framing, settings, guard band, scale and radius (if empty: the radius of
 /// the reference).
 struct CompareSettings : MeasureSettings {
   std::vector<std::string> techniques;                                ///< names; empty: all
   std::vector<std::pair<int, int>> sizes = {{960, 540}, {480, 270}};  ///< width, height in pixels
   bool light = false;                                                 ///< compare Quantity::kLight too
-  std::string filter;    ///< effect of kind kFilter that follows each technique except the reference; empty: none
+  bool budget = false;                                                ///< divide errors: see ErrorBudget
+  /// Effect of kind kFilter that follows each technique except the reference and those that filter themselves;
+  /// kNoFilter, or empty for that of the look `ao`.
+  std::string filter;
   bool pictures = true;  ///< keep the pictures of the first size
+};
+
+/// The two parts of the error of a screen-space technique. What the view holds are the occluders that the captured
+/// layers hold: see Occluders::kLayers.
+struct ErrorBudget {
+  double view = 0.0;  ///< RMSE of the ground truth of what the view holds against the whole ground truth
+  double own = 0.0;   ///< RMSE of the technique against the ground truth of what the view holds
 };
 
 /// The score of one technique at one setting in one picture.
@@ -35,8 +50,9 @@ struct Score {
   std::string scene, camera, technique, setting, device;
   std::string view;  ///< the camera as text: position, axis, window
   int width = 0, height = 0;
-  double ms = 0.0;  ///< median time of the technique with its filter, milliseconds
-  ScoreCard card;   ///< from score_light for Quantity::kLight, else from score
+  double ms = 0.0;                    ///< median time of the technique with its filter, milliseconds
+  std::optional<ErrorBudget> budget;  ///< of occlusion by screen-space techniques, with CompareSettings::budget
+  ScoreCard card;                     ///< from score_light for Quantity::kLight, else from score
 };
 
 /// The pictures of one camera and quantity: one plane of occlusion, or three planes of linear light.
@@ -64,7 +80,7 @@ struct Terms {
   int layers = 1;                       ///< --layers
   int extra_views = 0;                  ///< --extra-views
   std::string scale;                    ///< --ao-scale
-  std::string filter;                   ///< --filter
+  std::string filter;                   ///< name of the filter; empty: none
   std::string quality;                  ///< --quality
 
   bool operator==(const Terms&) const = default;

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 // ---- Recorded scores ----
 
 // The scores in tests/scores.json are a copy of the scores.json of
-//   umbrage compare $(models) --ao all --resolution 240,135 --cameras 1 --samples 64 --runs 1 -o FOLDER
+//   umbrage compare $(models) --ao all --filter none --resolution 240,135 --cameras 1 --samples 64 --runs 1 -o FOLDER
 // with the models below. Record them again when a technique improves.
 std::vector<std::string> recorded_models() {
   std::vector<std::string> models;
@@ -44,6 +44,7 @@ void expect_none_worse(const char* file, CompareSettings settings) {
   settings.cameras = 1;
   settings.samples = 64;
   settings.runs = 1;
+  settings.filter = kNoFilter;
   settings.pictures = false;
   const auto comparison = compare(**device, settings);
   ASSERT_TRUE(comparison) << comparison.error().message;
@@ -65,7 +66,7 @@ TEST(RecordedScores, NoTechniqueGotWorse) {
 
 // The scores of light in tests/light_scores.json are a copy of the scores.json of
 //   umbrage compare "scene:atrium?detail=20000" "scene:solids?detail=20000" --ao hemisphere,bitmask --light --layers 2
-//     --resolution 240,135 --cameras 1 --samples 64 --runs 1 -o FOLDER
+//     --filter none --resolution 240,135 --cameras 1 --samples 64 --runs 1 -o FOLDER
 TEST(RecordedScores, NoLightGotWorse) {
   CompareSettings settings;
   settings.models = {"scene:atrium?detail=20000", "scene:solids?detail=20000"};
@@ -85,6 +86,7 @@ CompareSettings solids_settings(int detail, std::pair<int, int> size, int sample
   settings.cameras = 1;
   settings.samples = samples;
   settings.runs = 1;
+  settings.filter = kNoFilter;
   return settings;
 }
 
@@ -349,13 +351,8 @@ TEST(Compare, LightIsScoredForTechniquesThatGatherIt) {
 
 TEST(Compare, OcclusionIsTheSameBesideLight) {
   auto device = make_device("cpu", 0);
-  CompareSettings settings;
-  settings.models = {"scene:solids?detail=7000"};
-  settings.sizes = {{96, 64}};
+  CompareSettings settings = solids_settings(7000, {96, 64}, 64);
   settings.techniques = {"hemisphere"};
-  settings.cameras = 1;
-  settings.samples = 64;
-  settings.runs = 1;
   const auto alone = compare(**device, settings);
   ASSERT_TRUE(alone);
   std::size_t found = 0;
@@ -445,10 +442,15 @@ TEST(Compare, FiltersAndScaleChangeWhatTheySay) {
           score.card.covered.rmse;
     return rows;
   };
+  settings.filter = kNoFilter;
   auto plain = rows_of();
   settings.filter = "denoise";
   auto filtered = rows_of();
   settings.filter.clear();
+  EXPECT_EQ(rows_of(), filtered) << "by default, the filter is that of the look";
+  EXPECT_EQ(terms_of(settings).filter, "denoise");
+  settings.filter = kNoFilter;
+  EXPECT_EQ(terms_of(settings).filter, "");
   settings.draw.occlusion_scale = "quarter";
   auto quarter = rows_of();
   for (const char* row : {"occlusion hemisphere samples=8", "light hemisphere samples=32 bleeding=1"}) {
@@ -526,7 +528,8 @@ TEST_F(CompareCli, BadInputGetsASentence) {
   bad("compare tri.obj -o r --cameras 0", 2, {"--cameras"});
   bad(kQuick + " --light --ao unsharp -o r", 2, {"--light", "unsharp", "hemisphere"});
   bad(kQuick + " --filter denoize -o r", 2, {"denoize", "denoise"});
-  bad(kQuick + " --filter hemisphere -o r", 2, {"hemisphere", "box", "gaussian"});
+  bad(kQuick + " --filter hemisphere -o r", 2, {"hemisphere", "box", "gaussian", "none"});
+  bad(kQuick + " --budget --set reference.occluders=window -o r", 2, {"--budget", "reference.occluders", "all"});
   bad(kQuick + " --ao-scale third -o r", 2, {"--ao-scale", "third", "quarter"});
   bad(kQuick + " --light --layers 5 -o r", 2, {"layers"});
   bad("compare tri.obj -o r --runs 0", 2, {"--runs"});

@@ -1,7 +1,9 @@
 #include "apps/compare/pictures.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "effects/effects.h"
 #include "reference/reference.h"
 
 namespace umbrage {
@@ -66,6 +68,26 @@ Result<GBuffer> download_gbuffer(Device& device, const Frame& frame) {
   auto planes = device.download(frame, {"depth", "normal.x", "normal.y", "normal.z"});
   if (!planes) return planes.error();
   return GBuffer{inner_info(frame.info), {std::move(*planes)}};
+}
+
+const Effect* look_filter(const Look& look) {
+  for (const std::string_view name : look.effects)
+    if (const Effect* effect = find_effect(name); effect && effect->kind == EffectKind::kFilter) return effect;
+  return nullptr;
+}
+
+double covered_rmse(const Image& a, const Image& b, const ClassMap& classes) {
+  const Plane &ao_a = a.plane("ao"), &ao_b = b.plane("ao");
+  double sum = 0.0;
+  long pixels = 0;
+  for (int y = 0; y < ao_a.height; ++y)
+    for (int x = 0; x < ao_a.width; ++x) {
+      if (classes.row(y)[x] == PixelClass::kBackground) continue;
+      const double difference = double(ao_a.at(x, y)) - double(ao_b.at(x, y));
+      sum += difference * difference;
+      ++pixels;
+    }
+  return pixels > 0 ? std::sqrt(sum / double(pixels)) : 0.0;
 }
 
 void clamp_occlusion(Image& image) {

@@ -19,6 +19,7 @@ extern const std::array<std::vector<std::string>, kQuantities> kQuantityPlanes;
 /// The ground truth of one picture.
 struct Truth {
   Image planes;        ///< planes of the quantity
+  Image of_view;       ///< the same of what the view holds (compare's ErrorBudget); empty if it is not traced
   double error = 0.0;  ///< mean squared standard error over all planes and all pixels that show a surface
   double sum = 0.0;    ///< sum of the first plane over pixels that show a surface
   long pixels = 0;     ///< number of pixels that show a surface
@@ -48,6 +49,12 @@ std::vector<CameraShot> shots_of(const Scene& scene, const Framing& requested, i
 
 /// Downloads the planes that classify pixels, depth and normal, without the guard band. Errors: those of the device.
 Result<GBuffer> download_gbuffer(Device& device, const Frame& frame);
+
+/// Returns the filter of a look; null if it has none.
+const Effect* look_filter(const Look& look);
+
+/// Returns the root of the mean squared difference of `ao` over pixels that show a surface; 0 if there are none.
+double covered_rmse(const Image& a, const Image& b, const ClassMap& classes);
 
 /// Clamps `ao` to [0, 1]. The unsharp mask also brightens, so its values may exceed 1.
 void clamp_occlusion(Image& image);

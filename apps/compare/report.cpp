@@ -87,6 +87,10 @@ nlohmann::json scores_json(const Comparison& comparison) {
     };
     add(score.card.covered, "");
     for (int c = 0; c < kPixelClasses; ++c) add(score.card.by_class[c], fmt::format("_{}", kPixelClassNames[c]));
+    if (score.budget) {
+      record["view_error"] = score.budget->view;
+      record["own_error"] = score.budget->own;
+    }
     record["format"] = kScoresFormat;
     record["view"] = score.view;
     record.update(terms_json(comparison.terms));

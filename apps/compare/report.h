@@ -10,7 +10,8 @@ namespace umbrage {
 
 /// Returns one record per score: quantity (one of kQuantityNames), scene, camera, technique, setting, device, width,
 /// height, ms, rmse, bias, psnr (null if infinite), ssim, p99, flip; the same scores for each class of pixels, such
-/// as rmse_open (null if a class has no pixels); `view`, the camera as text; `format` and the fields of Terms.
+/// as rmse_open (null if a class has no pixels); view_error and own_error where there is an ErrorBudget; `view`, the
+/// camera as text; `format` and the fields of Terms.
 nlohmann::json scores_json(const Comparison& comparison);
 
 /// Returns the text of scores.json: the records, one per line.

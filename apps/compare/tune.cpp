@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <list>
 #include <optional>
 #include <set>
 
@@ -175,7 +176,8 @@ bool is_fixed(const Request& draw, std::string_view effect, std::string_view nam
 Result<std::vector<Candidate>> steps_from(const Search& search, const Candidate& from) {
   const Request& draw = search.settings.draw;
   std::vector<Candidate> next;
-  for (int every = 1; every <= 4; every *= 2)
+  const int max_every = search.technique->filters_itself ? 1 : 4;  // such a technique runs at full resolution only
+  for (int every = 1; every <= max_every; every *= 2)
     if (every != from.every && draw.occlusion_scale.empty()) next.push_back({from.settings, every});
   for (const Effect* effect : {search.technique, search.filter}) {
     if (!effect) continue;
@@ -224,8 +226,9 @@ Result<void> take_pictures(Search& search, std::size_t model_index, Scene& scene
   if (auto ready = search.device.prepare(scene); !ready) return ready;
   const auto traced = build_traced_scene(scene);
   if (!traced) return traced.error();
-  const auto capture = capture_settings(settings.draw, *search.recipe.look, 0);
+  auto capture = capture_settings(settings.draw, *search.recipe.look, 0);
   if (!capture) return capture.error();
+  capture->ray_offsets = needs_scene(**technique_of(search.recipe));
   const auto length = parse_length("occlusion_radius", radius_as_written);
   if (!length) return length.error();
   const std::vector<CameraShot> shots = shots_of(scene, framing_of(settings.draw.camera), settings.cameras);
@@ -344,9 +347,8 @@ Result<Tuning> tune(Device& device, const TuneSettings& settings) {
   if (auto fine = check_tune(settings); !fine) return fine.error();
   const auto recipe = recipe_of(settings);
   const Effect* technique = *technique_of(*recipe);
-  const Effect* filter = nullptr;
-  for (const std::string_view name : recipe->look->effects)
-    if (const Effect* effect = find_effect(name); effect && effect->kind == EffectKind::kFilter) filter = effect;
+  const Effect* filter = technique->filters_itself ? nullptr : look_filter(*recipe->look);
+  std::list<Scene> scenes;  // rays of a technique may visit them as long as the pictures live
   Search search{device, settings, *recipe, technique, filter, {}, {}, {}, {}};
   Tuning result{.technique = std::string(technique->name),
                 .filter = filter ? std::string(filter->name) : "",
@@ -356,7 +358,8 @@ Result<Tuning> tune(Device& device, const TuneSettings& settings) {
     const double done = kTruthFraction * double(m) / double(settings.models.size());
     auto scene = read_model(settings, settings.models[m], done, result.warnings);
     if (!scene) return scene.error();
-    if (auto taken = take_pictures(search, m, *scene, result.radius); !taken) return taken.error();
+    if (auto taken = take_pictures(search, m, scenes.emplace_back(std::move(*scene)), result.radius); !taken)
+      return taken.error();
   }
   Candidate start{recipe->settings, recipe->occlusion_downsampling};
   const Frame& first = search.pictures[0].frame;

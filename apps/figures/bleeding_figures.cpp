@@ -316,6 +316,7 @@ Result<std::vector<Figure>> bleeding_figures(Device& device, int size,
   const ClothGrid cloths(*studio->scene);
   for (const Preset& preset : kPresets) {
     studio->draw.look = std::string(preset.look);
+    studio->draw.occlusion = "hemisphere";  // the paper's technique
     progress(fmt::format("figures 1, 7 and 8, {}", preset.name));
     auto made = overview(*studio, preset);
     if (!made) return made.error();
