@@ -104,7 +104,7 @@ Result<FourWays> shoot_four(Studio& studio) {
   auto neither = studio.shoot({}, "none", kPlanes);
   auto occlusion = studio.shoot({"hemisphere.bleeding=0"}, "", kPlanes);
   auto bleeding = studio.shoot({"hemisphere.occlusion=off"}, "", kPlanes);
-  auto both = studio.shoot({}, "", kPlanes);
+  auto both = studio.shoot({}, "hemisphere", kPlanes);
   for (const auto* shot : {&neither, &occlusion, &bleeding, &both})
     if (!*shot) return shot->error();
   return FourWays{std::move(*neither), std::move(*occlusion), std::move(*bleeding), std::move(*both)};
@@ -316,7 +316,6 @@ Result<std::vector<Figure>> bleeding_figures(Device& device, int size,
   const ClothGrid cloths(*studio->scene);
   for (const Preset& preset : kPresets) {
     studio->draw.look = std::string(preset.look);
-    studio->draw.occlusion = "hemisphere";  // the paper's technique
     progress(fmt::format("figures 1, 7 and 8, {}", preset.name));
     auto made = overview(*studio, preset);
     if (!made) return made.error();
