@@ -76,7 +76,7 @@ struct Dispatch {
   /// 0 where the pixel has fewer rays. A ray starts at the pixel's surface point plus `ray_offset`. The device writes
   /// the outputs:
   ///   ao                   mean visibility of the pixel's rays within the radius; 1 without rays
-  ///   traced_rays          number of rays
+  ///   traced_confidence    n / (n + 1) for n rays
   ///   bent.x .y .z         mean direction of unblocked rays, unit, view space; 0 if there are none
   ///   indirect.r .g .b     mean radiance that arrives along the rays
   RaySettings (*rays)(const ParameterBytes& params, const PictureInfo& info) = nullptr;

@@ -19,19 +19,9 @@ namespace umbrage {
 namespace {
 
 constexpr int kBandRows = 4;     // rows that one task traces
-constexpr int kBlockWidth = 32;  // pixels whose rays are collected: neighbours, whose rays visit the same nodes
+constexpr int kBlockWidth = 64;  // pixels whose rays are collected: neighbours, whose rays visit the same nodes
 constexpr int kBlockPixels = kBandRows * kBlockWidth;
-
-/// Returns the pixels of a block in the order of their rays: 8 x 2 pixels at a time.
-std::array<int, kBlockPixels> pixel_order() {
-  std::array<int, kBlockPixels> order{};
-  std::size_t k = 0;
-  for (int y0 = 0; y0 < kBandRows; y0 += 2)
-    for (int x0 = 0; x0 < kBlockWidth; x0 += 8)
-      for (int y = y0; y < y0 + 2; ++y)
-        for (int x = x0; x < x0 + 8; ++x) order[k++] = y * kBlockWidth + x;
-  return order;
-}
+constexpr int kRun = 8;  // pixels of a row whose rays are added one after the other
 
 /// The planes of a task by name; outputs that the dispatch does not have are null.
 struct RayPlanes {
@@ -39,7 +29,7 @@ struct RayPlanes {
       : depth(frame.plane("depth")),
         offset{frame.plane("ray_offset.x"), frame.plane("ray_offset.y"), frame.plane("ray_offset.z")},
         ao(frame.plane("ao")),
-        count(frame.plane("traced_rays")) {
+        confidence(frame.plane("traced_confidence")) {
     const auto find = [&](std::string_view name) -> float* {
       for (const KernelPlane& plane : frame.planes)
         if (plane.name == name) return plane.data;
@@ -51,34 +41,45 @@ struct RayPlanes {
 
   const float* depth;
   std::array<const float*, 3> offset;
-  float *ao, *count;
+  float *ao, *confidence;
   std::array<float*, 3> bent, indirect;
 };
 
-/// Traces the rays of one block of pixels.
+/// Traces the rays of a block of pixels.
 class RayBlock {
  public:
   /// `lighting` is null if the dispatch gathers no light.
   RayBlock(const RayTask& task, const CameraRays& rays, const RayPlanes& planes, const HitLighting* lighting)
-      : task_(task), rays_(rays), planes_(planes), lighting_(lighting), to_world_(rays.world_from_view) {}
+      : task_(task),
+        rays_(rays),
+        planes_(planes),
+        lighting_(lighting),
+        to_world_(rays.world_from_view),
+        stride_(std::size_t(task.frame.frame.stride)),
+        kernel_planes_(task.frame.planes.begin(), task.frame.planes.end()) {
+    for (auto& plane : made_) plane.resize(std::size_t(kBandRows) * stride_);
+  }
 
-  /// `made`: rows of kBandRows x stride directions that the kernel writes for rows from y0 on.
-  void trace(int x0, int y0, std::array<std::vector<float>, 3>& made) {
+  void trace(int x0, int y0) {
     x0_ = x0;
     y0_ = y0;
     x1_ = std::min(x0 + kBlockWidth, task_.info.width);
     y1_ = std::min(y0 + kBandRows, task_.rows.end);
-    begin();
+    open_ = {};
+    count_ = {};
+    bent_ = {};
+    light_ = {};
+    lit_ = {};
     KernelFrame frame = task_.frame;
-    std::vector<KernelPlane> planes(frame.planes.begin(), frame.planes.end());
     static constexpr std::string_view kNames[] = {"ray.x", "ray.y", "ray.z"};
+    kernel_planes_.resize(task_.frame.planes.size());
     for (std::size_t axis = 0; axis < 3; ++axis)
-      planes.push_back({kNames[axis], row_zero(made[axis].data(), frame.frame.stride, y0)});
-    frame.planes = planes;
+      kernel_planes_.push_back({kNames[axis], row_zero(made_[axis].data(), frame.frame.stride, y0)});
+    frame.planes = kernel_planes_;
     for (int ray = 0; ray < task_.settings.max_rays; ++ray) {
       frame.frame.round = ray;
       task_.kernel(frame, {x0, y0, x1_, y1_});
-      if (!add_rays(made)) break;  // pixels have their rays at the first indices
+      if (!add_rays()) break;  // pixels have their rays at the first indices
     }
     flush();
     store();
@@ -86,43 +87,47 @@ class RayBlock {
 
  private:
   std::size_t index_of(int pixel) const {
-    return std::size_t(y0_ + pixel / kBlockWidth) * std::size_t(task_.frame.frame.stride) +
-           std::size_t(x0_ + pixel % kBlockWidth);
+    return std::size_t(y0_ + pixel / kBlockWidth) * stride_ + std::size_t(x0_ + pixel % kBlockWidth);
   }
   bool contains(int pixel) const { return x0_ + pixel % kBlockWidth < x1_ && y0_ + pixel / kBlockWidth < y1_; }
 
-  void begin() {
-    open_ = {};
-    count_ = {};
-    bent_ = {};
-    light_ = {};
-    made_ = {};
-    for (int pixel = 0; pixel < kBlockPixels; ++pixel) {
-      if (!contains(pixel)) continue;
-      const std::size_t at = index_of(pixel);
-      const float x = float(x0_ + pixel % kBlockWidth) + 0.5f, y = float(y0_ + pixel / kBlockWidth) + 0.5f;
-      const glm::vec3 offset(planes_.offset[0][at], planes_.offset[1][at], planes_.offset[2][at]);
-      start_[std::size_t(pixel)] = rays_.origin_at(x, y) + rays_.direction_at(x, y) * planes_.depth[at] +
-                                   to_world_ * (offset * task_.traced.scale);
-    }
+  /// Adds the rays of one index, those of kRun x 2 pixels at a time. Returns whether there was any.
+  bool add_rays() {
+    bool any = false;
+    for (int y = y0_; y < y1_; y += 2)
+      for (int x = x0_; x < x1_; x += kRun) {
+        any |= add_run(x, y);
+        if (y + 1 < y1_) any |= add_run(x, y + 1);
+      }
+    return any;
   }
 
-  /// Adds the rays of one index. Returns whether there was any.
-  bool add_rays(const std::array<std::vector<float>, 3>& made) {
-    static const std::array<int, kBlockPixels> order = pixel_order();
+  bool add_run(int x, int y) {
+    const std::size_t first = std::size_t(y - y0_) * stride_ + std::size_t(x);
+    const int end = std::min(kRun, x1_ - x);
+    const auto has_ray = [&](int k) {
+      const std::size_t at = first + std::size_t(k);
+      return made_[0][at] != 0.0f || made_[1][at] != 0.0f || made_[2][at] != 0.0f;
+    };
     bool any = false;
-    for (const int pixel : order) {
-      if (!contains(pixel)) continue;
-      const std::size_t at = index_of(pixel) - std::size_t(y0_) * std::size_t(task_.frame.frame.stride);
-      const glm::vec3 ray(made[0][at], made[1][at], made[2][at]);
-      if (ray == glm::vec3(0.0f)) continue;
-      any = true;
-      const glm::vec3 start = start_[std::size_t(pixel)], direction = to_world_ * ray;
-      if (!within_ray_limit(start) || !within_ray_limit(direction)) continue;
-      if (list_.full()) flush();
-      list_.add(start, direction, pixel);
-    }
-    return any;
+    for (int k = 0; k < end; ++k) any |= has_ray(k);
+    if (!any) return false;
+    for (int k = 0; k < end; ++k)
+      if (has_ray(k)) add_ray(x + k, y, first + std::size_t(k));
+    return true;
+  }
+
+  /// `at`: index of the pixel in made_.
+  void add_ray(int x, int y, std::size_t at) {
+    const std::size_t pixel = at + std::size_t(y0_) * stride_;
+    const glm::vec3 offset(planes_.offset[0][pixel], planes_.offset[1][pixel], planes_.offset[2][pixel]);
+    const float px = float(x) + 0.5f, py = float(y) + 0.5f;
+    const glm::vec3 start = rays_.origin_at(px, py) + rays_.direction_at(px, py) * planes_.depth[pixel] +
+                            to_world_ * (offset * task_.traced.scale);
+    const glm::vec3 direction = to_world_ * glm::vec3(made_[0][at], made_[1][at], made_[2][at]);
+    if (!within_ray_limit(start) || !within_ray_limit(direction)) return;
+    if (list_.full()) flush();
+    list_.add(start, direction, (y - y0_) * kBlockWidth + x - x0_);
   }
 
   void flush() {
@@ -168,7 +173,7 @@ class RayBlock {
         packet.set(k, list_.origin(first + k), list_.direction(first + k), 0.0f, length);
         const int pixel = list_.id(first + k);
         const auto x = std::uint32_t(x0_ + pixel % kBlockWidth), y = std::uint32_t(y0_ + pixel / kBlockWidth);
-        seeds[std::size_t(k)] = hash(hash(hash(x, task_.settings.seed), y), std::uint32_t(made_[std::size_t(pixel)]++));
+        seeds[std::size_t(k)] = hash(hash(hash(x, task_.settings.seed), y), std::uint32_t(lit_[std::size_t(pixel)]++));
       }
       packet.find_hits(task_.traced, Coherence::kIncoherent);
       const PacketLight light = light_of_hits(task_.traced, *lighting_, packet, seeds);
@@ -185,7 +190,7 @@ class RayBlock {
       if (!contains(pixel)) continue;
       const std::size_t at = index_of(pixel), k = std::size_t(pixel);
       planes_.ao[at] = count_[k] > 0.0f ? open_[k] / count_[k] : 1.0f;
-      planes_.count[at] = count_[k];
+      planes_.confidence[at] = count_[k] / (count_[k] + 1.0f);
       if (planes_.bent[0]) {
         const float length = glm::length(bent_[k]);
         store(planes_.bent, at, length > 0.0f ? (bent_[k] / length) * to_world_ : glm::vec3(0.0f));
@@ -203,9 +208,12 @@ class RayBlock {
   const RayPlanes& planes_;
   const HitLighting* lighting_;
   const glm::mat3 to_world_;
+  const std::size_t stride_;
+  std::vector<KernelPlane> kernel_planes_;  // those of the task, then `ray`
+  std::array<std::vector<float>, 3> made_;  // directions that the kernel makes, for the rows of the block
   int x0_ = 0, y0_ = 0, x1_ = 0, y1_ = 0;
-  std::array<glm::vec3, kBlockPixels> start_{}, bent_{}, light_{};
-  std::array<int, kBlockPixels> made_{};  // rays of a pixel whose light is gathered
+  std::array<glm::vec3, kBlockPixels> bent_{}, light_{};
+  std::array<int, kBlockPixels> lit_{};  // rays of a pixel whose light is gathered
   std::array<float, kBlockPixels> open_{}, count_{};
   ShortRays list_;
 };
@@ -221,17 +229,13 @@ void trace_rays(const RayTask& task, Watch& watch) {
   if (task.settings.light > 0.0f)
     lighting =
         hit_lighting(task.traced, task.info, task.settings.ambient_bounce, task.settings.radius * task.traced.scale);
-  const int stride = task.frame.frame.stride;
   tbb::parallel_for(
       tbb::blocked_range<int>(0, int(ray_steps(task.rows)), 1),
       [&](const tbb::blocked_range<int>& range) {
-        std::array<std::vector<float>, 3> made;
-        for (auto& plane : made) plane.resize(std::size_t(kBandRows) * std::size_t(stride));
         RayBlock block(task, rays, planes, lighting ? &*lighting : nullptr);
         for (int band = range.begin(); band < range.end() && !watch.ended(); ++band) {
           fault_point();
-          for (int x0 = 0; x0 < task.info.width; x0 += kBlockWidth)
-            block.trace(x0, task.rows.begin + band * kBandRows, made);
+          for (int x0 = 0; x0 < task.info.width; x0 += kBlockWidth) block.trace(x0, task.rows.begin + band * kBandRows);
           watch.done(1);
         }
       },

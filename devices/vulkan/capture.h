@@ -17,7 +17,7 @@ const int kPenumbraSlot = 75;
 // Index + 1 of the triangle that is visible in each pixel; 0: none. Address 0: rays find the triangle.
 const int kTriangleIndexSlot = 91;
 // Planes of trace_rays.comp: the rays, and the outputs of their dispatch.
-const int kRaySlot = 92, kOpenSlot = 95, kRayCountSlot = 96, kBentSlot = 97, kIndirectSlot = 100;
+const int kRaySlot = 92, kOpenSlot = 95, kConfidenceSlot = 96, kBentSlot = 97, kIndirectSlot = 100;
 const int kCaptureSlots = 103;
 
 const int kCaptureLights = 8;

@@ -155,7 +155,7 @@ Result<void> SceneCapture::trace_rays(const DispatchRun& run, const RaySettings&
       {"ray.x", kRaySlot}, {"ray.y", kRaySlot + 1}, {"ray.z", kRaySlot + 2}};
   for (const auto& [name, slot] : kRaySlots) table[std::size_t(slot)] = rays.at(name)->address;
   constexpr std::pair<std::string_view, int> kOutputSlots[] = {{"ao", kOpenSlot},
-                                                               {"traced_rays", kRayCountSlot},
+                                                               {"traced_confidence", kConfidenceSlot},
                                                                {"bent.x", kBentSlot},
                                                                {"bent.y", kBentSlot + 1},
                                                                {"bent.z", kBentSlot + 2},

@@ -40,9 +40,10 @@ void main() {
   bool has_ray = direction != vec3(0.0f);
   if (!has_ray && !first && !last) return;
 
-  InOutPlane open_plane = InOutPlane(table[kOpenSlot]), count_plane = InOutPlane(table[kRayCountSlot]);
+  InOutPlane open_plane = InOutPlane(table[kOpenSlot]), confidence_plane = InOutPlane(table[kConfidenceSlot]);
   bool has_bent = is_stored(kBentSlot), has_light = is_stored(kIndirectSlot);
-  float open = first ? 0.0f : open_plane.at[index], count = first ? 0.0f : count_plane.at[index];
+  // Until the last ray, the planes contain sums: of visibility and of rays.
+  float open = first ? 0.0f : open_plane.at[index], count = first ? 0.0f : confidence_plane.at[index];
   vec3 bent = has_bent && !first ? sum_at(kBentSlot, index) : vec3(0.0f);
   vec3 light = has_light && !first ? sum_at(kIndirectSlot, index) : vec3(0.0f);
   if (has_ray) {
@@ -71,7 +72,7 @@ void main() {
     light *= C.light / max(count, 1.0f);
   }
   open_plane.at[index] = open;
-  count_plane.at[index] = count;
+  confidence_plane.at[index] = last ? count / (count + 1.0f) : count;
   if (has_bent) store3(kBentSlot, index, bent);
   if (has_light) store3(kIndirectSlot, index, light);
 }

@@ -10,7 +10,7 @@
 #include "core/effect.h"
 #include "kernels/traced_across.h"
 #include "kernels/traced_down.h"
-#include "kernels/traced_joined.h"
+#include "kernels/traced_joints.h"
 #include "kernels/traced_light_across.h"
 #include "kernels/traced_light_down.h"
 #include "kernels/traced_rays.h"
@@ -44,24 +44,24 @@ const std::vector<Parameter> kTable = {
 
 /// One round of the filter, along rows and then columns.
 struct Level {
-  int step;                       // distance of neighbouring taps, pixels
+  int power;                      // as in TracedConstants
   float deviations;               // as in TracedConstants
   float near_weight, far_weight;  // relative to that of the pixel itself
   bool light_only = false;        // as in TracedConstants; left out without light
 };
-constexpr Level kFirst{1, 0.0f, 1.0f, 0.5f};  // a box of 4 convolved with a box of 2
+constexpr Level kFirst{0, 0.0f, 1.0f, 0.5f};  // a box of 4 convolved with a box of 2
 constexpr float kNear = 4.0f / 6.0f, kFar = 1.0f / 6.0f;
 // Light needs a wider round than visibility: few rays find a small bright surface. It does not depend on the
 // visibility: its deviation is larger where much light arrives, so that these pixels would take from darker ones more
 // than they give.
-constexpr Level kLight8{8, 0.0f, kNear, kFar, true};
+constexpr Level kLight8{3, 0.0f, 1.0f, 0.0f, true};
 
 /// Returns the rounds for a number of rays: the fewer, the wider the filter. Rounds with steps of 2 and 4 pixels do not
 /// mix odd and even pixels; the round with step 1 after them does.
 std::array<Level, kTracedMaxRounds> levels_for(float rays) {
-  if (rays < 0.75f) return {kFirst, kLight8, {4, 6.0f, kNear, kFar}, {2, 6.0f, kNear, kFar}, {1, 6.0f, kNear, 0.0f}};
-  if (rays < 1.5f) return {kFirst, {2, 4.0f, kNear, kFar}, {4, 3.0f, kNear, kFar}, kLight8, {1, 4.0f, kNear, 0.0f}};
-  return {Level{1, 4.0f, kNear, kFar}, {2, 3.0f, kNear, kFar}, {4, 2.0f, kNear, kFar}, kLight8, {1, 3.0f, kNear, 0.0f}};
+  if (rays < 0.75f) return {kFirst, kLight8, {2, 6.0f, kNear, kFar}, {1, 6.0f, kNear, kFar}, {0, 6.0f, kNear, 0.0f}};
+  if (rays < 1.5f) return {kFirst, {1, 4.0f, kNear, kFar}, {2, 3.0f, kNear, kFar}, kLight8, {0, 4.0f, kNear, 0.0f}};
+  return {Level{0, 4.0f, kNear, kFar}, {1, 3.0f, kNear, kFar}, {2, 2.0f, kNear, kFar}, kLight8, {0, 3.0f, kNear, 0.0f}};
 }
 
 void fill_constants(const TracedParams& params, const PictureInfo&, TracedConstants& c) {
@@ -77,7 +77,7 @@ void fill_constants(const TracedParams& params, const PictureInfo&, TracedConsta
   for (const Level& level : levels) {
     if (level.light_only && !(params.bleeding > 0.0f)) continue;
     const int k = c.rounds++;
-    c.step[k] = level.step;
+    c.power[k] = level.power;
     c.deviations[k] = level.deviations;
     c.near_weight[k] = level.near_weight;
     c.far_weight[k] = level.far_weight;
@@ -111,24 +111,25 @@ int rounds(const ParameterBytes& bytes, const PictureInfo& info) {
   return constants.rounds;
 }
 
-/// Returns Dispatch::reach of the dispatches along columns.
+/// Return Dispatch::reach.
 int filter_reach(const void* constants, int round) {
-  return 2 * static_cast<const TracedConstants*>(constants)->step[round];
+  return 2 << static_cast<const TracedConstants*>(constants)->power[round];
 }
-int joined_reach(const void*, int) { return 2; }
+int joints_reach(const void*, int) { return 8; }
+int rays_reach(const void*, int) { return 2; }
 
 Dispatch rays_dispatch(std::string_view name, bool (*needed)(const ParameterBytes&),
                        const std::vector<std::string_view>& more_outputs = {}) {
-  std::vector<std::string_view> outputs = {"ao", "traced_rays"};
+  std::vector<std::string_view> outputs = {"ao", "traced_confidence"};
   outputs.insert(outputs.end(), more_outputs.begin(), more_outputs.end());
   return {.name = name,
-          .inputs = {"depth", "traced_joined", "ray_offset.x", "ray_offset.y", "ray_offset.z", "normal.x", "normal.y",
+          .inputs = {"depth", "traced_joints", "ray_offset.x", "ray_offset.y", "ray_offset.z", "normal.x", "normal.y",
                      "normal.z"},
           .outputs = outputs,
           .kernel = traced_rays_kernel(),
           .rays = ray_settings,
           .needed = needed,
-          .reach = own_row,
+          .reach = rays_reach,
           .first_round_only = true};
 }
 
@@ -136,7 +137,7 @@ Dispatch filter_dispatch(std::string_view name, const Kernel& kernel, bool (*nee
                          const std::vector<std::string_view>& from, const std::vector<std::string_view>& to,
                          int (*reach)(const void*, int)) {
   std::vector<std::string_view> inputs = from;
-  inputs.insert(inputs.end(), {"depth", "normal.x", "normal.y", "normal.z"});
+  inputs.push_back("traced_joints");
   return {.name = name, .inputs = inputs, .outputs = to, .kernel = kernel, .needed = needed, .reach = reach};
 }
 
@@ -153,30 +154,31 @@ Effect effect_traced() {
        .tunable = {"rays"},
        .variants = {"", "rays=0.125", "rays=0.25", "rays=0.5", "rays=2", "rays=6 max_rays=32", "bleeding=1"},
        .quantum = 1.0,
-       .dispatches = {{.name = "joined",
-                       .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
-                       .outputs = {"traced_joined"},
-                       .kernel = traced_joined_kernel(),
-                       .reach = joined_reach,
-                       .first_round_only = true},
-                      rays_dispatch("rays", traces<false, false>),
-                      rays_dispatch("rays_bent", traces<true, false>, {"bent.x", "bent.y", "bent.z"}),
-                      rays_dispatch("rays_light", traces<false, true>, {"indirect.r", "indirect.g", "indirect.b"}),
-                      rays_dispatch("rays_light_bent", traces<true, true>,
-                                    {"indirect.r", "indirect.g", "indirect.b", "bent.x", "bent.y", "bent.z"}),
-                      filter_dispatch("across", traced_across_kernel(), filters_no_light, {"ao", "traced_rays"},
-                                      {"traced_across", "traced_across_rays"}, own_row),
-                      filter_dispatch("down", traced_down_kernel(), filters_no_light,
-                                      {"traced_across", "traced_across_rays"}, {"ao", "traced_rays"}, filter_reach),
-                      filter_dispatch(
-                          "light_across", traced_light_across_kernel(), filters_light,
-                          {"ao", "traced_rays", "indirect.r", "indirect.g", "indirect.b"},
-                          {"traced_across", "traced_across_rays", "traced_light.r", "traced_light.g", "traced_light.b"},
-                          own_row),
-                      filter_dispatch(
-                          "light_down", traced_light_down_kernel(), filters_light,
-                          {"traced_across", "traced_across_rays", "traced_light.r", "traced_light.g", "traced_light.b"},
-                          {"ao", "traced_rays", "indirect.r", "indirect.g", "indirect.b"}, filter_reach)},
+       .dispatches =
+           {{.name = "joints",
+             .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
+             .outputs = {"traced_joints"},
+             .kernel = traced_joints_kernel(),
+             .reach = joints_reach,
+             .first_round_only = true},
+            rays_dispatch("rays", traces<false, false>),
+            rays_dispatch("rays_bent", traces<true, false>, {"bent.x", "bent.y", "bent.z"}),
+            rays_dispatch("rays_light", traces<false, true>, {"indirect.r", "indirect.g", "indirect.b"}),
+            rays_dispatch("rays_light_bent", traces<true, true>,
+                          {"indirect.r", "indirect.g", "indirect.b", "bent.x", "bent.y", "bent.z"}),
+            filter_dispatch("across", traced_across_kernel(), filters_no_light, {"ao", "traced_confidence"},
+                            {"traced_across", "traced_across_confidence"}, own_row),
+            filter_dispatch("down", traced_down_kernel(), filters_no_light,
+                            {"traced_across", "traced_across_confidence"}, {"ao", "traced_confidence"}, filter_reach),
+            filter_dispatch(
+                "light_across", traced_light_across_kernel(), filters_light,
+                {"ao", "traced_confidence", "indirect.r", "indirect.g", "indirect.b"},
+                {"traced_across", "traced_across_confidence", "traced_light.r", "traced_light.g", "traced_light.b"},
+                own_row),
+            filter_dispatch(
+                "light_down", traced_light_down_kernel(), filters_light,
+                {"traced_across", "traced_across_confidence", "traced_light.r", "traced_light.g", "traced_light.b"},
+                {"ao", "traced_confidence", "indirect.r", "indirect.g", "indirect.b"}, filter_reach)},
        .rounds = rounds});
 }
 

@@ -30,7 +30,7 @@ struct TracedConstants {
   float distance;                      // max distance of a pixel from another's plane at full weight, pixels
   float turn;                          // 1 / (1 - cos(max angle between normals at full weight))
   int rounds;                          // of the filter
-  int step[kTracedMaxRounds];          // distance of neighbouring taps, pixels, by round
+  int power[kTracedMaxRounds];         // taps are 1 << power and 2 << power pixels away, by round
   float deviations[kTracedMaxRounds];  // max difference of two values at full weight, in standard deviations; 0: any
   float near_weight[kTracedMaxRounds];
   float far_weight[kTracedMaxRounds];  // of taps one and two steps away; the pixel itself has weight 1

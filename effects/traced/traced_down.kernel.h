@@ -1,12 +1,12 @@
 // Filters the visibility along columns, from `traced_across` to `ao`.
 IN_REAL(traced_across)
-IN_REAL(traced_across_rays)
+IN_REAL(traced_across_confidence)
 OUT_REAL(ao)
-OUT_REAL(traced_rays)
+OUT_REAL(traced_confidence)
 
 CONST bool kAlongRows = false;
 FN Real open_at(int i, int j) { return near_traced_across(i, j); }
-FN Real rays_at(int i, int j) { return near_traced_across_rays(i, j); }
+FN Real confidence_at(int i, int j) { return near_traced_across_confidence(i, j); }
 #include "effects/traced/traced_no_light.kernel.h"
 
 #include "effects/traced/traced.kernel.h"
@@ -14,5 +14,5 @@ FN Real rays_at(int i, int j) { return near_traced_across_rays(i, j); }
 FN void traced_down_pixel(Int px, Int py) {
   Filtered pixel = filtered(px, py);
   store_ao(pixel.open);
-  store_traced_rays(pixel.rays);
+  store_traced_confidence(pixel.confidence);
 }

@@ -3,10 +3,10 @@
 // of the square that they map from are interleaved gradient noise [Jimenez 2014], which puts different values into
 // neighbouring pixels, moved along R2 [Roberts 2018] from ray to ray. All of it is exact in integers, so that every
 // machine traces the same rays.
-IN_REAL(traced_joined)
 IN_VECTOR(ray_offset)
 IN_VECTOR(normal)
 OUT_VECTOR(ray)
+#include "effects/traced/joints.kernel.h"
 #include "kernel/angles.kernel.h"
 
 // Interleaved gradient noise is the fraction of 52.9829189 times that of 0.06711056 x + 0.00583715 y. All are in units
@@ -14,6 +14,15 @@ OUT_VECTOR(ray)
 FN Uint gradient_noise(Int px, Int py) {
   Uint inner = to_uint(px) * Uint(0x112e285cu) + to_uint(py) * Uint(0x017e8b20u) + to_uint(Int(C.shift));
   return inner * Uint(52u) + (inner >> 16) * Uint(0xfba1u);
+}
+
+// Returns the fraction of a pixel's neighbours in its row, or column, that show its surface. Those one pixel away and
+// the pixel itself count twice, those two away once.
+FN Real joined_fraction(bool along_row) {
+  Real joints = near_traced_joints(0, 0);
+  Real near = joint_of(joints, 0, along_row) + joint_before(0, along_row);
+  Real far = joint_of(joints, 1, along_row) + joint_before(1, along_row);
+  return mad(near + Real(kMaxJoint), Real(2.0f), far) * Real(1.0f / (8.0f * kMaxJoint));
 }
 
 // Returns the number of rays of a pixel. Those with all neighbours on their surface get C.rays, whose fraction an
@@ -24,7 +33,7 @@ FN Real ray_count(Int px, Int py) {
   Uint a = x ^ y;
   Uint order = ((a & Uint(1u)) << 3) | ((y & Uint(1u)) << 2) | (a & Uint(2u)) | (y >> 1);
   Real threshold = fract((to_real(to_signed(order)) + 0.5f) * 0.0625f + Real(C.dither));
-  Real wanted = Real(C.rays) / max(load_traced_joined(px, py), Real(0.1f));
+  Real wanted = Real(C.rays) / (joined_fraction(true) * joined_fraction(false));
   return min(floor(wanted + threshold), Real(C.max_rays));
 }
 

@@ -100,11 +100,12 @@ TEST(Traced, WallWithinARadius) {
   const PictureInfo info{.width = kWidth, .height = kHeight, .camera = from_above(1.6f, 1, 0.65f)};
   const Captured wall(floor_scene(true), info.camera, kWidth, kHeight);
   for (const char* rays : {"0.25", "1", "8"}) {
-    const Image image = wall.run({{"rays", rays}, {"radius", "1.3"}, {"filter", "off"}}, {"ao", "traced_rays"});
+    const Image image = wall.run({{"rays", rays}, {"radius", "1.3"}, {"filter", "off"}}, {"ao", "traced_confidence"});
     double error = 0.0, count = 0.0;
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x) {
-        const double n = image.plane("traced_rays").at(x, y);
+        const double confidence = image.plane("traced_confidence").at(x, y),
+                     n = std::round(confidence / (1.0 - confidence));
         const double k = (1.5 - test::ray_of(info, x, y).origin.x) / kRadius;
         const double open = k < 1.0 ? 1.0 - (std::acos(k) - k * std::sqrt(1.0 - k * k)) / M_PI : 1.0;
         error += n * (image.plane("ao").at(x, y) - open);
@@ -118,12 +119,13 @@ TEST(Traced, WallWithinARadius) {
 
 TEST(Traced, PixelsWithoutSurfaceGetNoRay) {
   const Captured edge(scene_of({parallelogram({-1, -1, 0}, {2, 0, 0}, {0, 2, 0})}), from_above(4, 4, 0), 40, 40);
-  const Image image = edge.run({{"rays", "4"}, {"filter", "off"}, {"bent", "on"}}, {"ao", "traced_rays", "bent.z"});
-  EXPECT_EQ(image.plane("traced_rays").at(0, 0), 0.0f);
+  const Image image =
+      edge.run({{"rays", "4"}, {"filter", "off"}, {"bent", "on"}}, {"ao", "traced_confidence", "bent.z"});
+  EXPECT_EQ(image.plane("traced_confidence").at(0, 0), 0.0f);
   EXPECT_EQ(image.plane("ao").at(0, 0), 1.0f);
   EXPECT_EQ(image.plane("bent.z").at(0, 0), 0.0f);
-  EXPECT_EQ(image.plane("traced_rays").at(20, 20), 4.0f);
-  EXPECT_GT(image.plane("traced_rays").at(10, 20), 4.0f) << "a pixel beside the edge";
+  EXPECT_EQ(image.plane("traced_confidence").at(20, 20), 0.8f);
+  EXPECT_GT(image.plane("traced_confidence").at(10, 20), 0.81f) << "a pixel beside the edge";
 }
 
 TEST(Traced, MeanOfManySamplesIsTheReference) {

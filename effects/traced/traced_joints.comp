@@ -1,4 +1,4 @@
-// Compiles traced_joined.kernel.h for Vulkan.
+// Compiles traced_joints.kernel.h for Vulkan.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel/glsl.h"
@@ -7,5 +7,5 @@
 UMBRAGE_CONSTANTS(TracedConstants)
 #include "kernel/common.kernel.h"
 
-#include "effects/traced/traced_joined.kernel.h"
-UMBRAGE_MAIN(traced_joined)
+#include "effects/traced/traced_joints.kernel.h"
+UMBRAGE_MAIN(traced_joints)
