@@ -17,7 +17,7 @@ std::span<const Quality> qualities() {
        .summary = "for everyday use: four averaged frames, smooth edges, one ray per pixel for occlusion",
        .frames = 4,
        .occlusion_downsampling = 2,
-       .shadow_rays = 1,
+       .shadow_rays = 2,
        .settings = {"bitmask.slices=2", "bitmask.steps=12", "hemisphere.samples=16", "sphere.samples=16"},
        .settings_of_averaged = {"bitmask.slices=1", "bitmask.steps=12", "hemisphere.samples=8", "sphere.samples=16"}},
       {.name = "high",
