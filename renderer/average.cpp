@@ -25,10 +25,15 @@ std::vector<std::string> other_averaged_planes(const Plan& plan) {
   return names;
 }
 
-std::vector<std::string> averaged_planes(const Plan& plan) {
+std::vector<std::string> averaged_picture(const Plan& plan) {
   std::vector<std::string> names;
   for (const std::string& pass : picture_passes(plan.recipe))
     for (const char* channel : {".r", ".g", ".b", ".a"}) names.push_back(pass + channel);
+  return names;
+}
+
+std::vector<std::string> averaged_planes(const Plan& plan) {
+  std::vector<std::string> names = averaged_picture(plan);
   const auto others = other_averaged_planes(plan);
   names.insert(names.end(), others.begin(), others.end());
   return names;

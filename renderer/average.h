@@ -10,9 +10,10 @@
 
 namespace umbrage {
 
-/// averaged_planes returns the planes that are averaged; other_averaged_planes returns those of them that are not
-/// those of picture_passes.
+/// averaged_planes returns the planes that are averaged; averaged_picture returns those of them that are those of
+/// picture_passes, other_averaged_planes the others.
 std::vector<std::string> averaged_planes(const Plan& plan);
+std::vector<std::string> averaged_picture(const Plan& plan);
 std::vector<std::string> other_averaged_planes(const Plan& plan);
 
 /// Draws the lines over the average at sample index 0. Does nothing at other indices.

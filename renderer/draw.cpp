@@ -106,6 +106,7 @@ Result<Drawn> draw_marked(Device& device, const Plan& planned, LookRun& run, con
   progress.sample_done();
   auto total = begin_sum(device, plan, *first);
   if (!total) return total.error();
+  if (run.kept) device.release(*first, averaged_picture(plan));  // finish_average adds it again
   run.stops = done->stops;
   for (int sample = 1; sample < plan.recipe.frames; ++sample) {
     Plan further = plan;

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <list>
+#include <map>
+#include <tuple>
 
 #include "core/check.h"
 #include "core/guarded.h"
@@ -286,6 +288,15 @@ class CpuDevice final : public Device {
     return frame;
   }
 
+  /// Returns a plane with this value everywhere, which frames that live at the same time share.
+  std::shared_ptr<const Plane> constant_plane(int width, int height, float value) {
+    std::erase_if(constants_, [](const auto& entry) { return entry.second.expired(); });
+    std::weak_ptr<const Plane>& entry = constants_[{width, height, value}];
+    auto plane = entry.lock();
+    if (!plane) entry = plane = std::make_shared<const Plane>(width, height, value);
+    return plane;
+  }
+
   /// Returns a frame with the planes of a G-buffer, which have these rows.
   static Frame frame_of(GBuffer gbuffer, const Rows& rows) {
     Frame frame;
@@ -349,7 +360,7 @@ class CpuDevice final : public Device {
       const auto value = neutral_value(name);
       if (!value) return missing_plane(run, name);
       if (!planes.constants.count(*value))
-        planes.constants.emplace(*value, Plane(info.width, planes.image.height, *value));
+        planes.constants.emplace(*value, constant_plane(info.width, planes.image.height, *value));
       planes.neutral.push_back(name);
     }
     std::vector<KernelPlane> kernel_planes;
@@ -427,6 +438,7 @@ class CpuDevice final : public Device {
   CpuSettings settings_;
   tbb::task_arena arena_;
   PlanePoolPtr pool_ = std::make_shared<PlanePool>();
+  std::map<std::tuple<int, int, float>, std::weak_ptr<const Plane>> constants_;
   const Scene* scene_ = nullptr;
   std::shared_ptr<const TracedScene> traced_;
 };

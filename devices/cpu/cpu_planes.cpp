@@ -45,7 +45,7 @@ Plane& writable(CpuPlanes& planes, const std::string& name) {
 const Plane* find_plane(const CpuPlanes& planes, std::string_view name) {
   if (const Plane* stored = find_stored(planes, name)) return stored;
   const bool neutral = std::find(planes.neutral.begin(), planes.neutral.end(), name) != planes.neutral.end();
-  if (neutral) return &planes.constants.at(*neutral_value(name));
+  if (neutral) return planes.constants.at(*neutral_value(name)).get();
   return planes.parent ? find_plane(*planes.parent, name) : nullptr;
 }
 

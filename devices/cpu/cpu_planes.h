@@ -37,7 +37,7 @@ struct CpuPlanes {
   /// Names of the missing planes read so far, in order; some may be in `image` by now.
   std::vector<std::string> neutral;
   /// The neutral planes, by value.
-  std::map<float, Plane> constants;
+  std::map<float, std::shared_ptr<const Plane>> constants;
   std::map<std::string, std::pair<int, int>> placed;  ///< by plane name: size of the reduced plane placed in it
   std::shared_ptr<const CpuPlanes> parent;            ///< planes of the frame of which this is a branch, or null
   std::shared_ptr<const CpuPlanes> first;             ///< planes that add_first has added, under their own names
