@@ -121,6 +121,9 @@ class Device {
   /// Frees these planes of a frame, which nothing reads any more; names of other planes are ignored. A branch does not
   /// free the planes of its original. A device may keep planes, or all of them.
   virtual void release(Frame& /*frame*/, const std::vector<std::string>& /*names*/) {}
+  /// As release, for planes of the first layer that only the next run still uses: the device frees each of them when
+  /// the last dispatch of that run that reads or writes it is done.
+  virtual void release_in_run(Frame& /*frame*/, std::vector<std::string> /*names*/) {}
   /// Returns a frame with one pixel in `factor`, across and down, of these planes in all layers that have them: see
   /// reduced_info. Planes that no layer has are left out.
   virtual Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) = 0;

@@ -221,9 +221,9 @@ Result<LookDone> run_exposed(const LookRun& run, const Effect& effect, Device& d
   return done;
 }
 
-/// Releases the planes that are read neither by steps from `next` on nor after the run.
-void release_unread(const LookRun& run, const Steps& steps, std::size_t next, Device& device, Frame& frame) {
-  if (!run.kept) return;
+/// Returns the planes, by their names on the first layer, that steps from `next` on read, or that are read after the
+/// run. Requires run.kept.
+std::set<std::string, std::less<>> needed_planes(const LookRun& run, const Steps& steps, std::size_t next) {
   std::set<std::string, std::less<>> needed;
   const auto add = [&](const auto& names) {
     for (const auto& name : names) needed.emplace(name_on_first_layer(name));
@@ -238,6 +238,25 @@ void release_unread(const LookRun& run, const Steps& steps, std::size_t next, De
     add_effect(*steps[step]);
     if (reduced_end(run, steps, step) > step) add_effect(filling_effect());
   }
+  return needed;
+}
+
+/// Lets the device release planes during this step: those of it that no later step reads.
+void release_within(const LookRun& run, const Steps& steps, std::size_t step, Device& device, Frame& frame) {
+  if (!run.kept || runs_on_layers(run, steps, step) || find_named(run.external_effects, steps[step]->name)) return;
+  const auto needed = needed_planes(run, steps, step + 1);
+  std::vector<std::string> unread;
+  for (const Dispatch& dispatch : steps[step]->dispatches)
+    for (const auto* names : {&dispatch.inputs, &dispatch.outputs})
+      for (const std::string_view name : *names)
+        if (!needed.contains(name_on_first_layer(name))) unread.emplace_back(name);
+  device.release_in_run(frame, std::move(unread));
+}
+
+/// Releases the planes that are read neither by steps from `next` on nor after the run.
+void release_unread(const LookRun& run, const Steps& steps, std::size_t next, Device& device, Frame& frame) {
+  if (!run.kept) return;
+  const auto needed = needed_planes(run, steps, next);
   std::vector<std::string> unread = device.plane_names(frame);
   std::erase_if(unread, [&](const std::string& name) { return needed.contains(name_on_first_layer(name)); });
   device.release(frame, unread);
@@ -326,7 +345,10 @@ Result<LookDone> run_look(const LookRun& run, Device& device, Frame& frame) {
       all.stops = done->stops;
     } else {
       const std::size_t last = reduced_end(run, steps, step);
-      if (last > step) next = last;
+      if (last > step)
+        next = last;
+      else
+        release_within(run, steps, step, device, frame);
       const auto done =
           last > step ? run_reduced(run, steps, step, last, device, frame) : run_step(run, steps, step, device, frame);
       if (!done) return done.error();

@@ -118,8 +118,9 @@ void add_all(PictureSum& total, const std::vector<std::string>& names, std::span
 
 void add_picture(PictureSum& total, const Image& picture) { add_rows(total, picture, 0, picture.height); }
 
-void add_planes(PictureSum& total, const std::vector<std::string>& names, std::span<const Plane* const> planes) {
-  if (!planes.empty()) add_all(total, names, planes, 0, planes[0]->height);
+void add_planes(PictureSum& total, const std::vector<std::string>& names, std::span<const Plane* const> planes,
+                int first, int height) {
+  if (!planes.empty() && planes[0]->height > 0) add_all(total, names, planes, first, height);
 }
 
 void add_rows(PictureSum& total, const Image& rows, int first, int height) {

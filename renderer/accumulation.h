@@ -35,8 +35,9 @@ struct PictureSum {
 /// same of beauty, which is premultiplied; and any other planes.
 void add_picture(PictureSum& total, const Image& picture);
 
-/// Adds a picture with these planes, one for each name.
-void add_planes(PictureSum& total, const std::vector<std::string>& names, std::span<const Plane* const> planes);
+/// Adds rows of a picture with these planes, one for each name, as add_rows.
+void add_planes(PictureSum& total, const std::vector<std::string>& names, std::span<const Plane* const> planes,
+                int first, int height);
 
 /// Adds rows of a picture of `height` rows; `first` is the index of the first added row. Row 0 of a picture must be
 /// added first: it counts the picture.

@@ -39,6 +39,8 @@ class DrawProgress {
     return [this](double fraction) { return report(fraction); };
   }
   void step_done() { ++step_; }
+  /// Reports that a fraction of the sample is done.
+  void part_done(double fraction) { step_ = int(fraction * steps_); }
   void sample_done() {
     ++sample_;
     step_ = 0;
@@ -92,9 +94,31 @@ Result<void> add_weighted(Device& device, const Plan& plan, const Frame& frame, 
   return {};
 }
 
+/// Draws a further sample, `plan` and `camera` being set to it, and adds it to `total`. It is drawn in strips if the
+/// device can, unless it is captured already: then its planes take little memory beside those of the first sample.
+Result<void> add_further(Device& device, const Plan& plan, const Camera& camera, const LookRun& run,
+                         const GetFrame& get_frame, bool in_strips, const Frame& first, DrawProgress& progress,
+                         PictureSum& total) {
+  constexpr int kMinStrips = 8, kMaxPixelsOfStrip = 1 << 19, kMinRows = 64;
+  const int height = first.info.height;
+  const int max_rows = std::min(height / kMinStrips, kMaxPixelsOfStrip / first.info.width);
+  const int rows = in_strips ? std::max(max_rows / kMinRows, 1) * kMinRows : height;
+  for (int begin = 0; begin < height; begin += rows) {
+    Plan part = plan;
+    const int end = std::min(begin + rows, height);
+    if (rows < height) part.capture.strip = Strip{{begin, end}, 0, std::make_shared<WholePlanes>()};
+    auto frame = get_frame(part, camera, &first);
+    if (!frame) return frame.error();
+    if (auto shaded = shade_marked(device, part, run, first, *frame); !shaded) return shaded;
+    if (auto added = add_marked(device, part, *frame, total); !added) return added;
+    progress.part_done(double(end) / height);
+  }
+  return {};
+}
+
 /// Draws the samples of a plan at the pixels that its first sample marks, and returns the frame of the first one with
 /// the average.
-Result<Drawn> draw_marked(Device& device, const Plan& planned, LookRun& run, const GetFrame& get_frame,
+Result<Drawn> draw_marked(Device& device, const Plan& planned, LookRun& run, const GetFrame& get_frame, bool in_strips,
                           DrawProgress& progress, StageTimes& times) {
   Plan plan = planned;
   auto first = get_frame(plan, begin_picture(plan, {}), nullptr);
@@ -111,10 +135,8 @@ Result<Drawn> draw_marked(Device& device, const Plan& planned, LookRun& run, con
   for (int sample = 1; sample < plan.recipe.frames; ++sample) {
     Plan further = plan;
     const Camera camera = begin_marked(further, sample);
-    auto frame = get_frame(further, camera, &*first);
-    if (!frame) return frame.error();
-    if (auto shaded = shade_marked(device, further, run, *first, *frame); !shaded) return shaded.error();
-    if (auto added = add_marked(device, plan, *frame, *total); !added) return added.error();
+    const auto added = add_further(device, further, camera, run, get_frame, in_strips, *first, progress, *total);
+    if (!added) return added.error();
     times.done("average");
     progress.sample_done();
   }
@@ -124,8 +146,9 @@ Result<Drawn> draw_marked(Device& device, const Plan& planned, LookRun& run, con
   return Drawn{std::move(*first), run.stops};
 }
 
+/// Draws all samples and averages them. `in_strips`: get_frame can return strips of further samples.
 Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& planned, const GetFrame& get_frame,
-                           DrawProgress& progress, StageTimes& times, std::optional<float> stops) {
+                           bool in_strips, DrawProgress& progress, StageTimes& times, std::optional<float> stops) {
   Plan plan = planned;  // each sample has its own noise
   const ProgressMonitor step_monitor = progress.step_monitor();
   TracedScenePtr hierarchy;  // for the reference; built once for all samples
@@ -143,7 +166,7 @@ Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& plann
                                          .min_opacity = plan.capture.blended ? kMinOpacity : kOpaque});
     return planes ? device.add(*planes, current) : planes.error();
   };
-  if (plan.marked) return draw_marked(device, plan, run, get_frame, progress, times);
+  if (plan.marked) return draw_marked(device, plan, run, get_frame, in_strips, progress, times);
   PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots,
                    .per_sample = plan.has_blended ? 2 : 1,
                    .threads = device.threads()};
@@ -201,7 +224,7 @@ Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTi
     progress.step_done();
     return frame;
   };
-  return draw_samples(device, scene, plan, captured, progress, times, stops);
+  return draw_samples(device, scene, plan, captured, device.draws_strips(), progress, times, stops);
 }
 
 Result<Captures> capture(Device& device, const Plan& plan, StageTimes& times, const ProgressMonitor& monitor) {
@@ -239,7 +262,7 @@ Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan
   const auto branch_of_capture = [&](const Plan&, const Camera&, const Frame*) {
     return Result<Frame>(device.branch(captures[next++]));
   };
-  return draw_samples(device, scene, plan, branch_of_capture, progress, times, stops);
+  return draw_samples(device, scene, plan, branch_of_capture, false, progress, times, stops);
 }
 
 Result<Frame> draw(Device& device, const Scene& scene, const Recipe& recipe, StageTimes& times) {

@@ -125,11 +125,15 @@ Result<PictureSum> begin_sum(Device& device, const Plan& plan, const Frame& firs
 
 Result<void> add_marked(Device& device, const Plan& plan, const Frame& frame, PictureSum& total) {
   const std::vector<std::string> names = averaged_planes(plan);
+  // A strip is added to the sum of the whole picture if that is larger than the strip.
+  const int guard = frame.info.guard, height = total.marks.height;
+  const bool in_part = plan.capture.strip && height == frame.info.inner_height();
+  const int first_row = in_part ? std::max(plan.capture.strip->rows.begin - guard, 0) : 0;
   const auto image = device.view(frame, names);
   if (!image) return image.error();
   std::vector<const Plane*> planes;
   for (const Plane& plane : image->planes) planes.push_back(&plane);
-  add_planes(total, names, planes);
+  add_planes(total, names, planes, first_row, height);
   return {};
 }
 

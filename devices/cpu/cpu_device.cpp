@@ -151,23 +151,21 @@ class CpuDevice final : public Device {
   Result<RunState> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer, PixelSet pixels,
                        const ProgressMonitor& monitor) override {
     cpu_planes(frame).branches.check_none();
-    return run_dispatches(effect, params, frame, layer, pixels, [&](const DispatchRun& dispatch) {
-      return run_dispatch(dispatch, cpu_planes(frame), monitor);
+    auto done = run_dispatches(effect, params, frame, layer, pixels, [&](const DispatchRun& dispatch) {
+      auto state = run_dispatch(dispatch, cpu_planes(frame), monitor);
+      if (state && state->finished) release_ended(dispatch, cpu_planes(frame));
+      return state;
     });
+    cpu_planes(frame).ending.clear();
+    return done;
   }
 
   void release(Frame& frame, const std::vector<std::string>& names) override {
-    CpuPlanes& planes = cpu_planes(frame);
-    if (planes.branches.any()) return;  // they share the planes
-    for (const std::string& name : names) {
-      const auto found = std::find(planes.image.names.begin(), planes.image.names.end(), name);
-      if (found == planes.image.names.end()) continue;
-      planes.image.planes.erase(planes.image.planes.begin() + (found - planes.image.names.begin()));
-      planes.image.names.erase(found);
-      planes.placed.erase(name);
-      planes.strip_rows.erase(name);
-      planes.released.insert(name);
-    }
+    release_planes(names, cpu_planes(frame));
+  }
+
+  void release_in_run(Frame& frame, std::vector<std::string> names) override {
+    cpu_planes(frame).ending.insert(names.begin(), names.end());
   }
 
   Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) override {

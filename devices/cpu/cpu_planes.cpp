@@ -164,10 +164,38 @@ float* row_zero_of(const DispatchRun& run, const CpuPlanes& planes, const StripR
   const bool unbounded = std::find(strip.unbounded.begin(), strip.unbounded.end(), name) != strip.unbounded.end();
   const bool whole = strip_rows && (unbounded || !strip_rows->stored);
   const Plane* plane = whole ? find_whole(planes, run.info, name, strip_rows->version) : find_plane(planes, name);
+  // The first sample may be drawn whole, and its further samples in strips.
+  const bool of_whole_first = !name_in_first(planes, name).empty() && !planes.first->strip;
   return row_zero(const_cast<float*>(plane->data()), plane->stride,
-                  whole        ? 0
-                  : strip_rows ? strip_rows->first
-                               : planes.rows.begin);
+                  whole || of_whole_first ? 0
+                  : strip_rows            ? strip_rows->first
+                                          : planes.rows.begin);
+}
+
+void release_planes(const std::vector<std::string>& names, CpuPlanes& planes) {
+  if (planes.branches.any()) return;  // they share the planes
+  for (const std::string& name : names) {
+    const auto found = std::find(planes.image.names.begin(), planes.image.names.end(), name);
+    if (found == planes.image.names.end()) continue;
+    planes.image.planes.erase(planes.image.planes.begin() + (found - planes.image.names.begin()));
+    planes.image.names.erase(found);
+    planes.placed.erase(name);
+    planes.strip_rows.erase(name);
+    planes.released.insert(name);
+  }
+}
+
+void release_ended(const DispatchRun& run, CpuPlanes& planes) {
+  const auto uses = [](const Dispatch& dispatch, std::string_view name) {
+    const auto is_in = [&](const auto& names) { return std::find(names.begin(), names.end(), name) != names.end(); };
+    return is_in(dispatch.inputs) || is_in(dispatch.outputs);
+  };
+  std::vector<std::string> ended;
+  for (const std::string& name : planes.ending)
+    if (uses(run.dispatch, name) &&
+        std::none_of(run.later.begin(), run.later.end(), [&](const Dispatch* each) { return uses(*each, name); }))
+      ended.push_back(name);
+  release_planes(ended, planes);
 }
 
 int missing_strip_rows(const Frame& frame, const std::vector<std::string>& names, int around) {

@@ -44,6 +44,7 @@ struct CpuPlanes {
   Branches branches;
   std::shared_ptr<const TracedScene> traced;  ///< the captured scene; null for planes of the host
   std::set<std::string> released;             ///< names of planes that Device::release has freed
+  std::set<std::string> ending;               ///< names given to Device::release_in_run for the next run
   // For a strip:
   std::optional<Strip> strip;
   Rows rows;                                                 ///< rows of the picture in `image`
@@ -100,6 +101,12 @@ StripRun prepare_strip(const DispatchRun& run, CpuPlanes& planes, tbb::task_aren
 /// Returns the address of row 0 of the picture in a plane. For a plane that contains only the rows of a strip it may
 /// lie outside the memory of the plane.
 float* row_zero_of(const DispatchRun& run, const CpuPlanes& planes, const StripRun& strip, const std::string& name);
+
+/// Frees the planes of Device::release_in_run that this dispatch of the run was the last one to read or write.
+void release_ended(const DispatchRun& run, CpuPlanes& planes);
+
+/// See Device::release.
+void release_planes(const std::vector<std::string>& names, CpuPlanes& planes);
 
 /// See Device::missing_rows.
 int missing_strip_rows(const Frame& frame, const std::vector<std::string>& names, int around);

@@ -36,14 +36,21 @@ Result<RunState> run_dispatches(const Effect& effect, const ParameterBytes& para
   const PictureInfo info = layer_info(frame.info, layer);
   effect.constants(params, info, constants.data());
   const int rounds = effect.rounds && pixels != PixelSet::kMissing ? effect.rounds(params, info) : 1;
+  std::vector<const Dispatch*> dispatches;
+  std::vector<int> round_of;
   for (int round = 0; round < rounds; ++round)
     for (const Dispatch& dispatch : effect.dispatches) {
       if (dispatch.needed && !dispatch.needed(params)) continue;
       if (dispatch.first_round_only && round > 0) continue;
       if (!(pixels == PixelSet::kMissing ? dispatch.for_missing : dispatch.for_all)) continue;
-      auto done = run({effect, dispatch, params, constants, info, layer, round, pixels});
-      if (!done || !done->finished) return done;
+      dispatches.push_back(&dispatch);
+      round_of.push_back(round);
     }
+  for (std::size_t k = 0; k < dispatches.size(); ++k) {
+    auto done = run({effect, *dispatches[k], params, constants, info, layer, round_of[k], pixels,
+                     std::span(dispatches).subspan(k + 1)});
+    if (!done || !done->finished) return done;
+  }
   return RunState();
 }
 

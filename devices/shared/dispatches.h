@@ -23,6 +23,7 @@ struct DispatchRun {
   const PictureInfo& info;  ///< of the layer: see layer_info
   int layer = 0, round = 0;
   PixelSet pixels = PixelSet::kAll;
+  std::span<const Dispatch* const> later = {};  ///< dispatches of the same run that follow, in all rounds
 
   /// Returns the name that a plane of the dispatch has in the frame.
   std::string plane(std::string_view name) const;
