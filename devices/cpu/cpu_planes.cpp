@@ -183,6 +183,13 @@ void release_planes(const std::vector<std::string>& names, CpuPlanes& planes) {
     planes.strip_rows.erase(name);
     planes.released.insert(name);
   }
+  // Neutral planes are made again when they are read again.
+  std::erase_if(planes.neutral,
+                [&](const std::string& name) { return std::find(names.begin(), names.end(), name) != names.end(); });
+  std::erase_if(planes.constants, [&](const auto& constant) {
+    return std::none_of(planes.neutral.begin(), planes.neutral.end(),
+                        [&](const std::string& name) { return neutral_value(name) == constant.first; });
+  });
 }
 
 void release_ended(const DispatchRun& run, CpuPlanes& planes) {
