@@ -142,6 +142,27 @@ TEST(ReleasedPlanes, AreNotReadAsNeutralOnes) {
   EXPECT_THROW(run(*cpu, "composite", *frame), InternalError);
 }
 
+// The dispatches of `denoise` read normals one after the other, in several rounds: released before the last, they would
+// be read when they are gone.
+TEST(ReleasedPlanes, LastUntilTheEndOfTheirUseInARun) {
+  const auto cpu = make_cpu_device();
+  const auto shaded = [&](bool released) {
+    auto frame = cpu->upload(test::bumpy_gbuffer(24, 16, 5));
+    EXPECT_TRUE(frame);
+    EXPECT_TRUE(run(*cpu, "bitmask", *frame));
+    if (released) cpu->release_in_run(*frame, {"normal.x", "no such plane"});
+    EXPECT_TRUE(run(*cpu, "denoise", *frame));
+    return *frame;
+  };
+  const Frame kept = shaded(false), released = shaded(true);
+  EXPECT_TRUE(cpu->download(kept, {"normal.x"}));
+  EXPECT_FALSE(cpu->download(released, {"normal.x"}));
+  EXPECT_TRUE(cpu->download(released, {"normal.y"}));
+  const Image a = *cpu->download(kept, {"ao"}), b = *cpu->download(released, {"ao"});
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x) ASSERT_EQ(a.planes[0].at(x, y), b.planes[0].at(x, y)) << x << ", " << y;
+}
+
 TEST(Views, ReferToThePlanesOfTheFrame) {
   const auto cpu = make_cpu_device();
   GBuffer gbuffer = test::bumpy_gbuffer(24, 16, 5);
