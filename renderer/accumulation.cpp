@@ -42,6 +42,7 @@ glm::vec2 r2(int k) {
 }  // namespace
 
 glm::vec2 sample_offset(int sample, int count) {
+  if (sample >= count) return r2(sample);
   if (sample == 0 || count < 3) return sample == 0 ? glm::vec2(0.0f) : glm::vec2(0.5f, 0.5f) * 0.999f;
   glm::vec2 mean(0.0f);
   for (int k = 1; k < count; ++k) mean += r2(k) / float(count - 1);
@@ -68,11 +69,10 @@ void for_rows_on(int threads, int height, const Work& work) {
   arena.execute([&] { for_rows(height, work); });
 }
 
-/// Calls work(x0, x1) for the pixels of a row to which a picture is added: all of the first picture, and the marked
-/// ones of others.
+/// Calls work(x0, x1) for the pixels of a row to which a picture is added: all of a `whole` one, otherwise the marked.
 template <class Work>
-void for_added_pixels(const PictureSum& total, int y, int width, const Work& work) {
-  if (total.marks.width == 0 || total.count == 1) return work(0, width);
+void for_added_pixels(const PictureSum& total, bool whole, int y, int width, const Work& work) {
+  if (total.marks.width == 0 || whole) return work(0, width);
   const float* marks = total.marks.row(y);
   for (int x = 0; x < width; ++x) {
     const int begin = x;
@@ -81,9 +81,9 @@ void for_added_pixels(const PictureSum& total, int y, int width, const Work& wor
   }
 }
 
-/// Adds rows, one plane for each name.
+/// Adds rows, one plane for each name. `whole`: to all pixels, not only to the marked ones.
 void add_all(PictureSum& total, const std::vector<std::string>& names, std::span<const Plane* const> planes, int first,
-             int height) {
+             int height, bool whole) {
   const int width = planes.empty() ? total.sum.width : planes[0]->width;
   if (total.sum.planes.empty()) {
     total.sum = Image(width, height);
@@ -92,6 +92,7 @@ void add_all(PictureSum& total, const std::vector<std::string>& names, std::span
   if (total.sum.names != names || total.sum.width != width || total.sum.height != height)
     fail_check("pictures that are averaged must have the same planes");
   total.count += first == 0;
+  total.whole += first == 0 && whole;
   const auto find = [&](std::string_view name) {
     const auto found = std::find(names.begin(), names.end(), name);
     return found == names.end() ? nullptr : planes[std::size_t(found - names.begin())];
@@ -103,7 +104,7 @@ void add_all(PictureSum& total, const std::vector<std::string>& names, std::span
       const bool beauty = beauty_alpha && is_beauty(names[k]) && planes[k] != beauty_alpha;
       const float* in = planes[k]->row(y);
       float* out = total.sum.planes[k].row(first + y);
-      for_added_pixels(total, first + y, width, [&](int x0, int x1) {
+      for_added_pixels(total, whole, first + y, width, [&](int x0, int x1) {
         if (color)
           add_color(in + x0, alpha->row(y) + x0, x1 - x0, total.as_square_roots, out + x0);
         else
@@ -120,14 +121,14 @@ void add_picture(PictureSum& total, const Image& picture) { add_rows(total, pict
 
 void add_planes(PictureSum& total, const std::vector<std::string>& names, std::span<const Plane* const> planes,
                 int first, int height) {
-  if (!planes.empty() && planes[0]->height > 0) add_all(total, names, planes, first, height);
+  if (!planes.empty() && planes[0]->height > 0) add_all(total, names, planes, first, height, total.sum.planes.empty());
 }
 
 void add_rows(PictureSum& total, const Image& rows, int first, int height) {
   if (rows.height == 0) return;
   std::vector<const Plane*> planes;
   for (const Plane& plane : rows.planes) planes.push_back(&plane);
-  add_all(total, rows.names, planes, first, height);
+  add_all(total, rows.names, planes, first, height, true);
 }
 
 PictureSum rows_of(const PictureSum& total, int first, int count) {
@@ -149,6 +150,7 @@ namespace {
 /// Returns the mean of a plane of the sum. `mean`: that plane, or a copy.
 Plane mean_plane(const PictureSum& total, Plane mean) {
   const float count = float(total.count) / float(total.per_sample);
+  const float whole = float(total.whole) / float(total.per_sample);
   for_rows_on(total.threads, mean.height, [&](int y) {
     float* row = mean.row(y);
     if (total.marks.width == 0) {
@@ -156,7 +158,7 @@ Plane mean_plane(const PictureSum& total, Plane mean) {
       return;
     }
     const float* marks = total.marks.row(y);
-    for (int x = 0; x < mean.width; ++x) row[x] /= marks[x] > 0.0f ? count : 1.0f;
+    for (int x = 0; x < mean.width; ++x) row[x] /= marks[x] > 0.0f ? count : whole;
   });
   return mean;
 }

@@ -14,7 +14,7 @@ inline constexpr int kMaxAveragedPictures = 256;
 
 /// Returns the offset of the sample positions from the pixel centres for sample index `sample` of `count`, in pixels.
 /// The offsets are well distributed over (-0.5, 0.5)^2; their mean is 0 for `count` >= 3. Index 0 samples the centres.
-/// Based on [Roberts 2018], R2.
+/// Indices from `count` on continue the sequence without repeating. Based on [Roberts 2018], R2.
 glm::vec2 sample_offset(int sample, int count);
 
 /// Returns a camera whose pixel centres show the points that `camera` shows `offset` pixels to the right of and below
@@ -26,8 +26,9 @@ struct PictureSum {
   bool as_square_roots = false;  ///< the sum is of square roots of light, as in mixed_as_square_roots
   int per_sample = 1;            ///< number of pictures per sample, whose weights have the sum 1
   int threads = 1;               ///< number of threads to use
-  Plane marks = {};              ///< 1: pixels to which all pictures are added; others get only the first. Empty: all
+  Plane marks = {};              ///< 1: pixels to which all pictures are added; others get only whole ones. Empty: all
   int count = 0;                 ///< number of pictures
+  int whole = 0;                 ///< number of those that were added to all pixels
   Image sum;  ///< colour (or its square roots) times alpha; alpha; likewise beauty; the other planes unchanged
 };
 
@@ -35,7 +36,8 @@ struct PictureSum {
 /// same of beauty, which is premultiplied; and any other planes.
 void add_picture(PictureSum& total, const Image& picture);
 
-/// Adds rows of a picture with these planes, one for each name, as add_rows.
+/// Adds rows of a picture with these planes, one for each name, as add_rows. All but
+/// the first of them are added only at the marks, if there are any.
 void add_planes(PictureSum& total, const std::vector<std::string>& names, std::span<const Plane* const> planes,
                 int first, int height);
 

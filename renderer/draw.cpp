@@ -116,45 +116,122 @@ Result<void> add_further(Device& device, const Plan& plan, const Camera& camera,
   return {};
 }
 
-/// Draws the samples of a plan at the pixels that its first sample marks, and returns the frame of the first one with
-/// the average.
-Result<Drawn> draw_marked(Device& device, const Plan& planned, LookRun& run, const GetFrame& get_frame, bool in_strips,
-                          DrawProgress& progress, StageTimes& times) {
-  Plan plan = planned;
-  auto first = get_frame(plan, begin_picture(plan, {}), nullptr);
+/// The samples of a plan while they are drawn.
+struct Samples {
+  Plan plan;  ///< set to the current picture
+  LookRun run;
+  const GetFrame& get_frame;
+  const bool in_strips;  ///< get_frame can return strips of further samples
+  DrawProgress& progress;
+  StageTimes& times;
+  PictureSum sum;
+  BlendedSample blended = {};       ///< of sample 0 in the end
+  std::optional<Frame> first = {};  ///< the frame of sample 0, in the end
+};
+
+/// Draws the samples of a plan at the pixels that its first sample marks.
+Result<void> draw_marked(Device& device, Samples& s) {
+  auto first = s.get_frame(s.plan, begin_picture(s.plan, {}), nullptr);
   if (!first) return first.error();
-  run.settings = &plan.recipe.settings;
-  const auto done = run_look(run, device, *first);
+  const auto done = run_look(s.run, device, *first);
   if (!done) return done.error();
-  if (auto drawn = draw_lines(device, plan, *first, run.monitor, times); !drawn) return drawn.error();
-  progress.sample_done();
-  auto total = begin_sum(device, plan, *first);
-  if (!total) return total.error();
-  if (run.kept) device.release(*first, averaged_picture(plan));  // finish_average adds it again
-  run.stops = done->stops;
-  for (int sample = 1; sample < plan.recipe.frames; ++sample) {
-    Plan further = plan;
+  if (auto drawn = draw_lines(device, s.plan, *first, s.run.monitor, s.times); !drawn) return drawn.error();
+  s.progress.sample_done();
+  auto sum = begin_sum(device, s.plan, *first);
+  if (!sum) return sum.error();
+  s.sum = std::move(*sum);
+  if (s.run.kept) device.release(*first, averaged_picture(s.plan));  // finish_average adds it again
+  s.run.stops = done->stops;
+  for (int sample = 1; sample < s.plan.recipe.frames; ++sample) {
+    Plan further = s.plan;
     const Camera camera = begin_marked(further, sample);
-    const auto added = add_further(device, further, camera, run, get_frame, in_strips, *first, progress, *total);
-    if (!added) return added.error();
-    times.done("average");
-    progress.sample_done();
+    const auto added = add_further(device, further, camera, s.run, s.get_frame, s.in_strips, *first, s.progress, s.sum);
+    if (!added) return added;
+    s.times.done("average");
+    s.progress.sample_done();
   }
-  if (auto finished = finish_average(device, *total, plan, {}, *first); !finished) return finished.error();
-  times.done("average");
-  if (auto ended = progress.end(); !ended) return ended.error();
-  return Drawn{std::move(*first), run.stops};
+  s.first = std::move(*first);
+  return {};
+}
+
+/// Draws a picture of the plan, and adds it if there are several.
+Result<Frame> draw_picture(Device& device, const PictureIndex& index, BlendedSample& blended, Samples& s) {
+  const Camera camera = begin_picture(s.plan, index);
+  auto frame = s.get_frame(s.plan, camera, nullptr);
+  if (!frame) return frame;
+  if (auto added = add_sky(device, s.plan, *frame); !added) return added.error();
+  if (s.plan.recipe.hdri.shown()) s.times.done("sky");
+  const auto done = run_look(s.run, device, *frame);
+  if (!done) return done.error();
+  s.run.stops = done->stops;  // one exposure for all samples
+  if (!s.plan.averages()) return frame;
+  if (auto added = add_weighted(device, s.plan, *frame, blended, s.sum); !added) return added.error();
+  s.times.done("average");
+  if (auto drawn = draw_lines(device, s.plan, *frame, s.run.monitor, s.times); !drawn) return drawn.error();
+  if (index.blended && index.sample == 0) {
+    const auto lines = device.download(*frame, line_planes(s.plan));
+    if (!lines) return lines.error();
+    blended.take_lines(*lines, lines->names, 0, lines->height);
+  }
+  s.progress.sample_done();
+  return frame;
+}
+
+/// Draws all pixels of the samples of a plan.
+Result<void> draw_whole(Device& device, Samples& s) {
+  for (const PictureIndex& index : pictures_of(s.plan)) {
+    s.first.reset();  // its memory is reused
+    auto frame = draw_picture(device, index, s.blended, s);
+    if (!frame) return frame.error();
+    s.first = std::move(*frame);
+  }
+  return {};
+}
+
+/// Finishes the average so far in a copy, and passes it on.
+Result<void> give_mean(Device& device, const Samples& s, int samples, const Continuation& more) {
+  PictureSum sum = s.sum;
+  Frame mean = device.branch(*s.first);
+  if (auto finished = finish_average(device, sum, s.plan, s.blended, mean); !finished) return finished;
+  s.times.done("average");
+  return more.take_mean(mean, samples);
+}
+
+/// Draws further samples at all pixels while `more` wants them.
+Result<void> draw_further(Device& device, const Continuation& more, Samples& s) {
+  if (!s.plan.averages()) fail_check("a picture that is no average cannot get further samples");
+  int samples = s.plan.marked ? 1 : s.plan.recipe.frames;
+  s.plan.marked = false;
+  s.plan.capture.shadow_rays = s.plan.recipe.capture.shadow_rays;
+  for (int index = s.plan.recipe.frames;; ++index, ++samples) {
+    if (more.take_mean)
+      if (auto given = give_mean(device, s, samples, more); !given) return given;
+    if (!more.wants_another(samples) || samples >= kMaxProgressiveSamples) return {};
+    BlendedSample blended;
+    for (const bool in_front : {true, false})
+      if (s.plan.has_blended || !in_front)
+        if (auto frame = draw_picture(device, {index, in_front}, blended, s); !frame) return frame.error();
+  }
 }
 
 /// Draws all samples and averages them. `in_strips`: get_frame can return strips of further samples.
-Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& planned, const GetFrame& get_frame,
-                           bool in_strips, DrawProgress& progress, StageTimes& times, std::optional<float> stops) {
-  Plan plan = planned;  // each sample has its own noise
+Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& plan, const GetFrame& get_frame,
+                           bool in_strips, DrawProgress& progress, StageTimes& times, std::optional<float> stops,
+                           const Continuation& more = {}) {
   const ProgressMonitor step_monitor = progress.step_monitor();
   TracedScenePtr hierarchy;  // for the reference; built once for all samples
-  LookRun run = timed_look_run(plan.recipe, times, progress);
-  run.stops = stops;
-  run.run_external_effect = [&](const Effect&, const ParameterBytes& params, Frame& current) -> Result<void> {
+  Samples s{.plan = plan,
+            .run = timed_look_run(plan.recipe, times, progress),
+            .get_frame = get_frame,
+            .in_strips = in_strips,
+            .progress = progress,
+            .times = times,
+            .sum = {.as_square_roots = plan.recipe.look->averages_square_roots,
+                    .per_sample = plan.has_blended ? 2 : 1,
+                    .threads = device.threads()}};
+  s.run.settings = &s.plan.recipe.settings;  // each sample has its own noise
+  s.run.stops = stops;
+  s.run.run_external_effect = [&](const Effect&, const ParameterBytes& params, Frame& current) -> Result<void> {
     if (!hierarchy) {
       auto traced = build_traced_scene(scene, device.threads(), [&](double) { return step_monitor(0.0); });
       if (!traced) return traced.error();
@@ -163,45 +240,18 @@ Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& plann
     const auto planes = trace_reference(*hierarchy, current.info, params,
                                         {.threads = device.threads(),
                                          .progress = calling_thread_only(step_monitor),
-                                         .min_opacity = plan.capture.blended ? kMinOpacity : kOpaque});
+                                         .min_opacity = s.plan.capture.blended ? kMinOpacity : kOpaque});
     return planes ? device.add(*planes, current) : planes.error();
   };
-  if (plan.marked) return draw_marked(device, plan, run, get_frame, in_strips, progress, times);
-  PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots,
-                   .per_sample = plan.has_blended ? 2 : 1,
-                   .threads = device.threads()};
-  BlendedSample blended;
-  // The frame of the last picture, that of sample 0, is returned.
-  std::optional<Frame> last;
-  for (const PictureIndex& index : pictures_of(plan)) {
-    const Camera camera = begin_picture(plan, index);
-    last.reset();  // its memory is reused
-    auto frame = get_frame(plan, camera, nullptr);
-    if (!frame) return frame.error();
-    if (auto added = add_sky(device, plan, *frame); !added) return added.error();
-    if (plan.recipe.hdri.shown()) times.done("sky");
-    const auto done = run_look(run, device, *frame);
-    if (!done) return done.error();
-    run.stops = done->stops;  // one exposure for all samples
-    if (plan.averages()) {
-      if (auto added = add_weighted(device, plan, *frame, blended, total); !added) return added.error();
-      times.done("average");
-      if (auto drawn = draw_lines(device, plan, *frame, step_monitor, times); !drawn) return drawn.error();
-      if (index.blended && index.sample == 0) {
-        const auto lines = device.download(*frame, line_planes(plan));
-        if (!lines) return lines.error();
-        blended.take_lines(*lines, lines->names, 0, lines->height);
-      }
-      progress.sample_done();
-    }
-    last = std::move(*frame);
-  }
-  if (plan.averages()) {
-    if (auto finished = finish_average(device, total, plan, blended, *last); !finished) return finished.error();
+  if (auto drawn = s.plan.marked ? draw_marked(device, s) : draw_whole(device, s); !drawn) return drawn.error();
+  if (more.wants_another)
+    if (auto drawn = draw_further(device, more, s); !drawn) return drawn.error();
+  if (s.plan.averages()) {
+    if (auto finished = finish_average(device, s.sum, s.plan, s.blended, *s.first); !finished) return finished.error();
     times.done("average");
   }
   if (auto ended = progress.end(); !ended) return ended.error();
-  return Drawn{std::move(*last), run.stops};
+  return Drawn{std::move(*s.first), s.run.stops};
 }
 
 }  // namespace
@@ -214,7 +264,7 @@ Result<void> add_sky(Device& device, const Plan& plan, Frame& frame) {
 }
 
 Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
-                   const ProgressMonitor& monitor, std::optional<float> stops) {
+                   const ProgressMonitor& monitor, std::optional<float> stops, const Continuation& more) {
   const ScopedPlanePool pool_scope(device.pool());
   DrawProgress progress(monitor, 1 + effect_count(plan), plan.pictures());
   const ProgressMonitor step_monitor = progress.step_monitor();
@@ -224,7 +274,7 @@ Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTi
     progress.step_done();
     return frame;
   };
-  return draw_samples(device, scene, plan, captured, device.draws_strips(), progress, times, stops);
+  return draw_samples(device, scene, plan, captured, device.draws_strips(), progress, times, stops, more);
 }
 
 Result<Captures> capture(Device& device, const Plan& plan, StageTimes& times, const ProgressMonitor& monitor) {

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "renderer/plan.h"
+#include "renderer/progressive.h"
 #include "renderer/times.h"
 
 namespace umbrage {
@@ -14,9 +15,10 @@ struct Drawn {
 };
 
 /// Draws the scene for which the device is prepared: captures it and runs the look. `stops`: exposure of another
-/// picture, used in place of metering. Errors: kInterrupted; the errors of the device.
+/// picture, used in place of metering. `more` asks for samples beyond those of the plan, which must average several;
+/// the progress stays at 1 meanwhile. Errors: kInterrupted; the errors of the device and of more.take_mean.
 Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
-                   const ProgressMonitor& monitor = {}, std::optional<float> stops = {});
+                   const ProgressMonitor& monitor = {}, std::optional<float> stops = {}, const Continuation& more = {});
 
 /// The captured planes of a plan before any effect has run, one frame for each of pictures_of.
 using Captures = std::vector<Frame>;

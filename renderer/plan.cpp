@@ -266,7 +266,8 @@ Camera begin_picture(Plan& plan, const PictureIndex& picture) {
   plan.capture.blended = picture.blended;
   Recipe& recipe = plan.recipe;
   if (const Parameter* noise = noise_of(recipe); noise && plan.averages())
-    set_int(*noise, (plan.first_noise + frame) % kMaxAveragedPictures, params_of(recipe.settings, recipe.occlusion));
+    set_int(*noise, int((long(plan.first_noise) + frame) % (long(noise->max) + 1)),
+            params_of(recipe.settings, recipe.occlusion));
   return shifted_camera(plan.camera, sample_offset(frame, recipe.frames), recipe.width, recipe.height);
 }
 

@@ -202,9 +202,20 @@ Result<void> draw_frame(Drawing& all, const FrameTask& task, StageTimes& times) 
   const ScopedPlanePool kept(all.device.pool());
   constexpr float kWholeTurnDeg = 360.0f;
   const float angle_deg = kWholeTurnDeg * float(task.frame) / float(job.output.frames);
-  const auto drawn =
-      draw(all.device, all.scene, turned(all.plan, all.scene, angle_deg), times, task.monitor, all.stops);
+  const Plan plan = turned(all.plan, all.scene, angle_deg);
+  TimeLimit limit(o.time_s);
+  Continuation more;
+  ProgressMonitor monitor = task.monitor;
+  if (o.time_s > 0.0) {
+    more.wants_another = [&](int samples) { return limit.fits_another(samples); };
+    monitor = [&](double done) { return task.monitor(std::min(done, limit.elapsed() / limit.seconds())); };
+  }
+  const auto drawn = draw(all.device, all.scene, plan, times, monitor, all.stops, more);
   if (!drawn) return drawn.error();
+  if (o.time_s > 0.0 && o.verbose) {
+    task.wipe_progress();
+    fmt::print(stderr, "average of {} pictures in {:.2f} s\n", limit.samples(), limit.elapsed());
+  }
   const Frame& frame = drawn->frame;
   all.stops = drawn->stops;
   if (all.is_first) {
@@ -307,6 +318,19 @@ Result<void> choose_picture(RenderOptions& o) {
   return {};
 }
 
+/// Sets the number of pictures for --time: 4 at first, or more by quality or request. So edges are smooth if no others
+/// fit. Errors: kUsage.
+Result<void> choose_samples(RenderOptions& o) {
+  constexpr int kMinFrames = 4;
+  if (!(o.time_s > 0.0)) return {};
+  if (o.request.anti_aliasing == 1)
+    return usage_error("--anti-aliasing 1 draws one picture, and --time averages several: leave out one of them");
+  const auto recipe = make_recipe(o.request, kMaxStripPixels);
+  if (!recipe) return recipe.error();
+  if (!o.request.anti_aliasing) o.request.anti_aliasing = std::max(recipe->frames, kMinFrames);
+  return {};
+}
+
 /// Checks the options. Errors: kUsage; kFile for a file that cannot be written.
 Result<RenderJob> make_job(const RenderOptions& o) {
   RenderJob job;
@@ -340,6 +364,9 @@ Result<RenderJob> make_job(const RenderOptions& o) {
     reduce_to_planes(job.recipe, {besides.begin(), besides.end()});
   else
     reduce_to_passes(job.recipe, besides);
+  if (o.time_s > 0.0 && (job.lines.alone || job.recipe.frames == 1))
+    return usage_error("--time averages pictures, and {} are no averages: leave it out",
+                       job.lines.alone ? "lines" : "these --passes");
   if (output->is_video)
     if (auto fine = check_video(o.output, video_settings(o)); !fine) return fine.error();
   const auto import_with = import_settings(o.request);
@@ -379,6 +406,7 @@ Result<StripSizes> planned_strips(const RenderOptions& o, const RenderJob& job, 
                        o.memory, advice);
   };
   if (o.writes_only("all")) return too_large("--passes all", "name the passes, or raise --memory");
+  if (o.time_s > 0.0) return too_large("--time", "raise --memory, or lower --resolution");
   if (job.output.is_turntable) return too_large("--turntable", "raise --memory, or lower --resolution");
   return strips;
 }
@@ -412,6 +440,7 @@ Result<void> render(const RenderOptions& given) {
   RenderOptions o = given;
   choose_line_look(o);
   if (auto chosen = choose_picture(o); !chosen) return chosen;
+  if (auto chosen = choose_samples(o); !chosen) return chosen;
   StageTimes times;
   auto job = make_job(o);
   if (!job) return job.error();
@@ -459,6 +488,10 @@ Result<void> render(const RenderOptions& given) {
 void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   const auto [command, options] = add_model_command(app, run, "render", "draw a model to a file", kRender, render);
   for (const char* group : {"Technique", "Picture", "Light"}) add_group(*command, *options, kRender, group);
+  constexpr double kMaxTime = 7.0 * 24.0 * 3600.0;  // seconds
+  add_number(*command, "--time", options->time_s, {0.001, kMaxTime},
+             "seconds for drawing: adds pictures to the average while they fit", "none")
+      ->group("Picture");
   const auto output = "Output";
   command
       ->add_option("-o,--output", options->output,

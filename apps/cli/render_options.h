@@ -13,6 +13,7 @@ struct RenderOptions : CommonOptions {
   int turntable = 0;  ///< number of frames; 0: one picture
   SequenceOptions sequence;
   double frame_rate = 30.0;  ///< frames per second of a video
+  double time_s = 0.0;       ///< for drawing each picture, seconds; 0: only the samples of the quality
   bool half = false, json = false;
   int picture_quality = WriteSettings().quality;  ///< of .jpg and .webp, 1 to 100
 
