@@ -161,6 +161,12 @@ TEST_F(CliRefusals, RefusesValues) {
   bad_option("--bits 7", {"--bits", "'7'", "8 or 16"});
   bad_option("--bits many", {"--bits", "'many'", "8 or 16"});
   bad_option("--turntable 1.5", {"--turntable", "'1.5'", "an integer from 1 to 100000"});
+  for (const char* text : {"0", "-1", "nan", "inf", "long"})
+    bad_option(fmt::format("--time {}", text), {"--time", fmt::format("'{}'", text), "a number from 0.001 to 604800"});
+  bad_option("--time 1 --anti-aliasing 1", {"--anti-aliasing 1", "--time", "leave out one"});
+  bad_option("--time 1 --passes depth", {"--time", "--passes are no averages"});
+  bad("tri.obj --time 1 -o lines.svg", 2, {"--time", "lines are no averages"});
+  bad_option("--time 1 --memory 70M --resolution 2000", {"--time", "2000 x 2000", "raise --memory"});
   bad_option("--frame-rate 0", {"--frame-rate", "'0'", "a number from 0.1 to 1000"});
   for (const char* text : {"much", "0", "-1G", "1GB", "G", "inf"})
     bad_option(fmt::format("--memory {}", text), {"--memory", fmt::format("'{}'", text), "such as 6G"});

@@ -1,0 +1,179 @@
+// Progressive drawing: further samples continue the average of a plan, whatever asks for them.
+#include "renderer/progressive.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <set>
+
+#include "devices/cpu/cpu_device.h"
+#include "effects/traced/traced.h"
+#include "renderer/accumulation.h"
+#include "renderer/draw.h"
+#include "renderer/models.h"
+
+namespace umbrage {
+namespace {
+
+const std::vector<std::string> kPlanes = {"color.r", "color.g", "color.b", "color.a"};
+
+/// A scene that is drawn progressively on a number of threads.
+class Progressive {
+ public:
+  Progressive(const Request& request, int threads, const char* model = "scene:solids?detail=2000")
+      : device_(make_cpu_device({.threads = threads})), scene_(*load_scene(model)) {
+    const auto recipe = make_recipe(request);
+    EXPECT_TRUE(recipe) << recipe.error().message;
+    complete_scene(scene_, *recipe);
+    EXPECT_TRUE(device_->prepare(scene_));
+    plan = *make_plan(*recipe, scene_, device_->threads());
+  }
+
+  /// Returns the picture that has at least `samples` whole samples; 0: that of the plan. Appends each mean to `means`.
+  Image drawn(int samples, std::vector<Image>* means = nullptr) {
+    Continuation more;
+    if (samples > 0) more.wants_another = [&](int so_far) { return so_far < samples; };
+    if (means)
+      more.take_mean = [&](const Frame& mean, int) -> Result<void> {
+        means->push_back(*device_->download(mean, kPlanes));
+        return {};
+      };
+    StageTimes times;
+    const auto picture = draw(*device_, scene_, plan, times, {}, {}, more);
+    EXPECT_TRUE(picture) << picture.error().message;
+    return *device_->download(picture->frame, kPlanes);
+  }
+
+  Plan plan;
+
+ private:
+  std::unique_ptr<Device> device_;
+  Scene scene_;
+};
+
+bool same(const Image& a, const Image& b) {
+  for (const std::string& name : kPlanes)
+    for (int y = 0; y < a.height; ++y)
+      if (std::memcmp(a.plane(name).row(y), b.plane(name).row(y), std::size_t(a.width) * sizeof(float)) != 0)
+        return false;
+  return true;
+}
+
+Request small(const char* look, const char* technique, int frames) {
+  Request request{.look = look, .occlusion = technique, .width = 64, .height = 48};
+  request.anti_aliasing = frames;
+  return request;
+}
+
+void expect_continues(const Request& request, bool marked) {
+  SCOPED_TRACE(request.look + " " + request.occlusion);
+  Progressive one(request, 1), two(request, 2);
+  EXPECT_EQ(one.plan.marked, marked);
+  const int begin = marked ? 1 : *request.anti_aliasing;
+  const Image plain = one.drawn(0);
+  EXPECT_TRUE(same(one.drawn(begin), plain));
+  std::vector<Image> means;
+  const Image longest = one.drawn(begin + 3, &means);
+  EXPECT_TRUE(same(two.drawn(begin + 3), longest));
+  ASSERT_EQ(means.size(), 4u);
+  EXPECT_TRUE(same(means[0], plain));
+  EXPECT_FALSE(same(means[1], means[2]));
+  EXPECT_TRUE(same(means[2], one.drawn(begin + 2)));
+  EXPECT_TRUE(same(means[3], longest));
+}
+
+TEST(Progressive, ContinuesWholeSamples) {
+  expect_continues(small("ao", "bitmask", 2), false);
+  expect_continues(small("cartoon", "bitmask", 3), false);
+}
+
+TEST(Progressive, ContinuesMarkedSamples) { expect_continues(small("studio", "traced", 4), true); }
+
+TEST(Progressive, ReachesTheMeanOfAsManyWholeSamples) {
+  // Marked samples are soon few among the whole ones.
+  Request request = small("lit", "none", 4);
+  const Image fast = Progressive(request, 2).drawn(40);
+  request.anti_aliasing = 40;
+  Progressive whole(request, 2);
+  whole.plan.marked = false;
+  const Image all = whole.drawn(0);
+  Progressive four(small("lit", "none", 4), 2);
+  const Image first = four.drawn(0);
+  double error = 0.0, first_error = 0.0;
+  for (int y = 0; y < all.height; ++y)
+    for (int x = 0; x < all.width; ++x) {
+      const float expected = all.plane("color.g").at(x, y);
+      error += std::abs(fast.plane("color.g").at(x, y) - expected);
+      first_error += std::abs(first.plane("color.g").at(x, y) - expected);
+    }
+  EXPECT_LT(error, 0.5 * first_error);
+}
+
+TEST(Progressive, DividesEachPixelByItsPictures) {
+  PictureSum total;
+  total.marks = Plane(2, 1, 0.0f);
+  total.marks.at(1, 0) = 1.0f;
+  const auto picture = [](float value) {
+    Image image(2, 1);
+    image.add("ao") = Plane(2, 1, value);
+    return image;
+  };
+  const auto add_marked = [&](float value) {
+    const Image image = picture(value);
+    const Plane* plane = image.planes.data();
+    add_planes(total, image.names, std::span(&plane, 1));
+  };
+  add_marked(1.0f);  // the first: everywhere
+  add_marked(3.0f);
+  add_picture(total, picture(5.0f));
+  const std::vector<std::string> names = {"ao"};
+  EXPECT_EQ(mean_planes(total, names).plane("ao").at(0, 0), 3.0f);  // (1 + 5) / 2
+  EXPECT_EQ(mean_planes(total, names).plane("ao").at(1, 0), 3.0f);  // (1 + 3 + 5) / 3
+  add_picture(total, picture(9.0f));
+  EXPECT_EQ(mean_planes(total, names).plane("ao").at(0, 0), 5.0f);
+  EXPECT_EQ(mean_planes(total, names).plane("ao").at(1, 0), 4.5f);
+}
+
+TEST(Progressive, NeverRepeatsPositionsOrNoise) {
+  Progressive picture(small("ao", "traced", 4), 1);
+  std::set<std::pair<float, float>> positions;
+  std::set<int> noises;
+  constexpr int kSamples = 1000;
+  glm::vec2 mean(0.0f);
+  for (int k = 0; k < kSamples; ++k) {
+    begin_picture(picture.plan, {.sample = k});
+    noises.insert(as<TracedParams>(params_of(picture.plan.recipe.settings, "traced")).sample_index);
+    const glm::vec2 offset = sample_offset(k, 4);
+    positions.insert({offset.x, offset.y});
+    mean += offset / float(kSamples);
+    if (k >= 4) EXPECT_EQ(offset, sample_offset(k, 3)) << "further positions do not depend on the first";
+  }
+  EXPECT_EQ(positions.size(), std::size_t(kSamples));
+  EXPECT_EQ(noises.size(), std::size_t(kSamples));
+  EXPECT_LT(glm::max(std::abs(mean.x), std::abs(mean.y)), 0.005f);
+}
+
+TEST(TimeLimit, StopsBeforeAPictureThatWouldNotFit) {
+  double now = 100.0;
+  TimeLimit limit(10.0, [&] { return now; });
+  now += 4.0;
+  EXPECT_TRUE(limit.fits_another(4));  // four took 4 s: 5 s with another
+  now += 3.0;
+  EXPECT_TRUE(limit.fits_another(5));  // 7 + 3
+  now += 1.0;
+  EXPECT_FALSE(limit.fits_another(6));  // 8 + the upper median of 1 and 3
+  EXPECT_EQ(limit.samples(), 6);
+  EXPECT_EQ(limit.elapsed(), 8.0);
+  now += 0.5;
+  EXPECT_TRUE(limit.fits_another(7));  // 8.5 + the median 1
+}
+
+TEST(TimeLimit, EndsAtOnceIfThePlanTookLonger) {
+  double now = 0.0;
+  TimeLimit limit(1.0, [&] { return now; });
+  now = 3.0;
+  EXPECT_FALSE(limit.fits_another(4));
+}
+
+}  // namespace
+}  // namespace umbrage
