@@ -186,6 +186,17 @@ TEST_F(Cli, BackgroundOptionsApply) {
   EXPECT_EQ(none.plane("color.a").at(32, 32), 1.0f);
 }
 
+TEST_F(Cli, TimeDrawsThePicturesOfTheQualityAtLeast) {
+  const std::string line = "tri.obj" + kSmall + " --quality high -o ";
+  good(line + "plain.png");
+  const auto done = run(line + "short.png --time 0.001 --verbose");
+  EXPECT_EQ(done.code, 0);
+  EXPECT_NE(done.err.find("pictures averaged: "), std::string::npos) << done.err;
+  EXPECT_EQ(text_of(folder_ / "short.png"), text_of(folder_ / "plain.png"));
+  good(line + "long.png --time 0.5");
+  EXPECT_NE(text_of(folder_ / "long.png"), text_of(folder_ / "plain.png"));
+}
+
 TEST_F(Cli, OptionsChangeThePicture) {
   const std::string line = "tri.obj" + kSmall + " --passes depth,ao,color -o ";
   good(line + "plain.exr");

@@ -214,7 +214,8 @@ Result<void> draw_frame(Drawing& all, const FrameTask& task, StageTimes& times) 
   if (!drawn) return drawn.error();
   if (o.time_s > 0.0 && o.verbose) {
     task.wipe_progress();
-    fmt::print(stderr, "average of {} pictures in {:.2f} s\n", limit.samples(), limit.elapsed());
+    const std::string at_edges = plan.marked ? fmt::format(", and {} more at edges", plan.recipe.frames - 1) : "";
+    fmt::print(stderr, "pictures averaged: {}{}, in {:.2f} s\n", limit.samples(), at_edges, limit.elapsed());
   }
   const Frame& frame = drawn->frame;
   all.stops = drawn->stops;
