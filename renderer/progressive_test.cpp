@@ -121,7 +121,7 @@ TEST(Progressive, DividesEachPixelByItsPictures) {
   const auto add_marked = [&](float value) {
     const Image image = picture(value);
     const Plane* plane = image.planes.data();
-    add_planes(total, image.names, std::span(&plane, 1));
+    add_planes(total, image.names, std::span(&plane, 1), 0, 1);
   };
   add_marked(1.0f);  // the first: everywhere
   add_marked(3.0f);
