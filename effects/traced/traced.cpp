@@ -54,7 +54,7 @@ constexpr float kNear = 4.0f / 6.0f, kFar = 1.0f / 6.0f;
 // Light needs a wider round than visibility: few rays find a small bright surface. It does not depend on the
 // visibility: its deviation is larger where much light arrives, so that these pixels would take from darker ones more
 // than they give.
-constexpr Level kLight8{3, 0.0f, 1.0f, 0.0f, true};
+constexpr Level kLight8{3, 0.0f, kNear, 0.0f, true};
 
 /// Returns the rounds for a number of rays: the fewer, the wider the filter. Rounds with steps of 2 and 4 pixels do not
 /// mix odd and even pixels; the round with step 1 after them does.
