@@ -19,6 +19,7 @@ namespace umbrage {
 namespace {
 
 constexpr double kMaxRays = 64;
+constexpr int kFurtherRays = 1 << 28;  // above all other indices of rays
 constexpr float kDistancePx = 1.0f, kAngleDeg = 25.0f;  // as in `denoise`
 
 const std::vector<Parameter> kTable = {
@@ -68,8 +69,12 @@ void fill_constants(const TracedParams& params, const PictureInfo&, TracedConsta
   c.rays = params.rays;
   c.max_rays = float(params.max_rays);
   c.normal = params.normal;
-  // Interleaved gradient noise moved by 5.588238 pixels in both directions for each index.
-  c.shift = int(0x685bb218u * std::uint32_t(params.sample_index));
+  // Further samples continue the sequence of a pixel, so that no ray is repeated. Rays that only some pixels have
+  // continue at kFurtherRays.
+  c.own_rays = std::min(int(std::ceil(params.rays)), params.max_rays);
+  const int before = params.sample_index - 1;  // samples after the first one and before this one
+  c.first_ray = before < 0 ? 0 : params.max_rays + before * c.own_rays;
+  c.first_further_ray = before < 0 ? 0 : kFurtherRays + before * (params.max_rays - c.own_rays);
   c.dither = float(std::fmod(0.6180339887498949 * params.sample_index, 1.0));
   c.distance = kDistancePx;
   c.turn = float(1.0 / (1.0 - std::cos(kAngleDeg * std::numbers::pi / 180.0)));

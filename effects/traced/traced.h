@@ -25,7 +25,9 @@ struct TracedConstants {
   float rays;
   float max_rays;
   int normal;                          // as in TracedParams
-  int shift;                           // of the noise, for the sample index, in units of 2^-32
+  int own_rays;                        // max number of rays of a pixel with all neighbours on its surface
+  int first_ray;                       // ray k of a pixel has the index first_ray + k in its sequence,
+  int first_further_ray;               // or first_further_ray + k from k = own_rays on
   float dither;                        // what the sample index adds to the dither threshold, [0, 1)
   float distance;                      // max distance of a pixel from another's plane at full weight, pixels
   float turn;                          // 1 / (1 - cos(max angle between normals at full weight))

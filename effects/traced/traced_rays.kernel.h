@@ -12,7 +12,7 @@ OUT_VECTOR(ray)
 // Interleaved gradient noise is the fraction of 52.9829189 times that of 0.06711056 x + 0.00583715 y. All are in units
 // of 2^-32 here.
 FN Uint gradient_noise(Int px, Int py) {
-  Uint inner = to_uint(px) * Uint(0x112e285cu) + to_uint(py) * Uint(0x017e8b20u) + to_uint(Int(C.shift));
+  Uint inner = to_uint(px) * Uint(0x112e285cu) + to_uint(py) * Uint(0x017e8b20u);
   return inner * Uint(52u) + (inner >> 16) * Uint(0xfba1u);
 }
 
@@ -67,8 +67,9 @@ FN void traced_rays_pixel(Int px, Int py) {
   Bool traced = size > 0.0f && Real(float(F.round)) < ray_count(px, py);
   Vec3 ray = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
   if (some(traced)) {
-    Uint step = Uint(0xc13fa9a9u) * to_uint(Int(F.round));
-    Uint other_step = Uint(0x91e10da6u) * to_uint(Int(F.round));
+    Uint index = to_uint(Int(F.round + (F.round < C.own_rays ? C.first_ray : C.first_further_ray)));
+    Uint step = Uint(0xc13fa9a9u) * index;
+    Uint other_step = Uint(0x91e10da6u) * index;
     Real u = unit_real(gradient_noise(px, py) + step);
     Real v = unit_real(gradient_noise(py + Int(47), px + Int(17)) + other_step);
     axis = axis * (Real(1.0f) / max(size, Real(1e-37f)));
