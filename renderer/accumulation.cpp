@@ -124,6 +124,19 @@ void add_planes(PictureSum& total, const std::vector<std::string>& names, std::s
   if (!planes.empty() && planes[0]->height > 0) add_all(total, names, planes, first, height, total.sum.planes.empty());
 }
 
+void count_as_one(PictureSum& total) {
+  if (total.count == total.whole) return;
+  const float scale = float(total.whole) / float(total.count);
+  for (Plane& plane : total.sum.planes)
+    for_rows_on(total.threads, plane.height, [&](int y) {
+      const float* marks = total.marks.row(y);
+      float* row = plane.row(y);
+      for (int x = 0; x < plane.width; ++x)
+        if (marks[x] > 0.0f) row[x] *= scale;
+    });
+  total.count = total.whole;
+}
+
 void add_rows(PictureSum& total, const Image& rows, int first, int height) {
   if (rows.height == 0) return;
   std::vector<const Plane*> planes;

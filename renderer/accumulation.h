@@ -36,8 +36,12 @@ struct PictureSum {
 /// same of beauty, which is premultiplied; and any other planes.
 void add_picture(PictureSum& total, const Image& picture);
 
-/// Adds rows of a picture with these planes, one for each name, as add_rows. All but
-/// the first of them are added only at the marks, if there are any.
+/// Makes one picture of those that were added, where some were added at the marks only: pixels beside the marks have
+/// one picture then, and those at the marks the mean of theirs. Further pictures weigh alike at all pixels.
+void count_as_one(PictureSum& total);
+
+/// Adds rows of a picture with these planes, one for each name, as add_rows. The first picture is added to all pixels,
+/// others only at the marks, if there are any.
 void add_planes(PictureSum& total, const std::vector<std::string>& names, std::span<const Plane* const> planes,
                 int first, int height);
 

@@ -39,18 +39,22 @@ class DrawProgress {
     return [this](double fraction) { return report(fraction); };
   }
   void step_done() { ++step_; }
-  /// Reports that a fraction of the sample is done.
-  void part_done(double fraction) { step_ = int(fraction * steps_); }
+  /// The steps that follow are those of a part of the sample, from one fraction of it to another.
+  void begin_part(double begin, double end) {
+    part_begin_ = begin;
+    part_size_ = end - begin;
+    step_ = 0;
+  }
   void sample_done() {
     ++sample_;
-    step_ = 0;
+    begin_part(0.0, 1.0);
   }
   /// Reports that all is drawn. Errors: kInterrupted.
   Result<void> end() const { return !monitor_ || monitor_(1.0) ? Result<void>() : interrupted(); }
 
  private:
   bool report(double fraction) {
-    const double of_sample = std::min((step_ + fraction) / steps_, 1.0);
+    const double of_sample = part_begin_ + part_size_ * std::min((step_ + fraction) / steps_, 1.0);
     // An effect of several dispatches or on several layers restarts at 0 for each; reported progress never decreases.
     reported_ = std::max(reported_, std::min((sample_ + of_sample) / samples_, 1.0));
     return !monitor_ || monitor_(reported_);
@@ -60,6 +64,7 @@ class DrawProgress {
   const double steps_;
   const int samples_;
   int step_ = 0, sample_ = 0;
+  double part_begin_ = 0.0, part_size_ = 1.0;  // fractions of a sample
   double reported_ = 0.0;
 };
 
@@ -98,20 +103,23 @@ Result<void> add_weighted(Device& device, const Plan& plan, const Frame& frame, 
 /// device can, unless it is captured already: then its planes take little memory beside those of the first sample.
 Result<void> add_further(Device& device, const Plan& plan, const Camera& camera, const LookRun& run,
                          const GetFrame& get_frame, bool in_strips, const Frame& first, DrawProgress& progress,
-                         PictureSum& total) {
-  constexpr int kMinStrips = 8, kMaxPixelsOfStrip = 1 << 19, kMinRows = 64;
+                         StageTimes& times, PictureSum& total) {
+  constexpr int kStrips = 8;               // in most pictures: an eighth of the memory of a frame
+  constexpr int kPixelsOfStrip = 1 << 19;  // in large pictures: memory that is small beside that of the program
+  constexpr int kRowStep = 64;             // strips have at least so many rows: those beside them are captured twice
   const int height = first.info.height;
-  const int max_rows = std::min(height / kMinStrips, kMaxPixelsOfStrip / first.info.width);
-  const int rows = in_strips ? std::max(max_rows / kMinRows, 1) * kMinRows : height;
+  const int wanted_rows = std::min(height / kStrips, kPixelsOfStrip / first.info.width);
+  const int rows = in_strips ? std::max(wanted_rows / kRowStep, 1) * kRowStep : height;
   for (int begin = 0; begin < height; begin += rows) {
     Plan part = plan;
     const int end = std::min(begin + rows, height);
+    progress.begin_part(double(begin) / height, double(end) / height);
     if (rows < height) part.capture.strip = Strip{{begin, end}, 0, std::make_shared<WholePlanes>()};
     auto frame = get_frame(part, camera, &first);
     if (!frame) return frame.error();
     if (auto shaded = shade_marked(device, part, run, first, *frame); !shaded) return shaded;
     if (auto added = add_marked(device, part, *frame, total); !added) return added;
-    progress.part_done(double(end) / height);
+    times.done("average");
   }
   return {};
 }
@@ -145,9 +153,9 @@ Result<void> draw_marked(Device& device, Samples& s) {
   for (int sample = 1; sample < s.plan.recipe.frames; ++sample) {
     Plan further = s.plan;
     const Camera camera = begin_marked(further, sample);
-    const auto added = add_further(device, further, camera, s.run, s.get_frame, s.in_strips, *first, s.progress, s.sum);
+    const auto added =
+        add_further(device, further, camera, s.run, s.get_frame, s.in_strips, *first, s.progress, s.times, s.sum);
     if (!added) return added;
-    s.times.done("average");
     s.progress.sample_done();
   }
   s.first = std::move(*first);
@@ -199,7 +207,7 @@ Result<void> give_mean(Device& device, const Samples& s, int samples, const Cont
 
 /// Draws further samples at all pixels while `more` wants them.
 Result<void> draw_further(Device& device, const Continuation& more, Samples& s) {
-  if (!s.plan.averages()) fail_check("a picture that is no average cannot get further samples");
+  if (!s.plan.averages()) fail_check("further samples of a plan with one picture");
   int samples = s.plan.marked ? 1 : s.plan.recipe.frames;
   s.plan.marked = false;
   s.plan.capture.shadow_rays = s.plan.recipe.capture.shadow_rays;
@@ -207,6 +215,7 @@ Result<void> draw_further(Device& device, const Continuation& more, Samples& s) 
     if (more.take_mean)
       if (auto given = give_mean(device, s, samples, more); !given) return given;
     if (!more.wants_another(samples) || samples >= kMaxProgressiveSamples) return {};
+    count_as_one(s.sum);
     BlendedSample blended;
     for (const bool in_front : {true, false})
       if (s.plan.has_blended || !in_front)

@@ -15,8 +15,8 @@ struct Drawn {
 };
 
 /// Draws the scene for which the device is prepared: captures it and runs the look. `stops`: exposure of another
-/// picture, used in place of metering. `more` asks for samples beyond those of the plan, which must average several;
-/// the progress stays at 1 meanwhile. Errors: kInterrupted; the errors of the device and of more.take_mean.
+/// picture, used in place of metering. `more` asks for samples beyond those of the plan, which must then average
+/// several; the progress stays at 1 meanwhile. Errors: kInterrupted; the errors of the device and of more.take_mean.
 Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
                    const ProgressMonitor& monitor = {}, std::optional<float> stops = {}, const Continuation& more = {});
 

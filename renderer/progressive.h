@@ -9,7 +9,7 @@
 
 namespace umbrage {
 
-/// Max number of samples that are added to all pixels; more than this, rounding would outweigh the noise.
+/// Max number of samples that are added to all pixels: with more, a picture would not change visibly.
 inline constexpr int kMaxProgressiveSamples = 4096;
 
 /// What asks for further samples. `samples`: number of samples in the average that were drawn at all pixels: 1 after
@@ -34,7 +34,7 @@ class TimeLimit {
   explicit TimeLimit(double seconds, Clock clock = steady_clock);
 
   /// As Continuation::wants_another. A sample is expected to take as long as the median of the further ones so far; the
-  /// first of them, as long as the samples of the plan took on average.
+  /// first of them, as long as the samples of the plan took on average, or together if all but one were marked samples.
   bool fits_another(int samples);
 
   double seconds() const { return seconds_; }

@@ -14,6 +14,7 @@
 #include "apps/cli/picture_file.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/render_options.h"
+#include "apps/cli/render_time.h"
 #include "apps/cli/standard_input.h"
 #include "apps/cli/video.h"
 #include "core/guarded.h"
@@ -203,19 +204,12 @@ Result<void> draw_frame(Drawing& all, const FrameTask& task, StageTimes& times) 
   constexpr float kWholeTurnDeg = 360.0f;
   const float angle_deg = kWholeTurnDeg * float(task.frame) / float(job.output.frames);
   const Plan plan = turned(all.plan, all.scene, angle_deg);
-  TimeLimit limit(o.time_s);
-  Continuation more;
-  ProgressMonitor monitor = task.monitor;
-  if (o.time_s > 0.0) {
-    more.wants_another = [&](int samples) { return limit.fits_another(samples); };
-    monitor = [&](double done) { return task.monitor(std::min(done, limit.elapsed() / limit.seconds())); };
-  }
-  const auto drawn = draw(all.device, all.scene, plan, times, monitor, all.stops, more);
+  TimedSamples timed(o.time_s, task.monitor);
+  const auto drawn = draw(all.device, all.scene, plan, times, timed.monitor(), all.stops, timed.continuation());
   if (!drawn) return drawn.error();
   if (o.time_s > 0.0 && o.verbose) {
     task.wipe_progress();
-    const std::string at_edges = plan.marked ? fmt::format(", and {} more at edges", plan.recipe.frames - 1) : "";
-    fmt::print(stderr, "pictures averaged: {}{}, in {:.2f} s\n", limit.samples(), at_edges, limit.elapsed());
+    fmt::print(stderr, "{}\n", timed.summary(plan));
   }
   const Frame& frame = drawn->frame;
   all.stops = drawn->stops;
@@ -319,19 +313,6 @@ Result<void> choose_picture(RenderOptions& o) {
   return {};
 }
 
-/// Sets the number of pictures for --time: 4 at first, or more by quality or request. So edges are smooth if no others
-/// fit. Errors: kUsage.
-Result<void> choose_samples(RenderOptions& o) {
-  constexpr int kMinFrames = 4;
-  if (!(o.time_s > 0.0)) return {};
-  if (o.request.anti_aliasing == 1)
-    return usage_error("--anti-aliasing 1 draws one picture, and --time averages several: leave out one of them");
-  const auto recipe = make_recipe(o.request, kMaxStripPixels);
-  if (!recipe) return recipe.error();
-  if (!o.request.anti_aliasing) o.request.anti_aliasing = std::max(recipe->frames, kMinFrames);
-  return {};
-}
-
 /// Checks the options. Errors: kUsage; kFile for a file that cannot be written.
 Result<RenderJob> make_job(const RenderOptions& o) {
   RenderJob job;
@@ -366,7 +347,7 @@ Result<RenderJob> make_job(const RenderOptions& o) {
   else
     reduce_to_passes(job.recipe, besides);
   if (o.time_s > 0.0 && (job.lines.alone || job.recipe.frames == 1))
-    return usage_error("--time averages pictures, and {} are no averages: leave it out",
+    return usage_error("--time averages several pictures, but {} are not averaged: leave out --time",
                        job.lines.alone ? "lines" : "these --passes");
   if (output->is_video)
     if (auto fine = check_video(o.output, video_settings(o)); !fine) return fine.error();
@@ -489,8 +470,8 @@ Result<void> render(const RenderOptions& given) {
 void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   const auto [command, options] = add_model_command(app, run, "render", "draw a model to a file", kRender, render);
   for (const char* group : {"Technique", "Picture", "Light"}) add_group(*command, *options, kRender, group);
-  constexpr double kMaxTime = 7.0 * 24.0 * 3600.0;  // seconds
-  add_number(*command, "--time", options->time_s, {0.001, kMaxTime},
+  constexpr double kMinTime_s = 0.001, kMaxTime_s = 7.0 * 24.0 * 3600.0;
+  add_number(*command, "--time", options->time_s, {kMinTime_s, kMaxTime_s},
              "seconds for drawing: adds pictures to the average while they fit", "none")
       ->group("Picture");
   const auto output = "Output";

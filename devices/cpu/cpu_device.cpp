@@ -151,13 +151,12 @@ class CpuDevice final : public Device {
   Result<RunState> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer, PixelSet pixels,
                        const ProgressMonitor& monitor) override {
     cpu_planes(frame).branches.check_none();
-    auto done = run_dispatches(effect, params, frame, layer, pixels, [&](const DispatchRun& dispatch) {
+    const std::set<std::string> ending = std::exchange(cpu_planes(frame).ending, {});
+    return run_dispatches(effect, params, frame, layer, pixels, [&](const DispatchRun& dispatch) {
       auto state = run_dispatch(dispatch, cpu_planes(frame), monitor);
-      if (state && state->finished) release_ended(dispatch, cpu_planes(frame));
+      if (state && state->finished) release_ended(dispatch, ending, cpu_planes(frame));
       return state;
     });
-    cpu_planes(frame).ending.clear();
-    return done;
   }
 
   void release(Frame& frame, const std::vector<std::string>& names) override {

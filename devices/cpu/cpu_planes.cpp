@@ -192,13 +192,13 @@ void release_planes(const std::vector<std::string>& names, CpuPlanes& planes) {
   });
 }
 
-void release_ended(const DispatchRun& run, CpuPlanes& planes) {
+void release_ended(const DispatchRun& run, const std::set<std::string>& ending, CpuPlanes& planes) {
   const auto uses = [](const Dispatch& dispatch, std::string_view name) {
     const auto is_in = [&](const auto& names) { return std::find(names.begin(), names.end(), name) != names.end(); };
     return is_in(dispatch.inputs) || is_in(dispatch.outputs);
   };
   std::vector<std::string> ended;
-  for (const std::string& name : planes.ending)
+  for (const std::string& name : ending)
     if (uses(run.dispatch, name) &&
         std::none_of(run.later.begin(), run.later.end(), [&](const Dispatch* each) { return uses(*each, name); }))
       ended.push_back(name);

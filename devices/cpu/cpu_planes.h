@@ -103,7 +103,7 @@ StripRun prepare_strip(const DispatchRun& run, CpuPlanes& planes, tbb::task_aren
 float* row_zero_of(const DispatchRun& run, const CpuPlanes& planes, const StripRun& strip, const std::string& name);
 
 /// Frees the planes of Device::release_in_run that this dispatch of the run was the last one to read or write.
-void release_ended(const DispatchRun& run, CpuPlanes& planes);
+void release_ended(const DispatchRun& run, const std::set<std::string>& ending, CpuPlanes& planes);
 
 /// See Device::release.
 void release_planes(const std::vector<std::string>& names, CpuPlanes& planes);

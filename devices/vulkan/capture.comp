@@ -162,13 +162,13 @@ bool reaches_light(Receiver r, int light, bool soft, vec2 disc_place) {
 // Returns the unblocked fraction of a light. All pixels of the workgroup must call it together.
 float shadow_of(Receiver r, bool is_hit, int light, int k) {
   int rays = C.light_rays[light], block = r.block;
-  int first_points = C.sample_index * rays;
-  bool counts_first = rays == 2;  // the first of two rays takes the place of the ray to the border
+  int first_ray = C.sample_index * rays;
+  bool keeps_first = rays == 2;  // the first of two rays takes the place of the ray to the border
   float lit = 0.0f;
   bool partly_lit = rays > 0;
   if (rays != 1) {
-    int points = counts_first ? first_points % kCaptureDiscPoints : kCaptureDiscPoints;
-    if (is_hit && reaches_light(r, light, rays > 0, disc_point(points, k))) lit = 1.0f;
+    int ray = keeps_first ? first_ray % kCaptureDiscPoints : kCaptureDiscPoints;
+    if (is_hit && reaches_light(r, light, rays > 0, disc_point(ray, k))) lit = 1.0f;
     barrier();
     if (k == 0) block_pixels[block] = block_lit[block] = 0;
     barrier();
@@ -178,9 +178,9 @@ float shadow_of(Receiver r, bool is_hit, int light, int k) {
     partly_lit = partly_lit && block_lit[block] != 0 && block_lit[block] != block_pixels[block];
   }
   if (!partly_lit || !is_hit) return lit;
-  if (!counts_first) lit = 0.0f;
-  for (int ray = counts_first ? 1 : 0; ray < rays; ++ray)
-    if (reaches_light(r, light, true, disc_point((ray + first_points) % kCaptureDiscPoints, k))) lit += 1.0f;
+  if (!keeps_first) lit = 0.0f;
+  for (int ray = keeps_first ? 1 : 0; ray < rays; ++ray)
+    if (reaches_light(r, light, true, disc_point((ray + first_ray) % kCaptureDiscPoints, k))) lit += 1.0f;
   return lit / float(rays);
 }
 

@@ -19,7 +19,7 @@ namespace umbrage {
 namespace {
 
 constexpr double kMaxRays = 64;
-constexpr int kFurtherRays = 1 << 28;  // above all other indices of rays
+constexpr int kFurtherRays = 1 << 28;                   // above all other indices of rays
 constexpr float kDistancePx = 1.0f, kAngleDeg = 25.0f;  // as in `denoise`
 
 const std::vector<Parameter> kTable = {
@@ -69,8 +69,8 @@ void fill_constants(const TracedParams& params, const PictureInfo&, TracedConsta
   c.rays = params.rays;
   c.max_rays = float(params.max_rays);
   c.normal = params.normal;
-  // Further samples continue the sequence of a pixel, so that no ray is repeated. Rays that only some pixels have
-  // continue at kFurtherRays.
+  // Further samples continue the sequence of a pixel, so that no ray is repeated. Rays beyond own_rays, which
+  // only some pixels have, continue at kFurtherRays.
   c.own_rays = std::min(int(std::ceil(params.rays)), params.max_rays);
   const int before = params.sample_index - 1;  // samples after the first one and before this one
   c.first_ray = before < 0 ? 0 : params.max_rays + before * c.own_rays;
@@ -116,11 +116,12 @@ int rounds(const ParameterBytes& bytes, const PictureInfo& info) {
   return constants.rounds;
 }
 
-/// Return Dispatch::reach.
+// Dispatch::reach of the filter along columns, the joint weights and the rays.
 int filter_reach(const void* constants, int round) {
-  return 2 << static_cast<const TracedConstants*>(constants)->power[round];
+  const auto& c = *static_cast<const TracedConstants*>(constants);
+  return (c.far_weight[round] > 0.0f ? 2 : 1) << c.power[round];
 }
-int joints_reach(const void*, int) { return 8; }
+int joints_reach(const void*, int) { return 1 << (kJointPowers - 1); }
 int rays_reach(const void*, int) { return 2; }
 
 Dispatch rays_dispatch(std::string_view name, bool (*needed)(const ParameterBytes&),

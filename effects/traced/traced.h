@@ -21,6 +21,11 @@ struct TracedParams {
 const int kTracedTriangle = 0, kTracedShading = 1;
 const int kTracedMaxRounds = 5;
 
+// The format of the plane `traced_joints`: see joints.kernel.h.
+const int kJointPowers = 4;  // weights of the pixels 1, 2, 4 and 8 away
+const int kJointBits = 3;
+const int kMaxJoint = (1 << kJointBits) - 1;
+
 struct TracedConstants {
   float rays;
   float max_rays;

@@ -1,7 +1,7 @@
 // One pass of the filter. It averages the mean visibility of rays over five taps of a row or column. The weight of a
-// tap is its confidence, n / (n + 1) for n rays, times the joint weight. From the second round on, values that differ
-// by more than chance explains are left out: rays are coin tosses, so a mean p of n of them has the deviation sqrt(p (1
-// - p) / n). The kernel that includes this file must first define:
+// tap is its confidence, n / (n + 1) for n rays, times the joint weight. Where `deviations` is set, values that differ
+// by more than chance explains are left out: rays are coin tosses, so the mean p of n rays has a standard deviation of
+// sqrt(p (1 - p) / n). The kernel that includes this file must first define:
 //   kAlongRows     whether the pass runs along rows (true) or columns (false)
 //   open_at        returns the mean visibility of the pixel (i, j) to the right and below
 //   confidence_at  returns the confidence of that value
@@ -31,12 +31,12 @@ FN Filtered filtered(Int px, Int py) {
   Real own_variance = variance(open, confidence);
   Real change = Real(0.0f);  // a sum of differences, so that a constant stays bitwise identical
   Real weight_sum = confidence;
-  Real square_sum = confidence * (Real(1.0f) - confidence);  // of weights, each divided by its number of rays
+  Real square_sum = confidence * (Real(1.0f) - confidence);  // of squared weights, each divided by its rays
   Vec3 light = light_at(0, 0);
   Vec3 light_sum = light;
   if (kLight) light_sum = light_sum * weight_sum;
   for (int tap = 0; tap < 2; ++tap) {
-    float scale = (tap == 0 ? C.near_weight[F.round] : C.far_weight[F.round]) / kMaxJoint;
+    float scale = (tap == 0 ? C.near_weight[F.round] : C.far_weight[F.round]) / float(kMaxJoint);
     if (scale == 0.0f) continue;
     int power = C.power[F.round] + tap;
     for (int side = -1; side <= 1; side += 2) {

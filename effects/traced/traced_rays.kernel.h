@@ -22,7 +22,7 @@ FN Real joined_fraction(bool along_row) {
   Real joints = near_traced_joints(0, 0);
   Real near = joint_of(joints, 0, along_row) + joint_before(0, along_row);
   Real far = joint_of(joints, 1, along_row) + joint_before(1, along_row);
-  return mad(near + Real(kMaxJoint), Real(2.0f), far) * Real(1.0f / (8.0f * kMaxJoint));
+  return mad(near + Real(float(kMaxJoint)), Real(2.0f), far) * Real(1.0f / (8.0f * float(kMaxJoint)));
 }
 
 // Returns the number of rays of a pixel. Those with all neighbours on their surface get C.rays, whose fraction an
