@@ -106,7 +106,7 @@ Result<void> add_further(Device& device, const Plan& plan, const Camera& camera,
                          StageTimes& times, PictureSum& total) {
   constexpr int kStrips = 8;               // in most pictures: an eighth of the memory of a frame
   constexpr int kPixelsOfStrip = 1 << 19;  // in large pictures: memory that is small beside that of the program
-  constexpr int kRowStep = 64;             // strips have at least so many rows: those beside them are captured twice
+  constexpr int kRowStep = 64;             // min height, since rows beside a strip are captured with it, too
   const int height = first.info.height;
   const int wanted_rows = std::min(height / kStrips, kPixelsOfStrip / first.info.width);
   const int rows = in_strips ? std::max(wanted_rows / kRowStep, 1) * kRowStep : height;

@@ -150,8 +150,8 @@ void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const Shad
 /// Computes the unblocked fraction of each light. For a light with several rays per pixel, each pixel of the block
 /// first traces one ray, to a point of its own on the border of the light: an occluder that blocks a part of the light
 /// crosses its border. If all these rays agree, the block is fully lit or fully dark; otherwise each pixel traces its
-/// own set of rays. The first of two rays takes the place of the ray to the border, for speed: less than a sixteenth of a
-/// light may then be taken for none, or for all.
+/// own set of rays. The first of two rays takes the place of the ray to the border, for speed: less than a sixteenth of
+/// a light may then be taken for none, or for all.
 void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out) {
   static const DiscPoints points = disc_points();
   static const auto border_points = disc_border_points();
