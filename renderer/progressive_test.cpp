@@ -98,6 +98,7 @@ TEST(Progressive, ReachesTheMeanOfAsManyWholeSamples) {
   whole.plan.marked = false;
   const Image all = whole.drawn(0);
   Progressive four(small("lit", "none", 4), 2);
+  EXPECT_TRUE(four.plan.marked);
   const Image first = four.drawn(0);
   double error = 0.0, first_error = 0.0;
   for (int y = 0; y < all.height; ++y)

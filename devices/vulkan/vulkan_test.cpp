@@ -157,9 +157,10 @@ TEST(Vulkan, MissingPlanesAreNeutralOrReported) {
   EXPECT_EQ(images[0].names, images[1].names);
 }
 
-TEST(Vulkan, EveryLookGivesTheSamePicture) {
-  // Rasterised pixels on the border of a surface may show another one, and lines follow them.
-  Device* const gpu = test::capturing_device(VulkanCapture::kRays);
+/// Expects that all looks give the same picture on the CPU and on a device that captures in a certain way, except at a
+/// fraction of the pixels.
+void expect_same_looks(VulkanCapture how, double fraction, double fraction_of_lines) {
+  Device* const gpu = test::capturing_device(how);
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
   const auto cpu = make_cpu_device();
@@ -183,9 +184,17 @@ TEST(Vulkan, EveryLookGivesTheSamePicture) {
     }
     for (std::size_t p = 0; p < 3; ++p) {
       const auto d = test::difference(images[0].planes[p], images[1].planes[p], 2.0 / 255.0);
-      EXPECT_LE(d.fraction_over, 1e-3) << look->name << ", most " << d.max;
+      EXPECT_LE(d.fraction_over, look->name == "cartoon" ? fraction_of_lines : fraction)
+          << look->name << ", most " << d.max;
     }
   }
+}
+
+TEST(Vulkan, EveryLookGivesTheSamePicture) { expect_same_looks(VulkanCapture::kRays, 1e-3, 1e-3); }
+
+TEST(Vulkan, EveryLookGivesNearlyTheSamePictureRasterised) {
+  // Rasterised pixels on the border of a surface may show another one, and lines, which `cartoon` draws, follow them.
+  expect_same_looks(VulkanCapture::kRaster, 1e-2, 5e-2);
 }
 
 // ---- submissions and memory ----
