@@ -164,8 +164,8 @@ TEST_F(CliRefusals, RefusesValues) {
   for (const char* text : {"0", "-1", "nan", "inf", "long"})
     bad_option(fmt::format("--time {}", text), {"--time", fmt::format("'{}'", text), "a number from 0.001 to 604800"});
   bad_option("--time 1 --anti-aliasing 1", {"--anti-aliasing 1", "--time", "leave out one"});
-  bad_option("--time 1 --passes depth", {"--time", "--passes are no averages"});
-  bad("tri.obj --time 1 -o lines.svg", 2, {"--time", "lines are no averages"});
+  bad_option("--time 1 --passes depth", {"--time", "--passes are not averaged"});
+  bad("tri.obj --time 1 -o lines.svg", 2, {"--time", "lines are not averaged"});
   bad_option("--time 1 --memory 70M --resolution 2000", {"--time", "2000 x 2000", "raise --memory"});
   bad_option("--frame-rate 0", {"--frame-rate", "'0'", "a number from 0.1 to 1000"});
   for (const char* text : {"much", "0", "-1G", "1GB", "G", "inf"})
