@@ -69,7 +69,6 @@ class RayBlock {
     count_ = {};
     bent_ = {};
     light_ = {};
-    lit_ = {};
     KernelFrame frame = task_.frame;
     static constexpr std::string_view kNames[] = {"ray.x", "ray.y", "ray.z"};
     kernel_planes_.resize(task_.frame.planes.size());
@@ -77,7 +76,7 @@ class RayBlock {
       kernel_planes_.push_back({kNames[axis], row_zero(made_[axis].data(), frame.frame.stride, y0)});
     frame.planes = kernel_planes_;
     for (int ray = 0; ray < task_.settings.max_rays; ++ray) {
-      frame.frame.round = ray;
+      frame.frame.round = ray_ = ray;
       task_.kernel(frame, {x0, y0, x1_, y1_});
       if (!add_rays()) break;  // pixels have their rays at the first indices
     }
@@ -124,10 +123,15 @@ class RayBlock {
     const float px = float(x) + 0.5f, py = float(y) + 0.5f;
     const glm::vec3 start = rays_.origin_at(px, py) + rays_.direction_at(px, py) * planes_.depth[pixel] +
                             to_world_ * (offset * task_.traced.scale);
-    const glm::vec3 direction = to_world_ * glm::vec3(made_[0][at], made_[1][at], made_[2][at]);
+    const glm::vec3 ray(made_[0][at], made_[1][at], made_[2][at]), direction = to_world_ * ray;
+    const int in_block = (y - y0_) * kBlockWidth + x - x0_;
+    if (!(glm::dot(ray, offset) > 0.0f)) {  // below the triangle: blocked, and without light
+      count_[std::size_t(in_block)] += 1.0f;
+      return;
+    }
     if (!within_ray_limit(start) || !within_ray_limit(direction)) return;
     if (list_.full()) flush();
-    list_.add(start, direction, (y - y0_) * kBlockWidth + x - x0_);
+    list_.add(start, direction, ray_ * kBlockPixels + in_block);
   }
 
   void flush() {
@@ -140,7 +144,7 @@ class RayBlock {
 
   /// Adds the result of a ray of the list to its pixel. `blocked`: 1 for an occluder without falloff.
   void add(int k, float blocked) {
-    const auto pixel = std::size_t(list_.id(k));
+    const auto pixel = std::size_t(list_.id(k) % kBlockPixels);
     open_[pixel] += 1.0f - blocked;
     count_[pixel] += 1.0f;
     if (planes_.bent[0]) bent_[pixel] += list_.direction(k) * (1.0f - blocked);
@@ -171,16 +175,16 @@ class RayBlock {
       std::array<std::uint32_t, kPacket> seeds{};
       for (int k = 0; k < n; ++k) {
         packet.set(k, list_.origin(first + k), list_.direction(first + k), 0.0f, length);
-        const int pixel = list_.id(first + k);
+        const int pixel = list_.id(first + k) % kBlockPixels, ray = list_.id(first + k) / kBlockPixels;
         const auto x = std::uint32_t(x0_ + pixel % kBlockWidth), y = std::uint32_t(y0_ + pixel / kBlockWidth);
-        seeds[std::size_t(k)] = hash(hash(hash(x, task_.settings.seed), y), std::uint32_t(lit_[std::size_t(pixel)]++));
+        seeds[std::size_t(k)] = hash(hash(hash(x, task_.settings.seed), y), std::uint32_t(ray));
       }
       packet.find_hits(task_.traced, Coherence::kIncoherent);
       const PacketLight light = light_of_hits(task_.traced, *lighting_, packet, seeds);
       for (int k = 0; k < n; ++k) {
         const float blocked = packet.hit(k) ? blocked_at(packet.hit_distance(k), length) : 0.0f;
         add(first + k, blocked);
-        light_[std::size_t(list_.id(first + k))] += light[std::size_t(k)] * blocked;
+        light_[std::size_t(list_.id(first + k) % kBlockPixels)] += light[std::size_t(k)] * blocked;
       }
     }
   }
@@ -212,8 +216,8 @@ class RayBlock {
   std::vector<KernelPlane> kernel_planes_;  // those of the task, then `ray`
   std::array<std::vector<float>, 3> made_;  // directions that the kernel makes, for the rows of the block
   int x0_ = 0, y0_ = 0, x1_ = 0, y1_ = 0;
+  int ray_ = 0;  // index of the rays that are being added
   std::array<glm::vec3, kBlockPixels> bent_{}, light_{};
-  std::array<int, kBlockPixels> lit_{};  // rays of a pixel whose light is gathered
   std::array<float, kBlockPixels> open_{}, count_{};
   ShortRays list_;
 };

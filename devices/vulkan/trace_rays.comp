@@ -46,18 +46,21 @@ void main() {
   float open = first ? 0.0f : open_plane.at[index], count = first ? 0.0f : confidence_plane.at[index];
   vec3 bent = has_bent && !first ? sum_at(kBentSlot, index) : vec3(0.0f);
   vec3 light = has_light && !first ? sum_at(kIndirectSlot, index) : vec3(0.0f);
-  if (has_ray) {
+  vec3 offset = load3(kRayOffsetSlot, index);
+  if (has_ray && !(dot(direction, offset) > 0.0f)) {  // below the triangle: blocked, and without light
+    count += 1.0f;
+  } else if (has_ray) {
     mat3 to_world = transpose(view_rotation());
     vec2 pixel = vec2(here) + 0.5f;
     vec3 start = origin_at(pixel) + direction_at(pixel) * Floats(table[kDepthSlot]).at[index] +
-                 to_world * (load3(kRayOffsetSlot, index) * C.unit_scale);
+                 to_world * (offset * C.unit_scale);
     Ray ray = Ray(start, to_world * direction, 0.0f, C.ray_length);
     if (max_component(abs(start)) < kRayLimit && max_component(abs(ray.direction)) < kRayLimit) {
       Hit hit = trace(ray, C.falloff == kNoFalloff && !has_light, C.min_opacity);
       float blocked = hit.triangle < 0 ? 0.0f : falloff_weight(min(hit.t / C.ray_length, 1.0f));
       float visible = 1.0f - blocked;
       if (has_light && blocked > 0.0f) {
-        uint seed = hash(hash(hash(uint(here.x), uint(C.seed)), uint(here.y)), uint(count));
+        uint seed = hash(hash(hash(uint(here.x), uint(C.seed)), uint(here.y)), uint(C.ray));
         light += light_of_hit(ray, hit, seed) * blocked;
       }
       open += visible;
