@@ -26,7 +26,7 @@ const std::vector<Parameter> kTable = {
     real_row("rays", &TracedParams::rays, {.initial = 1, .min = 0.0625, .max = kMaxRays},
              "rays per pixel on an open surface; below 1, a part of the pixels gets one"),
     int_row("max_rays", &TracedParams::max_rays, {.initial = 8, .min = 1, .max = kMaxRays},
-            "max rays of a pixel whose surface few neighbours show, as on edges and leaves"),
+            "max rays of a pixel whose surface few neighbours show, as on edges and leaves; at least `rays`"),
     radius_row("radius", &TracedParams::radius,
                "max distance of an occluder, in scene units or in percent of the bounding-sphere radius; 200% is the "
                "whole scene"),
@@ -65,16 +65,19 @@ std::array<Level, kTracedMaxRounds> levels_for(float rays) {
   return {Level{0, 4.0f, kNear, kFar}, {1, 3.0f, kNear, kFar}, {2, 2.0f, kNear, kFar}, kLight8, {0, 3.0f, kNear, 0.0f}};
 }
 
+/// Returns the max number of rays of a pixel: every pixel has `rays`.
+int max_rays_of(const TracedParams& params) { return std::max(params.max_rays, int(std::ceil(params.rays))); }
+
 void fill_constants(const TracedParams& params, const PictureInfo&, TracedConstants& c) {
   c.rays = params.rays;
-  c.max_rays = float(params.max_rays);
+  c.max_rays = float(max_rays_of(params));
   c.normal = params.normal;
   // Further samples continue the sequence of a pixel, so that no ray is repeated. Rays beyond own_rays, which
   // only some pixels have, continue at kFurtherRays.
-  c.own_rays = std::min(int(std::ceil(params.rays)), params.max_rays);
+  c.own_rays = int(std::ceil(params.rays));
   const int before = params.sample_index - 1;  // samples after the first one and before this one
-  c.first_ray = before < 0 ? 0 : params.max_rays + before * c.own_rays;
-  c.first_further_ray = before < 0 ? 0 : kFurtherRays + before * (params.max_rays - c.own_rays);
+  c.first_ray = before < 0 ? 0 : max_rays_of(params) + before * c.own_rays;
+  c.first_further_ray = before < 0 ? 0 : kFurtherRays + before * (max_rays_of(params) - c.own_rays);
   c.dither = float(std::fmod(0.6180339887498949 * params.sample_index, 1.0));
   c.distance = kDistancePx;
   c.turn = float(1.0 / (1.0 - std::cos(kAngleDeg * std::numbers::pi / 180.0)));
@@ -92,7 +95,7 @@ void fill_constants(const TracedParams& params, const PictureInfo&, TracedConsta
 
 RaySettings ray_settings(const ParameterBytes& bytes, const PictureInfo& info) {
   const auto& params = as<TracedParams>(bytes);
-  return {.max_rays = params.max_rays,
+  return {.max_rays = max_rays_of(params),
           .radius = absolute_length(params.radius, info.scene_radius),
           .falloff = Falloff(params.falloff),
           .light = params.bleeding,

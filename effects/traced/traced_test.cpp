@@ -117,6 +117,12 @@ TEST(Traced, WallWithinARadius) {
   }
 }
 
+TEST(Traced, EveryPixelHasTheRaysAskedForWhateverTheMax) {
+  const Captured floor(floor_scene(false), from_above(4, 4, 0), 40, 40);
+  const Image image = floor.run({{"rays", "20"}, {"filter", "off"}}, {"traced_confidence"});
+  EXPECT_FLOAT_EQ(image.plane("traced_confidence").at(20, 20), 20.0f / 21.0f);
+}
+
 TEST(Traced, PixelsWithoutSurfaceGetNoRay) {
   const Captured edge(scene_of({parallelogram({-1, -1, 0}, {2, 0, 0}, {0, 2, 0})}), from_above(4, 4, 0), 40, 40);
   const Image image =
