@@ -5,31 +5,16 @@
 #include <map>
 #include <set>
 
-#include "apps/compare/compare.h"
+#include "apps/compare/compare_support.h"
 #include "apps/compare/report.h"
-#include "renderer/devices.h"
 
 namespace umbrage {
 namespace {
 
-/// Returns settings for one small picture of scene:solids, timed once, without a filter.
-CompareSettings solids_settings(int samples) {
-  CompareSettings settings;
-  settings.models = {"scene:solids?detail=7000"};
-  settings.sizes = {{96, 64}};
-  settings.cameras = 1;
-  settings.samples = samples;
-  settings.runs = 1;
-  settings.filter = kNoFilter;
-  return settings;
-}
+using test::compared;
 
-Comparison compared(const CompareSettings& settings) {
-  const auto device = make_device("cpu", 0);
-  auto result = compare(**device, settings);
-  EXPECT_TRUE(result) << result.error().message;
-  return *result;
-}
+/// Returns settings for one small picture of scene:solids.
+CompareSettings solids_settings(int samples) { return test::solids_settings(7000, {96, 64}, samples); }
 
 TEST(Compare, TechniquesThatFilterThemselvesGetNoFilter) {
   CompareSettings settings = solids_settings(16);

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "apps/compare/compare.h"
+#include "apps/compare/compare_support.h"
 #include "apps/compare/report.h"
 #include "faulty_vulkan.h"
 #include "generators/builtin.h"
@@ -19,6 +19,9 @@
 
 namespace umbrage {
 namespace {
+
+using test::compared;
+using test::solids_settings;
 
 namespace fs = std::filesystem;
 
@@ -77,25 +80,6 @@ TEST(RecordedScores, NoLightGotWorse) {
 }
 
 // ---- Scores and baseline ----
-
-/// Returns settings for one picture of scene:solids, timed once.
-CompareSettings solids_settings(int detail, std::pair<int, int> size, int samples) {
-  CompareSettings settings;
-  settings.models = {fmt::format("scene:solids?detail={}", detail)};
-  settings.sizes = {size};
-  settings.cameras = 1;
-  settings.samples = samples;
-  settings.runs = 1;
-  settings.filter = kNoFilter;
-  return settings;
-}
-
-Comparison compared(const CompareSettings& settings) {
-  const auto device = make_device("cpu", 0);
-  auto result = compare(**device, settings);
-  EXPECT_TRUE(result) << result.error().message;
-  return *result;
-}
 
 /// Returns a comparison of a small scene at two sizes, shared by several tests.
 const Comparison& small_comparison() {

@@ -104,16 +104,14 @@ class RayBlock {
   bool add_run(int x, int y) {
     const std::size_t first = std::size_t(y - y0_) * stride_ + std::size_t(x);
     const int end = std::min(kRun, x1_ - x);
-    const auto has_ray = [&](int k) {
-      const std::size_t at = first + std::size_t(k);
-      return made_[0][at] != 0.0f || made_[1][at] != 0.0f || made_[2][at] != 0.0f;
-    };
     bool any = false;
-    for (int k = 0; k < end; ++k) any |= has_ray(k);
-    if (!any) return false;
-    for (int k = 0; k < end; ++k)
-      if (has_ray(k)) add_ray(x + k, y, first + std::size_t(k));
-    return true;
+    for (int k = 0; k < end; ++k) {
+      const std::size_t at = first + std::size_t(k);
+      if (made_[0][at] == 0.0f && made_[1][at] == 0.0f && made_[2][at] == 0.0f) continue;
+      add_ray(x + k, y, at);
+      any = true;
+    }
+    return any;
   }
 
   /// `at`: index of the pixel in made_.
