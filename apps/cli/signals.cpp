@@ -44,14 +44,14 @@ void handle_signal(int signal) {
   std::_Exit(kExitBySignal + signal);
 }
 
-sigset_t handled_signals() {
+}  // namespace
+
+sigset_t ending_signals() {
   sigset_t set;
   sigemptyset(&set);
   for (const int signal : kSignals) sigaddset(&set, signal);
   return set;
 }
-
-}  // namespace
 
 void end_on_signals() {
   main_thread = ::pthread_self();
@@ -60,14 +60,14 @@ void end_on_signals() {
     if (::sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) continue;
     struct sigaction action {};
     action.sa_handler = handle_signal;
-    action.sa_mask = handled_signals();
+    action.sa_mask = ending_signals();
     action.sa_flags = SA_RESTART;
     ::sigaction(signal, &action, nullptr);
   }
 }
 
 BlockSignals::BlockSignals() {
-  const sigset_t ours = handled_signals();
+  const sigset_t ours = ending_signals();
   ::pthread_sigmask(SIG_BLOCK, &ours, &before_);
 }
 
