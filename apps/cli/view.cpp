@@ -10,7 +10,7 @@
 #include "apps/cli/signals.h"
 #include "apps/view/view.h"
 #include "io/layers.h"
-#include "renderer/recipe.h"
+#include "renderer/isa_setting.h"
 #include "system/child_process.h"
 
 namespace umbrage::cli {
@@ -63,9 +63,8 @@ Result<void> run_view(const ViewCommand& o) {
                           .watch = o.watch};
   for (const std::string& file : o.models) settings.models.push_back({file, has_image_extension(file)});
   const BlockSignals blocked;  // threads inherit it, so that wait_for_end receives all signals
-  auto opened = device_of(o);
-  if (!opened) return opened.error();
-  settings.device = std::move(*opened);
+  if (o.is_given("isa"))
+    if (auto valid = use_isa(o.text_of("isa")); !valid) return valid.error();
   auto viewer = view::Viewer::start(std::move(settings));
   if (!viewer) return viewer.error();
   for (const std::string& warning : (*viewer)->warnings()) print_warning(warning);

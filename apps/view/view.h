@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "apps/view/messages.h"
-#include "core/device.h"
 #include "renderer/request.h"
 
 namespace umbrage::view {
@@ -21,7 +20,6 @@ struct Settings {
   Request request;                      ///< from `given`
   ViewOptions given;                    ///< options of the command line: the first state of a page
   std::string command;                  ///< the command line, as the page shows it
-  std::unique_ptr<Device> device = {};
   std::string host = "127.0.0.1";
   int port = 0;  ///< 0: a free one
   bool watch = false;
