@@ -7,12 +7,9 @@
 #include "library/job.h"
 #include "library/shared.h"
 #include "renderer/background.h"
-#include "renderer/hdri.h"
-#include "renderer/models.h"
 #include "renderer/passes.h"
 #include "renderer/reduced_rows.h"
 #include "renderer/setting_warnings.h"
-#include "scene/ground.h"
 
 namespace umbrage {
 namespace {
@@ -31,25 +28,6 @@ std::vector<std::string> passes_of_effect(const Effect& effect, const ParameterB
   std::vector<std::string> names;
   for (const PassPlanes& group : grouped_planes(planes)) names.push_back(group.name);
   return names;
-}
-
-/// Returns a key that identifies the scene version, the clay that replaces its materials, and the environment image
-/// that lights it.
-std::string environment_key(const Recipe& recipe, long version) {
-  const Hdri& hdri = recipe.hdri;
-  std::string key = fmt::format("{}", version);
-  if (recipe.clay) key += fmt::format(" clay {} {} {}", recipe.clay->r, recipe.clay->g, recipe.clay->b);
-  if (hdri.lights()) key += fmt::format(" {} {} {}", hdri.file, hdri.rotation_deg, hdri.intensity);
-  return key;
-}
-
-/// Returns a key of all settings on which the default lights of a scene without lights depend, except the camera of the
-/// first picture.
-std::string light_key(const Recipe& recipe) {
-  const auto& angles = recipe.framing.light_deg;
-  return fmt::format("{} {} {} {} {} {}", environment_key(recipe, 0), recipe.look->name, recipe.occlusion,
-                     recipe.light_size_deg.value_or(-1.0f), fmt::join(recipe.light_factors, " "),
-                     angles ? fmt::format("{} {}", angles->x, angles->y) : "");
 }
 
 /// Converts an id that a plane stores as a float. Values that are negative, NaN or too large give all bits set.
@@ -97,7 +75,7 @@ class SceneInUse {
 }  // namespace
 
 JobObject::~JobObject() {
-  deferred_release_.front() = {std::move(scene_copy_), std::move(captures_)};
+  deferred_release_.front() = {std::move(completed_.scene), std::move(kept_.captures)};
   device_->release_later(std::move(deferred_release_));
 }
 
@@ -222,7 +200,7 @@ Result<void> JobObject::prepare() {
 }
 
 void JobObject::report_setting_warnings(const Request& request, const Recipe& recipe) {
-  auto sentences = setting_warnings(request, recipe, scene_copy_.get(), [](std::string_view) { return true; });
+  auto sentences = setting_warnings(request, recipe, completed_.scene.get(), [](std::string_view) { return true; });
   if (sentences == reported_) return;
   reported_ = std::move(sentences);
   constexpr std::string_view kSettings = "`settings` ";  // the C interface has no `settings`: names are parameters
@@ -242,7 +220,7 @@ Result<Frame> JobObject::render_frame(Recipe recipe) {
   if (auto ready = prepare_scene(recipe, monitor); !ready) return ready.error();
   const std::string key = light_key(recipe);
   if (const auto lit = lightings_.find(key); lit != lightings_.end()) recipe.capture.lighting = lit->second;
-  const auto plan = make_plan(recipe, *scene_copy_, device_->device->threads(), monitor);
+  const auto plan = make_plan(recipe, *completed_.scene, device_->device->threads(), monitor);
   if (!plan) return plan.error();
   auto frame = draw_frame(*plan);
   if (frame) camera = plan->camera, origin = plan->origin;
@@ -251,75 +229,45 @@ Result<Frame> JobObject::render_frame(Recipe recipe) {
 }
 
 Result<void> JobObject::prepare_scene(Recipe& recipe, const ProgressMonitor& monitor) {
-  if (recipe.hdri.file == hdri_.file) recipe.hdri.panorama = hdri_.panorama;
-  if (!recipe.hdri.panorama) {
-    const auto warnings = read_hdri(recipe.hdri, monitor);
-    if (!warnings) return warnings.error();
-    for (const std::string& warning : *warnings) device_->report_warning(warning);
-  }
+  const auto read = read_changed_hdri(recipe.hdri, hdri_, monitor);
+  if (!read) return read.error();
+  for (const std::string& warning : *read) device_->report_warning(warning);
   hdri_ = recipe.hdri;
-  const std::string key = environment_key(recipe, scene_->version());
-  if (scene_copy_ && key == scene_copy_key_) {
-    if (auto viewed = choose_view(recipe); !viewed) return viewed;
-    if (needs_ground(*scene_copy_, scene_lacks_ground_, recipe) == (scene_copy_->ground_object >= 0)) return {};
-  }
+  const auto serves = completed_.serves(recipe, scene_->version());
+  if (!serves || *serves) return serves ? Result<void>() : serves.error();
   std::vector<std::string> warnings;
   auto copied = scene_->copied(warnings);
   if (!copied) return copied.error();
   for (const std::string& warning : warnings) device_->report_warning(warning);
-  if (scene_->version() != scene_copy_version_) lightings_.clear();
-  captured_plan_.reset();
+  if (scene_->version() != completed_.version) lightings_.clear();
   std::list<DeviceObject::DeferredRelease> deferred(1);
-  deferred.front() = {std::move(scene_copy_), std::move(captures_)};
+  deferred.front() = {std::move(completed_.scene), std::move(kept_.captures)};
   device_->release_later(std::move(deferred));
-  captures_.clear();
-  scene_copy_ = std::make_unique<Scene>(std::move(*copied));
-  scene_copy_key_.clear();
-  views_ = scene_copy_->views;
-  if (auto viewed = choose_view(recipe); !viewed) return viewed;
-  scene_lacks_ground_ = lacks_own_ground(*scene_copy_);
-  complete_scene(*scene_copy_, recipe);
-  scene_copy_key_ = key;
-  scene_copy_version_ = scene_->version();
+  kept_.clear();
+  completed_ = {};
+  auto made = completed(std::move(*copied), recipe, scene_->version());
+  if (!made) return made.error();
+  completed_ = std::move(*made);
   return {};
 }
 
-Result<void> JobObject::choose_view(const Recipe& recipe) {
-  scene_copy_->views = views_;
-  return recipe.camera_index ? use_camera(*recipe.camera_index, *scene_copy_) : Result<void>();
-}
-
 Result<void> JobObject::prepare_device(const ProgressMonitor& monitor) {
-  if (device_->prepared == scene_copy_.get()) return {};
+  if (device_->prepared == completed_.scene.get()) return {};
   device_->prepared = nullptr;
-  if (auto ready = device_->device->prepare(*scene_copy_, monitor); !ready) return ready;
+  if (auto ready = device_->device->prepare(*completed_.scene, monitor); !ready) return ready;
   ++counters.hierarchies_built;
-  device_->prepared = scene_copy_.get();
+  device_->prepared = completed_.scene.get();
   return {};
 }
 
 Result<Frame> JobObject::draw_frame(const Plan& plan) {
   StageTimes times;
-  Device& device = *device_->device;
-  if (plan.averages()) {  // captures of many samples would need too much memory
-    captured_plan_.reset();
-    captures_.clear();
-    if (auto ready = prepare_device(preparation_progress()); !ready) return ready.error();
-    counters.captures_made += plan.recipe.frames;
-    auto drawn = draw(device, *scene_copy_, plan, times, progress);
-    return drawn ? Result<Frame>(std::move(drawn->frame)) : drawn.error();
-  }
-  if (!captured_plan_ || !same_captures(*captured_plan_, plan)) {
-    captures_.clear();
-    captured_plan_.reset();
-    if (auto ready = prepare_device(preparation_progress()); !ready) return ready.error();
-    auto made = capture(device, plan, times, preparation_progress());
-    if (!made) return made.error();
-    captures_ = std::move(*made);
-    captured_plan_ = plan;
-    ++counters.captures_made;
-  }
-  auto drawn = draw_captured(device, *scene_copy_, plan, captures_, times, progress);
+  const ProgressMonitor preparing = preparation_progress();
+  const long made = kept_.made;
+  auto drawn = draw_keeping(
+      *device_->device, *completed_.scene, plan, kept_, times, [&] { return prepare_device(preparing); }, preparing,
+      progress);
+  counters.captures_made += kept_.made - made;
   return drawn ? Result<Frame>(std::move(drawn->frame)) : drawn.error();
 }
 

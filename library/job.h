@@ -10,6 +10,7 @@
 
 #include "library/device.h"
 #include "library/scene.h"
+#include "renderer/completed_scene.h"
 #include "renderer/draw.h"
 #include "renderer/lines.h"
 #include "renderer/shade_file.h"
@@ -100,7 +101,6 @@ class JobObject final : public Object {
   ProgressMonitor preparation_progress() const;
   /// Prepares the scene, and reads the environment image into the recipe.
   Result<void> prepare_scene(Recipe& recipe, const ProgressMonitor& monitor);
-  Result<void> choose_view(const Recipe& recipe);
   Result<void> prepare_device(const ProgressMonitor& monitor);
   Result<Frame> draw_frame(const Plan& plan);
   Result<void> write_outputs(const Frame& frame, const Recipe& recipe, std::vector<Output> requested);
@@ -121,15 +121,10 @@ class JobObject final : public Object {
   std::vector<std::string> reported_;  // the last warnings of settings without effect
 
   // Data of the last picture of a scene:
-  std::unique_ptr<Scene> scene_copy_;
-  std::string scene_copy_key_;                 // environment_key for which scene_copy_ was made
-  bool scene_lacks_ground_ = false;            // see lacks_own_ground
-  long scene_copy_version_ = -1;               // SceneObject::version at the time of the copy
-  std::vector<View> views_;                    // views that the scene suggests
+  CompletedScene completed_;
   std::map<std::string, Lighting> lightings_;  // default lights of a scene without lights, by light_key
   Hdri hdri_;                                  // with its panorama
-  std::optional<Plan> captured_plan_;
-  Captures captures_;
+  KeptCaptures kept_;
 };
 
 }  // namespace umbrage

@@ -212,7 +212,7 @@ Result<void> draw_further(Device& device, const Continuation& more, Samples& s) 
   s.plan.marked = false;
   s.plan.capture.shadow_rays = s.plan.recipe.capture.shadow_rays;
   for (int index = s.plan.recipe.frames;; ++index, ++samples) {
-    if (more.take_mean)
+    if (more.take_mean && (!more.wants_mean || more.wants_mean(samples)))
       if (auto given = give_mean(device, s, samples, more); !given) return given;
     if (!more.wants_another(samples) || samples >= kMaxProgressiveSamples) return {};
     count_as_one(s.sum);

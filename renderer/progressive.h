@@ -18,6 +18,9 @@ struct Continuation {
   /// Called after the samples of the plan and after each further one. Returns whether to draw another. Empty: no
   /// further samples.
   std::function<bool(int samples)> wants_another = {};
+  /// Returns whether take_mean is called for this number of samples, since finishing a picture takes time. Empty: it
+  /// always is.
+  std::function<bool(int samples)> wants_mean = {};
   /// If set, receives the finished picture of all samples so far, before each call of wants_another. The frame is valid
   /// during the call. An error ends the drawing and is returned.
   std::function<Result<void>(const Frame& mean, int samples)> take_mean = {};

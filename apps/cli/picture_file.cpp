@@ -1,52 +1,13 @@
 #include "apps/cli/picture_file.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstdio>
 
-#include "core/srgb.h"
-#include "effects/effects.h"
-#include "effects/outline/outline.h"
 #include "io/svg.h"
+#include "renderer/pass_picture.h"
 
 namespace umbrage::cli {
 namespace {
-
-/// Converts one pass to a picture: vectors map from [-1, 1] to [0, 1], depth from white (near) to black (far).
-Image picture_of_pass(const Image& frame, const std::vector<std::string>& names, const PictureInfo& info) {
-  Image out(frame.width, frame.height);
-  constexpr std::array kChannels = {"color.r", "color.g", "color.b", "color.a"};
-  // Min depth range, relative to the max depth. Avoids 0 / 0 for a scene that is one plane facing the camera.
-  constexpr float kMinDepthRange = 1e-4f;
-  const float span = std::max(info.depth_max - info.depth_min, kMinDepthRange * info.depth_max);
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    const Plane& in = frame.plane(names[k]);
-    Plane& plane = out.add(names.size() == 1 ? names[0] : kChannels[std::min(k, kChannels.size() - 1)]);
-    const bool vector = names[k].ends_with(".x") || names[k].ends_with(".y") || names[k].ends_with(".z");
-    for (int y = 0; y < out.height; ++y)
-      for (int x = 0; x < out.width; ++x) {
-        float v = in.at(x, y);
-        if (vector) v = 0.5f * v + 0.5f;
-        if (names[k] == "depth" || names[k].ends_with(".depth"))
-          v = std::isfinite(v) ? 1.0f - (v - info.depth_min) / span : 0.0f;
-        plane.at(x, y) = v;
-      }
-  }
-  return out;
-}
-
-/// Returns the lines alone, in their colour, with alpha.
-Image picture_of_lines(const Plane& cover, const EffectSettings& settings) {
-  const auto& line = as<OutlineParams>(params_of(settings, "outline"));
-  const Parameter& transfer = *find_parameter(*find_effect("output"), "transfer");
-  const bool srgb = parameter_text(transfer, params_of(settings, "output")) == "srgb";
-  Image out(cover.width, cover.height);
-  for (const auto& [name, value] : {std::pair{"color.r", line.r}, {"color.g", line.g}, {"color.b", line.b}})
-    out.add(name) = Plane(cover.width, cover.height, srgb ? srgb_from_linear(value) : value);
-  out.add("color.a") = cover;
-  return out;
-}
 
 /// Returns `color.r` for `beauty.r`, and other names as they are.
 std::string color_of_beauty(const std::string& plane) {
@@ -125,7 +86,7 @@ Image convert_for_file(const RenderOptions& o, const Destination& destination, c
                        const std::vector<std::string>& names, const EffectSettings& settings, const PictureInfo& info) {
   const bool display = holds_display_values(destination.extension());
   if (o.writes_only("outline") && display) return picture_of_lines(drawn.plane("outline"), settings);
-  if (o.writes_passes() && display) return picture_of_pass(drawn, names, info);
+  if (o.writes_passes() && display) return picture_of_passes(drawn, names, info);
   Image picture(drawn.width, drawn.height);
   const bool premultiplied = destination.extension() == "exr" && !o.request.scene_linear;
   for (const std::string& name : names) {

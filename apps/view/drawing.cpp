@@ -1,0 +1,344 @@
+#include "apps/view/drawing.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "apps/view/draw_messages.h"
+#include "core/guarded.h"
+#include "renderer/devices.h"
+
+namespace umbrage::view {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kWatchInterval(500);
+constexpr std::chrono::seconds kMeanInterval(1);           // max time between two pictures of further samples
+constexpr std::chrono::milliseconds kStatusInterval(100);  // between two messages on progress
+
+}  // namespace
+
+Result<std::unique_ptr<Drawing>> Drawing::start(DrawingSettings settings, Send send) {
+  auto device = make_device(settings.device, settings.threads);
+  if (!device) return device.error();
+  std::unique_ptr<Drawing> drawing(new Drawing(std::move(settings), std::move(send)));
+  drawing->description_ = (*device)->description();
+  drawing->devices_[""].device = std::move(*device);
+  for (const ModelSource& source : drawing->settings_.models) drawing->models_.add(source);
+  drawing->encoder_ = std::make_unique<Encoder>();
+  drawing->thread_ = std::thread([d = drawing.get()] { d->run(); });
+  if (drawing->settings_.watch) drawing->watching_ = std::thread([d = drawing.get()] { d->watch(); });
+  return drawing;
+}
+
+Drawing::~Drawing() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+  if (watching_.joinable()) watching_.join();
+  encoder_.reset();
+}
+
+nlohmann::json Drawing::models() const { return models_.as_json(); }
+
+void Drawing::set_state(PageId id, State state) {
+  const std::lock_guard lock(mutex_);
+  Page& page = pages_[id];
+  page.views.assign(state.views.size(), {.next = state.moving ? Step::kMoving : Step::kQuick});
+  page.state = std::make_shared<const State>(std::move(state));
+  ++page.revision;
+  changed_.notify_all();
+}
+
+void Drawing::acknowledge(PageId id, std::int64_t frame) {
+  const std::lock_guard lock(mutex_);
+  const auto page = pages_.find(id);
+  if (page == pages_.end()) return;
+  auto& frames = page->second.unacknowledged;
+  frames.erase(frames.begin(), frames.upper_bound(frame));
+  changed_.notify_all();
+}
+
+void Drawing::close(PageId id) {
+  const std::lock_guard lock(mutex_);
+  pages_.erase(id);
+  changed_.notify_all();
+}
+
+/// Returns the most urgent picture, of the page after the one that got the last picture if there are several.
+std::optional<Drawing::Task> Drawing::next_task() {
+  std::optional<Task> best;
+  const auto consider = [&](PageId id, const Page& page) {
+    if (page.unacknowledged.size() >= kMaxUnacknowledged) return;
+    for (std::size_t view = 0; view < page.views.size(); ++view) {
+      const Progress& progress = page.views[view];
+      if (progress.next != Step::kDone && (!best || progress.next < best->step))
+        best = Task{id, page.state, page.revision, int(view), progress.next, progress.samples};
+    }
+  };
+  for (auto page = pages_.upper_bound(last_page_); page != pages_.end(); ++page) consider(page->first, page->second);
+  for (auto page = pages_.begin(); page != pages_.upper_bound(last_page_); ++page) consider(page->first, page->second);
+  return best;
+}
+
+bool Drawing::is_wanted(const Task& task) {
+  const std::lock_guard lock(mutex_);
+  const auto page = pages_.find(task.page);
+  if (stopping_ || page == pages_.end()) return false;
+  // Each moving picture is finished, since newer states may arrive faster than any can be drawn.
+  return task.step == Step::kMoving || page->second.revision == task.revision;
+}
+
+bool Drawing::is_urgent_elsewhere() {
+  const std::lock_guard lock(mutex_);
+  const auto next = next_task();
+  return next && next->step < Step::kRefined;
+}
+
+void Drawing::run() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    std::optional<Task> task;
+    changed_.wait(lock, [&] { return stopping_ || (task = next_task()); });
+    if (stopping_) return;
+    last_page_ = task->page;
+    lock.unlock();
+    const auto purpose = [&] {
+      return fmt::format("a picture of {} x {} pixels", task->state->width, task->state->height);
+    };
+    finish(*task, guarded(purpose, [&] { return perform(*task); }));
+    ++drawn_;
+    lock.lock();
+  }
+}
+
+void Drawing::finish(const Task& task, const Result<void>& done) {
+  const bool interrupted = !done && done.error().kind == ErrorKind::kInterrupted;
+  if (!done && !interrupted) send_error(task, done.error());
+  const std::lock_guard lock(mutex_);
+  const auto page = pages_.find(task.page);
+  if (page == pages_.end() || page->second.revision != task.revision) return;
+  Progress& progress = page->second.views[std::size_t(task.view)];
+  if (!done && !interrupted)
+    progress.next = Step::kDone;
+  else if (progress.samples > 0)
+    progress.next = progress.is_final ? Step::kDone : Step::kRefined;
+  else if (!interrupted)
+    progress.next = task.step == Step::kMoving ? Step::kDone : Step::kExact;
+}
+
+void Drawing::send_error(const Task& task, const Error& error) {
+  send_.text(task.page, error_text(with_option_names(error.message), task.state->id, task.view));
+}
+
+ProgressMonitor Drawing::monitor_of(const Task& task) {
+  return [this, &task](double) { return is_wanted(task); };
+}
+
+Result<DrawingDevice*> Drawing::device_of(const Task& task) {
+  const std::string& name = task.shown().device;
+  const std::string key = name == settings_.device ? "" : name;
+  DrawingDevice& slot = devices_[failed_devices_.contains(key) ? "cpu" : key];
+  if (slot.device) return &slot;
+  auto device = make_device(failed_devices_.contains(key) ? "cpu" : key, settings_.threads);
+  if (!device) return device.error();
+  slot.device = std::move(*device);
+  return &slot;
+}
+
+Result<void> Drawing::perform(const Task& task) {
+  const State& state = *task.state;
+  if (!models_.has(state.model)) return usage_error("there is no model {}", state.model);
+  const bool is_gbuffer = models_.source(state.model).is_gbuffer;
+  const auto request = request_of(task.shown(), state.width, state.height, is_gbuffer);
+  if (!request) return request.error();
+  const auto loaded = load(task, *request);
+  if (!loaded) return loaded.error();
+  if (auto told = tell_model(task, *loaded, *request); !told) return told;
+  const auto device = device_of(task);
+  auto done = device ? draw(task, *loaded->model, **device, *request) : Result<void>(device.error());
+  if (done || done.error().kind != ErrorKind::kDevice) return done;
+  const std::string key = task.shown().device == settings_.device ? "" : task.shown().device;
+  if (failed_devices_.contains(key) || (device && (*device)->device->name() == "cpu")) return done;
+  // A device that fails, such as one whose driver was reset, is not used again.
+  loaded->model->forget_captures();
+  devices_.erase(key);
+  failed_devices_.insert(key);
+  Error error = done.error();
+  error.message =
+      fmt::format("the device {} has failed, the CPU goes on: {}", key.empty() ? settings_.device : key, error.message);
+  send_error(task, error);
+  const auto other = device_of(task);
+  return other ? draw(task, *loaded->model, **other, *request) : Result<void>(other.error());
+}
+
+Result<ModelList::Loaded> Drawing::load(const Task& task, const Request& request) {
+  const std::string name = models_.source(task.state->model).name;
+  Clock::time_point last;
+  const auto report = [&](double progress) {
+    if (Clock::now() - last >= kStatusInterval) {
+      last = Clock::now();
+      send_.text(task.page, status_text(task.state->id, "reading " + name, progress));
+    }
+    return is_wanted(task);
+  };
+  bool has_read = false;
+  const auto begin = [&] {
+    has_read = true;
+    report(0.0);
+  };
+  const auto keep = [&](const Error& error) {
+    send_error(task, {error.kind, fmt::format("{}; the model that was read before is shown", error.message)});
+  };
+  auto loaded = models_.loaded(task.state->model, request, begin, keep, report);
+  if (has_read) send_.text(task.page, status_text(task.state->id, ""));
+  return loaded;
+}
+
+Result<void> Drawing::tell_model(const Task& task, const ModelList::Loaded& loaded, const Request& request) {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto page = pages_.find(task.page);
+    if (page == pages_.end()) return interrupted();
+    long& known = page->second.versions[task.state->model];
+    if (std::exchange(known, loaded.version) == loaded.version) return {};
+  }
+  Request first = request;
+  first.camera = settings_.given.camera;
+  std::optional<ViewCamera> camera;
+  if (!loaded.model->is_gbuffer()) {
+    const auto found = loaded.model->camera(first);
+    if (!found) return found.error();
+    camera = *found;
+  }
+  send_.text(task.page, model_text(task.state->model, loaded.model->facts(), camera, loaded.version));
+  return {};
+}
+
+/// Returns a key of what the time of a picture depends on most.
+std::string Drawing::control_key(const Task& task, const Request& request) const {
+  const bool is_still = task.page == moving_page_ && camera_text(task.shown()) == moving_camera_;
+  return fmt::format("{} {} {} {} {}", task.state->model, request.look, task.shown().show, task.shown().device,
+                     is_still ? "settings" : "camera");
+}
+
+Result<void> Drawing::draw(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request) {
+  if (task.step <= Step::kQuick) return draw_draft(task, model, device, request);
+  auto last_sent = Clock::now();
+  int sent = task.samples;
+  DrawControl control{.max_samples = kMaxRefinedSamples};
+  control.monitor = [&](double) { return is_wanted(task) && (sent == 0 || !is_urgent_elsewhere()); };
+  control.wants_mean = [&](int samples) {
+    return samples > sent && (sent == 0 || samples >= 2 * sent || Clock::now() - last_sent >= kMeanInterval);
+  };
+  control.wants_another = [&](int) { return is_wanted(task) && !is_urgent_elsewhere() && wait_for_page(task); };
+  StageTimes times;
+  control.take = [&](const Image& picture, int samples, bool is_final) -> Result<void> {
+    send_picture(task, picture, samples, is_final, times);
+    sent = samples;
+    last_sent = Clock::now();
+    times = {};
+    return {};
+  };
+  return model.draw(device, request, control, times);
+}
+
+Result<void> Drawing::draw_draft(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request) {
+  const std::string key = control_key(task, request);
+  Request draft = moving_request(request);
+  const bool is_quick = task.step == Step::kQuick;
+  if (is_quick && (model.is_gbuffer() || control_.expected_ms(key, draft.width, draft.height) > kQuickFrame_ms))
+    return {};
+  DrawControl control{.moving = true, .monitor = monitor_of(task)};
+  if (!is_quick && !model.is_gbuffer()) {
+    control.aspect = double(draft.width) / draft.height;
+    std::tie(draft.width, draft.height) = control_.size(key, draft.width, draft.height);
+  }
+  StageTimes times;
+  control.take = [&](const Image& picture, int, bool) -> Result<void> {
+    control_.add(key, draft.width, draft.height, times.total());
+    send_picture(task, picture, 0, false, times);
+    return {};
+  };
+  moving_page_ = task.page;
+  moving_camera_ = camera_text(task.shown());
+  return model.draw(device, draft, control, times);
+}
+
+/// Waits until the page has acknowledged enough frames. Returns false if there is other work first.
+bool Drawing::wait_for_page(const Task& task) {
+  std::unique_lock lock(mutex_);
+  bool goes_on = false;
+  changed_.wait(lock, [&] {
+    const auto page = pages_.find(task.page);
+    if (stopping_ || page == pages_.end() || page->second.revision != task.revision) return true;
+    goes_on = page->second.unacknowledged.size() < kMaxUnacknowledged;
+    const auto other = next_task();
+    return goes_on || (other && other->step < Step::kRefined);
+  });
+  return goes_on;
+}
+
+void Drawing::send_picture(const Task& task, const Image& picture, int samples, bool is_final,
+                           const StageTimes& times) {
+  const bool is_draft = task.step <= Step::kQuick;
+  FrameHeader header{.id = task.state->id,
+                     .view = task.view,
+                     .model = task.state->model,
+                     .width = picture.width,
+                     .height = picture.height,
+                     .is_moving = task.step == Step::kMoving,
+                     .samples = samples,
+                     .is_final = is_final,
+                     .times = times};
+  {
+    const std::lock_guard lock(mutex_);
+    const auto page = pages_.find(task.page);
+    if (page == pages_.end()) return;
+    header.frame = ++last_frame_;
+    page->second.unacknowledged.insert(header.frame);
+    if (!is_draft && page->second.revision == task.revision) {
+      page->second.views[std::size_t(task.view)].samples = samples;
+      page->second.views[std::size_t(task.view)].is_final = is_final;
+    }
+  }
+  EncodeJob job{.picture = picture, .exact = !is_draft};
+  job.is_wanted = [this, task, frame = header.frame] {
+    const bool wanted = is_wanted(task);
+    if (!wanted) forget_frame(task.page, frame);
+    return wanted;
+  };
+  job.done = [this, page = task.page, header](Result<Encoded> encoded, double ms) {
+    if (!encoded) return send_.text(page, error_text(encoded.error().message, header.id, header.view));
+    send_.frame(page, frame_text(header, *encoded, ms));
+  };
+  encoder_->add(std::move(job));
+}
+
+void Drawing::forget_frame(PageId id, std::int64_t frame) {
+  const std::lock_guard lock(mutex_);
+  if (const auto page = pages_.find(id); page != pages_.end()) page->second.unacknowledged.erase(frame);
+  changed_.notify_all();
+}
+
+void Drawing::watch() {
+  std::unique_lock lock(mutex_);
+  while (!changed_.wait_for(lock, kWatchInterval, [&] { return stopping_; })) {
+    lock.unlock();
+    const std::vector<int> models = models_.find_changed();
+    lock.lock();
+    for (auto& [id, page] : pages_) {
+      if (!page.state || std::find(models.begin(), models.end(), page.state->model) == models.end()) continue;
+      ++page.revision;
+      page.views.assign(page.views.size(), {.next = page.state->moving ? Step::kMoving : Step::kQuick});
+    }
+    if (!models.empty()) changed_.notify_all();
+  }
+}
+
+}  // namespace umbrage::view

@@ -1,0 +1,139 @@
+// Drawing: draws the states of all pages, one picture at a time, on its own thread.
+//
+// A page's newest state alone counts. A moving state gets a draft whose resolution is chosen so that it is drawn in
+// time. A state at rest gets a draft of full resolution if that is quick, then exactly the picture that the command
+// line draws, then the means of further samples. Pages take turns: moving states come first, then those at rest, then
+// further samples, which any other work interrupts.
+#pragma once
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "apps/view/encoder.h"
+#include "apps/view/messages.h"
+#include "apps/view/model_list.h"
+#include "apps/view/quality.h"
+
+namespace umbrage::view {
+
+using PageId = int;
+
+/// Max number of frames that are sent to a page before it acknowledges one.
+inline constexpr std::size_t kMaxUnacknowledged = 2;
+/// Number of samples to which a picture at rest is refined: more would not change it visibly.
+inline constexpr int kMaxRefinedSamples = 128;
+
+struct DrawingSettings {
+  std::vector<ModelSource> models;
+  Request given;  ///< of the command line: its camera is the first one of each model
+  std::string device = "auto";
+  int threads = 0;     ///< 0: one per hardware thread
+  bool watch = false;  ///< load a model again when its file changes
+};
+
+/// Sends to a page; must not block. Called on any thread.
+struct Send {
+  std::function<void(PageId, std::string)> text, frame;
+};
+
+/// All functions may be called on any thread and return at once.
+class Drawing {
+ public:
+  /// Creates the device. Errors: those of make_device.
+  static Result<std::unique_ptr<Drawing>> start(DrawingSettings settings, Send send);
+  ~Drawing();
+
+  /// Sets the newest state of a page.
+  void set_state(PageId page, State state);
+  void acknowledge(PageId page, std::int64_t frame);
+  void close(PageId page);
+  /// Adds a file to those that pages can choose and returns its id.
+  int add_model(ModelSource source) { return models_.add(std::move(source)); }
+  /// Returns the list of models as pages get it.
+  nlohmann::json models() const;
+  ModelSource model_source(int id) const { return models_.source(id); }
+  bool has_model(int id) const { return models_.has(id); }
+  const std::string& device_description() const { return description_; }
+  /// Returns the number of pictures drawn so far.
+  long drawn() const { return drawn_; }
+
+ private:
+  /// What a view of a state still needs.
+  enum class Step { kMoving, kQuick, kExact, kRefined, kDone };
+  struct Progress {
+    Step next = Step::kDone;
+    int samples = 0;  ///< of the last picture at rest that was sent; 0: none
+    bool is_final = false;
+  };
+  struct Page {
+    std::shared_ptr<const State> state;
+    long revision = 0;  ///< grows with each state
+    std::vector<Progress> views;
+    std::set<std::int64_t> unacknowledged;
+    std::map<int, long> versions;  ///< of the models that the page knows
+  };
+  /// A picture to draw.
+  struct Task {
+    PageId page = 0;
+    std::shared_ptr<const State> state;
+    long revision = 0;
+    int view = 0;
+    Step step = Step::kDone;
+    int samples = 0;
+    const View& shown() const { return state->views[std::size_t(view)]; }
+  };
+
+  Drawing(DrawingSettings settings, Send send) : settings_(std::move(settings)), send_(std::move(send)) {}
+  void run();
+  void watch();
+  std::optional<Task> next_task();
+  bool is_wanted(const Task& task);
+  bool is_urgent_elsewhere();
+  bool wait_for_page(const Task& task);
+  void forget_frame(PageId id, std::int64_t frame);
+  void finish(const Task& task, const Result<void>& done);
+
+  Result<void> perform(const Task& task);
+  Result<void> draw(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request);
+  Result<void> draw_draft(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request);
+  Result<ModelList::Loaded> load(const Task& task, const Request& request);
+  Result<void> tell_model(const Task& task, const ModelList::Loaded& loaded, const Request& request);
+  Result<DrawingDevice*> device_of(const Task& task);
+  void send_picture(const Task& task, const Image& picture, int samples, bool is_final, const StageTimes& times);
+  std::string control_key(const Task& task, const Request& request) const;
+  ProgressMonitor monitor_of(const Task& task);
+  void send_error(const Task& task, const Error& error);
+
+  const DrawingSettings settings_;
+  const Send send_;
+  std::string description_;
+  ModelList models_;
+
+  std::mutex mutex_;  // guards pages_, last_page_, last_frame_ and stopping_
+  std::condition_variable changed_;
+  std::map<PageId, Page> pages_;
+  PageId last_page_ = 0;  // that got the last picture
+  std::int64_t last_frame_ = 0;
+  bool stopping_ = false;
+  std::atomic<long> drawn_ = 0;
+
+  // Only the drawing thread uses these.
+  std::map<std::string, DrawingDevice> devices_;
+  std::set<std::string> failed_devices_;
+  ResolutionControl control_;
+  PageId moving_page_ = 0;     // of the last draft
+  std::string moving_camera_;  // and its camera
+
+  std::unique_ptr<Encoder> encoder_;
+  std::thread thread_, watching_;
+};
+
+}  // namespace umbrage::view

@@ -1,0 +1,46 @@
+#include "apps/view/encoder.h"
+
+#include "core/guarded.h"
+#include "renderer/times.h"
+
+namespace umbrage::view {
+
+Encoder::Encoder() : thread_([this] { run(); }) {}
+
+Encoder::~Encoder() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void Encoder::add(EncodeJob job) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return !next_; });
+  next_ = std::move(job);
+  changed_.notify_all();
+}
+
+void Encoder::run() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [&] { return next_ || stopping_; });
+    if (stopping_) return;
+    EncodeJob job = std::move(*next_);
+    next_.reset();
+    changed_.notify_all();
+    lock.unlock();
+    if (!job.is_wanted || job.is_wanted()) {
+      StageTimes times;
+      auto encoded = guarded([] { return std::string("the picture"); }, [&] { return encode(job.picture, job.exact); });
+      times.done("encode");
+      job.done(std::move(encoded), times.total());
+    }
+    job = {};
+    lock.lock();
+  }
+}
+
+}  // namespace umbrage::view

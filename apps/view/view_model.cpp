@@ -1,0 +1,264 @@
+#include "apps/view/view_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
+#include <limits>
+
+#include "renderer/background.h"
+#include "renderer/models.h"
+#include "renderer/pass_picture.h"
+#include "renderer/passes.h"
+#include "renderer/reduced_rows.h"
+#include "renderer/shade_file.h"
+#include "scene/framing.h"
+
+namespace umbrage::view {
+namespace {
+
+/// Returns a key of the options that change how a model is read.
+std::string import_key(const Request& r) {
+  const auto number = [](const auto& value) { return value ? fmt::format("{}", *value) : std::string("-"); };
+  const auto up = r.up.value_or(std::array<float, 3>{});
+  return fmt::format("{} {} {} {} {} {} {} {} {}", fmt::join(up, ","), number(r.scene_index), number(r.animation_index),
+                     number(r.animation_time), r.lights, number(r.crease_angle_deg), r.point_size, r.point_sprites,
+                     r.gbuffer.view);
+}
+
+/// Returns the planes of a finished picture.
+std::vector<std::string> color_planes(const Request& request) {
+  std::vector<std::string> names = {"color.r", "color.g", "color.b"};
+  if (request.transparent) names.emplace_back("color.a");
+  return names;
+}
+
+/// Returns the names of the planes that the request shows. Errors: kUsage.
+Result<std::vector<std::string>> shown_planes(const Request& request, const Device& device, const Frame& frame) {
+  if (request.passes.empty()) return color_planes(request);
+  const auto chosen = chosen_planes(request.passes, device.plane_names(frame), frame.info);
+  if (!chosen) return chosen.error();
+  std::vector<std::string> names;
+  for (const PassPlanes& pass : *chosen) names.insert(names.end(), pass.planes.begin(), pass.planes.end());
+  return names;
+}
+
+/// Returns the picture of a drawn frame as it is written to a .png.
+Result<Image> picture_of(Device& device, const Frame& frame, const Request& request, const EffectSettings& settings) {
+  const auto names = shown_planes(request, device, frame);
+  if (!names) return names.error();
+  const auto planes = download_passes(device, frame, *names);
+  if (!planes) return planes.error();
+  if (request.passes.size() == 1 && request.passes[0] == "outline")
+    return picture_of_lines(planes->plane("outline"), settings);
+  if (!request.passes.empty()) return picture_of_passes(*planes, *names, frame.info);
+  Image picture(planes->width, planes->height);
+  for (const std::string& name : *names) picture.add(name) = planes->plane(name);
+  return picture;
+}
+
+/// Returns the options of a camera of a completed scene.
+ViewCamera options_of(const Camera& camera, const Scene& scene, float view_angle_deg) {
+  ViewCamera view;
+  const glm::dmat3 world_from_view = glm::transpose(glm::dmat3(camera.view_from_world));
+  const glm::dvec3 eye(camera.eye()), center(scene.center());
+  view.orthographic = camera.projection == Projection::kOrthographic;
+  view.view_up = world_from_view[1];
+  const glm::dvec2 middle(0.5 * (camera.left + camera.right), 0.5 * (camera.bottom + camera.top));
+  const double height = double(camera.top) - double(camera.bottom);
+  // The options have no shifted window: the camera looks at, or moves to, the middle of it.
+  const glm::dvec3 right = world_from_view[0], up = world_from_view[1], back = world_from_view[2];
+  if (view.orthographic) {
+    view.view_angle_deg = view_angle_deg;
+    const double distance = 0.5 * height / std::tan(glm::radians(0.5 * double(view_angle_deg)));
+    const double depth = glm::dot(eye - center, back);
+    view.focal_point = eye - depth * back + middle.x * right + middle.y * up;
+    view.position = view.focal_point + distance * back;
+  } else {
+    view.view_angle_deg = glm::degrees(2.0 * std::atan(0.5 * height));
+    const glm::dvec3 forward = glm::normalize(middle.x * right + middle.y * up - back);
+    const double depth = glm::dot(center - eye, forward);
+    view.position = eye;
+    view.focal_point = eye + std::max(depth, 0.1 * double(scene.radius())) * forward;
+  }
+  view.position += scene.origin;
+  view.focal_point += scene.origin;
+  return view;
+}
+
+/// Gives a camera the window of a picture whose size was rounded, so that nothing is distorted: the width of the window
+/// follows from `aspect`, width / height.
+void set_aspect(double aspect, Camera& camera) {
+  const double height = double(camera.top) - double(camera.bottom), width = double(camera.right) - double(camera.left);
+  const float factor = float(height * aspect / width);
+  camera.left *= factor;
+  camera.right *= factor;
+}
+
+}  // namespace
+
+void DrawingDevice::keep_memory_for(int picture_width, int picture_height) {
+  if (kept && width == picture_width && height == picture_height) return;
+  kept.reset();
+  kept.emplace(device->pool());
+  width = picture_width;
+  height = picture_height;
+}
+
+ViewModel::~ViewModel() = default;
+
+Result<std::unique_ptr<ViewModel>> ViewModel::load(const std::string& file, bool is_gbuffer, const Request& request,
+                                                   const ProgressMonitor& monitor) {
+  std::unique_ptr<ViewModel> model(new ViewModel);
+  model->import_key_ = import_key(request);
+  ModelFacts& facts = model->facts_;
+  if (is_gbuffer) {
+    constexpr double kAnyMemory = std::numeric_limits<double>::infinity();  // the pixels are kept
+    GBufferSettings settings = request.gbuffer;
+    settings.file = file;
+    auto opened = GBufferFile::open(settings, kAnyMemory, "");
+    if (!opened) return opened.error();
+    facts.width = opened->info().width;
+    facts.height = opened->info().height;
+    facts.warnings = opened->facts().warnings;
+    facts.summary = fmt::format("{} x {} pixels", facts.width, facts.height);
+    auto rows = opened->rows({0, facts.height});
+    if (!rows) return rows.error();
+    model->planes_ = GBuffer{.info = opened->info(), .layers = {}};
+    model->planes_->layers.push_back(std::move(*rows));
+    model->gbuffer_ = std::move(*opened);
+    return model;
+  }
+  const auto settings = import_settings(request);
+  if (!settings) return settings.error();
+  auto scene = load_scene(file, *settings, monitor);
+  if (!scene) return scene.error();
+  model->scene_ = std::move(*scene);
+  facts.summary = size_text(model->scene_);
+  facts.warnings = model->scene_.warnings;
+  facts.center = model->scene_.origin + glm::dvec3(model->scene_.center());
+  facts.radius = model->scene_.radius();
+  facts.up = model->scene_.up;
+  return model;
+}
+
+bool ViewModel::is_loaded_for(const Request& request) const { return import_key_ == import_key(request); }
+
+void ViewModel::forget_captures() {
+  captures_.clear();
+  captured_by_ = nullptr;
+}
+
+Result<ViewCamera> ViewModel::camera(const Request& request) {
+  const auto recipe = make_recipe(request);
+  if (!recipe) return recipe.error();
+  Scene& scene = completed_.scene ? *completed_.scene : scene_;
+  const std::vector<umbrage::View> views = scene.views;
+  scene.views = scene_.views;
+  if (recipe->camera_index)
+    if (auto used = use_camera(*recipe->camera_index, scene); !used) return used.error();
+  const Camera camera = frame_scene(scene, recipe->framing, recipe->width, recipe->height);
+  scene.views = views;
+  return options_of(camera, scene, recipe->framing.view_angle_deg.value_or(recipe->framing.usual_view_angle_deg));
+}
+
+Result<const Scene*> ViewModel::complete(Recipe& recipe, const ProgressMonitor& monitor) {
+  static std::atomic<long> last_number = 0;
+  if (auto read = read_changed_hdri(recipe.hdri, hdri_, monitor); !read) return read.error();
+  hdri_ = recipe.hdri;
+  const auto serves = completed_.serves(recipe, 0);
+  if (!serves) return serves.error();
+  if (!*serves) {
+    forget_captures();
+    completed_ = {};
+    auto made = completed(scene_, recipe, 0);
+    if (!made) return made.error();
+    completed_ = std::move(*made);
+    number_ = ++last_number;
+  }
+  return completed_.scene.get();
+}
+
+Result<void> ViewModel::prepare(DrawingDevice& device, const ProgressMonitor& monitor) const {
+  if (device.prepared == number_) return {};
+  device.prepared = 0;
+  if (auto ready = device.device->prepare(*completed_.scene, monitor); !ready) return ready;
+  device.prepared = number_;
+  return {};
+}
+
+Result<void> ViewModel::draw(DrawingDevice& device, const Request& request, const DrawControl& control,
+                             StageTimes& times) {
+  return is_gbuffer() ? shade(device, request, control, times) : draw_scene(device, request, control, times);
+}
+
+Result<void> ViewModel::draw_scene(DrawingDevice& device, const Request& request, const DrawControl& control,
+                                   StageTimes& times) {
+  auto recipe = make_recipe(request);
+  if (!recipe) return recipe.error();
+  reduce_to_passes(*recipe);
+  const auto scene = complete(*recipe, control.monitor);
+  if (!scene) return scene.error();
+  auto plan = make_plan(*recipe, **scene, device.device->threads(), control.monitor);
+  if (!plan) return plan.error();
+  if (control.moving) simplify_moving(*plan);
+  if (control.aspect > 0.0) set_aspect(control.aspect, plan->camera);
+  if (captured_by_ != device.device.get()) forget_captures();
+  captured_by_ = device.device.get();
+  device.keep_memory_for(request.width, request.height);
+  const ScopedPlanePool pool(device.device->pool());
+  times.done("plan");
+  const bool refines = plan->averages() && control.max_samples > 0;
+  const auto give = [&](const Frame& frame, int samples) -> Result<void> {
+    const auto picture = picture_of(*device.device, frame, request, plan->recipe.settings);
+    if (!picture) return picture.error();
+    times.done("download");
+    return control.take(*picture, samples, !plan->averages() || (refines && samples >= control.max_samples));
+  };
+  Continuation more;
+  if (refines) {
+    more.wants_mean = [&](int samples) { return samples >= control.max_samples || control.wants_mean(samples); };
+    more.wants_another = [&](int samples) { return samples < control.max_samples && control.wants_another(samples); };
+    more.take_mean = give;
+  }
+  const auto drawn = draw_keeping(
+      *device.device, **scene, *plan, captures_, times, [&] { return prepare(device, control.monitor); },
+      control.monitor, control.monitor, more);
+  if (!drawn) return drawn.error();
+  return refines ? Result<void>() : give(drawn->frame, plan->recipe.frames);
+}
+
+Result<void> ViewModel::shade(DrawingDevice& device, const Request& request, const DrawControl& control,
+                              StageTimes& times) {
+  auto recipe = make_file_recipe(request, *gbuffer_);
+  if (!recipe) return recipe.error();
+  if (recipe->occlusion == "reference")
+    return usage_error("the ray-traced reference needs a model: a G-buffer shows only what the camera sees");
+  recipe->passes = request.passes;
+  device.keep_memory_for(facts_.width, facts_.height);
+  const ScopedPlanePool pool(device.device->pool());
+  GBuffer views{.info = planes_->info, .layers = {}};
+  Image& layer = views.layers.emplace_back(facts_.width, facts_.height);
+  for (std::size_t k = 0; k < planes_->layers[0].planes.size(); ++k)
+    layer.add(planes_->layers[0].names[k]) = Plane::view(planes_->layers[0].planes[k]);
+  const auto drawn = shade_planes(*device.device, std::move(views), *recipe, times, control.monitor);
+  if (!drawn) return drawn.error();
+  const auto names = shown_planes(request, *device.device, drawn->frame);
+  if (!names) return names.error();
+  const auto planes = device.device->download(drawn->frame, *names);
+  if (!planes) return planes.error();
+  const auto take = [&](const PictureInfo& info, const Image& rows, int) -> Result<void> {
+    if (request.passes.size() == 1 && request.passes[0] == "outline")
+      return control.take(picture_of_lines(rows.plane("outline"), recipe->settings), 1, true);
+    return control.take(request.passes.empty() ? rows : picture_of_passes(rows, *names, info), 1, true);
+  };
+  times.done("download");
+  return reduced_rows(recipe->reduction, *recipe, take)(drawn->frame.info, *planes, 0);
+}
+
+}  // namespace umbrage::view

@@ -1,0 +1,100 @@
+// ViewModel: a loaded model or G-buffer, and what is kept from one of its pictures to the next.
+#pragma once
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/view/quality.h"
+#include "gbuffers/gbuffer_file.h"
+#include "renderer/completed_scene.h"
+
+namespace umbrage::view {
+
+/// A device with what it is prepared for.
+struct DrawingDevice {
+  std::unique_ptr<Device> device;
+  long prepared = 0;                  ///< number of the scene that the device is prepared for: see ViewModel; 0: none
+  std::optional<PlanePoolLock> kept;  ///< keeps the planes of one picture for the next
+  int width = 0, height = 0;          ///< size of that picture
+
+  /// Keeps the memory of planes while pictures have this size.
+  void keep_memory_for(int picture_width, int picture_height);
+};
+
+/// How a picture is drawn.
+struct DrawControl {
+  bool moving = false;
+  /// Width / height of what is shown, if the size of the picture was rounded: nothing is distorted. 0: as the size.
+  double aspect = 0.0;
+  ProgressMonitor monitor = {};
+  /// Receives the picture, whose planes are as for write_image: after the samples of the request, and then of each
+  /// larger number of samples that is wanted. `is_final`: further samples would not change it.
+  std::function<Result<void>(const Image& picture, int samples, bool is_final)> take = {};
+  int max_samples = 0;  ///< to which the picture is refined; 0: it is not
+  /// As in Continuation, for numbers of samples below max_samples. Needed only with it.
+  std::function<bool(int samples)> wants_mean = {}, wants_another = {};
+};
+
+/// What the page has to know of a loaded file. Vectors are in the coordinates of the file.
+struct ModelFacts {
+  std::string summary;  ///< "69,666 triangles"
+  std::vector<std::string> warnings;
+  glm::dvec3 center{0.0};
+  double radius = 1.0;
+  glm::vec3 up{0.0f, 1.0f, 0.0f};
+  int width = 0, height = 0;  ///< of a G-buffer, pixels; else 0
+};
+
+/// A camera as options of the command line describe it, in the coordinates of the file.
+struct ViewCamera {
+  glm::dvec3 position{0.0}, focal_point{0.0};
+  glm::dvec3 view_up{0.0, 1.0, 0.0};
+  double view_angle_deg = 30.0;
+  bool orthographic = false;
+};
+
+class ViewModel {
+ public:
+  /// Loads a model with the import options of a request, or a G-buffer. Errors: those of load_scene, of
+  /// import_settings and of GBufferFile::open.
+  static Result<std::unique_ptr<ViewModel>> load(const std::string& file, bool is_gbuffer, const Request& request,
+                                                 const ProgressMonitor& monitor = {});
+  ~ViewModel();
+
+  bool is_gbuffer() const { return gbuffer_.has_value(); }
+  const ModelFacts& facts() const { return facts_; }
+  /// Returns whether it was loaded with the import options of this request.
+  bool is_loaded_for(const Request& request) const;
+  /// Returns the camera with which the request draws the model. Errors: those of make_recipe and of use_camera.
+  Result<ViewCamera> camera(const Request& request);
+
+  /// Draws a picture of the request, whose size a G-buffer ignores. Its pixels are those of `umbrage render` or
+  /// `umbrage shade`, unless it is moving. Errors: kUsage, with fields as in renderer/options.h; kInterrupted;
+  /// those of the device.
+  Result<void> draw(DrawingDevice& device, const Request& request, const DrawControl& control, StageTimes& times);
+
+  /// Forgets what a device that is about to be destroyed has captured.
+  void forget_captures();
+
+ private:
+  ViewModel() = default;
+  Result<const Scene*> complete(Recipe& recipe, const ProgressMonitor& monitor);
+  Result<void> prepare(DrawingDevice& device, const ProgressMonitor& monitor) const;
+  Result<void> draw_scene(DrawingDevice& device, const Request& request, const DrawControl& control, StageTimes& times);
+  Result<void> shade(DrawingDevice& device, const Request& request, const DrawControl& control, StageTimes& times);
+
+  std::string import_key_;
+  ModelFacts facts_;
+  Scene scene_;  // as loaded
+  CompletedScene completed_;
+  long number_ = 0;  // of the completed scene, unique in the process
+  Hdri hdri_;        // with its panorama
+  KeptCaptures captures_;
+  const Device* captured_by_ = nullptr;
+  std::optional<GBufferFile> gbuffer_;
+  std::optional<GBuffer> planes_;  // of gbuffer_
+};
+
+}  // namespace umbrage::view
