@@ -1,0 +1,181 @@
+#include "apps/view/tables.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <type_traits>
+
+#include "apps/view/quality.h"
+#include "devices/vulkan/vulkan_device.h"
+#include "looks/looks.h"
+#include "renderer/devices.h"
+#include "renderer/options.h"
+#include "renderer/passes.h"
+
+namespace umbrage::view {
+namespace {
+
+/// Returns the kind of an option whose values are of type T.
+template <class T>
+const char* kind_of_type() {
+  if constexpr (std::is_same_v<T, bool>) return "flag";
+  if constexpr (std::is_same_v<T, int> || std::is_same_v<T, std::optional<int>>) return "integer";
+  if constexpr (std::is_same_v<T, float> || std::is_same_v<T, std::optional<float>>) return "number";
+  return "text";
+}
+
+const char* kind_of(const Option& option) {
+  switch (option.form) {
+    case OptionForm::kSize:
+      return "size";
+    case OptionForm::kPercent:
+    case OptionForm::kLength:
+      return "length";
+    case OptionForm::kPosition:
+    case OptionForm::kDirection:
+      return "vector";
+    case OptionForm::kColor:
+      return "color";
+    case OptionForm::kAngles:
+      return "angles";
+    case OptionForm::kWords:
+      return "words";
+    default:
+      break;
+  }
+  if (!words_of(option).empty()) return "choice";
+  return std::visit(
+      [](const auto& field) -> const char* {
+        if constexpr (std::is_same_v<std::decay_t<decltype(field)>, std::monostate>)
+          return "text";
+        else
+          return kind_of_type<std::decay_t<decltype(field(std::declval<Request&>()))>>();
+      },
+      option.where);
+}
+
+nlohmann::json record_of(const Option& option) {
+  nlohmann::json record = {{"name", option.option},
+                           {"group", option.group},
+                           {"help", with_option_names(option.help)},
+                           {"unit", option.unit},
+                           {"initial", with_option_names(option.initial)},
+                           {"kind", kind_of(option)},
+                           {"min", option.min},
+                           {"max", option.max},
+                           {"choices", words_of(option)},
+                           {"model", (option.commands & kRender) != 0},
+                           {"gbuffer", (option.commands & kShade) != 0}};
+  if (std::holds_alternative<FieldOf<std::vector<std::string>>>(option.where) && option.form != OptionForm::kWords)
+    record["repeated"] = true;
+  return record;
+}
+
+nlohmann::json option_records() {
+  nlohmann::json records = nlohmann::json::array();
+  for (const Option& option : options())
+    if ((option.commands & (kRender | kShade)) && !option.option.empty()) records.push_back(record_of(option));
+  return records;
+}
+
+const char* kind_of(ParameterType type) {
+  switch (type) {
+    case ParameterType::kReal:
+      return "number";
+    case ParameterType::kInt:
+      return "integer";
+    case ParameterType::kBool:
+      return "flag";
+    case ParameterType::kChoice:
+      return "choice";
+    case ParameterType::kLength:
+      return "length";
+  }
+  return "text";
+}
+
+const char* kind_of(EffectKind kind) {
+  switch (kind) {
+    case EffectKind::kOcclusion:
+      return "occlusion";
+    case EffectKind::kFilter:
+      return "filter";
+    case EffectKind::kShading:
+      return "shading";
+    case EffectKind::kOutput:
+      return "output";
+  }
+  return "shading";
+}
+
+nlohmann::json effect_records() {
+  nlohmann::json records = nlohmann::json::array();
+  for (const Effect* effect : effects_with_external()) {
+    const ParameterBytes initial = initial_parameters(effect->parameters, effect->params_size);
+    nlohmann::json parameters = nlohmann::json::array();
+    for (const Parameter& row : effect->parameters)
+      parameters.push_back({{"name", row.name},
+                            {"set", fmt::format("{}.{}", effect->name, row.name)},
+                            {"help", with_option_names(row.help)},
+                            {"unit", row.unit},
+                            {"initial", parameter_text(row, initial)},
+                            {"kind", kind_of(row.type)},
+                            {"min", row.min},
+                            {"max", row.max},
+                            {"zero_means", row.zero_means},
+                            {"choices", row.choices}});
+    records.push_back({{"name", effect->name},
+                       {"summary", effect->summary},
+                       {"kind", kind_of(effect->kind)},
+                       {"parameters", std::move(parameters)}});
+  }
+  return records;
+}
+
+nlohmann::json look_records() {
+  nlohmann::json records = nlohmann::json::array();
+  for (const Look* look : looks()) {
+    nlohmann::json passes = nlohmann::json::array();
+    for (const PassEntry& pass : passes_of_look(*look))
+      passes.push_back({{"name", pass.name}, {"summary", pass.summary}});
+    nlohmann::json values = nlohmann::json::object();  // settings that differ from the defaults of effects
+    for (const auto preset : look->presets)
+      if (const std::size_t equals = preset.find('='); equals != preset.npos)
+        values[std::string(preset.substr(0, equals))] = preset.substr(equals + 1);
+    records.push_back({{"name", look->name},
+                       {"summary", look->summary},
+                       {"occlusion", look->occlusion},
+                       {"effects", look->effects},
+                       {"presets", std::move(values)},
+                       {"passes", std::move(passes)},
+                       {"gbuffer", look->needs_beauty}});
+  }
+  return records;
+}
+
+nlohmann::json device_records() {
+  nlohmann::json records = nlohmann::json::array();
+  if (const auto cpu = make_device("cpu", 0)) {
+    const std::string description = (*cpu)->description();
+    constexpr std::string_view kPrefix = "cpu: ";
+    records.push_back(
+        {{"name", "cpu"},
+         {"summary", description.starts_with(kPrefix) ? description.substr(kPrefix.size()) : description}});
+  }
+  if (const auto gpus = vulkan_gpus())
+    for (const VulkanGpu& gpu : *gpus)
+      if (gpu.usable) records.push_back({{"name", gpu.name}, {"summary", gpu.summary}});
+  return records;
+}
+
+}  // namespace
+
+nlohmann::json hello_tables() {
+  return {{"options", option_records()},
+          {"effects", effect_records()},
+          {"looks", look_records()},
+          {"devices", device_records()}};
+}
+
+}  // namespace umbrage::view
