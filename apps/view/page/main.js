@@ -7,7 +7,7 @@ import { new_link } from "./link.js";
 import { stage, draw, show_frame, forget_pictures, needs_b, size_asked, size_shown, watch_size, update_flicker, attach_divider } from "./stage.js";
 import { make_panels, refresh_panels } from "./panels.js";
 import { compare_section, refresh_compare } from "./compare.js";
-import { times_section, note_time, draw_times } from "./graph.js";
+import { times_section, note_time, draw_times, ms_text } from "./graph.js";
 import { take_section } from "./take.js";
 import { attach_files } from "./files.js";
 import { make_help } from "./help.js";
@@ -222,7 +222,7 @@ function show_state(header) {
   const rest = header.final ? ["final", pictures].filter(Boolean).join(", ") : pictures || "drawing";
   by_id("progress_text").textContent = header.moving ? `${moving_times.length} frames/s` : rest;
   by_id("frame_size").textContent = `${header.width} × ${header.height}`;
-  by_id("frame_time").textContent = `${header.ms < 10 ? header.ms.toFixed(1) : Math.round(header.ms)} ms`;
+  by_id("frame_time").textContent = ms_text(header.ms);
   const error = header.error;
   by_id("error_number").textContent = error ? `error against the reference: RMSE ${error.rmse.toPrecision(3)}, mean ${error.mean.toPrecision(3)}` : "";
 }

@@ -1,14 +1,14 @@
 // The panel's sections of options, made from the program's tables. Options that no section names are in the last one.
 import { by_id, element, section, segments } from "./dom.js";
-import { state, hooks, side_edited, look_of, technique_of, scene_now, is_flat } from "./state.js";
+import { state, hooks, side_edited, look_of, default_look, technique_of, scene_now, is_flat } from "./state.js";
 import { row } from "./controls.js";
 import { light_ball } from "./light.js";
 
 const kLabels = {
   ao: "Technique", look: "Look", "ao-radius": "Radius", "ao-strength": "Strength", "ao-scale": "Resolution",
   "anti-aliasing": "Anti-aliasing", "background-color": "Color", "no-background": "Transparent", "hdri-file": "Image",
-  "hdri-ambient": "Lights the scene", "hdri-skybox": "As background", "hdri-rotation": "Rotation",
-  "hdri-intensity": "Intensity", "light-size": "Size of the key", "light-direction": "Direction", key: "Key", fill: "Fill",
+  "hdri-ambient": "Light", "hdri-skybox": "Backdrop", "hdri-rotation": "Rotation",
+  "hdri-intensity": "Intensity", "light-size": "Key size", "light-direction": "Direction", key: "Key", fill: "Fill",
   rim: "Rim", "shadow-strength": "Shadows", up: "Up axis",
 };
 const kSections = [
@@ -111,7 +111,7 @@ function described_select(id, label, choices, summary_of, chosen) {
 }
 
 function look_section() {
-  const look = described_select("look", "Look", [], () => look_of(side_edited())?.summary ?? "", (name) => set_option("look", name));
+  const look = described_select("look", "Look", [], () => look_of(side_edited())?.summary ?? "", (name) => set_option("look", name === default_look() ? undefined : name));
   const technique = described_select("technique", "Technique", [], () => {
     const name = technique_of(side_edited());
     return effect_named(name)?.summary ?? (name === "none" ? "no occlusion" : "");
