@@ -21,11 +21,13 @@ export function scale_of(min, max, initial) {
            value: (t) => min + (max - min) * t ** power };
 }
 
-/// Returns the range of the slider: rotations show one turn, percent of the radius 0.1 to 100.
+/// Returns the range of the slider, or null for none: rotations show one turn, lengths 0.1 to 100 percent of the radius,
+/// factors without an effective limit 10 times the default.
 function range_of(entry) {
   if (entry.kind === "length") return [0.1, 100];
   if (entry.unit === "deg" && entry.max > 360) return [-180, 180];
-  const { min, max } = entry;
+  const { min, max } = entry, initial = parseFloat(entry.initial);
+  if (min === 0 && max >= 1e5 && initial > 0) return [0, 10 * initial];
   return Number.isFinite(min) && Number.isFinite(max) && min < max && max - min < 1e6 ? [min, max] : null;
 }
 
@@ -140,11 +142,11 @@ export function row(entry, label, access, testid) {
       control.parts[0].focus();
     },
   });
-  const unit = kUnits[entry.unit] ?? entry.unit;
+  const unit = kUnits[entry.unit] ?? entry.unit, is_short = unit?.length === 1 && control.has_slider && !entry.initial?.endsWith(unit);
   const root = element("div", { class: "row", "data-testid": testid, "data-kind": entry.kind, title: entry.help },
-    element("label", { for: id, id: `${id}_label`, text: label }),
+    element("label", { for: id, id: `${id}_label` }, label, unit && !is_short && unit !== "%" ? element("span", { class: "unit", text: ` ${unit}` }) : null),
     element("div", { class: control.has_slider ? "control slides" : "control" }, ...control.parts,
-      unit ? element("span", { class: "unit", text: unit, "aria-hidden": "true" }) : null), undo,
+      is_short ? element("span", { class: "unit", text: unit, "aria-hidden": "true" }) : null), undo,
     element("small", { class: "help", id: describe, text: entry.help }));
   const refresh = () => {
     const text = access.get();

@@ -13,7 +13,8 @@ export function times_section() {
     element("p", { class: "summary", id: "history_text" }));
 }
 
-const ms_text = (ms) => `${ms < 9.95 ? ms.toFixed(1) : Math.round(ms)} ms`;
+/// Returns a time for display.
+export const ms_text = (ms) => (ms < 9.95 ? `${ms.toFixed(1)} ms` : ms < 9950 ? `${Math.round(ms)} ms` : `${(ms / 1000).toFixed(1)} s`);
 
 /// Remembers the time of a frame.
 export function note_time(header) {

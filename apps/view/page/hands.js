@@ -6,7 +6,7 @@ import { size_shown } from "./stage.js";
 import { orbited, panned, zoomed } from "./camera.js";
 import { is_flat } from "./state.js";
 
-const kWheelPerNotch = 0.0015, kHold_ms = 160, kFlyPerSecond = 1.1;
+const kWheelPerNotch = 0.0015, kHold_ms = 160, kFlyPerSecond = 0.7;
 const kFlyKeys = { w: [0, 0, 1], s: [0, 0, -1], a: [-1, 0, 0], d: [1, 0, 0], r: [0, 1, 0], v: [0, -1, 0] };
 
 function place_in_picture(event) {

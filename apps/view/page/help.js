@@ -7,7 +7,7 @@ export const kKeys = [
     ["Two fingers", "move"], ["Double click", "turn about this point"]]],
   ["Camera", [
     ["F", "fit"], ["1  3  7  9", "front, right, top, corner; again: opposite"], ["5", "parallel projection"], ["Enter", "reset the camera"],
-    ["W A S D", "fly (hold)"], ["R  V", "fly up, down (hold)"], ["↑ ↓ ← →", "orbit"], ["Ctrl + arrows", "move"], ["+  −", "zoom"],
+    ["W A S D", "fly (hold)"], ["R  V", "fly up, down (hold)"], ["↑ ↓ ← →", "orbit; Shift + ← → with several models"], ["Ctrl + arrows", "move"], ["+  −", "zoom"],
     ["Ctrl + Y, Ctrl + Z", "up axis of the model"]]],
   ["Models", [["← →", "previous, next model, if there are several"], ["O", "open files"]]],
   ["Picture", [

@@ -116,7 +116,7 @@ export function press(act, event) {
     return true;
   }
   if (arrow) {
-    const is_choice = state.models.length > 1 && arrow[0] !== 0 && !event.ctrlKey;
+    const is_choice = state.models.length > 1 && arrow[0] !== 0 && !event.ctrlKey && !event.shiftKey;
     if (is_choice) hooks.next_model(arrow[0]);
     else move_by_key(act, arrow[0], arrow[1], event.ctrlKey);
     return true;

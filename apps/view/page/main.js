@@ -7,7 +7,7 @@ import { new_link } from "./link.js";
 import { stage, draw, show_frame, forget_pictures, needs_b, size_asked, size_shown, watch_size, update_flicker, attach_divider } from "./stage.js";
 import { make_panels, refresh_panels } from "./panels.js";
 import { compare_section, refresh_compare } from "./compare.js";
-import { times_section, note_time, draw_times } from "./graph.js";
+import { times_section, note_time, draw_times, ms_text } from "./graph.js";
 import { take_section } from "./take.js";
 import { attach_files } from "./files.js";
 import { make_help } from "./help.js";
@@ -16,7 +16,7 @@ import { press, toggle_anti_aliasing, attach_theme, toggle_panel } from "./keys.
 
 const kFragment_ms = 300, kRate_ms = 1000, kNarrow = "(max-width: 46em)";
 const moving_times = [];
-let refresh_scheduled = 0, fragment_timer = 0, own_fragment = null;
+let refresh_scheduled = 0, fragment_timer = 0, own_fragment = null, panels_are_flat;
 
 const link = new_link(make_state, { text: take_message, frame: take_frame, opened, closed });
 
@@ -30,9 +30,18 @@ function make_state() {
   return { size: size_asked(), model: state.model, views };
 }
 
+/// Makes the panel for a model or for a G-buffer, which have different options.
+function build_panels() {
+  panels_are_flat = is_flat();
+  const { first, groups, last } = make_panels();
+  by_id("sections").replaceChildren(...first, compare_section(), ...groups, ...last, times_section(), take_section());
+  by_id("section_times").addEventListener("toggle", draw_times);
+}
+
 function refresh() {
   refresh_scheduled = 0;
   if (!state.hello) return;
+  if (panels_are_flat !== is_flat()) build_panels();
   refresh_panels();
   refresh_compare();
   draw();
@@ -152,9 +161,7 @@ function take_hello(hello) {
     take_fragment(location.hash);
   }
   state.scenes.clear();
-  const { first, groups, last } = make_panels();
-  by_id("sections").replaceChildren(...first, compare_section(), ...groups, ...last, times_section(), take_section());
-  by_id("section_times").addEventListener("toggle", draw_times);
+  build_panels();
   by_id("device_name").textContent = hello.device ?? "";
   by_id("version").textContent = hello.version ?? "";
   show_models();
@@ -222,7 +229,7 @@ function show_state(header) {
   const rest = header.final ? ["final", pictures].filter(Boolean).join(", ") : pictures || "drawing";
   by_id("progress_text").textContent = header.moving ? `${moving_times.length} frames/s` : rest;
   by_id("frame_size").textContent = `${header.width} × ${header.height}`;
-  by_id("frame_time").textContent = `${header.ms < 10 ? header.ms.toFixed(1) : Math.round(header.ms)} ms`;
+  by_id("frame_time").textContent = ms_text(header.ms);
   const error = header.error;
   by_id("error_number").textContent = error ? `error against the reference: RMSE ${error.rmse.toPrecision(3)}, mean ${error.mean.toPrecision(3)}` : "";
 }

@@ -1,14 +1,14 @@
 // The panel's sections of options, made from the program's tables. Options that no section names are in the last one.
 import { by_id, element, section, segments } from "./dom.js";
-import { state, hooks, side_edited, look_of, technique_of, scene_now, is_flat } from "./state.js";
+import { state, hooks, side_edited, look_of, default_look, technique_of, scene_now, is_flat } from "./state.js";
 import { row } from "./controls.js";
 import { light_ball } from "./light.js";
 
 const kLabels = {
   ao: "Technique", look: "Look", "ao-radius": "Radius", "ao-strength": "Strength", "ao-scale": "Resolution",
   "anti-aliasing": "Anti-aliasing", "background-color": "Color", "no-background": "Transparent", "hdri-file": "Image",
-  "hdri-ambient": "Lights the scene", "hdri-skybox": "As background", "hdri-rotation": "Rotation",
-  "hdri-intensity": "Intensity", "light-size": "Size of the key", "light-direction": "Direction", key: "Key", fill: "Fill",
+  "hdri-ambient": "Light", "hdri-skybox": "Backdrop", "hdri-rotation": "Rotation",
+  "hdri-intensity": "Intensity", "light-size": "Key size", "light-direction": "Direction", key: "Key", fill: "Fill",
   rim: "Rim", "shadow-strength": "Shadows", up: "Up axis",
 };
 const kSections = [
@@ -28,6 +28,7 @@ let effects_of = "";  // what the sections of effects were made for
 
 export const title_of = (name) => kLabels[name] ?? (name[0].toUpperCase() + name.slice(1)).replace(/[-_]/g, " ");
 const option_named = (name) => state.hello.options.find((option) => option.name === name);
+const applies = (option) => option && !option.repeated && (is_flat() ? option.gbuffer : option.model) !== false;
 const effect_named = (name) => state.hello.effects.find((effect) => effect.name === name);
 
 /// Sets an option of the edited side; undefined: its default.
@@ -68,7 +69,7 @@ function reset_button(parts, rows_of_section, reset) {
 
 function options_section([id, title, is_open, names]) {
   const first = rows.length, parts = [];
-  const known = names.map(option_named).filter(Boolean);
+  const known = names.map(option_named).filter(applies);
   if (!known.length) return null;
   if (id === "light") {
     const ball = light_ball(option_access("light-direction"));
@@ -111,7 +112,7 @@ function described_select(id, label, choices, summary_of, chosen) {
 }
 
 function look_section() {
-  const look = described_select("look", "Look", [], () => look_of(side_edited())?.summary ?? "", (name) => set_option("look", name));
+  const look = described_select("look", "Look", [], () => look_of(side_edited())?.summary ?? "", (name) => set_option("look", !is_flat() && name === default_look() ? undefined : name));
   const technique = described_select("technique", "Technique", [], () => {
     const name = technique_of(side_edited());
     return effect_named(name)?.summary ?? (name === "none" ? "no occlusion" : "");
@@ -120,8 +121,9 @@ function look_section() {
   const quality = segments("Quality", "quality", kinds, (name) => set_option("quality", name || undefined));
   rows.push({ root: quality.root, refresh: () => {
     const side = side_edited();
-    const looks = state.hello.looks.filter((entry) => is_flat() || entry.name !== "comp").map((entry) => [entry.name, entry.name]);
-    look.refresh(look_of(side)?.name, looks);
+    const looks = state.hello.looks.filter((entry) => is_flat() || !entry.gbuffer).map((entry) => [entry.name, entry.name]);
+    if (is_flat()) look.refresh(side.options.look ?? "", [["", "auto (by the planes)"], ...looks]);
+    else look.refresh(look_of(side)?.name, looks);
     const own = look_of(side)?.occlusion;
     const techniques = (option_named("ao")?.choices ?? []).filter((name) => name !== "reference");
     technique.refresh(side.options.ao ?? "", [["", `${own ?? "auto"} (of the look)`], ...techniques.map((name) => [name, name])]);
@@ -169,7 +171,7 @@ function effect_section(name, is_open) {
   const effect = effect_named(name), parts = [element("p", { class: "summary", text: effect.summary })], made = [];
   for (const parameter of effect.parameters) {
     if (parameter.name === "sample_index") continue;
-    const full = `${name}.${parameter.name}`, own = look_of(side_edited())?.settings?.[full];
+    const full = `${name}.${parameter.name}`, own = look_of(side_edited())?.presets?.[full];
     const entry = own === undefined ? parameter : { ...parameter, initial: own };
     const one = row(entry, title_of(parameter.name), parameter_access(full), `parameter-${full}`);
     made.push(one);
@@ -211,7 +213,7 @@ export function make_panels() {
   const named = new Set(kSections.flatMap(([, , , names]) => names));
   const parts = [look_section(), show_section()];
   const groups = kSections.map(options_section).filter(Boolean);
-  const rest = state.hello.options.filter((option) => !named.has(option.name) && !kElsewhere.test(option.name) && option.group !== "Output");
+  const rest = state.hello.options.filter((option) => !named.has(option.name) && !kElsewhere.test(option.name) && !/^(Output|Files)$/.test(option.group));
   const more = options_section(["more", "More options", false, rest.map((option) => option.name)]);
   const effects = element("div", { id: "effects_box" }, element("p", { class: "kicker", text: "Effects of the look" }), element("div", { id: "effects" }));
   return { first: parts, groups, last: [effects, more].filter(Boolean) };

@@ -31,8 +31,10 @@ export const side_b = () => state.b ?? { ...state.a, show: "reference" };
 export const scene_now = () => state.scenes.get(state.model);
 export const model_now = () => state.models.find((model) => model.id === state.model);
 export const is_flat = () => model_now()?.kind === "gbuffer";
+/// The look of a G-buffer depends on its planes, which the program may tell.
+export const default_look = () => scene_now()?.look ?? "studio";
 export const look_of = (side) => {
-  const name = side.options.look ?? (is_flat() ? "comp" : "studio");
+  const name = side.options.look ?? default_look();
   return state.hello?.looks.find((look) => look.name === name) ?? state.hello?.looks[0];
 };
 export const technique_of = (side) => side.options.ao ?? look_of(side)?.occlusion;

@@ -63,6 +63,7 @@ function python_value(kind, text) {
   return values ? `(${values.join(", ")})` : JSON.stringify(text);
 }
 
+/// Returns a script that draws the picture.
 export function python_of(side, size) {
   const camera = [], rest = [];
   for_fields(side, (field, kind, text) => {
@@ -91,6 +92,7 @@ function cpp_value(field, kind, text) {
   return `std::array{${values.map(number).join(", ")}}`;
 }
 
+/// Returns a program that draws the picture.
 export function cpp_of(side, size) {
   const request = is_flat() ? "ShadeRequest" : "RenderRequest";
   const lines = [`umb::${request} request;`, `request.${is_flat() ? "file" : "model"} = ${JSON.stringify(file_now())};`];
@@ -100,7 +102,8 @@ export function cpp_of(side, size) {
   if (settings.length) lines.push(`request.settings = {${settings.join(", ")}};`);
   lines.push("umb::Picture picture;", `umb::Outcome outcome = umb::${is_flat() ? "shade" : "render"}(request, picture);`,
     'if (outcome.code == 0) outcome = umb::save(picture, "picture.png");');
-  return `#include <array>\n\n#include "umbrage/umbrage.hpp"\n\n${lines.join("\n")}\n`;
+  lines.push("return outcome.code;");
+  return `#include <array>\n\n#include "umbrage/umbrage.hpp"\n\nint main() {\n${lines.map((line) => `  ${line}\n`).join("")}}\n`;
 }
 
 function settings_text() {
