@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "apps/cli/options.h"
 #include "core/suggest.h"
@@ -115,6 +117,119 @@ std::string last_quoted(const std::string& text) {
   return start == text.npos ? "" : text.substr(start, end - start + 1);
 }
 
+/// An option that a file sets, as written there.
+struct Setting {
+  std::string section;        ///< command, or empty for all commands
+  std::string option, value;  ///< option: without dashes
+  std::string place;          ///< file and line or, of JSON, name, as messages name them
+};
+
+Error error_at(const std::string& place, const std::string& what) { return usage_error("{}: {}", place, what); }
+
+/// Reads lines `option = value` under headings. Errors: kUsage.
+Result<std::vector<Setting>> settings_of_lines(std::istream& stream, const fs::path& file) {
+  std::vector<Setting> settings;
+  std::string section, line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    const std::string_view text = trimmed(line);
+    if (text.empty() || text[0] == '#' || text[0] == ';') continue;
+    const std::string place = fmt::format("'{}', line {}", file.string(), number);
+    if (text[0] == '[') {
+      const std::size_t end = text.find(']');
+      if (end == text.npos) return error_at(place, "a heading must have the form [command]");
+      section = std::string(trimmed(text.substr(1, end - 1)));
+      const std::string_view rest = trimmed(text.substr(end + 1));
+      if (!is_comment(rest))
+        return error_at(place, fmt::format("'{}' follows [{}]; only a comment may follow", rest, section));
+      settings.push_back({section, "", "", place});
+      continue;
+    }
+    const std::size_t equals = text.find('=');
+    std::string name(trimmed(text.substr(0, equals)));
+    if (equals == text.npos || name.empty()) return error_at(place, "a line must have the form option = value");
+    if (name.starts_with("--")) name.erase(0, 2);
+    const auto value = value_of(text.substr(equals + 1));
+    if (!value) return error_at(place, value.error().message);
+    settings.push_back({section, name, *value, place});
+  }
+  return settings;
+}
+
+/// Adds the options of a JSON object: texts, numbers, true or false, or lists of them. Errors: kUsage.
+Result<void> add_json(const nlohmann::json& object, const std::string& section, const fs::path& file,
+                      std::vector<Setting>& settings) {
+  for (const auto& [name, value] : object.items()) {
+    const std::string place = fmt::format("'{}', {}", file.string(), name);
+    if (value.is_object()) {
+      if (!section.empty()) return error_at(place, "an option takes no object");
+      settings.push_back({name, "", "", place});
+      if (auto added = add_json(value, name, file, settings); !added) return added;
+      continue;
+    }
+    for (const nlohmann::json& each : value.is_array() ? value : nlohmann::json::array({value})) {
+      if (!each.is_primitive() || each.is_null())
+        return error_at(place, "an option takes a text, a number, true or false, or a list of these");
+      settings.push_back({section, name, each.is_string() ? each.get<std::string>() : each.dump(), place});
+    }
+  }
+  return {};
+}
+
+/// Reads a JSON object: options, or objects of options by command. Errors: kUsage.
+Result<std::vector<Setting>> settings_of_json(const std::string& text, const fs::path& file) {
+  std::vector<Setting> settings;
+  try {
+    const nlohmann::json object = nlohmann::json::parse(text);
+    if (auto added = add_json(object, "", file, settings); !added) return added.error();
+  } catch (const nlohmann::json::exception& error) {
+    return usage_error("'{}' is not valid JSON: {}", file.string(), error.what());
+  }
+  return settings;
+}
+
+/// Adds the value of a setting for `command`, unless it is given elsewhere. `heading_of`: section of each option that
+/// has been added. Errors: kUsage.
+Result<void> add_setting(const Setting& setting, const CLI::App& app, CLI::App& command,
+                         const std::vector<std::string>& words, std::map<std::string, std::string>& heading_of,
+                         std::vector<ConfigValue>& added) {
+  const auto& [section, name, value, place] = setting;
+  if (name.empty()) {  // a heading
+    const std::vector<std::string> names = command_names(app);
+    if (std::find(names.begin(), names.end(), section) != names.end()) return {};
+    return error_at(place, fmt::format("there is no command '{}'{}", section, suggestion(section, names)));
+  }
+  if (value.empty()) return error_at(place, fmt::format("{} needs a value", name));
+  // The name must be an option of the section's command or, before the first heading, of any command.
+  bool known = false;
+  std::vector<std::string> names;
+  for (const CLI::App* each : app.get_subcommands({})) {
+    if (!section.empty() && each->get_name() != section) continue;
+    for (const CLI::Option* option : each->get_options())
+      for (const std::string& spelling : option->get_lnames())
+        if (spelling != "help" && spelling != "config") {
+          names.push_back(spelling);
+          known = known || spelling == name;
+        }
+  }
+  if (!known) return error_at(place, fmt::format("there is no option '{}'{}", name, suggestion(name, names)));
+  if (!section.empty() && section != command.get_name()) return {};
+  CLI::Option* option = command.get_option_no_throw("--" + name);
+  if (!option) return {};
+  const bool several = option->get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
+  // Values of --set add up across headings and the command line, since each sets another parameter.
+  const bool adds_up = name == option_of("settings").option;
+  const char* variable = option->get_envname().empty() ? nullptr : std::getenv(option->get_envname().c_str());
+  if ((is_given(*option, words) && !adds_up) || (variable && *variable)) return {};
+  if (const auto fine = check_value(*option, value); !fine) return error_at(place, fine.error().message);
+  // A later line overrides an earlier one, unless both are values of a repeatable option under the same heading.
+  const auto [earlier, first] = heading_of.emplace(name, section);
+  if (!first && !adds_up && !(several && earlier->second == section))
+    std::erase_if(added, [&name = setting.option](const ConfigValue& other) { return other.option == name; });
+  earlier->second = section;
+  added.push_back({name, value, place});
+  return {};
+}
+
 }  // namespace
 
 void add_config_option(CLI::App& command) {
@@ -141,61 +256,15 @@ Result<Configured> with_config(CLI::App& app, std::vector<std::string> words) {
   if (!stream || fs::is_directory(file, ignored))
     return file_error("'{}' cannot be read as a configuration", file.string());
 
+  std::stringstream content;
+  content << stream.rdbuf();
+  const auto settings = trimmed(content.str()).starts_with('{') ? settings_of_json(content.str(), file)
+                                                                : settings_of_lines(content, file);
+  if (!settings) return settings.error();
   std::vector<ConfigValue> added;
   std::map<std::string, std::string> heading_of;  // heading of each added option, by option name
-  std::string section, line;
-  for (int number = 1; std::getline(stream, line); ++number) {
-    const std::string_view text = trimmed(line);
-    if (text.empty() || text[0] == '#' || text[0] == ';') continue;
-    const std::string place = fmt::format("'{}', line {}", file.string(), number);
-    const auto wrong = [&](const std::string& what) { return usage_error("{}: {}", place, what); };
-    if (text[0] == '[') {
-      const std::size_t end = std::min(text.find(']'), text.size());
-      section = std::string(trimmed(text.substr(1, end - 1)));
-      const std::vector<std::string> names = command_names(app);
-      if (end == text.size() || std::find(names.begin(), names.end(), section) == names.end())
-        return wrong(fmt::format("there is no command '{}'{}", section, suggestion(section, names)));
-      const std::string_view rest = trimmed(text.substr(end + 1));
-      if (!is_comment(rest)) return wrong(fmt::format("'{}' follows [{}]; only a comment may follow", rest, section));
-      continue;
-    }
-    const std::size_t equals = text.find('=');
-    std::string name(trimmed(text.substr(0, equals)));
-    if (equals == std::string_view::npos || name.empty()) return wrong("a line must have the form option = value");
-    if (name.starts_with("--")) name.erase(0, 2);
-    const auto given = value_of(text.substr(equals + 1));
-    if (!given) return wrong(given.error().message);
-    const std::string& value = *given;
-    if (value.empty()) return wrong(fmt::format("{} needs a value after its '='", name));
-    // The name must be an option of the section's command or, before the first heading, of any command.
-    bool known = false;
-    std::vector<std::string> names;
-    for (const CLI::App* each : app.get_subcommands({})) {
-      if (!section.empty() && each->get_name() != section) continue;
-      for (const CLI::Option* option : each->get_options())
-        for (const std::string& spelling : option->get_lnames())
-          if (spelling != "help" && spelling != "config") {
-            names.push_back(spelling);
-            known = known || spelling == name;
-          }
-    }
-    if (!known) return wrong(fmt::format("there is no option '{}'{}", name, suggestion(name, names)));
-    if (!section.empty() && section != command->get_name()) continue;
-    CLI::Option* option = command->get_option_no_throw("--" + name);
-    if (!option) continue;
-    const bool several = option->get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
-    // Values of --set add up across headings and the command line, since each sets another parameter.
-    const bool adds_up = name == option_of("settings").option;
-    const char* variable = option->get_envname().empty() ? nullptr : std::getenv(option->get_envname().c_str());
-    if ((is_given(*option, words) && !adds_up) || (variable && *variable)) continue;
-    if (const auto fine = check_value(*option, value); !fine) return wrong(fine.error().message);
-    // A later line overrides an earlier one, unless both are values of a repeatable option under the same heading.
-    const auto [earlier, first] = heading_of.emplace(name, section);
-    if (!first && !adds_up && !(several && earlier->second == section))
-      std::erase_if(added, [&](const ConfigValue& other) { return other.option == name; });
-    earlier->second = section;
-    added.push_back({name, value, place});
-  }
+  for (const Setting& setting : *settings)
+    if (auto fine = add_setting(setting, app, *command, words, heading_of, added); !fine) return fine.error();
   std::vector<std::string> texts;
   for (const ConfigValue& each : added) texts.push_back("--" + each.option + "=" + each.value);
   words.insert(words.begin() + 1, texts.begin(), texts.end());

@@ -54,6 +54,28 @@ TEST_F(Config, ConfigurationFileSetsOptions) {
   bad("tri.obj -o x.png --config nothere", 3, {"'nothere'"});
 }
 
+// The viewer saves such files.
+TEST_F(Config, ConfigurationMayBeJson) {
+  write("mine.json", R"({"resolution": "20x10", "anti-aliasing": 2, "look": "ao", "no-background": false,
+                         "set": ["box.kernel=3", "bitmask.samples=8"], "render": {"resolution": "24x12"}})");
+  good("tri.obj -o json.png --device cpu --config mine.json");
+  good(
+      "tri.obj -o same.png --device cpu --config none --resolution 24x12 --anti-aliasing 2 --look ao --set "
+      "box.kernel=3 "
+      "--set bitmask.samples=8");
+  EXPECT_EQ(image("json.png").width, 24);
+  EXPECT_EQ(read("json.png"), read("same.png"));
+  const auto refuses = [&](const std::string& text, const std::string& message) {
+    write("wrong.json", text);
+    bad("tri.obj -o x.png --config wrong.json", 2, {message});
+  };
+  refuses("{\"look\": ", "'wrong.json' is not valid JSON");
+  refuses("{\"lok\": \"ao\"}", "'wrong.json', lok: there is no option 'lok'");
+  refuses("{\"rendre\": {\"look\": \"ao\"}}", "did you mean 'render'");
+  refuses("{\"look\": null}", "'wrong.json', look: an option takes a text");
+  refuses("{\"layers\": 17}", "'wrong.json', layers: --layers cannot be '17'");
+}
+
 // Lines of a repeatable option add up within one heading. Values on the command line replace them.
 TEST_F(Config, ConfigurationLinesOfRepeatableOptionsAddUp) {
   write("mine", "resolution = 24x24\n[bench]\nresolution = 32x32\nresolution = 40x40\n[render]\nresolution = 48x48\n");
