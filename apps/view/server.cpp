@@ -212,7 +212,10 @@ int Server::Impl::answer(mg_connection* connection) {
     return wants_web_socket(connection)
                ? 0
                : send_sentence(connection, 426, "A WebSocket is needed here.", "Upgrade: websocket\r\n");
-  if (info->content_length < 0) return send_answer(connection, error_answer(411, "the size of the body is missing"));
+  if (info->content_length < 0) {
+    ::mg_disable_connection_keep_alive(connection);
+    return send_answer(connection, error_answer(411, "the size of the body is missing"));
+  }
   return *path == "/files" ? answer_files(connection) : answer_save(connection);
 }
 

@@ -35,7 +35,7 @@ HttpAnswer json_answer(const nlohmann::json& value, int status = 200);
 HttpAnswer error_answer(int status, std::string_view sentence);
 
 struct ServerSettings {
-  std::string host = "127.0.0.1";  ///< a name or an address of this machine
+  std::string host = "127.0.0.1";  ///< a name or an IPv4 address of this machine
   int port = 0;                    ///< 0: a free one
   std::string_view page = {};      ///< HTML; must outlive the server
   UploadLimits uploads = {};
