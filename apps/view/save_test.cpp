@@ -39,10 +39,10 @@ TEST_F(ViewSave, WritesTheFileOfTheCommandLine) {
     ASSERT_EQ(answer.status, 200) << answer.body;
     EXPECT_EQ(answer.attachment, "tri." + format);
     const std::string expected = "expected." + format;
-    const test::Outcome outcome = run(
-        "tri.obj --camera-azimuth-angle 30 --set bitmask.slices=2 --set bitmask.steps=4 --camera-orthographic "
-        "--camera-position=-1,2,3 --resolution 40,30 -o " +
-        expected);
+    const test::Outcome outcome =
+        run("tri.obj --camera-azimuth-angle 30 --set bitmask.slices=2 --set bitmask.steps=4 --camera-orthographic "
+            "--camera-position=-1,2,3 --resolution 40,30 -o " +
+            expected);
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_GT(fs::file_size(answer.file), 50u);
     EXPECT_TRUE(text_of(answer.file) == text_of(folder_ / expected)) << format;

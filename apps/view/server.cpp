@@ -327,12 +327,14 @@ Result<std::unique_ptr<Server>> Server::start(const ServerSettings& settings, Se
 Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Server::~Server() = default;
 
+void Server::stop() { impl_->stop(); }
+
 std::string Server::address() const { return impl_->address(); }
 
 std::string Server::warning() const {
   if (impl_->listening().loopback) return {};
   return fmt::format(
-      "--host lets other machines reach the viewer at {}, unencrypted; whoever has the address can use it",
+      "--host lets other machines reach the viewer at {}, unencrypted; all who have the address can use it",
       impl_->listening().address);
 }
 

@@ -28,7 +28,7 @@ std::string text_of(const fs::path& file) {
   return text.str();
 }
 
-/// A running server that notes what its handlers are told.
+/// A running server that notes the calls of its handlers.
 class ViewServer : public testing::Test {
  protected:
   struct Event {
@@ -178,7 +178,7 @@ TEST_F(ViewServer, MessagesGoBothWays) {
   const auto received = client.message();
   EXPECT_EQ(received.opcode, TestClient::kBinary);
   EXPECT_TRUE(received.data == frame);
-  server_->send_text(id + 1, "nobody");
+  server_->send_text(id + 1, "lost");
   client.send_message(TestClient::kClose, "");
   EXPECT_EQ(client.message().opcode, TestClient::kClose);
   event = next();
