@@ -153,8 +153,19 @@ Result<void> Server::Impl::start() {
 }
 
 void Server::Impl::finish_pages() {
-  const std::lock_guard lock(mutex_);
-  for (auto& [id, page] : pages_) page->outbox.finish();
+  constexpr std::chrono::milliseconds kStep(5);
+  bool ended = false;
+  for (auto waited = kStep; !ended && waited < kGoodbye; waited += kStep) {
+    {
+      const std::lock_guard lock(mutex_);
+      ended = true;
+      for (auto& [id, page] : pages_) {
+        page->outbox.finish();
+        ended &= page->outbox.wait_until_ended(std::chrono::milliseconds(0));
+      }
+    }
+    if (!ended) std::this_thread::sleep_for(kStep);
+  }
 }
 
 void Server::Impl::disconnect_pages() {
@@ -165,7 +176,7 @@ void Server::Impl::disconnect_pages() {
 void Server::Impl::stop() {
   if (!context_) return;
   stopping_ = true;
-  finish_pages();
+  finish_pages();  // before civetweb stops, which sends nothing more then
   // civetweb notices only after up to 2 s that it should stop, unless its threads are woken.
   std::atomic<bool> stopped = false;
   std::thread waker([&] {

@@ -233,19 +233,21 @@ TEST_F(ViewServer, OnePageTooManyIsRefused) {
 }
 
 TEST_F(ViewServer, ASlowPageDelaysNobodyAndIsClosed) {
-  start({.stall_ms = 1500});
+  start({.stall_ms = 3000});
   PageId slow_id = 0, quick_id = 0;
   const TestClient slow = page(slow_id, 4096);
   TestClient quick = page(quick_id);
   const std::string picture(4 << 20, 'x');
-  const auto started = std::chrono::steady_clock::now();
   for (int i = 0; i < 10; ++i) {
     const std::string frame = frame_bytes({{"frame", i}, {"view", 0}}, picture);
     server_->send_frame(slow_id, frame);
     server_->send_frame(quick_id, frame);
     EXPECT_EQ(quick.message().data.size(), frame.size());
   }
-  EXPECT_LT(std::chrono::steady_clock::now() - started, 1200ms);
+  {
+    const std::lock_guard lock(mutex_);
+    EXPECT_EQ(seen_, events_.size());  // all frames arrived while the slow page was still waited for
+  }
   const Event event = next();
   EXPECT_EQ(event.kind, Event::kClosed);
   EXPECT_EQ(event.page, slow_id);
@@ -272,7 +274,7 @@ TEST_F(ViewServer, TheEndClosesEverything) {
   const TestClient silent(port_);
   const auto started = std::chrono::steady_clock::now();
   server_.reset();
-  EXPECT_LT(std::chrono::steady_clock::now() - started, 3s);
+  EXPECT_LT(std::chrono::steady_clock::now() - started, 8s);
   EXPECT_EQ(client.message().opcode, TestClient::kClose);
   EXPECT_EQ(std::count_if(events_.begin(), events_.end(), [](const Event& e) { return e.kind == Event::kClosed; }), 2);
   EXPECT_FALSE(fs::exists(folder));
