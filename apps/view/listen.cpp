@@ -21,6 +21,7 @@ using Addresses = std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)>;
 
 Addresses resolve(const std::string& host, int port, int flags, int& failed) {
   addrinfo wanted{};
+  wanted.ai_family = AF_INET;
   wanted.ai_socktype = SOCK_STREAM;
   wanted.ai_flags = flags;
   addrinfo* found = nullptr;
@@ -43,19 +44,9 @@ int try_to_listen(const addrinfo& address) {
 Listening description(const addrinfo& address) {
   char text[NI_MAXHOST] = {};
   ::getnameinfo(address.ai_addr, address.ai_addrlen, text, sizeof text, nullptr, 0, NI_NUMERICHOST);
-  Listening listening{.address = text};
-  if (address.ai_family == AF_INET6) {
-    const in6_addr& ip = reinterpret_cast<const sockaddr_in6*>(address.ai_addr)->sin6_addr;
-    listening.loopback = IN6_IS_ADDR_LOOPBACK(&ip);
-    listening.any = IN6_IS_ADDR_UNSPECIFIED(&ip);
-    listening.address = "[" + listening.address + "]";
-  } else {
-    const std::uint32_t ip = ntohl(reinterpret_cast<const sockaddr_in*>(address.ai_addr)->sin_addr.s_addr);
-    constexpr std::uint32_t kLoopbackNet = 127;
-    listening.loopback = ip >> 24 == kLoopbackNet;
-    listening.any = ip == INADDR_ANY;
-  }
-  return listening;
+  const std::uint32_t ip = ntohl(reinterpret_cast<const sockaddr_in*>(address.ai_addr)->sin_addr.s_addr);
+  constexpr std::uint32_t kLoopbackNet = 127;
+  return {.address = text, .loopback = ip >> 24 == kLoopbackNet, .any = ip == INADDR_ANY};
 }
 
 /// Returns whether a socket address has this port and, if given, this numeric address.
@@ -71,6 +62,8 @@ bool is_at(const sockaddr_storage& address, socklen_t size, int port, std::strin
 Result<Listening> check_listening(const std::string& host, int port) {
   int failed = 0;
   const Addresses found = resolve(host, port, AI_PASSIVE, failed);
+  if (!found && host.find(':') != std::string::npos)
+    return usage_error("--host '{}' must be a name or an IPv4 address, such as 127.0.0.1", host);
   if (!found) return usage_error("--host '{}' is not known: {}", host, ::gai_strerror(failed));
   for (const addrinfo* each = found.get(); each; each = each->ai_next) {
     failed = try_to_listen(*each);
@@ -107,10 +100,8 @@ bool is_closed_by_peer(int socket) {
 }
 
 void knock(const std::string& address, int port) {
-  const bool bracketed = address.starts_with('[');
   int failed = 0;
-  const Addresses found =
-      resolve(bracketed ? address.substr(1, address.size() - 2) : address, port, AI_NUMERICHOST, failed);
+  const Addresses found = resolve(address, port, AI_NUMERICHOST, failed);
   if (!found) return;
   const int file = ::socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (file < 0) return;

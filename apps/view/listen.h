@@ -8,9 +8,9 @@ struct mg_connection;
 
 namespace umbrage::view {
 
-/// An address of this machine to listen at.
+/// An address of this machine to listen at: IPv4, since Debian's civetweb is built without IPv6.
 struct Listening {
-  std::string address;  ///< numeric, IPv6 in brackets: "127.0.0.1", "[::1]"
+  std::string address;  ///< numeric: "127.0.0.1"
   bool loopback = true, any = false;
 };
 

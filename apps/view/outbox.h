@@ -1,4 +1,4 @@
-// What waits to be sent to one page, and the thread that sends it, so that a slow page delays nobody else.
+// What waits to be sent to one page, and the thread that sends it, so that a slow page delays no other.
 #pragma once
 #include <chrono>
 #include <condition_variable>

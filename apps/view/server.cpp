@@ -153,8 +153,19 @@ Result<void> Server::Impl::start() {
 }
 
 void Server::Impl::finish_pages() {
-  const std::lock_guard lock(mutex_);
-  for (auto& [id, page] : pages_) page->outbox.finish();
+  constexpr std::chrono::milliseconds kStep(5);
+  bool ended = false;
+  for (auto waited = kStep; !ended && waited < kGoodbye; waited += kStep) {
+    {
+      const std::lock_guard lock(mutex_);
+      ended = true;
+      for (auto& [id, page] : pages_) {
+        page->outbox.finish();
+        ended &= page->outbox.wait_until_ended(std::chrono::milliseconds(0));
+      }
+    }
+    if (!ended) std::this_thread::sleep_for(kStep);
+  }
 }
 
 void Server::Impl::disconnect_pages() {
@@ -165,7 +176,7 @@ void Server::Impl::disconnect_pages() {
 void Server::Impl::stop() {
   if (!context_) return;
   stopping_ = true;
-  finish_pages();
+  finish_pages();  // before civetweb stops, which sends nothing more then
   // civetweb notices only after up to 2 s that it should stop, unless its threads are woken.
   std::atomic<bool> stopped = false;
   std::thread waker([&] {
@@ -212,7 +223,10 @@ int Server::Impl::answer(mg_connection* connection) {
     return wants_web_socket(connection)
                ? 0
                : send_sentence(connection, 426, "A WebSocket is needed here.", "Upgrade: websocket\r\n");
-  if (info->content_length < 0) return send_answer(connection, error_answer(411, "the size of the body is missing"));
+  if (info->content_length < 0) {
+    ::mg_disable_connection_keep_alive(connection);
+    return send_answer(connection, error_answer(411, "the size of the body is missing"));
+  }
   return *path == "/files" ? answer_files(connection) : answer_save(connection);
 }
 
@@ -324,12 +338,14 @@ Result<std::unique_ptr<Server>> Server::start(const ServerSettings& settings, Se
 Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Server::~Server() = default;
 
+void Server::stop() { impl_->stop(); }
+
 std::string Server::address() const { return impl_->address(); }
 
 std::string Server::warning() const {
   if (impl_->listening().loopback) return {};
   return fmt::format(
-      "--host lets other machines reach the viewer at {}, unencrypted; whoever has the address can use it",
+      "--host lets other machines reach the viewer at {}, unencrypted; all who have the address can use it",
       impl_->listening().address);
 }
 

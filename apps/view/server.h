@@ -35,7 +35,7 @@ HttpAnswer json_answer(const nlohmann::json& value, int status = 200);
 HttpAnswer error_answer(int status, std::string_view sentence);
 
 struct ServerSettings {
-  std::string host = "127.0.0.1";  ///< a name or an address of this machine
+  std::string host = "127.0.0.1";  ///< a name or an IPv4 address of this machine
   int port = 0;                    ///< 0: a free one
   std::string_view page = {};      ///< HTML; must outlive the server
   UploadLimits uploads = {};
@@ -55,8 +55,12 @@ class Server {
  public:
   /// Errors: kUsage, about --host and --port; kFile for the temporary folder.
   static Result<std::unique_ptr<Server>> start(const ServerSettings& settings, ServerHandlers handlers);
-  /// Closes all pages, calls `closed` for each, and removes the uploads. No handler is called afterwards.
+  /// Calls stop(), and removes the uploads.
   ~Server();
+
+  /// Closes all pages and calls `closed` for each; no handler is called afterwards. Takes up to 2 s if a client has an
+  /// idle connection. The other functions still may be called.
+  void stop();
 
   /// Returns the address of the page: http://127.0.0.1:8080/TOKEN/
   std::string address() const;

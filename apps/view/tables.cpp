@@ -57,6 +57,7 @@ const char* kind_of(const Option& option) {
 
 nlohmann::json record_of(const Option& option) {
   nlohmann::json record = {{"name", option.option},
+                           {"field", option.field},
                            {"group", option.group},
                            {"help", with_option_names(option.help)},
                            {"unit", option.unit},

@@ -42,7 +42,7 @@ struct Viewer::Parts {
       const std::lock_guard lock(mutex);
       sender = nullptr;
     }
-    server.reset();  // calls the handlers, which use `drawing`
+    if (server) server->stop();  // calls the handlers, which use `server` and `drawing`
   }
 
   void send(PageId page, std::string text) {

@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "apps/compare/baseline.h"
+#include "apps/view/messages.h"
 #include "core/check.h"
 #include "core/length.h"
 #include "core/parameters.h"
@@ -257,6 +258,29 @@ void read_as_baseline(std::string_view bytes) {
     check_equal(checked->worse.size(), 0u, "scores worse than themselves");
 }
 
+void check_options(const view::ViewOptions& options) {
+  for (const auto& [name, values] : options) {
+    expect(!name.empty() && name[0] != '-' && name.find('=') == std::string::npos, name);
+    for (const std::string& value : values) expect(value.find('\n') == std::string::npos, value);
+  }
+}
+
+void read_as_page_message(std::string_view bytes) {
+  if (const auto save = view::parse_save(bytes)) {
+    check_options(save->options);
+    expect(save->width >= 1 && save->height >= 1 && save->model >= 0, "a picture to save");
+  }
+  const auto message = view::parse_message(bytes);
+  if (!message) return check(message.error(), ErrorKind::kUsage);
+  if (const auto* state = std::get_if<view::State>(&*message)) {
+    for (const int side : {state->width, state->height})
+      expect(side >= view::kMinViewSide && side <= view::kMaxViewSide, "a side of a view");
+    expect(state->id >= 0 && state->model >= 0, "an id");
+    expect(!state->views.empty() && state->views.size() <= view::kMaxViews, "a number of views");
+    for (const view::View& view : state->views) check_options(view.options);
+  }
+}
+
 constexpr const char *kGltf = "gltf", *kGlb = "glb", *k3ds = "3ds", *kDae = "dae", *kPdb = "pdb", *kFbx = "fbx",
                      *k3mf = "3mf";
 
@@ -275,6 +299,7 @@ constexpr Reader kReaders[] = {
     {"scene-name", read_as_scene_name, scene_name_seeds, false},
     {"transfer", read_as_transfer, transfer_seeds, false},
     {"baseline", read_as_baseline, baseline_seeds, false},
+    {"page-message", read_as_page_message, page_message_seeds, false},
     {"exr", read_as_image, exr_seeds, true},
     {"layers-exr", read_as_layers, exr_seeds, true},
     {"layers-tiff", read_as_layers, tiff_seeds, true},

@@ -400,4 +400,11 @@ Seeds baseline_seeds() {
 "scene":"room","setting":"","settings":"","ssim":0.9,"technique":"hbao","view":"0 0 1","width":8}])"};
 }
 
+Seeds page_message_seeds() {
+  return {R"({"type":"state","id":17,"moving":true,"size":[1280,720],"model":0,"views":[{"options":{"look":"studio",
+"set":["bitmask.slices=8"]},"show":"picture"},{"options":{},"show":"normal","device":"cpu"}]})",
+          R"({"type":"open","file":"a1/bunny.obj","as":"gbuffer"})", R"({"type":"ack","frame":5})",
+          R"({"options":{"camera-position":"1,2,3"},"model":0,"format":"png","width":640,"height":480})"};
+}
+
 }  // namespace umbrage::fuzz

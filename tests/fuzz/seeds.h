@@ -33,5 +33,6 @@ Seeds setting_seeds();
 Seeds scene_name_seeds();
 Seeds transfer_seeds();
 Seeds baseline_seeds();
+Seeds page_message_seeds();
 
 }  // namespace umbrage::fuzz

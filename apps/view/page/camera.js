@@ -5,7 +5,7 @@
 import { plus, minus, times, dot, cross, length, unit, turned, perpendicular, parse_vector, number_text, vector_text, clamp, radians } from "./math.js";
 
 const kOrbitPerSide = Math.PI;  // angle of a drag over the shorter side of the picture
-const kMargin = 1.08;
+const kMargin = 1.0;  // of the bounding sphere, which few models fill
 
 export const eye_of = (camera) => plus(camera.focal, times(camera.back, camera.distance));
 
@@ -35,7 +35,7 @@ export function camera_options(camera, scene) {
     "camera-position": vector_text(eye_of(camera), scale),
     "camera-focal-point": vector_text(camera.focal, scale),
     "camera-view-up": vector_text(camera.up, 1),
-    "camera-view-angle": number_text(camera.angle_deg, 10),
+    "camera-view-angle": number_text(camera.angle_deg, 1000),
     "camera-orthographic": camera.orthographic ? "true" : "false",
   };
 }

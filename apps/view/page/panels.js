@@ -22,6 +22,9 @@ const kElsewhere = /^(look|ao|quality|set|device|effects|resolution|passes|svg|b
 // Passes that have a button; the others are in a list.
 const kShown = ["ao", "indirect", "depth", "normal", "albedo", "shadow", "outline", "line"];
 
+const kTraced = [["reference", "reference", "the picture with ray-traced occlusion"],
+  ["error", "error", "difference of the occlusion from the ray-traced reference"]];
+
 const rows = [];
 let effect_rows = [];
 let effects_of = "";  // what the sections of effects were made for
@@ -71,7 +74,7 @@ function options_section([id, title, is_open, names]) {
   const first = rows.length, parts = [];
   const known = names.map(option_named).filter(applies);
   if (!known.length) return null;
-  if (id === "light") {
+  if (known.some((option) => option.name === "light-direction")) {
     const ball = light_ball(option_access("light-direction"));
     rows.push(ball);
     parts.push(ball.root);
@@ -112,9 +115,11 @@ function described_select(id, label, choices, summary_of, chosen) {
 }
 
 function look_section() {
-  const look = described_select("look", "Look", [], () => look_of(side_edited())?.summary ?? "", (name) => set_option("look", !is_flat() && name === default_look() ? undefined : name));
+  const is_auto = () => is_flat() && !side_edited().options.look;
+  const look = described_select("look", "Look", [], () => (is_auto() ? "chosen by what the file holds" : look_of(side_edited())?.summary ?? ""), (name) => set_option("look", !is_flat() && name === default_look() ? undefined : name));
   const technique = described_select("technique", "Technique", [], () => {
     const name = technique_of(side_edited());
+    if (is_auto() && !side_edited().options.ao) return "";
     return effect_named(name)?.summary ?? (name === "none" ? "no occlusion" : "");
   }, (name) => set_option("ao", name));
   const kinds = [["", "auto", "set by the look"], ...(option_named("quality")?.choices ?? []).map((name) => [name, name])];
@@ -126,7 +131,7 @@ function look_section() {
     else look.refresh(look_of(side)?.name, looks);
     const own = look_of(side)?.occlusion;
     const techniques = (option_named("ao")?.choices ?? []).filter((name) => name !== "reference");
-    technique.refresh(side.options.ao ?? "", [["", `${own ?? "auto"} (of the look)`], ...techniques.map((name) => [name, name])]);
+    technique.refresh(side.options.ao ?? "", [["", is_auto() ? "auto" : `${own ?? "auto"} (of the look)`], ...techniques.map((name) => [name, name])]);
     quality.show(side.options.quality);
   } });
   return section("look", "Look", true, ...look.nodes, ...technique.nodes, quality.root);
@@ -144,13 +149,12 @@ function show_section() {
   };
   const refresh = () => {
     const side = side_edited(), passes = look_of(side)?.passes ?? [];
-    const key = passes.map((pass) => pass.name).join();
+    const key = passes.map((pass) => pass.name).join() + is_flat();
     if (made_for !== key) {
       made_for = key;
       const chips = passes.filter((pass) => kShown.includes(pass.name));
       const entries = [["picture", "picture", "the finished picture"], ...chips.map((pass) => [pass.name, pass.name, pass.summary]),
-        ["reference", "reference", "the picture with ray-traced occlusion"],
-        ["error", "error", "difference of the occlusion from the ray-traced reference"]];
+        ...(is_flat() ? [] : kTraced)];
       buttons = segments("Show", "show", entries, set);
       buttons.root.classList.add("chips");
       const rest = passes.filter((pass) => !kShown.includes(pass.name) && pass.name !== "beauty");

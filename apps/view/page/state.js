@@ -50,9 +50,12 @@ export function take_options(side, options) {
   for (const [name, text] of Object.entries(options ?? {})) {
     if (name === "set") for (const entry of [text].flat()) take_setting(side, entry);
     else if (name === "device") side.device = String(text);
-    else if (!kNotSeen.test(name)) side.options[name] = String(text);
+    else if (!kNotSeen.test(name) && !is_default(name, String(text))) side.options[name] = String(text);
   }
 }
+
+const is_default = (name, text) =>
+  state.hello?.options.some((option) => option.name === name && option.kind === "flag" && text === (option.initial || "false"));
 
 function take_setting(side, entry) {
   const at = String(entry).indexOf("=");
