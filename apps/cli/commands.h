@@ -24,6 +24,7 @@ using AddCommand = void (*)(CLI::App& app, std::function<Result<void>()>& run);
 
 void add_render(CLI::App& app, std::function<Result<void>()>& run);
 void add_shade(CLI::App& app, std::function<Result<void>()>& run);
+void add_view(CLI::App& app, std::function<Result<void>()>& run);
 void add_thumbnails(CLI::App& app, std::function<Result<void>()>& run);
 void add_figures(CLI::App& app, std::function<Result<void>()>& run);
 void add_bench(CLI::App& app, std::function<Result<void>()>& run);

@@ -10,6 +10,7 @@
 
 #include "apps/cli/progress.h"
 #include "apps/cli/standard_input.h"
+#include "apps/view/temporary.h"
 #include "io/image_file.h"
 
 namespace umbrage::cli {
@@ -38,20 +39,21 @@ void handle_signal(int signal) {
     int status = 0;
     while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) continue;
   }
+  view::abandon_view();
   abandon_writes();
   remove_standard_input_copy();
   constexpr int kExitBySignal = 128;
   std::_Exit(kExitBySignal + signal);
 }
 
-sigset_t handled_signals() {
+}  // namespace
+
+sigset_t ending_signals() {
   sigset_t set;
   sigemptyset(&set);
   for (const int signal : kSignals) sigaddset(&set, signal);
   return set;
 }
-
-}  // namespace
 
 void end_on_signals() {
   main_thread = ::pthread_self();
@@ -60,14 +62,14 @@ void end_on_signals() {
     if (::sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) continue;
     struct sigaction action {};
     action.sa_handler = handle_signal;
-    action.sa_mask = handled_signals();
+    action.sa_mask = ending_signals();
     action.sa_flags = SA_RESTART;
     ::sigaction(signal, &action, nullptr);
   }
 }
 
 BlockSignals::BlockSignals() {
-  const sigset_t ours = handled_signals();
+  const sigset_t ours = ending_signals();
   ::pthread_sigmask(SIG_BLOCK, &ours, &before_);
 }
 

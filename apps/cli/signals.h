@@ -10,6 +10,9 @@ namespace umbrage::cli {
 /// main thread before other threads start.
 void end_on_signals();
 
+/// Returns the signals of end_on_signals.
+sigset_t ending_signals();
+
 /// Blocks the signals of end_on_signals during its lifetime. For the main thread only.
 class BlockSignals {
  public:

@@ -56,8 +56,8 @@ class Fields {
 
   std::int64_t integer_of(const Json& value, std::string_view name, std::int64_t min, std::int64_t max) {
     // Unsigned values that an int64 cannot hold are above every max.
-    const bool fits = value.is_number_integer() &&
-                      (!value.is_number_unsigned() || value.get<std::uint64_t>() <= std::uint64_t(max));
+    const bool fits =
+        value.is_number_integer() && (!value.is_number_unsigned() || value.get<std::uint64_t>() <= std::uint64_t(max));
     if (fits && value.get<std::int64_t>() >= min && value.get<std::int64_t>() <= max) return value.get<std::int64_t>();
     fail(usage_error("the {} of a message must be an integer from {} to {}", name, min, max));
     return min;
@@ -222,9 +222,7 @@ std::string status_text(std::int64_t id, std::string_view sentence, std::optiona
   return text_of_json(text);
 }
 
-std::string environment_text(std::string_view file) {
-  return text_of_json({{"type", "environment"}, {"file", file}});
-}
+std::string environment_text(std::string_view file) { return text_of_json({{"type", "environment"}, {"file", file}}); }
 
 std::string frame_bytes(const Json& header, std::string_view image) {
   const std::string text = text_of_json(header);
@@ -237,7 +235,8 @@ std::string frame_bytes(const Json& header, std::string_view image) {
 int view_of_frame(std::string_view bytes) {
   std::uint32_t length = 0;
   if (bytes.size() < sizeof length) return 0;
-  for (std::size_t i = 0; i < sizeof length; ++i) length |= std::uint32_t(static_cast<unsigned char>(bytes[i])) << 8 * i;
+  for (std::size_t i = 0; i < sizeof length; ++i)
+    length |= std::uint32_t(static_cast<unsigned char>(bytes[i])) << 8 * i;
   const Json header = Json::parse(bytes.substr(sizeof length, length), nullptr, false);
   const auto view = header.is_object() ? header.find("view") : header.end();
   return view != header.end() && view->is_number_integer() ? view->get<int>() : 0;

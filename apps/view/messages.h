@@ -30,7 +30,8 @@ struct View {
   std::string device;  ///< empty: the device of the program
 };
 
-/// The state of a page: what it wants to see. `id` grows; `width`, `height`: device pixels of each view; `model`: its id.
+/// The state of a page: what it wants to see. `id` grows; `width`, `height`: device pixels of each view; `model`: its
+/// id.
 struct State {
   std::int64_t id = 0;
   bool moving = false;

@@ -1,1 +1,282 @@
-"use strict"; // [1;2] @x@ "\n"
+// The page of `umbrage view`: connects the parts.
+import { by_id, announce, complain, forgive, element } from "./dom.js";
+import { state, hooks, view_of, side_b, side_edited, scene_now, model_now, scene_for_camera, is_flat, fragment_of_state, take_fragment } from "./state.js";
+import { parse_vector, plus } from "./math.js";
+import { camera_from, flown, viewed_from, with_pivot, point_under } from "./camera.js";
+import { new_link } from "./link.js";
+import { stage, draw, show_frame, forget_pictures, needs_b, size_asked, size_shown, watch_size, update_flicker, attach_divider } from "./stage.js";
+import { make_panels, refresh_panels } from "./panels.js";
+import { compare_section, refresh_compare } from "./compare.js";
+import { times_section, note_time, draw_times, ms_text } from "./graph.js";
+import { take_section } from "./take.js";
+import { attach_files } from "./files.js";
+import { make_help } from "./help.js";
+import { attach_hands } from "./hands.js";
+import { press, toggle_anti_aliasing, attach_theme, toggle_panel } from "./keys.js";
+
+const kFragment_ms = 300, kRate_ms = 1000, kNarrow = "(max-width: 46em)";
+const moving_times = [];
+let refresh_scheduled = 0, fragment_timer = 0, own_fragment = null, panels_are_flat;
+
+const link = new_link(make_state, { text: take_message, frame: take_frame, opened, closed });
+
+// The scene that gestures use: with the up direction of the options.
+const scene_of_hands = () => scene_for_camera(parse_vector(state.a.options.up));
+
+function make_state() {
+  if (!state.hello || !model_now()) return null;
+  const views = [view_of(state.a)];
+  if (needs_b()) views.push(view_of(side_b()));
+  return { size: size_asked(), model: state.model, views };
+}
+
+/// Makes the panel for a model or for a G-buffer, which have different options.
+function build_panels() {
+  panels_are_flat = is_flat();
+  const { first, groups, last } = make_panels();
+  by_id("sections").replaceChildren(...first, compare_section(), ...groups, ...last, times_section(), take_section());
+  by_id("section_times").addEventListener("toggle", draw_times);
+}
+
+function refresh() {
+  refresh_scheduled = 0;
+  if (!state.hello) return;
+  if (panels_are_flat !== is_flat()) build_panels();
+  refresh_panels();
+  refresh_compare();
+  draw();
+}
+
+function schedule_refresh() {
+  if (!refresh_scheduled) refresh_scheduled = requestAnimationFrame(refresh);
+}
+
+function remember() {
+  clearTimeout(fragment_timer);
+  fragment_timer = setTimeout(() => {
+    own_fragment = fragment_of_state();
+    if (location.hash.slice(1) !== own_fragment) history.replaceState(null, "", own_fragment ? `#${own_fragment}` : location.pathname);
+  }, kFragment_ms);
+}
+
+function changed(moving) {
+  if (!stage.is_held) stage.wants_b = false;
+  link.changed(moving);
+  schedule_refresh();
+  remember();
+}
+
+function set_camera(camera, moving) {
+  state.cameras.set(state.model, { ...camera, is_home: false });
+  if (!stage.is_held) stage.wants_b = false;
+  link.changed(moving);
+  remember();
+}
+
+const act = {
+  gesture(change) {
+    const camera = state.cameras.get(state.model);
+    if (camera && !is_flat()) set_camera(change(camera, size_shown(), scene_of_hands()), true);
+  },
+  flat(dx, dy, factor, at) {
+    const view = state.flat, size = size_shown(), scale = Math.min(64, Math.max(0.1, view.scale * factor)), by = scale / view.scale;
+    const middle = at ? [at[0] - size[0] / 2, at[1] - size[1] / 2] : [0, 0];
+    state.flat = { scale, x: middle[0] + (view.x - middle[0]) * by + dx, y: middle[1] + (view.y - middle[1]) * by + dy };
+    draw();
+  },
+  pivot(at) {
+    const size = size_shown();
+    if (is_flat()) return hooks.reset();
+    if (state.hello.picks) return link.send({ type: "pick", id: link.id, at: [at[0] / size[0], at[1] / size[1]] });
+    act.gesture((camera, shown) => with_pivot(camera, point_under(camera, at, shown)));
+  },
+  hold(is_held) {
+    stage.is_held = is_held;
+    stage.wants_b ||= is_held;
+    if (is_held && state.compare === "off") link.changed(false);
+    draw();
+  },
+  fly: (move) => act.gesture((camera) => flown(camera, move)),
+  tap: (name) => name === "a" && toggle_anti_aliasing(),
+  key: (event) => press(act, event),
+};
+
+Object.assign(hooks, {
+  link, changed, refresh: schedule_refresh, status: show_work,
+  take_camera(options) {
+    const camera = camera_from(options);
+    if (camera) set_camera(camera, false);
+  },
+  view: (name) => act.gesture((camera, size, scene) => viewed_from(camera, name, size, scene)),
+  reset() {
+    state.flat = { scale: 1, x: 0, y: 0 };
+    const home = camera_from(scene_now()?.camera ?? {});
+    if (home) state.cameras.set(state.model, { ...home, is_home: true });
+    changed(false);
+  },
+  next_model(step) {
+    const at = state.models.findIndex((model) => model.id === state.model);
+    select_model(state.models[(at + step + state.models.length) % state.models.length].id);
+  },
+});
+
+function select_model(id) {
+  if (id === state.model) return;
+  state.model = id;
+  state.flat = { scale: 1, x: 0, y: 0 };
+  show_models();
+  changed(false);
+  announce(model_now().name);
+}
+
+function show_models() {
+  const list = by_id("models");
+  list.replaceChildren(...state.models.map((model) => element("option", { value: model.id, text: model.name })));
+  list.value = state.model;
+  by_id("no_model").hidden = state.models.length > 0;
+  document.title = model_now() ? `${model_now().name} · Umbrage` : "Umbrage";
+  show_summary();
+}
+
+function show_summary() {
+  const scene = scene_now();
+  by_id("model_summary").textContent = scene?.summary ?? "";
+  by_id("warnings").replaceChildren(...(scene?.warnings ?? []).map((text) => element("li", { text })));
+}
+
+// Messages of the program.
+
+function take_message(message) {
+  const take = { hello: take_hello, models: take_models, model: take_model, environment: take_environment, pick: take_pick,
+                 status: (m) => show_work(m.text, m.progress), error: take_error }[message.type];
+  take?.(message);
+}
+
+function take_hello(hello) {
+  const is_again = !!state.hello;
+  state.hello = hello;
+  state.models = hello.models ?? [];
+  if (!is_again) {
+    state.model = state.models[0]?.id ?? 0;
+    take_fragment(location.hash);
+  }
+  state.scenes.clear();
+  build_panels();
+  by_id("device_name").textContent = hello.device ?? "";
+  by_id("version").textContent = hello.version ?? "";
+  show_models();
+  changed(false);
+  refresh();
+  update_flicker();
+}
+
+function take_models(message) {
+  state.models = message.models;
+  if (message.select !== undefined && message.select !== null) state.model = message.select;
+  show_models();
+  changed(false);
+}
+
+/// A model has been read, or read again: then the camera stays where it is.
+function take_model(message) {
+  state.scenes.set(message.model, message);
+  const camera = state.cameras.get(message.model), home = camera_from(message.camera ?? {});
+  if (home && (!camera || camera.is_home)) state.cameras.set(message.model, { ...home, is_home: true });
+  if (message.model === state.model) {
+    show_summary();
+    changed(false);
+  }
+}
+
+function take_environment(message) {
+  side_edited().options["hdri-file"] = message.file;
+  changed(false);
+}
+
+function take_pick(message) {
+  if (message.point) act.gesture((camera) => with_pivot(camera, message.point));
+}
+
+function take_error(message) {
+  show_work("", 0);
+  complain(message.message, message.id === undefined ? "" : `view${message.view ?? 0}`);
+}
+
+function take_frame(header, blob) {
+  show_frame(header, blob, (shown_header, is_shown) => {
+    link.shown(shown_header.frame);
+    if (!is_shown) return;
+    forgive(`view${shown_header.view}`);
+    note_time(shown_header);
+    if (shown_header.view === 0) show_state(shown_header);
+    draw_times();
+  });
+}
+
+// The status line.
+
+function show_work(text, progress) {
+  by_id("work").textContent = text ? `${text}${progress > 0 ? ` ${Math.round(progress * 100)} %` : ""}` : "";
+  by_id("progress").style.transform = `scaleX(${text ? progress || 0.02 : 0})`;
+}
+
+function show_state(header) {
+  const now = performance.now();
+  show_work("", 0);
+  if (header.moving) moving_times.push(now);
+  while (moving_times.length && now - moving_times[0] > kRate_ms) moving_times.shift();
+  const pictures = header.samples > 1 ? `${header.samples} pictures averaged` : header.samples === 1 ? "1 picture" : "";
+  const rest = header.final ? ["final", pictures].filter(Boolean).join(", ") : pictures || "drawing";
+  by_id("progress_text").textContent = header.moving ? `${moving_times.length} frames/s` : rest;
+  by_id("frame_size").textContent = `${header.width} × ${header.height}`;
+  by_id("frame_time").textContent = ms_text(header.ms);
+  const error = header.error;
+  by_id("error_number").textContent = error ? `error against the reference: RMSE ${error.rmse.toPrecision(3)}, mean ${error.mean.toPrecision(3)}` : "";
+}
+
+// The connection.
+
+function opened() {
+  by_id("ended").hidden = true;
+  document.body.dataset.connected = "true";
+}
+
+function closed() {
+  by_id("ended").hidden = false;
+  document.body.dataset.connected = "false";
+  show_work("", 0);
+}
+
+function start() {
+  attach_theme();
+  toggle_panel(!matchMedia(kNarrow).matches);
+  make_help();
+  attach_files();
+  attach_hands(act);
+  attach_divider(remember);
+  watch_size(() => link.changed(true));
+  by_id("models").addEventListener("change", (event) => select_model(Number(event.target.value)));
+  by_id("reconnect").addEventListener("click", () => link.connect());
+  addEventListener("hashchange", () => {
+    if (!state.hello || location.hash.slice(1) === own_fragment) return;
+    take_fragment(location.hash);
+    show_models();
+    changed(false);
+  });
+  document.addEventListener("visibilitychange", update_flicker);
+  link.connect();
+}
+
+/// What tests read.
+window.umbrage = {
+  get state() { return structuredClone({ ...state, scenes: Object.fromEntries(state.scenes), cameras: Object.fromEntries(state.cameras) }); },
+  get options() { return view_of(state.a).options; },
+  get frame() { return stage.last; },
+  get frame_b() { return stage.pictures[1]?.header ?? null; },
+  get frames() { return stage.frames; },
+  get id() { return link.id; },
+  get moving() { return link.is_moving(); },
+  get connected() { return link.connected; },
+};
+
+start();

@@ -1,0 +1,105 @@
+// umbrage view: shows models or a G-buffer on a page in a browser.
+#include <unistd.h>
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdlib>
+#include <ctime>
+
+#include "apps/cli/commands.h"
+#include "apps/cli/options.h"
+#include "apps/cli/signals.h"
+#include "apps/view/view.h"
+#include "io/layers.h"
+#include "renderer/isa_setting.h"
+#include "system/child_process.h"
+
+namespace umbrage::cli {
+namespace {
+
+struct ViewCommand : CommonOptions {
+  std::string host = "127.0.0.1";
+  int port = 0;
+  bool stays_closed = false;  ///< no browser is started
+  bool once = false, watch = false;
+};
+
+/// Starts the user's browser. Returns whether a desktop that can show one exists.
+bool open_in_browser(const std::string& address) {
+  if (!std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY")) return false;
+  const ChildProgram opener{.program = "xdg-open",
+                            .words = {address},
+                            .files = {{STDIN_FILENO}, {STDOUT_FILENO}, {STDERR_FILENO}},
+                            .own_group = true};
+  pid_t child = 0;
+  return start_child(opener, child) == 0;
+}
+
+/// Returns the options of the command line and the configuration file, as the page keeps them: name and texts.
+view::ViewOptions given_options(const ViewCommand& o) {
+  view::ViewOptions given;
+  for (const auto& [name, text] : o.texts)
+    if (!text.empty()) given[std::string(name)] = {text};
+  for (const auto& [name, texts] : o.lists)
+    if (!texts.empty()) given[std::string(name)] = texts;
+  for (const auto& [name, flag] : o.flags)
+    if (flag) given[std::string(name)] = {"true"};
+  return given;
+}
+
+/// Waits for Ctrl-C and the signals that end programs or, if `ended` is not null, until it returns true.
+void wait_for_end(const std::function<bool()>& ended) {
+  constexpr timespec kInterval{.tv_sec = 0, .tv_nsec = 500'000'000};
+  const sigset_t signals = ending_signals();
+  while (!ended || !ended())
+    if ((ended ? ::sigtimedwait(&signals, nullptr, &kInterval) : ::sigwaitinfo(&signals, nullptr)) > 0) return;
+}
+
+Result<void> run_view(const ViewCommand& o) {
+  view::Settings settings{.request = o.request,
+                          .given = given_options(o),
+                          .command = command_line,
+                          .host = o.host,
+                          .port = o.port,
+                          .watch = o.watch};
+  for (const std::string& file : o.models) settings.models.push_back({file, has_image_extension(file)});
+  const BlockSignals blocked;  // threads inherit it, so that wait_for_end receives all signals
+  if (o.is_given("isa"))
+    if (auto valid = use_isa(o.text_of("isa")); !valid) return valid.error();
+  auto viewer = view::Viewer::start(std::move(settings));
+  if (!viewer) return viewer.error();
+  for (const std::string& warning : (*viewer)->warnings()) print_warning(warning);
+  const std::string address = (*viewer)->address();
+  fmt::print("{}\n", address);
+  std::fflush(stdout);
+  const bool shown = !o.stays_closed && open_in_browser(address);
+  fmt::print(stderr, "{} Ctrl-C ends the program.\n",
+             shown ? "The page opens in a browser." : "Open this address in a browser.");
+  if (o.once)
+    wait_for_end([&] { return (*viewer)->was_left(); });
+  else
+    wait_for_end(nullptr);
+  return {};
+}
+
+}  // namespace
+
+void add_view(CLI::App& app, std::function<Result<void>()>& run) {
+  const auto [command, options] = add_model_command(app, run, "view", "show models or a G-buffer in a browser",
+                                                    OptionCommand(kRender | kShade), run_view);
+  command->get_option("MODEL")->description("models or G-buffers, of which the page shows one at a time");
+  for (const char* group : {"Files", "G-buffer", "Technique", "Picture", "Light"})
+    add_group(*command, *options, OptionCommand(kRender | kShade), group);
+  const auto page = "Page";
+  add_number(*command, "--port", options->port, {0, 65535, NumberKind::kInteger}, "port of the page", "a free one")
+      ->group(page);
+  command
+      ->add_option("--host", options->host,
+                   "address to serve the page on [127.0.0.1, which only this computer reaches]")
+      ->group(page);
+  command->add_flag("--no-open", options->stays_closed, "only print the address, start no browser")->group(page);
+  command->add_flag("--once", options->once, "end when the last page is closed")->group(page);
+  command->add_flag("--watch", options->watch, "load a file again when it changes")->group(page);
+  add_device_options(*command, *options, kRender);
+}
+
+}  // namespace umbrage::cli

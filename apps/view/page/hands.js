@@ -1,0 +1,170 @@
+// Pointer, wheel, touch and keys. `act` has the actions:
+//   gesture(change): camera -> camera, with (size, scene); flat(dx, dy, factor, at) of a G-buffer; pivot(at); hold(is_held);
+//   key(name, event): returns whether the key is known; fly(move): move of this instant.
+import { by_id } from "./dom.js";
+import { size_shown } from "./stage.js";
+import { orbited, panned, zoomed } from "./camera.js";
+import { is_flat } from "./state.js";
+
+const kWheelPerNotch = 0.0015, kHold_ms = 160, kFlyPerSecond = 0.7;
+const kFlyKeys = { w: [0, 0, 1], s: [0, 0, -1], a: [-1, 0, 0], d: [1, 0, 0], r: [0, 1, 0], v: [0, -1, 0] };
+
+function place_in_picture(event) {
+  const box = by_id("picture").getBoundingClientRect();
+  return [event.clientX - box.left, event.clientY - box.top];
+}
+
+function zoom_by(act, factor, at) {
+  if (is_flat()) act.flat(0, 0, 1 / factor, at);
+  else act.gesture((camera, size, scene) => zoomed(camera, at, factor, size, scene));
+}
+
+function pan_by(act, dx, dy) {
+  if (is_flat()) act.flat(dx, dy, 1, null);
+  else act.gesture((camera, size) => panned(camera, dx, dy, size));
+}
+
+/// Two fingers move and zoom together.
+function pinch(act, points, event) {
+  const [a, b] = [...points.values()];
+  const before = { middle: [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2], span: Math.hypot(a[0] - b[0], a[1] - b[1]) };
+  points.set(event.pointerId, place_in_picture(event));
+  const [c, d] = [...points.values()];
+  const middle = [(c[0] + d[0]) / 2, (c[1] + d[1]) / 2], span = Math.hypot(c[0] - d[0], c[1] - d[1]);
+  pan_by(act, middle[0] - before.middle[0], middle[1] - before.middle[1]);
+  if (before.span > 0 && span > 0) zoom_by(act, before.span / span, middle);
+}
+
+function attach_pointer(act, shift) {
+  const canvas = by_id("picture"), points = new Map();
+  let button = 0, is_pan = false;
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.focus({ preventScroll: true });
+    canvas.setPointerCapture(event.pointerId);
+    points.set(event.pointerId, place_in_picture(event));
+    button = event.button;
+    is_pan = button === 2 || event.shiftKey;
+    if (is_pan) shift.cancel();
+    if (button === 1) event.preventDefault();  // no automatic scrolling
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    const before = points.get(event.pointerId);
+    if (!before) return;
+    if (points.size === 2) return pinch(act, points, event);
+    const now = place_in_picture(event), dx = now[0] - before[0], dy = now[1] - before[1];
+    points.set(event.pointerId, now);
+    if (points.size > 2 || (dx === 0 && dy === 0)) return;
+    if (is_pan || is_flat()) pan_by(act, dx, dy);
+    else act.gesture((camera, size, scene) => orbited(camera, dx, dy, size, scene));
+  });
+  const release = (event) => points.delete(event.pointerId);
+  canvas.addEventListener("pointerup", release);
+  canvas.addEventListener("pointercancel", release);
+  canvas.addEventListener("lostpointercapture", release);
+  canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+  canvas.addEventListener("dblclick", (event) => act.pivot(place_in_picture(event)));
+  canvas.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    const lines = event.deltaMode === 1 ? 33 : event.deltaMode === 2 ? 400 : 1;
+    const notch = Math.max(-400, Math.min(400, event.deltaY * lines)) * (event.ctrlKey ? 6 : 1);
+    zoom_by(act, Math.exp(notch * kWheelPerNotch), place_in_picture(event));
+  }, { passive: false });
+}
+
+/// Shift alone, held for a moment, shows B; with a drag or another key it does not.
+function new_shift(act) {
+  let timer = 0, is_held = false;
+  const set = (is_now) => {
+    clearTimeout(timer);
+    if (is_now !== is_held) act.hold((is_held = is_now));
+  };
+  return {
+    down: () => {
+      clearTimeout(timer);
+      timer = setTimeout(() => set(true), kHold_ms);
+    },
+    up: () => set(false),
+    cancel: () => set(false),
+  };
+}
+
+/// Flying: the held keys move the camera every frame. `A` starts after a moment, since a tap has another meaning.
+function new_flight(act) {
+  const held = new Map();
+  let last = 0, running = 0;
+  const step = (now) => {
+    const seconds = Math.min(0.1, (now - last) / 1000), move = [0, 0, 0];
+    last = now;
+    for (const [name, since] of held) {
+      if (name === "a" && held.size === 1 && performance.now() - since < kHold_ms) continue;
+      kFlyKeys[name].forEach((x, i) => (move[i] += x * seconds * kFlyPerSecond));
+    }
+    if (move.some((x) => x !== 0)) act.fly(move);
+    running = held.size ? requestAnimationFrame(step) : 0;
+  };
+  return {
+    down: (name) => {
+      if (!held.has(name)) held.set(name, performance.now());
+      if (running) return;
+      last = performance.now();
+      running = requestAnimationFrame(step);
+    },
+    /// Returns whether the key was only tapped.
+    up: (name) => {
+      const since = held.get(name);
+      held.delete(name);
+      return since !== undefined && performance.now() - since < kHold_ms;
+    },
+    stop: () => held.clear(),
+  };
+}
+
+/// Returns what of the keyboard belongs to the focused control: "all", "some" (arrows, Enter, Space) or "none".
+function taken_by(target) {
+  if (!(target instanceof Element) || target.id === "picture" || target === document.body) return "none";
+  if (target.matches("select, textarea, input:not([type=range], [type=checkbox], [type=radio], [type=color])")) return "all";
+  return target.closest("button, input, summary, [role=slider], a, pre, dialog") ? "some" : "none";
+}
+
+const kNative = /^(Enter| |Tab|Home|End|PageUp|PageDown|Arrow.*)$/;
+
+function attach_keys(act, shift) {
+  const flight = new_flight(act);
+  addEventListener("keydown", (event) => {
+    const taken = taken_by(event.target);
+    if (event.key === "Shift" && taken !== "all" && !event.repeat) return shift.down();
+    shift.cancel();
+    if (event.key === "Escape" && !document.querySelector("dialog[open]")) return by_id("picture").focus();
+    if (taken === "all" || (taken === "some" && kNative.test(event.key)) || event.altKey || event.metaKey) return;
+    if (document.querySelector("dialog[open]") && event.key.toLowerCase() !== "h") return;
+    const name = event.key.toLowerCase();
+    if (!event.ctrlKey && kFlyKeys[name] && !is_flat()) {
+      event.preventDefault();
+      return flight.down(name);
+    }
+    if (act.key(event)) event.preventDefault();
+  });
+  addEventListener("keyup", (event) => {
+    if (event.key === "Shift") shift.up();
+    if (flight.up(event.key.toLowerCase())) act.tap(event.key.toLowerCase());
+  });
+  addEventListener("blur", () => {
+    flight.stop();
+    shift.cancel();
+  });
+}
+
+export function attach_hands(act) {
+  const shift = new_shift(act);
+  attach_pointer(act, shift);
+  attach_keys(act, shift);
+}
+
+/// Moves by keys: arrows orbit, with Ctrl they move; `zoom` is a factor or 0.
+export function move_by_key(act, dx, dy, is_pan) {
+  const size = size_shown(), step = Math.min(size[0], size[1]) / 24;
+  if (is_pan || is_flat()) pan_by(act, -dx * step, -dy * step);
+  else act.gesture((camera, shown, scene) => orbited(camera, dx * step, dy * step, shown, scene));
+}
+
+export const zoom_by_key = (act, factor) => zoom_by(act, factor, size_shown().map((side) => side / 2));

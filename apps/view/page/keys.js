@@ -1,0 +1,127 @@
+// What each key does, apart from flying and Shift (hands.js). help.js lists them.
+import { by_id, announce } from "./dom.js";
+import { state, hooks, side_edited, look_of, technique_of, scene_now, is_flat } from "./state.js";
+import { set_option, set_parameter, effects_in_use } from "./panels.js";
+import { fitted, viewed_from, model_axes } from "./camera.js";
+import { next_comparison, keep_as_b, set_comparison } from "./compare.js";
+import { move_by_key, zoom_by_key } from "./hands.js";
+import { open_files } from "./files.js";
+import { toggle_help } from "./help.js";
+
+const kArrows = { arrowleft: [-1, 0], arrowright: [1, 0], arrowup: [0, -1], arrowdown: [0, 1] };
+let occlusion_before;  // the technique that Q turns back on
+
+function toggle_occlusion() {
+  const side = side_edited();
+  if (technique_of(side) === "none") set_option("ao", occlusion_before);
+  else {
+    occlusion_before = side.options.ao;
+    set_option("ao", "none");
+  }
+  announce(`Occlusion: ${technique_of(side)}`);
+}
+
+export function toggle_anti_aliasing() {
+  const is_off = side_edited().options["anti-aliasing"] === "1";
+  set_option("anti-aliasing", is_off ? undefined : "1");
+  announce(`Anti-aliasing ${is_off ? "on" : "off"}`);
+}
+
+/// Switches a parameter of an effect between its default and `off`, if the look runs the effect.
+function toggle_parameter(name, off, what) {
+  if (!effects_in_use().includes(name.split(".")[0])) {
+    return announce(`The look ${look_of(side_edited()).name} has no ${what}`);
+  }
+  const is_off = side_edited().set[name] === off;
+  set_parameter(name, is_off ? undefined : off);
+  announce(`${what[0].toUpperCase()}${what.slice(1)} ${is_off ? "on" : "off"}`);
+}
+
+function next_ground() {
+  const next = { undefined: "on", auto: "on", on: "off", off: undefined }[side_edited().options.ground];
+  set_option("ground", next);
+  announce(`Ground: ${next ?? "auto"}`);
+}
+
+function next_buffer() {
+  const inputs = [...document.querySelectorAll("input[name=show]")];
+  const at = inputs.findIndex((input) => input.value === side_edited().show);
+  side_edited().show = inputs[(at + 1) % inputs.length].value;
+  hooks.changed(false);
+  announce(`Shown: ${side_edited().show}`);
+}
+
+/// Sets the up axis of the model and looks at it from its corner.
+function set_up(axis) {
+  set_option("up", axis);
+  hooks.view("corner");
+  announce(`Up axis ${axis}`);
+}
+
+function next_theme() {
+  const order = ["", "light", "dark"], root = document.documentElement;
+  const next = order[(order.indexOf(root.dataset.theme ?? "") + 1) % order.length];
+  set_theme(next);
+  announce(`Page: ${next || "as the system"}`);
+}
+
+export function set_theme(name) {
+  document.documentElement.dataset.theme = name;
+  try {
+    localStorage.setItem("umbrage-theme", name);
+  } catch {
+    // A sandboxed frame has no storage: the choice lasts as long as the page.
+  }
+  hooks.refresh?.();
+}
+
+export function toggle_panel(is_open = document.body.classList.contains("no_panel")) {
+  document.body.classList.toggle("no_panel", !is_open);
+  by_id("panel_toggle").setAttribute("aria-expanded", String(is_open));
+}
+
+export function attach_theme() {
+  try {
+    document.documentElement.dataset.theme = localStorage.getItem("umbrage-theme") ?? "";
+  } catch {
+    document.documentElement.dataset.theme = "";
+  }
+  by_id("theme").addEventListener("click", next_theme);
+  by_id("panel_toggle").addEventListener("click", () => toggle_panel());
+  by_id("help_open").addEventListener("click", toggle_help);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => hooks.refresh?.());
+}
+
+/// Returns the action of a key, or undefined.
+function action_of(act, key) {
+  const view = (name) => () => hooks.view(name);
+  return {
+    f: is_flat() ? () => hooks.reset() : () => act.gesture((camera, size, scene) => fitted(camera, size, scene)),
+    1: view("front"), 3: view("right"), 7: view("top"), 9: view("corner"),
+    5: () => act.gesture((camera) => ({ ...camera, orthographic: !camera.orthographic })),
+    enter: () => hooks.reset(),
+    "+": () => zoom_by_key(act, 1 / 1.15), "=": () => zoom_by_key(act, 1 / 1.15), "-": () => zoom_by_key(act, 1.15),
+    o: () => by_id("open").click(), q: toggle_occlusion, t: () => toggle_parameter("output.tone", "none", "tone curve"),
+    g: next_ground, e: () => toggle_parameter("outline.opacity", "0", "lines"), b: next_buffer, c: next_comparison,
+    x: () => set_comparison(state.compare === "b" ? "off" : "b"), k: keep_as_b, p: () => toggle_panel(), l: next_theme,
+    h: toggle_help, "?": toggle_help,
+  }[key];
+}
+
+/// Handles a key. Returns whether it has a meaning.
+export function press(act, event) {
+  const key = event.key.toLowerCase(), arrow = kArrows[key];
+  if (event.ctrlKey && (key === "y" || key === "z") && !is_flat()) {
+    set_up(key === "y" ? "+Y" : "+Z");
+    return true;
+  }
+  if (arrow) {
+    const is_choice = state.models.length > 1 && arrow[0] !== 0 && !event.ctrlKey && !event.shiftKey;
+    if (is_choice) hooks.next_model(arrow[0]);
+    else move_by_key(act, arrow[0], arrow[1], event.ctrlKey);
+    return true;
+  }
+  const action = event.ctrlKey ? undefined : action_of(act, key);
+  action?.();
+  return !!action;
+}

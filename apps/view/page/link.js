@@ -1,0 +1,87 @@
+// The connection to the program: states out, frames in. A moving state is sent only when the one before has been
+// answered, so that the program always works on the newest; a state at rest is sent at once and replaces any other.
+
+const kRest_ms = 150;  // after the last change the view is at rest
+const kLost_ms = 5000;  // a moving state without an answer no longer holds back the next one
+
+/// Makes the connection. `make_state()` returns {size, model, views}, or null if there is nothing to ask for.
+/// `on` has the functions text(message), frame(header, blob), opened() and closed().
+export function new_link(make_state, on) {
+  const link = { connected: false, id: 0, sent: 0, socket: null };
+  let is_dirty = false, is_moving = false, rest_timer = 0, scheduled = 0, waiting = null;
+
+  function send_text(message) {
+    if (link.socket?.readyState === WebSocket.OPEN) link.socket.send(JSON.stringify(message));
+  }
+
+  function flush() {
+    cancelAnimationFrame(scheduled);
+    scheduled = 0;
+    if (!is_dirty || !link.connected) return;
+    if (is_moving && waiting && performance.now() - waiting.since < kLost_ms) return;
+    const made = make_state();
+    if (!made) return;
+    is_dirty = false;
+    link.id += 1;
+    link.sent += 1;
+    const views = new Set(made.views.keys());
+    waiting = is_moving ? { id: link.id, views, since: performance.now() } : null;
+    send_text({ type: "state", id: link.id, moving: is_moving, ...made });
+  }
+
+  function answered(id, view) {
+    if (!waiting || id < waiting.id) return;
+    if (view === undefined) waiting = null;
+    else if (waiting.views.delete(view) && waiting.views.size === 0) waiting = null;
+    if (!waiting) flush();
+  }
+
+  /// Tells that the state has changed. `moving`: further changes are likely to follow at once.
+  link.changed = (moving) => {
+    is_dirty = true;
+    clearTimeout(rest_timer);
+    if (moving) rest_timer = setTimeout(() => link.changed(false), kRest_ms);
+    is_moving = moving;
+    if (!moving) flush();
+    else if (!scheduled) scheduled = requestAnimationFrame(flush);
+  };
+
+  link.send = send_text;
+  link.shown = (frame) => send_text({ type: "ack", frame });
+  link.is_moving = () => is_moving;
+
+  function receive(data) {
+    if (typeof data === "string") {
+      const message = JSON.parse(data);
+      on.text(message);
+      if (message.type === "error" && message.id !== undefined) answered(message.id, message.view);
+      return;
+    }
+    const size = new DataView(data).getUint32(0, true);
+    const header = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, size)));
+    answered(header.id, header.view);
+    on.frame(header, new Blob([new Uint8Array(data, 4 + size)], { type: header.format }));
+  }
+
+  link.connect = () => {
+    const address = new URL("socket", document.baseURI);
+    address.protocol = address.protocol.replace("http", "ws");
+    address.hash = "";
+    const socket = new WebSocket(address);
+    socket.binaryType = "arraybuffer";
+    link.socket = socket;
+    socket.onopen = () => {
+      link.connected = true;
+      waiting = null;
+      on.opened();
+    };
+    socket.onmessage = (event) => receive(event.data);
+    socket.onclose = () => {
+      if (link.socket !== socket) return;
+      link.connected = false;
+      waiting = null;
+      on.closed();
+    };
+  };
+  return link;
+}

@@ -1,0 +1,186 @@
+// The picture: decodes frames and draws them, one side or both in comparison.
+import { by_id, is_calm } from "./dom.js";
+import { state, is_flat, scene_now, side_b, technique_of, look_of } from "./state.js";
+import { clamp } from "./math.js";
+
+const kMaxPixelRatio = 2, kMinSide = 16, kMaxSide = 8192;
+const kFlicker_ms = 500, kCalmFlicker_ms = 1200;
+
+/// `pictures`: the newest frame of each side, {bitmap, header}. `is_held`: B is shown while a key is held.
+export const stage = { pictures: [null, null], is_held: false, wants_b: false, phase: 0, frames: 0, last: null };
+
+const needs_canvas = () => by_id("picture");
+
+/// Returns the size of the picture to ask for, device pixels.
+export function size_asked() {
+  const canvas = needs_canvas();
+  const size = is_flat() ? scene_now()?.size ?? [canvas.width, canvas.height] : [canvas.width, canvas.height];
+  return size.map((side) => clamp(Math.round(side), kMinSide, kMaxSide));
+}
+
+/// Returns the size of the picture on the page, CSS pixels.
+export function size_shown() {
+  const box = needs_canvas().getBoundingClientRect();
+  return [Math.max(1, box.width), Math.max(1, box.height)];
+}
+
+/// Calls `resized` whenever the canvas has got another size.
+export function watch_size(resized) {
+  const fit = () => {
+    const canvas = needs_canvas(), ratio = Math.min(devicePixelRatio || 1, kMaxPixelRatio);
+    const box = by_id("stage").getBoundingClientRect();
+    const width = Math.max(kMinSide, Math.round(box.width * ratio)), height = Math.max(kMinSide, Math.round(box.height * ratio));
+    if (canvas.width === width && canvas.height === height) return;
+    canvas.width = width;
+    canvas.height = height;
+    draw();
+    resized();
+  };
+  new ResizeObserver(fit).observe(by_id("stage"));
+  fit();
+}
+
+export const needs_b = () => state.compare !== "off" || stage.is_held || stage.wants_b;
+
+/// Decodes and draws a frame, unless a newer one is shown. `shown(header)` is called in either case.
+export async function show_frame(header, blob, shown) {
+  let bitmap = null;
+  try {
+    bitmap = await createImageBitmap(blob);
+  } finally {
+    const old = stage.pictures[header.view];
+    const is_newer = bitmap && (!old || header.id > old.header.id || (header.id === old.header.id && header.frame > old.header.frame));
+    if (is_newer) {
+      old?.bitmap.close();
+      stage.pictures[header.view] = { bitmap, header };
+      stage.frames += 1;
+      if (header.view === 0) stage.last = header;
+      draw();
+    } else {
+      bitmap?.close();
+    }
+    shown(header, !!is_newer);
+  }
+}
+
+export function forget_pictures() {
+  for (const picture of stage.pictures) picture?.bitmap.close();
+  stage.pictures = [null, null];
+  draw();
+}
+
+/// Returns the place of a bitmap on the canvas: [x, y, width, height].
+function place_of(bitmap, canvas) {
+  if (is_flat()) {
+    const fit = Math.min(canvas.width / bitmap.width, canvas.height / bitmap.height) * state.flat.scale;
+    const width = bitmap.width * fit, height = bitmap.height * fit;
+    const ratio = canvas.width / size_shown()[0];
+    return [(canvas.width - width) / 2 + state.flat.x * ratio, (canvas.height - height) / 2 + state.flat.y * ratio, width, height];
+  }
+  const width = (bitmap.width / bitmap.height) * canvas.height;
+  if (Math.abs(width / canvas.width - 1) < 0.03) return [0, 0, canvas.width, canvas.height];
+  return [(canvas.width - width) / 2, 0, width, canvas.height];
+}
+
+function put(pen, picture) {
+  if (!picture) return;
+  const [x, y, width, height] = place_of(picture.bitmap, pen.canvas);
+  pen.imageSmoothingEnabled = !is_flat() || width < 2 * picture.bitmap.width;
+  pen.imageSmoothingQuality = "high";
+  pen.drawImage(picture.bitmap, x, y, width, height);
+}
+
+/// Draws the absolute difference times the gain, a power of 2.
+function put_difference(pen, a, b) {
+  pen.fillStyle = "#000";
+  pen.fillRect(0, 0, pen.canvas.width, pen.canvas.height);
+  put(pen, a);
+  pen.globalCompositeOperation = "difference";
+  put(pen, b);
+  pen.globalCompositeOperation = "lighter";
+  for (let gain = 1; gain < state.gain; gain *= 2) pen.drawImage(pen.canvas, 0, 0);
+  pen.globalCompositeOperation = "source-over";
+}
+
+/// Returns which sides are seen now: "a", "b", "divider" or "difference".
+export function seen_now() {
+  if (stage.is_held) return state.compare === "b" ? "a" : "b";
+  if (state.compare === "flicker") return stage.phase ? "b" : "a";
+  return state.compare === "off" ? "a" : state.compare;
+}
+
+export function draw() {
+  const canvas = needs_canvas(), pen = canvas.getContext("2d"), [a, b] = stage.pictures;
+  const seen = seen_now();
+  pen.clearRect(0, 0, canvas.width, canvas.height);
+  if (seen === "difference" && a && b) put_difference(pen, a, b);
+  else put(pen, seen === "b" ? b ?? a : a ?? b);
+  if (seen === "divider" && b) {
+    const x = Math.round(state.split * canvas.width);
+    pen.save();
+    pen.beginPath();
+    pen.rect(x, 0, canvas.width - x, canvas.height);
+    pen.clip();
+    pen.clearRect(x, 0, canvas.width - x, canvas.height);
+    put(pen, b);
+    pen.restore();
+  }
+  draw_tags(seen, !!b);
+}
+
+function name_of_side(side) {
+  const what = side.show === "picture" ? technique_of(side) : side.show;
+  return [look_of(side)?.name, what, side.options.quality, side.device].filter(Boolean).join(" · ");
+}
+
+function draw_tags(seen, has_b) {
+  const show = (id, is_seen, text) => {
+    const tag = by_id(id);
+    tag.hidden = !is_seen;
+    if (tag.textContent !== text) tag.textContent = text;
+  };
+  const is_compared = needs_b() && (stage.is_held || state.compare !== "off");
+  show("tag_a", is_compared && seen !== "b", "A  " + name_of_side(state.a));
+  show("tag_b", is_compared && seen !== "a", "B  " + name_of_side(side_b()) + (has_b ? "" : " is being drawn"));
+  by_id("divider").hidden = seen !== "divider";
+  by_id("divider").style.left = `${state.split * 100}%`;
+  by_id("divider").setAttribute("aria-valuenow", Math.round(state.split * 100));
+  needs_canvas().classList.toggle("see_through", state.a.options["no-background"] === "true");
+}
+
+/// Starts or stops to flicker.
+export function update_flicker() {
+  const is_on = state.compare === "flicker" && !document.hidden;
+  if (is_on === !!update_flicker.timer) return;
+  clearInterval(update_flicker.timer);
+  update_flicker.timer = is_on && setInterval(() => {
+    stage.phase = 1 - stage.phase;
+    draw();
+  }, is_calm() ? kCalmFlicker_ms : kFlicker_ms);
+}
+
+/// Makes the divider follow pointer and arrow keys.
+export function attach_divider(changed) {
+  const divider = by_id("divider");
+  const set = (split) => {
+    state.split = clamp(split, 0, 1);
+    draw();
+    changed();
+  };
+  divider.addEventListener("pointerdown", (event) => {
+    divider.setPointerCapture(event.pointerId);
+    event.stopPropagation();
+  });
+  divider.addEventListener("pointermove", (event) => {
+    if (!divider.hasPointerCapture(event.pointerId)) return;
+    const box = by_id("stage").getBoundingClientRect();
+    set((event.clientX - box.left) / box.width);
+  });
+  divider.addEventListener("keydown", (event) => {
+    const step = { ArrowLeft: -0.02, ArrowRight: 0.02, Home: -1, End: 1 }[event.key];
+    if (!step || event.ctrlKey || event.altKey) return;
+    event.preventDefault();
+    event.stopPropagation();
+    set(state.split + step);
+  });
+}

@@ -1,0 +1,172 @@
+// What can be taken away: a file of the picture, the state as a command, as Python, as C++ or as settings, and a link.
+import { by_id, element, section, complain, announce, download, copy_text } from "./dom.js";
+import { state, hooks, side_edited, options_of, model_now, is_flat, new_side, take_options, fragment_of_state } from "./state.js";
+import { parse_vector } from "./math.js";
+import { hex_of } from "./controls.js";
+
+const kFormats = ["png", "exr", "svg", "jpg", "webp"];
+
+/// Returns a word for a POSIX shell.
+export const shell_word = (text) => (/^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
+
+const file_now = () => model_now()?.file ?? model_now()?.name ?? "MODEL";
+const field_of = (name) => state.hello.options.find((option) => option.name === name)?.field;
+const kind_of = (name) => state.hello.options.find((option) => option.name === name)?.kind ?? "text";
+
+/// Returns the options of a side with the device and what is shown, as they are saved and copied.
+function all_options(side) {
+  const options = options_of(side);
+  if (side.device) options.device = side.device;
+  if (side.show === "reference") options.ao = "reference";
+  else if (!["picture", "error"].includes(side.show)) options.passes = side.show;
+  return options;
+}
+
+/// Returns the command line that draws the picture.
+export function command_of(side, size) {
+  const words = ["umbrage", is_flat() ? "shade" : "render", shell_word(file_now())];
+  for (const [name, value] of Object.entries(all_options(side))) {
+    if (name === "set") for (const entry of value) words.push("--set", shell_word(entry));
+    else if (kind_of(name) !== "flag") words.push(/^[-+]/.test(value) ? `--${name}=${shell_word(value)}` : `--${name} ${shell_word(value)}`);
+    else if (value === "true" && name !== "hdri-ambient") words.push(`--${name}`);
+    else if (value === "false" && name === "hdri-ambient") words.push(`--${name}=false`);
+  }
+  if (!is_flat()) words.push(`--resolution ${size.join(",")}`);
+  return [...words, "-o", "picture.png"].join(" ");
+}
+
+/// Calls write(field, kind, text) for every option that the libraries have.
+function for_fields(side, write) {
+  for (const [name, text] of Object.entries(all_options(side))) {
+    const field = field_of(name);
+    if (field && name !== "set") write(field, kind_of(name), text);
+  }
+}
+
+const color_values = (text) => {
+  const hex = hex_of(text);
+  return hex ? [1, 3, 5].map((i) => Number((parseInt(hex.slice(i, i + 2), 16) / 255).toFixed(4))) : null;
+};
+
+/// Returns the numbers of an option that is a list of numbers, else null.
+function values_of(kind, text) {
+  if (kind === "vector") return parse_vector(text);
+  if (kind === "color") return color_values(text);
+  return kind === "angles" ? text.split(",").map(Number) : null;
+}
+
+function python_value(kind, text) {
+  if (kind === "flag") return text === "true" ? "True" : "False";
+  if (kind === "integer" || kind === "number") return String(Number(text));
+  if (kind === "words") return `(${text.split(",").map((word) => `${JSON.stringify(word)},`).join(" ")})`;
+  const values = values_of(kind, text);
+  return values ? `(${values.join(", ")})` : JSON.stringify(text);
+}
+
+/// Returns a script that draws the picture.
+export function python_of(side, size) {
+  const camera = [], rest = [];
+  for_fields(side, (field, kind, text) => {
+    if (field.startsWith("camera.")) camera.push(`"${field.slice(7)}": ${python_value(kind, text)}`);
+    else rest.push(`${field}=${python_value(kind, text)}`);
+  });
+  const settings = Object.entries(side.set).map(([name, text]) => `${JSON.stringify(name)}: ${JSON.stringify(text)}`);
+  if (camera.length) rest.push(`camera={${camera.join(", ")}}`);
+  if (settings.length) rest.push(`settings={${settings.join(", ")}}`);
+  if (!is_flat()) rest.unshift(`size=(${size.join(", ")})`);
+  const call = is_flat() ? "shade_files" : "render";
+  return `import umbrage\n\numbrage.${call}(${[JSON.stringify(file_now()), ...rest].join(",\n    ")}).save("picture.png")\n`;
+}
+
+const as_float = (value) => (Number.isInteger(value) ? `${value}.0f` : `${value}f`);
+
+function cpp_value(field, kind, text) {
+  if (kind === "flag") return text;
+  if (kind === "integer") return String(Number(text));
+  if (kind === "number") return as_float(Number(text));
+  if (kind === "words") return `{${text.split(",").map((word) => JSON.stringify(word)).join(", ")}}`;
+  const values = values_of(kind, text);
+  if (!values) return JSON.stringify(text);
+  const is_double = /position|focal_point/.test(field);
+  const number = (value) => (is_double ? (Number.isInteger(value) ? `${value}.0` : String(value)) : as_float(value));
+  return `std::array{${values.map(number).join(", ")}}`;
+}
+
+/// Returns a program that draws the picture.
+export function cpp_of(side, size) {
+  const request = is_flat() ? "ShadeRequest" : "RenderRequest";
+  const lines = [`umb::${request} request;`, `request.${is_flat() ? "file" : "model"} = ${JSON.stringify(file_now())};`];
+  if (!is_flat()) lines.push(`request.width = ${size[0]};`, `request.height = ${size[1]};`);
+  for_fields(side, (field, kind, text) => lines.push(`request.${field} = ${cpp_value(field, kind, text)};`));
+  const settings = Object.entries(side.set).map(([name, text]) => JSON.stringify(`${name}=${text}`));
+  if (settings.length) lines.push(`request.settings = {${settings.join(", ")}};`);
+  lines.push("umb::Picture picture;", `umb::Outcome outcome = umb::${is_flat() ? "shade" : "render"}(request, picture);`,
+    'if (outcome.code == 0) outcome = umb::save(picture, "picture.png");');
+  lines.push("return outcome.code;");
+  return `#include <array>\n\n#include "umbrage/umbrage.hpp"\n\nint main() {\n${lines.map((line) => `  ${line}\n`).join("")}}\n`;
+}
+
+function settings_text() {
+  const options = all_options(side_edited());
+  delete options.passes;
+  return JSON.stringify(options, null, 2) + "\n";
+}
+
+async function load_settings(file) {
+  try {
+    const options = JSON.parse(await file.text());
+    if (typeof options !== "object" || Array.isArray(options) || !options) throw new Error("it is not an object");
+    const side = side_edited();
+    Object.assign(side, new_side(), { show: side.show });
+    take_options(side, options);
+    hooks.take_camera(options);
+    hooks.changed(false);
+    announce(`Settings of ${file.name}`);
+  } catch (error) {
+    complain(`${file.name} is not a file of settings: ${error.message}`);
+  }
+}
+
+const size_wanted = () => [Number(by_id("save_width").value), Number(by_id("save_height").value)];
+
+async function save() {
+  const button = by_id("save"), [width, height] = size_wanted(), format = by_id("save_format").value;
+  button.disabled = true;
+  button.textContent = "Saving…";
+  try {
+    const body = JSON.stringify({ options: all_options(side_edited()), model: state.model, format, width, height });
+    const answer = await fetch(new URL("save", document.baseURI), { method: "POST", body, headers: { "Content-Type": "application/json" } });
+    if (!answer.ok) throw new Error((await answer.json().catch(() => ({}))).error ?? `the program answered ${answer.status}`);
+    const name = `${(model_now()?.name ?? "picture").replace(/\.\w+$/, "").replace(/[^\w.-]+/g, "_")}.${format}`;
+    download(await answer.blob(), name);
+    announce(`Saved ${name}`);
+  } catch (error) {
+    complain(`Not saved: ${error.message}`, "save");
+  }
+  button.disabled = false;
+  button.textContent = "Save";
+}
+
+export function take_section() {
+  const number = (id, label, value) => element("input", { type: "number", id, "aria-label": label, min: 1, max: 16384, value, class: "number" });
+  const button = (id, text, act) => element("button", { type: "button", id, text, on_click: act });
+  const text = element("pre", { id: "copied", tabindex: 0, "aria-label": "The copied text", hidden: true });
+  const copy = (make) => () => {
+    text.textContent = make(side_edited(), size_wanted());
+    text.hidden = false;
+    copy_text(text.textContent);
+  };
+  const file = element("input", { type: "file", id: "settings_file", accept: ".json", class: "unseen", tabindex: -1, "aria-label": "File of settings",
+    on_change: () => file.files[0] && load_settings(file.files[0]) });
+  return section("take", "Take away", false,
+    element("div", { class: "save" }, number("save_width", "Width in pixels", 1920), element("span", { text: "×" }), number("save_height", "Height in pixels", 1080),
+      element("select", { id: "save_format", "aria-label": "Format" }, ...kFormats.map((name) => element("option", { value: name, text: name.toUpperCase() }))),
+      button("save", "Save", save)),
+    element("p", { class: "kicker", text: "Copy as" }),
+    element("div", { class: "buttons" }, button("copy_command", "Command line", copy(command_of)), button("copy_python", "Python", copy(python_of)),
+      button("copy_cpp", "C++", copy(cpp_of)), button("copy_link", "Link", () => copy_text(location.href.split("#")[0] + "#" + fragment_of_state()))), text,
+    element("p", { class: "kicker", text: "Settings" }),
+    element("div", { class: "buttons" },
+      button("settings_save", "Download JSON", () => download(new Blob([settings_text()], { type: "application/json" }), "umbrage.json")),
+      button("settings_load", "Load…", () => file.click()), file));
+}

@@ -1,0 +1,185 @@
+#include "apps/view/view.h"
+
+#include <chrono>
+#include <filesystem>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "apps/view/drawing.h"
+#include "apps/view/page.h"
+#include "apps/view/save.h"
+#include "apps/view/server.h"
+#include "apps/view/tables.h"
+
+namespace umbrage::view {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// A page that is loaded again connects within this time.
+constexpr std::chrono::seconds kReloadTime(3);
+
+std::string name_of(const std::string& file) {
+  const std::string name = std::filesystem::path(file).filename().string();
+  return name.empty() ? file : name;
+}
+
+}  // namespace
+
+struct Viewer::Parts {
+  nlohmann::json tables;  // of the message hello, without the models
+  std::mutex mutex;       // guards the members up to `server`
+  std::set<PageId> pages;
+  bool had_pages = false;
+  Clock::time_point last_closed = {};
+  Server* sender = nullptr;  // null before the server has started and while it ends
+  std::unique_ptr<Drawing> drawing;
+  std::unique_ptr<Server> server;
+
+  ~Parts() {
+    {
+      const std::lock_guard lock(mutex);
+      sender = nullptr;
+    }
+    server.reset();  // calls the handlers, which use `drawing`
+  }
+
+  void send(PageId page, std::string text) {
+    const std::lock_guard lock(mutex);
+    if (sender) sender->send_text(page, std::move(text));
+  }
+
+  void send_frame(PageId page, std::string bytes) {
+    const std::lock_guard lock(mutex);
+    if (sender) sender->send_frame(page, std::move(bytes));
+  }
+
+  void opened(PageId page) {
+    nlohmann::json hello = tables;
+    hello["models"] = drawing->models();
+    send(page, text_of_json(hello));
+    const std::lock_guard lock(mutex);
+    pages.insert(page);
+    had_pages = true;
+  }
+
+  void closed(PageId page) {
+    drawing->close(page);
+    const std::lock_guard lock(mutex);
+    pages.erase(page);
+    last_closed = Clock::now();
+  }
+
+  void received(PageId page, std::string_view text) {
+    auto message = parse_message(text);
+    if (!message) return send(page, error_text(message.error().message));
+    if (auto* state = std::get_if<State>(&*message)) {
+      if (!drawing->has_model(state->model))
+        return send(page, error_text(fmt::format("there is no model {}", state->model), state->id));
+      for (View& view : state->views) use_upload(view.options);
+      drawing->set_state(page, std::move(*state));
+    } else if (const auto* ack = std::get_if<Ack>(&*message)) {
+      drawing->acknowledge(page, ack->frame);
+    } else if (const auto* open = std::get_if<Open>(&*message)) {
+      if (auto done = open_upload(page, *open); !done) send(page, error_text(done.error().message));
+    }
+  }
+
+  /// Adds an uploaded model to the list, selected on the page that asks, or tells the page that an environment is
+  /// there.
+  Result<void> open_upload(PageId page, const Open& open) {
+    const auto path = server->upload(open.file);
+    if (!path) return path.error();
+    if (open.as == "environment") {
+      send(page, environment_text(open.file));
+      return {};
+    }
+    const int id =
+        drawing->add_model({.file = path->string(), .name = name_of(open.file), .is_gbuffer = open.as == "gbuffer"});
+    nlohmann::json list = {{"type", "models"}, {"models", drawing->models()}};
+    std::set<PageId> others;
+    {
+      const std::lock_guard lock(mutex);
+      others = pages;
+    }
+    for (const PageId other : others) {
+      if (other != page) send(other, text_of_json(list));
+    }
+    list["select"] = id;
+    send(page, text_of_json(list));
+    return {};
+  }
+
+  /// Replaces the name of an uploaded environment by its path.
+  void use_upload(ViewOptions& options) const {
+    const auto image = options.find("hdri-file");
+    if (image == options.end()) return;
+    for (std::string& file : image->second)
+      if (const auto path = server->upload(file)) file = path->string();
+  }
+
+  HttpAnswer save(Save save, const std::function<bool()>& is_wanted) const {
+    if (!drawing->has_model(save.model)) return error_answer(400, fmt::format("there is no model {}", save.model));
+    use_upload(save.options);
+    const ModelSource model = drawing->model_source(save.model);
+    const SaveSubject subject{.words = {model.file},
+                              .is_gbuffer = model.is_gbuffer,
+                              .stem = std::filesystem::path(model.name).stem().string()};
+    return save_picture(subject, save, server->uploads(), is_wanted);
+  }
+};
+
+Viewer::Viewer(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+Viewer::~Viewer() = default;
+
+Result<std::unique_ptr<Viewer>> Viewer::start(Settings settings) {
+  auto parts = std::make_unique<Parts>();
+  Parts& all = *parts;
+  DrawingSettings drawing{.models = {},
+                          .given = settings.request,
+                          .device = settings.request.device,
+                          .threads = settings.request.threads,
+                          .watch = settings.watch};
+  for (const ViewedFile& file : settings.models) {
+    std::error_code ignored;
+    if (!file.file.starts_with("scene:") && !std::filesystem::exists(file.file, ignored))
+      return file_error("'{}' does not exist", file.file);
+    drawing.models.push_back({.file = file.file, .name = name_of(file.file), .is_gbuffer = file.is_gbuffer});
+  }
+  auto drawer = Drawing::start(
+      std::move(drawing), {.text = [&](PageId page, std::string text) { all.send(page, std::move(text)); },
+                           .frame = [&](PageId page, std::string bytes) { all.send_frame(page, std::move(bytes)); }});
+  if (!drawer) return drawer.error();
+  all.drawing = std::move(*drawer);
+  all.tables = hello_tables();
+  all.tables["type"] = "hello";
+  all.tables["version"] = UMBRAGE_VERSION;
+  all.tables["command"] = settings.command;
+  all.tables["device"] = all.drawing->device_description();
+  all.tables["given"] = settings.given;
+  auto server = Server::start(
+      {.host = settings.host, .port = settings.port, .page = page()},
+      {.opened = [&](PageId page) { all.opened(page); },
+       .closed = [&](PageId page) { all.closed(page); },
+       .received = [&](PageId page, const std::string& text) { all.received(page, text); },
+       .save = [&](const Save& save, const std::function<bool()>& is_wanted) { return all.save(save, is_wanted); }});
+  if (!server) return server.error();
+  all.server = std::move(*server);
+  all.sender = all.server.get();
+  return std::unique_ptr<Viewer>(new Viewer(std::move(parts)));
+}
+
+std::string Viewer::address() const { return parts_->server->address(); }
+
+std::vector<std::string> Viewer::warnings() const {
+  const std::string warning = parts_->server->warning();
+  return warning.empty() ? std::vector<std::string>() : std::vector<std::string>{warning};
+}
+
+bool Viewer::was_left() const {
+  const std::lock_guard lock(parts_->mutex);
+  return parts_->had_pages && parts_->pages.empty() && Clock::now() - parts_->last_closed > kReloadTime;
+}
+
+}  // namespace umbrage::view
