@@ -14,7 +14,7 @@ struct ErrorNumbers {
   double rmse = 0.0, mean = 0.0;
 };
 
-/// What a page is told of a frame.
+/// What the page gets with a frame.
 struct FrameHeader {
   std::int64_t frame = 0, id = 0;
   int view = 0, model = 0, width = 0, height = 0;

@@ -18,6 +18,17 @@ constexpr std::chrono::milliseconds kWatchInterval(500);
 constexpr std::chrono::seconds kMeanInterval(1);           // max time between two pictures of further samples
 constexpr std::chrono::milliseconds kStatusInterval(100);  // between two messages on progress
 
+/// Number of pictures that are averaged first where the look draws one: their sample positions are balanced.
+constexpr int kFirstAveraged = 4;
+
+/// Returns whether a picture that is drawn once gets averaged at rest: if the user left the number of pictures to the
+/// look. This changes edges and noise alone.
+bool gets_averaged(const Request& request, const ViewModel& model) {
+  if (model.is_gbuffer() || request.anti_aliasing || !request.quality.empty() || !request.passes.empty()) return false;
+  const auto recipe = make_recipe(request);
+  return recipe && recipe->frames == 1;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Drawing>> Drawing::start(DrawingSettings settings, Send send) {
@@ -159,7 +170,7 @@ Result<void> Drawing::perform(const Task& task) {
   if (!request) return request.error();
   const auto loaded = load(task, *request);
   if (!loaded) return loaded.error();
-  if (auto told = tell_model(task, *loaded, *request); !told) return told;
+  if (auto sent = send_model(task, *loaded, *request); !sent) return sent;
   const auto device = device_of(task);
   auto done = device ? draw(task, *loaded->model, **device, *request) : Result<void>(device.error());
   if (done || done.error().kind != ErrorKind::kDevice) return done;
@@ -200,7 +211,7 @@ Result<ModelList::Loaded> Drawing::load(const Task& task, const Request& request
   return loaded;
 }
 
-Result<void> Drawing::tell_model(const Task& task, const ModelList::Loaded& loaded, const Request& request) {
+Result<void> Drawing::send_model(const Task& task, const ModelList::Loaded& loaded, const Request& request) {
   {
     const std::lock_guard lock(mutex_);
     const auto page = pages_.find(task.page);
@@ -228,6 +239,7 @@ std::string Drawing::control_key(const Task& task, const Request& request) const
 }
 
 Result<void> Drawing::draw(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request) {
+  if (task.shown().show == "error") return draw_error(task, model, device, request);
   if (task.step <= Step::kQuick) return draw_draft(task, model, device, request);
   auto last_sent = Clock::now();
   int sent = task.samples;
@@ -237,15 +249,55 @@ Result<void> Drawing::draw(const Task& task, ViewModel& model, DrawingDevice& de
     return samples > sent && (sent == 0 || samples >= 2 * sent || Clock::now() - last_sent >= kMeanInterval);
   };
   control.wants_another = [&](int) { return is_wanted(task) && !is_urgent_elsewhere() && wait_for_page(task); };
+  Request refined = request;
+  const bool averages_on = task.step == Step::kRefined && gets_averaged(request, model);
+  if (averages_on) refined.anti_aliasing = kFirstAveraged;
+  const bool is_averaged_later = task.step == Step::kExact && gets_averaged(request, model);
   StageTimes times;
   control.take = [&](const Image& picture, int samples, bool is_final) -> Result<void> {
-    send_picture(task, picture, samples, is_final, times);
+    send_picture(task, picture, {.samples = samples, .is_final = is_final && !is_averaged_later, .times = times});
     sent = samples;
     last_sent = Clock::now();
     times = {};
     return {};
   };
-  return model.draw(device, request, control, times);
+  return model.draw(device, refined, control, times);
+}
+
+Result<void> Drawing::draw_error(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request) {
+  if (task.step == Step::kQuick) return {};
+  const bool is_moving = task.step == Step::kMoving;
+  const std::string camera = camera_text(task.shown());
+  const std::string key = control_key(task, request);
+  Request sized = request;
+  DrawControl control;
+  control.monitor = [&](double) { return is_wanted(task) && (task.step != Step::kRefined || !is_urgent_elsewhere()); };
+  control.aspect = double(request.width) / request.height;
+  // While only settings change, the ground truth of this camera and size stays as it is.
+  if (is_moving && (task.page != moving_page_ || camera != moving_camera_ || error_width_ == 0)) {
+    std::tie(sized.width, sized.height) = control_.size(key, request.width, request.height);
+    error_width_ = sized.width;
+    error_height_ = sized.height;
+  } else if (is_moving) {
+    sized.width = error_width_;
+    sized.height = error_height_;
+  } else {
+    error_width_ = request.width;
+    error_height_ = request.height;
+  }
+  moving_page_ = task.page;
+  moving_camera_ = camera;
+  StageTimes times;
+  const std::string name = fmt::format("{} {}", task.state->model, model.number());
+  auto drawn = errors_.draw(model, device, sized, name, task.samples + 1, control, times);
+  if (!drawn) return drawn.error();
+  if (is_moving) control_.add(key, sized.width, sized.height, times.total());
+  send_picture(task, drawn->picture,
+               {.samples = is_moving ? 0 : drawn->runs,
+                .is_final = !is_moving && drawn->runs >= kMaxReferenceRuns,
+                .error = drawn->error,
+                .times = times});
+  return {};
 }
 
 Result<void> Drawing::draw_draft(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request) {
@@ -262,7 +314,7 @@ Result<void> Drawing::draw_draft(const Task& task, ViewModel& model, DrawingDevi
   StageTimes times;
   control.take = [&](const Image& picture, int, bool) -> Result<void> {
     control_.add(key, draft.width, draft.height, times.total());
-    send_picture(task, picture, 0, false, times);
+    send_picture(task, picture, {.times = times});
     return {};
   };
   moving_page_ = task.page;
@@ -284,18 +336,14 @@ bool Drawing::wait_for_page(const Task& task) {
   return goes_on;
 }
 
-void Drawing::send_picture(const Task& task, const Image& picture, int samples, bool is_final,
-                           const StageTimes& times) {
+void Drawing::send_picture(const Task& task, const Image& picture, FrameHeader header) {
   const bool is_draft = task.step <= Step::kQuick;
-  FrameHeader header{.id = task.state->id,
-                     .view = task.view,
-                     .model = task.state->model,
-                     .width = picture.width,
-                     .height = picture.height,
-                     .is_moving = task.step == Step::kMoving,
-                     .samples = samples,
-                     .is_final = is_final,
-                     .times = times};
+  header.id = task.state->id;
+  header.view = task.view;
+  header.model = task.state->model;
+  header.width = picture.width;
+  header.height = picture.height;
+  header.is_moving = task.step == Step::kMoving;
   {
     const std::lock_guard lock(mutex_);
     const auto page = pages_.find(task.page);
@@ -303,8 +351,8 @@ void Drawing::send_picture(const Task& task, const Image& picture, int samples, 
     header.frame = ++last_frame_;
     page->second.unacknowledged.insert(header.frame);
     if (!is_draft && page->second.revision == task.revision) {
-      page->second.views[std::size_t(task.view)].samples = samples;
-      page->second.views[std::size_t(task.view)].is_final = is_final;
+      page->second.views[std::size_t(task.view)].samples = header.samples;
+      page->second.views[std::size_t(task.view)].is_final = header.is_final;
     }
   }
   EncodeJob job{.picture = picture, .exact = !is_draft};

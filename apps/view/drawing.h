@@ -17,7 +17,9 @@
 #include <thread>
 #include <vector>
 
+#include "apps/view/draw_messages.h"
 #include "apps/view/encoder.h"
+#include "apps/view/error_map.h"
 #include "apps/view/messages.h"
 #include "apps/view/model_list.h"
 #include "apps/view/quality.h"
@@ -104,10 +106,12 @@ class Drawing {
   Result<void> perform(const Task& task);
   Result<void> draw(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request);
   Result<void> draw_draft(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request);
+  Result<void> draw_error(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request);
   Result<ModelList::Loaded> load(const Task& task, const Request& request);
-  Result<void> tell_model(const Task& task, const ModelList::Loaded& loaded, const Request& request);
+  Result<void> send_model(const Task& task, const ModelList::Loaded& loaded, const Request& request);
   Result<DrawingDevice*> device_of(const Task& task);
-  void send_picture(const Task& task, const Image& picture, int samples, bool is_final, const StageTimes& times);
+  /// Hands a picture to the encoder. Of the header, the samples, the error and the times are given.
+  void send_picture(const Task& task, const Image& picture, FrameHeader header);
   std::string control_key(const Task& task, const Request& request) const;
   ProgressMonitor monitor_of(const Task& task);
   void send_error(const Task& task, const Error& error);
@@ -131,6 +135,8 @@ class Drawing {
   ResolutionControl control_;
   PageId moving_page_ = 0;     // of the last draft
   std::string moving_camera_;  // and its camera
+  ErrorMap errors_;
+  int error_width_ = 0, error_height_ = 0;  // size of the last error map
 
   std::unique_ptr<Encoder> encoder_;
   std::thread thread_, watching_;

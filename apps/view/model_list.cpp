@@ -73,7 +73,7 @@ Result<ModelList::Loaded> ModelList::loaded(int id, const Request& request, cons
     keep(model.error());
     return Loaded{entry.model.get(), entry.version};
   }
-  // Pages need not be told of a new moment of an animation, or that a model is in memory again.
+  // Pages need not know of a new moment of an animation, or that a model is in memory again.
   if (has_changed || (*model)->facts().summary != entry.summary || (*model)->facts().up != entry.up) ++entry.version;
   entry.summary = (*model)->facts().summary;
   entry.up = (*model)->facts().up;

@@ -22,6 +22,12 @@
 namespace umbrage::view {
 namespace {
 
+/// Returns a number that no other call returns.
+long new_number() {
+  static std::atomic<long> last = 0;
+  return ++last;
+}
+
 /// Returns a key of the options that change how a model is read.
 std::string import_key(const Request& r) {
   const auto number = [](const auto& value) { return value ? fmt::format("{}", *value) : std::string("-"); };
@@ -116,6 +122,7 @@ Result<std::unique_ptr<ViewModel>> ViewModel::load(const std::string& file, bool
                                                    const ProgressMonitor& monitor) {
   std::unique_ptr<ViewModel> model(new ViewModel);
   model->import_key_ = import_key(request);
+  model->loaded_ = new_number();
   ModelFacts& facts = model->facts_;
   if (is_gbuffer) {
     constexpr double kAnyMemory = std::numeric_limits<double>::infinity();  // the pixels are kept
@@ -168,7 +175,6 @@ Result<ViewCamera> ViewModel::camera(const Request& request) {
 }
 
 Result<const Scene*> ViewModel::complete(Recipe& recipe, const ProgressMonitor& monitor) {
-  static std::atomic<long> last_number = 0;
   if (auto read = read_changed_hdri(recipe.hdri, hdri_, monitor); !read) return read.error();
   hdri_ = recipe.hdri;
   const auto serves = completed_.serves(recipe, 0);
@@ -179,7 +185,7 @@ Result<const Scene*> ViewModel::complete(Recipe& recipe, const ProgressMonitor& 
     auto made = completed(scene_, recipe, 0);
     if (!made) return made.error();
     completed_ = std::move(*made);
-    number_ = ++last_number;
+    number_ = new_number();
   }
   return completed_.scene.get();
 }
@@ -194,14 +200,39 @@ Result<void> ViewModel::prepare(DrawingDevice& device, const ProgressMonitor& mo
 
 Result<void> ViewModel::draw(DrawingDevice& device, const Request& request, const DrawControl& control,
                              StageTimes& times) {
-  return is_gbuffer() ? shade(device, request, control, times) : draw_scene(device, request, control, times);
+  if (is_gbuffer()) return shade(device, request, control, times);
+  const auto give = [&](const Recipe& recipe, const Frame& frame, int samples, bool averages) -> Result<void> {
+    const auto picture = picture_of(*device.device, frame, request, recipe.settings);
+    if (!picture) return picture.error();
+    times.done("download");
+    const bool is_refined = control.max_samples > 0 && samples >= control.max_samples;
+    return control.take(*picture, samples, !averages || is_refined);
+  };
+  return draw_scene(device, request, {}, control, times, give);
 }
 
-Result<void> ViewModel::draw_scene(DrawingDevice& device, const Request& request, const DrawControl& control,
-                                   StageTimes& times) {
+Result<Image> ViewModel::planes(DrawingDevice& device, const Request& request, const std::vector<std::string>& names,
+                                const DrawControl& control, StageTimes& times) {
+  if (is_gbuffer()) return usage_error("the ray-traced reference needs a model, and this is a G-buffer");
+  Image image;
+  const auto give = [&](const Recipe&, const Frame& frame, int, bool) -> Result<void> {
+    auto planes = download_passes(*device.device, frame, names);
+    if (!planes) return planes.error();
+    image = Image(planes->width, planes->height);
+    for (const std::string& name : names) image.add(name) = planes->plane(name);
+    return {};
+  };
+  const std::vector<std::string_view> besides(names.begin(), names.end());
+  const auto drawn = draw_scene(device, request, besides, control, times, give);
+  return drawn ? Result<Image>(std::move(image)) : drawn.error();
+}
+
+Result<void> ViewModel::draw_scene(DrawingDevice& device, const Request& request,
+                                   std::span<const std::string_view> besides, const DrawControl& control,
+                                   StageTimes& times, const GiveFrame& give) {
   auto recipe = make_recipe(request);
   if (!recipe) return recipe.error();
-  reduce_to_passes(*recipe);
+  reduce_to_passes(*recipe, besides);
   const auto scene = complete(*recipe, control.monitor);
   if (!scene) return scene.error();
   auto plan = make_plan(*recipe, **scene, device.device->threads(), control.monitor);
@@ -214,23 +245,17 @@ Result<void> ViewModel::draw_scene(DrawingDevice& device, const Request& request
   const ScopedPlanePool pool(device.device->pool());
   times.done("plan");
   const bool refines = plan->averages() && control.max_samples > 0;
-  const auto give = [&](const Frame& frame, int samples) -> Result<void> {
-    const auto picture = picture_of(*device.device, frame, request, plan->recipe.settings);
-    if (!picture) return picture.error();
-    times.done("download");
-    return control.take(*picture, samples, !plan->averages() || (refines && samples >= control.max_samples));
-  };
   Continuation more;
   if (refines) {
     more.wants_mean = [&](int samples) { return samples >= control.max_samples || control.wants_mean(samples); };
     more.wants_another = [&](int samples) { return samples < control.max_samples && control.wants_another(samples); };
-    more.take_mean = give;
+    more.take_mean = [&](const Frame& mean, int samples) { return give(plan->recipe, mean, samples, true); };
   }
   const auto drawn = draw_keeping(
       *device.device, **scene, *plan, captures_, times, [&] { return prepare(device, control.monitor); },
       control.monitor, control.monitor, more);
   if (!drawn) return drawn.error();
-  return refines ? Result<void>() : give(drawn->frame, plan->recipe.frames);
+  return refines ? Result<void>() : give(plan->recipe, drawn->frame, plan->recipe.frames, plan->averages());
 }
 
 Result<void> ViewModel::shade(DrawingDevice& device, const Request& request, const DrawControl& control,

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -65,6 +66,8 @@ class ViewModel {
 
   bool is_gbuffer() const { return gbuffer_.has_value(); }
   const ModelFacts& facts() const { return facts_; }
+  /// Returns a number that no other loaded file of the process has.
+  long number() const { return loaded_; }
   /// Returns whether it was loaded with the import options of this request.
   bool is_loaded_for(const Request& request) const;
   /// Returns the camera with which the request draws the model. Errors: those of make_recipe and of use_camera.
@@ -75,6 +78,11 @@ class ViewModel {
   /// those of the device.
   Result<void> draw(DrawingDevice& device, const Request& request, const DrawControl& control, StageTimes& times);
 
+  /// Draws a picture as above, but returns these of its planes as they are, with values of passes where there is no
+  /// surface. A G-buffer has no such planes: kUsage.
+  Result<Image> planes(DrawingDevice& device, const Request& request, const std::vector<std::string>& names,
+                       const DrawControl& control, StageTimes& times);
+
   /// Forgets what a device that is about to be destroyed has captured.
   void forget_captures();
 
@@ -82,10 +90,14 @@ class ViewModel {
   ViewModel() = default;
   Result<const Scene*> complete(Recipe& recipe, const ProgressMonitor& monitor);
   Result<void> prepare(DrawingDevice& device, const ProgressMonitor& monitor) const;
-  Result<void> draw_scene(DrawingDevice& device, const Request& request, const DrawControl& control, StageTimes& times);
+  /// Receives a drawn frame; `averages`: whether the picture is the mean of several.
+  using GiveFrame = std::function<Result<void>(const Recipe& recipe, const Frame& frame, int samples, bool averages)>;
+  Result<void> draw_scene(DrawingDevice& device, const Request& request, std::span<const std::string_view> besides,
+                          const DrawControl& control, StageTimes& times, const GiveFrame& give);
   Result<void> shade(DrawingDevice& device, const Request& request, const DrawControl& control, StageTimes& times);
 
   std::string import_key_;
+  long loaded_ = 0;
   ModelFacts facts_;
   Scene scene_;  // as loaded
   CompletedScene completed_;
