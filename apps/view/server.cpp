@@ -131,7 +131,6 @@ Result<void> Server::Impl::start() {
     return static_cast<Impl*>(::mg_get_user_context_data(connection))->answer(connection);
   };
   callbacks.log_message = [](const mg_connection*, const char*) { return 1; };
-  callbacks.log_access = [](const mg_connection*, const char*) { return 1; };
   context_ = ::mg_start(&callbacks, this, options);
   mg_server_port ports[1] = {};
   if (!context_ || ::mg_get_server_ports(context_, 1, ports) != 1)
