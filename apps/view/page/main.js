@@ -14,9 +14,9 @@ import { make_help } from "./help.js";
 import { attach_hands } from "./hands.js";
 import { press, toggle_anti_aliasing, attach_theme, toggle_panel } from "./keys.js";
 
-const kFragment_ms = 300, kRate_ms = 1000, kNarrow = "(max-width: 46em)";
+const kFragment_ms = 300, kRate_ms = 1000, kPatience_ms = 400, kNarrow = "(max-width: 46em)";
 const moving_times = [];
-let refresh_scheduled = 0, fragment_timer = 0, own_fragment = null, panels_are_flat;
+let refresh_scheduled = 0, fragment_timer = 0, own_fragment = null, panels_are_flat, waiting_timer = 0;
 
 const link = new_link(make_state, { text: take_message, frame: take_frame, opened, closed });
 
@@ -62,6 +62,7 @@ function remember() {
 function changed(moving) {
   if (!stage.is_held) stage.wants_b = false;
   link.changed(moving);
+  expect_frame();
   schedule_refresh();
   remember();
 }
@@ -70,6 +71,7 @@ function set_camera(camera, moving) {
   state.cameras.set(state.model, { ...camera, is_home: false });
   if (!stage.is_held) stage.wants_b = false;
   link.changed(moving);
+  expect_frame();
   remember();
 }
 
@@ -144,6 +146,15 @@ function show_summary() {
   by_id("warnings").replaceChildren(...(scene?.warnings ?? []).map((text) => element("li", { text })));
 }
 
+/// Says that a picture is being drawn if it takes longer than a moment.
+function expect_frame() {
+  clearTimeout(waiting_timer);
+  waiting_timer = setTimeout(() => {
+    if (!link.connected || link.is_moving() || !stage.last || stage.last.id >= link.id) return;
+    by_id("progress_text").textContent = "drawing…";
+  }, kPatience_ms);
+}
+
 // Messages of the program.
 
 function take_message(message) {
@@ -198,6 +209,7 @@ function take_pick(message) {
 }
 
 function take_error(message) {
+  clearTimeout(waiting_timer);
   show_work("", 0);
   complain(message.message, message.id === undefined ? "" : `view${message.view ?? 0}`);
 }
@@ -226,7 +238,7 @@ function show_state(header) {
   if (header.moving) moving_times.push(now);
   while (moving_times.length && now - moving_times[0] > kRate_ms) moving_times.shift();
   const pictures = header.samples > 1 ? `${header.samples} pictures averaged` : header.samples === 1 ? "1 picture" : "";
-  const rest = header.final ? ["final", pictures].filter(Boolean).join(", ") : pictures || "drawing";
+  const rest = header.final ? ["final", pictures].filter(Boolean).join(", ") : pictures || "drawing…";
   by_id("progress_text").textContent = header.moving ? `${moving_times.length} frames/s` : rest;
   by_id("frame_size").textContent = `${header.width} × ${header.height}`;
   by_id("frame_time").textContent = ms_text(header.ms);
