@@ -15,6 +15,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kWatchInterval(500);
+constexpr double kMinGain = 1.2;                           // factor of the number of samples between two such pictures
 constexpr std::chrono::seconds kMeanInterval(1);           // max time between two pictures of further samples
 constexpr std::chrono::milliseconds kStatusInterval(100);  // between two messages on progress
 
@@ -246,7 +247,9 @@ Result<void> Drawing::draw(const Task& task, ViewModel& model, DrawingDevice& de
   DrawControl control{.max_samples = kMaxRefinedSamples};
   control.monitor = [&](double) { return is_wanted(task) && (sent == 0 || !is_urgent_elsewhere()); };
   control.wants_mean = [&](int samples) {
-    return samples > sent && (sent == 0 || samples >= 2 * sent || Clock::now() - last_sent >= kMeanInterval);
+    const bool is_better =
+        samples >= 2 * sent || (samples >= kMinGain * sent && Clock::now() - last_sent > kMeanInterval);
+    return samples > sent && (sent == 0 || is_better);
   };
   control.wants_another = [&](int) { return is_wanted(task) && !is_urgent_elsewhere() && wait_for_page(task); };
   Request refined = request;
@@ -270,7 +273,7 @@ Result<void> Drawing::draw_error(const Task& task, ViewModel& model, DrawingDevi
   const std::string camera = camera_text(task.shown());
   const std::string key = control_key(task, request);
   Request sized = request;
-  DrawControl control;
+  DrawControl control{.moving = is_moving};
   control.monitor = [&](double) { return is_wanted(task) && (task.step != Step::kRefined || !is_urgent_elsewhere()); };
   control.aspect = double(request.width) / request.height;
   // While only settings change, the ground truth of this camera and size stays as it is.

@@ -14,10 +14,11 @@ namespace umbrage::view {
 namespace {
 
 constexpr std::size_t kMaxTruths = 2;  // two views may show two cameras
-constexpr int kSamplesPerRun = 16;     // of the reference, per pixel: one run takes about as long as a picture at rest
+// Samples of the reference per pixel and run. At rest one run takes about as long as a picture.
+constexpr int kSamplesPerRun = 16, kMovingSamples = 4;
 
 /// Returns the request for the ground truth of a technique with its radius.
-Request truth_request(Request request, const Recipe& recipe) {
+Request truth_request(Request request, const Recipe& recipe, int samples) {
   request.occlusion = reference_effect().name;
   const Effect* technique = find_named<Effect>(effects_with_external(), recipe.occlusion);
   const Parameter* radius = technique ? find_parameter(*technique, "radius") : nullptr;
@@ -26,7 +27,7 @@ Request truth_request(Request request, const Recipe& recipe) {
                                   [](const std::string& s) { return s.starts_with("reference.radius="); });
   if (request.occlusion_radius.empty() && radius && !is_set)
     settings.push_back("reference.radius=" + parameter_text(*radius, params_of(recipe.settings, recipe.occlusion)));
-  settings.push_back(fmt::format("reference.samples={}", kSamplesPerRun));
+  settings.push_back(fmt::format("reference.samples={}", samples));
   settings.emplace_back("reference.light=off");
   return request;
 }
@@ -78,7 +79,7 @@ Result<ErrorMap::Drawn> ErrorMap::draw(ViewModel& model, DrawingDevice& device, 
   if (!recipe) return recipe.error();
   if (recipe->occlusion == kNoOcclusion || recipe->occlusion == reference_effect().name)
     return usage_error("the error is that of an occlusion technique, and `occlusion` is {}", recipe->occlusion);
-  const Request of_truth = truth_request(of_technique, *recipe);
+  const Request of_truth = truth_request(of_technique, *recipe, control.moving ? kMovingSamples : kSamplesPerRun);
   const std::string full_key = truth_key(key, of_truth);
   auto truth = std::find_if(truths_.begin(), truths_.end(), [&](const Truth& t) { return t.key == full_key; });
   if (truth == truths_.end()) {

@@ -9,7 +9,7 @@
 namespace umbrage::view {
 
 /// Difference of the occlusion that the map shows in full colour.
-inline constexpr float kErrorRange = 0.2f;
+inline constexpr float kErrorRange = 0.1f;
 /// Number of runs of the reference, each with other noise, whose mean is the ground truth in the end.
 inline constexpr int kMaxReferenceRuns = 16;
 

@@ -1,0 +1,370 @@
+// Drawing: which pictures a page gets for its states, and that they are those of the command line.
+#include "apps/view/drawing.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "io/image_file.h"
+
+namespace umbrage::view {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+using ViewState = umbrage::view::View;
+
+constexpr PageId kPage = 1;
+constexpr std::chrono::seconds kMaxWait(60);
+
+/// A frame as a page gets it.
+struct Received {
+  PageId page = 0;
+  nlohmann::json header;
+  std::string image;
+};
+
+/// A page that records what it gets, and acknowledges frames unless told otherwise.
+class Pages {
+ public:
+  explicit Pages(std::vector<ModelSource> models, bool watch = false) {
+    DrawingSettings settings{.models = std::move(models), .given = {}, .device = "cpu", .watch = watch};
+    auto started = Drawing::start(std::move(settings),
+                                  {.text = [this](PageId, std::string text) { take_text(text); },
+                                   .frame = [this](PageId page, std::string bytes) { take_frame(page, bytes); }});
+    drawing_ = started->release();
+  }
+  ~Pages() { delete drawing_; }
+
+  Drawing& drawing() { return *drawing_; }
+  /// Waits for the first frame from `first` on that fits. Returns it, or an empty one.
+  Received frame(const std::function<bool(const Received&)>& fits, std::size_t first = 0) {
+    std::unique_lock lock(mutex_);
+    Received found;
+    changed_.wait_for(lock, kMaxWait, [&] {
+      for (std::size_t k = first; k < frames_.size(); ++k)
+        if (fits(frames_[k])) {
+          found = frames_[k];
+          return true;
+        }
+      return false;
+    });
+    return found;
+  }
+  /// Waits for a text of this type that contains `part`. Returns it, or null.
+  nlohmann::json text(const std::string& type, const std::string& part = "") {
+    std::unique_lock lock(mutex_);
+    nlohmann::json found;
+    changed_.wait_for(lock, kMaxWait, [&] {
+      for (const nlohmann::json& text : texts_)
+        if (text["type"] == type && text.dump().find(part) != std::string::npos) {
+          found = text;
+          return true;
+        }
+      return false;
+    });
+    return found;
+  }
+  std::size_t count() {
+    const std::lock_guard lock(mutex_);
+    return frames_.size();
+  }
+  void forget() {
+    const std::lock_guard lock(mutex_);
+    frames_.clear();
+    texts_.clear();
+  }
+  bool acknowledges = true;
+
+ private:
+  void take_text(const std::string& text) {
+    const std::lock_guard lock(mutex_);
+    texts_.push_back(nlohmann::json::parse(text));
+    changed_.notify_all();
+  }
+  void take_frame(PageId page, const std::string& bytes) {
+    std::uint32_t size = 0;
+    std::memcpy(&size, bytes.data(), sizeof size);
+    Received frame{page, nlohmann::json::parse(bytes.substr(sizeof size, size)), bytes.substr(sizeof size + size)};
+    const std::int64_t number = frame.header["frame"];
+    {
+      const std::lock_guard lock(mutex_);
+      frames_.push_back(std::move(frame));
+      changed_.notify_all();
+    }
+    if (acknowledges) drawing_->acknowledge(page, number);
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<Received> frames_;
+  std::vector<nlohmann::json> texts_;
+  Drawing* drawing_ = nullptr;  // owned; it sends until its destructor returns
+};
+
+const ModelSource kSolids{"scene:solids?detail=2000", "solids", false};
+
+/// Returns a state of one view.
+State state_of(std::int64_t id, bool moving, const ViewOptions& options = {}, const std::string& show = "picture") {
+  State state{.id = id, .moving = moving, .width = 160, .height = 96, .model = 0, .views = {}};
+  state.views.push_back(ViewState{.options = options, .show = show, .device = ""});
+  return state;
+}
+
+bool is_exact(const Received& frame) { return !frame.header["moving"] && frame.header["samples"] > 0; }
+
+fs::path temporary(const std::string& name) {
+  const fs::path folder = fs::temp_directory_path() / fmt::format("umbrage-drawing-{}", ::getpid());
+  fs::create_directories(folder);
+  return folder / name;
+}
+
+/// Writes bytes to a file and reads them as an image.
+Image decoded(const std::string& bytes) {
+  const fs::path file = temporary("frame.png");
+  std::ofstream(file, std::ios::binary) << bytes;
+  return *read_image(file);
+}
+
+/// Returns the picture that the command line writes with these options.
+Image rendered(const std::string& options) {
+  const fs::path file = temporary("rendered.png");
+  const std::string command = fmt::format("\"{}\" render \"{}\" --device cpu --resolution 160,96 {} -o \"{}\" 2>&1",
+                                          UMBRAGE_PROGRAM, kSolids.file, options, file.string());
+  EXPECT_EQ(std::system(command.c_str()), 0) << command;
+  return *read_image(file);
+}
+
+bool is_equal(const Image& a, const Image& b) {
+  if (a.width != b.width || a.height != b.height || a.names != b.names) return false;
+  for (std::size_t k = 0; k < a.planes.size(); ++k)
+    for (int y = 0; y < a.height; ++y)
+      if (std::memcmp(a.planes[k].row(y), b.planes[k].row(y), sizeof(float) * std::size_t(a.width)) != 0) return false;
+  return true;
+}
+
+struct Same {
+  const char* name;
+  ViewOptions options;
+  std::string show, command;
+};
+
+class DrawingAtRest : public testing::TestWithParam<Same> {};
+
+TEST_P(DrawingAtRest, IsThePictureOfTheCommandLine) {
+  Pages pages({kSolids});
+  pages.drawing().set_state(kPage, state_of(7, false, GetParam().options, GetParam().show));
+  const Received frame = pages.frame(is_exact);
+  ASSERT_FALSE(frame.image.empty());
+  EXPECT_EQ(frame.header["id"], 7);
+  EXPECT_EQ(frame.header["format"], "image/png");
+  EXPECT_TRUE(is_equal(decoded(frame.image), rendered(GetParam().command)));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Options, DrawingAtRest,
+    testing::Values(Same{"defaults", {}, "picture", ""},
+                    Same{"camera",
+                         {{"look", {"lit"}}, {"camera-position", {"3,2,4"}}, {"camera-focal-point", {"0,0.5,0"}}},
+                         "picture",
+                         "--look lit --camera-position 3,2,4 --camera-focal-point 0,0.5,0"},
+                    Same{"settings",
+                         {{"look", {"ao"}}, {"ao", {"bitmask"}}, {"set", {"bitmask.slices=3", "bitmask.steps=5"}}},
+                         "picture",
+                         "--look ao --ao bitmask --set bitmask.slices=3 --set bitmask.steps=5"},
+                    Same{"transparent", {{"no-background", {"true"}}}, "picture", "--no-background"},
+                    Same{"depth", {}, "depth", "--passes depth"}, Same{"normal", {}, "normal", "--passes normal"},
+                    Same{"reference",
+                         {{"look", {"ao"}}, {"set", {"reference.samples=4"}}},
+                         "reference",
+                         "--look ao --ao reference --set reference.samples=4"}),
+    [](const auto& info) { return info.param.name; });
+
+TEST(Drawing, SettingsAloneKeepThePictureExact) {
+  Pages pages({kSolids});
+  for (int slices = 1; slices <= 3; ++slices) {
+    const std::string set = fmt::format("bitmask.slices={}", slices);
+    pages.drawing().set_state(kPage, state_of(slices, false, {{"look", {"ao"}}, {"ao", {"bitmask"}}, {"set", {set}}}));
+    const Received frame = pages.frame([&](const Received& f) { return is_exact(f) && f.header["id"] == slices; });
+    ASSERT_FALSE(frame.image.empty());
+    EXPECT_TRUE(is_equal(decoded(frame.image), rendered("--look ao --ao bitmask --set " + set))) << slices;
+  }
+}
+
+TEST(Drawing, RefinesUntilThePictureIsFinal) {
+  Pages pages({kSolids});
+  State state = state_of(1, false, {{"look", {"ao"}}});
+  state.width = state.height = 32;
+  pages.drawing().set_state(kPage, state);
+  const Received last = pages.frame([](const Received& f) { return f.header["final"] == true; });
+  EXPECT_EQ(last.header["samples"], kMaxRefinedSamples);
+  // A picture that does not average is final at once.
+  pages.forget();
+  state.id = 2;
+  state.views[0].show = "depth";
+  pages.drawing().set_state(kPage, state);
+  EXPECT_TRUE(bool(pages.frame(is_exact).header["final"]));
+}
+
+TEST(Drawing, StormsOfStatesAreAnsweredByTheLast) {
+  Pages pages({kSolids});
+  pages.drawing().set_state(kPage, state_of(1, true));
+  ASSERT_FALSE(pages.frame([](const Received& f) { return f.header["id"] == 1; }).image.empty());
+  constexpr int kStates = 1000;
+  const long before = pages.drawing().drawn();
+  for (int id = 2; id <= kStates; ++id)
+    pages.drawing().set_state(kPage, state_of(id, true, {{"camera-azimuth-angle", {fmt::format("{}", id % 360)}}}));
+  const Received last = pages.frame([&](const Received& f) { return f.header["id"] == kStates; });
+  EXPECT_FALSE(last.image.empty());
+  EXPECT_LT(pages.drawing().drawn() - before, kStates / 4);
+}
+
+TEST(Drawing, AtMostTwoFramesAreUnacknowledged) {
+  Pages pages({kSolids});
+  pages.acknowledges = false;
+  for (int id = 1; id <= 3; ++id) {
+    pages.drawing().set_state(kPage, state_of(id, true));
+    if (id <= 2) pages.frame([&](const Received& f) { return f.header["id"] == id; });
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_EQ(pages.count(), kMaxUnacknowledged);
+  pages.drawing().acknowledge(kPage, 1);
+  EXPECT_FALSE(pages.frame([](const Received& f) { return f.header["id"] == 3; }).image.empty());
+}
+
+TEST(Drawing, ANewerStateEndsAPictureAtRest) {
+  Pages pages({kSolids});
+  State slow = state_of(1, false, {{"quality", {"ultra"}}, {"anti-aliasing", {"256"}}});
+  slow.width = slow.height = 1024;
+  pages.drawing().set_state(kPage, slow);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  const auto begin = Clock::now();
+  pages.drawing().set_state(kPage, state_of(2, true));
+  ASSERT_FALSE(pages.frame([](const Received& f) { return f.header["id"] == 2; }).image.empty());
+  EXPECT_LT(Clock::now() - begin, std::chrono::seconds(5));  // the slow picture takes minutes
+}
+
+TEST(Drawing, PagesShareTheDevice) {
+  Pages pages({kSolids});
+  pages.drawing().set_state(1, state_of(1, false));
+  ASSERT_FALSE(pages.frame(is_exact).image.empty());  // page 1 is refined from here on
+  for (int id = 1; id <= 5; ++id) {
+    pages.drawing().set_state(2, state_of(id, true));
+    EXPECT_FALSE(pages.frame([&](const Received& f) { return f.page == 2 && f.header["id"] == id; }).image.empty());
+  }
+  const std::size_t count = pages.count();
+  EXPECT_FALSE(pages.frame([](const Received& f) { return f.page == 1; }, count).image.empty()) << "goes on";
+}
+
+TEST(Drawing, ErrorsNameOptions) {
+  Pages pages({kSolids, {"/nowhere/model.obj", "model.obj", false}});
+  pages.drawing().set_state(kPage, state_of(3, false, {{"look", {"nothing"}}}));
+  const nlohmann::json error = pages.text("error");
+  EXPECT_EQ(error["id"], 3);
+  EXPECT_NE(error["message"].get<std::string>().find("look"), std::string::npos) << error;
+  pages.drawing().set_state(kPage, state_of(4, false, {{"ao-radius", {"-3"}}}));
+  EXPECT_FALSE(pages.text("error", "--ao-radius").is_null());
+  pages.drawing().set_state(kPage, state_of(5, false, {{"loook", {"ao"}}}));
+  EXPECT_FALSE(pages.text("error", "--loook").is_null());
+  State missing = state_of(6, false);
+  missing.model = 1;
+  pages.drawing().set_state(kPage, missing);
+  EXPECT_FALSE(pages.text("error", "/nowhere/model.obj").is_null());
+  // Other states are drawn after errors, also with a device that there is not.
+  State odd = state_of(7, false);
+  odd.views[0].device = "vulkan:99";
+  pages.drawing().set_state(kPage, odd);
+  EXPECT_FALSE(pages.text("error", "vulkan:99").is_null());
+  EXPECT_FALSE(pages.frame([](const Received& f) { return f.header["id"] == 7; }).image.empty());
+}
+
+TEST(Drawing, TheFirstCameraShowsWhatTheDefaultShows) {
+  Pages pages({kSolids});
+  pages.drawing().set_state(kPage, state_of(1, false, {{"look", {"lit"}}}));
+  const nlohmann::json model = pages.text("model");
+  ASSERT_TRUE(model.contains("camera"));
+  EXPECT_EQ(model["version"], 1);
+  const Received first = pages.frame(is_exact);
+  ViewOptions options{{"look", {"lit"}}};
+  for (const auto& [name, value] : model["camera"].items()) options[name] = {value.get<std::string>()};
+  pages.drawing().set_state(kPage, state_of(2, false, options));
+  const Received second = pages.frame([](const Received& f) { return is_exact(f) && f.header["id"] == 2; });
+  const Image a = decoded(first.image), b = decoded(second.image);
+  double sum = 0.0;
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x) sum += std::abs(a.planes[0].at(x, y) - b.planes[0].at(x, y));
+  constexpr double kMaxMean = 0.02;  // edges move by fractions of a pixel; another view differs by a multiple
+  EXPECT_LT(sum / (a.width * a.height), kMaxMean);
+}
+
+TEST(Drawing, ErrorMapsConverge) {
+  Pages pages({kSolids});
+  State state = state_of(1, false, {{"look", {"ao"}}, {"ao", {"bitmask"}}}, "error");
+  state.width = state.height = 48;
+  pages.drawing().set_state(kPage, state);
+  const Received last = pages.frame([](const Received& f) { return f.header["final"] == true; });
+  ASSERT_FALSE(last.image.empty());
+  EXPECT_EQ(last.header["samples"], kMaxReferenceRuns);
+  const double rmse = last.header["error"]["rmse"];
+  EXPECT_GT(rmse, 0.0);
+  EXPECT_LT(rmse, 0.3);
+  EXPECT_LE(std::abs(last.header["error"]["mean"].get<double>()), rmse);
+}
+
+TEST(Drawing, ChangedFilesAreReadAgain) {
+  const fs::path file = temporary("changed.ply");
+  const auto write = [&](const std::string& text) { std::ofstream(file, std::ios::binary) << text; };
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+      "property float z\nelement face ";
+  const std::string list = "\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+  write(head + "1" + list + "3 0 1 2\n");
+  Pages pages({{file.string(), "changed.ply", false}}, true);
+  pages.drawing().set_state(kPage, state_of(1, false));
+  EXPECT_NE(pages.text("model")["summary"].get<std::string>().find("1 triangle"), std::string::npos);
+  ASSERT_FALSE(pages.frame(is_exact).image.empty());
+  pages.forget();
+  write("ply\nnonsense");
+  EXPECT_FALSE(pages.text("error", "changed.ply").is_null());
+  pages.forget();
+  write(head + "2" + list + "3 0 1 2\n3 0 1 3\n");
+  const nlohmann::json model = pages.text("model");
+  EXPECT_EQ(model["version"], 2);
+  EXPECT_NE(model["summary"].get<std::string>().find("2 triangles"), std::string::npos) << model;
+}
+
+/// Returns the resident memory of this process, bytes.
+long resident_bytes() {
+  std::ifstream file("/proc/self/statm");
+  long size = 0, resident = 0;
+  file >> size >> resident;
+  return resident * ::sysconf(_SC_PAGESIZE);
+}
+
+TEST(DrawingMemory, FramesDoNotAddUp) {
+  Pages pages({kSolids});
+  std::int64_t id = 0;
+  const auto draw = [&](int frames) {
+    for (int k = 0; k < frames; ++k) {
+      ++id;
+      State state = state_of(id, true, {{"camera-azimuth-angle", {fmt::format("{}", id % 360)}}});
+      pages.drawing().set_state(kPage, state);
+      pages.frame([&](const Received& f) { return f.header["id"] == id; });
+      pages.forget();
+    }
+  };
+  constexpr int kFirst = 100, kMore = 400;
+  constexpr long kMaxGrowth = 24L << 20;  // bytes; a frame of this size has 4 MB of planes
+  draw(kFirst);
+  const long before = resident_bytes();
+  draw(kMore);
+  EXPECT_LT(resident_bytes() - before, kMaxGrowth);
+}
+
+}  // namespace
+}  // namespace umbrage::view
