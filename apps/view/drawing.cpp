@@ -19,6 +19,10 @@ constexpr double kMinGain = 1.2;                           // factor of the numb
 constexpr std::chrono::seconds kMeanInterval(1);           // max time between two pictures of further samples
 constexpr std::chrono::milliseconds kStatusInterval(100);  // between two messages on progress
 
+/// Max time of a moving picture that is drawn larger because only settings change, ms.
+constexpr double kSettingFrame_ms = 70.0;
+constexpr const char* kStill = " settings";  // of the key of such pictures
+
 /// Number of pictures that are averaged first where the look draws one: their sample positions are balanced.
 constexpr int kFirstAveraged = 4;
 
@@ -234,9 +238,23 @@ Result<void> Drawing::send_model(const Task& task, const ModelList::Loaded& load
 
 /// Returns a key of what the time of a picture depends on most.
 std::string Drawing::control_key(const Task& task, const Request& request) const {
-  const bool is_still = task.page == moving_page_ && camera_text(task.shown()) == moving_camera_;
-  return fmt::format("{} {} {} {} {}", task.state->model, request.look, task.shown().show, task.shown().device,
-                     is_still ? "settings" : "camera");
+  return fmt::format("{} {} {} {}", task.state->model, request.look, task.shown().show, task.shown().device);
+}
+
+bool Drawing::is_still(const Task& task) const {
+  return task.page == moving_page_ && camera_text(task.shown()) == moving_camera_;
+}
+
+/// Returns the size of a moving picture. While only settings change, its captures are kept, so that a larger picture is
+/// in time; but a change of the size needs new ones.
+std::pair<int, int> Drawing::moving_size(const Task& task, const std::string& key) {
+  const int width = task.state->width, height = task.state->height;
+  const bool keeps_captures = is_still(task) && moving_size_.first > 0;
+  if (!keeps_captures || control_.expected_ms(key + kStill, width, height) == 0.0)
+    return keeps_captures ? moving_size_ : control_.size(key, width, height);
+  const auto size = control_.size(key + kStill, width, height);
+  const bool is_larger = size.first > moving_size_.first;
+  return is_larger && control_.expected_ms(key, size.first, size.second) > kSettingFrame_ms ? moving_size_ : size;
 }
 
 Result<void> Drawing::draw(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request) {
@@ -270,26 +288,17 @@ Result<void> Drawing::draw(const Task& task, ViewModel& model, DrawingDevice& de
 Result<void> Drawing::draw_error(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request) {
   if (task.step == Step::kQuick) return {};
   const bool is_moving = task.step == Step::kMoving;
-  const std::string camera = camera_text(task.shown());
   const std::string key = control_key(task, request);
   Request sized = request;
-  DrawControl control{.moving = is_moving};
+  DrawControl control{.moving = is_moving, .aspect = double(request.width) / request.height};
   control.monitor = [&](double) { return is_wanted(task) && (task.step != Step::kRefined || !is_urgent_elsewhere()); };
-  control.aspect = double(request.width) / request.height;
   // While only settings change, the ground truth of this camera and size stays as it is.
-  if (is_moving && (task.page != moving_page_ || camera != moving_camera_ || error_width_ == 0)) {
-    std::tie(sized.width, sized.height) = control_.size(key, request.width, request.height);
-    error_width_ = sized.width;
-    error_height_ = sized.height;
-  } else if (is_moving) {
-    sized.width = error_width_;
-    sized.height = error_height_;
-  } else {
-    error_width_ = request.width;
-    error_height_ = request.height;
-  }
+  if (is_moving)
+    std::tie(sized.width, sized.height) =
+        is_still(task) && moving_size_.first > 0 ? moving_size_ : control_.size(key, request.width, request.height);
   moving_page_ = task.page;
-  moving_camera_ = camera;
+  moving_camera_ = camera_text(task.shown());
+  if (is_moving) moving_size_ = {sized.width, sized.height};
   StageTimes times;
   const std::string name = fmt::format("{} {}", task.state->model, model.number());
   auto drawn = errors_.draw(model, device, sized, name, task.samples + 1, control, times);
@@ -312,17 +321,21 @@ Result<void> Drawing::draw_draft(const Task& task, ViewModel& model, DrawingDevi
   DrawControl control{.moving = true, .monitor = monitor_of(task)};
   if (!is_quick && !model.is_gbuffer()) {
     control.aspect = double(draft.width) / draft.height;
-    std::tie(draft.width, draft.height) = control_.size(key, draft.width, draft.height);
+    std::tie(draft.width, draft.height) = moving_size(task, key);
   }
   StageTimes times;
   control.take = [&](const Image& picture, int, bool) -> Result<void> {
-    control_.add(key, draft.width, draft.height, times.total());
+    const bool has_captured = std::any_of(times.stages.begin(), times.stages.end(),
+                                          [](const StageTimes::Stage& stage) { return stage.name == "capture"; });
+    control_.add(has_captured ? key : key + kStill, draft.width, draft.height, times.total());
     send_picture(task, picture, {.times = times});
     return {};
   };
+  auto drawn = model.draw(device, draft, control, times);
   moving_page_ = task.page;
   moving_camera_ = camera_text(task.shown());
-  return model.draw(device, draft, control, times);
+  if (!is_quick) moving_size_ = {draft.width, draft.height};
+  return drawn;
 }
 
 /// Waits until the page has acknowledged enough frames. Returns false if there is other work first.

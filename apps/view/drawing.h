@@ -113,6 +113,9 @@ class Drawing {
   /// Hands a picture to the encoder. Of the header, the samples, the error and the times are given.
   void send_picture(const Task& task, const Image& picture, FrameHeader header);
   std::string control_key(const Task& task, const Request& request) const;
+  /// Returns whether the camera is that of the last draft.
+  bool is_still(const Task& task) const;
+  std::pair<int, int> moving_size(const Task& task, const std::string& key);
   ProgressMonitor monitor_of(const Task& task);
   void send_error(const Task& task, const Error& error);
 
@@ -133,10 +136,10 @@ class Drawing {
   std::map<std::string, DrawingDevice> devices_;
   std::set<std::string> failed_devices_;
   ResolutionControl control_;
-  PageId moving_page_ = 0;     // of the last draft
-  std::string moving_camera_;  // and its camera
+  PageId moving_page_ = 0;                 // of the last draft
+  std::string moving_camera_;              // and its camera
+  std::pair<int, int> moving_size_{0, 0};  // of the last moving picture, pixels
   ErrorMap errors_;
-  int error_width_ = 0, error_height_ = 0;  // size of the last error map
 
   std::unique_ptr<Encoder> encoder_;
   std::thread thread_, watching_;

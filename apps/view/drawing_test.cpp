@@ -29,7 +29,7 @@ struct Received {
   std::string image;
 };
 
-/// A page that records what it gets, and acknowledges frames unless `acknowledges` is false.
+/// A page that records what it gets, and acknowledges frames unless a test forbids it.
 class Pages {
  public:
   explicit Pages(std::vector<ModelSource> models, bool watch = false) {
