@@ -98,7 +98,7 @@ function put(pen, picture) {
   if (!picture) return;
   const [x, y, width, height] = place_of(picture.bitmap, pen.canvas);
   pen.imageSmoothingEnabled = !is_flat() || width < 2 * picture.bitmap.width;
-  pen.imageSmoothingQuality = "high";
+  pen.imageSmoothingQuality = picture.header.moving ? "low" : "high";
   pen.drawImage(picture.bitmap, x, y, width, height);
 }
 
