@@ -4,8 +4,8 @@
 // the upper left corner.
 import { plus, minus, times, dot, cross, length, unit, turned, perpendicular, parse_vector, number_text, vector_text, clamp, radians } from "./math.js";
 
-const kOrbitPerSide = Math.PI;  // angle of a drag over the shorter side of the picture
-const kMargin = 1.0;  // of the bounding sphere, which few models fill
+const kOrbitPerSide = Math.PI; // angle of a drag over the shorter side of the picture
+const kMargin = 1.0; // of the bounding sphere, which few models fill
 
 export const eye_of = (camera) => plus(camera.focal, times(camera.back, camera.distance));
 
@@ -17,7 +17,8 @@ export function window_of(camera, size) {
 
 /// Returns the camera of the options camera-position and so on, or null if they do not define one.
 export function camera_from(options) {
-  const eye = parse_vector(options["camera-position"]), focal = parse_vector(options["camera-focal-point"]);
+  const eye = parse_vector(options["camera-position"]),
+    focal = parse_vector(options["camera-focal-point"]);
   const angle_deg = Number(options["camera-view-angle"] ?? 30);
   if (!eye || !focal || !(angle_deg > 0)) return null;
   const distance = length(minus(eye, focal));
@@ -42,7 +43,8 @@ export function camera_options(camera, scene) {
 
 /// Returns the camera with axes made orthonormal again, which rounding would otherwise lose.
 function straightened(camera) {
-  const back = unit(camera.back), up = perpendicular(camera.up, back);
+  const back = unit(camera.back),
+    up = perpendicular(camera.up, back);
   return { ...camera, back, up, right: cross(up, back) };
 }
 
@@ -68,7 +70,8 @@ export function panned(camera, dx, dy, size) {
 /// Returns the point under a pixel on the plane through the focal point.
 export function point_under(camera, at, size) {
   const [width, height] = window_of(camera, size);
-  const x = (at[0] / size[0] - 0.5) * width, y = (0.5 - at[1] / size[1]) * height;
+  const x = (at[0] / size[0] - 0.5) * width,
+    y = (0.5 - at[1] / size[1]) * height;
   return plus(camera.focal, plus(times(camera.right, x), times(camera.up, y)));
 }
 

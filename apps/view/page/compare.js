@@ -3,7 +3,10 @@ import { element, section, segments, by_id, announce } from "./dom.js";
 import { state, hooks, copy_of, side_edited, kComparisons } from "./state.js";
 import { draw, stage, update_flicker } from "./stage.js";
 
-let modes = null, edited = null, gain = null, device = null;
+let modes = null,
+  edited = null,
+  gain = null,
+  device = null;
 
 export function set_comparison(mode) {
   state.compare = mode;
@@ -45,23 +48,78 @@ export function edit_side(name) {
 }
 
 export function compare_section() {
-  modes = segments("Compare", "compare", [["off", "off"], ["b", "B", "show B alone"], ["divider", "divider"], ["flicker", "flicker"], ["difference", "difference"]], set_comparison);
-  edited = segments("The panel changes", "edited", [["a", "A"], ["b", "B"]], edit_side);
-  gain = segments("Difference times", "gain", [["1", "1"], ["4", "4"], ["16", "16"]], (value) => {
-    state.gain = Number(value);
-    draw();
-  });
+  modes = segments(
+    "Compare",
+    "compare",
+    [
+      ["off", "off"],
+      ["b", "B", "show B alone"],
+      ["divider", "divider"],
+      ["flicker", "flicker"],
+      ["difference", "difference"],
+    ],
+    set_comparison,
+  );
+  edited = segments(
+    "The panel changes",
+    "edited",
+    [
+      ["a", "A"],
+      ["b", "B"],
+    ],
+    edit_side,
+  );
+  gain = segments(
+    "Difference times",
+    "gain",
+    [
+      ["1", "1"],
+      ["4", "4"],
+      ["16", "16"],
+    ],
+    (value) => {
+      state.gain = Number(value);
+      draw();
+    },
+  );
   const button = (id, text, title, act) => element("button", { type: "button", id, text, title, on_click: act });
-  device = element("select", { id: "device", "data-testid": "device", on_change: () => {
-    side_edited().device = device.value;
-    hooks.changed(false);
-  } }, element("option", { value: "", text: "as started" }),
-    ...(state.hello.devices ?? []).map((entry) => element("option", { value: entry.name, text: entry.name, title: entry.summary })));
-  return section("compare", "Compare", false, modes.root, element("p", { class: "summary", id: "b_is" }), gain.root,
-    element("div", { class: "buttons" }, button("keep_b", "Copy A to B", "Keep the present state as B", keep_as_b),
-      button("swap", "Swap", "Exchange A and B", swap), button("drop_b", "B = reference", "Compare with the ray-traced reference", drop_b)),
+  device = element(
+    "select",
+    {
+      id: "device",
+      "data-testid": "device",
+      on_change: () => {
+        side_edited().device = device.value;
+        hooks.changed(false);
+      },
+    },
+    element("option", { value: "", text: "as started" }),
+    ...(state.hello.devices ?? []).map((entry) =>
+      element("option", { value: entry.name, text: entry.name, title: entry.summary }),
+    ),
+  );
+  return section(
+    "compare",
+    "Compare",
+    false,
+    modes.root,
+    element("p", { class: "summary", id: "b_is" }),
+    gain.root,
+    element(
+      "div",
+      { class: "buttons" },
+      button("keep_b", "Copy A to B", "Keep the present state as B", keep_as_b),
+      button("swap", "Swap", "Exchange A and B", swap),
+      button("drop_b", "B = reference", "Compare with the ray-traced reference", drop_b),
+    ),
     edited.root,
-    element("div", { class: "row wide" }, element("label", { for: "device", text: "Device" }), element("div", { class: "control" }, device)));
+    element(
+      "div",
+      { class: "row wide" },
+      element("label", { for: "device", text: "Device" }),
+      element("div", { class: "control" }, device),
+    ),
+  );
 }
 
 export function refresh_compare() {
@@ -70,7 +128,9 @@ export function refresh_compare() {
   gain.show(String(state.gain));
   gain.root.hidden = state.compare !== "difference";
   by_id("swap").disabled = by_id("drop_b").disabled = !state.b;
-  by_id("b_is").textContent = state.b ? "B is a state of its own." : "B is the ray-traced reference. Hold Shift to see it.";
+  by_id("b_is").textContent = state.b
+    ? "B is a state of its own."
+    : "B is the ray-traced reference. Hold Shift to see it.";
   device.value = side_edited().device;
   document.body.dataset.edited = state.b ? state.edited : "";
 }

@@ -2,7 +2,7 @@
 import { element, new_id } from "./dom.js";
 import { clamp, slider_text } from "./math.js";
 
-const kWide = 50;  // ratio of max and min from which a slider is logarithmic
+const kWide = 50; // ratio of max and min from which a slider is logarithmic
 const kUnits = { deg: "°", "scene units": "", px: "px", "%": "%", stops: "stops", s: "s" };
 
 /// Returns functions between a value and the place of the slider's thumb, 0 to 1. Wide positive ranges are logarithmic;
@@ -12,13 +12,17 @@ export function scale_of(min, max, initial) {
     return { place: (x) => Math.log(x / min) / Math.log(max / min), value: (t) => min * (max / min) ** t };
   }
   if (min === -max && max >= 10) {
-    return { place: (x) => 0.5 + 0.5 * Math.sign(x) * Math.sqrt(Math.abs(x) / max),
-             value: (t) => Math.sign(t - 0.5) * max * (2 * t - 1) ** 2 };
+    return {
+      place: (x) => 0.5 + 0.5 * Math.sign(x) * Math.sqrt(Math.abs(x) / max),
+      value: (t) => Math.sign(t - 0.5) * max * (2 * t - 1) ** 2,
+    };
   }
   const fraction = (initial - min) / (max - min);
   const power = fraction > 0 && fraction < 0.35 ? clamp(Math.log(fraction) / Math.log(0.5), 1, 6) : 1;
-  return { place: (x) => Math.max(0, (x - min) / (max - min)) ** (1 / power),
-           value: (t) => min + (max - min) * t ** power };
+  return {
+    place: (x) => Math.max(0, (x - min) / (max - min)) ** (1 / power),
+    value: (t) => min + (max - min) * t ** power,
+  };
 }
 
 /// Returns the range of the slider, or null for none: rotations show one turn, lengths 0.1 to 100 percent of the radius,
@@ -26,7 +30,8 @@ export function scale_of(min, max, initial) {
 function range_of(entry) {
   if (entry.kind === "length") return [0.1, 100];
   if (entry.unit === "deg" && entry.max > 360) return [-180, 180];
-  const { min, max } = entry, initial = parseFloat(entry.initial);
+  const { min, max } = entry,
+    initial = parseFloat(entry.initial);
   if (min === 0 && max >= 1e5 && initial > 0) return [0, 10 * initial];
   return Number.isFinite(min) && Number.isFinite(max) && min < max && max - min < 1e6 ? [min, max] : null;
 }
@@ -40,20 +45,35 @@ function slider_number(entry, text, radius) {
 }
 
 function number_control(entry, id, describe, change, radius) {
-  const is_length = entry.kind === "length", limits = range_of(entry);
+  const is_length = entry.kind === "length",
+    limits = range_of(entry);
   const box = element("input", {
-    type: is_length ? "text" : "number", id, class: "number", "aria-describedby": describe, step: entry.kind === "integer" ? 1 : "any",
-    min: is_length ? undefined : entry.min, max: is_length ? undefined : entry.max, autocomplete: "off", spellcheck: "false",
+    type: is_length ? "text" : "number",
+    id,
+    class: "number",
+    "aria-describedby": describe,
+    step: entry.kind === "integer" ? 1 : "any",
+    min: is_length ? undefined : entry.min,
+    max: is_length ? undefined : entry.max,
+    autocomplete: "off",
+    spellcheck: "false",
     placeholder: Number.isNaN(number_in(entry.initial)) ? "auto" : entry.initial,
     on_change: () => change(box.value.trim() === "" ? undefined : box.value.trim(), false),
   });
   const parts = [box];
-  let slider = null, scale = null;
+  let slider = null,
+    scale = null;
   if (limits) {
     const initial = slider_number(entry, entry.initial, radius());
     scale = scale_of(limits[0], limits[1], initial);
     const steps = entry.kind === "integer" && limits[1] - limits[0] <= 32;
-    slider = element("input", { type: "range", min: 0, max: 1, step: steps ? 1 / (limits[1] - limits[0]) / 4 : 0.002, "aria-describedby": describe });
+    slider = element("input", {
+      type: "range",
+      min: 0,
+      max: 1,
+      step: steps ? 1 / (limits[1] - limits[0]) / 4 : 0.002,
+      "aria-describedby": describe,
+    });
     const take = (moving) => {
       const raw = scale.value(Number(slider.value));
       change(entry.kind === "integer" ? String(Math.round(raw)) : slider_text(raw) + (is_length ? "%" : ""), moving);
@@ -77,7 +97,11 @@ function number_control(entry, id, describe, change, radius) {
 
 function choice_control(entry, id, describe, change) {
   const has_initial = entry.choices.includes(entry.initial);
-  const select = element("select", { id, "aria-describedby": describe, on_change: () => change(select.value || undefined, false) });
+  const select = element("select", {
+    id,
+    "aria-describedby": describe,
+    on_change: () => change(select.value || undefined, false),
+  });
   if (!has_initial) select.append(element("option", { value: "", text: entry.initial || "default" }));
   for (const choice of entry.choices) select.append(element("option", { value: choice, text: choice }));
   return { parts: [select], show: (text) => (select.value = text ?? (has_initial ? entry.initial : "")) };
@@ -86,28 +110,55 @@ function choice_control(entry, id, describe, change) {
 function flag_control(entry, id, describe, change) {
   const is_on = entry.initial === "true" || entry.initial === "on";
   const box = element("input", {
-    type: "checkbox", id, role: "switch", "aria-describedby": describe,
+    type: "checkbox",
+    id,
+    role: "switch",
+    "aria-describedby": describe,
     on_change: () => change(box.checked === is_on ? undefined : String(box.checked), false),
   });
-  return { parts: [box], show: (text) => (box.checked = text === undefined ? is_on : text === "true" || text === "on") };
+  return {
+    parts: [box],
+    show: (text) => (box.checked = text === undefined ? is_on : text === "true" || text === "on"),
+  };
 }
 
 /// Returns "#rrggbb" of any colour that the program takes, or null.
 export function hex_of(text) {
-  const parts = String(text ?? "").split(",").map(Number);
+  const parts = String(text ?? "")
+    .split(",")
+    .map(Number);
   if (parts.length === 3 && parts.every((x) => x >= 0 && x <= 1)) {
-    return "#" + parts.map((x) => Math.round(x * 255).toString(16).padStart(2, "0")).join("");
+    return (
+      "#" +
+      parts
+        .map((x) =>
+          Math.round(x * 255)
+            .toString(16)
+            .padStart(2, "0"),
+        )
+        .join("")
+    );
   }
-  const pen = hex_of.pen ??= document.createElement("canvas").getContext("2d");
+  const pen = (hex_of.pen ??= document.createElement("canvas").getContext("2d"));
   pen.fillStyle = "#010203";
   pen.fillStyle = text ?? "";
   return /^#[0-9a-f]{6}$/.test(pen.fillStyle) && pen.fillStyle !== "#010203" ? pen.fillStyle : null;
 }
 
 function color_control(entry, id, describe, change) {
-  const well = element("input", { type: "color", "aria-labelledby": `${id}_label`, on_input: () => change(well.value, true), on_change: () => change(well.value, false) });
+  const well = element("input", {
+    type: "color",
+    "aria-labelledby": `${id}_label`,
+    on_input: () => change(well.value, true),
+    on_change: () => change(well.value, false),
+  });
   const box = element("input", {
-    type: "text", id, "aria-describedby": describe, placeholder: "auto", autocomplete: "off", spellcheck: "false",
+    type: "text",
+    id,
+    "aria-describedby": describe,
+    placeholder: "auto",
+    autocomplete: "off",
+    spellcheck: "false",
     on_change: () => change(box.value.trim() || undefined, false),
   });
   const show = (text) => {
@@ -120,34 +171,67 @@ function color_control(entry, id, describe, change) {
 
 function text_control(entry, id, describe, change) {
   const box = element("input", {
-    type: "text", id, "aria-describedby": describe, placeholder: entry.initial || "auto", autocomplete: "off", spellcheck: "false",
+    type: "text",
+    id,
+    "aria-describedby": describe,
+    placeholder: entry.initial || "auto",
+    autocomplete: "off",
+    spellcheck: "false",
     on_change: () => change(box.value.trim() || undefined, false),
   });
-  return { parts: [box], show: (text) => document.activeElement !== box || text === undefined ? (box.value = text ?? "") : 0 };
+  return {
+    parts: [box],
+    show: (text) => (document.activeElement !== box || text === undefined ? (box.value = text ?? "") : 0),
+  };
 }
 
-const kControls = { integer: number_control, number: number_control, length: number_control, choice: choice_control,
-                    flag: flag_control, color: color_control };
+const kControls = {
+  integer: number_control,
+  number: number_control,
+  length: number_control,
+  choice: choice_control,
+  flag: flag_control,
+  color: color_control,
+};
 
 /// Makes a row. `access`: get() returns the text or undefined, set(text or undefined, moving), radius() of the scene.
 /// Returns {root, refresh}.
 export function row(entry, label, access, testid) {
-  const id = new_id(), describe = `${id}_help`;
+  const id = new_id(),
+    describe = `${id}_help`;
   const make = kControls[entry.kind === "choice" && !entry.choices?.length ? "text" : entry.kind] ?? text_control;
   const control = make(entry, id, describe, access.set, access.radius);
   const undo = element("button", {
-    type: "button", class: "undo", title: "Reset", "aria-label": `Reset ${label}`, text: "↺",
+    type: "button",
+    class: "undo",
+    title: "Reset",
+    "aria-label": `Reset ${label}`,
+    text: "↺",
     on_click: () => {
       access.set(undefined, false);
       control.parts[0].focus();
     },
   });
-  const unit = kUnits[entry.unit] ?? entry.unit, is_short = unit?.length === 1 && control.has_slider && !entry.initial?.endsWith(unit);
-  const root = element("div", { class: "row", "data-testid": testid, "data-kind": entry.kind, title: entry.help },
-    element("label", { for: id, id: `${id}_label` }, label, unit && !is_short && unit !== "%" ? element("span", { class: "unit", text: ` ${unit}` }) : null),
-    element("div", { class: control.has_slider ? "control slides" : "control" }, ...control.parts,
-      is_short ? element("span", { class: "unit", text: unit, "aria-hidden": "true" }) : null), undo,
-    element("small", { class: "help", id: describe, text: entry.help }));
+  const unit = kUnits[entry.unit] ?? entry.unit,
+    is_short = unit?.length === 1 && control.has_slider && !entry.initial?.endsWith(unit);
+  const root = element(
+    "div",
+    { class: "row", "data-testid": testid, "data-kind": entry.kind, title: entry.help },
+    element(
+      "label",
+      { for: id, id: `${id}_label` },
+      label,
+      unit && !is_short && unit !== "%" ? element("span", { class: "unit", text: ` ${unit}` }) : null,
+    ),
+    element(
+      "div",
+      { class: control.has_slider ? "control slides" : "control" },
+      ...control.parts,
+      is_short ? element("span", { class: "unit", text: unit, "aria-hidden": "true" }) : null,
+    ),
+    undo,
+    element("small", { class: "help", id: describe, text: entry.help }),
+  );
   const refresh = () => {
     const text = access.get();
     control.show(text);

@@ -21,9 +21,17 @@ export const new_id = () => `c${++last_id}`;
 
 /// Makes a group of radio buttons that looks like one switch. `entries`: [value, text, help]. Returns {root, show}.
 export function segments(label, name, entries, chosen) {
-  const inputs = entries.map(([value]) => element("input", { type: "radio", name, value, on_change: () => chosen(value) }));
+  const inputs = entries.map(([value]) =>
+    element("input", { type: "radio", name, value, on_change: () => chosen(value) }),
+  );
   const parts = entries.map(([value, text, help], i) =>
-    element("label", { title: help, "data-testid": `${name}-${value || "auto"}` }, inputs[i], element("span", { text })));
+    element(
+      "label",
+      { title: help, "data-testid": `${name}-${value || "auto"}` },
+      inputs[i],
+      element("span", { text }),
+    ),
+  );
   const root = element("fieldset", { class: "segments" }, element("legend", { text: label }), ...parts);
   return { root, show: (value) => inputs.forEach((input) => (input.checked = input.value === (value ?? ""))) };
 }
@@ -45,8 +53,18 @@ export function announce(text) {
 export function complain(text, key = "") {
   const box = by_id("errors");
   for (const old of [...box.children]) if (old.dataset.key === key || old.firstChild.textContent === text) old.remove();
-  const close = element("button", { type: "button", "aria-label": "Dismiss", text: "×", on_click: () => shown.remove() });
-  const shown = element("div", { class: "error", "data-key": key, "data-testid": "error" }, element("span", { text }), close);
+  const close = element("button", {
+    type: "button",
+    "aria-label": "Dismiss",
+    text: "×",
+    on_click: () => shown.remove(),
+  });
+  const shown = element(
+    "div",
+    { class: "error", "data-key": key, "data-testid": "error" },
+    element("span", { text }),
+    close,
+  );
   box.append(shown);
   while (box.children.length > 4) box.firstChild.remove();
 }

@@ -12,7 +12,12 @@ const ending_of = (name) => (/\.([a-z0-9]+)$/i.exec(name.replace(/\.gz$/i, ""))?
 
 /// Returns the main file of a drop and what it is: "model", "environment", "gbuffer", or "" if the user must say.
 export function main_file(names) {
-  for (const [endings, as] of [[kModels, "model"], [kEnvironments, "environment"], [kGbuffers, "gbuffer"], [kEither, ""]]) {
+  for (const [endings, as] of [
+    [kModels, "model"],
+    [kEnvironments, "environment"],
+    [kGbuffers, "gbuffer"],
+    [kEither, ""],
+  ]) {
     for (const ending of endings) {
       const name = names.find((candidate) => ending_of(candidate) === ending);
       if (name) return { name, as };
@@ -60,7 +65,8 @@ export async function open_files(files, as) {
   if (!main.as) return;
   const drop = Array.from(crypto.getRandomValues(new Uint8Array(10)), (x) => (x % 36).toString(36)).join("");
   const total = files.reduce((sum, file) => sum + file.size, 0) || 1;
-  let done = 0, opened = "";
+  let done = 0,
+    opened = "";
   try {
     for (const file of files) {
       const progress = (loaded) => hooks.status(`sending ${file.name}`, (done + loaded) / total);
@@ -91,7 +97,10 @@ export function attach_files() {
     show(false);
     open_files([...event.dataTransfer.files]);
   });
-  for (const [id, as] of [["file_any", ""], ["file_environment", "environment"]]) {
+  for (const [id, as] of [
+    ["file_any", ""],
+    ["file_environment", "environment"],
+  ]) {
     by_id(id).addEventListener("change", (event) => {
       open_files([...event.target.files], as);
       event.target.value = "";

@@ -1,12 +1,15 @@
 // Pointer, wheel, touch and keys. `act` has the actions:
-//   gesture(change): camera -> camera, with (size, scene); flat(dx, dy, factor, at) of a G-buffer; pivot(at); hold(is_held);
+//   gesture(change): camera -> camera, with (size, scene); flat(dx, dy, factor, at) of a G-buffer; pivot(at);
+//   hold(is_held): Shift; tap(key);
 //   key(name, event): returns whether the key is known; fly(move): move of this instant.
 import { by_id } from "./dom.js";
 import { size_shown } from "./stage.js";
 import { orbited, panned, zoomed } from "./camera.js";
 import { is_flat } from "./state.js";
 
-const kWheelPerNotch = 0.0015, kHold_ms = 160, kFlyPerSecond = 0.7;
+const kWheelPerNotch = 0.0015,
+  kHold_ms = 160,
+  kFlyPerSecond = 0.7;
 const kFlyKeys = { w: [0, 0, 1], s: [0, 0, -1], a: [-1, 0, 0], d: [1, 0, 0], r: [0, 1, 0], v: [0, -1, 0] };
 
 function place_in_picture(event) {
@@ -30,14 +33,17 @@ function pinch(act, points, event) {
   const before = { middle: [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2], span: Math.hypot(a[0] - b[0], a[1] - b[1]) };
   points.set(event.pointerId, place_in_picture(event));
   const [c, d] = [...points.values()];
-  const middle = [(c[0] + d[0]) / 2, (c[1] + d[1]) / 2], span = Math.hypot(c[0] - d[0], c[1] - d[1]);
+  const middle = [(c[0] + d[0]) / 2, (c[1] + d[1]) / 2],
+    span = Math.hypot(c[0] - d[0], c[1] - d[1]);
   pan_by(act, middle[0] - before.middle[0], middle[1] - before.middle[1]);
   if (before.span > 0 && span > 0) zoom_by(act, before.span / span, middle);
 }
 
 function attach_pointer(act, shift) {
-  const canvas = by_id("picture"), points = new Map();
-  let button = 0, is_pan = false;
+  const canvas = by_id("picture"),
+    points = new Map();
+  let button = 0,
+    is_pan = false;
   canvas.addEventListener("pointerdown", (event) => {
     canvas.focus({ preventScroll: true });
     canvas.setPointerCapture(event.pointerId);
@@ -45,13 +51,15 @@ function attach_pointer(act, shift) {
     button = event.button;
     is_pan = button === 2 || event.shiftKey;
     if (is_pan) shift.cancel();
-    if (button === 1) event.preventDefault();  // no automatic scrolling
+    if (button === 1) event.preventDefault(); // no automatic scrolling
   });
   canvas.addEventListener("pointermove", (event) => {
     const before = points.get(event.pointerId);
     if (!before) return;
     if (points.size === 2) return pinch(act, points, event);
-    const now = place_in_picture(event), dx = now[0] - before[0], dy = now[1] - before[1];
+    const now = place_in_picture(event),
+      dx = now[0] - before[0],
+      dy = now[1] - before[1];
     points.set(event.pointerId, now);
     if (points.size > 2 || (dx === 0 && dy === 0)) return;
     if (is_pan || is_flat()) pan_by(act, dx, dy);
@@ -63,17 +71,22 @@ function attach_pointer(act, shift) {
   canvas.addEventListener("lostpointercapture", release);
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   canvas.addEventListener("dblclick", (event) => act.pivot(place_in_picture(event)));
-  canvas.addEventListener("wheel", (event) => {
-    event.preventDefault();
-    const lines = event.deltaMode === 1 ? 33 : event.deltaMode === 2 ? 400 : 1;
-    const notch = Math.max(-400, Math.min(400, event.deltaY * lines)) * (event.ctrlKey ? 6 : 1);
-    zoom_by(act, Math.exp(notch * kWheelPerNotch), place_in_picture(event));
-  }, { passive: false });
+  canvas.addEventListener(
+    "wheel",
+    (event) => {
+      event.preventDefault();
+      const lines = event.deltaMode === 1 ? 33 : event.deltaMode === 2 ? 400 : 1;
+      const notch = Math.max(-400, Math.min(400, event.deltaY * lines)) * (event.ctrlKey ? 6 : 1);
+      zoom_by(act, Math.exp(notch * kWheelPerNotch), place_in_picture(event));
+    },
+    { passive: false },
+  );
 }
 
 /// Shift alone, held for a moment, shows B; with a drag or another key it does not.
 function new_shift(act) {
-  let timer = 0, is_held = false;
+  let timer = 0,
+    is_held = false;
   const set = (is_now) => {
     clearTimeout(timer);
     if (is_now !== is_held) act.hold((is_held = is_now));
@@ -91,9 +104,11 @@ function new_shift(act) {
 /// Flying: the held keys move the camera every frame. `A` starts after a moment, since a tap has another meaning.
 function new_flight(act) {
   const held = new Map();
-  let last = 0, running = 0;
+  let last = 0,
+    running = 0;
   const step = (now) => {
-    const seconds = Math.min(0.1, (now - last) / 1000), move = [0, 0, 0];
+    const seconds = Math.min(0.1, (now - last) / 1000),
+      move = [0, 0, 0];
     last = now;
     for (const [name, since] of held) {
       if (name === "a" && held.size === 1 && performance.now() - since < kHold_ms) continue;
@@ -122,7 +137,8 @@ function new_flight(act) {
 /// Returns what of the keyboard belongs to the focused control: "all", "some" (arrows, Enter, Space) or "none".
 function taken_by(target) {
   if (!(target instanceof Element) || target.id === "picture" || target === document.body) return "none";
-  if (target.matches("select, textarea, input:not([type=range], [type=checkbox], [type=radio], [type=color])")) return "all";
+  if (target.matches("select, textarea, input:not([type=range], [type=checkbox], [type=radio], [type=color])"))
+    return "all";
   return target.closest("button, input, summary, [role=slider], a, pre, dialog") ? "some" : "none";
 }
 
@@ -162,9 +178,15 @@ export function attach_hands(act) {
 
 /// Moves by keys: arrows orbit, with Ctrl they move; `zoom` is a factor or 0.
 export function move_by_key(act, dx, dy, is_pan) {
-  const size = size_shown(), step = Math.min(size[0], size[1]) / 24;
+  const size = size_shown(),
+    step = Math.min(size[0], size[1]) / 24;
   if (is_pan || is_flat()) pan_by(act, -dx * step, -dy * step);
   else act.gesture((camera, shown, scene) => orbited(camera, dx * step, dy * step, shown, scene));
 }
 
-export const zoom_by_key = (act, factor) => zoom_by(act, factor, size_shown().map((side) => side / 2));
+export const zoom_by_key = (act, factor) =>
+  zoom_by(
+    act,
+    factor,
+    size_shown().map((side) => side / 2),
+  );

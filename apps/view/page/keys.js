@@ -9,7 +9,7 @@ import { open_files } from "./files.js";
 import { toggle_help } from "./help.js";
 
 const kArrows = { arrowleft: [-1, 0], arrowright: [1, 0], arrowup: [0, -1], arrowdown: [0, 1] };
-let occlusion_before;  // the technique that Q turns back on
+let occlusion_before; // the technique that Q turns back on
 
 function toggle_occlusion() {
   const side = side_edited();
@@ -59,7 +59,8 @@ function set_up(axis) {
 }
 
 function next_theme() {
-  const order = ["", "light", "dark"], root = document.documentElement;
+  const order = ["", "light", "dark"],
+    root = document.documentElement;
   const next = order[(order.indexOf(root.dataset.theme ?? "") + 1) % order.length];
   set_theme(next);
   announce(`Page: ${next || "as the system"}`);
@@ -97,20 +98,35 @@ function action_of(act, key) {
   const view = (name) => () => hooks.view(name);
   return {
     f: is_flat() ? () => hooks.reset() : () => act.gesture((camera, size, scene) => fitted(camera, size, scene)),
-    1: view("front"), 3: view("right"), 7: view("top"), 9: view("corner"),
+    1: view("front"),
+    3: view("right"),
+    7: view("top"),
+    9: view("corner"),
     5: () => act.gesture((camera) => ({ ...camera, orthographic: !camera.orthographic })),
     enter: () => hooks.reset(),
-    "+": () => zoom_by_key(act, 1 / 1.15), "=": () => zoom_by_key(act, 1 / 1.15), "-": () => zoom_by_key(act, 1.15),
-    o: () => by_id("open").click(), q: toggle_occlusion, t: () => toggle_parameter("output.tone", "none", "tone curve"),
-    g: next_ground, e: () => toggle_parameter("outline.opacity", "0", "lines"), b: next_buffer, c: next_comparison,
-    x: () => set_comparison(state.compare === "b" ? "off" : "b"), k: keep_as_b, p: () => toggle_panel(), l: next_theme,
-    h: toggle_help, "?": toggle_help,
+    "+": () => zoom_by_key(act, 1 / 1.15),
+    "=": () => zoom_by_key(act, 1 / 1.15),
+    "-": () => zoom_by_key(act, 1.15),
+    o: () => by_id("open").click(),
+    q: toggle_occlusion,
+    t: () => toggle_parameter("output.tone", "none", "tone curve"),
+    g: next_ground,
+    e: () => toggle_parameter("outline.opacity", "0", "lines"),
+    b: next_buffer,
+    c: next_comparison,
+    x: () => set_comparison(state.compare === "b" ? "off" : "b"),
+    k: keep_as_b,
+    p: () => toggle_panel(),
+    l: next_theme,
+    h: toggle_help,
+    "?": toggle_help,
   }[key];
 }
 
 /// Handles a key. Returns whether it has a meaning.
 export function press(act, event) {
-  const key = event.key.toLowerCase(), arrow = kArrows[key];
+  const key = event.key.toLowerCase(),
+    arrow = kArrows[key];
   if (event.ctrlKey && (key === "y" || key === "z") && !is_flat()) {
     set_up(key === "y" ? "+Y" : "+Z");
     return true;

@@ -1,14 +1,18 @@
 // The connection to the program: states out, frames in. A moving state is sent only when the one before has been
 // answered, so that the program always works on the newest; a state at rest is sent at once and replaces any other.
 
-const kRest_ms = 150;  // after the last change the view is at rest
-const kLost_ms = 5000;  // a moving state without an answer no longer holds back the next one
+const kRest_ms = 150; // after the last change the view is at rest
+const kLost_ms = 5000; // a moving state without an answer no longer holds back the next one
 
 /// Makes the connection. `make_state()` returns {size, model, views}, or null if there is nothing to ask for.
 /// `on` has the functions text(message), frame(header, blob), opened() and closed().
 export function new_link(make_state, on) {
   const link = { connected: false, id: 0, sent: 0, socket: null };
-  let is_dirty = false, is_moving = false, rest_timer = 0, scheduled = 0, waiting = null;
+  let is_dirty = false,
+    is_moving = false,
+    rest_timer = 0,
+    scheduled = 0,
+    waiting = null;
 
   function send_text(message) {
     if (link.socket?.readyState === WebSocket.OPEN) link.socket.send(JSON.stringify(message));

@@ -14,9 +14,16 @@ import { make_help } from "./help.js";
 import { attach_hands } from "./hands.js";
 import { press, toggle_anti_aliasing, attach_theme, toggle_panel } from "./keys.js";
 
-const kFragment_ms = 300, kRate_ms = 1000, kPatience_ms = 400, kNarrow = "(max-width: 46em)";
+const kFragment_ms = 300,
+  kRate_ms = 1000,
+  kPatience_ms = 400,
+  kNarrow = "(max-width: 46em)";
 const moving_times = [];
-let refresh_scheduled = 0, fragment_timer = 0, own_fragment = null, panels_are_flat, waiting_timer = 0;
+let refresh_scheduled = 0,
+  fragment_timer = 0,
+  own_fragment = null,
+  panels_are_flat,
+  waiting_timer = 0;
 
 const link = new_link(make_state, { text: take_message, frame: take_frame, opened, closed });
 
@@ -55,7 +62,8 @@ function remember() {
   clearTimeout(fragment_timer);
   fragment_timer = setTimeout(() => {
     own_fragment = fragment_of_state();
-    if (location.hash.slice(1) !== own_fragment) history.replaceState(null, "", own_fragment ? `#${own_fragment}` : location.pathname);
+    if (location.hash.slice(1) !== own_fragment)
+      history.replaceState(null, "", own_fragment ? `#${own_fragment}` : location.pathname);
   }, kFragment_ms);
 }
 
@@ -81,9 +89,16 @@ const act = {
     if (camera && !is_flat()) set_camera(change(camera, size_shown(), scene_of_hands()), true);
   },
   flat(dx, dy, factor, at) {
-    const view = state.flat, size = size_shown(), scale = Math.min(64, Math.max(0.1, view.scale * factor)), by = scale / view.scale;
+    const view = state.flat,
+      size = size_shown(),
+      scale = Math.min(64, Math.max(0.1, view.scale * factor)),
+      by = scale / view.scale;
     const middle = at ? [at[0] - size[0] / 2, at[1] - size[1] / 2] : [0, 0];
-    state.flat = { scale, x: middle[0] + (view.x - middle[0]) * by + dx, y: middle[1] + (view.y - middle[1]) * by + dy };
+    state.flat = {
+      scale,
+      x: middle[0] + (view.x - middle[0]) * by + dx,
+      y: middle[1] + (view.y - middle[1]) * by + dy,
+    };
     draw();
   },
   pivot(at) {
@@ -104,7 +119,10 @@ const act = {
 };
 
 Object.assign(hooks, {
-  link, changed, refresh: schedule_refresh, status: show_work,
+  link,
+  changed,
+  refresh: schedule_refresh,
+  status: show_work,
   take_camera(options) {
     const camera = camera_from(options);
     if (camera) set_camera(camera, false);
@@ -158,8 +176,15 @@ function expect_frame() {
 // Messages of the program.
 
 function take_message(message) {
-  const take = { hello: take_hello, models: take_models, model: take_model, environment: take_environment, pick: take_pick,
-                 status: (m) => show_work(m.text, m.progress), error: take_error }[message.type];
+  const take = {
+    hello: take_hello,
+    models: take_models,
+    model: take_model,
+    environment: take_environment,
+    pick: take_pick,
+    status: (m) => show_work(m.text, m.progress),
+    error: take_error,
+  }[message.type];
   take?.(message);
 }
 
@@ -191,7 +216,8 @@ function take_models(message) {
 /// A model has been read, or read again: then the camera stays where it is.
 function take_model(message) {
   state.scenes.set(message.model, message);
-  const camera = state.cameras.get(message.model), home = camera_from(message.camera ?? {});
+  const camera = state.cameras.get(message.model),
+    home = camera_from(message.camera ?? {});
   if (home && (!camera || camera.is_home)) state.cameras.set(message.model, { ...home, is_home: true });
   if (message.model === state.model) {
     show_summary();
@@ -243,7 +269,9 @@ function show_state(header) {
   by_id("frame_size").textContent = `${header.width} × ${header.height}`;
   by_id("frame_time").textContent = ms_text(header.ms);
   const error = header.error;
-  by_id("error_number").textContent = error ? `error against the reference: RMSE ${error.rmse.toPrecision(3)}, mean ${error.mean.toPrecision(3)}` : "";
+  by_id("error_number").textContent = error
+    ? `error against the reference: RMSE ${error.rmse.toPrecision(3)}, mean ${error.mean.toPrecision(3)}`
+    : "";
 }
 
 // The connection.
@@ -281,14 +309,34 @@ function start() {
 
 /// What tests read.
 window.umbrage = {
-  get state() { return structuredClone({ ...state, scenes: Object.fromEntries(state.scenes), cameras: Object.fromEntries(state.cameras) }); },
-  get options() { return view_of(state.a).options; },
-  get frame() { return stage.last; },
-  get frame_b() { return stage.pictures[1]?.header ?? null; },
-  get frames() { return stage.frames; },
-  get id() { return link.id; },
-  get moving() { return link.is_moving(); },
-  get connected() { return link.connected; },
+  get state() {
+    return structuredClone({
+      ...state,
+      scenes: Object.fromEntries(state.scenes),
+      cameras: Object.fromEntries(state.cameras),
+    });
+  },
+  get options() {
+    return view_of(state.a).options;
+  },
+  get frame() {
+    return stage.last;
+  },
+  get frame_b() {
+    return stage.pictures[1]?.header ?? null;
+  },
+  get frames() {
+    return stage.frames;
+  },
+  get id() {
+    return link.id;
+  },
+  get moving() {
+    return link.is_moving();
+  },
+  get connected() {
+    return link.connected;
+  },
 };
 
 start();

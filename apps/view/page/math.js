@@ -18,7 +18,8 @@ export function unit(a, otherwise = [0, 0, 1]) {
 
 /// Returns `a` turned about a unit axis, counter-clockwise as seen from its tip.
 export function turned(a, axis, angle_rad) {
-  const c = Math.cos(angle_rad), s = Math.sin(angle_rad);
+  const c = Math.cos(angle_rad),
+    s = Math.sin(angle_rad);
   return plus(plus(times(a, c), times(cross(axis, a), s)), times(axis, dot(axis, a) * (1 - c)));
 }
 
@@ -36,7 +37,9 @@ export function parse_vector(text) {
     const sign = axis[1] === "-" ? -1 : 1;
     return ["X", "Y", "Z"].map((name) => (name === axis[2].toUpperCase() ? sign : 0));
   }
-  const values = String(text ?? "").split(",").map((part) => (part.trim() === "" ? NaN : Number(part)));
+  const values = String(text ?? "")
+    .split(",")
+    .map((part) => (part.trim() === "" ? NaN : Number(part)));
   return values.length === 3 && values.every(Number.isFinite) ? values : null;
 }
 

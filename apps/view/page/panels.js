@@ -5,16 +5,36 @@ import { row } from "./controls.js";
 import { light_ball } from "./light.js";
 
 const kLabels = {
-  ao: "Technique", look: "Look", "ao-radius": "Radius", "ao-strength": "Strength", "ao-scale": "Resolution",
-  "anti-aliasing": "Anti-aliasing", "background-color": "Color", "no-background": "Transparent", "hdri-file": "Image",
-  "hdri-ambient": "Light", "hdri-skybox": "Backdrop", "hdri-rotation": "Rotation",
-  "hdri-intensity": "Intensity", "light-size": "Key size", "light-direction": "Direction", key: "Key", fill: "Fill",
-  rim: "Rim", "shadow-strength": "Shadows", up: "Up axis",
+  ao: "Technique",
+  look: "Look",
+  "ao-radius": "Radius",
+  "ao-strength": "Strength",
+  "ao-scale": "Resolution",
+  "anti-aliasing": "Anti-aliasing",
+  "background-color": "Color",
+  "no-background": "Transparent",
+  "hdri-file": "Image",
+  "hdri-ambient": "Light",
+  "hdri-skybox": "Backdrop",
+  "hdri-rotation": "Rotation",
+  "hdri-intensity": "Intensity",
+  "light-size": "Key size",
+  "light-direction": "Direction",
+  key: "Key",
+  fill: "Fill",
+  rim: "Rim",
+  "shadow-strength": "Shadows",
+  up: "Up axis",
 };
 const kSections = [
   ["occlusion", "Occlusion", true, ["ao-radius", "ao-strength", "ao-scale"]],
   ["light", "Light", true, ["light-direction", "key", "fill", "rim", "shadow-strength", "light-size", "lights"]],
-  ["environment", "Environment", false, ["hdri-file", "hdri-intensity", "hdri-rotation", "hdri-ambient", "hdri-skybox"]],
+  [
+    "environment",
+    "Environment",
+    false,
+    ["hdri-file", "hdri-intensity", "hdri-rotation", "hdri-ambient", "hdri-skybox"],
+  ],
   ["picture", "Picture", false, ["exposure", "contrast", "anti-aliasing", "material", "color", "style"]],
   ["background", "Background and ground", false, ["background-color", "no-background", "ground"]],
 ];
@@ -22,12 +42,14 @@ const kElsewhere = /^(look|ao|quality|set|device|effects|resolution|passes|svg|b
 // Passes that have a button; the others are in a list.
 const kShown = ["ao", "indirect", "depth", "normal", "albedo", "shadow", "outline", "line"];
 
-const kTraced = [["reference", "reference", "the picture with ray-traced occlusion"],
-  ["error", "error", "difference of the occlusion from the ray-traced reference"]];
+const kTraced = [
+  ["reference", "reference", "the picture with ray-traced occlusion"],
+  ["error", "error", "difference of the occlusion from the ray-traced reference"],
+];
 
 const rows = [];
 let effect_rows = [];
-let effects_of = "";  // what the sections of effects were made for
+let effects_of = ""; // what the sections of effects were made for
 
 export const title_of = (name) => kLabels[name] ?? (name[0].toUpperCase() + name.slice(1)).replace(/[-_]/g, " ");
 const option_named = (name) => state.hello.options.find((option) => option.name === name);
@@ -52,9 +74,15 @@ export function set_parameter(name, text, moving = false) {
 const radius_now = () => scene_now()?.radius || 1;
 
 export const option_access = (name) => ({
-  get: () => side_edited().options[name], set: (text, moving) => set_option(name, text, moving), radius: radius_now });
+  get: () => side_edited().options[name],
+  set: (text, moving) => set_option(name, text, moving),
+  radius: radius_now,
+});
 const parameter_access = (name) => ({
-  get: () => side_edited().set[name], set: (text, moving) => set_parameter(name, text, moving), radius: radius_now });
+  get: () => side_edited().set[name],
+  set: (text, moving) => set_parameter(name, text, moving),
+  radius: radius_now,
+});
 
 function option_row(option) {
   const made = row(option, title_of(option.name), option_access(option.name), `option-${option.name}`);
@@ -71,7 +99,8 @@ function reset_button(parts, rows_of_section, reset) {
 }
 
 function options_section([id, title, is_open, names]) {
-  const first = rows.length, parts = [];
+  const first = rows.length,
+    parts = [];
   const known = names.map(option_named).filter(applies);
   if (!known.length) return null;
   if (known.some((option) => option.name === "light-direction")) {
@@ -82,25 +111,37 @@ function options_section([id, title, is_open, names]) {
   for (const option of known) parts.push(option_row(option));
   if (id === "environment") parts.push(...environment_buttons());
   const own = rows.slice(first).filter((made) => made.root.classList.contains("row"));
-  rows.push(reset_button(parts, own, () => {
-    for (const option of known) delete side_edited().options[option.name];
-    hooks.changed(false);
-  }));
+  rows.push(
+    reset_button(parts, own, () => {
+      for (const option of known) delete side_edited().options[option.name];
+      hooks.changed(false);
+    }),
+  );
   return section(id, title, is_open, ...parts);
 }
 
 function environment_buttons() {
   const choose = () => by_id("file_environment").click();
-  return [element("div", { class: "buttons" },
-    element("button", { type: "button", text: "Clear sky", on_click: () => set_option("hdri-file", "sky:") }),
-    element("button", { type: "button", text: "Open an image…", on_click: choose }))];
+  return [
+    element(
+      "div",
+      { class: "buttons" },
+      element("button", { type: "button", text: "Clear sky", on_click: () => set_option("hdri-file", "sky:") }),
+      element("button", { type: "button", text: "Open an image…", on_click: choose }),
+    ),
+  ];
 }
 
 // Look, technique and quality.
 
 function described_select(id, label, choices, summary_of, chosen) {
   const summary = element("p", { class: "summary", id: `${id}_summary` });
-  const select = element("select", { id, "data-testid": id, "aria-describedby": `${id}_summary`, on_change: () => chosen(select.value || undefined) });
+  const select = element("select", {
+    id,
+    "data-testid": id,
+    "aria-describedby": `${id}_summary`,
+    on_change: () => chosen(select.value || undefined),
+  });
   const refresh = (value, entries) => {
     const key = entries.map(([name, text]) => name + text).join("|");
     if (select.dataset.key !== key) {
@@ -110,30 +151,63 @@ function described_select(id, label, choices, summary_of, chosen) {
     select.value = value;
     summary.textContent = summary_of();
   };
-  return { refresh, nodes: [element("div", { class: "row wide" }, element("label", { for: id, text: label }),
-    element("div", { class: "control" }, select)), summary] };
+  return {
+    refresh,
+    nodes: [
+      element(
+        "div",
+        { class: "row wide" },
+        element("label", { for: id, text: label }),
+        element("div", { class: "control" }, select),
+      ),
+      summary,
+    ],
+  };
 }
 
 function look_section() {
   const is_auto = () => is_flat() && !side_edited().options.look;
-  const look = described_select("look", "Look", [], () => (is_auto() ? "chosen by what the file holds" : look_of(side_edited())?.summary ?? ""), (name) => set_option("look", !is_flat() && name === default_look() ? undefined : name));
-  const technique = described_select("technique", "Technique", [], () => {
-    const name = technique_of(side_edited());
-    if (is_auto() && !side_edited().options.ao) return "";
-    return effect_named(name)?.summary ?? (name === "none" ? "no occlusion" : "");
-  }, (name) => set_option("ao", name));
-  const kinds = [["", "auto", "set by the look"], ...(option_named("quality")?.choices ?? []).map((name) => [name, name])];
+  const look = described_select(
+    "look",
+    "Look",
+    [],
+    () => (is_auto() ? "chosen by what the file holds" : (look_of(side_edited())?.summary ?? "")),
+    (name) => set_option("look", !is_flat() && name === default_look() ? undefined : name),
+  );
+  const technique = described_select(
+    "technique",
+    "Technique",
+    [],
+    () => {
+      const name = technique_of(side_edited());
+      if (is_auto() && !side_edited().options.ao) return "";
+      return effect_named(name)?.summary ?? (name === "none" ? "no occlusion" : "");
+    },
+    (name) => set_option("ao", name),
+  );
+  const kinds = [
+    ["", "auto", "set by the look"],
+    ...(option_named("quality")?.choices ?? []).map((name) => [name, name]),
+  ];
   const quality = segments("Quality", "quality", kinds, (name) => set_option("quality", name || undefined));
-  rows.push({ root: quality.root, refresh: () => {
-    const side = side_edited();
-    const looks = state.hello.looks.filter((entry) => is_flat() || !entry.gbuffer).map((entry) => [entry.name, entry.name]);
-    if (is_flat()) look.refresh(side.options.look ?? "", [["", "auto (by the planes)"], ...looks]);
-    else look.refresh(look_of(side)?.name, looks);
-    const own = look_of(side)?.occlusion;
-    const techniques = (option_named("ao")?.choices ?? []).filter((name) => name !== "reference");
-    technique.refresh(side.options.ao ?? "", [["", is_auto() ? "auto" : `${own ?? "auto"} (of the look)`], ...techniques.map((name) => [name, name])]);
-    quality.show(side.options.quality);
-  } });
+  rows.push({
+    root: quality.root,
+    refresh: () => {
+      const side = side_edited();
+      const looks = state.hello.looks
+        .filter((entry) => is_flat() || !entry.gbuffer)
+        .map((entry) => [entry.name, entry.name]);
+      if (is_flat()) look.refresh(side.options.look ?? "", [["", "auto (by the planes)"], ...looks]);
+      else look.refresh(look_of(side)?.name, looks);
+      const own = look_of(side)?.occlusion;
+      const techniques = (option_named("ao")?.choices ?? []).filter((name) => name !== "reference");
+      technique.refresh(side.options.ao ?? "", [
+        ["", is_auto() ? "auto" : `${own ?? "auto"} (of the look)`],
+        ...techniques.map((name) => [name, name]),
+      ]);
+      quality.show(side.options.quality);
+    },
+  });
   return section("look", "Look", true, ...look.nodes, ...technique.nodes, quality.root);
 }
 
@@ -142,24 +216,34 @@ function look_section() {
 function show_section() {
   const box = element("div", { id: "shows" });
   const number = element("p", { class: "summary", id: "error_number", "aria-live": "polite" });
-  let made_for = null, buttons = null, more = null;
+  let made_for = null,
+    buttons = null,
+    more = null;
   const set = (show) => {
     side_edited().show = show;
     hooks.changed(false);
   };
   const refresh = () => {
-    const side = side_edited(), passes = look_of(side)?.passes ?? [];
+    const side = side_edited(),
+      passes = look_of(side)?.passes ?? [];
     const key = passes.map((pass) => pass.name).join() + is_flat();
     if (made_for !== key) {
       made_for = key;
       const chips = passes.filter((pass) => kShown.includes(pass.name));
-      const entries = [["picture", "picture", "the finished picture"], ...chips.map((pass) => [pass.name, pass.name, pass.summary]),
-        ...(is_flat() ? [] : kTraced)];
+      const entries = [
+        ["picture", "picture", "the finished picture"],
+        ...chips.map((pass) => [pass.name, pass.name, pass.summary]),
+        ...(is_flat() ? [] : kTraced),
+      ];
       buttons = segments("Show", "show", entries, set);
       buttons.root.classList.add("chips");
       const rest = passes.filter((pass) => !kShown.includes(pass.name) && pass.name !== "beauty");
-      more = element("select", { "aria-label": "Other buffers", "data-testid": "show-more", on_change: () => more.value && set(more.value) },
-        element("option", { value: "", text: "other buffers" }), ...rest.map((pass) => element("option", { value: pass.name, text: pass.name, title: pass.summary })));
+      more = element(
+        "select",
+        { "aria-label": "Other buffers", "data-testid": "show-more", on_change: () => more.value && set(more.value) },
+        element("option", { value: "", text: "other buffers" }),
+        ...rest.map((pass) => element("option", { value: pass.name, text: pass.name, title: pass.summary })),
+      );
       box.replaceChildren(buttons.root, ...(rest.length ? [more] : []));
     }
     buttons.show(side.show);
@@ -172,38 +256,48 @@ function show_section() {
 // Effects in use.
 
 function effect_section(name, is_open) {
-  const effect = effect_named(name), parts = [element("p", { class: "summary", text: effect.summary })], made = [];
+  const effect = effect_named(name),
+    parts = [element("p", { class: "summary", text: effect.summary })],
+    made = [];
   for (const parameter of effect.parameters) {
     if (parameter.name === "sample_index") continue;
-    const full = `${name}.${parameter.name}`, own = look_of(side_edited())?.presets?.[full];
+    const full = `${name}.${parameter.name}`,
+      own = look_of(side_edited())?.presets?.[full];
     const entry = own === undefined ? parameter : { ...parameter, initial: own };
     const one = row(entry, title_of(parameter.name), parameter_access(full), `parameter-${full}`);
     made.push(one);
     parts.push(one.root);
   }
   effect_rows.push(...made);
-  effect_rows.push(reset_button(parts, made, () => {
-    for (const key of Object.keys(side_edited().set)) if (key.startsWith(name + ".")) delete side_edited().set[key];
-    hooks.changed(false);
-  }));
+  effect_rows.push(
+    reset_button(parts, made, () => {
+      for (const key of Object.keys(side_edited().set)) if (key.startsWith(name + ".")) delete side_edited().set[key];
+      hooks.changed(false);
+    }),
+  );
   return section(`effect_${name}`, name, is_open, ...parts);
 }
 
 /// Returns the names of the effects that the edited side runs, in order.
 export function effects_in_use() {
-  const side = side_edited(), technique = technique_of(side);
+  const side = side_edited(),
+    technique = technique_of(side);
   const names = (look_of(side)?.effects ?? []).map((name) => (name === "occlusion" ? technique : name));
   return [...new Set(names)].filter((name) => effect_named(name)?.parameters.length);
 }
 
 function refresh_effects() {
-  const names = effects_in_use(), key = [look_of(side_edited())?.name, ...names].join();
+  const names = effects_in_use(),
+    key = [look_of(side_edited())?.name, ...names].join();
   if (effects_of !== key) {
     effects_of = key;
     effect_rows = [];
-    const box = by_id("effects"), open = new Set([...box.children].filter((part) => part.open).map((part) => part.id));
+    const box = by_id("effects"),
+      open = new Set([...box.children].filter((part) => part.open).map((part) => part.id));
     const technique = technique_of(side_edited());
-    box.replaceChildren(...names.map((name) => effect_section(name, open.has(`section_effect_${name}`) || (open.size === 0 && false))));
+    box.replaceChildren(
+      ...names.map((name) => effect_section(name, open.has(`section_effect_${name}`) || (open.size === 0 && false))),
+    );
     const first = by_id(`section_effect_${technique}`);
     if (first) box.prepend(first);
   }
@@ -217,9 +311,16 @@ export function make_panels() {
   const named = new Set(kSections.flatMap(([, , , names]) => names));
   const parts = [look_section(), show_section()];
   const groups = kSections.map(options_section).filter(Boolean);
-  const rest = state.hello.options.filter((option) => !named.has(option.name) && !kElsewhere.test(option.name) && !/^(Output|Files)$/.test(option.group));
+  const rest = state.hello.options.filter(
+    (option) => !named.has(option.name) && !kElsewhere.test(option.name) && !/^(Output|Files)$/.test(option.group),
+  );
   const more = options_section(["more", "More options", false, rest.map((option) => option.name)]);
-  const effects = element("div", { id: "effects_box" }, element("p", { class: "kicker", text: "Effects of the look" }), element("div", { id: "effects" }));
+  const effects = element(
+    "div",
+    { id: "effects_box" },
+    element("p", { class: "kicker", text: "Effects of the look" }),
+    element("div", { id: "effects" }),
+  );
   return { first: parts, groups, last: [effects, more].filter(Boolean) };
 }
 

@@ -3,8 +3,11 @@ import { by_id, is_calm } from "./dom.js";
 import { state, is_flat, scene_now, side_b, technique_of, look_of } from "./state.js";
 import { clamp } from "./math.js";
 
-const kMaxPixelRatio = 2, kMinSide = 16, kMaxSide = 8192;
-const kFlicker_ms = 500, kCalmFlicker_ms = 1200;
+const kMaxPixelRatio = 2,
+  kMinSide = 16,
+  kMaxSide = 8192;
+const kFlicker_ms = 500,
+  kCalmFlicker_ms = 1200;
 
 /// `pictures`: the newest frame of each side, {bitmap, header}. `is_held`: B is shown while a key is held.
 export const stage = { pictures: [null, null], is_held: false, wants_b: false, phase: 0, frames: 0, last: null };
@@ -14,7 +17,7 @@ const needs_canvas = () => by_id("picture");
 /// Returns the size of the picture to ask for, device pixels.
 export function size_asked() {
   const canvas = needs_canvas();
-  const size = is_flat() ? scene_now()?.size ?? [canvas.width, canvas.height] : [canvas.width, canvas.height];
+  const size = is_flat() ? (scene_now()?.size ?? [canvas.width, canvas.height]) : [canvas.width, canvas.height];
   return size.map((side) => clamp(Math.round(side), kMinSide, kMaxSide));
 }
 
@@ -27,9 +30,11 @@ export function size_shown() {
 /// Calls `resized` whenever the canvas has got another size.
 export function watch_size(resized) {
   const fit = () => {
-    const canvas = needs_canvas(), ratio = Math.min(devicePixelRatio || 1, kMaxPixelRatio);
+    const canvas = needs_canvas(),
+      ratio = Math.min(devicePixelRatio || 1, kMaxPixelRatio);
     const box = by_id("stage").getBoundingClientRect();
-    const width = Math.max(kMinSide, Math.round(box.width * ratio)), height = Math.max(kMinSide, Math.round(box.height * ratio));
+    const width = Math.max(kMinSide, Math.round(box.width * ratio)),
+      height = Math.max(kMinSide, Math.round(box.height * ratio));
     if (canvas.width === width && canvas.height === height) return;
     canvas.width = width;
     canvas.height = height;
@@ -49,7 +54,8 @@ export async function show_frame(header, blob, shown) {
     bitmap = await createImageBitmap(blob);
   } finally {
     const old = stage.pictures[header.view];
-    const is_newer = bitmap && (!old || header.id > old.header.id || (header.id === old.header.id && header.frame > old.header.frame));
+    const is_newer =
+      bitmap && (!old || header.id > old.header.id || (header.id === old.header.id && header.frame > old.header.frame));
     if (is_newer) {
       old?.bitmap.close();
       stage.pictures[header.view] = { bitmap, header };
@@ -73,9 +79,15 @@ export function forget_pictures() {
 function place_of(bitmap, canvas) {
   if (is_flat()) {
     const fit = Math.min(canvas.width / bitmap.width, canvas.height / bitmap.height) * state.flat.scale;
-    const width = bitmap.width * fit, height = bitmap.height * fit;
+    const width = bitmap.width * fit,
+      height = bitmap.height * fit;
     const ratio = canvas.width / size_shown()[0];
-    return [(canvas.width - width) / 2 + state.flat.x * ratio, (canvas.height - height) / 2 + state.flat.y * ratio, width, height];
+    return [
+      (canvas.width - width) / 2 + state.flat.x * ratio,
+      (canvas.height - height) / 2 + state.flat.y * ratio,
+      width,
+      height,
+    ];
   }
   const width = (bitmap.width / bitmap.height) * canvas.height;
   if (Math.abs(width / canvas.width - 1) < 0.03) return [0, 0, canvas.width, canvas.height];
@@ -86,7 +98,7 @@ function put(pen, picture) {
   if (!picture) return;
   const [x, y, width, height] = place_of(picture.bitmap, pen.canvas);
   pen.imageSmoothingEnabled = !is_flat() || width < 2 * picture.bitmap.width;
-  pen.imageSmoothingQuality = "high";
+  pen.imageSmoothingQuality = picture.header.moving ? "low" : "high";
   pen.drawImage(picture.bitmap, x, y, width, height);
 }
 
@@ -110,11 +122,13 @@ export function seen_now() {
 }
 
 export function draw() {
-  const canvas = needs_canvas(), pen = canvas.getContext("2d"), [a, b] = stage.pictures;
+  const canvas = needs_canvas(),
+    pen = canvas.getContext("2d"),
+    [a, b] = stage.pictures;
   const seen = seen_now();
   pen.clearRect(0, 0, canvas.width, canvas.height);
   if (seen === "difference" && a && b) put_difference(pen, a, b);
-  else put(pen, seen === "b" ? b ?? a : a ?? b);
+  else put(pen, seen === "b" ? (b ?? a) : (a ?? b));
   if (seen === "divider" && b) {
     const x = Math.round(state.split * canvas.width);
     pen.save();
@@ -153,10 +167,15 @@ export function update_flicker() {
   const is_on = state.compare === "flicker" && !document.hidden;
   if (is_on === !!update_flicker.timer) return;
   clearInterval(update_flicker.timer);
-  update_flicker.timer = is_on && setInterval(() => {
-    stage.phase = 1 - stage.phase;
-    draw();
-  }, is_calm() ? kCalmFlicker_ms : kFlicker_ms);
+  update_flicker.timer =
+    is_on &&
+    setInterval(
+      () => {
+        stage.phase = 1 - stage.phase;
+        draw();
+      },
+      is_calm() ? kCalmFlicker_ms : kFlicker_ms,
+    );
 }
 
 /// Makes the divider follow pointer and arrow keys.

@@ -3,22 +3,26 @@
 import { camera_from, camera_options } from "./camera.js";
 
 export const state = {
-  hello: null,          // the tables of the program
-  models: [],           // [{id, name, kind}]
-  model: 0,             // id of the model shown
-  scenes: new Map(),    // id -> the message "model"
-  cameras: new Map(),   // id -> camera
-  a: new_side(), b: null,
-  edited: "a",          // the side that the panel changes
-  compare: "off",       // one of kComparisons
-  split: 0.5, gain: 4,  // divider, and factor of the difference
-  flat: { scale: 1, x: 0, y: 0 },  // view of a G-buffer, in the page only
+  hello: null, // the tables of the program
+  models: [], // [{id, name, kind}]
+  model: 0, // id of the model shown
+  scenes: new Map(), // id -> the message "model"
+  cameras: new Map(), // id -> camera
+  a: new_side(),
+  b: null,
+  edited: "a", // the side that the panel changes
+  compare: "off", // one of kComparisons
+  split: 0.5,
+  gain: 4, // divider, and factor of the difference
+  flat: { scale: 1, x: 0, y: 0 }, // view of a G-buffer, in the page only
 };
 
 export const kComparisons = ["off", "b", "divider", "flicker", "difference"];
 // Options that belong to a file or to the process, not to what is seen.
 const kNotSeen = /^(resolution|passes|svg|bits|threads|isa|device|MODEL|output|camera-.*)$/;
-const kCameraNames = ["position", "focal-point", "view-up", "view-angle", "orthographic"].map((name) => `camera-${name}`);
+const kCameraNames = ["position", "focal-point", "view-up", "view-angle", "orthographic"].map(
+  (name) => `camera-${name}`,
+);
 
 export function new_side() {
   return { options: {}, set: {}, show: "picture", device: "" };
@@ -55,7 +59,9 @@ export function take_options(side, options) {
 }
 
 const is_default = (name, text) =>
-  state.hello?.options.some((option) => option.name === name && option.kind === "flag" && text === (option.initial || "false"));
+  state.hello?.options.some(
+    (option) => option.name === name && option.kind === "flag" && text === (option.initial || "false"),
+  );
 
 function take_setting(side, entry) {
   const at = String(entry).indexOf("=");
@@ -100,16 +106,21 @@ export function fragment_of_state() {
   if (state.compare !== "off") entries.push(["compare", state.compare]);
   if (state.compare === "divider" && state.split !== 0.5) entries.push(["split", state.split.toFixed(3)]);
   const camera = state.cameras.get(state.model);
-  if (camera && !camera.is_home && !is_flat()) entries.push(...Object.entries(camera_options(camera, scene_for_camera())));
+  if (camera && !camera.is_home && !is_flat())
+    entries.push(...Object.entries(camera_options(camera, scene_for_camera())));
   return entries.map(([name, text]) => (text === "" ? name : `${name}=${quoted(text)}`)).join("&");
 }
 
 /// Sets the state from a fragment; what it does not name gets its default, for options that of the command line.
 export function take_fragment(fragment) {
-  const entries = fragment.replace(/^#/, "").split("&").filter(Boolean).map((entry) => {
-    const at = entry.indexOf("=");
-    return at < 0 ? [entry, ""] : [entry.slice(0, at), decoded(entry.slice(at + 1))];
-  });
+  const entries = fragment
+    .replace(/^#/, "")
+    .split("&")
+    .filter(Boolean)
+    .map((entry) => {
+      const at = entry.indexOf("=");
+      return at < 0 ? [entry, ""] : [entry.slice(0, at), decoded(entry.slice(at + 1))];
+    });
   state.a = new_side();
   state.b = null;
   state.edited = "a";
@@ -121,7 +132,7 @@ export function take_fragment(fragment) {
     else if (name === "compare" && kComparisons.includes(text)) state.compare = text;
     else if (name === "split") state.split = Math.min(1, Math.max(0, Number(text) || 0));
     else if (kCameraNames.includes(name)) camera[name] = text;
-    else if (name === "b" || name.startsWith("b.")) take_entry(state.b ??= new_side(), name.slice(2), text);
+    else if (name === "b" || name.startsWith("b.")) take_entry((state.b ??= new_side()), name.slice(2), text);
     else take_entry(state.a, name, text);
   }
   const set = camera_from(camera);
@@ -141,5 +152,5 @@ function decoded(text) {
   }
 }
 
-/// Set by main.js. changed(moving): the view has changed; moving while further changes follow at once. set_camera(camera).
-export const hooks = { changed: () => {}, set_camera: () => {}, link: null };
+/// Set by main.js. changed(moving): the view has changed; `moving` while further changes follow at once.
+export const hooks = { changed: () => {}, link: null };

@@ -27,7 +27,8 @@ export function command_of(side, size) {
   const words = ["umbrage", is_flat() ? "shade" : "render", shell_word(file_now())];
   for (const [name, value] of Object.entries(all_options(side))) {
     if (name === "set") for (const entry of value) words.push("--set", shell_word(entry));
-    else if (kind_of(name) !== "flag") words.push(/^[-+]/.test(value) ? `--${name}=${shell_word(value)}` : `--${name} ${shell_word(value)}`);
+    else if (kind_of(name) !== "flag")
+      words.push(/^[-+]/.test(value) ? `--${name}=${shell_word(value)}` : `--${name} ${shell_word(value)}`);
     else if (value === "true" && name !== "hdri-ambient") words.push(`--${name}`);
     else if (value === "false" && name === "hdri-ambient") words.push(`--${name}=false`);
   }
@@ -58,14 +59,19 @@ function values_of(kind, text) {
 function python_value(kind, text) {
   if (kind === "flag") return text === "true" ? "True" : "False";
   if (kind === "integer" || kind === "number") return String(Number(text));
-  if (kind === "words") return `(${text.split(",").map((word) => `${JSON.stringify(word)},`).join(" ")})`;
+  if (kind === "words")
+    return `(${text
+      .split(",")
+      .map((word) => `${JSON.stringify(word)},`)
+      .join(" ")})`;
   const values = values_of(kind, text);
   return values ? `(${values.join(", ")})` : JSON.stringify(text);
 }
 
 /// Returns a script that draws the picture.
 export function python_of(side, size) {
-  const camera = [], rest = [];
+  const camera = [],
+    rest = [];
   for_fields(side, (field, kind, text) => {
     if (field.startsWith("camera.")) camera.push(`"${field.slice(7)}": ${python_value(kind, text)}`);
     else rest.push(`${field}=${python_value(kind, text)}`);
@@ -84,7 +90,11 @@ function cpp_value(field, kind, text) {
   if (kind === "flag") return text;
   if (kind === "integer") return String(Number(text));
   if (kind === "number") return as_float(Number(text));
-  if (kind === "words") return `{${text.split(",").map((word) => JSON.stringify(word)).join(", ")}}`;
+  if (kind === "words")
+    return `{${text
+      .split(",")
+      .map((word) => JSON.stringify(word))
+      .join(", ")}}`;
   const values = values_of(kind, text);
   if (!values) return JSON.stringify(text);
   const is_double = /position|focal_point/.test(field);
@@ -95,13 +105,19 @@ function cpp_value(field, kind, text) {
 /// Returns a program that draws the picture.
 export function cpp_of(side, size) {
   const request = is_flat() ? "ShadeRequest" : "RenderRequest";
-  const lines = [`umb::${request} request;`, `request.${is_flat() ? "file" : "model"} = ${JSON.stringify(file_now())};`];
+  const lines = [
+    `umb::${request} request;`,
+    `request.${is_flat() ? "file" : "model"} = ${JSON.stringify(file_now())};`,
+  ];
   if (!is_flat()) lines.push(`request.width = ${size[0]};`, `request.height = ${size[1]};`);
   for_fields(side, (field, kind, text) => lines.push(`request.${field} = ${cpp_value(field, kind, text)};`));
   const settings = Object.entries(side.set).map(([name, text]) => JSON.stringify(`${name}=${text}`));
   if (settings.length) lines.push(`request.settings = {${settings.join(", ")}};`);
-  lines.push("umb::Picture picture;", `umb::Outcome outcome = umb::${is_flat() ? "shade" : "render"}(request, picture);`,
-    'if (outcome.code == 0) outcome = umb::save(picture, "picture.png");');
+  lines.push(
+    "umb::Picture picture;",
+    `umb::Outcome outcome = umb::${is_flat() ? "shade" : "render"}(request, picture);`,
+    'if (outcome.code == 0) outcome = umb::save(picture, "picture.png");',
+  );
   lines.push("return outcome.code;");
   return `#include <array>\n\n#include "umbrage/umbrage.hpp"\n\nint main() {\n${lines.map((line) => `  ${line}\n`).join("")}}\n`;
 }
@@ -130,13 +146,20 @@ async function load_settings(file) {
 const size_wanted = () => [Number(by_id("save_width").value), Number(by_id("save_height").value)];
 
 async function save() {
-  const button = by_id("save"), [width, height] = size_wanted(), format = by_id("save_format").value;
+  const button = by_id("save"),
+    [width, height] = size_wanted(),
+    format = by_id("save_format").value;
   button.disabled = true;
   button.textContent = "Saving…";
   try {
     const body = JSON.stringify({ options: all_options(side_edited()), model: state.model, format, width, height });
-    const answer = await fetch(new URL("save", document.baseURI), { method: "POST", body, headers: { "Content-Type": "application/json" } });
-    if (!answer.ok) throw new Error((await answer.json().catch(() => ({}))).error ?? `the program answered ${answer.status}`);
+    const answer = await fetch(new URL("save", document.baseURI), {
+      method: "POST",
+      body,
+      headers: { "Content-Type": "application/json" },
+    });
+    if (!answer.ok)
+      throw new Error((await answer.json().catch(() => ({}))).error ?? `the program answered ${answer.status}`);
     const name = `${(model_now()?.name ?? "picture").replace(/\.\w+$/, "").replace(/[^\w.-]+/g, "_")}.${format}`;
     download(await answer.blob(), name);
     announce(`Saved ${name}`);
@@ -148,7 +171,8 @@ async function save() {
 }
 
 export function take_section() {
-  const number = (id, label, value) => element("input", { type: "number", id, "aria-label": label, min: 1, max: 16384, value, class: "number" });
+  const number = (id, label, value) =>
+    element("input", { type: "number", id, "aria-label": label, min: 1, max: 16384, value, class: "number" });
   const button = (id, text, act) => element("button", { type: "button", id, text, on_click: act });
   const text = element("pre", { id: "copied", tabindex: 0, "aria-label": "The copied text", hidden: true });
   const copy = (make) => () => {
@@ -156,17 +180,51 @@ export function take_section() {
     text.hidden = false;
     copy_text(text.textContent);
   };
-  const file = element("input", { type: "file", id: "settings_file", accept: ".json", class: "unseen", tabindex: -1, "aria-label": "File of settings",
-    on_change: () => file.files[0] && load_settings(file.files[0]) });
-  return section("take", "Take away", false,
-    element("div", { class: "save" }, number("save_width", "Width in pixels", 1920), element("span", { text: "×" }), number("save_height", "Height in pixels", 1080),
-      element("select", { id: "save_format", "aria-label": "Format" }, ...kFormats.map((name) => element("option", { value: name, text: name.toUpperCase() }))),
-      button("save", "Save", save)),
+  const file = element("input", {
+    type: "file",
+    id: "settings_file",
+    accept: ".json",
+    class: "unseen",
+    tabindex: -1,
+    "aria-label": "File of settings",
+    on_change: () => file.files[0] && load_settings(file.files[0]),
+  });
+  return section(
+    "take",
+    "Take away",
+    false,
+    element(
+      "div",
+      { class: "save" },
+      number("save_width", "Width in pixels", 1920),
+      element("span", { text: "×" }),
+      number("save_height", "Height in pixels", 1080),
+      element(
+        "select",
+        { id: "save_format", "aria-label": "Format" },
+        ...kFormats.map((name) => element("option", { value: name, text: name.toUpperCase() })),
+      ),
+      button("save", "Save", save),
+    ),
     element("p", { class: "kicker", text: "Copy as" }),
-    element("div", { class: "buttons" }, button("copy_command", "Command line", copy(command_of)), button("copy_python", "Python", copy(python_of)),
-      button("copy_cpp", "C++", copy(cpp_of)), button("copy_link", "Link", () => copy_text(location.href.split("#")[0] + "#" + fragment_of_state()))), text,
+    element(
+      "div",
+      { class: "buttons" },
+      button("copy_command", "Command line", copy(command_of)),
+      button("copy_python", "Python", copy(python_of)),
+      button("copy_cpp", "C++", copy(cpp_of)),
+      button("copy_link", "Link", () => copy_text(location.href.split("#")[0] + "#" + fragment_of_state())),
+    ),
+    text,
     element("p", { class: "kicker", text: "Settings" }),
-    element("div", { class: "buttons" },
-      button("settings_save", "Download JSON", () => download(new Blob([settings_text()], { type: "application/json" }), "umbrage.json")),
-      button("settings_load", "Load…", () => file.click()), file));
+    element(
+      "div",
+      { class: "buttons" },
+      button("settings_save", "Download JSON", () =>
+        download(new Blob([settings_text()], { type: "application/json" }), "umbrage.json"),
+      ),
+      button("settings_load", "Load…", () => file.click()),
+      file,
+    ),
+  );
 }
