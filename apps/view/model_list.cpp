@@ -22,10 +22,8 @@ nlohmann::json ModelList::as_json() const {
   nlohmann::json list = nlohmann::json::array();
   for (std::size_t id = 0; id < entries_.size(); ++id) {
     const ModelSource& source = entries_[id]->source;
-    list.push_back({{"id", id},
-                    {"name", source.name},
-                    {"file", source.file},
-                    {"kind", source.is_gbuffer ? "gbuffer" : "model"}});
+    list.push_back(
+        {{"id", id}, {"name", source.name}, {"file", source.file}, {"kind", source.is_gbuffer ? "gbuffer" : "model"}});
   }
   return list;
 }
