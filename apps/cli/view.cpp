@@ -41,8 +41,13 @@ view::ViewOptions given_options(const ViewCommand& o) {
     if (!text.empty()) given[std::string(name)] = {text};
   for (const auto& [name, texts] : o.lists)
     if (!texts.empty()) given[std::string(name)] = texts;
-  for (const auto& [name, flag] : o.flags)
-    if (flag) given[std::string(name)] = {"true"};
+  for (const Option& row : options()) {
+    const auto* of = std::get_if<FieldOf<bool>>(&row.where);
+    const auto flag = o.flags.find(row.option);
+    Request initial;
+    if (of && flag != o.flags.end() && flag->second != (*of)(initial))
+      given[std::string(row.option)] = {flag->second ? "true" : "false"};
+  }
   return given;
 }
 
