@@ -24,11 +24,11 @@ MAX_WAIT_S = 60  # on a loaded machine; a test waits only until its condition ho
 BROWSER = shutil.which("chromium") or "/usr/bin/chromium"
 DRIVER = shutil.which("chromedriver") or "/usr/bin/chromedriver"
 
-# Returns the frame of the newest state if the page shows it and it is not one that is drawn while something moves.
+# Returns the frame of the newest state if the page shows it with its settings, not a quick one that comes before.
 AT_REST = """
 const page = window.umbrage;
 if (!page?.connected || page.moving) return null;
-const is_newest = frame => frame && frame.id === page.id && !frame.moving, state = page.state;
+const is_newest = frame => frame && frame.id === page.id && !frame.moving && frame.samples > 0, state = page.state;
 const is_flat = state.models.find(model => model.id === state.model)?.kind === "gbuffer";
 if (!state.scenes[state.model] || !(is_flat || state.cameras[state.model])) return null;
 return is_newest(page.frame) && (state.compare === "off" || is_newest(page.frame_b)) ? page.frame : null;
@@ -116,7 +116,7 @@ def end_browser(browser):
 class PageTest(unittest.TestCase):
     """A test with one viewer and one browser for all methods of the class."""
 
-    words = ("scene:solids", "--look", "ao")  # arguments of `umbrage view`
+    words = ("scene:solids?detail=3000", "--look", "ao")  # arguments of `umbrage view`
     expected_errors = ()  # patterns of messages on the console that a test causes on purpose
 
     @classmethod

@@ -76,6 +76,7 @@ class HandsTest(CameraTest):
             plan = [[b - dot(back, self.up()) * u for b, u in zip(back, self.up())]
                     for back in (before["back"], after["back"])]
             self.assertAlmostEqual(angle_deg(*plan), (END[0] - BEGIN[0]) * per_pixel, delta=0.1)
+            self.assertAlmostEqual(dot(after["right"], self.up()), 0, places=5)  # it is not tilted
             self.assert_drawn(picture)
 
     def test_right_and_shift_drag_move(self):

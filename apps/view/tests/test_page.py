@@ -40,7 +40,7 @@ class PageItselfTest(PageTest):
         self.browser.execute_script("document.querySelectorAll('#panel details').forEach(part => part.open = true)")
 
     def test_loads_itself_alone(self):
-        self.assertEqual(self.browser.title, "scene:solids · Umbrage")
+        self.assertEqual(self.browser.title, "scene:solids?detail=3000 · Umbrage")
         own = self.page("performance.getEntriesByType('resource').map(entry => entry.name)")
         self.assertEqual([name for name in own if not name.startswith(("blob:", "data:", self.viewer.address))], [])
         self.assertEqual(self.page("[...document.querySelectorAll('link[rel=stylesheet], script[src], img[src^=http], iframe')].length"), 0)

@@ -37,10 +37,9 @@ class PanelTest(PageTest):
         first = self.page("document.querySelector('#effects .row:has(input[type=range])').dataset.testid")
         name = first.removeprefix("parameter-")
         self.browser.execute_script("document.querySelector('#effects details').open = true")
-        box = self.element(first).find_element(By.CSS_SELECTOR, "input.number")
-        box.clear()
-        box.send_keys("0.001", Keys.TAB)
-        self.wait(lambda: self.options().get("set") == [f"{name}=0.001"], "the parameter")
+        self.slide(first, 1)
+        text = self.wait(lambda: self.options().get("set"), "the parameter")
+        self.assertTrue(text[0].startswith(name + "="), text)
         self.wait_for_rest()
         self.assertEqual(self.errors(), [])
         self.assertGreater(difference(before, self.thumbnail()), 0.2)
@@ -66,11 +65,12 @@ class PanelTest(PageTest):
             rows = self.page("[...document.querySelectorAll('#panel .row:has(input[type=range])')].map(row => row.dataset.testid)")
             self.assertGreater(len(rows), 20)
             for row in rows:
-                self.slide(row, 0.62)
+                if row not in ("option-layers", "option-extra-views"):  # their sum is limited
+                    self.slide(row, 0.62)
             self.wait(lambda: self.browser.execute_script("return umbrage.frame.id === umbrage.id") or self.errors(), "an answer")
             self.assertEqual(self.errors(), [], look)
             unchanged = self.page("[...document.querySelectorAll('#panel .row:not(.changed):has(input[type=range])')].map(row => row.dataset.testid)")
-            self.assertEqual(unchanged, [], look)
+            self.assertLessEqual(set(unchanged), {"option-layers", "option-extra-views"}, look)
 
     def test_looks(self):
         looks = self.page("[...document.querySelectorAll('#look option')].map(entry => entry.value)")
@@ -162,6 +162,7 @@ class PanelTest(PageTest):
     # Comparison.
 
     def test_shift_shows_the_reference(self):
+        self.wait_for_final()
         before = self.thumbnail()
         self.hold_shift(True)
         self.wait_for("umbrage.frame_b && !document.querySelector('#tag_b').hidden && !document.querySelector('#tag_b').textContent.includes('being drawn')")
@@ -170,7 +171,7 @@ class PanelTest(PageTest):
         self.screenshot("shift")
         self.hold_shift(False)
         self.wait_for("document.querySelector('#tag_b').hidden")
-        self.assertLess(difference(before, self.thumbnail()), 0.2)
+        self.wait(lambda: difference(before, self.thumbnail()) < 0.5, "the picture of before")
 
     def test_two_settings(self):
         self.press("k")  # B is a copy of A, beside it
@@ -181,6 +182,10 @@ class PanelTest(PageTest):
         self.wait_for("!document.querySelector('#divider').hidden")
         self.screenshot("divider")
         half = self.thumbnail()
+        box = self.page("(box => [box.left + box.width / 2, box.top + box.height / 2])(document.querySelector('#divider').getBoundingClientRect())")
+        width = self.page("document.querySelector('#picture').getBoundingClientRect().width")
+        self.drag(box, (0.25 * width, box[1]))
+        self.wait_for("Math.abs(umbrage.state.split - 0.25) < 0.02")
         divider = self.element("divider")
         divider.send_keys(Keys.HOME)
         self.wait_for("umbrage.state.split === 0")
@@ -190,10 +195,6 @@ class PanelTest(PageTest):
         a = self.thumbnail()
         self.assertGreater(difference(a, b), 0.5)
         self.assertTrue(0.1 < difference(half, a) < difference(a, b))
-        box = self.page("(box => [box.left + box.width / 2, box.top + box.height / 2])(document.querySelector('#divider').getBoundingClientRect())")
-        width = self.page("document.querySelector('#picture').getBoundingClientRect().width")
-        self.drag(box, (0.25 * width, box[1]))
-        self.wait_for("Math.abs(umbrage.state.split - 0.25) < 0.02")
 
     def test_flicker_and_difference(self):
         self.press("k")
