@@ -53,11 +53,12 @@ function turned_camera(camera, axis, angle_rad) {
   return straightened({ ...camera, back: turn(camera.back), up: turn(camera.up), right: turn(camera.right) });
 }
 
-/// Turns about the up direction of the scene and about the camera's own right, across the poles.
+/// Turns about the camera's own right, across the poles, and then about the up direction of the scene; in the other order
+/// the right of before would tilt the camera.
 export function orbited(camera, dx, dy, size, scene) {
   const per_pixel = kOrbitPerSide / Math.min(size[0], size[1]);
   const sign = dot(camera.up, scene.up) < -1e-6 ? -1 : 1;
-  return turned_camera(turned_camera(camera, scene.up, -dx * per_pixel * sign), camera.right, -dy * per_pixel);
+  return turned_camera(turned_camera(camera, camera.right, -dy * per_pixel), scene.up, -dx * per_pixel * sign);
 }
 
 /// Moves the camera so that the plane through the focal point follows the pointer.
