@@ -134,6 +134,20 @@ nlohmann::json effect_records() {
   return records;
 }
 
+/// Returns the technique with which a look draws models, by quality; "" is no option.
+nlohmann::json techniques_of(const Look& look) {
+  nlohmann::json techniques = nlohmann::json::object();
+  std::vector<std::string_view> qualities = words_of(option_of("quality"));
+  qualities.push_back("");
+  Request request;
+  request.look = look.name;
+  for (const std::string_view quality : qualities) {
+    request.quality = quality;
+    if (const auto recipe = make_recipe(request)) techniques[std::string(quality)] = recipe->occlusion;
+  }
+  return techniques;
+}
+
 nlohmann::json look_records() {
   nlohmann::json records = nlohmann::json::array();
   for (const Look* look : looks()) {
@@ -147,6 +161,7 @@ nlohmann::json look_records() {
     records.push_back({{"name", look->name},
                        {"summary", look->summary},
                        {"occlusion", look->occlusion},
+                       {"techniques", techniques_of(*look)},
                        {"effects", look->effects},
                        {"presets", std::move(values)},
                        {"passes", std::move(passes)},

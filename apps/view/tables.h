@@ -4,20 +4,20 @@
 
 namespace umbrage::view {
 
-/// Returns an object with
-///   options   the options of a state: {"name", "field", "group", "help", "unit", "initial", "kind", "min", "max",
-///   "choices",
-///             "model", "gbuffer"}; `kind`: flag, integer, number, text, choice, size, length, color, vector, angles or
-///             words; `min` < `max` only for numbers; "repeated" if it may be given several times; `model`, `gbuffer`:
-///             whether it applies to these
-///   effects   {"name", "summary", "kind", "parameters"}; `kind`: occlusion, filter, shading or output; a parameter as
-///             an option, of the kinds number, integer, choice, flag and length; with "set", its name in --set
-///   looks     {"name", "summary", "occlusion", "effects", "presets", "passes", "gbuffer"}; `presets`: its settings
-///   that
-///             differ from the defaults of effects, by "effect.parameter"; `passes`: {"name", "summary"}; `gbuffer`:
-///             whether it applies to G-buffers only
-///   devices   {"name", "summary"}, the CPU first
-/// Help names options as the command line does.
+/// Returns an object with these lists of objects. Help names options as the command line does.
+///
+/// `options`: the options of a state: "name", "field", "group", "help", "unit", "initial", "kind", "min", "max",
+/// "choices". "kind": flag, integer, number, text, choice, size, length, color, vector, angles or words. "min" < "max"
+/// only for numbers. "repeated" if it may be given several times. "model", "gbuffer": whether it applies to these.
+///
+/// `effects`: "name", "summary", "kind" (occlusion, filter, shading or output), "parameters". A parameter is as an
+/// option, of the kinds number, integer, choice, flag and length; "set" is its name in --set.
+///
+/// `looks`: "name", "summary", "effects". "occlusion": its technique in screen space; "techniques": that of models, by
+/// quality. "presets": its settings that differ from the defaults of effects, by "effect.parameter". "passes": "name",
+/// "summary". "gbuffer": whether it applies to G-buffers only.
+///
+/// `devices`: "name", "summary"; the CPU first.
 nlohmann::json hello_tables();
 
 }  // namespace umbrage::view

@@ -1,6 +1,6 @@
 // The panel's sections of options, made from the program's tables. Options that no section names are in the last one.
 import { by_id, element, section, segments } from "./dom.js";
-import { state, hooks, side_edited, look_of, default_look, technique_of, scene_now, is_flat } from "./state.js";
+import { state, hooks, side_edited, look_of, default_look, technique_of, technique_of_look, scene_now, is_flat } from "./state.js";
 import { row } from "./controls.js";
 import { light_ball } from "./light.js";
 
@@ -199,7 +199,7 @@ function look_section() {
         .map((entry) => [entry.name, entry.name]);
       if (is_flat()) look.refresh(side.options.look ?? "", [["", "auto (by the planes)"], ...looks]);
       else look.refresh(look_of(side)?.name, looks);
-      const own = look_of(side)?.occlusion;
+      const own = technique_of_look(side);
       const techniques = (option_named("ao")?.choices ?? []).filter((name) => name !== "reference");
       technique.refresh(side.options.ao ?? "", [
         ["", is_auto() ? "auto" : `${own ?? "auto"} (of the look)`],

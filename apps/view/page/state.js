@@ -41,7 +41,18 @@ export const look_of = (side) => {
   const name = side.options.look ?? default_look();
   return state.hello?.looks.find((look) => look.name === name) ?? state.hello?.looks[0];
 };
-export const technique_of = (side) => side.options.ao ?? look_of(side)?.occlusion;
+
+/// Returns the technique with which a look draws: the one in screen space for a G-buffer, and if one of its parameters or
+/// its resolution is set.
+export function technique_of_look(side) {
+  const look = look_of(side);
+  const is_screen_space =
+    is_flat() ||
+    (side.options["ao-scale"] ?? "full") !== "full" ||
+    Object.keys(side.set).some((name) => name.startsWith(`${look?.occlusion}.`));
+  return is_screen_space ? look?.occlusion : (look?.techniques[side.options.quality ?? ""] ?? look?.occlusion);
+}
+export const technique_of = (side) => side.options.ao ?? technique_of_look(side);
 
 /// Returns what is known of the scene for gestures, with the up direction that the options set.
 export function scene_for_camera(up_option_direction) {
