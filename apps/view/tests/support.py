@@ -20,7 +20,7 @@ from selenium.webdriver.support.ui import Select
 PROGRAM = os.environ["UMBRAGE_PROGRAM"]
 SCREENSHOTS = os.environ.get("UMBRAGE_SCREENSHOTS")  # a folder that receives screenshots, to look at
 IS_LONG = "UMBRAGE_LONG" in os.environ  # runs the tests that take minutes at full length
-MAX_WAIT_S = 60  # on a loaded machine; a test waits only until its condition holds
+MAX_WAIT_S = float(os.environ.get("UMBRAGE_MAX_WAIT_S", "60"))  # on a loaded machine; tests wait for conditions, not times
 BROWSER = shutil.which("chromium") or "/usr/bin/chromium"
 DRIVER = shutil.which("chromedriver") or "/usr/bin/chromedriver"
 
@@ -202,6 +202,7 @@ class PageTest(unittest.TestCase):
 
     def slide(self, test_id, place):
         """Moves the slider of a row, 0 to 1, as a drag does, and lets it go."""
+        self.wait_for(f"""document.querySelector("[data-testid='{test_id}'] input[type=range]")""", "the slider " + test_id)
         self.browser.execute_script("""
             const slider = document.querySelector(`[data-testid="${arguments[0]}"] input[type=range]`);
             slider.value = arguments[1];

@@ -1,0 +1,156 @@
+"""What is taken away: saved files, copied texts, settings and links, which all give the same picture."""
+import json
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from support import PROGRAM, By, PageTest, difference
+
+SOURCE = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..", ".."))
+LIBRARY = os.environ.get("UMBRAGE_LIBRARY")
+COMPILER = os.environ.get("UMBRAGE_COMPILER", "c++")
+
+
+def run(words, folder, **more):
+    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False, **more)
+    if done.returncode:
+        raise AssertionError(f"{words} ended with {done.returncode}: {done.stderr}")
+
+
+def read(folder, name):
+    with open(os.path.join(folder, name), "rb") as file:
+        return file.read()
+
+
+class TakeTest(PageTest):
+    def setUp(self):
+        super().setUp()
+        self.folder = tempfile.mkdtemp(prefix="umbrage-take-")
+        self.addCleanup(shutil.rmtree, self.folder)
+        self.click("#section_take summary") if not self.page("document.querySelector('#section_take').open") else None
+        for name, value in (("save_width", 160), ("save_height", 100)):
+            self.browser.execute_script("document.querySelector('#' + arguments[0]).value = arguments[1]", name, value)
+
+    def change_settings(self):
+        """Sets options of several kinds: camera, numbers, a choice, a colour and a parameter."""
+        self.drag((300, 260), (340, 280))
+        self.choose("#technique", "bitmask")
+        self.slide("option-ao-strength", 0.9)
+        self.slide("parameter-bitmask.steps", 0.6)
+        box = self.element("option-background-color").find_element(By.CSS_SELECTOR, "input[type=text]")
+        self.browser.execute_script("""arguments[0].value = '#204060';
+            arguments[0].dispatchEvent(new Event('change', {bubbles: true}));""", box)
+        self.wait(lambda: {"ao", "ao-strength", "set", "background-color"} <= self.options().keys(), "the options")
+        self.wait_for_rest()
+
+    def save(self, ending="png"):
+        self.choose("#save_format", ending)
+        self.click("#save")
+        data = self.download("*." + ending)
+        self.wait_for("!document.querySelector('#save').disabled")
+        self.assertEqual(self.errors(), [])
+        return data
+
+    def copied(self, button):
+        self.click("#" + button)
+        text = self.page("document.querySelector('#copied').textContent")
+        self.screenshot(button)
+        return text
+
+    def test_the_copied_command_draws_the_saved_picture(self):
+        self.change_settings()
+        saved = self.save()
+        command = self.copied("copy_command")
+        words = shlex.split(command)
+        self.assertEqual(words[:2], ["umbrage", "render"])
+        run([PROGRAM, *words[1:], "--config", "none"], self.folder)
+        self.assertEqual(read(self.folder, "picture.png"), saved)
+        # The picture of the page is that of the command as well, apart from size and averaging.
+        self.assertEqual(saved[:4], b"\x89PNG")
+
+    def test_the_copied_python_draws_the_saved_picture(self):
+        if not LIBRARY:
+            self.skipTest("UMBRAGE_LIBRARY names no library")
+        self.change_settings()
+        saved = self.save()
+        text = self.copied("copy_python")
+        run([sys.executable, "-c", text], self.folder, env={**os.environ, "PYTHONPATH": os.path.join(SOURCE, "python")})
+        self.assertEqual(read(self.folder, "picture.png"), saved)
+
+    def test_the_copied_cpp_draws_the_saved_picture(self):
+        if not LIBRARY:
+            self.skipTest("UMBRAGE_LIBRARY names no library")
+        self.change_settings()
+        saved = self.save()
+        with open(os.path.join(self.folder, "picture.cpp"), "w", encoding="utf-8") as file:
+            file.write(self.copied("copy_cpp"))
+        run([COMPILER, "-std=c++20", "-I", os.path.join(SOURCE, "include"), "picture.cpp", "-o", "draw", LIBRARY,
+             "-Wl,-rpath," + os.path.dirname(LIBRARY)], self.folder)
+        run(["./draw"], self.folder)
+        self.assertEqual(read(self.folder, "picture.png"), saved)
+
+    def test_settings_are_a_configuration_file(self):
+        self.change_settings()
+        saved = self.save()
+        self.click("#settings_save")
+        settings = self.download("*.json")
+        self.assertEqual(json.loads(settings)["ao"], "bitmask")
+        with open(os.path.join(self.folder, "settings.json"), "wb") as file:
+            file.write(settings)
+        run([PROGRAM, "render", self.words[0], "--config", "settings.json", "--resolution", "160,100", "-o", "picture.png"], self.folder)
+        self.assertEqual(read(self.folder, "picture.png"), saved)
+        # The page takes the file back.
+        options = self.options()
+        self.open("#look=lit")
+        self.browser.find_element(By.CSS_SELECTOR, "#settings_file").send_keys(os.path.join(self.folder, "settings.json"))
+        self.wait(lambda: self.options() == options, "the loaded settings")
+        self.wait_for_rest()
+
+    def test_exr_and_svg(self):
+        self.assertEqual(self.save("exr")[:4], b"\x76\x2f\x31\x01")
+        self.open("#look=cartoon")
+        svg = self.save("svg")
+        self.assertIn(b"<svg", svg)
+
+    def test_an_impossible_size_is_refused(self):
+        self.expected_errors = ["save.*400"]
+        self.browser.execute_script("document.querySelector('#save_width').value = 1000000")
+        self.click("#save")
+        self.wait(lambda: any("Not saved" in text for text in self.errors()), "the refusal")
+        self.assertIn("width", self.errors()[0])
+        self.wait_for("!document.querySelector('#save').disabled")
+
+    def test_reload_and_link_restore_the_state(self):
+        self.change_settings()
+        options, picture = self.options(), self.thumbnail()
+        self.wait_for("location.hash.includes('ao=bitmask') && location.hash.includes('camera-position')")
+        self.browser.refresh()
+        self.wait_for_rest()
+        self.assertEqual(self.options(), options)
+        self.assertLess(difference(self.thumbnail(), picture), 0.5)
+        link = self.page("location.href")
+        first = self.browser.current_window_handle
+        self.browser.switch_to.new_window("tab")
+        try:
+            self.browser.get(link)
+            self.wait_for_rest()
+            self.assertEqual(self.options(), options)
+            self.assertLess(difference(self.thumbnail(), picture), 0.5)
+            # The tabs are independent of each other.
+            self.press("9")
+            self.wait_for_rest()
+            self.assertNotEqual(self.options(), options)
+        finally:
+            self.browser.close()
+            self.browser.switch_to.window(first)
+        self.assertEqual(self.options(), options)
+        self.press("1")
+        self.wait_for_rest()
+
+
+if __name__ == "__main__":
+    unittest.main()
