@@ -19,6 +19,8 @@ constexpr double kMinGain = 1.2;                           // factor of the numb
 constexpr std::chrono::seconds kMeanInterval(1);           // max time between two pictures of further samples
 constexpr std::chrono::milliseconds kStatusInterval(100);  // between two messages on progress
 
+constexpr std::chrono::milliseconds kStatusDelay(500);  // without a picture, before the first such message
+
 /// Max time of a moving picture that is drawn larger because only settings change, ms.
 constexpr double kSettingFrame_ms = 70.0;
 constexpr const char* kStill = " settings";  // of the key of such pictures
@@ -26,9 +28,13 @@ constexpr const char* kStill = " settings";  // of the key of such pictures
 /// Number of pictures that are averaged first where the look draws one: their sample positions are balanced.
 constexpr int kFirstAveraged = 4;
 
+/// Factor by which a turn of a view increases its number of samples, since the next turn begins with the first sample.
+constexpr int kTurnGrowth = 4;
+
 /// Returns whether a picture that is drawn once gets averaged at rest: if the user left the number of pictures to the
 /// look. This changes edges and noise alone.
 bool gets_averaged(const Request& request, const ViewModel& model) {
+  if (averages_few_rays(request)) return true;
   if (model.is_gbuffer() || request.anti_aliasing || !request.quality.empty() || !request.passes.empty()) return false;
   const auto recipe = make_recipe(request);
   return recipe && recipe->frames == 1;
@@ -86,15 +92,18 @@ void Drawing::close(PageId id) {
   changed_.notify_all();
 }
 
-/// Returns the most urgent picture, of the page after the one that got the last picture if there are several.
+/// Returns the most urgent picture, of the page after the one that got the last picture if there are several. Further
+/// samples go to the view that took the least time.
 std::optional<Drawing::Task> Drawing::next_task() {
   std::optional<Task> best;
   const auto consider = [&](PageId id, const Page& page) {
     if (page.unacknowledged.size() >= kMaxUnacknowledged) return;
     for (std::size_t view = 0; view < page.views.size(); ++view) {
       const Progress& progress = page.views[view];
-      if (progress.next != Step::kDone && (!best || progress.next < best->step))
-        best = Task{id, page.state, page.revision, int(view), progress.next, progress.samples};
+      if (progress.next == Step::kDone) continue;
+      const bool refines = best && best->step == Step::kRefined && progress.next == Step::kRefined;
+      if (!best || progress.next < best->step || (refines && progress.spent < best->spent))
+        best = Task{id, page.state, page.revision, int(view), progress.next, progress.samples, progress.spent};
     }
   };
   for (auto page = pages_.upper_bound(last_page_); page != pages_.end(); ++page) consider(page->first, page->second);
@@ -116,6 +125,16 @@ bool Drawing::is_urgent_elsewhere() {
   return next && next->step < Step::kRefined;
 }
 
+/// Returns whether another view is due for further samples.
+bool Drawing::is_turn_over(const Task& task) {
+  const std::lock_guard lock(mutex_);
+  const auto page = pages_.find(task.page);
+  if (page == pages_.end() || page->second.revision != task.revision) return true;
+  page->second.views[std::size_t(task.view)].spent = task.spent + (Clock::now() - task_begin_);
+  const auto next = next_task();
+  return next && (next->page != task.page || next->view != task.view);
+}
+
 void Drawing::run() {
   std::unique_lock lock(mutex_);
   for (;;) {
@@ -124,6 +143,7 @@ void Drawing::run() {
     if (stopping_) return;
     last_page_ = task->page;
     lock.unlock();
+    task_begin_ = Clock::now();
     const auto purpose = [&] {
       return fmt::format("a picture of {} x {} pixels", task->state->width, task->state->height);
     };
@@ -135,11 +155,13 @@ void Drawing::run() {
 
 void Drawing::finish(const Task& task, const Result<void>& done) {
   const bool interrupted = !done && done.error().kind == ErrorKind::kInterrupted;
+  if (std::exchange(has_status_, false)) send_.text(task.page, status_text(task.state->id, ""));
   if (!done && !interrupted) send_error(task, done.error());
   const std::lock_guard lock(mutex_);
   const auto page = pages_.find(task.page);
   if (page == pages_.end() || page->second.revision != task.revision) return;
   Progress& progress = page->second.views[std::size_t(task.view)];
+  progress.spent = task.spent + (Clock::now() - task_begin_);
   if (!done && !interrupted)
     progress.next = Step::kDone;
   else if (progress.samples > 0)
@@ -153,7 +175,19 @@ void Drawing::send_error(const Task& task, const Error& error) {
 }
 
 ProgressMonitor Drawing::monitor_of(const Task& task) {
-  return [this, &task](double) { return is_wanted(task); };
+  return [this, &task](double progress) {
+    report(task, progress);
+    return is_wanted(task);
+  };
+}
+
+/// Tells the page of the progress of a first picture that takes long.
+void Drawing::report(const Task& task, double progress) {
+  const auto now = Clock::now();
+  if (task.samples > 0 || now - task_begin_ < kStatusDelay || now - last_status_ < kStatusInterval) return;
+  last_status_ = now;
+  has_status_ = true;
+  send_.text(task.page, status_text(task.state->id, "drawing", progress));
 }
 
 Result<DrawingDevice*> Drawing::device_of(const Task& task) {
@@ -263,14 +297,25 @@ Result<void> Drawing::draw(const Task& task, ViewModel& model, DrawingDevice& de
   auto last_sent = Clock::now();
   int sent = task.samples;
   DrawControl control{.max_samples = kMaxRefinedSamples};
-  control.monitor = [&](double) { return is_wanted(task) && (sent == 0 || !is_urgent_elsewhere()); };
+  control.monitor = [&](double progress) {
+    if (sent == 0) report(task, progress);
+    return is_wanted(task) && (sent == 0 || !is_urgent_elsewhere());
+  };
+  bool ends = false;
   control.wants_mean = [&](int samples) {
+    ends = samples >= kTurnGrowth * task.samples && is_turn_over(task);
     const bool is_better =
         samples >= 2 * sent || (samples >= kMinGain * sent && Clock::now() - last_sent > kMeanInterval);
-    return samples > sent && (sent == 0 || is_better);
+    return samples > sent && (sent == 0 || is_better || ends);
   };
-  control.wants_another = [&](int) { return is_wanted(task) && !is_urgent_elsewhere() && wait_for_page(task); };
+  control.wants_another = [&](int) {
+    return !ends && is_wanted(task) && !is_urgent_elsewhere() && wait_for_page(task);
+  };
   Request refined = request;
+  if (averages_few_rays(request)) {
+    refined = with_few_rays(std::move(refined));
+    refined.anti_aliasing = 1;
+  }
   const bool averages_on = task.step == Step::kRefined && gets_averaged(request, model);
   if (averages_on) refined.anti_aliasing = kFirstAveraged;
   const bool is_averaged_later = task.step == Step::kExact && gets_averaged(request, model);
@@ -291,7 +336,10 @@ Result<void> Drawing::draw_error(const Task& task, ViewModel& model, DrawingDevi
   const std::string key = control_key(task, request);
   Request sized = request;
   DrawControl control{.moving = is_moving, .aspect = double(request.width) / request.height};
-  control.monitor = [&](double) { return is_wanted(task) && (task.step != Step::kRefined || !is_urgent_elsewhere()); };
+  control.monitor = [&](double progress) {
+    report(task, progress);
+    return is_wanted(task) && (task.step != Step::kRefined || !is_urgent_elsewhere());
+  };
   // While only settings change, the ground truth of this camera and size stays as it is.
   if (is_moving)
     std::tie(sized.width, sized.height) =
@@ -315,11 +363,13 @@ Result<void> Drawing::draw_error(const Task& task, ViewModel& model, DrawingDevi
 Result<void> Drawing::draw_draft(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request) {
   const std::string key = control_key(task, request);
   Request draft = moving_request(request);
-  const bool is_quick = task.step == Step::kQuick;
-  if (is_quick && (model.is_gbuffer() || control_.expected_ms(key, draft.width, draft.height) > kQuickFrame_ms))
-    return {};
+  const bool is_quick = task.step == Step::kQuick, traced = is_traced(request);
+  const bool is_slow = !traced && control_.expected_ms(key, draft.width, draft.height) > kQuickFrame_ms;
+  if (is_quick && (model.is_gbuffer() || is_slow)) return {};
+  if (traced) draft = with_few_rays(std::move(draft));
   DrawControl control{.moving = true, .monitor = monitor_of(task)};
-  if (!is_quick && !model.is_gbuffer()) {
+  // The reference is too slow for a draft of full resolution.
+  if ((!is_quick || traced) && !model.is_gbuffer()) {
     control.aspect = double(draft.width) / draft.height;
     std::tie(draft.width, draft.height) = moving_size(task, key);
   }
@@ -334,7 +384,7 @@ Result<void> Drawing::draw_draft(const Task& task, ViewModel& model, DrawingDevi
   auto drawn = model.draw(device, draft, control, times);
   moving_page_ = task.page;
   moving_camera_ = camera_text(task.shown());
-  if (!is_quick) moving_size_ = {draft.width, draft.height};
+  if (!is_quick || traced) moving_size_ = {draft.width, draft.height};
   return drawn;
 }
 
@@ -367,8 +417,10 @@ void Drawing::send_picture(const Task& task, const Image& picture, FrameHeader h
     header.frame = ++last_frame_;
     page->second.unacknowledged.insert(header.frame);
     if (!is_draft && page->second.revision == task.revision) {
-      page->second.views[std::size_t(task.view)].samples = header.samples;
-      page->second.views[std::size_t(task.view)].is_final = header.is_final;
+      Progress& progress = page->second.views[std::size_t(task.view)];
+      progress.samples = header.samples;
+      progress.is_final = header.is_final;
+      progress.next = Step::kRefined;  // what follows is less urgent than other pictures
     }
   }
   EncodeJob job{.picture = picture, .exact = !is_draft};

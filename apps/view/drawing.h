@@ -3,9 +3,11 @@
 // A page's newest state alone counts. A moving state gets a draft whose resolution is chosen so that it is drawn in
 // time. A state at rest gets a draft of full resolution if that is quick, then exactly the picture that the command
 // line draws, then the means of further samples. Pages take turns: moving states come first, then those at rest, then
-// further samples, which any other work interrupts.
+// further samples, which any other work interrupts. Views that are refined get equal times. The ray-traced reference is
+// slow: its first pictures have few rays per pixel, and the means add up to many.
 #pragma once
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <functional>
 #include <map>
@@ -74,6 +76,7 @@ class Drawing {
     Step next = Step::kDone;
     int samples = 0;  ///< of the last picture at rest that was sent; 0: none
     bool is_final = false;
+    std::chrono::steady_clock::duration spent{};  ///< time of all pictures of this state and view
   };
   struct Page {
     std::shared_ptr<const State> state;
@@ -90,6 +93,7 @@ class Drawing {
     int view = 0;
     Step step = Step::kDone;
     int samples = 0;
+    std::chrono::steady_clock::duration spent{};  ///< as in Progress, before this picture
     const View& shown() const { return state->views[std::size_t(view)]; }
   };
 
@@ -99,6 +103,7 @@ class Drawing {
   std::optional<Task> next_task();
   bool is_wanted(const Task& task);
   bool is_urgent_elsewhere();
+  bool is_turn_over(const Task& task);
   bool wait_for_page(const Task& task);
   void forget_frame(PageId id, std::int64_t frame);
   void finish(const Task& task, const Result<void>& done);
@@ -117,6 +122,7 @@ class Drawing {
   bool is_still(const Task& task) const;
   std::pair<int, int> moving_size(const Task& task, const std::string& key);
   ProgressMonitor monitor_of(const Task& task);
+  void report(const Task& task, double progress);
   void send_error(const Task& task, const Error& error);
 
   const DrawingSettings settings_;
@@ -140,6 +146,8 @@ class Drawing {
   std::string moving_camera_;              // and its camera
   std::pair<int, int> moving_size_{0, 0};  // of the last moving picture, pixels
   ErrorMap errors_;
+  std::chrono::steady_clock::time_point task_begin_, last_status_;
+  bool has_status_ = false;  // the page shows a status on the current task
 
   std::unique_ptr<Encoder> encoder_;
   std::thread thread_, watching_;

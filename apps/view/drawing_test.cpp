@@ -70,6 +70,10 @@ class Pages {
     });
     return found;
   }
+  std::vector<Received> frames() {
+    const std::lock_guard lock(mutex_);
+    return frames_;
+  }
   std::size_t count() {
     const std::lock_guard lock(mutex_);
     return frames_.size();
@@ -209,6 +213,65 @@ TEST(Drawing, RefinesUntilThePictureIsFinal) {
   state.views[0].show = "depth";
   pages.drawing().set_state(kPage, state);
   EXPECT_TRUE(bool(pages.frame(is_exact).header["final"]));
+}
+
+TEST(Drawing, TheReferenceBeginsWithFewRays) {
+  Pages pages({kSolids});
+  State state = state_of(1, false, {{"look", {"ao"}}}, "reference");
+  state.width = state.height = 64;
+  pages.drawing().set_state(kPage, state);
+  const Received last = pages.frame([](const Received& f) { return f.header["final"] == true; });
+  EXPECT_EQ(last.header["samples"], kMaxRefinedSamples);
+  const std::vector<Received> frames = pages.frames();
+  EXPECT_EQ(frames[0].header["samples"], 0) << "a draft";
+  EXPECT_LT(frames[0].header["width"], 64);
+  EXPECT_EQ(frames[1].header["samples"], 1);
+  // Noise shows how many rays a picture has: that of the mean is smaller by a factor of nearly 11.
+  const Image first = decoded(frames[1].image), mean = decoded(last.image);
+  const Image truth = rendered("--resolution 64,64 --look ao --ao reference --set reference.samples=1024");
+  const auto error = [&](const Image& image) {
+    double sum = 0.0;
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x) sum += std::abs(image.planes[0].at(x, y) - truth.planes[0].at(x, y));
+    return sum;
+  };
+  EXPECT_GT(error(first), 2.0 * error(mean));
+}
+
+TEST(Drawing, BothViewsAreRefined) {
+  Pages pages({kSolids});
+  State state = state_of(1, false, {{"look", {"ao"}}});
+  state.views.push_back(state.views[0]);
+  state.views[1].options["ao-radius"] = {"5%"};
+  pages.drawing().set_state(kPage, state);
+  const auto ends = [&](int view) {
+    return pages.frame([=](const Received& f) { return f.header["final"] == true && f.header["view"] == view; });
+  };
+  EXPECT_FALSE(ends(0).image.empty());
+  EXPECT_FALSE(ends(1).image.empty());
+  int samples[2] = {0, 0}, other_at_first_end = -1;
+  for (const Received& frame : pages.frames()) {
+    const int view = frame.header["view"], now = frame.header["samples"];
+    EXPECT_GE(now, samples[view]) << "a picture of fewer samples";
+    samples[view] = now;
+    if (frame.header["final"] == true && other_at_first_end < 0) other_at_first_end = samples[1 - view];
+  }
+  EXPECT_GT(other_at_first_end, 1) << "one view was refined to its end before the other";
+}
+
+TEST(Drawing, LongPicturesTellTheirProgress) {
+  Pages pages({kSolids});
+  State state = state_of(5, false, {{"look", {"ao"}}, {"set", {"reference.samples=256"}}}, "reference");
+  state.width = state.height = 256;
+  pages.drawing().set_state(kPage, state);
+  const nlohmann::json status = pages.text("status", "drawing");
+  ASSERT_FALSE(status.is_null());
+  EXPECT_EQ(status["id"], 5);
+  EXPECT_GT(status["progress"], 0.0);
+  EXPECT_LT(status["progress"], 1.0);
+  pages.forget();
+  ASSERT_FALSE(pages.frame(is_exact).image.empty());
+  EXPECT_FALSE(pages.text("status", R"("text":"")").is_null()) << "cleared";
 }
 
 TEST(Drawing, StormsOfStatesAreAnsweredByTheLast) {

@@ -1,16 +1,21 @@
 #include "apps/view/quality.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "looks/quality.h"
+#include "reference/reference.h"
 #include "renderer/options.h"
 
 namespace umbrage::view {
 namespace {
 
-constexpr double kMinScale = 0.2, kFirstScale = 0.5;  // fractions of the width and of the height
-constexpr int kStep = 8;                              // sizes are multiples of this, pixels
+constexpr double kMinScale = 0.2, kFirstScale = 0.5;      // fractions of the width and of the height
+constexpr std::string_view kRays = "reference.samples=";  // per pixel
+constexpr int kFewRays = 4;
+constexpr int kStep = 8;  // sizes are multiples of this, pixels
 
 /// Rounds a side to a multiple of kStep; a side that is nearly full size becomes it.
 int rounded_side(double side, int full) {
@@ -57,6 +62,19 @@ Result<Request> request_of(const View& view, int width, int height, bool is_gbuf
 Request moving_request(Request request) {
   request.quality = qualities().front().name;
   request.anti_aliasing = 1;
+  return request;
+}
+
+bool is_traced(const Request& request) { return request.occlusion == reference_effect().name; }
+
+bool averages_few_rays(const Request& request) {
+  const auto& settings = request.settings;
+  return is_traced(request) && !request.anti_aliasing && request.quality.empty() && request.passes.empty() &&
+         std::none_of(settings.begin(), settings.end(), [](const auto& s) { return s.starts_with(kRays); });
+}
+
+Request with_few_rays(Request request) {
+  request.settings.push_back(fmt::format("{}{}", kRays, kFewRays));
   return request;
 }
 

@@ -28,6 +28,14 @@ std::string with_option_names(std::string_view message);
 /// Returns the request that is drawn while something moves: the draft quality, one sample.
 Request moving_request(Request request);
 
+/// Returns whether the request draws the ray-traced reference.
+bool is_traced(const Request& request);
+/// Returns whether the reference is drawn as the mean of pictures of few rays: if the user set neither the rays nor
+/// the number of pictures nor the quality.
+bool averages_few_rays(const Request& request);
+/// Returns the request with few rays per pixel for the reference, so that its first picture takes about a second.
+Request with_few_rays(Request request);
+
 /// Leaves out of the plan of a moving picture what takes long: soft shadows.
 void simplify_moving(Plan& plan);
 
