@@ -1,4 +1,5 @@
 """What is taken away: saved files, copied texts, settings and links, which all give the same picture."""
+import base64
 import json
 import os
 import shlex
@@ -8,11 +9,28 @@ import sys
 import tempfile
 import unittest
 
-from support import PROGRAM, By, PageTest, difference
+from support import PROGRAM, By, PageTest, difference, resize
 
 SOURCE = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..", ".."))
 LIBRARY = os.environ.get("UMBRAGE_LIBRARY")
 COMPILER = os.environ.get("UMBRAGE_COMPILER", "c++")
+
+
+# Returns how many colour values of two PNG files, in base64, differ, and the max difference.
+COMPARE = """
+const [first, second, done] = arguments;
+const pixels = async text => {
+  const blob = new Blob([Uint8Array.from(atob(text), c => c.charCodeAt(0))], {type: "image/png"}), bitmap = await createImageBitmap(blob);
+  const pen = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
+  pen.drawImage(bitmap, 0, 0);
+  return pen.getImageData(0, 0, bitmap.width, bitmap.height).data;
+};
+Promise.all([pixels(first), pixels(second)]).then(([a, b]) => {
+  if (a.length !== b.length) return done([a.length, b.length]);
+  const differences = [...a].map((x, i) => Math.abs(x - b[i])).filter(x => x);
+  done([differences.length, Math.max(0, ...differences)]);
+});
+"""
 
 
 def run(words, folder, **more):
@@ -55,6 +73,10 @@ class TakeTest(PageTest):
         self.assertEqual(self.errors(), [])
         return data
 
+    def assert_same_picture(self, a, b):
+        texts = [base64.b64encode(data).decode() for data in (a, b)]
+        self.assertEqual(self.browser.execute_async_script(COMPARE, *texts), [0, 0])
+
     def copied(self, button):
         self.click("#" + button)
         text = self.page("document.querySelector('#copied').textContent")
@@ -79,7 +101,7 @@ class TakeTest(PageTest):
         saved = self.save()
         text = self.copied("copy_python")
         run([sys.executable, "-c", text], self.folder, env={**os.environ, "PYTHONPATH": os.path.join(SOURCE, "python")})
-        self.assertEqual(read(self.folder, "picture.png"), saved)
+        self.assert_same_picture(read(self.folder, "picture.png"), saved)
 
     def test_the_copied_cpp_draws_the_saved_picture(self):
         if not LIBRARY:
@@ -91,7 +113,7 @@ class TakeTest(PageTest):
         run([COMPILER, "-std=c++20", "-I", os.path.join(SOURCE, "include"), "picture.cpp", "-o", "draw", LIBRARY,
              "-Wl,-rpath," + os.path.dirname(LIBRARY)], self.folder)
         run(["./draw"], self.folder)
-        self.assertEqual(read(self.folder, "picture.png"), saved)
+        self.assert_same_picture(read(self.folder, "picture.png"), saved)
 
     def test_settings_are_a_configuration_file(self):
         self.change_settings()
@@ -136,6 +158,7 @@ class TakeTest(PageTest):
         first = self.browser.current_window_handle
         self.browser.switch_to.new_window("tab")
         try:
+            resize(self.browser, 960, 600)
             self.browser.get(link)
             self.wait_for_rest()
             self.assertEqual(self.options(), options)
