@@ -10,7 +10,6 @@
 
 #include "apps/cli/progress.h"
 #include "apps/cli/standard_input.h"
-#include "apps/view/temporary.h"
 #include "io/image_file.h"
 
 namespace umbrage::cli {
@@ -39,7 +38,6 @@ void handle_signal(int signal) {
     int status = 0;
     while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) continue;
   }
-  view::abandon_view();
   abandon_writes();
   remove_standard_input_copy();
   constexpr int kExitBySignal = 128;

@@ -23,11 +23,11 @@ struct ViewCommand : CommonOptions {
   bool once = false, watch = false;
 };
 
-/// Starts the user's browser. Returns whether a desktop that can show one exists.
-bool open_in_browser(const std::string& address) {
+/// Shows a file in the user's browser. Returns whether a desktop that can show one exists.
+bool open_in_browser(const std::string& file) {
   if (!std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY")) return false;
   const ChildProgram opener{.program = "xdg-open",
-                            .words = {address},
+                            .words = {file},
                             .files = {{STDIN_FILENO}, {STDOUT_FILENO}, {STDERR_FILENO}},
                             .own_group = true};
   pid_t child = 0;
@@ -51,10 +51,23 @@ view::ViewOptions given_options(const ViewCommand& o) {
   return given;
 }
 
+/// Returns the signals that end the program: not those that its parent process ignores, as nohup does. A blocked signal
+/// would be received even if it is ignored.
+sigset_t awaited_signals() {
+  sigset_t signals = ending_signals();
+  for (int signal = 1; signal < NSIG; ++signal) {
+    struct sigaction action {};
+    if (sigismember(&signals, signal) == 1 && ::sigaction(signal, nullptr, &action) == 0 &&
+        action.sa_handler == SIG_IGN)
+      sigdelset(&signals, signal);
+  }
+  return signals;
+}
+
 /// Waits for Ctrl-C and the signals that end programs or, if `ended` is not null, until it returns true.
 void wait_for_end(const std::function<bool()>& ended) {
   constexpr timespec kInterval{.tv_sec = 0, .tv_nsec = 500'000'000};
-  const sigset_t signals = ending_signals();
+  const sigset_t signals = awaited_signals();
   while (!ended || !ended())
     if ((ended ? ::sigtimedwait(&signals, nullptr, &kInterval) : ::sigwaitinfo(&signals, nullptr)) > 0) return;
 }
@@ -76,7 +89,10 @@ Result<void> run_view(const ViewCommand& o) {
   const std::string address = (*viewer)->address();
   fmt::print("{}\n", address);
   std::fflush(stdout);
-  const bool shown = !o.stays_closed && open_in_browser(address);
+  // Command lines are public: the browser gets the name of a private file instead of the address.
+  const auto launcher = o.stays_closed ? Result<std::string>("") : (*viewer)->launcher();
+  if (!launcher) return launcher.error();
+  const bool shown = !o.stays_closed && open_in_browser(*launcher);
   fmt::print(stderr, "{} Ctrl-C ends the program.\n",
              shown ? "The page opens in a browser." : "Open this address in a browser.");
   if (o.once)

@@ -13,7 +13,6 @@
 #include <cstring>
 #include <thread>
 
-#include "apps/view/temporary.h"
 #include "renderer/options.h"
 #include "system/child_process.h"
 
@@ -24,6 +23,8 @@ namespace fs = std::filesystem;
 
 /// How often a child process is looked at, ms.
 constexpr std::chrono::milliseconds kLook(20);
+/// The time in which a cancelled program removes its unfinished file.
+constexpr std::chrono::seconds kGrace(3);
 
 const Option* find_option(std::string_view name, unsigned command) {
   for (const Option& option : options())
@@ -72,17 +73,20 @@ bool run(const ChildProgram& program, const std::function<bool()>& is_wanted, co
     error = fmt::format("the program cannot be started: {}", std::strerror(failed));
     return false;
   }
-  const ListedChild listed(child);
   int status = 0;
   bool wanted = true;
+  std::chrono::steady_clock::time_point last_moment;
   for (;;) {
-    const pid_t ended = ::waitpid(child, &status, wanted ? WNOHANG : 0);
+    const pid_t ended = ::waitpid(child, &status, WNOHANG);
     if (ended == child || (ended < 0 && errno != EINTR)) break;
+    const auto now = std::chrono::steady_clock::now();
     if (wanted && !is_wanted()) {
       wanted = false;
-      ::kill(child, SIGKILL);
+      last_moment = now + kGrace;
+      ::kill(child, SIGTERM);
     }
-    if (wanted) std::this_thread::sleep_for(kLook);
+    if (!wanted && now > last_moment) ::kill(child, SIGKILL);
+    std::this_thread::sleep_for(kLook);
   }
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0 && wanted) return true;
   error = !wanted             ? "saving was cancelled"

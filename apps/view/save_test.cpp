@@ -90,20 +90,29 @@ TEST_F(ViewSave, EndsWhenItIsNotWanted) {
   EXPECT_EQ(::kill(std::stoi(text_of(folder_ / "pid")), 0), -1);
 }
 
-TEST(ViewTemporary, ASignalHandlerRemovesEverything) {
-  const pid_t child = ::fork();
-  if (child == 0) ::execl("/bin/sleep", "sleep", "60", nullptr);
-  const ListedChild listed(child);
-  const auto folder = TemporaryFolder::create();
-  ASSERT_TRUE(folder);
-  fs::create_directories(folder->path() / "a");
-  for (const char* name : {"saved.png", "a/model.obj", "a/wood.png"}) std::ofstream(folder->path() / name) << name;
-  fs::create_directory_symlink("/usr", folder->path() / "a" / "link");
-  for (int i = 0; i < 500; ++i) std::ofstream(folder->path() / "a" / std::to_string(i)) << i;
-  abandon_view();
-  EXPECT_FALSE(fs::exists(folder->path()));
+TEST_F(ViewSave, ACancelledProgramMayRemoveItsFiles) {
+  const fs::path program = folder_ / "tidy";
+  write("tidy", "#!/bin/sh\ntrap 'rm " + (folder_ / "part").string() + "; exit 1' TERM\ntouch " +
+                    (folder_ / "part").string() + "\nwhile :; do sleep 0.1; done\n");
+  fs::permissions(program, fs::perms::owner_all);
+  save_picture(
+      subject(), request("png"), folder_, [&] { return !fs::exists(folder_ / "part"); }, program);
+  EXPECT_FALSE(fs::exists(folder_ / "part"));
+}
+
+TEST(ViewTemporary, TheFolderIsPrivateAndRemoved) {
+  fs::path path;
+  {
+    const auto folder = TemporaryFolder::create();
+    ASSERT_TRUE(folder);
+    path = folder->path();
+    EXPECT_EQ(fs::status(path).permissions(), fs::perms::owner_all);
+    fs::create_directories(path / "a");
+    fs::create_directory_symlink("/usr", path / "a" / "link");
+    std::ofstream(path / "a" / "model.obj") << "v";
+  }
+  EXPECT_FALSE(fs::exists(path));
   EXPECT_TRUE(fs::exists("/usr/bin"));
-  EXPECT_EQ(::kill(child, 0), -1);
 }
 
 }  // namespace

@@ -42,6 +42,17 @@ struct Page {
   Outbox outbox;
 };
 
+/// Calls a handler for civetweb, a C library, through which no exception may pass. Returns `failed` after one, such as
+/// for lack of memory.
+template <class Work>
+std::invoke_result_t<Work> without_exceptions(const Work& work, std::invoke_result_t<Work> failed) noexcept {
+  try {
+    return work();
+  } catch (...) {
+    return failed;
+  }
+}
+
 }  // namespace
 
 class Server::Impl {
@@ -128,7 +139,9 @@ Result<void> Server::Impl::start() {
                            nullptr};
   mg_callbacks callbacks{};
   callbacks.begin_request = [](mg_connection* connection) {
-    return static_cast<Impl*>(::mg_get_user_context_data(connection))->answer(connection);
+    constexpr int kAnswered = 1;
+    return without_exceptions(
+        [&] { return static_cast<Impl*>(::mg_get_user_context_data(connection))->answer(connection); }, kAnswered);
   };
   callbacks.log_message = [](const mg_connection*, const char*) { return 1; };
   context_ = ::mg_start(&callbacks, this, options);
@@ -138,14 +151,18 @@ Result<void> Server::Impl::start() {
   port_ = ports[0].port;
   ::mg_set_websocket_handler(
       context_, fmt::format("/{}/socket$", token_).c_str(), nullptr,
-      [](mg_connection* connection, void* server) { static_cast<Impl*>(server)->open_page(connection); },
+      [](mg_connection* connection, void* server) {
+        const auto open = [&] { return static_cast<Impl*>(server)->open_page(connection), true; };
+        if (!without_exceptions(open, false)) ::shutdown(socket_of(connection), SHUT_RDWR);
+      },
       [](mg_connection* connection, int bits, char* data, std::size_t size, void* server) {
         auto* page = static_cast<Page*>(::mg_get_user_connection_data(connection));
-        return int(static_cast<Impl*>(server)->receive(*page, bits, {data, size}));
+        const auto receive = [&] { return page && static_cast<Impl*>(server)->receive(*page, bits, {data, size}); };
+        return int(without_exceptions(receive, false));
       },
       [](const mg_connection* connection, void* server) {
         auto* page = static_cast<Page*>(::mg_get_user_connection_data(connection));
-        static_cast<Impl*>(server)->close_page(*page);
+        if (page) without_exceptions([&] { return static_cast<Impl*>(server)->close_page(*page), true; }, false);
       },
       this);
   return {};

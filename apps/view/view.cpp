@@ -11,6 +11,8 @@
 #include "apps/view/save.h"
 #include "apps/view/server.h"
 #include "apps/view/tables.h"
+#include "io/image_file.h"
+#include "renderer/recipe.h"
 
 namespace umbrage::view {
 namespace {
@@ -29,7 +31,9 @@ std::string name_of(const std::string& file) {
 
 struct Viewer::Parts {
   nlohmann::json tables;  // of the message hello, without the models
-  std::mutex mutex;       // guards the members up to `server`
+  std::mutex lists;       // held while a list of models is made and sent, so that no page keeps an older one
+  std::timed_mutex saving;
+  std::mutex mutex;  // guards the members up to `sender`
   std::set<PageId> pages;
   bool had_pages = false;
   Clock::time_point last_closed = {};
@@ -56,12 +60,15 @@ struct Viewer::Parts {
   }
 
   void opened(PageId page) {
+    const std::lock_guard order(lists);
+    {
+      const std::lock_guard lock(mutex);
+      pages.insert(page);
+      had_pages = true;
+    }
     nlohmann::json hello = tables;
     hello["models"] = drawing->models();
     send(page, text_of_json(hello));
-    const std::lock_guard lock(mutex);
-    pages.insert(page);
-    had_pages = true;
   }
 
   void closed(PageId page) {
@@ -95,6 +102,7 @@ struct Viewer::Parts {
       send(page, environment_text(open.file));
       return {};
     }
+    const std::lock_guard order(lists);
     const int id =
         drawing->add_model({.file = path->string(), .name = name_of(open.file), .is_gbuffer = open.as == "gbuffer"});
     nlohmann::json list = {{"type", "models"}, {"models", drawing->models()}};
@@ -119,7 +127,12 @@ struct Viewer::Parts {
       if (const auto path = server->upload(file)) file = path->string();
   }
 
-  HttpAnswer save(Save save, const std::function<bool()>& is_wanted) const {
+  /// Saves one picture at a time: each takes all cores.
+  HttpAnswer save(Save save, const std::function<bool()>& is_wanted) {
+    constexpr std::chrono::milliseconds kLook(50);
+    std::unique_lock lock(saving, std::defer_lock);
+    while (!lock.try_lock_for(kLook))
+      if (!is_wanted()) return error_answer(400, "saving was cancelled");
     if (!drawing->has_model(save.model)) return error_answer(400, fmt::format("there is no model {}", save.model));
     use_upload(save.options);
     const ModelSource model = drawing->model_source(save.model);
@@ -141,10 +154,14 @@ Result<std::unique_ptr<Viewer>> Viewer::start(Settings settings) {
                           .device = settings.request.device,
                           .threads = settings.request.threads,
                           .watch = settings.watch};
-  for (const ViewedFile& file : settings.models) {
+  for (ViewedFile& file : settings.models) {
     std::error_code ignored;
     if (!file.file.starts_with("scene:") && !std::filesystem::exists(file.file, ignored))
       return file_error("'{}' does not exist", file.file);
+    if (file.file.starts_with('-')) file.file.insert(0, "./");  // commands would take it for an option
+    Request request = settings.request;
+    request.model = file.file;
+    if (const auto recipe = make_recipe(request); !file.is_gbuffer && !recipe) return recipe.error();
     drawing.models.push_back({.file = file.file, .name = name_of(file.file), .is_gbuffer = file.is_gbuffer});
   }
   auto drawer = Drawing::start(
@@ -171,6 +188,16 @@ Result<std::unique_ptr<Viewer>> Viewer::start(Settings settings) {
 }
 
 std::string Viewer::address() const { return parts_->server->address(); }
+
+Result<std::string> Viewer::launcher() const {
+  const std::filesystem::path file = parts_->server->uploads() / "open.html";  // no drop has a `.` in its name
+  const std::string page = fmt::format(
+      "<!doctype html><meta charset=\"utf-8\"><title>Umbrage</title><meta http-equiv=\"refresh\" content=\"0;url={0}\">"
+      "<a href=\"{0}\">Open the viewer</a>\n",
+      address());
+  if (auto written = write_text(file, page); !written) return written.error();
+  return file.string();
+}
 
 std::vector<std::string> Viewer::warnings() const {
   const std::string warning = parts_->server->warning();

@@ -36,6 +36,8 @@ class Viewer {
   ~Viewer();
   /// Returns the address of the page. Who knows it can use the viewer.
   std::string address() const;
+  /// Writes a file that only the user may read and that leads a browser to the page. Returns its name. Errors: kFile.
+  Result<std::string> launcher() const;
   /// Returns what the user should know before the page opens.
   std::vector<std::string> warnings() const;
   /// Returns whether pages were open and all have been closed for a while, longer than a reload takes.
