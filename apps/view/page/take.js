@@ -46,7 +46,7 @@ function for_fields(side, write) {
 
 const color_values = (text) => {
   const hex = hex_of(text);
-  return hex ? [1, 3, 5].map((i) => Number((parseInt(hex.slice(i, i + 2), 16) / 255).toFixed(4))) : null;
+  return hex ? [1, 3, 5].map((i) => Number((parseInt(hex.slice(i, i + 2), 16) / 255).toFixed(7))) : null;
 };
 
 /// Returns the numbers of an option that is a list of numbers, else null.
