@@ -56,7 +56,14 @@ std::string model_text(int model, const ModelFacts& facts, const std::optional<V
     json["up"] = {facts.up.x, facts.up.y, facts.up.z};
   } else {
     json["size"] = {facts.width, facts.height};
+    if (!facts.look.empty()) json["look"] = facts.look;
   }
+  return text_of_json(json);
+}
+
+std::string pick_text(const std::optional<glm::dvec3>& point) {
+  nlohmann::json json = {{"type", "pick"}, {"point", nullptr}};
+  if (point) json["point"] = {point->x, point->y, point->z};
   return text_of_json(json);
 }
 

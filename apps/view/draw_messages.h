@@ -31,6 +31,9 @@ std::string frame_text(const FrameHeader& header, const Encoded& encoded, double
 /// Returns the message about a loaded model; `camera`: the first one, unless it is a G-buffer.
 std::string model_text(int model, const ModelFacts& facts, const std::optional<ViewCamera>& camera, long version);
 
+/// Returns the answer to a Pick: the point, in the coordinates of the file, or that there is no surface.
+std::string pick_text(const std::optional<glm::dvec3>& point);
+
 /// Returns the options of a view's camera as one text, to compare them.
 std::string camera_text(const View& view);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "apps/view/draw_messages.h"
@@ -77,6 +78,12 @@ void Drawing::set_state(PageId id, State state) {
   changed_.notify_all();
 }
 
+void Drawing::pick(PageId id, Pick pick) {
+  const std::lock_guard lock(mutex_);
+  pages_[id].pick = pick;
+  changed_.notify_all();
+}
+
 void Drawing::acknowledge(PageId id, std::int64_t frame) {
   const std::lock_guard lock(mutex_);
   const auto page = pages_.find(id);
@@ -97,13 +104,21 @@ void Drawing::close(PageId id) {
 std::optional<Drawing::Task> Drawing::next_task() {
   std::optional<Task> best;
   const auto consider = [&](PageId id, const Page& page) {
+    if (page.pick && page.state && (!best || best->step != Step::kPick))
+      best = Task{.page = id, .state = page.state, .revision = page.revision, .step = Step::kPick, .pick = *page.pick};
     if (page.unacknowledged.size() >= kMaxUnacknowledged) return;
     for (std::size_t view = 0; view < page.views.size(); ++view) {
       const Progress& progress = page.views[view];
       if (progress.next == Step::kDone) continue;
       const bool refines = best && best->step == Step::kRefined && progress.next == Step::kRefined;
       if (!best || progress.next < best->step || (refines && progress.spent < best->spent))
-        best = Task{id, page.state, page.revision, int(view), progress.next, progress.samples, progress.spent};
+        best = Task{.page = id,
+                    .state = page.state,
+                    .revision = page.revision,
+                    .view = int(view),
+                    .step = progress.next,
+                    .samples = progress.samples,
+                    .spent = progress.spent};
     }
   };
   for (auto page = pages_.upper_bound(last_page_); page != pages_.end(); ++page) consider(page->first, page->second);
@@ -115,14 +130,15 @@ bool Drawing::is_wanted(const Task& task) {
   const std::lock_guard lock(mutex_);
   const auto page = pages_.find(task.page);
   if (stopping_ || page == pages_.end()) return false;
-  // Each moving picture is finished, since newer states may arrive faster than any can be drawn.
-  return task.step == Step::kMoving || page->second.revision == task.revision;
+  // Each moving picture and point is finished, since newer states may arrive faster than any can be drawn.
+  return task.step <= Step::kMoving || page->second.revision == task.revision;
 }
 
-bool Drawing::is_urgent_elsewhere() {
+/// Returns whether there is work more urgent than this.
+bool Drawing::is_urgent_elsewhere(Step limit) {
   const std::lock_guard lock(mutex_);
   const auto next = next_task();
-  return next && next->step < Step::kRefined;
+  return next && next->step < limit;
 }
 
 /// Returns whether another view is due for further samples.
@@ -142,6 +158,7 @@ void Drawing::run() {
     changed_.wait(lock, [&] { return stopping_ || (task = next_task()); });
     if (stopping_) return;
     last_page_ = task->page;
+    if (task->step == Step::kPick) pages_[task->page].pick.reset();
     lock.unlock();
     task_begin_ = Clock::now();
     const auto purpose = [&] {
@@ -159,7 +176,7 @@ void Drawing::finish(const Task& task, const Result<void>& done) {
   if (!done && !interrupted) send_error(task, done.error());
   const std::lock_guard lock(mutex_);
   const auto page = pages_.find(task.page);
-  if (page == pages_.end() || page->second.revision != task.revision) return;
+  if (task.step == Step::kPick || page == pages_.end() || page->second.revision != task.revision) return;
   Progress& progress = page->second.views[std::size_t(task.view)];
   progress.spent = task.spent + (Clock::now() - task_begin_);
   if (!done && !interrupted)
@@ -292,6 +309,7 @@ std::pair<int, int> Drawing::moving_size(const Task& task, const std::string& ke
 }
 
 Result<void> Drawing::draw(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request) {
+  if (task.step == Step::kPick) return find_point(task, model, device, request);
   if (task.shown().show == "error") return draw_error(task, model, device, request);
   if (task.step <= Step::kQuick) return draw_draft(task, model, device, request);
   auto last_sent = Clock::now();
@@ -299,7 +317,7 @@ Result<void> Drawing::draw(const Task& task, ViewModel& model, DrawingDevice& de
   DrawControl control{.max_samples = kMaxRefinedSamples};
   control.monitor = [&](double progress) {
     if (sent == 0) report(task, progress);
-    return is_wanted(task) && (sent == 0 || !is_urgent_elsewhere());
+    return is_wanted(task) && !is_urgent_elsewhere(sent == 0 ? Step::kMoving : Step::kRefined);
   };
   bool ends = false;
   control.wants_mean = [&](int samples) {
@@ -309,7 +327,7 @@ Result<void> Drawing::draw(const Task& task, ViewModel& model, DrawingDevice& de
     return samples > sent && (sent == 0 || is_better || ends);
   };
   control.wants_another = [&](int) {
-    return !ends && is_wanted(task) && !is_urgent_elsewhere() && wait_for_page(task);
+    return !ends && is_wanted(task) && !is_urgent_elsewhere(Step::kRefined) && wait_for_page(task);
   };
   Request refined = request;
   if (averages_few_rays(request)) {
@@ -338,7 +356,7 @@ Result<void> Drawing::draw_error(const Task& task, ViewModel& model, DrawingDevi
   DrawControl control{.moving = is_moving, .aspect = double(request.width) / request.height};
   control.monitor = [&](double progress) {
     report(task, progress);
-    return is_wanted(task) && (task.step != Step::kRefined || !is_urgent_elsewhere());
+    return is_wanted(task) && !is_urgent_elsewhere(task.step == Step::kRefined ? Step::kRefined : Step::kMoving);
   };
   // While only settings change, the ground truth of this camera and size stays as it is.
   if (is_moving)
@@ -386,6 +404,19 @@ Result<void> Drawing::draw_draft(const Task& task, ViewModel& model, DrawingDevi
   moving_camera_ = camera_text(task.shown());
   if (!is_quick || traced) moving_size_ = {draft.width, draft.height};
   return drawn;
+}
+
+Result<void> Drawing::find_point(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request) {
+  constexpr int kMaxWidth = 512;  // pixels
+  Request small = moving_request(request);
+  small.width = std::min(request.width, kMaxWidth);
+  small.height = std::max(int(std::lround(double(request.height) * small.width / request.width)), 1);
+  DrawControl control{.moving = true, .aspect = double(request.width) / request.height, .monitor = monitor_of(task)};
+  StageTimes times;
+  const auto point = model.surface_at(device, small, task.pick.x, task.pick.y, control, times);
+  if (!point) return point.error();
+  send_.text(task.page, pick_text(*point));
+  return {};
 }
 
 /// Waits until the page has acknowledged enough frames. Returns false if there is other work first.

@@ -57,6 +57,8 @@ class Drawing {
 
   /// Sets the newest state of a page.
   void set_state(PageId page, State state);
+  /// Answers which point of the surface the newest state shows: see pick_text.
+  void pick(PageId page, Pick pick);
   void acknowledge(PageId page, std::int64_t frame);
   void close(PageId page);
   /// Adds a file to those that pages can choose and returns its id.
@@ -70,8 +72,8 @@ class Drawing {
   long drawn() const { return drawn_; }
 
  private:
-  /// What a view of a state still needs.
-  enum class Step { kMoving, kQuick, kExact, kRefined, kDone };
+  /// What a view of a state still needs, the most urgent first; a page may also ask for a point.
+  enum class Step { kPick, kMoving, kQuick, kExact, kRefined, kDone };
   struct Progress {
     Step next = Step::kDone;
     int samples = 0;  ///< of the last picture at rest that was sent; 0: none
@@ -82,6 +84,7 @@ class Drawing {
     std::shared_ptr<const State> state;
     long revision = 0;  ///< grows with each state
     std::vector<Progress> views;
+    std::optional<Pick> pick;
     std::set<std::int64_t> unacknowledged;
     std::map<int, long> versions;  ///< of the models that the page knows
   };
@@ -94,6 +97,7 @@ class Drawing {
     Step step = Step::kDone;
     int samples = 0;
     std::chrono::steady_clock::duration spent{};  ///< as in Progress, before this picture
+    Pick pick = {};
     const View& shown() const { return state->views[std::size_t(view)]; }
   };
 
@@ -102,7 +106,7 @@ class Drawing {
   void watch();
   std::optional<Task> next_task();
   bool is_wanted(const Task& task);
-  bool is_urgent_elsewhere();
+  bool is_urgent_elsewhere(Step limit);
   bool is_turn_over(const Task& task);
   bool wait_for_page(const Task& task);
   void forget_frame(PageId id, std::int64_t frame);
@@ -112,6 +116,7 @@ class Drawing {
   Result<void> draw(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request);
   Result<void> draw_draft(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request);
   Result<void> draw_error(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request);
+  Result<void> find_point(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request);
   Result<ModelList::Loaded> load(const Task& task, const Request& request);
   Result<void> send_model(const Task& task, const ModelList::Loaded& loaded, const Request& request);
   Result<DrawingDevice*> device_of(const Task& task);

@@ -8,6 +8,8 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 
 #include "io/image_file.h"
@@ -82,6 +84,10 @@ class Pages {
     const std::lock_guard lock(mutex_);
     frames_.clear();
     texts_.clear();
+  }
+  void forget_texts(const std::string& type) {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(texts_, [&](const nlohmann::json& text) { return text["type"] == type; });
   }
   bool acknowledges = true;
 
@@ -272,6 +278,43 @@ TEST(Drawing, LongPicturesTellTheirProgress) {
   pages.forget();
   ASSERT_FALSE(pages.frame(is_exact).image.empty());
   EXPECT_FALSE(pages.text("status", R"("text":"")").is_null()) << "cleared";
+}
+
+TEST(Drawing, PicksThePointOfTheSurface) {
+  Pages pages({kSolids});
+  std::int64_t id = 0;
+  const auto pick = [&](const glm::dvec3& eye, const glm::dvec3& focus, bool orthographic, double x, double y) {
+    const auto text = [](const glm::dvec3& v) { return fmt::format("{},{},{}", v.x, v.y, v.z); };
+    State state = state_of(++id, false,
+                           {{"camera-position", {text(eye)}},
+                            {"camera-focal-point", {text(focus)}},
+                            {"camera-view-up", {"0,1,0"}},
+                            {"camera-view-angle", {"30"}},
+                            {"camera-orthographic", {orthographic ? "true" : "false"}}});
+    state.width = 1000;
+    state.height = 600;
+    pages.drawing().set_state(kPage, state);
+    pages.drawing().pick(kPage, {.id = id, .x = x, .y = y});
+    const nlohmann::json point = pages.text("pick");
+    pages.forget_texts("pick");
+    return point["point"];
+  };
+  const auto vector_of = [](const nlohmann::json& v) { return glm::dvec3(v.at(0), v.at(1), v.at(2)); };
+  const glm::dvec3 eye(3.0, 2.0, 4.0), focus(0.0, 0.4, 0.0);
+  const nlohmann::json found = pick(eye, focus, false, 0.4, 0.55);
+  const double max = 0.01 * pages.text("model")["radius"].get<double>();
+  ASSERT_TRUE(found.is_array());
+  const glm::dvec3 point = vector_of(found);
+  const glm::dvec3 forward = glm::normalize(focus - eye);
+  const glm::dvec3 right = glm::normalize(glm::cross(forward, {0.0, 1.0, 0.0})), up = glm::cross(right, forward);
+  const double half = std::tan(glm::radians(15.0));
+  const glm::dvec3 ray = glm::normalize(forward + half * (0.4 * 2 - 1) * (1000.0 / 600.0) * right + half * -0.1 * up);
+  EXPECT_LT(glm::length(glm::cross(point - eye, ray)), max) << "beside the ray";
+  // Nearer cameras that look at the point see it in the middle, at their own depth.
+  const glm::dvec3 nearer = point + 0.3 * (eye - point);
+  EXPECT_LT(glm::length(vector_of(pick(nearer, point, false, 0.5, 0.5)) - point), max);
+  EXPECT_LT(glm::length(vector_of(pick(nearer, point, true, 0.5, 0.5)) - point), max);
+  EXPECT_TRUE(pick(eye, focus, false, 0.5, 0.0).is_null()) << "the sky";
 }
 
 TEST(Drawing, StormsOfStatesAreAnsweredByTheLast) {

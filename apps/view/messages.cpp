@@ -4,6 +4,8 @@
 #include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <tuple>
+#include <utility>
 
 #include "renderer/options.h"
 
@@ -61,6 +63,19 @@ class Fields {
     if (fits && value.get<std::int64_t>() >= min && value.get<std::int64_t>() <= max) return value.get<std::int64_t>();
     fail(usage_error("the {} of a message must be an integer from {} to {}", name, min, max));
     return min;
+  }
+
+  /// Returns a pair of numbers.
+  std::pair<double, double> numbers(const char* name, double min, double max) {
+    const Json* value = find(name);
+    if (!value) return {min, min};
+    const auto fits = [&](const Json& number) {
+      return number.is_number() && number.get<double>() >= min && number.get<double>() <= max;
+    };
+    if (value->is_array() && value->size() == 2 && fits((*value)[0]) && fits((*value)[1]))
+      return {(*value)[0].get<double>(), (*value)[1].get<double>()};
+    fail(usage_error("the {} of a message must be two numbers from {} to {}", name, min, max));
+    return {min, min};
   }
 
   bool flag(const char* name) {
@@ -178,6 +193,14 @@ Result<Message> parse_ack(const Json& object) {
   return Message(ack);
 }
 
+Result<Message> parse_pick(const Json& object) {
+  Fields fields(object);
+  Pick pick{.id = fields.integer("id", 0, kMaxNumber)};
+  std::tie(pick.x, pick.y) = fields.numbers("at", 0.0, 1.0);
+  if (fields.error()) return *fields.error();
+  return Message(pick);
+}
+
 }  // namespace
 
 Result<Message> parse_message(std::string_view text) {
@@ -188,7 +211,8 @@ Result<Message> parse_message(std::string_view text) {
   if (*type == "state") return parse_state(*object);
   if (*type == "open") return parse_open(*object);
   if (*type == "ack") return parse_ack(*object);
-  return usage_error("the type of a message must be state, open or ack");
+  if (*type == "pick") return parse_pick(*object);
+  return usage_error("the type of a message must be state, open, ack or pick");
 }
 
 Result<Save> parse_save(std::string_view text) {

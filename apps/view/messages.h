@@ -50,7 +50,14 @@ struct Ack {
   std::int64_t frame = 0;
 };
 
-using Message = std::variant<State, Open, Ack>;
+/// Asks for the surface at a point of the first view of the page's state. `x`, `y`: from the upper left corner, from 0
+/// to 1.
+struct Pick {
+  std::int64_t id = 0;  ///< of the state
+  double x = 0.0, y = 0.0;
+};
+
+using Message = std::variant<State, Open, Ack, Pick>;
 
 /// Returns a page's message. Never throws; the depth of nesting is bounded. Errors: kUsage, one line.
 Result<Message> parse_message(std::string_view text);

@@ -14,6 +14,7 @@ const std::string kState =
     R"({"options":{},"device":"cpu"}]})";
 const std::string kOpen = R"({"type":"open","file":"a1/bunny.obj","as":"model"})";
 const std::string kAck = R"({"type":"ack","frame":12})";
+const std::string kPick = R"({"type":"pick","id":3,"at":[0.25,1]})";
 const std::string kSave =
     R"({"options":{"look":"cartoon","camera-orthographic":"true"},"model":1,"format":"svg","width":640,"height":480})";
 
@@ -51,6 +52,8 @@ void expect_valid(const Message& message) {
   } else if (const auto* open = std::get_if<Open>(&message)) {
     EXPECT_TRUE(open->as == "model" || open->as == "gbuffer" || open->as == "environment");
     EXPECT_EQ(open->file.find('\n'), std::string::npos);
+  } else if (const auto* pick = std::get_if<Pick>(&message)) {
+    EXPECT_TRUE(pick->x >= 0.0 && pick->x <= 1.0 && pick->y >= 0.0 && pick->y <= 1.0) << pick->x << " " << pick->y;
   } else {
     EXPECT_GE(std::get<Ack>(message).frame, 0);
   }
@@ -77,6 +80,11 @@ TEST(ViewMessages, MessagesAreRead) {
   const auto ack = parse_message(kAck);
   ASSERT_TRUE(ack);
   EXPECT_EQ(std::get<Ack>(*ack).frame, 12);
+  const auto pick = parse_message(kPick);
+  ASSERT_TRUE(pick);
+  EXPECT_EQ(std::get<Pick>(*pick).id, 3);
+  EXPECT_EQ(std::get<Pick>(*pick).x, 0.25);
+  EXPECT_EQ(std::get<Pick>(*pick).y, 1.0);
   const auto save = parse_save(kSave);
   ASSERT_TRUE(save);
   EXPECT_EQ(save->format, "svg");
@@ -90,7 +98,7 @@ TEST(ViewMessages, ErrorsAreOneSentence) {
   expect_error(parse_message(""), "not valid JSON");
   expect_error(parse_message("[1]"), "must be a JSON object");
   expect_error(parse_message("{}"), "lacks its type");
-  expect_error(parse_message(R"({"type":"hello"})"), "must be state, open or ack");
+  expect_error(parse_message(R"({"type":"hello"})"), "must be state, open, ack or pick");
   expect_error(parse_message("{\"type\":\"\xff\"}"), "not valid JSON");
   expect_error(parse_message(std::string(60000, '[')), "deep");
   std::string deep;
@@ -113,6 +121,9 @@ TEST(ViewMessages, ErrorsAreOneSentence) {
   expect_error(parse_message(replaced(kState, "\"normal\"", "\"\"")), "the show");
   expect_error(parse_message(replaced(kOpen, "model", "program")), "not as 'program'");
   expect_error(parse_message(replaced(kAck, "12", "1.5")), "the frame");
+  for (const char* at : {"[0.25]", "[0.25,1,0]", "[0.25,1.001]", "[-1e-9,1]", "[1e999,1]", "[\"0\",1]", "null"})
+    EXPECT_FALSE(parse_message(replaced(kPick, "[0.25,1]", at))) << at;
+  expect_error(parse_message(replaced(kPick, "0.25", "2")), "two numbers from 0 to 1");
   expect_error(parse_save(replaced(kSave, "svg", "exe")), "png, exr, svg, jpg or webp");
   expect_error(parse_save(replaced(kSave, "640", "16385")), "from 1 to 16384");
   expect_error(parse_save(replaced(kSave, "640", "0")), "from 1 to 16384");
@@ -127,8 +138,8 @@ TEST(ViewMessages, MutatedMessagesNeverBreakTheProgram) {
   const auto below = [&](std::size_t count) { return std::size_t(random() % count); };
   int accepted = 0;
   for (int i = 0; i < kMutations; ++i) {
-    const std::string* const seeds[] = {&kState, &kOpen, &kAck, &kSave};
-    const std::size_t seed = below(4);
+    const std::string* const seeds[] = {&kState, &kOpen, &kAck, &kPick, &kSave};
+    const std::size_t seed = below(std::size(seeds));
     std::string text = *seeds[seed];
     for (std::size_t changes = 1 + below(3); changes > 0 && !text.empty(); --changes) {
       const std::size_t at = below(text.size()), length = below(std::min<std::size_t>(text.size() - at, 12) + 1);

@@ -88,6 +88,8 @@ struct Viewer::Parts {
       drawing->set_state(page, std::move(*state));
     } else if (const auto* ack = std::get_if<Ack>(&*message)) {
       drawing->acknowledge(page, ack->frame);
+    } else if (const auto* pick = std::get_if<Pick>(&*message)) {
+      drawing->pick(page, *pick);
     } else if (const auto* open = std::get_if<Open>(&*message)) {
       if (auto done = open_upload(page, *open); !done) send(page, error_text(done.error().message));
     }
@@ -175,6 +177,7 @@ Result<std::unique_ptr<Viewer>> Viewer::start(Settings settings) {
   all.tables["command"] = settings.command;
   all.tables["device"] = all.drawing->device_description();
   all.tables["given"] = settings.given;
+  all.tables["picks"] = true;
   auto server = Server::start(
       {.host = settings.host, .port = settings.port, .page = page()},
       {.opened = [&](PageId page) { all.opened(page); },

@@ -97,6 +97,15 @@ ViewCamera options_of(const Camera& camera, const Scene& scene, float view_angle
   return view;
 }
 
+/// Returns the position of a pixel centre at a depth, in the coordinates of the scene.
+glm::dvec3 position_of(const PictureInfo& info, int x, int y, double depth) {
+  const Camera& camera = info.camera;
+  const double scale = camera.projection == Projection::kOrthographic ? 1.0 : depth;
+  const glm::dvec4 position((camera.left + (x + 0.5) * info.pixel_width()) * scale,
+                            (camera.top - (y + 0.5) * info.pixel_height()) * scale, -depth, 1.0);
+  return glm::dvec3(glm::inverse(glm::dmat4(camera.view_from_world)) * position);
+}
+
 /// Gives a camera the window of a picture whose size was rounded, so that nothing is distorted: the width of the window
 /// follows from `aspect`, width / height.
 void set_aspect(double aspect, Camera& camera) {
@@ -139,6 +148,10 @@ Result<std::unique_ptr<ViewModel>> ViewModel::load(const std::string& file, bool
     model->planes_ = GBuffer{.info = opened->info(), .layers = {}};
     model->planes_->layers.push_back(std::move(*rows));
     model->gbuffer_ = std::move(*opened);
+    Request of_file;
+    of_file.gbuffer = settings;
+    // Options may be needed to shade it at all: then the looks that are offered do not matter.
+    if (const auto recipe = make_file_recipe(of_file, *model->gbuffer_)) facts.look = recipe->look->name;
     return model;
   }
   const auto settings = import_settings(request);
@@ -225,6 +238,27 @@ Result<Image> ViewModel::planes(DrawingDevice& device, const Request& request, c
   const std::vector<std::string_view> besides(names.begin(), names.end());
   const auto drawn = draw_scene(device, request, besides, control, times, give);
   return drawn ? Result<Image>(std::move(image)) : drawn.error();
+}
+
+Result<std::optional<glm::dvec3>> ViewModel::surface_at(DrawingDevice& device, const Request& request, double x,
+                                                        double y, const DrawControl& control, StageTimes& times) {
+  std::optional<glm::dvec3> found;
+  if (is_gbuffer()) return found;
+  Request of_depth = request;
+  of_depth.passes = {"depth"};
+  const auto give = [&](const Recipe&, const Frame& frame, int, bool) -> Result<void> {
+    const auto planes = download_passes(*device.device, frame, {"depth"});
+    if (!planes) return planes.error();
+    const Plane& depth = planes->plane("depth");
+    const int column = std::clamp(int(x * depth.width), 0, depth.width - 1);
+    const int row = std::clamp(int(y * depth.height), 0, depth.height - 1);
+    const float at = depth.at(column, row);
+    if (std::isfinite(at)) found = completed_.scene->origin + position_of(inner_info(frame.info), column, row, at);
+    return {};
+  };
+  constexpr std::string_view kBesides[] = {"depth"};
+  const auto drawn = draw_scene(device, of_depth, kBesides, control, times, give);
+  return drawn ? Result<std::optional<glm::dvec3>>(found) : drawn.error();
 }
 
 Result<void> ViewModel::draw_scene(DrawingDevice& device, const Request& request,

@@ -46,6 +46,7 @@ struct ModelFacts {
   double radius = 1.0;
   glm::vec3 up{0.0f, 1.0f, 0.0f};
   int width = 0, height = 0;  ///< of a G-buffer, pixels; else 0
+  std::string look;           ///< of a G-buffer: that which shades it if none is chosen; else empty
 };
 
 /// A camera as options of the command line describe it, in the coordinates of the file.
@@ -82,6 +83,12 @@ class ViewModel {
   /// surface. A G-buffer has no such planes: kUsage.
   Result<Image> planes(DrawingDevice& device, const Request& request, const std::vector<std::string>& names,
                        const DrawControl& control, StageTimes& times);
+
+  /// Returns the point of the surface that a request shows at a pixel centre next to (`x`, `y`), both from 0 to 1 from
+  /// the upper left corner: in the coordinates of the file. Nothing if there is no surface, or it is a G-buffer.
+  /// Errors: those of draw.
+  Result<std::optional<glm::dvec3>> surface_at(DrawingDevice& device, const Request& request, double x, double y,
+                                               const DrawControl& control, StageTimes& times);
 
   /// Forgets what a device that is about to be destroyed has captured.
   void forget_captures();

@@ -404,6 +404,7 @@ Seeds page_message_seeds() {
   return {R"({"type":"state","id":17,"moving":true,"size":[1280,720],"model":0,"views":[{"options":{"look":"studio",
 "set":["bitmask.slices=8"]},"show":"picture"},{"options":{},"show":"normal","device":"cpu"}]})",
           R"({"type":"open","file":"a1/bunny.obj","as":"gbuffer"})", R"({"type":"ack","frame":5})",
+          R"({"type":"pick","id":17,"at":[0.25,0.75]})",
           R"({"options":{"camera-position":"1,2,3"},"model":0,"format":"png","width":640,"height":480})"};
 }
 

@@ -166,7 +166,7 @@ function described_select(id, label, choices, summary_of, chosen) {
 }
 
 function look_section() {
-  const is_auto = () => is_flat() && !side_edited().options.look;
+  const is_auto = () => is_flat() && !scene_now()?.look && !side_edited().options.look;
   const look = described_select(
     "look",
     "Look",
@@ -197,7 +197,7 @@ function look_section() {
       const looks = state.hello.looks
         .filter((entry) => is_flat() || !entry.gbuffer)
         .map((entry) => [entry.name, entry.name]);
-      if (is_flat()) look.refresh(side.options.look ?? "", [["", "auto (by the planes)"], ...looks]);
+      if (is_flat()) look.refresh(side.options.look ?? "", [["", `auto (${scene_now()?.look ?? "by the planes"})`], ...looks]);
       else look.refresh(look_of(side)?.name, looks);
       const own = technique_of_look(side);
       const techniques = (option_named("ao")?.choices ?? []).filter((name) => name !== "reference");
