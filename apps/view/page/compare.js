@@ -1,6 +1,6 @@
 // The section that compares two states of one view: A, and B or the ray-traced reference.
 import { element, section, segments, by_id, announce } from "./dom.js";
-import { state, hooks, copy_of, side_edited, kComparisons } from "./state.js";
+import { state, hooks, copy_of, side_edited, kComparisons, kGains } from "./state.js";
 import { draw, stage, update_flicker } from "./stage.js";
 
 let modes = null,
@@ -72,14 +72,11 @@ export function compare_section() {
   gain = segments(
     "Difference times",
     "gain",
-    [
-      ["1", "1"],
-      ["4", "4"],
-      ["16", "16"],
-    ],
+    kGains.map((factor) => [String(factor), String(factor)]),
     (value) => {
       state.gain = Number(value);
       draw();
+      hooks.remember();
     },
   );
   const button = (id, text, title, act) => element("button", { type: "button", id, text, title, on_click: act });

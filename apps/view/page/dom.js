@@ -49,10 +49,13 @@ export function announce(text) {
   announce.timer = setTimeout(() => (by_id("said").textContent = ""), 4000);
 }
 
-/// Shows an error until it is dismissed or `forgive` is called with its key.
-export function complain(text, key = "") {
+const kMaxErrors = 4; // boxes shown at once
+
+/// Shows an error until it is dismissed. With a key it replaces the one of the same key, and `forgive` removes it.
+export function complain(text, key) {
   const box = by_id("errors");
-  for (const old of [...box.children]) if (old.dataset.key === key || old.firstChild.textContent === text) old.remove();
+  if (key) forgive(key);
+  for (const old of [...box.children]) if (old.firstChild.textContent === text) old.remove();
   const close = element("button", {
     type: "button",
     "aria-label": "Dismiss",
@@ -66,11 +69,18 @@ export function complain(text, key = "") {
     close,
   );
   box.append(shown);
-  while (box.children.length > 4) box.firstChild.remove();
+  while (box.children.length > kMaxErrors) (box.querySelector("[data-key]") ?? box.firstChild).remove();
 }
 
 export function forgive(key) {
   for (const old of [...by_id("errors").children]) if (old.dataset.key === key) old.remove();
+}
+
+/// Names options that are left out, if there are any. `source`: where they come from.
+export function complain_of_unknown(names, source) {
+  if (!names.length) return;
+  const is_one = names.length === 1;
+  complain(`${source}: the program does not know ${names.join(", ")}, which ${is_one ? "is" : "are"} left out.`);
 }
 
 /// Gives the user a file.

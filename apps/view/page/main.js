@@ -1,10 +1,10 @@
 // The page of `umbrage view`: connects the parts.
-import { by_id, announce, complain, forgive, element } from "./dom.js";
-import { state, hooks, view_of, side_b, side_edited, scene_now, model_now, scene_for_camera, is_flat, fragment_of_state, take_fragment } from "./state.js";
+import { by_id, announce, complain, complain_of_unknown, forgive, element } from "./dom.js";
+import { state, hooks, view_of, side_b, side_edited, scene_now, model_now, scene_for_camera, is_flat, fragment_of_state, take_fragment, home_camera } from "./state.js";
 import { parse_vector, plus } from "./math.js";
 import { camera_from, flown, viewed_from, with_pivot, point_under } from "./camera.js";
 import { new_link } from "./link.js";
-import { stage, draw, show_frame, forget_pictures, needs_b, size_asked, size_shown, watch_size, update_flicker, attach_divider } from "./stage.js";
+import { stage, draw, show_frame, forget_b, needs_b, size_asked, size_shown, watch_size, update_flicker, attach_divider } from "./stage.js";
 import { make_panels, refresh_panels } from "./panels.js";
 import { compare_section, refresh_compare } from "./compare.js";
 import { times_section, note_time, draw_times, ms_text } from "./graph.js";
@@ -67,8 +67,19 @@ function remember() {
   }, kFragment_ms);
 }
 
-function changed(moving) {
+/// Takes the address, whose unknown entries are named and removed.
+function take_address() {
+  complain_of_unknown(take_fragment(location.hash), "The link");
+}
+
+/// B is no longer that of the state, unless it is drawn with it.
+function leave_b() {
   if (!stage.is_held) stage.wants_b = false;
+  if (!needs_b()) forget_b(link.id);
+}
+
+function changed(moving) {
+  leave_b();
   link.changed(moving);
   expect_frame();
   schedule_refresh();
@@ -77,7 +88,7 @@ function changed(moving) {
 
 function set_camera(camera, moving) {
   state.cameras.set(state.model, { ...camera, is_home: false });
-  if (!stage.is_held) stage.wants_b = false;
+  leave_b();
   link.changed(moving);
   expect_frame();
   remember();
@@ -121,6 +132,7 @@ const act = {
 Object.assign(hooks, {
   link,
   changed,
+  remember,
   refresh: schedule_refresh,
   status: show_work,
   take_camera(options) {
@@ -130,8 +142,8 @@ Object.assign(hooks, {
   view: (name) => act.gesture((camera, size, scene) => viewed_from(camera, name, size, scene)),
   reset() {
     state.flat = { scale: 1, x: 0, y: 0 };
-    const home = camera_from(scene_now()?.camera ?? {});
-    if (home) state.cameras.set(state.model, { ...home, is_home: true });
+    const home = home_camera(state.model);
+    if (home) state.cameras.set(state.model, home);
     changed(false);
   },
   next_model(step) {
@@ -144,6 +156,7 @@ function select_model(id) {
   if (id === state.model) return;
   state.model = id;
   state.flat = { scale: 1, x: 0, y: 0 };
+  forget_b(link.id);
   show_models();
   changed(false);
   announce(model_now().name);
@@ -192,10 +205,7 @@ function take_hello(hello) {
   const is_again = !!state.hello;
   state.hello = hello;
   state.models = hello.models ?? [];
-  if (!is_again) {
-    state.model = state.models[0]?.id ?? 0;
-    take_fragment(location.hash);
-  }
+  if (!is_again) take_address();
   state.scenes.clear();
   build_panels();
   by_id("device_name").textContent = hello.device ?? "";
@@ -217,8 +227,8 @@ function take_models(message) {
 function take_model(message) {
   state.scenes.set(message.model, message);
   const camera = state.cameras.get(message.model),
-    home = camera_from(message.camera ?? {});
-  if (home && (!camera || camera.is_home)) state.cameras.set(message.model, { ...home, is_home: true });
+    home = home_camera(message.model);
+  if (home && (!camera || camera.is_home)) state.cameras.set(message.model, home);
   if (message.model === state.model) {
     show_summary();
     changed(false);
@@ -299,9 +309,12 @@ function start() {
   by_id("reconnect").addEventListener("click", () => link.connect());
   addEventListener("hashchange", () => {
     if (!state.hello || location.hash.slice(1) === own_fragment) return;
-    take_fragment(location.hash);
+    state.flat = { scale: 1, x: 0, y: 0 };
+    take_address();
+    forget_b(link.id);
     show_models();
     changed(false);
+    update_flicker();
   });
   document.addEventListener("visibilitychange", update_flicker);
   link.connect();

@@ -9,8 +9,17 @@ const kMaxPixelRatio = 2,
 const kFlicker_ms = 500,
   kCalmFlicker_ms = 1200;
 
-/// `pictures`: the newest frame of each side, {bitmap, header}. `is_held`: B is shown while a key is held.
-export const stage = { pictures: [null, null], is_held: false, wants_b: false, phase: 0, frames: 0, last: null };
+/// `pictures`: the newest frame of each side, {bitmap, header}. `is_held`: B is shown while a key is held. `wants_b`: B is
+/// kept after that, until the state changes. `b_after`: B belongs to the state shown only in frames of a later id.
+export const stage = {
+  pictures: [null, null],
+  is_held: false,
+  wants_b: false,
+  b_after: 0,
+  phase: 0,
+  frames: 0,
+  last: null,
+};
 
 const needs_canvas = () => by_id("picture");
 
@@ -54,8 +63,11 @@ export async function show_frame(header, blob, shown) {
     bitmap = await createImageBitmap(blob);
   } finally {
     const old = stage.pictures[header.view];
+    const is_wanted = header.view === 0 || header.id > stage.b_after;
     const is_newer =
-      bitmap && (!old || header.id > old.header.id || (header.id === old.header.id && header.frame > old.header.frame));
+      bitmap &&
+      is_wanted &&
+      (!old || header.id > old.header.id || (header.id === old.header.id && header.frame > old.header.frame));
     if (is_newer) {
       old?.bitmap.close();
       stage.pictures[header.view] = { bitmap, header };
@@ -69,10 +81,11 @@ export async function show_frame(header, blob, shown) {
   }
 }
 
-export function forget_pictures() {
-  for (const picture of stage.pictures) picture?.bitmap.close();
-  stage.pictures = [null, null];
-  draw();
+/// Drops the picture of B, and those that come for states up to `id`: they show another camera or other settings.
+export function forget_b(id) {
+  stage.pictures[1]?.bitmap.close();
+  stage.pictures[1] = null;
+  stage.b_after = id;
 }
 
 /// Returns the place of a bitmap on the canvas: [x, y, width, height].
@@ -139,7 +152,7 @@ export function draw() {
     put(pen, b);
     pen.restore();
   }
-  draw_tags(seen, !!b);
+  draw_tags(seen, !b || (!!a && !a.header.moving && b.header.id < a.header.id));
 }
 
 function name_of_side(side) {
@@ -147,7 +160,8 @@ function name_of_side(side) {
   return [look_of(side)?.name, what, side.options.quality, side.device].filter(Boolean).join(" · ");
 }
 
-function draw_tags(seen, has_b) {
+/// `is_late`: the picture of B is missing or older than that of A.
+function draw_tags(seen, is_late) {
   const show = (id, is_seen, text) => {
     const tag = by_id(id);
     tag.hidden = !is_seen;
@@ -155,7 +169,7 @@ function draw_tags(seen, has_b) {
   };
   const is_compared = needs_b() && (stage.is_held || state.compare !== "off");
   show("tag_a", is_compared && seen !== "b", "A  " + name_of_side(state.a));
-  show("tag_b", is_compared && seen !== "a", "B  " + name_of_side(side_b()) + (has_b ? "" : " is being drawn"));
+  show("tag_b", is_compared && seen !== "a", "B  " + name_of_side(side_b()) + (is_late ? " is being drawn" : ""));
   by_id("divider").hidden = seen !== "divider";
   by_id("divider").style.left = `${state.split * 100}%`;
   by_id("divider").setAttribute("aria-valuenow", Math.round(state.split * 100));

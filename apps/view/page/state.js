@@ -2,6 +2,10 @@
 // `umbrage render` that differ from the defaults, parameters of effects, what is shown, and the device.
 import { camera_from, camera_options } from "./camera.js";
 
+const kSplit = 0.5; // place of the divider, of the width
+const kGain = 4; // factor of the difference
+export const kGains = [1, 4, 16];
+
 export const state = {
   hello: null, // the tables of the program
   models: [], // [{id, name, kind}]
@@ -12,8 +16,8 @@ export const state = {
   b: null,
   edited: "a", // the side that the panel changes
   compare: "off", // one of kComparisons
-  split: 0.5,
-  gain: 4, // divider, and factor of the difference
+  split: kSplit,
+  gain: kGain,
   flat: { scale: 1, x: 0, y: 0 }, // view of a G-buffer, in the page only
 };
 
@@ -60,23 +64,49 @@ export function scene_for_camera(up_option_direction) {
   return { center: scene.center, radius: scene.radius > 0 ? scene.radius : 1, up: up_option_direction ?? scene.up };
 }
 
-/// Takes the options of a command line or of a file of settings into a side.
+/// Takes the options of a command line or of a file of settings into a side; an empty text is the default of an option.
+/// Returns the names that the program does not know, which are left out.
 export function take_options(side, options) {
-  for (const [name, text] of Object.entries(options ?? {})) {
-    if (name === "set") for (const entry of [text].flat()) take_setting(side, entry);
-    else if (name === "device") side.device = String(text);
-    else if (!kNotSeen.test(name) && !is_default(name, String(text))) side.options[name] = String(text);
+  const unknown = [];
+  for (const [name, value] of Object.entries(options ?? {})) {
+    if (name === "set") unknown.push(...[value].flat().filter((entry) => !take_setting(side, String(entry))));
+    else if (name === "device") side.device = String(value);
+    else if (!kNotSeen.test(name) && !take_option(side, name, String(value))) unknown.push(name);
   }
+  return unknown;
 }
 
-const is_default = (name, text) =>
-  state.hello?.options.some(
-    (option) => option.name === name && option.kind === "flag" && text === (option.initial || "false"),
-  );
+function take_option(side, name, text) {
+  const option = state.hello.options.find((entry) => entry.name === name);
+  if (!option) return false;
+  const is_default = text === "" || (option.kind === "flag" && text === (option.initial || "false"));
+  if (is_default) delete side.options[name];
+  else side.options[name] = text;
+  return true;
+}
 
 function take_setting(side, entry) {
-  const at = String(entry).indexOf("=");
-  if (at > 0) side.set[entry.slice(0, at)] = entry.slice(at + 1);
+  const [name, ...rest] = entry.split("="),
+    text = rest.join("=");
+  const is_known = state.hello.effects.some((effect) =>
+    effect.parameters.some((parameter) => `${effect.name}.${parameter.name}` === name),
+  );
+  if (is_known && text === "") delete side.set[name];
+  else if (is_known) side.set[name] = text;
+  return is_known;
+}
+
+/// Returns the side that the command line sets.
+function given_side() {
+  const side = new_side();
+  take_options(side, state.hello.given);
+  return side;
+}
+
+/// Returns the camera with which a model is first seen, or null before the model is read.
+export function home_camera(model) {
+  const home = camera_from(state.scenes.get(model)?.camera ?? {});
+  return home && { ...home, is_home: true };
 }
 
 export const settings_list = (side) => Object.entries(side.set).map(([name, text]) => `${name}=${text}`);
@@ -97,16 +127,24 @@ export function view_of(side) {
   return view;
 }
 
-// The fragment of the address: readable, `&` between entries, only what differs from the defaults.
+// The fragment of the address: readable, `&` between entries, only what differs from the command line. An empty text is
+// the default of an option that the command line sets.
 
 const quoted = (text) => encodeURIComponent(text).replace(/%(2C|3A|2F|2B|3D|23)/g, (hex) => decodeURIComponent(hex));
 
+/// Returns [name, text] of what differs between two objects; the text is empty for what `base` alone has.
+function differing(object, base) {
+  const names = new Set([...Object.keys(object), ...Object.keys(base)]);
+  return [...names].filter((name) => object[name] !== base[name]).map((name) => [name, object[name] ?? ""]);
+}
+
 function side_entries(side, prefix) {
-  const entries = Object.entries(side.options).map(([name, text]) => [prefix + name, text]);
-  for (const entry of settings_list(side)) entries.push([prefix + "set", entry]);
-  if (side.show !== "picture") entries.push([prefix + "show", side.show]);
-  if (side.device) entries.push([prefix + "device", side.device]);
-  return entries;
+  const base = given_side();
+  const entries = differing(side.options, base.options);
+  for (const [name, text] of differing(side.set, base.set)) entries.push(["set", `${name}=${text}`]);
+  if (side.show !== base.show) entries.push(["show", side.show]);
+  if (side.device !== base.device) entries.push(["device", side.device]);
+  return entries.map(([name, text]) => [prefix + name, text]);
 }
 
 /// Returns the whole state as the fragment of an address, without "#".
@@ -115,44 +153,66 @@ export function fragment_of_state() {
   entries.push(...side_entries(state.a, ""));
   if (state.b) entries.push(["b", ""], ...side_entries(state.b, "b."));
   if (state.compare !== "off") entries.push(["compare", state.compare]);
-  if (state.compare === "divider" && state.split !== 0.5) entries.push(["split", state.split.toFixed(3)]);
+  if (state.split !== kSplit) entries.push(["split", state.split.toFixed(3)]);
+  if (state.gain !== kGain) entries.push(["gain", String(state.gain)]);
   const camera = state.cameras.get(state.model);
   if (camera && !camera.is_home && !is_flat())
     entries.push(...Object.entries(camera_options(camera, scene_for_camera())));
-  return entries.map(([name, text]) => (text === "" ? name : `${name}=${quoted(text)}`)).join("&");
+  return entries.map(([name, text]) => (name === "b" ? name : `${name}=${quoted(text)}`)).join("&");
 }
 
-/// Sets the state from a fragment; what it does not name gets its default, for options that of the command line.
-export function take_fragment(fragment) {
-  const entries = fragment
+/// Returns [name, text] of each entry of a fragment.
+const entries_of = (fragment) =>
+  fragment
     .replace(/^#/, "")
     .split("&")
     .filter(Boolean)
     .map((entry) => {
-      const at = entry.indexOf("=");
-      return at < 0 ? [entry, ""] : [entry.slice(0, at), decoded(entry.slice(at + 1))];
+      const [name, ...rest] = entry.split("=");
+      return [name, decoded(rest.join("="))];
     });
-  state.a = new_side();
+
+/// Sets what a fragment can name to that of the command line.
+function reset() {
+  state.model = state.models[0]?.id ?? 0;
+  state.a = given_side();
   state.b = null;
   state.edited = "a";
   state.compare = "off";
-  if (!entries.some(([name]) => !/^(model|compare|split)$/.test(name))) take_options(state.a, state.hello.given);
-  const camera = {};
-  for (const [name, text] of entries) {
-    if (name === "model" && state.models.some((model) => model.id === Number(text))) state.model = Number(text);
-    else if (name === "compare" && kComparisons.includes(text)) state.compare = text;
+  state.split = kSplit;
+  state.gain = kGain;
+  state.cameras.clear();
+  for (const model of state.scenes.keys()) {
+    const home = home_camera(model);
+    if (home) state.cameras.set(model, home);
+  }
+}
+
+/// Sets the state from a fragment; what it does not name gets its default, for options that of the command line. Returns
+/// the names that are not known, which are left out.
+export function take_fragment(fragment) {
+  const camera = {},
+    unknown = [];
+  reset();
+  for (const [name, text] of entries_of(fragment)) {
+    if (name === "model") state.model = state.models.find((model) => String(model.id) === text)?.id ?? state.model;
+    else if (name === "compare") state.compare = kComparisons.includes(text) ? text : "off";
     else if (name === "split") state.split = Math.min(1, Math.max(0, Number(text) || 0));
+    else if (name === "gain") state.gain = kGains.includes(Number(text)) ? Number(text) : kGain;
     else if (kCameraNames.includes(name)) camera[name] = text;
-    else if (name === "b" || name.startsWith("b.")) take_entry((state.b ??= new_side()), name.slice(2), text);
-    else take_entry(state.a, name, text);
+    else if (name === "b") state.b ??= given_side();
+    else if (name.startsWith("b.")) unknown.push(...take_entry((state.b ??= given_side()), name.slice(2), text));
+    else unknown.push(...take_entry(state.a, name, text));
   }
   const set = camera_from(camera);
   if (set) state.cameras.set(state.model, set);
+  return unknown;
 }
 
 function take_entry(side, name, text) {
-  if (name === "show") side.show = text;
-  else if (name && name !== "model" && name !== "compare") take_options(side, { [name]: text });
+  if (name !== "show") return take_options(side, { [name]: text });
+  side.show = text || "picture";
+  return [];
 }
 
 function decoded(text) {
@@ -163,5 +223,6 @@ function decoded(text) {
   }
 }
 
-/// Set by main.js. changed(moving): the view has changed; `moving` while further changes follow at once.
-export const hooks = { changed: () => {}, link: null };
+/// Set by main.js. changed(moving): the view has changed; `moving` while further changes follow at once. remember():
+/// something that only the address keeps has changed.
+export const hooks = { changed: () => {}, remember: () => {}, link: null };

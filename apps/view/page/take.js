@@ -1,5 +1,5 @@
 // What can be taken away: a file of the picture, the state as a command, as Python, as C++ or as settings, and a link.
-import { by_id, element, section, complain, announce, download, copy_text } from "./dom.js";
+import { by_id, element, section, complain, complain_of_unknown, announce, download, copy_text } from "./dom.js";
 import { state, hooks, side_edited, options_of, model_now, is_flat, new_side, take_options, fragment_of_state } from "./state.js";
 import { parse_vector } from "./math.js";
 import { hex_of } from "./controls.js";
@@ -128,15 +128,26 @@ function settings_text() {
   return JSON.stringify(options, null, 2) + "\n";
 }
 
+const is_object = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
+
+/// Returns the objects of options in a file of settings: those of all commands, then those of `render`, `shade` and
+/// `view`. Objects of other commands are left out.
+function parts_of_settings(settings) {
+  const of_all = Object.fromEntries(Object.entries(settings).filter(([, value]) => !is_object(value)));
+  return [of_all, ...["render", "shade", "view"].map((name) => settings[name]).filter(is_object)];
+}
+
 async function load_settings(file) {
   try {
     const options = JSON.parse(await file.text());
-    if (typeof options !== "object" || Array.isArray(options) || !options) throw new Error("it is not an object");
+    if (!is_object(options)) throw new Error("it is not an object");
     const side = side_edited();
     Object.assign(side, new_side(), { show: side.show });
-    take_options(side, options);
-    hooks.take_camera(options);
+    const parts = parts_of_settings(options);
+    const unknown = parts.flatMap((part) => take_options(side, part));
+    hooks.take_camera(Object.assign({}, ...parts));
     hooks.changed(false);
+    complain_of_unknown(unknown, file.name);
     announce(`Settings of ${file.name}`);
   } catch (error) {
     complain(`${file.name} is not a file of settings: ${error.message}`);
