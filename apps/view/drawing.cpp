@@ -126,6 +126,12 @@ std::optional<Drawing::Task> Drawing::next_task() {
   return best;
 }
 
+bool Drawing::is_model_wanted(const Task& task) {
+  const std::lock_guard lock(mutex_);
+  const auto page = pages_.find(task.page);
+  return !stopping_ && page != pages_.end() && page->second.state && page->second.state->model == task.state->model;
+}
+
 bool Drawing::is_wanted(const Task& task) {
   const std::lock_guard lock(mutex_);
   const auto page = pages_.find(task.page);
@@ -164,7 +170,9 @@ void Drawing::run() {
     const auto purpose = [&] {
       return fmt::format("a picture of {} x {} pixels", task->state->width, task->state->height);
     };
-    finish(*task, guarded(purpose, [&] { return perform(*task); }));
+    const auto done = guarded(purpose, [&] { return perform(*task); });
+    const auto finished = guarded(purpose, [&] { return finish(*task, done), Result<void>(); });
+    static_cast<void>(finished);  // an error text is lost for lack of memory
     ++drawn_;
     lock.lock();
   }
@@ -233,14 +241,15 @@ Result<void> Drawing::perform(const Task& task) {
   const std::string key = task.shown().device == settings_.device ? "" : task.shown().device;
   if (failed_devices_.contains(key) || (device && (*device)->device->name() == "cpu")) return done;
   // A device that fails, such as one whose driver was reset, is not used again.
-  loaded->model->forget_captures();
+  models_.forget_captures();
   devices_.erase(key);
   failed_devices_.insert(key);
-  Error error = done.error();
-  error.message =
-      fmt::format("the device {} has failed, the CPU goes on: {}", key.empty() ? settings_.device : key, error.message);
-  send_error(task, error);
+  const std::string name = key.empty() ? settings_.device : key;
+  // Without a view: it stays on the page when the next frame comes.
+  send_.text(task.page, error_text(fmt::format("the device {} has failed, the CPU goes on: {}", name,
+                                               with_option_names(done.error().message))));
   const auto other = device_of(task);
+  if (other) send_.text(task.page, text_of_json({{"type", "device"}, {"device", (*other)->device->description()}}));
   return other ? draw(task, *loaded->model, **other, *request) : Result<void>(other.error());
 }
 
@@ -252,7 +261,7 @@ Result<ModelList::Loaded> Drawing::load(const Task& task, const Request& request
       last = Clock::now();
       send_.text(task.page, status_text(task.state->id, "reading " + name, progress));
     }
-    return is_wanted(task);
+    return is_model_wanted(task);
   };
   bool has_read = false;
   const auto begin = [&] {
@@ -260,7 +269,9 @@ Result<ModelList::Loaded> Drawing::load(const Task& task, const Request& request
     report(0.0);
   };
   const auto keep = [&](const Error& error) {
-    send_error(task, {error.kind, fmt::format("{}; the model that was read before is shown", error.message)});
+    // Without a view: it stays on the page when the next frame comes.
+    const std::string message = fmt::format("{}; the model that was read before is shown", error.message);
+    send_.text(task.page, error_text(with_option_names(message)));
   };
   auto loaded = models_.loaded(task.state->model, request, begin, keep, report);
   if (has_read) send_.text(task.page, status_text(task.state->id, ""));
@@ -427,8 +438,7 @@ bool Drawing::wait_for_page(const Task& task) {
     const auto page = pages_.find(task.page);
     if (stopping_ || page == pages_.end() || page->second.revision != task.revision) return true;
     goes_on = page->second.unacknowledged.size() < kMaxUnacknowledged;
-    const auto other = next_task();
-    return goes_on || (other && other->step < Step::kRefined);
+    return goes_on || next_task();  // of another page: this one has no room for a frame
   });
   return goes_on;
 }
@@ -461,7 +471,10 @@ void Drawing::send_picture(const Task& task, const Image& picture, FrameHeader h
     return wanted;
   };
   job.done = [this, page = task.page, header](Result<Encoded> encoded, double ms) {
-    if (!encoded) return send_.text(page, error_text(encoded.error().message, header.id, header.view));
+    if (!encoded) {
+      forget_frame(page, header.frame);
+      return send_.text(page, error_text(encoded.error().message, header.id, header.view));
+    }
     send_.frame(page, frame_text(header, *encoded, ms));
   };
   encoder_->add(std::move(job));

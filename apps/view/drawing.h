@@ -106,6 +106,8 @@ class Drawing {
   void watch();
   std::optional<Task> next_task();
   bool is_wanted(const Task& task);
+  /// Returns whether the page still wants the model of the task, so that reading it goes on.
+  bool is_model_wanted(const Task& task);
   bool is_urgent_elsewhere(Step limit);
   bool is_turn_over(const Task& task);
   bool wait_for_page(const Task& task);

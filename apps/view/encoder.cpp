@@ -34,9 +34,11 @@ void Encoder::run() {
     lock.unlock();
     if (!job.is_wanted || job.is_wanted()) {
       StageTimes times;
-      auto encoded = guarded([] { return std::string("the picture"); }, [&] { return encode(job.picture, job.exact); });
+      const auto purpose = [] { return std::string("the picture"); };
+      auto encoded = guarded(purpose, [&] { return encode(job.picture, job.exact); });
       times.done("encode");
-      job.done(std::move(encoded), times.total());
+      const auto sent = guarded(purpose, [&] { return job.done(std::move(encoded), times.total()), Result<void>(); });
+      static_cast<void>(sent);  // a frame is lost for lack of memory
     }
     job = {};
     lock.lock();

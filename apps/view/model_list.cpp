@@ -88,6 +88,12 @@ Result<ModelList::Loaded> ModelList::loaded(int id, const Request& request, cons
   return Loaded{entry.model.get(), entry.version};
 }
 
+void ModelList::forget_captures() {
+  const std::lock_guard lock(mutex_);
+  for (const auto& entry : entries_)
+    if (entry->model) entry->model->forget_captures();
+}
+
 std::vector<int> ModelList::find_changed() {
   const std::lock_guard lock(mutex_);
   std::vector<int> changed;

@@ -39,6 +39,9 @@ class ModelList {
   Result<Loaded> loaded(int id, const Request& request, const std::function<void()>& before_load,
                         const std::function<void(const Error&)>& keep, const ProgressMonitor& monitor);
 
+  /// Forgets the captures of all models, before a device is destroyed. For the drawing thread.
+  void forget_captures();
+
   /// Looks for changes of the files of loaded models. A change counts when the file has stayed the same since the last
   /// call, so that it is not read half-written. Returns the ids of models that must be loaded again.
   std::vector<int> find_changed();
