@@ -197,6 +197,7 @@ function take_message(message) {
     pick: take_pick,
     status: (m) => show_work(m.text, m.progress),
     error: take_error,
+    device: (m) => show_device(m.device),
   }[message.type];
   take?.(message);
 }
@@ -208,7 +209,7 @@ function take_hello(hello) {
   if (!is_again) take_address();
   state.scenes.clear();
   build_panels();
-  by_id("device_name").textContent = hello.device ?? "";
+  show_device(hello.device);
   by_id("version").textContent = hello.version ?? "";
   show_models();
   changed(false);
@@ -244,10 +245,12 @@ function take_pick(message) {
   if (message.point) act.gesture((camera) => with_pivot(camera, message.point));
 }
 
+/// An error of a view is shown until that view is drawn; another one, a notice, until it is dismissed.
 function take_error(message) {
-  clearTimeout(waiting_timer);
+  const is_of_view = message.view !== undefined;
+  if (is_of_view) clearTimeout(waiting_timer);
   show_work("", 0);
-  complain(message.message, message.id === undefined ? "" : `view${message.view ?? 0}`);
+  complain(message.message, is_of_view ? `view${message.view}` : undefined);
 }
 
 function take_frame(header, blob) {
@@ -262,6 +265,8 @@ function take_frame(header, blob) {
 }
 
 // The status line.
+
+const show_device = (name) => (by_id("device_name").textContent = name ?? "");
 
 function show_work(text, progress) {
   by_id("work").textContent = text ? `${text}${progress > 0 ? ` ${Math.round(progress * 100)} %` : ""}` : "";
@@ -287,11 +292,14 @@ function show_state(header) {
 // The connection.
 
 function opened() {
+  by_id("reconnect").disabled = false;
   by_id("ended").hidden = true;
   document.body.dataset.connected = "true";
 }
 
-function closed() {
+function closed(sentence) {
+  by_id("reconnect").disabled = false;
+  by_id("ended_why").textContent = sentence;
   by_id("ended").hidden = false;
   document.body.dataset.connected = "false";
   show_work("", 0);
@@ -306,7 +314,10 @@ function start() {
   attach_divider(remember);
   watch_size(() => link.changed(true));
   by_id("models").addEventListener("change", (event) => select_model(Number(event.target.value)));
-  by_id("reconnect").addEventListener("click", () => link.connect());
+  by_id("reconnect").addEventListener("click", () => {
+    by_id("reconnect").disabled = true;
+    link.connect();
+  });
   addEventListener("hashchange", () => {
     if (!state.hello || location.hash.slice(1) === own_fragment) return;
     state.flat = { scale: 1, x: 0, y: 0 };
