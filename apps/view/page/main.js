@@ -1,14 +1,14 @@
 // The page of `umbrage view`: connects the parts.
 import { by_id, announce, complain, complain_of_unknown, forgive, element } from "./dom.js";
 import { state, hooks, view_of, side_b, side_edited, scene_now, model_now, scene_for_camera, is_flat, fragment_of_state, take_fragment, home_camera } from "./state.js";
-import { parse_vector, plus } from "./math.js";
+import { parse_vector, clamp } from "./math.js";
 import { camera_from, flown, viewed_from, with_pivot, point_under } from "./camera.js";
 import { new_link } from "./link.js";
 import { stage, draw, show_frame, forget_b, needs_b, size_asked, size_shown, watch_size, update_flicker, attach_divider } from "./stage.js";
 import { make_panels, refresh_panels } from "./panels.js";
 import { compare_section, refresh_compare } from "./compare.js";
 import { times_section, note_time, draw_times, ms_text } from "./graph.js";
-import { take_section } from "./take.js";
+import { take_section, refresh_take } from "./take.js";
 import { attach_files } from "./files.js";
 import { make_help } from "./help.js";
 import { attach_hands } from "./hands.js";
@@ -17,6 +17,8 @@ import { press, toggle_anti_aliasing, attach_theme, toggle_panel } from "./keys.
 const kFragment_ms = 300,
   kRate_ms = 1000,
   kPatience_ms = 400,
+  kMinFlatScale = 0.1, // of a G-buffer, 1 fits the window: small enough to see all of its edge
+  kMaxFlatScale = 64, // one pixel is a square that is easily seen
   kNarrow = "(max-width: 46em)";
 const moving_times = [];
 let refresh_scheduled = 0,
@@ -51,6 +53,7 @@ function refresh() {
   if (panels_are_flat !== is_flat()) build_panels();
   refresh_panels();
   refresh_compare();
+  refresh_take();
   draw();
 }
 
@@ -102,7 +105,7 @@ const act = {
   flat(dx, dy, factor, at) {
     const view = state.flat,
       size = size_shown(),
-      scale = Math.min(64, Math.max(0.1, view.scale * factor)),
+      scale = clamp(view.scale * factor, kMinFlatScale, kMaxFlatScale),
       by = scale / view.scale;
     const middle = at ? [at[0] - size[0] / 2, at[1] - size[1] / 2] : [0, 0];
     state.flat = {
@@ -283,8 +286,15 @@ function show_state(header) {
   by_id("progress_text").textContent = header.moving ? `${moving_times.length} frames/s` : rest;
   by_id("frame_size").textContent = `${header.width} × ${header.height}`;
   by_id("frame_time").textContent = ms_text(header.ms);
-  const error = header.error;
-  by_id("error_number").textContent = error
+  show_error_number(header);
+}
+
+/// Screen readers hear the number of the first picture at rest and of the final one.
+function show_error_number(header) {
+  const error = header.error,
+    number = by_id("error_number");
+  number.setAttribute("aria-live", !header.moving && (header.samples <= 1 || header.final) ? "polite" : "off");
+  number.textContent = error
     ? `error against the reference: RMSE ${error.rmse.toPrecision(3)}, mean ${error.mean.toPrecision(3)}`
     : "";
 }
