@@ -3,6 +3,7 @@ import { element, new_id } from "./dom.js";
 import { clamp, slider_text } from "./math.js";
 
 const kWide = 50; // ratio of max and min from which a slider is logarithmic
+const kLowDefault = 0.35; // place of a default, of the range, below which the slider is bent to have it in the middle
 const kUnits = { deg: "°", "scene units": "", px: "px", "%": "%", stops: "stops", s: "s" };
 
 /// Returns functions between a value and the place of the slider's thumb, 0 to 1. Wide positive ranges are logarithmic;
@@ -18,7 +19,7 @@ export function scale_of(min, max, initial) {
     };
   }
   const fraction = (initial - min) / (max - min);
-  const power = fraction > 0 && fraction < 0.35 ? clamp(Math.log(fraction) / Math.log(0.5), 1, 6) : 1;
+  const power = fraction > 0 && fraction < kLowDefault ? clamp(Math.log(fraction) / Math.log(0.5), 1, 6) : 1;
   return {
     place: (x) => Math.max(0, (x - min) / (max - min)) ** (1 / power),
     value: (t) => min + (max - min) * t ** power,
@@ -36,6 +37,8 @@ function range_of(entry) {
   return Number.isFinite(min) && Number.isFinite(max) && min < max && max - min < 1e6 ? [min, max] : null;
 }
 
+/// Returns the text of one number with a point where some languages have a comma.
+const with_point = (text) => text.replace(/^([^,]*),([^,]*)$/, "$1.$2");
 const number_in = (text) => (/^-?[\d.]+(e-?\d+)?%?$/i.test(text ?? "") ? parseFloat(text) : NaN);
 
 /// Returns the number that the slider stands for; lengths in scene units are converted to percent of `radius`.
@@ -58,7 +61,7 @@ function number_control(entry, id, describe, change, radius) {
     autocomplete: "off",
     spellcheck: "false",
     placeholder: Number.isNaN(number_in(entry.initial)) ? "auto" : entry.initial,
-    on_change: () => change(box.value.trim() === "" ? undefined : box.value.trim(), false),
+    on_change: () => change(with_point(box.value.trim()) || undefined, false),
   });
   const parts = [box];
   let slider = null,

@@ -8,6 +8,12 @@ const kEnvironments = ["hdr", "pic"];
 const kGbuffers = ["npy", "npz", "pfm", "tif", "tiff", "asc"];
 const kEither = ["exr", "png", "jpg", "jpeg"];
 
+const kDropLength = 24; // of the name of a drop: so long that no folder of a user looks like one
+
+/// Returns the name that an uploaded file had, or null for a file that is not an upload.
+export const uploaded_name = (file) => kUploaded.exec(file ?? "")?.[1] ?? null;
+const kUploaded = new RegExp(`(?:^|/)[a-z0-9]{${kDropLength}}/([^/]+)$`);
+
 const ending_of = (name) => (/\.([a-z0-9]+)$/i.exec(name.replace(/\.gz$/i, ""))?.[1] ?? "").toLowerCase();
 
 /// Returns the main file of a drop and what it is: "model", "environment", "gbuffer", or "" if the user must say.
@@ -48,8 +54,12 @@ function upload(drop, file, progress) {
   });
 }
 
+let asked = Promise.resolve(); // the question before, which is answered first
+
 /// Asks whether a picture is an environment or a G-buffer. Returns "" if the user closes the question.
-function ask_kind(name) {
+const ask_kind = (name) => (asked = asked.then(() => show_question(name)));
+
+function show_question(name) {
   const dialog = by_id("ask");
   by_id("ask_name").textContent = name;
   dialog.returnValue = "";
@@ -60,10 +70,13 @@ function ask_kind(name) {
 /// Uploads files and opens the main one. `as`: what it is, if known.
 export async function open_files(files, as) {
   if (!files.length) return;
-  const main = as ? { name: files[0].name, as } : main_file(files.map((file) => file.name));
+  const names = files.map((file) => file.name);
+  const twice = names.find((name, i) => names.indexOf(name) < i);
+  if (twice) return complain(`Two of the files are named ${twice}; open files of one name one after the other.`, "upload");
+  const main = as ? { name: files[0].name, as } : main_file(names);
   main.as ||= await ask_kind(main.name);
   if (!main.as) return;
-  const drop = Array.from(crypto.getRandomValues(new Uint8Array(10)), (x) => (x % 36).toString(36)).join("");
+  const drop = Array.from(crypto.getRandomValues(new Uint8Array(kDropLength)), (x) => (x % 36).toString(36)).join("");
   const total = files.reduce((sum, file) => sum + file.size, 0) || 1;
   let done = 0,
     opened = "";

@@ -1,13 +1,19 @@
 // Pointer, wheel, touch and keys. `act` has the actions:
 //   gesture(change): camera -> camera, with (size, scene); flat(dx, dy, factor, at) of a G-buffer; pivot(at);
-//   hold(is_held): Shift; tap(key);
-//   key(name, event): returns whether the key is known; fly(move): move of this instant.
+//   hold(is_held): Shift; tap(name): a key of flying that was let go at once; key(event): returns whether the key has a
+//   meaning; fly(move): right, up and forward, of this instant.
 import { by_id } from "./dom.js";
 import { size_shown } from "./stage.js";
 import { orbited, panned, zoomed } from "./camera.js";
 import { is_flat } from "./state.js";
+import { clamp } from "./math.js";
 
-const kWheelPerNotch = 0.0015,
+const kWheelPerPixel = 0.0015, // logarithm of the zoom factor; 15 % for the usual notch of 100 pixels
+  kPixelsPerLine = 33, // of wheels that count lines, 3 of which are a notch
+  kPixelsPerPage = 400,
+  kMaxPixels = 400, // of one event, which a fast wheel exceeds
+  kPinchFactor = 6, // a pinch on a touchpad comes as a wheel with Ctrl, in small steps
+  kMaxStep_s = 0.1, // of flying: a late frame makes no leap
   kHold_ms = 160,
   kFlyPerSecond = 0.7;
 const kFlyKeys = { w: [0, 0, 1], s: [0, 0, -1], a: [-1, 0, 0], d: [1, 0, 0], r: [0, 1, 0], v: [0, -1, 0] };
@@ -75,9 +81,9 @@ function attach_pointer(act, shift) {
     "wheel",
     (event) => {
       event.preventDefault();
-      const lines = event.deltaMode === 1 ? 33 : event.deltaMode === 2 ? 400 : 1;
-      const notch = Math.max(-400, Math.min(400, event.deltaY * lines)) * (event.ctrlKey ? 6 : 1);
-      zoom_by(act, Math.exp(notch * kWheelPerNotch), place_in_picture(event));
+      const unit = [1, kPixelsPerLine, kPixelsPerPage][event.deltaMode];
+      const pixels = clamp(event.deltaY * unit, -kMaxPixels, kMaxPixels) * (event.ctrlKey ? kPinchFactor : 1);
+      zoom_by(act, Math.exp(pixels * kWheelPerPixel), place_in_picture(event));
     },
     { passive: false },
   );
@@ -107,7 +113,7 @@ function new_flight(act) {
   let last = 0,
     running = 0;
   const step = (now) => {
-    const seconds = Math.min(0.1, (now - last) / 1000),
+    const seconds = Math.min(kMaxStep_s, (now - last) / 1000),
       move = [0, 0, 0];
     last = now;
     for (const [name, since] of held) {
@@ -176,7 +182,7 @@ export function attach_hands(act) {
   attach_keys(act, shift);
 }
 
-/// Moves by keys: arrows orbit, with Ctrl they move; `zoom` is a factor or 0.
+/// Orbits by the steps dx and dy of an arrow key, or moves, which is all that a G-buffer does.
 export function move_by_key(act, dx, dy, is_pan) {
   const size = size_shown(),
     step = Math.min(size[0], size[1]) / 24;

@@ -4,8 +4,50 @@
 const kRest_ms = 150; // after the last change the view is at rest
 const kLost_ms = 5000; // a moving state without an answer no longer holds back the next one
 
+/// Returns the header and the image of a binary message.
+function frame_of(data) {
+  const size = new DataView(data).getUint32(0, true);
+  const header = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, size)));
+  return [header, new Blob([new Uint8Array(data, 4 + size)], { type: header.format })];
+}
+
+/// Opens the socket of the page. `on` has opened(), text(message), frame(header, blob) and closed(sentence), which says
+/// why. An error before the greeting is such a reason: the program does not take the page.
+function open_socket(on) {
+  const address = new URL("socket", document.baseURI);
+  address.protocol = address.protocol.replace("http", "ws");
+  address.hash = "";
+  const socket = new WebSocket(address);
+  let has_opened = false,
+    is_greeted = false,
+    refusal = "";
+  socket.binaryType = "arraybuffer";
+  socket.onopen = () => {
+    has_opened = true;
+    on.opened();
+  };
+  socket.onmessage = (event) => {
+    if (typeof event.data !== "string") return on.frame(...frame_of(event.data));
+    const message = JSON.parse(event.data);
+    is_greeted ||= message.type === "hello";
+    if (is_greeted || message.type !== "error") on.text(message);
+    else refusal = `The program refuses: ${message.message}.`;
+  };
+  socket.onclose = (event) => {
+    const broken = has_opened ? "The connection to the program broke." : "The program does not answer.";
+    on.closed(refusal || (event.wasClean ? "The program has ended." : broken));
+  };
+  return socket;
+}
+
+/// Ends a socket without a word to its handlers.
+function drop_socket(socket) {
+  socket.onopen = socket.onmessage = socket.onclose = null;
+  socket.close();
+}
+
 /// Makes the connection. `make_state()` returns {size, model, views}, or null if there is nothing to ask for.
-/// `on` has the functions text(message), frame(header, blob), opened() and closed().
+/// `on` has the functions text(message), frame(header, blob), opened() and closed(sentence).
 export function new_link(make_state, on) {
   const link = { connected: false, id: 0, sent: 0, socket: null };
   let is_dirty = false,
@@ -54,38 +96,33 @@ export function new_link(make_state, on) {
   link.shown = (frame) => send_text({ type: "ack", frame });
   link.is_moving = () => is_moving;
 
-  function receive(data) {
-    if (typeof data === "string") {
-      const message = JSON.parse(data);
-      on.text(message);
-      if (message.type === "error" && message.id !== undefined) answered(message.id, message.view);
-      return;
-    }
-    const size = new DataView(data).getUint32(0, true);
-    const header = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, size)));
-    answered(header.id, header.view);
-    on.frame(header, new Blob([new Uint8Array(data, 4 + size)], { type: header.format }));
+  function set_connected(is_connected) {
+    link.connected = is_connected;
+    waiting = null;
   }
 
+  /// Connects anew, in place of any connection that there is.
   link.connect = () => {
-    const address = new URL("socket", document.baseURI);
-    address.protocol = address.protocol.replace("http", "ws");
-    address.hash = "";
-    const socket = new WebSocket(address);
-    socket.binaryType = "arraybuffer";
-    link.socket = socket;
-    socket.onopen = () => {
-      link.connected = true;
-      waiting = null;
-      on.opened();
-    };
-    socket.onmessage = (event) => receive(event.data);
-    socket.onclose = () => {
-      if (link.socket !== socket) return;
-      link.connected = false;
-      waiting = null;
-      on.closed();
-    };
+    if (link.socket) drop_socket(link.socket);
+    set_connected(false);
+    link.socket = open_socket({
+      opened() {
+        set_connected(true);
+        on.opened();
+      },
+      text(message) {
+        on.text(message);
+        if (message.type === "error" && message.id !== undefined) answered(message.id, message.view);
+      },
+      frame(header, image) {
+        answered(header.id, header.view);
+        on.frame(header, image);
+      },
+      closed(sentence) {
+        set_connected(false);
+        on.closed(sentence);
+      },
+    });
   };
   return link;
 }

@@ -1,14 +1,14 @@
 // The page of `umbrage view`: connects the parts.
 import { by_id, announce, complain, complain_of_unknown, forgive, element } from "./dom.js";
 import { state, hooks, view_of, side_b, side_edited, scene_now, model_now, scene_for_camera, is_flat, fragment_of_state, take_fragment, home_camera } from "./state.js";
-import { parse_vector, plus } from "./math.js";
+import { parse_vector, clamp } from "./math.js";
 import { camera_from, flown, viewed_from, with_pivot, point_under } from "./camera.js";
 import { new_link } from "./link.js";
 import { stage, draw, show_frame, forget_b, needs_b, size_asked, size_shown, watch_size, update_flicker, attach_divider } from "./stage.js";
 import { make_panels, refresh_panels } from "./panels.js";
 import { compare_section, refresh_compare } from "./compare.js";
 import { times_section, note_time, draw_times, ms_text } from "./graph.js";
-import { take_section } from "./take.js";
+import { take_section, refresh_take } from "./take.js";
 import { attach_files } from "./files.js";
 import { make_help } from "./help.js";
 import { attach_hands } from "./hands.js";
@@ -17,6 +17,8 @@ import { press, toggle_anti_aliasing, attach_theme, toggle_panel } from "./keys.
 const kFragment_ms = 300,
   kRate_ms = 1000,
   kPatience_ms = 400,
+  kMinFlatScale = 0.1, // of a G-buffer, 1 fits the window: small enough to see all of its edge
+  kMaxFlatScale = 64, // one pixel is a square that is easily seen
   kNarrow = "(max-width: 46em)";
 const moving_times = [];
 let refresh_scheduled = 0,
@@ -51,6 +53,7 @@ function refresh() {
   if (panels_are_flat !== is_flat()) build_panels();
   refresh_panels();
   refresh_compare();
+  refresh_take();
   draw();
 }
 
@@ -102,7 +105,7 @@ const act = {
   flat(dx, dy, factor, at) {
     const view = state.flat,
       size = size_shown(),
-      scale = Math.min(64, Math.max(0.1, view.scale * factor)),
+      scale = clamp(view.scale * factor, kMinFlatScale, kMaxFlatScale),
       by = scale / view.scale;
     const middle = at ? [at[0] - size[0] / 2, at[1] - size[1] / 2] : [0, 0];
     state.flat = {
@@ -197,6 +200,7 @@ function take_message(message) {
     pick: take_pick,
     status: (m) => show_work(m.text, m.progress),
     error: take_error,
+    device: (m) => show_device(m.device),
   }[message.type];
   take?.(message);
 }
@@ -208,7 +212,7 @@ function take_hello(hello) {
   if (!is_again) take_address();
   state.scenes.clear();
   build_panels();
-  by_id("device_name").textContent = hello.device ?? "";
+  show_device(hello.device);
   by_id("version").textContent = hello.version ?? "";
   show_models();
   changed(false);
@@ -244,10 +248,12 @@ function take_pick(message) {
   if (message.point) act.gesture((camera) => with_pivot(camera, message.point));
 }
 
+/// An error of a view is shown until that view is drawn; another one, a notice, until it is dismissed.
 function take_error(message) {
-  clearTimeout(waiting_timer);
+  const is_of_view = message.view !== undefined;
+  if (is_of_view) clearTimeout(waiting_timer);
   show_work("", 0);
-  complain(message.message, message.id === undefined ? "" : `view${message.view ?? 0}`);
+  complain(message.message, is_of_view ? `view${message.view}` : undefined);
 }
 
 function take_frame(header, blob) {
@@ -262,6 +268,8 @@ function take_frame(header, blob) {
 }
 
 // The status line.
+
+const show_device = (name) => (by_id("device_name").textContent = name ?? "");
 
 function show_work(text, progress) {
   by_id("work").textContent = text ? `${text}${progress > 0 ? ` ${Math.round(progress * 100)} %` : ""}` : "";
@@ -278,8 +286,15 @@ function show_state(header) {
   by_id("progress_text").textContent = header.moving ? `${moving_times.length} frames/s` : rest;
   by_id("frame_size").textContent = `${header.width} × ${header.height}`;
   by_id("frame_time").textContent = ms_text(header.ms);
-  const error = header.error;
-  by_id("error_number").textContent = error
+  show_error_number(header);
+}
+
+/// Screen readers hear the number of the first picture at rest and of the final one.
+function show_error_number(header) {
+  const error = header.error,
+    number = by_id("error_number");
+  number.setAttribute("aria-live", !header.moving && (header.samples <= 1 || header.final) ? "polite" : "off");
+  number.textContent = error
     ? `error against the reference: RMSE ${error.rmse.toPrecision(3)}, mean ${error.mean.toPrecision(3)}`
     : "";
 }
@@ -287,11 +302,14 @@ function show_state(header) {
 // The connection.
 
 function opened() {
+  by_id("reconnect").disabled = false;
   by_id("ended").hidden = true;
   document.body.dataset.connected = "true";
 }
 
-function closed() {
+function closed(sentence) {
+  by_id("reconnect").disabled = false;
+  by_id("ended_why").textContent = sentence;
   by_id("ended").hidden = false;
   document.body.dataset.connected = "false";
   show_work("", 0);
@@ -306,7 +324,10 @@ function start() {
   attach_divider(remember);
   watch_size(() => link.changed(true));
   by_id("models").addEventListener("change", (event) => select_model(Number(event.target.value)));
-  by_id("reconnect").addEventListener("click", () => link.connect());
+  by_id("reconnect").addEventListener("click", () => {
+    by_id("reconnect").disabled = true;
+    link.connect();
+  });
   addEventListener("hashchange", () => {
     if (!state.hello || location.hash.slice(1) === own_fragment) return;
     state.flat = { scale: 1, x: 0, y: 0 };

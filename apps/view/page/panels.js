@@ -90,7 +90,7 @@ function option_row(option) {
   return made.root;
 }
 
-/// Adds a button that resets what `names()` returns, which is hidden while nothing is changed.
+/// Adds a button to `parts` that calls `reset`. It is hidden while none of the rows is changed. Returns {refresh}.
 function reset_button(parts, rows_of_section, reset) {
   const button = element("button", { type: "button", class: "quiet reset", text: "Reset section", on_click: reset });
   const refresh = () => (button.hidden = !rows_of_section.some((made) => made.root.classList.contains("changed")));
@@ -295,16 +295,14 @@ function refresh_effects() {
     const box = by_id("effects"),
       open = new Set([...box.children].filter((part) => part.open).map((part) => part.id));
     const technique = technique_of(side_edited());
-    box.replaceChildren(
-      ...names.map((name) => effect_section(name, open.has(`section_effect_${name}`) || (open.size === 0 && false))),
-    );
+    box.replaceChildren(...names.map((name) => effect_section(name, open.has(`section_effect_${name}`))));
     const first = by_id(`section_effect_${technique}`);
     if (first) box.prepend(first);
   }
   for (const made of effect_rows) made.refresh();
 }
 
-/// Makes all sections. Returns the elements in order.
+/// Makes all sections of options. Returns {first, groups, last}: elements, each list in the order of the panel.
 export function make_panels() {
   rows.length = 0;
   effects_of = "";

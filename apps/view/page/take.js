@@ -3,13 +3,14 @@ import { by_id, element, section, complain, complain_of_unknown, announce, downl
 import { state, hooks, side_edited, options_of, model_now, is_flat, new_side, take_options, fragment_of_state } from "./state.js";
 import { parse_vector } from "./math.js";
 import { hex_of } from "./controls.js";
+import { uploaded_name } from "./files.js";
 
 const kFormats = ["png", "exr", "svg", "jpg", "webp"];
 
 /// Returns a word for a POSIX shell.
 export const shell_word = (text) => (/^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
 
-const file_now = () => model_now()?.file ?? model_now()?.name ?? "MODEL";
+const file_now = () => uploaded_name(model_now()?.file) ?? model_now()?.file ?? model_now()?.name ?? "MODEL";
 const field_of = (name) => state.hello.options.find((option) => option.name === name)?.field;
 const kind_of = (name) => state.hello.options.find((option) => option.name === name)?.kind ?? "text";
 
@@ -22,10 +23,29 @@ function all_options(side) {
   return options;
 }
 
+/// Returns the options as they are copied: with the name that an uploaded environment had, since the upload is temporary.
+function copied_options(side) {
+  const options = all_options(side),
+    uploaded = uploaded_name(options["hdri-file"]);
+  return uploaded ? { ...options, "hdri-file": uploaded } : options;
+}
+
+/// Returns what must be done with uploaded files before a copied text is used, or "".
+function remark_of(side) {
+  const names = [model_now()?.file, side.options["hdri-file"]].map(uploaded_name).filter(Boolean);
+  return names.length ? `put ${names.join(" and ")} where you run this` : "";
+}
+
+/// Returns a copied text below a comment with what must be done before.
+function with_remark(comment, side, text) {
+  const remark = remark_of(side);
+  return remark ? `${comment} ${remark}\n${text}` : text;
+}
+
 /// Returns the command line that draws the picture.
 export function command_of(side, size) {
   const words = ["umbrage", is_flat() ? "shade" : "render", shell_word(file_now())];
-  for (const [name, value] of Object.entries(all_options(side))) {
+  for (const [name, value] of Object.entries(copied_options(side))) {
     if (name === "set") for (const entry of value) words.push("--set", shell_word(entry));
     else if (kind_of(name) !== "flag")
       words.push(/^[-+]/.test(value) ? `--${name}=${shell_word(value)}` : `--${name} ${shell_word(value)}`);
@@ -33,12 +53,12 @@ export function command_of(side, size) {
     else if (value === "false" && name === "hdri-ambient") words.push(`--${name}=false`);
   }
   if (!is_flat()) words.push(`--resolution ${size.join(",")}`);
-  return [...words, "-o", "picture.png"].join(" ");
+  return with_remark("#", side, [...words, "-o", "picture.png"].join(" "));
 }
 
 /// Calls write(field, kind, text) for every option that the libraries have.
 function for_fields(side, write) {
-  for (const [name, text] of Object.entries(all_options(side))) {
+  for (const [name, text] of Object.entries(copied_options(side))) {
     const field = field_of(name);
     if (field && name !== "set") write(field, kind_of(name), text);
   }
@@ -81,7 +101,8 @@ export function python_of(side, size) {
   if (settings.length) rest.push(`settings={${settings.join(", ")}}`);
   if (!is_flat()) rest.unshift(`size=(${size.join(", ")})`);
   const call = is_flat() ? "shade_files" : "render";
-  return `import umbrage\n\numbrage.${call}(${[JSON.stringify(file_now()), ...rest].join(",\n    ")}).save("picture.png")\n`;
+  const words = [JSON.stringify(file_now()), ...rest].join(",\n    ");
+  return with_remark("#", side, `import umbrage\n\numbrage.${call}(${words}).save("picture.png")\n`);
 }
 
 const as_float = (value) => (Number.isInteger(value) ? `${value}.0f` : `${value}f`);
@@ -119,11 +140,12 @@ export function cpp_of(side, size) {
     'if (outcome.code == 0) outcome = umb::save(picture, "picture.png");',
   );
   lines.push("return outcome.code;");
-  return `#include <array>\n\n#include "umbrage/umbrage.hpp"\n\nint main() {\n${lines.map((line) => `  ${line}\n`).join("")}}\n`;
+  const body = lines.map((line) => `  ${line}\n`).join("");
+  return with_remark("//", side, `#include <array>\n\n#include "umbrage/umbrage.hpp"\n\nint main() {\n${body}}\n`);
 }
 
 function settings_text() {
-  const options = all_options(side_edited());
+  const options = copied_options(side_edited());
   delete options.passes;
   return JSON.stringify(options, null, 2) + "\n";
 }
@@ -152,6 +174,22 @@ async function load_settings(file) {
   } catch (error) {
     complain(`${file.name} is not a file of settings: ${error.message}`);
   }
+}
+
+/// Returns what is saved and copied if it is not the finished picture.
+function note_of(side) {
+  if (side.show === "picture") return "";
+  if (side.show === "error") return "The map of the error cannot be saved: Save and Copy give the picture itself.";
+  const what = side.show === "reference" ? "the picture with ray-traced occlusion" : `the buffer ${side.show}`;
+  return `Save and Copy give ${what}.`;
+}
+
+/// Shows the note of the edited side.
+export function refresh_take() {
+  const note = by_id("take_note"),
+    text = note_of(side_edited());
+  note.textContent = text;
+  note.hidden = !text;
 }
 
 const size_wanted = () => [Number(by_id("save_width").value), Number(by_id("save_height").value)];
@@ -217,6 +255,7 @@ export function take_section() {
       ),
       button("save", "Save", save),
     ),
+    element("p", { class: "summary", id: "take_note", hidden: true }),
     element("p", { class: "kicker", text: "Copy as" }),
     element(
       "div",
