@@ -162,7 +162,6 @@ class PanelTest(PageTest):
     # Comparison.
 
     def test_shift_shows_the_reference(self):
-        self.wait_for_final()
         before = self.thumbnail()
         self.hold_shift(True)
         self.wait_for("umbrage.frame_b && !document.querySelector('#tag_b').hidden && !document.querySelector('#tag_b').textContent.includes('being drawn')")
