@@ -80,6 +80,11 @@ Result<void> run_view(const ViewCommand& o) {
                           .port = o.port,
                           .watch = o.watch};
   for (const std::string& file : o.models) settings.models.push_back({file, has_image_extension(file)});
+  const bool has_gbuffer = std::any_of(settings.models.begin(), settings.models.end(),
+                                       [](const view::ViewedFile& file) { return file.is_gbuffer; });
+  for (const Option& row : options())
+    if (row.group == "Files" && o.is_given(row.option) && !has_gbuffer)
+      return usage_error("--{} is for a G-buffer, and '{}' is a model", row.option, o.models[0]);
   const BlockSignals blocked;  // threads inherit it, so that wait_for_end receives all signals
   if (o.is_given("isa"))
     if (auto valid = use_isa(o.text_of("isa")); !valid) return valid.error();

@@ -11,8 +11,11 @@
 #include "apps/view/save.h"
 #include "apps/view/server.h"
 #include "apps/view/tables.h"
+#include "generators/builtin.h"
 #include "io/image_file.h"
+#include "renderer/models.h"
 #include "renderer/recipe.h"
+#include "scene/readers/import_parts.h"
 
 namespace umbrage::view {
 namespace {
@@ -25,6 +28,22 @@ constexpr std::chrono::seconds kReloadTime(3);
 std::string name_of(const std::string& file) {
   const std::string name = std::filesystem::path(file).filename().string();
   return name.empty() ? file : name;
+}
+
+/// Checks what can be checked of a file before it is read. Errors: kUsage for an unknown scene; kFile.
+Result<void> check_file(const ViewedFile& file) {
+  constexpr std::string_view kScene = "scene:";
+  if (file.file.starts_with(kScene)) {
+    const std::string name = file.file.substr(kScene.size(), file.file.find('?') - kScene.size());
+    for (const BuiltinScene& scene : builtin_scenes())
+      if (scene.name == name) return {};
+    const auto unknown = load_scene(file.file);
+    return unknown ? Result<void>() : unknown.error();
+  }
+  std::error_code ignored;
+  if (file.is_gbuffer && std::filesystem::is_regular_file(file.file, ignored)) return {};
+  const auto error = check_model_file(file.file, import_format(file.file));
+  return error ? Result<void>(*error) : Result<void>();
 }
 
 }  // namespace
@@ -157,9 +176,7 @@ Result<std::unique_ptr<Viewer>> Viewer::start(Settings settings) {
                           .threads = settings.request.threads,
                           .watch = settings.watch};
   for (ViewedFile& file : settings.models) {
-    std::error_code ignored;
-    if (!file.file.starts_with("scene:") && !std::filesystem::exists(file.file, ignored))
-      return file_error("'{}' does not exist", file.file);
+    if (auto fine = check_file(file); !fine) return fine.error();
     if (file.file.starts_with('-')) file.file.insert(0, "./");  // commands would take it for an option
     Request request = settings.request;
     request.model = file.file;
