@@ -223,22 +223,20 @@ TEST(Drawing, RefinesUntilThePictureIsFinal) {
 
 TEST(Drawing, TheReferenceBeginsWithFewRays) {
   Pages pages({kSolids});
-  State state = state_of(1, false, {{"look", {"ao"}}}, "reference");
-  state.width = state.height = 64;
-  pages.drawing().set_state(kPage, state);
+  pages.drawing().set_state(kPage, state_of(1, false, {{"look", {"ao"}}}, "reference"));
   const Received last = pages.frame([](const Received& f) { return f.header["final"] == true; });
   EXPECT_EQ(last.header["samples"], kMaxRefinedSamples);
   const std::vector<Received> frames = pages.frames();
   EXPECT_EQ(frames[0].header["samples"], 0) << "a draft";
-  EXPECT_LT(frames[0].header["width"], 64);
+  EXPECT_LT(frames[0].header["width"], 160);
   EXPECT_EQ(frames[1].header["samples"], 1);
   // Noise shows how many rays a picture has: that of the mean is smaller by a factor of nearly 11.
   const Image first = decoded(frames[1].image), mean = decoded(last.image);
-  const Image truth = rendered("--resolution 64,64 --look ao --ao reference --set reference.samples=1024");
+  const Image truth = rendered("--look ao --ao reference --set reference.samples=512 --anti-aliasing 4");
   const auto error = [&](const Image& image) {
     double sum = 0.0;
-    for (int y = 0; y < 64; ++y)
-      for (int x = 0; x < 64; ++x) sum += std::abs(image.planes[0].at(x, y) - truth.planes[0].at(x, y));
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x) sum += std::abs(image.planes[0].at(x, y) - truth.planes[0].at(x, y));
     return sum;
   };
   EXPECT_GT(error(first), 2.0 * error(mean));
