@@ -64,7 +64,7 @@ TEST_F(Config, ConfigurationMayBeJson) {
       "box.kernel=3 "
       "--set bitmask.samples=8");
   EXPECT_EQ(image("json.png").width, 24);
-  EXPECT_EQ(read("json.png"), read("same.png"));
+  EXPECT_EQ(test::text_of(folder_ / "json.png"), test::text_of(folder_ / "same.png"));
   const auto refuses = [&](const std::string& text, const std::string& message) {
     write("wrong.json", text);
     bad("tri.obj -o x.png --config wrong.json", 2, {message});
