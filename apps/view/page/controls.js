@@ -26,13 +26,15 @@ export function scale_of(min, max, initial) {
   };
 }
 
-/// Returns the range of the slider, or null for none: rotations show one turn, lengths 0.1 to 100 percent of the radius,
-/// factors without an effective limit 10 times the default.
+/// Returns the range of the slider, or null for none; the number beside it takes the whole range. Rotations show one turn,
+/// lengths 0.1 to 100 percent of the radius, exposure 5 stops, factors 4 times the default.
 function range_of(entry) {
   if (entry.kind === "length") return [0.1, 100];
   if (entry.unit === "deg" && entry.max > 360) return [-180, 180];
   const { min, max } = entry,
     initial = parseFloat(entry.initial);
+  if (entry.unit === "stops") return [Math.max(min, -5), Math.min(max, 5)];
+  if (entry.kind === "number" && min === 0 && initial === 1 && max >= 10) return [0, 4];
   if (min === 0 && max >= 1e5 && initial > 0) return [0, 10 * initial];
   return Number.isFinite(min) && Number.isFinite(max) && min < max && max - min < 1e6 ? [min, max] : null;
 }

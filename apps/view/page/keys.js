@@ -59,9 +59,8 @@ function set_up(axis) {
 }
 
 function next_theme() {
-  const order = ["", "light", "dark"],
-    root = document.documentElement;
-  const next = order[(order.indexOf(root.dataset.theme ?? "") + 1) % order.length];
+  const opposite = matchMedia("(prefers-color-scheme: dark)").matches ? "light" : "dark";
+  const next = document.documentElement.dataset.theme ? "" : opposite;
   set_theme(next);
   announce(`Page: ${next || "as the system"}`);
 }

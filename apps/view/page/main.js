@@ -155,6 +155,8 @@ Object.assign(hooks, {
   },
 });
 
+let model_before = null; // the one shown before a file was opened
+
 function select_model(id) {
   if (id === state.model) return;
   state.model = id;
@@ -222,7 +224,20 @@ function take_hello(hello) {
 
 function take_models(message) {
   state.models = message.models;
-  if (message.select !== undefined && message.select !== null) state.model = message.select;
+  if (message.select !== undefined && message.select !== null) {
+    model_before = state.model;
+    state.model = message.select;
+  }
+  show_models();
+  changed(false);
+}
+
+/// Goes back to the model before one that cannot be read, which leaves the list.
+function leave_unreadable_model() {
+  if (scene_now() || model_before === null || model_before === state.model) return;
+  state.models = state.models.filter((model) => model.id !== state.model);
+  state.model = model_before;
+  model_before = null;
   show_models();
   changed(false);
 }
@@ -253,7 +268,9 @@ function take_error(message) {
   const is_of_view = message.view !== undefined;
   if (is_of_view) clearTimeout(waiting_timer);
   show_work("", 0);
-  complain(message.message, is_of_view ? `view${message.view}` : undefined);
+  const is_unreadable = is_of_view && !scene_now() && model_before !== null;
+  complain(message.message, is_of_view && !is_unreadable ? `view${message.view}` : undefined);
+  if (is_unreadable) leave_unreadable_model();
 }
 
 function take_frame(header, blob) {
@@ -295,7 +312,8 @@ function show_error_number(header) {
     number = by_id("error_number");
   number.setAttribute("aria-live", !header.moving && (header.samples <= 1 || header.final) ? "polite" : "off");
   number.textContent = error
-    ? `error against the reference: RMSE ${error.rmse.toPrecision(3)}, mean ${error.mean.toPrecision(3)}`
+    ? `Occlusion against the reference: RMSE ${error.rmse.toPrecision(3)}, mean ${error.mean.toPrecision(3)}. ` +
+      "White is right, red too bright, blue too dark; full color from 0.1."
     : "";
 }
 

@@ -53,7 +53,7 @@ export function command_of(side, size) {
     else if (value === "false" && name === "hdri-ambient") words.push(`--${name}=false`);
   }
   if (!is_flat()) words.push(`--resolution ${size.join(",")}`);
-  return with_remark("#", side, [...words, "-o", "picture.png"].join(" "));
+  return with_remark("#", side, [...words, "-o", `picture.${by_id("save_format")?.value ?? "png"}`].join(" "));
 }
 
 /// Calls write(field, kind, text) for every option that the libraries have.

@@ -294,7 +294,7 @@ class KeysTest(CameraTest):
         self.wait_for("!document.querySelector('#panel').checkVisibility() || document.querySelector('#panel').getBoundingClientRect().left >= innerWidth")
         self.press("p")
         self.wait_for("document.querySelector('#panel').getBoundingClientRect().right <= innerWidth + 1")
-        for theme in ("light", "dark", ""):
+        for theme in ("dark", "", "dark", ""):
             self.press("l")
             self.wait_for(f"document.documentElement.dataset.theme === '{theme}'")
         self.press("h")
