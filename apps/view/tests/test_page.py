@@ -117,6 +117,24 @@ class PageItselfTest(PageTest):
         finally:
             resize(self.browser, 960, 600)
 
+    def test_the_status_line_never_changes_the_picture(self):
+        # A line that wraps by its text would resize the picture, which draws it again and changes the text.
+        self.press("p")  # the line is as wide as the window
+        try:
+            for width, height, text in ((160, 100, "100%"), (260, 200, "100%"), (420, 300, "200%")):
+                resize(self.browser, width, height)
+                self.browser.execute_script("document.documentElement.style.fontSize = arguments[0]", text)
+                self.wait_for_rest()
+                size = self.page("document.querySelector('#picture').height")
+                for key in (Keys.ARROW_LEFT, Keys.ARROW_RIGHT):
+                    self.press(key)
+                    self.wait_for_rest()
+                    state = self.page("umbrage.id")
+                    self.wait_for("umbrage.frame.samples >= 8 || umbrage.id > arguments[0] + 3".replace("arguments[0]", str(state)))
+                    self.assertEqual([self.page("umbrage.id"), self.page("document.querySelector('#picture').height")], [state, size])
+        finally:
+            resize(self.browser, 960, 600)
+
     def test_dark_and_light(self):
         def brightness(selector):
             return self.page("(color => color.match(/[\\d.]+/g).slice(0, 3).reduce((sum, x) => sum + Number(x), 0))"
