@@ -175,7 +175,7 @@ Result<void> add_json(const nlohmann::json& object, const std::string& section, 
   return {};
 }
 
-/// Reads a JSON object: options, or objects of options by command. Errors: kUsage.
+/// Reads a JSON object: options, and objects of options by command, which override them. Errors: kUsage.
 Result<std::vector<Setting>> settings_of_json(const std::string& text, const fs::path& file) {
   std::vector<Setting> settings;
   try {
@@ -184,6 +184,7 @@ Result<std::vector<Setting>> settings_of_json(const std::string& text, const fs:
   } catch (const nlohmann::json::exception& error) {
     return usage_error("'{}' is not valid JSON: {}", file.string(), error.what());
   }
+  std::stable_partition(settings.begin(), settings.end(), [](const Setting& each) { return each.section.empty(); });
   return settings;
 }
 

@@ -57,12 +57,12 @@ TEST_F(Config, ConfigurationFileSetsOptions) {
 // The viewer saves such files.
 TEST_F(Config, ConfigurationMayBeJson) {
   write("mine.json", R"({"resolution": "20x10", "anti-aliasing": 2, "look": "ao", "no-background": false,
-                         "set": ["box.size=3", "bitmask.slices=2"], "render": {"resolution": "24x12"}})");
+                         "ao": "bitmask", "set": ["bitmask.steps=4", "bitmask.slices=2"],
+                         "render": {"resolution": "24x12"}})");
   good("tri.obj -o json.png --device cpu --config mine.json");
   good(
-      "tri.obj -o same.png --device cpu --config none --resolution 24x12 --anti-aliasing 2 --look ao --set "
-      "box.size=3 "
-      "--set bitmask.slices=2");
+      "tri.obj -o same.png --device cpu --config none --resolution 24x12 --anti-aliasing 2 --look ao --ao bitmask "
+      "--set bitmask.steps=4 --set bitmask.slices=2");
   EXPECT_EQ(image("json.png").width, 24);
   EXPECT_EQ(test::text_of(folder_ / "json.png"), test::text_of(folder_ / "same.png"));
   const auto refuses = [&](const std::string& text, const std::string& message) {
