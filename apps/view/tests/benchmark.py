@@ -17,6 +17,7 @@ RUNS = 3
 ORBIT_S = 5.0
 IDLE_S = 4.0
 SLIDER_STEPS = 15
+PAUSE_S = 0.4  # between two moves of the slider, in which the picture at rest is begun
 SIZE = (1280, 720)
 
 # Orbits by 2 pixels for each animation frame, as a drag of the mouse does, and counts the frames that the page shows.
@@ -84,8 +85,7 @@ def measure(words):
         wait_for_rest(browser)
         slides = []
         for step in range(SLIDER_STEPS):
-            while not browser.execute_script("return !umbrage.moving && umbrage.frame.id === umbrage.id"):
-                time.sleep(0.02)
+            time.sleep(PAUSE_S)
             slides.append(browser.execute_async_script(SLIDE, 0.2 + 0.6 * ((7 * step) % SLIDER_STEPS) / SLIDER_STEPS))
         resize(browser, 160, 100)  # so that it is soon refined
         wait_for_final(browser)
