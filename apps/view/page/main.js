@@ -21,6 +21,7 @@ const kFragment_ms = 300,
   kMaxFlatScale = 64, // one pixel is a square that is easily seen
   kNarrow = "(max-width: 46em)";
 const moving_times = [];
+const refused = [0, 0];  // of each view, the last state that could not be drawn
 let refresh_scheduled = 0,
   fragment_timer = 0,
   own_fragment = null,
@@ -266,7 +267,10 @@ function take_pick(message) {
 /// An error of a view is shown until that view is drawn; another one, a notice, until it is dismissed.
 function take_error(message) {
   const is_of_view = message.view !== undefined;
-  if (is_of_view) clearTimeout(waiting_timer);
+  if (is_of_view) {
+    clearTimeout(waiting_timer);
+    refused[message.view] = message.id;
+  }
   show_work("", 0);
   const is_unreadable = is_of_view && !scene_now() && model_before !== null;
   complain(message.message, is_of_view && !is_unreadable ? `view${message.view}` : undefined);
@@ -277,7 +281,7 @@ function take_frame(header, blob) {
   show_frame(header, blob, (shown_header, is_shown) => {
     link.shown(shown_header.frame);
     if (!is_shown) return;
-    forgive(`view${shown_header.view}`);
+    if (shown_header.id > refused[shown_header.view]) forgive(`view${shown_header.view}`);
     note_time(shown_header);
     if (shown_header.view === 0) show_state(shown_header);
     draw_times();

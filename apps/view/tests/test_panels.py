@@ -50,9 +50,22 @@ class PanelTest(PageTest):
 
     def test_a_wrong_value_is_named_and_the_page_goes_on(self):
         self.browser.execute_script("document.querySelectorAll('#panel details').forEach(part => part.open = true)")
+        # Pictures of the state before, still being decoded when the message comes, do not take it away.
+        self.browser.execute_script("""
+            const decode = window.createImageBitmap;
+            window.decoding = 0;
+            window.createImageBitmap = async (...words) => {
+              decoding += 1;
+              await new Promise(resolve => setTimeout(resolve, 400));
+              return decode(...words).finally(() => decoding -= 1);
+            };""")
+        self.press(Keys.ARROW_LEFT)
+        self.wait_for("window.decoding > 0")
         box = self.element("option-background-color").find_element(By.CSS_SELECTOR, "input[type=text]")
         box.send_keys("no-color", Keys.TAB)
         self.wait(lambda: any("--background-color" in text and "no-color" in text for text in self.errors()), "the message")
+        self.wait_for("window.decoding === 0")
+        self.assertEqual(len(self.errors()), 1)
         self.screenshot("error")
         self.click("[data-testid='option-background-color'] .undo")
         self.wait_for_rest()
