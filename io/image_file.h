@@ -78,6 +78,10 @@ Result<std::string> encode_png(const std::string& name, const Image& image, cons
 Result<std::string> encode_png_rows(const std::string& name, const ImageShape& shape, const WriteSettings& settings,
                                     const MakeImageRows& make);
 
+/// Returns a JPEG for pictures that are seen for a moment: encoded fast, with colour at half resolution (4:2:0) and
+/// without a profile. `quality`: 1 to 100. Alpha is ignored. Errors: those of write_image.
+Result<std::string> encode_fast_jpeg(const std::string& name, const Image& image, int quality);
+
 /// Reads an image of any of the formats, detected by content. Plane names are as written. A single plane of PNG or PFM
 /// is called `grey`. PNG values are in [0, 1], not linearized. For EXR parts and windows see exr.cpp.
 /// Errors: kFile.

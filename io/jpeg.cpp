@@ -1,10 +1,11 @@
-// JPEG through libjpeg-turbo, only written: baseline JFIF, without subsampling of colour, which would fray coloured
-// lines, with the profile of sRGB.
+// JPEG through libjpeg-turbo, only written: baseline JFIF. Files are without subsampling of colour, which would fray
+// coloured lines, and with the profile of sRGB.
 #include <cstdio>
 // jpeglib.h needs cstdio before it.
 #include <jpeglib.h>
 
 #include <csetjmp>
+#include <cstdlib>
 #include <vector>
 
 #include "io/format.h"
@@ -31,9 +32,15 @@ struct JpegError {
 struct Writer {
   jpeg_compress_struct jpeg{};
   JpegError error;
-  ~Writer() { jpeg_destroy_compress(&jpeg); }
+  unsigned char* bytes = nullptr;  // of a picture in memory
+  unsigned long size = 0;
+  ~Writer() {
+    jpeg_destroy_compress(&jpeg);
+    std::free(bytes);
+  }
 };
 
+/// Starts a file or, if `stream` is null, a picture in memory that is encoded for speed.
 bool start(Writer& writer, std::FILE* stream, int width, int height, int channels, int quality) {
   jpeg_compress_struct& jpeg = writer.jpeg;
   jpeg.err = jpeg_std_error(&writer.error.manager);
@@ -41,13 +48,21 @@ bool start(Writer& writer, std::FILE* stream, int width, int height, int channel
   writer.error.manager.output_message = [](j_common_ptr) {};
   if (setjmp(writer.error.jump)) return false;
   jpeg_create_compress(&jpeg);
-  jpeg_stdio_dest(&jpeg, stream);
+  if (stream)
+    jpeg_stdio_dest(&jpeg, stream);
+  else
+    jpeg_mem_dest(&jpeg, &writer.bytes, &writer.size);
   jpeg.image_width = JDIMENSION(width);
   jpeg.image_height = JDIMENSION(height);
   jpeg.input_components = channels;
   jpeg.in_color_space = channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
-  jpeg_set_defaults(&jpeg);
+  jpeg_set_defaults(&jpeg);  // 4:2:0
   jpeg_set_quality(&jpeg, quality, TRUE);
+  if (!stream) {
+    jpeg.dct_method = JDCT_IFAST;
+    jpeg_start_compress(&jpeg, TRUE);
+    return true;
+  }
   for (int c = 0; c < jpeg.num_components; ++c) jpeg.comp_info[c].h_samp_factor = jpeg.comp_info[c].v_samp_factor = 1;
   jpeg.optimize_coding = TRUE;
   jpeg_start_compress(&jpeg, TRUE);
@@ -68,14 +83,13 @@ bool finish(Writer& writer) {
   return true;
 }
 
-/// Writes the rows to an open file; `name` is its name in errors.
-Result<void> write_to(std::FILE* stream, const fs::path& name, const ImageShape& shape, int channels,
-                      const WriteSettings& settings, const MakeImageRows& make) {
-  Writer writer;
+/// Writes the rows to an open file, or to memory as for start; `name` is its name in errors.
+Result<void> write_to(Writer& writer, std::FILE* stream, const fs::path& name, const ImageShape& shape, int channels,
+                      int quality, const MakeImageRows& make) {
   const auto failed = [&] {
     return file_error("'{}' cannot be written as JPEG: {}", name.string(), writer.error.text);
   };
-  if (!start(writer, stream, shape.width, shape.height, channels, settings.quality)) return failed();
+  if (!start(writer, stream, shape.width, shape.height, channels, quality)) return failed();
   std::vector<std::uint8_t> row(std::size_t(shape.width) * std::size_t(channels));
   Result<void> made = make([&](const Image& rows) -> Result<void> {
     const auto planes = picture_planes(name, rows, false);
@@ -97,8 +111,10 @@ Result<void> write(const fs::path& file, const ImageShape& shape, const WriteSet
   if (!planes) return planes.error();
   if (planes->size() > 3)
     return file_error("'{}' cannot be written: JPEG has no transparency; .png and .webp have", file.string());
-  return write_atomically(
-      file, [&](std::FILE* to) { return write_to(to, file, shape, int(planes->size()), settings, make); });
+  return write_atomically(file, [&](std::FILE* to) {
+    Writer writer;
+    return write_to(writer, to, file, shape, int(planes->size()), settings.quality, make);
+  });
 }
 
 bool recognises(std::string_view start) { return start.starts_with("\xff\xd8\xff"); }
@@ -106,6 +122,16 @@ bool recognises(std::string_view start) { return start.starts_with("\xff\xd8\xff
 constexpr std::string_view kSummary = "8 bit grey or RGB pictures, sRGB, only written";
 
 }  // namespace
+
+Result<std::string> encode_fast_jpeg(const std::string& name, const Image& image, int quality) {
+  const auto planes = picture_planes(name, image, false);
+  if (!planes) return planes.error();
+  Writer writer;
+  const auto written = write_to(writer, nullptr, name, {image.width, image.height, image.names}, int(planes->size()),
+                                quality, [&](const TakeImageRows& take) { return take(image); });
+  if (!written) return written.error();
+  return std::string(reinterpret_cast<const char*>(writer.bytes), writer.size);
+}
 
 const ImageFormat kJpg = {"jpg", kSummary, write, nullptr, recognises, true, false, 8};
 const ImageFormat kJpeg = {"jpeg", kSummary, write, nullptr, recognises, true, false, 8};

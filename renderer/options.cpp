@@ -41,6 +41,12 @@ const Option& option_of(std::string_view field) {
   fail_check(fmt::format("there is no option for the field '{}'", field));
 }
 
+const Option* find_option(std::string_view name, unsigned commands) {
+  for (const Option& option : all_options())
+    if (option.option == name && (option.commands & commands)) return &option;
+  return nullptr;
+}
+
 std::string with_fields_renamed(std::string_view message, std::string (*rename)(const Option&)) {
   std::string text;
   for (std::size_t at = 0; at < message.size();) {
@@ -60,6 +66,10 @@ std::string with_fields_renamed(std::string_view message, std::string (*rename)(
     at = next;
   }
   return text;
+}
+
+std::string with_option_names(std::string_view message) {
+  return with_fields_renamed(message, [](const Option& row) { return "--" + std::string(row.option); });
 }
 
 }  // namespace umbrage

@@ -77,8 +77,14 @@ std::span<const Option> options();
 /// Returns the row of a field, which must exist.
 const Option& option_of(std::string_view field);
 
+/// Returns the row of an option of one of these commands, by its name without dashes, or null.
+const Option* find_option(std::string_view name, unsigned commands);
+
 /// Returns the message with each field in backquotes replaced by `rename`, except inside '...'.
 std::string with_fields_renamed(std::string_view message, std::string (*rename)(const Option&));
+
+/// Returns the message with the options of a command line in place of fields: `--look`.
+std::string with_option_names(std::string_view message);
 
 /// Returns the valid words of an option, from `choices` or `names`; empty if it takes other values.
 std::vector<std::string_view> words_of(const Option& option);

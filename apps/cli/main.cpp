@@ -162,8 +162,8 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.fallthrough(false);
   std::function<Result<void>()> command;
-  for (const AddCommand add : {add_render, add_shade, add_view, add_thumbnails, add_compare, add_tune, add_figures, add_bench,
-                               add_info, add_list, add_manual})
+  for (const AddCommand add : {add_render, add_shade, add_view, add_thumbnails, add_compare, add_tune, add_figures,
+                               add_bench, add_info, add_list, add_manual})
     add(app, command);
   const std::vector<std::string> commands = command_names(app);
 

@@ -161,10 +161,6 @@ Result<void> parse_options(CommonOptions& o) {
   return {};
 }
 
-std::string with_option_names(std::string_view message) {
-  return with_fields_renamed(message, [](const Option& row) { return "--" + std::string(row.option); });
-}
-
 void print_warning(std::string_view message) {
   fmt::print(stderr, "umbrage: warning: {}\n", with_option_names(message));
 }

@@ -96,9 +96,6 @@ ModelCommand<Options> add_model_command(CLI::App& app, std::function<Result<void
           options};
 }
 
-/// Returns a message of the library with field names replaced by option names.
-std::string with_option_names(std::string_view message);
-
 /// Prints a warning on standard error, with options in place of field names.
 void print_warning(std::string_view message);
 

@@ -19,27 +19,14 @@ constexpr std::chrono::milliseconds kWatchInterval(500);
 constexpr double kMinGain = 1.2;                           // factor of the number of samples between two such pictures
 constexpr std::chrono::seconds kMeanInterval(1);           // max time between two pictures of further samples
 constexpr std::chrono::milliseconds kStatusInterval(100);  // between two messages on progress
-
-constexpr std::chrono::milliseconds kStatusDelay(500);  // without a picture, before the first such message
+constexpr std::chrono::milliseconds kStatusDelay(500);     // without a picture, before the first such message
 
 /// Max time of a moving picture that is drawn larger because only settings change, ms.
 constexpr double kSettingFrame_ms = 70.0;
 constexpr const char* kStill = " settings";  // of the key of such pictures
 
-/// Number of pictures that are averaged first where the look draws one: their sample positions are balanced.
-constexpr int kFirstAveraged = 4;
-
 /// Factor by which a turn of a view increases its number of samples, since the next turn begins with the first sample.
 constexpr int kTurnGrowth = 4;
-
-/// Returns whether a picture that is drawn once gets averaged at rest: if the user left the number of pictures to the
-/// look. This changes edges and noise alone.
-bool gets_averaged(const Request& request, const ViewModel& model) {
-  if (averages_few_rays(request)) return true;
-  if (model.is_gbuffer() || request.anti_aliasing || !request.quality.empty() || !request.passes.empty()) return false;
-  const auto recipe = make_recipe(request);
-  return recipe && recipe->frames == 1;
-}
 
 }  // namespace
 
@@ -72,10 +59,14 @@ nlohmann::json Drawing::models() const { return models_.as_json(); }
 void Drawing::set_state(PageId id, State state) {
   const std::lock_guard lock(mutex_);
   Page& page = pages_[id];
-  page.views.assign(state.views.size(), {.next = state.moving ? Step::kMoving : Step::kQuick});
   page.state = std::make_shared<const State>(std::move(state));
-  ++page.revision;
+  begin_state(page);
   changed_.notify_all();
+}
+
+void Drawing::begin_state(Page& page) {
+  page.views.assign(page.state->views.size(), {.next = page.state->moving ? Step::kMoving : Step::kQuick});
+  ++page.revision;
 }
 
 void Drawing::pick(PageId id, Pick pick) {
@@ -215,9 +206,12 @@ void Drawing::report(const Task& task, double progress) {
   send_.text(task.page, status_text(task.state->id, "drawing", progress));
 }
 
+std::string Drawing::device_key(const Task& task) const {
+  return task.shown().device == settings_.device ? "" : task.shown().device;
+}
+
 Result<DrawingDevice*> Drawing::device_of(const Task& task) {
-  const std::string& name = task.shown().device;
-  const std::string key = name == settings_.device ? "" : name;
+  const std::string key = device_key(task);
   DrawingDevice& slot = devices_[failed_devices_.contains(key) ? "cpu" : key];
   if (slot.device) return &slot;
   auto device = make_device(failed_devices_.contains(key) ? "cpu" : key, settings_.threads);
@@ -238,7 +232,7 @@ Result<void> Drawing::perform(const Task& task) {
   const auto device = device_of(task);
   auto done = device ? draw(task, *loaded->model, **device, *request) : Result<void>(device.error());
   if (done || done.error().kind != ErrorKind::kDevice) return done;
-  const std::string key = task.shown().device == settings_.device ? "" : task.shown().device;
+  const std::string key = device_key(task);
   if (failed_devices_.contains(key) || (device && (*device)->device->name() == "cpu")) return done;
   // A device that fails, such as one whose driver was reset, is not used again.
   models_.forget_captures();
@@ -303,6 +297,12 @@ std::string Drawing::control_key(const Task& task, const Request& request) const
   return fmt::format("{} {} {} {}", task.state->model, request.look, task.shown().show, task.shown().device);
 }
 
+void Drawing::remember_draft(const Task& task, std::pair<int, int> size) {
+  moving_page_ = task.page;
+  moving_camera_ = camera_text(task.shown());
+  moving_size_ = size;
+}
+
 bool Drawing::is_still(const Task& task) const {
   return task.page == moving_page_ && camera_text(task.shown()) == moving_camera_;
 }
@@ -345,9 +345,9 @@ Result<void> Drawing::draw(const Task& task, ViewModel& model, DrawingDevice& de
     refined = with_few_rays(std::move(refined));
     refined.anti_aliasing = 1;
   }
-  const bool averages_on = task.step == Step::kRefined && gets_averaged(request, model);
-  if (averages_on) refined.anti_aliasing = kFirstAveraged;
-  const bool is_averaged_later = task.step == Step::kExact && gets_averaged(request, model);
+  const bool is_averaged = gets_averaged(request, model.is_gbuffer());
+  if (is_averaged && task.step == Step::kRefined) refined.anti_aliasing = kFirstAveraged;
+  const bool is_averaged_later = is_averaged && task.step == Step::kExact;
   StageTimes times;
   control.take = [&](const Image& picture, int samples, bool is_final) -> Result<void> {
     send_picture(task, picture, {.samples = samples, .is_final = is_final && !is_averaged_later, .times = times});
@@ -373,9 +373,7 @@ Result<void> Drawing::draw_error(const Task& task, ViewModel& model, DrawingDevi
   if (is_moving)
     std::tie(sized.width, sized.height) =
         is_still(task) && moving_size_.first > 0 ? moving_size_ : control_.size(key, request.width, request.height);
-  moving_page_ = task.page;
-  moving_camera_ = camera_text(task.shown());
-  if (is_moving) moving_size_ = {sized.width, sized.height};
+  remember_draft(task, is_moving ? std::pair(sized.width, sized.height) : moving_size_);
   StageTimes times;
   const std::string name = fmt::format("{} {}", task.state->model, model.number());
   auto drawn = errors_.draw(model, device, sized, name, task.samples + 1, control, times);
@@ -411,9 +409,7 @@ Result<void> Drawing::draw_draft(const Task& task, ViewModel& model, DrawingDevi
     return {};
   };
   auto drawn = model.draw(device, draft, control, times);
-  moving_page_ = task.page;
-  moving_camera_ = camera_text(task.shown());
-  if (!is_quick || traced) moving_size_ = {draft.width, draft.height};
+  remember_draft(task, !is_quick || traced ? std::pair(draft.width, draft.height) : moving_size_);
   return drawn;
 }
 
@@ -494,8 +490,7 @@ void Drawing::watch() {
     lock.lock();
     for (auto& [id, page] : pages_) {
       if (!page.state || std::find(models.begin(), models.end(), page.state->model) == models.end()) continue;
-      ++page.revision;
-      page.views.assign(page.views.size(), {.next = page.state->moving ? Step::kMoving : Step::kQuick});
+      begin_state(page);
     }
     if (!models.empty()) changed_.notify_all();
   }

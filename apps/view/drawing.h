@@ -105,6 +105,8 @@ class Drawing {
   void run();
   void watch();
   std::optional<Task> next_task();
+  /// Begins to draw the state of a page. `mutex_` must be locked.
+  static void begin_state(Page& page);
   bool is_wanted(const Task& task);
   /// Returns whether the page still wants the model of the task, so that reading it goes on.
   bool is_model_wanted(const Task& task);
@@ -121,10 +123,14 @@ class Drawing {
   Result<void> find_point(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request);
   Result<ModelList::Loaded> load(const Task& task, const Request& request);
   Result<void> send_model(const Task& task, const ModelList::Loaded& loaded, const Request& request);
+  /// Returns the key in devices_ of the device that a task names; empty: that of the program.
+  std::string device_key(const Task& task) const;
   Result<DrawingDevice*> device_of(const Task& task);
   /// Hands a picture to the encoder. Of the header, the samples, the error and the times are given.
   void send_picture(const Task& task, const Image& picture, FrameHeader header);
   std::string control_key(const Task& task, const Request& request) const;
+  /// Keeps the camera of a draft, and the size of the last moving picture, for is_still and moving_size.
+  void remember_draft(const Task& task, std::pair<int, int> size);
   /// Returns whether the camera is that of the last draft.
   bool is_still(const Task& task) const;
   std::pair<int, int> moving_size(const Task& task, const std::string& key);

@@ -20,9 +20,6 @@ constexpr std::int64_t kMaxModel = std::numeric_limits<int>::max();  // ids of m
 constexpr std::size_t kMaxNameLength = 64;                           // of options and passes
 constexpr std::size_t kMaxFileLength = 512;                          // "DROP/NAME", 32 + 1 + 255 bytes at most
 
-bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }
-bool has_control(std::string_view text) { return std::any_of(text.begin(), text.end(), is_control); }
-
 /// Returns whether a text can be a name: 1 to kMaxNameLength of a-z, A-Z, 0-9 and `.`, `_`, `-`, not first a `-`.
 bool is_name(std::string_view text) {
   constexpr std::string_view kCharacters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-";
@@ -202,6 +199,11 @@ Result<Message> parse_pick(const Json& object) {
 }
 
 }  // namespace
+
+bool has_control(std::string_view text) {
+  return std::any_of(text.begin(), text.end(),
+                     [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
+}
 
 Result<Message> parse_message(std::string_view text) {
   const Result<Json> object = parse_object(text);

@@ -59,6 +59,9 @@ struct Pick {
 
 using Message = std::variant<State, Open, Ack, Pick>;
 
+/// Returns whether a text has control characters.
+bool has_control(std::string_view text);
+
 /// Returns a page's message. Never throws; the depth of nesting is bounded. Errors: kUsage, one line.
 Result<Message> parse_message(std::string_view text);
 

@@ -23,18 +23,7 @@ int rounded_side(double side, int full) {
   return std::min(rounded, full);
 }
 
-/// Returns the row of an option of the command, or null.
-const Option* find_option(std::string_view name, OptionCommand command) {
-  for (const Option& row : options())
-    if (row.option == name && (row.commands & command)) return &row;
-  return nullptr;
-}
-
 }  // namespace
-
-std::string with_option_names(std::string_view message) {
-  return with_fields_renamed(message, [](const Option& row) { return "--" + std::string(row.option); });
-}
 
 Result<Request> request_of(const View& view, int width, int height, bool is_gbuffer) {
   Request request;
@@ -76,6 +65,13 @@ bool averages_few_rays(const Request& request) {
 Request with_few_rays(Request request) {
   request.settings.push_back(fmt::format("{}{}", kRays, kFewRays));
   return request;
+}
+
+bool gets_averaged(const Request& request, bool is_gbuffer) {
+  if (averages_few_rays(request)) return true;
+  if (is_gbuffer || request.anti_aliasing || !request.quality.empty() || !request.passes.empty()) return false;
+  const auto recipe = make_recipe(request);
+  return recipe && recipe->frames == 1;
 }
 
 void simplify_moving(Plan& plan) {

@@ -22,9 +22,6 @@ inline constexpr double kQuickFrame_ms = 250.0;
 /// of the command that shades. Errors: kUsage.
 Result<Request> request_of(const View& view, int width, int height, bool is_gbuffer);
 
-/// Returns a message with options in place of fields: `--look`.
-std::string with_option_names(std::string_view message);
-
 /// Returns the request that is drawn while something moves: the draft quality, one sample.
 Request moving_request(Request request);
 
@@ -35,6 +32,12 @@ bool is_traced(const Request& request);
 bool averages_few_rays(const Request& request);
 /// Returns the request with few rays per pixel for the reference, so that its first picture takes about a second.
 Request with_few_rays(Request request);
+
+/// Number of pictures that are averaged first where the look draws one: their sample positions are balanced.
+inline constexpr int kFirstAveraged = 4;
+/// Returns whether a picture that is drawn once gets averaged at rest: if the user left the number of pictures to the
+/// look. This changes edges and noise alone.
+bool gets_averaged(const Request& request, bool is_gbuffer);
 
 /// Leaves out of the plan of a moving picture what takes long: soft shadows.
 void simplify_moving(Plan& plan);

@@ -68,11 +68,12 @@ TEST(ViewEncode, JpegIsCloseAndSmall) {
   Image picture(61, 35);
   for (const char* name : {"color.r", "color.g", "color.b"}) picture.add(name) = Plane(61, 35, 0.5f);
   picture.planes[0].at(3, 3) = std::numeric_limits<float>::quiet_NaN();
-  const auto jpeg = encode_jpeg(picture);
+  const auto jpeg = encode(picture, false);
   ASSERT_TRUE(jpeg);
-  EXPECT_TRUE(jpeg->starts_with("\xff\xd8"));
-  EXPECT_TRUE(jpeg->ends_with("\xff\xd9"));
-  EXPECT_LT(jpeg->size(), 2000u);
+  EXPECT_STREQ(jpeg->format, "image/jpeg");
+  EXPECT_TRUE(jpeg->bytes.starts_with("\xff\xd8"));
+  EXPECT_TRUE(jpeg->bytes.ends_with("\xff\xd9"));
+  EXPECT_LT(jpeg->bytes.size(), 2000u);
   const auto png = encode(picture, true);
   ASSERT_TRUE(png);
   EXPECT_STREQ(png->format, "image/png");

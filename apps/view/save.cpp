@@ -26,12 +26,6 @@ constexpr std::chrono::milliseconds kLook(20);
 /// The time in which a cancelled program removes its unfinished file.
 constexpr std::chrono::seconds kGrace(3);
 
-const Option* find_option(std::string_view name, unsigned command) {
-  for (const Option& option : options())
-    if (option.option == name && (option.commands & command) && option.where.index() != 0) return &option;
-  return nullptr;
-}
-
 bool is_flag(const Option& option) { return std::holds_alternative<FieldOf<bool>>(option.where); }
 
 const char* type_of(std::string_view format) {
@@ -105,7 +99,8 @@ Result<std::vector<std::string>> save_words(const SaveSubject& subject, const Sa
   for (const auto& [name, values] : save.options) {
     if (name == "resolution") continue;  // the size of the picture to save replaces it
     const Option* option = find_option(name, command);
-    if (!option) return usage_error("--{} is not an option of a picture to save", name);
+    const bool is_of_picture = option && !std::holds_alternative<std::monostate>(option->where);
+    if (!is_of_picture) return usage_error("--{} is not an option of a picture to save", name);
     for (const std::string& value : values) {
       if (!is_flag(*option))
         words.push_back(fmt::format("--{}={}", name, value));

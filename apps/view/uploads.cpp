@@ -9,6 +9,8 @@
 #include <cstring>
 #include <vector>
 
+#include "apps/view/messages.h"
+
 namespace umbrage::view {
 namespace {
 
@@ -21,9 +23,7 @@ bool is_drop(std::string_view drop) {
          drop.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789") == std::string_view::npos;
 }
 
-bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }
-
-/// Returns a size as "1 GiB" or "5,000 bytes".
+/// Returns a size as "1 GiB" or "5000 bytes".
 std::string bytes_text(std::int64_t bytes) {
   constexpr std::int64_t kGib = std::int64_t(1) << 30;
   return bytes % kGib == 0 ? fmt::format("{} GiB", bytes / kGib) : fmt::format("{} bytes", bytes);
@@ -59,8 +59,7 @@ Result<std::string> upload_name(std::string_view path) {
   const std::size_t slash = path.find_last_of("/\\");
   const std::string_view name = slash == std::string_view::npos ? path : path.substr(slash + 1);
   if (name.empty() || name == "." || name == "..") return usage_error("the name of an uploaded file is missing");
-  if (std::any_of(name.begin(), name.end(), is_control))
-    return usage_error("the name of an uploaded file has a control character");
+  if (has_control(name)) return usage_error("the name of an uploaded file has a control character");
   if (name.size() > kMaxNameLength)
     return usage_error("the name of an uploaded file has {} bytes; the max is {}", name.size(), kMaxNameLength);
   return std::string(name);

@@ -54,17 +54,14 @@ Result<std::vector<std::string>> shown_planes(const Request& request, const Devi
   return names;
 }
 
-/// Returns the picture of a drawn frame as it is written to a .png.
-Result<Image> picture_of(Device& device, const Frame& frame, const Request& request, const EffectSettings& settings) {
-  const auto names = shown_planes(request, device, frame);
-  if (!names) return names.error();
-  const auto planes = download_passes(device, frame, *names);
-  if (!planes) return planes.error();
+/// Returns the planes `names`, which the request shows, as the picture that is written to a .png.
+Image picture_of(const Image& planes, const std::vector<std::string>& names, const Request& request,
+                 const EffectSettings& settings, const PictureInfo& info) {
   if (request.passes.size() == 1 && request.passes[0] == "outline")
-    return picture_of_lines(planes->plane("outline"), settings);
-  if (!request.passes.empty()) return picture_of_passes(*planes, *names, frame.info);
-  Image picture(planes->width, planes->height);
-  for (const std::string& name : *names) picture.add(name) = planes->plane(name);
+    return picture_of_lines(planes.plane("outline"), settings);
+  if (!request.passes.empty()) return picture_of_passes(planes, names, info);
+  Image picture(planes.width, planes.height);
+  for (const std::string& name : names) picture.add(name) = planes.plane(name);
   return picture;
 }
 
@@ -215,11 +212,14 @@ Result<void> ViewModel::draw(DrawingDevice& device, const Request& request, cons
                              StageTimes& times) {
   if (is_gbuffer()) return shade(device, request, control, times);
   const auto give = [&](const Recipe& recipe, const Frame& frame, int samples, bool averages) -> Result<void> {
-    const auto picture = picture_of(*device.device, frame, request, recipe.settings);
-    if (!picture) return picture.error();
+    const auto names = shown_planes(request, *device.device, frame);
+    if (!names) return names.error();
+    const auto planes = download_passes(*device.device, frame, *names);
+    if (!planes) return planes.error();
+    const Image picture = picture_of(*planes, *names, request, recipe.settings, frame.info);
     times.done("download");
     const bool is_refined = control.max_samples > 0 && samples >= control.max_samples;
-    return control.take(*picture, samples, !averages || is_refined);
+    return control.take(picture, samples, !averages || is_refined);
   };
   return draw_scene(device, request, {}, control, times, give);
 }
@@ -312,9 +312,7 @@ Result<void> ViewModel::shade(DrawingDevice& device, const Request& request, con
   const auto planes = device.device->download(drawn->frame, *names);
   if (!planes) return planes.error();
   const auto take = [&](const PictureInfo& info, const Image& rows, int) -> Result<void> {
-    if (request.passes.size() == 1 && request.passes[0] == "outline")
-      return control.take(picture_of_lines(rows.plane("outline"), recipe->settings), 1, true);
-    return control.take(request.passes.empty() ? rows : picture_of_passes(rows, *names, info), 1, true);
+    return control.take(picture_of(rows, *names, request, recipe->settings, info), 1, true);
   };
   times.done("download");
   return reduced_rows(recipe->reduction, *recipe, take)(drawn->frame.info, *planes, 0);

@@ -1,11 +1,10 @@
 // What each key does, apart from flying and Shift (hands.js). help.js lists them.
 import { by_id, announce } from "./dom.js";
-import { state, hooks, side_edited, look_of, technique_of, scene_now, is_flat } from "./state.js";
+import { state, hooks, side_edited, look_of, technique_of, is_flat } from "./state.js";
 import { set_option, set_parameter, effects_in_use } from "./panels.js";
-import { fitted, viewed_from, model_axes } from "./camera.js";
+import { fitted } from "./camera.js";
 import { next_comparison, keep_as_b, set_comparison } from "./compare.js";
 import { move_by_key, zoom_by_key } from "./hands.js";
-import { open_files } from "./files.js";
 import { toggle_help } from "./help.js";
 
 const kArrows = { arrowleft: [-1, 0], arrowright: [1, 0], arrowup: [0, -1], arrowdown: [0, 1] };
