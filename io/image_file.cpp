@@ -2,11 +2,13 @@
 #include "io/image_file.h"
 
 #include <fcntl.h>
+#include <pthread.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <exception>
 #include <new>
@@ -191,6 +193,26 @@ constexpr int kMaxListedPaths = 64;
 std::atomic<const char*> listed_paths[kMaxListedPaths];
 static_assert(std::atomic<const char*>::is_always_lock_free);
 
+/// Threads that are creating a temporary file at this moment, and whether abandon_writes forbids to create more.
+std::atomic<int> creating = 0;
+std::atomic<bool> writes_abandoned = false;
+
+/// Creates the file `part` to write it. It fails if the file exists (errno is EEXIST) or after abandon_writes (EINTR).
+/// Signals wait meanwhile: their handler calls abandon_writes, which waits for the end of this function.
+std::FILE* create(const fs::path& part) {
+  sigset_t all, before;
+  sigfillset(&all);
+  ::pthread_sigmask(SIG_SETMASK, &all, &before);
+  ++creating;
+  errno = EINTR;
+  std::FILE* stream = writes_abandoned ? nullptr : std::fopen(part.c_str(), "wbx");
+  const int cause = errno;
+  --creating;
+  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  errno = cause;
+  return stream;
+}
+
 /// An entry of the list for a path, during the lifetime of this object.
 class ListedPath {
  public:
@@ -233,6 +255,8 @@ Result<void> rename_to_target(const fs::path& part, const fs::path& target, cons
 }  // namespace
 
 void abandon_writes() {
+  writes_abandoned = true;
+  while (creating > 0) continue;
   for (const auto& slot : listed_paths)
     if (const char* part = slot) ::unlink(part);
 }
@@ -252,7 +276,7 @@ Result<void> write_atomically(const fs::path& file, const std::function<Result<v
     listed.reset();
     part = part_of(target);
     listed.emplace(part);
-    stream = std::fopen(part.c_str(), "wbx");
+    stream = create(part);
     if (!stream && errno != EEXIST) break;
   }
   if (!stream) return write_error(file, errno);

@@ -87,7 +87,8 @@ Result<std::string> encode_fast_jpeg(const std::string& name, const Image& image
 /// Errors: kFile.
 Result<Image> read_image(const std::filesystem::path& file);
 
-/// Removes the temporary files of writes in progress. Signal handlers call it before they end the program.
+/// Removes the temporary files of writes in progress, in all threads, and makes later writes fail. Signal handlers call
+/// it before they end the program.
 void abandon_writes();
 
 /// Returns the camera in an EXR file's worldToCamera and worldToNDC. Returns nothing for other formats, or if the file

@@ -1110,20 +1110,39 @@ TEST_F(AtomicWrite, FullDeviceIsAnError) {
 
 TEST_F(AtomicWrite, AbandonedWritesLeaveNothing) {
   write_bytes(*this / "x.txt", "older");
-  abandon_writes();  // no write is in progress
-  std::size_t during = 0, after = 0;
-  const Result<void> done = write_atomically(*this / "x.txt", [&](std::FILE* stream) -> Result<void> {
-    std::fputs("newer", stream);
-    during = listing().size();
-    abandon_writes();
-    after = listing().size();
-    return {};
-  });
-  EXPECT_EQ(during, 2u);
-  EXPECT_EQ(after, 1u);
-  expect_error(done, {"x.txt"});
+  const auto abandon = [&] {
+    std::size_t during = 0, after = 0;
+    const Result<void> done = write_atomically(*this / "x.txt", [&](std::FILE* stream) -> Result<void> {
+      std::fputs("newer", stream);
+      during = listing().size();
+      abandon_writes();
+      after = listing().size();
+      return {};
+    });
+    EXPECT_EQ(during, 2u);
+    EXPECT_EQ(after, 1u);
+    expect_error(done, {"x.txt"});
+    expect_error(write_text(*this / "y.txt", "later"), {"y.txt"});
+    std::_Exit(HasFailure());
+  };
+  EXPECT_EXIT(abandon(), ::testing::ExitedWithCode(0), "");  // in a process of its own, which cannot write any more
   EXPECT_EQ(listing(), std::vector<std::string>{"x.txt"});
   EXPECT_EQ(content(*this / "x.txt"), "older");
+}
+
+TEST_F(AtomicWrite, WritesOfOtherThreadsAreAbandonedToo) {
+  const auto abandon = [&](int round) {
+    std::vector<std::thread> threads;
+    for (int t = 0; t < 4; ++t)
+      threads.emplace_back([&, t] {
+        while (write_text(*this / fmt::format("{}.txt", t), "text")) continue;
+      });
+    std::this_thread::sleep_for(std::chrono::microseconds(1000 + 50 * round));
+    abandon_writes();
+    std::_Exit(0);
+  };
+  for (int round = 0; round < 100; ++round) EXPECT_EXIT(abandon(round), ::testing::ExitedWithCode(0), "");
+  for (const std::string& name : listing()) EXPECT_EQ(fs::path(name).extension(), ".txt") << name;
 }
 
 TEST_F(AtomicWrite, ThreadsDoNotMix) {
