@@ -10,6 +10,7 @@
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 #include <limits>
+#include <utility>
 
 #include "renderer/background.h"
 #include "renderer/models.h"
@@ -114,12 +115,10 @@ void set_aspect(double aspect, Camera& camera) {
 
 }  // namespace
 
-void DrawingDevice::keep_memory_for(int picture_width, int picture_height) {
-  if (kept && width == picture_width && height == picture_height) return;
+void DrawingDevice::keep_memory_for(int width, int height, bool is_full_size) {
+  if (kept && std::exchange(sizes[is_full_size], {width, height}) == std::pair(width, height)) return;
   kept.reset();
   kept.emplace(device->pool());
-  width = picture_width;
-  height = picture_height;
 }
 
 ViewModel::~ViewModel() = default;
@@ -168,6 +167,7 @@ bool ViewModel::is_loaded_for(const Request& request) const { return import_key_
 
 void ViewModel::forget_captures() {
   captures_.clear();
+  moving_captures_.clear();
   captured_by_ = nullptr;
 }
 
@@ -272,10 +272,11 @@ Result<void> ViewModel::draw_scene(DrawingDevice& device, const Request& request
   auto plan = make_plan(*recipe, **scene, device.device->threads(), control.monitor);
   if (!plan) return plan.error();
   if (control.moving) simplify_moving(*plan);
-  if (control.aspect > 0.0) set_aspect(control.aspect, plan->camera);
+  const bool is_full_size = control.aspect == 0.0;
+  if (!is_full_size) set_aspect(control.aspect, plan->camera);
   if (captured_by_ != device.device.get()) forget_captures();
   captured_by_ = device.device.get();
-  device.keep_memory_for(request.width, request.height);
+  device.keep_memory_for(request.width, request.height, is_full_size);
   const ScopedPlanePool pool(device.device->pool());
   times.done("plan");
   const bool refines = plan->averages() && control.max_samples > 0;
@@ -286,8 +287,8 @@ Result<void> ViewModel::draw_scene(DrawingDevice& device, const Request& request
     more.take_mean = [&](const Frame& mean, int samples) { return give(plan->recipe, mean, samples, true); };
   }
   const auto drawn = draw_keeping(
-      *device.device, **scene, *plan, captures_, times, [&] { return prepare(device, control.monitor); },
-      control.monitor, control.monitor, more);
+      *device.device, **scene, *plan, is_full_size ? captures_ : moving_captures_, times,
+      [&] { return prepare(device, control.monitor); }, control.monitor, control.monitor, more);
   if (!drawn) return drawn.error();
   return refines ? Result<void>() : give(plan->recipe, drawn->frame, plan->recipe.frames, plan->averages());
 }
@@ -299,7 +300,7 @@ Result<void> ViewModel::shade(DrawingDevice& device, const Request& request, con
   if (recipe->occlusion == "reference")
     return usage_error("the ray-traced reference needs a model: a G-buffer shows only what the camera sees");
   recipe->passes = request.passes;
-  device.keep_memory_for(facts_.width, facts_.height);
+  device.keep_memory_for(facts_.width, facts_.height, true);
   const ScopedPlanePool pool(device.device->pool());
   GBuffer views{.info = planes_->info, .layers = {}};
   Image& layer = views.layers.emplace_back(facts_.width, facts_.height);

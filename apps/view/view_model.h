@@ -18,10 +18,10 @@ struct DrawingDevice {
   std::unique_ptr<Device> device;
   long prepared = 0;                  ///< number of the scene that the device is prepared for: see ViewModel; 0: none
   std::optional<PlanePoolLock> kept;  ///< keeps the planes of one picture for the next
-  int width = 0, height = 0;          ///< size of that picture
+  std::pair<int, int> sizes[2];       ///< last ones of pictures of full size, and of others, pixels
 
-  /// Keeps the memory of planes while pictures have this size.
-  void keep_memory_for(int picture_width, int picture_height);
+  /// Keeps the memory of planes while pictures of full size, and others, have the same size as the last ones.
+  void keep_memory_for(int width, int height, bool is_full_size);
 };
 
 /// How a picture is drawn.
@@ -108,9 +108,10 @@ class ViewModel {
   ModelFacts facts_;
   Scene scene_;  // as loaded
   CompletedScene completed_;
-  long number_ = 0;  // of the completed scene, unique in the process
-  Hdri hdri_;        // with its panorama
-  KeptCaptures captures_;
+  long number_ = 0;               // of the completed scene, unique in the process
+  Hdri hdri_;                     // with its panorama
+  KeptCaptures captures_;         // of the last picture of full size
+  KeptCaptures moving_captures_;  // of the last one whose size was chosen to be drawn in time
   const Device* captured_by_ = nullptr;
   std::optional<GBufferFile> gbuffer_;
   std::optional<GBuffer> planes_;  // of gbuffer_
