@@ -15,8 +15,8 @@ using ProgressMonitor = std::function<bool(double done)>;
 
 inline Error interrupted() { return {ErrorKind::kInterrupted, "interrupted"}; }
 
-/// Min time between two calls of a monitor; faster than users can see.
-inline constexpr std::chrono::milliseconds kMonitorInterval(40);
+/// Min time between two calls of a monitor: what the viewer draws in vain is cancelled within it.
+inline constexpr std::chrono::milliseconds kMonitorInterval(10);
 
 /// Calls a monitor during work on one thread. Once the work is cancelled its result is discarded, so loops may stop at
 /// once. The reported progress never decreases.

@@ -16,7 +16,7 @@ namespace umbrage {
 namespace {
 
 /// Returns a callback for the ray tracer of the reference, which may call it from any thread. The callback forwards
-/// only calls from the thread that created it, at most one every 40 ms.
+/// only calls from the thread that created it, at most one every 10 ms.
 std::function<bool(double)> calling_thread_only(const ProgressMonitor& monitor) {
   using Clock = std::chrono::steady_clock;
   return [&monitor, caller = std::this_thread::get_id(), last = Clock::time_point()](double done) mutable {

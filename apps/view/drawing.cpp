@@ -60,13 +60,22 @@ void Drawing::set_state(PageId id, State state) {
   const std::lock_guard lock(mutex_);
   Page& page = pages_[id];
   page.state = std::make_shared<const State>(std::move(state));
-  begin_state(page);
+  const std::size_t before = page.views.size();
+  page.views.resize(page.state->views.size());
+  for (std::size_t view = 0; view < page.views.size(); ++view)
+    if (view >= before || !page.state->views[view].goes_on) begin_view(page, view);
   changed_.notify_all();
 }
 
-void Drawing::begin_state(Page& page) {
-  page.views.assign(page.state->views.size(), {.next = page.state->moving ? Step::kMoving : Step::kQuick});
-  ++page.revision;
+void Drawing::begin_view(Page& page, std::size_t view) {
+  page.views[view] = {.revision = ++page.revision, .next = page.state->moving ? Step::kMoving : Step::kQuick};
+}
+
+Drawing::Progress* Drawing::wanted_view(const Task& task) {
+  const auto page = pages_.find(task.page);
+  if (page == pages_.end() || task.view >= int(page->second.views.size())) return nullptr;
+  Progress& view = page->second.views[std::size_t(task.view)];
+  return view.revision == task.revision ? &view : nullptr;
 }
 
 void Drawing::pick(PageId id, Pick pick) {
@@ -96,7 +105,7 @@ std::optional<Drawing::Task> Drawing::next_task() {
   std::optional<Task> best;
   const auto consider = [&](PageId id, const Page& page) {
     if (page.pick && page.state && (!best || best->step != Step::kPick))
-      best = Task{.page = id, .state = page.state, .revision = page.revision, .step = Step::kPick, .pick = *page.pick};
+      best = Task{.page = id, .state = page.state, .step = Step::kPick, .pick = *page.pick};
     if (page.unacknowledged.size() >= kMaxUnacknowledged) return;
     for (std::size_t view = 0; view < page.views.size(); ++view) {
       const Progress& progress = page.views[view];
@@ -105,7 +114,7 @@ std::optional<Drawing::Task> Drawing::next_task() {
       if (!best || progress.next < best->step || (refines && progress.spent < best->spent))
         best = Task{.page = id,
                     .state = page.state,
-                    .revision = page.revision,
+                    .revision = progress.revision,
                     .view = int(view),
                     .step = progress.next,
                     .samples = progress.samples,
@@ -125,10 +134,9 @@ bool Drawing::is_model_wanted(const Task& task) {
 
 bool Drawing::is_wanted(const Task& task) {
   const std::lock_guard lock(mutex_);
-  const auto page = pages_.find(task.page);
-  if (stopping_ || page == pages_.end()) return false;
+  if (stopping_ || !pages_.contains(task.page)) return false;
   // Each moving picture and point is finished, since newer states may arrive faster than any can be drawn.
-  return task.step <= Step::kMoving || page->second.revision == task.revision;
+  return task.step <= Step::kMoving || wanted_view(task);
 }
 
 /// Returns whether there is work more urgent than this.
@@ -141,9 +149,9 @@ bool Drawing::is_urgent_elsewhere(Step limit) {
 /// Returns whether another view is due for further samples.
 bool Drawing::is_turn_over(const Task& task) {
   const std::lock_guard lock(mutex_);
-  const auto page = pages_.find(task.page);
-  if (page == pages_.end() || page->second.revision != task.revision) return true;
-  page->second.views[std::size_t(task.view)].spent = task.spent + (Clock::now() - task_begin_);
+  Progress* view = wanted_view(task);
+  if (!view) return true;
+  view->spent = task.spent + (Clock::now() - task_begin_);
   const auto next = next_task();
   return next && (next->page != task.page || next->view != task.view);
 }
@@ -174,9 +182,9 @@ void Drawing::finish(const Task& task, const Result<void>& done) {
   if (std::exchange(has_status_, false)) send_.text(task.page, status_text(task.state->id, ""));
   if (!done && !interrupted) send_error(task, done.error());
   const std::lock_guard lock(mutex_);
-  const auto page = pages_.find(task.page);
-  if (task.step == Step::kPick || page == pages_.end() || page->second.revision != task.revision) return;
-  Progress& progress = page->second.views[std::size_t(task.view)];
+  Progress* view = task.step == Step::kPick ? nullptr : wanted_view(task);
+  if (!view) return;
+  Progress& progress = *view;
   progress.spent = task.spent + (Clock::now() - task_begin_);
   if (!done && !interrupted)
     progress.next = Step::kDone;
@@ -431,9 +439,8 @@ bool Drawing::wait_for_page(const Task& task) {
   std::unique_lock lock(mutex_);
   bool goes_on = false;
   changed_.wait(lock, [&] {
-    const auto page = pages_.find(task.page);
-    if (stopping_ || page == pages_.end() || page->second.revision != task.revision) return true;
-    goes_on = page->second.unacknowledged.size() < kMaxUnacknowledged;
+    if (stopping_ || !wanted_view(task)) return true;
+    goes_on = pages_[task.page].unacknowledged.size() < kMaxUnacknowledged;
     return goes_on || next_task();  // of another page: this one has no room for a frame
   });
   return goes_on;
@@ -453,11 +460,10 @@ void Drawing::send_picture(const Task& task, const Image& picture, FrameHeader h
     if (page == pages_.end()) return;
     header.frame = ++last_frame_;
     page->second.unacknowledged.insert(header.frame);
-    if (!is_draft && page->second.revision == task.revision) {
-      Progress& progress = page->second.views[std::size_t(task.view)];
-      progress.samples = header.samples;
-      progress.is_final = header.is_final;
-      progress.next = Step::kRefined;  // what follows is less urgent than other pictures
+    if (Progress* view = is_draft ? nullptr : wanted_view(task)) {
+      view->samples = header.samples;
+      view->is_final = header.is_final;
+      view->next = Step::kRefined;  // what follows is less urgent than other pictures
     }
   }
   EncodeJob job{.picture = picture, .exact = !is_draft};
@@ -490,7 +496,7 @@ void Drawing::watch() {
     lock.lock();
     for (auto& [id, page] : pages_) {
       if (!page.state || std::find(models.begin(), models.end(), page.state->model) == models.end()) continue;
-      begin_state(page);
+      for (std::size_t view = 0; view < page.views.size(); ++view) begin_view(page, view);
     }
     if (!models.empty()) changed_.notify_all();
   }

@@ -75,6 +75,7 @@ class Drawing {
   /// What a view of a state still needs, the most urgent first; a page may also ask for a point.
   enum class Step { kPick, kMoving, kQuick, kExact, kRefined, kDone };
   struct Progress {
+    long revision = 0;  ///< grows with each state that changes the view
     Step next = Step::kDone;
     int samples = 0;  ///< of the last picture at rest that was sent; 0: none
     bool is_final = false;
@@ -82,7 +83,7 @@ class Drawing {
   };
   struct Page {
     std::shared_ptr<const State> state;
-    long revision = 0;  ///< grows with each state
+    long revision = 0;  ///< the last one of any view
     std::vector<Progress> views;
     std::optional<Pick> pick;
     std::set<std::int64_t> unacknowledged;
@@ -92,7 +93,7 @@ class Drawing {
   struct Task {
     PageId page = 0;
     std::shared_ptr<const State> state;
-    long revision = 0;
+    long revision = 0;  ///< of the view
     int view = 0;
     Step step = Step::kDone;
     int samples = 0;
@@ -105,8 +106,10 @@ class Drawing {
   void run();
   void watch();
   std::optional<Task> next_task();
-  /// Begins to draw the state of a page. `mutex_` must be locked.
-  static void begin_state(Page& page);
+  /// Begins to draw a view of a page. `mutex_` must be locked.
+  static void begin_view(Page& page, std::size_t view);
+  /// Returns the view of a task as its page has it, or null if the page no longer wants it. `mutex_` must be locked.
+  Progress* wanted_view(const Task& task);
   bool is_wanted(const Task& task);
   /// Returns whether the page still wants the model of the task, so that reading it goes on.
   bool is_model_wanted(const Task& task);

@@ -221,6 +221,37 @@ TEST(Drawing, RefinesUntilThePictureIsFinal) {
   EXPECT_TRUE(bool(pages.frame(is_exact).header["final"]));
 }
 
+TEST(Drawing, AViewThatGoesOnKeepsItsSamples) {
+  Pages pages({kSolids});
+  State state = state_of(1, false, {{"look", {"ao"}}});
+  pages.drawing().set_state(kPage, state);
+  const int before = pages.frame([](const Received& f) { return f.header["samples"] >= 8; }).header["samples"];
+  ++state.id;
+  state.views.push_back(state.views[0]);
+  state.views[0].goes_on = true;
+  state.views[1].options["ao-radius"] = {"5%"};
+  const std::size_t first = pages.count();
+  pages.drawing().set_state(kPage, state);
+  pages.frame([](const Received& f) { return f.header["final"] == true && f.header["view"] == 0; });
+  const std::vector<Received> frames = pages.frames();
+  bool has_other = false;
+  for (std::size_t k = first; k < frames.size(); ++k) {
+    if (frames[k].header["view"] == 0) EXPECT_GE(frames[k].header["samples"], before);
+    has_other |= frames[k].header["view"] == 1;
+  }
+  EXPECT_TRUE(has_other);
+  // A view that was not there before cannot go on.
+  pages.forget();
+  state.id = 3;
+  state.views.pop_back();
+  pages.drawing().set_state(kPage, state);
+  state.id = 4;
+  state.views.push_back(state.views[0]);
+  pages.drawing().set_state(kPage, state);
+  EXPECT_FALSE(
+      pages.frame([](const Received& f) { return f.header["view"] == 1 && f.header["id"] == 4; }).image.empty());
+}
+
 TEST(Drawing, TheReferenceBeginsWithFewRays) {
   Pages pages({kSolids});
   pages.drawing().set_state(kPage, state_of(1, false, {{"look", {"ao"}}}, "reference"));

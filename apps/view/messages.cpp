@@ -167,6 +167,7 @@ Result<Message> parse_state(const Json& object) {
       added.options = of_view.options();
       added.show = of_view.name("show", added.show);
       added.device = of_view.name("device", added.device);
+      added.goes_on = of_view.flag("goes_on");
       if (of_view.error()) return *of_view.error();
     }
   }

@@ -23,11 +23,13 @@ inline constexpr std::size_t kMaxViews = 2;
 /// Values are not checked here: set_option of renderer/options.h does so.
 using ViewOptions = std::map<std::string, std::vector<std::string>>;
 
-/// What one view shows. `show`: "picture", "reference", "error" or the name of a pass.
+/// What one view shows. `show`: "picture", "reference", "error" or the name of a pass. `goes_on`: the same as in the
+/// state before, whose pictures the page has.
 struct View {
   ViewOptions options;
   std::string show = "picture";
   std::string device;  ///< empty: the device of the program
+  bool goes_on = false;
 };
 
 /// The state of a page: what it wants to see. `id` grows; `width`, `height`: device pixels of each view; `model`: its

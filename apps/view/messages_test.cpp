@@ -11,7 +11,7 @@ namespace {
 const std::string kState =
     R"({"type":"state","id":17,"moving":true,"size":[1280,720],"model":2,"views":[{"options":{"look":"studio",)"
     R"("set":["bitmask.samples=8","unsharp.strength=2"],"camera-position":"1,2,3"},"show":"normal"},)"
-    R"({"options":{},"device":"cpu"}]})";
+    R"({"options":{},"device":"cpu","goes_on":true}]})";
 const std::string kOpen = R"({"type":"open","file":"a1/bunny.obj","as":"model"})";
 const std::string kAck = R"({"type":"ack","frame":12})";
 const std::string kPick = R"({"type":"pick","id":3,"at":[0.25,1]})";
@@ -74,6 +74,8 @@ TEST(ViewMessages, MessagesAreRead) {
   EXPECT_EQ(state.views[0].options.at("camera-position"), std::vector<std::string>{"1,2,3"});
   EXPECT_EQ(state.views[1].show, "picture");
   EXPECT_EQ(state.views[1].device, "cpu");
+  EXPECT_TRUE(state.views[1].goes_on);
+  EXPECT_FALSE(state.views[0].goes_on);
   const auto open = parse_message(kOpen);
   ASSERT_TRUE(open);
   EXPECT_EQ(std::get<Open>(*open).file, "a1/bunny.obj");
@@ -113,7 +115,8 @@ TEST(ViewMessages, ErrorsAreOneSentence) {
   expect_error(parse_message(replaced(kState, "\"id\":17", "\"id\":9007199254740993")), "the id");
   expect_error(parse_message(replaced(kState, "\"id\":17,", "")), "lacks its id");
   expect_error(parse_message(replaced(kState, "true", "1")), "true or false");
-  expect_error(parse_message(replaced(kState, "{\"options\":{},\"device\":\"cpu\"}", "{},{},{}")), "one or two");
+  expect_error(parse_message(replaced(kState, "{\"options\":{},\"device\":\"cpu\",\"goes_on\":true}", "{},{},{}")),
+               "one or two");
   expect_error(parse_message(replaced(kState, "\"studio\"", "7")), "--look");
   expect_error(parse_message(replaced(kState, "studio", "stu\\ndio")), "--look");
   expect_error(parse_message(replaced(kState, "\"look\"", "\"-o\"")), "name that no option has");

@@ -14,6 +14,10 @@ const kDropLength = 24; // of the name of a drop: so long that no folder of a us
 export const uploaded_name = (file) => kUploaded.exec(file ?? "")?.[1] ?? null;
 const kUploaded = new RegExp(`(?:^|/)[a-z0-9]{${kDropLength}}/([^/]+)$`);
 
+/// Returns a sentence of the program with the names of uploaded files in place of their temporary paths.
+export const with_upload_names = (sentence) => sentence.replaceAll(kUploadFolder, "");
+const kUploadFolder = new RegExp(`/[^'"\\n]*/[a-z0-9]{${kDropLength}}/`, "g");
+
 const ending_of = (name) => (/\.([a-z0-9]+)$/i.exec(name.replace(/\.gz$/i, ""))?.[1] ?? "").toLowerCase();
 
 /// Returns the main file of a drop and what it is: "model", "environment", "gbuffer", or "" if the user must say.
@@ -54,6 +58,31 @@ function upload(drop, file, progress) {
   });
 }
 
+const kMaxHeader = 65536; // bytes of an OpenEXR file that are searched for its channels
+
+/// Returns the names of the channels of an OpenEXR file, those of its first part; none if they are not found.
+async function exr_channels(file) {
+  const text = new TextDecoder("latin1").decode(await file.slice(0, kMaxHeader).arrayBuffer());
+  const start = /channels\0chlist\0[^]{4}/.exec(text); // ends with the size of the list
+  if (!start) return [];
+  const names = [],
+    of_type = 16; // bytes after each name
+  let at = start.index + start[0].length;
+  while (at < text.length && text[at] !== "\0") {
+    const end = text.indexOf("\0", at);
+    if (end < 0) return names;
+    names.push(text.slice(at, end));
+    at = end + 1 + of_type;
+  }
+  return names;
+}
+
+/// Returns what a picture is, if it tells: channels besides those of a colour are those of a G-buffer.
+async function kind_by_channels(file) {
+  if (!file.name.toLowerCase().endsWith(".exr")) return "";
+  return (await exr_channels(file)).some((name) => !/^[RGBAY]$/.test(name)) ? "gbuffer" : "";
+}
+
 let asked = Promise.resolve(); // the question before, which is answered first
 
 /// Asks whether a picture is an environment or a G-buffer. Returns "" if the user closes the question.
@@ -74,7 +103,7 @@ export async function open_files(files, as) {
   const twice = names.find((name, i) => names.indexOf(name) < i);
   if (twice) return complain(`Two of the files are named ${twice}; open files of one name one after the other.`, "upload");
   const main = as ? { name: files[0].name, as } : main_file(names);
-  main.as ||= await ask_kind(main.name);
+  main.as ||= (await kind_by_channels(files[names.indexOf(main.name)])) || (await ask_kind(main.name));
   if (!main.as) return;
   const drop = Array.from(crypto.getRandomValues(new Uint8Array(kDropLength)), (x) => (x % 36).toString(36)).join("");
   const total = files.reduce((sum, file) => sum + file.size, 0) || 1;

@@ -47,7 +47,7 @@ function drop_socket(socket) {
 }
 
 /// Makes the connection. `make_state()` returns {size, model, views}, or null if there is nothing to ask for.
-/// `on` has the functions text(message), frame(header, blob), opened() and closed(sentence).
+/// `on` has the functions sending(state), text(message), frame(header, blob), opened() and closed(sentence).
 export function new_link(make_state, on) {
   const link = { connected: false, id: 0, sent: 0, socket: null };
   let is_dirty = false,
@@ -72,7 +72,9 @@ export function new_link(make_state, on) {
     link.sent += 1;
     const views = new Set(made.views.keys());
     waiting = is_moving ? { id: link.id, views, since: performance.now() } : null;
-    send_text({ type: "state", id: link.id, moving: is_moving, ...made });
+    const sent = { id: link.id, moving: is_moving, ...made };
+    on.sending(sent);
+    send_text({ type: "state", ...sent });
   }
 
   function answered(id, view) {

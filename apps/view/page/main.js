@@ -4,12 +4,12 @@ import { state, hooks, view_of, side_b, side_edited, scene_now, model_now, scene
 import { parse_vector, clamp } from "./math.js";
 import { camera_from, flown, viewed_from, with_pivot, point_under } from "./camera.js";
 import { new_link } from "./link.js";
-import { stage, draw, show_frame, forget_b, needs_b, size_asked, size_shown, watch_size, update_flicker, attach_divider } from "./stage.js";
+import { stage, draw, show_frame, forget_b, note_state, needs_b, size_asked, size_shown, watch_size, update_flicker, attach_divider } from "./stage.js";
 import { make_panels, refresh_panels } from "./panels.js";
 import { compare_section, refresh_compare } from "./compare.js";
 import { times_section, note_time, draw_times, ms_text } from "./graph.js";
 import { take_section, refresh_take } from "./take.js";
-import { attach_files } from "./files.js";
+import { attach_files, with_upload_names } from "./files.js";
 import { make_help } from "./help.js";
 import { attach_hands } from "./hands.js";
 import { press, toggle_anti_aliasing, attach_theme, toggle_panel } from "./keys.js";
@@ -28,7 +28,7 @@ let refresh_scheduled = 0,
   panels_are_flat,
   waiting_timer = 0;
 
-const link = new_link(make_state, { text: take_message, frame: take_frame, opened, closed });
+const link = new_link(make_state, { sending: note_state, text: take_message, frame: take_frame, opened, closed });
 
 // The scene that gestures use: with the up direction of the options.
 const scene_of_hands = () => scene_for_camera(parse_vector(state.a.options.up));
@@ -180,7 +180,7 @@ function show_models() {
 function show_summary() {
   const scene = scene_now();
   by_id("model_summary").textContent = scene?.summary ?? "";
-  by_id("warnings").replaceChildren(...(scene?.warnings ?? []).map((text) => element("li", { text })));
+  by_id("warnings").replaceChildren(...(scene?.warnings ?? []).map((text) => element("li", { text: with_upload_names(text) })));
 }
 
 /// Says that a picture is being drawn if it takes longer than a moment.
@@ -273,7 +273,7 @@ function take_error(message) {
   }
   show_work("", 0);
   const is_unreadable = is_of_view && !scene_now() && model_before !== null;
-  complain(message.message, is_of_view && !is_unreadable ? `view${message.view}` : undefined);
+  complain(with_upload_names(message.message), is_of_view && !is_unreadable ? `view${message.view}` : undefined);
   if (is_unreadable) leave_unreadable_model();
 }
 
@@ -304,7 +304,8 @@ function show_state(header) {
   while (moving_times.length && now - moving_times[0] > kRate_ms) moving_times.shift();
   const pictures = header.samples > 1 ? `${header.samples} pictures averaged` : header.samples === 1 ? "1 picture" : "";
   const rest = header.final ? ["final", pictures].filter(Boolean).join(", ") : pictures || "drawing…";
-  by_id("progress_text").textContent = header.moving ? `${moving_times.length} frames/s` : rest;
+  const rate = moving_times.length === 1 ? "1 frame/s" : `${moving_times.length} frames/s`;
+  by_id("progress_text").textContent = header.moving ? rate : rest;
   by_id("frame_size").textContent = `${header.width} × ${header.height}`;
   by_id("frame_time").textContent = ms_text(header.ms);
   show_error_number(header);
@@ -324,6 +325,7 @@ function show_error_number(header) {
 // The connection.
 
 function opened() {
+  stage.sent = null;
   by_id("reconnect").disabled = false;
   by_id("ended").hidden = true;
   document.body.dataset.connected = "true";

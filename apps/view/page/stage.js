@@ -11,6 +11,7 @@ const kFlicker_ms = 500,
 
 /// `pictures`: the newest frame of each side, {bitmap, header}. `is_held`: B is shown while a key is held. `wants_b`: B is
 /// kept after that, until the state changes. `b_after`: B belongs to the state shown only in frames of a later id.
+/// `sent`: the newest state, {id, moving, size, model, views}; `since`: for each side, the state since which it shows the same.
 export const stage = {
   pictures: [null, null],
   is_held: false,
@@ -19,6 +20,8 @@ export const stage = {
   phase: 0,
   frames: 0,
   last: null,
+  sent: null,
+  since: [0, 0],
 };
 
 const needs_canvas = () => by_id("picture");
@@ -56,12 +59,31 @@ export function watch_size(resized) {
 
 export const needs_b = () => state.compare !== "off" || stage.is_held || stage.wants_b;
 
+/// Takes note of a state before it is sent. A side that shows the same as before goes on: the program begins nothing anew,
+/// and frames that come for the state before count as frames of this one.
+export function note_state(sent) {
+  const before = stage.sent;
+  const shown = ({ size, model, views }, side) => JSON.stringify([size, model, views[side]]);
+  stage.sent = structuredClone(sent);
+  for (const side of sent.views.keys()) {
+    const view = sent.views[side];
+    view.goes_on = !!before && !before.moving && !sent.moving && shown(before, side) === shown(stage.sent, side);
+    if (!view.goes_on) stage.since[side] = sent.id;
+    if (stage.pictures[side]) relabel(stage.pictures[side].header);
+  }
+}
+
+function relabel(header) {
+  if (header.id >= stage.since[header.view]) header.id = stage.sent.id;
+}
+
 /// Decodes and draws a frame, unless a newer one is shown. `shown(header)` is called in either case.
 export async function show_frame(header, blob, shown) {
   let bitmap = null;
   try {
     bitmap = await createImageBitmap(blob);
   } finally {
+    relabel(header);
     const old = stage.pictures[header.view];
     const is_wanted = header.view === 0 || header.id > stage.b_after;
     const is_newer =

@@ -3,7 +3,7 @@ import { by_id, element, section, complain, complain_of_unknown, announce, downl
 import { state, hooks, side_edited, options_of, model_now, is_flat, new_side, take_options, fragment_of_state } from "./state.js";
 import { parse_vector } from "./math.js";
 import { hex_of } from "./controls.js";
-import { uploaded_name } from "./files.js";
+import { uploaded_name, with_upload_names } from "./files.js";
 
 const kFormats = ["png", "exr", "svg", "jpg", "webp"];
 
@@ -213,7 +213,7 @@ async function save() {
     download(await answer.blob(), name);
     announce(`Saved ${name}`);
   } catch (error) {
-    complain(`Not saved: ${error.message}`, "save");
+    complain(`Not saved: ${with_upload_names(error.message)}`, "save");
   }
   button.disabled = false;
   button.textContent = "Save";

@@ -12,7 +12,6 @@ import unittest
 
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
-from selenium.webdriver.common import utils
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
@@ -87,17 +86,6 @@ class Viewer:
             self.process.stderr.close()
 
 
-class LocalService(Service):
-    """chromedriver by its address: a system without /etc/hosts does not know the name localhost."""
-
-    @property
-    def service_url(self):
-        return f"http://127.0.0.1:{self.port}"
-
-    def is_connectable(self):
-        return utils.is_connectable(self.port, "127.0.0.1")
-
-
 def start_browser(width=960, height=600, **emulated):
     """Starts Chromium with a window whose page has this size, CSS pixels."""
     profile = tempfile.mkdtemp(prefix="umbrage-chromium-")
@@ -109,7 +97,7 @@ def start_browser(width=960, height=600, **emulated):
         options.add_argument(word)
     options.add_experimental_option("prefs", {"download.default_directory": os.path.join(profile, "downloads")})
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    browser = webdriver.Chrome(service=LocalService(DRIVER), options=options)
+    browser = webdriver.Chrome(service=Service(DRIVER), options=options)
     browser.profile = profile
     resize(browser, width, height, **emulated)
     return browser

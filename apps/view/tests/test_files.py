@@ -83,17 +83,25 @@ class FilesTest(PageTest):
         after = self.thumbnail()
         self.assertGreater(mean(after[2::3]) - mean(after[0::3]), mean(before[2::3]) - mean(before[0::3]) + 3)  # it is bluer
 
-    def test_drop_a_g_buffer(self):
-        file = os.path.join(self.folder, "planes.exr")
-        if not os.path.exists(file):
-            subprocess.run([PROGRAM, "render", "scene:solids?detail=3000", "--config", "none", "--look", "lit", "--resolution", "200,120",
-                            "--passes", "depth,normal,albedo", "-o", file], check=True)
+    def rendered(self, name, *words):
+        """Returns the bytes of a file that the program renders."""
+        file = os.path.join(self.folder, name)
+        subprocess.run([PROGRAM, "render", "scene:solids?detail=3000", "--config", "none", "--look", "lit", "--resolution", "200,120",
+                        *words, "-o", file], check=True)
         with open(file, "rb") as data:
-            planes = data.read()
-        self.drop({"planes.exr": planes})
+            return data.read()
+
+    def test_asks_what_a_picture_is(self):
+        self.drop({"sky.png": self.rendered("sky.png")})
         self.wait_for("document.querySelector('#ask').open")
         self.screenshot("ask")
-        self.click("#ask button[value=gbuffer]")
+        self.click("#ask button[value=environment]")
+        self.wait(lambda: self.options().get("hdri-file", "").endswith("/sky.png"), "the environment")
+        self.wait_for_rest()
+        self.assertEqual(self.errors(), [])
+
+    def test_drop_a_g_buffer(self):
+        self.drop({"planes.exr": self.rendered("planes.exr", "--passes", "depth,normal,albedo")})
         self.wait_for_model("planes.exr")
         frame = self.wait_for_rest()
         self.assertEqual([frame["width"], frame["height"]], [200, 120])
