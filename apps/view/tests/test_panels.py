@@ -176,14 +176,17 @@ class PanelTest(PageTest):
 
     def test_shift_shows_the_reference(self):
         before = self.thumbnail()
+        samples = self.wait_for("umbrage.frame.samples >= 4 && umbrage.frame.samples")
         self.hold_shift(True)
         self.wait_for("umbrage.frame_b && !document.querySelector('#tag_b').hidden && !document.querySelector('#tag_b').textContent.includes('being drawn')")
         self.wait(lambda: difference(before, self.thumbnail()) > 0.5, "the reference")
         self.assertIn("reference", self.element("tag-b").text)
         self.screenshot("shift")
+        self.assertGreaterEqual(self.page("umbrage.frame.samples"), samples)
         self.hold_shift(False)
         self.wait_for("document.querySelector('#tag_b').hidden")
         self.wait(lambda: difference(before, self.thumbnail()) < 0.5, "the picture of before")
+        self.assertGreaterEqual(self.page("umbrage.frame.samples"), samples)
 
     def test_two_settings(self):
         self.press("k")  # B is a copy of A, beside it
