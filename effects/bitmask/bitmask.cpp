@@ -2,8 +2,11 @@
 #include "effects/bitmask/bitmask.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <glm/mat3x3.hpp>
 #include <numbers>
+#include <numeric>
 
 #include "core/absolute_length.h"
 #include "core/effect.h"
@@ -60,6 +63,9 @@ const std::vector<Parameter> kTable = {
              "factor for the indirect light from occluders"),
     real_row("ambient_bounce", &BitmaskParams::ambient_bounce, {.initial = 1, .max = 10},
              "factor for the ambient light that surfaces reflect"),
+    real_row("directional", &BitmaskParams::directional, {.max = 10, .zero_means = "off"},
+             "factor for the direction of ambient light: open directions take the light that comes from there; as the "
+             "factor of ambient light, lighting.ambient"),
     int_row("bounces", &BitmaskParams::bounces, {.initial = 1, .min = 1, .max = 16},
             "number of bounces; each reflects the indirect light of the one before"),
     int_row("layers", &BitmaskParams::layers, {.max = kLayersRead, .zero_means = "all"},
@@ -100,6 +106,54 @@ void fill_mips(const PictureInfo& info, BitmaskConstants& c) {
   }
 }
 
+/// Returns BitmaskConstants::angles for a measure, by quadrature.
+std::vector<float> angles_of(int measure) {
+  constexpr int kSteps = 1024;  // of the angle, per row
+  std::vector<float> angles;
+  for (int row = 0; row < kBitmaskRows; ++row) {
+    const double normal = std::numbers::pi * (row / double(kBitmaskRows - 1) - 0.5);
+    std::array<double, kSteps> weights{}, theta{};
+    for (int k = 0; k < kSteps; ++k) {
+      const double from_normal = std::numbers::pi * ((k + 0.5) / kSteps - 0.5);
+      theta[k] = normal + from_normal;
+      weights[k] = measure == kBitmaskUniform ? 1.0 : std::cos(from_normal);
+      if (measure == kBitmaskExact) weights[k] *= std::abs(std::sin(theta[k]));
+    }
+    const double whole = std::accumulate(weights.begin(), weights.end(), 0.0);
+    std::array<std::array<double, 5>, kBitmaskGroups> sums{};
+    double before = 0.0;
+    for (int k = 0; k < kSteps; ++k) {
+      const double part = before + 0.5 * weights[k];
+      before += weights[k];
+      auto& sum = sums[std::min(std::size_t(part / whole * kBitmaskGroups), sums.size() - 1)];
+      const double values[] = {std::cos(theta[k]), std::sin(theta[k]), std::cos(2.0 * theta[k]),
+                               std::sin(2.0 * theta[k]), 1.0};
+      for (int i = 0; i < 5; ++i) sum[i] += weights[k] * values[i];
+    }
+    for (const auto& sum : sums)
+      for (int i = 0; i < 4; ++i) angles.push_back(float(sum[i] / sum[4]));
+  }
+  return angles;
+}
+
+/// Fills in the constants of bitmask_sky.kernel.h. The shape of ambient light is that of irradiance, by the normal; its
+/// first and second degree are 2/3 and 1/4 of those of radiance [Ramamoorthi and Hanrahan 2001].
+void fill_sky(const BitmaskParams& params, const PictureInfo& info, BitmaskConstants& c) {
+  c.directional = info.ambient_shape.even() ? 0.0f : params.directional;
+  if (c.directional == 0.0f) return;
+  static const std::vector<float> tables[] = {angles_of(kBitmaskExact), angles_of(kBitmaskUniform),
+                                              angles_of(kBitmaskSectors)};
+  std::copy(tables[params.measure].begin(), tables[params.measure].end(), c.angles);
+  for (int channel = 0; channel < 3; ++channel) {
+    const glm::mat4& m = info.ambient_shape.by_color[channel];
+    const glm::vec3 first = glm::vec3(m[3]) * (2.0f / (2.0f / 3.0f));
+    const glm::mat3 second = glm::mat3(m) * 4.0f;
+    const float factors[kBitmaskSkyFactors] = {first.x,      first.y,      first.z,      second[0][0], second[1][1],
+                                               second[2][2], second[0][1], second[1][2], second[2][0]};
+    std::copy_n(factors, kBitmaskSkyFactors, c.sky + kBitmaskSkyFactors * channel);
+  }
+}
+
 void fill_constants(const BitmaskParams& params, const PictureInfo& info, BitmaskConstants& c) {
   c.slices = params.slices;
   c.steps = params.steps;
@@ -132,6 +186,7 @@ void fill_constants(const BitmaskParams& params, const PictureInfo& info, Bitmas
   c.ambient_bounce = params.ambient_bounce;
   c.assumed_visibility = kAssumedVisibility;
   fill_layers(params, info, c);
+  fill_sky(params, info, c);
   c.slope = params.slope > 0.0f ? params.slope : kSlopeBase + kSlopeOverLayers / float(std::max(c.layer_count, 1));
 }
 
@@ -139,7 +194,10 @@ bool has_mips(const ParameterBytes& bytes) {
   const auto& params = as<BitmaskParams>(bytes);
   return params.mips != 0 && params.mode != kBitmaskLayers;
 }
-bool gathers_light(const ParameterBytes& bytes) { return as<BitmaskParams>(bytes).bleeding > 0.0f; }
+bool gathers_light(const ParameterBytes& bytes) {
+  const auto& params = as<BitmaskParams>(bytes);
+  return params.bleeding > 0.0f || params.directional > 0.0f;
+}
 bool stores_bent(const ParameterBytes& bytes) { return as<BitmaskParams>(bytes).bent != 0; }
 bool uses_layer_bits(const ParameterBytes& bytes) {
   return as<BitmaskParams>(bytes).mode == kBitmaskLayers && !gathers_light(bytes) && !stores_bent(bytes);
@@ -201,7 +259,7 @@ Effect effect_bitmask() {
        .tunable = {"slices", "steps", "distribution", "mode", "thickness", "slope"},
        .variants = {"", "slices=1 steps=6", "slices=2 steps=12", "slices=4 steps=24", "mode=infinite",
                     "measure=uniform slope=0.01 thickness=1", "mode=infinite falloff=0.6", "mode=layers", "bleeding=1",
-                    "mode=layers bleeding=1"},
+                    "mode=layers bleeding=1", "directional=1"},
        .quantum = kQuantum,
        .dispatches = {{.name = "mips",
                        .inputs = {"depth"},

@@ -21,6 +21,7 @@ struct BitmaskParams {
   int bent;          // 0 or 1
   float bleeding;    // factor of indirect light; 0: off
   float ambient_bounce;
+  float directional;  // factor of the direction of ambient light; 0: off
   int bounces;
   int layers;  // 0: all captured layers
 };
@@ -31,6 +32,8 @@ const int kBitmaskThick = 0, kBitmaskInfinite = 1, kBitmaskLayers = 2;
 const int kBitmaskExact = 0, kBitmaskUniform = 1, kBitmaskSectors = 2;
 const int kBitmaskHilbert = 0, kBitmaskTile = 1, kBitmaskHash = 2, kBitmaskNone = 3;
 const int kBitmaskMaxMips = 5;
+const int kBitmaskRows = 65, kBitmaskGroups = 8;  // of BitmaskConstants::angles
+const int kBitmaskSkyFactors = 9;                 // per colour channel
 
 struct BitmaskConstants {
   int slices, steps;
@@ -57,6 +60,13 @@ struct BitmaskConstants {
   int layer_count;
   int layer[kLayersRead];  // layers that are searched, nearest first
   int back[kLayersRead];   // layer that shows the back sides of the surfaces in layer[i]; -1: none
+  float directional;
+  // Radiance of ambient light, up to a constant, by its direction (x, y, z): per channel the factors of x, y, z, xx,
+  // yy, zz, and half those of xy, yz, zx. View space.
+  float sky[3 * kBitmaskSkyFactors];
+  // Per row, for an angle of the normal's projection to the view direction from -90 to 90 degrees, and per group of
+  // four bits: mean of cos(t), sin(t), cos(2t), sin(2t) over its directions, t their angle to the view direction.
+  float angles[kBitmaskRows * 4 * kBitmaskGroups];
 };
 
 #endif

@@ -21,6 +21,7 @@ OUT_REAL(ao)
 
 #include "effects/bitmask/bitmask_measure.kernel.h"
 #include "effects/bitmask/bitmask_noise.kernel.h"
+#include "effects/bitmask/bitmask_sky.kernel.h"
 
 CONST float kDepthRounding = 2e-6f;   // relative to the depth: 16 to 32 ulp
 CONST float kFirstStep = 1.3f;        // pixels; nearer taps would read the pixel itself
@@ -392,6 +393,7 @@ FN void gather(Int px, Int py) {
   Real open_sum = Real(0.0f);
   Real weight_sum = Real(0.0f);
   Vec3 light = none;
+  SkyLight sky = SkyLight(none, none);
   Vec3 bent = none;
   for (int s = 0; s < C.slices; ++s) {
     Real bit_jitter = fract(mad(Real(float(s)), Real(kStepTurn), noise.z));
@@ -444,6 +446,10 @@ FN void gather(Int px, Int py) {
     open_sum = open_sum + open;
     weight_sum = weight_sum + whole;
     if (kLight) light = light + (light_above + light_below);
+    if (kLight && C.directional != 0.0f) {
+      SkyLight of_slice = sky_light(~bits, slice.sn, point.eye, slice.outwards);
+      sky = SkyLight(sky.open + of_slice.open * whole, sky.all + of_slice.all * whole);
+    }
     if (kBent) {
       Vec2 sum = unoccluded_directions(slice, bits);
       bent = bent + (slice.outwards * sum.x + point.eye * sum.y) * slice.projected;
@@ -452,9 +458,11 @@ FN void gather(Int px, Int py) {
                      mad(direction.y, Real(C.turn_cos), direction.x * C.turn_sin));
   }
   Real divisor = max(weight_sum, Real(1e-6f));
-  store_ao(select(surface && weight_sum > 1e-6f, min(open_sum / divisor, Real(1.0f)), Real(1.0f)));
+  Real ao = select(surface && weight_sum > 1e-6f, min(open_sum / divisor, Real(1.0f)), Real(1.0f));
+  store_ao(ao);
   if (kLight) {
-    light = light * (Real(C.bleeding * 0.03125f) / divisor);
+    light = light * Real(C.bleeding) + (sky.open - sky.all * ao) * Real(C.directional);
+    light = light * (Real(0.03125f) / divisor);
     light = Vec3(min(light.x, Real(kMaxLight)), min(light.y, Real(kMaxLight)), min(light.z, Real(kMaxLight)));
     store_light(select(surface, finite_or_zero(light), none));
   }

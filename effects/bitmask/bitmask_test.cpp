@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <glm/geometric.hpp>
+#include <glm/mat4x4.hpp>
 #include <limits>
 #include <numbers>
 #include <random>
@@ -210,6 +211,57 @@ TEST(Bitmask, LightOfAWallIsExact) {
     EXPECT_NEAR(light[1] / (2.0 * fraction), 1.0, 0.01) << elevation << ' ' << tilt;
     EXPECT_NEAR(light[2] / (0.5 * fraction), 1.0, 0.01) << elevation << ' ' << tilt;
     EXPECT_NEAR(light[3], 1.0 - fraction, 2e-3) << elevation << ' ' << tilt;
+  }
+}
+
+/// Returns the mean of a function of (x, z), in the frame of a floor, over the cosine-weighted open directions beside a
+/// wall towards +x, as a part of that of all directions. By quadrature.
+double mean_beside_wall(double elevation_deg, const std::function<double(double, double)>& function) {
+  constexpr int kSteps = 1000;
+  double sum = 0.0;
+  for (int i = 0; i < kSteps; ++i)
+    for (int k = 0; k < kSteps; ++k) {
+      const double azimuth = 2.0 * kPi * (k + 0.5) / kSteps, sine2 = (i + 0.5) / kSteps;
+      const double x = std::sqrt(sine2) * std::cos(azimuth), z = std::sqrt(1.0 - sine2);
+      const bool is_open = std::atan2(z, x) > elevation_deg * kRadian;
+      if (is_open) sum += function(x, z);
+    }
+  return sum / (kSteps * kSteps);
+}
+
+TEST(Bitmask, OpenDirectionsTakeTheirOwnAmbientLight) {
+  // Radiance 0.5 + 0.5 x in red, 0.2 + 0.8 z in green, x z + x^2 in blue, in the frame of the floor.
+  constexpr double kElevation = 60.0;
+  const auto radiance = [](int channel, double x, double z) {
+    return channel == 0 ? 0.5 + 0.5 * x : channel == 1 ? 0.2 + 0.8 * z : x * z + x * x;
+  };
+  EXPECT_NEAR(mean_beside_wall(kElevation, [&](double x, double z) { return radiance(0, x, z); }), 0.2954, 1e-3);
+  EXPECT_NEAR(mean_beside_wall(kElevation, [&](double x, double z) { return radiance(1, x, z); }), 0.5791, 1e-3);
+  for (const double tilt : {0.0, 45.0, 75.0}) {
+    GBuffer g = wall_picture(kElevation, tilt, false);
+    const double s = std::sin(tilt * kRadian), c = std::cos(tilt * kRadian);
+    const glm::vec3 x(c, 0.0f, -s), z(s, 0.0f, c);  // axes of the floor in view space
+    const auto symmetric = [](glm::vec3 a, glm::vec3 b) {
+      return 0.5f * (glm::outerProduct(a, b) + glm::outerProduct(b, a));
+    };
+    // Irradiance has 2/3 of the first degree of radiance, and 1/4 of the second.
+    const glm::vec3 first[] = {0.5f * x, 0.8f * z, glm::vec3(0.0f)};
+    const glm::mat3 second[] = {glm::mat3(0.0f), glm::mat3(0.0f), symmetric(x, z) + symmetric(x, x)};
+    for (int channel = 0; channel < 3; ++channel) {
+      glm::mat4 m(0.25f * second[channel]);
+      m[3][3] = 0.0f;
+      for (int k = 0; k < 3; ++k) m[3][k] = m[k][3] = first[channel][k] / 3.0f;
+      g.info.ambient_shape.by_color[std::size_t(channel)] = m;
+    }
+    const auto light = mean_values_at_middle(g, joined(kExactSettings, {{"directional", "1"}}),
+                                             {"indirect.r", "indirect.g", "indirect.b", "ao"});
+    EXPECT_NEAR(light[3], 0.75, 2e-3);
+    for (int channel = 0; channel < 3; ++channel) {
+      const auto of_channel = [&](double u, double w) { return radiance(channel, u, w); };
+      // The light of all directions, times visibility, is what `composite` adds.
+      const double expected = mean_beside_wall(kElevation, of_channel) - 0.75 * mean_beside_wall(0.0, of_channel);
+      EXPECT_NEAR(light[std::size_t(channel)], expected, 3e-3) << tilt << ' ' << channel;
+    }
   }
 }
 

@@ -1,0 +1,67 @@
+// The direction of ambient light: open bits take the light that comes from their directions.
+//
+// Ambient light is a constant plus L(d) = l.d + d'Qd, spherical harmonics up to the second degree. In a slice with view
+// direction V and unit vector o, at the angle t from V towards o,
+//   L = (V'QV + o'Qo)/2 + cos(t) l.V + sin(t) l.o + cos(2t) (V'QV - o'Qo)/2 + sin(2t) V'Qo
+// so that four sums over the bits suffice. `composite` adds ambient light times visibility. What is missing there is
+//   (L of open bits) - visibility (L of all bits)
+// in which the constant cancels. It is 0 where everything is open: open surfaces get no noise.
+
+// Returns a'Qb for a colour channel.
+FN Real sky_quadratic(int channel, Vec3 a, Vec3 b) {
+  int k = kBitmaskSkyFactors * channel + 3;
+  Vec3 across = Vec3(mad(a.x, b.y, a.y * b.x), mad(a.y, b.z, a.z * b.y), mad(a.z, b.x, a.x * b.z));
+  return dot(Vec3(Real(C.sky[k]), Real(C.sky[k + 1]), Real(C.sky[k + 2])), Vec3(a.x * b.x, a.y * b.y, a.z * b.z)) +
+         dot(Vec3(Real(C.sky[k + 3]), Real(C.sky[k + 4]), Real(C.sky[k + 5])), across);
+}
+
+// Returns l.a for a colour channel.
+FN Real sky_linear(int channel, Vec3 a) {
+  int k = kBitmaskSkyFactors * channel;
+  return dot(Vec3(Real(C.sky[k]), Real(C.sky[k + 1]), Real(C.sky[k + 2])), a);
+}
+
+// Sums over bits: their number, and of the angles t of their directions.
+struct BitSums {
+  Real count, cos1, sin1, cos2, sin2;
+};
+
+// Returns L of bits with these sums.
+FN Real sky_of(int channel, BitSums sums, Vec3 eye, Vec3 outwards) {
+  Real along_eye = sky_quadratic(channel, eye, eye);
+  Real along_slice = sky_quadratic(channel, outwards, outwards);
+  Real first = mad(sums.cos1, sky_linear(channel, eye), sums.sin1 * sky_linear(channel, outwards));
+  Real second = mad(sums.cos2, (along_eye - along_slice) * 0.5f, sums.sin2 * sky_quadratic(channel, eye, outwards));
+  return mad(sums.count, (along_eye + along_slice) * 0.5f, first + second);
+}
+
+// The light of a slice's open bits and of all its bits, times 32.
+struct SkyLight {
+  Vec3 open, all;
+};
+
+// `sn`: sine of the angle from the view direction to the normal's projection, towards `outwards`.
+FN SkyLight sky_light(Uint open_bits, Real sn, Vec3 eye, Vec3 outwards) {
+  // The nearest row of the table, whose rows are in equal steps of that angle.
+  Real angle = Real(1.57079633f) - angle_of_cosine(sn);
+  Int row = clamp(to_int(mad(angle, Real(float(kBitmaskRows - 1) / 3.14159265f), Real(0.5f * float(kBitmaskRows)))),
+                  Int(0), Int(kBitmaskRows - 1));
+  Real none = Real(0.0f);
+  BitSums open = BitSums(none, none, none, none, none);
+  BitSums all = open;
+  for (int g = 0; g < kBitmaskGroups; ++g) {
+    Real count = to_real(popcount((open_bits >> (4 * g)) & Uint(15u)));
+    Int at = row * Int(4 * kBitmaskGroups) + Int(4 * g);
+    Real cos1 = entry_of(C.angles, at);
+    Real sin1 = entry_of(C.angles, at + Int(1));
+    Real cos2 = entry_of(C.angles, at + Int(2));
+    Real sin2 = entry_of(C.angles, at + Int(3));
+    open = BitSums(open.count + count, mad(count, cos1, open.cos1), mad(count, sin1, open.sin1),
+                   mad(count, cos2, open.cos2), mad(count, sin2, open.sin2));
+    Real four = Real(4.0f);
+    all = BitSums(all.count + four, mad(four, cos1, all.cos1), mad(four, sin1, all.sin1), mad(four, cos2, all.cos2),
+                  mad(four, sin2, all.sin2));
+  }
+  return SkyLight(Vec3(sky_of(0, open, eye, outwards), sky_of(1, open, eye, outwards), sky_of(2, open, eye, outwards)),
+                  Vec3(sky_of(0, all, eye, outwards), sky_of(1, all, eye, outwards), sky_of(2, all, eye, outwards)));
+}
