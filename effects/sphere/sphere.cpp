@@ -14,11 +14,19 @@ namespace {
 // Defaults as in the listing: a radius of 16 pixels in a picture 512 wide, and a threshold of 5 of 8 samples.
 constexpr double kRadiusPercent = 100.0 * 16.0 / 512.0;
 constexpr double kThreshold = 5.0 / 8.0;
+constexpr double kRangeValue = 0.55;   // [Mittring 2007]
 constexpr double kMaxRadius = 4096.0;  // pixels
 // Settings that correct the shortcomings of the listing, and whose result is closest to the ray-traced ground truth.
 constexpr std::string_view kCorrected =
     "shape=hemisphere sample_z=on depth=linear range=smooth range_factor=1 map=linear threshold=0 border=skip "
     "strength=1.3";
+// The shader of [Mittring 2007], which had twice the samples in its high quality.
+constexpr std::string_view kCrytek =
+    "radius=6.25% distribution=corners depth=linear sample_z=on projection=parallel softness=0.0893 range=blend "
+    "range_factor=3.36 threshold=0 map=linear gain=2 offset=-0.075";
+constexpr std::string_view kCrytekHigh =
+    "samples=16 radius=6.25% distribution=corners depth=linear sample_z=on projection=parallel softness=0.0893 "
+    "range=blend range_factor=3.36 threshold=0 map=linear gain=2 offset=-0.075";
 constexpr float kMinNearToFar = 1e-4f;  // min near plane / far plane; window depth is undefined for a near plane of 0
 
 const std::vector<Parameter> kTable = {
@@ -41,24 +49,37 @@ const std::vector<Parameter> kTable = {
     int_row("noise_size", &SphereParams::noise_size,
             {.initial = 4, .max = 1024, .unit = "px", .zero_means = "as large as the picture"},
             "side of the tile of random vectors"),
+    choice_row("distribution", &SphereParams::distribution, 0, {"even", "corners"},
+               "sample points: spread evenly, or towards a cube's eight corners, each at another distance"),
     choice_row(
         "shape", &SphereParams::shape, 0, {"sphere", "hemisphere"},
         "sample the whole sphere, or the half above the surface, where only surfaces that rise above it occlude"),
     bool_row("sample_z", &SphereParams::sample_z, false, "give each sample its own depth; off: the depth of the pixel"),
+    choice_row("projection", &SphereParams::projection, 0, {"perspective", "parallel"},
+               "where samples with their own depth are in the picture: nearer ones farther from its centre, or not"),
+    real_row("softness", &SphereParams::softness, {.max = 10, .zero_means = "a step"},
+             "distance in front of a surface over which samples become occluded, in radii as for `range_factor`"),
     real_row("threshold", &SphereParams::threshold, {.initial = kThreshold, .max = 1},
              "min fraction of occluding samples; with fewer there is no occlusion"),
     choice_row("map", &SphereParams::map, 0, {"quadratic", "linear"},
                "occlusion from the fraction of occluding samples: its square, or the fraction itself"),
-    choice_row("range", &SphereParams::range, 0, {"off", "hard", "smooth"},
-               "how occluders far in front of the pixel count: fully, not at all, or less with distance"),
+    choice_row(
+        "range", &SphereParams::range, 0, {"off", "hard", "smooth", "blend"},
+        "how occluders far in front of the pixel count: fully, not at all, or less with distance; blend: samples "
+        "far from the surface tend to `range_value`"),
     real_row("range_factor", &SphereParams::range_factor, {.initial = 0.05, .max = 100},
              "end of the range, in radii; for window depth the radius is a fraction of the picture's width"),
+    real_row("range_value", &SphereParams::range_value, {.initial = kRangeValue, .max = 1},
+             "range blend: visibility of samples that are farther behind a surface than the range; as far in front of "
+             "one, samples are halfway there"),
     real_row(
         "bias", &SphereParams::bias, {.initial = 0.02, .max = 1},
         "shape hemisphere: occluders that rise less than this fraction of the radius above the surface do not count"),
     choice_row("border", &SphereParams::border, 0, {"clamp", "skip"},
                "samples outside the picture: moved to the nearest pixel, or not counted"),
     real_row("strength", &SphereParams::strength, {.initial = 1, .max = 10}, "factor for the occlusion"),
+    real_row("gain", &SphereParams::gain, {.initial = 1, .max = 10}, "factor for the visibility"),
+    real_row("offset", &SphereParams::offset, {.min = -1, .max = 1}, "added to the visibility after `gain`"),
 };
 
 // A sample that rounds the other way changes `ao` by up to 25/64, at the listing's threshold; with samples=1, by two
@@ -91,6 +112,19 @@ void fill_points(int count, bool pairs, float* points) {
   }
 }
 
+/// Writes `count` points towards the corners of a cube, at distances of 1/8 to 8/8, as in [Mittring 2007]. Its 16
+/// points are these and the same at half the distance; with more points, the distances are divided further. The order
+/// of the corners is not known: this one gives the mean values in README.md.
+void fill_corners(int count, float* points) {
+  constexpr int kCorners[8][3] = {{1, 1, 1},  {-1, -1, -1}, {-1, -1, 1}, {-1, 1, -1},
+                                  {-1, 1, 1}, {1, -1, -1},  {1, -1, 1},  {1, 1, -1}};
+  const int rings = (count + 7) / 8;
+  for (int i = 0; i < count; ++i) {
+    const double distance = (i % 8 + 1) / 8.0 * (rings - i / 8) / rings;
+    for (int k = 0; k < 3; ++k) points[3 * i + k] = float(kCorners[i % 8][k] * distance / std::numbers::sqrt3);
+  }
+}
+
 void fill_constants(const SphereParams& params, const PictureInfo& info, SphereConstants& c) {
   const float width = info.reference_width();
   c.samples = params.samples;
@@ -99,7 +133,9 @@ void fill_constants(const SphereParams& params, const PictureInfo& info, SphereC
   c.world_radius = c.reach > 0.0f ? 1 : 0;
   c.linear = params.depth == kSphereLinear ? 1 : 0;
   // In the listing the radius is in texture coordinates: a fraction of the width.
-  c.limit = c.linear ? params.range_factor : params.range_factor / width;
+  const float radius_unit = c.linear ? 1.0f : width;
+  c.limit = params.range_factor / radius_unit;
+  c.softness = params.softness / radius_unit;
 
   // Default: the tightest frustum around the scene, in which window depth has the finest resolution.
   float far_depth = params.far_depth > 0.0f ? params.far_depth : info.depth_max;
@@ -117,13 +153,20 @@ void fill_constants(const SphereParams& params, const PictureInfo& info, SphereC
   c.noise_size = float(params.noise_size);
   c.hemisphere = params.shape;
   c.sample_z = params.sample_z;
+  c.parallel = params.projection;
   c.threshold = params.threshold;
   c.quadratic = params.map == 0 ? 1 : 0;
   c.range = params.range;
+  c.beyond = 1.0f - params.range_value;
   c.bias = params.bias;
   c.skip_outside = params.border;
   c.strength = params.strength;
-  fill_points(params.samples, params.shape == 0, c.points);
+  c.gain = params.gain;
+  c.offset = params.offset;
+  if (params.distribution == 0)
+    fill_points(params.samples, params.shape == 0, c.points);
+  else
+    fill_corners(params.samples, c.points);
 }
 
 }  // namespace
@@ -135,7 +178,7 @@ Effect effect_sphere() {
                .source = "Lajzer and Nottingham",
                .set_radius = set_radius_of<&SphereParams::reach>,
                .tunable = {"samples", "shape", "threshold", "strength"},
-               .variants = {"", "samples=16", "samples=32", kCorrected},
+               .variants = {"", "samples=16", "samples=32", kCorrected, kCrytek, kCrytekHigh},
                .quantum = kQuantum,
                .dispatches = {sampling_dispatch(sphere_kernel())}});
 }

@@ -50,12 +50,35 @@ FN Real range_weight(Real nearer, Real limit) {
   return t * t * (3.0f - (t + t));
 }
 
+// Returns how much a sample is occluded that is `behind` a surface: all or nothing, or a ramp in front of the surface.
+FN Real occlusion_by_depth(Real behind, Real rounding, Real ramp) {
+  if (C.softness > 0.0f) return clamp(behind / ramp + 1.0f, Real(0.0f), Real(1.0f));
+  return select(behind > rounding, Real(1.0f), Real(0.0f));
+}
+
+// Returns the occlusion of a sample, blended with a constant: fully where it is farther behind the surface than
+// `limit`, half where it is as far in front of it [Mittring 2007].
+FN Real blended_with_constant(Real occlusion, Real behind, Real limit) {
+  Real relative = clamp(behind / limit, Real(-1.0f), Real(1.0f));
+  Real part = 0.5f * (abs(relative) + max(relative, Real(0.0f)));
+  return mad(Real(C.beyond) - occlusion, part, occlusion);
+}
+
 // Returns the visibility if `occluded` of `count` samples are occluded.
 FN Real visibility_from_counts(Real occluded, Real count) {
   Real fraction = occluded / max(count, Real(1.0f));
   Real mapped = C.quadratic != 0 ? fraction * fraction : fraction;
   mapped = select(occluded < Real(C.threshold) * count, Real(0.0f), mapped);
-  return max(Real(0.0f), 1.0f - mapped * Real(C.strength));
+  Real visibility = max(Real(0.0f), 1.0f - mapped * Real(C.strength));
+  return clamp(visibility * Real(C.gain) + Real(C.offset), Real(0.0f), Real(1.0f));
+}
+
+// Returns sample point i in view space, reflected at the pixel's vector.
+FN Vec3 sample_point(int i, Vec3 mirror, Vec3 twice_mirror, Vec3 normal) {
+  Vec3 v = Vec3(Real(C.points[3 * i]), Real(C.points[3 * i + 1]), Real(C.points[3 * i + 2]));
+  if (C.reflect != kSphereReflectNone) v = v + twice_mirror * dot(mirror, v);
+  if (C.hemisphere != 0) v = v * select(dot(v, normal) < 0.0f, Real(-1.0f), Real(1.0f));
+  return v;
 }
 
 FN Real visibility_at(Int px, Int py, Real depth) {
@@ -84,20 +107,19 @@ FN Real visibility_at(Int px, Int py, Real depth) {
   Real own = compared_depth(depth);
   Real rounding = C.linear != 0 ? depth * kDepthRounding : Real(kWindowRounding);
   Real limit = clamp((C.linear != 0 ? radius : radius_x) * Real(C.limit), Real(1e-30f), Real(1e30f));
+  Real ramp = max((C.linear != 0 ? radius : radius_x) * Real(C.softness), Real(1e-30f));
   // Min height of an occluder above the pixel's plane.
   Real min_height = mad(radius, Real(C.bias), depth * kDepthRounding);
   Real occluded = Real(0.0f);
   Real count = Real(float(C.samples));
   for (int i = 0; i < C.samples; ++i) {
-    Vec3 v = Vec3(Real(C.points[3 * i]), Real(C.points[3 * i + 1]), Real(C.points[3 * i + 2]));
-    if (C.reflect != kSphereReflectNone) v = v + twice_mirror * dot(mirror, v);
-    if (C.hemisphere != 0) v = v * select(dot(v, normal) < 0.0f, Real(-1.0f), Real(1.0f));
+    Vec3 v = sample_point(i, mirror, twice_mirror, normal);
     Real sample_depth = depth;
     Real step_x = radius_x * v.x;
     Real step_y = -(radius_y * v.y);  // rows are counted from the top
     if (C.sample_z != 0) {
       sample_depth = max(depth - radius * v.z, depth * kMinDepth);
-      if (F.orthographic == 0) {
+      if (F.orthographic == 0 && C.parallel == 0) {
         Real magnification = depth / sample_depth;
         step_x = mad(from_centre_x, magnification - 1.0f, step_x * magnification);
         step_y = mad(from_centre_y, magnification - 1.0f, step_y * magnification);
@@ -112,20 +134,26 @@ FN Real visibility_at(Int px, Int py, Real depth) {
     Real tap_depth = compared_depth(tap);
     // "if the sample is closer than the current pixel -> occlude" [listing 1]
     Real compared = C.sample_z != 0 ? compared_depth(sample_depth) : own;
-    Bool occludes = is_surface(tap) && compared - tap_depth > rounding;
+    Real behind = compared - tap_depth;
+    Real occlusion = occlusion_by_depth(behind, rounding, ramp);
+    Bool occludes = is_surface(tap) && occlusion > 0.0f;
     if (C.hemisphere != 0) {
       Int inner_column = clamp(column, Int(0), Int(F.width - 1));  // of the pixel that was read
       Int inner_row = clamp(row, Int(0), Int(F.height - 1));
       Vec3 to_tap = view_position(inner_column, inner_row, tap) - position;
       occludes = occludes && dot(to_tap, normal) > min_height;
     }
-    Real weight = C.range == kSphereRangeOff ? Real(1.0f) : range_weight(own - tap_depth, limit);
+    if (C.range == kSphereRangeHard || C.range == kSphereRangeSmooth)
+      occlusion = occlusion * range_weight(own - tap_depth, limit);
+    occlusion = select(occludes, occlusion, Real(0.0f));
+    if (C.range == kSphereRangeBlend)
+      occlusion = blended_with_constant(occlusion, select(is_surface(tap), behind, Real(-1e30f)), limit);
     if (C.skip_outside != 0) {
       Bool inside = sample_x >= 0.0f && sample_x < float(F.width) && sample_y >= 0.0f && sample_y < float(F.height);
-      occludes = occludes && inside;
+      occlusion = select(inside, occlusion, Real(0.0f));
       count = count - select(inside, Real(0.0f), Real(1.0f));
     }
-    occluded = occluded + select(occludes, weight, Real(0.0f));
+    occluded = occluded + occlusion;
   }
   return visibility_from_counts(occluded, count);
 }

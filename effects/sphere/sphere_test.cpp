@@ -518,6 +518,245 @@ TEST(Sphere, ResolutionDoesNotMatter) {
   }
 }
 
+// ---- the shader of Mittring 2007
+// ------------------------------------------------------------------------------------------
+
+/// Returns the settings of a preset: variant `index` of those with the points of the shader, of which the first has 8
+/// samples and the second has 16.
+Settings crytek(int index = 0) {
+  std::vector<Settings> presets;
+  for (const std::string_view variant : find_effect("sphere")->variants) {
+    if (variant.find("distribution=corners") == std::string_view::npos) continue;
+    Settings& settings = presets.emplace_back();
+    for (std::size_t at = 0, end = 0; at < variant.size(); at = end + 1) {
+      end = std::min(variant.find(' ', at), variant.size());
+      const std::size_t equals = variant.find('=', at);
+      settings.emplace_back(variant.substr(at, equals - at), variant.substr(equals + 1, end - equals - 1));
+    }
+  }
+  return presets.at(std::size_t(index));
+}
+
+const Settings kRaw = {{"gain", "1"}, {"offset", "0"}};  // the grey picture
+const Settings kManySeeds = {{"noise_size", "0"}};
+
+constexpr int kProfileWidth = 513, kProfileHeight = 900;
+constexpr int kProfileMargin = 40;  // above the radius, 32 px
+
+/// Returns a picture with a field of view of 90 degrees and depth 1 in the middle. Its depth depends on the column: u
+/// is the distance from the middle, in scene units at depth 1. The radius is 1/8 of a unit.
+GBuffer profile(const std::function<double(double u)>& depth, bool orthographic) {
+  GBuffer g = picture(kProfileWidth, kProfileHeight, [&](double u, double) -> Surface {
+    const double z = depth(u);
+    return z > 0.0 ? Surface{z, {0, 0, 1}} : Surface{kInfinity, {0, 0, 0}};
+  });
+  const float half_height = float(kProfileHeight) / kProfileWidth;
+  if (orthographic)
+    g.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 2.0f * half_height, 1.0f / half_height);
+  g.info.camera.left = -1.0f;
+  g.info.camera.right = 1.0f;
+  g.info.camera.bottom = -half_height;
+  g.info.camera.top = half_height;
+  return g;
+}
+
+/// Returns the mean over some columns, thus over many random vectors.
+double mean_of_columns(const Plane& plane, const std::vector<int>& columns) {
+  double sum = 0.0;
+  for (const int x : columns)
+    for (int y = kProfileMargin; y < kProfileHeight - kProfileMargin; ++y) sum += plane.at(x, y);
+  return sum / double(columns.size()) / (kProfileHeight - 2 * kProfileMargin);
+}
+
+/// Compares the mean over some columns of a profile with the value of the shader for all random vectors: the grey
+/// visibility and the final one.
+void expect_means(const std::function<double(double u)>& depth, const std::vector<int>& columns, double raw,
+                  double final_value, int preset = 0) {
+  for (const bool orthographic : {false, true}) {
+    const GBuffer g = profile(depth, orthographic);
+    const Settings settings = joined(crytek(preset), kManySeeds);
+    const double grey = mean_of_columns(ao(g, joined(settings, kRaw)), columns);
+    const double white = mean_of_columns(ao(g, settings), columns);
+    EXPECT_NEAR(grey, raw, 0.01) << orthographic;
+    EXPECT_NEAR(white, final_value, 0.01) << orthographic;
+  }
+}
+
+const std::vector<int> kMiddle = {254, 255, 256, 257, 258};
+
+TEST(Sphere, CrytekWallsAreGrey) {
+  const auto wall = [](double) { return 1.0; };
+  expect_means(wall, kMiddle, 0.457, 0.840);
+  expect_means(wall, kMiddle, 0.424, 0.773, 1);
+}
+
+TEST(Sphere, CrytekWallsBrightenWithTheirSlope) {
+  const auto slope = [](double k) { return [k](double u) { return 1.0 + k * u; }; };
+  expect_means(slope(1.0), kMiddle, 0.470, 0.864);
+  expect_means(slope(2.0), kMiddle, 0.502, 0.926);
+  expect_means(slope(4.0), kMiddle, 0.534, 0.971);
+}
+
+/// Returns the distance of u from the nearest of the lines that are 80 pixels apart, one of them in the middle.
+double from_line(double u) {
+  const double apart = 160.0 / kProfileWidth;
+  return std::fabs(u - apart * std::round(u / apart));
+}
+const std::vector<int> kLines = {96, 176, 256, 336, 416};
+
+TEST(Sphere, CrytekFoldsAreDarkAndRidgesWhite) {
+  expect_means([](double u) { return 1.0 - from_line(u); }, kLines, 0.252, 0.429);
+  expect_means([](double u) { return 1.0 + from_line(u); }, kLines, 0.686, 1.000);
+}
+
+TEST(Sphere, CrytekHasNoHaloBesideNearerObjects) {
+  // Strips at a distance beyond the range alternate with strips at depth 1; columns at both edges.
+  const auto strip = [](double u) { return int(std::floor((u + 1.0) / 2.0 * kProfileWidth / 64.0)) % 2 != 0; };
+  const std::vector<int> edges = {128, 191, 256, 319};
+  expect_means([&](double u) { return strip(u) ? 0.3 : 1.0; }, edges, 0.505, 0.926);
+  expect_means([&](double u) { return strip(u) ? 50.0 : 1.0; }, edges, 0.618, 0.996);
+}
+
+TEST(Sphere, CornersHaveGrowingDistances) {
+  const GBuffer g = test::empty_gbuffer(8, 8);
+  for (const int n : {1, 8, 16, 256}) {
+    const auto all = points(g, {{"distribution", "corners"}, {"samples", std::to_string(n)}});
+    ASSERT_EQ(all.size(), std::size_t(n));
+    const int rings = (n + 7) / 8;
+    for (int i = 0; i < n; ++i) {
+      const double distance = (i % 8 + 1) / 8.0 * (rings - i / 8) / rings;
+      EXPECT_NEAR(glm::length(all[i]), distance, 1e-6) << i;
+      for (int k = 0; k < 3; ++k) EXPECT_NEAR(std::fabs(all[i][k]), distance / std::sqrt(3.0), 1e-6) << i;
+      for (int j = i / 8 * 8; j < i; ++j)  // no corner twice
+        EXPECT_LT(glm::dot(all[i], all[j]) / glm::length(all[i]) / glm::length(all[j]), 0.34) << i << ' ' << j;
+    }
+  }
+}
+
+/// Returns the visibility before `gain` in the shader's own terms: its scale s is 1/0.35 of the largest distance.
+double crytek_in_double(const GBuffer& g, const std::vector<glm::dvec3>& all, int x, int y) {
+  const Plane& depth = g.layers[0].plane("depth");
+  const Camera& camera = g.info.camera;
+  const double z = depth.at(x, y);
+  const double radius_px = 0.0625 * g.info.width;
+  const double radius = radius_px * double(camera.right - camera.left) / g.info.width * z;
+  const double s = radius / 0.35;
+  double sum = 0.0;
+  for (const glm::dvec3& point : all) {
+    const glm::dvec3 v = reflect(point, random_vector(x % 4, y % 4));
+    const int column = std::clamp(int(std::floor(x + 0.5 + radius_px * v.x)), 0, g.info.width - 1);
+    const int row = std::clamp(int(std::floor(y + 0.5 - radius_px * v.y)), 0, g.info.height - 1);
+    const double tap = depth.at(column, row);
+    const double behind = z - radius * v.z - (std::isfinite(tap) ? tap : 1e9);
+    const double access = std::clamp(-32.0 * behind / s, 0.0, 1.0);
+    const double out = 0.85 * behind / s;
+    const double invalid = (std::min(1.0, std::fabs(out)) + std::clamp(out, 0.0, 1.0)) / 2.0;
+    sum += access + (0.55 - access) * invalid;
+  }
+  return sum / double(all.size());
+}
+
+TEST(Sphere, CrytekMatchesItsShaderInDouble) {
+  GBuffer g = waves(128, 96);
+  g.info.camera.left *= 0.8f;  // off-centre
+  for (const int preset : {0, 1}) {
+    const auto all = points(g, crytek(preset));
+    ASSERT_EQ(all.size(), preset == 0 ? 8u : 16u);
+    for (const bool raw : {false, true})
+      test::on_every_target("sphere", g, joined(crytek(preset), raw ? kRaw : Settings{}), [&](const Image& image) {
+        long off = 0, compared = 0;
+        for (int y = 0; y < 96; ++y)
+          for (int x = 0; x < 128; ++x) {
+            if (!std::isfinite(g.layers[0].plane("depth").at(x, y))) continue;
+            const double grey = crytek_in_double(g, all, x, y);
+            const double expected = raw ? grey : std::clamp(2.0 * grey - 0.075, 0.0, 1.0);
+            off += std::fabs(image.plane("ao").at(x, y) - expected) > 2e-3;
+            ++compared;
+          }
+        EXPECT_GT(compared, 9000);
+        EXPECT_LE(off, compared / 500);
+      });
+  }
+}
+
+/// Compares row 20 of the step with 1 - expected(x, nearer, farther), where nearer and farther are the fractions of
+/// samples on a surface that is 1 in front of the pixel and 1 behind it.
+void expect_soft_step(const Settings& more, const std::function<double(double nearer, double farther)>& expected) {
+  const GBuffer g = step();
+  const Settings settings = joined(joined(kPlainFraction, {{"radius", fmt::format("{}", kRadiusPx)}}), more);
+  const auto all = points(g, settings);
+  test::on_every_target("sphere", g, settings, [&](const Image& image) {
+    for (int x = 10; x < 54; ++x) {
+      const auto on_other_side = [&](glm::dvec3 v) {
+        return (std::floor(x + 0.5 + kRadiusPx * v.x) < kStep) != (x < kStep);
+      };
+      const double other = fraction(all, on_other_side);
+      EXPECT_NEAR(image.plane("ao").at(x, 20), 1.0 - expected(x < kStep ? 0.0 : other, x < kStep ? other : 0.0), 1e-6)
+          << x;
+    }
+  });
+}
+
+TEST(Sphere, SoftnessIsARampInFrontOfTheSurface) {
+  // A ramp 2 long: half of it is between the two surfaces. On a surface, a sample is occluded.
+  const auto half = [](double, double farther) { return 1.0 - 0.5 * farther; };
+  expect_soft_step({{"depth", "linear"}, {"softness", "2.5"}}, half);
+  expect_soft_step({{"depth", "linear"}, {"softness", "1.25"}}, [](double, double farther) { return 1.0 - farther; });
+  // Window depth differs by 0.125, which is also the radius.
+  expect_soft_step({{"near", "2"}, {"far", "10"}, {"softness", "2"}}, half);
+}
+
+TEST(Sphere, BlendTendsToTheRangeValue) {
+  const auto with = [](const char* factor, const char* value) {
+    return Settings{{"depth", "linear"}, {"range", "blend"}, {"range_factor", factor}, {"range_value", value}};
+  };
+  // The other surface is at half the range: 1 of 2. Occluded samples get half of the constant, open ones a quarter.
+  expect_soft_step(with("2.5", "0.2"),
+                   [](double nearer, double farther) { return nearer * (0.5 + 0.5 * 0.8) + farther * 0.25 * 0.8; });
+  // Beyond the range: all and half.
+  expect_soft_step(with("0.5", "0.2"), [](double nearer, double farther) { return 0.8 * nearer + 0.4 * farther; });
+  expect_soft_step(with("0", "0.7"), [](double nearer, double farther) { return 0.3 * nearer + 0.15 * farther; });
+}
+
+TEST(Sphere, BlendTakesBackgroundForADistantSurface) {
+  GBuffer g = step(), far = step();
+  for (int y = 0; y < kStepHeight; ++y)
+    for (int x = kStep; x < kStepWidth; ++x) {
+      g.layers[0].planes[0].at(x, y) = kInfinity;
+      far.layers[0].planes[0].at(x, y) = 1e6f;
+    }
+  const Settings settings = joined(crytek(), kRaw);
+  const Plane expected = ao(far, settings);
+  EXPECT_LT(expected.at(kStep - 1, 20), 0.9f);
+  test::on_every_target("sphere", g, settings, [&](const Image& image) {
+    for (int x = 0; x < kStep; ++x) EXPECT_NEAR(image.plane("ao").at(x, 20), expected.at(x, 20), 1e-6) << x;
+  });
+}
+
+TEST(Sphere, GainAndOffsetOfTheVisibility) {
+  expect_step({{"gain", "0.5"}, {"offset", "0.25"}},
+              [](int, double nearer) { return 1.0 - (0.5 * (1.0 - nearer) + 0.25); });
+  expect_step({{"gain", "2"}, {"offset", "-0.5"}},
+              [](int, double nearer) { return 1.0 - std::clamp(2.0 * (1.0 - nearer) - 0.5, 0.0, 1.0); });
+  expect_step({{"gain", "0"}, {"offset", "-1"}}, [](int, double) { return 1.0; });
+}
+
+TEST(Sphere, OlderPresetsAreUnchanged) {
+  // Sums of `ao`, as they were before the parameters of the shader of 2007 were added.
+  const GBuffer g = waves(128, 96);
+  const auto sum = [&](const Settings& settings) {
+    const Plane plane = ao(g, settings);
+    double sum = 0.0;
+    for (int y = 0; y < 96; ++y)
+      for (int x = 0; x < 128; ++x) sum += plane.at(x, y);
+    return sum;
+  };
+  EXPECT_NEAR(sum({}), 11686.59, 0.5);
+  EXPECT_NEAR(sum({{"samples", "16"}}), 11933.29, 0.5);
+  EXPECT_NEAR(sum({{"samples", "32"}}), 11981.49, 0.5);
+  EXPECT_NEAR(sum(joined(kCorrected, {{"strength", "1.3"}})), 7371.55, 0.5);
+}
+
 // ---- invalid pixels
 // ------------------------------------------------------------------------------------------
 
