@@ -259,7 +259,7 @@ Effect effect_bitmask() {
        .tunable = {"slices", "steps", "distribution", "mode", "thickness", "slope"},
        .variants = {"", "slices=1 steps=6", "slices=2 steps=12", "slices=4 steps=24", "mode=infinite",
                     "measure=uniform slope=0.01 thickness=1", "mode=infinite falloff=0.6", "mode=layers", "bleeding=1",
-                    "mode=layers bleeding=1", "directional=1"},
+                    "mode=layers bleeding=1"},
        .quantum = kQuantum,
        .dispatches = {{.name = "mips",
                        .inputs = {"depth"},
