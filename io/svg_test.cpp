@@ -119,13 +119,22 @@ TEST_F(SvgTest, HasColorsAndNoLinesInEmptyViews) {
   EXPECT_EQ(rmse(drawn("nothing.svg"), Plane(64, 48, 0.0f)), 0.0);
 }
 
+TEST_F(SvgTest, HasTheLinesOfEveryLookThatDrawsSome) {
+  for (const std::string look : {"cartoon", "technical"}) {
+    good("scene:solids?detail=2000 --device cpu --resolution 160x120 --look " + look + " -o " + look + ".svg");
+    const std::string text = text_of(folder_ / (look + ".svg"));
+    EXPECT_GT(count_of(text, "<path"), 50) << look;
+    EXPECT_GT(count_of(text, "stroke=\"#000000\""), 0) << look;
+  }
+}
+
 TEST_F(SvgTest, RefusesWhatCannotBe) {
   // All errors are detected before the model is read.
   const std::string lines = "nothere.obj -o lines.svg ";
   bad(lines + "--bits 16", 2, {"--bits", ".svg"});
   bad(lines + "--half", 2, {"--half", ".svg"});
   bad(lines + "--passes depth", 2, {"--passes depth", "'lines.svg'", ".exr"});
-  bad(lines + "--look studio", 2, {"'studio' draws no lines", "cartoon"});
+  bad(lines + "--look studio", 2, {"'studio' draws no lines", "cartoon", "technical"});
   bad(lines + "--look cartoon-paper", 2, {"outline.mode=paper", "robust"});
   bad(lines + "--set outline.opacity=0", 2, {"outline.opacity=0"});
   bad(lines + "--look cartoonn", 2, {"'cartoonn'", "did you mean"});

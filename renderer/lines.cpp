@@ -37,7 +37,7 @@ bool is_inside(const Line& line, int width, int height) {
 Result<ParameterBytes> line_parameters(std::string_view subject, std::span<const std::string_view> effects,
                                        const EffectSettings& settings) {
   if (std::find(effects.begin(), effects.end(), "outline") == effects.end())
-    return usage_error("{} no lines: the look cartoon and the effect outline do", subject);
+    return usage_error("{} no lines: the looks cartoon and technical and the effect outline do", subject);
   const ParameterBytes& params = params_of(settings, "outline");
   const auto& outline = as<OutlineParams>(params);
   if (outline.mode == kOutlinePaper)

@@ -10,6 +10,7 @@
 #include "core/suggest.h"
 #include "effects/antialias/antialias.h"
 #include "effects/composite/composite.h"
+#include "effects/gooch/gooch.h"
 #include "effects/ground/ground.h"
 #include "effects/lighting/lighting.h"
 #include "effects/output/output.h"
@@ -97,6 +98,7 @@ void apply_strengths(const Request& request, EffectSettings& settings) {
   as<ToonParams>(params_of(settings, "toon")).shadow *= request.shadow_strength;
   as<CompositeParams>(params_of(settings, "composite")).occlusion *= request.occlusion_strength;
   as<ToonParams>(params_of(settings, "toon")).occlusion *= request.occlusion_strength;
+  as<GoochParams>(params_of(settings, "gooch")).occlusion *= request.occlusion_strength;
 }
 
 /// Applies options and assignments of a request to the settings. Errors: kUsage.

@@ -201,16 +201,20 @@ TEST_P(VulkanCaptureModes, EveryLookGivesTheSamePicture) {
   for (const Look* look : scene_looks()) {
     Request settings;
     settings.look = std::string(look->name);
-    if (settings.look == "cartoon") settings.settings = {"outline.opacity=0"};
+    if (settings.look == "cartoon" || settings.look == "technical") settings.settings = {"outline.opacity=0"};
     const auto d = difference_between({gpu, cpu.get()}, settings);
     EXPECT_LE(d.fraction_over, 2e-3) << look->name << ", most " << d.max;
   }
   // Lines are smooth: where one pixel of a line differs, all of it is shifted by a few hundredths of a pixel.
-  Request with_lines;
-  with_lines.look = "cartoon";
-  const auto d = difference_between({gpu, cpu.get()}, with_lines);
-  EXPECT_LE(d.fraction_over, 1e-2);
-  EXPECT_LE(d.max, 0.1);
+  for (const char* look : {"cartoon", "technical"}) {
+    Request with_lines;
+    with_lines.look = look;
+    const auto d = difference_between({gpu, cpu.get()}, with_lines);
+    EXPECT_LE(d.fraction_over, 1e-2) << look;
+    // A pixel on a silhouette may show the background with one capture only. In `technical` it differs by more than the
+    // shift of a line, since a dark blue surface may be there.
+    EXPECT_LE(d.max, with_lines.look == "cartoon" ? 0.1 : 0.2) << look;
+  }
 }
 
 TEST_P(VulkanCaptureModes, MemoryDoesNotGrowFromSceneToScene) {

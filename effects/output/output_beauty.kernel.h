@@ -4,12 +4,7 @@ OUT_COLOR(beauty)
 OUT_ALPHA(beauty)
 
 #include "effects/output/output_mix.kernel.h"
-
-// Returns the linear value of an sRGB encoding.
-FN Real linear_from_display(Real v) {
-  Real curve = pow(mad(max(v, Real(0.0f)), Real(1.0f / 1.055f), Real(0.055f / 1.055f)), Real(2.4f));
-  return select(v > 0.04045f, curve, v * (1.0f / 12.92f));
-}
+#include "kernel/display.kernel.h"
 
 FN void output_beauty_pixel(Int px, Int py) {
   Real shade = fraction_of(near_shadow_catcher(0, 0));
@@ -19,8 +14,7 @@ FN void output_beauty_pixel(Int px, Int py) {
   if (C.sky != 0) beyond = light_of(near_sky(0, 0) * Real(C.gain));
   Mixed mixed = mixed_with_background_and_lines(front, light_of(front.light), beyond);
   Vec3 light = mixed.light;
-  if (C.decode != 0)
-    light = Vec3(linear_from_display(light.x), linear_from_display(light.y), linear_from_display(light.z));
+  if (C.decode != 0) light = linear_from_display(light);
   store_beauty(light * mixed.alpha);
   store_beauty_alpha(mixed.alpha);
 }

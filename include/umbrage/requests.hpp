@@ -146,7 +146,7 @@ struct RenderRequest {
   /// Passes to return besides the picture: "depth", "normal", "ao", ... "beauty" is the picture as .exr files hold it:
   /// scene-linear light, before the tone curve, premultiplied.
   std::vector<std::string> passes{};
-  bool strokes = false;  ///< return the look's lines as curves; not all looks draw lines, `cartoon` does
+  bool strokes = false;  ///< return the look's lines as curves; of the looks, `cartoon` and `technical` draw lines
   Progress progress{};
 };
 

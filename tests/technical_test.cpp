@@ -1,0 +1,73 @@
+// Tests the picture of the look `technical`: tones, lines and background.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <string>
+#include <vector>
+
+#include "core/srgb.h"
+#include "devices/cpu/cpu_device.h"
+#include "generators/builtin.h"
+#include "renderer/draw.h"
+
+namespace umbrage {
+namespace {
+
+double luminance(const glm::dvec3& color) { return glm::dot(color, glm::dvec3(0.2126, 0.7152, 0.0722)); }
+
+constexpr const char* kAlbedo[] = {"albedo.r", "albedo.g", "albedo.b"};
+
+/// Returns the look's picture of the built-in solids without averaging: color, outline, depth, normal and albedo.
+Image technical_picture(const std::vector<std::string>& settings) {
+  Scene scene = *make_builtin_scene("scene:solids?detail=2000");
+  const auto device = make_cpu_device();
+  Request request;
+  request.width = request.height = 200;
+  request.look = "technical";
+  request.anti_aliasing = 1;
+  request.passes = {"color", "outline", "depth", "normal", "albedo"};
+  request.settings = settings;
+  StageTimes times;
+  EXPECT_TRUE(device->prepare(scene));
+  const auto frame = draw(*device, scene, request, times);
+  EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
+  return *device->download(*frame, {"color.r", "color.g", "color.b", "outline", "depth", "normal.x", "normal.y",
+                                    "normal.z", "albedo.r", "albedo.g", "albedo.b"});
+}
+
+TEST(Technical, PicturesHaveThePapersTonesBlackLinesAndALightBackground) {
+  const Image picture =
+      technical_picture({"gooch.light_azimuth=90", "gooch.light_elevation=0", "gooch.highlight=0", "outline.width=4"});
+  long lines = 0, background = 0, surfaces = 0;
+  for (int y = 2; y < 198; ++y)
+    for (int x = 2; x < 198; ++x) {
+      const glm::dvec3 color = {picture.planes[0].at(x, y), picture.planes[1].at(x, y), picture.planes[2].at(x, y)};
+      const float line = picture.plane("outline").at(x, y);
+      // The effect `antialias` mixes colours beside edges, which are within a few pixels of lines.
+      bool is_clear = true;
+      for (int j = -2; j <= 2; ++j)
+        for (int i = -2; i <= 2; ++i) is_clear &= picture.plane("outline").at(x + i, y + j) == 0.0f;
+      if (line == 1.0f) {
+        ++lines;
+        EXPECT_LT(luminance(color), 0.01) << x << ", " << y;
+      } else if (is_clear && !std::isfinite(picture.plane("depth").at(x, y))) {
+        ++background;
+        EXPECT_GT(luminance(color), 0.9);
+      } else if (is_clear) {
+        ++surfaces;
+        const double light = 0.5 + 0.5 * picture.plane("normal.x").at(x, y);
+        for (int c = 0; c < 3; ++c) {
+          const double kd = srgb_from_linear(picture.plane(kAlbedo[c]).at(x, y));
+          const double cool = (c == 2 ? 0.4 : 0.0) + 0.2 * kd, warm = (c == 2 ? 0.0 : 0.4) + 0.6 * kd;
+          ASSERT_NEAR(color[c], (1.0 - light) * cool + light * warm, 1.0 / 255.0) << x << ", " << y;
+        }
+      }
+    }
+  EXPECT_GT(lines, 500);
+  EXPECT_GT(background, 5000);
+  EXPECT_GT(surfaces, 3000);
+}
+
+}  // namespace
+}  // namespace umbrage
