@@ -167,6 +167,7 @@ class PanelTest(PageTest):
         self.press_key_on_picture(Keys.ARROW_LEFT)
         self.wait_for_rest()
         self.wait_for("document.querySelectorAll('#stages li').length > 3")
+        self.browser.execute_script("document.querySelector('#section_times').scrollIntoView()")
         self.screenshot("times")
 
     def press_key_on_picture(self, key):
