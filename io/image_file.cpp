@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <pthread.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -205,12 +206,22 @@ std::FILE* create(const fs::path& part) {
   ::pthread_sigmask(SIG_SETMASK, &all, &before);
   ++creating;
   errno = EINTR;
-  std::FILE* stream = writes_abandoned ? nullptr : std::fopen(part.c_str(), "wbx");
+  // Not fopen: it takes locks of the C library, which the thread that the signal interrupted may hold.
+  const int created = writes_abandoned ? -1
+                                       : ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC,
+                                                S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP | S_IROTH | S_IWOTH);
   const int cause = errno;
   --creating;
   ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
   errno = cause;
-  return stream;
+  if (created < 0) return nullptr;
+  std::FILE* stream = ::fdopen(created, "wb");
+  if (stream) return stream;
+  const int out_of_memory = errno;
+  ::close(created);
+  ::unlink(part.c_str());
+  errno = out_of_memory;
+  return nullptr;
 }
 
 /// An entry of the list for a path, during the lifetime of this object.

@@ -154,7 +154,9 @@ std::vector<std::string> passes_of(const Recipe& recipe) {
       }
     }
   }
-  if (recipe.occlusion == kNoOcclusion) names.push_back("ao");  // 1 everywhere
+  // Without occlusion it is 1 everywhere.
+  if (std::find(names.begin(), names.end(), "ao") == names.end() && recipe.occlusion == kNoOcclusion)
+    names.push_back("ao");
   names.emplace_back(kAll);
   return names;
 }

@@ -20,13 +20,9 @@ constexpr double kMinGain = 1.2;                           // factor of the numb
 constexpr std::chrono::seconds kMeanInterval(1);           // max time between two pictures of further samples
 constexpr std::chrono::milliseconds kStatusInterval(100);  // between two messages on progress
 constexpr std::chrono::milliseconds kStatusDelay(500);     // without a picture, before the first such message
-
-/// Max time of a moving picture that is drawn larger because only settings change, ms.
-constexpr double kSettingFrame_ms = 70.0;
-constexpr const char* kStill = " settings";  // of the key of such pictures
-
-/// Factor by which a turn of a view increases its number of samples, since the next turn begins with the first sample.
-constexpr int kTurnGrowth = 4;
+constexpr double kSettingFrame_ms = 70.0;                  // max time of moving pictures while only settings change
+constexpr const char* kStill = " settings";                // of the key of such pictures
+constexpr int kTurnGrowth = 4;  // factor of the number of samples per turn of a view, which begins with the first one
 
 }  // namespace
 
@@ -63,7 +59,7 @@ void Drawing::set_state(PageId id, State state) {
   const std::size_t before = page.views.size();
   page.views.resize(page.state->views.size());
   for (std::size_t view = 0; view < page.views.size(); ++view)
-    if (view >= before || !page.state->views[view].goes_on) begin_view(page, view);
+    if (view >= before || page.views[view].has_failed || !page.state->views[view].goes_on) begin_view(page, view);
   changed_.notify_all();
 }
 
@@ -186,7 +182,8 @@ void Drawing::finish(const Task& task, const Result<void>& done) {
   if (!view) return;
   Progress& progress = *view;
   progress.spent = task.spent + (Clock::now() - task_begin_);
-  if (!done && !interrupted)
+  progress.has_failed = !done && !interrupted;
+  if (progress.has_failed)
     progress.next = Step::kDone;
   else if (progress.samples > 0)
     progress.next = progress.is_final ? Step::kDone : Step::kRefined;

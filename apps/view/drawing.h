@@ -78,7 +78,7 @@ class Drawing {
     long revision = 0;  ///< grows with each state that changes the view
     Step next = Step::kDone;
     int samples = 0;  ///< of the last picture at rest that was sent; 0: none
-    bool is_final = false;
+    bool is_final = false, has_failed = false;
     std::chrono::steady_clock::duration spent{};  ///< time of all pictures of this state and view
   };
   struct Page {

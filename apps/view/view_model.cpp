@@ -116,7 +116,8 @@ void set_aspect(double aspect, Camera& camera) {
 }  // namespace
 
 void DrawingDevice::keep_memory_for(int width, int height, bool is_full_size) {
-  if (kept && std::exchange(sizes[is_full_size], {width, height}) == std::pair(width, height)) return;
+  const bool is_same = std::exchange(sizes[is_full_size], {width, height}) == std::pair(width, height);
+  if (kept && is_same) return;
   kept.reset();
   kept.emplace(device->pool());
 }
@@ -272,8 +273,8 @@ Result<void> ViewModel::draw_scene(DrawingDevice& device, const Request& request
   auto plan = make_plan(*recipe, **scene, device.device->threads(), control.monitor);
   if (!plan) return plan.error();
   if (control.moving) simplify_moving(*plan);
-  const bool is_full_size = control.aspect == 0.0;
-  if (!is_full_size) set_aspect(control.aspect, plan->camera);
+  const bool is_full_size = !control.moving || control.aspect == 0.0;
+  if (control.aspect > 0.0) set_aspect(control.aspect, plan->camera);
   if (captured_by_ != device.device.get()) forget_captures();
   captured_by_ = device.device.get();
   device.keep_memory_for(request.width, request.height, is_full_size);

@@ -436,6 +436,12 @@ FN void gather(Int px, Int py) {
       Real whole_above = (32.0f - low) * fraction_above * slice.weight * 0.03125f;
       Real whole_below = low * fraction_below * slice.weight * 0.03125f;
       whole = whole_above + whole_below;
+      if (kLight && C.directional != 0.0f) {
+        Uint bits_above = ones_from(to_int(low));
+        sky = with_sky_light(sky, bits_above, bits, fraction_above * slice.weight, slice.sn, point.eye, slice.outwards);
+        sky =
+            with_sky_light(sky, ~bits_above, bits, fraction_below * slice.weight, slice.sn, point.eye, slice.outwards);
+      }
       open = mad(whole_above, 1.0f - covered_above / max(32.0f - low, Real(1.0f)),
                  whole_below * (1.0f - (covered - covered_above) / max(low, Real(1.0f))));
       // On a surface seen edge-on, one side has no bits of its own. It gets no light: where the other side is outside
@@ -446,10 +452,8 @@ FN void gather(Int px, Int py) {
     open_sum = open_sum + open;
     weight_sum = weight_sum + whole;
     if (kLight) light = light + (light_above + light_below);
-    if (kLight && C.directional != 0.0f) {
-      SkyLight of_slice = sky_light(~bits, slice.sn, point.eye, slice.outwards);
-      sky = SkyLight(sky.open + of_slice.open * whole, sky.all + of_slice.all * whole);
-    }
+    if (kLight && C.directional != 0.0f && !(point.near_border && C.skip_outside != 0))
+      sky = with_sky_light(sky, ~Uint(0u), bits, slice.weight, slice.sn, point.eye, slice.outwards);
     if (kBent) {
       Vec2 sum = unoccluded_directions(slice, bits);
       bent = bent + (slice.outwards * sum.x + point.eye * sum.y) * slice.projected;

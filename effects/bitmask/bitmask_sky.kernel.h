@@ -35,13 +35,14 @@ FN Real sky_of(int channel, BitSums sums, Vec3 eye, Vec3 outwards) {
   return mad(sums.count, (along_eye + along_slice) * 0.5f, first + second);
 }
 
-// The light of a slice's open bits and of all its bits, times 32.
+// The light of open bits and of all bits, times 32.
 struct SkyLight {
   Vec3 open, all;
 };
 
+// Adds the light of the bits in `bits`, those of a slice or of one of its sides. `covered`: bits that are not open.
 // `sn`: sine of the angle from the view direction to the normal's projection, towards `outwards`.
-FN SkyLight sky_light(Uint open_bits, Real sn, Vec3 eye, Vec3 outwards) {
+FN SkyLight with_sky_light(SkyLight sum, Uint bits, Uint covered, Real weight, Real sn, Vec3 eye, Vec3 outwards) {
   // The nearest row of the table, whose rows are in equal steps of that angle.
   Real angle = Real(1.57079633f) - angle_of_cosine(sn);
   Int row = clamp(to_int(mad(angle, Real(float(kBitmaskRows - 1) / 3.14159265f), Real(0.5f * float(kBitmaskRows)))),
@@ -50,7 +51,8 @@ FN SkyLight sky_light(Uint open_bits, Real sn, Vec3 eye, Vec3 outwards) {
   BitSums open = BitSums(none, none, none, none, none);
   BitSums all = open;
   for (int g = 0; g < kBitmaskGroups; ++g) {
-    Real count = to_real(popcount((open_bits >> (4 * g)) & Uint(15u)));
+    Real count = to_real(popcount(((bits & ~covered) >> (4 * g)) & Uint(15u)));
+    Real whole = to_real(popcount((bits >> (4 * g)) & Uint(15u)));
     Int at = row * Int(4 * kBitmaskGroups) + Int(4 * g);
     Real cos1 = entry_of(C.angles, at);
     Real sin1 = entry_of(C.angles, at + Int(1));
@@ -58,10 +60,10 @@ FN SkyLight sky_light(Uint open_bits, Real sn, Vec3 eye, Vec3 outwards) {
     Real sin2 = entry_of(C.angles, at + Int(3));
     open = BitSums(open.count + count, mad(count, cos1, open.cos1), mad(count, sin1, open.sin1),
                    mad(count, cos2, open.cos2), mad(count, sin2, open.sin2));
-    Real four = Real(4.0f);
-    all = BitSums(all.count + four, mad(four, cos1, all.cos1), mad(four, sin1, all.sin1), mad(four, cos2, all.cos2),
-                  mad(four, sin2, all.sin2));
+    all = BitSums(all.count + whole, mad(whole, cos1, all.cos1), mad(whole, sin1, all.sin1),
+                  mad(whole, cos2, all.cos2), mad(whole, sin2, all.sin2));
   }
-  return SkyLight(Vec3(sky_of(0, open, eye, outwards), sky_of(1, open, eye, outwards), sky_of(2, open, eye, outwards)),
-                  Vec3(sky_of(0, all, eye, outwards), sky_of(1, all, eye, outwards), sky_of(2, all, eye, outwards)));
+  Vec3 of_open = Vec3(sky_of(0, open, eye, outwards), sky_of(1, open, eye, outwards), sky_of(2, open, eye, outwards));
+  Vec3 of_all = Vec3(sky_of(0, all, eye, outwards), sky_of(1, all, eye, outwards), sky_of(2, all, eye, outwards));
+  return SkyLight(sum.open + of_open * weight, sum.all + of_all * weight);
 }

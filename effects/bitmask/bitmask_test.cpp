@@ -508,6 +508,28 @@ TEST(Bitmask, PixelsAtTheBorderGetNoMoreLightThanIsEmitted) {
     }
 }
 
+TEST(Bitmask, AmbientLightOfAllDirectionsAlikeStaysAsItIs) {
+  GBuffer g = test::bumpy_gbuffer(96, 64, 3);
+  for (glm::mat4& shape : g.info.ambient_shape.by_color) {
+    shape = glm::mat4(0.25f);  // of a unit vector: a constant
+    shape[3][3] = 0.0f;
+  }
+  for (const char* border : {"skip", "open"})
+    for (const char* measure : {"exact", "uniform", "sectors"}) {
+      const Settings settings = {
+          {"directional", "1"}, {"border", border}, {"measure", measure}, {"radius", "4"}, {"thickness", "1"}};
+      const Image image = test::run_effect(*find_effect("bitmask"), g, settings, {});
+      const Plane &light = image.plane("indirect.g"), &ao = image.plane("ao");
+      double min_ao = 1.0;
+      for (int y = 0; y < light.height; ++y)
+        for (int x = 0; x < light.width; ++x) {
+          ASSERT_NEAR(light.at(x, y), 0.0f, 1e-4f) << x << ' ' << y << ' ' << border << ' ' << measure;
+          min_ao = std::min(min_ao, double(ao.at(x, y)));
+        }
+      EXPECT_LT(min_ao, 0.5) << "nothing is occluded";
+    }
+}
+
 TEST(Bitmask, SampleIndicesAverageToLessNoise) {
   const GBuffer g = floor_from_above([](double x, double y) { return 0.1 * std::sin(9.0 * x) * std::cos(7.0 * y); });
   const auto ao = [&](const Settings& settings) {

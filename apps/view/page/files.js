@@ -77,10 +77,11 @@ async function exr_channels(file) {
   return names;
 }
 
-/// Returns what a picture is, if it tells: channels besides those of a colour are those of a G-buffer.
+/// Returns what a picture is, if it tells: one with depth or normals is a G-buffer.
 async function kind_by_channels(file) {
   if (!file.name.toLowerCase().endsWith(".exr")) return "";
-  return (await exr_channels(file)).some((name) => !/^[RGBAY]$/.test(name)) ? "gbuffer" : "";
+  const names = await exr_channels(file).catch(() => []);
+  return names.some((name) => /(^|\.)z$|depth|normal/i.test(name)) ? "gbuffer" : "";
 }
 
 let asked = Promise.resolve(); // the question before, which is answered first

@@ -154,7 +154,8 @@ function attach_keys(act, shift) {
   const flight = new_flight(act);
   addEventListener("keydown", (event) => {
     const taken = taken_by(event.target);
-    if (event.key === "Shift" && taken !== "all" && !event.repeat) return shift.down();
+    const types = taken === "all" && !event.target.matches("select");
+    if (event.key === "Shift" && !types && !event.repeat) return shift.down();
     shift.cancel();
     if (event.key === "Escape" && !document.querySelector("dialog[open]")) return by_id("picture").focus();
     if (taken === "all" || (taken === "some" && kNative.test(event.key)) || event.altKey || event.metaKey) return;

@@ -4,7 +4,7 @@ import { state, hooks, view_of, side_b, side_edited, scene_now, model_now, scene
 import { parse_vector, clamp } from "./math.js";
 import { camera_from, flown, viewed_from, with_pivot, point_under } from "./camera.js";
 import { new_link } from "./link.js";
-import { stage, draw, show_frame, forget_b, note_state, needs_b, size_asked, size_shown, watch_size, update_flicker, attach_divider } from "./stage.js";
+import { stage, draw, show_frame, forget_b, forget_sent, newest_id, note_state, needs_b, size_asked, size_shown, watch_size, update_flicker, attach_divider } from "./stage.js";
 import { make_panels, refresh_panels } from "./panels.js";
 import { compare_section, refresh_compare } from "./compare.js";
 import { times_section, note_time, draw_times, ms_text } from "./graph.js";
@@ -123,6 +123,7 @@ const act = {
     act.gesture((camera, shown) => with_pivot(camera, point_under(camera, at, shown)));
   },
   hold(is_held) {
+    if (is_flat() && !state.b) return is_held && announce("A G-buffer has no ray-traced reference: keep a state as B");
     stage.is_held = is_held;
     stage.wants_b ||= is_held;
     if (is_held && state.compare === "off") link.changed(false);
@@ -269,7 +270,7 @@ function take_error(message) {
   const is_of_view = message.view !== undefined;
   if (is_of_view) {
     clearTimeout(waiting_timer);
-    refused[message.view] = message.id;
+    refused[message.view] = newest_id(message.id, message.view);
   }
   show_work("", 0);
   const is_unreadable = is_of_view && !scene_now() && model_before !== null;
@@ -325,7 +326,7 @@ function show_error_number(header) {
 // The connection.
 
 function opened() {
-  stage.sent = null;
+  forget_sent();
   by_id("reconnect").disabled = false;
   by_id("ended").hidden = true;
   document.body.dataset.connected = "true";

@@ -11,7 +11,8 @@ const kFlicker_ms = 500,
 
 /// `pictures`: the newest frame of each side, {bitmap, header}. `is_held`: B is shown while a key is held. `wants_b`: B is
 /// kept after that, until the state changes. `b_after`: B belongs to the state shown only in frames of a later id.
-/// `sent`: the newest state, {id, moving, size, model, views}; `since`: for each side, the state since which it shows the same.
+/// `sent`: the newest state, {id, moving, size, model, views}; `since`: for each side, the state since which it shows the same;
+/// Infinity: no state shows it.
 export const stage = {
   pictures: [null, null],
   is_held: false,
@@ -21,7 +22,7 @@ export const stage = {
   frames: 0,
   last: null,
   sent: null,
-  since: [0, 0],
+  since: [Infinity, Infinity],
 };
 
 const needs_canvas = () => by_id("picture");
@@ -65,16 +66,26 @@ export function note_state(sent) {
   const before = stage.sent;
   const shown = ({ size, model, views }, side) => JSON.stringify([size, model, views[side]]);
   stage.sent = structuredClone(sent);
+  stage.since[1] = sent.views.length > 1 ? stage.since[1] : Infinity;
   for (const side of sent.views.keys()) {
     const view = sent.views[side];
-    view.goes_on = !!before && !before.moving && !sent.moving && shown(before, side) === shown(stage.sent, side);
+    view.goes_on = !!before && stage.since[side] < Infinity && !before.moving && !sent.moving && shown(before, side) === shown(stage.sent, side);
     if (!view.goes_on) stage.since[side] = sent.id;
     if (stage.pictures[side]) relabel(stage.pictures[side].header);
   }
 }
 
+/// Returns the newest state that shows a side as the state `id` does.
+export const newest_id = (id, side) => (id >= stage.since[side] ? stage.sent.id : id);
+
 function relabel(header) {
-  if (header.id >= stage.since[header.view]) header.id = stage.sent.id;
+  header.id = newest_id(header.id, header.view);
+}
+
+/// Forgets what was sent, before a new connection: nothing goes on.
+export function forget_sent() {
+  stage.sent = null;
+  stage.since = [Infinity, Infinity];
 }
 
 /// Decodes and draws a frame, unless a newer one is shown. `shown(header)` is called in either case.
@@ -108,6 +119,7 @@ export function forget_b(id) {
   stage.pictures[1]?.bitmap.close();
   stage.pictures[1] = null;
   stage.b_after = id;
+  stage.since[1] = Infinity;
 }
 
 /// Returns the place of a bitmap on the canvas: [x, y, width, height].
