@@ -26,13 +26,19 @@ struct BitSums {
   Real count, cos1, sin1, cos2, sin2;
 };
 
-// Returns L of bits with these sums.
-FN Real sky_of(int channel, BitSums sums, Vec3 eye, Vec3 outwards) {
+// The factors of these sums in L, for a colour channel in a slice.
+FN BitSums sky_factors(int channel, Vec3 eye, Vec3 outwards) {
   Real along_eye = sky_quadratic(channel, eye, eye);
   Real along_slice = sky_quadratic(channel, outwards, outwards);
-  Real first = mad(sums.cos1, sky_linear(channel, eye), sums.sin1 * sky_linear(channel, outwards));
-  Real second = mad(sums.cos2, (along_eye - along_slice) * 0.5f, sums.sin2 * sky_quadratic(channel, eye, outwards));
-  return mad(sums.count, (along_eye + along_slice) * 0.5f, first + second);
+  return BitSums((along_eye + along_slice) * 0.5f, sky_linear(channel, eye), sky_linear(channel, outwards),
+                 (along_eye - along_slice) * 0.5f, sky_quadratic(channel, eye, outwards));
+}
+
+// Returns L of bits with these sums.
+FN Real sky_of(BitSums factors, BitSums sums) {
+  Real first = mad(sums.cos1, factors.cos1, sums.sin1 * factors.sin1);
+  Real second = mad(sums.cos2, factors.cos2, sums.sin2 * factors.sin2);
+  return mad(sums.count, factors.count, first + second);
 }
 
 // The light of open bits and of all bits, times 32.
@@ -63,7 +69,10 @@ FN SkyLight with_sky_light(SkyLight sum, Uint bits, Uint covered, Real weight, R
     all = BitSums(all.count + whole, mad(whole, cos1, all.cos1), mad(whole, sin1, all.sin1),
                   mad(whole, cos2, all.cos2), mad(whole, sin2, all.sin2));
   }
-  Vec3 of_open = Vec3(sky_of(0, open, eye, outwards), sky_of(1, open, eye, outwards), sky_of(2, open, eye, outwards));
-  Vec3 of_all = Vec3(sky_of(0, all, eye, outwards), sky_of(1, all, eye, outwards), sky_of(2, all, eye, outwards));
+  BitSums red = sky_factors(0, eye, outwards);
+  BitSums green = sky_factors(1, eye, outwards);
+  BitSums blue = sky_factors(2, eye, outwards);
+  Vec3 of_open = Vec3(sky_of(red, open), sky_of(green, open), sky_of(blue, open));
+  Vec3 of_all = Vec3(sky_of(red, all), sky_of(green, all), sky_of(blue, all));
   return SkyLight(sum.open + of_open * weight, sum.all + of_all * weight);
 }
