@@ -207,9 +207,8 @@ std::FILE* create(const fs::path& part) {
   ++creating;
   errno = EINTR;
   // Not fopen: it takes locks of the C library, which the thread that the signal interrupted may hold.
-  const int created = writes_abandoned ? -1
-                                       : ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC,
-                                                S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP | S_IROTH | S_IWOTH);
+  const int created =
+      writes_abandoned ? -1 : ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, DEFFILEMODE);
   const int cause = errno;
   --creating;
   ::pthread_sigmask(SIG_SETMASK, &before, nullptr);

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "apps/view/draw_messages.h"
 #include "core/guarded.h"
 #include "renderer/devices.h"
 
@@ -180,15 +179,14 @@ void Drawing::finish(const Task& task, const Result<void>& done) {
   const std::lock_guard lock(mutex_);
   Progress* view = task.step == Step::kPick ? nullptr : wanted_view(task);
   if (!view) return;
-  Progress& progress = *view;
-  progress.spent = task.spent + (Clock::now() - task_begin_);
-  progress.has_failed = !done && !interrupted;
-  if (progress.has_failed)
-    progress.next = Step::kDone;
-  else if (progress.samples > 0)
-    progress.next = progress.is_final ? Step::kDone : Step::kRefined;
+  view->spent = task.spent + (Clock::now() - task_begin_);
+  view->has_failed = !done && !interrupted;
+  if (view->has_failed)
+    view->next = Step::kDone;
+  else if (view->samples > 0)
+    view->next = view->is_final ? Step::kDone : Step::kRefined;
   else if (!interrupted)
-    progress.next = task.step == Step::kMoving ? Step::kDone : Step::kExact;
+    view->next = task.step == Step::kMoving ? Step::kDone : Step::kExact;
 }
 
 void Drawing::send_error(const Task& task, const Error& error) {
@@ -243,10 +241,10 @@ Result<void> Drawing::perform(const Task& task) {
   models_.forget_captures();
   devices_.erase(key);
   failed_devices_.insert(key);
-  const std::string name = key.empty() ? settings_.device : key;
   // Without a view: it stays on the page when the next frame comes.
-  send_.text(task.page, error_text(fmt::format("the device {} has failed, the CPU goes on: {}", name,
-                                               with_option_names(done.error().message))));
+  send_.text(task.page,
+             error_text(fmt::format("the device {} has failed, the CPU goes on: {}",
+                                    key.empty() ? settings_.device : key, with_option_names(done.error().message))));
   const auto other = device_of(task);
   if (other) send_.text(task.page, text_of_json({{"type", "device"}, {"device", (*other)->device->description()}}));
   return other ? draw(task, *loaded->model, **other, *request) : Result<void>(other.error());

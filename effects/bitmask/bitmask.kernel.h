@@ -448,12 +448,12 @@ FN void gather(Int px, Int py) {
       // the picture, the result would be rounding errors alone.
       light_above = light_above * select(low < 32.0f, fraction_above, Real(0.0f));
       light_below = light_below * select(low > 0.0f, fraction_below, Real(0.0f));
+    } else if (kLight && C.directional != 0.0f) {
+      sky = with_sky_light(sky, ~Uint(0u), bits, slice.weight, slice.sn, point.eye, slice.outwards);
     }
     open_sum = open_sum + open;
     weight_sum = weight_sum + whole;
     if (kLight) light = light + (light_above + light_below);
-    if (kLight && C.directional != 0.0f && !(point.near_border && C.skip_outside != 0))
-      sky = with_sky_light(sky, ~Uint(0u), bits, slice.weight, slice.sn, point.eye, slice.outwards);
     if (kBent) {
       Vec2 sum = unoccluded_directions(slice, bits);
       bent = bent + (slice.outwards * sum.x + point.eye * sum.y) * slice.projected;

@@ -66,8 +66,8 @@ FN SkyLight with_sky_light(SkyLight sum, Uint bits, Uint covered, Real weight, R
     Real sin2 = entry_of(C.angles, at + Int(3));
     open = BitSums(open.count + count, mad(count, cos1, open.cos1), mad(count, sin1, open.sin1),
                    mad(count, cos2, open.cos2), mad(count, sin2, open.sin2));
-    all = BitSums(all.count + whole, mad(whole, cos1, all.cos1), mad(whole, sin1, all.sin1),
-                  mad(whole, cos2, all.cos2), mad(whole, sin2, all.sin2));
+    all = BitSums(all.count + whole, mad(whole, cos1, all.cos1), mad(whole, sin1, all.sin1), mad(whole, cos2, all.cos2),
+                  mad(whole, sin2, all.sin2));
   }
   BitSums red = sky_factors(0, eye, outwards);
   BitSums green = sky_factors(1, eye, outwards);

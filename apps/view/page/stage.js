@@ -69,7 +69,8 @@ export function note_state(sent) {
   stage.since[1] = sent.views.length > 1 ? stage.since[1] : Infinity;
   for (const side of sent.views.keys()) {
     const view = sent.views[side];
-    view.goes_on = !!before && stage.since[side] < Infinity && !before.moving && !sent.moving && shown(before, side) === shown(stage.sent, side);
+    const is_known = !!before && !before.moving && stage.since[side] < Infinity;
+    view.goes_on = is_known && !sent.moving && shown(before, side) === shown(stage.sent, side);
     if (!view.goes_on) stage.since[side] = sent.id;
     if (stage.pictures[side]) relabel(stage.pictures[side].header);
   }
