@@ -46,6 +46,16 @@ struct AmbientShape {
 /// Returns the shape, rotated.
 AmbientShape turned(const AmbientShape& shape, const glm::mat3& rotation);
 
+/// Factors per colour of the radiance that ambient light of a shape has by direction.
+inline constexpr int kSkyFactors = 9;
+/// Returns, for red, green and blue, the vector l and the traceless symmetric matrix Q (xx, yy, zz, xy, yz, zx) of the
+/// radiance from the direction d, which differs from its mean by l.d + d'Qd. A shape holds 2/3 of l and 1/4 of Q
+/// [Ramamoorthi and Hanrahan 2001].
+std::array<float, 3 * kSkyFactors> sky_factors(const AmbientShape& shape);
+/// Returns l.d times `first`, plus d'Qd times `second`, for red, green and blue.
+glm::vec3 sky_radiance(const std::array<float, 3 * kSkyFactors>& factors, glm::vec3 d, float first = 1.0f,
+                       float second = 1.0f);
+
 /// Levels of a reflection map, for the roughness 0, 0.25, 0.5, 0.75 and 1; texels per side of each, without its border.
 inline constexpr std::array<int, 5> kReflectionSides = {40, 24, 16, 10, 8};
 inline constexpr int kReflectionLevels = int(kReflectionSides.size());

@@ -136,22 +136,15 @@ std::vector<float> angles_of(int measure) {
   return angles;
 }
 
-/// Fills in the constants of bitmask_sky.kernel.h. The shape of ambient light is that of irradiance, by the normal; its
-/// first and second degree are 2/3 and 1/4 of those of radiance [Ramamoorthi and Hanrahan 2001].
+/// Fills in the constants of bitmask_sky.kernel.h.
 void fill_sky(const BitmaskParams& params, const PictureInfo& info, BitmaskConstants& c) {
   c.directional = info.ambient_shape.even() ? 0.0f : params.directional;
   if (c.directional == 0.0f) return;
   static const std::vector<float> tables[] = {angles_of(kBitmaskExact), angles_of(kBitmaskUniform),
                                               angles_of(kBitmaskSectors)};
   std::copy(tables[params.measure].begin(), tables[params.measure].end(), c.angles);
-  for (int channel = 0; channel < 3; ++channel) {
-    const glm::mat4& m = info.ambient_shape.by_color[channel];
-    const glm::vec3 first = glm::vec3(m[3]) * (2.0f / (2.0f / 3.0f));
-    const glm::mat3 second = glm::mat3(m) * 4.0f;
-    const float factors[kBitmaskSkyFactors] = {first.x,      first.y,      first.z,      second[0][0], second[1][1],
-                                               second[2][2], second[0][1], second[1][2], second[2][0]};
-    std::copy_n(factors, kBitmaskSkyFactors, c.sky + kBitmaskSkyFactors * channel);
-  }
+  const auto factors = sky_factors(info.ambient_shape);
+  std::copy(factors.begin(), factors.end(), c.sky);
 }
 
 void fill_constants(const BitmaskParams& params, const PictureInfo& info, BitmaskConstants& c) {

@@ -33,7 +33,6 @@ const int kBitmaskExact = 0, kBitmaskUniform = 1, kBitmaskSectors = 2;
 const int kBitmaskHilbert = 0, kBitmaskTile = 1, kBitmaskHash = 2, kBitmaskNone = 3;
 const int kBitmaskMaxMips = 5;
 const int kBitmaskRows = 65, kBitmaskGroups = 8;  // of BitmaskConstants::angles
-const int kBitmaskSkyFactors = 9;                 // per colour channel
 
 struct BitmaskConstants {
   int slices, steps;
@@ -63,7 +62,7 @@ struct BitmaskConstants {
   float directional;
   // Radiance of ambient light, up to a constant, by its direction (x, y, z): per channel the factors of x, y, z, xx,
   // yy, zz, and half those of xy, yz, zx. View space.
-  float sky[3 * kBitmaskSkyFactors];
+  float sky[27];
   // Per row, for an angle of the normal's projection to the view direction from -90 to 90 degrees, and per group of
   // four bits: mean of cos(t), sin(t), cos(2t), sin(2t) over its directions, t their angle to the view direction.
   float angles[kBitmaskRows * 4 * kBitmaskGroups];

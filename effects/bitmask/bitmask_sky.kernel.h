@@ -6,20 +6,7 @@
 // so that four sums over the bits suffice. `composite` adds ambient light times visibility. What is missing there is
 //   (L of open bits) - visibility (L of all bits)
 // in which the constant cancels. It is 0 where everything is open: open surfaces get no noise.
-
-// Returns a'Qb for a colour channel.
-FN Real sky_quadratic(int channel, Vec3 a, Vec3 b) {
-  int k = kBitmaskSkyFactors * channel + 3;
-  Vec3 across = Vec3(mad(a.x, b.y, a.y * b.x), mad(a.y, b.z, a.z * b.y), mad(a.z, b.x, a.x * b.z));
-  return dot(Vec3(Real(C.sky[k]), Real(C.sky[k + 1]), Real(C.sky[k + 2])), Vec3(a.x * b.x, a.y * b.y, a.z * b.z)) +
-         dot(Vec3(Real(C.sky[k + 3]), Real(C.sky[k + 4]), Real(C.sky[k + 5])), across);
-}
-
-// Returns l.a for a colour channel.
-FN Real sky_linear(int channel, Vec3 a) {
-  int k = kBitmaskSkyFactors * channel;
-  return dot(Vec3(Real(C.sky[k]), Real(C.sky[k + 1]), Real(C.sky[k + 2])), a);
-}
+#include "kernel/sky.kernel.h"
 
 // Sums over bits: their number, and of the angles t of their directions.
 struct BitSums {
