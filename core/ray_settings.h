@@ -1,5 +1,6 @@
 // RaySettings: the rays that a dispatch traces in the captured scene.
 #pragma once
+#include <array>
 #include <cstdint>
 
 namespace umbrage {
@@ -25,6 +26,10 @@ struct RaySettings {
   float light = 0.0f;           ///< factor for the light of the surfaces that rays hit; 0: it is not gathered
   float ambient_bounce = 1.0f;  ///< factor for the ambient light that these surfaces reflect
   std::uint32_t seed = 0;       ///< of the light that is chosen on a surface
+  /// Factor for the difference that the direction of ambient light makes: a blocked ray adds the light of the whole
+  /// hemisphere of the triangle's normal, minus that of its own direction. 0: off.
+  float directional = 0.0f;
+  std::array<float, 27> sky{};  ///< sky_factors() of ambient light, view space
 };
 
 }  // namespace umbrage

@@ -11,6 +11,7 @@
 
 #include "core/guarded.h"
 #include "core/hash.h"
+#include "core/light.h"
 #include "rays/camera_rays.h"
 #include "rays/hit_light.h"
 #include "rays/short_rays.h"
@@ -48,7 +49,7 @@ struct RayPlanes {
 /// Traces the rays of a block of pixels.
 class RayBlock {
  public:
-  /// `lighting` is null if the dispatch gathers no light.
+  /// `lighting` is null if the dispatch gathers no reflected light.
   RayBlock(const RayTask& task, const CameraRays& rays, const RayPlanes& planes, const HitLighting* lighting)
       : task_(task),
         rays_(rays),
@@ -123,8 +124,9 @@ class RayBlock {
                             to_world_ * (offset * task_.traced.scale);
     const glm::vec3 ray(made_[0][at], made_[1][at], made_[2][at]), direction = to_world_ * ray;
     const int in_block = (y - y0_) * kBlockWidth + x - x0_;
-    if (!(glm::dot(ray, offset) > 0.0f)) {  // below the triangle: blocked, and without light
+    if (!(glm::dot(ray, offset) > 0.0f)) {  // below the triangle: blocked, and without reflected light
       count_[std::size_t(in_block)] += 1.0f;
+      add_hidden_sky(in_block, ray, 1.0f);
       return;
     }
     if (!within_ray_limit(start) || !within_ray_limit(direction)) return;
@@ -146,6 +148,19 @@ class RayBlock {
     open_[pixel] += 1.0f - blocked;
     count_[pixel] += 1.0f;
     if (planes_.bent[0]) bent_[pixel] += list_.direction(k) * (1.0f - blocked);
+    add_hidden_sky(int(pixel), list_.direction(k) * to_world_, blocked);
+  }
+
+  /// Adds what a blocked ray changes in the ambient light of a pixel: see RaySettings::directional. `direction`: in
+  /// view space.
+  void add_hidden_sky(int pixel, glm::vec3 direction, float blocked) {
+    const RaySettings& settings = task_.settings;
+    if (settings.directional == 0.0f || !(blocked > 0.0f)) return;
+    const std::size_t at = index_of(pixel);
+    const glm::vec3 normal =
+        glm::normalize(glm::vec3(planes_.offset[0][at], planes_.offset[1][at], planes_.offset[2][at]));
+    const glm::vec3 whole = sky_radiance(settings.sky, normal, 2.0f / 3.0f, 0.25f);
+    light_[std::size_t(pixel)] += (whole - sky_radiance(settings.sky, direction)) * (blocked * settings.directional);
   }
 
   /// Returns the weight of an occluder at the distance t, if there is one within `length`.
@@ -182,7 +197,8 @@ class RayBlock {
       for (int k = 0; k < n; ++k) {
         const float blocked = packet.hit(k) ? blocked_at(packet.hit_distance(k), length) : 0.0f;
         add(first + k, blocked);
-        light_[std::size_t(list_.id(first + k) % kBlockPixels)] += light[std::size_t(k)] * blocked;
+        light_[std::size_t(list_.id(first + k) % kBlockPixels)] +=
+            light[std::size_t(k)] * (blocked * task_.settings.light);
       }
     }
   }
@@ -197,7 +213,7 @@ class RayBlock {
         const float length = glm::length(bent_[k]);
         store(planes_.bent, at, length > 0.0f ? (bent_[k] / length) * to_world_ : glm::vec3(0.0f));
       }
-      if (lighting_) store(planes_.indirect, at, light_[k] * (task_.settings.light / std::max(count_[k], 1.0f)));
+      if (planes_.indirect[0]) store(planes_.indirect, at, light_[k] / std::max(count_[k], 1.0f));
     }
   }
 

@@ -65,6 +65,9 @@ struct CaptureConstants {
   int falloff;        // a Falloff of core/ray_settings.h: kNoFalloff and so on
   // The light of the surfaces that its rays hit: HitLighting.
   float light;  // factor
+  // As in RaySettings.
+  float directional;
+  float sky[27];
   int seed;
   int hit_light_count;
   CaptureHitLight hit_lights[kCaptureHitLights];

@@ -133,6 +133,8 @@ CaptureConstants ray_constants(const DeviceScene& scene, const PictureInfo& info
   c.falloff = int(settings.falloff);
   if (settings.light > 0.0f) set_hit_light(hit_lighting(unit, info, settings.ambient_bounce, c.ray_length), c);
   c.light = settings.light;
+  c.directional = settings.directional;
+  std::copy(settings.sky.begin(), settings.sky.end(), c.sky);
   c.seed = int(settings.seed);
   return c;
 }

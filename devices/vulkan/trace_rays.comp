@@ -31,6 +31,25 @@ void store3(int slot, int index, vec3 v) {
   for (int axis = 0; axis < 3; ++axis) InOutPlane(table[slot + axis]).at[index] = v[axis];
 }
 
+// Returns l.d times `first`, plus d'Qd times `second`, as sky_radiance() in core/light.h does.
+vec3 sky_radiance(vec3 d, float first, float second) {
+  vec3 radiance;
+  for (int c = 0; c < 3; ++c) {
+    int k = 9 * c;
+    radiance[c] = (C.sky[k] * d.x + C.sky[k + 1] * d.y + C.sky[k + 2] * d.z) * first +
+                  (C.sky[k + 3] * d.x * d.x + C.sky[k + 4] * d.y * d.y + C.sky[k + 5] * d.z * d.z +
+                   2.0f * (C.sky[k + 6] * d.x * d.y + C.sky[k + 7] * d.y * d.z + C.sky[k + 8] * d.z * d.x)) *
+                      second;
+  }
+  return radiance;
+}
+
+// Returns what a blocked ray changes in the ambient light of its pixel.
+vec3 hidden_sky(vec3 direction, vec3 offset) {
+  if (C.directional == 0.0f) return vec3(0.0f);
+  return (sky_radiance(normalize(offset), 2.0f / 3.0f, 0.25f) - sky_radiance(direction, 1.0f, 1.0f)) * C.directional;
+}
+
 void main() {
   ivec2 here = ivec2(gl_GlobalInvocationID.xy);
   if (here.x >= C.width || here.y >= C.height) return;
@@ -47,8 +66,9 @@ void main() {
   vec3 bent = has_bent && !first ? sum_at(kBentSlot, index) : vec3(0.0f);
   vec3 light = has_light && !first ? sum_at(kIndirectSlot, index) : vec3(0.0f);
   vec3 offset = load3(kRayOffsetSlot, index);
-  if (has_ray && !(dot(direction, offset) > 0.0f)) {  // below the triangle: blocked, and without light
+  if (has_ray && !(dot(direction, offset) > 0.0f)) {  // below the triangle: blocked, and without reflected light
     count += 1.0f;
+    light += hidden_sky(direction, offset);
   } else if (has_ray) {
     mat3 to_world = transpose(view_rotation());
     vec2 pixel = vec2(here) + 0.5f;
@@ -56,13 +76,15 @@ void main() {
                  to_world * (offset * C.unit_scale);
     Ray ray = Ray(start, to_world * direction, 0.0f, C.ray_length);
     if (max_component(abs(start)) < kRayLimit && max_component(abs(ray.direction)) < kRayLimit) {
-      Hit hit = trace(ray, C.falloff == kNoFalloff && !has_light, C.min_opacity);
+      bool reflects = has_light && C.light > 0.0f;
+      Hit hit = trace(ray, C.falloff == kNoFalloff && !reflects, C.min_opacity);
       float blocked = hit.triangle < 0 ? 0.0f : falloff_weight(min(hit.t / C.ray_length, 1.0f));
       float visible = 1.0f - blocked;
-      if (has_light && blocked > 0.0f) {
+      if (reflects && blocked > 0.0f) {
         uint seed = hash(hash(hash(uint(here.x), uint(C.seed)), uint(here.y)), uint(C.ray));
-        light += light_of_hit(ray, hit, seed) * blocked;
+        light += light_of_hit(ray, hit, seed) * (blocked * C.light);
       }
+      if (blocked > 0.0f) light += hidden_sky(direction, offset) * blocked;
       open += visible;
       count += 1.0f;
       bent += direction * visible;
@@ -72,7 +94,7 @@ void main() {
     open = count > 0.0f ? open / count : 1.0f;
     float size = length(bent);
     bent = size > 0.0f ? bent / size : vec3(0.0f);
-    light *= C.light / max(count, 1.0f);
+    light /= max(count, 1.0f);
   }
   open_plane.at[index] = open;
   confidence_plane.at[index] = last ? count / (count + 1.0f) : count;

@@ -20,6 +20,9 @@ namespace {
 Frame traced_frame(Device& device, const Camera& camera, int width, int height) {
   auto frame = device.capture(camera, {.width = width, .height = height, .ray_offsets = true});
   EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
+  // Ambient light that depends on the direction.
+  frame->info.ambient_shape.by_color[0][1][3] = frame->info.ambient_shape.by_color[0][3][1] = 0.2f;
+  frame->info.ambient_shape.by_color[1][0][2] = frame->info.ambient_shape.by_color[1][2][0] = 0.1f;
   return *frame;
 }
 
@@ -58,6 +61,8 @@ TEST(VulkanRays, MatchEmbree) {
       {{"filter", "off"}, {"falloff", "linear"}, {"bent", "on"}, {"radius", "200%"}},
       {{"filter", "off"}, {"bleeding", "1"}, {"bent", "on"}, {"radius", "40%"}},
       {{"filter", "off"}, {"bleeding", "0.5"}, {"falloff", "smooth"}, {"ambient_bounce", "0"}, {"sample_index", "7"}},
+      {{"filter", "off"}, {"directional", "1"}, {"radius", "40%"}},
+      {{"filter", "off"}, {"directional", "0.5"}, {"bleeding", "1"}, {"falloff", "linear"}, {"radius", "40%"}},
       {{"sample_index", "3"}}};
   for (const char* name : {"scene:solids?detail=3000", "scene:atrium?detail=8000", "scene:tank?detail=5000"})
     for (const bool orthographic : {false, true}) {

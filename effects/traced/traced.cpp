@@ -40,6 +40,9 @@ const std::vector<Parameter> kTable = {
              "factor for the indirect light from occluders"),
     real_row("ambient_bounce", &TracedParams::ambient_bounce, {.initial = 1, .max = 10},
              "factor for the ambient light that surfaces reflect"),
+    real_row("directional", &TracedParams::directional, {.max = 10, .zero_means = "off"},
+             "factor for the direction of ambient light: open directions take the light that comes from there; as the "
+             "factor of ambient light, lighting.ambient"),
     int_row("sample_index", &TracedParams::sample_index, {.max = 1e6}, "index of the noise"),
 };
 
@@ -68,6 +71,8 @@ std::array<Level, kTracedMaxRounds> levels_for(float rays) {
 /// Returns the max number of rays of a pixel: every pixel has `rays`.
 int max_rays_of(const TracedParams& params) { return std::max(params.max_rays, int(std::ceil(params.rays))); }
 
+bool gathers_light(const TracedParams& params) { return params.bleeding > 0.0f || params.directional > 0.0f; }
+
 void fill_constants(const TracedParams& params, const PictureInfo&, TracedConstants& c) {
   c.rays = params.rays;
   c.max_rays = float(max_rays_of(params));
@@ -83,7 +88,7 @@ void fill_constants(const TracedParams& params, const PictureInfo&, TracedConsta
   c.turn = float(1.0 / (1.0 - std::cos(kAngleDeg * std::numbers::pi / 180.0)));
   const auto levels = levels_for(params.rays);
   for (const Level& level : levels) {
-    if (level.light_only && !(params.bleeding > 0.0f)) continue;
+    if (level.light_only && !gathers_light(params)) continue;
     const int k = c.rounds++;
     c.power[k] = level.power;
     c.deviations[k] = level.deviations;
@@ -100,11 +105,13 @@ RaySettings ray_settings(const ParameterBytes& bytes, const PictureInfo& info) {
           .falloff = Falloff(params.falloff),
           .light = params.bleeding,
           .ambient_bounce = params.ambient_bounce,
-          .seed = std::uint32_t(params.sample_index)};
+          .seed = std::uint32_t(params.sample_index),
+          .directional = info.ambient_shape.even() ? 0.0f : params.directional,
+          .sky = sky_factors(info.ambient_shape)};
 }
 
 bool is_filtered(const ParameterBytes& bytes) { return as<TracedParams>(bytes).filtered != 0; }
-bool gathers_light(const ParameterBytes& bytes) { return as<TracedParams>(bytes).bleeding > 0.0f; }
+bool gathers_light(const ParameterBytes& bytes) { return gathers_light(as<TracedParams>(bytes)); }
 bool filters_light(const ParameterBytes& bytes) { return is_filtered(bytes) && gathers_light(bytes); }
 bool filters_no_light(const ParameterBytes& bytes) { return is_filtered(bytes) && !gathers_light(bytes); }
 template <bool bent, bool light>

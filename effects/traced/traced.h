@@ -14,6 +14,7 @@ struct TracedParams {
   int bent;        // 0 or 1
   float bleeding;  // factor of indirect light; 0: off
   float ambient_bounce;
+  float directional;  // factor of the direction of ambient light; 0: off
   int sample_index;  // number of the picture, if several are averaged
 };
 

@@ -1,4 +1,4 @@
-// The indirect light of `traced` beside a wall that emits light, for which it is known in closed form.
+// The indirect light of `traced` beside a wall that emits light or hides the sky, for which it is known.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,8 +43,8 @@ Scene lit_wall() {
 }
 
 /// Runs `traced` on a picture of the floor, seen from above: column k is at the distance (kWidth - k - 0.5) / 20 from
-/// the wall.
-Image traced_beside_wall(const Settings& settings, int threads = 0) {
+/// the wall. `shape`: of ambient light, whose view space has the axes of world space.
+Image traced_beside_wall(const Settings& settings, int threads = 0, const AmbientShape& shape = {}) {
   const Scene scene = lit_wall();
   const auto device = make_cpu_device({.threads = threads});
   EXPECT_TRUE(device->prepare(scene));
@@ -52,6 +52,7 @@ Image traced_beside_wall(const Settings& settings, int threads = 0) {
   const Camera camera = orthographic_camera({x, 0, 10}, {x, 0, 0}, {0, 1, 0}, kHeight / 20.0f, float(kWidth) / kHeight);
   auto frame = device->capture(camera, {.width = kWidth, .height = kHeight, .ray_offsets = true});
   EXPECT_TRUE(frame);
+  frame->info.ambient_shape = shape;
   const Effect& effect = *find_effect("traced");
   const ParameterBytes params = test::parameters_of(effect, test::joined({{"radius", "1.5"}}, settings));
   EXPECT_TRUE(device->run(effect, params, *frame));
@@ -94,6 +95,39 @@ TEST(TracedLight, TheFilterPreservesTheMean) {
       EXPECT_NEAR(mean, kEmission[c] * expected, 0.05 * kEmission[c] * expected) << rays << " rays, channel " << c;
     }
   }
+}
+
+TEST(TracedLight, OpenDirectionsTakeTheirOwnAmbientLight) {
+  // Radiance, by channel: 0.5 x; 0.8 z; x z + x^2 - 1/3.
+  const auto radiance = [](int channel, double x, double z) {
+    return channel == 0 ? 0.5 * x : channel == 1 ? 0.8 * z : x * z + x * x - 1.0 / 3.0;
+  };
+  AmbientShape shape;  // irradiance has 2/3 of the first degree, and 1/4 of the second
+  shape.by_color[0][0][3] = shape.by_color[0][3][0] = 0.5f / 3.0f;
+  shape.by_color[1][2][3] = shape.by_color[1][3][2] = 0.8f / 3.0f;
+  shape.by_color[2][0][2] = shape.by_color[2][2][0] = 0.125f;
+  for (int axis = 0; axis < 3; ++axis) shape.by_color[2][axis][axis] = (axis == 0 ? 0.25f : 0.0f) - 0.25f / 3.0f;
+  const Settings rays = {{"rays", "16"}, {"max_rays", "16"}, {"filter", "off"}, {"directional", "1"}};
+  const Image image = traced_beside_wall(rays, 0, shape);
+  const double of_floor[] = {0.0, 0.8 * 2.0 / 3.0, -1.0 / 12.0};  // the light of the whole sky on the floor
+  for (int x = 0; x < kWidth; ++x)
+    for (int channel = 0; channel < 3; ++channel) {
+      double expected = 0.0;
+      constexpr int kSteps = 400;
+      for (int i = 0; i < kSteps; ++i)
+        for (int j = 0; j < kSteps; ++j) {
+          const double u = (i + 0.5) / kSteps, along = std::sqrt(u) * std::cos(2.0 * std::numbers::pi * j / kSteps);
+          if (along * kRadius > (kWidth - x - 0.5) / 20.0)
+            expected += (of_floor[channel] - radiance(channel, along, std::sqrt(1.0 - u))) / (kSteps * kSteps);
+        }
+      double mean = 0.0;
+      for (int y = 0; y < kHeight; ++y) mean += image.plane(test::kIndirect[channel]).at(x, y) / kHeight;
+      EXPECT_NEAR(mean, expected, 0.015) << x << ' ' << channel;
+    }
+  // Where the sky is uniform, nothing changes.
+  const Image uniform = traced_beside_wall(rays);
+  for (const char* name : test::kIndirect)
+    EXPECT_EQ(test::difference(uniform.plane(name), Plane(kWidth, kHeight, 0.0f), 0.0).max, 0.0) << name;
 }
 
 TEST(TracedLight, DoesNotChangeTheOcclusion) {
