@@ -1,5 +1,6 @@
 #include "reference/trace.h"
 
+#include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
@@ -258,8 +259,16 @@ Result<Image> trace_occlusion(const TracedScene& traced, const PictureInfo& info
   check_less(settings.samples, kMaxSamples + 1, "samples of the reference");
   Image image =
       filled_image(info, {{"ao", 1.0f}, {"bent_normal.x", 0.0f}, {"bent_normal.y", 0.0f}, {"bent_normal.z", 0.0f}});
+  const std::size_t skies = settings.skies.size();
+  std::vector<VectorPlanes> of_sky;
+  for (std::size_t s = 0; s < skies; ++s)
+    for (const char* channel : {"r", "g", "b"})
+      image.add(fmt::format("sky{}.{}", s, channel)) = Plane(info.width, info.height, 0.0f);
   Plane& ao = image.plane("ao");
   const VectorPlanes bent_normal = vector_planes(image, {"bent_normal.x", "bent_normal.y", "bent_normal.z"});
+  for (std::size_t s = 0; s < skies; ++s)
+    of_sky.push_back({{&image.plane(fmt::format("sky{}.r", s)), &image.plane(fmt::format("sky{}.g", s)),
+                       &image.plane(fmt::format("sky{}.b", s))}});
   const SampleTable table = sample_table(settings.samples);
   const float radius = settings.radius * traced.scale;
   const glm::mat3 view_from_world(info.camera.view_from_world);
@@ -272,6 +281,7 @@ Result<Image> trace_occlusion(const TracedScene& traced, const PictureInfo& info
         const std::uint32_t seed = hash(pixel_seed(info, x, y, settings.seed), kHemisphere);
         float open = 0.0f;
         glm::vec3 bent(0.0f);
+        std::vector<glm::vec3> light(skies, glm::vec3(0.0f));
         for (int first = 0; first < settings.samples; first += kPacket) {
           const int n = std::min(kPacket, settings.samples - first);
           RayPacket packet;
@@ -284,9 +294,12 @@ Result<Image> trace_occlusion(const TracedScene& traced, const PictureInfo& info
           for (int k = 0; k < n; ++k) {
             open += visible[k];
             bent += directions[k] * visible[k];
+            if (!(visible[k] > 0.0f)) continue;
+            for (std::size_t s = 0; s < skies; ++s) light[s] += settings.skies[s](directions[k]) * visible[k];
           }
         }
         ao.at(x, y) = open / float(settings.samples);
+        for (std::size_t s = 0; s < skies; ++s) of_sky[s].store(x, y, light[s] / float(settings.samples));
         const float length = glm::length(bent);
         bent_normal.store(x, y, view_from_world * (length > 0.0f ? bent / length : normal));
       });

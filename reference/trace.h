@@ -3,6 +3,7 @@
 #pragma once
 #include <functional>
 #include <limits>
+#include <vector>
 
 #include "core/gbuffer.h"
 #include "core/image.h"
@@ -29,6 +30,8 @@ struct OcclusionSettings {
   HemisphereNormal normal = HemisphereNormal::kTriangle;
   Occluders occluders = Occluders::kAll;
   std::uint32_t seed = 0;
+  /// Radiance from a unit direction in world space, for each sky whose light is traced.
+  std::vector<std::function<glm::vec3(glm::vec3)>> skies = {};
 };
 
 /// Settings of trace_light.
@@ -59,6 +62,8 @@ struct TraceControl {
 /// whole size:
 ///   ao                     1 open, 0 blocked; 1 where there is no surface, and in the guard band
 ///   bent_normal.x .y .z    mean open direction, unit, view space; the normal where nothing is open; 0 without surface
+///   sky0.r .g .b           (with skies; also sky1 and so on) mean radiance of the open part of a sky, cosine-weighted:
+///                          the light of a white surface; 0 without surface
 /// Errors: kInterrupted.
 Result<Image> trace_occlusion(const TracedScene& scene, const PictureInfo& info, const OcclusionSettings& settings,
                               const TraceControl& control = {});

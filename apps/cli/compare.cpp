@@ -35,7 +35,7 @@ std::string shown_setting(const std::string& setting) {
 void print_table(const Comparison& comparison, Quantity quantity, std::pair<int, int> size, bool divided) {
   fmt::print("{}, {}x{}, means over all scenes and cameras{}\n{:<11} {:<27} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7}{}\n",
              kQuantityNames[int(quantity)], size.first, size.second,
-             quantity == Quantity::kLight ? "; rmse, bias and p99 as fractions of the mean light" : "", "technique",
+             quantity != Quantity::kOcclusion ? "; rmse, bias and p99 as fractions of the mean light" : "", "technique",
              "setting", "ms", "rmse", "bias", "ssim", "p99", "flip", divided ? "    view     own" : "");
   std::vector<std::pair<std::string, std::string>> shown;
   for (const Score& first : comparison.scores) {
@@ -111,10 +111,9 @@ Result<void> run_compare(const CompareOptions& o) {
   if (auto written = write_text(folder / "scores.json", scores_text(scores)); !written) return written;
   if (auto written = write_text(folder / "index.html", *page); !written) return written;
 
-  for (const Quantity quantity : {Quantity::kOcclusion, Quantity::kLight})
-    if (quantity == Quantity::kOcclusion || o.light)
-      for (const auto& size : settings.sizes)
-        print_table(*comparison, quantity, size, o.budget && quantity == Quantity::kOcclusion);
+  for (int q = 0; q < (o.light ? kQuantities : 1); ++q)
+    for (const auto& size : settings.sizes)
+      print_table(*comparison, Quantity(q), size, o.budget && Quantity(q) == Quantity::kOcclusion);
   fmt::print(
       "ground truth: mean {:.4f} over all surfaces, {} rays per pixel within {}, standard error of a pixel {:.4f}\n",
       comparison->mean, comparison->terms.samples, comparison->terms.radius, comparison->noise);
@@ -145,7 +144,8 @@ void add_compare(CLI::App& app, std::function<Result<void>()>& run) {
       ->group(comparison);
   command
       ->add_flag("--light", options->light,
-                 "also compare the indirect light of techniques with one bounce of the reference")
+                 "also compare the indirect light of techniques with one bounce of the reference, and the light of a "
+                 "clear sky, a studio and a sunset")
       ->group(comparison);
   add_one(*command, *options, "occlusion_scale", comparison,
           "resolution at which techniques run: full, half or quarter", "full");

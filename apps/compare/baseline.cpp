@@ -133,8 +133,8 @@ Result<BaselineCheck> check_baseline(const nlohmann::json& baseline, const nlohm
           after.at("camera").get<std::string>(), after.at("width").get<int>(), after.at("height").get<int>(),
           after.at("technique").get<std::string>(),
           after.at("setting").get<std::string>().empty() ? "look defaults" : after.at("setting").get<std::string>(),
-          quantity_of(after) == "light" ? "light's " : "", field, before.at(field).get<double>(),
-          after.at(field).get<double>()));
+          quantity_of(after) == kQuantityNames[0] ? "" : quantity_of(after) + "'s ", field,
+          before.at(field).get<double>(), after.at(field).get<double>()));
     }
   }
   if (check.compared == 0)

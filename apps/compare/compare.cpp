@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/compare/environments.h"
 #include "apps/compare/pictures.h"
+#include "apps/compare/run.h"
 #include "core/check.h"
 #include "core/suggest.h"
 #include "effects/effects.h"
 #include "reference/reference.h"
 #include "renderer/times.h"
+#include "scene/environment.h"
 #include "scene/framing.h"
 
 namespace umbrage {
@@ -42,6 +45,15 @@ bool computes_indirect_light(const Effect& effect, const ParameterBytes& params)
     return (!dispatch.needed || dispatch.needed(params)) &&
            std::find(dispatch.outputs.begin(), dispatch.outputs.end(), kQuantityPlanes[1][0]) != dispatch.outputs.end();
   });
+}
+
+/// The parameter of techniques that take ambient light from the open directions.
+constexpr std::string_view kDirectional = "directional";
+
+/// Turns the direction of ambient light on or off, for a technique that has it.
+Result<void> set_directional(const Effect& effect, bool on, EffectSettings& settings) {
+  if (!find_parameter(effect, kDirectional)) return {};
+  return apply_setting(settings, fmt::format("{}.{}={}", effect.name, kDirectional, int(on)), external_effects());
 }
 
 Result<const Effect*> filter_of(const CompareSettings& settings) {
@@ -105,30 +117,6 @@ std::string view_text(const Camera& camera) {
                      eye.z, -m[0][2], -m[1][2], -m[2][2], camera.left, camera.right, camera.bottom, camera.top);
 }
 
-/// The state of one comparison.
-struct Run {
-  Device& device;
-  const CompareSettings& settings;
-  std::vector<const Effect*> techniques;
-  const Effect* filter;
-  Recipe recipe;
-  Comparison& result;
-  double error_sum = 0.0, light_error_sum = 0.0, truth_sum = 0.0;
-  long pictures = 0, light_pictures = 0, pixels = 0;
-
-  // Progress. start, span: beginning and length of the present picture, as fractions of the whole work. units, done:
-  // all work units of the picture and those that are done. A unit is about the time of one ray per pixel.
-  double start = 0.0, span = 1.0, units = 1.0, done = 0.0;
-
-  bool report_progress(const std::string& what, double more = 0.0) const {
-    return settings.progress(what, start + span * std::min((done + more) / units, 1.0));
-  }
-  TraceControl control(const std::string& what, double work_units) const {
-    return {device.threads(),
-            [this, what, work_units](double fraction) { return report_progress(what, work_units * fraction); }};
-  }
-};
-
 /// Returns the estimated work of a variant of a technique, in units of Run. All techniques that trace no rays count
 /// alike, since they take a fraction of a second.
 double units_of(const Run& run, const Effect& effect) {
@@ -173,62 +161,6 @@ Result<double> run_technique(const Run& run, const TracedScene& traced, const Ef
   return ms[ms.size() / 2];
 }
 
-/// Traces the ground truths of a picture, one per quantity. Light is missing if it is not requested, or if no surface
-/// receives any.
-Result<std::vector<Truth>> trace_truths(Run& run, const TracedScene& traced, const PictureInfo& info, float radius,
-                                        const ClassMap& classes, const std::string& what) {
-  const auto& reference = as<ReferenceParams>(params_of(run.recipe.settings, "reference"));
-  const int half = run.settings.samples / 2;
-  const auto truth_of = [&](Occluders occluders) {
-    return trace_truth(Quantity::kOcclusion, info, classes, [&](std::uint32_t seed) {
-      auto traced_half = trace_occlusion(traced, info,
-                                         {.samples = half,
-                                          .radius = radius,
-                                          .falloff = Falloff(reference.falloff),
-                                          .normal = HemisphereNormal(reference.normal),
-                                          .occluders = occluders,
-                                          .seed = seed},
-                                         run.control(what + ", truth", half));
-      run.done += half;
-      return traced_half;
-    });
-  };
-  auto occlusion = truth_of(Occluders(reference.occluders));
-  if (!occlusion) return occlusion.error();
-  if (occlusion->pixels == 0)
-    return usage_error("nothing of '{}' is in view: move the camera or omit the camera options", what);
-  run.error_sum += occlusion->error;
-  ++run.pictures;
-  run.truth_sum += occlusion->sum;
-  run.pixels += occlusion->pixels;
-  if (run.settings.budget) {
-    auto of_view = truth_of(Occluders::kLayers);
-    if (!of_view) return of_view.error();
-    occlusion->of_view = std::move(of_view->planes);
-  }
-  std::vector<Truth> truths;
-  truths.push_back(std::move(*occlusion));
-  if (!run.settings.light) return truths;
-  auto light = trace_truth(Quantity::kLight, info, classes, [&](std::uint32_t seed) {
-    auto traced_half = trace_light(
-        traced, info, {.samples = half, .direct = false, .reach = radius, .captured_shadows = true, .seed = seed},
-        run.control(what + ", truth of light", half));
-    run.done += half;
-    return traced_half;
-  });
-  if (!light) return light.error();
-  const double mean = mean_of(light->planes, classes);
-  if (!(mean > 0.0)) {
-    run.result.warnings.push_back(fmt::format(
-        "'{}': no surface receives indirect light within {:.4g} scene units: its light is not compared", what, radius));
-    return truths;
-  }
-  run.light_error_sum += light->error / (mean * mean);
-  ++run.light_pictures;
-  truths.push_back(std::move(*light));
-  return truths;
-}
-
 /// Divides the error of a picture of occlusion.
 ErrorBudget budget_of(const Image& picture, const Truth& truth, const ClassMap& classes) {
   return {covered_rmse(truth.of_view, truth.planes, classes), covered_rmse(picture, truth.of_view, classes)};
@@ -241,6 +173,91 @@ Result<void> light_frame(const Run& run, Frame& frame) {
   for (int layer = 0; layer <= int(frame.info.more_layers.size()); ++layer)
     if (auto done = run.device.run(lighting, params, frame, layer); !done) return done.error();
   return {};
+}
+
+/// A picture and its ground truths.
+struct Picture {
+  Frame& frame;
+  const Image& normals;  // planes normal.x .y .z
+  const ClassMap& classes;
+  glm::mat3 axes;  // of the environments, in world space
+  const std::vector<Truth>& truths;
+  std::string model, camera, what;
+  std::pair<int, int> size;
+  std::vector<ComparedView> views;  // one per ground truth
+
+  /// Returns the view of a quantity, or null.
+  ComparedView* view(Quantity quantity) {
+    const auto found = std::find_if(views.begin(), views.end(), [&](auto& v) { return v.quantity == quantity; });
+    return found == views.end() ? nullptr : &*found;
+  }
+};
+
+/// Scores the result `image` of a variant that took `ms` and keeps it.
+void add_score(Run& run, Picture& picture, Quantity quantity, const Effect& effect, std::string_view variant, double ms,
+               Image image) {
+  ComparedView& view = *picture.view(quantity);
+  const bool light = quantity != Quantity::kOcclusion;
+  const bool divided = !light && run.settings.budget && is_screen_space(effect);
+  run.result.scores.push_back(
+      {quantity, picture.model, picture.camera, std::string(effect.name), std::string(variant),
+       std::string(run.device.name()), view_text(inner_camera(picture.frame.info)), picture.size.first,
+       picture.size.second, ms,
+       divided ? std::optional(budget_of(image, picture.truths[0], picture.classes)) : std::nullopt,
+       light ? score_light(image, view.truth, picture.classes) : score(image, view.truth, picture.classes)});
+  if (run.settings.pictures)
+    view.techniques.push_back({std::string(effect.name), std::string(variant), std::move(image)});
+}
+
+/// Runs a variant under each environment and scores it. `settings`: those of the variant, which gathers no light. `ms`:
+/// its time.
+Result<void> compare_environments(Run& run, const TracedScene& traced, const Effect& effect, std::string_view variant,
+                                  EffectSettings settings, double ms, Picture& picture) {
+  const bool directional = find_parameter(effect, kDirectional) != nullptr;
+  if (auto done = set_directional(effect, true, settings); !done) return done;
+  const glm::mat3 view_axes = glm::mat3(picture.frame.info.camera.view_from_world) * picture.axes;
+  for (std::size_t e = 0; e < environments().size(); ++e) {
+    const EnvironmentAmbient ambient = ambient_of(environments()[e], view_axes);
+    std::vector<std::string> planes = {"ao"};
+    if (directional) {
+      picture.frame.info.ambient_shape = ambient.shape;
+      const auto took = run_technique(run, traced, effect, settings, picture.frame, picture.what);
+      picture.frame.info.ambient_shape = {};
+      if (!took) return took.error();
+      ms = *took;
+      planes.insert(planes.end(), {"indirect.r", "indirect.g", "indirect.b"});
+    }
+    auto image = run.device.download(picture.frame, planes);
+    if (!image) return image.error();
+    clamp_occlusion(*image);
+    const int quantity = kFirstEnvironment + int(e);
+    add_score(run, picture, Quantity(quantity), effect, variant, ms,
+              environment_light(*image, picture.normals, ambient, kQuantityPlanes[std::size_t(quantity)]));
+  }
+  return {};
+}
+
+/// Runs a variant of a technique and scores it for every quantity that it has.
+Result<void> compare_variant(Run& run, const TracedScene& traced, const Effect& effect, std::string_view variant,
+                             EffectSettings settings, Picture& picture) {
+  const ParameterBytes& params = params_of(settings, effect.name);
+  const bool gathers_light = computes_indirect_light(effect, params);
+  const std::string label = fmt::format("{}, {} {}", picture.what, effect.name, variant);
+  if (!run.report_progress(label)) return interrupted();
+  const auto ms = run_technique(run, traced, effect, settings, picture.frame, label);
+  if (!ms) return ms.error();
+  run.done += units_of(run, effect);
+  auto occlusion = run.device.download(picture.frame, kQuantityPlanes[int(Quantity::kOcclusion)]);
+  if (!occlusion) return occlusion.error();
+  clamp_occlusion(*occlusion);
+  add_score(run, picture, Quantity::kOcclusion, effect, variant, *ms, std::move(*occlusion));
+  if (gathers_light && picture.view(Quantity::kLight)) {
+    auto light = run.device.download(picture.frame, kQuantityPlanes[int(Quantity::kLight)]);
+    if (!light) return light.error();
+    add_score(run, picture, Quantity::kLight, effect, variant, *ms, std::move(*light));
+  }
+  if (!run.settings.light || gathers_light || &effect == &reference_effect()) return {};
+  return compare_environments(run, traced, effect, variant, std::move(settings), *ms, picture);
 }
 
 Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& traced, const std::string& model,
@@ -264,20 +281,20 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
   const auto shown = download_gbuffer(run.device, *frame);
   if (!shown) return shown.error();
   const ClassMap classes = classify(*shown);
-  const auto truths = trace_truths(run, traced, frame->info, *radius, classes, what);
+  const glm::mat3 axes = panorama_axes(scene.up, 0.0f);
+  const auto truths = trace_truths(run, traced, frame->info, *radius, classes, axes, what);
   if (!truths) return truths.error();
-  std::vector<ComparedView> views;
-  for (std::size_t q = 0; q < truths->size(); ++q) {
-    const Image& truth = (*truths)[q].planes;
-    const bool light = Quantity(q) == Quantity::kLight;
-    views.push_back({.quantity = Quantity(q),
-                     .scene = model,
-                     .camera = shot.name,
-                     .radius = *radius,
-                     .exposure = light ? float(kMiddleGrey / mean_of(truth, classes)) : 1.0f,
-                     .truth = truth,
-                     .classes = classes,
-                     .techniques = {}});
+  Picture picture{*frame, shown->layers[0], classes, axes, *truths, model, shot.name, what, size, {}};
+  for (const Truth& truth : *truths) {
+    const bool light = truth.quantity != Quantity::kOcclusion;
+    picture.views.push_back({.quantity = truth.quantity,
+                             .scene = model,
+                             .camera = shot.name,
+                             .radius = *radius,
+                             .exposure = light ? float(kMiddleGrey / mean_of(truth.planes, classes)) : 1.0f,
+                             .truth = truth.planes,
+                             .classes = classes,
+                             .techniques = {}});
   }
   if (run.settings.light)
     if (auto done = light_frame(run, *frame); !done) return done;
@@ -289,35 +306,18 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
       for (const std::string& setting : draw.settings)
         if (auto done = apply_setting(settings, setting, external_effects()); !done) return done;
       if (auto done = apply_variant(settings, *effect, variant); !done) return done;
+      if (auto done = set_directional(*effect, false, settings); !done) return done;
       if (effect == &reference_effect()) {
         auto& reference = as<ReferenceParams>(params);
-        reference.light = truths->size() > 1 ? kReferenceBounce : kReferenceOcclusion;
+        reference.light = picture.view(Quantity::kLight) ? kReferenceBounce : kReferenceOcclusion;
         reference.bounce_from = kReferenceFromRadius;
         reference.shadows = kReferenceCapturedShadows;
       }
-      const std::string label = fmt::format("{}, {} {}", what, effect->name, variant);
-      if (!run.report_progress(label)) return interrupted();
-      const auto ms = run_technique(run, traced, *effect, settings, *frame, label);
-      if (!ms) return ms.error();
-      run.done += units_of(run, *effect);
-      for (ComparedView& view : views) {
-        const bool light = view.quantity == Quantity::kLight;
-        if (light && !computes_indirect_light(*effect, params)) continue;
-        auto picture = run.device.download(*frame, kQuantityPlanes[int(view.quantity)]);
-        if (!picture) return picture.error();
-        if (!light) clamp_occlusion(*picture);
-        const bool divided = !light && run.settings.budget && is_screen_space(*effect);
-        run.result.scores.push_back(
-            {view.quantity, model, shot.name, std::string(effect->name), std::string(variant),
-             std::string(run.device.name()), view_text(inner_camera(frame->info)), size.first, size.second, *ms,
-             divided ? std::optional(budget_of(*picture, (*truths)[0], classes)) : std::nullopt,
-             light ? score_light(*picture, view.truth, classes) : score(*picture, view.truth, classes)});
-        if (keep) view.techniques.push_back({std::string(effect->name), std::string(variant), std::move(*picture)});
-      }
+      if (auto done = compare_variant(run, traced, *effect, variant, std::move(settings), picture); !done) return done;
     }
   }
   if (keep)
-    for (ComparedView& view : views) run.result.views.push_back(std::move(view));
+    for (ComparedView& view : picture.views) run.result.views.push_back(std::move(view));
   return {};
 }
 

@@ -17,9 +17,15 @@ namespace umbrage {
 enum class Quantity {
   kOcclusion,  ///< the plane `ao`
   kLight,      ///< the planes `indirect`: light that surfaces within the radius emit, or reflect from the lights
+  // Light of a white surface under one of environments(), as far as nothing within the radius occludes it.
+  kClearSky,
+  kStudio,
+  kSunset,
 };
-inline constexpr int kQuantities = 2;
-inline constexpr std::array<std::string_view, kQuantities> kQuantityNames = {"occlusion", "light"};
+inline constexpr int kQuantities = 5;
+inline constexpr std::array<std::string_view, kQuantities> kQuantityNames = {"occlusion", "light", "clear sky",
+                                                                             "studio", "sunset"};
+inline constexpr int kFirstEnvironment = int(Quantity::kClearSky);
 
 /// Value of CompareSettings::filter for techniques without a filter.
 inline constexpr std::string_view kNoFilter = "none";
@@ -29,8 +35,8 @@ inline constexpr std::string_view kNoFilter = "none";
 struct CompareSettings : MeasureSettings {
   std::vector<std::string> techniques;                                ///< names; empty: all
   std::vector<std::pair<int, int>> sizes = {{960, 540}, {480, 270}};  ///< width, height in pixels
-  bool light = false;                                                 ///< compare Quantity::kLight too
-  bool budget = false;                                                ///< divide errors: see ErrorBudget
+  bool light = false;   ///< compare all other quantities than occlusion, too
+  bool budget = false;  ///< divide errors: see ErrorBudget
   /// Effect of kind kFilter that follows each technique except the reference and those that filter themselves;
   /// kNoFilter, or empty for that of the look `ao`.
   std::string filter;
@@ -52,7 +58,7 @@ struct Score {
   int width = 0, height = 0;
   double ms = 0.0;                    ///< median time of the technique with its filter, milliseconds
   std::optional<ErrorBudget> budget;  ///< of occlusion by screen-space techniques, with CompareSettings::budget
-  ScoreCard card;                     ///< from score_light for Quantity::kLight, else from score
+  ScoreCard card;                     ///< from score, for occlusion; else from score_light
 };
 
 /// The pictures of one camera and quantity: one plane of occlusion, or three planes of linear light.
@@ -108,7 +114,9 @@ Terms terms_of(const CompareSettings& settings);
 /// caller's settings, then by the variant. With `light`, the scene's lights are captured with shadows, and back sides
 /// of surfaces are captured if there is more than one layer. Ambient light and highlights are off, since the
 /// reference's bounce has neither. Techniques that gather no light, and pictures whose ground truth has no light, have
-/// no score for light. Errors: kUsage for names and numbers, kFile for models, kInterrupted.
+/// no score for Quantity::kLight. Under the environments, all techniques but the reference are scored at the settings
+/// that gather no light: with the parameter `directional` if they have it, else ambient light is multiplied by their
+/// occlusion. Errors: kUsage for names and numbers, kFile for models, kInterrupted.
 Result<Comparison> compare(Device& device, const CompareSettings& settings);
 
 }  // namespace umbrage

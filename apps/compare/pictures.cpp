@@ -16,8 +16,11 @@ constexpr std::uint32_t kFirstSeed = 0x51ed2701u, kSecondSeed = 0x0b5e77edu;
 
 }  // namespace
 
-const std::array<std::vector<std::string>, kQuantities> kQuantityPlanes = {
-    {{"ao"}, {"indirect.r", "indirect.g", "indirect.b"}}};
+const std::array<std::vector<std::string>, kQuantities> kQuantityPlanes = {{{"ao"},
+                                                                            {"indirect.r", "indirect.g", "indirect.b"},
+                                                                            {"sky0.r", "sky0.g", "sky0.b"},
+                                                                            {"sky1.r", "sky1.g", "sky1.b"},
+                                                                            {"sky2.r", "sky2.g", "sky2.b"}}};
 
 Result<Truth> trace_truth(Quantity quantity, const PictureInfo& info, const ClassMap& classes,
                           const std::function<Result<Image>(std::uint32_t seed)>& trace) {
@@ -26,6 +29,7 @@ Result<Truth> trace_truth(Quantity quantity, const PictureInfo& info, const Clas
   const auto second = trace(kSecondSeed);
   if (!second) return second.error();
   Truth truth;
+  truth.quantity = quantity;
   truth.planes = Image(info.inner_width(), info.inner_height());
   double squared_errors = 0.0;
   long values = 0;

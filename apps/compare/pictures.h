@@ -18,6 +18,7 @@ extern const std::array<std::vector<std::string>, kQuantities> kQuantityPlanes;
 
 /// The ground truth of one picture.
 struct Truth {
+  Quantity quantity = Quantity::kOcclusion;
   Image planes;        ///< planes of the quantity
   Image of_view;       ///< the same of what the view holds (compare's ErrorBudget); empty if it is not traced
   double error = 0.0;  ///< mean squared standard error over all planes and all pixels that show a surface
