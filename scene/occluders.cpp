@@ -18,7 +18,7 @@ constexpr int kPointsPerOccluder = 64;
 constexpr int kLloydSteps = 20;
 // Distance that opposite normals add between points, in units of a cluster's diameter. It separates the faces of an
 // edge and the sides of a wall.
-constexpr float kNormalDistance = 1.0f;
+constexpr float kNormalDistance = 0.5f;
 constexpr double kDiscOverlap = 0.5;  // fraction of a disc's area that counts: discs of a cloud cover twice its area
 
 /// A point of a surface, in a space in which the scene has about unit size, so that squares stay in the range of

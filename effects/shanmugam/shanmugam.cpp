@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <numbers>
 
 #include "core/absolute_length.h"
@@ -23,11 +24,11 @@ const std::vector<Parameter> kTable = {
                {.initial_percent = 10, .max = 1e12, .unit = "scene units"},
                "distance up to which the pixels around occlude, and from which the coarse occluders do"),
     bool_row("near", &ShanmugamParams::near, true, "occlusion by the pixels around"),
-    int_row("samples", &ShanmugamParams::samples, {.initial = 16, .min = 1, .max = 4096},
+    int_row("samples", &ShanmugamParams::samples, {.initial = 32, .min = 1, .max = 4096},
             "near part: samples per pixel"),
     choice_row("form", &ShanmugamParams::form, kShanmugamDisc, {"disc", "sphere"},
                "near part: what a sample is: a disc on the visible surface, or a sphere, as in the paper"),
-    real_row("behind", &ShanmugamParams::behind, {.initial = 0.5, .max = 1},
+    real_row("behind", &ShanmugamParams::behind, {.initial = 1, .max = 1},
              "near part: factor of discs that are seen from behind"),
     real_row("bias", &ShanmugamParams::bias, {.initial = 0.02, .max = 1},
              "near part: subtracted from the cosine between the normal and a sample"),
@@ -36,7 +37,7 @@ const std::vector<Parameter> kTable = {
         "far_form", &ShanmugamParams::far_form, kShanmugamPatch, {"patch", "sphere", "paper"},
         "far part: what an occluder is: a disc and a sphere, by how far its normals agree; a sphere; a sphere by "
         "the paper's formula, without a split at `near_radius`"),
-    int_row("occluders", &ShanmugamParams::occluders, {.initial = 64, .min = 1, .max = kShanmugamMaxOccluders},
+    int_row("occluders", &ShanmugamParams::occluders, {.initial = 128, .min = 1, .max = kShanmugamMaxOccluders},
             "far part: number of coarse occluders that are made of the scene"),
     int_row("sample_index", &ShanmugamParams::sample_index, {.max = 65535},
             "index among several pictures that are averaged; each has different noise"),
@@ -69,13 +70,25 @@ void fill_far(const ShanmugamParams& params, const PictureInfo& info, ShanmugamC
   c.far_form = params.far_form;
   if (params.far == 0 || !info.occluders) return;
   const glm::mat4& view = info.camera.view_from_world;
+  for (int k = 0; k < 9; ++k) c.world_axes[k] = view[k / 3][k % 3];
   const auto& set = info.occluders->occluders;
   for (std::size_t k = 0; k < std::min(set.size(), std::size_t(kShanmugamMaxOccluders)); ++k) {
-    const glm::vec3 center(view * glm::vec4(set[k].center, 1.0f));
-    const glm::vec3 normal = glm::mat3(view) * set[k].mean_normal;
+    const glm::vec3 center = glm::vec3(view * glm::vec4(set[k].center, 1.0f)) * glm::mat3(view);  // by the transpose
+    const glm::vec3 normal = set[k].mean_normal;
     const bool last = k + 1 == set.size() || set[k + 1].object != set[k].object;
-    const float numbers[kShanmugamOccluderSize] = {center.x, center.y, center.z, set[k].radius * set[k].radius,
-                                                   normal.x, normal.y, normal.z, last ? 1.0f : 0.0f};
+    const float radius2 = set[k].radius * set[k].radius, flat = std::min(glm::length(normal), 1.0f);
+    const float area = 4.0f * radius2;  // of the patch, over pi
+    const float numbers[kShanmugamOccluderSize] = {center.x,
+                                                   center.y,
+                                                   center.z,
+                                                   radius2,
+                                                   area * normal.x,
+                                                   area * normal.y,
+                                                   area * normal.z,
+                                                   last ? 1.0f : 0.0f,
+                                                   area * flat,
+                                                   set[k].radius * std::sqrt(1.0f - flat),
+                                                   0.25f / set[k].radius};
     std::copy_n(numbers, kShanmugamOccluderSize, c.set + kShanmugamOccluderSize * k);
     ++c.occluders;
   }
@@ -108,7 +121,7 @@ Effect effect_shanmugam() {
                .set_radius = set_radius_of<&ShanmugamParams::radius>,
                .noise = "sample_index",
                .tunable = {"samples", "near_radius", "behind", "far_form"},
-               .variants = {"", "samples=64", "near_radius=3%", "form=sphere far_form=paper near_radius=3%"},
+               .variants = {"", "samples=16", "near_radius=3%", "form=sphere far_form=paper near_radius=3%"},
                .quantum = kQuantum,
                .occluders = occluders,
                .dispatches = {dispatch()}});

@@ -22,9 +22,12 @@ const int kShanmugamDisc = 0, kShanmugamSphere = 1;
 const int kShanmugamPatch = 0, kShanmugamExact = 1, kShanmugamPaper = 2;
 
 const int kShanmugamMaxOccluders = 256;
-// Numbers per occluder: centre, squared radius, mean normal (all in view space), and whether it is the last of its
-// object, 0 or 1.
-const int kShanmugamOccluderSize = 8;
+// Numbers per occluder, along the axes of the world from the camera, scene units: centre; squared radius; mean normal
+// times 4 squared radii; whether it is the last of its object, 0 or 1; of the flat part the area over pi, of the rest
+// the radius of its sphere; inverse of the patch's diameter.
+const int kShanmugamOccluderSize = 11;
+const int kShanmugamRadius2 = 3, kShanmugamFacing = 4, kShanmugamLast = 7, kShanmugamFlat = 8, kShanmugamRest = 9,
+          kShanmugamPerLength = 10;
 
 struct ShanmugamConstants {
   int samples;  // 0: no near part
@@ -37,8 +40,9 @@ struct ShanmugamConstants {
   float behind, bias;
   float turn, step;  // offsets of the noise, fractions
   int far_form;
-  float radius;   // scene units
-  int occluders;  // 0: no far part
+  float radius;         // scene units
+  float world_axes[9];  // x, y, z of each axis, in view space
+  int occluders;        // 0: no far part
   float set[kShanmugamOccluderSize * kShanmugamMaxOccluders];
 };
 

@@ -6,6 +6,9 @@ CONST float kGoldenCos = -0.737368878f;
 CONST float kGoldenSin = 0.675490294f;
 // Min cosine between a surface and the view ray, so that the surface behind a pixel stays finite.
 CONST float kMinFacing = 0.05f;
+// Part of a disc's own area that is added to pi d^2. 1 would be exact for a disc right above; less is closer to the truth
+// for few samples, since a wall's nearest part counts most, and noisier.
+CONST float kSoftening = 0.25f;
 // Taps beyond this squared distance would make sums infinite.
 CONST float kMaxDistance2 = 1e30f;
 
@@ -20,16 +23,27 @@ FN Vec2 noise_at(Int px, Int py) {
               fract(mad(to_real(to_signed(step)), Real(0.0625f), Real(C.step))));
 }
 
-// Returns the view-space area of the surface behind the pixels that a sample stands for, exact on a plane. `area` is
-// theirs at the depth of the receiver.
-FN Real area_behind(Real area, Vec3 tap, Vec3 tap_normal, Real depth) {
-  if (F.orthographic != 0) return area / max(tap_normal.z, Real(kMinFacing));
-  Real ratio = tap.z / depth;
-  Real facing = dot(tap, tap_normal) / tap.z;
-  return area * ratio * ratio / max(facing, Real(kMinFacing));
+// Returns the view-space position at the centre of the pixel with these coordinates, which are integers.
+FN Vec3 position_at(Real x, Real y, Real depth) {
+  Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
+  return Vec3(mad(x + 0.5f, Real(F.ray_scale_x), Real(F.ray_offset_x)) * spread,
+              mad(y + 0.5f, Real(F.ray_scale_y), Real(F.ray_offset_y)) * spread, -depth);
 }
 
-// Returns the fraction of the hemisphere, weighted by cosine, that the samples in the disc hide; 0 to 1.
+// Returns what a disc hides: the surface `area` / facing behind the pixels that a sample stands for, exact on a plane.
+// `area` is their own at the depth of the tap. `squared` and `one_over` are of the distance from the receiver.
+FN Real share_of_disc(Real area, Vec3 tap, Vec3 tap_normal, Vec3 to_tap, Real squared, Real one_over) {
+  Real spread = F.orthographic != 0 ? Real(1.0f) : -tap.z;
+  Real facing = F.orthographic != 0 ? tap_normal.z : -dot(tap, tap_normal);  // times spread
+  facing = max(facing, spread * kMinFacing);
+  Real to_receiver = dot(to_tap, tap_normal) * one_over * -1.0f;
+  to_receiver = max(to_receiver, to_receiver * -C.behind);
+  Real scaled = area * spread;
+  return scaled * to_receiver / mad(squared * 3.14159265f, facing, scaled * kSoftening);
+}
+
+// Returns the fraction of the hemisphere, weighted by cosine, that the samples in the disc hide; 0 to 1. Normals that are
+// NaN or 0 hide nothing.
 FN Real near_occlusion(Int px, Int py, Real depth, Vec3 position, Vec3 normal) {
   Vec2 noise = noise_at(px, py);
   Vec2 direction = direction_of_turn(noise.x);
@@ -37,7 +51,7 @@ FN Real near_occlusion(Int px, Int py, Real depth, Vec3 position, Vec3 normal) {
   Real radius_px = clamp(Real(C.radius_px) / spread, Real(0.0f), Real(1e5f));
   Real center_x = to_real(px) + 0.5f;
   Real center_y = to_real(py) + 0.5f;
-  Real area = Real(C.near_area * C.one_over_samples);
+  Real one_over_depth = 1.0f / depth;
   Real sum = Real(0.0f);
   Real inside = Real(0.0f);
   for (int i = 0; i < C.samples; ++i) {
@@ -47,28 +61,31 @@ FN Real near_occlusion(Int px, Int py, Real depth, Vec3 position, Vec3 normal) {
     direction = Vec2(mad(direction.x, Real(kGoldenCos), direction.y * -kGoldenSin),
                      mad(direction.x, Real(kGoldenSin), direction.y * kGoldenCos));
     Bool in_picture = x >= Real(0.0f) && y >= Real(0.0f) && x < Real(float(F.width)) && y < Real(float(F.height));
-    Int column = to_int(floor(clamp(x, Real(0.0f), Real(float(F.width) - 0.5f))));
-    Int row = to_int(floor(clamp(y, Real(0.0f), Real(float(F.height) - 0.5f))));
-    Real tap_depth = load_depth(column, row);
-    Vec3 tap = view_position(column, row, tap_depth);
+    Real column = floor(clamp(x, Real(0.0f), Real(float(F.width) - 0.5f)));
+    Real row = floor(clamp(y, Real(0.0f), Real(float(F.height) - 0.5f)));
+    Int place = place_of(column, row);
+    Real tap_depth = read_depth(place);
+    Vec3 tap = position_at(column, row, tap_depth);
     Vec3 to_tap = tap - position;
     Real distance2 = dot(to_tap, to_tap);
     Real one_over = rsqrt(max(distance2, Real(1e-30f)));
-    Real cosine = max(mad(dot(to_tap, normal), one_over, Real(-C.bias)), Real(0.0f));
-    Real term = Real(0.0f);
-    if (C.sphere != 0) {
-      Real ratio = F.orthographic != 0 ? Real(1.0f) : tap_depth / depth;
-      Real q2 = min(area * 0.318309886f * (ratio * ratio) * (one_over * one_over), Real(1.0f));
-      term = 2.0f * (1.0f - sqrt(1.0f - q2)) * cosine;
-    } else {
-      Vec3 tap_normal = unit_normal(load_normal(column, row), tap);
-      Real behind = area_behind(area, tap, tap_normal, depth);
-      Real facing = dot(to_tap, tap_normal) * one_over * -1.0f;
-      facing = max(facing, facing * -C.behind);
-      term = behind * facing * cosine / mad(distance2, Real(3.14159265f), behind);
+    Real cosine = mad(dot(to_tap, normal), one_over, Real(-C.bias));
+    Bool counts = in_picture && is_surface(tap_depth) && cosine > Real(0.0f) && distance2 < C.near_radius2 &&
+                  distance2 < kMaxDistance2;
+    if (some(counts)) {
+      Real ratio = F.orthographic != 0 ? Real(1.0f) : tap_depth * one_over_depth;
+      Real area = ratio * ratio * (C.near_area * C.one_over_samples);
+      Real share = Real(0.0f);
+      if (C.sphere != 0) {
+        Real q2 = min(area * 0.318309886f * (one_over * one_over), Real(1.0f));
+        share = 2.0f * (1.0f - sqrt(1.0f - q2));
+      } else {
+        share = share_of_disc(area, tap, read_normal(place), to_tap, distance2, one_over);
+        counts = counts && is_finite(share);
+        share = min(share, Real(1.0f));  // a surface in one direction hides no more than the cosine there
+      }
+      sum = sum + select(counts, share * cosine, Real(0.0f));
     }
-    Bool counts = in_picture && is_surface(tap_depth) && distance2 < C.near_radius2 && distance2 < kMaxDistance2;
-    sum = sum + select(counts, term, Real(0.0f));
     inside = inside + select(in_picture, Real(1.0f), Real(0.0f));
   }
   // Samples outside the picture are unknown: those inside stand for them.

@@ -23,6 +23,7 @@ constexpr double kPi = std::numbers::pi;
 // ---- Far ----
 
 const Settings kFarAlone = {{"near", "off"}, {"near_radius", "0"}, {"radius", "1000"}, {"far_form", "sphere"}};
+const Settings kPatches = {{"near", "off"}, {"near_radius", "0"}, {"radius", "1000"}};
 constexpr int kX = 20, kY = 14;  // the receiver's pixel
 
 /// Returns a plane that faces the camera, with occluders at these positions relative to the receiver, which looks up z.
@@ -34,8 +35,9 @@ GBuffer below(std::vector<Occluder> occluders) {
 }
 
 void expect_occlusion(const GBuffer& g, const Settings& settings, double expected, double tolerance) {
-  on_every_target("shanmugam", g, settings,
-                  [&](const Image& image) { EXPECT_NEAR(1.0 - double(image.plane("ao").at(kX, kY)), expected, tolerance); });
+  on_every_target("shanmugam", g, settings, [&](const Image& image) {
+    EXPECT_NEAR(1.0 - double(image.plane("ao").at(kX, kY)), expected, tolerance);
+  });
 }
 
 TEST(Shanmugam, FarSpheresHideTheirExactShare) {
@@ -44,8 +46,27 @@ TEST(Shanmugam, FarSpheresHideTheirExactShare) {
   for (const auto& [height, sideways, share] : exact) {
     const GBuffer g = below({{.center = {sideways, 0.0f, height}, .radius = 1.0f}});
     expect_occlusion(g, kFarAlone, share, 1e-4);
-    expect_occlusion(g, joined(kFarAlone, {{"far_form", "patch"}}), share, 1e-4);
   }
+}
+
+TEST(Shanmugam, PatchesFillEachDirectionGradually) {
+  // A closed patch right above, in the lobe of z, which holds a half: x / sqrt(1 + (2 x)^2).
+  for (const float height : {1.5f, 3.0f, 6.0f}) {
+    const double share = 1.0 / (height * height);
+    expect_occlusion(below({{.center = {0.0f, 0.0f, height}, .radius = 1.0f}}), kPatches,
+                     share / std::sqrt(1.0 + 4.0 * share * share), 1e-4);
+  }
+  // The walls of a closed room fill every lobe once.
+  constexpr int kWalls = 250;
+  const float wall_radius = 10.0f * std::sqrt(0.5f / float(kWalls));  // of a sphere with the area of one
+  std::vector<Occluder> walls;
+  for (int k = 0; k < kWalls; ++k) {
+    const float turn = float(k) * 2.39996f, z = (float(k) + 0.5f) / float(kWalls), side = std::sqrt(1.0f - z * z);
+    const glm::vec3 out(side * std::cos(turn), side * std::sin(turn), z);
+    walls.push_back({.center = 10.0f * out, .radius = wall_radius, .mean_normal = -out});
+  }
+  const Plane ao = run_effect(*find_effect("shanmugam"), below(walls), kPatches, {}).plane("ao");
+  EXPECT_NEAR(ao.at(kX, kY), 1.0 - std::sqrt(0.5), 0.01);
 }
 
 TEST(Shanmugam, FarSpheresByThePaperHideMore) {
@@ -55,11 +76,11 @@ TEST(Shanmugam, FarSpheresByThePaperHideMore) {
                      joined(kFarAlone, {{"far_form", "paper"}}), share, 1e-4);
 }
 
-// Shares of spheres that the horizon cuts, checked with 400,000 rays; distance in radii, cosine, share.
+// Fractions that spheres hide which the horizon cuts, checked with 400,000 rays; distance in radii, cosine, fraction.
 TEST(Shanmugam, TheHorizonCutsSpheres) {
   const float cut[][3] = {{1.05, -.3, .1814}, {1.05, 0, .3089}, {1.05, .3, .4535}, {1.05, .7, .6789},
-                           {1.05, 1, .9070},   {2, -.3, .0037},  {2, 0, .0288},     {2, .3, .0787},
-                           {2, .7, .1750},     {2, 1, .2500},    {2, -.6, 0}};
+                          {1.05, 1, .9070},   {2, -.3, .0037},  {2, 0, .0288},     {2, .3, .0787},
+                          {2, .7, .1750},     {2, 1, .2500},    {2, -.6, 0}};
   for (const auto& [distance, cosine, share] : cut) {
     const auto sine = float(std::sqrt(1.0 - cosine * cosine));
     expect_occlusion(below({{.center = float(distance) * glm::vec3(0.0f, sine, cosine), .radius = 1.0f}}), kFarAlone,
@@ -79,14 +100,14 @@ TEST(Shanmugam, OnlyThePartBeyondTheNearRadiusCounts) {
 }
 
 TEST(Shanmugam, FlatPatchesHideOnTheirSideOnly) {
+  const auto filled = [](double share) { return share / std::sqrt(1.0 + 4.0 * share * share); };  // as above
   const float radius = 0.5f;  // of a sphere with the area of a disc of radius 1
   const auto facing = [&](glm::vec3 normal) {
     return below({{.center = {0.0f, 0.0f, 1.5f}, .radius = radius, .mean_normal = normal}});
   };
-  const Settings patch = joined(kFarAlone, {{"far_form", "patch"}});
-  expect_occlusion(facing({0, 0, -1}), patch, 1.0 / (1.0 + 1.5 * 1.5), 1e-5);
-  expect_occlusion(facing({0, 0, 1}), patch, 0.0, 1e-5);
-  expect_occlusion(facing({1, 0, 0}), patch, 0.0, 1e-5);
+  expect_occlusion(facing({0, 0, -1}), kPatches, filled(1.0 / (1.0 + 1.5 * 1.5)), 1e-5);
+  expect_occlusion(facing({0, 0, 1}), kPatches, 0.0, 1e-5);
+  expect_occlusion(facing({1, 0, 0}), kPatches, 0.0, 1e-5);
 }
 
 TEST(Shanmugam, SharesAddUpInAnObjectAndMultiplyAcrossObjects) {
@@ -110,8 +131,7 @@ TEST(Shanmugam, WithoutOccludersTheFarPartIsOpen) {
 
 TEST(Shanmugam, OccludersTurnWithTheCamera) {
   GBuffer g = below({{.center = {0.5f, 0.25f, 1.0f}, .radius = 0.7f, .mean_normal = {0.1f, 0.3f, -0.6f}}});
-  const Settings patch = joined(kFarAlone, {{"far_form", "patch"}});
-  const float expected = run_effect(*find_effect("shanmugam"), g, patch, {}).plane("ao").at(kX, kY);
+  const float expected = run_effect(*find_effect("shanmugam"), g, kPatches, {}).plane("ao").at(kX, kY);
   EXPECT_LT(expected, 0.9f);
   // The same picture of a scene that is turned a quarter about y and moved.
   const glm::mat4 world_from_view(glm::vec4(0, 0, -1, 0), glm::vec4(0, 1, 0, 0), glm::vec4(1, 0, 0, 0),
@@ -121,7 +141,7 @@ TEST(Shanmugam, OccludersTurnWithTheCamera) {
   set.occluders[0].mean_normal = glm::mat3(world_from_view) * set.occluders[0].mean_normal;
   g.info.occluders = std::make_shared<const OccluderSet>(set);
   g.info.camera.view_from_world = glm::inverse(world_from_view);
-  expect_occlusion(g, patch, 1.0 - expected, 1e-5);
+  expect_occlusion(g, kPatches, 1.0 - expected, 1e-5);
 }
 
 // ---- Near ----
@@ -216,7 +236,8 @@ double expected_ao(const GBuffer& g, const ShanmugamParams& params, double radiu
     } else {
       const double to_eye = orthographic ? tap_normal.z : glm::dot(tap_normal, tap / tap.z);
       const double behind = area / std::max(0.05, to_eye), facing = -glm::dot(tap_normal, v) / d;
-      sum += behind * (facing > 0.0 ? facing : -params.behind * facing) * cosine / (kPi * d * d + behind);
+      const double hidden = behind / (kPi * d * d + 0.25 * behind) * (facing > 0.0 ? facing : -params.behind * facing);
+      sum += std::min(1.0, hidden) * cosine;
     }
   }
   return 1.0 - std::clamp(sum * params.samples / inside, 0.0, 1.0);
