@@ -197,8 +197,9 @@ OccluderSet make_occluders(const Scene& scene, int count) {
   for (const Object& object : objects) roots += std::sqrt(area_of(object));
   OccluderSet set;
   const int more = count - int(objects.size());  // beyond one for each object
+  constexpr double kRounding = 1e-6;
   for (const Object& object : objects)
-    add_occluders(object, space, 1 + int(double(more) * std::sqrt(area_of(object)) / roots), set);
+    add_occluders(object, space, 1 + int(double(more) * std::sqrt(area_of(object)) / roots + kRounding), set);
   return set;
 }
 

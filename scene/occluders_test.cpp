@@ -55,26 +55,29 @@ TEST(Occluders, HaveTheAreaOfTheScene) {
     const double area = 8.0 * (2.0 + 3.0 + 6.0) * double(scale) * double(scale);
     for (const int count : {1, 8, 64, 256}) {
       const OccluderSet set = make_occluders(scene, count);
-      EXPECT_EQ(int(set.occluders.size()), count) << scale;
+      EXPECT_LE(int(set.occluders.size()), count) << scale;
+      EXPECT_GE(int(set.occluders.size()), count - 1) << "a cluster may lose all its points";
       EXPECT_NEAR(cross_section_of(set) / (area / 4.0), 1.0, 1e-4) << scale << ' ' << count;
     }
   }
 }
 
-TEST(Occluders, OfABoxAreItsFaces) {
-  const OccluderSet set = make_occluders(scene_of({box({5, 0, 0}, glm::vec3(1.0f))}), 6);
-  ASSERT_EQ(set.occluders.size(), 6u);
+TEST(Occluders, OfABoxAreFlat) {
+  const OccluderSet set = make_occluders(scene_of({box({5, 0, 0}, glm::vec3(1.0f))}), 128);
+  double flat = 0.0, whole = 0.0;
   for (const Occluder& occluder : set.occluders) {
-    EXPECT_NEAR(glm::length(occluder.mean_normal), 1.0f, 1e-5f);
-    EXPECT_LT(glm::distance(occluder.center, glm::vec3(5, 0, 0) + occluder.mean_normal), 0.05f);
-    EXPECT_NEAR(occluder.radius, std::sqrt(4.0 / (4.0 * std::numbers::pi)), 0.01);
+    const double area = double(occluder.radius) * double(occluder.radius);
+    whole += area;
+    flat += area * double(glm::length(occluder.mean_normal));
+    EXPECT_GT(glm::dot(occluder.mean_normal, occluder.center - glm::vec3(5, 0, 0)), 0.6f) << "outwards";
   }
+  EXPECT_GT(flat / whole, 0.9);
 }
 
 TEST(Occluders, OfAClosedObjectAloneHaveNoNormal) {
   const OccluderSet set = make_occluders(scene_of({box({0, 0, 0}, glm::vec3(1.0f))}), 1);
   ASSERT_EQ(set.occluders.size(), 1u);
-  EXPECT_LT(glm::length(set.occluders[0].mean_normal), 0.02f);
+  EXPECT_LT(glm::length(set.occluders[0].mean_normal), 0.03f);
   EXPECT_LT(glm::length(set.occluders[0].center), 0.02f);
 }
 
@@ -86,8 +89,8 @@ TEST(Occluders, FaceTheSideOfTheVertexNormalsNotOfTheWinding) {
   scene.meshes = {mesh};  // not finished, so that the winding stays wrong
   scene.bounds_min = glm::vec3(-1.0f);
   scene.bounds_max = glm::vec3(1.0f);
-  for (const Occluder& occluder : make_occluders(scene, 6).occluders)
-    EXPECT_GT(glm::dot(occluder.mean_normal, occluder.center), 0.9f);
+  for (const Occluder& occluder : make_occluders(scene, 128).occluders)
+    EXPECT_GT(glm::dot(occluder.mean_normal, occluder.center), 0.6f);
 }
 
 TEST(Occluders, AreDividedAmongObjects) {

@@ -76,19 +76,21 @@ void fill_far(const ShanmugamParams& params, const PictureInfo& info, ShanmugamC
     const glm::vec3 center = glm::vec3(view * glm::vec4(set[k].center, 1.0f)) * glm::mat3(view);  // by the transpose
     const glm::vec3 normal = set[k].mean_normal;
     const bool last = k + 1 == set.size() || set[k + 1].object != set[k].object;
-    const float radius2 = set[k].radius * set[k].radius, flat = std::min(glm::length(normal), 1.0f);
-    const float area = 4.0f * radius2;  // of the patch, over pi
+    const float radius = set[k].radius, flat = std::min(glm::length(normal), 1.0f);
+    const float area = 4.0f * radius * radius;  // of the patch, over pi
+    const auto per_length = [&](float reach) { return 0.5f / std::min(2.0f * radius, reach); };
     const float numbers[kShanmugamOccluderSize] = {center.x,
                                                    center.y,
                                                    center.z,
-                                                   radius2,
+                                                   radius * radius,
                                                    area * normal.x,
                                                    area * normal.y,
                                                    area * normal.z,
                                                    last ? 1.0f : 0.0f,
                                                    area * flat,
-                                                   set[k].radius * std::sqrt(1.0f - flat),
-                                                   0.25f / set[k].radius};
+                                                   radius * std::sqrt(1.0f - flat),
+                                                   per_length(c.near_radius),
+                                                   per_length(c.radius)};
     std::copy_n(numbers, kShanmugamOccluderSize, c.set + kShanmugamOccluderSize * k);
     ++c.occluders;
   }

@@ -23,8 +23,8 @@ FN Real arc_cosine(Real x) {
 
 // Returns the fraction of the hemisphere, weighted by cosine, that a sphere hides, above the horizon. `cosine` is that
 // between the normal and the direction to its centre, h2 its squared distance in squared radii, above 1.
-FN Real share_of_sphere(Real cosine, Real h2) {
-  Real share = max(cosine, Real(0.0f)) / h2;
+FN Real hidden_by_sphere(Real cosine, Real h2) {
+  Real hides = max(cosine, Real(0.0f)) / h2;
   Real above = 1.0f - h2 * cosine * cosine;  // > 0: the horizon cuts the sphere
   Bool cut = above > Real(0.0f);
   if (some(cut)) {
@@ -33,9 +33,9 @@ FN Real share_of_sphere(Real cosine, Real h2) {
     Real way = tangent / sine;
     Real of_cut = cosine * arc_cosine(cosine * way * -1.0f) - sqrt(max(above, Real(0.0f))) * tangent;
     of_cut = of_cut / h2 + arc_cosine(way * rsqrt(h2));
-    share = select(cut, max(of_cut * 0.318309886f, Real(0.0f)), share);
+    hides = select(cut, max(of_cut * 0.318309886f, Real(0.0f)), hides);
   }
-  return share;
+  return hides;
 }
 
 // Returns the fraction of a sphere, as seen from a point, that is farther away than `reach`. `distance` is that of its
@@ -48,43 +48,44 @@ FN Real part_of_sphere_beyond(Real distance, Real radius2, float reach) {
   return select(distance - sqrt(radius2) >= Real(reach), Real(1.0f), part);
 }
 
-// Returns the fraction of a patch that is farther away than `reach`. `per_length` is the inverse of its diameter.
+// Returns the fraction of a patch that is farther away than `reach`. `per_length` is the inverse of
+// its diameter, or of 2 reach if that is less, so that nothing is nearer than 0.
 FN Real part_of_patch_beyond(Real distance, float per_length, float reach) {
   return clamp(mad(distance - reach, Real(per_length), Real(0.5f)), Real(0.0f), Real(1.0f));
 }
 
-// Returns about what share_of_sphere does, for spheres that are not near: with t = h cosine, (1 + t)^2 / (4 h^3) where
+// Returns about what hidden_by_sphere does, for spheres that are not near: with t = h cosine, (1 + t)^2 / (4 h^3) where
 // the horizon cuts the sphere, -1 < t < 1. `q` is the inverse of h.
-FN Real rough_share_of_sphere(Real cosine, Real q) {
+FN Real roughly_hidden_by_sphere(Real cosine, Real q) {
   Real above = max(mad(cosine, Real(0.5f), q * 0.5f), Real(0.0f));  // (1 + t) q / 2
   return q * select(cosine >= q, q * cosine, above * above);
 }
 
 // Returns the fraction of the hemisphere, weighted by cosine, that one occluder hides. It is a flat one-sided disc with
 // the area of the patch times the length of its mean normal, and a sphere with the remaining area.
-FN Real share_of_patch(int first, Real cosine, Vec3 direction, Real distance, Real one_over) {
+FN Real hidden_by_patch(int first, Real cosine, Vec3 direction, Real distance, Real one_over) {
   Vec3 flat_part = Vec3(Real(C.set[first + kShanmugamFacing]), Real(C.set[first + kShanmugamFacing + 1]),
                         Real(C.set[first + kShanmugamFacing + 2]));
-  Real part = part_of_patch_beyond(distance, C.set[first + kShanmugamPerLength], C.near_radius) -
-              part_of_patch_beyond(distance, C.set[first + kShanmugamPerLength], C.radius);
+  Real part = part_of_patch_beyond(distance, C.set[first + kShanmugamPerNear], C.near_radius) -
+              part_of_patch_beyond(distance, C.set[first + kShanmugamPerFar], C.radius);
   Real facing = max(dot(flat_part, direction) * -1.0f, Real(0.0f));
-  Real share = facing * max(cosine, Real(0.0f)) / mad(distance, distance, Real(C.set[first + kShanmugamFlat]));
-  return part * (share + rough_share_of_sphere(cosine, min(one_over * C.set[first + kShanmugamRest], Real(1.0f))));
+  Real hides = facing * max(cosine, Real(0.0f)) / mad(distance, distance, Real(C.set[first + kShanmugamFlat]));
+  return part * (hides + roughly_hidden_by_sphere(cosine, min(one_over * C.set[first + kShanmugamRest], Real(1.0f))));
 }
 
-// Returns the same of a sphere with the exact share and split, or by the formulas of the paper.
-FN Real share_of_whole_sphere(int first, Real cosine, Real distance) {
+// Returns the same of a sphere with the exact fraction and split, or by the formulas of the paper.
+FN Real hidden_by_whole_sphere(int first, Real cosine, Real distance) {
   float radius2 = C.set[first + kShanmugamRadius2];
   Real distance2 = distance * distance;
   if (C.far_form == kShanmugamPaper) {
     Real q2 = min(radius2 / max(distance2, Real(1e-30f)), Real(1.0f));
-    Real share = 2.0f * (1.0f - sqrt(1.0f - q2)) * max(cosine, Real(0.0f));
-    return select(distance >= Real(C.near_radius) && distance < Real(C.radius), share, Real(0.0f));
+    Real hides = 2.0f * (1.0f - sqrt(1.0f - q2)) * max(cosine, Real(0.0f));
+    return select(distance >= Real(C.near_radius) && distance < Real(C.radius), hides, Real(0.0f));
   }
   Real part = part_of_sphere_beyond(distance, Real(radius2), C.near_radius) -
               part_of_sphere_beyond(distance, Real(radius2), C.radius);
   if (!some(part > Real(0.0f))) return Real(0.0f);
-  return part * share_of_sphere(cosine, max(distance2 / radius2, Real(1.0001f)));
+  return part * hidden_by_sphere(cosine, max(distance2 / radius2, Real(1.0001f)));
 }
 
 // Returns the components of a view-space vector along the axes of the world.
@@ -117,13 +118,13 @@ FN Real visibility_past_patches(Vec3 position, Vec3 normal) {
     Real height = dot(way, normal);
     if (some(height > Real(-C.set[first + kShanmugamRest]))) {  // else all of it is below the horizon
       Vec3 direction = way * one_over;
-      Real share = share_of_patch(first, height * one_over, direction, distance2 * one_over, one_over);
-      Vec3 shares = direction * share;
+      Real hides = hidden_by_patch(first, height * one_over, direction, distance2 * one_over, one_over);
+      Vec3 weighted = direction * hides;
       Vec3 up = Vec3(max(direction.x, Real(0.0f)), max(direction.y, Real(0.0f)), max(direction.z, Real(0.0f)));
       Vec3 down = up - direction;
-      upwards = Vec3(mad(up.x, shares.x, upwards.x), mad(up.y, shares.y, upwards.y), mad(up.z, shares.z, upwards.z));
-      downwards = Vec3(mad(-down.x, shares.x, downwards.x), mad(-down.y, shares.y, downwards.y),
-                       mad(-down.z, shares.z, downwards.z));
+      upwards = Vec3(mad(up.x, weighted.x, upwards.x), mad(up.y, weighted.y, upwards.y), mad(up.z, weighted.z, upwards.z));
+      downwards = Vec3(mad(-down.x, weighted.x, downwards.x), mad(-down.y, weighted.y, downwards.y),
+                       mad(-down.z, weighted.z, downwards.z));
     }
   }
   Vec3 n = normal;
@@ -133,7 +134,7 @@ FN Real visibility_past_patches(Vec3 position, Vec3 normal) {
   return max(1.0f - hidden, Real(0.0f));
 }
 
-// Returns the visibility past all spheres: the shares of one object add up, and objects occlude independently.
+// Returns the visibility past all spheres: spheres of one object add up, and objects occlude independently.
 FN Real visibility_past_spheres(Vec3 position, Vec3 normal) {
   Real visibility = Real(1.0f);
   Real sum = Real(0.0f);
@@ -142,7 +143,7 @@ FN Real visibility_past_spheres(Vec3 position, Vec3 normal) {
     Vec3 way = way_to(first, position);
     Real distance2 = max(dot(way, way), Real(kMinDistance2));
     Real one_over = rsqrt(distance2);
-    sum = sum + share_of_whole_sphere(first, dot(way, normal) * one_over, distance2 * one_over);
+    sum = sum + hidden_by_whole_sphere(first, dot(way, normal) * one_over, distance2 * one_over);
     if (C.set[first + kShanmugamLast] != 0.0f) {
       visibility = visibility * (1.0f - min(sum, Real(1.0f)));
       sum = Real(0.0f);

@@ -32,7 +32,7 @@ FN Vec3 position_at(Real x, Real y, Real depth) {
 
 // Returns what a disc hides: the surface `area` / facing behind the pixels that a sample stands for, exact on a plane.
 // `area` is their own at the depth of the tap. `squared` and `one_over` are of the distance from the receiver.
-FN Real share_of_disc(Real area, Vec3 tap, Vec3 tap_normal, Vec3 to_tap, Real squared, Real one_over) {
+FN Real hidden_by_disc(Real area, Vec3 tap, Vec3 tap_normal, Vec3 to_tap, Real squared, Real one_over) {
   Real spread = F.orthographic != 0 ? Real(1.0f) : -tap.z;
   Real facing = F.orthographic != 0 ? tap_normal.z : -dot(tap, tap_normal);  // times spread
   facing = max(facing, spread * kMinFacing);
@@ -75,16 +75,16 @@ FN Real near_occlusion(Int px, Int py, Real depth, Vec3 position, Vec3 normal) {
     if (some(counts)) {
       Real ratio = F.orthographic != 0 ? Real(1.0f) : tap_depth * one_over_depth;
       Real area = ratio * ratio * (C.near_area * C.one_over_samples);
-      Real share = Real(0.0f);
+      Real hides = Real(0.0f);
       if (C.sphere != 0) {
         Real q2 = min(area * 0.318309886f * (one_over * one_over), Real(1.0f));
-        share = 2.0f * (1.0f - sqrt(1.0f - q2));
+        hides = 2.0f * (1.0f - sqrt(1.0f - q2));
       } else {
-        share = share_of_disc(area, tap, read_normal(place), to_tap, distance2, one_over);
-        counts = counts && is_finite(share);
-        share = min(share, Real(1.0f));  // a surface in one direction hides no more than the cosine there
+        hides = hidden_by_disc(area, tap, read_normal(place), to_tap, distance2, one_over);
+        counts = counts && is_finite(hides);
+        hides = min(hides, Real(1.0f));  // a surface in one direction hides no more than the cosine there
       }
-      sum = sum + select(counts, share * cosine, Real(0.0f));
+      sum = sum + select(counts, hides * cosine, Real(0.0f));
     }
     inside = inside + select(in_picture, Real(1.0f), Real(0.0f));
   }

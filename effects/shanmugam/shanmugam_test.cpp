@@ -40,21 +40,21 @@ void expect_occlusion(const GBuffer& g, const Settings& settings, double expecte
   });
 }
 
-TEST(Shanmugam, FarSpheresHideTheirExactShare) {
+TEST(Shanmugam, FarSpheresHideWhatTheySubtend) {
   const float exact[][3] = {
-      {1.5, 0, .4444}, {1.5, 1, .2560}, {1.5, 2, .0960}, {1.5, 4, .0192}, {1.0, 1, .3536}};  // height, sideways, share
-  for (const auto& [height, sideways, share] : exact) {
+      {1.5, 0, .4444}, {1.5, 1, .2560}, {1.5, 2, .0960}, {1.5, 4, .0192}, {1.0, 1, .3536}};  // height, sideways, hidden
+  for (const auto& [height, sideways, hidden] : exact) {
     const GBuffer g = below({{.center = {sideways, 0.0f, height}, .radius = 1.0f}});
-    expect_occlusion(g, kFarAlone, share, 1e-4);
+    expect_occlusion(g, kFarAlone, hidden, 1e-4);
   }
 }
 
 TEST(Shanmugam, PatchesFillEachDirectionGradually) {
   // A closed patch right above, in the lobe of z, which holds a half: x / sqrt(1 + (2 x)^2).
   for (const float height : {1.5f, 3.0f, 6.0f}) {
-    const double share = 1.0 / (height * height);
+    const double hidden = 1.0 / (height * height);
     expect_occlusion(below({{.center = {0.0f, 0.0f, height}, .radius = 1.0f}}), kPatches,
-                     share / std::sqrt(1.0 + 4.0 * share * share), 1e-4);
+                     hidden / std::sqrt(1.0 + 4.0 * hidden * hidden), 1e-4);
   }
   // The walls of a closed room fill every lobe once.
   constexpr int kWalls = 250;
@@ -71,9 +71,9 @@ TEST(Shanmugam, PatchesFillEachDirectionGradually) {
 
 TEST(Shanmugam, FarSpheresByThePaperHideMore) {
   const float published[][3] = {{1.5, 0, .5093}, {1.5, 1, .2795}, {1.5, 2, .1002}, {1.5, 4, .0195}, {1.0, 1, .4142}};
-  for (const auto& [height, sideways, share] : published)
+  for (const auto& [height, sideways, hidden] : published)
     expect_occlusion(below({{.center = {sideways, 0.0f, height}, .radius = 1.0f}}),
-                     joined(kFarAlone, {{"far_form", "paper"}}), share, 1e-4);
+                     joined(kFarAlone, {{"far_form", "paper"}}), hidden, 1e-4);
 }
 
 // Fractions that spheres hide which the horizon cuts, checked with 400,000 rays; distance in radii, cosine, fraction.
@@ -81,10 +81,10 @@ TEST(Shanmugam, TheHorizonCutsSpheres) {
   const float cut[][3] = {{1.05, -.3, .1814}, {1.05, 0, .3089}, {1.05, .3, .4535}, {1.05, .7, .6789},
                           {1.05, 1, .9070},   {2, -.3, .0037},  {2, 0, .0288},     {2, .3, .0787},
                           {2, .7, .1750},     {2, 1, .2500},    {2, -.6, 0}};
-  for (const auto& [distance, cosine, share] : cut) {
+  for (const auto& [distance, cosine, hidden] : cut) {
     const auto sine = float(std::sqrt(1.0 - cosine * cosine));
     expect_occlusion(below({{.center = float(distance) * glm::vec3(0.0f, sine, cosine), .radius = 1.0f}}), kFarAlone,
-                     share, 2e-4);
+                     hidden, 2e-4);
   }
 }
 
@@ -92,15 +92,15 @@ TEST(Shanmugam, OnlyThePartBeyondTheNearRadiusCounts) {
   const float parts[][2] = {{.9, 0}, {1.15, .005}, {1.3, .194}, {1.45, .727}, {1.5, 1}};
   const Settings split = joined(kFarAlone, {{"near_radius", "1"}});
   for (const auto& [distance, part] : parts) {
-    const float share = 0.25f / (distance * distance);
+    const float hidden = 0.25f / (distance * distance);
     const GBuffer g = below({{.center = {0.0f, 0.0f, distance}, .radius = 0.5f}});
-    expect_occlusion(g, split, share * part, share * 1e-3);
-    expect_occlusion(g, joined(kFarAlone, {{"radius", "1"}}), share * (1.0 - part), share * 1e-3);
+    expect_occlusion(g, split, hidden * part, hidden * 1e-3);
+    expect_occlusion(g, joined(kFarAlone, {{"radius", "1"}}), hidden * (1.0 - part), hidden * 1e-3);
   }
 }
 
 TEST(Shanmugam, FlatPatchesHideOnTheirSideOnly) {
-  const auto filled = [](double share) { return share / std::sqrt(1.0 + 4.0 * share * share); };  // as above
+  const auto filled = [](double hidden) { return hidden / std::sqrt(1.0 + 4.0 * hidden * hidden); };  // as above
   const float radius = 0.5f;  // of a sphere with the area of a disc of radius 1
   const auto facing = [&](glm::vec3 normal) {
     return below({{.center = {0.0f, 0.0f, 1.5f}, .radius = radius, .mean_normal = normal}});
@@ -110,14 +110,14 @@ TEST(Shanmugam, FlatPatchesHideOnTheirSideOnly) {
   expect_occlusion(facing({1, 0, 0}), kPatches, 0.0, 1e-5);
 }
 
-TEST(Shanmugam, SharesAddUpInAnObjectAndMultiplyAcrossObjects) {
+TEST(Shanmugam, SpheresAddUpInAnObjectAndMultiplyAcrossObjects) {
   const Occluder one{.center = {0.0f, 1.0f, 1.0f}, .radius = 0.8f},
       other{.center = {0.0f, -1.0f, 1.0f}, .radius = 0.8f};
-  const double share = 0.64 / std::pow(2.0, 1.5);
-  expect_occlusion(below({one, other}), kFarAlone, 2.0 * share, 1e-4);
+  const double hidden = 0.64 / std::pow(2.0, 1.5);
+  expect_occlusion(below({one, other}), kFarAlone, 2.0 * hidden, 1e-4);
   Occluder of_next_object = other;
   of_next_object.object = 1;
-  expect_occlusion(below({one, of_next_object}), kFarAlone, 1.0 - (1.0 - share) * (1.0 - share), 1e-4);
+  expect_occlusion(below({one, of_next_object}), kFarAlone, 1.0 - (1.0 - hidden) * (1.0 - hidden), 1e-4);
   expect_occlusion(below({one, one, one, one, one, other}), kFarAlone, 1.0, 1e-6);
 }
 
@@ -156,6 +156,7 @@ GBuffer groove(int side) {
       const double across = 4.0 * (x + 0.5) / side - 2.0;
       g.layers[0].planes[0].at(x, y) = float(10.0 - std::abs(across));
       g.layers[0].planes[1].at(x, y) = float(across < 0.0 ? std::sqrt(0.5) : -std::sqrt(0.5));
+      g.layers[0].planes[2].at(x, y) = 0.0f;
       g.layers[0].planes[3].at(x, y) = float(std::sqrt(0.5));
     }
   return g;
