@@ -47,6 +47,7 @@ struct CaptureSettings {
   /// `opacity` and `transmittance` of core/gbuffer.h.
   bool blended = false;
   bool ray_offsets = false;  ///< also capture the planes ray_offset.x .y .z of core/gbuffer.h
+  int occluders = 0;         ///< size of the set PictureInfo::occluders; 0: there is none
   int sample = 0;            ///< sample index of an accumulation; selects the shadow rays
   /// The material and id planes to capture, by their names on the first layer; nullopt: all. Depth, normals and shadows
   /// are always captured.

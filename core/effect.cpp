@@ -43,6 +43,10 @@ bool needs_scene(const Effect& effect) {
                      [](const Dispatch& dispatch) { return dispatch.rays != nullptr; });
 }
 
+int occluders_read(const Effect& effect, const ParameterBytes& params) {
+  return effect.occluders ? effect.occluders(params) : 0;
+}
+
 const Parameter* find_parameter(const Effect& effect, std::string_view name) {
   for (const Parameter& row : effect.parameters)
     if (row.name == name || (!name.empty() && row.former_name == name)) return &row;

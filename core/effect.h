@@ -142,6 +142,8 @@ struct Effect {
   /// The change of an output when one sample or one tone step flips, for kernels that count or threshold: machines that
   /// differ in the last bits may flip a few. 0: the outputs are smooth.
   double quantum = 0.0;
+  /// Returns the size of the set PictureInfo::occluders that `constants` reads, with these params; null: it reads none.
+  int (*occluders)(const ParameterBytes& params) = nullptr;
   std::vector<Dispatch> dispatches;
   /// Returns the number of rounds, each of which runs all dispatches in order, for this picture; null: one.
   int (*rounds)(const ParameterBytes& params, const PictureInfo& info) = nullptr;
@@ -226,6 +228,9 @@ Result<float> radius_in_scene(std::string_view owner, const Length& radius, cons
 
 /// Returns whether an effect needs the scene of the picture besides its planes: one of its dispatches traces rays.
 bool needs_scene(const Effect& effect);
+
+/// Returns the size of the set of coarse occluders that an effect reads with these params; 0: it reads none.
+int occluders_read(const Effect& effect, const ParameterBytes& params);
 
 /// Returns the row with that name or former name, or null.
 const Parameter* find_parameter(const Effect& effect, std::string_view name);

@@ -29,6 +29,8 @@
 
 namespace umbrage {
 
+struct OccluderSet;  // core/occluders.h
+
 /// The content of a depth layer beyond the first.
 enum class LayerKind {
   kBehind,  ///< the next surface behind that of layer `of`, along the same rays
@@ -64,6 +66,8 @@ struct PictureInfo {
   int ground_object = -1;                    ///< object id of a ground that shows only shadow and occlusion; < 0: none
   glm::vec3 ground_center{0.0f};             ///< centre of that ground, view space
   float ground_fade_distance = 0.0f;  ///< distance from ground_center at which its shadow has faded out; 0: no fading
+  /// Coarse occluders of the scene, world space; null if they are not requested or there is no scene.
+  std::shared_ptr<const OccluderSet> occluders = nullptr;
   int reduced = 1;                    ///< downsampling factor of a picture at reduced resolution; 1: full resolution
   int whole_width = 0, whole_height = 0;  ///< reduced > 1: inner size of the picture at full resolution
   /// Of rows that were cut out of a finished picture: their first row there, and the rows of that picture; 0: whole.

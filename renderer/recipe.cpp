@@ -340,7 +340,10 @@ Result<CaptureSettings> capture_of(const Request& request, const Recipe& recipe,
     look.extra_views = 0;
   }
   auto capture = capture_settings(drawn, look, shadows_read(recipe, steps), max_pixels);
-  if (capture) capture->ray_offsets = traced;
+  if (!capture) return capture;
+  capture->ray_offsets = traced;
+  for (const Effect* step : steps)
+    capture->occluders = std::max(capture->occluders, occluders_read(*step, params_of(recipe.settings, step->name)));
   return capture;
 }
 

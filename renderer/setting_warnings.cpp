@@ -133,6 +133,16 @@ void warn_about_lights(const Request& request, const Recipe& recipe, const Scene
     sentences.push_back("`light_direction` does nothing: the first light of the scene is a lamp");
 }
 
+/// Adds a warning if the technique would read the model of a picture that has none.
+void warn_about_missing_model(const Request& request, const Recipe& recipe, const Scene* scene,
+                              std::vector<std::string>& sentences) {
+  const Effect* technique = find_effect(recipe.occlusion);
+  if (scene || !request.model.empty() || !technique) return;
+  if (occluders_read(*technique, params_of(recipe.settings, technique->name)) > 0)
+    sentences.push_back(
+        fmt::format("`occlusion` {}: a G-buffer has no model, so that only what is near occludes", recipe.occlusion));
+}
+
 }  // namespace
 
 std::vector<std::string> setting_warnings(const Request& request, const Recipe& recipe, const Scene* scene,
@@ -147,6 +157,7 @@ std::vector<std::string> setting_warnings(const Request& request, const Recipe& 
   warn_about_images(request, recipe, sentences);
   warn_about_strengths(request, recipe, sentences);
   warn_about_lights(request, recipe, scene, sentences);
+  warn_about_missing_model(request, recipe, scene, sentences);
   if (scene && scene->point_count() == 0) {
     const char* field = !request.point_size.empty()       ? "point_size"
                         : request.point_sprites != "auto" ? "point_sprites"

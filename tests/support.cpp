@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "core/check.h"
+#include "core/occluders.h"
 #include "kernel/isa.h"
 
 namespace umbrage::test {
@@ -98,6 +99,11 @@ GBuffer bumpy_gbuffer(int width, int height, unsigned seed) {
     g.info.ambient_shape.by_color[std::size_t(c)] =
         glm::mat4(0.05f, 0.02f, 0.01f, 0.03f, 0.02f, -0.03f, 0.04f, 0.3f, 0.01f, 0.04f, -0.02f, -0.05f * float(c),
                   0.03f, 0.3f, -0.05f * float(c), 0.0f);
+  const std::vector<Occluder> occluders = {{{-1.5f, 0.5f, -5.0f}, 0.7f, {0.2f, 0.6f, 0.3f}, 0},
+                                           {{1.0f, -1.0f, -8.0f}, 0.9f, {0.0f, 0.0f, 0.0f}, 0},
+                                           {{0.5f, 1.0f, -3.0f}, 0.4f, {0.0f, -1.0f, 0.0f}, 1},
+                                           {{0.0f, 0.0f, -12.0f}, 3.0f, {0.0f, 0.0f, 0.9f}, 2}};
+  g.info.occluders = std::make_shared<const OccluderSet>(OccluderSet{occluders, 3});
   Image& image = g.layers[0];
   const auto random = [&](unsigned x, unsigned y, unsigned k) {
     return float(hash(hash(hash(seed + k) + x) + y) >> 8) * 0x1p-24f;

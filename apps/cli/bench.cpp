@@ -123,6 +123,9 @@ class Bench {
     auto recipe = make_recipe(request);
     if (!recipe) return recipe.error();
     recipe->capture.ray_offsets = true;  // for effects that trace rays
+    for (const Effect* effect : effects())
+      recipe->capture.occluders =
+          std::max(recipe->capture.occluders, occluders_read(*effect, params_of(recipe->settings, effect->name)));
     auto frame = draw(device_, scene, *recipe, ignored);
     if (!frame) return frame.error();
     if (auto added = add_beauty(device_, *frame); !added) return added;

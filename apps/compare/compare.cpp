@@ -84,7 +84,9 @@ Result<CaptureSettings> capture_with(const CompareSettings& settings, const Requ
 }
 
 /// Returns whether a technique knows only what the view holds.
-bool is_screen_space(const Effect& effect) { return &effect != &reference_effect() && !needs_scene(effect); }
+bool is_screen_space(const Effect& effect) {
+  return &effect != &reference_effect() && !needs_scene(effect) && !effect.occluders;
+}
 
 /// Returns the recipe of the look `ao` with the user's settings. If light is compared, the filter also filters
 /// `indirect`, and ambient light and highlights are off.
@@ -265,8 +267,11 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
   Request draw = run.settings.draw;
   std::tie(draw.width, draw.height) = size;
   const std::string what = fmt::format("{}, camera {}, {}x{}", model, shot.name, size.first, size.second);
-  const auto wanted = capture_with(run.settings, draw, *run.recipe.look);
+  auto wanted = capture_with(run.settings, draw, *run.recipe.look);
   if (!wanted) return wanted.error();
+  for (const Effect* effect : run.techniques)
+    wanted->occluders =
+        std::max(wanted->occluders, occluders_read(*effect, params_of(run.recipe.settings, effect->name)));
   auto frame = run.device.capture(frame_scene(scene, shot.framing, draw.width, draw.height), *wanted);
   if (!frame) return frame.error();
   if (run.settings.light) {  // no ambient light on the surfaces that rays hit, either

@@ -228,7 +228,9 @@ Result<void> take_pictures(Search& search, std::size_t model_index, Scene& scene
   if (!traced) return traced.error();
   auto capture = capture_settings(settings.draw, *search.recipe.look, 0);
   if (!capture) return capture.error();
-  capture->ray_offsets = needs_scene(**technique_of(search.recipe));
+  const Effect& technique = **technique_of(search.recipe);
+  capture->ray_offsets = needs_scene(technique);
+  capture->occluders = occluders_read(technique, params_of(search.recipe.settings, technique.name));
   const auto length = parse_length("occlusion_radius", radius_as_written);
   if (!length) return length.error();
   const std::vector<CameraShot> shots = shots_of(scene, framing_of(settings.draw.camera), settings.cameras);

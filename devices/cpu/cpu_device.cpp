@@ -23,6 +23,7 @@
 #include "kernel/isa.h"
 #include "kernel/kernel_frame.h"
 #include "rays/embree_device.h"
+#include "scene/occluders.h"
 
 namespace umbrage {
 namespace {
@@ -73,6 +74,7 @@ class CpuDevice final : public Device {
     if (!traced) return traced.error();
     traced_ = std::move(*traced);
     scene_ = &scene;
+    occluders_ = {};
     return {};
   }
 
@@ -274,6 +276,7 @@ class CpuDevice final : public Device {
     if (auto fine = check_capture(settings); !fine) return fine.error();
     Frame frame;
     frame.info = picture_info(*scene_, camera, settings);
+    frame.info.occluders = arena_.execute([&] { return occluders_of(*scene_, settings.occluders, occluders_); });
     add_layers(*traced_, settings, frame.info);
     auto planes = arena_.execute(
         [&] { return capture_planes(*traced_, frame.info, settings, monitor, settings_.scalar, marked); });
@@ -437,6 +440,7 @@ class CpuDevice final : public Device {
   PlanePoolPtr pool_ = std::make_shared<PlanePool>();
   std::map<std::tuple<int, int, float>, std::weak_ptr<const Plane>> constants_;
   const Scene* scene_ = nullptr;
+  MadeOccluders occluders_;
   std::shared_ptr<const TracedScene> traced_;
 };
 

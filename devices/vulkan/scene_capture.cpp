@@ -21,6 +21,7 @@ Result<void> SceneCapture::prepare(const Scene& scene, const ProgressMonitor& mo
   if (!ready) return ready.error();
   ready->number = ++scene_count_;
   scene_ = std::make_shared<const DeviceScene>(std::move(*ready));
+  occluders_ = {};
   return {};
 }
 
@@ -36,6 +37,7 @@ Result<Frame> SceneCapture::capture(const Camera& camera, const CaptureSettings&
   if (auto fine = check_capture(settings); !fine) return fine.error();
   Frame frame;
   frame.info = picture_info(*scene_->scene, camera, settings);
+  frame.info.occluders = occluders_of(*scene_->scene, settings.occluders, occluders_);
   if (settings.extra_views > 0 && !traced_) {  // their cameras are found by tracing rays
     const ProgressMonitor preparation_monitor = monitor ? [&](double) { return monitor(0.0); } : ProgressMonitor();
     auto traced = build_traced_scene(*scene_->scene, threads_, preparation_monitor);

@@ -13,6 +13,7 @@
 #include "devices/vulkan/dispatch.h"
 #include "devices/vulkan/frame_planes.h"
 #include "rays/traced_scene.h"
+#include "scene/occluders.h"
 
 namespace umbrage {
 
@@ -88,6 +89,7 @@ class SceneCapture {
   bool draws_;
   RasterTargetPtr target_;                    // has the size of the last picture
   std::shared_ptr<const DeviceScene> scene_;  // null: none is prepared
+  MadeOccluders occluders_;
   std::size_t scene_count_ = 0;               // number of scenes prepared so far
   TracedScenePtr traced_;                     // null until extra views are requested
 };
