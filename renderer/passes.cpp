@@ -369,8 +369,9 @@ std::vector<std::string> planes_read_after(const Recipe& recipe, std::span<const
     for (int light = 0; light < kMaxShadows; ++light) planes.push_back(shadow_plane(light));
   }
   // Lines over an average are drawn after the look: see Plan::lines.
-  if (const Effect* outline = find_named<Effect>(steps, "outline"))
-    for (const Dispatch& dispatch : outline->dispatches) add(dispatch.inputs), add(dispatch.outputs);
+  for (const std::string_view name : {"outline", "hatching"})
+    if (const Effect* effect = find_named<Effect>(steps, name))
+      for (const Dispatch& dispatch : effect->dispatches) add(dispatch.inputs), add(dispatch.outputs);
   return planes;
 }
 
