@@ -25,6 +25,8 @@ constexpr std::size_t kStride = kTracedPerSpacing / kPointsPerSpacing;
 constexpr std::size_t kMinPoints = 3;   // of a part of a line that is drawn
 constexpr int kCorrections = 3;         // rounds in which widths are corrected
 constexpr float kTaperPoints = 12.0f;   // traced points over which a free end gets thinner: two spacings
+// Keeps planes of round coordinates, such as the ground, off the borders of cells.
+constexpr glm::vec3 kCellOffset = {0.379f, 0.283f, 0.417f};
 constexpr float kMinWidth = 0.05f;      // pixels: thinner parts of a line are left out
 constexpr float kMaxCorrection = 1.6f;  // of a width, in all rounds together
 
@@ -62,7 +64,7 @@ std::vector<Point> seeds_of(const HostFrame& frame, const HatchingField& field, 
                               ((float(y) + 0.5f) * f.ray_scale_y + f.ray_offset_y) * spread, -z, 1.0f};
       const float pixel = std::max(std::abs(f.ray_scale_x), std::abs(f.ray_scale_y)) * spread;
       const int level = int(std::ceil(std::log2(std::max(cell_px * pixel, 1e-30f))));
-      const glm::vec3 place = glm::vec3(world_from_view * view) / std::exp2(float(level));
+      const glm::vec3 place = glm::vec3(world_from_view * view) / std::exp2(float(level)) + kCellOffset;
       const glm::vec3 cell = glm::floor(place);
       if (!(std::abs(cell.x) + std::abs(cell.y) + std::abs(cell.z) < 1e9f)) continue;
       std::uint32_t hash = scrambled(std::uint32_t(level));

@@ -352,8 +352,8 @@ TEST(Hatching, LinesMoveWithTheSurface) {
   const double moving = correlation(own, with_surface), resting = correlation(own, at_pixel);
   RecordProperty("correlation_on_the_surface", std::to_string(moving));
   RecordProperty("correlation_at_the_pixel", std::to_string(resting));
-  EXPECT_GT(moving, 0.2);
-  EXPECT_GT(moving, resting + 0.1);
+  EXPECT_GT(moving, 0.45);
+  EXPECT_GT(moving, resting + 0.3);
 }
 
 }  // namespace
