@@ -10,6 +10,7 @@
 #include "effects/antialias/antialias.h"
 #include "effects/composite/composite.h"
 #include "effects/effects.h"
+#include "effects/hatching/hatching.h"
 #include "effects/outline/outline.h"
 #include "effects/output/output.h"
 #include "renderer/background.h"
@@ -370,8 +371,13 @@ std::vector<std::string> planes_read_after(const Recipe& recipe, std::span<const
   }
   // Lines over an average are drawn after the look: see Plan::lines.
   for (const std::string_view name : {"outline", "hatching"})
-    if (const Effect* effect = find_named<Effect>(steps, name))
-      for (const Dispatch& dispatch : effect->dispatches) add(dispatch.inputs), add(dispatch.outputs);
+    if (const Effect* effect = find_named<Effect>(steps, name)) {
+      ParameterBytes params = params_of(recipe.settings, name);
+      if (name == "hatching") as<HatchingParams>(params).parts = kHatchingLines;
+      for (const Dispatch& dispatch : effect->dispatches)
+        if (!dispatch.needed || dispatch.needed(params) || name == "outline")
+          add(dispatch.inputs), add(dispatch.outputs);
+    }
   return planes;
 }
 

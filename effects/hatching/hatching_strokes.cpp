@@ -22,9 +22,9 @@ using Point = HatchingLine::Point;
 constexpr int kPointsPerSpacing = 2;  // points of finished lines
 constexpr int kTracedPerSpacing = 6;  // points of traced lines
 constexpr std::size_t kStride = kTracedPerSpacing / kPointsPerSpacing;
-constexpr std::size_t kMinPoints = 3;   // of a part of a line that is drawn
-constexpr int kCorrections = 3;         // rounds in which widths are corrected
-constexpr float kTaperPoints = 12.0f;   // traced points over which a free end gets thinner: two spacings
+constexpr std::size_t kMinPoints = 3;  // of a part of a line that is drawn
+constexpr int kCorrections = 3;        // rounds in which widths are corrected
+constexpr float kTaperPoints = 5.0f;   // traced points over which a free end gets thinner
 // Keeps planes of round coordinates, such as the ground, off the borders of cells.
 constexpr glm::vec3 kCellOffset = {0.379f, 0.283f, 0.417f};
 constexpr float kMinWidth = 0.05f;      // pixels: thinner parts of a line are left out

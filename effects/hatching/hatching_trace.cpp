@@ -18,6 +18,7 @@ using Point = HatchingLine::Point;
 constexpr float kStepFraction = 1.0f / 6.0f;  // length of a step, in spacings
 constexpr float kStopFraction = 0.5f;         // a line ends within this fraction of the distance to another one
 constexpr float kSeedFraction = 0.75f;        // of the distance that a seed keeps
+constexpr float kAhead = 0.75f;               // of two lines that meet end to end, in spacings
 constexpr float kMinLength = 1.5f;            // of a line, in spacings
 constexpr float kMinTurnCosine = 0.7f;        // between two steps: a line does not turn by 45 degrees at once
 constexpr int kOwnSteps = 18;                 // nearby points of the same line that are no obstacle: three spacings
@@ -98,8 +99,9 @@ class Points {
   /// Removes the point that was added last among those of its cell.
   void remove_last(Point p) { cells_[index(column(p.x), row(p.y))].pop_back(); }
 
-  /// Returns whether a point is nearer than `distance`, except those of the line itself near the step.
-  bool is_near(Point p, float distance, int line, int step) const {
+  /// Returns whether a point is nearer than `distance`, and along the direction nearer than `ahead`, except those of
+  /// the line itself near the step.
+  bool is_near(Point p, float distance, Vector direction, float ahead, int line, int step) const {
     const int left = column(p.x - distance), right = column(p.x + distance);
     const int top = row(p.y - distance), bottom = row(p.y + distance);
     for (int r = top; r <= bottom; ++r)
@@ -107,7 +109,7 @@ class Points {
         for (const Entry& e : cells_[index(c, r)]) {
           if (e.line == line && std::abs(e.step - step) < kOwnSteps) continue;
           const float dx = e.at.x - p.x, dy = e.at.y - p.y;
-          if (dx * dx + dy * dy < distance * distance) return true;
+          if (dx * dx + dy * dy < distance * distance && std::abs(dot({dx, dy}, direction)) < ahead) return true;
         }
     return false;
   }
@@ -160,7 +162,8 @@ class Tracer {
 
   void add(Point seed, float fraction, int rank, std::deque<std::size_t>& queue) {
     const int line = int(lines_.size());
-    if (!directions_.is_surface(seed) || points_.is_near(seed, distance_ * fraction, line, 0)) return;
+    if (!directions_.is_surface(seed) || points_.is_near(seed, distance_ * fraction, {1.0f, 0.0f}, distance_, line, 0))
+      return;
     points_.add(seed, line, 0);
     const Vector forward = directions_.at(seed, {1.0f, 0.0f});
     const auto [after, free_end] = half_line(seed, forward, line, 1);
@@ -188,7 +191,8 @@ class Tracer {
       const Vector along = directions_.at(middle, start);
       const Point next = {p.x + step_ * along.x, p.y + step_ * along.y};
       if (dot(along, d) < kMinTurnCosine || !directions_.is_surface(next) || !directions_.connects(p, next)) break;
-      if (points_.is_near(next, distance_ * kStopFraction, line, sign * k)) return {points, true};
+      if (points_.is_near(next, distance_ * kStopFraction, along, kAhead * spacing_, line, sign * k))
+        return {points, true};
       points_.add(next, line, sign * k);
       points.push_back(next);
       p = next;
