@@ -2,6 +2,7 @@
 #include "effects/hatching/hatching_strokes.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <cmath>
@@ -43,42 +44,71 @@ std::uint32_t scrambled(std::uint32_t v) {
   return v ^ (v >> 16);
 }
 
-/// Returns points on surfaces from which lines can start: one for each visible cell of a grid in world space, about as
-/// large as the distance of the widest rank, in the order of a hash of the cell. So the points stay on the surface when
-/// the camera moves.
+/// World-space positions of the pixels of a picture.
+struct Positions {
+  explicit Positions(const HostFrame& frame)
+      : f(frame.frame), depth(frame.input("depth")), world_from_view(glm::inverse(frame.info.camera.view_from_world)) {}
+
+  float spread(int x, int y) const { return f.orthographic != 0 ? 1.0f : depth.row(y)[x]; }
+  float pixel_size(int x, int y) const {
+    return std::max(std::abs(f.ray_scale_x), std::abs(f.ray_scale_y)) * spread(x, y);
+  }
+  glm::vec3 at(int x, int y) const {
+    const float px = (float(x) + 0.5f) * f.ray_scale_x + f.ray_offset_x;
+    const float py = (float(y) + 0.5f) * f.ray_scale_y + f.ray_offset_y;
+    return glm::vec3(world_from_view * glm::vec4(px * spread(x, y), py * spread(x, y), -depth.row(y)[x], 1.0f));
+  }
+
+  const FrameConstants& f;
+  const HostPlane& depth;
+  glm::mat4 world_from_view;
+};
+
+/// Returns the point within a pixel or beside it whose surface is nearest to `target`, world space.
+Point nearest_point(const Positions& positions, const HatchingField& field, int x, int y, const glm::vec3& target) {
+  Point p = {float(x) + 0.5f, float(y) + 0.5f};
+  const int breaks = int(field.breaks.row(y)[x]);
+  if (breaks != 0 || x + 1 >= field.width || y + 1 >= field.height) return p;
+  const glm::vec3 here = positions.at(x, y), right = positions.at(x + 1, y) - here,
+                  down = positions.at(x, y + 1) - here;
+  const float a = glm::dot(right, right), b = glm::dot(right, down), c = glm::dot(down, down);
+  const float u = glm::dot(right, target - here), v = glm::dot(down, target - here), area = a * c - b * b;
+  if (!(area > 1e-6f * a * c)) return p;
+  p.x += std::clamp((c * u - b * v) / area, -1.0f, 1.0f);
+  p.y += std::clamp((a * v - b * u) / area, -1.0f, 1.0f);
+  return p;
+}
+
+/// Returns points on surfaces from which lines can start: one for each visible cell of a grid in world space, about
+/// `cell_px` pixels large, in the order of a hash of the cell. So the points stay on the surface when the camera moves.
 std::vector<Point> seeds_of(const HostFrame& frame, const HatchingField& field, float cell_px) {
-  const FrameConstants& f = frame.frame;
-  const glm::mat4 world_from_view = glm::inverse(frame.info.camera.view_from_world);
-  const HostPlane& depth = frame.input("depth");
+  const Positions positions(frame);
   struct Seed {
-    Point at;
-    float off;  // distance from the middle of the cell
+    int x, y;
+    glm::vec3 center;  // of the cell, world space
+    float off;         // squared distance from there, in cells
     std::uint32_t order;
   };
-  std::unordered_map<std::uint64_t, Seed> cells;
+  std::unordered_map<std::uint32_t, Seed> cells;
   for (int y = 0; y < field.height; ++y)
     for (int x = 0; x < field.width; ++x) {
       if (field.x.row(y)[x] == 0.0f && field.y.row(y)[x] == 0.0f) continue;
-      const float z = depth.row(y)[x], spread = f.orthographic != 0 ? 1.0f : z;
-      const glm::vec4 view = {((float(x) + 0.5f) * f.ray_scale_x + f.ray_offset_x) * spread,
-                              ((float(y) + 0.5f) * f.ray_scale_y + f.ray_offset_y) * spread, -z, 1.0f};
-      const float pixel = std::max(std::abs(f.ray_scale_x), std::abs(f.ray_scale_y)) * spread;
-      const int level = int(std::ceil(std::log2(std::max(cell_px * pixel, 1e-30f))));
-      const glm::vec3 place = glm::vec3(world_from_view * view) / std::exp2(float(level)) + kCellOffset;
-      const glm::vec3 cell = glm::floor(place);
+      const int level = int(std::ceil(std::log2(std::max(cell_px * positions.pixel_size(x, y), 1e-30f))));
+      const float side = std::exp2(float(level));
+      const glm::vec3 place = positions.at(x, y) / side + kCellOffset, cell = glm::floor(place);
       if (!(std::abs(cell.x) + std::abs(cell.y) + std::abs(cell.z) < 1e9f)) continue;
       std::uint32_t hash = scrambled(std::uint32_t(level));
       for (int c = 0; c < 3; ++c) hash = scrambled(hash ^ std::uint32_t(std::int32_t(cell[c])));
       const glm::vec3 offset = place - cell - 0.5f;
-      const float off = glm::dot(offset, offset);
-      const auto [found, added] = cells.try_emplace(hash, Seed{{float(x) + 0.5f, float(y) + 0.5f}, off, hash});
-      if (!added && off < found->second.off) found->second = {{float(x) + 0.5f, float(y) + 0.5f}, off, hash};
+      const Seed seed = {x, y, (cell + 0.5f - kCellOffset) * side, glm::dot(offset, offset), hash};
+      const auto [found, added] = cells.try_emplace(hash, seed);
+      if (!added && seed.off < found->second.off) found->second = seed;
     }
   std::vector<Seed> ordered;
   for (const auto& [key, seed] : cells) ordered.push_back(seed);
   std::sort(ordered.begin(), ordered.end(), [](const Seed& a, const Seed& b) { return a.order < b.order; });
   std::vector<Point> points;
-  for (const Seed& seed : ordered) points.push_back(seed.at);
+  for (const Seed& seed : ordered) points.push_back(nearest_point(positions, field, seed.x, seed.y, seed.center));
   return points;
 }
 
@@ -197,19 +227,19 @@ Lines with_widths(const std::vector<HatchingLine>& traced, const Ink& ink, const
   return lines;
 }
 
-Lines lines_of_set(const HostFrame& frame, const HatchingConstants& c, bool second) {
+HatchingField field_of(const HostFrame& frame, const HatchingConstants& c, bool second) {
+  return {frame.frame.width,
+          frame.frame.height,
+          frame.input(second ? "hatching_cross_x" : "hatching_x"),
+          frame.input(second ? "hatching_cross_y" : "hatching_y"),
+          frame.input("hatching_break"),
+          c.spacing_px};
+}
+
+Lines lines_of_set(const HostFrame& frame, const HatchingConstants& c, const HatchingSeeds& seeds, bool second) {
   const int width = frame.frame.width, height = frame.frame.height;
   const HostPlane &ink_plane = frame.input("hatching_ink"), &objects = frame.input("object_id");
-  const HatchingField field = {width,
-                               height,
-                               frame.input(second ? "hatching_cross_x" : "hatching_x"),
-                               frame.input(second ? "hatching_cross_y" : "hatching_y"),
-                               frame.input("hatching_break"),
-                               c.spacing_px};
-  HatchingSeeds seeds;
-  for (int rank = 0; rank < kHatchingRanks; ++rank)
-    seeds[std::size_t(rank)] = seeds_of(frame, field, 0.5f * c.spacing_px * float(1 << (kHatchingRanks - 1 - rank)));
-  const std::vector<HatchingLine> traced = trace_hatching(field, seeds);
+  const std::vector<HatchingLine> traced = trace_hatching(field_of(frame, c, second), seeds);
   const Ink ink{ink_plane, c.cross, second};
   Correction correction(width, height, 2.0f * c.spacing_px);
   OwnPlane drawn(width, height);
@@ -232,11 +262,18 @@ float hatching_width(int rank, float ink, float spacing_px, float width_px) {
 }
 
 Lines hatching_lines(const HostFrame& frame, const HatchingConstants& c) {
-  Lines lines = lines_of_set(frame, c, false);
-  if (c.cross < 1.0f) {
-    Lines crossing = lines_of_set(frame, c, true);
-    lines.lines.insert(lines.lines.end(), crossing.lines.begin(), crossing.lines.end());
-  }
+  const HatchingField field = field_of(frame, c, false);
+  HatchingSeeds seeds;
+  tbb::parallel_for(0, kHatchingRanks, [&](int rank) {
+    const float cell_px = 0.5f * c.spacing_px * float(1 << (kHatchingRanks - 1 - rank));
+    seeds[std::size_t(rank)] = seeds_of(frame, field, cell_px);
+  });
+  Lines lines, crossing;
+  tbb::parallel_invoke([&] { lines = lines_of_set(frame, c, seeds, false); },
+                       [&] {
+                         if (c.cross < 1.0f) crossing = lines_of_set(frame, c, seeds, true);
+                       });
+  lines.lines.insert(lines.lines.end(), crossing.lines.begin(), crossing.lines.end());
   return lines;
 }
 
