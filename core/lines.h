@@ -5,9 +5,11 @@
 namespace umbrage {
 
 enum class LineKind {
-  kOutline,  ///< border of an object against another one, another material or the background
-  kFold,     ///< an object occludes part of itself
-  kCrease,   ///< two faces meet at an angle
+  kOutline,     ///< border of an object against another one, another material or the background
+  kFold,        ///< an object occludes part of itself
+  kCrease,      ///< two faces meet at an angle
+  kHatch,       ///< hatching along a surface
+  kCrossHatch,  ///< hatching that crosses other hatching
 };
 
 struct LinePoint {

@@ -32,6 +32,10 @@ std::string_view name_of(LineKind kind) {
       return "outline";
     case LineKind::kFold:
       return "fold";
+    case LineKind::kHatch:
+      return "hatch";
+    case LineKind::kCrossHatch:
+      return "cross-hatch";
     case LineKind::kCrease:
       break;
   }

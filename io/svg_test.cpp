@@ -120,11 +120,13 @@ TEST_F(SvgTest, HasColorsAndNoLinesInEmptyViews) {
 }
 
 TEST_F(SvgTest, HasTheLinesOfEveryLookThatDrawsSome) {
-  for (const std::string look : {"cartoon", "technical"}) {
+  for (const std::string look : {"cartoon", "hatching", "technical"}) {
     good("scene:solids?detail=2000 --device cpu --resolution 160x120 --look " + look + " -o " + look + ".svg");
     const std::string text = text_of(folder_ / (look + ".svg"));
     EXPECT_GT(count_of(text, "<path"), 50) << look;
     EXPECT_GT(count_of(text, "stroke=\"#000000\""), 0) << look;
+    EXPECT_EQ(count_of(text, "class=\"hatch\"") > 0, look == "hatching") << look;
+    EXPECT_EQ(count_of(text, "class=\"cross-hatch\"") > 0, look == "hatching") << look;
   }
 }
 

@@ -105,7 +105,7 @@ Result<Recipe> JobObject::recipe_of(const Request& request, const GBufferFile* f
   if (!recipe || outputs_.empty()) return recipe;
   const bool color = std::any_of(outputs_.begin(), outputs_.end(), [](const Output& o) { return o.pass == "color"; });
   std::vector<std::string_view> other_planes;
-  if (request.strokes) other_planes.assign(edge_planes().begin(), edge_planes().end());
+  if (request.strokes) other_planes = edge_planes(line_parameters_or_none(*recipe));
   if (!color && renders()) reduce_to_passes(*recipe, other_planes);
   return recipe;
 }
@@ -126,7 +126,7 @@ Result<JobObject::ResolvedJob> JobObject::resolve(const GBufferFile* file) const
   if (std::min(width, height) < 1)
     return usage_error("`reduction` cannot be {}: the picture has {} x {} pixels", recipe->reduction, request.width,
                        request.height);
-  auto stroke_parameters = request.strokes ? line_parameters(*recipe) : Result<ParameterBytes>(ParameterBytes());
+  auto stroke_parameters = request.strokes ? line_parameters(*recipe) : Result<LineParameters>(LineParameters());
   if (!stroke_parameters) return stroke_parameters.error();
   // A shaded picture has the size of its depth image, or of its files.
   if (renders() || find_image("depth") || file)

@@ -78,7 +78,7 @@ class JobObject final : public Object {
   struct ResolvedJob {
     Request request;  ///< with the requested passes
     Recipe recipe;
-    ParameterBytes lines;  ///< parameters of the lines if strokes are requested; otherwise empty
+    LineParameters lines;  ///< parameters of the lines if strokes are requested; otherwise empty
   };
   /// Resolves the parameters, for these files if there are any and they are open. Errors: kUsage.
   Result<ResolvedJob> resolve(const GBufferFile* file = nullptr) const;

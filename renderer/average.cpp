@@ -1,5 +1,6 @@
 // Averaged pictures: which planes are averaged, and the lines drawn over the average.
 #include <algorithm>
+#include <functional>
 
 #include "effects/effects.h"
 #include "effects/output/output.h"
@@ -7,15 +8,27 @@
 
 namespace umbrage {
 
+namespace {
+
+/// Calls `visit` with every effect that draws lines over the average, and its parameters.
+void for_line_effects(const Plan& plan, const std::function<void(const Effect&, const ParameterBytes&)>& visit) {
+  if (!plan.lines.outline.empty()) visit(*find_effect("outline"), plan.lines.outline);
+  if (!plan.lines.hatching.empty()) visit(*find_effect("hatching"), plan.lines.hatching);
+}
+
+}  // namespace
+
 std::vector<std::string> line_planes(const Plan& plan) {
   std::vector<std::string> names;
-  if (plan.lines.empty()) return names;
   const auto& output_inputs = find_effect("output")->dispatches[0].inputs;
-  for (const Dispatch& dispatch : find_effect("outline")->dispatches)
-    if (!dispatch.needed || dispatch.needed(plan.lines))
-      for (const std::string_view plane : dispatch.outputs)
-        if (std::find(output_inputs.begin(), output_inputs.end(), plane) != output_inputs.end())
-          names.emplace_back(plane);
+  for_line_effects(plan, [&](const Effect& effect, const ParameterBytes& params) {
+    for (const Dispatch& dispatch : effect.dispatches)
+      if (!dispatch.needed || dispatch.needed(params))
+        for (const std::string_view plane : dispatch.outputs)
+          if (std::find(output_inputs.begin(), output_inputs.end(), plane) != output_inputs.end() &&
+              std::find(names.begin(), names.end(), plane) == names.end())
+            names.emplace_back(plane);
+  });
   return names;
 }
 
@@ -42,8 +55,12 @@ std::vector<std::string> averaged_planes(const Plan& plan) {
 Result<RunState> draw_lines(Device& device, const Plan& plan, Frame& frame, const ProgressMonitor& monitor,
                             StageTimes& times) {
   if (plan.lines.empty() || plan.capture.sample > 0) return RunState();
-  auto done = device.run(*find_effect("outline"), plan.lines, frame, 0, PixelSet::kAll, monitor);
-  times.done("outline");
+  Result<RunState> done = RunState();
+  for_line_effects(plan, [&](const Effect& effect, const ParameterBytes& params) {
+    if (!done || !done->finished) return;
+    done = device.run(effect, params, frame, 0, PixelSet::kAll, monitor);
+    times.done(effect.name);
+  });
   return done;
 }
 

@@ -3,21 +3,42 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 #include "core/srgb.h"
 #include "devices/shared/dispatches.h"
 #include "devices/shared/host_steps.h"
 #include "effects/effects.h"
+#include "effects/hatching/hatching_strokes.h"
 #include "effects/outline/outline_draw.h"
 
 namespace umbrage {
 namespace {
 
-/// Returns the dispatch of `outline` that runs on the host: it traces and draws the lines.
-const Dispatch& tracing_dispatch() {
-  const auto& dispatches = find_effect("outline")->dispatches;
+/// Returns the dispatch of an effect that runs on the host: it traces and draws the lines.
+const Dispatch& tracing_dispatch(std::string_view effect) {
+  const auto& dispatches = find_effect(effect)->dispatches;
   return *std::find_if(dispatches.begin(), dispatches.end(),
                        [](const Dispatch& dispatch) { return dispatch.host != nullptr; });
+}
+
+/// Appends the lines of an effect, which `trace` returns from the inputs of its host step, to `lines`.
+template <class Constants>
+void append_lines(std::string_view effect, const PictureInfo& info, const Image& planes, const ParameterBytes& params,
+                  int threads, Lines (*trace)(const HostFrame&, const Constants&), std::vector<Line>& lines) {
+  if (params.empty()) return;
+  Constants constants{};
+  find_effect(effect)->constants(params, info, &constants);
+  const Dispatch& dispatch = tracing_dispatch(effect);
+  std::vector<const Plane*> in_table_order;
+  for (const std::string_view name : dispatch.inputs) in_table_order.push_back(&planes.plane(name));
+  const std::vector<HostPlane> inputs = host_inputs(dispatch, in_table_order);
+  const HostFrame frame{info, frame_constants(info, inputs[0].stride, 0), &constants, inputs, {}};
+  Lines traced;
+  tbb::task_arena arena(std::max(threads, 1));
+  arena.execute([&] { traced = trace(frame, constants); });
+  std::move(traced.lines.begin(), traced.lines.end(), std::back_inserter(lines));
 }
 
 /// Returns whether a part of the line may be visible in a picture of width x height pixels.
@@ -34,57 +55,78 @@ bool is_inside(const Line& line, int width, int height) {
 
 }  // namespace
 
-Result<ParameterBytes> line_parameters(std::string_view subject, std::span<const std::string_view> effects,
+Result<LineParameters> line_parameters(std::string_view subject, std::span<const std::string_view> effects,
                                        const EffectSettings& settings) {
-  if (std::find(effects.begin(), effects.end(), "outline") == effects.end())
-    return usage_error("{} no lines: the looks cartoon and technical and the effect outline do", subject);
-  const ParameterBytes& params = params_of(settings, "outline");
-  const auto& outline = as<OutlineParams>(params);
+  const auto runs = [&](std::string_view effect) {
+    return std::find(effects.begin(), effects.end(), effect) != effects.end();
+  };
+  LineParameters params;
+  if (runs("hatching")) params.hatching = params_of(settings, "hatching");
+  if (!runs("outline")) {
+    if (!params.empty()) return params;
+    return usage_error("{} no lines: the looks cartoon, hatching and technical and the effects hatching and outline do",
+                       subject);
+  }
+  const ParameterBytes& outline_params = params_of(settings, "outline");
+  const auto& outline = as<OutlineParams>(outline_params);
   if (outline.mode == kOutlinePaper)
     return usage_error("lines of outline.mode=paper are pixels, not curves: outline.mode=robust has curves");
-  if (!(outline.opacity > 0.0f)) return usage_error("outline.opacity=0 draws no lines: set it above 0");
+  if (outline.opacity > 0.0f)
+    params.outline = outline_params;
+  else if (params.empty())
+    return usage_error("outline.opacity=0 draws no lines: set it above 0");
   return params;
 }
 
-Result<ParameterBytes> line_parameters(const Recipe& recipe) {
+Result<LineParameters> line_parameters(const Recipe& recipe) {
   const std::string subject =
       recipe.effects_look ? "the requested effects draw" : fmt::format("the look '{}' draws", recipe.look->name);
   return line_parameters(subject, recipe.look->effects, recipe.settings);
 }
 
-std::span<const std::string_view> edge_planes() { return tracing_dispatch().inputs; }
+LineParameters line_parameters_or_none(const Recipe& recipe) {
+  auto params = line_parameters(recipe);
+  return params ? std::move(*params) : LineParameters();
+}
 
-Lines traced_lines(const PictureInfo& info, const Image& planes, const ParameterBytes& outline_params, int threads) {
-  OutlineConstants constants{};
-  find_effect("outline")->constants(outline_params, info, &constants);
-  std::vector<const Plane*> in_table_order;
-  for (const std::string_view name : edge_planes()) in_table_order.push_back(&planes.plane(name));
-  const std::vector<HostPlane> inputs = host_inputs(tracing_dispatch(), in_table_order);
-  const HostFrame frame{info, frame_constants(info, inputs[0].stride, 0), &constants, inputs, {}};
-  Lines lines;
-  tbb::task_arena arena(std::max(threads, 1));
-  arena.execute([&] { lines = trace_lines(frame, constants); });
-  lines.width = info.inner_width();
-  lines.height = info.inner_height();
+std::vector<std::string_view> edge_planes(const LineParameters& params) {
+  std::vector<std::string_view> planes;
+  const auto add = [&](std::string_view effect) {
+    for (const std::string_view plane : tracing_dispatch(effect).inputs)
+      if (std::find(planes.begin(), planes.end(), plane) == planes.end()) planes.push_back(plane);
+  };
+  if (!params.outline.empty()) add("outline");
+  if (!params.hatching.empty()) add("hatching");
+  return planes;
+}
+
+Lines traced_lines(const PictureInfo& info, const Image& planes, const LineParameters& params, int threads) {
+  Lines lines{info.inner_width(), info.inner_height(), {}};
+  append_lines("outline", info, planes, params.outline, threads, trace_lines, lines.lines);
+  append_lines("hatching", info, planes, params.hatching, threads, hatching_lines, lines.lines);
   for (Line& line : lines.lines)
     for (LinePoint& p : line.points) p.x -= float(info.guard), p.y -= float(info.guard);
   std::erase_if(lines.lines, [&](const Line& line) { return !is_inside(line, lines.width, lines.height); });
   return lines;
 }
 
-Result<Lines> traced_lines(Device& device, const Frame& frame, const ParameterBytes& outline_params) {
+Result<Lines> traced_lines(Device& device, const Frame& frame, const LineParameters& params) {
   Frame whole_frame = frame;
   whole_frame.info.guard = 0;  // so that download returns the guard band, too
-  const auto planes = device.download(whole_frame, {edge_planes().begin(), edge_planes().end()});
+  const auto names = edge_planes(params);
+  const auto planes = device.download(whole_frame, {names.begin(), names.end()});
   if (!planes) return planes.error();
-  return traced_lines(frame.info, *planes, outline_params, device.threads());
+  return traced_lines(frame.info, *planes, params, device.threads());
 }
 
-std::array<float, 3> line_color(const ParameterBytes& outline_params) {
-  const auto& outline = as<OutlineParams>(outline_params);
+std::array<float, 3> line_color(const LineParameters& params) {
+  if (params.outline.empty()) return {0.0f, 0.0f, 0.0f};
+  const auto& outline = as<OutlineParams>(params.outline);
   return {srgb_from_linear(outline.r), srgb_from_linear(outline.g), srgb_from_linear(outline.b)};
 }
 
-float line_opacity(const ParameterBytes& outline_params) { return as<OutlineParams>(outline_params).opacity; }
+float line_opacity(const LineParameters& params) {
+  return params.outline.empty() ? 1.0f : as<OutlineParams>(params.outline).opacity;
+}
 
 }  // namespace umbrage

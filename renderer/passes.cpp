@@ -10,6 +10,7 @@
 #include "effects/antialias/antialias.h"
 #include "effects/composite/composite.h"
 #include "effects/effects.h"
+#include "effects/hatching/hatching.h"
 #include "effects/outline/outline.h"
 #include "effects/output/output.h"
 #include "renderer/background.h"
@@ -369,8 +370,14 @@ std::vector<std::string> planes_read_after(const Recipe& recipe, std::span<const
     for (int light = 0; light < kMaxShadows; ++light) planes.push_back(shadow_plane(light));
   }
   // Lines over an average are drawn after the look: see Plan::lines.
-  if (const Effect* outline = find_named<Effect>(steps, "outline"))
-    for (const Dispatch& dispatch : outline->dispatches) add(dispatch.inputs), add(dispatch.outputs);
+  for (const std::string_view name : {"outline", "hatching"})
+    if (const Effect* effect = find_named<Effect>(steps, name)) {
+      ParameterBytes params = params_of(recipe.settings, name);
+      if (name == "hatching") as<HatchingParams>(params).parts = kHatchingLines;
+      for (const Dispatch& dispatch : effect->dispatches)
+        if (!dispatch.needed || dispatch.needed(params) || name == "outline")
+          add(dispatch.inputs), add(dispatch.outputs);
+    }
   return planes;
 }
 

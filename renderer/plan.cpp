@@ -1,4 +1,5 @@
 #include "renderer/plan.h"
+#include "effects/hatching/hatching.h"
 #include "renderer/marked_samples.h"
 
 #include <algorithm>
@@ -147,11 +148,17 @@ constexpr int kMaxShadowRays = 16;
 /// outline.mode=paper are drawn in each sample.
 void separate_lines(Plan& plan) {
   const auto steps = steps_of(look_run(plan.recipe));
+  if (find_named<Effect>(steps, "hatching")) {
+    ParameterBytes& params = params_of(plan.recipe.settings, "hatching");
+    plan.lines.hatching = params;
+    as<HatchingParams>(plan.lines.hatching).parts = kHatchingLines;
+    as<HatchingParams>(params).parts = kHatchingTone;
+  }
   if (!find_named<Effect>(steps, "outline")) return;
   ParameterBytes& params = params_of(plan.recipe.settings, "outline");
   auto& outline = as<OutlineParams>(params);
   if (outline.mode == kOutlinePaper || !(outline.opacity > 0.0f)) return;
-  plan.lines = params;
+  plan.lines.outline = params;
   outline.opacity = 0.0f;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 #include <vector>
 
+#include "renderer/line_parameters.h"
 #include "renderer/recipe.h"
 
 namespace umbrage {
@@ -18,8 +19,8 @@ struct Plan {
   bool has_blended = false;        ///< the picture shows blended surfaces: each sample blends two pictures, see blend.h
   float sky_gain = 1.0f;           ///< factor for the radiance of the environment image as background
   ParameterBytes output;           ///< parameters of `output` for the averaged picture
-  /// Parameters of `outline` if it is drawn once, by sample 0, over the averaged picture; else empty.
-  ParameterBytes lines;
+  /// Parameters of the effects whose lines are drawn once, by sample 0, over the averaged picture; else empty.
+  LineParameters lines;
   int first_noise = 0;  ///< noise index of sample 0: see Effect::noise
   /// Samples beyond the first are drawn only at the pixels that the first one marks: see marked_samples.h. Then sample
   /// 0 is drawn first.

@@ -1,6 +1,7 @@
 #include "renderer/shade_strips.h"
 
 #include "renderer/draw.h"
+#include "renderer/lines.h"
 #include "renderer/strip_drawer.h"
 
 namespace umbrage {
@@ -27,7 +28,7 @@ StripSource file_source(Device& device, const GBufferFile& file, const Recipe& r
   return {.run = look_run(recipe),
           .height = info.height,
           .guard = 0,
-          .lines = params_of(recipe.settings, "outline"),
+          .lines = line_parameters_or_none(recipe),
           .make_frame = read,
           .after_look = [](Frame&, const ProgressMonitor&) { return Result<RunState>(RunState()); }};
 }

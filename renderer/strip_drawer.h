@@ -8,6 +8,7 @@
 
 #include "core/lines.h"
 #include "looks/looks.h"
+#include "renderer/line_parameters.h"
 #include "renderer/times.h"
 
 namespace umbrage {
@@ -42,7 +43,7 @@ struct StripSource {
   LookRun run;                  ///< the drawer sets `after`, `monitor` and `meter`; with `stops`, nothing is metered
   int height = 0;               ///< rows of the picture, guard band included
   int guard = 0;                ///< guard band, pixels on each side
-  const ParameterBytes& lines;  ///< parameters of the effect that makes the lines
+  LineParameters lines;  ///< parameters of the effects that make the lines
   /// Returns the frame of a strip before any effect of the look has run. Called once for each strip of each sweep.
   std::function<Result<Frame>(const Strip&, const ProgressMonitor&)> make_frame;
   /// Runs on each frame after the look; may be unfinished as Device::run.

@@ -8,6 +8,7 @@
 #include "renderer/average.h"
 #include "renderer/background.h"
 #include "renderer/draw.h"
+#include "renderer/lines.h"
 #include "renderer/marked_samples.h"
 #include "renderer/strip_drawer.h"
 
@@ -146,7 +147,7 @@ StripSource scene_source(Device& device, Plan& plan, const Camera& camera, Stage
   return {.run = look_run(plan.recipe),
           .height = plan.capture.height + 2 * plan.capture.guard,
           .guard = plan.capture.guard,
-          .lines = plan.lines.empty() ? params_of(plan.recipe.settings, "outline") : plan.lines,
+          .lines = plan.lines.empty() ? line_parameters_or_none(plan.recipe) : plan.lines,
           .make_frame = captured,
           .after_look = [&](Frame& frame, const ProgressMonitor& monitor) -> Result<RunState> {
             auto drawn = draw_lines(device, plan, frame, monitor, times);

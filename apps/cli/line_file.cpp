@@ -49,9 +49,9 @@ Result<void> set_line_parameters(const RenderOptions& o, const Recipe& recipe, L
   return {};
 }
 
-void disable_unused_effects(Request& request) {
+void disable_unused_effects(const LineParameters& lines, Request& request) {
   request.anti_aliasing = 1;
-  if (!request.occlusion_radius.empty()) return;  // a hint about the radius needs occlusion
+  if (!lines.hatching.empty() || !request.occlusion_radius.empty()) return;  // a hint about the radius needs occlusion
   request.occlusion = kNoOcclusion;
   request.occlusion_scale.clear();
 }

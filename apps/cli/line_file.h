@@ -6,6 +6,7 @@
 #include "apps/cli/render_options.h"
 #include "core/lines.h"
 #include "io/svg.h"
+#include "renderer/line_parameters.h"
 
 namespace umbrage::cli {
 
@@ -14,7 +15,7 @@ struct LineFile {
   std::string file;       ///< empty: no lines are written
   bool alone = false;     ///< the lines are the only output
   FrameNames names;       ///< file names of a turntable's frames
-  ParameterBytes params;  ///< parameters of the effect `outline`
+  LineParameters params;  ///< parameters of the effects that draw lines
   SvgStyle style;
 
   explicit operator bool() const { return !file.empty(); }
@@ -32,8 +33,8 @@ Result<LineFile> line_file_of(const RenderOptions& o, int frames);
 Result<void> set_line_parameters(const RenderOptions& o, const Recipe& recipe, LineFile& lines);
 
 /// Turns off anti-aliasing and occlusion, on which lines do not depend, when only lines are written. Occlusion stays on
-/// if its radius is given, since the hint about the radius needs it.
-void disable_unused_effects(Request& request);
+/// if its radius is given, since the hint about the radius needs it, and for hatching, which draws it.
+void disable_unused_effects(const LineParameters& lines, Request& request);
 
 /// Traces the lines of a frame and writes them. Errors: kFile; those of Device::download.
 Result<void> write_lines(const LineFile& lines, int frame_number, Device& device, const Frame& frame);

@@ -333,7 +333,7 @@ Result<RenderJob> make_job(const RenderOptions& o) {
     if (auto taken = set_line_parameters(o, job.requested, job.lines); !taken) return taken.error();
   if (job.lines.alone) {
     Request of_lines = o.request;
-    disable_unused_effects(of_lines);
+    disable_unused_effects(job.lines.params, of_lines);
     auto alone = make_recipe(of_lines, kMaxStripPixels);
     if (!alone) return alone.error();
     job.recipe = std::move(*alone);
@@ -341,7 +341,8 @@ Result<RenderJob> make_job(const RenderOptions& o) {
   const bool has_passes = !job.recipe.passes.empty();
   const auto hints = has_passes ? std::vector<std::string>() : hint_planes(job.recipe);
   std::vector<std::string_view> besides(hints.begin(), hints.end());
-  if (job.lines) besides.insert(besides.end(), edge_planes().begin(), edge_planes().end());
+  const auto edges = edge_planes(job.lines.params);
+  besides.insert(besides.end(), edges.begin(), edges.end());
   if (job.lines.alone && !has_passes)
     reduce_to_planes(job.recipe, {besides.begin(), besides.end()});
   else

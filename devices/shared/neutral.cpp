@@ -32,7 +32,8 @@ std::optional<float> neutral_value(std::string_view plane) {
   if (plane == "roughness") return kNoRoughness;
   if (plane == "ao" || plane == "material_ao" || plane == "coverage" || plane == "beauty.a") return 1.0f;
   if (plane == "outline" || plane == "cover" || plane == "cover_for_eye" || plane == "shadow_catcher" ||
-      plane == "open_light" || plane == "object_id" || plane == "material_id" || plane == "bitmask_mips")
+      plane == "open_light" || plane == "object_id" || plane == "material_id" || plane == "bitmask_mips" ||
+      plane == "hatching_ink")
     return 0.0f;
   if (plane.starts_with("direct.") || plane.starts_with("ambient.") || plane.starts_with("indirect.") ||
       plane.starts_with("emission.") || plane.starts_with("sky.") || plane.starts_with("lit_direct.") ||

@@ -184,7 +184,7 @@ void expect_same_looks(VulkanCapture how, double fraction, double fraction_of_li
     }
     for (std::size_t p = 0; p < 3; ++p) {
       const auto d = test::difference(images[0].planes[p], images[1].planes[p], 2.0 / 255.0);
-      const bool has_lines = look->name == "cartoon" || look->name == "technical";
+      const bool has_lines = look->name == "cartoon" || look->name == "hatching" || look->name == "technical";
       EXPECT_LE(d.fraction_over, has_lines ? fraction_of_lines : fraction) << look->name << ", most " << d.max;
     }
   }
@@ -193,8 +193,8 @@ void expect_same_looks(VulkanCapture how, double fraction, double fraction_of_li
 TEST(Vulkan, EveryLookGivesTheSamePicture) { expect_same_looks(VulkanCapture::kRays, 1e-3, 1e-3); }
 
 TEST(Vulkan, EveryLookGivesNearlyTheSamePictureRasterised) {
-  // Rasterised pixels on the border of a surface may show another one, and lines, which `cartoon` and `technical` draw,
-  // follow them.
+  // Rasterised pixels on the border of a surface may show another one, and lines, which `cartoon`, `hatching` and
+  // `technical` draw, follow them.
   expect_same_looks(VulkanCapture::kRaster, 1e-2, 5e-2);
 }
 

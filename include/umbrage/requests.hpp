@@ -43,9 +43,11 @@ struct StrokePoint {
 };
 
 enum class StrokeKind {
-  kOutline,  ///< border of an object against another object, another material or the background
-  kFold,     ///< an object occludes a part of itself
-  kCrease,   ///< two faces meet
+  kOutline,     ///< border of an object against another object, another material or the background
+  kFold,        ///< an object occludes a part of itself
+  kCrease,      ///< two faces meet
+  kHatch,       ///< hatching along a surface
+  kCrossHatch,  ///< hatching that crosses other hatching
 };
 
 /// A line of the picture: a polyline with round caps and joins, whose width changes linearly from point to point.
@@ -146,7 +148,8 @@ struct RenderRequest {
   /// Passes to return besides the picture: "depth", "normal", "ao", ... "beauty" is the picture as .exr files hold it:
   /// scene-linear light, before the tone curve, premultiplied.
   std::vector<std::string> passes{};
-  bool strokes = false;  ///< return the look's lines as curves; of the looks, `cartoon` and `technical` draw lines
+  bool strokes =
+      false;  ///< return the look's lines as curves; of the looks, `cartoon`, `hatching` and `technical` draw lines
   Progress progress{};
 };
 

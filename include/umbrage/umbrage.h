@@ -243,7 +243,9 @@ UMB_API const char* umbGetJobOutputName(UmbJob job, int index);
 typedef enum UmbStrokeKind {
   UMB_STROKE_OUTLINE = 0, /* border of an object */
   UMB_STROKE_FOLD = 1,    /* an object occludes a part of itself */
-  UMB_STROKE_CREASE = 2   /* two faces meet */
+  UMB_STROKE_CREASE = 2,  /* two faces meet */
+  UMB_STROKE_HATCH = 3,   /* hatching along a surface */
+  UMB_STROKE_CROSS_HATCH = 4 /* hatching that crosses other hatching */
 } UmbStrokeKind;
 typedef struct UmbStrokePoint {
   float x, y, width;

@@ -14,7 +14,7 @@ from ._suggest import shown, suggestion
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_STROKE_KINDS = ("outline", "fold", "crease")
+_STROKE_KINDS = ("outline", "fold", "crease", "hatch", "cross-hatch")
 
 
 class Stroke(NamedTuple):
@@ -23,7 +23,8 @@ class Stroke(NamedTuple):
     points: NDArray[Any]
     """(N, 3) float32: x, y and width, in pixels; x and y from the picture's upper left corner."""
     kind: str
-    """"outline": border of an object; "fold": an object occludes a part of itself; "crease": two faces meet."""
+    """"outline": border of an object; "fold": an object occludes a part of itself; "crease": two faces meet;
+    "hatch", "cross-hatch": hatching along a surface, and hatching that crosses it."""
     object_id: int
     """Id of the nearer surface."""
     closed: bool

@@ -1,0 +1,47 @@
+// The host step of effect `hatching`: evenly spaced lines along directions, as wide as the ink that each place needs.
+#pragma once
+#include <array>
+#include <vector>
+
+#include "core/lines.h"
+#include "effects/hatching/hatching.h"
+#include "kernel/host_frame.h"
+
+namespace umbrage {
+
+/// Where lines can run, and how much ink each pixel needs. All planes have width x height pixels.
+struct HatchingField {
+  int width = 0, height = 0;
+  HostPlane x, y;    ///< direction as (cos 2a, sin 2a), a from right to down; 0: none
+  HostPlane breaks;  ///< kHatchingBreak...
+  float spacing_px = 6.0f;
+};
+
+/// A line of a set, before it has a width.
+struct HatchingLine {
+  /// Lines of rank 0 are 4 spacings apart; those of ranks 0 and 1 together 2, and all of them 1.
+  int rank = 0;
+  bool free_start = false, free_end = false;  ///< it ends beside another line, not where the surface ends
+  struct Point {
+    float x, y;  ///< pixels
+  };
+  std::vector<Point> points;
+};
+inline constexpr int kHatchingRanks = 3;
+using HatchingSeeds = std::array<std::vector<HatchingLine::Point>, kHatchingRanks>;
+
+/// Returns lines that are evenly spaced over all surfaces [Jobard and Lefer 1997], the wide ranks first. `seeds`:
+/// points in pixels from which lines start where there are none yet, in order.
+std::vector<HatchingLine> trace_hatching(const HatchingField& field, const HatchingSeeds& seeds);
+
+/// Returns the width in pixels of a line of that rank where the fraction `ink` of the area is to be covered, by lines
+/// of `width_px` that are wider only where all ranks together need it.
+float hatching_width(int rank, float ink, float spacing_px, float width_px);
+
+/// Returns the lines of a picture from the inputs of the host step, with widths.
+Lines hatching_lines(const HostFrame& frame, const HatchingConstants& constants);
+
+/// Runs the host step: draws the lines over those of the input `outline`, to the output of that name.
+void run_host_hatching(const HostFrame& frame);
+
+}  // namespace umbrage

@@ -1,0 +1,14 @@
+// LineParameters: the parameters of the effects that draw lines.
+#pragma once
+#include "core/parameters.h"
+
+namespace umbrage {
+
+/// Parameters of the effects whose lines a picture has; empty for an effect whose lines it does not have.
+struct LineParameters {
+  ParameterBytes outline, hatching;
+
+  bool empty() const { return outline.empty() && hatching.empty(); }
+};
+
+}  // namespace umbrage
