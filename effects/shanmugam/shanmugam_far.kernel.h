@@ -124,7 +124,8 @@ FN Real visibility_past_patches(Vec3 position, Vec3 normal) {
       Vec3 weighted = direction * hides;
       Vec3 up = Vec3(max(direction.x, Real(0.0f)), max(direction.y, Real(0.0f)), max(direction.z, Real(0.0f)));
       Vec3 down = up - direction;
-      upwards = Vec3(mad(up.x, weighted.x, upwards.x), mad(up.y, weighted.y, upwards.y), mad(up.z, weighted.z, upwards.z));
+      upwards = Vec3(mad(up.x, weighted.x, upwards.x), mad(up.y, weighted.y, upwards.y),
+                     mad(up.z, weighted.z, upwards.z));
       downwards = Vec3(mad(-down.x, weighted.x, downwards.x), mad(-down.y, weighted.y, downwards.y),
                        mad(-down.z, weighted.z, downwards.z));
     }
