@@ -62,7 +62,6 @@ double area_of(const Mesh& mesh, std::uint32_t index) {
 
 void add_parts(const Mesh& mesh, Object& object) {
   const std::size_t count = mesh.points ? mesh.positions.size() : mesh.indices.size() / 3;
-  object.reserve(object.size() + count);
   double sum = area_of(object);
   for (std::size_t k = 0; k < count; ++k) {
     const double area = area_of(mesh, std::uint32_t(k));

@@ -114,23 +114,26 @@ FN Real visibility_past_patches(Vec3 position, Vec3 normal) {
     int first = i * kShanmugamOccluderSize;
     Vec3 way = way_to(first, position);
     Real distance2 = max(dot(way, way), Real(kMinDistance2));
-    Real one_over = rsqrt(distance2);
     Real height = dot(way, normal);
-    if (some(height > Real(-C.set[first + kShanmugamRest]))) {  // else all of it is below the horizon
+    float limit = C.radius + 0.5f / C.set[first + kShanmugamPerFar];
+    // Else all of it is below the horizon or beyond the radius.
+    if (some(height > Real(-C.set[first + kShanmugamRest]) && distance2 < Real(limit * limit))) {
+      Real one_over = rsqrt(distance2);
       Vec3 direction = way * one_over;
       Real hides = hidden_by_patch(first, height * one_over, direction, distance2 * one_over, one_over);
       Vec3 weighted = direction * hides;
       Vec3 up = Vec3(max(direction.x, Real(0.0f)), max(direction.y, Real(0.0f)), max(direction.z, Real(0.0f)));
       Vec3 down = up - direction;
-      upwards = Vec3(mad(up.x, weighted.x, upwards.x), mad(up.y, weighted.y, upwards.y), mad(up.z, weighted.z, upwards.z));
+      upwards = Vec3(mad(up.x, weighted.x, upwards.x), mad(up.y, weighted.y, upwards.y),
+                     mad(up.z, weighted.z, upwards.z));
       downwards = Vec3(mad(-down.x, weighted.x, downwards.x), mad(-down.y, weighted.y, downwards.y),
                        mad(-down.z, weighted.z, downwards.z));
     }
   }
-  Vec3 n = normal;
-  Real hidden = hidden_in_lobe(upwards.x, n.x) + hidden_in_lobe(upwards.y, n.y) + hidden_in_lobe(upwards.z, n.z) +
-                hidden_in_lobe(downwards.x, -n.x) + hidden_in_lobe(downwards.y, -n.y) +
-                hidden_in_lobe(downwards.z, -n.z);
+  Real hidden = hidden_in_lobe(upwards.x, normal.x) + hidden_in_lobe(upwards.y, normal.y) +
+                hidden_in_lobe(upwards.z, normal.z) +
+                hidden_in_lobe(downwards.x, -normal.x) + hidden_in_lobe(downwards.y, -normal.y) +
+                hidden_in_lobe(downwards.z, -normal.z);
   return max(1.0f - hidden, Real(0.0f));
 }
 

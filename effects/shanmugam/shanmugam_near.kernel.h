@@ -6,8 +6,8 @@ CONST float kGoldenCos = -0.737368878f;
 CONST float kGoldenSin = 0.675490294f;
 // Min cosine between a surface and the view ray, so that the surface behind a pixel stays finite.
 CONST float kMinFacing = 0.05f;
-// Part of a disc's own area that is added to pi d^2. 1 would be exact for a disc right above; less is closer to the truth
-// for few samples, since a wall's nearest part counts most, and noisier.
+// Part of a disc's own area that is added to pi d^2. 1 would be exact for a disc right above; less is closer to the
+// truth for few samples, since a wall's nearest part counts most, and noisier.
 CONST float kSoftening = 0.25f;
 // Taps beyond this squared distance would make sums infinite.
 CONST float kMaxDistance2 = 1e30f;
@@ -42,8 +42,8 @@ FN Real hidden_by_disc(Real area, Vec3 tap, Vec3 tap_normal, Vec3 to_tap, Real s
   return scaled * to_receiver / mad(squared * 3.14159265f, facing, scaled * kSoftening);
 }
 
-// Returns the fraction of the hemisphere, weighted by cosine, that the samples in the disc hide; 0 to 1. Normals that are
-// NaN or 0 hide nothing.
+// Returns the fraction of the hemisphere, weighted by cosine, that the samples in the disc hide; 0 to 1. Normals
+// that are NaN or 0 hide nothing.
 FN Real near_occlusion(Int px, Int py, Real depth, Vec3 position, Vec3 normal) {
   Vec2 noise = noise_at(px, py);
   Vec2 direction = direction_of_turn(noise.x);
