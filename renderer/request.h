@@ -89,7 +89,8 @@ struct Request {
   /// The picture is `beauty`, scene-linear light that is premultiplied by alpha, in place of `color`. No option sets
   /// it: it follows from the format of a file.
   bool scene_linear = false;
-  bool strokes = false;  ///< whether to return the look's lines as curves; `cartoon`, `hatching` and `technical` draw such lines
+  /// Whether to return the look's lines as curves; `cartoon`, `hatching` and `technical` draw such lines.
+  bool strokes = false;
   // For shading the planes of another renderer:
   std::vector<std::string> effects{};  ///< effects run in this order, in place of the look
   GBufferSettings gbuffer{};

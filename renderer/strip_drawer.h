@@ -40,9 +40,9 @@ class StripProgress {
 
 /// A picture to draw in strips: its size, its look, and where the frames of its strips come from.
 struct StripSource {
-  LookRun run;                  ///< the drawer sets `after`, `monitor` and `meter`; with `stops`, nothing is metered
-  int height = 0;               ///< rows of the picture, guard band included
-  int guard = 0;                ///< guard band, pixels on each side
+  LookRun run;           ///< the drawer sets `after`, `monitor` and `meter`; with `stops`, nothing is metered
+  int height = 0;        ///< rows of the picture, guard band included
+  int guard = 0;         ///< guard band, pixels on each side
   LineParameters lines;  ///< parameters of the effects that make the lines
   /// Returns the frame of a strip before any effect of the look has run. Called once for each strip of each sweep.
   std::function<Result<Frame>(const Strip&, const ProgressMonitor&)> make_frame;

@@ -105,9 +105,11 @@ std::vector<Point> seeds_of(const HostFrame& frame, const HatchingField& field, 
       if (!added && seed.off < found->second.off) found->second = seed;
     }
   std::vector<Seed> ordered;
+  ordered.reserve(cells.size());
   for (const auto& [key, seed] : cells) ordered.push_back(seed);
   std::sort(ordered.begin(), ordered.end(), [](const Seed& a, const Seed& b) { return a.order < b.order; });
   std::vector<Point> points;
+  points.reserve(ordered.size());
   for (const Seed& seed : ordered) points.push_back(nearest_point(positions, field, seed.x, seed.y, seed.center));
   return points;
 }

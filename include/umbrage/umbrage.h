@@ -241,10 +241,10 @@ UMB_API const char* umbGetJobOutputName(UmbJob job, int index);
  * lines. A stroke is a polyline with round caps and joins, whose width changes linearly from point to point. Points are
  * in pixels from the picture's upper left corner. Strokes are valid until the next execution. */
 typedef enum UmbStrokeKind {
-  UMB_STROKE_OUTLINE = 0, /* border of an object */
-  UMB_STROKE_FOLD = 1,    /* an object occludes a part of itself */
-  UMB_STROKE_CREASE = 2,  /* two faces meet */
-  UMB_STROKE_HATCH = 3,   /* hatching along a surface */
+  UMB_STROKE_OUTLINE = 0,    /* border of an object */
+  UMB_STROKE_FOLD = 1,       /* an object occludes a part of itself */
+  UMB_STROKE_CREASE = 2,     /* two faces meet */
+  UMB_STROKE_HATCH = 3,      /* hatching along a surface */
   UMB_STROKE_CROSS_HATCH = 4 /* hatching that crosses other hatching */
 } UmbStrokeKind;
 typedef struct UmbStrokePoint {
