@@ -68,12 +68,12 @@ TEST(RecordedScores, NoTechniqueGotWorse) {
 }
 
 // The scores of light in tests/light_scores.json are a copy of the scores.json of
-//   umbrage compare "scene:atrium?detail=20000" "scene:solids?detail=20000" --ao hemisphere,bitmask --light --layers 2
-//     --filter none --resolution 240,135 --cameras 1 --samples 64 --runs 1 -o FOLDER
+//   umbrage compare "scene:atrium?detail=20000" "scene:solids?detail=20000" --ao hemisphere,ssdo,bitmask,traced
+//     --light --layers 2 --filter none --resolution 240,135 --cameras 1 --samples 64 --runs 1 -o FOLDER
 TEST(RecordedScores, NoLightGotWorse) {
   CompareSettings settings;
   settings.models = {"scene:atrium?detail=20000", "scene:solids?detail=20000"};
-  settings.techniques = {"hemisphere", "bitmask"};
+  settings.techniques = {"hemisphere", "ssdo", "bitmask", "traced"};
   settings.light = true;
   settings.draw.layers = 2;
   expect_none_worse("light_scores.json", settings);
@@ -307,7 +307,7 @@ TEST(Compare, LightIsScoredForTechniquesThatGatherIt) {
   for (const Score& score : comparison.scores)
     if (score.quantity == Quantity::kLight)
       light[score.technique + " " + score.setting] = score.card;
-    else
+    else if (score.quantity == Quantity::kOcclusion)
       ++occlusion;
   std::size_t variants = 0, bleeding = 0;
   for (const char* name : {"unsharp", "hemisphere", "reference"})
@@ -319,6 +319,10 @@ TEST(Compare, LightIsScoredForTechniquesThatGatherIt) {
         }
   EXPECT_EQ(occlusion, variants);
   EXPECT_EQ(light.size(), bleeding);
+  // Under each environment, the other variants are scored, but not the reference.
+  const auto of_sky = std::count_if(comparison.scores.begin(), comparison.scores.end(),
+                                    [](const Score& score) { return score.quantity == Quantity::kSunset; });
+  EXPECT_EQ(std::size_t(of_sky), variants - bleeding);
   EXPECT_GT(bleeding, 5u);
   // With more rays, the reference comes closer, without bias.
   EXPECT_GT(light["reference samples=1"].covered.rmse, 1.5 * light["reference samples=4"].covered.rmse);
@@ -352,9 +356,9 @@ TEST(Compare, OcclusionIsTheSameBesideLight) {
 
 TEST(Compare, LightHasItsOwnRecordsAndPictures) {
   const Comparison& comparison = light_comparison();
-  ASSERT_EQ(comparison.views.size(), 2u);
+  ASSERT_EQ(comparison.views.size(), std::size_t(kQuantities));
+  for (int q = 0; q < kQuantities; ++q) EXPECT_EQ(comparison.views[std::size_t(q)].quantity, Quantity(q));
   const ComparedView& view = comparison.views[1];
-  EXPECT_EQ(view.quantity, Quantity::kLight);
   EXPECT_EQ(view.truth.planes.size(), 3u);
   EXPECT_NEAR(view.exposure * mean_of(view.truth, view.classes), kMiddleGrey, 1e-6);
   const nlohmann::json scores = scores_json(comparison);
@@ -401,8 +405,8 @@ TEST(Compare, PicturesWithoutLightHaveNoLightScore) {
   const auto result = compare(**device, settings);
   fs::remove_all(folder);
   ASSERT_TRUE(result) << result.error().message;
-  for (const Score& score : result->scores) EXPECT_EQ(score.quantity, Quantity::kOcclusion);
-  EXPECT_EQ(result->views.size(), 1u);
+  for (const Score& score : result->scores) EXPECT_NE(score.quantity, Quantity::kLight);
+  EXPECT_EQ(result->views.size(), std::size_t(kQuantities - 1));
   ASSERT_EQ(result->warnings.size(), 1u);
   EXPECT_NE(result->warnings[0].find("light is not compared"), std::string::npos) << result->warnings[0];
 }
