@@ -74,9 +74,11 @@ void add_parts(const Mesh& mesh, Object& object) {
 /// Returns the objects of a scene that have a surface, in the order of their ids; one for all if they exceed `count`.
 std::vector<Object> objects_of(const Scene& scene, int count) {
   std::map<int, std::vector<const Mesh*>> meshes;
-  for (const Mesh& mesh : scene.meshes)
-    if (std::size_t(mesh.material) >= scene.materials.size() || !scene.materials[std::size_t(mesh.material)].blended)
-      meshes[mesh.object].push_back(&mesh);
+  for (const Mesh& mesh : scene.meshes) {
+    const bool has_material = std::size_t(mesh.material) < scene.materials.size();
+    const Material* material = has_material ? &scene.materials[std::size_t(mesh.material)] : nullptr;
+    if (!(material && material->blended && material->opacity < kOpaque)) meshes[mesh.object].push_back(&mesh);
+  }
   std::vector<Object> objects;
   const bool joined = int(meshes.size()) > count;
   for (const auto& [id, of_object] : meshes) {
@@ -192,13 +194,23 @@ OccluderSet make_occluders(const Scene& scene, int count) {
   count = std::clamp(count, 1, kMaxOccluders);
   const UnitSpace space = {scene.center(), std::max(double(scene.radius()), 1e-30)};
   const std::vector<Object> objects = objects_of(scene, count);
+  const auto is_ground = [&](const Object& object) {
+    return scene.ground_object >= 0 && object.front().mesh->object == scene.ground_object;
+  };
+  double model = 0.0;
+  for (const Object& object : objects) model += is_ground(object) ? 0.0 : std::sqrt(area_of(object));
+  // The ground is many times as large as the model, but has no more occluders.
+  const auto root_of = [&](const Object& object) {
+    const double root = std::sqrt(area_of(object));
+    return is_ground(object) && model > 0.0 ? std::min(root, model) : root;
+  };
   double roots = 0.0;
-  for (const Object& object : objects) roots += std::sqrt(area_of(object));
+  for (const Object& object : objects) roots += root_of(object);
   OccluderSet set;
   const int more = count - int(objects.size());  // beyond one for each object
   constexpr double kRounding = 1e-6;
   for (const Object& object : objects)
-    add_occluders(object, space, 1 + int(double(more) * std::sqrt(area_of(object)) / roots + kRounding), set);
+    add_occluders(object, space, 1 + int(double(more) * root_of(object) / roots + kRounding), set);
   return set;
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -60,6 +61,17 @@ TEST(Occluders, HaveTheAreaOfTheScene) {
       EXPECT_NEAR(cross_section_of(set) / (area / 4.0), 1.0, 1e-4) << scale << ' ' << count;
     }
   }
+}
+
+TEST(Occluders, AreMostlyOfTheModelNotOfItsGround) {
+  Scene scene = scene_of({box({0, 0, 0}, glm::vec3(1.0f)), box({0, -2, 0}, glm::vec3(50.0f, 0.01f, 50.0f))});
+  scene.meshes[0].object = 0;
+  scene.meshes[1].object = scene.ground_object = 1;
+  const OccluderSet set = make_occluders(scene, 128);
+  const auto of_model = std::count_if(set.occluders.begin(), set.occluders.end(),
+                                      [](const Occluder& occluder) { return occluder.object == 0; });
+  EXPECT_GE(of_model, 60);
+  EXPECT_EQ(set.objects, 2);
 }
 
 TEST(Occluders, OfABoxAreFlat) {
@@ -149,6 +161,8 @@ TEST(Occluders, OfNothingAreNone) {
   EXPECT_TRUE(make_occluders(Scene(), 64).occluders.empty());
   Scene scene = scene_of({box({0, 0, 0}, glm::vec3(1.0f))});
   scene.materials[0].blended = true;
+  EXPECT_FALSE(make_occluders(scene, 8).occluders.empty()) << "of full opacity";
+  scene.materials[0].opacity = 0.5f;
   EXPECT_TRUE(make_occluders(scene, 64).occluders.empty()) << "surfaces that are seen through";
   MadeOccluders made;
   EXPECT_EQ(occluders_of(scene, 0, made), nullptr);

@@ -186,7 +186,9 @@ struct Picture {
   const std::vector<Truth>& truths;
   std::string model, camera, what;
   std::pair<int, int> size;
+  bool keep = false;                // keep the results
   std::vector<ComparedView> views;  // one per ground truth
+  std::array<EnvironmentAmbient, kEnvironments> ambient = {};
 
   /// Returns the view of a quantity, or null.
   ComparedView* view(Quantity quantity) {
@@ -195,7 +197,8 @@ struct Picture {
   }
 };
 
-/// Scores the result `image` of a variant that took `ms` and keeps it.
+/// Scores the result `image` of a variant that took `ms`, and keeps it if it is to be shown; under environments only
+/// the first variant is.
 void add_score(Run& run, Picture& picture, Quantity quantity, const Effect& effect, std::string_view variant, double ms,
                Image image) {
   ComparedView& view = *picture.view(quantity);
@@ -207,7 +210,7 @@ void add_score(Run& run, Picture& picture, Quantity quantity, const Effect& effe
        picture.size.second, ms,
        divided ? std::optional(budget_of(image, picture.truths[0], picture.classes)) : std::nullopt,
        light ? score_light(image, view.truth, picture.classes) : score(image, view.truth, picture.classes)});
-  if (run.settings.pictures)
+  if (picture.keep && (int(quantity) < kFirstEnvironment || variant.empty()))
     view.techniques.push_back({std::string(effect.name), std::string(variant), std::move(image)});
 }
 
@@ -217,9 +220,11 @@ Result<void> compare_environments(Run& run, const TracedScene& traced, const Eff
                                   EffectSettings settings, double ms, Picture& picture) {
   const bool directional = find_parameter(effect, kDirectional) != nullptr;
   if (auto done = set_directional(effect, true, settings); !done) return done;
-  const glm::mat3 view_axes = glm::mat3(picture.frame.info.camera.view_from_world) * picture.axes;
   for (std::size_t e = 0; e < environments().size(); ++e) {
-    const EnvironmentAmbient ambient = ambient_of(environments()[e], view_axes);
+    const int quantity = kFirstEnvironment + int(e);
+    if (!picture.view(Quantity(quantity))) continue;
+    if (!run.report_progress(picture.what + ", " + std::string(environments()[e].name))) return interrupted();
+    const EnvironmentAmbient& ambient = picture.ambient[e];
     std::vector<std::string> planes = {"ao"};
     if (directional) {
       picture.frame.info.ambient_shape = ambient.shape;
@@ -232,7 +237,6 @@ Result<void> compare_environments(Run& run, const TracedScene& traced, const Eff
     auto image = run.device.download(picture.frame, planes);
     if (!image) return image.error();
     clamp_occlusion(*image);
-    const int quantity = kFirstEnvironment + int(e);
     add_score(run, picture, Quantity(quantity), effect, variant, ms,
               environment_light(*image, picture.normals, ambient, kQuantityPlanes[std::size_t(quantity)]));
   }
@@ -289,7 +293,9 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
   const glm::mat3 axes = panorama_axes(scene.up, 0.0f);
   const auto truths = trace_truths(run, traced, frame->info, *radius, classes, axes, what);
   if (!truths) return truths.error();
-  Picture picture{*frame, shown->layers[0], classes, axes, *truths, model, shot.name, what, size, {}};
+  Picture picture{*frame, shown->layers[0], classes, axes, *truths, model, shot.name, what, size, keep, {}};
+  for (std::size_t e = 0; run.settings.light && e < environments().size(); ++e)
+    picture.ambient[e] = ambient_of(environments()[e], glm::mat3(frame->info.camera.view_from_world) * axes);
   for (const Truth& truth : *truths) {
     const bool light = truth.quantity != Quantity::kOcclusion;
     picture.views.push_back({.quantity = truth.quantity,
@@ -326,19 +332,6 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
   return {};
 }
 
-/// Checks that at least one variant of the techniques gathers light. Errors: kUsage.
-Result<void> check_light(const CompareSettings& settings, const Recipe& recipe) {
-  const auto techniques = techniques_of(settings);
-  for (const Effect* effect : *techniques)
-    for (const std::string_view variant : effect->variants) {
-      EffectSettings with = recipe.settings;
-      if (auto done = apply_variant(with, *effect, variant); !done) return done;
-      if (computes_indirect_light(*effect, params_of(with, effect->name))) return {};
-    }
-  return usage_error("--light needs a technique that gathers light, such as hemisphere, not {}",
-                     fmt::join(settings.techniques, ", "));
-}
-
 }  // namespace
 
 Result<void> check_compare(const CompareSettings& settings) {
@@ -348,8 +341,6 @@ Result<void> check_compare(const CompareSettings& settings) {
   if (const auto techniques = techniques_of(settings); !techniques) return techniques.error();
   const auto recipe = recipe_of(settings);
   if (!recipe) return recipe.error();
-  if (settings.light)
-    if (auto fine = check_light(settings, *recipe); !fine) return fine;
   if (settings.budget &&
       as<ReferenceParams>(params_of(recipe->settings, "reference")).occluders != int(Occluders::kAll))
     return usage_error("--budget needs the whole ground truth: it takes `reference.occluders` all");

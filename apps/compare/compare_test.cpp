@@ -514,7 +514,6 @@ TEST_F(CompareCli, BadInputGetsASentence) {
   bad("compare tri.obj -o r --set reference.samples=0", 2, {"reference.samples", "'0'"});
   bad("compare tri.obj -o r --set reference.radius=0%", 2, {"reference.radius", "above 0"});
   bad("compare tri.obj -o r --cameras 0", 2, {"--cameras"});
-  bad(kQuick + " --light --ao unsharp -o r", 2, {"--light", "unsharp", "hemisphere"});
   bad(kQuick + " --filter denoize -o r", 2, {"denoize", "denoise"});
   bad(kQuick + " --filter hemisphere -o r", 2, {"hemisphere", "box", "gaussian", "none"});
   bad(kQuick + " --budget --set reference.occluders=window -o r", 2, {"--budget", "reference.occluders", "all"});

@@ -73,6 +73,12 @@ Result<std::vector<Truth>> trace_truths(Run& run, const TracedScene& traced, con
     auto of_sky =
         trace_truth(Quantity(q), info, classes, [&](std::uint32_t seed) -> Result<Image> { return halves.at(seed); });
     if (!of_sky) return of_sky.error();
+    if (!(mean_of(of_sky->planes, classes) > 0.0)) {
+      run.result.warnings.push_back(fmt::format(
+          "'{}': everything is occluded within {:.4g} scene units: the light of the environment '{}' is not compared",
+          what, radius, kQuantityNames[std::size_t(q)]));
+      continue;
+    }
     truths.push_back(std::move(*of_sky));
   }
   return truths;

@@ -157,9 +157,11 @@ class RayBlock {
     const RaySettings& settings = task_.settings;
     if (settings.directional == 0.0f || !(blocked > 0.0f)) return;
     const std::size_t at = index_of(pixel);
-    const glm::vec3 normal =
-        glm::normalize(glm::vec3(planes_.offset[0][at], planes_.offset[1][at], planes_.offset[2][at]));
-    const glm::vec3 whole = sky_radiance(settings.sky, normal, 2.0f / 3.0f, 0.25f);
+    const glm::vec3 offset(planes_.offset[0][at], planes_.offset[1][at], planes_.offset[2][at]);
+    const float size = std::max({std::abs(offset.x), std::abs(offset.y), std::abs(offset.z)});
+    if (!(size > 0.0f)) return;
+    // Divided by its size first, since the square of a short vector underflows.
+    const glm::vec3 whole = sky_radiance(settings.sky, glm::normalize(offset / size), 2.0f / 3.0f, 0.25f);
     light_[std::size_t(pixel)] += (whole - sky_radiance(settings.sky, direction)) * (blocked * settings.directional);
   }
 

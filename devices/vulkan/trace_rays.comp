@@ -46,8 +46,11 @@ vec3 sky_radiance(vec3 d, float first, float second) {
 
 // Returns what a blocked ray changes in the ambient light of its pixel.
 vec3 hidden_sky(vec3 direction, vec3 offset) {
-  if (C.directional == 0.0f) return vec3(0.0f);
-  return (sky_radiance(normalize(offset), 2.0f / 3.0f, 0.25f) - sky_radiance(direction, 1.0f, 1.0f)) * C.directional;
+  float size = max_component(abs(offset));
+  if (C.directional == 0.0f || !(size > 0.0f)) return vec3(0.0f);
+  // Divided by its size first, since the square of a short vector underflows.
+  vec3 normal = normalize(offset / size);
+  return (sky_radiance(normal, 2.0f / 3.0f, 0.25f) - sky_radiance(direction, 1.0f, 1.0f)) * C.directional;
 }
 
 void main() {

@@ -23,7 +23,7 @@ using Point = HatchingLine::Point;
 constexpr int kPointsPerSpacing = 2;  // points of finished lines
 constexpr int kTracedPerSpacing = 6;  // points of traced lines
 constexpr std::size_t kStride = kTracedPerSpacing / kPointsPerSpacing;
-constexpr std::size_t kMinPoints = 3;  // of a part of a line that is drawn
+constexpr std::size_t kMinPoints = 4;  // of a part of a line that is drawn
 constexpr int kCorrections = 3;        // rounds in which widths are corrected
 constexpr float kTaperPoints = 5.0f;   // traced points over which a free end gets thinner
 // Keeps planes of round coordinates, such as the ground, off the borders of cells.
@@ -73,7 +73,7 @@ Point nearest_point(const Positions& positions, const HatchingField& field, int 
                   down = positions.at(x, y + 1) - here;
   const float a = glm::dot(right, right), b = glm::dot(right, down), c = glm::dot(down, down);
   const float u = glm::dot(right, target - here), v = glm::dot(down, target - here), area = a * c - b * b;
-  if (!(area > 1e-6f * a * c)) return p;
+  if (!(area > 1e-6f * a * c && std::isfinite(c * u - b * v) && std::isfinite(a * v - b * u))) return p;
   p.x += std::clamp((c * u - b * v) / area, -1.0f, 1.0f);
   p.y += std::clamp((a * v - b * u) / area, -1.0f, 1.0f);
   return p;
@@ -93,7 +93,7 @@ std::vector<Point> seeds_of(const HostFrame& frame, const HatchingField& field, 
   for (int y = 0; y < field.height; ++y)
     for (int x = 0; x < field.width; ++x) {
       if (field.x.row(y)[x] == 0.0f && field.y.row(y)[x] == 0.0f) continue;
-      const int level = int(std::ceil(std::log2(std::max(cell_px * positions.pixel_size(x, y), 1e-30f))));
+      const int level = int(std::ceil(std::log2(std::clamp(cell_px * positions.pixel_size(x, y), 1e-30f, 1e30f))));
       const float side = std::exp2(float(level));
       const glm::vec3 place = positions.at(x, y) / side + kCellOffset, cell = glm::floor(place);
       if (!(std::abs(cell.x) + std::abs(cell.y) + std::abs(cell.z) < 1e9f)) continue;
@@ -204,7 +204,7 @@ Lines with_widths(const std::vector<HatchingLine>& traced, const Ink& ink, const
   for (const HatchingLine& line : traced) {
     Line part{.kind = ink.second ? LineKind::kCrossHatch : LineKind::kHatch};
     const auto finish = [&] {
-      if (part.points.size() > kMinPoints) lines.lines.push_back(part);
+      if (part.points.size() >= kMinPoints) lines.lines.push_back(part);
       part.points.clear();
     };
     const std::vector<float> along = ink_along(line, ink, width, height);

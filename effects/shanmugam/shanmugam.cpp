@@ -69,6 +69,7 @@ void fill_near(const ShanmugamParams& params, const PictureInfo& info, Shanmugam
 void fill_far(const ShanmugamParams& params, const PictureInfo& info, ShanmugamConstants& c) {
   c.far_form = params.far_form;
   if (params.far == 0 || !info.occluders) return;
+  if (params.far_form != kShanmugamPaper && c.near_radius >= c.radius) return;  // nothing is far
   const glm::mat4& view = info.camera.view_from_world;
   for (int k = 0; k < 9; ++k) c.world_axes[k] = view[k / 3][k % 3];
   const auto& set = info.occluders->occluders;

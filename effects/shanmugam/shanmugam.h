@@ -24,7 +24,8 @@ const int kShanmugamPatch = 0, kShanmugamExact = 1, kShanmugamPaper = 2;
 const int kShanmugamMaxOccluders = 256;
 // Numbers per occluder, along the axes of the world from the camera, scene units: centre; squared radius; mean normal
 // times 4 squared radii; whether it is the last of its object, 0 or 1; of the flat part the area over pi, of the rest
-// the radius of its sphere; inverse of the patch's diameter.
+// the radius of its sphere; inverse of twice the near radius, and of twice the radius, or of the patch's diameter if
+// that is shorter.
 const int kShanmugamOccluderSize = 12;
 const int kShanmugamRadius2 = 3, kShanmugamFacing = 4, kShanmugamLast = 7, kShanmugamFlat = 8, kShanmugamRest = 9,
           kShanmugamPerNear = 10, kShanmugamPerFar = 11;

@@ -124,7 +124,7 @@ bool gathers_light(const ParameterBytes& bytes) {
 }
 bool gathers_no_light(const ParameterBytes& bytes) { return !gathers_light(bytes); }
 int rounds(const ParameterBytes& bytes, const PictureInfo&) {
-  return gathers_light(bytes) ? as<SsdoParams>(bytes).bounces : 1;
+  return as<SsdoParams>(bytes).bleeding > 0.0f ? as<SsdoParams>(bytes).bounces : 1;
 }
 
 using Planes = std::vector<std::string_view>;

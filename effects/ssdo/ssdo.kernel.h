@@ -215,6 +215,7 @@ FN void gather(Int px, Int py) {
     if (C.difference == 0) of_all = Vec3(whole_sky(0, normal), whole_sky(1, normal), whole_sky(2, normal));
     light = light + (of_open * scale - of_all * ao) * Real(C.directional);
   }
+  light = finite_or_zero(light);
   light = Vec3(min(light.x, Real(kMaxLight)), min(light.y, Real(kMaxLight)), min(light.z, Real(kMaxLight)));
-  store_light(select(surface, finite_or_zero(light), none));
+  store_light(select(surface, light, none));
 }
