@@ -84,7 +84,7 @@ TEST(CoarseOccluders, OfAGBufferAreMissedAloud) {
   };
   EXPECT_EQ(
       warnings(request_of("shanmugam")),
-      (std::vector<std::string>{"`occlusion` shanmugam: a G-buffer has no model, so that only what it shows occludes"}));
+      (std::vector<std::string>{"`occlusion` shanmugam: a G-buffer has no model, so that only what is near occludes"}));
   EXPECT_TRUE(warnings(request_of("shanmugam", {"shanmugam.far=off"})).empty());
   EXPECT_TRUE(warnings(request_of("bitmask")).empty());
 }

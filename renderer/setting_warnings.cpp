@@ -140,7 +140,7 @@ void warn_about_missing_model(const Request& request, const Recipe& recipe, cons
   if (scene || !request.model.empty() || !technique) return;
   if (occluders_read(*technique, params_of(recipe.settings, technique->name)) > 0)
     sentences.push_back(
-        fmt::format("`occlusion` {}: a G-buffer has no model, so that only what it shows occludes", recipe.occlusion));
+        fmt::format("`occlusion` {}: a G-buffer has no model, so that only what is near occludes", recipe.occlusion));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The near part of `shanmugam`: pixels in a disc of near_radius, at distances that are uniform, each of which stands for
-// the ring of pixels at its distance, divided among them. Functions in the kernel dialect; the kernel includes this file.
+// The near part of `shanmugam`: pixels in a disc of near_radius, each of which stands for an equal part of the disc's
+// pixels. Functions in the kernel dialect; the kernel includes this file.
 
 // Cosine and sine of the golden angle, by which each sample is rotated against the one before it.
 CONST float kGoldenCos = -0.737368878f;
@@ -55,8 +55,7 @@ FN Real near_occlusion(Int px, Int py, Real depth, Vec3 position, Vec3 normal) {
   Real sum = Real(0.0f);
   Real inside = Real(0.0f);
   for (int i = 0; i < C.samples; ++i) {
-    Real fraction = (float(i) + noise.y) * C.one_over_samples;
-    Real offset_px = fraction * radius_px;
+    Real offset_px = sqrt((float(i) + noise.y) * C.one_over_samples) * radius_px;
     Real x = mad(direction.x, offset_px, center_x);
     Real y = mad(direction.y * C.rows_per_column, offset_px, center_y);
     direction = Vec2(mad(direction.x, Real(kGoldenCos), direction.y * -kGoldenSin),
@@ -75,7 +74,7 @@ FN Real near_occlusion(Int px, Int py, Real depth, Vec3 position, Vec3 normal) {
                   distance2 < kMaxDistance2;
     if (some(counts)) {
       Real ratio = F.orthographic != 0 ? Real(1.0f) : tap_depth * one_over_depth;
-      Real area = ratio * ratio * (fraction * (2.0f * C.near_area * C.one_over_samples));
+      Real area = ratio * ratio * (C.near_area * C.one_over_samples);
       Real hides = Real(0.0f);
       if (C.sphere != 0) {
         Real q2 = min(area * 0.318309886f * (one_over * one_over), Real(1.0f));
