@@ -10,7 +10,7 @@
 
 #include "core/absolute_length.h"
 #include "core/effect.h"
-#include "kernel/kernel_frame.h"
+#include "effects/hemisphere/sent_planes.h"
 #include "kernels/bitmask_bent.h"
 #include "kernels/bitmask_bleeding.h"
 #include "kernels/bitmask_horizon.h"
@@ -208,26 +208,10 @@ int rounds(const ParameterBytes& bytes, const PictureInfo&) {
   return gathers_light(bytes) ? as<BitmaskParams>(bytes).bounces : 1;
 }
 
-using Planes = std::vector<std::string_view>;
-Planes joined(Planes a, const Planes& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
-}
-Planes packed_planes() { return of_all_layers({"hemisphere_facing", "hemisphere_sum", "hemisphere_shares"}); }
-Planes sent_inputs() {
-  return joined(of_all_layers({"normal.x", "normal.y", "normal.z", "direct.r", "direct.g", "direct.b", "ambient.r",
-                               "ambient.g", "ambient.b"}),
-                {"albedo.r", "albedo.g", "albedo.b", "indirect.r", "indirect.g", "indirect.b", "ao"});
-}
-
-Planes outgoing_light_planes() {
-  return of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"});
-}
-
 /// Returns a dispatch that reads the planes `searched` anywhere in the picture, to find occluders, and writes `ao` and
 /// `more_outputs`.
 Dispatch search_dispatch(std::string_view name, const Kernel& kernel, bool (*needed)(const ParameterBytes&),
-                         const Planes& searched, const Planes& more_outputs = {}) {
+                         const PlaneNames& searched, const PlaneNames& more_outputs = {}) {
   return {.name = name,
           .inputs = joined(searched, {"normal.x", "normal.y", "normal.z", "bitmask_mips"}),
           .outputs = joined({"ao"}, more_outputs),

@@ -10,7 +10,7 @@
 #include "core/absolute_length.h"
 #include "core/effect.h"
 #include "effects/hemisphere/layer_views.h"
-#include "kernel/kernel_frame.h"
+#include "effects/hemisphere/sent_planes.h"
 #include "kernels/hemisphere_bleeding.h"
 #include "kernels/hemisphere_occlusion.h"
 #include "kernels/hemisphere_sent.h"
@@ -204,36 +204,14 @@ int rounds(const ParameterBytes& bytes, const PictureInfo&) {
   return gathers_light(bytes) ? as<HemisphereParams>(bytes).bounces : 1;
 }
 
-std::vector<std::string_view> packed_planes() {
-  return of_all_layers({"hemisphere_facing", "hemisphere_sum", "hemisphere_shares"});
-}
-
-std::vector<std::string_view> sent_later_inputs() {
-  return {"albedo.r", "albedo.g", "albedo.b", "indirect.r", "indirect.g", "indirect.b", "ao"};
-}
-
-std::vector<std::string_view> sent_inputs() {
-  auto inputs = of_all_layers(
-      {"normal.x", "normal.y", "normal.z", "direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b"});
-  const auto later = sent_later_inputs();
-  inputs.insert(inputs.end(), later.begin(), later.end());
-  return inputs;
-}
-
 std::vector<std::string_view> bleeding_inputs() {
-  auto inputs = of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"});
-  inputs.insert(inputs.end(), {"normal.x", "normal.y", "normal.z"});
-  return inputs;
+  return joined(outgoing_light_planes(), {"normal.x", "normal.y", "normal.z"});
 }
 
 std::vector<std::string_view> occlusion_inputs() {
   auto inputs = of_all_layers({"depth"});
   inputs.insert(inputs.end(), {"normal.x", "normal.y", "normal.z"});
   return inputs;
-}
-
-std::vector<std::string_view> outgoing_light_planes() {
-  return of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"});
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include "core/absolute_length.h"
 #include "core/effect.h"
 #include "effects/hemisphere/layer_views.h"
-#include "kernel/kernel_frame.h"
+#include "effects/hemisphere/sent_planes.h"
 #include "kernels/ssdo_light.h"
 #include "kernels/ssdo_occlusion.h"
 #include "kernels/ssdo_sent.h"
@@ -127,22 +127,9 @@ int rounds(const ParameterBytes& bytes, const PictureInfo&) {
   return as<SsdoParams>(bytes).bleeding > 0.0f ? as<SsdoParams>(bytes).bounces : 1;
 }
 
-using Planes = std::vector<std::string_view>;
-Planes joined(Planes a, const Planes& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
-}
-Planes packed_planes() { return of_all_layers({"hemisphere_facing", "hemisphere_sum", "hemisphere_shares"}); }
-Planes later_inputs() { return {"albedo.r", "albedo.g", "albedo.b", "indirect.r", "indirect.g", "indirect.b", "ao"}; }
-Planes sent_inputs() {
-  return joined(of_all_layers({"normal.x", "normal.y", "normal.z", "direct.r", "direct.g", "direct.b", "ambient.r",
-                               "ambient.g", "ambient.b"}),
-                later_inputs());
-}
-
 /// Returns a dispatch that reads the planes `searched` anywhere in the picture, and writes `ao` and `more_outputs`.
 Dispatch search_dispatch(std::string_view name, const Kernel& kernel, bool (*needed)(const ParameterBytes&),
-                         const Planes& searched, const Planes& more_outputs) {
+                         const PlaneNames& searched, const PlaneNames& more_outputs) {
   return {.name = name,
           .inputs = joined(searched, {"normal.x", "normal.y", "normal.z"}),
           .outputs = joined({"ao"}, more_outputs),
@@ -169,14 +156,13 @@ Effect effect_ssdo() {
        .dispatches = {{.name = "sent",
                        .inputs = sent_inputs(),
                        .outputs = packed_planes(),
-                       .later_inputs = later_inputs(),
+                       .later_inputs = sent_later_inputs(),
                        .kernel = ssdo_sent_kernel(),
                        .needed = gathers_light,
                        .reach = own_row},
                       search_dispatch("occlusion", ssdo_occlusion_kernel(), gathers_no_light, of_all_layers({"depth"}),
                                       {}),
-                      search_dispatch("light", ssdo_light_kernel(), gathers_light,
-                                      joined(of_all_layers({"depth"}), packed_planes()),
+                      search_dispatch("light", ssdo_light_kernel(), gathers_light, outgoing_light_planes(),
                                       {"indirect.r", "indirect.g", "indirect.b"})},
        .rounds = rounds});
 }
