@@ -19,11 +19,14 @@ Image picture_of_passes(const Image& frame, const std::vector<std::string>& name
   for (std::size_t k = 0; k < names.size(); ++k) {
     const Plane& in = frame.plane(names[k]);
     Plane& plane = out.add(names.size() == 1 ? names[0] : kChannels[std::min(k, kChannels.size() - 1)]);
+    const bool colour = names[k].ends_with(".r") || names[k].ends_with(".g") || names[k].ends_with(".b");
+    const bool light = colour && !names[k].starts_with("color.");  // `color` has display values already
     const bool vector = names[k].ends_with(".x") || names[k].ends_with(".y") || names[k].ends_with(".z");
     for (int y = 0; y < out.height; ++y)
       for (int x = 0; x < out.width; ++x) {
         float v = in.at(x, y);
         if (vector) v = 0.5f * v + 0.5f;
+        if (light) v = srgb_from_linear(v);
         if (names[k] == "depth" || names[k].ends_with(".depth"))
           v = std::isfinite(v) ? 1.0f - (v - info.depth_min) / span : 0.0f;
         plane.at(x, y) = v;

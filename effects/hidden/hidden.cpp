@@ -45,14 +45,19 @@ void fill_constants(const HiddenParams& params, const PictureInfo& info, HiddenC
   constexpr float kUnitHeight = 1024.0f;
   const auto height = float(info.inner_height());
   const int captured = layers_along_rays(info);
-  c = {.captured = captured,
-       .drawn = params.layers > 0 ? std::min(params.layers, captured) : captured,
-       .width_px = std::clamp(absolute_length(params.width, height), 0.2f, 16.0f),
-       .dash_px = std::max(absolute_length(params.dash, height), 1.0f),
-       .gap_px = std::max(absolute_length(params.gap, height), 0.0f),
-       .depth = params.depth,
-       .min_cosine = std::cos(params.crease_deg * std::numbers::pi_v<float> / 180.0f),
-       .scale = height / kUnitHeight};
+  const float crease = params.crease_deg * std::numbers::pi_v<float> / 180.0f;
+  c = {
+      .captured = captured,
+      .drawn = params.layers > 0 ? std::min(params.layers, captured) : captured,
+      .width_px = std::clamp(absolute_length(params.width, height), 0.2f, 16.0f),
+      .dash_px = std::max(absolute_length(params.dash, height), 1.0f),
+      .gap_px = std::max(absolute_length(params.gap, height), 0.0f),
+      .depth = params.depth,
+      .min_cosine = std::cos(crease),
+      .crease_chord = 2.0f * std::sin(0.5f * crease),
+      .max_window = std::clamp(int(std::lround(0.5f * (height / 85.0f - 1.0f))), 0, kHiddenMaxWindow),  // as in outline
+      .narrow = height / 200.0f,
+      .scale = height / kUnitHeight};
 }
 
 bool is_drawn(const ParameterBytes& bytes) { return as<HiddenParams>(bytes).draw != 0; }
@@ -69,17 +74,16 @@ int layers_for(const ParameterBytes& bytes) {
 Effect effect_hidden() {
   auto inputs = of_all_layers({"depth", "normal.x", "normal.y", "normal.z", "object_id"});
   inputs.push_back("outline");
-  return shading_effect<fill_constants>(
-      kTable, {.name = "hidden",
-               .summary = "dashed lines where edges lie behind the visible surface",
-               .variants = {"", "draw=on"},
-               .quantum = 1.0,
-               .layers = layers_for,
-               .dispatches = {{.name = "hidden_lines",
-                               .inputs = inputs,
-                               .outputs = {"outline"},
-                               .host = run_host_hidden,
-                               .needed = is_drawn}}});
+  return shading_effect<fill_constants>(kTable, {.name = "hidden",
+                                                 .summary = "dashed lines where edges lie behind the visible surface",
+                                                 .variants = {"", "draw=on"},
+                                                 .quantum = 1.0,
+                                                 .layers = layers_for,
+                                                 .dispatches = {{.name = "hidden_lines",
+                                                                 .inputs = inputs,
+                                                                 .outputs = {"outline"},
+                                                                 .host = run_host_hidden,
+                                                                 .needed = is_drawn}}});
 }
 
 }  // namespace umbrage

@@ -13,13 +13,18 @@ struct HiddenParams {
   int layers;        // max number of layers whose edges are drawn, the first included; 0: all
 };
 
+const int kHiddenMaxWindow = 14;  // max half width of a window, pixels
+
 struct HiddenConstants {
   int captured;  // number of layers that follow each other along the rays of the first camera
   int drawn;     // edges of the layers 1 to drawn - 1 are drawn
   float width_px, dash_px, gap_px;
-  float depth;       // pixel sizes
-  float min_cosine;  // of the crease angle
-  float scale;       // height of the picture / height for which lengths in pixels are given
+  float depth;         // pixel sizes
+  float min_cosine;    // of the crease angle
+  float crease_chord;  // distance between unit normals that differ by the crease angle
+  int max_window;      // max half width of the window in which a crease is detected, pixels
+  float narrow;        // max width of a narrow window, pixels
+  float scale;         // height of the picture / height for which lengths in pixels are given
 };
 
 #endif

@@ -9,9 +9,9 @@
 
 namespace umbrage {
 
-/// Returns the edges of hidden surfaces. A surface of one pixel continues in its neighbour if any surface of that pixel,
-/// on whichever layer, has a similar normal and lies on the same plane. A hidden surface that does not continue has an
-/// edge there. Edges within two pixels of an edge of the visible surface are left out.
+/// Returns the edges of hidden surfaces. A surface of one pixel continues in its neighbour if any surface of that
+/// pixel, on whichever layer, has a similar normal and lies on the same plane. A hidden surface that does not continue
+/// has an edge there. Edges within two pixels of an edge of the visible surface are left out.
 std::vector<Edge> hidden_edges(const HostFrame& frame, const HiddenConstants& constants);
 
 /// Returns a polyline's dashes. Their length and distance are scaled so that an open line begins and ends with a dash.

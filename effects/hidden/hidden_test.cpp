@@ -39,8 +39,7 @@ GBuffer layers_of(const std::vector<RayScene>& scenes, int layers, const Lens& l
 }
 
 Plane hidden_plane(const GBuffer& g, Settings settings) {
-  return run_effect(*find_effect("hidden"), g, joined({{"draw", "on"}, {"width", "1"}}, settings), {})
-      .plane("outline");
+  return run_effect(*find_effect("hidden"), g, joined({{"draw", "on"}, {"width", "1"}}, settings), {}).plane("outline");
 }
 
 double total(const Plane& plane) {
@@ -56,9 +55,7 @@ struct Cube {
   dmat3 turn = rotation(32, 24, 7);
   double half = 1.0;
 
-  dvec3 corner(int k) const {
-    return center + turn * (half * dvec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1));
-  }
+  dvec3 corner(int k) const { return center + turn * (half * dvec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1)); }
   std::vector<RayScene> walls(int object) const {
     std::vector<HalfSpace> sides;
     for (int axis = 0; axis < 3; ++axis)
@@ -106,7 +103,9 @@ TEST(Hidden, TheFarEdgesOfACubeAreDrawnAndNothingElse) {
       for (int x = 0; x < kSize; ++x) {
         double nearest = 1e9;
         for (const auto& edge : edges) nearest = std::min(nearest, distance_to(edge, x + 0.5, y + 0.5));
-        if (drawn.at(x, y) > 0.3f) ASSERT_LT(nearest, 1.5) << x << ", " << y << ", orthographic " << orthographic;
+        if (drawn.at(x, y) > 0.3f) {
+          ASSERT_LT(nearest, 1.5) << x << ", " << y << ", orthographic " << orthographic;
+        }
       }
     for (const auto& [a, b] : edges)
       for (double f = 0.08; f < 0.92; f += 0.01) {
@@ -168,7 +167,9 @@ TEST(Hidden, ASurfaceThatContinuesBehindAnotherHasNoEdge) {
   const Plane alone = hidden_plane(layers_of({scenes[1], scenes[2]}, 4, lens), {{"gap", "0"}});
   for (int y = 0; y < kSize; ++y)
     for (int x = 0; x < kSize; ++x)
-      if (alone.at(x, y) == 0.0f) ASSERT_EQ(drawn.at(x, y), 0.0f) << x << ", " << y;
+      if (alone.at(x, y) == 0.0f) {
+        ASSERT_EQ(drawn.at(x, y), 0.0f) << x << ", " << y;
+      }
   EXPECT_GT(total(alone), 100.0);
 }
 
@@ -201,8 +202,12 @@ TEST(Hidden, OpenLinesBeginAndEndWithADash) {
     for (std::size_t k = 0; k < dashes.size(); ++k) {
       EXPECT_EQ(dashes[k].object, 4);
       const float from = dashes[k].points.front().x, to = dashes[k].points.back().x;
-      if (length >= 20.0f) EXPECT_NEAR(to - from, 10.0f, 2.6f) << length;
-      if (k > 0) EXPECT_NEAR(from - dashes[k - 1].points.back().x, 6.0f, 1.6f) << length;
+      if (length >= 20.0f) {
+        EXPECT_NEAR(to - from, 10.0f, 2.6f) << length;
+      }
+      if (k > 0) {
+        EXPECT_NEAR(from - dashes[k - 1].points.back().x, 6.0f, 1.6f) << length;
+      }
     }
   }
   EXPECT_EQ(dashes_of({LineKind::kHidden, 0, true, {{0, 0, 1}, {30, 0, 1}, {0, 0, 1}}}, 9.0f, 6.0f).size(), 4u);
