@@ -114,7 +114,7 @@ void fill_points(int count, bool pairs, float* points) {
 
 /// Writes `count` points towards the corners of a cube, at distances of 1/8 to 8/8, as in [Mittring 2007]. Its 16
 /// points are these and the same at half the distance; with more points, the distances are divided further. The order
-/// of the corners is not known: this one gives the mean values in README.md.
+/// of the corners is not known: this one gives the mean values in sphere_test.cpp.
 void fill_corners(int count, float* points) {
   constexpr int kCorners[8][3] = {{1, 1, 1},  {-1, -1, -1}, {-1, -1, 1}, {-1, 1, -1},
                                   {-1, 1, 1}, {1, -1, -1},  {1, -1, 1},  {1, 1, -1}};
