@@ -22,7 +22,7 @@ void add_output_options(CLI::App& command, RenderOptions& options, std::string_v
       ->group(output);
   CLI::Option* memory =
       command.add_option("--memory", options.memory, fmt::format("{} [{}]", help_of_memory, options.memory));
-  memory->group(output);
+  memory->type_name("SIZE")->group(output);
   add_check(*memory, [](const std::string& text) -> Result<void> {
     const auto bytes = parse_memory(text);
     return bytes ? Result<void>() : bytes.error();

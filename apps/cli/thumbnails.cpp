@@ -185,9 +185,11 @@ void add_thumbnails(CLI::App& app, std::function<Result<void>()>& run) {
       ->add_option(
           "-o,--output", options->output,
           "folder for the pictures, NAME.png for the model NAME; for a single model also a .png, .jpg or .webp file")
+      ->type_name("DIR")
       ->required();
   CLI::Option* format =
       command->add_option("--format", options->format, "format of pictures in a folder: png, jpg or webp [png]");
+  format->type_name("NAME");
   add_check(*format, [](const std::string& text) -> Result<void> {
     if (holds_display_values(text)) return {};
     return usage_error("--format cannot be '{}': it takes png, jpg or webp", text);
