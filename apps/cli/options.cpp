@@ -56,6 +56,7 @@ std::string type_of(const Option& row) {
       break;
   }
   if (interval_of(row).max > 0.0) return type_of(interval_of(row));
+  if (row.field == "bits") return "INT";
   if (row.field == "settings") return "EFFECT.PARAMETER=VALUE";
   return row.field.ends_with("_file") ? "FILE" : "NAME";
 }

@@ -195,7 +195,7 @@ void add_thumbnails(CLI::App& app, std::function<Result<void>()>& run) {
     return usage_error("--format cannot be '{}': it takes png, jpg or webp", text);
   });
   add_number(*command, "--picture-quality", options->picture_quality, {1, 100, NumberKind::kInteger},
-             "quality of a .jpg or .webp, 1 to 100; a .webp of 100 is lossless");
+             "quality of a .jpg or .webp (of a .webp, 100 is lossless)");
   add_number(*command, "--size", options->size, {1, 4096, NumberKind::kInteger}, "width and height, pixels");
   for (const char* field : {"look", "quality", "anti_aliasing", "transparent", "up"})
     add_one(*command, *options, field, "", "", std::string_view(field) == "anti_aliasing" ? "4" : "");
