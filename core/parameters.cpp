@@ -71,9 +71,9 @@ std::string parameter_range(const Parameter& row) {
       return joined_by_or(row.choices);
     case ParameterType::kLength:
       if (row.above_zero) return fmt::format("a number above 0{} or a percentage up to {:g}%", of_unit, kMaxPercent);
-      return fmt::format("{:g} to {:g}{} or 0% to {:g}%{}", row.min, row.max, unit, kMaxPercent, zero);
+      return fmt::format("{:.7g} to {:.7g}{} or 0% to {:g}%{}", row.min, row.max, unit, kMaxPercent, zero);
     default:
-      return fmt::format("{:g} to {:g}{}{}", row.min, row.max, unit, zero);
+      return fmt::format("{:.7g} to {:.7g}{}{}", row.min, row.max, unit, zero);
   }
 }
 

@@ -10,7 +10,7 @@ constexpr double kMaxSeed = 1e6;
 
 const std::vector<Parameter> kTable = {
     int_row("samples", &ReferenceParams::samples, {.initial = kSamples, .min = 1, .max = kMaxSamples},
-            "rays per pixel"),
+            "rays per pixel; with `light` also per pixel and large light, and for the bounce"),
     radius_row("radius", &ReferenceParams::radius,
                "max distance of an occluder, in scene units or in percent of the bounding-sphere radius; 200% is the "
                "whole scene"),
@@ -23,7 +23,7 @@ const std::vector<Parameter> kTable = {
     choice_row("light", &ReferenceParams::light, 0, {"off", "direct", "bounce"},
                "also trace the lights with soft shadows, and one bounce of their light"),
     choice_row("bounce_from", &ReferenceParams::bounce_from, 0, {"anywhere", "radius"},
-               "where bounced light comes from: surfaces at any distance, or within the radius"),
+               "with light=bounce: where bounced light comes from: surfaces at any distance, or within the radius"),
     choice_row("shadows", &ReferenceParams::shadows, 0, {"soft", "captured"},
                "shadows of the lights: soft, from every light; or captured, from point lights and only those whose "
                "shadow is captured, as for screen-space techniques"),

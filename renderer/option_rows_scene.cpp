@@ -124,6 +124,7 @@ std::vector<Option> scene_options() {
        .option = "camera-view-angle",
        .group = "Camera",
        .help = "vertical field of view in degrees",
+       .initial = "that of the scene's view, else 35 in studio, 30 in other looks",
        .where = in_camera<&CameraSettings::view_angle_deg>,
        .commands = kSceneCommands,
        .min = 0.1,
@@ -192,7 +193,7 @@ std::vector<Option> scene_options() {
        .group = "Technique",
        .help = "trade-off between time and quality: draft, normal, high or ultra; sets the numbers of samples, layers, "
                "shadow rays and averaged pictures, and the resolution of occlusion",
-       .initial = "set by the look",
+       .initial = "normal in studio, else set by the look",
        .where = in<&Request::quality>,
        .commands = kSceneCommands | kShade,
        .names = quality_names},

@@ -259,7 +259,8 @@ void add_bench(CLI::App& app, std::function<Result<void>()>& run) {
   CLI::App* command = app.add_subcommand("bench", "measure the time of every effect");
   auto options = std::make_shared<BenchOptions>();
   command->add_option("MODEL", options->models, "model or built-in scene [scene:claw]")->expected(0, 1);
-  command->add_option("--effect", options->effect, "measure this effect only; capture is allowed too");
+  command->add_option("--effect", options->effect, "measure this effect only; capture is allowed too")
+      ->type_name("NAME");
   add_one(*command, *options, "occlusion_scale", "",
           "full; half or quarter measure techniques and filters alone, at that resolution", "full");
   add_sizes(*command, options->sizes, "1024,1024");

@@ -141,6 +141,7 @@ void add_compare(CLI::App& app, std::function<Result<void>()>& run) {
       app, run, "compare", "measure each technique against ray-traced ground truth", kCompare, run_compare);
   const auto comparison = "Comparison";
   command->add_option("--ao", options->techniques, "techniques, such as unsharp,reference, or all [all]")
+      ->type_name("NAMES")
       ->group(comparison);
   command
       ->add_flag("--light", options->light,
@@ -153,16 +154,19 @@ void add_compare(CLI::App& app, std::function<Result<void>()>& run) {
       ->add_option("--filter", options->filter,
                    "effect that filters the result of each technique that does not filter itself; none: no filter "
                    "[denoise]")
+      ->type_name("NAME")
       ->group(comparison);
   command
       ->add_flag("--budget", options->budget,
                  "divide the error of each screen-space technique: that of what the view holds, and its own")
       ->group(comparison);
   command->add_option("-o,--output", options->output, "folder for index.html and scores.json [report]")
+      ->type_name("DIR")
       ->group(comparison);
   add_sizes(*command, options->sizes, "960,540 and 480,270")->group(comparison);
   add_measure_options(*command, *options, comparison);
   command->add_option("--baseline", options->baseline, "earlier scores.json; fail if a score is worse than in it")
+      ->type_name("FILE")
       ->group(comparison);
   add_group(*command, *options, kCompare, "Technique");
   add_device_options(*command, *options, kCompare);

@@ -239,6 +239,7 @@ void add_config_option(CLI::App& command) {
   command
       .add_option(kOption, ignored,
                   "configuration file, or none [umbrage/config in XDG_CONFIG_HOME or ~/.config, if it exists]")
+      ->type_name("FILE")
       ->group("Configuration");
 }
 

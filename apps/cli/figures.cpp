@@ -147,13 +147,14 @@ Result<void> make_figures(const FiguresOptions& requested) {
 void add_figures(CLI::App& app, std::function<Result<void>()>& run) {
   CLI::App* command = app.add_subcommand("figures", "reproduce the figures and tables of a paper");
   auto options = std::make_shared<FiguresOptions>();
-  command->add_option("--paper", options->paper, "unsharp, cartoon or bleeding [unsharp]");
-  command->add_option("-o,--output", options->output, "folder to write to [figures]");
+  command->add_option("--paper", options->paper, "unsharp, cartoon or bleeding [unsharp]")->type_name("NAME");
+  command->add_option("-o,--output", options->output, "folder to write to [figures]")->type_name("DIR");
   add_number(*command, "--size", options->size, {128, 4096, NumberKind::kInteger}, "side of the pictures in pixels",
              "the paper's: unsharp 1024, cartoon 512, bleeding 768");
   add_number(*command, "--runs", options->runs, {1, 1000, NumberKind::kInteger},
              "runs per measured time in the tables");
-  command->add_option("--bunny", options->bunny, "the Stanford bunny, for unsharp [Debian's glmark2-data]");
+  command->add_option("--bunny", options->bunny, "the Stanford bunny, for unsharp [Debian's glmark2-data]")
+      ->type_name("FILE");
   add_device_options(*command, *options, kFigures);
   command->callback([options, &run] { run = with_options(options, make_figures); });
 }

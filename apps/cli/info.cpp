@@ -278,7 +278,8 @@ void add_info(CLI::App& app, std::function<Result<void>()>& run) {
   command->get_option("MODEL")->required(false);
   for (const char* group : {"Files", "G-buffer"}) add_group(*command, *options, kInfo, group);
   command->add_flag("--json", options->json, "print JSON");
-  command->add_option("--contact-sheet", options->contact_sheet, "PNG file to draw all layers of an image file into");
+  command->add_option("--contact-sheet", options->contact_sheet, "PNG file to draw all layers of an image file into")
+      ->type_name("FILE");
   add_config_option(*command);
 }
 

@@ -27,6 +27,17 @@ nlohmann::json list_looks() {
   return records;
 }
 
+/// Returns the record of a parameter: what it means, its range and its default, and in `summary` all three as one line.
+nlohmann::json parameter_record(const Effect& effect, const Parameter& row, const ParameterBytes& initial) {
+  const std::string meaning = with_option_names(row.help), range = parameter_range(row);
+  const std::string value = parameter_text(row, initial);
+  return {{"name", fmt::format("{}.{}", effect.name, row.name)},
+          {"summary", fmt::format("{}: {} [{}]", meaning, range, value)},
+          {"meaning", meaning},
+          {"range", range},
+          {"default", value}};
+}
+
 Result<nlohmann::json> list_effects(const std::string& name) {
   nlohmann::json records = nlohmann::json::array();
   std::vector<const Effect*> chosen = effects_with_external();
@@ -38,10 +49,7 @@ Result<nlohmann::json> list_effects(const std::string& name) {
   for (const Effect* effect : chosen) {
     records.push_back({{"name", effect->name}, {"summary", effect->summary}});
     const ParameterBytes initial = initial_parameters(effect->parameters, effect->params_size);
-    for (const Parameter& row : effect->parameters)
-      records.push_back({{"name", fmt::format("{}.{}", effect->name, row.name)},
-                         {"summary", with_option_names(fmt::format("{}: {} [{}]", row.help, parameter_range(row),
-                                                                   parameter_text(row, initial)))}});
+    for (const Parameter& row : effect->parameters) records.push_back(parameter_record(*effect, row, initial));
   }
   return records;
 }

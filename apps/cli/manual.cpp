@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <nlohmann/json.hpp>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/options.h"
@@ -20,6 +21,7 @@ using Words = std::vector<std::string>;
 
 struct ManualOptions {
   std::string shell, command;
+  bool json = false;  ///< of the manual
 };
 
 constexpr std::array<std::string_view, 3> kShells = {"bash", "zsh", "fish"};
@@ -110,11 +112,16 @@ std::string escaped(std::string_view text, std::string_view which) {
   return out;
 }
 
-/// Returns a description without the default in brackets at its end.
-std::string without_default(const std::string& text) {
+/// A description, and the default that follows it in brackets; empty: none.
+struct Described {
+  std::string meaning, initial;
+};
+Described described(const std::string& text) {
   const auto bracket = text.rfind(" [");
-  return bracket == std::string_view::npos ? text : text.substr(0, bracket);
+  if (bracket == std::string::npos || !text.ends_with(']')) return {text, ""};
+  return {text.substr(0, bracket), text.substr(bracket + 2, text.size() - bracket - 3)};
 }
+std::string without_default(const std::string& text) { return described(text).meaning; }
 
 // ---- bash ----
 
@@ -298,7 +305,7 @@ std::string man_options(const CLI::App& command) {
       names += (names.empty() ? "" : ", ") + ("\\fB\\-" + name) + "\\fR";
     for (const std::string& name : option->get_lnames())
       names += (names.empty() ? "" : ", ") + ("\\fB\\-\\-" + roff(name)) + "\\fR";
-    if (!is_flag(*option)) names += " \\fI" + roff(upper(option->get_lnames()[0])) + "\\fR";
+    if (!is_flag(*option)) names += " \\fI" + roff(option->get_type_name()) + "\\fR";
     out += ".TP\n" + names + "\n" + roff(option->get_description()) + "\n";
   }
   return out;
@@ -356,6 +363,41 @@ std::string man_of(const CLI::App& app, const std::vector<const CLI::App*>& comm
   return out;
 }
 
+// ---- JSON ----
+
+/// Returns all commands with their arguments and options.
+nlohmann::json json_of(const std::vector<const CLI::App*>& commands) {
+  const auto record_of = [](const CLI::Option& option) {
+    const auto [meaning, initial] = described(option.get_description());
+    return nlohmann::json{{"meaning", meaning}, {"default", initial}, {"required", option.get_required()}};
+  };
+  nlohmann::json records = nlohmann::json::array();
+  for (const CLI::App* command : commands) {
+    nlohmann::json arguments = nlohmann::json::array(), options = nlohmann::json::array();
+    for (const CLI::Option* option : command->get_options()) {
+      if (!option->get_positional()) continue;
+      arguments.push_back(record_of(*option));
+      arguments.back()["name"] = option->get_name();
+      arguments.back()["several"] = option->get_items_expected_max() > 1;
+    }
+    for (const CLI::Option* option : named_options(*command)) {
+      Words names;
+      for (const std::string& name : option->get_snames()) names.push_back("-" + name);
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+      options.push_back(record_of(*option));
+      options.back().update({{"names", names},
+                             {"value", option->get_type_name()},
+                             {"group", option->get_group()},
+                             {"environment", option->get_envname()}});
+    }
+    records.push_back({{"name", command->get_name()},
+                       {"summary", command->get_description()},
+                       {"arguments", arguments},
+                       {"options", options}});
+  }
+  return records;
+}
+
 std::vector<const CLI::App*> commands_of(const CLI::App& app) {
   return app.get_subcommands(std::function<bool(const CLI::App*)>());
 }
@@ -398,9 +440,13 @@ void add_manual(CLI::App& app, std::function<Result<void>()>& run) {
   shell->add_option("SHELL", options->shell, "bash, zsh or fish")->required();
   shell->callback([&app, options, &run] { run = [&app, options] { return completion(app, *options); }; });
   CLI::App* manual = app.add_subcommand("manual", "print the manual page, for man -l");
-  manual->callback([&app, &run] {
-    run = [&app]() -> Result<void> {
-      fmt::print("{}", man_of(app, commands_of(app)));
+  manual->add_flag("--json", options->json, "print the commands and their options as JSON");
+  manual->callback([&app, options, &run] {
+    run = [&app, options]() -> Result<void> {
+      if (options->json)
+        fmt::print("{}\n", json_of(commands_of(app)).dump(2));
+      else
+        fmt::print("{}", man_of(app, commands_of(app)));
       return {};
     };
   });

@@ -15,6 +15,8 @@
 namespace umbrage::cli {
 namespace {
 
+constexpr const char* kSizeName = "W,H";
+
 /// Returns the help text with the range of an integer, if its upper end is below kMaxShownRange, and the default.
 std::string help_with(std::string_view help, const Interval& interval, std::string_view initial) {
   constexpr double kMaxShownRange = 2000.0;
@@ -24,8 +26,40 @@ std::string help_with(std::string_view help, const Interval& interval, std::stri
   return initial.empty() ? text : fmt::format("{} [{}]", text, initial);
 }
 
-/// Returns the type name that the help shows.
+/// Returns the name of a value that the help shows.
 std::string type_of(const Interval& interval) { return interval.kind == NumberKind::kReal ? "FLOAT" : "INT"; }
+
+std::string type_of(const Option& row) {
+  switch (row.form) {
+    case OptionForm::kSize:
+      return kSizeName;
+    case OptionForm::kPercent:
+      return "PERCENT";
+    case OptionForm::kLength:
+      return "LENGTH";
+    case OptionForm::kPosition:
+    case OptionForm::kDirection:
+      return "X,Y,Z";
+    case OptionForm::kColor:
+      return "COLOR";
+    case OptionForm::kPair:
+      return "NEAR,FAR";
+    case OptionForm::kAngles:
+      return "AZIMUTH,ELEVATION";
+    case OptionForm::kRotation:
+    case OptionForm::kWindow:
+    case OptionForm::kIntrinsics:
+      return "NUMBERS";
+    case OptionForm::kWords:
+      return "NAMES";
+    case OptionForm::kPlain:
+      break;
+  }
+  if (interval_of(row).max > 0.0) return type_of(interval_of(row));
+  if (row.field == "bits") return "INT";
+  if (row.field == "settings") return "EFFECT.PARAMETER=VALUE";
+  return row.field.ends_with("_file") ? "FILE" : "NAME";
+}
 
 template <class Number>
 CLI::Option* add_any_number(CLI::App& command, const std::string& name, Number& value, const Interval& interval,
@@ -85,7 +119,8 @@ CLI::Option* add_sizes(CLI::App& command, std::vector<std::string>& sizes, std::
                       fmt::format("width,height, or one number for a square; may be given several times [{}]", initial))
           ->take_all()
           ->expected(1)
-          ->allow_extra_args(false);
+          ->allow_extra_args(false)
+          ->type_name(kSizeName);
   add_check(*option, [](const std::string& text) -> Result<void> {
     const auto size = parse_size("width", text, kMaxPixels);
     return size ? Result<void>() : size.error();
@@ -109,9 +144,10 @@ void add_one(CLI::App& command, CommonOptions& o, std::string_view field, std::s
   } else {
     option = command.add_option(name, o.texts[row.option], text);
   }
-  if (interval_of(row).max > 0.0 && row.form == OptionForm::kPlain) option->type_name(type_of(interval_of(row)));
-  if (!option->get_type_name().empty())
+  if (!option->get_type_name().empty()) {  // not a flag
+    option->type_name(type_of(row));
     add_check(*option, [&row](const std::string& word) { return check_text(row, word); });
+  }
   if (!row.environment.empty()) option->envname(std::string(row.environment));
   if (!group.empty()) option->group(std::string(group));
 }
@@ -131,6 +167,7 @@ CLI::App* add_model_command(CLI::App& app, const std::string& name, const std::s
   command
       .add_option("--input-format", o.input_format,
                   "format of the model on standard input, such as obj [detected from its content]")
+      ->type_name("NAME")
       ->group("Scene");
   add_group(command, o, which, "Camera");
   return &command;

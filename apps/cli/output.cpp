@@ -16,13 +16,13 @@ void add_output_options(CLI::App& command, RenderOptions& options, std::string_v
   add_one(command, options, "passes", output);
   add_one(command, options, "bits", output);
   add_number(command, "--picture-quality", options.picture_quality, {1, 100, NumberKind::kInteger},
-             "quality of a .jpg or .webp, 1 to 100; a .webp of 100 is lossless")
+             "quality of a .jpg or .webp (of a .webp, 100 is lossless)")
       ->group(output);
   command.add_flag("--half", options.half, "16-bit floats in an EXR, for planes for which their precision suffices")
       ->group(output);
   CLI::Option* memory =
       command.add_option("--memory", options.memory, fmt::format("{} [{}]", help_of_memory, options.memory));
-  memory->group(output);
+  memory->type_name("SIZE")->group(output);
   add_check(*memory, [](const std::string& text) -> Result<void> {
     const auto bytes = parse_memory(text);
     return bytes ? Result<void>() : bytes.error();

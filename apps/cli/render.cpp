@@ -479,11 +479,13 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   command
       ->add_option("-o,--output", options->output,
                    "file to write: .png, .jpg, .webp, .exr or .pfm; .svg for only the lines, by default those of the "
-                   "look cartoon; "
-                   "- for a PNG on standard output; with --turntable also .mp4, .webm or .gif")
+                   "look cartoon; - for a PNG on standard output; with --turntable also .mp4, .webm or .gif")
+      ->type_name("FILE")
       ->required()
       ->group(output);
-  command->add_option("--svg", options->svg, "also write the look's lines as curves to this .svg file")->group(output);
+  command->add_option("--svg", options->svg, "also write the look's lines as curves to this .svg file")
+      ->type_name("FILE")
+      ->group(output);
   add_number(*command, "--turntable", options->turntable, {1, 100000, NumberKind::kInteger},
              "number of frames for one turn of the model, written as turn_0000.png and so on, or as a video",
              "one picture")

@@ -164,7 +164,7 @@ void add_sequence_options(CLI::App& command, SequenceOptions& options, bool has_
     CLI::Option* frames = command.add_option(
         "--frames", options.frames,
         "frames of a sequence: 1-240, 1-240x2 for every second one, or 1,3,5-9 [all files of the name]");
-    frames->group(output);
+    frames->type_name("RANGE")->group(output);
     add_check(*frames, [](const std::string& text) -> Result<void> {
       const auto parsed = parse_frames(text);
       return parsed ? Result<void>() : parsed.error();
@@ -174,6 +174,7 @@ void add_sequence_options(CLI::App& command, SequenceOptions& options, bool has_
       .add_option("--shard", options.shard,
                   "make one part of the frames: 2/6 is the second of six; slurm: that of this task of a Slurm array "
                   "[all frames]")
+      ->type_name("I/N")
       ->group(output);
   command.add_flag("--overwrite", options.overwrite, "also make frames whose files are there and up to date")
       ->group(output);

@@ -233,6 +233,7 @@ void add_shade(CLI::App& app, std::function<Result<void>()>& run) {
       ->add_option("-o,--output", options->output,
                    "file to write: .png, .jpg, .webp, .exr or .pfm; - for a PNG on standard output; for a sequence "
                    "with the frame number as ####")
+      ->type_name("FILE")
       ->required()
       ->group(output);
   command

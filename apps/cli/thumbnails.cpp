@@ -185,15 +185,17 @@ void add_thumbnails(CLI::App& app, std::function<Result<void>()>& run) {
       ->add_option(
           "-o,--output", options->output,
           "folder for the pictures, NAME.png for the model NAME; for a single model also a .png, .jpg or .webp file")
+      ->type_name("DIR")
       ->required();
   CLI::Option* format =
       command->add_option("--format", options->format, "format of pictures in a folder: png, jpg or webp [png]");
+  format->type_name("NAME");
   add_check(*format, [](const std::string& text) -> Result<void> {
     if (holds_display_values(text)) return {};
     return usage_error("--format cannot be '{}': it takes png, jpg or webp", text);
   });
   add_number(*command, "--picture-quality", options->picture_quality, {1, 100, NumberKind::kInteger},
-             "quality of a .jpg or .webp, 1 to 100; a .webp of 100 is lossless");
+             "quality of a .jpg or .webp (of a .webp, 100 is lossless)");
   add_number(*command, "--size", options->size, {1, 4096, NumberKind::kInteger}, "width and height, pixels");
   for (const char* field : {"look", "quality", "anti_aliasing", "transparent", "up"})
     add_one(*command, *options, field, "", "", std::string_view(field) == "anti_aliasing" ? "4" : "");

@@ -121,6 +121,7 @@ void add_view(CLI::App& app, std::function<Result<void>()>& run) {
   command
       ->add_option("--host", options->host,
                    "address to serve the page on [127.0.0.1, which only this computer reaches]")
+      ->type_name("ADDRESS")
       ->group(page);
   command->add_flag("--no-open", options->stays_closed, "only print the address, start no browser")->group(page);
   command->add_flag("--once", options->once, "end when the last page is closed")->group(page);

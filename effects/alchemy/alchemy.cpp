@@ -14,21 +14,22 @@ namespace {
 
 const std::vector<Parameter> kTable = {
     int_row("samples", &AlchemyParams::samples, {.initial = 12, .min = 1, .max = kAlchemyMaxSamples},
-            "points of the disc per pixel"),
+            "number N of points in the disc, per pixel"),
     int_row("turns", &AlchemyParams::turns, {.initial = 7, .min = 1, .max = 255},
             "turns of the spiral of points; best coprime to `samples`"),
-    radius_row("radius", &AlchemyParams::radius,
-               "radius of the disc, in scene units or in percent of the bounding-sphere radius"),
+    radius_row(
+        "radius", &AlchemyParams::radius,
+        "radius R of the disc, in scene units or in percent of the bounding-sphere radius; `occlusion_radius` sets it"),
     choice_row(
         "formula", &AlchemyParams::formula, 0, {"alchemy", "scalable"},
         "alchemy: distant occluders count less, without a limit; scalable: occluders beyond the radius do not count"),
     real_row("strength", &AlchemyParams::strength, {.initial = 0.4, .max = 100},
-             "factor for the obscurance, with lengths in radii"),
-    real_row("contrast", &AlchemyParams::contrast, {.initial = 1, .min = 0.01, .max = 100}, "exponent of the result"),
+             "factor s for the obscurance, with lengths in radii; sigma in the papers"),
+    real_row("contrast", &AlchemyParams::contrast, {.initial = 1, .min = 0.01, .max = 100}, "exponent k of the result"),
     real_row("bias", &AlchemyParams::bias, {.initial = 1e-4, .max = 1},
-             "min height above the surface's plane at which a point occludes, as a fraction of the depth"),
+             "min height b above the surface's plane at which a point occludes, as a fraction of the depth"),
     real_row("epsilon", &AlchemyParams::epsilon, {.initial = 1e-4, .min = 1e-8, .max = 1},
-             "added to the squared distance to avoid division by 0, in squared radii"),
+             "e, added to the squared distance to avoid division by 0, in squared radii"),
 };
 
 // A tap that rounding moves to the next pixel may change the result by a large term, up to two quanta.

@@ -17,7 +17,8 @@ const std::vector<Parameter> kTable = {
              "clear edge"),
     int_row("search", &AntialiasParams::search, {.initial = 24, .max = 64, .unit = "px", .zero_means = "off"},
             "how far an edge is followed in each direction"),
-    bool_row("beauty", &AntialiasParams::beauty, false, "also smooth `beauty`; EXR files set it"),
+    bool_row("beauty", &AntialiasParams::beauty, false,
+             "also smooth `beauty`, by the same areas; set for EXR files without the parts of `beauty`"),
 };
 
 void fill_constants(const AntialiasParams& params, const PictureInfo&, AntialiasConstants& c) {

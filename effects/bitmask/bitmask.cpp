@@ -36,28 +36,29 @@ const std::vector<Parameter> kTable = {
     choice_row("distribution", &BitmaskParams::distribution, kBitmaskStep15, {"1", "1.5", "2", "3"},
                "exponent of the steps' distances: higher values put more steps near the pixel"),
     radius_row("radius", &BitmaskParams::radius,
-               "search radius for occluders, in scene units or in percent of the bounding-sphere radius"),
+               "search radius for occluders, in scene units or in percent of the bounding-sphere radius; "
+               "`occlusion_radius` sets it"),
     choice_row("mode", &BitmaskParams::mode, 0, {"thick", "infinite", "layers"},
-               "where occluders end in depth: at the assumed thickness, never, or at the next depth layer (each layer "
-               "occludes by itself) but at the assumed thickness at the latest"),
+               "where occluders end in depth: thick: at the assumed thickness; infinite: never; layers: every captured "
+               "layer occludes, up to the next layer, but at most up to the assumed thickness"),
     real_row("thickness", &BitmaskParams::thickness, {.initial = 0.05, .max = 100},
              "assumed thickness of occluders, in radii"),
-    real_row(
-        "slope", &BitmaskParams::slope, {.max = 100, .zero_means = "automatic"},
-        "assumed thickness of occluders, relative to their distance; the larger of `thickness` and `slope` is used"),
+    real_row("slope", &BitmaskParams::slope, {.max = 100, .zero_means = "automatic"},
+             "assumed thickness of occluders, as a fraction of their distance; the larger of `thickness` and `slope` "
+             "is used"),
     choice_row("measure", &BitmaskParams::measure, 0, {"exact", "uniform", "sectors"},
-               "directions that each bit of a slice covers: an equal part of the cosine-weighted directions, an equal "
-               "angle, or an equal step of the sine of the angle to the normal"),
+               "what a bit of a slice covers: exact: an equal part of the cosine-weighted directions; uniform: an "
+               "equal angle; sectors: an equal step of the sine of the angle to the normal"),
     real_row("falloff", &BitmaskParams::falloff, {.max = 1},
              "mode infinite: outer fraction of the radius over which occluders fade out"),
     choice_row("noise", &BitmaskParams::noise, kBitmaskTile, {"hilbert", "tile", "hash", "none"},
-               "noise that rotates slices and offsets steps per pixel: a sequence along a Hilbert curve, a tile of 4x4 "
-               "pixels, a hash, or none"),
+               "noise that rotates slices and offsets steps per pixel: a low-discrepancy sequence along a Hilbert "
+               "curve of 64x64 pixels, a tile of 4x4 pixels, a hash, or none"),
     renamed_from("frame", int_row("sample_index", &BitmaskParams::sample_index, {.max = 65535},
                                   "index among several pictures that are averaged; each has different noise")),
-    bool_row("mips", &BitmaskParams::mips, false, "read distant taps from downsampled copies of the depth"),
+    bool_row("mips", &BitmaskParams::mips, false, "read distant taps from mip levels of the depth; not in mode layers"),
     choice_row("border", &BitmaskParams::border, 0, {"skip", "open"},
-               "taps outside the picture: left out of the estimate, or open"),
+               "taps outside the picture: left out of the estimate, or unoccluded"),
     bool_row("bent", &BitmaskParams::bent, false, "also write the plane `bent`, the mean unoccluded direction"),
     real_row("bleeding", &BitmaskParams::bleeding, {.max = 100, .zero_means = "off"},
              "factor for the indirect light from occluders"),

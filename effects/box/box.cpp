@@ -14,9 +14,11 @@ namespace {
 
 const std::vector<Parameter> kTable = {
     int_row("size", &BoxParams::size, {.initial = 4, .min = 1, .max = 15, .unit = "px"},
-            "side of the window; with the side of the noise tile, it removes the noise on flat surfaces entirely"),
-    choice_row("background", &BoxParams::background, 0, {"skip", "mix"},
-               "background pixels: left out of the mean, or included as in the paper"),
+            "side of the window; with the side of the noise tile, it removes the noise on flat surfaces entirely; 1 "
+            "changes nothing"),
+    choice_row(
+        "background", &BoxParams::background, 0, {"skip", "mix"},
+        "pixels without a surface: left out of the mean, or included as in the paper, which brightens silhouettes"),
     bool_row("ao", &BoxParams::ao, true, "blur the occlusion"),
     bool_row("indirect", &BoxParams::indirect, true, "blur the indirect light"),
 };

@@ -19,9 +19,11 @@ constexpr float kNear = 0.25f, kFar = 0.125f;  // [1 2 2 2 1]/8
 
 const std::vector<Parameter> kTable = {
     int_row("rounds", &DenoiseParams::rounds, {.initial = 1, .max = kMaxRounds},
-            "number of times the 5x5 filter is applied; the spacing of its taps doubles each time"),
-    real_row("occlusion", &DenoiseParams::occlusion, {.initial = 1, .max = 1}, "strength of the filter for occlusion"),
-    real_row("indirect", &DenoiseParams::indirect, {.max = 1}, "strength of the filter for indirect light"),
+            "number of times the 5x5 filter is applied; the spacing of its taps doubles each time; 0 changes nothing"),
+    real_row("occlusion", &DenoiseParams::occlusion, {.initial = 1, .max = 1},
+             "fraction of the occlusion's noise that is filtered"),
+    real_row("indirect", &DenoiseParams::indirect, {.max = 1},
+             "fraction of the indirect light's noise that is filtered; above 0, both are filtered together"),
     real_row("distance", &DenoiseParams::distance, {.initial = 1, .min = 0.01, .max = 100, .unit = "px"},
              "max distance of a pixel from another's plane at full weight"),
     real_row("angle", &DenoiseParams::angle, {.initial = 25, .min = 1, .max = 180, .unit = "deg"},

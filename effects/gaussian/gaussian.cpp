@@ -15,9 +15,10 @@ constexpr float kSideWeight = 0.25f;  // [1 2 1]/4
 const std::vector<Parameter> kTable = {
     // The paper says "several times". Each round halves noise of period 4 pixels, so that 6 % of it remains after four.
     int_row("rounds", &GaussianParams::rounds, {.initial = 4, .max = 64},
-            "number of times the 3x3 Gaussian is applied"),
+            "number of times the 3x3 Gaussian is applied; 0 changes nothing"),
     bool_row("edges", &GaussianParams::edges, false,
-             "blur along each surface only, not across its silhouette or into the background"),
+             "blur along each surface only, not across its silhouette or into the background; off, as in the paper: "
+             "across everything"),
 };
 
 void fill_constants(const GaussianParams& params, const PictureInfo&, GaussianConstants& c) {

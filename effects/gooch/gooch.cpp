@@ -41,7 +41,7 @@ const std::vector<Parameter> kTable = {
     real_row("light_elevation", &GoochParams::light_elevation_deg,
              {.initial = kElevationDeg, .min = -90, .max = 90, .unit = "deg"}, "and this far above it"),
     real_row("occlusion", &GoochParams::occlusion, {.initial = 1, .max = 10},
-             "factor for the occlusion of any technique"),
+             "factor for the occlusion, 1 - ao, of any technique; `occlusion_strength` multiplies it"),
     choice_row("values", &GoochParams::values, kGoochLight, {"light", "display"},
                "what `lit` holds: linear light, or display values for output.transfer=none"),
 };

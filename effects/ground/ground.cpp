@@ -10,7 +10,7 @@ namespace {
 
 const std::vector<Parameter> kTable = {
     real_row("strength", &GroundParams::strength, {.initial = 1, .max = 2},
-             "strength of the shadow on the ground; above 1 its light parts get darker"),
+             "darkness of the shadow on the ground; 0: none; above 1 its light parts get darker"),
     real_row("border", &GroundParams::border, {.max = 50, .unit = "%", .zero_means = "off"},
              "the shadow fades out towards the picture's border over this length, in percent of the shorter side"),
     choice_row(

@@ -17,10 +17,12 @@ const std::vector<Parameter> kTable = {
             "directions in the picture in which the horizon is searched"),
     int_row("steps", &HbaoParams::steps, {.initial = 6, .min = 1, .max = 256}, "depth taps in each direction"),
     radius_row("radius", &HbaoParams::radius,
-               "search radius for occluders, in scene units or in percent of the bounding-sphere radius"),
+               "search radius for occluders, in scene units or in percent of the bounding-sphere radius; "
+               "`occlusion_radius` sets it"),
     real_row("angle_bias", &HbaoParams::angle_bias, {.initial = 10, .max = 89, .unit = "deg"},
              "elevation above the tangent plane below which nothing occludes"),
-    bool_row("attenuation", &HbaoParams::attenuation, true, "weight occluders by 1 - r^2, with distances r in radii"),
+    bool_row("attenuation", &HbaoParams::attenuation, true,
+             "weight occluders by 1 - r^2, with distances r in radii; off: by 1"),
     real_row("strength", &HbaoParams::strength, {.initial = 1, .max = 10}, "factor for the occlusion"),
 };
 

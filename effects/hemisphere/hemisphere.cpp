@@ -33,16 +33,19 @@ const std::vector<Parameter> kTable = {
     int_row("samples", &HemisphereParams::samples, {.initial = 16, .min = 1, .max = kHemisphereMaxSamples},
             "sample points per pixel"),
     choice_row("shape", &HemisphereParams::shape, 0, {"hemisphere", "sphere"},
-               "sample the hemisphere above the surface, or the whole sphere"),
+               "sample the hemisphere above the surface, or the whole sphere, so that flat surfaces lose half of their "
+               "light, and convex corners less"),
     radius_row("radius", &HemisphereParams::radius,
-               "radius of the hemisphere, in scene units or in percent of the bounding-sphere radius"),
-    choice_row(
-        "distribution", &HemisphereParams::distribution, 0, {"even", "paper"},
-        "lengths of the sample points: uniform in their logarithm, or random directions with the paper's lengths"),
+               "radius of the hemisphere, in scene units or in percent of the bounding-sphere radius; "
+               "`occlusion_radius` sets it"),
+    choice_row("distribution", &HemisphereParams::distribution, 0, {"even", "paper"},
+               "sample points: even: directions at equal steps of height; half of the lengths at equal steps, half at "
+               "equal steps of their logarithm; paper: a random table"),
     int_row("seed", &HemisphereParams::seed, {.max = 1e6}, "seed of the sample points and of the noise"),
     int_row("noise", &HemisphereParams::noise,
             {.initial = 4, .max = 64, .unit = "px", .zero_means = "as large as the picture"},
-            "side of the noise tile that rotates the sample points; 1: none"),
+            "side of the noise tile that rotates the sample points about the normal and shifts the lengths of even "
+            "points; 1: the same for all pixels"),
     choice_row("range", &HemisphereParams::range, kHemisphereRangeSmoothstep,
                {"none", "constant", "linear", "quadratic", "smoothstep"},
                "max difference in depth of an occluder: unlimited, a limit that is constant or falls with the depth or "
@@ -73,7 +76,7 @@ const std::vector<Parameter> kTable = {
         "surface area that an occluding sample represents: measured from the samples' density, an equal fraction of "
         "the radius's disc, or the paper's fixed fragment"),
     real_row("fragment_area", &HemisphereParams::fragment_area, {.initial = 0.05, .max = 100},
-             "area paper: size of a fragment, in squares of the radius"),
+             "area paper: size of a fragment, A_f in the paper, in squares of the radius"),
     real_row("floor", &HemisphereParams::floor, {.initial = 0.02, .max = 0.5},
              "fraction of the radius: length of the shortest sample of distribution even, and min distance of an "
              "emitter of area equal and paper"),
@@ -84,7 +87,8 @@ const std::vector<Parameter> kTable = {
     int_row("bounces", &HemisphereParams::bounces, {.initial = 1, .min = 1, .max = 16},
             "number of bounces; each reflects the indirect light of the one before"),
     bool_row("tangents", &HemisphereParams::tangents, false,
-             "also write the plane `tangent`: the direction to which each pixel's points are turned about the normal"),
+             "also write the plane `tangent`: the direction, in view space, to which each pixel's points are turned "
+             "about the normal"),
 };
 
 // With a single sample, a flip of this sample changes occlusion and light from none to full: two quanta.

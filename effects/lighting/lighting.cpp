@@ -21,21 +21,22 @@ const std::vector<Parameter> kTable = {
     real_row("diffuse", &LightingParams::diffuse, {.initial = 1, .max = kMaxFactor},
              "factor for diffuse reflection of the lights"),
     real_row("specular", &LightingParams::specular, {.initial = 1, .max = kMaxFactor},
-             "factor for highlights and reflections"),
+             "factor for highlights and reflections; 0 also saves the computation of highlights without a roughness"),
     real_row("emission", &LightingParams::emission, {.initial = 1, .max = kMaxFactor},
-             "factor for the emission of surfaces"),
+             "factor for the emission of surfaces; with material=clay there is none"),
     real_row("gloss", &LightingParams::gloss, {.max = 1, .zero_means = "off"},
-             "peak of a broad highlight, of parallel lights, on surfaces without a higher one"),
-    real_row("shadow", &LightingParams::shadow, {.initial = 1, .max = 1}, "strength of shadows"),
+             "peak of a broad highlight of parallel lights, as of matt varnish, on surfaces without a higher one"),
+    real_row("shadow", &LightingParams::shadow, {.initial = 1, .max = 1}, "darkness of shadows; at 0 none is traced"),
     choice_row(
         "material", &LightingParams::material, 0, {"scene", "clay", "display"},
         "the scene's materials, white clay without highlights, or the scene's with its albedo as a display shows it "
         "(for output.transfer=none)"),
-    bool_row("open", &LightingParams::open, false,
-             "also write `open_light`, the luminance of an unoccluded white surface, for the effect ground"),
-    choice_row(
-        "rig", &LightingParams::rig, 0, {"scene", "head", "key"},
-        "the scene's lights, one light at the camera, or one parallel light from above and to the left of the camera"),
+    bool_row(
+        "open", &LightingParams::open, false,
+        "also write `open_light`, the brightness of an unoccluded and unshadowed white surface, for the effect ground"),
+    choice_row("rig", &LightingParams::rig, 0, {"scene", "head", "key"},
+               "the scene's lights; or one light without shadow, at the camera or parallel from above and to the left "
+               "of the camera"),
 };
 
 /// Sets what shades surfaces with a roughness.

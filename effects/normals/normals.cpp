@@ -7,9 +7,9 @@ namespace umbrage {
 namespace {
 
 const std::vector<Parameter> kTable = {
-    choice_row(
-        "sides", &NormalsParams::sides, 0, {"better", "mean"},
-        "neighbours that determine a normal: of the two sides the one on the pixel's own surface, or the mean of both"),
+    choice_row("sides", &NormalsParams::sides, 0, {"better", "mean"},
+               "neighbours that determine a normal: of the two sides the one on the pixel's own surface, or the mean "
+               "of both, which is smoother on curved surfaces and wrong at edges"),
 };
 
 void fill_constants(const NormalsParams& params, const PictureInfo&, NormalsConstants& c) {

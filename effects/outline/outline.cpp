@@ -25,7 +25,8 @@ const std::vector<Parameter> kTable = {
     choice_row("mode", &OutlineParams::mode, 0, {"robust", "paper"},
                "lines that are stable at any size and angle, or the paper's test of eight neighbours"),
     length_row("width", &OutlineParams::width, {.initial = 2, .min = 0.5, .max = kOutlineMaxWidth, .unit = "px"},
-               "robust: width of the line, in pixels or in percent of the picture's height, at most 16 pixels"),
+               "robust: width of the line, in pixels or in percent of the picture's height, at most 16 pixels; below 1 "
+               "pixel it fades"),
     real_row("r", &OutlineParams::r, {.max = 1},
              "red of the line, linear, in the finished picture: exposure does not apply to lines"),
     real_row("g", &OutlineParams::g, {.max = 1}, "green of the line, likewise"),
@@ -44,7 +45,8 @@ const std::vector<Parameter> kTable = {
         "recede", &OutlineParams::recede, {.max = 1},
         "robust: how much lines become thinner with distance, in perspective: 0 not at all, 1 as much as possible"),
     real_row("inner", &OutlineParams::inner, {.max = 1},
-             "robust: how much thinner free ends are, and lines within an object where its depth step is small"),
+             "robust: how much thinner lines are at free ends, and where an object occludes itself with a small depth "
+             "difference"),
     real_row("paper_depth", &OutlineParams::paper_depth, {.initial = 0.05, .max = 1},
              "paper: threshold of window depth, times (1 - depth)"),
     real_row("paper_normal", &OutlineParams::paper_normal, {.initial = 0.95, .min = -1.0, .max = 1},

@@ -17,14 +17,14 @@ const std::vector<Parameter> kTable = {
     real_row("exposure", &OutputParams::exposure, {.min = -kMaxStops, .max = kMaxStops, .unit = "stops"},
              "brightness, in stops: 1 doubles the light"),
     choice_row("metering", &OutputParams::metering, 0, {"none", "picture", "light", "median"},
-               "automatic exposure, added to `exposure`: none, by the brightness of the picture's surfaces, by the "
-               "brightness of the light of `hdri_file`, or by the median brightness of the surfaces"),
+               "automatic exposure, added to output.exposure: none, by the brightness of the picture's surfaces, by "
+               "the brightness of the light of `hdri_file`, or by the median brightness of the surfaces"),
     choice_row(
         "tone", &OutputParams::tone, 0, {"none", "neutral"},
         "tone curve: none, or Khronos PBR Neutral, which compresses highlights and deepens shadows and keeps hue "
         "and saturation"),
     real_row("contrast", &OutputParams::contrast, {.initial = 1, .max = 4},
-             "contrast about `pivot`, before the tone curve: an exponent of light; 1: as it is"),
+             "contrast about `pivot`, before the tone curve: an exponent of light; `contrast` multiplies it"),
     real_row("pivot", &OutputParams::pivot, {.initial = 0.18, .min = 0.001, .max = 1},
              "light that contrast does not change: middle grey, 0.46 in looks that draw display values"),
     real_row("shoulder", &OutputParams::shoulder, {.initial = 1, .max = 1},
@@ -38,16 +38,17 @@ const std::vector<Parameter> kTable = {
     real_row("background_b", &OutputParams::background_b, {.initial = 1, .max = 1},
              "blue where there is no surface, as written to the file"),
     real_row("gradient", &OutputParams::gradient, {.max = 1, .zero_means = "off"},
-             "the background darkens upwards: fraction of its light that is missing at the top"),
+             "the background darkens upwards: fraction of its light that is missing at the top; `background` sets 0"),
     bool_row("transparent", &OutputParams::transparent, false, "alpha 0 and black where there is no surface"),
     bool_row("sky", &OutputParams::sky, false,
              "show the planes `sky`, which `hdri_skybox` and `relight` write, where there is no surface"),
     choice_row("beauty", &OutputParams::beauty, kBeautyOff, {"off", "light", "display"},
                "also write `beauty`, scene-linear and premultiplied, from light, or from display values, which it "
-               "decodes; the format of the file sets it"),
+               "decodes; the format of the file and the passes set it"),
     bool_row("parts", &OutputParams::parts, false, "with `beauty`, also write its parts; `passes` sets it"),
-    choice_row("blend", &OutputParams::blend, kBlendLight, {"light", "display"},
-               "what `shadow_catcher` is the opacity for, as ground.blend; `transparent` sets it"),
+    choice_row(
+        "blend", &OutputParams::blend, kBlendLight, {"light", "display"},
+        "what `shadow_catcher` is the opacity for, as ground.blend, which `beauty` undoes; `transparent` sets it"),
 };
 
 void fill_constants(const OutputParams& params, const PictureInfo& info, OutputConstants& c) {

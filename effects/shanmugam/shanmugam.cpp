@@ -19,17 +19,19 @@ static_assert(kShanmugamMaxOccluders == kMaxOccluders);
 const std::vector<Parameter> kTable = {
     length_row("radius", &ShanmugamParams::radius,
                {.initial_percent = 50, .max = 1e12, .unit = "scene units", .above_zero = true},
-               "max distance of occluders, in scene units or in percent of the bounding-sphere radius"),
-    length_row("near_radius", &ShanmugamParams::near_radius,
-               {.initial_percent = 10, .max = 1e12, .unit = "scene units"},
-               "distance up to which the pixels around occlude, and from which the coarse occluders do"),
+               "max distance of occluders, in scene units or in percent of the bounding-sphere radius; "
+               "`occlusion_radius` sets it"),
+    length_row(
+        "near_radius", &ShanmugamParams::near_radius, {.initial_percent = 10, .max = 1e12, .unit = "scene units"},
+        "distance R up to which the pixels around occlude, and from which the coarse occluders do; at most `radius`"),
     bool_row("near", &ShanmugamParams::near, true, "occlusion by the pixels around"),
     int_row("samples", &ShanmugamParams::samples, {.initial = 32, .min = 1, .max = 4096},
-            "near part: samples per pixel"),
+            "near part: number N of samples per pixel"),
     choice_row("form", &ShanmugamParams::form, kShanmugamDisc, {"disc", "sphere"},
                "near part: what a sample is: a disc on the visible surface, or a sphere, as in the paper"),
     real_row("behind", &ShanmugamParams::behind, {.initial = 1, .max = 1},
-             "near part: factor of discs that are seen from behind"),
+             "near part: factor b of discs that are seen from behind: they hide as much as the unseen side of a closed "
+             "body"),
     real_row("bias", &ShanmugamParams::bias, {.initial = 0.02, .max = 1},
              "near part: subtracted from the cosine between the normal and a sample"),
     bool_row("far", &ShanmugamParams::far, true, "occlusion by coarse occluders of the scene, also out of view"),
@@ -38,7 +40,7 @@ const std::vector<Parameter> kTable = {
         "far part: what an occluder is: a disc and a sphere, by how far its normals agree; a sphere; a sphere by "
         "the paper's formula, without a split at `near_radius`"),
     int_row("occluders", &ShanmugamParams::occluders, {.initial = 128, .min = 1, .max = kShanmugamMaxOccluders},
-            "far part: number of coarse occluders that are made of the scene"),
+            "far part: max number of coarse occluders that are made of the scene"),
     int_row("sample_index", &ShanmugamParams::sample_index, {.max = 65535},
             "index among several pictures that are averaged; each has different noise"),
 };

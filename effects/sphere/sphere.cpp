@@ -36,7 +36,8 @@ const std::vector<Parameter> kTable = {
                "radius of the sphere, in pixels or in percent of the picture's width"),
     length_row("reach", &SphereParams::reach,
                {.max = 1e12, .unit = "scene units", .zero_means = "off: `radius` applies"},
-               "radius of the sphere in scene units or in percent of the bounding-sphere radius; it replaces `radius`"),
+               "radius of the sphere in scene units or in percent of the bounding-sphere radius; it replaces `radius`; "
+               "`occlusion_radius` sets it"),
     choice_row("depth", &SphereParams::depth, 0, {"window", "linear"},
                "depth that is compared: window depth in [0, 1], or distance along the view axis"),
     real_row("near", &SphereParams::near_depth, {.max = 1e12, .unit = "scene units", .zero_means = "automatic"},
@@ -54,9 +55,11 @@ const std::vector<Parameter> kTable = {
     choice_row(
         "shape", &SphereParams::shape, 0, {"sphere", "hemisphere"},
         "sample the whole sphere, or the half above the surface, where only surfaces that rise above it occlude"),
-    bool_row("sample_z", &SphereParams::sample_z, false, "give each sample its own depth; off: the depth of the pixel"),
+    bool_row("sample_z", &SphereParams::sample_z, false,
+             "give each sample its own depth and project it; off: the depth of the pixel"),
     choice_row("projection", &SphereParams::projection, 0, {"perspective", "parallel"},
-               "where samples with their own depth are in the picture: nearer ones farther from its centre, or not"),
+               "with `sample_z`: samples move outwards in the picture as they come nearer, or are shifted by the same "
+               "number of pixels at every depth"),
     real_row("softness", &SphereParams::softness, {.max = 10, .zero_means = "a step"},
              "distance in front of a surface over which samples become occluded, in radii as for `range_factor`"),
     real_row("threshold", &SphereParams::threshold, {.initial = kThreshold, .max = 1},
@@ -114,7 +117,7 @@ void fill_points(int count, bool pairs, float* points) {
 
 /// Writes `count` points towards the corners of a cube, at distances of 1/8 to 8/8, as in [Mittring 2007]. Its 16
 /// points are these and the same at half the distance; with more points, the distances are divided further. The order
-/// of the corners is not known: this one gives the mean values in README.md.
+/// of the corners is not known: this one gives the mean values in sphere_test.cpp.
 void fill_corners(int count, float* points) {
   constexpr int kCorners[8][3] = {{1, 1, 1},  {-1, -1, -1}, {-1, -1, 1}, {-1, 1, -1},
                                   {-1, 1, 1}, {1, -1, -1},  {1, -1, 1},  {1, 1, -1}};

@@ -28,12 +28,13 @@ const std::vector<Parameter> kTable = {
     int_row("steps", &SsdoParams::steps, {.initial = 2, .min = 1, .max = 16},
             "sample points along each direction; the nearest hidden one hides the direction"),
     radius_row("radius", &SsdoParams::radius,
-               "max distance of a sample point, in scene units or in percent of the bounding-sphere radius"),
+               "max distance of a sample point, in scene units or in percent of the bounding-sphere radius; "
+               "`occlusion_radius` sets it"),
     choice_row("directions", &SsdoParams::directions, kSsdoCosine, {"cosine", "uniform", "paper"},
                "stratified, with a density proportional to the cosine, or uniform; or uniform and random, with weights "
                "that are not normalized"),
     choice_row("lengths", &SsdoParams::lengths, kSsdoRoot, {"root", "linear"},
-               "distances of sample points: square roots of uniform numbers, or uniform, which misses more occluders"),
+               "distances of sample points, for uniform numbers t: R sqrt(t), or R t, which misses more occluders"),
     int_row("seed", &SsdoParams::seed, {.max = 1e6}, "seed of the directions and of the noise"),
     int_row("noise", &SsdoParams::noise,
             {.initial = 4, .max = 64, .unit = "px", .zero_means = "as large as the picture"},
@@ -53,8 +54,8 @@ const std::vector<Parameter> kTable = {
     real_row("bleeding", &SsdoParams::bleeding, {.max = 100, .zero_means = "off"},
              "factor for the light from the surfaces that hide directions"),
     choice_row("bounce", &SsdoParams::bounce, kSsdoRadiance, {"radiance", "sender"},
-               "a hidden direction brings the radiance of the surface there; or, as in the paper, that surface sends "
-               "the light of a patch of fixed size"),
+               "a hidden direction brings the radiance of the surface there; or, by the paper's form factor, that "
+               "surface sends the light of a patch of fixed size"),
     real_row("min_distance", &SsdoParams::min_distance, {.initial = 0.2, .max = 1},
              "bounce sender: min distance of a sender, as a fraction of the radius; avoids bright spots"),
     real_row("ambient_bounce", &SsdoParams::ambient_bounce, {.initial = 1, .max = 10},

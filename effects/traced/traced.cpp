@@ -29,13 +29,15 @@ const std::vector<Parameter> kTable = {
             "max rays of a pixel whose surface few neighbours show, as on edges and leaves; at least `rays`"),
     radius_row("radius", &TracedParams::radius,
                "max distance of an occluder, in scene units or in percent of the bounding-sphere radius; 200% is the "
-               "whole scene"),
+               "whole scene; `occlusion_radius` sets it"),
     choice_row("falloff", &TracedParams::falloff, 0, {"none", "linear", "smooth"},
                "weight of an occluder within the radius: 1, or falling with distance"),
     choice_row("normal", &TracedParams::normal, kTracedTriangle, {"triangle", "shading"},
-               "normal of the hemisphere: that of the triangle, or the interpolated one"),
+               "normal of the hemisphere: that of the triangle, or the interpolated one, with which rays below the "
+               "triangle count as blocked"),
     bool_row("filter", &TracedParams::filtered, true, "average the rays of neighbours on the same surface"),
-    bool_row("bent", &TracedParams::bent, false, "also write the mean open direction, planes bent.x .y .z"),
+    bool_row("bent", &TracedParams::bent, false,
+             "also write the mean direction of unblocked rays, in view space, planes bent.x .y .z"),
     real_row("bleeding", &TracedParams::bleeding, {.max = 100, .zero_means = "off"},
              "factor for the indirect light from occluders"),
     real_row("ambient_bounce", &TracedParams::ambient_bounce, {.initial = 1, .max = 10},

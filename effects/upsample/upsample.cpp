@@ -14,11 +14,11 @@ const std::vector<Parameter> kTable = {
     choice_row("factor", &UpsampleParams::factor, 0, {"2", "4"},
                "full-resolution pixels per reduced pixel, across and down; `occlusion_scale` sets it"),
     bool_row("indirect", &UpsampleParams::indirect, false,
-             "upsample reflected light as well as occlusion; `occlusion_scale` sets it"),
+             "upsample indirect light as well as occlusion; `occlusion_scale` sets it if the technique writes any"),
     bool_row("leave", &UpsampleParams::leave, false,
              "let the technique compute pixels that too few reduced pixels fit; `occlusion_scale` sets it"),
     real_row("distance", &UpsampleParams::distance, {.initial = 1, .min = 0.01, .max = 100, .unit = "px"},
-             "max distance of a pixel from another's plane at which it fits fully"),
+             "max distance of a pixel from another's plane at which it fits fully, in pixels of the whole picture"),
     real_row("angle", &UpsampleParams::angle, {.initial = 25, .min = 1, .max = 180, .unit = "deg"},
              "max angle between normals at which pixels fit fully"),
 };

@@ -1,7 +1,7 @@
 // `bitmask`, written by hand for its default settings: one layer, perspective, occluders of assumed thickness, bits of
 // equal cosine weight, noise of a tile of 4 x 4 pixels.
 
-// Returns the function h of effects/bitmask/README.md for a cosine, as an odd polynomial.
+// Returns asin(c) + c sqrt(1 - c^2) for a cosine c, as an odd polynomial.
 float arc(float c) {
   float c2 = c * c;
   return c * (2.0109842 + c2 * (-0.43954378 + c2 * (0.21090476 - 0.21154887 * c2)));
