@@ -55,6 +55,7 @@ CAPS = [
     (r"(--set \w+\.samples=)\d+", r"\g<1>4"),
     (r"(--frames[ =])\d+-\d+", r"\g<1>1-2"),
     (r"(scene:\w+)(?:\?detail=\d+)?", r'"\g<1>?detail=60000"'),
+    (r"^(umbrage bench(?!.*--effect).*--device vulkan\S*)", r"\g<1> --effect sphere"),  # a software device compiles each for seconds
     (r'""(scene:[^"]*)""', r'"\g<1>"'),
 ]
 
@@ -120,6 +121,13 @@ def runnable(command, in_text):
     return command
 
 
+def key_of(page, command):
+    """Commands of one key run once. Commands that draw run once per page: others may use their output."""
+    if not re.search(r"umbrage (figures|bench|compare|tune|list)\b", command):
+        return page, command
+    return re.sub(r"^(umbrage figures).*?( --paper (?!unsharp)\w+)?( --runs 1)?$", r"\1\2", re.sub(r" -o \S+", "", command))
+
+
 def outputs(command):
     """Patterns of the files of which at least one must exist afterwards, for each output that a command names."""
     words = shlex.split(command.split(" | ")[0])
@@ -138,7 +146,7 @@ class Page:
         (folder / "docs/images").mkdir(parents=True)
         for line, written, in_text in commands_of(text):
             command = runnable(written, in_text)
-            key = re.sub(r" -o \S+", "", command) if re.search(r"umbrage (figures|bench|compare|tune|list)\b", command) else (self.name, command)
+            key = key_of(self.name, command)
             if key in done:
                 continue
             done.add(key)
