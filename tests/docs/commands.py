@@ -49,11 +49,11 @@ CAPS = [
     (r"(--runs[ =])\d+", r"\g<1>1"),
     (r"(--trials[ =])\d+", r"\g<1>2"),
     (r"(--cameras[ =])\d+", r"\g<1>1"),
-    (r"(--turntable[ =])\d+", r"\g<1>2"),
+    (r"(--turntable[ =])(?:[5-9]|\d\d+)", r"\g<1>2"),
     (r"(--anti-aliasing[ =])\d{2,}", r"\g<1>2"),
     (r"(--size[ =])\d{3,}", r"\g<1>128"),
     (r"(--set \w+\.samples=)\d+", r"\g<1>4"),
-    (r"(--frames[ =])\d+-\d+", r"\g<1>1-2"),
+    (r"(--frames[ =])\d+-\d\d+", r"\g<1>1-2"),
     (r"(scene:\w+)(?:\?detail=\d+)?", r'"\g<1>?detail=60000"'),
     (r"^(umbrage bench(?!.*--effect).*--device vulkan\S*)", r"\g<1> --effect sphere"),  # a software device compiles each for seconds
     (r'""(scene:[^"]*)""', r'"\g<1>"'),
@@ -61,17 +61,23 @@ CAPS = [
 
 PLACEHOLDERS = [
     (r"scene:NAME", "scene:solids"), (r"--paper NAME", "--paper unsharp"), (r"#IFRAME#", "1"), (r"--quality NAME", "--quality draft"), (r"--look NAME", "--look lit"),
-    (r"MODEL(\.\.\.)?", "bunny.obj"), (r"IMAGE", "render.exr"), (r"-o FILE", "-o out.png"), (r"-o DIR", "-o out"),
-    (r"\bFILE\b", "render.exr"), (r"WHAT \[NAME\]", "looks"), (r"\[?COMMAND\]?", "render"), (r"SHELL", "bash"),
+    (r"--effect NAME", "--effect sphere"), (r"(?<![$\w])BUNNY\b", "$BUNNY"),
+    (r"\[?MODEL(\.\.\.)?\]?", "bunny.obj"), (r"IMAGE", "render.exr"), (r"-o FILE", "-o out.png"), (r"-o DIR", "-o out"),
+    (r"\[?\bFILE\b\]?", "render.exr"), (r"WHAT \[NAME\]", "looks"), (r"\[?COMMAND\]?", "render"), (r"SHELL", "bash"),
 ]
 
-# Commands that do not run everywhere, and why. An entry that matches no command is an error.
+def has_device(command, vulkan_devices):
+    """Whether this machine has the Vulkan device and the instruction set that a command names."""
+    device = re.search(r"--device vulkan:?(\d*)", command)
+    isa = re.search(r"(?:UMBRAGE_ISA=|--isa )(\w+)", command)
+    flag = {"avx512": "avx512f", "avx2": "avx2", "sse4": "sse4_2", "neon": "asimd"}.get(isa[1], "") if isa else ""
+    return (not device or int(device[1] or 0) < vulkan_devices) and flag in pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8")
+
+
+# Commands that do not run everywhere, and what they need. An entry that matches no command is an error.
 NEEDS = {
     r"-o \S+\.(mp4|webm|gif)\b": ("ffmpeg", lambda command, vulkan: shutil.which("ffmpeg")),
-    r"--device vulkan": ("a Vulkan device of this number",
-                         lambda command, vulkan: int((re.search(r"vulkan:(\d+)", command) or [0, 0])[1]) < vulkan),
-    r"UMBRAGE_ISA=avx512": ("AVX-512", lambda command, vulkan: "avx512f" in pathlib.Path("/proc/cpuinfo").read_text()),
-    r"UMBRAGE_ISA=avx2": ("AVX2", lambda command, vulkan: "avx2" in pathlib.Path("/proc/cpuinfo").read_text()),
+    r"--device vulkan|UMBRAGE_ISA=|--isa ": ("this device or instruction set", has_device),
 }
 
 # Commands whose exit code 1 is no failure here, and why.
@@ -85,8 +91,12 @@ MENTION = re.compile(r"^umbrage( (render|shade|view|thumbnails|compare|tune|figu
 DRAWS = re.compile(r"^(\w+=\S+ )*umbrage (?!shade|view|thumbnails|compare|tune|figures|bench|info|list|help|completion|manual|-)")
 
 
+MAKES_FILES = r"(cat >|python3 - <<|awk |cp /)"
+
+
 def commands_of(text):
-    """Returns (line, command, whether it is in running text) of each command of a page."""
+    """Returns (line, command, whether it is in running text) of each command of a page. Code blocks that make input files
+    by other programs count as one command."""
     found = []
     start = r"(?:\w+=\S+ )*(?:time |/usr/bin/time -v )?umbrage "
     fenced, lines = False, text.split("\n")
@@ -94,6 +104,9 @@ def commands_of(text):
     for number, line in enumerate(lines, 1):
         is_fence = re.match(r" *(```|~~~)", line)
         fenced = fenced != bool(is_fence)
+        if is_fence and fenced and re.match(MAKES_FILES, "\n".join(lines[number:number + 1])):
+            block = "\n".join(lines[number:]).split("\n```")[0]
+            found.append((number + 1, block, False))
         in_code = fenced or line.startswith("    ")
         prose.append("" if in_code or is_fence else line)
         if in_code and re.match(r"\s*" + start, line):
@@ -112,6 +125,8 @@ def commands_of(text):
 
 def runnable(command, in_text):
     """A command with small pictures, and with values for placeholders."""
+    if re.match(MAKES_FILES, command):
+        return command
     command = re.sub(r"^((?:\w+=\S+ )*)(?:time |/usr/bin/time -v )", r"\1", command)
     command = re.sub(r"\| man -l -$", "| cat", re.sub(r"\| source$", "| cat", command))
     for pattern, value in PLACEHOLDERS + CAPS:
@@ -130,6 +145,8 @@ def key_of(page, command):
 
 def outputs(command):
     """Patterns of the files of which at least one must exist afterwards, for each output that a command names."""
+    if re.match(MAKES_FILES, command):
+        return []
     words = shlex.split(command.split(" | ")[0])
     named = [words[i + 1] for i, word in enumerate(words[:-1]) if word in ("-o", "--output", "--svg", "--contact-sheet", ">")]
     return [[re.sub(r"%0?\d*d|#+", "*", name), re.sub(r"(\.\w+)$", r"_*\1", name)] for name in named if name != "-"]

@@ -1,4 +1,5 @@
 """Makes the input files that commands in the docs name."""
+import json
 import math
 import pathlib
 import shutil
@@ -26,18 +27,47 @@ def write_model(path):
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def write_gltf(path):
-    """A pyramid in glTF, with its buffer in a second file."""
+def gltf(uri):
+    """Returns the JSON and the buffer of a pyramid in glTF that has three animations; uri is that of the buffer, or None."""
     positions = [(-1, 0, -1), (1, 0, -1), (1, 0, 1), (-1, 0, 1), (0, 1.5, 0)]
     indices = [0, 1, 2, 0, 2, 3, 0, 4, 1, 1, 4, 2, 2, 4, 3, 3, 4, 0]
-    data = b"".join(struct.pack("<3f", *p) for p in positions) + struct.pack(f"<{len(indices)}H", *indices)
+    parts = [(34962, "VEC3", 5126, 5, struct.pack("<15f", *(x for p in positions for x in p))),
+             (34963, "SCALAR", 5123, 18, struct.pack("<18H", *indices)),
+             (None, "SCALAR", 5126, 2, struct.pack("<2f", 0, 2)),
+             (None, "VEC3", 5126, 2, struct.pack("<6f", 0, 0, 0, 0, 1, 0))]
+    views, accessors, data = [], [], b""
+    for target, kind, component, count, part in parts:
+        views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(part), **({"target": target} if target else {})})
+        accessors.append({"bufferView": len(views) - 1, "componentType": component, "count": count, "type": kind})
+        data += part
+    accessors[0].update(min=[-1, 0, -1], max=[1, 1.5, 1])
+    accessors[2].update(min=[0], max=[2])
+    animation = {"samplers": [{"input": 2, "output": 3}], "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}
+    return json.dumps({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+                       "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}], "animations": [animation] * 3,
+                       "accessors": accessors, "bufferViews": views,
+                       "buffers": [{"byteLength": len(data), **({"uri": uri} if uri else {})}]}), data
+
+
+def write_gltf(path):
+    text, data = gltf(path.with_suffix(".bin").name)
+    path.write_text(text, encoding="utf-8")
     path.with_suffix(".bin").write_bytes(data)
-    path.write_text("""{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
-"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
-"accessors": [{"bufferView": 0, "componentType": 5126, "count": 5, "type": "VEC3", "min": [-1, 0, -1], "max": [1, 1.5, 1]},
-{"bufferView": 1, "componentType": 5123, "count": 18, "type": "SCALAR"}],
-"bufferViews": [{"buffer": 0, "byteLength": 60}, {"buffer": 0, "byteOffset": 60, "byteLength": 36}],
-"buffers": [{"uri": "%s", "byteLength": 96}]}""" % path.with_suffix(".bin").name, encoding="utf-8")
+
+
+def write_glb(path):
+    text, data = gltf(None)
+    words = text.encode() + b" " * (-len(text) % 4)
+    path.write_bytes(struct.pack("<4sII", b"glTF", 2, 28 + len(words) + len(data)) + struct.pack("<I4s", len(words), b"JSON") + words +
+                     struct.pack("<I4s", len(data), b"BIN\0") + data)
+
+
+def write_stl(path):
+    """A tetrahedron as a binary STL file."""
+    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    faces = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+    path.write_bytes(bytes(80) + struct.pack("<I", len(faces)) +
+                     b"".join(struct.pack("<12fH", 0, 0, 0, *(x for corner in face for x in corners[corner]), 0) for face in faces))
 
 
 def write_hdr(path):
@@ -80,6 +110,9 @@ INPUTS = {
     "wheels.obj": write_model,
     "chart.gltf": write_gltf,
     "Sponza.gltf": write_gltf,
+    "part.stl": write_stl,
+    "robot.glb": write_glb,
+    "model.glb": write_glb,
     "models": write_folder,
     "studio.hdr": write_hdr,
     "noon.hdr": write_hdr,
