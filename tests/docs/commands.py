@@ -55,12 +55,14 @@ CAPS = [
     (r"(--set \w+\.samples=)\d+", r"\g<1>4"),
     (r"(--frames[ =])\d+-\d\d+", r"\g<1>1-2"),
     (r"(scene:\w+)(?:\?detail=\d+)?", r'"\g<1>?detail=60000"'),
-    (r"^(umbrage bench(?!.*--effect).*--device vulkan\S*)", r"\g<1> --effect sphere"),  # a software device compiles each for seconds
+    # A software device compiles each effect for seconds.
+    (r"^(umbrage bench(?!.*--effect).*--device vulkan\S*)", r"\g<1> --effect sphere"),
     (r'""(scene:[^"]*)""', r'"\g<1>"'),
 ]
 
 PLACEHOLDERS = [
-    (r"scene:NAME", "scene:solids"), (r"--paper NAME", "--paper unsharp"), (r"#IFRAME#", "1"), (r"--quality NAME", "--quality draft"), (r"--look NAME", "--look lit"),
+    (r"scene:NAME", "scene:solids"), (r"--paper NAME", "--paper unsharp"), (r"#IFRAME#", "1"),
+    (r"--quality NAME", "--quality draft"), (r"--look NAME", "--look lit"),
     (r"--effect NAME", "--effect sphere"), (r"(?<![$\w])BUNNY\b", "$BUNNY"),
     (r"\[?MODEL(\.\.\.)?\]?", "bunny.obj"), (r"IMAGE", "render.exr"), (r"-o FILE", "-o out.png"), (r"-o DIR", "-o out"),
     (r"\[?\bFILE\b\]?", "render.exr"), (r"WHAT \[NAME\]", "looks"), (r"\[?COMMAND\]?", "render"), (r"SHELL", "bash"),
@@ -71,7 +73,8 @@ def has_device(command, vulkan_devices):
     device = re.search(r"--device vulkan:?(\d*)", command)
     isa = re.search(r"(?:UMBRAGE_ISA=|--isa )(\w+)", command)
     flag = {"avx512": "avx512f", "avx2": "avx2", "sse4": "sse4_2", "neon": "asimd"}.get(isa[1], "") if isa else ""
-    return (not device or int(device[1] or 0) < vulkan_devices) and flag in pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8")
+    has_isa = flag in pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8")
+    return has_isa and (not device or int(device[1] or 0) < vulkan_devices)
 
 
 # Commands that do not run everywhere, and what they need. An entry that matches no command is an error.
@@ -87,11 +90,12 @@ MAY_DIFFER = {
 }
 
 # Words in running text that name a command, or an option of it that takes no value, and are no complete command.
-MENTION = re.compile(r"^umbrage( (render|shade|view|thumbnails|compare|tune|figures|bench|info|list|help))?( --(?!help|version)[\w-]+)?$")
+COMMANDS = "render|shade|view|thumbnails|compare|tune|figures|bench|info|list|help"
+MENTION = re.compile(rf"^umbrage( ({COMMANDS}))?( --(?!help|version)[\w-]+)?$")
 DRAWS = re.compile(r"^(\w+=\S+ )*umbrage (?!shade|view|thumbnails|compare|tune|figures|bench|info|list|help|completion|manual|-)")
 
 
-MAKES_FILES = r"(cat >|python3 - <<|awk |cp /)"
+MAKES_FILES = r"(cat >|python3 - (> \S+ )?<<|awk |cp /)"
 
 
 def commands_of(text):
@@ -105,7 +109,7 @@ def commands_of(text):
         is_fence = re.match(r" *(```|~~~)", line)
         fenced = fenced != bool(is_fence)
         if is_fence and fenced and re.match(MAKES_FILES, "\n".join(lines[number:number + 1])):
-            block = "\n".join(lines[number:]).split("\n```")[0]
+            block = re.split(r"\n(?:```|~~~|umbrage )", "\n".join(lines[number:]))[0]
             found.append((number + 1, block, False))
         in_code = fenced or line.startswith("    ")
         prose.append("" if in_code or is_fence else line)
@@ -167,7 +171,8 @@ class Page:
             if key in done:
                 continue
             done.add(key)
-            lacking = [what for pattern, (what, has) in NEEDS.items() if self.matches(pattern, command) and not has(command, self.vulkan)]
+            lacking = [what for pattern, (what, has) in NEEDS.items()
+                       if self.matches(pattern, command) and not has(command, self.vulkan)]
             if lacking:
                 self.skipped.append(f"{self.name}:{line}: needs {lacking[0]}: {written}")
                 continue
@@ -203,8 +208,9 @@ class Page:
     def try_view(self, command, folder):
         """Starts the viewer, loads its page, and ends it by Ctrl-C."""
         log = folder / "view.log"
-        with log.open("w") as output, subprocess.Popen(shlex.split(command) + ["--no-open"], cwd=folder, stdin=subprocess.DEVNULL, stdout=output,
-                                                       stderr=output, env=environment(self.program, self.made)) as viewer:
+        with log.open("w") as output, subprocess.Popen(
+                shlex.split(command) + ["--no-open"], cwd=folder, env=environment(self.program, self.made),
+                stdin=subprocess.DEVNULL, stdout=output, stderr=output) as viewer:
             stop = time.monotonic() + TIMEOUT_S
             address = None
             while not address and viewer.poll() is None and time.monotonic() < stop:
@@ -217,13 +223,15 @@ class Page:
             except subprocess.TimeoutExpired:
                 viewer.kill()
                 return "did not end by Ctrl-C"
-        return None if status == 200 and code == 0 else f"status {status} of {address and address[0]}, exit code {code}: {log.read_text(encoding='utf-8')[-800:]}"
+        if status == 200 and code == 0:
+            return None
+        return f"status {status} of its page, exit code {code}: {log.read_text(encoding='utf-8')[-800:]}"
 
 
 def environment(program, made):
     kept = {key: value for key, value in os.environ.items() if not key.startswith("UMBRAGE_")}
-    return {**kept, "PATH": f"{made / 'bin'}:{os.environ['PATH']}", "XDG_CONFIG_HOME": str(made / "config"), "BUNNY": str(made / "bunny.obj"),
-            "UMBRAGE_DEVICE": "cpu", "UMBRAGE_NUM_THREADS": "1"}
+    return {**kept, "PATH": f"{made / 'bin'}:{os.environ['PATH']}", "XDG_CONFIG_HOME": str(made / "config"),
+            "BUNNY": str(made / "bunny.obj"), "UMBRAGE_DEVICE": "cpu", "UMBRAGE_NUM_THREADS": "1"}
 
 
 def main():

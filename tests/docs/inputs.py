@@ -42,7 +42,8 @@ def gltf(uri):
         data += part
     accessors[0].update(min=[-1, 0, -1], max=[1, 1.5, 1])
     accessors[2].update(min=[0], max=[2])
-    animation = {"samplers": [{"input": 2, "output": 3}], "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}
+    animation = {"samplers": [{"input": 2, "output": 3}],
+                 "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}
     return json.dumps({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
                        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}], "animations": [animation] * 3,
                        "accessors": accessors, "bufferViews": views,
@@ -58,7 +59,8 @@ def write_gltf(path):
 def write_glb(path):
     text, data = gltf(None)
     words = text.encode() + b" " * (-len(text) % 4)
-    path.write_bytes(struct.pack("<4sII", b"glTF", 2, 28 + len(words) + len(data)) + struct.pack("<I4s", len(words), b"JSON") + words +
+    path.write_bytes(struct.pack("<4sII", b"glTF", 2, 28 + len(words) + len(data)) +
+                     struct.pack("<I4s", len(words), b"JSON") + words +
                      struct.pack("<I4s", len(data), b"BIN\0") + data)
 
 
@@ -67,7 +69,8 @@ def write_stl(path):
     corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
     faces = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
     path.write_bytes(bytes(80) + struct.pack("<I", len(faces)) +
-                     b"".join(struct.pack("<12fH", 0, 0, 0, *(x for corner in face for x in corners[corner]), 0) for face in faces))
+                     b"".join(struct.pack("<12fH", 0, 0, 0, *(x for corner in face for x in corners[corner]), 0)
+                              for face in faces))
 
 
 def write_hdr(path):
@@ -82,7 +85,8 @@ def write_tiff(path):
     width, height = 48, 32
     heights = [20 * math.sin(column / 6) * math.cos(row / 5) for row in range(height) for column in range(width)]
     pixels = struct.pack(f"<{len(heights)}f", *heights)
-    tags = [(256, width), (257, height), (258, 32), (259, 1), (262, 1), (273, 8), (277, 1), (278, height), (279, len(pixels)), (339, 3)]
+    tags = [(256, width), (257, height), (258, 32), (259, 1), (262, 1), (273, 8), (277, 1), (278, height),
+            (279, len(pixels)), (339, 3)]
     directory = struct.pack("<H", len(tags)) + b"".join(struct.pack("<HHII", tag, 4, 1, value) for tag, value in tags)
     path.write_bytes(struct.pack("<2sHI", b"II", 42, 8 + len(pixels)) + pixels + directory + struct.pack("<I", 0))
 
