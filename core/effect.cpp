@@ -47,6 +47,10 @@ int occluders_read(const Effect& effect, const ParameterBytes& params) {
   return effect.occluders ? effect.occluders(params) : 0;
 }
 
+int layers_needed(const Effect& effect, const ParameterBytes& params) {
+  return effect.layers ? effect.layers(params) : 1;
+}
+
 const Parameter* find_parameter(const Effect& effect, std::string_view name) {
   for (const Parameter& row : effect.parameters)
     if (row.name == name || (!name.empty() && row.former_name == name)) return &row;

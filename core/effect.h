@@ -144,6 +144,9 @@ struct Effect {
   double quantum = 0.0;
   /// Returns the size of the set PictureInfo::occluders that `constants` reads, with these params; null: it reads none.
   int (*occluders)(const ParameterBytes& params) = nullptr;
+  /// Returns the number of captured layers that it needs with these params, the first included; null: 1. A request can
+  /// set another number.
+  int (*layers)(const ParameterBytes& params) = nullptr;
   std::vector<Dispatch> dispatches;
   /// Returns the number of rounds, each of which runs all dispatches in order, for this picture; null: one.
   int (*rounds)(const ParameterBytes& params, const PictureInfo& info) = nullptr;
@@ -231,6 +234,9 @@ bool needs_scene(const Effect& effect);
 
 /// Returns the size of the set of coarse occluders that an effect reads with these params; 0: it reads none.
 int occluders_read(const Effect& effect, const ParameterBytes& params);
+
+/// Returns the number of captured layers that an effect needs with these params, the first included.
+int layers_needed(const Effect& effect, const ParameterBytes& params);
 
 /// Returns the row with that name or former name, or null.
 const Parameter* find_parameter(const Effect& effect, std::string_view name);

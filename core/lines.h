@@ -10,6 +10,7 @@ enum class LineKind {
   kCrease,      ///< two faces meet at an angle
   kHatch,       ///< hatching along a surface
   kCrossHatch,  ///< hatching that crosses other hatching
+  kHidden,      ///< a dash of an edge behind the visible surface
 };
 
 struct LinePoint {

@@ -36,6 +36,8 @@ std::string_view name_of(LineKind kind) {
       return "hatch";
     case LineKind::kCrossHatch:
       return "cross-hatch";
+    case LineKind::kHidden:
+      return "hidden";
     case LineKind::kCrease:
       break;
   }

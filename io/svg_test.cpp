@@ -130,6 +130,18 @@ TEST_F(SvgTest, HasTheLinesOfEveryLookThatDrawsSome) {
   }
 }
 
+TEST_F(SvgTest, HasHiddenLinesAsDashes) {
+  const std::string command = "scene:solids?detail=2000 --device cpu --resolution 160x120 --look technical";
+  good(command + " --set hidden.draw=on -o hidden.svg");
+  good(command + " --set hidden.draw=on -o both.png --svg both.svg");
+  good(command + " -o visible.svg");
+  const std::string text = text_of(folder_ / "hidden.svg");
+  EXPECT_GT(count_of(text, "class=\"hidden\""), 0);
+  EXPECT_EQ(text, text_of(folder_ / "both.svg"));
+  EXPECT_EQ(count_of(text_of(folder_ / "visible.svg"), "class=\"hidden\""), 0);
+  EXPECT_GT(count_of(text, "<path"), count_of(text_of(folder_ / "visible.svg"), "<path") + 20);
+}
+
 TEST_F(SvgTest, RefusesWhatCannotBe) {
   // All errors are detected before the model is read.
   const std::string lines = "nothere.obj -o lines.svg ";

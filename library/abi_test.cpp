@@ -4,6 +4,7 @@
 
 #include <cstddef>
 
+#include "core/version.h"
 #include "umbrage/umbrage.h"
 
 namespace umbrage {
@@ -43,7 +44,7 @@ TEST(Abi, NumbersAreAsRecorded) {
 TEST(Abi, TheVersionIsTheProjects) {
   const std::string text = std::to_string(UMB_VERSION_MAJOR) + "." + std::to_string(UMB_VERSION_MINOR) + "." +
                            std::to_string(UMB_VERSION_PATCH);
-  EXPECT_EQ(text, UMBRAGE_VERSION);
+  EXPECT_EQ(text, project_version());
   EXPECT_EQ(umbGetVersion(), UMB_VERSION);
 }
 

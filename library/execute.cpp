@@ -105,7 +105,7 @@ Result<Recipe> JobObject::recipe_of(const Request& request, const GBufferFile* f
   if (!recipe || outputs_.empty()) return recipe;
   const bool color = std::any_of(outputs_.begin(), outputs_.end(), [](const Output& o) { return o.pass == "color"; });
   std::vector<std::string_view> other_planes;
-  if (request.strokes) other_planes = edge_planes(line_parameters_or_none(*recipe));
+  if (request.strokes) other_planes = edge_planes(line_parameters_or_none(*recipe), *layer_count(recipe->capture));
   if (!color && renders()) reduce_to_passes(*recipe, other_planes);
   return recipe;
 }

@@ -117,7 +117,7 @@ Result<void> write_strokes(const std::string& file, int width, int height, std::
   Lines lines{width, height, {}};
   for (const UmbStroke& stroke : strokes) {
     Line& line = lines.lines.emplace_back();
-    if (stroke.kind < UMB_STROKE_OUTLINE || stroke.kind > UMB_STROKE_CROSS_HATCH)
+    if (stroke.kind < UMB_STROKE_OUTLINE || stroke.kind > UMB_STROKE_HIDDEN)
       return usage_error("stroke {} cannot be of kind {}: see UmbStrokeKind", &stroke - strokes.data(), stroke.kind);
     if (!stroke.points && stroke.point_count)
       return usage_error("stroke {} has {} points, but `points` is NULL", &stroke - strokes.data(), stroke.point_count);

@@ -6,6 +6,22 @@
 
 namespace umbrage {
 
+std::vector<Edge> without_noise(std::vector<Edge> edges, int width) {
+  constexpr int kBlock = 32;                     // pixels wide and high
+  constexpr int kMax = kBlock * kBlock * 3 / 2;  // max number of edges per block
+  const int columns = width / kBlock + 1;
+  const auto block_of = [&](const Edge& e) {
+    return std::size_t(e.y / kBlock) * std::size_t(columns) + std::size_t(e.x / kBlock);
+  };
+  std::vector<int> count;
+  for (const Edge& e : edges) {
+    if (block_of(e) >= count.size()) count.resize(block_of(e) + std::size_t(columns), 0);
+    ++count[block_of(e)];
+  }
+  std::erase_if(edges, [&](const Edge& e) { return count[block_of(e)] > kMax; });
+  return edges;
+}
+
 EdgeGraph::EdgeGraph(std::vector<Edge> edges, int width, int height)
     : width_(width), height_(height), row_bits_((2 * std::size_t(width) + 4 + 63) / 64 * 64) {
   bits_.assign(row_bits_ / 64 * std::size_t(height_ + 2), 0);

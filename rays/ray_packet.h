@@ -1,5 +1,5 @@
 // Ray packets: up to 16 rays that Embree traces together. All code that traces more than one ray uses them. The size is
-// always 16: if Embree's kernels are 8 or 4 wide, Embree splits packets itself and is as fast (docs/performance.md).
+// always 16: if Embree's kernels are 8 or 4 wide, Embree splits packets itself and is as fast.
 #pragma once
 #include <embree3/rtcore.h>
 

@@ -6,9 +6,9 @@ namespace umbrage {
 
 /// Parameters of the effects whose lines a picture has; empty for an effect whose lines it does not have.
 struct LineParameters {
-  ParameterBytes outline, hatching;
+  ParameterBytes outline, hidden, hatching;
 
-  bool empty() const { return outline.empty() && hatching.empty(); }
+  bool empty() const { return outline.empty() && hidden.empty() && hatching.empty(); }
 };
 
 }  // namespace umbrage

@@ -11,6 +11,7 @@
 #include "devices/shared/host_steps.h"
 #include "effects/effects.h"
 #include "effects/hatching/hatching_strokes.h"
+#include "effects/hidden/hidden_lines.h"
 #include "effects/outline/outline_draw.h"
 
 namespace umbrage {
@@ -32,7 +33,10 @@ void append_lines(std::string_view effect, const PictureInfo& info, const Image&
   find_effect(effect)->constants(params, info, &constants);
   const Dispatch& dispatch = tracing_dispatch(effect);
   std::vector<const Plane*> in_table_order;
-  for (const std::string_view name : dispatch.inputs) in_table_order.push_back(&planes.plane(name));
+  // A step does not read the planes of layers that do not exist: any plane serves for them.
+  for (const std::string_view name : dispatch.inputs)
+    in_table_order.push_back(
+        &planes.plane(layer_of_plane(name) <= int(info.more_layers.size()) ? name : dispatch.inputs[0]));
   const std::vector<HostPlane> inputs = host_inputs(dispatch, in_table_order);
   const HostFrame frame{info, frame_constants(info, inputs[0].stride, 0), &constants, inputs, {}};
   Lines traced;
@@ -62,6 +66,8 @@ Result<LineParameters> line_parameters(std::string_view subject, std::span<const
   };
   LineParameters params;
   if (runs("hatching")) params.hatching = params_of(settings, "hatching");
+  if (runs("hidden") && as<HiddenParams>(params_of(settings, "hidden")).draw)
+    params.hidden = params_of(settings, "hidden");
   if (!runs("outline")) {
     if (!params.empty()) return params;
     return usage_error("{} no lines: the looks cartoon, hatching and technical and the effects hatching and outline do",
@@ -89,13 +95,15 @@ LineParameters line_parameters_or_none(const Recipe& recipe) {
   return params ? std::move(*params) : LineParameters();
 }
 
-std::vector<std::string_view> edge_planes(const LineParameters& params) {
+std::vector<std::string_view> edge_planes(const LineParameters& params, int layers) {
   std::vector<std::string_view> planes;
   const auto add = [&](std::string_view effect) {
     for (const std::string_view plane : tracing_dispatch(effect).inputs)
-      if (std::find(planes.begin(), planes.end(), plane) == planes.end()) planes.push_back(plane);
+      if (layer_of_plane(plane) < layers && std::find(planes.begin(), planes.end(), plane) == planes.end())
+        planes.push_back(plane);
   };
   if (!params.outline.empty()) add("outline");
+  if (!params.hidden.empty()) add("hidden");
   if (!params.hatching.empty()) add("hatching");
   return planes;
 }
@@ -103,6 +111,7 @@ std::vector<std::string_view> edge_planes(const LineParameters& params) {
 Lines traced_lines(const PictureInfo& info, const Image& planes, const LineParameters& params, int threads) {
   Lines lines{info.inner_width(), info.inner_height(), {}};
   append_lines("outline", info, planes, params.outline, threads, trace_lines, lines.lines);
+  append_lines("hidden", info, planes, params.hidden, threads, hidden_lines, lines.lines);
   append_lines("hatching", info, planes, params.hatching, threads, hatching_lines, lines.lines);
   for (Line& line : lines.lines)
     for (LinePoint& p : line.points) p.x -= float(info.guard), p.y -= float(info.guard);
@@ -113,7 +122,7 @@ Lines traced_lines(const PictureInfo& info, const Image& planes, const LineParam
 Result<Lines> traced_lines(Device& device, const Frame& frame, const LineParameters& params) {
   Frame whole_frame = frame;
   whole_frame.info.guard = 0;  // so that download returns the guard band, too
-  const auto names = edge_planes(params);
+  const auto names = edge_planes(params, int(frame.info.more_layers.size()) + 1);
   const auto planes = device.download(whole_frame, {names.begin(), names.end()});
   if (!planes) return planes.error();
   return traced_lines(frame.info, *planes, params, device.threads());

@@ -1,4 +1,4 @@
-// The lines of a drawn picture as curves. The effects `outline` and `hatching` trace them from planes that remain in
+// The lines of a drawn picture as curves. The effects `outline`, `hidden` and `hatching` trace them from planes that remain in
 // the frame. Therefore the lines can be traced again after drawing.
 #pragma once
 #include <array>
@@ -21,8 +21,8 @@ Result<LineParameters> line_parameters(const Recipe& recipe);
 /// Returns the same, or empty parameters if there are no such lines.
 LineParameters line_parameters_or_none(const Recipe& recipe);
 
-/// Returns the planes from which these lines are traced.
-std::vector<std::string_view> edge_planes(const LineParameters& params);
+/// Returns the planes from which these lines of a picture with so many layers are traced.
+std::vector<std::string_view> edge_planes(const LineParameters& params, int layers);
 
 /// Traces the lines of a picture from its edge_planes, which include the guard band. Points are in pixels of the
 /// picture without the guard band; lines entirely outside of the picture are left out. Uses `threads` threads; the

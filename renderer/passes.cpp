@@ -370,7 +370,7 @@ std::vector<std::string> planes_read_after(const Recipe& recipe, std::span<const
     for (int light = 0; light < kMaxShadows; ++light) planes.push_back(shadow_plane(light));
   }
   // Lines over an average are drawn after the look: see Plan::lines.
-  for (const std::string_view name : {"outline", "hatching"})
+  for (const std::string_view name : {"outline", "hidden", "hatching"})
     if (const Effect* effect = find_named<Effect>(steps, name)) {
       ParameterBytes params = params_of(recipe.settings, name);
       if (name == "hatching") as<HatchingParams>(params).parts = kHatchingLines;

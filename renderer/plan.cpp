@@ -1,5 +1,6 @@
 #include "renderer/plan.h"
 #include "effects/hatching/hatching.h"
+#include "effects/hidden/hidden.h"
 #include "renderer/marked_samples.h"
 
 #include <algorithm>
@@ -153,6 +154,11 @@ void separate_lines(Plan& plan) {
     plan.lines.hatching = params;
     as<HatchingParams>(plan.lines.hatching).parts = kHatchingLines;
     as<HatchingParams>(params).parts = kHatchingTone;
+  }
+  if (find_named<Effect>(steps, "hidden")) {
+    ParameterBytes& params = params_of(plan.recipe.settings, "hidden");
+    if (as<HiddenParams>(params).draw) plan.lines.hidden = params;
+    as<HiddenParams>(params).draw = 0;
   }
   if (!find_named<Effect>(steps, "outline")) return;
   ParameterBytes& params = params_of(plan.recipe.settings, "outline");

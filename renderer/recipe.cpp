@@ -339,6 +339,11 @@ Result<CaptureSettings> capture_of(const Request& request, const Recipe& recipe,
     look.back_sides = false;
     look.extra_views = 0;
   }
+  for (const Effect* step : steps)
+    if (const int needed = layers_needed(*step, params_of(recipe.settings, step->name)); needed > 1 && !request.layers) {
+      look.layers = std::max(look.layers, needed);
+      drawn.layers.reset();
+    }
   auto capture = capture_settings(drawn, look, shadows_read(recipe, steps), max_pixels);
   if (!capture) return capture;
   capture->ray_offsets = traced;

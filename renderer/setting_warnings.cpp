@@ -43,13 +43,21 @@ void warn_about_effects(const Request& request, const Recipe& recipe,
   }
 }
 
+/// Adds a warning for each effect that needs several layers if the request sets one.
+void warn_about_layers(const Request& request, const Recipe& recipe, std::vector<std::string>& sentences) {
+  if (request.layers != 1) return;
+  for (const std::string_view name : recipe.look->effects)
+    if (const Effect* effect = find_effect(name); effect && layers_needed(*effect, params_of(recipe.settings, name)) > 1)
+      sentences.push_back(fmt::format("`settings` {} draws nothing: `layers` is 1", name));
+}
+
 void warn_about_former_names(const Request& request, std::vector<std::string>& sentences) {
   for (const std::string& text : request.settings) {
     const auto setting = parse_setting(text, external_effects());
     if (!setting) continue;  // reported as an error
     const auto& [effect, parameter, name, value] = *setting;
     if (name == parameter->name) continue;
-    sentences.push_back(fmt::format("`settings` {}: the parameter is now {}.{}; the former name will be removed in 0.2",
+    sentences.push_back(fmt::format("`settings` {}: the parameter is now {}.{}; the former name will be removed in 0.3",
                                     text, effect->name, parameter->name));
   }
 }
@@ -150,6 +158,7 @@ std::vector<std::string> setting_warnings(const Request& request, const Recipe& 
   std::vector<std::string> sentences;
   warn_about_former_names(request, sentences);
   warn_about_effects(request, recipe, is_reported, sentences);
+  warn_about_layers(request, recipe, sentences);
   if (recipe.effects_look) warn_about_looks(request, sentences);
   if (recipe.radius && recipe.occlusion == kNoOcclusion && !recipe.effects_look)
     sentences.push_back(

@@ -61,7 +61,7 @@ Result<Lines> StripDrawer::draw_picture(const std::vector<std::string>& planes, 
 /// Traces the lines from the planes that the strips have gathered for the host step.
 Lines StripDrawer::lines_of(WholePlanes& whole_planes) const {
   Image planes(info_.width, info_.height);
-  for (const std::string_view name : edge_planes(source_.lines)) {
+  for (const std::string_view name : edge_planes(source_.lines, int(info_.more_layers.size()) + 1)) {
     planes.add(name) = Plane(info_.width, info_.height, neutral_value(name).value_or(0.0f));
     for (auto& [key, entry] : whole_planes.planes)
       if (std::get<0>(key) == info_.reduced && std::get<1>(key) == name) planes.plane(name) = std::move(entry.plane);

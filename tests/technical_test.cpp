@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "devices/cpu/cpu_device.h"
 #include "generators/builtin.h"
 #include "renderer/draw.h"
+#include "renderer/setting_warnings.h"
 
 namespace umbrage {
 namespace {
@@ -18,14 +20,14 @@ double luminance(const glm::dvec3& color) { return glm::dot(color, glm::dvec3(0.
 
 constexpr const char* kAlbedo[] = {"albedo.r", "albedo.g", "albedo.b"};
 
-/// Returns the look's picture of the built-in solids without averaging: color, outline, depth, normal and albedo.
-Image technical_picture(const std::vector<std::string>& settings) {
+/// Returns the look's picture of the built-in solids, an average of `pictures`: color, outline, depth, normal and albedo.
+Image technical_picture(const std::vector<std::string>& settings, int pictures = 1) {
   Scene scene = *make_builtin_scene("scene:solids?detail=2000");
   const auto device = make_cpu_device();
   Request request;
   request.width = request.height = 200;
   request.look = "technical";
-  request.anti_aliasing = 1;
+  request.anti_aliasing = pictures;
   request.passes = {"color", "outline", "depth", "normal", "albedo"};
   request.settings = settings;
   StageTimes times;
@@ -67,6 +69,49 @@ TEST(Technical, PicturesHaveThePapersTonesBlackLinesAndALightBackground) {
   EXPECT_GT(lines, 500);
   EXPECT_GT(background, 5000);
   EXPECT_GT(surfaces, 3000);
+}
+
+TEST(Technical, HiddenLinesCaptureTheLayersThatTheyNeed) {
+  const auto layers = [](const std::vector<std::string>& settings, std::optional<int> set) {
+    Request request;
+    request.look = "technical";
+    request.settings = settings;
+    request.layers = set;
+    return make_recipe(request)->capture.layers;
+  };
+  EXPECT_EQ(layers({}, {}), 1);
+  EXPECT_EQ(layers({"hidden.draw=on"}, {}), 8);
+  EXPECT_EQ(layers({"hidden.draw=on", "hidden.layers=2"}, {}), 4);
+  EXPECT_EQ(layers({"hidden.draw=on"}, 3), 3);
+}
+
+TEST(Technical, HiddenLinesAreDrawnOverAverages) {
+  // The lines are those of sample 0 whether or not the picture is an average.
+  const Plane without = technical_picture({}).plane("outline");
+  const Plane one = technical_picture({"hidden.draw=on"}).plane("outline");
+  const Plane average = technical_picture({"hidden.draw=on"}, 4).plane("outline");
+  int more = 0, differ = 0;
+  for (int y = 0; y < 200; ++y)
+    for (int x = 0; x < 200; ++x) {
+      EXPECT_GE(one.at(x, y), without.at(x, y));
+      more += one.at(x, y) > without.at(x, y) + 0.2f;
+      differ += one.at(x, y) != average.at(x, y);
+    }
+  EXPECT_GT(more, 300);
+  EXPECT_EQ(differ, 0);
+}
+
+TEST(Technical, HiddenLinesOfOneLayerAreReported) {
+  Request request;
+  request.look = "technical";
+  request.settings = {"hidden.draw=on"};
+  request.layers = 1;
+  const auto any = [](std::string_view) { return true; };
+  const auto warnings = setting_warnings(request, *make_recipe(request), nullptr, any);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0], "`settings` hidden draws nothing: `layers` is 1");
+  request.layers.reset();
+  EXPECT_TRUE(setting_warnings(request, *make_recipe(request), nullptr, any).empty());
 }
 
 }  // namespace

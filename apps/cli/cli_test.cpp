@@ -4,8 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "cli_support.h"
+#include "core/version.h"
 #include "effects/effects.h"
 #include "generators/builtin.h"
+#include "kernel/isa.h"
 #include "looks/looks.h"
 #include "scene/readers/import.h"
 
@@ -36,8 +38,9 @@ TEST_F(Cli, PrintsHelpAndVersion) {
   bad("help rendre", 2, {"no command 'rendre'", "did you mean 'render'"});
   EXPECT_NE(good("render --help").out.find("--resolution"), std::string::npos);
   const std::string version = good("--version").out;
-  EXPECT_EQ(version.rfind("umbrage ", 0), 0u);
-  EXPECT_NE(version.find_first_of("0123456789"), std::string::npos);
+  EXPECT_EQ(version.rfind(fmt::format("umbrage {}\ncommit ", project_version()), 0), 0u) << version;
+  EXPECT_NE(version.find(fmt::format("{} (in use)", isa_in_use())), std::string::npos) << version;
+  EXPECT_NE(version.find("\ndevices cpu"), std::string::npos) << version;
 }
 
 TEST_F(Cli, DrawsABuiltInSceneInEveryFormat) {

@@ -10,6 +10,7 @@
 #include "apps/cli/config.h"
 #include "apps/cli/options.h"
 #include "apps/cli/signals.h"
+#include "apps/cli/version.h"
 #include "core/guarded.h"
 #include "core/suggest.h"
 #include "io/layers.h"
@@ -158,7 +159,7 @@ int run(int argc, char** argv) {
       "umbrage MODEL -o out.png is short for umbrage render MODEL -o out.png,\n"
       "umbrage IMAGE -o out.png for umbrage shade IMAGE -o out.png.",
       "umbrage"};
-  app.set_version_flag("--version", "umbrage " UMBRAGE_VERSION);
+  app.set_version_flag("--version", version_text, "Print the version, the commit, instruction sets and devices");
   app.require_subcommand(1);
   app.fallthrough(false);
   std::function<Result<void>()> command;
@@ -186,7 +187,7 @@ int run(int argc, char** argv) {
     std::fputs((requested == &app ? app.help() : requested->help(app.get_name())).c_str(), stdout);
     return finish_output();
   } catch (const CLI::CallForVersion&) {
-    std::fputs("umbrage " UMBRAGE_VERSION "\n", stdout);
+    std::fputs(version_text().c_str(), stdout);
     return finish_output();
   } catch (const CLI::ExtrasError&) {
     return report(unknown_option(app, app.remaining(true).front()));

@@ -8,6 +8,7 @@
 #include "apps/cli/commands.h"
 #include "apps/cli/options.h"
 #include "core/suggest.h"
+#include "core/version.h"
 #include "effects/effects.h"
 #include "generators/builtin.h"
 #include "kernel/isa.h"
@@ -311,7 +312,7 @@ std::string man_options(const CLI::App& command) {
 }
 
 std::string man_of(const CLI::App& app, const std::vector<const CLI::App*>& commands) {
-  std::string out = fmt::format(".TH UMBRAGE 1 \"\" \"umbrage {}\" \"User Commands\"\n", UMBRAGE_VERSION);
+  std::string out = fmt::format(".TH UMBRAGE 1 \"\" \"umbrage {}\" \"User Commands\"\n", project_version());
   out += ".SH NAME\numbrage \\- screen\\-space shading for 3D models\n.SH SYNOPSIS\n";
   out += ".B umbrage\n.I MODEL\n.B \\-o\n.I FILE\n.RI [ OPTION ]...\n";
   for (const CLI::App* command : commands) {

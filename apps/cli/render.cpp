@@ -341,7 +341,7 @@ Result<RenderJob> make_job(const RenderOptions& o) {
   const bool has_passes = !job.recipe.passes.empty();
   const auto hints = has_passes ? std::vector<std::string>() : hint_planes(job.recipe);
   std::vector<std::string_view> besides(hints.begin(), hints.end());
-  const auto edges = edge_planes(job.lines.params);
+  const auto edges = edge_planes(job.lines.params, *layer_count(job.recipe.capture));
   besides.insert(besides.end(), edges.begin(), edges.end());
   if (job.lines.alone && !has_passes)
     reduce_to_planes(job.recipe, {besides.begin(), besides.end()});

@@ -5,6 +5,7 @@
 
 #include "core/check.h"
 #include "core/srgb.h"
+#include "core/version.h"
 #include "io/image_file.h"
 
 namespace umbrage {
@@ -107,7 +108,7 @@ std::string scores_text(const nlohmann::json& scores) {
 }
 
 Result<std::string> report_page(const Comparison& comparison, const std::string& command, const Device& device) {
-  nlohmann::json data = {{"version", UMBRAGE_VERSION},        {"command", command},
+  nlohmann::json data = {{"version", project_version()},        {"command", command},
                          {"device", device.description()},    {"truth", terms_json(comparison.terms)},
                          {"scores", scores_json(comparison)}, {"techniques", nlohmann::json::array()},
                          {"views", nlohmann::json::array()}};

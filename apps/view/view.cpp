@@ -11,6 +11,7 @@
 #include "apps/view/save.h"
 #include "apps/view/server.h"
 #include "apps/view/tables.h"
+#include "core/version.h"
 #include "generators/builtin.h"
 #include "io/image_file.h"
 #include "renderer/models.h"
@@ -190,7 +191,7 @@ Result<std::unique_ptr<Viewer>> Viewer::start(Settings settings) {
   all.drawing = std::move(*drawer);
   all.tables = hello_tables();
   all.tables["type"] = "hello";
-  all.tables["version"] = UMBRAGE_VERSION;
+  all.tables["version"] = project_version();
   all.tables["command"] = settings.command;
   all.tables["device"] = all.drawing->device_description();
   all.tables["given"] = settings.given;

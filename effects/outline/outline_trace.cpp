@@ -40,26 +40,19 @@ std::optional<Edge> decoded(float value, int x, int y, bool below, int width, in
 
 /// Returns the edges that outline_edges has written, except in blocks that contain noise.
 std::vector<Edge> read_edges(const HostPlane& right, const HostPlane& below, int width, int height) {
-  constexpr int kBlock = 32;                     // pixels wide and high
-  constexpr int kMax = kBlock * kBlock * 3 / 2;  // max number of edges per block; a block with more is noise
-  std::vector<std::vector<Edge>> found(std::size_t((height + kBlock - 1) / kBlock));
-  tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t row_of_blocks) {
-    std::vector<Edge>& edges = found[row_of_blocks];
-    const int first = int(row_of_blocks) * kBlock;
-    for (int y = first; y < std::min(first + kBlock, height); ++y)
-      for (const bool is_below : {false, true}) {
-        const float* row = (is_below ? below : right).row(y);
-        for (int x = 0; x < width; ++x)
-          if (row[x] > 0.0f)
-            if (const auto e = decoded(row[x], x, y, is_below, width, height)) edges.push_back(*e);
-      }
-    std::vector<int> count(std::size_t(width / kBlock + 1), 0);
-    for (const Edge& e : edges) ++count[e.x / kBlock];
-    std::erase_if(edges, [&](const Edge& e) { return count[e.x / kBlock] > kMax; });
+  std::vector<std::vector<Edge>> found;
+  found.resize(std::size_t(height));
+  tbb::parallel_for(0, height, [&](int y) {
+    for (const bool is_below : {false, true}) {
+      const float* row = (is_below ? below : right).row(y);
+      for (int x = 0; x < width; ++x)
+        if (row[x] > 0.0f)
+          if (const auto e = decoded(row[x], x, y, is_below, width, height)) found[std::size_t(y)].push_back(*e);
+    }
   });
   std::vector<Edge> all;
-  for (const std::vector<Edge>& block : found) all.insert(all.end(), block.begin(), block.end());
-  return all;
+  for (const std::vector<Edge>& row : found) all.insert(all.end(), row.begin(), row.end());
+  return without_noise(std::move(all), width);
 }
 
 float surface_depth(float depth) { return depth > 0.0f && depth <= 3.4e38f ? depth : 0.0f; }

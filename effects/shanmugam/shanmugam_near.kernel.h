@@ -1,5 +1,5 @@
-// The near part of `shanmugam`: pixels in a disc of near_radius, each of which stands for an equal part of the disc's
-// pixels. Functions in the kernel dialect; the kernel includes this file.
+// The near part of `shanmugam`: pixels in a disc of near_radius, at uniform distances from one pixel on, each of which
+// stands for its part of the ring of pixels at its distance. Functions in the kernel dialect; the kernel includes this file.
 
 // Cosine and sine of the golden angle, by which each sample is rotated against the one before it.
 CONST float kGoldenCos = -0.737368878f;
@@ -52,10 +52,14 @@ FN Real near_occlusion(Int px, Int py, Real depth, Vec3 position, Vec3 normal) {
   Real center_x = to_real(px) + 0.5f;
   Real center_y = to_real(py) + 0.5f;
   Real one_over_depth = 1.0f / depth;
+  // A nearer sample would be in the receiver's own pixel.
+  Real first_px = min(Real(1.0f), radius_px * 0.5f);
+  Real area_per_px = (radius_px - first_px) / max(radius_px * radius_px, Real(1e-20f)) *
+                     (2.0f * C.near_area * C.one_over_samples);
   Real sum = Real(0.0f);
   Real inside = Real(0.0f);
   for (int i = 0; i < C.samples; ++i) {
-    Real offset_px = sqrt((float(i) + noise.y) * C.one_over_samples) * radius_px;
+    Real offset_px = mad((float(i) + noise.y) * C.one_over_samples, radius_px - first_px, first_px);
     Real x = mad(direction.x, offset_px, center_x);
     Real y = mad(direction.y * C.rows_per_column, offset_px, center_y);
     direction = Vec2(mad(direction.x, Real(kGoldenCos), direction.y * -kGoldenSin),
@@ -74,7 +78,7 @@ FN Real near_occlusion(Int px, Int py, Real depth, Vec3 position, Vec3 normal) {
                   distance2 < kMaxDistance2;
     if (some(counts)) {
       Real ratio = F.orthographic != 0 ? Real(1.0f) : tap_depth * one_over_depth;
-      Real area = ratio * ratio * (C.near_area * C.one_over_samples);
+      Real area = ratio * ratio * (offset_px * area_per_px);
       Real hides = Real(0.0f);
       if (C.sphere != 0) {
         Real q2 = min(area * 0.318309886f * (one_over * one_over), Real(1.0f));

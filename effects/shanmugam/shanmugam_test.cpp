@@ -218,7 +218,8 @@ double expected_ao(const GBuffer& g, const ShanmugamParams& params, double radiu
   double sum = 0.0;
   int inside = 0;
   for (int i = 0; i < params.samples; ++i) {
-    const double length = std::sqrt((i + (step + 0.5) / 16.0) / params.samples) * radius_px;
+    const double first = std::min(1.0, 0.5 * radius_px);
+    const double length = first + (i + (step + 0.5) / 16.0) / params.samples * (radius_px - first);
     const double angle = start + i * kPi * (3.0 - std::sqrt(5.0));
     const double dx = px + 0.5 + length * std::cos(angle), dy = py + 0.5 - length * std::sin(angle);
     if (dx < 0.0 || dy < 0.0 || dx >= g.info.width || dy >= g.info.height) continue;
@@ -230,7 +231,8 @@ double expected_ao(const GBuffer& g, const ShanmugamParams& params, double radiu
     if (d >= radius || d == 0.0) continue;
     const double cosine = std::max(0.0, glm::dot(n, v) / d - params.bias);
     const double ratio = orthographic ? 1.0 : tap.z / at.z;
-    const double area = kPi * radius * radius / params.samples * ratio * ratio;
+    const double ring = 2.0 * kPi * length * (radius_px - first) / params.samples;  // square pixels
+    const double area = ring * radius * radius / (radius_px * radius_px) * ratio * ratio;
     if (params.form == kShanmugamSphere) {
       const double r = std::sqrt(area / kPi);
       sum += 2.0 * (1.0 - std::cos(std::asin(std::min(1.0, r / d)))) * cosine;

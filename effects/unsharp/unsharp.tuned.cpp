@@ -3,7 +3,7 @@
 //   no threshold  running sums over columns and rows take the same few additions per pixel for any window
 //   threshold     the window is divided into blocks of 16, 8 and 4 pixels with known min, max and sum: a block entirely
 //                 within the threshold is added at once, one entirely outside is skipped, and any other is split
-// A Gaussian window uses the plain kernel. docs/performance.md lists the measured gains.
+// A Gaussian window uses the plain kernel. docs/performance.md lists the measured times.
 #include "effects/unsharp/unsharp.h"
 
 #include <algorithm>

@@ -488,7 +488,7 @@ inline Outcome save(const Picture& picture, const std::string& file, const SaveR
   return calls.outcome;
 }
 
-/// Returns the version of the library, such as "0.1.0".
+/// Returns the version of the library, such as "0.2.0".
 inline std::string version() {
   const int v = umbGetVersion();
   return std::to_string(v / 10000) + "." + std::to_string(v / 100 % 100) + "." + std::to_string(v % 100);

@@ -48,6 +48,7 @@ enum class StrokeKind {
   kCrease,      ///< two faces meet
   kHatch,       ///< hatching along a surface
   kCrossHatch,  ///< hatching that crosses other hatching
+  kHidden,      ///< a dash of an edge behind the visible surface
 };
 
 /// A line of the picture: a polyline with round caps and joins, whose width changes linearly from point to point.

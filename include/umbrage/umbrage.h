@@ -42,7 +42,7 @@
 
 /* Version of this header. umbGetVersion returns the version of the library. */
 #define UMB_VERSION_MAJOR 0
-#define UMB_VERSION_MINOR 1
+#define UMB_VERSION_MINOR 2
 #define UMB_VERSION_PATCH 0
 #define UMB_VERSION (UMB_VERSION_MAJOR * 10000 + UMB_VERSION_MINOR * 100 + UMB_VERSION_PATCH)
 
@@ -241,11 +241,12 @@ UMB_API const char* umbGetJobOutputName(UmbJob job, int index);
  * lines. A stroke is a polyline with round caps and joins, whose width changes linearly from point to point. Points are
  * in pixels from the picture's upper left corner. Strokes are valid until the next execution. */
 typedef enum UmbStrokeKind {
-  UMB_STROKE_OUTLINE = 0,    /* border of an object */
-  UMB_STROKE_FOLD = 1,       /* an object occludes a part of itself */
-  UMB_STROKE_CREASE = 2,     /* two faces meet */
-  UMB_STROKE_HATCH = 3,      /* hatching along a surface */
-  UMB_STROKE_CROSS_HATCH = 4 /* hatching that crosses other hatching */
+  UMB_STROKE_OUTLINE = 0,     /* border of an object */
+  UMB_STROKE_FOLD = 1,        /* an object occludes a part of itself */
+  UMB_STROKE_CREASE = 2,      /* two faces meet */
+  UMB_STROKE_HATCH = 3,       /* hatching along a surface */
+  UMB_STROKE_CROSS_HATCH = 4, /* hatching that crosses other hatching */
+  UMB_STROKE_HIDDEN = 5       /* a dash of an edge behind the visible surface */
 } UmbStrokeKind;
 typedef struct UmbStrokePoint {
   float x, y, width;

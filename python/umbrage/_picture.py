@@ -14,7 +14,7 @@ from ._suggest import shown, suggestion
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_STROKE_KINDS = ("outline", "fold", "crease", "hatch", "cross-hatch")
+_STROKE_KINDS = ("outline", "fold", "crease", "hatch", "cross-hatch", "hidden")
 
 
 class Stroke(NamedTuple):
@@ -24,7 +24,8 @@ class Stroke(NamedTuple):
     """(N, 3) float32: x, y and width, in pixels; x and y from the picture's upper left corner."""
     kind: str
     """"outline": border of an object; "fold": an object occludes a part of itself; "crease": two faces meet;
-    "hatch", "cross-hatch": hatching along a surface, and hatching that crosses it."""
+    "hatch", "cross-hatch": hatching along a surface, and hatching that crosses it; "hidden": a dash of an edge behind the
+    visible surface."""
     object_id: int
     """Id of the nearer surface."""
     closed: bool

@@ -13,6 +13,8 @@
 #include <memory>
 #include <type_traits>
 
+#include "core/version.h"
+
 namespace umbrage {
 namespace {
 
@@ -85,7 +87,7 @@ constexpr std::uint64_t kEnd = 0x656e6f64'656e6f64u;
 std::uint64_t version_mark() {
   std::uint64_t mark = 14695981039346656037u;  // FNV-1a
   const auto add = [&](std::uint64_t value) { mark = (mark ^ value) * 1099511628211u; };
-  for (const char c : std::string_view(UMBRAGE_VERSION)) add(std::uint64_t(c));
+  for (const char c : project_version()) add(std::uint64_t(c));
   for (const std::size_t size : {sizeof(Scene), sizeof(Mesh), sizeof(Material), sizeof(Texture), sizeof(Light),
                                  sizeof(View), sizeof(Panorama), sizeof(Error)})
     add(size);

@@ -1,0 +1,85 @@
+// The parameter table, constants and dispatch of `hidden`.
+#include "effects/hidden/hidden.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/absolute_length.h"
+#include "core/effect.h"
+#include "effects/hidden/hidden_lines.h"
+#include "kernel/kernel_frame.h"
+
+namespace umbrage {
+namespace {
+
+const std::vector<Parameter> kTable = {
+    bool_row("draw", &HiddenParams::draw, false,
+             "draw the edges behind visible surfaces as dashed lines; this captures 8 layers, or those of `layers`"),
+    length_row("width", &HiddenParams::width, {.initial_percent = 0.12, .min = 0.2, .max = 16, .unit = "px"},
+               "width of the lines, in pixels or in percent of the picture's height"),
+    length_row("dash", &HiddenParams::dash, {.initial_percent = 0.9, .min = 1, .max = 1000, .unit = "px"},
+               "length of a dash, likewise; it is adjusted so that lines begin and end with a dash"),
+    length_row("gap", &HiddenParams::gap, {.initial_percent = 0.6, .max = 1000, .unit = "px"},
+               "distance between two dashes, likewise; 0: unbroken lines"),
+    real_row("depth", &HiddenParams::depth, {.initial = 3, .min = 0.5, .max = 1000, .unit = "px"},
+             "a surface that is this many pixel sizes off its neighbour's plane is a different surface"),
+    real_row("crease", &HiddenParams::crease_deg, {.initial = 30, .min = 1, .max = 180, .unit = "deg"},
+             "faces that meet at this angle or more have an edge"),
+    int_row("layers", &HiddenParams::layers, {.max = kLayersRead, .zero_means = "all"},
+            "number of surfaces along each ray whose edges are drawn, the visible one included: 2 draws only what is "
+            "next behind it"),
+};
+
+/// Returns the number of layers that follow each other along the rays of the first camera.
+int layers_along_rays(const PictureInfo& info) {
+  int count = 1;
+  for (const LayerInfo& layer : info.more_layers) {
+    if (layer.kind != LayerKind::kBehind || count == kLayersRead) break;
+    ++count;
+  }
+  return count;
+}
+
+void fill_constants(const HiddenParams& params, const PictureInfo& info, HiddenConstants& c) {
+  constexpr float kUnitHeight = 1024.0f;
+  const auto height = float(info.inner_height());
+  const int captured = layers_along_rays(info);
+  c = {.captured = captured,
+       .drawn = params.layers > 0 ? std::min(params.layers, captured) : captured,
+       .width_px = std::clamp(absolute_length(params.width, height), 0.2f, 16.0f),
+       .dash_px = std::max(absolute_length(params.dash, height), 1.0f),
+       .gap_px = std::max(absolute_length(params.gap, height), 0.0f),
+       .depth = params.depth,
+       .min_cosine = std::cos(params.crease_deg * std::numbers::pi_v<float> / 180.0f),
+       .scale = height / kUnitHeight};
+}
+
+bool is_drawn(const ParameterBytes& bytes) { return as<HiddenParams>(bytes).draw != 0; }
+
+/// Returns the number of layers to capture. A closed occluder in front moves a surface back by two layers.
+int layers_for(const ParameterBytes& bytes) {
+  const auto& params = as<HiddenParams>(bytes);
+  if (!params.draw) return 1;
+  return params.layers > 0 ? std::min(params.layers + 2, kLayersRead) : kLayersRead;
+}
+
+}  // namespace
+
+Effect effect_hidden() {
+  auto inputs = of_all_layers({"depth", "normal.x", "normal.y", "normal.z", "object_id"});
+  inputs.push_back("outline");
+  return shading_effect<fill_constants>(
+      kTable, {.name = "hidden",
+               .summary = "dashed lines where edges lie behind the visible surface",
+               .variants = {"", "draw=on"},
+               .quantum = 1.0,
+               .layers = layers_for,
+               .dispatches = {{.name = "hidden_lines",
+                               .inputs = inputs,
+                               .outputs = {"outline"},
+                               .host = run_host_hidden,
+                               .needed = is_drawn}}});
+}
+
+}  // namespace umbrage

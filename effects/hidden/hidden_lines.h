@@ -1,0 +1,27 @@
+// The host step of effect `hidden`: finds the edges of hidden surfaces and draws them as dashed lines.
+#pragma once
+#include <vector>
+
+#include "core/lines.h"
+#include "effects/hidden/hidden.h"
+#include "kernel/host_frame.h"
+#include "lines/graph.h"
+
+namespace umbrage {
+
+/// Returns the edges of hidden surfaces. A surface of one pixel continues in its neighbour if any surface of that pixel,
+/// on whichever layer, has a similar normal and lies on the same plane. A hidden surface that does not continue has an
+/// edge there. Edges within two pixels of an edge of the visible surface are left out.
+std::vector<Edge> hidden_edges(const HostFrame& frame, const HiddenConstants& constants);
+
+/// Returns a polyline's dashes. Their length and distance are scaled so that an open line begins and ends with a dash.
+std::vector<Line> dashes_of(const Line& line, float dash_px, float gap_px);
+
+/// Returns the dashes of the hidden lines of a picture, from the inputs of the host step. The result does not depend on
+/// the number of threads.
+Lines hidden_lines(const HostFrame& frame, const HiddenConstants& constants);
+
+/// Runs the host step: draws the dashes over the lines of the input `outline`, to the output of that name.
+void run_host_hidden(const HostFrame& frame);
+
+}  // namespace umbrage
