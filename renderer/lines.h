@@ -21,7 +21,7 @@ Result<LineParameters> line_parameters(const Recipe& recipe);
 /// Returns the same, or empty parameters if there are no such lines.
 LineParameters line_parameters_or_none(const Recipe& recipe);
 
-/// Returns the planes from which these lines of a picture with so many layers are traced.
+/// Returns the planes from which these lines of a picture with this number of layers are traced.
 std::vector<std::string_view> edge_planes(const LineParameters& params, int layers);
 
 /// Traces the lines of a picture from its edge_planes, which include the guard band. Points are in pixels of the

@@ -75,7 +75,7 @@ Effect effect_hidden() {
   auto inputs = of_all_layers({"depth", "normal.x", "normal.y", "normal.z", "object_id"});
   inputs.push_back("outline");
   return shading_effect<fill_constants>(kTable, {.name = "hidden",
-                                                 .summary = "dashed lines where edges lie behind the visible surface",
+                                                 .summary = "dashed lines for the edges of surfaces that others hide",
                                                  .variants = {"", "draw=on"},
                                                  .quantum = 1.0,
                                                  .layers = layers_for,

@@ -53,8 +53,8 @@ class Surfaces {
     return stack;
   }
 
-  /// Returns the number of the surface in `to` that continues surface `k` of `from`, or kEnds. What lies behind the
-  /// last captured surface is unknown: kUnknown.
+  /// Returns the number of the surface in `to` that continues surface `k` of `from`, or kEnds. Beyond the last
+  /// captured surface it is unknown: kUnknown.
   int continuation(const Stack& from, int k, const Stack& to) const {
     const Sheet& a = from.sheets[std::size_t(k)];
     if (k < to.count && is_same(a, to.sheets[std::size_t(k)])) return k;
