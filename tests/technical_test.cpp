@@ -88,8 +88,8 @@ TEST(Technical, HiddenLinesCaptureTheLayersThatTheyNeed) {
 TEST(Technical, HiddenLinesAreDrawnOverAverages) {
   // The lines are those of sample 0 whether or not the picture is an average.
   const Plane without = technical_picture({}).plane("outline");
-  const Plane one = technical_picture({"hidden.draw=on"}).plane("outline");
-  const Plane average = technical_picture({"hidden.draw=on"}, 4).plane("outline");
+  const Plane one = technical_picture({"hidden.draw=on", "hidden.width=1"}).plane("outline");
+  const Plane average = technical_picture({"hidden.draw=on", "hidden.width=1"}, 4).plane("outline");
   int more = 0, differ = 0;
   for (int y = 0; y < 200; ++y)
     for (int x = 0; x < 200; ++x) {

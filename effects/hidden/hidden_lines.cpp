@@ -16,6 +16,7 @@ namespace {
 
 // Lengths in pixels, which scale with the picture's height.
 constexpr float kMaxGap = 16.0f;    // max gap over which ends are joined
+constexpr float kCrossing = 12.0f;  // pixels: min of that gap, not scaled, for lines that cross a visible one
 constexpr float kMinLoose = 16.0f;  // min length of a line with two free ends
 constexpr float kMinBranch = 6.0f;  // min length of a line with one free end
 
@@ -51,11 +52,10 @@ std::vector<Line> dashes_of(const Line& line, float dash_px, float gap_px) {
   for (std::size_t k = 1; k < line.points.size(); ++k)
     along.push_back(along.back() +
                     length_of(line.points[k].x - line.points[k - 1].x, line.points[k].y - line.points[k - 1].y));
-  // An open line has one gap less than dashes.
-  const float missing = line.closed ? 0.0f : gap_px, length = along.back();
+  const float length = along.back(), missing = line.closed ? 0.0f : gap_px;  // an open line has one gap less
   const float count = std::max(std::round((length + missing) / (dash_px + gap_px)), 1.0f);
-  const float stretch = (length + missing) / (count * (dash_px + gap_px));
-  const float dash = count == 1.0f && !line.closed ? length : dash_px * stretch, period = (dash_px + gap_px) * stretch;
+  const float stretch = length / (count * (dash_px + gap_px) - missing);
+  const float dash = dash_px * stretch, period = (dash_px + gap_px) * stretch;
   std::vector<Line> dashes;
   for (int k = 0; k < int(count); ++k) {
     const float from = float(k) * period;
@@ -73,7 +73,7 @@ Lines hidden_lines(const HostFrame& frame, const HiddenConstants& c) {
   Tracing t{EdgeGraph(std::move(edges), width, height)};
   find_chains(t);
   join_at_junctions(t);
-  bridge_gaps(t, kMaxGap * c.scale, PixelSize());
+  bridge_gaps(t, std::max(kMaxGap * c.scale, kCrossing), PixelSize());
   drop_short(t, [&](const Chain& chain, int free_ends) {
     return (free_ends == 2 || chain.closed ? kMinLoose : free_ends == 1 ? kMinBranch : 0.0f) * c.scale;
   });

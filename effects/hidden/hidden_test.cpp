@@ -174,7 +174,7 @@ TEST(Hidden, ASurfaceThatContinuesBehindAnotherHasNoEdge) {
 }
 
 TEST(Hidden, WhatTheLastLayerHidesIsUnknown) {
-  const Lens lens{.width = kSize, .height = kSize};
+  const Lens lens{.width = kSize, .height = kSize, .orthographic = true};
   std::vector<RayScene> scenes = Cube{.center = {0, 0, -4}, .turn = dmat3(1.0), .half = 0.5}.walls(0);
   const std::vector<RayScene> behind = {ground(90, 0.0, 9.0, 1)};
   scenes.insert(scenes.end(), behind.begin(), behind.end());
