@@ -26,7 +26,7 @@ if(TARGET umbrage_static)
   install(TARGETS umbrage_static EXPORT umbrage-static ARCHIVE COMPONENT development)
 endif()
 install(DIRECTORY include/umbrage TYPE INCLUDE COMPONENT development)
-install(FILES LICENSE README.md CHANGELOG.md CONTRIBUTING.md TYPE DOC COMPONENT program)
+install(FILES LICENSE README.md CHANGELOG.md CITATION.cff CONTRIBUTING.md SECURITY.md TYPE DOC COMPONENT program)
 install(DIRECTORY docs TYPE DOC COMPONENT program PATTERN docs/site EXCLUDE)
 # The pages link to the README of each effect and to the examples.
 install(DIRECTORY effects reference TYPE DOC COMPONENT program FILES_MATCHING PATTERN README.md)
