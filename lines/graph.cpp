@@ -1,5 +1,7 @@
 #include "lines/graph.h"
 
+#include <algorithm>
+#include <limits>
 #include <tuple>
 
 #include "core/check.h"
@@ -10,14 +12,14 @@ std::vector<Edge> without_noise(std::vector<Edge> edges, int width) {
   constexpr int kBlock = 32;                     // pixels wide and high
   constexpr int kMax = kBlock * kBlock * 3 / 2;  // max number of edges per block
   const int columns = width / kBlock + 1;
+  int first = std::numeric_limits<int>::max(), last = 0;  // rows of blocks
+  for (const Edge& e : edges) first = std::min(first, e.y / kBlock), last = std::max(last, e.y / kBlock);
+  if (edges.empty()) return edges;
   const auto block_of = [&](const Edge& e) {
-    return std::size_t(e.y / kBlock) * std::size_t(columns) + std::size_t(e.x / kBlock);
+    return std::size_t(e.y / kBlock - first) * std::size_t(columns) + std::size_t(e.x / kBlock);
   };
-  std::vector<int> count;
-  for (const Edge& e : edges) {
-    if (block_of(e) >= count.size()) count.resize(block_of(e) + std::size_t(columns), 0);
-    ++count[block_of(e)];
-  }
+  std::vector<int> count(std::size_t(last - first + 1) * std::size_t(columns), 0);
+  for (const Edge& e : edges) ++count[block_of(e)];
   std::erase_if(edges, [&](const Edge& e) { return count[block_of(e)] > kMax; });
   return edges;
 }

@@ -18,7 +18,8 @@ struct Edge {
   float place = 0.5f;          // where the line crosses between the centres of the two pixels, 0 to 1
 };
 
-/// Returns the edges without those in blocks of 32 x 32 pixels that have more than 1.5 edges per pixel: these are noise.
+/// Returns the edges without those in blocks of 32 x 32 pixels that have more than 1.5 edges per pixel: these are
+/// noise.
 std::vector<Edge> without_noise(std::vector<Edge> edges, int width);
 
 class EdgeGraph {

@@ -33,10 +33,11 @@ void append_lines(std::string_view effect, const PictureInfo& info, const Image&
   find_effect(effect)->constants(params, info, &constants);
   const Dispatch& dispatch = tracing_dispatch(effect);
   std::vector<const Plane*> in_table_order;
-  // A step does not read the planes of layers that do not exist: any plane serves for them.
-  for (const std::string_view name : dispatch.inputs)
-    in_table_order.push_back(
-        &planes.plane(layer_of_plane(name) <= int(info.more_layers.size()) ? name : dispatch.inputs[0]));
+  // Tracing reads neither layers that do not exist nor the plane to which lines are added: any plane serves for them.
+  for (const std::string_view name : dispatch.inputs) {
+    const Plane* plane = planes.find(name);
+    in_table_order.push_back(plane ? plane : &planes.plane(dispatch.inputs[0]));
+  }
   const std::vector<HostPlane> inputs = host_inputs(dispatch, in_table_order);
   const HostFrame frame{info, frame_constants(info, inputs[0].stride, 0), &constants, inputs, {}};
   Lines traced;
@@ -70,8 +71,9 @@ Result<LineParameters> line_parameters(std::string_view subject, std::span<const
     params.hidden = params_of(settings, "hidden");
   if (!runs("outline")) {
     if (!params.empty()) return params;
-    return usage_error("{} no lines: the looks cartoon, hatching and technical and the effects hatching and outline do",
-                       subject);
+    return usage_error(
+        "{} no lines: the looks cartoon, hatching and technical and the effects hatching, hidden and outline do",
+        subject);
   }
   const ParameterBytes& outline_params = params_of(settings, "outline");
   const auto& outline = as<OutlineParams>(outline_params);
@@ -98,8 +100,12 @@ LineParameters line_parameters_or_none(const Recipe& recipe) {
 std::vector<std::string_view> edge_planes(const LineParameters& params, int layers) {
   std::vector<std::string_view> planes;
   const auto add = [&](std::string_view effect) {
-    for (const std::string_view plane : tracing_dispatch(effect).inputs)
-      if (layer_of_plane(plane) < layers && std::find(planes.begin(), planes.end(), plane) == planes.end())
+    const auto contains = [](const auto& names, std::string_view name) {
+      return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    const Dispatch& dispatch = tracing_dispatch(effect);
+    for (const std::string_view plane : dispatch.inputs)  // a plane to which lines are added is not traced
+      if (layer_of_plane(plane) < layers && !contains(dispatch.outputs, plane) && !contains(planes, plane))
         planes.push_back(plane);
   };
   if (!params.outline.empty()) add("outline");

@@ -1,5 +1,5 @@
-// The lines of a drawn picture as curves. The effects `outline`, `hidden` and `hatching` trace them from planes that remain in
-// the frame. Therefore the lines can be traced again after drawing.
+// The lines of a drawn picture as curves. The effects `outline`, `hidden` and `hatching` trace them from planes that
+// remain in the frame. Therefore the lines can be traced again after drawing.
 #pragma once
 #include <array>
 #include <span>

@@ -146,7 +146,7 @@ const Parameter* noise_of(const Recipe& recipe) {
 constexpr int kMaxShadowRays = 16;
 
 /// Moves the parameters of lines that are drawn once, over the average, to plan.lines; the samples draw none. Lines of
-/// outline.mode=paper are drawn in each sample.
+/// outline.mode=paper are drawn in each sample, and hidden lines with them.
 void separate_lines(Plan& plan) {
   const auto steps = steps_of(look_run(plan.recipe));
   if (find_named<Effect>(steps, "hatching")) {
@@ -155,7 +155,9 @@ void separate_lines(Plan& plan) {
     as<HatchingParams>(plan.lines.hatching).parts = kHatchingLines;
     as<HatchingParams>(params).parts = kHatchingTone;
   }
-  if (find_named<Effect>(steps, "hidden")) {
+  const auto& set = as<OutlineParams>(params_of(plan.recipe.settings, "outline"));
+  const bool paper = set.mode == kOutlinePaper && set.opacity > 0.0f && find_named<Effect>(steps, "outline");
+  if (find_named<Effect>(steps, "hidden") && !paper) {
     ParameterBytes& params = params_of(plan.recipe.settings, "hidden");
     if (as<HiddenParams>(params).draw) plan.lines.hidden = params;
     as<HiddenParams>(params).draw = 0;

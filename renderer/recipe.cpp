@@ -327,9 +327,24 @@ Result<CaptureSettings> capture_settings(const Request& request, const Look& loo
 
 namespace {
 
+/// Adds the layers that an effect needs to a capture, as many of them as are possible.
+Result<void> add_layers(const Effect& effect, const Recipe& recipe, long max_pixels, CaptureSettings& capture) {
+  const int before = capture.layers, needed = layers_needed(effect, params_of(recipe.settings, effect.name));
+  const long pixels = long(capture.width + 2 * capture.guard) * (capture.height + 2 * capture.guard);
+  const auto fits = [&] {
+    const auto count = layer_count(capture);
+    return count && pixels * *count <= max_pixels;
+  };
+  for (capture.layers = std::max(before, needed); capture.layers > before && !fits();) --capture.layers;
+  if (needed > 1 && capture.layers == 1)
+    return usage_error("`settings` {} needs two layers, for which {} x {} pixels are too large", effect.name,
+                       capture.width, capture.height);
+  return {};
+}
+
 /// Returns what to capture. Techniques that trace rays need only the visible surfaces, unless the request asks for
-/// more.
-Result<CaptureSettings> capture_of(const Request& request, const Recipe& recipe, long max_pixels) {
+/// more. `of_model`: the layers are captured; otherwise they are those of a G-buffer.
+Result<CaptureSettings> capture_of(const Request& request, const Recipe& recipe, long max_pixels, bool of_model) {
   const auto steps = steps_of(look_run(recipe));
   Request drawn = request;
   Look look = *recipe.look;
@@ -339,16 +354,14 @@ Result<CaptureSettings> capture_of(const Request& request, const Recipe& recipe,
     look.back_sides = false;
     look.extra_views = 0;
   }
-  for (const Effect* step : steps)
-    if (const int needed = layers_needed(*step, params_of(recipe.settings, step->name)); needed > 1 && !request.layers) {
-      look.layers = std::max(look.layers, needed);
-      drawn.layers.reset();
-    }
   auto capture = capture_settings(drawn, look, shadows_read(recipe, steps), max_pixels);
   if (!capture) return capture;
   capture->ray_offsets = traced;
   for (const Effect* step : steps)
     capture->occluders = std::max(capture->occluders, occluders_read(*step, params_of(recipe.settings, step->name)));
+  for (const Effect* step : steps)
+    if (of_model && !request.layers)
+      if (auto done = add_layers(*step, recipe, max_pixels, *capture); !done) return done.error();
   return capture;
 }
 
@@ -393,7 +406,7 @@ Result<Recipe> make_recipe_of(const Request& request, long max_pixels, bool of_m
   if (recipe.occlusion == reference_effect().name && computes_indirect_light(look, recipe.settings))
     as<ReferenceParams>(params_of(recipe.settings, recipe.occlusion)).light = kReferenceBounce;
   if (auto done = apply_request(request, recipe); !done) return done.error();
-  const auto capture = capture_of(request, recipe, max_pixels);
+  const auto capture = capture_of(request, recipe, max_pixels, of_model);
   if (!capture) return capture.error();
   recipe.capture = *capture;
   if (auto fine = apply_passes(request, recipe); !fine) return fine.error();

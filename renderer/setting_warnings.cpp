@@ -47,7 +47,8 @@ void warn_about_effects(const Request& request, const Recipe& recipe,
 void warn_about_layers(const Request& request, const Recipe& recipe, std::vector<std::string>& sentences) {
   if (request.layers != 1) return;
   for (const std::string_view name : recipe.look->effects)
-    if (const Effect* effect = find_effect(name); effect && layers_needed(*effect, params_of(recipe.settings, name)) > 1)
+    if (const Effect* effect = find_effect(name);
+        effect && layers_needed(*effect, params_of(recipe.settings, name)) > 1)
       sentences.push_back(fmt::format("`settings` {} draws nothing: `layers` is 1", name));
 }
 

@@ -20,7 +20,8 @@ double luminance(const glm::dvec3& color) { return glm::dot(color, glm::dvec3(0.
 
 constexpr const char* kAlbedo[] = {"albedo.r", "albedo.g", "albedo.b"};
 
-/// Returns the look's picture of the built-in solids, an average of `pictures`: color, outline, depth, normal and albedo.
+/// Returns the look's picture of the built-in solids, an average of `pictures`: color, outline, depth, normal and
+/// albedo.
 Image technical_picture(const std::vector<std::string>& settings, int pictures = 1) {
   Scene scene = *make_builtin_scene("scene:solids?detail=2000");
   const auto device = make_cpu_device();
@@ -81,8 +82,40 @@ TEST(Technical, HiddenLinesCaptureTheLayersThatTheyNeed) {
   };
   EXPECT_EQ(layers({}, {}), 1);
   EXPECT_EQ(layers({"hidden.draw=on"}, {}), 8);
-  EXPECT_EQ(layers({"hidden.draw=on", "hidden.layers=2"}, {}), 4);
+  EXPECT_EQ(layers({"hidden.draw=on", "hidden.layers=1"}, {}), 4);
   EXPECT_EQ(layers({"hidden.draw=on"}, 3), 3);
+}
+
+TEST(Technical, HiddenLinesCaptureAsManyLayersAsFit) {
+  const auto layers = [](int side) {
+    Request request;
+    request.width = request.height = side;
+    request.look = "technical";
+    request.settings = {"hidden.draw=on"};
+    const auto recipe = make_recipe(request);
+    return recipe ? recipe->capture.layers : 0;
+  };
+  EXPECT_EQ(layers(2048), 8);
+  EXPECT_EQ(layers(4096), 4);
+  EXPECT_EQ(layers(8192), 0) << "two layers do not fit";
+  Request request;  // the layers of a G-buffer are given, and need no room
+  request.width = 4096, request.height = 2160;
+  request.look = "technical";
+  request.settings = {"hidden.draw=on"};
+  EXPECT_TRUE(make_shading_recipe(request));
+}
+
+TEST(Technical, OutlinesOfModePaperAreAveragedAlsoWithHiddenLines) {
+  const auto smooth_pixels = [](const std::string& draw) {
+    const Plane lines = technical_picture({"outline.mode=paper", "hidden.layers=1", draw}, 4).plane("outline");
+    int count = 0;
+    for (int y = 0; y < 200; ++y)
+      for (int x = 0; x < 200; ++x) count += lines.at(x, y) == 0.25f || lines.at(x, y) == 0.5f;
+    return count;
+  };
+  const int without = smooth_pixels("hidden.draw=off");
+  EXPECT_GT(without, 200);
+  EXPECT_NEAR(smooth_pixels("hidden.draw=on"), without, 0.3 * without);
 }
 
 TEST(Technical, HiddenLinesAreDrawnOverAverages) {

@@ -186,8 +186,8 @@ int run(int argc, char** argv) {
     const CLI::App* requested = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
     std::fputs((requested == &app ? app.help() : requested->help(app.get_name())).c_str(), stdout);
     return finish_output();
-  } catch (const CLI::CallForVersion&) {
-    std::fputs(version_text().c_str(), stdout);
+  } catch (const CLI::CallForVersion& version) {
+    std::fputs(version.what(), stdout);
     return finish_output();
   } catch (const CLI::ExtrasError&) {
     return report(unknown_option(app, app.remaining(true).front()));

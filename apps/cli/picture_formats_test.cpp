@@ -41,19 +41,20 @@ class PictureFormats : public ProgramTest {
 };
 
 TEST_F(PictureFormats, ColoursOfPassesReturnFromPng) {
-  const std::string scene = "scene:solids?detail=2000 --device cpu --resolution 64x48 --anti-aliasing 1 --passes albedo";
+  const std::string scene =
+      "scene:solids?detail=2000 --device cpu --resolution 64x48 --anti-aliasing 1 --passes albedo";
   good(scene + " --bits 16 -o out.png");
   good(scene + " -o out.exr");
   const Image png = image("out.png"), exr = image("out.exr");
-  double most = 0.0;
+  double max = 0.0;
   for (const char* channel : {"r", "g", "b"})
     for (int y = 0; y < 48; ++y)
       for (int x = 0; x < 64; ++x) {
         const float light = exr.plane(std::string("albedo.") + channel).at(x, y);
-        most = std::max(most, double(light));
+        max = std::max(max, double(light));
         ASSERT_NEAR(linear_from_srgb(png.plane(std::string("color.") + channel).at(x, y)), light, 1e-3);
       }
-  EXPECT_GT(most, 0.5);
+  EXPECT_GT(max, 0.5);
 }
 
 constexpr const char* kPicture = "tri.obj --resolution 96,64 --background-color steelblue -o ";

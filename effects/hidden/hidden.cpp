@@ -26,9 +26,9 @@ const std::vector<Parameter> kTable = {
              "a surface that is this many pixel sizes off its neighbour's plane is a different surface"),
     real_row("crease", &HiddenParams::crease_deg, {.initial = 30, .min = 1, .max = 180, .unit = "deg"},
              "faces that meet at this angle or more have an edge"),
-    int_row("layers", &HiddenParams::layers, {.max = kLayersRead, .zero_means = "all"},
-            "number of surfaces along each ray whose edges are drawn, the visible one included: 2 draws only what is "
-            "next behind it"),
+    int_row(
+        "layers", &HiddenParams::layers, {.max = kLayersRead - 1, .zero_means = "all"},
+        "number of surfaces along each ray, behind the visible one, whose edges are drawn: 1 draws only what is next"),
 };
 
 /// Returns the number of layers that follow each other along the rays of the first camera.
@@ -48,7 +48,7 @@ void fill_constants(const HiddenParams& params, const PictureInfo& info, HiddenC
   const float crease = params.crease_deg * std::numbers::pi_v<float> / 180.0f;
   c = {
       .captured = captured,
-      .drawn = params.layers > 0 ? std::min(params.layers, captured) : captured,
+      .drawn = params.layers > 0 ? std::min(params.layers + 1, captured) : captured,
       .width_px = std::clamp(absolute_length(params.width, height), 0.2f, 16.0f),
       .dash_px = std::max(absolute_length(params.dash, height), 1.0f),
       .gap_px = std::max(absolute_length(params.gap, height), 0.0f),
@@ -66,7 +66,7 @@ bool is_drawn(const ParameterBytes& bytes) { return as<HiddenParams>(bytes).draw
 int layers_for(const ParameterBytes& bytes) {
   const auto& params = as<HiddenParams>(bytes);
   if (!params.draw) return 1;
-  return params.layers > 0 ? std::min(params.layers + 2, kLayersRead) : kLayersRead;
+  return params.layers > 0 ? std::min(params.layers + 3, kLayersRead) : kLayersRead;
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ struct HiddenParams {
   Length dash, gap;  // lengths along a line, likewise
   float depth;       // max distance between two pixels' tangent planes on one surface, pixel sizes
   float crease_deg;  // min angle between the normals of two faces at which there is an edge
-  int layers;        // max number of layers whose edges are drawn, the first included; 0: all
+  int layers;        // max number of hidden layers whose edges are drawn; 0: all
 };
 
 const int kHiddenMaxWindow = 14;  // max half width of a window, pixels

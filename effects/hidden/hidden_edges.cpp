@@ -152,10 +152,14 @@ class Scanline {
     return all;
   }
   int next(int i, int k) const { return next_[std::size_t(i)][std::size_t(k)]; }
-  /// Moves along a surface by a pixel, forward or backward.
+  /// Moves along a surface by a pixel, forward or backward, where each of two surfaces continues the other; so the way
+  /// back is the same.
   Place moved(const Place& from, int step) const {
     const auto& links = step > 0 ? next_ : before_;
-    return {from.pixel + step, links[std::size_t(from.pixel)][std::size_t(from.sheet)]};
+    const auto& back = step > 0 ? before_ : next_;
+    const Place to{from.pixel + step, links[std::size_t(from.pixel)][std::size_t(from.sheet)]};
+    const bool mutual = to.sheet >= 0 && back[std::size_t(to.pixel)][std::size_t(to.sheet)] == from.sheet;
+    return mutual ? to : Place{to.pixel, kUnknown};
   }
   const scalar::Vec3& normal(const Place& at) const {
     return stacks_[std::size_t(at.pixel)].sheets[std::size_t(at.sheet)].normal;
@@ -178,7 +182,8 @@ class Scanline {
   /// Returns the crease between pixel i and the next: the turn of the normals across a window, less the turn of the
   /// surface beside it over the same width, for the window where this is largest, as in the kernel outline_turns.
   Crease crease_at(int i, int k) const {
-    const Place first{i, k}, second{i + 1, next(i, k)};
+    const Place first{i, k}, second = moved(first, 1);
+    if (second.sheet < 0) return {};
     if (distance(normal(first), normal(second)) * float(2 * c_.max_window + 1) < c_.crease_chord) return {};
     const Run left = run_from(first, -1, 2 * c_.max_window + 2), right = run_from(second, 1, 2 * c_.max_window + 2);
     Crease best;

@@ -40,19 +40,24 @@ std::optional<Edge> decoded(float value, int x, int y, bool below, int width, in
 
 /// Returns the edges that outline_edges has written, except in blocks that contain noise.
 std::vector<Edge> read_edges(const HostPlane& right, const HostPlane& below, int width, int height) {
+  constexpr int kRows = 32;  // of a block
   std::vector<std::vector<Edge>> found;
-  found.resize(std::size_t(height));
-  tbb::parallel_for(0, height, [&](int y) {
-    for (const bool is_below : {false, true}) {
-      const float* row = (is_below ? below : right).row(y);
-      for (int x = 0; x < width; ++x)
-        if (row[x] > 0.0f)
-          if (const auto e = decoded(row[x], x, y, is_below, width, height)) found[std::size_t(y)].push_back(*e);
-    }
+  found.resize(std::size_t((height + kRows - 1) / kRows));
+  tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t block) {
+    const int first = int(block) * kRows;
+    std::vector<Edge> edges;
+    for (int y = first; y < std::min(first + kRows, height); ++y)
+      for (const bool is_below : {false, true}) {
+        const float* row = (is_below ? below : right).row(y);
+        for (int x = 0; x < width; ++x)
+          if (row[x] > 0.0f)
+            if (const auto e = decoded(row[x], x, y, is_below, width, height)) edges.push_back(*e);
+      }
+    found[block] = without_noise(std::move(edges), width);
   });
   std::vector<Edge> all;
-  for (const std::vector<Edge>& row : found) all.insert(all.end(), row.begin(), row.end());
-  return without_noise(std::move(all), width);
+  for (const std::vector<Edge>& block : found) all.insert(all.end(), block.begin(), block.end());
+  return all;
 }
 
 float surface_depth(float depth) { return depth > 0.0f && depth <= 3.4e38f ? depth : 0.0f; }

@@ -57,6 +57,7 @@ FN Real near_occlusion(Int px, Int py, Real depth, Vec3 position, Vec3 normal) {
   Real area_per_px = (radius_px - first_px) / max(radius_px * radius_px, Real(1e-20f)) *
                      (2.0f * C.near_area * C.one_over_samples);
   Real sum = Real(0.0f);
+  Real whole = Real(0.0f);   // sums of distances, which samples count by: of all samples, and of those in the picture
   Real inside = Real(0.0f);
   for (int i = 0; i < C.samples; ++i) {
     Real offset_px = mad((float(i) + noise.y) * C.one_over_samples, radius_px - first_px, first_px);
@@ -90,9 +91,10 @@ FN Real near_occlusion(Int px, Int py, Real depth, Vec3 position, Vec3 normal) {
       }
       sum = sum + select(counts, hides * cosine, Real(0.0f));
     }
-    inside = inside + select(in_picture, Real(1.0f), Real(0.0f));
+    whole = whole + offset_px;
+    inside = inside + select(in_picture, offset_px, Real(0.0f));
   }
   // Samples outside the picture are unknown: those inside stand for them.
-  Real occlusion = sum * (float(C.samples) / max(inside, Real(1.0f)));
+  Real occlusion = sum * (whole / max(inside, Real(1e-6f)));
   return clamp(occlusion, Real(0.0f), Real(1.0f));
 }

@@ -216,14 +216,15 @@ double expected_ao(const GBuffer& g, const ShanmugamParams& params, double radiu
   const int turn = (((x + y) & 3) << 2) + x, step = (((y - x) & 3) << 2) + (((x >> 1) + (y << 1)) & 3);
   const double start = 2.0 * kPi * (turn + 0.5) / 16.0 - kPi;  // direction_of_turn() subtracts half a turn
   double sum = 0.0;
-  int inside = 0;
+  double inside = 0.0, whole = 0.0;
   for (int i = 0; i < params.samples; ++i) {
     const double first = std::min(1.0, 0.5 * radius_px);
     const double length = first + (i + (step + 0.5) / 16.0) / params.samples * (radius_px - first);
+    whole += length;
     const double angle = start + i * kPi * (3.0 - std::sqrt(5.0));
     const double dx = px + 0.5 + length * std::cos(angle), dy = py + 0.5 - length * std::sin(angle);
     if (dx < 0.0 || dy < 0.0 || dx >= g.info.width || dy >= g.info.height) continue;
-    ++inside;
+    inside += length;
     const int column = int(dx), row = int(dy);
     if (!std::isfinite(g.layers[0].planes[0].at(column, row))) continue;
     const glm::dvec3 tap = position(g, column, row), v = tap - at, tap_normal = normal(g, column, row);
@@ -243,7 +244,7 @@ double expected_ao(const GBuffer& g, const ShanmugamParams& params, double radiu
       sum += std::min(1.0, hidden) * cosine;
     }
   }
-  return 1.0 - std::clamp(sum * params.samples / inside, 0.0, 1.0);
+  return 1.0 - std::clamp(sum * whole / inside, 0.0, 1.0);
 }
 
 TEST(Shanmugam, NearPartMatchesItsFormulas) {

@@ -86,7 +86,7 @@ case $name in
     [ ! -e "$place/unbuilt/prefix" ] || fail "an incomplete build was installed in part"
     ;;
   Program)
-    [ "$("$prefix/bin/umbrage" --version)" = "umbrage $VERSION" ] || fail "wrong version"
+    [ "$("$prefix/bin/umbrage" --version | head -n 1)" = "umbrage $VERSION" ] || fail "wrong version"
     "$prefix/bin/umbrage" 'scene:solids?detail=3000' --resolution 64x48 -o "$place/program.png"
     if ldd "$prefix/bin/umbrage" | grep libumbrage; then fail "the program needs the shared library"; fi
     ;;
