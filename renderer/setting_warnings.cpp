@@ -49,7 +49,7 @@ void warn_about_layers(const Request& request, const Recipe& recipe, std::vector
   for (const std::string_view name : recipe.look->effects)
     if (const Effect* effect = find_effect(name);
         effect && layers_needed(*effect, params_of(recipe.settings, name)) > 1)
-      sentences.push_back(fmt::format("`settings` {} draws nothing: `layers` is 1", name));
+      sentences.push_back(fmt::format("`settings` {} draws nothing: the picture has one layer", name));
 }
 
 void warn_about_former_names(const Request& request, std::vector<std::string>& sentences) {

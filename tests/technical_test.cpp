@@ -142,7 +142,7 @@ TEST(Technical, HiddenLinesOfOneLayerAreReported) {
   const auto any = [](std::string_view) { return true; };
   const auto warnings = setting_warnings(request, *make_recipe(request), nullptr, any);
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_EQ(warnings[0], "`settings` hidden draws nothing: `layers` is 1");
+  EXPECT_EQ(warnings[0], "`settings` hidden draws nothing: the picture has one layer");
   request.layers.reset();
   EXPECT_TRUE(setting_warnings(request, *make_recipe(request), nullptr, any).empty());
 }

@@ -69,7 +69,9 @@ void warn_unused(const ShadeOptions& o, const Recipe& recipe, FactPrinter& print
   const auto is_on_command_line = [](std::string_view setting) {
     return command_line.find(setting) != std::string::npos;
   };
-  for (const std::string& sentence : setting_warnings(o.request, recipe, nullptr, is_on_command_line))
+  Request request = o.request;
+  request.layers = 1;  // that of the file
+  for (const std::string& sentence : setting_warnings(request, recipe, nullptr, is_on_command_line))
     printer.warn(sentence, wipe_progress);
 }
 

@@ -34,6 +34,13 @@ class ShadeTest : public test::ProgramTest {
   }
 };
 
+TEST_F(ShadeTest, SaysThatAFileHasNoHiddenLines) {
+  const std::string command = "shade g.exr --look technical -o a.png --device cpu";
+  EXPECT_EQ(good(command).err, "");
+  EXPECT_NE(good(command + " --set hidden.draw=on").err.find("hidden draws nothing: the picture has one layer"),
+            std::string::npos);
+}
+
 TEST_F(ShadeTest, WritesPictures) {
   good("shade g.exr -o a.png --device cpu");
   const Image a = image("a.png");
