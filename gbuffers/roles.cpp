@@ -110,6 +110,14 @@ std::vector<KnownAs> known_as(const ChannelGroup& group, const LayeredFile& head
   return names;
 }
 
+/// Returns whether a group's name says that it is something other than depth, for which there is no role.
+bool is_no_depth(const ChannelGroup& group, const LayeredFile& header) {
+  constexpr std::string_view kOthers[] = {"ao", "ambientocclusion", "occlusion", "shadow", "outline", "mask", "cover"};
+  for (const KnownAs& known : known_as(group, header))
+    if (std::find(std::begin(kOthers), std::end(kOthers), known.name) != std::end(kOthers)) return true;
+  return false;
+}
+
 /// A penalty: the lower, the better; none if no name fits.
 std::optional<int> rank_in(Names names, const std::vector<KnownAs>& known) {
   constexpr int kPerName = 8;  // more than the max weakness: the list's order decides first
@@ -242,6 +250,7 @@ void find_all(const LayeredFile& header, int file, const std::vector<ChannelGrou
   find_own(header, file, roles);
   if (depth || !roles[Role::kPosition].empty() || groups.size() != 1 || !fits(Role::kDepth, groups[0], header)) return;
   // A single layer without a name, such as that of a greyscale PNG: depth, unless its channels turn out to differ.
+  if (is_no_depth(groups[0], header)) return;
   roles[Role::kDepth] = taken(groups[0], Role::kDepth);
   roles.depth_hint = hint_of(groups[0], header);
   roles.depth_is_guess = true;

@@ -77,6 +77,12 @@ TEST(Roles, DepthOfTheWholePictureBeforeThatOfALayer) {
   EXPECT_EQ(channels_text(production, roles_of(production)[Role::kDepth]), "depth_main.depth.Z");
 }
 
+TEST(Roles, ALayerWithTheNameOfAnotherPlaneIsNoDepth) {
+  for (const char* name : {"ao", "shadow", "occlusion.Y", "outline"})
+    EXPECT_TRUE(roles_of(header_with({name}))[Role::kDepth].empty()) << name;
+  EXPECT_EQ(roles_of(header_with({"Y"}))[Role::kDepth].channels.size(), 1u);
+}
+
 TEST(Roles, LayerOfAnotherRoleIsNoBeauty) {
   const LayeredFile parts = header_with({"depth::Z", "normal::R", "normal::G", "normal::B"});
   EXPECT_EQ(roles_of(parts)[Role::kNormal].channels.size(), 3u);

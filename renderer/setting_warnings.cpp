@@ -116,7 +116,7 @@ void warn_about_strengths(const Request& request, const Recipe& recipe, std::vec
 /// Adds warnings about factors and directions of lights that the picture does not have.
 void warn_about_lights(const Request& request, const Recipe& recipe, const Scene* scene,
                        std::vector<std::string>& sentences) {
-  if (recipe.clay && request.model.empty())
+  if (recipe.clay && !request.style.empty() && request.model.empty() && !scene)
     sentences.push_back("`style` " + request.style + " changes the background alone: a G-buffer keeps its colours");
   if (!uses_scene_lights(recipe)) {
     const std::pair<const char*, bool> all[] = {{"light_direction", !request.light_direction.empty()},

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <utility>
 
 #include "core/suggest.h"
 #include "gbuffers/extent.h"
@@ -64,11 +65,42 @@ class ViewDepth {
   const Lens& lens_;
 };
 
+/// Returns the first field of these settings that is set and applies to files alone, or null.
+const char* set_for_files(const GBufferSettings& set) {
+  const GBufferSettings initial;
+  const std::pair<const char*, bool> fields[] = {
+      {"view", !set.view.empty()},
+      {"depth_scale", set.depth_scale.has_value()},
+      {"depth_offset", set.depth_offset.has_value()},
+      {"depth_range", !set.depth_range.empty()},
+      {"depth_invert", set.depth_invert},
+      {"depth_packing", set.depth_packing != initial.depth_packing},
+      {"depth_background", set.depth_background.has_value()},
+      {"flip", set.flip},
+      {"cell_size", set.cell_size.has_value()},
+      {"normal_space", set.normal_space != initial.normal_space},
+      {"normal_encoding", set.normal_encoding != initial.normal_encoding},
+      {"position_space", set.position_space != initial.position_space},
+      {"fov_deg", set.fov_deg.has_value()},
+      {"focal_length_px", !set.focal_length_px.empty()},
+      {"focal_length_mm", set.focal_length_mm.has_value()},
+      {"sensor_width_mm", set.sensor_width_mm != initial.sensor_width_mm},
+  };
+  for (const auto& [field, is_set] : fields)
+    if (is_set) return field;
+  return nullptr;
+}
+
 /// Checks the camera and the settings of a G-buffer. Errors: kUsage.
 Result<void> check_settings(const Request& request, const Lens& lens) {
   if (lens.depth_kind > DepthMeaning::kReversed)
     return usage_error("`depth_kind` {} is for files: an image in memory takes planar, distance, window or reversed",
                        request.gbuffer.depth_kind);
+  if (const char* field = set_for_files(request.gbuffer))
+    return usage_error(
+        "`{}` is for files: images in memory hold planar depth in scene units or the depth_kind that is "
+        "set, and take `window` or `view_from_normal`",
+        field);
   if (auto fine = check_lens(lens); !fine) return fine;
   if (!(lens.right > lens.left && lens.top > lens.bottom))
     return usage_error(

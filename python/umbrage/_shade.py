@@ -193,7 +193,7 @@ class Shader(Job):
             self._set("fov_deg", self._fov)
             return self._make((0, 0), wanted, progress, color_type)
         finally:
-            for name in files:
+            for name in (*files, "fov_deg"):
                 self._set(name, None)
 
     def _shade_arrays(self, inputs: Mapping[str, Any], out: Any, progress: Progress) -> Picture:
