@@ -78,6 +78,7 @@ const char* set_for_files(const GBufferSettings& set) {
       {"depth_background", set.depth_background.has_value()},
       {"flip", set.flip},
       {"cell_size", set.cell_size.has_value()},
+      {"repair", set.repair != initial.repair},
       {"normal_space", set.normal_space != initial.normal_space},
       {"normal_encoding", set.normal_encoding != initial.normal_encoding},
       {"position_space", set.position_space != initial.position_space},
