@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "effects/outline/outline_test_scenes.h"
@@ -181,29 +182,6 @@ TEST(Hidden, WhatTheLastLayerHidesIsUnknown) {
   // The wall is the second layer beside the cube and the third behind it: with two layers it would seem to end there.
   scenes.push_back(ground(90, 0.0, 8.0, 2));
   EXPECT_EQ(total(hidden_plane(layers_of(scenes, 2, lens), {})), 0.0);
-}
-
-TEST(Hidden, ThinPlatesWithRoundEdgesAreReadSafely) {
-  // Both faces of a thin plate match both of the next pixel, so that the way along a surface is not unique.
-  const Lens lens{.width = 96, .height = 96, .orthographic = true};
-  for (const double pixels : {0.5, 1.0, 2.0, 3.0})
-    for (const double tilt : {0.0, 20.0, 60.0}) {
-      const double half = 0.5 * pixels * lens.pixel();
-      std::vector<RayScene> scenes = Cube{.center = {0.7, 0, -4}, .turn = rotation(0, 20), .half = 0.4}.walls(0);
-      for (const int side : {-1, 1}) {
-        const dvec3 n = rotation(0, tilt) * dvec3(0, 0, 1);
-        const RayScene face = convex_solid({{n, glm::dot(n, dvec3(0, 0, -6)) + side * half}}, 1, side < 0);
-        scenes.push_back([=](const dvec3& origin, const dvec3& direction) {
-          Hit hit = face(origin, direction);
-          const dvec3 p = origin + direction * hit.distance;
-          if (!(std::abs(p.x) < 1.0) || !(std::abs(p.y) < 1.0)) return Hit{};
-          const double edge = std::max(0.0, (std::abs(p.x) - 0.8) / 0.2);
-          hit.normal = glm::normalize(hit.normal + dvec3(p.x < 0 ? -edge : edge, 0, 0));
-          return hit;
-        });
-      }
-      EXPECT_TRUE(std::isfinite(total(hidden_plane(layers_of(scenes, 4, lens), {})))) << pixels << ", " << tilt;
-    }
 }
 
 TEST(Hidden, LinesOfTheInputRemain) {
