@@ -108,7 +108,7 @@ std::string scores_text(const nlohmann::json& scores) {
 }
 
 Result<std::string> report_page(const Comparison& comparison, const std::string& command, const Device& device) {
-  nlohmann::json data = {{"version", project_version()},        {"command", command},
+  nlohmann::json data = {{"version", project_version()},      {"command", command},
                          {"device", device.description()},    {"truth", terms_json(comparison.terms)},
                          {"scores", scores_json(comparison)}, {"techniques", nlohmann::json::array()},
                          {"views", nlohmann::json::array()}};
