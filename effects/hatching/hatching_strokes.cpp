@@ -281,11 +281,7 @@ Lines hatching_lines(const HostFrame& frame, const HatchingConstants& c) {
 
 void run_host_hatching(const HostFrame& frame) {
   const auto& c = *static_cast<const HatchingConstants*>(frame.constants);
-  const HostPlane &before = frame.input("outline"), &cover = frame.output("outline");
-  draw_lines(hatching_lines(frame, c), 1.0f, cover);
-  tbb::parallel_for(0, frame.frame.height, [&](int y) {
-    for (int x = 0; x < frame.frame.width; ++x) cover.row(y)[x] = std::max(cover.row(y)[x], before.row(y)[x]);
-  });
+  add_lines(hatching_lines(frame, c), frame);
 }
 
 }  // namespace umbrage

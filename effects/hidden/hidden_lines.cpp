@@ -94,11 +94,7 @@ Lines hidden_lines(const HostFrame& frame, const HiddenConstants& c) {
 
 void run_host_hidden(const HostFrame& frame) {
   const auto& c = *static_cast<const HiddenConstants*>(frame.constants);
-  const HostPlane &before = frame.input("outline"), &cover = frame.output("outline");
-  draw_lines(hidden_lines(frame, c), 1.0f, cover);
-  tbb::parallel_for(0, frame.frame.height, [&](int y) {
-    for (int x = 0; x < frame.frame.width; ++x) cover.row(y)[x] = std::max(cover.row(y)[x], before.row(y)[x]);
-  });
+  add_lines(hidden_lines(frame, c), frame);
 }
 
 }  // namespace umbrage

@@ -55,6 +55,14 @@ void draw_lines(const Lines& lines, float opacity, const HostPlane& cover) {
   });
 }
 
+void add_lines(const Lines& lines, const HostFrame& frame) {
+  const HostPlane &before = frame.input("outline"), &cover = frame.output("outline");
+  draw_lines(lines, 1.0f, cover);
+  tbb::parallel_for(0, frame.frame.height, [&](int y) {
+    for (int x = 0; x < frame.frame.width; ++x) cover.row(y)[x] = std::max(cover.row(y)[x], before.row(y)[x]);
+  });
+}
+
 void run_host_outline(const HostFrame& frame) {
   const auto& c = *static_cast<const OutlineConstants*>(frame.constants);
   draw_lines(trace_lines(frame, c), c.opacity, frame.output("outline"));

@@ -16,6 +16,9 @@ Lines trace_lines(const HostFrame& frame, const OutlineConstants& constants);
 /// drawn a pixel wide and proportionally lighter.
 void draw_lines(const Lines& lines, float opacity, const HostPlane& cover);
 
+/// Draws lines, opaque, over those of the input `outline` of a host step, to its output `outline`.
+void add_lines(const Lines& lines, const HostFrame& frame);
+
 /// Runs the host step: traces the lines and writes the output `outline`.
 void run_host_outline(const HostFrame& frame);
 

@@ -1,5 +1,6 @@
 // The near part of `shanmugam`: pixels in a disc of near_radius, at uniform distances from one pixel on, each of which
-// stands for its part of the ring of pixels at its distance. Functions in the kernel dialect; the kernel includes this file.
+// stands for its part of the ring of pixels at its distance. Functions in the kernel dialect; the kernel includes this
+// file.
 
 // Cosine and sine of the golden angle, by which each sample is rotated against the one before it.
 CONST float kGoldenCos = -0.737368878f;
@@ -54,10 +55,10 @@ FN Real near_occlusion(Int px, Int py, Real depth, Vec3 position, Vec3 normal) {
   Real one_over_depth = 1.0f / depth;
   // A nearer sample would be in the receiver's own pixel.
   Real first_px = min(Real(1.0f), radius_px * 0.5f);
-  Real area_per_px = (radius_px - first_px) / max(radius_px * radius_px, Real(1e-20f)) *
-                     (2.0f * C.near_area * C.one_over_samples);
+  Real area_per_px =
+      (radius_px - first_px) / max(radius_px * radius_px, Real(1e-20f)) * (2.0f * C.near_area * C.one_over_samples);
   Real sum = Real(0.0f);
-  Real whole = Real(0.0f);   // sums of distances, which samples count by: of all samples, and of those in the picture
+  Real whole = Real(0.0f);  // sums of distances, which samples count by: of all samples, and of those in the picture
   Real inside = Real(0.0f);
   for (int i = 0; i < C.samples; ++i) {
     Real offset_px = mad((float(i) + noise.y) * C.one_over_samples, radius_px - first_px, first_px);
