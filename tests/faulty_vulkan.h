@@ -5,6 +5,7 @@
 #include <map>
 
 #include "devices/vulkan/loader.h"
+#include "memory_order.h"
 
 namespace umbrage::test {
 
@@ -137,10 +138,9 @@ inline VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL faulty_get(VkInstance instance, 
 
 /// Resets all faults. Returns false if there is no Vulkan.
 inline bool start_faulty() {
-  const auto get = load_vulkan();
-  if (!get) return false;
+  if (!load_vulkan()) return false;
   faulty() = {};
-  faulty().get = *get;
+  faulty().get = checked_get;
   return true;
 }
 

@@ -10,6 +10,7 @@
 
 #include "devices/cpu/cpu_device.h"
 #include "devices/vulkan/vulkan_device.h"
+#include "memory_order.h"
 
 namespace umbrage::test {
 
@@ -27,9 +28,10 @@ inline ValidationMessage note_message() {
   };
 }
 
-/// Returns a new device with validation. Returns null if there is none, which is a failure if CI is set.
+/// Returns a new device with validation and checked_get(). Returns null if there is none, which is a failure if CI is set.
 inline std::unique_ptr<Device> new_vulkan_device(VulkanSettings settings = {}) {
   settings.on_message = note_message();
+  if (!settings.get) settings.get = checked_get;
   auto device = make_vulkan_device(settings, make_cpu_device());
   if (device) return std::move(*device);
   if (std::getenv("CI")) ADD_FAILURE() << device.error().message;

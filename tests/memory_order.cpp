@@ -1,0 +1,240 @@
+#include "memory_order.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <map>
+#include <memory>
+#include <mutex>
+
+namespace umbrage::test {
+
+struct MemoryOrder::Rule {
+  const char* name;
+  VkPipelineStageFlags stage;
+  VkAccessFlags access;
+  bool writes, copies;
+};
+
+const std::array<MemoryOrder::Rule, MemoryOrder::kKinds> MemoryOrder::kRules = {{
+    {"the reads of a kernel", VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT, false, false},
+    {"the writes of a kernel", VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT, true, false},
+    {"the reads of a vertex shader", VK_PIPELINE_STAGE_VERTEX_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT, false, false},
+    {"the reads of a pixel shader", VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT, false, false},
+    {"the reads of a copy", VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT, false, true},
+    {"the writes of a copy", VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, true, true},
+    {"the reads of the host", VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT, false, false},
+}};
+
+void MemoryOrder::begin() {
+  accesses_ = {};
+  command_ = 0;
+}
+
+void MemoryOrder::kernel() {
+  ++command_;
+  access(kKernelReads);
+  access(kKernelWrites);
+}
+
+void MemoryOrder::draw() {
+  ++command_;
+  access(kVertexReads);
+  access(kPixelReads);
+}
+
+void MemoryOrder::copy(bool reads_buffer, bool writes_buffer) {
+  ++command_;
+  if (reads_buffer) access(kCopyReads);
+  if (writes_buffer) access(kCopyWrites);
+}
+
+void MemoryOrder::submit() {
+  ++command_;
+  // Only copies write to memory that the host reads.
+  const Access copied = accesses_[kCopyWrites];
+  accesses_ = {};
+  accesses_[kCopyWrites] = copied;
+  access(kHostReads);
+}
+
+void MemoryOrder::access(Kind kind) {
+  const Rule& rule = kRules[kind];
+  for (int k = 0; k < kKinds; ++k) {
+    const Access& before = accesses_[std::size_t(k)];
+    const Rule& rule_before = kRules[std::size_t(k)];
+    if (!before.pending || before.command == command_ || !(rule.writes || rule_before.writes) ||
+        (rule.copies && rule_before.copies))
+      continue;
+    const bool in_order = rule_before.writes ? before.visible[kind] : (before.later_stages & rule.stage) != 0;
+    if (!in_order)
+      report_(fmt::format("no barrier orders {} (command {}) after {} (command {})", rule.name, command_,
+                          rule_before.name, before.command));
+  }
+  accesses_[kind] = {.pending = true, .command = command_};
+}
+
+namespace {
+
+/// A barrier orders commands after all earlier stages of the graphics pipeline too, and before all later ones. What it
+/// makes available and visible is only that of the stages that it names.
+VkPipelineStageFlags with_earlier_stages(VkPipelineStageFlags stages) {
+  constexpr VkPipelineStageFlags kPixels =
+      VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT;
+  constexpr VkPipelineStageFlags kOutputs =
+      VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
+  if (stages & VK_PIPELINE_STAGE_ALL_COMMANDS_BIT) return ~VkPipelineStageFlags(0);
+  if (stages & kOutputs) stages |= kPixels;
+  if (stages & kPixels) stages |= VK_PIPELINE_STAGE_VERTEX_SHADER_BIT;
+  return stages;
+}
+VkPipelineStageFlags with_later_stages(VkPipelineStageFlags stages) {
+  if (stages & VK_PIPELINE_STAGE_ALL_COMMANDS_BIT) return ~VkPipelineStageFlags(0);
+  if (stages & VK_PIPELINE_STAGE_VERTEX_SHADER_BIT) stages |= VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT;
+  return stages;
+}
+
+}  // namespace
+
+void MemoryOrder::barrier(VkPipelineStageFlags from, VkPipelineStageFlags to, VkAccessFlags made_available,
+                          VkAccessFlags made_visible) {
+  const VkPipelineStageFlags first = with_earlier_stages(from), second = with_later_stages(to);
+  const auto covers = [](VkPipelineStageFlags stages, VkAccessFlags accesses, const Rule& rule) {
+    const VkAccessFlags any = rule.writes ? VK_ACCESS_MEMORY_WRITE_BIT : VK_ACCESS_MEMORY_READ_BIT;
+    return (stages & (rule.stage | VK_PIPELINE_STAGE_ALL_COMMANDS_BIT)) && (accesses & (rule.access | any));
+  };
+  for (std::size_t k = 0; k < kKinds; ++k) {
+    Access& before = accesses_[k];
+    if (!before.pending || !((kRules[k].stage | before.later_stages) & first)) continue;
+    before.available = before.available || covers(from, made_available, kRules[k]);
+    before.later_stages |= second;
+    for (std::size_t later = 0; later < kKinds; ++later)
+      if (before.available && covers(to, made_visible, kRules[later])) before.visible[later] = true;
+  }
+}
+
+namespace {
+
+/// The system's functions that are intercepted, and the state of each command buffer.
+struct Checker {
+  std::mutex mutex;
+  std::map<VkCommandBuffer, MemoryOrder> buffers;
+  PFN_vkGetInstanceProcAddr get = nullptr;
+  PFN_vkBeginCommandBuffer begin = nullptr;
+  PFN_vkQueueSubmit submit = nullptr;
+  PFN_vkCmdDispatch dispatch = nullptr;
+  PFN_vkCmdDispatchBase dispatch_base = nullptr;
+  PFN_vkCmdDraw draw = nullptr;
+  PFN_vkCmdCopyBuffer copy = nullptr;
+  PFN_vkCmdFillBuffer fill = nullptr;
+  PFN_vkCmdCopyImageToBuffer from_image = nullptr;
+  PFN_vkCmdCopyBufferToImage to_image = nullptr;
+  PFN_vkCmdPipelineBarrier barrier = nullptr;
+};
+
+Checker& checker() {
+  static Checker& state = *new Checker;  // devices outlive the destructors of statics
+  return state;
+}
+
+/// Calls use(order) with the commands of a buffer.
+template <class Use>
+void with_order(VkCommandBuffer buffer, Use use) {
+  const std::lock_guard lock(checker().mutex);
+  const auto report = [](const std::string& text) { memory_order_report()(text); };
+  use(checker().buffers.try_emplace(buffer, report).first->second);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL begin(VkCommandBuffer buffer, const VkCommandBufferBeginInfo* info) {
+  with_order(buffer, [](MemoryOrder& order) { order.begin(); });
+  return checker().begin(buffer, info);
+}
+VKAPI_ATTR VkResult VKAPI_CALL submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo* work, VkFence fence) {
+  for (std::uint32_t k = 0; k < count; ++k)
+    for (std::uint32_t b = 0; b < work[k].commandBufferCount; ++b)
+      with_order(work[k].pCommandBuffers[b], [](MemoryOrder& order) { order.submit(); });
+  return checker().submit(queue, count, work, fence);
+}
+VKAPI_ATTR void VKAPI_CALL dispatch(VkCommandBuffer buffer, std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+  with_order(buffer, [](MemoryOrder& order) { order.kernel(); });
+  checker().dispatch(buffer, x, y, z);
+}
+VKAPI_ATTR void VKAPI_CALL dispatch_base(VkCommandBuffer buffer, std::uint32_t x0, std::uint32_t y0, std::uint32_t z0,
+                                         std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+  with_order(buffer, [](MemoryOrder& order) { order.kernel(); });
+  checker().dispatch_base(buffer, x0, y0, z0, x, y, z);
+}
+VKAPI_ATTR void VKAPI_CALL draw(VkCommandBuffer buffer, std::uint32_t vertices, std::uint32_t instances,
+                                std::uint32_t first_vertex, std::uint32_t first_instance) {
+  with_order(buffer, [](MemoryOrder& order) { order.draw(); });
+  checker().draw(buffer, vertices, instances, first_vertex, first_instance);
+}
+VKAPI_ATTR void VKAPI_CALL copy(VkCommandBuffer buffer, VkBuffer from, VkBuffer to, std::uint32_t count,
+                                const VkBufferCopy* regions) {
+  with_order(buffer, [](MemoryOrder& order) { order.copy(true, true); });
+  checker().copy(buffer, from, to, count, regions);
+}
+VKAPI_ATTR void VKAPI_CALL fill(VkCommandBuffer buffer, VkBuffer to, VkDeviceSize offset, VkDeviceSize size,
+                                std::uint32_t value) {
+  with_order(buffer, [](MemoryOrder& order) { order.copy(false, true); });
+  checker().fill(buffer, to, offset, size, value);
+}
+VKAPI_ATTR void VKAPI_CALL from_image(VkCommandBuffer buffer, VkImage from, VkImageLayout layout, VkBuffer to,
+                                      std::uint32_t count, const VkBufferImageCopy* regions) {
+  with_order(buffer, [](MemoryOrder& order) { order.copy(false, true); });
+  checker().from_image(buffer, from, layout, to, count, regions);
+}
+VKAPI_ATTR void VKAPI_CALL to_image(VkCommandBuffer buffer, VkBuffer from, VkImage to, VkImageLayout layout,
+                                    std::uint32_t count, const VkBufferImageCopy* regions) {
+  with_order(buffer, [](MemoryOrder& order) { order.copy(true, false); });
+  checker().to_image(buffer, from, to, layout, count, regions);
+}
+VKAPI_ATTR void VKAPI_CALL barrier(VkCommandBuffer buffer, VkPipelineStageFlags from, VkPipelineStageFlags to,
+                                   VkDependencyFlags flags, std::uint32_t memory_count, const VkMemoryBarrier* memory,
+                                   std::uint32_t buffer_count, const VkBufferMemoryBarrier* buffers,
+                                   std::uint32_t image_count, const VkImageMemoryBarrier* images) {
+  // Barriers of images order commands too, but make no buffers visible.
+  with_order(buffer, [&](MemoryOrder& order) {
+    order.barrier(from, to, 0, 0);
+    for (std::uint32_t k = 0; k < memory_count; ++k)
+      order.barrier(from, to, memory[k].srcAccessMask, memory[k].dstAccessMask);
+  });
+  checker().barrier(buffer, from, to, flags, memory_count, memory, buffer_count, buffers, image_count, images);
+}
+
+}  // namespace
+
+std::function<void(const std::string&)>& memory_order_report() {
+  static auto& report =
+      *new std::function<void(const std::string&)>([](const std::string& text) { ADD_FAILURE() << text; });
+  return report;
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL checked_get(VkInstance instance, const char* name) {
+  Checker& c = checker();
+  if (!c.get) {
+    const auto loaded = load_vulkan();
+    if (!loaded) return nullptr;
+    c.get = *loaded;
+  }
+  const PFN_vkVoidFunction real = c.get(instance, name);
+  if (!real) return nullptr;
+  const auto intercept = [&](const char* what, auto& original, auto* replacement) {
+    if (std::strcmp(name, what) != 0) return PFN_vkVoidFunction(nullptr);
+    original = reinterpret_cast<std::remove_reference_t<decltype(original)>>(real);
+    return reinterpret_cast<PFN_vkVoidFunction>(replacement);
+  };
+  for (const PFN_vkVoidFunction replacement :
+       {intercept("vkBeginCommandBuffer", c.begin, begin), intercept("vkQueueSubmit", c.submit, submit),
+        intercept("vkCmdDispatch", c.dispatch, dispatch),
+        intercept("vkCmdDispatchBase", c.dispatch_base, dispatch_base), intercept("vkCmdDraw", c.draw, draw),
+        intercept("vkCmdCopyBuffer", c.copy, copy), intercept("vkCmdFillBuffer", c.fill, fill),
+        intercept("vkCmdCopyImageToBuffer", c.from_image, from_image),
+        intercept("vkCmdCopyBufferToImage", c.to_image, to_image),
+        intercept("vkCmdPipelineBarrier", c.barrier, barrier)})
+    if (replacement) return replacement;
+  return real;
+}
+
+}  // namespace umbrage::test
