@@ -6,6 +6,7 @@
 #include "run_program.h"
 #include "support.h"
 #include "umbrage/umbrage.hpp"
+#include "vulkan_support.h"
 using namespace umb;  // the public interface; its names differ from those in umbrage
 
 namespace umbrage {
@@ -94,7 +95,7 @@ TEST_F(SvgTest, DoesNotDependOnTheCommand) {
 }
 
 TEST_F(SvgTest, IsTheSameOnVulkan) {
-  if (run("list devices").out.find("vulkan") == std::string::npos) GTEST_SKIP() << "no Vulkan device";
+  UMBRAGE_NEEDS_VULKAN(vulkan_gpus());
   const std::string line = "scene:solids?detail=2000 --resolution 128x128 -o ";
   good(line + "cpu.svg --device cpu");
   good(line + "gpu.svg --device vulkan");

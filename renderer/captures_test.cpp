@@ -109,7 +109,7 @@ TEST(Captures, AreReusableForOtherEffectsOnVulkan) {
 }
 
 TEST(Captures, ReportAFailedSubmission) {
-  if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
+  UMBRAGE_NEEDS_VULKAN(test::start_faulty());
   const auto device = test::new_vulkan_device({.get = test::faulty_get});
   UMBRAGE_NEEDS_VULKAN(device);
   PreparedScene prepared(*device, "studio");

@@ -284,7 +284,7 @@ TEST_P(Differential, GpuVariantsAreBitwiseIdentical) {
 // Planes that a device cannot bind are read by their addresses.
 TEST_P(Differential, PlanesTooLargeToBindAreBitwiseIdentical) {
   const Effect& effect = *GetParam();
-  if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
+  UMBRAGE_NEEDS_VULKAN(test::start_faulty());
   test::faulty().faults.max_bound_bytes = 4096;
   const auto unbound = test::new_vulkan_device({.get = test::faulty_get});
   Device* const bound = test::vulkan_device();

@@ -28,21 +28,31 @@ inline ValidationMessage note_message() {
   };
 }
 
-/// Returns a new device with validation and checked_get(). Returns null if there is none, which is a failure if CI is set.
+/// Returns whether tests may be skipped because there is no Vulkan device: not if CI is set in the environment.
+inline bool may_lack_vulkan() { return !std::getenv("CI"); }
+
+/// Returns a new device with validation and checked_get(). Returns null if there is none, which is a failure if CI is
+/// set.
 inline std::unique_ptr<Device> new_vulkan_device(VulkanSettings settings = {}) {
   settings.on_message = note_message();
   if (!settings.get) settings.get = checked_get;
   auto device = make_vulkan_device(settings, make_cpu_device());
   if (device) return std::move(*device);
-  if (std::getenv("CI")) ADD_FAILURE() << device.error().message;
+  if (!may_lack_vulkan()) ADD_FAILURE() << device.error().message;
   return nullptr;
 }
 
-/// Returns one device for all tests that only use it; null if there is none. It is never destroyed, since the driver's
-/// own statics may be destroyed before it.
+/// Returns `device`. The test fails if it is null and CI is set.
+inline Device* expect_in_ci(Device* device) {
+  EXPECT_TRUE(device || may_lack_vulkan()) << "no Vulkan device here";
+  return device;
+}
+
+/// Returns one device for all tests that only use it; null if there is none, which is a failure if CI is set. It is
+/// never destroyed, since the driver's own statics may be destroyed before it.
 inline Device* vulkan_device() {
   static Device* const device = new_vulkan_device().release();
-  return device;
+  return expect_in_ci(device);
 }
 
 /// Fails for each validation message during its lifetime.
@@ -55,6 +65,10 @@ struct NoMessages {
 
 }  // namespace umbrage::test
 
-/// Skips a test if there is no Vulkan device. If CI is set, new_vulkan_device has already reported a failure.
-#define UMBRAGE_NEEDS_VULKAN(device) \
-  if (!(device)) GTEST_SKIP() << "no Vulkan device here"
+/// Skips a test if `device`, a Vulkan device or what one needs, is null or false. If CI is set, the test fails instead.
+#define UMBRAGE_NEEDS_VULKAN(device)                                          \
+  do {                                                                        \
+    if (device) break;                                                        \
+    if (!umbrage::test::may_lack_vulkan()) FAIL() << "no Vulkan device here"; \
+    GTEST_SKIP() << "no Vulkan device here";                                  \
+  } while (false)

@@ -23,7 +23,7 @@ std::string key_of(const nlohmann::json& record) {
   return key + fmt::format("{}x{}", record.at("width").get<int>(), record.at("height").get<int>());
 }
 
-/// Max increase of a score that does not count as worse. The tolerance covers differences in rounding between SIMD
+/// Max change of a score that counts as equal. The tolerance covers differences in rounding between SIMD
 /// targets only.
 struct Tolerance {
   const char* field;
@@ -127,14 +127,16 @@ Result<BaselineCheck> check_baseline(const nlohmann::json& baseline, const nlohm
     ++check.compared;
     for (const auto& [field, absolute, relative] : kTolerances) {
       const double bad_before = lower_is_better(before, field), bad_now = lower_is_better(after, field);
-      if (!(bad_now > bad_before + absolute + relative * bad_before)) continue;
-      check.worse.push_back(fmt::format(
-          "{}, camera {}, {}x{}, {} {}: {}{} was {:.4f} and is {:.4f}", after.at("scene").get<std::string>(),
-          after.at("camera").get<std::string>(), after.at("width").get<int>(), after.at("height").get<int>(),
-          after.at("technique").get<std::string>(),
-          after.at("setting").get<std::string>().empty() ? "look defaults" : after.at("setting").get<std::string>(),
-          quantity_of(after) == kQuantityNames[0] ? "" : quantity_of(after) + "'s ", field,
-          before.at(field).get<double>(), after.at(field).get<double>()));
+      const double max_change = absolute + relative * bad_before;
+      if (std::abs(bad_now - bad_before) <= max_change) continue;
+      (bad_now < bad_before ? check.better : check.worse)
+          .push_back(fmt::format(
+              "{}, camera {}, {}x{}, {} {}: {}{} was {:.4f} and is {:.4f}", after.at("scene").get<std::string>(),
+              after.at("camera").get<std::string>(), after.at("width").get<int>(), after.at("height").get<int>(),
+              after.at("technique").get<std::string>(),
+              after.at("setting").get<std::string>().empty() ? "look defaults" : after.at("setting").get<std::string>(),
+              quantity_of(after) == kQuantityNames[0] ? "" : quantity_of(after) + "'s ", field,
+              before.at(field).get<double>(), after.at(field).get<double>()));
     }
   }
   if (check.compared == 0)

@@ -56,6 +56,8 @@ void expect_none_worse(const char* file, CompareSettings settings) {
   const auto check = check_baseline(*baseline, scores_json(*comparison), recorded.string());
   ASSERT_TRUE(check) << check.error().message;
   for (const std::string& sentence : check->worse) ADD_FAILURE() << sentence;
+  for (const std::string& sentence : check->better)
+    ADD_FAILURE() << sentence << "\nIt is better: record the scores again, so that it does not get worse unnoticed.";
   EXPECT_EQ(check->missing, 0) << "scores are recorded of a technique, variant or scene that no longer exists";
   EXPECT_EQ(check->compared, int(comparison->scores.size()))
       << "a technique, variant or scene has no recorded score: record them as described at the top of this file";
@@ -156,7 +158,7 @@ TEST(Compare, BaselineNoticesEachScoreThatGotWorse) {
   const nlohmann::json scores = scores_json(small_comparison());
   auto same = check_baseline(scores, scores, "b");
   ASSERT_TRUE(same);
-  EXPECT_TRUE(same->worse.empty());
+  EXPECT_TRUE(same->worse.empty() && same->better.empty());
   EXPECT_EQ(same->compared, int(scores.size()));
   EXPECT_EQ(same->missing, 0);
   for (const auto& [field, change] : {std::pair{"rmse", 0.02}, {"flip", 0.02}, {"p99", 0.02}, {"ssim", -0.02}}) {
@@ -168,7 +170,12 @@ TEST(Compare, BaselineNoticesEachScoreThatGotWorse) {
     ASSERT_EQ(found->worse.size(), 1u) << field;
     EXPECT_NE(found->worse[0].find(field), std::string::npos) << found->worse[0];
     EXPECT_NE(found->worse[0].find("scene:solids"), std::string::npos);
-    EXPECT_TRUE(check_baseline(scores, better, "b")->worse.empty()) << field;
+    EXPECT_TRUE(found->better.empty()) << field;
+    const auto improved = check_baseline(scores, better, "b");
+    ASSERT_TRUE(improved);
+    EXPECT_TRUE(improved->worse.empty()) << field;
+    ASSERT_EQ(improved->better.size(), 1u) << field;
+    EXPECT_NE(improved->better[0].find(field), std::string::npos) << improved->better[0];
   }
   nlohmann::json darker = scores;
   darker[0]["bias"] = -0.5;
@@ -217,7 +224,7 @@ TEST(Compare, BaselineOfSomethingElseIsAnError) {
 }
 
 TEST(Compare, ReturnsWhatGoesWrongOnTheDevice) {
-  if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
+  UMBRAGE_NEEDS_VULKAN(test::start_faulty());
   const auto device = test::new_vulkan_device({.get = test::faulty_get});
   UMBRAGE_NEEDS_VULKAN(device);
   test::faulty().faults.submit = VK_ERROR_OUT_OF_DEVICE_MEMORY;
@@ -371,8 +378,8 @@ TEST(Compare, LightHasItsOwnRecordsAndPictures) {
     }
   const auto found = check_baseline(scores, worse, "b");
   ASSERT_TRUE(found);
-  EXPECT_EQ(found->worse.size(), of_light);
   ASSERT_GT(of_light, 0u);
+  ASSERT_EQ(found->worse.size(), of_light);
   EXPECT_NE(found->worse[0].find("light's rmse"), std::string::npos) << found->worse[0];
   // Records of earlier versions have no field `quantity`; they score occlusion.
   nlohmann::json old = nlohmann::json::array();

@@ -408,12 +408,23 @@ TEST(Capture, NearCheckersAreCrisp) {
   Scene scene = textured(parallelogram({-256, -256, 0}, {512, 0, 0}, {0, 512, 0}, 512.0f), checkers());
   const Camera camera = perspective_camera({0.3f, -0.2f, 2.0f}, {0.3f, 0, 0}, {0, 0, 1}, 20.0f, 1.0f);
   const Picture picture = capture(scene, camera, 200, 200);
-  const long pure = count_green(picture, 0, 200, [](float g) { return g < 0.01f || g > 0.99f; });
-  const long light = count_green(picture, 0, 200, [](float g) { return g > 0.5f; });
-  // A checker is 35 pixels wide, the blend between two is one texel of 4.4 pixels: a fraction (1 - 4.4 / 35)^2 is pure
-  // black or white.
-  EXPECT_GT(pure, 40000 * 0.72);
-  EXPECT_NEAR(light, 20000, 2000);
+  // A checker of 8 texels is 35 pixels wide: every pixel is the blend of the four texels around its point. The texture
+  // repeats once per unit, and its first row is at the top.
+  const auto texel = [](double column, double row) {
+    return (long(std::floor(column / 8.0)) + long(std::floor(row / 8.0))) % 2 != 0 ? 1.0 : 0.0;
+  };
+  double max = 0.0;
+  for (int y = 0; y < 200; ++y)
+    for (int x = 0; x < 200; ++x) {
+      const PixelRay ray = ray_of(picture.info, x, y);
+      const glm::dvec3 point = ray.at(-ray.origin.z / ray.direction.z);
+      const double u = 64.0 * point.x - 0.5, v = -64.0 * point.y - 0.5;  // texels
+      const double i = std::floor(u), j = std::floor(v), s = u - i, t = v - j;
+      const double g = (texel(i, j) * (1.0 - s) + texel(i + 1, j) * s) * (1.0 - t) +
+                       (texel(i, j + 1) * (1.0 - s) + texel(i + 1, j + 1) * s) * t;
+      max = std::max(max, std::fabs(picture["albedo.g"].at(x, y) - g));
+    }
+  EXPECT_LT(max, 0.01);
 }
 
 TEST(Capture, CheckersAtAGrazingAngleStaySharpAcross) {

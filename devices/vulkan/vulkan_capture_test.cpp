@@ -387,7 +387,7 @@ TEST(VulkanCapture, RasterisationSeparatesDistantSheets) {
 }
 
 TEST_P(VulkanCaptureModes, TooLittleMemoryForASceneIsAnError) {
-  if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
+  UMBRAGE_NEEDS_VULKAN(test::start_faulty());
   const auto gpu = test::new_vulkan_device({.capture = GetParam(), .get = test::faulty_get});
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
@@ -403,7 +403,7 @@ TEST_P(VulkanCaptureModes, TooLittleMemoryForASceneIsAnError) {
 }
 
 TEST_P(VulkanCaptureModes, TracesRaysWithoutMemoryForTheRenderTarget) {
-  if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
+  UMBRAGE_NEEDS_VULKAN(test::start_faulty());
   const auto gpu = test::new_vulkan_device({.capture = GetParam(), .get = test::faulty_get});
   Device* const rays = test::capturing_device(VulkanCapture::kRays);
   UMBRAGE_NEEDS_VULKAN(gpu && rays);
@@ -445,7 +445,7 @@ TEST_P(VulkanCaptureModes, TracesRaysWithoutMemoryForTheRenderTarget) {
 }
 
 TEST(VulkanCapture, TheRenderTargetIsReleasedIfPlanesNeedItsMemory) {
-  if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
+  UMBRAGE_NEEDS_VULKAN(test::start_faulty());
   const auto gpu = test::new_vulkan_device({.capture = VulkanCapture::kRaster, .get = test::faulty_get});
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;

@@ -345,16 +345,19 @@ TEST(Hemisphere, PlanesStayUnoccludedAndDark) {
 TEST(Hemisphere, WholeSphereOccludesHalfOfAPlane) {
   for (const char* distribution : {"even", "paper"}) {
     const GBuffer g = plane(30.0, false);
-    const Image image = run(g, {{"shape", "sphere"},
-                                {"distribution", distribution},
-                                {"samples", "64"},
-                                {"radius", "0.2"},
-                                {"weight", "1"},
-                                {"bias", "0"}});
-    double sum = 0.0;
+    const Settings settings = {{"shape", "sphere"}, {"distribution", distribution},
+                               {"samples", "64"},   {"radius", "0.2"},
+                               {"weight", "1"},     {"bias", "0"}};
+    const Plane ao = run(g, settings).plane("ao");
+    // The samples in front of the surface are those on the normal's side; rotation about the normal leaves them there.
+    const HemisphereConstants c = constants(g, settings);
+    double in_front = 0.0, mean = 0.0;
+    for (int i = 0; i < 64; ++i) in_front += (c.points[5 * i + 2] > 0.0f) / 64.0;
+    const bool is_even = distribution == std::string("even");
+    EXPECT_NEAR(in_front, 0.5, is_even ? 0.0 : 0.1) << "the paper's points are random";
     for (int y = 20; y < 60; ++y)
-      for (int x = 20; x < 80; ++x) sum += image.plane("ao").at(x, y) / (40.0 * 60.0);
-    EXPECT_NEAR(sum, 0.5, 0.1) << distribution;
+      for (int x = 20; x < 80; ++x) mean += ao.at(x, y) / (40.0 * 60.0);
+    EXPECT_NEAR(mean, in_front, is_even ? 0.005 : 0.01) << distribution;
   }
 }
 
@@ -363,25 +366,36 @@ TEST(Hemisphere, ConvexCornersAreLighterInTheWholeSphereOnly) {
   const Rectangles ridge = {{.corner = {-2, -2, -2}, .u = {2, 0, 2}, .v = {0, 4, 0}},
                             {.corner = {0, -2, 0}, .u = {2, 0, -2}, .v = {0, 4, 0}}};
   const GBuffer g = picture(ridge, perspective_camera({0, 0, 6}, {0, 0, 0}, {0, 1, 0}, 30, 1.0f), 128, 128);
-  const auto near_and_far = [&](const char* shape) {
-    const Image image = run(g, {{"shape", shape}, {"samples", "64"}, {"radius", "0.4"}, {"weight", "1"}});
-    const auto zero = [](glm::dvec3) { return 0.0; };
-    const auto band = [&](double min, double max) {
-      return means(
-                 g, image.plane("ao"),
-                 [&](glm::dvec3 at) {
-                   return std::fabs(at.y) < 0.8 && std::fabs(at.x) >= min && std::fabs(at.x) < max;
-                 },
-                 zero)
-          .mean;
-    };
-    return std::pair(band(0.0, 0.05), band(0.5, 0.8));
+  constexpr double kRadius = 0.4, kInner = 0.02;  // kInner: shortest length, fraction of the radius
+  // Of the directions into a face, a fraction 1/2 (1 - d/r) leaves the other face again if the sample has the length r
+  // and the edge the distance d, so samples are in front of the surface with a probability of 1/2 + 1/4 (1 - d/r). Half
+  // of the lengths are in equal steps, half in equal steps of their logarithm.
+  const auto probability = [&](glm::dvec3 at) {
+    constexpr int kSteps = 1000;
+    const double distance = std::fabs(at.x) * std::sqrt(2.0);
+    double sum = 0.0;
+    for (int i = 0; i < kSteps; ++i)
+      for (const double length : {(i + 0.5) / kSteps, std::pow(kInner, (i + 0.5) / kSteps)})
+        sum += 0.5 + 0.25 * std::max(0.0, 1.0 - distance / (kRadius * length));
+    return sum / (2 * kSteps);
   };
-  const auto [sphere_corner, sphere_face] = near_and_far("sphere");
-  EXPECT_GT(sphere_corner, sphere_face + 0.1);
-  const auto [hemisphere_corner, hemisphere_face] = near_and_far("hemisphere");
-  EXPECT_EQ(hemisphere_corner, 1.0);
-  EXPECT_EQ(hemisphere_face, 1.0);
+  const auto band = [&](const char* shape, double min, double max) {
+    const Image image = run(g, {{"shape", shape},
+                                {"samples", "64"},
+                                {"radius", "0.4"},
+                                {"weight", "1"},
+                                {"bias", shape == std::string("sphere") ? "0" : "0.02"}});
+    return means(
+        g, image.plane("ao"),
+        [&](glm::dvec3 at) { return std::fabs(at.y) < 0.8 && std::fabs(at.x) >= min && std::fabs(at.x) < max; },
+        probability);
+  };
+  const Means corner = band("sphere", 0.0, 0.05), face = band("sphere", 0.5, 0.8);
+  EXPECT_NEAR(corner.mean, corner.expected_mean, 0.005);
+  EXPECT_NEAR(face.mean, 0.5, 0.0025);
+  EXPECT_GT(corner.mean, face.mean + 0.12);
+  EXPECT_EQ(band("hemisphere", 0.0, 0.05).mean, 1.0);
+  EXPECT_EQ(band("hemisphere", 0.5, 0.8).mean, 1.0);
 }
 
 // ---- reflected light against quadrature
@@ -439,10 +453,10 @@ TEST(Hemisphere, LightHardlyDependsOnTheNumberOfSamples) {
                [](glm::dvec3) { return 0.0; })
         .mean;
   };
-  EXPECT_NEAR(light("8", "measured") / light("256", "measured"), 1.0, 0.08);
-  EXPECT_NEAR(light("8", "equal") / light("256", "equal"), 1.0, 0.25);
+  EXPECT_NEAR(light("8", "measured") / light("256", "measured"), 1.0, 0.02);
+  EXPECT_NEAR(light("8", "equal") / light("256", "equal"), 1.0, 0.08);
   // The paper's sum grows with the number of samples.
-  EXPECT_GT(light("256", "paper") / light("8", "paper"), 20.0);
+  EXPECT_NEAR(light("256", "paper") / light("8", "paper"), 256.0 / 8.0, 2.5);
 }
 
 // ---- ambient light and further bounces

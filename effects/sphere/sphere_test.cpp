@@ -181,9 +181,17 @@ TEST(Sphere, PointsAreSpreadEvenlyInTheUnitSphere) {
         for (int k = 0; k < i; ++k) min_apart = std::min(min_apart, glm::length(all[i] - all[k]));
       }
       if (n < 8) continue;
-      EXPECT_LT(glm::length(sum) / n, 0.15) << n;
-      EXPECT_NEAR(cubes / n, 0.5, 0.15) << n;  // uniform in volume
-      EXPECT_GT(min_apart, 0.3 / std::cbrt(double(n))) << n << shape;
+      // Sums over points of low discrepancy deviate by the logarithm of their number, those of random points by its
+      // root.
+      const double deviation = std::log2(double(n)) / n;
+      const bool is_sphere = shape == std::string("sphere");
+      if (is_sphere) {
+        EXPECT_LE(glm::length(sum), n % 2 + 1e-5) << n << " of pairs that cancel each other";
+      } else {
+        EXPECT_LT(glm::length(sum) / n, 0.3 * deviation) << n;
+      }
+      EXPECT_NEAR(cubes / n, 0.5, std::min(0.12, 0.6 * deviation)) << n << shape;  // uniform in volume
+      EXPECT_GT(min_apart, (is_sphere ? 0.35 : 0.6) / std::cbrt(double(n))) << n << shape;
     }
 }
 

@@ -451,15 +451,19 @@ TEST_F(Import, GivesEachNodeItsObject) {
 
 TEST_F(Import, ReadsAlphaMaskOfGltf) {
   write("dots.tga", two_texels_tga());
-  const std::string texture = R"("pbrMetallicRoughness":{"baseColorTexture":{"index":0}})";
-  const auto material_of = [&](const std::string& name, const std::string& mode) {
-    const Scene scene = read(name, triangle_gltf("", "{" + mode + texture + "}"));
+  const auto material_of = [&](const std::string& name, const std::string& mode, const std::string& factor = "") {
+    const std::string color = R"("pbrMetallicRoughness":{"baseColorTexture":{"index":0})" + factor + "}";
+    const Scene scene = read(name, triangle_gltf("", "{" + mode + color + "}"));
     return scene.materials.at(std::size_t(scene.meshes.at(0).material));
   };
   const Material mask = material_of("m.gltf", R"("alphaMode":"MASK","alphaCutoff":0.25,)");
   EXPECT_TRUE(mask.alpha_mask);
   EXPECT_EQ(mask.alpha_cutoff, 0.25f);
   EXPECT_NE(mask.texture, kNoTexture);
+  // The cutoff is for the product of the texture's alpha and the factor's; alpha_cutoff is for the texture's alone.
+  const std::string half = R"(,"baseColorFactor":[1,1,1,0.5])";
+  EXPECT_EQ(material_of("h.gltf", R"("alphaMode":"MASK","alphaCutoff":0.25,)", half).alpha_cutoff, 0.5f);
+  EXPECT_EQ(material_of("d.gltf", R"("alphaMode":"MASK",)", half).alpha_cutoff, 1.0f) << "0.5 by default";
   const Material opaque = material_of("o.gltf", "");
   EXPECT_FALSE(opaque.alpha_mask);
   EXPECT_NE(opaque.texture, kNoTexture);

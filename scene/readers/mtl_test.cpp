@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "scene/readers/obj_text.h"
+#include "scene/readers/specular_exponent.h"
 
 namespace umbrage {
 namespace {
@@ -107,6 +108,17 @@ TEST(Mtl, MakesTransparentMaterialsBlended) {
   EXPECT_TRUE(is_invisible_by_tr(material("Tr 1\n")));
   EXPECT_FALSE(is_invisible_by_tr(material("Tr 1\nd 0\n")));
   EXPECT_EQ(of("d 0\n").opacity, 0.0f);
+}
+
+TEST(Mtl, HighlightsAreAsStrongAsTheStrongestChannel) {
+  const auto of = [&](const std::string& lines) { return material_of(material("Ks 0.25 0.75 0.5\n" + lines)); };
+  EXPECT_EQ(of("Ns 30\nillum 2\n").specular_strength, 0.75f);
+  EXPECT_EQ(of("Ns 30\nillum 2\n").specular_exponent, 30.0f);
+  EXPECT_EQ(of("Ns 30\nillum 4\nNi 1.5\n").specular_strength, 0.75f) << "glass";
+  for (const char* none : {"Ns 30\nillum 1\n", "Ns 30\nillum 3\n", "Ns 0\nillum 2\n", "illum 2\n"})
+    EXPECT_EQ(of(none).specular_strength, 0.0f) << none;
+  EXPECT_EQ(of("Ns 1e6\nillum 2\n").specular_exponent, kMaxExponent);
+  EXPECT_EQ(of("Ns 0.5\nillum 2\n").specular_exponent, kMinExponent);
 }
 
 TEST(Mtl, HasDefaultColors) {
