@@ -33,7 +33,7 @@ struct Engine {
     return reinterpret_cast<Function>(gpu->vk.GetInstanceProcAddr(gpu->instance->handle, name));
   }
   ForeignGpu foreign(PFN_vkGetInstanceProcAddr get = nullptr) const {
-    return {get ? get : gpu->vk.GetInstanceProcAddr,
+    return {get ? get : test::checked_get,
             gpu->instance->handle,
             gpu->physical,
             gpu->device,
