@@ -127,6 +127,13 @@ TEST(Conventions, PbrtHasPositionsInCameraSpaceAndNoDepth) {
   expect_same(understand(file), scene());
 }
 
+TEST(Conventions, PositionsInTheWorldGiveDepth) {
+  TestFile file(scene());
+  file.add_vector("P", position_world);
+  file.add_vector("N", normal_world);
+  expect_same(understand(file), scene());
+}
+
 TEST(Conventions, ArnoldHasUnnamedZ) {
   TestFile file(scene());
   file.add_vector("", grey, "RGB");

@@ -139,6 +139,17 @@ TEST_F(GltfTest, SkinsAtTheFilesPose) {
   EXPECT_TRUE(scene.warnings.empty()) << warnings_of(scene);
 }
 
+TEST_F(GltfTest, SkinsFromThePoseOfTheMatrices) {
+  GltfBuilder b = skinned();
+  // Columns: the mesh is moved by (-1, 0, -3), then placed by the joint.
+  b.json["skins"][0]["inverseBindMatrices"] =
+      b.add(std::vector<float>{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -1, 0, -3, 1}, "MAT4", 16);
+  const Scene scene = read(b);
+  EXPECT_EQ(scene.bounds_min, glm::vec3(2 * -1, 0, 2 * -3 + 5));
+  EXPECT_EQ(scene.bounds_max, glm::vec3(0, 2, 2 * -3 + 5));
+  EXPECT_TRUE(scene.warnings.empty()) << warnings_of(scene);
+}
+
 /// Adds an animation of node `node`.
 void add_animation(GltfBuilder& b, const char* path, int node, const std::vector<float>& values, const char* type,
                    int width, const char* interpolation) {

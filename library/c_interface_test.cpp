@@ -438,7 +438,7 @@ TEST(CInterface, ParametersTakeOnlyTheirTypes) {
 TEST(CInterface, InvalidImagesAreErrors) {
   Objects o;
   o.job = umbNewShadeJob(o.device);
-  std::vector<float> depth(64, 2.0f), out(64 * 4);
+  std::vector<float> depth(64, 2.0f), out(64 * 5);
   const auto refused = [&](UmbError code, const char* text) {
     EXPECT_EQ(code, UMB_ERROR_USAGE) << text;
     const std::string message = job_error(o.job);
@@ -466,6 +466,9 @@ TEST(CInterface, InvalidImagesAreErrors) {
   ASSERT_EQ(umbSetJobImage(o.job, "ao", nullptr), UMB_ERROR_NONE);
   UmbImage color = floats(out.data(), 8, 8, 4), ao = floats(out.data() + 10, 8, 8);
   ASSERT_EQ(umbSetJobOutput(o.job, "color", &color), UMB_ERROR_NONE);
+  refused(umbSetJobOutput(o.job, "ao", &ao), "share memory");
+  ao = floats(out.data() + 300, 8, 8);  // begins after the colour, and its rows run back into it
+  ao.row_stride = -8 * std::ptrdiff_t(sizeof(float));
   refused(umbSetJobOutput(o.job, "ao", &ao), "share memory");
   color.width = 7;
   ASSERT_EQ(umbSetJobOutput(o.job, "color", &color), UMB_ERROR_NONE);

@@ -219,6 +219,33 @@ TEST(CppInterface, MaterialsAndTextures) {
                            UMB_ERROR_USAGE, "8 bits"));
 }
 
+TEST(CppInterface, IntegerColorsOfVerticesAreSrgb) {
+  const umb::Device device("cpu", 1);
+  umb::Scene scene(device);
+  const int mesh = add_square(scene);
+  umb::Job job(device, scene);
+  set_view(job);
+  job.set_output("albedo");
+  const auto albedo_of = [&](const auto* color, UmbType type) {
+    scene.set_buffer(mesh, "color", color, type, 3);
+    job.execute();
+    return central_pixel(job, "albedo");
+  };
+  // 0.2 in sRGB is 0.03310 in linear light, 0.6 is 0.31855.
+  const std::vector<float> linear = {0.03310f, 0.31855f, 1.0f};
+  std::vector<std::uint8_t> bytes;
+  std::vector<std::uint16_t> words;
+  std::vector<float> floats;
+  for (int vertex = 0; vertex < 4; ++vertex) {
+    bytes.insert(bytes.end(), {51, 153, 255});
+    words.insert(words.end(), {13107, 39321, 65535});
+    floats.insert(floats.end(), linear.begin(), linear.end());
+  }
+  for (const auto& albedo : {albedo_of(bytes.data(), UMB_TYPE_UINT8), albedo_of(words.data(), UMB_TYPE_UINT16),
+                             albedo_of(floats.data(), UMB_TYPE_FLOAT32)})
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(albedo.at(c), linear[c], 1e-4f) << c;
+}
+
 TEST(CppInterface, CountersCountReuse) {
   Square square;
   auto& [device, scene, job] = square;
