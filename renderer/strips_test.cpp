@@ -220,6 +220,31 @@ TEST(Strips, AreNotPlannedWhereTheySaveNothing) {
   }
 }
 
+// The estimate is linear in the rows of a strip with its margins: 64 rows above and below, or 5 percent of low
+// pictures.
+TEST(Strips, MarginsCountInTheEstimate) {
+  const auto device = make_cpu_device();
+  const auto bytes = [&](int width, int height, int rows) {
+    Request settings = of_look("studio", width, height);
+    const auto recipe = make_recipe(settings, kMaxStripPixels);
+    // Strips are as high as the memory permits; 64 rows at least.
+    for (double memory = 1e7; memory < 1e11; memory *= 1.1) {
+      const auto sizes = plan_strips(*device, *recipe, memory);
+      if (sizes->rows == rows) return sizes->bytes;
+    }
+    ADD_FAILURE() << "no memory gives strips of " << rows << " rows";
+    return 0.0;
+  };
+  const int width = 2048;
+  const double fixed = 2.0 * bytes(width, 8192, 64) - bytes(2 * width, 8192, 64);  // what does not grow with the width
+  for (const auto& [height, margins] : {std::pair{8192, 128.0}, {1280, 128.0}, {1000, 100.0}}) {
+    const double per_row = (bytes(width, height, 128) - bytes(width, height, 64)) / 64.0;
+    const double whole_planes = bytes(width, 16384, 64) - bytes(width, 8192, 64);  // of 8192 rows
+    const double rows = (bytes(width, height, 64) - fixed - whole_planes * height / 8192.0) / per_row;
+    EXPECT_NEAR(rows, 64.0 + margins, 0.01) << height;
+  }
+}
+
 TEST(Strips, ArePlannedWhereMemoryIsShort) {
   const auto device = make_cpu_device();
   Request settings = of_look("studio", 1024, 1024);
