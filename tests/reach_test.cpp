@@ -79,7 +79,8 @@ void check_reach(const Effect& effect, const ParameterBytes& params, const GBuff
         Planes changed;
         const auto& unbounded = dispatch.unbounded_inputs;
         for (const std::string_view name : dispatch.inputs)
-          if (std::find(unbounded.begin(), unbounded.end(), name) == unbounded.end())
+          // Planes at reduced resolution have other rows.
+          if (!name.starts_with("reduced_") && std::find(unbounded.begin(), unbounded.end(), name) == unbounded.end())
             changed.emplace(name, changed_beyond(planes.find(name)->second, reach));
         const Tile tile{0, kFirst, kWidth, kFirst + kRows};
         for (const CpuKernel kernel : {dispatch.kernel.scalar, dispatch.kernel.lanes}) {

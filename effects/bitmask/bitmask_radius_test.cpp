@@ -14,6 +14,8 @@ using test::Settings;
 
 constexpr double kPixel = 5.0 / test::kSide;  // width of a pixel of floor_from_above, scene units
 
+const Settings kSettings = joined(test::kFineSettings, {{"slices", "32"}, {"steps", "256"}});
+
 // ---- radius
 
 /// Returns the integral of the squared sine of the elevation of a step's edge, over the azimuths from the direction
@@ -40,18 +42,17 @@ TEST(BitmaskRadius, StepsBeyondTheRadiusDoNotOcclude) {
   constexpr double kFar = 64.0, kHeight = 0.3;  // kFar: outside the picture
   struct Steps {
     double a, b;
+    const char* mode;
   };
-  for (const Steps& steps : {Steps{64.5 * kPixel, kFar}, Steps{64.5 * kPixel, 80.5 * kPixel}}) {
+  for (const Steps& steps : {Steps{64.5 * kPixel, kFar, "infinite"}, Steps{64.5 * kPixel, 80.5 * kPixel, "thick"}}) {
     GBuffer g = test::floor_from_above([&](double x, double y) { return x > steps.a || y > steps.b ? kHeight : 0.0; });
     g.info.scene_radius = 4.0f;
     for (const double radius : {0.52, 0.6, 0.8, 2.0}) {
       const double expected = 1.0 - occlusion_before_steps(steps.a, steps.b, kHeight, radius);
-      for (const std::string& text : {fmt::format("{}", radius), fmt::format("{}%", 25.0 * radius)})
-        for (const char* mode : {"thick", "infinite"}) {
-          const auto ao =
-              test::mean_values_at_middle(g, joined(test::kFineSettings, {{"radius", text}, {"mode", mode}}), {"ao"});
-          EXPECT_NEAR(ao[0], expected, 6e-3) << text << ' ' << mode << ", " << steps.b;
-        }
+      const std::string text = radius == 0.6 ? "15%" : fmt::format("{}", radius);
+      const auto ao =
+          test::mean_values_at_middle(g, joined(kSettings, {{"radius", text}, {"mode", steps.mode}}), {"ao"});
+      EXPECT_NEAR(ao[0], expected, 8e-3) << text << ' ' << steps.mode;
     }
   }
 }
@@ -66,7 +67,7 @@ TEST(BitmaskMips, TapsReadTheLevelOfATenthOfTheirDistance) {
     const double height = ratio * nearest_px * kPixel;
     GBuffer g = test::floor_from_above([](double, double) { return 0.0; });
     const Settings settings =
-        joined(test::kFineSettings,
+        joined(kSettings,
                {{"mips", "on"}, {"mode", "infinite"}, {"radius", "2.4"}, {"distribution", "1"}, {"border", "open"}});
     const auto constants = test::constants_of<BitmaskConstants>("bitmask", g.info, settings);
     ASSERT_EQ(constants.mip_levels, 5);
@@ -82,12 +83,12 @@ TEST(BitmaskMips, TapsReadTheLevelOfATenthOfTheirDistance) {
 TEST(BitmaskMips, LevelsOfAPlaneAreItsDepthsAndLeaveItUnoccluded) {
   const int width = 157, height = 123;
   for (const bool orthographic : {false, true})
-    for (const double tilt_deg : {0.0, 35.0, 70.0}) {
+    for (const double tilt_deg : {35.0, 70.0}) {
       const double tilt = tilt_deg * test::kRadian, azimuth = 0.6;
       const glm::dvec3 normal(std::sin(tilt) * std::cos(azimuth), std::sin(tilt) * std::sin(azimuth), std::cos(tilt));
       const Camera camera = test::camera_of(orthographic, 4.0, width, height);
       const GBuffer g = test::picture(width, height, camera, {{{0.0, 0.0, -5.0}, normal}});
-      const Settings settings = {{"mips", "on"}, {"radius", "4"}, {"slices", "3"}, {"steps", "16"}};
+      const Settings settings = {{"mips", "on"}, {"radius", "4"}, {"slices", "1"}, {"steps", "12"}};
       const auto constants = test::constants_of<BitmaskConstants>("bitmask", g.info, settings);
       ASSERT_EQ(constants.mip_levels, 4);
       const auto depth_at = [&](double x, double y) {  // of the plane, at any point of the picture
@@ -98,7 +99,7 @@ TEST(BitmaskMips, LevelsOfAPlaneAreItsDepthsAndLeaveItUnoccluded) {
       };
       test::on_every_target("bitmask", g, settings, [&](const Image& image) {
         const Plane &ao = image.plane("ao"), &mips = image.plane("bitmask_mips");
-        long occluded = 0, other = 0;
+        long occluded = 0, other = 0, compared = 0;
         for (int y = 0; y < height; ++y)
           for (int x = 0; x < width; ++x) occluded += std::fabs(ao.at(x, y) - 1.0f) > 1e-6f;
         EXPECT_EQ(occluded, 0) << tilt_deg << ' ' << orthographic;
@@ -106,14 +107,17 @@ TEST(BitmaskMips, LevelsOfAPlaneAreItsDepthsAndLeaveItUnoccluded) {
           const int size = 1 << level;
           for (int y = 0; y < height >> level; ++y)
             for (int x = 0; x < width >> level; ++x) {
-              const double expected = depth_at(size * (x + 0.5), size * (y + 0.5));
-              const double deepest = std::max(depth_at(size * x, size * y), depth_at(size * (x + 1), size * (y + 1)));
+              // The plane is deepest in the upper right corner.
+              const double nearest = depth_at(size * x, size * (y + 1)), deepest = depth_at(size * (x + 1), size * y);
+              if (!(nearest > 0.0 && deepest > 0.0 && deepest - nearest < 0.3))
+                continue;  // or the nearest are left out
               // In perspective the mean of the depths is slightly above the depth of the centre.
-              const double at_most = expected + 0.1 * std::fabs(deepest - expected) + 1e-4;
-              if (deepest - expected > 0.3 || deepest < 0.0) continue;  // the nearest depths may be left out
-              other += !(mips.at(x, top + y) > expected - 1e-4 && mips.at(x, top + y) < at_most);
+              const double off = mips.at(x, top + y) - depth_at(size * (x + 0.5), size * (y + 0.5));
+              other += !(off > -1e-4 && off < (orthographic ? 1e-4 : 1e-4 + 0.1 * (deepest - nearest)));
+              ++compared;
             }
         }
+        EXPECT_GT(compared, 1000) << tilt_deg << ' ' << orthographic;
         EXPECT_EQ(other, 0) << tilt_deg << ' ' << orthographic;
       });
     }

@@ -236,11 +236,11 @@ TEST(Denoise, PixelsGiveEachOtherEqualWeight) {
             image.plane("depth").at(x, y) = kInfinity;
             continue;
           }
-          const double lean = 1.1 * uniform_noise(x, y, 5), azimuth = 6.2832 * uniform_noise(x, y, 6);
+          const double lean = 0.7 * uniform_noise(x, y, 5), azimuth = 6.2832 * uniform_noise(x, y, 6);
           image.plane("normal.x").at(x, y) = float(std::sin(lean) * std::cos(azimuth));
           image.plane("normal.y").at(x, y) = float(std::sin(lean) * std::sin(azimuth));
           image.plane("normal.z").at(x, y) = float(std::cos(lean));
-          image.plane("depth").at(x, y) += float(4.0 * pixel * (uniform_noise(x, y, 7) - 0.5));
+          image.plane("depth").at(x, y) += float(3.0 * pixel * (uniform_noise(x, y, 7) - 0.5));
           for (unsigned k = 0; k < 4; ++k) image.plane(kFilteredPlanes[k]).at(x, y) = float(uniform_noise(x, y, k));
         }
       test::on_every_target(
