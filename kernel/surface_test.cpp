@@ -120,6 +120,20 @@ TEST(Surface, EitherPixelFindsTheOtherEquallyFar) {
   }
 }
 
+TEST(Surface, TheLargerOfTheTwoDistancesCounts) {
+  // A point on a plane that faces the camera, whose own plane leans: only one of the points is off the other's plane.
+  for (const bool orthographic : {false, true}) {
+    PlanePicture facing(0.0, orthographic);
+    const Vec3 here = facing.point(0, 0), there = facing.point(8, 0), normal = facing.normal();
+    for (const double lean_deg : {30.0, 60.0}) {
+      const double lean = lean_deg * std::numbers::pi / 180.0;
+      const Vec3 leaning = {float(std::sin(lean)), 0.0f, float(std::cos(lean))};
+      EXPECT_NEAR(facing.surface.surface_distance(here, normal, there, leaning, 1.0f), 8.0 * std::sin(lean), 0.01);
+      EXPECT_NEAR(facing.surface.surface_distance(there, leaning, here, normal, 1.0f), 8.0 * std::sin(lean), 0.01);
+    }
+  }
+}
+
 TEST(Surface, BackgroundAndNonFinitePointsAreOnNoSurface) {
   PlanePicture picture(0.0, false);
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();

@@ -117,8 +117,12 @@ TEST(LineTracing, JunctionsJoinStraightContinuations) {
 TEST(LineTracing, JunctionsJoinTheTwoMostReliable) {
   const Tracing t = joined(together({column(15, 0, 16, 2), column(15, 16, 48, 1), row(16, 15, 48, 2)}));
   ASSERT_EQ(t.chains.size(), 2u);
-  EXPECT_EQ(std::max(t.chains[0].points.size(), t.chains[1].points.size()), 64u);
+  const Chain &first = t.chains[0], &second = t.chains[1];
+  EXPECT_EQ(std::max(first.points.size(), second.points.size()), 64u);
   EXPECT_EQ(count_free(t), 0);
+  // The two of kind 2 are joined, although they meet at a right angle and another continues one of them.
+  for (const ChainPoint& p : (first.points.size() > second.points.size() ? first : second).points)
+    EXPECT_EQ(p.kind, 2) << p.x << ", " << p.y;
 }
 
 TEST(LineTracing, GapsAreBridgedWithinReach) {
@@ -222,6 +226,31 @@ TEST(LineTracing, SimplifiedLinesKeepTheirCorners) {
   EXPECT_LT(kept.size(), 8u);
   EXPECT_TRUE(std::any_of(kept.begin(), kept.end(), [](const LinePoint& p) { return p.x == 10.0f && p.y == 0.0f; }));
   EXPECT_EQ(kept.back().y, 10.0f);
+}
+
+TEST(LineTracing, SimplifiedLinesAreCloseToAllPoints) {
+  // An arc whose width changes, and is too wide at one point. Of a chord of n points the arc is off by n^2 / (8
+  // radius).
+  constexpr float kRadius = 40.0f;
+  constexpr int kCount = 60;
+  std::vector<LinePoint> arc;
+  for (int k = 0; k < kCount; ++k) {
+    const float angle = float(k) / kRadius;
+    arc.push_back({kRadius * std::sin(angle), kRadius * std::cos(angle), k == 35 ? 3.0f : 2.0f});
+  }
+  const std::vector<LinePoint> kept = simplified(arc);
+  EXPECT_LT(kept.size(), std::size_t(kCount / 2));
+  EXPECT_EQ(kept.front().x, arc.front().x);
+  EXPECT_EQ(kept.back().x, arc.back().x);
+  std::size_t segment = 0;
+  for (const LinePoint& p : arc) {
+    while (kept[segment + 1].x < p.x) ++segment;
+    const LinePoint &a = kept[segment], &b = kept[segment + 1];
+    const float dx = b.x - a.x, dy = b.y - a.y;
+    EXPECT_LT(std::abs((p.y - a.y) * dx - (p.x - a.x) * dy) / std::hypot(dx, dy), 0.0501f) << p.x;
+    const float along = ((p.x - a.x) * dx + (p.y - a.y) * dy) / (dx * dx + dy * dy);
+    EXPECT_LT(std::abs(a.width + along * (b.width - a.width) - p.width), 0.11f) << p.x;
+  }
 }
 
 }  // namespace

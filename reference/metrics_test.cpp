@@ -129,6 +129,16 @@ TEST(Metrics, SomePixelsOff) {
   }
 }
 
+TEST(Metrics, PercentileIsTheSmallestErrorThat99PercentDoNotExceed) {
+  for (const int size : {1, 2, 50, 99, 100, 101, 130, 149, 160, 199, 200, 201, 301}) {
+    // The errors 1, 2, ..., in another order: 103 is a prime that divides no size.
+    const Image picture = grey(size, 1, [size](int x, int) { return float((x * 103 + 7) % size + 1) / 512.0f; });
+    int rank = 0;
+    while (100 * rank < 99 * size) ++rank;
+    EXPECT_EQ(score(picture, flat(size, 1, 0.0f), all_open(size, 1)).covered.p99, rank / 512.0) << size;
+  }
+}
+
 TEST(Metrics, EqualPicturesHaveNoError) {
   const Image grey_picture = grey(33, 21, noise(1)), colours = colour(33, 21, noise(1), noise(2), noise(3));
   for (const Image& picture : {grey_picture, colours}) {

@@ -220,6 +220,31 @@ TEST(Strips, AreNotPlannedWhereTheySaveNothing) {
   }
 }
 
+// The estimate is linear in the rows of a strip with its margins: 64 rows above and below, or 5 percent of low
+// pictures.
+TEST(Strips, MarginsCountInTheEstimate) {
+  const auto device = make_cpu_device();
+  // Returns the lowest strips, of 64 rows, or some higher ones, which more memory gives.
+  const auto planned = [&](int width, int height, bool higher) {
+    const auto recipe = make_recipe(of_look("studio", width, height), kMaxStripPixels);
+    StripSizes sizes = *plan_strips(*device, *recipe, 1e6);
+    EXPECT_EQ(sizes.rows, 64);
+    for (double memory = sizes.bytes; higher && sizes.rows == 64; memory *= 1.005)
+      sizes = *plan_strips(*device, *recipe, memory);
+    EXPECT_GE(sizes.rows, 64);
+    return sizes;
+  };
+  constexpr int kWidth = 2048;
+  const auto bytes = [&](int width, int height) { return planned(width, height, false).bytes; };
+  const double fixed = 2.0 * bytes(kWidth, 8192) - bytes(2 * kWidth, 8192);  // what does not grow with the width
+  const double whole_planes = (bytes(kWidth, 16384) - bytes(kWidth, 8192)) / 8192.0;  // per row of the picture
+  for (const auto& [height, margins] : {std::pair{8192, 128.0}, {1280, 128.0}, {1000, 100.0}}) {
+    const StripSizes low = planned(kWidth, height, false), high = planned(kWidth, height, true);
+    const double per_row = (high.bytes - low.bytes) / (high.rows - low.rows);
+    EXPECT_NEAR((low.bytes - fixed - whole_planes * height) / per_row, 64.0 + margins, 0.01) << height;
+  }
+}
+
 TEST(Strips, ArePlannedWhereMemoryIsShort) {
   const auto device = make_cpu_device();
   Request settings = of_look("studio", 1024, 1024);

@@ -135,6 +135,8 @@ TEST(Framing, FillsThePictureAndIsCentered) {
         EXPECT_GE(extent.bottom, -0.95f);
         EXPECT_LE(extent.top, 0.95f);
         EXPECT_GE(extent.fill(), 0.8f);
+        // The default margin of 6 percent is left free on both sides, across or down.
+        EXPECT_NEAR(std::max({-extent.left, extent.right, -extent.bottom, extent.top}), 0.88f, 0.012f);
         EXPECT_GT(extent.nearest, 0.0f);
         EXPECT_NEAR(extent.left + extent.right, 0.0f, 0.02f);
         EXPECT_NEAR(extent.bottom + extent.top, 0.0f, 0.02f);

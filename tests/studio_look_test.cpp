@@ -9,6 +9,7 @@
 #include "devices/cpu/cpu_device.h"
 #include "draw_picture.h"
 #include "generators/builtin.h"
+#include "looks/looks.h"
 #include "looks/metering.h"
 #include "renderer/draw.h"
 #include "scene/finish.h"
@@ -244,6 +245,25 @@ float stops_by_median(float v, float bright) {
   const auto device = make_cpu_device();
   const auto frame = device->upload(g);
   return **metered_stops(*device, *frame, Exposure::kMedian);
+}
+
+TEST(StudioLook, LeavesAWiderMarginThanOtherLooks) {
+  const Scene scene = turned_body([](float v, float) { return std::sqrt(std::max(v * (1.0f - v), 0.0f)); });
+  for (const Look* look : scene_looks()) {
+    Request request;
+    request.look = look->name;
+    const auto recipe = make_recipe(request, kMaxStripPixels);
+    ASSERT_TRUE(recipe) << look->name;
+    const Camera camera = frame_scene(scene, recipe->framing, 400, 400);
+    double extent = 0.0;  // 1: the model reaches the border of the picture
+    for (const glm::vec3& p : scene.meshes[0].positions) {
+      const glm::vec3 at(camera.view_from_world * glm::vec4(p, 1.0f));
+      const float depth = camera.projection == Projection::kPerspective ? -at.z : 1.0f;
+      extent = std::max(
+          {extent, std::fabs(double(at.x / depth / camera.right)), std::fabs(double(at.y / depth / camera.top))});
+    }
+    EXPECT_NEAR(extent, look->name == "studio" ? 1.0 - 2.0 * 0.11 : 1.0 - 2.0 * 0.06, 0.005) << look->name;
+  }
 }
 
 TEST(StudioLook, MeteringByTheMedian) {

@@ -216,6 +216,52 @@ TEST(Denoise, ConstantsAndMeansArePreserved) {
   }
 }
 
+TEST(Denoise, PixelsGiveEachOtherEqualWeight) {
+  // Short rows, or columns, with background between them. Normals and depths are random, so that one pixel may be far
+  // off the other's plane, but not the other way round. What a pixel gains another must lose, in each row alone.
+  constexpr int kLength = 7, kLines = 200, kSpacing = 3;  // kSpacing: the filter does not reach the next line
+  for (const bool orthographic : {false, true})
+    for (const bool along_x : {true, false}) {
+      GBuffer g = along_x ? flat(kLength, kLines * kSpacing, 0.5f) : flat(kLines * kSpacing, kLength, 0.5f);
+      tilt(g, 0.0, orthographic);
+      Image& image = g.layers[0];
+      const double size = orthographic ? 1.0 : 5.0;  // of a pixel, relative to the width of its ray
+      const double pixel = size * double(g.info.camera.right - g.info.camera.left) / image.width;
+      const auto at = [&](const Plane& plane, int line, int i) {
+        return along_x ? plane.at(i, line * kSpacing) : plane.at(line * kSpacing, i);
+      };
+      for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+          if ((along_x ? y : x) % kSpacing != 0) {
+            image.plane("depth").at(x, y) = kInfinity;
+            continue;
+          }
+          const double lean = 0.7 * uniform_noise(x, y, 5), azimuth = 6.2832 * uniform_noise(x, y, 6);
+          image.plane("normal.x").at(x, y) = float(std::sin(lean) * std::cos(azimuth));
+          image.plane("normal.y").at(x, y) = float(std::sin(lean) * std::sin(azimuth));
+          image.plane("normal.z").at(x, y) = float(std::cos(lean));
+          image.plane("depth").at(x, y) += float(3.0 * pixel * (uniform_noise(x, y, 7) - 0.5));
+          for (unsigned k = 0; k < 4; ++k) image.plane(kFilteredPlanes[k]).at(x, y) = float(uniform_noise(x, y, k));
+        }
+      test::on_every_target(
+          "denoise", g, {{"rounds", "1"}, {"indirect", "1"}, {"angle", "180"}}, [&](const Image& out) {
+            for (const char* name : kFilteredPlanes) {
+              double changes = 0.0;
+              for (int line = 0; line < kLines; ++line) {
+                double before = 0.0, after = 0.0;
+                for (int i = 0; i < kLength; ++i) {
+                  before += at(image.plane(name), line, i);
+                  after += at(out.plane(name), line, i);
+                  changes += std::abs(at(out.plane(name), line, i) - at(image.plane(name), line, i));
+                }
+                EXPECT_NEAR(after, before, 2e-6) << name << ", line " << line << (along_x ? " of rows" : " of columns");
+              }
+              EXPECT_GT(changes, 0.05 * kLines * kLength) << "nothing is filtered";
+            }
+          });
+    }
+}
+
 TEST(Denoise, StopsAtDiscontinuitiesCreasesAndBackground) {
   enum Edge { kStep, kCrease, kBackground };
   for (const Edge edge : {kStep, kCrease, kBackground})
