@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <functional>
 #include <glm/vec3.hpp>
+#include <vector>
 
 namespace umbrage {
 namespace {

@@ -1,7 +1,6 @@
 // The system's Vulkan with injected faults: functions that fail on request, or report lower limits. Plain functions
 // cannot store state, so there is one global state.
 #pragma once
-#include <cstring>
 #include <map>
 
 #include "devices/vulkan/loader.h"
@@ -117,21 +116,18 @@ inline VKAPI_ATTR VkResult VKAPI_CALL faulty_version(std::uint32_t* out) {
 inline VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL faulty_get(VkInstance instance, const char* name) {
   const auto real = faulty().get(instance, name);
   if (!real) return nullptr;
-  const auto intercept = [&](const char* what, auto& original, auto* replacement) {
-    if (std::strcmp(name, what) != 0) return PFN_vkVoidFunction(nullptr);
-    original = reinterpret_cast<std::remove_reference_t<decltype(original)>>(real);
-    return reinterpret_cast<PFN_vkVoidFunction>(replacement);
-  };
   FaultyVulkan& f = faulty();
   for (const PFN_vkVoidFunction replacement :
-       {intercept("vkQueueSubmit", f.submit, faulty_submit), intercept("vkWaitForFences", f.wait, faulty_wait),
-        intercept("vkDeviceWaitIdle", f.idle, faulty_idle), intercept("vkAllocateMemory", f.allocate, faulty_allocate),
-        intercept("vkFreeMemory", f.free, faulty_free),
-        intercept("vkGetPhysicalDeviceProperties", f.properties, faulty_properties),
-        intercept("vkGetPhysicalDeviceProperties2", f.properties2, faulty_properties2),
-        intercept("vkGetPhysicalDeviceFeatures2", f.features, faulty_features),
-        intercept("vkGetPhysicalDeviceQueueFamilyProperties", f.families, faulty_families),
-        intercept("vkEnumerateInstanceVersion", f.version, faulty_version)})
+       {replaced("vkQueueSubmit", name, real, f.submit, faulty_submit),
+        replaced("vkWaitForFences", name, real, f.wait, faulty_wait),
+        replaced("vkDeviceWaitIdle", name, real, f.idle, faulty_idle),
+        replaced("vkAllocateMemory", name, real, f.allocate, faulty_allocate),
+        replaced("vkFreeMemory", name, real, f.free, faulty_free),
+        replaced("vkGetPhysicalDeviceProperties", name, real, f.properties, faulty_properties),
+        replaced("vkGetPhysicalDeviceProperties2", name, real, f.properties2, faulty_properties2),
+        replaced("vkGetPhysicalDeviceFeatures2", name, real, f.features, faulty_features),
+        replaced("vkGetPhysicalDeviceQueueFamilyProperties", name, real, f.families, faulty_families),
+        replaced("vkEnumerateInstanceVersion", name, real, f.version, faulty_version)})
     if (replacement) return replacement;
   return real;
 }

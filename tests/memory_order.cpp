@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <cstring>
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <string_view>
 
 namespace umbrage::test {
 
@@ -21,7 +23,7 @@ const std::array<MemoryOrder::Rule, MemoryOrder::kKinds> MemoryOrder::kRules = {
     {"the reads of a kernel", VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT, false, false},
     {"the writes of a kernel", VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT, true, false},
     {"the reads of a vertex shader", VK_PIPELINE_STAGE_VERTEX_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT, false, false},
-    {"the reads of a pixel shader", VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT, false, false},
+    {"the reads of a fragment shader", VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT, false, false},
     {"the reads of a copy", VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT, false, true},
     {"the writes of a copy", VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, true, true},
     {"the reads of the host", VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT, false, false},
@@ -41,7 +43,7 @@ void MemoryOrder::kernel() {
 void MemoryOrder::draw() {
   ++command_;
   access(kVertexReads);
-  access(kPixelReads);
+  access(kFragmentReads);
 }
 
 void MemoryOrder::copy(bool reads_buffer, bool writes_buffer) {
@@ -77,21 +79,25 @@ void MemoryOrder::access(Kind kind) {
 
 namespace {
 
+/// The host is not a stage of commands.
+constexpr VkPipelineStageFlags kAllButHost = ~VkPipelineStageFlags(VK_PIPELINE_STAGE_HOST_BIT);
+
 /// A barrier orders commands after all earlier stages of the graphics pipeline too, and before all later ones. What it
 /// makes available and visible is only that of the stages that it names.
 VkPipelineStageFlags with_earlier_stages(VkPipelineStageFlags stages) {
-  constexpr VkPipelineStageFlags kPixels =
+  constexpr VkPipelineStageFlags kFragments =
       VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT;
   constexpr VkPipelineStageFlags kOutputs =
       VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
-  if (stages & VK_PIPELINE_STAGE_ALL_COMMANDS_BIT) return ~VkPipelineStageFlags(0);
-  if (stages & kOutputs) stages |= kPixels;
-  if (stages & kPixels) stages |= VK_PIPELINE_STAGE_VERTEX_SHADER_BIT;
+  if (stages & VK_PIPELINE_STAGE_ALL_COMMANDS_BIT) return kAllButHost;
+  if (stages & kOutputs) stages |= kFragments;
+  if (stages & kFragments) stages |= VK_PIPELINE_STAGE_VERTEX_SHADER_BIT;
   return stages;
 }
 VkPipelineStageFlags with_later_stages(VkPipelineStageFlags stages) {
-  if (stages & VK_PIPELINE_STAGE_ALL_COMMANDS_BIT) return ~VkPipelineStageFlags(0);
-  if (stages & VK_PIPELINE_STAGE_VERTEX_SHADER_BIT) stages |= VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT;
+  if (stages & VK_PIPELINE_STAGE_ALL_COMMANDS_BIT) return kAllButHost;
+  if (stages & (VK_PIPELINE_STAGE_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT))
+    stages |= VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT;
   return stages;
 }
 
@@ -102,7 +108,9 @@ void MemoryOrder::barrier(VkPipelineStageFlags from, VkPipelineStageFlags to, Vk
   const VkPipelineStageFlags first = with_earlier_stages(from), second = with_later_stages(to);
   const auto covers = [](VkPipelineStageFlags stages, VkAccessFlags accesses, const Rule& rule) {
     const VkAccessFlags any = rule.writes ? VK_ACCESS_MEMORY_WRITE_BIT : VK_ACCESS_MEMORY_READ_BIT;
-    return (stages & (rule.stage | VK_PIPELINE_STAGE_ALL_COMMANDS_BIT)) && (accesses & (rule.access | any));
+    const bool names_stage =
+        (stages & rule.stage) || ((stages & VK_PIPELINE_STAGE_ALL_COMMANDS_BIT) && (rule.stage & kAllButHost));
+    return names_stage && (accesses & (rule.access | any));
   };
   for (std::size_t k = 0; k < kKinds; ++k) {
     Access& before = accesses_[k];
@@ -197,6 +205,7 @@ VKAPI_ATTR void VKAPI_CALL barrier(VkCommandBuffer buffer, VkPipelineStageFlags 
   // Barriers of images order commands too, but make no buffers visible.
   with_order(buffer, [&](MemoryOrder& order) {
     order.barrier(from, to, 0, 0);
+    if (buffer_count > 0) memory_order_report()("barriers of buffers are not in the model of the order of accesses");
     for (std::uint32_t k = 0; k < memory_count; ++k)
       order.barrier(from, to, memory[k].srcAccessMask, memory[k].dstAccessMask);
   });
@@ -212,7 +221,13 @@ std::function<void(const std::string&)>& memory_order_report() {
 }
 
 VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL checked_get(VkInstance instance, const char* name) {
+  // Commands that access no buffers, or only attachments.
+  static constexpr std::string_view kUnchecked[] = {
+      "vkCmdBindPipeline",   "vkCmdBindDescriptorSets", "vkCmdPushConstants",
+      "vkCmdResetQueryPool", "vkCmdWriteTimestamp",     "vkCmdBeginRenderPass",
+      "vkCmdEndRenderPass",  "vkCmdSetViewport",        "vkCmdSetScissor"};
   Checker& c = checker();
+  const std::lock_guard lock(c.mutex);
   if (!c.get) {
     const auto loaded = load_vulkan();
     if (!loaded) return nullptr;
@@ -220,20 +235,20 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL checked_get(VkInstance instance, const 
   }
   const PFN_vkVoidFunction real = c.get(instance, name);
   if (!real) return nullptr;
-  const auto intercept = [&](const char* what, auto& original, auto* replacement) {
-    if (std::strcmp(name, what) != 0) return PFN_vkVoidFunction(nullptr);
-    original = reinterpret_cast<std::remove_reference_t<decltype(original)>>(real);
-    return reinterpret_cast<PFN_vkVoidFunction>(replacement);
-  };
   for (const PFN_vkVoidFunction replacement :
-       {intercept("vkBeginCommandBuffer", c.begin, begin), intercept("vkQueueSubmit", c.submit, submit),
-        intercept("vkCmdDispatch", c.dispatch, dispatch),
-        intercept("vkCmdDispatchBase", c.dispatch_base, dispatch_base), intercept("vkCmdDraw", c.draw, draw),
-        intercept("vkCmdCopyBuffer", c.copy, copy), intercept("vkCmdFillBuffer", c.fill, fill),
-        intercept("vkCmdCopyImageToBuffer", c.from_image, from_image),
-        intercept("vkCmdCopyBufferToImage", c.to_image, to_image),
-        intercept("vkCmdPipelineBarrier", c.barrier, barrier)})
+       {replaced("vkBeginCommandBuffer", name, real, c.begin, begin),
+        replaced("vkQueueSubmit", name, real, c.submit, submit),
+        replaced("vkCmdDispatch", name, real, c.dispatch, dispatch),
+        replaced("vkCmdDispatchBase", name, real, c.dispatch_base, dispatch_base),
+        replaced("vkCmdDraw", name, real, c.draw, draw), replaced("vkCmdCopyBuffer", name, real, c.copy, copy),
+        replaced("vkCmdFillBuffer", name, real, c.fill, fill),
+        replaced("vkCmdCopyImageToBuffer", name, real, c.from_image, from_image),
+        replaced("vkCmdCopyBufferToImage", name, real, c.to_image, to_image),
+        replaced("vkCmdPipelineBarrier", name, real, c.barrier, barrier)})
     if (replacement) return replacement;
+  if (std::string_view(name).starts_with("vkCmd") &&
+      std::find(std::begin(kUnchecked), std::end(kUnchecked), name) == std::end(kUnchecked))
+    memory_order_report()(fmt::format("{} is not in the model of the order of accesses", name));
   return real;
 }
 

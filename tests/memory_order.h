@@ -1,12 +1,15 @@
-// A model of Vulkan's memory dependencies between the commands of a command buffer.
+// A model of Vulkan's memory dependencies between the commands of a command buffer [Vulkan 2022, 7.1]. It has the
+// stages and commands that Umbrage uses.
 //
 // Kernels access planes through their addresses, which validation layers do not follow. The model assumes that a kernel
 // reads and writes all of memory, that a draw reads all of it, and that the host reads all that was copied. It ignores
 // dependencies between two copies, whose ranges synchronization validation checks, and those of attachments.
 #pragma once
 #include <array>
+#include <cstring>
 #include <functional>
 #include <string>
+#include <utility>
 
 #include "devices/vulkan/loader.h"
 
@@ -28,7 +31,7 @@ class MemoryOrder {
   void submit();
 
  private:
-  enum Kind { kKernelReads, kKernelWrites, kVertexReads, kPixelReads, kCopyReads, kCopyWrites, kHostReads, kKinds };
+  enum Kind { kKernelReads, kKernelWrites, kVertexReads, kFragmentReads, kCopyReads, kCopyWrites, kHostReads, kKinds };
   /// The last access of a kind, and what barriers have ordered after it.
   struct Access {
     bool pending = false;
@@ -54,5 +57,14 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL checked_get(VkInstance instance, const 
 
 /// Receives the reports of checked_get(): fails the running test unless a test replaces it.
 std::function<void(const std::string&)>& memory_order_report();
+
+/// Returns `replacement` if `name` is `what`, and stores the real function in `original`; else null.
+template <class Original, class Replacement>
+PFN_vkVoidFunction replaced(const char* what, const char* name, PFN_vkVoidFunction real, Original& original,
+                            Replacement* replacement) {
+  if (std::strcmp(name, what) != 0) return nullptr;
+  original = reinterpret_cast<Original>(real);
+  return reinterpret_cast<PFN_vkVoidFunction>(replacement);
+}
 
 }  // namespace umbrage::test

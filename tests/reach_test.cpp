@@ -7,7 +7,7 @@
 #include "devices/shared/dispatches.h"
 #include "effects/effects.h"
 #include "kernel/kernel_frame.h"
-#include "run_effect.h"
+#include "renderer/recipe.h"
 #include "support.h"
 
 namespace umbrage {
@@ -20,10 +20,11 @@ using Planes = std::map<std::string, Plane, std::less<>>;
 
 /// Returns a plane of random numbers for an input that no G-buffer and no earlier dispatch has.
 Plane random_plane(std::string_view name) {
+  unsigned seed = 0;
+  for (const char letter : name) seed = test::hash(seed + unsigned(letter));
   Plane plane(kWidth, kHeight, 0.0f);
   for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x)
-      plane.at(x, y) = float(test::hash(unsigned(x + 4099 * y) + 7u * unsigned(name.size())) >> 8) * 0x1p-24f;
+    for (int x = 0; x < kWidth; ++x) plane.at(x, y) = float(test::hash(unsigned(x + 4099 * y) + seed) >> 8) * 0x1p-24f;
   return plane;
 }
 
@@ -76,6 +77,7 @@ void check_reach(const Effect& effect, const ParameterBytes& params, const GBuff
       Planes none;
       if (dispatch.reach) {
         const int reach = dispatch.reach(constants.data(), round);
+        EXPECT_LT(reach, kFirst) << "the picture is too low for this test";
         Planes changed;
         const auto& unbounded = dispatch.unbounded_inputs;
         for (const std::string_view name : dispatch.inputs)
@@ -83,7 +85,8 @@ void check_reach(const Effect& effect, const ParameterBytes& params, const GBuff
           if (!name.starts_with("reduced_") && std::find(unbounded.begin(), unbounded.end(), name) == unbounded.end())
             changed.emplace(name, changed_beyond(planes.find(name)->second, reach));
         const Tile tile{0, kFirst, kWidth, kFirst + kRows};
-        for (const CpuKernel kernel : {dispatch.kernel.scalar, dispatch.kernel.lanes}) {
+        for (const CpuKernel kernel : {dispatch.kernel.scalar, dispatch.kernel.lanes, dispatch.tuned}) {
+          if (!kernel) continue;
           const Planes expected = computed(dispatch, kernel, frame, constants.data(), planes, none, tile);
           const Planes found = computed(dispatch, kernel, frame, constants.data(), planes, changed, tile);
           for (const std::string_view name : dispatch.outputs) {
@@ -107,14 +110,12 @@ TEST(Reach, NoDispatchReadsRowsBeyondIt) {
     if (orthographic) g.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 3.0f, 1.5f);
     for (const Effect* effect : effects())
       for (const std::string_view variant : effect->variants) {
-        test::Settings settings;
-        for (std::size_t at = 0; at < variant.size();) {
-          const std::size_t end = std::min(variant.find(' ', at), variant.size()), equals = variant.find('=', at);
-          settings.emplace_back(variant.substr(at, equals - at), variant.substr(equals + 1, end - equals - 1));
-          at = end + 1;
-        }
+        EffectSettings settings;
+        const std::string name(effect->name);
+        settings.emplace(name, initial_parameters(effect->parameters, effect->params_size));
+        ASSERT_TRUE(apply_variant(settings, *effect, variant)) << variant;
         SCOPED_TRACE(variant);
-        check_reach(*effect, test::parameters_of(*effect, settings), g);
+        check_reach(*effect, settings.at(name), g);
       }
   }
 }

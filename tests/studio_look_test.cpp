@@ -262,8 +262,10 @@ TEST(StudioLook, LeavesAWiderMarginThanOtherLooks) {
       extent = std::max(
           {extent, std::fabs(double(at.x / depth / camera.right)), std::fabs(double(at.y / depth / camera.top))});
     }
-    EXPECT_NEAR(extent, look->name == "studio" ? 1.0 - 2.0 * 0.11 : 1.0 - 2.0 * 0.06, 0.005) << look->name;
+    EXPECT_NEAR(extent, 1.0 - 2.0 * double(look->margin), 0.005) << look->name;
   }
+  EXPECT_EQ(find_look("studio")->margin, 0.11f);
+  EXPECT_EQ(find_look("ao")->margin, 0.06f);
 }
 
 TEST(StudioLook, MeteringByTheMedian) {

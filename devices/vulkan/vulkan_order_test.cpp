@@ -1,5 +1,9 @@
 // The order of memory accesses on the GPU: the model of memory_order.h finds what is not in order, and all work of the
 // Vulkan device is in order.
+#include <cstddef>
+#include <utility>
+#include <vector>
+
 #include "devices/vulkan/commands.h"
 #include "devices/vulkan/gpu.h"
 #include "devices/vulkan/memory.h"
@@ -19,7 +23,7 @@ using test::MemoryOrder;
 
 constexpr VkPipelineStageFlags kKernels = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
                                kCopies = VK_PIPELINE_STAGE_TRANSFER_BIT,
-                               kPixels = VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
+                               kFragments = VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
                                kVertices = VK_PIPELINE_STAGE_VERTEX_SHADER_BIT;
 constexpr VkAccessFlags kWritten = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT,
                         kUsed = kWritten | VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT;
@@ -67,8 +71,17 @@ TEST(MemoryOrder, BarriersMustNameStagesAndAccesses) {
     c.order.copy(true, false);
     EXPECT_EQ(c.taken(), k.reports) << k.from << ' ' << k.to << ' ' << k.available << ' ' << k.visible;
   }
+  // The host is none of the stages of commands.
+  for (const auto& [to, reports] :
+       {std::pair(VK_PIPELINE_STAGE_HOST_BIT, 0), std::pair(VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 1)}) {
+    Counted c;
+    c.order.copy(false, true);
+    c.order.barrier(kCopies, to, VK_ACCESS_TRANSFER_WRITE_BIT, VK_ACCESS_HOST_READ_BIT);
+    c.order.submit();
+    EXPECT_EQ(c.taken(), reports) << to;
+  }
   // A copy over what a draw has read: order is enough.
-  for (const auto& [from, reports] : {std::pair(kPixels, 0), std::pair(kVertices, 1), std::pair(kKernels, 2)}) {
+  for (const auto& [from, reports] : {std::pair(kFragments, 0), std::pair(kVertices, 1), std::pair(kKernels, 2)}) {
     Counted c;
     c.order.draw();
     c.order.barrier(from, kCopies, 0, 0);
@@ -83,7 +96,7 @@ TEST(MemoryOrder, BarriersChain) {
   c.order.barrier(kKernels, kCopies, kWritten, kUsed);
   c.order.barrier(kCopies, kVertices, 0, VK_ACCESS_SHADER_READ_BIT);
   c.order.draw();
-  EXPECT_EQ(c.taken(), 1);  // pixel shaders come later, but the kernel's writes are visible to vertex shaders alone
+  EXPECT_EQ(c.taken(), 1);  // fragment shaders come later, but the kernel's writes are visible to vertex shaders alone
   c.order.copy(true, true);
   EXPECT_EQ(c.taken(), 2);  // writes after both reads of the draw
   c.order.begin();
@@ -150,8 +163,7 @@ TEST(Vulkan, KernelsThatAreNotInOrderAreReported) {
 }
 
 TEST(VulkanOrder, OneSubmissionOfAllKindsOfWorkIsInOrder) {
-  // Everything is recorded before anything is submitted, so that each step uses memory of the ones before it. The test
-  // fails at the first report, and checks that there was one submission.
+  // Everything is recorded before anything is submitted, so that each step follows those before it.
   UMBRAGE_NEEDS_VULKAN(test::start_faulty());
   const auto gpu = test::new_vulkan_device({.max_submission_ms = 0.0, .get = test::faulty_get});
   UMBRAGE_NEEDS_VULKAN(gpu);
@@ -176,7 +188,7 @@ TEST(VulkanOrder, OneSubmissionOfAllKindsOfWorkIsInOrder) {
   auto small = gpu->reduced(*frame, 2, {"depth", "normal.x", "normal.y", "normal.z", "ao"});
   ASSERT_TRUE(small);
   ASSERT_TRUE(gpu->place(*small, {"ao"}, *frame));
-  frame = gpu->upload(gbuffer);  // releases planes and takes others
+  frame = gpu->upload(gbuffer);  // copies after kernels
   ASSERT_TRUE(frame);
   run("composite", *frame);  // fills a plane with a neutral value
   EXPECT_EQ(test::faulty().faults.submits, 0);
@@ -185,7 +197,9 @@ TEST(VulkanOrder, OneSubmissionOfAllKindsOfWorkIsInOrder) {
 }
 
 TEST(VulkanOrder, ASceneMayBeReplacedBeforeItsCaptureIsDone) {
-  const auto gpu = test::new_vulkan_device({.capture = VulkanCapture::kRaster, .max_submission_ms = 0.0});
+  UMBRAGE_NEEDS_VULKAN(test::start_faulty());
+  const auto gpu =
+      test::new_vulkan_device({.capture = VulkanCapture::kRaster, .max_submission_ms = 0.0, .get = test::faulty_get});
   UMBRAGE_NEEDS_VULKAN(gpu);
   const auto scene = load_scene("scene:solids?detail=2000");
   ASSERT_TRUE(scene);
@@ -195,8 +209,10 @@ TEST(VulkanOrder, ASceneMayBeReplacedBeforeItsCaptureIsDone) {
   settings.layers = 2;
   for (int k = 0; k < 2; ++k) {
     ASSERT_TRUE(gpu->prepare(*scene));
+    const int before = test::faulty().faults.submits;
     const auto frame = gpu->capture(frame_scene(*scene, {}, 64, 48), settings);
     ASSERT_TRUE(frame);
+    EXPECT_EQ(test::faulty().faults.submits, before);
     EXPECT_TRUE(gpu->prepare(*scene));  // reads of the capture come before the new scene is copied
   }
   ASSERT_TRUE(gpu->finish());

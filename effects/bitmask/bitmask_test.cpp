@@ -31,9 +31,9 @@ using test::kRadian;
 using test::kSide;
 using test::mean_values_at_middle;
 using test::picture;
-using test::Ray;
-using test::ray_of;
 using test::Settings;
+using test::view_ray_of;
+using test::ViewRay;
 using test::Wall;
 
 // ---- infinite walls
@@ -234,7 +234,7 @@ TEST(Bitmask, SphereOnAFloorInThreeLayers) {
       Plane& depth = image.add("depth");
       for (int y = 0; y < kSide; ++y)
         for (int x = 0; x < kSide; ++x) {
-          const Ray ray = ray_of(g.info.camera, kSide, kSide, x, y);
+          const ViewRay ray = view_ray_of(g.info.camera, kSide, kSide, x, y);
           const double inside = half(ray.origin.x, ray.origin.y);
           const double height = layer == 1 ? r - std::sqrt(std::max(inside, 0.0)) : 0.0;
           depth.at(x, y) = inside > 0.0 ? float(5.0 - height) : kInfinity;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "devices/shared/dispatches.h"
 #include "effects/bitmask/bitmask.h"
 #include "kernel/kernel_frame.h"
 #include "run_effect.h"
@@ -24,11 +25,12 @@ struct Wall {
   std::function<bool(glm::dvec3)> contains = [](glm::dvec3) { return true; };
 };
 
-struct Ray {
+/// A ray from the camera, view space.
+struct ViewRay {
   glm::dvec3 origin, direction;  ///< direction.z is -1, so that the parameter of the ray is view depth
 };
 
-inline Ray ray_of(const Camera& camera, int width, int height, int x, int y) {
+inline ViewRay view_ray_of(const Camera& camera, int width, int height, int x, int y) {
   const double u = camera.left + (camera.right - camera.left) * (x + 0.5) / width;
   const double v = camera.top - (camera.top - camera.bottom) * (y + 0.5) / height;
   if (camera.projection == Projection::kOrthographic) return {{u, v, 0.0}, {0.0, 0.0, -1.0}};
@@ -43,7 +45,7 @@ inline GBuffer picture(int width, int height, const Camera& camera, const std::v
   for (const char* name : {"depth", "normal.x", "normal.y", "normal.z"}) image.add(name);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const Ray ray = ray_of(camera, width, height, x, y);
+      const ViewRay ray = view_ray_of(camera, width, height, x, y);
       double nearest = kInfinity;
       glm::dvec3 normal(0.0);
       for (const Wall& wall : walls) {
@@ -75,7 +77,7 @@ inline GBuffer floor_from_above(const std::function<double(double x, double y)>&
   GBuffer g = picture(kSide, kSide, camera, {{{0.0, 0.0, -5.0}, normal}});
   for (int y = 0; y < kSide; ++y)
     for (int x = 0; x < kSide; ++x) {
-      const Ray ray = ray_of(camera, kSide, kSide, x, y);
+      const ViewRay ray = view_ray_of(camera, kSide, kSide, x, y);
       g.layers[0].planes[0].at(x, y) = float(5.0 - height(ray.origin.x, ray.origin.y));
     }
   return g;
@@ -89,7 +91,6 @@ inline std::vector<double> values_at_middle(GBuffer& g, const Settings& settings
   const ParameterBytes params = parameters_of(effect, settings);
   BitmaskConstants constants;
   effect.constants(params, g.info, &constants);
-  const Camera& camera = g.info.camera;
   const int width = g.info.width, height = g.info.height;
   Image& image = g.layers[0];
   std::vector<double> values(names.size());
@@ -108,15 +109,7 @@ inline std::vector<double> values_at_middle(GBuffer& g, const Settings& settings
     }
     for (std::string_view name : dispatch.outputs)
       planes.push_back({name, name.starts_with("layer") ? nullptr : image.plane(name).data()});
-    const FrameConstants frame = {.width = width,
-                                  .height = height,
-                                  .stride = image.planes[0].stride,
-                                  .orthographic = camera.projection == Projection::kOrthographic ? 1 : 0,
-                                  .round = 0,
-                                  .ray_scale_x = (camera.right - camera.left) / float(width),
-                                  .ray_offset_x = camera.left,
-                                  .ray_scale_y = -(camera.top - camera.bottom) / float(height),
-                                  .ray_offset_y = camera.top};
+    const FrameConstants frame = frame_constants(g.info, image.planes[0].stride, 0);
     const int m = height / 2, x0 = width / 2 / 16 * 16;
     const KernelFrame kernel_frame{frame, &constants, planes};
     const bool gathers = dispatch.name != "mips" && dispatch.name != "sent";
