@@ -1,5 +1,6 @@
 // glTF: geometry of all kinds of accessors, primitives, nodes, skins and animations, and bad files.
 #include "importer/gltf.h"
+#include "importer/gltf_accessor.h"
 #include "importer/gltf_test_support.h"
 
 #include <glm/common.hpp>
@@ -28,6 +29,21 @@ TEST_F(GltfTest, ReadsQuantizedPositionsAndNormalisedIntegers) {
     EXPECT_EQ(mesh.uvs[i], glm::vec2(mesh.positions[i].x, 1.0f - 0.5f * mesh.positions[i].y));
     expect_near(mesh.colors[i], {1.0f, 0.0f, 0.2f});
     EXPECT_EQ(std::abs(mesh.normals[i].z), 1.0f);
+  }
+}
+
+TEST(GltfAccessor, NormalizedIntegersReachOne) {
+  constexpr int kInt8 = 5120, kUint8 = 5121, kInt16 = 5122, kUint16 = 5123, kUint32 = 5125;
+  for (const auto& [type, max] :
+       {std::pair(kInt8, 127.0), {kUint8, 255.0}, {kInt16, 32767.0}, {kUint16, 65535.0}, {kUint32, 4294967295.0}}) {
+    EXPECT_EQ(normalized(0.0, type), 0.0f) << type;
+    EXPECT_EQ(normalized(max, type), 1.0f) << type;
+    EXPECT_EQ(normalized(std::floor(max / 2.0), type), float(std::floor(max / 2.0) / max)) << type;
+  }
+  // The lowest integer and the one above it are both -1.
+  for (const auto& [type, max] : {std::pair(kInt8, 127.0), {kInt16, 32767.0}}) {
+    EXPECT_EQ(normalized(-max, type), -1.0f) << type;
+    EXPECT_EQ(normalized(-max - 1.0, type), -1.0f) << type;
   }
 }
 
