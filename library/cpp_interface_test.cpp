@@ -77,9 +77,13 @@ struct Square {
   umb::Device device{"cpu", 1};
   umb::Scene scene{device};
   umb::Job job{device, scene};
-  Square() {
-    add_square(scene);
-    set_view(job);
+  int mesh = add_square(scene);
+  Square() { set_view(job); }
+  /// Draws the albedo. Returns that of the central pixel.
+  std::vector<float> drawn_albedo() {
+    job.set_output("albedo");
+    job.execute();
+    return central_pixel(job, "albedo");
   }
 };
 
@@ -122,7 +126,7 @@ TEST(CppInterface, NumbersOfAllTypes) {
 
 TEST(CppInterface, SeveralNumbersAndText) {
   Square square;
-  auto& [device, scene, job] = square;
+  auto& [device, scene, job, mesh] = square;
   job.set_output("depth");
   const float x = 0.0f;
   const double z = 9.0;
@@ -201,35 +205,23 @@ TEST(CppInterface, InstancesAndBounds) {
 }
 
 TEST(CppInterface, MaterialsAndTextures) {
-  const umb::Device device("cpu", 1);
-  umb::Scene scene(device);
-  const int mesh = add_square(scene);
-  umb::Job job(device, scene);
-  set_view(job);
-  job.set_output("albedo");
-  scene.set_floats(mesh, "albedo", {0.5f, 0.25f, 1.0f});
-  job.execute();
-  EXPECT_EQ(central_pixel(job, "albedo"), (std::vector<float>{0.5f, 0.25f, 1.0f}));
+  Square square;
+  umb::Scene& scene = square.scene;
+  scene.set_floats(square.mesh, "albedo", {0.5f, 0.25f, 1.0f});
+  EXPECT_EQ(square.drawn_albedo(), (std::vector<float>{0.5f, 0.25f, 1.0f}));
   std::array<std::uint8_t, 4> green = {0, 255, 0, 255};
-  scene.set_texture(mesh, "albedo", umb::image_of(green.data(), 1, 1, 4));
-  job.execute();
-  EXPECT_EQ(central_pixel(job, "albedo"), (std::vector<float>{0.0f, 0.25f, 0.0f}));
+  scene.set_texture(square.mesh, "albedo", umb::image_of(green.data(), 1, 1, 4));
+  EXPECT_EQ(square.drawn_albedo(), (std::vector<float>{0.0f, 0.25f, 0.0f}));
   std::array<std::uint16_t, 4> deep{};
-  EXPECT_TRUE(throws_error([&] { scene.set_texture(mesh, "albedo", umb::image_of(deep.data(), 1, 1, 4)); },
+  EXPECT_TRUE(throws_error([&] { scene.set_texture(square.mesh, "albedo", umb::image_of(deep.data(), 1, 1, 4)); },
                            UMB_ERROR_USAGE, "8 bits"));
 }
 
 TEST(CppInterface, IntegerColorsOfVerticesAreSrgb) {
-  const umb::Device device("cpu", 1);
-  umb::Scene scene(device);
-  const int mesh = add_square(scene);
-  umb::Job job(device, scene);
-  set_view(job);
-  job.set_output("albedo");
+  Square square;
   const auto albedo_of = [&](const auto* color, UmbType type) {
-    scene.set_buffer(mesh, "color", color, type, 3);
-    job.execute();
-    return central_pixel(job, "albedo");
+    square.scene.set_buffer(square.mesh, "color", color, type, 3);
+    return square.drawn_albedo();
   };
   // 0.2 in sRGB is 0.03310 in linear light, 0.6 is 0.31855.
   const std::vector<float> linear = {0.03310f, 0.31855f, 1.0f};
@@ -248,7 +240,7 @@ TEST(CppInterface, IntegerColorsOfVerticesAreSrgb) {
 
 TEST(CppInterface, CountersCountReuse) {
   Square square;
-  auto& [device, scene, job] = square;
+  auto& [device, scene, job, mesh] = square;
   job.set("anti_aliasing", 1);
   EXPECT_EQ(job.counter("hierarchies_built"), 0);
   job.prepare();
@@ -264,7 +256,7 @@ TEST(CppInterface, CountersCountReuse) {
 
 TEST(CppInterface, ChecksResetsAndOutputs) {
   Square square;
-  auto& [device, scene, job] = square;
+  auto& [device, scene, job, mesh] = square;
   job.set("look", "aoo");
   EXPECT_TRUE(throws_error([&] { job.check(); }, UMB_ERROR_USAGE, "'ao'"));
   job.reset("look");
@@ -286,7 +278,7 @@ TEST(CppInterface, ChecksResetsAndOutputs) {
 
 TEST(CppInterface, Strokes) {
   Square square;
-  auto& [device, scene, job] = square;
+  auto& [device, scene, job, mesh] = square;
   EXPECT_TRUE(job.strokes().empty());
   job.set("look", "cartoon");
   job.set("strokes", true);

@@ -33,12 +33,7 @@ struct Engine {
     return reinterpret_cast<Function>(gpu->vk.GetInstanceProcAddr(gpu->instance->handle, name));
   }
   ForeignGpu foreign(PFN_vkGetInstanceProcAddr get = nullptr) const {
-    return {get ? get : test::checked_get,
-            gpu->instance->handle,
-            gpu->physical,
-            gpu->device,
-            gpu->queue,
-            gpu->family};
+    return {get ? get : test::checked_get, gpu->instance->handle, gpu->physical, gpu->device, gpu->queue, gpu->family};
   }
   VulkanContext context(PFN_vkGetInstanceProcAddr get = nullptr) const {
     const ForeignGpu f = foreign(get);

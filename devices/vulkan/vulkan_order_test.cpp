@@ -14,6 +14,7 @@
 #include "run_effect.h"
 #include "scene/framing.h"
 #include "support.h"
+#include "vulkan_recorder.h"
 #include "vulkan_support.h"
 
 namespace umbrage {
@@ -125,40 +126,35 @@ struct Reports {
 TEST(Vulkan, KernelsThatAreNotInOrderAreReported) {
   const auto instance = make_instance(test::checked_get, {});
   UMBRAGE_NEEDS_VULKAN(instance);
-  const auto gpus = physical_gpus(**instance);
-  ASSERT_TRUE(gpus);
-  const auto gpu = open_gpu(*instance, gpus->front());
-  ASSERT_TRUE(gpu);
-  const auto memory = std::make_shared<Memory>(*gpu);
-  const auto commands = Commands::make(*gpu, memory);
+  const auto [gpu, memory, commands] = test::open_recorder(*instance);
   ASSERT_TRUE(commands);
-  const auto pipelines = Pipelines::make(*gpu, (*commands)->uniform_buffer(), {});
+  const auto pipelines = Pipelines::make(gpu, commands->uniform_buffer(), {});
   ASSERT_TRUE(pipelines);
   const auto pick = (*pipelines)->pick();
   ASSERT_TRUE(pick);
   const auto from = memory->plane(1024), to = memory->plane(1024);
   ASSERT_TRUE(from && to);
-  const auto buffer = (*commands)->buffer();
+  const auto buffer = commands->buffer();
   ASSERT_TRUE(buffer);
   const auto run_kernel = [&] {
     const PickConstants constants{(*from)->address, (*to)->address, 8, 8, 8, 8, 8, 8, 1};
-    (*gpu)->vk.CmdBindPipeline(*buffer, VK_PIPELINE_BIND_POINT_COMPUTE, *pick);
-    (*gpu)->vk.CmdPushConstants(*buffer, (*pipelines)->pick_layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
-                                offsetof(PickConstants, factor) + sizeof(int), &constants);
-    (*gpu)->vk.CmdDispatch(*buffer, 1, 1, 1);
+    gpu->vk.CmdBindPipeline(*buffer, VK_PIPELINE_BIND_POINT_COMPUTE, *pick);
+    gpu->vk.CmdPushConstants(*buffer, (*pipelines)->pick_layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                             offsetof(PickConstants, factor) + sizeof(int), &constants);
+    gpu->vk.CmdDispatch(*buffer, 1, 1, 1);
   };
   Reports reports;
-  (*gpu)->vk.CmdFillBuffer(*buffer, (*from)->buffer, (*from)->offset, 1024, 1);
-  (*commands)->barrier();
+  gpu->vk.CmdFillBuffer(*buffer, (*from)->buffer, (*from)->offset, 1024, 1);
+  commands->barrier();
   run_kernel();
   EXPECT_EQ(reports.texts, std::vector<std::string>());
   run_kernel();
   ASSERT_EQ(reports.texts.size(), 2u);
   EXPECT_EQ(reports.texts[0],
             "no barrier orders the reads of a kernel (command 3) after the writes of a kernel (command 2)");
-  (*gpu)->vk.CmdFillBuffer(*buffer, (*from)->buffer, (*from)->offset, 1024, 2);
+  gpu->vk.CmdFillBuffer(*buffer, (*from)->buffer, (*from)->offset, 1024, 2);
   EXPECT_EQ(reports.texts.size(), 4u);
-  EXPECT_TRUE((*commands)->finish());
+  EXPECT_TRUE(commands->finish());
   EXPECT_EQ(reports.texts.size(), 4u);  // finish() makes copies visible to the host
 }
 

@@ -16,6 +16,7 @@
 #include "run_program.h"
 #include "support.h"
 #include "vulkan_capture.h"
+#include "vulkan_recorder.h"
 #include "vulkan_support.h"
 
 namespace umbrage {
@@ -361,26 +362,21 @@ TEST(Vulkan, ValidationReportsMistakes) {
   std::vector<std::string> messages;
   const auto instance = make_instance(nullptr, [&](std::string_view message) { messages.emplace_back(message); });
   UMBRAGE_NEEDS_VULKAN(instance);
-  const auto gpus = physical_gpus(**instance);
-  ASSERT_TRUE(gpus);
-  const auto gpu = open_gpu(*instance, gpus->front());
-  ASSERT_TRUE(gpu);
-  const auto memory = std::make_shared<Memory>(*gpu);
-  const auto commands = Commands::make(*gpu, memory);
+  const auto [gpu, memory, commands] = test::open_recorder(*instance);
   ASSERT_TRUE(commands);
   const auto plane = memory->plane(1024);
   ASSERT_TRUE(plane);
   EXPECT_TRUE(messages.empty()) << messages.front();
-  const auto buffer = (*commands)->buffer();
+  const auto buffer = commands->buffer();
   ASSERT_TRUE(buffer);
-  (*gpu)->vk.CmdFillBuffer(*buffer, (*plane)->buffer, (*plane)->offset, 1024, 1);
-  (*gpu)->vk.CmdFillBuffer(*buffer, (*plane)->buffer, (*plane)->offset, 1024, 2);  // without a barrier in between
+  gpu->vk.CmdFillBuffer(*buffer, (*plane)->buffer, (*plane)->offset, 1024, 1);
+  gpu->vk.CmdFillBuffer(*buffer, (*plane)->buffer, (*plane)->offset, 1024, 2);  // without a barrier in between
   ASSERT_EQ(messages.size(), 1u);
   EXPECT_NE(messages[0].find("SYNC-HAZARD-WRITE-AFTER-WRITE"), std::string::npos) << messages[0];
-  (*commands)->barrier();
-  (*gpu)->vk.CmdFillBuffer(*buffer, (*plane)->buffer, (*plane)->offset, 1024, 3);
+  commands->barrier();
+  gpu->vk.CmdFillBuffer(*buffer, (*plane)->buffer, (*plane)->offset, 1024, 3);
   EXPECT_EQ(messages.size(), 1u);
-  (*gpu)->vk.CmdFillBuffer(*buffer, (*plane)->buffer, 1, 1024, 3);  // misaligned
+  gpu->vk.CmdFillBuffer(*buffer, (*plane)->buffer, 1, 1024, 3);  // misaligned
   EXPECT_GT(messages.size(), 1u);
 }
 
