@@ -23,31 +23,3 @@ function(umbrage_folder name)
   target_include_directories(umbrage_${name} ${scope} ${stage})
   target_link_libraries(umbrage_${name} ${scope} ${ARG_USES})
 endfunction()
-
-# umbrage_spirv(OUT shaders...): compiles shaders (NAME.comp, .vert, .frag) of this folder to build/spirv/spirv/NAME.inc
-# and sets OUT to the list of those files. NAME_spirv() in spirv/NAME.h returns the SPIR-V. If a NAME.cpu.cpp exists
-# beside a shader, both are one kernel, which NAME_kernel() in kernels/NAME.h returns. The templates of both headers are
-# in cmake/.
-function(umbrage_spirv out)
-  set(all "")
-  set(build ${PROJECT_BINARY_DIR}/spirv)
-  foreach(shader ${ARGN})
-    cmake_path(GET shader PARENT_PATH folder)
-    cmake_path(GET shader STEM name)
-    set(words ${build}/spirv/${name}.inc)
-    configure_file(${PROJECT_SOURCE_DIR}/cmake/spirv.h.in ${build}/spirv/${name}.h @ONLY)
-    if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/${name}.cpu.cpp)
-      configure_file(${PROJECT_SOURCE_DIR}/cmake/kernel.h.in ${build}/kernels/${name}.h @ONLY)
-    endif()
-    add_custom_command(
-      OUTPUT ${words}
-      COMMAND ${GLSLC} --target-env=vulkan1.2 -Werror -I ${PROJECT_SOURCE_DIR} -MD -MF ${words}.d -MT ${words} -mfmt=num
-              -o ${words} ${CMAKE_CURRENT_SOURCE_DIR}/${shader}
-      DEPENDS ${shader}
-      DEPFILE ${words}.d
-      COMMENT "SPIR-V ${name}"
-      VERBATIM)
-    list(APPEND all ${words})
-  endforeach()
-  set(${out} ${all} PARENT_SCOPE)
-endfunction()

@@ -1,6 +1,8 @@
-// Compiles one kernel for the CPU. Before it includes this file, a NAME.cpu.cpp defines
-//   UMBRAGE_KERNEL            the kernel's NAME; its entry point is NAME_pixel(Int x, Int y)
-//   UMBRAGE_KERNEL_TEXT       the path of the kernel's text
+// Compiles one kernel for the CPU. The build writes a source file that includes this one for each of its kernels
+// (cmake/kernels.cmake), and before it defines
+//   UMBRAGE_KERNEL            the kernel's NAME
+//   UMBRAGE_KERNEL_PIXEL      its entry point, a function of (Int x, Int y)
+//   UMBRAGE_KERNEL_TEXT       the path of its text
 //   UMBRAGE_KERNEL_CONSTANTS  the constants struct
 // This file then defines run_scalar_NAME and run_lanes_NAME, which kernels/NAME.h declares. It is included once per
 // SIMD target.
@@ -11,9 +13,13 @@
 
 #define UMBRAGE_CONCAT_(a, b) a##b
 #define UMBRAGE_CONCAT(a, b) UMBRAGE_CONCAT_(a, b)
+#define UMBRAGE_OF_KERNEL(name) UMBRAGE_CONCAT(name, UMBRAGE_KERNEL)
+// They expand their argument, which Highway's macros do not.
+#define UMBRAGE_EXPORT(name) HWY_EXPORT(name)
+#define UMBRAGE_DISPATCH(name) HWY_DYNAMIC_DISPATCH(name)
 
 namespace umbrage {
-void UMBRAGE_CONCAT(run_scalar_, UMBRAGE_KERNEL)(const KernelFrame& frame, const Tile& tile);
+void UMBRAGE_OF_KERNEL(run_scalar_)(const KernelFrame& frame, const Tile& tile);
 }  // namespace umbrage
 
 #if HWY_TARGET == HWY_SCALAR
@@ -22,7 +28,9 @@ namespace umbrage {
 namespace HWY_NAMESPACE {
 namespace {
 
-void Run(const KernelFrame& frame, const Tile& tile) { UMBRAGE_CONCAT(run_scalar_, UMBRAGE_KERNEL)(frame, tile); }
+void UMBRAGE_OF_KERNEL(Run_)(const KernelFrame& frame, const Tile& tile) {
+  UMBRAGE_OF_KERNEL(run_scalar_)(frame, tile);
+}
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
@@ -33,7 +41,7 @@ namespace umbrage {
 namespace HWY_NAMESPACE {
 namespace {
 
-struct Kernel {
+struct UMBRAGE_OF_KERNEL(Kernel_) {
   LanesView view;
 #include "kernel/kernel_begin.h"
 
@@ -42,12 +50,12 @@ struct Kernel {
 #include "kernel/kernel_end.h"
 };
 
-void Run(const KernelFrame& frame, const Tile& tile) {
+void UMBRAGE_OF_KERNEL(Run_)(const KernelFrame& frame, const Tile& tile) {
   TilePixels pixels(frame, tile);
   // Returns before the planes are looked up by name, which takes time.
   if (!pixels.next()) return;
   const bool packs = pixels.packs;
-  Kernel kernel{{frame}};
+  UMBRAGE_OF_KERNEL(Kernel_) kernel{{frame}};
   const auto lane = hn::Iota(DI(), 0);  // computed once, since it is expensive
   do {
     const int y = pixels.y, end = pixels.end;
@@ -60,7 +68,7 @@ void Run(const KernelFrame& frame, const Tile& tile) {
         py = pixels.rows;
         kernel.view.move_to(px, py);
       }
-      kernel.UMBRAGE_CONCAT(UMBRAGE_KERNEL, _pixel)(px, py);  // the only call site, since the kernel is inlined
+      kernel.UMBRAGE_KERNEL_PIXEL(px, py);  // the only call site, since the kernel is inlined
     }
   } while (pixels.next());
 }
@@ -78,7 +86,7 @@ namespace umbrage {
 namespace scalar {
 namespace {
 
-struct Kernel {
+struct UMBRAGE_OF_KERNEL(Kernel_) {
   ScalarView view;
 #include "kernel/kernel_begin.h"
 
@@ -91,23 +99,32 @@ struct Kernel {
 }  // namespace scalar
 
 namespace {
-HWY_EXPORT(Run);
+UMBRAGE_EXPORT(UMBRAGE_OF_KERNEL(Run_));
 }  // namespace
 
-void UMBRAGE_CONCAT(run_lanes_, UMBRAGE_KERNEL)(const KernelFrame& frame, const Tile& tile) {
-  HWY_DYNAMIC_DISPATCH(Run)(frame, tile);
+void UMBRAGE_OF_KERNEL(run_lanes_)(const KernelFrame& frame, const Tile& tile) {
+  UMBRAGE_DISPATCH(UMBRAGE_OF_KERNEL(Run_))(frame, tile);
 }
 
-void UMBRAGE_CONCAT(run_scalar_, UMBRAGE_KERNEL)(const KernelFrame& frame, const Tile& tile) {
-  scalar::Kernel kernel{{frame}};
+void UMBRAGE_OF_KERNEL(run_scalar_)(const KernelFrame& frame, const Tile& tile) {
+  scalar::UMBRAGE_OF_KERNEL(Kernel_) kernel{{frame}};
   for (int y = tile.y0; y < tile.y1; ++y)
     for (int x = tile.x0; x < tile.x1; ++x) {
       if (!kernel.view.is_computed(x, y)) continue;
       kernel.view.x = x;
       kernel.view.y = y;
-      kernel.UMBRAGE_CONCAT(UMBRAGE_KERNEL, _pixel)(x, y);
+      kernel.UMBRAGE_KERNEL_PIXEL(x, y);
     }
 }
 
 }  // namespace umbrage
 #endif
+
+#undef UMBRAGE_DISPATCH
+#undef UMBRAGE_EXPORT
+#undef UMBRAGE_OF_KERNEL
+#undef UMBRAGE_CONCAT
+#undef UMBRAGE_CONCAT_
+#undef UMBRAGE_KERNEL
+#undef UMBRAGE_KERNEL_PIXEL
+#undef UMBRAGE_KERNEL_TEXT

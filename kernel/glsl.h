@@ -1,14 +1,14 @@
-// The kernel dialect in GLSL. A NAME.comp includes this file and the header of its constants, and then contains
+// The kernel dialect in GLSL. A shader includes this file and the header of its constants, and then contains
 //   UMBRAGE_CONSTANTS(NameConstants)
 //   #include "kernel/common.kernel.h"
 //   #include "effects/NAME/NAME.kernel.h"
 //   UMBRAGE_MAIN(NAME)
+// The build writes such a shader for every kernel (cmake/kernels.cmake).
 //
 // A dispatch reads up to a hundred planes, more than drivers can bind at once. Its first input planes are bound
 // buffers, which are fastest. All other inputs, all outputs, and planes selected by layer number are accessed by their
 // addresses in the table `planes`. The device passes the index of a plane in that table as the specialization constant
-// NAME_slot, whose id is derived from the number of the line that declares the plane. So no two planes may be declared
-// on lines with the same number; the compiler rejects this ("id already used").
+// NAME_slot. Its id follows from the number that the build gives to each name in plane_ids.h.
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
@@ -38,6 +38,7 @@
 #define select(mask, a, b) ((mask) ? (a) : (b))
 #define pow(a, b) pow_of(a, b)
 #include "kernel/frame_constants.h"
+#include "kernels/plane_ids.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 ivec2 here;
@@ -60,11 +61,14 @@ layout(constant_id = 0) const int bound_planes = 0;
 layout(set = 1, binding = 0, scalar) restrict readonly buffer bound_block { float at[]; }
 bound[kBoundPlanes];
 
-// Declares NAME_plane(), which returns plane NAME. `n` distinguishes planes declared on one line, below 32. Two files
-// that one kernel includes must not declare planes on lines with the same number.
-#define PLANE(type, name, n)                                         \
-  layout(constant_id = __LINE__ * 32 + n) const int name##_slot = 0; \
+// The id of plane `n` of those with the name NAME: 0 to 2 are its channels, 3 is alpha, and then come three for each
+// further layer.
+#define PLANE_ID(name, n) (ID_##name + n)
+// Declares NAME_plane(), which returns plane NAME.
+#define PLANE_AT(type, name, id)                      \
+  layout(constant_id = id) const int name##_slot = 0; \
   type name##_plane() { return type(planes[name##_slot]); }
+#define PLANE(type, name) PLANE_AT(type, name, PLANE_ID(name, 0))
 
 #define UMBRAGE_CONSTANTS(Constants)                                                                     \
   layout(set = 0, binding = 0, scalar) uniform constants_block {                                         \
@@ -91,24 +95,24 @@ bound[kBoundPlanes];
     if (name##_slot < bound_planes) return bound[name##_bound].at[place]; \
     return name##_plane().at[place];                                      \
   }
-#define IN_REAL_AT(name, n)                                 \
-  PLANE(InPlane, name, n)                                   \
+#define IN_REAL_AT(name, id)                                \
+  PLANE_AT(InPlane, name, id)                               \
   READ_AT(name)                                             \
   float read_##name(int place) { return name##_at(place); } \
   IN_LOADS(float, name)
-#define IN_TRIPLE_AT(name, n, a, b, c)                                                                                 \
-  PLANE(InPlane, name##_##a, n)                                                                                        \
-  PLANE(InPlane, name##_##b, n + 1)                                                                                    \
-  PLANE(InPlane, name##_##c, n + 2)                                                                                    \
+#define IN_TRIPLE_AT(name, id, a, b, c)                                                                                \
+  PLANE_AT(InPlane, name##_##a, id)                                                                                    \
+  PLANE_AT(InPlane, name##_##b, id + 1)                                                                                \
+  PLANE_AT(InPlane, name##_##c, id + 2)                                                                                \
   READ_AT(name##_##a)                                                                                                  \
   READ_AT(name##_##b)                                                                                                  \
   READ_AT(name##_##c)                                                                                                  \
   vec3 read_##name(int place) { return vec3(name##_##a##_at(place), name##_##b##_at(place), name##_##c##_at(place)); } \
   IN_LOADS(vec3, name)
-#define IN_REAL(name) IN_REAL_AT(name, 0)
-#define IN_VECTOR(name) IN_TRIPLE_AT(name, 0, x, y, z)
-#define IN_COLOR(name) IN_TRIPLE_AT(name, 0, r, g, b)
-#define IN_ALPHA(name) IN_REAL_AT(name##_a, 0)
+#define IN_REAL(name) IN_REAL_AT(name, PLANE_ID(name, 0))
+#define IN_VECTOR(name) IN_TRIPLE_AT(name, PLANE_ID(name, 0), x, y, z)
+#define IN_COLOR(name) IN_TRIPLE_AT(name, PLANE_ID(name, 0), r, g, b)
+#define IN_ALPHA(name) IN_REAL_AT(name##_a, PLANE_ID(name, 3))
 // Defines read_NAME_of(layer, place) for a plane that every layer has. `layer` is the same for all pixels. The code
 // selects the plane and then reads once, instead of selecting among values, since lavapipe runs all cases of a switch.
 #define SLOT_OF_LAYER(name)                      \
@@ -126,26 +130,26 @@ bound[kBoundPlanes];
   float read_##name##_of(int layer, int place) { return InPlane(planes[name##_slot_of(layer)]).at[place]; }
 #define NEAR_OF_LAYER(type, name) \
   type near_##name##_of(int layer, int i, int j) { return read_##name##_of(layer, index_of(here.x + i, here.y + j)); }
-#define IN_LAYERS_REAL(name)   \
-  IN_REAL_AT(name, 0)          \
-  IN_REAL_AT(layer1_##name, 1) \
-  IN_REAL_AT(layer2_##name, 2) \
-  IN_REAL_AT(layer3_##name, 3) \
-  IN_REAL_AT(layer4_##name, 4) \
-  IN_REAL_AT(layer5_##name, 5) \
-  IN_REAL_AT(layer6_##name, 6) \
-  IN_REAL_AT(layer7_##name, 7) \
-  SLOT_OF_LAYER(name)          \
+#define IN_LAYERS_REAL(name)                    \
+  IN_REAL_AT(name, PLANE_ID(name, 0))           \
+  IN_REAL_AT(layer1_##name, PLANE_ID(name, 4))  \
+  IN_REAL_AT(layer2_##name, PLANE_ID(name, 7))  \
+  IN_REAL_AT(layer3_##name, PLANE_ID(name, 10)) \
+  IN_REAL_AT(layer4_##name, PLANE_ID(name, 13)) \
+  IN_REAL_AT(layer5_##name, PLANE_ID(name, 16)) \
+  IN_REAL_AT(layer6_##name, PLANE_ID(name, 19)) \
+  IN_REAL_AT(layer7_##name, PLANE_ID(name, 22)) \
+  SLOT_OF_LAYER(name)                           \
   NEAR_OF_LAYER(float, name)
 #define IN_LAYERS_TRIPLE(name, a, b, c)                                                     \
-  IN_TRIPLE_AT(name, 0, a, b, c)                                                            \
-  IN_TRIPLE_AT(layer1_##name, 3, a, b, c)                                                   \
-  IN_TRIPLE_AT(layer2_##name, 6, a, b, c)                                                   \
-  IN_TRIPLE_AT(layer3_##name, 9, a, b, c)                                                   \
-  IN_TRIPLE_AT(layer4_##name, 12, a, b, c)                                                  \
-  IN_TRIPLE_AT(layer5_##name, 15, a, b, c)                                                  \
-  IN_TRIPLE_AT(layer6_##name, 18, a, b, c)                                                  \
-  IN_TRIPLE_AT(layer7_##name, 21, a, b, c)                                                  \
+  IN_TRIPLE_AT(name, PLANE_ID(name, 0), a, b, c)                                            \
+  IN_TRIPLE_AT(layer1_##name, PLANE_ID(name, 4), a, b, c)                                   \
+  IN_TRIPLE_AT(layer2_##name, PLANE_ID(name, 7), a, b, c)                                   \
+  IN_TRIPLE_AT(layer3_##name, PLANE_ID(name, 10), a, b, c)                                  \
+  IN_TRIPLE_AT(layer4_##name, PLANE_ID(name, 13), a, b, c)                                  \
+  IN_TRIPLE_AT(layer5_##name, PLANE_ID(name, 16), a, b, c)                                  \
+  IN_TRIPLE_AT(layer6_##name, PLANE_ID(name, 19), a, b, c)                                  \
+  IN_TRIPLE_AT(layer7_##name, PLANE_ID(name, 22), a, b, c)                                  \
   SLOT_OF_LAYER(name##_##a)                                                                 \
   SLOT_OF_LAYER(name##_##b)                                                                 \
   SLOT_OF_LAYER(name##_##c)                                                                 \
@@ -171,44 +175,44 @@ bound[kBoundPlanes];
   vec3 sum_of_##name() { return name##_sum; }
 #define LIST_REAL(name, length) LIST(float, name, length)
 #define LIST_UINT(name, length) LIST(uint, name, length)
-#define OUT_REAL_AT(type, name, n) \
-  PLANE(type, name, n)             \
+#define OUT_REAL_AT(type, name, id) \
+  PLANE_AT(type, name, id)          \
   void store_##name(float v) { name##_plane().at[index_of_own()] = v; }
-#define OUT_REAL(name) OUT_REAL_AT(OutPlane, name, 0)
-#define OUT_LAYERS_REAL(name)                  \
-  OUT_REAL_AT(OutPlane, name, 0)               \
-  OUT_REAL_AT(OutPlane, layer1_##name, 1)      \
-  OUT_REAL_AT(OutPlane, layer2_##name, 2)      \
-  OUT_REAL_AT(OutPlane, layer3_##name, 3)      \
-  OUT_REAL_AT(OutPlane, layer4_##name, 4)      \
-  OUT_REAL_AT(OutPlane, layer5_##name, 5)      \
-  OUT_REAL_AT(OutPlane, layer6_##name, 6)      \
-  OUT_REAL_AT(OutPlane, layer7_##name, 7)      \
-  void store_##name##_of(int layer, float v) { \
-    if (layer == 0) store_##name(v);           \
-    if (layer == 1) store_layer1_##name(v);    \
-    if (layer == 2) store_layer2_##name(v);    \
-    if (layer == 3) store_layer3_##name(v);    \
-    if (layer == 4) store_layer4_##name(v);    \
-    if (layer == 5) store_layer5_##name(v);    \
-    if (layer == 6) store_layer6_##name(v);    \
-    if (layer == 7) store_layer7_##name(v);    \
+#define OUT_REAL(name) OUT_REAL_AT(OutPlane, name, PLANE_ID(name, 0))
+#define OUT_LAYERS_REAL(name)                              \
+  OUT_REAL_AT(OutPlane, name, PLANE_ID(name, 0))           \
+  OUT_REAL_AT(OutPlane, layer1_##name, PLANE_ID(name, 4))  \
+  OUT_REAL_AT(OutPlane, layer2_##name, PLANE_ID(name, 7))  \
+  OUT_REAL_AT(OutPlane, layer3_##name, PLANE_ID(name, 10)) \
+  OUT_REAL_AT(OutPlane, layer4_##name, PLANE_ID(name, 13)) \
+  OUT_REAL_AT(OutPlane, layer5_##name, PLANE_ID(name, 16)) \
+  OUT_REAL_AT(OutPlane, layer6_##name, PLANE_ID(name, 19)) \
+  OUT_REAL_AT(OutPlane, layer7_##name, PLANE_ID(name, 22)) \
+  void store_##name##_of(int layer, float v) {             \
+    if (layer == 0) store_##name(v);                       \
+    if (layer == 1) store_layer1_##name(v);                \
+    if (layer == 2) store_layer2_##name(v);                \
+    if (layer == 3) store_layer3_##name(v);                \
+    if (layer == 4) store_layer4_##name(v);                \
+    if (layer == 5) store_layer5_##name(v);                \
+    if (layer == 6) store_layer6_##name(v);                \
+    if (layer == 7) store_layer7_##name(v);                \
   }
-#define OUT_ALPHA(name)        \
-  PLANE(OutPlane, name##_a, 0) \
+#define OUT_ALPHA(name)                           \
+  PLANE_AT(OutPlane, name##_a, PLANE_ID(name, 3)) \
   void store_##name##_alpha(float v) { name##_a_plane().at[index_of_own()] = v; }
-#define OUT_TRIPLE(type, name, a, b, c) \
-  PLANE(type, name##_##a, 0)            \
-  PLANE(type, name##_##b, 1)            \
-  PLANE(type, name##_##c, 2)            \
-  void store_##name(vec3 v) {           \
-    int k = index_of_own();             \
-    name##_##a##_plane().at[k] = v.x;   \
-    name##_##b##_plane().at[k] = v.y;   \
-    name##_##c##_plane().at[k] = v.z;   \
+#define OUT_TRIPLE(type, name, a, b, c)         \
+  PLANE_AT(type, name##_##a, PLANE_ID(name, 0)) \
+  PLANE_AT(type, name##_##b, PLANE_ID(name, 1)) \
+  PLANE_AT(type, name##_##c, PLANE_ID(name, 2)) \
+  void store_##name(vec3 v) {                   \
+    int k = index_of_own();                     \
+    name##_##a##_plane().at[k] = v.x;           \
+    name##_##b##_plane().at[k] = v.y;           \
+    name##_##c##_plane().at[k] = v.z;           \
   }
-#define INOUT_REAL(name)           \
-  OUT_REAL_AT(InOutPlane, name, 0) \
+#define INOUT_REAL(name)                           \
+  OUT_REAL_AT(InOutPlane, name, PLANE_ID(name, 0)) \
   float own_##name() { return name##_plane().at[index_of_own()]; }
 #define INOUT_COLOR(name)                                                                \
   OUT_TRIPLE(InOutPlane, name, r, g, b)                                                  \

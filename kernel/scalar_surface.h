@@ -1,4 +1,4 @@
-// The scalar form of kernel/surface.kernel.h for use outside kernels: in host_surface.cpu.cpp and tests.
+// The scalar form of kernel/surface.kernel.h for use outside kernels: in host_surface.cpp and tests.
 #pragma once
 #include "kernel/frame_constants.h"
 #include "kernel/scalar.h"

@@ -11,8 +11,8 @@ UMBRAGE_CONSTANTS(UnsharpConstants)
 #include "effects/unsharp/unsharp_words.glsl"
 
 IN_REAL(unsharp_depth)
-PLANE(UintPlane, unsharp_row_high, 0)
-PLANE(UintPlane, unsharp_row_low, 0)
+PLANE(UintPlane, unsharp_row_high)
+PLANE(UintPlane, unsharp_row_low)
 
 const int kInvocations = 64;
 const int kGroup = 8;  // invocations per group, whose sums are added first

@@ -15,13 +15,13 @@ UMBRAGE_CONSTANTS(UnsharpConstants)
 
 IN_REAL(unsharp_min4)
 IN_REAL(unsharp_max4)
-PLANE(UintPlane, unsharp_sum4, 0)
+PLANE(UintPlane, unsharp_sum4)
 IN_REAL(unsharp_min8)
 IN_REAL(unsharp_max8)
-PLANE(UintPlane, unsharp_sum8, 0)
+PLANE(UintPlane, unsharp_sum8)
 IN_REAL(unsharp_min16)
 IN_REAL(unsharp_max16)
-PLANE(UintPlane, unsharp_sum16, 0)
+PLANE(UintPlane, unsharp_sum16)
 
 // Sum and number of the samples that count; sum_low can exceed 12 bits.
 uint sum_high = 0u, sum_low = 0u, number = 0u;

@@ -9,10 +9,10 @@ UMBRAGE_CONSTANTS(UnsharpConstants)
 
 IN_REAL(unsharp_min8)
 IN_REAL(unsharp_max8)
-PLANE(UintPlane, unsharp_sum8, 0)
+PLANE(UintPlane, unsharp_sum8)
 OUT_REAL(unsharp_min16)
 OUT_REAL(unsharp_max16)
-PLANE(UintPlane, unsharp_sum16, 0)
+PLANE(UintPlane, unsharp_sum16)
 
 void blocks16_pixel(int px, int py) {
   float min_value = near_unsharp_min8(0, 0), max_value = near_unsharp_max8(0, 0);

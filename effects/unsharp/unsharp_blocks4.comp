@@ -11,7 +11,7 @@ UMBRAGE_CONSTANTS(UnsharpConstants)
 IN_REAL(unsharp_depth)
 OUT_REAL(unsharp_min4)
 OUT_REAL(unsharp_max4)
-PLANE(UintPlane, unsharp_sum4, 0)
+PLANE(UintPlane, unsharp_sum4)
 
 void blocks4_pixel(int px, int py) {
   float min_value = near_unsharp_depth(0, 0), max_value = min_value;

@@ -9,10 +9,10 @@ UMBRAGE_CONSTANTS(UnsharpConstants)
 
 IN_REAL(unsharp_min4)
 IN_REAL(unsharp_max4)
-PLANE(UintPlane, unsharp_sum4, 0)
+PLANE(UintPlane, unsharp_sum4)
 OUT_REAL(unsharp_min8)
 OUT_REAL(unsharp_max8)
-PLANE(UintPlane, unsharp_sum8, 0)
+PLANE(UintPlane, unsharp_sum8)
 
 void blocks8_pixel(int px, int py) {
   float min_value = near_unsharp_min4(0, 0), max_value = near_unsharp_max4(0, 0);

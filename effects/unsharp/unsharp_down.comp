@@ -12,8 +12,8 @@ UMBRAGE_CONSTANTS(UnsharpConstants)
 
 #include "effects/unsharp/unsharp.kernel.h"
 
-PLANE(UintPlane, unsharp_row_high, 0)
-PLANE(UintPlane, unsharp_row_low, 0)
+PLANE(UintPlane, unsharp_row_high)
+PLANE(UintPlane, unsharp_row_low)
 
 // The sum of samples, as two words, and their number.
 struct Sums {

@@ -1,9 +1,0 @@
-// Compiles bitmask_sent.kernel.h for the CPU.
-#define UMBRAGE_KERNEL bitmask_sent
-#define UMBRAGE_KERNEL_TEXT "effects/bitmask/bitmask_sent.kernel.h"
-#define UMBRAGE_KERNEL_CONSTANTS BitmaskConstants
-#include "effects/bitmask/bitmask.h"
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "effects/bitmask/bitmask_sent.cpu.cpp"
-#include "hwy/foreach_target.h"
-#include "kernel/cpu_kernel.h"

@@ -1,9 +1,0 @@
-// Compiles gaussian_down.kernel.h for the CPU.
-#define UMBRAGE_KERNEL gaussian_down
-#define UMBRAGE_KERNEL_TEXT "effects/gaussian/gaussian_down.kernel.h"
-#define UMBRAGE_KERNEL_CONSTANTS GaussianConstants
-#include "effects/gaussian/gaussian.h"
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "effects/gaussian/gaussian_down.cpu.cpp"
-#include "hwy/foreach_target.h"
-#include "kernel/cpu_kernel.h"

@@ -1,9 +1,0 @@
-// Compiles output_beauty.kernel.h for the CPU.
-#define UMBRAGE_KERNEL output_beauty
-#define UMBRAGE_KERNEL_TEXT "effects/output/output_beauty.kernel.h"
-#define UMBRAGE_KERNEL_CONSTANTS OutputConstants
-#include "effects/output/output.h"
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "effects/output/output_beauty.cpu.cpp"
-#include "hwy/foreach_target.h"
-#include "kernel/cpu_kernel.h"

@@ -1,9 +1,0 @@
-// Compiles resample_more_shadows.kernel.h for the CPU.
-#define UMBRAGE_KERNEL resample_more_shadows
-#define UMBRAGE_KERNEL_TEXT "effects/resample/resample_more_shadows.kernel.h"
-#define UMBRAGE_KERNEL_CONSTANTS ResampleConstants
-#include "effects/resample/resample.h"
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "effects/resample/resample_more_shadows.cpu.cpp"
-#include "hwy/foreach_target.h"
-#include "kernel/cpu_kernel.h"
