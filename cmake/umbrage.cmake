@@ -2,14 +2,16 @@
 
 # umbrage_folder(NAME SOURCES... [USES targets...]): adds the static library umbrage_NAME of this folder. It can include
 # headers only of its own folder and of the folders that it uses, since include paths are staged per target.
-# -Wno-restrict: g++ 12 has false positives for std::string concatenation (GCC bug 105651).
-# -Wno-missing-field-initializers: table rows set only the relevant fields.
+# Files are compiled together in groups, since most of the time goes into headers; UMBRAGE_UNITY=OFF compiles each alone.
+# -O1: half the time of a compilation at -O3 is optimization, which only kernels and inner loops need. Folders with these
+# add -O3.
 function(umbrage_folder name)
   cmake_parse_arguments(ARG "" "" "SOURCES;USES" ${ARGN})
   if(ARG_SOURCES)
     add_library(umbrage_${name} STATIC ${ARG_SOURCES})
     set(scope PUBLIC)
-    target_compile_options(umbrage_${name} PRIVATE -Wall -Wextra $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> -Wno-missing-field-initializers $<$<BOOL:${UMBRAGE_WERROR}>:-Werror>)
+    set_target_properties(umbrage_${name} PROPERTIES UNITY_BUILD ${UMBRAGE_UNITY} UNITY_BUILD_BATCH_SIZE 8)
+    target_compile_options(umbrage_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   else()
     add_library(umbrage_${name} INTERFACE)
     set(scope INTERFACE)

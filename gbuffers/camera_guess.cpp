@@ -13,8 +13,6 @@
 namespace umbrage {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// Sets the window of a pinhole with these focal lengths and this centre, in pixels from the upper left corner.
 void set_window(Camera& camera, glm::dvec2 focal, glm::dvec2 center, int width, int height) {
   camera.left = float(-center.x / focal.x);
@@ -56,7 +54,7 @@ Result<KnownCamera> camera_of_options(const GBufferSettings& s, double aspect, i
     known.source = s.orthographic ? "orthographic, by option" : "by option";
   }
   if (s.fov_deg) {
-    known.camera = symmetric_camera(std::tan(double(*s.fov_deg) * kPi / 360.0), aspect);
+    known.camera = symmetric_camera(std::tan(double(*s.fov_deg) * std::numbers::pi / 360.0), aspect);
     known.source = "by option";
   }
   if (s.focal_length_mm) {
@@ -92,7 +90,7 @@ glm::dmat3 view_rotation(const ProjectionFit& fit) {
 
 double angle_of(const Camera& camera) {
   if (camera.projection == Projection::kOrthographic) return 0.0;
-  return (std::atan(double(camera.top)) - std::atan(double(camera.bottom))) * 180.0 / kPi;
+  return (std::atan(double(camera.top)) - std::atan(double(camera.bottom))) * 180.0 / std::numbers::pi;
 }
 
 bool is_camera_space(const ProjectionFit& fit) {
@@ -179,7 +177,7 @@ Result<KnownCamera> known_camera(const GBufferSettings& settings, std::span<cons
   if (known->has_window()) return known;
   if (const auto angle = vray_angle(headers)) {
     const glm::mat4 view = known->camera.view_from_world;
-    known->camera = symmetric_camera(std::tan(*angle * kPi / 360.0) / aspect, aspect);
+    known->camera = symmetric_camera(std::tan(*angle * std::numbers::pi / 360.0) / aspect, aspect);
     known->camera.view_from_world = view;
     known->source = "cameraFov of the file";
   }

@@ -17,7 +17,7 @@ constexpr std::array<float, 3> kNothing = {0.05f, 0.05f, 0.2f};
 constexpr float kBetween = 0.5f;  // grey between the cells
 
 /// One cell: three planes of display values.
-struct Cell {
+struct SheetCell {
   int width = 0, height = 0;
   std::array<std::vector<float>, 3> values;
 };
@@ -68,12 +68,12 @@ class DisplayMap {
   bool is_color_, is_srgb_;
 };
 
-Result<Cell> draw_cell(const LayeredFile& header, const ChannelGroup& group) {
+Result<SheetCell> draw_cell(const LayeredFile& header, const ChannelGroup& group) {
   std::vector<int> used = group.channels;
   if (used.size() > 3) used.resize(3);
   const auto image = read_channels(header, used);
   if (!image) return image.error();
-  Cell cell;
+  SheetCell cell;
   cell.width = std::min(kCellWidth, header.width);
   cell.height = std::max(1, int(std::lround(double(cell.width) * header.height / header.width)));
   std::vector<std::vector<float>> channels;
@@ -93,7 +93,7 @@ Result<Cell> draw_cell(const LayeredFile& header, const ChannelGroup& group) {
 
 Result<ContactSheet> draw_contact_sheet(const GBufferSettings& settings) {
   ContactSheet sheet;
-  std::vector<Cell> cells;
+  std::vector<SheetCell> cells;
   for (const RoleFile& file : role_files(settings)) {
     const auto header = read_header(file.path);
     if (!header) return header.error();
@@ -106,7 +106,7 @@ Result<ContactSheet> draw_contact_sheet(const GBufferSettings& settings) {
   }
   if (cells.empty()) return file_error("there is no layer to draw");
   int width = 1, height = 1;
-  for (const Cell& cell : cells) width = std::max(width, cell.width), height = std::max(height, cell.height);
+  for (const SheetCell& cell : cells) width = std::max(width, cell.width), height = std::max(height, cell.height);
   sheet.columns = int(std::ceil(std::sqrt(double(cells.size()) * height / width)));
   sheet.columns = std::clamp(sheet.columns, 1, int(cells.size()));
   const int rows = (int(cells.size()) + sheet.columns - 1) / sheet.columns;

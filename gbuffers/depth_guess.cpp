@@ -9,8 +9,6 @@
 namespace umbrage {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// Far over near of a relative depth whose offset nothing tells.
 constexpr double kFarOverNear = 10.0;
 
@@ -170,7 +168,9 @@ std::vector<Candidate> candidates_for(const DepthEvidence& e, const DepthModel& 
   return list;
 }
 
-Camera assumed_camera(double aspect) { return symmetric_camera(std::tan(kAssumedAngle_deg * kPi / 360.0), aspect); }
+Camera assumed_camera(double aspect) {
+  return symmetric_camera(std::tan(kAssumedAngle_deg * std::numbers::pi / 360.0), aspect);
+}
 
 /// Tries a candidate: with the known camera, else with all fields of view where the samples can tell.
 Trial try_candidate(const DepthEvidence& e, const Cells& cells, const DepthModel& model, bool& is_clear) {

@@ -9,8 +9,6 @@
 namespace umbrage {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// The value of a model that is linear in the image on flat surfaces: inverse depth, or depth in a parallel picture.
 double linear_on_planes(const DepthModel& model, double stored, double ray) {
   const double depth = view_depth(model, stored, ray);
@@ -129,7 +127,8 @@ Camera symmetric_camera(double half_height, double aspect) {
 Trial try_fields_of_view(const Cells& cells, const DepthModel& model, double aspect, bool& is_clear) {
   constexpr std::size_t kCoarse = 400;  // cells of the first trials
   constexpr int kSteps = 16, kRefinements = 14;
-  const double min_log = std::log(std::tan(4.0 * kPi / 180.0)), max_log = std::log(std::tan(62.0 * kPi / 180.0));
+  const double min_log = std::log(std::tan(4.0 * std::numbers::pi / 180.0)),
+               max_log = std::log(std::tan(62.0 * std::numbers::pi / 180.0));
   const Cells few = cells.some(kCoarse);
   const auto cost = [&](const Trial& trial) { return cells.have_normals ? trial.normals.squares : trial.flatness; };
   const auto at = [&](const Cells& used, double log_height) {

@@ -97,7 +97,6 @@ std::vector<double> angles_of(const DirectionPairs& pairs, const glm::dmat3& m) 
 
 // Pairs beyond this multiple of this quantile are outliers. A lower quantile would leave only one large plane.
 constexpr double kTrimmed = 1.5, kTrimmedQuantile = 0.75;
-constexpr double kPi = std::numbers::pi;
 
 }  // namespace
 
@@ -115,8 +114,8 @@ DirectionFit rate_directions(const DirectionPairs& pairs, const glm::dmat3& matr
   const std::vector<double> angles = angles_of(pairs, matrix);
   const double median = quantile(angles, 0.5);
   const double outer = quantile(angles, kTrimmedQuantile);
-  fit.median_deg = median * 180.0 / kPi;
-  fit.score_deg = (median + outer) / 2.0 * 180.0 / kPi;
+  fit.median_deg = median * 180.0 / std::numbers::pi;
+  fit.score_deg = (median + outer) / 2.0 * 180.0 / std::numbers::pi;
   double sum = 0.0, weights = 0.0;
   for (std::size_t k = 0; k < angles.size(); ++k)
     if (angles[k] <= kTrimmed * outer) {
@@ -210,7 +209,7 @@ std::optional<Rows34> linear_fit(const Normalized& data, const std::vector<char>
   return rows;
 }
 
-double apply(const std::array<double, 4>& row, const glm::dvec3& p) {
+double applied(const std::array<double, 4>& row, const glm::dvec3& p) {
   return row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3];
 }
 
@@ -218,8 +217,8 @@ double apply(const std::array<double, 4>& row, const glm::dvec3& p) {
 std::vector<double> distances_of(const Normalized& data, const Rows34& rows) {
   std::vector<double> out(data.points.size());
   for (std::size_t k = 0; k < out.size(); ++k) {
-    const double w = apply(rows[2], data.points[k]);
-    const glm::dvec2 q(apply(rows[0], data.points[k]) / w, apply(rows[1], data.points[k]) / w);
+    const double w = applied(rows[2], data.points[k]);
+    const glm::dvec2 q(applied(rows[0], data.points[k]) / w, apply(rows[1], data.points[k]) / w);
     const double d = glm::length(q - data.pixels[k]);
     out[k] = std::isfinite(d) ? d : 1e9;
   }
@@ -251,7 +250,7 @@ std::optional<ProjectionFit> parallel_camera(const Normalized& data, const Rows3
 std::optional<ProjectionFit> pinhole_camera(const Normalized& data, Rows34 rows) {
   double length = glm::length(vector_of(rows[2]));
   int ahead = 0;
-  for (const glm::dvec3& p : data.points) ahead += apply(rows[2], p) > 0.0 ? 1 : -1;
+  for (const glm::dvec3& p : data.points) ahead += applied(rows[2], p) > 0.0 ? 1 : -1;
   if (ahead < 0) length = -length;
   for (auto& row : rows)
     for (double& v : row) v /= length;

@@ -58,7 +58,7 @@ void count_triple(const std::array<float, 3>& depth, const std::vector<float>& l
                   bool orthographic, NeighbourCounts& counts) {
   constexpr int kFewLevels = 2;
   constexpr float kMinBend = 0.5f;  // of the difference to a neighbour; surfaces that are not in steps bend less
-  const auto [a, b, c] = depth;
+  const float a = depth[0], b = depth[1], c = depth[2];
   if ((a == b && b == c) || !std::isfinite(a) || !std::isfinite(b) || !std::isfinite(c)) return;
   ++counts.differing;
   const int first = level_of(b, levels) - level_of(a, levels), second = level_of(c, levels) - level_of(b, levels);

@@ -70,7 +70,7 @@ GltfPlacement placement_of(const Json& use, const JsonPlace& place, JsonFaults& 
 }
 
 /// A material that is being read.
-struct Reader {
+struct MaterialReader {
   GltfFile& file;
   GltfTextures& textures;
   const Json& json;
@@ -96,7 +96,7 @@ struct Reader {
 };
 
 /// Sets the colour, metalness and roughness of metal-roughness materials.
-void read_metal_rough(Reader& r, bool unlit) {
+void read_metal_rough(MaterialReader& r, bool unlit) {
   const Json& metal_rough = member(r.json, "pbrMetallicRoughness");
   const auto color =
       numbers_in<4>(metal_rough, "baseColorFactor", {1.0, 1.0, 1.0, 1.0}, 0.0, 1.0, r.place, r.file.faults);
@@ -124,7 +124,7 @@ void read_metal_rough(Reader& r, bool unlit) {
 }
 
 /// Sets the colour, metalness and roughness of specular-glossiness materials.
-void read_specular_glossiness(Reader& r, const Json& extension) {
+void read_specular_glossiness(MaterialReader& r, const Json& extension) {
   const auto color = numbers_in<4>(extension, "diffuseFactor", {1.0, 1.0, 1.0, 1.0}, 0.0, 1.0, r.place, r.file.faults);
   r.alpha = float(color[3]);
   const float glossiness = float(r.fraction(extension, "glossinessFactor", 1.0));
@@ -146,7 +146,7 @@ void read_specular_glossiness(Reader& r, const Json& extension) {
     set_highlight_of_roughness(converted.metallic, converted.roughness, r.material);
 }
 
-void read_emission(Reader& r) {
+void read_emission(MaterialReader& r) {
   const double strength =
       number_in(r.extension("emissive_strength"), "emissiveStrength", 1.0, 0.0, kMaxEmission, r.place, r.file.faults);
   r.material.emission = color_in(r.json, "emissiveFactor", 0.0, kMaxEmission, r.place, r.file.faults) * float(strength);
@@ -157,7 +157,7 @@ void read_emission(Reader& r) {
 }
 
 /// Sets the transmittance of glass [KHR_materials_transmission, KHR_materials_volume].
-void read_transmission(Reader& r, const std::string& color) {
+void read_transmission(MaterialReader& r, const std::string& color) {
   const Json &extension = r.extension("transmission"), &volume = r.extension("volume");
   // Only the dielectric part transmits.
   const float factor = float(r.fraction(extension, "transmissionFactor", 0.0)) * (1.0f - r.material.metallic);
@@ -181,7 +181,7 @@ void read_transmission(Reader& r, const std::string& color) {
 }
 
 /// Sets how a surface is cut out or blended.
-void read_alpha(Reader& r) {
+void read_alpha(MaterialReader& r) {
   Material& material = r.material;
   const std::string mode = text_of(member(r.json, "alphaMode"));
   const Texture* texture =
@@ -202,7 +202,7 @@ void read_alpha(Reader& r) {
   }
 }
 
-void find_maps(Reader& r, const Json& specular_glossiness) {
+void find_maps(MaterialReader& r, const Json& specular_glossiness) {
   const Json& metal_rough = member(r.json, "pbrMetallicRoughness");
   const bool is_old = specular_glossiness.is_object();
   r.uses[kColorMap] = is_old ? member(specular_glossiness, "diffuseTexture") : member(metal_rough, "baseColorTexture");
@@ -219,7 +219,7 @@ void find_maps(Reader& r, const Json& specular_glossiness) {
   }
 }
 
-void read_material(Reader& r) {
+void read_material(MaterialReader& r) {
   constexpr double kMaxNormalScale = 1e6;
   Material& material = r.material;
   material.name = text_of(member(r.json, "name"));
@@ -259,7 +259,7 @@ GltfMaterials read_gltf_materials(GltfFile& file, Scene& scene) {
   GltfTextures textures(file, scene);
   const Json& list = member(file.json, "materials");
   for (std::size_t k = 0; k <= count_of(list); ++k) {
-    Reader reader{file, textures, element(list, k), {"materials", k}};
+    MaterialReader reader{file, textures, element(list, k), {"materials", k}};
     textures.has_borders = false;
     read_material(reader);
     result.has_borders.push_back(textures.has_borders);

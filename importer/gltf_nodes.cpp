@@ -8,7 +8,7 @@
 namespace umbrage {
 namespace {
 
-constexpr double kMaxCoordinate = 1e30;
+constexpr double kMaxNumber = 1e30;
 
 GltfNode node_of(GltfFile& file, const Json& json, std::size_t index) {
   const JsonPlace place{"nodes", index};
@@ -16,16 +16,15 @@ GltfNode node_of(GltfFile& file, const Json& json, std::size_t index) {
   if (!member(json, "matrix").is_null()) {
     std::array<double, 16> identity{};
     for (std::size_t k = 0; k < 16; k += 5) identity[k] = 1.0;
-    const auto m = numbers_in<16>(json, "matrix", identity, -kMaxCoordinate, kMaxCoordinate, place, file.faults);
+    const auto m = numbers_in<16>(json, "matrix", identity, -kMaxNumber, kMaxNumber, place, file.faults);
     glm::dmat4 matrix;
     for (int column = 0; column < 4; ++column)
       for (int row = 0; row < 4; ++row) matrix[column][row] = m[std::size_t(4 * column + row)];
     node.matrix = matrix;
   }
-  const auto t = numbers_in<3>(json, "translation", {}, -kMaxCoordinate, kMaxCoordinate, place, file.faults);
-  const auto s = numbers_in<3>(json, "scale", {1.0, 1.0, 1.0}, -kMaxCoordinate, kMaxCoordinate, place, file.faults);
-  const auto r =
-      numbers_in<4>(json, "rotation", {0.0, 0.0, 0.0, 1.0}, -kMaxCoordinate, kMaxCoordinate, place, file.faults);
+  const auto t = numbers_in<3>(json, "translation", {}, -kMaxNumber, kMaxNumber, place, file.faults);
+  const auto s = numbers_in<3>(json, "scale", {1.0, 1.0, 1.0}, -kMaxNumber, kMaxNumber, place, file.faults);
+  const auto r = numbers_in<4>(json, "rotation", {0.0, 0.0, 0.0, 1.0}, -kMaxNumber, kMaxNumber, place, file.faults);
   node.translation = {t[0], t[1], t[2]};
   node.scale = {s[0], s[1], s[2]};
   node.rotation = glm::dquat(r[3], r[0], r[1], r[2]);

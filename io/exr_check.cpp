@@ -74,8 +74,8 @@ bool has_claimed_size(std::FILE* stream, std::string_view type, std::int64_t cla
   const std::int64_t end = std::ftell(stream) + claimed;
   if (type == "preview") {
     std::array<std::int64_t, 2> sides{};
-    return read_numbers(stream, sides) && sides[0] >= 0 && sides[1] >= 0 && sides[0] <= kMaxSide &&
-           sides[1] <= kMaxSide && 8 + 4 * sides[0] * sides[1] == claimed;
+    return read_numbers(stream, sides) && sides[0] >= 0 && sides[1] >= 0 && sides[0] <= kMaxFileSide &&
+           sides[1] <= kMaxFileSide && 8 + 4 * sides[0] * sides[1] == claimed;
   }
   if (type == "chlist") {
     constexpr long kChannelBytes = 16;
@@ -95,9 +95,9 @@ bool is_huge(std::FILE* stream, std::string_view name, std::string_view type) {
   std::array<std::int64_t, 4> numbers{};
   if (type == "box2i" && (name == "dataWindow" || name == "displayWindow"))
     return read_numbers(stream, numbers) &&
-           (numbers[2] - numbers[0] >= kMaxSide || numbers[3] - numbers[1] >= kMaxSide);
+           (numbers[2] - numbers[0] >= kMaxFileSide || numbers[3] - numbers[1] >= kMaxFileSide);
   if (type != "tiledesc" || !read_numbers(stream, std::span(numbers).first(2))) return false;
-  return std::uint32_t(numbers[0]) > kMaxSide || std::uint32_t(numbers[1]) > kMaxSide;
+  return std::uint32_t(numbers[0]) > kMaxFileSide || std::uint32_t(numbers[1]) > kMaxFileSide;
 }
 
 }  // namespace
@@ -127,7 +127,7 @@ Result<void> check_exr_headers(const fs::path& file, std::FILE* stream, std::int
       return file_error(
           "'{}' has windows or tiles in its header that are larger than {} pixels per side, the maximum that can "
           "be read",
-          file.string(), kMaxSide);
+          file.string(), kMaxFileSide);
     if (std::fseek(stream, value + long(bytes), SEEK_SET) != 0) return damaged;
   }
 }

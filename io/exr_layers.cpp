@@ -230,7 +230,7 @@ void read_luminance(const fs::path& file, const ExrPart& part, const Span& rows,
 int unit_of(const ExrPart& part, const Imf::Header& header) {
   std::int64_t unit = rows_per_block(header);
   for (const ExrChannel& channel : part.channels)
-    unit = std::min(std::lcm(unit, std::int64_t(channel.y_sampling)), std::int64_t(kMaxSide));
+    unit = std::min(std::lcm(unit, std::int64_t(channel.y_sampling)), std::int64_t(kMaxFileSide));
   return int(unit);
 }
 
@@ -312,7 +312,8 @@ Result<void> read_exr_rows(const LayeredFile& file, std::span<const int> channel
     }
     std::int64_t unit = 1;
     for (const ExrPart& part : parts)
-      unit = std::min(std::lcm(unit, std::int64_t(unit_of(part, input.header(part.index)))), std::int64_t(kMaxSide));
+      unit =
+          std::min(std::lcm(unit, std::int64_t(unit_of(part, input.header(part.index)))), std::int64_t(kMaxFileSide));
     return target.each_block(int(unit), [&](int first, int end) -> Result<void> {
       for (const ExrPart& part : parts) {
         fill_outside(part, first, end, file.width, target);
@@ -336,7 +337,7 @@ bool is_deep(const Imf::Header& header) {
 }
 
 int rows_per_block(const Imf::Header& header) {
-  if (header.hasTileDescription()) return int(std::min<std::int64_t>(header.tileDescription().ySize, kMaxSide));
+  if (header.hasTileDescription()) return int(std::min<std::int64_t>(header.tileDescription().ySize, kMaxFileSide));
   switch (header.compression()) {
     case Imf::ZIP_COMPRESSION:
     case Imf::PXR24_COMPRESSION:

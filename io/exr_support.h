@@ -43,8 +43,8 @@ std::optional<Camera> camera_of(const Imf::Header& header);
 /// Returns whether the first bytes of a file are those of an EXR file.
 bool is_exr(std::string_view start);
 
-/// Opens a file whose headers were checked: each window has at most kMaxSide pixels per side, and the file is not too
-/// short for its pixels at the maximum compression. Throws the library's exceptions. Errors: kFile.
+/// Opens a file whose headers were checked: each window has at most kMaxFileSide pixels per side, and the file is not
+/// too short for its pixels at the maximum compression. Throws the library's exceptions. Errors: kFile.
 Result<std::unique_ptr<Imf::MultiPartInputFile>> open_exr(const std::filesystem::path& file);
 
 /// Runs `work` and turns the library's exceptions into kFile errors that name the file. Memory that is missing, which

@@ -125,15 +125,16 @@ std::string printable(std::string_view text) {
 }
 
 Result<void> check_sides(const fs::path& file, std::int64_t width, std::int64_t height) {
-  if (width >= 1 && height >= 1 && width <= kMaxSide && height <= kMaxSide) return {};
+  if (width >= 1 && height >= 1 && width <= kMaxFileSide && height <= kMaxFileSide) return {};
   return file_error("'{}' has {} x {} pixels in its header: 1 to {} per side can be read", file.string(), width, height,
-                    kMaxSide);
+                    kMaxFileSide);
 }
 
 Result<void> check_size(const fs::path& file, std::int64_t width, std::int64_t height) {
-  if (width >= 1 && height >= 1 && width <= kMaxSide && height <= kMaxSide && width * height <= kMaxPixels) return {};
+  if (width >= 1 && height >= 1 && width <= kMaxFileSide && height <= kMaxFileSide && width * height <= kMaxFilePixels)
+    return {};
   return file_error("'{}' has {} x {} pixels in its header: 1 to {} per side and at most {} in total can be read",
-                    file.string(), width, height, kMaxSide, kMaxPixels);
+                    file.string(), width, height, kMaxFileSide, kMaxFilePixels);
 }
 
 Result<std::vector<const Plane*>> picture_planes(const fs::path& file, const Image& image, bool with_alpha) {

@@ -97,9 +97,10 @@ Result<void> check_layout(const fs::path& file, Reader& reader) {
   if (orientation != ORIENTATION_TOPLEFT)
     return file_error("'{}' has the orientation {}: only 1 (top left) can be read, so rotate it first", file.string(),
                       orientation);
-  if (reader.is_tiled() && (reader.tile_width > kMaxSide || reader.tile_height < 1 || reader.tile_height > kMaxSide))
+  if (reader.is_tiled() &&
+      (reader.tile_width > kMaxFileSide || reader.tile_height < 1 || reader.tile_height > kMaxFileSide))
     return file_error("'{}' has tiles of {} x {} pixels: 1 to {} per side can be read", file.string(),
-                      reader.tile_width, reader.tile_height, kMaxSide);
+                      reader.tile_width, reader.tile_height, kMaxFileSide);
   const std::uint64_t bytes =
       reader.is_tiled() ? TIFFTileSize64(reader.tiff.get()) : TIFFScanlineSize64(reader.tiff.get());
   if (bytes < 1 || bytes > std::uint64_t(kMaxBytes))

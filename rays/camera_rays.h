@@ -2,11 +2,14 @@
 #pragma once
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
+#include <limits>
 
 #include "core/gbuffer.h"
 #include "rays/traced_scene.h"
 
 namespace umbrage {
+
+inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// The rays of a camera. The ray through the point (x, y) of the picture, in pixels from its top left corner, starts at
 /// origin + x origin_x + y origin_y. Its direction is direction + x direction_x + y direction_y. The component of the

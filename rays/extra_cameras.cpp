@@ -14,7 +14,6 @@
 namespace umbrage {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr int kSides = 4;
 constexpr int kGrid = 32;               // grid of rays, per side of the picture, that measure its depth
 constexpr float kFreeFraction = 0.95f;  // max fraction of the free distance: keeps the camera out of the wall

@@ -16,8 +16,7 @@
 namespace umbrage {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr int kGrid = 32;                       // grid of rays, per side of the picture
+constexpr int kRayGrid = 32;                    // grid of rays, per side of the picture
 constexpr float kMinDefaultCosine = 0.15f;      // min mean cosine of the default light on the visible surfaces
 constexpr float kMinSunCosine = 0.02f;          // min mean cosine of the best sun; with less, sunlight cannot enter
 constexpr float kDefaultDirectionBonus = 0.2f;  // relative bonus of a sun in the direction of the default light
@@ -41,9 +40,10 @@ std::vector<VisiblePoint> visible_surfaces(const TracedScene& traced, const Pict
   const CameraRays rays = camera_rays(traced, info);
   std::vector<VisiblePoint> points;
   if (!rays_within_limit(rays, info)) return points;
-  for (int j = 0; j < kGrid; ++j)
-    for (int i = 0; i < kGrid; ++i) {
-      const float x = (float(i) + 0.5f) / kGrid * float(info.width), y = (float(j) + 0.5f) / kGrid * float(info.height);
+  for (int j = 0; j < kRayGrid; ++j)
+    for (int i = 0; i < kRayGrid; ++i) {
+      const float x = (float(i) + 0.5f) / kRayGrid * float(info.width),
+                  y = (float(j) + 0.5f) / kRayGrid * float(info.height);
       const glm::vec3 origin = rays.origin_at(x, y), direction = rays.direction_at(x, y);
       alignas(16) RTCRayHit hit;
       if (!first_hit(traced, origin, direction, hit)) continue;

@@ -6,6 +6,8 @@
 
 namespace umbrage {
 
+inline constexpr int kRowsPerTask = 16;  ///< enough to outweigh the scratch memory of a task
+
 inline bool is_counted(PixelClass pixel) { return pixel != PixelClass::kBackground; }
 
 inline float finite_or_zero(float value) { return std::isfinite(value) ? value : 0.0f; }

@@ -47,11 +47,9 @@ const std::vector<Sensitivity> kRedGreen = {{1.0, 0.0053}};
 const std::vector<Sensitivity> kBlueYellow = {{34.1, 0.04}, {13.5, 0.025}};
 constexpr double kMaxB = 0.04;
 
-constexpr int kRowsPerTask = 16;  // rows per task: enough to outweigh its scratch memory
-
 /// A filter along one axis: weights at distances 0, 1, ... towards larger coordinates; towards smaller ones, `sign`
 /// times these weights.
-struct Kernel {
+struct Filter {
   std::vector<float> weights;
   float sign = 1.0f;
 };
@@ -59,7 +57,7 @@ struct Kernel {
 /// A term of a blur: `fraction` times the Gaussian along both axes.
 struct Blur {
   float fraction;
-  Kernel gaussian;
+  Filter gaussian;
 };
 
 /// Returns the reach of a filter with a standard deviation in pixels: 3 standard deviations.
@@ -68,10 +66,10 @@ int reach(double deviation) { return int(std::ceil(3.0 * deviation)); }
 int blur_reach() { return reach(std::sqrt(kMaxB / (2.0 * pi * pi)) * kPixelsPerDegree); }
 
 /// Returns a symmetric filter: weights at distances 0, 1, ..., normalized by their sum over both sides.
-Kernel even_kernel(const std::vector<double>& weights) {
+Filter even_kernel(const std::vector<double>& weights) {
   double sum = weights[0];
   for (std::size_t k = 1; k < weights.size(); ++k) sum += 2.0 * weights[k];
-  Kernel kernel;
+  Filter kernel;
   for (double w : weights) kernel.weights.push_back(float(w / sum));
   return kernel;
 }
@@ -99,7 +97,7 @@ std::vector<Blur> blur_of(const std::vector<Sensitivity>& terms) {
 /// The feature detectors along their axis, and the Gaussian across it, which both use. Positive weights sum to 1,
 /// negative weights to -1.
 struct Detectors {
-  Kernel across, edge, point;
+  Filter across, edge, point;
 };
 
 Detectors make_detectors() {
@@ -123,7 +121,7 @@ Detectors make_detectors() {
 
 /// Returns the reach of the widest filter.
 int max_reach() {
-  const auto reach = [](const Kernel& kernel) { return int(kernel.weights.size()) - 1; };
+  const auto reach = [](const Filter& kernel) { return int(kernel.weights.size()) - 1; };
   static const int result = [&] {
     const Detectors detectors = make_detectors();
     return std::max({blur_reach(), reach(detectors.across), reach(detectors.edge), reach(detectors.point)});
@@ -140,7 +138,7 @@ struct Row {
 };
 
 /// Filters a plane along its columns. `out` receives row y of the result.
-void filter_down(const Plane& plane, int y, const Kernel& kernel, Row& out) {
+void filter_down(const Plane& plane, int y, const Filter& kernel, Row& out) {
   const int width = plane.width;
   float* sums = out.begin();
   const float* centre = plane.row(y);
@@ -155,7 +153,7 @@ void filter_down(const Plane& plane, int y, const Kernel& kernel, Row& out) {
 }
 
 /// Filters along a row and adds the result to `out`.
-void filter_along(const Row& row, const Kernel& kernel, float fraction, std::vector<float>& out) {
+void filter_along(const Row& row, const Filter& kernel, float fraction, std::vector<float>& out) {
   const int width = int(out.size());
   const float* centre = row.begin();
   for (int x = 0; x < width; ++x) out[x] += fraction * kernel.weights[0] * centre[x];

@@ -9,7 +9,6 @@
 namespace umbrage {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 // Max distance of two surfaces that count as one, as in captures: a fraction of the sum of a hit's distances from the
 // scene's centre and from the ray's start.
 constexpr float kLayerStep = 1e-5f;

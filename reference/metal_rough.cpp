@@ -14,7 +14,7 @@ using glm::dvec3;
 constexpr double kPi = 3.14159265358979;
 constexpr double kDielectric = 0.04;  // reflectance at normal incidence
 constexpr double kMinAlpha = 0.002;   // as effects/lighting
-constexpr double kMinCosine = 1e-4;
+constexpr double kMinLobeCosine = 1e-4;
 
 /// Returns the width of the lobe.
 double alpha_of(const MetalRough& surface) {
@@ -35,7 +35,7 @@ double visibility(double nl, double nv, double alpha) {
 
 dvec3 times_pi_cosine(const MetalRough& surface, const dvec3& to_light) {
   const dvec3 n(surface.normal), v(surface.to_eye);
-  const double nl = glm::dot(n, to_light), nv = std::max(glm::dot(n, v), kMinCosine);
+  const double nl = glm::dot(n, to_light), nv = std::max(glm::dot(n, v), kMinLobeCosine);
   if (!(nl > 0.0)) return dvec3(0.0);
   const dvec3 half = glm::normalize(v + to_light);
   const double vh = std::max(glm::dot(v, half), 0.0), alpha = alpha_of(surface);

@@ -21,8 +21,6 @@ constexpr double kSigma = 1.5;
 constexpr double kC1 = 0.01 * 0.01;
 constexpr double kC2 = 0.03 * 0.03;
 
-constexpr int kRowsPerTask = 16;  // rows per task: enough to outweigh its scratch memory
-
 enum Moment { kWeight, kA, kB, kAA, kBB, kAB, kMoments };
 
 std::array<double, kRadius + 1> window() {

@@ -46,7 +46,7 @@ struct Cell {
 };
 
 /// A set of cells that becomes one light.
-struct Part {
+struct Patch {
   std::vector<Cell> cells;
   double weight = 0.0;
   dvec3 mean{0.0};        ///< weighted mean of the directions, not unit
@@ -70,8 +70,8 @@ dvec3 main_axis(const dmat3& m) {
   return v;
 }
 
-Part part_of(std::vector<Cell> cells) {
-  Part part;
+Patch part_of(std::vector<Cell> cells) {
+  Patch part;
   for (const Cell& cell : cells) {
     part.weight += cell.weight;
     part.mean += cell.weight * cell.direction;
@@ -90,7 +90,7 @@ Part part_of(std::vector<Cell> cells) {
 
 /// Splits a part in two across its axis, where the weighted sum of the halves' variances is smallest. Returns the
 /// remaining fraction of the variance; 1 if the part cannot be split. Sorts the part's cells.
-double split_part(Part& part, std::array<Part, 2>& halves) {
+double split_part(Patch& part, std::array<Patch, 2>& halves) {
   std::sort(part.cells.begin(), part.cells.end(), [&](const Cell& a, const Cell& b) {
     return glm::dot(a.direction, part.axis) < glm::dot(b.direction, part.axis);
   });
@@ -116,22 +116,22 @@ double split_part(Part& part, std::array<Part, 2>& halves) {
 
 /// Splits the cells into at most kMaxEnvironmentLights parts. The part with the largest weight times variance is split
 /// first.
-std::vector<Part> parts_of(std::vector<Cell> cells) {
+std::vector<Patch> parts_of(std::vector<Cell> cells) {
   const double narrow = glm::radians(kNarrowDeg), wide = glm::radians(kWideDeg);
-  std::vector<Part> parts, done;
+  std::vector<Patch> parts, done;
   parts.push_back(part_of(std::move(cells)));
   while (!parts.empty()) {
-    const auto widest = std::max_element(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
+    const auto widest = std::max_element(parts.begin(), parts.end(), [](const Patch& a, const Patch& b) {
       return a.weight * a.variance < b.weight * b.variance;
     });
-    Part part = std::move(*widest);
+    Patch part = std::move(*widest);
     parts.erase(widest);
-    std::array<Part, 2> halves;
+    std::array<Patch, 2> halves;
     const bool has_room = parts.size() + done.size() + 2 <= std::size_t(kMaxEnvironmentLights);
     if (has_room && part.half_angle() > narrow) {
       const double variance_left = split_part(part, halves);
       if (variance_left < kMaxVarianceLeft || (variance_left < 1.0 && part.half_angle() > wide)) {
-        for (Part& half : halves) parts.push_back(std::move(half));
+        for (Patch& half : halves) parts.push_back(std::move(half));
         continue;
       }
     }
@@ -142,7 +142,7 @@ std::vector<Part> parts_of(std::vector<Cell> cells) {
 
 /// Converts a part to a light. On a surface that faces the light, its irradiance equals the part's. The light's disc
 /// has the solid angle over which the part's light is spread.
-Light light_of(const Part& part) {
+Light light_of(const Patch& part) {
   std::array<dvec3, 3> vectors{};  // irradiance of each colour, as a vector
   double squares = 0.0;
   for (const Cell& cell : part.cells) {
@@ -385,7 +385,7 @@ EnvironmentLight environment_light(const Panorama& panorama) {
   Panorama rest = image;
   if (!cells.empty()) {
     const auto parts = parts_of(std::move(cells));
-    for (const Part& part : parts) {
+    for (const Patch& part : parts) {
       if (!(part.weight > kMinLightFraction * luminance(all))) continue;
       out.lights.push_back(light_of(part));
       for (const Cell& cell : part.cells)

@@ -19,12 +19,6 @@ using Index = MeshIndex;
 /// less than a ten-millionth of its length, which is the precision of a float, and its normal is noise.
 constexpr double kDegenerate = 1e-7;
 
-/// Larger coordinates count as not finite, so that squares of lengths stay in the range of floats.
-constexpr float kMaxCoordinate = 1e15f;
-
-/// Normals of a file that are shorter count as missing.
-constexpr float kMinNormalLength = 1e-12f;
-
 constexpr glm::vec3 kAnyNormal{0.0f, 1.0f, 0.0f};
 
 bool usable(const glm::vec3& p) {

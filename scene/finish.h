@@ -11,6 +11,11 @@
 
 namespace umbrage {
 
+/// Larger coordinates count as not finite, so that squares of lengths stay in the range of floats.
+inline constexpr float kMaxCoordinate = 1e15f;
+/// Normals that are shorter count as missing.
+inline constexpr float kMinNormalLength = 1e-12f;
+
 /// What Scene::bounds_min and bounds_max contain.
 enum class BoundsOf { kAll, kAllButStrays };
 

@@ -15,11 +15,11 @@ namespace umbrage {
 namespace {
 
 /// The up direction and two directions that span the horizontal plane. The projection along `up` is the plan view.
-struct Axes {
+struct GroundAxes {
   glm::vec3 up, right, front;
 };
 
-Axes axes_of(const Scene& scene) {
+GroundAxes axes_of(const Scene& scene) {
   const glm::vec3 up = glm::normalize(scene.up);
   const glm::vec3 other = std::fabs(up.x) < 0.9f ? glm::vec3(1, 0, 0) : glm::vec3(0, 0, 1);
   const glm::vec3 right = glm::normalize(glm::cross(other, up));
@@ -31,7 +31,7 @@ struct Extent {
   glm::vec3 min{std::numeric_limits<float>::infinity()}, max{-std::numeric_limits<float>::infinity()};
 };
 
-Extent extent_of(const Scene& scene, const Axes& axes) {
+Extent extent_of(const Scene& scene, const GroundAxes& axes) {
   Extent extent;
   for (const Mesh& mesh : scene.meshes)
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
@@ -48,7 +48,7 @@ Extent extent_of(const Scene& scene, const Axes& axes) {
 /// A grid over the plan view: height and slope of the top surface in each cell.
 class PlanGrid {
  public:
-  PlanGrid(const Axes& axes, const Extent& extent)
+  PlanGrid(const GroundAxes& axes, const Extent& extent)
       : axes_(axes), min_(extent.min), scale_(float(kCells) / glm::max(extent.max - extent.min, 1e-30f)) {}
 
   void add_triangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, bool floor) {
@@ -119,7 +119,7 @@ class PlanGrid {
     if (floor) top.floor = std::min(top.floor, height);
   }
 
-  Axes axes_;
+  GroundAxes axes_;
   glm::vec3 min_, scale_;
   std::vector<Top> tops_ = std::vector<Top>(std::size_t(kCells * kCells));
 };
@@ -137,7 +137,7 @@ bool lacks_own_ground(const Scene& scene) {
   constexpr float kMaxValley = 0.2f;      // the same fraction for low land between hills
   constexpr float kMaxUnderRoofs = 0.5f;  // max fraction of the cells under roofs in hills: trees count as roofs
   if (scene.meshes.empty()) return false;
-  const Axes axes = axes_of(scene);
+  const GroundAxes axes = axes_of(scene);
   const Extent extent = extent_of(scene, axes);
   const glm::vec3 size = extent.max - extent.min;
   const float width = std::max(size.x, size.z);
@@ -168,7 +168,7 @@ void add_ground(Scene& scene, std::optional<float> lowest_light_deg) {
   constexpr float kMaxRadius = 16.0f;
   // Distance of the disc below the model, as a fraction of the model's radius: keeps its lowest faces visible.
   constexpr float kOffsetBelow = 1e-4f;
-  const Axes axes = axes_of(scene);
+  const GroundAxes axes = axes_of(scene);
   const Extent extent = extent_of(scene, axes);
   const float radius = scene.radius();
   float radii = kDefaultRadius;

@@ -20,14 +20,13 @@
 
 #include "core/absolute_length.h"
 #include "core/basis.h"
+#include "scene/finish.h"
 #include "scene/point_normals.h"
 
 namespace umbrage {
 namespace {
 
 constexpr int kNeighbors = 12;  // enough to fit a plane to noisy points; few enough to lie on one side of a wall
-constexpr float kMaxCoordinate = 1e15f;  // as for triangles (scene/finish.cpp)
-constexpr float kMinNormalLength = 1e-12f;
 // In units of the spacing: the max half width of a hole that discs close, and the max radius of a disc. A few pinholes
 // look better than oversized discs.
 constexpr double kMaxHoleHalfWidth = 2.5, kMaxDiscRadius = 1.5;

@@ -10,6 +10,7 @@
 
 #include "core/check.h"
 #include "scene/crease_angle.h"
+#include "scene/finish.h"
 #include "scene/mesh_corners.h"
 #include "scene/winding.h"
 
@@ -68,8 +69,6 @@ struct CornerGroups {
   }
 };
 
-/// Normals that are shorter count as missing.
-constexpr float kMinNormalLength = 1e-12f;
 constexpr glm::vec3 kAnyNormal{0.0f, 1.0f, 0.0f};
 
 /// Creates vertices from groups of corners that share a normal.

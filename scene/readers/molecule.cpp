@@ -20,12 +20,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kBlank = " \t\r,;";
-
 /// Removes the first word of a line and returns it.
-std::string_view take_word(std::string_view& line) {
-  line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
-  const std::string_view word = line.substr(0, line.find_first_of(kBlank));
+std::string_view take_column(std::string_view& line) {
+  line.remove_prefix(std::min(line.find_first_not_of(kColumnBlank), line.size()));
+  const std::string_view word = line.substr(0, line.find_first_of(kColumnBlank));
   line.remove_prefix(word.size());
   return word;
 }
@@ -49,7 +47,7 @@ std::optional<T> integer_of(std::string_view word) {
 
 /// Returns the atom of a line: a word that begins with a letter, or an atomic number, and three numbers.
 std::optional<Atom> atom_of(std::string_view line) {
-  const std::string_view symbol = take_word(line);
+  const std::string_view symbol = take_column(line);
   if (symbol.empty()) return std::nullopt;
   Atom atom{glm::dvec3(0.0), std::string(symbol)};
   if (!std::isalpha(static_cast<unsigned char>(symbol[0]))) {
@@ -58,7 +56,7 @@ std::optional<Atom> atom_of(std::string_view line) {
     if (atom.symbol.empty()) return std::nullopt;
   }
   for (int axis = 0; axis < 3; ++axis) {
-    const auto value = number_of(take_word(line));
+    const auto value = number_of(take_column(line));
     if (!value || !std::isfinite(*value)) return std::nullopt;
     atom.position[axis] = *value;
   }
@@ -104,11 +102,11 @@ bool is_molecule(std::string_view text) {
   for (int line = 0; line < kLines && !text.empty(); ++line) {
     std::string_view row = take_line(text);
     const auto atom = atom_of(row);
-    const std::string_view word = take_word(row);
+    const std::string_view word = take_column(row);
     const bool is_symbol = !word.empty() && std::isalpha(static_cast<unsigned char>(word[0]));
     // Atomic numbers in place of symbols are known by the head of the file.
     if (atom && find_element(atom->symbol) && (is_symbol || (line == 2 && has_head))) return true;
-    if (line == 0) has_head = integer_of<std::uint64_t>(word) && take_word(row).empty();
+    if (line == 0) has_head = integer_of<std::uint64_t>(word) && take_column(row).empty();
     if (line == 1) has_head = has_head && !number_of(word);
   }
   return false;
@@ -120,8 +118,8 @@ Result<Scene> read_molecule(const fs::path& path, std::string_view text, Poll* p
   std::vector<Atom> atoms;
   std::size_t line = 0, bad = 0, first_bad = 0;
   std::string_view ahead = rest, first = take_line(ahead);
-  const auto number = integer_of<std::uint64_t>(take_word(first));
-  const bool has_count = number && take_word(first).empty();
+  const auto number = integer_of<std::uint64_t>(take_column(first));
+  const bool has_count = number && take_column(first).empty();
   const std::uint64_t count = number.value_or(0);
   if (has_count) {
     rest = ahead;
@@ -135,7 +133,7 @@ Result<Scene> read_molecule(const fs::path& path, std::string_view text, Poll* p
     if (poll && line % kLinesPerPoll == 0 && poll->passing(1.0 - double(rest.size()) / double(text.size())))
       return interrupted();
     std::string_view row = take_line(rest), words = row;
-    const std::string_view word = take_word(words);
+    const std::string_view word = take_column(words);
     if (word.empty() || word.starts_with('#')) continue;
     if (auto atom = atom_of(row)) {
       atoms.push_back(std::move(*atom));

@@ -12,6 +12,8 @@
 
 namespace umbrage {
 
+inline constexpr std::string_view kColumnBlank = " \t\r,;";  ///< what separates the columns of a text
+
 struct Atom {
   glm::dvec3 position;
   std::string symbol;  ///< begins with an element's symbol

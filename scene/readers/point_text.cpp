@@ -22,7 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxColumns = 10;
-constexpr std::string_view kBlank = " \t\r,;";
 constexpr std::size_t kMaxBad = 4;  // one line in four may be bad
 
 /// The numbers of a line, up to the first word that is not a number.
@@ -36,11 +35,12 @@ struct Row {
 Row row_of(std::string_view line) {
   Row row;
   while (row.count < kMaxColumns) {
-    line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
+    line.remove_prefix(std::min(line.find_first_not_of(kColumnBlank), line.size()));
     if (line.empty()) break;
     double value = 0.0;
     const char *stop = line.data(), *const end = stop + line.size();
-    row.all_numbers = read_number(stop, end, value) && (stop == end || kBlank.find(*stop) != std::string_view::npos);
+    row.all_numbers =
+        read_number(stop, end, value) && (stop == end || kColumnBlank.find(*stop) != std::string_view::npos);
     if (!row.all_numbers) break;
     if (row.count < 3) row.position[int(row.count)] = value;
     row.values[row.count++] = float(value);
@@ -121,8 +121,8 @@ Row ordered(const Row& row, const std::vector<std::size_t>& order, std::string_v
   Row out = row;
   std::size_t column = 0;
   for (const std::size_t to : order) {
-    line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
-    const std::string_view word = line.substr(0, line.find_first_of(kBlank));
+    line.remove_prefix(std::min(line.find_first_not_of(kColumnBlank), line.size()));
+    const std::string_view word = line.substr(0, line.find_first_of(kColumnBlank));
     line.remove_prefix(word.size());
     const Row single = row_of(word);
     out.values[to] = row.values[column++];
@@ -162,7 +162,7 @@ Rows read_rows(std::string_view text, Poll* poll) {
     if (poll && number % kLinesPerPoll == 0 && poll->passing(double(line.data() - text.data()) / double(text.size())))
       return false;
     if (out.rows.empty() && order.empty()) order = order_of(line);
-    line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
+    line.remove_prefix(std::min(line.find_first_not_of(kColumnBlank), line.size()));
     if (line.empty() || line.starts_with('#') || line.starts_with("//")) return true;
     const Row row = row_of(line);
     if (row.count == 0 && out.rows.empty() && number == 1) return true;  // column names

@@ -20,7 +20,7 @@ namespace umbrage {
 namespace {
 
 /// Max pixels of a texture: a gigabyte of RGBA. The header of a damaged file may contain any size.
-constexpr std::int64_t kMaxPixels = std::int64_t(1) << 28;
+constexpr std::int64_t kMaxTexturePixels = std::int64_t(1) << 28;
 
 /// The size in an image's header.
 struct ImageHeader {
@@ -58,7 +58,7 @@ Result<std::vector<std::uint8_t>> read_bytes(const std::filesystem::path& file) 
 }  // namespace
 
 Result<Texture> decode_texture(std::span<const std::uint8_t> bytes, const std::string& name) {
-  if (const auto header = check_header(bytes, name, kMaxPixels); !header) return header.error();
+  if (const auto header = check_header(bytes, name, kMaxTexturePixels); !header) return header.error();
   const int size = int(bytes.size());
   int width = 0, height = 0, channels = 0;
   constexpr int kRgba = 4;
