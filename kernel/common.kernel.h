@@ -1,5 +1,37 @@
 // Functions that all kernels share, in the kernel dialect. F is the FrameConstants of the picture.
 
+// Declarations for texts that are several kernels: macros of the kernel give the flags, 0 or 1, and the names of planes.
+// IN_REAL_AS declares the plane whose name is the macro `plane`, as near_LOCAL(i, j), and OUT_REAL_AS as
+// store_LOCAL(v). With the flag 0, those that end in _IF declare no plane: near_LOCAL and read_NAME_of return 0, and
+// store_LOCAL does nothing.
+#define UMBRAGE_NEAR_AS(type, local, plane) \
+  FN type near_##local(int i, int j) { return near_##plane(i, j); }
+#define UMBRAGE_STORE_AS(type, local, plane) \
+  FN void store_##local(type v) { store_##plane(v); }
+#define IN_REAL_AS(local, plane) IN_REAL(plane) UMBRAGE_NEAR_AS(Real, local, plane)
+#define OUT_REAL_AS(local, plane) OUT_REAL(plane) UMBRAGE_STORE_AS(Real, local, plane)
+#define UMBRAGE_IF(flag, declaration) UMBRAGE_IF_PASTE(flag, declaration)
+#define UMBRAGE_IF_PASTE(flag, declaration) declaration##flag
+#define UMBRAGE_IN_COLOR_1(local, plane) IN_COLOR(plane) UMBRAGE_NEAR_AS(Vec3, local, plane)
+#define UMBRAGE_IN_COLOR_0(local, plane) \
+  FN Vec3 near_##local(int i, int j) { return Vec3(Real(0.0f), Real(0.0f), Real(0.0f)); }
+#define UMBRAGE_OUT_COLOR_1(local, plane) OUT_COLOR(plane) UMBRAGE_STORE_AS(Vec3, local, plane)
+#define UMBRAGE_OUT_VECTOR_1(local, plane) OUT_VECTOR(plane) UMBRAGE_STORE_AS(Vec3, local, plane)
+#define UMBRAGE_OUT_COLOR_0(local, plane) \
+  FN void store_##local(Vec3 v) {}
+#define UMBRAGE_OUT_VECTOR_0(local, plane) UMBRAGE_OUT_COLOR_0(local, plane)
+#define UMBRAGE_LAYERS_1(name) IN_LAYERS_REAL(name)
+#define UMBRAGE_LAYERS_0(name) \
+  FN Real read_##name##_of(int layer, Int place) { return Real(0.0f); }
+#define UMBRAGE_FURTHER_1(name) IN_LAYERS_REAL(name)
+#define UMBRAGE_FURTHER_0(name) IN_REAL(name) UMBRAGE_LAYERS_0(name)
+#define IN_COLOR_IF(flag, local, plane) UMBRAGE_IF(flag, UMBRAGE_IN_COLOR_)(local, plane)
+#define OUT_COLOR_IF(flag, local, plane) UMBRAGE_IF(flag, UMBRAGE_OUT_COLOR_)(local, plane)
+#define OUT_VECTOR_IF(flag, local, plane) UMBRAGE_IF(flag, UMBRAGE_OUT_VECTOR_)(local, plane)
+#define IN_LAYERS_REAL_IF(flag, name) UMBRAGE_IF(flag, UMBRAGE_LAYERS_)(name)
+// The plane of the first layer, and with the flag 1 those of the others.
+#define IN_REAL_AND_LAYERS_IF(flag, name) UMBRAGE_IF(flag, UMBRAGE_FURTHER_)(name)
+
 // Returns v, or 0 where it is NaN or infinite.
 FN Real finite_or_zero(Real v) { return select(is_finite(v), v, Real(0.0f)); }
 FN Vec3 finite_or_zero(Vec3 v) { return Vec3(finite_or_zero(v.x), finite_or_zero(v.y), finite_or_zero(v.z)); }

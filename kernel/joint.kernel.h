@@ -4,8 +4,7 @@
 // A pixel is on the surface of another if its point is near the other's plane, and the other way round, and their
 // normals differ little. Planes alone would join the two sides of a fold, and normals alone two parallel walls.
 //
-// It declares the inputs `depth` and `normal`. The kernel that includes this file may declare its own planes in the
-// first ten lines of a file.
+// It declares the inputs `depth` and `normal`.
 
 #include "kernel/surface.kernel.h"
 

@@ -2,26 +2,25 @@
 // of the pixel; a surface above the tangent plane covers an interval of directions. Based on the visibility bitmask of
 // [Therrien et al. 2023], with bits of equal cosine weight (bitmask_measure.kernel.h).
 //
-// Several kernels include this text. Before that, they define:
-//   kLayers                        whether occluders are searched in all depth layers, or only in the first
-//   kLight                         whether occluders contribute indirect light
-//   kBent                          whether the mean unoccluded direction is stored
-//   depth_of                       returns the depth of a pixel in a layer behind the first
-//   normal_of, outgoing_light_of   return the normal and the outgoing light of a pixel in a layer
-//   store_light, store_bent        store the gathered light and the mean unoccluded direction
-// Files such as bitmask_one_layer.kernel.h hold definitions that several kernels share.
+// With LAYERS, occluders are searched in all depth layers, else in the first. With LIGHT, they contribute indirect light.
+// With BENT, the mean unoccluded direction is stored.
 //
 // The pixel that a tap reads does not have its centre exactly in the slice. The tap uses the pixel's true height above
 // the tangent plane, and its distance along the slice. So a plane does not occlude itself, whatever its tilt.
 //
 // The choice of the pixel uses only operations that round identically on every machine, so no rsqrt.
+IN_REAL_AND_LAYERS_IF(LAYERS, depth)
 IN_VECTOR(normal)
 IN_REAL(bitmask_mips)
 OUT_REAL(ao)
+OUT_VECTOR_IF(BENT, bent_normal, bent)
+CONST bool kLayers = LAYERS == 1;
+CONST bool kBent = BENT == 1;
 
 #include "effects/bitmask/bitmask_measure.kernel.h"
 #include "effects/bitmask/bitmask_noise.kernel.h"
 #include "effects/bitmask/bitmask_sky.kernel.h"
+#include "effects/hemisphere/hemisphere_light.kernel.h"
 
 CONST float kDepthRounding = 2e-6f;   // relative to the depth: 16 to 32 ulp
 CONST float kFirstStep = 1.3f;        // pixels; nearer taps would read the pixel itself
@@ -331,7 +330,7 @@ FN TapResult evaluate_tap(Origin from, Side side, Real distance_px, Real size, b
     Real next = depth;
     Real max_thickness = Real(3e38f);
     if (kLayers && i + 1 < count) {
-      next = depth_of(C.layer[i + 1], place_of(tap.x, tap.y));
+      next = read_depth_of(C.layer[i + 1], place_of(tap.x, tap.y));
       // The occluder ends where the next surface begins, at the latest.
       max_thickness = select(next > depth, next - depth, max_thickness);
     }
@@ -382,7 +381,7 @@ FN void gather(Int px, Int py) {
   if (!some(surface)) {
     store_ao(Real(1.0f));
     if (kLight) store_light(none);
-    if (kBent) store_bent(none);
+    if (kBent) store_bent_normal(none);
     return;
   }
   Real depth = select(surface, near_depth(0, 0), Real(1.0f));
@@ -470,5 +469,5 @@ FN void gather(Int px, Int py) {
     light = Vec3(min(light.x, Real(kMaxLight)), min(light.y, Real(kMaxLight)), min(light.z, Real(kMaxLight)));
     store_light(select(surface, finite_or_zero(light), none));
   }
-  if (kBent) store_bent(select(surface, select(dot(bent, bent) > 1e-12f, normalized(bent), point.normal), none));
+  if (kBent) store_bent_normal(select(surface, select(dot(bent, bent) > 1e-12f, normalized(bent), point.normal), none));
 }

@@ -1,10 +1,7 @@
 // Occlusion only, by occluders of infinite thickness. On each side of a slice, the highest occluder covers all
 // directions below it, so that one measurement per side suffices. Based on [Jimenez et al. 2016], Algorithm 1 and
 // equation 7; the measure is that of bitmask_measure.kernel.h.
-#include "effects/bitmask/bitmask_no_light.kernel.h"
-#include "effects/bitmask/bitmask_not_bent.kernel.h"
-#include "effects/bitmask/bitmask_one_layer.kernel.h"
-
+// KERNEL bitmask_horizon: LAYERS=0 BENT=0 LIGHT=0
 #include "effects/bitmask/bitmask.kernel.h"
 
 // Returns the larger of `highest` and the cosine to the surface at a tap, which approaches side.low towards the radius

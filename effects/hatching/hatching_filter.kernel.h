@@ -3,12 +3,7 @@
 //   direction_at  returns the weighted direction of the pixel (i, j) to the right and below
 //
 // Taps count where they show the same surface: not far from the plane of the pixel, which allows for curved surfaces,
-// and with a similar normal. Their weights fall with the square of the distance, to 0 beyond the last tap. Planes are
-// declared on other lines than those of the files that include this one.
-
-
-
-
+// and with a similar normal. Their weights fall with the square of the distance, to 0 beyond the last tap.
 IN_REAL(depth)
 IN_VECTOR(normal)
 #include "kernel/surface.kernel.h"

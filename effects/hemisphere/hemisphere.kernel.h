@@ -2,9 +2,8 @@
 // if the depth buffer has a surface in front of it; this surface, the occluder, reflects light to the pixel. Based on
 // [Colliander and Törnquist 2015], "SSAO Pass" and "Calculating Colour Bleed", equation 1.
 //
-// Two kernels include this text. Before that, each defines kGathersLight (whether it computes reflected light),
-// normal_of and outgoing_light_of (which return the normal and the emitted light of a layer's surface), and
-// store_light.
+// KERNEL hemisphere_occlusion: LIGHT=0
+// KERNEL hemisphere_bleeding: LIGHT=1
 //
 // Whether a sample counts depends on the pixel to which it projects. The computation of this pixel therefore uses only
 // operations that round identically on every machine, so no rsqrt.
@@ -22,6 +21,11 @@
 //   2/N  L cos(or) cos(oc)/cos(view)  b^2/d^2 / (a [sin(phi)] / ln(R/r0) + (1 - a) [phi] b/R)
 // where d is the distance from P to Q, and [] the difference between the point where the ray leaves the hemisphere and
 // Q. Since b^2/d^2 = cos^2(phi at Q), the light is bounded, however near Q is.
+IN_LAYERS_REAL(depth)
+IN_VECTOR(normal)
+OUT_REAL(ao)
+#include "effects/hemisphere/hemisphere_light.kernel.h"
+
 CONST float kDepthRounding = 2e-6f;  // relative to the depth: 16 to 32 ulp of a float
 CONST float kMinDepth = 1e-3f;       // min depth of a sample, relative to the pixel's; nearer ones move there
 CONST float kMinSpan = 0.02f;        // lower bound of [sin(phi)], whose range is 0 to 2
@@ -264,7 +268,7 @@ FN Occluder occluder_at(Receiver from, int i, Real x, Real y, Real tap, Real poi
   Bool occludes = in_front;
   if (C.other[i] != 0) occludes = occludes && may_occlude && dot(to_occluder, to_occluder) <= Real(C.radius * C.radius);
   if (C.rises != 0) occludes = occludes && dot(to_occluder, from.normal) > from.min_height;
-  if (kGathersLight) {
+  if (kLight) {
     // add_recorded_light() finds out whether the surface faces the pixel, and what it emits.
     in_front = in_front && dot(to_occluder, from.normal) > from.rounding;
     if (C.area == kHemisphereAreaMeasured)
@@ -282,8 +286,8 @@ FN int record_emitters(int found, Bool mask, int i, Real x, Real y, Real tap, Re
   return found + count_lanes(mask);
 }
 
-// Computes one pixel: stores `ao` and, if kGathersLight, the gathered light.
-FN void gather(Int px, Int py) {
+// Computes one pixel: stores `ao` and, if kLight, the gathered light.
+FN void hemisphere_pixel(Int px, Int py) {
   Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
   Real depth = near_depth(0, 0);
   Bool surface = is_surface(depth);
@@ -310,7 +314,7 @@ FN void gather(Int px, Int py) {
   int found_count = 0;
   Real occluded_sum = Real(0.0f);
   Real weight_sum = Real(0.0f);
-  if (kGathersLight) clear_arrived();
+  if (kLight) clear_arrived();
   Real max_column = Real(float(F.width - 1));
   Real max_row = Real(float(F.height - 1));
   // The comparison with a number lets a GPU compile the layer count into its shader (devices/vulkan/options.h); with
@@ -375,7 +379,7 @@ FN void gather(Int px, Int py) {
           Bool occludes = occluder.occludes && !is_occluded;
           occluded_sum = occluded_sum + select(occludes, occluder.weight * Real(C.points[5 * k + 4]), Real(0.0f));
           is_occluded = is_occluded || occludes;
-          if (kGathersLight) found_count = record_emitters(found_count, occluder.in_front, i, x, y, tap, point_depth);
+          if (kLight) found_count = record_emitters(found_count, occluder.in_front, i, x, y, tap, point_depth);
         } else {
           keep_tap_x(kept, x);
           keep_tap_y(kept, y);
@@ -403,9 +407,9 @@ FN void gather(Int px, Int py) {
       Bool occludes = occluder.occludes && !is_occluded;
       occluded_sum = occluded_sum + select(occludes, occluder.weight * Real(C.points[5 * k + 4]), Real(0.0f));
       is_occluded = is_occluded || occludes;
-      if (kGathersLight) found_count = record_emitters(found_count, occluder.in_front, i, x, y, tap, point_depth);
+      if (kLight) found_count = record_emitters(found_count, occluder.in_front, i, x, y, tap, point_depth);
     }
-    if (kGathersLight && (end == C.samples || found_count > kMaxFound - kListLength * kLanes)) {
+    if (kLight && (end == C.samples || found_count > kMaxFound - kListLength * kLanes)) {
       for (int i = 0; i < C.layer_count; i = C.view_end[i]) {
         add_recorded_light(found_count, i, position, normal, own_place);
       }
@@ -415,7 +419,7 @@ FN void gather(Int px, Int py) {
   Real occlusion = occluded_sum * Real(C.weight) / max(weight_sum, Real(1e-6f));
   bool stores_occlusion = C.occlusion != 0;
   store_ao(select(surface, stores_occlusion ? max(Real(0.0f), 1.0f - occlusion) : Real(1.0f), Real(1.0f)));
-  if (!kGathersLight) return;
+  if (!kLight) return;
   Vec3 light = sum_of_arrived() * Real(C.bleeding);
   light = Vec3(min(light.x, Real(kMaxLight)), min(light.y, Real(kMaxLight)), min(light.z, Real(kMaxLight)));
   store_light(select(surface, finite_or_zero(light), none));

@@ -5,9 +5,6 @@
 // surface, and takes long or needs the neighbouring pixels, is not computed again for these points: occlusion, indirect
 // light, and shadows that a filter has softened. A point gets the weighted mean of the nine nearest pixels of the first
 // sample. Those on its surface, and among these the nearest ones, have the largest weights.
-//
-// It declares inputs. The kernel that includes this file may declare its own planes in the first fifteen lines of a
-// file.
 
 #include "kernel/surface.kernel.h"
 

@@ -11,9 +11,13 @@
 // Differs, for kSsdoRadiance: a hidden direction brings the radiance of the surface that hides it. The paper adds form
 // factors of equal patches, whose sum depends on the view.
 //
-// Two kernels include this text. Before that, each defines kLight (whether it computes light), normal_of and
-// outgoing_light_of (the normal and the emitted light of a layer's surface), and store_light.
+// KERNEL ssdo_occlusion: LIGHT=0
+// KERNEL ssdo_light: LIGHT=1
+IN_LAYERS_REAL(depth)
+IN_VECTOR(normal)
+OUT_REAL(ao)
 #include "effects/hemisphere/hemisphere_basis.kernel.h"
+#include "effects/hemisphere/hemisphere_light.kernel.h"
 #include "effects/hemisphere/hemisphere_views.kernel.h"
 #include "kernel/sky.kernel.h"
 
@@ -153,7 +157,7 @@ FN Vec3 direction_of(int k, Vec3 turned_x, Vec3 turned_y, Vec3 normal, Real nois
 }
 
 // Computes one pixel: stores `ao` and, if kLight, the light.
-FN void gather(Int px, Int py) {
+FN void ssdo_pixel(Int px, Int py) {
   Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
   Real depth = near_depth(0, 0);
   Bool surface = is_surface(depth);

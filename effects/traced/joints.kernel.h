@@ -4,8 +4,6 @@
 // `traced_joints` holds 8 weights of kJointBits bits, 0 to kMaxJoint: those of the pixels 1, 2, 4 and 8 to the right,
 // then those of the pixels 1, 2, 4 and 8 below, from the lowest bits up. As an integer below 2^24 it is exact as a
 // float. The weight of two pixels is stored with the left or upper one.
-//
-// The kernel that includes this file may declare its own planes in the first ten lines of a file.
 
 #include "kernel/surface.kernel.h"
 

@@ -1,19 +1,26 @@
-// One pass of the filter. It averages the mean visibility of rays over five taps of a row or column. The weight of a
+// Averages the mean visibility of rays, and with LIGHT their light, over five taps of a row or column. The weight of a
 // tap is its confidence, n / (n + 1) for n rays, times the joint weight. Where `deviations` is set, values that differ
 // by more than chance explains are left out: rays are coin tosses, so the mean p of n rays has a standard deviation of
-// sqrt(p (1 - p) / n). The kernel that includes this file must first define:
-//   kAlongRows     whether the pass runs along rows (true) or columns (false)
-//   open_at        returns the mean visibility of the pixel (i, j) to the right and below
-//   confidence_at  returns the confidence of that value
-//   kLight         whether indirect light is filtered too
-//   light_at       returns the mean light of the rays of that pixel; 0 without light (traced_no_light.kernel.h)
+// sqrt(p (1 - p) / n).
+// KERNEL traced_across: ALONG_ROWS=1 LIGHT=0 OPEN=ao NEW_OPEN=traced_across CONFIDENCE=traced_confidence NEW_CONFIDENCE=traced_across_confidence
+// KERNEL traced_down: ALONG_ROWS=0 LIGHT=0 OPEN=traced_across NEW_OPEN=ao CONFIDENCE=traced_across_confidence NEW_CONFIDENCE=traced_confidence
+// KERNEL traced_light_across: ALONG_ROWS=1 LIGHT=1 OPEN=ao NEW_OPEN=traced_across CONFIDENCE=traced_confidence NEW_CONFIDENCE=traced_across_confidence INDIRECT=indirect NEW_INDIRECT=traced_light
+// KERNEL traced_light_down: ALONG_ROWS=0 LIGHT=1 OPEN=traced_across NEW_OPEN=ao CONFIDENCE=traced_across_confidence NEW_CONFIDENCE=traced_confidence INDIRECT=traced_light NEW_INDIRECT=indirect
+IN_REAL_AS(source_open, OPEN)
+IN_REAL_AS(source_confidence, CONFIDENCE)
+IN_COLOR_IF(LIGHT, source_light, INDIRECT)
+OUT_REAL_AS(new_open, NEW_OPEN)
+OUT_REAL_AS(new_confidence, NEW_CONFIDENCE)
+OUT_COLOR_IF(LIGHT, new_light, NEW_INDIRECT)
+CONST bool kAlongRows = ALONG_ROWS == 1;
+CONST bool kLight = LIGHT == 1;
+
 #include "effects/traced/joints.kernel.h"
 
-struct Filtered {
-  Real open;
-  Real confidence;
-  Vec3 light;
-};
+// Return the mean visibility of the rays of the pixel (i, j) to the right and below, its confidence, and their light.
+FN Real open_at(int i, int j) { return near_source_open(i, j); }
+FN Real confidence_at(int i, int j) { return near_source_confidence(i, j); }
+FN Vec3 light_at(int i, int j) { return near_source_light(i, j); }
 
 // Returns the variance of a mean of rays. Half a ray of either outcome is added, so that a few equal rays do not look
 // certain.
@@ -23,7 +30,7 @@ FN Real variance(Real open, Real confidence) {
   return p * (Real(1.0f) - p) * doubt;
 }
 
-FN Filtered filtered(Int px, Int py) {
+FN void traced_filter_pixel(Int px, Int py) {
   float deviations = C.deviations[F.round];
   Real joints = near_traced_joints(0, 0);
   Real open = open_at(0, 0);
@@ -61,9 +68,11 @@ FN Filtered filtered(Int px, Int py) {
   Real inverse_sum = Real(1.0f) / max(weight_sum, Real(1e-12f));
   if (kLight) {
     light = select(some_rays, light_sum * inverse_sum, light);
-    if (C.light_only[F.round] != 0) return Filtered(open, confidence, light);
   }
   // That of the number of equally weighted rays with the same variance.
   Real squared = weight_sum * weight_sum;
-  return Filtered(mad(change, inverse_sum, open), squared / max(squared + square_sum, Real(1e-24f)), light);
+  bool light_only = kLight && C.light_only[F.round] != 0;
+  store_new_open(light_only ? open : mad(change, inverse_sum, open));
+  store_new_confidence(light_only ? confidence : squared / max(squared + square_sum, Real(1e-24f)));
+  store_new_light(light);
 }

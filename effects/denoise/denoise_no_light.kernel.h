@@ -1,3 +1,0 @@
-// Definitions for denoise_filter.kernel.h: occlusion only, no indirect light.
-CONST bool kLight = false;
-FN Vec3 light_at(int i, int j) { return Vec3(Real(0.0f), Real(0.0f), Real(0.0f)); }
