@@ -162,7 +162,7 @@ Result<void> check_lines(const Lines& lines) {
 bool is_svg(const std::filesystem::path& file) { return lowercase_extension(file) == "svg"; }
 
 Result<std::string> svg_text(const Lines& lines, const SvgStyle& style) {
-  if (auto fine = check_lines(lines); !fine) return fine.error();
+  if (auto status = check_lines(lines); !status) return status.error();
   std::map<std::pair<LineKind, int>, std::string> groups;
   for (const Line& line : lines.lines) add_line(line, groups[{line.kind, line.object}]);
   std::string text = fmt::format(

@@ -130,7 +130,7 @@ Result<JobObject::ResolvedJob> JobObject::resolve(const GBufferFile* file) const
   if (!stroke_parameters) return stroke_parameters.error();
   // A shaded picture has the size of its depth image, or of its files.
   if (renders() || find_image("depth") || file)
-    if (auto fine = check_outputs(outputs_, width, height); !fine) return fine.error();
+    if (auto status = check_outputs(outputs_, width, height); !status) return status.error();
   return ResolvedJob{std::move(request), std::move(*recipe), std::move(*stroke_parameters)};
 }
 
@@ -173,8 +173,8 @@ Result<void> JobObject::execute() {
     if (const auto ids = ids_.find("object_id"); ids != ids_.end() && !renders())
       for (Line& line : traced.lines) line.object = int(caller_id(ids->second, float(line.object)));
   }
-  if (auto done = write_outputs(*frame, recipe, outputs_.empty() ? default_outputs(recipe) : outputs_); !done)
-    return done;
+  if (auto status = write_outputs(*frame, recipe, outputs_.empty() ? default_outputs(recipe) : outputs_); !status)
+    return status;
   lines = std::move(traced);
   line_color = stroke_settings.empty() ? std::array<float, 3>() : umbrage::line_color(stroke_settings);
   line_opacity = stroke_settings.empty() ? 0.0f : umbrage::line_opacity(stroke_settings);
@@ -264,11 +264,11 @@ Result<Frame> JobObject::draw_frame(const Plan& plan) {
   StageTimes times;
   const ProgressMonitor preparing = preparation_progress();
   const long made = kept_.made;
-  auto drawn = draw_keeping(
+  auto picture = draw_keeping(
       *device_->device, *completed_.scene, plan, kept_, times, [&] { return prepare_device(preparing); }, preparing,
       progress);
   counters.captures_made += kept_.made - made;
-  return drawn ? Result<Frame>(std::move(drawn->frame)) : drawn.error();
+  return picture ? Result<Frame>(std::move(picture->frame)) : picture.error();
 }
 
 Result<Frame> JobObject::shade_frame(const Request& request, const Recipe& recipe) {
@@ -281,9 +281,9 @@ Result<Frame> JobObject::shade_frame(const Request& request, const Recipe& recip
   counters.planes_copied += shared->copied;
   ids_ = std::move(shared->ids);
   StageTimes times;
-  auto drawn = shade_planes(*device_->device, std::move(shared->gbuffer), recipe, times, progress);
-  if (!drawn) return drawn.error();
-  return std::move(drawn->frame);
+  auto picture = shade_planes(*device_->device, std::move(shared->gbuffer), recipe, times, progress);
+  if (!picture) return picture.error();
+  return std::move(picture->frame);
 }
 
 Result<GBufferFile> JobObject::open_files() {
@@ -361,7 +361,7 @@ Result<void> JobObject::write_outputs(const Frame& frame, const Recipe& recipe, 
     for (Output& previous : last)
       if (previous.pass == output.pass) output.own = std::move(previous.own);
   for (std::size_t k = 0; k < outputs.size(); ++k)
-    if (auto done = fill(frame, recipe, planes[k], outputs[k]); !done) return done;
+    if (auto status = fill(frame, recipe, planes[k], outputs[k]); !status) return status;
   results_ = std::move(outputs);
   return {};
 }

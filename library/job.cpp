@@ -89,7 +89,7 @@ Result<void> JobObject::set(const std::string& name, const std::string& text) {
   }
   const std::string owner = name.substr(0, name.find('.'));
   if (owner == name || owner == "camera") return unknown_parameter(name, renders() ? "render" : "shade");
-  if (auto fine = check_setting(name + "=" + text); !fine) return fine;
+  if (auto status = check_setting(name + "=" + text); !status) return status;
   settings_[name] = text;
   return {};
 }

@@ -85,7 +85,7 @@ Result<void> add_images(std::span<const std::pair<std::string, SharedImage>> ima
 Result<void> write_images(const std::string& file, std::span<const std::pair<std::string, SharedImage>> images,
                           WriteSettings settings) {
   Request ignored;  // set_option only checks the value, since a Request has no field for `bits`
-  if (auto fine = set_option(option_of("bits"), fmt::format("{}", settings.bits), ignored); !fine) return fine;
+  if (auto status = set_option(option_of("bits"), fmt::format("{}", settings.bits), ignored); !status) return status;
   const auto format = format_of(file);
   if (!format) return Error{ErrorKind::kUsage, format.error().message};
   if (images.empty()) return usage_error("there is no picture to write to '{}'", file);

@@ -68,8 +68,8 @@ Result<Recipe> make_file_recipe(const Request& request, const GBufferFile& file)
   if (request.look.empty() && request.effects.empty() && file.has_plane("beauty.r")) of_file.look = "comp";
   auto recipe = make_shading_recipe(of_file, kMaxStripPixels);
   if (!recipe) return recipe;
-  if (auto fine = check_beauty(*recipe, file); !fine) return fine.error();
-  if (auto fine = resolve_reduction(request, *recipe); !fine) return fine.error();
+  if (auto status = check_beauty(*recipe, file); !status) return status.error();
+  if (auto status = resolve_reduction(request, *recipe); !status) return status.error();
   if (file.has_plane("ambient.r") && !is_set(*recipe, "relight", "source"))
     as<RelightParams>(params_of(recipe->settings, "relight")).source = kRelightPlanes;
   if (file.depth_meaning() == DepthMeaning::kHeight) shade_as_relief(*recipe);
@@ -99,10 +99,10 @@ Result<ShadedFile> shade_whole_file(Device& device, const GBufferFile& file, con
   GBuffer gbuffer{.info = started(file.info(), start), .layers = {}};
   gbuffer.layers.push_back(std::move(*rows));
   times.done("read");
-  auto drawn = shade_planes(device, std::move(gbuffer), recipe, times, monitor, start ? start->stops : std::nullopt);
-  if (!drawn) return drawn.error();
-  const SequenceStart used = start_of(drawn->frame.info, drawn->stops.value_or(0.0f));
-  return ShadedFile{std::move(drawn->frame), used};
+  auto picture = shade_planes(device, std::move(gbuffer), recipe, times, monitor, start ? start->stops : std::nullopt);
+  if (!picture) return picture.error();
+  const SequenceStart used = start_of(picture->frame.info, picture->stops.value_or(0.0f));
+  return ShadedFile{std::move(picture->frame), used};
 }
 
 Result<SequenceStart> shade_file(Device& device, const GBufferFile& file, const Recipe& recipe,

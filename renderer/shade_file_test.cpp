@@ -141,14 +141,14 @@ Plane sky_view(const GBufferFile& file) {
   const auto device = make_cpu_device({});
   StageTimes times;
   Plane ao;
-  const auto done = shade_file(
+  const auto status = shade_file(
       *device, file, *recipe, {"ao"},
       [&](const PictureInfo&, const Image& rows, int) {
         ao = rows.planes[0];
         return Result<void>();
       },
       {}, times);
-  EXPECT_TRUE(done) << done.error().message;
+  EXPECT_TRUE(status) << status.error().message;
   return ao;
 }
 

@@ -19,9 +19,10 @@ StripSource file_source(Device& device, const GBufferFile& file, const Recipe& r
     auto frame = device.upload_strip(std::move(gbuffer), strip);
     const Effect& normals = *find_effect("normals");
     if (frame && !file.has_plane("normal.x"))
-      if (auto done = device.run(normals, params_of(recipe.settings, normals.name), *frame, 0, PixelSet::kAll, monitor);
-          !done)
-        return done.error();
+      if (auto status =
+              device.run(normals, params_of(recipe.settings, normals.name), *frame, 0, PixelSet::kAll, monitor);
+          !status)
+        return status.error();
     times.done("upload");
     return frame;
   };
@@ -61,7 +62,7 @@ Result<SequenceStart> shade_strips(Device& device, const GBufferFile& file, cons
   StripProgress progress(monitor, 1);
   StripDrawer drawer(device, std::move(source), rows, progress, times);
   const auto finish = [&](const Frame& frame, Image& part, int first) { return take(frame.info, part, first); };
-  if (auto drawn = drawer.draw_picture(planes, false, finish); !drawn) return drawn.error();
+  if (auto status = drawer.draw_picture(planes, false, finish); !status) return status.error();
   if (auto ended = progress.end(); !ended) return ended.error();
   return start_of(info, drawer.stops());
 }

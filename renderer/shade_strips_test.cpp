@@ -95,11 +95,11 @@ Image shaded(const GBufferFile& file, const Request& request, int rows, const st
   EXPECT_TRUE(recipe) << recipe.error().message;
   Collected picture;
   StageTimes times;
-  const auto done = rows > 0 ? shade_strips(*device, file, *recipe, rows, kPlanes, picture.take(), start, times)
-                             : shade_file(*device, file, *recipe, kPlanes, picture.take(), start, times);
-  EXPECT_TRUE(done) << done.error().message;
+  const auto shaded_start = rows > 0 ? shade_strips(*device, file, *recipe, rows, kPlanes, picture.take(), start, times)
+                                     : shade_file(*device, file, *recipe, kPlanes, picture.take(), start, times);
+  EXPECT_TRUE(shaded_start) << shaded_start.error().message;
   EXPECT_EQ(picture.next, file.info().height);
-  if (used) *used = *done;
+  if (used) *used = *shaded_start;
   return std::move(picture.image);
 }
 

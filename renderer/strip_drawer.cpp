@@ -41,10 +41,10 @@ Result<Lines> StripDrawer::draw_picture(const std::vector<std::string>& planes, 
     margins_.resize(std::max(margins_.size(), sweep_ + 1), margins_.empty() ? 0 : margins_.back());
     for (int begin = 0; begin < source_.height; begin += rows_) {
       const Rows strip{begin, std::min(begin + rows_, source_.height)};
-      const auto done = draw_strip({strip, 0, whole_planes}, planes, finish);
-      if (!done) return done.error();
-      if (begin > 0 && finished != *done) fail_check("strips of one picture wait for different dispatches");
-      finished = *done;
+      const auto strip_finished = draw_strip({strip, 0, whole_planes}, planes, finish);
+      if (!strip_finished) return strip_finished.error();
+      if (begin > 0 && finished != *strip_finished) fail_check("strips of one picture wait for different dispatches");
+      finished = *strip_finished;
       progress_.show(double(strip.end) / source_.height);
     }
     for (auto& [key, entry] : whole_planes->planes) entry.complete = true;
@@ -78,12 +78,12 @@ Result<bool> StripDrawer::draw_strip(Strip strip, const std::vector<std::string>
     prepare_plane_pool({std::max(strip.rows.begin - margin, 0), std::min(strip.rows.end + margin, height)});
     strip.margin = margin;
     first_ = std::clamp(strip.rows.begin, guard, height - guard) - guard;
-    const auto done = try_strip(strip, planes, finish);
-    if (!done) return done.error();
-    if (done->finished || done->missing_rows == 0) return done->finished;
+    const auto state = try_strip(strip, planes, finish);
+    if (!state) return state.error();
+    if (state->finished || state->missing_rows == 0) return state->finished;
     if (margin > height)
       fail_check(fmt::format("a strip of a picture {} pixels high needs too large a margin", height));
-    margin += done->missing_rows;
+    margin += state->missing_rows;
   }
 }
 

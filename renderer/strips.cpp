@@ -150,8 +150,8 @@ StripSource scene_source(Device& device, Plan& plan, const Camera& camera, Stage
           .lines = plan.lines.empty() ? line_parameters_or_none(plan.recipe) : plan.lines,
           .make_frame = captured,
           .after_look = [&](Frame& frame, const ProgressMonitor& monitor) -> Result<RunState> {
-            auto drawn = draw_lines(device, plan, frame, monitor, times);
-            if (!drawn || !drawn->finished || !plan.marked) return drawn;
+            auto state = draw_lines(device, plan, frame, monitor, times);
+            if (!state || !state->finished || !plan.marked) return state;
             const int missing = missing_rows_for_marked(device, plan, frame);
             return RunState{missing == 0, missing};
           }};
@@ -242,13 +242,13 @@ Result<Lines> draw_strips(Device& device, const Plan& planned, int rows, const s
     std::vector<std::string> names = index.blended ? with_blend_planes(averaged) : averaged;
     if (index.blended && index.sample == 0) names.insert(names.end(), drawn_lines.begin(), drawn_lines.end());
     camera = begin_picture(plan, index);
-    if (auto drawn = drawer.draw_picture(names, false, add); !drawn) return drawn.error();
+    if (auto status = drawer.draw_picture(names, false, add); !status) return status.error();
   }
   camera = begin_picture(plan, {});
-  auto drawn = drawer.draw_picture(wanted, lines, finish);
-  if (!drawn) return drawn.error();
+  auto traced = drawer.draw_picture(wanted, lines, finish);
+  if (!traced) return traced.error();
   if (auto ended = progress.end(); !ended) return ended.error();
-  return drawn;
+  return traced;
 }
 
 }  // namespace umbrage

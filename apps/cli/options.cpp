@@ -97,8 +97,8 @@ Result<void> check_text(const Option& row, const std::string& text) {
 
 void add_check(CLI::Option& option, Check check) {
   option.check([check = std::move(check)](const std::string& text) -> std::string {
-    const auto fine = text.empty() ? Result<void>() : check(text);  // main reports empty texts
-    return fine ? "" : fine.error().message;
+    const auto status = text.empty() ? Result<void>() : check(text);  // main reports empty texts
+    return status ? "" : status.error().message;
   });
 }
 

@@ -111,7 +111,7 @@ struct Viewer::Parts {
     } else if (const auto* pick = std::get_if<Pick>(&*message)) {
       drawing->pick(page, *pick);
     } else if (const auto* open = std::get_if<Open>(&*message)) {
-      if (auto done = open_upload(page, *open); !done) send(page, error_text(done.error().message));
+      if (auto status = open_upload(page, *open); !status) send(page, error_text(status.error().message));
     }
   }
 
@@ -177,7 +177,7 @@ Result<std::unique_ptr<Viewer>> Viewer::start(Settings settings) {
                           .threads = settings.request.threads,
                           .watch = settings.watch};
   for (ViewedFile& file : settings.models) {
-    if (auto fine = check_file(file); !fine) return fine.error();
+    if (auto status = check_file(file); !status) return status.error();
     if (file.file.starts_with('-')) file.file.insert(0, "./");  // commands would take it for an option
     Request request = settings.request;
     request.model = file.file;

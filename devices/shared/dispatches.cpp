@@ -47,9 +47,9 @@ Result<RunState> run_dispatches(const Effect& effect, const ParameterBytes& para
       round_of.push_back(round);
     }
   for (std::size_t k = 0; k < dispatches.size(); ++k) {
-    auto done = run({effect, *dispatches[k], params, constants, info, layer, round_of[k], pixels,
-                     std::span(dispatches).subspan(k + 1)});
-    if (!done || !done->finished) return done;
+    auto state = run({effect, *dispatches[k], params, constants, info, layer, round_of[k], pixels,
+                      std::span(dispatches).subspan(k + 1)});
+    if (!state || !state->finished) return state;
   }
   return RunState();
 }

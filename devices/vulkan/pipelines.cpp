@@ -41,7 +41,7 @@ std::vector<std::string_view> plane_table(const GpuStep& step) {
 Result<std::unique_ptr<Pipelines>> Pipelines::make(GpuPtr gpu, VkBuffer uniforms, std::filesystem::path file) {
   auto pipelines = std::unique_ptr<Pipelines>(new Pipelines(std::move(gpu)));
   pipelines->file_ = std::move(file);
-  if (auto done = pipelines->make_layouts(uniforms); !done) return done.error();
+  if (auto status = pipelines->make_layouts(uniforms); !status) return status.error();
   return pipelines;
 }
 

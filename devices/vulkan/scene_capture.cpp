@@ -34,7 +34,7 @@ Result<void> SceneCapture::release_memory() {
 Result<Frame> SceneCapture::capture(const Camera& camera, const CaptureSettings& settings,
                                     const ProgressMonitor& monitor) {
   if (!scene_) fail_check("capture before prepare");
-  if (auto fine = check_capture(settings); !fine) return fine.error();
+  if (auto status = check_capture(settings); !status) return status.error();
   Frame frame;
   frame.info = picture_info(*scene_->scene, camera, settings);
   frame.info.occluders = occluders_of(*scene_->scene, settings.occluders, occluders_);
@@ -69,9 +69,9 @@ Result<Frame> SceneCapture::capture(const Camera& camera, const CaptureSettings&
     for (int k = 1; k < all; ++k)
       if (kind_of(k) == LayerKind::kBack && frame.info.more_layers[std::size_t(k) - 1].of == layer) back = k;
     const auto softened = std::span(radii).first(layer == 0 ? radii.size() : 0);
-    if (auto done = draw_layer(frame, names, settings, layer, back, softened); !done) return done.error();
+    if (auto status = draw_layer(frame, names, settings, layer, back, softened); !status) return status.error();
   }
-  if (auto done = soften(frame, radii); !done) return done.error();
+  if (auto status = soften(frame, radii); !status) return status.error();
   return frame;
 }
 
@@ -101,9 +101,9 @@ Result<void> SceneCapture::draw_layer(const Frame& frame, const std::vector<std:
       std::size_t(settings.shadows);
   DevicePlanePtr indices;
   if (draws_ && can_draw(*scene_, constants, *gpu_)) {
-    const auto drawn = draw_triangle_indices(info, layer, planes, std::as_bytes(std::span(&constants, 1)), table);
-    if (!drawn) return drawn.error();
-    indices = *drawn;
+    const auto plane = draw_triangle_indices(info, layer, planes, std::as_bytes(std::span(&constants, 1)), table);
+    if (!plane) return plane.error();
+    indices = *plane;
     if (indices) table[kTriangleIndexSlot] = indices->address;
   }
   return dispatcher_->dispatch({*pipeline, "capture", layer_plane(layer, "planes"), kind}, info,
@@ -127,16 +127,16 @@ Result<DevicePlanePtr> SceneCapture::draw_triangle_indices(const PictureInfo& in
   }
   // The time per triangle grows with the size of the picture.
   const std::size_t size = std::bit_width(std::uint64_t(info.width) * std::uint64_t(info.height));
-  if (auto done = dispatcher_->dispatch({.pipeline = *pipeline,
-                                         .effect = "capture",
-                                         .dispatch = layer_plane(layer, "seen"),
-                                         .settings = (scene_->number * kMaxLayers + std::size_t(layer)) * 64 + size,
-                                         .target = target_.get(),
-                                         .triangles = scene_->triangles,
-                                         .points = scene_->points},
-                                        info, constants, table);
-      !done)
-    return done.error();
+  if (auto status = dispatcher_->dispatch({.pipeline = *pipeline,
+                                           .effect = "capture",
+                                           .dispatch = layer_plane(layer, "seen"),
+                                           .settings = (scene_->number * kMaxLayers + std::size_t(layer)) * 64 + size,
+                                           .target = target_.get(),
+                                           .triangles = scene_->triangles,
+                                           .points = scene_->points},
+                                          info, constants, table);
+      !status)
+    return status.error();
   const auto buffer = commands_->buffer();
   if (!buffer) return buffer.error();
   copy_triangle_indices(*gpu_, *buffer, *target_, **indices, planes.stride);
@@ -204,16 +204,16 @@ Result<void> SceneCapture::soften(const Frame& frame, std::span<const PenumbraPl
     for (const int second : {0, 1})
       for (const int down : {0, 1}) {
         if (second)
-          if (auto done = run(soften_reach_dispatch(), blocks, {},
-                              {{"penumbra", down ? penumbra.down : penumbra.across}, {"soften_reach", *reach}});
-              !done)
-            return done;
-        if (auto done = run(soften_dispatch(), frame.info, {.dx = 1 - down, .dy = down, .second = second},
-                            {{"soften_from", down ? *between : shadow},
-                             {"soften_to", down ? shadow : *between},
-                             {"soften_reach", *reach}});
-            !done)
-          return done;
+          if (auto status = run(soften_reach_dispatch(), blocks, {},
+                                {{"penumbra", down ? penumbra.down : penumbra.across}, {"soften_reach", *reach}});
+              !status)
+            return status;
+        if (auto status = run(soften_dispatch(), frame.info, {.dx = 1 - down, .dy = down, .second = second},
+                              {{"soften_from", down ? *between : shadow},
+                               {"soften_to", down ? shadow : *between},
+                               {"soften_reach", *reach}});
+            !status)
+          return status;
       }
   }
   return {};
