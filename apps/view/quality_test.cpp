@@ -128,5 +128,25 @@ TEST(ViewTables, HaveEveryOptionEffectAndLook) {
   EXPECT_EQ(kind_of("hdri-intensity"), "number");
 }
 
+TEST(ViewTables, TellTheTechniqueOfALook) {
+  const nlohmann::json looks = hello_tables()["looks"];
+  const auto studio =
+      std::find_if(looks.begin(), looks.end(), [](const auto& look) { return look["name"] == "studio"; });
+  ASSERT_NE(studio, looks.end());
+  EXPECT_EQ((*studio)["gbuffer_technique"], "bitmask");
+  EXPECT_EQ((*studio)["techniques"][""], "traced");
+  EXPECT_EQ((*studio)["techniques"]["draft"], "bitmask");
+  const auto technique_with = [&](const std::string& name, const std::string& text) -> std::string {
+    for (const auto& change : (*studio)["technique_changes"])
+      if (change["name"] == name && (!change.contains("text") || change["text"] == text)) return change["technique"];
+    return (*studio)["techniques"][""];
+  };
+  EXPECT_EQ(technique_with("ao-scale", "half"), "bitmask");
+  EXPECT_EQ(technique_with("ao-scale", "full"), "traced");
+  EXPECT_EQ(technique_with("ground", "off"), "traced");
+  EXPECT_EQ(technique_with("bitmask.slices", "4"), "bitmask");
+  EXPECT_EQ(technique_with("hemisphere.samples", "4"), "traced");
+}
+
 }  // namespace
 }  // namespace umbrage::view
