@@ -1,8 +1,8 @@
 #include "renderer/shade_strips.h"
 
 #include "renderer/draw.h"
-#include "renderer/lines.h"
 #include "renderer/strip_drawer.h"
+#include "renderer/strokes.h"
 
 namespace umbrage {
 namespace {
@@ -29,7 +29,7 @@ StripSource file_source(Device& device, const GBufferFile& file, const Recipe& r
   return {.run = look_run(recipe),
           .height = info.height,
           .guard = 0,
-          .lines = line_parameters_or_none(recipe),
+          .lines = stroke_parameters_or_none(recipe),
           .make_frame = read,
           .after_look = [](Frame&, const ProgressMonitor&) { return Result<RunState>(RunState()); }};
 }

@@ -4,7 +4,7 @@
 
 #include "core/check.h"
 #include "devices/shared/neutral.h"
-#include "renderer/lines.h"
+#include "renderer/strokes.h"
 
 namespace umbrage {
 
@@ -32,7 +32,7 @@ StripDrawer::StripDrawer(Device& device, StripSource source, int rows, StripProg
   source_.run.meter = [this](Device& of, const Frame& frame, Exposure by) { return meter(of, frame, by); };
 }
 
-Result<Lines> StripDrawer::draw_picture(const std::vector<std::string>& planes, bool lines, const Finish& finish) {
+Result<Strokes> StripDrawer::draw_picture(const std::vector<std::string>& planes, bool lines, const Finish& finish) {
   const auto whole_planes = std::make_shared<WholePlanes>();
   bool metered = false;
   sweep_ = 0;
@@ -55,18 +55,18 @@ Result<Lines> StripDrawer::draw_picture(const std::vector<std::string>& planes, 
     progress_.sweep_done();
   }
   progress_.sample_done(metered);
-  return lines ? lines_of(*whole_planes) : Lines();
+  return lines ? lines_of(*whole_planes) : Strokes();
 }
 
 /// Traces the lines from the planes that the strips have gathered for the host step.
-Lines StripDrawer::lines_of(WholePlanes& whole_planes) const {
+Strokes StripDrawer::lines_of(WholePlanes& whole_planes) const {
   Image planes(info_.width, info_.height);
   for (const std::string_view name : edge_planes(source_.lines, int(info_.more_layers.size()) + 1)) {
     planes.add(name) = Plane(info_.width, info_.height, neutral_value(name).value_or(0.0f));
     for (auto& [key, entry] : whole_planes.planes)
       if (std::get<0>(key) == info_.reduced && std::get<1>(key) == name) planes.plane(name) = std::move(entry.plane);
   }
-  return traced_lines(info_, planes, source_.lines, device_.threads());
+  return traced_strokes(info_, planes, source_.lines, device_.threads());
 }
 
 /// Draws a strip, again with a larger margin until the margin suffices. Returns whether the strip is finished; if not,

@@ -8,9 +8,9 @@
 #include "renderer/average.h"
 #include "renderer/background.h"
 #include "renderer/draw.h"
-#include "renderer/lines.h"
 #include "renderer/marked_samples.h"
 #include "renderer/strip_drawer.h"
+#include "renderer/strokes.h"
 
 namespace umbrage {
 namespace {
@@ -147,7 +147,7 @@ StripSource scene_source(Device& device, Plan& plan, const Camera& camera, Stage
   return {.run = look_run(plan.recipe),
           .height = plan.capture.height + 2 * plan.capture.guard,
           .guard = plan.capture.guard,
-          .lines = plan.lines.empty() ? line_parameters_or_none(plan.recipe) : plan.lines,
+          .lines = plan.lines.empty() ? stroke_parameters_or_none(plan.recipe) : plan.lines,
           .make_frame = captured,
           .after_look = [&](Frame& frame, const ProgressMonitor& monitor) -> Result<RunState> {
             auto state = draw_lines(device, plan, frame, monitor, times);
@@ -191,8 +191,8 @@ Result<PictureSum> sum_of_strip(Device& device, const Plan& plan, float stops, c
 
 }  // namespace
 
-Result<Lines> draw_strips(Device& device, const Plan& planned, int rows, const std::vector<std::string>& requested,
-                          bool lines, const TakeRows& take, StageTimes& times, const ProgressMonitor& monitor) {
+Result<Strokes> draw_strips(Device& device, const Plan& planned, int rows, const std::vector<std::string>& requested,
+                            bool lines, const TakeRows& take, StageTimes& times, const ProgressMonitor& monitor) {
   Plan plan = planned;
   const std::vector<std::string> planes = with_background_planes(plan, requested);
   StripProgress progress(monitor, plan.marked ? 1 : plan.pictures());

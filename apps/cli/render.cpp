@@ -22,10 +22,10 @@
 #include "io/image_file.h"
 #include "renderer/background.h"
 #include "renderer/draw.h"
-#include "renderer/lines.h"
 #include "renderer/passes.h"
 #include "renderer/setting_warnings.h"
 #include "renderer/strips.h"
+#include "renderer/strokes.h"
 #include "scene/origin.h"
 
 namespace umbrage::cli {
@@ -101,7 +101,7 @@ Result<void> draw_into_file(const RenderOptions& o, const RenderJob& job, Device
   const ImageShape shape{recipe.width, recipe.height,
                          convert_for_file(o, destination, pixel, names, recipe.settings, {}).names};
   HintStatistics statistics;
-  Lines traced;
+  Strokes traced;
   const glm::dmat4 view = view_from_file(plan.camera.view_from_world, plan.origin);
   const WriteSettings settings{.bits = o.bits(),
                                .half = o.half,
@@ -127,9 +127,9 @@ Result<void> draw_into_file(const RenderOptions& o, const RenderJob& job, Device
                              recipe.height);
         },
         [&]() -> Result<void> {
-          auto traced_lines = draw_strips(device, plan, strip_rows, wanted, bool(lines), take_rows, times, monitor);
-          if (!traced_lines) return traced_lines.error();
-          traced = std::move(*traced_lines);
+          auto strokes = draw_strips(device, plan, strip_rows, wanted, bool(lines), take_rows, times, monitor);
+          if (!strokes) return strokes.error();
+          traced = std::move(*strokes);
           return {};
         });
   };

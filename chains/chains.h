@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "lines/graph.h"
+#include "chains/graph.h"
 
 namespace umbrage {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <tuple>
 
-#include "lines/trace.h"
+#include "chains/trace.h"
 
 namespace umbrage {
 namespace {

@@ -1,4 +1,4 @@
-#include "renderer/lines.h"
+#include "renderer/strokes.h"
 
 #include <tbb/task_arena.h>
 
@@ -24,10 +24,10 @@ const Dispatch& tracing_dispatch(std::string_view effect) {
                        [](const Dispatch& dispatch) { return dispatch.host != nullptr; });
 }
 
-/// Appends the lines of an effect, which `trace` returns from the inputs of its host step, to `lines`.
+/// Appends the lines of an effect, which `trace` returns from the inputs of its host step, to `strokes`.
 template <class Constants>
-void append_lines(std::string_view effect, const PictureInfo& info, const Image& planes, const ParameterBytes& params,
-                  int threads, Lines (*trace)(const HostFrame&, const Constants&), std::vector<Line>& lines) {
+void append_strokes(std::string_view effect, const PictureInfo& info, const Image& planes, const ParameterBytes& params,
+                    int threads, Strokes (*trace)(const HostFrame&, const Constants&), std::vector<Stroke>& strokes) {
   if (params.empty()) return;
   Constants constants{};
   find_effect(effect)->constants(params, info, &constants);
@@ -40,17 +40,17 @@ void append_lines(std::string_view effect, const PictureInfo& info, const Image&
   }
   const std::vector<HostPlane> inputs = host_inputs(dispatch, in_table_order);
   const HostFrame frame{info, frame_constants(info, inputs[0].stride, 0), &constants, inputs, {}};
-  Lines traced;
+  Strokes traced;
   tbb::task_arena arena(std::max(threads, 1));
   arena.execute([&] { traced = trace(frame, constants); });
-  std::move(traced.lines.begin(), traced.lines.end(), std::back_inserter(lines));
+  std::move(traced.strokes.begin(), traced.strokes.end(), std::back_inserter(strokes));
 }
 
 /// Returns whether a part of the line may be visible in a picture of width x height pixels.
-bool is_inside(const Line& line, int width, int height) {
-  if (line.points.empty()) return false;
-  float left = line.points[0].x, right = left, top = line.points[0].y, bottom = top;
-  for (const LinePoint& p : line.points) {
+bool is_inside(const Stroke& stroke, int width, int height) {
+  if (stroke.points.empty()) return false;
+  float left = stroke.points[0].x, right = left, top = stroke.points[0].y, bottom = top;
+  for (const StrokePoint& p : stroke.points) {
     const float reach = 0.5f * std::max(p.width, 1.0f);
     left = std::min(left, p.x - reach), right = std::max(right, p.x + reach);
     top = std::min(top, p.y - reach), bottom = std::max(bottom, p.y + reach);
@@ -60,12 +60,12 @@ bool is_inside(const Line& line, int width, int height) {
 
 }  // namespace
 
-Result<LineParameters> line_parameters(std::string_view subject, std::span<const std::string_view> effects,
-                                       const EffectSettings& settings) {
+Result<StrokeParameters> stroke_parameters(std::string_view subject, std::span<const std::string_view> effects,
+                                           const EffectSettings& settings) {
   const auto runs = [&](std::string_view effect) {
     return std::find(effects.begin(), effects.end(), effect) != effects.end();
   };
-  LineParameters params;
+  StrokeParameters params;
   if (runs("hatching")) params.hatching = params_of(settings, "hatching");
   if (runs("hidden") && as<HiddenParams>(params_of(settings, "hidden")).draw)
     params.hidden = params_of(settings, "hidden");
@@ -86,18 +86,18 @@ Result<LineParameters> line_parameters(std::string_view subject, std::span<const
   return params;
 }
 
-Result<LineParameters> line_parameters(const Recipe& recipe) {
+Result<StrokeParameters> stroke_parameters(const Recipe& recipe) {
   const std::string subject =
       recipe.effects_look ? "the requested effects draw" : fmt::format("the look '{}' draws", recipe.look->name);
-  return line_parameters(subject, recipe.look->effects, recipe.settings);
+  return stroke_parameters(subject, recipe.look->effects, recipe.settings);
 }
 
-LineParameters line_parameters_or_none(const Recipe& recipe) {
-  auto params = line_parameters(recipe);
-  return params ? std::move(*params) : LineParameters();
+StrokeParameters stroke_parameters_or_none(const Recipe& recipe) {
+  auto params = stroke_parameters(recipe);
+  return params ? std::move(*params) : StrokeParameters();
 }
 
-std::vector<std::string_view> edge_planes(const LineParameters& params, int layers) {
+std::vector<std::string_view> edge_planes(const StrokeParameters& params, int layers) {
   std::vector<std::string_view> planes;
   const auto add = [&](std::string_view effect) {
     const auto contains = [](const auto& names, std::string_view name) {
@@ -114,33 +114,34 @@ std::vector<std::string_view> edge_planes(const LineParameters& params, int laye
   return planes;
 }
 
-Lines traced_lines(const PictureInfo& info, const Image& planes, const LineParameters& params, int threads) {
-  Lines lines{info.inner_width(), info.inner_height(), {}};
-  append_lines("outline", info, planes, params.outline, threads, trace_lines, lines.lines);
-  append_lines("hidden", info, planes, params.hidden, threads, hidden_lines, lines.lines);
-  append_lines("hatching", info, planes, params.hatching, threads, hatching_lines, lines.lines);
-  for (Line& line : lines.lines)
-    for (LinePoint& p : line.points) p.x -= float(info.guard), p.y -= float(info.guard);
-  std::erase_if(lines.lines, [&](const Line& line) { return !is_inside(line, lines.width, lines.height); });
-  return lines;
+Strokes traced_strokes(const PictureInfo& info, const Image& planes, const StrokeParameters& params, int threads) {
+  Strokes strokes{info.inner_width(), info.inner_height(), {}};
+  append_strokes("outline", info, planes, params.outline, threads, trace_lines, strokes.strokes);
+  append_strokes("hidden", info, planes, params.hidden, threads, hidden_lines, strokes.strokes);
+  append_strokes("hatching", info, planes, params.hatching, threads, hatching_lines, strokes.strokes);
+  for (Stroke& stroke : strokes.strokes)
+    for (StrokePoint& p : stroke.points) p.x -= float(info.guard), p.y -= float(info.guard);
+  std::erase_if(strokes.strokes,
+                [&](const Stroke& stroke) { return !is_inside(stroke, strokes.width, strokes.height); });
+  return strokes;
 }
 
-Result<Lines> traced_lines(Device& device, const Frame& frame, const LineParameters& params) {
+Result<Strokes> traced_strokes(Device& device, const Frame& frame, const StrokeParameters& params) {
   Frame whole_frame = frame;
   whole_frame.info.guard = 0;  // so that download returns the guard band, too
   const auto names = edge_planes(params, int(frame.info.more_layers.size()) + 1);
   const auto planes = device.download(whole_frame, {names.begin(), names.end()});
   if (!planes) return planes.error();
-  return traced_lines(frame.info, *planes, params, device.threads());
+  return traced_strokes(frame.info, *planes, params, device.threads());
 }
 
-std::array<float, 3> line_color(const LineParameters& params) {
+std::array<float, 3> stroke_color(const StrokeParameters& params) {
   if (params.outline.empty()) return {0.0f, 0.0f, 0.0f};
   const auto& outline = as<OutlineParams>(params.outline);
   return {srgb_from_linear(outline.r), srgb_from_linear(outline.g), srgb_from_linear(outline.b)};
 }
 
-float line_opacity(const LineParameters& params) {
+float stroke_opacity(const StrokeParameters& params) {
   return params.outline.empty() ? 1.0f : as<OutlineParams>(params.outline).opacity;
 }
 

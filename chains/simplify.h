@@ -2,12 +2,12 @@
 #pragma once
 #include <vector>
 
-#include "core/lines.h"
+#include "core/strokes.h"
 
 namespace umbrage {
 
 /// Returns the polyline without those points whose removal moves it by less than 1/20 of a pixel and changes its width
 /// by less than 1/10 of a pixel.
-std::vector<LinePoint> simplified(const std::vector<LinePoint>& points);
+std::vector<StrokePoint> simplified(const std::vector<StrokePoint>& points);
 
 }  // namespace umbrage

@@ -1,10 +1,10 @@
-// Lines of a picture as curves.
+// Strokes: the lines of a picture as curves with width.
 #pragma once
 #include <vector>
 
 namespace umbrage {
 
-enum class LineKind {
+enum class StrokeKind {
   kOutline,     ///< border of an object against another one, another material or the background
   kFold,        ///< an object occludes part of itself
   kCrease,      ///< two faces meet at an angle
@@ -13,22 +13,22 @@ enum class LineKind {
   kHidden,      ///< a dash of an edge behind the visible surface
 };
 
-struct LinePoint {
+struct StrokePoint {
   float x, y;   ///< pixels from the picture's upper left corner; the first pixel's centre lies at (0.5, 0.5)
   float width;  ///< pixels
 };
 
 /// A polyline with round ends and joins, whose width changes linearly from point to point.
-struct Line {
-  LineKind kind = LineKind::kOutline;  ///< kind of most of the line
-  int object = 0;                      ///< object_id of the nearer surface at its middle
-  bool closed = false;                 ///< the last point equals the first
-  std::vector<LinePoint> points;
+struct Stroke {
+  StrokeKind kind = StrokeKind::kOutline;  ///< kind of most of it
+  int object = 0;                          ///< object_id of the nearer surface at its middle
+  bool closed = false;                     ///< the last point equals the first
+  std::vector<StrokePoint> points;
 };
 
-struct Lines {
+struct Strokes {
   int width = 0, height = 0;  ///< of the picture, pixels
-  std::vector<Line> lines;
+  std::vector<Stroke> strokes;
 };
 
 }  // namespace umbrage

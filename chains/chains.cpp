@@ -1,4 +1,4 @@
-#include "lines/chains.h"
+#include "chains/chains.h"
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
 // Tests line tracing on small pictures with known edges.
-#include "lines/trace.h"
+#include "chains/trace.h"
 
+#include "chains/simplify.h"
 #include "core/check.h"
-#include "lines/simplify.h"
 
 namespace umbrage {
 namespace {
@@ -220,11 +220,11 @@ TEST(LineTracing, SmoothChainsAreStraightAndRound) {
 }
 
 TEST(LineTracing, SimplifiedLinesKeepTheirCorners) {
-  std::vector<LinePoint> corner;
+  std::vector<StrokePoint> corner;
   for (int k = 0; k <= 20; ++k) corner.push_back({float(std::min(k, 10)), float(std::max(k - 10, 0)), 2.0f});
-  const std::vector<LinePoint> kept = simplified(corner);
+  const std::vector<StrokePoint> kept = simplified(corner);
   EXPECT_LT(kept.size(), 8u);
-  EXPECT_TRUE(std::any_of(kept.begin(), kept.end(), [](const LinePoint& p) { return p.x == 10.0f && p.y == 0.0f; }));
+  EXPECT_TRUE(std::any_of(kept.begin(), kept.end(), [](const StrokePoint& p) { return p.x == 10.0f && p.y == 0.0f; }));
   EXPECT_EQ(kept.back().y, 10.0f);
 }
 
@@ -233,19 +233,19 @@ TEST(LineTracing, SimplifiedLinesAreCloseToAllPoints) {
   // radius).
   constexpr float kRadius = 40.0f;
   constexpr int kCount = 60;
-  std::vector<LinePoint> arc;
+  std::vector<StrokePoint> arc;
   for (int k = 0; k < kCount; ++k) {
     const float angle = float(k) / kRadius;
     arc.push_back({kRadius * std::sin(angle), kRadius * std::cos(angle), k == 35 ? 3.0f : 2.0f});
   }
-  const std::vector<LinePoint> kept = simplified(arc);
+  const std::vector<StrokePoint> kept = simplified(arc);
   EXPECT_LT(kept.size(), std::size_t(kCount / 2));
   EXPECT_EQ(kept.front().x, arc.front().x);
   EXPECT_EQ(kept.back().x, arc.back().x);
   std::size_t segment = 0;
-  for (const LinePoint& p : arc) {
+  for (const StrokePoint& p : arc) {
     while (kept[segment + 1].x < p.x) ++segment;
-    const LinePoint &a = kept[segment], &b = kept[segment + 1];
+    const StrokePoint &a = kept[segment], &b = kept[segment + 1];
     const float dx = b.x - a.x, dy = b.y - a.y;
     EXPECT_LT(std::abs((p.y - a.y) * dx - (p.x - a.x) * dy) / std::hypot(dx, dy), 0.0501f) << p.x;
     const float along = ((p.x - a.x) * dx + (p.y - a.y) * dy) / (dx * dx + dy * dy);

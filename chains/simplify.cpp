@@ -1,4 +1,4 @@
-#include "lines/simplify.h"
+#include "chains/simplify.h"
 
 #include <cmath>
 
@@ -9,8 +9,8 @@ constexpr float kTolerance = 0.05f;  // max distance of a removed point from the
 constexpr int kMaxSkip = 8;          // max number of points that one segment replaces
 
 /// Returns whether all points between `first` and `last` can be removed within the tolerance.
-bool can_skip(const std::vector<LinePoint>& p, std::size_t first, std::size_t last) {
-  const LinePoint &a = p[first], &b = p[last];
+bool can_skip(const std::vector<StrokePoint>& p, std::size_t first, std::size_t last) {
+  const StrokePoint &a = p[first], &b = p[last];
   const float dx = b.x - a.x, dy = b.y - a.y, length = std::hypot(dx, dy);
   if (length < 0.1f) return false;
   for (std::size_t k = first + 1; k < last; ++k) {
@@ -23,8 +23,8 @@ bool can_skip(const std::vector<LinePoint>& p, std::size_t first, std::size_t la
 
 }  // namespace
 
-std::vector<LinePoint> simplified(const std::vector<LinePoint>& p) {
-  std::vector<LinePoint> kept;
+std::vector<StrokePoint> simplified(const std::vector<StrokePoint>& p) {
+  std::vector<StrokePoint> kept;
   for (std::size_t k = 0; k < p.size();) {
     kept.push_back(p[k]);
     std::size_t next = k + 1;

@@ -1,4 +1,4 @@
-#include "lines/grid.h"
+#include "chains/grid.h"
 
 #include <tbb/parallel_for.h>
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "lines/trace.h"
+#include "chains/trace.h"
 
 namespace umbrage {
 namespace {

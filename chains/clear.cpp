@@ -1,7 +1,7 @@
 // Implements keep_clear_parts: cuts chains by the mean strength of their points.
 #include <algorithm>
 
-#include "lines/trace.h"
+#include "chains/trace.h"
 
 namespace umbrage {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <tuple>
 
-#include "lines/grid.h"
-#include "lines/trace.h"
+#include "chains/grid.h"
+#include "chains/trace.h"
 
 namespace umbrage {
 namespace {

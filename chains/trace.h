@@ -6,7 +6,7 @@
 #pragma once
 #include <functional>
 
-#include "lines/chains.h"
+#include "chains/chains.h"
 
 namespace umbrage {
 

@@ -1,4 +1,4 @@
-#include "lines/graph.h"
+#include "chains/graph.h"
 
 #include <algorithm>
 #include <limits>

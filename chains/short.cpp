@@ -1,7 +1,7 @@
 // Implements drop_short.
 #include <algorithm>
 
-#include "lines/trace.h"
+#include "chains/trace.h"
 
 namespace umbrage {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "lines/chains.h"
+#include "chains/chains.h"
 
 namespace umbrage {
 

@@ -1,5 +1,5 @@
 // Implements connect_ends: extends the ends of chains to the chains that they meet.
-#include "lines/trace.h"
+#include "chains/trace.h"
 
 namespace umbrage {
 namespace {
