@@ -5,8 +5,10 @@
 // are in pixels of the graph's picture.
 #pragma once
 #include <functional>
+#include <vector>
 
 #include "chains/chains.h"
+#include "core/strokes.h"
 
 namespace umbrage {
 
@@ -54,5 +56,9 @@ void smooth_chains(Tracing& t);
 /// Extends ends to the chains that they meet, or beyond the picture's border, and repeats the first point of each
 /// closed chain as its last.
 void connect_ends(Tracing& t);
+
+/// Returns the polyline without those points whose removal moves it by less than 1/20 of a pixel and changes its width
+/// by less than 1/10 of a pixel.
+std::vector<StrokePoint> simplified(const std::vector<StrokePoint>& points);
 
 }  // namespace umbrage

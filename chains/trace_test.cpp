@@ -1,7 +1,6 @@
 // Tests line tracing on small pictures with known edges.
 #include "chains/trace.h"
 
-#include "chains/simplify.h"
 #include "core/check.h"
 
 namespace umbrage {

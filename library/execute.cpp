@@ -6,10 +6,10 @@
 
 #include "library/job.h"
 #include "library/shared.h"
-#include "renderer/background.h"
 #include "renderer/passes.h"
 #include "renderer/reduced_rows.h"
 #include "renderer/setting_warnings.h"
+#include "renderer/written_passes.h"
 
 namespace umbrage {
 namespace {

@@ -10,7 +10,7 @@
 #include "devices/vulkan/vulkan_device.h"
 #include "effects/effects.h"
 #include "library/device.h"
-#include "renderer/isa_setting.h"
+#include "renderer/devices.h"
 #include "renderer/lens.h"
 #include "renderer/recipe.h"
 #include "umbrage/vulkan.h"

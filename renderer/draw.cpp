@@ -13,6 +13,23 @@
 #include "scene/studio_reflections.h"
 
 namespace umbrage {
+
+double TimeLimit::steady_clock() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+TimeLimit::TimeLimit(double seconds, Clock clock)
+    : seconds_(seconds), clock_(std::move(clock)), begin_(clock_()), last_(begin_) {}
+
+bool TimeLimit::fits_another(int samples) {
+  const double now = clock_(), duration = now - last_;
+  last_ = now;
+  if (samples_ > 0) durations_.insert(std::upper_bound(durations_.begin(), durations_.end(), duration), duration);
+  samples_ = samples;
+  const double expected = durations_.empty() ? duration / samples : durations_[durations_.size() / 2];
+  return now - begin_ + expected <= seconds_;
+}
+
 namespace {
 
 /// Returns a callback for the ray tracer of the reference, which may call it from any thread. The callback forwards

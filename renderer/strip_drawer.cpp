@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/check.h"
-#include "devices/shared/neutral.h"
+#include "devices/shared/planes.h"
 #include "renderer/strokes.h"
 
 namespace umbrage {

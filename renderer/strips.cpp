@@ -6,11 +6,11 @@
 #include <span>
 
 #include "renderer/average.h"
-#include "renderer/background.h"
 #include "renderer/draw.h"
 #include "renderer/marked_samples.h"
 #include "renderer/strip_drawer.h"
 #include "renderer/strokes.h"
+#include "renderer/written_passes.h"
 
 namespace umbrage {
 namespace {

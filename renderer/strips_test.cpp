@@ -9,10 +9,10 @@
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
 #include "looks/looks.h"
-#include "renderer/background.h"
 #include "renderer/draw.h"
 #include "renderer/models.h"
 #include "renderer/passes.h"
+#include "renderer/written_passes.h"
 
 namespace umbrage {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "core/srgb.h"
 #include "devices/shared/dispatches.h"
-#include "devices/shared/host_steps.h"
 #include "effects/effects.h"
 #include "effects/hatching/hatching_strokes.h"
 #include "effects/hidden/hidden_lines.h"

@@ -5,7 +5,6 @@
 #include <set>
 
 #include "devices/vulkan/pipelines.h"
-#include "devices/vulkan/slots.h"
 #include "effects/effects.h"
 #include "looks/looks.h"
 

@@ -1,6 +1,7 @@
 #include "apps/cli/options.h"
 
 #include <tbb/global_control.h>
+
 #include <unistd.h>
 #include <CLI/CLI.hpp>
 
@@ -10,7 +11,6 @@
 
 #include "io/image_file.h"
 #include "renderer/devices.h"
-#include "renderer/isa_setting.h"
 
 namespace umbrage::cli {
 namespace {

@@ -20,12 +20,12 @@
 #include "core/guarded.h"
 #include "effects/effects.h"
 #include "io/image_file.h"
-#include "renderer/background.h"
 #include "renderer/draw.h"
 #include "renderer/passes.h"
 #include "renderer/setting_warnings.h"
 #include "renderer/strips.h"
 #include "renderer/strokes.h"
+#include "renderer/written_passes.h"
 #include "scene/origin.h"
 
 namespace umbrage::cli {

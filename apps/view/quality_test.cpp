@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "apps/view/encode.h"
+#include "apps/view/encoder.h"
 #include "apps/view/error_map.h"
 #include "apps/view/tables.h"
 #include "looks/looks.h"

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "apps/view/drawing.h"
-#include "apps/view/page.h"
 #include "apps/view/save.h"
 #include "apps/view/server.h"
 #include "apps/view/tables.h"
@@ -25,6 +24,14 @@ using Clock = std::chrono::steady_clock;
 
 /// A page that is loaded again connects within this time.
 constexpr std::chrono::seconds kReloadTime(3);
+
+/// Returns the page: one HTML file with its style sheet and script, UTF-8. It requests nothing from anywhere else.
+std::string_view page() {
+  static constexpr char kPage[] =
+#include "view_page.inc"
+      ;
+  return {kPage, sizeof kPage - 1};
+}
 
 std::string name_of(const std::string& file) {
   const std::string name = std::filesystem::path(file).filename().string();

@@ -12,12 +12,11 @@
 #include <limits>
 #include <utility>
 
-#include "renderer/background.h"
 #include "renderer/models.h"
-#include "renderer/pass_picture.h"
 #include "renderer/passes.h"
 #include "renderer/reduced_rows.h"
 #include "renderer/shade_file.h"
+#include "renderer/written_passes.h"
 #include "scene/framing.h"
 
 namespace umbrage::view {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "devices/vulkan/slots.h"
+#include "devices/vulkan/pipelines.h"
 #include "effects/bitmask/bitmask.h"
 #include "effects/effects.h"
 #include "effects/hemisphere/hemisphere.h"

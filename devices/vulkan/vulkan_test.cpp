@@ -8,7 +8,7 @@
 #include "devices/vulkan/commands.h"
 #include "devices/vulkan/gpu.h"
 #include "devices/vulkan/memory.h"
-#include "devices/vulkan/pipeline_file.h"
+#include "devices/vulkan/pipelines.h"
 #include "faulty_vulkan.h"
 #include "renderer/draw.h"
 #include "renderer/models.h"

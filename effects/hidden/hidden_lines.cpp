@@ -7,7 +7,6 @@
 #include <cmath>
 #include <utility>
 
-#include "chains/simplify.h"
 #include "chains/trace.h"
 #include "effects/outline/outline_draw.h"
 

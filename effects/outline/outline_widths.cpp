@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "chains/grid.h"
-#include "chains/simplify.h"
+#include "chains/trace.h"
 
 namespace umbrage {
 namespace {

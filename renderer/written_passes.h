@@ -1,9 +1,12 @@
-// The values of passes at pixels that show no surface, also not the unseen ground under a model.
+// Passes as they are written: with their values at pixels that show no surface, also not the unseen ground under a
+// model, and as pictures for files and displays that hold display values.
 #pragma once
 #include <string>
 #include <vector>
 
 #include "core/device.h"
+#include "core/gbuffer.h"
+#include "looks/settings.h"
 
 namespace umbrage {
 
@@ -19,5 +22,13 @@ void set_background(Image& image, int ground_object);
 /// Returns the planes `names` of a frame as they are written, after set_background; perhaps with further planes behind
 /// them. They may be views: see Device::view. Errors: those of Device::download.
 Result<Image> download_passes(Device& device, const Frame& frame, const std::vector<std::string>& names);
+
+/// Converts the planes `names` of passes to display values: colours and light are encoded by sRGB, vectors map from
+/// [-1, 1] to [0, 1], depth from white (near) to black (far). One plane keeps its name; several become color.r, .g, .b
+/// and .a. `info`: for the range of depth.
+Image picture_of_passes(const Image& frame, const std::vector<std::string>& names, const PictureInfo& info);
+
+/// Returns lines alone, in their colour, with alpha. `cover`: the pass `outline`.
+Image picture_of_lines(const Plane& cover, const EffectSettings& settings);
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-#include "devices/shared/neutral.h"
+#include "devices/shared/planes.h"
 
 #include <limits>
 #include <string>

@@ -1,5 +1,5 @@
 // Tests the values of passes at pixels without surface.
-#include "renderer/background.h"
+#include "renderer/written_passes.h"
 
 #include <gtest/gtest.h>
 
