@@ -11,7 +11,7 @@
 #include "run_program.h"
 #include "umbrage/umbrage.hpp"
 #include "vulkan_support.h"
-using namespace umb;  // the public interface, which shares no names with umbrage
+using namespace umb;  // the public interface; its names used here are not in umbrage
 
 namespace umbrage {
 namespace {

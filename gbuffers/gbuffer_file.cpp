@@ -252,7 +252,8 @@ Result<GBufferFile> GBufferFile::open(const GBufferSettings& settings, double me
   const auto repair = decide_repair(settings, *raw, state->conversion, info, state->facts);
   if (!repair) return repair.error();
   state->repair = *repair;
-  if (auto done = measure_extent(*raw, *conventions, *repair, settings.scene_radius, info); !done) return done.error();
+  if (auto status = measure_extent(*raw, *conventions, *repair, settings.scene_radius, info); !status)
+    return status.error();
   state->names = converted_names(*raw, state->conversion);
   state->is_display_referred = conventions->color[std::size_t(Role::kBeauty)].is_srgb;
   if (opened->files[0].all_roles && opened->headers[0].format == "EXR") state->base = opened->files[0].path;

@@ -192,7 +192,7 @@ Result<void> choose_scene(Build& build) {
   const std::string name = file.path.filename().string();
   const Json& scenes = member(file.json, "scenes");
   const std::size_t count = count_of(scenes);
-  if (auto fine = check_scene_index(build.settings, name, std::max<std::size_t>(count, 1)); !fine) return fine;
+  if (auto status = check_scene_index(build.settings, name, std::max<std::size_t>(count, 1)); !status) return status;
   std::int64_t index = integer_in(file.json, "scene", 0, {"scene", 0}, file.faults);
   if (count > 0 && std::size_t(index) >= count) {
     file.faults.add({"scene", 0}, "index");
@@ -211,7 +211,7 @@ Result<void> choose_scene(Build& build) {
     scene.animation_names.push_back(each.name);
     scene.animation_durations_s.push_back(each.duration_s);
   }
-  if (auto fine = check_animation_index(build.settings, name, animations.size()); !fine) return fine;
+  if (auto status = check_animation_index(build.settings, name, animations.size()); !status) return status;
   build.nodes = read_nodes(file);
   build.drawn_nodes = nodes_of_scene(file, scene.scene_index, build.nodes);
   if (build.settings.animation_index)
@@ -249,7 +249,7 @@ void add_warnings(Build& build) {
 Result<Scene> build_scene(GltfFile& file, const ImportSettings& settings) {
   Build build{file, settings};
   const std::string name = file.path.string();
-  if (auto fine = choose_scene(build); !fine) return fine.error();
+  if (auto status = choose_scene(build); !status) return status.error();
   warn_of_extensions(file);
   read_materials(build);
   add_meshes(build);

@@ -201,7 +201,7 @@ Result<GltfNumbers> read_numbers(GltfFile& file, int index, int min_width, int m
     numbers.values.resize(numbers.count * std::size_t(width));
     copy_numbers(*elements, numbers.values.data());
   }
-  if (auto fine = apply_sparse(file, accessor, numbers, is_normalized); !fine) return fine.error();
+  if (auto status = apply_sparse(file, accessor, numbers, is_normalized); !status) return status.error();
   return numbers;
 }
 

@@ -87,7 +87,7 @@ Result<void> open(const fs::path& file, Reader& reader) {
   const auto is_whole = [](double side) { return side >= 0.0 && side < 1e9 && side == std::floor(side); };
   if (!is_whole(width) || !is_whole(height))
     return file_error("'{}' has {} x {} cells in its header: both must be integers", file.string(), width, height);
-  if (auto fine = check_sides(file, std::int64_t(width), std::int64_t(height)); !fine) return fine;
+  if (auto status = check_sides(file, std::int64_t(width), std::int64_t(height)); !status) return status;
   if (double(size - data) < 2.0 * width * height - 1.0)  // a digit and a space per value
     return file_error("'{}' is cut short: {} bytes cannot hold {} x {} values", file.string(), size - data, width,
                       height);

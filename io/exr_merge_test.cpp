@@ -89,8 +89,8 @@ struct ExrMerge : test::FileFolder {
   void merge(const Image& image, bool half = false) {
     const auto header = read_header(in());
     ASSERT_TRUE(header) << header.error().message;
-    const auto done = write_merged(*header, image, half, out());
-    ASSERT_TRUE(done) << done.error().message;
+    const auto status = write_merged(*header, image, half, out());
+    ASSERT_TRUE(status) << status.error().message;
   }
 
   /// Expects that a channel of the copy has the same values as in the input.
@@ -318,10 +318,10 @@ TEST_F(ExrMerge, ErrorsLeaveTheOldFile) {
   const auto header = read_header(in());
   ASSERT_TRUE(header);
   const auto refused = [&](const LayeredFile& from, const Image& image, const fs::path& to, std::string_view words) {
-    const auto done = write_merged(from, image, false, to);
-    ASSERT_FALSE(done) << words;
-    EXPECT_EQ(done.error().kind, ErrorKind::kFile);
-    EXPECT_NE(done.error().message.find(words), std::string::npos) << done.error().message;
+    const auto status = write_merged(from, image, false, to);
+    ASSERT_FALSE(status) << words;
+    EXPECT_EQ(status.error().kind, ErrorKind::kFile);
+    EXPECT_NE(status.error().message.find(words), std::string::npos) << status.error().message;
   };
   Image other(3, 3);
   other.add("ao");

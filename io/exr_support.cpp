@@ -119,14 +119,14 @@ Result<std::unique_ptr<Imf::MultiPartInputFile>> open_exr(const fs::path& file) 
   std::int64_t size = 0;
   const Result<InputFile> stream = open_to_read(file, size);
   if (!stream) return stream.error();
-  if (auto fine = check_exr_headers(file, stream->get(), size); !fine) return fine.error();
+  if (auto status = check_exr_headers(file, stream->get(), size); !status) return status.error();
   auto input = std::make_unique<Imf::MultiPartInputFile>(file.c_str(), 0, kNoRepair);
   for (int part = 0; part < input->parts(); ++part) {
     const Imf::Header& header = input->header(part);
     for (const Imath::Box2i& window : {header.displayWindow(), header.dataWindow()}) {
       const std::int64_t width = std::int64_t(window.max.x) - window.min.x + 1,
                          height = std::int64_t(window.max.y) - window.min.y + 1;
-      if (auto fine = check_sides(file, width, height); !fine) return fine.error();
+      if (auto status = check_sides(file, width, height); !status) return status.error();
     }
     if (header.hasType() && header.type() != Imf::SCANLINEIMAGE && header.type() != Imf::TILEDIMAGE) continue;
     const Imath::Box2i& data = header.dataWindow();

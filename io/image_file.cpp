@@ -50,21 +50,21 @@ Result<void> write_and_close(const fs::path& file, std::FILE* stream,
                              const std::function<Result<void>(std::FILE*)>& write) {
   if (!stream) return write_error(file, errno);
   errno = 0;
-  Result<void> done;
+  Result<void> status;
   try {
-    done = write(stream);
+    status = write(stream);
   } catch (const std::bad_alloc&) {
-    done = no_memory_to_write(file);
+    status = no_memory_to_write(file);
   } catch (const InternalError& error) {
-    done = Error{ErrorKind::kInternal, fmt::format("internal error: {}", error.what())};
+    status = Error{ErrorKind::kInternal, fmt::format("internal error: {}", error.what())};
   } catch (const std::exception& exception) {
-    done = file_error("'{}' cannot be written: {}", file.string(), exception.what());
+    status = file_error("'{}' cannot be written: {}", file.string(), exception.what());
   }
   // For a short write errno names the cause better than a library's message.
   int cause = std::ferror(stream) ? errno : 0;
   if (std::fclose(stream) != 0 && cause == 0) cause = errno;
   if (cause != 0) return write_error(file, cause);
-  return done;
+  return status;
 }
 
 std::span<const ImageFormat> image_formats() {
@@ -291,10 +291,10 @@ Result<void> write_atomically(const fs::path& file, const std::function<Result<v
     if (!stream && errno != EEXIST) break;
   }
   if (!stream) return write_error(file, errno);
-  Result<void> done = write_and_close(file, stream, write);
-  if (done) done = rename_to_target(part, target, file);
-  if (!done) fs::remove(part, code);
-  return done;
+  Result<void> status = write_and_close(file, stream, write);
+  if (status) status = rename_to_target(part, target, file);
+  if (!status) fs::remove(part, code);
+  return status;
 }
 
 struct PartFile::State {

@@ -1112,7 +1112,7 @@ TEST_F(AtomicWrite, AbandonedWritesLeaveNothing) {
   write_bytes(*this / "x.txt", "older");
   const auto abandon = [&] {
     std::size_t during = 0, after = 0;
-    const Result<void> done = write_atomically(*this / "x.txt", [&](std::FILE* stream) -> Result<void> {
+    const Result<void> status = write_atomically(*this / "x.txt", [&](std::FILE* stream) -> Result<void> {
       std::fputs("newer", stream);
       during = listing().size();
       abandon_writes();
@@ -1121,7 +1121,7 @@ TEST_F(AtomicWrite, AbandonedWritesLeaveNothing) {
     });
     EXPECT_EQ(during, 2u);
     EXPECT_EQ(after, 1u);
-    expect_error(done, {"x.txt"});
+    expect_error(status, {"x.txt"});
     expect_error(write_text(*this / "y.txt", "later"), {"y.txt"});
     std::_Exit(HasFailure());
   };

@@ -146,12 +146,12 @@ Result<LayeredFile> read_header_as(const LayerFormat& format, const fs::path& fi
 
 Result<Image> read_channels_as(const LayerFormat& format, const LayeredFile& file, std::span<const int> channels,
                                float outside_depth) {
-  if (auto fine = check_size(file.path, file.width, file.height); !fine) return fine.error();
+  if (auto status = check_size(file.path, file.width, file.height); !status) return status.error();
   const std::int64_t values = std::int64_t(file.width) * file.height * std::int64_t(channels.size());
   if (values > kMaxValues)
     return file_error("'{}' has {} values in {} x {} pixels: at most {} can be read", file.path.string(), values,
                       file.width, file.height, kMaxValues);
-  if (auto fine = check_request(file, channels); !fine) return fine.error();
+  if (auto status = check_request(file, channels); !status) return status.error();
   try {
     Image image(file.width, file.height);
     for (const int channel : channels) {
@@ -200,7 +200,7 @@ Result<LayeredFile> read_header(const fs::path& file) {
 Result<void> read_rows(const LayeredFile& file, std::span<const int> channels, const TakeLayerRows& take) {
   const Result<const LayerFormat*> format = format_named(file);
   if (!format) return format.error();
-  if (auto fine = check_request(file, channels); !fine) return fine;
+  if (auto status = check_request(file, channels); !status) return status;
   if (channels.empty()) return {};
   std::vector<std::string> names;
   for (const int channel : channels) names.push_back(file.channels[std::size_t(channel)].full_name());

@@ -131,7 +131,7 @@ TEST_F(Layers, RequestedChannelsComeInTheirOrder) {
       Image joined(kWidth, kHeight);
       for (std::size_t i = 0; i < request.size(); ++i) joined.planes.emplace_back(kWidth, kHeight);
       int next = 0;
-      const auto done = read_rows(*header, request, [&](const Image& rows, int first) -> Result<void> {
+      const auto status = read_rows(*header, request, [&](const Image& rows, int first) -> Result<void> {
         EXPECT_EQ(first, next) << name;
         EXPECT_EQ(rows.planes.size(), request.size()) << name;
         next += rows.height;
@@ -140,7 +140,7 @@ TEST_F(Layers, RequestedChannelsComeInTheirOrder) {
             std::copy_n(rows.planes[i].row(y), kWidth, joined.planes[i].row(first + y));
         return {};
       });
-      ASSERT_TRUE(done) << done.error().message;
+      ASSERT_TRUE(status) << status.error().message;
       EXPECT_EQ(next, request.empty() ? 0 : kHeight) << name;
       for (std::size_t i = 0; i < request.size(); ++i)
         for (int y = 0; y < kHeight; ++y)
@@ -160,12 +160,12 @@ TEST_F(Layers, ErrorsOfTheReceiverEndTheReading) {
     const auto header = read_header(write(name, bytes));
     ASSERT_TRUE(header);
     int calls = 0;
-    const auto done = read_rows(*header, std::vector<int>{0}, [&](const Image&, int) -> Result<void> {
+    const auto status = read_rows(*header, std::vector<int>{0}, [&](const Image&, int) -> Result<void> {
       ++calls;
       return usage_error("enough");
     });
-    ASSERT_FALSE(done) << name;
-    EXPECT_EQ(done.error().message, "enough") << name;
+    ASSERT_FALSE(status) << name;
+    EXPECT_EQ(status.error().message, "enough") << name;
     EXPECT_EQ(calls, 1) << name;
   }
 }

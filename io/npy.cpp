@@ -248,7 +248,7 @@ Result<Source> open_npy(const fs::path& file, InputFile& stream) {
   if (source.layout.channels == 0)
     return file_error("'{}' has the shape {}: a picture is H x W, H x W x C or C x H x W, with C of 1 to 4",
                       file.string(), shape_text(source.array));
-  if (auto fine = check_sides(file, source.layout.width, source.layout.height); !fine) return fine.error();
+  if (auto status = check_sides(file, source.layout.width, source.layout.height); !status) return status.error();
   return source;
 }
 
@@ -388,7 +388,7 @@ Result<OpenNpz> open_npz(const fs::path& file) {
     return file_error("'{}' has no array that is a picture: one is H x W, H x W x C or C x H x W, with C of 1 to 4",
                       file.string());
   const Layout size = first->layout;
-  if (auto fine = check_size(file, size.width, size.height); !fine) return fine.error();
+  if (auto status = check_size(file, size.width, size.height); !status) return status.error();
   OpenNpz npz;
   npz.zip = std::move(*zip);
   for (Entry& entry : *entries) {

@@ -92,7 +92,7 @@ Result<void> open(const fs::path& file, Reader& reader) {
   if (!(std::isfinite(scale) && scale != 0.0))
     return file_error("'{}' has the scale '{}' in its header: it must be a number other than 0", file.string(),
                       words[2]);
-  if (Result<void> fine = check_sides(file, std::int64_t(width), std::int64_t(height)); !fine) return fine;
+  if (Result<void> status = check_sides(file, std::int64_t(width), std::int64_t(height)); !status) return status;
   reader.channels = kind == "PF" ? 3 : 1;
   reader.start = ::ftello(in);
   const std::int64_t needed = std::int64_t(width) * std::int64_t(height) * reader.channels * 4;

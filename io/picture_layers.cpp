@@ -89,7 +89,7 @@ Result<void> open(const fs::path& file, Jpeg& own) {
   if (!stream) return stream.error();
   own.stream = std::move(*stream);
   if (!start(own)) return jpeg_error(file, own);
-  if (auto fine = check_size(file, own.jpeg.image_width, own.jpeg.image_height); !fine) return fine;
+  if (auto status = check_size(file, own.jpeg.image_width, own.jpeg.image_height); !status) return status;
   const std::int64_t blocks = std::int64_t(own.jpeg.image_width) * own.jpeg.image_height / 64;
   constexpr std::int64_t kBlocksPerByte = 1 << 15;  // runs of empty blocks in progressive files
   if (blocks / kBlocksPerByte > size)
@@ -143,7 +143,7 @@ Result<LayeredFile> read_webp_header(const fs::path& file) {
   if (WebPGetFeatures(bytes->data(), bytes->size(), &about) != VP8_STATUS_OK)
     return file_error("'{}' cannot be read as WebP: its header is damaged", file.string());
   if (about.has_animation) return file_error("'{}' is an animation: only a single picture can be read", file.string());
-  if (auto fine = check_size(file, about.width, about.height); !fine) return fine.error();
+  if (auto status = check_size(file, about.width, about.height); !status) return status.error();
   return display_header(about.width, about.height, about.has_alpha ? 4 : 3);
 }
 
@@ -198,7 +198,7 @@ Result<void> open(const fs::path& file, Radiance& reader) {
   long long width = 0, height = 0;
   if (std::sscanf(line.c_str(), "-Y %lld +X %lld", &height, &width) != 2)
     return file_error("'{}' cannot be read as HDR: its size must be given as -Y height +X width", file.string());
-  if (auto fine = check_size(file, width, height); !fine) return fine;
+  if (auto status = check_size(file, width, height); !status) return status;
   constexpr std::int64_t kBestRatio = 64;  // a run of 127 pixels takes 8 bytes
   if (width * height * 4 / kBestRatio > size)
     return file_error("'{}' is cut short: {} bytes cannot hold {} x {} pixels", file.string(), size, width, height);

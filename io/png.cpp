@@ -257,7 +257,7 @@ Result<void> read_png_rows(const LayeredFile& file, std::span<const int> channel
   }
   const SampleType type{SampleKind::kUnsigned, reader.bits / 8, false};
   std::vector<png_byte> row(reader.row_bytes);
-  auto done = target.each_block(1, [&](int first, int end) -> Result<void> {
+  auto status = target.each_block(1, [&](int first, int end) -> Result<void> {
     for (int y = first; y < end; ++y) {
       if (!reader.is_interlaced && !read_row(reader, row.data())) return read_error(file.path, reader);
       const png_byte* from = reader.is_interlaced ? whole.data() + std::size_t(y) * reader.row_bytes : row.data();
@@ -267,7 +267,7 @@ Result<void> read_png_rows(const LayeredFile& file, std::span<const int> channel
     }
     return {};
   });
-  if (!done) return done;
+  if (!status) return status;
   return finish(reader) ? Result<void>() : read_error(file.path, reader);
 }
 
@@ -287,7 +287,7 @@ Result<std::string> encode_png_rows(const std::string& name, const ImageShape& s
   std::size_t size = 0;
   std::string out;
   const Result<void> written = write_and_close(name, open_memstream(&bytes, &size), [&](std::FILE* to) -> Result<void> {
-    if (auto done = write_to(to, name, shape, settings, make); !done) return done;
+    if (auto status = write_to(to, name, shape, settings, make); !status) return status;
     if (std::fflush(to) != 0) throw std::bad_alloc();  // the only cause for a stream in memory
     out.assign(bytes, size);
     return {};

@@ -49,7 +49,7 @@ Result<void> open(const fs::path& file, Reader& reader) {
   if (width < 0 || height < 0 || max < 1 || max > 65535)
     return file_error("'{}' cannot be read as PNM: its header must have width, height and a maximum of 1 to 65535",
                       file.string());
-  if (auto fine = check_sides(file, width, height); !fine) return fine;
+  if (auto status = check_sides(file, width, height); !status) return status;
   // A value of a text has a digit and a space.
   const std::int64_t values = width * height * reader.channels;
   const std::int64_t needed = reader.is_text ? 2 * values - 1 : values * (max > 255 ? 2 : 1);

@@ -26,19 +26,19 @@ constexpr float kMaxMagnitude = 1e9f;  // pixels: limit of coordinates and width
 
 float tolerance_of(float width) { return std::max(kTolerance, kMaxFraction * width); }
 
-std::string_view name_of(LineKind kind) {
+std::string_view name_of(StrokeKind kind) {
   switch (kind) {
-    case LineKind::kOutline:
+    case StrokeKind::kOutline:
       return "outline";
-    case LineKind::kFold:
+    case StrokeKind::kFold:
       return "fold";
-    case LineKind::kHatch:
+    case StrokeKind::kHatch:
       return "hatch";
-    case LineKind::kCrossHatch:
+    case StrokeKind::kCrossHatch:
       return "cross-hatch";
-    case LineKind::kHidden:
+    case StrokeKind::kHidden:
       return "hidden";
-    case LineKind::kCrease:
+    case StrokeKind::kCrease:
       break;
   }
   return "crease";
@@ -59,15 +59,15 @@ double rounded(float v) { return std::round(double(v) * 100.0) / 100.0 + 0.0; }
 
 /// A point of a line, or an intermediate point of a segment.
 struct Knot {
-  LinePoint at;
+  StrokePoint at;
   bool corner;  ///< true for a point of the line, where its direction may change
 };
 
 /// Returns the line's points and at least one intermediate point per segment, more where the width changes.
-std::vector<Knot> knots_of(const Line& line) {
-  std::vector<Knot> knots = {{line.points[0], true}};
-  for (std::size_t k = 1; k < line.points.size(); ++k) {
-    const LinePoint &a = line.points[k - 1], &b = line.points[k];
+std::vector<Knot> knots_of(const Stroke& stroke) {
+  std::vector<Knot> knots = {{stroke.points[0], true}};
+  for (std::size_t k = 1; k < stroke.points.size(); ++k) {
+    const StrokePoint &a = stroke.points[k - 1], &b = stroke.points[k];
     const float step = tolerance_of(std::min(a.width, b.width));
     const int parts = int(std::clamp(std::ceil(std::abs(b.width - a.width) / step), 2.0f, float(kMaxParts)));
     for (int i = 1; i < parts; ++i) {
@@ -79,7 +79,7 @@ std::vector<Knot> knots_of(const Line& line) {
   return knots;
 }
 
-float distance(const LinePoint& a, const LinePoint& b) { return std::hypot(b.x - a.x, b.y - a.y); }
+float distance(const StrokePoint& a, const StrokePoint& b) { return std::hypot(b.x - a.x, b.y - a.y); }
 
 /// A part of a line with nearly constant width: knots `first` to `last`, inclusive.
 struct Run {
@@ -107,13 +107,13 @@ std::vector<Run> runs_of(const std::vector<Knot>& knots) {
 }
 
 /// Returns an intermediate point moved along its segment by `along` pixels.
-LinePoint moved(const std::vector<Knot>& knots, std::size_t k, float along) {
-  const LinePoint &a = knots[k - 1].at, &b = knots[k + 1].at;
+StrokePoint moved(const std::vector<Knot>& knots, std::size_t k, float along) {
+  const StrokePoint &a = knots[k - 1].at, &b = knots[k + 1].at;
   const float length = distance(a, b), f = length > 0.0f ? along / length : 0.0f;
   return {knots[k].at.x + f * (b.x - a.x), knots[k].at.y + f * (b.y - a.y), knots[k].at.width};
 }
 
-void add_path(const std::vector<LinePoint>& points, float width, bool round, bool closed, std::string& out) {
+void add_path(const std::vector<StrokePoint>& points, float width, bool round, bool closed, std::string& out) {
   if (width < kMinWidth) return;
   auto to = std::back_inserter(out);
   fmt::format_to(to, "<path {}stroke-width=\"{:.2f}\" d=\"M{:.2f} {:.2f}", round ? "" : "stroke-linecap=\"butt\" ",
@@ -128,26 +128,26 @@ void add_path(const std::vector<LinePoint>& points, float width, bool round, boo
 /// Appends the paths of a line. Adjacent paths overlap only as much as is needed to hide the seam, because an
 /// antialiased border that is drawn twice is darker. For the same reason paths inside the line have butt caps; only the
 /// ends of the line have round caps.
-void add_line(const Line& line, std::string& out) {
-  if (line.points.empty()) return;
-  const std::vector<Knot> knots = knots_of(line);
+void add_stroke(const Stroke& stroke, std::string& out) {
+  if (stroke.points.empty()) return;
+  const std::vector<Knot> knots = knots_of(stroke);
   const std::vector<Run> runs = runs_of(knots);
   for (const Run& run : runs) {
     const bool starts = run.first == 0, ends = run.last + 1 == knots.size();
     const float overlap = std::min(kMaxOverlap, kOverlapFraction * run.width);
-    std::vector<LinePoint> points = {starts ? knots[0].at : moved(knots, run.first, -overlap)};
+    std::vector<StrokePoint> points = {starts ? knots[0].at : moved(knots, run.first, -overlap)};
     for (std::size_t k = run.first + 1; k < run.last; ++k)
       if (knots[k].corner) points.push_back(knots[k].at);
     if (run.last > run.first) points.push_back(ends ? knots[run.last].at : moved(knots, run.last, overlap));
-    const bool round = starts || (ends && !line.closed);
-    add_path(points, run.width, round, line.closed && starts && ends && points.size() > 2, out);
+    const bool round = starts || (ends && !stroke.closed);
+    add_path(points, run.width, round, stroke.closed && starts && ends && points.size() > 2, out);
   }
 }
 
 /// Checks that all numbers can be written. Errors: kUsage.
-Result<void> check_lines(const Lines& lines) {
-  for (std::size_t k = 0; k < lines.lines.size(); ++k)
-    for (const LinePoint& p : lines.lines[k].points)
+Result<void> check_strokes(const Strokes& strokes) {
+  for (std::size_t k = 0; k < strokes.strokes.size(); ++k)
+    for (const StrokePoint& p : strokes.strokes[k].points)
       if (!(std::abs(p.x) <= kMaxMagnitude && std::abs(p.y) <= kMaxMagnitude && p.width >= 0.0f &&
             p.width <= kMaxMagnitude))
         return usage_error(
@@ -161,16 +161,16 @@ Result<void> check_lines(const Lines& lines) {
 
 bool is_svg(const std::filesystem::path& file) { return lowercase_extension(file) == "svg"; }
 
-Result<std::string> svg_text(const Lines& lines, const SvgStyle& style) {
-  if (auto fine = check_lines(lines); !fine) return fine.error();
-  std::map<std::pair<LineKind, int>, std::string> groups;
-  for (const Line& line : lines.lines) add_line(line, groups[{line.kind, line.object}]);
+Result<std::string> svg_text(const Strokes& strokes, const SvgStyle& style) {
+  if (auto status = check_strokes(strokes); !status) return status.error();
+  std::map<std::pair<StrokeKind, int>, std::string> groups;
+  for (const Stroke& stroke : strokes.strokes) add_stroke(stroke, groups[{stroke.kind, stroke.object}]);
   std::string text = fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}px\" height=\"{1}px\" viewBox=\"0 0 {0} {1}\">\n",
-      lines.width, lines.height);
+      strokes.width, strokes.height);
   if (style.background)
-    text += fmt::format("<rect width=\"{}\" height=\"{}\" fill=\"{}\"/>\n", lines.width, lines.height,
+    text += fmt::format("<rect width=\"{}\" height=\"{}\" fill=\"{}\"/>\n", strokes.width, strokes.height,
                         hex_of(*style.background));
   text += fmt::format(
       "<g id=\"lines\" fill=\"none\" stroke=\"{}\" stroke-linecap=\"round\" stroke-linejoin=\"round\" "
@@ -185,8 +185,8 @@ Result<std::string> svg_text(const Lines& lines, const SvgStyle& style) {
   return text + "</g>\n</svg>\n";
 }
 
-Result<void> write_svg(const std::filesystem::path& file, const Lines& lines, const SvgStyle& style) {
-  const auto text = svg_text(lines, style);
+Result<void> write_svg(const std::filesystem::path& file, const Strokes& strokes, const SvgStyle& style) {
+  const auto text = svg_text(strokes, style);
   return text ? write_text(file, *text) : text.error();
 }
 

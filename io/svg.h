@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "core/lines.h"
 #include "core/result.h"
+#include "core/strokes.h"
 
 namespace umbrage {
 
@@ -23,9 +23,9 @@ bool is_svg(const std::filesystem::path& file);
 /// Returns the file's text: one group per kind of line and object, in that order, with class "outline", "fold" or
 /// "crease" and the object id in data-object. A line of varying width becomes several paths. Errors: kUsage for
 /// coordinates or widths that are not finite or above 1e9 in magnitude, and for negative widths.
-Result<std::string> svg_text(const Lines& lines, const SvgStyle& style);
+Result<std::string> svg_text(const Strokes& strokes, const SvgStyle& style);
 
 /// Writes svg_text to a file atomically. Errors: those of svg_text; kFile.
-Result<void> write_svg(const std::filesystem::path& file, const Lines& lines, const SvgStyle& style);
+Result<void> write_svg(const std::filesystem::path& file, const Strokes& strokes, const SvgStyle& style);
 
 }  // namespace umbrage

@@ -7,7 +7,7 @@
 #include "support.h"
 #include "umbrage/umbrage.hpp"
 #include "vulkan_support.h"
-using namespace umb;  // the public interface; its names differ from those in umbrage
+using namespace umb;  // the public interface; its names used here are not in umbrage, except for Stroke
 
 namespace umbrage {
 namespace {
@@ -217,8 +217,8 @@ TEST_F(SvgTest, ArraysHaveStrokesByEffectsAndByLooks) {
     const auto outcome = shade(request, picture);
     ASSERT_EQ(outcome.code, 0) << outcome.message;
     double length = 0.0;
-    for (const Stroke& stroke : picture.strokes) {
-      EXPECT_EQ(stroke.kind, StrokeKind::kOutline);
+    for (const umb::Stroke& stroke : picture.strokes) {
+      EXPECT_EQ(stroke.kind, umb::StrokeKind::kOutline);
       for (std::size_t k = 1; k < stroke.points.size(); ++k)
         length += std::hypot(stroke.points[k].x - stroke.points[k - 1].x, stroke.points[k].y - stroke.points[k - 1].y);
     }
@@ -256,13 +256,13 @@ TEST_F(SvgTest, HostileArraysGiveAFileOrAnError) {
 }
 
 TEST(Svg, SplitsWhereWidthChanges) {
-  Lines lines{40,
-              20,
-              {{LineKind::kFold, 7, false, {{2, 5, 1}, {20, 5, 1.01f}, {38, 5, 1}}},
-               {LineKind::kOutline, 3, true, {{5, 5, 2}, {15, 5, 2}, {15, 15, 2}, {5, 5, 2}}},
-               {LineKind::kFold, 7, false, {{2, 10, 0}, {38, 10, 3}}},
-               {LineKind::kCrease, -1, false, {{4, 4, 1}}},
-               {LineKind::kCrease, -1, false, {}}}};
+  Strokes lines{40,
+                20,
+                {{StrokeKind::kFold, 7, false, {{2, 5, 1}, {20, 5, 1.01f}, {38, 5, 1}}},
+                 {StrokeKind::kOutline, 3, true, {{5, 5, 2}, {15, 5, 2}, {15, 15, 2}, {5, 5, 2}}},
+                 {StrokeKind::kFold, 7, false, {{2, 10, 0}, {38, 10, 3}}},
+                 {StrokeKind::kCrease, -1, false, {{4, 4, 1}}},
+                 {StrokeKind::kCrease, -1, false, {}}}};
   const std::string text = *svg_text(lines, {});
   EXPECT_NE(text.find("<g id=\"outline-3\" class=\"outline\" data-object=\"3\">\n"
                       "<path stroke-width=\"2.00\" d=\"M5.00 5.00L15.00 5.00 15.00 15.00Z\"/>\n</g>\n"
@@ -273,7 +273,7 @@ TEST(Svg, SplitsWhereWidthChanges) {
   EXPECT_NE(text.find("d=\"M4.00 4.00L4.00 4.00\"/>"), std::string::npos) << "a dot";
   EXPECT_GE(count_of(text, "stroke-linecap=\"butt\""), 8);
   EXPECT_EQ(count_of(text, "nan"), 0);
-  lines.lines[0].points[1].width = -1.0f;
+  lines.strokes[0].points[1].width = -1.0f;
   EXPECT_FALSE(svg_text(lines, {}));
 }
 

@@ -78,7 +78,7 @@ Result<void> set_type(const fs::path& file, Reader& reader) {
 Result<void> check_layout(const fs::path& file, Reader& reader) {
   constexpr int kMaxSamples = 1024;
   constexpr std::int64_t kMaxBytes = std::int64_t(1) << 30;  // of a row or tile
-  if (auto fine = check_sides(file, reader.width, reader.height); !fine) return fine;
+  if (auto status = check_sides(file, reader.width, reader.height); !status) return status;
   if (reader.samples < 1 || reader.samples > kMaxSamples)
     return file_error("'{}' has {} samples per pixel: 1 to {} can be read", file.string(), reader.samples, kMaxSamples);
   if (!TIFFIsCODECConfigured(reader.compression))
@@ -134,7 +134,7 @@ Result<void> open(const fs::path& file, Reader& reader) {
     TIFFGetField(tiff, TIFFTAG_TILEWIDTH, &reader.tile_width);
     TIFFGetField(tiff, TIFFTAG_TILELENGTH, &reader.tile_height);
   }
-  if (auto fine = set_type(file, reader); !fine) return fine;
+  if (auto status = set_type(file, reader); !status) return status;
   return check_layout(file, reader);
 }
 

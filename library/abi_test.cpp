@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "core/lines.h"
+#include "core/strokes.h"
 #include "core/version.h"
 #include "umbrage/umbrage.h"
 
@@ -38,12 +38,12 @@ TEST(Abi, NumbersAreAsRecorded) {
   EXPECT_EQ(UMB_ERROR_CANCELLED, 130);
   EXPECT_EQ(UMB_TYPE_FLOAT32, 1);
   EXPECT_EQ(UMB_TYPE_UINT32, 5);
-  EXPECT_EQ(UMB_STROKE_OUTLINE, int(LineKind::kOutline));
-  EXPECT_EQ(UMB_STROKE_FOLD, int(LineKind::kFold));
-  EXPECT_EQ(UMB_STROKE_CREASE, int(LineKind::kCrease));
-  EXPECT_EQ(UMB_STROKE_HATCH, int(LineKind::kHatch));
-  EXPECT_EQ(UMB_STROKE_CROSS_HATCH, int(LineKind::kCrossHatch));
-  EXPECT_EQ(UMB_STROKE_HIDDEN, int(LineKind::kHidden));
+  EXPECT_EQ(UMB_STROKE_OUTLINE, int(StrokeKind::kOutline));
+  EXPECT_EQ(UMB_STROKE_FOLD, int(StrokeKind::kFold));
+  EXPECT_EQ(UMB_STROKE_CREASE, int(StrokeKind::kCrease));
+  EXPECT_EQ(UMB_STROKE_HATCH, int(StrokeKind::kHatch));
+  EXPECT_EQ(UMB_STROKE_CROSS_HATCH, int(StrokeKind::kCrossHatch));
+  EXPECT_EQ(UMB_STROKE_HIDDEN, int(StrokeKind::kHidden));
   EXPECT_EQ(UMB_STROKE_HIDDEN, 5);
   EXPECT_EQ(UMB_LIST_LOOKS, 1);
   EXPECT_EQ(UMB_LIST_FILE_FORMATS, 6);

@@ -16,7 +16,7 @@ Result<std::shared_ptr<Object>> DeviceObject::make(const char* name, int threads
   Request request;
   request.device = name ? name : "auto";
   request.threads = threads;
-  if (auto fine = check_request(request, kMaxPixels); !fine) return fine.error();
+  if (auto status = check_request(request, kMaxPixels); !status) return status.error();
   auto made = make_device(request.device, threads);
   if (!made) return made.error();
   auto object = std::make_shared<DeviceObject>();

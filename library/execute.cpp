@@ -6,10 +6,10 @@
 
 #include "library/job.h"
 #include "library/shared.h"
-#include "renderer/background.h"
 #include "renderer/passes.h"
 #include "renderer/reduced_rows.h"
 #include "renderer/setting_warnings.h"
+#include "renderer/written_passes.h"
 
 namespace umbrage {
 namespace {
@@ -105,7 +105,7 @@ Result<Recipe> JobObject::recipe_of(const Request& request, const GBufferFile* f
   if (!recipe || outputs_.empty()) return recipe;
   const bool color = std::any_of(outputs_.begin(), outputs_.end(), [](const Output& o) { return o.pass == "color"; });
   std::vector<std::string_view> other_planes;
-  if (request.strokes) other_planes = edge_planes(line_parameters_or_none(*recipe), *layer_count(recipe->capture));
+  if (request.strokes) other_planes = edge_planes(stroke_parameters_or_none(*recipe), *layer_count(recipe->capture));
   if (!color && renders()) reduce_to_passes(*recipe, other_planes);
   return recipe;
 }
@@ -126,12 +126,12 @@ Result<JobObject::ResolvedJob> JobObject::resolve(const GBufferFile* file) const
   if (std::min(width, height) < 1)
     return usage_error("`reduction` cannot be {}: the picture has {} x {} pixels", recipe->reduction, request.width,
                        request.height);
-  auto stroke_parameters = request.strokes ? line_parameters(*recipe) : Result<LineParameters>(LineParameters());
-  if (!stroke_parameters) return stroke_parameters.error();
+  auto params = request.strokes ? stroke_parameters(*recipe) : Result<StrokeParameters>(StrokeParameters());
+  if (!params) return params.error();
   // A shaded picture has the size of its depth image, or of its files.
   if (renders() || find_image("depth") || file)
-    if (auto fine = check_outputs(outputs_, width, height); !fine) return fine.error();
-  return ResolvedJob{std::move(request), std::move(*recipe), std::move(*stroke_parameters)};
+    if (auto status = check_outputs(outputs_, width, height); !status) return status.error();
+  return ResolvedJob{std::move(request), std::move(*recipe), std::move(*params)};
 }
 
 Result<void> JobObject::check() const {
@@ -162,22 +162,22 @@ Result<void> JobObject::execute() {
                                : shade_frame(request, recipe);
   if (!frame) return frame.error();
   report_setting_warnings(request, recipe);
-  Lines traced;
+  Strokes traced;
   if (!stroke_settings.empty()) {
-    auto found = traced_lines(*device_->device, *frame, stroke_settings);
+    auto found = traced_strokes(*device_->device, *frame, stroke_settings);
     if (!found) return found.error();
     traced = std::move(*found);
-    for (Line& line : traced.lines)
-      for (LinePoint& point : line.points)
+    for (Stroke& stroke : traced.strokes)
+      for (StrokePoint& point : stroke.points)
         for (float* value : {&point.x, &point.y, &point.width}) *value /= float(recipe.reduction);
     if (const auto ids = ids_.find("object_id"); ids != ids_.end() && !renders())
-      for (Line& line : traced.lines) line.object = int(caller_id(ids->second, float(line.object)));
+      for (Stroke& stroke : traced.strokes) stroke.object = int(caller_id(ids->second, float(stroke.object)));
   }
-  if (auto done = write_outputs(*frame, recipe, outputs_.empty() ? default_outputs(recipe) : outputs_); !done)
-    return done;
-  lines = std::move(traced);
-  line_color = stroke_settings.empty() ? std::array<float, 3>() : umbrage::line_color(stroke_settings);
-  line_opacity = stroke_settings.empty() ? 0.0f : umbrage::line_opacity(stroke_settings);
+  if (auto status = write_outputs(*frame, recipe, outputs_.empty() ? default_outputs(recipe) : outputs_); !status)
+    return status;
+  strokes = std::move(traced);
+  stroke_color = stroke_settings.empty() ? std::array<float, 3>() : umbrage::stroke_color(stroke_settings);
+  stroke_opacity = stroke_settings.empty() ? 0.0f : umbrage::stroke_opacity(stroke_settings);
   return {};
 }
 
@@ -264,11 +264,11 @@ Result<Frame> JobObject::draw_frame(const Plan& plan) {
   StageTimes times;
   const ProgressMonitor preparing = preparation_progress();
   const long made = kept_.made;
-  auto drawn = draw_keeping(
+  auto picture = draw_keeping(
       *device_->device, *completed_.scene, plan, kept_, times, [&] { return prepare_device(preparing); }, preparing,
       progress);
   counters.captures_made += kept_.made - made;
-  return drawn ? Result<Frame>(std::move(drawn->frame)) : drawn.error();
+  return picture ? Result<Frame>(std::move(picture->frame)) : picture.error();
 }
 
 Result<Frame> JobObject::shade_frame(const Request& request, const Recipe& recipe) {
@@ -281,9 +281,9 @@ Result<Frame> JobObject::shade_frame(const Request& request, const Recipe& recip
   counters.planes_copied += shared->copied;
   ids_ = std::move(shared->ids);
   StageTimes times;
-  auto drawn = shade_planes(*device_->device, std::move(shared->gbuffer), recipe, times, progress);
-  if (!drawn) return drawn.error();
-  return std::move(drawn->frame);
+  auto picture = shade_planes(*device_->device, std::move(shared->gbuffer), recipe, times, progress);
+  if (!picture) return picture.error();
+  return std::move(picture->frame);
 }
 
 Result<GBufferFile> JobObject::open_files() {
@@ -361,7 +361,7 @@ Result<void> JobObject::write_outputs(const Frame& frame, const Recipe& recipe, 
     for (Output& previous : last)
       if (previous.pass == output.pass) output.own = std::move(previous.own);
   for (std::size_t k = 0; k < outputs.size(); ++k)
-    if (auto done = fill(frame, recipe, planes[k], outputs[k]); !done) return done;
+    if (auto status = fill(frame, recipe, planes[k], outputs[k]); !status) return status;
   results_ = std::move(outputs);
   return {};
 }

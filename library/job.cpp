@@ -89,7 +89,7 @@ Result<void> JobObject::set(const std::string& name, const std::string& text) {
   }
   const std::string owner = name.substr(0, name.find('.'));
   if (owner == name || owner == "camera") return unknown_parameter(name, renders() ? "render" : "shade");
-  if (auto fine = check_setting(name + "=" + text); !fine) return fine;
+  if (auto status = check_setting(name + "=" + text); !status) return status;
   settings_[name] = text;
   return {};
 }
@@ -317,18 +317,18 @@ const char* umbGetJobOutputName(UmbJob job, int index) {
 }
 
 size_t umbGetJobStrokeCount(UmbJob job) {
-  return read_of<JobObject>(job, std::size_t(0), [](const JobObject& object) { return object.lines.lines.size(); });
+  return read_of<JobObject>(job, std::size_t(0), [](const JobObject& object) { return object.strokes.strokes.size(); });
 }
 
 UmbError umbGetJobStroke(UmbJob job, size_t index, UmbStroke* stroke) {
   return call_on<JobObject>(job, "umbGetJobStroke", Use::kReads, [&](JobObject& object) -> Result<void> {
-    const auto& lines = object.lines.lines;
-    if (index >= lines.size() || !stroke)
-      return usage_error("there is no stroke {}: the last execution produced {}", index, lines.size());
-    const Line& line = lines[index];
-    static_assert(sizeof(LinePoint) == sizeof(UmbStrokePoint));
-    *stroke = {reinterpret_cast<const UmbStrokePoint*>(line.points.data()), line.points.size(), int32_t(line.kind),
-               uint32_t(line.object), line.closed ? 1 : 0};
+    const auto& strokes = object.strokes.strokes;
+    if (index >= strokes.size() || !stroke)
+      return usage_error("there is no stroke {}: the last execution produced {}", index, strokes.size());
+    const Stroke& from = strokes[index];
+    static_assert(sizeof(StrokePoint) == sizeof(UmbStrokePoint));
+    *stroke = {reinterpret_cast<const UmbStrokePoint*>(from.points.data()), from.points.size(), int32_t(from.kind),
+               uint32_t(from.object), from.closed ? 1 : 0};
     return {};
   });
 }
@@ -336,8 +336,8 @@ UmbError umbGetJobStroke(UmbJob job, size_t index, UmbStroke* stroke) {
 UmbError umbGetJobStrokeColor(UmbJob job, float rgb[3], float* opacity) {
   return call_on<JobObject>(job, "umbGetJobStrokeColor", Use::kReads, [&](JobObject& object) -> Result<void> {
     if (!rgb || !opacity) return usage_error("umbGetJobStrokeColor: rgb and opacity cannot be NULL");
-    std::copy_n(object.line_color.begin(), 3, rgb);
-    *opacity = object.line_opacity;
+    std::copy_n(object.stroke_color.begin(), 3, rgb);
+    *opacity = object.stroke_opacity;
     return {};
   });
 }

@@ -12,9 +12,9 @@
 #include "library/scene.h"
 #include "renderer/completed_scene.h"
 #include "renderer/draw.h"
-#include "renderer/lines.h"
 #include "renderer/shade_file.h"
 #include "renderer/shared_gbuffer.h"
+#include "renderer/strokes.h"
 
 namespace umbrage {
 
@@ -63,9 +63,9 @@ class JobObject final : public Object {
 
   ProgressMonitor progress;
   Counters counters;
-  Lines lines;  ///< of the last execution
-  std::array<float, 3> line_color{};
-  float line_opacity = 0.0f;
+  Strokes strokes;  ///< of the last execution
+  std::array<float, 3> stroke_color{};
+  float stroke_opacity = 0.0f;
   std::optional<Camera> camera;  ///< of the last picture of a scene or of files
   glm::dvec3 origin{0.0};        ///< Scene::origin of that scene
   GBufferFacts facts;            ///< of the last files
@@ -78,7 +78,7 @@ class JobObject final : public Object {
   struct ResolvedJob {
     Request request;  ///< with the requested passes
     Recipe recipe;
-    LineParameters lines;  ///< parameters of the lines if strokes are requested; otherwise empty
+    StrokeParameters strokes;  ///< their parameters if strokes are requested; otherwise empty
   };
   /// Resolves the parameters, for these files if there are any and they are open. Errors: kUsage.
   Result<ResolvedJob> resolve(const GBufferFile* file = nullptr) const;

@@ -83,18 +83,18 @@ Result<void> set_buffer(const std::string& name, const Buffer& buffer, SharedMes
   Mesh& mesh = shared.mesh;
   const std::size_t count = shared.vertices;
   if (name == "position") {
-    if (auto fine = expect(buffer, name, {kFloat}, 3, 3); !fine) return fine;
+    if (auto status = expect(buffer, name, {kFloat}, 3, 3); !status) return status;
     copy_floats(buffer, count, mesh.positions);
   } else if (name == "normal") {
-    if (auto fine = expect(buffer, name, {kFloat}, 3, 3); !fine) return fine;
+    if (auto status = expect(buffer, name, {kFloat}, 3, 3); !status) return status;
     copy_floats(buffer, count, mesh.normals);
     for (glm::vec3& n : mesh.normals) n = unit_or_zero(n);
   } else if (name == "uv") {
-    if (auto fine = expect(buffer, name, {kFloat}, 2, 2); !fine) return fine;
+    if (auto status = expect(buffer, name, {kFloat}, 2, 2); !status) return status;
     copy_floats(buffer, count, mesh.uvs);
   } else if (name == "radius") {
     if (!mesh.points) return usage_error("the buffer 'radius' is for points: the mesh has triangles");
-    if (auto fine = expect(buffer, name, {kFloat}, 1, 1); !fine) return fine;
+    if (auto status = expect(buffer, name, {kFloat}, 1, 1); !status) return status;
     std::vector<float> radii;
     copy_floats(buffer, count, radii);
     for (const float r : radii)
@@ -102,12 +102,13 @@ Result<void> set_buffer(const std::string& name, const Buffer& buffer, SharedMes
         return usage_error("a point's radius cannot be {}: it takes a finite number above 0", r);
     mesh.radii = std::move(radii);
   } else if (name == "color") {
-    if (auto fine = expect(buffer, name, {kFloat, PixelType::kUint8, PixelType::kUint16}, 3, 4); !fine) return fine;
+    if (auto status = expect(buffer, name, {kFloat, PixelType::kUint8, PixelType::kUint16}, 3, 4); !status)
+      return status;
     set_colors(buffer, count, mesh);
   } else if (name == "index") {
     if (mesh.points) return usage_error("the buffer 'index' is for triangles: the mesh has none");
-    if (auto fine = expect(buffer, name, {PixelType::kUint8, PixelType::kUint16, PixelType::kUint32}, 3, 3); !fine)
-      return fine;
+    if (auto status = expect(buffer, name, {PixelType::kUint8, PixelType::kUint16, PixelType::kUint32}, 3, 3); !status)
+      return status;
     if (auto set = set_indices(buffer, shared); !set) return set;
   } else {
     constexpr std::array<std::string_view, 6> kBuffers = {"position", "normal", "color", "uv", "radius", "index"};
@@ -161,7 +162,7 @@ UmbError change_mesh(UmbScene scene, int mesh, const char* call, const Change& c
   return call_on<SceneObject>(scene, call, Use::kChanges, [&](SceneObject& object) -> Result<void> {
     const auto found = object.mesh(mesh);
     if (!found) return found.error();
-    if (Result<void> done = change(**found); !done) return done;
+    if (Result<void> status = change(**found); !status) return status;
     object.changed();
     return {};
   });

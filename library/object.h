@@ -120,8 +120,8 @@ void release_object(const void* handle) {
 /// Runs a call that has no object. Errors are stored with the thread.
 template <class Work>
 UmbError call_without_object(const char* call, const Work& work) {
-  Result<void> done = guarded([&] { return std::string(call); }, work);
-  return done ? UMB_ERROR_NONE : thread_errors().store(std::move(done.error()));
+  Result<void> status = guarded([&] { return std::string(call); }, work);
+  return status ? UMB_ERROR_NONE : thread_errors().store(std::move(status.error()));
 }
 
 /// Runs a call on an object. `call`: the name of its function. Errors are stored with the object, except kUsage for an
@@ -135,17 +135,17 @@ UmbError call_on(const void* handle, const char* call, Use use, const Work& work
     return {};
   });
   if (found != UMB_ERROR_NONE) return found;
-  Result<void> done;
+  Result<void> status;
   {
     const UseGuard guard(object->use_lock, use);
     if (!guard)
       return call_without_object(call, [&]() -> Result<void> {
         return usage_error("{}: the object is in use by another thread or by the call that runs this callback", call);
       });
-    done = guarded([&] { return object->memory_purpose(call); }, [&]() -> Result<void> { return work(*object); });
+    status = guarded([&] { return object->memory_purpose(call); }, [&]() -> Result<void> { return work(*object); });
   }
   // After the guard has ended, since the error callback may use the object.
-  return done ? UMB_ERROR_NONE : object->fail(std::move(done.error()));
+  return status ? UMB_ERROR_NONE : object->fail(std::move(status.error()));
 }
 
 /// Returns what `get` reads of an object; `otherwise` if the handle is invalid or the object is being changed.

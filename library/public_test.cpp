@@ -202,8 +202,8 @@ void expect_same_occlusion(const Rendered& r, const umb::ShadeRequest& request, 
   umb::ShadeRequest with = request;
   with.arrays = {{.name = "depth", .values = depths.data()}, normals};
   umb::Picture shaded;
-  const auto done = umb::shade(with, shaded);
-  ASSERT_EQ(done.code, 0) << done.message;
+  const auto outcome = umb::shade(with, shaded);
+  ASSERT_EQ(outcome.code, 0) << outcome.message;
   EXPECT_TRUE(shaded.rgba.empty());
   ASSERT_EQ(shaded.passes.size(), 1u);
   const auto &ao = pass(r.picture, "ao", 1), &again = pass(shaded, "ao", 1);

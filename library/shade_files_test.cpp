@@ -16,14 +16,14 @@ class ShadeFiles : public test::ProgramTest {
   /// Renders solids and writes them with depth, normals and albedo. Returns the file.
   std::string rendered() {
     umb::Picture picture;
-    const auto drawn = umb::render({.model = "scene:solids?detail=2000",
-                                    .look = "lit",
-                                    .width = 64,
-                                    .height = 48,
-                                    .device = "cpu",
-                                    .passes = {"beauty", "depth", "normal", "albedo", "object_id"}},
-                                   picture);
-    EXPECT_EQ(drawn.code, 0) << drawn.message;
+    const auto outcome = umb::render({.model = "scene:solids?detail=2000",
+                                      .look = "lit",
+                                      .width = 64,
+                                      .height = 48,
+                                      .device = "cpu",
+                                      .passes = {"beauty", "depth", "normal", "albedo", "object_id"}},
+                                     picture);
+    EXPECT_EQ(outcome.code, 0) << outcome.message;
     const std::string file = (folder_ / "rendered.exr").string();
     EXPECT_EQ(umb::save(picture, file).code, 0);
     return file;

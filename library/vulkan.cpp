@@ -10,7 +10,7 @@
 #include "devices/vulkan/vulkan_device.h"
 #include "effects/effects.h"
 #include "library/device.h"
-#include "renderer/isa_setting.h"
+#include "renderer/devices.h"
 #include "renderer/lens.h"
 #include "renderer/recipe.h"
 #include "umbrage/vulkan.h"
@@ -85,7 +85,7 @@ Result<void> check(const UmbVulkanGBuffer& g, const Lens& lens) {
   if (!g.depth.image) return usage_error("a G-buffer needs a depth image");
   if (g.depth_kind < UMB_DEPTH_PLANAR || g.depth_kind > UMB_DEPTH_REVERSED)
     return usage_error("`depth_kind` cannot be {}: see UmbDepthKind", g.depth_kind);
-  if (auto fine = check_lens(lens); !fine) return fine;
+  if (auto status = check_lens(lens); !status) return status;
   if (!(lens.scene_radius > 0.0f))
     return usage_error("`scene_radius` cannot be {}: it takes a finite number above 0", lens.scene_radius);
   return {};
@@ -103,7 +103,7 @@ bool is_set(const float (&m)[9]) {
 
 Result<void> shade_images(Device& device, const UmbVulkanGBuffer& g, const UmbVulkanWork& request) {
   const Lens lens = lens_of(g);
-  if (auto fine = check(g, lens); !fine) return fine;
+  if (auto status = check(g, lens); !status) return status;
   if ((!request.effects && request.effect_count > 0) || (!request.settings && request.setting_count > 0) ||
       (!request.outputs && request.output_count > 0))
     return usage_error("the effects, settings or outputs are NULL, and their count is not 0");
@@ -136,14 +136,14 @@ Result<void> shade_images(Device& device, const UmbVulkanGBuffer& g, const UmbVu
     if (auto read = read_image(device, device_image(g.normal), normal, kNormal, *frame); !read) return read;
   } else {
     const Effect& normals = *find_effect("normals");
-    if (auto done = device.run(normals, params_of(settings, normals.name), *frame); !done) return done.error();
+    if (auto status = device.run(normals, params_of(settings, normals.name), *frame); !status) return status.error();
   }
   if (g.albedo.image)
     if (auto read = read_image(device, device_image(g.albedo), {}, kAlbedo, *frame); !read) return read;
   if (g.light.image)
     if (auto read = read_image(device, device_image(g.light), {}, kLit, *frame); !read) return read;
   for (const Effect* effect : effects_to_run)
-    if (auto done = device.run(*effect, params_of(settings, effect->name), *frame); !done) return done.error();
+    if (auto status = device.run(*effect, params_of(settings, effect->name), *frame); !status) return status.error();
   for (int k = 0; k < request.output_count; ++k) {
     const UmbVulkanOutput& output = request.outputs[k];
     const auto planes = texts_of(output.planes, output.plane_count);
@@ -197,9 +197,9 @@ UmbError umbShadeVulkanImages(UmbVulkanShading shading, const UmbVulkanGBuffer* 
                                           return usage_error("umbShadeVulkanImages: gbuffer and work cannot be NULL");
                                         object.size = fmt::format("{} x {} pixels", gbuffer->width, gbuffer->height);
                                         DropUnlessDone guard{*object.device};
-                                        auto done = shade_images(*object.device, *gbuffer, *work);
-                                        guard.done = bool(done);
-                                        return done;
+                                        auto status = shade_images(*object.device, *gbuffer, *work);
+                                        guard.done = bool(status);
+                                        return status;
                                       });
 }
 

@@ -85,7 +85,7 @@ Result<void> add_images(std::span<const std::pair<std::string, SharedImage>> ima
 Result<void> write_images(const std::string& file, std::span<const std::pair<std::string, SharedImage>> images,
                           WriteSettings settings) {
   Request ignored;  // set_option only checks the value, since a Request has no field for `bits`
-  if (auto fine = set_option(option_of("bits"), fmt::format("{}", settings.bits), ignored); !fine) return fine;
+  if (auto status = set_option(option_of("bits"), fmt::format("{}", settings.bits), ignored); !status) return status;
   const auto format = format_of(file);
   if (!format) return Error{ErrorKind::kUsage, format.error().message};
   if (images.empty()) return usage_error("there is no picture to write to '{}'", file);
@@ -114,20 +114,20 @@ Result<void> write_strokes(const std::string& file, int width, int height, std::
   if (!(opacity > 0.0f)) return usage_error("there are no strokes to write to '{}': their opacity is 0", file);
   if (width < 1 || height < 1) return usage_error("there is no picture to write to '{}'", file);
   if (auto writable = check_writable(file); !writable) return writable;
-  Lines lines{width, height, {}};
+  Strokes all{width, height, {}};
   for (const UmbStroke& stroke : strokes) {
-    Line& line = lines.lines.emplace_back();
+    Stroke& made = all.strokes.emplace_back();
     if (stroke.kind < UMB_STROKE_OUTLINE || stroke.kind > UMB_STROKE_HIDDEN)
       return usage_error("stroke {} cannot be of kind {}: see UmbStrokeKind", &stroke - strokes.data(), stroke.kind);
     if (!stroke.points && stroke.point_count)
       return usage_error("stroke {} has {} points, but `points` is NULL", &stroke - strokes.data(), stroke.point_count);
-    line.kind = LineKind(stroke.kind);
-    line.object = int(stroke.object_id);
-    line.closed = stroke.closed != 0;
+    made.kind = StrokeKind(stroke.kind);
+    made.object = int(stroke.object_id);
+    made.closed = stroke.closed != 0;
     for (std::size_t k = 0; k < stroke.point_count; ++k)
-      line.points.push_back({stroke.points[k].x, stroke.points[k].y, stroke.points[k].width});
+      made.points.push_back({stroke.points[k].x, stroke.points[k].y, stroke.points[k].width});
   }
-  return write_svg(file, lines, {.color = {rgb[0], rgb[1], rgb[2]}, .opacity = opacity});
+  return write_svg(file, all, {.color = {rgb[0], rgb[1], rgb[2]}, .opacity = opacity});
 }
 
 /// Implements umbWriteImages and umbWriteImagesOfView.

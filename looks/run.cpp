@@ -121,12 +121,12 @@ Result<RunState> run_step(const LookRun& run, const Steps& steps, std::size_t st
   const Effect& effect = *steps[step];
   const ParameterBytes& params = params_of(run, effect);
   if (find_named(run.external_effects, effect.name)) {
-    if (auto done = run.run_external_effect(effect, params, frame); !done) return done.error();
+    if (auto status = run.run_external_effect(effect, params, frame); !status) return status.error();
   } else {
     const int layers = runs_on_layers(run, steps, step) ? 1 + int(frame.info.more_layers.size()) : 1;
     for (int layer = 0; layer < layers; ++layer) {
-      const auto done = device.run(effect, params, frame, layer, run.pixels, run.monitor);
-      if (!done || !done->finished) return done;
+      const auto state = device.run(effect, params, frame, layer, run.pixels, run.monitor);
+      if (!state || !state->finished) return state;
     }
   }
   run.after(effect.name);
@@ -179,28 +179,28 @@ Result<RunState> run_reduced(const LookRun& run, const Steps& steps, std::size_t
   auto small = device.reduced(frame, run.occlusion_downsampling, planes.read);
   if (!small) return small.error();
   for (std::size_t step = first; step < last; ++step) {
-    const auto done = run_step(run, steps, step, device, *small);
-    if (!done || !done->finished) return done;
+    const auto state = run_step(run, steps, step, device, *small);
+    if (!state || !state->finished) return state;
   }
   std::vector<std::string> upsampled_planes = {"ao"};
   if (planes.light) upsampled_planes.insert(upsampled_planes.end(), {"indirect.r", "indirect.g", "indirect.b"});
-  if (auto done = device.place(*small, upsampled_planes, frame); !done) return done.error();
+  if (auto status = device.place(*small, upsampled_planes, frame); !status) return status.error();
   const Effect& technique = *steps[first];
   const bool leave = fills_missing(run, technique);
   const Effect& filling = filling_effect();
   ParameterBytes params = params_of(run, filling);
   filling.set_reduction({run.occlusion_downsampling, planes.light, leave}, params);
-  auto done = device.run(filling, params, frame, 0, PixelSet::kAll, run.monitor);
-  if (done && done->finished && leave)
-    done = device.run(technique, params_of(run, technique), frame, 0, PixelSet::kMissing, run.monitor);
-  if (done && done->finished) run.after(filling.name);
-  return done;
+  auto state = device.run(filling, params, frame, 0, PixelSet::kAll, run.monitor);
+  if (state && state->finished && leave)
+    state = device.run(technique, params_of(run, technique), frame, 0, PixelSet::kMissing, run.monitor);
+  if (state && state->finished) run.after(filling.name);
+  return state;
 }
 
 /// Runs the effect that exposes the picture, after metering if its parameters ask for it.
 Result<LookDone> run_exposed(const LookRun& run, const Effect& effect, Device& device, Frame& frame) {
   ParameterBytes params = params_of(run, effect);
-  LookDone done;
+  LookDone state;
   if (const Exposure by = effect.exposure_source(params); by != Exposure::kAsSet) {
     std::optional<float> stops = run.stops;
     if (!stops && by == Exposure::kLights) stops = stops_from_lights(frame.info);
@@ -209,16 +209,16 @@ Result<LookDone> run_exposed(const LookRun& run, const Effect& effect, Device& d
       if (!metered) return metered.error();
       stops = *metered;
     }
-    done.finished = stops.has_value();
-    if (!stops) return done;
-    done.stops = *stops;
+    state.finished = stops.has_value();
+    if (!stops) return state;
+    state.stops = *stops;
     effect.add_stops(*stops, params);
   }
   const auto ran = device.run(effect, params, frame, 0, run.pixels, run.monitor);
   if (!ran) return ran.error();
-  static_cast<RunState&>(done) = *ran;
-  if (done.finished) run.after(effect.name);
-  return done;
+  static_cast<RunState&>(state) = *ran;
+  if (state.finished) run.after(effect.name);
+  return state;
 }
 
 /// Returns the planes, by their names on the first layer, that steps from `next` on read, or that are read after the
@@ -340,20 +340,20 @@ Result<LookDone> run_look(const LookRun& run, Device& device, Frame& frame) {
       fail_check(fmt::format("LookRun::run_external_effect is not set; effect '{}' requires it", effect.name));
     std::size_t next = step + 1;
     if (effect.exposure_source) {
-      const auto done = run_exposed(run, effect, device, frame);
-      if (!done || !done->finished) return done;
-      all.stops = done->stops;
+      const auto state = run_exposed(run, effect, device, frame);
+      if (!state || !state->finished) return state;
+      all.stops = state->stops;
     } else {
       const std::size_t last = reduced_end(run, steps, step);
       if (last > step)
         next = last;
       else
         release_within(run, steps, step, device, frame);
-      const auto done =
+      const auto state =
           last > step ? run_reduced(run, steps, step, last, device, frame) : run_step(run, steps, step, device, frame);
-      if (!done) return done.error();
-      static_cast<RunState&>(all) = *done;
-      if (!done->finished) return all;
+      if (!state) return state.error();
+      static_cast<RunState&>(all) = *state;
+      if (!state->finished) return all;
     }
     step = next;
     release_unread(run, steps, step, device, frame);

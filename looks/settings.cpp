@@ -53,8 +53,8 @@ EffectSettings look_settings(const Look& look, std::span<const Effect* const> ex
 void apply_presets(std::string_view look, const LookPresets& presets, EffectSettings& settings,
                    std::span<const Effect* const> external_effects) {
   for (const std::string_view preset : presets)
-    if (const auto done = apply_setting(settings, preset, external_effects); !done)
-      fail_check(fmt::format("look {}: {}", look, done.error().message));
+    if (const auto status = apply_setting(settings, preset, external_effects); !status)
+      fail_check(fmt::format("look {}: {}", look, status.error().message));
 }
 
 }  // namespace umbrage

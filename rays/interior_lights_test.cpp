@@ -82,9 +82,9 @@ TEST(InteriorLights, PicturesOfScenesWithoutLightsUseThem) {
     EXPECT_EQ(plan->lighting().lights[0].kind, open ? LightKind::kDirectional : LightKind::kPoint);
     EXPECT_TRUE(scene.lights.empty());
     StageTimes times;
-    const auto drawn = draw(**device, scene, *plan, times);
-    ASSERT_TRUE(drawn);
-    EXPECT_EQ(drawn->frame.info.lights.size(), 1u);
+    const auto picture = draw(**device, scene, *plan, times);
+    ASSERT_TRUE(picture);
+    EXPECT_EQ(picture->frame.info.lights.size(), 1u);
   }
 }
 

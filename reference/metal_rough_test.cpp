@@ -75,15 +75,15 @@ void expect_agreement(const Lighting& lighting, const std::function<glm::vec3(gl
   ASSERT_TRUE(frame);
   const Effect& effect = *find_effect("lighting");
   ASSERT_TRUE(device->run(effect, test::parameters_of(effect, {}), *frame));
-  const auto drawn = device->download_all(*frame);
-  ASSERT_TRUE(drawn);
+  const auto image = device->download_all(*frame);
+  ASSERT_TRUE(image);
   const auto traced = build_traced_scene(scene);
   ASSERT_TRUE(traced);
   const auto truth = trace_light(
       **traced, frame->info, {.samples = 64, .bounce = false, .captured_shadows = true, .environment = environment});
   ASSERT_TRUE(truth);
-  const auto ours = means(*drawn, plane, drawn->plane("object_id")),
-             theirs = means(*truth, plane, drawn->plane("object_id"));
+  const auto ours = means(*image, plane, image->plane("object_id")),
+             theirs = means(*truth, plane, image->plane("object_id"));
   double sum = 0.0;
   for (std::size_t k = 0; k < ours.size(); ++k) {
     const double error = ours[k] / theirs[k] - 1.0;

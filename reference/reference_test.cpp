@@ -1348,11 +1348,11 @@ TEST(Reference, ParametersReachTheTrace) {
 TEST(Reference, RefusesValuesThatItCannotUse) {
   ParameterBytes bytes = initial_parameters(reference_effect().parameters, reference_effect().params_size);
   const auto expect_refused = [&](std::string_view name, std::string_view value, std::string_view range) {
-    const auto done = set_parameter("reference", *find_parameter(reference_effect(), name), value, bytes);
-    ASSERT_FALSE(done) << name << '=' << value;
-    EXPECT_EQ(done.error().kind, ErrorKind::kUsage);
+    const auto status = set_parameter("reference", *find_parameter(reference_effect(), name), value, bytes);
+    ASSERT_FALSE(status) << name << '=' << value;
+    EXPECT_EQ(status.error().kind, ErrorKind::kUsage);
     for (const std::string& part : {fmt::format("reference.{}", name), fmt::format("'{}'", value), std::string(range)})
-      EXPECT_NE(done.error().message.find(part), std::string::npos) << done.error().message;
+      EXPECT_NE(status.error().message.find(part), std::string::npos) << status.error().message;
   };
   for (const char* value : {"0", "4097", "-1", "1.5", "many", "nan"}) expect_refused("samples", value, "1 to 4096");
   for (const char* value : {"0", "0%", "-1", "-5%", "1001%", "nan", "inf", "wide"})

@@ -273,7 +273,7 @@ Result<Image> trace_occlusion(const TracedScene& traced, const PictureInfo& info
   const float radius = settings.radius * traced.scale;
   const glm::mat3 view_from_world(info.camera.view_from_world);
   const std::vector<HeldView> views = held_views(traced, info, settings.occluders);
-  const auto done =
+  const auto status =
       for_each_surface(traced, info, control, [&](int x, int y, const Surface& surface, const CameraRays& rays) {
         const glm::vec3 start = ray_origin_above(traced, surface, rays.eye);
         const glm::vec3 normal = settings.normal == HemisphereNormal::kTriangle ? surface.geometric : surface.normal;
@@ -303,7 +303,7 @@ Result<Image> trace_occlusion(const TracedScene& traced, const PictureInfo& info
         const float length = glm::length(bent);
         bent_normal.store(x, y, view_from_world * (length > 0.0f ? bent / length : normal));
       });
-  if (!done) return done.error();
+  if (!status) return status.error();
   return image;
 }
 
@@ -328,7 +328,7 @@ Result<Image> trace_light(const TracedScene& traced, const PictureInfo& info, co
       traced_lights(traced, camera_rays(traced, info), info, {settings.captured_shadows, settings.sun_angle_deg});
   const bool orthographic = info.camera.projection == Projection::kOrthographic;
   const float reach = settings.reach * traced.scale;
-  const auto done =
+  const auto status =
       for_each_surface(traced, info, control, [&](int x, int y, const Surface& surface, const CameraRays& rays) {
         const std::uint32_t seed = pixel_seed(info, x, y, settings.seed);
         if (settings.bounce)
@@ -350,7 +350,7 @@ Result<Image> trace_light(const TracedScene& traced, const PictureInfo& info, co
         direct.store(x, y, light.diffuse * material.albedo + light.highlight + material.emission);
         shadow->at(x, y) = light.key_visibility;
       });
-  if (!done) return done.error();
+  if (!status) return status.error();
   return image;
 }
 

@@ -56,13 +56,13 @@ std::vector<std::string> averaged_planes(const Plan& plan) {
 Result<RunState> draw_lines(Device& device, const Plan& plan, Frame& frame, const ProgressMonitor& monitor,
                             StageTimes& times) {
   if (plan.lines.empty() || plan.capture.sample > 0) return RunState();
-  Result<RunState> done = RunState();
+  Result<RunState> state = RunState();
   for_line_effects(plan, [&](const Effect& effect, const ParameterBytes& params) {
-    if (!done || !done->finished) return;
-    done = device.run(effect, params, frame, 0, PixelSet::kAll, monitor);
+    if (!state || !state->finished) return;
+    state = device.run(effect, params, frame, 0, PixelSet::kAll, monitor);
     times.done(effect.name);
   });
-  return done;
+  return state;
 }
 
 std::vector<std::string> picture_passes(const Recipe& recipe) {
@@ -100,8 +100,8 @@ Result<void> finish_pass(Device& device, PictureSum& total, const Plan& plan, co
     if (pass == "beauty" && total.sum.find(plane)) names.emplace_back(plane);
   auto mean = device.upload(mean_picture(total, info, pass));
   if (!mean) return mean.error();
-  if (auto done = device.add(lines, *mean); !done) return done;
-  if (auto done = device.run(*find_effect("output"), bytes, *mean); !done) return done.error();
+  if (auto status = device.add(lines, *mean); !status) return status;
+  if (auto status = device.run(*find_effect("output"), bytes, *mean); !status) return status.error();
   auto planes = device.download(*mean, names);
   if (!planes) return planes.error();
   // The samples have some of the background, such as a sky.
@@ -119,7 +119,7 @@ Result<Image> finished_picture(Device& device, PictureSum& total, const Plan& pl
                                const PictureInfo& info) {
   Image finished(total.sum.width, total.sum.height);
   for (const std::string& pass : picture_passes(plan.recipe))
-    if (auto done = finish_pass(device, total, plan, pass, lines, info, finished); !done) return done.error();
+    if (auto status = finish_pass(device, total, plan, pass, lines, info, finished); !status) return status.error();
   return finished;
 }
 
@@ -143,17 +143,18 @@ Image with_guard_band(Image inner, int guard) {
 
 Result<void> finish_average(Device& device, PictureSum& total, const Plan& plan, const BlendedSample& blended,
                             Frame& frame) {
-  if (auto done = device.add(with_guard_band(mean_planes(total, other_averaged_planes(plan)), frame.info.guard), frame);
-      !done)
-    return done;
+  if (auto status =
+          device.add(with_guard_band(mean_planes(total, other_averaged_planes(plan)), frame.info.guard), frame);
+      !status)
+    return status;
   Image lines;
   if (const auto planes = line_planes(plan); !planes.empty()) {
-    auto drawn = device.download(frame, planes);
-    if (!drawn) return drawn.error();
-    lines = std::move(*drawn);
+    auto image = device.download(frame, planes);
+    if (!image) return image.error();
+    lines = std::move(*image);
     if (plan.has_blended) {
       blended.join_lines(lines, 0);
-      if (auto done = device.add(with_guard_band(lines, frame.info.guard), frame); !done) return done;
+      if (auto status = device.add(with_guard_band(lines, frame.info.guard), frame); !status) return status;
     }
   }
   if (picture_passes(plan.recipe).empty()) return {};

@@ -99,9 +99,9 @@ Request front_request(const char* look, int size) {
 
 /// Draws a red surface in front of a wall, with the look `lit`. Returns the linear colour of the middle pixel.
 glm::vec3 middle_of(const Scene& scene) {
-  const auto drawn = test::drawn_picture(scene, front_request("lit", 64), {"color.r", "color.g", "color.b"});
+  const auto picture = test::drawn_picture(scene, front_request("lit", 64), {"color.r", "color.g", "color.b"});
   glm::vec3 color;
-  for (int c = 0; c < 3; ++c) color[c] = linear_from_srgb(drawn.image.planes[std::size_t(c)].at(32, 32));
+  for (int c = 0; c < 3; ++c) color[c] = linear_from_srgb(picture.image.planes[std::size_t(c)].at(32, 32));
   return color;
 }
 
@@ -119,8 +119,8 @@ TEST(Blend, PictureIsWeightedSum) {
 TEST(Blend, LinesOfPaneAndOfWhatIsBehind) {
   Scene scene = test::scene_of({square(3.0f, -3.0f), square(0.3f), square(1.0f, 0.5f)},
                                {{.albedo = glm::vec3(0.8f)}, {.albedo = kRed}, pane(0.3f, {0.2f, 0.4f, 0.8f})});
-  const auto drawn = test::drawn_picture(scene, front_request("cartoon", 128), {"outline", "depth"});
-  const Plane& lines = drawn.image.plane("outline");
+  const auto picture = test::drawn_picture(scene, front_request("cartoon", 128), {"outline", "depth"});
+  const Plane& lines = picture.image.plane("outline");
   int crossed = 0;  // by the row through the middle: two sides of the square behind and two of the pane
   for (int x = 1; x < 128; ++x) crossed += (lines.at(x, 64) > 0.05f) != (lines.at(x - 1, 64) > 0.05f);
   EXPECT_EQ(crossed, 8);
@@ -137,8 +137,8 @@ TEST(Blend, NoSeamWhereOpacityBecomesFull) {
   for (const char* look : {"lit", "cartoon"}) {
     Request request = front_request(look, 128);
     request.anti_aliasing = 1;
-    const auto drawn = test::drawn_picture(scene, request, {"color.g"});
-    const Plane& green = drawn.image.plane("color.g");
+    const auto picture = test::drawn_picture(scene, request, {"color.g"});
+    const Plane& green = picture.image.plane("color.g");
     for (int x = 23; x < 105; ++x) {
       if (x > 34 && x < 92) continue;  // the wall has the shadow of the half with an opacity above 0.5
       const float bend = green.at(x - 1, 64) - 2.0f * green.at(x, 64) + green.at(x + 1, 64);
@@ -172,8 +172,8 @@ TEST(Blend, StripsAreTheSame) {
           }
       return {};
     };
-    const auto done = draw_strips(*device, *plan, 64, planes, false, take, times);
-    EXPECT_TRUE(done) << look << ": " << (done ? "" : done.error().message);
+    const auto status = draw_strips(*device, *plan, 64, planes, false, take, times);
+    EXPECT_TRUE(status) << look << ": " << (status ? "" : status.error().message);
   }
 }
 

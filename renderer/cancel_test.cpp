@@ -69,7 +69,7 @@ void expect_ends(const Work& work, const char* what) {
     const Clock::time_point start = Clock::now();
     Clock::time_point ended;
     bool cancelled = false;
-    const auto done = work([&](double at) {
+    const auto status = work([&](double at) {
       EXPECT_FALSE(cancelled) << "the monitor is called after it returned false";
       max_reported = std::max(max_reported, at);
       if (seconds_since(start) < fraction * total) return true;
@@ -79,8 +79,8 @@ void expect_ends(const Work& work, const char* what) {
     });
     if (!cancelled) continue;  // the work finished first
     max = std::max(max, seconds_since(ended));
-    ASSERT_FALSE(done);
-    EXPECT_EQ(done.error().kind, ErrorKind::kInterrupted);
+    ASSERT_FALSE(status);
+    EXPECT_EQ(status.error().kind, ErrorKind::kInterrupted);
   }
   std::printf("%s: %.0f ms, ends within %.0f ms, %zu monitor calls\n", what, 1e3 * total, 1e3 * max, reported.size());
   constexpr double kMaxSeconds = 0.3;

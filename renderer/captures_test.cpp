@@ -49,9 +49,9 @@ class PreparedScene {
     return recipe;
   }
 
-  Image downloaded(const Result<Drawn>& drawn) {
-    EXPECT_TRUE(drawn) << drawn.error().message;
-    return *device_.download_all(drawn->frame);
+  Image downloaded(const Result<Drawn>& picture) {
+    EXPECT_TRUE(picture) << picture.error().message;
+    return *device_.download_all(picture->frame);
   }
 
   Device& device_;

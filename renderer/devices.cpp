@@ -1,14 +1,31 @@
 #include "renderer/devices.h"
 
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <charconv>
 #include <cstdlib>
 
 #include "core/suggest.h"
 #include "devices/cpu/cpu_device.h"
 #include "devices/vulkan/vulkan_device.h"
-#include "renderer/isa_setting.h"
+#include "kernel/isa.h"
 
 namespace umbrage {
+
+Result<void> use_isa(std::string_view name) {
+  if (choose_isa(name)) return {};
+  const auto& known = known_isas();
+  const std::string usable_text = fmt::format("this machine has {}", fmt::join(usable_isas(), ", "));
+  if (std::find(known.begin(), known.end(), name) == known.end())
+    return usage_error("`isa` (or UMBRAGE_ISA) cannot be '{}': {}", name, usable_text);
+  return device_error("`isa` (or UMBRAGE_ISA) cannot be '{}' on this CPU: {}", name, usable_text);
+}
+
+Result<void> check_isa_setting() {
+  return unusable_isa_setting().empty() ? Result<void>() : use_isa(unusable_isa_setting());
+}
+
 namespace {
 
 /// Returns how Vulkan devices capture, as UMBRAGE_VULKAN_CAPTURE sets it; by default the device decides.

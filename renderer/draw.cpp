@@ -13,6 +13,23 @@
 #include "scene/studio_reflections.h"
 
 namespace umbrage {
+
+double TimeLimit::steady_clock() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+TimeLimit::TimeLimit(double seconds, Clock clock)
+    : seconds_(seconds), clock_(std::move(clock)), begin_(clock_()), last_(begin_) {}
+
+bool TimeLimit::fits_another(int samples) {
+  const double now = clock_(), duration = now - last_;
+  last_ = now;
+  if (samples_ > 0) durations_.insert(std::upper_bound(durations_.begin(), durations_.end(), duration), duration);
+  samples_ = samples;
+  const double expected = durations_.empty() ? duration / samples : durations_[durations_.size() / 2];
+  return now - begin_ + expected <= seconds_;
+}
+
 namespace {
 
 /// Returns a callback for the ray tracer of the reference, which may call it from any thread. The callback forwards
@@ -141,15 +158,15 @@ struct Samples {
 Result<void> draw_marked(Device& device, Samples& s) {
   auto first = s.get_frame(s.plan, begin_picture(s.plan, {}), nullptr);
   if (!first) return first.error();
-  const auto done = run_look(s.run, device, *first);
-  if (!done) return done.error();
-  if (auto drawn = draw_lines(device, s.plan, *first, s.run.monitor, s.times); !drawn) return drawn.error();
+  const auto state = run_look(s.run, device, *first);
+  if (!state) return state.error();
+  if (auto status = draw_lines(device, s.plan, *first, s.run.monitor, s.times); !status) return status.error();
   s.progress.sample_done();
   auto sum = begin_sum(device, s.plan, *first);
   if (!sum) return sum.error();
   s.sum = std::move(*sum);
   if (s.run.kept) device.release(*first, averaged_picture(s.plan));  // finish_average adds it again
-  s.run.stops = done->stops;
+  s.run.stops = state->stops;
   for (int sample = 1; sample < s.plan.recipe.frames; ++sample) {
     Plan further = s.plan;
     const Camera camera = begin_marked(further, sample);
@@ -169,13 +186,13 @@ Result<Frame> draw_picture(Device& device, const PictureIndex& index, BlendedSam
   if (!frame) return frame;
   if (auto added = add_sky(device, s.plan, *frame); !added) return added.error();
   if (s.plan.recipe.hdri.shown()) s.times.done("sky");
-  const auto done = run_look(s.run, device, *frame);
-  if (!done) return done.error();
-  s.run.stops = done->stops;  // one exposure for all samples
+  const auto state = run_look(s.run, device, *frame);
+  if (!state) return state.error();
+  s.run.stops = state->stops;  // one exposure for all samples
   if (!s.plan.averages()) return frame;
   if (auto added = add_weighted(device, s.plan, *frame, blended, s.sum); !added) return added.error();
   s.times.done("average");
-  if (auto drawn = draw_lines(device, s.plan, *frame, s.run.monitor, s.times); !drawn) return drawn.error();
+  if (auto status = draw_lines(device, s.plan, *frame, s.run.monitor, s.times); !status) return status.error();
   if (index.blended && index.sample == 0) {
     const auto lines = device.download(*frame, line_planes(s.plan));
     if (!lines) return lines.error();
@@ -252,9 +269,9 @@ Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& plan,
                                          .min_opacity = s.plan.capture.blended ? kMinOpacity : kOpaque});
     return planes ? device.add(*planes, current) : planes.error();
   };
-  if (auto drawn = s.plan.marked ? draw_marked(device, s) : draw_whole(device, s); !drawn) return drawn.error();
+  if (auto status = s.plan.marked ? draw_marked(device, s) : draw_whole(device, s); !status) return status.error();
   if (more.wants_another)
-    if (auto drawn = draw_further(device, more, s); !drawn) return drawn.error();
+    if (auto status = draw_further(device, more, s); !status) return status.error();
   if (s.plan.averages()) {
     if (auto finished = finish_average(device, s.sum, s.plan, s.blended, *s.first); !finished) return finished.error();
     times.done("average");
@@ -302,7 +319,7 @@ Result<Captures> capture(Device& device, const Plan& plan, StageTimes& times, co
     progress.sample_done();
   }
   // Devices may defer work; errors appear when it finishes.
-  if (auto done = device.finish(); !done) return done.error();
+  if (auto status = device.finish(); !status) return status.error();
   if (auto ended = progress.end(); !ended) return ended.error();
   return captures;
 }
@@ -327,8 +344,8 @@ Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan
 Result<Frame> draw(Device& device, const Scene& scene, const Recipe& recipe, StageTimes& times) {
   const auto plan = make_plan(recipe, scene, device.threads());
   if (!plan) return plan.error();
-  auto drawn = draw(device, scene, *plan, times);
-  return drawn ? Result<Frame>(std::move(drawn->frame)) : drawn.error();
+  auto picture = draw(device, scene, *plan, times);
+  return picture ? Result<Frame>(std::move(picture->frame)) : picture.error();
 }
 
 Result<Frame> draw(Device& device, const Scene& scene, const Request& request, StageTimes& times) {
@@ -347,8 +364,8 @@ Result<Frame> upload_with_normals(Device& device, GBuffer gbuffer, const EffectS
   const Effect& normals = *find_effect("normals");
   for (std::size_t layer = 0; layer < has_normals.size(); ++layer)
     if (!has_normals[layer])
-      if (auto done = device.run(normals, params_of(settings, normals.name), *frame, int(layer)); !done)
-        return done.error();
+      if (auto status = device.run(normals, params_of(settings, normals.name), *frame, int(layer)); !status)
+        return status.error();
   return frame;
 }
 
@@ -399,10 +416,10 @@ Result<Drawn> shade_planes(Device& device, GBuffer gbuffer, const Recipe& reques
   times.done("upload");
   LookRun run = timed_look_run(*recipe, times, progress);
   run.stops = stops;
-  const auto done = run_look(run, device, *frame);
-  if (!done) return done.error();
+  const auto state = run_look(run, device, *frame);
+  if (!state) return state.error();
   if (auto ended = progress.end(); !ended) return ended.error();
-  return Drawn{std::move(*frame), done->stops};
+  return Drawn{std::move(*frame), state->stops};
 }
 
 }  // namespace umbrage

@@ -1,12 +1,59 @@
-// Draws a plan on a device.
+// Draws a plan on a device. Drawing can be progressive: after the samples of a plan, whole further samples are added to
+// the average while someone wants them. Each continues the sequences of sample positions and of noise, so that no
+// sample repeats another and the average converges.
 #pragma once
+#include <functional>
 #include <optional>
+#include <vector>
 
+#include "core/device.h"
 #include "renderer/plan.h"
-#include "renderer/progressive.h"
 #include "renderer/times.h"
 
 namespace umbrage {
+
+/// Max number of samples that are added to all pixels: with more, a picture would not change visibly.
+inline constexpr int kMaxProgressiveSamples = 4096;
+
+/// What asks for further samples. `samples`: number of samples in the average that were drawn at all pixels: 1 after
+/// marked samples, whose others add only to edges.
+struct Continuation {
+  /// Called after the samples of the plan and after each further one. Returns whether to draw another. Empty: no
+  /// further samples.
+  std::function<bool(int samples)> wants_another = {};
+  /// Returns whether take_mean is called for this number of samples, since finishing a picture takes time. Empty: it
+  /// always is.
+  std::function<bool(int samples)> wants_mean = {};
+  /// If set, receives the finished picture of all samples so far, before each call of wants_another. The frame is valid
+  /// during the call. An error ends the drawing and is returned.
+  std::function<Result<void>(const Frame& mean, int samples)> take_mean = {};
+};
+
+/// Decides whether another sample fits into a time.
+class TimeLimit {
+ public:
+  /// Returns seconds from any fixed moment.
+  using Clock = std::function<double()>;
+  static double steady_clock();
+
+  /// The time begins now. `seconds` > 0.
+  explicit TimeLimit(double seconds, Clock clock = steady_clock);
+
+  /// As Continuation::wants_another. A sample is expected to take as long as the median of the further ones so far; the
+  /// first of them, as long as the samples of the plan took on average, or together if all but one were marked samples.
+  bool fits_another(int samples);
+
+  double seconds() const { return seconds_; }
+  double elapsed() const { return clock_() - begin_; }  ///< seconds
+  int samples() const { return samples_; }              ///< of the last call of fits_another; 0: none
+
+ private:
+  double seconds_;
+  Clock clock_;
+  double begin_, last_;
+  std::vector<double> durations_;  // of further samples, seconds, ascending
+  int samples_ = 0;
+};
 
 /// A drawn picture.
 struct Drawn {

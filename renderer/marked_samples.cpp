@@ -110,8 +110,8 @@ Result<void> shade_marked(Device& device, const Plan& plan, LookRun run, const F
   run.after(resample().name);
   run.settings = &plan.recipe.settings;
   run.pixels = PixelSet::kMarked;
-  const auto done = run_look(run, device, frame);
-  return done ? Result<void>() : done.error();
+  const auto status = run_look(run, device, frame);
+  return status ? Result<void>() : status.error();
 }
 
 Result<PictureSum> begin_sum(Device& device, const Plan& plan, const Frame& first) {

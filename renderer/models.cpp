@@ -31,8 +31,8 @@ void share_origin(Scene& a, Scene& b) {
 Result<Scene> load_scene(const std::string& model, const ImportSettings& settings, const ProgressMonitor& monitor) {
   if (model.empty()) return usage_error("the name of a model is empty");
   if (!model.starts_with("scene:")) return import_scene(model, settings, monitor);
-  if (auto fine = check_scene_index(settings, model, 1); !fine) return fine.error();
-  if (auto fine = check_animation_index(settings, model, 0); !fine) return fine.error();
+  if (auto status = check_scene_index(settings, model, 1); !status) return status.error();
+  if (auto status = check_animation_index(settings, model, 0); !status) return status.error();
   if (monitor && !monitor(0.0)) return interrupted();
   auto scene = make_builtin_scene(model);
   if (scene && settings.up != glm::vec3(0.0f)) scene->up = settings.up;

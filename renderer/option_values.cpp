@@ -304,7 +304,7 @@ Result<void> check_request(const Request& request, long max_pixels) {
   // Field accessors need a mutable request; it is only read here.
   auto& fields = const_cast<Request&>(request);
   for (const Option& option : options())
-    if (auto fine = std::visit(CheckValue(option, fields), option.where); !fine) return fine;
+    if (auto status = std::visit(CheckValue(option, fields), option.where); !status) return status;
   if (long(request.width) * request.height > max_pixels)
     return usage_error("a picture cannot have {} x {} pixels: it takes at most {} in total{}", request.width,
                        request.height, max_pixels, remedy_for_size(max_pixels));

@@ -13,9 +13,9 @@
 #include "effects/hatching/hatching.h"
 #include "effects/outline/outline.h"
 #include "effects/output/output.h"
-#include "renderer/background.h"
 #include "renderer/blend.h"
 #include "renderer/marked_samples.h"
+#include "renderer/written_passes.h"
 
 namespace umbrage {
 namespace {

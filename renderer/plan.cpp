@@ -224,7 +224,8 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
   if (const Parameter* noise = noise_of(recipe))
     plan.first_noise = int_value(*noise, params_of(settings, recipe.occlusion));
   const PictureInfo info = picture_info(scene, plan.camera, plan.capture);
-  if (auto fine = check_captured(plan.recipe, captured_planes(scene, info, plan.capture)); !fine) return fine.error();
+  if (auto status = check_captured(plan.recipe, captured_planes(scene, info, plan.capture)); !status)
+    return status.error();
   plan.output = params_of(settings, "output");
   plan.has_blended = averages_something(recipe) && has_blended(scene);
   if (!plan.averages()) return plan;

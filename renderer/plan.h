@@ -3,8 +3,8 @@
 #pragma once
 #include <vector>
 
-#include "renderer/line_parameters.h"
 #include "renderer/recipe.h"
+#include "renderer/strokes.h"
 
 namespace umbrage {
 
@@ -20,7 +20,7 @@ struct Plan {
   float sky_gain = 1.0f;           ///< factor for the radiance of the environment image as background
   ParameterBytes output;           ///< parameters of `output` for the averaged picture
   /// Parameters of the effects whose lines are drawn once, by sample 0, over the averaged picture; else empty.
-  LineParameters lines;
+  StrokeParameters lines;
   int first_noise = 0;  ///< noise index of sample 0: see Effect::noise
   /// Samples beyond the first are drawn only at the pixels that the first one marks: see marked_samples.h. Then sample
   /// 0 is drawn first.

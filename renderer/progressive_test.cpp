@@ -1,5 +1,4 @@
 // Progressive drawing: further samples continue the average of a plan, whatever asks for them.
-#include "renderer/progressive.h"
 
 #include <gtest/gtest.h>
 

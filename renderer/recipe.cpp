@@ -83,8 +83,8 @@ Result<void> apply_settings(const std::vector<std::string>& assignments, Recipe&
       return usage_error("`settings` '{}': {}.{} follows from `occlusion_scale`", assignment, effect.name, row.name);
     if (!recipe.effects_look && effect.name == "resample" && follows_from_samples(row.name))
       return usage_error("`settings` '{}': {}.{} follows from `anti_aliasing`", assignment, effect.name, row.name);
-    if (auto done = set_parameter(effect.name, row, setting->value, params_of(recipe.settings, effect.name)); !done)
-      return done;
+    if (auto status = set_parameter(effect.name, row, setting->value, params_of(recipe.settings, effect.name)); !status)
+      return status;
     recipe.set_by_request.push_back({&effect, &row, {}});
   }
   return {};
@@ -113,7 +113,7 @@ Result<void> apply_request(const Request& request, Recipe& recipe) {
   }
   if (request.transparent) output.transparent = 1;
   apply_strengths(request, recipe.settings);
-  if (auto done = apply_settings(request.settings, recipe); !done) return done;
+  if (auto status = apply_settings(request.settings, recipe); !status) return status;
   // A transparent picture is composited later by its viewer, in display values: blend the ground's shadow likewise.
   if (output.transparent && output.transfer == kTransferSrgb && !request.scene_linear) {
     as<GroundParams>(params_of(recipe.settings, "ground")).blend = kGroundBlendDisplay;
@@ -196,7 +196,7 @@ Result<Look> look_of(const std::vector<std::string>& names) {
 
 /// Makes a recipe of effects only, without the presets of a look. Errors: kUsage.
 Result<Recipe> recipe_of_effects(const Request& request, long max_pixels) {
-  if (auto fine = check_request(request, max_pixels); !fine) return fine.error();
+  if (auto status = check_request(request, max_pixels); !status) return status.error();
   if (const auto known = requested_look(request); !known) return known.error();
   auto look = look_of(request.effects);
   if (!look) return look.error();
@@ -205,7 +205,7 @@ Result<Recipe> recipe_of_effects(const Request& request, long max_pixels) {
   recipe.look = recipe.effects_look.get();
   recipe.occlusion = kNoOcclusion;
   recipe.settings = initial_settings(external_effects());
-  if (auto done = apply_request(request, recipe); !done) return done.error();
+  if (auto status = apply_request(request, recipe); !status) return status.error();
   enable_passes(request, recipe);
   if (!request.occlusion_radius.empty()) recipe.radius = *parse_length("occlusion_radius", request.occlusion_radius);
   return recipe;
@@ -285,7 +285,7 @@ Framing framing_of(const CameraSettings& camera) {
 
 Result<ImportSettings> import_settings(const Request& request) {
   ImportSettings settings;
-  if (auto fine = check_request(request, kMaxStripPixels); !fine) return fine.error();
+  if (auto status = check_request(request, kMaxStripPixels); !status) return status.error();
   if (request.up) settings.up = glm::normalize(vector_of(*request.up));
   settings.scene_index = request.scene_index;
   settings.animation_index = request.animation_index;
@@ -361,19 +361,19 @@ Result<CaptureSettings> capture_of(const Request& request, const Recipe& recipe,
     capture->occluders = std::max(capture->occluders, occluders_read(*step, params_of(recipe.settings, step->name)));
   for (const Effect* step : steps)
     if (of_model && !request.layers)
-      if (auto done = add_layers(*step, recipe, max_pixels, *capture); !done) return done.error();
+      if (auto status = add_layers(*step, recipe, max_pixels, *capture); !status) return status.error();
   return capture;
 }
 
 /// `of_model`: the picture shows a model, so that rays can be traced and several pictures averaged.
 Result<Recipe> make_recipe_of(const Request& request, long max_pixels, bool of_model) {
-  if (auto fine = check_request(request, max_pixels); !fine) return fine.error();
+  if (auto status = check_request(request, max_pixels); !status) return status.error();
   Recipe recipe{.width = request.width, .height = request.height};
   if (auto found = resolve_names(request, of_model, recipe); !found) return found.error();
   const Look& look = *recipe.look;
   const Quality* quality = quality_of(request, look);
   if (of_model) recipe.frames = request.anti_aliasing.value_or(quality ? quality->frames : look.frames);
-  if (auto fine = resolve_scale(request, quality, recipe); !fine) return fine.error();
+  if (auto status = resolve_scale(request, quality, recipe); !status) return status.error();
   if (!request.occlusion_radius.empty()) recipe.radius = *parse_length("occlusion_radius", request.occlusion_radius);
   recipe.framing = framing_of(request.camera);
   recipe.framing.usual_view_angle_deg = look.view_angle_deg;
@@ -405,11 +405,11 @@ Result<Recipe> make_recipe_of(const Request& request, long max_pixels, bool of_m
   // The reference computes indirect light, too, if the look's technique does, unless the request sets it.
   if (recipe.occlusion == reference_effect().name && computes_indirect_light(look, recipe.settings))
     as<ReferenceParams>(params_of(recipe.settings, recipe.occlusion)).light = kReferenceBounce;
-  if (auto done = apply_request(request, recipe); !done) return done.error();
+  if (auto status = apply_request(request, recipe); !status) return status.error();
   const auto capture = capture_of(request, recipe, max_pixels, of_model);
   if (!capture) return capture.error();
   recipe.capture = *capture;
-  if (auto fine = apply_passes(request, recipe); !fine) return fine.error();
+  if (auto status = apply_passes(request, recipe); !status) return status.error();
   return recipe;
 }
 
@@ -438,7 +438,7 @@ Result<Recipe> make_shading_recipe(const Request& request, long max_pixels) {
 Result<EffectSettings> effect_settings(std::span<const std::string> assignments) {
   EffectSettings settings = initial_settings(external_effects());
   for (const std::string& assignment : assignments)
-    if (auto done = apply_setting(settings, assignment, external_effects()); !done) return done.error();
+    if (auto status = apply_setting(settings, assignment, external_effects()); !status) return status.error();
   return settings;
 }
 

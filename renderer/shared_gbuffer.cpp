@@ -102,7 +102,7 @@ Result<void> check_settings(const Request& request, const Lens& lens) {
         "`{}` is for files: images in memory hold planar depth in scene units or the depth_kind that is "
         "set, and take `window` or `view_from_normal`",
         field);
-  if (auto fine = check_lens(lens); !fine) return fine;
+  if (auto status = check_lens(lens); !status) return status;
   if (!(lens.right > lens.left && lens.top > lens.bottom))
     return usage_error(
         "the camera's window cannot be {} to {} and {} to {}: right must be above left, and top above bottom",
@@ -305,14 +305,14 @@ bool is_id(std::string_view pass) {
 
 Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedImage> images) {
   const Lens lens = lens_of(request);
-  if (auto fine = check_settings(request, lens); !fine) return fine.error();
+  if (auto status = check_settings(request, lens); !status) return status.error();
   SharedGBuffer shared;
   GBuffer& gbuffer = shared.gbuffer;
   if (std::none_of(images.begin(), images.end(), [](const NamedImage& named) { return named.name == "depth"; }))
     return usage_error("a G-buffer needs an image 'depth'");
   int layers = 1;
   for (const NamedImage& named : images) {
-    if (auto fine = check_image(lens, images, named); !fine) return fine.error();
+    if (auto status = check_image(lens, images, named); !status) return status.error();
     layers = std::max(layers, layer_of_plane(named.name) + 1);
   }
   if (layers > kMaxMixedLayers)

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "core/check.h"
-#include "devices/shared/neutral.h"
-#include "renderer/lines.h"
+#include "devices/shared/planes.h"
+#include "renderer/strokes.h"
 
 namespace umbrage {
 
@@ -32,7 +32,7 @@ StripDrawer::StripDrawer(Device& device, StripSource source, int rows, StripProg
   source_.run.meter = [this](Device& of, const Frame& frame, Exposure by) { return meter(of, frame, by); };
 }
 
-Result<Lines> StripDrawer::draw_picture(const std::vector<std::string>& planes, bool lines, const Finish& finish) {
+Result<Strokes> StripDrawer::draw_picture(const std::vector<std::string>& planes, bool lines, const Finish& finish) {
   const auto whole_planes = std::make_shared<WholePlanes>();
   bool metered = false;
   sweep_ = 0;
@@ -41,10 +41,10 @@ Result<Lines> StripDrawer::draw_picture(const std::vector<std::string>& planes, 
     margins_.resize(std::max(margins_.size(), sweep_ + 1), margins_.empty() ? 0 : margins_.back());
     for (int begin = 0; begin < source_.height; begin += rows_) {
       const Rows strip{begin, std::min(begin + rows_, source_.height)};
-      const auto done = draw_strip({strip, 0, whole_planes}, planes, finish);
-      if (!done) return done.error();
-      if (begin > 0 && finished != *done) fail_check("strips of one picture wait for different dispatches");
-      finished = *done;
+      const auto strip_finished = draw_strip({strip, 0, whole_planes}, planes, finish);
+      if (!strip_finished) return strip_finished.error();
+      if (begin > 0 && finished != *strip_finished) fail_check("strips of one picture wait for different dispatches");
+      finished = *strip_finished;
       progress_.show(double(strip.end) / source_.height);
     }
     for (auto& [key, entry] : whole_planes->planes) entry.complete = true;
@@ -55,18 +55,18 @@ Result<Lines> StripDrawer::draw_picture(const std::vector<std::string>& planes, 
     progress_.sweep_done();
   }
   progress_.sample_done(metered);
-  return lines ? lines_of(*whole_planes) : Lines();
+  return lines ? lines_of(*whole_planes) : Strokes();
 }
 
 /// Traces the lines from the planes that the strips have gathered for the host step.
-Lines StripDrawer::lines_of(WholePlanes& whole_planes) const {
+Strokes StripDrawer::lines_of(WholePlanes& whole_planes) const {
   Image planes(info_.width, info_.height);
   for (const std::string_view name : edge_planes(source_.lines, int(info_.more_layers.size()) + 1)) {
     planes.add(name) = Plane(info_.width, info_.height, neutral_value(name).value_or(0.0f));
     for (auto& [key, entry] : whole_planes.planes)
       if (std::get<0>(key) == info_.reduced && std::get<1>(key) == name) planes.plane(name) = std::move(entry.plane);
   }
-  return traced_lines(info_, planes, source_.lines, device_.threads());
+  return traced_strokes(info_, planes, source_.lines, device_.threads());
 }
 
 /// Draws a strip, again with a larger margin until the margin suffices. Returns whether the strip is finished; if not,
@@ -78,12 +78,12 @@ Result<bool> StripDrawer::draw_strip(Strip strip, const std::vector<std::string>
     prepare_plane_pool({std::max(strip.rows.begin - margin, 0), std::min(strip.rows.end + margin, height)});
     strip.margin = margin;
     first_ = std::clamp(strip.rows.begin, guard, height - guard) - guard;
-    const auto done = try_strip(strip, planes, finish);
-    if (!done) return done.error();
-    if (done->finished || done->missing_rows == 0) return done->finished;
+    const auto state = try_strip(strip, planes, finish);
+    if (!state) return state.error();
+    if (state->finished || state->missing_rows == 0) return state->finished;
     if (margin > height)
       fail_check(fmt::format("a strip of a picture {} pixels high needs too large a margin", height));
-    margin += done->missing_rows;
+    margin += state->missing_rows;
   }
 }
 

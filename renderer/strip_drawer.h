@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "core/lines.h"
+#include "core/strokes.h"
 #include "looks/looks.h"
-#include "renderer/line_parameters.h"
+#include "renderer/strokes.h"
 #include "renderer/times.h"
 
 namespace umbrage {
@@ -40,10 +40,10 @@ class StripProgress {
 
 /// A picture to draw in strips: its size, its look, and where the frames of its strips come from.
 struct StripSource {
-  LookRun run;           ///< the drawer sets `after`, `monitor` and `meter`; with `stops`, nothing is metered
-  int height = 0;        ///< rows of the picture, guard band included
-  int guard = 0;         ///< guard band, pixels on each side
-  LineParameters lines;  ///< parameters of the effects that make the lines
+  LookRun run;             ///< the drawer sets `after`, `monitor` and `meter`; with `stops`, nothing is metered
+  int height = 0;          ///< rows of the picture, guard band included
+  int guard = 0;           ///< guard band, pixels on each side
+  StrokeParameters lines;  ///< parameters of the effects that make the lines
   /// Returns the frame of a strip before any effect of the look has run. Called once for each strip of each sweep.
   std::function<Result<Frame>(const Strip&, const ProgressMonitor&)> make_frame;
   /// Runs on each frame after the look; may be unfinished as Device::run.
@@ -61,13 +61,13 @@ class StripDrawer {
 
   /// Draws all strips in as many sweeps as needed and passes `planes` of the finished rows to `finish`. Returns the
   /// lines of the picture if `lines` is set.
-  Result<Lines> draw_picture(const std::vector<std::string>& planes, bool lines, const Finish& finish);
+  Result<Strokes> draw_picture(const std::vector<std::string>& planes, bool lines, const Finish& finish);
 
   /// Returns the exposure of the last picture, as LookDone::stops. Later pictures of the drawer use it too.
   float stops() const { return stops_; }
 
  private:
-  Lines lines_of(WholePlanes& whole_planes) const;
+  Strokes lines_of(WholePlanes& whole_planes) const;
   Result<bool> draw_strip(Strip strip, const std::vector<std::string>& planes, const Finish& finish);
   void prepare_plane_pool(const Rows& rows);
   Result<RunState> try_strip(const Strip& strip, const std::vector<std::string>& planes, const Finish& finish);

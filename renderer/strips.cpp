@@ -6,11 +6,11 @@
 #include <span>
 
 #include "renderer/average.h"
-#include "renderer/background.h"
 #include "renderer/draw.h"
-#include "renderer/lines.h"
 #include "renderer/marked_samples.h"
 #include "renderer/strip_drawer.h"
+#include "renderer/strokes.h"
+#include "renderer/written_passes.h"
 
 namespace umbrage {
 namespace {
@@ -147,11 +147,11 @@ StripSource scene_source(Device& device, Plan& plan, const Camera& camera, Stage
   return {.run = look_run(plan.recipe),
           .height = plan.capture.height + 2 * plan.capture.guard,
           .guard = plan.capture.guard,
-          .lines = plan.lines.empty() ? line_parameters_or_none(plan.recipe) : plan.lines,
+          .lines = plan.lines.empty() ? stroke_parameters_or_none(plan.recipe) : plan.lines,
           .make_frame = captured,
           .after_look = [&](Frame& frame, const ProgressMonitor& monitor) -> Result<RunState> {
-            auto drawn = draw_lines(device, plan, frame, monitor, times);
-            if (!drawn || !drawn->finished || !plan.marked) return drawn;
+            auto state = draw_lines(device, plan, frame, monitor, times);
+            if (!state || !state->finished || !plan.marked) return state;
             const int missing = missing_rows_for_marked(device, plan, frame);
             return RunState{missing == 0, missing};
           }};
@@ -191,8 +191,8 @@ Result<PictureSum> sum_of_strip(Device& device, const Plan& plan, float stops, c
 
 }  // namespace
 
-Result<Lines> draw_strips(Device& device, const Plan& planned, int rows, const std::vector<std::string>& requested,
-                          bool lines, const TakeRows& take, StageTimes& times, const ProgressMonitor& monitor) {
+Result<Strokes> draw_strips(Device& device, const Plan& planned, int rows, const std::vector<std::string>& requested,
+                            bool lines, const TakeRows& take, StageTimes& times, const ProgressMonitor& monitor) {
   Plan plan = planned;
   const std::vector<std::string> planes = with_background_planes(plan, requested);
   StripProgress progress(monitor, plan.marked ? 1 : plan.pictures());
@@ -242,13 +242,13 @@ Result<Lines> draw_strips(Device& device, const Plan& planned, int rows, const s
     std::vector<std::string> names = index.blended ? with_blend_planes(averaged) : averaged;
     if (index.blended && index.sample == 0) names.insert(names.end(), drawn_lines.begin(), drawn_lines.end());
     camera = begin_picture(plan, index);
-    if (auto drawn = drawer.draw_picture(names, false, add); !drawn) return drawn.error();
+    if (auto status = drawer.draw_picture(names, false, add); !status) return status.error();
   }
   camera = begin_picture(plan, {});
-  auto drawn = drawer.draw_picture(wanted, lines, finish);
-  if (!drawn) return drawn.error();
+  auto traced = drawer.draw_picture(wanted, lines, finish);
+  if (!traced) return traced.error();
   if (auto ended = progress.end(); !ended) return ended.error();
-  return drawn;
+  return traced;
 }
 
 }  // namespace umbrage

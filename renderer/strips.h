@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/lines.h"
+#include "core/strokes.h"
 #include "renderer/plan.h"
 #include "renderer/times.h"
 
@@ -31,8 +31,8 @@ Result<StripSizes> plan_strips(const Device& device, const Recipe& recipe, doubl
 using TakeRows = std::function<Result<void>(const PictureInfo& info, const Image& rows, int first)>;
 
 /// Draws a prepared scene in strips of `rows` rows and passes `planes` to `take`. The result is bitwise identical to
-/// that of draw. Returns the lines that line_parameters selects if `lines` is set. Errors: as draw.
-Result<Lines> draw_strips(Device& device, const Plan& plan, int rows, const std::vector<std::string>& planes,
-                          bool lines, const TakeRows& take, StageTimes& times, const ProgressMonitor& monitor = {});
+/// that of draw. Returns the lines that stroke_parameters selects if `lines` is set. Errors: as draw.
+Result<Strokes> draw_strips(Device& device, const Plan& plan, int rows, const std::vector<std::string>& planes,
+                            bool lines, const TakeRows& take, StageTimes& times, const ProgressMonitor& monitor = {});
 
 }  // namespace umbrage

@@ -9,10 +9,10 @@
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
 #include "looks/looks.h"
-#include "renderer/background.h"
 #include "renderer/draw.h"
 #include "renderer/models.h"
 #include "renderer/passes.h"
+#include "renderer/written_passes.h"
 
 namespace umbrage {
 namespace {
@@ -55,8 +55,8 @@ Image drawn(const Request& settings, int rows, const std::vector<std::string>& p
   };
   const auto plan = make_plan(*recipe, scene, device->threads());
   EXPECT_TRUE(plan);
-  const auto done = draw_strips(*device, *plan, rows, planes, false, take, times);
-  EXPECT_TRUE(done) << done.error().message;
+  const auto status = draw_strips(*device, *plan, rows, planes, false, take, times);
+  EXPECT_TRUE(status) << status.error().message;
   EXPECT_EQ(next, settings.height);
   return whole;
 }

@@ -78,8 +78,8 @@ Image outputs(const Effect& effect, const ParameterBytes& params, const GBuffer&
   auto frame = device.upload(gbuffer);
   EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
   if (!frame) return none;
-  const auto done = device.run(effect, params, *frame);
-  EXPECT_TRUE(done) << (done ? "" : done.error().message);
+  const auto status = device.run(effect, params, *frame);
+  EXPECT_TRUE(status) << (status ? "" : status.error().message);
   const auto names = test::written_planes(effect, params);
   if (names.empty()) return none;
   auto image = device.download(*frame, names);

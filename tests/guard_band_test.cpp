@@ -37,8 +37,8 @@ struct Stage {
   /// Returns `ao` of the unsharp mask.
   Plane unsharp(Frame frame, const std::string& kernel) {
     const Effect& effect = *find_effect("unsharp");
-    const auto done = device->run(effect, test::parameters_of(effect, {{"kernel", kernel}}), frame);
-    EXPECT_TRUE(done);
+    const auto status = device->run(effect, test::parameters_of(effect, {{"kernel", kernel}}), frame);
+    EXPECT_TRUE(status);
     return device->download(frame, {"ao"})->planes[0];
   }
 };

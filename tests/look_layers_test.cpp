@@ -30,7 +30,7 @@ std::vector<std::string> planes_with(const Effect& technique, const CaptureSetti
   EffectSettings effect_settings = look_settings(*find_look("lit"));
   effect_settings["reader"] = {};
   std::vector<std::string> stages;
-  const auto done =
+  const auto status =
       run_look({.look = find_look("lit"),
                 .occlusion = "reader",
                 .settings = &effect_settings,
@@ -38,7 +38,7 @@ std::vector<std::string> planes_with(const Effect& technique, const CaptureSetti
                 .external_effects = external_effects,
                 .run_external_effect = [](const Effect&, const ParameterBytes&, Frame&) -> Result<void> { return {}; }},
                *device, *frame);
-  EXPECT_TRUE(done);
+  EXPECT_TRUE(status);
   EXPECT_EQ(stages, (std::vector<std::string>{"lighting", "reader", "composite", "output", "antialias"}));
   return device->download_all(*frame)->names;
 }

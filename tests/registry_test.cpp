@@ -5,7 +5,6 @@
 #include <set>
 
 #include "devices/vulkan/pipelines.h"
-#include "devices/vulkan/slots.h"
 #include "effects/effects.h"
 #include "looks/looks.h"
 
@@ -133,9 +132,9 @@ TEST(Settings, AssignmentsSayWhatIsWrong) {
   EXPECT_TRUE(apply_setting(settings, "unsharp.kernel=40"));
   EXPECT_TRUE(apply_setting(settings, "unsharp.kernel=4%"));
   const auto message = [&](std::string_view text) {
-    const auto done = apply_setting(settings, text);
-    EXPECT_FALSE(done) << text;
-    return done ? std::string() : done.error().message;
+    const auto status = apply_setting(settings, text);
+    EXPECT_FALSE(status) << text;
+    return status ? std::string() : status.error().message;
   };
   EXPECT_NE(message("unsharp.kernel=0").find("1 to 1023 px"), std::string::npos);
   EXPECT_NE(message("unsharp.kernel=1024").find("'1024'"), std::string::npos);

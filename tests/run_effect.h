@@ -39,8 +39,8 @@ inline ParameterBytes parameters_of(const Effect& effect, const Settings& settin
   for (const auto& [name, value] : settings) {
     const Parameter* row = find_parameter(effect, name);
     if (!row) fail_check("there is no parameter " + name);
-    const auto done = set_parameter(effect.name, *row, value, bytes);
-    EXPECT_TRUE(done) << (done ? "" : done.error().message);
+    const auto status = set_parameter(effect.name, *row, value, bytes);
+    EXPECT_TRUE(status) << (status ? "" : status.error().message);
   }
   return bytes;
 }
@@ -71,8 +71,8 @@ inline Image run_effect(const Effect& effect, const GBuffer& gbuffer, const Sett
   const auto device = make_cpu_device(cpu);
   auto frame = device->upload(gbuffer);
   const ParameterBytes params = parameters_of(effect, settings);
-  const auto done = device->run(effect, params, *frame);
-  EXPECT_TRUE(done) << (done ? "" : done.error().message);
+  const auto status = device->run(effect, params, *frame);
+  EXPECT_TRUE(status) << (status ? "" : status.error().message);
   const std::vector<std::string> names = written_planes(effect, params);
   return names.empty() ? *device->download_all(*frame) : *device->download(*frame, names);
 }

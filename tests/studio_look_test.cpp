@@ -85,9 +85,9 @@ struct Picture {
 Picture studio(Scene scene, Request request = {}) {
   request.look = "studio";
   request.width = request.height = kSide;
-  const auto drawn =
+  const auto picture =
       test::drawn_picture(std::move(scene), request, {"color.r", "color.g", "color.b", "color.a", "depth"});
-  return {drawn.image, drawn.info};
+  return {picture.image, picture.info};
 }
 
 std::vector<double> model_values(const Picture& picture) {

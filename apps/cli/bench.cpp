@@ -35,12 +35,12 @@ template <class Run>
 Result<Times> time_of(int runs, Device& device, const Run& run) {
   const ScopedPlanePool pool(device.pool());
   std::vector<double> ms, gpu_ms;
-  if (auto done = device.finish(); !done) return done.error();
+  if (auto status = device.finish(); !status) return status.error();
   for (int i = 0; i <= runs; ++i) {
     device.take_dispatch_times();
     StageTimes times;
-    if (Result<void> done = run(); !done) return done.error();
-    if (Result<void> done = device.finish(); !done) return done.error();
+    if (Result<void> status = run(); !status) return status.error();
+    if (Result<void> status = device.finish(); !status) return status.error();
     times.done("run");
     const auto dispatches = device.take_dispatch_times();
     if (i == 0) continue;
@@ -137,13 +137,13 @@ class Bench {
     if (is_wanted("capture")) {
       show("capture");
       if (plan_.downsampling == 1)
-        if (auto done = time_capture(frame->info.camera); !done) return done;
+        if (auto status = time_capture(frame->info.camera); !status) return status;
     }
     for (const Effect* effect : effects()) {
       if (!is_wanted(effect->name)) continue;
       show(effect->name);
       if (plan_.downsampling > 1 && !supports_scale(*effect)) continue;
-      if (auto done = time_effect(*effect, *frame); !done) return done;
+      if (auto status = time_effect(*effect, *frame); !status) return status;
     }
     return {};
   }
@@ -186,11 +186,11 @@ class Bench {
 
   Result<void> time_capture(const Camera& camera) {
     for (const int shadows : {0, 1}) {
-      auto done = time_run("capture", shadows > 0 ? "shadow" : "", [&]() -> Result<void> {
-        const auto drawn = device_.capture(camera, {.width = size_.first, .height = size_.second, .shadows = shadows});
-        return drawn ? Result<void>() : drawn.error();
+      auto status = time_run("capture", shadows > 0 ? "shadow" : "", [&]() -> Result<void> {
+        const auto frame = device_.capture(camera, {.width = size_.first, .height = size_.second, .shadows = shadows});
+        return frame ? Result<void>() : frame.error();
       });
-      if (!done) return done;
+      if (!status) return status;
     }
     return {};
   }
@@ -201,11 +201,11 @@ class Bench {
     for (const std::string_view variant : effect.variants.empty() ? no_variants : effect.variants) {
       EffectSettings settings = look_settings(*find_look("unsharp"));
       if (auto set = apply_variant(settings, effect, variant); !set) return set;
-      auto done = time_run(effect.name, std::string(variant), [&]() -> Result<void> {
+      auto status = time_run(effect.name, std::string(variant), [&]() -> Result<void> {
         const auto ran = device_.run(effect, params_of(settings, effect.name), frame);
         return ran ? Result<void>() : ran.error();
       });
-      if (!done) return done;
+      if (!status) return status;
       if (effect.kind != EffectKind::kOcclusion || plan_.downsampling > 1) continue;
       // Includes all work of --ao-scale half: downsampling, the technique, upsampling and filling in between.
       Look technique_only;
@@ -213,11 +213,11 @@ class Bench {
       const LookRun half = {
           .look = &technique_only, .occlusion = effect.name, .occlusion_downsampling = 2, .settings = &settings};
       const std::string setting = variant.empty() ? "scale=half" : fmt::format("{} scale=half", variant);
-      done = time_run(effect.name, setting, [&]() -> Result<void> {
-        const auto drawn = run_look(half, device_, frame);
-        return drawn ? Result<void>() : drawn.error();
+      status = time_run(effect.name, setting, [&]() -> Result<void> {
+        const auto state = run_look(half, device_, frame);
+        return state ? Result<void>() : state.error();
       });
-      if (!done) return done;
+      if (!status) return status;
     }
     return {};
   }
@@ -248,7 +248,7 @@ Result<void> bench(const BenchOptions& o) {
                scene->triangle_count(), device.description(), o.runs, "effect", "setting", "size", "ms", "ms_min");
   Bench timings(o, *plan, device, line);
   for (const auto& size : plan->sizes)
-    if (auto done = timings.time_size(*scene, size); !done) return done;
+    if (auto status = timings.time_size(*scene, size); !status) return status;
   if (o.json) fmt::print("{}\n", timings.records().dump(2));
   return {};
 }

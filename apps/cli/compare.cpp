@@ -83,8 +83,8 @@ Result<void> run_compare(const CompareOptions& o) {
   });
   settings.sizes.erase(std::unique(settings.sizes.begin(), settings.sizes.end()), settings.sizes.end());
   if (o.techniques != "all") settings.techniques = split(o.techniques);
-  if (auto done = apply_measure_options(o, settings); !done) return done;
-  if (auto fine = check_compare(settings); !fine) return fine;
+  if (auto status = apply_measure_options(o, settings); !status) return status;
+  if (auto status = check_compare(settings); !status) return status;
   nlohmann::json baseline;
   if (!o.baseline.empty()) {
     auto read = read_baseline(o.baseline);

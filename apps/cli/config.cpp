@@ -221,7 +221,7 @@ Result<void> add_setting(const Setting& setting, const CLI::App& app, CLI::App& 
   const bool adds_up = name == option_of("settings").option;
   const char* variable = option->get_envname().empty() ? nullptr : std::getenv(option->get_envname().c_str());
   if ((is_given(*option, words) && !adds_up) || (variable && *variable)) return {};
-  if (const auto fine = check_value(*option, value); !fine) return error_at(place, fine.error().message);
+  if (const auto status = check_value(*option, value); !status) return error_at(place, status.error().message);
   // A later line overrides an earlier one, unless both are values of a repeatable option under the same heading.
   const auto [earlier, first] = heading_of.emplace(name, section);
   if (!first && !adds_up && !(several && earlier->second == section))
@@ -266,7 +266,7 @@ Result<Configured> with_config(CLI::App& app, std::vector<std::string> words) {
   std::vector<ConfigValue> added;
   std::map<std::string, std::string> heading_of;  // heading of each added option, by option name
   for (const Setting& setting : *settings)
-    if (auto fine = add_setting(setting, app, *command, words, heading_of, added); !fine) return fine.error();
+    if (auto status = add_setting(setting, app, *command, words, heading_of, added); !status) return status.error();
   std::vector<std::string> texts;
   for (const ConfigValue& each : added) texts.push_back("--" + each.option + "=" + each.value);
   words.insert(words.begin() + 1, texts.begin(), texts.end());

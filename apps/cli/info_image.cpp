@@ -58,9 +58,9 @@ Result<void> print_image_info(const CommonOptions& options, bool json, const std
   if (!frame_line.empty()) facts->lines.insert(facts->lines.begin(), frame_line);
   ContactSheet sheet;
   if (!contact_sheet.empty()) {
-    auto drawn = draw_contact_sheet(*settings);
-    if (!drawn) return drawn.error();
-    sheet = std::move(*drawn);
+    auto drawn_sheet = draw_contact_sheet(*settings);
+    if (!drawn_sheet) return drawn_sheet.error();
+    sheet = std::move(*drawn_sheet);
     if (auto written = write_image(contact_sheet, sheet.picture); !written) return written;
   }
   if (json) {

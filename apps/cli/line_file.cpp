@@ -3,7 +3,7 @@
 #include "effects/output/output.h"
 #include "io/image_file.h"
 #include "looks/looks.h"
-#include "renderer/lines.h"
+#include "renderer/strokes.h"
 
 namespace umbrage::cli {
 
@@ -38,18 +38,18 @@ Result<LineFile> line_file_of(const RenderOptions& o, int frames) {
 }
 
 Result<void> set_line_parameters(const RenderOptions& o, const Recipe& recipe, LineFile& lines) {
-  auto params = line_parameters(recipe);
+  auto params = stroke_parameters(recipe);
   if (!params) return params.error();
   lines.params = std::move(*params);
-  lines.style.color = line_color(lines.params);
-  lines.style.opacity = line_opacity(lines.params);
+  lines.style.color = stroke_color(lines.params);
+  lines.style.opacity = stroke_opacity(lines.params);
   if (!o.request.background || o.request.transparent) return {};
   const auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
   lines.style.background = {output.background_r, output.background_g, output.background_b};
   return {};
 }
 
-void disable_unused_effects(const LineParameters& lines, Request& request) {
+void disable_unused_effects(const StrokeParameters& lines, Request& request) {
   request.anti_aliasing = 1;
   if (!lines.hatching.empty() || !request.occlusion_radius.empty()) return;  // a hint about the radius needs occlusion
   request.occlusion = kNoOcclusion;
@@ -57,13 +57,13 @@ void disable_unused_effects(const LineParameters& lines, Request& request) {
 }
 
 Result<void> write_lines(const LineFile& lines, int frame_number, Device& device, const Frame& frame) {
-  const auto traced = traced_lines(device, frame, lines.params);
+  const auto traced = traced_strokes(device, frame, lines.params);
   if (!traced) return traced.error();
   const bool numbered = !lines.names.after.empty();
   return write_svg(numbered ? lines.names.of(frame_number) : lines.file, *traced, lines.style);
 }
 
-Result<void> write_lines(const LineFile& lines, const Lines& traced) {
+Result<void> write_lines(const LineFile& lines, const Strokes& traced) {
   return write_svg(lines.file, traced, lines.style);
 }
 

@@ -4,18 +4,18 @@
 
 #include "apps/cli/frame_names.h"
 #include "apps/cli/render_options.h"
-#include "core/lines.h"
+#include "core/strokes.h"
 #include "io/svg.h"
-#include "renderer/line_parameters.h"
+#include "renderer/strokes.h"
 
 namespace umbrage::cli {
 
 /// The file that receives the lines, and their style.
 struct LineFile {
-  std::string file;       ///< empty: no lines are written
-  bool alone = false;     ///< the lines are the only output
-  FrameNames names;       ///< file names of a turntable's frames
-  LineParameters params;  ///< parameters of the effects that draw lines
+  std::string file;         ///< empty: no lines are written
+  bool alone = false;       ///< the lines are the only output
+  FrameNames names;         ///< file names of a turntable's frames
+  StrokeParameters params;  ///< parameters of the effects that draw lines
   SvgStyle style;
 
   explicit operator bool() const { return !file.empty(); }
@@ -34,11 +34,11 @@ Result<void> set_line_parameters(const RenderOptions& o, const Recipe& recipe, L
 
 /// Turns off anti-aliasing and occlusion, on which lines do not depend, when only lines are written. Occlusion stays on
 /// if its radius is given, since the hint about the radius needs it, and for hatching, which draws it.
-void disable_unused_effects(const LineParameters& lines, Request& request);
+void disable_unused_effects(const StrokeParameters& lines, Request& request);
 
 /// Traces the lines of a frame and writes them. Errors: kFile; those of Device::download.
 Result<void> write_lines(const LineFile& lines, int frame_number, Device& device, const Frame& frame);
 /// Writes lines that were traced while a picture was drawn in strips. Errors: kFile.
-Result<void> write_lines(const LineFile& lines, const Lines& traced);
+Result<void> write_lines(const LineFile& lines, const Strokes& traced);
 
 }  // namespace umbrage::cli

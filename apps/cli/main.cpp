@@ -198,7 +198,7 @@ int run(int argc, char** argv) {
   }
   if (const auto error = empty_option(app)) return report(*error);
   try {
-    if (const Result<void> done = command(); !done) return report(located(done.error()));
+    if (const Result<void> status = command(); !status) return report(located(status.error()));
   } catch (const std::system_error&) {
     if (!std::ferror(stdout)) throw;  // fmt::print failed to write; finish_output() reports it
   }

@@ -1,6 +1,7 @@
 #include "apps/cli/options.h"
 
 #include <tbb/global_control.h>
+
 #include <unistd.h>
 #include <CLI/CLI.hpp>
 
@@ -10,7 +11,6 @@
 
 #include "io/image_file.h"
 #include "renderer/devices.h"
-#include "renderer/isa_setting.h"
 
 namespace umbrage::cli {
 namespace {
@@ -97,8 +97,8 @@ Result<void> check_text(const Option& row, const std::string& text) {
 
 void add_check(CLI::Option& option, Check check) {
   option.check([check = std::move(check)](const std::string& text) -> std::string {
-    const auto fine = text.empty() ? Result<void>() : check(text);  // main reports empty texts
-    return fine ? "" : fine.error().message;
+    const auto status = text.empty() ? Result<void>() : check(text);  // main reports empty texts
+    return status ? "" : status.error().message;
   });
 }
 

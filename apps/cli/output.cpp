@@ -52,7 +52,7 @@ Result<void> check_output(const RenderOptions& o, const std::string& extension) 
     return usage_error("--passes {} needs a file that holds several passes: write to a name that ends in .exr",
                        o.text_of("passes"));
   if (o.bits() != 8 && extension != "png") return usage_error("--bits is for .png files, not .{}", extension);
-  if (auto fine = check_format(o, extension); !fine) return fine;
+  if (auto status = check_format(o, extension); !status) return status;
   if (o.picture_quality != WriteSettings().quality && extension != "jpg" && extension != "jpeg" && extension != "webp")
     return usage_error("--picture-quality is for .jpg and .webp files, not .{}", extension);
   if (o.half && extension != "exr") return usage_error("--half is for .exr files, not .{}", extension);

@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "io/svg.h"
-#include "renderer/pass_picture.h"
+#include "renderer/written_passes.h"
 
 namespace umbrage::cli {
 namespace {

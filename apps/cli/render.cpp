@@ -20,12 +20,12 @@
 #include "core/guarded.h"
 #include "effects/effects.h"
 #include "io/image_file.h"
-#include "renderer/background.h"
 #include "renderer/draw.h"
-#include "renderer/lines.h"
 #include "renderer/passes.h"
 #include "renderer/setting_warnings.h"
 #include "renderer/strips.h"
+#include "renderer/strokes.h"
+#include "renderer/written_passes.h"
 #include "scene/origin.h"
 
 namespace umbrage::cli {
@@ -101,7 +101,7 @@ Result<void> draw_into_file(const RenderOptions& o, const RenderJob& job, Device
   const ImageShape shape{recipe.width, recipe.height,
                          convert_for_file(o, destination, pixel, names, recipe.settings, {}).names};
   HintStatistics statistics;
-  Lines traced;
+  Strokes traced;
   const glm::dmat4 view = view_from_file(plan.camera.view_from_world, plan.origin);
   const WriteSettings settings{.bits = o.bits(),
                                .half = o.half,
@@ -127,9 +127,9 @@ Result<void> draw_into_file(const RenderOptions& o, const RenderJob& job, Device
                              recipe.height);
         },
         [&]() -> Result<void> {
-          auto drawn = draw_strips(device, plan, strip_rows, wanted, bool(lines), take_rows, times, monitor);
-          if (!drawn) return drawn.error();
-          traced = std::move(*drawn);
+          auto strokes = draw_strips(device, plan, strip_rows, wanted, bool(lines), take_rows, times, monitor);
+          if (!strokes) return strokes.error();
+          traced = std::move(*strokes);
           return {};
         });
   };
@@ -145,7 +145,7 @@ Result<Output> output_of(const RenderOptions& o) {
   Output output;
   const bool piped = o.output == kStandardOutput;
   if (piped)
-    if (auto fine = check_piped(o); !fine) return fine.error();
+    if (auto status = check_piped(o); !status) return status.error();
   if ((o.turntable == 0 || is_video(o.output)) && (!o.sequence.shard.empty() || o.sequence.overwrite))
     return usage_error("{} is for the numbered pictures of --turntable",
                        o.sequence.overwrite ? "--overwrite" : "--shard");
@@ -205,14 +205,14 @@ Result<void> draw_frame(Drawing& all, const FrameTask& task, StageTimes& times) 
   const float angle_deg = kWholeTurnDeg * float(task.frame) / float(job.output.frames);
   const Plan plan = turned(all.plan, all.scene, angle_deg);
   TimedSamples timed(o.time_s, task.monitor);
-  const auto drawn = draw(all.device, all.scene, plan, times, timed.monitor(), all.stops, timed.continuation());
-  if (!drawn) return drawn.error();
+  const auto picture = draw(all.device, all.scene, plan, times, timed.monitor(), all.stops, timed.continuation());
+  if (!picture) return picture.error();
   if (o.time_s > 0.0 && o.verbose) {
     task.wipe_progress();
     fmt::print(stderr, "{}\n", timed.summary(plan));
   }
-  const Frame& frame = drawn->frame;
-  all.stops = drawn->stops;
+  const Frame& frame = picture->frame;
+  all.stops = picture->stops;
   if (all.is_first) {
     const auto planes = all.device.view(frame, hint_planes(job.recipe));
     if (!planes) return planes.error();
@@ -264,7 +264,7 @@ Result<void> draw_in_order(Drawing& all, Video* video, StageTimes& times) {
       return true;
     };
     const FrameTask task{.frame = frame, .monitor = monitor, .wipe_progress = [&] { line.wipe(); }};
-    if (auto drawn = draw_frame(all, task, times); !drawn) return drawn;
+    if (auto status = draw_frame(all, task, times); !status) return status;
   }
   if (!video) return {};
   line.show("finishing " + all.o.output);
@@ -328,7 +328,7 @@ Result<RenderJob> make_job(const RenderOptions& o) {
   const std::string extension = output->is_video ? std::filesystem::path(o.output).extension().string().substr(1)
                                 : o.output == kStandardOutput ? "png"
                                                               : *extension_of(o.output);
-  if (auto fine = check_output(o, extension); !fine) return fine.error();
+  if (auto status = check_output(o, extension); !status) return status.error();
   if (job.lines)
     if (auto taken = set_line_parameters(o, job.requested, job.lines); !taken) return taken.error();
   if (job.lines.alone) {
@@ -351,7 +351,7 @@ Result<RenderJob> make_job(const RenderOptions& o) {
     return usage_error("--time averages several pictures, but {} are not averaged: leave out --time",
                        job.lines.alone ? "lines" : "these --passes");
   if (output->is_video)
-    if (auto fine = check_video(o.output, video_settings(o)); !fine) return fine.error();
+    if (auto status = check_video(o.output, video_settings(o)); !status) return status.error();
   const auto import_with = import_settings(o.request);
   if (!import_with) return import_with.error();
   job.model_import = *import_with;
@@ -456,10 +456,10 @@ Result<void> render(const RenderOptions& given) {
                "drawn in strips of {} rows in about {:.1f} GB; the whole picture would need more than --memory {}\n",
                strips->rows, strips->bytes * 1e-9, o.memory);
   ProgressLine drawing;
-  if (auto drawn = strips->rows > 0 ? draw_into_file(o, *job, *device, *scene, *plan, strips->rows, drawing, times)
-                                    : draw_frames(o, *job, *device, *scene, *plan, times);
-      !drawn)
-    return drawn;
+  if (auto status = strips->rows > 0 ? draw_into_file(o, *job, *device, *scene, *plan, strips->rows, drawing, times)
+                                     : draw_frames(o, *job, *device, *scene, *plan, times);
+      !status)
+    return status;
   drawing.wipe();
   if (o.verbose) fmt::print(stderr, "{}: {} in {} meshes\n{}\n", scene->name, size, meshes, device->description());
   if (o.verbose || o.json) print_times(times, times_by_dispatch(device->take_dispatch_times()), o.json);

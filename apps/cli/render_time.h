@@ -4,8 +4,8 @@
 #include <string>
 
 #include "apps/cli/render_options.h"
+#include "renderer/draw.h"
 #include "renderer/plan.h"
-#include "renderer/progressive.h"
 
 namespace umbrage::cli {
 

@@ -56,7 +56,7 @@ Result<void> check_inputs_remain(const SequenceFiles& files, int frame) {
   for (const FrameNames& names : files.inputs) inputs.emplace_back(names.of(frame));
   for (const FrameNames& names : files.outputs)
     for (const fs::path& input : inputs)
-      if (auto fine = check_input_remains(input, names.of(frame)); !fine) return fine;
+      if (auto status = check_input_remains(input, names.of(frame)); !status) return status;
   return {};
 }
 
@@ -207,7 +207,7 @@ Result<Sequence> plan_sequence(const SequenceOptions& options, const SequenceFil
                       pattern_of(files.inputs.front()));
   }
   for (const int frame : shard.of(range)) {
-    if (auto fine = check_inputs_remain(files, frame); !fine) return fine.error();
+    if (auto status = check_inputs_remain(files, frame); !status) return status.error();
     if (!std::binary_search(sequence.all.begin(), sequence.all.end(), frame))
       sequence.missing.push_back(frame);
     else if (!options.overwrite && is_finished(files, frame))

@@ -27,7 +27,7 @@ constexpr std::string_view kStandardInput = "-";
 Result<void> check_inputs_remain(const GBufferSettings& settings, const std::string& output) {
   for (const auto field : kFileFields)
     if (!(settings.*field).empty())
-      if (auto fine = check_input_remains(path_of(settings.*field), output); !fine) return fine;
+      if (auto status = check_input_remains(path_of(settings.*field), output); !status) return status;
   return {};
 }
 
@@ -84,8 +84,8 @@ Result<void> shade_one(ShadeOptions& o, double memory) {
         "--output '{}' has a frame number, and the input has none: give an input such as shot.####.exr, or an output "
         "such as out.png",
         o.output);
-  if (auto fine = prepare_shading(o, o.output); !fine) return fine;
-  if (auto fine = check_inputs_remain(o.request.gbuffer, o.output); !fine) return fine;
+  if (auto status = prepare_shading(o, o.output); !status) return status;
+  if (auto status = check_inputs_remain(o.request.gbuffer, o.output); !status) return status;
   StageTimes times;
   const auto device = device_of(o);
   if (!device) return device.error();
@@ -176,7 +176,7 @@ Result<void> shade_sequence(ShadeOptions& o, double memory) {
   files->outputs = {*outputs};
   const auto sequence = plan_sequence(o.sequence, *files, {});
   if (!sequence) return sequence.error();
-  if (auto fine = prepare_shading(o, outputs->of(sequence->all.front())); !fine) return fine;
+  if (auto status = prepare_shading(o, outputs->of(sequence->all.front())); !status) return status;
   auto device = device_of(o);
   if (!device) return device.error();
   ShadeSequence all{.o = o,

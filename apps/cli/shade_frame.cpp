@@ -231,7 +231,7 @@ std::string path_of(const std::string& name) {
 Result<void> prepare_shading(ShadeOptions& o, const std::string& output) {
   const bool piped = output == kStandardOutput;
   if (piped)
-    if (auto fine = check_piped(o); !fine) return fine;
+    if (auto status = check_piped(o); !status) return status;
   if (is_svg(output)) return usage_error("umbrage shade writes no .svg: '{}' must be a picture, such as .png", output);
   if (!piped)
     if (auto writable = check_writable(output); !writable) return writable;
@@ -239,7 +239,7 @@ Result<void> prepare_shading(ShadeOptions& o, const std::string& output) {
   if (!extension) return extension.error();
   if (o.merge && *extension != "exr") return usage_error("--merge writes an .exr file, not .{}", *extension);
   o.request.scene_linear = is_scene_linear(o, *extension);
-  if (auto fine = check_output(o, *extension); !fine) return fine;
+  if (auto status = check_output(o, *extension); !status) return status;
   // Names of looks, techniques and settings do not depend on the files.
   const auto recipe = make_shading_recipe(o.request);
   return recipe ? Result<void>() : recipe.error();
@@ -277,7 +277,7 @@ Result<SequenceStart> shade_frame(const ShadeOptions& given, const ShadeFrame& f
     recipe.passes = chosen->passes;
   } else if (writes) {
     writing.planes = picture_planes(o, destination);
-    if (auto fine = check_picture(recipe, *file, writing.planes); !fine) return fine.error();
+    if (auto status = check_picture(recipe, *file, writing.planes); !status) return status.error();
     if (keeps_alpha(recipe, *file, destination) && !contains(writing.planes, "color.a") && !o.request.scene_linear)
       writing.planes.emplace_back("color.a");
   }
@@ -300,7 +300,7 @@ Result<SequenceStart> shade_frame(const ShadeOptions& given, const ShadeFrame& f
         });
   };
   if (writes && destination.extension() != "exr")
-    if (auto fine = check_format(o, destination.extension()); !fine) return fine.error();
+    if (auto status = check_format(o, destination.extension()); !status) return status.error();
   auto written = !writes   ? shade([](const Image&) { return Result<void>(); })
                  : o.merge ? write_as_layers(writing, shade)
                            : write_as_picture(writing, shade, device.threads());

@@ -171,7 +171,7 @@ Result<void> check_standard_input(const std::vector<std::string>& models, const 
 
 Result<Scene> load_models(const std::vector<std::string>& models, const std::string& format,
                           const ImportSettings& settings) {
-  if (auto fine = check_standard_input(models, format); !fine) return fine.error();
+  if (auto status = check_standard_input(models, format); !status) return status.error();
   if (std::find(models.begin(), models.end(), "-") == models.end()) return load_scenes(models, settings);
   const RemoveCopyAtEnd remove_copy;
   const auto file = copy_standard_input(format);
@@ -189,8 +189,8 @@ Result<void> with_image_on_standard_input(const std::function<Result<void>(const
   if (!bytes) return bytes.error();
   const auto file = store_copy(*bytes, "image");
   if (!file) return file.error();
-  auto done = work(file->string());
-  return done ? done : Result<void>(name_standard_input(done.error()));
+  auto status = work(file->string());
+  return status ? status : Result<void>(name_standard_input(status.error()));
 }
 
 std::function<Result<Scene>(const std::string&, const ImportSettings&)> loader_of(const CommonOptions& o) {

@@ -99,7 +99,7 @@ Result<std::vector<Thumbnail>> thumbnails_of(const ThumbnailOptions& o) {
   for (const Thumbnail& one : all)
     if (const auto [other, is_new] = models.emplace(one.file, one.model); !is_new)
       return usage_error("'{}' and '{}' would both be written to '{}'", other->second, one.model, one.file.string());
-  if (auto fine = check_folder(output, {}); !fine) return fine.error();
+  if (auto status = check_folder(output, {}); !status) return status.error();
   return all;
 }
 
@@ -116,11 +116,11 @@ Result<void> make(const Thumbnail& one, const ThumbnailOptions& o, const Recipe&
   const auto plan = make_plan(recipe, *scene, device.threads());
   if (!plan) return plan.error();
   StageTimes times;
-  const auto drawn = draw(device, *scene, *plan, times);
-  if (!drawn) return drawn.error();
-  const Destination destination{one.file.string(), nullptr, drawn->frame.info};
+  const auto picture = draw(device, *scene, *plan, times);
+  if (!picture) return picture.error();
+  const Destination destination{one.file.string(), nullptr, picture->frame.info};
   const auto names = picture_planes(o, destination);
-  const auto image = device.download(drawn->frame, names);
+  const auto image = device.download(picture->frame, names);
   if (!image) return image.error();
   return write_picture(destination, convert_for_file(o, destination, *image, names, recipe.settings, {}),
                        {.bits = o.bits(), .quality = o.picture_quality, .threads = 1});
@@ -137,7 +137,7 @@ Result<void> thumbnails(const ThumbnailOptions& given) {
   const auto all = thumbnails_of(o);
   if (!all) return all.error();
   for (const Thumbnail& one : *all)
-    if (auto fine = check_format(o, *extension_of(one.file.string())); !fine) return fine;
+    if (auto status = check_format(o, *extension_of(one.file.string())); !status) return status;
   if (auto made = make_folder(all->front().file.parent_path()); !made) return made;
   auto devices = worker_devices(o, all->size());
   if (!devices) return devices.error();

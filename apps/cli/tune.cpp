@@ -76,8 +76,8 @@ Result<void> run_tune(const TuneOptions& o) {
   TuneSettings settings;
   settings.trials = o.trials;
   settings.budget_ms = o.budget_ms;
-  if (auto done = apply_measure_options(o, settings); !done) return done;
-  if (auto fine = check_tune(settings); !fine) return fine;
+  if (auto status = apply_measure_options(o, settings); !status) return status;
+  if (auto status = check_tune(settings); !status) return status;
   auto device = device_of(o);
   if (!device) return device.error();
   ProgressLine line;

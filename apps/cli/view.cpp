@@ -10,7 +10,7 @@
 #include "apps/cli/signals.h"
 #include "apps/view/view.h"
 #include "io/layers.h"
-#include "renderer/isa_setting.h"
+#include "renderer/devices.h"
 #include "system/child_process.h"
 
 namespace umbrage::cli {

@@ -154,8 +154,8 @@ Result<double> run_technique(const Run& run, const TracedScene& traced, const Ef
   std::vector<double> ms;
   for (int k = traces ? 1 : 0; k <= (traces ? 1 : run.settings.runs); ++k) {
     StageTimes times;
-    if (auto done = run_look(look_run, run.device, frame); !done) return done.error();
-    if (auto done = run.device.finish(); !done) return done.error();
+    if (auto status = run_look(look_run, run.device, frame); !status) return status.error();
+    if (auto status = run.device.finish(); !status) return status.error();
     times.done("run");
     if (k > 0) ms.push_back(times.total());
   }
@@ -173,7 +173,7 @@ Result<void> light_frame(const Run& run, Frame& frame) {
   const Effect& lighting = *find_effect("lighting");
   const ParameterBytes& params = params_of(run.recipe.settings, lighting.name);
   for (int layer = 0; layer <= int(frame.info.more_layers.size()); ++layer)
-    if (auto done = run.device.run(lighting, params, frame, layer); !done) return done.error();
+    if (auto status = run.device.run(lighting, params, frame, layer); !status) return status.error();
   return {};
 }
 
@@ -219,7 +219,7 @@ void add_score(Run& run, Picture& picture, Quantity quantity, const Effect& effe
 Result<void> compare_environments(Run& run, const TracedScene& traced, const Effect& effect, std::string_view variant,
                                   EffectSettings settings, double ms, Picture& picture) {
   const bool directional = find_parameter(effect, kDirectional) != nullptr;
-  if (auto done = set_directional(effect, true, settings); !done) return done;
+  if (auto status = set_directional(effect, true, settings); !status) return status;
   for (std::size_t e = 0; e < environments().size(); ++e) {
     const int quantity = kFirstEnvironment + int(e);
     if (!picture.view(Quantity(quantity))) continue;
@@ -308,23 +308,24 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
                              .techniques = {}});
   }
   if (run.settings.light)
-    if (auto done = light_frame(run, *frame); !done) return done;
+    if (auto status = light_frame(run, *frame); !status) return status;
   for (const Effect* effect : run.techniques) {
     for (const std::string_view variant : effect->variants) {
       EffectSettings settings = run.recipe.settings;
       ParameterBytes& params = params_of(settings, effect->name);
       if (effect->set_radius) effect->set_radius(*radius, frame->info, params);
       for (const std::string& setting : draw.settings)
-        if (auto done = apply_setting(settings, setting, external_effects()); !done) return done;
-      if (auto done = apply_variant(settings, *effect, variant); !done) return done;
-      if (auto done = set_directional(*effect, false, settings); !done) return done;
+        if (auto status = apply_setting(settings, setting, external_effects()); !status) return status;
+      if (auto status = apply_variant(settings, *effect, variant); !status) return status;
+      if (auto status = set_directional(*effect, false, settings); !status) return status;
       if (effect == &reference_effect()) {
         auto& reference = as<ReferenceParams>(params);
         reference.light = picture.view(Quantity::kLight) ? kReferenceBounce : kReferenceOcclusion;
         reference.bounce_from = kReferenceFromRadius;
         reference.shadows = kReferenceCapturedShadows;
       }
-      if (auto done = compare_variant(run, traced, *effect, variant, std::move(settings), picture); !done) return done;
+      if (auto status = compare_variant(run, traced, *effect, variant, std::move(settings), picture); !status)
+        return status;
     }
   }
   if (keep)
@@ -336,8 +337,8 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
 
 Result<void> check_compare(const CompareSettings& settings) {
   if (settings.models.empty() || settings.sizes.empty()) return usage_error("name a model and a size to compare");
-  if (auto fine = check_picture_options(settings.models, settings.cameras, settings.samples, settings.runs); !fine)
-    return fine;
+  if (auto status = check_picture_options(settings.models, settings.cameras, settings.samples, settings.runs); !status)
+    return status;
   if (const auto techniques = techniques_of(settings); !techniques) return techniques.error();
   const auto recipe = recipe_of(settings);
   if (!recipe) return recipe.error();
@@ -377,7 +378,7 @@ Terms terms_of(const CompareSettings& settings) {
 }
 
 Result<Comparison> compare(Device& device, const CompareSettings& settings) {
-  if (auto fine = check_compare(settings); !fine) return fine.error();
+  if (auto status = check_compare(settings); !status) return status.error();
   const auto techniques = techniques_of(settings);
   const auto recipe = recipe_of(settings);
   if (!recipe) return recipe.error();
@@ -407,8 +408,9 @@ Result<Comparison> compare(Device& device, const CompareSettings& settings) {
         const auto& size = settings.sizes[s];
         run.span = model_span / double(shots.size()) * double(size.first) * double(size.second) / all_pixels;
         run.done = 0.0;
-        if (auto done = compare_picture(run, *scene, **traced, model, shot, size, settings.pictures && s == 0); !done)
-          return done.error();
+        if (auto status = compare_picture(run, *scene, **traced, model, shot, size, settings.pictures && s == 0);
+            !status)
+          return status.error();
         run.start += run.span;
       }
     }

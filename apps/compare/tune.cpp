@@ -131,8 +131,8 @@ Result<void> attempt(Search& search, Candidate candidate) {
     std::vector<double> ms;
     for (int k = 0; k <= search.settings.runs; ++k) {
       StageTimes times;
-      if (auto done = run_look(look_run, search.device, picture.frame); !done) return done.error();
-      if (auto done = search.device.finish(); !done) return done;
+      if (auto status = run_look(look_run, search.device, picture.frame); !status) return status.error();
+      if (auto status = search.device.finish(); !status) return status;
       times.done("run");
       if (k > 0) ms.push_back(times.total());
     }
@@ -332,8 +332,8 @@ Result<std::size_t> best_of(const std::vector<Trial>& trials, double budget_ms) 
 
 Result<void> check_tune(const TuneSettings& settings) {
   if (settings.models.empty()) return usage_error("name a model to tune");
-  if (auto fine = check_picture_options(settings.models, settings.cameras, settings.samples, settings.runs); !fine)
-    return fine;
+  if (auto status = check_picture_options(settings.models, settings.cameras, settings.samples, settings.runs); !status)
+    return status;
   if (!kTrials.has(settings.trials))
     return usage_error("--trials cannot be '{}': it takes {}", settings.trials, kTrials.words());
   if (!kBudgetMs.has(settings.budget_ms))
@@ -346,7 +346,7 @@ Result<void> check_tune(const TuneSettings& settings) {
 }
 
 Result<Tuning> tune(Device& device, const TuneSettings& settings) {
-  if (auto fine = check_tune(settings); !fine) return fine.error();
+  if (auto status = check_tune(settings); !status) return status.error();
   const auto recipe = recipe_of(settings);
   const Effect* technique = *technique_of(*recipe);
   const Effect* filter = technique->filters_itself ? nullptr : look_filter(*recipe->look);
@@ -369,7 +369,7 @@ Result<Tuning> tune(Device& device, const TuneSettings& settings) {
     if (const auto length = parse_length("occlusion_radius", result.radius); length)
       if (const auto radius = radius_in_scene("`occlusion_radius`", *length, first.info); radius)
         technique->set_radius(*radius, first.info, params_of(start.settings, technique->name));
-  if (auto done = attempt(search, start); !done) return done.error();
+  if (auto status = attempt(search, start); !status) return status.error();
   result.budget_ms = settings.budget_ms > 0.0 ? settings.budget_ms : search.trials[0].ms;
 
   std::set<std::size_t> searched;
@@ -384,7 +384,7 @@ Result<Tuning> tune(Device& device, const TuneSettings& settings) {
     for (const Candidate& candidate : *next) {
       const std::size_t tried = search.trials.size();
       if (int(tried) >= settings.trials) break;
-      if (auto done = attempt(search, candidate); !done) return done.error();
+      if (auto status = attempt(search, candidate); !status) return status.error();
       // Over the budget, a faster trial is the next start; the other steps from here follow once the budget is met.
       if (!any_within(search.trials, result.budget_ms) && search.trials.size() > tried &&
           search.trials.back().ms < from_ms) {

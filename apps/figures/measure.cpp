@@ -60,7 +60,7 @@ Result<double> time_of(Device& device, const Effect& effect, const ParameterByte
   std::vector<double> ms;
   for (int i = 0; i < runs; ++i) {
     StageTimes times;
-    if (auto done = device.run(effect, params, frame); !done) return done.error();
+    if (auto status = device.run(effect, params, frame); !status) return status.error();
     times.done("run");
     ms.push_back(times.total());
   }

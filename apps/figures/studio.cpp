@@ -85,7 +85,7 @@ Result<Studio> open_studio(Device& device, const std::string& model, const std::
   Studio studio{device, model, nullptr, {}};
   studio.draw.width = studio.draw.height = size;
   studio.draw.look = look;
-  if (auto done = studio.show(std::move(*scene)); !done) return done.error();
+  if (auto status = studio.show(std::move(*scene)); !status) return status.error();
   return studio;
 }
 

@@ -194,7 +194,7 @@ Result<Figure> claw_figure(Device& device, int size) {
   std::erase_if(rest.meshes, [&](const Mesh& mesh) {
     return std::all_of(mesh.positions.begin(), mesh.positions.end(), [&](glm::vec3 p) { return p.z > kClawInFront; });
   });
-  if (auto done = without_claw.show(std::move(rest)); !done) return done.error();
+  if (auto status = without_claw.show(std::move(rest)); !status) return status.error();
   const auto alone = without_claw.shoot({"unsharp.threshold=0.02"});
   if (!alone) return alone.error();
   // The body along the claw's outline: pixels of the chest with the claw a quarter of the window to their left.
@@ -241,7 +241,7 @@ Result<std::vector<FigureTable>> unsharp_tables(Device& device, const std::strin
                                                 const std::function<void(const std::string&)>& progress) {
   const auto time_with = [&](Frame& frame, const std::string& kernel) -> Result<double> {
     EffectSettings settings = look_settings(*find_look("unsharp"));
-    if (auto done = apply_setting(settings, "unsharp.kernel=" + kernel); !done) return done.error();
+    if (auto status = apply_setting(settings, "unsharp.kernel=" + kernel); !status) return status.error();
     return time_of(device, *find_effect("unsharp"), settings["unsharp"], frame, runs);
   };
   const auto frame_of = [&](const Studio& studio) -> Result<Frame> {

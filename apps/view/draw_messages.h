@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "apps/view/encode.h"
+#include "apps/view/encoder.h"
 #include "apps/view/messages.h"
 #include "apps/view/view_model.h"
 

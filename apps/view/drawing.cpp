@@ -164,23 +164,23 @@ void Drawing::run() {
     const auto purpose = [&] {
       return fmt::format("a picture of {} x {} pixels", task->state->width, task->state->height);
     };
-    const auto done = guarded(purpose, [&] { return perform(*task); });
-    const auto finished = guarded(purpose, [&] { return finish(*task, done), Result<void>(); });
+    const auto status = guarded(purpose, [&] { return perform(*task); });
+    const auto finished = guarded(purpose, [&] { return finish(*task, status), Result<void>(); });
     static_cast<void>(finished);  // an error text is lost for lack of memory
     ++drawn_;
     lock.lock();
   }
 }
 
-void Drawing::finish(const Task& task, const Result<void>& done) {
-  const bool interrupted = !done && done.error().kind == ErrorKind::kInterrupted;
+void Drawing::finish(const Task& task, const Result<void>& status) {
+  const bool interrupted = !status && status.error().kind == ErrorKind::kInterrupted;
   if (std::exchange(has_status_, false)) send_.text(task.page, status_text(task.state->id, ""));
-  if (!done && !interrupted) send_error(task, done.error());
+  if (!status && !interrupted) send_error(task, status.error());
   const std::lock_guard lock(mutex_);
   Progress* view = task.step == Step::kPick ? nullptr : wanted_view(task);
   if (!view) return;
   view->spent = task.spent + (Clock::now() - task_begin_);
-  view->has_failed = !done && !interrupted;
+  view->has_failed = !status && !interrupted;
   if (view->has_failed)
     view->next = Step::kDone;
   else if (view->samples > 0)
@@ -233,10 +233,10 @@ Result<void> Drawing::perform(const Task& task) {
   if (!loaded) return loaded.error();
   if (auto sent = send_model(task, *loaded, *request); !sent) return sent;
   const auto device = device_of(task);
-  auto done = device ? draw(task, *loaded->model, **device, *request) : Result<void>(device.error());
-  if (done || done.error().kind != ErrorKind::kDevice) return done;
+  auto status = device ? draw(task, *loaded->model, **device, *request) : Result<void>(device.error());
+  if (status || status.error().kind != ErrorKind::kDevice) return status;
   const std::string key = device_key(task);
-  if (failed_devices_.contains(key) || (device && (*device)->device->name() == "cpu")) return done;
+  if (failed_devices_.contains(key) || (device && (*device)->device->name() == "cpu")) return status;
   // A device that fails, such as one whose driver was reset, is not used again.
   models_.forget_captures();
   devices_.erase(key);
@@ -244,7 +244,7 @@ Result<void> Drawing::perform(const Task& task) {
   // Without a view: it stays on the page when the next frame comes.
   send_.text(task.page,
              error_text(fmt::format("the device {} has failed, the CPU goes on: {}",
-                                    key.empty() ? settings_.device : key, with_option_names(done.error().message))));
+                                    key.empty() ? settings_.device : key, with_option_names(status.error().message))));
   const auto other = device_of(task);
   if (other) send_.text(task.page, text_of_json({{"type", "device"}, {"device", (*other)->device->description()}}));
   return other ? draw(task, *loaded->model, **other, *request) : Result<void>(other.error());
@@ -379,13 +379,13 @@ Result<void> Drawing::draw_error(const Task& task, ViewModel& model, DrawingDevi
   remember_draft(task, is_moving ? std::pair(sized.width, sized.height) : moving_size_);
   StageTimes times;
   const std::string name = fmt::format("{} {}", task.state->model, model.number());
-  auto drawn = errors_.draw(model, device, sized, name, task.samples + 1, control, times);
-  if (!drawn) return drawn.error();
+  auto error_map = errors_.draw(model, device, sized, name, task.samples + 1, control, times);
+  if (!error_map) return error_map.error();
   if (is_moving) control_.add(key, sized.width, sized.height, times.total());
-  send_picture(task, drawn->picture,
-               {.samples = is_moving ? 0 : drawn->runs,
-                .is_final = !is_moving && drawn->runs >= kMaxReferenceRuns,
-                .error = drawn->error,
+  send_picture(task, error_map->picture,
+               {.samples = is_moving ? 0 : error_map->runs,
+                .is_final = !is_moving && error_map->runs >= kMaxReferenceRuns,
+                .error = error_map->error,
                 .times = times});
   return {};
 }
@@ -411,9 +411,9 @@ Result<void> Drawing::draw_draft(const Task& task, ViewModel& model, DrawingDevi
     send_picture(task, picture, {.times = times});
     return {};
   };
-  auto drawn = model.draw(device, draft, control, times);
+  auto status = model.draw(device, draft, control, times);
   remember_draft(task, !is_quick || traced ? std::pair(draft.width, draft.height) : moving_size_);
-  return drawn;
+  return status;
 }
 
 Result<void> Drawing::find_point(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request) {

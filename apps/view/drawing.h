@@ -117,7 +117,7 @@ class Drawing {
   bool is_turn_over(const Task& task);
   bool wait_for_page(const Task& task);
   void forget_frame(PageId id, std::int64_t frame);
-  void finish(const Task& task, const Result<void>& done);
+  void finish(const Task& task, const Result<void>& status);
 
   Result<void> perform(const Task& task);
   Result<void> draw(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request);

@@ -1,9 +1,17 @@
 #include "apps/view/encoder.h"
 
 #include "core/guarded.h"
+#include "io/image_file.h"
 #include "renderer/times.h"
 
 namespace umbrage::view {
+
+Result<Encoded> encode(const Image& picture, bool exact) {
+  const bool is_png = exact || picture.find("color.a");
+  auto bytes = is_png ? encode_png("the picture", picture) : encode_fast_jpeg("the picture", picture, kMovingQuality);
+  if (!bytes) return bytes.error();
+  return Encoded{std::move(*bytes), is_png ? "image/png" : "image/jpeg"};
+}
 
 Encoder::Encoder() : thread_([this] { run(); }) {}
 

@@ -1,14 +1,29 @@
-// Encoder: encodes pictures on its own thread, while the next one is drawn.
+// Encoding of pictures for the page: JPEG while something moves, PNG at rest. It runs on a thread of its own, while the
+// next picture is drawn.
 #pragma once
 #include <condition_variable>
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 
-#include "apps/view/encode.h"
+#include "core/image.h"
+#include "core/result.h"
 
 namespace umbrage::view {
+
+/// Quality of the JPEG of a moving picture, 1 to 100: artefacts are not seen in motion, and decoding is fast.
+inline constexpr int kMovingQuality = 80;
+
+/// A picture as the page gets it.
+struct Encoded {
+  std::string bytes;
+  const char* format = "";  ///< "image/jpeg" or "image/png"
+};
+
+/// Encodes a picture: PNG if it is `exact` or has alpha, else JPEG. A PNG has the pixels that write_image writes.
+Result<Encoded> encode(const Image& picture, bool exact);
 
 /// A picture to encode, and what is done with the result.
 struct EncodeJob {

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "apps/view/encode.h"
+#include "apps/view/encoder.h"
 #include "apps/view/error_map.h"
 #include "apps/view/tables.h"
 #include "looks/looks.h"
@@ -126,6 +126,26 @@ TEST(ViewTables, HaveEveryOptionEffectAndLook) {
   EXPECT_EQ(kind_of("background-color"), "color");
   EXPECT_EQ(kind_of("no-background"), "flag");
   EXPECT_EQ(kind_of("hdri-intensity"), "number");
+}
+
+TEST(ViewTables, TellTheTechniqueOfALook) {
+  const nlohmann::json looks = hello_tables()["looks"];
+  const auto studio =
+      std::find_if(looks.begin(), looks.end(), [](const auto& look) { return look["name"] == "studio"; });
+  ASSERT_NE(studio, looks.end());
+  EXPECT_EQ((*studio)["gbuffer_technique"], "bitmask");
+  EXPECT_EQ((*studio)["techniques"][""], "traced");
+  EXPECT_EQ((*studio)["techniques"]["draft"], "bitmask");
+  const auto technique_with = [&](const std::string& name, const std::string& text) -> std::string {
+    for (const auto& change : (*studio)["technique_changes"])
+      if (change["name"] == name && (!change.contains("text") || change["text"] == text)) return change["technique"];
+    return (*studio)["techniques"][""];
+  };
+  EXPECT_EQ(technique_with("ao-scale", "half"), "bitmask");
+  EXPECT_EQ(technique_with("ao-scale", "full"), "traced");
+  EXPECT_EQ(technique_with("ground", "off"), "traced");
+  EXPECT_EQ(technique_with("bitmask.slices", "4"), "bitmask");
+  EXPECT_EQ(technique_with("hemisphere.samples", "4"), "traced");
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 
 #include <thread>
 
-#include "apps/view/temporary.h"
+#include "apps/view/uploads.h"
 #include "run_program.h"
 
 namespace umbrage::view {

@@ -2,6 +2,7 @@
 
 #include <civetweb.h>
 #include <sys/socket.h>
+
 #include <unistd.h>
 
 #include <atomic>
@@ -15,7 +16,7 @@
 #include "apps/view/http.h"
 #include "apps/view/listen.h"
 #include "apps/view/outbox.h"
-#include "apps/view/temporary.h"
+#include "apps/view/uploads.h"
 #include "core/check.h"
 
 namespace umbrage::view {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <type_traits>
 
@@ -148,6 +149,47 @@ nlohmann::json techniques_of(const Look& look) {
   return techniques;
 }
 
+/// Returns the technique with which a look draws models after one change to a request; empty if the change is invalid.
+std::string technique_with(const Look& look, const std::function<bool(Request&)>& change) {
+  Request request;
+  request.look = look.name;
+  if (!change(request)) return "";
+  const auto recipe = make_recipe(request);
+  return recipe ? recipe->occlusion : "";
+}
+
+/// Returns the texts of options and of parameters of techniques that change the technique with which a look draws
+/// models. For a parameter every text does.
+nlohmann::json technique_changes_of(const Look& look) {
+  nlohmann::json changes = nlohmann::json::array();
+  const std::string own = technique_with(look, [](Request&) { return true; });
+  if (own == look.occlusion) return changes;  // the look has no other
+  for (const Option& option : options()) {
+    if (!(option.commands & kRender) || option.field == "look" || option.field == "occlusion" ||
+        option.field == "quality")
+      continue;
+    for (const std::string_view word : words_of(option)) {
+      const std::string technique =
+          technique_with(look, [&](Request& request) { return bool(set_option(option, word, request)); });
+      if (!technique.empty() && technique != own)
+        changes.push_back({{"name", option.option}, {"text", word}, {"technique", technique}});
+    }
+  }
+  for (const Effect* effect : effects_with_external()) {
+    if (effect->kind != EffectKind::kOcclusion) continue;
+    const ParameterBytes initial = initial_parameters(effect->parameters, effect->params_size);
+    for (const Parameter& row : effect->parameters) {
+      const std::string name = fmt::format("{}.{}", effect->name, row.name);
+      const std::string technique = technique_with(look, [&](Request& request) {
+        request.settings = {fmt::format("{}={}", name, parameter_text(row, initial))};
+        return true;
+      });
+      if (!technique.empty() && technique != own) changes.push_back({{"name", name}, {"technique", technique}});
+    }
+  }
+  return changes;
+}
+
 nlohmann::json look_records() {
   nlohmann::json records = nlohmann::json::array();
   for (const Look* look : looks()) {
@@ -160,8 +202,9 @@ nlohmann::json look_records() {
         values[std::string(preset.substr(0, equals))] = preset.substr(equals + 1);
     records.push_back({{"name", look->name},
                        {"summary", look->summary},
-                       {"occlusion", look->occlusion},
+                       {"gbuffer_technique", look->occlusion},
                        {"techniques", techniques_of(*look)},
+                       {"technique_changes", technique_changes_of(*look)},
                        {"effects", look->effects},
                        {"presets", std::move(values)},
                        {"passes", std::move(passes)},

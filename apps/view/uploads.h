@@ -1,5 +1,5 @@
-// Files that pages upload: a drop is what a user dropped on a page at once, and its files share a folder, so that a
-// model finds its textures.
+// Files that pages upload, and the private folder that holds them and saved pictures. A drop is what a user dropped on
+// a page at once, and its files share a folder, so that a model finds its textures.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -13,6 +13,22 @@
 #include "core/result.h"
 
 namespace umbrage::view {
+
+/// A folder in the system's temporary folder that only the user may enter; the destructor removes it with its content.
+/// Signals that end the program must be handled so that destructors run: see wait_for_end in apps/cli/view.cpp.
+class TemporaryFolder {
+ public:
+  /// Errors: kFile.
+  static Result<TemporaryFolder> create();
+  TemporaryFolder(TemporaryFolder&& other) noexcept : path_(std::move(other.path_)) { other.path_.clear(); }
+  ~TemporaryFolder();
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  explicit TemporaryFolder(std::filesystem::path path) : path_(std::move(path)) {}
+  std::filesystem::path path_;
+};
 
 /// Limits in bytes of all files of one drop and of all drops, and the number of all files.
 struct UploadLimits {

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "apps/view/drawing.h"
-#include "apps/view/page.h"
 #include "apps/view/save.h"
 #include "apps/view/server.h"
 #include "apps/view/tables.h"
@@ -25,6 +24,14 @@ using Clock = std::chrono::steady_clock;
 
 /// A page that is loaded again connects within this time.
 constexpr std::chrono::seconds kReloadTime(3);
+
+/// Returns the page: one HTML file with its style sheet and script, UTF-8. It requests nothing from anywhere else.
+std::string_view page() {
+  static constexpr char kPage[] =
+#include "view_page.inc"
+      ;
+  return {kPage, sizeof kPage - 1};
+}
 
 std::string name_of(const std::string& file) {
   const std::string name = std::filesystem::path(file).filename().string();
@@ -111,7 +118,7 @@ struct Viewer::Parts {
     } else if (const auto* pick = std::get_if<Pick>(&*message)) {
       drawing->pick(page, *pick);
     } else if (const auto* open = std::get_if<Open>(&*message)) {
-      if (auto done = open_upload(page, *open); !done) send(page, error_text(done.error().message));
+      if (auto status = open_upload(page, *open); !status) send(page, error_text(status.error().message));
     }
   }
 
@@ -177,7 +184,7 @@ Result<std::unique_ptr<Viewer>> Viewer::start(Settings settings) {
                           .threads = settings.request.threads,
                           .watch = settings.watch};
   for (ViewedFile& file : settings.models) {
-    if (auto fine = check_file(file); !fine) return fine.error();
+    if (auto status = check_file(file); !status) return status.error();
     if (file.file.starts_with('-')) file.file.insert(0, "./");  // commands would take it for an option
     Request request = settings.request;
     request.model = file.file;

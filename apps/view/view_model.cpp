@@ -12,12 +12,11 @@
 #include <limits>
 #include <utility>
 
-#include "renderer/background.h"
 #include "renderer/models.h"
-#include "renderer/pass_picture.h"
 #include "renderer/passes.h"
 #include "renderer/reduced_rows.h"
 #include "renderer/shade_file.h"
+#include "renderer/written_passes.h"
 #include "scene/framing.h"
 
 namespace umbrage::view {
@@ -237,8 +236,8 @@ Result<Image> ViewModel::planes(DrawingDevice& device, const Request& request, c
     return {};
   };
   const std::vector<std::string_view> besides(names.begin(), names.end());
-  const auto drawn = draw_scene(device, request, besides, control, times, give);
-  return drawn ? Result<Image>(std::move(image)) : drawn.error();
+  const auto status = draw_scene(device, request, besides, control, times, give);
+  return status ? Result<Image>(std::move(image)) : status.error();
 }
 
 Result<std::optional<glm::dvec3>> ViewModel::surface_at(DrawingDevice& device, const Request& request, double x,
@@ -258,8 +257,8 @@ Result<std::optional<glm::dvec3>> ViewModel::surface_at(DrawingDevice& device, c
     return {};
   };
   constexpr std::string_view kBesides[] = {"depth"};
-  const auto drawn = draw_scene(device, of_depth, kBesides, control, times, give);
-  return drawn ? Result<std::optional<glm::dvec3>>(found) : drawn.error();
+  const auto status = draw_scene(device, of_depth, kBesides, control, times, give);
+  return status ? Result<std::optional<glm::dvec3>>(found) : status.error();
 }
 
 Result<void> ViewModel::draw_scene(DrawingDevice& device, const Request& request,
@@ -287,11 +286,11 @@ Result<void> ViewModel::draw_scene(DrawingDevice& device, const Request& request
     more.wants_another = [&](int samples) { return samples < control.max_samples && control.wants_another(samples); };
     more.take_mean = [&](const Frame& mean, int samples) { return give(plan->recipe, mean, samples, true); };
   }
-  const auto drawn = draw_keeping(
+  const auto picture = draw_keeping(
       *device.device, **scene, *plan, is_full_size ? captures_ : moving_captures_, times,
       [&] { return prepare(device, control.monitor); }, control.monitor, control.monitor, more);
-  if (!drawn) return drawn.error();
-  return refines ? Result<void>() : give(plan->recipe, drawn->frame, plan->recipe.frames, plan->averages());
+  if (!picture) return picture.error();
+  return refines ? Result<void>() : give(plan->recipe, picture->frame, plan->recipe.frames, plan->averages());
 }
 
 Result<void> ViewModel::shade(DrawingDevice& device, const Request& request, const DrawControl& control,
@@ -307,17 +306,17 @@ Result<void> ViewModel::shade(DrawingDevice& device, const Request& request, con
   Image& layer = views.layers.emplace_back(facts_.width, facts_.height);
   for (std::size_t k = 0; k < planes_->layers[0].planes.size(); ++k)
     layer.add(planes_->layers[0].names[k]) = Plane::view(planes_->layers[0].planes[k]);
-  const auto drawn = shade_planes(*device.device, std::move(views), *recipe, times, control.monitor);
-  if (!drawn) return drawn.error();
-  const auto names = shown_planes(request, *device.device, drawn->frame);
+  const auto picture = shade_planes(*device.device, std::move(views), *recipe, times, control.monitor);
+  if (!picture) return picture.error();
+  const auto names = shown_planes(request, *device.device, picture->frame);
   if (!names) return names.error();
-  const auto planes = device.device->download(drawn->frame, *names);
+  const auto planes = device.device->download(picture->frame, *names);
   if (!planes) return planes.error();
   const auto take = [&](const PictureInfo& info, const Image& rows, int) -> Result<void> {
     return control.take(picture_of(rows, *names, request, recipe->settings, info), 1, true);
   };
   times.done("download");
-  return reduced_rows(recipe->reduction, *recipe, take)(drawn->frame.info, *planes, 0);
+  return reduced_rows(recipe->reduction, *recipe, take)(picture->frame.info, *planes, 0);
 }
 
 }  // namespace umbrage::view

@@ -18,8 +18,7 @@
 #include "devices/cpu/soften.h"
 #include "devices/cpu/trace_rays.h"
 #include "devices/shared/dispatches.h"
-#include "devices/shared/host_steps.h"
-#include "devices/shared/neutral.h"
+#include "devices/shared/planes.h"
 #include "kernel/isa.h"
 #include "kernel/kernel_frame.h"
 #include "rays/embree_device.h"
@@ -273,7 +272,7 @@ class CpuDevice final : public Device {
   Result<Frame> capture_frame(const Camera& camera, const CaptureSettings& settings, const MarkedPixels* marked,
                               const ProgressMonitor& monitor) {
     if (!traced_) fail_check("capture before prepare");
-    if (auto fine = check_capture(settings); !fine) return fine.error();
+    if (auto status = check_capture(settings); !status) return status.error();
     Frame frame;
     frame.info = picture_info(*scene_, camera, settings);
     frame.info.occluders = arena_.execute([&] { return occluders_of(*scene_, settings.occluders, occluders_); });

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "core/check.h"
-#include "devices/shared/neutral.h"
+#include "devices/shared/planes.h"
 #include "kernel/kernel_frame.h"
 
 namespace umbrage {

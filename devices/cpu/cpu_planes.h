@@ -16,8 +16,8 @@
 #include "core/device.h"
 #include "core/image.h"
 #include "core/strip.h"
-#include "devices/shared/branches.h"
 #include "devices/shared/dispatches.h"
+#include "devices/shared/planes.h"
 #include "rays/traced_scene.h"
 
 namespace umbrage {

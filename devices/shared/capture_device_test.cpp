@@ -76,10 +76,11 @@ TEST(Device, ReportsTheMissingPlane) {
   const ParameterBytes params = initial_parameters(effect.parameters, effect.params_size);
   auto frame = device->upload(g);
   ASSERT_TRUE(frame);
-  const auto done = device->run(effect, params, *frame);
-  ASSERT_FALSE(done);
-  EXPECT_EQ(done.error().kind, ErrorKind::kUsage);
-  EXPECT_NE(done.error().message.find("lighting needs the plane 'depth'"), std::string::npos) << done.error().message;
+  const auto status = device->run(effect, params, *frame);
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().kind, ErrorKind::kUsage);
+  EXPECT_NE(status.error().message.find("lighting needs the plane 'depth'"), std::string::npos)
+      << status.error().message;
   const auto image = device->download(*frame, {"depth"});
   ASSERT_FALSE(image);
   EXPECT_EQ(image.error().kind, ErrorKind::kUsage);

@@ -1,8 +1,10 @@
 #include "devices/shared/dispatches.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "core/check.h"
+#include "core/guarded.h"
 
 namespace umbrage {
 
@@ -47,9 +49,9 @@ Result<RunState> run_dispatches(const Effect& effect, const ParameterBytes& para
       round_of.push_back(round);
     }
   for (std::size_t k = 0; k < dispatches.size(); ++k) {
-    auto done = run({effect, *dispatches[k], params, constants, info, layer, round_of[k], pixels,
-                     std::span(dispatches).subspan(k + 1)});
-    if (!done || !done->finished) return done;
+    auto state = run({effect, *dispatches[k], params, constants, info, layer, round_of[k], pixels,
+                      std::span(dispatches).subspan(k + 1)});
+    if (!state || !state->finished) return state;
   }
   return RunState();
 }
@@ -71,6 +73,35 @@ Result<void> check_capture(const CaptureSettings& settings) {
   static_assert(kMaxMixedLayers == kLayersRead);
   const auto count = layer_count(settings);
   return count ? Result<void>() : count.error();
+}
+
+std::vector<HostPlane> host_inputs(const Dispatch& dispatch, std::span<const Plane* const> planes) {
+  check_equal(planes.size(), dispatch.inputs.size(), dispatch.name);
+  std::vector<HostPlane> inputs;
+  for (std::size_t k = 0; k < planes.size(); ++k)
+    inputs.push_back({dispatch.inputs[k], const_cast<float*>(planes[k]->data()), planes[k]->stride});
+  return inputs;
+}
+
+std::vector<Plane> run_host_step(const DispatchRun& run, std::span<const Plane* const> inputs) {
+  fault_point();
+  const Dispatch& dispatch = run.dispatch;
+  const PictureInfo& info = run.info;
+  const std::vector<HostPlane> in = host_inputs(dispatch, inputs);
+  for (std::size_t k = 0; k < inputs.size(); ++k) {
+    check_equal(inputs[k]->width, info.width, dispatch.inputs[k]);
+    check_equal(inputs[k]->height, info.height, dispatch.inputs[k]);
+  }
+  std::vector<HostPlane> out;
+  std::vector<Plane> outputs;
+  int stride = 0;
+  for (const std::string_view name : dispatch.outputs) {
+    Plane& plane = outputs.emplace_back(run.has_layer_of(name) ? Plane(info.width, info.height) : Plane());
+    out.push_back({name, plane.data(), plane.stride});
+    stride = std::max(stride, plane.stride);
+  }
+  dispatch.host({info, frame_constants(info, stride, run.round), run.constants.data(), in, out});
+  return outputs;
 }
 
 }  // namespace umbrage

@@ -1,13 +1,16 @@
-// Runs the dispatches of an effect, on every device.
+// Runs the dispatches of an effect, on every device; host steps compute whole planes in the same way on all of them.
 #pragma once
 #include <cstddef>
 #include <functional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/device.h"
 #include "core/effect.h"
+#include "core/image.h"
 #include "kernel/frame_constants.h"
+#include "kernel/host_frame.h"
 
 namespace umbrage {
 
@@ -44,5 +47,14 @@ Error missing_scene(const DispatchRun& run);
 
 /// Throws InternalError if a setting is outside its range. Errors: see layer_count.
 Result<void> check_capture(const CaptureSettings& settings);
+
+/// Returns planes as the inputs of a host step, which does not write to them. `planes`: in the order of
+/// Dispatch::inputs.
+std::vector<HostPlane> host_inputs(const Dispatch& dispatch, std::span<const Plane* const> planes);
+
+/// Runs the host step of a dispatch. `inputs`: planes of the picture's size, in the order of Dispatch::inputs. Returns
+/// the planes of Dispatch::outputs in order; those of layers that do not exist are empty. Exceptions of the step
+/// propagate.
+std::vector<Plane> run_host_step(const DispatchRun& run, std::span<const Plane* const> inputs);
 
 }  // namespace umbrage

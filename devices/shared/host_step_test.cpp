@@ -147,10 +147,10 @@ TEST(HostStep, RunsOnceForAllStrips) {
     for (int first = 0; first < kHeight; first += kRows) {
       const Strip strip{{first, std::min(first + kRows, kHeight)}, 0, wholes};
       auto frame = *device->capture(camera, {.width = kWidth, .height = kHeight, .strip = strip});
-      const auto done = device->run(turned(), {}, frame);
-      ASSERT_TRUE(done);
-      if (!done->finished) {
-        EXPECT_EQ(done->missing_rows, 0);
+      const auto state = device->run(turned(), {}, frame);
+      ASSERT_TRUE(state);
+      if (!state->finished) {
+        EXPECT_EQ(state->missing_rows, 0);
         finished = false;
         continue;
       }

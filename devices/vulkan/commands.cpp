@@ -73,7 +73,7 @@ Commands::~Commands() {
 Result<VkCommandBuffer> Commands::buffer() {
   if (lost_) return *lost_;
   if (submitted_)
-    if (auto done = wait_for_submission(); !done) return done.error();
+    if (auto status = wait_for_submission(); !status) return status.error();
   if (recording_) return buffer_;
   VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
@@ -93,19 +93,19 @@ Result<void> Commands::finish() {
   if (lost_) return *lost_;
   if (submitted_) return wait_for_submission();
   if (!recording_) return {};
-  Result<void> done = submit(VK_NULL_HANDLE);
-  if (!done) {
+  Result<void> status = submit(VK_NULL_HANDLE);
+  if (!status) {
     reset();
-    return done;
+    return status;
   }
   return wait_for_submission();
 }
 
 Result<void> Commands::submit_without_waiting(VkSemaphore signal) {
   if (const auto begun = buffer(); !begun) return begun.error();  // semaphores require a submission, even an empty one
-  Result<void> done = submit(signal);
-  if (!done) reset();
-  return done;
+  Result<void> status = submit(signal);
+  if (!status) reset();
+  return status;
 }
 
 void Commands::drop() {
@@ -206,9 +206,9 @@ Result<Commands::Uniforms> Commands::uniforms(std::size_t bytes) {
   check_less(bytes, kMaxUniforms + 1, "bytes of constants");
   if (lost_) return *lost_;
   if (submitted_)
-    if (auto done = wait_for_submission(); !done) return done.error();
+    if (auto status = wait_for_submission(); !status) return status.error();
   if (uniforms_used_ + bytes > kUniformBytes || timed_.size() >= kMaxDispatches)
-    if (auto done = finish(); !done) return done.error();
+    if (auto status = finish(); !status) return status.error();
   const Uniforms slice{uniforms_->mapped + uniforms_used_, std::uint32_t(uniforms_used_)};
   const std::size_t step = gpu_->properties.limits.minUniformBufferOffsetAlignment;
   uniforms_used_ = (uniforms_used_ + bytes + step - 1) / step * step;

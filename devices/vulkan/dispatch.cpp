@@ -59,11 +59,11 @@ Result<void> Dispatcher::dispatch(const GpuWork& work, const PictureInfo& info, 
     // Triangles must be drawn in order: of coincident ones the first is visible.
     begin = work.target ? 0 : (rows - first_rows) / 2;
     end = begin + first_rows;
-    if (auto done = record_rows(work, columns, begin, end, false, constants, table); !done) return done;
-    if (auto done = commands_->finish(); !done) return done;
+    if (auto status = record_rows(work, columns, begin, end, false, constants, table); !status) return status;
+    if (auto status = commands_->finish(); !status) return status;
   }
   const bool continues = end > begin;
-  if (auto done = record_strips(work, columns, 0, begin, continues, constants, table); !done) return done;
+  if (auto status = record_strips(work, columns, 0, begin, continues, constants, table); !status) return status;
   return record_strips(work, columns, end, rows, continues, constants, table);
 }
 
@@ -74,11 +74,11 @@ Result<void> Dispatcher::record_strips(const GpuWork& work, int columns, int row
         std::max(columns * commands_->ms_per_group({work.pipeline, work.settings}).value_or(0.0), 1e-9);
     const double left_ms = max_submission_ms_ - commands_->recorded_ms();
     if (left_ms < ms_per_row && commands_->recorded_ms() > 0.0) {
-      if (auto done = commands_->finish(); !done) return done;
+      if (auto status = commands_->finish(); !status) return status;
       continue;
     }
     const int strip = int(std::clamp(left_ms / ms_per_row, 1.0, double(end - row)));
-    if (auto done = record_rows(work, columns, row, row + strip, continues, constants, table); !done) return done;
+    if (auto status = record_rows(work, columns, row, row + strip, continues, constants, table); !status) return status;
     row += strip;
     continues = true;
   }

@@ -48,7 +48,7 @@ Result<void> PlaneStore::copy_to(const std::vector<NamedPlane>& from, const Pict
   for (std::size_t first = 0; first < from.size(); first += at_once) {
     const std::size_t end = std::min(first + at_once, from.size());
     if (first > 0)  // staged data must remain until it is copied
-      if (auto done = commands_->finish(); !done) return done;
+      if (auto status = commands_->finish(); !status) return status;
     for (std::size_t p = first; p < end; ++p)  // before staging: allocation may submit the recorded work
       if (const auto out = writable(planes, from[p].name); !out) return out.error();
     const auto staged = memory_->host(planes.bytes * (end - first));
@@ -81,10 +81,10 @@ Result<Image> PlaneStore::copied(const DevicePlanes& planes, const std::vector<s
   Image out(info.width - 2 * margin, info.height - 2 * margin);
   const std::size_t at_once = staged_at_once(planes);
   for (std::size_t first = 0; first < names.size(); first += at_once)
-    if (auto done = copy_from(planes, names, first, std::min(first + at_once, names.size()), margin, out); !done)
-      return done.error();
+    if (auto status = copy_from(planes, names, first, std::min(first + at_once, names.size()), margin, out); !status)
+      return status.error();
   // Finishes even if nothing is copied, since errors of earlier work are reported here.
-  if (auto done = commands_->finish(); !done) return done.error();
+  if (auto status = commands_->finish(); !status) return status.error();
   return out;
 }
 
@@ -102,7 +102,7 @@ Result<void> PlaneStore::copy_from(const DevicePlanes& planes, const std::vector
     const VkBufferCopy region{plane->offset, planes.bytes * (p - first), planes.bytes};
     gpu_->vk.CmdCopyBuffer(*buffer, plane->buffer, (*staged)->buffer, 1, &region);
   }
-  if (auto done = commands_->finish(); !done) return done;
+  if (auto status = commands_->finish(); !status) return status;
   for (std::size_t p = first; p < end; ++p) {
     const auto* from = reinterpret_cast<const float*>((*staged)->mapped + planes.bytes * (p - first));
     Plane to(out.width, out.height);

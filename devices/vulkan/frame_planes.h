@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "core/device.h"
-#include "devices/shared/branches.h"
-#include "devices/shared/neutral.h"
+#include "devices/shared/planes.h"
 #include "devices/vulkan/commands.h"
 #include "devices/vulkan/device_scene.h"
 #include "devices/vulkan/memory.h"

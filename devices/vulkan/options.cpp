@@ -106,7 +106,7 @@ KernelOptions options_of(std::span<const std::uint32_t> spirv) {
 
 std::vector<std::optional<std::int32_t>> option_values(const KernelOptions& options, std::span<const std::byte> block) {
   std::vector<std::optional<std::int32_t>> values;
-  for (const Option& option : options.options) {
+  for (const KernelOption& option : options.options) {
     std::optional<std::int32_t> value;
     for (int k = 0; k < option.count; ++k) {
       std::int32_t number = 0;

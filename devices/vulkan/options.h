@@ -11,7 +11,7 @@
 namespace umbrage {
 
 /// An integer, or an array of them, in a shader's block of constants.
-struct Option {
+struct KernelOption {
   std::size_t offset = 0;  ///< bytes
   int count = 1;           ///< number of elements
 };
@@ -23,7 +23,7 @@ struct OptionLoad {
 };
 
 struct KernelOptions {
-  std::vector<Option> options;
+  std::vector<KernelOption> options;
   std::vector<OptionLoad> loads;
   std::size_t first_function = 0;  ///< word index; constants may be inserted before it
 };

@@ -1,14 +1,20 @@
 #include "devices/vulkan/pipelines.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <spirv/unified1/spirv.hpp>
 
 #include "core/check.h"
 #include "core/gbuffer.h"
 #include "devices/vulkan/commands.h"
-#include "devices/vulkan/pipeline_file.h"
 #include "devices/vulkan/raster.h"
-#include "devices/vulkan/slots.h"
 #include "kernel/frame_constants.h"
 #include "spirv/capture.h"
 #include "spirv/convert.h"
@@ -18,6 +24,97 @@
 #include "spirv/trace_rays.h"
 
 namespace umbrage {
+namespace {
+
+/// The beginning of the file, before the driver's data. It reveals damaged data, which not all drivers detect.
+struct Header {
+  char magic[8] = {'u', 'm', 'b', 'r', 'p', 'i', 'p', '1'};
+  std::uint64_t size = 0, hash = 0;
+};
+
+/// Returns the FNV-1a hash.
+std::uint64_t hash_of(const std::vector<std::byte>& data) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (const std::byte byte : data) hash = (hash ^ std::uint64_t(byte)) * 0x100000001b3u;
+  return hash;
+}
+
+}  // namespace
+
+std::filesystem::path pipeline_file(const std::string& name) {
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  const char* home = std::getenv("HOME");
+  std::filesystem::path folder;
+  if (cache && cache[0] == '/')
+    folder = cache;
+  else if (home && home[0] == '/')
+    folder = std::filesystem::path(home) / ".cache";
+  else
+    return {};
+  return folder / "umbrage" / name;
+}
+
+std::vector<std::byte> read_pipelines(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  Header header;
+  constexpr std::uint64_t kMax = std::uint64_t(1) << 30;
+  if (!in.read(reinterpret_cast<char*>(&header), sizeof header) ||
+      std::memcmp(header.magic, Header().magic, sizeof header.magic) != 0 || header.size > kMax)
+    return {};
+  std::vector<std::byte> data(header.size);
+  if (!in.read(reinterpret_cast<char*>(data.data()), std::streamsize(data.size())) || hash_of(data) != header.hash)
+    return {};
+  return data;
+}
+
+void write_pipelines(const std::filesystem::path& file, const std::vector<std::byte>& data) {
+  std::error_code failed;
+  std::filesystem::create_directories(file.parent_path(), failed);
+  const std::filesystem::path temporary = file.string() + "." + std::to_string(::getpid());
+  Header header;
+  header.size = data.size();
+  header.hash = hash_of(data);
+  bool written = false;
+  {
+    std::ofstream out(temporary, std::ios::binary);
+    out.write(reinterpret_cast<const char*>(&header), sizeof header);
+    out.write(reinterpret_cast<const char*>(data.data()), std::streamsize(data.size()));
+    written = bool(out.flush());
+  }
+  if (written) std::filesystem::rename(temporary, file, failed);
+  if (!written || failed) std::filesystem::remove(temporary, failed);
+}
+
+namespace {
+
+constexpr std::size_t kHeaderWords = 5;  // words of a module before its first instruction
+
+}  // namespace
+
+std::vector<Slot> slots_of(std::span<const std::uint32_t> spirv) {
+  constexpr std::string_view kSuffix = "_slot";
+  std::vector<Slot> slots;
+  std::map<std::uint32_t, std::string> names;
+  for (std::size_t at = kHeaderWords; at < spirv.size();) {
+    const std::uint32_t op = spirv[at] & spv::OpCodeMask, words = spirv[at] >> spv::WordCountShift;
+    if (words == 0) break;
+    if (op == spv::OpName) {
+      const std::string name(reinterpret_cast<const char*>(&spirv[at + 2]));
+      if (name.ends_with(kSuffix)) names[spirv[at + 1]] = name.substr(0, name.size() - kSuffix.size());
+    }
+    if (op == spv::OpDecorate && spirv[at + 2] == spv::DecorationSpecId)
+      if (const auto named = names.find(spirv[at + 1]); named != names.end())
+        slots.push_back({named->second, spirv[at + 3]});
+    at += words;
+  }
+  return slots;
+}
+
+std::string slot_name(std::string_view plane) {
+  std::string name(plane);
+  std::replace(name.begin(), name.end(), '.', '_');
+  return name;
+}
 
 GpuStep plain_step(const Dispatch& dispatch) {
   return {
@@ -41,7 +138,7 @@ std::vector<std::string_view> plane_table(const GpuStep& step) {
 Result<std::unique_ptr<Pipelines>> Pipelines::make(GpuPtr gpu, VkBuffer uniforms, std::filesystem::path file) {
   auto pipelines = std::unique_ptr<Pipelines>(new Pipelines(std::move(gpu)));
   pipelines->file_ = std::move(file);
-  if (auto done = pipelines->make_layouts(uniforms); !done) return done.error();
+  if (auto status = pipelines->make_layouts(uniforms); !status) return status.error();
   return pipelines;
 }
 

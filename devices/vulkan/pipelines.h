@@ -1,10 +1,15 @@
-// Pipelines compiled by the driver, and the bindings of their constants and planes.
+// Pipelines compiled by the driver, the file that keeps them, the planes that a compiled kernel accesses (see
+// kernel/glsl.h), and the bindings of constants and planes.
 #pragma once
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -14,6 +19,27 @@
 #include "devices/vulkan/options.h"
 
 namespace umbrage {
+
+/// Returns the path umbrage/NAME in $XDG_CACHE_HOME or ~/.cache; empty if there is no such folder.
+std::filesystem::path pipeline_file(const std::string& name);
+
+/// Returns the data of write_pipelines; empty if there is none or the file is damaged.
+std::vector<std::byte> read_pipelines(const std::filesystem::path& file);
+
+/// Writes a temporary file, then renames it. Ignores errors: the next run compiles again.
+void write_pipelines(const std::filesystem::path& file, const std::vector<std::byte>& data);
+
+/// A specialization constant that gives the index of a plane in the table of planes.
+struct Slot {
+  std::string plane;  ///< with _ in place of dots: normal_x
+  std::uint32_t constant = 0;
+};
+
+/// Returns all slots of a shader, in the order in which it declares them.
+std::vector<Slot> slots_of(std::span<const std::uint32_t> spirv);
+
+/// Returns the name of a plane in the form of Slot::plane.
+std::string slot_name(std::string_view plane);
 
 /// Push constants of pick.comp.
 struct PickConstants {

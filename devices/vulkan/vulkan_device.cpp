@@ -8,13 +8,11 @@
 #include "core/check.h"
 #include "core/guarded.h"
 #include "devices/shared/dispatches.h"
-#include "devices/shared/host_steps.h"
-#include "devices/shared/neutral.h"
+#include "devices/shared/planes.h"
 #include "devices/vulkan/commands.h"
 #include "devices/vulkan/dispatch.h"
 #include "devices/vulkan/frame_planes.h"
 #include "devices/vulkan/memory.h"
-#include "devices/vulkan/pipeline_file.h"
 #include "devices/vulkan/pipelines.h"
 #include "devices/vulkan/scene_capture.h"
 
@@ -78,14 +76,14 @@ class VulkanDevice final : public Device {
                         const ProgressMonitor& monitor) override {
     if (!capture_ && is_ended(monitor)) return interrupted();
     if (!capture_) return scene_->capture(camera, settings, monitor);
-    auto drawn = capture_->capture(camera, settings, monitor);
-    if (!drawn) return drawn;
-    Frame whole = *drawn;
+    auto captured = capture_->capture(camera, settings, monitor);
+    if (!captured) return captured;
+    Frame whole = *captured;
     whole.info.guard = 0;  // so that download_all crops nothing
     const auto planes = capture_->download_all(whole);
     if (!planes) return planes.error();
-    Frame frame{drawn->info, empty_planes(drawn->info)};
-    if (auto done = add(*planes, frame); !done) return done.error();
+    Frame frame{captured->info, empty_planes(captured->info)};
+    if (auto status = add(*planes, frame); !status) return status.error();
     if (!settings.ray_offsets) return frame;
     // Rays will be traced in the scene on this device.
     const ProgressMonitor preparation_monitor = monitor ? [&](double) { return monitor(1.0); } : ProgressMonitor();
@@ -101,7 +99,7 @@ class VulkanDevice final : public Device {
     for (std::size_t layer = 0; layer < gbuffer.layers.size(); ++layer)
       for (std::size_t p = 0; p < gbuffer.layers[layer].planes.size(); ++p)
         planes.push_back({layer_plane(int(layer), gbuffer.layers[layer].names[p]), &gbuffer.layers[layer].planes[p]});
-    if (auto done = store_->copy_to(planes, frame.info, planes_of(frame)); !done) return done.error();
+    if (auto status = store_->copy_to(planes, frame.info, planes_of(frame)); !status) return status.error();
     return frame;
   }
 
@@ -124,8 +122,8 @@ class VulkanDevice final : public Device {
     planes_of(frame).branches.check_none();
     return run_dispatches(effect, params, frame, layer, pixels, [&](const DispatchRun& dispatch) -> Result<RunState> {
       if (is_ended(monitor)) return interrupted();
-      const auto done = run_dispatch(dispatch, planes_of(frame));
-      return done ? Result<RunState>(RunState()) : done.error();
+      const auto status = run_dispatch(dispatch, planes_of(frame));
+      return status ? Result<RunState>(RunState()) : status.error();
     });
   }
 
@@ -151,7 +149,7 @@ class VulkanDevice final : public Device {
         if (in == planes_of(frame).stored.end()) continue;
         const auto out = store_->writable(*planes, layer_name);
         if (!out) return out.error();
-        if (auto done = pick(frame, *in->second, factor, small, **out); !done) return done.error();
+        if (auto status = pick(frame, *in->second, factor, small, **out); !status) return status.error();
       }
     return small;
   }
@@ -166,7 +164,7 @@ class VulkanDevice final : public Device {
       if (!in) return usage_error("the picture has no plane '{}'", name);
       const auto out = store_->writable(planes_of(full), reduced_plane(name));
       if (!out) return out.error();
-      if (auto done = pick(small, *in, 1, full, **out); !done) return done;
+      if (auto status = pick(small, *in, 1, full, **out); !status) return status;
     }
     return {};
   }
@@ -214,7 +212,7 @@ class VulkanDevice final : public Device {
     if (!texels) return texels.error();
     table[0] = (*texels)->address;
     table.resize(5);
-    if (auto done = convert(frame, *format, {}, true, table); !done) return done;
+    if (auto status = convert(frame, *format, {}, true, table); !status) return status;
     const auto buffer = commands_->buffer();
     if (!buffer) return buffer.error();
     commands_->barrier();
@@ -269,7 +267,7 @@ class VulkanDevice final : public Device {
       if (planes.find(name)) continue;
       const auto value = neutral_value(name);
       if (!value) return missing_plane(run, name);
-      if (auto done = store_->add_constant(planes, *value); !done) return done;
+      if (auto status = store_->add_constant(planes, *value); !status) return status;
       planes.neutral.push_back(name);
     }
     if (dispatch.host) return run_host(run, planes);
@@ -314,7 +312,7 @@ class VulkanDevice final : public Device {
         if (!made) return made.error();
         temporary_planes.emplace(output, *made);
       }
-      if (auto done = run_step(run, step, planes, temporary_planes); !done) return done;
+      if (auto status = run_step(run, step, planes, temporary_planes); !status) return status;
     }
     return {};
   }
@@ -332,8 +330,8 @@ class VulkanDevice final : public Device {
     const RaySettings settings = run.dispatch.rays(run.params, run.info);
     DispatchRun one = run;
     for (one.round = 0; one.round < settings.max_rays; ++one.round) {
-      if (auto done = run_step(one, step, planes, rays); !done) return done;
-      if (auto done = scene_->trace_rays(one, settings, planes, rays); !done) return done;
+      if (auto status = run_step(one, step, planes, rays); !status) return status;
+      if (auto status = scene_->trace_rays(one, settings, planes, rays); !status) return status;
     }
     return {};
   }

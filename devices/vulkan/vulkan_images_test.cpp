@@ -14,7 +14,7 @@
 #include "umbrage/umbrage.hpp"
 #include "umbrage/vulkan.hpp"
 #include "vulkan_support.h"
-using namespace umb;  // the public interface, which shares no names with umbrage
+using namespace umb;  // the public interface; its names used here are not in umbrage
 
 namespace umbrage {
 namespace {

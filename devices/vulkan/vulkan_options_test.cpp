@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "devices/vulkan/slots.h"
+#include "devices/vulkan/pipelines.h"
 #include "effects/bitmask/bitmask.h"
 #include "effects/effects.h"
 #include "effects/hemisphere/hemisphere.h"
@@ -20,8 +20,8 @@ const Dispatch& dispatch_of(std::string_view effect, std::string_view name) {
                        [&](const Dispatch& dispatch) { return dispatch.name == name; });
 }
 
-const Option* option_at(const KernelOptions& options, std::size_t offset) {
-  for (const Option& option : options.options)
+const KernelOption* option_at(const KernelOptions& options, std::size_t offset) {
+  for (const KernelOption& option : options.options)
     if (option.offset == offset) return &option;
   return nullptr;
 }
@@ -29,10 +29,10 @@ const Option* option_at(const KernelOptions& options, std::size_t offset) {
 TEST(KernelOptions, AreTheConstantsThatTheKernelCompares) {
   const KernelOptions options = options_of(dispatch_of("hemisphere", "occlusion").kernel.spirv);
   const std::size_t effect = sizeof(FrameConstants);
-  const Option* range = option_at(options, effect + offsetof(HemisphereConstants, range));
+  const KernelOption* range = option_at(options, effect + offsetof(HemisphereConstants, range));
   ASSERT_NE(range, nullptr);
   EXPECT_EQ(range->count, 1);
-  const Option* other = option_at(options, effect + offsetof(HemisphereConstants, other));
+  const KernelOption* other = option_at(options, effect + offsetof(HemisphereConstants, other));
   ASSERT_NE(other, nullptr);
   EXPECT_EQ(other->count, kLayersRead);
   EXPECT_NE(option_at(options, effect + offsetof(HemisphereConstants, layer_count)), nullptr);

@@ -30,8 +30,8 @@ Frame traced_frame(Device& device, const Camera& camera, int width, int height) 
 Image traced(Device& device, Frame& frame, const test::Settings& settings) {
   const Effect& effect = *find_effect("traced");
   const ParameterBytes params = test::parameters_of(effect, settings);
-  const auto done = device.run(effect, params, frame);
-  EXPECT_TRUE(done) << (done ? "" : done.error().message);
+  const auto status = device.run(effect, params, frame);
+  EXPECT_TRUE(status) << (status ? "" : status.error().message);
   return *device.download(frame, test::written_planes(effect, params));
 }
 
@@ -171,10 +171,10 @@ TEST(VulkanRays, AFrameWithoutASceneIsRefused) {
   auto frame = gpu->upload(test::bumpy_gbuffer(20, 10, 1));
   ASSERT_TRUE(frame);
   const Effect& effect = *find_effect("traced");
-  const auto done = gpu->run(effect, test::parameters_of(effect, {}), *frame);
-  ASSERT_FALSE(done);
-  EXPECT_EQ(done.error().kind, ErrorKind::kUsage);
-  EXPECT_NE(done.error().message.find("traced needs the model"), std::string::npos) << done.error().message;
+  const auto status = gpu->run(effect, test::parameters_of(effect, {}), *frame);
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().kind, ErrorKind::kUsage);
+  EXPECT_NE(status.error().message.find("traced needs the model"), std::string::npos) << status.error().message;
 }
 
 }  // namespace

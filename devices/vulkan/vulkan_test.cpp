@@ -8,7 +8,7 @@
 #include "devices/vulkan/commands.h"
 #include "devices/vulkan/gpu.h"
 #include "devices/vulkan/memory.h"
-#include "devices/vulkan/pipeline_file.h"
+#include "devices/vulkan/pipelines.h"
 #include "faulty_vulkan.h"
 #include "renderer/draw.h"
 #include "renderer/models.h"
@@ -47,7 +47,7 @@ Result<RunState> run(Device& device, std::string_view effect, Frame& frame) {
 Result<Frame> lit_frame(Device& device, const GBuffer& gbuffer) {
   auto frame = device.upload(gbuffer);
   if (!frame) return frame;
-  if (const auto done = run(device, "lighting", *frame); !done) return done.error();
+  if (const auto status = run(device, "lighting", *frame); !status) return status.error();
   return frame;
 }
 
@@ -151,9 +151,9 @@ TEST(Vulkan, MissingPlanesAreNeutralOrReported) {
     EXPECT_NE(missing.error().message.find("'no_such'"), std::string::npos);
     auto empty = device->upload(test::empty_gbuffer(8, 8));
     ASSERT_TRUE(empty);
-    const auto done = run(*device, "lighting", *empty);
-    ASSERT_FALSE(done);
-    EXPECT_EQ(done.error().kind, ErrorKind::kUsage);
+    const auto status = run(*device, "lighting", *empty);
+    ASSERT_FALSE(status);
+    EXPECT_EQ(status.error().kind, ErrorKind::kUsage);
   }
   EXPECT_EQ(images[0].names, images[1].names);
 }
@@ -419,8 +419,8 @@ TEST(Vulkan, ALostDeviceIsAnError) {
     ASSERT_TRUE(frame);
     (while_waiting ? faulty().faults.wait : faulty().faults.submit) = VK_ERROR_DEVICE_LOST;
     for (int k = 0; k < 3; ++k) {
-      const auto done = run(*gpu, "lighting", *frame);
-      const auto image = done ? gpu->download(*frame, {"direct.r"}) : done.error();
+      const auto status = run(*gpu, "lighting", *frame);
+      const auto image = status ? gpu->download(*frame, {"direct.r"}) : status.error();
       ASSERT_FALSE(image);
       EXPECT_EQ(image.error().kind, ErrorKind::kDevice);
       EXPECT_NE(image.error().message.find("lost"), std::string::npos);
@@ -465,8 +465,8 @@ TEST(Vulkan, TooLittleMemoryIsAnError) {
   for (const std::uint64_t left : {0u, 5u << 20, 30u << 20, 60u << 20}) {
     faulty().faults.memory_left = left;
     auto frame = gpu->upload(large);
-    const auto done = frame ? run(*gpu, "hemisphere", *frame) : frame.error();
-    const auto image = done ? gpu->download_all(*frame) : done.error();
+    const auto status = frame ? run(*gpu, "hemisphere", *frame) : frame.error();
+    const auto image = status ? gpu->download_all(*frame) : status.error();
     ASSERT_FALSE(image) << left;
     EXPECT_EQ(image.error().kind, ErrorKind::kDevice);
     EXPECT_NE(image.error().message.find("memory"), std::string::npos);

@@ -198,13 +198,13 @@ std::vector<float> ink_along(const HatchingLine& line, const Ink& ink, int width
 }
 
 /// Returns the parts of lines that have a width.
-Lines with_widths(const std::vector<HatchingLine>& traced, const Ink& ink, const HostPlane& objects,
-                  const Correction& correction, const HatchingConstants& c, int width, int height) {
-  Lines lines{width, height, {}};
+Strokes with_widths(const std::vector<HatchingLine>& traced, const Ink& ink, const HostPlane& objects,
+                    const Correction& correction, const HatchingConstants& c, int width, int height) {
+  Strokes lines{width, height, {}};
   for (const HatchingLine& line : traced) {
-    Line part{.kind = ink.second ? LineKind::kCrossHatch : LineKind::kHatch};
+    Stroke part{.kind = ink.second ? StrokeKind::kCrossHatch : StrokeKind::kHatch};
     const auto finish = [&] {
-      if (part.points.size() >= kMinPoints) lines.lines.push_back(part);
+      if (part.points.size() >= kMinPoints) lines.strokes.push_back(part);
       part.points.clear();
     };
     const std::vector<float> along = ink_along(line, ink, width, height);
@@ -238,7 +238,7 @@ HatchingField field_of(const HostFrame& frame, const HatchingConstants& c, bool 
           c.spacing_px};
 }
 
-Lines lines_of_set(const HostFrame& frame, const HatchingConstants& c, const HatchingSeeds& seeds, bool second) {
+Strokes lines_of_set(const HostFrame& frame, const HatchingConstants& c, const HatchingSeeds& seeds, bool second) {
   const int width = frame.frame.width, height = frame.frame.height;
   const HostPlane &ink_plane = frame.input("hatching_ink"), &objects = frame.input("object_id");
   const std::vector<HatchingLine> traced = trace_hatching(field_of(frame, c, second), seeds);
@@ -263,19 +263,19 @@ float hatching_width(int rank, float ink, float spacing_px, float width_px) {
   return std::clamp(0.5f * (sum - 2.0f * width_px), 0.0f, width_px);
 }
 
-Lines hatching_lines(const HostFrame& frame, const HatchingConstants& c) {
+Strokes hatching_lines(const HostFrame& frame, const HatchingConstants& c) {
   const HatchingField field = field_of(frame, c, false);
   HatchingSeeds seeds;
   tbb::parallel_for(0, kHatchingRanks, [&](int rank) {
     const float cell_px = 0.5f * c.spacing_px * float(1 << (kHatchingRanks - 1 - rank));
     seeds[std::size_t(rank)] = seeds_of(frame, field, cell_px);
   });
-  Lines lines, crossing;
+  Strokes lines, crossing;
   tbb::parallel_invoke([&] { lines = lines_of_set(frame, c, seeds, false); },
                        [&] {
                          if (c.cross < 1.0f) crossing = lines_of_set(frame, c, seeds, true);
                        });
-  lines.lines.insert(lines.lines.end(), crossing.lines.begin(), crossing.lines.end());
+  lines.strokes.insert(lines.strokes.end(), crossing.strokes.begin(), crossing.strokes.end());
   return lines;
 }
 

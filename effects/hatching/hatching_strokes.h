@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "core/lines.h"
+#include "core/strokes.h"
 #include "effects/hatching/hatching.h"
 #include "kernel/host_frame.h"
 
@@ -39,7 +39,7 @@ std::vector<HatchingLine> trace_hatching(const HatchingField& field, const Hatch
 float hatching_width(int rank, float ink, float spacing_px, float width_px);
 
 /// Returns the lines of a picture from the inputs of the host step, with widths.
-Lines hatching_lines(const HostFrame& frame, const HatchingConstants& constants);
+Strokes hatching_lines(const HostFrame& frame, const HatchingConstants& constants);
 
 /// Runs the host step: draws the lines over those of the input `outline`, to the output of that name.
 void run_host_hatching(const HostFrame& frame);

@@ -869,9 +869,9 @@ TEST(Hemisphere, ZeroSamplesAndZeroRadiusAreErrors) {
   const Effect& effect = *find_effect("hemisphere");
   ParameterBytes bytes = test::parameters_of(effect, {});
   for (const auto& [name, value] : Settings{{"samples", "0"}, {"samples", "257"}, {"radius", "0"}, {"radius", "0%"}}) {
-    const auto done = set_parameter("hemisphere", *find_parameter(effect, name), value, bytes);
-    ASSERT_FALSE(done) << name << value;
-    EXPECT_NE(done.error().message.find(name), std::string::npos);
+    const auto status = set_parameter("hemisphere", *find_parameter(effect, name), value, bytes);
+    ASSERT_FALSE(status) << name << value;
+    EXPECT_NE(status.error().message.find(name), std::string::npos);
   }
 }
 
@@ -887,9 +887,9 @@ TEST(Hemisphere, MissingPlanesAreDarkOrErrors) {
   const Effect& effect = *find_effect("hemisphere");
   const auto device = make_cpu_device({});
   auto frame = device->upload({.info = g.info, .layers = {Image(48, 48)}});
-  const auto done = device->run(effect, test::parameters_of(effect, {}), *frame);
-  ASSERT_FALSE(done);
-  EXPECT_NE(done.error().message.find("depth"), std::string::npos);
+  const auto status = device->run(effect, test::parameters_of(effect, {}), *frame);
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.error().message.find("depth"), std::string::npos);
 }
 
 TEST(Hemisphere, RadiusBeyondTheSceneAndBlackSurfacesAreDefined) {

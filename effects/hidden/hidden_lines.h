@@ -2,10 +2,10 @@
 #pragma once
 #include <vector>
 
-#include "core/lines.h"
+#include "chains/graph.h"
+#include "core/strokes.h"
 #include "effects/hidden/hidden.h"
 #include "kernel/host_frame.h"
-#include "lines/graph.h"
 
 namespace umbrage {
 
@@ -15,11 +15,11 @@ namespace umbrage {
 std::vector<Edge> hidden_edges(const HostFrame& frame, const HiddenConstants& constants);
 
 /// Returns a polyline's dashes. Their length and distance are scaled so that an open line begins and ends with a dash.
-std::vector<Line> dashes_of(const Line& line, float dash_px, float gap_px);
+std::vector<Stroke> dashes_of(const Stroke& line, float dash_px, float gap_px);
 
 /// Returns the dashes of the hidden lines of a picture, from the inputs of the host step. The result does not depend on
 /// the number of threads.
-Lines hidden_lines(const HostFrame& frame, const HiddenConstants& constants);
+Strokes hidden_lines(const HostFrame& frame, const HiddenConstants& constants);
 
 /// Runs the host step: draws the dashes over the lines of the input `outline`, to the output of that name.
 void run_host_hidden(const HostFrame& frame);

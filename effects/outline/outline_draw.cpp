@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lines/chains.h"
+#include "chains/chains.h"
 
 namespace umbrage {
 namespace {
 
 /// Draws the segment from a to b into rows [first, end) of `cover`.
-void draw_segment(const LinePoint& a, const LinePoint& b, float opacity, const HostPlane& cover, int columns, int first,
-                  int end) {
+void draw_segment(const StrokePoint& a, const StrokePoint& b, float opacity, const HostPlane& cover, int columns,
+                  int first, int end) {
   const float reach = 0.5f * std::max({a.width, b.width, 1.0f}) + 0.5f;
   const int y0 = std::max(first, int(std::floor(std::min(a.y, b.y) - reach)));
   const int y1 = std::min(end - 1, int(std::floor(std::max(a.y, b.y) + reach)));
@@ -32,15 +32,15 @@ void draw_segment(const LinePoint& a, const LinePoint& b, float opacity, const H
 
 }  // namespace
 
-void draw_lines(const Lines& lines, float opacity, const HostPlane& cover) {
+void draw_lines(const Strokes& lines, float opacity, const HostPlane& cover) {
   constexpr int kRows = 32;  // rows per task
   struct Part {
-    const LinePoint *first, *last;
+    const StrokePoint *first, *last;
   };
   std::vector<std::vector<Part>> parts(std::size_t((lines.height + kRows - 1) / kRows));
-  for (const Line& line : lines.lines)
+  for (const Stroke& line : lines.strokes)
     for (std::size_t k = 0; k < line.points.size(); ++k) {
-      const LinePoint *a = &line.points[k], *b = a + (k + 1 < line.points.size());
+      const StrokePoint *a = &line.points[k], *b = a + (k + 1 < line.points.size());
       if (a == b && k > 0) continue;
       const float reach = 0.5f * std::max({a->width, b->width, 1.0f}) + 1.0f;
       const int top = int(std::min(a->y, b->y) - reach) / kRows, bottom = int(std::max(a->y, b->y) + reach) / kRows;
@@ -55,7 +55,7 @@ void draw_lines(const Lines& lines, float opacity, const HostPlane& cover) {
   });
 }
 
-void add_lines(const Lines& lines, const HostFrame& frame) {
+void add_lines(const Strokes& lines, const HostFrame& frame) {
   const HostPlane &before = frame.input("outline"), &cover = frame.output("outline");
   draw_lines(lines, 1.0f, cover);
   tbb::parallel_for(0, frame.frame.height, [&](int y) {

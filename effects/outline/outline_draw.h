@@ -1,6 +1,6 @@
 // The host step of effect `outline`: traces lines through the edges of a picture and draws them.
 #pragma once
-#include "core/lines.h"
+#include "core/strokes.h"
 #include "effects/outline/outline.h"
 #include "kernel/host_frame.h"
 
@@ -9,15 +9,15 @@ namespace umbrage {
 /// Returns the lines through the edges of a picture. Reads the inputs outline_edge_right, outline_edge_below, depth and
 /// object_id. The result does not depend on the number of threads. For a given height of the picture, the time is about
 /// linear in the number of edges.
-Lines trace_lines(const HostFrame& frame, const OutlineConstants& constants);
+Strokes trace_lines(const HostFrame& frame, const OutlineConstants& constants);
 
 /// Writes to `cover` the fraction of each pixel that lines cover, times `opacity`. The fraction follows from the
 /// distance of the pixel's centre to the nearest line and is antialiased over one pixel. A line thinner than a pixel is
 /// drawn a pixel wide and proportionally lighter.
-void draw_lines(const Lines& lines, float opacity, const HostPlane& cover);
+void draw_lines(const Strokes& lines, float opacity, const HostPlane& cover);
 
 /// Draws lines, opaque, over those of the input `outline` of a host step, to its output `outline`.
-void add_lines(const Lines& lines, const HostFrame& frame);
+void add_lines(const Strokes& lines, const HostFrame& frame);
 
 /// Runs the host step: traces the lines and writes the output `outline`.
 void run_host_outline(const HostFrame& frame);

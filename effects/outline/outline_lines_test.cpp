@@ -3,7 +3,7 @@
 #include <map>
 #include <random>
 
-#include "core/lines.h"
+#include "core/strokes.h"
 #include "devices/shared/dispatches.h"
 #include "effects/outline/outline_draw.h"
 #include "effects/outline/outline_test_scenes.h"
@@ -18,7 +18,7 @@ using glm::dvec2;
 /// The planes that the effect writes, and its lines.
 struct Traced {
   Image planes;
-  Lines lines;
+  Strokes lines;
 };
 
 Traced traced(const GBuffer& g, const Settings& settings = {}, const CpuSettings& cpu = {}) {
@@ -43,30 +43,30 @@ double distance_to_segment(dvec2 p, dvec2 a, dvec2 b) {
   return glm::length(p - a - f * along);
 }
 
-dvec2 place(const LinePoint& p) { return {p.x, p.y}; }
+dvec2 place(const StrokePoint& p) { return {p.x, p.y}; }
 
 /// Returns the distance of a point to a line.
-double distance_to_line(dvec2 p, const Line& line) {
+double distance_to_line(dvec2 p, const Stroke& line) {
   double min = kInfinity;
   for (std::size_t k = 0; k + 1 < line.points.size(); ++k)
     min = std::min(min, distance_to_segment(p, place(line.points[k]), place(line.points[k + 1])));
   return min;
 }
 
-double distance_to_lines(dvec2 p, const Lines& lines, const Line* except = nullptr) {
+double distance_to_lines(dvec2 p, const Strokes& lines, const Stroke* except = nullptr) {
   double min = kInfinity;
-  for (const Line& line : lines.lines)
+  for (const Stroke& line : lines.strokes)
     if (&line != except) min = std::min(min, distance_to_line(p, line));
   return min;
 }
 
 /// Returns the ends of lines that meet neither another line nor the picture's border.
-std::vector<dvec2> free_ends(const Lines& lines) {
+std::vector<dvec2> free_ends(const Strokes& lines) {
   constexpr double kMeets = 1.0, kBorder = 2.0;  // pixels
   std::vector<dvec2> ends;
-  for (const Line& line : lines.lines) {
+  for (const Stroke& line : lines.strokes) {
     if (line.closed) continue;
-    for (const LinePoint* end : {&line.points.front(), &line.points.back()}) {
+    for (const StrokePoint* end : {&line.points.front(), &line.points.back()}) {
       const dvec2 p = place(*end);
       const bool border = p.x < kBorder || p.y < kBorder || p.x > lines.width - kBorder || p.y > lines.height - kBorder;
       // A line may end on itself.
@@ -77,9 +77,9 @@ std::vector<dvec2> free_ends(const Lines& lines) {
   return ends;
 }
 
-double length_of(const Lines& lines) {
+double length_of(const Strokes& lines) {
   double sum = 0.0;
-  for (const Line& line : lines.lines)
+  for (const Stroke& line : lines.strokes)
     for (std::size_t k = 0; k + 1 < line.points.size(); ++k)
       sum += glm::length(place(line.points[k + 1]) - place(line.points[k]));
   return sum;
@@ -114,7 +114,7 @@ void expect_cube(int size, bool orthographic, int turned) {
   const Lens lens{size, size, orthographic};
   const dvec3 center(0.0, 0.0, -kFocus);
   const dmat3 turn = rotation(24.0 + 1.7 * turned, 31.0 + 2.3 * turned, 30.0 * turned + 7.0);
-  const Lines lines = traced(seen(lens, box(center, turn, 1.0))).lines;
+  const Strokes lines = traced(seen(lens, box(center, turn, 1.0))).lines;
   const auto edges = visible_edges(lens, center, turn, 1.0);
   ASSERT_EQ(edges.size(), 9u);
   EXPECT_TRUE(free_ends(lines).empty());
@@ -122,8 +122,8 @@ void expect_cube(int size, bool orthographic, int turned) {
   for (const auto& [a, b] : edges)
     for (int k = 0; k <= 200; ++k, ++all) near += distance_to_lines(a + (b - a) * (k / 200.0), lines) < 0.3;
   EXPECT_GE(double(near), 0.95 * double(all));
-  for (const Line& line : lines.lines)
-    for (const LinePoint& p : line.points) {
+  for (const Stroke& line : lines.strokes)
+    for (const StrokePoint& p : line.points) {
       double off = kInfinity;
       for (const auto& [a, b] : edges) off = std::min(off, distance_to_segment(place(p), a, b));
       EXPECT_LT(off, 1.5) << p.x << " " << p.y;
@@ -145,15 +145,15 @@ TEST(OutlineLines, RoundObjectsHaveOnlySilhouettes) {
     for (const bool orthographic : {false, true}) {
       SCOPED_TRACE(size);
       const Lens lens{size, size, orthographic};
-      const Lines ball = traced(seen(lens, sphere({0.1, -0.2, -kFocus}, 1.2, 0))).lines;
-      ASSERT_EQ(ball.lines.size(), 1u);
-      EXPECT_TRUE(ball.lines[0].closed);
-      EXPECT_EQ(ball.lines[0].kind, LineKind::kOutline);
+      const Strokes ball = traced(seen(lens, sphere({0.1, -0.2, -kFocus}, 1.2, 0))).lines;
+      ASSERT_EQ(ball.strokes.size(), 1u);
+      EXPECT_TRUE(ball.strokes[0].closed);
+      EXPECT_EQ(ball.strokes[0].kind, StrokeKind::kOutline);
       // The ring has two silhouettes. Where it occludes itself, no line ends before the background.
       const GBuffer g = seen(lens, ring({0.0, 0.0, -kFocus}, rotation(50.0, 20.0), 1.1, 0.4, 0));
-      const Lines lines = traced(g).lines;
+      const Strokes lines = traced(g).lines;
       int closed = 0;
-      for (const Line& line : lines.lines) closed += line.closed;
+      for (const Stroke& line : lines.strokes) closed += line.closed;
       EXPECT_GE(closed, 1);
       for (const dvec2& end : free_ends(lines))
         for (int y = int(end.y) - 3; y <= int(end.y) + 3; ++y)
@@ -165,8 +165,8 @@ TEST(OutlineLines, RoundObjectsHaveOnlySilhouettes) {
 TEST(OutlineLines, FlatAndNoisySurfacesHaveNone) {
   const Lens lens{512, 512};
   // The only line may be the plane's horizon, if it is visible.
-  const Lines flat = traced(seen(lens, ground(2.0, 0.0))).lines;
-  EXPECT_LE(flat.lines.size(), 1u);
+  const Strokes flat = traced(seen(lens, ground(2.0, 0.0))).lines;
+  EXPECT_LE(flat.strokes.size(), 1u);
   EXPECT_LT(length_of(flat), 520.0);
   GBuffer noisy = seen({512, 512}, ground(25.0, 8.0));
   std::mt19937 random(7);
@@ -185,15 +185,15 @@ TEST(OutlineLines, GrazingPlanesHaveNoneAndStepsHaveOne) {
   at_grazing_angles({.error_deg = 2.0}, [&](const TiltedPlane& plane) {
     GBuffer g = seen(plane);
     add_ids(g);
-    EXPECT_TRUE(traced(g).lines.lines.empty());
+    EXPECT_TRUE(traced(g).lines.strokes.empty());
   });
   at_grazing_angles({.step_px = 20.0}, [&](const TiltedPlane& plane) {
     GBuffer g = seen(plane);
     add_ids(g);
-    const Lines lines = traced(g).lines;
-    ASSERT_EQ(lines.lines.size(), 1u);
+    const Strokes lines = traced(g).lines;
+    ASSERT_EQ(lines.strokes.size(), 1u);
     EXPECT_NEAR(length_of(lines), 64.0, 4.0);
-    for (const LinePoint& p : lines.lines[0].points) EXPECT_NEAR(p.x, 32.0, 0.6);
+    for (const StrokePoint& p : lines.strokes[0].points) EXPECT_NEAR(p.x, 32.0, 0.6);
   });
 }
 
@@ -210,7 +210,7 @@ TEST(OutlineLines, ANutHasItsThirtyDegreeEdges) {
     sides.push_back({n, 0.8 + glm::dot(n, center)});
   }
   const Lens lens{512, 512};
-  const Lines lines = traced(seen(lens, convex_solid(sides))).lines;
+  const Strokes lines = traced(seen(lens, convex_solid(sides))).lines;
   EXPECT_TRUE(free_ends(lines).empty());
   const double outer = 1.3 / std::cos(radians(15.0));
   int visible_sides = 0;
@@ -243,15 +243,15 @@ TEST(OutlineLines, MoveWithTheCamera) {
   const RayScene scene = together({box({-0.7, 0.3, -kFocus}, rotation(33, 38, 7), 0.7, 0.05),
                                    sphere({0.9, -0.4, -5.2}, 0.6, 1), ground(40.0, 0.0, 9.0, 2)});
   Lens lens{512, 512};
-  const Lines before = traced(seen(lens, scene)).lines;
+  const Strokes before = traced(seen(lens, scene)).lines;
   for (const auto& [x, y] : {std::pair(0.37, -0.21), {-0.5, 0.5}, {0.13, 0.44}}) {
     lens.shift_x_px = x;
     lens.shift_y_px = y;
-    const Lines after = traced(seen(lens, scene)).lines;
+    const Strokes after = traced(seen(lens, scene)).lines;
     double sum = 0.0;
     long count = 0;
-    for (const Line& line : after.lines)
-      for (const LinePoint& p : line.points) {
+    for (const Stroke& line : after.strokes)
+      for (const StrokePoint& p : line.points) {
         const double off = distance_to_lines(place(p) + dvec2(x, -y), before);
         EXPECT_LT(off, 2.0) << p.x << " " << p.y;
         sum += off;
@@ -326,12 +326,12 @@ TEST(OutlineLines, TakeAnyEdgesInBoundedTime) {
     RecordProperty(fmt::format("seconds_{}", block), fmt::format("{}", took.count()));
     EXPECT_LT(took.count(), 20.0) << block;  // for two tracings; enough with sanitizers on a busy machine
     if (block != 2) {
-      EXPECT_EQ(t.lines.lines.size() > 1000u, block > 1)
+      EXPECT_EQ(t.lines.strokes.size() > 1000u, block > 1)
           << block;  // with blocks of one pixel, edges everywhere count as noise
     }
   }
-  for (const Line& line : traced(hostile_gbuffer(300, 200, 1)).lines.lines)
-    for (const LinePoint& p : line.points) {
+  for (const Stroke& line : traced(hostile_gbuffer(300, 200, 1)).lines.strokes)
+    for (const StrokePoint& p : line.points) {
       ASSERT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.width));
       ASSERT_TRUE(p.x > -20.0f && p.x < 320.0f && p.y > -20.0f && p.y < 220.0f);
     }
@@ -348,23 +348,23 @@ TEST(OutlineLines, WithoutWidthCoverNothing) {
   for (int y = 0; y < 200; ++y)
     for (int x = 0; x < 200; ++x) ASSERT_EQ(t.planes.plane("outline").at(x, y), 0.0f);
   const Traced inner = traced(random_gbuffer(200, 3), {{"inner", "1"}, {"depth", "0.5"}});
-  for (const Line& line : inner.lines.lines)
-    for (const LinePoint& p : line.points) ASSERT_TRUE(std::isfinite(p.width) && p.width >= 0.0f);
+  for (const Stroke& line : inner.lines.strokes)
+    for (const StrokePoint& p : line.points) ASSERT_TRUE(std::isfinite(p.width) && p.width >= 0.0f);
 }
 
 TEST(OutlineLines, KnowTheirKindsAndObjects) {
   const RayScene scene =
       together({box({-0.9, 0.2, -kFocus}, rotation(33, 38, 7), 0.7, 0.0, 4), ground(20.0, 0.0, 9.0, 7)});
-  std::map<LineKind, double> lengths;
-  for (const Line& line : traced(seen({512, 512}, scene)).lines.lines) {
+  std::map<StrokeKind, double> lengths;
+  for (const Stroke& line : traced(seen({512, 512}, scene)).lines.strokes) {
     for (std::size_t k = 0; k + 1 < line.points.size(); ++k)
       lengths[line.kind] += glm::length(place(line.points[k + 1]) - place(line.points[k]));
-    if (line.kind == LineKind::kCrease) {
+    if (line.kind == StrokeKind::kCrease) {
       EXPECT_EQ(line.object, 4);
     }
   }
-  EXPECT_GT(lengths[LineKind::kOutline], 400.0);
-  EXPECT_GT(lengths[LineKind::kCrease], 200.0);
+  EXPECT_GT(lengths[StrokeKind::kOutline], 400.0);
+  EXPECT_GT(lengths[StrokeKind::kCrease], 200.0);
 }
 
 }  // namespace

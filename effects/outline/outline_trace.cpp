@@ -6,9 +6,9 @@
 #include <limits>
 #include <optional>
 
+#include "chains/trace.h"
 #include "effects/outline/outline_draw.h"
 #include "effects/outline/outline_widths.h"
-#include "lines/trace.h"
 
 namespace umbrage {
 namespace {
@@ -90,7 +90,7 @@ float min_length(const Chain& chain, int free_ends, float scale) {
 
 }  // namespace
 
-Lines trace_lines(const HostFrame& frame, const OutlineConstants& c) {
+Strokes trace_lines(const HostFrame& frame, const OutlineConstants& c) {
   const int width = frame.frame.width, height = frame.frame.height;
   const HostPlane &depth = frame.input("depth"), &object = frame.input("object_id");
   const PixelSize pixel{frame.frame.ray_scale_x, frame.frame.orthographic == 0};

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lines/grid.h"
-#include "lines/simplify.h"
+#include "chains/grid.h"
+#include "chains/trace.h"
 
 namespace umbrage {
 namespace {
@@ -96,18 +96,20 @@ void narrow_where_crowded(const Tracing& t, float scale, std::vector<std::vector
 }
 
 /// Returns the most frequent kind of a chain's points.
-LineKind kind_of(const Chain& chain) {
+StrokeKind kind_of(const Chain& chain) {
   std::array<int, 4> count{};
   for (const ChainPoint& p : chain.points) ++count[p.kind];
   const auto kind = std::max_element(count.begin() + 1, count.end()) - count.begin();
-  return kind == kOutlineCrease ? LineKind::kCrease : kind == kOutlineDepth ? LineKind::kFold : LineKind::kOutline;
+  return kind == kOutlineCrease  ? StrokeKind::kCrease
+         : kind == kOutlineDepth ? StrokeKind::kFold
+                                 : StrokeKind::kOutline;
 }
 
 }  // namespace
 
-Lines lines_of(const Tracing& t, std::span<const std::uint8_t> free_ends, const OutlineConstants& c,
-               bool orthographic) {
-  Lines all{t.graph.width(), t.graph.height(), std::vector<Line>(t.chains.size())};
+Strokes lines_of(const Tracing& t, std::span<const std::uint8_t> free_ends, const OutlineConstants& c,
+                 bool orthographic) {
+  Strokes all{t.graph.width(), t.graph.height(), std::vector<Stroke>(t.chains.size())};
   std::vector<std::vector<float>> widths(t.chains.size());
   for (std::size_t k = 0; k < t.chains.size(); ++k)
     for (const ChainPoint& p : t.chains[k].points)
@@ -115,18 +117,18 @@ Lines lines_of(const Tracing& t, std::span<const std::uint8_t> free_ends, const 
   narrow_where_crowded(t, c.scale, widths);
   tbb::parallel_for(std::size_t(0), t.chains.size(), [&](std::size_t k) {
     const Chain& chain = t.chains[k];
-    Line& line = all.lines[k];
+    Stroke& line = all.strokes[k];
     line.closed = chain.closed;
     line.kind = kind_of(chain);
     line.object = chain.points[chain.points.size() / 2].object;
     std::vector<float>& width = widths[k];
     smooth_widths(chain, c, free_ends.subspan(2 * k).first<2>(), width);
     if (*std::max_element(width.begin(), width.end()) < kMinRelativeWidth * c.width_px) return;
-    std::vector<LinePoint> points;
+    std::vector<StrokePoint> points;
     for (std::size_t p = 0; p < width.size(); ++p) points.push_back({chain.points[p].x, chain.points[p].y, width[p]});
     line.points = simplified(points);
   });
-  std::erase_if(all.lines, [](const Line& line) { return line.points.empty(); });
+  std::erase_if(all.strokes, [](const Stroke& line) { return line.points.empty(); });
   return all;
 }
 

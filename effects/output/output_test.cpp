@@ -393,11 +393,11 @@ TEST(Output, NeedsDepthAndLight) {
     for (std::size_t p = 0; p < g.layers[0].planes.size(); ++p)
       if (g.layers[0].names[p] != missing) without.layers[0].add(g.layers[0].names[p]) = g.layers[0].planes[p];
     auto frame = device->upload(without);
-    const auto done = device->run(effect, test::parameters_of(effect, {}), *frame);
-    ASSERT_FALSE(done) << missing;
-    EXPECT_EQ(done.error().kind, ErrorKind::kUsage);
-    EXPECT_NE(done.error().message.find(fmt::format("'{}'", missing)), std::string::npos) << done.error().message;
-    EXPECT_NE(done.error().message.find("output"), std::string::npos) << done.error().message;
+    const auto status = device->run(effect, test::parameters_of(effect, {}), *frame);
+    ASSERT_FALSE(status) << missing;
+    EXPECT_EQ(status.error().kind, ErrorKind::kUsage);
+    EXPECT_NE(status.error().message.find(fmt::format("'{}'", missing)), std::string::npos) << status.error().message;
+    EXPECT_NE(status.error().message.find("output"), std::string::npos) << status.error().message;
   }
 }
 

@@ -712,10 +712,10 @@ TEST(Toon, NumbersOfStepsOutsideTheRangeAreRefused) {
   const Effect& effect = *find_effect("toon");
   ParameterBytes bytes = initial_parameters(effect.parameters, effect.params_size);
   for (const char* text : {"0", "1000", "-4", "2.5"}) {
-    const auto done = set_parameter("toon", *find_parameter(effect, "steps"), text, bytes);
-    ASSERT_FALSE(done) << text;
-    EXPECT_NE(done.error().message.find("1 to 256"), std::string::npos) << done.error().message;
-    EXPECT_NE(done.error().message.find(text), std::string::npos) << done.error().message;
+    const auto status = set_parameter("toon", *find_parameter(effect, "steps"), text, bytes);
+    ASSERT_FALSE(status) << text;
+    EXPECT_NE(status.error().message.find("1 to 256"), std::string::npos) << status.error().message;
+    EXPECT_NE(status.error().message.find(text), std::string::npos) << status.error().message;
   }
 }
 

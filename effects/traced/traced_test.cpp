@@ -57,8 +57,8 @@ struct Captured {
   Image run(const Settings& settings, const std::vector<std::string>& planes = {"ao"}) const {
     const Effect& effect = *find_effect("traced");
     Frame branch = device->branch(frame);
-    const auto done = device->run(effect, test::parameters_of(effect, settings), branch);
-    EXPECT_TRUE(done) << (done ? "" : done.error().message);
+    const auto status = device->run(effect, test::parameters_of(effect, settings), branch);
+    EXPECT_TRUE(status) << (status ? "" : status.error().message);
     auto image = device->download(branch, planes);
     EXPECT_TRUE(image);
     return std::move(*image);
@@ -205,10 +205,10 @@ TEST(Traced, NeedsTheModel) {
   auto frame = floor.device->upload(std::move(gbuffer));
   ASSERT_TRUE(frame);
   const Effect& effect = *find_effect("traced");
-  const auto done = floor.device->run(effect, test::parameters_of(effect, {}), *frame);
-  ASSERT_FALSE(done);
-  EXPECT_EQ(done.error().kind, ErrorKind::kUsage);
-  EXPECT_NE(done.error().message.find("needs the model"), std::string::npos) << done.error().message;
+  const auto status = floor.device->run(effect, test::parameters_of(effect, {}), *frame);
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().kind, ErrorKind::kUsage);
+  EXPECT_NE(status.error().message.find("needs the model"), std::string::npos) << status.error().message;
 }
 
 }  // namespace

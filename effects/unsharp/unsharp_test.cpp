@@ -24,8 +24,8 @@ ParameterBytes parameters(const Settings& settings) {
   for (const auto& [name, value] : settings) {
     const Parameter* row = find_parameter(effect, name);
     if (!row) fail_check("no parameter " + name);
-    const auto done = set_parameter("unsharp", *row, value, bytes);
-    EXPECT_TRUE(done) << (done ? "" : done.error().message);
+    const auto status = set_parameter("unsharp", *row, value, bytes);
+    EXPECT_TRUE(status) << (status ? "" : status.error().message);
   }
   return bytes;
 }
@@ -329,8 +329,8 @@ TEST(Unsharp, TunedEqualsPlainForTheLargestWindowAndThreshold) {
 /// Returns `ao`, computed by a Vulkan device.
 Plane ao_on(Device& device, const GBuffer& gbuffer, const Settings& settings) {
   auto frame = device.upload(gbuffer);
-  const auto done = device.run(*find_effect("unsharp"), parameters(settings), *frame);
-  EXPECT_TRUE(done) << (done ? "" : done.error().message);
+  const auto status = device.run(*find_effect("unsharp"), parameters(settings), *frame);
+  EXPECT_TRUE(status) << (status ? "" : status.error().message);
   return device.download(*frame, {"ao"})->planes[0];
 }
 

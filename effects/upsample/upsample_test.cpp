@@ -367,8 +367,8 @@ struct AoRenderer {
     EffectSettings all = look_settings(look);
     for (const std::string& setting : settings) EXPECT_TRUE(apply_setting(all, setting)) << setting;
     const LookRun run{.look = &look, .occlusion = technique, .occlusion_downsampling = factor, .settings = &all};
-    const auto done = run_look(run, *device, frame);
-    EXPECT_TRUE(done) << (done ? "" : done.error().message);
+    const auto status = run_look(run, *device, frame);
+    EXPECT_TRUE(status) << (status ? "" : status.error().message);
     Image image = *device->download(frame, {"ao", "depth"});
     *depth = image.planes[1];
     return image.planes[0];

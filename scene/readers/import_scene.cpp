@@ -201,8 +201,8 @@ Result<Scene> import_scene(const fs::path& file, const ImportSettings& settings,
   if (auto error = check_model_file(file, format)) return std::move(*error);
   if (format != "gltf" && format != "glb") {  // a file of another format is one scene
     const std::string name = file.filename().string();
-    if (auto fine = check_scene_index(settings, name, 1); !fine) return fine.error();
-    if (auto fine = check_animation_index(settings, name, 0); !fine) return fine.error();
+    if (auto status = check_scene_index(settings, name, 1); !status) return status.error();
+    if (auto status = check_animation_index(settings, name, 0); !status) return status.error();
   }
   try {
     constexpr double kRead = 0.5;  // approximate fraction of the work after reading the file

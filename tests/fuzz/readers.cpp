@@ -168,12 +168,12 @@ void read_as_layers(std::string_view bytes) {
   if (!image) return check(image.error());
   check_equal(image->planes.size(), header->channels.size(), "planes");
   int rows = 0;
-  const auto done = read_rows(*header, all, [&](const Image& block, int first) -> Result<void> {
+  const auto status = read_rows(*header, all, [&](const Image& block, int first) -> Result<void> {
     check_equal(first, rows, "the first row of a block");
     rows += block.height;
     return {};
   });
-  expect(bool(done), "rows that are whole are an error in blocks");
+  expect(bool(status), "rows that are whole are an error in blocks");
   check_equal(rows, header->height, "rows");
   if (header->format != "EXR") return;
   Image layer(header->width, header->height);

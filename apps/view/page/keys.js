@@ -1,11 +1,10 @@
-// What each key does, apart from flying and Shift (hands.js). help.js lists them.
-import { by_id, announce } from "./dom.js";
+// What each key does, apart from flying and Shift (hands.js), and the sheet that lists the keys.
+import { by_id, announce, element } from "./dom.js";
 import { state, hooks, side_edited, look_of, technique_of, is_flat } from "./state.js";
 import { set_option, set_parameter, effects_in_use } from "./panels.js";
 import { fitted } from "./camera.js";
 import { next_comparison, keep_as_b, set_comparison } from "./compare.js";
 import { move_by_key, zoom_by_key } from "./hands.js";
-import { toggle_help } from "./help.js";
 
 const kArrows = { arrowleft: [-1, 0], arrowright: [1, 0], arrowup: [0, -1], arrowdown: [0, 1] };
 let occlusion_before; // the technique that Q turns back on
@@ -138,4 +137,94 @@ export function press(act, event) {
   const action = event.ctrlKey ? undefined : action_of(act, key);
   action?.();
   return !!action;
+}
+
+// The sheet of keys. The table is the one place that lists them.
+
+const kKeys = [
+  [
+    "Pointer",
+    [
+      ["Left or middle drag", "orbit"],
+      ["Right drag, Shift + drag", "move"],
+      ["Wheel, pinch", "zoom to the pointer"],
+      ["Two fingers", "move"],
+      ["Double click", "turn about this point"],
+    ],
+  ],
+  [
+    "Camera",
+    [
+      ["F", "fit"],
+      ["1  3  7  9", "front, right, top, corner; again: opposite"],
+      ["5", "parallel projection"],
+      ["Enter", "reset the camera"],
+      ["W A S D", "fly (hold)"],
+      ["R  V", "fly up, down (hold)"],
+      ["↑ ↓ ← →", "orbit; Shift + ← → with several models"],
+      ["Ctrl + arrows", "move"],
+      ["+  −", "zoom"],
+      ["Ctrl + Y, Ctrl + Z", "up axis of the model"],
+    ],
+  ],
+  [
+    "Models",
+    [
+      ["← →", "previous, next model, if there are several"],
+      ["O", "open files"],
+    ],
+  ],
+  [
+    "Picture",
+    [
+      ["Q", "occlusion on, off"],
+      ["A", "anti-aliasing on, off (tap)"],
+      ["T", "tone curve on, off"],
+      ["G", "ground: auto, on, off"],
+      ["E", "lines on, off"],
+      ["B", "buffer: next"],
+    ],
+  ],
+  [
+    "Compare",
+    [
+      ["Shift (hold)", "show B, or the reference"],
+      ["X", "keep B in view"],
+      ["C", "next comparison"],
+      ["K", "copy A to B"],
+    ],
+  ],
+  [
+    "Page",
+    [
+      ["P", "panel"],
+      ["L", "light or dark page"],
+      ["H", "this sheet"],
+      ["Esc", "back to the picture"],
+    ],
+  ],
+];
+
+export function make_help() {
+  const group = ([title, keys]) =>
+    element(
+      "section",
+      {},
+      element("h3", { text: title }),
+      element(
+        "dl",
+        {},
+        ...keys.flatMap(([key, what]) => [
+          element("dt", {}, ...key.split(/ {2}/).map((text) => element("kbd", { text }))),
+          element("dd", { text: what }),
+        ]),
+      ),
+    );
+  by_id("keys").replaceChildren(...kKeys.map(group));
+}
+
+function toggle_help() {
+  const sheet = by_id("help");
+  if (sheet.open) sheet.close();
+  else sheet.showModal();
 }

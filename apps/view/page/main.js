@@ -10,9 +10,8 @@ import { compare_section, refresh_compare } from "./compare.js";
 import { times_section, note_time, draw_times, ms_text } from "./graph.js";
 import { take_section, refresh_take } from "./take.js";
 import { attach_files, with_upload_names } from "./files.js";
-import { make_help } from "./help.js";
 import { attach_hands } from "./hands.js";
-import { press, toggle_anti_aliasing, attach_theme, toggle_panel } from "./keys.js";
+import { press, toggle_anti_aliasing, attach_theme, toggle_panel, make_help } from "./keys.js";
 
 const kFragment_ms = 300,
   kRate_ms = 1000,

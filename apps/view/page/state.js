@@ -46,15 +46,14 @@ export const look_of = (side) => {
   return state.hello?.looks.find((look) => look.name === name) ?? state.hello?.looks[0];
 };
 
-/// Returns the technique with which a look draws: the one in screen space for a G-buffer, and if one of its parameters or
-/// its resolution is set.
+/// Returns the technique with which a look draws, from the table of looks.
 export function technique_of_look(side) {
   const look = look_of(side);
-  const is_screen_space =
-    is_flat() ||
-    (side.options["ao-scale"] ?? "full") !== "full" ||
-    Object.keys(side.set).some((name) => name.startsWith(`${look?.occlusion}.`));
-  return is_screen_space ? look?.occlusion : (look?.techniques[side.options.quality ?? ""] ?? look?.occlusion);
+  if (is_flat() || !look) return look?.gbuffer_technique;
+  const texts = { ...side.options, ...side.set };
+  const is_set = ({ name, text }) => name in texts && (text === undefined || texts[name] === text);
+  const change = look.technique_changes.find(is_set);
+  return change?.technique ?? look.techniques[side.options.quality ?? ""] ?? look.gbuffer_technique;
 }
 export const technique_of = (side) => side.options.ao ?? technique_of_look(side);
 

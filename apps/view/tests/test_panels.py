@@ -113,6 +113,21 @@ class PanelTest(PageTest):
             self.wait_for_rest()
         self.assertEqual(self.errors(), [])
 
+    def test_settings_change_the_technique_of_a_look(self):
+        named = {
+            "look=studio": "traced",
+            "look=studio&ao-scale=half": "bitmask",
+            "look=studio&ao-scale=full": "traced",
+            "look=studio&set=bitmask.slices=3": "bitmask",
+            "look=studio&set=traced.rays=2": "traced",
+            "look=studio&quality=draft": "bitmask",
+        }
+        for fragment, technique in named.items():
+            self.open("#" + fragment)
+            self.assertEqual(
+                self.page("document.querySelector('#technique option').textContent"), f"{technique} (of the look)", fragment
+            )
+
     def test_buffers_reference_and_error(self):
         pictures = {}
         for show in ("picture", "depth", "normal", "reference", "error"):
