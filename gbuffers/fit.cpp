@@ -218,7 +218,7 @@ std::vector<double> distances_of(const Normalized& data, const Rows34& rows) {
   std::vector<double> out(data.points.size());
   for (std::size_t k = 0; k < out.size(); ++k) {
     const double w = applied(rows[2], data.points[k]);
-    const glm::dvec2 q(applied(rows[0], data.points[k]) / w, apply(rows[1], data.points[k]) / w);
+    const glm::dvec2 q(applied(rows[0], data.points[k]) / w, applied(rows[1], data.points[k]) / w);
     const double d = glm::length(q - data.pixels[k]);
     out[k] = std::isfinite(d) ? d : 1e9;
   }

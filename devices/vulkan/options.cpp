@@ -10,7 +10,6 @@
 namespace umbrage {
 namespace {
 
-constexpr std::size_t kHeaderWords = 5;  // words of a module before its first instruction
 
 struct Member {
   std::uint32_t first = 0, second = 0;  // index of a struct in the block, and of a member in that struct

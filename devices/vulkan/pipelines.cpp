@@ -85,12 +85,6 @@ void write_pipelines(const std::filesystem::path& file, const std::vector<std::b
   if (!written || failed) std::filesystem::remove(temporary, failed);
 }
 
-namespace {
-
-constexpr std::size_t kHeaderWords = 5;  // words of a module before its first instruction
-
-}  // namespace
-
 std::vector<Slot> slots_of(std::span<const std::uint32_t> spirv) {
   constexpr std::string_view kSuffix = "_slot";
   std::vector<Slot> slots;
