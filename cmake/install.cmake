@@ -1,4 +1,4 @@
-# Install rules, in four components: program, library (shared), development, python (only on request).
+# Install rules, in five components: program, lab (umbrage-lab), library (shared), development, python (only on request).
 include(CMakePackageConfigHelpers)
 # CMake's own check comes file by file: without this one, an installation that lacks a file stops half-done.
 # umbrage_check_built(COMPONENT TARGET...): before anything is installed, checks that these targets have been built.
@@ -10,6 +10,7 @@ endif()" COMPONENT ${component})
   endforeach()
 endfunction()
 umbrage_check_built(program umbrage umbrage-import)
+umbrage_check_built(lab umbrage-lab)
 if(TARGET umbrage_shared)
   umbrage_check_built(library umbrage_shared)
 endif()
@@ -19,6 +20,8 @@ endif()
 install(TARGETS umbrage RUNTIME COMPONENT program)
 # The program and the library start umbrage-import to read models.
 install(TARGETS umbrage-import RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/umbrage COMPONENT program)
+# umbrage starts umbrage-lab for the commands that measure.
+install(TARGETS umbrage-lab RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/umbrage COMPONENT lab)
 if(TARGET umbrage_shared)
   install(TARGETS umbrage_shared EXPORT umbrage-shared LIBRARY COMPONENT library NAMELINK_COMPONENT development)
 endif()

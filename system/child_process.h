@@ -1,7 +1,8 @@
-// Starting of child processes.
+// Starting of child processes, and the programs that are installed with this one.
 #pragma once
 #include <sys/types.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -22,5 +23,10 @@ struct ChildProgram {
 /// Starts the program with all signals unblocked and at their defaults. Returns 0 and its process id in `child`, or an
 /// errno value.
 int start_child(const ChildProgram& program, pid_t& child);
+
+/// Returns the path of a program that is installed with this one, such as umbrage-import: the first file found beside
+/// the library or program that contains this function, in libexec/umbrage near it, in the installation path, or near
+/// the program umbrage on PATH. Empty if there is none.
+std::filesystem::path find_helper(const std::string& name);
 
 }  // namespace umbrage

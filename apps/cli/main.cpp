@@ -1,221 +1,46 @@
-// The program umbrage: parses the command line, runs a command and reports errors.
-#include <CLI/CLI.hpp>
+// The program umbrage. For the commands that measure it starts umbrage-lab, as git starts its commands.
+#include <unistd.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <filesystem>
-#include <system_error>
+#include <cerrno>
+#include <cstring>
 
 #include "apps/cli/commands.h"
-#include "apps/cli/config.h"
-#include "apps/cli/options.h"
-#include "apps/cli/signals.h"
-#include "apps/cli/version.h"
-#include "core/guarded.h"
-#include "core/suggest.h"
-#include "io/layers.h"
+#include "apps/cli/lab_options.h"
+#include "system/child_process.h"
 
 namespace umbrage::cli {
 namespace {
 
-constexpr std::string_view kDashes = "--";
+constexpr const char* kLab = "umbrage-lab";
 
-/// Returns the long option names of a command, without dashes, for suggestions.
-std::vector<std::string> option_names(const CLI::App& app) {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : app.get_options())
-    for (const std::string& name : option->get_lnames()) names.push_back(name);
-  return names;
-}
-
-Error unknown_option(const CLI::App& app, std::string word) {
-  const CLI::App* command = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
-  if (const std::size_t equals = word.find('='); equals != std::string::npos) word.resize(equals);
-  if (!word.starts_with('-')) return usage_error("'{}' is one argument too many", word);
-  const auto names = option_names(*command);
-  // Compare names without dashes, which would make all long names similar.
-  const bool is_long = word.starts_with(kDashes);
-  std::string hint = suggestion(is_long ? word.substr(kDashes.size()) : word, names);
-  if (!hint.starts_with(" (did"))
-    hint = "; see umbrage " + command->get_name() + " --help";
-  else
-    hint.insert(hint.find('\'') + 1, kDashes);
-  return usage_error("there is no option '{}'{}", word, hint);
-}
-
-/// Converts an error of CLI11 to a message of this program.
-Error parse_error(const CLI::App& app, const CLI::ParseError& error) {
-  const CLI::App* command = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
-  const std::string help = command == &app ? "umbrage --help" : "umbrage " + command->get_name() + " --help";
-  std::string text = error.what();
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) {
-    const std::string option = text.substr(0, text.find(':'));
-    if (text.ends_with("missing")) return usage_error("{} needs a value; see {}", option, help);
-    if (text.find("At Most") != std::string::npos) return usage_error("{} is given twice; give it once", option);
+/// Replaces this process by umbrage-lab with the same arguments. Returns only if that fails. Errors: kFile.
+Error start_lab(char** argv) {
+  const std::filesystem::path program = find_helper(kLab);
+  if (!program.empty()) {
+    ::execv(program.c_str(), argv);
+    return file_error("the program '{}' does not start ({})", program.string(), std::strerror(errno));
   }
-  if (dynamic_cast<const CLI::ValidationError*>(&error))  // "--option: " and the message of a Check
-    return Error{ErrorKind::kUsage, text.substr(std::min(text.find(": ") + 2, text.size()))};
-  if (dynamic_cast<const CLI::ConversionError*>(&error)) {
-    // "Could not convert: --option = value". Only flags cause this error, since all other options are texts.
-    const std::size_t start = text.find("--"), equals = text.find(" = ");
-    if (start != std::string::npos && equals != std::string::npos && start < equals) {
-      return usage_error("{} cannot be '{}': it takes true or false", text.substr(start, equals - start),
-                         text.substr(equals + 3));
-    }
-  }
-  return usage_error("{}; see {}", text, help);
+  ::execvp(kLab, argv);  // searches PATH
+  return file_error("'{0}' needs the program {1}, which is missing: install the package {1}, or build the target {1}",
+                    argv[1], kLab);
 }
 
-/// Inserts the command render, or shade for an image file, if none is named: `umbrage MODEL ...` is short for
-/// `umbrage render MODEL ...`.
-std::vector<std::string> with_command(int argc, char** argv, const std::vector<std::string>& commands) {
-  std::vector<std::string> words(argv + 1, argv + argc);
-  const bool has_command = !words.empty() && std::find(commands.begin(), commands.end(), words[0]) != commands.end();
-  const bool wants_help = !words.empty() && (words[0] == "--help" || words[0] == "-h" || words[0] == "--version");
-  if (!words.empty() && !has_command && !wants_help)
-    words.insert(words.begin(), has_image_extension(words[0]) ? "shade" : "render");
-  return words;
-}
+Error failure{ErrorKind::kFile, ""};  // of start_lab
 
-/// Returns an error if the first word is a misspelt command rather than a model.
-std::optional<Error> misspelt_command(const std::vector<std::string>& words, const std::vector<std::string>& commands) {
-  if (words.size() < 2 || words[0] != "render") return std::nullopt;
-  const std::string& word = words[1];
-  std::error_code ignored;
-  if (word.find_first_of("./:-") != std::string::npos || std::filesystem::exists(word, ignored)) return std::nullopt;
-  const std::string hint = suggestion(word, commands);
-  if (!hint.starts_with(" (did")) return std::nullopt;
-  return usage_error("there is no command and no file '{}'{}", word, hint);
-}
-
-/// Returns an error if an option has an empty value. An option that is not given is no error.
-std::optional<Error> empty_option(const CLI::App& app) {
-  for (const CLI::App* command : app.get_subcommands())
-    for (const CLI::Option* option : command->get_options())
-      for (const std::string& value : option->results())
-        // Empty file names are reported in more detail where files are read and written.
-        if (value.empty() && !option->get_positional() && option->get_name() != "--output")
-          return usage_error("{} needs a value; see umbrage {} --help", option->get_name(), command->get_name());
-  return std::nullopt;
-}
-
-/// Returns an error for `--name=`, to which CLI11 would assign the next word as value.
-std::optional<Error> option_without_value(const std::vector<std::string>& words) {
-  for (const std::string& word : words)
-    if (word.starts_with(kDashes) && word.size() > kDashes.size() + 1 && word.find('=') == word.size() - 1)
-      return usage_error("{} needs a value after its '='", word.substr(0, word.size() - 1));
-  return std::nullopt;
-}
-
-const CLI::App* command_of(const CLI::App& app, const std::string& name) {
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
-    if (command->get_name() == name) return command;
-  return nullptr;
-}
-
-/// Returns an error for an option whose value is missing, so that CLI11 would take the option after it as the value.
-std::optional<Error> option_as_value(const CLI::App& app, const std::vector<std::string>& words) {
-  const CLI::App* command = words.empty() ? nullptr : command_of(app, words[0]);
-  if (!command) return std::nullopt;
-  for (std::size_t k = 1; k + 1 < words.size(); ++k) {
-    const std::string next = words[k + 1].substr(0, words[k + 1].find('='));
-    if (!words[k].starts_with('-') || !next.starts_with('-') || next.size() < 2) continue;
-    const CLI::Option* option = command->get_option_no_throw(words[k]);
-    if (option && option->get_items_expected_min() > 0 && command->get_option_no_throw(next))
-      return usage_error("{} needs a value: the word after it, {}, is an option", words[k], next);
-  }
-  return std::nullopt;
-}
-
-/// Quotes a word of a command line if a shell requires it.
-std::string quoted(const std::string& word) {
-  const bool plain = !word.empty() && word.find_first_not_of(
-                                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                          "0123456789_-+=.,:/%@") == std::string::npos;
-  if (plain) return word;
-  std::string out = "'";
-  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
-
-int report(const Error& error) {
-  // fmt::print would throw if standard error cannot be written.
-  std::fputs(("umbrage: " + with_option_names(error.message) + "\n").c_str(), stderr);
-  return int(error.kind);
-}
-
-/// Flushes standard output and returns the exit code of a successful run.
-int finish_output() {
-  if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return 0;
-  return report(file_error("standard output cannot be written"));
-}
-
-int run(int argc, char** argv) {
-  command_line = "umbrage";
-  for (int i = 1; i < argc; ++i) command_line += " " + quoted(argv[i]);
-  CLI::App app{
-      "Screen-space shading: ambient occlusion and more, for any 3D model.\n"
-      "umbrage MODEL -o out.png is short for umbrage render MODEL -o out.png,\n"
-      "umbrage IMAGE -o out.png for umbrage shade IMAGE -o out.png.",
-      "umbrage"};
-  app.set_version_flag("--version", version_text, "Print the version, the commit, instruction sets and devices");
-  app.require_subcommand(1);
-  app.fallthrough(false);
-  std::function<Result<void>()> command;
-  for (const AddCommand add : {add_render, add_shade, add_view, add_thumbnails, add_compare, add_tune, add_figures,
-                               add_bench, add_info, add_list, add_manual})
-    add(app, command);
-  const std::vector<std::string> commands = command_names(app);
-
-  std::vector<std::string> words = with_command(argc, argv, commands);
-  if (const auto error = misspelt_command(words, commands)) return report(*error);
-  if (const auto error = option_without_value(words)) return report(*error);
-  if (const auto error = option_as_value(app, words)) return report(*error);
-  const std::vector<std::string> typed = words;
-  auto configured = with_config(app, std::move(words));
-  if (!configured) return report(configured.error());
-  words = std::move(configured->words);
-  const auto located = [&](const Error& error) {
-    return with_place({error.kind, with_option_names(error.message)}, configured->values, typed);
-  };
-  std::reverse(words.begin(), words.end());  // the order that CLI11 expects
-  try {
-    app.parse(words);
-  } catch (const CLI::CallForHelp&) {
-    const CLI::App* requested = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
-    std::fputs((requested == &app ? app.help() : requested->help(app.get_name())).c_str(), stdout);
-    return finish_output();
-  } catch (const CLI::CallForVersion& version) {
-    std::fputs(version.what(), stdout);
-    return finish_output();
-  } catch (const CLI::ExtrasError&) {
-    return report(unknown_option(app, app.remaining(true).front()));
-  } catch (const CLI::ParseError& error) {
-    if (argc < 2)
-      return report(usage_error("name a model, such as umbrage bunny.obj -o bunny.png; see umbrage --help"));
-    return report(located(parse_error(app, error)));
-  }
-  if (const auto error = empty_option(app)) return report(*error);
-  try {
-    if (const Result<void> status = command(); !status) return report(located(status.error()));
-  } catch (const std::system_error&) {
-    if (!std::ferror(stdout)) throw;  // fmt::print failed to write; finish_output() reports it
-  }
-  return finish_output();
+template <class Options>
+Result<void> fail(const Options& /*options*/) {
+  return failure;
 }
 
 }  // namespace
-
-std::string command_line;
-
 }  // namespace umbrage::cli
 
 int main(int argc, char** argv) {
-  using namespace umbrage;
-  cli::end_on_signals();
-  const auto code =
-      guarded([] { return cli::command_line + "; try a smaller picture or model, or a smaller --memory of render"; },
-              [&]() -> Result<int> { return cli::run(argc, argv); });
-  return code ? *code : cli::report(code.error());
+  using namespace umbrage::cli;
+  if (argc > 1 && std::find(kLabCommands.begin(), kLabCommands.end(), argv[1]) != kLabCommands.end())
+    failure = start_lab(argv);
+  // Without umbrage-lab, its commands still print their help.
+  return run_program(argc, argv, {fail<CompareOptions>, fail<TuneOptions>, fail<FiguresOptions>, fail<BenchOptions>},
+                     false);
 }

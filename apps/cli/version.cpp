@@ -1,9 +1,8 @@
-#include "apps/cli/version.h"
-
 #include <fmt/format.h>
 
 #include <string_view>
 
+#include "apps/cli/commands.h"
 #include "commit.inc"
 #include "core/version.h"
 #include "devices/vulkan/vulkan_device.h"

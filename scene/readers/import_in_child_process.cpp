@@ -3,7 +3,6 @@
 // tables of a large program costs more than starting a small one (docs/reliability.md).
 #include "scene/readers/import_in_child_process.h"
 
-#include <dlfcn.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/mman.h>
@@ -18,7 +17,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <optional>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -90,46 +88,11 @@ Error error_of_child(const fs::path& file, const ChildExit& ended) {
                     signal ? fmt::format(" ({})", ::strsignal(signal)) : "");
 }
 
-/// Adds the paths where umbrage-import may be installed relative to a program or library.
-void add_paths_near(const fs::path& module, std::vector<fs::path>& paths) {
-  if (!module.has_parent_path()) return;
-  const fs::path folder = module.parent_path();
-  paths.push_back(folder / kProgram);
-  paths.push_back(folder / "bin" / kProgram);  // for a library in its build tree
-  // For a module in PREFIX/bin, PREFIX/lib or PREFIX/lib/x86_64-linux-gnu.
-  for (const char* up : {"..", "../.."}) paths.push_back(folder / up / "libexec" / "umbrage" / kProgram);
-}
-
-/// Returns the program umbrage that a shell would start, with links resolved; an empty path if there is none.
-fs::path program_on_path() {
-  const char* list = std::getenv("PATH");
-  for (std::string_view rest = list ? list : ""; !rest.empty();) {
-    const fs::path folder = rest.substr(0, rest.find(':'));
-    rest.remove_prefix(std::min(rest.find(':'), rest.size() - 1) + 1);
-    const fs::path program = folder / "umbrage";
-    std::error_code error;
-    if (folder.is_absolute() && ::access(program.c_str(), X_OK) == 0 && fs::is_regular_file(program, error))
-      return fs::canonical(program, error);
-  }
-  return {};
-}
-
 }  // namespace
 
 fs::path import_program() {
   if (const char* configured = std::getenv("UMBRAGE_IMPORT"); configured && *configured) return configured;
-  std::vector<fs::path> paths;
-  Dl_info module{};
-  if (::dladdr(reinterpret_cast<const void*>(&import_program), &module) != 0 && module.dli_fname)
-    add_paths_near(module.dli_fname, paths);
-  std::error_code error;
-  if (const fs::path self = fs::read_symlink("/proc/self/exe", error); !error) add_paths_near(self, paths);
-  paths.push_back(fs::path(UMBRAGE_LIBEXEC) / kProgram);
-  // A statically linked program does not know where the library was installed.
-  add_paths_near(program_on_path(), paths);
-  for (const fs::path& path : paths)
-    if (::access(path.c_str(), X_OK) == 0) return path;
-  return {};
+  return find_helper(kProgram);
 }
 
 namespace {

@@ -27,9 +27,8 @@ inline constexpr const char* kPanoramaOption = "--panorama";
 /// Errors: as import_in_child_process.
 Result<Panorama> read_panorama_in_child_process(const std::filesystem::path& file, Poll* poll = nullptr);
 
-/// Returns the path of umbrage-import: the value of the environment variable UMBRAGE_IMPORT, if set; else the first
-/// file found beside the library or program that contains this function, in libexec/umbrage near it, in the
-/// installation path, or near the program umbrage on PATH. Empty if there is none.
+/// Returns the path of umbrage-import: the value of the environment variable UMBRAGE_IMPORT, if set; else as
+/// find_helper.
 std::filesystem::path import_program();
 
 }  // namespace umbrage

@@ -57,7 +57,7 @@ case $name in
     for file in bin/umbrage include/umbrage/umbrage.h include/umbrage/umbrage.hpp include/umbrage/vulkan.h "$LIB/pkgconfig/umbrage.pc" \
       "$LIB/cmake/umbrage/umbrage-config.cmake" share/doc/umbrage/LICENSE share/doc/umbrage/docs/library.md \
       share/doc/umbrage/examples/render_file.cpp share/man/man1/umbrage.1 \
-      share/thumbnailers/umbrage.thumbnailer share/mime/packages/umbrage.xml libexec/umbrage/umbrage-import; do
+      share/thumbnailers/umbrage.thumbnailer share/mime/packages/umbrage.xml libexec/umbrage/umbrage-import libexec/umbrage/umbrage-lab; do
       [ -s "$prefix/$file" ] || fail "$file is not installed"
     done
     # Links between the installed pages resolve.
@@ -89,6 +89,15 @@ case $name in
     [ "$("$prefix/bin/umbrage" --version | head -n 1)" = "umbrage $VERSION" ] || fail "wrong version"
     "$prefix/bin/umbrage" 'scene:solids?detail=3000' --resolution 64x48 -o "$place/program.png"
     if ldd "$prefix/bin/umbrage" | grep libumbrage; then fail "the program needs the shared library"; fi
+    "$prefix/bin/umbrage" bench 'scene:solids?detail=3000' --effect unsharp --resolution 64 --runs 1 --json |
+      grep '"effect": "unsharp"' || fail "the program does not start umbrage-lab"
+    lab=$prefix/libexec/umbrage/umbrage-lab
+    [ "$("$lab" --version | head -n 1)" = "umbrage $VERSION" ] || fail "umbrage-lab has another version"
+    said=$("$lab" --help)
+    [[ $said == *compare*tune*figures*bench* && $said != *render* ]] || fail "umbrage-lab lists other commands: $said"
+    code=0
+    said=$("$lab" rendr 2>&1) || code=$?
+    [[ $code = 2 && $said == "umbrage: "*"'rendr'"*compare* ]] || fail "umbrage-lab took 'rendr': $code, $said"
     ;;
   Headers)
     # Each header must compile alone, in all supported versions of the languages.
@@ -163,7 +172,7 @@ case $name in
     cpack --config "$BUILD/CPackConfig.cmake" -B "$place/debian" >"$place/debian.log" 2>&1 ||
       { cat "$place/debian.log"; fail "cpack failed"; }
     cd "$place/debian"
-    for package in umbrage "libumbrage$ABI" libumbrage-dev; do
+    for package in umbrage umbrage-lab "libumbrage$ABI" libumbrage-dev; do
       file=$(echo "${package}"_*.deb)
       [ -s "$file" ] || fail "there is no package $package"
       [ "$(dpkg-deb -f "$file" Version)" = "$VERSION-1" ] || fail "$file has another version"
@@ -181,9 +190,19 @@ case $name in
       grep -q "/$file\$" libumbrage-dev.list || fail "libumbrage-dev lacks $file"
     done
     dpkg-deb -f umbrage_*.deb Depends | grep libembree3 || fail "the program does not depend on what it is linked with"
+    grep -qx ./usr/libexec/umbrage/umbrage-lab umbrage-lab.list || fail "the package of the laboratory lacks its program"
+    dpkg-deb -f umbrage-lab_*.deb Depends | grep -F "umbrage (= $VERSION-1)" || fail "the laboratory lacks its dependency"
     dpkg-deb -f libumbrage-dev_*.deb Depends | grep -F "libumbrage$ABI (= $VERSION-1)" || fail "wrong dependency"
     dpkg-deb -x umbrage_*.deb unpacked
     unpacked/usr/bin/umbrage 'scene:solids?detail=3000' --resolution 64x48 -o "$place/unpacked.png"
+    # Without umbrage-lab a message names it; an installed one would be found.
+    if [ ! -e "$(sed -n 's/^CMAKE_INSTALL_PREFIX:.*=//p' "$BUILD/CMakeCache.txt")/libexec/umbrage/umbrage-lab" ]; then
+      code=0
+      said=$(PATH=$place unpacked/usr/bin/umbrage bench 2>&1) || code=$?
+      [[ $code = 3 && $said == "umbrage: 'bench' "*umbrage-lab* ]] || fail "without umbrage-lab, bench ended with $code: $said"
+    fi
+    dpkg-deb -x umbrage-lab_*.deb unpacked
+    unpacked/usr/bin/umbrage bench 'scene:solids?detail=3000' --effect unsharp --resolution 64 --runs 1
     ;;
   *) fail "there is no test $name" ;;
 esac

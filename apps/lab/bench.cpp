@@ -1,11 +1,10 @@
 // umbrage bench: measures the time of every effect at several sizes.
-#include <CLI/CLI.hpp>
+#include "apps/lab/commands.h"
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "apps/cli/commands.h"
-#include "apps/cli/options.h"
 #include "apps/cli/progress.h"
 #include "core/image.h"
 #include "core/suggest.h"
@@ -15,13 +14,6 @@
 
 namespace umbrage::cli {
 namespace {
-
-struct BenchOptions : CommonOptions {
-  std::vector<std::string> sizes = {"1024,1024"};
-  std::string effect;
-  int runs = 9;
-  bool json = false;
-};
 
 /// Times over several runs, milliseconds.
 struct Times {
@@ -231,7 +223,9 @@ class Bench {
   nlohmann::json records_ = nlohmann::json::array();
 };
 
-Result<void> bench(const BenchOptions& o) {
+}  // namespace
+
+Result<void> run_bench(const BenchOptions& o) {
   const auto plan = plan_of(o);
   if (!plan) return plan.error();
   auto created = device_of(o);
@@ -251,23 +245,6 @@ Result<void> bench(const BenchOptions& o) {
     if (auto status = timings.time_size(*scene, size); !status) return status;
   if (o.json) fmt::print("{}\n", timings.records().dump(2));
   return {};
-}
-
-}  // namespace
-
-void add_bench(CLI::App& app, std::function<Result<void>()>& run) {
-  CLI::App* command = app.add_subcommand("bench", "measure the time of every effect");
-  auto options = std::make_shared<BenchOptions>();
-  command->add_option("MODEL", options->models, "model or built-in scene [scene:claw]")->expected(0, 1);
-  command->add_option("--effect", options->effect, "measure this effect only; capture is allowed too")
-      ->type_name("NAME");
-  add_one(*command, *options, "occlusion_scale", "",
-          "full; half or quarter measure techniques and filters alone, at that resolution", "full");
-  add_sizes(*command, options->sizes, "1024,1024");
-  add_number(*command, "--runs", options->runs, {1, 10000, NumberKind::kInteger}, "runs per measured time");
-  command->add_flag("--json", options->json, "print JSON");
-  add_device_options(*command, *options, kBench);
-  command->callback([options, &run] { run = with_options(options, bench); });
 }
 
 }  // namespace umbrage::cli

@@ -1,13 +1,11 @@
 // umbrage figures: reproduces the figures and tables of the papers and checks numbers measured from them.
-#include "apps/figures/figures.h"
+#include "apps/lab/commands.h"
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "apps/cli/commands.h"
-#include "apps/cli/options.h"
 #include "apps/cli/progress.h"
+#include "apps/figures/figures.h"
 #include "core/suggest.h"
 #include "io/image_file.h"
 
@@ -15,12 +13,6 @@ namespace umbrage::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct FiguresOptions : CommonOptions {
-  std::string paper = "unsharp", output = "figures", bunny = kBunnyFile;
-  int size = 0;  // side in pixels; 0: that of the paper
-  int runs = 5;
-};
 
 using Progress = std::function<void(const std::string&)>;
 
@@ -82,8 +74,11 @@ std::string report_of(const Paper& paper, const std::vector<Figure>& figures, co
   return text;
 }
 
-Result<void> make_figures(const FiguresOptions& requested) {
+}  // namespace
+
+Result<void> run_figures(const FiguresOptions& requested) {
   FiguresOptions o = requested;
+  if (o.bunny.empty()) o.bunny = kBunnyFile;
   const auto paper =
       std::find_if(std::begin(kPapers), std::end(kPapers), [&](const Paper& p) { return p.name == o.paper; });
   if (paper == std::end(kPapers)) {
@@ -140,23 +135,6 @@ Result<void> make_figures(const FiguresOptions& requested) {
   if (missed > 0)
     return Error{ErrorKind::kInternal, fmt::format("{} of {} numbers are out of bounds", missed, records.size())};
   return {};
-}
-
-}  // namespace
-
-void add_figures(CLI::App& app, std::function<Result<void>()>& run) {
-  CLI::App* command = app.add_subcommand("figures", "reproduce the figures and tables of a paper");
-  auto options = std::make_shared<FiguresOptions>();
-  command->add_option("--paper", options->paper, "unsharp, cartoon or bleeding [unsharp]")->type_name("NAME");
-  command->add_option("-o,--output", options->output, "folder to write to [figures]")->type_name("DIR");
-  add_number(*command, "--size", options->size, {128, 4096, NumberKind::kInteger}, "side of the pictures in pixels",
-             "the paper's: unsharp 1024, cartoon 512, bleeding 768");
-  add_number(*command, "--runs", options->runs, {1, 1000, NumberKind::kInteger},
-             "runs per measured time in the tables");
-  command->add_option("--bunny", options->bunny, "the Stanford bunny, for unsharp [Debian's glmark2-data]")
-      ->type_name("FILE");
-  add_device_options(*command, *options, kFigures);
-  command->callback([options, &run] { run = with_options(options, make_figures); });
 }
 
 }  // namespace umbrage::cli

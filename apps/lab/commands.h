@@ -1,22 +1,19 @@
-// Options and output shared by umbrage compare and umbrage tune.
+// The commands of umbrage-lab, and what compare and tune share.
 #pragma once
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "apps/cli/options.h"
+#include "apps/cli/lab_options.h"
 #include "apps/cli/progress.h"
 #include "apps/compare/measure_settings.h"
 
 namespace umbrage::cli {
 
-struct MeasureOptions : CommonOptions {
-  int cameras = 2, samples = 256, runs = 3;
-};
-
-/// Adds --cameras, --samples and --runs to a group of the help.
-void add_measure_options(CLI::App& command, MeasureOptions& o, const std::string& group);
+Result<void> run_compare(const CompareOptions& options);
+Result<void> run_tune(const TuneOptions& options);
+Result<void> run_figures(const FiguresOptions& options);
+Result<void> run_bench(const BenchOptions& options);
 
 /// Fills in the settings from the options. Errors: kUsage.
 Result<void> apply_measure_options(const MeasureOptions& o, MeasureSettings& settings);

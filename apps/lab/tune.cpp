@@ -1,26 +1,17 @@
 // umbrage tune: searches for the settings of a technique that come closest to the ray-traced ground truth of a scene.
-#include "apps/compare/tune.h"
+#include "apps/lab/commands.h"
 
 #include <fmt/ranges.h>
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "apps/cli/commands.h"
-#include "apps/cli/measure.h"
-#include "apps/cli/options.h"
 #include "apps/cli/progress.h"
+#include "apps/compare/tune.h"
 
 namespace umbrage::cli {
 namespace {
-
-struct TuneOptions : MeasureOptions {
-  int trials = 100;
-  double budget_ms = 0.0;
-  bool json = false;
-};
 
 /// Returns the settings of a trial as on a command line; "as it is" if they equal the initial ones.
 std::string setting_text(const Trial& trial, const Trial& start) {
@@ -72,6 +63,8 @@ void print_table(const Tuning& tuning) {
   fmt::print("{}\n", fmt::join(tuning.options, " "));
 }
 
+}  // namespace
+
 Result<void> run_tune(const TuneOptions& o) {
   TuneSettings settings;
   settings.trials = o.trials;
@@ -90,27 +83,6 @@ Result<void> run_tune(const TuneOptions& o) {
   else
     print_table(*tuning);
   return {};
-}
-
-}  // namespace
-
-void add_tune(CLI::App& app, std::function<Result<void>()>& run) {
-  const auto [command, options] = add_model_command(
-      app, run, "tune", "search the best settings for a scene, against ray-traced ground truth", kTune, run_tune);
-  std::tie(options->request.width, options->request.height) = std::pair(960, 540);
-  const auto search = "Search";
-  add_number(*command, "--time", options->budget_ms, kBudgetMs, "max time of occlusion with its filter, milliseconds",
-             "time of the initial settings")
-      ->group(search);
-  add_number(*command, "--trials", options->trials, kTrials, "max number of settings to try")->group(search);
-  add_one(*command, *options, "width", search, "", "960,540");
-  add_one(*command, *options, "look", search, "look that provides the technique, filter and initial settings");
-  add_one(*command, *options, "occlusion", search);
-  add_one(*command, *options, "occlusion_scale", search, "", "all are tried");
-  add_measure_options(*command, *options, search);
-  command->add_flag("--json", options->json, "print all tried settings as JSON");
-  add_group(*command, *options, kTune, "Technique");
-  add_device_options(*command, *options, kTune);
 }
 
 }  // namespace umbrage::cli

@@ -1,15 +1,13 @@
 // umbrage compare: measures each technique against ray-traced ground truth; writes scores and an HTML page.
-#include "apps/compare/compare.h"
+#include "apps/lab/commands.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/commands.h"
-#include "apps/cli/measure.h"
-#include "apps/cli/options.h"
 #include "apps/cli/progress.h"
+#include "apps/compare/compare.h"
 #include "apps/compare/report.h"
 #include "io/image_file.h"
 
@@ -17,12 +15,6 @@ namespace umbrage::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct CompareOptions : MeasureOptions {
-  std::string techniques = "all", output = "report", baseline, filter;
-  bool light = false, budget = false;
-  std::vector<std::string> sizes = {"960,540", "480,270"};
-};
 
 /// Shortens a setting to the width of its table column.
 std::string shown_setting(const std::string& setting) {
@@ -64,6 +56,8 @@ void print_table(const Comparison& comparison, Quantity quantity, std::pair<int,
                flip / count, first.budget ? fmt::format(" {:7.4f} {:7.4f}", view / count, own / count) : "");
   }
 }
+
+}  // namespace
 
 Result<void> run_compare(const CompareOptions& o) {
   CompareSettings settings;
@@ -132,44 +126,6 @@ Result<void> run_compare(const CompareOptions& o) {
     return Error{ErrorKind::kInternal, fmt::format("{} scores got worse than in {}", check->worse.size(), o.baseline)};
   fmt::print("no score is worse than in {}: {} records compared\n", o.baseline, check->compared);
   return {};
-}
-
-}  // namespace
-
-void add_compare(CLI::App& app, std::function<Result<void>()>& run) {
-  const auto [command, options] = add_model_command(
-      app, run, "compare", "measure each technique against ray-traced ground truth", kCompare, run_compare);
-  const auto comparison = "Comparison";
-  command->add_option("--ao", options->techniques, "techniques, such as unsharp,reference, or all [all]")
-      ->type_name("NAMES")
-      ->group(comparison);
-  command
-      ->add_flag("--light", options->light,
-                 "also compare the indirect light of techniques with one bounce of the reference, and the light of a "
-                 "clear sky, a studio and a sunset")
-      ->group(comparison);
-  add_one(*command, *options, "occlusion_scale", comparison,
-          "resolution at which techniques run: full, half or quarter", "full");
-  command
-      ->add_option("--filter", options->filter,
-                   "effect that filters the result of each technique that does not filter itself; none: no filter "
-                   "[denoise]")
-      ->type_name("NAME")
-      ->group(comparison);
-  command
-      ->add_flag("--budget", options->budget,
-                 "divide the error of each screen-space technique: that of what the view holds, and its own")
-      ->group(comparison);
-  command->add_option("-o,--output", options->output, "folder for index.html and scores.json [report]")
-      ->type_name("DIR")
-      ->group(comparison);
-  add_sizes(*command, options->sizes, "960,540 and 480,270")->group(comparison);
-  add_measure_options(*command, *options, comparison);
-  command->add_option("--baseline", options->baseline, "earlier scores.json; fail if a score is worse than in it")
-      ->type_name("FILE")
-      ->group(comparison);
-  add_group(*command, *options, kCompare, "Technique");
-  add_device_options(*command, *options, kCompare);
 }
 
 }  // namespace umbrage::cli

@@ -1,15 +1,9 @@
-#include "apps/cli/measure.h"
+// What umbrage compare and umbrage tune share.
+#include "apps/lab/commands.h"
 
 #include "apps/cli/standard_input.h"
 
 namespace umbrage::cli {
-
-void add_measure_options(CLI::App& command, MeasureOptions& o, const std::string& group) {
-  add_number(command, "--cameras", o.cameras, kCameras, "max number of views of each scene")->group(group);
-  add_number(command, "--samples", o.samples, kSamples, "rays per pixel of the ground truth, an even number")
-      ->group(group);
-  add_number(command, "--runs", o.runs, kRuns, "runs per measured time")->group(group);
-}
 
 Result<void> apply_measure_options(const MeasureOptions& o, MeasureSettings& settings) {
   settings.models = o.models;
