@@ -9,6 +9,7 @@
 #include <numbers>
 #include <optional>
 
+#include "core/lists.h"
 #include "gbuffers/camera_guess.h"
 #include "gbuffers/deciding.h"
 #include "gbuffers/depth_guess.h"

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/lists.h"
+
 namespace umbrage {
 namespace {
 

@@ -8,6 +8,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "core/lists.h"
+
 namespace umbrage {
 namespace {
 
@@ -100,13 +102,6 @@ constexpr double kTrimmed = 1.5, kTrimmedQuantile = 0.75;
 constexpr double kPi = std::numbers::pi;
 
 }  // namespace
-
-double quantile(std::vector<double> values, double fraction) {
-  if (values.empty()) return 0.0;
-  const auto nth = values.begin() + long(fraction * double(values.size() - 1));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
-}
 
 DirectionFit rate_directions(const DirectionPairs& pairs, const glm::dmat3& matrix) {
   DirectionFit fit;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/lists.h"
 #include "gbuffers/convert.h"
 #include "gbuffers/extent.h"
 #include "gbuffers/ids.h"
@@ -263,9 +264,7 @@ Result<GBufferFile> GBufferFile::open(const GBufferSettings& settings, double me
 const PictureInfo& GBufferFile::info() const { return state_->info; }
 const GBufferFacts& GBufferFile::facts() const { return state_->facts; }
 const std::vector<std::string>& GBufferFile::plane_names() const { return state_->names; }
-bool GBufferFile::has_plane(std::string_view name) const {
-  return std::find(state_->names.begin(), state_->names.end(), name) != state_->names.end();
-}
+bool GBufferFile::has_plane(std::string_view name) const { return contains(state_->names, name); }
 
 Result<Image> GBufferFile::rows(const Rows& rows) const { return state_->finished(rows); }
 

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cctype>
 
+#include "core/lists.h"
+
 namespace umbrage {
 namespace {
 
@@ -46,7 +48,7 @@ std::optional<RoleChannels> find_cryptomatte(const LayeredFile& header, int file
     const std::string& layer = group.layer.empty() ? group.part : group.layer;
     if (!group.is_color || !layer.ends_with(kRank0)) continue;
     const std::string name = lower(layer.substr(0, layer.size() - kRank0.size()));
-    const bool is_declared = std::find(declared.begin(), declared.end(), name) != declared.end();
+    const bool is_declared = contains(declared, name);
     if (!is_declared && name.find("crypto") == std::string::npos) continue;
     if (header.channels[std::size_t(group.channels[0])].type != ChannelType::kFloat) continue;
     const int rank = rank_of(name, materials);

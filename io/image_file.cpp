@@ -6,7 +6,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -15,6 +14,7 @@
 #include <new>
 
 #include "core/check.h"
+#include "core/lists.h"
 #include "core/suggest.h"
 #include "io/format.h"
 
@@ -140,7 +140,7 @@ Result<std::vector<const Plane*>> picture_planes(const fs::path& file, const Ima
   if (image.width < 1 || image.height < 1)
     return file_error("'{}' cannot be written: the image is {} x {} pixels", file.string(), image.width, image.height);
   std::vector<const Plane*> planes = {image.find("color.r"), image.find("color.g"), image.find("color.b")};
-  if (std::find(planes.begin(), planes.end(), nullptr) == planes.end()) {
+  if (!contains(planes, nullptr)) {
     if (const Plane* alpha = image.find("color.a"); alpha && with_alpha) planes.push_back(alpha);
     return planes;
   }

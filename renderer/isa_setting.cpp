@@ -2,8 +2,7 @@
 
 #include <fmt/ranges.h>
 
-#include <algorithm>
-
+#include "core/lists.h"
 #include "kernel/isa.h"
 
 namespace umbrage {
@@ -12,8 +11,7 @@ Result<void> use_isa(std::string_view name) {
   if (choose_isa(name)) return {};
   const auto& known = known_isas();
   const std::string usable_text = fmt::format("this machine has {}", fmt::join(usable_isas(), ", "));
-  if (std::find(known.begin(), known.end(), name) == known.end())
-    return usage_error("`isa` (or UMBRAGE_ISA) cannot be '{}': {}", name, usable_text);
+  if (!contains(known, name)) return usage_error("`isa` (or UMBRAGE_ISA) cannot be '{}': {}", name, usable_text);
   return device_error("`isa` (or UMBRAGE_ISA) cannot be '{}' on this CPU: {}", name, usable_text);
 }
 

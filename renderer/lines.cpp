@@ -6,6 +6,7 @@
 #include <iterator>
 #include <utility>
 
+#include "core/lists.h"
 #include "core/srgb.h"
 #include "devices/shared/dispatches.h"
 #include "devices/shared/host_steps.h"
@@ -62,9 +63,7 @@ bool is_inside(const Line& line, int width, int height) {
 
 Result<LineParameters> line_parameters(std::string_view subject, std::span<const std::string_view> effects,
                                        const EffectSettings& settings) {
-  const auto runs = [&](std::string_view effect) {
-    return std::find(effects.begin(), effects.end(), effect) != effects.end();
-  };
+  const auto runs = [&](std::string_view effect) { return contains(effects, effect); };
   LineParameters params;
   if (runs("hatching")) params.hatching = params_of(settings, "hatching");
   if (runs("hidden") && as<HiddenParams>(params_of(settings, "hidden")).draw)
@@ -100,9 +99,6 @@ LineParameters line_parameters_or_none(const Recipe& recipe) {
 std::vector<std::string_view> edge_planes(const LineParameters& params, int layers) {
   std::vector<std::string_view> planes;
   const auto add = [&](std::string_view effect) {
-    const auto contains = [](const auto& names, std::string_view name) {
-      return std::find(names.begin(), names.end(), name) != names.end();
-    };
     const Dispatch& dispatch = tracing_dispatch(effect);
     for (const std::string_view plane : dispatch.inputs)  // a plane to which lines are added is not traced
       if (layer_of_plane(plane) < layers && !contains(dispatch.outputs, plane) && !contains(planes, plane))

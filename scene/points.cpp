@@ -20,6 +20,7 @@
 
 #include "core/absolute_length.h"
 #include "core/basis.h"
+#include "core/lists.h"
 #include "scene/point_normals.h"
 
 namespace umbrage {
@@ -176,12 +177,6 @@ SmallestVariance smallest_variance_of(const glm::dmat3& m) {
   return smallest;
 }
 
-float quantile_of(std::vector<float> values, double fraction) {
-  const auto at = values.begin() + std::ptrdiff_t(fraction * double(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 template <class T>
 void reorder(std::vector<T>& values, const std::vector<IndexedPoint>& order) {
   if (values.empty()) return;
@@ -295,16 +290,16 @@ bool lie_on_surfaces(const NeighborEstimates& estimates) {
   std::vector<float> fractions(estimates.planes.size());
   std::transform(estimates.planes.begin(), estimates.planes.end(), fractions.begin(),
                  [](const SmallestVariance& plane) { return plane.fraction; });
-  return quantile_of(std::move(fractions), 0.5) <= kFlat;
+  return quantile(std::move(fractions), 0.5) <= kFlat;
 }
 
 /// Returns the radius of spheres, all of which have one size. On a surface they leave no hole where points are as dense
 /// as most. In a cloud they would touch on a grid, and may overlap where points are dense.
 float sphere_radius(const NeighborEstimates& estimates) {
-  if (lie_on_surfaces(estimates)) return kSlack * quantile_of(estimates.cover, kRadiusQuantile);
+  if (lie_on_surfaces(estimates)) return kSlack * quantile(estimates.cover, kRadiusQuantile);
   // The sphere around a point whose radius is the distance of the farthest of n neighbours has n times the volume per
   // point.
-  const double reach = quantile_of(estimates.spacing, 0.5) / std::sqrt(std::numbers::pi / estimates.count);
+  const double reach = quantile(estimates.spacing, 0.5) / std::sqrt(std::numbers::pi / estimates.count);
   const double spacing = reach * std::cbrt(4.0 / 3.0 * std::numbers::pi / estimates.count);
   return float(kSphereRadius * spacing);
 }
@@ -387,7 +382,7 @@ void shape_points(Mesh& mesh, const PointSettings& settings, float scene_radius)
     return;
   }
   mesh.radii = std::move(estimates.cover);
-  const float max = kMaxRatioToQuantile * quantile_of(mesh.radii, kRadiusQuantile);
+  const float max = kMaxRatioToQuantile * quantile(mesh.radii, kRadiusQuantile);
   for (float& radius : mesh.radii) radius = kSlack * std::min(radius, max);
   blend_discs(mesh, estimates.neighbors, estimates.count);
 }

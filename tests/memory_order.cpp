@@ -1,9 +1,9 @@
 #include "memory_order.h"
+#include "core/lists.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <iterator>
 #include <map>
 #include <memory>
@@ -246,8 +246,7 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL checked_get(VkInstance instance, const 
         replaced("vkCmdCopyBufferToImage", name, real, c.to_image, to_image),
         replaced("vkCmdPipelineBarrier", name, real, c.barrier, barrier)})
     if (replacement) return replacement;
-  if (std::string_view(name).starts_with("vkCmd") &&
-      std::find(std::begin(kUnchecked), std::end(kUnchecked), name) == std::end(kUnchecked))
+  if (std::string_view(name).starts_with("vkCmd") && !contains(kUnchecked, name))
     memory_order_report()(fmt::format("{} is not in the model of the order of accesses", name));
   return real;
 }

@@ -14,6 +14,7 @@
 #include <map>
 #include <string>
 
+#include "core/lists.h"
 #include "io/image_file.h"
 #include "scene/readers/import.h"
 
@@ -33,7 +34,7 @@ bool is_model(const fs::path& file) {
   if (!extension.empty()) extension.erase(0, 1);
   for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
   const auto& formats = umbrage::import_formats();
-  return std::find(formats.begin(), formats.end(), extension) != formats.end();
+  return contains(formats, extension);
 }
 
 /// Handles a file in the child process. The limit of processor time ends the process if it does not end by itself.

@@ -12,6 +12,7 @@
 #include "apps/cli/signals.h"
 #include "apps/cli/version.h"
 #include "core/guarded.h"
+#include "core/lists.h"
 #include "core/suggest.h"
 #include "io/layers.h"
 
@@ -71,7 +72,7 @@ Error parse_error(const CLI::App& app, const CLI::ParseError& error) {
 /// `umbrage render MODEL ...`.
 std::vector<std::string> with_command(int argc, char** argv, const std::vector<std::string>& commands) {
   std::vector<std::string> words(argv + 1, argv + argc);
-  const bool has_command = !words.empty() && std::find(commands.begin(), commands.end(), words[0]) != commands.end();
+  const bool has_command = !words.empty() && contains(commands, words[0]);
   const bool wants_help = !words.empty() && (words[0] == "--help" || words[0] == "-h" || words[0] == "--version");
   if (!words.empty() && !has_command && !wants_help)
     words.insert(words.begin(), has_image_extension(words[0]) ? "shade" : "render");

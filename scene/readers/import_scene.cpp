@@ -1,5 +1,6 @@
 // Checks of a model file before and after reading, and the choice of the process: built-in readers run in this process,
 // third-party readers in a separate one.
+#include "core/lists.h"
 #include "scene/readers/import.h"
 
 #include <fcntl.h>
@@ -107,7 +108,7 @@ std::optional<Error> check_model_file(const fs::path& file, const std::string& f
   const auto& formats = import_formats();
   if (const std::string advice = conversion_advice(format); !advice.empty())
     return file_error("'{}' is {}", file.string(), advice);
-  if (std::find(formats.begin(), formats.end(), format) == formats.end()) {
+  if (!contains(formats, format)) {
     return file_error("'{}' is not a supported model file; it must end in one of {}, or one of these and .gz",
                       file.string(), list_of_formats());
   }

@@ -8,6 +8,7 @@
 #include <map>
 #include <span>
 
+#include "core/lists.h"
 #include "scene/readers/obj_text.h"
 #include "scene/readers/read_number.h"
 #include "scene/readers/specular_exponent.h"
@@ -127,7 +128,7 @@ class LibraryParser {
       if (!(amount && *amount == 0.0)) ignore(std::string(name));
       return;
     }
-    if (std::find(std::begin(kHarmless), std::end(kHarmless), key) == std::end(kHarmless)) unknown_.add(line_, word);
+    if (!contains(kHarmless, key)) unknown_.add(line_, word);
   }
 
   void start_material(std::string_view name) {
@@ -140,8 +141,7 @@ class LibraryParser {
   void ignore(const std::string& what) {
     auto& ignored = material_->ignored;
     constexpr std::size_t kMaxIgnored = 64;  // more are only in a file that is something else
-    if (ignored.size() < kMaxIgnored && std::find(ignored.begin(), ignored.end(), what) == ignored.end())
-      ignored.push_back(what);
+    if (ignored.size() < kMaxIgnored && !contains(ignored, what)) ignored.push_back(what);
   }
 
   /// Clamps a number to 0 to max.
@@ -227,9 +227,7 @@ class LibraryParser {
 
   void read_option(const std::string& option, std::string_view& rest, MtlMap& map, std::string_view line) {
     std::array<double, 3> values{};
-    const auto is_one_of = [&](std::initializer_list<std::string_view> names) {
-      return std::find(names.begin(), names.end(), option) != names.end();
-    };
+    const auto is_one_of = [&](std::initializer_list<std::string_view> names) { return contains(names, option); };
     if (is_one_of({"-s", "-o", "-t"})) {
       const std::size_t count = take_numbers(rest, values);
       if (count == 0) return bad_.add(line_, line);

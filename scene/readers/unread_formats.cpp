@@ -1,7 +1,8 @@
 #include "scene/readers/unread_formats.h"
 
-#include <algorithm>
 #include <initializer_list>
+
+#include "core/lists.h"
 
 namespace umbrage {
 namespace {
@@ -36,8 +37,7 @@ std::string conversion_advice(std::string_view format) {
       {{"zip", "rar", "7z", "tar", "tgz", "bz2", "xz", "zst"}, "an archive", "unpack it"},
   };
   for (const Unread& each : kUnread)
-    if (std::find(each.formats.begin(), each.formats.end(), format) != each.formats.end())
-      return std::string(each.what) + " that is not read; " + each.how;
+    if (contains(each.formats, format)) return std::string(each.what) + " that is not read; " + each.how;
   return {};
 }
 
