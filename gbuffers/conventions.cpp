@@ -15,7 +15,6 @@
 #include "gbuffers/depth_guess.h"
 #include "gbuffers/elevation.h"
 #include "gbuffers/normal_guess.h"
-#include "gbuffers/position_depth.h"
 
 namespace umbrage {
 namespace {

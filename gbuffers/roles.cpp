@@ -10,7 +10,6 @@
 
 #include "core/lists.h"
 #include "core/suggest.h"
-#include "gbuffers/role_names.h"
 
 namespace umbrage {
 namespace {

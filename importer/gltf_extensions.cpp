@@ -1,4 +1,5 @@
-#include "importer/gltf_extensions.h"
+// Extensions of glTF: which are read, and warnings for the others.
+#include "importer/gltf_parts.h"
 
 #include <set>
 

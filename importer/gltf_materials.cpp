@@ -1,4 +1,5 @@
-#include "importer/gltf_materials.h"
+// Materials of glTF files. Metalness and roughness also become a Blinn-Phong highlight, see import_materials.cpp.
+#include "importer/gltf_parts.h"
 
 #include <algorithm>
 #include <cmath>

@@ -29,7 +29,6 @@
 #include <numeric>
 
 #include "core/lists.h"
-#include "io/exr_blocks.h"
 #include "io/exr_part.h"
 #include "io/exr_support.h"
 

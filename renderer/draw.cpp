@@ -7,10 +7,10 @@
 #include <thread>
 
 #include "core/check.h"
+#include "core/reflection_map.h"
 #include "reference/reference.h"
 #include "renderer/average.h"
 #include "renderer/marked_samples.h"
-#include "scene/studio_reflections.h"
 
 namespace umbrage {
 namespace {

@@ -22,7 +22,6 @@
 #include "core/basis.h"
 #include "core/eigen.h"
 #include "core/lists.h"
-#include "scene/point_normals.h"
 
 namespace umbrage {
 namespace {

@@ -1,5 +1,4 @@
 #include "memory_order.h"
-#include "core/lists.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -9,6 +8,8 @@
 #include <memory>
 #include <mutex>
 #include <string_view>
+
+#include "core/lists.h"
 
 namespace umbrage::test {
 

@@ -1,6 +1,5 @@
 // umbrage compare: measures each technique against ray-traced ground truth; writes scores and an HTML page.
 #include "apps/compare/compare.h"
-#include "core/lists.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include "apps/cli/options.h"
 #include "apps/cli/progress.h"
 #include "apps/compare/report.h"
+#include "core/lists.h"
 #include "io/image_file.h"
 
 namespace umbrage::cli {

@@ -27,7 +27,7 @@
 #include "renderer/passes.h"
 #include "renderer/setting_warnings.h"
 #include "renderer/strips.h"
-#include "scene/origin.h"
+#include "scene/scene.h"
 
 namespace umbrage::cli {
 namespace {

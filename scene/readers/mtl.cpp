@@ -11,7 +11,7 @@
 #include "core/lists.h"
 #include "scene/readers/obj_text.h"
 #include "scene/readers/read_number.h"
-#include "scene/readers/specular_exponent.h"
+#include "scene/scene.h"
 
 namespace umbrage {
 namespace {

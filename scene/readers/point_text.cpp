@@ -1,5 +1,5 @@
 // Reader for points in text form. The header describes the columns.
-#include "scene/readers/point_text.h"
+#include "scene/readers/model_readers.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,6 @@
 #include <string>
 #include <string_view>
 
-#include "scene/readers/byte_order_mark.h"
 #include "scene/readers/molecule.h"
 #include "scene/readers/positions.h"
 #include "scene/readers/read_number.h"

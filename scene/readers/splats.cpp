@@ -1,4 +1,5 @@
-#include "scene/readers/splats.h"
+// Gaussian splats [Kerbl et al. 2023] as opaque discs and spheres.
+#include "scene/readers/ply_parts.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +10,7 @@
 #include "core/lists.h"
 #include "scene/readers/vertex_colors.h"
 
-namespace umbrage {
+namespace umbrage::ply {
 namespace {
 
 constexpr float kHarmonicOfDegree0 = 0.28209479f;  // 1 / (2 sqrt(pi))
@@ -84,4 +85,4 @@ void draw_splats(const std::vector<Splat>& splats, Scene& scene) {
       splats.size(), transparent == 0 ? "" : fmt::format(", without {} of low opacity", transparent)));
 }
 
-}  // namespace umbrage
+}  // namespace umbrage::ply

@@ -1,6 +1,6 @@
 // Reads STL [3D Systems 1989]. Used instead of Assimp, since Assimp 5.2 refuses bytes after the last triangle, reads
 // Magics' colours the wrong way round, and does not know keywords in capitals.
-#include "scene/readers/stl.h"
+#include "scene/readers/model_readers.h"
 
 #include <algorithm>
 #include <cctype>
@@ -12,7 +12,6 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/readers/byte_order_mark.h"
 #include "scene/readers/positions.h"
 #include "scene/readers/read_number.h"
 #include "scene/readers/vertex_colors.h"
