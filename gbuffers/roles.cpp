@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <limits>
 #include <optional>
 
 #include "core/lists.h"
+#include "core/lowercase.h"
 #include "core/suggest.h"
 
 namespace umbrage {
@@ -18,7 +18,7 @@ namespace {
 std::string plain(std::string_view text) {
   std::string out;
   for (const char c : text)
-    if (c != ' ' && c != '_' && c != '-') out += char(std::tolower(static_cast<unsigned char>(c)));
+    if (c != ' ' && c != '_' && c != '-') out += lowercase(c);
   return out;
 }
 

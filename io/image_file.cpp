@@ -15,6 +15,7 @@
 
 #include "core/check.h"
 #include "core/lists.h"
+#include "core/lowercase.h"
 #include "core/suggest.h"
 #include "io/format.h"
 
@@ -73,11 +74,8 @@ std::span<const ImageFormat> image_formats() {
 }
 
 std::string lowercase_extension(const fs::path& file) {
-  std::string own_extension = file.extension().string();
-  if (!own_extension.empty()) own_extension.erase(0, 1);
-  for (char& c : own_extension)
-    if (c >= 'A' && c <= 'Z') c += 'a' - 'A';
-  return own_extension;
+  const std::string own_extension = lowercase(file.extension().string());
+  return own_extension.empty() ? own_extension : own_extension.substr(1);
 }
 
 Result<const ImageFormat*> format_of(const fs::path& file) {

@@ -1,5 +1,6 @@
 // Checks of a model file before and after reading, and the choice of the process: built-in readers run in this process,
 // third-party readers in a separate one.
+#include "core/lowercase.h"
 #include "scene/readers/import.h"
 
 #include <fcntl.h>
@@ -7,7 +8,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -135,10 +135,8 @@ const std::vector<std::string>& import_formats() {
 }
 
 std::string import_format(const fs::path& file) {
-  std::string ending = without_gz(file).extension().string();
-  if (!ending.empty()) ending.erase(0, 1);
-  for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return ending;
+  const std::string ending = lowercase(without_gz(file).extension().string());
+  return ending.empty() ? ending : ending.substr(1);
 }
 
 std::optional<Error> check_model_file(const fs::path& file, const std::string& format) {

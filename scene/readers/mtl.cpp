@@ -3,24 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <span>
 
 #include "core/lists.h"
+#include "core/lowercase.h"
 #include "scene/readers/obj_text.h"
 #include "scene/readers/read_number.h"
 #include "scene/scene.h"
 
 namespace umbrage {
 namespace {
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return result;
-}
 
 /// Removes the first word of a line and returns it.
 std::string_view take_word(std::string_view& line) {
@@ -104,7 +98,7 @@ class LibraryParser {
   void statement(std::string_view line) {
     std::string_view rest = line;
     const std::string_view word = take_word(rest);
-    const std::string key = lower(word);
+    const std::string key = lowercase(word);
     if (key == "newmtl") return start_material(rest);
     if (!material_) return unknown_.add(line_, word);
     for (const NumberRow& row : kNumbers)
@@ -123,7 +117,7 @@ class LibraryParser {
       return;
     }
     for (const std::string_view name : kNotDrawn) {
-      if (key != lower(name)) continue;
+      if (key != lowercase(name)) continue;
       const auto amount = number_of(take_word(rest));  // no effect if it is 0
       if (!(amount && *amount == 0.0)) ignore(std::string(name));
       return;
@@ -153,7 +147,7 @@ class LibraryParser {
 
   void read_number_row(const NumberRow& row, std::string_view rest, std::string_view line) {
     std::string_view word = take_word(rest);
-    if (lower(word) == "-halo") {  // d -halo: transparent where it faces the viewer
+    if (lowercase(word) == "-halo") {  // d -halo: transparent where it faces the viewer
       ignore("d -halo");
       word = take_word(rest);
     }
@@ -213,7 +207,7 @@ class LibraryParser {
         break;
       } else if (word[0] == '-' && word.size() > 1 && word.find('.') == std::string_view::npos) {
         rest = after;
-        read_option(lower(word), rest, map, line);
+        read_option(lowercase(word), rest, map, line);
       } else {
         const char* const start = name.empty() ? word.data() : name.data();
         if (!is_quoted) name = {start, std::size_t(word.data() + word.size() - start)};
@@ -244,11 +238,11 @@ class LibraryParser {
       if (take_numbers(rest, std::span(values).first(1)) != 1) return bad_.add(line_, line);
       map.bump = float(values[0]);
     } else if (option == "-clamp") {
-      map.clamp = lower(take_word(rest)) == "on";
+      map.clamp = lowercase(take_word(rest)) == "on";
     } else if (is_one_of({"-boost", "-texres", "-blendu", "-blendv", "-cc", "-colorspace", "-type"})) {
       take_word(rest);  // for filters and memory of old renderers, and for reflections
     } else if (option == "-imfchan") {
-      const std::string channel = lower(take_word(rest));
+      const std::string channel = lowercase(take_word(rest));
       if (channel.size() == 1 && std::string_view("rgbml").find(channel[0]) != std::string_view::npos)
         map.channel = channel[0];
       else

@@ -1,4 +1,5 @@
 // Reader for points in text form. The header describes the columns.
+#include "core/lowercase.h"
 #include "scene/readers/model_readers.h"
 
 #include <algorithm>
@@ -95,8 +96,7 @@ std::vector<std::size_t> order_of(std::string_view line) {
     const std::string_view word = line.substr(0, line.find_first_of(kMarks));
     if (word.empty()) break;
     line.remove_prefix(word.size());
-    names.emplace_back(word);
-    for (char& c : names.back()) c = char(std::tolower(static_cast<unsigned char>(c)));
+    names.push_back(lowercase(word));
   }
   std::vector<std::size_t> first;
   for (const char* axis : {"x", "y", "z"}) {
