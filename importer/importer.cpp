@@ -72,6 +72,8 @@ void serve_import(int argc, char** argv, const ImportFunction& import, const Pan
   std::_Exit(int(ErrorKind::kFile));
 }
 
+// ---- limits of processor time and address space
+
 namespace {
 
 // OBJ, 3DS and glTF take 0.01 to 0.1 s per megabyte and at most 20 bytes of memory per byte (docs/reliability.md).

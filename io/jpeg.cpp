@@ -18,6 +18,8 @@ namespace umbrage {
 namespace fs = std::filesystem;
 namespace {
 
+// ---- the profile of sRGB
+
 using Bytes = std::vector<std::uint8_t>;
 
 /// Appends an unsigned integer of `size` bytes, the most significant first.
@@ -123,6 +125,8 @@ const std::vector<std::uint8_t>& srgb_profile() {
   static const Bytes profile = make_profile();
   return profile;
 }
+
+// ---- pictures
 
 /// libjpeg reports errors by a call that must not return; here longjmp, so functions that call setjmp own nothing with
 /// a destructor.

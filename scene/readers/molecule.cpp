@@ -23,8 +23,9 @@
 namespace umbrage {
 namespace {
 
-// ---- chemical elements: colours and radii of their atoms. Colours are those of Jmol (jmol.org, "Jmol colors"), radii
-// those of [Alvarez 2013], table 1.
+// ---- chemical elements: colours and radii of their atoms
+
+// Colours are those of Jmol (jmol.org, "Jmol colors"), radii those of [Alvarez 2013], table 1.
 
 struct Element {
   glm::vec3 color;  ///< linear
