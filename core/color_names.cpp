@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "core/lowercase.h"
+
 namespace umbrage {
 namespace {
 
@@ -79,9 +81,7 @@ std::optional<std::array<float, 3>> named_color(std::string_view text) {
     const auto rgb = parse_hexadecimal(text.substr(1));
     return rgb ? std::optional(color_of(*rgb)) : std::nullopt;
   }
-  std::string name(text);
-  for (char& c : name)
-    if (c >= 'A' && c <= 'Z') c = char(c + ('a' - 'A'));
+  const std::string name = lowercase(text);
   const auto found = std::lower_bound(std::begin(kColors), std::end(kColors), name,
                                       [](const NamedColor& color, const std::string& n) { return color.name < n; });
   return found != std::end(kColors) && found->name == name ? std::optional(color_of(found->rgb)) : std::nullopt;

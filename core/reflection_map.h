@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
+#include <memory>
 
 #include "core/light.h"
 
@@ -24,5 +25,10 @@ struct EnvironmentBrdf {
   std::array<float, std::size_t(kSide*kSide)> scale{}, bias{};
 };
 const EnvironmentBrdf& environment_brdf();
+
+/// Returns what surfaces mirror in a photo studio besides its lights: the map of a studio with a white backdrop: bright
+/// at the horizon, darker and cooler towards the ceiling, darker and warmer towards the floor. It looks the same from
+/// every side of the axis `up`.
+std::shared_ptr<const ReflectionMap> studio_reflections(const glm::vec3& up);
 
 }  // namespace umbrage

@@ -7,6 +7,7 @@
 #include <glm/matrix.hpp>
 #include <numbers>
 
+#include "core/lists.h"
 #include "core/numbers.h"
 #include "gbuffers/depth_trial.h"
 

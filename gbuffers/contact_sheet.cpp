@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/lists.h"
 #include "core/srgb.h"
 #include "gbuffers/depth_values.h"
 #include "gbuffers/fit.h"

@@ -9,12 +9,12 @@
 #include <numbers>
 #include <optional>
 
+#include "core/lists.h"
 #include "gbuffers/camera_guess.h"
 #include "gbuffers/deciding.h"
 #include "gbuffers/depth_guess.h"
 #include "gbuffers/elevation.h"
 #include "gbuffers/normal_guess.h"
-#include "gbuffers/position_depth.h"
 
 namespace umbrage {
 namespace {

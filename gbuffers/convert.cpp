@@ -1,12 +1,11 @@
 #include "gbuffers/convert.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "core/rows.h"
 #include "core/srgb.h"
 #include "gbuffers/depth_values.h"
 
@@ -16,12 +15,6 @@ namespace {
 constexpr float kNoSurface = std::numeric_limits<float>::infinity();
 constexpr const char* kRgb[] = {".r", ".g", ".b"};
 constexpr const char* kXyz[] = {".x", ".y", ".z"};
-
-/// Calls `work` for every row of the picture in `rows`, in parallel, with its number.
-template <class Work>
-void for_each_row(const Rows& rows, const Work& work) {
-  tbb::parallel_for(rows.begin, rows.end, [&](int y) { work(y); });
-}
 
 /// Returns the pixel of a row whose value stands for that of the pixel x: itself if is_valid(x), else the nearest valid
 /// one close by; -1 if there is none. A row alone decides, so that strips do not show.
@@ -75,7 +68,7 @@ void convert_color(const RawRows& raw, const Conventions& c, Role role, const st
     const Plane* factor = times == role ? nullptr : raw.find(times, channel);
     if (times != role && !factor) factor = raw.find(times, 0);
     Plane& plane = out.plane(name + kRgb[channel]);
-    for_each_row(rows, [&](int y) {
+    for_rows(rows.begin, rows.end, [&](int y) {
       const float* from = stored->row(y - raw.first);
       const float* by = factor ? factor->row(y - raw.first) : nullptr;
       float* to = plane.row(y - rows.begin);
@@ -107,7 +100,7 @@ void convert_alpha(const RawRows& raw, const Conventions& c, const Rows& rows, I
       for (const char* channel : kRgb)
         if (Plane* plane = out.find(std::string(name) + channel)) colors.push_back(plane);
   Plane& to = out.plane("beauty.a");
-  for_each_row(rows, [&](int y) {
+  for_rows(rows.begin, rows.end, [&](int y) {
     const float* from = alpha->row(y - raw.first);
     for (int x = 0; x < out.width; ++x) {
       const float a = std::isfinite(from[x]) ? std::clamp(from[x] * factor, 0.0f, 1.0f) : 0.0f;
@@ -128,7 +121,7 @@ void convert_normals(const RawRows& raw, const Conventions& c, const Rows& rows,
   const PixelGrid grid(c.camera, c.width, c.height);
   const auto scale = float(c.normal.scale), offset = float(c.normal.offset);
   const glm::mat3 rotation(c.normal.view_from_stored);
-  for_each_row(rows, [&](int y) {
+  for_rows(rows.begin, rows.end, [&](int y) {
     const int from = y - raw.first, to = y - rows.begin;
     const auto v = float(grid.v(y));
     const auto is_valid = [&](int k) {
@@ -159,7 +152,7 @@ void convert_ids(const RawRows& raw, Role role, const std::string& name, const I
   const IdReader ids(raw, role);
   Plane& plane = out.add(name) = Plane(out.width, out.height);
   const Plane& depth = out.plane("depth");
-  for_each_row(rows, [&](int y) {
+  for_rows(rows.begin, rows.end, [&](int y) {
     std::uint32_t last = 0;
     float index = table.index_of(last);
     for (int x = 0; x < out.width; ++x) {
@@ -175,7 +168,8 @@ void convert_own(const RawRows& raw, const Conversion& conversion, const Rows& r
     const Plane* from = raw.find(Role::kOwn, k);
     if (!from) continue;
     Plane& to = out.add(conversion.own[k]) = Plane(out.width, out.height);
-    for_each_row(rows, [&](int y) { std::copy_n(from->row(y - raw.first), out.width, to.row(y - rows.begin)); });
+    for_rows(rows.begin, rows.end,
+             [&](int y) { std::copy_n(from->row(y - raw.first), out.width, to.row(y - rows.begin)); });
   }
 }
 
@@ -187,7 +181,7 @@ Plane converted_depth(const RawRows& raw, const Conventions& c, const Rows& rows
   const Role role = c.depth.from_position ? Role::kPosition : Role::kDepth;
   const Plane* channels[3] = {raw.find(role, 0), raw.find(role, 1), raw.find(role, 2)};
   const bool by_ray = c.depth.model.meaning == DepthMeaning::kDistance && !c.depth.from_position;
-  for_each_row(rows, [&](int y) {
+  for_rows(rows.begin, rows.end, [&](int y) {
     for (int x = 0; x < c.width; ++x) {
       std::array<double, 3> stored{};
       for (std::size_t k = 0; k < 3; ++k)

@@ -1,9 +1,11 @@
-// What stored depths mean: candidates by name and range, tried against normals or flat surfaces.
+// What stored depths mean: candidates by name and range, tried against normals or flat surfaces; and
+// depth computed from positions, for files without a usable depth layer.
 #pragma once
 #include <optional>
 #include <string>
 
 #include "gbuffers/camera_guess.h"
+#include "gbuffers/conventions.h"
 #include "gbuffers/depth_trial.h"
 #include "gbuffers/depth_values.h"
 
@@ -32,5 +34,10 @@ Result<DepthGuess> guess_depth(const DepthEvidence& evidence);
 
 /// Returns the angle that is assumed for cameras of which nothing is known, vertical, in degrees.
 inline constexpr double kAssumedAngle_deg = 55.0;
+
+/// Sets how view depth follows from positions, and replaces the depths of the samples by it. Without a fit, positions
+/// are in the world of the file's camera if that puts them before it, else relative to the camera.
+void use_positions(const Samples& samples, const std::optional<ProjectionFit>& fit, const KnownCamera& known,
+                   PositionConvention& position, DepthValues& values, DepthModel& model);
 
 }  // namespace umbrage

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/lists.h"
 #include "gbuffers/deciding.h"
 
 namespace umbrage {
@@ -35,8 +36,7 @@ void warn_of_no_surface(Deciding& d) {
   const std::vector<double>& background = d.out.depth.background;
   const bool any = std::any_of(d.values.taps.begin(), d.values.taps.end(), [&](const auto& taps) {
     const double v = taps[kCenter];
-    return std::isfinite(view_depth(d.guess.trial.model, v, 1.0)) &&
-           std::find(background.begin(), background.end(), v) == background.end();
+    return std::isfinite(view_depth(d.guess.trial.model, v, 1.0)) && !contains(background, v);
   });
   std::string values = "all its values mean background";
   if (d.values.surfaces > 0)

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <set>
 
+#include "core/lists.h"
+
 namespace umbrage {
 namespace {
 

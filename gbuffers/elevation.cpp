@@ -8,6 +8,7 @@
 #include <limits>
 #include <set>
 
+#include "core/lists.h"
 #include "gbuffers/fit.h"
 
 namespace umbrage {
@@ -20,8 +21,7 @@ constexpr std::array kNoData = {-9999.0, -32767.0, -32768.0, -99999.0, double(st
 double no_data_of(double value) {
   constexpr double kNearly = 0.99;
   if (value <= kNearly * kNoData.back()) return std::isinf(value) ? std::numeric_limits<double>::quiet_NaN() : value;
-  return std::find(kNoData.begin(), kNoData.end(), value) != kNoData.end() ? value
-                                                                           : std::numeric_limits<double>::quiet_NaN();
+  return contains(kNoData, value) ? value : std::numeric_limits<double>::quiet_NaN();
 }
 
 /// Returns whether these values are many, and not just a few that mean no surface.

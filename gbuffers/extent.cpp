@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/lists.h"
+
 namespace umbrage {
 namespace {
 
@@ -53,12 +55,8 @@ void ExtentOfDepth::finish(float scene_radius, PictureInfo& info) {
   tbb::parallel_for(std::size_t(0), along_.size(), [&](std::size_t axis) {
     std::vector<float>& values = along_[axis];
     if (values.empty()) return;
-    const auto at = [&](double fraction) {
-      const auto nth = values.begin() + long(fraction * double(values.size() - 1));
-      std::nth_element(values.begin(), nth, values.end());
-      return *nth;
-    };
-    const float size = at(1.0 - kOutlierFraction) - at(kOutlierFraction);
+    const float size =
+        quantile_of_reordered(values, 1.0 - kOutlierFraction) - quantile_of_reordered(values, kOutlierFraction);
     squares[axis] = size * size;
   });
   const float square = squares[0] + squares[1] + squares[2];

@@ -6,66 +6,12 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <numbers>
-#include <numeric>
+
+#include "core/eigen.h"
+#include "core/lists.h"
 
 namespace umbrage {
 namespace {
-
-template <std::size_t N>
-using Matrix = std::array<std::array<double, N>, N>;
-
-/// Eigenvalues of a symmetric matrix, ascending, and its eigenvectors: vectors[k] belongs to values[k].
-template <std::size_t N>
-struct Eigen {
-  std::array<double, N> values{};
-  std::array<std::array<double, N>, N> vectors{};
-};
-
-/// Jacobi's method of cyclic rotations.
-template <std::size_t N>
-Eigen<N> eigen_of(Matrix<N> a) {
-  constexpr int kMaxSweeps = 40;
-  constexpr double kPrecision = 1e-30;  // of squares, relative to the diagonal
-  Matrix<N> v{};
-  for (std::size_t i = 0; i < N; ++i) v[i][i] = 1.0;
-  for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
-    double off = 0.0, diagonal = 0.0;
-    for (std::size_t i = 0; i < N; ++i)
-      for (std::size_t j = 0; j < N; ++j) (i == j ? diagonal : off) += a[i][j] * a[i][j];
-    if (!(off > kPrecision * diagonal)) break;
-    for (std::size_t p = 0; p < N; ++p)
-      for (std::size_t q = p + 1; q < N; ++q) {
-        if (a[p][q] == 0.0) continue;
-        const double theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-        const double t = std::copysign(1.0, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1.0));
-        const double c = 1.0 / std::sqrt(t * t + 1.0), s = t * c;
-        for (std::size_t k = 0; k < N; ++k) {
-          const double x = a[k][p], y = a[k][q];
-          a[k][p] = c * x - s * y;
-          a[k][q] = s * x + c * y;
-        }
-        for (std::size_t k = 0; k < N; ++k) {
-          const double x = a[p][k], y = a[q][k];
-          a[p][k] = c * x - s * y;
-          a[q][k] = s * x + c * y;
-        }
-        for (std::size_t k = 0; k < N; ++k) {
-          const double x = v[k][p], y = v[k][q];
-          v[k][p] = c * x - s * y;
-          v[k][q] = s * x + c * y;
-        }
-      }
-  }
-  std::array<std::size_t, N> order;
-  std::iota(order.begin(), order.end(), std::size_t(0));
-  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return a[i][i] < a[j][j]; });
-  Eigen<N> out;
-  for (std::size_t k = 0; k < N; ++k) {
-    out.values[k] = a[order[k]][order[k]];
-    for (std::size_t i = 0; i < N; ++i) out.vectors[k][i] = v[i][order[k]];
-  }
-  return out;
-}
 
 double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
   return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
@@ -76,11 +22,11 @@ glm::dmat3 rotation_of(const glm::dmat3& m) {
   // m[i][j] is the sum of from[i] * to[j].
   const double xx = m[0][0], xy = m[0][1], xz = m[0][2], yx = m[1][0], yy = m[1][1], yz = m[1][2], zx = m[2][0],
                zy = m[2][1], zz = m[2][2];
-  const Matrix<4> n = {{{xx + yy + zz, yz - zy, zx - xz, xy - yx},
-                        {yz - zy, xx - yy - zz, xy + yx, zx + xz},
-                        {zx - xz, xy + yx, yy - xx - zz, yz + zy},
-                        {xy - yx, zx + xz, yz + zy, zz - xx - yy}}};
-  const Eigen<4> eigen = eigen_of<4>(n);
+  const SymmetricMatrix<4> n = {{{xx + yy + zz, yz - zy, zx - xz, xy - yx},
+                                 {yz - zy, xx - yy - zz, xy + yx, zx + xz},
+                                 {zx - xz, xy + yx, yy - xx - zz, yz + zy},
+                                 {xy - yx, zx + xz, yz + zy, zz - xx - yy}}};
+  const EigenSystem<4> eigen = eigen_of(n);
   const auto& q = eigen.vectors[3];
   const double w = q[0], x = q[1], y = q[2], z = q[3];
   const glm::dmat3 rotation(glm::dvec3(1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)),
@@ -99,13 +45,6 @@ std::vector<double> angles_of(const DirectionPairs& pairs, const glm::dmat3& m) 
 constexpr double kTrimmed = 1.5, kTrimmedQuantile = 0.75;
 
 }  // namespace
-
-double quantile(std::vector<double> values, double fraction) {
-  if (values.empty()) return 0.0;
-  const auto nth = values.begin() + long(fraction * double(values.size() - 1));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
-}
 
 DirectionFit rate_directions(const DirectionPairs& pairs, const glm::dmat3& matrix) {
   DirectionFit fit;
@@ -187,7 +126,7 @@ Normalized normalized(std::span<const glm::dvec3> points, std::span<const glm::d
 
 /// Returns the projection of the used points; nothing if it is not unique.
 std::optional<Rows34> linear_fit(const Normalized& data, const std::vector<char>& used) {
-  Matrix<12> sums{};
+  SymmetricMatrix<12> sums{};
   const auto add = [&](const std::array<double, 12>& row) {
     for (std::size_t i = 0; i < 12; ++i)
       if (row[i] != 0.0)
@@ -200,7 +139,7 @@ std::optional<Rows34> linear_fit(const Normalized& data, const std::vector<char>
     add({p.x, p.y, p.z, 1.0, 0, 0, 0, 0, -q.x * p.x, -q.x * p.y, -q.x * p.z, -q.x});
     add({0, 0, 0, 0, p.x, p.y, p.z, 1.0, -q.y * p.x, -q.y * p.y, -q.y * p.z, -q.y});
   }
-  const Eigen<12> eigen = eigen_of<12>(sums);
+  const EigenSystem<12> eigen = eigen_of(sums);
   constexpr double kUnique = 1e-9;  // ratio of the second eigenvalue to the last: points in a plane have none
   if (!(eigen.values[1] > kUnique * eigen.values[11])) return std::nullopt;
   Rows34 rows;

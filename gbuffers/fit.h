@@ -48,7 +48,4 @@ struct ProjectionFit {
 std::optional<ProjectionFit> fit_projection(std::span<const glm::dvec3> points, std::span<const glm::dvec2> pixels,
                                             int width, int height);
 
-/// Returns the element at a fraction of the sorted values, 0 to 1; 0 if there are none.
-double quantile(std::vector<double> values, double fraction);
-
 }  // namespace umbrage

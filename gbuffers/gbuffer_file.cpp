@@ -4,17 +4,46 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <string>
+#include <vector>
 
+#include "core/lists.h"
+#include "gbuffers/conventions.h"
 #include "gbuffers/convert.h"
 #include "gbuffers/extent.h"
 #include "gbuffers/ids.h"
 #include "gbuffers/repair.h"
+#include "gbuffers/settings.h"
 #include "gbuffers/steps.h"
-#include "gbuffers/unused_settings.h"
 #include "io/layers.h"
 
 namespace umbrage {
 namespace {
+
+/// Returns a sentence for each setting of the depth that the conventions do not use.
+std::vector<std::string> unused_settings(const GBufferSettings& settings, const DepthConvention& depth) {
+  const GBufferSettings initial;
+  const DepthMeaning meaning = depth.model.meaning;
+  const bool is_buffer =
+      !depth.from_position && (meaning == DepthMeaning::kWindow || meaning == DepthMeaning::kReversed);
+  struct Setting {
+    const char* field;
+    bool is_set, is_used;
+    const char* why;
+  };
+  const char* no_buffer = "the depth is not that of a depth buffer; try `depth_kind` window";
+  const Setting all[] = {
+      {"near_plane", settings.near_plane != initial.near_plane, is_buffer, no_buffer},
+      {"far_plane", settings.far_plane != initial.far_plane, is_buffer, no_buffer},
+      {"cell_size", settings.cell_size.has_value(), meaning == DepthMeaning::kHeight,
+       "the depth is no elevation; try `depth_kind` height"},
+      {"depth_range", !settings.depth_range.empty(), !depth.from_position, "the depth is that of the positions"}};
+  std::vector<std::string> sentences;
+  for (const Setting& setting : all)
+    if (setting.is_set && !setting.is_used)
+      sentences.push_back(fmt::format("`{}` does nothing: {}", setting.field, setting.why));
+  return sentences;
+}
 
 /// Returns the rows with `margin` further ones above and below, within the picture.
 Rows with_margin(const Rows& rows, int margin, int height) {
@@ -264,9 +293,7 @@ Result<GBufferFile> GBufferFile::open(const GBufferSettings& settings, double me
 const PictureInfo& GBufferFile::info() const { return state_->info; }
 const GBufferFacts& GBufferFile::facts() const { return state_->facts; }
 const std::vector<std::string>& GBufferFile::plane_names() const { return state_->names; }
-bool GBufferFile::has_plane(std::string_view name) const {
-  return std::find(state_->names.begin(), state_->names.end(), name) != state_->names.end();
-}
+bool GBufferFile::has_plane(std::string_view name) const { return contains(state_->names, name); }
 
 Result<Image> GBufferFile::rows(const Rows& rows) const { return state_->finished(rows); }
 

@@ -2,17 +2,14 @@
 
 #include <algorithm>
 #include <bit>
-#include <cctype>
+
+#include "core/lists.h"
+#include "core/lowercase.h"
 
 namespace umbrage {
 namespace {
 
 constexpr int kBlockRows = 256;
-
-std::string lower(std::string text) {
-  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 /// Returns how well a layer's name says that its Cryptomatte is of objects; the lower, the better.
 int rank_of(const std::string& name, bool materials) {
@@ -39,14 +36,14 @@ std::optional<RoleChannels> find_cryptomatte(const LayeredFile& header, int file
   // A layer is Cryptomatte's if the header has an attribute "cryptomatte/KEY/name" for it, or by its own name.
   std::vector<std::string> declared;
   for (const auto& [key, value] : header.attributes)
-    if (key.starts_with("cryptomatte/") && key.ends_with("/name")) declared.push_back(lower(value));
+    if (key.starts_with("cryptomatte/") && key.ends_with("/name")) declared.push_back(lowercase(value));
   std::optional<RoleChannels> best;
   int best_rank = kOther;
   for (const ChannelGroup& group : groups_of(header, file)) {
     const std::string& layer = group.layer.empty() ? group.part : group.layer;
     if (!group.is_color || !layer.ends_with(kRank0)) continue;
-    const std::string name = lower(layer.substr(0, layer.size() - kRank0.size()));
-    const bool is_declared = std::find(declared.begin(), declared.end(), name) != declared.end();
+    const std::string name = lowercase(layer.substr(0, layer.size() - kRank0.size()));
+    const bool is_declared = contains(declared, name);
     if (!is_declared && name.find("crypto") == std::string::npos) continue;
     if (header.channels[std::size_t(group.channels[0])].type != ChannelType::kFloat) continue;
     const int rank = rank_of(name, materials);

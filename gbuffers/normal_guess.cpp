@@ -8,6 +8,8 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "core/lists.h"
+
 namespace umbrage {
 namespace {
 

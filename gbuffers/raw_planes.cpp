@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "core/lists.h"
+
 namespace umbrage {
 namespace {
 
@@ -38,8 +40,7 @@ Image upside_down(const Image& rows) {
 Result<void> fill(const LayeredFile& header, const std::vector<Filled>& planes, bool flip, RowStore& store) {
   std::vector<int> channels;
   for (const Filled& filled : planes)
-    if (std::find(channels.begin(), channels.end(), filled.channel) == channels.end())
-      channels.push_back(filled.channel);
+    if (!contains(channels, filled.channel)) channels.push_back(filled.channel);
   return read_rows(header, channels, [&](const Image& rows, int first) -> Result<void> {
     Image named(rows.width, rows.height);
     for (const Filled& filled : planes) {
@@ -117,9 +118,8 @@ bool RawPlanes::is_in_memory() const {
 
 bool RawPlanes::has(Role role, std::size_t channel) const {
   const std::string name = raw_plane(role, channel);
-  return std::any_of(stores_.begin(), stores_.end(), [&](const RowStore& store) {
-    return std::find(store.names().begin(), store.names().end(), name) != store.names().end();
-  });
+  return std::any_of(stores_.begin(), stores_.end(),
+                     [&](const RowStore& store) { return contains(store.names(), name); });
 }
 
 Result<RawRows> RawPlanes::rows(const Rows& rows) const {

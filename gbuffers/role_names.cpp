@@ -1,5 +1,5 @@
 // Names are in small letters without blanks, underscores and hyphens.
-#include "gbuffers/role_names.h"
+#include "gbuffers/roles.h"
 
 #include <vector>
 

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <limits>
 #include <optional>
 
+#include "core/lists.h"
+#include "core/lowercase.h"
 #include "core/suggest.h"
-#include "gbuffers/role_names.h"
 
 namespace umbrage {
 namespace {
@@ -18,7 +18,7 @@ namespace {
 std::string plain(std::string_view text) {
   std::string out;
   for (const char c : text)
-    if (c != ' ' && c != '_' && c != '-') out += char(std::tolower(static_cast<unsigned char>(c)));
+    if (c != ' ' && c != '_' && c != '-') out += lowercase(c);
   return out;
 }
 
@@ -56,7 +56,7 @@ bool fits(Role role, const ChannelGroup& group, const LayeredFile& header) {
 /// Letters that say nothing but "the channel of this layer".
 bool is_generic(std::string_view channel) {
   constexpr std::string_view kLetters[] = {"z", "v", "r", "y", "t", "d", "a", "l", "x", "i", "g", "b", "value", "grey"};
-  return std::find(std::begin(kLetters), std::end(kLetters), channel) != std::end(kLetters);
+  return contains(kLetters, channel);
 }
 
 /// Returns where a channel stands in a colour or vector, and which of the two: 'c' or 'v'.
@@ -114,7 +114,7 @@ std::vector<KnownAs> known_as(const ChannelGroup& group, const LayeredFile& head
 bool is_no_depth(const ChannelGroup& group, const LayeredFile& header) {
   constexpr std::string_view kOthers[] = {"ao", "ambientocclusion", "occlusion", "shadow", "outline", "mask", "cover"};
   for (const KnownAs& known : known_as(group, header))
-    if (std::find(std::begin(kOthers), std::end(kOthers), known.name) != std::end(kOthers)) return true;
+    if (contains(kOthers, known.name)) return true;
   return false;
 }
 
@@ -148,8 +148,7 @@ const ChannelGroup* best_group(const Search& search, Role role, Names names) {
   int best_rank = std::numeric_limits<int>::max();
   for (const ChannelGroup& group : search.groups) {
     const LayeredFile& header = search.headers[std::size_t(group.file)];
-    if (!fits(role, group, header) || std::find(search.taken.begin(), search.taken.end(), &group) != search.taken.end())
-      continue;
+    if (!fits(role, group, header) || contains(search.taken, &group)) continue;
     const auto rank = rank_in(names, known_as(group, header));
     if (!rank) continue;
     const int total = *rank + (prefix_of(group) == search.prefix ? 0 : kOtherPrefix);
@@ -260,11 +259,10 @@ void find_all(const LayeredFile& header, int file, const std::vector<ChannelGrou
 /// Returns the view to use, and fills `views`. Errors: kUsage.
 Result<std::string> chosen_view(const LayeredFile& header, const std::string& wanted, std::vector<std::string>& views) {
   for (const Channel& channel : header.channels)
-    if (!channel.view.empty() && std::find(views.begin(), views.end(), channel.view) == views.end())
-      views.push_back(channel.view);
+    if (!channel.view.empty() && !contains(views, channel.view)) views.push_back(channel.view);
   if (views.empty()) return std::string();
   if (wanted.empty()) return views.front();
-  if (std::find(views.begin(), views.end(), wanted) != views.end()) return wanted;
+  if (contains(views, wanted)) return wanted;
   return usage_error("'{}' has no view '{}'{}", header.path.string(), wanted, suggestion(wanted, views));
 }
 

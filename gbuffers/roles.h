@@ -94,4 +94,20 @@ Result<Roles> find_roles(std::span<const RoleFile> files, std::span<const Layere
 /// Returns whether Umbrage wrote the file, whose conventions are then known.
 bool is_own_file(const LayeredFile& header);
 
+using Names = std::span<const std::string_view>;
+
+/// A name of depth layers, and what it says of their values.
+struct DepthName {
+  std::string_view name;
+  DepthHint hint = DepthHint::kNone;
+};
+
+/// Returns the names of depth layers, the preferred first: exact depth before depth for a denoiser, planar before ray
+/// distance.
+std::span<const DepthName> depth_names();
+
+/// Returns the names of layers with a role, the preferred first, in small letters without blanks, underscores and
+/// hyphens.
+Names names_of(Role role);
+
 }  // namespace umbrage

@@ -1,5 +1,5 @@
 // Reads glTF 2.0 [glTF 2.0]: nodes, meshes, materials and cameras become a Scene.
-#include "importer/gltf.h"
+#include "importer/readers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,11 +8,8 @@
 #include <glm/trigonometric.hpp>
 #include <set>
 
-#include "importer/gltf_extensions.h"
-#include "importer/gltf_lights.h"
-#include "importer/gltf_materials.h"
 #include "importer/gltf_nodes.h"
-#include "importer/gltf_skin.h"
+#include "importer/gltf_parts.h"
 #include "scene/readers/import_parts.h"
 #include "scene/readers/positions.h"
 

@@ -1,7 +1,9 @@
-#include "importer/gltf_extensions.h"
+// Extensions of glTF: which are read, and warnings for the others.
+#include "importer/gltf_parts.h"
 
-#include <algorithm>
 #include <set>
+
+#include "core/lists.h"
 
 namespace umbrage {
 namespace {
@@ -39,10 +41,6 @@ constexpr std::string_view kInvisible[] = {"ADOBE_materials_thin_transparency_hi
 
 constexpr std::string_view kOfMaterials = "KHR_materials_", kVariants = "KHR_materials_variants";
 
-bool is_in(std::string_view name, const auto& list) {
-  return std::find(std::begin(list), std::end(list), name) != std::end(list);
-}
-
 std::set<std::string> names_in(const Json& list) {
   std::set<std::string> names;
   for (std::size_t k = 0; k < count_of(list); ++k)
@@ -60,7 +58,7 @@ void warn_of_extensions(GltfFile& file) {
   if (const Json& of_root = member(file.json, "extensions"); of_root.is_object())
     for (const auto& [name, ignored] : of_root.items()) names.insert(name);
   for (const std::string& name : names) {
-    if (is_in(name, kRead) || is_in(name, kInvisible)) continue;
+    if (contains(kRead, name) || contains(kInvisible, name)) continue;
     if (name == kVariants) {
       const std::size_t count = count_of(member(extension_of(file.json, kVariants.data()), "variants"));
       file.warn_once(name,

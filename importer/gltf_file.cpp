@@ -7,7 +7,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "importer/limits.h"
+#include "importer/importer.h"
 #include "importer/texture_cache.h"
 #include "scene/readers/whole_file.h"
 

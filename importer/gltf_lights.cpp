@@ -1,4 +1,5 @@
-#include "importer/gltf_lights.h"
+// Lights of glTF files [KHR_lights_punctual].
+#include "importer/gltf_parts.h"
 
 #include <algorithm>
 #include <glm/common.hpp>

@@ -1,9 +1,11 @@
-#include "importer/gltf_materials.h"
+// Materials of glTF files. Metalness and roughness also become a Blinn-Phong highlight, see import_materials.cpp.
+#include "importer/gltf_parts.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
 
+#include "core/lists.h"
 #include "importer/gltf_textures.h"
 #include "importer/material_rules.h"
 
@@ -43,7 +45,7 @@ bool differs(const Json& value, double neutral) {
 
 /// Returns whether an extension of a material changes its look and is not drawn.
 bool is_ignored(std::string_view kind, const Json& properties) {
-  if (std::find(std::begin(kDrawn), std::end(kDrawn), kind) != std::end(kDrawn)) return false;
+  if (contains(kDrawn, kind)) return false;
   bool is_known = false;
   for (const IgnoredExtension& each : kIgnored) {
     if (each.kind != kind) continue;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "importer/gltf_draco.h"
+#include "importer/gltf_parts.h"
 
 namespace umbrage {
 namespace {

@@ -1,4 +1,5 @@
-// Nodes of glTF files: their transforms, also at a time of an animation, and the scene that they form.
+// Nodes of glTF files: their transforms, also at a time of an animation, the scene that they form, and the
+// skins and instances that give transforms to meshes.
 #pragma once
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat4x4.hpp>
@@ -42,5 +43,11 @@ std::vector<GltfAnimation> list_animations(GltfFile& file);
 /// Moves the nodes to a time of an animation, seconds; before its start and after its end they keep its first and last
 /// pose. Channels that are invalid, or that change something else than nodes, cause a warning.
 void animate(GltfFile& file, int animation, double time_s, std::vector<GltfNode>& nodes);
+
+/// Returns, for each joint of a skin, the transform from the space of the mesh to world space. Errors: kFile.
+Result<std::vector<glm::dmat4>> transforms_of_skin(GltfFile& file, int skin, const std::vector<glm::dmat4>& world);
+
+/// Returns the transforms of a node's copies, relative to the node [EXT_mesh_gpu_instancing]; one if there are none.
+std::vector<glm::dmat4> instances_of(GltfFile& file, const Json& node);
 
 }  // namespace umbrage

@@ -1,7 +1,7 @@
 // glTF: geometry of all kinds of accessors, primitives, nodes, skins and animations, and bad files.
-#include "importer/gltf.h"
 #include "importer/gltf_accessor.h"
 #include "importer/gltf_test_support.h"
+#include "importer/readers.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "importer/import_in_process.h"
+#include "importer/importer.h"
 
 namespace umbrage::test {
 

@@ -6,7 +6,7 @@
 #include <glm/common.hpp>
 
 #include "core/srgb.h"
-#include "importer/texture_image.h"
+#include "importer/texture_cache.h"
 
 namespace umbrage {
 namespace {

@@ -1,7 +1,7 @@
 // Import of models: OBJ, PLY, OFF, STL, 3MF and points in text form by our own readers, PDB through Gemmi, all other
 // formats through Assimp. Assimp only parses and triangulates; scene/finish.cpp joins vertices and creates normals,
 // which is faster and gives all formats the same rules.
-#include "importer/import_in_process.h"
+#include "importer/importer.h"
 
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/MemoryIOWrapper.h>
@@ -29,17 +29,10 @@
 #include <string_view>
 #include <system_error>
 
-#include "importer/gltf.h"
 #include "importer/import_materials.h"
-#include "importer/limits.h"
-#include "importer/obj_maps.h"
-#include "importer/pdb.h"
-#include "importer/three_mf.h"
+#include "importer/readers.h"
 #include "scene/readers/import_parts.h"
-#include "scene/readers/off.h"
-#include "scene/readers/ply.h"
-#include "scene/readers/point_text.h"
-#include "scene/readers/stl.h"
+#include "scene/readers/model_readers.h"
 #include "scene/readers/vertex_colors.h"
 #include "scene/readers/whole_file.h"
 

@@ -16,7 +16,7 @@
 #include "core/srgb.h"
 #include "importer/material_rules.h"
 #include "importer/texture_cache.h"
-#include "scene/readers/specular_exponent.h"
+#include "scene/scene.h"
 
 namespace umbrage {
 namespace {

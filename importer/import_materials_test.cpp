@@ -7,7 +7,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "scene/readers/specular_exponent.h"
+#include "scene/scene.h"
 
 namespace umbrage {
 namespace {

@@ -10,8 +10,7 @@
 #include <glm/geometric.hpp>
 #include <thread>
 
-#include "importer/import_in_process.h"
-#include "importer/limits.h"
+#include "importer/importer.h"
 #include "run_program.h"
 #include "scene/readers/import_in_child_process.h"
 #include "scene/readers/transfer.h"

@@ -1,6 +1,5 @@
 // umbrage-import: reads a model or a panorama for the host that starts it.
-#include "importer/import_in_process.h"
-#include "importer/serve.h"
+#include "importer/importer.h"
 #include "scene/readers/texture_file.h"
 
 int main(int argc, char** argv) {

@@ -1,5 +1,5 @@
 #include "importer/material_rules.h"
-#include "scene/readers/specular_exponent.h"
+#include "scene/scene.h"
 
 #include <algorithm>
 #include <glm/common.hpp>

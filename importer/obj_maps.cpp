@@ -1,4 +1,5 @@
-#include "importer/obj_maps.h"
+// The textures of an OBJ file's materials.
+#include "importer/readers.h"
 
 #include <fmt/format.h>
 

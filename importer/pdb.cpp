@@ -1,4 +1,5 @@
-#include "importer/pdb.h"
+// Reader for PDB files, through Gemmi.
+#include "importer/readers.h"
 
 #include <gemmi/pdb.hpp>
 
@@ -7,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/readers/byte_order_mark.h"
 #include "scene/readers/molecule.h"
 #include "scene/readers/read_number.h"
 #include "scene/readers/whole_file.h"

@@ -1,11 +1,13 @@
 // The textures of a model file: finds and reads each of them once, and combines them.
 #pragma once
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 
 #include "core/result.h"
@@ -69,5 +71,11 @@ struct TextureCache {
   std::optional<Texture> read_or_warn(const std::string& name, const char* consequence);
   int add(Texture texture, const std::string& key);
 };
+
+/// Decodes an image in memory; `name` is for messages. Errors: kFile.
+Result<Texture> decode_texture_image(std::span<const std::uint8_t> bytes, const std::string& name);
+
+/// Reads and decodes an image file. Errors: kFile.
+Result<Texture> read_texture_image(const std::filesystem::path& file);
 
 }  // namespace umbrage

@@ -1,4 +1,6 @@
-#include "importer/three_mf.h"
+// 3MF, the format of 3D printing, by the 3MF core specification 1.3 and its materials and production extensions. Used
+// instead of Assimp, since Assimp 5.2 drops the colours of triangles.
+#include "importer/readers.h"
 
 #include <zip.h>
 
@@ -16,7 +18,7 @@
 #include <set>
 #include <unordered_map>
 
-#include "importer/limits.h"
+#include "importer/importer.h"
 #include "scene/readers/positions.h"
 #include "scene/readers/read_number.h"
 #include "scene/readers/texture_file.h"

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 
+#include "core/lowercase.h"
 #include "core/numbers.h"
 #include "io/geo_tags.h"
 #include "io/layer_format.h"
@@ -21,8 +22,6 @@ struct Reader {
   int width = 0, height = 0;
   GeoRaster geo;
 };
-
-char lower(char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; }
 
 /// Reads the next word; empty at the end. Longer words than numbers and keywords can be are cut.
 std::string next_word(std::FILE* stream) {
@@ -51,7 +50,7 @@ bool is_in_degrees(const fs::path& file) {
   std::ifstream stream(beside.replace_extension(".prj"), std::ios::binary);
   std::string start(256, '\0');
   stream.read(start.data(), std::streamsize(start.size()));
-  for (char& c : start) c = lower(c);
+  start = lowercase(start);
   return start.starts_with("geogcs") || start.starts_with("geogcrs") ||
          (start.starts_with("projection") && start.find("geographic") < start.find('\n'));
 }
@@ -67,13 +66,13 @@ Result<void> open(const fs::path& file, Reader& reader) {
   while (true) {
     data = ::ftello(in);
     std::string key = next_word(in);
-    if (key.empty() || !std::isalpha(static_cast<unsigned char>(key[0])) || lower(key[0]) == 'n') {
+    if (key.empty() || !std::isalpha(static_cast<unsigned char>(key[0])) || lowercase(key[0]) == 'n') {
       double number = 0.0;  // nan is the first value, not a keyword
       if (key.empty() || to_number(key, number)) break;
       if (!std::isalpha(static_cast<unsigned char>(key[0])))
         return file_error("'{}' cannot be read as a grid: its header or first value is damaged", file.string());
     }
-    for (char& c : key) c = lower(c);
+    key = lowercase(key);
     double number = 0.0;
     if (!to_number(next_word(in), number))
       return file_error("'{}' has no number after '{}' in its header", file.string(), printable(key));
@@ -141,8 +140,7 @@ Result<void> read_grid_rows(const LayeredFile& file, std::span<const int> channe
 }
 
 bool is_grid(std::string_view start) {
-  std::string word;
-  for (const char c : start.substr(0, start.find_first_of(" \t"))) word += lower(c);
+  const std::string word = lowercase(start.substr(0, start.find_first_of(" \t")));
   return start.find_first_of(" \t") != std::string_view::npos && (word == "ncols" || word == "nrows");
 }
 

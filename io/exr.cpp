@@ -43,6 +43,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "core/lists.h"
 #include "io/exr_support.h"
 #include "io/layer_format.h"
 
@@ -248,9 +249,9 @@ Result<void> write(const fs::path& file, const ImageShape& image, const WriteSet
       return file_error("'{}' cannot be written: '{}' and another plane would both be the channel '{}'", file.string(),
                         name, channel);
     const auto& whole = settings.integer_planes;
-    const Imf::PixelType type = std::find(whole.begin(), whole.end(), name) != whole.end() ? Imf::UINT
-                                : settings.half && !needs_float(name)                      ? Imf::HALF
-                                                                                           : Imf::FLOAT;
+    const Imf::PixelType type = contains(whole, name)                 ? Imf::UINT
+                                : settings.half && !needs_float(name) ? Imf::HALF
+                                                                      : Imf::FLOAT;
     header.channels().insert(channel, Imf::Channel(type));
     channels.push_back(channel);
   }
@@ -289,9 +290,7 @@ Result<Image> read(const fs::path& file) {
     std::string name = exr_plane_of(channel.layer.empty() ? full : stored);
     // If a file has both forms of a name, such as N.X and N.x, or two parts with the same name, all of them are kept
     // under different names.
-    const auto is_taken = [&] {
-      return std::find(image->names.begin(), image->names.end(), name) != image->names.end();
-    };
+    const auto is_taken = [&] { return contains(image->names, name); };
     if ((name != stored && in_part(channel, name)) || is_taken()) name = full;
     if (is_taken())
       return file_error("'{}' has two channels for the name '{}': rename one of them", file.string(), name);

@@ -1,4 +1,5 @@
-#include "io/exr_check.h"
+// A check of OpenEXR headers before the OpenEXR library reads them.
+#include "io/exr_support.h"
 
 #include <array>
 #include <span>

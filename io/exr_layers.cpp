@@ -28,7 +28,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "io/exr_blocks.h"
+#include "core/lists.h"
 #include "io/exr_part.h"
 #include "io/exr_support.h"
 
@@ -63,8 +63,7 @@ void add_attributes(const Imf::Header& header, LayeredFile& file) {
   constexpr std::string_view kStructure[] = {"chunkCount", "maxSamplesPerPixel", "name", "type", "version", "view"};
   for (auto it = header.begin(); it != header.end(); ++it) {
     const std::string name = printable(it.name());
-    if (file.attribute(name) || std::find(std::begin(kStructure), std::end(kStructure), name) != std::end(kStructure))
-      continue;
+    if (file.attribute(name) || contains(kStructure, name)) continue;
     const Imf::Attribute& any = it.attribute();
     std::string text;
     if (const auto* words = dynamic_cast<const Imf::StringAttribute*>(&any))

@@ -2,8 +2,10 @@
 #pragma once
 #include <ImathBox.h>
 #include <ImfHeader.h>
+#include <ImfInputPart.h>
 #include <ImfMultiPartInputFile.h>
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -50,5 +52,19 @@ Result<void> read_deep_rows(const LayeredFile& file, Imf::MultiPartInputFile& in
 
 /// Returns the number of rows that a part's blocks or tiles have.
 int rows_per_block(const Imf::Header& header);
+
+/// Rows of a channel as floats: where pixel (x0, first row) goes, and how far apart rows are.
+struct ExrRows {
+  std::string channel;
+  float* start = nullptr;
+  std::ptrdiff_t stride = 0;  ///< floats
+};
+
+/// Returns whether read_exr_blocks can read a part: scanlines, no or ZIP compression, no subsampled channels.
+bool has_plain_blocks(const Imf::Header& header);
+
+/// Reads rows [first, last] and columns [x0, x1] of the data window. Throws the library's exceptions, and others of the
+/// standard library, for damaged data.
+void read_exr_blocks(Imf::InputPart& part, int first, int last, int x0, int x1, std::span<const ExrRows> channels);
 
 }  // namespace umbrage

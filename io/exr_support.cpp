@@ -8,7 +8,6 @@
 #include <algorithm>
 
 #include "io/exr_camera.h"
-#include "io/exr_check.h"
 #include "io/format.h"
 
 namespace umbrage {

@@ -3,6 +3,8 @@
 #include <ImfHeader.h>
 #include <ImfMultiPartInputFile.h>
 
+#include <cstdint>
+#include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <glm/mat4x4.hpp>
@@ -61,5 +63,9 @@ auto catching_exr(const std::filesystem::path& file, Work&& work) -> decltype(wo
     return file_error("'{}' cannot be read as EXR: {}", file.string(), exr_cause(exception));
   }
 }
+
+/// Checks the headers of an EXR file, open as `stream`, of `size` bytes. The library allocates whatever a damaged
+/// header claims: up to 2 GB for an attribute, and tables for windows of any size. Errors: kFile, naming `file`.
+Result<void> check_exr_headers(const std::filesystem::path& file, std::FILE* stream, std::int64_t size);
 
 }  // namespace umbrage

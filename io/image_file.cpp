@@ -6,7 +6,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -15,6 +14,8 @@
 #include <new>
 
 #include "core/check.h"
+#include "core/lists.h"
+#include "core/lowercase.h"
 #include "core/suggest.h"
 #include "io/format.h"
 
@@ -73,11 +74,8 @@ std::span<const ImageFormat> image_formats() {
 }
 
 std::string lowercase_extension(const fs::path& file) {
-  std::string own_extension = file.extension().string();
-  if (!own_extension.empty()) own_extension.erase(0, 1);
-  for (char& c : own_extension)
-    if (c >= 'A' && c <= 'Z') c += 'a' - 'A';
-  return own_extension;
+  const std::string own_extension = lowercase(file.extension().string());
+  return own_extension.empty() ? own_extension : own_extension.substr(1);
 }
 
 Result<const ImageFormat*> format_of(const fs::path& file) {
@@ -141,7 +139,7 @@ Result<std::vector<const Plane*>> picture_planes(const fs::path& file, const Ima
   if (image.width < 1 || image.height < 1)
     return file_error("'{}' cannot be written: the image is {} x {} pixels", file.string(), image.width, image.height);
   std::vector<const Plane*> planes = {image.find("color.r"), image.find("color.g"), image.find("color.b")};
-  if (std::find(planes.begin(), planes.end(), nullptr) == planes.end()) {
+  if (!contains(planes, nullptr)) {
     if (const Plane* alpha = image.find("color.a"); alpha && with_alpha) planes.push_back(alpha);
     return planes;
   }

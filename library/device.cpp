@@ -122,8 +122,6 @@ using namespace umbrage;  // for the C functions below
 
 int umbGetVersion(void) { return UMB_VERSION; }
 
-UmbError umbGetError(const char** message) { return thread_errors().take(message); }
-
 UmbDevice umbNewDevice(const char* name, int threads) {
   return make_object<UmbDevice>("umbNewDevice", [&] { return DeviceObject::make(name, threads); });
 }

@@ -21,7 +21,6 @@ class DeviceObject final : public Object {
   /// Creates a device. Errors: those of make_device.
   static Result<std::shared_ptr<Object>> make(const char* name, int threads);
 
-  void report_error(const Error& error);
   void report_warning(const std::string& message);
   void set_error_callback(UmbErrorCallback callback, void* user);
   void set_log_callback(UmbLogCallback callback, void* user);
@@ -57,7 +56,8 @@ class DeviceObject final : public Object {
   std::optional<PlanePoolLock> pool_lock;
 
  protected:
-  DeviceObject* reporting_device() override { return this; }
+  Object* reporting_device() override { return this; }
+  void report_error(const Error& error) override;
 
  private:
   void release_deferred();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/lists.h"
 #include "library/job.h"
 #include "library/shared.h"
 #include "renderer/passes.h"
@@ -316,7 +317,7 @@ std::vector<Output> JobObject::default_outputs(const Recipe& recipe) const {
   std::vector<std::string> passes = {"color"};
   if (recipe.effects_look) {
     const auto& effects = recipe.effects_look->effects;
-    if (std::find(effects.begin(), effects.end(), "output") == effects.end()) passes.clear();
+    if (!contains(effects, "output")) passes.clear();
     for (const std::string& name :
          passes_of_effect(*find_effect(effects.back()), params_of(recipe.settings, effects.back())))
       passes.push_back(name);
@@ -338,7 +339,7 @@ Result<void> JobObject::write_outputs(const Frame& frame, const Recipe& recipe, 
       names.push_back(output.pass);
   std::vector<std::vector<std::string>> planes(outputs.size(), kColor);
   const std::vector<std::string> available = device.plane_names(frame);
-  if (!outputs.empty() && std::find(available.begin(), available.end(), "color.r") == available.end())
+  if (!outputs.empty() && !contains(available, "color.r"))
     return usage_error("the effects write no picture: the output 'color' requires a look or the effect 'output'");
   if (!names.empty()) {
     const auto chosen = chosen_planes(names, available, frame.info);

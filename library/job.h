@@ -71,7 +71,7 @@ class JobObject final : public Object {
   GBufferFacts facts;            ///< of the last files
 
  protected:
-  DeviceObject* reporting_device() override { return device_.get(); }
+  Object* reporting_device() override { return device_.get(); }
 
  private:
   /// A job with all parameters resolved, as far as this is possible without its scene.

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <span>
 
+#include "core/lists.h"
 #include "core/srgb.h"
 #include "core/suggest.h"
 #include "library/scene.h"
@@ -30,7 +31,7 @@ struct Buffer {
 
 Result<void> expect(const Buffer& buffer, const std::string& name, std::initializer_list<PixelType> types, int channels,
                     int max_channels) {
-  if (std::find(types.begin(), types.end(), buffer.type) == types.end()) {
+  if (!contains(types, buffer.type)) {
     std::vector<std::string> names;
     for (const PixelType type : types) names.emplace_back(name_of(type));
     return usage_error("the buffer '{}' cannot hold {}: it takes {}", name, name_of(buffer.type), joined_by_or(names));
@@ -120,8 +121,7 @@ Result<void> set_buffer(const std::string& name, const Buffer& buffer, SharedMes
 Result<void> set_floats(const std::string& name, std::span<const float> values, SharedMesh& shared) {
   constexpr std::array<std::string_view, 5> kNames = {"albedo", "emission", "specular", "shininess", "alpha_cutoff"};
   const std::size_t count = name == "albedo" || name == "emission" ? 3 : 1;
-  if (std::find(kNames.begin(), kNames.end(), name) == kNames.end())
-    return usage_error("a mesh has no parameter '{}'{}", name, suggestion(name, kNames));
+  if (!contains(kNames, name)) return usage_error("a mesh has no parameter '{}'{}", name, suggestion(name, kNames));
   if (values.size() != count) return usage_error("'{}' of a mesh takes {} numbers, not {}", name, count, values.size());
   for (const float v : values)
     if (!(v >= 0.0f) || !std::isfinite(v))

@@ -2,8 +2,6 @@
 
 #include <unordered_map>
 
-#include "library/device.h"
-
 namespace umbrage {
 namespace {
 
@@ -66,7 +64,7 @@ void UseLock::end(Use use) {
 UmbError Object::fail(Error error) {
   const auto code = UmbError(error.kind);
   try {
-    DeviceObject* device = reporting_device();
+    Object* device = reporting_device();
     if (device && device != this) device->errors.store(error);
     errors.store(error);
     if (device) device->report_error(error);
@@ -102,3 +100,5 @@ void release_reference(const void* handle) {
 }
 
 }  // namespace umbrage
+
+UmbError umbGetError(const char** message) { return umbrage::thread_errors().take(message); }

@@ -75,8 +75,6 @@ class UseGuard {
   const bool begun_;
 };
 
-class DeviceObject;
-
 class Object {
  public:
   virtual ~Object() = default;
@@ -92,7 +90,9 @@ class Object {
 
  protected:
   /// Returns the device whose callback receives errors; null: none.
-  virtual DeviceObject* reporting_device() = 0;
+  virtual Object* reporting_device() = 0;
+  /// Calls the error callback of this object. Only devices have one.
+  virtual void report_error(const Error&) {}
 };
 
 /// Adds an object to the table. Returns its handle, which is never reused.

@@ -54,7 +54,7 @@ class SceneObject final : public Object {
   ProgressMonitor progress;
 
  protected:
-  DeviceObject* reporting_device() override { return device_.get(); }
+  Object* reporting_device() override { return device_.get(); }
 
  private:
   Error empty_scene_error() const;

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "renderer/options.h"
-#include "scene/origin.h"
+#include "scene/scene.h"
 
 namespace umbrage {
 namespace {

@@ -26,7 +26,7 @@ class VulkanShadingObject final : public Object {
   std::string size = "no pixels";  ///< of the G-buffer of the current call
 
  protected:
-  DeviceObject* reporting_device() override { return nullptr; }
+  Object* reporting_device() override { return nullptr; }
 };
 
 namespace {

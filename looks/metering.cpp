@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/lists.h"
+
 namespace umbrage {
 
 float stops_from_lights(const PictureInfo& info) {
@@ -37,12 +39,7 @@ float Metering::stops_by_median(float usual) {
   constexpr float kAppliedFraction = 0.9f;  // fraction of the correction, in stops, that is applied
   constexpr float kMaxStops = 2.5f;         // bound of the correction, up or down
   if (seen_.empty()) return usual;
-  const auto value_at = [this](double fraction) {
-    const auto value = seen_.begin() + long(double(seen_.size() - 1) * fraction);
-    std::nth_element(seen_.begin(), value, seen_.end());
-    return *value;
-  };
-  const float median = value_at(0.5), bright = value_at(1.0 - kHighlights);
+  const float median = quantile_of_reordered(seen_, 0.5), bright = quantile_of_reordered(seen_, 1.0 - kHighlights);
   if (!(median > 0.0f)) return usual;
   const float stops = std::min(std::log2(kMeteredMedian / median), std::log2(kMeteredBright / bright)) - usual;
   return usual + std::clamp(kAppliedFraction * stops, -kMaxStops, kMaxStops);
@@ -56,12 +53,11 @@ float Metering::stops_by_picture(float usual) {
   constexpr float kBlack = 1e-4f;           // relative to the brightest; darker values are clamped
   std::vector<float>& seen = seen_;
   if (seen.empty()) return usual;
-  const auto bright = seen.begin() + long(double(seen.size() - 1) * (1.0 - kHighlights));
-  std::nth_element(seen.begin(), bright, seen.end());
-  if (!(*bright > 0.0f)) return usual;
+  const float bright = quantile_of_reordered(seen, 1.0 - kHighlights);
+  if (!(bright > 0.0f)) return usual;
   double logs = 0.0;
-  for (const float v : seen) logs += std::log2(std::max(v, kBlack * *bright));
-  const float to_white = std::log2(kMeteredWhite / *bright) - usual;
+  for (const float v : seen) logs += std::log2(std::max(v, kBlack * bright));
+  const float to_white = std::log2(kMeteredWhite / bright) - usual;
   const float to_grey = std::log2(kMeteredGrey) - float(logs / double(seen.size())) - usual;
   const float stops = std::max(to_white, std::min(to_grey, to_white + kMaxBeyond));
   return usual + std::clamp(kAppliedFraction * stops, -kMaxStops, kMaxStops);

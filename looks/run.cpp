@@ -2,6 +2,7 @@
 #include <set>
 
 #include "core/check.h"
+#include "core/lists.h"
 #include "core/registry.h"
 #include "core/suggest.h"
 #include "effects/effects.h"
@@ -45,8 +46,6 @@ std::vector<std::string_view> occlusion_names(std::span<const Effect* const> ext
 }
 
 namespace {
-
-bool contains(const auto& list, const auto& value) { return std::find(list.begin(), list.end(), value) != list.end(); }
 
 bool runs(const Dispatch& dispatch, const ParameterBytes& params) {
   return !dispatch.needed || dispatch.needed(params);

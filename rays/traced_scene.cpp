@@ -11,7 +11,7 @@
 
 #include "core/watch.h"
 #include "rays/embree_device.h"
-#include "scene/point_normals.h"
+#include "scene/points.h"
 
 namespace umbrage {
 

@@ -19,7 +19,7 @@
 
 #include "core/check.h"
 #include "core/srgb.h"
-#include "reference/counted.h"
+#include "reference/metrics.h"
 
 namespace umbrage {
 namespace {

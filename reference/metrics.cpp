@@ -10,8 +10,6 @@
 #include <vector>
 
 #include "core/check.h"
-#include "reference/counted.h"
-#include "reference/ssim.h"
 
 namespace umbrage {
 namespace {

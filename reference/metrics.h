@@ -5,6 +5,7 @@
 // (FLIP).
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
@@ -76,5 +77,21 @@ ScoreCard score_light(const Image& picture, const Image& truth, const ClassMap& 
 /// Returns the perceptual error of each pixel, as score() uses it. Background pixels count as white in both
 /// pictures and have no error.
 Plane flip_map(const Image& picture, const Image& truth, const ClassMap& classes);
+
+/// Returns the structural similarity [Wang et al. 2004] around each covered pixel, -1 to 1, averaged over the planes; 1
+/// at background pixels. Windows contain only covered pixels inside the picture.
+Plane ssim_map(const Image& picture, const Image& truth, const ClassMap& classes);
+
+/// Values that count in a comparison: those of covered pixels, with 0 in place of NaN and infinity.
+inline constexpr int kRowsPerTask = 16;  ///< of flip and SSIM: enough to outweigh the scratch memory of a task
+
+inline bool is_counted(PixelClass pixel) { return pixel != PixelClass::kBackground; }
+
+inline float finite_or_zero(float value) { return std::isfinite(value) ? value : 0.0f; }
+
+/// Copies a row of a plane: `background` where there is no surface, 0 where the value is not finite.
+inline void counted_row(const float* values, const PixelClass* classes, int width, float background, float* out) {
+  for (int x = 0; x < width; ++x) out[x] = is_counted(classes[x]) ? finite_or_zero(values[x]) : background;
+}
 
 }  // namespace umbrage

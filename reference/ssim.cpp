@@ -1,6 +1,6 @@
 // SSIM from means, variances and the covariance under a Gaussian window. The window is separable: sums go down the
 // columns first, then along the row. Uses double, since variances are small differences of large sums.
-#include "reference/ssim.h"
+#include "reference/metrics.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -9,8 +9,6 @@
 #include <array>
 #include <cmath>
 #include <vector>
-
-#include "reference/counted.h"
 
 namespace umbrage {
 namespace {

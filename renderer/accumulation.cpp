@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "core/check.h"
-#include "renderer/rows.h"
+#include "core/rows.h"
 
 namespace umbrage {
 namespace {
@@ -66,7 +66,7 @@ namespace {
 template <class Work>
 void for_rows_on(int threads, int height, const Work& work) {
   tbb::task_arena arena(std::max(threads, 1));
-  arena.execute([&] { for_rows(height, work); });
+  arena.execute([&] { for_rows(0, height, work); });
 }
 
 /// Calls work(x0, x1) for the pixels of a row to which a picture is added: all of a `whole` one, otherwise the marked.

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "core/lists.h"
 #include "effects/effects.h"
 #include "effects/output/output.h"
 #include "renderer/average.h"
@@ -26,9 +27,7 @@ std::vector<std::string> line_planes(const Plan& plan) {
     for (const Dispatch& dispatch : effect.dispatches)
       if (!dispatch.needed || dispatch.needed(params))
         for (const std::string_view plane : dispatch.outputs)
-          if (std::find(output_inputs.begin(), output_inputs.end(), plane) != output_inputs.end() &&
-              std::find(names.begin(), names.end(), plane) == names.end())
-            names.emplace_back(plane);
+          if (contains(output_inputs, plane) && !contains(names, plane)) names.emplace_back(plane);
   });
   return names;
 }

@@ -7,10 +7,10 @@
 #include <thread>
 
 #include "core/check.h"
+#include "core/reflection_map.h"
 #include "reference/reference.h"
 #include "renderer/average.h"
 #include "renderer/marked_samples.h"
-#include "scene/studio_reflections.h"
 
 namespace umbrage {
 
@@ -33,12 +33,11 @@ bool TimeLimit::fits_another(int samples) {
 namespace {
 
 /// Returns a callback for the ray tracer of the reference, which may call it from any thread. The callback forwards
-/// only calls from the thread that created it, at most one every 10 ms.
+/// only calls from the thread that created it, at most once per kMonitorInterval.
 std::function<bool(double)> calling_thread_only(const ProgressMonitor& monitor) {
   using Clock = std::chrono::steady_clock;
   return [&monitor, caller = std::this_thread::get_id(), last = Clock::time_point()](double done) mutable {
-    constexpr std::chrono::milliseconds kInterval(40);
-    if (!monitor || std::this_thread::get_id() != caller || Clock::now() - last < kInterval) return true;
+    if (!monitor || std::this_thread::get_id() != caller || Clock::now() - last < kMonitorInterval) return true;
     last = Clock::now();
     return monitor(done);
   };

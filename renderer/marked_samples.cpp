@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/lists.h"
 #include "devices/shared/capture_info.h"
 #include "effects/effects.h"
 #include "effects/resample/resample.h"
@@ -71,7 +72,7 @@ bool draws_marked_samples(const Recipe& recipe) {
 
 bool follows_from_samples(std::string_view parameter) {
   constexpr std::string_view kSet[] = {"part", "occlusion", "hard_shadows", "soft_shadows", "right", "below"};
-  return std::find(std::begin(kSet), std::end(kSet), parameter) != std::end(kSet);
+  return contains(kSet, parameter);
 }
 
 Camera begin_marked(Plan& plan, int sample) {

@@ -4,7 +4,7 @@
 #include <glm/geometric.hpp>
 
 #include "generators/builtin.h"
-#include "scene/origin.h"
+#include "scene/scene.h"
 
 namespace umbrage {
 

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "core/color_names.h"
+#include "core/lists.h"
 #include "core/suggest.h"
 #include "renderer/options.h"
 
@@ -107,7 +108,7 @@ Error color_error(const Option& o, std::string_view text) {
 }
 
 Result<void> check_choice(const Option& o, std::string_view text) {
-  const bool known = std::find(o.choices.begin(), o.choices.end(), text) != o.choices.end();
+  const bool known = contains(o.choices, text);
   return o.choices.empty() || known ? Result<void>() : value_error(o, text);
 }
 

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/check.h"
+#include "core/lists.h"
 #include "core/suggest.h"
 #include "effects/antialias/antialias.h"
 #include "effects/composite/composite.h"
@@ -43,13 +44,7 @@ constexpr std::string_view kBeautyPasses[] = {"color",
                                               "object_id",
                                               "material_id"};
 
-bool is_part(std::string_view pass) {
-  return std::find(std::begin(kParts), std::end(kParts), pass) != std::end(kParts);
-}
-
-bool contains(std::span<const std::string> words, std::string_view word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
+bool is_part(std::string_view pass) { return contains(kParts, pass); }
 
 /// Returns whether the values of a look are those of a display, not light: it has no transfer function by itself.
 bool has_display_values(const Look& look) {
@@ -63,7 +58,7 @@ int layers_for(std::string_view pass, std::span<const std::string> names) {
   for (int layer = 1; layer < kMaxLayers; ++layer) {
     const std::string start = layer_plane(layer, "");
     if (!pass.starts_with(start)) continue;
-    return std::find(names.begin(), names.end(), pass.substr(start.size())) != names.end() ? layer + 1 : 0;
+    return contains(names, pass.substr(start.size())) ? layer + 1 : 0;
   }
   return 0;
 }
@@ -151,13 +146,12 @@ std::vector<std::string> passes_of(const Recipe& recipe) {
         const std::string group = pass_of(plane);
         if (!runs && group != kBeauty && !(is_part(group) && has_parts)) continue;
         if (reduced && group != "ao" && group != "indirect") continue;
-        if (std::find(names.begin(), names.end(), group) == names.end()) names.push_back(group);
+        if (!contains(names, group)) names.push_back(group);
       }
     }
   }
   // Without occlusion it is 1 everywhere.
-  if (std::find(names.begin(), names.end(), "ao") == names.end() && recipe.occlusion == kNoOcclusion)
-    names.push_back("ao");
+  if (!contains(names, "ao") && recipe.occlusion == kNoOcclusion) names.push_back("ao");
   names.emplace_back(kAll);
   return names;
 }
@@ -285,11 +279,10 @@ Result<void> apply_passes(const Request& request, Recipe& recipe) {
   if (words.empty() || all) return {};
   const std::vector<std::string> names = passes_of(recipe);
   for (const std::string& word : words) {
-    if (std::find(names.begin(), names.end(), word) == names.end())
-      return unknown_pass_error(word, names, request, recipe);
+    if (!contains(names, word)) return unknown_pass_error(word, names, request, recipe);
     if (std::count(words.begin(), words.end(), word) > 1) return usage_error("`passes` names '{}' twice", word);
   }
-  if (words.size() > 1 && std::find(words.begin(), words.end(), kAll) != words.end())
+  if (words.size() > 1 && contains(words, kAll))
     return usage_error("`passes` all must be the only name: it selects every pass");
   return {};
 }

@@ -12,6 +12,7 @@
 #include <glm/vector_relational.hpp>
 
 #include "core/check.h"
+#include "core/reflection_map.h"
 #include "devices/shared/capture_info.h"
 #include "effects/outline/outline.h"
 #include "effects/output/output.h"
@@ -20,7 +21,6 @@
 #include "renderer/accumulation.h"
 #include "renderer/passes.h"
 #include "scene/ground.h"
-#include "scene/studio_reflections.h"
 
 namespace umbrage {
 namespace {

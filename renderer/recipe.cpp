@@ -6,6 +6,7 @@
 
 #include "core/check.h"
 #include "core/light_rig.h"
+#include "core/lists.h"
 #include "core/srgb.h"
 #include "core/suggest.h"
 #include "effects/antialias/antialias.h"
@@ -53,7 +54,7 @@ bool computes_indirect_light(const Look& look, const EffectSettings& settings) {
   const ParameterBytes& params = params_of(settings, technique->name);
   return std::any_of(technique->dispatches.begin(), technique->dispatches.end(), [&](const Dispatch& dispatch) {
     const bool runs = !dispatch.needed || dispatch.needed(params);
-    return runs && std::find(dispatch.outputs.begin(), dispatch.outputs.end(), "indirect.r") != dispatch.outputs.end();
+    return runs && contains(dispatch.outputs, "indirect.r");
   });
 }
 
@@ -155,7 +156,7 @@ Result<void> resolve_names(const Request& request, bool of_model, Recipe& recipe
   recipe.look = *look;
   recipe.occlusion = technique_of(request, *recipe.look, of_model);
   const auto techniques = occlusion_names(external_effects());
-  if (std::find(techniques.begin(), techniques.end(), recipe.occlusion) == techniques.end())
+  if (!contains(techniques, recipe.occlusion))
     return usage_error("there is no occlusion technique '{}'{}", recipe.occlusion,
                        suggestion(recipe.occlusion, techniques));
   if (request.ground == "on" && !recipe.look->ground)
@@ -238,8 +239,7 @@ int shadows_read(const Recipe& recipe, std::span<const Effect* const> steps) {
     if (find_parameter(*effect, "rig") && !uses_scene_lights(*effect, recipe.settings)) continue;
     for (const Dispatch& dispatch : effect->dispatches)
       for (int light = count; light < kMaxShadows; ++light)
-        if (std::find(dispatch.inputs.begin(), dispatch.inputs.end(), shadow_plane(light)) != dispatch.inputs.end())
-          count = light + 1;
+        if (contains(dispatch.inputs, shadow_plane(light))) count = light + 1;
   }
   return count;
 }

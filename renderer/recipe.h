@@ -1,6 +1,5 @@
 // Recipe: a request resolved as far as possible without its model. Names are resolved, values are parsed and checked.
 #pragma once
-#include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "core/device.h"
+#include "core/lists.h"
 #include "looks/looks.h"
 #include "renderer/hdri.h"
 #include "renderer/options.h"
@@ -56,9 +56,7 @@ struct Recipe {
   /// Returns the pass that holds the picture.
   std::string_view picture() const { return scene_linear ? "beauty" : "color"; }
   /// Returns whether a plane of the first layer is needed.
-  bool wants(std::string_view plane) const {
-    return !wanted || std::find(wanted->begin(), wanted->end(), plane) != wanted->end();
-  }
+  bool wants(std::string_view plane) const { return !wanted || contains(*wanted, plane); }
 };
 
 /// Returns the occlusion techniques that devices cannot run because they need the scene: the ray-traced reference.

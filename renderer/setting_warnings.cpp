@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/lists.h"
 #include "effects/effects.h"
 #include "looks/looks.h"
 #include "looks/settings.h"
@@ -12,10 +13,6 @@
 
 namespace umbrage {
 namespace {
-
-bool contains(const auto& names, std::string_view name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
 
 /// Returns whether the picture uses the effect. `upsample` always counts as used: another quality may compute occlusion
 /// at reduced resolution.

@@ -8,12 +8,12 @@
 #include <limits>
 #include <utility>
 
+#include "core/rows.h"
 #include "core/suggest.h"
 #include "gbuffers/extent.h"
 #include "gbuffers/ids.h"
 #include "renderer/lens.h"
 #include "renderer/passes.h"
-#include "renderer/rows.h"
 
 namespace umbrage {
 namespace {
@@ -195,7 +195,7 @@ void add_image(const NamedImage& named, const SharedIds& ids, Image& layer) {
 template <class Test>
 bool is_true_everywhere(const Plane& plane, const Test& test) {
   std::atomic<bool> all = true;
-  for_rows(plane.height, [&](int y) {
+  for_rows(0, plane.height, [&](int y) {
     int wrong = 0;
     for (int x = 0; x < plane.width; ++x) wrong |= int(!test(x, y));
     if (wrong != 0) all = false;
@@ -241,7 +241,7 @@ DepthRange convert_depth(const Lens& lens, Plane& depth) {
   };
   std::atomic<bool> is_view_depth = lens.depth_kind == DepthMeaning::kPlanar;
   if (is_view_depth)
-    for_rows(depth.height, [&](int y) {
+    for_rows(0, depth.height, [&](int y) {
       int wrong = 0;
       for (int x = 0; x < depth.width; ++x)  // infinity is valid
         wrong |= int(!(depth.row(y)[x] > 0.0f)) | int(means_no_surface(depth.row(y)[x]));
@@ -251,7 +251,7 @@ DepthRange convert_depth(const Lens& lens, Plane& depth) {
   if (is_view_depth) return whole_range();
   make_owned(depth);
   const ViewDepth view_depth(lens);
-  for_rows(depth.height, [&](int y) {
+  for_rows(0, depth.height, [&](int y) {
     for (int x = 0; x < depth.width; ++x) depth.at(x, y) = view_depth.at(depth.at(x, y), x, y);
     row_ranges[std::size_t(y)] = range_of(depth.row(y), depth.width);
   });
@@ -273,7 +273,7 @@ void rotate_normals(const std::vector<float>& rotation, Image& layer) {
       }))
     return;
   for (Plane* plane : {&nx, &ny, &nz}) make_owned(*plane);
-  for_rows(nx.height, [&](int y) {
+  for_rows(0, nx.height, [&](int y) {
     for (int x = 0; x < nx.width; ++x) {
       const glm::vec3 n = at(x, y);
       glm::vec3 v = n;

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "renderer/rows.h"
+#include "core/rows.h"
 
 namespace umbrage {
 namespace {
@@ -16,7 +16,7 @@ constexpr float kMaxUint8 = 255.0f, kMaxUint16 = 65535.0f;
 
 template <class T, class Number>
 void read_as(const SharedImage& image, int channel, Plane& plane, const Number& number) {
-  for_rows(plane.height, [&](int y) {
+  for_rows(0, plane.height, [&](int y) {
     float* to = plane.row(y);
     if constexpr (std::is_same_v<T, float>)
       if (image.pixel_stride == std::ptrdiff_t(sizeof(float))) {
@@ -29,7 +29,7 @@ void read_as(const SharedImage& image, int channel, Plane& plane, const Number& 
 
 template <class T, class Value>
 void write_as(const Plane& plane, int channel, const SharedImage& image, const Value& value) {
-  for_rows(plane.height, [&](int y) {
+  for_rows(0, plane.height, [&](int y) {
     const float* from = plane.row(y);
     if constexpr (std::is_same_v<T, float>)
       if (image.pixel_stride == std::ptrdiff_t(sizeof(float))) {

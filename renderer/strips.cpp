@@ -5,6 +5,7 @@
 #include <set>
 #include <span>
 
+#include "core/lists.h"
 #include "renderer/average.h"
 #include "renderer/draw.h"
 #include "renderer/marked_samples.h"
@@ -160,9 +161,9 @@ StripSource scene_source(Device& device, Plan& plan, const Camera& camera, Stage
 /// Returns `planes` and those that set_background reads.
 std::vector<std::string> with_background_planes(const Plan& plan, std::vector<std::string> planes) {
   const auto& captured = plan.capture.planes;
-  const bool has_ids = !captured || std::find(captured->begin(), captured->end(), "object_id") != captured->end();
+  const bool has_ids = !captured || contains(*captured, "object_id");
   for (const std::string& name : background_planes(planes, plan.has_ground && has_ids))
-    if (std::find(planes.begin(), planes.end(), name) == planes.end()) planes.push_back(name);
+    if (!contains(planes, name)) planes.push_back(name);
   return planes;
 }
 
@@ -207,7 +208,7 @@ Result<Strokes> draw_strips(Device& device, const Plan& planned, int rows, const
   if (plan.averages())
     for (const auto& more : {averaged, drawn_lines})
       for (const std::string& name : more)
-        if (std::find(wanted.begin(), wanted.end(), name) == wanted.end()) wanted.push_back(name);
+        if (!contains(wanted, name)) wanted.push_back(name);
   const auto add = [&](const Frame&, Image& part, int first) -> Result<void> {
     const int height = plan.recipe.height;
     if (plan.capture.blended) {

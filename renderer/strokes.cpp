@@ -6,6 +6,7 @@
 #include <iterator>
 #include <utility>
 
+#include "core/lists.h"
 #include "core/srgb.h"
 #include "devices/shared/dispatches.h"
 #include "effects/effects.h"
@@ -99,9 +100,6 @@ StrokeParameters stroke_parameters_or_none(const Recipe& recipe) {
 std::vector<std::string_view> edge_planes(const StrokeParameters& params, int layers) {
   std::vector<std::string_view> planes;
   const auto add = [&](std::string_view effect) {
-    const auto contains = [](const auto& names, std::string_view name) {
-      return std::find(names.begin(), names.end(), name) != names.end();
-    };
     const Dispatch& dispatch = tracing_dispatch(effect);
     for (const std::string_view plane : dispatch.inputs)  // a plane to which lines are added is not traced
       if (layer_of_plane(plane) < layers && !contains(dispatch.outputs, plane) && !contains(planes, plane))

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "core/lists.h"
 #include "core/srgb.h"
 #include "effects/effects.h"
 #include "effects/outline/outline.h"
@@ -77,8 +78,8 @@ Result<Image> download_passes(Device& device, const Frame& frame, const std::vec
   std::vector<std::string> all = names;
   const auto available = device.plane_names(frame);
   for (const std::string& name : of_background) {
-    if (std::find(all.begin(), all.end(), name) != all.end()) continue;
-    if (std::find(available.begin(), available.end(), name) != available.end()) all.push_back(name);
+    if (contains(all, name)) continue;
+    if (contains(available, name)) all.push_back(name);
   }
   auto image = device.download(frame, all);
   if (image) set_background(*image, frame.info.ground_object);

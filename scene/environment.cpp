@@ -57,7 +57,8 @@ struct Patch {
   double half_angle() const { return std::sqrt(2.0 * variance); }
 };
 
-/// Returns the eigenvector of the largest eigenvalue of a symmetric matrix, by power iteration.
+/// Returns the eigenvector of the largest eigenvalue of a symmetric matrix, by power iteration. In a
+/// round part, whose two largest eigenvalues are nearly equal, it ends before it converges.
 dvec3 main_axis(const dmat3& m) {
   constexpr int kRounds = 64;
   dvec3 v(0.577, 0.578, 0.576);

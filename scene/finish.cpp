@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "core/lists.h"
 #include "scene/mesh_corners.h"
 #include "scene/strays.h"
 #include "scene/vertex_normals.h"
@@ -74,7 +75,7 @@ std::size_t clean_triangles(Mesh& mesh) {
   }
   mesh.indices.resize(kept);
   if (!mesh.smoothing.empty()) mesh.smoothing.resize(kept / 3);
-  if (std::find(used.begin(), used.end(), 0) != used.end()) compact(mesh, used);
+  if (contains(used, 0)) compact(mesh, used);
   return before - kept / 3;
 }
 

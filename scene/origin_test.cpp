@@ -1,5 +1,4 @@
 // Scenes whose files have coordinates too large for floats.
-#include "scene/origin.h"
 
 #include <gtest/gtest.h>
 

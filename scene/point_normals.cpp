@@ -1,4 +1,6 @@
-#include "scene/point_normals.h"
+// Discs that blend: positions and normals are smoothed over neighbouring points, and normals change across each disc,
+// so that the discs of a surface look like one smooth surface [Botsch et al. 2004].
+#include "scene/points.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

@@ -20,6 +20,8 @@
 
 #include "core/absolute_length.h"
 #include "core/basis.h"
+#include "core/eigen.h"
+#include "core/lists.h"
 #include "scene/finish.h"
 #include "scene/point_normals.h"
 
@@ -136,49 +138,30 @@ struct SmallestVariance {
   float fraction = 0.0f;
 };
 
-/// Analyses a covariance matrix. Computes its eigenvalues in closed form [Smith 1961].
+/// Analyses a covariance matrix.
 SmallestVariance smallest_variance_of(const glm::dmat3& m) {
   SmallestVariance smallest;
-  const double mean = (m[0][0] + m[1][1] + m[2][2]) / 3.0;
-  if (!(mean > 0.0) || !std::isfinite(mean)) return smallest;
-  const glm::dmat3 deviation = m / mean - glm::dmat3(1.0);
-  double squares = 0.0;
-  for (int i = 0; i < 3; ++i) squares += glm::dot(deviation[i], deviation[i]);
-  const double spread = std::sqrt(squares / 6.0);
-  if (!(spread > 0.0)) {
-    smallest.fraction = 1.0f / 3.0f;
-    return smallest;
+  const double total = m[0][0] + m[1][1] + m[2][2];
+  if (!(total > 0.0) || !std::isfinite(total)) return smallest;
+  SymmetricMatrix<3> relative;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) relative[std::size_t(i)][std::size_t(j)] = m[i][j] / total;
+  const EigenSystem<3> eigen = eigen_of(relative);
+  const auto& values = eigen.values;
+  const auto axis = [&](std::size_t k) {
+    const auto& v = eigen.vectors[k];
+    return glm::dvec3(v[0], v[1], v[2]);
+  };
+  smallest.fraction = float(std::max(0.0, values[0]));
+  constexpr double kDistinct = 1e-11;  // min product of the differences from the smallest eigenvalue
+  if ((values[1] - values[0]) * (values[2] - values[0]) > kDistinct) {
+    smallest.direction = glm::vec3(axis(0));
+  } else if (values[2] > values[0]) {  // the points lie on a line: choose one of the directions perpendicular to it
+    const glm::dvec3 along = axis(2);
+    const glm::dvec3 other = std::abs(along.x) < std::abs(along.y) ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+    smallest.direction = glm::vec3(glm::normalize(glm::cross(along, other)));
   }
-  const double cosine = std::clamp(glm::determinant(deviation) / (2.0 * spread * spread * spread), -1.0, 1.0);
-  const double angle = std::acos(cosine) / 3.0;
-  const double min = 2.0 * spread * std::cos(angle + 2.0 * std::numbers::pi / 3.0);
-  smallest.fraction = float(std::max(0.0, (1.0 + min) / 3.0));
-  // The eigenvector is perpendicular to all rows of the matrix minus the smallest eigenvalue times identity: take the
-  // cross product of those two rows for which it is longest.
-  const glm::dmat3 shifted = deviation - glm::dmat3(min);
-  glm::dvec3 best(0.0);
-  for (const auto& [i, j] : {std::pair(0, 1), std::pair(1, 2), std::pair(2, 0)}) {
-    const glm::dvec3 across = glm::cross(shifted[i], shifted[j]);
-    if (glm::dot(across, across) > glm::dot(best, best)) best = across;
-  }
-  if (glm::dot(best, best) > 1e-20) {
-    smallest.direction = glm::vec3(glm::normalize(best));
-    return smallest;
-  }
-  // The points lie on a line: every direction perpendicular to it is valid, so choose one.
-  glm::dvec3 along = shifted[0];
-  for (int i = 1; i < 3; ++i)
-    if (glm::dot(shifted[i], shifted[i]) > glm::dot(along, along)) along = shifted[i];
-  const glm::dvec3 other = std::abs(along.x) < std::abs(along.y) ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
-  const glm::dvec3 across = glm::cross(along, other);
-  if (glm::dot(across, across) > 0.0) smallest.direction = glm::vec3(glm::normalize(across));
   return smallest;
-}
-
-float quantile_of(std::vector<float> values, double fraction) {
-  const auto at = values.begin() + std::ptrdiff_t(fraction * double(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 template <class T>
@@ -294,16 +277,16 @@ bool lie_on_surfaces(const NeighborEstimates& estimates) {
   std::vector<float> fractions(estimates.planes.size());
   std::transform(estimates.planes.begin(), estimates.planes.end(), fractions.begin(),
                  [](const SmallestVariance& plane) { return plane.fraction; });
-  return quantile_of(std::move(fractions), 0.5) <= kFlat;
+  return quantile(std::move(fractions), 0.5) <= kFlat;
 }
 
 /// Returns the radius of spheres, all of which have one size. On a surface they leave no hole where points are as dense
 /// as most. In a cloud they would touch on a grid, and may overlap where points are dense.
 float sphere_radius(const NeighborEstimates& estimates) {
-  if (lie_on_surfaces(estimates)) return kSlack * quantile_of(estimates.cover, kRadiusQuantile);
+  if (lie_on_surfaces(estimates)) return kSlack * quantile(estimates.cover, kRadiusQuantile);
   // The sphere around a point whose radius is the distance of the farthest of n neighbours has n times the volume per
   // point.
-  const double reach = quantile_of(estimates.spacing, 0.5) / std::sqrt(std::numbers::pi / estimates.count);
+  const double reach = quantile(estimates.spacing, 0.5) / std::sqrt(std::numbers::pi / estimates.count);
   const double spacing = reach * std::cbrt(4.0 / 3.0 * std::numbers::pi / estimates.count);
   return float(kSphereRadius * spacing);
 }
@@ -386,7 +369,7 @@ void shape_points(Mesh& mesh, const PointSettings& settings, float scene_radius)
     return;
   }
   mesh.radii = std::move(estimates.cover);
-  const float max = kMaxRatioToQuantile * quantile_of(mesh.radii, kRadiusQuantile);
+  const float max = kMaxRatioToQuantile * quantile(mesh.radii, kRadiusQuantile);
   for (float& radius : mesh.radii) radius = kSlack * std::min(radius, max);
   blend_discs(mesh, estimates.neighbors, estimates.count);
 }

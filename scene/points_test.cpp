@@ -12,7 +12,6 @@
 
 #include "scene/finish.h"
 #include "scene/ground.h"
-#include "scene/point_normals.h"
 
 namespace umbrage {
 namespace {

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
@@ -24,6 +25,10 @@ struct Texture {
 inline constexpr int kNoTexture = -1;
 /// Material::roughness of a material that has no metalness and roughness.
 inline constexpr float kNoRoughness = -1.0f;
+
+// The range of Material::specular_exponent.
+inline constexpr float kMinExponent = 1.0f;     ///< with less, a highlight is as wide as the diffuse lobe
+inline constexpr float kMaxExponent = 2048.0f;  ///< with more, a highlight is smaller than a pixel
 
 /// Reflection of a surface, linear Rec.709: with a roughness that of glTF 2.0, appendix B, else Lambert and
 /// Blinn-Phong.
@@ -144,5 +149,18 @@ void set_lighting(Lighting lighting, Scene& scene);
 
 /// Returns the scene's size as text: "12 triangles", "5 points", "12 triangles and 5 points".
 std::string size_text(const Scene& scene);
+
+/// Returns the position that a reader subtracts, in double precision, from the coordinates of a file with this bounding
+/// box, before it converts them to floats, and that it stores in Scene::origin. Zero if the box is near the origin for
+/// its size: then floats are precise enough and coordinates stay as they are. Otherwise near the box's centre, a
+/// multiple of a power of two, so that the subtraction is exact.
+glm::dvec3 scene_origin(const glm::dvec3& low, const glm::dvec3& high);
+
+/// Moves the scene's origin to this position in the coordinates of the file: all positions change, what is drawn does
+/// not. Rounds to floats.
+void set_origin(const glm::dvec3& origin, Scene& scene);
+
+/// Returns a view matrix for the coordinates of the file from one for those of the scene.
+glm::dmat4 view_from_file(const glm::mat4& view_from_scene, const glm::dvec3& origin);
 
 }  // namespace umbrage

@@ -8,8 +8,7 @@
 #include <fstream>
 #include <vector>
 
-#include "importer/import_in_process.h"
-#include "importer/serve.h"
+#include "importer/importer.h"
 #include "scene/readers/import_in_child_process.h"
 #include "scene/readers/texture_file.h"
 

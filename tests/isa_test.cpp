@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "core/lists.h"
 #include "kernel/isa.h"
 #include "looks/looks.h"
 #include "run_program.h"
@@ -55,11 +56,12 @@ TEST_P(IsaLooks, DrawTheSamePicture) {
     expect_same(fmt::format("{} --look {} --device cpu{}", scene, GetParam()->name, kSize));
 }
 
-INSTANTIATE_TEST_SUITE_P(Every, IsaLooks, testing::ValuesIn(scene_looks().begin(), scene_looks().end()), [](const auto& info) {
-  std::string name(info.param->name);
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Every, IsaLooks, testing::ValuesIn(scene_looks().begin(), scene_looks().end()),
+                         [](const auto& info) {
+                           std::string name(info.param->name);
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
 
 TEST_F(Isa, PassesAreTheSame) {
   for (const char* scene : kScenes)
@@ -135,7 +137,7 @@ TEST_F(Isa, InvalidSetsAreRefused) {
   bad("list devices", 2, {"UMBRAGE_ISA", "'mmx'", "scalar"}, "UMBRAGE_ISA=mmx");
   bad("tri.obj -o a.png", 2, {"UMBRAGE_ISA", "'mmx'", "scalar"}, "UMBRAGE_ISA=mmx");
   for (const std::string_view known : known_isas())  // includes at least one unusable set: of x86 or of ARM
-    if (std::find(usable_isas().begin(), usable_isas().end(), known) == usable_isas().end())
+    if (!contains(usable_isas(), known))
       bad(fmt::format("tri.obj -o a.png --isa {}", known), 4, {fmt::format("'{}' on this CPU", known), "scalar"});
 }
 

@@ -1,6 +1,7 @@
 // Tests of looks with several depth layers: the effects that run on each, and the layers that a look captures.
 #include <gtest/gtest.h>
 
+#include "core/lists.h"
 #include "devices/cpu/cpu_device.h"
 #include "generators/builtin.h"
 #include "renderer/devices.h"
@@ -41,10 +42,6 @@ std::vector<std::string> planes_with(const Effect& technique, const CaptureSetti
   EXPECT_TRUE(status);
   EXPECT_EQ(stages, (std::vector<std::string>{"lighting", "reader", "composite", "output", "antialias"}));
   return device->download_all(*frame)->names;
-}
-
-bool contains(const std::vector<std::string>& names, std::string_view name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 TEST(LookLayers, PlanesReadOnLayersAreMadeOnAllLayers) {

@@ -3,12 +3,13 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <iterator>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string_view>
+
+#include "core/lists.h"
 
 namespace umbrage::test {
 
@@ -246,8 +247,7 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL checked_get(VkInstance instance, const 
         replaced("vkCmdCopyBufferToImage", name, real, c.to_image, to_image),
         replaced("vkCmdPipelineBarrier", name, real, c.barrier, barrier)})
     if (replacement) return replacement;
-  if (std::string_view(name).starts_with("vkCmd") &&
-      std::find(std::begin(kUnchecked), std::end(kUnchecked), name) == std::end(kUnchecked))
+  if (std::string_view(name).starts_with("vkCmd") && !contains(kUnchecked, name))
     memory_order_report()(fmt::format("{} is not in the model of the order of accesses", name));
   return real;
 }

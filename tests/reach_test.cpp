@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/lists.h"
 #include "devices/shared/dispatches.h"
 #include "effects/effects.h"
 #include "kernel/kernel_frame.h"
@@ -47,7 +48,7 @@ Planes computed(const Dispatch& dispatch, CpuKernel kernel, const FrameConstants
   for (const std::string_view name : dispatch.inputs) {
     const auto replaced = changed.find(name);
     Plane& plane = replaced != changed.end() ? replaced->second : planes.find(name)->second;
-    const bool is_output = std::find(dispatch.outputs.begin(), dispatch.outputs.end(), name) != dispatch.outputs.end();
+    const bool is_output = contains(dispatch.outputs, name);
     if (is_output) outputs.emplace(name, plane);
     of_kernel.push_back({name, is_output ? outputs.find(name)->second.data() : plane.data()});
   }
@@ -82,7 +83,7 @@ void check_reach(const Effect& effect, const ParameterBytes& params, const GBuff
         const auto& unbounded = dispatch.unbounded_inputs;
         for (const std::string_view name : dispatch.inputs)
           // Planes at reduced resolution have other rows.
-          if (!name.starts_with("reduced_") && std::find(unbounded.begin(), unbounded.end(), name) == unbounded.end())
+          if (!name.starts_with("reduced_") && !contains(unbounded, name))
             changed.emplace(name, changed_beyond(planes.find(name)->second, reach));
         const Tile tile{0, kFirst, kWidth, kFirst + kRows};
         for (const CpuKernel kernel : {dispatch.kernel.scalar, dispatch.kernel.lanes, dispatch.tuned}) {

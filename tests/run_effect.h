@@ -2,13 +2,13 @@
 #pragma once
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <functional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/check.h"
+#include "core/lists.h"
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
 #include "kernel/isa.h"
@@ -60,7 +60,7 @@ inline std::vector<std::string> written_planes(const Effect& effect, const Param
   for (const Dispatch& dispatch : effect.dispatches) {
     if (dispatch.needed && !dispatch.needed(params)) continue;
     for (std::string_view name : dispatch.outputs)
-      if (std::find(names.begin(), names.end(), name) == names.end()) names.emplace_back(name);
+      if (!contains(names, name)) names.emplace_back(name);
   }
   return names;
 }

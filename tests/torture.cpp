@@ -14,6 +14,8 @@
 #include <map>
 #include <string>
 
+#include "core/lists.h"
+#include "core/lowercase.h"
 #include "io/image_file.h"
 #include "scene/readers/import.h"
 
@@ -29,11 +31,8 @@ struct Counts {
 };
 
 bool is_model(const fs::path& file) {
-  std::string extension = file.extension().string();
-  if (!extension.empty()) extension.erase(0, 1);
-  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
-  const auto& formats = umbrage::import_formats();
-  return std::find(formats.begin(), formats.end(), extension) != formats.end();
+  const std::string extension = umbrage::lowercase(file.extension().string());
+  return !extension.empty() && umbrage::contains(umbrage::import_formats(), extension.substr(1));
 }
 
 /// Handles a file in the child process. The limit of processor time ends the process if it does not end by itself.

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "apps/cli/options.h"
+#include "core/lists.h"
 #include "core/suggest.h"
 #include "renderer/options.h"
 
@@ -196,7 +197,7 @@ Result<void> add_setting(const Setting& setting, const CLI::App& app, CLI::App& 
   const auto& [section, name, value, place] = setting;
   if (name.empty()) {  // a heading
     const std::vector<std::string> names = command_names(app);
-    if (std::find(names.begin(), names.end(), section) != names.end()) return {};
+    if (contains(names, section)) return {};
     return error_at(place, fmt::format("there is no command '{}'{}", section, suggestion(section, names)));
   }
   if (value.empty()) return error_at(place, fmt::format("{} needs a value", name));

@@ -1,12 +1,12 @@
 // umbrage help, completion and manual: help, shell completion scripts and the manual page, generated from the options.
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <array>
 #include <cctype>
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/options.h"
+#include "core/lists.h"
 #include "core/suggest.h"
 #include "core/version.h"
 #include "effects/effects.h"
@@ -351,7 +351,7 @@ std::string man_of(const CLI::App& app, const std::vector<const CLI::App*>& comm
   for (const CLI::App* command : commands)
     for (const CLI::Option* option : named_options(*command)) {
       const std::string& variable = option->get_envname();
-      if (variable.empty() || std::find(seen.begin(), seen.end(), variable) != seen.end()) continue;
+      if (variable.empty() || contains(seen, variable)) continue;
       seen.push_back(variable);
       out += fmt::format(".TP\n.B {}\n{}\n", variable, roff("default of --" + option->get_lnames()[0]));
     }
@@ -423,7 +423,7 @@ Result<void> help(const CLI::App& app, const ManualOptions& o) {
     return {};
   }
   const Words names = command_names(app);
-  if (std::find(names.begin(), names.end(), o.command) == names.end())
+  if (!contains(names, o.command))
     return usage_error("there is no command '{}'{}", o.command, suggestion(o.command, names));
   fmt::print("{}", app.get_subcommand(o.command)->help(app.get_name()));
   return {};

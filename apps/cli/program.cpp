@@ -12,6 +12,7 @@
 #include "apps/cli/options.h"
 #include "apps/cli/signals.h"
 #include "core/guarded.h"
+#include "core/lists.h"
 #include "core/suggest.h"
 #include "io/layers.h"
 
@@ -85,7 +86,7 @@ Error parse_error(const CLI::App& app, const CLI::ParseError& error) {
 /// Inserts the command render, or shade for an image file, if none is named: `umbrage MODEL ...` is short for
 /// `umbrage render MODEL ...`.
 std::vector<std::string> with_command(std::vector<std::string> words, const std::vector<std::string>& commands) {
-  const bool has_command = !words.empty() && std::find(commands.begin(), commands.end(), words[0]) != commands.end();
+  const bool has_command = !words.empty() && contains(commands, words[0]);
   const bool wants_help = !words.empty() && (words[0] == "--help" || words[0] == "-h" || words[0] == "--version");
   if (!words.empty() && !has_command && !wants_help)
     words.insert(words.begin(), has_image_extension(words[0]) ? "shade" : "render");
@@ -166,7 +167,7 @@ int finish_output() {
 }
 
 bool is_of_lab(const std::string& command) {
-  return std::find(kLabCommands.begin(), kLabCommands.end(), command) != kLabCommands.end();
+  return contains(kLabCommands, command);
 }
 
 /// Returns an error if the first word is not a command of umbrage-lab.

@@ -18,6 +18,7 @@
 #include "apps/cli/standard_input.h"
 #include "apps/cli/video.h"
 #include "core/guarded.h"
+#include "core/lists.h"
 #include "effects/effects.h"
 #include "io/image_file.h"
 #include "renderer/draw.h"
@@ -94,7 +95,7 @@ Result<void> draw_into_file(const RenderOptions& o, const RenderJob& job, Device
   }
   std::vector<std::string> wanted = names;
   for (const std::string& name : hint_planes(recipe))
-    if (std::find(names.begin(), names.end(), name) == names.end()) wanted.push_back(name);
+    if (!contains(names, name)) wanted.push_back(name);
   // The conversion of a picture of one pixel yields the names of the planes in the file.
   Image pixel(1, 1);
   for (const std::string& name : wanted) pixel.add(name) = Plane(1, 1, 0.0f);
@@ -307,8 +308,7 @@ Result<void> choose_picture(RenderOptions& o) {
   if (!of_preset) return of_preset.error();
   std::vector<std::string> all = *of_preset;
   for (const std::string& word : passes)
-    if (word != "beauty" && std::find(of_preset->begin(), of_preset->end(), word) == of_preset->end())
-      all.push_back(word);
+    if (word != "beauty" && !contains(*of_preset, word)) all.push_back(word);
   passes = std::move(all);
   return {};
 }

@@ -9,6 +9,7 @@
 #include "apps/cli/output.h"
 #include "apps/cli/picture_file.h"
 #include "core/guarded.h"
+#include "core/lists.h"
 #include "core/suggest.h"
 #include "effects/effects.h"
 #include "io/layers.h"
@@ -75,7 +76,7 @@ Result<Chosen> chosen_passes(const ShadeOptions& o, const Recipe& recipe, const 
       for (const Available& each : available) names.push_back(each.name);
       return usage_error("there is no pass '{}' in this picture{}", word, suggestion(word, names));
     }
-    if (std::find(chosen.passes.begin(), chosen.passes.end(), word) != chosen.passes.end()) continue;
+    if (contains(chosen.passes, word)) continue;
     chosen.passes.push_back(word);
     const std::string name = o.request.scene_linear && word == "color" ? "beauty" : word;
     for (const std::string& channel : channels_of(name)) chosen.planes.push_back(name + channel);
@@ -100,10 +101,6 @@ Result<void> check_picture(const Recipe& recipe, const GBufferFile& file, const 
 std::string merged_name(std::string plane) {
   if (plane.size() > 2 && plane[plane.size() - 2] == '.') plane.back() = char(std::toupper(plane.back()));
   return "umbrage." + plane;
-}
-
-bool contains(const std::vector<std::string>& names, std::string_view name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 /// Returns whether the finished picture of another renderer has alpha, which its format can hold.

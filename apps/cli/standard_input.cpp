@@ -13,6 +13,7 @@
 #include <random>
 #include <utility>
 
+#include "core/lists.h"
 #include "core/suggest.h"
 #include "scene/readers/gzip.h"
 #include "scene/readers/molecule.h"
@@ -160,7 +161,7 @@ std::string format_of_content(std::string_view bytes) {
 
 Result<void> check_standard_input(const std::vector<std::string>& models, const std::string& format) {
   const auto& formats = import_formats();
-  if (!format.empty() && std::find(formats.begin(), formats.end(), format) == formats.end())
+  if (!format.empty() && !contains(formats, format))
     return usage_error("--input-format cannot be '{}'{}", format, suggestion(format, formats));
   const auto count = std::count(models.begin(), models.end(), "-");
   if (count > 1) return usage_error("- stands for standard input, which can be read once");
@@ -172,7 +173,7 @@ Result<void> check_standard_input(const std::vector<std::string>& models, const 
 Result<Scene> load_models(const std::vector<std::string>& models, const std::string& format,
                           const ImportSettings& settings) {
   if (auto status = check_standard_input(models, format); !status) return status.error();
-  if (std::find(models.begin(), models.end(), "-") == models.end()) return load_scenes(models, settings);
+  if (!contains(models, "-")) return load_scenes(models, settings);
   const RemoveCopyAtEnd remove_copy;
   const auto file = copy_standard_input(format);
   if (!file) return file.error();

@@ -14,6 +14,7 @@
 #include "apps/cli/progress.h"
 #include "apps/cli/render_options.h"
 #include "core/guarded.h"
+#include "core/lists.h"
 #include "io/image_file.h"
 #include "renderer/draw.h"
 #include "renderer/models.h"
@@ -37,8 +38,7 @@ struct Thumbnail {
 
 bool is_model(const fs::path& file) {
   const auto& formats = import_formats();
-  return !file.filename().string().starts_with('.') &&
-         std::find(formats.begin(), formats.end(), import_format(file)) != formats.end();
+  return !file.filename().string().starts_with('.') && contains(formats, import_format(file));
 }
 
 /// Returns the models in a folder and its subfolders, sorted. Errors: kFile if there are none.

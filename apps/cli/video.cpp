@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "apps/cli/signals.h"
+#include "core/lists.h"
 #include "io/format.h"
 #include "system/child_process.h"
 
@@ -70,9 +71,7 @@ std::vector<std::string> ffmpeg_arguments(const std::string& extension, const Vi
 
 }  // namespace
 
-bool is_video(const fs::path& file) {
-  return std::find(kExtensions.begin(), kExtensions.end(), lowercase_extension(file)) != kExtensions.end();
-}
+bool is_video(const fs::path& file) { return contains(kExtensions, lowercase_extension(file)); }
 
 Result<void> check_video(const fs::path& file, const VideoSettings& settings) {
   const std::string extension = lowercase_extension(file);

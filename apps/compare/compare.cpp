@@ -9,6 +9,7 @@
 #include "apps/compare/pictures.h"
 #include "apps/compare/run.h"
 #include "core/check.h"
+#include "core/lists.h"
 #include "core/suggest.h"
 #include "effects/effects.h"
 #include "reference/reference.h"
@@ -34,7 +35,7 @@ Result<std::vector<const Effect*>> techniques_of(const CompareSettings& settings
     if (found == names.end())
       return usage_error("there is no occlusion technique '{}'{}", name, suggestion(name, names));
     const Effect* effect = all[std::size_t(found - names.begin())];
-    if (std::find(chosen.begin(), chosen.end(), effect) == chosen.end()) chosen.push_back(effect);
+    if (!contains(chosen, effect)) chosen.push_back(effect);
   }
   return chosen;
 }
@@ -42,8 +43,7 @@ Result<std::vector<const Effect*>> techniques_of(const CompareSettings& settings
 /// Returns whether a technique writes `indirect` at these settings.
 bool computes_indirect_light(const Effect& effect, const ParameterBytes& params) {
   return std::any_of(effect.dispatches.begin(), effect.dispatches.end(), [&](const Dispatch& dispatch) {
-    return (!dispatch.needed || dispatch.needed(params)) &&
-           std::find(dispatch.outputs.begin(), dispatch.outputs.end(), kQuantityPlanes[1][0]) != dispatch.outputs.end();
+    return (!dispatch.needed || dispatch.needed(params)) && contains(dispatch.outputs, kQuantityPlanes[1][0]);
   });
 }
 
@@ -63,7 +63,7 @@ Result<const Effect*> filter_of(const CompareSettings& settings) {
   for (const Effect* effect : effects_with_external())
     if (effect->kind == EffectKind::kFilter) names.push_back(effect->name);
   names.push_back(kNoFilter);
-  if (std::find(names.begin(), names.end(), settings.filter) == names.end())
+  if (!contains(names, settings.filter))
     return usage_error("there is no filter '{}'{}: it takes {}", settings.filter, suggestion(settings.filter, names),
                        fmt::join(names, ", "));
   return find_effect(settings.filter);

@@ -7,6 +7,7 @@
 
 #include "apps/cli/progress.h"
 #include "core/image.h"
+#include "core/lists.h"
 #include "core/suggest.h"
 #include "effects/effects.h"
 #include "renderer/draw.h"
@@ -78,7 +79,7 @@ struct BenchPlan {
 Result<BenchPlan> plan_of(const BenchOptions& o) {
   std::vector<std::string_view> names = {"capture"};
   for (const Effect* effect : effects()) names.push_back(effect->name);
-  if (!o.effect.empty() && std::find(names.begin(), names.end(), o.effect) == names.end())
+  if (!o.effect.empty() && !contains(names, o.effect))
     return usage_error("there is no effect '{}'{}", o.effect, suggestion(o.effect, names));
   BenchPlan plan;
   plan.scale = o.request.occlusion_scale.empty() ? "full" : o.request.occlusion_scale;

@@ -9,6 +9,7 @@
 #include "apps/cli/progress.h"
 #include "apps/compare/compare.h"
 #include "apps/compare/report.h"
+#include "core/lists.h"
 #include "io/image_file.h"
 
 namespace umbrage::cli {
@@ -33,7 +34,7 @@ void print_table(const Comparison& comparison, Quantity quantity, std::pair<int,
   for (const Score& first : comparison.scores) {
     if (first.quantity != quantity) continue;
     const std::pair key(first.technique, first.setting);
-    if (std::find(shown.begin(), shown.end(), key) != shown.end()) continue;
+    if (contains(shown, key)) continue;
     shown.push_back(key);
     double ms = 0.0, rmse = 0.0, bias = 0.0, ssim = 0.0, p99 = 0.0, flip = 0.0, view = 0.0, own = 0.0;
     int count = 0;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/guarded.h"
+#include "core/lists.h"
 #include "renderer/devices.h"
 
 namespace umbrage::view {
@@ -490,7 +491,7 @@ void Drawing::watch() {
     const std::vector<int> models = models_.find_changed();
     lock.lock();
     for (auto& [id, page] : pages_) {
-      if (!page.state || std::find(models.begin(), models.end(), page.state->model) == models.end()) continue;
+      if (!page.state || !contains(models, page.state->model)) continue;
       for (std::size_t view = 0; view < page.views.size(); ++view) begin_view(page, view);
     }
     if (!models.empty()) changed_.notify_all();

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "core/check.h"
+#include "core/lists.h"
 #include "devices/shared/planes.h"
 #include "kernel/kernel_frame.h"
 
@@ -44,7 +45,7 @@ Plane& writable(CpuPlanes& planes, const std::string& name) {
 
 const Plane* find_plane(const CpuPlanes& planes, std::string_view name) {
   if (const Plane* stored = find_stored(planes, name)) return stored;
-  const bool neutral = std::find(planes.neutral.begin(), planes.neutral.end(), name) != planes.neutral.end();
+  const bool neutral = contains(planes.neutral, name);
   if (neutral) return planes.constants.at(*neutral_value(name)).get();
   return planes.parent ? find_plane(*planes.parent, name) : nullptr;
 }
@@ -112,7 +113,7 @@ StripRun prepare_strip(const DispatchRun& run, CpuPlanes& planes, tbb::task_aren
     const std::string name = run.plane(input);
     const StripRows* strip_rows = find_strip_rows(planes, name);
     if (!strip_rows) continue;
-    if (!run.dispatch.reach || std::find(unbounded.begin(), unbounded.end(), input) != unbounded.end()) {
+    if (!run.dispatch.reach || contains(unbounded, input)) {
       result.unbounded.push_back(name);
       if (!find_whole(planes, info, name, strip_rows->version)) incomplete.push_back(name);
     } else if (strip_rows->stored) {
@@ -161,7 +162,7 @@ StripRun prepare_strip(const DispatchRun& run, CpuPlanes& planes, tbb::task_aren
 
 float* row_zero_of(const DispatchRun& run, const CpuPlanes& planes, const StripRun& strip, const std::string& name) {
   const StripRows* strip_rows = find_strip_rows(planes, name);
-  const bool unbounded = std::find(strip.unbounded.begin(), strip.unbounded.end(), name) != strip.unbounded.end();
+  const bool unbounded = contains(strip.unbounded, name);
   const bool whole = strip_rows && (unbounded || !strip_rows->stored);
   const Plane* plane = whole ? find_whole(planes, run.info, name, strip_rows->version) : find_plane(planes, name);
   // The first sample may be drawn whole, and its further samples in strips.
@@ -184,8 +185,7 @@ void release_planes(const std::vector<std::string>& names, CpuPlanes& planes) {
     planes.released.insert(name);
   }
   // Neutral planes are made again when they are read again.
-  std::erase_if(planes.neutral,
-                [&](const std::string& name) { return std::find(names.begin(), names.end(), name) != names.end(); });
+  std::erase_if(planes.neutral, [&](const std::string& name) { return contains(names, name); });
   std::erase_if(planes.constants, [&](const auto& constant) {
     return std::none_of(planes.neutral.begin(), planes.neutral.end(),
                         [&](const std::string& name) { return neutral_value(name) == constant.first; });
@@ -194,8 +194,7 @@ void release_planes(const std::vector<std::string>& names, CpuPlanes& planes) {
 
 void release_ended(const DispatchRun& run, const std::set<std::string>& ending, CpuPlanes& planes) {
   const auto uses = [](const Dispatch& dispatch, std::string_view name) {
-    const auto is_in = [&](const auto& names) { return std::find(names.begin(), names.end(), name) != names.end(); };
-    return is_in(dispatch.inputs) || is_in(dispatch.outputs);
+    return contains(dispatch.inputs, name) || contains(dispatch.outputs, name);
   };
   std::vector<std::string> ended;
   for (const std::string& name : ending)

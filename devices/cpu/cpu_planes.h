@@ -1,7 +1,5 @@
 // The storage of a frame on the CPU, for a whole picture or a strip of it, and plane lookup for dispatches.
 #pragma once
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <map>
@@ -15,6 +13,7 @@
 
 #include "core/device.h"
 #include "core/image.h"
+#include "core/rows.h"
 #include "core/strip.h"
 #include "devices/shared/dispatches.h"
 #include "devices/shared/planes.h"
@@ -117,12 +116,7 @@ Result<Image> download_strip(const Frame& frame, const std::vector<std::string>&
 /// Calls work(y) for all rows of a plane, on all threads.
 template <class Work>
 void for_rows(tbb::task_arena& arena, int height, const Work& work) {
-  constexpr int kRowsAtOnce = 32;  // scheduling fewer rows costs more than copying them
-  arena.execute([&] {
-    tbb::parallel_for(tbb::blocked_range<int>(0, height, kRowsAtOnce), [&](const tbb::blocked_range<int>& rows) {
-      for (int y = rows.begin(); y < rows.end(); ++y) work(y);
-    });
-  });
+  arena.execute([&] { umbrage::for_rows(0, height, work); });
 }
 
 }  // namespace umbrage

@@ -4,6 +4,7 @@
 #include <glm/mat3x3.hpp>
 #include <limits>
 
+#include "core/lists.h"
 #include "rays/extra_cameras.h"
 #include "rays/shadow_lights.h"
 
@@ -63,8 +64,7 @@ std::vector<std::string> captured_planes(const Scene& scene, const PictureInfo& 
   std::vector<std::string> planes = {"depth", "normal.x", "normal.y", "normal.z"};
   const auto add = [&](const char* name) {
     const auto& requested = settings.planes;
-    if (!requested || std::find(requested->begin(), requested->end(), name) != requested->end())
-      planes.emplace_back(name);
+    if (!requested || contains(*requested, name)) planes.emplace_back(name);
   };
   for (const char* name : {"albedo.r", "albedo.g", "albedo.b", "specular", "shininess"}) add(name);
   planes.emplace_back("shadow");

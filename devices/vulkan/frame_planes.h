@@ -1,6 +1,5 @@
 // The planes of a frame on a GPU, and their transfer from and to the host.
 #pragma once
-#include <algorithm>
 #include <map>
 #include <memory>
 #include <set>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "core/device.h"
+#include "core/lists.h"
 #include "devices/shared/planes.h"
 #include "devices/vulkan/commands.h"
 #include "devices/vulkan/device_scene.h"
@@ -30,9 +30,7 @@ struct DevicePlanes {
   std::map<float, DevicePlanePtr> constants;
   std::shared_ptr<const DeviceScene> scene;  // the captured scene; null for planes of the host
 
-  bool is_neutral(std::string_view name) const {
-    return !stored.contains(name) && std::find(neutral.begin(), neutral.end(), name) != neutral.end();
-  }
+  bool is_neutral(std::string_view name) const { return !stored.contains(name) && contains(neutral, name); }
   const DevicePlane* find(std::string_view name) const {
     if (const auto found = stored.find(name); found != stored.end()) return found->second.get();
     return is_neutral(name) ? constants.at(*neutral_value(name)).get() : nullptr;

@@ -13,6 +13,7 @@
 
 #include "core/check.h"
 #include "core/gbuffer.h"
+#include "core/lists.h"
 #include "devices/vulkan/commands.h"
 #include "devices/vulkan/raster.h"
 #include "kernel/frame_constants.h"
@@ -118,7 +119,7 @@ GpuStep plain_step(const Dispatch& dispatch) {
 std::vector<std::string_view> plane_table(const GpuStep& step) {
   std::vector<std::string_view> names;
   const auto add = [&](std::string_view name) {
-    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    if (!contains(names, name)) names.push_back(name);
   };
   const auto of_layer = [](std::string_view name) { return layer_of_plane(name) > 0; };
   for (std::string_view name : step.inputs)

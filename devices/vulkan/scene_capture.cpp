@@ -13,6 +13,7 @@
 
 #include "core/check.h"
 #include "core/light_rig.h"
+#include "core/lists.h"
 #include "devices/shared/capture_info.h"
 #include "devices/shared/dispatches.h"
 #include "devices/shared/soften_dispatches.h"
@@ -346,8 +347,7 @@ Result<void> SceneCapture::trace_rays(const DispatchRun& run, const RaySettings&
                                                                {"indirect.b", kIndirectSlot + 2}};
   const auto& outputs = run.dispatch.outputs;
   for (const auto& [name, slot] : kOutputSlots)
-    if (std::find(outputs.begin(), outputs.end(), name) != outputs.end())
-      table[std::size_t(slot)] = planes.find(run.plane(name))->address;
+    if (contains(outputs, name)) table[std::size_t(slot)] = planes.find(run.plane(name))->address;
   const CaptureConstants constants = ray_constants(scene, run.info, settings, run.round, planes.stride);
   // The time depends on the scene, the lights, the length of the rays, and how many pixels have a ray of this index.
   const std::size_t kind =

@@ -7,6 +7,7 @@
 
 #include "core/check.h"
 #include "core/guarded.h"
+#include "core/lists.h"
 #include "devices/shared/dispatches.h"
 #include "devices/shared/planes.h"
 #include "devices/vulkan/commands.h"
@@ -305,9 +306,7 @@ class VulkanDevice final : public Device {
     const auto& dispatch_outputs = run.dispatch.outputs;
     for (const GpuStep& step : variant.steps) {
       for (std::string_view output : step.outputs) {
-        if (std::find(dispatch_outputs.begin(), dispatch_outputs.end(), output) != dispatch_outputs.end() ||
-            temporary_planes.contains(output))
-          continue;
+        if (contains(dispatch_outputs, output) || temporary_planes.contains(output)) continue;
         const auto made = memory_->plane(planes.bytes);
         if (!made) return made.error();
         temporary_planes.emplace(output, *made);

@@ -1,19 +1,15 @@
 #include "scene/readers/find_file.h"
 
 #include <algorithm>
-#include <cctype>
 #include <iterator>
 #include <system_error>
+
+#include "core/lowercase.h"
 
 namespace umbrage {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string lower(std::string text) {
-  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 bool is_file(const fs::path& path) {
   std::error_code ignored;
@@ -29,7 +25,7 @@ const FileFinder::Entries& FileFinder::entries_of(const fs::path& folder) {
   for (fs::directory_iterator entry(folder.empty() ? fs::path(".") : folder, error), end; !error && entry != end;
        entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    known->second.emplace(lower(name), name);
+    known->second.emplace(lowercase(name), name);
   }
   return known->second;
 }
@@ -45,7 +41,7 @@ std::optional<fs::path> FileFinder::find_ignoring_case(const fs::path& folder, c
       continue;
     }
     const Entries& entries = entries_of(found);
-    const auto other = entries.find(lower(part.string()));
+    const auto other = entries.find(lowercase(part.string()));
     if (other == entries.end()) return std::nullopt;
     found /= other->second;
   }

@@ -1,5 +1,6 @@
 // Checks of a model file before and after reading, and the choice of the process: built-in readers run in this process,
 // third-party readers in a separate one.
+#include "core/lowercase.h"
 #include "scene/readers/import.h"
 
 #include <fcntl.h>
@@ -7,31 +8,75 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
+#include <initializer_list>
 #include <iterator>
 #include <new>
 #include <set>
+#include <string>
+#include <string_view>
 #include <system_error>
 
+#include "core/lists.h"
 #include "scene/coplanar.h"
 #include "scene/finish.h"
 #include "scene/readers/import_in_child_process.h"
 #include "scene/readers/import_parts.h"
+#include "scene/readers/model_readers.h"
 #include "scene/readers/obj.h"
-#include "scene/readers/off.h"
-#include "scene/readers/ply.h"
-#include "scene/readers/point_text.h"
-#include "scene/readers/printable.h"
-#include "scene/readers/stl.h"
-#include "scene/readers/unread_formats.h"
 #include "scene/readers/whole_file.h"
 
 namespace umbrage {
 namespace {
+
+/// Replaces control characters of ASCII, and those of Latin-1 in UTF-8, by blanks. complete_import calls this for all
+/// texts of a scene and for errors of readers, which need not.
+std::string printable(std::string text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (byte(i) < ' ' || byte(i) == 127) text[i] = ' ';
+    if (byte(i) == 0xc2 && i + 1 < text.size() && byte(i + 1) >= 0x80 && byte(i + 1) < 0xa0)
+      text[i] = text[i + 1] = ' ';
+  }
+  return text;
+}
+
+struct Unread {
+  std::initializer_list<std::string_view> formats;
+  const char *what, *how;
+};
+
+/// Returns what a format is and how to convert it, as "a CAD format that is not read; ..."; empty for formats that are
+/// not known. `format`: as import_format returns it.
+std::string conversion_advice(std::string_view format) {
+  // Assimp 5.2 reads some of these, but wrongly: it misplaces rotated instances of AMF and blackens objects without a
+  // colour, refuses textures of X3D and mixes up its colours of faces, and has no reader for VRML in Debian.
+  static const Unread kUnread[] = {
+      {{"step", "stp", "iges", "igs", "brep", "fcstd"},
+       "a CAD format",
+       "export .3mf, .stl or .obj, for example with FreeCAD"},
+      {{"ifc"}, "a format of buildings", "convert it to .glb, for example with IfcConvert"},
+      {{"usd", "usda", "usdc", "usdz", "abc"}, "a scene format", "convert it to .glb, for example with Blender"},
+      {{"blend"}, "Blender's own format", "export .glb from Blender"},
+      {{"amf"}, "a print format", "export .3mf or .stl"},
+      {{"x3d", "x3db", "x3dv", "wrl", "vrml"},
+       "a scene format",
+       "convert it to .glb or .obj, for example with Blender"},
+      {{"max", "ma", "mb", "c4d", "lwo", "lws", "skp", "3dm", "dwg", "dxf", "ztl", "x_t", "sldprt", "ipt", "jt"},
+       "the format of a program",
+       "export .glb, .obj or .stl from that program"},
+      {{"las", "laz", "e57", "pcd", "ptx"}, "a point cloud", "convert it to .ply, for example with CloudCompare"},
+      {{"cif", "mol", "mol2", "sdf", "gro"}, "a molecule", "convert it to .pdb or .xyz, for example with Open Babel"},
+      {{"csv"}, "a table", "points in text form are read from files that end in .xyz"},
+      {{"zip", "rar", "7z", "tar", "tgz", "bz2", "xz", "zst"}, "an archive", "unpack it"},
+  };
+  for (const Unread& each : kUnread)
+    if (contains(each.formats, format)) return std::string(each.what) + " that is not read; " + each.how;
+  return {};
+}
 
 namespace fs = std::filesystem;
 
@@ -90,10 +135,8 @@ const std::vector<std::string>& import_formats() {
 }
 
 std::string import_format(const fs::path& file) {
-  std::string ending = without_gz(file).extension().string();
-  if (!ending.empty()) ending.erase(0, 1);
-  for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return ending;
+  const std::string ending = lowercase(without_gz(file).extension().string());
+  return ending.empty() ? ending : ending.substr(1);
 }
 
 std::optional<Error> check_model_file(const fs::path& file, const std::string& format) {
@@ -107,7 +150,7 @@ std::optional<Error> check_model_file(const fs::path& file, const std::string& f
   const auto& formats = import_formats();
   if (const std::string advice = conversion_advice(format); !advice.empty())
     return file_error("'{}' is {}", file.string(), advice);
-  if (std::find(formats.begin(), formats.end(), format) == formats.end()) {
+  if (!contains(formats, format)) {
     return file_error("'{}' is not a supported model file; it must end in one of {}, or one of these and .gz",
                       file.string(), list_of_formats());
   }

@@ -3,23 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <span>
 
+#include "core/lists.h"
+#include "core/lowercase.h"
 #include "scene/readers/obj_text.h"
 #include "scene/readers/read_number.h"
-#include "scene/readers/specular_exponent.h"
+#include "scene/scene.h"
 
 namespace umbrage {
 namespace {
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return result;
-}
 
 /// Removes the first word of a line and returns it.
 std::string_view take_word(std::string_view& line) {
@@ -103,7 +98,7 @@ class LibraryParser {
   void statement(std::string_view line) {
     std::string_view rest = line;
     const std::string_view word = take_word(rest);
-    const std::string key = lower(word);
+    const std::string key = lowercase(word);
     if (key == "newmtl") return start_material(rest);
     if (!material_) return unknown_.add(line_, word);
     for (const NumberRow& row : kNumbers)
@@ -122,12 +117,12 @@ class LibraryParser {
       return;
     }
     for (const std::string_view name : kNotDrawn) {
-      if (key != lower(name)) continue;
+      if (key != lowercase(name)) continue;
       const auto amount = number_of(take_word(rest));  // no effect if it is 0
       if (!(amount && *amount == 0.0)) ignore(std::string(name));
       return;
     }
-    if (std::find(std::begin(kHarmless), std::end(kHarmless), key) == std::end(kHarmless)) unknown_.add(line_, word);
+    if (!contains(kHarmless, key)) unknown_.add(line_, word);
   }
 
   void start_material(std::string_view name) {
@@ -140,8 +135,7 @@ class LibraryParser {
   void ignore(const std::string& what) {
     auto& ignored = material_->ignored;
     constexpr std::size_t kMaxIgnored = 64;  // more are only in a file that is something else
-    if (ignored.size() < kMaxIgnored && std::find(ignored.begin(), ignored.end(), what) == ignored.end())
-      ignored.push_back(what);
+    if (ignored.size() < kMaxIgnored && !contains(ignored, what)) ignored.push_back(what);
   }
 
   /// Clamps a number to 0 to max.
@@ -153,7 +147,7 @@ class LibraryParser {
 
   void read_number_row(const NumberRow& row, std::string_view rest, std::string_view line) {
     std::string_view word = take_word(rest);
-    if (lower(word) == "-halo") {  // d -halo: transparent where it faces the viewer
+    if (lowercase(word) == "-halo") {  // d -halo: transparent where it faces the viewer
       ignore("d -halo");
       word = take_word(rest);
     }
@@ -213,7 +207,7 @@ class LibraryParser {
         break;
       } else if (word[0] == '-' && word.size() > 1 && word.find('.') == std::string_view::npos) {
         rest = after;
-        read_option(lower(word), rest, map, line);
+        read_option(lowercase(word), rest, map, line);
       } else {
         const char* const start = name.empty() ? word.data() : name.data();
         if (!is_quoted) name = {start, std::size_t(word.data() + word.size() - start)};
@@ -227,9 +221,7 @@ class LibraryParser {
 
   void read_option(const std::string& option, std::string_view& rest, MtlMap& map, std::string_view line) {
     std::array<double, 3> values{};
-    const auto is_one_of = [&](std::initializer_list<std::string_view> names) {
-      return std::find(names.begin(), names.end(), option) != names.end();
-    };
+    const auto is_one_of = [&](std::initializer_list<std::string_view> names) { return contains(names, option); };
     if (is_one_of({"-s", "-o", "-t"})) {
       const std::size_t count = take_numbers(rest, values);
       if (count == 0) return bad_.add(line_, line);
@@ -246,11 +238,11 @@ class LibraryParser {
       if (take_numbers(rest, std::span(values).first(1)) != 1) return bad_.add(line_, line);
       map.bump = float(values[0]);
     } else if (option == "-clamp") {
-      map.clamp = lower(take_word(rest)) == "on";
+      map.clamp = lowercase(take_word(rest)) == "on";
     } else if (is_one_of({"-boost", "-texres", "-blendu", "-blendv", "-cc", "-colorspace", "-type"})) {
       take_word(rest);  // for filters and memory of old renderers, and for reflections
     } else if (option == "-imfchan") {
-      const std::string channel = lower(take_word(rest));
+      const std::string channel = lowercase(take_word(rest));
       if (channel.size() == 1 && std::string_view("rgbml").find(channel[0]) != std::string_view::npos)
         map.channel = channel[0];
       else

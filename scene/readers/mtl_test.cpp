@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "scene/readers/obj_text.h"
-#include "scene/readers/specular_exponent.h"
+#include "scene/scene.h"
 
 namespace umbrage {
 namespace {

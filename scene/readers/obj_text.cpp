@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 
+#include "core/lists.h"
 #include "scene/readers/read_number.h"
 
 namespace umbrage {
@@ -182,9 +183,7 @@ class BlockParser {
     const char* line_end = static_cast<const char*>(std::memchr(word_end, '\n', std::size_t(end_ - word_end)));
     const std::string_view rest = trimmed({word_end, std::size_t(line_end - word_end)});
     const auto add = [&](ObjStatement::Kind kind) { block_.statements.push_back({kind, block_.faces.size(), rest}); };
-    const auto is_one_of = [&](std::initializer_list<std::string_view> words) {
-      return std::find(words.begin(), words.end(), word) != words.end();
-    };
+    const auto is_one_of = [&](std::initializer_list<std::string_view> words) { return contains(words, word); };
     if (word == "usemtl") {
       add(ObjStatement::kMaterial);
     } else if (word == "o") {
@@ -209,9 +208,7 @@ class BlockParser {
                            "hole",     "scrv", "sp",         "end",       "con",   "mg",    "bevel", "c_interp",
                            "d_interp", "lod",  "shadow_obj", "trace_obj", "ctech", "stech", "maplib"})) {
       constexpr std::size_t kMaxWords = 16;  // of a file that is something else
-      if (block_.other.size() < kMaxWords &&
-          std::find(block_.other.begin(), block_.other.end(), word) == block_.other.end())
-        block_.other.push_back(word);
+      if (block_.other.size() < kMaxWords && !contains(block_.other, word)) block_.other.push_back(word);
     }
     at_ = std::min(at_, line_end);
   }

@@ -1,6 +1,6 @@
 // Reads OFF in text form [Geomview, "Object File Format"]. Used instead of Assimp, since Assimp 5.2 reads neither
 // colours of faces nor files without faces.
-#include "scene/readers/off.h"
+#include "scene/readers/model_readers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/readers/byte_order_mark.h"
 #include "scene/readers/face_attributes.h"
 #include "scene/readers/polygon.h"
 #include "scene/readers/positions.h"

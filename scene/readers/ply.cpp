@@ -1,6 +1,6 @@
 // Reads PLY [Turk 1994]. Used instead of Assimp, since Assimp 5.2 does not support triangle strips and hangs on some
 // files with a wrong header; this reader is also faster.
-#include "scene/readers/ply.h"
+#include "scene/readers/model_readers.h"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,6 @@
 #include "scene/readers/ply_parts.h"
 #include "scene/readers/polygon.h"
 #include "scene/readers/positions.h"
-#include "scene/readers/splats.h"
 #include "scene/readers/vertex_colors.h"
 #include "scene/readers/whole_file.h"
 
@@ -27,6 +26,7 @@ using ply::Element;
 using ply::Header;
 using ply::Number;
 using ply::Property;
+using ply::Splat;
 
 // clang-format off
 /// Destination of a property: a component of position, normal, texture coordinate, colour or Gaussian.

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <limits>
 
-#include "scene/readers/byte_order_mark.h"
 #include "scene/readers/read_number.h"
+#include "scene/readers/whole_file.h"
 
 namespace umbrage::ply {
 namespace {

@@ -1,5 +1,6 @@
 // Reader for points in text form. The header describes the columns.
-#include "scene/readers/point_text.h"
+#include "core/lowercase.h"
+#include "scene/readers/model_readers.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +10,6 @@
 #include <string>
 #include <string_view>
 
-#include "scene/readers/byte_order_mark.h"
 #include "scene/readers/molecule.h"
 #include "scene/readers/positions.h"
 #include "scene/readers/read_number.h"
@@ -96,8 +96,7 @@ std::vector<std::size_t> order_of(std::string_view line) {
     const std::string_view word = line.substr(0, line.find_first_of(kMarks));
     if (word.empty()) break;
     line.remove_prefix(word.size());
-    names.emplace_back(word);
-    for (char& c : names.back()) c = char(std::tolower(static_cast<unsigned char>(c)));
+    names.push_back(lowercase(word));
   }
   std::vector<std::size_t> first;
   for (const char* axis : {"x", "y", "z"}) {

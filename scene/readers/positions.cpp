@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "scene/origin.h"
+#include "scene/scene.h"
 
 namespace umbrage {
 

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <random>
 
+#include "core/lists.h"
 #include "fuzz/readers.h"
 #include "scene/readers/import.h"
 
@@ -76,7 +77,7 @@ TEST(ThirdPartyReaders, NeverCrashTheProgram) {
   int valid_count = 0;
   for (const Reader& reader : readers()) {
     const auto& formats = import_formats();
-    if (!reader.is_third_party || std::find(formats.begin(), formats.end(), reader.name) == formats.end()) continue;
+    if (!reader.is_third_party || !contains(formats, reader.name)) continue;
     const fs::path file = folder / ("model." + std::string(reader.name));
     for (const std::string& seed : reader.seeds()) {
       std::ofstream(file, std::ios::binary) << seed;

@@ -1,4 +1,5 @@
-#include "scene/readers/splats.h"
+// Gaussian splats [Kerbl et al. 2023] as opaque discs and spheres.
+#include "scene/readers/ply_parts.h"
 
 #include <fmt/format.h>
 
@@ -6,9 +7,10 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "core/lists.h"
 #include "scene/readers/vertex_colors.h"
 
-namespace umbrage {
+namespace umbrage::ply {
 namespace {
 
 constexpr float kHarmonicOfDegree0 = 0.28209479f;  // 1 / (2 sqrt(pi))
@@ -43,12 +45,6 @@ Shape shape_of(const Splat& splat) {
   return {kRadius * std::cbrt(scale.x * scale.y * scale.z)};
 }
 
-float quantile_of(std::vector<float> values, double fraction) {
-  const auto at = values.begin() + std::ptrdiff_t(fraction * double(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 }  // namespace
 
 void draw_splats(const std::vector<Splat>& splats, Scene& scene) {
@@ -74,7 +70,7 @@ void draw_splats(const std::vector<Splat>& splats, Scene& scene) {
     if (std::isfinite(shape.radius)) radii.push_back(shape.radius);
   }
   if (!radii.empty()) {
-    const float max = kMaxRatio * quantile_of(std::move(radii), kQuantile);
+    const float max = kMaxRatio * quantile(std::move(radii), kQuantile);
     for (Mesh* mesh : {&discs, &spheres})
       for (float& radius : mesh->radii) radius = std::min(radius, max);
   }
@@ -89,4 +85,4 @@ void draw_splats(const std::vector<Splat>& splats, Scene& scene) {
       splats.size(), transparent == 0 ? "" : fmt::format(", without {} of low opacity", transparent)));
 }
 
-}  // namespace umbrage
+}  // namespace umbrage::ply

@@ -1,9 +1,9 @@
 // Reads STL [3D Systems 1989]. Used instead of Assimp, since Assimp 5.2 refuses bytes after the last triangle, reads
 // Magics' colours the wrong way round, and does not know keywords in capitals.
-#include "scene/readers/stl.h"
+#include "core/lowercase.h"
+#include "scene/readers/model_readers.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
@@ -12,7 +12,6 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/readers/byte_order_mark.h"
 #include "scene/readers/positions.h"
 #include "scene/readers/read_number.h"
 #include "scene/readers/vertex_colors.h"
@@ -33,12 +32,10 @@ T number_at(const char* bytes) {  // little-endian, as this program's machines a
   return value;
 }
 
-char lower(char c) { return char(std::tolower(static_cast<unsigned char>(c))); }
-
 /// Compares with a word in lower case.
 bool same_word(std::string_view word, std::string_view lower_case) {
   return std::equal(word.begin(), word.end(), lower_case.begin(), lower_case.end(),
-                    [](char a, char b) { return lower(a) == b; });
+                    [](char a, char b) { return lowercase(a) == b; });
 }
 
 /// Returns whether the file is a text: it begins with "solid", as the header of a binary file may, too, and words of a
@@ -49,8 +46,7 @@ bool is_text(std::string_view bytes) {
   bytes.remove_prefix(std::min(bytes.find_first_not_of(kBlank), bytes.size()));
   if (bytes.size() < 5 || !same_word(bytes.substr(0, 5), "solid")) return false;
   // Characters of a text as the count of a binary file would make it larger than this file is.
-  std::string head(bytes.substr(0, 4096));
-  std::transform(head.begin(), head.end(), head.begin(), lower);
+  const std::string head = lowercase(bytes.substr(0, 4096));
   return head.find('\0') == std::string::npos &&
          (head.find("facet") != std::string::npos || head.find("endsolid") != std::string::npos);
 }

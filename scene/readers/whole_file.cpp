@@ -2,21 +2,17 @@
 #include "scene/readers/whole_file.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstdint>
 #include <fstream>
 #include <system_error>
 
+#include "core/lowercase.h"
 #include "scene/readers/gzip.h"
 
 namespace umbrage {
 namespace {
 
-bool ends_in_gz(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return ending == ".gz";
-}
+bool ends_in_gz(const std::filesystem::path& file) { return lowercase(file.extension().string()) == ".gz"; }
 
 /// Returns the first bytes of a file as they are stored.
 std::string stored_start(const std::filesystem::path& file, std::size_t count) {

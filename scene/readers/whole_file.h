@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "core/progress.h"
 #include "core/result.h"
@@ -24,5 +25,11 @@ bool is_gzip_file(const std::filesystem::path& file);
 
 /// Returns the path without the extension .gz.
 std::filesystem::path without_gz(const std::filesystem::path& file);
+
+/// Returns the text without its byte order mark, if it has one.
+inline std::string_view without_mark(std::string_view text) {
+  constexpr std::string_view kMark = "\xef\xbb\xbf";
+  return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
+}
 
 }  // namespace umbrage

@@ -1,0 +1,31 @@
+// Readers of this folder, by format of the model.
+#pragma once
+#include <filesystem>
+#include <optional>
+
+#include "core/result.h"
+#include "scene/readers/import.h"
+#include "scene/readers/obj.h"
+#include "scene/scene.h"
+
+namespace umbrage {
+
+/// Reads a glTF file: the scene, pose and cameras that `settings` choose. Everything that may change the picture and is
+/// not read adds a sentence to Scene::warnings. Returns nothing for a file of glTF 1.0. Errors: kFile; kUsage for a
+/// scene or an animation that the file does not have.
+std::optional<Result<Scene>> read_gltf(const std::filesystem::path& file, const ImportSettings& settings);
+
+/// Reads the atoms (ATOM and HETATM) of the first model of a PDB file as spheres, before finish_scene. Of alternate
+/// locations of an atom the first is drawn. Errors: kFile. Throws the exceptions of Gemmi.
+Result<Scene> read_pdb(const std::filesystem::path& file);
+
+/// Reads the objects that the build of a .3mf file names, with their transforms, base materials, colours and textures.
+/// Lengths are converted to millimetres. Errors: kFile.
+Result<Scene> read_3mf(const std::filesystem::path& file);
+
+/// Reads the textures of the materials and places texture coordinates by their options -s and -o. Adds one warning per
+/// missing or unreadable file, and one for maps that are placed otherwise than the first map of their material, which
+/// are left out, since a mesh has one set of texture coordinates.
+void import_obj_maps(const ObjFile& file, ObjScene& obj);
+
+}  // namespace umbrage
