@@ -259,16 +259,16 @@ Result<DepthGuess> guess_depth(const DepthEvidence& e) {
 
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoDepth = std::numeric_limits<double>::quiet_NaN();
 
 /// The values of the positions, by axis.
 using Axes = std::array<const TapValues*, 3>;
 
 double depth_of(const Axes& axes, const PositionConvention& position, std::size_t tap, std::size_t k) {
   const glm::dvec3 p((*axes[0])[tap][k], (*axes[1])[tap][k], (*axes[2])[tap][k]);
-  if (p == glm::dvec3(0.0)) return kNan;
+  if (p == glm::dvec3(0.0)) return kNoDepth;
   const double depth = glm::dot(position.forward, p - position.eye);
-  return depth > 0.0 && !is_never_depth(depth) ? depth : kNan;
+  return depth > 0.0 && !is_never_depth(depth) ? depth : kNoDepth;
 }
 
 /// Returns the fraction of positions that are in front of the camera.

@@ -23,7 +23,6 @@
 #include "core/eigen.h"
 #include "core/lists.h"
 #include "scene/finish.h"
-#include "scene/point_normals.h"
 
 namespace umbrage {
 namespace {

@@ -166,9 +166,7 @@ int finish_output() {
   return report(file_error("standard output cannot be written"));
 }
 
-bool is_of_lab(const std::string& command) {
-  return contains(kLabCommands, command);
-}
+bool is_of_lab(const std::string& command) { return contains(kLabCommands, command); }
 
 /// Returns an error if the first word is not a command of umbrage-lab.
 std::optional<Error> foreign_command(const std::vector<std::string>& words) {

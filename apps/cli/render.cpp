@@ -27,7 +27,7 @@
 #include "renderer/strips.h"
 #include "renderer/strokes.h"
 #include "renderer/written_passes.h"
-#include "scene/origin.h"
+#include "scene/scene.h"
 
 namespace umbrage::cli {
 namespace {

@@ -10,7 +10,6 @@
 namespace umbrage {
 namespace {
 
-
 struct Member {
   std::uint32_t first = 0, second = 0;  // index of a struct in the block, and of a member in that struct
   auto operator<=>(const Member&) const = default;
@@ -35,7 +34,7 @@ KernelOptions options_of(std::span<const std::uint32_t> spirv) {
   KernelOptions found;
   std::vector<std::pair<Member, std::size_t>> loads;
   std::set<Member> compared;
-  for (std::size_t at = kHeaderWords; at < spirv.size();) {
+  for (std::size_t at = kSpirvHeaderWords; at < spirv.size();) {
     const std::uint32_t words = spirv[at] >> spv::WordCountShift;
     if (words == 0 || at + words > spirv.size()) break;
     const std::span<const std::uint32_t> op = spirv.subspan(at, words);

@@ -10,6 +10,8 @@
 
 namespace umbrage {
 
+inline constexpr std::size_t kSpirvHeaderWords = 5;  ///< words of a SPIR-V module before its first instruction
+
 /// An integer, or an array of them, in a shader's block of constants.
 struct KernelOption {
   std::size_t offset = 0;  ///< bytes

@@ -15,6 +15,7 @@
 #include "core/gbuffer.h"
 #include "core/lists.h"
 #include "devices/vulkan/commands.h"
+#include "devices/vulkan/options.h"
 #include "devices/vulkan/raster.h"
 #include "kernel/frame_constants.h"
 #include "spirv/capture.h"
@@ -90,7 +91,7 @@ std::vector<Slot> slots_of(std::span<const std::uint32_t> spirv) {
   constexpr std::string_view kSuffix = "_slot";
   std::vector<Slot> slots;
   std::map<std::uint32_t, std::string> names;
-  for (std::size_t at = kHeaderWords; at < spirv.size();) {
+  for (std::size_t at = kSpirvHeaderWords; at < spirv.size();) {
     const std::uint32_t op = spirv[at] & spv::OpCodeMask, words = spirv[at] >> spv::WordCountShift;
     if (words == 0) break;
     if (op == spv::OpName) {

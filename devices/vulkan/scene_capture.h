@@ -90,8 +90,8 @@ class SceneCapture {
   RasterTargetPtr target_;                    // has the size of the last picture
   std::shared_ptr<const DeviceScene> scene_;  // null: none is prepared
   MadeOccluders occluders_;
-  std::size_t scene_count_ = 0;               // number of scenes prepared so far
-  TracedScenePtr traced_;                     // null until extra views are requested
+  std::size_t scene_count_ = 0;  // number of scenes prepared so far
+  TracedScenePtr traced_;        // null until extra views are requested
 };
 
 }  // namespace umbrage
