@@ -101,7 +101,7 @@ TEST_F(ShortMemory, IsCodeFourAndWritesNothing) {
     const test::fs::path err = root_ / "err";
     const std::string line =
         fmt::format("cd {} && ulimit -v {} && {}{} >/dev/null 2>{}", test::quoted(folder_.string()), megabytes * 1024,
-                    test::quoted(UMBRAGE_PROGRAM), words, test::quoted(err.string()));
+                    test::quoted(test::kProgram), words, test::quoted(err.string()));
     const int status = std::system(line.c_str());
     ASSERT_TRUE(WIFEXITED(status)) << megabytes;
     const std::string reported = test::text_of(err);

@@ -18,14 +18,14 @@
 namespace umbrage::test {
 namespace {
 
-constexpr const char* kFaulty = "UMBRAGE_IMPORT=" UMBRAGE_FAULTY_IMPORT;
+const std::string kFaulty = std::string("UMBRAGE_IMPORT=") + test::kFaultyImport;
 
 /// Uses the faulty reader instead of umbrage-import.
 class IsolatedImport : public ProgramTest {
  protected:
   void SetUp() override {
     ProgramTest::SetUp();
-    ::setenv("UMBRAGE_IMPORT", UMBRAGE_FAULTY_IMPORT, 1);
+    ::setenv("UMBRAGE_IMPORT", test::kFaultyImport, 1);
   }
   void TearDown() override {
     ::unsetenv("UMBRAGE_IMPORT");
@@ -87,7 +87,7 @@ TEST_F(IsolatedImport, LeavesNoProcessBehind) {
   const pid_t program = ::fork();
   if (program == 0) {
     ::dup2(pipe_ends[1], 9), ::close(pipe_ends[0]), ::close(pipe_ends[1]);
-    ::execl(UMBRAGE_PROGRAM, "umbrage", file.c_str(), "-o", (file + ".png").c_str(), nullptr);
+    ::execl(test::kProgram, "umbrage", file.c_str(), "-o", (file + ".png").c_str(), nullptr);
     ::_exit(1);
   }
   ::close(pipe_ends[1]);

@@ -34,7 +34,7 @@ TEST_F(SaveExr, IsThatOfTheProgram) {
     const std::string program = fmt::format(
         "'{}' render {} --device cpu --resolution 40x30 --passes "
         "color,depth,normal,ao {} -o '{}'",
-        UMBRAGE_PROGRAM, kSolids, transparent ? "--no-background" : "", (folder_ / "program.exr").string());
+        test::kProgram, kSolids, transparent ? "--no-background" : "", (folder_ / "program.exr").string());
     ASSERT_EQ(std::system(program.c_str()), 0);
     const auto ours = read_image(folder_ / "library.exr"), theirs = read_image(folder_ / "program.exr");
     ASSERT_TRUE(ours && theirs);

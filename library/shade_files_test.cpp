@@ -32,7 +32,7 @@ class ShadeFiles : public test::ProgramTest {
   /// Returns the picture that the program makes of a file, as floats.
   Image of_program(const std::string& words) {
     const auto to = folder_ / "program.pfm";
-    const std::string command = fmt::format("'{}' shade {} --device cpu -o '{}'", UMBRAGE_PROGRAM, words, to.string());
+    const std::string command = fmt::format("'{}' shade {} --device cpu -o '{}'", test::kProgram, words, to.string());
     EXPECT_EQ(std::system(command.c_str()), 0) << command;
     auto image = read_image(to);
     EXPECT_TRUE(image) << image.error().message;

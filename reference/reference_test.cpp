@@ -21,6 +21,7 @@
 #include <sstream>
 #include <thread>
 
+#include "build_paths.h"
 #include "devices/cpu/capture.h"
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
@@ -1411,7 +1412,7 @@ TEST(Reference, TableCoversEveryFieldAndIsExplained) {
   EXPECT_EQ(bytes.size(), sizeof(ReferenceParams)) << "there are fields without a row";
   EXPECT_EQ(effect.params_size, sizeof(ReferenceParams));
 
-  const std::filesystem::path folder = std::filesystem::path(UMBRAGE_SOURCE) / "reference";
+  const std::filesystem::path folder = std::filesystem::path(test::kSourceFolder) / "reference";
   std::stringstream readme;
   readme << std::ifstream(folder / "README.md").rdbuf();
   const auto expect_named = [&](std::string_view name) {

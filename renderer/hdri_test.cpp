@@ -455,9 +455,10 @@ TEST_F(HdriFile, UnusableFilesGiveOneSentence) {
   for (const char* name : {"depth", "ao"}) depth.add(name) = Plane(4, 2, 1.0f);
   ASSERT_TRUE(write_image(folder_ / "depth.exr", depth));
   bad(kDraw_ + "depth.exr", 3, {"depth.exr", "R, G and B"});
-  bad(kDraw_ + "crash.hdr", 3, {"does not exist"}, "UMBRAGE_IMPORT=" UMBRAGE_FAULTY_IMPORT);
+  bad(kDraw_ + "crash.hdr", 3, {"does not exist"}, std::string("UMBRAGE_IMPORT=") + test::kFaultyImport);
   write("crash.hdr", whole);
-  bad(kDraw_ + "crash.hdr", 3, {"crash.hdr", "its reader crashed"}, "UMBRAGE_IMPORT=" UMBRAGE_FAULTY_IMPORT);
+  bad(kDraw_ + "crash.hdr", 3, {"crash.hdr", "its reader crashed"},
+      std::string("UMBRAGE_IMPORT=") + test::kFaultyImport);
 }
 
 TEST_F(HdriFile, WrongValuesAreUsageErrors) {

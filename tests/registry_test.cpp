@@ -4,6 +4,7 @@
 #include <fstream>
 #include <set>
 
+#include "build_paths.h"
 #include "devices/vulkan/pipelines.h"
 #include "effects/effects.h"
 #include "looks/looks.h"
@@ -101,7 +102,7 @@ TEST(Registry, ShadersReachExactlyTheirPlanes) {
 
 TEST(Registry, EveryEffectHasACompleteFolder) {
   for (const Effect* effect : effects()) {
-    const std::string folder = fmt::format("{}/effects/{}/", UMBRAGE_SOURCE, effect->name);
+    const std::string folder = fmt::format("{}/effects/{}/", test::kSourceFolder, effect->name);
     // A host step has no kernel text.
     const bool on_host =
         std::any_of(effect->dispatches.begin(), effect->dispatches.end(), [](const Dispatch& p) { return p.host; });

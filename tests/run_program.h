@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "build_paths.h"
 #include "io/image_file.h"
 
 namespace umbrage::test {
@@ -78,7 +79,7 @@ class ProgramTest : public testing::Test {
     std::string line = fmt::format(
         "cd {} && env -u UMBRAGE_DEVICE -u UMBRAGE_NUM_THREADS -u UMBRAGE_VERBOSE "
         "XDG_CONFIG_HOME={} {} {}",
-        quoted(folder_.string()), quoted((root_ / "config").string()), before, quoted(UMBRAGE_PROGRAM));
+        quoted(folder_.string()), quoted((root_ / "config").string()), before, quoted(test::kProgram));
     for (const std::string& word : words) line += " " + quoted(word);
     const fs::path out = root_ / "out", err = root_ / "err";
     line += fmt::format(" >{} 2>{} </dev/null", quoted(out.string()), quoted(err.string()));

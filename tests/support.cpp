@@ -9,11 +9,16 @@
 #include <limits>
 #include <numbers>
 
+#include "build_paths.h"
 #include "core/check.h"
 #include "core/occluders.h"
 #include "kernel/isa.h"
 
 namespace umbrage::test {
+
+const char* const kProgram = UMBRAGE_PROGRAM;
+const char* const kFaultyImport = UMBRAGE_FAULTY_IMPORT;
+const char* const kSourceFolder = UMBRAGE_SOURCE;
 
 double scale_of(const Plane& plane) {
   double scale = 1.0;

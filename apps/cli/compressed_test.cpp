@@ -44,7 +44,7 @@ TEST_F(CompressedTest, EveryReaderInflates) {
 TEST_F(CompressedTest, StandardInputIsInflated) {
   write("a.obj.gz", gzip_of(kTri));
   const std::string piped = fmt::format("cd {} && cat a.obj.gz | {} - -o piped.png --look ao --resolution 32",
-                                        quoted(folder_.string()), quoted(UMBRAGE_PROGRAM));
+                                        quoted(folder_.string()), quoted(test::kProgram));
   EXPECT_EQ(std::system(piped.c_str()), 0);
   good("tri.obj -o plain.png --look ao --resolution 32");
   EXPECT_EQ(text_of(folder_ / "plain.png"), text_of(folder_ / "piped.png"));

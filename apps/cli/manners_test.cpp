@@ -16,7 +16,7 @@ class Manners : public test::ProgramTest {
   Outcome shell(const std::string& line) {
     const fs::path out = root_ / "out", err = root_ / "err";
     const std::string command = fmt::format("cd {} && export UMBRAGE={} XDG_CONFIG_HOME={} TMPDIR={} && ({}) >{} 2>{}",
-                                            test::quoted(folder_.string()), test::quoted(UMBRAGE_PROGRAM),
+                                            test::quoted(folder_.string()), test::quoted(test::kProgram),
                                             test::quoted((root_ / "config").string()), test::quoted(root_.string()),
                                             line, test::quoted(out.string()), test::quoted(err.string()));
     const int status = std::system(("bash -c " + test::quoted(command)).c_str());
@@ -292,7 +292,7 @@ TEST_F(Manners, FileNamesLikeOptionsAreNotReplaced) {
 
 TEST_F(Manners, UnwritableOutputIsAFileError) {
   for (const char* words : {"list effects", "manual", "--help", "--version", "render --help"}) {
-    const int status = std::system((std::string(UMBRAGE_PROGRAM) + " " + words + " > /dev/full 2> /dev/null").c_str());
+    const int status = std::system((std::string(test::kProgram) + " " + words + " > /dev/full 2> /dev/null").c_str());
     ASSERT_TRUE(WIFEXITED(status)) << words;
     EXPECT_EQ(WEXITSTATUS(status), 3) << words;
   }

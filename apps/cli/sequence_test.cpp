@@ -131,8 +131,7 @@ TEST_F(SequenceTest, AnInterruptedRunLeavesWholeFrames) {
   if (child == 0) {
     static_cast<void>(::chdir(folder_.c_str()));
     static_cast<void>(std::freopen("/dev/null", "w", stderr));
-    ::execl(UMBRAGE_PROGRAM, UMBRAGE_PROGRAM, "shade", "shot.####.exr", "-o", "out.####.png", "--device", "cpu",
-            nullptr);
+    ::execl(test::kProgram, test::kProgram, "shade", "shot.####.exr", "-o", "out.####.png", "--device", "cpu", nullptr);
     ::_exit(127);
   }
   ASSERT_GT(child, 0);

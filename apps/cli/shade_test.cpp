@@ -52,7 +52,7 @@ TEST_F(ShadeTest, WritesPictures) {
   EXPECT_EQ(text_of(folder_ / "a.png"), text_of(folder_ / "b.png")) << "an image as first word is shaded";
   EXPECT_EQ(good("shade g.exr -o - --device cpu").out, text_of(folder_ / "a.png"));
   const std::string from_input = fmt::format("cd {} && {} shade - -o i.png --device cpu <g.exr",
-                                             test::quoted(folder_.string()), test::quoted(UMBRAGE_PROGRAM));
+                                             test::quoted(folder_.string()), test::quoted(test::kProgram));
   EXPECT_EQ(std::system(from_input.c_str()), 0);
   EXPECT_EQ(text_of(folder_ / "i.png"), text_of(folder_ / "a.png"));
   for (const auto& [name, start] :

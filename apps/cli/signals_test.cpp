@@ -64,7 +64,7 @@ class Signals : public test::ProgramTest {
       std::vector<char*> arguments = {const_cast<char*>("umbrage")};
       for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
       arguments.push_back(nullptr);
-      ::execv(UMBRAGE_PROGRAM, arguments.data());
+      ::execv(test::kProgram, arguments.data());
       ::_exit(1);
     }
     ::close(ends[1]);
@@ -112,7 +112,7 @@ class Signals : public test::ProgramTest {
 };
 
 TEST_F(Signals, EndTheReaderOfAModel) {
-  ::setenv("UMBRAGE_IMPORT", UMBRAGE_FAULTY_IMPORT, 1);
+  ::setenv("UMBRAGE_IMPORT", test::kFaultyImport, 1);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     write("linger.gltf", "{}");
     const Running running = start("linger.gltf -o out.png");

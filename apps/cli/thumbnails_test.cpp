@@ -79,7 +79,7 @@ TEST_F(ThumbnailsTest, WrongUsageGivesOneSentence) {
 }
 
 TEST_F(ThumbnailsTest, FileManagersFindTheCommandForEveryFormat) {
-  const fs::path share = fs::path(UMBRAGE_SOURCE) / "apps/share";
+  const fs::path share = fs::path(test::kSourceFolder) / "apps/share";
   const std::string entry = text_of(share / "thumbnailers/umbrage.thumbnailer");
   const std::string types = text_of(share / "mime/packages/umbrage.xml");
   // The types of shared-mime-info; the others are in our own file.

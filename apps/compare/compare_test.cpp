@@ -38,7 +38,7 @@ std::vector<std::string> recorded_models() {
 }
 
 void expect_none_worse(const char* file, CompareSettings settings) {
-  const fs::path recorded = fs::path(UMBRAGE_SOURCE) / "tests" / file;
+  const fs::path recorded = fs::path(test::kSourceFolder) / "tests" / file;
   const auto baseline = read_baseline(recorded);
   ASSERT_TRUE(baseline) << baseline.error().message;
   auto device = make_device("cpu", 0);

@@ -12,6 +12,7 @@
 #include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "build_paths.h"
 #include "io/image_file.h"
 
 namespace umbrage::view {
@@ -145,7 +146,7 @@ Image decoded(const std::string& bytes) {
 Image rendered(const std::string& options) {
   const fs::path file = temporary("rendered.png");
   const std::string command = fmt::format("\"{}\" render \"{}\" --device cpu --resolution 160,96 {} -o \"{}\" 2>&1",
-                                          UMBRAGE_PROGRAM, kSolids.file, options, file.string());
+                                          test::kProgram, kSolids.file, options, file.string());
   EXPECT_EQ(std::system(command.c_str()), 0) << command;
   return *read_image(file);
 }

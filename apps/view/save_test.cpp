@@ -35,7 +35,7 @@ class ViewSave : public test::ProgramTest {
 
 TEST_F(ViewSave, WritesTheFileOfTheCommandLine) {
   for (const std::string format : {"png", "exr", "svg", "jpg", "webp"}) {
-    const HttpAnswer answer = save_picture(subject(), request(format), folder_, kWanted, UMBRAGE_PROGRAM);
+    const HttpAnswer answer = save_picture(subject(), request(format), folder_, kWanted, test::kProgram);
     ASSERT_EQ(answer.status, 200) << answer.body;
     EXPECT_EQ(answer.attachment, "tri." + format);
     const std::string expected = "expected." + format;
@@ -53,7 +53,7 @@ TEST_F(ViewSave, ErrorsAreThoseOfTheProgram) {
   const auto before = files();
   Save wrong = request("png");
   wrong.options["look"] = {"stdio"};
-  const HttpAnswer answer = save_picture(subject(), wrong, folder_, kWanted, UMBRAGE_PROGRAM);
+  const HttpAnswer answer = save_picture(subject(), wrong, folder_, kWanted, test::kProgram);
   EXPECT_EQ(answer.status, 400);
   EXPECT_NE(answer.body.find("no look 'stdio'"), std::string::npos) << answer.body;
   EXPECT_EQ(answer.body.find("\\n"), std::string::npos) << answer.body;
