@@ -9,7 +9,7 @@
 
 namespace umbrage {
 
-inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
+inline constexpr float kRayInfinity = std::numeric_limits<float>::infinity();
 
 /// The rays of a camera. The ray through the point (x, y) of the picture, in pixels from its top left corner, starts at
 /// origin + x origin_x + y origin_y. Its direction is direction + x direction_x + y direction_y. The component of the

@@ -26,7 +26,7 @@ constexpr float kNearest = 1e-3f;  // min distance of a camera from c, as a frac
 /// Returns the distance to the first surface, in lengths of `direction`.
 float free_distance(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction) {
   alignas(16) RTCRayHit hit;
-  return first_hit(traced, origin, direction, hit) ? hit.ray.tfar : kInfinity;
+  return first_hit(traced, origin, direction, hit) ? hit.ray.tfar : kRayInfinity;
 }
 
 /// Returns the median depth of the visible surfaces, or the middle of the scene's depth range if nothing is visible.

@@ -65,7 +65,7 @@ float mean_light(const TracedScene& traced, const std::vector<VisiblePoint>& poi
       const VisiblePoint& point = points[first + std::size_t(k)];
       cosines[k] = glm::dot(point.surface.normal, direction);
       if (!(cosines[k] > 0.0f) || !(glm::dot(point.surface.geometric, direction) > 0.0f)) continue;
-      rays.set(k, point.start, direction, 0.0f, kInfinity);
+      rays.set(k, point.start, direction, 0.0f, kRayInfinity);
     }
     rays.find_blocked(traced, Coherence::kIncoherent);
     for (int k = 0; k < kPacket; ++k)

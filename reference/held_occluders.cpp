@@ -20,7 +20,7 @@ float behind_hit(const RayPacket& rays, int k) {
   const float t = rays.hit_distance(k);
   const glm::vec3 along = rays.direction(k) * t, hit = rays.origin(k) + along;
   const float step = kLayerStep * (glm::length(hit) + glm::length(along)) / glm::length(rays.direction(k));
-  return std::max(t + step, std::nextafter(t, kInfinity));
+  return std::max(t + step, std::nextafter(t, kRayInfinity));
 }
 
 /// Sets lane k of `to_points` to the camera's ray to a point of a surface, with t from 0 to 1. The lane stays idle
@@ -74,7 +74,7 @@ std::vector<HeldView> held_views(const TracedScene& traced, const PictureInfo& i
 std::array<float, kPacket> held_hit_distances(const TracedScene& traced, const std::vector<HeldView>& views,
                                               float length, float min_opacity, RayPacket& rays) {
   std::array<float, kPacket> distances;
-  distances.fill(kInfinity);
+  distances.fill(kRayInfinity);
   rays.find_hits(traced, Coherence::kIncoherent);
   while (rays.any()) {
     for (int k = 0; k < kPacket; ++k)
