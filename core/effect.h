@@ -20,8 +20,8 @@ struct HostFrame;    // input and output of a host step: see kernel/host_frame.h
 /// A compiled kernel: computes the outputs of its dispatch for one tile. Tiles may run concurrently.
 using CpuKernel = void (*)(const KernelFrame&, const Tile&);
 
-/// A kernel compiled three times. The build writes `kernels/NAME.h` with NAME_kernel() for every NAME.comp that has a
-/// NAME.cpu.cpp beside it.
+/// A kernel compiled three times. The build writes `kernels/NAME.h` with NAME_kernel() for every kernel NAME: a text
+/// NAME.kernel.h that defines NAME_pixel, or a line `// KERNEL NAME: ...` of such a text (cmake/kernels.cmake).
 struct Kernel {
   CpuKernel scalar = nullptr, lanes = nullptr;  ///< plain C++; SIMD lanes
   std::span<const std::uint32_t> spirv;         ///< compute shader
