@@ -167,7 +167,7 @@ void set_radius_of(float radius, const PictureInfo&, ParameterBytes& bytes) {
 }
 
 /// Returns `effect` with this kind and parameter table, and with the sizes and the `constants` function that follow
-/// from `fill_constants`: a function such as void fill_constants(const BoxParams&, const PictureInfo&, BoxConstants&),
+/// from `fill_constants`: a function such as void fill_box(const BoxParams&, const PictureInfo&, BoxConstants&),
 /// which receives zero-initialized constants. A dispatch without a name gets the name of the effect.
 template <auto fill_constants>
 Effect effect_of(EffectKind kind, std::vector<Parameter> table, Effect effect) {
@@ -188,7 +188,7 @@ Effect effect_of(EffectKind kind, std::vector<Parameter> table, Effect effect) {
   return effect;
 }
 
-/// Return an effect of one kind, completed by effect_of. Usage: `return filter_effect<fill_constants>(kTable, {...});`.
+/// Return an effect of one kind, completed by effect_of. Usage: `return filter_effect<fill_box>(kBoxTable, {...});`.
 template <auto fill_constants>
 Effect occlusion_effect(std::vector<Parameter> table, Effect effect) {
   return effect_of<fill_constants>(EffectKind::kOcclusion, std::move(table), std::move(effect));

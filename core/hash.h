@@ -1,5 +1,7 @@
-// Hash of integers, for random numbers that depend on nothing but their arguments.
+// Random and evenly spread numbers that depend on nothing but their arguments: a hash of integers, and the sequence of
+// [Roberts 2018].
 #pragma once
+#include <cmath>
 #include <cstdint>
 
 namespace umbrage {
@@ -17,5 +19,10 @@ inline float unit_real(std::uint32_t bits) {
   constexpr float kStep = 0x1p-23f;  // floats have 24 bits: 23 for the step, one for its centre
   return (float(bits >> 9) + 0.5f) * kStep;
 }
+
+/// The root of x^3 = x + 1. The fractional parts of k / kPlasticNumber and k / kPlasticNumber^2, for k = 1, 2, ..., are
+/// evenly spread over the unit square.
+inline constexpr double kPlasticNumber = 1.32471795724474602596;
+inline double fractional_part(double v) { return v - std::floor(v); }
 
 }  // namespace umbrage

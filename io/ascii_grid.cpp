@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// A grid being read.
-struct Reader {
+struct GridReader {
   InputFile stream;
   int width = 0, height = 0;
   GeoRaster geo;
@@ -55,7 +55,7 @@ bool is_in_degrees(const fs::path& file) {
          (start.starts_with("projection") && start.find("geographic") < start.find('\n'));
 }
 
-Result<void> open(const fs::path& file, Reader& reader) {
+Result<void> open(const fs::path& file, GridReader& reader) {
   std::int64_t size = 0;
   Result<InputFile> stream = open_to_read(file, size);
   if (!stream) return stream.error();
@@ -111,7 +111,7 @@ Result<void> open(const fs::path& file, Reader& reader) {
 }
 
 Result<LayeredFile> read_grid_header(const fs::path& file) {
-  Reader reader;
+  GridReader reader;
   if (auto opened = open(file, reader); !opened) return opened.error();
   LayeredFile header = plain_header(reader.width, reader.height);
   add_picture_channels(header, 1, ChannelType::kFloat);
@@ -120,7 +120,7 @@ Result<LayeredFile> read_grid_header(const fs::path& file) {
 }
 
 Result<void> read_grid_rows(const LayeredFile& file, std::span<const int> channels, RowTarget& target) {
-  Reader reader;
+  GridReader reader;
   if (auto opened = open(file.path, reader); !opened) return opened;
   if (reader.width != file.width || reader.height != file.height) return changed_file(file);
   return target.each_block(1, [&](int first, int end) -> Result<void> {

@@ -142,19 +142,19 @@ struct JpegError {
   std::longjmp(error->jump, 1);
 }
 
-struct Writer {
+struct JpegWriter {
   jpeg_compress_struct jpeg{};
   JpegError error;
   unsigned char* bytes = nullptr;  // of a picture in memory
   unsigned long size = 0;
-  ~Writer() {
+  ~JpegWriter() {
     jpeg_destroy_compress(&jpeg);
     std::free(bytes);
   }
 };
 
 /// Starts a file or, if `stream` is null, a picture in memory that is encoded for speed.
-bool start(Writer& writer, std::FILE* stream, int width, int height, int channels, int quality) {
+bool start(JpegWriter& writer, std::FILE* stream, int width, int height, int channels, int quality) {
   jpeg_compress_struct& jpeg = writer.jpeg;
   jpeg.err = jpeg_std_error(&writer.error.manager);
   writer.error.manager.error_exit = on_error;
@@ -184,21 +184,21 @@ bool start(Writer& writer, std::FILE* stream, int width, int height, int channel
   return true;
 }
 
-bool write_row(Writer& writer, std::uint8_t* row) {
+bool write_row(JpegWriter& writer, std::uint8_t* row) {
   if (setjmp(writer.error.jump)) return false;
   jpeg_write_scanlines(&writer.jpeg, &row, 1);
   return true;
 }
 
-bool finish(Writer& writer) {
+bool finish(JpegWriter& writer) {
   if (setjmp(writer.error.jump)) return false;
   jpeg_finish_compress(&writer.jpeg);
   return true;
 }
 
 /// Writes the rows to an open file, or to memory as for start; `name` is its name in errors.
-Result<void> write_to(Writer& writer, std::FILE* stream, const fs::path& name, const ImageShape& shape, int channels,
-                      int quality, const MakeImageRows& make) {
+Result<void> write_to(JpegWriter& writer, std::FILE* stream, const fs::path& name, const ImageShape& shape,
+                      int channels, int quality, const MakeImageRows& make) {
   const auto failed = [&] {
     return file_error("'{}' cannot be written as JPEG: {}", name.string(), writer.error.text);
   };
@@ -217,20 +217,20 @@ Result<void> write_to(Writer& writer, std::FILE* stream, const fs::path& name, c
   return finish(writer) ? Result<void>() : failed();
 }
 
-Result<void> write(const fs::path& file, const ImageShape& shape, const WriteSettings& settings,
-                   const MakeImageRows& make) {
+Result<void> write_jpeg(const fs::path& file, const ImageShape& shape, const WriteSettings& settings,
+                        const MakeImageRows& make) {
   const Image bare = image_without_pixels(shape);
   const auto planes = picture_planes(file, bare, true);
   if (!planes) return planes.error();
   if (planes->size() > 3)
     return file_error("'{}' cannot be written: JPEG has no transparency; .png and .webp have", file.string());
   return write_atomically(file, [&](std::FILE* to) {
-    Writer writer;
+    JpegWriter writer;
     return write_to(writer, to, file, shape, int(planes->size()), settings.quality, make);
   });
 }
 
-bool recognises(std::string_view start) { return start.starts_with("\xff\xd8\xff"); }
+bool is_jpeg(std::string_view start) { return start.starts_with("\xff\xd8\xff"); }
 
 constexpr std::string_view kSummary = "8 bit grey or RGB pictures, sRGB, only written";
 
@@ -239,14 +239,14 @@ constexpr std::string_view kSummary = "8 bit grey or RGB pictures, sRGB, only wr
 Result<std::string> encode_fast_jpeg(const std::string& name, const Image& image, int quality) {
   const auto planes = picture_planes(name, image, false);
   if (!planes) return planes.error();
-  Writer writer;
+  JpegWriter writer;
   const auto written = write_to(writer, nullptr, name, {image.width, image.height, image.names}, int(planes->size()),
                                 quality, [&](const TakeImageRows& take) { return take(image); });
   if (!written) return written.error();
   return std::string(reinterpret_cast<const char*>(writer.bytes), writer.size);
 }
 
-const ImageFormat kJpg = {"jpg", kSummary, write, nullptr, recognises, true, false, 8};
-const ImageFormat kJpeg = {"jpeg", kSummary, write, nullptr, recognises, true, false, 8};
+const ImageFormat kJpg = {"jpg", kSummary, write_jpeg, nullptr, is_jpeg, true, false, 8};
+const ImageFormat kJpeg = {"jpeg", kSummary, write_jpeg, nullptr, is_jpeg, true, false, 8};
 
 }  // namespace umbrage

@@ -17,7 +17,7 @@ namespace {
 
 static_assert(sizeof(float) == 4);
 
-Result<void> write(const fs::path& file, const ImageShape& shape, const WriteSettings&, const MakeImageRows& make) {
+Result<void> write_pfm(const fs::path& file, const ImageShape& shape, const WriteSettings&, const MakeImageRows& make) {
   const Image empty_image = image_without_pixels(shape);
   const Result<std::vector<const Plane*>> picture = picture_planes(file, empty_image, false);
   if (!picture) return picture.error();
@@ -68,14 +68,14 @@ double number(std::string_view text) {
 }
 
 /// A PFM being read.
-struct Reader {
+struct PfmReader {
   InputFile stream;
   int width = 0, height = 0, channels = 0;
   bool is_swapped = false;
   off_t start = 0;  // of the pixels, in bytes
 };
 
-Result<void> open(const fs::path& file, Reader& reader) {
+Result<void> open(const fs::path& file, PfmReader& reader) {
   std::int64_t size = 0;
   Result<InputFile> stream = open_to_read(file, size);
   if (!stream) return stream.error();
@@ -108,7 +108,7 @@ Result<void> open(const fs::path& file, Reader& reader) {
 }
 
 Result<LayeredFile> read_pfm_header(const fs::path& file) {
-  Reader reader;
+  PfmReader reader;
   if (auto opened = open(file, reader); !opened) return opened.error();
   LayeredFile header = plain_header(reader.width, reader.height);
   add_picture_channels(header, reader.channels, ChannelType::kFloat);
@@ -116,7 +116,7 @@ Result<LayeredFile> read_pfm_header(const fs::path& file) {
 }
 
 Result<void> read_pfm_rows(const LayeredFile& file, std::span<const int> channels, RowTarget& target) {
-  Reader reader;
+  PfmReader reader;
   if (auto opened = open(file.path, reader); !opened) return opened;
   if (reader.width != file.width || reader.height != file.height || reader.channels != int(file.channels.size()))
     return changed_file(file);
@@ -135,13 +135,13 @@ Result<void> read_pfm_rows(const LayeredFile& file, std::span<const int> channel
   });
 }
 
-Result<Image> read(const fs::path& file) { return read_picture_as(kPfmLayers, file); }
+Result<Image> read_pfm(const fs::path& file) { return read_picture_as(kPfmLayers, file); }
 
-bool recognises(std::string_view start) { return start.starts_with("PF") || start.starts_with("Pf"); }
+bool is_pfm(std::string_view start) { return start.starts_with("PF") || start.starts_with("Pf"); }
 
 }  // namespace
 
-const ImageFormat kPfm = {"pfm", "float maps, grey or RGB", write, read, recognises};
-const LayerFormat kPfmLayers = {"PFM", "pfm", recognises, read_pfm_header, read_pfm_rows};
+const ImageFormat kPfm = {"pfm", "float maps, grey or RGB", write_pfm, read_pfm, is_pfm};
+const LayerFormat kPfmLayers = {"PFM", "pfm", is_pfm, read_pfm_header, read_pfm_rows};
 
 }  // namespace umbrage

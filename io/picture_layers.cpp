@@ -40,7 +40,7 @@ struct Jpeg {
   ~Jpeg() { jpeg_destroy_decompress(&jpeg); }
 };
 
-[[noreturn]] void on_error(j_common_ptr common) {
+[[noreturn]] void on_decoding_error(j_common_ptr common) {
   auto* own = static_cast<Jpeg*>(common->client_data);
   (*own->manager.format_message)(common, own->text);
   std::longjmp(own->jump, 1);
@@ -56,7 +56,7 @@ void on_message(j_common_ptr common, int level) {
 
 bool start(Jpeg& own) {
   own.jpeg.err = jpeg_std_error(&own.manager);
-  own.manager.error_exit = on_error;
+  own.manager.error_exit = on_decoding_error;
   own.manager.emit_message = on_message;
   own.jpeg.client_data = &own;
   if (setjmp(own.jump)) return false;

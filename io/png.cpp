@@ -66,14 +66,14 @@ void quantise_row(const Plane* const* planes, int channels, int y, Integer* out)
 }
 
 /// A PNG being written.
-struct Writer {
+struct PngWriter {
   png_structp png = nullptr;
   png_infop info = nullptr;
   PngError png_error;
-  ~Writer() { png_destroy_write_struct(&png, &info); }
+  ~PngWriter() { png_destroy_write_struct(&png, &info); }
 };
 
-bool start(Writer& writer, std::FILE* stream, int width, int height, int channels, const WriteSettings& settings) {
+bool start(PngWriter& writer, std::FILE* stream, int width, int height, int channels, const WriteSettings& settings) {
   writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer.png_error, on_error, on_warning);
   if (writer.png) writer.info = png_create_info_struct(writer.png);
   if (!writer.info) {
@@ -97,7 +97,7 @@ bool start(Writer& writer, std::FILE* stream, int width, int height, int channel
   return true;
 }
 
-bool write_rows(Writer& writer, const Plane* const* planes, int channels, int bits, png_byte* row) {
+bool write_rows(PngWriter& writer, const Plane* const* planes, int channels, int bits, png_byte* row) {
   if (setjmp(png_jmpbuf(writer.png))) return false;
   for (int y = 0; y < planes[0]->height; ++y) {
     if (bits == 16)
@@ -109,7 +109,7 @@ bool write_rows(Writer& writer, const Plane* const* planes, int channels, int bi
   return true;
 }
 
-bool finish(Writer& writer) {
+bool finish(PngWriter& writer) {
   if (setjmp(png_jmpbuf(writer.png))) return false;
   png_write_end(writer.png, writer.info);
   return true;
@@ -124,7 +124,7 @@ Result<void> write_to(std::FILE* stream, const fs::path& name, const ImageShape&
   const Result<std::vector<const Plane*>> picture = picture_planes(name, bare, true);
   if (!picture) return picture.error();
   const int channels = int(picture->size());
-  Writer writer;
+  PngWriter writer;
   const auto failed = [&] {
     return file_error("'{}' cannot be written as PNG: {}", name.string(), writer.png_error.text);
   };
@@ -139,15 +139,15 @@ Result<void> write_to(std::FILE* stream, const fs::path& name, const ImageShape&
   return finish(writer) ? Result<void>() : failed();
 }
 
-Result<void> write(const fs::path& file, const ImageShape& shape, const WriteSettings& settings,
-                   const MakeImageRows& make) {
+Result<void> write_png(const fs::path& file, const ImageShape& shape, const WriteSettings& settings,
+                       const MakeImageRows& make) {
   const Image bare = image_without_pixels(shape);
   if (const auto planes = picture_planes(file, bare, true); !planes) return planes.error();
   return write_atomically(file, [&](std::FILE* stream) { return write_to(stream, file, shape, settings, make); });
 }
 
 /// A PNG being read: first the header, then the pixels.
-struct Reader {
+struct PngReader {
   png_structp png = nullptr;
   png_infop info = nullptr;
   PngError png_error;
@@ -155,11 +155,11 @@ struct Reader {
   std::size_t row_bytes = 0;
   bool is_interlaced = false;
   std::int64_t stored_bytes = 0;  // without compression
-  ~Reader() { png_destroy_read_struct(&png, &info, nullptr); }
+  ~PngReader() { png_destroy_read_struct(&png, &info, nullptr); }
 };
 
 /// Reads the header, up to the pixels. Palettes, fewer than 8 bits and a transparent colour are expanded.
-bool start(Reader& reader, std::FILE* stream) {
+bool start(PngReader& reader, std::FILE* stream) {
   reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader.png_error, on_error, on_warning);
   if (reader.png) reader.info = png_create_info_struct(reader.png);
   if (!reader.info) {
@@ -178,7 +178,7 @@ bool start(Reader& reader, std::FILE* stream) {
   return true;
 }
 
-bool expand(Reader& reader) {
+bool expand(PngReader& reader) {
   if (setjmp(png_jmpbuf(reader.png))) return false;
   png_structp png = reader.png;
   png_set_expand(png);
@@ -191,30 +191,30 @@ bool expand(Reader& reader) {
   return true;
 }
 
-bool read_row(Reader& reader, png_bytep row) {
+bool read_row(PngReader& reader, png_bytep row) {
   if (setjmp(png_jmpbuf(reader.png))) return false;
   png_read_row(reader.png, row, nullptr);
   return true;
 }
 
-bool read_all(Reader& reader, png_bytepp rows) {
+bool read_all(PngReader& reader, png_bytepp rows) {
   if (setjmp(png_jmpbuf(reader.png))) return false;
   png_read_image(reader.png, rows);
   return true;
 }
 
-bool finish(Reader& reader) {
+bool finish(PngReader& reader) {
   if (setjmp(png_jmpbuf(reader.png))) return false;
   png_read_end(reader.png, nullptr);
   return true;
 }
 
-Error read_error(const fs::path& file, const Reader& reader) {
+Error read_error(const fs::path& file, const PngReader& reader) {
   return file_error("'{}' cannot be read as PNG: {}", file.string(), reader.png_error.text);
 }
 
 /// Opens a file and reads its header.
-Result<void> open(const fs::path& file, InputFile& stream, Reader& reader) {
+Result<void> open(const fs::path& file, InputFile& stream, PngReader& reader) {
   std::int64_t size = 0;
   Result<InputFile> opened = open_to_read(file, size);
   if (!opened) return opened.error();
@@ -231,7 +231,7 @@ Result<void> open(const fs::path& file, InputFile& stream, Reader& reader) {
 
 Result<LayeredFile> read_png_header(const fs::path& file) {
   InputFile stream;
-  Reader reader;
+  PngReader reader;
   if (auto opened = open(file, stream, reader); !opened) return opened.error();
   LayeredFile header = plain_header(reader.width, reader.height);
   add_picture_channels(header, reader.channels, reader.bits == 16 ? ChannelType::kUint16 : ChannelType::kUint8);
@@ -242,7 +242,7 @@ Result<LayeredFile> read_png_header(const fs::path& file) {
 
 Result<void> read_png_rows(const LayeredFile& file, std::span<const int> channels, RowTarget& target) {
   InputFile stream;
-  Reader reader;
+  PngReader reader;
   if (auto opened = open(file.path, stream, reader); !opened) return opened;
   if (reader.width != file.width || reader.height != file.height || reader.channels != int(file.channels.size()))
     return changed_file(file);
@@ -271,9 +271,9 @@ Result<void> read_png_rows(const LayeredFile& file, std::span<const int> channel
   return finish(reader) ? Result<void>() : read_error(file.path, reader);
 }
 
-Result<Image> read(const fs::path& file) { return read_picture_as(kPngLayers, file); }
+Result<Image> read_png(const fs::path& file) { return read_picture_as(kPngLayers, file); }
 
-bool recognises(std::string_view start) { return start.starts_with("\x89PNG\r\n\x1a\n"); }
+bool is_png(std::string_view start) { return start.starts_with("\x89PNG\r\n\x1a\n"); }
 
 }  // namespace
 
@@ -296,8 +296,8 @@ Result<std::string> encode_png_rows(const std::string& name, const ImageShape& s
   return written ? Result<std::string>(std::move(out)) : written.error();
 }
 
-const ImageFormat kPng = {"png", "8 or 16 bit grey, RGB or RGBA pictures, sRGB", write, read, recognises, true, true,
-                          16};
-const LayerFormat kPngLayers = {"PNG", "png", recognises, read_png_header, read_png_rows};
+const ImageFormat kPng = {
+    "png", "8 or 16 bit grey, RGB or RGBA pictures, sRGB", write_png, read_png, is_png, true, true, 16};
+const LayerFormat kPngLayers = {"PNG", "png", is_png, read_png_header, read_png_rows};
 
 }  // namespace umbrage

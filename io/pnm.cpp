@@ -10,7 +10,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// A file being read.
-struct Reader {
+struct PnmReader {
   InputFile stream;
   bool is_text = false;
   int width = 0, height = 0, channels = 0, max = 0;
@@ -35,7 +35,7 @@ std::int64_t next_number(std::FILE* stream) {
   return is_space(c) || c == EOF ? number : c == '#' ? (std::ungetc(c, stream), number) : -1;
 }
 
-Result<void> open(const fs::path& file, Reader& reader) {
+Result<void> open(const fs::path& file, PnmReader& reader) {
   std::int64_t size = 0;
   Result<InputFile> stream = open_to_read(file, size);
   if (!stream) return stream.error();
@@ -63,7 +63,7 @@ Result<void> open(const fs::path& file, Reader& reader) {
 }
 
 Result<LayeredFile> read_pnm_header(const fs::path& file) {
-  Reader reader;
+  PnmReader reader;
   if (auto opened = open(file, reader); !opened) return opened.error();
   LayeredFile header = plain_header(reader.width, reader.height);
   add_picture_channels(header, reader.channels, reader.max > 255 ? ChannelType::kUint16 : ChannelType::kUint8);
@@ -73,7 +73,7 @@ Result<LayeredFile> read_pnm_header(const fs::path& file) {
 }
 
 Result<void> read_pnm_rows(const LayeredFile& file, std::span<const int> channels, RowTarget& target) {
-  Reader reader;
+  PnmReader reader;
   if (auto opened = open(file.path, reader); !opened) return opened;
   if (reader.width != file.width || reader.height != file.height || reader.channels != int(file.channels.size()))
     return changed_file(file);

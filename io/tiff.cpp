@@ -26,7 +26,7 @@ struct CloseTiff {
 };
 
 /// An open TIFF and the layout of its first picture.
-struct Reader {
+struct TiffReader {
   std::string message;  // the library's last error
   std::unique_ptr<TIFF, CloseTiff> tiff;
   std::uint32_t width = 0, height = 0, tile_width = 0, tile_height = 0, rows_per_strip = 0;
@@ -45,19 +45,19 @@ struct Reader {
 int on_error(TIFF*, void* user, const char*, const char* format, va_list arguments) {
   char text[256];
   std::vsnprintf(text, sizeof text, format, arguments);
-  static_cast<Reader*>(user)->message = printable(text);
+  static_cast<TiffReader*>(user)->message = printable(text);
   return 1;
 }
 
 int on_warning(TIFF*, void*, const char*, const char*, va_list) { return 1; }
 
-Error read_error(const fs::path& file, const Reader& reader) {
+Error read_error(const fs::path& file, const TiffReader& reader) {
   return file_error("'{}' cannot be read as TIFF: {}", file.string(),
                     reader.message.empty() ? "it is damaged" : reader.message);
 }
 
 /// Sets the type of samples. Errors: kFile for layouts that cannot be read.
-Result<void> set_type(const fs::path& file, Reader& reader) {
+Result<void> set_type(const fs::path& file, TiffReader& reader) {
   const bool is_real = reader.format == SAMPLEFORMAT_IEEEFP;
   const bool is_signed = reader.format == SAMPLEFORMAT_INT;
   const bool is_known =
@@ -75,7 +75,7 @@ Result<void> set_type(const fs::path& file, Reader& reader) {
   return {};
 }
 
-Result<void> check_layout(const fs::path& file, Reader& reader) {
+Result<void> check_layout(const fs::path& file, TiffReader& reader) {
   constexpr int kMaxSamples = 1024;
   constexpr std::int64_t kMaxBytes = std::int64_t(1) << 30;  // of a row or tile
   if (auto status = check_sides(file, reader.width, reader.height); !status) return status;
@@ -109,7 +109,7 @@ Result<void> check_layout(const fs::path& file, Reader& reader) {
   return {};
 }
 
-Result<void> open(const fs::path& file, Reader& reader) {
+Result<void> open(const fs::path& file, TiffReader& reader) {
   std::int64_t size = 0;
   if (const auto stream = open_to_read(file, size); !stream) return stream.error();
   const std::unique_ptr<TIFFOpenOptions, void (*)(TIFFOpenOptions*)> options(TIFFOpenOptionsAlloc(),
@@ -138,7 +138,7 @@ Result<void> open(const fs::path& file, Reader& reader) {
   return check_layout(file, reader);
 }
 
-void name_channels(const Reader& reader, LayeredFile& header) {
+void name_channels(const TiffReader& reader, LayeredFile& header) {
   std::uint16_t extra_count = 0;
   std::uint16_t* extras = nullptr;
   TIFFGetFieldDefaulted(reader.tiff.get(), TIFFTAG_EXTRASAMPLES, &extra_count, &extras);
@@ -158,7 +158,7 @@ void name_channels(const Reader& reader, LayeredFile& header) {
   }
 }
 
-void add_texts(const Reader& reader, LayeredFile& header) {
+void add_texts(const TiffReader& reader, LayeredFile& header) {
   constexpr std::pair<std::uint32_t, const char*> kTexts[] = {
       {TIFFTAG_IMAGEDESCRIPTION, "description"}, {TIFFTAG_SOFTWARE, "software"}, {TIFFTAG_DATETIME, "date"}};
   for (const auto& [tag, name] : kTexts) {
@@ -169,7 +169,7 @@ void add_texts(const Reader& reader, LayeredFile& header) {
 }
 
 Result<LayeredFile> read_tiff_header(const fs::path& file) {
-  Reader reader;
+  TiffReader reader;
   if (auto opened = open(file, reader); !opened) return opened.error();
   LayeredFile header = plain_header(int(reader.width), int(reader.height));
   name_channels(reader, header);
@@ -187,7 +187,7 @@ std::uint8_t packed_sample(const unsigned char* row, std::size_t index, int bits
 }
 
 /// Converts `count` samples of a row; `sample` of `samples` interleaved ones.
-void convert(const Reader& reader, const unsigned char* row, int sample, int samples, int count, float* out) {
+void convert(const TiffReader& reader, const unsigned char* row, int sample, int samples, int count, float* out) {
   if (reader.bits < 8)
     for (int x = 0; x < count; ++x)
       out[x] = packed_sample(row, std::size_t(x) * std::size_t(samples) + std::size_t(sample), reader.bits);
@@ -203,20 +203,20 @@ bool is_omitted(TIFF* tiff, std::uint32_t strile) {
   return TIFFGetStrileByteCount(tiff, strile) == 0 && TIFFGetStrileOffset(tiff, strile) == 0;
 }
 
-Result<void> read_strips(const LayeredFile& file, Reader& reader, std::span<const int> channels, float no_data,
+Result<void> read_strips(const LayeredFile& file, TiffReader& reader, std::span<const int> channels, float no_data,
                          RowTarget& target) {
   const int samples = reader.is_planar() ? 1 : reader.samples;
   // The library decodes the rows of a strip one after the other. Therefore each plane has its own file object.
-  std::vector<std::unique_ptr<Reader>> planes;
+  std::vector<std::unique_ptr<TiffReader>> planes;
   for (std::size_t c = 1; reader.is_planar() && c < channels.size(); ++c) {
-    planes.push_back(std::make_unique<Reader>());
+    planes.push_back(std::make_unique<TiffReader>());
     if (auto opened = open(file.path, *planes.back()); !opened) return opened;
   }
   std::vector<unsigned char> row(std::size_t(TIFFScanlineSize64(reader.tiff.get())));
   return target.each_block(1, [&](int first, int end) -> Result<void> {
     for (int y = first; y < end; ++y)
       for (std::size_t c = 0; c < channels.size(); ++c) {
-        Reader& from = reader.is_planar() && c > 0 ? *planes[c - 1] : reader;
+        TiffReader& from = reader.is_planar() && c > 0 ? *planes[c - 1] : reader;
         const auto plane = std::uint16_t(reader.is_planar() ? channels[c] : 0);
         float* out = target.row(int(c), y);
         if (is_omitted(from.tiff.get(), TIFFComputeStrip(from.tiff.get(), std::uint32_t(y), plane))) {
@@ -232,7 +232,7 @@ Result<void> read_strips(const LayeredFile& file, Reader& reader, std::span<cons
   });
 }
 
-Result<void> read_tiles(const LayeredFile& file, Reader& reader, std::span<const int> channels, float no_data,
+Result<void> read_tiles(const LayeredFile& file, TiffReader& reader, std::span<const int> channels, float no_data,
                         RowTarget& target) {
   TIFF* tiff = reader.tiff.get();
   const int samples = reader.is_planar() ? 1 : reader.samples;
@@ -266,7 +266,7 @@ Result<void> read_tiles(const LayeredFile& file, Reader& reader, std::span<const
 }
 
 Result<void> read_tiff_rows(const LayeredFile& file, std::span<const int> channels, RowTarget& target) {
-  Reader reader;
+  TiffReader reader;
   if (auto opened = open(file.path, reader); !opened) return opened;
   if (int(reader.width) != file.width || int(reader.height) != file.height || reader.samples != file.channels.size())
     return changed_file(file);

@@ -50,8 +50,8 @@ Result<void> encode(std::FILE* stream, const fs::path& name, const ImageShape& s
                     int(picture.data.error_code));
 }
 
-Result<void> write(const fs::path& file, const ImageShape& shape, const WriteSettings& settings,
-                   const MakeImageRows& make) {
+Result<void> write_webp(const fs::path& file, const ImageShape& shape, const WriteSettings& settings,
+                        const MakeImageRows& make) {
   const Image bare = image_without_pixels(shape);
   const auto planes = picture_planes(file, bare, true);
   if (!planes) return planes.error();
@@ -75,7 +75,7 @@ Result<void> write(const fs::path& file, const ImageShape& shape, const WriteSet
   });
 }
 
-bool recognises(std::string_view start) {
+bool is_webp(std::string_view start) {
   constexpr std::size_t kForm = 8;  // after the mark and a size; sound and video begin with RIFF, too
   return start.size() > kForm && start.starts_with("RIFF") && start.substr(kForm).starts_with("WEBP");
 }
@@ -83,6 +83,6 @@ bool recognises(std::string_view start) {
 }  // namespace
 
 const ImageFormat kWebp = {
-    "webp", "8 bit RGB or RGBA pictures, sRGB, only written", write, nullptr, recognises, true, true, 8};
+    "webp", "8 bit RGB or RGBA pictures, sRGB, only written", write_webp, nullptr, is_webp, true, true, 8};
 
 }  // namespace umbrage

@@ -13,9 +13,9 @@ namespace umbrage::view {
 /// `effects`: "name", "summary", "kind" (occlusion, filter, shading or output), "parameters". A parameter is as an
 /// option, of the kinds number, integer, choice, flag and length; "set" is its name in --set.
 ///
-/// `looks`: "name", "summary", "effects". "gbuffer_technique": the technique of G-buffers; "techniques": that of models,
-/// by quality; "technique_changes": "name" and "text" of options and parameters that give models another "technique",
-/// without "text" if every text does. "presets": its settings that differ from the defaults of effects, by
+/// `looks`: "name", "summary", "effects". "gbuffer_technique": the technique of G-buffers; "techniques": that of
+/// models, by quality; "technique_changes": "name" and "text" of options and parameters that give models another
+/// "technique", without "text" if every text does. "presets": its settings that differ from the defaults of effects, by
 /// "effect.parameter". "passes": "name", "summary". "gbuffer": whether it applies to G-buffers only.
 ///
 /// `devices`: "name", "summary"; the CPU first.

@@ -12,7 +12,7 @@
 namespace umbrage {
 namespace {
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kAlchemyTable = {
     int_row("samples", &AlchemyParams::samples, {.initial = 12, .min = 1, .max = kAlchemyMaxSamples},
             "number N of points in the disc, per pixel"),
     int_row("turns", &AlchemyParams::turns, {.initial = 7, .min = 1, .max = 255},
@@ -33,9 +33,9 @@ const std::vector<Parameter> kTable = {
 };
 
 // A tap that rounding moves to the next pixel may change the result by a large term, up to two quanta.
-constexpr double kQuantum = 0.5;
+constexpr double kAlchemyQuantum = 0.5;
 
-void fill_constants(const AlchemyParams& params, const PictureInfo& info, AlchemyConstants& c) {
+void fill_alchemy(const AlchemyParams& params, const PictureInfo& info, AlchemyConstants& c) {
   c.samples = params.samples;
   c.radius = std::clamp(absolute_length(params.radius, info.scene_radius), 1e-12f, 1e12f);
   c.radius2 = c.radius * c.radius;
@@ -62,15 +62,15 @@ void fill_constants(const AlchemyParams& params, const PictureInfo& info, Alchem
 }  // namespace
 
 Effect effect_alchemy() {
-  return occlusion_effect<fill_constants>(
-      kTable, {.name = "alchemy",
-               .summary = "sample points in a disc: darker the higher they lie above the surface's plane",
-               .source = "McGuire et al. 2011",
-               .set_radius = set_radius_of<&AlchemyParams::radius>,
-               .tunable = {"samples", "strength", "contrast", "bias"},
-               .variants = {"", "samples=32 turns=13", "formula=scalable samples=11 strength=0.3"},
-               .quantum = kQuantum,
-               .dispatches = {sampling_dispatch(alchemy_kernel())}});
+  return occlusion_effect<fill_alchemy>(
+      kAlchemyTable, {.name = "alchemy",
+                      .summary = "sample points in a disc: darker the higher they lie above the surface's plane",
+                      .source = "McGuire et al. 2011",
+                      .set_radius = set_radius_of<&AlchemyParams::radius>,
+                      .tunable = {"samples", "strength", "contrast", "bias"},
+                      .variants = {"", "samples=32 turns=13", "formula=scalable samples=11 strength=0.3"},
+                      .quantum = kAlchemyQuantum,
+                      .dispatches = {sampling_dispatch(alchemy_kernel())}});
 }
 
 }  // namespace umbrage

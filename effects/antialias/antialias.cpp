@@ -11,7 +11,7 @@
 namespace umbrage {
 namespace {
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kAntialiasTable = {
     real_row("threshold", &AntialiasParams::threshold, {.initial = 0.04, .min = 0.001, .max = 1},
              "difference of a channel of the picture above which two pixels have an edge between them; twice this is a "
              "clear edge"),
@@ -21,7 +21,7 @@ const std::vector<Parameter> kTable = {
              "also smooth `beauty`, by the same areas; set for EXR files without the parts of `beauty`"),
 };
 
-void fill_constants(const AntialiasParams& params, const PictureInfo&, AntialiasConstants& c) {
+void fill_antialias(const AntialiasParams& params, const PictureInfo&, AntialiasConstants& c) {
   c = {params.threshold, params.search};
 }
 
@@ -40,8 +40,8 @@ int reach_of_blend(const void*, int) { return 1; }
 }  // namespace
 
 Effect effect_antialias() {
-  return output_effect<fill_constants>(
-      kTable,
+  return output_effect<fill_antialias>(
+      kAntialiasTable,
       {.name = "antialias",
        .summary = "smooth the stair steps of edges of the finished picture",
        .source = "Reshetov 2009",

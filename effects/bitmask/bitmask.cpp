@@ -28,7 +28,7 @@ constexpr float kAssumedVisibility = 0.7f;  // of ambient light, in the first ro
 // built-in scenes, the bunny and Sponza with 1, 2 and 4 layers. The more layers, the less thickness has to be assumed.
 constexpr float kSlopeBase = 0.4f, kSlopeOverLayers = 0.4f;
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kBitmaskTable = {
     int_row("slices", &BitmaskParams::slices, {.initial = 2, .min = 1, .max = 64},
             "planes through the view ray in which occluders are searched"),
     int_row("steps", &BitmaskParams::steps, {.initial = 8, .min = 1, .max = 512},
@@ -74,7 +74,7 @@ const std::vector<Parameter> kTable = {
 };
 
 // With a single tap, that tap may cover a whole slice and change the result by up to two quanta.
-constexpr double kQuantum = 0.5;
+constexpr double kBitmaskQuantum = 0.5;
 
 /// Fills in the layers of the first camera to search, nearest first, and for each the layer that shows the back sides
 /// of its surfaces, or -1.
@@ -148,7 +148,7 @@ void fill_sky(const BitmaskParams& params, const PictureInfo& info, BitmaskConst
   std::copy(factors.begin(), factors.end(), c.sky);
 }
 
-void fill_constants(const BitmaskParams& params, const PictureInfo& info, BitmaskConstants& c) {
+void fill_bitmask(const BitmaskParams& params, const PictureInfo& info, BitmaskConstants& c) {
   c.slices = params.slices;
   c.steps = params.steps;
   c.one_over_steps = 1.0f / float(params.steps);
@@ -205,7 +205,7 @@ bool uses_horizon(const ParameterBytes& bytes) {
 bool uses_first_layer_bits(const ParameterBytes& bytes) {
   return !gathers_light(bytes) && !stores_bent(bytes) && !uses_layer_bits(bytes) && !uses_horizon(bytes);
 }
-int rounds(const ParameterBytes& bytes, const PictureInfo&) {
+int bitmask_rounds(const ParameterBytes& bytes, const PictureInfo&) {
   return gathers_light(bytes) ? as<BitmaskParams>(bytes).bounces : 1;
 }
 
@@ -226,8 +226,8 @@ Dispatch search_dispatch(std::string_view name, const Kernel& kernel, bool (*nee
 }  // namespace
 
 Effect effect_bitmask() {
-  return occlusion_effect<fill_constants>(
-      kTable,
+  return occlusion_effect<fill_bitmask>(
+      kBitmaskTable,
       {.name = "bitmask",
        .summary =
            "slices of the hemisphere as 32 bits of equal weight: the most accurate technique; also indirect light",
@@ -238,7 +238,7 @@ Effect effect_bitmask() {
        .variants = {"", "slices=1 steps=6", "slices=2 steps=12", "slices=4 steps=24", "mode=infinite",
                     "measure=uniform slope=0.01 thickness=1", "mode=infinite falloff=0.6", "mode=layers", "bleeding=1",
                     "mode=layers bleeding=1"},
-       .quantum = kQuantum,
+       .quantum = kBitmaskQuantum,
        .dispatches = {{.name = "mips",
                        .inputs = {"depth"},
                        .outputs = {"bitmask_mips"},
@@ -257,7 +257,7 @@ Effect effect_bitmask() {
                                       {"indirect.r", "indirect.g", "indirect.b"}),
                       search_dispatch("bent", bitmask_bent_kernel(), stores_bent, of_all_layers({"depth"}),
                                       {"bent.x", "bent.y", "bent.z"})},
-       .rounds = rounds});
+       .rounds = bitmask_rounds});
 }
 
 }  // namespace umbrage

@@ -12,7 +12,7 @@ constexpr double kMaxFactor = 10.0;
 // The paper gives no value. A surface lit by ambient light alone gets no bounced light.
 constexpr double kDamping = 0.1;
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kCompositeTable = {
     choice_row(
         "mode", &CompositeParams::mode, 0, {"ambient", "subtract", "multiply", "modulate", "occlusion", "bleeding"},
         "how occlusion is applied: to the ambient part, subtracted, multiplied, modulating colour, or shown alone; "
@@ -39,7 +39,7 @@ const std::vector<Parameter> kTable = {
              "also write `lit_direct` and `lit_indirect`, parts of the light; `passes` sets it"),
 };
 
-void fill_constants(const CompositeParams& params, const PictureInfo&, CompositeConstants& c) {
+void fill_composite(const CompositeParams& params, const PictureInfo&, CompositeConstants& c) {
   c = {params.mode,   params.darkness, params.chroma, params.contrast, params.damping,
        params.albedo, params.tint,     params.direct, params.occlusion};
 }
@@ -49,8 +49,8 @@ bool writes_parts(const ParameterBytes& params) { return as<CompositeParams>(par
 }  // namespace
 
 Effect effect_composite() {
-  return shading_effect<fill_constants>(
-      kTable,
+  return shading_effect<fill_composite>(
+      kCompositeTable,
       {.name = "composite",
        .summary = "combine direct, ambient and bounced light with occlusion",
        .source = "Luft 2006",

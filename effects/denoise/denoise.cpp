@@ -17,7 +17,7 @@ namespace {
 constexpr int kMaxRounds = 6;                  // with these, the filter is 253 pixels wide
 constexpr float kNear = 0.25f, kFar = 0.125f;  // [1 2 2 2 1]/8
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kDenoiseTable = {
     int_row("rounds", &DenoiseParams::rounds, {.initial = 1, .max = kMaxRounds},
             "number of times the 5x5 filter is applied; the spacing of its taps doubles each time; 0 changes nothing"),
     real_row("occlusion", &DenoiseParams::occlusion, {.initial = 1, .max = 1},
@@ -43,7 +43,7 @@ int rounds_for_height(int rounds, const DenoiseParams& params, const PictureInfo
   return std::min(rounds + std::max(added, 0), kMaxRounds);
 }
 
-void fill_constants(const DenoiseParams& params, const PictureInfo& info, DenoiseConstants& c) {
+void fill_denoise(const DenoiseParams& params, const PictureInfo& info, DenoiseConstants& c) {
   const double cosine = std::cos(params.angle * std::numbers::pi / 180.0);
   c = {kNear,
        kFar,
@@ -59,7 +59,7 @@ bool includes_light(const ParameterBytes& bytes) {
   const auto& params = as<DenoiseParams>(bytes);
   return light_rounds(params) > 0 && params.indirect > 0.0f;
 }
-int rounds(const ParameterBytes& bytes, const PictureInfo& info) {
+int denoise_rounds(const ParameterBytes& bytes, const PictureInfo& info) {
   const auto& params = as<DenoiseParams>(bytes);
   const int max_rounds = includes_light(bytes) ? std::max(params.rounds, light_rounds(params)) : params.rounds;
   return rounds_for_height(max_rounds, params, info);
@@ -70,13 +70,13 @@ bool ao_only(const ParameterBytes& bytes) {
 }
 
 /// Returns Dispatch::reach of the dispatches along columns: two taps, whose spacing doubles in each round.
-int reach(const void*, int round) { return 2 << round; }
+int denoise_reach(const void*, int round) { return 2 << round; }
 
 }  // namespace
 
 Effect effect_denoise() {
-  return filter_effect<fill_constants>(
-      kTable,
+  return filter_effect<fill_denoise>(
+      kDenoiseTable,
       {.name = "denoise",
        .summary = "smooth the noise of occlusion and indirect light along surfaces, preserving their mean",
        .source = "Dammertz et al. 2010",
@@ -93,7 +93,7 @@ Effect effect_denoise() {
                        .outputs = {"ao"},
                        .kernel = denoise_ao_down_kernel(),
                        .needed = ao_only,
-                       .reach = reach},
+                       .reach = denoise_reach},
                       {.name = "light_across",
                        .inputs = {"ao", "indirect.r", "indirect.g", "indirect.b", "depth", "normal.x", "normal.y",
                                   "normal.z"},
@@ -107,8 +107,8 @@ Effect effect_denoise() {
                        .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
                        .kernel = denoise_light_down_kernel(),
                        .needed = includes_light,
-                       .reach = reach}},
-       .rounds = rounds});
+                       .reach = denoise_reach}},
+       .rounds = denoise_rounds});
 }
 
 }  // namespace umbrage

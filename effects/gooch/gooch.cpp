@@ -20,7 +20,7 @@ constexpr float kPaperBlue = 0.4f, kPaperYellow = 0.4f, kPaperAlpha = 0.2f, kPap
 constexpr double kAzimuthDeg = -65.0, kElevationDeg = 45.0;
 constexpr double kHighlight = 0.8, kShininess = 60.0;
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kGoochTable = {
     choice_row("tones", &GoochParams::tones, kGoochOwn, {"own", "paper"},
                "tones by `blue`, `yellow`, `alpha` and `beta`, or those of the paper's figures: 0.4, 0.4, 0.2, 0.6"),
     real_row("blue", &GoochParams::blue, {.initial = kBlue, .max = 1},
@@ -46,7 +46,7 @@ const std::vector<Parameter> kTable = {
                "what `lit` holds: linear light, or display values for output.transfer=none"),
 };
 
-void fill_constants(const GoochParams& params, const PictureInfo& info, GoochConstants& c) {
+void fill_gooch(const GoochParams& params, const PictureInfo& info, GoochConstants& c) {
   const bool paper = params.tones == kGoochPaper;
   c.blue = paper ? kPaperBlue : params.blue;
   c.yellow = paper ? kPaperYellow : params.yellow;
@@ -69,16 +69,16 @@ void fill_constants(const GoochParams& params, const PictureInfo& info, GoochCon
 }  // namespace
 
 Effect effect_gooch() {
-  return shading_effect<fill_constants>(
-      kTable, {.name = "gooch",
-               .summary = "cool-to-warm shading, with the tones of technical illustrations",
-               .source = "Gooch et al. 1998",
-               .variants = {"", "tones=paper"},
-               .dispatches = {
-                   {.inputs = {"depth", "normal.x", "normal.y", "normal.z", "albedo.r", "albedo.g", "albedo.b", "ao"},
-                    .outputs = {"lit.r", "lit.g", "lit.b"},
-                    .kernel = gooch_kernel(),
-                    .reach = own_pixel}}});
+  return shading_effect<fill_gooch>(
+      kGoochTable, {.name = "gooch",
+                    .summary = "cool-to-warm shading, with the tones of technical illustrations",
+                    .source = "Gooch et al. 1998",
+                    .variants = {"", "tones=paper"},
+                    .dispatches = {{.inputs = {"depth", "normal.x", "normal.y", "normal.z", "albedo.r", "albedo.g",
+                                               "albedo.b", "ao"},
+                                    .outputs = {"lit.r", "lit.g", "lit.b"},
+                                    .kernel = gooch_kernel(),
+                                    .reach = own_pixel}}});
 }
 
 }  // namespace umbrage

@@ -8,7 +8,7 @@
 namespace umbrage {
 namespace {
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kGroundTable = {
     real_row("strength", &GroundParams::strength, {.initial = 1, .max = 2},
              "darkness of the shadow on the ground; 0: none; above 1 its light parts get darker"),
     real_row("border", &GroundParams::border, {.max = 50, .unit = "%", .zero_means = "off"},
@@ -18,7 +18,7 @@ const std::vector<Parameter> kTable = {
         "how the shadow is blended over a background: in linear light, or in display values, as image viewers do"),
 };
 
-void fill_constants(const GroundParams& params, const PictureInfo& info, GroundConstants& c) {
+void fill_ground(const GroundParams& params, const PictureInfo& info, GroundConstants& c) {
   const float border_px = 0.01f * params.border * float(std::min(info.inner_width(), info.inner_height()));
   c = {.object = float(info.ground_object),
        .strength = std::min(params.strength, 1.0f),
@@ -37,15 +37,15 @@ void fill_constants(const GroundParams& params, const PictureInfo& info, GroundC
 }  // namespace
 
 Effect effect_ground() {
-  return shading_effect<fill_constants>(
-      kTable, {.name = "ground",
-               .summary = "make the ground under a model a shadow catcher: only the shadow on it is visible",
-               .source = "",
-               .dispatches = {{.inputs = {"open_light", "indirect.r", "indirect.g", "indirect.b", "depth", "object_id",
-                                          "lit.r", "lit.g", "lit.b"},
-                               .outputs = {"lit.r", "lit.g", "lit.b", "shadow_catcher"},
-                               .kernel = ground_kernel(),
-                               .reach = own_pixel}}});
+  return shading_effect<fill_ground>(
+      kGroundTable, {.name = "ground",
+                     .summary = "make the ground under a model a shadow catcher: only the shadow on it is visible",
+                     .source = "",
+                     .dispatches = {{.inputs = {"open_light", "indirect.r", "indirect.g", "indirect.b", "depth",
+                                                "object_id", "lit.r", "lit.g", "lit.b"},
+                                     .outputs = {"lit.r", "lit.g", "lit.b", "shadow_catcher"},
+                                     .kernel = ground_kernel(),
+                                     .reach = own_pixel}}});
 }
 
 }  // namespace umbrage

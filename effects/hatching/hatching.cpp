@@ -22,7 +22,7 @@ namespace {
 constexpr double kMaxSpacing = 64.0, kMaxSmoothness = 200.0;  // pixels
 constexpr int kTaps = 8;  // of the filter on each side; see hatching_filter.kernel.h
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kHatchingTable = {
     length_row("spacing", &HatchingParams::spacing,
                {.initial_percent = 0.45, .min = 2, .max = kMaxSpacing, .unit = "px"},
                "distance between lines where all of them are drawn, in pixels or in percent of the picture's height"),
@@ -51,7 +51,7 @@ const std::vector<Parameter> kTable = {
                "all, or only the tone of the paper, or the lines after that; set for averaged pictures"),
 };
 
-void fill_constants(const HatchingParams& params, const PictureInfo& info, HatchingConstants& c) {
+void fill_hatching(const HatchingParams& params, const PictureInfo& info, HatchingConstants& c) {
   constexpr float kDistinctRadius = 0.7f;  // radius of a distinct curvature, in heights of the picture
   const auto height = float(info.inner_height());
   const float tilt = glm::radians(params.tilt_deg);
@@ -87,8 +87,8 @@ int filter_reach(const void* constants, int) {
 }  // namespace
 
 Effect effect_hatching() {
-  return shading_effect<fill_constants>(
-      kTable,
+  return shading_effect<fill_hatching>(
+      kHatchingTable,
       {.name = "hatching",
        .summary = "lines along the surface that show its light, as drawn with a pen",
        .source = "Jobard and Lefer 1997",

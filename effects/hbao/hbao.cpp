@@ -12,7 +12,7 @@
 namespace umbrage {
 namespace {
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kHbaoTable = {
     int_row("directions", &HbaoParams::directions, {.initial = 6, .min = 1, .max = 64},
             "directions in the picture in which the horizon is searched"),
     int_row("steps", &HbaoParams::steps, {.initial = 6, .min = 1, .max = 256}, "depth taps in each direction"),
@@ -27,9 +27,9 @@ const std::vector<Parameter> kTable = {
 };
 
 // With a single tap, that tap determines the horizon and may change the result by up to two quanta.
-constexpr double kQuantum = 0.5;
+constexpr double kHbaoQuantum = 0.5;
 
-void fill_constants(const HbaoParams& params, const PictureInfo& info, HbaoConstants& c) {
+void fill_hbao(const HbaoParams& params, const PictureInfo& info, HbaoConstants& c) {
   c.directions = params.directions;
   c.steps = params.steps;
   c.one_over_steps = 1.0f / float(params.steps);
@@ -52,15 +52,15 @@ void fill_constants(const HbaoParams& params, const PictureInfo& info, HbaoConst
 }  // namespace
 
 Effect effect_hbao() {
-  return occlusion_effect<fill_constants>(
-      kTable, {.name = "hbao",
-               .summary = "horizons in several directions: darker the higher they rise above the surface",
-               .source = "Bavoil et al. 2008",
-               .set_radius = set_radius_of<&HbaoParams::radius>,
-               .tunable = {"directions", "steps", "angle_bias", "attenuation", "strength"},
-               .variants = {"", "angle_bias=30", "directions=4 steps=8 attenuation=off"},
-               .quantum = kQuantum,
-               .dispatches = {sampling_dispatch(hbao_kernel())}});
+  return occlusion_effect<fill_hbao>(
+      kHbaoTable, {.name = "hbao",
+                   .summary = "horizons in several directions: darker the higher they rise above the surface",
+                   .source = "Bavoil et al. 2008",
+                   .set_radius = set_radius_of<&HbaoParams::radius>,
+                   .tunable = {"directions", "steps", "angle_bias", "attenuation", "strength"},
+                   .variants = {"", "angle_bias=30", "directions=4 steps=8 attenuation=off"},
+                   .quantum = kHbaoQuantum,
+                   .dispatches = {sampling_dispatch(hbao_kernel())}});
 }
 
 }  // namespace umbrage

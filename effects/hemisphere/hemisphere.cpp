@@ -9,6 +9,7 @@
 
 #include "core/absolute_length.h"
 #include "core/effect.h"
+#include "core/hash.h"
 #include "effects/hemisphere/layer_views.h"
 #include "effects/hemisphere/sent_planes.h"
 #include "kernels/hemisphere_bleeding.h"
@@ -29,7 +30,7 @@ constexpr double kMinRayDistance = 0.1;  // min distance of a view ray from a pi
 constexpr float kAssumedVisibility = 0.7f;  // of ambient light, where it is not computed: typical of a room
 constexpr float kMinNearToFar = 1e-4f;      // min near plane, as a fraction of the far plane; avoids division by 0
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kHemisphereTable = {
     int_row("samples", &HemisphereParams::samples, {.initial = 16, .min = 1, .max = kHemisphereMaxSamples},
             "sample points per pixel"),
     choice_row("shape", &HemisphereParams::shape, 0, {"hemisphere", "sphere"},
@@ -92,9 +93,7 @@ const std::vector<Parameter> kTable = {
 };
 
 // With a single sample, a flip of this sample changes occlusion and light from none to full: two quanta.
-constexpr double kQuantum = 0.5;
-
-double fractional_part(double v) { return v - std::floor(v); }
+constexpr double kHemisphereQuantum = 0.5;
 
 /// Fills in the paper's kernel texture: x and y are uniform in [-1, 1], z in [0.05, 1] (shape sphere: in [-1, 1]); each
 /// point is scaled to length 1 and then by a quadratic of its index. The paper does not give the factors of the
@@ -119,7 +118,6 @@ void fill_paper_points(const HemisphereParams& params, float* points) {
 /// 2018], so that neither correlates with the length. In the hemisphere, the weight of a point is its cosine to the
 /// normal, times 2, since light from the side matters less; in the whole sphere, all weights are equal.
 void fill_even_points(const HemisphereParams& params, double inner, float* points) {
-  constexpr double kPlasticNumber = 1.32471795724474602596;  // x^3 = x + 1
   const int n = params.samples;
   for (int first = 0; first < 2; ++first) {
     const int count = (n + 1 - first) / 2;
@@ -141,7 +139,7 @@ void fill_even_points(const HemisphereParams& params, double inner, float* point
   }
 }
 
-void fill_constants(const HemisphereParams& params, const PictureInfo& info, HemisphereConstants& c) {
+void fill_hemisphere(const HemisphereParams& params, const PictureInfo& info, HemisphereConstants& c) {
   c.samples = params.samples;
   c.radius = absolute_length(params.radius, info.scene_radius);
   c.even = params.distribution == kHemisphereEven ? 1 : 0;
@@ -204,7 +202,7 @@ void fill_constants(const HemisphereParams& params, const PictureInfo& info, Hem
 bool gathers_light(const ParameterBytes& bytes) { return as<HemisphereParams>(bytes).bleeding > 0.0f; }
 bool gathers_no_light(const ParameterBytes& bytes) { return !gathers_light(bytes); }
 bool shows_tangents(const ParameterBytes& bytes) { return as<HemisphereParams>(bytes).tangents != 0; }
-int rounds(const ParameterBytes& bytes, const PictureInfo&) {
+int hemisphere_rounds(const ParameterBytes& bytes, const PictureInfo&) {
   return gathers_light(bytes) ? as<HemisphereParams>(bytes).bounces : 1;
 }
 
@@ -221,8 +219,8 @@ std::vector<std::string_view> occlusion_inputs() {
 }  // namespace
 
 Effect effect_hemisphere() {
-  return occlusion_effect<fill_constants>(
-      kTable,
+  return occlusion_effect<fill_hemisphere>(
+      kHemisphereTable,
       {.name = "hemisphere",
        .summary = "sample points above the surface: darker where they are occluded, coloured by their occluders",
        .source = "Colliander and Törnquist 2015",
@@ -230,7 +228,7 @@ Effect effect_hemisphere() {
        .noise = "seed",
        .tunable = {"samples", "distribution", "range", "bias"},
        .variants = {"", "samples=8", "samples=32 bleeding=1", "samples=64", "samples=64 bleeding=1", kPaper},
-       .quantum = kQuantum,
+       .quantum = kHemisphereQuantum,
        .dispatches = {{.name = "sent",
                        .inputs = sent_inputs(),
                        .outputs = packed_planes(),
@@ -270,7 +268,7 @@ Effect effect_hemisphere() {
                        .kernel = hemisphere_tangents_kernel(),
                        .needed = shows_tangents,
                        .reach = own_row}},
-       .rounds = rounds});
+       .rounds = hemisphere_rounds});
 }
 
 }  // namespace umbrage

@@ -13,7 +13,7 @@
 namespace umbrage {
 namespace {
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kHiddenTable = {
     bool_row("draw", &HiddenParams::draw, false,
              "draw the edges behind visible surfaces as dashed lines; this captures 8 layers, or those of `layers`"),
     length_row("width", &HiddenParams::width, {.initial_percent = 0.12, .min = 0.2, .max = 16, .unit = "px"},
@@ -41,7 +41,7 @@ int layers_along_rays(const PictureInfo& info) {
   return count;
 }
 
-void fill_constants(const HiddenParams& params, const PictureInfo& info, HiddenConstants& c) {
+void fill_hidden(const HiddenParams& params, const PictureInfo& info, HiddenConstants& c) {
   constexpr float kUnitHeight = 1024.0f;
   const auto height = float(info.inner_height());
   const int captured = layers_along_rays(info);
@@ -74,16 +74,17 @@ int layers_for(const ParameterBytes& bytes) {
 Effect effect_hidden() {
   auto inputs = of_all_layers({"depth", "normal.x", "normal.y", "normal.z", "object_id"});
   inputs.push_back("outline");
-  return shading_effect<fill_constants>(kTable, {.name = "hidden",
-                                                 .summary = "dashed lines for the edges of surfaces that others hide",
-                                                 .variants = {"", "draw=on"},
-                                                 .quantum = 1.0,
-                                                 .layers = layers_for,
-                                                 .dispatches = {{.name = "hidden_lines",
-                                                                 .inputs = inputs,
-                                                                 .outputs = {"outline"},
-                                                                 .host = run_host_hidden,
-                                                                 .needed = is_drawn}}});
+  return shading_effect<fill_hidden>(kHiddenTable,
+                                     {.name = "hidden",
+                                      .summary = "dashed lines for the edges of surfaces that others hide",
+                                      .variants = {"", "draw=on"},
+                                      .quantum = 1.0,
+                                      .layers = layers_for,
+                                      .dispatches = {{.name = "hidden_lines",
+                                                      .inputs = inputs,
+                                                      .outputs = {"outline"},
+                                                      .host = run_host_hidden,
+                                                      .needed = is_drawn}}});
 }
 
 }  // namespace umbrage

@@ -14,10 +14,10 @@ namespace umbrage {
 namespace {
 
 // Lengths in pixels, which scale with the picture's height.
-constexpr float kMaxGap = 16.0f;    // max gap over which ends are joined
-constexpr float kCrossing = 12.0f;  // pixels: min of that gap, not scaled, for lines that cross a visible one
-constexpr float kMinLoose = 16.0f;  // min length of a line with two free ends
-constexpr float kMinBranch = 6.0f;  // min length of a line with one free end
+constexpr float kHiddenMaxGap = 16.0f;    // max gap over which ends are joined
+constexpr float kCrossing = 12.0f;        // pixels: min of that gap, not scaled, for lines that cross a visible one
+constexpr float kHiddenMinLoose = 16.0f;  // min length of a line with two free ends
+constexpr float kHiddenMinBranch = 6.0f;  // min length of a line with one free end
 
 /// Returns the object of the nearest surface behind the visible one at a point, else that of the visible one.
 int object_at(const HostFrame& frame, const StrokePoint& p) {
@@ -72,9 +72,9 @@ Strokes hidden_lines(const HostFrame& frame, const HiddenConstants& c) {
   Tracing t{EdgeGraph(std::move(edges), width, height)};
   find_chains(t);
   join_at_junctions(t);
-  bridge_gaps(t, std::max(kMaxGap * c.scale, kCrossing), PixelSize());
+  bridge_gaps(t, std::max(kHiddenMaxGap * c.scale, kCrossing), PixelSize());
   drop_short(t, [&](const Chain& chain, int free_ends) {
-    return (free_ends == 2 || chain.closed ? kMinLoose : free_ends == 1 ? kMinBranch : 0.0f) * c.scale;
+    return (free_ends == 2 || chain.closed ? kHiddenMinLoose : free_ends == 1 ? kHiddenMinBranch : 0.0f) * c.scale;
   });
   smooth_chains(t);
   connect_ends(t);

@@ -6,7 +6,7 @@
 namespace umbrage {
 namespace {
 
-void fill_constants(const ParameterBytes&, const PictureInfo& info, void* out) {
+void fill_hide_ground(const ParameterBytes&, const PictureInfo& info, void* out) {
   *static_cast<HideGroundConstants*>(out) = {.object = float(info.ground_object)};
 }
 
@@ -16,7 +16,7 @@ Effect effect_hide_ground() {
   return {.name = "hide_ground",
           .summary = "remove the shadow-catching ground under a model from depth and ids",
           .constants_size = sizeof(HideGroundConstants),
-          .constants = fill_constants,
+          .constants = fill_hide_ground,
           .dispatches = {{.name = "hide_ground",
                           .inputs = {"depth", "object_id", "material_id"},
                           .outputs = {"depth", "object_id", "material_id"},

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kMaxFactor = 100.0;
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kLightingTable = {
     real_row("ambient", &LightingParams::ambient, {.initial = 1, .max = kMaxFactor}, "factor for ambient light"),
     real_row("diffuse", &LightingParams::diffuse, {.initial = 1, .max = kMaxFactor},
              "factor for diffuse reflection of the lights"),
@@ -61,7 +61,7 @@ void set_reflections(const LightingParams& params, const PictureInfo& info, cons
   std::copy(brdf.bias.begin(), brdf.bias.end(), c.brdf_bias);
 }
 
-void fill_constants(const LightingParams& params, const PictureInfo& info, LightingConstants& c) {
+void fill_lighting(const LightingParams& params, const PictureInfo& info, LightingConstants& c) {
   c.clay = params.material == 1 ? 1 : 0;
   c.display = params.material == 2 ? 1 : 0;
   c.diffuse = params.diffuse;
@@ -101,8 +101,8 @@ void fill_constants(const LightingParams& params, const PictureInfo& info, Light
 }  // namespace
 
 Effect effect_lighting() {
-  return shading_effect<fill_constants>(
-      kTable,
+  return shading_effect<fill_lighting>(
+      kLightingTable,
       {.name = "lighting",
        .summary = "shading from the G-buffer, by metalness and roughness or Blinn-Phong, with direct and ambient light "
                   "separate",

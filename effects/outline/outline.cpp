@@ -21,7 +21,7 @@ namespace {
 constexpr float kFarFraction = 0.9f;
 constexpr float kNearToFar = 2.0f / 15.0f;
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kOutlineTable = {
     choice_row("mode", &OutlineParams::mode, 0, {"robust", "paper"},
                "lines that are stable at any size and angle, or the paper's test of eight neighbours"),
     length_row("width", &OutlineParams::width, {.initial = 2, .min = 0.5, .max = kOutlineMaxWidth, .unit = "px"},
@@ -53,7 +53,7 @@ const std::vector<Parameter> kTable = {
              "paper: threshold of the normals' dot product"),
 };
 
-void fill_constants(const OutlineParams& params, const PictureInfo& info, OutlineConstants& c) {
+void fill_outline(const OutlineParams& params, const PictureInfo& info, OutlineConstants& c) {
   constexpr float kUnitHeight = 1024.0f;  // picture height for which lengths of strokes are given
   const auto height = float(info.inner_height());
   const float crease = params.crease_deg * std::numbers::pi_v<float> / 180.0f;
@@ -107,48 +107,49 @@ int paper_reach(const void*, int) { return 1; }
 }  // namespace
 
 Effect effect_outline() {
-  return shading_effect<fill_constants>(
-      kTable, {.name = "outline",
-               .summary = "lines where objects end, overlap or have edges",
-               .source = "Lajzer and Nottingham",
-               .variants = {"", "width=4", "width=8", "mode=paper"},
-               .quantum = 1.0,
-               .dispatches = {{.name = "outline_breaks",
-                               .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "material_id"},
-                               .outputs = {"outline_break_right", "outline_break_below"},
-                               .kernel = outline_breaks_kernel(),
-                               .needed = is_robust,
-                               .reach = breaks_reach},
-                              {.name = "outline_turns",
-                               .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_break_right",
-                                          "outline_break_below"},
-                               .outputs = {"outline_turn_right", "outline_turn_below"},
-                               .kernel = outline_turns_kernel(),
-                               .needed = is_robust,
-                               .reach = turns_reach},
-                              {.name = "outline_edges",
-                               .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_break_right",
-                                          "outline_break_below", "outline_turn_right", "outline_turn_below"},
-                               .outputs = {"outline_edge_right", "outline_edge_below"},
-                               .kernel = outline_edges_kernel(),
-                               .needed = is_robust,
-                               .reach = turns_reach},
-                              {.name = "outline_strokes",
-                               .inputs = {"outline_edge_right", "outline_edge_below", "depth", "object_id"},
-                               .outputs = {"outline"},
-                               .host = run_host_outline,
-                               .needed = is_robust},
-                              {.name = "outline_paper",
-                               .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
-                               .outputs = {"outline"},
-                               .kernel = outline_paper_kernel(),
-                               .needed = is_paper,
-                               .reach = paper_reach},
-                              {.name = "outline_color",
-                               .outputs = {"line.r", "line.g", "line.b"},
-                               .kernel = outline_color_kernel(),
-                               .needed = is_coloured,
-                               .reach = own_row}}});
+  return shading_effect<fill_outline>(
+      kOutlineTable,
+      {.name = "outline",
+       .summary = "lines where objects end, overlap or have edges",
+       .source = "Lajzer and Nottingham",
+       .variants = {"", "width=4", "width=8", "mode=paper"},
+       .quantum = 1.0,
+       .dispatches = {
+           {.name = "outline_breaks",
+            .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "material_id"},
+            .outputs = {"outline_break_right", "outline_break_below"},
+            .kernel = outline_breaks_kernel(),
+            .needed = is_robust,
+            .reach = breaks_reach},
+           {.name = "outline_turns",
+            .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_break_right", "outline_break_below"},
+            .outputs = {"outline_turn_right", "outline_turn_below"},
+            .kernel = outline_turns_kernel(),
+            .needed = is_robust,
+            .reach = turns_reach},
+           {.name = "outline_edges",
+            .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_break_right", "outline_break_below",
+                       "outline_turn_right", "outline_turn_below"},
+            .outputs = {"outline_edge_right", "outline_edge_below"},
+            .kernel = outline_edges_kernel(),
+            .needed = is_robust,
+            .reach = turns_reach},
+           {.name = "outline_strokes",
+            .inputs = {"outline_edge_right", "outline_edge_below", "depth", "object_id"},
+            .outputs = {"outline"},
+            .host = run_host_outline,
+            .needed = is_robust},
+           {.name = "outline_paper",
+            .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
+            .outputs = {"outline"},
+            .kernel = outline_paper_kernel(),
+            .needed = is_paper,
+            .reach = paper_reach},
+           {.name = "outline_color",
+            .outputs = {"line.r", "line.g", "line.b"},
+            .kernel = outline_color_kernel(),
+            .needed = is_coloured,
+            .reach = own_row}}});
 }
 
 }  // namespace umbrage

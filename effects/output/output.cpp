@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kMaxStops = 20.0;
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kOutputTable = {
     real_row("exposure", &OutputParams::exposure, {.min = -kMaxStops, .max = kMaxStops, .unit = "stops"},
              "brightness, in stops: 1 doubles the light"),
     choice_row("metering", &OutputParams::metering, 0, {"none", "picture", "light", "median"},
@@ -51,7 +51,7 @@ const std::vector<Parameter> kTable = {
         "what `shadow_catcher` is the opacity for, as ground.blend, which `beauty` undoes; `transparent` sets it"),
 };
 
-void fill_constants(const OutputParams& params, const PictureInfo& info, OutputConstants& c) {
+void fill_output(const OutputParams& params, const PictureInfo& info, OutputConstants& c) {
   const float opaque = params.transparent ? 0.0f : 1.0f;
   const auto light = [&](float v) { return params.transfer == 0 ? linear_from_srgb(v) : v; };
   const auto beauty_light = [&](float v) { return params.beauty == kBeautyDisplay ? v : linear_from_srgb(v); };
@@ -101,8 +101,8 @@ void add_stops(float stops, ParameterBytes& params) { as<OutputParams>(params).e
 }  // namespace
 
 Effect effect_output() {
-  return output_effect<fill_constants>(
-      kTable,
+  return output_effect<fill_output>(
+      kOutputTable,
       {.name = "output",
        .summary = "light to picture: exposure, tone curve, transfer function, background",
        .source = "IEC 61966-2-1",

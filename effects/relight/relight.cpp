@@ -13,7 +13,7 @@ constexpr double kFraction = 0.7;
 // White in direct light has a luminance of about 1.
 constexpr double kHighlights = 1.0;
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kRelightTable = {
     choice_row("source", &RelightParams::source, kRelightEstimate, {"estimate", "planes"},
                "the ambient part of the picture: estimated from its brightness, or the planes `ambient`, if the file "
                "has them"),
@@ -23,7 +23,7 @@ const std::vector<Parameter> kTable = {
              "estimate: luminance at which half as much is ambient, and less above it"),
 };
 
-void fill_constants(const RelightParams& params, const PictureInfo&, RelightConstants& c) {
+void fill_relight(const RelightParams& params, const PictureInfo&, RelightConstants& c) {
   c = {.source = params.source,
        .fraction = params.fraction,
        .one_over_highlights = params.highlights > 0.0f ? 1.0f / params.highlights : 0.0f};
@@ -32,15 +32,15 @@ void fill_constants(const RelightParams& params, const PictureInfo&, RelightCons
 }  // namespace
 
 Effect effect_relight() {
-  return shading_effect<fill_constants>(
-      kTable, {.name = "relight",
-               .summary = "split a finished picture into ambient light, which occlusion blocks, and the rest",
-               .dispatches = {{.inputs = {"ambient.r", "ambient.g", "ambient.b", "beauty.r", "beauty.g", "beauty.b",
-                                          "beauty.a", "emission.r", "emission.g", "emission.b"},
-                               .outputs = {"ambient.r", "ambient.g", "ambient.b", "direct.r", "direct.g", "direct.b",
-                                           "sky.r", "sky.g", "sky.b", "coverage"},
-                               .kernel = relight_kernel(),
-                               .reach = own_pixel}}});
+  return shading_effect<fill_relight>(
+      kRelightTable, {.name = "relight",
+                      .summary = "split a finished picture into ambient light, which occlusion blocks, and the rest",
+                      .dispatches = {{.inputs = {"ambient.r", "ambient.g", "ambient.b", "beauty.r", "beauty.g",
+                                                 "beauty.b", "beauty.a", "emission.r", "emission.g", "emission.b"},
+                                      .outputs = {"ambient.r", "ambient.g", "ambient.b", "direct.r", "direct.g",
+                                                  "direct.b", "sky.r", "sky.g", "sky.b", "coverage"},
+                                      .kernel = relight_kernel(),
+                                      .reach = own_pixel}}});
 }
 
 }  // namespace umbrage

@@ -18,7 +18,7 @@ namespace {
 constexpr int kAllShadows = (1 << kMaxShadows) - 1;
 constexpr int kFirstShadows = 7;  // bits of the lights of dispatch `shadows`
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kResampleTable = {
     choice_row("part", &ResampleParams::part, kResampleMark, {"mark", "borrow"},
                "what to do: mark the pixels at edges, or fill those of a further sample from the first"),
     choice_row("occlusion", &ResampleParams::occlusion, kResampleAo, {"nothing", "ao", "light"},
@@ -45,7 +45,7 @@ const std::vector<Parameter> kTable = {
 
 float one_minus_cosine(float angle_deg) { return float(1.0 - std::cos(angle_deg * std::numbers::pi / 180.0)); }
 
-void fill_constants(const ResampleParams& params, const PictureInfo&, ResampleConstants& c) {
+void fill_resample(const ResampleParams& params, const PictureInfo&, ResampleConstants& c) {
   c.hard_shadows = params.hard_shadows;
   c.soft_shadows = params.soft_shadows;
   c.distance = params.distance;
@@ -70,7 +70,7 @@ bool borrows_more_shadows(const ParameterBytes& bytes) {
   return !marks(bytes) && (as<ResampleParams>(bytes).soft_shadows & ~kFirstShadows) != 0;
 }
 
-int reach(const void*, int) { return 1; }
+int resample_reach(const void*, int) { return 1; }
 
 /// Returns the inputs that all dispatches need that borrow, and more.
 std::vector<std::string_view> with_surfaces(std::vector<std::string_view> more) {
@@ -84,8 +84,8 @@ std::vector<std::string_view> with_surfaces(std::vector<std::string_view> more) 
 }  // namespace
 
 Effect effect_resample() {
-  return shading_effect<fill_constants>(
-      kTable,
+  return shading_effect<fill_resample>(
+      kResampleTable,
       {.name = "resample",
        .summary = "mark the pixels at edges, and fill them in further samples of an averaged picture",
        .source = "Kopf et al. 2007",
@@ -99,38 +99,38 @@ Effect effect_resample() {
             .outputs = {"resample_edge", "resample_depth"},
             .kernel = resample_mark_kernel(),
             .needed = marks,
-            .reach = reach},
+            .reach = resample_reach},
            {.name = "widen",
             .inputs = {"resample_edge"},
             .outputs = {"marks"},
             .kernel = resample_widen_kernel(),
             .needed = marks,
-            .reach = reach},
+            .reach = resample_reach},
            {.name = "occlusion",
             .inputs = with_surfaces({"first_ao"}),
             .outputs = {"ao"},
             .kernel = resample_ao_kernel(),
             .needed = borrows_ao,
-            .reach = reach},
+            .reach = resample_reach},
            {.name = "light",
             .inputs = with_surfaces({"first_ao", "first_indirect.r", "first_indirect.g", "first_indirect.b"}),
             .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
             .kernel = resample_light_kernel(),
             .needed = borrows_light,
-            .reach = reach},
+            .reach = resample_reach},
            {.name = "shadows",
             .inputs = with_surfaces({"first_shadow", "first_shadow1", "first_shadow2", "shadow", "shadow1", "shadow2"}),
             .outputs = {"shadow", "shadow1", "shadow2"},
             .kernel = resample_shadows_kernel(),
             .needed = borrows_shadows,
-            .reach = reach},
+            .reach = resample_reach},
            {.name = "more shadows",
             .inputs = with_surfaces({"first_shadow3", "first_shadow4", "first_shadow5", "first_shadow6",
                                      "first_shadow7", "shadow3", "shadow4", "shadow5", "shadow6", "shadow7"}),
             .outputs = {"shadow3", "shadow4", "shadow5", "shadow6", "shadow7"},
             .kernel = resample_more_shadows_kernel(),
             .needed = borrows_more_shadows,
-            .reach = reach}}});
+            .reach = resample_reach}}});
 }
 
 }  // namespace umbrage

@@ -16,7 +16,7 @@ namespace {
 
 static_assert(kShanmugamMaxOccluders == kMaxOccluders);
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kShanmugamTable = {
     length_row("radius", &ShanmugamParams::radius,
                {.initial_percent = 50, .max = 1e12, .unit = "scene units", .above_zero = true},
                "max distance of occluders, in scene units or in percent of the bounding-sphere radius; "
@@ -46,7 +46,7 @@ const std::vector<Parameter> kTable = {
 };
 
 // One sample may be a large part of the result where few are in the picture.
-constexpr double kQuantum = 0.5;
+constexpr double kShanmugamQuantum = 0.5;
 
 constexpr float kMinLength = 1e-12f, kMaxLength = 1e12f;  // squares stay finite
 
@@ -99,7 +99,7 @@ void fill_far(const ShanmugamParams& params, const PictureInfo& info, ShanmugamC
   }
 }
 
-void fill_constants(const ShanmugamParams& params, const PictureInfo& info, ShanmugamConstants& c) {
+void fill_shanmugam(const ShanmugamParams& params, const PictureInfo& info, ShanmugamConstants& c) {
   c.radius = std::clamp(absolute_length(params.radius, info.scene_radius), kMinLength, kMaxLength);
   fill_near(params, info, c);
   fill_far(params, info, c);
@@ -119,17 +119,17 @@ Dispatch dispatch() {
 }  // namespace
 
 Effect effect_shanmugam() {
-  return occlusion_effect<fill_constants>(
-      kTable, {.name = "shanmugam",
-               .summary = "near occluders from the picture, far ones from a few coarse occluders of the model",
-               .source = "Shanmugam and Arikan 2007",
-               .set_radius = set_radius_of<&ShanmugamParams::radius>,
-               .noise = "sample_index",
-               .tunable = {"samples", "near_radius", "behind", "far_form"},
-               .variants = {"", "samples=16", "near_radius=3%", "form=sphere far_form=paper near_radius=3%"},
-               .quantum = kQuantum,
-               .occluders = occluders,
-               .dispatches = {dispatch()}});
+  return occlusion_effect<fill_shanmugam>(
+      kShanmugamTable, {.name = "shanmugam",
+                        .summary = "near occluders from the picture, far ones from a few coarse occluders of the model",
+                        .source = "Shanmugam and Arikan 2007",
+                        .set_radius = set_radius_of<&ShanmugamParams::radius>,
+                        .noise = "sample_index",
+                        .tunable = {"samples", "near_radius", "behind", "far_form"},
+                        .variants = {"", "samples=16", "near_radius=3%", "form=sphere far_form=paper near_radius=3%"},
+                        .quantum = kShanmugamQuantum,
+                        .occluders = occluders,
+                        .dispatches = {dispatch()}});
 }
 
 }  // namespace umbrage

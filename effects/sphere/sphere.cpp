@@ -6,6 +6,7 @@
 
 #include "core/absolute_length.h"
 #include "core/effect.h"
+#include "core/hash.h"
 #include "kernels/sphere.h"
 
 namespace umbrage {
@@ -29,7 +30,7 @@ constexpr std::string_view kCrytekHigh =
     "range=blend range_factor=3.36 threshold=0 map=linear gain=2 offset=-0.075";
 constexpr float kMinNearToFar = 1e-4f;  // min near plane / far plane; window depth is undefined for a near plane of 0
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kSphereTable = {
     int_row("samples", &SphereParams::samples, {.initial = 8, .min = 1, .max = kSphereMaxSamples},
             "sample points per pixel"),
     length_row("radius", &SphereParams::radius, {.initial_percent = kRadiusPercent, .max = kMaxRadius, .unit = "px"},
@@ -87,9 +88,7 @@ const std::vector<Parameter> kTable = {
 
 // A sample that rounds the other way changes `ao` by up to 25/64, at the listing's threshold; with samples=1, by two
 // quanta.
-constexpr double kQuantum = 0.5;
-
-double fractional_part(double v) { return v - std::floor(v); }
+constexpr double kSphereQuantum = 0.5;
 
 /// Writes `count` points that are evenly distributed in the unit sphere. The listing receives "eight uniform points"
 /// and does not specify them. Heights are in equal steps (equal areas of the sphere). Azimuth and radius follow the
@@ -100,12 +99,11 @@ double fractional_part(double v) { return v - std::floor(v); }
 /// surface is flat: 4 of 8, which is below the listing's threshold of 5. A hemisphere would flip opposite points onto
 /// each other, so it uses points without their opposites.
 void fill_points(int count, bool pairs, float* points) {
-  constexpr double kPlastic = 1.32471795724474602596;  // x^3 = x + 1
   const int drawn = pairs ? (count + 1) / 2 : count;
   for (int i = 0; i < drawn; ++i) {
     const double z = 1.0 - (2.0 * i + 1.0) / count;
-    const double azimuth = 2.0 * std::numbers::pi * fractional_part(0.5 + (i + 1) / kPlastic);
-    const double radius = std::cbrt(fractional_part(0.5 + (i + 1) / (kPlastic * kPlastic)));
+    const double azimuth = 2.0 * std::numbers::pi * fractional_part(0.5 + (i + 1) / kPlasticNumber);
+    const double radius = std::cbrt(fractional_part(0.5 + (i + 1) / (kPlasticNumber * kPlasticNumber)));
     const double across = std::sqrt(1.0 - z * z);
     const double point[3] = {radius * across * std::cos(azimuth), radius * across * std::sin(azimuth), radius * z};
     for (int k = 0; k < 3; ++k) {
@@ -128,7 +126,7 @@ void fill_corners(int count, float* points) {
   }
 }
 
-void fill_constants(const SphereParams& params, const PictureInfo& info, SphereConstants& c) {
+void fill_sphere(const SphereParams& params, const PictureInfo& info, SphereConstants& c) {
   const float width = info.reference_width();
   c.samples = params.samples;
   c.radius_px = length_px(params.radius, width, info);
@@ -175,15 +173,15 @@ void fill_constants(const SphereParams& params, const PictureInfo& info, SphereC
 }  // namespace
 
 Effect effect_sphere() {
-  return occlusion_effect<fill_constants>(
-      kTable, {.name = "sphere",
-               .summary = "sample points in a sphere: darker where more of them are behind a surface",
-               .source = "Lajzer and Nottingham",
-               .set_radius = set_radius_of<&SphereParams::reach>,
-               .tunable = {"samples", "shape", "threshold", "strength"},
-               .variants = {"", "samples=16", "samples=32", kCorrected, kCrytek, kCrytekHigh},
-               .quantum = kQuantum,
-               .dispatches = {sampling_dispatch(sphere_kernel())}});
+  return occlusion_effect<fill_sphere>(
+      kSphereTable, {.name = "sphere",
+                     .summary = "sample points in a sphere: darker where more of them are behind a surface",
+                     .source = "Lajzer and Nottingham",
+                     .set_radius = set_radius_of<&SphereParams::reach>,
+                     .tunable = {"samples", "shape", "threshold", "strength"},
+                     .variants = {"", "samples=16", "samples=32", kCorrected, kCrytek, kCrytekHigh},
+                     .quantum = kSphereQuantum,
+                     .dispatches = {sampling_dispatch(sphere_kernel())}});
 }
 
 }  // namespace umbrage

@@ -9,6 +9,7 @@
 
 #include "core/absolute_length.h"
 #include "core/effect.h"
+#include "core/hash.h"
 #include "effects/hemisphere/layer_views.h"
 #include "effects/hemisphere/sent_planes.h"
 #include "kernels/ssdo_light.h"
@@ -23,7 +24,7 @@ constexpr std::string_view kPaper =
     "directions=paper lengths=linear steps=1 thickness=0 border=open difference=off bounce=sender";
 constexpr float kAssumedVisibility = 0.7f;  // of ambient light, where it is not computed: typical of a room
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kSsdoTable = {
     int_row("samples", &SsdoParams::samples, {.initial = 16, .min = 1, .max = kSsdoMaxSamples}, "directions per pixel"),
     int_row("steps", &SsdoParams::steps, {.initial = 2, .min = 1, .max = 16},
             "sample points along each direction; the nearest hidden one hides the direction"),
@@ -67,14 +68,11 @@ const std::vector<Parameter> kTable = {
 };
 
 // With a single sample, a flip of this sample changes occlusion and light from none to full: two quanta.
-constexpr double kQuantum = 0.5;
-
-double fractional_part(double v) { return v - std::floor(v); }
+constexpr double kSsdoQuantum = 0.5;
 
 /// Fills in SsdoConstants::points. Azimuths and lengths are those of the golden ratio's sequence in two dimensions
 /// [Roberts 2018]; directions `paper`: random numbers.
 void fill_points(const SsdoParams& params, float* points) {
-  constexpr double kPlasticNumber = 1.32471795724474602596;  // x^3 = x + 1
   std::mt19937 random(std::uint32_t(params.seed) + 1u);
   const auto uniform = [&] { return random() * 0x1p-32; };
   for (int k = 0; k < params.samples; ++k) {
@@ -89,7 +87,7 @@ void fill_points(const SsdoParams& params, float* points) {
   }
 }
 
-void fill_constants(const SsdoParams& params, const PictureInfo& info, SsdoConstants& c) {
+void fill_ssdo(const SsdoParams& params, const PictureInfo& info, SsdoConstants& c) {
   c.samples = params.samples;
   c.steps = params.steps;
   c.one_over_steps = 1.0f / float(params.steps);
@@ -124,7 +122,7 @@ bool gathers_light(const ParameterBytes& bytes) {
   return params.bleeding > 0.0f || params.directional > 0.0f;
 }
 bool gathers_no_light(const ParameterBytes& bytes) { return !gathers_light(bytes); }
-int rounds(const ParameterBytes& bytes, const PictureInfo&) {
+int ssdo_rounds(const ParameterBytes& bytes, const PictureInfo&) {
   return as<SsdoParams>(bytes).bleeding > 0.0f ? as<SsdoParams>(bytes).bounces : 1;
 }
 
@@ -144,8 +142,8 @@ Dispatch search_dispatch(std::string_view name, const Kernel& kernel, bool (*nee
 }  // namespace
 
 Effect effect_ssdo() {
-  return occlusion_effect<fill_constants>(
-      kTable,
+  return occlusion_effect<fill_ssdo>(
+      kSsdoTable,
       {.name = "ssdo",
        .summary = "directional occlusion: the light of open directions, and of the surfaces that hide the others",
        .source = "Ritschel et al. 2009",
@@ -153,7 +151,7 @@ Effect effect_ssdo() {
        .noise = "seed",
        .tunable = {"samples", "steps", "lengths", "thickness", "bias"},
        .variants = {"", "samples=8", "samples=32 steps=4", "bleeding=1", kPaper},
-       .quantum = kQuantum,
+       .quantum = kSsdoQuantum,
        .dispatches = {{.name = "sent",
                        .inputs = sent_inputs(),
                        .outputs = packed_planes(),
@@ -165,7 +163,7 @@ Effect effect_ssdo() {
                                       {}),
                       search_dispatch("light", ssdo_light_kernel(), gathers_light, outgoing_light_planes(),
                                       {"indirect.r", "indirect.g", "indirect.b"})},
-       .rounds = rounds});
+       .rounds = ssdo_rounds});
 }
 
 }  // namespace umbrage

@@ -19,7 +19,7 @@ constexpr double kPaperSteps = 4.0, kPaperAmbient = 0.1, kPaperExtra = 0.2;  // 
 // are visibly curved have larger changes.
 constexpr float kMinChange = 5e-5f;
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kToonTable = {
     choice_row("mode", &ToonParams::mode, 0, {"ramp", "paper"},
                "a given number of tone steps in a ramp of colours, or the paper's steps of the object's colour"),
     renamed_from("bands", int_row("steps", &ToonParams::steps, {.initial = kPaperSteps, .min = 1, .max = 256},
@@ -94,7 +94,7 @@ void fill_lights(const ToonParams& params, const PictureInfo& info, ToonConstant
   }
 }
 
-void fill_constants(const ToonParams& params, const PictureInfo& info, ToonConstants& c) {
+void fill_toon(const ToonParams& params, const PictureInfo& info, ToonConstants& c) {
   c.mode = params.mode;
   c.albedo = params.albedo;
   c.steps = float(params.steps);
@@ -136,8 +136,8 @@ int steps_reach(const void* constants, int) { return std::max(static_cast<const 
 }  // namespace
 
 Effect effect_toon() {
-  return shading_effect<fill_constants>(
-      kTable,
+  return shading_effect<fill_toon>(
+      kToonTable,
       {.name = "toon",
        .summary = "light in tone steps, with antialiased edges, coloured shadows and round highlights",
        .source = "Lajzer and Nottingham",

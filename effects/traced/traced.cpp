@@ -22,7 +22,7 @@ constexpr double kMaxRays = 64;
 constexpr int kFurtherRays = 1 << 28;                   // above all other indices of rays
 constexpr float kDistancePx = 1.0f, kAngleDeg = 25.0f;  // as in `denoise`
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kTracedTable = {
     real_row("rays", &TracedParams::rays, {.initial = 1, .min = 0.0625, .max = kMaxRays},
              "rays per pixel on an open surface; below 1, a part of the pixels gets one"),
     int_row("max_rays", &TracedParams::max_rays, {.initial = 8, .min = 1, .max = kMaxRays},
@@ -73,9 +73,9 @@ std::array<Level, kTracedMaxRounds> levels_for(float rays) {
 /// Returns the max number of rays of a pixel: every pixel has `rays`.
 int max_rays_of(const TracedParams& params) { return std::max(params.max_rays, int(std::ceil(params.rays))); }
 
-bool gathers_light(const TracedParams& params) { return params.bleeding > 0.0f || params.directional > 0.0f; }
+bool traces_light(const TracedParams& params) { return params.bleeding > 0.0f || params.directional > 0.0f; }
 
-void fill_constants(const TracedParams& params, const PictureInfo&, TracedConstants& c) {
+void fill_traced(const TracedParams& params, const PictureInfo&, TracedConstants& c) {
   c.rays = params.rays;
   c.max_rays = float(max_rays_of(params));
   c.normal = params.normal;
@@ -90,7 +90,7 @@ void fill_constants(const TracedParams& params, const PictureInfo&, TracedConsta
   c.turn = float(1.0 / (1.0 - std::cos(kAngleDeg * std::numbers::pi / 180.0)));
   const auto levels = levels_for(params.rays);
   for (const Level& level : levels) {
-    if (level.light_only && !gathers_light(params)) continue;
+    if (level.light_only && !traces_light(params)) continue;
     const int k = c.rounds++;
     c.power[k] = level.power;
     c.deviations[k] = level.deviations;
@@ -113,18 +113,18 @@ RaySettings ray_settings(const ParameterBytes& bytes, const PictureInfo& info) {
 }
 
 bool is_filtered(const ParameterBytes& bytes) { return as<TracedParams>(bytes).filtered != 0; }
-bool gathers_light(const ParameterBytes& bytes) { return gathers_light(as<TracedParams>(bytes)); }
-bool filters_light(const ParameterBytes& bytes) { return is_filtered(bytes) && gathers_light(bytes); }
-bool filters_no_light(const ParameterBytes& bytes) { return is_filtered(bytes) && !gathers_light(bytes); }
+bool traces_light(const ParameterBytes& bytes) { return traces_light(as<TracedParams>(bytes)); }
+bool filters_light(const ParameterBytes& bytes) { return is_filtered(bytes) && traces_light(bytes); }
+bool filters_no_light(const ParameterBytes& bytes) { return is_filtered(bytes) && !traces_light(bytes); }
 template <bool bent, bool light>
 bool traces(const ParameterBytes& bytes) {
-  return (as<TracedParams>(bytes).bent != 0) == bent && gathers_light(bytes) == light;
+  return (as<TracedParams>(bytes).bent != 0) == bent && traces_light(bytes) == light;
 }
 
-int rounds(const ParameterBytes& bytes, const PictureInfo& info) {
+int traced_rounds(const ParameterBytes& bytes, const PictureInfo& info) {
   if (!is_filtered(bytes)) return 1;
   TracedConstants constants{};
-  fill_constants(as<TracedParams>(bytes), info, constants);
+  fill_traced(as<TracedParams>(bytes), info, constants);
   return constants.rounds;
 }
 
@@ -162,8 +162,8 @@ Dispatch filter_dispatch(std::string_view name, const Kernel& kernel, bool (*nee
 }  // namespace
 
 Effect effect_traced() {
-  return occlusion_effect<fill_constants>(
-      kTable,
+  return occlusion_effect<fill_traced>(
+      kTracedTable,
       {.name = "traced",
        .summary = "few rays in the scene, more of them at edges, and a filter that counts them",
        .set_radius = set_radius_of<&TracedParams::radius>,
@@ -197,7 +197,7 @@ Effect effect_traced() {
                 "light_down", traced_light_down_kernel(), filters_light,
                 {"traced_across", "traced_across_confidence", "traced_light.r", "traced_light.g", "traced_light.b"},
                 {"ao", "traced_confidence", "indirect.r", "indirect.g", "indirect.b"}, filter_reach)},
-       .rounds = rounds});
+       .rounds = traced_rounds});
 }
 
 }  // namespace umbrage

@@ -28,7 +28,7 @@ constexpr float kNearToFar = 2.0f / 15.0f;
 // A Gaussian window extends two standard deviations to either side.
 constexpr float kSigmasPerKernel = 4.0f;
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kUnsharpTable = {
     length_row("kernel", &UnsharpParams::kernel,
                {.initial_percent = 4, .min = 1, .max = kUnsharpMaxKernel, .unit = "px"},
                "side of the window that is averaged, in pixels or in percent of the picture's height"),
@@ -56,7 +56,7 @@ int kernel_side(const Length& kernel, const PictureInfo& info) {
   return int(std::lround(std::clamp(side, 1.0f, float(kUnsharpMaxKernel))));
 }
 
-void fill_constants(const UnsharpParams& params, const PictureInfo& info, UnsharpConstants& c) {
+void fill_unsharp(const UnsharpParams& params, const PictureInfo& info, UnsharpConstants& c) {
   const int side = kernel_side(params.kernel, info);
   const int half = side / 2;
   // The listing's window starts floor(k/2) pixels to the left and below; here rows are counted from the top.
@@ -150,27 +150,27 @@ const std::vector<GpuVariant> kGpuVariants = {
 }  // namespace
 
 Effect effect_unsharp() {
-  return occlusion_effect<fill_constants>(
-      kTable, {.name = "unsharp",
-               .summary = "unsharp mask of the depth buffer: darker where the surroundings are nearer",
-               .source = "Chamberlin 2011",
-               .set_radius = set_radius,
-               .tunable = {"kernel", "threshold", "strength"},
-               .variants = {"", "kernel=15", "kernel=40", "kernel=121", "kernel=40 threshold=0",
-                            "kernel=121 threshold=0", "kernel=15 window=gaussian"},
-               .dispatches = {{.name = "linearize",
-                               .inputs = {"depth"},
-                               .outputs = {"unsharp_depth"},
-                               .kernel = linearize_kernel(),
-                               .reach = own_row},
-                              {.inputs = {"depth", "unsharp_depth"},
-                               .outputs = {"ao"},
-                               .kernel = unsharp_kernel(),
-                               .tuned = run_tuned_unsharp,
-                               .gpu_variants = kGpuVariants,
-                               .tile = kSquareTile,
-                               .reach = own_row,
-                               .unbounded_inputs = {"unsharp_depth"}}}});
+  return occlusion_effect<fill_unsharp>(
+      kUnsharpTable, {.name = "unsharp",
+                      .summary = "unsharp mask of the depth buffer: darker where the surroundings are nearer",
+                      .source = "Chamberlin 2011",
+                      .set_radius = set_radius,
+                      .tunable = {"kernel", "threshold", "strength"},
+                      .variants = {"", "kernel=15", "kernel=40", "kernel=121", "kernel=40 threshold=0",
+                                   "kernel=121 threshold=0", "kernel=15 window=gaussian"},
+                      .dispatches = {{.name = "linearize",
+                                      .inputs = {"depth"},
+                                      .outputs = {"unsharp_depth"},
+                                      .kernel = linearize_kernel(),
+                                      .reach = own_row},
+                                     {.inputs = {"depth", "unsharp_depth"},
+                                      .outputs = {"ao"},
+                                      .kernel = unsharp_kernel(),
+                                      .tuned = run_tuned_unsharp,
+                                      .gpu_variants = kGpuVariants,
+                                      .tile = kSquareTile,
+                                      .reach = own_row,
+                                      .unbounded_inputs = {"unsharp_depth"}}}});
 }
 
 }  // namespace umbrage

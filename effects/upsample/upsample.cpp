@@ -10,7 +10,7 @@
 namespace umbrage {
 namespace {
 
-const std::vector<Parameter> kTable = {
+const std::vector<Parameter> kUpsampleTable = {
     choice_row("factor", &UpsampleParams::factor, 0, {"2", "4"},
                "full-resolution pixels per reduced pixel, across and down; `occlusion_scale` sets it"),
     bool_row("indirect", &UpsampleParams::indirect, false,
@@ -23,7 +23,7 @@ const std::vector<Parameter> kTable = {
              "max angle between normals at which pixels fit fully"),
 };
 
-void fill_constants(const UpsampleParams& params, const PictureInfo&, UpsampleConstants& c) {
+void fill_upsample(const UpsampleParams& params, const PictureInfo&, UpsampleConstants& c) {
   const int factor = params.factor == kUpsampleQuarter ? 4 : 2;
   const double cosine = std::cos(params.angle * std::numbers::pi / 180.0);
   c = {factor, params.leave, params.distance, float(1.0 / (1.0 - cosine))};
@@ -33,7 +33,7 @@ bool includes_light(const ParameterBytes& bytes) { return as<UpsampleParams>(byt
 bool ao_only(const ParameterBytes& bytes) { return !includes_light(bytes); }
 
 /// Returns the number of rows that the kernels read above and below a pixel: at most two blocks beyond the pixel's own.
-int reach(const void* constants, int) { return 3 * static_cast<const UpsampleConstants*>(constants)->factor; }
+int upsample_reach(const void* constants, int) { return 3 * static_cast<const UpsampleConstants*>(constants)->factor; }
 
 void set_reduction(const Reduction& reduction, ParameterBytes& bytes) {
   auto& params = as<UpsampleParams>(bytes);
@@ -45,25 +45,25 @@ void set_reduction(const Reduction& reduction, ParameterBytes& bytes) {
 }  // namespace
 
 Effect effect_upsample() {
-  return shading_effect<fill_constants>(
-      kTable, {.name = "upsample",
-               .summary = "upsample occlusion and reflected light to full resolution, along surfaces",
-               .source = "Kopf et al. 2007",
-               .set_reduction = set_reduction,
-               .variants = {"", "factor=4", "indirect=on"},
-               .dispatches = {{.name = "ao",
-                               .inputs = {"reduced_ao", "depth", "normal.x", "normal.y", "normal.z"},
-                               .outputs = {"ao"},
-                               .kernel = upsample_ao_kernel(),
-                               .needed = ao_only,
-                               .reach = reach},
-                              {.name = "light",
-                               .inputs = {"reduced_ao", "reduced_indirect.r", "reduced_indirect.g",
-                                          "reduced_indirect.b", "depth", "normal.x", "normal.y", "normal.z"},
-                               .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
-                               .kernel = upsample_light_kernel(),
-                               .needed = includes_light,
-                               .reach = reach}}});
+  return shading_effect<fill_upsample>(
+      kUpsampleTable, {.name = "upsample",
+                       .summary = "upsample occlusion and reflected light to full resolution, along surfaces",
+                       .source = "Kopf et al. 2007",
+                       .set_reduction = set_reduction,
+                       .variants = {"", "factor=4", "indirect=on"},
+                       .dispatches = {{.name = "ao",
+                                       .inputs = {"reduced_ao", "depth", "normal.x", "normal.y", "normal.z"},
+                                       .outputs = {"ao"},
+                                       .kernel = upsample_ao_kernel(),
+                                       .needed = ao_only,
+                                       .reach = upsample_reach},
+                                      {.name = "light",
+                                       .inputs = {"reduced_ao", "reduced_indirect.r", "reduced_indirect.g",
+                                                  "reduced_indirect.b", "depth", "normal.x", "normal.y", "normal.z"},
+                                       .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
+                                       .kernel = upsample_light_kernel(),
+                                       .needed = includes_light,
+                                       .reach = upsample_reach}}});
 }
 
 }  // namespace umbrage
