@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/lab_options.h"
+#include "core/result.h"
 #include "system/child_process.h"
 
 namespace umbrage::cli {

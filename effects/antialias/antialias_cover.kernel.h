@@ -7,7 +7,6 @@ struct Cover {
 
 FN Real square(Real v) { return v * v; }
 
-// On other lines than the planes of the files that include this one: see PLANE in kernel/glsl.h.
 IN_REAL(antialias_from_left)
 IN_REAL(antialias_to_left)
 IN_REAL(antialias_from_above)
