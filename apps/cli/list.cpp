@@ -9,6 +9,7 @@
 #include "effects/effects.h"
 #include "generators/builtin.h"
 #include "io/image_file.h"
+#include "renderer/devices.h"
 #include "renderer/passes.h"
 
 namespace umbrage::cli {
