@@ -4,7 +4,7 @@
 # headers only of its own folder and of the folders that it uses, since include paths are staged per target.
 # Files are compiled together in groups, since most of the time goes into headers; UMBRAGE_UNITY=OFF compiles each alone.
 # -O1: half the time of a compilation at -O3 is optimization, which only kernels and inner loops need. Folders with these
-# add -O3.
+# add -O2 or -O3.
 function(umbrage_folder name)
   cmake_parse_arguments(ARG "" "" "SOURCES;USES" ${ARGN})
   if(ARG_SOURCES)

@@ -1,7 +1,7 @@
 // Functions that all kernels share, in the kernel dialect. F is the FrameConstants of the picture.
 
-// Declarations for texts that are several kernels: macros of the kernel give the flags, 0 or 1, and the names of planes.
-// IN_REAL_AS declares the plane whose name is the macro `plane`, as near_LOCAL(i, j), and OUT_REAL_AS as
+// Declarations for texts that are several kernels: macros of the kernel give the flags, 0 or 1, and the names of
+// planes. IN_REAL_AS declares the plane whose name is the macro `plane`, as near_LOCAL(i, j), and OUT_REAL_AS as
 // store_LOCAL(v). With the flag 0, those that end in _IF declare no plane: near_LOCAL and read_NAME_of return 0, and
 // store_LOCAL does nothing.
 #define UMBRAGE_NEAR_AS(type, local, plane) \

@@ -2,8 +2,8 @@
 // of the pixel; a surface above the tangent plane covers an interval of directions. Based on the visibility bitmask of
 // [Therrien et al. 2023], with bits of equal cosine weight (bitmask_measure.kernel.h).
 //
-// With LAYERS, occluders are searched in all depth layers, else in the first. With LIGHT, they contribute indirect light.
-// With BENT, the mean unoccluded direction is stored.
+// With LAYERS, occluders are searched in all depth layers, else in the first. With LIGHT, they contribute indirect
+// light. With BENT, the mean unoccluded direction is stored.
 //
 // The pixel that a tap reads does not have its centre exactly in the slice. The tap uses the pixel's true height above
 // the tangent plane, and its distance along the slice. So a plane does not occlude itself, whatever its tilt.

@@ -1,5 +1,6 @@
-// Filters occlusion, and indirect light with LIGHT, along rows or columns: five taps with weights [1 2 2 2 1]/8, if they
-// are on one surface. The spacing of the taps doubles in each round, as in the a-trous filter of [Dammertz et al. 2010].
+// Filters occlusion, and indirect light with LIGHT, along rows or columns: five taps with weights [1 2 2 2 1]/8, if
+// they are on one surface. The spacing of the taps doubles in each round, as in the a-trous filter of [Dammertz et al.
+// 2010].
 //
 // Differs: the weights are a box of 4 convolved with a box of 2, not a spline. One round removes noise of period 4,
 // such as that of techniques with a 4x4 tile of random vectors. The pixel itself gets the weight of a neighbour on

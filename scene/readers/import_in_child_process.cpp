@@ -1,5 +1,5 @@
-// Runs umbrage-import in a child process; importer/importer.cpp is the code in the child. The child is spawned instead of
-// forked: after fork alone, the child of a program with threads may not even allocate memory, and copying the page
+// Runs umbrage-import in a child process; importer/importer.cpp is the code in the child. The child is spawned instead
+// of forked: after fork alone, the child of a program with threads may not even allocate memory, and copying the page
 // tables of a large program costs more than starting a small one (docs/reliability.md).
 #include "scene/readers/import_in_child_process.h"
 
