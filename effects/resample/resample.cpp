@@ -8,15 +8,20 @@
 #include "kernels/resample_ao.h"
 #include "kernels/resample_light.h"
 #include "kernels/resample_mark.h"
-#include "kernels/resample_more_shadows.h"
-#include "kernels/resample_shadows.h"
+#include "kernels/resample_shadow0.h"
+#include "kernels/resample_shadow1.h"
+#include "kernels/resample_shadow2.h"
+#include "kernels/resample_shadow3.h"
+#include "kernels/resample_shadow4.h"
+#include "kernels/resample_shadow5.h"
+#include "kernels/resample_shadow6.h"
+#include "kernels/resample_shadow7.h"
 #include "kernels/resample_widen.h"
 
 namespace umbrage {
 namespace {
 
 constexpr int kAllShadows = (1 << kMaxShadows) - 1;
-constexpr int kFirstShadows = 7;  // bits of the lights of dispatch `shadows`
 
 const std::vector<Parameter> kResampleTable = {
     choice_row("part", &ResampleParams::part, kResampleMark, {"mark", "borrow"},
@@ -47,7 +52,6 @@ float one_minus_cosine(float angle_deg) { return float(1.0 - std::cos(angle_deg 
 
 void fill_resample(const ResampleParams& params, const PictureInfo&, ResampleConstants& c) {
   c.hard_shadows = params.hard_shadows;
-  c.soft_shadows = params.soft_shadows;
   c.distance = params.distance;
   c.albedo = params.albedo;
   c.shadow = params.shadow;
@@ -63,11 +67,9 @@ bool borrows(const ParameterBytes& bytes, int occlusion) {
 }
 bool borrows_ao(const ParameterBytes& bytes) { return borrows(bytes, kResampleAo); }
 bool borrows_light(const ParameterBytes& bytes) { return borrows(bytes, kResampleLight); }
-bool borrows_shadows(const ParameterBytes& bytes) {
-  return !marks(bytes) && (as<ResampleParams>(bytes).soft_shadows & kFirstShadows) != 0;
-}
-bool borrows_more_shadows(const ParameterBytes& bytes) {
-  return !marks(bytes) && (as<ResampleParams>(bytes).soft_shadows & ~kFirstShadows) != 0;
+template <int light>
+bool borrows_shadow(const ParameterBytes& bytes) {
+  return !marks(bytes) && (as<ResampleParams>(bytes).soft_shadows >> light & 1) != 0;
 }
 
 int resample_reach(const void*, int) { return 1; }
@@ -79,6 +81,16 @@ std::vector<std::string_view> with_surfaces(std::vector<std::string_view> more) 
       "first_normal.x", "first_normal.y", "first_normal.z"};
   inputs.insert(inputs.end(), more.begin(), more.end());
   return inputs;
+}
+
+template <int light>
+Dispatch shadow_dispatch(std::string_view shadow, std::string_view first, Kernel kernel) {
+  return {.name = shadow,
+          .inputs = with_surfaces({first}),
+          .outputs = {shadow},
+          .kernel = kernel,
+          .needed = borrows_shadow<light>,
+          .reach = resample_reach};
 }
 
 }  // namespace
@@ -118,19 +130,14 @@ Effect effect_resample() {
             .kernel = resample_light_kernel(),
             .needed = borrows_light,
             .reach = resample_reach},
-           {.name = "shadows",
-            .inputs = with_surfaces({"first_shadow", "first_shadow1", "first_shadow2", "shadow", "shadow1", "shadow2"}),
-            .outputs = {"shadow", "shadow1", "shadow2"},
-            .kernel = resample_shadows_kernel(),
-            .needed = borrows_shadows,
-            .reach = resample_reach},
-           {.name = "more shadows",
-            .inputs = with_surfaces({"first_shadow3", "first_shadow4", "first_shadow5", "first_shadow6",
-                                     "first_shadow7", "shadow3", "shadow4", "shadow5", "shadow6", "shadow7"}),
-            .outputs = {"shadow3", "shadow4", "shadow5", "shadow6", "shadow7"},
-            .kernel = resample_more_shadows_kernel(),
-            .needed = borrows_more_shadows,
-            .reach = resample_reach}}});
+           shadow_dispatch<0>("shadow", "first_shadow", resample_shadow0_kernel()),
+           shadow_dispatch<1>("shadow1", "first_shadow1", resample_shadow1_kernel()),
+           shadow_dispatch<2>("shadow2", "first_shadow2", resample_shadow2_kernel()),
+           shadow_dispatch<3>("shadow3", "first_shadow3", resample_shadow3_kernel()),
+           shadow_dispatch<4>("shadow4", "first_shadow4", resample_shadow4_kernel()),
+           shadow_dispatch<5>("shadow5", "first_shadow5", resample_shadow5_kernel()),
+           shadow_dispatch<6>("shadow6", "first_shadow6", resample_shadow6_kernel()),
+           shadow_dispatch<7>("shadow7", "first_shadow7", resample_shadow7_kernel())}});
 }
 
 }  // namespace umbrage

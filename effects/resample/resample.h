@@ -22,7 +22,7 @@ const int kResampleMark = 0, kResampleBorrow = 1;
 const int kResampleNothing = 0, kResampleAo = 1, kResampleLight = 2;
 
 struct ResampleConstants {
-  int hard_shadows, soft_shadows;                // as in ResampleParams
+  int hard_shadows;                              // as in ResampleParams
   float distance, albedo, shadow, right, below;  // as in ResampleParams
   float turn;                                    // 1 / (1 - cosine of the angle)
   float crease;                                  // 1 - cosine of the crease angle
