@@ -1,4 +1,6 @@
 // Tests line tracing on small pictures with known edges.
+#include <algorithm>
+
 #include "chains/trace.h"
 
 #include "core/check.h"

@@ -9,7 +9,10 @@ set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
+# The packages of each release have their own dependencies: 1~deb12, 1~deb13.
+file(STRINGS /etc/os-release version REGEX "^VERSION_ID=")
+string(REGEX MATCH "[0-9]+" version "${version}")
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1~deb${version})
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
@@ -35,7 +38,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     "libumbrage${UMBRAGE_ABI} (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 # Static linking and umbrage/vulkan.h need these.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS
-    "libdeflate-dev, libembree-dev, libfmt-dev, libhwy-dev, libjpeg62-turbo-dev, libopenexr-dev, libpng-dev, libtbb-dev, libtiff-dev, libvulkan-dev, libwebp-dev, libzip-dev, zlib1g-dev")
+    "libdeflate-dev, libembree-dev, libfmt-dev, libhwy-dev, libjpeg-dev, libopenexr-dev, libpng-dev, libtbb-dev, libtiff-dev, libvulkan-dev, libwebp-dev, libzip-dev, zlib1g-dev")
 
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-umbrage)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)

@@ -1,6 +1,8 @@
 // Depth without a unit, damaged or unusual: small copies of the cases that people report.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "gbuffers/test_scene.h"
 
 namespace umbrage {

@@ -1,6 +1,7 @@
 // A scene for tests, ray-cast in double: a sphere and a box on a floor before a wall, with known depth and normals; and
 // files in the conventions of renderers, in memory.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <glm/geometric.hpp>

@@ -1,6 +1,7 @@
 // scene:claw - an armoured creature that reaches for the viewer: a claw far in front of the body, an open mouth,
 // overlapping plates, spines against the sky. It replaces figures 4 and 5 of the unsharp masking paper, where a claw's
 // edge is in front of the far plane and of a distant body; the creature is our own. It faces +z.
+#include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
 

@@ -1,5 +1,6 @@
 // scene:pink - a round pink sprite with coral frills and large red feet on a disc of meadow: smooth blends, soft
 // contacts and clear silhouettes. It replaces the figures of the toon shading paper; the character is our own.
+#include <algorithm>
 #include <array>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>

@@ -3,6 +3,7 @@
 // samples.
 #include "generators/sdf_mesh.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <glm/common.hpp>

@@ -1,6 +1,7 @@
 // scene:tank - a siege tank on a round pad, with its two rear legs lowered: hard surfaces with rounded edges, deep gaps
 // and many small parts that touch. It replaces figures 1 and 6 of the unsharp masking paper, which show such a tank
 // from behind; the design is our own. The tank faces +z, x is to its left.
+#include <algorithm>
 #include <array>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>

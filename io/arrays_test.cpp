@@ -3,6 +3,7 @@
 
 #include <Imath/half.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "file_folder.h"

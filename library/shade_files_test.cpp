@@ -1,6 +1,7 @@
 // Files shaded by the library: bitwise the picture of the program, with facts, warnings and the camera.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 

@@ -1,4 +1,5 @@
 // Writing of images and strokes to files.
+#include <algorithm>
 #include <bit>
 
 #include "core/srgb.h"

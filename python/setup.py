@@ -1,18 +1,16 @@
-"""Builds the wheel: scripts/wheel puts the library into the package first."""
+"""Builds the wheel: scripts/wheel puts the libraries into the package first."""
 import os
 import re
 
 from setuptools import Distribution, setup
 from wheel.bdist_wheel import bdist_wheel
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-
 
 class Wheel(bdist_wheel):  # type: ignore[misc]
     """A wheel for any Python 3 on one platform: it contains the library but no compiled Python module."""
 
     def get_tag(self):  # type: ignore[no-untyped-def]
-        return ("py3", "none", super().get_tag()[2])
+        return ("py3", "none", os.environ["UMBRAGE_PLATFORM"])
 
 
 class Binary(Distribution):  # type: ignore[misc]
@@ -26,22 +24,15 @@ def version() -> str:
         return ".".join(re.findall(r"define UMB_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)", header.read()))
 
 
-def needs() -> str:
-    """Returns the names of the required system packages, which scripts/wheel has found."""
-    with open(os.path.join(HERE, "umbrage", "NEEDS")) as names:
-        return names.read().strip()
-
-
 setup(
     name="umbrage",
     version=version(),
     description="Screen-space shading for 3D models and G-buffers",
-    long_description=f"Requires NumPy and these Debian 12 packages: {needs()}.",
     license="MIT",
     python_requires=">=3.8",
     install_requires=["numpy>=1.17"],
     packages=["umbrage"],
-    package_data={"umbrage": ["py.typed", "NEEDS", "libumbrage.so.1", "umbrage-import"]},
+    package_data={"umbrage": ["py.typed", "*.so.*", "umbrage-import", "licences/*"]},
     zip_safe=False,
     distclass=Binary,
     cmdclass={"bdist_wheel": Wheel},

@@ -1,10 +1,9 @@
 // Creation of Embree devices, limited to the instruction set in use.
 #pragma once
-#include <embree3/rtcore.h>
-
 #include <string_view>
 
 #include "core/result.h"
+#include "rays/embree.h"
 #include "scene/scene.h"
 
 namespace umbrage {

@@ -7,13 +7,6 @@ namespace {
 
 constexpr float kIdleNear = 1.0f, kIdleFar = 0.0f;
 
-RayContext make_context(Coherence coherence, float min_opacity) {
-  RayContext context = ray_context(min_opacity);
-  context.embree.flags =
-      coherence == Coherence::kCoherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  return context;
-}
-
 }  // namespace
 
 RayPacket::RayPacket() : rays_{} {
@@ -33,14 +26,14 @@ bool RayPacket::any() const {
 
 void RayPacket::find_hits(const TracedScene& traced, Coherence coherence, float min_opacity) {
   if (!any()) return;
-  RayContext context = make_context(coherence, min_opacity);
-  rtcIntersect16(valid_.data(), traced.rtc, &context.embree, &rays_);
+  RayContext context(coherence, min_opacity);
+  intersect(valid_.data(), traced.rtc, traced.width, context, rays_);
 }
 
 void RayPacket::find_blocked(const TracedScene& traced, Coherence coherence, float min_opacity) {
   if (!any()) return;
-  RayContext context = make_context(coherence, min_opacity);
-  rtcOccluded16(valid_.data(), traced.rtc, &context.embree, &rays_.ray);
+  RayContext context(coherence, min_opacity);
+  occluded(valid_.data(), traced.rtc, traced.width, context, rays_.ray);
 }
 
 }  // namespace umbrage

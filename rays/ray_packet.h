@@ -1,17 +1,12 @@
 // Ray packets: up to 16 rays that Embree traces together. All code that traces more than one ray uses them. The size is
-// always 16: if Embree's kernels are 8 or 4 wide, Embree splits packets itself and is as fast.
+// always 16: where Embree's kernels are 8 or 4 wide, packets are split (rays/embree.h), which is as fast.
 #pragma once
-#include <embree3/rtcore.h>
-
 #include <array>
 #include <glm/vec3.hpp>
 
 #include "rays/traced_scene.h"
 
 namespace umbrage {
-
-/// Whether the rays of a packet have similar paths, such as those of neighbouring pixels from one camera.
-enum class Coherence { kCoherent, kIncoherent };
 
 /// Rays in unit space, one for each lane that has been set; the other lanes are idle. All lanes always contain valid
 /// numbers, since Embree reads idle lanes, too: where it has no kernels for 16 rays, its stream filter ignores the mask

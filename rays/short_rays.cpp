@@ -3,16 +3,6 @@
 #include <algorithm>
 
 namespace umbrage {
-namespace {
-
-RayContext incoherent_context() {
-  RayContext context = ray_context();
-  context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  return context;
-}
-
-}  // namespace
-
 // Lanes beyond the last ray repeat old numbers, or 0, and are idle: Embree reads them too (see RayPacket).
 template <class Rays>
 void ShortRays::load(int first, float length, Rays& rays, std::array<int, kWidth>& valid) const {
@@ -38,24 +28,24 @@ void ShortRays::load(int first, float length, Rays& rays, std::array<int, kWidth
 }
 
 void ShortRays::find_blocked(const TracedScene& traced, float length) {
-  RayContext context = incoherent_context();
+  RayContext context(Coherence::kIncoherent, kOpaque);
   for (int first = 0; first < size_; first += kWidth) {
     alignas(32) RTCRay8 rays;
     alignas(32) std::array<int, kWidth> valid;
     load(first, length, rays, valid);
-    rtcOccluded8(valid.data(), traced.rtc, &context.embree, &rays);
+    occluded(valid.data(), traced.rtc, traced.width, context, rays);
     std::copy_n(rays.tfar, kWidth, distances_.data() + first);
   }
 }
 
 void ShortRays::find_distances(const TracedScene& traced, float length) {
-  RayContext context = incoherent_context();
+  RayContext context(Coherence::kIncoherent, kOpaque);
   for (int first = 0; first < size_; first += kWidth) {
     alignas(32) RTCRayHit8 rays{};
     alignas(32) std::array<int, kWidth> valid;
     load(first, length, rays.ray, valid);
     std::fill_n(rays.hit.geomID, kWidth, RTC_INVALID_GEOMETRY_ID);
-    rtcIntersect8(valid.data(), traced.rtc, &context.embree, &rays);
+    intersect(valid.data(), traced.rtc, traced.width, context, rays);
     std::copy_n(rays.ray.tfar, kWidth, distances_.data() + first);
   }
 }

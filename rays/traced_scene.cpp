@@ -74,12 +74,6 @@ float opacity_at(const TracedScene& traced, const Mesh& mesh, unsigned triangle,
   return material.blended ? material.opacity * alpha_at(traced, mesh, triangle, u, v) : 1.0f;
 }
 
-RayContext ray_context(float min_opacity) {
-  RayContext context{.embree = {}, .min_opacity = min_opacity};
-  rtcInitIntersectContext(&context.embree);
-  return context;
-}
-
 Surface surface_at(const TracedScene& traced, unsigned mesh_index, unsigned triangle, float u, float v,
                    glm::vec3 origin, glm::vec3 direction, glm::vec3 ng, float t) {
   const Mesh& mesh = traced.scene->meshes[mesh_index];
@@ -197,6 +191,7 @@ Result<TracedScenePtr> build_traced_scene(const Scene& scene, const ProgressMoni
   const auto device = new_embree_device();
   if (!device) return device.error();
   traced->device = *device;
+  traced->width = packet_width(traced->device);
   traced->rtc = rtcNewScene(traced->device);
   rtcSetSceneFlags(traced->rtc, RTC_SCENE_FLAG_ROBUST);
   traced->center = scene.center();
@@ -247,7 +242,7 @@ Result<TracedScenePtr> build_traced_scene(const Scene& scene, const ProgressMoni
 
 bool first_hit(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction, RTCRayHit& hit, float min_opacity) {
   if (!within_ray_limit(origin) || !within_ray_limit(direction)) return false;
-  RayContext context = ray_context(min_opacity);
+  RayContext context(Coherence::kIncoherent, min_opacity);
   hit = {};
   hit.ray.org_x = origin.x;
   hit.ray.org_y = origin.y;
@@ -258,7 +253,7 @@ bool first_hit(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction,
   hit.ray.tfar = std::numeric_limits<float>::infinity();
   hit.ray.mask = ~0u;
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(traced.rtc, &context.embree, &hit);
+  intersect(traced.rtc, context, hit);
   return hit.hit.geomID != RTC_INVALID_GEOMETRY_ID;
 }
 

@@ -1,8 +1,6 @@
 // A scene prepared for ray tracing: Embree's hierarchy, filtered textures, and the surface at a ray's hit. Used by
 // captures on the CPU and by the ground-truth path tracer.
 #pragma once
-#include <embree3/rtcore.h>
-
 #include <cmath>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -11,6 +9,7 @@
 
 #include "core/progress.h"
 #include "core/result.h"
+#include "rays/embree.h"
 #include "rays/mip_texture.h"
 #include "scene/scene.h"
 
@@ -23,6 +22,7 @@ struct TracedScene {
   const Scene* scene = nullptr;
   RTCDevice device = nullptr;
   RTCScene rtc = nullptr;
+  int width = 16;  ///< packet_width of the device
   std::vector<MipTexture> textures;
   glm::vec3 center{0.0f};
   float scale = 1.0f;  ///< units of unit space per scene unit
@@ -81,13 +81,6 @@ glm::vec2 uv_at(const Mesh& mesh, unsigned triangle, float u, float v);
 
 /// Returns the opacity of a surface: that of its material times the texture's alpha; 1 if it is not blended.
 float opacity_at(const TracedScene& traced, const Mesh& mesh, unsigned triangle, float u, float v);
-
-/// The context of a query: its rays pass through blended surfaces with less than `min_opacity`.
-struct RayContext {
-  RTCIntersectContext embree;  ///< first member: Embree returns its address to filter functions
-  float min_opacity;
-};
-RayContext ray_context(float min_opacity = kOpaque);
 
 /// Returns whether a ray, in unit space, hits a surface with at least this opacity, and sets `hit`. A ray beyond
 /// kRayLimit hits nothing.

@@ -2,6 +2,7 @@
 // strips, which must be bitwise equal to whole pictures.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>

@@ -1,6 +1,8 @@
 // Only requested passes are captured and computed.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "devices/cpu/cpu_device.h"
 #include "renderer/draw.h"
 #include "renderer/models.h"

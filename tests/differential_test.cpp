@@ -2,6 +2,7 @@
 // its tuned kernels, and with its kernels on a Vulkan device.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>

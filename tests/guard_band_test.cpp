@@ -1,6 +1,7 @@
 // Tests of the guard band. Pixels drawn beyond the border change the picture only through effects that read them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 

@@ -1,6 +1,7 @@
 // Tests that the registry and its parameter tables are complete and consistent, and of the parsing of values.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <set>
 

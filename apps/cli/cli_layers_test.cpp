@@ -1,6 +1,8 @@
 // Tests of the program with depth layers, a guard band and the reference technique.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "cli_support.h"
 #include "looks/looks.h"
 

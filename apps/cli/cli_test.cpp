@@ -1,6 +1,7 @@
 // Tests of the program: the files it writes, its output and its lists.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "cli_support.h"

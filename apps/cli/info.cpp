@@ -1,5 +1,6 @@
 // umbrage info: prints the content of a model or an image file and how it was interpreted.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include <cmath>

@@ -1,4 +1,5 @@
 // Tests of the program in its environment: standard input and output, info, completion, warnings.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "run_program.h"

@@ -1,5 +1,6 @@
 // umbrage render: draws a model to a picture, a turntable or a video.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <mutex>

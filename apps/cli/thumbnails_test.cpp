@@ -1,4 +1,6 @@
 // Tests of thumbnails: pictures of many models, and the files by which file managers find the command.
+#include <algorithm>
+
 #include "run_program.h"
 #include "scene/readers/import.h"
 

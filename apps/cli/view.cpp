@@ -1,6 +1,7 @@
 // umbrage view: shows models or a G-buffer on a page in a browser.
 #include <unistd.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <ctime>

@@ -1,6 +1,7 @@
 // umbrage figures: reproduces the figures and tables of the papers and checks numbers measured from them.
 #include "apps/lab/commands.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 

@@ -1,4 +1,6 @@
 // Captured depth layers.
+#include <algorithm>
+
 #include "capture_support.h"
 
 namespace umbrage {

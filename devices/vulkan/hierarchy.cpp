@@ -1,7 +1,5 @@
 #include "devices/vulkan/hierarchy.h"
 
-#include <embree3/rtcore.h>
-
 #include <bit>
 #include <exception>
 #include <glm/common.hpp>

@@ -1,4 +1,5 @@
 // Tests of a caller's Vulkan device and images, and of successive frames.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>

@@ -1,6 +1,7 @@
 // Tests `composite` against its formulas in double, and tests properties of its modes.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>

@@ -1,6 +1,7 @@
 // Tests `gaussian` against its 3x3 stencil in double, and tests its behaviour at edges.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 

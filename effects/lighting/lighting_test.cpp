@@ -1,6 +1,7 @@
 // Compares `lighting` with Lambert and Blinn-Phong shading [Blinn 1977] in double, and with known results.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>

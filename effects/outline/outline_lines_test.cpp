@@ -1,4 +1,5 @@
 // Tests the lines that `outline` traces, on scenes with known edges.
+#include <algorithm>
 #include <chrono>
 #include <map>
 #include <random>

@@ -1,4 +1,6 @@
 // Tests `outline` in both modes, and compares mode `paper` with a literal port of listing 3 of [Lajzer and Nottingham].
+#include <algorithm>
+
 #include "effects/outline/outline_test_scenes.h"
 
 namespace umbrage {

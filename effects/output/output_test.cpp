@@ -1,6 +1,7 @@
 // Compares `output` with the sRGB curve of [IEC 61966-2-1] in double, and tests the background.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/vec3.hpp>
 #include <limits>

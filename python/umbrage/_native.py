@@ -182,10 +182,6 @@ def _opened() -> ctypes.CDLL:
         library = ctypes.CDLL(where)
     except OSError as error:
         advice = "Install libumbrage1, or set UMBRAGE_LIBRARY to the path of the library"
-        needs = os.path.join(os.path.dirname(beside), "NEEDS")  # exists in a wheel
-        if where == beside and os.path.exists(needs):
-            with open(needs) as names:
-                advice = f"It needs these Debian 12 packages: {names.read().strip()}"
         raise ImportError(f"the library of Umbrage cannot be loaded: {error}. {advice}") from error
     try:
         version = int(library.umbGetVersion())

@@ -172,10 +172,11 @@ case $name in
     cpack --config "$BUILD/CPackConfig.cmake" -B "$place/debian" >"$place/debian.log" 2>&1 ||
       { cat "$place/debian.log"; fail "cpack failed"; }
     cd "$place/debian"
+    release=$VERSION-1~deb$(. /etc/os-release && echo "${VERSION_ID%%.*}")
     for package in umbrage umbrage-lab "libumbrage$ABI" libumbrage-dev; do
       file=$(echo "${package}"_*.deb)
       [ -s "$file" ] || fail "there is no package $package"
-      [ "$(dpkg-deb -f "$file" Version)" = "$VERSION-1" ] || fail "$file has another version"
+      [ "$(dpkg-deb -f "$file" Version)" = "$release" ] || fail "$file has another version"
       dpkg-deb -c "$file" | awk '{ print $6 }' >"$package.list"
       grep -qx "./usr/share/doc/$package/copyright" "$package.list" || fail "$file has no licence"
       if grep -v -e '/$' -e '^\./usr/' "$package.list"; then fail "$file has files outside /usr"; fi
@@ -189,10 +190,10 @@ case $name in
     for file in umbrage.h libumbrage.so libumbrage.a umbrage.pc umbrage-config.cmake; do
       grep -q "/$file\$" libumbrage-dev.list || fail "libumbrage-dev lacks $file"
     done
-    dpkg-deb -f umbrage_*.deb Depends | grep libembree3 || fail "the program does not depend on what it is linked with"
+    dpkg-deb -f umbrage_*.deb Depends | grep "libembree[34]" || fail "the program does not depend on what it is linked with"
     grep -qx ./usr/libexec/umbrage/umbrage-lab umbrage-lab.list || fail "the package of the laboratory lacks its program"
-    dpkg-deb -f umbrage-lab_*.deb Depends | grep -F "umbrage (= $VERSION-1)" || fail "the laboratory lacks its dependency"
-    dpkg-deb -f libumbrage-dev_*.deb Depends | grep -F "libumbrage$ABI (= $VERSION-1)" || fail "wrong dependency"
+    dpkg-deb -f umbrage-lab_*.deb Depends | grep -F "umbrage (= $release)" || fail "the laboratory lacks its dependency"
+    dpkg-deb -f libumbrage-dev_*.deb Depends | grep -F "libumbrage$ABI (= $release)" || fail "wrong dependency"
     dpkg-deb -x umbrage_*.deb unpacked
     unpacked/usr/bin/umbrage 'scene:solids?detail=3000' --resolution 64x48 -o "$place/unpacked.png"
     # Without umbrage-lab a message names it; an installed one would be found.
