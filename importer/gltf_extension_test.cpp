@@ -199,7 +199,7 @@ TEST_F(GltfTest, ReadsGlass) {
   b.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = {0.5, 1, 1, 1};
   b.json["materials"][0]["extensions"]["KHR_materials_volume"] = {
       {"thicknessFactor", 2}, {"attenuationDistance", 1}, {"attenuationColor", {1, 0.5, 1}}};
-  const Material& pane = read(b).materials.at(0);
+  const Material pane = read(b).materials.at(0);
   EXPECT_TRUE(pane.blended);
   EXPECT_FLOAT_EQ(pane.opacity, 0.1f) << "a pane stays visible";
   EXPECT_EQ(pane.tint, glm::vec3(0.5f, 0.25f, 1.0f));
