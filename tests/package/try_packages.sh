@@ -45,7 +45,7 @@ nbclient.NotebookClient(nbformat.read("gallery.ipynb", 4), kernel_name="python3"
 ls -l ./*.png
 echo "package: removing all packages"
 apt-get purge -qy umbrage umbrage-lab "libumbrage*" python3-umbrage >/dev/null
-if find / -xdev -path /proc -prune -o -path $work -prune -o -path /umbrage -prune -o -name "*umbrage*" -print | grep .; then
+if find / -xdev -path /proc -prune -o -path $work -prune -o -path /checkout -prune -o -name "*umbrage*" -print | grep .; then
   echo "package: these files remain after removal" >&2
   exit 1
 fi
