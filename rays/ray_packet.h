@@ -1,5 +1,5 @@
 // Ray packets: up to 16 rays that Embree traces together. All code that traces more than one ray uses them. The size is
-// always 16: where Embree's kernels are 8 or 4 wide, packets are split (rays/embree.h), which is as fast.
+// always 16; Embree gets 8 or 4 rays at a time (rays/embree.h), which is faster.
 #pragma once
 #include <array>
 #include <glm/vec3.hpp>

@@ -253,7 +253,7 @@ bool first_hit(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction,
   hit.ray.tfar = std::numeric_limits<float>::infinity();
   hit.ray.mask = ~0u;
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  intersect(traced.rtc, context, hit);
+  trace(traced.rtc, hit, context);
   return hit.hit.geomID != RTC_INVALID_GEOMETRY_ID;
 }
 

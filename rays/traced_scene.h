@@ -22,7 +22,7 @@ struct TracedScene {
   const Scene* scene = nullptr;
   RTCDevice device = nullptr;
   RTCScene rtc = nullptr;
-  int width = 16;  ///< packet_width of the device
+  int width = 8;  ///< packet_width of the device
   std::vector<MipTexture> textures;
   glm::vec3 center{0.0f};
   float scale = 1.0f;  ///< units of unit space per scene unit
