@@ -3,8 +3,10 @@
 #pragma once
 #if UMBRAGE_EMBREE >= 4
 #include <embree4/rtcore.h>
-#else
+#elif UMBRAGE_EMBREE == 3
 #include <embree3/rtcore.h>
+#else
+#error "UMBRAGE_EMBREE is 3 or 4"
 #endif
 
 #include <algorithm>

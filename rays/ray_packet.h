@@ -1,4 +1,4 @@
-// Ray packets: up to 16 rays that Embree traces together. All code that traces more than one ray uses them. The size is
+// Ray packets: up to 16 rays that are traced together. All code that traces more than one ray uses them. The size is
 // always 16; Embree gets 8 or 4 rays at a time (rays/embree.h), which is faster.
 #pragma once
 #include <array>
@@ -9,7 +9,7 @@
 namespace umbrage {
 
 /// Rays in unit space, one for each lane that has been set; the other lanes are idle. All lanes always contain valid
-/// numbers, since Embree reads idle lanes, too: where it has no kernels for 16 rays, its stream filter ignores the mask
+/// numbers, since Embree reads idle lanes, too: where it has no kernels for a packet, its stream filter ignores the mask
 /// and treats a lane as idle only if tnear > tfar (RenderKit/embree issues 301 and 520).
 class alignas(64) RayPacket {
  public:

@@ -1,11 +1,9 @@
 // umbrage render: draws a model to a picture, a turntable or a video.
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <mutex>
 #include <numeric>
-#include <span>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/frame_names.h"

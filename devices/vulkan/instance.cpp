@@ -14,8 +14,8 @@ constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 VKAPI_ATTR VkBool32 VKAPI_CALL forward_message(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
                                                const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
   // Newer layers name the rule only in pMessageIdName.
-  const std::string rule = data->pMessageIdName ? data->pMessageIdName : "";
-  (*static_cast<const ValidationMessage*>(user))(rule + ": " + (data->pMessage ? data->pMessage : ""));
+  const std::string rule = data->pMessageIdName ? std::string(data->pMessageIdName) + ": " : "";
+  (*static_cast<const ValidationMessage*>(user))(rule + (data->pMessage ? data->pMessage : ""));
   return VK_FALSE;
 }
 

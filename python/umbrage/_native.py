@@ -181,7 +181,7 @@ def _opened() -> ctypes.CDLL:
     try:
         library = ctypes.CDLL(where)
     except OSError as error:
-        advice = "Install libumbrage1, or set UMBRAGE_LIBRARY to the path of the library"
+        advice = "Install the library (libumbrage1), or set UMBRAGE_LIBRARY to its path"
         raise ImportError(f"the library of Umbrage cannot be loaded: {error}. {advice}") from error
     try:
         version = int(library.umbGetVersion())

@@ -172,7 +172,7 @@ case $name in
     cpack --config "$BUILD/CPackConfig.cmake" -B "$place/debian" >"$place/debian.log" 2>&1 ||
       { cat "$place/debian.log"; fail "cpack failed"; }
     cd "$place/debian"
-    release=$VERSION-1~deb$(. /etc/os-release && echo "${VERSION_ID%%.*}")
+    release=$VERSION-1$(. /etc/os-release && [ "$ID" != debian ] || echo "${VERSION_ID:+~deb$VERSION_ID}")
     for package in umbrage umbrage-lab "libumbrage$ABI" libumbrage-dev; do
       file=$(echo "${package}"_*.deb)
       [ -s "$file" ] || fail "there is no package $package"

@@ -6,16 +6,20 @@ useradd -m someone 2>/dev/null || true
 chown -R someone .
 as_user() { setpriv --reuid=someone --regid=someone --clear-groups env HOME=/home/someone "$@"; }
 as_user "$place/bin/umbrage" --version
-for look in studio ao unsharp cartoon; do
-  as_user "$place/bin/umbrage" bunny.obj --device cpu --isa sse4 --look $look --resolution 320x240 -o $look.png
+for isa in sse4 avx2; do
+  for look in studio ao unsharp cartoon; do
+    as_user "$place/bin/umbrage" bunny.obj --device cpu --isa $isa --look $look --resolution 320x240 -o $look-$isa.png
+  done
 done
-as_user "$place/bin/umbrage" bench bunny.obj --effect unsharp --resolution 64 --runs 1 --device cpu
+as_user "$place/bin/umbrage" bench bunny.obj --effect unsharp --resolution 64 --runs 1 --device cpu >/dev/null
 as_user "$place/bin/umbrage" list devices
 sha256sum ./*.png
 # Moved while it runs: a picture that was begun is finished.
-as_user "$place/bin/umbrage" bunny.obj --device cpu --quality high --resolution 1600x1200 -o moved.png &
+as_user "$place/bin/umbrage" bunny.obj --device cpu --quality ultra --resolution 1600x1200 -o moved.png &
+until grep -qx umbrage /proc/$!/comm; do sleep 0.05; done
 sleep 0.3
 mv "$place" ./moved
+kill -0 $! # it still draws
 wait $!
 [ -s moved.png ]
 as_user moved/bin/umbrage bunny.obj --device cpu -o again.png

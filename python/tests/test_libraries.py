@@ -16,7 +16,9 @@ def library(name: str) -> Any:
     """Returns a module. Skips the test if it is not installed."""
     try:
         return importlib.import_module(name)
-    except ImportError as error:
+    except ModuleNotFoundError as error:
+        if error.name != name.split(".")[0]:
+            raise
         raise unittest.SkipTest(f"{name} is not installed") from error
 
 
@@ -24,7 +26,7 @@ def rgba(*colors: Any) -> np.ndarray:
     return np.array([(*color, 255) for color in colors], np.uint8)
 
 
-class Neighbours(unittest.TestCase):
+class Libraries(unittest.TestCase):
     def check(self, thing: Any, *expected: Any) -> None:
         np.testing.assert_allclose(albedo_of(thing), expected, atol=0.01)
 
@@ -35,7 +37,7 @@ class Neighbours(unittest.TestCase):
         return albedo_of((CORNERS, TRIANGLES))
 
 
-class RealTrimesh(Neighbours):
+class RealTrimesh(Libraries):
     def setUp(self) -> None:
         self.trimesh = library("trimesh")
 
@@ -71,7 +73,7 @@ class RealTrimesh(Neighbours):
         self.assertLess(np.abs(own.astype(int) - theirs.astype(int)).mean(), 2.0)
 
 
-class RealOpen3d(Neighbours):
+class RealOpen3d(Libraries):
     def setUp(self) -> None:
         self.open3d = library("open3d")
 
@@ -102,7 +104,7 @@ class RealOpen3d(Neighbours):
             umbrage.Scene(o3d.geometry.LineSet(points, o3d.utility.Vector2iVector([(0, 1)])))
 
 
-class RealPyVista(Neighbours):
+class RealPyVista(Libraries):
     def setUp(self) -> None:
         self.pyvista = library("pyvista")
 
