@@ -16,8 +16,7 @@ as_user "$place/bin/umbrage" list devices
 sha256sum ./*.png
 # Moved while it runs: a picture that was begun is finished.
 as_user "$place/bin/umbrage" bunny.obj --device cpu --quality ultra --resolution 1600x1200 -o moved.png &
-until grep -qx umbrage /proc/$!/comm; do sleep 0.05; done
-sleep 0.3
+sleep 0.5
 mv "$place" ./moved
 kill -0 $! # it still draws
 wait $!
