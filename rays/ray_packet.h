@@ -9,8 +9,8 @@
 namespace umbrage {
 
 /// Rays in unit space, one for each lane that has been set; the other lanes are idle. All lanes always contain valid
-/// numbers, since Embree reads idle lanes, too: where it has no kernels for a packet, its stream filter ignores the mask
-/// and treats a lane as idle only if tnear > tfar (RenderKit/embree issues 301 and 520).
+/// numbers, since Embree reads idle lanes, too: where it has no kernels for a packet, its stream filter ignores the
+/// mask and treats a lane as idle only if tnear > tfar (RenderKit/embree issues 301 and 520).
 class alignas(64) RayPacket {
  public:
   RayPacket();
