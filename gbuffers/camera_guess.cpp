@@ -41,9 +41,7 @@ Result<KnownCamera> camera_of_options(const GBufferSettings& s, double aspect, i
   if (s.orthographic) {
     if (given > int(!s.window.empty()))
       return usage_error("an orthographic camera has no angle of view or focal length: give its `window`");
-    known.camera = symmetric_camera(1.0, aspect);
     known.camera.projection = Projection::kOrthographic;
-    known.source = "orthographic, by option, 2 scene units high by default";
   }
   if (!s.window.empty()) {
     known.camera.left = s.window[0];
@@ -151,7 +149,7 @@ Result<KnownCamera> known_camera(const GBufferSettings& settings, std::span<cons
   const Camera* header_camera = nullptr;
   for (const LayeredFile& header : headers)
     if (header.camera && !header_camera) header_camera = &*header.camera;
-  const bool by_option = known->has_window();
+  const bool by_option = known->has_window() || settings.orthographic;
   if (header_camera) {
     if (!by_option) {
       known->camera = *header_camera;
@@ -160,7 +158,7 @@ Result<KnownCamera> known_camera(const GBufferSettings& settings, std::span<cons
     known->camera.view_from_world = header_camera->view_from_world;
     known->has_view = true;
   }
-  if (position && !known->has_window()) {
+  if (position && !by_option && !known->has_window()) {
     set_window(known->camera, position->focal, position->center, width, height);
     known->camera.projection = position->orthographic ? Projection::kOrthographic : Projection::kPerspective;
     known->source = fmt::format("fitted to positions within {:.1g} pixels", std::max(position->median_px, 1e-4));
@@ -176,7 +174,7 @@ Result<KnownCamera> known_camera(const GBufferSettings& settings, std::span<cons
     known->camera.view_from_world[3] = glm::vec4(glm::vec3(-(rotation * eye)), 1.0f);
     known->has_view = true;
   }
-  if (known->has_window()) return known;
+  if (by_option || known->has_window()) return known;
   if (const auto angle = vray_angle(headers)) {
     const glm::mat4 view = known->camera.view_from_world;
     known->camera = symmetric_camera(std::tan(*angle * std::numbers::pi / 360.0) / aspect, aspect);

@@ -167,11 +167,12 @@ void decide_camera(Deciding& d, const KnownCamera& known) {
   std::string source = known.source;
   camera = known.camera;
   if (source.empty()) {
-    camera = d.guess.trial.camera;
-    if (!d.guess.fitted_fov)
-      camera =
-          symmetric_camera(std::tan(kAssumedAngle_deg * std::numbers::pi / 360.0), double(d.out.width) / d.out.height);
-    source = d.guess.fitted_fov ? "fitted to depth and normals" : "assumed; `fov_deg` sets another";
+    const bool is_orthographic = d.settings.orthographic;
+    camera =
+        d.guess.fitted_fov ? d.guess.trial.camera : assumed_camera(is_orthographic, double(d.out.width) / d.out.height);
+    source = d.guess.fitted_fov ? "fitted to depth and normals"
+             : is_orthographic  ? "assumed; `window` sets another"
+                                : "assumed; `fov_deg` sets another";
     if (d.guess.fitted_fov && d.normals.empty()) source = "fitted so that flat surfaces are flat";
     camera.view_from_world = view;
   }

@@ -273,6 +273,23 @@ TEST(Conventions, DepthBuffers) {
   expect_same(understand(reversed), scene(), 1e-4, 1e-3, true);
 }
 
+TEST(Conventions, NormalsTellTheWindowOfAnOrthographicCamera) {
+  for (const double height : {3.0, 7.0}) {
+    const TestScene made(40.0, height);
+    TestFile file(made);
+    file.add("ViewLayer.Depth.Z", 1e10f, depth_of);
+    file.add_vector("ViewLayer.Normal", normal_world);
+    for (const bool by_option : {false, true}) {
+      GBufferSettings settings;
+      settings.orthographic = by_option;
+      const Understood got = understand(file, settings);
+      expect_same(got, made);
+      EXPECT_EQ(got.conventions.camera.projection, Projection::kOrthographic) << got.text();
+      EXPECT_NEAR(2.0 * double(got.conventions.camera.top) / height, 1.0, 2e-3) << got.text();
+    }
+  }
+}
+
 TEST(Conventions, OnlySurfacesTellTheEncodingOfNormals) {
   TestScene objects;  // without the floor, so that most of the picture is background
   for (Hit& hit : objects.hits) hit.found = hit.found && hit.object != 0;

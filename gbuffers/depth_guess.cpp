@@ -172,18 +172,25 @@ std::vector<Candidate> candidates_for(const DepthEvidence& e, const DepthModel& 
   return list;
 }
 
-Camera assumed_camera(double aspect) {
-  return symmetric_camera(std::tan(kAssumedAngle_deg * std::numbers::pi / 360.0), aspect);
-}
-
-/// Tries a candidate: with the known camera, else with all fields of view where the samples can tell.
+/// Tries a candidate: with the known camera, else with all cameras where the samples can tell. An orthographic one
+/// must fit much better than any perspective, unless the options name it; flat surfaces do not tell its height.
 Trial try_candidate(const DepthEvidence& e, const Cells& cells, const DepthModel& model, bool& is_clear) {
   is_clear = false;
   if (e.camera) return try_depth(cells, model, *e.camera);
-  const bool depends = cells.have_normals || model.meaning == DepthMeaning::kDistance;
-  if (!depends) return try_depth(cells, model, assumed_camera(e.aspect));
-  const Trial trial = try_fields_of_view(cells, model, e.aspect, is_clear);
-  return is_clear ? trial : try_depth(cells, model, assumed_camera(e.aspect));
+  const bool by_option = e.settings.orthographic;
+  Trial best = try_depth(cells, model, assumed_camera(by_option, e.aspect));
+  const auto try_projection = [&](Projection projection) {
+    bool is_found = false;
+    const Trial trial = try_cameras(cells, model, e.aspect, projection, is_found);
+    if (!is_found || (is_clear && !is_much_better(cells, trial, best))) return;
+    best = trial;
+    is_clear = true;
+  };
+  if (!by_option && (cells.have_normals || model.meaning == DepthMeaning::kDistance))
+    try_projection(Projection::kPerspective);
+  if (cells.have_normals && (by_option || model.meaning == DepthMeaning::kPlanar))
+    try_projection(Projection::kOrthographic);
+  return best;
 }
 
 /// Improves the offset of a relative depth by the normals.
@@ -209,6 +216,12 @@ std::string reason_for(const DepthEvidence& e, bool is_prior) {
 }
 
 }  // namespace
+
+Camera assumed_camera(bool is_orthographic, double aspect) {
+  constexpr double kAngle_deg = 55.0;
+  return is_orthographic ? symmetric_camera(1.0, aspect, Projection::kOrthographic)
+                         : symmetric_camera(std::tan(kAngle_deg * std::numbers::pi / 360.0), aspect);
+}
 
 Result<DepthGuess> guess_depth(const DepthEvidence& e) {
   const bool by_option = e.settings.depth_kind != "auto";

@@ -25,15 +25,15 @@ struct DepthGuess {
   Trial trial;
   std::string meaning;       ///< for the facts: "planar"
   std::string reason;        ///< for the facts: "by its name"
-  bool fitted_fov = false;   ///< the camera of the trial was fitted
+  bool fitted_fov = false;   ///< the camera of the trial was fitted, else it is assumed
   bool is_relative = false;  ///< scale and offset are not known
 };
 
 /// Returns what the depths mean. Errors: kUsage for options that contradict each other.
 Result<DepthGuess> guess_depth(const DepthEvidence& evidence);
 
-/// Returns the angle that is assumed for cameras of which nothing is known, vertical, in degrees.
-inline constexpr double kAssumedAngle_deg = 55.0;
+/// Returns the camera that is assumed if nothing but the projection is known: 55 degrees or 2 scene units high.
+Camera assumed_camera(bool is_orthographic, double aspect);
 
 /// Sets how view depth follows from positions, and replaces the depths of the samples by it. Without a fit, positions
 /// are in the world of the file's camera if that puts them before it, else relative to the camera.

@@ -51,6 +51,22 @@ long bin_of(const glm::dvec3& n) {
   return (std::lround(n.x * kSteps) * kSide + std::lround(n.y * kSteps)) * kSide + std::lround(n.z * kSteps);
 }
 
+/// The logarithms of the min and max half height of a camera's window.
+using LogRange = std::pair<double, double>;
+
+LogRange angles() {
+  return {std::log(std::tan(4.0 * std::numbers::pi / 180.0)), std::log(std::tan(62.0 * std::numbers::pi / 180.0))};
+}
+
+/// The half heights that are tried for an orthographic camera, by the range of depths that it sees.
+LogRange heights(const Cells& cells, const DepthModel& model) {
+  constexpr double kMinHeight = 0.08, kMaxHeight = 2.5;  // half height over range of depth
+  std::vector<double> depths;
+  for (const Cell& cell : cells.cells) depths.push_back(view_depth(model, cell.stored[kCenter], 1.0));
+  const double range = depths.empty() ? 1.0 : quantile(depths, 0.98) - quantile(depths, 0.02);
+  return {std::log(kMinHeight * range), std::log(kMaxHeight * range)};
+}
+
 }  // namespace
 
 Cells Cells::some(std::size_t count) const {
@@ -117,8 +133,9 @@ Trial try_depth(const Cells& cells, const DepthModel& model, const Camera& camer
   return trial;
 }
 
-Camera symmetric_camera(double half_height, double aspect) {
+Camera symmetric_camera(double half_height, double aspect, Projection projection) {
   Camera camera;
+  camera.projection = projection;
   camera.top = float(half_height);
   camera.bottom = -camera.top;
   camera.right = float(half_height * aspect);
@@ -126,15 +143,14 @@ Camera symmetric_camera(double half_height, double aspect) {
   return camera;
 }
 
-Trial try_fields_of_view(const Cells& cells, const DepthModel& model, double aspect, bool& is_clear) {
+Trial try_cameras(const Cells& cells, const DepthModel& model, double aspect, Projection projection, bool& is_clear) {
   constexpr std::size_t kCoarse = 400;  // cells of the first trials
   constexpr int kSteps = 16, kRefinements = 14;
-  const double min_log = std::log(std::tan(4.0 * std::numbers::pi / 180.0)),
-               max_log = std::log(std::tan(62.0 * std::numbers::pi / 180.0));
+  const auto [min_log, max_log] = projection == Projection::kOrthographic ? heights(cells, model) : angles();
   const Cells few = cells.some(kCoarse);
   const auto cost = [&](const Trial& trial) { return cells.have_normals ? trial.normals.squares : trial.flatness; };
   const auto at = [&](const Cells& used, double log_height) {
-    return try_depth(used, model, symmetric_camera(std::exp(log_height), aspect));
+    return try_depth(used, model, symmetric_camera(std::exp(log_height), aspect, projection));
   };
   double best_log = min_log, best_cost = 1e300;
   const double step = (max_log - min_log) / (kSteps - 1);

@@ -50,12 +50,12 @@ RebuiltNormals rebuild_normals(const Cells& cells, const DepthModel& model, cons
 /// Tries one model with a camera.
 Trial try_depth(const Cells& cells, const DepthModel& model, const Camera& camera);
 
-/// Returns a symmetric perspective camera. `half_height`: tangent of half the vertical field of view.
-Camera symmetric_camera(double half_height, double aspect);
+/// Returns a symmetric camera. `half_height`: tangent of half the vertical field of view; scene units if orthographic.
+Camera symmetric_camera(double half_height, double aspect, Projection projection = Projection::kPerspective);
 
-/// Tries a model with cameras of all fields of view, and returns the best; `is_clear`: whether others are worse.
-/// `aspect`: width / height of the picture.
-Trial try_fields_of_view(const Cells& cells, const DepthModel& model, double aspect, bool& is_clear);
+/// Tries a model with cameras of all fields of view, or of all heights if orthographic, and returns the best;
+/// `is_clear`: whether others are worse. `aspect`: width / height of the picture.
+Trial try_cameras(const Cells& cells, const DepthModel& model, double aspect, Projection projection, bool& is_clear);
 
 /// Returns whether `other` explains the samples much better than `prior`.
 bool is_much_better(const Cells& cells, const Trial& other, const Trial& prior);

@@ -43,6 +43,8 @@ std::vector<double> angles_of(const DirectionPairs& pairs, const glm::dmat3& m) 
 
 // Pairs beyond this multiple of this quantile are outliers. A lower quantile would leave only one large plane.
 constexpr double kTrimmed = 1.5, kTrimmedQuantile = 0.75;
+/// Angles below this are rounding errors, which tell nothing, radians.
+constexpr double kRounding = 1e-4;
 
 }  // namespace
 
@@ -80,13 +82,13 @@ DirectionFit fit_directions(const DirectionPairs& pairs, bool may_mirror) {
           for (int i = 0; i < 3; ++i) sums[i] += sign * pairs.weights[k] * pairs.from[k][i] * pairs.to[k];
       matrix = sign * rotation_of(sums);
       const std::vector<double> angles = angles_of(pairs, matrix);
-      const double limit = kTrimmed * quantile(angles, kTrimmedQuantile);
+      const double limit = std::max(kRounding, kTrimmed * quantile(angles, kTrimmedQuantile));
       for (std::size_t k = 0; k < pairs.size(); ++k) used[k] = angles[k] <= limit;
     }
     const DirectionFit fit = rate_directions(pairs, matrix);
     // A mirrored match must be clearly better: with few different directions both fit.
     constexpr double kClearly = 0.7;
-    if (fit.score_deg < (sign < 0.0 ? kClearly : 1.0) * best.score_deg) best = fit;
+    if (sign > 0.0 || fit.score_deg < kClearly * best.score_deg - kRounding * 180.0 / std::numbers::pi) best = fit;
   }
   return best;
 }

@@ -29,11 +29,12 @@ struct Hit {
 struct TestScene {
   int width = 240, height = 160;
   double fov_deg = 40.0;
+  double window_height = 0.0;  ///< of the window of an orthographic camera; 0: perspective
   glm::dvec3 eye{4.0, -6.0, 3.0}, target{0.0, 0.0, 0.8};
   glm::dmat3 view_from_world{1.0};
   std::vector<Hit> hits;
 
-  explicit TestScene(double fov = 40.0) : fov_deg(fov) {
+  explicit TestScene(double fov = 40.0, double window = 0.0) : fov_deg(fov), window_height(window) {
     const glm::dvec3 forward = glm::normalize(target - eye), right = glm::normalize(glm::cross(forward, {0, 0, 1})),
                      up = glm::cross(right, forward);
     view_from_world = glm::transpose(glm::dmat3(right, up, -forward));
@@ -46,31 +47,36 @@ struct TestScene {
   Hit cast(int x, int y) const {
     const double u = top() * width / height * (2.0 * (x + 0.5) / width - 1.0),
                  v = top() * (1.0 - 2.0 * (y + 0.5) / height);
-    const glm::dvec3 ray = glm::transpose(view_from_world) * glm::dvec3(u, v, -1.0);
+    const bool orthographic = window_height > 0.0;
+    const glm::dvec3 offset_view =
+                         orthographic ? window_height / (2.0 * top()) * glm::dvec3(u, v, 0.0) : glm::dvec3(0.0),
+                     ray_view(orthographic ? 0.0 : u, orthographic ? 0.0 : v, -1.0);
+    const glm::dvec3 ray = glm::transpose(view_from_world) * ray_view,
+                     origin = eye + glm::transpose(view_from_world) * offset_view;
     Hit hit;
     hit.depth = 1e300;
     const auto offer = [&](double t, const glm::dvec3& normal, int object) {
       if (!(t > 0.0 && t < hit.depth)) return;
       hit.found = true;
       hit.depth = t;
-      hit.world = eye + t * ray;
+      hit.world = origin + t * ray;
       hit.normal_world = glm::dot(normal, ray) > 0.0 ? -normal : normal;
       hit.object = object;
     };
     // The sphere.
     const glm::dvec3 center(0.9, -0.4, 1.0);
-    const glm::dvec3 o = eye - center;
+    const glm::dvec3 o = origin - center;
     const double a = glm::dot(ray, ray), b = glm::dot(o, ray), c = glm::dot(o, o) - 1.0, root = b * b - a * c;
     if (root > 0.0) {
       const double t = (-b - std::sqrt(root)) / a;
-      offer(t, eye + t * ray - center, 1);
+      offer(t, origin + t * ray - center, 1);
     }
     // The box, turned about the vertical axis.
     const double turn = 0.5;
     const glm::dmat3 box(glm::dvec3(std::cos(turn), std::sin(turn), 0), glm::dvec3(-std::sin(turn), std::cos(turn), 0),
                          glm::dvec3(0, 0, 1));
     const glm::dvec3 low(-2.2, -0.6, 0.0), high(-0.8, 0.8, 1.6);
-    const glm::dvec3 from = glm::transpose(box) * eye, along = glm::transpose(box) * ray;
+    const glm::dvec3 from = glm::transpose(box) * origin, along = glm::transpose(box) * ray;
     for (int axis = 0; axis < 3; ++axis)
       for (const double side : {low[axis], high[axis]}) {
         const double t = (side - from[axis]) / along[axis];
@@ -81,13 +87,13 @@ struct TestScene {
         if (inside) offer(t, box[axis], 2);
       }
     // The floor, of limited size, so that there is background above it.
-    const double t = -eye.z / ray.z;
-    const glm::dvec3 p = eye + t * ray;
+    const double t = -origin.z / ray.z;
+    const glm::dvec3 p = origin + t * ray;
     if (std::abs(p.x) < 8.0 && std::abs(p.y) < 8.0) offer(t, {0, 0, 1}, 0);
     if (!hit.found) return hit;
     hit.normal_world = glm::normalize(hit.normal_world);
     hit.distance = hit.depth * glm::length(ray);
-    hit.view = hit.depth * glm::dvec3(u, v, -1.0);
+    hit.view = offset_view + hit.depth * ray_view;
     hit.normal_view = view_from_world * hit.normal_world;
     return hit;
   }
