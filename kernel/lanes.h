@@ -29,6 +29,8 @@ constexpr int kListLength = 16;
 
 struct Bool {
   hn::Mask<D> m;
+  HWY_INLINE Bool(hn::Mask<D> x) : m(x) {}
+  HWY_INLINE explicit Bool(bool x) : m(hn::FirstN(D(), x ? hn::Lanes(D()) : 0)) {}
 };
 struct Int {
   hn::Vec<DI> v;

@@ -190,7 +190,7 @@ FN void add_recorded_light(int found, int first, Vec3 position, Vec3 normal, Int
     }
     Vec3 to_emitter = emitter - receiver;
     Vec3 emitter_normal = none;
-    Bool shows_back = sends && !sends;
+    Bool shows_back = Bool(false);
     for (int i = first; i < end; ++i) {
       Bool in_layer = sends;
       if (end - first > 1) in_layer = in_layer && layer == Int(i);
@@ -340,7 +340,7 @@ FN void hemisphere_pixel(Int px, Int py) {
         }
       }
       Vec3 point = scaled_sum(v, length, position);
-      Bool counts = surface && !surface;
+      Bool counts = Bool(false);
       // Whether the first camera sees the sample point itself. If so, the point is unoccluded, whatever surface another
       // camera sees in front of it.
       Bool unoccluded = counts;
@@ -394,11 +394,11 @@ FN void hemisphere_pixel(Int px, Int py) {
       }
       weight_sum = weight_sum + select(counts, Real(C.points[5 * k + 4]), Real(0.0f));
     }
-    Bool is_occluded = surface && !surface;
+    Bool is_occluded = Bool(false);
     for (int slot = 0; slot < kept; ++slot) {
       int i = kept_layer[slot];
       int k = kept_sample[slot];
-      if (slot > 0 && k != kept_sample[slot - 1]) is_occluded = surface && !surface;
+      if (slot > 0 && k != kept_sample[slot - 1]) is_occluded = Bool(false);
       Real tap = kept_tap_depth(slot);
       Real point_depth = abs(kept_sample_depth(slot));
       Real x = kept_tap_x(slot);

@@ -152,7 +152,7 @@ glm::dvec3 world_position(const GBuffer& g, int x, int y) {
   return ray.from + ray.direction * double(g.layers[0].plane("depth").at(x, y));
 }
 
-const glm::dvec3 kRed(1.0, 0.0, 0.0), kNone(0.0);
+const glm::dvec3 kRed(1.0, 0.0, 0.0);
 
 /// Returns an unlit floor, and on it a bright red wall that faces +x.
 Rectangles floor_and_wall() {

@@ -77,7 +77,7 @@ FN Real turn_at(Int px, Int py, int i, int j) {
   Int place = i != 0 ? px : py;
   Int before = min(to_int(run_before), place);
   Int after = min(to_int(run_after), Int((i != 0 ? F.width : F.height) - 2) - place);
-  Bool silhouette_before = candidate && !candidate;
+  Bool silhouette_before = Bool(false);
   Bool silhouette_after = silhouette_before;
   if (some(candidate && (before < Int(reach) || after < Int(reach)))) {
     silhouette_before =

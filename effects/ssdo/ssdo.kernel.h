@@ -42,7 +42,7 @@ struct Found {
 
 // Tests a sample point. It is hidden if it is behind a surface for every camera whose picture contains it.
 FN Found found_at(Receiver from, Vec3 point, Bool surface) {
-  Bool never = surface && !surface;
+  Bool never = Bool(false);
   Real min_depth = -from.position.z * kMinDepth;
   Found found = Found(never, surface, Int(0), Real(0.0f), Real(0.0f), Real(1.0f));
   Bool found_any = never;
@@ -185,7 +185,7 @@ FN void ssdo_pixel(Int px, Int py) {
     Real length_noise = fract(noise.z + C.points[kSsdoPointValues * k + 4]);
     Real weight = Real(1.0f);
     if (C.cosine == 0) weight = dot(direction, normal) * 2.0f;
-    Bool counts = surface && !surface;
+    Bool counts = Bool(false);
     Bool hidden = counts;
     for (int j = 0; j < C.steps; ++j) {
       Real length = (length_noise + float(j)) * Real(C.one_over_steps);

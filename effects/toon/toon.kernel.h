@@ -58,7 +58,7 @@ FN Bool has_step(Real step, int i, int j) { return step_of(near_toon_intensity(i
 // Returns whether any of the next C.speck pixels in one direction has another tone step than `step`; false where
 // `enabled` is not set.
 FN Bool has_other_step(Bool enabled, Real step, int right, int down) {
-  Bool found = enabled && !enabled;
+  Bool found = Bool(false);
   for (int k = 1; k <= C.speck; ++k)
     if (some(enabled && !found)) found = found || (enabled && !has_step(step, k * right, k * down));
   return found;
@@ -68,7 +68,7 @@ FN Bool has_other_step(Bool enabled, Real step, int right, int down) {
 // C.speck away, has `step` again; false where `enabled` is not set.
 FN Bool has_narrow_other(Bool enabled, Real step, int right, int down) {
   Bool other = enabled && !has_step(step, right, down);
-  Bool found = enabled && !enabled;
+  Bool found = Bool(false);
   for (int k = 2; k <= C.speck; ++k)
     if (some(other && !found)) found = found || (other && has_step(step, k * right, k * down));
   return found;
@@ -83,7 +83,7 @@ FN Bool may_be_speck(Bool surface, Real intensity, Real antialiased) {
   if (some(within)) within = has_other_step(within, step, 0, 1);
   if (some(within)) within = has_other_step(within, step, 0, -1);
   Bool edge = surface && !within && !(antialiased == step);
-  Bool beside = surface && !surface;
+  Bool beside = Bool(false);
   if (some(edge)) {
     beside = has_narrow_other(edge, step, 1, 0) || has_narrow_other(edge, step, -1, 0) ||
              has_narrow_other(edge, step, 0, 1) || has_narrow_other(edge, step, 0, -1);
@@ -101,7 +101,7 @@ struct Ring {
 // C.speck x C.speck pixels that contain this pixel. If a speck fits into such a square, this finds a ring for each of
 // its pixels; so a speck is either removed entirely or not at all.
 FN_RARE Ring ring_around(Bool enabled, Int px, Int py, Vec3 position, Vec3 normal) {
-  Ring result = Ring(enabled && !enabled, Real(0.0f), Real(0.0f));
+  Ring result = Ring(Bool(false), Real(0.0f), Real(0.0f));
   int side = C.speck + 1;
   for (int at = 0; at < C.speck * C.speck; ++at) {
     Ring ring = Ring(enabled && !result.found, Real(1e30f), Real(-1e30f));
