@@ -206,10 +206,10 @@ void decide_normals(Deciding& d, const KnownCamera& known) {
   if (is_own || !choice.median_deg) return;
   d.fact(fmt::format("check: normals against normals rebuilt from depth: median {:.2g} deg", *choice.median_deg));
   if (*choice.median_deg > kMismatch_deg)
-    d.warn(
-        fmt::format("normals and depth do not fit, by {:.0f} deg in the median: `depth_kind`, `fov_deg`, `flip`, "
-                    "`normal_space` or `normal_encoding` may be needed",
-                    *choice.median_deg));
+    d.warn(fmt::format(
+        "normals and depth do not fit, by {:.0f} deg in the median: `depth_kind`, `fov_deg`, `orthographic`, "
+        "`flip`, `normal_space` or `normal_encoding` may be needed",
+        *choice.median_deg));
   // A rotation that was found tells where up is in the world.
   if (choice.is_world && !known.has_view && !d.guess.trial.model.orthographic)
     d.out.camera.view_from_world = glm::mat4(

@@ -198,7 +198,7 @@ struct FilesRequest {
   /// Other parameters of files, such as {"depth_scale", "0.001"}: see umbGetParameter for "shade". Values are written
   /// as on the command line.
   std::vector<std::pair<std::string, std::string>> parameters{};
-  std::optional<float> fov_deg{};  ///< vertical field of view; default: as the files say, else 55 degrees
+  std::optional<float> fov_deg{};  ///< vertical field of view; default: as the files say, else fitted, else 55
 
   bool empty() const {
     return file.empty() && depth_file.empty() && normal_file.empty() && albedo_file.empty() && beauty_file.empty() &&
