@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/absolute_length.h"
+#include "core/lists.h"
 
 namespace umbrage {
 
@@ -16,9 +17,15 @@ Dispatch sampling_dispatch(const Kernel& kernel) {
           .for_missing = true};
 }
 
+bool writes(const Effect& effect, const ParameterBytes& params, std::string_view plane) {
+  return std::any_of(effect.dispatches.begin(), effect.dispatches.end(), [&](const Dispatch& dispatch) {
+    return runs(dispatch, params) && contains(dispatch.outputs, plane);
+  });
+}
+
 bool runs_for_missing(const Effect& effect, const ParameterBytes& params) {
   return std::any_of(effect.dispatches.begin(), effect.dispatches.end(), [&](const Dispatch& dispatch) {
-    return dispatch.for_missing && (!dispatch.needed || dispatch.needed(params));
+    return dispatch.for_missing && runs(dispatch, params);
   });
 }
 

@@ -90,6 +90,12 @@ struct Dispatch {
   bool first_round_only = false;             ///< it runs in the first of the effect's rounds only
 };
 
+/// The value of the planes of a pass, such as "line" or "ao", where nothing has written them.
+struct NeutralValue {
+  std::string_view pass;
+  float value = 0.0f;
+};
+
 enum class EffectKind {
   kOcclusion,  ///< writes `ao`; every look accepts it as its `occlusion`
   kFilter,     ///< smooths the output of a technique, at the resolution of the technique
@@ -147,6 +153,9 @@ struct Effect {
   /// Returns the number of captured layers that it needs with these params, the first included; null: 1. A request can
   /// set another number.
   int (*layers)(const ParameterBytes& params) = nullptr;
+  /// Of planes that it makes, or that are made for it outside effects; those of a G-buffer and of all techniques are
+  /// known: see neutral_value in devices/shared/planes.h.
+  std::vector<NeutralValue> neutral;
   std::vector<Dispatch> dispatches;
   /// Returns the number of rounds, each of which runs all dispatches in order, for this picture; null: one.
   int (*rounds)(const ParameterBytes& params, const PictureInfo& info) = nullptr;
@@ -214,6 +223,14 @@ inline int own_pixel(const void*, int) { return 0; }
 /// Returns the dispatch of an occlusion technique that reads depth anywhere around each pixel, and the normal only at
 /// the pixel.
 Dispatch sampling_dispatch(const Kernel& kernel);
+
+/// Returns whether a dispatch runs with these params.
+inline bool runs(const Dispatch& dispatch, const ParameterBytes& params) {
+  return !dispatch.needed || dispatch.needed(params);
+}
+
+/// Returns whether an effect writes a plane with these params.
+bool writes(const Effect& effect, const ParameterBytes& params, std::string_view plane);
 
 /// Returns whether an effect can run on PixelSet::kMissing: one of its dispatches must be for missing pixels and be
 /// needed with these params.

@@ -21,7 +21,7 @@ const std::vector<std::string> kColor = {"color.r", "color.g", "color.b", "color
 std::vector<std::string> passes_of_effect(const Effect& effect, const ParameterBytes& params) {
   std::vector<std::string> planes;
   for (const Dispatch& dispatch : effect.dispatches) {
-    if (dispatch.needed && !dispatch.needed(params)) continue;
+    if (!runs(dispatch, params)) continue;
     for (const std::string_view input : dispatch.inputs) std::erase(planes, input);
     for (const std::string_view plane : dispatch.outputs)
       if (layer_of_plane(plane) == 0 && pass_of(plane) != "color") planes.emplace_back(plane);

@@ -47,10 +47,6 @@ std::vector<std::string_view> occlusion_names(std::span<const Effect* const> ext
 
 namespace {
 
-bool runs(const Dispatch& dispatch, const ParameterBytes& params) {
-  return !dispatch.needed || dispatch.needed(params);
-}
-
 /// Returns whether a pass of `reader` reads an output of `effect` on a layer beyond the first.
 bool reads_on_layers(const Effect& reader, const ParameterBytes& params, const Effect& effect) {
   for (const Dispatch& dispatch : reader.dispatches) {

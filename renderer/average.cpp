@@ -25,7 +25,7 @@ std::vector<std::string> line_planes(const Plan& plan) {
   const auto& output_inputs = find_effect("output")->dispatches[0].inputs;
   for_line_effects(plan, [&](const Effect& effect, const ParameterBytes& params) {
     for (const Dispatch& dispatch : effect.dispatches)
-      if (!dispatch.needed || dispatch.needed(params))
+      if (runs(dispatch, params))
         for (const std::string_view plane : dispatch.outputs)
           if (contains(output_inputs, plane) && !contains(names, plane)) names.emplace_back(plane);
   });

@@ -21,11 +21,7 @@ int occlusion_of(const Recipe& recipe) {
   for (const Effect* effect : steps_of(look_run(recipe))) {
     if (effect->name != recipe.occlusion) continue;
     borrowed = std::max(borrowed, kResampleAo);
-    const ParameterBytes& params = params_of(recipe.settings, effect->name);
-    for (const Dispatch& dispatch : effect->dispatches)
-      if (!dispatch.needed || dispatch.needed(params))
-        for (const std::string_view plane : dispatch.outputs)
-          if (plane == "indirect.r") borrowed = kResampleLight;
+    if (writes(*effect, params_of(recipe.settings, effect->name), "indirect.r")) borrowed = kResampleLight;
   }
   return borrowed;
 }

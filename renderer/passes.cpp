@@ -140,11 +140,11 @@ std::vector<std::string> passes_of(const Recipe& recipe) {
     const bool reduced = recipe.occlusion_downsampling > 1 &&
                          (effect->kind == EffectKind::kOcclusion || effect->kind == EffectKind::kFilter);
     for (const Dispatch& dispatch : effect->dispatches) {
-      const bool runs = !dispatch.needed || dispatch.needed(params_of(recipe.settings, effect->name));
+      const bool is_run = runs(dispatch, params_of(recipe.settings, effect->name));
       for (std::string_view plane : dispatch.outputs) {
         if (layer_of_plane(plane) > 0) continue;  // a captured layer, or one that does not exist
         const std::string group = pass_of(plane);
-        if (!runs && group != kBeauty && !(is_part(group) && has_parts)) continue;
+        if (!is_run && group != kBeauty && !(is_part(group) && has_parts)) continue;
         if (reduced && group != "ao" && group != "indirect") continue;
         if (!contains(names, group)) names.push_back(group);
       }
@@ -368,7 +368,7 @@ std::vector<std::string> planes_read_after(const Recipe& recipe, std::span<const
       ParameterBytes params = params_of(recipe.settings, name);
       if (name == "hatching") as<HatchingParams>(params).parts = kHatchingLines;
       for (const Dispatch& dispatch : effect->dispatches)
-        if (!dispatch.needed || dispatch.needed(params) || name == "outline")
+        if (runs(dispatch, params) || name == "outline")
           add(dispatch.inputs), add(dispatch.outputs);
     }
   return planes;

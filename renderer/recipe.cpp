@@ -51,11 +51,7 @@ std::optional<glm::vec3> clay_of(const Request& request) {
 bool computes_indirect_light(const Look& look, const EffectSettings& settings) {
   const Effect* technique = find_effect(look.occlusion);
   if (!technique) return false;
-  const ParameterBytes& params = params_of(settings, technique->name);
-  return std::any_of(technique->dispatches.begin(), technique->dispatches.end(), [&](const Dispatch& dispatch) {
-    const bool runs = !dispatch.needed || dispatch.needed(params);
-    return runs && contains(dispatch.outputs, "indirect.r");
-  });
+  return writes(*technique, params_of(settings, technique->name), "indirect.r");
 }
 
 /// Applies the changes that an environment image makes to a look. If the image lights the scene and the picture depends

@@ -37,7 +37,7 @@ PlaneCount count_planes(const Recipe& recipe, int layers, int captured) {
                           (effect->kind == EffectKind::kOcclusion || effect->kind == EffectKind::kFilter);
     const ParameterBytes& params = params_of(recipe.settings, effect->name);
     for (const Dispatch& dispatch : effect->dispatches) {
-      if (dispatch.needed && !dispatch.needed(params)) continue;
+      if (!runs(dispatch, params)) continue;
       const auto is_drawn = [&](std::string_view plane) { return layer_of_plane(plane) < layers; };
       for (const std::string_view plane : dispatch.outputs)
         if (dispatch.for_all && is_drawn(plane)) (is_small ? small : full).emplace(plane);

@@ -68,7 +68,7 @@ void check_reach(const Effect& effect, const ParameterBytes& params, const GBuff
   const int rounds = effect.rounds ? std::min(effect.rounds(params, g.info), 3) : 1;
   for (int round = 0; round < rounds; ++round)
     for (const Dispatch& dispatch : effect.dispatches) {
-      if (dispatch.needed && !dispatch.needed(params)) continue;
+      if (!runs(dispatch, params)) continue;
       for (const auto* names : {&dispatch.inputs, &dispatch.outputs})
         for (const std::string_view name : *names)
           if (!planes.contains(name)) planes.emplace(name, random_plane(name));

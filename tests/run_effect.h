@@ -58,7 +58,7 @@ Constants constants_of(std::string_view name, const PictureInfo& info, const Set
 inline std::vector<std::string> written_planes(const Effect& effect, const ParameterBytes& params) {
   std::vector<std::string> names;
   for (const Dispatch& dispatch : effect.dispatches) {
-    if (dispatch.needed && !dispatch.needed(params)) continue;
+    if (!runs(dispatch, params)) continue;
     for (std::string_view name : dispatch.outputs)
       if (!contains(names, name)) names.emplace_back(name);
   }

@@ -40,13 +40,6 @@ Result<std::vector<const Effect*>> techniques_of(const CompareSettings& settings
   return chosen;
 }
 
-/// Returns whether a technique writes `indirect` at these settings.
-bool computes_indirect_light(const Effect& effect, const ParameterBytes& params) {
-  return std::any_of(effect.dispatches.begin(), effect.dispatches.end(), [&](const Dispatch& dispatch) {
-    return (!dispatch.needed || dispatch.needed(params)) && contains(dispatch.outputs, kQuantityPlanes[1][0]);
-  });
-}
-
 /// The parameter of techniques that take ambient light from the open directions.
 constexpr std::string_view kDirectional = "directional";
 
@@ -247,7 +240,7 @@ Result<void> compare_environments(Run& run, const TracedScene& traced, const Eff
 Result<void> compare_variant(Run& run, const TracedScene& traced, const Effect& effect, std::string_view variant,
                              EffectSettings settings, Picture& picture) {
   const ParameterBytes& params = params_of(settings, effect.name);
-  const bool gathers_light = computes_indirect_light(effect, params);
+  const bool gathers_light = writes(effect, params, kQuantityPlanes[1][0]);
   const std::string label = fmt::format("{}, {} {}", picture.what, effect.name, variant);
   if (!run.report_progress(label)) return interrupted();
   const auto ms = run_technique(run, traced, effect, settings, picture.frame, label);

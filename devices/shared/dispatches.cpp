@@ -42,7 +42,7 @@ Result<RunState> run_dispatches(const Effect& effect, const ParameterBytes& para
   std::vector<int> round_of;
   for (int round = 0; round < rounds; ++round)
     for (const Dispatch& dispatch : effect.dispatches) {
-      if (dispatch.needed && !dispatch.needed(params)) continue;
+      if (!runs(dispatch, params)) continue;
       if (dispatch.first_round_only && round > 0) continue;
       if (!(pixels == PixelSet::kMissing ? dispatch.for_missing : dispatch.for_all)) continue;
       dispatches.push_back(&dispatch);

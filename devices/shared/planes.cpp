@@ -1,46 +1,53 @@
 #include "devices/shared/planes.h"
 
 #include <limits>
-#include <string>
+#include <map>
 
 #include "core/gbuffer.h"
-#include "scene/scene.h"
+#include "effects/effects.h"
 
 namespace umbrage {
+namespace {
+
+using Values = std::map<std::string_view, float>;
+
+/// The values by pass or plane: those of a G-buffer, of all techniques, and of the planes of each effect.
+Values make_values() {
+  Values values = {{"albedo", 0.8f},   {"specular", 0.0f},  {"shininess", 1.0f},   {"emission", 0.0f},
+                   {"metallic", 0.0f}, {"object_id", 0.0f}, {"material_id", 0.0f}, {"roughness", kNoRoughness},
+                   {"ao", 1.0f},       {"indirect", 0.0f},  {"material_ao", 1.0f}};
+  for (const Effect* effect : effects())
+    for (const NeutralValue& neutral : effect->neutral)
+      if (!values.emplace(neutral.pass, neutral.value).second)
+        fail_check(fmt::format("{} declares a neutral value of {}, which has one", effect->name, neutral.pass));
+  return values;
+}
+
+}  // namespace
 
 std::optional<float> neutral_value(std::string_view plane) {
-  bool has_layer_prefix = false;
-  if (const std::string start = reduced_plane(""); plane.starts_with(start)) plane.remove_prefix(start.size());
-  if (const std::string start = first_plane(""); plane.starts_with(start)) {
-    plane.remove_prefix(start.size());
-    if (plane == "resample_depth") return 0.0f;  // no surface
-    if (plane.starts_with("normal.")) return 0.0f;
-  }
-  // A layer that does not exist has no surface.
-  if (plane.starts_with("layer") && plane.ends_with(".depth")) return std::numeric_limits<float>::infinity();
-  if (plane.starts_with("layer")) {
-    const std::size_t dot = plane.find('.');
-    plane = plane.substr(dot == std::string_view::npos ? plane.size() : dot + 1);
-    if (plane.starts_with("normal.")) return 0.0f;
-    has_layer_prefix = true;
-  }
-  if (plane.starts_with("albedo.")) return 0.8f;
-  if (plane == "specular") return 0.0f;
-  if (plane == "shininess") return 1.0f;
+  static const Values values = make_values();
+  const auto without = [&](std::string_view start) {
+    const bool has = plane.starts_with(start);
+    if (has) plane.remove_prefix(start.size());
+    return has;
+  };
+  const auto value_of = [&](std::string_view name) -> std::optional<float> {
+    if (const auto found = values.find(name); found != values.end()) return found->second;
+    const bool channel = name.size() > 2 && name[name.size() - 2] == '.';
+    const auto found = channel ? values.find(name.substr(0, name.size() - 2)) : values.end();
+    return found != values.end() ? std::optional(found->second) : std::nullopt;
+  };
+  without(reduced_plane(""));
+  if (const auto value = value_of(plane)) return value;  // also a name that begins as those of first samples do
+  without(first_plane(""));
+  const bool of_layer = layer_of_plane(plane) > 0;
+  plane = name_on_first_layer(plane);
+  // A layer that does not exist has no surface, and no output of an effect.
+  if (of_layer && plane == "depth") return std::numeric_limits<float>::infinity();
   if (is_shadow_plane(plane)) return 1.0f;
-  if (plane == "metallic") return 0.0f;
-  if (plane == "roughness") return kNoRoughness;
-  if (plane == "ao" || plane == "material_ao" || plane == "coverage" || plane == "beauty.a") return 1.0f;
-  if (plane == "outline" || plane == "cover" || plane == "cover_for_eye" || plane == "shadow_catcher" ||
-      plane == "open_light" || plane == "object_id" || plane == "material_id" || plane == "bitmask_mips" ||
-      plane == "hatching_ink")
-    return 0.0f;
-  if (plane.starts_with("direct.") || plane.starts_with("ambient.") || plane.starts_with("indirect.") ||
-      plane.starts_with("emission.") || plane.starts_with("sky.") || plane.starts_with("lit_direct.") ||
-      plane.starts_with("lit_indirect.") || plane.starts_with("line."))
-    return 0.0f;
-  if (has_layer_prefix) return 0.0f;  // an effect's output of a layer that does not exist
-  return std::nullopt;
+  const auto value = value_of(plane);
+  return of_layer ? value.value_or(0.0f) : value;
 }
 
 }  // namespace umbrage

@@ -239,6 +239,7 @@ Effect effect_bitmask() {
                     "measure=uniform slope=0.01 thickness=1", "mode=infinite falloff=0.6", "mode=layers", "bleeding=1",
                     "mode=layers bleeding=1"},
        .quantum = kBitmaskQuantum,
+       .neutral = {{"bitmask_mips", 0.0f}},
        .dispatches = {{.name = "mips",
                        .inputs = {"depth"},
                        .outputs = {"bitmask_mips"},

@@ -96,7 +96,7 @@ inline std::vector<double> values_at_middle(GBuffer& g, const Settings& settings
   std::vector<double> values(names.size());
   Plane zeros(width, height, 0.0f), background(width, height, kInfinity);  // for planes that the picture lacks
   for (const Dispatch& dispatch : effect.dispatches) {
-    if (dispatch.needed && !dispatch.needed(params)) continue;
+    if (!runs(dispatch, params)) continue;
     if (dispatch.name == "mips" && image.find("bitmask_mips")) continue;
     std::vector<KernelPlane> planes;
     for (std::string_view name : dispatch.outputs)

@@ -54,6 +54,7 @@ Effect effect_composite() {
       {.name = "composite",
        .summary = "combine direct, ambient and bounced light with occlusion",
        .source = "Luft 2006",
+       .neutral = {{"lit_direct", 0.0f}, {"lit_indirect", 0.0f}},
        .dispatches = {{.inputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b",
                                   "indirect.r", "indirect.g", "indirect.b", "albedo.r", "albedo.g", "albedo.b", "ao"},
                        .outputs = {"lit.r", "lit.g", "lit.b"},

@@ -41,6 +41,7 @@ Effect effect_ground() {
       kGroundTable, {.name = "ground",
                      .summary = "make the ground under a model a shadow catcher: only the shadow on it is visible",
                      .source = "",
+                     .neutral = {{"shadow_catcher", 0.0f}},
                      .dispatches = {{.inputs = {"open_light", "indirect.r", "indirect.g", "indirect.b", "depth",
                                                 "object_id", "lit.r", "lit.g", "lit.b"},
                                      .outputs = {"lit.r", "lit.g", "lit.b", "shadow_catcher"},

@@ -94,6 +94,7 @@ Effect effect_hatching() {
        .source = "Jobard and Lefer 1997",
        .variants = {"", "direction=fixed"},
        .quantum = 1.0,
+       .neutral = {{"hatching_ink", 0.0f}},
        .dispatches = {{.name = "hatching_tone",
                        .inputs = {"depth", "lit.r", "lit.g", "lit.b"},
                        .outputs = {"lit.r", "lit.g", "lit.b", "hatching_ink"},

@@ -107,6 +107,7 @@ Effect effect_lighting() {
        .summary = "shading from the G-buffer, by metalness and roughness or Blinn-Phong, with direct and ambient light "
                   "separate",
        .source = "Blinn 1977",
+       .neutral = {{"open_light", 0.0f}, {"direct", 0.0f}, {"ambient", 0.0f}},
        .dispatches = {{.inputs = {"depth",      "normal.x",   "normal.y",  "normal.z",  "albedo.r",   "albedo.g",
                                   "albedo.b",   "specular",   "shininess", "shadow",    "shadow1",    "shadow2",
                                   "shadow3",    "shadow4",    "shadow5",   "shadow6",   "shadow7",    "emission.r",

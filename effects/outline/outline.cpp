@@ -114,6 +114,7 @@ Effect effect_outline() {
        .source = "Lajzer and Nottingham",
        .variants = {"", "width=4", "width=8", "mode=paper"},
        .quantum = 1.0,
+       .neutral = {{"outline", 0.0f}, {"line", 0.0f}},
        .dispatches = {
            {.name = "outline_breaks",
             .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "material_id"},

@@ -108,6 +108,7 @@ Effect effect_output() {
        .source = "IEC 61966-2-1",
        .exposure_source = exposure_source,
        .add_stops = add_stops,
+       .neutral = {{"cover", 0.0f}, {"cover_for_eye", 0.0f}, {"coverage", 1.0f}, {"sky", 0.0f}, {"beauty.a", 1.0f}},
        .dispatches = {
            {.inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline", "line.r", "line.g", "line.b", "cover",
                        "cover_for_eye", "shadow_catcher", "sky.r", "sky.g", "sky.b", "coverage"},

@@ -103,6 +103,7 @@ Effect effect_resample() {
        .source = "Kopf et al. 2007",
        .variants = {"", "part=borrow", "part=borrow occlusion=light", "part=borrow soft_shadows=255"},
        .quantum = 1.0,
+       .neutral = {{"first_resample_depth", 0.0f}, {"first_normal", 0.0f}},
        .dispatches = {
            {.name = "mark",
             .inputs = {"depth", "normal.x", "normal.y", "normal.z", "albedo.r", "albedo.g", "albedo.b", "emission.r",
