@@ -1,11 +1,7 @@
-"""Draws models with Blender 3.4 for docs/ranking.md: blender -b -P blender.py -- workbench|cycles OUTPUT_FOLDER MODEL..."""
+"""Draws models with Blender 4.3 for docs/ranking.md: blender -b -P blender.py -- workbench|cycles OUTPUT_FOLDER MODEL..."""
 import math
 import os
 import sys
-
-import numpy
-
-numpy.bool, numpy.object = bool, object  # Blender 3.4's glTF importer uses names that NumPy 1.24 removed
 
 import bpy
 from mathutils import Matrix, Vector
@@ -18,8 +14,8 @@ def load(path):
     kind = path.rsplit(".", 1)[1].lower()
     importers = {
         "obj": bpy.ops.wm.obj_import,
-        "ply": bpy.ops.import_mesh.ply,
-        "stl": bpy.ops.import_mesh.stl,
+        "ply": bpy.ops.wm.ply_import,
+        "stl": bpy.ops.wm.stl_import,
         "glb": bpy.ops.import_scene.gltf,
     }
     importers[kind](filepath=path)
@@ -28,9 +24,8 @@ def load(path):
         if kind == "ply":  # these files have +y up
             o.matrix_world = Matrix.Rotation(math.radians(90), 4, "X") @ o.matrix_world
         if kind != "glb":
-            for polygon in o.data.polygons:
-                polygon.use_smooth = True
-            o.data.use_auto_smooth, o.data.auto_smooth_angle = True, math.radians(40)
+            o.data.shade_smooth()
+            o.data.set_sharp_from_angle(angle=math.radians(40))
     bpy.context.view_layer.update()
     return [o.matrix_world @ v.co for o in objects for v in o.data.vertices]
 
