@@ -2,7 +2,7 @@
 # objects. If BUILD_SHARED_LIBS is set, it selects one of them.
 set(UMBRAGE_ABI 1) # ABI version, the SOVERSION of the shared library
 set(objects "")
-foreach(folder core system kernel chains effects looks scene scene_readers generators rays reference devices_shared devices_cpu devices_vulkan io gbuffers renderer library)
+foreach(folder core system kernel chains effects looks program scene scene_readers generators rays reference devices_shared devices_cpu devices_vulkan io gbuffers renderer library)
   list(APPEND objects $<TARGET_OBJECTS:umbrage_${folder}>)
 endforeach()
 

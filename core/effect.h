@@ -153,8 +153,7 @@ struct Effect {
   /// Returns the number of captured layers that it needs with these params, the first included; null: 1. A request can
   /// set another number.
   int (*layers)(const ParameterBytes& params) = nullptr;
-  /// Of planes that it makes, or that are made for it outside effects; those of a G-buffer and of all techniques are
-  /// known: see neutral_value in devices/shared/planes.h.
+  /// Of planes that it makes, or that are made for it outside effects: see neutral_value in effects/effects.h.
   std::vector<NeutralValue> neutral;
   std::vector<Dispatch> dispatches;
   /// Returns the number of rounds, each of which runs all dispatches in order, for this picture; null: one.

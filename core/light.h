@@ -10,6 +10,9 @@
 
 namespace umbrage {
 
+/// The roughness of a material that has no metalness and roughness.
+inline constexpr float kNoRoughness = -1.0f;
+
 enum class LightKind {
   kDirectional,  ///< parallel light; `direction` points from the surface to the light
   kPoint,        ///< falls off with the square of the distance; colour is the irradiance at distance `reach`

@@ -38,7 +38,7 @@ ParameterBytes resample_params(const Plan& plan, const PictureInfo& info, int pa
   LookRun run = look_run(plan.recipe);
   run.wanted.reset();
   params.hard_shadows = ((1 << shadows_read(plan.recipe, steps_of(run))) - 1) & ~params.soft_shadows;
-  if (!planes_read(run, 1).contains("albedo.r")) params.albedo = kNoEdge;
+  if (!planes_read(compile(run, 1)).contains("albedo.r")) params.albedo = kNoEdge;
   const glm::vec2 offset = sample_offset(plan.capture.sample, plan.recipe.frames);
   params.right = offset.x;
   params.below = offset.y;

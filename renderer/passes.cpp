@@ -318,7 +318,7 @@ Result<void> check_captured(const Recipe& recipe, std::span<const std::string> c
   };
   std::set<std::string> produced;
   const int layers = *layer_count(recipe.capture);
-  for (const std::string& plane : planes_read(look_run(recipe), layers)) produced.insert(pass_of(plane));
+  for (const std::string& plane : planes_read(compile(look_run(recipe), layers))) produced.insert(pass_of(plane));
   for (int layer = 0; layer < layers; ++layer)
     for (const std::string& plane : captured) produced.insert(layer_plane(layer, pass_of(plane)));
   for (const std::string& word : recipe.passes)
@@ -400,7 +400,7 @@ void reduce_to_planes(Recipe& recipe, std::vector<std::string> planes) {
     // A pass alone is drawn at the same marks as with the whole picture.
     LookRun whole = look_run(recipe);
     whole.wanted.reset();
-    for (const std::string& plane : planes_read(whole, 1)) captured.push_back(plane);
+    for (const std::string& plane : planes_read(compile(whole, 1))) captured.push_back(plane);
     shadows = std::max(shadows, shadows_read(recipe, steps_of(whole)));
   }
   recipe.capture.shadows = std::min(recipe.capture.shadows, shadows);

@@ -9,7 +9,7 @@
 
 #include "core/device.h"
 #include "core/lists.h"
-#include "looks/looks.h"
+#include "program/program.h"
 #include "renderer/hdri.h"
 #include "renderer/options.h"
 #include "scene/framing.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/strokes.h"
-#include "looks/looks.h"
+#include "program/program.h"
 #include "renderer/strokes.h"
 #include "renderer/times.h"
 

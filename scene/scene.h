@@ -23,8 +23,6 @@ struct Texture {
 };
 
 inline constexpr int kNoTexture = -1;
-/// Material::roughness of a material that has no metalness and roughness.
-inline constexpr float kNoRoughness = -1.0f;
 
 // The range of Material::specular_exponent.
 inline constexpr float kMinExponent = 1.0f;     ///< with less, a highlight is as wide as the diffuse lobe

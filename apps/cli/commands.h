@@ -18,7 +18,7 @@ namespace umbrage::cli {
 extern std::string command_line;
 
 /// The lists that umbrage list prints.
-inline constexpr std::array<std::string_view, 6> kListKinds = {"looks",  "effects", "passes",
+inline constexpr std::array<std::string_view, 7> kListKinds = {"looks",  "effects", "passes", "program",
                                                                "scenes", "devices", "formats"};
 
 struct LabActions;

@@ -1,4 +1,4 @@
-// umbrage list: lists looks, effects, passes, scenes, devices and formats.
+// umbrage list: lists looks, effects, passes, the program of a look, scenes, devices and formats.
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
@@ -64,6 +64,19 @@ Result<nlohmann::json> list_passes(const std::string& name) {
   return records;
 }
 
+/// Lists the operations of a look's picture.
+Result<nlohmann::json> list_program(const std::string& name) {
+  Request request;
+  if (!name.empty()) request.look = name;
+  auto recipe = make_recipe(request);
+  if (!recipe) return recipe.error();
+  reduce_to_passes(*recipe);
+  nlohmann::json records = nlohmann::json::array();
+  for (const OperationText& each : described(compile(look_run(*recipe), *layer_count(recipe->capture))))
+    records.push_back({{"name", each.name}, {"summary", each.summary}});
+  return records;
+}
+
 nlohmann::json list_scenes() {
   nlohmann::json records = nlohmann::json::array();
   for (const BuiltinScene& scene : builtin_scenes())
@@ -99,8 +112,8 @@ nlohmann::json list_formats() {
 }
 
 Result<void> list(const ListOptions& o) {
-  if (!o.name.empty() && o.what != "effects" && o.what != "passes")
-    return usage_error("'{}' is one argument too many: only the lists effects and passes take a name", o.name);
+  if (!o.name.empty() && o.what != "effects" && o.what != "passes" && o.what != "program")
+    return usage_error("'{}' is one argument too many: only the lists effects, passes and program take a name", o.name);
   Result<nlohmann::json> records = nlohmann::json();
   if (o.what == "looks")
     records = list_looks();
@@ -108,6 +121,8 @@ Result<void> list(const ListOptions& o) {
     records = list_effects(o.name);
   else if (o.what == "passes")
     records = list_passes(o.name);
+  else if (o.what == "program")
+    records = list_program(o.name);
   else if (o.what == "scenes")
     records = list_scenes();
   else if (o.what == "devices")
@@ -135,7 +150,7 @@ void add_list(CLI::App& app, std::function<Result<void>()>& run) {
   CLI::App* command = app.add_subcommand("list", "list " + kinds);
   auto options = std::make_shared<ListOptions>();
   command->add_option("WHAT", options->what, kinds)->required();
-  command->add_option("NAME", options->name, "effect whose parameters, or look whose passes, are listed");
+  command->add_option("NAME", options->name, "effect whose parameters, or look whose passes or program, are listed");
   command->add_flag("--json", options->json, "print JSON");
   command->callback([options, &run] { run = [options] { return list(*options); }; });
 }

@@ -1,16 +1,11 @@
-// The planes of frames, on every device: the values of missing ones, and branches of a frame, which share planes: a
-// frame must not be written while a branch of it lives.
+// Branches of a frame, on every device, which share planes: a frame must not be written while a branch of it lives.
 #pragma once
 #include <memory>
-#include <optional>
-#include <string_view>
 
 #include "core/check.h"
+#include "effects/effects.h"
 
 namespace umbrage {
-
-/// Returns the value that replaces a plane that a G-buffer lacks, or nullopt if the plane is required.
-std::optional<float> neutral_value(std::string_view plane);
 
 /// Tracks whether a frame has branches. The storage of each frame contains one; that of a branch is created by branch()
 /// of the original's.

@@ -10,7 +10,7 @@
 
 #include "generators/builtin.h"
 #include "kernel/frame_constants.h"
-#include "looks/looks.h"
+#include "program/program.h"
 #include "run_effect.h"
 #include "scene/framing.h"
 #include "support.h"
