@@ -180,10 +180,11 @@ class Compiler {
         ++step;
       }
     }
-    for (ProgramPlane& plane : program_.planes) {
-      plane.neutral = neutral_value(plane.name);
-      plane.kept = !run_.kept || (plane.reduced == 1 && contains_on_first_layer(*run_.kept, plane.name));
-    }
+    std::set<std::string_view> kept;
+    if (run_.kept)
+      for (const std::string& name : *run_.kept) kept.insert(name_on_first_layer(name));
+    for (ProgramPlane& plane : program_.planes)
+      plane.kept = !run_.kept || (plane.reduced == 1 && kept.contains(name_on_first_layer(plane.name)));
     for (std::size_t k = 0; k < program_.operations.size(); ++k) {
       const Operation& operation = program_.operations[k];
       for (const int plane : operation.reads) program_.planes[std::size_t(plane)].last_user = int(k);
@@ -197,12 +198,6 @@ class Compiler {
   }
 
  private:
-  static bool contains_on_first_layer(const std::vector<std::string>& names, std::string_view plane) {
-    return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
-      return name_on_first_layer(name) == name_on_first_layer(plane);
-    });
-  }
-
   int plane(std::string_view name, int reduced) {
     std::vector<ProgramPlane>& planes = program_.planes;
     const auto found = std::find_if(planes.begin(), planes.end(), [&](const ProgramPlane& each) {
@@ -224,7 +219,8 @@ class Compiler {
       for (const auto& [names, own, all] : {std::tuple(&dispatch.inputs, &used.reads, &operation.reads),
                                             std::tuple(&dispatch.outputs, &used.writes, &operation.writes)})
         for (const std::string_view name : *names) {
-          own->push_back(plane(layer_plane(operation.layer, name), operation.reduced));
+          own->push_back(operation.layer == 0 ? plane(name, operation.reduced)
+                                              : plane(layer_plane(operation.layer, name), operation.reduced));
           if (!contains(*all, own->back())) all->push_back(own->back());
         }
     }

@@ -65,11 +65,10 @@ bool runs_on_marked(const LookRun& run, std::span<const std::string> planes);
 /// A plane of a program, at one resolution.
 struct ProgramPlane {
   std::string name;
-  int reduced = 1;               ///< downsampling factor of its frame
-  std::optional<float> neutral;  ///< its value if nothing writes it; empty: it must be captured or given
-  int first_writer = -1;         ///< index of an operation; -1: none
-  int last_user = -1;            ///< the last operation that reads or writes it
-  bool kept = false;             ///< read after the program
+  int reduced = 1;        ///< downsampling factor of its frame
+  int first_writer = -1;  ///< index of an operation; -1: none, so that it is captured, given, or has its neutral_value
+  int last_user = -1;     ///< the last operation that reads or writes it
+  bool kept = false;      ///< read after the program
 };
 
 enum class OperationKind {

@@ -8,6 +8,7 @@
 
 #include "build_paths.h"
 #include "core/lists.h"
+#include "effects/effects.h"
 #include "renderer/passes.h"
 #include "renderer/recipe.h"
 
@@ -53,7 +54,7 @@ TEST(Program, EveryReadHasAWriterANeutralValueOrACapture) {
           const ProgramPlane& plane = program.planes[std::size_t(id)];
           const bool is_later = dispatch.dispatch && (contains(dispatch.dispatch->later_inputs, plane.name) ||
                                                       contains(operation.writes, id));  // of an earlier round
-          EXPECT_TRUE(written[std::size_t(id)] || plane.neutral || is_later ||
+          EXPECT_TRUE(written[std::size_t(id)] || neutral_value(plane.name) || is_later ||
                       contains(given, name_on_first_layer(plane.name)))
               << plane.name << " at 1/" << plane.reduced;
         }
