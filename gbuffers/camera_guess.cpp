@@ -149,16 +149,19 @@ Result<KnownCamera> known_camera(const GBufferSettings& settings, std::span<cons
   const Camera* header_camera = nullptr;
   for (const LayeredFile& header : headers)
     if (header.camera && !header_camera) header_camera = &*header.camera;
-  const bool by_option = known->has_window() || settings.orthographic;
+  // A perspective in the file is none of an orthographic camera.
+  const auto may_be = [&](bool is_orthographic) {
+    return !known->has_window() && (is_orthographic || !settings.orthographic);
+  };
   if (header_camera) {
-    if (!by_option) {
+    if (may_be(header_camera->projection == Projection::kOrthographic)) {
       known->camera = *header_camera;
       known->source = "worldToNDC of the file";
     }
     known->camera.view_from_world = header_camera->view_from_world;
     known->has_view = true;
   }
-  if (position && !by_option && !known->has_window()) {
+  if (position && may_be(position->orthographic)) {
     set_window(known->camera, position->focal, position->center, width, height);
     known->camera.projection = position->orthographic ? Projection::kOrthographic : Projection::kPerspective;
     known->source = fmt::format("fitted to positions within {:.1g} pixels", std::max(position->median_px, 1e-4));
@@ -174,7 +177,7 @@ Result<KnownCamera> known_camera(const GBufferSettings& settings, std::span<cons
     known->camera.view_from_world[3] = glm::vec4(glm::vec3(-(rotation * eye)), 1.0f);
     known->has_view = true;
   }
-  if (by_option || known->has_window()) return known;
+  if (!may_be(false)) return known;
   if (const auto angle = vray_angle(headers)) {
     const glm::mat4 view = known->camera.view_from_world;
     known->camera = symmetric_camera(std::tan(*angle * std::numbers::pi / 360.0) / aspect, aspect);

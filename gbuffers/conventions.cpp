@@ -275,7 +275,7 @@ Elevation decide_elevation(Deciding& d, const KnownCamera& known) {
   // Nothing but values tells of a nameless layer; a camera, normals or a range belong to depth.
   const bool is_nameless = kind == "auto" && d.roles.depth_is_guess && d.roles.depth_hint == DepthHint::kNone;
   const bool has_other = d.has(Role::kNormal) || d.has(Role::kPosition) || !known.source.empty() ||
-                         !d.settings.depth_range.empty() || d.settings.depth_invert;
+                         d.settings.orthographic || !d.settings.depth_range.empty() || d.settings.depth_invert;
   if (is_nameless && !has_other && signs.any()) out = {true, signs.reason()};
   if (!out.is_height) return out;
   if (header.geo && kind == "auto") out.reason = "by the format of the file";

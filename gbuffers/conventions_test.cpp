@@ -290,6 +290,21 @@ TEST(Conventions, NormalsTellTheWindowOfAnOrthographicCamera) {
   }
 }
 
+TEST(Conventions, NoisyNormalsMakeNoCameraOrthographic) {
+  for (const double amount : {0.2, 0.6, 1.5}) {
+    TestFile file(scene());
+    file.add("ViewLayer.Depth.Z", 1e10f, depth_of);
+    std::uint32_t state = 1;
+    const auto noise = [&] {
+      state = state * 1664525u + 1013904223u;
+      return amount * (double(state >> 8) / double(1 << 24) - 0.5);
+    };
+    file.add_vector("ViewLayer.Normal", [&](const Hit& hit) { return hit.normal_world + noise(); });
+    const Understood got = understand(file);
+    EXPECT_EQ(got.conventions.camera.projection, Projection::kPerspective) << amount << "\n" << got.text();
+  }
+}
+
 TEST(Conventions, OnlySurfacesTellTheEncodingOfNormals) {
   TestScene objects;  // without the floor, so that most of the picture is background
   for (Hit& hit : objects.hits) hit.found = hit.found && hit.object != 0;

@@ -182,7 +182,8 @@ Trial try_candidate(const DepthEvidence& e, const Cells& cells, const DepthModel
   const auto try_projection = [&](Projection projection) {
     bool is_found = false;
     const Trial trial = try_cameras(cells, model, e.aspect, projection, is_found);
-    if (!is_found || (is_clear && !is_much_better(cells, trial, best))) return;
+    const bool competes = is_clear || (projection == Projection::kOrthographic && !by_option);
+    if (!is_found || (competes && !is_much_better(cells, trial, best))) return;
     best = trial;
     is_clear = true;
   };

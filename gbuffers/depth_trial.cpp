@@ -58,12 +58,14 @@ LogRange angles() {
   return {std::log(std::tan(4.0 * std::numbers::pi / 180.0)), std::log(std::tan(62.0 * std::numbers::pi / 180.0))};
 }
 
-/// The half heights that are tried for an orthographic camera, by the range of depths that it sees.
+/// The half heights that are tried for an orthographic camera, by the range of depths that it sees; a range of 0 if
+/// there is none.
 LogRange heights(const Cells& cells, const DepthModel& model) {
-  constexpr double kMinHeight = 0.08, kMaxHeight = 2.5;  // half height over range of depth
+  constexpr double kMinHeight = 0.05, kMaxHeight = 20.0;  // half height over range of depth
   std::vector<double> depths;
   for (const Cell& cell : cells.cells) depths.push_back(view_depth(model, cell.stored[kCenter], 1.0));
-  const double range = depths.empty() ? 1.0 : quantile(depths, 0.98) - quantile(depths, 0.02);
+  const double range = depths.empty() ? 0.0 : quantile(depths, 0.98) - quantile(depths, 0.02);
+  if (!(range > 0.0 && std::isfinite(range))) return {0.0, 0.0};
   return {std::log(kMinHeight * range), std::log(kMaxHeight * range)};
 }
 
@@ -145,16 +147,20 @@ Camera symmetric_camera(double half_height, double aspect, Projection projection
 
 Trial try_cameras(const Cells& cells, const DepthModel& model, double aspect, Projection projection, bool& is_clear) {
   constexpr std::size_t kCoarse = 400;  // cells of the first trials
-  constexpr int kSteps = 16, kRefinements = 14;
+  constexpr int kMinSteps = 16, kRefinements = 14;
+  constexpr double kMaxStep = 0.25;  // in logarithm
   const auto [min_log, max_log] = projection == Projection::kOrthographic ? heights(cells, model) : angles();
+  is_clear = false;
+  if (min_log == max_log) return try_depth(cells, model, symmetric_camera(1.0, aspect, projection));
+  const int steps = std::max(kMinSteps, int((max_log - min_log) / kMaxStep) + 1);
   const Cells few = cells.some(kCoarse);
   const auto cost = [&](const Trial& trial) { return cells.have_normals ? trial.normals.squares : trial.flatness; };
   const auto at = [&](const Cells& used, double log_height) {
     return try_depth(used, model, symmetric_camera(std::exp(log_height), aspect, projection));
   };
   double best_log = min_log, best_cost = 1e300;
-  const double step = (max_log - min_log) / (kSteps - 1);
-  for (int k = 0; k < kSteps; ++k) {
+  const double step = (max_log - min_log) / (steps - 1);
+  for (int k = 0; k < steps; ++k) {
     const double log_height = min_log + k * step, c = cost(at(few, log_height));
     if (c < best_cost) best_cost = c, best_log = log_height;
   }

@@ -187,12 +187,8 @@ class Compiler {
       plane.kept = !run_.kept || (plane.reduced == 1 && kept.contains(name_on_first_layer(plane.name)));
     for (std::size_t k = 0; k < program_.operations.size(); ++k) {
       const Operation& operation = program_.operations[k];
-      for (const int plane : operation.reads) program_.planes[std::size_t(plane)].last_user = int(k);
-      for (const int id : operation.writes) {
-        ProgramPlane& plane = program_.planes[std::size_t(id)];
-        plane.last_user = int(k);
-        if (plane.first_writer < 0) plane.first_writer = int(k);
-      }
+      for (const auto* planes : {&operation.reads, &operation.writes})
+        for (const int id : *planes) program_.planes[std::size_t(id)].last_user = int(k);
     }
     return std::move(program_);
   }
@@ -215,13 +211,12 @@ class Compiler {
     for (const Dispatch& dispatch : operation.effect->dispatches) {
       const bool of_set = operation.pixels == PixelSet::kMissing ? dispatch.for_missing : dispatch.for_all;
       if (!of_set || !runs(dispatch, params)) continue;
-      DispatchPlanes& used = operation.dispatches.emplace_back(DispatchPlanes{&dispatch, {}, {}});
-      for (const auto& [names, own, all] : {std::tuple(&dispatch.inputs, &used.reads, &operation.reads),
-                                            std::tuple(&dispatch.outputs, &used.writes, &operation.writes)})
+      for (const auto& [names, planes] :
+           {std::pair(&dispatch.inputs, &operation.reads), std::pair(&dispatch.outputs, &operation.writes)})
         for (const std::string_view name : *names) {
-          own->push_back(operation.layer == 0 ? plane(name, operation.reduced)
-                                              : plane(layer_plane(operation.layer, name), operation.reduced));
-          if (!contains(*all, own->back())) all->push_back(own->back());
+          const int id = operation.layer == 0 ? plane(name, operation.reduced)
+                                              : plane(layer_plane(operation.layer, name), operation.reduced);
+          if (!contains(*planes, id)) planes->push_back(id);
         }
     }
     return add(std::move(operation));

@@ -1,5 +1,5 @@
 // Program: what a look does to a frame, compiled before it is drawn: planes, and the operations that read and write
-// them in order. A program depends on the look, its settings and the number of layers, not on the model.
+// them in order. A program depends on the look, its settings and the number of layers, hardly on the model.
 #pragma once
 #include <functional>
 #include <optional>
@@ -65,10 +65,9 @@ bool runs_on_marked(const LookRun& run, std::span<const std::string> planes);
 /// A plane of a program, at one resolution.
 struct ProgramPlane {
   std::string name;
-  int reduced = 1;        ///< downsampling factor of its frame
-  int first_writer = -1;  ///< index of an operation; -1: none, so that it is captured, given, or has its neutral_value
-  int last_user = -1;     ///< the last operation that reads or writes it
-  bool kept = false;      ///< read after the program
+  int reduced = 1;     ///< downsampling factor of its frame
+  int last_user = -1;  ///< the last operation that reads or writes it
+  bool kept = false;   ///< read after the program
 };
 
 enum class OperationKind {
@@ -79,12 +78,6 @@ enum class OperationKind {
   kMeter,     ///< determines the exposure
 };
 
-/// The planes of one dispatch, by index in Program::planes.
-struct DispatchPlanes {
-  const Dispatch* dispatch = nullptr;
-  std::vector<int> reads, writes;
-};
-
 struct Operation {
   OperationKind kind = OperationKind::kRun;
   const Effect* effect = nullptr;  ///< kRun, kExternal; kMeter: the effect that exposes the picture
@@ -93,9 +86,8 @@ struct Operation {
   PixelSet pixels = PixelSet::kAll;
   std::optional<Reduction> upsampled = {};  ///< set for the effect that upsamples
   Exposure exposure = Exposure::kAsSet;     ///< kMeter: what it depends on; kRun: metered stops are added unless kAsSet
-  std::vector<DispatchPlanes> dispatches = {};  ///< kRun, kExternal: those that run
-  std::vector<int> reads = {}, writes = {};     ///< of all dispatches
-  std::string_view done = {};                   ///< the step that ends with it: see LookRun::after; empty: none
+  std::vector<int> reads = {}, writes = {};  ///< planes, by index in Program::planes
+  std::string_view done = {};                ///< the step that ends with it: see LookRun::after; empty: none
 };
 
 struct Program {

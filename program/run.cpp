@@ -94,7 +94,8 @@ class Runner {
   std::vector<std::string> last_used() const {
     std::vector<std::string> names;
     for (const ProgramPlane& plane : program_.planes)
-      if (plane.reduced == 1 && !plane.kept && plane.last_user == int(index_)) names.push_back(plane.name);
+      if (plane.reduced == 1 && !plane.kept && plane.last_user == int(index_) && layer_of_plane(plane.name) == 0)
+        names.push_back(plane.name);
     return names;
   }
 

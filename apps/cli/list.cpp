@@ -17,7 +17,7 @@ namespace {
 
 struct ListOptions {
   std::string what;
-  std::string name;  ///< an effect of `effects`, a look of `passes`; empty: all effects, the default look
+  std::string name;  ///< an effect of `effects`, a look of `passes` and `program`; empty: all effects, the default look
   bool json = false;
 };
 
@@ -66,9 +66,10 @@ Result<nlohmann::json> list_passes(const std::string& name) {
 
 /// Lists the operations of a look's picture.
 Result<nlohmann::json> list_program(const std::string& name) {
-  Request request;
-  if (!name.empty()) request.look = name;
-  auto recipe = make_recipe(request);
+  const auto look = require_named<Look>("look", looks(), name.empty() ? std::string(kDefaultLook) : name);
+  if (!look) return look.error();
+  const Request request{.look = std::string((*look)->name)};
+  auto recipe = (*look)->needs_beauty ? make_shading_recipe(request) : make_recipe(request);
   if (!recipe) return recipe.error();
   reduce_to_passes(*recipe);
   nlohmann::json records = nlohmann::json::array();
