@@ -24,9 +24,8 @@ bool writes(const Effect& effect, const ParameterBytes& params, std::string_view
 }
 
 bool runs_for_missing(const Effect& effect, const ParameterBytes& params) {
-  return std::any_of(effect.dispatches.begin(), effect.dispatches.end(), [&](const Dispatch& dispatch) {
-    return dispatch.for_missing && runs(dispatch, params);
-  });
+  return std::any_of(effect.dispatches.begin(), effect.dispatches.end(),
+                     [&](const Dispatch& dispatch) { return dispatch.for_missing && runs(dispatch, params); });
 }
 
 float length_px(const Length& length, float whole_px, const PictureInfo& info) {

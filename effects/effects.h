@@ -14,8 +14,8 @@ std::span<const Effect* const> effects();
 /// Returns the effect called `name`, or null.
 const Effect* find_effect(std::string_view name);
 
-/// Returns the value of a plane that nothing has written, or nullopt if it must exist. Values of a G-buffer's planes and
-/// of the outputs of techniques are known here, others declared by Effect::neutral.
+/// Returns the value of a plane that nothing has written, or nullopt if it must exist. Values of a G-buffer's planes
+/// and of the outputs of techniques are known here, others declared by Effect::neutral.
 std::optional<float> neutral_value(std::string_view plane);
 
 }  // namespace umbrage

@@ -368,8 +368,7 @@ std::vector<std::string> planes_read_after(const Recipe& recipe, std::span<const
       ParameterBytes params = params_of(recipe.settings, name);
       if (name == "hatching") as<HatchingParams>(params).parts = kHatchingLines;
       for (const Dispatch& dispatch : effect->dispatches)
-        if (runs(dispatch, params) || name == "outline")
-          add(dispatch.inputs), add(dispatch.outputs);
+        if (runs(dispatch, params) || name == "outline") add(dispatch.inputs), add(dispatch.outputs);
     }
   return planes;
 }

@@ -43,8 +43,7 @@ std::vector<Available> available_passes(const Recipe& recipe, const GBufferFile&
   for (const Effect* effect : steps_of(look_run(recipe)))
     for (const Dispatch& dispatch : effect->dispatches)
       for (const std::string_view plane : dispatch.outputs) {
-        if (!dispatch.for_all || !runs(dispatch, params_of(recipe.settings, effect->name)))
-          continue;
+        if (!dispatch.for_all || !runs(dispatch, params_of(recipe.settings, effect->name))) continue;
         // The other planes of a look are for its effects alone.
         if (recipe.effects_look || std::any_of(listed.begin(), listed.end(),
                                                [&](const PassEntry& entry) { return entry.name == pass_of(plane); }))

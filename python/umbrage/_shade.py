@@ -304,8 +304,8 @@ def shade(
     Arrays: NumPy, torch (CPU), or any object with the buffer protocol, `__array_interface__` or DLPack; float32,
     float16, uint8 or uint16, whose 255 and 65535 mean 1. Arrays of these types are not copied, whatever their strides
     are.
-    fov: vertical field of view, degrees; default: 40; of files: as the file says, else fitted, else 55. window: used instead of
-    `fov`: (left, right, bottom, top) at distance 1, or in scene units for `orthographic`.
+    fov: vertical field of view, degrees; default: 40; of files: as the file says, else fitted, else 55.
+    window: used instead of `fov`: (left, right, bottom, top) at distance 1, or in scene units for `orthographic`.
     look: a name of umbrage.looks(); default: "studio", and "comp" for files with a beauty. effects: effects that run,
     in this order, instead of the look.
     passes: passes to return besides the picture. If empty and `effects` is set: the passes that the last effect makes.
