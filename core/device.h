@@ -9,6 +9,7 @@
 
 #include "core/effect.h"
 #include "core/gbuffer.h"
+#include "core/pixel_mask.h"
 #include "core/progress.h"
 #include "core/result.h"
 #include "core/strip.h"
@@ -53,6 +54,12 @@ struct CaptureSettings {
   /// are always captured.
   std::optional<std::vector<std::string>> planes = {};
   std::optional<Strip> strip = {};  ///< draw only this strip; requires Device::draws_strips()
+  /// Capture only these pixels: the others have undefined values, also those that dispatches write to this frame; but
+  /// `opacity` is 0 there. Requires one layer, and dispatches that read no row at any distance. Null: all pixels. A
+  /// device may capture all.
+  std::shared_ptr<const PixelMask> mask = {};
+  /// Without it, a device need not trace the shadows of lights that have a size: their planes are undefined.
+  bool soft_shadows = true;
 
   bool operator==(const CaptureSettings&) const = default;
 };
@@ -67,21 +74,35 @@ struct DispatchTime {
   double ms = 0.0;
 };
 
+/// What a device is; it does not change.
+struct DeviceInfo {
+  std::string name;         ///< "cpu", "vulkan:0"
+  std::string description;  ///< one line for users: model, driver, SIMD target, threads
+  int threads = 1;          ///< number of CPU threads that work for the device
+  /// The plane pool for the planes of its pictures. Use it with ScopedPlanePool while several pictures are drawn.
+  PlanePoolPtr pool = std::make_shared<PlanePool>();
+  /// It can draw pictures in strips. On a strip's frame all functions process only the rows of the strip.
+  bool draws_strips = false;
+};
+
+/// How to run an effect.
+struct EffectRun {
+  int layer = 0;  ///< all inputs and outputs are planes of this layer
+  PixelSet pixels = PixelSet::kAll;
+  /// Planes of the first layer that nothing reads after the run. A device may free each of them when the last dispatch
+  /// that reads or writes it is done.
+  std::vector<std::string> last_used = {};
+};
+
 class Device {
  public:
   virtual ~Device() = default;
-  /// Returns the name: "cpu", "vulkan:0".
-  virtual std::string_view name() const = 0;
-  /// Returns one line for users: model, driver, SIMD target, threads.
-  virtual std::string description() const = 0;
-  /// Returns the number of CPU threads that work for the device.
-  virtual int threads() const = 0;
-  /// Returns the plane pool for the planes of its pictures. Use it with ScopedPlanePool while several pictures are
-  /// drawn.
-  virtual PlanePoolPtr pool() const = 0;
-  /// Returns whether the device can draw pictures in strips. On a strip's frame all functions process only the rows of
-  /// the strip.
-  virtual bool draws_strips() const { return false; }
+  std::string_view name() const { return info_.name; }
+  const std::string& description() const { return info_.description; }
+  int threads() const { return info_.threads; }
+  PlanePoolPtr pool() const { return info_.pool; }
+  bool draws_strips() const { return info_.draws_strips; }
+
   /// Prepares the scene for capture (acceleration structure, textures). The scene must live until its last capture or
   /// the next prepare. After an error nothing is prepared, and capture throws InternalError. Errors: kDevice,
   /// kInterrupted.
@@ -91,70 +112,59 @@ class Device {
   /// Captures the prepared scene. Returns a frame with the planes of core/gbuffer.h.
   virtual Result<Frame> capture(const Camera& camera, const CaptureSettings& settings,
                                 const ProgressMonitor& monitor = {}) = 0;
-  /// Captures a further sample of a picture at the pixels that are marked: where the plane `marks` of `first`, the
-  /// frame of the first sample, is 1. Other pixels have undefined values. The marks become a plane of the frame, as by
-  /// add_first. Soft shadows are not captured, since their filter needs all pixels: their planes are 1. `settings` must
-  /// be of one layer. A device may capture all pixels. Errors: as capture.
-  virtual Result<Frame> capture_marked(const Camera& camera, const CaptureSettings& settings, const Frame& first,
-                                       const ProgressMonitor& monitor = {});
-  /// Adds planes of `first` to the frame of a further sample, under the names of first_plane. They may share their
-  /// memory with those of `first`, which must then not change before the frame is gone.
-  virtual Result<void> add_first(const Frame& first, const std::vector<std::string>& names, Frame& frame);
   /// Returns a frame with planes from the host. Planes that are views are read during the lifetime of the frame, and
-  /// never written.
-  virtual Result<Frame> upload(GBuffer gbuffer) = 0;
-  /// Returns a frame of a strip. gbuffer.info describes the whole picture; the planes have only the rows of
-  /// rows_with_margin. Throws InternalError unless draws_strips().
-  virtual Result<Frame> upload_strip(GBuffer gbuffer, const Strip& strip);
+  /// never written. `strip`: if not null, gbuffer.info describes the whole picture, and the planes have only the rows
+  /// of rows_with_margin; requires draws_strips().
+  virtual Result<Frame> upload(GBuffer gbuffer, const Strip* strip = nullptr) = 0;
   /// Returns a frame that starts with the planes of `frame` and shares their memory. `frame` must be of a whole
   /// picture, not of a strip. Effects that run on the branch leave the original unchanged. While the branch or a branch
-  /// of it lives, calling run, add or place on the original throws InternalError.
+  /// of it lives, calling run, add or add_planes_of on the original throws InternalError.
   virtual Frame branch(const Frame& frame) = 0;
   /// Adds planes from the host to a frame and replaces those of the same names. Their size is that of the frame, guard
   /// band included; for a strip, its rows_with_margin.
   virtual Result<void> add(Image planes, Frame& frame) = 0;
-  /// Runs the dispatches of an effect; its outputs become planes of the frame. On layer n > 0 all its inputs and
-  /// outputs are planes of that layer. PixelSet::kMissing requires runs_for_missing. On a strip the effect may remain
-  /// unfinished, if WholePlanes must be completed first or the margin is too small. After kInterrupted the outputs are
-  /// incomplete. Errors: kUsage if an input plane is missing; kInterrupted.
-  virtual Result<RunState> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer = 0,
-                               PixelSet pixels = PixelSet::kAll, const ProgressMonitor& monitor = {}) = 0;
+  /// Adds planes of another frame of the same picture. Those of a frame that `reduced` made from this one get the names
+  /// of reduced_plane; they are in the upper left corner, since all planes of a frame have one size, and the remainder
+  /// is 0. Those of the first sample of the picture get the names of first_plane; they may share the memory of `from`,
+  /// which must then not change before the frame is gone. Errors: kUsage if a plane is missing.
+  virtual Result<void> add_planes_of(const Frame& from, const std::vector<std::string>& names, Frame& frame) = 0;
+  /// Runs the dispatches of an effect; its outputs become planes of the frame. PixelSet::kMissing requires
+  /// runs_for_missing. On a strip the effect may remain unfinished, if WholePlanes must be completed first. After
+  /// kInterrupted the outputs are incomplete. Errors: kUsage if an input plane is missing; kInterrupted.
+  virtual Result<RunState> run(const Effect& effect, const ParameterBytes& params, Frame& frame,
+                               const EffectRun& settings = {}, const ProgressMonitor& monitor = {}) = 0;
   /// Frees these planes of a frame, which nothing reads any more; names of other planes are ignored. A branch does not
   /// free the planes of its original. A device may keep planes, or all of them.
   virtual void release(Frame& /*frame*/, const std::vector<std::string>& /*names*/) {}
-  /// As release, for planes of the first layer that only the next run still uses: the device frees each of them when
-  /// the last dispatch of that run that reads or writes it is done.
-  virtual void release_in_run(Frame& /*frame*/, std::vector<std::string> /*names*/) {}
   /// Returns a frame with one pixel in `factor`, across and down, of these planes in all layers that have them: see
   /// reduced_info. Planes that no layer has are left out.
   virtual Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) = 0;
-  /// Copies planes of a reduced frame into the frame that it was made from, under the name reduced_plane(name). They
-  /// are in the upper left corner, since all planes of a frame have one size; the remainder is 0. Errors: kUsage if a
-  /// plane is missing.
-  virtual Result<void> place(const Frame& small, const std::vector<std::string>& names, Frame& full) = 0;
   /// Waits until all submitted work is done. A device that works asynchronously may defer work until this call or a
-  /// download, and reports its errors only there.
-  virtual Result<void> finish() { return {}; }
-  /// Returns the times of all dispatches since the last call, in order, if the device measures them itself.
-  virtual std::vector<DispatchTime> take_dispatch_times() { return {}; }
+  /// download, and reports its errors only there. Returns the times of all dispatches since the last call, in order, if
+  /// the device measures them itself.
+  virtual Result<std::vector<DispatchTime>> finish() { return std::vector<DispatchTime>(); }
   /// Returns the names of all planes of a frame: first those captured, added or computed, then the constant planes that
   /// dispatches read in place of missing ones.
   virtual std::vector<std::string> plane_names(const Frame& frame) const = 0;
-  /// Returns the planes of these names, in this order, without the guard band; of a strip only its own rows: see
-  /// missing_rows. Errors: kUsage if a plane is missing.
-  virtual Result<Image> download(const Frame& frame, const std::vector<std::string>& names) = 0;
-  /// Returns the same as download. Without a copy if the device can: the planes are then views, which are valid until
-  /// the frame changes or ends.
-  virtual Result<Image> view(const Frame& frame, const std::vector<std::string>& names) {
-    return download(frame, names);
+  /// Returns the planes of these names, in this order, without the guard band; of a strip only its own rows. Errors:
+  /// kUsage if a plane is missing.
+  Result<Image> download(const Frame& frame, const std::vector<std::string>& names) {
+    return read(frame, names, false);
   }
+  /// Returns the same. Without a copy if the device can: the planes are then views, which are valid until the frame
+  /// changes or ends.
+  Result<Image> view(const Frame& frame, const std::vector<std::string>& names) { return read(frame, names, true); }
   /// Returns all planes of a frame.
   Result<Image> download_all(const Frame& frame) { return download(frame, plane_names(frame)); }
-  /// Returns by how many rows the margin of a strip is too small for its own rows of these planes to be valid, and
-  /// `around` rows above and below them; 0: they are valid.
-  virtual int missing_rows(const Frame&, const std::vector<std::string>& /*names*/, int /*around*/ = 0) const {
-    return 0;
-  }
+
+ protected:
+  explicit Device(DeviceInfo info) : info_(std::move(info)) {}
+
+ private:
+  /// Implements download and, with `views`, view.
+  virtual Result<Image> read(const Frame& frame, const std::vector<std::string>& names, bool views) = 0;
+
+  DeviceInfo info_;
 };
 
 }  // namespace umbrage

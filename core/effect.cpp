@@ -17,6 +17,19 @@ Dispatch sampling_dispatch(const Kernel& kernel) {
           .for_missing = true};
 }
 
+std::vector<std::pair<const Dispatch*, int>> dispatches_in_order(const Effect& effect, const ParameterBytes& params,
+                                                                 const PictureInfo& info, PixelSet pixels) {
+  const bool missing = pixels == PixelSet::kMissing;
+  const int rounds = effect.rounds && !missing ? effect.rounds(params, info) : 1;
+  std::vector<std::pair<const Dispatch*, int>> ordered;
+  for (int round = 0; round < rounds; ++round)
+    for (const Dispatch& dispatch : effect.dispatches)
+      if (runs(dispatch, params) && !(dispatch.first_round_only && round > 0) &&
+          (missing ? dispatch.for_missing : dispatch.for_all))
+        ordered.emplace_back(&dispatch, round);
+  return ordered;
+}
+
 bool writes(const Effect& effect, const ParameterBytes& params, std::string_view plane) {
   return std::any_of(effect.dispatches.begin(), effect.dispatches.end(), [&](const Dispatch& dispatch) {
     return runs(dispatch, params) && contains(dispatch.outputs, plane);

@@ -51,7 +51,6 @@ enum class PixelSet {
   /// Only those where `ao` is kMissing. They get the occlusion that a run on all pixels would give them, and no other
   /// output; the others keep theirs.
   kMissing,
-  kMarked,  ///< all those where `first_marks` is 1, and any others, whose values are undefined: see capture_marked
 };
 
 /// The tile that a CPU thread computes at a time, pixels; `width` is a multiple of 16. Whole rows by default;
@@ -82,8 +81,10 @@ struct Dispatch {
   RaySettings (*rays)(const ParameterBytes& params, const PictureInfo& info) = nullptr;
   bool (*needed)(const ParameterBytes& params) = nullptr;  ///< whether the dispatch runs at all; null: always
   TileSize tile;
-  /// Returns how many rows above and below a pixel it reads at most, with these constants; null: any row.
+  /// Returns how many rows above and below a pixel it reads at most, with these constants; null: any row. `columns`
+  /// returns the same for columns to the left and right; null: any column, but own_pixel reads none.
   int (*reach)(const void* constants, int round) = nullptr;
+  int (*columns)(const void* constants, int round) = nullptr;
   /// Inputs that may be read at any pixel, regardless of `reach`. A layer that does not exist is not read.
   std::vector<std::string_view> unbounded_inputs = {};
   bool for_all = true, for_missing = false;  ///< the pixel sets that it runs on
@@ -214,9 +215,10 @@ Effect output_effect(std::vector<Parameter> table, Effect effect) {
   return effect_of<fill_constants>(EffectKind::kOutput, std::move(table), std::move(effect));
 }
 
-/// Implements Dispatch::reach for a dispatch that reads only its own row.
+/// Implements Dispatch::reach or columns for a dispatch that reads only its own row or column.
 inline int own_row(const void*, int) { return 0; }
-/// Implements it for a dispatch that reads only its own pixel.
+inline int own_column(const void*, int) { return 0; }
+/// Implements Dispatch::reach for a dispatch that reads only its own pixel.
 inline int own_pixel(const void*, int) { return 0; }
 
 /// Returns the dispatch of an occlusion technique that reads depth anywhere around each pixel, and the normal only at
@@ -227,6 +229,10 @@ Dispatch sampling_dispatch(const Kernel& kernel);
 inline bool runs(const Dispatch& dispatch, const ParameterBytes& params) {
   return !dispatch.needed || dispatch.needed(params);
 }
+
+/// Returns the dispatches that an effect runs on these pixels of a picture, in order, each with its round.
+std::vector<std::pair<const Dispatch*, int>> dispatches_in_order(const Effect& effect, const ParameterBytes& params,
+                                                                 const PictureInfo& info, PixelSet pixels);
 
 /// Returns whether an effect writes a plane with these params.
 bool writes(const Effect& effect, const ParameterBytes& params, std::string_view plane);

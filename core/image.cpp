@@ -52,8 +52,21 @@ std::size_t PlanePool::bytes() const {
   return sum;
 }
 
+std::size_t PlanePool::take_peak() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(peak_, living_);
+}
+
+void PlanePool::set_limit(std::size_t bytes) {
+  const std::lock_guard lock(mutex_);
+  limit_ = bytes;
+}
+
 void* PlanePool::take(std::size_t size) {
   const std::lock_guard lock(mutex_);
+  if (living_ + size > limit_) throw std::bad_alloc();
+  living_ += size;
+  peak_ = std::max(peak_, living_);
   const auto found = blocks_.find(size);
   if (found == blocks_.end()) return nullptr;
   void* base = found->second;
@@ -63,6 +76,7 @@ void* PlanePool::take(std::size_t size) {
 
 bool PlanePool::give(std::size_t size, void* base) {
   const std::lock_guard lock(mutex_);
+  living_ -= size;
   if (holders_ == 0) return false;
   try {
     blocks_.emplace(size, base);

@@ -25,15 +25,20 @@ class PlanePool {
   PlanePool& operator=(const PlanePool&) = delete;
   /// Returns the bytes that are kept now.
   std::size_t bytes() const;
+  /// Returns the max of the bytes of living planes since the last call.
+  std::size_t take_peak();
+  /// Sets a limit of the bytes of living planes. A plane beyond it throws std::bad_alloc.
+  void set_limit(std::size_t bytes);
 
  private:
   friend class Plane;
   friend class PlanePoolLock;
-  void* take(std::size_t size);             // returns null if none is kept
+  void* take(std::size_t size);             // for a new plane; returns null if none is kept
   bool give(std::size_t size, void* base);  // returns false if the pool does not keep it
   void drop_all();                          // requires the lock
   mutable std::mutex mutex_;
   int holders_ = 0;
+  std::size_t living_ = 0, peak_ = 0, limit_ = std::size_t(-1);  // bytes
   std::multimap<std::size_t, void*> blocks_;
 };
 using PlanePoolPtr = std::shared_ptr<PlanePool>;

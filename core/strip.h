@@ -2,8 +2,9 @@
 //
 // The frame of a strip contains the rows of the strip, and a margin above and below for dispatches that read
 // neighbours. Each dispatch states how many rows it reads above and below a pixel, and runs only on rows for which all
-// its inputs are valid: the valid rows shrink from dispatch to dispatch. The result is bitwise identical to that of a
-// picture drawn whole.
+// its inputs are valid: the valid rows shrink from dispatch to dispatch. The margin must be large enough that the rows
+// of the strip remain: see needs_of_strips in program/program.h. The result is bitwise identical to that of a picture
+// drawn whole.
 //
 // A dispatch that reads any row gets planes of the whole picture, which are gathered from the strips first: each strip
 // adds its rows and stops before this dispatch, unfinished. Once all strips have added their rows, each strip is drawn
@@ -40,10 +41,10 @@ struct WholePlanes {
   std::map<std::tuple<int, std::string, int>, Entry> planes;
 };
 
-/// How far an effect, or a look, got on a frame. On a frame of a whole picture it is always finished.
+/// How far an effect, or a look, got on a frame. On a frame of a whole picture it is always finished; on a strip other
+/// strips may have to run first.
 struct RunState {
   bool finished = true;
-  int missing_rows = 0;  ///< if not finished: rows that the margin lacks; 0: other strips must run first
 };
 
 /// The part of a picture in the frame of a strip.

@@ -205,7 +205,10 @@ UmbError umbShadeVulkanImages(UmbVulkanShading shading, const UmbVulkanGBuffer* 
 
 UmbError umbFinishVulkanShading(UmbVulkanShading shading) {
   return call_on<VulkanShadingObject>(shading, "umbFinishVulkanShading", Use::kChanges,
-                                      [](VulkanShadingObject& object) { return object.device->finish(); });
+                                      [](VulkanShadingObject& object) -> Result<void> {
+                                        const auto finished = object.device->finish();
+                                        return finished ? Result<void>() : finished.error();
+                                      });
 }
 
 uint64_t umbGetVulkanShadingMemory(UmbVulkanShading shading) {

@@ -166,7 +166,7 @@ class Compiler {
   Compiler(const LookRun& run, int layers, const PictureInfo* info) : run_(run), layers_(layers), info_(info) {}
 
   Program compile() {
-    const Steps steps = run_.pixels == PixelSet::kMarked ? steps_besides_technique(run_) : steps_of(run_);
+    const Steps steps = run_.further ? steps_besides_technique(run_) : steps_of(run_);
     for (std::size_t step = 0; step < steps.size();) {
       const std::size_t last = reduced_end(run_, steps, step);
       if (steps[step]->exposure_source) {
@@ -180,6 +180,9 @@ class Compiler {
         ++step;
       }
     }
+    for (const EffectStep& step : run_.lines)
+      add_run({.effect = step.effect, .layer = step.layer, .line = int(&step - run_.lines.data())}, step.params).done =
+          step.effect->name;
     std::set<std::string_view> kept;
     if (run_.kept)
       for (const std::string& name : *run_.kept) kept.insert(name_on_first_layer(name));
@@ -226,7 +229,7 @@ class Compiler {
   void add_step(const Steps& steps, std::size_t step, int reduced) {
     const Effect& effect = *steps[step];
     const ParameterBytes& params = params_in(run_, effect);
-    Operation operation{.effect = &effect, .reduced = reduced, .pixels = run_.pixels};
+    Operation operation{.effect = &effect, .reduced = reduced};
     int layers = 1;
     if (find_named(run_.external_effects, effect.name))
       operation.kind = OperationKind::kExternal;
@@ -278,7 +281,7 @@ class Compiler {
       for (const std::string& name : kMeteredPlanes) meter.reads.push_back(plane(name, 1));
       add(meter);
     }
-    add_run({.effect = &effect, .pixels = run_.pixels, .exposure = by}, params).done = effect.name;
+    add_run({.effect = &effect, .exposure = by}, params).done = effect.name;
   }
 
   const LookRun& run_;
@@ -297,6 +300,15 @@ std::vector<std::string> Program::names_of(std::span<const int> indices) const {
   std::vector<std::string> names;
   for (const int plane : indices) names.push_back(planes[std::size_t(plane)].name);
   return names;
+}
+
+ParameterBytes params_of_operation(const LookRun& run, const Operation& operation, float stops) {
+  if (operation.line >= 0) return run.lines[std::size_t(operation.line)].params;
+  const Effect& effect = *operation.effect;
+  ParameterBytes params = params_in(run, effect);
+  if (operation.upsampled) effect.set_reduction(*operation.upsampled, params);
+  if (operation.exposure != Exposure::kAsSet) effect.add_stops(stops, params);
+  return params;
 }
 
 std::set<std::string> planes_read(const Program& program) {

@@ -43,7 +43,6 @@ std::vector<OperationText> described(const Program& program) {
     if (operation.reduced > 1) parts.push_back(fmt::format("at 1/{}", operation.reduced));
     if (operation.layer > 0) parts.push_back(fmt::format("on layer {}", operation.layer));
     if (operation.pixels == PixelSet::kMissing) parts.emplace_back("for missing pixels");
-    if (operation.pixels == PixelSet::kMarked) parts.emplace_back("for marked pixels");
     if (!operation.reads.empty()) parts.push_back("reads " + passes_of(program, operation.reads));
     if (!operation.writes.empty()) parts.push_back("writes " + passes_of(program, operation.writes));
     std::vector<int> ended;

@@ -2,6 +2,7 @@
 // them in order. A program depends on the look, its settings and the number of layers, hardly on the model.
 #pragma once
 #include <functional>
+#include <map>
 #include <optional>
 #include <set>
 #include <span>
@@ -25,6 +26,13 @@ using RunExternalEffect = std::function<Result<void>(const Effect&, const Parame
 /// not complete yet.
 using Meter = std::function<Result<std::optional<float>>(Device&, const Frame&, Exposure)>;
 
+/// An effect that runs before or after those of a look.
+struct EffectStep {
+  const Effect* effect = nullptr;
+  ParameterBytes params;
+  int layer = 0;
+};
+
 /// What to run and with which settings.
 struct LookRun {
   const Look* look = nullptr;
@@ -40,9 +48,10 @@ struct LookRun {
   std::optional<std::vector<std::string>> kept = {};
   /// Called with the name of each effect when the effect is done.
   std::function<void(std::string_view)> after = [](std::string_view) {};
-  /// kMarked: draws a further sample, on a frame of capture_marked. The technique and its filters are left out, so the
-  /// frame must have the planes that they write. Requires runs_on_marked and `stops`.
-  PixelSet pixels = PixelSet::kAll;
+  std::vector<EffectStep> lines = {};  ///< effects that draw lines once, over the average; they run last
+  /// Draws a further sample. The technique and its filters are left out, so the frame must have the planes that they
+  /// write. Requires runs_on_marked and `stops`.
+  bool further = false;
   ProgressMonitor monitor = {};                          ///< passed to every effect
   std::optional<float> stops = {};                       ///< to add in place of metering; unused if Exposure::kAsSet
   Meter meter = metered_stops;                           ///< used with Exposure::kPicture and kMedian
@@ -57,9 +66,9 @@ std::vector<const Effect*> steps_of(const LookRun& run);
 /// Returns the effects of a run except for the technique and the filters that follow it.
 std::vector<const Effect*> steps_besides_technique(const LookRun& run);
 
-/// Returns whether a run can draw further samples at marked pixels: apart from the technique and its filters all
-/// effects compute each pixel by itself, and neither they nor `planes` need any planes of the technique and its
-/// filters but `ao` and `indirect`.
+/// Returns whether a run can draw further samples at marked pixels: it draws no lines; apart from the technique and its
+/// filters all effects compute each pixel by itself, and neither they nor `planes` need any planes of the technique and
+/// its filters but `ao` and `indirect`.
 bool runs_on_marked(const LookRun& run, std::span<const std::string> planes);
 
 /// A plane of a program, at one resolution.
@@ -84,6 +93,7 @@ struct Operation {
   int layer = 0;
   int reduced = 1;  ///< downsampling factor of the frame that it runs on; of kReduce and kPlace: of the reduced frame
   PixelSet pixels = PixelSet::kAll;
+  int line = -1;                            ///< kRun: index in LookRun::lines; -1: an effect of the look
   std::optional<Reduction> upsampled = {};  ///< set for the effect that upsamples
   Exposure exposure = Exposure::kAsSet;     ///< kMeter: what it depends on; kRun: metered stops are added unless kAsSet
   std::vector<int> reads = {}, writes = {};  ///< planes, by index in Program::planes
@@ -101,6 +111,41 @@ struct Program {
 /// Compiles a run on frames of `layers` layers. `info`: that of the frame, which can tell that planes are not read;
 /// null: not known yet.
 Program compile(const LookRun& run, int layers, const PictureInfo* info = nullptr);
+
+/// Returns the parameters of an operation that runs an effect. `stops`: added to the exposure by metering.
+ParameterBytes params_of_operation(const LookRun& run, const Operation& operation, float stops);
+
+/// How far above, below, left and right of the pixels of a result a plane is needed, pixels of full resolution; at most
+/// kAnywhere.
+struct Margin {
+  int rows = 0, columns = 0;
+};
+inline constexpr int kAnywhere = 1 << 28;
+using Margins = std::map<std::string, Margin>;  ///< of planes, by name
+
+/// What the strips of a picture need.
+struct StripNeeds {
+  std::vector<Margins> sweeps;  ///< margins of the planes of a frame at first, for each sweep over the strips
+  double whole_planes = 0.0;    ///< planes of the whole picture, at full resolution: see core/strip.h
+};
+
+/// Returns the margins that the planes of a frame need at first, so that after the steps `before` and a run planes have
+/// the margins `after`. The empty name has the margin of the pixels that must be computed, which may depend only on
+/// planes that are whole. `info`: that of the frame.
+Margins margins_before(const LookRun& run, const PictureInfo& info, std::span<const EffectStep> before,
+                       const Margins& after);
+/// Returns the same for the strips of a picture. A sweep over them ends at the first operation that reads any row of a
+/// plane that is not whole yet. `given`: the planes that the frame has at first.
+StripNeeds needs_of_strips(const LookRun& run, const PictureInfo& info, std::span<const EffectStep> before,
+                           std::span<const std::string> given, const Margins& after);
+
+/// The memory of the planes of a frame, in planes of full resolution.
+struct LivePlanes {
+  double max = 0.0;     ///< at any time
+  double at_end = 0.0;  ///< when the run is done
+};
+/// Returns the memory of a frame that has the planes `given` at first, while the look runs on it.
+LivePlanes live_planes(const LookRun& run, const PictureInfo& info, std::span<const std::string> given);
 
 /// Returns the planes that the program reads from a frame. Those that nothing has written exist after the run with
 /// their neutral value everywhere, if they have one. Planes that are downsampled first are not included.

@@ -50,7 +50,7 @@ class Runner {
         return RunState();
       }
       case OperationKind::kPlace: {
-        const auto status = device_.place(*small_, program_.names_of(operation.reads), frame_);
+        const auto status = device_.add_planes_of(*small_, program_.names_of(operation.reads), frame_);
         small_.reset();
         return status ? Result<RunState>(RunState()) : status.error();
       }
@@ -63,18 +63,10 @@ class Runner {
   Frame& frame_of(const Operation& operation) { return operation.reduced > 1 ? *small_ : frame_; }
 
   Result<RunState> run_effect(const Operation& operation) {
-    const Effect& effect = *operation.effect;
-    const ParameterBytes* params = &params_of(*run_.settings, effect.name);
-    ParameterBytes changed;
-    if (operation.upsampled || operation.exposure != Exposure::kAsSet) {
-      changed = *params;
-      if (operation.upsampled) effect.set_reduction(*operation.upsampled, changed);
-      if (operation.exposure != Exposure::kAsSet) effect.add_stops(done_.stops, changed);
-      params = &changed;
-    }
-    Frame& frame = frame_of(operation);
-    if (run_.kept && operation.reduced == 1 && operation.layer == 0) device_.release_in_run(frame, last_used());
-    return device_.run(effect, *params, frame, operation.layer, operation.pixels, run_.monitor);
+    EffectRun settings{.layer = operation.layer, .pixels = operation.pixels};
+    if (run_.kept && operation.reduced == 1 && operation.layer == 0) settings.last_used = last_used();
+    return device_.run(*operation.effect, params_of_operation(run_, operation, done_.stops), frame_of(operation),
+                       settings, run_.monitor);
   }
 
   Result<RunState> meter(const Operation& operation) {

@@ -81,24 +81,25 @@ void for_added_pixels(const PictureSum& total, bool whole, int y, int width, con
   }
 }
 
-/// Adds rows, one plane for each name. `whole`: to all pixels, not only to the marked ones.
-void add_all(PictureSum& total, const std::vector<std::string>& names, std::span<const Plane* const> planes, int first,
-             int height, bool whole) {
-  const int width = planes.empty() ? total.sum.width : planes[0]->width;
-  if (total.sum.planes.empty()) {
-    total.sum = Image(width, height);
-    for (const std::string& name : names) total.sum.add(name) = Plane(width, height, 0.0f);
-  }
-  if (total.sum.names != names || total.sum.width != width || total.sum.height != height)
+}  // namespace
+
+void count_picture(PictureSum& total, bool whole) {
+  ++total.count;
+  total.whole += whole ? 1 : 0;
+}
+
+void add_planes(PictureSum& total, const std::vector<std::string>& names, std::span<const Plane* const> planes,
+                int first, bool whole) {
+  if (planes.empty() || planes[0]->height == 0) return;
+  const int width = planes[0]->width;
+  if (total.sum.names != names || total.sum.width != width)
     fail_check("pictures that are averaged must have the same planes");
-  total.count += first == 0;
-  total.whole += first == 0 && whole;
   const auto find = [&](std::string_view name) {
     const auto found = std::find(names.begin(), names.end(), name);
     return found == names.end() ? nullptr : planes[std::size_t(found - names.begin())];
   };
   const Plane *alpha = find("color.a"), *beauty_alpha = find("beauty.a");
-  for_rows_on(total.threads, planes.empty() ? 0 : planes[0]->height, [&](int y) {
+  for_rows_on(total.threads, planes[0]->height, [&](int y) {
     for (std::size_t k = 0; k < names.size(); ++k) {
       const bool color = alpha && is_color(names[k]) && planes[k] != alpha;
       const bool beauty = beauty_alpha && is_beauty(names[k]) && planes[k] != beauty_alpha;
@@ -115,14 +116,7 @@ void add_all(PictureSum& total, const std::vector<std::string>& names, std::span
   });
 }
 
-}  // namespace
-
 void add_picture(PictureSum& total, const Image& picture) { add_rows(total, picture, 0, picture.height); }
-
-void add_planes(PictureSum& total, const std::vector<std::string>& names, std::span<const Plane* const> planes,
-                int first, int height) {
-  if (!planes.empty() && planes[0]->height > 0) add_all(total, names, planes, first, height, total.sum.planes.empty());
-}
 
 void count_as_one(PictureSum& total) {
   if (total.count == total.whole) return;
@@ -139,9 +133,14 @@ void count_as_one(PictureSum& total) {
 
 void add_rows(PictureSum& total, const Image& rows, int first, int height) {
   if (rows.height == 0) return;
+  if (total.sum.planes.empty()) {
+    total.sum = Image(rows.width, height);
+    for (const std::string& name : rows.names) total.sum.add(name) = Plane(rows.width, height, 0.0f);
+  }
   std::vector<const Plane*> planes;
   for (const Plane& plane : rows.planes) planes.push_back(&plane);
-  add_all(total, rows.names, planes, first, height, true);
+  if (first == 0) count_picture(total, true);
+  add_planes(total, rows.names, planes, first, true);
 }
 
 PictureSum rows_of(const PictureSum& total, int first, int count) {

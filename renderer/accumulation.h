@@ -40,13 +40,16 @@ void add_picture(PictureSum& total, const Image& picture);
 /// one picture then, and those at the marks the mean of theirs. Further pictures weigh alike at all pixels.
 void count_as_one(PictureSum& total);
 
-/// Adds rows of a picture with these planes, one for each name, as add_rows. The first picture is added to all pixels,
-/// others only at the marks, if there are any.
-void add_planes(PictureSum& total, const std::vector<std::string>& names, std::span<const Plane* const> planes,
-                int first, int height);
+/// Counts a picture, of which rows are then added. `whole`: to all pixels, not only at the marks.
+void count_picture(PictureSum& total, bool whole);
 
-/// Adds rows of a picture of `height` rows; `first` is the index of the first added row. Row 0 of a picture must be
-/// added first: it counts the picture.
+/// Adds rows of a picture with the planes of the sum, one for each name, to all pixels or only at the marks, if there
+/// are any. `first`: index of the first added row.
+void add_planes(PictureSum& total, const std::vector<std::string>& names, std::span<const Plane* const> planes,
+                int first, bool whole);
+
+/// Adds rows of a picture of `height` rows to all pixels; `first` is the index of the first added row. Row 0 of a
+/// picture must be added first: it counts the picture, and the first picture gives the sum its planes.
 void add_rows(PictureSum& total, const Image& rows, int first, int height);
 
 /// Returns the sum of `count` rows, from row `first`.

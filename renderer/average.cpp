@@ -1,6 +1,5 @@
 // Averaged pictures: which planes are averaged, and the lines drawn over the average.
 #include <algorithm>
-#include <functional>
 
 #include "core/lists.h"
 #include "effects/effects.h"
@@ -9,26 +8,14 @@
 
 namespace umbrage {
 
-namespace {
-
-/// Calls `visit` with every effect that draws lines over the average, and its parameters.
-void for_line_effects(const Plan& plan, const std::function<void(const Effect&, const ParameterBytes&)>& visit) {
-  if (!plan.lines.outline.empty()) visit(*find_effect("outline"), plan.lines.outline);
-  if (!plan.lines.hidden.empty()) visit(*find_effect("hidden"), plan.lines.hidden);
-  if (!plan.lines.hatching.empty()) visit(*find_effect("hatching"), plan.lines.hatching);
-}
-
-}  // namespace
-
 std::vector<std::string> line_planes(const Plan& plan) {
   std::vector<std::string> names;
   const auto& output_inputs = find_effect("output")->dispatches[0].inputs;
-  for_line_effects(plan, [&](const Effect& effect, const ParameterBytes& params) {
-    for (const Dispatch& dispatch : effect.dispatches)
-      if (runs(dispatch, params))
+  for (const EffectStep& step : line_steps(plan.lines))
+    for (const Dispatch& dispatch : step.effect->dispatches)
+      if (runs(dispatch, step.params))
         for (const std::string_view plane : dispatch.outputs)
           if (contains(output_inputs, plane) && !contains(names, plane)) names.emplace_back(plane);
-  });
   return names;
 }
 
@@ -50,18 +37,6 @@ std::vector<std::string> averaged_planes(const Plan& plan) {
   const auto others = other_averaged_planes(plan);
   names.insert(names.end(), others.begin(), others.end());
   return names;
-}
-
-Result<RunState> draw_lines(Device& device, const Plan& plan, Frame& frame, const ProgressMonitor& monitor,
-                            StageTimes& times) {
-  if (plan.lines.empty() || plan.capture.sample > 0) return RunState();
-  Result<RunState> state = RunState();
-  for_line_effects(plan, [&](const Effect& effect, const ParameterBytes& params) {
-    if (!state || !state->finished) return;
-    state = device.run(effect, params, frame, 0, PixelSet::kAll, monitor);
-    times.done(effect.name);
-  });
-  return state;
 }
 
 std::vector<std::string> picture_passes(const Recipe& recipe) {

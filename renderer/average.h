@@ -16,10 +16,6 @@ std::vector<std::string> averaged_planes(const Plan& plan);
 std::vector<std::string> averaged_picture(const Plan& plan);
 std::vector<std::string> other_averaged_planes(const Plan& plan);
 
-/// Draws the lines over the average at sample index 0. Does nothing at other indices.
-Result<RunState> draw_lines(Device& device, const Plan& plan, Frame& frame, const ProgressMonitor& monitor,
-                            StageTimes& times);
-
 /// Returns the planes of sample 0 from which `output` draws the lines.
 std::vector<std::string> line_planes(const Plan& plan);
 

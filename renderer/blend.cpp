@@ -12,7 +12,10 @@ constexpr std::array<const char*, 3> kTransmittancePlanes = {"transmittance.r", 
 void multiply(Plane& plane, const auto& weight) {
   for (int y = 0; y < plane.height; ++y) {
     float* row = plane.row(y);
-    for (int x = 0; x < plane.width; ++x) row[x] *= weight(x, y);
+    for (int x = 0; x < plane.width; ++x) {
+      const float factor = weight(x, y);
+      row[x] = factor == 0.0f ? 0.0f : row[x] * factor;  // the value may be undefined there
+    }
   }
 }
 
@@ -29,7 +32,8 @@ float line_weight(float fraction) { return std::min(fraction / kGlassOpacity, 1.
 void copy_rows(const Image& rows, const std::vector<std::string>& names, int first, int height, Image& whole) {
   if (whole.planes.empty()) {
     whole = Image(rows.width, height);
-    for (const std::string& name : names) whole.add(name) = Plane(rows.width, height, 0.0f);
+    for (const std::string& name : names)
+      whole.add(name) = Plane(rows.width, height, name.starts_with("transmittance") ? 1.0f : 0.0f);
   }
   for (const std::string& name : names)
     for (int y = 0; y < rows.height; ++y)
@@ -53,8 +57,11 @@ void BlendedSample::take_front(Image& rows, int first, int height) {
     if (weights_.find(rows.names[k])) continue;
     Plane& plane = others.add(rows.names[k]) = std::move(rows.planes[k]);
     // Colour has straight alpha: its alpha has the weight.
-    if (rows.names[k].starts_with("color.") && channel_of(rows.names[k]) >= 0) continue;
-    multiply(plane, [&](int x, int y) { return opacity.row(first + y)[x]; });
+    const bool straight = rows.names[k].starts_with("color.") && channel_of(rows.names[k]) >= 0;
+    multiply(plane, [&](int x, int y) {
+      const float weight = opacity.row(first + y)[x];
+      return straight && weight > 0.0f ? 1.0f : weight;
+    });
   }
   rows = std::move(others);
 }

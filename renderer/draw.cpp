@@ -95,11 +95,10 @@ LookRun timed_look_run(const Recipe& recipe, StageTimes& times, DrawProgress& pr
   return run;
 }
 
-std::size_t effect_count(const Plan& plan) { return steps_of(look_run(plan.recipe)).size(); }
-
-/// A function that returns the frame of a sample before any effect has run. `plan` and `camera` are for that sample.
-/// `first`: the frame of the first sample if this one is drawn at marked pixels only, otherwise null.
-using GetFrame = std::function<Result<Frame>(const Plan& plan, const Camera& camera, const Frame* first)>;
+/// Returns the number of effects of a picture.
+std::size_t effect_count(const Plan& plan) {
+  return steps_of(look_run(plan.recipe)).size() + line_steps(plan.lines).size();
+}
 
 /// Adds a picture with its weights.
 Result<void> add_weighted(Device& device, const Plan& plan, const Frame& frame, BlendedSample& blended,
@@ -112,31 +111,6 @@ Result<void> add_weighted(Device& device, const Plan& plan, const Frame& frame, 
   else if (plan.has_blended)
     blended.weigh_behind(*picture, 0);
   add_picture(total, *picture);
-  return {};
-}
-
-/// Draws a further sample, `plan` and `camera` being set to it, and adds it to `total`. It is drawn in strips if the
-/// device can, unless it is captured already: then its planes take little memory beside those of the first sample.
-Result<void> add_further(Device& device, const Plan& plan, const Camera& camera, const LookRun& run,
-                         const GetFrame& get_frame, bool in_strips, const Frame& first, DrawProgress& progress,
-                         StageTimes& times, PictureSum& total) {
-  constexpr int kStrips = 8;               // in most pictures: an eighth of the memory of a frame
-  constexpr int kPixelsOfStrip = 1 << 19;  // in large pictures: memory that is small beside that of the program
-  constexpr int kRowStep = 64;             // min height, since rows beside a strip are captured with it, too
-  const int height = first.info.height;
-  const int wanted_rows = std::min(height / kStrips, kPixelsOfStrip / first.info.width);
-  const int rows = in_strips ? std::max(wanted_rows / kRowStep, 1) * kRowStep : height;
-  for (int begin = 0; begin < height; begin += rows) {
-    Plan part = plan;
-    const int end = std::min(begin + rows, height);
-    progress.begin_part(double(begin) / height, double(end) / height);
-    if (rows < height) part.capture.strip = Strip{{begin, end}, 0, std::make_shared<WholePlanes>()};
-    auto frame = get_frame(part, camera, &first);
-    if (!frame) return frame.error();
-    if (auto shaded = shade_marked(device, part, run, first, *frame); !shaded) return shaded;
-    if (auto added = add_marked(device, part, *frame, total); !added) return added;
-    times.done("average");
-  }
   return {};
 }
 
@@ -153,45 +127,76 @@ struct Samples {
   std::optional<Frame> first = {};  ///< the frame of sample 0, in the end
 };
 
+/// Draws a further sample, `plan` and `camera` being set to it, and adds it to the sum. It is drawn in strips if the
+/// device can, unless it is captured already: then its planes take little memory beside those of the first sample.
+Result<void> draw_further_marked(Device& device, const Plan& plan, const Camera& camera, const FirstSample& first,
+                                 Samples& s) {
+  constexpr int kStrips = 8;               // in most pictures: an eighth of the memory of a frame
+  constexpr int kPixelsOfStrip = 1 << 19;  // in large pictures: memory that is small beside that of the program
+  constexpr int kRowStep = 64;             // min height, since rows beside a strip are captured with it, too
+  const int height = first.behind.info.height;
+  const int wanted_rows = std::min(height / kStrips, kPixelsOfStrip / first.behind.info.width);
+  const int rows = s.in_strips ? std::max(wanted_rows / kRowStep, 1) * kRowStep : height;
+  for (int begin = 0; begin < height; begin += rows) {
+    Plan part = plan;
+    const int end = std::min(begin + rows, height);
+    s.progress.begin_part(double(begin) / height, double(end) / height);
+    if (rows < height) part.capture.strip = Strip{{begin, end}, 0, std::make_shared<WholePlanes>()};
+    if (auto drawn = draw_marked(device, part, camera, first, s.get_frame, s.run, &s.sum); !drawn) return drawn;
+    s.times.done("average");
+  }
+  return {};
+}
+
 /// Draws the samples of a plan at the pixels that its first sample marks.
-Result<void> draw_marked(Device& device, Samples& s) {
-  auto first = s.get_frame(s.plan, begin_picture(s.plan, {}), nullptr);
-  if (!first) return first.error();
-  const auto state = run_look(s.run, device, *first);
+Result<void> draw_marked_samples(Device& device, Samples& s) {
+  LookRun look = s.run;
+  look.lines = line_steps(s.plan.lines);
+  auto behind = capture_first(device, s.plan, begin_picture(s.plan, {}), s.get_frame, s.run.monitor);
+  if (!behind) return behind.error();
+  const auto state = run_look(look, device, *behind);
   if (!state) return state.error();
-  if (auto status = draw_lines(device, s.plan, *first, s.run.monitor, s.times); !status) return status.error();
+  s.run.stops = state->stops;
   s.progress.sample_done();
+  const auto shade = [&](Frame& frame) -> Result<void> {
+    const auto shaded = run_look(s.run, device, frame);
+    return shaded ? Result<void>() : shaded.error();
+  };
+  auto first = complete_first(device, s.plan, std::move(*behind), s.in_strips, s.get_frame, shade, s.run.monitor);
+  if (!first) return first.error();
   auto sum = begin_sum(device, s.plan, *first);
   if (!sum) return sum.error();
   s.sum = std::move(*sum);
-  if (s.run.kept) device.release(*first, averaged_picture(s.plan));  // finish_average adds it again
-  s.run.stops = state->stops;
+  if (s.plan.has_blended) s.progress.sample_done();
+  // finish_average adds the picture again.
+  if (s.run.kept) device.release(first->behind, averaged_picture(s.plan));
+  if (s.run.kept && first->front) device.release(*first->front, averaged_planes(s.plan));
   for (int sample = 1; sample < s.plan.recipe.frames; ++sample) {
     Plan further = s.plan;
     const Camera camera = begin_marked(further, sample);
-    const auto added =
-        add_further(device, further, camera, s.run, s.get_frame, s.in_strips, *first, s.progress, s.times, s.sum);
-    if (!added) return added;
+    if (auto added = draw_further_marked(device, further, camera, *first, s); !added) return added;
     s.progress.sample_done();
+    if (s.plan.has_blended) s.progress.sample_done();
   }
-  s.first = std::move(*first);
+  s.first = std::move(first->behind);
   return {};
 }
 
 /// Draws a picture of the plan, and adds it if there are several.
 Result<Frame> draw_picture(Device& device, const PictureIndex& index, BlendedSample& blended, Samples& s) {
   const Camera camera = begin_picture(s.plan, index);
-  auto frame = s.get_frame(s.plan, camera, nullptr);
+  auto frame = s.get_frame(s.plan, camera);
   if (!frame) return frame;
   if (auto added = add_sky(device, s.plan, *frame); !added) return added.error();
   if (s.plan.recipe.hdri.shown()) s.times.done("sky");
-  const auto state = run_look(s.run, device, *frame);
+  LookRun run = s.run;
+  if (index.sample == 0) run.lines = line_steps(s.plan.lines);
+  const auto state = run_look(run, device, *frame);
   if (!state) return state.error();
   s.run.stops = state->stops;  // one exposure for all samples
   if (!s.plan.averages()) return frame;
   if (auto added = add_weighted(device, s.plan, *frame, blended, s.sum); !added) return added.error();
   s.times.done("average");
-  if (auto status = draw_lines(device, s.plan, *frame, s.run.monitor, s.times); !status) return status.error();
   if (index.blended && index.sample == 0) {
     const auto lines = device.download(*frame, line_planes(s.plan));
     if (!lines) return lines.error();
@@ -268,7 +273,8 @@ Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& plan,
                                          .min_opacity = s.plan.capture.blended ? kMinOpacity : kOpaque});
     return planes ? device.add(*planes, current) : planes.error();
   };
-  if (auto status = s.plan.marked ? draw_marked(device, s) : draw_whole(device, s); !status) return status.error();
+  if (auto status = s.plan.marked ? draw_marked_samples(device, s) : draw_whole(device, s); !status)
+    return status.error();
   if (more.wants_another)
     if (auto status = draw_further(device, more, s); !status) return status.error();
   if (s.plan.averages()) {
@@ -293,8 +299,8 @@ Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTi
   const ScopedPlanePool pool_scope(device.pool());
   DrawProgress progress(monitor, 1 + effect_count(plan), plan.pictures());
   const ProgressMonitor step_monitor = progress.step_monitor();
-  const auto captured = [&](const Plan& sample, const Camera& camera, const Frame* first) {
-    auto frame = capture_sample(device, sample, camera, first, step_monitor);
+  const auto captured = [&](const Plan& sample, const Camera& camera) {
+    auto frame = device.capture(camera, sample.capture, step_monitor);
     times.done("capture");
     progress.step_done();
     return frame;
@@ -302,21 +308,48 @@ Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTi
   return draw_samples(device, scene, plan, captured, device.draws_strips(), progress, times, stops, more);
 }
 
+namespace {
+
+/// Captures all pixels of the samples of a plan.
+Result<void> capture_whole(Plan plan, const GetFrame& get) {
+  for (const PictureIndex& index : pictures_of(plan)) {
+    const Camera camera = begin_picture(plan, index);
+    if (auto frame = get(plan, camera); !frame) return frame.error();
+  }
+  return {};
+}
+
+/// Captures the samples of a plan at the pixels that its first sample marks.
+Result<void> capture_marked(Device& device, Plan plan, const GetFrame& get) {
+  auto behind = capture_first(device, plan, begin_picture(plan, {}), get, {});
+  if (!behind) return behind.error();
+  const auto first =
+      complete_first(device, plan, std::move(*behind), false, get, [](Frame&) { return Result<void>(); }, {});
+  if (!first) return first.error();
+  for (int sample = 1; sample < plan.recipe.frames; ++sample) {
+    Plan further = plan;
+    const Camera camera = begin_marked(further, sample);
+    if (auto captured = draw_marked(device, further, camera, *first, get, {}, nullptr); !captured) return captured;
+  }
+  return {};
+}
+
+}  // namespace
+
 Result<Captures> capture(Device& device, const Plan& plan, StageTimes& times, const ProgressMonitor& monitor) {
   const ScopedPlanePool pool_scope(device.pool());
   DrawProgress progress(monitor, 1, plan.pictures());
   const ProgressMonitor step_monitor = progress.step_monitor();
   Captures captures;
-  for (const PictureIndex& index : pictures_of(plan)) {
-    const bool further = plan.marked && index.sample > 0;
-    Plan sample = plan;
-    const Camera camera = further ? begin_marked(sample, index.sample) : begin_picture(sample, index);
-    auto frame = capture_sample(device, sample, camera, further ? &captures[0] : nullptr, step_monitor);
-    if (!frame) return frame.error();
-    captures.push_back(std::move(*frame));
+  const GetFrame get = [&](const Plan& sample, const Camera& camera) {
+    auto frame = device.capture(camera, sample.capture, step_monitor);
+    if (frame) captures.push_back(*frame);
     times.done("capture");
     progress.sample_done();
-  }
+    return frame;
+  };
+  if (auto status = plan.marked ? capture_marked(device, plan, get) : capture_whole(plan, get); !status)
+    return status.error();
   // Devices may defer work; errors appear when it finishes.
   if (auto status = device.finish(); !status) return status.error();
   if (auto ended = progress.end(); !ended) return ended.error();
@@ -330,12 +363,11 @@ bool same_captures(const Plan& a, const Plan& b) {
 
 Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan, const Captures& captures,
                             StageTimes& times, const ProgressMonitor& monitor, std::optional<float> stops) {
-  check_equal(captures.size(), std::size_t(plan.pictures()), "captures of a picture");
   const ScopedPlanePool pool_scope(device.pool());
   DrawProgress progress(monitor, std::max<std::size_t>(effect_count(plan), 1), plan.pictures());
   std::size_t next = 0;
-  const auto branch_of_capture = [&](const Plan&, const Camera&, const Frame*) {
-    return Result<Frame>(device.branch(captures[next++]));
+  const auto branch_of_capture = [&](const Plan&, const Camera&) {
+    return Result<Frame>(device.branch(captures.at(next++)));
   };
   return draw_samples(device, scene, plan, branch_of_capture, false, progress, times, stops);
 }
@@ -363,7 +395,7 @@ Result<Frame> upload_with_normals(Device& device, GBuffer gbuffer, const EffectS
   const Effect& normals = *find_effect("normals");
   for (std::size_t layer = 0; layer < has_normals.size(); ++layer)
     if (!has_normals[layer])
-      if (auto status = device.run(normals, params_of(settings, normals.name), *frame, int(layer)); !status)
+      if (auto status = device.run(normals, params_of(settings, normals.name), *frame, {.layer = int(layer)}); !status)
         return status.error();
   return frame;
 }

@@ -67,7 +67,7 @@ struct Drawn {
 Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
                    const ProgressMonitor& monitor = {}, std::optional<float> stops = {}, const Continuation& more = {});
 
-/// The captured planes of a plan before any effect has run, one frame for each of pictures_of.
+/// The captured planes of a plan before any effect has run, in the order in which they are drawn.
 using Captures = std::vector<Frame>;
 
 /// Captures all pictures of a plan. The device has finished all work when this returns, so all errors of the device are

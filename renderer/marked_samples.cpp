@@ -77,61 +77,240 @@ Camera begin_marked(Plan& plan, int sample) {
   plan.capture.back_sides = false;
   plan.capture.extra_views = 0;
   plan.capture.ray_offsets = false;
+  plan.capture.soft_shadows = false;
   return camera;
 }
 
-Result<Frame> capture_sample(Device& device, const Plan& plan, const Camera& camera, const Frame* first,
-                             const ProgressMonitor& monitor) {
-  if (first) return device.capture_marked(camera, plan.capture, *first, monitor);
-  auto frame = device.capture(camera, plan.capture, monitor);
-  if (!frame || !plan.marked) return frame;
-  if (auto marked = mark_pixels(device, plan, *frame, monitor); !marked) return marked.error();
-  return frame;
+EffectStep marking_step(const Plan& plan, const PictureInfo& info) {
+  return {&resample(), resample_params(plan, info, kResampleMark)};
 }
 
-Result<RunState> mark_pixels(Device& device, const Plan& plan, Frame& frame, const ProgressMonitor& monitor) {
-  return device.run(resample(), resample_params(plan, frame.info, kResampleMark), frame, 0, PixelSet::kAll, monitor);
+void add_margins_for_further(const Plan& plan, const PictureInfo& info, Margins& after) {
+  // A further sample borrows from the neighbours of a pixel, and blended surfaces show at most a pixel farther away.
+  const int margin = plan.has_blended ? 2 : 1;
+  for (const std::string& name : borrowed_planes(resample_params(plan, info, kResampleBorrow)))
+    after[name] = {margin, margin};
+  after["marks"] = {margin - 1, margin - 1};
 }
 
-int missing_rows_for_marked(const Device& device, const Plan& plan, const Frame& first) {
-  constexpr int kReach = 1;  // rows above and below a pixel from which it borrows
-  const ParameterBytes params = resample_params(plan, first.info, kResampleBorrow);
-  return std::max(device.missing_rows(first, {"marks"}), device.missing_rows(first, borrowed_planes(params), kReach));
+Result<Frame> capture_first(Device& device, const Plan& plan, const Camera& camera, const GetFrame& get,
+                            const ProgressMonitor& monitor) {
+  auto frame = get(plan, camera);
+  if (!frame) return frame;
+  const EffectStep step = marking_step(plan, frame->info);
+  const auto marked = device.run(*step.effect, step.params, *frame, {}, monitor);
+  return marked ? frame : marked.error();
 }
 
-Result<void> shade_marked(Device& device, const Plan& plan, LookRun run, const Frame& first, Frame& frame) {
-  const ParameterBytes params = resample_params(plan, frame.info, kResampleBorrow);
-  if (auto added = device.add_first(first, borrowed_planes(params), frame); !added) return added;
-  const auto borrowed = device.run(resample(), params, frame, 0, PixelSet::kMarked, run.monitor);
-  if (!borrowed) return borrowed.error();
-  run.after(resample().name);
-  run.settings = &plan.recipe.settings;
-  run.pixels = PixelSet::kMarked;
-  const auto status = run_look(run, device, frame);
-  return status ? Result<void>() : status.error();
+namespace {
+
+/// Returns a plane of a frame with its guard band; of a strip only its own rows.
+Result<Plane> whole_plane(Device& device, Frame frame, const std::string& name) {
+  frame.info.guard = 0;  // so that download crops nothing
+  auto image = device.download(frame, {name});
+  return image ? Result<Plane>(std::move(image->planes[0])) : image.error();
 }
 
-Result<PictureSum> begin_sum(Device& device, const Plan& plan, const Frame& first) {
-  PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots, .threads = device.threads()};
-  auto marks = device.download(first, {"marks"});
+/// Returns 1 for the pixels that are above 0 or within this distance, across and down, of one that is, else 0.
+Plane grown(const Plane& from, const Margin& by) {
+  Plane across(from.width, from.height, 0.0f), all(from.width, from.height, 0.0f);
+  for (int y = 0; y < from.height; ++y)
+    for (int x = 0, end = 0; x < from.width; ++x)
+      if (from.row(y)[x] > 0.0f)
+        for (end = std::max(end, x - by.columns); end <= std::min(x + by.columns, from.width - 1); ++end)
+          across.row(y)[end] = 1.0f;
+  for (int y = 0; y < from.height; ++y) {
+    if (std::all_of(across.row(y), across.row(y) + from.width, [](float value) { return value == 0.0f; })) continue;
+    for (int j = std::max(y - by.rows, 0); j <= std::min(y + by.rows, from.height - 1); ++j)
+      for (int x = 0; x < from.width; ++x) all.row(j)[x] = std::max(all.row(j)[x], across.row(y)[x]);
+  }
+  return all;
+}
+
+/// Returns the rows of `within` at which a mask has pixels; begin is a multiple of 4 above within.begin.
+Rows rows_of(const PixelMask& mask, const Rows& within) {
+  constexpr int kMultiple = 4;
+  Rows rows{within.end, within.begin};
+  for (int y = within.begin; y < within.end; ++y)
+    if (mask.any(0, mask.plane.width, y, y + 1)) rows = {std::min(rows.begin, y), y + 1};
+  rows.begin = within.begin + std::max(rows.begin - within.begin, 0) / kMultiple * kMultiple;
+  return rows;
+}
+
+/// Returns the opacity of blended surfaces along the rays of the first sample in these rows. `in_strips`: captures them
+/// in strips, which takes less memory.
+Result<PixelMask> opacity_of(Device& device, const Plan& plan, const Camera& camera, const Rows& rows, bool in_strips,
+                             const GetFrame& get) {
+  constexpr int kRows = 128;
+  Plan opacity = plan;
+  opacity.capture.shadows = opacity.capture.shadow_rays = 0;
+  opacity.capture.ray_offsets = false;
+  opacity.capture.planes = std::vector<std::string>();
+  PixelMask all{{}, rows.begin};
+  for (Rows part{rows.begin, rows.begin}; part.end < rows.end;) {
+    part = {part.end, in_strips ? std::min(part.end + kRows, rows.end) : rows.end};
+    if (in_strips) opacity.capture.strip = Strip{part, 0, std::make_shared<WholePlanes>()};
+    const auto frame = get(opacity, camera);
+    if (!frame) return frame.error();
+    const auto plane = whole_plane(device, *frame, "opacity");
+    if (!plane) return plane.error();
+    if (!all.plane.data()) all.plane = Plane(plane->width, rows.count());
+    for (int y = 0; y < plane->height; ++y)
+      std::copy_n(plane->row(y), plane->width, all.plane.row(part.begin - rows.begin + y));
+  }
+  return all;
+}
+
+/// Returns how far from a pixel the first sample of blended surfaces reads what is captured.
+Margin reach_of_front(const Plan& plan, const PictureInfo& info) {
+  Margins after;
+  for (const std::string& name : averaged_planes(plan)) after[name] = {};
+  add_margins_for_further(plan, info, after);
+  const EffectStep marking[] = {marking_step(plan, info)};
+  return plan.given.needed(margins_before(look_run(plan.recipe), info, marking, after));
+}
+
+/// Completes the first sample with its blended surfaces: see complete_first. Adds their marks to `marks`, which begin
+/// at first.rows.
+Result<void> add_front(Device& device, Plan plan, bool in_strips, const GetFrame& get, const Shade& shade,
+                       const ProgressMonitor& monitor, Plane& marks, FirstSample& first) {
+  const PictureInfo& info = first.behind.info;
+  const Camera camera = begin_picture(plan, {.blended = true});
+  const Margin reach = reach_of_front(plan, info);
+  Strip strip{first.rows, std::min(reach.rows, info.height), std::make_shared<WholePlanes>()};
+  const auto opacity = opacity_of(device, plan, camera, rows_with_margin(strip, info.height), in_strips, get);
+  if (!opacity) return opacity.error();
+  // Further samples may show a surface one pixel farther away, and borrow from the neighbours of that pixel.
+  const PixelMask near{grown(opacity->plane, {1, 1}), opacity->first_row};
+  const PixelMask read{grown(opacity->plane, {2, 2}), opacity->first_row};
+  strip.rows = rows_of(read, first.rows);
+  if (strip.rows.count() <= 0) return {};
+  if (in_strips) plan.capture.strip = strip;
+  if (std::max(reach.rows, reach.columns) < kAnywhere)
+    plan.capture.mask = std::make_shared<PixelMask>(PixelMask{grown(opacity->plane, reach), opacity->first_row});
+  auto frame = capture_first(device, plan, camera, get, monitor);
+  if (!frame) return frame.error();
+  if (auto shaded = shade(*frame); !shaded) return shaded;
+  const auto in_front = whole_plane(device, *frame, "marks");
+  if (!in_front) return in_front.error();
+  first.front_rows = in_strips ? strip.rows : first.rows;
+  Plane front_marks(marks.width, first.front_rows.count(), 0.0f);
+  for (int y = 0; y < front_marks.height; ++y) {
+    float* row = marks.row(first.front_rows.begin - first.rows.begin + y);
+    for (int x = 0; x < marks.width; ++x)
+      if (near.at(x, first.front_rows.begin + y))
+        front_marks.row(y)[x] = row[x] = std::max(row[x], in_front->row(y)[x]);
+  }
+  first.front_marks = std::make_shared<PixelMask>(PixelMask{std::move(front_marks), first.front_rows.begin});
+  first.front = std::move(*frame);
+  return {};
+}
+
+}  // namespace
+
+Result<FirstSample> complete_first(Device& device, const Plan& plan, Frame behind, bool in_strips, const GetFrame& get,
+                                   const Shade& shade, const ProgressMonitor& monitor) {
+  FirstSample first{.behind = std::move(behind)};
+  first.rows = plan.capture.strip ? plan.capture.strip->rows : Rows{0, first.behind.info.height};
+  auto marks = whole_plane(device, first.behind, "marks");
   if (!marks) return marks.error();
-  total.marks = std::move(marks->planes[0]);
-  if (auto added = add_marked(device, plan, first, total); !added) return added.error();
+  if (plan.has_blended)
+    if (auto added = add_front(device, plan, in_strips, get, shade, monitor, *marks, first); !added)
+      return added.error();
+  first.marks = std::make_shared<PixelMask>(PixelMask{std::move(*marks), first.rows.begin});
+  return first;
+}
+
+namespace {
+
+/// Adds the pictures of a sample. `first`: it is the first one, which is added to all pixels. A strip is added to the
+/// sum of the whole picture if that is larger than the strip. `front_begin`: the first row of the picture in `front`.
+Result<void> add_sample(Device& device, const Plan& plan, const Frame* front, int front_begin, const Frame& behind,
+                        bool first, PictureSum& total) {
+  const std::vector<std::string> names = averaged_planes(plan);
+  const int guard = behind.info.guard, height = total.marks.height;
+  const int begin = plan.capture.strip ? std::max(plan.capture.strip->rows.begin - guard, 0) : 0;
+  const int first_row = height == behind.info.inner_height() ? begin : 0;
+  const auto add = [&](const Image& image, int row) {
+    std::vector<const Plane*> planes;
+    for (const Plane& plane : image.planes) planes.push_back(&plane);
+    add_planes(total, names, planes, row, first);
+  };
+  if (plan.has_blended && first_row == 0) count_picture(total, first);
+  if (first_row == 0) count_picture(total, first);
+  if (!front) {
+    const auto image = device.view(behind, names);
+    if (!image) return image.error();
+    add(*image, first_row);
+    return {};
+  }
+  auto in_front = device.download(*front, with_blend_planes(names));
+  auto image = device.download(behind, names);
+  if (!in_front || !image) return in_front ? image.error() : in_front.error();
+  const int offset = std::max(front_begin - guard, 0) - begin;  // of the rows in front
+  BlendedSample blended;
+  blended.take_front(*in_front, offset, image->height);
+  add(*in_front, first_row + offset);
+  blended.weigh_behind(*image, 0);
+  add(*image, first_row);
+  return {};
+}
+
+}  // namespace
+
+Result<PictureSum> begin_sum(Device& device, const Plan& plan, const FirstSample& first) {
+  const PictureInfo& info = first.behind.info;
+  const Plane& marks = first.marks->plane;
+  PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots,
+                   .per_sample = plan.has_blended ? 2 : 1,
+                   .threads = device.threads()};
+  const int begin = first.marks->first_row, guard = info.guard;
+  const Rows rows{std::clamp(begin, guard, info.height - guard),
+                  std::clamp(begin + marks.height, guard, info.height - guard)};
+  total.marks = Plane(info.inner_width(), rows.count());
+  for (int y = 0; y < rows.count(); ++y)
+    std::copy_n(marks.row(rows.begin - begin + y) + guard, total.marks.width, total.marks.row(y));
+  total.sum = Image(total.marks.width, rows.count());
+  for (const std::string& name : averaged_planes(plan))
+    total.sum.add(name) = Plane(total.sum.width, total.sum.height, 0.0f);
+  const Frame* front = first.front ? &*first.front : nullptr;
+  if (auto added = add_sample(device, plan, front, first.front_rows.begin, first.behind, true, total); !added)
+    return added.error();
   return total;
 }
 
-Result<void> add_marked(Device& device, const Plan& plan, const Frame& frame, PictureSum& total) {
-  const std::vector<std::string> names = averaged_planes(plan);
-  // A strip is added to the sum of the whole picture if that is larger than the strip.
-  const int guard = frame.info.guard, height = total.marks.height;
-  const bool in_part = plan.capture.strip && height == frame.info.inner_height();
-  const int first_row = in_part ? std::max(plan.capture.strip->rows.begin - guard, 0) : 0;
-  const auto image = device.view(frame, names);
-  if (!image) return image.error();
-  std::vector<const Plane*> planes;
-  for (const Plane& plane : image->planes) planes.push_back(&plane);
-  add_planes(total, names, planes, first_row, height);
-  return {};
+Result<void> draw_marked(Device& device, const Plan& plan, const Camera& camera, const FirstSample& first,
+                         const GetFrame& get, const LookRun& run, PictureSum* total) {
+  Rows front_rows = first.front_rows;
+  if (const auto& strip = plan.capture.strip)
+    front_rows = {std::max(front_rows.begin, strip->rows.begin), std::min(front_rows.end, strip->rows.end)};
+  const auto drawn = [&](bool in_front) -> Result<Frame> {
+    Plan sample = plan;
+    sample.capture.blended = in_front;
+    sample.capture.mask = in_front ? first.front_marks : first.marks;
+    if (in_front && plan.capture.strip) sample.capture.strip->rows = front_rows;
+    auto frame = get(sample, camera);
+    if (!frame || !total) return frame;
+    const ParameterBytes params = resample_params(plan, frame->info, kResampleBorrow);
+    const Frame& from = in_front ? *first.front : first.behind;
+    if (auto added = device.add_planes_of(from, borrowed_planes(params), *frame); !added) return added.error();
+    if (auto borrowed = device.run(resample(), params, *frame, {}, run.monitor); !borrowed) return borrowed.error();
+    run.after(resample().name);
+    LookRun further = run;
+    further.settings = &plan.recipe.settings;
+    further.further = true;
+    const auto status = run_look(further, device, *frame);
+    return status ? frame : status.error();
+  };
+  std::optional<Frame> front;
+  if (first.front && front_rows.count() > 0) {
+    auto frame = drawn(true);
+    if (!frame) return frame.error();
+    front = std::move(*frame);
+  }
+  const auto behind = drawn(false);
+  if (!behind || !total) return behind ? Result<void>() : behind.error();
+  return add_sample(device, plan, front ? &*front : nullptr, front_rows.begin, *behind, false, *total);
 }
 
 }  // namespace umbrage

@@ -170,7 +170,28 @@ void separate_lines(Plan& plan) {
   outline.opacity = 0.0f;
 }
 
+/// Sets what frames have before any effect runs.
+void set_given(const Scene& scene, Plan& plan) {
+  plan.info = picture_info(scene, plan.camera, plan.capture);
+  plan.info.more_layers.resize(std::size_t(*layer_count(plan.capture)) - 1);
+  plan.given = {};
+  for (int layer = 0; layer <= int(plan.info.more_layers.size()); ++layer)
+    for (const std::string& name : captured_planes(scene, plan.info, plan.capture))
+      plan.given.names.push_back(layer_plane(layer, name));
+  for (const int light : softened_lights(plan.info, plan.capture)) plan.given.softened.push_back(shadow_plane(light));
+}
+
 }  // namespace
+
+Margin GivenPlanes::needed(const Margins& margins) const {
+  Margin max;
+  for (const auto& [name, margin] : margins) {
+    if (!name.empty() && !contains(names, name)) continue;
+    const int more = contains(softened, name) ? kSoftenMargin : 0;
+    max = {std::max(max.rows, margin.rows + more), std::max(max.columns, margin.columns + more)};
+  }
+  return max;
+}
 
 bool needs_ground(const Scene& scene, bool lacks_one, const Recipe& recipe) {
   if (!recipe.look->ground || recipe.ground == Ground::kOff) return false;
@@ -228,6 +249,7 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
     return status.error();
   plan.output = params_of(settings, "output");
   plan.has_blended = averages_something(recipe) && has_blended(scene);
+  set_given(scene, plan);
   if (!plan.averages()) return plan;
   // Samples hold linear light with alpha, so that edges blend with the background as light (or as square roots of it).
   auto& output = as<OutputParams>(params_of(settings, "output"));
@@ -235,11 +257,12 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
   if (output.beauty == kBeautyDisplay) output.beauty = kBeautyLight;  // display values are decoded after the average
   if (!recipe.hdri.shown()) output.transparent = 1;
   separate_lines(plan);
-  plan.marked = !plan.has_blended && draws_marked_samples(plan.recipe);
+  plan.marked = !(plan.has_blended && !plan.lines.empty()) && draws_marked_samples(plan.recipe);
   // Sample 0 alone has soft shadows of its own, so it takes the rays of all samples.
   if (plan.marked)
     plan.capture.shadow_rays =
         std::max(plan.capture.shadow_rays, std::min(plan.capture.shadow_rays * recipe.frames, kMaxShadowRays));
+  set_given(scene, plan);
   return plan;
 }
 
@@ -264,7 +287,17 @@ Plan turned(const Plan& first, const Scene& scene, float angle_deg) {
   if (recipe.light_size_deg) widen_key_light(*recipe.light_size_deg, scene, plan.lighting());
   plan.sky_gain = sky_gain(plan);
   if (auto measured = resolve_lengths(scene, plan); !measured) fail_check(measured.error().message);
+  set_given(scene, plan);
   return plan;
+}
+
+std::vector<std::string> planes_of_frame(const Plan& plan) {
+  LookRun run = look_run(plan.recipe);
+  run.lines = line_steps(plan.lines);
+  std::vector<std::string> names = plan.given.names;
+  for (const ProgramPlane& plane : compile(run, 1 + int(plan.info.more_layers.size()), &plan.info).planes)
+    if (plane.reduced == 1 && !contains(names, plane.name)) names.push_back(plane.name);
+  return names;
 }
 
 std::vector<PictureIndex> pictures_of(const Plan& plan) {

@@ -8,6 +8,15 @@
 
 namespace umbrage {
 
+/// The planes that a frame has before any effect runs.
+struct GivenPlanes {
+  std::vector<std::string> names;
+  std::vector<std::string> softened;  ///< shadows: within kSoftenMargin of the border of what is captured, they differ
+
+  /// Returns the margin around a result with which they must be captured, for margins of program/program.h.
+  Margin needed(const Margins& margins) const;
+};
+
 struct Plan {
   Recipe recipe;  ///< for one sample of the picture
   Camera camera;
@@ -22,6 +31,8 @@ struct Plan {
   /// Parameters of the effects whose lines are drawn once, by sample 0, over the averaged picture; else empty.
   StrokeParameters lines;
   int first_noise = 0;  ///< noise index of sample 0: see Effect::noise
+  PictureInfo info;     ///< of sample 0
+  GivenPlanes given;    ///< of the picture without blended surfaces
   /// Samples beyond the first are drawn only at the pixels that the first one marks: see marked_samples.h. Then sample
   /// 0 is drawn first.
   bool marked = false;
@@ -53,6 +64,9 @@ void adjust_lights(const Recipe& recipe, const Camera& camera, bool of_studio, s
 /// counterclockwise as seen from above. The environment image and lights that were placed relative to the camera move
 /// with it; the scene's own lights, and those placed for a camera inside the scene, belong to the model.
 Plan turned(const Plan& first, const Scene& scene, float angle_deg);
+
+/// Returns the names of the planes that the frame of a drawn plan can have.
+std::vector<std::string> planes_of_frame(const Plan& plan);
 
 /// A picture of a plan: sample index, and whether it shows blended surfaces.
 struct PictureIndex {

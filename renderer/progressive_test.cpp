@@ -118,13 +118,11 @@ TEST(Progressive, DividesEachPixelByItsPictures) {
     image.add("ao") = Plane(2, 1, value);
     return image;
   };
-  const auto add_marked = [&](float value) {
-    const Image image = picture(value);
-    const Plane* plane = image.planes.data();
-    add_planes(total, image.names, std::span(&plane, 1), 0, 1);
-  };
-  add_marked(1.0f);  // the first: everywhere
-  add_marked(3.0f);
+  add_picture(total, picture(1.0f));
+  const Image marked = picture(3.0f);
+  const Plane* const plane = marked.planes.data();
+  count_picture(total, false);
+  add_planes(total, marked.names, std::span(&plane, 1), 0, false);
   add_picture(total, picture(5.0f));
   const std::vector<std::string> names = {"ao"};
   EXPECT_EQ(mean_planes(total, names).plane("ao").at(0, 0), 3.0f);  // (1 + 5) / 2

@@ -47,9 +47,10 @@ Result<SequenceStart> shade_file(Device& device, const GBufferFile& file, const 
                                  const std::optional<SequenceStart>& start, StageTimes& times,
                                  const ProgressMonitor& monitor = {});
 
-/// Plans the shading of a file as plan_strips does, for the memory with which the file was opened. `recipe`: from
-/// make_file_recipe. Errors: kUsage if the picture is too large for the device.
-Result<StripSizes> plan_file_strips(const Device& device, const GBufferFile& file, const Recipe& recipe);
+/// Plans the shading of a file as plan_strips does, for `memory` bytes; empty: the memory with which the file was
+/// opened. `recipe`: from make_file_recipe. Errors: kUsage if the picture is too large for the device.
+Result<StripSizes> plan_file_strips(const Device& device, const GBufferFile& file, const Recipe& recipe,
+                                    std::optional<double> memory = {});
 
 /// Internal to renderer/. Shades a file in strips of `rows` rows, a multiple of 4. The result is bitwise identical to
 /// that of shade_planes. Errors: as shade_file.

@@ -25,6 +25,50 @@ bool StripProgress::report() {
   return !monitor_ || monitor_(reported_);
 }
 
+namespace {
+
+/// Returns the max number of rows above and below a strip.
+int margin_of(const StripSource& source, const StripNeeds& needs) {
+  int margin = 0;
+  for (const Margins& sweep : needs.sweeps) margin = std::max(margin, source.given.needed(sweep).rows);
+  return std::min(margin, source.info.height);
+}
+
+}  // namespace
+
+Result<StripSizes> plan_strips(const Device& device, const StripSource& source, const SumPlanes& sum, double memory) {
+  constexpr double kFixed = 60e6;               // the program and a scene of 100 000 triangles, bytes
+  constexpr int kMinRows = 64, kMaxRows = 512;  // rows of a strip
+  const PictureInfo& info = source.info;
+  const LivePlanes live = live_planes(source.run, info, source.given.names);
+  const double row = double(sizeof(float)) * plane_stride(info.width), plane = row * info.height;
+  const double drawing = std::max(live.max, live.at_end + sum.added);
+  const int layers = 1 + int(info.more_layers.size());
+  StripSizes whole{.bytes = kFixed + plane * (sum.held + drawing)};
+  const bool fits = double(info.width) * info.height * layers <= double(kMaxPixels);
+  whole.exceeds = device.draws_strips() && whole.bytes > memory;
+  if (fits && whole.bytes <= memory) return whole;
+  const bool traced = find_named(source.run.external_effects, source.run.occlusion);
+  if (!device.draws_strips() || traced) {
+    if (fits) return whole;
+    return usage_error(
+        "{} of {} x {} pixels {} too large: at most {} pixels in total; "
+        "larger pictures are drawn in strips, but not {}",
+        layers == 1 ? "one layer" : fmt::format("{} layers", layers), info.width, info.height,
+        layers == 1 ? "is" : "are", kMaxPixels,
+        traced ? "with `occlusion` reference" : fmt::format("on the device {}: try `device` cpu", device.name()));
+  }
+  const StripNeeds needs = needs_of_strips(source.run, info, source.before, source.given.names, source.after);
+  const double margins = 2.0 * margin_of(source, needs);
+  const double fixed = kFixed + plane * (needs.whole_planes + sum.held);
+  const int rows = int(std::clamp((memory - fixed) / (row * drawing) - margins, double(kMinRows), double(kMaxRows)));
+  StripSizes strips{.rows = rows / kMinRows * kMinRows};
+  strips.bytes = fixed + row * drawing * std::min(strips.rows + margins, double(info.height));
+  strips.exceeds = strips.bytes > memory;
+  // Planes that dispatches read at arbitrary distance are whole ones in strips, too.
+  return fits && strips.bytes >= whole.bytes ? whole : strips;
+}
+
 StripDrawer::StripDrawer(Device& device, StripSource source, int rows, StripProgress& progress, StageTimes& times)
     : device_(device), source_(std::move(source)), rows_(rows), progress_(progress), times_(times) {
   source_.run.after = [this](std::string_view name) { times_.done(name); };
@@ -33,19 +77,22 @@ StripDrawer::StripDrawer(Device& device, StripSource source, int rows, StripProg
 }
 
 Result<Strokes> StripDrawer::draw_picture(const std::vector<std::string>& planes, bool lines, const Finish& finish) {
+  const int height = source_.info.height;
   const auto whole_planes = std::make_shared<WholePlanes>();
-  bool metered = false;
-  sweep_ = 0;
-  for (bool finished = false; !finished; ++sweep_) {
+  Margins after = source_.after;
+  for (const std::string& name : planes) after.emplace(name, Margin{});
+  const StripNeeds needs = needs_of_strips(source_.run, source_.info, source_.before, source_.given.names, after);
+  bool metered = false, finished = false;
+  for (const Margins& margins : needs.sweeps) {
+    const int margin = std::min(source_.given.needed(margins).rows, height);
     metered_in_sweep_ = false;
-    margins_.resize(std::max(margins_.size(), sweep_ + 1), margins_.empty() ? 0 : margins_.back());
-    for (int begin = 0; begin < source_.height; begin += rows_) {
-      const Rows strip{begin, std::min(begin + rows_, source_.height)};
-      const auto strip_finished = draw_strip({strip, 0, whole_planes}, planes, finish);
+    for (int begin = 0; begin < height; begin += rows_) {
+      const Rows strip{begin, std::min(begin + rows_, height)};
+      const auto strip_finished = draw_strip({strip, margin, whole_planes}, planes, finish);
       if (!strip_finished) return strip_finished.error();
       if (begin > 0 && finished != *strip_finished) fail_check("strips of one picture wait for different dispatches");
       finished = *strip_finished;
-      progress_.show(double(strip.end) / source_.height);
+      progress_.show(double(strip.end) / height);
     }
     for (auto& [key, entry] : whole_planes->planes) entry.complete = true;
     if (metered_in_sweep_) {
@@ -54,6 +101,7 @@ Result<Strokes> StripDrawer::draw_picture(const std::vector<std::string>& planes
     }
     progress_.sweep_done();
   }
+  if (!finished) fail_check("a picture in strips needs more sweeps than were planned");
   progress_.sample_done(metered);
   return lines ? lines_of(*whole_planes) : Strokes();
 }
@@ -69,24 +117,6 @@ Strokes StripDrawer::lines_of(WholePlanes& whole_planes) const {
   return traced_strokes(info_, planes, source_.lines, device_.threads());
 }
 
-/// Draws a strip, again with a larger margin until the margin suffices. Returns whether the strip is finished; if not,
-/// its next dispatch reads planes that other strips must complete first.
-Result<bool> StripDrawer::draw_strip(Strip strip, const std::vector<std::string>& planes, const Finish& finish) {
-  const int height = source_.height, guard = source_.guard;
-  int& margin = margins_[sweep_];
-  for (;;) {
-    prepare_plane_pool({std::max(strip.rows.begin - margin, 0), std::min(strip.rows.end + margin, height)});
-    strip.margin = margin;
-    first_ = std::clamp(strip.rows.begin, guard, height - guard) - guard;
-    const auto state = try_strip(strip, planes, finish);
-    if (!state) return state.error();
-    if (state->finished || state->missing_rows == 0) return state->finished;
-    if (margin > height)
-      fail_check(fmt::format("a strip of a picture {} pixels high needs too large a margin", height));
-    margin += state->missing_rows;
-  }
-}
-
 /// Prepares the plane pool for strips with this number of rows: drops planes of other sizes, which cannot be reused.
 void StripDrawer::prepare_plane_pool(const Rows& rows) {
   if (kept_ && kept_rows_ == rows.count()) return;
@@ -95,34 +125,32 @@ void StripDrawer::prepare_plane_pool(const Rows& rows) {
   kept_rows_ = rows.count();
 }
 
-Result<RunState> StripDrawer::try_strip(const Strip& strip, const std::vector<std::string>& planes,
-                                        const Finish& finish) {
+/// Draws a strip. Returns whether it is finished; if not, its next dispatch reads planes that other strips must
+/// complete first.
+Result<bool> StripDrawer::draw_strip(const Strip& strip, const std::vector<std::string>& planes, const Finish& finish) {
+  const int height = source_.info.height, guard = source_.info.guard;
+  prepare_plane_pool(rows_with_margin(strip, height));
+  first_ = std::clamp(strip.rows.begin, guard, height - guard) - guard;
   auto frame = source_.make_frame(strip, source_.run.monitor);
   if (!frame) return frame.error();
   info_ = frame->info;
-  metered_missing_ = 0;
-  const auto look_state = run_look(source_.run, device_, *frame);
-  if (!look_state) return look_state.error();
-  if (!look_state->finished) return RunState{false, std::max(look_state->missing_rows, metered_missing_)};
-  stops_ = look_state->stops;
-  const auto after = source_.after_look(*frame, source_.run.monitor);
-  if (!after || !after->finished) return after;
-  if (const int missing = device_.missing_rows(*frame, planes); missing > 0) return RunState{false, missing};
+  const auto state = run_look(source_.run, device_, *frame);
+  if (!state) return state.error();
+  if (!state->finished) return false;
+  stops_ = state->stops;
   auto rows = device_.download(*frame, planes);
   if (!rows) return rows.error();
   if (rows->height > 0)
     if (auto taken = finish(*frame, *rows, first_); !taken) return taken.error();
-  return RunState();
+  return true;
 }
 
 /// Adds a strip to the metering. Returns no exposure: it is known only after a sweep over all strips, and the next
 /// sweep uses it.
 Result<std::optional<float>> StripDrawer::meter(Device& device, const Frame& frame, Exposure by) {
-  metered_missing_ = device.missing_rows(frame, kMeteredPlanes);
-  if (metered_missing_ > 0) return std::optional<float>();
   const auto rows = device.download(frame, kMeteredPlanes);
   if (!rows) return rows.error();
-  metering_.add(*rows, first_, source_.height - 2 * source_.guard);
+  metering_.add(*rows, first_, source_.info.inner_height());
   stops_from_lights_ = stops_from_lights(frame.info);
   metered_by_ = by;
   metered_in_sweep_ = true;

@@ -8,6 +8,7 @@
 
 #include "core/strokes.h"
 #include "program/program.h"
+#include "renderer/plan.h"
 #include "renderer/strokes.h"
 #include "renderer/times.h"
 
@@ -41,20 +42,42 @@ class StripProgress {
 /// A picture to draw in strips: its size, its look, and where the frames of its strips come from.
 struct StripSource {
   LookRun run;             ///< the drawer sets `after`, `monitor` and `meter`; with `stops`, nothing is metered
-  int height = 0;          ///< rows of the picture, guard band included
-  int guard = 0;           ///< guard band, pixels on each side
+  PictureInfo info;        ///< of the whole picture
   StrokeParameters lines;  ///< parameters of the effects that make the lines
+  GivenPlanes given;       ///< planes before `before`
+  std::vector<EffectStep> before = {};  ///< what make_frame runs
+  Margins after = {};                   ///< planes that are read around the rows of a finished strip
   /// Returns the frame of a strip before any effect of the look has run. Called once for each strip of each sweep.
   std::function<Result<Frame>(const Strip&, const ProgressMonitor&)> make_frame;
-  /// Runs on each frame after the look; may be unfinished as Device::run.
-  std::function<Result<RunState>(Frame&, const ProgressMonitor&)> after_look;
 };
+
+/// How a picture is split into strips.
+struct StripSizes {
+  int rows = 0;        ///< rows of a strip, a multiple of 64; 0: the picture is drawn whole
+  double bytes = 0.0;  ///< memory for drawing, bytes
+  /// Whether that is more than the limit, on a device that holds pictures in the memory of the host.
+  bool exceeds = false;
+};
+
+/// The memory of the sum of several pictures, in planes.
+struct SumPlanes {
+  double held = 0.0;   ///< of the whole picture, while each picture is drawn, also in strips
+  double added = 0.0;  ///< while a drawn picture is added, or the sum is finished; in strips, of a strip
+};
+
+/// Plans a picture for about `memory` bytes: whole if they suffice and it has at most kMaxPixels pixels, else in
+/// strips, of the minimum height if even these need more, or whole if strips would not need less. Devices that cannot
+/// draw strips and techniques that trace the scene draw the picture whole. Errors: kUsage if it is too large for that.
+Result<StripSizes> plan_strips(const Device& device, const StripSource& source, const SumPlanes& sum, double memory);
 
 /// Draws the strips of pictures of one size.
 class StripDrawer {
  public:
   /// `rows`: rows of a strip, a multiple of 4. The source's parameters of lines must outlive the drawer.
   StripDrawer(Device& device, StripSource source, int rows, StripProgress& progress, StageTimes& times);
+
+  /// Sets the effects that draw the lines of later pictures.
+  void set_lines(std::vector<EffectStep> steps) { source_.run.lines = std::move(steps); }
 
   /// Receives the inner rows of a finished strip; `first` is the index of the first row.
   using Finish = std::function<Result<void>(const Frame& frame, Image& rows, int first)>;
@@ -68,9 +91,8 @@ class StripDrawer {
 
  private:
   Strokes lines_of(WholePlanes& whole_planes) const;
-  Result<bool> draw_strip(Strip strip, const std::vector<std::string>& planes, const Finish& finish);
+  Result<bool> draw_strip(const Strip& strip, const std::vector<std::string>& planes, const Finish& finish);
   void prepare_plane_pool(const Rows& rows);
-  Result<RunState> try_strip(const Strip& strip, const std::vector<std::string>& planes, const Finish& finish);
   Result<std::optional<float>> meter(Device& device, const Frame& frame, Exposure by);
 
   Device& device_;
@@ -83,10 +105,7 @@ class StripDrawer {
   float stops_ = 0.0f;
   Exposure metered_by_ = Exposure::kPicture;
   bool metered_in_sweep_ = false;  // whether the sweep collects values for metering
-  int metered_missing_ = 0;        // rows that metering lacks in the current strip
   PictureInfo info_;
-  std::size_t sweep_ = 0;     // index of the sweep within the picture
-  std::vector<int> margins_;  // rows above and below the strips of each sweep, kept for all pictures
   std::optional<ScopedPlanePool> kept_;
   int kept_rows_ = 0;
   int first_ = 0;  // first inner row of the strip

@@ -16,87 +16,6 @@
 namespace umbrage {
 namespace {
 
-/// Memory for drawing, in units of one plane of the whole picture.
-struct PlaneCount {
-  double held = 0.0;      ///< planes of a frame
-  double far = 0.0;       ///< planes that stay whole: dispatches read them at any distance, or host steps make them
-  double averaged = 0.0;  ///< sums over the samples
-};
-
-/// Estimates the planes needed for drawing, with `captured` planes in each layer. Planes that later dispatches no
-/// longer read are counted, too.
-PlaneCount count_planes(const Recipe& recipe, int layers, int captured) {
-  constexpr double kUniformAndOutput = 7.0;  // uniform planes, and output
-  constexpr double kForAverage = 6.0;        // the finished picture and its inputs
-  const double reduced = 1.0 / double(recipe.occlusion_downsampling * recipe.occlusion_downsampling);
-  constexpr double kForHostStep = 3.0;  // temporary data of a host step: edges, chains and their positions
-  double for_host_steps = 0.0;
-  std::set<std::string> full, small, far_full, far_small;
-  for (const Effect* effect : steps_of(look_run(recipe))) {
-    const bool is_small = recipe.occlusion_downsampling > 1 &&
-                          (effect->kind == EffectKind::kOcclusion || effect->kind == EffectKind::kFilter);
-    const ParameterBytes& params = params_of(recipe.settings, effect->name);
-    for (const Dispatch& dispatch : effect->dispatches) {
-      if (!runs(dispatch, params)) continue;
-      const auto is_drawn = [&](std::string_view plane) { return layer_of_plane(plane) < layers; };
-      for (const std::string_view plane : dispatch.outputs)
-        if (dispatch.for_all && is_drawn(plane)) (is_small ? small : full).emplace(plane);
-      for (const std::string_view plane : dispatch.reach ? dispatch.unbounded_inputs : dispatch.inputs)
-        if (is_drawn(plane)) (is_small && dispatch.for_all ? far_small : far_full).emplace(plane);
-      if (dispatch.host) far_full.insert(dispatch.outputs.begin(), dispatch.outputs.end());
-      if (dispatch.host) for_host_steps += kForHostStep;
-    }
-  }
-  PlaneCount count;
-  count.held = double(captured * layers) + kUniformAndOutput + double(full.size());
-  if (!small.empty()) count.held += reduced * double(small.size() + std::size_t(captured * layers)) + 8.0;
-  count.far = double(far_full.size()) + reduced * double(far_small.size()) + for_host_steps;
-  constexpr double kColor = 4.0;
-  if (recipe.frames > 1)
-    count.averaged = kColor * double(picture_passes(recipe).size()) + double(recipe.averaged.size());
-  count.held += recipe.frames > 1 ? kForAverage : 0.0;
-  return count;
-}
-
-}  // namespace
-
-Result<StripSizes> plan_strips(const Device& device, const Recipe& recipe, double memory, int captured) {
-  constexpr double kBytes = sizeof(float);
-  constexpr double kFixed = 60e6;               // the program and a scene of 100 000 triangles, bytes
-  constexpr double kMargin = 64.0;              // rows above and below a strip, in high pictures
-  constexpr double kMarginOfHeight = 0.05;      // the same in low ones, relative to the height
-  constexpr int kMinRows = 64, kMaxRows = 512;  // rows of a strip: margins are 2/3 of what is drawn, or 1/5
-  const int layers = *layer_count(recipe.capture);
-  const PlaneCount count = count_planes(recipe, layers, captured);
-  const double width = recipe.width + 2.0 * recipe.capture.guard, height = recipe.height + 2.0 * recipe.capture.guard;
-  StripSizes plan;
-  const double margins = 2.0 * std::min(kMargin, kMarginOfHeight * height);
-  plan.bytes = kFixed + (count.held + count.averaged) * kBytes * width * height;
-  const bool traced = find_named(external_effects(), recipe.occlusion);
-  const bool fits = width * height * layers <= double(kMaxPixels);
-  plan.exceeds = device.draws_strips() && plan.bytes > memory;
-  if (fits && plan.bytes <= memory) return plan;
-  if (!device.draws_strips() || traced) {
-    if (fits) return plan;
-    return usage_error(
-        "{} of {} x {} pixels {} too large: at most {} pixels in total; "
-        "larger pictures are drawn in strips, but not {}",
-        layers == 1 ? "one layer" : fmt::format("{} layers", layers), width, height, layers == 1 ? "is" : "are",
-        kMaxPixels,
-        traced ? "with `occlusion` reference" : fmt::format("on the device {}: try `device` cpu", device.name()));
-  }
-  const double fixed = kFixed + (count.far + count.averaged) * kBytes * width * height;
-  const double row = count.held * kBytes * width;
-  const int rows = int(std::clamp((memory - fixed) / row - margins, double(kMinRows), double(kMaxRows)));
-  StripSizes strips{.rows = rows / kMinRows * kMinRows};
-  strips.bytes = fixed + row * std::min(strips.rows + margins, height);
-  strips.exceeds = strips.bytes > memory;
-  // Planes that dispatches read at arbitrary distance are whole ones in strips, too.
-  return fits && strips.bytes >= plan.bytes ? plan : strips;
-}
-
-namespace {
-
 /// Returns the planes `names` of an image.
 Image planes_of(const Image& rows, const std::vector<std::string>& names) {
   Image chosen(rows.width, rows.height);
@@ -132,30 +51,35 @@ Result<Image> averaged_rows(Device& device, const Plan& plan, PictureSum& sum, c
   return finished;
 }
 
+/// Returns the source of the strips of a plan without frames.
+StripSource source_of(const Plan& plan) {
+  StripSource source{.run = look_run(plan.recipe),
+                     .info = plan.info,
+                     .lines = plan.lines.empty() ? stroke_parameters_or_none(plan.recipe) : plan.lines,
+                     .given = plan.given};
+  source.run.lines = line_steps(plan.lines);
+  if (!plan.marked) return source;
+  source.before.push_back(marking_step(plan, plan.info));
+  add_margins_for_further(plan, plan.info, source.after);
+  return source;
+}
+
 /// Returns the source of the strips of a plan that are captured with `camera`, both as they are at the time.
 StripSource scene_source(Device& device, Plan& plan, const Camera& camera, StageTimes& times) {
-  const auto captured = [&](const Strip& strip, const ProgressMonitor& monitor) -> Result<Frame> {
+  StripSource source = source_of(plan);
+  source.make_frame = [&](const Strip& strip, const ProgressMonitor& monitor) -> Result<Frame> {
     plan.capture.strip = strip;
-    auto frame = device.capture(camera, plan.capture, monitor);
+    const GetFrame get = [&](const Plan& sample, const Camera& from) {
+      return device.capture(from, sample.capture, monitor);
+    };
+    auto frame = plan.marked ? capture_first(device, plan, camera, get, monitor) : get(plan, camera);
     if (!frame) return frame;
     times.done("capture");
     if (auto added = add_sky(device, plan, *frame); !added) return added.error();
     if (plan.recipe.hdri.shown()) times.done("sky");
-    if (!plan.marked) return frame;
-    if (auto marked = mark_pixels(device, plan, *frame, monitor); !marked) return marked.error();
     return frame;
   };
-  return {.run = look_run(plan.recipe),
-          .height = plan.capture.height + 2 * plan.capture.guard,
-          .guard = plan.capture.guard,
-          .lines = plan.lines.empty() ? stroke_parameters_or_none(plan.recipe) : plan.lines,
-          .make_frame = captured,
-          .after_look = [&](Frame& frame, const ProgressMonitor& monitor) -> Result<RunState> {
-            auto state = draw_lines(device, plan, frame, monitor, times);
-            if (!state || !state->finished || !plan.marked) return state;
-            const int missing = missing_rows_for_marked(device, plan, frame);
-            return RunState{missing == 0, missing};
-          }};
+  return source;
 }
 
 /// Returns `planes` and those that set_background reads.
@@ -167,30 +91,48 @@ std::vector<std::string> with_background_planes(const Plan& plan, std::vector<st
   return planes;
 }
 
-/// Draws the further samples of a strip at the pixels that its frame of the first sample marks. Returns their sum.
-Result<PictureSum> sum_of_strip(Device& device, const Plan& plan, float stops, const Frame& first, StageTimes& times,
+/// Draws the further samples of a strip, and the first one of its blended surfaces. `behind`: the first one without
+/// them. Returns the sum of all samples.
+Result<PictureSum> sum_of_strip(Device& device, const Plan& plan, float stops, const Frame& behind, StageTimes& times,
                                 const ProgressMonitor& monitor) {
-  auto total = begin_sum(device, plan, first);
   LookRun run = look_run(plan.recipe);
   run.after = [&](std::string_view name) { times.done(name); };
   run.monitor = monitor;
   run.stops = stops;
+  const GetFrame get = [&](const Plan& sample, const Camera& camera) {
+    auto frame = device.capture(camera, sample.capture, monitor);
+    times.done("capture");
+    return frame;
+  };
+  const auto shade = [&](Frame& frame) -> Result<void> {
+    const auto shaded = run_look(run, device, frame);
+    return shaded ? Result<void>() : shaded.error();
+  };
+  Plan of_first = plan;
+  of_first.capture.strip->wholes = std::make_shared<WholePlanes>();  // those of other frames have the same keys
+  const auto first = complete_first(device, of_first, behind, true, get, shade, monitor);
+  if (!first) return first.error();
+  auto total = begin_sum(device, plan, *first);
   for (int sample = 1; total && sample < plan.recipe.frames; ++sample) {
-    Plan further = plan;
+    Plan further = of_first;
     const Camera camera = begin_marked(further, sample);
     further.capture.strip->margin = 0;
-    further.capture.strip->wholes = std::make_shared<WholePlanes>();  // those of sample 0 have the same keys
-    auto frame = capture_sample(device, further, camera, &first, monitor);
-    if (!frame) return frame.error();
-    times.done("capture");
-    if (auto shaded = shade_marked(device, further, run, first, *frame); !shaded) return shaded.error();
-    if (auto added = add_marked(device, plan, *frame, *total); !added) return added.error();
+    if (auto drawn = draw_marked(device, further, camera, *first, get, run, &*total); !drawn) return drawn.error();
     times.done("average");
   }
   return total;
 }
 
 }  // namespace
+
+Result<StripSizes> plan_strips(const Device& device, const Plan& plan, double memory) {
+  constexpr double kForAverage = 6.0;  // the finished picture and its inputs
+  SumPlanes sum;
+  const double averaged = double(averaged_planes(plan).size());
+  if (plan.averages()) sum.added = averaged + kForAverage;
+  (plan.marked ? sum.added : sum.held) += plan.averages() ? averaged : 0.0;
+  return plan_strips(device, source_of(plan), sum, memory);
+}
 
 Result<Strokes> draw_strips(Device& device, const Plan& planned, int rows, const std::vector<std::string>& requested,
                             bool lines, const TakeRows& take, StageTimes& times, const ProgressMonitor& monitor) {
@@ -243,9 +185,11 @@ Result<Strokes> draw_strips(Device& device, const Plan& planned, int rows, const
     std::vector<std::string> names = index.blended ? with_blend_planes(averaged) : averaged;
     if (index.blended && index.sample == 0) names.insert(names.end(), drawn_lines.begin(), drawn_lines.end());
     camera = begin_picture(plan, index);
+    drawer.set_lines(index.sample == 0 ? line_steps(plan.lines) : std::vector<EffectStep>());
     if (auto status = drawer.draw_picture(names, false, add); !status) return status.error();
   }
   camera = begin_picture(plan, {});
+  drawer.set_lines(line_steps(plan.lines));
   auto traced = drawer.draw_picture(wanted, lines, finish);
   if (!traced) return traced.error();
   if (auto ended = progress.end(); !ended) return ended.error();

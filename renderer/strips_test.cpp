@@ -208,68 +208,86 @@ TEST(Strips, SoftShadowsOfAModelInTheOpen) {
     expect_same(drawn(settings, 0, planes, 0, model), drawn(settings, 32, planes, 0, model));
 }
 
+/// A plan of `scene:solids`, and a device to draw it.
+struct Planned {
+  explicit Planned(const Request& request, const char* model = "scene:solids?detail=2000") {
+    Recipe recipe = *make_recipe(request, kMaxStripPixels);
+    reduce_to_passes(recipe);
+    scene = *load_scene(model);
+    complete_scene(scene, recipe);
+    plan = *make_plan(recipe, scene, device->threads());
+  }
+
+  StripSizes sizes(double memory) const { return *plan_strips(*device, plan, memory); }
+  /// Draws the picture, in strips if `rows` > 0. Returns the max memory of its planes, bytes.
+  double drawn_bytes(int rows) {
+    EXPECT_TRUE(device->prepare(scene));
+    StageTimes times;
+    const ScopedPlanePool pool(device->pool());
+    device->pool()->take_peak();
+    const auto take = [](const PictureInfo&, const Image&, int) { return Result<void>(); };
+    if (rows > 0)
+      EXPECT_TRUE(draw_strips(*device, plan, rows, {"color.r"}, false, take, times));
+    else
+      EXPECT_TRUE(draw(*device, scene, plan, times));
+    return double(device->pool()->take_peak());
+  }
+
+  std::unique_ptr<Device> device = make_cpu_device({.threads = 2});
+  Scene scene;
+  Plan plan;
+};
+
 // A strip of the min height is as large as a low picture, and lines need whole planes besides.
 TEST(Strips, AreNotPlannedWhereTheySaveNothing) {
-  const auto device = make_cpu_device();
   for (const char* look : {"cartoon", "studio"}) {
-    const auto recipe = make_recipe(of_look(look, 8192, 64), kMaxStripPixels);
-    const auto whole = plan_strips(*device, *recipe, 6e9), low = plan_strips(*device, *recipe, 1e8);
-    EXPECT_EQ(low->rows, 0) << look;
-    EXPECT_EQ(low->bytes, whole->bytes) << look;
-    EXPECT_TRUE(low->exceeds) << look;
-    EXPECT_FALSE(whole->exceeds) << look;
+    const Planned picture(of_look(look, 8192, 64));
+    const StripSizes whole = picture.sizes(6e9), low = picture.sizes(1e8);
+    EXPECT_EQ(low.rows, 0) << look;
+    EXPECT_EQ(low.bytes, whole.bytes) << look;
+    EXPECT_TRUE(low.exceeds) << look;
+    EXPECT_FALSE(whole.exceeds) << look;
   }
 }
 
-// The estimate is linear in the rows of a strip with its margins: 64 rows above and below, or 5 percent of low
-// pictures.
-TEST(Strips, MarginsCountInTheEstimate) {
-  const auto device = make_cpu_device();
-  // Returns the lowest strips, of 64 rows, or some higher ones, which more memory gives.
-  const auto planned = [&](int width, int height, bool higher) {
-    const auto recipe = make_recipe(of_look("studio", width, height), kMaxStripPixels);
-    StripSizes sizes = *plan_strips(*device, *recipe, 1e6);
-    EXPECT_EQ(sizes.rows, 64);
-    for (double memory = sizes.bytes; higher && sizes.rows == 64; memory *= 1.005)
-      sizes = *plan_strips(*device, *recipe, memory);
-    EXPECT_GE(sizes.rows, 64);
-    return sizes;
-  };
-  constexpr int kWidth = 2048;
-  const auto bytes = [&](int width, int height) { return planned(width, height, false).bytes; };
-  const double fixed = 2.0 * bytes(kWidth, 8192) - bytes(2 * kWidth, 8192);  // what does not grow with the width
-  const double whole_planes = (bytes(kWidth, 16384) - bytes(kWidth, 8192)) / 8192.0;  // per row of the picture
-  for (const auto& [height, margins] : {std::pair{8192, 128.0}, {1280, 128.0}, {1000, 100.0}}) {
-    const StripSizes low = planned(kWidth, height, false), high = planned(kWidth, height, true);
-    const double per_row = (high.bytes - low.bytes) / (high.rows - low.rows);
-    EXPECT_NEAR((low.bytes - fixed - whole_planes * height) / per_row, 64.0 + margins, 0.01) << height;
-  }
+TEST(Strips, MemoryIsThatOfThePlan) {
+  constexpr double kFixed = 60e6;  // for the program and the scene
+  for (const Look* look : scene_looks())
+    for (const char* quality : {"draft", "normal"}) {
+      Request request = of_look(std::string(look->name).c_str(), 1000, 1000);
+      request.quality = quality;
+      SCOPED_TRACE(fmt::format("{} {}", look->name, quality));
+      Planned picture(request);
+      for (const double memory : {6e9, 1e6}) {
+        const StripSizes sizes = picture.sizes(memory);
+        const double drawn = picture.drawn_bytes(sizes.rows);
+        fmt::print("{} {} rows {}: {:.3f}\n", look->name, quality, sizes.rows, (sizes.bytes - kFixed) / drawn);
+        EXPECT_NEAR((sizes.bytes - kFixed) / drawn, 1.0, 0.1) << sizes.rows;
+      }
+    }
 }
 
 TEST(Strips, ArePlannedWhereMemoryIsShort) {
-  const auto device = make_cpu_device();
   Request settings = of_look("studio", 1024, 1024);
-  const auto planned = [&](double memory) {
-    return plan_strips(*device, *make_recipe(settings, kMaxStripPixels), memory);
-  };
-  EXPECT_EQ(planned(6e9)->rows, 0);
-  EXPECT_FALSE(planned(6e9)->exceeds);
-  EXPECT_GT(planned(3e8)->rows, 0);
-  EXPECT_FALSE(planned(3e8)->exceeds);
-  EXPECT_GT(planned(1e6)->rows, 0);
-  EXPECT_TRUE(planned(1e6)->exceeds);
+  const Planned small(settings);
+  EXPECT_EQ(small.sizes(6e9).rows, 0);
+  EXPECT_FALSE(small.sizes(6e9).exceeds);
+  EXPECT_GT(small.sizes(1.5e8).rows, 0);
+  EXPECT_FALSE(small.sizes(1.5e8).exceeds);
+  EXPECT_GT(small.sizes(1e6).rows, 0);
+  EXPECT_TRUE(small.sizes(1e6).exceeds);
   settings.width = settings.height = 16384;
-  const auto plan = planned(6e9);
-  ASSERT_TRUE(plan);
-  EXPECT_GT(plan->rows, 0);
-  EXPECT_EQ(plan->rows % 4, 0);
-  EXPECT_LT(plan->bytes, 8e9);
+  const Planned large(settings);
+  EXPECT_GT(large.sizes(6e9).rows, 0);
+  EXPECT_EQ(large.sizes(6e9).rows % 4, 0);
+  EXPECT_LT(large.sizes(6e9).bytes, 6e9);
   // The limit on pictures drawn whole does not depend on memory.
-  EXPECT_GT(planned(1e12)->rows, 0);
+  EXPECT_GT(large.sizes(1e12).rows, 0);
   settings.passes = {"depth", "ao"};
   EXPECT_TRUE(make_recipe(settings, kMaxStripPixels));
   settings.occlusion = "reference";
-  EXPECT_EQ(planned(6e9).error().kind, ErrorKind::kUsage);
+  const Planned traced(settings);
+  EXPECT_EQ(plan_strips(*traced.device, traced.plan, 6e9).error().kind, ErrorKind::kUsage);
 }
 
 }  // namespace

@@ -97,6 +97,17 @@ StrokeParameters stroke_parameters_or_none(const Recipe& recipe) {
   return params ? std::move(*params) : StrokeParameters();
 }
 
+std::vector<EffectStep> line_steps(const StrokeParameters& params) {
+  std::vector<EffectStep> steps;
+  const auto add = [&](std::string_view effect, const ParameterBytes& of_effect) {
+    if (!of_effect.empty()) steps.push_back({find_effect(effect), of_effect});
+  };
+  add("outline", params.outline);
+  add("hidden", params.hidden);
+  add("hatching", params.hatching);
+  return steps;
+}
+
 std::vector<std::string_view> edge_planes(const StrokeParameters& params, int layers) {
   std::vector<std::string_view> planes;
   const auto add = [&](std::string_view effect) {

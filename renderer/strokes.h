@@ -27,6 +27,9 @@ Result<StrokeParameters> stroke_parameters(const Recipe& recipe);
 /// Returns the same, or empty parameters if there are no such lines.
 StrokeParameters stroke_parameters_or_none(const Recipe& recipe);
 
+/// Returns the steps that draw these lines.
+std::vector<EffectStep> line_steps(const StrokeParameters& params);
+
 /// Returns the planes from which these lines of a picture with this number of layers are traced.
 std::vector<std::string_view> edge_planes(const StrokeParameters& params, int layers);
 

@@ -375,7 +375,7 @@ TEST_P(Differential, MissingPixelsAreAsInARunForAll) {
           for (int x = 0; x < size.width; ++x)
             if (is_missing(x, y)) start.plane("ao").at(x, y) = kMissing;
         ASSERT_TRUE(device.add(start, frame));
-        ASSERT_TRUE(device.run(effect, params, frame, 0, PixelSet::kMissing));
+        ASSERT_TRUE(device.run(effect, params, frame, {.pixels = PixelSet::kMissing}));
         const Image result = *device.download(frame, {"ao", "indirect.r"});
         long wrong = 0;
         for (int y = 0; y < size.height; ++y)

@@ -31,11 +31,12 @@
 namespace umbrage::cli {
 namespace {
 
-/// Returns the planes of the requested passes. Errors: kUsage.
-Result<std::vector<std::string>> pass_planes_of(const RenderOptions& o, const Device& device, const Frame& frame) {
+/// Returns the planes of the requested passes of a picture with the planes `available`. Errors: kUsage.
+Result<std::vector<std::string>> pass_planes_of(const RenderOptions& o, std::span<const std::string> available,
+                                                const PictureInfo& info) {
   std::vector<std::string> words = o.request.passes;
   if (o.request.scene_linear) std::replace(words.begin(), words.end(), std::string("color"), std::string("beauty"));
-  const auto chosen = chosen_planes(words, device.plane_names(frame), frame.info);
+  const auto chosen = chosen_planes(words, available, info);
   if (!chosen) return chosen.error();
   std::vector<std::string> names;
   for (const PassPlanes& pass : *chosen)
@@ -64,22 +65,6 @@ struct RenderJob {
   double memory = 0.0;
 };
 
-/// Returns the planes of the requested passes. Draws a small copy of the picture to find them.
-Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& device, const Scene& scene,
-                                             const Plan& plan) {
-  constexpr int kSmallSize = 16;  // width and height, pixels
-  Request small = o.request;
-  small.width = small.height = kSmallSize;
-  auto recipe = make_recipe(small);
-  if (!recipe) return recipe.error();
-  recipe->hdri = plan.recipe.hdri;
-  reduce_to_passes(*recipe);
-  StageTimes times;
-  const auto frame = draw(device, scene, *recipe, times);
-  if (!frame) return frame.error();
-  return pass_planes_of(o, device, *frame);
-}
-
 /// Draws the picture in strips directly into its file. Shows progress on `line`.
 Result<void> draw_into_file(const RenderOptions& o, const RenderJob& job, Device& device, const Scene& scene,
                             const Plan& plan, int strip_rows, ProgressLine& line, StageTimes& times) {
@@ -88,7 +73,7 @@ Result<void> draw_into_file(const RenderOptions& o, const RenderJob& job, Device
   const Destination destination{o.output, nullptr, {}};
   auto names = lines.alone ? std::vector<std::string>() : picture_planes(o, destination);
   if (o.writes_passes()) {
-    auto planes = pass_planes(o, device, scene, plan);
+    auto planes = pass_planes_of(o, planes_of_frame(plan), plan.info);
     if (!planes) return planes.error();
     names = std::move(*planes);
   }
@@ -231,7 +216,7 @@ Result<void> draw_frame(Drawing& all, const FrameTask& task, StageTimes& times) 
   if (job.lines.alone) return {};
   Destination destination = all.destination;
   if (job.output.is_sequence()) destination.file = job.output.names.of(task.frame);
-  const auto names = o.writes_passes() ? pass_planes_of(o, all.device, frame)
+  const auto names = o.writes_passes() ? pass_planes_of(o, all.device.plane_names(frame), frame.info)
                                        : Result<std::vector<std::string>>(picture_planes(o, destination));
   if (!names) return names.error();
   const auto image = download_passes(all.device, frame, *names);
@@ -321,6 +306,9 @@ Result<RenderJob> make_job(const RenderOptions& o) {
   auto lines = line_file_of(o, output->is_turntable ? output->frames : 0);
   if (!lines) return lines.error();
   job.lines = std::move(*lines);
+  const auto memory = parse_memory(o.memory);
+  if (!memory) return memory.error();
+  job.memory = *memory;
   auto recipe = make_recipe(o.request, kMaxStripPixels);
   if (!recipe) return recipe.error();
   job.requested = job.recipe = std::move(*recipe);
@@ -370,17 +358,16 @@ Result<RenderJob> make_job(const RenderOptions& o) {
 
 /// Returns the strips that keep the picture within --memory. Switches to the CPU if `device` cannot draw strips and
 /// --device is auto. Errors: kUsage for a picture that needs strips but cannot be drawn in strips.
-Result<StripSizes> planned_strips(const RenderOptions& o, const RenderJob& job, std::unique_ptr<Device>& device) {
-  const auto memory = parse_memory(o.memory);
-  if (!memory) return memory.error();
-  auto strips = plan_strips(*device, job.recipe, *memory);
+Result<StripSizes> planned_strips(const RenderOptions& o, const RenderJob& job, const Plan& plan,
+                                  std::unique_ptr<Device>& device) {
+  auto strips = plan_strips(*device, plan, job.memory);
   if (!strips && o.request.device == "auto" && !device->draws_strips()) {
     RenderOptions on_cpu = o;
     on_cpu.request.device = "cpu";
     auto other = device_of(on_cpu);
     if (!other) return other.error();
     device = std::move(*other);
-    strips = plan_strips(*device, job.recipe, *memory);
+    strips = plan_strips(*device, plan, job.memory);
   }
   if (!strips || strips->rows == 0) return strips;
   const auto too_large = [&](std::string_view what, std::string_view advice) {
@@ -430,8 +417,6 @@ Result<void> render(const RenderOptions& given) {
   auto opened = device_of(o);
   if (!opened) return opened.error();
   std::unique_ptr<Device> device = std::move(*opened);
-  const auto strips = planned_strips(o, *job, device);
-  if (!strips) return strips.error();
 
   std::optional<ProgressLine> line(std::in_place);
   auto scene = read_scene(o, *job, *line);
@@ -441,9 +426,11 @@ Result<void> render(const RenderOptions& given) {
   const std::string size = size_text(*scene);
   line->show("preparing " + scene->name);
   complete_scene(*scene, job->recipe);
-  if (auto ready = device->prepare(*scene); !ready) return ready;
   const auto plan = make_plan(job->recipe, *scene, device->threads());
   if (!plan) return plan.error();
+  const auto strips = planned_strips(o, *job, *plan, device);
+  if (!strips) return strips.error();
+  if (auto ready = device->prepare(*scene); !ready) return ready;
   line.reset();
   times.done("prepare");
   if (strips->exceeds)
@@ -461,7 +448,9 @@ Result<void> render(const RenderOptions& given) {
     return status;
   drawing.wipe();
   if (o.verbose) fmt::print(stderr, "{}: {} in {} meshes\n{}\n", scene->name, size, meshes, device->description());
-  if (o.verbose || o.json) print_times(times, times_by_dispatch(device->take_dispatch_times()), o.json);
+  const auto dispatches = device->finish();
+  if (!dispatches) return dispatches.error();
+  if (o.verbose || o.json) print_times(times, times_by_dispatch(*dispatches), o.json);
   return {};
 }
 

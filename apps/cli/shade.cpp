@@ -106,7 +106,9 @@ Result<void> shade_one(ShadeOptions& o, double memory) {
   line.wipe();
   if (!shaded) return shaded.error();
   if (o.verbose) fmt::print(stderr, "{}\n", (*device)->description());
-  if (o.verbose || o.json) print_times(times, times_by_dispatch((*device)->take_dispatch_times()), o.json);
+  const auto dispatches = (*device)->finish();
+  if (!dispatches) return dispatches.error();
+  if (o.verbose || o.json) print_times(times, times_by_dispatch(*dispatches), o.json);
   return {};
 }
 

@@ -242,7 +242,7 @@ Result<void> prepare_shading(ShadeOptions& o, const std::string& output) {
 }
 
 Result<double> shading_bytes(const Device& device, const GBufferFile& file, const Recipe& recipe) {
-  const auto plan = plan_strips(device, recipe, std::numeric_limits<double>::infinity());
+  const auto plan = plan_file_strips(device, file, recipe, std::numeric_limits<double>::infinity());
   if (!plan) return plan.error();
   const PictureInfo& info = file.info();
   constexpr double kCopies = 2.0;  // planes as stored and as converted

@@ -148,7 +148,7 @@ Result<double> run_technique(const Run& run, const TracedScene& traced, const Ef
   for (int k = traces ? 1 : 0; k <= (traces ? 1 : run.settings.runs); ++k) {
     StageTimes times;
     if (auto status = run_look(look_run, run.device, frame); !status) return status.error();
-    if (auto status = run.device.finish(); !status) return status.error();
+    if (auto finished = run.device.finish(); !finished) return finished.error();
     times.done("run");
     if (k > 0) ms.push_back(times.total());
   }
@@ -166,7 +166,7 @@ Result<void> light_frame(const Run& run, Frame& frame) {
   const Effect& lighting = *find_effect("lighting");
   const ParameterBytes& params = params_of(run.recipe.settings, lighting.name);
   for (int layer = 0; layer <= int(frame.info.more_layers.size()); ++layer)
-    if (auto status = run.device.run(lighting, params, frame, layer); !status) return status.error();
+    if (auto status = run.device.run(lighting, params, frame, {.layer = layer}); !status) return status.error();
   return {};
 }
 

@@ -132,7 +132,7 @@ Result<void> attempt(Search& search, Candidate candidate) {
     for (int k = 0; k <= search.settings.runs; ++k) {
       StageTimes times;
       if (auto status = run_look(look_run, search.device, picture.frame); !status) return status.error();
-      if (auto status = search.device.finish(); !status) return status;
+      if (auto finished = search.device.finish(); !finished) return finished.error();
       times.done("run");
       if (k > 0) ms.push_back(times.total());
     }

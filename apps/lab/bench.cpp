@@ -28,18 +28,17 @@ template <class Run>
 Result<Times> time_of(int runs, Device& device, const Run& run) {
   const ScopedPlanePool pool(device.pool());
   std::vector<double> ms, gpu_ms;
-  if (auto status = device.finish(); !status) return status.error();
   for (int i = 0; i <= runs; ++i) {
-    device.take_dispatch_times();
+    if (auto ready = device.finish(); !ready) return ready.error();
     StageTimes times;
     if (Result<void> status = run(); !status) return status.error();
-    if (Result<void> status = device.finish(); !status) return status.error();
+    const auto dispatches = device.finish();
+    if (!dispatches) return dispatches.error();
     times.done("run");
-    const auto dispatches = device.take_dispatch_times();
     if (i == 0) continue;
     ms.push_back(times.total());
-    if (!dispatches.empty()) gpu_ms.push_back(0.0);
-    for (const DispatchTime& dispatch : dispatches) gpu_ms.back() += dispatch.ms;
+    if (!dispatches->empty()) gpu_ms.push_back(0.0);
+    for (const DispatchTime& dispatch : *dispatches) gpu_ms.back() += dispatch.ms;
   }
   std::sort(ms.begin(), ms.end());
   std::sort(gpu_ms.begin(), gpu_ms.end());

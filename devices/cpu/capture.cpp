@@ -52,7 +52,7 @@ struct Drawing {
   int sample = 0;                                   ///< sample index of an accumulation
   std::vector<DrawnPlane> planes;                   ///< planes of each layer, in order
   std::vector<PenumbraRadii>* penumbrae = nullptr;  ///< of the first layer, one per softened light
-  const MarkedPixels* marked = nullptr;             ///< the pixels to capture; null: all
+  const PixelMask* mask = nullptr;                  ///< the pixels to capture; null: all
   MaterialParts parts;                              ///< those that the planes need
 };
 
@@ -329,7 +329,7 @@ void draw_block(const Drawing& drawing, const DrawnLayers& layers, int x0, int y
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   for (int k = 0; k < kPacket; ++k)
     if (const int x = x0 + k % kBlock, y = y0 + k / kBlock;
-        x < drawing.info.width && y < drawing.info.height && (!drawing.marked || drawing.marked->at(x, y)))
+        x < drawing.info.width && y < drawing.info.height && (!drawing.mask || drawing.mask->at(x, y)))
       primary.set_range(k, 0.0f, kInfinity);
   Block block;
   Surfaces surfaces;
@@ -357,15 +357,15 @@ void draw_block(const Drawing& drawing, const DrawnLayers& layers, int x0, int y
 /// Draws the blocks in these columns and rows of blocks, counted from the first drawn row.
 void draw_tile(const Drawing& drawing, const DrawnLayers& layers, const tbb::blocked_range2d<int>& range,
                Image& image) {
-  constexpr int kMarkedBlocks = kMarkedWidth / kBlock;
+  constexpr int kMaskBlocks = kMaskWidth / kBlock;
   for (int r = range.rows().begin(); r < range.rows().end(); ++r) {
     const int y0 = drawing.rows.begin + r * kBlock, y1 = std::min(y0 + kBlock, drawing.rows.end);
     bool any = true;
     for (int c = range.cols().begin(); c < range.cols().end(); ++c) {
       const int x0 = c * kBlock;
-      if (drawing.marked && (c % kMarkedBlocks == 0 || c == range.cols().begin())) {
-        const int first = c / kMarkedBlocks * kMarkedWidth;
-        any = drawing.marked->any(first, std::min(first + kMarkedWidth, drawing.info.width), y0, y1);
+      if (drawing.mask && (c % kMaskBlocks == 0 || c == range.cols().begin())) {
+        const int first = c / kMaskBlocks * kMaskWidth;
+        any = drawing.mask->any(first, std::min(first + kMaskWidth, drawing.info.width), y0, y1);
       }
       if (any) draw_block(drawing, layers, x0, y0, image);
     }
@@ -375,8 +375,7 @@ void draw_tile(const Drawing& drawing, const DrawnLayers& layers, const tbb::blo
 /// Draws the layers of one camera: that of the picture if `view` is 0, otherwise that of layer `view`.
 void draw_view(const TracedScene& traced, const PictureInfo& info, const Rows& drawn,
                const std::vector<DrawnPlane>& planes, const CaptureSettings& settings, int view,
-               const DrawnLayers& layers, std::vector<PenumbraRadii>* penumbrae, const MarkedPixels* marked,
-               Watch& watch, Image& image) {
+               const DrawnLayers& layers, std::vector<PenumbraRadii>* penumbrae, Watch& watch, Image& image) {
   Drawing drawing{.traced = traced,
                   .info = layer_info(info, view),
                   .rows = drawn,
@@ -387,7 +386,7 @@ void draw_view(const TracedScene& traced, const PictureInfo& info, const Rows& d
                   .sample = settings.sample,
                   .planes = planes,
                   .penumbrae = penumbrae,
-                  .marked = marked};
+                  .mask = settings.mask.get()};
   const auto has_plane = [&](std::string_view name) {
     return std::any_of(planes.begin(), planes.end(), [&](const DrawnPlane& plane) { return plane.name == name; });
   };
@@ -396,7 +395,7 @@ void draw_view(const TracedScene& traced, const PictureInfo& info, const Rows& d
   drawing.parts.surface = has_plane("metallic") || has_plane("roughness") || has_plane("material_ao");
   drawing.rays = camera_rays(traced, drawing.info);
   drawing.lights = shadow_lights(traced, drawing.rays, drawing.info, settings);
-  if (marked) std::erase_if(drawing.lights, [](const ShadowLight& light) { return light.rays > 0; });
+  if (!settings.soft_shadows) std::erase_if(drawing.lights, [](const ShadowLight& light) { return light.rays > 0; });
   if (!rays_within_limit(drawing.rays, drawing.info)) {
     // The camera is too far away for rays to be traced.
     Block background;
@@ -435,7 +434,7 @@ std::vector<PenumbraRadii> penumbra_radii(const PictureInfo& info, const Rows& r
 }  // namespace
 
 Result<Image> capture_planes(const TracedScene& traced, const PictureInfo& info, const CaptureSettings& settings,
-                             const ProgressMonitor& monitor, bool scalar, const MarkedPixels* marked) {
+                             const ProgressMonitor& monitor, bool scalar) {
   const std::vector<DrawnPlane> planes = drawn_planes(*traced.scene, info, settings);
   const int all = 1 + int(info.more_layers.size());
   const Rows rows = settings.strip ? rows_with_margin(*settings.strip, info.height) : Rows{0, info.height};
@@ -453,11 +452,14 @@ Result<Image> capture_planes(const TracedScene& traced, const PictureInfo& info,
                                     [](const LayerInfo& layer) { return layer.kind == LayerKind::kOther; });
   Watch watch(monitor, blocks_of(info, rows) * (1 + long(others)));
   std::vector<PenumbraRadii> penumbrae;
-  if (!marked) penumbrae = penumbra_radii(info, rows, settings);
-  draw_view(traced, info, rows, planes, settings, 0, own, marked ? nullptr : &penumbrae, marked, watch, image);
+  if (settings.soft_shadows) penumbrae = penumbra_radii(info, rows, settings);
+  // The filter of shadows reads pixels beside those of the mask, and beside them no blended surface shows.
+  for (std::size_t k = 0; settings.mask && (settings.soft_shadows || settings.blended) && k < planes.size(); ++k)
+    image.planes[k] = Plane(info.width, rows.count(), planes[k].background_value);
+  draw_view(traced, info, rows, planes, settings, 0, own, settings.soft_shadows ? &penumbrae : nullptr, watch, image);
   for (int layer = 1; layer < all; ++layer)
     if (info.more_layers[std::size_t(layer) - 1].kind == LayerKind::kOther)
-      draw_view(traced, info, rows, planes, settings, layer, {.first = layer}, nullptr, nullptr, watch, image);
+      draw_view(traced, info, rows, planes, settings, layer, {.first = layer}, nullptr, watch, image);
   if (watch.ended()) return interrupted();
   soften_shadows(info, rows, penumbrae, scalar, image);
   return image;

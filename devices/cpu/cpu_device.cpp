@@ -38,34 +38,33 @@ int thread_count(int requested) {
   return requested > 0 ? std::min(requested, max) : max;
 }
 
-/// Runs a kernel on the blocks of a tile that have a marked pixel.
-void run_marked(CpuKernel kernel, const KernelFrame& frame, const MarkedPixels& marked, const Tile& tile) {
+/// Runs a kernel on the blocks of a tile that have a pixel of the mask.
+void run_masked(CpuKernel kernel, const KernelFrame& frame, const PixelMask& mask, const Tile& tile) {
   for (int y0 = tile.y0; y0 < tile.y1;) {
-    const int y1 = std::min(y0 / kMarkedHeight * kMarkedHeight + kMarkedHeight, tile.y1);
+    const int y1 = std::min(y0 / kMaskHeight * kMaskHeight + kMaskHeight, tile.y1);
     for (int x0 = tile.x0; x0 < tile.x1;) {
       int x1 = x0;
-      while (x1 < tile.x1 && marked.any(x1, std::min(x1 + kMarkedWidth, tile.x1), y0, y1)) x1 += kMarkedWidth;
+      while (x1 < tile.x1 && mask.any(x1, std::min(x1 + kMaskWidth, tile.x1), y0, y1)) x1 += kMaskWidth;
       if (x1 > x0) kernel(frame, {x0, y0, std::min(x1, tile.x1), y1});
-      x0 = x1 + kMarkedWidth;
+      x0 = x1 + kMaskWidth;
     }
     y0 = y1;
   }
 }
 
+DeviceInfo info_of(const CpuSettings& settings) {
+  const int threads = thread_count(settings.threads);
+  return {.name = "cpu",
+          .description = fmt::format("cpu: kernels {}, rays {}, {} threads", settings.scalar ? "scalar" : isa_in_use(),
+                                     isa_of_embree(), threads),
+          .threads = threads,
+          .draws_strips = true};
+}
+
 class CpuDevice final : public Device {
  public:
-  explicit CpuDevice(const CpuSettings& settings) : settings_(settings), arena_(thread_count(settings.threads)) {}
-
-  std::string_view name() const override { return "cpu"; }
-
-  std::string description() const override {
-    return fmt::format("cpu: kernels {}, rays {}, {} threads", settings_.scalar ? "scalar" : isa_in_use(),
-                       isa_of_embree(), threads());
-  }
-
-  int threads() const override { return arena_.max_concurrency(); }
-
-  PlanePoolPtr pool() const override { return pool_; }
+  explicit CpuDevice(const CpuSettings& settings)
+      : Device(info_of(settings)), settings_(settings), arena_(thread_count(settings.threads)) {}
 
   Result<void> prepare(const Scene& scene, const ProgressMonitor& monitor) override {
     traced_.reset();
@@ -84,45 +83,35 @@ class CpuDevice final : public Device {
 
   Result<Frame> capture(const Camera& camera, const CaptureSettings& settings,
                         const ProgressMonitor& monitor) override {
-    auto frame = capture_frame(camera, settings, nullptr, monitor);
-    if (!frame || !settings.strip) return frame;
-    CpuPlanes& stored = cpu_planes(*frame);
-    for (const int light : softened_lights(frame->info, settings))
-      stored.strip_rows[shadow_plane(light)].valid = shrunk(stored.rows, kSoftenMargin, frame->info.height);
+    if (!traced_) fail_check("capture before prepare");
+    if (auto status = check_capture(settings); !status) return status.error();
+    Frame frame;
+    frame.info = picture_info(*scene_, camera, settings);
+    frame.info.occluders = arena_.execute([&] { return occluders_of(*scene_, settings.occluders, occluders_); });
+    add_layers(*traced_, settings, frame.info);
+    auto planes =
+        arena_.execute([&] { return capture_planes(*traced_, frame.info, settings, monitor, settings_.scalar); });
+    if (!planes) return planes.error();
+    auto stored = std::make_shared<CpuPlanes>(CpuPlanes{std::move(*planes)});
+    stored->traced = traced_;
+    stored->mask = settings.mask;
+    if (settings.strip) {
+      begin_strip(*settings.strip, frame.info.height, *stored);
+      for (const int light : softened_lights(frame.info, settings))
+        stored->strip_rows[shadow_plane(light)].valid = shrunk(stored->rows, kSoftenMargin, frame.info.height);
+    }
+    frame.storage = std::move(stored);
     return frame;
   }
 
-  Result<Frame> capture_marked(const Camera& camera, const CaptureSettings& settings, const Frame& first,
-                               const ProgressMonitor& monitor) override {
-    check_equal(*layer_count(settings), 1, "layers of a further sample");
-    const StripRows* strip_rows = find_strip_rows(cpu_planes(first), "marks");
-    const MarkedPixels marked{*find_plane(cpu_planes(first), "marks"), strip_rows ? strip_rows->first : 0};
-    auto frame = capture_frame(camera, settings, &marked, monitor);
-    if (frame) cpu_planes(*frame).first = std::static_pointer_cast<const CpuPlanes>(first.storage);
-    return frame;
-  }
-
-  Result<void> add_first(const Frame& first, const std::vector<std::string>& /*names*/, Frame& frame) override {
-    cpu_planes(frame).first = std::static_pointer_cast<const CpuPlanes>(first.storage);
-    return {};
-  }
-
-  bool draws_strips() const override { return true; }
-
-  Result<Frame> upload(GBuffer gbuffer) override {
+  Result<Frame> upload(GBuffer gbuffer, const Strip* strip) override {
     bool views = false;
     for (const Image& layer : gbuffer.layers)
       for (const Plane& plane : layer.planes) views = views || plane.is_view();
-    const Rows rows{0, gbuffer.info.height};
-    Frame frame = frame_of(std::move(gbuffer), rows);
-    return views ? branch(frame) : frame;  // effects on a branch do not write to the views
-  }
-
-  Result<Frame> upload_strip(GBuffer gbuffer, const Strip& strip) override {
     const int height = gbuffer.info.height;
-    Frame frame = frame_of(std::move(gbuffer), rows_with_margin(strip, height));
-    begin_strip(strip, height, cpu_planes(frame));
-    return frame;
+    Frame frame = frame_of(std::move(gbuffer), strip ? rows_with_margin(*strip, height) : Rows{0, height});
+    if (strip) begin_strip(*strip, height, cpu_planes(frame));
+    return views && !strip ? branch(frame) : frame;  // effects on a branch do not write to the views
   }
 
   Frame branch(const Frame& frame) override {
@@ -131,6 +120,7 @@ class CpuDevice final : public Device {
     planes->parent = std::static_pointer_cast<const CpuPlanes>(frame.storage);
     planes->branches = planes->parent->branches.branch();
     planes->traced = planes->parent->traced;
+    planes->mask = planes->parent->mask;
     return {frame.info, std::move(planes)};
   }
 
@@ -149,23 +139,18 @@ class CpuDevice final : public Device {
     return {};
   }
 
-  Result<RunState> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer, PixelSet pixels,
+  Result<RunState> run(const Effect& effect, const ParameterBytes& params, Frame& frame, const EffectRun& settings,
                        const ProgressMonitor& monitor) override {
     cpu_planes(frame).branches.check_none();
-    const std::set<std::string> ending = std::exchange(cpu_planes(frame).ending, {});
-    return run_dispatches(effect, params, frame, layer, pixels, [&](const DispatchRun& dispatch) {
+    return run_dispatches(effect, params, frame, settings, [&](const DispatchRun& dispatch) {
       auto state = run_dispatch(dispatch, cpu_planes(frame), monitor);
-      if (state && state->finished) release_ended(dispatch, ending, cpu_planes(frame));
+      if (state && state->finished) release_ended(dispatch, settings.last_used, cpu_planes(frame));
       return state;
     });
   }
 
   void release(Frame& frame, const std::vector<std::string>& names) override {
     release_planes(names, cpu_planes(frame));
-  }
-
-  void release_in_run(Frame& frame, std::vector<std::string> names) override {
-    cpu_planes(frame).ending.insert(names.begin(), names.end());
   }
 
   Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) override {
@@ -209,7 +194,32 @@ class CpuDevice final : public Device {
     return small;
   }
 
-  Result<void> place(const Frame& small, const std::vector<std::string>& names, Frame& full) override {
+  Result<void> add_planes_of(const Frame& from, const std::vector<std::string>& names, Frame& frame) override {
+    if (from.info.reduced > frame.info.reduced) return place(from, names, frame);
+    for (const std::string& name : names)
+      if (!find_plane(cpu_planes(from), name)) return usage_error("the picture has no plane '{}'", name);
+    cpu_planes(frame).first = std::static_pointer_cast<const CpuPlanes>(from.storage);
+    return {};
+  }
+
+  std::vector<std::string> plane_names(const Frame& frame) const override { return names_of(cpu_planes(frame)); }
+
+ private:
+  Result<Image> read(const Frame& frame, const std::vector<std::string>& names, bool views) override {
+    if (cpu_planes(frame).strip) return download_strip(frame, names);
+    const bool as_views = views && frame.info.guard == 0;
+    Image out(frame.info.inner_width(), frame.info.inner_height());
+    for (const std::string& name : names) {
+      const Plane* plane = find_plane(cpu_planes(frame), name);
+      if (!plane) return usage_error("the picture has no plane '{}'", name);
+      out.names.push_back(name);
+      out.planes.push_back(as_views ? Plane::view(*plane) : cropped(*plane, frame.info.guard));
+    }
+    return out;
+  }
+
+  /// Copies planes of a reduced frame: see add_planes_of.
+  Result<void> place(const Frame& small, const std::vector<std::string>& names, Frame& full) {
     const int factor = small.info.reduced / full.info.reduced;
     check_equal(small.info.width, reduced_side(full.info.width, factor), "width of a reduced frame");
     check_equal(small.info.height, reduced_side(full.info.height, factor), "height of a reduced frame");
@@ -236,55 +246,6 @@ class CpuDevice final : public Device {
       });
     }
     return {};
-  }
-
-  std::vector<std::string> plane_names(const Frame& frame) const override { return names_of(cpu_planes(frame)); }
-
-  int missing_rows(const Frame& frame, const std::vector<std::string>& names, int around) const override {
-    return cpu_planes(frame).strip ? missing_strip_rows(frame, names, around) : 0;
-  }
-
-  Result<Image> view(const Frame& frame, const std::vector<std::string>& names) override {
-    const CpuPlanes& planes = cpu_planes(frame);
-    if (planes.strip || frame.info.guard > 0) return download(frame, names);
-    return image_of(frame, names, [](const Plane& plane) { return Plane::view(plane); });
-  }
-
-  Result<Image> download(const Frame& frame, const std::vector<std::string>& names) override {
-    if (cpu_planes(frame).strip) return download_strip(frame, names);
-    return image_of(frame, names, [&](const Plane& plane) { return cropped(plane, frame.info.guard); });
-  }
-
- private:
-  /// Returns an image of what `convert` makes of these planes of a frame. Errors: kUsage if a plane is missing.
-  static Result<Image> image_of(const Frame& frame, const std::vector<std::string>& names, const auto& convert) {
-    Image out(frame.info.inner_width(), frame.info.inner_height());
-    for (const std::string& name : names) {
-      const Plane* plane = find_plane(cpu_planes(frame), name);
-      if (!plane) return usage_error("the picture has no plane '{}'", name);
-      out.names.push_back(name);
-      out.planes.push_back(convert(*plane));
-    }
-    return out;
-  }
-
-  /// Captures all pixels, or those that are `marked`.
-  Result<Frame> capture_frame(const Camera& camera, const CaptureSettings& settings, const MarkedPixels* marked,
-                              const ProgressMonitor& monitor) {
-    if (!traced_) fail_check("capture before prepare");
-    if (auto status = check_capture(settings); !status) return status.error();
-    Frame frame;
-    frame.info = picture_info(*scene_, camera, settings);
-    frame.info.occluders = arena_.execute([&] { return occluders_of(*scene_, settings.occluders, occluders_); });
-    add_layers(*traced_, settings, frame.info);
-    auto planes = arena_.execute(
-        [&] { return capture_planes(*traced_, frame.info, settings, monitor, settings_.scalar, marked); });
-    if (!planes) return planes.error();
-    auto stored = std::make_shared<CpuPlanes>(CpuPlanes{std::move(*planes)});
-    stored->traced = traced_;
-    if (settings.strip) begin_strip(*settings.strip, frame.info.height, *stored);
-    frame.storage = std::move(stored);
-    return frame;
   }
 
   /// Returns a plane with this value everywhere, which frames that live at the same time share.
@@ -393,7 +354,8 @@ class CpuDevice final : public Device {
 
     if (dispatch.rays) {
       Watch watch(monitor, ray_steps(strip.rows));
-      const RayTask task{*planes.traced, info, dispatch.rays(run.params, info), kernel, kernel_frame, strip.rows};
+      const RayTask task{*planes.traced,   info, dispatch.rays(run.params, info), kernel, kernel_frame, strip.rows,
+                         planes.mask.get()};
       arena_.execute([&] { trace_rays(task, watch); });
       return watch.ended() ? Result<RunState>(interrupted()) : RunState();
     }
@@ -404,14 +366,6 @@ class CpuDevice final : public Device {
     const int tile_height = all ? dispatch.tile.height : kMissingTile;
     const int columns = (info.width + tile_width - 1) / tile_width;
     const int rows = (strip.rows.count() + tile_height - 1) / tile_height;
-    std::optional<MarkedPixels> marked;
-    if (run.pixels == PixelSet::kMarked) {
-      const std::string marks = first_plane("marks");
-      const StripRows* strip_rows = find_strip_rows(planes, marks);
-      const Plane* plane = find_plane(planes, marks);
-      if (!plane) return missing_plane(run, marks);
-      marked.emplace(MarkedPixels{*plane, strip_rows ? strip_rows->first : 0});
-    }
     Watch watch(monitor, long(rows) * columns);
     arena_.execute([&] {
       tbb::parallel_for(
@@ -422,8 +376,8 @@ class CpuDevice final : public Device {
               const Tile tile{x0, y0, std::min(x0 + tile_width, info.width),
                               std::min(y0 + tile_height, strip.rows.end)};
               fault_point();
-              if (marked)
-                run_marked(kernel, kernel_frame, *marked, tile);
+              if (planes.mask)
+                run_masked(kernel, kernel_frame, *planes.mask, tile);
               else
                 kernel(kernel_frame, tile);
               watch.done(1);
@@ -436,7 +390,6 @@ class CpuDevice final : public Device {
 
   CpuSettings settings_;
   tbb::task_arena arena_;
-  PlanePoolPtr pool_ = std::make_shared<PlanePool>();
   std::map<std::tuple<int, int, float>, std::weak_ptr<const Plane>> constants_;
   const Scene* scene_ = nullptr;
   MadeOccluders occluders_;

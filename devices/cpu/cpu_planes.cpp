@@ -11,11 +11,11 @@
 namespace umbrage {
 namespace {
 
-/// Returns the number of full-resolution rows that the margin of a strip lacks if only the rows `valid` of a plane are
-/// valid. `needed`: the rows that must be.
-int missing_margin(const Rows& needed, const Rows& valid, int reduced) {
-  const int above = valid.begin - needed.begin, below = needed.end - valid.end;
-  return std::max({0, above * reduced, below * reduced});
+/// Throws InternalError if `rows` of a plane in a strip are not among its valid ones: the margin is too small then.
+void check_rows(const StripRows& strip_rows, const Rows& rows, std::string_view name) {
+  if (strip_rows.stored && !strip_rows.valid.contains(rows))
+    fail_check(fmt::format("rows {} to {} of '{}' are missing in a strip, which has {} to {}", rows.begin, rows.end,
+                           name, strip_rows.valid.begin, strip_rows.valid.end));
 }
 
 /// Returns the name that a plane of a further sample's frame has in the frame of the first sample, or an empty one.
@@ -131,11 +131,8 @@ StripRun prepare_strip(const DispatchRun& run, CpuPlanes& planes, tbb::task_aren
     const Rows& own = planes.strip->rows;
     result.state.finished = false;
     for (const std::string& name : incomplete) {
-      result.state.missing_rows = missing_margin(own, find_strip_rows(planes, name)->valid, info.reduced);
-      if (result.state.missing_rows > 0) return result;
-    }
-    for (const std::string& name : incomplete) {
       const StripRows& strip_rows = *find_strip_rows(planes, name);
+      check_rows(strip_rows, own, name);
       Plane& whole = planes.strip->wholes->planes[{info.reduced, name, strip_rows.version}].plane;
       if (!whole.data()) whole = Plane(info.width, info.height);
       const Plane& from = planes.image.plane(name);
@@ -192,27 +189,16 @@ void release_planes(const std::vector<std::string>& names, CpuPlanes& planes) {
   });
 }
 
-void release_ended(const DispatchRun& run, const std::set<std::string>& ending, CpuPlanes& planes) {
+void release_ended(const DispatchRun& run, const std::vector<std::string>& last_used, CpuPlanes& planes) {
   const auto uses = [](const Dispatch& dispatch, std::string_view name) {
     return contains(dispatch.inputs, name) || contains(dispatch.outputs, name);
   };
   std::vector<std::string> ended;
-  for (const std::string& name : ending)
+  for (const std::string& name : last_used)
     if (uses(run.dispatch, name) &&
         std::none_of(run.later.begin(), run.later.end(), [&](const Dispatch* each) { return uses(*each, name); }))
       ended.push_back(name);
   release_planes(ended, planes);
-}
-
-int missing_strip_rows(const Frame& frame, const std::vector<std::string>& names, int around) {
-  const CpuPlanes& planes = cpu_planes(frame);
-  const Rows& own = planes.strip->rows;
-  const Rows needed{std::max(own.begin - around, 0), std::min(own.end + around, frame.info.height)};
-  int missing = 0;
-  for (const std::string& name : names)
-    if (const StripRows* strip_rows = find_strip_rows(planes, name); strip_rows && strip_rows->stored)
-      missing = std::max(missing, missing_margin(needed, strip_rows->valid, frame.info.reduced));
-  return missing;
 }
 
 Result<Image> download_strip(const Frame& frame, const std::vector<std::string>& names) {
@@ -230,7 +216,7 @@ Result<Image> download_strip(const Frame& frame, const std::vector<std::string>&
       plane = find_whole(planes, frame.info, name, strip_rows->version);
       first = 0;
     } else if (strip_rows) {
-      if (!strip_rows->valid.contains(own)) fail_check(fmt::format("rows of '{}' are missing in a strip", name));
+      check_rows(*strip_rows, own, name);
       first = strip_rows->first;
     }
     if (!plane) return usage_error("the picture has no plane '{}'", name);

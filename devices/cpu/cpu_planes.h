@@ -39,11 +39,11 @@ struct CpuPlanes {
   std::map<float, std::shared_ptr<const Plane>> constants;
   std::map<std::string, std::pair<int, int>> placed;  ///< by plane name: size of the reduced plane placed in it
   std::shared_ptr<const CpuPlanes> parent;            ///< planes of the frame of which this is a branch, or null
-  std::shared_ptr<const CpuPlanes> first;             ///< planes that add_first has added, under their own names
+  std::shared_ptr<const CpuPlanes> first;             ///< frame of the first sample, whose planes add_planes_of added
+  std::shared_ptr<const PixelMask> mask;              ///< that of the capture: dispatches compute only these pixels
   Branches branches;
   std::shared_ptr<const TracedScene> traced;  ///< the captured scene; null for planes of the host
   std::set<std::string> released;             ///< names of planes that Device::release has freed
-  std::set<std::string> ending;               ///< names given to Device::release_in_run for the next run
   // For a strip:
   std::optional<Strip> strip;
   Rows rows;                                                 ///< rows of the picture in `image`
@@ -101,14 +101,11 @@ StripRun prepare_strip(const DispatchRun& run, CpuPlanes& planes, tbb::task_aren
 /// lie outside the memory of the plane.
 float* row_zero_of(const DispatchRun& run, const CpuPlanes& planes, const StripRun& strip, const std::string& name);
 
-/// Frees the planes of Device::release_in_run that this dispatch of the run was the last one to read or write.
-void release_ended(const DispatchRun& run, const std::set<std::string>& ending, CpuPlanes& planes);
+/// Frees the planes of EffectRun::last_used that this dispatch of the run was the last one to read or write.
+void release_ended(const DispatchRun& run, const std::vector<std::string>& last_used, CpuPlanes& planes);
 
 /// See Device::release.
 void release_planes(const std::vector<std::string>& names, CpuPlanes& planes);
-
-/// See Device::missing_rows.
-int missing_strip_rows(const Frame& frame, const std::vector<std::string>& names, int around);
 
 /// Returns the planes of a strip, without the guard band.
 Result<Image> download_strip(const Frame& frame, const std::vector<std::string>& names);

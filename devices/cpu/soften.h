@@ -19,11 +19,6 @@ struct PenumbraRadii {
 /// Returns the number of blocks of 4 x 4 pixels that cover this many pixels.
 int soften_blocks(int pixels);
 
-/// The number of rows above and below a pixel on which its softened shadow depends: the second filter reads
-/// kSoftenReachBlocks - 1 blocks, and its width there depends on penumbrae up to kSoftenReachBlocks blocks farther
-/// away.
-inline constexpr int kSoftenMargin = (2 * kSoftenReachBlocks - 1) * kSoftenBlock;
-
 /// Averages the shadows of these lights in the first layer over pixels of the same surface: first over 4 x 4 pixels,
 /// then, where penumbrae are wide, over a fifth of their width, up to 28 x 28 pixels. Where all neighbours are equal,
 /// shadows do not change. Uses all threads of the calling task arena; the result does not depend on their number.

@@ -255,7 +255,10 @@ void trace_rays(const RayTask& task, Watch& watch) {
         RayBlock block(task, rays, planes, lighting ? &*lighting : nullptr);
         for (int band = range.begin(); band < range.end() && !watch.ended(); ++band) {
           fault_point();
-          for (int x0 = 0; x0 < task.info.width; x0 += kBlockWidth) block.trace(x0, task.rows.begin + band * kBandRows);
+          const int y0 = task.rows.begin + band * kBandRows, y1 = std::min(y0 + kBandRows, task.rows.end);
+          for (int x0 = 0; x0 < task.info.width; x0 += kBlockWidth)
+            if (!task.mask || task.mask->any(x0, std::min(x0 + kBlockWidth, task.info.width), y0, y1))
+              block.trace(x0, y0);
           watch.done(1);
         }
       },

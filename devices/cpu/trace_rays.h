@@ -2,6 +2,7 @@
 #pragma once
 #include "core/effect.h"
 #include "core/gbuffer.h"
+#include "core/pixel_mask.h"
 #include "core/strip.h"
 #include "core/watch.h"
 #include "kernel/kernel_frame.h"
@@ -17,6 +18,7 @@ struct RayTask {
   CpuKernel kernel;          ///< makes the rays
   const KernelFrame& frame;  ///< planes of the dispatch, inputs and outputs, without `ray`
   Rows rows;
+  const PixelMask* mask = nullptr;  ///< the pixels that need rays; others may have them, too. Null: all
 };
 
 /// Traces all rays and writes the outputs. Uses all threads of the calling task arena; the result does not depend on

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/device.h"
+#include "devices/shared/soften.h"
 #include "rays/traced_scene.h"
 #include "scene/scene.h"
 
@@ -22,5 +23,10 @@ std::vector<std::string> captured_planes(const Scene& scene, const PictureInfo& 
 /// Returns the lights whose shadows in the first layer are softened: if the capture has shadow rays, those that have a
 /// size.
 std::vector<int> softened_lights(const PictureInfo& info, const CaptureSettings& settings);
+
+/// The number of pixels in each direction from a pixel on which its softened shadow depends: the second filter reads
+/// kSoftenReachBlocks - 1 blocks, and its width there depends on penumbrae up to kSoftenReachBlocks blocks farther
+/// away.
+inline constexpr int kSoftenMargin = (2 * kSoftenReachBlocks - 1) * kSoftenBlock;
 
 }  // namespace umbrage

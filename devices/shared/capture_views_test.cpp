@@ -248,7 +248,7 @@ TEST(CaptureExtraViews, LightsKeepTheirPositions) {
     const Effect& lighting = *find_effect("lighting");
     ParameterBytes params = initial_parameters(lighting.parameters, lighting.params_size);
     ASSERT_TRUE(set_parameter("lighting", *find_parameter(lighting, "rig"), rig, params));
-    for (int layer = 0; layer < 3; ++layer) ASSERT_TRUE(device->run(lighting, params, *frame, layer));
+    for (int layer = 0; layer < 3; ++layer) ASSERT_TRUE(device->run(lighting, params, *frame, {.layer = layer}));
     const Picture picture{frame->info, *device->download_all(*frame)};
     for (int layer = 1; layer < 3; ++layer) {
       const PictureInfo other = layer_info(picture.info, layer);

@@ -28,28 +28,24 @@ bool DispatchRun::has_layer_of(std::string_view output) const {
   return layer_of_plane(output) <= int(info.more_layers.size());
 }
 
-Result<RunState> run_dispatches(const Effect& effect, const ParameterBytes& params, const Frame& frame, int layer,
-                                PixelSet pixels, const std::function<Result<RunState>(const DispatchRun&)>& run) {
+Result<RunState> run_dispatches(const Effect& effect, const ParameterBytes& params, const Frame& frame,
+                                const EffectRun& settings,
+                                const std::function<Result<RunState>(const DispatchRun&)>& run) {
   check_equal(params.size(), effect.params_size, effect.name);
   if (!effect.constants) fail_check(fmt::format("{} does not run on a device", effect.name));
-  if (pixels == PixelSet::kMissing && !runs_for_missing(effect, params))
+  if (settings.pixels == PixelSet::kMissing && !runs_for_missing(effect, params))
     fail_check(fmt::format("{} does not run for missing pixels", effect.name));
   std::vector<std::byte> constants(effect.constants_size);
-  const PictureInfo info = layer_info(frame.info, layer);
+  const PictureInfo info = layer_info(frame.info, settings.layer);
   effect.constants(params, info, constants.data());
-  const int rounds = effect.rounds && pixels != PixelSet::kMissing ? effect.rounds(params, info) : 1;
   std::vector<const Dispatch*> dispatches;
   std::vector<int> round_of;
-  for (int round = 0; round < rounds; ++round)
-    for (const Dispatch& dispatch : effect.dispatches) {
-      if (!runs(dispatch, params)) continue;
-      if (dispatch.first_round_only && round > 0) continue;
-      if (!(pixels == PixelSet::kMissing ? dispatch.for_missing : dispatch.for_all)) continue;
-      dispatches.push_back(&dispatch);
-      round_of.push_back(round);
-    }
+  for (const auto& [dispatch, round] : dispatches_in_order(effect, params, info, settings.pixels)) {
+    dispatches.push_back(dispatch);
+    round_of.push_back(round);
+  }
   for (std::size_t k = 0; k < dispatches.size(); ++k) {
-    auto state = run({effect, *dispatches[k], params, constants, info, layer, round_of[k], pixels,
+    auto state = run({effect, *dispatches[k], params, constants, info, settings.layer, round_of[k], settings.pixels,
                       std::span(dispatches).subspan(k + 1)});
     if (!state || !state->finished) return state;
   }

@@ -36,8 +36,9 @@ struct DispatchRun {
 
 /// Calls `run` for each dispatch that the effect needs with these params, in order. Stops at the first one that fails
 /// or does not finish.
-Result<RunState> run_dispatches(const Effect& effect, const ParameterBytes& params, const Frame& frame, int layer,
-                                PixelSet pixels, const std::function<Result<RunState>(const DispatchRun&)>& run);
+Result<RunState> run_dispatches(const Effect& effect, const ParameterBytes& params, const Frame& frame,
+                                const EffectRun& settings,
+                                const std::function<Result<RunState>(const DispatchRun&)>& run);
 
 /// Returns the error that an effect reads a plane that the picture lacks.
 Error missing_plane(const DispatchRun& run, std::string_view plane);

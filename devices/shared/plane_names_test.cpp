@@ -150,8 +150,10 @@ TEST(ReleasedPlanes, LastUntilTheEndOfTheirUseInARun) {
     auto frame = cpu->upload(test::bumpy_gbuffer(24, 16, 5));
     EXPECT_TRUE(frame);
     EXPECT_TRUE(run(*cpu, "bitmask", *frame));
-    if (released) cpu->release_in_run(*frame, {"normal.x", "no such plane"});
-    EXPECT_TRUE(run(*cpu, "denoise", *frame));
+    const Effect& denoise = *find_effect("denoise");
+    EffectRun settings;
+    if (released) settings.last_used = {"normal.x", "no such plane"};
+    EXPECT_TRUE(cpu->run(denoise, initial_parameters(denoise.parameters, denoise.params_size), *frame, settings));
     return *frame;
   };
   const Frame kept = shaded(false), released = shaded(true);

@@ -240,9 +240,9 @@ TEST_P(VulkanCaptureModes, MemoryDoesNotGrowFromSceneToScene) {
 
 /// Returns whether a capture drew triangles.
 bool drew(Device& gpu, const Scene& scene, const Camera& camera, const CaptureSettings& settings, Image* image) {
-  gpu.take_dispatch_times();
+  EXPECT_TRUE(gpu.finish());
   *image = test::captured(gpu, scene, camera, settings);
-  const auto times = gpu.take_dispatch_times();
+  const std::vector<DispatchTime> times = *gpu.finish();
   EXPECT_FALSE(times.empty());
   return std::any_of(times.begin(), times.end(), [](const DispatchTime& time) { return time.dispatch == "seen"; });
 }
@@ -417,10 +417,10 @@ TEST_P(VulkanCaptureModes, TracesRaysWithoutMemoryForTheRenderTarget) {
     return device.capture(camera, {.width = width, .height = 32});
   };
   ASSERT_TRUE(captured(*gpu, 32));
-  ASSERT_TRUE(gpu->finish());
   const auto drew = [&](Device& device) {
     bool any = false;
-    for (const DispatchTime& time : device.take_dispatch_times()) any = any || time.dispatch == "seen";
+    const auto times = device.finish();
+    for (const DispatchTime& time : *times) any = any || time.dispatch == "seen";
     return any;
   };
   EXPECT_EQ(drew(*gpu), GetParam() == VulkanCapture::kRaster);
@@ -440,7 +440,6 @@ TEST_P(VulkanCaptureModes, TracesRaysWithoutMemoryForTheRenderTarget) {
     for (int y = 0; y < 32; ++y)
       EXPECT_TRUE(std::equal(image->planes[p].row(y), image->planes[p].row(y) + 30, expected->planes[p].row(y)));
   ASSERT_TRUE(captured(*gpu, 30));
-  ASSERT_TRUE(gpu->finish());
   EXPECT_EQ(drew(*gpu), GetParam() == VulkanCapture::kRaster);
 }
 

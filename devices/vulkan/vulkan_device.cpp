@@ -23,13 +23,10 @@ namespace {
 class VulkanDevice final : public Device {
  public:
   /// `capture` is the device that captures scenes; null: this device itself.
-  VulkanDevice(GpuPtr gpu, std::string name, std::string description, int threads, std::unique_ptr<Device> capture,
-               const VulkanSettings& settings)
-      : gpu_(std::move(gpu)),
+  VulkanDevice(GpuPtr gpu, DeviceInfo info, std::unique_ptr<Device> capture, const VulkanSettings& settings)
+      : Device(std::move(info)),
+        gpu_(std::move(gpu)),
         memory_(std::make_shared<Memory>(gpu_)),
-        name_(std::move(name)),
-        description_(std::move(description)),
-        threads_(threads),
         capture_(std::move(capture)),
         settings_(settings) {}
 
@@ -50,17 +47,11 @@ class VulkanDevice final : public Device {
     store_.emplace(*gpu_, *memory_, *commands_);
     dispatcher_.emplace(*gpu_, *commands_, *pipelines_, settings_.max_submission_ms, settings_.first_groups);
     const CaptureParts parts{gpu_, memory_.get(), commands_.get(), pipelines_.get(), &*store_, &*dispatcher_};
-    scene_.emplace(parts, threads_, settings_.capture != VulkanCapture::kRays);
+    scene_.emplace(parts, threads(), settings_.capture != VulkanCapture::kRays);
     return {};
   }
 
-  std::string_view name() const override { return name_; }
-  std::string description() const override { return description_; }
-  int threads() const override { return threads_; }
-
   VulkanMemory memory() const { return {memory_->device_bytes(), memory_->host_bytes()}; }
-
-  PlanePoolPtr pool() const override { return capture_ ? capture_->pool() : pool_; }
 
   Result<void> prepare(const Scene& scene, const ProgressMonitor& monitor) override {
     if (!capture_) return scene_->prepare(scene, monitor);
@@ -77,7 +68,9 @@ class VulkanDevice final : public Device {
                         const ProgressMonitor& monitor) override {
     if (!capture_ && is_ended(monitor)) return interrupted();
     if (!capture_) return scene_->capture(camera, settings, monitor);
-    auto captured = capture_->capture(camera, settings, monitor);
+    CaptureSettings all = settings;
+    all.mask = nullptr;  // dispatches run on all pixels
+    auto captured = capture_->capture(camera, all, monitor);
     if (!captured) return captured;
     Frame whole = *captured;
     whole.info.guard = 0;  // so that download_all crops nothing
@@ -94,7 +87,8 @@ class VulkanDevice final : public Device {
     return frame;
   }
 
-  Result<Frame> upload(GBuffer gbuffer) override {
+  Result<Frame> upload(GBuffer gbuffer, const Strip* strip) override {
+    if (strip) fail_check("a device that draws no strips");
     Frame frame{info_of(gbuffer), empty_planes(gbuffer.info)};
     std::vector<NamedPlane> planes;
     for (std::size_t layer = 0; layer < gbuffer.layers.size(); ++layer)
@@ -118,10 +112,10 @@ class VulkanDevice final : public Device {
     return store_->copy_to(planes, frame.info, planes_of(frame));
   }
 
-  Result<RunState> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer, PixelSet pixels,
+  Result<RunState> run(const Effect& effect, const ParameterBytes& params, Frame& frame, const EffectRun& settings,
                        const ProgressMonitor& monitor) override {
     planes_of(frame).branches.check_none();
-    return run_dispatches(effect, params, frame, layer, pixels, [&](const DispatchRun& dispatch) -> Result<RunState> {
+    return run_dispatches(effect, params, frame, settings, [&](const DispatchRun& dispatch) -> Result<RunState> {
       if (is_ended(monitor)) return interrupted();
       const auto status = run_dispatch(dispatch, planes_of(frame));
       return status ? Result<RunState>(RunState()) : status.error();
@@ -155,17 +149,18 @@ class VulkanDevice final : public Device {
     return small;
   }
 
-  Result<void> place(const Frame& small, const std::vector<std::string>& names, Frame& full) override {
-    const int factor = small.info.reduced / full.info.reduced;
-    check_equal(small.info.width, reduced_side(full.info.width, factor), "width of a reduced frame");
-    check_equal(small.info.height, reduced_side(full.info.height, factor), "height of a reduced frame");
-    planes_of(full).branches.check_none();
+  Result<void> add_planes_of(const Frame& from, const std::vector<std::string>& names, Frame& frame) override {
+    DevicePlanes& planes = planes_of(frame);
+    planes.branches.check_none();
+    const int factor = from.info.reduced / frame.info.reduced;
+    check_equal(from.info.width, reduced_side(frame.info.width, factor), "width of a reduced frame");
+    check_equal(from.info.height, reduced_side(frame.info.height, factor), "height of a reduced frame");
     for (const std::string& name : names) {
-      const DevicePlane* in = planes_of(small).find(name);
+      const DevicePlane* in = planes_of(from).find(name);
       if (!in) return usage_error("the picture has no plane '{}'", name);
-      const auto out = store_->writable(planes_of(full), reduced_plane(name));
+      const auto out = store_->writable(planes, factor > 1 ? reduced_plane(name) : first_plane(name));
       if (!out) return out.error();
-      if (auto status = pick(small, *in, 1, full, **out); !status) return status;
+      if (auto status = pick(from, *in, 1, frame, **out); !status) return status;
     }
     return {};
   }
@@ -231,9 +226,10 @@ class VulkanDevice final : public Device {
 
   Result<void> submit_without_waiting(VkSemaphore signal) { return commands_->submit_without_waiting(signal); }
 
-  Result<void> finish() override { return commands_->finish(); }
-
-  std::vector<DispatchTime> take_dispatch_times() override { return commands_->take_dispatch_times(); }
+  Result<std::vector<DispatchTime>> finish() override {
+    if (auto status = commands_->finish(); !status) return status.error();
+    return commands_->take_dispatch_times();
+  }
 
   std::vector<std::string> plane_names(const Frame& frame) const override {
     const DevicePlanes& planes = planes_of(frame);
@@ -243,11 +239,11 @@ class VulkanDevice final : public Device {
     return names;
   }
 
-  Result<Image> download(const Frame& frame, const std::vector<std::string>& names) override {
+ private:
+  Result<Image> read(const Frame& frame, const std::vector<std::string>& names, bool /*views*/) override {
     return store_->copied(planes_of(frame), names, frame.info, frame.info.guard);
   }
 
- private:
   static bool is_ended(const ProgressMonitor& monitor) { return monitor && !monitor(0.0); }
 
   Result<void> convert(const Frame& frame, const TexelFormat& format, const ImageMeaning& meaning, bool to_image,
@@ -380,11 +376,8 @@ class VulkanDevice final : public Device {
   std::shared_ptr<Memory> memory_;
   std::unique_ptr<Commands> commands_;
   std::unique_ptr<Pipelines> pipelines_;
-  std::string name_, description_;
-  int threads_ = 1;
   std::unique_ptr<Device> capture_;
   const Scene* host_scene_ = nullptr;  // last scene that `capture_` prepared
-  PlanePoolPtr pool_ = std::make_shared<PlanePool>();
   VulkanSettings settings_;
   std::optional<PlaneStore> store_;
   std::optional<Dispatcher> dispatcher_;
@@ -454,11 +447,16 @@ Result<std::unique_ptr<Device>> make_vulkan_device(const VulkanSettings& setting
                                               : std::filesystem::path(settings.pipeline_folder) / file;
   const bool captures_itself = settings.capture == VulkanCapture::kRays || settings.capture == VulkanCapture::kRaster ||
                                (settings.capture == VulkanCapture::kAuto && !chosen.software);
-  const int threads = capture->threads();
-  std::string description = fmt::format("vulkan:{}: {}", index, summary_of(chosen));
-  if (!captures_itself) description += fmt::format("; scenes are captured by {}", capture->description());
-  auto device = std::make_unique<VulkanDevice>(*gpu, fmt::format("vulkan:{}", index), std::move(description), threads,
-                                               captures_itself ? nullptr : std::move(capture), settings);
+  DeviceInfo info{.name = fmt::format("vulkan:{}", index),
+                  .description = fmt::format("vulkan:{}: {}", index, summary_of(chosen)),
+                  .threads = capture->threads()};
+  if (captures_itself) {
+    capture.reset();
+  } else {
+    info.description += fmt::format("; scenes are captured by {}", capture->description());
+    info.pool = capture->pool();
+  }
+  auto device = std::make_unique<VulkanDevice>(*gpu, std::move(info), std::move(capture), settings);
   if (auto started = device->start(pipelines); !started) return started.error();
   return std::unique_ptr<Device>(std::move(device));
 }
@@ -467,8 +465,9 @@ Result<std::unique_ptr<Device>> make_vulkan_device_on(const ForeignGpu& foreign)
   auto gpu = adopt_gpu(foreign);
   if (!gpu) return gpu.error();
   const std::filesystem::path file = pipeline_file(cache_name(**gpu));
-  auto device = std::make_unique<VulkanDevice>(*gpu, "vulkan", "vulkan: the caller's device", 1, nullptr,
-                                               VulkanSettings{.max_submission_ms = 0.0});
+  auto device =
+      std::make_unique<VulkanDevice>(*gpu, DeviceInfo{.name = "vulkan", .description = "vulkan: the caller's device"},
+                                     nullptr, VulkanSettings{.max_submission_ms = 0.0});
   if (auto started = device->start(file); !started) return started.error();
   return std::unique_ptr<Device>(std::move(device));
 }

@@ -183,7 +183,7 @@ TEST(VulkanOrder, OneSubmissionOfAllKindsOfWorkIsInOrder) {
   }
   auto small = gpu->reduced(*frame, 2, {"depth", "normal.x", "normal.y", "normal.z", "ao"});
   ASSERT_TRUE(small);
-  ASSERT_TRUE(gpu->place(*small, {"ao"}, *frame));
+  ASSERT_TRUE(gpu->add_planes_of(*small, {"ao"}, *frame));
   frame = gpu->upload(gbuffer);  // copies after kernels
   ASSERT_TRUE(frame);
   run("composite", *frame);  // fills a plane with a neutral value

@@ -55,11 +55,10 @@ Result<Frame> captured(Device& device, const char* scene_name, int width, int he
 /// Returns the GPU time of all dispatches of an effect except those named `without`, milliseconds.
 double gpu_ms(Device& device, const Effect& effect, const ParameterBytes& params, Frame& frame,
               std::string_view without = {}) {
-  device.take_dispatch_times();
-  EXPECT_TRUE(device.run(effect, params, frame));
   EXPECT_TRUE(device.finish());
+  EXPECT_TRUE(device.run(effect, params, frame));
   double ms = 0.0;
-  for (const DispatchTime& dispatch : device.take_dispatch_times())
+  for (const DispatchTime& dispatch : *device.finish())
     if (dispatch.dispatch != without) ms += dispatch.ms;
   return ms;
 }
@@ -391,11 +390,10 @@ void compare_with_hand(const char* scene, int width, int height, int turns) {
                                    add_shader(*h, by_hand.images, true)};
     std::vector<double> own_ms, hand[3];
     for (int turn = 0; turn <= turns; ++turn) {
-      ours->take_dispatch_times();
-      ASSERT_TRUE(ours->run(effect, params, *frame));
       ASSERT_TRUE(ours->finish());
+      ASSERT_TRUE(ours->run(effect, params, *frame));
       double own = 0.0;
-      for (const DispatchTime& dispatch : ours->take_dispatch_times())
+      for (const DispatchTime& dispatch : *ours->finish())
         if (dispatch.dispatch == by_hand.dispatch) own += dispatch.ms;
       if (turn > 0) own_ms.push_back(own);
       for (int k = 0; k < 3; ++k) {

@@ -116,10 +116,10 @@ TEST(Vulkan, ReducesAndPlacesLikeTheCpu) {
         auto small = device->reduced(*full, factor, names);
         ASSERT_TRUE(small);
         EXPECT_EQ(small->info.width, reduced_side(width, factor));
-        const auto placed = device->place(*small, {"nowhere"}, *full);
+        const auto placed = device->add_planes_of(*small, {"nowhere"}, *full);
         ASSERT_FALSE(placed);
         EXPECT_NE(placed.error().message.find("'nowhere'"), std::string::npos);
-        ASSERT_TRUE(device->place(*small, {"depth"}, *full));
+        ASSERT_TRUE(device->add_planes_of(*small, {"depth"}, *full));
         small_images[k] = *device->download_all(*small);
         full_images[k++] = *device->download_all(*full);
       }
@@ -236,15 +236,15 @@ TEST(Vulkan, StripsOfLongDispatchesGiveTheSameBits) {
     for (Device* device : {splitting.get(), whole.get()}) {
       StageTimes times;
       ASSERT_TRUE(device->prepare(*scene));
-      device->take_dispatch_times();
+      ASSERT_TRUE(device->finish());
       const auto frame = draw(*device, *scene, settings, times);
       ASSERT_TRUE(frame) << frame.error().message;
       images[k++] = *device->download_all(*frame);
     }
     expect_equal(images[0], images[1]);
     // The row ranges of a dispatch count as one in the reported times.
-    const auto dispatches = splitting->take_dispatch_times();
-    EXPECT_EQ(dispatches.size(), whole->take_dispatch_times().size()) << look;
+    const std::vector<DispatchTime> dispatches = *splitting->finish();
+    EXPECT_EQ(dispatches.size(), whole->finish()->size()) << look;
     EXPECT_GE(faulty().faults.submits - before, 3 * int(dispatches.size())) << look;
   }
 }
@@ -273,12 +273,11 @@ TEST(Vulkan, DoesNotSplitShortFrames) {
 TEST(Vulkan, ReportsTheTimeOfDispatches) {
   Device* const gpu = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(gpu);
-  gpu->take_dispatch_times();
+  ASSERT_TRUE(gpu->finish());
   auto frame = lit_frame(*gpu, test::bumpy_gbuffer(256, 256, 5));
   ASSERT_TRUE(frame);
   ASSERT_TRUE(run(*gpu, "gaussian", *frame));
-  ASSERT_TRUE(gpu->finish());
-  const auto times = gpu->take_dispatch_times();
+  const std::vector<DispatchTime> times = *gpu->finish();
   ASSERT_GE(times.size(), 3u);
   for (const DispatchTime& time : times) {
     EXPECT_EQ(time.effect, &time == &times[0] ? "lighting" : "gaussian");
@@ -286,7 +285,7 @@ TEST(Vulkan, ReportsTheTimeOfDispatches) {
     EXPECT_GT(time.ms, 0.0);
     EXPECT_LT(time.ms, 10000.0);
   }
-  EXPECT_TRUE(gpu->take_dispatch_times().empty());
+  EXPECT_TRUE(gpu->finish()->empty());
 }
 
 TEST(Vulkan, MemoryDoesNotGrowFromFrameToFrame) {
@@ -301,7 +300,7 @@ TEST(Vulkan, MemoryDoesNotGrowFromFrameToFrame) {
     auto small = gpu->reduced(*frame, 2, {"depth", "normal.x", "normal.y", "normal.z"});
     ASSERT_TRUE(small);
     ASSERT_TRUE(run(*gpu, "sphere", *small));
-    ASSERT_TRUE(gpu->place(*small, {"ao"}, *frame));
+    ASSERT_TRUE(gpu->add_planes_of(*small, {"ao"}, *frame));
     ASSERT_TRUE(gpu->download(*frame, {"direct.r", "reduced_ao"}));
     if (k == 9) after_ten = vulkan_memory(*gpu);
   }

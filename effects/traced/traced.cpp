@@ -148,15 +148,22 @@ Dispatch rays_dispatch(std::string_view name, bool (*needed)(const ParameterByte
           .rays = ray_settings,
           .needed = needed,
           .reach = rays_reach,
+          .columns = rays_reach,
           .first_round_only = true};
 }
 
 Dispatch filter_dispatch(std::string_view name, const Kernel& kernel, bool (*needed)(const ParameterBytes&),
                          const std::vector<std::string_view>& from, const std::vector<std::string_view>& to,
-                         int (*reach)(const void*, int)) {
+                         int (*reach)(const void*, int), int (*columns)(const void*, int)) {
   std::vector<std::string_view> inputs = from;
   inputs.push_back("traced_joints");
-  return {.name = name, .inputs = inputs, .outputs = to, .kernel = kernel, .needed = needed, .reach = reach};
+  return {.name = name,
+          .inputs = inputs,
+          .outputs = to,
+          .kernel = kernel,
+          .needed = needed,
+          .reach = reach,
+          .columns = columns};
 }
 
 }  // namespace
@@ -172,31 +179,33 @@ Effect effect_traced() {
        .tunable = {"rays"},
        .variants = {"", "rays=0.125", "rays=0.25", "rays=0.5", "rays=2", "rays=6 max_rays=32", "bleeding=1"},
        .quantum = 1.0,
-       .dispatches =
-           {{.name = "joints",
-             .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
-             .outputs = {"traced_joints"},
-             .kernel = traced_joints_kernel(),
-             .reach = joints_reach,
-             .first_round_only = true},
-            rays_dispatch("rays", traces<false, false>),
-            rays_dispatch("rays_bent", traces<true, false>, {"bent.x", "bent.y", "bent.z"}),
-            rays_dispatch("rays_light", traces<false, true>, {"indirect.r", "indirect.g", "indirect.b"}),
-            rays_dispatch("rays_light_bent", traces<true, true>,
-                          {"indirect.r", "indirect.g", "indirect.b", "bent.x", "bent.y", "bent.z"}),
-            filter_dispatch("across", traced_across_kernel(), filters_no_light, {"ao", "traced_confidence"},
-                            {"traced_across", "traced_across_confidence"}, own_row),
-            filter_dispatch("down", traced_down_kernel(), filters_no_light,
-                            {"traced_across", "traced_across_confidence"}, {"ao", "traced_confidence"}, filter_reach),
-            filter_dispatch(
-                "light_across", traced_light_across_kernel(), filters_light,
-                {"ao", "traced_confidence", "indirect.r", "indirect.g", "indirect.b"},
-                {"traced_across", "traced_across_confidence", "traced_light.r", "traced_light.g", "traced_light.b"},
-                own_row),
-            filter_dispatch(
-                "light_down", traced_light_down_kernel(), filters_light,
-                {"traced_across", "traced_across_confidence", "traced_light.r", "traced_light.g", "traced_light.b"},
-                {"ao", "traced_confidence", "indirect.r", "indirect.g", "indirect.b"}, filter_reach)},
+       .dispatches = {{.name = "joints",
+                       .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
+                       .outputs = {"traced_joints"},
+                       .kernel = traced_joints_kernel(),
+                       .reach = joints_reach,
+                       .columns = joints_reach,
+                       .first_round_only = true},
+                      rays_dispatch("rays", traces<false, false>),
+                      rays_dispatch("rays_bent", traces<true, false>, {"bent.x", "bent.y", "bent.z"}),
+                      rays_dispatch("rays_light", traces<false, true>, {"indirect.r", "indirect.g", "indirect.b"}),
+                      rays_dispatch("rays_light_bent", traces<true, true>,
+                                    {"indirect.r", "indirect.g", "indirect.b", "bent.x", "bent.y", "bent.z"}),
+                      filter_dispatch("across", traced_across_kernel(), filters_no_light, {"ao", "traced_confidence"},
+                                      {"traced_across", "traced_across_confidence"}, own_row, filter_reach),
+                      filter_dispatch("down", traced_down_kernel(), filters_no_light,
+                                      {"traced_across", "traced_across_confidence"}, {"ao", "traced_confidence"},
+                                      filter_reach, own_column),
+                      filter_dispatch("light_across", traced_light_across_kernel(), filters_light,
+                                      {"ao", "traced_confidence", "indirect.r", "indirect.g", "indirect.b"},
+                                      {"traced_across", "traced_across_confidence", "traced_light.r", "traced_light.g",
+                                       "traced_light.b"},
+                                      own_row, filter_reach),
+                      filter_dispatch("light_down", traced_light_down_kernel(), filters_light,
+                                      {"traced_across", "traced_across_confidence", "traced_light.r", "traced_light.g",
+                                       "traced_light.b"},
+                                      {"ao", "traced_confidence", "indirect.r", "indirect.g", "indirect.b"},
+                                      filter_reach, own_column)},
        .rounds = traced_rounds});
 }
 

@@ -110,12 +110,12 @@ TEST(Reduced, PlacedPlanesAreInTheUpperLeftCorner) {
   const auto device = make_cpu_device();
   auto full = *device->upload(g);
   const auto small = *device->reduced(full, 4, {"depth"});
-  ASSERT_TRUE(device->place(small, {"depth"}, full));
+  ASSERT_TRUE(device->add_planes_of(small, {"depth"}, full));
   const Image placed = *device->download(full, {"reduced_depth"});
   for (int y = 0; y < 347; ++y)
     for (int x = 0; x < 191; ++x)
       EXPECT_EQ(placed.planes[0].at(x, y), x < 48 && y < 87 ? g.layers[0].planes[0].at(4 * x, 4 * y) : 0.0f);
-  const auto missing = device->place(small, {"ao"}, full);
+  const auto missing = device->add_planes_of(small, {"ao"}, full);
   ASSERT_FALSE(missing);
   EXPECT_NE(missing.error().message.find("'ao'"), std::string::npos);
 }
