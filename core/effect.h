@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <typeindex>
 #include <utility>
 #include <vector>
 
@@ -123,6 +124,7 @@ struct Effect {
   std::string_view source;  ///< key in docs/papers.md, or empty
   EffectKind kind = EffectKind::kShading;
   std::vector<Parameter> parameters;
+  std::type_index params_type = typeid(void);  ///< of its params struct, such as BoxParams
   std::size_t params_size = 0;
   std::size_t constants_size = 0;
   /// Computes the constants that all dispatches read, from the params and the picture.
@@ -174,7 +176,7 @@ void set_radius_of(float radius, const PictureInfo&, ParameterBytes& bytes) {
   set(field);
 }
 
-/// Returns `effect` with this kind and parameter table, and with the sizes and the `constants` function that follow
+/// Returns `effect` with this kind and parameter table, and with the type, sizes and `constants` function that follow
 /// from `fill_constants`: a function such as void fill_box(const BoxParams&, const PictureInfo&, BoxConstants&),
 /// which receives zero-initialized constants. A dispatch without a name gets the name of the effect.
 template <auto fill_constants>
@@ -184,6 +186,7 @@ Effect effect_of(EffectKind kind, std::vector<Parameter> table, Effect effect) {
   for (Dispatch& dispatch : effect.dispatches)
     if (dispatch.name.empty()) dispatch.name = effect.name;
   const auto complete = [&]<class Params, class Constants>(void (*)(const Params&, const PictureInfo&, Constants&)) {
+    effect.params_type = typeid(Params);
     effect.params_size = sizeof(Params);
     effect.constants_size = sizeof(Constants);
     effect.constants = [](const ParameterBytes& params, const PictureInfo& info, void* out) {

@@ -15,12 +15,17 @@ namespace umbrage {
 /// Parameter values, by the name of the effect.
 using EffectSettings = std::map<std::string, ParameterBytes, std::less<>>;
 
-/// Returns the parameters of an effect, which must be in `settings`.
+/// Return the parameters of an effect, which must be in `settings`: the one called `effect`, or the one whose params
+/// struct is `Params`. They are const if `settings` are.
 inline ParameterBytes& params_of(EffectSettings& settings, std::string_view effect) {
   return settings.find(effect)->second;
 }
 inline const ParameterBytes& params_of(const EffectSettings& settings, std::string_view effect) {
   return settings.find(effect)->second;
+}
+template <class Params>
+auto& params_of(auto& settings) {
+  return as<Params>(params_of(settings, effect_with<Params>().name));
 }
 
 /// Returns all effects: the registered ones, then `external_effects`.

@@ -8,6 +8,7 @@
 
 #include "core/check.h"
 #include "core/reflection_map.h"
+#include "effects/normals/normals.h"
 #include "reference/reference.h"
 #include "renderer/average.h"
 #include "renderer/marked_samples.h"
@@ -360,7 +361,7 @@ Result<Frame> upload_with_normals(Device& device, GBuffer gbuffer, const EffectS
   for (const Image& layer : gbuffer.layers) has_normals.push_back(layer.find("normal.x") != nullptr);
   auto frame = device.upload(std::move(gbuffer));
   if (!frame) return frame;
-  const Effect& normals = *find_effect("normals");
+  const Effect& normals = effect_with<NormalsParams>();
   for (std::size_t layer = 0; layer < has_normals.size(); ++layer)
     if (!has_normals[layer])
       if (auto status = device.run(normals, params_of(settings, normals.name), *frame, int(layer)); !status)

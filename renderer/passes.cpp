@@ -49,7 +49,7 @@ bool is_part(std::string_view pass) { return contains(kParts, pass); }
 /// Returns whether the values of a look are those of a display, not light: it has no transfer function by itself.
 bool has_display_values(const Look& look) {
   const EffectSettings settings = look_settings(look, external_effects());
-  return as<OutputParams>(params_of(settings, "output")).transfer == kTransferNone;
+  return params_of<OutputParams>(settings).transfer == kTransferNone;
 }
 
 /// Returns the number of layers that a picture needs to have a pass of a layer above 0, if `names` contains the pass's
@@ -134,7 +134,7 @@ std::vector<std::string> passes_of(const Recipe& recipe) {
   for (int layer = 0; layer < *layer_count(recipe.capture); ++layer)
     for (const std::string& name : captured_passes()) names.push_back(layer_plane(layer, name));
   const auto steps = steps_of(look_run(recipe));
-  const bool has_parts = find_named<Effect>(steps, "composite") && !has_display_values(*recipe.look);
+  const bool has_parts = contains(steps, &effect_with<CompositeParams>()) && !has_display_values(*recipe.look);
   for (const Effect* effect : steps) {
     // Planes that the technique and its filters write at reduced resolution are unavailable, except the upsampled ones.
     const bool reduced = recipe.occlusion_downsampling > 1 &&
@@ -253,16 +253,16 @@ Result<std::vector<std::string>> beauty_passes(const Request& request) {
 void enable_passes(const Request& request, Recipe& recipe) {
   const auto& words = request.passes;
   recipe.scene_linear = request.scene_linear;
-  auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
+  auto& output = params_of<OutputParams>(recipe.settings);
   const bool parts = std::any_of(words.begin(), words.end(), is_part);
   const bool wanted = request.scene_linear || contains(words, kBeauty) || contains(words, kAll) || parts;
   if (wanted && output.beauty == kBeautyOff)
     output.beauty =
         output.transfer == kTransferNone && has_display_values(*recipe.look) ? kBeautyDisplay : kBeautyLight;
-  if (wanted && !parts) as<AntialiasParams>(params_of(recipe.settings, "antialias")).beauty = 1;
+  if (wanted && !parts) params_of<AntialiasParams>(recipe.settings).beauty = 1;
   if (!parts) return;
   output.parts = 1;  // whose sum is `beauty` at every pixel
-  as<CompositeParams>(params_of(recipe.settings, "composite")).parts = 1;
+  params_of<CompositeParams>(recipe.settings).parts = 1;
 }
 
 Result<void> apply_passes(const Request& request, Recipe& recipe) {
@@ -329,7 +329,7 @@ Result<void> check_captured(const Recipe& recipe, std::span<const std::string> c
 
 bool averages_something(const Recipe& recipe) {
   if (recipe.wants("color.r") || recipe.wants("beauty.r")) return true;
-  const bool curves = as<OutlineParams>(params_of(recipe.settings, "outline")).mode != kOutlinePaper;
+  const bool curves = params_of<OutlineParams>(recipe.settings).mode != kOutlinePaper;
   return std::any_of(recipe.averaged.begin(), recipe.averaged.end(),
                      [&](const std::string& plane) { return plane != "outline" || !curves; });
 }

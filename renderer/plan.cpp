@@ -53,16 +53,11 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
   } else {
     lighting.lights = default_lights(scene, plan.camera);
   }
-  bool seen = recipe.occlusion == reference_effect().name;
-  for (const std::string_view name : recipe.look->effects) {
-    const Effect* effect = find_effect(name);
-    seen = seen || (effect && uses_scene_lights(*effect, recipe.settings));
-  }
   const bool inside = is_inside_scene(plan.camera, scene);
   plan.lit_from_camera = !inside;
   if (!inside && recipe.look->studio_lights && has_roughness(scene))
     lighting.reflections = studio_reflections(scene.up);
-  if (!inside || !seen) return {};
+  if (!inside || !uses_scene_lights(recipe)) return {};
   const auto traced = build_traced_scene(scene, threads, monitor);
   if (!traced) return traced.error();
   const PictureInfo info{.width = recipe.width, .height = recipe.height, .camera = plan.camera};
@@ -77,10 +72,8 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
 /// Inside a scene, a look that meters the light of an environment image, of which little arrives there, or the median
 /// of a model meters the picture, unless the request sets `metering`.
 void meter_indoors(const Scene& scene, Plan& plan) {
-  if (!is_inside_scene(plan.camera, scene)) return;
-  for (const Setting& given : plan.recipe.set_by_request)
-    if (given.effect->exposure_source && given.parameter->name == "metering") return;
-  auto& output = as<OutputParams>(params_of(plan.recipe.settings, "output"));
+  if (!is_inside_scene(plan.camera, scene) || is_set<OutputParams>(plan.recipe, "metering")) return;
+  auto& output = params_of<OutputParams>(plan.recipe.settings);
   const bool by_image = output.metering == kMeteringLight && plan.recipe.hdri.lights();
   if (by_image || output.metering == kMeteringMedian) output.metering = kMeteringPicture;
 }
@@ -226,11 +219,11 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
   const PictureInfo info = picture_info(scene, plan.camera, plan.capture);
   if (auto status = check_captured(plan.recipe, captured_planes(scene, info, plan.capture)); !status)
     return status.error();
-  plan.output = params_of(settings, "output");
+  plan.output = params_of(settings, effect_with<OutputParams>().name);
   plan.has_blended = averages_something(recipe) && has_blended(scene);
   if (!plan.averages()) return plan;
   // Samples hold linear light with alpha, so that edges blend with the background as light (or as square roots of it).
-  auto& output = as<OutputParams>(params_of(settings, "output"));
+  auto& output = params_of<OutputParams>(settings);
   output.transfer = kTransferNone;
   if (output.beauty == kBeautyDisplay) output.beauty = kBeautyLight;  // display values are decoded after the average
   if (!recipe.hdri.shown()) output.transparent = 1;

@@ -44,7 +44,7 @@ Result<void> set_line_parameters(const RenderOptions& o, const Recipe& recipe, L
   lines.style.color = stroke_color(lines.params);
   lines.style.opacity = stroke_opacity(lines.params);
   if (!o.request.background || o.request.transparent) return {};
-  const auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
+  const auto& output = params_of<OutputParams>(recipe.settings);
   lines.style.background = {output.background_r, output.background_g, output.background_b};
   return {};
 }
