@@ -17,6 +17,7 @@ namespace umbrage {
 struct KernelFrame;  // input of a compiled kernel: see kernel/kernel_frame.h
 struct Tile;         // pixels that a kernel computes: see kernel/kernel_frame.h
 struct HostFrame;    // input and output of a host step: see kernel/host_frame.h
+struct Strokes;      // lines as curves: see core/strokes.h
 
 /// A compiled kernel: computes the outputs of its dispatch for one tile. Tiles may run concurrently.
 using CpuKernel = void (*)(const KernelFrame&, const Tile&);
@@ -72,6 +73,8 @@ struct Dispatch {
   CpuKernel tuned = nullptr;             ///< faster kernel with bitwise identical results, or null
   std::vector<GpuVariant> gpu_variants;  ///< the first that fits runs instead of `kernel`
   HostStep host = nullptr;               ///< runs instead of kernels; `reach` is then null
+  /// For a host step that draws lines: returns them.
+  Strokes (*trace)(const HostFrame& frame) = nullptr;
   /// If not null, the dispatch traces rays in the captured scene. Its kernel makes them: it runs once for each ray
   /// index, FrameConstants::round from 0 to max_rays - 1, and writes `ray.x .y .z`, a unit direction in view space, or
   /// 0 where the pixel has fewer rays. A ray starts at the pixel's surface point plus `ray_offset`. The device writes
@@ -137,6 +140,9 @@ struct Effect {
   /// by `stops`.
   Exposure (*exposure_source)(const ParameterBytes& params) = nullptr;
   void (*add_stops)(float stops, ParameterBytes& params) = nullptr;
+  /// For an effect with a dispatch that traces lines: the settings with which it draws all but them, and those with
+  /// which it draws them alone: "effect.parameter=value".
+  std::vector<std::string_view> without_lines, lines_alone;
   /// Name of the integer parameter that selects the noise: each sample index of an accumulation gets its own value.
   std::string_view noise;
   /// For a technique that filters its own output: looks leave out the effects of kind kFilter behind it. It runs at

@@ -52,7 +52,7 @@ EffectSettings initial_settings(std::span<const Effect* const> external_effects 
 /// Returns the defaults of all effects with the presets of a look applied.
 EffectSettings look_settings(const Look& look, std::span<const Effect* const> external_effects = {});
 
-/// Applies presets of the look named `look`; an invalid preset is a programming error (fail_check).
+/// Applies presets of the look or effect named `look`; an invalid preset is a programming error (fail_check).
 void apply_presets(std::string_view look, const LookPresets& presets, EffectSettings& settings,
                    std::span<const Effect* const> external_effects = {});
 

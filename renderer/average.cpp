@@ -13,9 +13,7 @@ namespace {
 
 /// Calls `visit` with every effect that draws lines over the average, and its parameters.
 void for_line_effects(const Plan& plan, const std::function<void(const Effect&, const ParameterBytes&)>& visit) {
-  if (!plan.lines.outline.empty()) visit(*find_effect("outline"), plan.lines.outline);
-  if (!plan.lines.hidden.empty()) visit(*find_effect("hidden"), plan.lines.hidden);
-  if (!plan.lines.hatching.empty()) visit(*find_effect("hatching"), plan.lines.hatching);
+  for (const LineEffect& lines : plan.lines) visit(*lines.effect, lines.params);
 }
 
 }  // namespace

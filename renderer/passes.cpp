@@ -10,12 +10,11 @@
 #include "core/suggest.h"
 #include "effects/antialias/antialias.h"
 #include "effects/composite/composite.h"
-#include "effects/effects.h"
-#include "effects/hatching/hatching.h"
 #include "effects/outline/outline.h"
 #include "effects/output/output.h"
 #include "renderer/blend.h"
 #include "renderer/marked_samples.h"
+#include "renderer/strokes.h"
 #include "renderer/written_passes.h"
 
 namespace umbrage {
@@ -363,13 +362,10 @@ std::vector<std::string> planes_read_after(const Recipe& recipe, std::span<const
     for (int light = 0; light < kMaxShadows; ++light) planes.push_back(shadow_plane(light));
   }
   // Lines over an average are drawn after the look: see Plan::lines.
-  for (const std::string_view name : {"outline", "hidden", "hatching"})
-    if (const Effect* effect = find_named<Effect>(steps, name)) {
-      ParameterBytes params = params_of(recipe.settings, name);
-      if (name == "hatching") as<HatchingParams>(params).parts = kHatchingLines;
-      for (const Dispatch& dispatch : effect->dispatches)
-        if (runs(dispatch, params) || name == "outline") add(dispatch.inputs), add(dispatch.outputs);
-    }
+  EffectSettings settings = recipe.settings;
+  for (const LineEffect& lines : take_lines(steps, settings))
+    for (const Dispatch& dispatch : lines.effect->dispatches)
+      if (runs(dispatch, lines.params)) add(dispatch.inputs), add(dispatch.outputs);
   return planes;
 }
 

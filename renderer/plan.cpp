@@ -1,7 +1,4 @@
 #include "renderer/plan.h"
-#include "effects/hatching/hatching.h"
-#include "effects/hidden/hidden.h"
-#include "renderer/marked_samples.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,13 +9,16 @@
 #include <glm/vector_relational.hpp>
 
 #include "core/check.h"
+#include "core/lists.h"
 #include "core/reflection_map.h"
 #include "devices/shared/capture_info.h"
+#include "effects/hidden/hidden.h"
 #include "effects/outline/outline.h"
 #include "effects/output/output.h"
 #include "rays/interior_lights.h"
 #include "reference/reference.h"
 #include "renderer/accumulation.h"
+#include "renderer/marked_samples.h"
 #include "renderer/passes.h"
 #include "scene/ground.h"
 
@@ -141,26 +141,12 @@ constexpr int kMaxShadowRays = 16;
 /// Moves the parameters of lines that are drawn once, over the average, to plan.lines; the samples draw none. Lines of
 /// outline.mode=paper are drawn in each sample, and hidden lines with them.
 void separate_lines(Plan& plan) {
-  const auto steps = steps_of(look_run(plan.recipe));
-  if (find_named<Effect>(steps, "hatching")) {
-    ParameterBytes& params = params_of(plan.recipe.settings, "hatching");
-    plan.lines.hatching = params;
-    as<HatchingParams>(plan.lines.hatching).parts = kHatchingLines;
-    as<HatchingParams>(params).parts = kHatchingTone;
-  }
-  const auto& set = as<OutlineParams>(params_of(plan.recipe.settings, "outline"));
-  const bool paper = set.mode == kOutlinePaper && set.opacity > 0.0f && find_named<Effect>(steps, "outline");
-  if (find_named<Effect>(steps, "hidden") && !paper) {
-    ParameterBytes& params = params_of(plan.recipe.settings, "hidden");
-    if (as<HiddenParams>(params).draw) plan.lines.hidden = params;
-    as<HiddenParams>(params).draw = 0;
-  }
-  if (!find_named<Effect>(steps, "outline")) return;
-  ParameterBytes& params = params_of(plan.recipe.settings, "outline");
-  auto& outline = as<OutlineParams>(params);
-  if (outline.mode == kOutlinePaper || !(outline.opacity > 0.0f)) return;
-  plan.lines.outline = params;
-  outline.opacity = 0.0f;
+  EffectSettings& settings = plan.recipe.settings;
+  auto steps = steps_of(look_run(plan.recipe));
+  const auto& outline = params_of<OutlineParams>(settings);
+  const bool drawn = outline.opacity > 0.0f && contains(steps, &effect_with<OutlineParams>());
+  if (drawn && outline.mode == kOutlinePaper) std::erase(steps, &effect_with<HiddenParams>());
+  plan.lines = take_lines(steps, settings);
 }
 
 }  // namespace

@@ -10,13 +10,9 @@
 #include "core/srgb.h"
 #include "core/suggest.h"
 #include "effects/antialias/antialias.h"
-#include "effects/composite/composite.h"
-#include "effects/gooch/gooch.h"
 #include "effects/ground/ground.h"
-#include "effects/lighting/lighting.h"
 #include "effects/output/output.h"
 #include "effects/resample/resample.h"
-#include "effects/toon/toon.h"
 #include "looks/quality.h"
 #include "looks/style.h"
 #include "reference/reference.h"
@@ -88,15 +84,14 @@ Result<void> apply_settings(const std::vector<std::string>& assignments, Recipe&
   return {};
 }
 
-/// Applies the options that many looks share to the effects that they concern.
-void apply_strengths(const Request& request, EffectSettings& settings) {
-  as<OutputParams>(params_of(settings, "output")).exposure += request.exposure;
-  as<OutputParams>(params_of(settings, "output")).contrast *= request.contrast;
-  as<LightingParams>(params_of(settings, "lighting")).shadow *= request.shadow_strength;
-  as<ToonParams>(params_of(settings, "toon")).shadow *= request.shadow_strength;
-  as<CompositeParams>(params_of(settings, "composite")).occlusion *= request.occlusion_strength;
-  as<ToonParams>(params_of(settings, "toon")).occlusion *= request.occlusion_strength;
-  as<GoochParams>(params_of(settings, "gooch")).occlusion *= request.occlusion_strength;
+/// Applies the options that many looks share to the parameters that effects declare for them.
+void apply_strengths(Request request, EffectSettings& settings) {
+  for (const Effect* effect : effects()) {
+    ParameterBytes& params = params_of(settings, effect->name);
+    if (effect->add_stops) effect->add_stops(request.exposure, params);
+    for (const Parameter& row : effect->parameters)
+      if (!row.factor.empty()) multiply(row, std::get<FieldOf<float>>(option_of(row.factor).where)(request), params);
+  }
 }
 
 /// Applies options and assignments of a request to the settings. Errors: kUsage.

@@ -1,5 +1,6 @@
 #include "apps/cli/line_file.h"
 
+#include "effects/hatching/hatching.h"
 #include "effects/output/output.h"
 #include "io/image_file.h"
 #include "looks/looks.h"
@@ -51,7 +52,7 @@ Result<void> set_line_parameters(const RenderOptions& o, const Recipe& recipe, L
 
 void disable_unused_effects(const StrokeParameters& lines, Request& request) {
   request.anti_aliasing = 1;
-  if (!lines.hatching.empty() || !request.occlusion_radius.empty()) return;  // a hint about the radius needs occlusion
+  if (find_params<HatchingParams>(lines) || !request.occlusion_radius.empty()) return;  // hints on the radius need it
   request.occlusion = kNoOcclusion;
   request.occlusion_scale.clear();
 }
