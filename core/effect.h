@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <typeindex>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,7 @@ namespace umbrage {
 struct KernelFrame;  // input of a compiled kernel: see kernel/kernel_frame.h
 struct Tile;         // pixels that a kernel computes: see kernel/kernel_frame.h
 struct HostFrame;    // input and output of a host step: see kernel/host_frame.h
+struct Strokes;      // lines as curves: see core/strokes.h
 
 /// A compiled kernel: computes the outputs of its dispatch for one tile. Tiles may run concurrently.
 using CpuKernel = void (*)(const KernelFrame&, const Tile&);
@@ -70,6 +72,8 @@ struct Dispatch {
   CpuKernel tuned = nullptr;             ///< faster kernel with bitwise identical results, or null
   std::vector<GpuVariant> gpu_variants;  ///< the first that fits runs instead of `kernel`
   HostStep host = nullptr;               ///< runs instead of kernels; `reach` is then null
+  /// For a host step that draws lines: returns them.
+  Strokes (*trace)(const HostFrame& frame) = nullptr;
   /// If not null, the dispatch traces rays in the captured scene. Its kernel makes them: it runs once for each ray
   /// index, FrameConstants::round from 0 to max_rays - 1, and writes `ray.x .y .z`, a unit direction in view space, or
   /// 0 where the pixel has fewer rays. A ray starts at the pixel's surface point plus `ray_offset`. The device writes
@@ -124,6 +128,7 @@ struct Effect {
   std::string_view source;  ///< key in docs/papers.md, or empty
   EffectKind kind = EffectKind::kShading;
   std::vector<Parameter> parameters;
+  std::type_index params_type = typeid(void);  ///< of its params struct, such as BoxParams
   std::size_t params_size = 0;
   std::size_t constants_size = 0;
   /// Computes the constants that all dispatches read, from the params and the picture.
@@ -136,6 +141,9 @@ struct Effect {
   /// by `stops`.
   Exposure (*exposure_source)(const ParameterBytes& params) = nullptr;
   void (*add_stops)(float stops, ParameterBytes& params) = nullptr;
+  /// For an effect with a dispatch that traces lines: the settings with which it draws all but them, and those with
+  /// which it draws them alone: "effect.parameter=value".
+  std::vector<std::string_view> without_lines, lines_alone;
   /// Name of the integer parameter that selects the noise: each sample index of an accumulation gets its own value.
   std::string_view noise;
   /// For a technique that filters its own output: looks leave out the effects of kind kFilter behind it. It runs at
@@ -175,7 +183,7 @@ void set_radius_of(float radius, const PictureInfo&, ParameterBytes& bytes) {
   set(field);
 }
 
-/// Returns `effect` with this kind and parameter table, and with the sizes and the `constants` function that follow
+/// Returns `effect` with this kind and parameter table, and with the type, sizes and `constants` function that follow
 /// from `fill_constants`: a function such as void fill_box(const BoxParams&, const PictureInfo&, BoxConstants&),
 /// which receives zero-initialized constants. A dispatch without a name gets the name of the effect.
 template <auto fill_constants>
@@ -185,6 +193,7 @@ Effect effect_of(EffectKind kind, std::vector<Parameter> table, Effect effect) {
   for (Dispatch& dispatch : effect.dispatches)
     if (dispatch.name.empty()) dispatch.name = effect.name;
   const auto complete = [&]<class Params, class Constants>(void (*)(const Params&, const PictureInfo&, Constants&)) {
+    effect.params_type = typeid(Params);
     effect.params_size = sizeof(Params);
     effect.constants_size = sizeof(Constants);
     effect.constants = [](const ParameterBytes& params, const PictureInfo& info, void* out) {

@@ -43,6 +43,15 @@ int plane_stride(int width) {
   return aliased ? stride + kRowAlignment : stride;
 }
 
+std::size_t plane_bytes(int width, int height) {
+  const std::size_t bytes = std::size_t(plane_stride(width)) * height * sizeof(float);
+  const bool large = bytes >= kHugePage;
+  const std::size_t rounding = large ? kPage : kCacheLine;
+  // Equal for all planes of one size, whatever their offset, so that their memory is interchangeable.
+  const std::size_t needed = bytes + (large ? (kStaggers - 1) * kStagger : 0);
+  return (needed + rounding - 1) / rounding * rounding;
+}
+
 PlanePool::~PlanePool() { drop_all(); }
 
 std::size_t PlanePool::bytes() const {
@@ -122,10 +131,7 @@ Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(p
   const bool large = bytes >= kHugePage;
   const std::size_t offset = large ? next_stagger() : 0;
   const std::size_t alignment = large ? kHugePage : kCacheLine;
-  const std::size_t rounding = large ? kPage : kCacheLine;
-  // Equal for all planes of one size, whatever their offset, so that their memory is interchangeable.
-  const std::size_t needed = bytes + (large ? (kStaggers - 1) * kStagger : 0);
-  const std::size_t whole = (needed + rounding - 1) / rounding * rounding;
+  const std::size_t whole = plane_bytes(width, height);
   const PlanePoolPtr pool = bytes >= kMinPooled && pool_of_thread ? *pool_of_thread : nullptr;
   void* base = pool ? pool->take(whole) : nullptr;
   if (!base) {

@@ -74,6 +74,9 @@ class ScopedPlanePool {
 /// stride for its planes.
 int plane_stride(int width);
 
+/// Returns the memory of a plane, bytes.
+std::size_t plane_bytes(int width, int height);
+
 /// One float per pixel. Row y starts at data() + y * stride; row 0 is the top one.
 class Plane {
  public:

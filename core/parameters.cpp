@@ -51,7 +51,8 @@ Parameter number_row(ParameterType type, std::string_view name, std::size_t offs
           .min = range.min,
           .max = range.max,
           .unit = range.unit,
-          .zero_means = range.zero_means};
+          .zero_means = range.zero_means,
+          .factor = range.factor};
 }
 
 ParameterBytes initial_parameters(std::span<const Parameter> table, std::size_t size) {
@@ -133,6 +134,10 @@ int int_value(const Parameter& row, const ParameterBytes& bytes) { return load<i
 float real_value(const Parameter& row, const ParameterBytes& bytes) { return load<float>(bytes, row.offset); }
 
 void set_int(const Parameter& row, int value, ParameterBytes& bytes) { store(bytes, row.offset, value); }
+
+void multiply(const Parameter& row, float factor, ParameterBytes& bytes) {
+  store(bytes, row.offset, factor * real_value(row, bytes));
+}
 
 void copy_parameter(const Parameter& row, const ParameterBytes& from, ParameterBytes& to) {
   std::memcpy(to.data() + row.offset, from.data() + row.offset, parameter_size(row.type));

@@ -34,12 +34,13 @@ struct Parameter {
   bool above_zero = false;                     ///< 0 and 0% are errors
   std::string_view zero_means = {};            ///< meaning of 0, such as "automatic"; empty: none
   std::string_view former_name = {};           ///< accepted, with a warning, until the next minor version; or empty
+  std::string_view factor = {};                ///< for kReal: the request's field that multiplies it; empty: none
 };
 
-/// The range of a number, ends included, and its default.
+/// The range of a number, ends included, and its default; the others as in Parameter.
 struct NumberRange {
   double initial = 0.0, min = 0.0, max = 0.0;
-  std::string_view unit = {}, zero_means = {};
+  std::string_view unit = {}, zero_means = {}, factor = {};
 };
 
 /// The range of a length: absolute from `min` to `max`, or 0% to 1000%. The default is `initial_percent` if that is not
@@ -130,10 +131,11 @@ Result<void> set_parameter(std::string_view owner, const Parameter& row, std::st
 /// Returns the text that sets the field to its current value.
 std::string parameter_text(const Parameter& row, const ParameterBytes& bytes);
 
-/// Return the value of an int field (kInt, kBool, kChoice) and of a float field.
+/// Return, set and multiply the value of an int field (kInt, kBool, kChoice) or a float field.
 int int_value(const Parameter& row, const ParameterBytes& bytes);
 float real_value(const Parameter& row, const ParameterBytes& bytes);
 void set_int(const Parameter& row, int value, ParameterBytes& bytes);
+void multiply(const Parameter& row, float factor, ParameterBytes& bytes);
 
 /// Copies one field from other params of the same struct.
 void copy_parameter(const Parameter& row, const ParameterBytes& from, ParameterBytes& to);

@@ -26,6 +26,12 @@ std::span<const Effect* const> effects() {
 
 const Effect* find_effect(std::string_view name) { return find_named(effects(), name); }
 
+const Effect& effect_with(std::type_index params_type) {
+  for (const Effect* effect : effects())
+    if (effect->params_type == params_type) return *effect;
+  fail_check(fmt::format("no effect has the parameters {}", params_type.name()));
+}
+
 namespace {
 
 using Values = std::map<std::string_view, float>;

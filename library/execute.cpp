@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/lists.h"
+#include "effects/output/output.h"
 #include "library/job.h"
 #include "library/shared.h"
 #include "renderer/passes.h"
@@ -317,7 +318,7 @@ std::vector<Output> JobObject::default_outputs(const Recipe& recipe) const {
   std::vector<std::string> passes = {"color"};
   if (recipe.effects_look) {
     const auto& effects = recipe.effects_look->effects;
-    if (!contains(effects, "output")) passes.clear();
+    if (!contains(effects, effect_with<OutputParams>().name)) passes.clear();
     for (const std::string& name :
          passes_of_effect(*find_effect(effects.back()), params_of(recipe.settings, effects.back())))
       passes.push_back(name);

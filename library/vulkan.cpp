@@ -8,7 +8,7 @@
 #include "core/registry.h"
 #include "devices/vulkan/gpu.h"
 #include "devices/vulkan/vulkan_device.h"
-#include "effects/effects.h"
+#include "effects/normals/normals.h"
 #include "library/device.h"
 #include "renderer/devices.h"
 #include "renderer/lens.h"
@@ -135,7 +135,7 @@ Result<void> shade_images(Device& device, const UmbVulkanGBuffer& g, const UmbVu
     std::copy_n(is_set(g.view_from_normal) ? g.view_from_normal : kIdentity, 9, normal.rotation);
     if (auto read = read_image(device, device_image(g.normal), normal, kNormal, *frame); !read) return read;
   } else {
-    const Effect& normals = *find_effect("normals");
+    const Effect& normals = effect_with<NormalsParams>();
     if (auto status = device.run(normals, params_of(settings, normals.name), *frame); !status) return status.error();
   }
   if (g.albedo.image)

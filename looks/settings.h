@@ -15,12 +15,17 @@ namespace umbrage {
 /// Parameter values, by the name of the effect.
 using EffectSettings = std::map<std::string, ParameterBytes, std::less<>>;
 
-/// Returns the parameters of an effect, which must be in `settings`.
+/// Return the parameters of an effect, which must be in `settings`: the one called `effect`, or the one whose params
+/// struct is `Params`. They are const if `settings` are.
 inline ParameterBytes& params_of(EffectSettings& settings, std::string_view effect) {
   return settings.find(effect)->second;
 }
 inline const ParameterBytes& params_of(const EffectSettings& settings, std::string_view effect) {
   return settings.find(effect)->second;
+}
+template <class Params>
+auto& params_of(auto& settings) {
+  return as<Params>(params_of(settings, effect_with<Params>().name));
 }
 
 /// Returns all effects: the registered ones, then `external_effects`.
@@ -47,7 +52,7 @@ EffectSettings initial_settings(std::span<const Effect* const> external_effects 
 /// Returns the defaults of all effects with the presets of a look applied.
 EffectSettings look_settings(const Look& look, std::span<const Effect* const> external_effects = {});
 
-/// Applies presets of the look named `look`; an invalid preset is a programming error (fail_check).
+/// Applies presets of the look or effect named `look`; an invalid preset is a programming error (fail_check).
 void apply_presets(std::string_view look, const LookPresets& presets, EffectSettings& settings,
                    std::span<const Effect* const> external_effects = {});
 

@@ -92,7 +92,9 @@ class Passes {
     needs.sweeps.push_back(by_name(before(passes_.size(), at_end, wholes)));
     for (const Written& each : wholes) {
       const int reduced = planes_[std::size_t(each.plane)].second;
-      needs.whole_planes += 1.0 / double(reduced * reduced);
+      const double area = 1.0 / double(reduced * reduced);
+      needs.whole_planes += area;
+      if (each.pass >= 0) needs.not_stored += area;
     }
     return needs;
   }

@@ -10,8 +10,8 @@ namespace umbrage {
 
 std::vector<std::string> line_planes(const Plan& plan) {
   std::vector<std::string> names;
-  const auto& output_inputs = find_effect("output")->dispatches[0].inputs;
-  for (const EffectStep& step : line_steps(plan.lines))
+  const auto& output_inputs = effect_with<OutputParams>().dispatches[0].inputs;
+  for (const EffectStep& step : plan.lines)
     for (const Dispatch& dispatch : step.effect->dispatches)
       if (runs(dispatch, step.params))
         for (const std::string_view plane : dispatch.outputs)
@@ -42,7 +42,7 @@ std::vector<std::string> averaged_planes(const Plan& plan) {
 std::vector<std::string> picture_passes(const Recipe& recipe) {
   std::vector<std::string> passes;
   if (recipe.wants("color.r") && !recipe.scene_linear) passes.emplace_back("color");
-  const auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
+  const auto& output = params_of<OutputParams>(recipe.settings);
   if (recipe.wants("beauty.r") && output.beauty != kBeautyOff) passes.emplace_back("beauty");
   return passes;
 }
@@ -75,7 +75,7 @@ Result<void> finish_pass(Device& device, PictureSum& total, const Plan& plan, co
   auto mean = device.upload(mean_picture(total, info, pass));
   if (!mean) return mean.error();
   if (auto status = device.add(lines, *mean); !status) return status;
-  if (auto status = device.run(*find_effect("output"), bytes, *mean); !status) return status.error();
+  if (auto status = device.run(effect_with<OutputParams>(), bytes, *mean); !status) return status.error();
   auto planes = device.download(*mean, names);
   if (!planes) return planes.error();
   // The samples have some of the background, such as a sky.

@@ -8,6 +8,7 @@
 
 #include "core/check.h"
 #include "core/reflection_map.h"
+#include "effects/normals/normals.h"
 #include "reference/reference.h"
 #include "renderer/average.h"
 #include "renderer/marked_samples.h"
@@ -97,7 +98,7 @@ LookRun timed_look_run(const Recipe& recipe, StageTimes& times, DrawProgress& pr
 
 /// Returns the number of effects of a picture.
 std::size_t effect_count(const Plan& plan) {
-  return steps_of(look_run(plan.recipe)).size() + line_steps(plan.lines).size();
+  return steps_of(look_run(plan.recipe)).size() + plan.lines.size();
 }
 
 /// Adds a picture with its weights.
@@ -151,7 +152,7 @@ Result<void> draw_further_marked(Device& device, const Plan& plan, const Camera&
 /// Draws the samples of a plan at the pixels that its first sample marks.
 Result<void> draw_marked_samples(Device& device, Samples& s) {
   LookRun look = s.run;
-  look.lines = line_steps(s.plan.lines);
+  look.lines = s.plan.lines;
   auto behind = capture_first(device, s.plan, begin_picture(s.plan, {}), s.get_frame, s.run.monitor);
   if (!behind) return behind.error();
   const auto state = run_look(look, device, *behind);
@@ -190,7 +191,7 @@ Result<Frame> draw_picture(Device& device, const PictureIndex& index, BlendedSam
   if (auto added = add_sky(device, s.plan, *frame); !added) return added.error();
   if (s.plan.recipe.hdri.shown()) s.times.done("sky");
   LookRun run = s.run;
-  if (index.sample == 0) run.lines = line_steps(s.plan.lines);
+  if (index.sample == 0) run.lines = s.plan.lines;
   const auto state = run_look(run, device, *frame);
   if (!state) return state.error();
   s.run.stops = state->stops;  // one exposure for all samples
@@ -392,7 +393,7 @@ Result<Frame> upload_with_normals(Device& device, GBuffer gbuffer, const EffectS
   for (const Image& layer : gbuffer.layers) has_normals.push_back(layer.find("normal.x") != nullptr);
   auto frame = device.upload(std::move(gbuffer));
   if (!frame) return frame;
-  const Effect& normals = *find_effect("normals");
+  const Effect& normals = effect_with<NormalsParams>();
   for (std::size_t layer = 0; layer < has_normals.size(); ++layer)
     if (!has_normals[layer])
       if (auto status = device.run(normals, params_of(settings, normals.name), *frame, {.layer = int(layer)}); !status)

@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kNoEdge = 1.0f;  // no difference of square roots exceeds it
 
-const Effect& resample() { return *find_effect("resample"); }
+const Effect& resample() { return effect_with<ResampleParams>(); }
 
 /// Returns what a look's technique gives to a pixel, as ResampleParams::occlusion.
 int occlusion_of(const Recipe& recipe) {
@@ -28,7 +28,7 @@ int occlusion_of(const Recipe& recipe) {
 
 /// Returns the parameters of `resample` for a plan that is set to a sample. `info`: that of the sample or of the first.
 ParameterBytes resample_params(const Plan& plan, const PictureInfo& info, int part) {
-  ParameterBytes bytes = params_of(plan.recipe.settings, "resample");
+  ParameterBytes bytes = params_of(plan.recipe.settings, resample().name);
   auto& params = as<ResampleParams>(bytes);
   params.part = part;
   params.occlusion = occlusion_of(plan.recipe);

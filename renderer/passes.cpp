@@ -10,12 +10,11 @@
 #include "core/suggest.h"
 #include "effects/antialias/antialias.h"
 #include "effects/composite/composite.h"
-#include "effects/effects.h"
-#include "effects/hatching/hatching.h"
 #include "effects/outline/outline.h"
 #include "effects/output/output.h"
 #include "renderer/blend.h"
 #include "renderer/marked_samples.h"
+#include "renderer/strokes.h"
 #include "renderer/written_passes.h"
 
 namespace umbrage {
@@ -49,7 +48,7 @@ bool is_part(std::string_view pass) { return contains(kParts, pass); }
 /// Returns whether the values of a look are those of a display, not light: it has no transfer function by itself.
 bool has_display_values(const Look& look) {
   const EffectSettings settings = look_settings(look, external_effects());
-  return as<OutputParams>(params_of(settings, "output")).transfer == kTransferNone;
+  return params_of<OutputParams>(settings).transfer == kTransferNone;
 }
 
 /// Returns the number of layers that a picture needs to have a pass of a layer above 0, if `names` contains the pass's
@@ -134,7 +133,7 @@ std::vector<std::string> passes_of(const Recipe& recipe) {
   for (int layer = 0; layer < *layer_count(recipe.capture); ++layer)
     for (const std::string& name : captured_passes()) names.push_back(layer_plane(layer, name));
   const auto steps = steps_of(look_run(recipe));
-  const bool has_parts = find_named<Effect>(steps, "composite") && !has_display_values(*recipe.look);
+  const bool has_parts = contains(steps, &effect_with<CompositeParams>()) && !has_display_values(*recipe.look);
   for (const Effect* effect : steps) {
     // Planes that the technique and its filters write at reduced resolution are unavailable, except the upsampled ones.
     const bool reduced = recipe.occlusion_downsampling > 1 &&
@@ -253,16 +252,16 @@ Result<std::vector<std::string>> beauty_passes(const Request& request) {
 void enable_passes(const Request& request, Recipe& recipe) {
   const auto& words = request.passes;
   recipe.scene_linear = request.scene_linear;
-  auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
+  auto& output = params_of<OutputParams>(recipe.settings);
   const bool parts = std::any_of(words.begin(), words.end(), is_part);
   const bool wanted = request.scene_linear || contains(words, kBeauty) || contains(words, kAll) || parts;
   if (wanted && output.beauty == kBeautyOff)
     output.beauty =
         output.transfer == kTransferNone && has_display_values(*recipe.look) ? kBeautyDisplay : kBeautyLight;
-  if (wanted && !parts) as<AntialiasParams>(params_of(recipe.settings, "antialias")).beauty = 1;
+  if (wanted && !parts) params_of<AntialiasParams>(recipe.settings).beauty = 1;
   if (!parts) return;
   output.parts = 1;  // whose sum is `beauty` at every pixel
-  as<CompositeParams>(params_of(recipe.settings, "composite")).parts = 1;
+  params_of<CompositeParams>(recipe.settings).parts = 1;
 }
 
 Result<void> apply_passes(const Request& request, Recipe& recipe) {
@@ -329,7 +328,7 @@ Result<void> check_captured(const Recipe& recipe, std::span<const std::string> c
 
 bool averages_something(const Recipe& recipe) {
   if (recipe.wants("color.r") || recipe.wants("beauty.r")) return true;
-  const bool curves = as<OutlineParams>(params_of(recipe.settings, "outline")).mode != kOutlinePaper;
+  const bool curves = params_of<OutlineParams>(recipe.settings).mode != kOutlinePaper;
   return std::any_of(recipe.averaged.begin(), recipe.averaged.end(),
                      [&](const std::string& plane) { return plane != "outline" || !curves; });
 }
@@ -363,13 +362,10 @@ std::vector<std::string> planes_read_after(const Recipe& recipe, std::span<const
     for (int light = 0; light < kMaxShadows; ++light) planes.push_back(shadow_plane(light));
   }
   // Lines over an average are drawn after the look: see Plan::lines.
-  for (const std::string_view name : {"outline", "hidden", "hatching"})
-    if (const Effect* effect = find_named<Effect>(steps, name)) {
-      ParameterBytes params = params_of(recipe.settings, name);
-      if (name == "hatching") as<HatchingParams>(params).parts = kHatchingLines;
-      for (const Dispatch& dispatch : effect->dispatches)
-        if (runs(dispatch, params) || name == "outline") add(dispatch.inputs), add(dispatch.outputs);
-    }
+  EffectSettings settings = recipe.settings;
+  for (const EffectStep& lines : take_lines(steps, settings))
+    for (const Dispatch& dispatch : lines.effect->dispatches)
+      if (runs(dispatch, lines.params)) add(dispatch.inputs), add(dispatch.outputs);
   return planes;
 }
 

@@ -1,7 +1,4 @@
 #include "renderer/plan.h"
-#include "effects/hatching/hatching.h"
-#include "effects/hidden/hidden.h"
-#include "renderer/marked_samples.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,13 +9,16 @@
 #include <glm/vector_relational.hpp>
 
 #include "core/check.h"
+#include "core/lists.h"
 #include "core/reflection_map.h"
 #include "devices/shared/capture_info.h"
+#include "effects/hidden/hidden.h"
 #include "effects/outline/outline.h"
 #include "effects/output/output.h"
 #include "rays/interior_lights.h"
 #include "reference/reference.h"
 #include "renderer/accumulation.h"
+#include "renderer/marked_samples.h"
 #include "renderer/passes.h"
 #include "scene/ground.h"
 
@@ -53,16 +53,11 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
   } else {
     lighting.lights = default_lights(scene, plan.camera);
   }
-  bool seen = recipe.occlusion == reference_effect().name;
-  for (const std::string_view name : recipe.look->effects) {
-    const Effect* effect = find_effect(name);
-    seen = seen || (effect && uses_scene_lights(*effect, recipe.settings));
-  }
   const bool inside = is_inside_scene(plan.camera, scene);
   plan.lit_from_camera = !inside;
   if (!inside && recipe.look->studio_lights && has_roughness(scene))
     lighting.reflections = studio_reflections(scene.up);
-  if (!inside || !seen) return {};
+  if (!inside || !uses_scene_lights(recipe)) return {};
   const auto traced = build_traced_scene(scene, threads, monitor);
   if (!traced) return traced.error();
   const PictureInfo info{.width = recipe.width, .height = recipe.height, .camera = plan.camera};
@@ -77,10 +72,8 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
 /// Inside a scene, a look that meters the light of an environment image, of which little arrives there, or the median
 /// of a model meters the picture, unless the request sets `metering`.
 void meter_indoors(const Scene& scene, Plan& plan) {
-  if (!is_inside_scene(plan.camera, scene)) return;
-  for (const Setting& given : plan.recipe.set_by_request)
-    if (given.effect->exposure_source && given.parameter->name == "metering") return;
-  auto& output = as<OutputParams>(params_of(plan.recipe.settings, "output"));
+  if (!is_inside_scene(plan.camera, scene) || is_set<OutputParams>(plan.recipe, "metering")) return;
+  auto& output = params_of<OutputParams>(plan.recipe.settings);
   const bool by_image = output.metering == kMeteringLight && plan.recipe.hdri.lights();
   if (by_image || output.metering == kMeteringMedian) output.metering = kMeteringPicture;
 }
@@ -148,26 +141,12 @@ constexpr int kMaxShadowRays = 16;
 /// Moves the parameters of lines that are drawn once, over the average, to plan.lines; the samples draw none. Lines of
 /// outline.mode=paper are drawn in each sample, and hidden lines with them.
 void separate_lines(Plan& plan) {
-  const auto steps = steps_of(look_run(plan.recipe));
-  if (find_named<Effect>(steps, "hatching")) {
-    ParameterBytes& params = params_of(plan.recipe.settings, "hatching");
-    plan.lines.hatching = params;
-    as<HatchingParams>(plan.lines.hatching).parts = kHatchingLines;
-    as<HatchingParams>(params).parts = kHatchingTone;
-  }
-  const auto& set = as<OutlineParams>(params_of(plan.recipe.settings, "outline"));
-  const bool paper = set.mode == kOutlinePaper && set.opacity > 0.0f && find_named<Effect>(steps, "outline");
-  if (find_named<Effect>(steps, "hidden") && !paper) {
-    ParameterBytes& params = params_of(plan.recipe.settings, "hidden");
-    if (as<HiddenParams>(params).draw) plan.lines.hidden = params;
-    as<HiddenParams>(params).draw = 0;
-  }
-  if (!find_named<Effect>(steps, "outline")) return;
-  ParameterBytes& params = params_of(plan.recipe.settings, "outline");
-  auto& outline = as<OutlineParams>(params);
-  if (outline.mode == kOutlinePaper || !(outline.opacity > 0.0f)) return;
-  plan.lines.outline = params;
-  outline.opacity = 0.0f;
+  EffectSettings& settings = plan.recipe.settings;
+  auto steps = steps_of(look_run(plan.recipe));
+  const auto& outline = params_of<OutlineParams>(settings);
+  const bool drawn = outline.opacity > 0.0f && contains(steps, &effect_with<OutlineParams>());
+  if (drawn && outline.mode == kOutlinePaper) std::erase(steps, &effect_with<HiddenParams>());
+  plan.lines = take_lines(steps, settings);
 }
 
 /// Sets what frames have before any effect runs.
@@ -247,12 +226,12 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
   const PictureInfo info = picture_info(scene, plan.camera, plan.capture);
   if (auto status = check_captured(plan.recipe, captured_planes(scene, info, plan.capture)); !status)
     return status.error();
-  plan.output = params_of(settings, "output");
+  plan.output = params_of(settings, effect_with<OutputParams>().name);
   plan.has_blended = averages_something(recipe) && has_blended(scene);
   set_given(scene, plan);
   if (!plan.averages()) return plan;
   // Samples hold linear light with alpha, so that edges blend with the background as light (or as square roots of it).
-  auto& output = as<OutputParams>(params_of(settings, "output"));
+  auto& output = params_of<OutputParams>(settings);
   output.transfer = kTransferNone;
   if (output.beauty == kBeautyDisplay) output.beauty = kBeautyLight;  // display values are decoded after the average
   if (!recipe.hdri.shown()) output.transparent = 1;
@@ -293,7 +272,7 @@ Plan turned(const Plan& first, const Scene& scene, float angle_deg) {
 
 std::vector<std::string> planes_of_frame(const Plan& plan) {
   LookRun run = look_run(plan.recipe);
-  run.lines = line_steps(plan.lines);
+  run.lines = plan.lines;
   std::vector<std::string> names = plan.given.names;
   for (const ProgramPlane& plane : compile(run, 1 + int(plan.info.more_layers.size()), &plan.info).planes)
     if (plane.reduced == 1 && !contains(names, plane.name)) names.push_back(plane.name);

@@ -140,7 +140,7 @@ TEST(Progressive, NeverRepeatsPositionsOrNoise) {
   glm::vec2 mean(0.0f);
   for (int k = 0; k < kSamples; ++k) {
     begin_picture(picture.plan, {.sample = k});
-    noises.insert(as<TracedParams>(params_of(picture.plan.recipe.settings, "traced")).sample_index);
+    noises.insert(params_of<TracedParams>(picture.plan.recipe.settings).sample_index);
     const glm::vec2 offset = sample_offset(k, 4);
     positions.insert({offset.x, offset.y});
     mean += offset / float(kSamples);

@@ -10,12 +10,9 @@
 #include "core/srgb.h"
 #include "core/suggest.h"
 #include "effects/antialias/antialias.h"
-#include "effects/composite/composite.h"
-#include "effects/gooch/gooch.h"
 #include "effects/ground/ground.h"
-#include "effects/lighting/lighting.h"
 #include "effects/output/output.h"
-#include "effects/toon/toon.h"
+#include "effects/resample/resample.h"
 #include "looks/quality.h"
 #include "looks/style.h"
 #include "reference/reference.h"
@@ -58,11 +55,11 @@ bool computes_indirect_light(const Look& look, const EffectSettings& settings) {
 /// on the brightness of lights, the look uses the image's light unchanged, with an exposure to match.
 void apply_environment(const Request& request, Recipe& recipe) {
   const Look& look = *recipe.look;
-  auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
+  auto& output = params_of<OutputParams>(recipe.settings);
   if (recipe.hdri.shown()) {
     output.sky = 1;
     // The shadow lies on the ground that the image shows, which does not end at the picture's border.
-    as<GroundParams>(params_of(recipe.settings, "ground")).border = 0.0f;
+    params_of<GroundParams>(recipe.settings).border = 0.0f;
   }
   if (!is_lit_by_image(request) || !depends_on_light_brightness(recipe)) return;
   apply_presets(look.name, look.image_lit_presets, recipe.settings);
@@ -78,7 +75,7 @@ Result<void> apply_settings(const std::vector<std::string>& assignments, Recipe&
     const Parameter& row = *setting->parameter;
     if (!recipe.effects_look && effect.set_reduction && (row.name == "factor" || row.name == "indirect"))
       return usage_error("`settings` '{}': {}.{} follows from `occlusion_scale`", assignment, effect.name, row.name);
-    if (!recipe.effects_look && effect.name == "resample" && follows_from_samples(row.name))
+    if (!recipe.effects_look && &effect == &effect_with<ResampleParams>() && follows_from_samples(row.name))
       return usage_error("`settings` '{}': {}.{} follows from `anti_aliasing`", assignment, effect.name, row.name);
     if (auto status = set_parameter(effect.name, row, setting->value, params_of(recipe.settings, effect.name)); !status)
       return status;
@@ -87,20 +84,19 @@ Result<void> apply_settings(const std::vector<std::string>& assignments, Recipe&
   return {};
 }
 
-/// Applies the options that many looks share to the effects that they concern.
-void apply_strengths(const Request& request, EffectSettings& settings) {
-  as<OutputParams>(params_of(settings, "output")).exposure += request.exposure;
-  as<OutputParams>(params_of(settings, "output")).contrast *= request.contrast;
-  as<LightingParams>(params_of(settings, "lighting")).shadow *= request.shadow_strength;
-  as<ToonParams>(params_of(settings, "toon")).shadow *= request.shadow_strength;
-  as<CompositeParams>(params_of(settings, "composite")).occlusion *= request.occlusion_strength;
-  as<ToonParams>(params_of(settings, "toon")).occlusion *= request.occlusion_strength;
-  as<GoochParams>(params_of(settings, "gooch")).occlusion *= request.occlusion_strength;
+/// Applies the options that many looks share to the parameters that effects declare for them.
+void apply_strengths(Request request, EffectSettings& settings) {
+  for (const Effect* effect : effects()) {
+    ParameterBytes& params = params_of(settings, effect->name);
+    if (effect->add_stops) effect->add_stops(request.exposure, params);
+    for (const Parameter& row : effect->parameters)
+      if (!row.factor.empty()) multiply(row, std::get<FieldOf<float>>(option_of(row.factor).where)(request), params);
+  }
 }
 
 /// Applies options and assignments of a request to the settings. Errors: kUsage.
 Result<void> apply_request(const Request& request, Recipe& recipe) {
-  auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
+  auto& output = params_of<OutputParams>(recipe.settings);
   if (const Style* style = find_style(request.style)) apply_presets(style->name, style->presets, recipe.settings);
   if (request.background) {
     output.background_r = (*request.background)[0];
@@ -113,7 +109,7 @@ Result<void> apply_request(const Request& request, Recipe& recipe) {
   if (auto status = apply_settings(request.settings, recipe); !status) return status;
   // A transparent picture is composited later by its viewer, in display values: blend the ground's shadow likewise.
   if (output.transparent && output.transfer == kTransferSrgb && !request.scene_linear) {
-    as<GroundParams>(params_of(recipe.settings, "ground")).blend = kGroundBlendDisplay;
+    params_of<GroundParams>(recipe.settings).blend = kGroundBlendDisplay;
     output.blend = kBlendDisplay;
   }
   return {};
@@ -245,6 +241,15 @@ std::vector<const Effect*> effects_with_external() { return all_effects(external
 bool uses_scene_lights(const Effect& effect, const EffectSettings& settings) {
   const Parameter* rig = find_parameter(effect, "rig");
   return rig && int_value(*rig, params_of(settings, effect.name)) == int(Rig::kScene);
+}
+
+bool uses_scene_lights(const Recipe& recipe) {
+  const auto uses = [&](std::string_view name) {
+    const Effect* effect = find_effect(name);
+    return effect && uses_scene_lights(*effect, recipe.settings);
+  };
+  const auto& names = recipe.look->effects;
+  return recipe.occlusion == reference_effect().name || std::any_of(names.begin(), names.end(), uses);
 }
 
 bool depends_on_light_brightness(const Recipe& recipe) {
@@ -391,8 +396,7 @@ Result<Recipe> make_recipe_of(const Request& request, long max_pixels, bool of_m
   recipe.clay = clay_of(request);
   recipe.settings = look_settings(look, external_effects());
   // The average of several pictures has smooth edges already, and `anti_aliasing` 1 asks for pixels as they are.
-  if (recipe.frames > 1 || request.anti_aliasing)
-    as<AntialiasParams>(params_of(recipe.settings, "antialias")).search = 0;
+  if (recipe.frames > 1 || request.anti_aliasing) params_of<AntialiasParams>(recipe.settings).search = 0;
   const bool averages_occlusion = recipe.frames > 1 && !draws_marked_samples(recipe);
   if (quality)
     apply_presets(quality->name, averages_occlusion ? quality->settings_of_averaged : quality->settings,

@@ -93,6 +93,14 @@ Result<void> apply_variant(EffectSettings& settings, const Effect& effect, std::
 /// Applies the radius, in scene units, to all techniques that have one, except for parameters that the request sets.
 void apply_radius(float radius, const PictureInfo& info, Recipe& recipe);
 
+/// Returns whether the request sets this parameter of the effect with the params struct `Params`.
+template <class Params>
+bool is_set(const Recipe& recipe, std::string_view parameter) {
+  return std::any_of(recipe.set_by_request.begin(), recipe.set_by_request.end(), [&](const Setting& setting) {
+    return setting.effect == &effect_with<Params>() && setting.parameter->name == parameter;
+  });
+}
+
 /// Returns the run of the recipe's look. It refers to the recipe, which must outlive it.
 LookRun look_run(const Recipe& recipe);
 
@@ -101,6 +109,8 @@ int shadows_read(const Recipe& recipe, std::span<const Effect* const> steps);
 
 /// Returns whether an effect uses the scene's lights rather than a light rig of its own.
 bool uses_scene_lights(const Effect& effect, const EffectSettings& settings);
+/// Returns whether the technique or an effect of the look uses them.
+bool uses_scene_lights(const Recipe& recipe);
 /// Returns whether the picture depends on the brightness of the scene's lights.
 bool depends_on_light_brightness(const Recipe& recipe);
 

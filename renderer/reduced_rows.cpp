@@ -105,7 +105,7 @@ PictureInfo reduced_picture_info(PictureInfo info, int factor) {
 
 TakeRows reduced_rows(int factor, const Recipe& recipe, const TakeRows& take) {
   if (factor == 1) return take;
-  const bool is_srgb = as<OutputParams>(params_of(recipe.settings, "output")).transfer == kTransferSrgb;
+  const bool is_srgb = params_of<OutputParams>(recipe.settings).transfer == kTransferSrgb;
   const auto reducer = std::make_shared<Reducer>(factor, is_srgb, take);
   return [reducer](const PictureInfo& info, const Image& rows, int) { return reducer->add(info, rows); };
 }

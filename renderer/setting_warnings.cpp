@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "core/lists.h"
-#include "effects/effects.h"
+#include "effects/resample/resample.h"
 #include "looks/looks.h"
 #include "looks/settings.h"
 #include "reference/reference.h"
@@ -14,11 +14,12 @@
 namespace umbrage {
 namespace {
 
-/// Returns whether the picture uses the effect. `upsample` always counts as used: another quality may compute occlusion
-/// at reduced resolution.
-bool uses_effect(const Recipe& recipe, std::string_view effect) {
-  if (effect == "resample") return draws_marked_samples(recipe);
-  return effect == recipe.occlusion || effect == "upsample" || contains(recipe.look->effects, effect);
+/// Returns whether the picture uses the effect. The one that upsamples always counts as used: another quality may
+/// compute occlusion at reduced resolution.
+bool uses_effect(const Recipe& recipe, std::string_view name) {
+  const Effect* effect = find_effect(name);
+  if (effect == &effect_with<ResampleParams>()) return draws_marked_samples(recipe);
+  return name == recipe.occlusion || (effect && effect->set_reduction) || contains(recipe.look->effects, name);
 }
 
 void warn_about_effects(const Request& request, const Recipe& recipe,
@@ -69,15 +70,6 @@ void warn_about_looks(const Request& request, std::vector<std::string>& sentence
                                               {"occlusion_scale", request.occlusion_scale != initial.occlusion_scale}};
   for (const auto& [field, is_set] : all)
     if (is_set) sentences.push_back(fmt::format("`{}` does nothing: `effects` replace the look", field));
-}
-
-/// Returns whether an effect of the look uses the lights of the scene.
-bool uses_scene_lights(const Recipe& recipe) {
-  if (recipe.occlusion == reference_effect().name) return true;
-  return std::any_of(recipe.look->effects.begin(), recipe.look->effects.end(), [&](std::string_view name) {
-    const Effect* effect = find_effect(name);
-    return effect && uses_scene_lights(*effect, recipe.settings);
-  });
 }
 
 void warn_about_images(const Request& request, const Recipe& recipe, std::vector<std::string>& sentences) {

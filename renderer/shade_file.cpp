@@ -4,6 +4,7 @@
 #include <glm/vec2.hpp>
 
 #include "effects/bitmask/bitmask.h"
+#include "effects/normals/normals.h"
 #include "effects/output/output.h"
 #include "effects/relight/relight.h"
 #include "renderer/draw.h"
@@ -20,7 +21,7 @@ StripSource source_of(const GBufferFile& file, const Recipe& recipe, const Pictu
                      .info = info,
                      .lines = stroke_parameters_or_none(recipe),
                      .given = {file.plane_names(), {}}};
-  const Effect& normals = *find_effect("normals");
+  const Effect& normals = effect_with<NormalsParams>();
   if (!file.has_plane("normal.x")) source.before.push_back({&normals, params_of(recipe.settings, normals.name)});
   return source;
 }
@@ -85,21 +86,13 @@ Result<void> resolve_reduction(const Request& request, Recipe& recipe) {
                      recipe.height);
 }
 
-/// Returns whether the request sets this parameter.
-bool is_set(const Recipe& recipe, std::string_view effect, std::string_view parameter) {
-  return std::any_of(recipe.set_by_request.begin(), recipe.set_by_request.end(), [&](const Setting& setting) {
-    return setting.effect->name == effect && setting.parameter->name == parameter;
-  });
-}
-
 /// Treats an elevation model as maps do: it is solid, and lit from the north-west, which is the upper left, 45 degrees
 /// high; unless the request sets these.
 void shade_as_relief(Recipe& recipe) {
   constexpr glm::vec2 kNorthWestDeg(-35.2644f, 30.0f);  // towards (-1, 1, sqrt 2), as azimuth and elevation in the view
   recipe.from_above = true;
   if (!recipe.framing.light_deg) recipe.framing.light_deg = kNorthWestDeg;
-  if (!is_set(recipe, "bitmask", "mode"))
-    as<BitmaskParams>(params_of(recipe.settings, "bitmask")).mode = kBitmaskInfinite;
+  if (!is_set<BitmaskParams>(recipe, "mode")) params_of<BitmaskParams>(recipe.settings).mode = kBitmaskInfinite;
 }
 
 /// As for models, the median of what a camera inside a scene sees says little about the light there: a look that meters
@@ -107,10 +100,10 @@ void shade_as_relief(Recipe& recipe) {
 void meter_indoors(const PictureInfo& info, Recipe& recipe) {
   // A camera that frames a model is two of its radii from the nearest surface, or one if a ground reaches towards it.
   constexpr float kMinDistance = 0.5f;
-  auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
+  auto& output = params_of<OutputParams>(recipe.settings);
   const bool inside = !recipe.from_above && info.camera.projection == Projection::kPerspective &&
                       info.depth_min < kMinDistance * info.scene_radius;
-  if (inside && output.metering == kMeteringMedian && !is_set(recipe, "output", "metering"))
+  if (inside && output.metering == kMeteringMedian && !is_set<OutputParams>(recipe, "metering"))
     output.metering = kMeteringPicture;
 }
 
@@ -125,8 +118,8 @@ Result<Recipe> make_file_recipe(const Request& request, const GBufferFile& file)
   if (!recipe) return recipe;
   if (auto status = check_beauty(*recipe, file); !status) return status.error();
   if (auto status = resolve_reduction(request, *recipe); !status) return status.error();
-  if (file.has_plane("ambient.r") && !is_set(*recipe, "relight", "source"))
-    as<RelightParams>(params_of(recipe->settings, "relight")).source = kRelightPlanes;
+  if (file.has_plane("ambient.r") && !is_set<RelightParams>(*recipe, "source"))
+    params_of<RelightParams>(recipe->settings).source = kRelightPlanes;
   if (file.depth_meaning() == DepthMeaning::kHeight) shade_as_relief(*recipe);
   meter_indoors(file.info(), *recipe);
   return recipe;

@@ -39,10 +39,12 @@ int margin_of(const StripSource& source, const StripNeeds& needs) {
 Result<StripSizes> plan_strips(const Device& device, const StripSource& source, const SumPlanes& sum, double memory) {
   constexpr double kFixed = 60e6;               // the program and a scene of 100 000 triangles, bytes
   constexpr int kMinRows = 64, kMaxRows = 512;  // rows of a strip
+  constexpr double kPartOfFurther = 1.0 / 8.0;
   const PictureInfo& info = source.info;
   const LivePlanes live = live_planes(source.run, info, source.given.names);
-  const double row = double(sizeof(float)) * plane_stride(info.width), plane = row * info.height;
-  const double drawing = std::max(live.max, live.at_end + sum.added);
+  const double plane = plane_bytes(info.width, info.height), row = plane / info.height;
+  const double further = sum.further ? live.max * kPartOfFurther : 0.0;
+  const double drawing = std::max(live.max, live.at_end + sum.added + further);
   const int layers = 1 + int(info.more_layers.size());
   StripSizes whole{.bytes = kFixed + plane * (sum.held + drawing)};
   const bool fits = double(info.width) * info.height * layers <= double(kMaxPixels);
@@ -58,12 +60,21 @@ Result<StripSizes> plan_strips(const Device& device, const StripSource& source, 
         layers == 1 ? "is" : "are", kMaxPixels,
         traced ? "with `occlusion` reference" : fmt::format("on the device {}: try `device` cpu", device.name()));
   }
-  const StripNeeds needs = needs_of_strips(source.run, info, source.before, source.given.names, source.after);
+  Margins after = source.after;
+  for (const std::string& name : source.run.wanted.value_or(std::vector<std::string>{"color.r", "depth"}))
+    after.emplace(name, Margin{});
+  const StripNeeds needs = needs_of_strips(source.run, info, source.before, source.given.names, after);
   const double margins = 2.0 * margin_of(source, needs);
   const double fixed = kFixed + plane * (needs.whole_planes + sum.held);
-  const int rows = int(std::clamp((memory - fixed) / (row * drawing) - margins, double(kMinRows), double(kMaxRows)));
-  StripSizes strips{.rows = rows / kMinRows * kMinRows};
-  strips.bytes = fixed + row * drawing * std::min(strips.rows + margins, double(info.height));
+  const auto bytes = [&](int rows) {
+    const double with_margins = std::min(rows + margins, double(info.height));
+    const double of_further = sum.further ? live.max * std::min(rows, info.height) : 0.0;
+    return fixed + row * std::max((live.max - needs.not_stored) * with_margins,
+                                  (live.at_end + sum.added) * with_margins + of_further);
+  };
+  StripSizes strips{.rows = kMinRows};
+  while (strips.rows < kMaxRows && bytes(strips.rows + kMinRows) <= memory) strips.rows += kMinRows;
+  strips.bytes = bytes(strips.rows);
   strips.exceeds = strips.bytes > memory;
   // Planes that dispatches read at arbitrary distance are whole ones in strips, too.
   return fits && strips.bytes >= whole.bytes ? whole : strips;

@@ -57,7 +57,7 @@ StripSource source_of(const Plan& plan) {
                      .info = plan.info,
                      .lines = plan.lines.empty() ? stroke_parameters_or_none(plan.recipe) : plan.lines,
                      .given = plan.given};
-  source.run.lines = line_steps(plan.lines);
+  source.run.lines = plan.lines;
   if (!plan.marked) return source;
   source.before.push_back(marking_step(plan, plan.info));
   add_margins_for_further(plan, plan.info, source.after);
@@ -126,10 +126,10 @@ Result<PictureSum> sum_of_strip(Device& device, const Plan& plan, float stops, c
 }  // namespace
 
 Result<StripSizes> plan_strips(const Device& device, const Plan& plan, double memory) {
-  constexpr double kForAverage = 6.0;  // the finished picture and its inputs
-  SumPlanes sum;
+  constexpr double kForAverage = 8.0;  // the finished picture and its inputs, besides those of lines
+  SumPlanes sum{.further = plan.marked};
   const double averaged = double(averaged_planes(plan).size());
-  if (plan.averages()) sum.added = averaged + kForAverage;
+  if (plan.averages()) sum.added = averaged + kForAverage + double(line_planes(plan).size());
   (plan.marked ? sum.added : sum.held) += plan.averages() ? averaged : 0.0;
   return plan_strips(device, source_of(plan), sum, memory);
 }
@@ -185,11 +185,11 @@ Result<Strokes> draw_strips(Device& device, const Plan& planned, int rows, const
     std::vector<std::string> names = index.blended ? with_blend_planes(averaged) : averaged;
     if (index.blended && index.sample == 0) names.insert(names.end(), drawn_lines.begin(), drawn_lines.end());
     camera = begin_picture(plan, index);
-    drawer.set_lines(index.sample == 0 ? line_steps(plan.lines) : std::vector<EffectStep>());
+    drawer.set_lines(index.sample == 0 ? plan.lines : std::vector<EffectStep>());
     if (auto status = drawer.draw_picture(names, false, add); !status) return status.error();
   }
   camera = begin_picture(plan, {});
-  drawer.set_lines(line_steps(plan.lines));
+  drawer.set_lines(plan.lines);
   auto traced = drawer.draw_picture(wanted, lines, finish);
   if (!traced) return traced.error();
   if (auto ended = progress.end(); !ended) return ended.error();

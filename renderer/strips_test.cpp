@@ -261,7 +261,7 @@ TEST(Strips, MemoryIsThatOfThePlan) {
       for (const double memory : {6e9, 1e6}) {
         const StripSizes sizes = picture.sizes(memory);
         const double drawn = picture.drawn_bytes(sizes.rows);
-        fmt::print("{} {} rows {}: {:.3f}\n", look->name, quality, sizes.rows, (sizes.bytes - kFixed) / drawn);
+        fmt::print("{} {} rows {}: {:.3f} planes {:.2f} {:.2f}\n", look->name, quality, sizes.rows, (sizes.bytes - kFixed) / drawn, (sizes.bytes - kFixed) /4.032e6, drawn/4.032e6);
         EXPECT_NEAR((sizes.bytes - kFixed) / drawn, 1.0, 0.1) << sizes.rows;
       }
     }

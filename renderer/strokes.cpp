@@ -9,29 +9,24 @@
 #include "core/lists.h"
 #include "core/srgb.h"
 #include "devices/shared/dispatches.h"
-#include "effects/effects.h"
-#include "effects/hatching/hatching_strokes.h"
-#include "effects/hidden/hidden_lines.h"
-#include "effects/outline/outline_draw.h"
+#include "effects/outline/outline.h"
+#include "kernel/host_frame.h"
 
 namespace umbrage {
 namespace {
 
-/// Returns the dispatch of an effect that runs on the host: it traces and draws the lines.
-const Dispatch& tracing_dispatch(std::string_view effect) {
-  const auto& dispatches = find_effect(effect)->dispatches;
-  return *std::find_if(dispatches.begin(), dispatches.end(),
-                       [](const Dispatch& dispatch) { return dispatch.host != nullptr; });
+/// Returns the dispatch of an effect that traces its lines.
+const Dispatch& tracing_dispatch(const Effect& effect) {
+  return *std::find_if(effect.dispatches.begin(), effect.dispatches.end(),
+                       [](const Dispatch& dispatch) { return dispatch.trace != nullptr; });
 }
 
-/// Appends the lines of an effect, which `trace` returns from the inputs of its host step, to `strokes`.
-template <class Constants>
-void append_strokes(std::string_view effect, const PictureInfo& info, const Image& planes, const ParameterBytes& params,
-                    int threads, Strokes (*trace)(const HostFrame&, const Constants&), std::vector<Stroke>& strokes) {
-  if (params.empty()) return;
-  Constants constants{};
-  find_effect(effect)->constants(params, info, &constants);
-  const Dispatch& dispatch = tracing_dispatch(effect);
+/// Appends the lines of an effect to `strokes`.
+void append_strokes(const EffectStep& lines, const PictureInfo& info, const Image& planes, int threads,
+                    std::vector<Stroke>& strokes) {
+  std::vector<std::byte> constants(lines.effect->constants_size);
+  lines.effect->constants(lines.params, info, constants.data());
+  const Dispatch& dispatch = tracing_dispatch(*lines.effect);
   std::vector<const Plane*> in_table_order;
   // Tracing reads neither layers that do not exist nor the plane to which lines are added: any plane serves for them.
   for (const std::string_view name : dispatch.inputs) {
@@ -39,10 +34,10 @@ void append_strokes(std::string_view effect, const PictureInfo& info, const Imag
     in_table_order.push_back(plane ? plane : &planes.plane(dispatch.inputs[0]));
   }
   const std::vector<HostPlane> inputs = host_inputs(dispatch, in_table_order);
-  const HostFrame frame{info, frame_constants(info, inputs[0].stride, 0), &constants, inputs, {}};
+  const HostFrame frame{info, frame_constants(info, inputs[0].stride, 0), constants.data(), inputs, {}};
   Strokes traced;
   tbb::task_arena arena(std::max(threads, 1));
-  arena.execute([&] { traced = trace(frame, constants); });
+  arena.execute([&] { traced = dispatch.trace(frame); });
   std::move(traced.strokes.begin(), traced.strokes.end(), std::back_inserter(strokes));
 }
 
@@ -60,36 +55,33 @@ bool is_inside(const Stroke& stroke, int width, int height) {
 
 }  // namespace
 
-Result<StrokeParameters> stroke_parameters(std::string_view subject, std::span<const std::string_view> effects,
-                                           const EffectSettings& settings) {
-  const auto runs = [&](std::string_view effect) {
-    return std::find(effects.begin(), effects.end(), effect) != effects.end();
-  };
-  StrokeParameters params;
-  if (runs("hatching")) params.hatching = params_of(settings, "hatching");
-  if (runs("hidden") && as<HiddenParams>(params_of(settings, "hidden")).draw)
-    params.hidden = params_of(settings, "hidden");
-  if (!runs("outline")) {
-    if (!params.empty()) return params;
-    return usage_error(
-        "{} no lines: the looks cartoon, hatching and technical and the effects hatching, hidden and outline do",
-        subject);
+StrokeParameters take_lines(std::span<const Effect* const> effects, EffectSettings& settings) {
+  StrokeParameters taken;
+  for (const Effect* effect : effects) {
+    if (effect->without_lines.empty()) continue;
+    EffectSettings alone = settings;
+    apply_presets(effect->name, effect->lines_alone, alone);
+    ParameterBytes& lines = params_of(alone, effect->name);
+    if (!runs(tracing_dispatch(*effect), lines)) continue;
+    apply_presets(effect->name, effect->without_lines, settings);
+    taken.push_back({effect, std::move(lines)});
   }
-  const ParameterBytes& outline_params = params_of(settings, "outline");
-  const auto& outline = as<OutlineParams>(outline_params);
-  if (outline.mode == kOutlinePaper)
-    return usage_error("lines of outline.mode=paper are pixels, not curves: outline.mode=robust has curves");
-  if (outline.opacity > 0.0f)
-    params.outline = outline_params;
-  else if (params.empty())
-    return usage_error("outline.opacity=0 draws no lines: set it above 0");
-  return params;
+  return taken;
 }
 
 Result<StrokeParameters> stroke_parameters(const Recipe& recipe) {
-  const std::string subject =
-      recipe.effects_look ? "the requested effects draw" : fmt::format("the look '{}' draws", recipe.look->name);
-  return stroke_parameters(subject, recipe.look->effects, recipe.settings);
+  EffectSettings settings = recipe.settings;
+  std::vector<const Effect*> effects;
+  for (const std::string_view name : recipe.look->effects)
+    if (const Effect* effect = find_effect(name)) effects.push_back(effect);
+  const bool outlines = contains(effects, &effect_with<OutlineParams>());
+  if (outlines && params_of<OutlineParams>(settings).mode == kOutlinePaper)
+    return usage_error("lines of outline.mode=paper are pixels, not curves: outline.mode=robust has curves");
+  if (auto lines = take_lines(effects, settings); !lines.empty()) return lines;
+  if (outlines) return usage_error("outline.opacity=0 draws no lines: set it above 0");
+  return usage_error(
+      "{} no lines: the looks cartoon, hatching and technical and the effects hatching, hidden and outline do",
+      recipe.effects_look ? "the requested effects draw" : fmt::format("the look '{}' draws", recipe.look->name));
 }
 
 StrokeParameters stroke_parameters_or_none(const Recipe& recipe) {
@@ -97,36 +89,20 @@ StrokeParameters stroke_parameters_or_none(const Recipe& recipe) {
   return params ? std::move(*params) : StrokeParameters();
 }
 
-std::vector<EffectStep> line_steps(const StrokeParameters& params) {
-  std::vector<EffectStep> steps;
-  const auto add = [&](std::string_view effect, const ParameterBytes& of_effect) {
-    if (!of_effect.empty()) steps.push_back({find_effect(effect), of_effect});
-  };
-  add("outline", params.outline);
-  add("hidden", params.hidden);
-  add("hatching", params.hatching);
-  return steps;
-}
-
 std::vector<std::string_view> edge_planes(const StrokeParameters& params, int layers) {
   std::vector<std::string_view> planes;
-  const auto add = [&](std::string_view effect) {
-    const Dispatch& dispatch = tracing_dispatch(effect);
+  for (const EffectStep& lines : params) {
+    const Dispatch& dispatch = tracing_dispatch(*lines.effect);
     for (const std::string_view plane : dispatch.inputs)  // a plane to which lines are added is not traced
       if (layer_of_plane(plane) < layers && !contains(dispatch.outputs, plane) && !contains(planes, plane))
         planes.push_back(plane);
-  };
-  if (!params.outline.empty()) add("outline");
-  if (!params.hidden.empty()) add("hidden");
-  if (!params.hatching.empty()) add("hatching");
+  }
   return planes;
 }
 
 Strokes traced_strokes(const PictureInfo& info, const Image& planes, const StrokeParameters& params, int threads) {
   Strokes strokes{info.inner_width(), info.inner_height(), {}};
-  append_strokes("outline", info, planes, params.outline, threads, trace_lines, strokes.strokes);
-  append_strokes("hidden", info, planes, params.hidden, threads, hidden_lines, strokes.strokes);
-  append_strokes("hatching", info, planes, params.hatching, threads, hatching_lines, strokes.strokes);
+  for (const EffectStep& lines : params) append_strokes(lines, info, planes, threads, strokes.strokes);
   for (Stroke& stroke : strokes.strokes)
     for (StrokePoint& p : stroke.points) p.x -= float(info.guard), p.y -= float(info.guard);
   std::erase_if(strokes.strokes,
@@ -144,13 +120,14 @@ Result<Strokes> traced_strokes(Device& device, const Frame& frame, const StrokeP
 }
 
 std::array<float, 3> stroke_color(const StrokeParameters& params) {
-  if (params.outline.empty()) return {0.0f, 0.0f, 0.0f};
-  const auto& outline = as<OutlineParams>(params.outline);
-  return {srgb_from_linear(outline.r), srgb_from_linear(outline.g), srgb_from_linear(outline.b)};
+  const auto* outline = find_params<OutlineParams>(params);
+  if (!outline) return {0.0f, 0.0f, 0.0f};
+  return {srgb_from_linear(outline->r), srgb_from_linear(outline->g), srgb_from_linear(outline->b)};
 }
 
 float stroke_opacity(const StrokeParameters& params) {
-  return params.outline.empty() ? 1.0f : as<OutlineParams>(params.outline).opacity;
+  const auto* outline = find_params<OutlineParams>(params);
+  return outline ? outline->opacity : 1.0f;
 }
 
 }  // namespace umbrage

@@ -1,5 +1,5 @@
-// The strokes of a drawn picture: its lines as curves. The effects `outline`, `hidden` and `hatching` trace them from
-// planes that remain in the frame. Therefore they can be traced again after drawing.
+// The strokes of a drawn picture: its lines as curves. Effects with Effect::without_lines trace them from planes that
+// remain in the frame. Therefore they can be traced again after drawing.
 #pragma once
 #include <array>
 #include <span>
@@ -11,24 +11,25 @@
 
 namespace umbrage {
 
-/// Parameters of the effects whose lines a picture has; empty for an effect whose lines it does not have.
-struct StrokeParameters {
-  ParameterBytes outline, hidden, hatching;
+/// The effects whose lines a picture has, in the order of the look, with parameters that draw them alone.
+using StrokeParameters = std::vector<EffectStep>;
 
-  bool empty() const { return outline.empty() && hidden.empty() && hatching.empty(); }
-};
+/// Returns the parameters of the effect with this params struct, or null if the list does not have it.
+template <class Params>
+const Params* find_params(const StrokeParameters& lines) {
+  for (const EffectStep& each : lines)
+    if (each.effect == &effect_with<Params>()) return &as<Params>(each.params);
+  return nullptr;
+}
 
-/// Returns the parameters of those of these effects that draw lines that are curves. `subject` is the start of the
-/// error message, such as "the look 'ao' draws". Errors: kUsage if there are no such lines.
-Result<StrokeParameters> stroke_parameters(std::string_view subject, std::span<const std::string_view> effects,
-                                           const EffectSettings& settings);
-/// Does the same for a recipe's look. Averaged pictures have such lines, too: they are drawn once, over the average.
+/// Removes the lines of these effects that are curves from what they draw with `settings`, and returns these lines.
+StrokeParameters take_lines(std::span<const Effect* const> effects, EffectSettings& settings);
+
+/// Returns the lines of a recipe's look, which are all curves. Averaged pictures have such lines, too: they are drawn
+/// once, over the average. Errors: kUsage if there are no such lines.
 Result<StrokeParameters> stroke_parameters(const Recipe& recipe);
-/// Returns the same, or empty parameters if there are no such lines.
+/// Returns the same, or an empty list if there are no such lines.
 StrokeParameters stroke_parameters_or_none(const Recipe& recipe);
-
-/// Returns the steps that draw these lines.
-std::vector<EffectStep> line_steps(const StrokeParameters& params);
 
 /// Returns the planes from which these lines of a picture with this number of layers are traced.
 std::vector<std::string_view> edge_planes(const StrokeParameters& params, int layers);

@@ -10,8 +10,8 @@
 
 #include "core/lists.h"
 #include "core/srgb.h"
-#include "effects/effects.h"
 #include "effects/outline/outline.h"
+#include "effects/output/output.h"
 #include "renderer/passes.h"
 #include "scene/scene.h"
 
@@ -112,9 +112,8 @@ Image picture_of_passes(const Image& frame, const std::vector<std::string>& name
 }
 
 Image picture_of_lines(const Plane& cover, const EffectSettings& settings) {
-  const auto& line = as<OutlineParams>(params_of(settings, "outline"));
-  const Parameter& transfer = *find_parameter(*find_effect("output"), "transfer");
-  const bool srgb = parameter_text(transfer, params_of(settings, "output")) == "srgb";
+  const auto& line = params_of<OutlineParams>(settings);
+  const bool srgb = params_of<OutputParams>(settings).transfer == kTransferSrgb;
   Image out(cover.width, cover.height);
   for (const auto& [name, value] : {std::pair{"color.r", line.r}, {"color.g", line.g}, {"color.b", line.b}})
     out.add(name) = Plane(cover.width, cover.height, srgb ? srgb_from_linear(value) : value);

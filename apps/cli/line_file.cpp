@@ -1,5 +1,6 @@
 #include "apps/cli/line_file.h"
 
+#include "effects/hatching/hatching.h"
 #include "effects/output/output.h"
 #include "io/image_file.h"
 #include "looks/looks.h"
@@ -44,14 +45,14 @@ Result<void> set_line_parameters(const RenderOptions& o, const Recipe& recipe, L
   lines.style.color = stroke_color(lines.params);
   lines.style.opacity = stroke_opacity(lines.params);
   if (!o.request.background || o.request.transparent) return {};
-  const auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
+  const auto& output = params_of<OutputParams>(recipe.settings);
   lines.style.background = {output.background_r, output.background_g, output.background_b};
   return {};
 }
 
 void disable_unused_effects(const StrokeParameters& lines, Request& request) {
   request.anti_aliasing = 1;
-  if (!lines.hatching.empty() || !request.occlusion_radius.empty()) return;  // a hint about the radius needs occlusion
+  if (find_params<HatchingParams>(lines) || !request.occlusion_radius.empty()) return;  // hints on the radius need it
   request.occlusion = kNoOcclusion;
   request.occlusion_scale.clear();
 }

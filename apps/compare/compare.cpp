@@ -11,7 +11,7 @@
 #include "core/check.h"
 #include "core/lists.h"
 #include "core/suggest.h"
-#include "effects/effects.h"
+#include "effects/lighting/lighting.h"
 #include "reference/reference.h"
 #include "renderer/times.h"
 #include "scene/environment.h"
@@ -163,7 +163,7 @@ ErrorBudget budget_of(const Image& picture, const Truth& truth, const ClassMap& 
 
 /// Runs the effect `lighting` on all layers of the frame, with the settings of the recipe.
 Result<void> light_frame(const Run& run, Frame& frame) {
-  const Effect& lighting = *find_effect("lighting");
+  const Effect& lighting = effect_with<LightingParams>();
   const ParameterBytes& params = params_of(run.recipe.settings, lighting.name);
   for (int layer = 0; layer <= int(frame.info.more_layers.size()); ++layer)
     if (auto status = run.device.run(lighting, params, frame, {.layer = layer}); !status) return status.error();

@@ -9,7 +9,6 @@
 
 #include "apps/figures/drawing.h"
 #include "apps/figures/measure.h"
-#include "effects/effects.h"
 #include "effects/hemisphere/hemisphere.h"
 
 namespace umbrage {
@@ -41,7 +40,8 @@ Result<HemisphereConstants> tables_of(const Request& draw, const PictureInfo& in
   const auto recipe = make_recipe(draw);
   if (!recipe) return recipe.error();
   HemisphereConstants c;
-  find_effect("hemisphere")->constants(params_of(recipe->settings, "hemisphere"), info, &c);
+  const Effect& effect = effect_with<HemisphereParams>();
+  effect.constants(params_of(recipe->settings, effect.name), info, &c);
   return c;
 }
 

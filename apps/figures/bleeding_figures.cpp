@@ -104,7 +104,7 @@ Result<FourWays> shoot_four(Studio& studio) {
   auto neither = studio.shoot({}, "none", kPlanes);
   auto occlusion = studio.shoot({"hemisphere.bleeding=0"}, "", kPlanes);
   auto bleeding = studio.shoot({"hemisphere.occlusion=off"}, "", kPlanes);
-  auto both = studio.shoot({}, "hemisphere", kPlanes);
+  auto both = studio.shoot({}, std::string(find_look(studio.draw.look)->occlusion), kPlanes);
   for (const auto* shot : {&neither, &occlusion, &bleeding, &both})
     if (!*shot) return shot->error();
   return FourWays{std::move(*neither), std::move(*occlusion), std::move(*bleeding), std::move(*both)};

@@ -465,7 +465,7 @@ Result<std::vector<FigureTable>> cartoon_tables(Device& device, int size, int ru
     table.rows.push_back({"capture", median(captures)});
     for (std::string_view name : recipe->look->effects) {
       if (name == "occlusion") name = recipe->occlusion;
-      const auto ms = time_of(device, *find_effect(name), params_of(recipe->settings, name), *frame, runs);
+      const auto ms = time_of(device, *find_effect(name), recipe->settings, *frame, runs);
       if (!ms) return ms.error();
       table.rows.push_back({std::string(name), *ms});
     }
@@ -486,8 +486,7 @@ Result<std::vector<FigureTable>> cartoon_tables(Device& device, int size, int ru
     if (!frame) return frame.error();
     const auto recipe = make_recipe(terrain->draw);
     if (!recipe) return recipe.error();
-    const auto ms =
-        time_of(device, *find_effect(recipe->occlusion), params_of(recipe->settings, recipe->occlusion), *frame, runs);
+    const auto ms = time_of(device, *find_effect(recipe->occlusion), recipe->settings, *frame, runs);
     if (!ms) return ms.error();
     triangles.rows.push_back({fmt::format("{} triangles", terrain->scene->triangle_count()), *ms});
   }

@@ -56,11 +56,11 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-Result<double> time_of(Device& device, const Effect& effect, const ParameterBytes& params, Frame& frame, int runs) {
+Result<double> time_of(Device& device, const Effect& effect, const EffectSettings& settings, Frame& frame, int runs) {
   std::vector<double> ms;
   for (int i = 0; i < runs; ++i) {
     StageTimes times;
-    if (auto status = device.run(effect, params, frame); !status) return status.error();
+    if (auto status = device.run(effect, params_of(settings, effect.name), frame); !status) return status.error();
     times.done("run");
     ms.push_back(times.total());
   }

@@ -8,6 +8,7 @@
 #include "core/device.h"
 #include "core/image.h"
 #include "core/result.h"
+#include "looks/settings.h"
 
 namespace umbrage {
 
@@ -69,6 +70,6 @@ double changed_fraction(const Image& a, const Image& b, const Mask& mask);
 double median(std::vector<double> values);
 
 /// Returns the median time of an effect on a frame, in milliseconds.
-Result<double> time_of(Device& device, const Effect& effect, const ParameterBytes& params, Frame& frame, int runs);
+Result<double> time_of(Device& device, const Effect& effect, const EffectSettings& settings, Frame& frame, int runs);
 
 }  // namespace umbrage

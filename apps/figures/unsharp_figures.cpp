@@ -5,7 +5,7 @@
 #include "apps/figures/figures.h"
 #include "apps/figures/measure.h"
 #include "apps/figures/studio.h"
-#include "effects/effects.h"
+#include "effects/unsharp/unsharp.h"
 
 namespace umbrage {
 namespace {
@@ -242,7 +242,7 @@ Result<std::vector<FigureTable>> unsharp_tables(Device& device, const std::strin
   const auto time_with = [&](Frame& frame, const std::string& kernel) -> Result<double> {
     EffectSettings settings = look_settings(*find_look("unsharp"));
     if (auto status = apply_setting(settings, "unsharp.kernel=" + kernel); !status) return status.error();
-    return time_of(device, *find_effect("unsharp"), settings["unsharp"], frame, runs);
+    return time_of(device, effect_with<UnsharpParams>(), settings, frame, runs);
   };
   const auto frame_of = [&](const Studio& studio) -> Result<Frame> {
     StageTimes times;

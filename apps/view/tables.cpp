@@ -81,35 +81,8 @@ nlohmann::json option_records() {
   return records;
 }
 
-const char* kind_of(ParameterType type) {
-  switch (type) {
-    case ParameterType::kReal:
-      return "number";
-    case ParameterType::kInt:
-      return "integer";
-    case ParameterType::kBool:
-      return "flag";
-    case ParameterType::kChoice:
-      return "choice";
-    case ParameterType::kLength:
-      return "length";
-  }
-  return "text";
-}
-
-const char* kind_of(EffectKind kind) {
-  switch (kind) {
-    case EffectKind::kOcclusion:
-      return "occlusion";
-    case EffectKind::kFilter:
-      return "filter";
-    case EffectKind::kShading:
-      return "shading";
-    case EffectKind::kOutput:
-      return "output";
-  }
-  return "shading";
-}
+constexpr const char* kParameterKinds[] = {"number", "integer", "flag", "choice", "length"};  // by ParameterType
+constexpr const char* kEffectKinds[] = {"occlusion", "filter", "shading", "output"};          // by EffectKind
 
 nlohmann::json effect_records() {
   nlohmann::json records = nlohmann::json::array();
@@ -122,14 +95,14 @@ nlohmann::json effect_records() {
                             {"help", with_option_names(row.help)},
                             {"unit", row.unit},
                             {"initial", parameter_text(row, initial)},
-                            {"kind", kind_of(row.type)},
+                            {"kind", kParameterKinds[int(row.type)]},
                             {"min", row.min},
                             {"max", row.max},
                             {"zero_means", row.zero_means},
                             {"choices", row.choices}});
     records.push_back({{"name", effect->name},
                        {"summary", effect->summary},
-                       {"kind", kind_of(effect->kind)},
+                       {"kind", kEffectKinds[int(effect->kind)]},
                        {"parameters", std::move(parameters)}});
   }
   return records;

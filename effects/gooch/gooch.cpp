@@ -40,7 +40,7 @@ const std::vector<Parameter> kGoochTable = {
              "direction to the light, seen from the surface: this far to the right of the camera"),
     real_row("light_elevation", &GoochParams::light_elevation_deg,
              {.initial = kElevationDeg, .min = -90, .max = 90, .unit = "deg"}, "and this far above it"),
-    real_row("occlusion", &GoochParams::occlusion, {.initial = 1, .max = 10},
+    real_row("occlusion", &GoochParams::occlusion, {.initial = 1, .max = 10, .factor = "occlusion_strength"},
              "factor for the occlusion, 1 - ao, of any technique; `occlusion_strength` multiplies it"),
     choice_row("values", &GoochParams::values, kGoochLight, {"light", "display"},
                "what `lit` holds: linear light, or display values for output.transfer=none"),

@@ -11,6 +11,7 @@
 #include "core/effect.h"
 #include "core/srgb.h"
 #include "effects/hatching/hatching_strokes.h"
+#include "effects/outline/outline_draw.h"
 #include "kernels/hatching_across.h"
 #include "kernels/hatching_down.h"
 #include "kernels/hatching_field.h"
@@ -92,6 +93,8 @@ Effect effect_hatching() {
       {.name = "hatching",
        .summary = "lines along the surface that show its light, as drawn with a pen",
        .source = "Jobard and Lefer 1997",
+       .without_lines = {"hatching.parts=tone"},
+       .lines_alone = {"hatching.parts=lines"},
        .variants = {"", "direction=fixed"},
        .quantum = 1.0,
        .neutral = {{"hatching_ink", 0.0f}},
@@ -123,7 +126,8 @@ Effect effect_hatching() {
                        .inputs = {"hatching_x", "hatching_y", "hatching_cross_x", "hatching_cross_y", "hatching_ink",
                                   "hatching_break", "depth", "object_id", "outline"},
                        .outputs = {"outline"},
-                       .host = run_host_hatching,
+                       .host = add_traced<hatching_lines>,
+                       .trace = hatching_lines,
                        .needed = has_lines}}});
 }
 

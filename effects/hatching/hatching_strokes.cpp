@@ -263,7 +263,8 @@ float hatching_width(int rank, float ink, float spacing_px, float width_px) {
   return std::clamp(0.5f * (sum - 2.0f * width_px), 0.0f, width_px);
 }
 
-Strokes hatching_lines(const HostFrame& frame, const HatchingConstants& c) {
+Strokes hatching_lines(const HostFrame& frame) {
+  const auto& c = *static_cast<const HatchingConstants*>(frame.constants);
   const HatchingField field = field_of(frame, c, false);
   HatchingSeeds seeds;
   tbb::parallel_for(0, kHatchingRanks, [&](int rank) {
@@ -277,11 +278,6 @@ Strokes hatching_lines(const HostFrame& frame, const HatchingConstants& c) {
                        });
   lines.strokes.insert(lines.strokes.end(), crossing.strokes.begin(), crossing.strokes.end());
   return lines;
-}
-
-void run_host_hatching(const HostFrame& frame) {
-  const auto& c = *static_cast<const HatchingConstants*>(frame.constants);
-  add_lines(hatching_lines(frame, c), frame);
 }
 
 }  // namespace umbrage

@@ -39,9 +39,6 @@ std::vector<HatchingLine> trace_hatching(const HatchingField& field, const Hatch
 float hatching_width(int rank, float ink, float spacing_px, float width_px);
 
 /// Returns the lines of a picture from the inputs of the host step, with widths.
-Strokes hatching_lines(const HostFrame& frame, const HatchingConstants& constants);
-
-/// Runs the host step: draws the lines over those of the input `outline`, to the output of that name.
-void run_host_hatching(const HostFrame& frame);
+Strokes hatching_lines(const HostFrame& frame);
 
 }  // namespace umbrage

@@ -8,6 +8,7 @@
 #include "core/absolute_length.h"
 #include "core/effect.h"
 #include "effects/hidden/hidden_lines.h"
+#include "effects/outline/outline_draw.h"
 #include "kernel/kernel_frame.h"
 
 namespace umbrage {
@@ -77,13 +78,15 @@ Effect effect_hidden() {
   return shading_effect<fill_hidden>(kHiddenTable,
                                      {.name = "hidden",
                                       .summary = "dashed lines for the edges of surfaces that others hide",
+                                      .without_lines = {"hidden.draw=off"},
                                       .variants = {"", "draw=on"},
                                       .quantum = 1.0,
                                       .layers = layers_for,
                                       .dispatches = {{.name = "hidden_lines",
                                                       .inputs = inputs,
                                                       .outputs = {"outline"},
-                                                      .host = run_host_hidden,
+                                                      .host = add_traced<hidden_lines>,
+                                                      .trace = hidden_lines,
                                                       .needed = is_drawn}}});
 }
 

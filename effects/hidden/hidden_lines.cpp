@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "chains/trace.h"
-#include "effects/outline/outline_draw.h"
 
 namespace umbrage {
 namespace {
@@ -64,7 +63,8 @@ std::vector<Stroke> dashes_of(const Stroke& line, float dash_px, float gap_px) {
   return dashes;
 }
 
-Strokes hidden_lines(const HostFrame& frame, const HiddenConstants& c) {
+Strokes hidden_lines(const HostFrame& frame) {
+  const auto& c = *static_cast<const HiddenConstants*>(frame.constants);
   const int width = frame.frame.width, height = frame.frame.height;
   Strokes all{width, height, {}};
   std::vector<Edge> edges = hidden_edges(frame, c);
@@ -89,11 +89,6 @@ Strokes hidden_lines(const HostFrame& frame, const HiddenConstants& c) {
   for (std::vector<Stroke>& lines : dashes)
     for (Stroke& line : lines) all.strokes.push_back(std::move(line));
   return all;
-}
-
-void run_host_hidden(const HostFrame& frame) {
-  const auto& c = *static_cast<const HiddenConstants*>(frame.constants);
-  add_lines(hidden_lines(frame, c), frame);
 }
 
 }  // namespace umbrage

@@ -19,9 +19,6 @@ std::vector<Stroke> dashes_of(const Stroke& line, float dash_px, float gap_px);
 
 /// Returns the dashes of the hidden lines of a picture, from the inputs of the host step. The result does not depend on
 /// the number of threads.
-Strokes hidden_lines(const HostFrame& frame, const HiddenConstants& constants);
-
-/// Runs the host step: draws the dashes over the lines of the input `outline`, to the output of that name.
-void run_host_hidden(const HostFrame& frame);
+Strokes hidden_lines(const HostFrame& frame);
 
 }  // namespace umbrage

@@ -26,7 +26,8 @@ const std::vector<Parameter> kLightingTable = {
              "factor for the emission of surfaces; with material=clay there is none"),
     real_row("gloss", &LightingParams::gloss, {.max = 1, .zero_means = "off"},
              "peak of a broad highlight of parallel lights, as of matt varnish, on surfaces without a higher one"),
-    real_row("shadow", &LightingParams::shadow, {.initial = 1, .max = 1}, "darkness of shadows; at 0 none is traced"),
+    real_row("shadow", &LightingParams::shadow, {.initial = 1, .max = 1, .factor = "shadow_strength"},
+             "darkness of shadows; at 0 none is traced"),
     choice_row(
         "material", &LightingParams::material, 0, {"scene", "clay", "display"},
         "the scene's materials, white clay without highlights, or the scene's with its albedo as a display shows it "

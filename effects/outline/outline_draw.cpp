@@ -64,8 +64,8 @@ void add_lines(const Strokes& lines, const HostFrame& frame) {
 }
 
 void run_host_outline(const HostFrame& frame) {
-  const auto& c = *static_cast<const OutlineConstants*>(frame.constants);
-  draw_lines(trace_lines(frame, c), c.opacity, frame.output("outline"));
+  draw_lines(trace_lines(frame), static_cast<const OutlineConstants*>(frame.constants)->opacity,
+             frame.output("outline"));
 }
 
 }  // namespace umbrage

@@ -34,7 +34,7 @@ Traced traced(const GBuffer& g, const Settings& settings = {}, const CpuSettings
     inputs.push_back({name, const_cast<float*>(plane.row(0)), plane.stride});
   }
   const HostFrame frame{g.info, frame_constants(g.info, inputs[0].stride, 0), &constants, inputs, {}};
-  t.lines = trace_lines(frame, constants);
+  t.lines = trace_lines(frame);
   return t;
 }
 

@@ -90,7 +90,8 @@ float min_length(const Chain& chain, int free_ends, float scale) {
 
 }  // namespace
 
-Strokes trace_lines(const HostFrame& frame, const OutlineConstants& c) {
+Strokes trace_lines(const HostFrame& frame) {
+  const auto& c = *static_cast<const OutlineConstants*>(frame.constants);
   const int width = frame.frame.width, height = frame.frame.height;
   const HostPlane &depth = frame.input("depth"), &object = frame.input("object_id");
   const PixelSize pixel{frame.frame.ray_scale_x, frame.frame.orthographic == 0};

@@ -23,7 +23,7 @@ const std::vector<Parameter> kOutputTable = {
         "tone", &OutputParams::tone, 0, {"none", "neutral"},
         "tone curve: none, or Khronos PBR Neutral, which compresses highlights and deepens shadows and keeps hue "
         "and saturation"),
-    real_row("contrast", &OutputParams::contrast, {.initial = 1, .max = 4},
+    real_row("contrast", &OutputParams::contrast, {.initial = 1, .max = 4, .factor = "contrast"},
              "contrast about `pivot`, before the tone curve: an exponent of light; `contrast` multiplies it"),
     real_row("pivot", &OutputParams::pivot, {.initial = 0.18, .min = 0.001, .max = 1},
              "light that contrast does not change: middle grey, 0.46 in looks that draw display values"),

@@ -31,7 +31,8 @@ const std::vector<Parameter> kToonTable = {
     choice_row("rig", &ToonParams::rig, 0, {"scene", "head", "key"},
                "the scene's lights; or one light without shadow, at the camera or parallel from above and to the left "
                "of the camera"),
-    real_row("shadow", &ToonParams::shadow, {.initial = 1, .max = 1}, "darkness of the key light's shadow"),
+    real_row("shadow", &ToonParams::shadow, {.initial = 1, .max = 1, .factor = "shadow_strength"},
+             "darkness of the key light's shadow"),
     real_row("softness", &ToonParams::softness, {.max = 1},
              "min width of the edge between two tone steps, in steps; 0: antialiased, about a pixel; 1: a smooth ramp "
              "(ramp)"),
@@ -53,7 +54,7 @@ const std::vector<Parameter> kToonTable = {
     choice_row(
         "albedo", &ToonParams::albedo, 0, {"texture", "display", "clay"},
         "the object's colour: its albedo, its albedo as a display shows it (for output.transfer=none), or white"),
-    real_row("occlusion", &ToonParams::occlusion, {.initial = 1, .max = 10},
+    real_row("occlusion", &ToonParams::occlusion, {.initial = 1, .max = 10, .factor = "occlusion_strength"},
              "factor for the occlusion, 1 - ao, of any technique; `occlusion_strength` multiplies it"),
 };
 
