@@ -218,12 +218,9 @@ Error unknown_pass_error(const std::string& word, std::vector<std::string> names
   if (const std::string_view other = look_with_pass(word); !other.empty() && other != look.name)
     return usage_error("the look '{}' writes no pass '{}': the look {} does", look.name, word, other);
   // Passes of further layers are suggested only for a misspelling: the full list would be too long.
-  std::string hint = suggestion(word, names);
-  if (!hint.starts_with(" (did")) {
+  if (nearest_name(word, names).empty())
     std::erase_if(names, [](const std::string& name) { return layer_of_plane(name) > 0 || summary_of(name).empty(); });
-    hint = suggestion(word, names);
-  }
-  return usage_error("the look '{}' writes no pass '{}'{}", look.name, word, hint);
+  return usage_error("the look '{}' writes no pass '{}'{}", look.name, word, suggestion(word, names));
 }
 
 }  // namespace

@@ -52,12 +52,9 @@ Error unknown_option(const CLI::App& app, std::string word) {
   const auto names = option_names(parsed(app));
   // Compare names without dashes, which would make all long names similar.
   const bool is_long = word.starts_with(kDashes);
-  std::string hint = suggestion(is_long ? word.substr(kDashes.size()) : word, names);
-  if (!hint.starts_with(" (did"))
-    hint = "; see " + help_of(app);
-  else
-    hint.insert(hint.find('\'') + 1, kDashes);
-  return usage_error("there is no option '{}'{}", word, hint);
+  const auto near = nearest_name(is_long ? word.substr(kDashes.size()) : word, names);
+  return usage_error("there is no option '{}'{}", word,
+                     near.empty() ? "; see " + help_of(app) : did_you_mean(fmt::format("{}{}", kDashes, near)));
 }
 
 /// Converts an error of CLI11 to a message of this program.
@@ -99,9 +96,9 @@ std::optional<Error> misspelt_command(const std::vector<std::string>& words, con
   const std::string& word = words[1];
   std::error_code ignored;
   if (word.find_first_of("./:-") != std::string::npos || std::filesystem::exists(word, ignored)) return std::nullopt;
-  const std::string hint = suggestion(word, commands);
-  if (!hint.starts_with(" (did")) return std::nullopt;
-  return usage_error("there is no command and no file '{}'{}", word, hint);
+  const std::string_view near = nearest_name(word, commands);
+  if (near.empty()) return std::nullopt;
+  return usage_error("there is no command and no file '{}'{}", word, did_you_mean(near));
 }
 
 /// Returns an error if an option has an empty value. An option that is not given is no error.
