@@ -397,7 +397,7 @@ Result<Recipe> complete_shading(const Recipe& requested, PictureInfo& info) {
   if (info.lights.empty() && !recipe.effects_look) place_default_lights(recipe, info);
   if (recipe.radius) {
     const auto radius = radius_in_scene("`occlusion_radius`", *recipe.radius, info);
-    if (!radius) return radius.error();
+    if (!radius) return with_field(radius.error(), "occlusion_radius");
     apply_radius(*radius, info, recipe);
   }
   return recipe;

@@ -276,11 +276,11 @@ Result<void> apply_passes(const Request& request, Recipe& recipe) {
   if (words.empty() || all) return {};
   const std::vector<std::string> names = passes_of(recipe);
   for (const std::string& word : words) {
-    if (!contains(names, word)) return unknown_pass_error(word, names, request, recipe);
-    if (std::count(words.begin(), words.end(), word) > 1) return usage_error("`passes` names '{}' twice", word);
+    if (!contains(names, word)) return with_field(unknown_pass_error(word, names, request, recipe), "passes", word);
+    if (std::count(words.begin(), words.end(), word) > 1) return field_error("passes", word, "`{}` names '{}' twice");
   }
   if (words.size() > 1 && contains(words, kAll))
-    return usage_error("`passes` all must be the only name: it selects every pass");
+    return field_error("passes", kAll, "`{}` {} must be the only name: it selects every pass");
   return {};
 }
 

@@ -202,13 +202,9 @@ int run(int argc, char** argv, const LabActions& actions, bool is_lab) {
   if (const auto error = misspelt_command(words, commands)) return report(*error);
   if (const auto error = option_without_value(words)) return report(*error);
   if (const auto error = option_as_value(app, words)) return report(*error);
-  const std::vector<std::string> typed = words;
   auto configured = with_config(app, std::move(words));
   if (!configured) return report(configured.error());
   words = std::move(configured->words);
-  const auto located = [&](const Error& error) {
-    return with_place({error.kind, with_option_names(error.message)}, configured->values, typed);
-  };
   std::reverse(words.begin(), words.end());  // the order that CLI11 expects
   try {
     app.parse(words);
@@ -224,11 +220,11 @@ int run(int argc, char** argv, const LabActions& actions, bool is_lab) {
   } catch (const CLI::ParseError& error) {
     if (argc < 2)
       return report(usage_error("name a model, such as umbrage bunny.obj -o bunny.png; see umbrage --help"));
-    return report(located(parse_error(app, error)));
+    return report(parse_error(app, error));
   }
   if (const auto error = empty_option(app)) return report(*error);
   try {
-    if (const Result<void> status = command(); !status) return report(located(status.error()));
+    if (const Result<void> status = command(); !status) return report(with_place(status.error(), configured->values));
   } catch (const std::system_error&) {
     if (!std::ferror(stdout)) throw;  // fmt::print failed to write; finish_output() reports it
   }
