@@ -35,7 +35,7 @@ Result<const Entry*> require_named(std::string_view kind, std::span<const Entry*
   std::vector<std::string_view> names;
   names.reserve(entries.size());
   for (const Entry* each : entries) names.push_back(each->name);
-  return usage_error("there is no {} '{}'{}", kind, name, suggestion(name, names));
+  return unknown_name(kind, name, names);
 }
 
 }  // namespace umbrage

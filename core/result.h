@@ -4,8 +4,10 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
+#include <vector>
 
 namespace umbrage {
 
@@ -18,10 +20,17 @@ enum class ErrorKind {
   kInterrupted = 130,
 };
 
-/// A failure: its kind and one sentence that names file, field, value and remedy.
+/// A field of a request (renderer/options.h), or an option that only the command line has: "--memory"; and its value as
+/// the user wrote it, or one word of a list; empty: any.
+struct FieldValue {
+  std::string field, value{};
+};
+
+/// A failure: its kind, one sentence that names file, field, value and remedy, and the fields to blame.
 struct Error {
   ErrorKind kind = ErrorKind::kInternal;
   std::string message;
+  std::vector<FieldValue> fields{};  ///< empty: the failure is not about fields. Remedies are not among them
 };
 
 template <class... Args>
@@ -35,6 +44,21 @@ Error file_error(fmt::format_string<Args...> text, Args&&... args) {
 template <class... Args>
 Error device_error(fmt::format_string<Args...> text, Args&&... args) {
   return {ErrorKind::kDevice, fmt::format(text, std::forward<Args>(args)...)};
+}
+
+/// Returns the error with another field to blame.
+inline Error with_field(Error error, std::string_view field, std::string_view value = {}) {
+  error.fields.push_back({std::string(field), std::string(value)});
+  return error;
+}
+
+/// Returns the error for a value of a field. The first two arguments of `text` are the field, which sentences have in
+/// backquotes, and the value: "`{}` cannot be '{}'". Another field in `text` is in backquotes, too.
+template <class Value, class... Args>
+Error field_error(std::string_view field, const Value& value,
+                  fmt::format_string<std::string_view&, const Value&, Args...> text, Args&&... args) {
+  return with_field({ErrorKind::kUsage, fmt::format(text, field, value, std::forward<Args>(args)...)}, field,
+                    fmt::format("{}", value));
 }
 
 /// A value or an Error. Check `if (!result)`, then read `*result` or `result.error()`.

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/result.h"
+
 namespace umbrage {
 
 /// Returns the number of letters inserted, deleted, changed or swapped with their neighbour between two words (optimal
@@ -41,21 +43,38 @@ std::string joined_by_or(const Names& names) {
   return text;
 }
 
-/// Returns " (did you mean 'x'?)" for the closest of `names` if it is close, otherwise " (available: a, b, c)".
+/// Returns the closest of `names` if it is close; otherwise "".
 template <class Names>
-std::string suggestion(std::string_view word, const Names& names) {
+std::string_view nearest_name(std::string_view word, const Names& names) {
   // A larger distance, or 2 for a name of up to four letters, means a different word.
   constexpr int kMaxEdits = 2;
   int best = kMaxEdits + 1;
   std::string_view nearest;
-  std::string all;
-  for (std::string_view name : names) {
+  for (const std::string_view name : names) {
     const int distance = edit_distance(word, name);
     if (distance < best && distance <= std::max(1, (int(name.size()) - 1) / 2)) best = distance, nearest = name;
-    all += (all.empty() ? "" : ", ") + std::string(name);
   }
-  if (!nearest.empty()) return " (did you mean '" + std::string(nearest) + "'?)";
+  return nearest;
+}
+
+/// Returns " (did you mean 'x'?)"; "" for an empty name.
+inline std::string did_you_mean(std::string_view name) {
+  return name.empty() ? "" : fmt::format(" (did you mean '{}'?)", name);
+}
+
+/// Returns " (did you mean 'x'?)" for the closest of `names` if it is close, otherwise " (available: a, b, c)".
+template <class Names>
+std::string suggestion(std::string_view word, const Names& names) {
+  if (const std::string_view nearest = nearest_name(word, names); !nearest.empty()) return did_you_mean(nearest);
+  std::string all;
+  for (const std::string_view name : names) all += (all.empty() ? "" : ", ") + std::string(name);
   return " (available: " + all + ")";
+}
+
+/// Returns the error for a name that is none of `names`, which are those of a kind: "effect".
+template <class Names>
+Error unknown_name(std::string_view kind, std::string_view name, const Names& names) {
+  return usage_error("there is no {} '{}'{}", kind, name, suggestion(name, names));
 }
 
 }  // namespace umbrage

@@ -1,6 +1,6 @@
 #include "gbuffers/camera_guess.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -36,11 +36,17 @@ Result<KnownCamera> camera_of_options(const GBufferSettings& s, double aspect, i
   KnownCamera known;
   const int given = int(!s.window.empty()) + int(s.fov_deg.has_value()) + int(!s.focal_length_px.empty()) +
                     int(s.focal_length_mm.has_value());
+  const auto excluded = [](Error error) {
+    for (const char* field : {"fov_deg", "focal_length_px", "focal_length_mm", "window", "orthographic"})
+      error = with_field(std::move(error), field);
+    return error;
+  };
   if (given > 1)
-    return usage_error("`window`, `fov_deg`, `focal_length_px` and `focal_length_mm` exclude each other: give one");
+    return excluded(
+        usage_error("`window`, `fov_deg`, `focal_length_px` and `focal_length_mm` exclude each other: give one"));
   if (s.orthographic) {
     if (given > int(!s.window.empty()))
-      return usage_error("an orthographic camera has no angle of view or focal length: give its `window`");
+      return excluded(usage_error("an orthographic camera has no angle of view or focal length: give its `window`"));
     known.camera.projection = Projection::kOrthographic;
   }
   if (!s.window.empty()) {
@@ -49,8 +55,8 @@ Result<KnownCamera> camera_of_options(const GBufferSettings& s, double aspect, i
     known.camera.bottom = s.window[2];
     known.camera.top = s.window[3];
     if (!(known.camera.right > known.camera.left && known.camera.top > known.camera.bottom))
-      return usage_error("`window` {},{},{},{} is not valid: right must be above left, and top above bottom",
-                         s.window[0], s.window[1], s.window[2], s.window[3]);
+      return field_error("window", fmt::format("{}", fmt::join(s.window, ",")),
+                         "`{}` {} is not valid: right must be above left, and top above bottom");
     known.source = s.orthographic ? "orthographic, by option" : "by option";
   }
   if (s.fov_deg) {
@@ -67,7 +73,7 @@ Result<KnownCamera> camera_of_options(const GBufferSettings& s, double aspect, i
     // Centres are given, as by cameras' calibrations, with (0, 0) at the centre of the first pixel.
     const glm::dvec2 focal(f[0], f.size() == 4 ? f[1] : f[0]);
     const glm::dvec2 center = f.size() == 4 ? glm::dvec2(f[2] + 0.5, f[3] + 0.5) : glm::dvec2(width, height) / 2.0;
-    if (!(focal.x > 0.0 && focal.y > 0.0)) return usage_error("`focal_length_px` {} must be above 0", focal.x);
+    if (!(focal.x > 0.0 && focal.y > 0.0)) return field_error("focal_length_px", focal.x, "`{}` {} must be above 0");
     set_window(known.camera, focal, center, width, height);
     known.source = "focal length in pixels by option";
   }

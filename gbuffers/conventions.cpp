@@ -24,7 +24,7 @@ Result<void> decide_channels(Deciding& d) {
   const RoleChannels& depth = d.roles[Role::kDepth];
   const bool packed = d.settings.depth_packing != "none";
   if (packed && depth.channels.size() < 3)
-    return usage_error("`depth_packing` {} needs three channels: the layer {} has one", d.settings.depth_packing,
+    return field_error("depth_packing", d.settings.depth_packing, "`{}` {} needs three channels: the layer {} has one",
                        depth.name);
   constexpr double kByte = 256.0;
   if (packed) {

@@ -82,7 +82,8 @@ Result<bool> map_of_options(const DepthEvidence& e, bool is_disparity, DepthMode
     double a = s.depth_range[0], b = s.depth_range[1];
     if (is_disparity) {
       if (!(a > 0.0 && b > 0.0))
-        return usage_error("`depth_range` of disparities must be above 0, not {:g},{:g}", a, b);
+        return field_error("depth_range", fmt::format("{:g},{:g}", a, b),
+                           "`{}` of disparities must be above 0, not {}");
       const double far_inverse = 1.0 / std::max(a, b), near_inverse = 1.0 / std::min(a, b);
       a = far_inverse;
       b = near_inverse;

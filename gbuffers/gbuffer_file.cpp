@@ -111,7 +111,7 @@ Result<Opened> open_files(const GBufferSettings& settings, GBufferFacts& facts) 
   if (opened.files.empty()) return usage_error("no file is given");
   for (const RoleFile& file : opened.files) {
     auto header = read_header(file.path);
-    if (!header) return header.error();
+    if (!header) return with_field(header.error(), file.field);
     for (const std::string& layer : layer_list(*header))
       facts.layers.push_back(opened.files.size() == 1 ? layer : fmt::format("{}: {}", file.path, layer));
     opened.headers.push_back(std::move(*header));

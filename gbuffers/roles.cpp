@@ -189,7 +189,7 @@ bool is_named(const ChannelGroup& group, const LayeredFile& header, const std::s
 }
 
 Error unknown_layer(const RoleFile& file, const LayeredFile& header, std::string_view why) {
-  return usage_error("'{}' {} '{}'; its layers are {}", file.path, why, file.layer,
+  return field_error(file.field, "", "'{2}' {3} '{4}'; its layers are {5}", file.path, why, file.layer,
                      fmt::join(layer_list(header), ", "));
 }
 
@@ -263,7 +263,7 @@ Result<std::string> chosen_view(const LayeredFile& header, const std::string& wa
   if (views.empty()) return std::string();
   if (wanted.empty()) return views.front();
   if (contains(views, wanted)) return wanted;
-  return usage_error("'{}' has no view '{}'{}", header.path.string(), wanted, suggestion(wanted, views));
+  return field_error("view", wanted, "'{2}' has no {0} '{1}'{3}", header.path.string(), suggestion(wanted, views));
 }
 
 /// Splits "FILE:LAYER" at its last colon, unless the whole is the name of a file.
@@ -322,18 +322,18 @@ void name_groups(const LayeredFile& header, std::vector<ChannelGroup>& groups) {
 
 std::vector<RoleFile> role_files(const GBufferSettings& settings) {
   std::vector<RoleFile> files;
-  const auto add = [&](const std::string& text, Role role, bool all_roles) {
+  const auto add = [&](std::string_view field, const std::string& text, Role role, bool all_roles) {
     if (text.empty()) return;
-    files.push_back({role, all_roles, {}, {}});
+    files.push_back({role, all_roles, {}, {}, field});
     split_layer(text, files.back());
   };
-  add(settings.file, Role::kDepth, true);
-  add(settings.depth_file, Role::kDepth, false);
-  add(settings.normal_file, Role::kNormal, false);
-  add(settings.albedo_file, Role::kAlbedo, false);
-  add(settings.beauty_file, Role::kBeauty, false);
-  add(settings.position_file, Role::kPosition, false);
-  add(settings.id_file, Role::kObjectId, false);
+  add("file", settings.file, Role::kDepth, true);
+  add("depth_file", settings.depth_file, Role::kDepth, false);
+  add("normal_file", settings.normal_file, Role::kNormal, false);
+  add("albedo_file", settings.albedo_file, Role::kAlbedo, false);
+  add("beauty_file", settings.beauty_file, Role::kBeauty, false);
+  add("position_file", settings.position_file, Role::kPosition, false);
+  add("id_file", settings.id_file, Role::kObjectId, false);
   return files;
 }
 
@@ -420,7 +420,7 @@ Result<Roles> find_roles(std::span<const RoleFile> files, std::span<const Layere
     roles[file.role] = taken(*group, file.role);
   }
   if (!view.empty() && roles.views.empty())
-    return usage_error("'{}' has no views: `view` cannot be '{}'", files[0].path, view);
+    return field_error("view", view, "'{2}' has no views: `{0}` cannot be '{1}'", files[0].path);
   // Only Cycles leaves the albedo out of its indirect light.
   if (roles[Role::kIndirect].empty()) roles[Role::kIndirectColor] = {};
   return roles;

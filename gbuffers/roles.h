@@ -76,6 +76,7 @@ struct RoleFile {
   Role role = Role::kDepth;
   bool all_roles = false;   ///< the main file, whose layers are recognised
   std::string path, layer;  ///< of "FILE:LAYER"
+  std::string_view field = "file";
 };
 
 /// Returns the files of the settings, the main one first.

@@ -89,10 +89,8 @@ Result<const ImageFormat*> format_of(const fs::path& file) {
   if (own_extension.empty())
     return usage_error("'{}' does not end in an image extension; it must end in {}", file.string(),
                        joined_by_or(dotted));
-  const std::string nearest = suggestion(own_extension, extensions);
-  const bool near = nearest.find("did you mean") != std::string::npos;
   return usage_error("'{}' ends in '.{}', which is not a known image format; it must end in {}{}", file.string(),
-                     own_extension, joined_by_or(dotted), near ? nearest : "");
+                     own_extension, joined_by_or(dotted), did_you_mean(nearest_name(own_extension, extensions)));
 }
 
 Result<void> check_writable(const fs::path& file) {

@@ -126,8 +126,8 @@ Result<JobObject::ResolvedJob> JobObject::resolve(const GBufferFile* file) const
   if (!renders()) recipe->reduction = request.gbuffer.reduction;
   const int width = request.width / recipe->reduction, height = request.height / recipe->reduction;
   if (std::min(width, height) < 1)
-    return usage_error("`reduction` cannot be {}: the picture has {} x {} pixels", recipe->reduction, request.width,
-                       request.height);
+    return field_error("reduction", recipe->reduction, "`{}` cannot be '{}': the picture has {} x {} pixels",
+                       request.width, request.height);
   auto params = request.strokes ? stroke_parameters(*recipe) : Result<StrokeParameters>(StrokeParameters());
   if (!params) return params.error();
   // A shaded picture has the size of its depth image, or of its files.
@@ -202,14 +202,12 @@ Result<void> JobObject::prepare() {
 }
 
 void JobObject::report_setting_warnings(const Request& request, const Recipe& recipe) {
-  auto sentences = setting_warnings(request, recipe, completed_.scene.get(), [](std::string_view) { return true; });
+  const auto all = [](std::string_view) { return true; };
+  auto sentences =
+      setting_warnings(request, recipe, completed_.scene.get(), all, "");  // names of settings are parameters
   if (sentences == reported_) return;
   reported_ = std::move(sentences);
-  constexpr std::string_view kSettings = "`settings` ";  // the C interface has no `settings`: names are parameters
-  for (std::string sentence : reported_) {
-    if (sentence.starts_with(kSettings)) sentence.erase(0, kSettings.size());
-    device_->report_warning(sentence);
-  }
+  for (const std::string& sentence : reported_) device_->report_warning(sentence);
 }
 
 ProgressMonitor JobObject::preparation_progress() const {

@@ -14,12 +14,6 @@
 namespace umbrage {
 namespace {
 
-const Option* find_parameter_row(const std::string& name, bool renders) {
-  for (const Option& row : options())
-    if (row.field == name && is_parameter(row, renders ? "render" : "shade")) return &row;
-  return nullptr;
-}
-
 /// Returns whether the field is text that is not a length.
 bool is_word(const Option& row) {
   return std::holds_alternative<FieldOf<std::string>>(row.where) && row.form != OptionForm::kLength;
@@ -35,11 +29,11 @@ std::string number_text(std::span<const double> numbers) {
 
 Result<void> set_row(const Option& row, std::span<const double> numbers, Request& request) {
   if (is_word(row) || numbers.empty())
-    return usage_error("`{}` takes a string, not {}", row.field, numbers.empty() ? "no numbers" : number_text(numbers));
-  if (std::holds_alternative<FieldOf<bool>>(row.where)) return usage_error("`{}` takes true or false", row.field);
+    return field_error(row.field, numbers.empty() ? "no numbers" : number_text(numbers), "`{}` takes a string, not {}");
+  if (std::holds_alternative<FieldOf<bool>>(row.where)) return field_error(row.field, "", "`{}` takes true or false");
   if (row.form == OptionForm::kSize || row.field == "height") {  // width or height
     if (numbers.size() != 1 || numbers[0] != std::floor(numbers[0]) || std::abs(numbers[0]) > 1e9)
-      return usage_error("`{}` takes an integer", row.field);
+      return field_error(row.field, "", "`{}` takes an integer");
     std::get<FieldOf<int>>(row.where)(request) = int(numbers[0]);
     return check_option(row, request);
   }
@@ -67,11 +61,16 @@ bool is_parameter(const Option& row, std::string_view owner) {
                            : (row.commands & kShade) != 0 || row.field == "strokes";
 }
 
+const Option* find_parameter(std::string_view name, std::string_view owner) {
+  const Option* row = find_field(name);
+  return row && is_parameter(*row, owner) ? row : nullptr;
+}
+
 Error unknown_parameter(const std::string& name, std::string_view owner) {
   std::vector<std::string_view> names;
   for (const Option& row : options())
     if (is_parameter(row, owner)) names.push_back(row.field);
-  return usage_error("there is no parameter '{}'{}", name, suggestion(name, names));
+  return unknown_name("parameter", name, names);
 }
 
 std::string JobObject::memory_purpose(const char*) const {
@@ -81,27 +80,27 @@ std::string JobObject::memory_purpose(const char*) const {
 
 Result<void> JobObject::set(const std::string& name, const std::string& text) {
   if (text.empty()) return reset(name.c_str());
-  if (const Option* row = find_parameter_row(name, renders())) {
+  if (const Option* row = find_parameter(name, kind())) {
     Request changed = request_;
     if (auto set = set_row(*row, text, changed); !set) return set;
     request_ = std::move(changed);
     return {};
   }
   const std::string owner = name.substr(0, name.find('.'));
-  if (owner == name || owner == "camera") return unknown_parameter(name, renders() ? "render" : "shade");
+  if (owner == name || owner == "camera") return unknown_parameter(name, kind());
   if (auto status = check_setting(name + "=" + text); !status) return status;
   settings_[name] = text;
   return {};
 }
 
 Result<void> JobObject::set(const std::string& name, std::span<const double> numbers) {
-  const Option* row = find_parameter_row(name, renders());
+  const Option* row = find_parameter(name, kind());
   if (!row) {
     const auto setting = parse_setting(name + "=", external_effects());
     const ParameterType type = setting ? setting->parameter->type : ParameterType::kReal;
     if (type == ParameterType::kBool || type == ParameterType::kChoice)
-      return usage_error("`{}` takes {}, not {}", name, type == ParameterType::kBool ? "true or false" : "a string",
-                         number_text(numbers));
+      return field_error(name, number_text(numbers), "`{0}` takes {2}, not {1}",
+                         type == ParameterType::kBool ? "true or false" : "a string");
     return set(name, number_text(numbers));
   }
   Request changed = request_;
@@ -111,9 +110,9 @@ Result<void> JobObject::set(const std::string& name, std::span<const double> num
 }
 
 Result<void> JobObject::set(const std::string& name, bool value) {
-  const Option* row = find_parameter_row(name, renders());
+  const Option* row = find_parameter(name, kind());
   if (row && !std::holds_alternative<FieldOf<bool>>(row->where))
-    return usage_error("`{}` cannot be {}: it does not take true or false", row->field, value);
+    return field_error(row->field, value, "`{}` cannot be {}: it does not take true or false");
   return set(name, std::string(value ? "true" : "false"));
 }
 
@@ -123,14 +122,14 @@ Result<void> JobObject::reset(const char* name) {
     settings_.clear();
     return {};
   }
-  if (const Option* row = find_parameter_row(name, renders())) {
+  if (const Option* row = find_parameter(name, kind())) {
     reset_option(*row, request_);
     return {};
   }
   if (settings_.erase(name) > 0) return {};
   // A setting that is not set needs no reset, but its name must exist.
   const auto setting = parse_setting(std::string(name) + "=", external_effects());
-  return setting ? Result<void>() : unknown_parameter(name, renders() ? "render" : "shade");
+  return setting ? Result<void>() : unknown_parameter(name, kind());
 }
 
 Result<void> JobObject::set_image(const std::string& name, const UmbImage* image) {
@@ -222,8 +221,13 @@ const char* text_at(UmbJob job, int index, const Texts& texts) {
   });
 }
 
-UmbError set_number(UmbJob job, const char* call, const char* name, double value) {
-  return set_parameter(job, call, name, std::span<const double>(&value, 1));
+/// Sets a parameter from numbers.
+template <class Number>
+UmbError set_numbers(UmbJob job, const char* call, const char* name, const Number* values, int count) {
+  return call_on<JobObject>(job, call, Use::kChanges, [&](JobObject& object) -> Result<void> {
+    if (!values || count < 1) return field_error(text_of(name), "", "`{}` has no values");
+    return object.set(text_of(name), std::vector<double>(values, values + count));
+  });
 }
 
 }  // namespace
@@ -253,25 +257,20 @@ UmbError umbSetJobBool(UmbJob job, const char* name, bool value) {
   return set_parameter(job, "umbSetJobBool", name, value);
 }
 
-UmbError umbSetJobInt(UmbJob job, const char* name, int value) { return set_number(job, "umbSetJobInt", name, value); }
+UmbError umbSetJobInt(UmbJob job, const char* name, int value) {
+  return set_numbers(job, "umbSetJobInt", name, &value, 1);
+}
 
 UmbError umbSetJobFloat(UmbJob job, const char* name, float value) {
-  return set_number(job, "umbSetJobFloat", name, double(value));
+  return set_numbers(job, "umbSetJobFloat", name, &value, 1);
 }
 
 UmbError umbSetJobFloats(UmbJob job, const char* name, const float* values, int count) {
-  return call_on<JobObject>(job, "umbSetJobFloats", Use::kChanges, [&](JobObject& object) -> Result<void> {
-    if (!values || count < 1) return usage_error("`{}` has no values", text_of(name));
-    const std::vector<double> numbers(values, values + count);
-    return object.set(text_of(name), numbers);
-  });
+  return set_numbers(job, "umbSetJobFloats", name, values, count);
 }
 
 UmbError umbSetJobDoubles(UmbJob job, const char* name, const double* values, int count) {
-  return call_on<JobObject>(job, "umbSetJobDoubles", Use::kChanges, [&](JobObject& object) -> Result<void> {
-    if (!values || count < 1) return usage_error("`{}` has no values", text_of(name));
-    return object.set(text_of(name), std::span<const double>(values, std::size_t(count)));
-  });
+  return set_numbers(job, "umbSetJobDoubles", name, values, count);
 }
 
 UmbError umbResetJobParameter(UmbJob job, const char* name) {

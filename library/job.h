@@ -21,6 +21,9 @@ namespace umbrage {
 /// Returns whether an option is a parameter of "render", "shade" or "scene": see umbGetParameter.
 bool is_parameter(const Option& row, std::string_view owner);
 
+/// Returns the option that is a parameter of "render", "shade" or "scene", or null.
+const Option* find_parameter(std::string_view name, std::string_view owner);
+
 /// Returns the error for a parameter that "render", "shade" or "scene" does not have.
 Error unknown_parameter(const std::string& name, std::string_view owner);
 
@@ -45,6 +48,7 @@ class JobObject final : public Object {
 
   std::string memory_purpose(const char* call) const override;
   bool renders() const { return scene_ != nullptr; }
+  std::string_view kind() const { return renders() ? "render" : "shade"; }  ///< owner of its parameters
   /// Sets a parameter from text, numbers or a flag. Empty text resets it. Errors: kUsage.
   Result<void> set(const std::string& name, const std::string& text);
   Result<void> set(const std::string& name, std::span<const double> numbers);

@@ -70,9 +70,7 @@ SceneBox box_of(const SharedMesh& shared) {
 }  // namespace
 
 Result<void> SceneObject::set_parameter(const std::string& name, const char* value) {
-  const Option* row = nullptr;
-  for (const Option& option : options())
-    if (is_parameter(option, "scene") && option.field == name) row = &option;
+  const Option* row = find_parameter(name, "scene");
   if (!row) return unknown_parameter(name, "scene");
   Request changed = request_;
   if (value && *value) {

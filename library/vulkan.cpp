@@ -84,10 +84,10 @@ PictureInfo info_of(const Lens& lens) {
 Result<void> check(const UmbVulkanGBuffer& g, const Lens& lens) {
   if (!g.depth.image) return usage_error("a G-buffer needs a depth image");
   if (g.depth_kind < UMB_DEPTH_PLANAR || g.depth_kind > UMB_DEPTH_REVERSED)
-    return usage_error("`depth_kind` cannot be {}: see UmbDepthKind", g.depth_kind);
+    return field_error("depth_kind", g.depth_kind, "`{}` cannot be '{}': see UmbDepthKind");
   if (auto status = check_lens(lens); !status) return status;
   if (!(lens.scene_radius > 0.0f))
-    return usage_error("`scene_radius` cannot be {}: it takes a finite number above 0", lens.scene_radius);
+    return field_error("scene_radius", lens.scene_radius, "`{}` cannot be '{}': it takes a finite number above 0");
   return {};
 }
 

@@ -9,6 +9,7 @@
 #include "build_paths.h"
 #include "core/lists.h"
 #include "effects/effects.h"
+#include "effects/traced/traced.h"
 #include "renderer/passes.h"
 #include "renderer/recipe.h"
 
@@ -77,6 +78,36 @@ TEST(Program, PlanesLiveFromTheirWriterToTheirLastReader) {
     }
     EXPECT_EQ(open, 0);
   });
+}
+
+TEST(Program, ReachesAddUp) {
+  Look look;
+  look.effects = {"occlusion"};
+  EffectSettings settings = initial_settings(external_effects());
+  auto& params = as<TracedParams>(params_of(settings, "traced"));
+  params.rays = 1.0f;
+  const PictureInfo info{.width = 64, .height = 48, .scene_radius = 1.0f};
+  TracedConstants constants{};
+  find_effect("traced")->constants(params_of(settings, "traced"), info, &constants);
+  constexpr int kRays = 2, kJoints = 8;  // the joint weights of the farthest neighbours
+  int expected = kRays + kJoints;
+  for (int round = 0; round < constants.rounds; ++round)
+    expected += (constants.far_weight[round] > 0.0f ? 2 : 1) << constants.power[round];
+  const LookRun run{.look = &look, .occlusion = "traced", .settings = &settings};
+  const Margins margins = margins_before(run, info, {}, {{"ao", {3, 1}}});
+  EXPECT_EQ(margins.at("depth").rows, 3 + expected);
+  EXPECT_EQ(margins.at("depth").columns, 1 + expected);
+  // Screen-space techniques read depth anywhere, and the normal at the pixel alone.
+  const LookRun anywhere{.look = &look, .occlusion = "alchemy", .settings = &settings};
+  const Margins far = margins_before(anywhere, info, {}, {{"ao", {3, 1}}});
+  EXPECT_EQ(far.at("depth").rows, kAnywhere);
+  EXPECT_EQ(far.at("normal.x").rows, 3);
+  const std::vector<std::string> given = {"depth", "normal.x", "normal.y", "normal.z"};
+  const StripNeeds needs = needs_of_strips(anywhere, info, {}, given, {{"ao", {3, 1}}});
+  ASSERT_EQ(needs.sweeps.size(), 2u) << "one to gather the depth of all strips";
+  EXPECT_EQ(needs.sweeps[0].at("depth").rows, 0);
+  EXPECT_EQ(needs.sweeps[1].at("normal.x").rows, 3);
+  EXPECT_EQ(needs.whole_planes, 1.0);
 }
 
 TEST(Program, TablesAreThoseRecorded) {

@@ -18,8 +18,9 @@ Result<void> use_isa(std::string_view name) {
   const auto& known = known_isas();
   const std::string usable_text = fmt::format("this machine has {}", fmt::join(usable_isas(), ", "));
   if (std::find(known.begin(), known.end(), name) == known.end())
-    return usage_error("`isa` (or UMBRAGE_ISA) cannot be '{}': {}", name, usable_text);
-  return device_error("`isa` (or UMBRAGE_ISA) cannot be '{}' on this CPU: {}", name, usable_text);
+    return field_error("isa", name, "`{}` (or UMBRAGE_ISA) cannot be '{}': {}", usable_text);
+  return with_field(device_error("`isa` (or UMBRAGE_ISA) cannot be '{}' on this CPU: {}", name, usable_text), "isa",
+                    name);
 }
 
 Result<void> check_isa_setting() {
@@ -57,10 +58,10 @@ Result<std::unique_ptr<Device>> make_device(const std::string& name, int threads
     const auto [stop, failed] = std::from_chars(name.data() + prefix.size(), end, index);
     if (failed == std::errc() && stop == end && index >= 0)
       return make_vulkan_device({.index = index, .capture = *capture}, cpu());
-    return usage_error("there is no device '{}': vulkan: takes a number, such as vulkan:0", name);
+    return field_error("device", name, "there is no {} '{}': vulkan: takes a number, such as vulkan:0");
   }
   constexpr std::string_view kNames[] = {"cpu", "vulkan", "auto"};
-  return usage_error("there is no device '{}'{}", name, suggestion(name, kNames));
+  return with_field(unknown_name("device", name, kNames), "device", name);
 }
 
 }  // namespace umbrage

@@ -97,9 +97,7 @@ LookRun timed_look_run(const Recipe& recipe, StageTimes& times, DrawProgress& pr
 }
 
 /// Returns the number of effects of a picture.
-std::size_t effect_count(const Plan& plan) {
-  return steps_of(look_run(plan.recipe)).size() + plan.lines.size();
-}
+std::size_t effect_count(const Plan& plan) { return steps_of(look_run(plan.recipe)).size() + plan.lines.size(); }
 
 /// Adds a picture with its weights.
 Result<void> add_weighted(Device& device, const Plan& plan, const Frame& frame, BlendedSample& blended,
@@ -430,7 +428,7 @@ Result<Recipe> complete_shading(const Recipe& requested, PictureInfo& info) {
   if (info.lights.empty() && !recipe.effects_look) place_default_lights(recipe, info);
   if (recipe.radius) {
     const auto radius = radius_in_scene("`occlusion_radius`", *recipe.radius, info);
-    if (!radius) return radius.error();
+    if (!radius) return with_field(radius.error(), "occlusion_radius");
     apply_radius(*radius, info, recipe);
   }
   return recipe;

@@ -79,7 +79,7 @@ Result<std::vector<std::string>> read_hdri(Hdri& hdri, const ProgressMonitor& mo
   std::vector<std::string> warnings;
   if (hdri.file.empty()) return warnings;
   auto read = read_file(hdri.file, monitor);
-  if (!read) return read.error();
+  if (!read) return with_field(read.error(), "hdri_file", hdri.file);
   if (const std::size_t changed = clean_panorama(*read); changed > 0)
     warnings.push_back(fmt::format(
         "'{}': {} of its pixels have values that are not finite, or are below 0: they become 0, or 65504 if infinite",

@@ -36,10 +36,12 @@ Result<void> check_lens(const Lens& lens) {
       return usage_error("a G-buffer cannot be {} pixels wide or high: it takes 1 to {}", side, kMaxSide);
   const bool planes = has_depth_planes(lens.depth_kind);
   if (planes && !(lens.near_plane > 0.0f && std::isfinite(lens.near_plane) && lens.far_plane > lens.near_plane))
-    return usage_error("`near_plane` {} and `far_plane` {} are not valid: 0 < near_plane < far_plane is required",
-                       lens.near_plane, lens.far_plane);
+    return with_field(
+        field_error("near_plane", lens.near_plane,
+                    "`{}` {} and `far_plane` {} are not valid: 0 < near_plane < far_plane is required", lens.far_plane),
+        "far_plane");
   if (planes && lens.orthographic && !std::isfinite(lens.far_plane))
-    return usage_error("an orthographic G-buffer needs a `far_plane` that is not at infinity");
+    return field_error("far_plane", "", "an orthographic G-buffer needs a `{}` that is not at infinity");
   const bool sound = std::isfinite(lens.left) && std::isfinite(lens.right) && std::isfinite(lens.bottom) &&
                      std::isfinite(lens.top) && lens.right != lens.left && lens.top != lens.bottom;
   if (!sound)
@@ -48,7 +50,7 @@ Result<void> check_lens(const Lens& lens) {
         "top from bottom",
         lens.left, lens.right, lens.bottom, lens.top);
   if (!std::isfinite(lens.scene_radius))
-    return usage_error("`scene_radius` cannot be {}: it takes a finite number", lens.scene_radius);
+    return field_error("scene_radius", lens.scene_radius, "`{}` cannot be '{}': it takes a finite number");
   return {};
 }
 

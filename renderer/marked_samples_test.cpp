@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
 
 #include "devices/cpu/cpu_device.h"
 #include "renderer/draw.h"
@@ -85,6 +86,35 @@ TEST(MarkedSamples, MarkedPixelsEqualTheAverageOfWholeSamples) {
   EXPECT_GT(marked, kWidth * kHeight / 10);
   EXPECT_LT(marked, 4 * kWidth * kHeight * 9 / 10);
   EXPECT_LE(sum / (4.0 * kWidth * kHeight - marked), 0.002);
+}
+
+// A pane whose edges are marked in front, before a wall with a step whose edge is marked behind.
+TEST(MarkedSamples, BlendedSurfacesHaveMarksOfTheirOwn) {
+  Scene scene = square();
+  scene.materials[0].albedo = glm::vec3(0.8f);
+  scene.materials.push_back({.albedo = glm::vec3(0.1f)});
+  scene.materials.push_back({.albedo = {0.8f, 0.1f, 0.1f}, .blended = true, .opacity = 0.4f, .tint = glm::vec3(0.7f)});
+  for (const auto& [x0, x1, z, material] : {std::tuple{-9.0f, 0.3f, 0.1f, 1}, {-1.7f, 1.9f, 2.0f, 2}}) {
+    Mesh mesh = scene.meshes[0];
+    mesh.positions = {{x0, -1.3f, z}, {x1, -1.3f, z}, {x1, 1.6f, z}, {x0, 1.6f, z}};
+    mesh.material = material;
+    scene.meshes.push_back(mesh);
+  }
+  Request request{.look = "lit", .occlusion = "none"};
+  request.ground = "off";
+  request.camera.position = {{1.0f, 0.5f, 8.0f}};
+  request.camera.focal_point = {{0.0f, 0.0f, 0.0f}};
+  request.anti_aliasing = 5;
+  const Image some = drawn(scene, request, true), all = drawn(scene, request, false);
+  float max = 0.0f, red = 0.0f;
+  for (const char* name : {"color.r", "color.g", "color.b", "color.a"})
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        max = std::max(max, std::abs(some.plane(name).at(x, y) - all.plane(name).at(x, y)));
+        red = std::max(red, some.plane("color.r").at(x, y) - some.plane("color.g").at(x, y));
+      }
+  EXPECT_LT(max, 0.01f) << "edges have all samples; elsewhere the samples are nearly equal";
+  EXPECT_GT(red, 0.1f) << "the pane shows";
 }
 
 }  // namespace

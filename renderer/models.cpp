@@ -84,7 +84,7 @@ Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSe
 Result<void> use_camera(int index, Scene& scene) {
   const std::vector<View>& cameras = scene.cameras.empty() ? scene.views : scene.cameras;
   if (index < 0 || std::size_t(index) >= cameras.size())
-    return usage_error("`camera.index` cannot be '{}': '{}' has {}", index, scene.name,
+    return field_error("camera.index", index, "`{}` cannot be '{}': '{}' has {}", scene.name,
                        cameras.empty()       ? "no cameras"
                        : cameras.size() == 1 ? "one camera, 0"
                                              : fmt::format("cameras 0 to {}", cameras.size() - 1));

@@ -94,22 +94,20 @@ std::string valid_values(const Option& o) {
 }
 
 template <class T>
-Error value_error(const Option& o, const T& value) {
-  return usage_error("`{}` cannot be '{}': it takes {}", o.field, value, valid_values(o));
+Error refusal(const Option& o, const T& value) {
+  return field_error(o.field, value, "`{}` cannot be '{}': it takes {}", valid_values(o));
 }
 
 /// Returns the error for a colour, with the nearest name if the text is a word.
 Error color_error(const Option& o, std::string_view text) {
-  Error error = value_error(o, text);
   const bool is_word = !text.empty() && std::isalpha(static_cast<unsigned char>(text[0]));
-  const std::string nearest = is_word ? suggestion(text, color_names()) : "";
-  if (nearest.find("did you mean") != std::string::npos) error.message += nearest;
-  return error;
+  return field_error(o.field, text, "`{}` cannot be '{}': it takes {}{}", valid_values(o),
+                     is_word ? did_you_mean(nearest_name(text, color_names())) : "");
 }
 
 Result<void> check_choice(const Option& o, std::string_view text) {
   const bool known = contains(o.choices, text);
-  return o.choices.empty() || known ? Result<void>() : value_error(o, text);
+  return o.choices.empty() || known ? Result<void>() : refusal(o, text);
 }
 
 /// Checks the value of an option in a request. Errors: kUsage.
@@ -123,8 +121,8 @@ class CheckValue {
   Result<void> operator()(FieldOf<std::vector<float>> of) {
     const std::vector<float>& values = of(request_);
     if (is_valid_list(o_.form, values)) return {};
-    return value_error(o_, o_.form == OptionForm::kAngles ? fmt::format("{}", fmt::join(values, ","))
-                                                          : fmt::format("{} numbers", values.size()));
+    return refusal(o_, o_.form == OptionForm::kAngles ? fmt::format("{}", fmt::join(values, ","))
+                                                      : fmt::format("{} numbers", values.size()));
   }
   Result<void> operator()(FieldOf<int> of) { return check_number(of(request_)); }
   Result<void> operator()(FieldOf<float> of) { return check_number(of(request_)); }
@@ -151,11 +149,9 @@ class CheckValue {
   template <class T>
   Result<void> check_vector(const std::optional<std::array<T, 3>>& v) {
     if (!v || is_valid_vector(o_.form, *v)) return {};
-    return value_error(o_, fmt::format("{},{},{}", (*v)[0], (*v)[1], (*v)[2]));
+    return refusal(o_, fmt::format("{},{},{}", (*v)[0], (*v)[1], (*v)[2]));
   }
-  Result<void> check_number(double value) {
-    return interval_of(o_).has(value) ? Result<void>() : value_error(o_, value);
-  }
+  Result<void> check_number(double value) { return interval_of(o_).has(value) ? Result<void>() : refusal(o_, value); }
 
   const Option& o_;
   Request& request_;
@@ -170,7 +166,7 @@ class SetValue {
   Result<void> operator()(std::monostate) { return check_choice(o_, text_); }
   Result<void> operator()(FieldOf<bool> of) {
     if (text_ != "true" && text_ != "false")
-      return usage_error("`{}` cannot be '{}': it takes true or false", o_.field, text_);
+      return field_error(o_.field, text_, "`{}` cannot be '{}': it takes true or false");
     of(request_) = text_ == "true";
     return {};
   }
@@ -186,7 +182,7 @@ class SetValue {
     const auto values = parse_numbers(text_, is_one ? 1 : count_of(o_.form));
     const std::vector<float> floats =
         values ? std::vector<float>(values->begin(), values->end()) : std::vector<float>();
-    if (!values || !is_valid_list(o_.form, floats)) return value_error(o_, text_);
+    if (!values || !is_valid_list(o_.form, floats)) return refusal(o_, text_);
     of(request_) = floats;
     return {};
   }
@@ -201,13 +197,13 @@ class SetValue {
   Result<void> operator()(FieldOf<std::optional<Vector3>> of) {
     const auto v = vector();
     if (!v || !is_valid_vector(o_.form, *v))
-      return o_.form == OptionForm::kColor ? color_error(o_, text_) : value_error(o_, text_);
+      return o_.form == OptionForm::kColor ? color_error(o_, text_) : refusal(o_, text_);
     of(request_) = v;
     return {};
   }
   Result<void> operator()(FieldOf<std::optional<Position>> of) {
     const auto v = parse_three<double>(text_);
-    if (!v || !is_valid_vector(o_.form, *v)) return value_error(o_, text_);
+    if (!v || !is_valid_vector(o_.form, *v)) return refusal(o_, text_);
     of(request_) = v;
     return {};
   }
@@ -215,7 +211,7 @@ class SetValue {
  private:
   Result<void> set_integer(auto& to) {
     const auto value = parse_number(text_, interval_of(o_));
-    if (!value) return value_error(o_, text_);
+    if (!value) return refusal(o_, text_);
     to = int(*value);
     return {};
   }
@@ -223,7 +219,7 @@ class SetValue {
     const bool percent = o_.form == OptionForm::kPercent;
     const std::string_view digits = text_.substr(0, text_.size() - (percent && text_.ends_with('%') ? 1 : 0));
     const auto value = parse_number(digits, interval_of(o_));
-    if (!value || percent != text_.ends_with('%')) return value_error(o_, text_);
+    if (!value || percent != text_.ends_with('%')) return refusal(o_, text_);
     to = float(*value);
     return {};
   }
@@ -244,30 +240,35 @@ class SetValue {
   Request& request_;
 };
 
+/// Returns the error for two fields that contradict each other.
+Error conflict(std::string_view field, std::string_view other, std::string_view text) {
+  return with_field(field_error(field, "", "`{0}` and `{2}` {3}", other, text), other);
+}
+
 /// Checks that options do not contradict each other. Errors: kUsage.
 Result<void> check_combinations(const Request& r) {
   const CameraSettings& camera = r.camera;
-  if (camera.index && (camera.position || camera.focal_point || camera.direction))
-    return usage_error("`camera.index` and `camera.{}` both set the position of the camera: give one of them",
-                       camera.position      ? "position"
-                       : camera.focal_point ? "focal_point"
-                                            : "direction");
+  if (camera.index && (camera.position || camera.focal_point || camera.direction)) {
+    const char* other = camera.position      ? "camera.position"
+                        : camera.focal_point ? "camera.focal_point"
+                                             : "camera.direction";
+    return conflict("camera.index", other, "both set the position of the camera: give one of them");
+  }
   if (camera.position && camera.focal_point && camera.direction)
-    return usage_error(
-        "`camera.focal_point` and `camera.direction` both set the direction of a camera at `camera.position`: give one "
-        "of them");
+    return conflict("camera.focal_point", "camera.direction",
+                    "both set the direction of a camera at `camera.position`: give one of them");
   if (camera.position && camera.focal_point && *camera.position == *camera.focal_point) {
     const Position& v = *camera.position;
-    return usage_error(
-        "`camera.position` and `camera.focal_point` are both '{},{},{}': a camera cannot look at its own position",
-        v[0], v[1], v[2]);
+    return conflict("camera.position", "camera.focal_point",
+                    fmt::format("are both '{},{},{}': a camera cannot look at its own position", v[0], v[1], v[2]));
   }
   if (r.color && r.material == "file")
-    return usage_error("`color` needs `material` clay: the colours of the file are its own");
+    return with_field(field_error("color", "", "`{}` needs `material` clay: the colours of the file are its own"),
+                      "material", r.material);
   if (r.hdri_skybox && r.hdri_file.empty())
-    return usage_error("`hdri_skybox` needs an image: `hdri_file` FILE, or `hdri_file` sky:");
+    return field_error("hdri_skybox", true, "`{}` needs an image: `hdri_file` FILE, or `hdri_file` sky:");
   if (r.hdri_skybox && r.transparent)
-    return usage_error("`hdri_skybox` and `transparent` both set the background: give one of them");
+    return conflict("hdri_skybox", "transparent", "both set the background: give one of them");
   return {};
 }
 
@@ -307,8 +308,9 @@ Result<void> check_request(const Request& request, long max_pixels) {
   for (const Option& option : options())
     if (auto status = std::visit(CheckValue(option, fields), option.where); !status) return status;
   if (long(request.width) * request.height > max_pixels)
-    return usage_error("a picture cannot have {} x {} pixels: it takes at most {} in total{}", request.width,
-                       request.height, max_pixels, remedy_for_size(max_pixels));
+    return field_error("width", request.width,
+                       "a picture cannot have {1} x {2} pixels: it takes at most {3} in total{4}", request.height,
+                       max_pixels, remedy_for_size(max_pixels));
   return check_combinations(request);
 }
 
@@ -337,16 +339,17 @@ Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view 
   const int width = parse_side(text.substr(0, separator)),
             height = separator == std::string_view::npos ? width : parse_side(text.substr(separator + 1));
   if (width >= 1 && height >= 1 && long(width) * height <= max_pixels) return std::pair(width, height);
-  return usage_error(
+  return field_error(
+      field, text,
       "`{}` cannot be '{}': it takes width,height from 1 to {} pixels, at most {} in total, or one number for a square",
-      field, text, kMaxSide, std::min(max_pixels, long(kMaxSide) * kMaxSide));
+      kMaxSide, std::min(max_pixels, long(kMaxSide) * kMaxSide));
 }
 
 Result<Length> parse_length(std::string_view field, std::string_view text) {
   const bool percent = text.ends_with('%');
   const float value = float(parse_number(text.substr(0, text.size() - (percent ? 1 : 0))).value_or(0.0));
   if (!(value > 0.0f) || !std::isfinite(value))
-    return usage_error("`{}` cannot be '{}': it takes {}", field, text, kValidLength);
+    return field_error(field, text, "`{}` cannot be '{}': it takes {}", kValidLength);
   return Length{value, percent ? 1 : 0};
 }
 
@@ -354,7 +357,7 @@ Result<int> parse_scale(std::string_view field, std::string_view text) {
   const Option& option = option_of(field);
   for (std::size_t k = 0; k < option.choices.size(); ++k)
     if (option.choices[k] == text) return 1 << k;
-  return value_error(option, text);
+  return refusal(option, text);
 }
 
 }  // namespace umbrage

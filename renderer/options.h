@@ -1,8 +1,8 @@
 // The table of options: one row per field of Request. It defines the command line with its help, manual page and
 // completion, the checks of the library, and the error messages of both.
 //
-// Messages name a field in backquotes, `camera.zoom`; an interface replaces it by its own name for the field. User
-// text, such as a file name, is quoted in '...', where nothing is replaced.
+// Messages name a field in backquotes, `camera.zoom`; the command line shows its option instead. User text, such as a
+// file name, is quoted in '...', where nothing is replaced. What an error is about is in Error::fields.
 #pragma once
 #include <array>
 #include <optional>
@@ -72,7 +72,11 @@ struct Option {
   std::string_view environment = {};  ///< environment variable that sets the default on the command line
 };
 
+/// Returns all rows, in the order of the help.
 std::span<const Option> options();
+
+/// Returns the row of a field, or null.
+const Option* find_field(std::string_view field);
 
 /// Returns the row of a field, which must exist.
 const Option& option_of(std::string_view field);
@@ -80,10 +84,8 @@ const Option& option_of(std::string_view field);
 /// Returns the row of an option of one of these commands, by its name without dashes, or null.
 const Option* find_option(std::string_view name, unsigned commands);
 
-/// Returns the message with each field in backquotes replaced by `rename`, except inside '...'.
-std::string with_fields_renamed(std::string_view message, std::string (*rename)(const Option&));
-
-/// Returns the message with the options of a command line in place of fields: `--look`.
+/// Returns the message with the options of a command line, --look, in place of fields in backquotes, except inside
+/// '...'.
 std::string with_option_names(std::string_view message);
 
 /// Returns the valid words of an option, from `choices` or `names`; empty if it takes other values.

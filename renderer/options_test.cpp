@@ -48,6 +48,9 @@ TEST(Options, NumbersAcceptOnlyTheirRange) {
       ASSERT_FALSE(set) << value;
       EXPECT_EQ(set.error().kind, ErrorKind::kUsage);
       EXPECT_NE(set.error().message.find(fmt::format("`{}` cannot be", o.field)), std::string::npos);
+      ASSERT_EQ(set.error().fields.size(), 1u);
+      EXPECT_EQ(set.error().fields[0].field, o.field);
+      EXPECT_EQ(set.error().fields[0].value, text_of(o, value));
     }
     Request request;
     for (const char* text : {"", "x", "1x", "nan", "1 "}) EXPECT_FALSE(set_option(o, text, request)) << text;
@@ -97,19 +100,17 @@ TEST(Options, LibraryChecksTheTable) {
 }
 
 TEST(Options, FieldsAreRenamedInMessages) {
-  const auto dashed = [](const Option& o) { return "--" + std::string(o.option); };
-  EXPECT_EQ(with_fields_renamed("`occlusion_scale` cannot be 'x' with `occlusion` y", dashed),
+  EXPECT_EQ(with_option_names("`occlusion_scale` cannot be 'x' with `occlusion` y"),
             "--ao-scale cannot be 'x' with --ao y");
-  EXPECT_EQ(with_fields_renamed("`nothing` stays, and a ` alone", dashed), "`nothing` stays, and a ` alone");
-  EXPECT_EQ(with_fields_renamed("`a` and `width`", dashed), "`a` and --resolution");
-  EXPECT_EQ(with_fields_renamed("", dashed), "");
+  EXPECT_EQ(with_option_names("`nothing` stays, and a ` alone"), "`nothing` stays, and a ` alone");
+  EXPECT_EQ(with_option_names("`a` and `width`"), "`a` and --resolution");
+  EXPECT_EQ(with_option_names(""), "");
 }
 
 // File names may contain field names: quoted text must not change.
 TEST(Options, QuotedTextIsNotChanged) {
-  const auto dashed = [](const Option& o) { return "--" + std::string(o.option); };
   const auto stays = [&](const std::string& quoted, const std::string& before, const std::string& after) {
-    const std::string renamed = with_fields_renamed(before + quoted + after + "`width`", dashed);
+    const std::string renamed = with_option_names(before + quoted + after + "`width`");
     EXPECT_EQ(renamed, before + quoted + after + "--resolution");
   };
   for (const char* quoted : {"'`width`.obj'", "'a `width` b'", "'it's `width`'", "'`'", "''"}) {
@@ -117,9 +118,9 @@ TEST(Options, QuotedTextIsNotChanged) {
     stays(quoted, "the picture's file, ", ", or ");
     stays(quoted, "the models' sizes (", "): ");
   }
-  EXPECT_EQ(with_fields_renamed("the picture's `width` and the models' `width` or 'x'", dashed),
+  EXPECT_EQ(with_option_names("the picture's `width` and the models' `width` or 'x'"),
             "the picture's --resolution and the models' --resolution or 'x'");
-  EXPECT_EQ(with_fields_renamed("'never closed `width`", dashed), "'never closed --resolution");
+  EXPECT_EQ(with_option_names("'never closed `width`"), "'never closed --resolution");
 }
 
 }  // namespace

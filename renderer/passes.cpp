@@ -217,12 +217,9 @@ Error unknown_pass_error(const std::string& word, std::vector<std::string> names
   if (const std::string_view other = look_with_pass(word); !other.empty() && other != look.name)
     return usage_error("the look '{}' writes no pass '{}': the look {} does", look.name, word, other);
   // Passes of further layers are suggested only for a misspelling: the full list would be too long.
-  std::string hint = suggestion(word, names);
-  if (!hint.starts_with(" (did")) {
+  if (nearest_name(word, names).empty())
     std::erase_if(names, [](const std::string& name) { return layer_of_plane(name) > 0 || summary_of(name).empty(); });
-    hint = suggestion(word, names);
-  }
-  return usage_error("the look '{}' writes no pass '{}'{}", look.name, word, hint);
+  return usage_error("the look '{}' writes no pass '{}'{}", look.name, word, suggestion(word, names));
 }
 
 }  // namespace
@@ -278,11 +275,11 @@ Result<void> apply_passes(const Request& request, Recipe& recipe) {
   if (words.empty() || all) return {};
   const std::vector<std::string> names = passes_of(recipe);
   for (const std::string& word : words) {
-    if (!contains(names, word)) return unknown_pass_error(word, names, request, recipe);
-    if (std::count(words.begin(), words.end(), word) > 1) return usage_error("`passes` names '{}' twice", word);
+    if (!contains(names, word)) return with_field(unknown_pass_error(word, names, request, recipe), "passes", word);
+    if (std::count(words.begin(), words.end(), word) > 1) return field_error("passes", word, "`{}` names '{}' twice");
   }
   if (words.size() > 1 && contains(words, kAll))
-    return usage_error("`passes` all must be the only name: it selects every pass");
+    return field_error("passes", kAll, "`{}` {} must be the only name: it selects every pass");
   return {};
 }
 

@@ -114,7 +114,7 @@ Result<void> resolve_lengths(const Scene& scene, Plan& plan) {
   const PictureInfo info = picture_info(scene, plan.camera, plan.capture);
   if (recipe.radius) {
     const auto radius = radius_in_scene("`occlusion_radius`", *recipe.radius, info);
-    if (!radius) return radius.error();
+    if (!radius) return with_field(radius.error(), "occlusion_radius");
     apply_radius(*radius, info, recipe);
   }
   if (recipe.occlusion != reference_effect().name) return {};

@@ -70,15 +70,17 @@ void apply_environment(const Request& request, Recipe& recipe) {
 Result<void> apply_settings(const std::vector<std::string>& assignments, Recipe& recipe) {
   for (const std::string& assignment : assignments) {
     const auto setting = parse_setting(assignment, external_effects());
-    if (!setting) return setting.error();
+    if (!setting) return with_field(setting.error(), "settings", assignment);
     const Effect& effect = *setting->effect;
     const Parameter& row = *setting->parameter;
     if (!recipe.effects_look && effect.set_reduction && (row.name == "factor" || row.name == "indirect"))
-      return usage_error("`settings` '{}': {}.{} follows from `occlusion_scale`", assignment, effect.name, row.name);
+      return field_error("settings", assignment, "`{}` '{}': {}.{} follows from `occlusion_scale`", effect.name,
+                         row.name);
     if (!recipe.effects_look && &effect == &effect_with<ResampleParams>() && follows_from_samples(row.name))
-      return usage_error("`settings` '{}': {}.{} follows from `anti_aliasing`", assignment, effect.name, row.name);
+      return field_error("settings", assignment, "`{}` '{}': {}.{} follows from `anti_aliasing`", effect.name,
+                         row.name);
     if (auto status = set_parameter(effect.name, row, setting->value, params_of(recipe.settings, effect.name)); !status)
-      return status;
+      return with_field(status.error(), "settings", assignment);
     recipe.set_by_request.push_back({&effect, &row, {}});
   }
   return {};
@@ -116,12 +118,13 @@ Result<void> apply_request(const Request& request, Recipe& recipe) {
 }
 
 Error unknown_word(std::string_view field, const std::string& word) {
-  return usage_error("`{}` cannot be '{}'{}", field, word, suggestion(word, words_of(option_of(field))));
+  return field_error(field, word, "`{}` cannot be '{}'{}", suggestion(word, words_of(option_of(field))));
 }
 
 /// Returns the look of a request. Errors: kUsage.
 Result<const Look*> requested_look(const Request& request) {
-  return require_named("look", looks(), request.look.empty() ? kDefaultLook : std::string_view(request.look));
+  auto look = require_named("look", looks(), request.look.empty() ? kDefaultLook : std::string_view(request.look));
+  return look ? look : with_field(look.error(), "look", request.look);
 }
 
 /// Returns whether a request sets parameters that only the screen-space technique of its look has.
@@ -149,10 +152,10 @@ Result<void> resolve_names(const Request& request, bool of_model, Recipe& recipe
   recipe.occlusion = technique_of(request, *recipe.look, of_model);
   const auto techniques = occlusion_names(external_effects());
   if (!contains(techniques, recipe.occlusion))
-    return usage_error("there is no occlusion technique '{}'{}", recipe.occlusion,
-                       suggestion(recipe.occlusion, techniques));
+    return with_field(unknown_name("occlusion technique", recipe.occlusion, techniques), "occlusion", recipe.occlusion);
   if (request.ground == "on" && !recipe.look->ground)
-    return usage_error("`ground` on requires a look that shows the ground only by its shadow, such as studio, not '{}'",
+    return field_error("ground", request.ground,
+                       "`{}` {} requires a look that shows the ground only by its shadow, such as studio, not '{}'",
                        recipe.look->name);
   if (!request.style.empty() && !find_style(request.style)) return unknown_word("style", request.style);
   if (!request.quality.empty() && !find_quality(request.quality)) return unknown_word("quality", request.quality);
@@ -170,8 +173,9 @@ Result<void> resolve_scale(const Request& request, const Quality* quality, Recip
   const auto factor = parse_scale("occlusion_scale", request.occlusion_scale);
   if (!factor) return factor.error();
   if (full_only && *factor > 1)
-    return usage_error("`occlusion_scale` cannot be '{}' with `occlusion` {}: it takes full, or another technique",
-                       request.occlusion_scale, recipe.occlusion);
+    return field_error("occlusion_scale", request.occlusion_scale,
+                       "`{}` cannot be '{}' with `occlusion` {}: it takes full, or another technique",
+                       recipe.occlusion);
   recipe.occlusion_downsampling = *factor;
   return {};
 }
@@ -181,7 +185,7 @@ Result<Look> look_of(const std::vector<std::string>& names) {
   Look look{.name = "effects"};
   for (const std::string& name : names) {
     const auto effect = require_named("effect", effects(), name);
-    if (!effect) return effect.error();
+    if (!effect) return with_field(effect.error(), "effects", name);
     look.effects.push_back((*effect)->name);
   }
   return look;
@@ -338,8 +342,8 @@ Result<void> add_layers(const Effect& effect, const Recipe& recipe, long max_pix
   };
   for (capture.layers = std::max(before, needed); capture.layers > before && !fits();) --capture.layers;
   if (needed > 1 && capture.layers == 1)
-    return usage_error("`settings` {} needs two layers, for which {} x {} pixels are too large", effect.name,
-                       capture.width, capture.height);
+    return field_error("settings", "", "`{0}` {2} needs two layers, for which {3} x {4} pixels are too large",
+                       effect.name, capture.width, capture.height);
   return {};
 }
 
@@ -417,8 +421,8 @@ Result<Recipe> make_recipe_of(const Request& request, long max_pixels, bool of_m
 
 Result<Recipe> make_recipe(const Request& request, long max_pixels) {
   if (const Look* look = find_look(request.look); look && look->needs_beauty)
-    return usage_error("the look '{}' needs the finished picture of another renderer: it cannot draw a model",
-                       request.look);
+    return field_error("look", request.look,
+                       "the {} '{}' needs the finished picture of another renderer: it cannot draw a model");
   return make_recipe_of(request, max_pixels, true);
 }
 
@@ -430,7 +434,7 @@ Result<Recipe> make_shading_recipe(const Request& request, long max_pixels) {
   if (!recipe) return recipe;
   const Effect* technique = find_effect(recipe->occlusion);
   if (recipe->occlusion != kNoOcclusion && (!technique || needs_scene(*technique)))
-    return usage_error("`occlusion` {} needs the model: it cannot shade a G-buffer", recipe->occlusion);
+    return field_error("occlusion", recipe->occlusion, "`{}` {} needs the model: it cannot shade a G-buffer");
   enable_passes(request, *recipe);
   return recipe;
 }

@@ -22,41 +22,41 @@ bool uses_effect(const Recipe& recipe, std::string_view name) {
   return name == recipe.occlusion || (effect && effect->set_reduction) || contains(recipe.look->effects, name);
 }
 
-void warn_about_effects(const Request& request, const Recipe& recipe,
+void warn_about_effects(const Request& request, const Recipe& recipe, std::string_view word,
                         const std::function<bool(std::string_view)>& is_reported, std::vector<std::string>& sentences) {
   const auto techniques = occlusion_names(external_effects());
   for (const std::string& setting : request.settings) {
     const std::string effect = setting.substr(0, setting.find('.'));
     if (uses_effect(recipe, effect) || !is_reported(setting)) continue;
     if (recipe.effects_look)
-      sentences.push_back(fmt::format("`settings` {} does nothing: {} is not among the `effects`", setting, effect));
+      sentences.push_back(fmt::format("{}{} does nothing: {} is not among the `effects`", word, setting, effect));
     else if (contains(techniques, effect))
-      sentences.push_back(
-          fmt::format("`settings` {} does nothing: the occlusion of this picture is {}; try "
-                      "`occlusion` {}",
-                      setting, recipe.occlusion == kNoOcclusion ? "off" : recipe.occlusion, effect));
+      sentences.push_back(fmt::format("{}{} does nothing: the occlusion of this picture is {}; try `occlusion` {}",
+                                      word, setting, recipe.occlusion == kNoOcclusion ? "off" : recipe.occlusion,
+                                      effect));
     else
       sentences.push_back(
-          fmt::format("`settings` {} does nothing: the look {} has no {}", setting, recipe.look->name, effect));
+          fmt::format("{}{} does nothing: the look {} has no {}", word, setting, recipe.look->name, effect));
   }
 }
 
 /// Adds a warning for each effect that needs several layers if the request sets one.
-void warn_about_layers(const Request& request, const Recipe& recipe, std::vector<std::string>& sentences) {
+void warn_about_layers(const Request& request, const Recipe& recipe, std::string_view word,
+                       std::vector<std::string>& sentences) {
   if (request.layers != 1) return;
   for (const std::string_view name : recipe.look->effects)
     if (const Effect* effect = find_effect(name);
         effect && layers_needed(*effect, params_of(recipe.settings, name)) > 1)
-      sentences.push_back(fmt::format("`settings` {} draws nothing: the picture has one layer", name));
+      sentences.push_back(fmt::format("{}{} draws nothing: the picture has one layer", word, name));
 }
 
-void warn_about_former_names(const Request& request, std::vector<std::string>& sentences) {
+void warn_about_former_names(const Request& request, std::string_view word, std::vector<std::string>& sentences) {
   for (const std::string& text : request.settings) {
     const auto setting = parse_setting(text, external_effects());
     if (!setting) continue;  // reported as an error
     const auto& [effect, parameter, name, value] = *setting;
     if (name == parameter->name) continue;
-    sentences.push_back(fmt::format("`settings` {}: the parameter is now {}.{}; the former name will be removed in 0.3",
+    sentences.push_back(fmt::format("{}{}: the parameter is now {}.{}; the former name will be removed in 0.3", word,
                                     text, effect->name, parameter->name));
   }
 }
@@ -144,11 +144,12 @@ void warn_about_missing_model(const Request& request, const Recipe& recipe, cons
 }  // namespace
 
 std::vector<std::string> setting_warnings(const Request& request, const Recipe& recipe, const Scene* scene,
-                                          const std::function<bool(std::string_view setting)>& is_reported) {
+                                          const std::function<bool(std::string_view setting)>& is_reported,
+                                          std::string_view word) {
   std::vector<std::string> sentences;
-  warn_about_former_names(request, sentences);
-  warn_about_effects(request, recipe, is_reported, sentences);
-  warn_about_layers(request, recipe, sentences);
+  warn_about_former_names(request, word, sentences);
+  warn_about_effects(request, recipe, word, is_reported, sentences);
+  warn_about_layers(request, recipe, word, sentences);
   if (recipe.effects_look) warn_about_looks(request, sentences);
   if (recipe.radius && recipe.occlusion == kNoOcclusion && !recipe.effects_look)
     sentences.push_back(

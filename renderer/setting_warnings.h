@@ -11,8 +11,9 @@
 namespace umbrage {
 
 /// Returns the warnings, one sentence each. `scene`: null for a G-buffer. `is_reported`: returns whether to warn that
-/// this "effect.parameter=value" does nothing; settings for other looks may be intended.
+/// this "effect.parameter=value" does nothing; settings for other looks may be intended. `word` precedes settings.
 std::vector<std::string> setting_warnings(const Request& request, const Recipe& recipe, const Scene* scene,
-                                          const std::function<bool(std::string_view setting)>& is_reported);
+                                          const std::function<bool(std::string_view setting)>& is_reported,
+                                          std::string_view word = "`settings` ");
 
 }  // namespace umbrage

@@ -72,17 +72,17 @@ namespace {
 /// Checks that the file has the picture that the look changes. Errors: kUsage.
 Result<void> check_beauty(const Recipe& recipe, const GBufferFile& file) {
   if (!recipe.look->needs_beauty || file.has_plane("beauty.r")) return {};
-  return usage_error(
-      "the look '{}' needs the renderer's own picture, which this file lacks: it takes `beauty_file`, or "
-      "another `look`",
-      recipe.look->name);
+  return field_error(
+      "look", recipe.look->name,
+      "the {0} '{1}' needs the renderer's own picture, which this file lacks: it takes `beauty_file`, or "
+      "another `{0}`");
 }
 
 /// Checks that the reduced picture has a pixel, and stores the factor. Errors: kUsage.
 Result<void> resolve_reduction(const Request& request, Recipe& recipe) {
   recipe.reduction = request.gbuffer.reduction;
   if (std::min(recipe.width, recipe.height) >= recipe.reduction) return {};
-  return usage_error("`reduction` cannot be {}: the picture has {} x {} pixels", recipe.reduction, recipe.width,
+  return field_error("reduction", recipe.reduction, "`{}` cannot be '{}': the picture has {} x {} pixels", recipe.width,
                      recipe.height);
 }
 

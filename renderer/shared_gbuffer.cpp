@@ -95,23 +95,23 @@ const char* set_for_files(const GBufferSettings& set) {
 /// Checks the camera and the settings of a G-buffer. Errors: kUsage.
 Result<void> check_settings(const Request& request, const Lens& lens) {
   if (lens.depth_kind > DepthMeaning::kReversed)
-    return usage_error("`depth_kind` {} is for files: an image in memory takes planar, distance, window or reversed",
-                       request.gbuffer.depth_kind);
+    return field_error("depth_kind", request.gbuffer.depth_kind,
+                       "`{}` {} is for files: an image in memory takes planar, distance, window or reversed");
   if (const char* field = set_for_files(request.gbuffer))
-    return usage_error(
-        "`{}` is for files: images in memory hold planar depth in scene units or the depth_kind that is "
-        "set, and take `window` or `view_from_normal`",
-        field);
+    return field_error(
+        field, "",
+        "`{}` is for files: images in memory hold planar depth in scene units or the depth_kind that is set, "
+        "and take `window` or `view_from_normal`");
   if (auto status = check_lens(lens); !status) return status;
   if (!(lens.right > lens.left && lens.top > lens.bottom))
     return usage_error(
         "the camera's window cannot be {} to {} and {} to {}: right must be above left, and top above bottom",
         lens.left, lens.right, lens.bottom, lens.top);
   if (lens.scene_radius < 0.0f)
-    return usage_error("`scene_radius` cannot be {}: it takes a number above 0, or 0 to derive it from the depth",
-                       lens.scene_radius);
+    return field_error("scene_radius", lens.scene_radius,
+                       "`{}` cannot be '{}': it takes a number above 0, or 0 to derive it from the depth");
   for (const float v : request.gbuffer.view_from_normal)
-    if (!std::isfinite(v)) return usage_error("`view_from_normal` holds a number that is not finite");
+    if (!std::isfinite(v)) return field_error("view_from_normal", "", "`{}` holds a number that is not finite");
   return {};
 }
 

@@ -61,8 +61,8 @@ struct StripSizes {
 
 /// The memory of several pictures that are averaged, in planes.
 struct SumPlanes {
-  double held = 0.0;    ///< of the whole picture, while each picture is drawn, also in strips
-  double added = 0.0;   ///< while a drawn picture is added, or the sum is finished; in strips, of a strip
+  double held = 0.0;     ///< of the whole picture, while each picture is drawn, also in strips
+  double added = 0.0;    ///< while a drawn picture is added, or the sum is finished; in strips, of a strip
   bool further = false;  ///< beside the first sample, frames of further ones are drawn, of an eighth of the picture
 };
 

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <map>
 
+#include "core/guarded.h"
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
 #include "looks/looks.h"
@@ -261,10 +262,29 @@ TEST(Strips, MemoryIsThatOfThePlan) {
       for (const double memory : {6e9, 1e6}) {
         const StripSizes sizes = picture.sizes(memory);
         const double drawn = picture.drawn_bytes(sizes.rows);
-        fmt::print("{} {} rows {}: {:.3f} planes {:.2f} {:.2f}\n", look->name, quality, sizes.rows, (sizes.bytes - kFixed) / drawn, (sizes.bytes - kFixed) /4.032e6, drawn/4.032e6);
         EXPECT_NEAR((sizes.bytes - kFixed) / drawn, 1.0, 0.1) << sizes.rows;
       }
     }
+}
+
+TEST(Strips, OnePlaneLessThanThePeakIsTooLittleMemory) {
+  Planned picture(of_look("studio", 300, 200));
+  const auto drawn = [&]() -> Result<void> {
+    return guarded([] { return std::string("the picture"); },
+                   [&]() -> Result<void> {
+                     StageTimes times;
+                     const auto frame = draw(*picture.device, picture.scene, picture.plan, times);
+                     return frame ? Result<void>() : frame.error();
+                   });
+  };
+  const auto peak = std::size_t(picture.drawn_bytes(0));
+  PlanePool& pool = *picture.device->pool();
+  pool.set_limit(peak);
+  EXPECT_TRUE(drawn());
+  pool.set_limit(peak - plane_bytes(300, 200));
+  const auto failed = drawn();
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().kind, ErrorKind::kDevice) << failed.error().message;
 }
 
 TEST(Strips, ArePlannedWhereMemoryIsShort) {

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cctype>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -81,7 +80,7 @@ Result<void> check_value(CLI::Option& option, std::string value) {
       CLI::detail::to_flag_value(value);
       return {};
     } catch (const std::invalid_argument&) {
-      return usage_error("{} cannot be '{}': it takes true or false", option.get_name(), value);
+      return field_error(option.get_name(), value, "{} cannot be '{}': it takes true or false");
     }
   }
   try {
@@ -90,32 +89,6 @@ Result<void> check_value(CLI::Option& option, std::string value) {
   } catch (const CLI::OptionNotFound&) {  // no validator: any text is valid
     return {};
   }
-}
-
-/// Returns whether a text contains the option as a word.
-bool names_option(std::string_view text, const std::string& option) {
-  const std::string name = "--" + option;
-  for (std::size_t at = text.find(name); at != text.npos; at = text.find(name, at + 1)) {
-    const char next = at + name.size() < text.size() ? text[at + name.size()] : ' ';
-    if (next != '-' && !std::isalnum(static_cast<unsigned char>(next))) return true;
-  }
-  return false;
-}
-
-/// Returns whether a text quotes a value or, of a list, one of its words.
-bool quotes_value(const std::string& text, const std::string& value) {
-  if (text.find("'" + value + "'") != text.npos) return true;
-  const auto words = split(value);
-  return std::any_of(words.begin(), words.end(),
-                     [&](const std::string& word) { return text.find("'" + word + "'") != text.npos; });
-}
-
-/// Returns the last quotation of a text, with its quotation marks; empty if there is none.
-std::string last_quoted(const std::string& text) {
-  const std::size_t end = text.rfind('\'');
-  if (end == text.npos || end == 0) return "";
-  const std::size_t start = text.rfind('\'', end - 1);
-  return start == text.npos ? "" : text.substr(start, end - start + 1);
 }
 
 /// An option that a file sets, as written there.
@@ -198,7 +171,7 @@ Result<void> add_setting(const Setting& setting, const CLI::App& app, CLI::App& 
   if (name.empty()) {  // a heading
     const std::vector<std::string> names = command_names(app);
     if (contains(names, section)) return {};
-    return error_at(place, fmt::format("there is no command '{}'{}", section, suggestion(section, names)));
+    return error_at(place, unknown_name("command", section, names).message);
   }
   if (value.empty()) return error_at(place, fmt::format("{} needs a value", name));
   // The name must be an option of the section's command or, before the first heading, of any command.
@@ -213,7 +186,7 @@ Result<void> add_setting(const Setting& setting, const CLI::App& app, CLI::App& 
           known = known || spelling == name;
         }
   }
-  if (!known) return error_at(place, fmt::format("there is no option '{}'{}", name, suggestion(name, names)));
+  if (!known) return error_at(place, unknown_name("option", name, names).message);
   if (!section.empty() && section != command.get_name()) return {};
   CLI::Option* option = command.get_option_no_throw("--" + name);
   if (!option) return {};
@@ -274,28 +247,19 @@ Result<Configured> with_config(CLI::App& app, std::vector<std::string> words) {
   return Configured{std::move(words), std::move(added)};
 }
 
-Error with_place(Error error, const std::vector<ConfigValue>& values, const std::vector<std::string>& typed) {
-  if (error.kind == ErrorKind::kInternal || error.kind == ErrorKind::kInterrupted) return error;
-  // Options after the first colon or semicolon are remedies.
-  const std::string& message = error.message;
-  const std::string problem = message.substr(0, std::min(message.find(": "), message.find("; ")));
-  const auto first = [&](const auto& matches) {
-    const auto at = std::find_if(values.begin(), values.end(), matches);
-    return at == values.end() ? nullptr : &*at;
-  };
-  // A message "--option cannot be ..." is about that option alone; others may quote a value without naming its option.
-  const bool names_one = problem.starts_with("--") && problem.find(" cannot be ") == problem.find(' ');
-  const ConfigValue* found = nullptr;
-  if (!names_one) {
-    // The wrong value is quoted last: "the look 'ao' writes no pass 'depht'".
-    const std::string last = last_quoted(problem);
-    const bool is_typed = std::any_of(typed.begin(), typed.end(), [&](const std::string& word) {
-      return quotes_value(last, word.substr(word.starts_with("--") ? word.find('=') + 1 : 0));
-    });
-    if (!is_typed) found = first([&](const ConfigValue& each) { return quotes_value(message, each.value); });
-  }
-  if (!found) found = first([&](const ConfigValue& each) { return names_option(problem, each.option); });
-  if (found) error.message = found->place + ": " + message;
+Error with_place(Error error, const std::vector<ConfigValue>& values) {
+  for (const bool any_value : {false, true})
+    for (const auto& [field, value] : error.fields) {
+      const Option* row = find_field(field);
+      // Values of --set add up, so that the wrong one may be on the command line.
+      const bool adds_up = field == "settings" && !value.empty();
+      for (const ConfigValue& each : values)
+        if ((row ? each.option == row->option : "--" + each.option == field) &&
+            (each.value == value || (any_value && !adds_up))) {
+          error.message = each.place + ": " + error.message;
+          return error;
+        }
+    }
   return error;
 }
 

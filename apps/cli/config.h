@@ -34,8 +34,8 @@ void add_config_option(CLI::App& command);
 /// Errors: kUsage, with file and line; kFile for a file of --config that cannot be read.
 Result<Configured> with_config(CLI::App& app, std::vector<std::string> words);
 
-/// Returns an error that was found after the values had been read, with file and line in front if it is about one of
-/// them and not about the words `typed` on the command line. `error` names options, not fields.
-Error with_place(Error error, const std::vector<ConfigValue>& values, const std::vector<std::string>& typed);
+/// Returns an error that was found after the values had been read, with file and line in front if one of them is to
+/// blame.
+Error with_place(Error error, const std::vector<ConfigValue>& values);
 
 }  // namespace umbrage::cli

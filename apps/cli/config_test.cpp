@@ -128,6 +128,10 @@ TEST_F(Config, ConfigurationValuesThatAreCheckedLaterNameTheLine) {
   refused(render, "passes = depth,emission", "--passes depth,emission needs a file that holds several passes");
   refused(render, "hdri-file = none.hdr", "'none.hdr' does not exist", 3);
   refused(render, "hdri-skybox = true", "--hdri-skybox needs an image");
+  refused(render + " --no-background",
+          "hdri-skybox = true\nhdri-file = sky:", "--hdri-skybox and --no-background both");
+  refused(render + " --hdri-skybox --hdri-file sky:", "no-background = true", "--hdri-skybox and --no-background both");
+  refused(render, "set = upsample.factor=4", "--set 'upsample.factor=4': upsample.factor follows from --ao-scale");
   refused(render, "camera-index = 9", "--camera-index cannot be '9'");
   refused(render, "scene-index = 9", "--scene-index cannot be '9'");
   refused(render, "half = true", "--half is for .exr files");
@@ -145,6 +149,8 @@ TEST_F(Config, ConfigurationValuesThatAreCheckedLaterNameTheLine) {
   write("right", "resolution = 9x9\nlayers = 2\nscene-index = 0\n");
   bad(render + " --config right --camera-index 0", 2, {"umbrage: --camera-index cannot be '0'"});
   bad("missing.obj -o x.png --config right", 3, {"umbrage: 'missing.obj' does not exist"});
+  write("right", "set = bitmask.slices=2\n");
+  bad(render + " --config right --set upsample.factor=4", 2, {"umbrage: --set 'upsample.factor=4'"});
   write("right", "look = studio\n");
   bad("tri.obj -o x.png --config right --passes xyzzy", 2, {"umbrage: the look 'studio' writes no pass 'xyzzy'"});
 }

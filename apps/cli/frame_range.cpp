@@ -65,16 +65,16 @@ Result<Shard> slurm_shard() {
              last = environment_integer("SLURM_ARRAY_TASK_MAX");
   const int step = environment_integer("SLURM_ARRAY_TASK_STEP").value_or(1);
   if (!id || !first || !last || step < 1 || *id < *first || *id > *last)
-    return usage_error(
-        "--shard slurm needs SLURM_ARRAY_TASK_ID, SLURM_ARRAY_TASK_MIN and SLURM_ARRAY_TASK_MAX, which Slurm sets for "
-        "tasks of an array: submit with --array, or give --shard I/N, such as 2/6");
+    return field_error("--shard", "slurm",
+                       "{} slurm needs SLURM_ARRAY_TASK_ID, SLURM_ARRAY_TASK_MIN and SLURM_ARRAY_TASK_MAX, which Slurm "
+                       "sets for tasks of an array: submit with --array, or give --shard I/N, such as 2/6");
   const int count = (*last - *first) / step + 1;
   const int tasks = environment_integer("SLURM_ARRAY_TASK_COUNT").value_or(count);
   if (tasks != count)
-    return usage_error(
-        "--shard slurm needs an array without gaps, and {} to {} has {} tasks: submit the whole array again, since "
-        "finished frames are skipped, or give --shard I/N",
-        *first, *last, tasks);
+    return field_error("--shard", "slurm",
+                       "{} slurm needs an array without gaps, and {} to {} has {} tasks: submit the whole array again, "
+                       "since finished frames are skipped, or give --shard I/N",
+                       *first, *last, tasks);
   return Shard{(*id - *first) / step, count};
 }
 
@@ -86,10 +86,10 @@ Result<std::vector<int>> parse_frames(std::string_view text) {
     const std::size_t comma = std::min(text.find(',', start), text.size());
     const auto span = parse_span(text.substr(start, comma - start));
     if (!span)
-      return usage_error("--frames cannot be '{}': it takes frames and ranges, such as 1-240, 1-240x2 or 1,3,5-9",
-                         text);
+      return field_error("--frames", text,
+                         "{} cannot be '{}': it takes frames and ranges, such as 1-240, 1-240x2 or 1,3,5-9");
     if ((long(span->last) - span->first) / span->step + long(frames.size()) >= kMaxFrames)
-      return usage_error("--frames cannot be '{}': it takes at most {} frames", text, kMaxFrames);
+      return field_error("--frames", text, "{} cannot be '{}': it takes at most {} frames", kMaxFrames);
     for (long frame = span->first; frame <= span->last; frame += span->step) frames.push_back(int(frame));
     start = comma + 1;
   }
@@ -126,7 +126,7 @@ Result<Shard> parse_shard(const std::string& text) {
   const bool has_slash = take('/', rest);
   const auto count = take_integer(rest);
   if (!index || !has_slash || !count || !rest.empty() || *index < 1 || *count < *index || *count > kMaxFrames)
-    return usage_error("--shard cannot be '{}': it takes I/N, from 1/N to N/N, such as 2/6, or slurm", text);
+    return field_error("--shard", text, "{} cannot be '{}': it takes I/N, from 1/N to N/N, such as 2/6, or slurm");
   return Shard{*index - 1, *count};
 }
 

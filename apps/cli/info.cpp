@@ -253,7 +253,7 @@ void print_text(const Scene& scene, const std::string& format) {
 
 Result<void> info(const InfoOptions& o) {
   if (has_image(o)) return print_image_info(o, o.json, o.contact_sheet);
-  if (!o.contact_sheet.empty()) return usage_error("--contact-sheet is for image files");
+  if (!o.contact_sheet.empty()) return field_error("--contact-sheet", "", "{} is for image files");
   if (o.models.empty()) return usage_error("info needs a MODEL or an image file");
   const auto import_with = import_settings(o.request);
   if (!import_with) return import_with.error();

@@ -17,24 +17,26 @@ Result<LineFile> line_file_of(const RenderOptions& o, int frames) {
   LineFile lines;
   lines.alone = is_svg(o.output);
   if (lines.alone && !o.svg.empty())
-    return usage_error("--svg '{}' writes lines beside a picture, and --output '{}' has no picture: give one of them",
-                       o.svg, o.output);
+    return field_error("--svg", o.svg,
+                       "{} '{}' writes lines beside a picture, and --output '{}' has no picture: give one of them",
+                       o.output);
   if (lines.alone && o.writes_passes())
-    return usage_error("--passes {} needs a file that holds planes, such as .exr, and '{}' holds lines alone",
-                       o.text_of("passes"), o.output);
+    return field_error("passes", o.text_of("passes"),
+                       "`{}` {} needs a file that holds planes, such as .exr, and '{}' holds lines alone", o.output);
   if (!o.svg.empty() && !is_svg(o.svg))
-    return usage_error("--svg cannot be '{}': it takes a file whose name ends in .svg", o.svg);
+    return field_error("--svg", o.svg, "{} cannot be '{}': it takes a file whose name ends in .svg");
+  const char* option = lines.alone ? "--output" : "--svg";
   lines.file = lines.alone ? o.output : o.svg;
   if (!lines) return lines;
   if (frames == 0) {
-    if (auto writable = check_writable(lines.file); !writable) return writable.error();
+    if (auto writable = check_writable(lines.file); !writable) return with_field(writable.error(), option);
     return lines;
   }
-  auto names = frame_names(lines.file, lines.alone ? "--output" : "--svg");
-  if (!names) return names.error();
+  auto names = frame_names(lines.file, option);
+  if (!names) return with_field(names.error(), option);
   lines.names = std::move(*names);
   for (const int frame : {0, frames - 1})
-    if (auto writable = check_writable(lines.names.of(frame)); !writable) return writable.error();
+    if (auto writable = check_writable(lines.names.of(frame)); !writable) return with_field(writable.error(), option);
   return lines;
 }
 

@@ -131,7 +131,7 @@ Result<void> list(const ListOptions& o) {
   else if (o.what == "formats")
     records = list_formats();
   else
-    return usage_error("there is no list '{}'{}", o.what, suggestion(o.what, kListKinds));
+    return unknown_name("list", o.what, kListKinds);
   if (!records) return records.error();
   if (o.json) {
     fmt::print("{}\n", records->dump(2));

@@ -423,8 +423,7 @@ Result<void> help(const CLI::App& app, const ManualOptions& o) {
     return {};
   }
   const Words names = command_names(app);
-  if (!contains(names, o.command))
-    return usage_error("there is no command '{}'{}", o.command, suggestion(o.command, names));
+  if (!contains(names, o.command)) return unknown_name("command", o.command, names);
   fmt::print("{}", app.get_subcommand(o.command)->help(app.get_name()));
   return {};
 }

@@ -71,7 +71,7 @@ CLI::Option* add_any_number(CLI::App& command, const std::string& name, Number& 
   option->type_name(type_of(interval));
   add_check(*option, [name, interval](const std::string& text) -> Result<void> {
     if (parse_number(text, interval)) return {};
-    return usage_error("{} cannot be '{}': it takes {}", name, text, interval.words());
+    return field_error(name, text, "{} cannot be '{}': it takes {}", interval.words());
   });
   return option;
 }

@@ -35,27 +35,29 @@ Result<double> parse_memory(std::string_view text) {
   const std::size_t unit = text.empty() ? std::string_view::npos : kUnits.find(text.back());
   const auto number = parse_number(text.substr(0, text.size() - (unit == std::string_view::npos ? 0 : 1)));
   if (!number || !(*number > 0.0))
-    return usage_error(
-        "--memory cannot be '{}': it takes a number of bytes, or a number followed by K, M, G or T, such as 6G", text);
+    return field_error(
+        "--memory", text,
+        "{} cannot be '{}': it takes a number of bytes, or a number followed by K, M, G or T, such as 6G");
   return unit == std::string_view::npos ? *number : *number * std::pow(1024.0, double(unit + 1));
 }
 
 Result<void> check_piped(const RenderOptions& o) {
   if (::isatty(STDOUT_FILENO))
     return usage_error("-o - writes a PNG to standard output, which is a terminal: redirect it to a file or a program");
-  if (o.json) return usage_error("-o - and --json cannot both write to standard output");
+  if (o.json) return with_field(usage_error("-o - and --json cannot both write to standard output"), "--json");
   return {};
 }
 
 Result<void> check_output(const RenderOptions& o, const std::string& extension) {
   if (extension != "exr" && (o.request.passes.size() > 1 || o.writes_only("all")))
-    return usage_error("--passes {} needs a file that holds several passes: write to a name that ends in .exr",
-                       o.text_of("passes"));
-  if (o.bits() != 8 && extension != "png") return usage_error("--bits is for .png files, not .{}", extension);
+    return field_error("passes", o.text_of("passes"),
+                       "`{}` {} needs a file that holds several passes: write to a name that ends in .exr");
+  if (o.bits() != 8 && extension != "png")
+    return field_error("bits", o.bits(), "`{0}` is for .png files, not .{2}", extension);
   if (auto status = check_format(o, extension); !status) return status;
   if (o.picture_quality != WriteSettings().quality && extension != "jpg" && extension != "jpeg" && extension != "webp")
-    return usage_error("--picture-quality is for .jpg and .webp files, not .{}", extension);
-  if (o.half && extension != "exr") return usage_error("--half is for .exr files, not .{}", extension);
+    return field_error("--picture-quality", o.picture_quality, "{0} is for .jpg and .webp files, not .{2}", extension);
+  if (o.half && extension != "exr") return field_error("--half", true, "{0} is for .exr files, not .{2}", extension);
   return {};
 }
 

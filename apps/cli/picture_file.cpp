@@ -31,7 +31,7 @@ void premultiply(Image& picture) {
 Result<std::string> extension_of(const std::string& file) {
   if (is_svg(file)) return std::string("svg");
   const auto format = format_of(file);
-  if (!format) return usage_error("{}; or .svg, for lines", format.error().message);
+  if (!format) return field_error("--output", file, "{2}; or .svg, for lines", format.error().message);
   return std::string((*format)->extension);
 }
 
@@ -44,12 +44,14 @@ bool holds_display_values(std::string_view extension) {
 Result<void> check_format(const RenderOptions& o, const std::string& extension) {
   constexpr int kMaxWebpSide = 16383;  // of the format
   if (extension == "webp" && std::max(o.request.width, o.request.height) > kMaxWebpSide)
-    return usage_error("`width` is too large for a .webp, which has at most {} pixels per side", kMaxWebpSide);
+    return field_error("width", "", "`{0}` is too large for a .webp, which has at most {2} pixels per side",
+                       kMaxWebpSide);
   if (extension != "jpg" && extension != "jpeg") return {};
   if (o.request.transparent)
-    return usage_error("`transparent` is for .png, .webp and .exr: a .{} has no transparency", extension);
+    return field_error("transparent", true, "`{0}` is for .png, .webp and .exr: a .{2} has no transparency", extension);
   if (o.writes_only("outline"))
-    return usage_error("lines alone are drawn on transparency, which a .{} does not have: write .png, .webp or .svg",
+    return field_error("passes", "outline",
+                       "lines alone are drawn on transparency, which a .{2} does not have: write .png, .webp or .svg",
                        extension);
   return {};
 }

@@ -52,12 +52,9 @@ Error unknown_option(const CLI::App& app, std::string word) {
   const auto names = option_names(parsed(app));
   // Compare names without dashes, which would make all long names similar.
   const bool is_long = word.starts_with(kDashes);
-  std::string hint = suggestion(is_long ? word.substr(kDashes.size()) : word, names);
-  if (!hint.starts_with(" (did"))
-    hint = "; see " + help_of(app);
-  else
-    hint.insert(hint.find('\'') + 1, kDashes);
-  return usage_error("there is no option '{}'{}", word, hint);
+  const auto near = nearest_name(is_long ? word.substr(kDashes.size()) : word, names);
+  return usage_error("there is no option '{}'{}", word,
+                     near.empty() ? "; see " + help_of(app) : did_you_mean(fmt::format("{}{}", kDashes, near)));
 }
 
 /// Converts an error of CLI11 to a message of this program.
@@ -99,9 +96,9 @@ std::optional<Error> misspelt_command(const std::vector<std::string>& words, con
   const std::string& word = words[1];
   std::error_code ignored;
   if (word.find_first_of("./:-") != std::string::npos || std::filesystem::exists(word, ignored)) return std::nullopt;
-  const std::string hint = suggestion(word, commands);
-  if (!hint.starts_with(" (did")) return std::nullopt;
-  return usage_error("there is no command and no file '{}'{}", word, hint);
+  const std::string_view near = nearest_name(word, commands);
+  if (near.empty()) return std::nullopt;
+  return usage_error("there is no command and no file '{}'{}", word, did_you_mean(near));
 }
 
 /// Returns an error if an option has an empty value. An option that is not given is no error.
@@ -205,13 +202,9 @@ int run(int argc, char** argv, const LabActions& actions, bool is_lab) {
   if (const auto error = misspelt_command(words, commands)) return report(*error);
   if (const auto error = option_without_value(words)) return report(*error);
   if (const auto error = option_as_value(app, words)) return report(*error);
-  const std::vector<std::string> typed = words;
   auto configured = with_config(app, std::move(words));
   if (!configured) return report(configured.error());
   words = std::move(configured->words);
-  const auto located = [&](const Error& error) {
-    return with_place({error.kind, with_option_names(error.message)}, configured->values, typed);
-  };
   std::reverse(words.begin(), words.end());  // the order that CLI11 expects
   try {
     app.parse(words);
@@ -227,11 +220,11 @@ int run(int argc, char** argv, const LabActions& actions, bool is_lab) {
   } catch (const CLI::ParseError& error) {
     if (argc < 2)
       return report(usage_error("name a model, such as umbrage bunny.obj -o bunny.png; see umbrage --help"));
-    return report(located(parse_error(app, error)));
+    return report(parse_error(app, error));
   }
   if (const auto error = empty_option(app)) return report(*error);
   try {
-    if (const Result<void> status = command(); !status) return report(located(status.error()));
+    if (const Result<void> status = command(); !status) return report(with_place(status.error(), configured->values));
   } catch (const std::system_error&) {
     if (!std::ferror(stdout)) throw;  // fmt::print failed to write; finish_output() reports it
   }

@@ -132,14 +132,14 @@ Result<Output> output_of(const RenderOptions& o) {
   if (piped)
     if (auto status = check_piped(o); !status) return status.error();
   if ((o.turntable == 0 || is_video(o.output)) && (!o.sequence.shard.empty() || o.sequence.overwrite))
-    return usage_error("{} is for the numbered pictures of --turntable",
-                       o.sequence.overwrite ? "--overwrite" : "--shard");
+    return field_error(o.sequence.overwrite ? "--overwrite" : "--shard", "",
+                       "{} is for the numbered pictures of --turntable");
   if (o.turntable == 0) {
     if (is_video(o.output) && !format_of(o.output))
-      return usage_error("'{}' is a video, which needs several frames: give --turntable, such as --turntable 120",
-                         o.output);
+      return field_error("--output", o.output,
+                         "'{1}' is a video, which needs several frames: give --turntable, such as --turntable 120");
     if (piped) return output;
-    if (auto writable = check_writable(o.output); !writable) return writable.error();
+    if (auto writable = check_writable(o.output); !writable) return with_field(writable.error(), "--output");
     if (const auto known = extension_of(o.output); !known) return known.error();
     return output;
   }
@@ -148,13 +148,13 @@ Result<Output> output_of(const RenderOptions& o) {
   output.is_video = is_video(o.output);
   if (output.is_video) return output;
   if (piped)
-    return usage_error("--turntable {} writes several pictures, and -o - takes one: name a file, such as turn.png",
-                       o.turntable);
+    return field_error("--turntable", o.turntable,
+                       "{} {} writes several pictures, and -o - takes one: name a file, such as turn.png");
   auto names = frame_names(o.output, "--output");
-  if (!names) return names.error();
+  if (!names) return with_field(names.error(), "--output");
   output.names = *names;
   for (const int frame : {0, output.frames - 1})
-    if (auto writable = check_writable(names->of(frame)); !writable) return writable.error();
+    if (auto writable = check_writable(names->of(frame)); !writable) return with_field(writable.error(), "--output");
   if (const auto known = extension_of(names->of(0)); !known) return known.error();
   return output;
 }
@@ -335,7 +335,7 @@ Result<RenderJob> make_job(const RenderOptions& o) {
   else
     reduce_to_passes(job.recipe, besides);
   if (o.time_s > 0.0 && (job.lines.alone || job.recipe.frames == 1))
-    return usage_error("--time averages several pictures, but {} are not averaged: leave out --time",
+    return field_error("--time", o.time_s, "{0} averages several pictures, but {2} are not averaged: leave out --time",
                        job.lines.alone ? "lines" : "these --passes");
   if (output->is_video)
     if (auto status = check_video(o.output, video_settings(o)); !status) return status.error();
@@ -370,13 +370,14 @@ Result<StripSizes> planned_strips(const RenderOptions& o, const RenderJob& job, 
     strips = plan_strips(*device, plan, job.memory);
   }
   if (!strips || strips->rows == 0) return strips;
-  const auto too_large = [&](std::string_view what, std::string_view advice) {
-    return usage_error("{} of {} x {} pixels needs more than --memory {}: {}", what, o.request.width, o.request.height,
-                       o.memory, advice);
+  const auto too_large = [&](std::string_view option, std::string_view value, std::string_view advice) {
+    return with_field(field_error(option, value, "{}{} of {} x {} pixels needs more than --memory {}: {}",
+                                  o.request.width, o.request.height, o.memory, advice),
+                      "--memory", o.memory);
   };
-  if (o.writes_only("all")) return too_large("--passes all", "name the passes, or raise --memory");
-  if (o.time_s > 0.0) return too_large("--time", "raise --memory, or lower --resolution");
-  if (job.output.is_turntable) return too_large("--turntable", "raise --memory, or lower --resolution");
+  if (o.writes_only("all")) return too_large("--passes", " all", "name the passes, or raise --memory");
+  if (o.time_s > 0.0) return too_large("--time", "", "raise --memory, or lower --resolution");
+  if (job.output.is_turntable) return too_large("--turntable", "", "raise --memory, or lower --resolution");
   return strips;
 }
 

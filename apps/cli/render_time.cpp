@@ -12,7 +12,9 @@ Result<void> choose_samples(RenderOptions& o) {
   constexpr int kMinFrames = 4;
   if (!(o.time_s > 0.0)) return {};
   if (o.request.anti_aliasing == 1)
-    return usage_error("--anti-aliasing 1 draws one picture, and --time averages several: leave out one of them");
+    return with_field(field_error("anti_aliasing", 1,
+                                  "`{}` {} draws one picture, and --time averages several: leave out one of them"),
+                      "--time");
   const auto recipe = make_recipe(o.request, kMaxStripPixels);
   if (!recipe) return recipe.error();
   if (!o.request.anti_aliasing) o.request.anti_aliasing = std::max(recipe->frames, kMinFrames);

@@ -155,7 +155,7 @@ Result<int> make_first(const Sequence& sequence, Progress& progress) {
 Result<void> check_input_remains(const fs::path& input, const std::string& output) {
   std::error_code ignored;
   if (!fs::equivalent(input, output, ignored)) return {};
-  return usage_error("--output '{}' is the input: name another file", output);
+  return field_error("--output", output, "{} '{}' is the input: name another file", output);
 }
 
 void add_sequence_options(CLI::App& command, SequenceOptions& options, bool has_frames) {

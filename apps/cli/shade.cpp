@@ -77,13 +77,12 @@ void warn_unused(const ShadeOptions& o, const Recipe& recipe, FactPrinter& print
 
 Result<void> shade_one(ShadeOptions& o, double memory) {
   if (!o.sequence.frames.empty() || !o.sequence.shard.empty())
-    return usage_error("{} is for a sequence: give an input such as shot.####.exr",
-                       !o.sequence.frames.empty() ? "--frames" : "--shard");
+    return field_error(!o.sequence.frames.empty() ? "--frames" : "--shard", "",
+                       "{} is for a sequence: give an input such as shot.####.exr");
   if (has_frame_number(o.output))
-    return usage_error(
-        "--output '{}' has a frame number, and the input has none: give an input such as shot.####.exr, or an output "
-        "such as out.png",
-        o.output);
+    return field_error("--output", o.output,
+                       "{} '{}' has a frame number, and the input has none: give an input such as shot.####.exr, or an "
+                       "output such as out.png");
   if (auto status = prepare_shading(o, o.output); !status) return status;
   if (auto status = check_inputs_remain(o.request.gbuffer, o.output); !status) return status;
   StageTimes times;
@@ -172,7 +171,7 @@ Result<void> shade_sequence(ShadeOptions& o, double memory) {
   if (o.output == kStandardOutput)
     return usage_error("-o - takes one picture, and a sequence has several: name files, such as out.####.png");
   const auto outputs = frame_names(o.output, "--output");
-  if (!outputs) return outputs.error();
+  if (!outputs) return with_field(outputs.error(), "--output");
   auto files = input_files(o.request.gbuffer);
   if (!files) return files.error();
   files->outputs = {*outputs};

@@ -73,7 +73,7 @@ Result<Chosen> chosen_passes(const ShadeOptions& o, const Recipe& recipe, const 
     if (std::none_of(available.begin(), available.end(), [&](const Available& each) { return each.name == word; })) {
       std::vector<std::string> names;
       for (const Available& each : available) names.push_back(each.name);
-      return usage_error("there is no pass '{}' in this picture{}", word, suggestion(word, names));
+      return field_error("passes", word, "there is no pass '{1}' in this picture{2}", suggestion(word, names));
     }
     if (contains(chosen.passes, word)) continue;
     chosen.passes.push_back(word);
@@ -92,7 +92,7 @@ Result<void> check_picture(const Recipe& recipe, const GBufferFile& file, const 
     return {};
   const auto made =
       std::find_if(available.begin(), available.end(), [](const Available& pass) { return pass.is_made; });
-  return usage_error("these `effects` make no picture: add the effect output{}",
+  return field_error("effects", "", "these `{0}` make no picture: add the effect output{2}",
                      made == available.end() ? "" : fmt::format(", or write what they make: `passes` {}", made->name));
 }
 
@@ -126,7 +126,8 @@ using ShadeRows = std::function<Result<void>(const TakeImageRows& take)>;
 /// Adds the planes to a copy of the input.
 Result<void> write_as_layers(const Writing& writing, const ShadeRows& shade) {
   const std::string base = writing.file.merge_base();
-  if (base.empty()) return usage_error("--merge adds layers to a copy of an .exr file, and the input is none");
+  if (base.empty())
+    return field_error("--merge", true, "{} adds layers to a copy of an .exr file, and the input is none");
   const auto header = read_header(base);
   if (!header) return header.error();
   const PictureInfo& info = writing.file.info();
@@ -134,7 +135,7 @@ Result<void> write_as_layers(const Writing& writing, const ShadeRows& shade) {
   int filled = 0;
   auto shaded = shade([&](const Image& rows) -> Result<void> {
     if (rows.width != layers.width || filled + rows.height > layers.height)
-      return usage_error("--merge needs a picture of the size of the input: leave out --reduction");
+      return field_error("reduction", "", "--merge needs a picture of the size of the input: leave out `{}`");
     for (std::size_t k = 0; k < rows.planes.size(); ++k) {
       const std::string name = merged_name(rows.names[k]);
       if (filled == 0) layers.add(name) = Plane(layers.width, layers.height);
@@ -228,12 +229,14 @@ Result<void> prepare_shading(ShadeOptions& o, const std::string& output) {
   const bool piped = output == kStandardOutput;
   if (piped)
     if (auto status = check_piped(o); !status) return status;
-  if (is_svg(output)) return usage_error("umbrage shade writes no .svg: '{}' must be a picture, such as .png", output);
+  if (is_svg(output))
+    return field_error("--output", output, "umbrage shade writes no .svg: '{1}' must be a picture, such as .png");
   if (!piped)
-    if (auto writable = check_writable(output); !writable) return writable;
+    if (auto writable = check_writable(output); !writable) return with_field(writable.error(), "--output");
   const auto extension = piped ? Result<std::string>("png") : extension_of(output);
   if (!extension) return extension.error();
-  if (o.merge && *extension != "exr") return usage_error("--merge writes an .exr file, not .{}", *extension);
+  if (o.merge && *extension != "exr")
+    return field_error("--merge", true, "{0} writes an .exr file, not .{2}", *extension);
   o.request.scene_linear = is_scene_linear(o, *extension);
   if (auto status = check_output(o, *extension); !status) return status;
   // Names of looks, techniques and settings do not depend on the files.

@@ -162,11 +162,11 @@ std::string format_of_content(std::string_view bytes) {
 Result<void> check_standard_input(const std::vector<std::string>& models, const std::string& format) {
   const auto& formats = import_formats();
   if (!format.empty() && !contains(formats, format))
-    return usage_error("--input-format cannot be '{}'{}", format, suggestion(format, formats));
+    return field_error("--input-format", format, "{} cannot be '{}'{}", suggestion(format, formats));
   const auto count = std::count(models.begin(), models.end(), "-");
   if (count > 1) return usage_error("- stands for standard input, which can be read once");
   if (count == 0 && !format.empty())
-    return usage_error("--input-format applies to a model on standard input only: name the model -");
+    return field_error("--input-format", format, "{} applies to a model on standard input only: name the model -");
   return {};
 }
 

@@ -192,7 +192,7 @@ void add_thumbnails(CLI::App& app, std::function<Result<void>()>& run) {
   format->type_name("NAME");
   add_check(*format, [](const std::string& text) -> Result<void> {
     if (holds_display_values(text)) return {};
-    return usage_error("--format cannot be '{}': it takes png, jpg or webp", text);
+    return field_error("--format", text, "{} cannot be '{}': it takes png, jpg or webp");
   });
   add_number(*command, "--picture-quality", options->picture_quality, {1, 100, NumberKind::kInteger},
              "quality of a .jpg or .webp (of a .webp, 100 is lossless)");

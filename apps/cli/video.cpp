@@ -76,17 +76,19 @@ bool is_video(const fs::path& file) { return contains(kExtensions, lowercase_ext
 Result<void> check_video(const fs::path& file, const VideoSettings& settings) {
   const std::string extension = lowercase_extension(file);
   if (extension != "gif" && (settings.width % 2 != 0 || settings.height % 2 != 0))
-    return usage_error("--resolution cannot be {},{}: width and height of a .{} must be even", settings.width,
-                       settings.height, extension);
+    return field_error("width", fmt::format("{},{}", settings.width, settings.height),
+                       "`{}` cannot be {}: width and height of a .{} must be even", extension);
   if (extension == "mp4" && settings.alpha)
-    return usage_error(
-        "--no-background cannot be used with a .mp4, which has no alpha channel; write a .webm, a .gif or pictures");
+    return field_error(
+        "transparent", true,
+        "`{}` cannot be used with a .mp4, which has no alpha channel; write a .webm, a .gif or pictures");
   if (!is_on_path(kProgram))
     return file_error(
         "'{}' cannot be written: it needs the program {}, which is not on PATH; numbered pictures, such "
         "as -o turn.png, do not need it",
         file.string(), kProgram);
-  return check_writable(file);
+  const auto writable = check_writable(file);
+  return writable ? writable : with_field(writable.error(), "--output");
 }
 
 Result<std::unique_ptr<Video>> Video::begin(const fs::path& file, const VideoSettings& settings) {

@@ -85,7 +85,7 @@ Result<void> run_view(const ViewCommand& o) {
                                        [](const view::ViewedFile& file) { return file.is_gbuffer; });
   for (const Option& row : options())
     if (row.group == "Files" && o.is_given(row.option) && !has_gbuffer)
-      return usage_error("--{} is for a G-buffer, and '{}' is a model", row.option, o.models[0]);
+      return field_error(row.field, "", "`{0}` is for a G-buffer, and '{2}' is a model", o.models[0]);
   const BlockSignals blocked;  // threads inherit it, so that wait_for_end receives all signals
   if (o.is_given("isa"))
     if (auto valid = use_isa(o.text_of("isa")); !valid) return valid.error();

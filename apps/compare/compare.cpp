@@ -32,8 +32,7 @@ Result<std::vector<const Effect*>> techniques_of(const CompareSettings& settings
   for (const std::string& name : settings.techniques) {
     if (name == "all") return all;
     const auto found = std::find(names.begin(), names.end(), name);
-    if (found == names.end())
-      return usage_error("there is no occlusion technique '{}'{}", name, suggestion(name, names));
+    if (found == names.end()) return with_field(unknown_name("occlusion technique", name, names), "occlusion", name);
     const Effect* effect = all[std::size_t(found - names.begin())];
     if (!contains(chosen, effect)) chosen.push_back(effect);
   }
@@ -57,8 +56,8 @@ Result<const Effect*> filter_of(const CompareSettings& settings) {
     if (effect->kind == EffectKind::kFilter) names.push_back(effect->name);
   names.push_back(kNoFilter);
   if (!contains(names, settings.filter))
-    return usage_error("there is no filter '{}'{}: it takes {}", settings.filter, suggestion(settings.filter, names),
-                       fmt::join(names, ", "));
+    return field_error("--filter", settings.filter, "there is no filter '{1}'{2}: it takes {3}",
+                       did_you_mean(nearest_name(settings.filter, names)), fmt::join(names, ", "));
   return find_effect(settings.filter);
 }
 
@@ -278,7 +277,7 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
   const auto length = parse_length("occlusion_radius", radius_text(run.settings));
   if (!length) return length.error();
   const auto radius = radius_in_scene("`occlusion_radius`", *length, frame->info);
-  if (!radius) return radius.error();
+  if (!radius) return with_field(radius.error(), "occlusion_radius");
 
   const auto shown = download_gbuffer(run.device, *frame);
   if (!shown) return shown.error();
@@ -337,7 +336,7 @@ Result<void> check_compare(const CompareSettings& settings) {
   if (!recipe) return recipe.error();
   if (settings.budget &&
       as<ReferenceParams>(params_of(recipe->settings, "reference")).occluders != int(Occluders::kAll))
-    return usage_error("--budget needs the whole ground truth: it takes `reference.occluders` all");
+    return field_error("--budget", true, "{} needs the whole ground truth: it takes `reference.occluders` all");
   for (const auto& [width, height] : settings.sizes) {
     Request draw = settings.draw;
     draw.width = width;

@@ -101,9 +101,11 @@ void clamp_occlusion(Image& image) {
 }
 
 Result<void> check_picture_options(const std::vector<std::string>& models, int cameras, int samples, int runs) {
-  if (!kCameras.has(cameras)) return usage_error("--cameras cannot be '{}': it takes {}", cameras, kCameras.words());
-  if (!kRuns.has(runs)) return usage_error("--runs cannot be '{}': it takes {}", runs, kRuns.words());
-  if (!kSamples.has(samples)) return usage_error("--samples cannot be '{}': it takes {}", samples, kSamples.words());
+  if (!kCameras.has(cameras))
+    return field_error("--cameras", cameras, "{} cannot be '{}': it takes {}", kCameras.words());
+  if (!kRuns.has(runs)) return field_error("--runs", runs, "{} cannot be '{}': it takes {}", kRuns.words());
+  if (!kSamples.has(samples))
+    return field_error("--samples", samples, "{} cannot be '{}': it takes {}", kSamples.words());
   for (const std::string& model : models)
     if (std::count(models.begin(), models.end(), model) > 1) return usage_error("the model '{}' is given twice", model);
   return {};

@@ -213,8 +213,8 @@ Result<Recipe> recipe_of(const TuneSettings& settings) {
 Result<const Effect*> technique_of(const Recipe& recipe) {
   const Effect* technique = find_effect(recipe.occlusion);
   if (!technique || technique->tunable.empty())
-    return usage_error("`occlusion` {} has no settings to search: name another technique, such as bitmask",
-                       recipe.occlusion);
+    return field_error("occlusion", recipe.occlusion,
+                       "`{}` {} has no settings to search: name another technique, such as bitmask");
   return technique;
 }
 
@@ -243,7 +243,7 @@ Result<void> take_pictures(Search& search, std::size_t model_index, Scene& scene
         search.device.capture(frame_scene(scene, shot.framing, settings.draw.width, settings.draw.height), *capture);
     if (!frame) return frame.error();
     const auto radius = radius_in_scene("`occlusion_radius`", *length, frame->info);
-    if (!radius) return radius.error();
+    if (!radius) return with_field(radius.error(), "occlusion_radius");
     const std::string what = fmt::format("{}, camera {}, truth", model, shot.name);
     const TraceControl control{search.device.threads(),
                                [&](double done) { return settings.progress(what, half_span * (halves + done)); }};
@@ -335,9 +335,9 @@ Result<void> check_tune(const TuneSettings& settings) {
   if (auto status = check_picture_options(settings.models, settings.cameras, settings.samples, settings.runs); !status)
     return status;
   if (!kTrials.has(settings.trials))
-    return usage_error("--trials cannot be '{}': it takes {}", settings.trials, kTrials.words());
+    return field_error("--trials", settings.trials, "{} cannot be '{}': it takes {}", kTrials.words());
   if (!kBudgetMs.has(settings.budget_ms))
-    return usage_error("--time cannot be '{:g}': it takes {}", settings.budget_ms, kBudgetMs.words());
+    return field_error("--time", settings.budget_ms, "{} cannot be '{}': it takes {}", kBudgetMs.words());
   const auto recipe = recipe_of(settings);
   if (!recipe) return recipe.error();
   if (const auto technique = technique_of(*recipe); !technique) return technique.error();

@@ -79,15 +79,15 @@ Result<BenchPlan> plan_of(const BenchOptions& o) {
   std::vector<std::string_view> names = {"capture"};
   for (const Effect* effect : effects()) names.push_back(effect->name);
   if (!o.effect.empty() && !contains(names, o.effect))
-    return usage_error("there is no effect '{}'{}", o.effect, suggestion(o.effect, names));
+    return with_field(unknown_name("effect", o.effect, names), "--effect", o.effect);
   BenchPlan plan;
   plan.scale = o.request.occlusion_scale.empty() ? "full" : o.request.occlusion_scale;
   const auto downsampling = parse_scale("occlusion_scale", plan.scale);
   if (!downsampling) return downsampling.error();
   plan.downsampling = *downsampling;
   if (plan.downsampling > 1 && !o.effect.empty() && (o.effect == "capture" || !supports_scale(*find_effect(o.effect))))
-    return usage_error("--ao-scale cannot be '{}' with --effect {}: it takes full, or a technique or filter",
-                       plan.scale, o.effect);
+    return field_error("occlusion_scale", plan.scale,
+                       "`{}` cannot be '{}' with --effect {}: it takes full, or a technique or filter", o.effect);
   for (const std::string& text : o.sizes) {
     const auto size = parse_size("width", text, kMaxPixels);
     if (!size) return size.error();

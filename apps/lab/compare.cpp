@@ -83,9 +83,10 @@ Result<void> run_compare(const CompareOptions& o) {
   nlohmann::json baseline;
   if (!o.baseline.empty()) {
     auto read = read_baseline(o.baseline);
-    if (!read) return read.error();
+    if (!read) return with_field(read.error(), "--baseline");
     baseline = std::move(*read);
-    if (auto same = check_terms(baseline, terms_of(settings), o.baseline); !same) return same;
+    if (auto same = check_terms(baseline, terms_of(settings), o.baseline); !same)
+      return with_field(same.error(), "--baseline");
   }
   auto device = device_of(o);
   if (!device) return device.error();
@@ -119,7 +120,7 @@ Result<void> run_compare(const CompareOptions& o) {
              (folder / "scores.json").string());
   if (o.baseline.empty()) return {};
   const auto check = check_baseline(baseline, scores, o.baseline);
-  if (!check) return check.error();
+  if (!check) return with_field(check.error(), "--baseline");
   for (const std::string& sentence : check->worse) fmt::print(stderr, "worse: {}\n", sentence);
   if (check->missing > 0)
     print_warning(fmt::format("{} scores of {} were not measured in this run", check->missing, o.baseline));

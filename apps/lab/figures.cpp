@@ -85,13 +85,15 @@ Result<void> run_figures(const FiguresOptions& requested) {
   if (paper == std::end(kPapers)) {
     std::vector<std::string_view> names;
     for (const Paper& p : kPapers) names.push_back(p.name);
-    return usage_error("there is no paper '{}'{}", o.paper, suggestion(o.paper, names));
+    return with_field(unknown_name("paper", o.paper, names), "--paper", o.paper);
   }
   if (o.size == 0) o.size = paper->size;
   auto device = device_of(o);
   if (!device) return device.error();
   if (paper->with_bunny && !fs::exists(o.bunny))
-    return file_error("'{}': the Stanford bunny is missing; install glmark2-data or name it with --bunny", o.bunny);
+    return with_field(
+        file_error("'{}': the Stanford bunny is missing; install glmark2-data or name it with --bunny", o.bunny),
+        "--bunny", o.bunny);
   const fs::path folder(o.output);
   if (auto writable = check_folder(folder, {"contact-sheet.png", "numbers.json", "index.md"}); !writable)
     return writable;

@@ -63,17 +63,17 @@ Result<Listening> check_listening(const std::string& host, int port) {
   int failed = 0;
   const Addresses found = resolve(host, port, AI_PASSIVE, failed);
   if (!found && host.find(':') != std::string::npos)
-    return usage_error("--host '{}' must be a name or an IPv4 address, such as 127.0.0.1", host);
-  if (!found) return usage_error("--host '{}' is not known: {}", host, ::gai_strerror(failed));
+    return field_error("--host", host, "{} '{}' must be a name or an IPv4 address, such as 127.0.0.1");
+  if (!found) return field_error("--host", host, "{} '{}' is not known: {}", ::gai_strerror(failed));
   for (const addrinfo* each = found.get(); each; each = each->ai_next) {
     failed = try_to_listen(*each);
     if (failed == 0) return description(*each);
   }
   if (failed == EADDRINUSE)
-    return usage_error("--port {} is in use on {}; choose another one, or 0 for a free one", port, host);
-  if (failed == EACCES) return usage_error("--port {} is reserved for the system; choose one from 1024", port);
-  if (failed == EADDRNOTAVAIL) return usage_error("--host '{}' is not an address of this machine", host);
-  return usage_error("--host '{}' cannot be listened at: {}", host, std::strerror(failed));
+    return field_error("--port", port, "{} {} is in use on {}; choose another one, or 0 for a free one", host);
+  if (failed == EACCES) return field_error("--port", port, "{} {} is reserved for the system; choose one from 1024");
+  if (failed == EADDRNOTAVAIL) return field_error("--host", host, "{} '{}' is not an address of this machine");
+  return field_error("--host", host, "{} '{}' cannot be listened at: {}", std::strerror(failed));
 }
 
 int socket_of(const mg_connection* connection) {

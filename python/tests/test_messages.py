@@ -48,7 +48,7 @@ class Messages(unittest.TestCase):
             (rendered(devise="cpu"), "'device'"),
             (rendered(uo="+Z"), "'up'"),
             (rendered(lok=None), "'look'"),
-            (rendered(nothing_like_it=1), r"\(available: size, camera"),
+            (rendered(nothing_like_it=1), r"\(available: model, size, look, camera"),
             (rendered(camera={"zom": 2}), r"a camera has no parameter 'zom' \(did you mean 'zoom'\?\)"),
             (rendered(camera={"sight": 2}), "available: position, focal_point"),
             (rendered(settings={"bitmask.raduis": 1}), "'radius'|'bitmask.radius'"),

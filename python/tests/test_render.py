@@ -302,8 +302,6 @@ class Lists(unittest.TestCase):
         self.assertEqual(umbrage.parameters("render")["layers"].range, (1, 16))
         self.assertIn("depth_kind", umbrage.parameters("shade"))
         self.assertIn("up", umbrage.parameters("scene"))
-        camera = {name for name in umbrage.parameters("render") if name.startswith("camera.")}
-        self.assertEqual(camera, {"camera." + name for name in umbrage.Camera.__dataclass_fields__})
         with self.assertRaises(umbrage.UsageError):
             umbrage.parameters("bitmusk")
         with warnings.catch_warnings():

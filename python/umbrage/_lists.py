@@ -2,7 +2,8 @@
 from __future__ import annotations
 
 from ctypes import byref, c_char_p, sizeof
-from typing import Any, Dict, Iterable, NamedTuple, Optional, Sequence, Tuple
+from inspect import signature
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from . import _native as native
 from ._errors import UsageError
@@ -125,26 +126,33 @@ def known_parameters(owner: str) -> Dict[str, Parameter]:
     return _KNOWN[owner]
 
 
-_RENAMED_PARAMETERS = (
-    "width",
-    "height",
-    "near_plane",
-    "far_plane",
-    "fov_deg",
-    "file",
-    "depth_file",
-    "normal_file",
-    "albedo_file",
-    "beauty_file",
-    "position_file",
-    "id_file",
-)  # these have other names in this package
+# The keyword of each parameter of the library that has another name in this package; `file` is the first argument.
+KEYWORDS = {
+    "width": "size",
+    "height": "size",
+    "file": "",
+    "depth_file": "depth",
+    "normal_file": "normal",
+    "albedo_file": "albedo",
+    "beauty_file": "beauty",
+    "position_file": "position",
+    "id_file": "object_id",
+    "near_plane": "near",
+    "far_plane": "far",
+    "fov_deg": "fov",
+}
 
 
-def check_keywords(given: Iterable[str], owner: str, arguments: Sequence[str]) -> None:
+def keywords_of(function: Callable[..., Any]) -> List[str]:
+    """Returns the keywords that the signature of a function names."""
+    named = signature(function).parameters.values()
+    return [each.name for each in named if each.kind in (each.POSITIONAL_OR_KEYWORD, each.KEYWORD_ONLY)]
+
+
+def check_keywords(given: Iterable[str], owner: str, arguments: Iterable[str]) -> None:
     """Checks that keywords are parameters of the owner. `arguments`: other names to suggest. Errors: UsageError."""
     for name in given:
         known = known_parameters(owner)
-        if name not in known and name not in _RENAMED_PARAMETERS and "." not in name:  # the library checks those of effects
-            names = [*arguments, *(each for each in known if "." not in each and each not in _RENAMED_PARAMETERS)]
+        if name not in known and name not in KEYWORDS and "." not in name:  # the library checks those of effects
+            names = [*arguments, *(each for each in known if "." not in each and each not in KEYWORDS)]
             raise UsageError(f"there is no parameter '{name}'{suggestion(name, names)}")

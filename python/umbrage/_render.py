@@ -7,14 +7,11 @@ from typing import Any, Mapping, Optional, Sequence, Tuple, Union
 from . import _native as native
 from ._errors import UsageError
 from ._job import Job, Where, checked_dtype, shared_bar, requested_outputs
-from ._lists import check_keywords
+from ._lists import check_keywords, keywords_of, known_parameters
 from ._picture import Picture
 from ._progress import Progress, check_progress
-from ._scene import SCENE_PARAMETERS, Scene
+from ._scene import Scene
 from ._suggest import shown
-
-_PICTURE_ARGUMENTS = ("size", "camera", "passes", "dtype", "out", "progress", "settings")
-_RENDERER_ARGUMENTS = ("look", "quality", "device", "threads")
 
 
 class Renderer(Job):
@@ -52,10 +49,9 @@ class Renderer(Job):
     ) -> None:
         """Arguments and errors are those of umbrage.render. Arguments that describe a picture become the defaults of
         the method `render`."""
-        of_pictures = [name for name in parameters if name not in SCENE_PARAMETERS]
-        check_keywords(of_pictures, "render", _PICTURE_ARGUMENTS + _RENDERER_ARGUMENTS + SCENE_PARAMETERS)
+        of_scene = {name: parameters.pop(name) for name in known_parameters("scene") if name in parameters}
+        check_keywords(parameters, "render", [*keywords_of(render), *known_parameters("scene")])
         check_progress(progress)
-        of_scene = {name: parameters.pop(name) for name in list(parameters) if name in SCENE_PARAMETERS}
         if isinstance(model, Scene) and of_scene:
             raise UsageError(f"`{next(iter(of_scene))}` is a parameter of the scene: set it by Scene.set before adding models")
         is_read = isinstance(model, (str, os.PathLike))
@@ -98,9 +94,9 @@ class Renderer(Job):
         then unchanged.
         """
         for name in parameters:
-            if name in ("device", "threads") + SCENE_PARAMETERS:
+            if name in ("device", "threads", *known_parameters("scene")):
                 raise UsageError(f"`{name}` cannot be changed: set it when creating the Renderer")
-        check_keywords(parameters, "render", _PICTURE_ARGUMENTS + _RENDERER_ARGUMENTS)
+        check_keywords(parameters, "render", keywords_of(render))
         check_progress(progress)
         self._used_scene().check_filled()
         with self._exclusive(), self._used_scene().reading(), self._rolled_back_on_error():

@@ -13,6 +13,7 @@ from . import _native as native
 from ._arrays import as_array
 from ._errors import UmbrageWarning, UsageError
 from ._foreign import is_model, meshes_of
+from ._lists import keywords_of, known_parameters
 from ._mesh import Mesh, fill_mesh, mesh_of, new_mesh, remove_mesh
 from ._progress import Progress, Watch, check_progress
 from ._suggest import shown, suggestion
@@ -21,32 +22,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ._picture import Picture
-
-SCENE_PARAMETERS = (
-    "up",
-    "crease_angle_deg",
-    "point_size",
-    "point_sprites",
-    "scene_index",
-    "animation_index",
-    "animation_time",
-    "lights",
-)
-_MESH_ARGUMENTS = (
-    "colors",
-    "normals",
-    "uv",
-    "radii",
-    "name",
-    "albedo",
-    "emission",
-    "specular",
-    "shininess",
-    "texture",
-    "emission_texture",
-    "alpha_cutoff",
-    "instances",
-)
 
 
 def issue_warnings(texts: List[bytes], depth: int = 4) -> None:
@@ -91,7 +66,8 @@ class Scene:
         Errors: UsageError.
         """
         mesh = dict(parameters, faces=faces, colors=colors, normals=normals, uv=uv)
-        known = ("vertices", "faces") + SCENE_PARAMETERS + _MESH_ARGUMENTS
+        of_scene = known_parameters("scene")
+        known = ("vertices", "faces", "up", *of_scene, *keywords_of(self.add_mesh))
         for name in mesh:
             if name not in known:
                 raise UsageError(f"a Scene has no argument '{name}'{suggestion(name, known)}")
@@ -102,10 +78,10 @@ class Scene:
         self._is_changing = False
         self._is_empty = True
         self.set("up", up)
-        for name in SCENE_PARAMETERS:
+        for name in of_scene:
             if mesh.get(name) is not None:
                 self.set(name, mesh[name])
-        given = {name: value for name, value in mesh.items() if value is not None and name not in SCENE_PARAMETERS}
+        given = {name: value for name, value in mesh.items() if value is not None and name not in of_scene}
         if isinstance(vertices, (str, os.PathLike)) or is_model(vertices):
             if given:
                 raise UsageError(f"`{next(iter(given))}` is for arrays: {shown(vertices)} is a complete model")
@@ -337,6 +313,6 @@ class Scene:
 def _of_scenes(parameters: Dict[str, Any]) -> Dict[str, Any]:
     """Checks that all names are parameters of a scene. Errors: UsageError."""
     for name in parameters:
-        if name not in SCENE_PARAMETERS:
-            raise UsageError(f"a scene has no parameter '{name}'{suggestion(name, SCENE_PARAMETERS)}")
+        if name not in known_parameters("scene"):
+            raise UsageError(f"a scene has no parameter '{name}'{suggestion(name, known_parameters('scene'))}")
     return parameters

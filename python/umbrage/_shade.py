@@ -10,28 +10,13 @@ from . import _native as native
 from ._arrays import image_array, image_of, share_memory, type_number
 from ._errors import UsageError
 from ._job import Job, checked_dtype, requested_outputs
-from ._lists import check_keywords
+from ._lists import KEYWORDS, check_keywords, keywords_of
 from ._picture import Picture
 from ._progress import Progress, check_progress
 from ._suggest import shown
 
-_ARGUMENTS = ("depth", "normal", "albedo", "beauty", "position", "object_id", "images", "fov", "window", "orthographic",
-              "depth_kind", "near", "far", "look", "effects", "passes", "quality", "settings", "dtype", "out", "device",
-              "threads", "progress")
-_FILE_PARAMETERS = {  # the parameter of the library for each input that can be a file
-    "depth": "depth_file",
-    "normal": "normal_file",
-    "albedo": "albedo_file",
-    "beauty": "beauty_file",
-    "position": "position_file",
-    "object_id": "id_file",
-}
-_OTHER_NAMES = {
-    "near_plane": "near",
-    "far_plane": "far",
-    "fov_deg": "fov",
-    **{parameter: name for name, parameter in _FILE_PARAMETERS.items()},
-}
+# The parameter of the library for each input that can be a file.
+_FILE_PARAMETERS = {keyword: name for name, keyword in KEYWORDS.items() if name.endswith("_file")}
 Path = Union[str, "os.PathLike[str]"]
 
 
@@ -120,9 +105,9 @@ class Shader(Job):
         if "file" in parameters:
             raise UsageError("`file` cannot be set: it is the first argument of shade")
         for name in parameters:
-            if name in _OTHER_NAMES:
-                raise UsageError(f"there is no parameter '{name}' (did you mean '{_OTHER_NAMES[name]}'?)")
-        check_keywords(parameters, "shade", _ARGUMENTS)
+            if name in KEYWORDS and name not in ("width", "height"):
+                raise UsageError(f"there is no parameter '{name}' (did you mean '{KEYWORDS[name]}'?)")
+        check_keywords(parameters, "shade", keywords_of(shade))
         check_progress(progress)
         super().__init__(device, threads, None)
         if fov is not None and window is not None:

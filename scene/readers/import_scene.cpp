@@ -222,7 +222,7 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
 Result<void> check_scene_index(const ImportSettings& settings, const std::string& name, std::size_t count) {
   if (!settings.scene_index) return {};
   if (*settings.scene_index >= 0 && std::size_t(*settings.scene_index) < count) return {};
-  return usage_error("`scene_index` cannot be '{}': '{}' has {}", *settings.scene_index, name,
+  return field_error("scene_index", *settings.scene_index, "`{}` cannot be '{}': '{}' has {}", name,
                      count == 1   ? "one scene, 0"
                      : count == 2 ? "two scenes, 0 and 1"
                                   : fmt::format("{} scenes, 0 to {}", count, count - 1));
@@ -232,8 +232,10 @@ Result<void> check_animation_index(const ImportSettings& settings, const std::st
   if (!settings.animation_index) return {};
   if (*settings.animation_index >= 0 && std::size_t(*settings.animation_index) < count) return {};
   if (count == 0)
-    return usage_error("'{}' has no animation that is read; omit `animation_index` and `animation_time`", name);
-  return usage_error("`animation_index` cannot be '{}': '{}' has {}", *settings.animation_index, name,
+    return with_field(field_error("animation_index", *settings.animation_index,
+                                  "'{2}' has no animation that is read; omit `{0}` and `animation_time`", name),
+                      "animation_time");
+  return field_error("animation_index", *settings.animation_index, "`{}` cannot be '{}': '{}' has {}", name,
                      count == 1   ? "one animation, 0"
                      : count == 2 ? "two animations, 0 and 1"
                                   : fmt::format("{} animations, 0 to {}", count, count - 1));

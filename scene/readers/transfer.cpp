@@ -70,9 +70,14 @@ void list_fields(Archive& archive, Panorama& panorama) {
   archive(name, width, height, rgb);
 }
 template <class Archive>
+void list_fields(Archive& archive, FieldValue& set) {
+  auto& [field, value] = set;
+  archive(field, value);
+}
+template <class Archive>
 void list_fields(Archive& archive, Error& error) {
-  auto& [kind, message] = error;
-  archive(kind, message);
+  auto& [kind, message, fields] = error;
+  archive(kind, message, fields);
 }
 
 /// Whether values of type T are written as they are in memory: numbers and glm vectors.
