@@ -44,7 +44,10 @@ Margin around(const Margin& computed, const Margin& read, int multiple) {
 /// The passes of a run.
 class Passes {
  public:
-  Passes(const LookRun& run, const PictureInfo& info, std::span<const EffectStep> before) : run_(run), info_(info) {
+  /// `given`: the planes that the frame has at first; empty: all.
+  Passes(const LookRun& run, const PictureInfo& info, std::span<const EffectStep> before,
+         std::optional<std::span<const std::string>> given)
+      : run_(run), info_(info), given_(given) {
     plane("", 1);  // kComputed
     for (const EffectStep& step : before) add_effect({.effect = step.effect, .layer = step.layer}, step.params);
     const Program program = compile(run, 1 + int(info.more_layers.size()), &info);
@@ -62,6 +65,7 @@ class Passes {
       if (computed.rows < 0) continue;
       needed[kComputed] = larger(needed[kComputed], computed);
       for (const Pass::Read& read : pass.reads) {
+        if (!exists(read.from)) continue;
         const bool is_given = read.from.pass < 0;  // rows of it are there, too
         if (contains(wholes, read.from) && (!is_given || read.margin.rows >= kAnywhere)) continue;
         Margin& of_input = needed[std::size_t(read.from.plane)];
@@ -71,14 +75,14 @@ class Passes {
     return needed;
   }
 
-  StripNeeds of_strips(const Margins& after, std::span<const std::string> given) {
+  StripNeeds of_strips(const Margins& after) {
     const std::vector<Margin> at_end = by_plane(after);
     StripNeeds needs;
     std::vector<Written> wholes;
     for (std::size_t k = 0; k < passes_.size(); ++k) {
       std::vector<Written> gathered;
       for (const Pass::Read& read : passes_[k].reads)
-        if (read.margin.rows >= kAnywhere && !contains(wholes, read.from) && exists(read.from, given))
+        if (read.margin.rows >= kAnywhere && !contains(wholes, read.from) && exists(read.from))
           gathered.push_back(read.from);
       if (!gathered.empty()) {
         std::vector<Margin> needed(planes_.size(), kNotNeeded);
@@ -103,10 +107,10 @@ class Passes {
 
  private:
   /// Returns whether a plane is not neutral.
-  bool exists(const Written& written, std::span<const std::string> given) const {
-    if (written.pass < 0) return contains(given, planes_[std::size_t(written.plane)].first);
+  bool exists(const Written& written) const {
+    if (written.pass < 0) return !given_ || contains(*given_, planes_[std::size_t(written.plane)].first);
     const Pass& pass = passes_[std::size_t(written.pass)];
-    return !pass.is_copy || exists(pass.reads[0].from, given);
+    return !pass.is_copy || exists(pass.reads[0].from);
   }
 
   /// Returns the index of a plane at a resolution.
@@ -197,6 +201,7 @@ class Passes {
 
   const LookRun& run_;
   const PictureInfo& info_;
+  const std::optional<std::span<const std::string>> given_;
   std::vector<std::pair<std::string, int>> planes_;  // name, downsampling factor
   std::vector<int> writers_;                         // of each plane so far
   std::vector<Pass> passes_;
@@ -206,12 +211,12 @@ class Passes {
 
 Margins margins_before(const LookRun& run, const PictureInfo& info, std::span<const EffectStep> before,
                        const Margins& after) {
-  return Passes(run, info, before).before_all(after);
+  return Passes(run, info, before, {}).before_all(after);
 }
 
 StripNeeds needs_of_strips(const LookRun& run, const PictureInfo& info, std::span<const EffectStep> before,
                            std::span<const std::string> given, const Margins& after) {
-  return Passes(run, info, before).of_strips(after, given);
+  return Passes(run, info, before, given).of_strips(after);
 }
 
 }  // namespace umbrage

@@ -45,7 +45,7 @@ Result<SequenceStart> shade_strips(Device& device, const GBufferFile& file, cons
   const auto recipe = complete_shading(requested, info);
   if (!recipe) return recipe.error();
   StripSource source = source_of(file, *recipe, info);
-  source.make_frame = [&, before = source.before](const Strip& strip, const ProgressMonitor&) -> Result<Frame> {
+  source.make_frame = [&, before = source.before](const Strip& strip, const ProgressMonitor& of_step) -> Result<Frame> {
     auto read = file.rows(rows_with_margin(strip, info.height));
     if (!read) return read.error();
     times.done("read");
@@ -54,7 +54,7 @@ Result<SequenceStart> shade_strips(Device& device, const GBufferFile& file, cons
     auto frame = device.upload(std::move(gbuffer), &strip);
     if (!frame) return frame;
     for (const EffectStep& step : before)
-      if (auto status = device.run(*step.effect, step.params, *frame, {}, monitor); !status) return status.error();
+      if (auto status = device.run(*step.effect, step.params, *frame, {}, of_step); !status) return status.error();
     times.done("upload");
     return frame;
   };

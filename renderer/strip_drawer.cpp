@@ -39,14 +39,18 @@ int margin_of(const StripSource& source, const StripNeeds& needs) {
 Result<StripSizes> plan_strips(const Device& device, const StripSource& source, const SumPlanes& sum, double memory) {
   constexpr double kFixed = 60e6;               // the program and a scene of 100 000 triangles, bytes
   constexpr int kMinRows = 64, kMaxRows = 512;  // rows of a strip
-  constexpr double kPartOfFurther = 1.0 / 8.0;
+  constexpr double kPartOfMarked = 1.0 / 8.0;
   const PictureInfo& info = source.info;
   const LivePlanes live = live_planes(source.run, info, source.given.names);
   const double plane = plane_bytes(info.width, info.height), row = plane / info.height;
-  const double further = sum.further ? live.max * kPartOfFurther : 0.0;
-  const double drawing = std::max(live.max, live.at_end + sum.added + further);
+  /// Returns the planes of `own` rows, drawn in a frame of `all` rows of which further samples have a part.
+  const auto rows_of_planes = [&](double stored, double all, double own, double part) {
+    const double marked = sum.marked > 0.0 ? sum.marked * own + live.max * part : 0.0;
+    return std::max(stored * all, live.at_end * all + std::max(sum.finished * own, marked));
+  };
+  const double height = info.height, drawing = rows_of_planes(live.max, height, height, height * kPartOfMarked);
   const int layers = 1 + int(info.more_layers.size());
-  StripSizes whole{.bytes = kFixed + plane * (sum.held + drawing)};
+  StripSizes whole{.bytes = kFixed + plane * sum.held + row * drawing};
   const bool fits = double(info.width) * info.height * layers <= double(kMaxPixels);
   whole.exceeds = device.draws_strips() && whole.bytes > memory;
   if (fits && whole.bytes <= memory) return whole;
@@ -67,10 +71,8 @@ Result<StripSizes> plan_strips(const Device& device, const StripSource& source, 
   const double margins = 2.0 * margin_of(source, needs);
   const double fixed = kFixed + plane * (needs.whole_planes + sum.held);
   const auto bytes = [&](int rows) {
-    const double with_margins = std::min(rows + margins, double(info.height));
-    const double of_further = sum.further ? live.max * std::min(rows, info.height) : 0.0;
-    return fixed + row * std::max((live.max - needs.not_stored) * with_margins,
-                                  (live.at_end + sum.added) * with_margins + of_further);
+    const double own = std::min(rows, info.height);
+    return fixed + row * rows_of_planes(live.max - needs.not_stored, std::min(own + margins, height), own, own);
   };
   StripSizes strips{.rows = kMinRows};
   while (strips.rows < kMaxRows && bytes(strips.rows + kMinRows) <= memory) strips.rows += kMinRows;

@@ -61,9 +61,10 @@ struct StripSizes {
 
 /// The memory of several pictures that are averaged, in planes.
 struct SumPlanes {
-  double held = 0.0;     ///< of the whole picture, while each picture is drawn, also in strips
-  double added = 0.0;    ///< while a drawn picture is added, or the sum is finished; in strips, of a strip
-  bool further = false;  ///< beside the first sample, frames of further ones are drawn, of an eighth of the picture
+  double held = 0.0;      ///< of the whole picture, while each picture is drawn, also in strips
+  double finished = 0.0;  ///< while a drawn picture is added, or the sum is finished
+  /// While marked samples are drawn, an eighth of the picture at a time, beside the first one; 0: there are none.
+  double marked = 0.0;
 };
 
 /// Plans a picture for about `memory` bytes: whole if they suffice and it has at most kMaxPixels pixels, else in

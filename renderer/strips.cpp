@@ -126,11 +126,17 @@ Result<PictureSum> sum_of_strip(Device& device, const Plan& plan, float stops, c
 }  // namespace
 
 Result<StripSizes> plan_strips(const Device& device, const Plan& plan, double memory) {
-  constexpr double kForAverage = 8.0;  // the finished picture and its inputs, besides those of lines
-  SumPlanes sum{.further = plan.marked};
-  const double averaged = double(averaged_planes(plan).size());
-  if (plan.averages()) sum.added = averaged + kForAverage + double(line_planes(plan).size());
-  (plan.marked ? sum.added : sum.held) += plan.averages() ? averaged : 0.0;
+  constexpr double kForPicture = 8.0;  // the finished picture and its inputs, besides those of lines
+  constexpr double kMasks = 2.0;
+  SumPlanes sum;
+  if (plan.averages()) {
+    const double averaged = double(averaged_planes(plan).size());
+    sum.finished = averaged + kForPicture + double(line_planes(plan).size());
+    if (plan.marked)
+      sum.marked = averaged + kMasks;
+    else
+      sum.held = averaged;
+  }
   return plan_strips(device, source_of(plan), sum, memory);
 }
 
