@@ -73,6 +73,11 @@ PictureInfo reduced_info(const PictureInfo& whole, int factor) {
   return out;
 }
 
+std::string pass_of(std::string_view plane) {
+  const bool channel = plane.size() > 2 && plane[plane.size() - 2] == '.';
+  return std::string(channel ? plane.substr(0, plane.size() - 2) : plane);
+}
+
 std::string reduced_plane(std::string_view name) { return "reduced_" + std::string(name); }
 std::string first_plane(std::string_view name) { return "first_" + std::string(name); }
 

@@ -104,6 +104,9 @@ int reduced_side(int whole, int factor);
 /// Its size is rounded up. It has no guard band: that of `whole` becomes part of the picture.
 PictureInfo reduced_info(const PictureInfo& whole, int factor);
 
+/// Returns the pass of a plane: `normal` for normal.x, `layer1.depth` for itself.
+std::string pass_of(std::string_view plane);
+
 /// Returns the name of a reduced-resolution plane that lies in the upper left corner of a picture at full resolution:
 /// `reduced_ao`.
 std::string reduced_plane(std::string_view name);

@@ -58,9 +58,8 @@ std::optional<float> neutral_value(std::string_view plane) {
     return has;
   };
   const auto value_of = [&](std::string_view name) -> std::optional<float> {
-    if (const auto found = values.find(name); found != values.end()) return found->second;
-    const bool channel = name.size() > 2 && name[name.size() - 2] == '.';
-    const auto found = channel ? values.find(name.substr(0, name.size() - 2)) : values.end();
+    auto found = values.find(name);
+    if (found == values.end()) found = values.find(pass_of(name));
     return found != values.end() ? std::optional(found->second) : std::nullopt;
   };
   without(reduced_plane(""));

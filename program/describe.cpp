@@ -10,10 +10,8 @@ namespace {
 /// Returns the passes of planes, each once: "depth, normal, layer1.depth".
 std::string passes_of(const Program& program, std::span<const int> planes) {
   std::vector<std::string> passes;
-  for (std::string name : program.names_of(planes)) {
-    if (name.size() > 2 && name[name.size() - 2] == '.') name.resize(name.size() - 2);
-    if (!contains(passes, name)) passes.push_back(name);
-  }
+  for (const std::string& plane : program.names_of(planes))
+    if (const std::string name = pass_of(plane); !contains(passes, name)) passes.push_back(name);
   return fmt::format("{}", fmt::join(passes, ", "));
 }
 

@@ -22,7 +22,7 @@ Recipe recipe_of(const Look& look, const std::string& quality = "", const std::s
                         .occlusion = scale.empty() ? "" : "bitmask",
                         .quality = quality,
                         .occlusion_scale = scale};
-  auto recipe = look.needs_beauty ? make_shading_recipe(request) : make_recipe(request);
+  auto recipe = make_recipe_of_look(request);
   if (!recipe) fail_check(recipe.error().message);
   reduce_to_passes(*recipe);
   return *recipe;

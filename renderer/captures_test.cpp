@@ -24,8 +24,9 @@ struct Case {
 /// A scene completed for a look, by default with a ground, and a device that is prepared with it.
 class PreparedScene {
  public:
-  PreparedScene(Device& device, const std::string& look, Ground ground = Ground::kOn)
+  PreparedScene(Device& device, const std::string& look, Ground ground = Ground::kOn, bool blended = false)
       : device_(device), scene_(*load_scene("scene:solids?detail=2000")) {
+    if (blended) scene_.materials[1].blended = true, scene_.materials[1].opacity = 0.4f;
     Recipe recipe = recipe_of({look, {}});
     recipe.ground = ground;
     complete_scene(scene_, recipe);
@@ -71,9 +72,10 @@ void expect_same(const Image& a, const Image& b) {
 }
 
 void expect_captures_are_reusable(Device& device, const std::string& look, int frames, const std::string& scale,
-                                  int height = 45) {
+                                  int height = 45, bool blended = false) {
   SCOPED_TRACE(look + " " + std::to_string(frames) + " " + scale);
-  PreparedScene prepared(device, look);
+  PreparedScene prepared(device, look, Ground::kOn, blended);
+  EXPECT_EQ(prepared.plan_of({look, {}, frames, scale, height}).has_blended, blended);
   const std::vector<Case> cases = {{look, {}, frames, scale, height},
                                    {look, {"output.exposure=1", "traced.falloff=linear"}, frames, scale, height},
                                    {look, {"outline.opacity=0.5", "composite.damping=0.3"}, frames, scale, height},
@@ -97,6 +99,7 @@ TEST(Captures, AreReusableForOtherEffectsOnTheCpu) {
   for (const char* look : {"studio", "bleeding", "cartoon", "lit"})
     expect_captures_are_reusable(*device, look, 1, "full", 150);
   expect_captures_are_reusable(*device, "studio", 3, "full", 150);
+  expect_captures_are_reusable(*device, "studio", 3, "full", 150, true);
   expect_captures_are_reusable(*device, "studio", 1, "half", 150);
 }
 

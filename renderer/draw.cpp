@@ -356,8 +356,12 @@ Result<Captures> capture(Device& device, const Plan& plan, StageTimes& times, co
 }
 
 bool same_captures(const Plan& a, const Plan& b) {
-  return a.camera == b.camera && a.capture == b.capture && a.recipe.frames == b.recipe.frames &&
-         a.has_blended == b.has_blended && a.marked == b.marked && a.has_ground == b.has_ground;
+  const auto marking = [](const Plan& plan) {
+    return plan.marked ? marking_step(plan, plan.info).params : ParameterBytes();
+  };
+  return marking(a) == marking(b) && a.camera == b.camera && a.capture == b.capture &&
+         a.recipe.frames == b.recipe.frames && a.has_blended == b.has_blended && a.marked == b.marked &&
+         a.has_ground == b.has_ground;
 }
 
 Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan, const Captures& captures,

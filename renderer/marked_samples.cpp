@@ -186,7 +186,7 @@ Result<void> add_front(Device& device, Plan plan, bool in_strips, const GetFrame
   strip.rows = rows_of(read, first.rows);
   if (strip.rows.count() <= 0) return {};
   if (in_strips) plan.capture.strip = strip;
-  if (std::max(reach.rows, reach.columns) < kAnywhere)
+  if (in_strips && std::max(reach.rows, reach.columns) < kAnywhere)
     plan.capture.mask = std::make_shared<PixelMask>(PixelMask{grown(opacity->plane, reach), opacity->first_row});
   auto frame = capture_first(device, plan, camera, get, monitor);
   if (!frame) return frame.error();

@@ -48,7 +48,8 @@ void add_margins_for_further(const Plan& plan, const PictureInfo& info, Margins&
 Result<Frame> capture_first(Device& device, const Plan& plan, const Camera& camera, const GetFrame& get,
                             const ProgressMonitor& monitor);
 /// Completes the first sample: captures its blended surfaces and runs the look on them. `behind`: as capture_first
-/// returned it; the look may have run on it. `in_strips`: `get` can return strips.
+/// returned it; the look may have run on it. `in_strips`: `get` captures anew, and can return strips. Earlier captures
+/// have all pixels of blended surfaces, since settings that have changed since may reach farther.
 Result<FirstSample> complete_first(Device& device, const Plan& plan, Frame behind, bool in_strips, const GetFrame& get,
                                    const Shade& shade, const ProgressMonitor& monitor);
 /// Returns a sum that begins with the drawn first sample.

@@ -75,11 +75,6 @@ std::vector<std::string> averaged_passes(const std::vector<std::string>& words) 
 
 }  // namespace
 
-std::string pass_of(std::string_view plane) {
-  const bool channel = plane.size() > 2 && plane[plane.size() - 2] == '.';
-  return std::string(channel ? plane.substr(0, plane.size() - 2) : plane);
-}
-
 std::vector<PassPlanes> grouped_planes(std::span<const std::string> planes) {
   std::vector<PassPlanes> groups;
   for (const std::string& plane : planes) {
@@ -226,7 +221,7 @@ Error unknown_pass_error(const std::string& word, std::vector<std::string> names
 
 std::vector<PassEntry> passes_of_look(const Look& look) {
   const Request request{.look = std::string(look.name)};
-  const auto recipe = look.needs_beauty ? make_shading_recipe(request) : make_recipe(request);
+  const auto recipe = make_recipe_of_look(request);
   if (!recipe) fail_check(recipe.error().message);
   std::vector<PassEntry> entries;
   for (const std::string& name : passes_of(*recipe))
@@ -280,46 +275,6 @@ Result<void> apply_passes(const Request& request, Recipe& recipe) {
   }
   if (words.size() > 1 && contains(words, kAll))
     return field_error("passes", kAll, "`{}` {} must be the only name: it selects every pass");
-  return {};
-}
-
-namespace {
-
-/// Passes that are captured only if a material needs them, and what every material lacks where there is none.
-constexpr std::pair<std::string_view, std::string_view> kPassesOfMaterials[] = {
-    {"emission", "emits light"},
-    {"metallic", "has a roughness"},
-    {"roughness", "has a roughness"},
-    {"material_ao", "has an occlusion map"}};
-
-/// Returns the error for a pass that a capture lacks.
-Error missing_pass_error(const std::string& word, std::span<const std::string> captured) {
-  for (const auto& [pass, reason] : kPassesOfMaterials)
-    if (name_on_first_layer(word) == pass)
-      return usage_error("there is no pass '{}' in this picture: no material {}; leave it out of `passes`", word,
-                         reason);
-  std::vector<std::string> shadows;
-  for (const std::string& plane : captured)
-    if (is_shadow_plane(plane)) shadows.push_back(layer_plane(layer_of_plane(word), plane));
-  return usage_error("there is no pass '{}' in this picture: its lights cast fewer shadows; `passes` takes {}", word,
-                     fmt::join(shadows, ", "));
-}
-
-}  // namespace
-
-Result<void> check_captured(const Recipe& recipe, std::span<const std::string> captured) {
-  const auto depends_on_scene = [](std::string_view pass) {
-    return is_shadow_plane(pass) || std::any_of(std::begin(kPassesOfMaterials), std::end(kPassesOfMaterials),
-                                                [&](const auto& each) { return each.first == pass; });
-  };
-  std::set<std::string> produced;
-  const int layers = *layer_count(recipe.capture);
-  for (const std::string& plane : planes_read(compile(look_run(recipe), layers))) produced.insert(pass_of(plane));
-  for (int layer = 0; layer < layers; ++layer)
-    for (const std::string& plane : captured) produced.insert(layer_plane(layer, pass_of(plane)));
-  for (const std::string& word : recipe.passes)
-    if (depends_on_scene(name_on_first_layer(word)) && !produced.contains(word))
-      return missing_pass_error(word, captured);
   return {};
 }
 

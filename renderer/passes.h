@@ -9,9 +9,6 @@
 
 namespace umbrage {
 
-/// Returns the pass of a plane: `normal` for normal.x, `layer1.depth` for itself.
-std::string pass_of(std::string_view plane);
-
 /// A pass and its planes.
 struct PassPlanes {
   std::string name;
@@ -46,10 +43,6 @@ void enable_passes(const Request& request, Recipe& recipe);
 /// Checks the passes of a request against the passes that the recipe produces, stores them in the recipe, and enables
 /// the shadow rays and averages that they need. `all` selects every pass and must be the only name. Errors: kUsage.
 Result<void> apply_passes(const Request& request, Recipe& recipe);
-
-/// Checks the passes of a recipe against `captured`, the planes that its capture contains in each layer. These depend
-/// on the scene. Errors: kUsage.
-Result<void> check_captured(const Recipe& recipe, std::span<const std::string> captured);
 
 /// Returns whether a needed plane is a mean of samples. Lines that are curves are not: they come from sample 0.
 bool averages_something(const Recipe& recipe);

@@ -149,6 +149,40 @@ void separate_lines(Plan& plan) {
   plan.lines = take_lines(steps, settings);
 }
 
+/// Passes that are captured only if a material needs them, and what every material lacks where there is none.
+constexpr std::pair<std::string_view, std::string_view> kPassesOfMaterials[] = {
+    {"emission", "emits light"},
+    {"metallic", "has a roughness"},
+    {"roughness", "has a roughness"},
+    {"material_ao", "has an occlusion map"}};
+
+/// Returns the error for a pass that a capture lacks.
+Error missing_pass_error(const std::string& word, std::span<const std::string> given) {
+  for (const auto& [pass, reason] : kPassesOfMaterials)
+    if (name_on_first_layer(word) == pass)
+      return usage_error("there is no pass '{}' in this picture: no material {}; leave it out of `passes`", word,
+                         reason);
+  std::vector<std::string> shadows;
+  for (const std::string& plane : given)
+    if (is_shadow_plane(plane)) shadows.push_back(layer_plane(layer_of_plane(word), plane));
+  return usage_error("there is no pass '{}' in this picture: its lights cast fewer shadows; `passes` takes {}", word,
+                     fmt::join(shadows, ", "));
+}
+
+/// Checks the passes that depend on the scene. Errors: kUsage.
+Result<void> check_passes(const Plan& plan) {
+  const auto depends_on_scene = [](std::string_view pass) {
+    return is_shadow_plane(pass) || std::any_of(std::begin(kPassesOfMaterials), std::end(kPassesOfMaterials),
+                                                [&](const auto& each) { return each.first == pass; });
+  };
+  std::vector<std::string> produced;
+  for (const std::string& plane : planes_of_frame(plan)) produced.push_back(pass_of(plane));
+  for (const std::string& word : plan.recipe.passes)
+    if (depends_on_scene(name_on_first_layer(word)) && !contains(produced, word))
+      return missing_pass_error(word, plan.given.names);
+  return {};
+}
+
 /// Sets what frames have before any effect runs.
 void set_given(const Scene& scene, Plan& plan) {
   plan.info = picture_info(scene, plan.camera, plan.capture);
@@ -223,12 +257,10 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
   plan.sky_gain = sky_gain(plan);
   if (const Parameter* noise = noise_of(recipe))
     plan.first_noise = int_value(*noise, params_of(settings, recipe.occlusion));
-  const PictureInfo info = picture_info(scene, plan.camera, plan.capture);
-  if (auto status = check_captured(plan.recipe, captured_planes(scene, info, plan.capture)); !status)
-    return status.error();
+  set_given(scene, plan);
+  if (auto status = check_passes(plan); !status) return status.error();
   plan.output = params_of(settings, effect_with<OutputParams>().name);
   plan.has_blended = averages_something(recipe) && has_blended(scene);
-  set_given(scene, plan);
   if (!plan.averages()) return plan;
   // Samples hold linear light with alpha, so that edges blend with the background as light (or as square roots of it).
   auto& output = params_of<OutputParams>(settings);
@@ -270,11 +302,15 @@ Plan turned(const Plan& first, const Scene& scene, float angle_deg) {
   return plan;
 }
 
-std::vector<std::string> planes_of_frame(const Plan& plan) {
+Program program_of(const Plan& plan) {
   LookRun run = look_run(plan.recipe);
   run.lines = plan.lines;
+  return compile(run, 1 + int(plan.info.more_layers.size()), &plan.info);
+}
+
+std::vector<std::string> planes_of_frame(const Plan& plan) {
   std::vector<std::string> names = plan.given.names;
-  for (const ProgramPlane& plane : compile(run, 1 + int(plan.info.more_layers.size()), &plan.info).planes)
+  for (const ProgramPlane& plane : program_of(plan).planes)
     if (plane.reduced == 1 && !contains(names, plane.name)) names.push_back(plane.name);
   return names;
 }

@@ -65,6 +65,9 @@ void adjust_lights(const Recipe& recipe, const Camera& camera, bool of_studio, s
 /// with it; the scene's own lights, and those placed for a camera inside the scene, belong to the model.
 Plan turned(const Plan& first, const Scene& scene, float angle_deg);
 
+/// Returns the program of sample 0.
+Program program_of(const Plan& plan);
+
 /// Returns the names of the planes that the frame of a drawn plan can have.
 std::vector<std::string> planes_of_frame(const Plan& plan);
 

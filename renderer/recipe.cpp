@@ -439,6 +439,11 @@ Result<Recipe> make_shading_recipe(const Request& request, long max_pixels) {
   return recipe;
 }
 
+Result<Recipe> make_recipe_of_look(const Request& request) {
+  const Look* look = find_look(request.look);
+  return look && look->needs_beauty ? make_shading_recipe(request) : make_recipe(request);
+}
+
 Result<EffectSettings> effect_settings(std::span<const std::string> assignments) {
   EffectSettings settings = initial_settings(external_effects());
   for (const std::string& assignment : assignments)

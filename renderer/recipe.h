@@ -72,6 +72,9 @@ Result<Recipe> make_recipe(const Request& request, long max_pixels = kMaxPixels)
 /// Errors: kUsage, also for more than `max_pixels` pixels.
 Result<Recipe> make_shading_recipe(const Request& request, long max_pixels = kMaxPixels);
 
+/// Resolves a request with a look of either kind.
+Result<Recipe> make_recipe_of_look(const Request& request);
+
 /// Returns the index of a text in the choices of an option; check_request must have accepted it.
 int choice_index(std::string_view field, std::string_view text);
 

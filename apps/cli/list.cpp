@@ -69,7 +69,7 @@ Result<nlohmann::json> list_program(const std::string& name) {
   const auto look = require_named<Look>("look", looks(), name.empty() ? std::string(kDefaultLook) : name);
   if (!look) return look.error();
   const Request request{.look = std::string((*look)->name)};
-  auto recipe = (*look)->needs_beauty ? make_shading_recipe(request) : make_recipe(request);
+  auto recipe = make_recipe_of_look(request);
   if (!recipe) return recipe.error();
   reduce_to_passes(*recipe);
   nlohmann::json records = nlohmann::json::array();

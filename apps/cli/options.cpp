@@ -88,8 +88,7 @@ Result<void> check_text(const Option& row, const std::string& text) {
   if (const auto settings = effect_settings(alone.settings); !settings) return settings.error();
   // Other options may depend on each other and cannot be checked alone.
   if (row.field != "look" && row.field != "occlusion" && row.field != "quality") return {};
-  const Look* look = find_look(alone.look);
-  const auto recipe = look && look->needs_beauty ? make_shading_recipe(alone) : make_recipe(alone);
+  const auto recipe = make_recipe_of_look(alone);
   return recipe ? Result<void>() : recipe.error();
 }
 

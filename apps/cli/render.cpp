@@ -442,6 +442,9 @@ Result<void> render(const RenderOptions& given) {
     fmt::print(stderr,
                "drawn in strips of {} rows in about {:.1f} GB; the whole picture would need more than --memory {}\n",
                strips->rows, strips->bytes * 1e-9, o.memory);
+  if (o.verbose)
+    for (const OperationText& each : described(program_of(*plan)))
+      fmt::print(stderr, "  {}: {}\n", each.name, each.summary);
   ProgressLine drawing;
   if (auto status = strips->rows > 0 ? draw_into_file(o, *job, *device, *scene, *plan, strips->rows, drawing, times)
                                      : draw_frames(o, *job, *device, *scene, *plan, times);
