@@ -9,7 +9,6 @@
 
 #include "core/effect.h"
 #include "core/gbuffer.h"
-#include "core/pixel_mask.h"
 #include "core/progress.h"
 #include "core/result.h"
 #include "core/strip.h"

@@ -72,7 +72,7 @@ TEST_F(SvgTest, MatchesThePicture) {
 TEST_F(SvgTest, DoesNotDependOnTheCommand) {
   // High enough for strips that need less memory than the whole picture.
   const std::string high = "scene:solids?detail=2000 --device cpu --look cartoon --ao none --resolution 96x1600 ";
-  const std::string strips = "--memory 70M ";
+  const std::string strips = "--memory 64M ";
   good(high + "-o picture.png --svg beside.svg");
   good("scene:solids?detail=2000 --device cpu --resolution 96x1600 -o alone.svg");
   good(high + "--anti-aliasing 4 --threads 1 --no-background -o averaged.exr --svg averaged.svg");

@@ -13,7 +13,7 @@
 #include "renderer/completed_scene.h"
 #include "renderer/draw.h"
 #include "renderer/shade_file.h"
-#include "renderer/shared_gbuffer.h"
+#include "library/shared_gbuffer.h"
 #include "renderer/strokes.h"
 
 namespace umbrage {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "devices/cpu/cpu_device.h"
+#include "library/shared_gbuffer.h"
 #include "renderer/draw.h"
-#include "renderer/shared_gbuffer.h"
 #include "umbrage/umbrage.h"
 
 namespace umbrage {

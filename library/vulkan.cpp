@@ -10,8 +10,8 @@
 #include "devices/vulkan/vulkan_device.h"
 #include "effects/normals/normals.h"
 #include "library/device.h"
+#include "library/lens.h"
 #include "renderer/devices.h"
-#include "renderer/lens.h"
 #include "renderer/recipe.h"
 #include "umbrage/vulkan.h"
 

@@ -7,9 +7,9 @@
 #include "io/svg.h"
 #include "library/object.h"
 #include "library/shared.h"
+#include "library/shared_gbuffer.h"
 #include "renderer/options.h"
 #include "renderer/passes.h"
-#include "renderer/shared_gbuffer.h"
 
 namespace umbrage {
 namespace {

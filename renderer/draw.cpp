@@ -169,7 +169,7 @@ Result<void> draw_marked_samples(Device& device, Samples& s) {
   if (s.plan.has_blended) s.progress.sample_done();
   // finish_average adds the picture again.
   if (s.run.kept) device.release(first->behind, averaged_picture(s.plan));
-  if (s.run.kept && first->front) device.release(*first->front, averaged_planes(s.plan));
+  if (s.run.kept && first->front) device.release(*first->front, averaged_picture(s.plan));
   for (int sample = 1; sample < s.plan.recipe.frames; ++sample) {
     Plan further = s.plan;
     const Camera camera = begin_marked(further, sample);

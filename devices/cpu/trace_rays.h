@@ -2,7 +2,6 @@
 #pragma once
 #include "core/effect.h"
 #include "core/gbuffer.h"
-#include "core/pixel_mask.h"
 #include "core/strip.h"
 #include "core/watch.h"
 #include "kernel/kernel_frame.h"

@@ -1,4 +1,4 @@
-#include "renderer/shared_gbuffer.h"
+#include "library/shared_gbuffer.h"
 
 #include <algorithm>
 #include <atomic>
@@ -12,7 +12,7 @@
 #include "core/suggest.h"
 #include "gbuffers/extent.h"
 #include "gbuffers/ids.h"
-#include "renderer/lens.h"
+#include "library/lens.h"
 #include "renderer/passes.h"
 
 namespace umbrage {

@@ -1,4 +1,4 @@
-#include "renderer/lens.h"
+#include "library/lens.h"
 
 #include <cmath>
 #include <limits>
