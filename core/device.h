@@ -54,8 +54,8 @@ struct CaptureSettings {
   std::optional<std::vector<std::string>> planes = {};
   std::optional<Strip> strip = {};  ///< draw only this strip; requires Device::draws_strips()
   /// Capture only these pixels: the others have undefined values, also those that dispatches write to this frame; but
-  /// `opacity` is 0 there. Requires one layer, and dispatches that read no row at any distance. Null: all pixels. A
-  /// device may capture all.
+  /// `opacity` is 0 and `transmittance` 1 there. Requires one layer, and dispatches that read no row at any distance.
+  /// Null: all pixels. A device may capture all.
   std::shared_ptr<const PixelMask> mask = {};
   /// Without it, a device need not trace the shadows of lights that have a size: their planes are undefined.
   bool soft_shadows = true;
@@ -153,6 +153,11 @@ class Device {
   /// Returns the same. Without a copy if the device can: the planes are then views, which are valid until the frame
   /// changes or ends.
   Result<Image> view(const Frame& frame, const std::vector<std::string>& names) { return read(frame, names, true); }
+  /// Returns the same as download, with the guard band.
+  Result<Image> download_with_guard(Frame frame, const std::vector<std::string>& names) {
+    frame.info.guard = 0;
+    return download(frame, names);
+  }
   /// Returns all planes of a frame.
   Result<Image> download_all(const Frame& frame) { return download(frame, plane_names(frame)); }
 

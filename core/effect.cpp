@@ -30,6 +30,10 @@ std::vector<std::pair<const Dispatch*, int>> dispatches_in_order(const Effect& e
   return ordered;
 }
 
+bool uses(const Dispatch& dispatch, std::string_view plane) {
+  return contains(dispatch.inputs, plane) || contains(dispatch.outputs, plane);
+}
+
 bool writes(const Effect& effect, const ParameterBytes& params, std::string_view plane) {
   return std::any_of(effect.dispatches.begin(), effect.dispatches.end(), [&](const Dispatch& dispatch) {
     return runs(dispatch, params) && contains(dispatch.outputs, plane);

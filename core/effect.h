@@ -243,6 +243,9 @@ inline bool runs(const Dispatch& dispatch, const ParameterBytes& params) {
 std::vector<std::pair<const Dispatch*, int>> dispatches_in_order(const Effect& effect, const ParameterBytes& params,
                                                                  const PictureInfo& info, PixelSet pixels);
 
+/// Returns whether a dispatch reads or writes a plane.
+bool uses(const Dispatch& dispatch, std::string_view plane);
+
 /// Returns whether an effect writes a plane with these params.
 bool writes(const Effect& effect, const ParameterBytes& params, std::string_view plane);
 

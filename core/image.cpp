@@ -83,6 +83,11 @@ void* PlanePool::take(std::size_t size) {
   return base;
 }
 
+void PlanePool::forget(std::size_t size) {
+  const std::lock_guard lock(mutex_);
+  living_ -= size;
+}
+
 bool PlanePool::give(std::size_t size, void* base) {
   const std::lock_guard lock(mutex_);
   living_ -= size;
@@ -135,7 +140,10 @@ Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(p
   const PlanePoolPtr pool = bytes >= kMinPooled && pool_of_thread ? *pool_of_thread : nullptr;
   void* base = pool ? pool->take(whole) : nullptr;
   if (!base) {
-    if (posix_memalign(&base, alignment, whole) != 0) throw std::bad_alloc();
+    if (posix_memalign(&base, alignment, whole) != 0) {
+      if (pool) pool->forget(whole);
+      throw std::bad_alloc();
+    }
     if (large) {
       const std::size_t huge = whole / kHugePage * kHugePage;
       madvise(base, huge, MADV_HUGEPAGE);

@@ -34,6 +34,7 @@ class PlanePool {
   friend class Plane;
   friend class PlanePoolLock;
   void* take(std::size_t size);             // for a new plane; returns null if none is kept
+  void forget(std::size_t size);            // of a new plane that was not made
   bool give(std::size_t size, void* base);  // returns false if the pool does not keep it
   void drop_all();                          // requires the lock
   mutable std::mutex mutex_;

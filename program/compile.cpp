@@ -302,6 +302,22 @@ std::vector<std::string> Program::names_of(std::span<const int> indices) const {
   return names;
 }
 
+std::vector<std::string> Program::last_used(std::size_t operation) const {
+  std::vector<std::string> names;
+  for (const ProgramPlane& plane : planes)
+    if (plane.reduced == 1 && !plane.kept && plane.last_user == int(operation) && layer_of_plane(plane.name) == 0)
+      names.push_back(plane.name);
+  return names;
+}
+
+std::set<std::string_view> Program::needed_after(std::size_t operation, std::span<const std::string> kept) const {
+  std::set<std::string_view> needed;
+  for (const std::string& name : kept) needed.insert(name_on_first_layer(name));
+  for (const ProgramPlane& plane : planes)
+    if (plane.reduced == 1 && plane.last_user > int(operation)) needed.insert(name_on_first_layer(plane.name));
+  return needed;
+}
+
 ParameterBytes params_of_operation(const LookRun& run, const Operation& operation, float stops) {
   if (operation.line >= 0) return run.lines[std::size_t(operation.line)].params;
   const Effect& effect = *operation.effect;

@@ -265,14 +265,9 @@ class Frames {
   double now_ = 0.0, max_ = 0.0;
 };
 
-bool uses(const Dispatch& dispatch, std::string_view name) {
-  return contains(dispatch.inputs, name) || contains(dispatch.outputs, name);
-}
-
-/// Runs the dispatches of an operation. `is_last(name)`: whether nothing uses a plane of the first layer after it.
-template <class IsLast>
-void run_dispatches(const LookRun& run, const Operation& operation, const PictureInfo& info, const IsLast& is_last,
-                    Frames& frames) {
+/// Runs the dispatches of an operation. `last_used`: planes that nothing uses after it.
+void run_dispatches(const LookRun& run, const Operation& operation, const PictureInfo& info,
+                    const std::vector<std::string>& last_used, Frames& frames) {
   const auto dispatches = dispatches_in_order(*operation.effect, params_of_operation(run, operation, 0.0f),
                                               layer_info(info, operation.layer), operation.pixels);
   const auto exists = [&](std::string_view name) { return layer_of_plane(name) <= int(info.more_layers.size()); };
@@ -284,7 +279,7 @@ void run_dispatches(const LookRun& run, const Operation& operation, const Pictur
       if (exists(name)) frames.write(layer_plane(operation.layer, name), operation.reduced);
     if (operation.reduced > 1 || operation.layer > 0) continue;
     frames.release([&](const std::string& name, int reduced) {
-      return reduced == 1 && uses(dispatch, name) && is_last(name) &&
+      return reduced == 1 && uses(dispatch, name) && contains(last_used, name) &&
              std::none_of(dispatches.begin() + long(k) + 1, dispatches.end(),
                           [&](const auto& later) { return uses(*later.first, name); });
     });
@@ -296,31 +291,22 @@ void run_dispatches(const LookRun& run, const Operation& operation, const Pictur
 LivePlanes live_planes(const LookRun& run, const PictureInfo& info, std::span<const std::string> given) {
   const Program program = compile(run, 1 + int(info.more_layers.size()), &info);
   Frames frames(given);
+  const std::vector<std::string> kept = run.kept.value_or(std::vector<std::string>());
   for (std::size_t k = 0; k < program.operations.size(); ++k) {
     const Operation& operation = program.operations[k];
-    const auto is_last = [&](const std::string& name) {
-      return run.kept && std::any_of(program.planes.begin(), program.planes.end(), [&](const ProgramPlane& plane) {
-               return plane.name == name && plane.reduced == 1 && !plane.kept && plane.last_user == int(k);
-             });
-    };
+    const std::vector<std::string> last_used = run.kept ? program.last_used(k) : std::vector<std::string>();
     if (operation.kind == OperationKind::kRun) {
-      run_dispatches(run, operation, info, is_last, frames);
+      run_dispatches(run, operation, info, last_used, frames);
     } else if (operation.kind != OperationKind::kMeter) {
       const std::vector<std::string> writes = program.names_of(operation.writes);
       for (const std::string& name : writes)
         if (operation.kind != OperationKind::kReduce || frames.has(name, 1))
           frames.write(name, operation.kind == OperationKind::kReduce ? operation.reduced : 1);
     }
-    const auto is_needed = [&](const std::string& name) {
-      const std::string_view on_first = name_on_first_layer(name);
-      const auto same = [&](const std::string& other) { return name_on_first_layer(other) == on_first; };
-      return std::any_of(run.kept->begin(), run.kept->end(), same) ||
-             std::any_of(program.planes.begin(), program.planes.end(), [&](const ProgramPlane& plane) {
-               return plane.reduced == 1 && plane.last_user > int(k) && same(plane.name);
-             });
-    };
+    const auto needed = program.needed_after(k, kept);
     frames.release([&](const std::string& name, int reduced) {
-      return reduced > 1 ? operation.kind == OperationKind::kPlace : run.kept && !is_needed(name);
+      return reduced > 1 ? operation.kind == OperationKind::kPlace
+                         : run.kept && !needed.contains(name_on_first_layer(name));
     });
   }
   return frames.live();

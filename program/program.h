@@ -66,7 +66,7 @@ std::vector<const Effect*> steps_of(const LookRun& run);
 /// Returns the effects of a run except for the technique and the filters that follow it.
 std::vector<const Effect*> steps_besides_technique(const LookRun& run);
 
-/// Returns whether a run can draw further samples at marked pixels: it draws no lines; apart from the technique and its
+/// Returns whether a run can draw further samples at marked pixels: apart from the technique and its
 /// filters all effects compute each pixel by itself, and neither they nor `planes` need any planes of the technique and
 /// its filters but `ao` and `indirect`.
 bool runs_on_marked(const LookRun& run, std::span<const std::string> planes);
@@ -106,6 +106,11 @@ struct Program {
 
   /// Returns the names of planes.
   std::vector<std::string> names_of(std::span<const int> indices) const;
+  /// Returns the planes of the first layer that only this operation still uses.
+  std::vector<std::string> last_used(std::size_t operation) const;
+  /// Returns the planes that are read after this operation, by their names on the first layer. `kept`: see
+  /// LookRun::kept.
+  std::set<std::string_view> needed_after(std::size_t operation, std::span<const std::string> kept) const;
 };
 
 /// Compiles a run on frames of `layers` layers. `info`: that of the frame, which can tell that planes are not read;

@@ -64,7 +64,7 @@ class Runner {
 
   Result<RunState> run_effect(const Operation& operation) {
     EffectRun settings{.layer = operation.layer, .pixels = operation.pixels};
-    if (run_.kept && operation.reduced == 1 && operation.layer == 0) settings.last_used = last_used();
+    if (run_.kept && operation.reduced == 1 && operation.layer == 0) settings.last_used = program_.last_used(index_);
     return device_.run(*operation.effect, params_of_operation(run_, operation, done_.stops), frame_of(operation),
                        settings, run_.monitor);
   }
@@ -82,22 +82,10 @@ class Runner {
     return RunState();
   }
 
-  /// Returns the planes that only the current operation still uses.
-  std::vector<std::string> last_used() const {
-    std::vector<std::string> names;
-    for (const ProgramPlane& plane : program_.planes)
-      if (plane.reduced == 1 && !plane.kept && plane.last_user == int(index_) && layer_of_plane(plane.name) == 0)
-        names.push_back(plane.name);
-    return names;
-  }
-
   /// Releases the planes that are read neither by later operations nor after the run.
   void release_unread() {
     if (!run_.kept) return;
-    std::set<std::string_view> needed;
-    for (const std::string& name : *run_.kept) needed.insert(name_on_first_layer(name));
-    for (const ProgramPlane& plane : program_.planes)
-      if (plane.reduced == 1 && plane.last_user > int(index_)) needed.insert(name_on_first_layer(plane.name));
+    const auto needed = program_.needed_after(index_, *run_.kept);
     std::vector<std::string> unread = device_.plane_names(frame_);
     std::erase_if(unread, [&](const std::string& name) { return needed.contains(name_on_first_layer(name)); });
     device_.release(frame_, unread);

@@ -8,6 +8,19 @@
 
 namespace umbrage {
 
+namespace {
+
+/// Returns the passes that hold the averaged picture: `color`, `beauty`, both or none.
+std::vector<std::string> picture_passes(const Recipe& recipe) {
+  std::vector<std::string> passes;
+  if (recipe.wants("color.r") && !recipe.scene_linear) passes.emplace_back("color");
+  const auto& output = params_of<OutputParams>(recipe.settings);
+  if (recipe.wants("beauty.r") && output.beauty != kBeautyOff) passes.emplace_back("beauty");
+  return passes;
+}
+
+}  // namespace
+
 std::vector<std::string> line_planes(const Plan& plan) {
   std::vector<std::string> names;
   const auto& output_inputs = effect_with<OutputParams>().dispatches[0].inputs;
@@ -37,14 +50,6 @@ std::vector<std::string> averaged_planes(const Plan& plan) {
   const auto others = other_averaged_planes(plan);
   names.insert(names.end(), others.begin(), others.end());
   return names;
-}
-
-std::vector<std::string> picture_passes(const Recipe& recipe) {
-  std::vector<std::string> passes;
-  if (recipe.wants("color.r") && !recipe.scene_linear) passes.emplace_back("color");
-  const auto& output = params_of<OutputParams>(recipe.settings);
-  if (recipe.wants("beauty.r") && output.beauty != kBeautyOff) passes.emplace_back("beauty");
-  return passes;
 }
 
 namespace {

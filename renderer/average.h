@@ -10,8 +10,8 @@
 
 namespace umbrage {
 
-/// averaged_planes returns the planes that are averaged; averaged_picture returns those of them that are those of
-/// picture_passes, other_averaged_planes the others.
+/// averaged_planes returns the planes that are averaged; averaged_picture returns those of the
+/// picture, `color`, `beauty`, both or none; other_averaged_planes the others.
 std::vector<std::string> averaged_planes(const Plan& plan);
 std::vector<std::string> averaged_picture(const Plan& plan);
 std::vector<std::string> other_averaged_planes(const Plan& plan);
@@ -19,10 +19,7 @@ std::vector<std::string> other_averaged_planes(const Plan& plan);
 /// Returns the planes of sample 0 from which `output` draws the lines.
 std::vector<std::string> line_planes(const Plan& plan);
 
-/// Returns the passes that hold the averaged picture: `color`, `beauty`, both or none.
-std::vector<std::string> picture_passes(const Recipe& recipe);
-
-/// Returns the finished picture_passes of averaged pictures, as planes color.r, .g, .b and .a or beauty.r and so on.
+/// Returns the finished averaged picture, as planes color.r, .g, .b and .a or beauty.r and so on.
 /// Takes their planes out of the sum. `lines`: the line_planes of sample 0. `info`: properties of a picture that has
 /// the size of the sum.
 Result<Image> finished_picture(Device& device, PictureSum& total, const Plan& plan, const Image& lines,

@@ -177,5 +177,32 @@ TEST(Blend, StripsAreTheSame) {
   }
 }
 
+// Further samples are drawn in strips, of which some have rows of the guard band alone.
+TEST(Blend, GuardBandsOfAllSizes) {
+  const Scene scene = wall_behind({pane(0.4f)});
+  const auto drawn_with = [&](float guard, bool captured) {
+    Request request = front_request("studio", 96);
+    request.height = 480;
+    request.guard_band = guard;
+    const auto device = make_cpu_device();
+    EXPECT_TRUE(device->prepare(scene));
+    const auto plan = make_plan(*make_recipe(request), scene, device->threads());
+    EXPECT_TRUE(plan->marked && plan->has_blended);
+    StageTimes times;
+    const auto picture = captured ? draw_captured(*device, scene, *plan, *capture(*device, *plan, times), times)
+                                  : draw(*device, scene, *plan, times);
+    EXPECT_TRUE(picture) << picture.error().message;
+    return *device->download(picture->frame, {"color.r", "color.a"});
+  };
+  for (const float guard : {6.6f, 15.0f, 40.0f}) {
+    const Image strips = drawn_with(guard, false), whole = drawn_with(guard, true);
+    for (const std::string& name : strips.names)
+      for (int y = 0; y < strips.height; ++y)
+        for (int x = 0; x < strips.width; ++x)
+          ASSERT_EQ(strips.plane(name).at(x, y), whole.plane(name).at(x, y))
+              << guard << " " << name << " " << x << ", " << y;
+  }
+}
+
 }  // namespace
 }  // namespace umbrage

@@ -159,6 +159,7 @@ Result<void> draw_marked_samples(Device& device, Samples& s) {
   s.progress.sample_done();
   const auto shade = [&](Frame& frame) -> Result<void> {
     const auto shaded = run_look(s.run, device, frame);
+    if (shaded && !shaded->finished) fail_check("blended surfaces wait for other strips");
     return shaded ? Result<void>() : shaded.error();
   };
   auto first = complete_first(device, s.plan, std::move(*behind), s.in_strips, s.get_frame, shade, s.run.monitor);

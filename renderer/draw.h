@@ -71,7 +71,7 @@ Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTi
 using Captures = std::vector<Frame>;
 
 /// Captures all pictures of a plan. The device has finished all work when this returns, so all errors of the device are
-/// reported here. Errors: kInterrupted; the errors of the device.
+/// reported here; the times of its dispatches are dropped. Errors: kInterrupted; the errors of the device.
 Result<Captures> capture(Device& device, const Plan& plan, StageTimes& times, const ProgressMonitor& monitor = {});
 /// Returns whether captures of one plan are valid for the other plan: the plans differ only in effects.
 bool same_captures(const Plan& a, const Plan& b);

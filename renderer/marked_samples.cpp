@@ -60,7 +60,10 @@ std::vector<std::string> borrowed_planes(const ParameterBytes& bytes) {
 
 bool draws_marked_samples(const Recipe& recipe) {
   const Effect* technique = find_effect(recipe.occlusion);
+  EffectSettings of_samples = recipe.settings;  // which have no lines
+  take_lines_over_average(recipe, of_samples);
   LookRun run = look_run(recipe);
+  run.settings = &of_samples;
   run.wanted.reset();  // a pass is the same alone and with others
   const bool noisy = recipe.occlusion != kNoOcclusion && (!technique || !technique->filters_itself);
   return recipe.frames > 1 && !recipe.hdri.shown() && !noisy && runs_on_marked(run, recipe.averaged);
@@ -71,12 +74,21 @@ bool follows_from_samples(std::string_view parameter) {
   return contains(kSet, parameter);
 }
 
+namespace {
+
+/// Leaves out what only techniques read.
+void capture_surfaces_alone(CaptureSettings& capture) {
+  capture.layers = 1;
+  capture.back_sides = false;
+  capture.extra_views = 0;
+  capture.ray_offsets = false;
+}
+
+}  // namespace
+
 Camera begin_marked(Plan& plan, int sample) {
   const Camera camera = begin_picture(plan, {.sample = sample});
-  plan.capture.layers = 1;
-  plan.capture.back_sides = false;
-  plan.capture.extra_views = 0;
-  plan.capture.ray_offsets = false;
+  capture_surfaces_alone(plan.capture);
   plan.capture.soft_shadows = false;
   return camera;
 }
@@ -105,9 +117,8 @@ Result<Frame> capture_first(Device& device, const Plan& plan, const Camera& came
 namespace {
 
 /// Returns a plane of a frame with its guard band; of a strip only its own rows.
-Result<Plane> whole_plane(Device& device, Frame frame, const std::string& name) {
-  frame.info.guard = 0;  // so that download crops nothing
-  auto image = device.download(frame, {name});
+Result<Plane> whole_plane(Device& device, const Frame& frame, const std::string& name) {
+  auto image = device.download_with_guard(frame, {name});
   return image ? Result<Plane>(std::move(image->planes[0])) : image.error();
 }
 
@@ -119,11 +130,14 @@ Plane grown(const Plane& from, const Margin& by) {
       if (from.row(y)[x] > 0.0f)
         for (end = std::max(end, x - by.columns); end <= std::min(x + by.columns, from.width - 1); ++end)
           across.row(y)[end] = 1.0f;
-  for (int y = 0; y < from.height; ++y) {
-    if (std::all_of(across.row(y), across.row(y) + from.width, [](float value) { return value == 0.0f; })) continue;
-    for (int j = std::max(y - by.rows, 0); j <= std::min(y + by.rows, from.height - 1); ++j)
-      for (int x = 0; x < from.width; ++x) all.row(j)[x] = std::max(all.row(j)[x], across.row(y)[x]);
-  }
+  std::vector<int> end(std::size_t(from.width));  // of each column: rows above are done
+  for (int y = 0; y < from.height; ++y)
+    for (int x = 0; x < from.width; ++x)
+      if (across.row(y)[x] > 0.0f) {
+        int& row = end[std::size_t(x)];
+        for (row = std::max(row, y - by.rows); row <= std::min(y + by.rows, from.height - 1); ++row)
+          all.row(row)[x] = 1.0f;
+      }
   return all;
 }
 
@@ -143,8 +157,8 @@ Result<PixelMask> opacity_of(Device& device, const Plan& plan, const Camera& cam
                              const GetFrame& get) {
   constexpr int kRows = 128;
   Plan opacity = plan;
+  capture_surfaces_alone(opacity.capture);
   opacity.capture.shadows = opacity.capture.shadow_rays = 0;
-  opacity.capture.ray_offsets = false;
   opacity.capture.planes = std::vector<std::string>();
   PixelMask all{{}, rows.begin};
   for (Rows part{rows.begin, rows.begin}; part.end < rows.end;) {
@@ -186,7 +200,7 @@ Result<void> add_front(Device& device, Plan plan, bool in_strips, const GetFrame
   strip.rows = rows_of(read, first.rows);
   if (strip.rows.count() <= 0) return {};
   if (in_strips) plan.capture.strip = strip;
-  if (in_strips && std::max(reach.rows, reach.columns) < kAnywhere)
+  if (in_strips && info.more_layers.empty() && std::max(reach.rows, reach.columns) < kAnywhere)
     plan.capture.mask = std::make_shared<PixelMask>(PixelMask{grown(opacity->plane, reach), opacity->first_row});
   auto frame = capture_first(device, plan, camera, get, monitor);
   if (!frame) return frame.error();
@@ -236,22 +250,20 @@ Result<void> add_sample(Device& device, const Plan& plan, const Frame* front, in
     for (const Plane& plane : image.planes) planes.push_back(&plane);
     add_planes(total, names, planes, row, first);
   };
+  auto image = front ? device.download(behind, names) : device.view(behind, names);
+  if (!image) return image.error();
+  if (image->height == 0) return {};  // a strip of the guard band
   if (plan.has_blended && first_row == 0) count_picture(total, first);
   if (first_row == 0) count_picture(total, first);
-  if (!front) {
-    const auto image = device.view(behind, names);
-    if (!image) return image.error();
-    add(*image, first_row);
-    return {};
+  if (front) {
+    auto in_front = device.download(*front, with_blend_planes(names));
+    if (!in_front) return in_front.error();
+    const int offset = std::max(front_begin - guard, 0) - begin;  // of the rows in front
+    BlendedSample blended;
+    blended.take_front(*in_front, offset, image->height);
+    add(*in_front, first_row + offset);
+    blended.weigh_behind(*image, 0);
   }
-  auto in_front = device.download(*front, with_blend_planes(names));
-  auto image = device.download(behind, names);
-  if (!in_front || !image) return in_front ? image.error() : in_front.error();
-  const int offset = std::max(front_begin - guard, 0) - begin;  // of the rows in front
-  BlendedSample blended;
-  blended.take_front(*in_front, offset, image->height);
-  add(*in_front, first_row + offset);
-  blended.weigh_behind(*image, 0);
   add(*image, first_row);
   return {};
 }

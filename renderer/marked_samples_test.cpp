@@ -9,6 +9,7 @@
 #include "devices/cpu/cpu_device.h"
 #include "renderer/draw.h"
 #include "renderer/models.h"
+#include "renderer/passes.h"
 
 namespace umbrage {
 namespace {
@@ -86,6 +87,23 @@ TEST(MarkedSamples, MarkedPixelsEqualTheAverageOfWholeSamples) {
   EXPECT_GT(marked, kWidth * kHeight / 10);
   EXPECT_LT(marked, 4 * kWidth * kHeight * 9 / 10);
   EXPECT_LE(sum / (4.0 * kWidth * kHeight - marked), 0.002);
+}
+
+// Lines are drawn over the average; without them, the samples of such a look compute each pixel by itself.
+TEST(MarkedSamples, LooksWithLinesKeepWhatFurtherSamplesRead) {
+  Request request{.look = "technical", .occlusion = "traced", .anti_aliasing = 4};
+  request.width = request.height = 64;
+  Recipe recipe = *make_recipe(request);
+  EXPECT_TRUE(draws_marked_samples(recipe));
+  reduce_to_passes(recipe);
+  Scene scene = *load_scene("scene:solids?detail=2000");
+  const auto device = make_cpu_device({});
+  ASSERT_TRUE(device->prepare(scene));
+  const auto plan = make_plan(recipe, scene, device->threads());
+  EXPECT_TRUE(plan->marked);
+  StageTimes times;
+  const auto picture = draw(*device, scene, *plan, times);
+  EXPECT_TRUE(picture) << picture.error().message;
 }
 
 // A pane whose edges are marked in front, before a wall with a step whose edge is marked behind.

@@ -300,7 +300,7 @@ void reduce_to_passes(Recipe& recipe, std::span<const std::string_view> besides)
 namespace {
 
 /// Returns the planes that are read after a recipe's look has run.
-std::vector<std::string> planes_read_after(const Recipe& recipe, std::span<const Effect* const> steps) {
+std::vector<std::string> planes_read_after(const Recipe& recipe) {
   std::vector<std::string> planes = with_blend_planes(*recipe.wanted);
   planes.emplace_back("depth");
   const auto add = [&](const auto& names) { planes.insert(planes.end(), names.begin(), names.end()); };
@@ -313,9 +313,9 @@ std::vector<std::string> planes_read_after(const Recipe& recipe, std::span<const
       planes.emplace_back(plane);
     for (int light = 0; light < kMaxShadows; ++light) planes.push_back(shadow_plane(light));
   }
-  // Lines over an average are drawn after the look: see Plan::lines.
+  // Lines over an average are drawn last, and may be traced again as curves.
   EffectSettings settings = recipe.settings;
-  for (const EffectStep& lines : take_lines(steps, settings))
+  for (const EffectStep& lines : take_lines_over_average(recipe, settings))
     for (const Dispatch& dispatch : lines.effect->dispatches)
       if (runs(dispatch, lines.params)) add(dispatch.inputs), add(dispatch.outputs);
   return planes;
@@ -326,7 +326,7 @@ std::vector<std::string> planes_read_after(const Recipe& recipe, std::span<const
 void reduce_to_planes(Recipe& recipe, std::vector<std::string> planes) {
   recipe.wanted = std::move(planes);
   const auto steps = steps_of(look_run(recipe));
-  recipe.kept = planes_read_after(recipe, steps);
+  recipe.kept = planes_read_after(recipe);
   if (!averages_something(recipe)) recipe.frames = 1;  // only sample 0, at the pixel centres
   std::vector<std::string>& captured = recipe.capture.planes.emplace();
   int max_layer = 0, shadows = 0;  // highest layer of a plane; number of lights whose shadows are among them

@@ -138,17 +138,6 @@ const Parameter* noise_of(const Recipe& recipe) {
 /// Max number of shadow rays per pixel in sample 0 of marked samples; more do not show after the filter.
 constexpr int kMaxShadowRays = 16;
 
-/// Moves the parameters of lines that are drawn once, over the average, to plan.lines; the samples draw none. Lines of
-/// outline.mode=paper are drawn in each sample, and hidden lines with them.
-void separate_lines(Plan& plan) {
-  EffectSettings& settings = plan.recipe.settings;
-  auto steps = steps_of(look_run(plan.recipe));
-  const auto& outline = params_of<OutlineParams>(settings);
-  const bool drawn = outline.opacity > 0.0f && contains(steps, &effect_with<OutlineParams>());
-  if (drawn && outline.mode == kOutlinePaper) std::erase(steps, &effect_with<HiddenParams>());
-  plan.lines = take_lines(steps, settings);
-}
-
 /// Passes that are captured only if a material needs them, and what every material lacks where there is none.
 constexpr std::pair<std::string_view, std::string_view> kPassesOfMaterials[] = {
     {"emission", "emits light"},
@@ -267,7 +256,8 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
   output.transfer = kTransferNone;
   if (output.beauty == kBeautyDisplay) output.beauty = kBeautyLight;  // display values are decoded after the average
   if (!recipe.hdri.shown()) output.transparent = 1;
-  separate_lines(plan);
+  // The samples draw no lines.
+  plan.lines = take_lines_over_average(recipe, settings);
   plan.marked = !(plan.has_blended && !plan.lines.empty()) && draws_marked_samples(plan.recipe);
   // Sample 0 alone has soft shadows of its own, so it takes the rays of all samples.
   if (plan.marked)

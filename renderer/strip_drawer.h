@@ -65,6 +65,7 @@ struct SumPlanes {
   double finished = 0.0;  ///< while a drawn picture is added, or the sum is finished
   /// While marked samples are drawn, an eighth of the picture at a time, beside the first one; 0: there are none.
   double marked = 0.0;
+  bool blended = false;  ///< marked samples have a picture of blended surfaces, too
 };
 
 /// Plans a picture for about `memory` bytes: whole if they suffice and it has at most kMaxPixels pixels, else in

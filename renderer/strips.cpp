@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <optional>
-#include <set>
 #include <span>
 
+#include "core/check.h"
 #include "core/lists.h"
 #include "renderer/average.h"
 #include "renderer/draw.h"
@@ -106,6 +106,7 @@ Result<PictureSum> sum_of_strip(Device& device, const Plan& plan, float stops, c
   };
   const auto shade = [&](Frame& frame) -> Result<void> {
     const auto shaded = run_look(run, device, frame);
+    if (shaded && !shaded->finished) fail_check("blended surfaces wait for other strips");
     return shaded ? Result<void>() : shaded.error();
   };
   Plan of_first = plan;
@@ -132,6 +133,7 @@ Result<StripSizes> plan_strips(const Device& device, const Plan& plan, double me
   if (plan.averages()) {
     const double averaged = double(averaged_planes(plan).size());
     sum.finished = averaged + kForPicture + double(line_planes(plan).size());
+    sum.blended = plan.marked && plan.has_blended;
     if (plan.marked)
       sum.marked = averaged + kMasks;
     else

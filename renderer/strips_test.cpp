@@ -267,6 +267,17 @@ TEST(Strips, MemoryIsThatOfThePlan) {
     }
 }
 
+TEST(Strips, MemoryOfBlendedSurfacesIsThatOfThePlan) {
+  Planned picture(of_look("studio", 1000, 1000));
+  for (Material& material : picture.scene.materials) material.blended = true, material.opacity = 0.4f;
+  picture.plan = *make_plan(picture.plan.recipe, picture.scene, 2);
+  ASSERT_TRUE(picture.plan.marked && picture.plan.has_blended);
+  for (const double memory : {6e9, 1e6}) {
+    const StripSizes sizes = picture.sizes(memory);
+    EXPECT_NEAR((sizes.bytes - 60e6) / picture.drawn_bytes(sizes.rows), 1.0, 0.2) << sizes.rows;
+  }
+}
+
 TEST(Strips, OnePlaneLessThanThePeakIsTooLittleMemory) {
   Planned picture(of_look("studio", 300, 200));
   const auto drawn = [&]() -> Result<void> {

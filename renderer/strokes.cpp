@@ -9,6 +9,7 @@
 #include "core/lists.h"
 #include "core/srgb.h"
 #include "devices/shared/dispatches.h"
+#include "effects/hidden/hidden.h"
 #include "effects/outline/outline.h"
 #include "kernel/host_frame.h"
 
@@ -69,6 +70,14 @@ StrokeParameters take_lines(std::span<const Effect* const> effects, EffectSettin
   return taken;
 }
 
+StrokeParameters take_lines_over_average(const Recipe& recipe, EffectSettings& settings) {
+  auto steps = steps_of(look_run(recipe));
+  const auto& outline = params_of<OutlineParams>(settings);
+  const bool drawn = outline.opacity > 0.0f && contains(steps, &effect_with<OutlineParams>());
+  if (drawn && outline.mode == kOutlinePaper) std::erase(steps, &effect_with<HiddenParams>());
+  return take_lines(steps, settings);
+}
+
 Result<StrokeParameters> stroke_parameters(const Recipe& recipe) {
   EffectSettings settings = recipe.settings;
   std::vector<const Effect*> effects;
@@ -111,10 +120,8 @@ Strokes traced_strokes(const PictureInfo& info, const Image& planes, const Strok
 }
 
 Result<Strokes> traced_strokes(Device& device, const Frame& frame, const StrokeParameters& params) {
-  Frame whole_frame = frame;
-  whole_frame.info.guard = 0;  // so that download returns the guard band, too
   const auto names = edge_planes(params, int(frame.info.more_layers.size()) + 1);
-  const auto planes = device.download(whole_frame, {names.begin(), names.end()});
+  const auto planes = device.download_with_guard(frame, {names.begin(), names.end()});
   if (!planes) return planes.error();
   return traced_strokes(frame.info, *planes, params, device.threads());
 }

@@ -25,6 +25,10 @@ const Params* find_params(const StrokeParameters& lines) {
 /// Removes the lines of these effects that are curves from what they draw with `settings`, and returns these lines.
 StrokeParameters take_lines(std::span<const Effect* const> effects, EffectSettings& settings);
 
+/// Does the same with the lines that a recipe draws once, over an average. Those of outline.mode=paper are drawn in
+/// each sample, and hidden lines with them.
+StrokeParameters take_lines_over_average(const Recipe& recipe, EffectSettings& settings);
+
 /// Returns the lines of a recipe's look, which are all curves. Averaged pictures have such lines, too: they are drawn
 /// once, over the average. Errors: kUsage if there are no such lines.
 Result<StrokeParameters> stroke_parameters(const Recipe& recipe);

@@ -453,7 +453,7 @@ Result<Image> capture_planes(const TracedScene& traced, const PictureInfo& info,
   Watch watch(monitor, blocks_of(info, rows) * (1 + long(others)));
   std::vector<PenumbraRadii> penumbrae;
   if (settings.soft_shadows) penumbrae = penumbra_radii(info, rows, settings);
-  // The filter of shadows reads pixels beside those of the mask, and beside them no blended surface shows.
+  // The filter of shadows reads pixels beside those of the mask, and weights of blended surfaces count at all pixels.
   for (std::size_t k = 0; settings.mask && (settings.soft_shadows || settings.blended) && k < planes.size(); ++k)
     image.planes[k] = Plane(info.width, rows.count(), planes[k].background_value);
   draw_view(traced, info, rows, planes, settings, 0, own, settings.soft_shadows ? &penumbrae : nullptr, watch, image);

@@ -106,12 +106,15 @@ class CpuDevice final : public Device {
 
   Result<Frame> upload(GBuffer gbuffer, const Strip* strip) override {
     bool views = false;
-    for (const Image& layer : gbuffer.layers)
-      for (const Plane& plane : layer.planes) views = views || plane.is_view();
+    for (Image& layer : gbuffer.layers)
+      for (Plane& plane : layer.planes) {
+        if (strip && plane.is_view()) plane = Plane(plane);
+        views = views || plane.is_view();
+      }
     const int height = gbuffer.info.height;
     Frame frame = frame_of(std::move(gbuffer), strip ? rows_with_margin(*strip, height) : Rows{0, height});
     if (strip) begin_strip(*strip, height, cpu_planes(frame));
-    return views && !strip ? branch(frame) : frame;  // effects on a branch do not write to the views
+    return views ? branch(frame) : frame;  // effects on a branch do not write to the views
   }
 
   Frame branch(const Frame& frame) override {
@@ -196,6 +199,7 @@ class CpuDevice final : public Device {
 
   Result<void> add_planes_of(const Frame& from, const std::vector<std::string>& names, Frame& frame) override {
     if (from.info.reduced > frame.info.reduced) return place(from, names, frame);
+    cpu_planes(frame).branches.check_none();
     for (const std::string& name : names)
       if (!find_plane(cpu_planes(from), name)) return usage_error("the picture has no plane '{}'", name);
     cpu_planes(frame).first = std::static_pointer_cast<const CpuPlanes>(from.storage);

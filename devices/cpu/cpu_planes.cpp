@@ -190,9 +190,6 @@ void release_planes(const std::vector<std::string>& names, CpuPlanes& planes) {
 }
 
 void release_ended(const DispatchRun& run, const std::vector<std::string>& last_used, CpuPlanes& planes) {
-  const auto uses = [](const Dispatch& dispatch, std::string_view name) {
-    return contains(dispatch.inputs, name) || contains(dispatch.outputs, name);
-  };
   std::vector<std::string> ended;
   for (const std::string& name : last_used)
     if (uses(run.dispatch, name) &&

@@ -39,7 +39,7 @@ struct CpuPlanes {
   std::map<float, std::shared_ptr<const Plane>> constants;
   std::map<std::string, std::pair<int, int>> placed;  ///< by plane name: size of the reduced plane placed in it
   std::shared_ptr<const CpuPlanes> parent;            ///< planes of the frame of which this is a branch, or null
-  std::shared_ptr<const CpuPlanes> first;             ///< frame of the first sample, whose planes add_planes_of added
+  std::shared_ptr<const CpuPlanes> first;             ///< all planes of the first sample, if add_planes_of added some
   std::shared_ptr<const PixelMask> mask;              ///< that of the capture: dispatches compute only these pixels
   Branches branches;
   std::shared_ptr<const TracedScene> traced;  ///< the captured scene; null for planes of the host

@@ -72,9 +72,7 @@ class VulkanDevice final : public Device {
     all.mask = nullptr;  // dispatches run on all pixels
     auto captured = capture_->capture(camera, all, monitor);
     if (!captured) return captured;
-    Frame whole = *captured;
-    whole.info.guard = 0;  // so that download_all crops nothing
-    const auto planes = capture_->download_all(whole);
+    const auto planes = capture_->download_with_guard(*captured, capture_->plane_names(*captured));
     if (!planes) return planes.error();
     Frame frame{captured->info, empty_planes(captured->info)};
     if (auto status = add(*planes, frame); !status) return status.error();
