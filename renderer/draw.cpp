@@ -149,6 +149,11 @@ Result<void> draw_further_marked(Device& device, const Plan& plan, const Camera&
 
 /// Draws the samples of a plan at the pixels that its first sample marks.
 Result<void> draw_marked_samples(Device& device, Samples& s) {
+  if (s.plan.has_blended) {
+    const auto stops = metered_with_blended(device, s.plan, s.get_frame, s.run);
+    if (!stops) return stops.error();
+    if (*stops) s.run.stops = *stops;
+  }
   LookRun look = s.run;
   look.lines = s.plan.lines;
   auto behind = capture_first(device, s.plan, begin_picture(s.plan, {}), s.get_frame, s.run.monitor);
@@ -321,6 +326,8 @@ Result<void> capture_whole(Plan plan, const GetFrame& get) {
 
 /// Captures the samples of a plan at the pixels that its first sample marks.
 Result<void> capture_marked(Device& device, Plan plan, const GetFrame& get) {
+  if (plan.has_blended)
+    if (auto small = metered_with_blended(device, plan, get, look_run(plan.recipe)); !small) return small.error();
   auto behind = capture_first(device, plan, begin_picture(plan, {}), get, {});
   if (!behind) return behind.error();
   const auto first =

@@ -105,6 +105,38 @@ void add_margins_for_further(const Plan& plan, const PictureInfo& info, Margins&
   after["marks"] = {margin - 1, margin - 1};
 }
 
+Result<std::optional<float>> metered_with_blended(Device& device, const Plan& plan, const GetFrame& get, LookRun run) {
+  constexpr int kMaxSide = 256;
+  Plan small = plan;
+  const Camera camera = begin_picture(small, {.blended = true});
+  int& width = small.capture.width;
+  int& height = small.capture.height;
+  const double scale = std::min(1.0, double(kMaxSide) / std::max(width, height));
+  width = std::max(int(width * scale), 1);
+  height = std::max(int(height * scale), 1);
+  small.capture.guard = 0;
+  small.capture.strip.reset();
+  auto frame = get(small, camera);
+  if (!frame) return frame.error();
+  std::optional<float> stops;
+  run.settings = &small.recipe.settings;
+  run.kept.reset();
+  run.after = [](std::string_view) {};
+  run.meter = [&](Device& of, const Frame& lit, Exposure by) -> Result<std::optional<float>> {
+    const auto metered = metered_stops(of, lit, by);
+    if (!metered) return metered.error();
+    stops = *metered;
+    return std::optional<float>();  // ends the run
+  };
+  const Program program = compile(run, 1 + int(frame->info.more_layers.size()), &frame->info);
+  const bool meters = std::any_of(program.operations.begin(), program.operations.end(), [](const Operation& operation) {
+    return operation.kind == OperationKind::kMeter && operation.exposure != Exposure::kLights;
+  });
+  if (!meters || run.stops) return stops;
+  const auto state = run_look(run, device, *frame);
+  return state ? Result<std::optional<float>>(stops) : state.error();
+}
+
 Result<Frame> capture_first(Device& device, const Plan& plan, const Camera& camera, const GetFrame& get,
                             const ProgressMonitor& monitor) {
   auto frame = get(plan, camera);

@@ -44,6 +44,11 @@ EffectStep marking_step(const Plan& plan, const PictureInfo& info);
 /// Adds to `after` the margins around its own pixels at which the first sample needs planes for further samples.
 void add_margins_for_further(const Plan& plan, const PictureInfo& info, Margins& after);
 
+/// Returns the exposure that metering adds to a picture with blended surfaces, metered on a small picture that shows
+/// them as if they were opaque, since what is behind them may be dark. Empty if nothing is metered so. `run`: that of
+/// the plan.
+Result<std::optional<float>> metered_with_blended(Device& device, const Plan& plan, const GetFrame& get, LookRun run);
+
 /// Captures the first sample without blended surfaces and marks its pixels. The plan is set to it.
 Result<Frame> capture_first(Device& device, const Plan& plan, const Camera& camera, const GetFrame& get,
                             const ProgressMonitor& monitor);

@@ -135,5 +135,29 @@ TEST(MarkedSamples, BlendedSurfacesHaveMarksOfTheirOwn) {
   EXPECT_GT(red, 0.1f) << "the pane shows";
 }
 
+// Metering sees a bright pane as if it were opaque, with marked samples and without.
+TEST(MarkedSamples, MeterBlendedSurfaces) {
+  Scene scene = square();
+  scene.materials[0].albedo = glm::vec3(0.02f);
+  scene.materials.push_back({.albedo = glm::vec3(0.9f), .blended = true, .opacity = 0.6f});
+  scene.meshes.push_back(scene.meshes[0]);
+  for (glm::vec3& position : scene.meshes[1].positions) position.z = 1.0f;
+  scene.meshes[1].material = 1;
+  Request request{.look = "studio", .width = kWidth, .height = kHeight};
+  request.ground = "off";
+  request.camera.position = {{1.0f, 0.5f, 8.0f}};
+  request.camera.focal_point = {{0.0f, 0.0f, 0.0f}};
+  const auto device = make_cpu_device({});
+  ASSERT_TRUE(device->prepare(scene));
+  auto plan = make_plan(*make_recipe(request), scene, device->threads());
+  ASSERT_TRUE(plan->marked && plan->has_blended);
+  StageTimes times;
+  const auto marked = draw(*device, scene, *plan, times);
+  plan->marked = false;
+  const auto whole = draw(*device, scene, *plan, times);
+  ASSERT_TRUE(marked && whole);
+  EXPECT_NEAR(*marked->stops, *whole->stops, 0.05f);
+}
+
 }  // namespace
 }  // namespace umbrage

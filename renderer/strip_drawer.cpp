@@ -40,7 +40,7 @@ Result<StripSizes> plan_strips(const Device& device, const StripSource& source, 
   constexpr double kFixed = 60e6;               // the program and a scene of 100 000 triangles, bytes
   constexpr int kMinRows = 64, kMaxRows = 512;  // rows of a strip
   constexpr double kPartOfMarked = 1.0 / 8.0;
-  constexpr double kMasks = 5.0;  // and weights
+  constexpr double kMasks = 3.0, kWeights = 4.0;  // of blended surfaces
   const PictureInfo& info = source.info;
   std::vector<std::string> first = source.given.names;
   for (const EffectStep& step : source.before)
@@ -51,9 +51,10 @@ Result<StripSizes> plan_strips(const Device& device, const StripSource& source, 
   const double plane = plane_bytes(info.width, info.height), row = plane / info.height;
   /// Returns the planes of `own` rows, drawn in a frame of `all` rows of which further samples have a part.
   const auto rows_of_planes = [&](double stored, double all, double own, double part) {
-    const double front = sum.blended ? live.at_end * all : 0.0;  // the first sample of blended surfaces
-    const double later = std::max(sum.finished * own, sum.marked > 0.0 ? sum.marked * own + live.max * part : 0.0);
-    const double first = sum.blended ? (live.max + kMasks) * all : 0.0;
+    const double front = sum.blended ? (live.at_end + kMasks) * all : 0.0;  // the first sample of blended surfaces
+    const double further = live.max + (sum.blended ? live.at_end : 0.0);
+    const double later = std::max(sum.finished * own, sum.marked > 0.0 ? sum.marked * own + further * part : 0.0);
+    const double first = sum.blended ? (live.max + kWeights + kMasks) * all : 0.0;
     return std::max(stored * all, live.at_end * all + std::max(first, front + later));
   };
   const double height = info.height, drawing = rows_of_planes(live.max, height, height, height * kPartOfMarked);

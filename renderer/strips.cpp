@@ -148,7 +148,14 @@ Result<Strokes> draw_strips(Device& device, const Plan& planned, int rows, const
   const std::vector<std::string> planes = with_background_planes(plan, requested);
   StripProgress progress(monitor, plan.marked ? 1 : plan.pictures());
   Camera camera;  // of the current picture
-  StripDrawer drawer(device, scene_source(device, plan, camera, times), rows, progress, times);
+  StripSource source = scene_source(device, plan, camera, times);
+  if (plan.marked && plan.has_blended) {
+    const GetFrame get = [&](const Plan& sample, const Camera& from) { return device.capture(from, sample.capture); };
+    auto stops = metered_with_blended(device, plan, get, source.run);
+    if (!stops) return stops.error();
+    source.run.stops = *stops;
+  }
+  StripDrawer drawer(device, std::move(source), rows, progress, times);
   PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots,
                    .per_sample = plan.has_blended ? 2 : 1,
                    .threads = device.threads()};
