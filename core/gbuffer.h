@@ -68,7 +68,7 @@ struct PictureInfo {
   float ground_fade_distance = 0.0f;  ///< distance from ground_center at which its shadow has faded out; 0: no fading
   /// Coarse occluders of the scene, world space; null if they are not requested or there is no scene.
   std::shared_ptr<const OccluderSet> occluders = nullptr;
-  int reduced = 1;                    ///< downsampling factor of a picture at reduced resolution; 1: full resolution
+  int reduced = 1;  ///< downsampling factor of a picture at reduced resolution; 1: full resolution
   int whole_width = 0, whole_height = 0;  ///< reduced > 1: inner size of the picture at full resolution
   /// Of rows that were cut out of a finished picture: their first row there, and the rows of that picture; 0: whole.
   int first_row = 0, whole_rows = 0;

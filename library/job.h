@@ -10,10 +10,10 @@
 
 #include "library/device.h"
 #include "library/scene.h"
+#include "library/shared_gbuffer.h"
 #include "renderer/completed_scene.h"
 #include "renderer/draw.h"
 #include "renderer/shade_file.h"
-#include "library/shared_gbuffer.h"
 #include "renderer/strokes.h"
 
 namespace umbrage {
