@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "core/check.h"
+
 namespace umbrage {
 namespace {
 
@@ -35,6 +37,7 @@ void copy_rows(const Image& rows, const std::vector<std::string>& names, int fir
     for (const std::string& name : names)
       whole.add(name) = Plane(rows.width, height, name.starts_with("transmittance") ? 1.0f : 0.0f);
   }
+  check_less(first + rows.height, whole.height + 1, "rows of a picture");
   for (const std::string& name : names)
     for (int y = 0; y < rows.height; ++y)
       std::copy_n(rows.plane(name).row(y), rows.width, whole.plane(name).row(first + y));

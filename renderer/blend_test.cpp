@@ -177,6 +177,26 @@ TEST(Blend, StripsAreTheSame) {
   }
 }
 
+// Few rows are drawn at once, and blended surfaces show in some of them.
+TEST(Blend, LowPictures) {
+  const Scene scene = wall_behind({pane(0.4f)});
+  for (const auto& [width, height] : {std::pair{40, 30}, {61, 41}, {64, 64}, {90, 65}, {33, 131}}) {
+    Request request = front_request("studio", width);
+    request.height = height;
+    const auto device = make_cpu_device();
+    ASSERT_TRUE(device->prepare(scene));
+    const auto plan = make_plan(*make_recipe(request), scene, device->threads());
+    ASSERT_TRUE(plan->marked && plan->has_blended);
+    StageTimes times;
+    const auto drawn = draw(*device, scene, *plan, times);
+    const auto captured = draw_captured(*device, scene, *plan, *capture(*device, *plan, times), times);
+    ASSERT_TRUE(drawn && captured);
+    const Image a = *device->download(drawn->frame, {"color.g"}), b = *device->download(captured->frame, {"color.g"});
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) ASSERT_EQ(a.planes[0].at(x, y), b.planes[0].at(x, y)) << x << ", " << y;
+  }
+}
+
 // Further samples are drawn in strips, of which some have rows of the guard band alone.
 TEST(Blend, GuardBandsOfAllSizes) {
   const Scene scene = wall_behind({pane(0.4f)});

@@ -173,14 +173,30 @@ Plane grown(const Plane& from, const Margin& by) {
   return all;
 }
 
-/// Returns the rows of `within` at which a mask has pixels; begin is a multiple of 4 above within.begin.
+constexpr int kBlock = 4;  // side of the blocks of pixels that are captured together, in strips and in whole pictures
+
+int block_end(int row) { return (row + kBlock - 1) / kBlock * kBlock; }
+
+/// Returns a mask of all blocks that have a pixel of this one. Then a strip captures each block as a whole picture
+/// does.
+PixelMask with_whole_blocks(PixelMask mask) {
+  const int width = mask.plane.width, end = mask.first_row + mask.plane.height;
+  for (int y0 = mask.first_row; y0 < end; y0 += kBlock)
+    for (int x0 = 0; x0 < width; x0 += kBlock) {
+      const int x1 = std::min(x0 + kBlock, width), y1 = std::min(y0 + kBlock, end);
+      if (!mask.any(x0, x1, y0, y1)) continue;
+      for (int y = y0; y < y1; ++y) std::fill_n(mask.plane.row(y - mask.first_row) + x0, x1 - x0, 1.0f);
+    }
+  return mask;
+}
+
+/// Returns the rows of `within` at which a mask has pixels, extended to whole blocks. `within` begins with a block.
 Rows rows_of(const PixelMask& mask, const Rows& within) {
-  constexpr int kMultiple = 4;
   Rows rows{within.end, within.begin};
   for (int y = within.begin; y < within.end; ++y)
     if (mask.any(0, mask.plane.width, y, y + 1)) rows = {std::min(rows.begin, y), y + 1};
-  rows.begin = within.begin + std::max(rows.begin - within.begin, 0) / kMultiple * kMultiple;
-  return rows;
+  if (rows.count() <= 0) return {};
+  return {rows.begin / kBlock * kBlock, std::min(block_end(rows.end), within.end)};
 }
 
 /// Returns the opacity of blended surfaces along the rays of the first sample in these rows. `in_strips`: captures them
@@ -224,7 +240,9 @@ Result<void> add_front(Device& device, Plan plan, bool in_strips, const GetFrame
   const Camera camera = begin_picture(plan, {.blended = true});
   const Margin reach = reach_of_front(plan, info);
   Strip strip{first.rows, std::min(reach.rows, info.height), std::make_shared<WholePlanes>()};
-  const auto opacity = opacity_of(device, plan, camera, rows_with_margin(strip, info.height), in_strips, get);
+  Rows rows = rows_with_margin(strip, info.height);
+  rows.end = std::min(block_end(rows.end), info.height);
+  const auto opacity = opacity_of(device, plan, camera, rows, in_strips, get);
   if (!opacity) return opacity.error();
   // Further samples may show a surface one pixel farther away, and borrow from the neighbours of that pixel.
   const PixelMask near{grown(opacity->plane, {1, 1}), opacity->first_row};
@@ -233,7 +251,8 @@ Result<void> add_front(Device& device, Plan plan, bool in_strips, const GetFrame
   if (strip.rows.count() <= 0) return {};
   if (in_strips) plan.capture.strip = strip;
   if (in_strips && info.more_layers.empty() && std::max(reach.rows, reach.columns) < kAnywhere)
-    plan.capture.mask = std::make_shared<PixelMask>(PixelMask{grown(opacity->plane, reach), opacity->first_row});
+    plan.capture.mask =
+        std::make_shared<PixelMask>(with_whole_blocks({grown(opacity->plane, reach), opacity->first_row}));
   auto frame = capture_first(device, plan, camera, get, monitor);
   if (!frame) return frame.error();
   if (auto shaded = shade(*frame); !shaded) return shaded;
@@ -332,7 +351,8 @@ Result<void> draw_marked(Device& device, const Plan& plan, const Camera& camera,
     Plan sample = plan;
     sample.capture.blended = in_front;
     sample.capture.mask = in_front ? first.front_marks : first.marks;
-    if (in_front && plan.capture.strip) sample.capture.strip->rows = front_rows;
+    if (in_front && front_rows != Rows{0, first.behind.info.height})
+      sample.capture.strip = Strip{front_rows, 0, std::make_shared<WholePlanes>()};
     auto frame = get(sample, camera);
     if (!frame || !total) return frame;
     const ParameterBytes params = resample_params(plan, frame->info, kResampleBorrow);
