@@ -177,50 +177,44 @@ TEST(Blend, StripsAreTheSame) {
   }
 }
 
+/// Expects that a picture, whose further samples are drawn in strips, equals one drawn from whole captures.
+void expect_same_as_captured(const Scene& scene, const Request& request) {
+  SCOPED_TRACE(fmt::format("{} x {}, guard band {}", request.width, request.height, request.guard_band));
+  const auto device = make_cpu_device();
+  ASSERT_TRUE(device->prepare(scene));
+  const auto plan = make_plan(*make_recipe(request), scene, device->threads());
+  ASSERT_TRUE(plan->marked && plan->has_blended);
+  StageTimes times;
+  const auto drawn = draw(*device, scene, *plan, times);
+  ASSERT_TRUE(drawn) << drawn.error().message;
+  const auto captured = draw_captured(*device, scene, *plan, *capture(*device, *plan, times), times);
+  ASSERT_TRUE(captured) << captured.error().message;
+  const std::vector<std::string> names = {"color.r", "color.g", "color.a"};
+  const Image a = *device->download(drawn->frame, names), b = *device->download(captured->frame, names);
+  for (const std::string& name : names)
+    for (int y = 0; y < request.height; ++y)
+      for (int x = 0; x < request.width; ++x)
+        ASSERT_EQ(a.plane(name).at(x, y), b.plane(name).at(x, y)) << name << " " << x << ", " << y;
+}
+
 // Few rows are drawn at once, and blended surfaces show in some of them.
 TEST(Blend, LowPictures) {
   const Scene scene = wall_behind({pane(0.4f)});
   for (const auto& [width, height] : {std::pair{40, 30}, {61, 41}, {64, 64}, {90, 65}, {33, 131}}) {
     Request request = front_request("studio", width);
     request.height = height;
-    const auto device = make_cpu_device();
-    ASSERT_TRUE(device->prepare(scene));
-    const auto plan = make_plan(*make_recipe(request), scene, device->threads());
-    ASSERT_TRUE(plan->marked && plan->has_blended);
-    StageTimes times;
-    const auto drawn = draw(*device, scene, *plan, times);
-    const auto captured = draw_captured(*device, scene, *plan, *capture(*device, *plan, times), times);
-    ASSERT_TRUE(drawn && captured);
-    const Image a = *device->download(drawn->frame, {"color.g"}), b = *device->download(captured->frame, {"color.g"});
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x) ASSERT_EQ(a.planes[0].at(x, y), b.planes[0].at(x, y)) << x << ", " << y;
+    expect_same_as_captured(scene, request);
   }
 }
 
 // Further samples are drawn in strips, of which some have rows of the guard band alone.
 TEST(Blend, GuardBandsOfAllSizes) {
   const Scene scene = wall_behind({pane(0.4f)});
-  const auto drawn_with = [&](float guard, bool captured) {
+  for (const float guard : {6.6f, 15.0f, 40.0f}) {
     Request request = front_request("studio", 96);
     request.height = 480;
     request.guard_band = guard;
-    const auto device = make_cpu_device();
-    EXPECT_TRUE(device->prepare(scene));
-    const auto plan = make_plan(*make_recipe(request), scene, device->threads());
-    EXPECT_TRUE(plan->marked && plan->has_blended);
-    StageTimes times;
-    const auto picture = captured ? draw_captured(*device, scene, *plan, *capture(*device, *plan, times), times)
-                                  : draw(*device, scene, *plan, times);
-    EXPECT_TRUE(picture) << picture.error().message;
-    return *device->download(picture->frame, {"color.r", "color.a"});
-  };
-  for (const float guard : {6.6f, 15.0f, 40.0f}) {
-    const Image strips = drawn_with(guard, false), whole = drawn_with(guard, true);
-    for (const std::string& name : strips.names)
-      for (int y = 0; y < strips.height; ++y)
-        for (int x = 0; x < strips.width; ++x)
-          ASSERT_EQ(strips.plane(name).at(x, y), whole.plane(name).at(x, y))
-              << guard << " " << name << " " << x << ", " << y;
+    expect_same_as_captured(scene, request);
   }
 }
 

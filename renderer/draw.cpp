@@ -162,12 +162,7 @@ Result<void> draw_marked_samples(Device& device, Samples& s) {
   if (!state) return state.error();
   s.run.stops = state->stops;
   s.progress.sample_done();
-  const auto shade = [&](Frame& frame) -> Result<void> {
-    const auto shaded = run_look(s.run, device, frame);
-    if (shaded && !shaded->finished) fail_check("blended surfaces wait for other strips");
-    return shaded ? Result<void>() : shaded.error();
-  };
-  auto first = complete_first(device, s.plan, std::move(*behind), s.in_strips, s.get_frame, shade, s.run.monitor);
+  auto first = complete_first(device, s.plan, std::move(*behind), s.in_strips, s.get_frame, &s.run);
   if (!first) return first.error();
   auto sum = begin_sum(device, s.plan, *first);
   if (!sum) return sum.error();
@@ -330,8 +325,7 @@ Result<void> capture_marked(Device& device, Plan plan, const GetFrame& get) {
     if (auto small = metered_with_blended(device, plan, get, look_run(plan.recipe)); !small) return small.error();
   auto behind = capture_first(device, plan, begin_picture(plan, {}), get, {});
   if (!behind) return behind.error();
-  const auto first =
-      complete_first(device, plan, std::move(*behind), false, get, [](Frame&) { return Result<void>(); }, {});
+  const auto first = complete_first(device, plan, std::move(*behind), false, get, nullptr);
   if (!first) return first.error();
   for (int sample = 1; sample < plan.recipe.frames; ++sample) {
     Plan further = plan;

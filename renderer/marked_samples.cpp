@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/check.h"
 #include "core/lists.h"
 #include "devices/shared/capture_info.h"
 #include "effects/effects.h"
@@ -234,8 +235,8 @@ Margin reach_of_front(const Plan& plan, const PictureInfo& info) {
 
 /// Completes the first sample with its blended surfaces: see complete_first. Adds their marks to `marks`, which begin
 /// at first.rows.
-Result<void> add_front(Device& device, Plan plan, bool in_strips, const GetFrame& get, const Shade& shade,
-                       const ProgressMonitor& monitor, Plane& marks, FirstSample& first) {
+Result<void> add_front(Device& device, Plan plan, bool in_strips, const GetFrame& get, const LookRun* run, Plane& marks,
+                       FirstSample& first) {
   const PictureInfo& info = first.behind.info;
   const Camera camera = begin_picture(plan, {.blended = true});
   const Margin reach = reach_of_front(plan, info);
@@ -253,9 +254,13 @@ Result<void> add_front(Device& device, Plan plan, bool in_strips, const GetFrame
   if (in_strips && info.more_layers.empty() && std::max(reach.rows, reach.columns) < kAnywhere)
     plan.capture.mask =
         std::make_shared<PixelMask>(with_whole_blocks({grown(opacity->plane, reach), opacity->first_row}));
-  auto frame = capture_first(device, plan, camera, get, monitor);
+  auto frame = capture_first(device, plan, camera, get, run ? run->monitor : ProgressMonitor());
   if (!frame) return frame.error();
-  if (auto shaded = shade(*frame); !shaded) return shaded;
+  if (run) {
+    const auto shaded = run_look(*run, device, *frame);
+    if (!shaded) return shaded.error();
+    if (!shaded->finished) fail_check("blended surfaces wait for other strips");
+  }
   const auto in_front = whole_plane(device, *frame, "marks");
   if (!in_front) return in_front.error();
   first.front_rows = in_strips ? strip.rows : first.rows;
@@ -274,14 +279,13 @@ Result<void> add_front(Device& device, Plan plan, bool in_strips, const GetFrame
 }  // namespace
 
 Result<FirstSample> complete_first(Device& device, const Plan& plan, Frame behind, bool in_strips, const GetFrame& get,
-                                   const Shade& shade, const ProgressMonitor& monitor) {
+                                   const LookRun* run) {
   FirstSample first{.behind = std::move(behind)};
   first.rows = plan.capture.strip ? plan.capture.strip->rows : Rows{0, first.behind.info.height};
   auto marks = whole_plane(device, first.behind, "marks");
   if (!marks) return marks.error();
   if (plan.has_blended)
-    if (auto added = add_front(device, plan, in_strips, get, shade, monitor, *marks, first); !added)
-      return added.error();
+    if (auto added = add_front(device, plan, in_strips, get, run, *marks, first); !added) return added.error();
   first.marks = std::make_shared<PixelMask>(PixelMask{std::move(*marks), first.rows.begin});
   return first;
 }

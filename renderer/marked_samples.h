@@ -24,8 +24,6 @@ bool follows_from_samples(std::string_view parameter);
 
 /// Captures a picture of a plan that is set to it: Plan::capture with this camera. The frame may be an earlier capture.
 using GetFrame = std::function<Result<Frame>(const Plan& plan, const Camera& camera)>;
-/// Runs the look on a captured frame of the first sample.
-using Shade = std::function<Result<void>(Frame& frame)>;
 
 using PixelMaskPtr = std::shared_ptr<const PixelMask>;
 
@@ -52,11 +50,12 @@ Result<std::optional<float>> metered_with_blended(Device& device, const Plan& pl
 /// Captures the first sample without blended surfaces and marks its pixels. The plan is set to it.
 Result<Frame> capture_first(Device& device, const Plan& plan, const Camera& camera, const GetFrame& get,
                             const ProgressMonitor& monitor);
-/// Completes the first sample: captures its blended surfaces and runs the look on them. `behind`: as capture_first
+/// Completes the first sample: captures its blended surfaces and runs the look on them; without `run`, only captures
+/// them. `behind`: as capture_first
 /// returned it; the look may have run on it. `in_strips`: `get` captures anew, and can return strips. Earlier captures
 /// have all pixels of blended surfaces, since settings that have changed since may reach farther.
 Result<FirstSample> complete_first(Device& device, const Plan& plan, Frame behind, bool in_strips, const GetFrame& get,
-                                   const Shade& shade, const ProgressMonitor& monitor);
+                                   const LookRun* run);
 /// Returns a sum that begins with the drawn first sample.
 Result<PictureSum> begin_sum(Device& device, const Plan& plan, const FirstSample& first);
 

@@ -4,7 +4,6 @@
 #include <optional>
 #include <span>
 
-#include "core/check.h"
 #include "core/lists.h"
 #include "renderer/average.h"
 #include "renderer/draw.h"
@@ -104,14 +103,9 @@ Result<PictureSum> sum_of_strip(Device& device, const Plan& plan, float stops, c
     times.done("capture");
     return frame;
   };
-  const auto shade = [&](Frame& frame) -> Result<void> {
-    const auto shaded = run_look(run, device, frame);
-    if (shaded && !shaded->finished) fail_check("blended surfaces wait for other strips");
-    return shaded ? Result<void>() : shaded.error();
-  };
   Plan of_first = plan;
   of_first.capture.strip->wholes = std::make_shared<WholePlanes>();  // those of other frames have the same keys
-  const auto first = complete_first(device, of_first, behind, true, get, shade, monitor);
+  const auto first = complete_first(device, of_first, behind, true, get, &run);
   if (!first) return first.error();
   auto total = begin_sum(device, plan, *first);
   for (int sample = 1; total && sample < plan.recipe.frames; ++sample) {
