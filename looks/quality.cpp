@@ -22,15 +22,15 @@ std::span<const Quality> qualities() {
        .settings_of_averaged = {"bitmask.slices=1", "bitmask.steps=12", "hemisphere.samples=8", "sphere.samples=16"}},
       {.name = "high",
        .summary =
-           "for print: eight averaged frames, two rays per pixel, or screen-space occlusion from two depth layers",
+           "for print: eight averaged frames, four rays per pixel, or screen-space occlusion from two depth layers",
        .frames = 8,
        .occlusion_downsampling = 1,
        .layers = 2,
        .shadow_rays = 4,
        .settings = {"bitmask.slices=2", "bitmask.steps=16", "bitmask.mode=layers", "hemisphere.samples=32",
-                    "sphere.samples=32", "traced.rays=2", "traced.max_rays=16"},
+                    "sphere.samples=32", "traced.rays=4", "traced.max_rays=16"},
        .settings_of_averaged = {"bitmask.slices=1", "bitmask.steps=16", "bitmask.mode=layers", "hemisphere.samples=16",
-                                "sphere.samples=32", "traced.rays=2", "traced.max_rays=16"}},
+                                "sphere.samples=32", "traced.rays=4", "traced.max_rays=16"}},
       {.name = "ultra",
        .summary =
            "for best quality: sixteen frames, six rays per pixel, or screen-space occlusion from four depth layers",

@@ -115,10 +115,11 @@ const Effect& filling_effect() {
 
 std::vector<const Effect*> steps_of(const LookRun& run) {
   Steps steps;
-  bool filtered = false;  // the technique is among the steps, and filters itself
+  bool filtered = false;  // the technique is none or filters itself: the filters after it are left out
   for (std::string_view name : run.look->effects) {
     if (name == kOcclusionStep) {
-      if (run.occlusion == kNoOcclusion) continue;  // `ao` then has its neutral value 1
+      filtered = run.occlusion == kNoOcclusion;  // `ao` then has its neutral value 1
+      if (filtered) continue;
       name = run.occlusion;
     }
     const Effect* of_others = find_named(run.external_effects, name);

@@ -33,7 +33,8 @@ Scene hall(bool open) {
 
 std::vector<Light> lights_in(const Scene& scene, const Camera& camera) {
   const auto traced = build_traced_scene(scene);
-  return interior_lights(**traced, {.width = 64, .height = 48, .camera = camera}, default_lights(scene, camera));
+  return interior_lights(**traced, {.width = 64, .height = 48, .camera = camera},
+                         default_lighting(camera, scene.up).lights);
 }
 
 const Camera kInside = perspective_camera({0, 1.5f, 3.5f}, {0, 1, -1}, {0, 1, 0}, 70.0f, 4.0f / 3.0f);

@@ -410,20 +410,16 @@ Result<Frame> upload_with_normals(Device& device, GBuffer gbuffer, const EffectS
 void place_default_lights(const Recipe& recipe, PictureInfo& info) {
   Camera at_origin = info.camera;
   at_origin.view_from_world = glm::mat4(1.0f);
-  if (recipe.look->studio_lights) {
-    // Seen from above, the vertical points towards the camera.
-    const glm::vec3 up = recipe.from_above ? glm::vec3(0.0f, 0.0f, 1.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
-    const Lighting lighting = studio_lighting(at_origin, up);
-    info.lights = lighting.lights;
-    if (recipe.from_above)
-      info.lights.resize(1);  // the fill and the rim light would fill its shadows with other slopes
-    info.ambient = lighting.ambient;
-    info.ambient_shape = lighting.ambient_shape;
-    const glm::mat3 world_from_view = glm::transpose(glm::mat3(info.camera.view_from_world));
-    if (info.has_roughness) info.reflections = studio_reflections(world_from_view[1]);
-  } else {
-    info.lights = default_lights({}, at_origin);
-  }
+  // Seen from above, the vertical points towards the camera.
+  const glm::vec3 up = recipe.from_above ? glm::vec3(0.0f, 0.0f, 1.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
+  const bool studio = recipe.look->studio_lights;
+  const Lighting lighting = studio ? studio_lighting(at_origin, up) : default_lighting(at_origin, up);
+  info.lights = lighting.lights;
+  if (recipe.from_above) info.lights.resize(1);  // the fill and the rim light would fill its shadows with other slopes
+  info.ambient = lighting.ambient;
+  info.ambient_shape = lighting.ambient_shape;
+  const glm::mat3 world_from_view = glm::transpose(glm::mat3(info.camera.view_from_world));
+  if (studio && info.has_roughness) info.reflections = studio_reflections(world_from_view[1]);
   adjust_lights(recipe, at_origin, recipe.look->studio_lights, info.lights);
 }
 

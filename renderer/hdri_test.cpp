@@ -533,7 +533,9 @@ TEST_F(HdriPicture, AWhiteSurfaceUnderAWhiteSkyIsWhite) {
   write_panorama("white.pfm", [](dvec3) { return dvec3(1.0); });
   for (const char* device : {"cpu", "vulkan"}) {
     const std::string line = fmt::format(
-        "ball.obj --look lit --ao none --resolution 64x64 --hdri-file white.pfm --passes depth,lit -o out.exr --device "
+        "ball.obj --look lit --ao none --anti-aliasing 1 --resolution 64x64 --hdri-file white.pfm --passes depth,lit "
+        "-o "
+        "out.exr --device "
         "{}",
         device);
     const test::Outcome outcome = run(line);

@@ -42,6 +42,7 @@ Image drawn(Scene scene, Request request, bool marked) {
   EXPECT_TRUE(plan) << plan.error().message;
   EXPECT_TRUE(plan->marked);
   plan->marked = marked;
+  if (request.occlusion == kNoOcclusion) plan->capture.shadow_rays = 0;  // no soft shadows
   StageTimes times;
   const auto picture = draw(*device, scene, *plan, times);
   EXPECT_TRUE(picture) << picture.error().message;

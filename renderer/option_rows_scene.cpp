@@ -193,7 +193,7 @@ std::vector<Option> scene_options() {
        .group = "Technique",
        .help = "trade-off between time and quality: draft, normal, high or ultra; sets the numbers of samples, layers, "
                "shadow rays and averaged pictures, and the resolution of occlusion",
-       .initial = "normal in studio, else set by the look",
+       .initial = "normal in studio and lit, else set by the look",
        .where = in<&Request::quality>,
        .commands = kSceneCommands | kShade,
        .names = quality_names},

@@ -48,11 +48,8 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
   constexpr glm::vec3 kAmbientInside(0.46f, 0.50f, 0.56f);
   const Recipe& recipe = plan.recipe;
   Lighting& lighting = plan.lighting();
-  if (recipe.look->studio_lights) {
-    lighting = studio_lighting(plan.camera, scene.up);
-  } else {
-    lighting.lights = default_lights(scene, plan.camera);
-  }
+  lighting =
+      recipe.look->studio_lights ? studio_lighting(plan.camera, scene.up) : default_lighting(plan.camera, scene.up);
   const bool inside = is_inside_scene(plan.camera, scene);
   plan.lit_from_camera = !inside;
   if (!inside && recipe.look->studio_lights && has_roughness(scene))

@@ -384,7 +384,7 @@ Result<Recipe> make_recipe_of(const Request& request, long max_pixels, bool of_m
   recipe.framing.usual_view_angle_deg = look.view_angle_deg;
   recipe.framing.margin = look.margin;
   recipe.framing.shows_horizon = request.hdri_skybox;
-  recipe.framing.centers_shadow = look.ground && look.studio_lights;
+  recipe.framing.centers_shadow = look.ground;
   recipe.camera_index = request.camera.index;
   recipe.ground = Ground(choice_index("ground", request.ground));
   recipe.hdri = {.file = request.hdri_file,

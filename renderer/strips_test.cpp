@@ -129,8 +129,8 @@ TEST(Strips, EveryQualityAndWhatIsAveraged) {
 TEST(Strips, SettingsThatReadFar) {
   const std::pair<const char*, std::vector<std::string>> all[] = {
       {"studio", {"bitmask.mips=on", "bitmask.bounces=2", "denoise.rounds=3"}},
-      {"ao", {"unsharp.border=repeat", "unsharp.kernel=150%"}},
-      {"ao", {"unsharp.window=gaussian"}},
+      {"unsharp", {"unsharp.border=repeat", "unsharp.kernel=150%"}},
+      {"unsharp", {"unsharp.window=gaussian"}},
       {"bleeding", {"hemisphere.bounces=3", "hemisphere.tangents=on"}},
       {"cartoon", {"outline.width=12", "gaussian.rounds=9"}},
       {"cartoon", {"denoise.for_height=16"}},

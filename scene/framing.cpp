@@ -360,11 +360,31 @@ glm::vec3 light_direction(const Camera& camera, const glm::vec2& light_deg) {
   return glm::normalize(glm::transpose(glm::mat3(camera.view_from_world)) * in_view);
 }
 
-std::vector<Light> default_lights(const Scene&, const Camera& camera) {
-  // With the default ambient light of 0.3, a white surface that faces the light is just white.
-  constexpr float kKey = 0.7f;
+namespace {
+
+/// Sets ambient light of these radiances on level surfaces that face `up` and down. Between them it changes linearly
+/// with the sine of the normal's elevation.
+void set_ambient(const glm::vec3& above, const glm::vec3& below, const glm::vec3& up, Lighting& lighting) {
+  const glm::vec3 vertical = glm::normalize(up);
+  lighting.ambient = 0.5f * (above + below);
+  for (int color = 0; color < 3; ++color) {
+    glm::mat4& shape = lighting.ambient_shape.by_color[color];
+    for (int axis = 0; axis < 3; ++axis)
+      shape[axis][3] = shape[3][axis] = 0.25f * (above[color] - below[color]) * vertical[axis];
+  }
+}
+
+}  // namespace
+
+Lighting default_lighting(const Camera& camera, const glm::vec3& up) {
+  // A white surface that faces the light is just white.
+  constexpr glm::vec3 kAbove(0.37f, 0.39f, 0.42f), kBelow(0.23f, 0.21f, 0.19f);
+  constexpr float kKey = 0.62f;
   constexpr float kDiscDeg = 4.0f;  // a lamp of 35 cm at 5 m: shadows are sharp at contact and soft farther away
-  return {light_from(camera, -35.0f, 40.0f, glm::vec3(kKey), kDiscDeg)};
+  Lighting lighting;
+  lighting.lights = {light_from(camera, -35.0f, 40.0f, glm::vec3(kKey), kDiscDeg)};
+  set_ambient(kAbove, kBelow, up, lighting);
+  return lighting;
 }
 
 Lighting studio_lighting(const Camera& camera, const glm::vec3& up) {
@@ -379,13 +399,7 @@ Lighting studio_lighting(const Camera& camera, const glm::vec3& up) {
   glm::vec3& rim = studio.lights[2].direction;
   const glm::vec3 level = rim - glm::dot(rim, vertical) * vertical;
   if (is_direction(level)) rim = glm::normalize(glm::normalize(level) - kBelowHorizon * vertical);
-  studio.ambient = 0.5f * (kAbove + kBelow);
-  // It changes linearly with the sine of the normal's elevation.
-  for (int color = 0; color < 3; ++color) {
-    glm::mat4& shape = studio.ambient_shape.by_color[color];
-    for (int axis = 0; axis < 3; ++axis)
-      shape[axis][3] = shape[3][axis] = 0.25f * (kAbove[color] - kBelow[color]) * vertical[axis];
-  }
+  set_ambient(kAbove, kBelow, up, studio);
   return studio;
 }
 

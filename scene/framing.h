@@ -42,9 +42,10 @@ Camera frame_scene(const Scene& scene, const Framing& framing, int width, int he
 /// camera: 0, 0 is the direction towards the camera; positive azimuths are to the right.
 glm::vec3 light_direction(const Camera& camera, const glm::vec2& light_deg);
 
-/// Returns the lights of a scene without lights: one white key light from above and to the left of the camera, with a
-/// shadow. Its disc spans 4 degrees, so that ray-traced shadows are slightly soft.
-std::vector<Light> default_lights(const Scene& scene, const Camera& camera);
+/// Returns the lighting of a scene without lights: one white key light from above and to the left of the camera, with a
+/// shadow, and ambient light of a sky in the direction `up` and of the ground. The disc of the key light spans 4
+/// degrees, so that ray-traced shadows are slightly soft.
+Lighting default_lighting(const Camera& camera, const glm::vec3& up);
 
 /// Returns studio lighting, relative to the camera: a large warm key light from above and to the left; a larger, cool
 /// fill light from the other side; a rim light from behind and above; all with soft shadows. Ambient light is cool from

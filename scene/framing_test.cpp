@@ -299,7 +299,8 @@ TEST(Framing, KeyLightComesFromAboveLeftOfTheCamera) {
   for (const glm::vec3 up : {glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)}) {
     scene.up = up;
     const Camera camera = frame_scene(scene, {}, 100, 100);
-    const std::vector<Light> lights = default_lights(scene, camera);
+    const Lighting lighting = default_lighting(camera, scene.up);
+    const std::vector<Light>& lights = lighting.lights;
     ASSERT_EQ(lights.size(), 1u);
     EXPECT_EQ(lights[0].kind, LightKind::kDirectional);
     EXPECT_TRUE(lights[0].casts_shadow);
@@ -309,7 +310,12 @@ TEST(Framing, KeyLightComesFromAboveLeftOfTheCamera) {
     EXPECT_LT(view.x, -0.3f);
     EXPECT_GT(view.y, 0.5f);
     EXPECT_GT(view.z, 0.5f) << "from the side of the viewer";
-    expect_near(lights[0].color + scene.ambient, glm::vec3(1.0f), 1e-5f);
+    // Ambient light is bluish from above and weaker and reddish from below, and the sum is just white.
+    const auto ambient = [&](const glm::vec3& normal) { return lighting.ambient + lighting.ambient_shape.at(normal); };
+    expect_near(lights[0].color + ambient(lights[0].direction), glm::vec3(1.0f), 0.05f);
+    EXPECT_GT(ambient(up).b, 1.1f * ambient(up).r);
+    EXPECT_GT(ambient(-up).r, 1.1f * ambient(-up).b);
+    EXPECT_GT(ambient(up).g, 1.5f * ambient(-up).g);
   }
 }
 

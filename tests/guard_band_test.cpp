@@ -24,7 +24,7 @@ struct Stage {
     EXPECT_TRUE(made);
     scene = std::move(*made);
     const Camera camera = frame_scene(scene, {}, 100, 100);
-    scene.lights = default_lights(scene, camera);
+    scene.lights = default_lighting(camera, scene.up).lights;
     EXPECT_TRUE(device->prepare(scene));
   }
   Camera camera(int width, int height, bool orthographic = false) const {

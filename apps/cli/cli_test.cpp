@@ -106,7 +106,7 @@ TEST_F(Cli, EveryWayToWriteAnOptionMeansTheSame) {
 TEST_F(Cli, OptionsMayStandBeforeTheModel) {
   for (const char* line : {"--set unsharp.kernel=5 tri.obj -o a.png", "--set=unsharp.kernel=5 tri.obj -o a.png",
                            "-o a.png --set unsharp.kernel=5 --set unsharp.strength=1 tri.obj"})
-    good(std::string(line) + " --look ao --resolution 8x8 --device cpu");
+    good(std::string(line) + " --look unsharp --resolution 8x8 --device cpu");
 }
 
 TEST_F(Cli, ThreadsDoNotChangeThePicture) {

@@ -22,11 +22,11 @@ class Config : public test::ProgramTest {
 TEST_F(Config, ConfigurationFileSetsOptions) {
   write(
       "mine",
-      "# a comment\nresolution = 20x10  # at its end\ndevice = cpu\n\n[render] # and here\nlook = \"ao\" # too\nset = "
+      "# a comment\nresolution = 20x10  # at its end\ndevice = cpu\n\n[render] # and here\nlook = \"unsharp\" # too\nset = "
       "unsharp.kernel=7\n[compare]\nsamples = 16\n");
   good("tri.obj -o a.png --config mine");
   EXPECT_EQ(image("a.png").width, 20);
-  good("tri.obj -o b.png --resolution 20x10 --look ao --set unsharp.kernel=7 --device cpu");
+  good("tri.obj -o b.png --resolution 20x10 --look unsharp --set unsharp.kernel=7 --device cpu");
   EXPECT_EQ(test::text_of(folder_ / "a.png"), test::text_of(folder_ / "b.png"));
   good("tri.obj -o c.png --config=mine --resolution 30x10");
   EXPECT_EQ(image("c.png").width, 30) << "the command line wins";

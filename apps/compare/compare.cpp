@@ -85,6 +85,12 @@ bool is_screen_space(const Effect& effect) {
 Result<Recipe> recipe_of(const CompareSettings& settings) {
   Request draw = settings.draw;
   draw.look = "ao";
+  // Techniques have their defaults in place of the look's settings; scores of `unsharp` do not depend on the distance
+  // of the camera and the size of the scene.
+  const char* kSettings[] = {"traced.rays=1",          "traced.max_rays=8",           "traced.falloff=none",
+                             "unsharp.threshold=0.15", "unsharp.strength=16",         "unsharp.background=ignore",
+                             "unsharp.white_edge=off", "unsharp.linearization=extent"};
+  draw.settings.insert(draw.settings.begin(), std::begin(kSettings), std::end(kSettings));
   draw.anti_aliasing = 1;  // score the technique without averaging
   if (const auto filter = filter_of(settings); !filter)
     return filter.error();
@@ -395,7 +401,8 @@ Result<Comparison> compare(Device& device, const CompareSettings& settings) {
     for (const CameraShot& shot : shots) {
       scene->views = shot.views;
       const auto [width, height] = settings.sizes[0];
-      if (own_lights.empty()) scene->lights = default_lights(*scene, frame_scene(*scene, shot.framing, width, height));
+      if (own_lights.empty())
+        scene->lights = default_lighting(frame_scene(*scene, shot.framing, width, height), scene->up).lights;
       for (std::size_t s = 0; s < settings.sizes.size(); ++s) {
         const auto& size = settings.sizes[s];
         run.span = model_span / double(shots.size()) * double(size.first) * double(size.second) / all_pixels;

@@ -40,8 +40,7 @@ TEST_P(VulkanCaptureShots, PlanesMatchEmbree) {
   framing.orthographic = shot.orthographic;
   const Camera camera = frame_scene(*scene, framing, shot.settings.width, shot.settings.height);
   if (scene->lights.empty())
-    scene->lights =
-        shot.settings.shadow_rays > 0 ? studio_lighting(camera, scene->up).lights : default_lights(*scene, camera);
+    scene->lights = (shot.settings.shadow_rays > 0 ? studio_lighting : default_lighting)(camera, scene->up).lights;
   const test::Both both{test::captured(*device, *scene, camera, settings),
                         test::captured(*make_cpu_device(), *scene, camera, settings)};
   ASSERT_EQ(both.gpu.names, both.cpu.names);
@@ -64,7 +63,7 @@ TEST(VulkanCaptureBlended, PlanesMatchEmbree) {
   }
   ASSERT_TRUE(has_blended(scene));
   const Camera camera = frame_scene(scene, {}, 160, 120);
-  scene.lights = default_lights(scene, camera);
+  scene.lights = default_lighting(camera, scene.up).lights;
   for (const VulkanCapture how : test::kGpuCaptures)
     for (const bool blended : {false, true}) {
       Device* const device = test::capturing_device(how);

@@ -361,7 +361,7 @@ struct AoRenderer {
   Plane ao(Size size, bool orthographic, int guard, int factor, std::string_view technique,
            const std::vector<std::string>& settings, Plane* depth) {
     const Camera camera = frame_scene(scene, {.orthographic = orthographic}, size.width, size.height);
-    scene.lights = default_lights(scene, camera);
+    scene.lights = default_lighting(camera, scene.up).lights;
     auto frame = *device->capture(camera, {.width = size.width, .height = size.height, .guard = guard});
     const Look look{
         .name = "test", .summary = "", .occlusion = technique, .effects = {"occlusion", "denoise"}, .presets = {}};

@@ -167,7 +167,7 @@ class Reuse(unittest.TestCase):
             first = renderer.render()
             turned = renderer.render({"azimuth_deg": 90})
             again = renderer.render()
-            settled = renderer.render(settings={"unsharp.kernel": 5})
+            settled = renderer.render(settings={"traced.rays": 1})
             small = renderer.render(size=(20, 10), passes=("depth",))
             self.assertEqual(renderer.counter("hierarchies_built"), 1)
         np.testing.assert_array_equal(first.picture, again.picture)
