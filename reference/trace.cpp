@@ -134,7 +134,7 @@ std::array<float, kPacket> visible_fractions(const TracedScene& traced, const st
   return visible;
 }
 
-/// Returns the Blinn-Phong highlight of a light sample, as in effects/lighting.
+/// Returns the Blinn-Phong highlight of a light sample, before the cosine of its direction, as in effects/lighting.
 float highlight_of(const Surface& surface, glm::vec3 to_light, glm::vec3 to_eye) {
   const Material& material = *surface.material;
   if (!(material.specular_strength > 0.0f)) return 0.0f;
@@ -188,7 +188,7 @@ DirectLight direct_light(const TracedScene& traced, const CameraRays& rays, cons
           continue;
         }
         sum.diffuse += color * lambert;
-        sum.highlight += color * highlight_of(surface, sample[k].direction, to_eye);
+        sum.highlight += color * (lambert * highlight_of(surface, sample[k].direction, to_eye));
       }
     }
     if (l == 0) sum.key_visibility = float(arrived) / float(count);

@@ -82,9 +82,9 @@ struct Picture {
   }
 };
 
-Picture studio(Scene scene, Request request = {}) {
+Picture studio(Scene scene, Request request = {}, int side = kSide) {
   request.look = "studio";
-  request.width = request.height = kSide;
+  request.width = request.height = side;
   const auto picture =
       test::drawn_picture(std::move(scene), request, {"color.r", "color.g", "color.b", "color.a", "depth"});
   return {picture.image, picture.info};
@@ -130,6 +130,32 @@ TEST(StudioLook, DarkModelsAreDarker) {
   EXPECT_LT(grey, white - 3.0);
   EXPECT_GT(grey, white - 40.0);
   EXPECT_LT(black, grey - 30.0);
+}
+
+TEST(StudioLook, HighlightsEndSmoothlyAtTheTerminator) {
+  // A red sphere, as of a molecule: its green is that of the highlights, which the rim light adds beside dark parts.
+  Scene scene;
+  scene.materials = {{.albedo = {0.8f, 0.01f, 0.01f}}};
+  scene.meshes = {{.positions = {glm::vec3(0.0f)}, .points = true, .spheres = true, .radii = {1.0f}}};
+  finish_scene(scene);
+  constexpr int kLarge = 600;
+  const Picture picture = studio(scene, {.ground = "off"}, kLarge);
+  const auto is_inside = [&](int x, int y) {
+    constexpr int kRim = 4;  // pixels in which the normal turns by more than 10 degrees
+    for (const int step : {-kRim, kRim})
+      if (!picture.is_model(x + step, y) || !picture.is_model(x, y + step)) return false;
+    return true;
+  };
+  double largest = 0.0, brightest = 0.0;
+  for (int y = 4; y < kLarge - 4; ++y)
+    for (int x = 4; x < kLarge - 4; ++x) {
+      if (!is_inside(x, y) || !is_inside(x + 1, y)) continue;
+      const double here = 255.0 * picture.image.planes[1].at(x, y);
+      largest = std::max(largest, std::fabs(255.0 * picture.image.planes[1].at(x + 1, y) - here));
+      brightest = std::max(brightest, here);
+    }
+  EXPECT_LT(largest, 12.0);
+  EXPECT_GT(brightest, 60.0);
 }
 
 TEST(StudioLook, BackgroundIsAGradientAndPlainOnRequest) {

@@ -93,9 +93,8 @@ FN void lighting_pixel(Int px, Int py) {
     if (C.specular > 0.0f || C.gloss > 0.0f) {
       Vec3 halfway = normalized(light + eye);
       Real cosine = max(dot(normal, halfway), Real(0.0f));
-      highlight = C.kind[k] == 1 ? strength * pow(cosine, exponent) : gloss * pow(cosine, gloss_exponent);
-      // No highlight on surfaces that face away from the light.
-      highlight = select(lambert > 0.0f, highlight, Real(0.0f));
+      // Like the diffuse part, it vanishes towards the terminator, where less and less light arrives per area.
+      highlight = (C.kind[k] == 1 ? strength * pow(cosine, exponent) : gloss * pow(cosine, gloss_exponent)) * lambert;
     }
     Vec3 color = Vec3(Real(C.r[k]), Real(C.g[k]), Real(C.b[k])) * attenuation;
     Vec3 white = Vec3(highlight, highlight, highlight);
