@@ -104,6 +104,49 @@ TEST(MetalRough, ChartAgreesUnderADirectionalLight) {
   }
 }
 
+/// Returns by how much the light of a disc behind a dark sphere, 18 degrees wide as the rim light of `studio`, differs
+/// from the truth: the sum of the differences as a fraction of all light. `azimuth_deg`: of the light; 180 is opposite
+/// to the camera.
+double rim_error(float roughness, float azimuth_deg) {
+  Scene scene;
+  scene.materials = {{.albedo = glm::vec3(0.02f), .metallic = 0.0f, .roughness = roughness}};
+  scene.meshes = {shapes::sphere(1.0f, 128, 64)};
+  EXPECT_EQ(finish_scene(scene), 0u);
+  const float azimuth = azimuth_deg * 3.14159265f / 180.0f;
+  Lighting lighting;
+  lighting.lights = {
+      {.direction = {std::sin(azimuth), 0.0f, std::cos(azimuth)}, .angle_deg = 18.0f, .casts_shadow = true}};
+  const auto device = make_cpu_device({});
+  EXPECT_TRUE(device->prepare(scene));
+  auto frame = device->capture(orthographic_camera({0, 0, 10}, {0, 0, 0}, {0, 1, 0}, 2.2f, 1.0f),
+                               {.width = kSize, .height = kSize, .shadow_rays = 8, .lighting = lighting});
+  EXPECT_TRUE(frame);
+  const Effect& effect = *find_effect("lighting");
+  EXPECT_TRUE(device->run(effect, test::parameters_of(effect, {}), *frame));
+  const auto image = device->download(*frame, {"direct.r"});
+  EXPECT_TRUE(image);
+  const auto traced = build_traced_scene(scene);
+  EXPECT_TRUE(traced);
+  const auto truth = trace_light(**traced, frame->info, {.samples = 256, .bounce = false});
+  EXPECT_TRUE(truth);
+  const Plane &ours = image->plane("direct.r"), &theirs = truth->plane("direct.r");
+  double sum = 0.0, error = 0.0;
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < kSize; ++x) {
+      sum += theirs.at(x, y);
+      error += std::abs(ours.at(x, y) - theirs.at(x, y));
+    }
+  return error / sum;
+}
+
+TEST(MetalRough, RimOfALargeLightFollowsTheTruth) {
+  for (const float roughness : {0.3f, 0.45f, 0.6f, 0.8f}) {
+    EXPECT_LT(rim_error(roughness, 145.0f), 0.29) << roughness;
+    // Half of this light's disc or more is below the horizon of most of what it reaches.
+    EXPECT_LT(rim_error(roughness, 165.0f), 0.34) << roughness;
+  }
+}
+
 TEST(MetalRough, ChartAgreesUnderAnEnvironment) {
   // A bright side, a dark side and a ground, nowhere as bright as a light.
   Panorama panorama{"test", 256, 128, {}};

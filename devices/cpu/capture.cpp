@@ -100,21 +100,20 @@ void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const Shad
     if (!surfaces.is_hit[k]) continue;
     const Surface& surface = surfaces.at[k];
     glm::vec3 toward = light.point ? light.where - surface.position : light.where;
-    if (!(glm::dot(surface.normal, toward) > 0.0f)) {
-      penumbra = {0.0f, 0.0f};
-      continue;
-    }
-    const glm::vec3 start = ray_origin_to_light(drawing.traced, surface, drawing.rays.eye);
+    const bool faces_center = glm::dot(surface.normal, toward) > 0.0f;
     glm::vec3 where = light.where;
     if (soft) {
       const auto [right, up] = light.point ? disc_axes(toward) : std::pair(light.right, light.up);
       where = light.where + light.size * (disc_places[k].x * right + disc_places[k].y * up);
       toward = light.point ? where - surface.position : where;
-      if (!(glm::dot(surface.normal, toward) > 0.0f)) {
-        penumbra = {0.0f, 0.0f};  // radius 0: the surface itself blocks the light
-        continue;
-      }
     }
+    // Only surfaces with a roughness reflect a light whose centre is below their horizon.
+    const bool reflects = faces_center || (soft && block.roughness[k] >= 0.0f);
+    if (!reflects || !(glm::dot(surface.normal, toward) > 0.0f)) {
+      penumbra = {0.0f, 0.0f};  // radius 0: the surface itself blocks the light
+      continue;
+    }
+    const glm::vec3 start = ray_origin_to_light(drawing.traced, surface, drawing.rays.eye);
     if (!light.point) {
       to_light.set(k, start, toward, 0.0f, std::numeric_limits<float>::infinity());
     } else if (!soft && glm::distance(start, surface.position) > kEndRounding * glm::length(toward)) {

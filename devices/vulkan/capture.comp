@@ -126,6 +126,7 @@ struct Receiver {
   vec3 direction;  // of the camera's ray
   int block;
   bool softened;  // record penumbra radii, since the shadows of this layer will be softened
+  bool rough;     // the material has a roughness
 };
 
 // Returns whether a ray to a point on the light's disc is unblocked.
@@ -133,15 +134,15 @@ bool reaches_light(Receiver r, int light, bool soft, vec2 disc_place) {
   bool point = C.light_point[light] != 0;
   vec3 where = light_vector(C.light_where, light);
   vec3 toward_center = point ? where - r.s.position : where, toward = toward_center;
-  bool faces = dot(r.s.normal, toward) > 0.0f;
-  if (faces && soft) {
+  // Only surfaces with a roughness reflect a light whose centre is below their horizon.
+  bool reflects = dot(r.s.normal, toward) > 0.0f || (soft && r.rough);
+  if (soft) {
     vec3 right = light_vector(C.light_right, light), up = light_vector(C.light_up, light);
     if (point) disc_axes(toward, right, up);
     where += C.light_size[light] * (disc_place.x * right + disc_place.y * up);
     toward = point ? where - r.s.position : where;
-    faces = dot(r.s.normal, toward) > 0.0f;
   }
-  if (!faces) {
+  if (!reflects || !(dot(r.s.normal, toward) > 0.0f)) {
     if (r.softened) narrow(r.block, vec2(0.0f));
     return false;
   }
@@ -305,7 +306,7 @@ void main() {
         if (k == 0) block_across[block] = block_down[block] = floatBitsToUint(kInfinity);
         barrier();
       }
-      Receiver receiver = Receiver(s, start, hit.t, ray.direction, block, softened);
+      Receiver receiver = Receiver(s, start, hit.t, ray.direction, block, softened, material.roughness >= 0.0f);
       float lit = shadow_of(receiver, is_hit, light, k);
       if (is_hit) store(first + kShadowSlot + C.light_index[light], index, lit);
       if (softened) {

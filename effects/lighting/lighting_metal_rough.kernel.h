@@ -26,9 +26,10 @@ FN Finish finish_of(Vec3 normal, Vec3 eye, Vec3 base, Real metallic, Real roughn
                 max(rough * rough, Real(kMinAlpha)), max(facing, Real(kMinCosine)));
 }
 
-// Returns the radiance under a light of radiance 1 on white. `lambert`: cosine of the light's centre; `sine`: of the
-// angular radius of the light. A disc is replaced by its point nearest to the mirrored direction [Karis 2013,
-// "Spherical Area Lights"], with the lobe's energy kept as in Unreal Engine's BRDF.ush.
+// Returns the radiance under a light of radiance 1 on white. `lambert`: cosine of the light's centre, at least 0; `sine`:
+// of the angular radius of the light. A disc is replaced by its point nearest to the mirrored direction [Karis 2013,
+// "Spherical Area Lights"], which may be above the horizon when the centre is not. The lobe's energy is kept as in Unreal
+// Engine's BRDF.ush, but for a disc that half vectors stretch by 1 / V.H across the plane of incidence alone.
 FN Vec3 reflected_light(Finish f, Vec3 light, Real lambert, Real sine) {
   Vec3 off = f.mirrored * dot(light, f.mirrored) - light;
   Real fraction = min(sine * rsqrt(max(dot(off, off), Real(1e-12f))), Real(1.0f));
@@ -40,7 +41,8 @@ FN Vec3 reflected_light(Finish f, Vec3 light, Real lambert, Real sine) {
   Real vh = max(dot(f.eye, halfway), Real(0.0f));
   Real a2 = f.alpha * f.alpha;
   Real spread = mad(a2, nh * nh, dot(across, across));
-  Real kept = a2 / (a2 + sine * mad(f.alpha, Real(3.0f), sine) * 0.25f / (vh + 0.001f));
+  Real stretch = Real(1.0f) / (vh + 0.001f);
+  Real kept = a2 / (a2 + sine * mad(sine * stretch, Real(0.25f), f.alpha * (stretch + 1.0f) * 0.375f));
   Real masking =
       nl * sqrt(mad(f.cosine * f.cosine, Real(1.0f) - a2, a2)) + f.cosine * sqrt(mad(nl * nl, Real(1.0f) - a2, a2));
   Real lobe = a2 * kept * nl * 0.5f / max(spread * spread * masking, Real(1e-30f));
@@ -48,8 +50,7 @@ FN Vec3 reflected_light(Finish f, Vec3 light, Real lambert, Real sine) {
   Vec3 fresnel = f.reflectance + (gray_of(Real(1.0f)) - f.reflectance) * grazing;
   // The diffuse part is that of the dielectric, whatever the metal reflects.
   Real refracted = (Real(1.0f) - grazing) * (1.0f - kDielectricReflectance);
-  Vec3 sum = f.diffuse * (refracted * lambert * Real(C.diffuse)) + fresnel * (lobe * Real(C.specular));
-  return select(lambert > 0.0f, sum, gray_of(Real(0.0f)));
+  return f.diffuse * (refracted * lambert * Real(C.diffuse)) + fresnel * (lobe * Real(C.specular));
 }
 
 FN Vec3 reflection_texel(Int index) {
