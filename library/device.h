@@ -42,7 +42,7 @@ class DeviceObject final : public Object {
   /// Data of a job that occupy device memory, to be freed.
   struct DeferredRelease {
     std::unique_ptr<Scene> scene;
-    std::vector<Frame> frames;
+    Frame frame;
   };
   /// Frees the memory now, or when the current ExclusiveUse ends.
   void release_later(std::list<DeferredRelease> deferred) noexcept;

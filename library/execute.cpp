@@ -11,6 +11,7 @@
 #include "renderer/passes.h"
 #include "renderer/reduced_rows.h"
 #include "renderer/setting_warnings.h"
+#include "renderer/shade.h"
 #include "renderer/written_passes.h"
 
 namespace umbrage {
@@ -77,7 +78,7 @@ class SceneInUse {
 }  // namespace
 
 JobObject::~JobObject() {
-  deferred_release_.front() = {std::move(completed_.scene), std::move(kept_.captures)};
+  deferred_release_.front() = {std::move(completed_.scene), std::move(kept_.frame)};
   device_->release_later(std::move(deferred_release_));
 }
 
@@ -241,7 +242,7 @@ Result<void> JobObject::prepare_scene(Recipe& recipe, const ProgressMonitor& mon
   for (const std::string& warning : warnings) device_->report_warning(warning);
   if (scene_->version() != completed_.version) lightings_.clear();
   std::list<DeviceObject::DeferredRelease> deferred(1);
-  deferred.front() = {std::move(completed_.scene), std::move(kept_.captures)};
+  deferred.front() = {std::move(completed_.scene), std::move(kept_.frame)};
   device_->release_later(std::move(deferred));
   kept_.clear();
   completed_ = {};

@@ -128,7 +128,7 @@ class JobObject final : public Object {
   CompletedScene completed_;
   std::map<std::string, Lighting> lightings_;  // default lights of a scene without lights, by light_key
   Hdri hdri_;                                  // with its panorama
-  KeptCaptures kept_;
+  KeptCapture kept_;
 };
 
 }  // namespace umbrage

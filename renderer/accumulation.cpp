@@ -83,29 +83,30 @@ void for_added_pixels(const PictureSum& total, bool whole, int y, int width, con
 
 }  // namespace
 
-void count_picture(PictureSum& total, bool whole) {
+PictureSum empty_sum(const std::vector<std::string>& names, int width, const Rows& rows) {
+  PictureSum total{.first = rows.begin, .sum = Image(width, rows.count())};
+  for (const std::string& name : names) total.sum.add(name) = Plane(width, rows.count(), 0.0f);
+  return total;
+}
+
+void count_sample(PictureSum& total, bool whole) {
   ++total.count;
   total.whole += whole ? 1 : 0;
 }
 
-void add_planes(PictureSum& total, const std::vector<std::string>& names, std::span<const Plane* const> planes,
-                int first, bool whole) {
-  if (planes.empty() || planes[0]->height == 0) return;
-  const int width = planes[0]->width;
-  if (total.sum.names != names || total.sum.width != width)
-    fail_check("pictures that are averaged must have the same planes");
-  const auto find = [&](std::string_view name) {
-    const auto found = std::find(names.begin(), names.end(), name);
-    return found == names.end() ? nullptr : planes[std::size_t(found - names.begin())];
-  };
-  const Plane *alpha = find("color.a"), *beauty_alpha = find("beauty.a");
-  for_rows_on(total.threads, planes[0]->height, [&](int y) {
-    for (std::size_t k = 0; k < names.size(); ++k) {
-      const bool color = alpha && is_color(names[k]) && planes[k] != alpha;
-      const bool beauty = beauty_alpha && is_beauty(names[k]) && planes[k] != beauty_alpha;
-      const float* in = planes[k]->row(y);
-      float* out = total.sum.planes[k].row(first + y);
-      for_added_pixels(total, whole, first + y, width, [&](int x0, int x1) {
+void add_rows(PictureSum& total, const Image& rows, int first, bool whole) {
+  if (total.sum.width != rows.width) fail_check("samples that are averaged must have the same size");
+  const Plane *alpha = rows.find("color.a"), *beauty_alpha = rows.find("beauty.a");
+  for_rows_on(total.threads, rows.height, [&](int y) {
+    for (std::size_t k = 0; k < total.sum.names.size(); ++k) {
+      const std::string& name = total.sum.names[k];
+      const Plane& plane = rows.plane(name);
+      const bool color = alpha && is_color(name) && &plane != alpha;
+      const bool beauty = beauty_alpha && is_beauty(name) && &plane != beauty_alpha;
+      const float* in = plane.row(y);
+      const int to = first - total.first + y;
+      float* out = total.sum.planes[k].row(to);
+      for_added_pixels(total, whole, to, rows.width, [&](int x0, int x1) {
         if (color)
           add_color(in + x0, alpha->row(y) + x0, x1 - x0, total.as_square_roots, out + x0);
         else
@@ -115,8 +116,6 @@ void add_planes(PictureSum& total, const std::vector<std::string>& names, std::s
     }
   });
 }
-
-void add_picture(PictureSum& total, const Image& picture) { add_rows(total, picture, 0, picture.height); }
 
 void count_as_one(PictureSum& total) {
   if (total.count == total.whole) return;
@@ -131,28 +130,17 @@ void count_as_one(PictureSum& total) {
   total.count = total.whole;
 }
 
-void add_rows(PictureSum& total, const Image& rows, int first, int height) {
-  if (rows.height == 0) return;
-  if (total.sum.planes.empty()) {
-    total.sum = Image(rows.width, height);
-    for (const std::string& name : rows.names) total.sum.add(name) = Plane(rows.width, height, 0.0f);
-  }
-  std::vector<const Plane*> planes;
-  for (const Plane& plane : rows.planes) planes.push_back(&plane);
-  if (first == 0) count_picture(total, true);
-  add_planes(total, rows.names, planes, first, true);
-}
-
 PictureSum rows_of(const PictureSum& total, int first, int count) {
   PictureSum rows{.as_square_roots = total.as_square_roots,
-                  .per_sample = total.per_sample,
                   .threads = total.threads,
+                  .first = first,
                   .count = total.count,
+                  .whole = total.whole,
                   .sum = Image(total.sum.width, count)};
   for (const std::string& name : total.sum.names) {
     const Plane& from = total.sum.plane(name);
     Plane& to = rows.sum.add(name);
-    for (int y = 0; y < count; ++y) std::copy_n(from.row(first + y), from.width, to.row(y));
+    for (int y = 0; y < count; ++y) std::copy_n(from.row(first - total.first + y), from.width, to.row(y));
   }
   return rows;
 }
@@ -161,8 +149,7 @@ namespace {
 
 /// Returns the mean of a plane of the sum. `mean`: that plane, or a copy.
 Plane mean_plane(const PictureSum& total, Plane mean) {
-  const float count = float(total.count) / float(total.per_sample);
-  const float whole = float(total.whole) / float(total.per_sample);
+  const auto count = float(total.count), whole = float(total.whole);
   for_rows_on(total.threads, mean.height, [&](int y) {
     float* row = mean.row(y);
     if (total.marks.width == 0) {

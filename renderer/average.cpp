@@ -52,6 +52,41 @@ std::vector<std::string> averaged_planes(const Plan& plan) {
   return names;
 }
 
+Average::Average(const Device& device, const Plan& plan, const Rows& rows, Plane marks)
+    : sum_(empty_sum(averaged_planes(plan), plan.recipe.width, rows)) {
+  sum_.as_square_roots = plan.recipe.look->averages_square_roots;
+  sum_.threads = device.threads();
+  sum_.marks = std::move(marks);
+}
+
+std::vector<std::string> Average::planes_of(const Plan& plan) {
+  std::vector<std::string> names = averaged_planes(plan);
+  if (!plan.capture.blended) return names;
+  names = with_blend_planes(std::move(names));
+  const auto lines = plan.capture.sample == 0 ? line_planes(plan) : std::vector<std::string>();
+  names.insert(names.end(), lines.begin(), lines.end());
+  return names;
+}
+
+void Average::add(const Plan& plan, Image rows, int first) {
+  if (rows.height == 0) return;  // a strip of the guard band
+  const bool whole = !plan.marked || plan.capture.sample == 0;
+  if (plan.capture.blended)
+    blended_.take_front(rows, line_planes(plan), first);
+  else if (plan.has_blended)
+    blended_.weigh_behind(rows, first);
+  if (!plan.capture.blended && first == sum_.first) count_sample(sum_, whole);
+  add_rows(sum_, rows, first, whole);
+}
+
+Result<void> Average::add(Device& device, const Plan& plan, const Frame& frame, int begin) {
+  const std::vector<std::string> names = planes_of(plan);
+  auto rows = plan.has_blended ? device.download(frame, names) : device.view(frame, names);
+  if (!rows) return rows.error();
+  add(plan, std::move(*rows), std::max(begin - frame.info.guard, 0));
+  return {};
+}
+
 namespace {
 
 constexpr std::size_t kChannels = 4;
@@ -94,9 +129,9 @@ Result<void> finish_pass(Device& device, PictureSum& total, const Plan& plan, co
 
 }  // namespace
 
-Result<Image> finished_picture(Device& device, PictureSum& total, const Plan& plan, const Image& lines,
+Result<Image> finished_average(Device& device, PictureSum total, const Plan& plan, const Image& lines,
                                const PictureInfo& info) {
-  Image finished(total.sum.width, total.sum.height);
+  Image finished = mean_planes(total, other_averaged_planes(plan));
   for (const std::string& pass : picture_passes(plan.recipe))
     if (auto status = finish_pass(device, total, plan, pass, lines, info, finished); !status) return status.error();
   return finished;
@@ -120,26 +155,15 @@ Image with_guard_band(Image inner, int guard) {
 
 }  // namespace
 
-Result<void> finish_average(Device& device, PictureSum& total, const Plan& plan, const BlendedSample& blended,
-                            Frame& frame) {
-  if (auto status =
-          device.add(with_guard_band(mean_planes(total, other_averaged_planes(plan)), frame.info.guard), frame);
-      !status)
-    return status;
-  Image lines;
-  if (const auto planes = line_planes(plan); !planes.empty()) {
-    auto image = device.download(frame, planes);
-    if (!image) return image.error();
-    lines = std::move(*image);
-    if (plan.has_blended) {
-      blended.join_lines(lines, 0);
-      if (auto status = device.add(with_guard_band(lines, frame.info.guard), frame); !status) return status;
-    }
-  }
-  if (picture_passes(plan.recipe).empty()) return {};
-  auto picture = finished_picture(device, total, plan, lines, inner_info(frame.info));
-  if (!picture) return picture.error();
-  return device.add(with_guard_band(std::move(*picture), frame.info.guard), frame);
+Result<void> finish_average(Device& device, Average average, const Plan& plan, Frame& frame) {
+  auto lines = device.download(frame, line_planes(plan));
+  if (!lines) return lines.error();
+  average.join_lines(*lines, 0);
+  auto finished = finished_average(device, average.take_sum(), plan, *lines, inner_info(frame.info));
+  if (!finished) return finished.error();
+  if (plan.has_blended)
+    for (std::size_t k = 0; k < lines->names.size(); ++k) finished->add(lines->names[k]) = std::move(lines->planes[k]);
+  return device.add(with_guard_band(std::move(*finished), frame.info.guard), frame);
 }
 
 }  // namespace umbrage

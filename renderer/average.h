@@ -19,15 +19,43 @@ std::vector<std::string> other_averaged_planes(const Plan& plan);
 /// Returns the planes of sample 0 from which `output` draws the lines.
 std::vector<std::string> line_planes(const Plan& plan);
 
-/// Returns the finished averaged picture, as planes color.r, .g, .b and .a or beauty.r and so on.
-/// Takes their planes out of the sum. `lines`: the line_planes of sample 0. `info`: properties of a picture that has
-/// the size of the sum.
-Result<Image> finished_picture(Device& device, PictureSum& total, const Plan& plan, const Image& lines,
+/// The average of the samples of a plan, of all rows of the picture or of some, while they are drawn. A sample with
+/// blended surfaces is the sum of two pictures; the rows of the one in front are added before those of the one behind.
+/// Rows are those without the guard band.
+class Average {
+ public:
+  /// An average of nothing.
+  Average() = default;
+  /// `marks`: the pixels of `rows` to which further samples are added, if the plan has marked samples.
+  Average(const Device& device, const Plan& plan, const Rows& rows, Plane marks = {});
+
+  /// Returns the planes that `add` takes of the picture to which a plan is set.
+  static std::vector<std::string> planes_of(const Plan& plan);
+  /// Adds rows of the picture to which a plan is set; `first`: index of the first row.
+  void add(const Plan& plan, Image rows, int first);
+  /// Adds a drawn picture, or strip of it. `begin`: its first row, guard band included.
+  Result<void> add(Device& device, const Plan& plan, const Frame& frame, int begin);
+
+  /// See accumulation.h.
+  void count_as_one() { umbrage::count_as_one(sum_); }
+  /// See BlendedSample.
+  void join_lines(Image& rows, int first) const { blended_.join_lines(rows, first); }
+  /// Returns the sum of these rows.
+  PictureSum sum_of(int first, int count) const { return rows_of(sum_, first, count); }
+  /// Takes the sum of all rows out of the average.
+  PictureSum take_sum() { return std::move(sum_); }
+
+ private:
+  PictureSum sum_;
+  BlendedSample blended_;  // of sample 0 in the end
+};
+
+/// Returns the finished planes of an average: the picture, as color.r, .g, .b and .a or beauty.r and so on, and the
+/// other means. `lines`: the line_planes of sample 0. `info`: properties of a picture that has the size of the sum.
+Result<Image> finished_average(Device& device, PictureSum total, const Plan& plan, const Image& lines,
                                const PictureInfo& info);
 
-/// Computes the finished colour and the other means, and stores them in `frame`, the frame of sample 0. Its lines are
-/// joined with those of `blended`.
-Result<void> finish_average(Device& device, PictureSum& total, const Plan& plan, const BlendedSample& blended,
-                            Frame& frame);
+/// Stores the finished planes in `frame`, the frame of sample 0, and joins its lines with those of blended surfaces.
+Result<void> finish_average(Device& device, Average average, const Plan& plan, Frame& frame);
 
 }  // namespace umbrage

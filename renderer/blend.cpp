@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 
-#include "core/check.h"
+#include "core/lists.h"
+#include "core/strip.h"
 
 namespace umbrage {
 namespace {
@@ -11,14 +12,20 @@ namespace {
 constexpr const char* kOpacityPlane = "opacity";
 constexpr std::array<const char*, 3> kTransmittancePlanes = {"transmittance.r", "transmittance.g", "transmittance.b"};
 
-void multiply(Plane& plane, const auto& weight) {
-  for (int y = 0; y < plane.height; ++y) {
+/// Multiplies rows of a plane by a weight.
+void multiply(Plane& plane, const Rows& rows, const auto& weight) {
+  for (int y = rows.begin; y < rows.end; ++y) {
     float* row = plane.row(y);
     for (int x = 0; x < plane.width; ++x) {
       const float factor = weight(x, y);
       row[x] = factor == 0.0f ? 0.0f : row[x] * factor;  // the value may be undefined there
     }
   }
+}
+
+/// Returns the rows of a picture, which begin with `first`, that are rows of `part`, too, which begins with `begin`.
+Rows rows_in(const Image& rows, int first, const Image& part, int begin) {
+  return {std::max(begin - first, 0), std::min(begin - first + part.height, rows.height)};
 }
 
 /// Returns the index of the plane's colour channel, or -1 if it has none.
@@ -31,18 +38,6 @@ int channel_of(std::string_view name) {
 /// Returns the strength of lines of a surface that covers this fraction of a pixel.
 float line_weight(float fraction) { return std::min(fraction / kGlassOpacity, 1.0f); }
 
-void copy_rows(const Image& rows, const std::vector<std::string>& names, int first, int height, Image& whole) {
-  if (whole.planes.empty()) {
-    whole = Image(rows.width, height);
-    for (const std::string& name : names)
-      whole.add(name) = Plane(rows.width, height, name.starts_with("transmittance") ? 1.0f : 0.0f);
-  }
-  check_less(first + rows.height, whole.height + 1, "rows of a picture");
-  for (const std::string& name : names)
-    for (int y = 0; y < rows.height; ++y)
-      std::copy_n(rows.plane(name).row(y), rows.width, whole.plane(name).row(first + y));
-}
-
 }  // namespace
 
 std::vector<std::string> with_blend_planes(std::vector<std::string> names) {
@@ -51,56 +46,69 @@ std::vector<std::string> with_blend_planes(std::vector<std::string> names) {
   return names;
 }
 
-void BlendedSample::take_front(Image& rows, int first, int height) {
-  if (rows.height == 0) return;
-  copy_rows(rows, with_blend_planes({}), first, height, weights_);
-  Image others(rows.width, rows.height);
-  const Plane& opacity = weights_.plane(kOpacityPlane);
+void BlendedSample::take_front(Image& rows, const std::vector<std::string>& lines, int first) {
+  const std::vector<std::string> weight_names = with_blend_planes({});
+  Image weights(rows.width, rows.height), own_lines = weights, others = weights;
   for (std::size_t k = 0; k < rows.names.size(); ++k) {
-    if (weights_.find(rows.names[k])) continue;
-    Plane& plane = others.add(rows.names[k]) = std::move(rows.planes[k]);
+    const std::string& name = rows.names[k];
+    Image& to = contains(weight_names, name) ? weights : contains(lines, name) ? own_lines : others;
+    to.add(name) = std::move(rows.planes[k]);
+  }
+  rows = std::move(others);
+  const Plane& opacity = weights.plane(kOpacityPlane);
+  const Rows all{0, rows.height};
+  for (std::size_t k = 0; k < rows.names.size(); ++k) {
     // Colour has straight alpha: its alpha has the weight.
     const bool straight = rows.names[k].starts_with("color.") && channel_of(rows.names[k]) >= 0;
-    multiply(plane, [&](int x, int y) {
-      const float weight = opacity.row(first + y)[x];
+    multiply(rows.planes[k], all, [&](int x, int y) {
+      const float weight = opacity.row(y)[x];
       return straight && weight > 0.0f ? 1.0f : weight;
     });
   }
-  rows = std::move(others);
-}
-
-void BlendedSample::weigh_behind(Image& rows, int first) const {
-  const Plane& opacity = weights_.plane(kOpacityPlane);
-  for (std::size_t k = 0; k < rows.names.size(); ++k) {
-    const int channel = channel_of(rows.names[k]);
-    if (channel < 0) {
-      multiply(rows.planes[k], [&](int x, int y) { return 1.0f - opacity.row(first + y)[x]; });
-      continue;
-    }
-    const Plane& transmittance = weights_.plane(kTransmittancePlanes[std::size_t(channel)]);
-    const bool straight = rows.names[k].starts_with("color.");
-    multiply(rows.planes[k], [&](int x, int y) {
-      const float passing = transmittance.row(first + y)[x], clear = 1.0f - opacity.row(first + y)[x];
-      return straight ? passing / std::max(clear, 1e-6f) : passing;
-    });
+  if (!own_lines.planes.empty()) {
+    for (Plane& plane : own_lines.planes)
+      multiply(plane, all, [&](int x, int y) { return line_weight(opacity.row(y)[x]); });
+    own_lines.add(kOpacityPlane) = opacity;
+    lines_[first] = std::move(own_lines);
   }
+  weights_[first] = std::move(weights);
 }
 
-void BlendedSample::take_lines(const Image& rows, const std::vector<std::string>& names, int first, int height) {
-  if (rows.height == 0) return;
-  copy_rows(rows, names, first, height, lines_);
-  const Plane& opacity = weights_.plane(kOpacityPlane);
-  for (const std::string& name : names)
-    for (int y = first; y < first + rows.height; ++y)
-      for (int x = 0; x < rows.width; ++x) lines_.plane(name).row(y)[x] *= line_weight(opacity.row(y)[x]);
+void BlendedSample::weigh_behind(Image& rows, int first) {
+  for (const auto& [begin, weights] : weights_) {
+    const Rows both = rows_in(rows, first, weights, begin);
+    const int offset = first - begin;  // of a row in the weights
+    const Plane& opacity = weights.plane(kOpacityPlane);
+    for (std::size_t k = 0; k < rows.names.size(); ++k) {
+      const int channel = channel_of(rows.names[k]);
+      if (channel < 0) {
+        multiply(rows.planes[k], both, [&](int x, int y) { return 1.0f - opacity.row(y + offset)[x]; });
+        continue;
+      }
+      const Plane& transmittance = weights.plane(kTransmittancePlanes[std::size_t(channel)]);
+      const bool straight = rows.names[k].starts_with("color.");
+      multiply(rows.planes[k], both, [&](int x, int y) {
+        const float passing = transmittance.row(y + offset)[x], clear = 1.0f - opacity.row(y + offset)[x];
+        return straight ? passing / std::max(clear, 1e-6f) : passing;
+      });
+    }
+  }
+  std::erase_if(weights_, [&](const auto& each) {
+    return each.first >= first && each.first + each.second.height <= first + rows.height;
+  });
 }
 
 void BlendedSample::join_lines(Image& rows, int first) const {
-  for (const std::string& name : lines_.names)
-    for (int y = 0; y < rows.height; ++y) {
-      const float *front = lines_.plane(name).row(first + y), *opacity = weights_.plane(kOpacityPlane).row(first + y);
-      float* row = rows.plane(name).row(y);
-      for (int x = 0; x < rows.width; ++x) row[x] = std::max(row[x] * line_weight(1.0f - opacity[x]), front[x]);
+  for (const auto& [begin, lines] : lines_)
+    for (const std::string& name : lines.names) {
+      if (name == kOpacityPlane) continue;
+      const Rows both = rows_in(rows, first, lines, begin);
+      for (int y = both.begin; y < both.end; ++y) {
+        const int in_front = y + first - begin;
+        const float *front = lines.plane(name).row(in_front), *opacity = lines.plane(kOpacityPlane).row(in_front);
+        float* row = rows.plane(name).row(y);
+        for (int x = 0; x < rows.width; ++x) row[x] = std::max(row[x] * line_weight(1.0f - opacity[x]), front[x]);
+      }
     }
 }
 

@@ -57,12 +57,12 @@ Result<std::vector<std::string>> read_changed_hdri(Hdri& hdri, const Hdri& last,
   return hdri.panorama ? Result<std::vector<std::string>>(std::vector<std::string>()) : read_hdri(hdri, monitor);
 }
 
-void KeptCaptures::clear() {
+void KeptCapture::clear() {
   plan.reset();
-  captures.clear();
+  frame = {};
 }
 
-Result<Drawn> draw_keeping(Device& device, const Scene& scene, const Plan& plan, KeptCaptures& kept, StageTimes& times,
+Result<Drawn> draw_keeping(Device& device, const Scene& scene, const Plan& plan, KeptCapture& kept, StageTimes& times,
                            const std::function<Result<void>()>& prepare, const ProgressMonitor& capturing,
                            const ProgressMonitor& monitor, const Continuation& more) {
   if (plan.averages()) {
@@ -71,16 +71,16 @@ Result<Drawn> draw_keeping(Device& device, const Scene& scene, const Plan& plan,
     kept.made += plan.recipe.frames;
     return draw(device, scene, plan, times, monitor, {}, more);
   }
-  if (!kept.plan || !same_captures(*kept.plan, plan)) {
+  if (!kept.plan || !same_capture(*kept.plan, plan)) {
     kept.clear();
     if (auto ready = prepare(); !ready) return ready.error();
     auto captured = capture(device, plan, times, capturing);
     if (!captured) return captured.error();
-    kept.captures = std::move(*captured);
+    kept.frame = std::move(*captured);
     kept.plan = plan;
     ++kept.made;
   }
-  return draw_captured(device, scene, plan, kept.captures, times, monitor);
+  return draw_captured(device, scene, plan, kept.frame, times, monitor);
 }
 
 }  // namespace umbrage

@@ -34,19 +34,19 @@ std::string light_key(const Recipe& recipe);
 /// warnings. Errors: those of read_hdri.
 Result<std::vector<std::string>> read_changed_hdri(Hdri& hdri, const Hdri& last, const ProgressMonitor& monitor = {});
 
-/// The captures of the last picture, which are reused while only settings of effects change.
-struct KeptCaptures {
+/// The capture of the last picture, which is reused while only settings of effects change.
+struct KeptCapture {
   std::optional<Plan> plan;
-  Captures captures;
+  Frame frame;
   long made = 0;  ///< number of captures so far
 
   void clear();
 };
 
-/// Draws a plan of a scene as `draw`, with kept captures if they are valid. Keeps none of averaged pictures, since
+/// Draws a plan of a scene as `draw`, with the kept capture if it is valid. Keeps none of averaged pictures, since
 /// captures of many samples would need too much memory. `prepare` prepares the device and is called before each
 /// capture. `capturing`: monitor of the capture. Errors: those of `draw` and of `prepare`.
-Result<Drawn> draw_keeping(Device& device, const Scene& scene, const Plan& plan, KeptCaptures& kept, StageTimes& times,
+Result<Drawn> draw_keeping(Device& device, const Scene& scene, const Plan& plan, KeptCapture& kept, StageTimes& times,
                            const std::function<Result<void>()>& prepare, const ProgressMonitor& capturing,
                            const ProgressMonitor& monitor, const Continuation& more = {});
 

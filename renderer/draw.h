@@ -67,36 +67,20 @@ struct Drawn {
 Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
                    const ProgressMonitor& monitor = {}, std::optional<float> stops = {}, const Continuation& more = {});
 
-/// The captured planes of a plan before any effect has run, in the order in which they are drawn.
-using Captures = std::vector<Frame>;
-
-/// Captures all pictures of a plan. The device has finished all work when this returns, so all errors of the device are
-/// reported here; the times of its dispatches are dropped. Errors: kInterrupted; the errors of the device.
-Result<Captures> capture(Device& device, const Plan& plan, StageTimes& times, const ProgressMonitor& monitor = {});
-/// Returns whether captures of one plan are valid for the other plan: the plans differ only in effects.
-bool same_captures(const Plan& a, const Plan& b);
-/// Draws from captures, which stay unchanged. The picture is bitwise identical to the picture that `draw` returns.
-Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan, const Captures& captures,
-                            StageTimes& times, const ProgressMonitor& monitor = {}, std::optional<float> stops = {});
+/// Captures the picture of a plan that does not average, before any effect has run. The device has finished all work
+/// when this returns, so all errors of the device are reported here; the times of its dispatches are dropped. Errors:
+/// kInterrupted; the errors of the device.
+Result<Frame> capture(Device& device, const Plan& plan, StageTimes& times, const ProgressMonitor& monitor = {});
+/// Returns whether the capture of one plan is valid for the other plan: the plans differ only in effects.
+bool same_capture(const Plan& a, const Plan& b);
+/// Draws from a capture, which stays unchanged. The picture is bitwise identical to the picture that `draw` returns.
+Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan, const Frame& captured,
+                            StageTimes& times, const ProgressMonitor& monitor = {});
 
 /// Plans and draws a scene that `complete_scene` has completed.
 Result<Frame> draw(Device& device, const Scene& scene, const Recipe& recipe, StageTimes& times);
 
 /// Makes a recipe, plans and draws; environment images are not read. Errors: kUsage; the errors of `draw`.
 Result<Frame> draw(Device& device, const Scene& scene, const Request& request, StageTimes& times);
-
-/// Returns a recipe from make_shading_recipe with its radius in scene units. If `info` of a G-buffer has no lights, a
-/// look gets the default lights, placed relative to the camera as for a model without lights. Errors: kUsage for a
-/// radius larger than the scene.
-Result<Recipe> complete_shading(const Recipe& recipe, PictureInfo& info);
-
-/// Shades a G-buffer of another renderer with a recipe from make_shading_recipe. Missing normals are reconstructed from
-/// depth. `stops`: exposure of another picture, used in place of metering. Errors: kUsage for missing planes; those of
-/// complete_shading; kInterrupted.
-Result<Drawn> shade_planes(Device& device, GBuffer gbuffer, const Recipe& recipe, StageTimes& times,
-                           const ProgressMonitor& monitor = {}, std::optional<float> stops = {});
-
-/// Adds the environment image to a frame if the plan shows it as background.
-Result<void> add_sky(Device& device, const Plan& plan, Frame& frame);
 
 }  // namespace umbrage

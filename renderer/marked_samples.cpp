@@ -7,7 +7,6 @@
 #include "devices/shared/capture_info.h"
 #include "effects/effects.h"
 #include "effects/resample/resample.h"
-#include "renderer/average.h"
 
 namespace umbrage {
 namespace {
@@ -85,14 +84,15 @@ void capture_surfaces_alone(CaptureSettings& capture) {
   capture.ray_offsets = false;
 }
 
-}  // namespace
-
+/// Sets the plan to a sample that is drawn at marked pixels and returns its camera.
 Camera begin_marked(Plan& plan, int sample) {
   const Camera camera = begin_picture(plan, {.sample = sample});
   capture_surfaces_alone(plan.capture);
   plan.capture.soft_shadows = false;
   return camera;
 }
+
+}  // namespace
 
 EffectStep marking_step(const Plan& plan, const PictureInfo& info) {
   return {&resample(), resample_params(plan, info, kResampleMark)};
@@ -106,9 +106,11 @@ void add_margins_for_further(const Plan& plan, const PictureInfo& info, Margins&
   after["marks"] = {margin - 1, margin - 1};
 }
 
-Result<std::optional<float>> metered_with_blended(Device& device, const Plan& plan, const GetFrame& get, LookRun run) {
+Result<std::optional<float>> metered_with_blended(const Drawing& drawing, const Plan& plan) {
   constexpr int kMaxSide = 256;
+  const DrawProgress::Part part(drawing.progress, 0.0, 1.0 / plan.pictures());
   Plan small = plan;
+  small.marked = false;
   const Camera camera = begin_picture(small, {.blended = true});
   int& width = small.capture.width;
   int& height = small.capture.height;
@@ -116,10 +118,10 @@ Result<std::optional<float>> metered_with_blended(Device& device, const Plan& pl
   width = std::max(int(width * scale), 1);
   height = std::max(int(height * scale), 1);
   small.capture.guard = 0;
-  small.capture.strip.reset();
-  auto frame = get(small, camera);
+  auto frame = drawing.capture(small, camera);
   if (!frame) return frame.error();
   std::optional<float> stops;
+  LookRun run = drawing.run;
   run.settings = &small.recipe.settings;
   run.kept.reset();
   run.after = [](std::string_view) {};
@@ -134,20 +136,21 @@ Result<std::optional<float>> metered_with_blended(Device& device, const Plan& pl
     return operation.kind == OperationKind::kMeter && operation.exposure != Exposure::kLights;
   });
   if (!meters || run.stops) return stops;
-  const auto state = run_look(run, device, *frame);
+  const auto state = run_look(run, drawing.device, *frame);
   return state ? Result<std::optional<float>>(stops) : state.error();
 }
 
-Result<Frame> capture_first(Device& device, const Plan& plan, const Camera& camera, const GetFrame& get,
-                            const ProgressMonitor& monitor) {
-  auto frame = get(plan, camera);
-  if (!frame) return frame;
-  const EffectStep step = marking_step(plan, frame->info);
-  const auto marked = device.run(*step.effect, step.params, *frame, {}, monitor);
-  return marked ? frame : marked.error();
-}
-
 namespace {
+
+/// The first sample, whose frames have the planes that further samples borrow; of a strip, if the plan is of one.
+struct FirstSample {
+  Frame behind;                                       ///< without blended surfaces
+  Rows rows = {};                                     ///< of the strip, or all
+  std::optional<Frame> front = {};                    ///< of blended surfaces, where they show; empty if none does
+  Rows front_rows = {};                               ///< rows of that frame
+  std::shared_ptr<const PixelMask> marks = {};        ///< the pixels that further samples draw
+  std::shared_ptr<const PixelMask> front_marks = {};  ///< those of them at which blended surfaces may show
+};
 
 /// Returns a plane of a frame with its guard band; of a strip only its own rows.
 Result<Plane> whole_plane(Device& device, const Frame& frame, const std::string& name) {
@@ -200,12 +203,13 @@ Rows rows_of(const PixelMask& mask, const Rows& within) {
   return {rows.begin / kBlock * kBlock, std::min(block_end(rows.end), within.end)};
 }
 
-/// Returns the opacity of blended surfaces along the rays of the first sample in these rows. `in_strips`: captures them
-/// in strips, which takes less memory.
-Result<PixelMask> opacity_of(Device& device, const Plan& plan, const Camera& camera, const Rows& rows, bool in_strips,
-                             const GetFrame& get) {
+/// Returns the opacity of blended surfaces along the rays of the first sample in these rows, captured in strips if the
+/// device can, which takes less memory.
+Result<PixelMask> opacity_of(const Drawing& drawing, const Plan& plan, const Camera& camera, const Rows& rows) {
   constexpr int kRows = 128;
+  const bool in_strips = drawing.device.draws_strips();
   Plan opacity = plan;
+  opacity.marked = false;
   capture_surfaces_alone(opacity.capture);
   opacity.capture.shadows = opacity.capture.shadow_rays = 0;
   opacity.capture.planes = std::vector<std::string>();
@@ -213,9 +217,9 @@ Result<PixelMask> opacity_of(Device& device, const Plan& plan, const Camera& cam
   for (Rows part{rows.begin, rows.begin}; part.end < rows.end;) {
     part = {part.end, in_strips ? std::min(part.end + kRows, rows.end) : rows.end};
     if (in_strips) opacity.capture.strip = Strip{part, 0, std::make_shared<WholePlanes>()};
-    const auto frame = get(opacity, camera);
+    const auto frame = drawing.capture(opacity, camera);
     if (!frame) return frame.error();
-    const auto plane = whole_plane(device, *frame, "opacity");
+    const auto plane = whole_plane(drawing.device, *frame, "opacity");
     if (!plane) return plane.error();
     if (!all.plane.data()) all.plane = Plane(plane->width, rows.count());
     for (int y = 0; y < plane->height; ++y)
@@ -233,17 +237,18 @@ Margin reach_of_front(const Plan& plan, const PictureInfo& info) {
   return plan.given.needed(margins_before(look_run(plan.recipe), info, marking, after));
 }
 
-/// Completes the first sample with its blended surfaces: see complete_first. Adds their marks to `marks`, which begin
-/// at first.rows.
-Result<void> add_front(Device& device, Plan plan, bool in_strips, const GetFrame& get, const LookRun* run, Plane& marks,
-                       FirstSample& first) {
+/// Completes the first sample with its blended surfaces, in strips if the device can: captures them and runs the look
+/// on them. Adds their marks to `marks`, which begin at first.rows.
+Result<void> add_front(const Drawing& drawing, Plan plan, Plane& marks, FirstSample& first) {
   const PictureInfo& info = first.behind.info;
+  const bool in_strips = drawing.device.draws_strips();
+  const DrawProgress::Part part(drawing.progress, 1.0 / plan.pictures(), 2.0 / plan.pictures());
   const Camera camera = begin_picture(plan, {.blended = true});
   const Margin reach = reach_of_front(plan, info);
   Strip strip{first.rows, std::min(reach.rows, info.height), std::make_shared<WholePlanes>()};
   Rows rows = rows_with_margin(strip, info.height);
   rows.end = std::min(block_end(rows.end), info.height);
-  const auto opacity = opacity_of(device, plan, camera, rows, in_strips, get);
+  const auto opacity = opacity_of(drawing, plan, camera, rows);
   if (!opacity) return opacity.error();
   // Further samples may show a surface one pixel farther away, and borrow from the neighbours of that pixel.
   const PixelMask near{grown(opacity->plane, {1, 1}), opacity->first_row};
@@ -254,14 +259,12 @@ Result<void> add_front(Device& device, Plan plan, bool in_strips, const GetFrame
   if (in_strips && info.more_layers.empty() && std::max(reach.rows, reach.columns) < kAnywhere)
     plan.capture.mask =
         std::make_shared<PixelMask>(with_whole_blocks({grown(opacity->plane, reach), opacity->first_row}));
-  auto frame = capture_first(device, plan, camera, get, run ? run->monitor : ProgressMonitor());
+  auto frame = drawing.capture(plan, camera);
   if (!frame) return frame.error();
-  if (run) {
-    const auto shaded = run_look(*run, device, *frame);
-    if (!shaded) return shaded.error();
-    if (!shaded->finished) fail_check("blended surfaces wait for other strips");
-  }
-  const auto in_front = whole_plane(device, *frame, "marks");
+  const auto shaded = run_look(drawing.run, drawing.device, *frame);
+  if (!shaded) return shaded.error();
+  if (!shaded->finished) fail_check("blended surfaces wait for other strips");
+  const auto in_front = whole_plane(drawing.device, *frame, "marks");
   if (!in_front) return in_front.error();
   first.front_rows = in_strips ? strip.rows : first.rows;
   Plane front_marks(marks.width, first.front_rows.count(), 0.0f);
@@ -276,78 +279,51 @@ Result<void> add_front(Device& device, Plan plan, bool in_strips, const GetFrame
   return {};
 }
 
-}  // namespace
-
-Result<FirstSample> complete_first(Device& device, const Plan& plan, Frame behind, bool in_strips, const GetFrame& get,
-                                   const LookRun* run) {
-  FirstSample first{.behind = std::move(behind)};
-  first.rows = plan.capture.strip ? plan.capture.strip->rows : Rows{0, first.behind.info.height};
-  auto marks = whole_plane(device, first.behind, "marks");
+/// Completes the first sample of marked_average.
+Result<FirstSample> completed(const Drawing& drawing, const Plan& plan, const Frame& behind) {
+  FirstSample first{.behind = behind};
+  first.rows = plan.capture.strip ? plan.capture.strip->rows : Rows{0, behind.info.height};
+  auto marks = whole_plane(drawing.device, behind, "marks");
   if (!marks) return marks.error();
   if (plan.has_blended)
-    if (auto added = add_front(device, plan, in_strips, get, run, *marks, first); !added) return added.error();
+    if (auto added = add_front(drawing, plan, *marks, first); !added) return added.error();
   first.marks = std::make_shared<PixelMask>(PixelMask{std::move(*marks), first.rows.begin});
   return first;
 }
 
-namespace {
-
-/// Adds the pictures of a sample. `first`: it is the first one, which is added to all pixels. A strip is added to the
-/// sum of the whole picture if that is larger than the strip. `front_begin`: the first row of the picture in `front`.
-Result<void> add_sample(Device& device, const Plan& plan, const Frame* front, int front_begin, const Frame& behind,
-                        bool first, PictureSum& total) {
-  const std::vector<std::string> names = averaged_planes(plan);
-  const int guard = behind.info.guard, height = total.marks.height;
-  const int begin = plan.capture.strip ? std::max(plan.capture.strip->rows.begin - guard, 0) : 0;
-  const int first_row = height == behind.info.inner_height() ? begin : 0;
-  const auto add = [&](const Image& image, int row) {
-    std::vector<const Plane*> planes;
-    for (const Plane& plane : image.planes) planes.push_back(&plane);
-    add_planes(total, names, planes, row, first);
-  };
-  auto image = front ? device.download(behind, names) : device.view(behind, names);
-  if (!image) return image.error();
-  if (image->height == 0) return {};  // a strip of the guard band
-  if (plan.has_blended && first_row == 0) count_picture(total, first);
-  if (first_row == 0) count_picture(total, first);
+/// Adds the pictures of a sample to which the plan is set. `front_begin`: first row of the one in front, which may be
+/// null.
+Result<void> add_sample(Device& device, Plan plan, const Frame* front, int front_begin, const Frame& behind,
+                        Average& average) {
+  const int begin = plan.capture.strip ? plan.capture.strip->rows.begin : 0;
   if (front) {
-    auto in_front = device.download(*front, with_blend_planes(names));
-    if (!in_front) return in_front.error();
-    const int offset = std::max(front_begin - guard, 0) - begin;  // of the rows in front
-    BlendedSample blended;
-    blended.take_front(*in_front, offset, image->height);
-    add(*in_front, first_row + offset);
-    blended.weigh_behind(*image, 0);
+    plan.capture.blended = true;
+    if (auto added = average.add(device, plan, *front, front_begin); !added) return added;
   }
-  add(*image, first_row);
-  return {};
+  plan.capture.blended = false;
+  return average.add(device, plan, behind, begin);
 }
 
-}  // namespace
-
-Result<PictureSum> begin_sum(Device& device, const Plan& plan, const FirstSample& first) {
+/// Returns an average that begins with the drawn first sample.
+Result<Average> begin_average(Device& device, const Plan& plan, const FirstSample& first) {
   const PictureInfo& info = first.behind.info;
-  const Plane& marks = first.marks->plane;
-  PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots,
-                   .per_sample = plan.has_blended ? 2 : 1,
-                   .threads = device.threads()};
-  const int begin = first.marks->first_row, guard = info.guard;
+  const int begin = first.rows.begin, guard = info.guard;
   const Rows rows{std::clamp(begin, guard, info.height - guard),
-                  std::clamp(begin + marks.height, guard, info.height - guard)};
-  total.marks = Plane(info.inner_width(), rows.count());
+                  std::clamp(first.rows.end, guard, info.height - guard)};
+  Plane marks(info.inner_width(), rows.count());
   for (int y = 0; y < rows.count(); ++y)
-    std::copy_n(marks.row(rows.begin - begin + y) + guard, total.marks.width, total.marks.row(y));
-  total.sum = Image(total.marks.width, rows.count());
-  for (const std::string& name : averaged_planes(plan))
-    total.sum.add(name) = Plane(total.sum.width, total.sum.height, 0.0f);
+    std::copy_n(first.marks->plane.row(rows.begin - begin + y) + guard, marks.width, marks.row(y));
+  Average average(device, plan, {rows.begin - guard, rows.end - guard}, std::move(marks));
   const Frame* front = first.front ? &*first.front : nullptr;
-  if (auto added = add_sample(device, plan, front, first.front_rows.begin, first.behind, true, total); !added)
-    return added.error();
-  return total;
+  const auto added = add_sample(device, plan, front, first.front_rows.begin, first.behind, average);
+  return added ? Result<Average>(std::move(average)) : added.error();
 }
 
-Result<void> draw_marked(Device& device, const Plan& plan, const Camera& camera, const FirstSample& first,
-                         const GetFrame& get, const LookRun& run, PictureSum* total) {
+/// Draws a further sample and adds it to the average. The plan is set to the sample, and to the strip of it that is
+/// drawn.
+Result<void> add_further(const Drawing& drawing, const Plan& plan, const Camera& camera, const FirstSample& first,
+                         Average& average) {
+  Device& device = drawing.device;
   Rows front_rows = first.front_rows;
   if (const auto& strip = plan.capture.strip)
     front_rows = {std::max(front_rows.begin, strip->rows.begin), std::min(front_rows.end, strip->rows.end)};
@@ -357,14 +333,15 @@ Result<void> draw_marked(Device& device, const Plan& plan, const Camera& camera,
     sample.capture.mask = in_front ? first.front_marks : first.marks;
     if (in_front && front_rows != Rows{0, first.behind.info.height})
       sample.capture.strip = Strip{front_rows, 0, std::make_shared<WholePlanes>()};
-    auto frame = get(sample, camera);
-    if (!frame || !total) return frame;
+    auto frame = drawing.capture(sample, camera);
+    if (!frame) return frame;
     const ParameterBytes params = resample_params(plan, frame->info, kResampleBorrow);
     const Frame& from = in_front ? *first.front : first.behind;
     if (auto added = device.add_planes_of(from, borrowed_planes(params), *frame); !added) return added.error();
-    if (auto borrowed = device.run(resample(), params, *frame, {}, run.monitor); !borrowed) return borrowed.error();
-    run.after(resample().name);
-    LookRun further = run;
+    const ProgressMonitor& monitor = drawing.run.monitor;
+    if (auto borrowed = device.run(resample(), params, *frame, {}, monitor); !borrowed) return borrowed.error();
+    drawing.run.after(resample().name);
+    LookRun further = drawing.run;
     further.settings = &plan.recipe.settings;
     further.further = true;
     const auto status = run_look(further, device, *frame);
@@ -377,8 +354,50 @@ Result<void> draw_marked(Device& device, const Plan& plan, const Camera& camera,
     front = std::move(*frame);
   }
   const auto behind = drawn(false);
-  if (!behind || !total) return behind ? Result<void>() : behind.error();
-  return add_sample(device, plan, front ? &*front : nullptr, front_rows.begin, *behind, false, *total);
+  if (!behind) return behind.error();
+  return add_sample(device, plan, front ? &*front : nullptr, front_rows.begin, *behind, average);
+}
+
+/// Returns the strips in which further samples of these rows are drawn: in memory that is small beside that of the
+/// first one.
+std::vector<Rows> strips_of_further(const Device& device, const Plan& plan, const FirstSample& first) {
+  constexpr int kStrips = 8;               // in most pictures: an eighth of the memory of a frame
+  constexpr int kPixelsOfStrip = 1 << 19;  // in large pictures: memory that is small beside that of the program
+  constexpr int kRowStep = 64;             // min height, since rows beside a strip are captured with it, too
+  if (plan.capture.strip || !device.draws_strips()) return {first.rows};
+  const int height = first.rows.count();
+  const int wanted_rows = std::min(height / kStrips, kPixelsOfStrip / first.behind.info.width);
+  const int rows = std::max(wanted_rows / kRowStep, 1) * kRowStep;
+  std::vector<Rows> strips;
+  for (int begin = 0; begin < height; begin += rows) strips.push_back({begin, std::min(begin + rows, height)});
+  return strips;
+}
+
+}  // namespace
+
+Result<Average> marked_average(const Drawing& drawing, const Plan& plan, const Frame& behind) {
+  Device& device = drawing.device;
+  auto first = completed(drawing, plan, behind);
+  if (!first) return first.error();
+  auto average = begin_average(device, plan, *first);
+  if (!average) return average;
+  // The finished average takes the place of these.
+  if (drawing.run.kept) device.release(first->behind, averaged_picture(plan));
+  if (drawing.run.kept && first->front) device.release(*first->front, averaged_picture(plan));
+  const std::vector<Rows> strips = strips_of_further(device, plan, *first);
+  const auto parts = double(plan.recipe.frames * strips.size());
+  for (int sample = 1; sample < plan.recipe.frames; ++sample)
+    for (std::size_t k = 0; k < strips.size(); ++k) {
+      const double done = double(sample * strips.size() + k);
+      const DrawProgress::Part part(drawing.progress, done / parts, (done + 1.0) / parts);
+      Plan further = plan;
+      const Camera camera = begin_marked(further, sample);
+      if (plan.capture.strip || strips.size() > 1)
+        further.capture.strip = Strip{strips[k], 0, std::make_shared<WholePlanes>()};
+      if (auto added = add_further(drawing, further, camera, *first, *average); !added) return added.error();
+      drawing.times.done("average");
+    }
+  return average;
 }
 
 }  // namespace umbrage

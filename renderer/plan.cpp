@@ -304,9 +304,8 @@ std::vector<std::string> planes_of_frame(const Plan& plan) {
 
 std::vector<PictureIndex> pictures_of(const Plan& plan) {
   std::vector<PictureIndex> pictures;
-  for (int k = plan.recipe.frames - 1; k >= 0; --k) {
-    const int sample = plan.marked ? plan.recipe.frames - 1 - k : k;
-    if (plan.has_blended) pictures.push_back({sample, true});
+  for (int sample = plan.marked ? 0 : plan.recipe.frames - 1; sample >= 0; --sample) {
+    if (plan.has_blended && !plan.marked) pictures.push_back({sample, true});
     pictures.push_back({sample, false});
   }
   return pictures;

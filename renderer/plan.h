@@ -77,8 +77,8 @@ struct PictureIndex {
   bool blended = false;
 };
 
-/// Returns the pictures of a plan in the order in which they are drawn. If samples are `marked`, sample 0 is the first;
-/// otherwise their order is descending, and the last picture is that of sample 0 without blended surfaces.
+/// Returns the pictures of a plan that are drawn at all pixels, in the order in which they are drawn: samples in
+/// descending order, of each the one with blended surfaces first. The last one is that of sample 0 without them.
 std::vector<PictureIndex> pictures_of(const Plan& plan);
 
 /// Sets the plan to a picture, which is none of those drawn at marked pixels only, and returns its camera.

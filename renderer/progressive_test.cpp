@@ -110,7 +110,7 @@ TEST(Progressive, ReachesTheMeanOfAsManyWholeSamples) {
 }
 
 TEST(Progressive, DividesEachPixelByItsPictures) {
-  PictureSum total;
+  PictureSum total = empty_sum({"ao"}, 2, {0, 1});
   total.marks = Plane(2, 1, 0.0f);
   total.marks.at(1, 0) = 1.0f;
   const auto picture = [](float value) {
@@ -118,16 +118,17 @@ TEST(Progressive, DividesEachPixelByItsPictures) {
     image.add("ao") = Plane(2, 1, value);
     return image;
   };
-  add_picture(total, picture(1.0f));
-  const Image marked = picture(3.0f);
-  const Plane* const plane = marked.planes.data();
-  count_picture(total, false);
-  add_planes(total, marked.names, std::span(&plane, 1), 0, false);
-  add_picture(total, picture(5.0f));
+  const auto add = [&](float value, bool whole) {
+    count_sample(total, whole);
+    add_rows(total, picture(value), 0, whole);
+  };
+  add(1.0f, true);
+  add(3.0f, false);
+  add(5.0f, true);
   const std::vector<std::string> names = {"ao"};
   EXPECT_EQ(mean_planes(total, names).plane("ao").at(0, 0), 3.0f);  // (1 + 5) / 2
   EXPECT_EQ(mean_planes(total, names).plane("ao").at(1, 0), 3.0f);  // (1 + 3 + 5) / 3
-  add_picture(total, picture(9.0f));
+  add(9.0f, true);
   EXPECT_EQ(mean_planes(total, names).plane("ao").at(0, 0), 5.0f);
   EXPECT_EQ(mean_planes(total, names).plane("ao").at(1, 0), 4.5f);
 }

@@ -7,8 +7,8 @@
 #include "effects/normals/normals.h"
 #include "effects/output/output.h"
 #include "effects/relight/relight.h"
-#include "renderer/draw.h"
 #include "renderer/reduced_rows.h"
+#include "renderer/shade.h"
 #include "renderer/strip_drawer.h"
 #include "renderer/strokes.h"
 
@@ -45,7 +45,8 @@ Result<SequenceStart> shade_strips(Device& device, const GBufferFile& file, cons
   const auto recipe = complete_shading(requested, info);
   if (!recipe) return recipe.error();
   StripSource source = source_of(file, *recipe, info);
-  source.make_frame = [&, before = source.before](const Strip& strip, const ProgressMonitor& of_step) -> Result<Frame> {
+  DrawProgress progress(monitor, 1 + recipe->look->effects.size());
+  source.make_frame = [&, before = source.before](const Strip& strip) -> Result<Frame> {
     auto read = file.rows(rows_with_margin(strip, info.height));
     if (!read) return read.error();
     times.done("read");
@@ -54,12 +55,13 @@ Result<SequenceStart> shade_strips(Device& device, const GBufferFile& file, cons
     auto frame = device.upload(std::move(gbuffer), &strip);
     if (!frame) return frame;
     for (const EffectStep& step : before)
-      if (auto status = device.run(*step.effect, step.params, *frame, {}, of_step); !status) return status.error();
+      if (auto status = device.run(*step.effect, step.params, *frame, {}, progress.step_monitor()); !status)
+        return status.error();
     times.done("upload");
+    progress.step_done();
     return frame;
   };
   if (start) source.run.stops = start->stops;
-  StripProgress progress(monitor, 1);
   StripDrawer drawer(device, std::move(source), rows, progress, times);
   const auto finish = [&](const Frame& frame, Image& part, int first) { return take(frame.info, part, first); };
   if (auto status = drawer.draw_picture(planes, false, finish); !status) return status.error();

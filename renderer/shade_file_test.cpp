@@ -11,9 +11,9 @@
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
 #include "io/image_file.h"
-#include "renderer/draw.h"
 #include "renderer/models.h"
 #include "renderer/reduced_rows.h"
+#include "renderer/shade.h"
 #include "renderer/shade_file.h"
 #include "support.h"
 

@@ -8,23 +8,6 @@
 
 namespace umbrage {
 
-void StripProgress::sweep_done() {
-  ++sweep_;
-  fraction_ = 0.0;
-}
-
-void StripProgress::sample_done(bool metered) {
-  expected_sweeps_ = std::max(sweep_ - (metered ? 1 : 0), 1);
-  ++sample_;
-  sweep_ = 0;
-}
-
-bool StripProgress::report() {
-  const double of_sample = std::min((sweep_ + fraction_) / expected_sweeps_, 1.0);
-  reported_ = std::max(reported_, (sample_ + of_sample) / samples_);
-  return !monitor_ || monitor_(reported_);
-}
-
 namespace {
 
 /// Returns the max number of rows above and below a strip.
@@ -40,7 +23,7 @@ Result<StripSizes> plan_strips(const Device& device, const StripSource& source, 
   constexpr double kFixed = 60e6;               // the program and a scene of 100 000 triangles, bytes
   constexpr int kMinRows = 64, kMaxRows = 512;  // rows of a strip
   constexpr double kPartOfMarked = 1.0 / 8.0;
-  constexpr double kMasks = 3.0, kWeights = 4.0;  // of blended surfaces
+  constexpr double kMasks = 3.0;  // of blended surfaces
   const PictureInfo& info = source.info;
   std::vector<std::string> first = source.given.names;
   for (const EffectStep& step : source.before)
@@ -51,11 +34,12 @@ Result<StripSizes> plan_strips(const Device& device, const StripSource& source, 
   const double plane = plane_bytes(info.width, info.height), row = plane / info.height;
   /// Returns the planes of `own` rows, drawn in a frame of `all` rows of which further samples have a part.
   const auto rows_of_planes = [&](double stored, double all, double own, double part) {
-    const double front = sum.blended ? (live.at_end + kMasks) * all : 0.0;  // the first sample of blended surfaces
+    const double left = live.at_end - sum.released;
+    const double front = sum.blended ? (left + kMasks) * all : 0.0;  // the first sample of blended surfaces
     const double further = live.max + (sum.blended ? live.at_end : 0.0);
     const double later = std::max(sum.finished * own, sum.marked > 0.0 ? sum.marked * own + further * part : 0.0);
-    const double first = sum.blended ? (live.max + kWeights + kMasks) * all : 0.0;
-    return std::max(stored * all, live.at_end * all + std::max(first, front + later));
+    const double first = sum.blended ? (live.at_end + live.max + kMasks) * all : 0.0;
+    return std::max({stored * all, first, left * all + front + later});
   };
   const double height = info.height, drawing = rows_of_planes(live.max, height, height, height * kPartOfMarked);
   const int layers = 1 + int(info.more_layers.size());
@@ -91,10 +75,9 @@ Result<StripSizes> plan_strips(const Device& device, const StripSource& source, 
   return fits && strips.bytes >= whole.bytes ? whole : strips;
 }
 
-StripDrawer::StripDrawer(Device& device, StripSource source, int rows, StripProgress& progress, StageTimes& times)
+StripDrawer::StripDrawer(Device& device, StripSource source, int rows, DrawProgress& progress, StageTimes& times)
     : device_(device), source_(std::move(source)), rows_(rows), progress_(progress), times_(times) {
-  source_.run.after = [this](std::string_view name) { times_.done(name); };
-  source_.run.monitor = progress.dispatch_monitor();
+  report_to(progress, times, source_.run);
   source_.run.meter = [this](Device& of, const Frame& frame, Exposure by) { return meter(of, frame, by); };
 }
 
@@ -104,27 +87,24 @@ Result<Strokes> StripDrawer::draw_picture(const std::vector<std::string>& planes
   Margins after = source_.after;
   for (const std::string& name : planes) after.emplace(name, Margin{});
   const StripNeeds needs = needs_of_strips(source_.run, source_.info, source_.before, source_.given.names, after);
-  bool metered = false, finished = false;
-  for (const Margins& margins : needs.sweeps) {
-    const int margin = std::min(source_.given.needed(margins).rows, height);
+  bool finished = false;
+  const auto sweeps = double(needs.sweeps.size());
+  for (std::size_t sweep = 0; sweep < needs.sweeps.size(); ++sweep) {
+    const int margin = std::min(source_.given.needed(needs.sweeps[sweep]).rows, height);
     metered_in_sweep_ = false;
     for (int begin = 0; begin < height; begin += rows_) {
       const Rows strip{begin, std::min(begin + rows_, height)};
+      const DrawProgress::Part part(progress_, (double(sweep) + double(begin) / height) / sweeps,
+                                    (double(sweep) + double(strip.end) / height) / sweeps);
       const auto strip_finished = draw_strip({strip, margin, whole_planes}, planes, finish);
       if (!strip_finished) return strip_finished.error();
       if (begin > 0 && finished != *strip_finished) fail_check("strips of one picture wait for different dispatches");
       finished = *strip_finished;
-      progress_.show(double(strip.end) / height);
     }
     for (auto& [key, entry] : whole_planes->planes) entry.complete = true;
-    if (metered_in_sweep_) {
-      source_.run.stops = metering_.stops(stops_from_lights_, metered_by_);
-      metered = true;
-    }
-    progress_.sweep_done();
+    if (metered_in_sweep_) source_.run.stops = metering_.stops(stops_from_lights_, metered_by_);
   }
   if (!finished) fail_check("a picture in strips needs more sweeps than were planned");
-  progress_.sample_done(metered);
   return lines ? lines_of(*whole_planes) : Strokes();
 }
 
@@ -153,7 +133,7 @@ Result<bool> StripDrawer::draw_strip(const Strip& strip, const std::vector<std::
   const int height = source_.info.height, guard = source_.info.guard;
   prepare_plane_pool(rows_with_margin(strip, height));
   first_ = std::clamp(strip.rows.begin, guard, height - guard) - guard;
-  auto frame = source_.make_frame(strip, source_.run.monitor);
+  auto frame = source_.make_frame(strip);
   if (!frame) return frame.error();
   info_ = frame->info;
   const auto state = run_look(source_.run, device_, *frame);

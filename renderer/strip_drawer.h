@@ -8,36 +8,11 @@
 
 #include "core/strokes.h"
 #include "program/program.h"
-#include "renderer/plan.h"
+#include "renderer/drawing.h"
 #include "renderer/strokes.h"
 #include "renderer/times.h"
 
 namespace umbrage {
-
-/// Progress of drawing all samples. Drawing a sample takes one or more sweeps, each over all strips.
-class StripProgress {
- public:
-  StripProgress(const ProgressMonitor& monitor, int samples) : monitor_(monitor), samples_(samples) {}
-
-  ProgressMonitor dispatch_monitor() {
-    return [this](double) { return report(); };
-  }
-  /// Sets the finished fraction of a sweep.
-  void show(double fraction) { fraction_ = fraction; }
-  void sweep_done();
-  /// Ends a sample. The next sample is expected to need as many sweeps; one fewer if this sample was `metered`.
-  void sample_done(bool metered);
-  /// Reports that all is drawn. Errors: kInterrupted.
-  Result<void> end() const { return !monitor_ || monitor_(1.0) ? Result<void>() : interrupted(); }
-
- private:
-  bool report();
-
-  const ProgressMonitor& monitor_;
-  const int samples_;
-  int sample_ = 0, sweep_ = 0, expected_sweeps_ = 2;
-  double fraction_ = 0.0, reported_ = 0.0;
-};
 
 /// A picture to draw in strips: its size, its look, and where the frames of its strips come from.
 struct StripSource {
@@ -48,7 +23,7 @@ struct StripSource {
   std::vector<EffectStep> before = {};  ///< what make_frame runs
   Margins after = {};                   ///< planes that are read around the rows of a finished strip
   /// Returns the frame of a strip before any effect of the look has run. Called once for each strip of each sweep.
-  std::function<Result<Frame>(const Strip&, const ProgressMonitor&)> make_frame;
+  std::function<Result<Frame>(const Strip&)> make_frame;
 };
 
 /// How a picture is split into strips.
@@ -65,7 +40,8 @@ struct SumPlanes {
   double finished = 0.0;  ///< while a drawn picture is added, or the sum is finished
   /// While marked samples are drawn, an eighth of the picture at a time, beside the first one; 0: there are none.
   double marked = 0.0;
-  bool blended = false;  ///< marked samples have a picture of blended surfaces, too
+  double released = 0.0;  ///< of each frame of the first sample, before further marked samples are drawn
+  bool blended = false;   ///< marked samples have a picture of blended surfaces, too
 };
 
 /// Plans a picture for about `memory` bytes: whole if they suffice and it has at most kMaxPixels pixels, else in
@@ -77,7 +53,7 @@ Result<StripSizes> plan_strips(const Device& device, const StripSource& source, 
 class StripDrawer {
  public:
   /// `rows`: rows of a strip, a multiple of 4. The source's parameters of lines must outlive the drawer.
-  StripDrawer(Device& device, StripSource source, int rows, StripProgress& progress, StageTimes& times);
+  StripDrawer(Device& device, StripSource source, int rows, DrawProgress& progress, StageTimes& times);
 
   /// Sets the effects that draw the lines of later pictures.
   void set_lines(std::vector<EffectStep> steps) { source_.run.lines = std::move(steps); }
@@ -101,7 +77,7 @@ class StripDrawer {
   Device& device_;
   StripSource source_;
   const int rows_;
-  StripProgress& progress_;
+  DrawProgress& progress_;
   StageTimes& times_;
   Metering metering_;
   float stops_from_lights_ = 0.0f;  // exposure that metering starts from

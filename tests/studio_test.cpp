@@ -65,8 +65,15 @@ Image one_pixel(float r, float alpha, float ao) {
   return image;
 }
 
+PictureSum one_pixel_sum() { return empty_sum(one_pixel(0.0f, 0.0f, 0.0f).names, 1, {0, 1}); }
+
+void add_picture(PictureSum& total, const Image& picture) {
+  count_sample(total, true);
+  add_rows(total, picture, 0, true);
+}
+
 TEST(Frames, ColourIsAveragedByItsAlpha) {
-  PictureSum total;
+  PictureSum total = one_pixel_sum();
   add_picture(total, one_pixel(0.8f, 1.0f, 0.25f));
   add_picture(total, one_pixel(0.3f, 0.0f, 0.75f));
   add_picture(total, one_pixel(0.2f, 1.0f, 0.5f));
@@ -79,7 +86,8 @@ TEST(Frames, ColourIsAveragedByItsAlpha) {
 }
 
 TEST(Frames, ColourIsAveragedAsSquareRootsForSomeLooks) {
-  PictureSum total{.as_square_roots = true};
+  PictureSum total = one_pixel_sum();
+  total.as_square_roots = true;
   add_picture(total, one_pixel(0.64f, 1.0f, 0.25f));
   add_picture(total, one_pixel(0.3f, 0.0f, 0.75f));
   add_picture(total, one_pixel(0.04f, 1.0f, 0.5f));

@@ -15,6 +15,7 @@
 #include "renderer/models.h"
 #include "renderer/passes.h"
 #include "renderer/reduced_rows.h"
+#include "renderer/shade.h"
 #include "renderer/shade_file.h"
 #include "renderer/written_passes.h"
 #include "scene/framing.h"
@@ -166,8 +167,8 @@ Result<std::unique_ptr<ViewModel>> ViewModel::load(const std::string& file, bool
 bool ViewModel::is_loaded_for(const Request& request) const { return import_key_ == import_key(request); }
 
 void ViewModel::forget_captures() {
-  captures_.clear();
-  moving_captures_.clear();
+  capture_.clear();
+  moving_capture_.clear();
   captured_by_ = nullptr;
 }
 
@@ -287,7 +288,7 @@ Result<void> ViewModel::draw_scene(DrawingDevice& device, const Request& request
     more.take_mean = [&](const Frame& mean, int samples) { return give(plan->recipe, mean, samples, true); };
   }
   const auto picture = draw_keeping(
-      *device.device, **scene, *plan, is_full_size ? captures_ : moving_captures_, times,
+      *device.device, **scene, *plan, is_full_size ? capture_ : moving_capture_, times,
       [&] { return prepare(device, control.monitor); }, control.monitor, control.monitor, more);
   if (!picture) return picture.error();
   return refines ? Result<void>() : give(plan->recipe, picture->frame, plan->recipe.frames, plan->averages());

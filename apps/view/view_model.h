@@ -108,10 +108,10 @@ class ViewModel {
   ModelFacts facts_;
   Scene scene_;  // as loaded
   CompletedScene completed_;
-  long number_ = 0;               // of the completed scene, unique in the process
-  Hdri hdri_;                     // with its panorama
-  KeptCaptures captures_;         // of the last picture of full size
-  KeptCaptures moving_captures_;  // of the last one whose size was chosen to be drawn in time
+  long number_ = 0;             // of the completed scene, unique in the process
+  Hdri hdri_;                   // with its panorama
+  KeptCapture capture_;         // of the last picture of full size
+  KeptCapture moving_capture_;  // of the last one whose size was chosen to be drawn in time
   const Device* captured_by_ = nullptr;
   std::optional<GBufferFile> gbuffer_;
   std::optional<GBuffer> planes_;  // of gbuffer_

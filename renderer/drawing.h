@@ -1,0 +1,69 @@
+// Drawing: what all pictures of one drawing share: the device, the look, times and progress. Internal to renderer/.
+#pragma once
+#include "core/device.h"
+#include "renderer/plan.h"
+#include "renderer/times.h"
+
+namespace umbrage {
+
+/// Converts the progress of single steps to the progress of a whole drawing. Reported progress never decreases.
+class DrawProgress {
+ public:
+  /// `steps`: number of steps of each innermost part. Work between two steps counts as part of the second step.
+  DrawProgress(const ProgressMonitor& monitor, std::size_t steps) : monitor_(monitor), steps_(double(steps)) {}
+
+  /// A part of the part in which it begins, from one fraction of it to another: a sample, or a strip of it. It ends
+  /// with this object.
+  class Part {
+   public:
+    Part(DrawProgress& progress, double begin, double end);
+    ~Part() { progress_.begin_ = begin_, progress_.size_ = size_, progress_.step_ = step_; }
+    Part(const Part&) = delete;
+    Part& operator=(const Part&) = delete;
+
+   private:
+    DrawProgress& progress_;
+    const double begin_, size_;  // of the part around it
+    const int step_;
+  };
+
+  /// Returns the monitor to pass to each step.
+  ProgressMonitor step_monitor() {
+    return [this](double fraction) { return report(fraction); };
+  }
+  void step_done() { ++step_; }
+  /// Reports that all is drawn. Errors: kInterrupted.
+  Result<void> end() const { return !monitor_ || monitor_(1.0) ? Result<void>() : interrupted(); }
+
+ private:
+  bool report(double fraction);
+
+  const ProgressMonitor& monitor_;
+  const double steps_;
+  double begin_ = 0.0, size_ = 1.0;  // of the current part, fractions of the drawing
+  int step_ = 0;
+  double reported_ = 0.0;
+};
+
+/// Sets a run to report finished effects.
+void report_to(DrawProgress& progress, StageTimes& times, LookRun& run);
+
+/// Returns the number of steps of a picture: its capture and its effects.
+std::size_t steps_of_picture(const Plan& plan);
+
+/// What all pictures of a plan share while they are drawn.
+struct Drawing {
+  Device& device;
+  StageTimes& times;
+  DrawProgress& progress;
+  LookRun run;  ///< of the plan, without lines
+
+  /// Captures the picture to which a plan is set, and adds the environment image if that is shown as background. Marks
+  /// the pixels of the first sample if others are drawn at them only: see marked_samples.h.
+  Result<Frame> capture(const Plan& plan, const Camera& camera) const;
+};
+
+/// Adds the environment image to a frame if the plan shows it as background.
+Result<void> add_sky(Device& device, const Plan& plan, Frame& frame, StageTimes& times);
+
+}  // namespace umbrage
