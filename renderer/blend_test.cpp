@@ -177,7 +177,43 @@ TEST(Blend, StripsAreTheSame) {
   }
 }
 
-/// Expects that a picture, whose further samples are drawn in strips, equals one that is drawn in strips as a whole.
+/// A device that cannot draw strips, and so captures all pixels of blended surfaces.
+class WithoutStrips final : public Device {
+ public:
+  explicit WithoutStrips(Device& device) : Device({.name = "cpu", .threads = device.threads()}), device_(device) {}
+  Result<void> prepare(const Scene& scene, const ProgressMonitor& monitor) override {
+    return device_.prepare(scene, monitor);
+  }
+  Result<Frame> capture(const Camera& camera, const CaptureSettings& settings,
+                        const ProgressMonitor& monitor) override {
+    EXPECT_FALSE(settings.strip);
+    return device_.capture(camera, settings, monitor);
+  }
+  Result<Frame> upload(GBuffer gbuffer, const Strip*) override { return device_.upload(std::move(gbuffer)); }
+  Frame branch(const Frame& frame) override { return device_.branch(frame); }
+  Result<void> add(Image planes, Frame& frame) override { return device_.add(std::move(planes), frame); }
+  Result<void> add_planes_of(const Frame& from, const std::vector<std::string>& names, Frame& frame) override {
+    return device_.add_planes_of(from, names, frame);
+  }
+  Result<RunState> run(const Effect& effect, const ParameterBytes& params, Frame& frame, const EffectRun& settings,
+                       const ProgressMonitor& monitor) override {
+    return device_.run(effect, params, frame, settings, monitor);
+  }
+  Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) override {
+    return device_.reduced(frame, factor, names);
+  }
+  std::vector<std::string> plane_names(const Frame& frame) const override { return device_.plane_names(frame); }
+
+ private:
+  Result<Image> read(const Frame& frame, const std::vector<std::string>& names, bool) override {
+    return device_.download(frame, names);
+  }
+
+  Device& device_;
+};
+
+/// Expects that a picture, whose further samples are drawn in strips, equals one that is drawn in strips as a whole,
+/// and one of a device that cannot draw strips.
 void expect_same_in_strips(const Scene& scene, const Request& request) {
   SCOPED_TRACE(fmt::format("{} x {}, guard band {}", request.width, request.height, request.guard_band));
   const auto device = make_cpu_device();
@@ -202,6 +238,10 @@ void expect_same_in_strips(const Scene& scene, const Request& request) {
   const auto status = draw_strips(*device, *plan, 64, names, false, compare, times);
   EXPECT_TRUE(status) << (status ? "" : status.error().message);
   EXPECT_EQ(rows, request.height);
+  WithoutStrips without(*device);
+  const auto other = draw(without, scene, *plan, times);
+  ASSERT_TRUE(other) << other.error().message;
+  EXPECT_TRUE(compare({}, *device->download(other->frame, names), 0)) << "without strips";
 }
 
 // Few rows are drawn at once, and blended surfaces show in some of them.
