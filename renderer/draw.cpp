@@ -142,13 +142,12 @@ Result<void> draw_further(const Continuation& more, Samples& s) {
   }
 }
 
-}  // namespace
-
-Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
-                   const ProgressMonitor& monitor, std::optional<float> stops, const Continuation& more) {
+/// Implements draw and draw_captured.
+Result<Drawn> draw_with(const Frame* captured, Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
+                        const ProgressMonitor& monitor, std::optional<float> stops, const Continuation& more) {
   const ScopedPlanePool pool_scope(device.pool());
   DrawProgress progress(monitor, steps_of_picture(plan));
-  Samples s{.plan = plan, .drawing = {device, times, progress, look_run(plan.recipe)}};
+  Samples s{.plan = plan, .drawing = {device, times, progress, look_run(plan.recipe), captured}};
   LookRun& run = s.drawing.run;
   report_to(progress, times, run);
   run.settings = &s.plan.recipe.settings;  // each sample has its own noise
@@ -164,6 +163,13 @@ Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTi
   }
   if (auto ended = progress.end(); !ended) return ended.error();
   return Drawn{std::move(*s.first), run.stops};
+}
+
+}  // namespace
+
+Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
+                   const ProgressMonitor& monitor, std::optional<float> stops, const Continuation& more) {
+  return draw_with(nullptr, device, scene, plan, times, monitor, stops, more);
 }
 
 Result<Frame> capture(Device& device, const Plan& planned, StageTimes& times, const ProgressMonitor& monitor) {
@@ -185,17 +191,7 @@ bool same_capture(const Plan& a, const Plan& b) {
 Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan, const Frame& captured,
                             StageTimes& times, const ProgressMonitor& monitor) {
   if (plan.averages()) fail_check("one capture for several pictures");
-  const ScopedPlanePool pool_scope(device.pool());
-  DrawProgress progress(monitor, steps_of_picture(plan));
-  Frame frame = device.branch(captured);
-  if (auto added = add_sky(device, plan, frame, times); !added) return added.error();
-  LookRun run = look_run(plan.recipe);
-  report_to(progress, times, run);
-  run.run_external_effect = reference_of(device, scene, plan, run.monitor);
-  const auto state = run_look(run, device, frame);
-  if (!state) return state.error();
-  if (auto ended = progress.end(); !ended) return ended.error();
-  return Drawn{std::move(frame), state->stops};
+  return draw_with(&captured, device, scene, plan, times, monitor, {}, {});
 }
 
 Result<Frame> draw(Device& device, const Scene& scene, const Recipe& recipe, StageTimes& times) {

@@ -32,25 +32,20 @@ std::size_t steps_of_picture(const Plan& plan) {
 }
 
 Result<Frame> Drawing::capture(const Plan& plan, const Camera& camera) const {
-  auto frame = device.capture(camera, plan.capture, run.monitor);
+  auto frame = captured ? Result<Frame>(device.branch(*captured)) : device.capture(camera, plan.capture, run.monitor);
   if (!frame) return frame;
   if (plan.marked && plan.capture.sample == 0) {
     const EffectStep step = marking_step(plan, frame->info);
     if (auto marked = device.run(*step.effect, step.params, *frame, {}, run.monitor); !marked) return marked.error();
   }
-  times.done("capture");
+  if (!captured) times.done("capture");
   progress.step_done();
-  if (auto added = add_sky(device, plan, *frame, times); !added) return added.error();
-  return frame;
-}
-
-Result<void> add_sky(Device& device, const Plan& plan, Frame& frame, StageTimes& times) {
-  if (!plan.recipe.hdri.shown()) return {};
-  const int height = frame.info.height;
+  if (!plan.recipe.hdri.shown()) return frame;
+  const int height = frame->info.height;
   const Rows rows = plan.capture.strip ? rows_with_margin(*plan.capture.strip, height) : Rows{0, height};
-  auto added = device.add(sky_planes(plan.recipe.hdri, plan.up, plan.sky_gain, frame.info, rows), frame);
+  const auto added = device.add(sky_planes(plan.recipe.hdri, plan.up, plan.sky_gain, frame->info, rows), *frame);
   times.done("sky");
-  return added;
+  return added ? frame : added.error();
 }
 
 }  // namespace umbrage

@@ -56,14 +56,12 @@ struct Drawing {
   Device& device;
   StageTimes& times;
   DrawProgress& progress;
-  LookRun run;  ///< of the plan, without lines
+  LookRun run;                      ///< of the plan, without lines
+  const Frame* captured = nullptr;  ///< an earlier capture of the only picture, in place of a new one
 
   /// Captures the picture to which a plan is set, and adds the environment image if that is shown as background. Marks
   /// the pixels of the first sample if others are drawn at them only: see marked_samples.h.
   Result<Frame> capture(const Plan& plan, const Camera& camera) const;
 };
-
-/// Adds the environment image to a frame if the plan shows it as background.
-Result<void> add_sky(Device& device, const Plan& plan, Frame& frame, StageTimes& times);
 
 }  // namespace umbrage
