@@ -8,6 +8,7 @@
 #include <set>
 #include <tuple>
 
+#include "apps/figures/bleeding_atrium.h"
 #include "apps/figures/bleeding_diagrams.h"
 #include "apps/figures/measure.h"
 #include "apps/figures/studio.h"
@@ -16,95 +17,48 @@
 namespace umbrage {
 namespace {
 
-constexpr const char* kScene = "scene:atrium";
 constexpr double kAnything = 1e30;
 
-struct Preset {
-  std::string_view look, name, tag;  // tag: suffix of figure ids and file names
-};
-constexpr Preset kPaper = {"bleeding-paper", "paper preset", ""}, kOurs = {"bleeding", "our own", "-ours"};
-constexpr std::array kPresets = {kPaper, kOurs};
-bool is_paper(const Preset& preset) { return preset.look == kPaper.look; }
+constexpr std::array kPresets = {kBleedingPaper, kBleedingOurs};
+bool is_paper(const BleedingPreset& preset) { return preset.look == kBleedingPaper.look; }
 
-const std::vector<std::string> kPlanes = {"object_id",  "normal.x",   "normal.y",  "normal.z",
-                                          "indirect.r", "indirect.g", "indirect.b"};
-
-Framing view(glm::vec3 eye, glm::vec3 target, float angle_deg) {
-  return {.position = eye, .focal_point = target, .view_angle_deg = angle_deg};
+// The paper's color bleeding is visible only where the sun reaches both surfaces, and where the cloth is brighter than
+// the surface beside it. Hence a low sun across the court: it reaches a red drape steeply and the floor at a grazing
+// angle, but not the side of the pier beside the drape. Ours is most visible in shadow: at the last pillar beside a red
+// drape lit from the other side.
+Framing pillar_of(const BleedingPreset& preset) {
+  if (!is_paper(preset)) return unlit_drape_view();
+  return bleeding_view({-2.3f, 1.25f, 10.0f}, {-3.8f, 0.75f, 12.0f}, 44.0f, glm::vec2(28.7f, 18.9f));
 }
-
-/// The subject of a detail picture: a camera that shows a drape, and the color planes in which cloth and stone differ
-/// most.
-struct Subject {
-  Framing framing;
-  const char *cloth, *stone;  // color planes: one that the cloth has, and one that it lacks
-};
-// The paper's color bleeding is visible only where the sun reaches both surfaces: at the green drape of the left
-// arcade, from the sun's side. Ours is most visible in shadow: at the last pillar beside a red drape lit from the other
-// side.
-Subject pillar_of(const Preset& preset) {
-  if (is_paper(preset)) return {view({-2.2f, 1.2f, -3.3f}, {-4.5f, 0.9f, -3.3f}, 40.0f), "color.g", "color.b"};
-  return {view({-2.9f, 2.4f, -11.0f}, {-4.6f, 1.6f, -9.2f}, 45.0f), "color.r", "color.g"};
+Framing floor_of(const BleedingPreset& preset) {
+  if (!is_paper(preset)) return bleeding_view({-3.1f, 1.1f, -11.3f}, {-4.65f, 0.2f, -9.7f}, 45.0f);
+  return bleeding_view({-2.7f, 0.95f, 10.7f}, {-3.75f, 0.3f, 12.0f}, 40.0f, glm::vec2(29.3f, 10.5f));
 }
-Subject floor_of(const Preset& preset) {
-  if (is_paper(preset)) return {view({-3.7f, 1.1f, -2.7f}, {-4.6f, 0.15f, -4.2f}, 40.0f), "color.g", "color.b"};
-  return {view({-3.1f, 1.1f, -11.3f}, {-4.65f, 0.2f, -9.7f}, 45.0f), "color.r", "color.g"};
-}
+// The paper gives neither the strength of the light nor that of one occluder. These make both visible.
+const std::vector<std::string> kVisible = {"hemisphere.samples=256", "hemisphere.bleeding=0.12",
+                                           "hemisphere.weight=1.2"};
+constexpr float kVisibleKey = 0.8f;
 
-bool is_cloth(const Mesh& mesh) {
-  return mesh.name == "curtain" || mesh.name == "upper curtain" || mesh.name == "banner";
-}
-
-/// The cells of a grid of 0.1 m that contain cloth, and the objects that are cloth.
-class ClothGrid {
- public:
-  explicit ClothGrid(const Scene& scene) {
-    for (const Mesh& mesh : scene.meshes) {
-      if (!is_cloth(mesh)) continue;
-      objects_.insert(mesh.object);
-      for (const glm::vec3& p : mesh.positions) cells_.insert(cell(p));
-    }
-  }
-  bool has_object(float object_id) const { return objects_.contains(int(object_id)); }
-  /// Returns whether there is cloth within `reach` metres.
-  bool near(glm::vec3 p, float reach) const {
-    const int steps = int(std::ceil(reach / kCell));
-    const auto [x, y, z] = cell(p);
-    for (int i = -steps; i <= steps; ++i)
-      for (int j = -steps; j <= steps; ++j)
-        for (int k = -steps; k <= steps; ++k)
-          if (i * i + j * j + k * k <= steps * steps && cells_.contains({x + i, y + j, z + k})) return true;
-    return false;
-  }
-
- private:
-  static constexpr float kCell = 0.1f;
-  using Cell = std::tuple<int, int, int>;
-  static Cell cell(glm::vec3 p) {
-    p = glm::floor(p / kCell);
-    return {int(p.x), int(p.y), int(p.z)};
-  }
-  std::set<Cell> cells_;
-  std::set<int> objects_;
-};
-
-/// Returns the mean difference of the cloth's color plane and the plane that the cloth lacks.
-double mean_tint(const Image& image, const Mask& mask, const Subject& subject) {
-  const auto value = [&](const char* name, int x, int y) {
-    return double(std::clamp(image.plane(name).at(x, y), 0.0f, 1.0f));
-  };
-  return mean(image, mask, [&](int x, int y) { return value(subject.cloth, x, y) - value(subject.stone, x, y); });
+/// Returns the mean difference of red, which the drapes of the details have, and green, which they lack.
+double mean_tint(const Image& image, const Mask& mask) {
+  const glm::dvec3 color = mean_color(image, mask);
+  return color.x - color.y;
 }
 
 /// Pictures of one view without occlusion and bleeding, with each alone, and with both.
 struct FourWays {
   Shot neither, occlusion, bleeding, both;
 };
-Result<FourWays> shoot_four(Studio& studio) {
-  auto neither = studio.shoot({}, "none", kPlanes);
-  auto occlusion = studio.shoot({"hemisphere.bleeding=0"}, "", kPlanes);
-  auto bleeding = studio.shoot({"hemisphere.occlusion=off"}, "", kPlanes);
-  auto both = studio.shoot({}, std::string(find_look(studio.draw.look)->occlusion), kPlanes);
+Result<FourWays> shoot_four(Studio& studio, const std::vector<std::string>& settings = {}) {
+  const auto with = [&](const char* setting) {
+    std::vector<std::string> all = settings;
+    all.push_back(setting);
+    return all;
+  };
+  auto neither = studio.shoot({}, "none", bleeding_planes());
+  auto occlusion = studio.shoot(with("hemisphere.bleeding=0"), "", bleeding_planes());
+  auto bleeding = studio.shoot(with("hemisphere.occlusion=off"), "", bleeding_planes());
+  auto both = studio.shoot(settings, std::string(find_look(studio.draw.look)->occlusion), bleeding_planes());
   for (const auto* shot : {&neither, &occlusion, &bleeding, &both})
     if (!*shot) return shot->error();
   return FourWays{std::move(*neither), std::move(*occlusion), std::move(*bleeding), std::move(*both)};
@@ -119,14 +73,14 @@ std::vector<FigurePicture> pictures_of(const FourWays& four, const std::string& 
 }
 
 /// Draws figures 1, 7 and 8.
-Result<Figure> overview(Studio& studio, const Preset& preset) {
+Result<Figure> overview(Studio& studio, const BleedingPreset& preset) {
   studio.framing = {};
   const auto four = shoot_four(studio);
   if (!four) return four.error();
   const Image& image = four->both.image;
   const std::string tag(preset.tag);
   Figure figure{"1,7,8" + tag,
-                fmt::format("Overview of {} ({})", kScene, preset.name),
+                fmt::format("Overview of {} ({})", kAtrium, preset.name),
                 pictures_of(*four, "7-overview", tag,
                             {"1, 7: neither", "occlusion alone", "bleeding alone", "8: occlusion and bleeding"}),
                 {}};
@@ -150,12 +104,44 @@ Result<Figure> overview(Studio& studio, const Preset& preset) {
   return figure;
 }
 
+/// Returns what the eye sees of a detail in the paper's preset: the drape's color on the floor below it, and occlusion
+/// on the side of the pillar.
+std::vector<FigureNumber> visible_effects(Studio& studio, const FourWays& four, const ClothGrid& cloths) {
+  constexpr float kBelow = 0.25f, kAway = 0.7f;  // metres from the drape
+  const Image &both = four.both.image, &occlusion = four.occlusion.image;
+  const float floor = object_of(studio, "gallery floors"), stone = object_of(studio, "mouldings and balustrade");
+  const auto is_floor = [&](int x, int y) { return four.both.value("object_id", x, y) == floor; };
+  const Mask below =
+      mask_of(both, [&](int x, int y) { return is_floor(x, y) && cloths.near(four.both.world(x, y), kBelow); });
+  const Mask away =
+      mask_of(both, [&](int x, int y) { return is_floor(x, y) && !cloths.near(four.both.world(x, y), kAway); });
+  const Mask cloth = mask_of(both, [&](int x, int y) { return cloths.has_object(four.both.value("object_id", x, y)); });
+  // The side of the corner pier that faces +x, beside the drape, above its foot.
+  const Mask side = mask_of(both, [&](int x, int y) {
+    if (four.both.value("object_id", x, y) != stone) return false;
+    const glm::vec3 p = four.both.world(x, y);
+    return std::abs(p.x + 4.08f) < 0.01f && p.y > 0.5f && p.z > 11.75f && p.z < 12.0f;
+  });
+  const auto added = [&](const Mask& mask) { return mean_color(both, mask) - mean_color(occlusion, mask); };
+  const auto added_tint = [&](const Mask& mask) { return mean_tint(both, mask) - mean_tint(occlusion, mask); };
+  return {{"floor below the drape: angle of the added light's hue to the drape's, degrees",
+           hue_difference_deg(added(below), mean_color(occlusion, cloth)), 0.0, 20.0},
+          {"floor below the drape: added red, less the added green", added_tint(below), 0.08, kAnything},
+          {"the same, times that of the floor away from it", added_tint(below) / std::max(added_tint(away), 1e-3), 4.0,
+           kAnything},
+          {"side of the pillar beside the drape: fall of the mean with occlusion",
+           brightness_drop(four.neither.image, occlusion, side), 0.04, kAnything},
+          {"sparks, above 8 times the median of 5 x 5", spark_count(four.both), 0.0, 0.0}};
+}
+
 /// Draws figures 9 to 12, or 13 and 14.
-Result<Figure> detail(Studio& studio, const Preset& preset, const ClothGrid& cloths, const Subject& subject,
+Result<Figure> detail(Studio& studio, const BleedingPreset& preset, const ClothGrid& cloths, const Framing& framing,
                       const std::string& id, const std::string& file, const std::string& title,
                       std::array<const char*, 4> captions) {
-  studio.framing = subject.framing;
-  const auto four = shoot_four(studio);
+  studio.framing = framing;
+  if (is_paper(preset)) studio.draw.key = kVisibleKey;
+  const auto four = shoot_four(studio, is_paper(preset) ? kVisible : std::vector<std::string>{});
+  studio.draw.key = 1.0f;
   if (!four) return four.error();
   const Image& image = four->both.image;
   const std::string tag(preset.tag);
@@ -165,15 +151,16 @@ Result<Figure> detail(Studio& studio, const Preset& preset, const ClothGrid& clo
     return four->both.surface(x, y) && !cloths.has_object(four->both.value("object_id", x, y)) &&
            cloths.near(four->both.world(x, y), kReach);
   });
-  const double none = mean_tint(four->neither.image, near, subject);
+  const double none = mean_tint(four->neither.image, near);
   figure.numbers = {
       {"near the drape: fall of the mean with occlusion",
        brightness_drop(four->neither.image, four->occlusion.image, near), 0.005, kAnything},
-      {"near the drape: rise of its colour with bleeding", mean_tint(four->bleeding.image, near, subject) - none, 0.005,
+      {"near the drape: rise of its colour with bleeding", mean_tint(four->bleeding.image, near) - none, 0.005,
        kAnything},
-      {"near the drape: the same with occlusion alone", mean_tint(four->occlusion.image, near, subject) - none, -0.02,
-       0.001},
+      {"near the drape: the same with occlusion alone", mean_tint(four->occlusion.image, near) - none, -0.02, 0.001},
   };
+  if (is_paper(preset))
+    for (FigureNumber& number : visible_effects(studio, *four, cloths)) figure.numbers.push_back(std::move(number));
   return figure;
 }
 
@@ -194,9 +181,9 @@ Result<Figure> tangents(Studio& studio) {
   constexpr int kTile = 4;  // hemisphere.noise
   const std::vector<std::string> planes = {"normal.x", "normal.y", "normal.z", "tangent.x", "tangent.y", "tangent.z"};
   Figure figure{"5", "Tangent vectors as colours, not blurred (middle, enlarged eight times)", {}, {}};
-  for (const Preset& preset : kPresets) {
+  for (const BleedingPreset& preset : kPresets) {
     studio.draw.look = std::string(preset.look);
-    studio.framing = pillar_of(kOurs).framing;
+    studio.framing = unlit_drape_view();
     const auto shot = studio.shoot({"hemisphere.tangents=on"}, "", planes);
     if (!shot) return shot.error();
     FigurePicture picture = shot->pass("tangent", fmt::format("bleeding-5-tangents{}.png", preset.tag),
@@ -240,81 +227,16 @@ Result<Figure> tangents(Studio& studio) {
   return figure;
 }
 
-/// Returns the mean distance in pixels from a drape's silhouette to the first pixel on its left that receives red
-/// indirect light. A distance is at most an eighth of the picture. Only silhouette pixels with a surface near the drape
-/// on their left count.
-double uncolored_distance_px(const Shot& shot, const ClothGrid& cloths) {
-  constexpr float kReach = 0.3f;              // metres
-  constexpr float kMin = 0.05f, kRed = 1.5f;  // min red light, and min ratio of red to green
-  const Image& image = shot.image;
-  const Plane &red = image.plane("indirect.r"), &green = image.plane("indirect.g"), &id = image.plane("object_id");
-  long edges = 0, pixels = 0;
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 1; x < image.width; ++x) {
-      if (!cloths.has_object(id.at(x, y)) || cloths.has_object(id.at(x - 1, y))) continue;
-      if (!shot.surface(x - 1, y) || !cloths.near(shot.world(x - 1, y), kReach)) continue;
-      ++edges;
-      for (int k = 1; k <= image.width / 8 && k <= x; ++k) {
-        const float r = red.at(x - k, y);
-        if (r > kMin && r > kRed * green.at(x - k, y)) break;
-        ++pixels;
-      }
-    }
-  return edges > 0 ? double(pixels) / double(edges) : std::nan("");
-}
-
-/// Draws figures 15 and 16, and pictures in our preset: strengthened bleeding near the edge of a drape.
-Result<Figure> drape_edge(Studio& studio, const ClothGrid& cloths) {
-  struct Variant {
-    const char *file, *caption;
-    std::string_view look;
-    std::vector<std::string> settings;
-    std::optional<int> extra_views;
-  };
-  const std::vector<std::string> strong = {"hemisphere.bleeding=3", "hemisphere.range_factor=0.25",
-                                           "composite.damping=0"};
-  const std::vector<Variant> variants = {
-      {"15-quadratic", "15: quadratic range", kPaper.look, strong, {}},
-      {"16-smoothstep",
-       "16: smoothstep",
-       kPaper.look,
-       {strong[0], strong[1], strong[2], "hemisphere.range=smoothstep", "hemisphere.range_depth=view"},
-       {}},
-      {"beyond-1-one-layer", "ours, first layer", kOurs.look, {"hemisphere.bleeding=3", "hemisphere.layers=1"}, {}},
-      {"beyond-2-layers", "ours, layers and back sides", kOurs.look, {"hemisphere.bleeding=3"}, {}},
-      {"beyond-3-views", "two further cameras", kOurs.look, {"hemisphere.bleeding=3"}, 2}};
-  std::vector<double> distances_px;
-  Figure figure{"15,16", "Near a drape whose lit side faces away; bleeding strengthened", {}, {}};
-  studio.framing = pillar_of(kOurs).framing;
-  for (const Variant& variant : variants) {
-    studio.draw.look = std::string(variant.look);
-    studio.draw.extra_views = variant.extra_views;
-    const auto shot = studio.shoot(variant.settings, "", kPlanes);
-    studio.draw.extra_views.reset();
-    if (!shot) return shot.error();
-    figure.pictures.push_back(shot->picture(fmt::format("bleeding-{}.png", variant.file), variant.caption));
-    distances_px.push_back(uncolored_distance_px(*shot, cloths));
-  }
-  // With the paper's quadratic range, at least 2 % of the picture's width beside the drape receives none of its colour.
-  const double quadratic = distances_px[0], smoothstep = distances_px[1];
-  figure.numbers = {{"15: pixels beside the drape without its colour", quadratic, 0.02 * studio.draw.width, kAnything},
-                    {"16: the same, smoothstep", smoothstep, 0.0, quadratic},
-                    {"the same, ours with the first layer alone", distances_px[2], 0.02 * studio.draw.width, kAnything},
-                    {"the same, ours with layers and back sides", distances_px[3], 0.0, 0.25 * smoothstep},
-                    {"the same, ours with two further cameras too", distances_px[4], 0.0, 0.25 * smoothstep}};
-  return figure;
-}
-
 }  // namespace
 
 Result<std::vector<Figure>> bleeding_figures(Device& device, int size,
                                              const std::function<void(const std::string&)>& progress) {
   std::vector<Figure> figures;
-  auto studio = open_studio(device, kScene, std::string(kPaper.look), size);
+  auto studio = open_studio(device, kAtrium, std::string(kBleedingPaper.look), size);
   if (!studio) return studio.error();
   studio->draw.anti_aliasing = 1;  // numbers are measured per pixel
   const ClothGrid cloths(*studio->scene);
-  for (const Preset& preset : kPresets) {
+  for (const BleedingPreset& preset : kPresets) {
     studio->draw.look = std::string(preset.look);
     progress(fmt::format("figures 1, 7 and 8, {}", preset.name));
     auto made = overview(*studio, preset);
@@ -336,11 +258,15 @@ Result<std::vector<Figure>> bleeding_figures(Device& device, int size,
   if (!made) return made.error();
   figures.push_back(std::move(*made));
   progress("figures 15 and 16");
-  made = drape_edge(*studio, cloths);
+  made = bleeding_range(*studio);
+  if (!made) return made.error();
+  figures.push_back(std::move(*made));
+  progress("behind a drape");
+  made = bleeding_behind_drape(*studio, cloths);
   if (!made) return made.error();
   figures.push_back(std::move(*made));
   progress("diagrams 2, 3, 4 and 6");
-  made = bleeding_diagrams(*studio, pillar_of(kPaper).framing);
+  made = bleeding_diagrams(*studio, bleeding_view({-2.2f, 1.2f, -3.3f}, {-4.5f, 0.9f, -3.3f}, 40.0f));
   if (!made) return made.error();
   figures.push_back(std::move(*made));
   return figures;
@@ -350,9 +276,9 @@ Result<std::vector<FigureTable>> bleeding_tables(Device& device, int size, int r
                                                  const std::function<void(const std::string&)>& progress) {
   constexpr std::array kSamples = {8, 16, 32, 64};
   std::vector<FigureTable> tables;
-  auto studio = open_studio(device, kScene, std::string(kPaper.look), size);
+  auto studio = open_studio(device, kAtrium, std::string(kBleedingPaper.look), size);
   if (!studio) return studio.error();
-  for (const Preset& preset : kPresets) {
+  for (const BleedingPreset& preset : kPresets) {
     progress(fmt::format("table 1, {}", preset.name));
     // Interleave the runs of all settings, so that other load on the machine affects them alike.
     struct Case {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "apps/figures/measure.h"
 #include "devices/cpu/cpu_device.h"
 
 namespace umbrage {
@@ -40,13 +41,35 @@ TEST(Figures, EveryNumberOfTheCartoonPaperHolds) {
 
 TEST(Figures, EveryNumberOfTheBleedingPaperHolds) {
   const auto device = make_cpu_device();
-  expect_figures(bleeding_figures(*device, 256, [](const std::string&) {}), 9, 256);
+  expect_figures(bleeding_figures(*device, 256, [](const std::string&) {}), 10, 256);
 }
 
 TEST(Figures, ANumberOutsideItsBoundDoesNotHold) {
   EXPECT_TRUE((FigureNumber{"", 0.5, 0.5, 1.0}).holds());
   EXPECT_FALSE((FigureNumber{"", 0.4, 0.5, 1.0}).holds());
   EXPECT_FALSE((FigureNumber{"", std::nan(""), 0.0, 1.0}).holds());
+}
+
+TEST(Figures, WidthOfFallIsBetweenTheTwoLevels) {
+  EXPECT_NEAR(width_of_fall({0.2, 1.0, 0.5, 0.0}), 1.6, 1e-12);  // 90 % at 1.2, 10 % at 2.8
+  EXPECT_TRUE(std::isnan(width_of_fall({1.0, 0.5})));
+  EXPECT_TRUE(std::isnan(width_of_fall({})));
+}
+
+TEST(Figures, HueDoesNotDependOnBrightnessAndGrey) {
+  EXPECT_NEAR(hue_difference_deg({0.9, 0.1, 0.1}, {0.5, 0.3, 0.3}), 0.0, 1e-5);
+  EXPECT_NEAR(hue_difference_deg({1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}), 120.0, 1e-9);
+}
+
+TEST(Figures, SparksAreFarAboveTheMedianNearThem) {
+  Plane plane(9, 9, 0.1f);
+  plane.at(4, 4) = 0.79f;
+  EXPECT_EQ(count_sparks(plane, 0.02f), 0);
+  plane.at(4, 4) = 0.81f;
+  EXPECT_EQ(count_sparks(plane, 0.02f), 1);
+  EXPECT_EQ(count_sparks(plane, 0.11f), 0);
+  plane.at(1, 4) = 0.81f;  // too close to the border
+  EXPECT_EQ(count_sparks(plane, 0.02f), 1);
 }
 
 TEST(Figures, ContactSheetShowsEveryPicture) {

@@ -69,6 +69,20 @@ double changed_fraction(const Image& a, const Image& b, const Mask& mask);
 
 double median(std::vector<double> values);
 
+/// Returns the mean of the three color planes over a mask, each clamped to [0, 1].
+glm::dvec3 mean_color(const Image& image, const Mask& mask);
+
+/// Returns the angle between the hues of two colors, 0 to 180 degrees. The mean of a color's channels does not count.
+double hue_difference_deg(glm::dvec3 a, glm::dvec3 b);
+
+/// Returns the number of pixels whose value exceeds eight times the median of the 5 x 5 pixels around them, and eight
+/// times `min_median`. Pixels within two of the border do not count.
+long count_sparks(const Plane& plane, float min_median);
+
+/// Returns the distance in which a profile falls from 90 % to 10 % of its max, behind the max, in entries; NaN if it
+/// does not fall so far. Values between two entries are interpolated.
+double width_of_fall(const std::vector<double>& profile);
+
 /// Returns the median time of an effect on a frame, in milliseconds.
 Result<double> time_of(Device& device, const Effect& effect, const EffectSettings& settings, Frame& frame, int runs);
 

@@ -68,6 +68,8 @@ Result<Shot> Studio::shoot(const std::vector<std::string>& settings, const std::
   if (framing.azimuth_deg != 0.0f) command += fmt::format(" --camera-azimuth-angle={}", framing.azimuth_deg);
   if (framing.elevation_deg != 0.0f) command += fmt::format(" --camera-elevation-angle={}", framing.elevation_deg);
   if (framing.zoom != 1.0f) command += fmt::format(" --camera-zoom-factor={}", framing.zoom);
+  if (framing.light_deg) command += fmt::format(" --light-direction={},{}", framing.light_deg->x, framing.light_deg->y);
+  if (request.key != 1.0f) command += fmt::format(" --key {}", request.key);
   if (request.layers) command += fmt::format(" --layers {}", *request.layers);
   if (request.extra_views) command += fmt::format(" --extra-views {}", *request.extra_views);
   for (const std::string& setting : request.settings) command += " --set " + setting;
