@@ -19,14 +19,6 @@ Result<Studio> open_unsharp(Device& device, const std::string& model, int size) 
 
 float gray(const Shot& shot, int x, int y) { return shot.value("color.g", x, y); }
 
-/// Sets the camera to one of the scene's suggested views.
-void look_from(Studio& studio, std::size_t view) {
-  const View& v = studio.scene->views.at(view);
-  studio.framing.position = v.eye;
-  studio.framing.focal_point = v.target;
-  studio.framing.view_angle_deg = v.angle_deg;
-}
-
 /// Returns the mean absolute difference of two pictures over the pixels for which `belongs` is true.
 template <class Test>
 double mean_change(const Shot& a, const Shot& b, const Test& belongs) {
@@ -128,12 +120,22 @@ Result<Figure> bunny_figure(Device& device, const std::string& bunny, int size) 
                  {"under the chin, k = 40 darker than k = 15", k15 - k40, kOneStep, kAnything}}};
 }
 
-Result<Figure> threshold_figure(Device& device, int size) {
+/// Opens scene:claw as figures 4 and 5 show it: the claw and the mouth from near, with one camera range.
+Result<Studio> open_claw(Device& device, int size) {
   auto studio = open_unsharp(device, "scene:claw", size);
+  if (!studio) return studio;
+  studio->framing = {.position = glm::vec3(0.25f, 2.15f, 8.2f),
+                     .focal_point = glm::vec3(-0.15f, 1.75f, 1.5f),
+                     .view_angle_deg = 15.0f};
+  // With a light at the camera, silhouettes are dark, so white silhouettes come from the unsharp mask. The far plane is
+  // so far away that the depths of claw and body differ by 0.02 to 0.1.
+  studio->draw.settings = {window(40, size), "unsharp.near=2", "unsharp.far=100", "lighting.rig=head"};
+  return studio;
+}
+
+Result<Figure> threshold_figure(Device& device, int size) {
+  auto studio = open_claw(device, size);
   if (!studio) return studio.error();
-  look_from(*studio, 0);
-  // With a light at the camera, silhouettes are dark, so white silhouettes come from the unsharp mask.
-  studio->draw.settings = {window(40, size), "lighting.rig=head"};
   const auto plain = studio->shoot({}, "none");
   const auto open = studio->shoot({"unsharp.threshold=0"});
   const auto checked = studio->shoot({"unsharp.threshold=0.1"});
@@ -163,7 +165,7 @@ Result<Figure> threshold_figure(Device& device, int size) {
   };
   const auto mouth = [&](int x, int y) {
     const double u = (x + 0.5) / size, v = (y + 0.5) / size;
-    return std::abs(u - 0.497) < 0.03 && std::abs(v - 0.325) < 0.045 && open->surface(x, y);
+    return std::abs(u - 0.62) < 0.055 && std::abs(v - 0.30) < 0.08 && open->surface(x, y);
   };
   const double min_pixels = 500.0 * (size / kPaperSize);  // pixels of a line along the claw's outline
   return Figure{
@@ -179,11 +181,8 @@ Result<Figure> threshold_figure(Device& device, int size) {
 }
 
 Result<Figure> claw_figure(Device& device, int size) {
-  auto studio = open_unsharp(device, "scene:claw", size);
+  auto studio = open_claw(device, size);
   if (!studio) return studio.error();
-  look_from(*studio, 0);
-  // The far plane is so far away that the depths of claw and body differ by 0.02 to 0.1.
-  studio->draw.settings = {window(40, size), "unsharp.near=2", "unsharp.far=212", "lighting.rig=head"};
   const auto plain = studio->shoot({}, "none");
   const auto wide = studio->shoot({"unsharp.threshold=0.1"});
   const auto narrow = studio->shoot({"unsharp.threshold=0.02"});
@@ -202,7 +201,7 @@ Result<Figure> claw_figure(Device& device, int size) {
   const auto along_outline = [&](int x, int y) {
     if (x < reach || !wide->surface(x, y) || !wide->surface(x - reach, y)) return false;
     const double u = (x + 0.5) / size, v = (y + 0.5) / size;
-    if (u < 0.38 || u > 0.50 || v < 0.50 || v > 0.62) return false;
+    if (u < 0.44 || u > 0.56 || v < 0.44 || v > 0.62) return false;
     return wide->world(x, y).z < kClawInFront && wide->world(x - reach, y).z > kClawInFront;
   };
   const double lit = mean_gray(*plain, along_outline);
