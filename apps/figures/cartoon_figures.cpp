@@ -6,43 +6,27 @@
 #include <limits>
 #include <set>
 
+#include "apps/figures/cartoon_samples.h"
 #include "apps/figures/measure.h"
-#include "apps/figures/studio.h"
-#include "core/check.h"
 #include "effects/effects.h"
 
 namespace umbrage {
 namespace {
 
 constexpr double kAnything = 1e30;
-constexpr double kOneStep = 1.0 / 255.0;  // one step of an 8-bit picture
 
-struct Preset {
-  std::string_view look, name, tag;  // tag: suffix of figure ids and file names
-};
-constexpr Preset kPaper = {"cartoon-paper", "paper preset", ""}, kOurs = {"cartoon", "our own", "-ours"};
-constexpr std::array kPresets = {kPaper, kOurs};
-bool is_paper(const Preset& preset) { return preset.look == kPaper.look; }
+constexpr std::array kPresets = {kCartoonPaper, kCartoonOurs};
+bool is_paper(const CartoonPreset& preset) { return preset.look == kCartoonPaper.look; }
 
 /// Selects a preset without anti-aliasing, since passes are measured per pixel.
-void select_without_anti_aliasing(Studio& studio, const Preset& preset) {
+void select_without_anti_aliasing(Studio& studio, const CartoonPreset& preset) {
   studio.draw.look = std::string(preset.look);
   studio.draw.anti_aliasing = is_paper(preset) ? std::nullopt : std::optional<int>(1);
 }
 
 const std::string kNoOutlines = "outline.opacity=0", kNoBlur = "gaussian.rounds=0";
 
-const Mesh& mesh_named(const Scene& scene, std::string_view name) {
-  for (const Mesh& mesh : scene.meshes)
-    if (mesh.name == name) return mesh;
-  fail_check(fmt::format("{} has no mesh '{}'", scene.name, name));
-}
-
-constexpr int kBlurRounds = 4;     // gaussian.rounds of both looks
 constexpr int kDenoiseRounds = 2;  // denoise.rounds of our preset, up to 724 rows
-
-/// Returns the sample radius of listing 1: 16 pixels of 512.
-int radius_px(const Image& image) { return std::max(1, image.width / 32); }
 
 /// Regions of the picture of figure 1.
 struct Parts {
@@ -68,7 +52,7 @@ Parts parts_of(const Studio& studio, const Shot& shot) {
   Plane character_depth(image.width, image.height, kFar), negative_depth(image.width, image.height);
   for_each_pixel(image, &character, [&](int x, int y) { character_depth.at(x, y) = depth.at(x, y); });
   for_each_pixel(image, nullptr, [&](int x, int y) { negative_depth.at(x, y) = -depth.at(x, y); });
-  const Plane beside = min_near(character_depth, radius_px(image), radius_px(image));
+  const Plane beside = min_near(character_depth, cartoon_radius_px(image), cartoon_radius_px(image));
   // max_depth_near: the max depth of a pixel and its four neighbours.
   const Plane across = min_near(negative_depth, 1, 0), along = min_near(negative_depth, 0, 1);
   const auto max_depth_near = [&](int x, int y) { return -std::min(across.at(x, y), along.at(x, y)); };
@@ -80,7 +64,7 @@ Parts parts_of(const Studio& studio, const Shot& shot) {
     return max_depth_near(x, y) < kFar && max_depth_near(x, y) - depth.at(x, y) > kWellBehind;
   });
   parts.beside = subset(ground, [&](int x, int y) { return beside.at(x, y) < depth.at(x, y); });
-  parts.open = eroded(image, ground, radius_px(image) + kBlurRounds);
+  parts.open = eroded(image, ground, cartoon_radius_px(image) + kCartoonBlurRounds);
   return parts;
 }
 
@@ -155,7 +139,7 @@ bool is_on_tone_step(double green) {
 
 const std::vector<std::string> kPlanes = {"object_id", "normal.x", "normal.y", "normal.z", "albedo.g", "ao", "outline"};
 
-Figure four_ways(const Preset& preset, const Parts& parts, const Shot& plain, const Shot& occluded,
+Figure four_ways(const CartoonPreset& preset, const Parts& parts, const Shot& plain, const Shot& occluded,
                  const Shot& outlined, const Shot& both) {
   const Image &a = plain.image, &b = occluded.image, &c = outlined.image, &d = both.image;
   const std::string tag(preset.tag);
@@ -201,7 +185,8 @@ Figure four_ways(const Preset& preset, const Parts& parts, const Shot& plain, co
   return figure;
 }
 
-Figure buffers(const Preset& preset, const Parts& parts, const Shot& raw, const Shot& lighting, const Shot& both) {
+Figure buffers(const CartoonPreset& preset, const Parts& parts, const Shot& raw, const Shot& lighting,
+               const Shot& both) {
   const Image& image = both.image;
   const std::string tag(preset.tag);
   Figure figure{"2-6" + tag,
@@ -244,7 +229,7 @@ Figure buffers(const Preset& preset, const Parts& parts, const Shot& raw, const 
         {{"3: pixels other than 1 - (n/8)^2 for n = 0, 5 to 8", double(others), 0.0, 0.0},
          {"3: of these five values, how many occur", double(seen.size()), 5.0, 5.0},
          {"4: noise left beside the body; of white noise 4 rounds leave 0.196", noise_left, 0.0,
-          blurred_noise(kBlurRounds)},
+          blurred_noise(kCartoonBlurRounds)},
          {"4: fraction of the background that occlusion creeps onto", dark_background(both), 1e-3, 1.0},
          {"5: fraction of the surface on a step of a quarter",
           mean(image, parts.surface,
@@ -262,7 +247,8 @@ Figure buffers(const Preset& preset, const Parts& parts, const Shot& raw, const 
     figure.numbers.insert(
         figure.numbers.end(),
         {{"4: noise left on the open ground; of white noise 0.089",
-          noise(image, parts.open) / noise(raw.image, parts.open), 0.0, blurred_noise(kBlurRounds, kDenoiseRounds)},
+          noise(image, parts.open) / noise(raw.image, parts.open), 0.0,
+          blurred_noise(kCartoonBlurRounds, kDenoiseRounds)},
          {"4: fraction of the background that occlusion creeps onto", dark_background(both), 0.0, 0.0},
          {"5: fraction of the surface in one of five tone steps", step_fraction(lighting, true), 0.0, 0.1},
          {"6: fraction of the surface off the lines in one of five tone steps", step_fraction(both, false), 0.8, 1.0}});
@@ -271,7 +257,7 @@ Figure buffers(const Preset& preset, const Parts& parts, const Shot& raw, const 
 }
 
 /// Draws figure 1 a to d, and figures 2 to 6, which show the planes of d.
-Result<std::vector<Figure>> pink_figures(Studio& studio, const Preset& preset) {
+Result<std::vector<Figure>> pink_figures(Studio& studio, const CartoonPreset& preset) {
   select_without_anti_aliasing(studio, preset);
   const auto plain = studio.shoot({kNoOutlines}, "none", kPlanes);
   const auto occluded = studio.shoot({kNoOutlines}, "", kPlanes);
@@ -290,7 +276,7 @@ Result<std::vector<Figure>> pink_figures(Studio& studio, const Preset& preset) {
 
 /// Draws raw occlusion with each of the shortcuts that section 5 of the paper names undone in turn.
 Result<Figure> shortcuts_figure(Studio& studio) {
-  select_without_anti_aliasing(studio, kPaper);
+  select_without_anti_aliasing(studio, kCartoonPaper);
   struct Shortcut {
     const char *setting, *file, *caption;
   };
@@ -334,91 +320,14 @@ Result<Figure> shortcuts_figure(Studio& studio) {
   return figure;
 }
 
-/// Returns the pixels of the flat table top of scene:solids that the key light reaches, with no other object within the
-/// reach of our occlusion and no other surface visible within `margin` pixels.
-Mask open_table(const Studio& studio, const Shot& shot, int margin) {
-  // kReach: occlusion radius of the look `cartoon`, relative to the bounding-sphere radius. kSmoothed: factor by which
-  // smoothing extends it. kFlat: max height above the table top, metres.
-  constexpr float kReach = 0.04f, kSmoothed = 1.25f, kFlat = 1e-3f;
-  const float reach = kReach * kSmoothed * studio.scene->radius();
-  const Mesh& table = mesh_named(*studio.scene, "table");
-  struct Box {
-    glm::vec3 low{1e30f}, high{-1e30f};
-  };
-  std::vector<Box> boxes;
-  for (const Mesh& mesh : studio.scene->meshes) {
-    if (mesh.object == table.object) continue;
-    Box& box = boxes.emplace_back();
-    for (const glm::vec3& p : mesh.positions) box.low = glm::min(box.low, p), box.high = glm::max(box.high, p);
-  }
-  const Plane &id = shot.image.plane("object_id"), &shadow = shot.image.plane("shadow");
-  const Mask lit_top = mask_of(shot.image, [&](int x, int y) {
-    return id.at(x, y) == float(table.object) && shadow.at(x, y) >= 1.0f && std::abs(shot.world(x, y).y) < kFlat;
-  });
-  const Mask alone = eroded(shot.image, lit_top, margin);
-  return mask_of(shot.image, [&](int x, int y) {
-    if (!alone[std::size_t(y) * shot.image.width + x]) return false;
-    const glm::vec3 p = shot.world(x, y);
-    return std::none_of(boxes.begin(), boxes.end(), [&](const Box& box) {
-      const glm::vec3 offset = glm::max(glm::max(box.low - p, p - box.high), glm::vec3(0.0f));
-      return std::hypot(offset.x, offset.z) < reach;
-    });
-  });
-}
-
-/// Returns the number of different 8-bit colours in a mask.
-double colors(const Image& image, const Mask& mask) {
-  std::set<std::array<long, 3>> seen;
-  for_each_pixel(image, &mask, [&](int x, int y) {
-    std::array<long, 3> color;
-    for (int k = 0; k < 3; ++k) {
-      constexpr std::array kChannels = {"color.r", "color.g", "color.b"};
-      color[k] = std::lround(255.0f * image.plane(kChannels[k]).at(x, y));
-    }
-    seen.insert(color);
-  });
-  return double(seen.size());
-}
-
-/// Draws a pair of pictures of appendix B, in both presets.
-Result<Figure> sample_figure(Device& device, int number, const std::string& name, int size) {
-  auto studio = open_studio(device, "scene:" + name, std::string(kPaper.look), size);
-  if (!studio) return studio.error();
-  Figure figure{fmt::format("B{}", number),
-                fmt::format("Appendix B, sample {}: scene:{} (paper preset, our own)", number, name),
-                {},
-                {}};
-  for (const Preset& preset : kPresets) {
-    studio->draw.look = std::string(preset.look);
-    const std::vector<std::string> planes = {"object_id", "ao", "shadow"};
-    const auto without = studio->shoot({}, "none", planes);
-    const auto with = studio->shoot({}, "", planes);
-    if (const auto error = error_of(without, with)) return *error;
-    const std::string file = fmt::format("cartoon-b{}-{}", number, name);
-    figure.pictures.push_back(
-        without->picture(fmt::format("{}-without{}.png", file, preset.tag), fmt::format("without ({})", preset.name)));
-    figure.pictures.push_back(
-        with->picture(fmt::format("{}-with{}.png", file, preset.tag), fmt::format("with ({})", preset.name)));
-    const Mask surface = mask_of(with->image, [&](int x, int y) { return with->surface(x, y); });
-    figure.numbers.push_back({fmt::format("fall of the mean with occlusion ({})", preset.name),
-                              brightness_drop(without->image, with->image, surface), kOneStep, kAnything});
-    // Paper's preset: reach of the samples and the blur. Ours: a shadow's smoothed edge and twice a line of size / 256.
-    const int margin = is_paper(preset) ? radius_px(with->image) + kBlurRounds : 1 + size / 128;
-    if (name == "solids")
-      figure.numbers.push_back({fmt::format("colours of the table away from contacts ({})", preset.name),
-                                colors(with->image, open_table(*studio, *with, margin)), 1.0, 1.0});
-  }
-  return figure;
-}
-
 }  // namespace
 
 Result<std::vector<Figure>> cartoon_figures(Device& device, int size,
                                             const std::function<void(const std::string&)>& progress) {
   std::vector<Figure> figures;
-  auto studio = open_studio(device, "scene:pink", std::string(kPaper.look), size);
+  auto studio = open_studio(device, "scene:pink", std::string(kCartoonPaper.look), size);
   if (!studio) return studio.error();
-  for (const Preset& preset : kPresets) {
+  for (const CartoonPreset& preset : kPresets) {
     progress(fmt::format("figures 1 to 6, {}", preset.name));
     auto made = pink_figures(*studio, preset);
     if (!made) return made.error();
@@ -428,11 +337,9 @@ Result<std::vector<Figure>> cartoon_figures(Device& device, int size,
   auto shortcuts = shortcuts_figure(*studio);
   if (!shortcuts) return shortcuts.error();
   figures.push_back(std::move(*shortcuts));
-  int number = 0;
-  for (const char* name : {"terrain", "room", "solids", "pink"}) {
-    ++number;
+  for (int number = 1; number <= kCartoonSamples; ++number) {
     progress(fmt::format("appendix B, sample {}", number));
-    auto sample = sample_figure(device, number, name, size);
+    auto sample = cartoon_sample(device, number, size);
     if (!sample) return sample.error();
     figures.push_back(std::move(*sample));
   }
@@ -443,9 +350,9 @@ Result<std::vector<FigureTable>> cartoon_tables(Device& device, int size, int ru
                                                 const std::function<void(const std::string&)>& progress) {
   constexpr const char* kScene = "scene:pink";
   std::vector<FigureTable> tables;
-  auto studio = open_studio(device, kScene, std::string(kPaper.look), size);
+  auto studio = open_studio(device, kScene, std::string(kCartoonPaper.look), size);
   if (!studio) return studio.error();
-  for (const Preset& preset : kPresets) {
+  for (const CartoonPreset& preset : kPresets) {
     progress(fmt::format("time of every pass, {}", preset.name));
     select_without_anti_aliasing(*studio, preset);
     const auto recipe = make_recipe(studio->draw);
@@ -479,7 +386,8 @@ Result<std::vector<FigureTable>> cartoon_tables(Device& device, int size, int ru
   FigureTable triangles{
       "triangles", "Time of the occlusion against the number of triangles (scene:terrain, paper preset)", {}};
   for (const char* detail : {"1000", "58000", "1000000"}) {
-    auto terrain = open_studio(device, fmt::format("scene:terrain?detail={}", detail), std::string(kPaper.look), size);
+    auto terrain =
+        open_studio(device, fmt::format("scene:terrain?detail={}", detail), std::string(kCartoonPaper.look), size);
     if (!terrain) return terrain.error();
     StageTimes first;
     auto frame = umbrage::draw(device, *terrain->scene, terrain->draw, first);
