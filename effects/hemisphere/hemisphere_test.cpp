@@ -299,6 +299,23 @@ TEST(Hemisphere, PaperSettingsMatchThePaper) {
   }
 }
 
+TEST(Hemisphere, LightOfANearFragmentIsBoundedByItsSize) {
+  const GBuffer g = picture(floor_and_wall(), kFloorCamera, 96, 96);
+  const auto max_light = [&](const char* floor) {
+    const Image image =
+        run(g, joined(kPaper, {{"samples", "1"}, {"radius", "0.7"}, {"fragment_area", "0.08"}, {"floor", floor}}));
+    float max = 0.0f;
+    for (int y = 0; y < 96; ++y)
+      for (int x = 0; x < 96; ++x) max = std::max(max, image.plane("indirect.r").at(x, y));
+    return max;
+  };
+  // A disc of 0.08 squared radii has a radius of 0.16. From nearer it sends what it sends from there: at most pi times
+  // its light.
+  const float most = 0.08f / (0.16f * 0.16f);
+  EXPECT_LE(max_light("0.16"), most);
+  EXPECT_GT(max_light("0"), most);
+}
+
 TEST(Hemisphere, PaperPointsAreTheKernelTexture) {
   const GBuffer g = test::empty_gbuffer(8, 8);
   for (const int n : {1, 16, 256}) {
