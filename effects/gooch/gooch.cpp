@@ -31,6 +31,9 @@ const std::vector<Parameter> kGoochTable = {
              "fraction of the surface's colour that is added to the cool tone"),
     real_row("beta", &GoochParams::beta, {.initial = kBeta, .max = 1},
              "fraction of the surface's colour that is added to the warm tone"),
+    real_row(
+        "hue", &GoochParams::hue, {.initial = 1, .max = 1},
+        "how much saturated colours keep their hue; 0, and tones=paper: the tones of all surfaces are blue and yellow"),
     real_row("highlight", &GoochParams::highlight, {.initial = kHighlight, .max = 1, .zero_means = "off"},
              "strength of the white highlight: 1 is white in its middle"),
     real_row("shininess", &GoochParams::shininess, {.initial = kShininess, .min = 1, .max = 1000},
@@ -52,6 +55,7 @@ void fill_gooch(const GoochParams& params, const PictureInfo& info, GoochConstan
   c.yellow = paper ? kPaperYellow : params.yellow;
   c.alpha = paper ? kPaperAlpha : params.alpha;
   c.beta = paper ? kPaperBeta : params.beta;
+  c.hue = paper ? 0.0f : params.hue;
   c.highlight = params.highlight;
   c.shininess = params.shininess;
   c.occlusion = params.occlusion;

@@ -93,8 +93,8 @@ TEST(Gooch, GreyHasTheTonesOfTheFormula) {
 
 TEST(Gooch, ParametersAreThoseOfTheFormula) {
   const Tones tones = {0.9, 0.125, 0.75, 0.0625};
-  const Settings settings =
-      joined(kFromTheRight, {{"blue", "0.9"}, {"yellow", "0.125"}, {"alpha", "0.75"}, {"beta", "0.0625"}});
+  const Settings settings = joined(
+      kFromTheRight, {{"blue", "0.9"}, {"yellow", "0.125"}, {"alpha", "0.75"}, {"beta", "0.0625"}, {"hue", "0"}});
   GBuffer g = turning_row(9);
   const glm::dvec3 kd = {0.8, 0.4, 0.1};
   for (int x = 0; x < 9; ++x)
@@ -115,7 +115,8 @@ TEST(Gooch, EveryPixelHasTheColorOfTheFormula) {
     const double azimuth = 110.0 * std::numbers::pi / 180.0, elevation = 25.0 * std::numbers::pi / 180.0;
     const glm::dvec3 light = {std::cos(elevation) * std::sin(azimuth), std::sin(elevation),
                               std::cos(elevation) * std::cos(azimuth)};
-    const Settings settings = joined(kWithoutHighlight, {{"light_azimuth", "110"}, {"light_elevation", "25"}});
+    const Settings settings =
+        joined(kWithoutHighlight, {{"light_azimuth", "110"}, {"light_elevation", "25"}, {"hue", "0"}});
     on_every_target("gooch", g, settings, [&](const Image& out) {
       double worst = 0.0;
       long surfaces = 0, away = 0;
@@ -141,6 +142,46 @@ TEST(Gooch, EveryPixelHasTheColorOfTheFormula) {
       EXPECT_GT(away, 300) << "n.l is not clamped";
     });
   }
+}
+
+/// Returns the hue of a colour, degrees from red to green.
+double hue_deg(const glm::dvec3& v) {
+  return std::atan2(std::sqrt(3.0) * (v.g - v.b), 2.0 * v.r - v.g - v.b) * 180.0 / std::numbers::pi;
+}
+
+TEST(Gooch, SaturatedSurfacesKeepTheirHue) {
+  const Settings of_look = {{"blue", "0.4"}, {"yellow", "0.4"}, {"alpha", "0.2"}, {"beta", "0.6"}};
+  for (const Settings& tones : {Settings{}, of_look})
+    for (int angle = 0; angle < 360; angle += 15)
+      for (const double saturation : {0.3, 0.6, 1.0})
+        for (const double value : {0.4, 0.9}) {
+          glm::dvec3 kd;  // the colour of a circle of hues
+          for (int c = 0; c < 3; ++c) {
+            const double away = std::fabs(std::remainder(angle - 120.0 * c, 360.0)) / 60.0;
+            kd[c] = value * (1.0 - saturation * std::clamp(away - 1.0, 0.0, 1.0));
+          }
+          GBuffer g = turning_row(11);
+          for (int x = 0; x < 11; ++x)
+            set_color(g, x, kAlbedo,
+                      {linear_from_srgb(float(kd.r)), linear_from_srgb(float(kd.g)), linear_from_srgb(float(kd.b))});
+          on_every_target("gooch", g, joined(kFromTheRight, tones), [&](const Image& out) {
+            for (int x = 0; x < 11; ++x) {
+              const double turn = std::remainder(hue_deg(lit_at(out, x)) - hue_deg(kd), 360.0);
+              EXPECT_LT(std::fabs(turn), 15.0) << angle << " degrees, " << saturation << ", " << value << ", " << x;
+              if (x > 0) {
+                EXPECT_GT(luminance(lit_at(out, x)), luminance(lit_at(out, x - 1)));
+              }
+            }
+          });
+        }
+}
+
+TEST(Gooch, TonesOfThePaperIgnoreTheHue) {
+  GBuffer g = turning_row(3);
+  for (int x = 0; x < 3; ++x) set_color(g, x, kAlbedo, {1.0, 0.0, 0.0});
+  on_every_target("gooch", g, joined(kFromTheRight, {{"tones", "paper"}}), [](const Image& out) {
+    for (int x = 0; x < 3; ++x) expect_near(lit_at(out, x), expected_color(kPaper, {1, 0, 0}, x - 1.0), 2e-6);
+  });
 }
 
 TEST(Gooch, LuminanceRisesTowardsTheLight) {
@@ -280,7 +321,7 @@ TEST(Gooch, PixelsThatAreNotFiniteAreDefined) {
   image.plane("albedo.r").at(7, 0) = kInfinity;
   image.plane("albedo.r").at(8, 0) = -3.0f;
   image.plane("albedo.r").at(9, 0) = 50.0f;
-  on_every_target("gooch", g, kFromTheRight, [](const Image& out) {
+  on_every_target("gooch", g, joined(kFromTheRight, {{"hue", "0"}}), [](const Image& out) {
     const glm::dvec3 plain = {0.3375, 0.3375, 0.4625};
     for (const int x : {0, 1, 2}) EXPECT_EQ(lit_at(out, x), glm::dvec3(0.0)) << x;
     for (const int x : {3, 4, 5, 10, 17}) expect_near(lit_at(out, x), plain, 1e-6);
