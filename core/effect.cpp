@@ -25,7 +25,7 @@ std::vector<std::pair<const Dispatch*, int>> dispatches_in_order(const Effect& e
   for (int round = 0; round < rounds; ++round)
     for (const Dispatch& dispatch : effect.dispatches)
       if (runs(dispatch, params) && !(dispatch.first_round_only && round > 0) &&
-          (missing ? dispatch.for_missing : dispatch.for_all))
+          !(dispatch.last_round_only && round + 1 < rounds) && (missing ? dispatch.for_missing : dispatch.for_all))
         ordered.emplace_back(&dispatch, round);
   return ordered;
 }

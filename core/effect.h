@@ -93,6 +93,7 @@ struct Dispatch {
   std::vector<std::string_view> unbounded_inputs = {};
   bool for_all = true, for_missing = false;  ///< the pixel sets that it runs on
   bool first_round_only = false;             ///< it runs in the first of the effect's rounds only
+  bool last_round_only = false;              ///< likewise, in the last
 };
 
 /// The value of the planes of a pass, such as "line" or "ao", where nothing has written them.

@@ -152,7 +152,7 @@ TEST(Strips, AnySizeOfPicturesAndStrips) {
   }
 }
 
-// In high pictures lines are followed farther, and wider specks are removed.
+// In high pictures lines are followed farther, and light is smoothed over more rows.
 TEST(Strips, HighPictures) { expect_strips_same(of_look("cartoon", 32, 1300), {400}); }
 
 TEST(Strips, GuardBandsAndFurtherViews) {

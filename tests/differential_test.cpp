@@ -303,8 +303,7 @@ TEST_P(Differential, PlanesTooLargeToBindAreBitwiseIdentical) {
   }
 }
 
-// In high pictures, lines are detected with strides of several pixels, and specks of tone steps are several pixels
-// wide.
+// In high pictures, lines are detected with strides of several pixels, and light is smoothed over many.
 class HighPictures : public testing::TestWithParam<Size> {};
 
 /// Compares an effect on all SIMD targets, and `plane` on the Vulkan device, with the scalar kernel. Returns the scalar

@@ -14,7 +14,7 @@
 namespace umbrage {
 namespace {
 
-constexpr int kWidth = 32, kHeight = 217;       // so high that `toon` removes specks
+constexpr int kWidth = 32, kHeight = 217;       // so high that `toon` smooths in three rounds
 constexpr int kFirst = kHeight / 2, kRows = 3;  // the rows that are computed
 
 using Planes = std::map<std::string, Plane, std::less<>>;

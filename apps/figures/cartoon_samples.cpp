@@ -138,8 +138,9 @@ Result<Figure> cartoon_sample(Device& device, int number, int size) {
                               brightness_drop(without->image, with->image, surface), kOneStep, kAnything});
     figure.numbers.push_back({fmt::format("light that {} keeps under lines ({})", sample.thin, preset.name),
                               light_kept(*studio, *with, *no_lines, sample.thin), 0.3, 1.0});
-    // Paper's preset: reach of the samples and the blur. Ours: a shadow's smoothed edge and twice a line of size / 256.
-    const int margin = paper ? cartoon_radius_px(with->image) + kCartoonBlurRounds : 1 + size / 128;
+    // Paper's preset: reach of the samples and the blur. Ours: a shadow's smoothed edge, twice a line of size / 256,
+    // and size / 32, over which the look smooths light along the surface.
+    const int margin = paper ? cartoon_radius_px(with->image) + kCartoonBlurRounds : 1 + size / 128 + size / 32;
     if (sample.name == "solids")
       figure.numbers.push_back({fmt::format("colours of the table away from contacts ({})", preset.name),
                                 colors(with->image, open_table(*studio, *with, margin)), 1.0, 1.0});

@@ -1,12 +1,16 @@
 #include "effects/toon/toon.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "core/absolute_length.h"
 #include "core/effect.h"
 #include "core/light_rig.h"
 #include "kernels/toon.h"
+#include "kernels/toon_across.h"
+#include "kernels/toon_down.h"
 #include "kernels/toon_light.h"
 
 namespace umbrage {
@@ -18,6 +22,10 @@ constexpr double kPaperSteps = 4.0, kPaperAmbient = 0.1, kPaperExtra = 0.2;  // 
 // across a flat face, so that a face whose intensity is at an edge has one colour instead of speckles. Surfaces that
 // are visibly curved have larger changes.
 constexpr float kMinChange = 5e-5f;
+// Percent of the height. It removes the bumps of scans, and keeps the folds of cloth.
+constexpr double kSmoothness = 1.5;
+constexpr double kMaxSmoothness = 200.0;  // pixels
+constexpr int kShadowFraction = 2;        // of that distance, over which shadows are smoothed
 
 const std::vector<Parameter> kToonTable = {
     choice_row("mode", &ToonParams::mode, 0, {"ramp", "paper"},
@@ -33,6 +41,10 @@ const std::vector<Parameter> kToonTable = {
                "of the camera"),
     real_row("shadow", &ToonParams::shadow, {.initial = 1, .max = 1, .factor = "shadow_strength"},
              "darkness of the key light's shadow"),
+    length_row("smoothness", &ToonParams::smoothness,
+               {.initial_percent = kSmoothness, .max = kMaxSmoothness, .unit = "px"},
+               "distance along the surface over which light is smoothed before the steps, in pixels or in percent of "
+               "the picture's height; 0: not at all, and the edges of shadows are jagged (ramp)"),
     real_row("softness", &ToonParams::softness, {.max = 1},
              "min width of the edge between two tone steps, in steps; 0: antialiased, about a pixel; 1: a smooth ramp "
              "(ramp)"),
@@ -57,6 +69,11 @@ const std::vector<Parameter> kToonTable = {
     real_row("occlusion", &ToonParams::occlusion, {.initial = 1, .max = 10, .factor = "occlusion_strength"},
              "factor for the occlusion, 1 - ao, of any technique; `occlusion_strength` multiplies it"),
 };
+
+int smooth_px(const ToonParams& params, const PictureInfo& info) {
+  const float length = absolute_length(params.smoothness, float(info.inner_height()));
+  return int(std::clamp(std::round(length), 1.0f, float(kMaxSmoothness)));
+}
 
 float luminance(const glm::vec3& color) { return glm::dot(color, glm::vec3(0.2126f, 0.7152f, 0.0722f)); }
 
@@ -110,10 +127,8 @@ void fill_toon(const ToonParams& params, const PictureInfo& info, ToonConstants&
   c.inverse_steps = 1.0f / c.steps;
   c.min_width = std::min(kMinChange * c.steps_per_intensity, 1.0f);
   c.softness = params.softness;
-  // The max size of a speck is 1 / kSpeckHeight of the picture's height, but at most kMaxSpeck pixels.
-  constexpr float kSpeckHeight = 432.0f, kMaxSpeck = 8.0f;
-  const float speck_px = std::min(std::round(float(info.inner_height()) / kSpeckHeight), kMaxSpeck);
-  c.speck = params.mode == kToonRamp && params.softness == 0.0f ? int(speck_px) : 0;
+  c.smooth_px = smooth_px(params, info);
+  c.shadow_px = std::max(c.smooth_px / kShadowFraction, 1);
   c.sharpness = 1.0f / (params.highlight_size * params.highlight_size);
   const bool flat = params.steps == 1;
   const float steps = std::max(c.steps - 1.0f, 1.0f);
@@ -129,10 +144,21 @@ void fill_toon(const ToonParams& params, const PictureInfo& info, ToonConstants&
   fill_lights(params, info, c);
 }
 
-/// Returns the number of rows that dispatch `light` reads above and below a pixel, to smooth shadows.
-int light_reach(const void*, int) { return 1; }
-/// Returns the number of rows that dispatch `steps` reads above and below a pixel: 1 for edges, C.speck for specks.
-int steps_reach(const void* constants, int) { return std::max(static_cast<const ToonConstants*>(constants)->speck, 1); }
+bool is_smoothed(const ParameterBytes& bytes) {
+  const auto& params = as<ToonParams>(bytes);
+  return params.mode == kToonRamp && params.smoothness.value > 0.0f;
+}
+
+/// Returns the number of rounds of smoothing, in which the distance halves, and the last of which repeats that of 1.
+int toon_rounds(const ParameterBytes& bytes, const PictureInfo& info) {
+  return is_smoothed(bytes) ? int(std::bit_width(unsigned(smooth_px(as<ToonParams>(bytes), info)))) + 1 : 1;
+}
+
+/// These return the number of rows that the dispatches read above and below a pixel.
+int smooth_reach(const void* constants, int round) {
+  return std::max(static_cast<const ToonConstants*>(constants)->smooth_px >> round, 1);
+}
+int steps_reach(const void*, int) { return 1; }
 
 }  // namespace
 
@@ -146,15 +172,31 @@ Effect effect_toon() {
        .quantum = 1.0 / kPaperSteps,
        .dispatches = {{.name = "light",
                        .inputs = {"depth", "normal.x", "normal.y", "normal.z", "specular", "shininess", "shadow", "ao"},
-                       .outputs = {"toon_intensity", "toon_highlight"},
+                       .outputs = {"toon_key", "toon_rest", "toon_visible", "toon_highlight"},
                        .kernel = toon_light_kernel(),
-                       .reach = light_reach},
+                       .reach = own_pixel,
+                       .first_round_only = true},
+                      {.name = "across",
+                       .inputs = {"depth", "normal.x", "normal.y", "normal.z", "toon_key", "toon_rest", "toon_visible"},
+                       .outputs = {"toon_row_key", "toon_row_rest", "toon_row_visible"},
+                       .kernel = toon_across_kernel(),
+                       .needed = is_smoothed,
+                       .reach = own_row},
+                      {.name = "down",
+                       .inputs = {"depth", "normal.x", "normal.y", "normal.z", "toon_row_key", "toon_row_rest",
+                                  "toon_row_visible"},
+                       .outputs = {"toon_key", "toon_rest", "toon_visible"},
+                       .kernel = toon_down_kernel(),
+                       .needed = is_smoothed,
+                       .reach = smooth_reach},
                       {.name = "steps",
-                       .inputs = {"depth", "normal.x", "normal.y", "normal.z", "toon_intensity", "toon_highlight",
-                                  "albedo.r", "albedo.g", "albedo.b", "specular"},
+                       .inputs = {"depth", "normal.x", "normal.y", "normal.z", "toon_key", "toon_rest", "toon_visible",
+                                  "toon_highlight", "albedo.r", "albedo.g", "albedo.b", "specular"},
                        .outputs = {"lit.r", "lit.g", "lit.b"},
                        .kernel = toon_kernel(),
-                       .reach = steps_reach}}});
+                       .reach = steps_reach,
+                       .last_round_only = true}},
+       .rounds = toon_rounds});
 }
 
 }  // namespace umbrage

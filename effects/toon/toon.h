@@ -1,6 +1,8 @@
 // User parameters of `toon` and the constants of its kernels. Shared by C++ and GLSL: 4-byte scalars only.
 #ifndef UMBRAGE_EFFECTS_TOON_H
 #define UMBRAGE_EFFECTS_TOON_H
+#include "core/length.h"
+
 const int kToonMaxLights = 16;
 
 // Values of ToonParams::mode and albedo.
@@ -14,6 +16,7 @@ struct ToonParams {
   float ambient, extra;                // ambient light that occlusion darkens, and that it does not darken
   int rig;                             // 0: the scene's lights, 1: a head light, 2: a key light
   float shadow;                        // 0 to 1: how much of the key light's shadow is applied
+  Length smoothness;                   // ramp: how far light is smoothed: pixels, or percent of the height
   float softness;                      // width of the edges between tone steps, in steps
   float specular;                      // factor for highlights
   float highlight_size;                // factor for a highlight's diameter
@@ -32,7 +35,7 @@ struct ToonConstants {
   float steps_per_intensity;  // ramp: tone steps per unit of intensity
   float inverse_steps;        // paper: difference in brightness between tone steps
   float min_width, softness;  // min widths of an edge between tone steps, in steps, each at most 1
-  int speck;                  // ramp without softness: max width and height of a speck, pixels; 0: specks are kept
+  int smooth_px, shadow_px;   // distance between neighbours in the first round that smooths light, and shadows
   float sharpness;            // 1 / highlight_size^2
   float shadow_r, shadow_g, shadow_b;
   float step_r, step_g, step_b;  // colour difference between adjacent tone steps

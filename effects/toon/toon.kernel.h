@@ -1,13 +1,15 @@
-// Second dispatch of `toon`: quantizes the intensity into tone steps, antialiases their edges, and colours them. Based
+// Last dispatch of `toon`: quantizes the intensity into tone steps, antialiases their edges, and colours them. Based
 // on [Lajzer and Nottingham], listing 2: floor(4 i)/4 times the object's colour.
 //
 // Differs in ramp mode: there is a fixed number of tone steps, whose colours range from the shadow's to the light's.
-// The steps are averaged over the range of intensity in the pixel, estimated from the differences to its neighbours. A
-// speck (a group of few pixels) gets the tone step of the pixels around it on the same surface. Neighbours determine
-// nothing but this and the widths of edges and highlights; so no colour smears over a silhouette.
+// The steps are averaged over the range of intensity in the pixel, estimated from the differences to its neighbours,
+// and shadows have edges of a pixel. Neighbours determine nothing but the widths of edges and highlights; so no colour
+// smears over a silhouette.
 IN_REAL(depth)
 IN_VECTOR(normal)
-IN_REAL(toon_intensity)
+IN_REAL(toon_key)
+IN_REAL(toon_rest)
+IN_REAL(toon_visible)
 IN_REAL(toon_highlight)
 IN_COLOR(albedo)
 IN_REAL(specular)
@@ -17,6 +19,7 @@ OUT_COLOR(lit)
 // Max distance of a neighbour's point from the plane of this pixel, in pixel sizes per pixel between the two. Allows
 // for curved surfaces.
 CONST float kMaxDistancePx = 1.0f;
+CONST float kMinEdge = 1e-3f;  // min change of toon_visible across the edge of a shadow
 // A pixel with a toon_highlight below this is outside the highlight even if the edge has its max width.
 CONST float kFarOutside = -0.5f;
 
@@ -48,84 +51,17 @@ FN Real averaged_floor(Real t, Real width) {
   return edge - 1.0f + min((high - edge) / width, Real(1.0f));
 }
 
-// Returns the tone step of an intensity.
-FN Real step_of(Real intensity) {
-  return clamp(floor(intensity * C.steps_per_intensity), Real(0.0f), Real(C.steps - 1.0f));
+// Returns the intensity of the pixel (i, j) to the right and below. `width`: of the edge of a shadow, as a change of
+// toon_visible, which is 0.5 at the edge.
+FN Real intensity_at(int i, int j, Real width) {
+  Real visible = clamp((near_toon_visible(i, j) - 0.5f) / width + 0.5f, Real(0.0f), Real(1.0f));
+  return mad(near_toon_key(i, j), mad(visible - 1.0f, Real(C.shadow), Real(1.0f)), near_toon_rest(i, j));
 }
 
-FN Bool has_step(Real step, int i, int j) { return step_of(near_toon_intensity(i, j)) == step; }
-
-// Returns whether any of the next C.speck pixels in one direction has another tone step than `step`; false where
-// `enabled` is not set.
-FN Bool has_other_step(Bool enabled, Real step, int right, int down) {
-  Bool found = Bool(false);
-  for (int k = 1; k <= C.speck; ++k)
-    if (some(enabled && !found)) found = found || (enabled && !has_step(step, k * right, k * down));
-  return found;
-}
-
-// Returns whether the next pixel in one direction has another tone step than `step` and any pixel after it, up to
-// C.speck away, has `step` again; false where `enabled` is not set.
-FN Bool has_narrow_other(Bool enabled, Real step, int right, int down) {
-  Bool other = enabled && !has_step(step, right, down);
-  Bool found = Bool(false);
-  for (int k = 2; k <= C.speck; ++k)
-    if (some(other && !found)) found = found || (other && has_step(step, k * right, k * down));
-  return found;
-}
-
-// Returns whether this pixel may be in a speck or at the antialiased edge of one. This test is cheap, and false for
-// most pixels.
-FN Bool may_be_speck(Bool surface, Real intensity, Real antialiased) {
-  Real step = step_of(intensity);
-  Bool within = has_other_step(surface, step, 1, 0);
-  if (some(within)) within = has_other_step(within, step, -1, 0);
-  if (some(within)) within = has_other_step(within, step, 0, 1);
-  if (some(within)) within = has_other_step(within, step, 0, -1);
-  Bool edge = surface && !within && !(antialiased == step);
-  Bool beside = Bool(false);
-  if (some(edge)) {
-    beside = has_narrow_other(edge, step, 1, 0) || has_narrow_other(edge, step, -1, 0) ||
-             has_narrow_other(edge, step, 0, 1) || has_narrow_other(edge, step, 0, -1);
-  }
-  return within || beside;
-}
-
-// A square ring of pixels around this one that all have one tone step.
-struct Ring {
-  Bool found;
-  Real min, max;  // of the intensity of its pixels
-};
-
-// Returns the first ring that shows this pixel's surface and has one tone step, of the rings around all squares of
-// C.speck x C.speck pixels that contain this pixel. If a speck fits into such a square, this finds a ring for each of
-// its pixels; so a speck is either removed entirely or not at all.
-FN_RARE Ring ring_around(Bool enabled, Int px, Int py, Vec3 position, Vec3 normal) {
-  Ring result = Ring(Bool(false), Real(0.0f), Real(0.0f));
-  int side = C.speck + 1;
-  for (int at = 0; at < C.speck * C.speck; ++at) {
-    Ring ring = Ring(enabled && !result.found, Real(1e30f), Real(-1e30f));
-    if (!some(ring.found)) continue;
-    int left = -1 - at % C.speck;
-    int top = -1 - at / C.speck;
-    Real step = step_of(near_toon_intensity(left, top));
-    for (int k = 0; k < 4 * side; ++k) {
-      if (!some(ring.found)) continue;
-      // k % 4 selects the side of the ring, m the pixel of that side.
-      int m = k / 4;
-      int i = k % 4 == 0 ? left + m : k % 4 == 1 ? left + side - m : k % 4 == 2 ? left + side : left;
-      int j = k % 4 == 0 ? top : k % 4 == 1 ? top + side : k % 4 == 2 ? top + m : top + side - m;
-      Real intensity = near_toon_intensity(i, j);
-      ring.min = min(ring.min, intensity);
-      ring.max = max(ring.max, intensity);
-      Bool here = on_same_surface(i, j, px, py, position, normal);
-      ring.found = ring.found && here && step_of(intensity) == step;
-    }
-    result.min = select(ring.found, ring.min, result.min);
-    result.max = select(ring.found, ring.max, result.max);
-    result.found = result.found || ring.found;
-  }
-  return result;
+// Returns toon_highlight of the pixel (i, j) to the right and below, or a negative value in shadow.
+FN Real highlight_at(int i, int j) {
+  Real visible = mad(near_toon_visible(i, j) - 1.0f, Real(C.shadow), Real(1.0f));
+  return min(near_toon_highlight(i, j), mad(visible, Real(2.0f), Real(-1.0f)));
 }
 
 // Returns the extent of a highlight along one axis, 0 to 1 pixel, if this pixel is inside it and both neighbours on
@@ -148,8 +84,9 @@ FN void toon_pixel(Int px, Int py) {
   Vec3 albedo = Vec3(Real(1.0f), Real(1.0f), Real(1.0f));
   if (C.albedo != kToonClay) albedo = near_albedo(0, 0);
   if (C.albedo == kToonDisplay) albedo = display_from_linear(albedo);
-  Real intensity = near_toon_intensity(0, 0);
   if (C.mode == kToonPaper) {
+    Real visible = mad(near_toon_visible(0, 0) - 1.0f, Real(C.shadow), Real(1.0f));
+    Real intensity = mad(near_toon_key(0, 0), visible, near_toon_rest(0, 0));
     Vec3 lit = albedo * (max(floor(intensity * C.steps), Real(0.0f)) * Real(C.inverse_steps));
     store_lit(select(surface, finite_or_zero(lit), none));
     return;
@@ -161,32 +98,27 @@ FN void toon_pixel(Int px, Int py) {
   Bool up = on_same_surface(0, -1, px, py, position, normal);
   Bool down = on_same_surface(0, 1, px, py, position, normal);
 
-  Real across = change(intensity, near_toon_intensity(-1, 0), near_toon_intensity(1, 0), left, right);
-  Real along = change(intensity, near_toon_intensity(0, -1), near_toon_intensity(0, 1), up, down);
+  Real visible = near_toon_visible(0, 0);
+  Real across = change(visible, near_toon_visible(-1, 0), near_toon_visible(1, 0), left, right);
+  Real along = change(visible, near_toon_visible(0, -1), near_toon_visible(0, 1), up, down);
+  Real edge = clamp(sqrt(mad(across, across, along * along)), Real(kMinEdge), Real(1.0f));
+  Real intensity = intensity_at(0, 0, edge);
+  across = change(intensity, intensity_at(-1, 0, edge), intensity_at(1, 0, edge), left, right);
+  along = change(intensity, intensity_at(0, -1, edge), intensity_at(0, 1, edge), up, down);
   Real width = sqrt(mad(across, across, along * along)) * Real(C.steps_per_intensity);
   width = clamp(max(width, Real(C.softness)), Real(C.min_width), Real(1.0f));
   Real scaled = clamp(intensity * C.steps_per_intensity, Real(0.0f), Real(C.steps + 1.0f));
   Real step = clamp(averaged_floor(scaled, width), Real(0.0f), Real(C.steps - 1.0f));
-  // A speck takes the tone step that surrounds it.
-  if (C.speck > 0) {
-    Bool candidate = may_be_speck(surface, intensity, step);
-    if (some(candidate)) {
-      Ring ring = ring_around(candidate, px, py, position, normal);
-      Real within = clamp(scaled, ring.min * C.steps_per_intensity, ring.max * C.steps_per_intensity);
-      within = averaged_floor(min(within, Real(C.steps + 1.0f)), Real(C.min_width));
-      step = select(ring.found, clamp(within, Real(0.0f), Real(C.steps - 1.0f)), step);
-    }
-  }
   Vec3 tone = Vec3(mad(step, Real(C.step_r), Real(C.shadow_r)), mad(step, Real(C.step_g), Real(C.shadow_g)),
                    mad(step, Real(C.step_b), Real(C.shadow_b)));
   Vec3 lit = albedo * tone;
 
-  Real highlight = near_toon_highlight(0, 0);
+  Real highlight = highlight_at(0, 0);
   if (some(highlight > kFarOutside)) {
-    Real before = near_toon_highlight(-1, 0);
-    Real after = near_toon_highlight(1, 0);
-    Real above = near_toon_highlight(0, -1);
-    Real below = near_toon_highlight(0, 1);
+    Real before = highlight_at(-1, 0);
+    Real after = highlight_at(1, 0);
+    Real above = highlight_at(0, -1);
+    Real below = highlight_at(0, 1);
     across = change(highlight, before, after, left, right);
     along = change(highlight, above, below, up, down);
     width = sqrt(mad(across, across, along * along));
