@@ -1,5 +1,6 @@
-// Look `hatching`: a pen drawing. Lines along the surface show the light that falls on white clay, with shadows and
-// occlusion; outlines are in the same ink.
+// Look `hatching`: a pen drawing. Lines along the surface show the light that falls on clay, with shadows and
+// occlusion. The clay is darker where the material is, but less so, since the shape of black materials would be lost.
+// Outlines are in the same ink.
 #include "core/look.h"
 
 namespace umbrage {
@@ -9,7 +10,7 @@ Look look_hatching() {
           .summary = "a pen drawing: hatching along the surface shows its light",
           .occlusion = "unsharp",
           .effects = {"lighting", "occlusion", "denoise", "composite", "outline", "hatching", "output"},
-          .presets = {"lighting.material=clay", "unsharp.kernel=4%", "unsharp.threshold=0.15",
+          .presets = {"lighting.material=clay", "hatching.material=0.35", "unsharp.kernel=4%", "unsharp.threshold=0.15",
                       "unsharp.linearization=extent", "unsharp.strength=12", "unsharp.background=ignore",
                       "unsharp.white_edge=off", "composite.mode=multiply", "outline.width=0.2%", "outline.recede=0.8",
                       "outline.inner=0.7", "outline.ids=both", "output.background_r=1", "output.background_g=1",

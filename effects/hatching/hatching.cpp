@@ -13,6 +13,7 @@
 #include "effects/hatching/hatching_strokes.h"
 #include "effects/outline/outline_draw.h"
 #include "kernels/hatching_across.h"
+#include "kernels/hatching_break.h"
 #include "kernels/hatching_down.h"
 #include "kernels/hatching_field.h"
 #include "kernels/hatching_tone.h"
@@ -33,13 +34,17 @@ const std::vector<Parameter> kHatchingTable = {
              "brightness of the light that lines show; at 0, light of 1 leaves the paper blank"),
     real_row("contrast", &HatchingParams::contrast, {.initial = 1, .min = 0.1, .max = 10},
              "exponent of the tone, a display value: above 1 lines show darker tones"),
+    real_row(
+        "material", &HatchingParams::material, {.max = 1},
+        "how much darker the tone of dark materials is; 1: in proportion to their albedo, a display value, if `lit` is "
+        "the light on white clay"),
     real_row("cross", &HatchingParams::cross, {.initial = 0.4, .max = 1},
              "fraction of the area covered by ink from which on a second set of lines crosses the first; 1: never"),
     choice_row("direction", &HatchingParams::direction, kHatchingCurvature, {"curvature", "fixed"},
                "direction of lines: around the surface where it is curved, or in parallel planes"),
     real_row("tilt", &HatchingParams::tilt_deg, {.initial = 25, .min = -90, .max = 90, .unit = "deg"},
-             "angle of the fixed direction, also of that on flat surfaces: 0 are horizontal planes of the world"),
-    length_row("smoothness", &HatchingParams::smoothness, {.initial_percent = 4, .max = kMaxSmoothness, .unit = "px"},
+             "angle of the fixed direction, also of that on flat surfaces and spheres: 0 are horizontal planes"),
+    length_row("smoothness", &HatchingParams::smoothness, {.initial_percent = 3.2, .max = kMaxSmoothness, .unit = "px"},
                "radius over which directions are averaged, in pixels or in percent of the picture's height"),
     choice_row("strokes", &HatchingParams::strokes, kHatchingShade, {"shade", "light"},
                "what lines draw: shade, with dark ink on light paper, or light, with light ink on dark paper, as in "
@@ -54,21 +59,33 @@ const std::vector<Parameter> kHatchingTable = {
 
 void fill_hatching(const HatchingParams& params, const PictureInfo& info, HatchingConstants& c) {
   constexpr float kDistinctRadius = 0.7f;  // radius of a distinct curvature, in heights of the picture
+  constexpr float kThinSpacings = 2.5f;
   const auto height = float(info.inner_height());
   const float tilt = glm::radians(params.tilt_deg);
-  const glm::vec3 axis = glm::mat3(info.camera.view_from_world) *
-                         glm::normalize(glm::vec3(std::sin(tilt), std::cos(tilt), 0.5f * std::sin(tilt)));
-  c = {.spacing_px = std::clamp(absolute_length(params.spacing, height), 2.0f, float(kMaxSpacing)),
+  glm::vec3 axis = glm::mat3(info.camera.view_from_world) *
+                   glm::normalize(glm::vec3(std::sin(tilt), std::cos(tilt), 0.5f * std::sin(tilt)));
+  // Where shapes have no direction of their own, as spheres, planes that contain the direction of view have their poles
+  // on the silhouette, where no line turns around them.
+  if (params.direction == kHatchingCurvature) {
+    axis.z = 0.0f;
+    axis = glm::length(axis) > 0.1f ? glm::normalize(axis) : glm::vec3(0.0f, 1.0f, 0.0f);
+  }
+  const float spacing = std::clamp(absolute_length(params.spacing, height), 2.0f, float(kMaxSpacing));
+  const int thin_px = int(std::ceil(kThinSpacings * spacing));
+  c = {.spacing_px = spacing,
        .width_px = std::max(absolute_length(params.width, height), 0.2f),
        .gain = std::exp2(params.exposure),
        .contrast = params.contrast,
+       .material = params.material,
        .cross = params.cross,
        .curvature = params.direction == kHatchingCurvature ? 1 : 0,
        .axis_x = axis.x,
        .axis_y = axis.y,
        .axis_z = axis.z,
        .curvature_unit = 1.0f / (kDistinctRadius * height),
-       .detail_px = 1.5f * std::clamp(absolute_length(params.spacing, height), 2.0f, float(kMaxSpacing)),
+       .detail_px = 1.5f * spacing,
+       .thin_px = thin_px,
+       .inverse_thin = 1.0f / float(thin_px),
        .tap_px = std::min(absolute_length(params.smoothness, height), float(kMaxSmoothness)) / float(kTaps),
        .strokes = params.strokes,
        .paper_r = linear_from_srgb(params.paper_r),
@@ -80,7 +97,8 @@ bool has_tone(const ParameterBytes& bytes) { return as<HatchingParams>(bytes).pa
 bool has_lines(const ParameterBytes& bytes) { return as<HatchingParams>(bytes).parts != kHatchingTone; }
 
 /// These return the number of rows that the dispatches read above and below a pixel.
-int field_reach(const void*, int) { return 1; }
+int break_reach(const void*, int) { return 1; }
+int field_reach(const void* constants, int) { return static_cast<const HatchingConstants*>(constants)->thin_px + 1; }
 int filter_reach(const void* constants, int) {
   return int(std::ceil(static_cast<const HatchingConstants*>(constants)->tap_px * float(kTaps))) + 1;
 }
@@ -99,14 +117,20 @@ Effect effect_hatching() {
        .quantum = 1.0,
        .neutral = {{"hatching_ink", 0.0f}},
        .dispatches = {{.name = "hatching_tone",
-                       .inputs = {"depth", "lit.r", "lit.g", "lit.b"},
+                       .inputs = {"depth", "albedo.r", "albedo.g", "albedo.b", "lit.r", "lit.g", "lit.b"},
                        .outputs = {"lit.r", "lit.g", "lit.b", "hatching_ink"},
                        .kernel = hatching_tone_kernel(),
                        .needed = has_tone,
                        .reach = own_pixel},
-                      {.name = "hatching_field",
+                      {.name = "hatching_break",
                        .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id"},
-                       .outputs = {"hatching_raw_x", "hatching_raw_y", "hatching_break"},
+                       .outputs = {"hatching_break"},
+                       .kernel = hatching_break_kernel(),
+                       .needed = has_lines,
+                       .reach = break_reach},
+                      {.name = "hatching_field",
+                       .inputs = {"depth", "normal.x", "normal.y", "normal.z", "hatching_break"},
+                       .outputs = {"hatching_raw_x", "hatching_raw_y"},
                        .kernel = hatching_field_kernel(),
                        .needed = has_lines,
                        .reach = field_reach},

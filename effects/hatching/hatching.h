@@ -14,6 +14,7 @@ struct HatchingParams {
   Length width;                     // of a line where not all lines are drawn, likewise
   float exposure;                   // stops; 0: light of 1 leaves the paper blank
   float contrast;                   // exponent of the light as a display shows it
+  float material;                   // how much darker the tone of dark materials is
   float cross;                      // ink from which on a second set of lines crosses the first; 1: none
   int direction;                    // kHatchingCurvature or kHatchingFixed
   float tilt_deg;                   // of the fixed direction
@@ -25,12 +26,14 @@ struct HatchingParams {
 
 struct HatchingConstants {
   float spacing_px, width_px;
-  float gain, contrast;
+  float gain, contrast, material;
   float cross;
   int curvature;                 // 0 or 1: lines follow the max curvature where it is distinct
   float axis_x, axis_y, axis_z;  // fixed direction, unit, view space: lines lie in planes across it
   float curvature_unit;          // curvature that is distinct, times the size of a pixel
   float detail_px;               // radius of curvature of details that are too small for lines of their own
+  int thin_px;                   // max length of ways through thin parts
+  float inverse_thin;            // 1 / thin_px
   float tap_px;                  // distance between the taps of the filter
   int strokes;
   float paper_r, paper_g, paper_b;  // linear light

@@ -1,4 +1,4 @@
-// Third dispatch of `hatching`: filters directions along rows, from `hatching_raw` to `hatching_row`.
+// Fourth dispatch of `hatching`: filters directions along rows, from `hatching_raw` to `hatching_row`.
 IN_REAL(hatching_raw_x)
 IN_REAL(hatching_raw_y)
 OUT_REAL(hatching_row_x)

@@ -1,4 +1,4 @@
-// Fourth dispatch of `hatching`: filters directions along columns, and computes the direction of the crossing lines, at
+// Fifth dispatch of `hatching`: filters directions along columns, and computes the direction of the crossing lines, at
 // a right angle on the surface. All have length 1, or 0 where there is none.
 IN_REAL(hatching_row_x)
 IN_REAL(hatching_row_y)

@@ -1,4 +1,4 @@
-// Second dispatch of `hatching`: in which direction lines run, and where they end.
+// Third dispatch of `hatching`: in which direction lines run.
 //
 // A direction without sign is stored as the vector (cos 2a, sin 2a), whose length is its weight, with a the angle on the
 // picture from right to down. So opposite directions are equal and means are meaningful.
@@ -9,31 +9,25 @@
 // direction of the curvature of larger magnitude is that of H (X, Y), whose length is a quarter of k1^2 - k2^2.
 IN_REAL(depth)
 IN_VECTOR(normal)
-IN_REAL(object_id)
 OUT_REAL(hatching_raw_x)
 OUT_REAL(hatching_raw_y)
-OUT_REAL(hatching_break)
 #include "effects/hatching/hatching_tangents.kernel.h"
+#include "effects/hatching/hatching_thin.kernel.h"
 #include "kernel/surface.kernel.h"
 
-CONST float kMaxStepPx = 2.0f;        // neighbours on a surface are off its plane by less than this
-CONST float kMinFoldCosine = 0.8f;    // lines end where normals of neighbours differ by 37 degrees or more
 CONST float kFixedWeight = 0.08f;     // of the fixed direction, relative to a distinct curvature
+CONST float kRound = 0.35f;           // ratio of the difference of curvatures to their mean that is distinct
 CONST float kMaxCurvature = 1e15f;    // so that squares remain finite
 
-// Returns the normal of the pixel (i, j) to the right and below minus this one's, or 0 if it shows another surface.
+// The normal of a neighbour minus this one's, or 0 where the surface ends before it.
 struct Step {
   Vec3 change;
   Real count;
-  Bool ends;
 };
-FN Step step_to(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
-  Vec3 there = view_position(px + Int(i), py + Int(j), near_depth(i, j));
-  Vec3 other = unit_normal(near_normal(i, j), there);
-  Bool same = surface_distance(position, normal, there, other, kMaxStepPx) <= 1.0f;
-  same = same && dot(normal, other) > kMinFoldCosine && abs(near_object_id(i, j) - near_object_id(0, 0)) < 0.5f;
+FN Step step_to(int i, int j, Bool ends, Int px, Int py, Vec3 normal) {
+  Vec3 other = unit_normal(near_normal(i, j), view_position(px + Int(i), py + Int(j), near_depth(i, j)));
   Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
-  return Step(select(same, other - normal, none), select(same, Real(1.0f), Real(0.0f)), same);
+  return Step(select(ends, none, other - normal), select(ends, Real(0.0f), Real(1.0f)));
 }
 
 // Returns the change of the normal per pixel, from the steps to both neighbours.
@@ -61,7 +55,9 @@ FN Vec2 curvature_direction(Tangents t, Vec3 n_x, Vec3 n_y, Real pixel) {
   Vec2 turned = half_angle(Vec2(x * inverse, y * inverse));  // from t.x towards t.y
   Real root = sqrt(t.xx);
   Vec2 direction = on_picture(t, turned.x * root, (turned.x * t.xy + turned.y * t.area) / root);
+  // Where both curvatures are nearly equal, as on a sphere, their difference is that of the triangles.
   Real distinct = w * abs(mean) / (C.curvature_unit * C.curvature_unit);
+  distinct = distinct * (w * w / max(mad(mean * mean, Real(kRound * kRound), w * w), Real(1e-30f)));
   // Narrow bevels and bumps, which are smaller than the distance between lines, do not turn the lines beside them.
   Real narrow = (w + abs(mean)) * C.detail_px;
   return direction * (distinct / ((distinct + 1.0f) * mad(narrow, narrow, Real(1.0f))));
@@ -72,16 +68,17 @@ FN void hatching_field_pixel(Int px, Int py) {
   Bool surface = is_surface(depth);
   Vec3 position = view_position(px, py, select(surface, depth, Real(1.0f)));
   Vec3 normal = unit_normal(near_normal(0, 0), position);
-  Step left = step_to(-1, 0, px, py, position, normal);
-  Step right = step_to(1, 0, px, py, position, normal);
-  Step above = step_to(0, -1, px, py, position, normal);
-  Step below = step_to(0, 1, px, py, position, normal);
+  Step left = step_to(-1, 0, ends_right(-1, 0), px, py, normal);
+  Step right = step_to(1, 0, ends_right(0, 0), px, py, normal);
+  Step above = step_to(0, -1, ends_below(0, -1), px, py, normal);
+  Step below = step_to(0, 1, ends_below(0, 0), px, py, normal);
   Tangents t = tangents_of(position, normal);
   Vec2 sum = fixed_direction(t, normal) * Real(kFixedWeight);
-  if (C.curvature != 0) sum = sum + curvature_direction(t, slope(left, right), slope(above, below), pixel_size(depth));
+  if (C.curvature != 0) {
+    Vec2 curved = curvature_direction(t, slope(left, right), slope(above, below), pixel_size(depth));
+    sum = sum + curved + thin_direction();
+  }
   Real none = Real(0.0f);
   store_hatching_raw_x(select(surface, finite_or_zero(sum.x), none));
   store_hatching_raw_y(select(surface, finite_or_zero(sum.y), none));
-  Real ends = select(right.ends, none, Real(1.0f)) + select(below.ends, none, Real(2.0f));
-  store_hatching_break(select(surface, ends, Real(3.0f)));
 }

@@ -26,6 +26,7 @@ constexpr std::size_t kStride = kTracedPerSpacing / kPointsPerSpacing;
 constexpr std::size_t kMinPoints = 4;  // of a part of a line that is drawn
 constexpr int kCorrections = 3;        // rounds in which widths are corrected
 constexpr float kTaperPoints = 5.0f;   // traced points over which a free end gets thinner
+constexpr float kFullInk = 0.6f;       // from which on ends are as wide as the line
 // Keeps planes of round coordinates, such as the ground, off the borders of cells.
 constexpr glm::vec3 kCellOffset = {0.379f, 0.283f, 0.417f};
 constexpr float kMinWidth = 0.05f;      // pixels: thinner parts of a line are left out
@@ -212,8 +213,13 @@ Strokes with_widths(const std::vector<HatchingLine>& traced, const Ink& ink, con
       const std::size_t k = n * kStride;
       const Point p = line.points[k];
       const float from_start = float(k + 1) / kTaperPoints, from_end = float(line.points.size() - k) / kTaperPoints;
-      const float taper = std::min({line.free_start ? from_start : 1.0f, line.free_end ? from_end : 1.0f, 1.0f});
-      const float w = hatching_width(line.rank, along[n], c.spacing_px, c.width_px) * taper * correction.at(p.x, p.y);
+      // In dark parts, thinner ends would be light spots, and lines are as wide as their room needs.
+      const float light = std::clamp((kFullInk - along[n]) / kFullInk, 0.0f, 1.0f);
+      const float fill = light + (1.0f - light) * line.room[k] / c.spacing_px;
+      const float thinness = std::min({line.free_start ? from_start : 1.0f, line.free_end ? from_end : 1.0f, 1.0f});
+      const float taper = 1.0f + light * (thinness - 1.0f);
+      const float w =
+          hatching_width(line.rank, along[n], c.spacing_px, c.width_px) * fill * taper * correction.at(p.x, p.y);
       if (w < kMinWidth) {
         finish();
         continue;

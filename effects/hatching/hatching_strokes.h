@@ -26,6 +26,8 @@ struct HatchingLine {
     float x, y;  ///< pixels
   };
   std::vector<Point> points;
+  std::vector<float>
+      room;  ///< at each point: width of the strip to the middle between it and the lines beside it, pixels
 };
 inline constexpr int kHatchingRanks = 3;
 using HatchingSeeds = std::array<std::vector<HatchingLine::Point>, kHatchingRanks>;

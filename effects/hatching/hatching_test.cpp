@@ -105,6 +105,21 @@ TEST(Hatching, LinesOfOthersRemain) {
   EXPECT_GT(max, 0.9f);
 }
 
+TEST(Hatching, DarkMaterialsAreDarker) {
+  const auto ink = [](float albedo, const char* material) {
+    GBuffer g = wall(192, 192, 0.8f);
+    for (const char* name : kAlbedo) g.layers[0].add(name) = Plane(192, 192, linear_from_srgb(albedo));
+    const Image image = run_effect(hatching(), g, {{"spacing", "6"}, {"width", "1.5"}, {"material", material}}, {});
+    return mean_inside(image.plane("outline"), 24);
+  };
+  const float clay = 0.9063f;  // as display value
+  EXPECT_NEAR(ink(clay, "1"), 0.2, 0.02);
+  EXPECT_NEAR(ink(0.5f * clay, "1"), 0.6, 0.02);
+  EXPECT_NEAR(ink(0.5f * clay, "0.5"), 0.4, 0.02);
+  EXPECT_NEAR(ink(0.5f * clay, "0"), 0.2, 0.02);
+  EXPECT_NEAR(ink(1.0f, "1"), 0.2, 0.02) << "brighter than clay";
+}
+
 // ---- directions
 
 /// Returns a cylinder along z rotated by `turn`.
@@ -157,7 +172,8 @@ TEST(Hatching, CurvatureOfACylinderRunsAroundIt) {
     const dmat3 turn = rotation(90.0 + 0.3 * tilt_deg, 0.0, tilt_deg);
     const GBuffer g = lit_by(seen({}, cylinder({0.2, 0.1, -6.0}, turn, 1.2)), 0.5f);
     // The filter is off. What the fixed direction adds is that of the setting without curvature.
-    const Settings own = {{"smoothness", "0"}}, fixed = {{"smoothness", "0"}, {"direction", "fixed"}};
+    // Both fixed directions are the same where the axis is at a right angle to the view.
+    const Settings own = {{"smoothness", "0"}, {"tilt", "0"}}, fixed = joined(own, {{"direction", "fixed"}});
     const Image with = run_effect(hatching(), g, own, {}), without = run_effect(hatching(), g, fixed, {});
     std::vector<double> errors, weights;
     for_directions_around(g, turn[2], [&](int x, int y, double u, double v) {
@@ -187,6 +203,54 @@ TEST(Hatching, CrossingLinesRunAlongTheCylinder) {
   });
   EXPECT_LT(percentile(errors, 0.5), 4.0);
   EXPECT_LT(percentile(errors, 0.99), 12.0);
+}
+
+// Lines run around thick cylinders and along thin ones.
+TEST(Hatching, LinesRunAlongThinParts) {
+  for (const double tilt_deg : {10.0, 40.0, 75.0}) {
+    const dmat3 turn = rotation(90.0, 0.0, tilt_deg);
+    const auto median = [&](double radius_px) {
+      const GBuffer empty = seen({}, cylinder({0.0, 0.0, -6.0}, turn, 1.0));
+      const GBuffer g =
+          lit_by(seen({}, cylinder({0.0, 0.0, -6.0}, turn, radius_px * 6.0 * empty.info.pixel_width())), 0.5f);
+      const Image image = run_effect(hatching(), g, {{"spacing", "4"}}, {});
+      std::vector<double> errors;
+      const dvec3 axis = turn[2];  // across the view
+      for (int y = 0; y < g.info.height; ++y)
+        for (int x = 0; x < g.info.width; ++x)
+          if (g.layers[0].plane("depth").at(x, y) < 1e9f)
+            errors.push_back(angle_between(image.plane("hatching_x").at(x, y), image.plane("hatching_y").at(x, y),
+                                           axis.x * axis.x - axis.y * axis.y, -2.0 * axis.x * axis.y));
+      EXPECT_GT(errors.size(), 300u);
+      return percentile(errors, 0.5);
+    };
+    EXPECT_LT(median(2.5), 6.0) << tilt_deg;
+    EXPECT_GT(median(20.0), 75.0) << tilt_deg;
+  }
+}
+
+// On a sphere of triangles, with normals that are a little off, lines lie in parallel planes.
+TEST(Hatching, TrianglesOfASphereDoNotTurnLines) {
+  const GBuffer exact = lit_by(seen({}, sphere({0.0, 0.0, -6.0}, 1.2, 0)), 0.5f);
+  GBuffer g = exact;
+  for (int y = 0; y < g.info.height; ++y)
+    for (int x = 0; x < g.info.width; ++x) {
+      const double phase_x = 0.35 * x, phase_y = 0.35 * y;  // triangles of 18 pixels
+      g.layers[0].plane("normal.x").at(x, y) += float(0.012 * std::sin(phase_x) * std::cos(phase_y));
+      g.layers[0].plane("normal.y").at(x, y) += float(0.012 * std::cos(0.7 * phase_x + phase_y));
+    }
+  const Image image = run_effect(hatching(), g, {{"tilt", "0"}}, {});
+  const Image planes = run_effect(hatching(), exact, {{"tilt", "0"}, {"direction", "fixed"}}, {});
+  std::vector<double> errors;
+  for (int y = 0; y < g.info.height; ++y)
+    for (int x = 0; x < g.info.width; ++x)
+      if (g.layers[0].plane("depth").at(x, y) < 1e9f)
+        errors.push_back(angle_between(image.plane("hatching_x").at(x, y), image.plane("hatching_y").at(x, y),
+                                       planes.plane("hatching_x").at(x, y), planes.plane("hatching_y").at(x, y)));
+  ASSERT_GT(errors.size(), 3000u);
+  RecordProperty("median", std::to_string(percentile(errors, 0.5)));
+  EXPECT_LT(percentile(errors, 0.5), 8.0);
+  EXPECT_LT(percentile(errors, 0.9), 20.0);
 }
 
 TEST(Hatching, RoundedNormalsAreSmoothed) {
@@ -278,6 +342,24 @@ TEST(Hatching, LinesEndWhereTheSurfaceEnds) {
       EXPECT_GE(p.y, 20.0f);
       EXPECT_EQ(p.x < 64.0f, line.points[0].x < 64.0f);
     }
+}
+
+// Lines that meet in the distance end where there is no place for them. In dark parts their ends leave no light spot.
+TEST(Hatching, EndsOfLinesInDarkPartsAreNotLight) {
+  const GBuffer g = lit_by(seen({}, ground(25.0, 0.0)), 0.15f);
+  const Settings settings = {
+      {"spacing", "6"}, {"width", "1.5"}, {"cross", "1"}, {"direction", "fixed"}, {"tilt", "90"}};
+  const Image image = run_effect(hatching(), g, settings, {});
+  long light = 0, all = 0;
+  for (int y = 8; y < g.info.height - 8; ++y)
+    for (int x = 8; x < g.info.width - 8; ++x)
+      if (g.layers[0].plane("depth").at(x, y) < 1e9f) {
+        bool blank = true;  // a spot of 2 x 2 pixels
+        for (int k = 0; k < 4; ++k) blank &= image.plane("outline").at(x + k % 2, y + k / 2) < 0.3f;
+        ++all, light += blank;
+      }
+  ASSERT_GT(all, 10000);
+  EXPECT_LT(double(light), 0.008 * double(all));
 }
 
 // ---- motion

@@ -1,13 +1,21 @@
 // First dispatch of `hatching`: how much ink each pixel needs so that the picture shows its light, and the light of the
 // paper in its place; `output` draws the lines over that.
 IN_REAL(depth)
+IN_COLOR(albedo)
 INOUT_COLOR(lit)
 OUT_REAL(hatching_ink)
 
+CONST float kClay = 0.90633f;  // display value of clay, an albedo of 0.8
+
+FN Real luminance_of(Vec3 v) { return mad(v.x, Real(0.2126f), mad(v.y, Real(0.7152f), v.z * 0.0722f)); }
+
 // Returns the fraction of the area that lines cover where there is this light.
 FN Real ink_of(Vec3 light) {
-  Real luminance = mad(light.x, Real(0.2126f), mad(light.y, Real(0.7152f), light.z * 0.0722f)) * C.gain;
-  Real shown = display_from_linear(clamp(luminance, Real(0.0f), Real(1.0f)));
+  Real shown = display_from_linear(clamp(luminance_of(light) * C.gain, Real(0.0f), Real(1.0f)));
+  if (C.material > 0.0f) {
+    Real own = display_from_linear(clamp(luminance_of(clean_light(near_albedo(0, 0))), Real(0.0f), Real(1.0f)));
+    shown = shown * mad(min(own * (1.0f / kClay), Real(1.0f)) - 1.0f, Real(C.material), Real(1.0f));
+  }
   if (C.contrast != 1.0f) shown = pow(shown, Real(C.contrast));
   return C.strokes == kHatchingShade ? Real(1.0f) - shown : shown;
 }

@@ -18,11 +18,13 @@ using Point = HatchingLine::Point;
 constexpr float kStepFraction = 1.0f / 6.0f;  // length of a step, in spacings
 constexpr float kStopFraction = 0.5f;         // a line ends within this fraction of the distance to another one
 constexpr float kSeedFraction = 0.75f;        // of the distance that a seed keeps
-constexpr float kAhead = 0.75f;               // of two lines that meet end to end, in spacings
-constexpr float kMinLength = 1.5f;            // of a line, in spacings
+constexpr float kAhead = 0.5f;                // of two lines that meet end to end, in spacings
+constexpr float kMinLength = 2.5f;            // of a line, in spacings
 constexpr float kMinTurnCosine = 0.7f;        // between two steps: a line does not turn by 45 degrees at once
 constexpr int kOwnSteps = 18;                 // nearby points of the same line that are no obstacle: three spacings
 constexpr int kMaxSteps = 20000;
+constexpr std::size_t kRoomSteps = 3;  // steps from one point to the next whose room is found
+constexpr float kMaxGap = 2.2f;        // between two lines, in spacings: a wider one is an edge of the surface
 
 struct Vector {
   float x, y;
@@ -114,6 +116,21 @@ class Points {
     return false;
   }
 
+  /// Returns the distances from a point to the nearest other lines on both sides of the direction, at most `max`.
+  std::array<float, 2> gaps(Point p, float max, Vector direction, float ahead, int line) const {
+    std::array<float, 2> nearest = {max, max};
+    for (int r = row(p.y - max); r <= row(p.y + max); ++r)
+      for (int c = column(p.x - max); c <= column(p.x + max); ++c)
+        for (const Entry& e : cells_[index(c, r)]) {
+          const Vector way = {e.at.x - p.x, e.at.y - p.y};
+          if (e.line == line || std::abs(dot(way, direction)) > ahead) continue;
+          const float side = dot(way, {-direction.y, direction.x});
+          float& gap = nearest[side > 0.0f ? 1 : 0];
+          gap = std::min(gap, std::abs(side));
+        }
+    return nearest;
+  }
+
  private:
   struct Entry {
     Point at;
@@ -146,9 +163,27 @@ class Tracer {
     for (; !queue.empty(); queue.pop_front()) add_beside(queue.front(), rank, queue);
   }
 
-  std::vector<HatchingLine> take() { return std::move(lines_); }
+  std::vector<HatchingLine> take() {
+    for (std::size_t k = 0; k < lines_.size(); ++k) find_room(int(k), lines_[k]);
+    return std::move(lines_);
+  }
 
  private:
+  void find_room(int index, HatchingLine& line) const {
+    const float max = kMaxGap * spacing_;
+    for (std::size_t k = 0; k < line.points.size(); ++k) {
+      if (k % kRoomSteps != 0) {
+        line.room.push_back(line.room.back());
+        continue;
+      }
+      const Vector d = directions_.at(line.points[k], {1.0f, 0.0f});
+      float room = 0.0f;
+      for (const float gap : points_.gaps(line.points[k], max, d, 0.5f * spacing_, index))
+        room += 0.5f * (gap < max ? gap : spacing_);
+      line.room.push_back(room);
+    }
+  }
+
   void add_beside(std::size_t line, int rank, std::deque<std::size_t>& queue) {
     for (std::size_t k = 0; k < lines_[line].points.size(); k += 2) {
       const Point p = lines_[line].points[k];
