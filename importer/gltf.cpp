@@ -245,6 +245,7 @@ void add_warnings(Build& build) {
 
 Result<Scene> build_scene(GltfFile& file, const ImportSettings& settings) {
   Build build{file, settings};
+  build.scene.has_front = true;
   const std::string name = file.path.string();
   if (auto status = choose_scene(build); !status) return status.error();
   warn_of_extensions(file);

@@ -32,6 +32,12 @@ TEST_F(GltfTest, ReadsQuantizedPositionsAndNormalisedIntegers) {
   }
 }
 
+TEST_F(GltfTest, ModelsFaceAlongZ) {
+  const Scene scene = read(GltfBuilder::triangle());
+  EXPECT_TRUE(scene.has_front);
+  EXPECT_EQ(scene.up, glm::vec3(0, 1, 0));
+}
+
 TEST(GltfAccessor, NormalizedIntegersReachOne) {
   constexpr int kInt8 = 5120, kUint8 = 5121, kInt16 = 5122, kUint16 = 5123, kUint32 = 5125;
   for (const auto& [type, max] :

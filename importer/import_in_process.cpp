@@ -323,6 +323,7 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
   if (!source || !source->mRootNode) return unreadable(file, format, importer.GetErrorString());
   Scene scene;
   scene.up = up_of(*source, format);
+  scene.has_front = is_gltf;
   import_materials(*source, file, format, scene);
   // 3DS files contain no normals, and the normals that Assimp creates ignore creases.
   rules.keep_normals = format != "3ds";

@@ -10,6 +10,7 @@
 #include <glm/trigonometric.hpp>
 #include <limits>
 
+#include "scene/front.h"
 #include "scene/strays.h"
 
 namespace umbrage {
@@ -34,16 +35,9 @@ glm::vec3 unit_or(const std::optional<glm::vec3>& requested, const glm::vec3& ot
   return is_direction(otherwise) ? glm::normalize(otherwise) : glm::vec3(0.0f, 1.0f, 0.0f);
 }
 
-/// Returns the direction that models face: +z, as in most files with +y up, or -y where z is up.
-glm::vec3 front_of(const glm::vec3& up) {
-  constexpr float kNearlyParallel = 0.9f;
-  const glm::vec3 front = std::abs(up.z) < kNearlyParallel ? glm::vec3(0, 0, 1) : glm::vec3(0, -1, 0);
-  return glm::normalize(front - glm::dot(front, up) * up);
-}
-
 /// Returns the default direction from the scene to the camera.
 glm::vec3 default_side(const Scene& scene, const glm::vec3& up, bool shows_horizon) {
-  const glm::vec3 front = front_of(up), right = glm::cross(up, front);
+  const glm::vec3 front = front_of(scene, up), right = glm::cross(up, front);
   const glm::vec3 size = scene.bounds_max - scene.bounds_min;
   const float height = glm::dot(size, glm::abs(up));
   const float width = std::max(glm::dot(size, glm::abs(front)), glm::dot(size, glm::abs(right)));
@@ -66,7 +60,7 @@ glm::vec3 turned(glm::vec3 side, const glm::vec3& up, float azimuth_deg, float e
     const float distance = glm::length(side);
     const float now = glm::degrees(std::asin(std::clamp(glm::dot(side, up) / distance, -1.0f, 1.0f)));
     const glm::vec3 flat = side - glm::dot(side, up) * up;
-    const glm::vec3 level = is_direction(flat) ? glm::normalize(flat) : front_of(up);
+    const glm::vec3 level = is_direction(flat) ? glm::normalize(flat) : usual_front(up);
     const float goal = glm::radians(std::clamp(now + elevation_deg, -kMaxElevationDeg, kMaxElevationDeg));
     side = distance * (std::cos(goal) * level + std::sin(goal) * up);
   }

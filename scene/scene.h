@@ -108,6 +108,7 @@ struct Scene {
   /// is far from the file's origin.
   glm::dvec3 origin{0.0};
   glm::vec3 up{0.0f, 1.0f, 0.0f};
+  bool has_front = false;      ///< the format of the file defines that models face +z where y is up
   glm::vec3 ambient{0.3f};     ///< radiance of ambient light, averaged over all normals
   AmbientShape ambient_shape;  ///< change of ambient light with the normal, world space
   /// Luminance of a white surface that faces the light; pictures are exposed for it. With the built-in lights about 1.

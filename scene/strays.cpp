@@ -113,16 +113,17 @@ SceneBox box_without_noise(const Scene& scene, const SceneBox& all) {
 }
 
 /// A part of an axis that is covered by triangles and points without a gap.
-struct Cluster {
+struct StrayCluster {
   float low, high;
   std::size_t count;
 };
 
 /// Joins intervals to clusters that are at least `gap` apart.
-std::vector<Cluster> clusters_of(std::vector<Cluster> intervals, float gap) {
-  std::sort(intervals.begin(), intervals.end(), [](const Cluster& a, const Cluster& b) { return a.low < b.low; });
-  std::vector<Cluster> clusters;
-  for (const Cluster& next : intervals) {
+std::vector<StrayCluster> clusters_of(std::vector<StrayCluster> intervals, float gap) {
+  std::sort(intervals.begin(), intervals.end(),
+            [](const StrayCluster& a, const StrayCluster& b) { return a.low < b.low; });
+  std::vector<StrayCluster> clusters;
+  for (const StrayCluster& next : intervals) {
     if (clusters.empty() || next.low - clusters.back().high > gap) {
       clusters.push_back(next);
       continue;
@@ -135,7 +136,7 @@ std::vector<Cluster> clusters_of(std::vector<Cluster> intervals, float gap) {
 
 /// The clusters along an axis, from `first` to `last` of which the rest reaches.
 struct AxisClusters {
-  std::vector<Cluster> clusters;
+  std::vector<StrayCluster> clusters;
   std::size_t first = 0, last = 0;
   float low() const { return clusters[first].low; }
   float high() const { return clusters[last].high; }
@@ -167,7 +168,7 @@ bool is_needle(const Mesh& mesh, const std::uint32_t* corners, const SceneBox& v
 /// that count, as one item; empty: all points are items. Empty if all are needles.
 SceneBox box_without_gaps(const Scene& scene, const SceneBox& noise_free, float core, SceneBox points,
                           std::size_t point_count) {
-  std::array<std::vector<Cluster>, 3> intervals;
+  std::array<std::vector<StrayCluster>, 3> intervals;
   const auto add = [&](const SceneBox& box, std::size_t count) {
     for (int axis = 0; axis < 3; ++axis) intervals[std::size_t(axis)].push_back({box.low[axis], box.high[axis], count});
   };
@@ -181,8 +182,9 @@ SceneBox box_without_gaps(const Scene& scene, const SceneBox& noise_free, float 
   for (int axis = 0; axis < 3; ++axis) {
     AxisClusters& on = axes[std::size_t(axis)];
     on.clusters = clusters_of(std::move(intervals[std::size_t(axis)]), kGap * core);
-    const auto largest = std::max_element(on.clusters.begin(), on.clusters.end(),
-                                          [](const Cluster& a, const Cluster& b) { return a.count < b.count; });
+    const auto largest =
+        std::max_element(on.clusters.begin(), on.clusters.end(),
+                         [](const StrayCluster& a, const StrayCluster& b) { return a.count < b.count; });
     on.first = on.last = std::size_t(largest - on.clusters.begin());
   }
   const auto box = [&] {

@@ -58,11 +58,11 @@ template <class Archive>
 void list_fields(Archive& archive, Scene& scene) {
   // No reader sets `reflections`.
   auto& [name, meshes, materials, textures, lights, views, cameras, scene_names, scene_index, animation_names,
-         animation_durations_s, origin, up, ambient, ambient_shape, lit_white_luminance, reflections, bounds_min,
-         bounds_max, ground_object, ground_center, ground_fade_distance, warnings] = scene;
+         animation_durations_s, origin, up, has_front, ambient, ambient_shape, lit_white_luminance, reflections,
+         bounds_min, bounds_max, ground_object, ground_center, ground_fade_distance, warnings] = scene;
   archive(name, meshes, materials, textures, lights, views, cameras, scene_names, scene_index, animation_names,
-          animation_durations_s, origin, up, ambient, ambient_shape, lit_white_luminance, bounds_min, bounds_max,
-          ground_object, ground_center, ground_fade_distance, warnings);
+          animation_durations_s, origin, up, has_front, ambient, ambient_shape, lit_white_luminance, bounds_min,
+          bounds_max, ground_object, ground_center, ground_fade_distance, warnings);
 }
 template <class Archive>
 void list_fields(Archive& archive, Panorama& panorama) {
