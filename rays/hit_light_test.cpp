@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <memory>
+#include <utility>
 
 #include "core/hash.h"
 #include "devices/shared/capture_info.h"
@@ -94,6 +95,16 @@ TEST_F(HitLight, OneLightWithoutNoise) {
   for (const glm::vec3 light : light_at(-1.0f, 2)) expect_color(light, {0.41f, 0.42f, 0.43f}, 1e-5f);
   // Below the roof: emission alone.
   for (const glm::vec3 light : light_at(1.0f, 2)) expect_color(light, {0.01f, 0.02f, 0.03f}, 1e-6f);
+}
+
+TEST_F(HitLight, ALampWithASizeIsNoBrighterThanAtItsSurface) {
+  // 0.1 above the floor: without a size 100 times as bright as at the distance 1, with a radius of 0.5 four times.
+  Light lamp{.kind = LightKind::kPoint, .position = {-1.0f, 0.0f, 0.1f}, .color = glm::vec3(1.0f), .reach = 1.0f};
+  for (const auto& [radius, factor] : {std::pair(0.0f, 100.0f), {0.05f, 100.0f}, {0.5f, 4.0f}}) {
+    lamp.radius = radius;
+    build({floor_mesh()}, {lamp}, glm::vec3(0.0f));
+    for (const glm::vec3 light : light_at(-1.0f, 1)) expect_color(light / factor, {kRed, kGreen, kBlue}, 1e-3f);
+  }
 }
 
 TEST_F(HitLight, LightsWithoutShadowReachAll) {

@@ -24,6 +24,7 @@ std::vector<TracedLight> traced_lights(const TracedScene& traced, const CameraRa
     } else if (out.point) {
       out.where = rays.eye + rays.world_from_view * (light.position * traced.scale);
       out.reach_squared = light.reach * light.reach * traced.scale * traced.scale;
+      out.min_squared = light.radius * light.radius * traced.scale * traced.scale;
       out.radius = points ? 0.0f : light.radius * traced.scale;
     } else {
       out.where = glm::normalize(rays.world_from_view * light.direction);
@@ -56,7 +57,7 @@ LightSample sample_light(const TracedLight& light, const CameraRays& rays, glm::
   const float squared = std::max(glm::dot(to_center, to_center), 1e-20f), distance = std::sqrt(squared);
   const glm::vec3 toward = to_center / distance;
   // The falloff is clamped at the sphere's surface: points inside a light would be fireflies.
-  const float falloff_squared = std::max(squared, light.radius * light.radius);
+  const float falloff_squared = std::max(squared, light.min_squared);
   const glm::vec3 color =
       light.reach_squared > 0.0f ? light.color * (light.reach_squared / falloff_squared) : light.color;
   if (!(light.radius > 0.0f)) return {toward, distance, color};

@@ -17,7 +17,8 @@ struct TracedLight {
   glm::vec3 where{0.0f};     ///< unit direction to the light, or position of its centre
   glm::vec3 color{0.0f};
   float reach_squared = 0.0f;  ///< 0: no distance falloff
-  float radius = 0.0f;         ///< radius of a spherical light
+  float min_squared = 0.0f;    ///< squared distance below which the falloff ends: at the sphere's surface
+  float radius = 0.0f;         ///< radius of a spherical light; 0: it is traced as a point
   float cone_height = 0.0f;    ///< 1 minus the cosine of the half angle of a directional light
   bool casts_shadow = true;
 };

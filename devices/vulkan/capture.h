@@ -30,7 +30,7 @@ const int kHierarchyDepth = 64;
 struct CaptureHitLight {
   int point, from_camera, casts_shadow;  // 0 or 1
   float where[3], color[3];
-  float reach_squared;
+  float reach_squared, min_squared;
 };
 const int kCaptureHitLights = 16;
 

@@ -49,7 +49,7 @@ ArrivingLight arriving_light(CaptureHitLight light, Surface s, vec3 albedo) {
     float squared = max(dot(to_center, to_center), 1e-20f);
     arriving.distance = sqrt(squared);
     arriving.direction = to_center / arriving.distance;
-    if (light.reach_squared > 0.0f) color *= light.reach_squared / squared;
+    if (light.reach_squared > 0.0f) color *= light.reach_squared / max(squared, light.min_squared);
   } else if (light.from_camera != 0) {
     arriving.distance = dot(eye - s.position, where);
   }

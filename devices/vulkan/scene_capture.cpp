@@ -62,6 +62,7 @@ void set_hit_light(const HitLighting& lighting, CaptureConstants& c) {
     copy_to(light.where, out.where);
     copy_to(light.color, out.color);
     out.reach_squared = light.reach_squared;
+    out.min_squared = light.min_squared;
   }
   copy_to(lighting.ambient, c.ambient);
   c.even_ambient = lighting.even_ambient ? 1 : 0;
