@@ -130,6 +130,13 @@ void count_as_one(PictureSum& total) {
   total.count = total.whole;
 }
 
+void repeat_mean(PictureSum& total, int first) {
+  const float scale = float(total.count) / float(total.count - 1);
+  for (Plane& plane : total.sum.planes)
+    for (int y = first - total.first; y < plane.height; ++y)
+      for (int x = 0; x < plane.width; ++x) plane.row(y)[x] *= scale;
+}
+
 PictureSum rows_of(const PictureSum& total, int first, int count) {
   PictureSum rows{.as_square_roots = total.as_square_roots,
                   .threads = total.threads,

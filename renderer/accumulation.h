@@ -48,6 +48,9 @@ void count_sample(PictureSum& total, bool whole);
 /// color.a, or none of these four; the same of beauty, which is premultiplied; and any other planes.
 void add_rows(PictureSum& total, const Image& rows, int first, bool whole);
 
+/// Adds to the rows from `first` of the picture on their mean, as the last sample, which the rows above have.
+void repeat_mean(PictureSum& total, int first);
+
 /// Returns the sum of `count` rows, from row `first` of the picture.
 PictureSum rows_of(const PictureSum& total, int first, int count);
 

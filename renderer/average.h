@@ -38,6 +38,7 @@ class Average {
 
   /// See accumulation.h.
   void count_as_one() { umbrage::count_as_one(sum_); }
+  void repeat_mean(int first) { umbrage::repeat_mean(sum_, first); }
   /// See BlendedSample.
   void join_lines(Image& rows, int first) const { blended_.join_lines(rows, first); }
   /// Returns the sum of these rows.

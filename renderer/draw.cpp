@@ -12,22 +12,6 @@
 
 namespace umbrage {
 
-double TimeLimit::steady_clock() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-TimeLimit::TimeLimit(double seconds, Clock clock)
-    : seconds_(seconds), clock_(std::move(clock)), begin_(clock_()), last_(begin_) {}
-
-bool TimeLimit::fits_another(int samples) {
-  const double now = clock_(), duration = now - last_;
-  last_ = now;
-  if (samples_ > 0) durations_.insert(std::upper_bound(durations_.begin(), durations_.end(), duration), duration);
-  samples_ = samples;
-  const double expected = durations_.empty() ? duration / samples : durations_[durations_.size() / 2];
-  return now - begin_ + expected <= seconds_;
-}
-
 namespace {
 
 /// Returns a callback for the ray tracer of the reference, which may call it from any thread. The callback forwards
@@ -80,9 +64,10 @@ Result<Frame> draw_picture(const PictureIndex& index, Samples& s) {
   return frame;
 }
 
-/// Adds a picture to the average.
+/// Adds a picture, or the strip to which the plan is set, to the average.
 Result<void> add_picture(const Frame& frame, Samples& s) {
-  auto added = s.average.add(s.drawing.device, s.plan, frame, 0);
+  const int begin = s.plan.capture.strip ? s.plan.capture.strip->rows.begin : 0;
+  auto added = s.average.add(s.drawing.device, s.plan, frame, begin);
   s.drawing.times.done("average");
   return added;
 }
@@ -121,6 +106,50 @@ Result<void> give_mean(const Samples& s, int samples, const Continuation& more) 
   return more.take_mean(mean, samples);
 }
 
+/// Draws a sample at all pixels, or its strip to which the plan is set, and adds it.
+Result<void> draw_sample(int index, Samples& s) {
+  for (const bool in_front : {true, false}) {
+    if (in_front && !s.plan.has_blended) continue;
+    const auto frame = draw_picture({index, in_front}, s);
+    if (!frame) return frame.error();
+    if (auto added = add_picture(*frame, s); !added) return added;
+  }
+  return {};
+}
+
+/// Returns the rows above and below a strip that a further sample needs; empty if it cannot be drawn in strips, since
+/// it needs the whole picture.
+std::optional<int> margin_of_further(const Samples& s) {
+  const auto averaged = averaged_planes(s.plan);
+  Margins after;
+  for (const std::string& name : s.plan.has_blended ? with_blend_planes(averaged) : averaged) after[name] = {};
+  const LookRun& run = s.drawing.run;
+  const StripNeeds needs = needs_of_strips(run, s.plan.info, {}, s.plan.given.names, after);
+  if (!s.drawing.device.draws_strips() || needs.sweeps.size() != 1 || find_named(run.external_effects, run.occlusion))
+    return {};
+  return std::min(s.plan.given.needed(needs.sweeps[0]).rows, s.plan.info.height);
+}
+
+/// Draws rows of a sample, from above, while `more` wants a further part of them. The rows below repeat their mean.
+Result<void> draw_part(const Continuation& more, int index, Samples& s) {
+  constexpr int kParts = 8, kRowStep = 64;  // min height of a part, since its margins are drawn, too
+  const auto margin = margin_of_further(s);
+  if (!margin) return {};
+  const int height = s.first->info.height;
+  const int rows = std::max(height / kParts / kRowStep, 1) * kRowStep;
+  int begin = 0;
+  for (int end = 0; begin < height; begin = end) {
+    end = std::min(begin + rows, height);
+    if (!more.wants_part(double(end - begin) / height)) break;
+    if (begin == 0) s.average.count_as_one();
+    s.plan.capture.strip = Strip{{begin, end}, *margin, std::make_shared<WholePlanes>()};
+    if (auto drawn = draw_sample(index, s); !drawn) return drawn;
+  }
+  s.plan.capture.strip.reset();
+  if (begin > 0) s.average.repeat_mean(std::max(begin - s.first->info.guard, 0));
+  return {};
+}
+
 /// Draws further samples at all pixels while `more` wants them.
 Result<void> draw_further(const Continuation& more, Samples& s) {
   if (!s.plan.averages()) fail_check("further samples of a plan with one picture");
@@ -131,14 +160,10 @@ Result<void> draw_further(const Continuation& more, Samples& s) {
   for (int index = s.plan.recipe.frames;; ++index, ++samples) {
     if (more.take_mean && (!more.wants_mean || more.wants_mean(samples)))
       if (auto given = give_mean(s, samples, more); !given) return given;
-    if (!more.wants_another(samples) || samples >= kMaxProgressiveSamples) return {};
+    if (samples >= kMaxProgressiveSamples) return {};
+    if (!more.wants_another(samples)) return more.wants_part ? draw_part(more, index, s) : Result<void>();
     s.average.count_as_one();
-    for (const bool in_front : {true, false}) {
-      if (in_front && !s.plan.has_blended) continue;
-      const auto frame = draw_picture({index, in_front}, s);
-      if (!frame) return frame.error();
-      if (auto added = add_picture(*frame, s); !added) return added;
-    }
+    if (auto drawn = draw_sample(index, s); !drawn) return drawn;
   }
 }
 

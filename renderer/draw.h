@@ -21,38 +21,16 @@ struct Continuation {
   /// Called after the samples of the plan and after each further one. Returns whether to draw another. Empty: no
   /// further samples.
   std::function<bool(int samples)> wants_another = {};
+  /// Called when no other sample is wanted. Returns whether to draw this fraction of one, some rows that the average
+  /// has once more than the rows below; it is asked again after them, until they are a whole sample. Empty: no part of
+  /// one. Not called for devices that draw no strips, and looks that read any row.
+  std::function<bool(double fraction)> wants_part = {};
   /// Returns whether take_mean is called for this number of samples, since finishing a picture takes time. Empty: it
   /// always is.
   std::function<bool(int samples)> wants_mean = {};
   /// If set, receives the finished picture of all samples so far, before each call of wants_another. The frame is valid
   /// during the call. An error ends the drawing and is returned.
   std::function<Result<void>(const Frame& mean, int samples)> take_mean = {};
-};
-
-/// Decides whether another sample fits into a time.
-class TimeLimit {
- public:
-  /// Returns seconds from any fixed moment.
-  using Clock = std::function<double()>;
-  static double steady_clock();
-
-  /// The time begins now. `seconds` > 0.
-  explicit TimeLimit(double seconds, Clock clock = steady_clock);
-
-  /// As Continuation::wants_another. A sample is expected to take as long as the median of the further ones so far; the
-  /// first of them, as long as the samples of the plan took on average, or together if all but one were marked samples.
-  bool fits_another(int samples);
-
-  double seconds() const { return seconds_; }
-  double elapsed() const { return clock_() - begin_; }  ///< seconds
-  int samples() const { return samples_; }              ///< of the last call of fits_another; 0: none
-
- private:
-  double seconds_;
-  Clock clock_;
-  double begin_, last_;
-  std::vector<double> durations_;  // of further samples, seconds, ascending
-  int samples_ = 0;
 };
 
 /// A drawn picture.

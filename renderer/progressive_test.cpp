@@ -10,6 +10,7 @@
 #include "renderer/accumulation.h"
 #include "renderer/draw.h"
 #include "renderer/models.h"
+#include "renderer/time_limit.h"
 
 namespace umbrage {
 namespace {
@@ -37,10 +38,15 @@ class Progressive {
         means->push_back(*device_->download(mean, kPlanes));
         return {};
       };
+    return *drawn_with(more);
+  }
+
+  /// Returns the picture with the further samples that are wanted.
+  std::optional<Image> drawn_with(const Continuation& more) {
     StageTimes times;
     const auto picture = draw(*device_, scene_, plan, times, {}, {}, more);
     EXPECT_TRUE(picture) << picture.error().message;
-    return *device_->download(picture->frame, kPlanes);
+    return picture ? std::optional(*device_->download(picture->frame, kPlanes)) : std::nullopt;
   }
 
   Plan plan;
@@ -167,6 +173,83 @@ TEST(TimeLimit, StopsBeforeAPictureThatWouldNotFit) {
   EXPECT_EQ(limit.elapsed(), 8.0);
   now += 0.5;
   EXPECT_TRUE(limit.fits_another(7));  // 8.5 + the median 1
+}
+
+TEST(TimeLimit, PartsOfASampleFillTheRest) {
+  double now = 0.0;
+  TimeLimit limit(10.0, [&] { return now; });
+  now = 3.0;
+  EXPECT_TRUE(limit.fits_another(1));
+  now = 8.5;
+  EXPECT_FALSE(limit.fits_another(2));  // 8.5 + 5.5
+  EXPECT_TRUE(limit.fits_part(0.1));    // 8.5 + 0.55
+  now = 9.3;                            // strips take longer: 8 a sample
+  EXPECT_FALSE(limit.fits_part(0.1));
+  EXPECT_TRUE(limit.fits_part(0.05));
+  EXPECT_FLOAT_EQ(limit.part(), 0.15f);
+}
+
+TEST(Progressive, PartsOfASampleUseTheTime) {
+  // A picture takes 10 s, and strips of it a quarter longer than their part. Of any time, at least 90 % is used.
+  Request request{.look = "studio", .occlusion = "traced", .width = 64, .height = 512};
+  Progressive picture(request, 2);
+  for (const double seconds : {28.0, 33.0, 37.5}) {
+    double now = 0.0;
+    TimeLimit limit(seconds, [&] { return now; });
+    now = 10.0;  // of the samples of the plan
+    Continuation more;
+    more.wants_another = [&](int samples) {
+      const bool fits = limit.fits_another(samples);
+      if (fits) now += 10.0;
+      return fits;
+    };
+    more.wants_part = [&](double fraction) {
+      const bool fits = limit.fits_part(fraction);
+      if (fits) now += 12.5 * fraction;
+      return fits;
+    };
+    EXPECT_TRUE(picture.drawn_with(more));
+    EXPECT_GE(now, 0.9 * seconds);
+    EXPECT_LE(now, 1.02 * seconds);
+  }
+}
+
+TEST(Progressive, APartOfASampleIsTheUpperRowsOfIt) {
+  for (const auto& [look, technique, frames] : {std::tuple("studio", "traced", 4), {"lit", "none", 3}}) {
+    Request request = small(look, technique, frames);
+    request.height = 192;
+    Progressive picture(request, 2);
+    const int begin = picture.plan.marked ? 1 : frames;
+    const Image before = picture.drawn(0), whole = picture.drawn(begin + 1);
+    for (const int parts : {0, 1, 2, 3}) {
+      int asked = 0;
+      Continuation more;
+      more.wants_another = [](int) { return false; };
+      more.wants_part = [&](double fraction) {
+        EXPECT_NEAR(fraction, 1.0 / 3.0, 1e-6);
+        return asked++ < parts;
+      };
+      const auto drawn = picture.drawn_with(more);
+      ASSERT_TRUE(drawn);
+      SCOPED_TRACE(std::string(look) + " " + std::to_string(parts));
+      for (const std::string& name : kPlanes)
+        for (int y = 0; y < request.height; ++y) {
+          const Plane& expected = (y < 64 * parts ? whole : before).plane(name);
+          for (int x = 0; x < request.width; ++x)
+            ASSERT_NEAR(drawn->plane(name).at(x, y), expected.at(x, y), 1e-5f) << name << ' ' << x << ' ' << y;
+        }
+    }
+  }
+}
+
+TEST(Progressive, DrawsNoPartOfAPictureThatReadsAnyRow) {
+  Continuation more;
+  more.wants_another = [](int) { return false; };
+  more.wants_part = [](double) {
+    ADD_FAILURE() << "asked";
+    return false;
+  };
+  EXPECT_TRUE(Progressive(small("ao", "bitmask", 2), 2).drawn_with(more));
 }
 
 TEST(TimeLimit, EndsAtOnceIfThePlanTookLonger) {

@@ -27,10 +27,12 @@ TimedSamples::TimedSamples(double time_s, const ProgressMonitor& monitor) : moni
 
 Continuation TimedSamples::continuation() {
   if (!limit_) return {};
-  return {.wants_another = [this](int samples) {
-    is_last_ = !limit_->fits_another(samples);
-    return !is_last_;
-  }};
+  return {.wants_another =
+              [this](int samples) {
+                is_last_ = !limit_->fits_another(samples);
+                return !is_last_;
+              },
+          .wants_part = [this](double fraction) { return limit_->fits_part(fraction); }};
 }
 
 ProgressMonitor TimedSamples::monitor() {
@@ -41,7 +43,8 @@ ProgressMonitor TimedSamples::monitor() {
 
 std::string TimedSamples::summary(const Plan& plan) const {
   const std::string at_edges = plan.marked ? fmt::format(", and {} more at edges", plan.recipe.frames - 1) : "";
-  return fmt::format("pictures averaged: {}{}, in {:.2f} s", limit_->samples(), at_edges, limit_->elapsed());
+  const std::string part = limit_->part() > 0.0 ? fmt::format(" and {:.0f} % of one", 100.0 * limit_->part()) : "";
+  return fmt::format("pictures averaged: {}{}{}, in {:.2f} s", limit_->samples(), part, at_edges, limit_->elapsed());
 }
 
 }  // namespace umbrage::cli
