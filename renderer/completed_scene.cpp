@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "renderer/models.h"
-#include "scene/ground.h"
 
 namespace umbrage {
 namespace {
@@ -29,18 +28,16 @@ Result<void> choose_view(const Recipe& recipe, CompletedScene& completed) {
 Result<bool> CompletedScene::serves(const Recipe& recipe, long scene_version) {
   if (!scene || version != scene_version || key != environment_key(recipe)) return false;
   if (auto viewed = choose_view(recipe, *this); !viewed) return viewed.error();
-  return needs_ground(*scene, lacks_ground, recipe) == (scene->ground_object >= 0);
+  return needs_ground(*scene, recipe) == (scene->ground_object >= 0);
 }
 
 Result<CompletedScene> completed(Scene copy, const Recipe& recipe, long version) {
   CompletedScene made{.scene = std::make_unique<Scene>(std::move(copy)),
                       .version = version,
                       .key = environment_key(recipe),
-                      .lacks_ground = false,
                       .views = {}};
   made.views = made.scene->views;
   if (auto viewed = choose_view(recipe, made); !viewed) return viewed.error();
-  made.lacks_ground = lacks_own_ground(*made.scene);
   complete_scene(*made.scene, recipe);
   return made;
 }

@@ -16,7 +16,6 @@ struct CompletedScene {
   std::unique_ptr<Scene> scene;  ///< null: none
   long version = -1;             ///< that of the scene that was copied
   std::string key;               ///< settings of the recipe on which the copy depends
-  bool lacks_ground = false;     ///< the scene has no ground of its own: see lacks_own_ground
   std::vector<View> views;       ///< the views that the scene suggests
 
   /// Returns whether the copy serves for pictures of this recipe, and if so, sets its view to that of the recipe.

@@ -192,7 +192,7 @@ Margin GivenPlanes::needed(const Margins& margins) const {
   return max;
 }
 
-bool needs_ground(const Scene& scene, bool lacks_one, const Recipe& recipe) {
+bool needs_ground(const Scene& scene, const Recipe& recipe) {
   if (!recipe.look->ground || recipe.ground == Ground::kOff) return false;
   if (recipe.ground == Ground::kOn) return true;
   const Camera camera = frame_scene(scene, recipe.framing, recipe.width, recipe.height);
@@ -204,7 +204,7 @@ bool needs_ground(const Scene& scene, bool lacks_one, const Recipe& recipe) {
                          ? glm::dot(looks_along, scene.up) > 0.0f
                          : glm::dot(eye - lowest, scene.up) < 0.0f || (glm::dot(looks_along, scene.up) > 0.0f &&
                                                                        glm::dot(eye - scene.center(), scene.up) < 0.0f);
-  return lacks_one && !below && !is_inside_scene(camera, scene);
+  return !below && !is_inside_scene(camera, scene) && !shows_own_ground(scene, camera);
 }
 
 void adjust_lights(const Recipe& recipe, const Camera& camera, bool of_studio, std::vector<Light>& lights) {
@@ -217,8 +217,7 @@ void adjust_lights(const Recipe& recipe, const Camera& camera, bool of_studio, s
 void complete_scene(Scene& scene, const Recipe& recipe) {
   if (recipe.clay) make_clay(*recipe.clay, scene);
   if (recipe.hdri.lights()) set_lighting(image_lighting(recipe.hdri, scene.up, has_roughness(scene)), scene);
-  if (needs_ground(scene, lacks_own_ground(scene), recipe))
-    add_ground(scene, recipe.hdri.lights() ? lowest_light_deg(scene) : std::nullopt);
+  if (needs_ground(scene, recipe)) add_ground(scene, recipe.hdri.lights() ? lowest_light_deg(scene) : std::nullopt);
 }
 
 Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, const ProgressMonitor& monitor) {

@@ -45,8 +45,9 @@ struct Plan {
   int pictures() const { return recipe.frames * (has_blended ? 2 : 1); }
 };
 
-/// Returns whether a ground is added below the scene. `lacks_one`: the scene has none of its own.
-bool needs_ground(const Scene& scene, bool lacks_one, const Recipe& recipe);
+/// Returns whether a ground is added below the scene: if the look uses one, the camera is outside the model and above
+/// its foot, and the picture shows no ground of the scene's own; or if the request asks for it.
+bool needs_ground(const Scene& scene, const Recipe& recipe);
 
 /// Adds to a scene what the picture needs besides the model: the ground, and the light of the environment image, which
 /// replaces the scene's lights. Call it before Device::prepare.

@@ -1,13 +1,14 @@
-// Ground: detection of a scene's own ground on a grid seen from above, and the disc below models without ground.
+// Ground: detection of a scene's own ground at the foot of a picture, and the disc below models.
 #include "scene/ground.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
 #include <glm/trigonometric.hpp>
 #include <limits>
-#include <vector>
+#include <utility>
 
 #include "scene/strays.h"
 
@@ -45,120 +46,95 @@ Extent extent_of(const Scene& scene, const GroundAxes& axes) {
   return extent;
 }
 
-/// A grid over the plan view: height and slope of the top surface in each cell.
-class PlanGrid {
+/// The nearest surfaces along the lower border of a picture, in columns.
+class Foot {
  public:
-  PlanGrid(const GroundAxes& axes, const Extent& extent)
-      : axes_(axes), min_(extent.min), scale_(float(kCells) / glm::max(extent.max - extent.min, 1e-30f)) {}
+  Foot(const Camera& camera, const glm::vec3& up) : camera_(camera), up_(up) {}
 
-  void add_triangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, bool floor) {
-    const glm::vec3 p = cell_of(a), q = cell_of(b), r = cell_of(c);
-    const float doubled_area = (q.x - p.x) * (r.z - p.z) - (r.x - p.x) * (q.z - p.z);
-    if (!(std::fabs(doubled_area) > 0.0f)) return;
+  void add_triangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+    const glm::vec3 corners[] = {view_of(a), view_of(b), view_of(c)};
+    glm::vec3 ends[2];
+    int count = 0;
+    for (int k = 0; k < 3 && count < 2; ++k) {
+      const glm::vec3 &p = corners[k], &q = corners[(k + 1) % 3];
+      const float from = above(p), to = above(q);
+      if ((from < 0.0f) != (to < 0.0f)) ends[count++] = p + (q - p) * (from / (from - to));
+    }
+    if (count < 2) return;
     const glm::vec3 normal = glm::cross(b - a, c - a);
-    const float cosine = std::fabs(glm::dot(normal, axes_.up)) / glm::length(normal);
-    const glm::vec3 low = glm::min(glm::min(p, q), r), high = glm::max(glm::max(p, q), r);
-    for (int row = first(low.z); row <= last(high.z); ++row)
-      for (int column = first(low.x); column <= last(high.x); ++column) {
-        const float x = float(column) + 0.5f - p.x, z = float(row) + 0.5f - p.z;
-        const float weight_q = (x * (r.z - p.z) - (r.x - p.x) * z) / doubled_area;
-        const float weight_r = ((q.x - p.x) * z - x * (q.z - p.z)) / doubled_area;
-        if (weight_q < 0.0f || weight_r < 0.0f || weight_q + weight_r > 1.0f) continue;
-        add_surface(row, column, p.y + weight_q * (q.y - p.y) + weight_r * (r.y - p.y), cosine, floor);
-      }
+    add_segment(ends[0], ends[1], std::fabs(glm::dot(normal, up_)) > kMinCosine * glm::length(normal));
   }
 
-  /// Adds a disc. A tilted disc is replaced by a horizontal one of the same projected area.
-  void add_disc(glm::vec3 center, float radius, float cosine) {
-    const glm::vec3 p = cell_of(center);
-    const float projected = radius * std::sqrt(cosine), wide = projected * scale_.x, deep = projected * scale_.z;
-    for (int row = first(p.z - deep); row <= last(p.z + deep); ++row)
-      for (int column = first(p.x - wide); column <= last(p.x + wide); ++column) {
-        const float x = (float(column) + 0.5f - p.x) / wide, z = (float(row) + 0.5f - p.z) / deep;
-        if (x * x + z * z <= 1.0f) add_surface(row, column, p.y, cosine, true);
-      }
+  void add_disc(const glm::vec3& center, float radius, bool level) {
+    const glm::vec3 p = view_of(center);
+    const float distance = above(p) / (is_perspective() ? std::hypot(1.0f, camera_.bottom) : 1.0f);
+    const float half = std::sqrt(std::max(radius * radius - distance * distance, 0.0f));
+    if (half > 0.0f) add_segment(p - glm::vec3(half, 0, 0), p + glm::vec3(half, 0, 0), level);
   }
 
-  /// Returns the fraction of the cells whose top surface is at most `height` high and has a slope with a cosine of at
-  /// least `min_cosine`.
-  float fraction(float height, float min_cosine) const {
-    int count = 0;
-    for (const Top& top : tops_) count += std::isfinite(top.height) && top.height <= height && top.cosine >= min_cosine;
-    return float(count) / float(kCells * kCells);
-  }
-
-  /// Returns the fraction of the cells whose top surface is more than `height` above the lowest upward-facing surface.
-  float fraction_under_roofs(float height) const {
-    int count = 0;
-    for (const Top& top : tops_) count += top.height - top.floor > height;
-    return float(count) / float(kCells * kCells);
+  /// Returns the fraction of the columns whose nearest surface is level.
+  float level_fraction() const {
+    return float(std::count_if(columns_.begin(), columns_.end(), [](const Column& c) { return c.level; })) / kColumns;
   }
 
  private:
-  static constexpr int kCells = 64;
-  struct Top {
-    float height = -std::numeric_limits<float>::infinity(), cosine = 0.0f;
-    float floor = std::numeric_limits<float>::infinity();  // height of the lowest upward-facing surface
+  static constexpr int kColumns = 64;
+  static constexpr float kMinCosine = 0.7f;  // of the slope of a level surface: below 45 degrees
+  struct Column {
+    float nearness = -std::numeric_limits<float>::infinity();
+    bool level = false;
   };
 
-  /// Converts to grid coordinates: x and z in cells, y unchanged.
-  glm::vec3 cell_of(glm::vec3 p) const {
-    const glm::vec3 q(glm::dot(p, axes_.right), glm::dot(p, axes_.up), glm::dot(p, axes_.front));
-    return {(q.x - min_.x) * scale_.x, q.y, (q.z - min_.z) * scale_.z};
-  }
-  /// Returns the first cell whose centre is at or after `x`; last() returns the last cell whose centre is at or before
-  /// `x`.
-  static int first(float x) { return int(std::ceil(std::clamp(x - 0.5f, 0.0f, float(kCells)))); }
-  static int last(float x) { return int(std::floor(std::clamp(x - 0.5f, -1.0f, float(kCells - 1)))); }
-  void add_surface(int row, int column, float height, float cosine, bool floor) {
-    Top& top = tops_[std::size_t(row * kCells + column)];
-    if (height > top.height) {
-      top.height = height;
-      top.cosine = cosine;
+  bool is_perspective() const { return camera_.projection == Projection::kPerspective; }
+  glm::vec3 view_of(const glm::vec3& p) const { return glm::vec3(camera_.view_from_world * glm::vec4(p, 1.0f)); }
+  /// Returns a multiple of the height of a point in view space above the plane through the lower border.
+  float above(const glm::vec3& p) const { return p.y - camera_.bottom * (is_perspective() ? -p.z : 1.0f); }
+
+  /// Adds a segment in that plane.
+  void add_segment(glm::vec3 a, glm::vec3 b, bool level) {
+    constexpr float kNear = 1e-4f;  // nearest depth, relative to that of the other end
+    if (a.z < b.z) std::swap(a, b);
+    if (is_perspective()) {
+      if (!(b.z < 0.0f)) return;
+      if (const float near = kNear * b.z; a.z > near) a += (b - a) * ((a.z - near) / (a.z - b.z));
     }
-    if (floor) top.floor = std::min(top.floor, height);
+    // Along the border, columns and the nearness are linear functions of each other.
+    const auto column_of = [&](const glm::vec3& p) {
+      return float(kColumns) * ((is_perspective() ? -p.x / p.z : p.x) - camera_.left) / (camera_.right - camera_.left);
+    };
+    const auto nearness_of = [&](const glm::vec3& p) { return is_perspective() ? -1.0f / p.z : p.z; };
+    float x0 = column_of(a), x1 = column_of(b), n0 = nearness_of(a), n1 = nearness_of(b);
+    if (x0 > x1) std::swap(x0, x1), std::swap(n0, n1);
+    if (!(x1 > x0)) return;
+    const int end = int(std::ceil(std::clamp(x1 - 0.5f, 0.0f, float(kColumns))));
+    for (int k = int(std::ceil(std::clamp(x0 - 0.5f, 0.0f, float(kColumns)))); k < end; ++k) {
+      const float nearness = n0 + (n1 - n0) * (float(k) + 0.5f - x0) / (x1 - x0);
+      if (nearness > columns_[std::size_t(k)].nearness) columns_[std::size_t(k)] = {nearness, level};
+    }
   }
 
-  GroundAxes axes_;
-  glm::vec3 min_, scale_;
-  std::vector<Top> tops_ = std::vector<Top>(std::size_t(kCells * kCells));
+  const Camera& camera_;
+  glm::vec3 up_;
+  std::array<Column, kColumns> columns_;
 };
 
 }  // namespace
 
-bool lacks_own_ground(const Scene& scene) {
-  constexpr float kFlat = 0.25f;    // height over width of a landscape
-  constexpr float kFilled = 0.95f;  // fraction of the cells that a landscape fills
-  constexpr float kLow = 0.12f;     // maximum height of a slab's top over the bottom, as a fraction of the width
-  constexpr float kLevel = 0.9f;    // minimum cosine of the slope of a level surface
-  // Max fraction of the cells in which a level slab is on top in a scene without ground. A round slab fills 0.79 of its
-  // square, minus the objects on it.
-  constexpr float kMaxPlanFraction = 0.4f;
-  constexpr float kMaxValley = 0.2f;      // the same fraction for low land between hills
-  constexpr float kMaxUnderRoofs = 0.5f;  // max fraction of the cells under roofs in hills: trees count as roofs
-  if (scene.meshes.empty()) return false;
-  const GroundAxes axes = axes_of(scene);
-  const Extent extent = extent_of(scene, axes);
-  const glm::vec3 size = extent.max - extent.min;
-  const float width = std::max(size.x, size.z);
-  if (!(width > 0.0f) || !std::isfinite(width)) return false;
-  PlanGrid grid(axes, extent);
+bool shows_own_ground(const Scene& scene, const Camera& camera) {
+  constexpr float kMost = 0.5f;
+  constexpr float kMinDiscCosine = 0.7f;
+  const glm::vec3 up = glm::normalize(scene.up);
+  Foot foot(camera, up);
   for (const Mesh& mesh : scene.meshes) {
+    if (mesh.object == scene.ground_object) continue;
     for (std::size_t i = 0; i < mesh.radii.size(); ++i)
-      grid.add_disc(mesh.positions[i], mesh.radii[i],
-                    mesh.spheres ? 1.0f : std::fabs(glm::dot(mesh.normals[i], axes.up)));
-    for (std::size_t k = 0; k + 2 < mesh.indices.size(); k += 3) {
-      const glm::vec3 a = mesh.positions[mesh.indices[k]], b = mesh.positions[mesh.indices[k + 1]],
-                      c = mesh.positions[mesh.indices[k + 2]];
-      const glm::vec3 n = mesh.normals.empty() ? glm::cross(b - a, c - a) : mesh.normals[mesh.indices[k]];
-      grid.add_triangle(a, b, c, glm::dot(n, axes.up) > 0.0f);
-    }
+      foot.add_disc(mesh.positions[i], mesh.radii[i],
+                    !mesh.spheres && std::fabs(glm::dot(mesh.normals[i], up)) > kMinDiscCosine);
+    for (std::size_t k = 0; k + 2 < mesh.indices.size(); k += 3)
+      foot.add_triangle(mesh.positions[mesh.indices[k]], mesh.positions[mesh.indices[k + 1]],
+                        mesh.positions[mesh.indices[k + 2]]);
   }
-  const bool filled = grid.fraction(extent.max.y, 0.0f) > kFilled;
-  if (filled && size.y < kFlat * width) return false;
-  // In a hilly landscape the low surfaces are valleys, not floors under roofs.
-  const bool hills = filled && grid.fraction_under_roofs(kLow * width) < kMaxUnderRoofs;
-  return grid.fraction(extent.min.y + kLow * width, kLevel) <= (hills ? kMaxValley : kMaxPlanFraction);
+  return foot.level_fraction() > kMost;
 }
 
 void add_ground(Scene& scene, std::optional<float> lowest_light_deg) {

@@ -1,15 +1,16 @@
-// Ground: a disc below a model that has no ground of its own.
+// Ground: a disc below a model of which the picture shows no ground of its own.
 #pragma once
 #include <optional>
 
+#include "core/camera.h"
 #include "scene/scene.h"
 
 namespace umbrage {
 
-/// Returns whether a scene has no ground of its own. Seen from straight above, along Scene::up, a scene with ground is
-/// flat and wide like a landscape, or has a level slab near its bottom that is visible in a large part of its plan. The
-/// floor of a house is below its roof and does not count.
-bool lacks_own_ground(const Scene& scene);
+/// Returns whether the foot of a picture, the lower border, shows mostly ground of the scene's own: surfaces that are
+/// nearest to the camera there and not steep. A model that ends above the border, such as a house on its slab, shows
+/// none, and neither does one whose walls reach to it. Scene::ground_object does not count.
+bool shows_own_ground(const Scene& scene, const Camera& camera);
 
 /// Adds a white diffuse disc under the scene, several times wider than the scene, as a separate object
 /// (Scene::ground_object). The bounds of the scene do not change. Shadows fade out from half of

@@ -11,6 +11,7 @@
 #include <random>
 
 #include "scene/finish.h"
+#include "scene/framing.h"
 #include "scene/ground.h"
 
 namespace umbrage {
@@ -226,12 +227,19 @@ TEST(Points, DuplicatesAndNonFinitePointsAreDropped) {
   EXPECT_EQ(scene.meshes[0].colors.size(), 100u);
 }
 
-TEST(Points, LackGroundUnlessTheyContainOne) {
-  EXPECT_TRUE(lacks_own_ground(scene_of(random_sphere(2000, false))));
+TEST(Points, AreGroundAtTheFootOfAPictureWhereTheyAreLevel) {
+  const Framing whole, near{.zoom = 3.0f};
+  const auto shows_ground = [](const Scene& scene, const Framing& framing) {
+    return shows_own_ground(scene, frame_scene(scene, framing, 100, 100));
+  };
+  const Scene sphere = scene_of(random_sphere(2000, false));
+  EXPECT_FALSE(shows_ground(sphere, whole));
   std::vector<glm::vec3> with_floor = random_sphere(2000, false);
   for (int z = -40; z <= 40; ++z)
     for (int x = -40; x <= 40; ++x) with_floor.emplace_back(0.05f * float(x), -1.0f, 0.05f * float(z));
-  EXPECT_FALSE(lacks_own_ground(scene_of(with_floor)));
+  const Scene on_floor = scene_of(with_floor);
+  EXPECT_FALSE(shows_ground(on_floor, whole)) << "the floor ends above the border";
+  EXPECT_TRUE(shows_ground(on_floor, near));
 }
 
 }  // namespace

@@ -357,17 +357,33 @@ Scene box_scene(glm::vec3 size) {
   return scene;
 }
 
-TEST(GroundUnderModels, ModelsInTheOpenLackAGround) {
-  EXPECT_TRUE(lacks_own_ground(box_scene({1, 1, 1})));
-  EXPECT_TRUE(lacks_own_ground(box_scene({1, 3, 1})));
-  EXPECT_TRUE(lacks_own_ground(box_scene({1, 0.4f, 1})));
-  EXPECT_FALSE(lacks_own_ground(box_scene({10, 0.5f, 10}))) << "a slab is a ground itself";
-  for (const char* name : {"scene:terrain", "scene:solids", "scene:tank"})
-    EXPECT_FALSE(lacks_own_ground(*make_builtin_scene(std::string(name) + "?detail=8000"))) << name;
-  EXPECT_FALSE(lacks_own_ground(Scene{}));
+bool gets_ground(Scene scene, Request request = {}) {
+  request.look = "studio";
+  complete_scene(scene, *make_recipe(request));
+  return scene.ground_object >= 0;
+}
+
+TEST(GroundUnderModels, IsAddedUnlessTheModelsOwnFillsTheFootOfThePicture) {
+  Request near;
+  near.camera.zoom = 4.0f;
+  for (const glm::vec3& size : {glm::vec3(1, 1, 1), {1, 3, 1}, {1, 0.4f, 1}}) EXPECT_TRUE(gets_ground(box_scene(size)));
+  EXPECT_TRUE(gets_ground(box_scene({1, 3, 1}), near)) << "only its walls are at the foot";
+  // A house on its slab stands on the ground, as long as the slab ends in the picture.
+  Scene house = box_scene({10, 0.5f, 10});
+  house.meshes.push_back(box_scene({4, 3, 4}).meshes[0]);
+  finish_scene(house);
+  EXPECT_TRUE(gets_ground(house));
+  EXPECT_FALSE(gets_ground(box_scene({10, 0.5f, 10}), near));
+  near.camera.orthographic = true;
+  EXPECT_FALSE(gets_ground(box_scene({10, 0.5f, 10}), near));
+  EXPECT_FALSE(gets_ground(*make_builtin_scene("scene:terrain?detail=8000")));
+  for (const char* name : {"scene:solids", "scene:tank"})
+    EXPECT_TRUE(gets_ground(*make_builtin_scene(std::string(name) + "?detail=8000"))) << name;
   // The floor of a house is below its roof: seen from outside, the house stands in the open.
   for (const char* name : {"scene:room", "scene:atrium"})
-    EXPECT_TRUE(lacks_own_ground(*make_builtin_scene(std::string(name) + "?detail=8000"))) << name;
+  Request outside;
+  outside.camera.direction = {-1.0f, -0.4f, -1.0f};
+    EXPECT_TRUE(gets_ground(*make_builtin_scene(std::string(name) + "?detail=8000"), outside)) << name;
 }
 
 TEST(GroundUnderModels, LeavesTheBoundsAndTheFraming) {

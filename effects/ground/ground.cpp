@@ -12,14 +12,13 @@ const std::vector<Parameter> kGroundTable = {
     real_row("strength", &GroundParams::strength, {.initial = 1, .max = 2},
              "darkness of the shadow on the ground; 0: none; above 1 its light parts get darker"),
     real_row("border", &GroundParams::border, {.max = 50, .unit = "%", .zero_means = "off"},
-             "the shadow fades out towards the picture's border over this length, in percent of the shorter side"),
+             "the shadow fades out towards an ellipse that touches the picture's borders, over this part of the sides"),
     choice_row(
         "blend", &GroundParams::blend, 0, {"light", "display"},
         "how the shadow is blended over a background: in linear light, or in display values, as image viewers do"),
 };
 
 void fill_ground(const GroundParams& params, const PictureInfo& info, GroundConstants& c) {
-  const float border_px = 0.01f * params.border * float(std::min(info.inner_width(), info.inner_height()));
   c = {.object = float(info.ground_object),
        .strength = std::min(params.strength, 1.0f),
        .excess = std::max(params.strength - 1.0f, 0.0f),
@@ -27,10 +26,11 @@ void fill_ground(const GroundParams& params, const PictureInfo& info, GroundCons
        .middle_x = info.ground_center.x,
        .middle_y = info.ground_center.y,
        .middle_z = info.ground_center.z,
-       .first = info.guard,
-       .end_x = info.width - info.guard,
-       .end_y = info.height - info.guard,
-       .one_over_border = border_px > 0.0f ? 1.0f / border_px : 0.0f,
+       .middle_px = 0.5f * float(info.width),
+       .middle_py = 0.5f * float(info.height),
+       .inverse_half_width = 2.0f / float(info.inner_width()),
+       .inverse_half_height = 2.0f / float(info.inner_height()),
+       .inverse_border = params.border > 0.0f ? 50.0f / params.border : 0.0f,
        .inverse_fade_distance = info.ground_fade_distance > 0.0f ? 1.0f / info.ground_fade_distance : 0.0f};
 }
 

@@ -31,10 +31,11 @@ FN void ground_pixel(Int px, Int py) {
                 Vec3(Real(C.middle_x), Real(C.middle_y), Real(C.middle_z));
     shade = shade * eased(mad(sqrt(dot(away, away)) * Real(C.inverse_fade_distance), Real(-2.0f), Real(2.0f)));
   }
-  if (C.one_over_border > 0.0f) {
-    Int inside_x = min(px - Int(C.first), Int(C.end_x - 1) - px),
-        inside_y = min(py - Int(C.first), Int(C.end_y - 1) - py);
-    shade = shade * eased((to_real(min(inside_x, inside_y)) + 0.5f) * Real(C.one_over_border));
+  if (C.inverse_border > 0.0f) {
+    // Towards the ellipse that touches the borders of the picture.
+    Real x = (to_real(px) + Real(0.5f - C.middle_px)) * C.inverse_half_width;
+    Real y = (to_real(py) + Real(0.5f - C.middle_py)) * C.inverse_half_height;
+    shade = shade * eased((Real(1.0f) - sqrt(mad(x, x, y * y))) * Real(C.inverse_border));
   }
   shade = select(ground && open > 0.0f && is_finite(shade), shade, Real(0.0f));
   if (C.display != 0) shade = Real(1.0f) - display_from_linear(Real(1.0f) - shade);
