@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "core/lists.h"
 
@@ -16,59 +15,42 @@ float stops_from_lights(const PictureInfo& info) {
 
 void Metering::add(const Image& rows, int first, int height) {
   constexpr int kEvery = 3;  // one pixel in 3, across and down, is enough
-  seen_.reserve(std::size_t(rows.width / kEvery + 1) * std::size_t(height / kEvery + 1));
+  const std::size_t count = std::size_t(rows.width / kEvery + 1) * std::size_t(height / kEvery + 1);
+  brightness_.reserve(count);
+  peaks_.reserve(count);
   int y = std::min(kEvery / 2, height - 1);
   if (y < first) y += (first - y + kEvery - 1) / kEvery * kEvery;
   for (y -= first; y < rows.height; y += kEvery)
     for (int x = std::min(kEvery / 2, rows.width - 1); x < rows.width; x += kEvery) {
       if (!std::isfinite(rows.planes[3].at(x, y))) continue;
-      const float luminance =
-          0.2126f * rows.planes[0].at(x, y) + 0.7152f * rows.planes[1].at(x, y) + 0.0722f * rows.planes[2].at(x, y);
-      if (std::isfinite(luminance)) seen_.push_back(std::max(luminance, 0.0f));
+      const float r = rows.planes[0].at(x, y), g = rows.planes[1].at(x, y), b = rows.planes[2].at(x, y);
+      const float luminance = 0.2126f * r + 0.7152f * g + 0.0722f * b;
+      if (!std::isfinite(luminance)) continue;
+      const float peak = std::max({r, g, b, 0.0f});
+      brightness_.push_back(0.5f * (std::max(luminance, 0.0f) + peak));
+      peaks_.push_back(peak);
     }
 }
 
-float Metering::stops(float usual, Exposure by) {
-  const float stops = by == Exposure::kMedian ? stops_by_median(usual) : stops_by_picture(usual);
-  seen_ = {};
-  return stops;
-}
-
-float Metering::stops_by_median(float usual) {
-  constexpr double kHighlights = 0.03;      // fraction of the surface pixels that may be brighter than kMeteredBright
-  constexpr float kAppliedFraction = 0.9f;  // fraction of the correction, in stops, that is applied
-  constexpr float kMaxStops = 2.5f;         // bound of the correction, up or down
-  if (seen_.empty()) return usual;
-  const float median = quantile_of_reordered(seen_, 0.5), bright = quantile_of_reordered(seen_, 1.0 - kHighlights);
+float Metering::stops(float usual) {
+  constexpr double kHighlights = 0.03;   // fraction of the surface pixels that may be brighter than kMeteredWhite
+  constexpr float kBeyondWhite = 0.5f;   // fraction of the stops from there to the median's target that are added
+  constexpr float kHalvedStops = 16.0f;  // a correction of so many stops is applied by half, a small one almost whole
+  const float median = quantile_of_reordered(brightness_, 0.5);
+  const float highlight = quantile_of_reordered(peaks_, 1.0 - kHighlights);
+  brightness_ = {}, peaks_ = {};
   if (!(median > 0.0f)) return usual;
-  const float stops = std::min(std::log2(kMeteredMedian / median), std::log2(kMeteredBright / bright)) - usual;
-  return usual + std::clamp(kAppliedFraction * stops, -kMaxStops, kMaxStops);
+  const float to_median = std::log2(kMeteredMedian / median), to_white = std::log2(kMeteredWhite / highlight);
+  const float stops = std::min(to_median, to_white + kBeyondWhite * std::max(to_median - to_white, 0.0f)) - usual;
+  return usual + stops / (1.0f + std::fabs(stops) / kHalvedStops);
 }
 
-float Metering::stops_by_picture(float usual) {
-  constexpr double kHighlights = 0.03;      // fraction of the surface pixels that may be brighter than white
-  constexpr float kAppliedFraction = 0.7f;  // fraction of the correction, in stops, that is applied
-  constexpr float kMaxStops = 2.5f;         // bound of the correction, up or down
-  constexpr float kMaxBeyond = 1.0f;        // stops beyond white
-  constexpr float kBlack = 1e-4f;           // relative to the brightest; darker values are clamped
-  std::vector<float>& seen = seen_;
-  if (seen.empty()) return usual;
-  const float bright = quantile_of_reordered(seen, 1.0 - kHighlights);
-  if (!(bright > 0.0f)) return usual;
-  double logs = 0.0;
-  for (const float v : seen) logs += std::log2(std::max(v, kBlack * bright));
-  const float to_white = std::log2(kMeteredWhite / bright) - usual;
-  const float to_grey = std::log2(kMeteredGrey) - float(logs / double(seen.size())) - usual;
-  const float stops = std::max(to_white, std::min(to_grey, to_white + kMaxBeyond));
-  return usual + std::clamp(kAppliedFraction * stops, -kMaxStops, kMaxStops);
-}
-
-Result<std::optional<float>> metered_stops(Device& device, const Frame& frame, Exposure by) {
+Result<std::optional<float>> metered_stops(Device& device, const Frame& frame) {
   const auto image = device.view(frame, kMeteredPlanes);
   if (!image) return image.error();
   Metering metering;
   metering.add(*image, 0, image->height);
-  return std::optional<float>(metering.stops(stops_from_lights(frame.info), by));
+  return std::optional<float>(metering.stops(stops_from_lights(frame.info)));
 }
 
 }  // namespace umbrage

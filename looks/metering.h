@@ -1,4 +1,4 @@
-// Metering: computes the exposure of a picture from the luminance of its visible surfaces.
+// Metering: computes the exposure of a picture from the brightness of its visible surfaces.
 #pragma once
 #include <optional>
 #include <string>
@@ -12,7 +12,8 @@ namespace umbrage {
 /// the light comes from a file.
 float stops_from_lights(const PictureInfo& info);
 
-/// Collects the luminance of the visible surfaces of a picture, row by row.
+/// Collects the brightness of the visible surfaces of a picture, row by row: the mean of the luminance and of the
+/// brightest channel, since saturated colours look brighter than their luminance. Grey has both alike.
 class Metering {
  public:
   /// Adds rows of a picture that is `height` pixels high; `first` is the number of the first of these rows. The planes
@@ -20,30 +21,23 @@ class Metering {
   void add(const Image& rows, int first, int height);
 
   /// Returns the stops to add to the exposure, and clears the collected rows. `usual` is the result of
-  /// stops_from_lights. The correction of `usual` is partial and limited, so that a dark scene still looks dark.
-  /// Returns `usual` if no surface is visible.
-  /// kPicture: the brightest surfaces, without highlights, approach kMeteredWhite; up to one stop beyond if most of the
-  /// picture is far darker than they are and the geometric mean is below kMeteredGrey.
-  /// kMedian: the median of the luminance approaches kMeteredMedian, unless that makes more than a few highlights
-  /// brighter than kMeteredBright.
-  float stops(float usual, Exposure by);
+  /// stops_from_lights. The median of the brightness approaches kMeteredMedian. If more than a few highlights would
+  /// then have a channel beyond kMeteredWhite, where the tone curve makes colours pale, the exposure goes only half
+  /// the way from there to the median: what is in the sun gets paler, what is in shade readable. Of a large correction
+  /// of `usual` less is applied, so that a dark scene still looks dark. Returns `usual` if no surface is visible.
+  float stops(float usual);
 
  private:
-  float stops_by_picture(float usual);
-  float stops_by_median(float usual);
-
-  std::vector<float> seen_;  ///< luminance of one surface pixel each, linear
+  std::vector<float> brightness_, peaks_;  ///< of one surface pixel each, linear; peak: the brightest channel
 };
 
 /// The planes that Metering reads.
 inline const std::vector<std::string> kMeteredPlanes = {"lit.r", "lit.g", "lit.b", "depth"};
 
 /// Returns the stops to add to the exposure of a whole picture.
-Result<std::optional<float>> metered_stops(Device& device, const Frame& frame, Exposure by);
+Result<std::optional<float>> metered_stops(Device& device, const Frame& frame);
 
-inline constexpr float kMeteredWhite = 0.72f;   ///< target luminance of the brightest surfaces
-inline constexpr float kMeteredGrey = 0.2f;     ///< target of the geometric mean of the luminance
-inline constexpr float kMeteredBright = 1.0f;   ///< bound of the brightest surfaces, without highlights
-inline constexpr float kMeteredMedian = 0.38f;  ///< target of the median: 159 of 255 after output.tone=neutral
+inline constexpr float kMeteredWhite = 1.0f;    ///< bound of the brightest channel, without highlights
+inline constexpr float kMeteredMedian = 0.38f;  ///< target of the median: 161 of 255 after output.tone=neutral
 
 }  // namespace umbrage

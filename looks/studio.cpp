@@ -1,5 +1,5 @@
 // Look `studio`: a model as in a photo studio. A key, a fill and a rim light with soft shadows, a shadow catcher as
-// ground under models that stand outdoors, indirect light, exposure by the median of the model.
+// ground under models that stand outdoors, indirect light, exposure by the surfaces in the picture.
 #include "core/look.h"
 
 namespace umbrage {
@@ -12,7 +12,7 @@ Look look_studio() {
           .presets = {"bitmask.bleeding=1", "bitmask.radius=50%", "traced.bleeding=1", "traced.radius=50%",
                       "traced.ambient_bounce=1.8", "composite.direct=0.6", "denoise.rounds=2", "denoise.indirect=1",
                       "denoise.light_rounds=3", "lighting.open=on", "lighting.gloss=0.12", "ground.border=15",
-                      "output.metering=median", "output.tone=neutral", "output.background_r=0.91",
+                      "output.metering=picture", "output.tone=neutral", "output.background_r=0.91",
                       "output.background_g=0.915", "output.background_b=0.925", "output.gradient=0.3"},
           .lit_by = "lighting",
           .image_lit_presets = {"lighting.ambient=1"},

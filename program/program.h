@@ -22,9 +22,8 @@ namespace umbrage {
 /// frame.
 using RunExternalEffect = std::function<Result<void>(const Effect&, const ParameterBytes&, Frame&)>;
 
-/// Returns the stops to add to the exposure of a picture, kPicture or kMedian, or nullopt for a strip whose picture is
-/// not complete yet.
-using Meter = std::function<Result<std::optional<float>>(Device&, const Frame&, Exposure)>;
+/// Returns the stops to add to the exposure of a picture, or nullopt for a strip whose picture is not complete yet.
+using Meter = std::function<Result<std::optional<float>>(Device&, const Frame&)>;
 
 /// An effect that runs before or after those of a look.
 struct EffectStep {
@@ -54,7 +53,7 @@ struct LookRun {
   bool further = false;
   ProgressMonitor monitor = {};                          ///< passed to every effect
   std::optional<float> stops = {};                       ///< to add in place of metering; unused if Exposure::kAsSet
-  Meter meter = metered_stops;                           ///< used with Exposure::kPicture and kMedian
+  Meter meter = metered_stops;                           ///< used with Exposure::kPicture
   std::span<const Effect* const> external_effects = {};  ///< external techniques
   RunExternalEffect run_external_effect = {};            ///< required if an external technique is used
 };

@@ -73,7 +73,7 @@ class Runner {
     std::optional<float> stops = run_.stops;
     if (!stops && operation.exposure == Exposure::kLights) stops = stops_from_lights(frame_.info);
     if (!stops) {
-      const auto metered = run_.meter(device_, frame_, operation.exposure);
+      const auto metered = run_.meter(device_, frame_);
       if (!metered) return metered.error();
       stops = *metered;
     }

@@ -126,8 +126,8 @@ Result<std::optional<float>> metered_with_blended(const Drawing& drawing, const 
   run.settings = &small.recipe.settings;
   run.kept.reset();
   run.after = [](std::string_view) {};
-  run.meter = [&](Device& of, const Frame& lit, Exposure by) -> Result<std::optional<float>> {
-    const auto metered = metered_stops(of, lit, by);
+  run.meter = [&](Device& of, const Frame& lit) -> Result<std::optional<float>> {
+    const auto metered = metered_stops(of, lit);
     if (!metered) return metered.error();
     stops = *metered;
     return std::optional<float>();  // ends the run

@@ -66,13 +66,12 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
   return {};
 }
 
-/// Inside a scene, a look that meters the light of an environment image, of which little arrives there, or the median
-/// of a model meters the picture, unless the request sets `metering`.
+/// Inside a scene, where little of the light of an environment image arrives, a look that meters this light meters the
+/// picture instead, unless the request sets `metering`.
 void meter_indoors(const Scene& scene, Plan& plan) {
   if (!is_inside_scene(plan.camera, scene) || is_set<OutputParams>(plan.recipe, "metering")) return;
   auto& output = params_of<OutputParams>(plan.recipe.settings);
-  const bool by_image = output.metering == kMeteringLight && plan.recipe.hdri.lights();
-  if (by_image || output.metering == kMeteringMedian) output.metering = kMeteringPicture;
+  if (output.metering == kMeteringLight && plan.recipe.hdri.lights()) output.metering = kMeteringPicture;
 }
 
 /// Sets the angular diameter of the key light, a disc or a sphere, as seen from the centre of the scene.

@@ -97,18 +97,6 @@ void shade_as_relief(Recipe& recipe) {
   if (!is_set<BitmaskParams>(recipe, "mode")) params_of<BitmaskParams>(recipe.settings).mode = kBitmaskInfinite;
 }
 
-/// As for models, the median of what a camera inside a scene sees says little about the light there: a look that meters
-/// it meters the picture instead, unless the request sets `metering`.
-void meter_indoors(const PictureInfo& info, Recipe& recipe) {
-  // A camera that frames a model is two of its radii from the nearest surface, or one if a ground reaches towards it.
-  constexpr float kMinDistance = 0.5f;
-  auto& output = params_of<OutputParams>(recipe.settings);
-  const bool inside = !recipe.from_above && info.camera.projection == Projection::kPerspective &&
-                      info.depth_min < kMinDistance * info.scene_radius;
-  if (inside && output.metering == kMeteringMedian && !is_set<OutputParams>(recipe, "metering"))
-    output.metering = kMeteringPicture;
-}
-
 }  // namespace
 
 Result<Recipe> make_file_recipe(const Request& request, const GBufferFile& file) {
@@ -123,7 +111,6 @@ Result<Recipe> make_file_recipe(const Request& request, const GBufferFile& file)
   if (file.has_plane("ambient.r") && !is_set<RelightParams>(*recipe, "source"))
     params_of<RelightParams>(recipe->settings).source = kRelightPlanes;
   if (file.depth_meaning() == DepthMeaning::kHeight) shade_as_relief(*recipe);
-  meter_indoors(file.info(), *recipe);
   return recipe;
 }
 

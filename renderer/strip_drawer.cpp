@@ -78,7 +78,7 @@ Result<StripSizes> plan_strips(const Device& device, const StripSource& source, 
 StripDrawer::StripDrawer(Device& device, StripSource source, int rows, DrawProgress& progress, StageTimes& times)
     : device_(device), source_(std::move(source)), rows_(rows), progress_(progress), times_(times) {
   report_to(progress, times, source_.run);
-  source_.run.meter = [this](Device& of, const Frame& frame, Exposure by) { return meter(of, frame, by); };
+  source_.run.meter = [this](Device& of, const Frame& frame) { return meter(of, frame); };
 }
 
 Result<Strokes> StripDrawer::draw_picture(const std::vector<std::string>& planes, bool lines, const Finish& finish) {
@@ -102,7 +102,7 @@ Result<Strokes> StripDrawer::draw_picture(const std::vector<std::string>& planes
       finished = *strip_finished;
     }
     for (auto& [key, entry] : whole_planes->planes) entry.complete = true;
-    if (metered_in_sweep_) source_.run.stops = metering_.stops(stops_from_lights_, metered_by_);
+    if (metered_in_sweep_) source_.run.stops = metering_.stops(stops_from_lights_);
   }
   if (!finished) fail_check("a picture in strips needs more sweeps than were planned");
   return lines ? lines_of(*whole_planes) : Strokes();
@@ -149,12 +149,11 @@ Result<bool> StripDrawer::draw_strip(const Strip& strip, const std::vector<std::
 
 /// Adds a strip to the metering. Returns no exposure: it is known only after a sweep over all strips, and the next
 /// sweep uses it.
-Result<std::optional<float>> StripDrawer::meter(Device& device, const Frame& frame, Exposure by) {
+Result<std::optional<float>> StripDrawer::meter(Device& device, const Frame& frame) {
   const auto rows = device.download(frame, kMeteredPlanes);
   if (!rows) return rows.error();
   metering_.add(*rows, first_, source_.info.inner_height());
   stops_from_lights_ = stops_from_lights(frame.info);
-  metered_by_ = by;
   metered_in_sweep_ = true;
   return std::optional<float>();
 }

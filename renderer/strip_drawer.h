@@ -72,7 +72,7 @@ class StripDrawer {
   Strokes lines_of(WholePlanes& whole_planes) const;
   Result<bool> draw_strip(const Strip& strip, const std::vector<std::string>& planes, const Finish& finish);
   void prepare_plane_pool(const Rows& rows);
-  Result<std::optional<float>> meter(Device& device, const Frame& frame, Exposure by);
+  Result<std::optional<float>> meter(Device& device, const Frame& frame);
 
   Device& device_;
   StripSource source_;
@@ -82,7 +82,6 @@ class StripDrawer {
   Metering metering_;
   float stops_from_lights_ = 0.0f;  // exposure that metering starts from
   float stops_ = 0.0f;
-  Exposure metered_by_ = Exposure::kPicture;
   bool metered_in_sweep_ = false;  // whether the sweep collects values for metering
   PictureInfo info_;
   std::optional<ScopedPlanePool> kept_;

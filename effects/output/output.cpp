@@ -16,9 +16,9 @@ constexpr double kMaxStops = 20.0;
 const std::vector<Parameter> kOutputTable = {
     real_row("exposure", &OutputParams::exposure, {.min = -kMaxStops, .max = kMaxStops, .unit = "stops"},
              "brightness, in stops: 1 doubles the light"),
-    choice_row("metering", &OutputParams::metering, 0, {"none", "picture", "light", "median"},
-               "automatic exposure, added to output.exposure: none, by the brightness of the picture's surfaces, by "
-               "the brightness of the light of `hdri_file`, or by the median brightness of the surfaces"),
+    choice_row("metering", &OutputParams::metering, 0, {"none", "picture", "light"},
+               "automatic exposure, added to output.exposure: none, by the brightness of the picture's surfaces, or by "
+               "the brightness of the light of `hdri_file`"),
     choice_row(
         "tone", &OutputParams::tone, 0, {"none", "neutral"},
         "tone curve: none, or Khronos PBR Neutral, which compresses highlights and deepens shadows and keeps hue "
@@ -86,8 +86,6 @@ Exposure exposure_source(const ParameterBytes& params) {
       return Exposure::kPicture;
     case kMeteringLight:
       return Exposure::kLights;
-    case kMeteringMedian:
-      return Exposure::kMedian;
     default:
       return Exposure::kAsSet;
   }

@@ -3,7 +3,7 @@
 #define UMBRAGE_EFFECTS_OUTPUT_H
 
 // Values of OutputParams::metering.
-const int kMeteringNone = 0, kMeteringPicture = 1, kMeteringLight = 2, kMeteringMedian = 3;
+const int kMeteringNone = 0, kMeteringPicture = 1, kMeteringLight = 2;
 
 // Values of OutputParams::tone.
 const int kToneNone = 0, kToneNeutral = 1;

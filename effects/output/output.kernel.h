@@ -21,12 +21,12 @@ CONST float kRemoved = 0.04f;  // the light that a dielectric facing the camera 
 CONST float kUncompressed = 0.76f;  // 0.8 - F90: brightest channel up to which light is not compressed
 CONST float kDesaturation = 0.15f;  // how fast compressed light becomes white
 
-// Returns light, which is not negative, after the tone curve Khronos PBR Neutral [Khronos 2024]: its highlights are
-// compressed below 1 and its shadows deepened; hue and saturation of what is between stay.
+// Returns light, which is not negative, after a tone curve like Khronos PBR Neutral [Khronos 2024]: its highlights are
+// compressed below 1 and its shadows deepened; hue and saturation of what is between stay. Near black the curve of
+// Khronos is a parabola with slope 0, in which shade indoors is lost: this one has slope 1/2 there.
 FN Vec3 neutral(Vec3 light) {
   Real darkest = min(min(light.x, light.y), light.z);
-  Real toe = darkest - darkest * darkest * (0.25f / kRemoved);
-  Real removed = select(darkest > 2.0f * kRemoved, Real(kRemoved), toe);
+  Real removed = darkest * kRemoved / (darkest + 2.0f * kRemoved);
   light = light - Vec3(removed, removed, removed);
   Real peak = max(max(light.x, light.y), light.z);
   Real bright = max(peak, Real(kUncompressed));

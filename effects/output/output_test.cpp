@@ -105,11 +105,11 @@ TEST(Output, AShoulderBendsLightBelowWhite) {
       });
 }
 
-/// The formula of [Khronos 2024], as its specification states it.
+/// The formula of [Khronos 2024], as its specification states it, but with another toe.
 glm::dvec3 neutral(const glm::dvec3& in) {
   constexpr double kF90 = 0.04, kKs = 0.8 - kF90, kKd = 0.15;
   const double x = std::min({in.r, in.g, in.b});
-  const glm::dvec3 out = in - (x <= 2.0 * kF90 ? x - x * x / (4.0 * kF90) : kF90);
+  const glm::dvec3 out = in - kF90 * x / (x + 2.0 * kF90);
   const double p = std::max({out.r, out.g, out.b});
   if (p <= kKs) return out;
   const double pn = 1.0 - (1.0 - kKs) * (1.0 - kKs) / (p + 1.0 - 2.0 * kKs);
