@@ -1,15 +1,12 @@
 // PNG, 8 and 16 bit, through libpng. Based on the PNG specification, third edition (W3C 2025).
 //
-// Row filter and deflate strategy are chosen for speed. One core of an AMD EPYC (Zen 4), 1024 x 1024 RGB of 8 bit,
-// libpng 1.6.39 and zlib 1.2.13, encoding into memory, median of 5:
-//   filter, strategy       shaded sphere      noise              photograph
-//   up, run lengths        17 ms,  364 kB     21 ms, 3148 kB     35 ms, 2015 kB    <- used
-//   sub, run lengths       17 ms,  395 kB     23 ms, 3148 kB     41 ms, 1996 kB
-//   none, level 1          17 ms,  531 kB     60 ms, 3148 kB     61 ms, 2457 kB
-//   sub, level 1           18 ms,  427 kB     70 ms, 3148 kB     61 ms, 2069 kB
-//   paeth, run lengths     24 ms,  341 kB     38 ms, 3148 kB     46 ms, 1801 kB
-//   all, level 1           34 ms,  431 kB     97 ms, 3148 kB     71 ms, 1935 kB
-//   all, level 3           53 ms,  381 kB     87 ms, 3148 kB    110 ms, 1890 kB
+// Row filter and deflate strategy are chosen for speed. Deflate alone, one core of an Intel Xeon, zlib 1.2.13, 1024 x
+// 1024 RGB of 8 bit, best of 5; the bunny has a dithered background, in which run lengths are useless:
+//   filter, strategy      bunny, studio      claw, hatching     Sponza, studio
+//   up, run lengths       18.7 ms, 874 kB    11.6 ms, 1097 kB   27.7 ms, 1730 kB
+//   sub, run lengths      18.3 ms, 828 kB    10.8 ms, 1078 kB   28.9 ms, 1768 kB
+//   up, level 1           13.5 ms, 494 kB    12.5 ms,  650 kB   32.7 ms, 1742 kB    <- used
+//   sub, level 1          13.0 ms, 472 kB    12.2 ms,  638 kB   35.0 ms, 1809 kB
 // The test PngFile.EncodesSmoothShadingSmallAndFast prints time and size of such a sphere, including conversion and
 // file.
 #include <png.h>
@@ -89,7 +86,7 @@ bool start(PngWriter& writer, std::FILE* stream, int width, int height, int chan
   if (channels > 1) png_set_sRGB(png, writer.info, PNG_sRGB_INTENT_PERCEPTUAL);
   png_set_filter(png, PNG_FILTER_TYPE_BASE, settings.small ? PNG_ALL_FILTERS : PNG_FILTER_UP);
   png_set_compression_level(png, settings.small ? Z_BEST_COMPRESSION : Z_BEST_SPEED);
-  png_set_compression_strategy(png, settings.small ? Z_FILTERED : Z_RLE);
+  png_set_compression_strategy(png, settings.small ? Z_FILTERED : Z_DEFAULT_STRATEGY);
   constexpr int kChunkBytes = 1 << 16;  // libpng's default of 8 kB makes many small chunks
   png_set_compression_buffer_size(png, kChunkBytes);
   png_write_info(png, writer.info);

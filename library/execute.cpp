@@ -91,8 +91,12 @@ const NamedImage* JobObject::find_image(std::string_view name) const {
 Request JobObject::full_request() const {
   Request request = request_;
   for (const auto& [name, value] : settings_) request.settings.push_back(name + "=" + value);
-  for (const Output& output : outputs_)
-    if (output.pass != "color") request.passes.push_back(output.pass);
+  for (const Output& output : outputs_) {
+    if (output.pass == "color")
+      request.eight_bits = (output.image.data ? output.image.type : output.own_type) == PixelType::kUint8;
+    else
+      request.passes.push_back(output.pass);
+  }
   if (renders()) return request;
   if (const NamedImage* depth = find_image("depth")) {
     request.width = depth->image.width;

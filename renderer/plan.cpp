@@ -249,6 +249,7 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
   // Samples hold linear light with alpha, so that edges blend with the background as light (or as square roots of it).
   auto& output = params_of<OutputParams>(settings);
   output.transfer = kTransferNone;
+  output.dither = 0;
   if (output.beauty == kBeautyDisplay) output.beauty = kBeautyLight;  // display values are decoded after the average
   if (!recipe.hdri.shown()) output.transparent = 1;
   // The samples draw no lines.

@@ -106,6 +106,7 @@ Result<void> apply_request(const Request& request, Recipe& recipe) {
     output.gradient = 0.0f;  // that colour everywhere
   }
   if (request.transparent) output.transparent = 1;
+  output.dither = request.eight_bits && !recipe.hdri.shown();
   apply_strengths(request, recipe.settings);
   if (auto status = apply_settings(request.settings, recipe); !status) return status;
   // A transparent picture is composited later by its viewer, in display values: blend the ground's shadow likewise.

@@ -89,6 +89,9 @@ struct Request {
   /// The picture is `beauty`, scene-linear light that is premultiplied by alpha, in place of `color`. No option sets
   /// it: it follows from the format of a file.
   bool scene_linear = false;
+  /// `color` is written with 8 bits per value, and output.dither is set. No option sets it: it follows from the format
+  /// of a file.
+  bool eight_bits = false;
   /// Whether to return the look's lines as curves; `cartoon`, `hatching` and `technical` draw such lines.
   bool strokes = false;
   // For shading the planes of another renderer:

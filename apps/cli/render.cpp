@@ -283,8 +283,9 @@ Result<void> draw_frames(const RenderOptions& o, const RenderJob& job, Device& d
 /// `beauty`. Errors: kUsage.
 Result<void> choose_picture(RenderOptions& o) {
   const auto extension =
-      is_video(o.output) || o.output == kStandardOutput ? Result<std::string>("") : extension_of(o.output);
+      is_video(o.output) || o.output == kStandardOutput ? Result<std::string>("png") : extension_of(o.output);
   o.request.scene_linear = extension && is_scene_linear(o, *extension);
+  o.request.eight_bits = extension && holds_display_values(*extension) && o.bits() == 8;
   auto& passes = o.request.passes;
   const auto preset = std::find(passes.begin(), passes.end(), "beauty");
   if (preset == passes.end()) return {};

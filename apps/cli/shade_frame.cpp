@@ -238,6 +238,7 @@ Result<void> prepare_shading(ShadeOptions& o, const std::string& output) {
   if (o.merge && *extension != "exr")
     return field_error("--merge", true, "{0} writes an .exr file, not .{2}", *extension);
   o.request.scene_linear = is_scene_linear(o, *extension);
+  o.request.eight_bits = holds_display_values(*extension) && o.bits() == 8;
   if (auto status = check_output(o, *extension); !status) return status;
   // Names of looks, techniques and settings do not depend on the files.
   const auto recipe = make_shading_recipe(o.request);

@@ -12,6 +12,7 @@ namespace umbrage {
 namespace {
 
 constexpr double kMaxStops = 20.0;
+constexpr float kStepOf8Bits = 1.0f / 255.0f;
 
 const std::vector<Parameter> kOutputTable = {
     real_row("exposure", &OutputParams::exposure, {.min = -kMaxStops, .max = kMaxStops, .unit = "stops"},
@@ -42,6 +43,8 @@ const std::vector<Parameter> kOutputTable = {
     bool_row("transparent", &OutputParams::transparent, false, "alpha 0 and black where there is no surface"),
     bool_row("sky", &OutputParams::sky, false,
              "show the planes `sky`, which `hdri_skybox` and `relight` write, where there is no surface"),
+    bool_row("dither", &OutputParams::dither, false,
+             "the gradient of the background is dithered by one step of 8 bits; the format of the file sets it"),
     choice_row("beauty", &OutputParams::beauty, kBeautyOff, {"off", "light", "display"},
                "also write `beauty`, scene-linear and premultiplied, from light, or from display values, which it "
                "decodes; the format of the file and the passes set it"),
@@ -63,6 +66,7 @@ void fill_output(const OutputParams& params, const PictureInfo& info, OutputCons
        .shoulder = params.shoulder,
        .room = params.shoulder < 1.0f ? 1.0f / (1.0f - params.shoulder) : 0.0f,
        .transfer = params.transfer,
+       .dither = params.dither && params.gradient > 0.0f ? opaque * kStepOf8Bits : 0.0f,
        .background_r = params.background_r * opaque,
        .background_g = params.background_g * opaque,
        .background_b = params.background_b * opaque,

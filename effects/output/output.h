@@ -30,6 +30,7 @@ struct OutputParams {
   float gradient;                                  // fraction of the background's light that is missing at the top
   int transparent;                                 // 0 or 1
   int sky;                                         // 0 or 1: the planes `sky` are the background
+  int dither;                                      // 0 or 1: see OutputConstants::dither
   int beauty;                                      // one of kBeauty...
   int parts;                                       // 0 or 1: write the parts of `beauty`
   int blend;                                       // one of kBlend...: what `shadow_catcher` is a fraction of
@@ -42,6 +43,7 @@ struct OutputConstants {
   float contrast, pivot;
   float shoulder, room;  // room: 1 / (1 - shoulder); 0: no compression
   int transfer;
+  float dither;                                    // amplitude where a background with a gradient is visible; 0: none
   float background_r, background_g, background_b;  // as written to the file
   float behind_r, behind_g, behind_b;              // the same as linear light
   float gradient, one_over_height;                 // see OutputParams; 1 / rows of the whole picture without guard band

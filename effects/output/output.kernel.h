@@ -49,6 +49,16 @@ FN Vec3 exposed(Vec3 light) {
   return light;
 }
 
+// Returns a threshold of the ordered dither of 8 x 8 pixels [Bayer 1973]: above -1/2 and below 1/2, 0 on average.
+FN Real threshold(Int px, Int py) {
+  Uint x = to_uint(px);
+  Uint y = to_uint(py);
+  Uint a = x ^ y;
+  Uint order = ((a & Uint(1u)) << 5) | ((y & Uint(1u)) << 4) | ((a & Uint(2u)) << 2) | ((y & Uint(2u)) << 1) |
+               ((a & Uint(4u)) >> 1) | ((y & Uint(4u)) >> 2);
+  return mad(to_real(to_signed(order)), Real(1.0f / 64.0f), Real(-63.0f / 128.0f));
+}
+
 FN void output_pixel(Int px, Int py) {
   Front front = front_of(fraction_of(near_shadow_catcher(0, 0)));
   Vec3 beyond = background_at(py, Vec3(Real(C.behind_r), Real(C.behind_g), Real(C.behind_b)));
@@ -59,6 +69,11 @@ FN void output_pixel(Int px, Int py) {
   Vec3 background = Vec3(Real(C.background_r), Real(C.background_g), Real(C.background_b));
   if ((C.sky != 0 || C.gradient > 0.0f) && C.background_alpha > 0.0f) background = light;
   Bool drawn = front.surface || front.covered > 0.0f || near_outline(0, 0) > 0.0f;
-  store_color(select(drawn, light, background));
+  Vec3 color = select(drawn, light, background);
+  if (C.dither > 0.0f) {
+    Real off = select(front.surface, Real(0.0f), threshold(px, py - Int(C.first_row)) * Real(C.dither));
+    color = color + Vec3(off, off, off);
+  }
+  store_color(color);
   store_color_alpha(mixed.alpha);
 }
