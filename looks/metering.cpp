@@ -35,7 +35,7 @@ void Metering::add(const Image& rows, int first, int height) {
 float Metering::stops(float usual) {
   constexpr double kHighlights = 0.03;   // fraction of the surface pixels that may be brighter than kMeteredWhite
   constexpr float kBeyondWhite = 0.5f;   // fraction of the stops from there to the median's target that are added
-  constexpr float kHalvedStops = 16.0f;  // a correction of so many stops is applied by half, a small one almost whole
+  constexpr float kHalvedStops = 16.0f;  // correction of which half is applied; the smaller, the more of it
   const float median = quantile_of_reordered(brightness_, 0.5);
   const float highlight = quantile_of_reordered(peaks_, 1.0 - kHighlights);
   brightness_ = {}, peaks_ = {};
