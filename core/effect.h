@@ -121,7 +121,6 @@ enum class Exposure {
   kAsSet,    ///< the parameters of the effect alone
   kPicture,  ///< the brightness of the picture
   kLights,   ///< its lights
-  kMedian,   ///< the median brightness of its surfaces
 };
 
 struct Effect {
