@@ -112,7 +112,8 @@ TEST_F(CliLayers, TheGuardBandIsNotWritten) {
 TEST_F(CliLayers, TheGuardBandIsSeenByEffects) {
   // Zoomed in, the scene continues beyond the picture. With a guard band, border pixels are shaded like all others.
   const std::string line =
-      kSolids + " --look ao --ao unsharp --camera-zoom-factor 2 --resolution 64x64 --passes ao --set unsharp.kernel=15 -o ";
+      kSolids +
+      " --look ao --ao unsharp --camera-zoom-factor 2 --resolution 64x64 --passes ao --set unsharp.kernel=15 -o ";
   good(line + "plain.exr");
   good(line + "guarded.exr --guard-band 15%");
   const Image plain = image("plain.exr"), guarded = image("guarded.exr");

@@ -20,10 +20,10 @@ class Config : public test::ProgramTest {
 };
 
 TEST_F(Config, ConfigurationFileSetsOptions) {
-  write(
-      "mine",
-      "# a comment\nresolution = 20x10  # at its end\ndevice = cpu\n\n[render] # and here\nlook = \"unsharp\" # too\nset = "
-      "unsharp.kernel=7\n[compare]\nsamples = 16\n");
+  write("mine",
+        "# a comment\nresolution = 20x10  # at its end\ndevice = cpu\n\n[render] # and here\nlook = \"unsharp\" # "
+        "too\nset = "
+        "unsharp.kernel=7\n[compare]\nsamples = 16\n");
   good("tri.obj -o a.png --config mine");
   EXPECT_EQ(image("a.png").width, 20);
   good("tri.obj -o b.png --resolution 20x10 --look unsharp --set unsharp.kernel=7 --device cpu");
