@@ -107,6 +107,12 @@ TEST_F(HitLight, ALampWithASizeIsNoBrighterThanAtItsSurface) {
   }
 }
 
+TEST_F(HitLight, EmissionIsClamped) {
+  // 4 times the light of a white surface.
+  build({floor_mesh(), roof_mesh()}, {}, glm::vec3(0.0f), {30.0f, 3.0f, 0.3f});
+  for (const glm::vec3 light : light_at(1.0f, 2)) expect_color(light, {4.0f, 3.0f, 0.3f}, 1e-6f);
+}
+
 TEST_F(HitLight, LightsWithoutShadowReachAll) {
   build({floor_mesh(), roof_mesh()}, {sun({0, 0, 1}, glm::vec3(1.0f), false)}, glm::vec3(0.0f));
   for (const glm::vec3 light : light_at(1.0f, 1)) expect_color(light, {kRed, kGreen, kBlue}, 1e-6f);

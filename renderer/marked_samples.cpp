@@ -145,7 +145,7 @@ namespace {
 
 /// The first sample, whose frames have the planes that further samples borrow; of a strip, if the plan is of one.
 struct FirstSample {
-  Frame behind;                                       ///< without blended surfaces
+  Frame& behind;                                      ///< without blended surfaces
   Rows rows = {};                                     ///< of the strip, or all
   std::optional<Frame> front = {};                    ///< of blended surfaces, where they show; empty if none does
   Rows front_rows = {};                               ///< rows of that frame
@@ -236,7 +236,7 @@ Result<void> add_front(const Drawing& drawing, Plan plan, Plane& marks, FirstSam
 }
 
 /// Completes the first sample of marked_average.
-Result<FirstSample> completed(const Drawing& drawing, const Plan& plan, const Frame& behind) {
+Result<FirstSample> completed(const Drawing& drawing, const Plan& plan, Frame& behind) {
   FirstSample first{.behind = behind};
   first.rows = plan.capture.strip ? plan.capture.strip->rows : Rows{0, behind.info.height};
   auto marks = whole_plane(drawing.device, behind, "marks");
@@ -331,7 +331,7 @@ std::vector<Rows> strips_of_further(const Device& device, const Plan& plan, cons
 
 }  // namespace
 
-Result<Average> marked_average(const Drawing& drawing, const Plan& plan, const Frame& behind) {
+Result<Average> marked_average(const Drawing& drawing, const Plan& plan, Frame& behind) {
   Device& device = drawing.device;
   auto first = completed(drawing, plan, behind);
   if (!first) return first.error();

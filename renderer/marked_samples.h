@@ -33,6 +33,6 @@ Result<std::optional<float>> metered_with_blended(const Drawing& drawing, const 
 /// Returns the average of a plan's samples, or of the strip of them to which the plan is set. `behind`: the first
 /// sample without blended surfaces, captured by Drawing::capture, on which the look has run; drawing.run has its stops.
 /// Its averaged picture is released.
-Result<Average> marked_average(const Drawing& drawing, const Plan& plan, const Frame& behind);
+Result<Average> marked_average(const Drawing& drawing, const Plan& plan, Frame& behind);
 
 }  // namespace umbrage

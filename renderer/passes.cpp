@@ -172,7 +172,7 @@ constexpr std::pair<std::string_view, std::string_view> kSummaries[] = {
     {"shadow_catcher", "opacity of the shadow on the unseen ground, over what is behind it"},
     {"outline", "opacity of the lines"},
     {"line", "color of the lines, linear"},
-    {"toon_intensity", "intensity before it is quantized to tone steps"},
+    {"toon_key", "light of the key light, smoothed along surfaces, before it is quantized to tone steps"},
     {"color", "the finished picture; in .exr scene-linear, premultiplied: R, G, B, A"},
     {"beauty_direct", "light of the lights in the finished picture, exposed, linear"},
     {"beauty_ambient", "ambient light in the finished picture, exposed, linear"},

@@ -30,13 +30,15 @@ Result<StripSizes> plan_strips(const Device& device, const StripSource& source, 
     for (const auto& [dispatch, round] : dispatches_in_order(*step.effect, step.params, info, PixelSet::kAll))
       for (const std::string_view name : dispatch->outputs)
         if (!contains(first, name)) first.emplace_back(name);
-  const LivePlanes live = live_planes(source.run, info, first);
+  LookRun without_lines = source.run;  // further samples
+  without_lines.lines.clear();
+  const LivePlanes live = live_planes(source.run, info, first), of_further = live_planes(without_lines, info, first);
   const double plane = plane_bytes(info.width, info.height), row = plane / info.height;
   /// Returns the planes of `own` rows, drawn in a frame of `all` rows of which further samples have a part.
   const auto rows_of_planes = [&](double stored, double all, double own, double part) {
-    const double left = live.at_end - sum.released;
+    const double left = std::min(live.at_end, stored) - sum.released;
     const double front = sum.blended ? (left + kMasks) * all : 0.0;  // the first sample of blended surfaces
-    const double further = live.max + (sum.blended ? live.at_end : 0.0);
+    const double further = of_further.max + (sum.blended ? of_further.at_end : 0.0);
     const double later = std::max(sum.finished * own, sum.marked > 0.0 ? sum.marked * own + further * part : 0.0);
     const double first = sum.blended ? (live.at_end + live.max + kMasks) * all : 0.0;
     return std::max({stored * all, first, left * all + front + later});

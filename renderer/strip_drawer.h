@@ -59,7 +59,7 @@ class StripDrawer {
   void set_lines(std::vector<EffectStep> steps) { source_.run.lines = std::move(steps); }
 
   /// Receives the inner rows of a finished strip; `first` is the index of the first row.
-  using Finish = std::function<Result<void>(const Frame& frame, Image& rows, int first)>;
+  using Finish = std::function<Result<void>(Frame& frame, Image& rows, int first)>;
 
   /// Draws all strips in as many sweeps as needed and passes `planes` of the finished rows to `finish`. Returns the
   /// lines of the picture if `lines` is set.

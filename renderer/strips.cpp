@@ -69,6 +69,7 @@ Result<StripSizes> plan_strips(const Device& device, const Plan& plan, double me
     sum.blended = plan.marked && plan.has_blended;
     if (plan.marked) {
       sum.marked = averaged + kMasks;
+      sum.finished += kMasks;
       if (plan.recipe.kept) sum.released = double(averaged_picture(plan).size());
     } else {
       sum.held = averaged;
@@ -110,7 +111,7 @@ Result<Strokes> draw_strips(Device& device, const Plan& planned, int rows, const
     times.done("average");
     return {};
   };
-  const auto finish = [&](const Frame& frame, Image& part, int first) -> Result<void> {
+  const auto finish = [&](Frame& frame, Image& part, int first) -> Result<void> {
     if (plan.averages()) {
       PictureSum sum;
       if (plan.marked) {

@@ -40,7 +40,8 @@ std::vector<std::string> planes_with(const Effect& technique, const CaptureSetti
                 .run_external_effect = [](const Effect&, const ParameterBytes&, Frame&) -> Result<void> { return {}; }},
                *device, *frame);
   EXPECT_TRUE(status);
-  EXPECT_EQ(stages, (std::vector<std::string>{"lighting", "reader", "composite", "output", "antialias"}));
+  EXPECT_EQ(stages, (std::vector<std::string>{"lighting", "reader", "denoise", "composite", "ground", "hide_ground",
+                                              "output", "antialias"}));
   return device->download_all(*frame)->names;
 }
 

@@ -368,7 +368,7 @@ TEST_F(Cli, ListsEverything) {
                                     {"effects", effect_names},
                                     {"effects outline", {"outline", "outline.width"}},
                                     {"passes", {"depth", "ao", "color", "all"}},
-                                    {"passes cartoon", {"toon_intensity", "outline"}},
+                                    {"passes cartoon", {"toon_key", "outline"}},
                                     {"scenes", scene_names},
                                     {"devices", {"cpu"}},
                                     {"formats", format_names}}) {

@@ -64,6 +64,7 @@ void set_hit_light(const HitLighting& lighting, CaptureConstants& c) {
     out.reach_squared = light.reach_squared;
     out.min_squared = light.min_squared;
   }
+  c.max_emission = lighting.max_emission;
   copy_to(lighting.ambient, c.ambient);
   c.even_ambient = lighting.even_ambient ? 1 : 0;
   for (int k = 0; k < 48; ++k)

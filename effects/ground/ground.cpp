@@ -12,7 +12,8 @@ const std::vector<Parameter> kGroundTable = {
     real_row("strength", &GroundParams::strength, {.initial = 1, .max = 2},
              "darkness of the shadow on the ground; 0: none; above 1 its light parts get darker"),
     real_row("border", &GroundParams::border, {.max = 50, .unit = "%", .zero_means = "off"},
-             "the shadow fades out towards an ellipse that touches the picture's borders, over this part of the sides"),
+             "the shadow fades out towards a rounded rectangle that touches the picture's borders, over this part of "
+             "the sides"),
     choice_row(
         "blend", &GroundParams::blend, 0, {"light", "display"},
         "how the shadow is blended over a background: in linear light, or in display values, as image viewers do"),

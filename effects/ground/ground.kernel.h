@@ -32,10 +32,10 @@ FN void ground_pixel(Int px, Int py) {
     shade = shade * eased(mad(sqrt(dot(away, away)) * Real(C.inverse_fade_distance), Real(-2.0f), Real(2.0f)));
   }
   if (C.inverse_border > 0.0f) {
-    // Towards the ellipse that touches the borders of the picture.
+    // Towards a rounded rectangle that touches the borders of the picture: a superellipse of exponent 4.
     Real x = (to_real(px) + Real(0.5f - C.middle_px)) * C.inverse_half_width;
     Real y = (to_real(py) + Real(0.5f - C.middle_py)) * C.inverse_half_height;
-    shade = shade * eased((Real(1.0f) - sqrt(mad(x, x, y * y))) * Real(C.inverse_border));
+    shade = shade * eased((Real(1.0f) - sqrt(sqrt(mad(x * x, x * x, y * y * (y * y))))) * Real(C.inverse_border));
   }
   shade = select(ground && open > 0.0f && is_finite(shade), shade, Real(0.0f));
   if (C.display != 0) shade = Real(1.0f) - display_from_linear(Real(1.0f) - shade);

@@ -17,7 +17,7 @@ OUT_REAL_AS(new_visible, NEW_VISIBLE)
 CONST float kSide = 0.25f;        // weight of each neighbour
 CONST float kTolerancePx = 1.0f;  // max distance of a neighbour from the pixel's plane, pixel sizes,
 CONST float kCurved = 0.5f;       // and per pixel between the two: allows for curved surfaces
-CONST float kTurn = 4.0f;         // full weight up to 41 degrees between the normals, none from 60 on
+CONST float kTurn = 16.0f;        // full weight up to 20 degrees between the normals, none from 29 on
 
 FN void toon_smooth_pixel(Int px, Int py) {
   int step = C.smooth_px >> F.round;
