@@ -37,7 +37,7 @@ inline const std::vector<std::string> kMeteredPlanes = {"lit.r", "lit.g", "lit.b
 /// Returns the stops to add to the exposure of a whole picture.
 Result<std::optional<float>> metered_stops(Device& device, const Frame& frame);
 
-inline constexpr float kMeteredWhite = 1.0f;    ///< bound of the brightest channel, without highlights
-inline constexpr float kMeteredMedian = 0.38f;  ///< target of the median: 161 of 255 after output.tone=neutral
+inline constexpr float kMeteredWhite = 1.05f;    ///< bound of the brightest channel, without highlights
+inline constexpr float kMeteredMedian = 0.395f;  ///< target of the median: 161 of 255 after output.tone=neutral
 
 }  // namespace umbrage

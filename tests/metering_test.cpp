@@ -42,20 +42,26 @@ float stops_of(const Image& image, float usual = 0.0f) {
 
 float stops_of(const std::vector<Part>& parts, float usual = 0.0f) { return stops_of(picture_of(parts), usual); }
 
+/// Returns the correction half way from where this highlight is white to the median's target.
+double half_way(double highlight, double to_median) {
+  const double to_white = std::log2(double(kMeteredWhite) / highlight);
+  return to_white + 0.5 * (to_median - to_white);
+}
+
 /// Returns what is applied of a correction.
 double applied(double stops) { return stops / (1.0 + std::fabs(stops) / 16.0); }
 
 TEST(MeteringNumbers, TheMedianUnlessHighlightsGetTooBright) {
   const float median = kMeteredMedian;
-  ASSERT_FLOAT_EQ(median, 0.38f);
-  ASSERT_FLOAT_EQ(kMeteredWhite, 1.0f);
+  ASSERT_FLOAT_EQ(median, 0.395f);
+  ASSERT_FLOAT_EQ(kMeteredWhite, 1.05f);
   // One stop below, whatever the 3 % that are highlights.
   EXPECT_NEAR(stops_of({{100, median / 2}}), applied(1.0), 1e-5);
   EXPECT_NEAR(stops_of({{97, median / 2}, {3, 16.0f}}), applied(1.0), 1e-5);
-  // With 4 % they count, and are 2 stops above white. From there it is 3 stops to the median, half of which is added.
-  EXPECT_NEAR(stops_of({{96, median / 2}, {4, 4.0f}}), applied(-2.0 + 0.5 * 3.0), 1e-5);
+  // With 4 % they count.
+  EXPECT_NEAR(stops_of({{96, median / 2}, {4, 4.0f}}), applied(half_way(4.0, 1.0)), 1e-5);
   // A dark hall, in which the sun shines on a tenth.
-  EXPECT_NEAR(stops_of({{90, 0.01f}, {10, 1.0f}}), applied(0.5 * std::log2(38.0)), 1e-5);
+  EXPECT_NEAR(stops_of({{90, 0.01f}, {10, 1.0f}}), applied(half_way(1.0, std::log2(39.5))), 1e-5);
   // The 50th of 100 is the median.
   EXPECT_NEAR(stops_of({{50, median / 2}, {50, median}}), applied(1.0), 1e-5);
   EXPECT_NEAR(stops_of({{49, median / 2}, {51, median}}), 0.0, 1e-5);
@@ -99,7 +105,7 @@ TEST(MeteringNumbers, BrightnessOfSurfacesInOnePixelOfThree) {
     // 4 % that are two stops beyond white in this channel alone are highlights.
     image = picture_of({{96, kMeteredMedian / 2}, {4, 0.0f}});
     for (int x = 1; x <= 28; x += 9) image.planes[c].at(x, 28) = 4.0f;
-    EXPECT_NEAR(stops_of(image), applied(-2.0 + 0.5 * 3.0), 1e-4) << c;
+    EXPECT_NEAR(stops_of(image), applied(half_way(4.0, 1.0)), 1e-4) << c;
   }
 }
 

@@ -12,7 +12,7 @@ FN Real with_interreflections(Real ao, Real albedo) {
   Real a = mad(albedo, Real(2.0404f), Real(-0.3324f));
   Real b = mad(albedo, Real(-4.7951f), Real(0.6417f));
   Real c = mad(albedo, Real(2.7552f), Real(0.6903f));
-  return max(ao, mad(mad(ao, a, b), ao, c) * ao);
+  return max(ao, min(mad(mad(ao, a, b), ao, c) * ao, Real(1.0f)));
 }
 
 // Returns, per channel, the fraction of ambient light that arrives: `ao`, raised towards with_interreflections() by

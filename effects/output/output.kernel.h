@@ -18,13 +18,13 @@ FN Real compressed(Real v) {
 
 // The constants of [Khronos 2024] are F90, Ks and Kd.
 CONST float kRemoved = 0.04f;  // the light that a dielectric facing the camera reflects, as white as its light source
-CONST float kToe = 0.6f;       // fraction of the light near black that is removed
+CONST float kToe = 0.5f;       // fraction of the light near black that is removed
 CONST float kUncompressed = 0.76f;  // 0.8 - F90: brightest channel up to which light is not compressed
 CONST float kDesaturation = 0.15f;  // how fast compressed light becomes white
 
 // Returns light, which is not negative, after a tone curve like Khronos PBR Neutral [Khronos 2024]: its highlights are
 // compressed below 1 and its shadows deepened; hue and saturation of what is between stay. Near black the curve of
-// Khronos is a parabola with slope 0, in which shade indoors is lost: this one has slope 0.4 there.
+// Khronos is a parabola with slope 0, in which shade indoors is lost: this one has slope 1/2 there.
 FN Vec3 neutral(Vec3 light) {
   Real darkest = min(min(light.x, light.y), light.z);
   Real toe = darkest * mad(darkest, Real(-kToe * kToe / (4.0f * kRemoved)), Real(kToe));

@@ -107,7 +107,7 @@ TEST(Output, AShoulderBendsLightBelowWhite) {
 
 /// The formula of [Khronos 2024], as its specification states it, but with another toe.
 glm::dvec3 neutral(const glm::dvec3& in) {
-  constexpr double kF90 = 0.04, kKs = 0.8 - kF90, kKd = 0.15, kA = 0.6;
+  constexpr double kF90 = 0.04, kKs = 0.8 - kF90, kKd = 0.15, kA = 0.5;
   const double x = std::min({in.r, in.g, in.b});
   const double toe = kA * x - kA * kA * x * x / (4.0 * kF90);
   const glm::dvec3 out = in - (x > 2.0 * kF90 / kA ? kF90 : toe);
@@ -120,7 +120,7 @@ glm::dvec3 neutral(const glm::dvec3& in) {
 
 TEST(Output, TheNeutralCurveFollowsItsFormula) {
   // All colours of these channels: toe, middle, shoulder, and far beyond white.
-  const std::vector<float> steps = {0.0f, 1e-4f, 0.02f, 0.079f, 0.132f, 0.134f, 0.2f,
+  const std::vector<float> steps = {0.0f, 1e-4f, 0.02f, 0.079f, 0.159f, 0.161f, 0.2f,
                                     0.5f, 0.79f, 0.81f, 1.0f,   1.7f,   5.0f,   60.0f};
   const int count = int(steps.size());
   GBuffer g = row_of(std::vector<float>(std::size_t(count * count * count)));
