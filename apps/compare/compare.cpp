@@ -87,9 +87,13 @@ Result<Recipe> recipe_of(const CompareSettings& settings) {
   draw.look = "ao";
   // Techniques have their defaults in place of the look's settings; scores of `unsharp` do not depend on the distance
   // of the camera and the size of the scene.
-  const char* kSettings[] = {"traced.rays=1",          "traced.max_rays=8",           "traced.falloff=none",
-                             "unsharp.threshold=0.15", "unsharp.strength=16",         "unsharp.background=ignore",
-                             "unsharp.white_edge=off", "unsharp.linearization=extent"};
+  const char* kSettings[] = {"traced.rays=1",
+                             "traced.max_rays=8",
+                             "unsharp.threshold=0.15",
+                             "unsharp.strength=16",
+                             "unsharp.background=ignore",
+                             "unsharp.white_edge=off",
+                             "unsharp.linearization=extent"};
   draw.settings.insert(draw.settings.begin(), std::begin(kSettings), std::end(kSettings));
   draw.anti_aliasing = 1;  // score the technique without averaging
   if (const auto filter = filter_of(settings); !filter)

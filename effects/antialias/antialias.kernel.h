@@ -18,15 +18,22 @@ FN void antialias_pixel(Int px, Int py) {
     store_color_alpha(alpha);
     return;
   }
+  Real left = near_antialias_color_a(-1, 0);
+  Real right = near_antialias_color_a(1, 0);
+  Real above = near_antialias_color_a(0, -1);
+  Real below = near_antialias_color_a(0, 1);
   Real a0 = alpha * c.own;
-  Real a1 = near_antialias_color_a(-1, 0) * c.left;
-  Real a2 = near_antialias_color_a(1, 0) * c.right;
-  Real a3 = near_antialias_color_a(0, -1) * c.above;
-  Real a4 = near_antialias_color_a(0, 1) * c.below;
+  Real a1 = left * c.left;
+  Real a2 = right * c.right;
+  Real a3 = above * c.above;
+  Real a4 = below * c.below;
   Real total = a0 + a1 + a2 + a3 + a4;
   Vec3 sum = own * a0 + near_antialias_color(-1, 0) * a1 + near_antialias_color(1, 0) * a2 +
              near_antialias_color(0, -1) * a3 + near_antialias_color(0, 1) * a4;
   Vec3 mixed = sum * (Real(1.0f) / select(total > 0.0f, total, Real(1.0f)));
   store_color(select(changes, mixed, own));
-  store_color_alpha(select(changes, total, alpha));
+  // Exactly 1 in an opaque picture, where the sum of the weights is rounded.
+  Real change =
+      mad(left - alpha, c.left, mad(right - alpha, c.right, mad(above - alpha, c.above, (below - alpha) * c.below)));
+  store_color_alpha(select(changes, alpha + change, alpha));
 }
