@@ -44,7 +44,8 @@ struct ChosenLight {
 /// Chooses a candidate for a surface with the random number `choice`, in (0, 1).
 ChosenLight choose_light(const TracedScene& traced, const HitLighting& lighting, const Surface& surface, float choice) {
   const glm::vec3 emission = unfiltered_emission(traced, surface);
-  ChosenLight chosen{.certain = glm::min(emission, glm::vec3(lighting.max_emission)), .candidate = {}};
+  const float peak = std::max({emission.r, emission.g, emission.b, lighting.max_emission});
+  ChosenLight chosen{.certain = emission * (lighting.max_emission / peak), .candidate = {}};
   const glm::vec3 albedo = unfiltered_albedo(traced, surface);
   std::array<Candidate, kMaxShadows + 1> candidates;
   int count = 0;
@@ -84,12 +85,14 @@ glm::vec3 unfiltered_emission(const TracedScene& traced, const Surface& surface)
 }
 
 HitLighting hit_lighting(const TracedScene& traced, const PictureInfo& info, float ambient, float reach) {
-  constexpr float kMaxEmission = 4.0f;  // relative to a white surface in the light
-  HitLighting lighting{.rays = camera_rays(traced, info),
-                       .reach = reach,
-                       .max_emission = kMaxEmission * info.lit_white_luminance};
+  HitLighting lighting{.rays = camera_rays(traced, info), .reach = reach};
   lighting.lights = traced_lights(traced, lighting.rays, info, {.captured_shadows = true});
   if (lighting.lights.size() > std::size_t(kMaxRigLights)) lighting.lights.resize(kMaxRigLights);
+  constexpr float kMaxEmission = 4.0f;  // relative to a white surface in the brightest light
+  float white = info.lit_white_luminance;
+  for (const TracedLight& light : lighting.lights)
+    white = std::max({white, light.color.r, light.color.g, light.color.b});
+  lighting.max_emission = kMaxEmission * white;
   lighting.view_from_world = glm::transpose(lighting.rays.world_from_view);
   lighting.ambient = info.ambient * ambient;
   lighting.even_ambient = info.ambient_shape.even();

@@ -25,7 +25,7 @@ struct HitLighting {
   AmbientShape ambient_shape;  ///< in view space; not read if `even_ambient`
   bool even_ambient = true;
   float reach = 0.0f;  ///< distance within which surfaces block ambient light, unit space
-  float max_emission = 0.0f;  ///< radiance at which emission is clamped: few rays find a small emitter
+  float max_emission = 0.0f;  ///< max channel of emission; more is scaled down: few rays find a small emitter
 };
 
 /// Returns the lighting of a picture, with its ambient light times `ambient`.

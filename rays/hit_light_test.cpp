@@ -108,9 +108,9 @@ TEST_F(HitLight, ALampWithASizeIsNoBrighterThanAtItsSurface) {
 }
 
 TEST_F(HitLight, EmissionIsClamped) {
-  // 4 times the light of a white surface.
-  build({floor_mesh(), roof_mesh()}, {}, glm::vec3(0.0f), {30.0f, 3.0f, 0.3f});
-  for (const glm::vec3 light : light_at(1.0f, 2)) expect_color(light, {4.0f, 3.0f, 0.3f}, 1e-6f);
+  // To 4 times the light of a white surface in the brightest light, here blocked; the hue stays.
+  build({floor_mesh(), roof_mesh()}, {sun({0, 3, 4}, glm::vec3(2.0f))}, glm::vec3(0.0f), {32.0f, 16.0f, 4.0f});
+  for (const glm::vec3 light : light_at(1.0f, 2)) expect_color(light, {8.0f, 4.0f, 1.0f}, 1e-5f);
 }
 
 TEST_F(HitLight, LightsWithoutShadowReachAll) {

@@ -146,7 +146,8 @@ Result<void> draw_part(const Continuation& more, int index, Samples& s) {
     if (auto drawn = draw_sample(index, s); !drawn) return drawn;
   }
   s.plan.capture.strip.reset();
-  if (begin > 0) s.average.repeat_mean(std::max(begin - s.first->info.guard, 0));
+  const int guard = s.first->info.guard;  // its rows count for nothing
+  if (begin > guard) s.average.repeat_mean(begin - guard);
   return {};
 }
 

@@ -242,6 +242,24 @@ TEST(Progressive, APartOfASampleIsTheUpperRowsOfIt) {
   }
 }
 
+TEST(Progressive, APartWithinTheGuardBandChangesNothing) {
+  Request request = small("studio", "traced", 4);
+  request.height = 192;
+  request.guard_band = 50.0f;  // 96 rows, more than those of a part
+  Progressive picture(request, 2);
+  const Image before = picture.drawn(0);
+  int asked = 0;
+  Continuation more;
+  more.wants_another = [](int) { return false; };
+  more.wants_part = [&](double) { return asked++ < 1; };
+  const auto drawn = picture.drawn_with(more);
+  ASSERT_TRUE(drawn);
+  for (const std::string& name : kPlanes)
+    for (int y = 0; y < request.height; ++y)
+      for (int x = 0; x < request.width; ++x)
+        ASSERT_NEAR(drawn->plane(name).at(x, y), before.plane(name).at(x, y), 1e-5f) << name << ' ' << x << ' ' << y;
+}
+
 TEST(Progressive, DrawsNoPartOfAPictureThatReadsAnyRow) {
   Continuation more;
   more.wants_another = [](int) { return false; };

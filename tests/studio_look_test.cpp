@@ -170,6 +170,23 @@ TEST(StudioLook, BackgroundIsAGradientAndPlainOnRequest) {
   for (const int y : {0, kSide / 2, kSide - 1}) EXPECT_EQ(white.image.planes[1].at(0, y), 1.0f);
 }
 
+TEST(StudioLook, OnlyTheBackgroundIsDithered) {
+  const Scene scene = turned_body([](float, float) { return 0.3f; });
+  const Picture plain = studio(scene, {.ground = "off"}),
+                dithered = studio(scene, {.ground = "off", .eight_bits = true});
+  int background = 0;
+  for (int y = 1; y < kSide - 1; ++y)
+    for (int x = 1; x < kSide - 1; ++x) {
+      bool inside = true;
+      for (int k = 0; k < 9; ++k) inside = inside && plain.is_model(x + k % 3 - 1, y + k / 3 - 1);
+      if (inside) {
+        ASSERT_EQ(dithered.value(x, y), plain.value(x, y)) << x << ' ' << y;
+      }
+      background += !plain.is_model(x, y) && dithered.value(x, y) != plain.value(x, y);
+    }
+  EXPECT_GT(background, kSide * kSide / 4);
+}
+
 TEST(StudioLook, ShadowsEndBeforeTheBorder) {
   for (const auto& [name, scene] : models()) {
     if (!scene.views.empty()) continue;  // cameras of their own, which a model may fill to the border

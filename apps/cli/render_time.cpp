@@ -32,7 +32,11 @@ Continuation TimedSamples::continuation() {
                 is_last_ = !limit_->fits_another(samples);
                 return !is_last_;
               },
-          .wants_part = [this](double fraction) { return limit_->fits_part(fraction); }};
+          .wants_part =
+              [this](double fraction) {
+                is_last_ = !limit_->fits_part(fraction);
+                return !is_last_;
+              }};
 }
 
 ProgressMonitor TimedSamples::monitor() {

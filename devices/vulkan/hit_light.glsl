@@ -84,7 +84,8 @@ vec3 light_of_hit(Ray ray, Hit hit, uint seed) {
   Surface s = surface_at(ray, hit);
   CaptureMesh mesh = Meshes(table[kMeshesSlot]).at[s.triangle.mesh];
   vec3 albedo = to_vec3(mesh.albedo) * mesh_color(s, mesh) * unfiltered_texel(s, mesh.texture_index);
-  vec3 light = min(to_vec3(mesh.emission) * unfiltered_texel(s, mesh.emission_texture), vec3(C.max_emission));
+  vec3 light = to_vec3(mesh.emission) * unfiltered_texel(s, mesh.emission_texture);
+  light *= C.max_emission / max(max(light.x, light.y), max(light.z, C.max_emission));
   vec3 of_ambient = albedo * ambient_at(s.normal);
   float sum = 0.0f;
   for (int k = 0; k < C.hit_light_count; ++k) {

@@ -22,8 +22,8 @@ const std::vector<Parameter> kOutputTable = {
                "the brightness of the light of `hdri_file`"),
     choice_row(
         "tone", &OutputParams::tone, 0, {"none", "neutral"},
-        "tone curve: none, or Khronos PBR Neutral, which compresses highlights and deepens shadows and keeps hue "
-        "and saturation"),
+        "tone curve: none, or like Khronos PBR Neutral, which compresses highlights and deepens shadows and keeps hue "
+        "and saturation, with a softer toe"),
     real_row("contrast", &OutputParams::contrast, {.initial = 1, .max = 4, .factor = "contrast"},
              "contrast about `pivot`, before the tone curve: an exponent of light; `contrast` multiplies it"),
     real_row("pivot", &OutputParams::pivot, {.initial = 0.18, .min = 0.001, .max = 1},

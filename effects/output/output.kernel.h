@@ -73,7 +73,8 @@ FN void output_pixel(Int px, Int py) {
   Bool drawn = front.surface || front.covered > 0.0f || near_outline(0, 0) > 0.0f;
   Vec3 color = select(drawn, light, background);
   if (C.dither > 0.0f) {
-    Real off = select(front.surface, Real(0.0f), threshold(px, py - Int(C.first_row)) * Real(C.dither));
+    Real shown = select(front.surface, Real(0.0f), max(Real(1.0f) - front.covered, Real(0.0f)));
+    Real off = threshold(px, py - Int(C.first_row)) * (shown * C.dither);
     color = color + Vec3(off, off, off);
   }
   store_color(color);

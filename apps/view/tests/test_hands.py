@@ -240,7 +240,7 @@ class KeysTest(CameraTest):
         self.said("q", "none")
         self.assertEqual(self.options()["ao"], "none")
         self.assert_drawn(picture)
-        self.said("q", "unsharp")
+        self.said("q", "traced")
         tap = "for (const kind of ['keydown', 'keyup']) dispatchEvent(new KeyboardEvent(kind, {key: 'a'}))"
         self.browser.execute_script(tap)
         self.wait(lambda: self.options().get("anti-aliasing") == "1", "anti-aliasing off")
