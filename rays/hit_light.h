@@ -24,7 +24,7 @@ struct HitLighting {
   glm::vec3 ambient{0.0f};     ///< mean over all normals
   AmbientShape ambient_shape;  ///< in view space; not read if `even_ambient`
   bool even_ambient = true;
-  float reach = 0.0f;  ///< distance within which surfaces block ambient light, unit space
+  float reach = 0.0f;         ///< distance within which surfaces block ambient light, unit space
   float max_emission = 0.0f;  ///< max channel of emission; more is scaled down: few rays find a small emitter
 };
 

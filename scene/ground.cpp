@@ -81,7 +81,7 @@ class Foot {
   static constexpr int kColumns = 64;
   static constexpr float kMinCosine = 0.7f;  // of the slope of a level surface: below 45 degrees
   struct Column {
-    float nearness = -std::numeric_limits<float>::infinity();
+    float inverse_depth = -std::numeric_limits<float>::infinity();
     bool level = false;
   };
 
@@ -98,18 +98,19 @@ class Foot {
       if (!(b.z < 0.0f)) return;
       if (const float near = kNear * b.z; a.z > near) a += (b - a) * ((a.z - near) / (a.z - b.z));
     }
-    // Along the border, columns and the nearness are linear functions of each other.
+    // Along the border, columns and inverse depth are linear functions of each other; with a parallel projection,
+    // depth.
     const auto column_of = [&](const glm::vec3& p) {
       return float(kColumns) * ((is_perspective() ? -p.x / p.z : p.x) - camera_.left) / (camera_.right - camera_.left);
     };
-    const auto nearness_of = [&](const glm::vec3& p) { return is_perspective() ? -1.0f / p.z : p.z; };
-    float x0 = column_of(a), x1 = column_of(b), n0 = nearness_of(a), n1 = nearness_of(b);
+    const auto inverse_depth_of = [&](const glm::vec3& p) { return is_perspective() ? -1.0f / p.z : p.z; };
+    float x0 = column_of(a), x1 = column_of(b), n0 = inverse_depth_of(a), n1 = inverse_depth_of(b);
     if (x0 > x1) std::swap(x0, x1), std::swap(n0, n1);
     if (!(x1 > x0)) return;
     const int end = int(std::ceil(std::clamp(x1 - 0.5f, 0.0f, float(kColumns))));
     for (int k = int(std::ceil(std::clamp(x0 - 0.5f, 0.0f, float(kColumns)))); k < end; ++k) {
-      const float nearness = n0 + (n1 - n0) * (float(k) + 0.5f - x0) / (x1 - x0);
-      if (nearness > columns_[std::size_t(k)].nearness) columns_[std::size_t(k)] = {nearness, level};
+      const float inverse_depth = n0 + (n1 - n0) * (float(k) + 0.5f - x0) / (x1 - x0);
+      if (inverse_depth > columns_[std::size_t(k)].inverse_depth) columns_[std::size_t(k)] = {inverse_depth, level};
     }
   }
 
@@ -121,7 +122,7 @@ class Foot {
 }  // namespace
 
 bool shows_own_ground(const Scene& scene, const Camera& camera) {
-  constexpr float kMost = 0.5f;
+  constexpr float kMinLevelFraction = 0.5f;
   constexpr float kMinDiscCosine = 0.7f;
   const glm::vec3 up = glm::normalize(scene.up);
   Foot foot(camera, up);
@@ -134,7 +135,7 @@ bool shows_own_ground(const Scene& scene, const Camera& camera) {
       foot.add_triangle(mesh.positions[mesh.indices[k]], mesh.positions[mesh.indices[k + 1]],
                         mesh.positions[mesh.indices[k + 2]]);
   }
-  return foot.level_fraction() > kMost;
+  return foot.level_fraction() > kMinLevelFraction;
 }
 
 void add_ground(Scene& scene, std::optional<float> lowest_light_deg) {

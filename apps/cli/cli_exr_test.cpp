@@ -30,8 +30,8 @@ double srgb(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 
 TEST_F(CliExr, ThePngIsItsDisplayTransform) {
   // Without averaging, and with a look without tone curve: the curve of an average is not the average of the curve.
   // Without a ground: a shadow is the alpha of light in .exr, and of display values in .png.
-  for (const char* look : {"studio --anti-aliasing 1 --set output.tone=none --ground off", "lit --anti-aliasing 1 --ground off",
-                           "cartoon", "ao --anti-aliasing 1"})
+  for (const char* look : {"studio --anti-aliasing 1 --set output.tone=none --ground off",
+                           "lit --anti-aliasing 1 --ground off", "cartoon", "ao --anti-aliasing 1"})
     for (const char* background : {"", " --no-background", " --background-color 0.2,0.4,0.6"}) {
       SCOPED_TRACE(std::string(look) + background);
       const std::string options = kSolids + " --look " + look + background;

@@ -73,7 +73,7 @@ struct CaptureConstants {
   CaptureHitLight hit_lights[kCaptureHitLights];
   float ambient[3];
   int even_ambient;
-  float max_emission;  // radiance
+  float max_emission;       // radiance
   float ambient_shape[48];  // three matrices by columns
 };
 

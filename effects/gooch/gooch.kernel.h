@@ -5,7 +5,8 @@
 //
 // Differs: the paper prints the formula with the two tones exchanged, since its l points from the light to the surface.
 // Saturated surfaces keep their hue: their tones are brighter and darker ones of their own colour, and turn by at most
-// 12 degrees towards blue and yellow. The highlight is that of [Blinn 1977], and mixes towards white. Occlusion moves a surface towards the cool tone.
+// 12 degrees towards blue and yellow. The highlight is that of [Blinn 1977], and mixes towards white. Occlusion moves a
+// surface towards the cool tone.
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_COLOR(albedo)
@@ -18,7 +19,7 @@ OUT_COLOR(lit)
 CONST float kSaturated = 0.2f;    // saturation from which a surface has only tones of its own hue
 CONST float kNearlyBlack = 0.1f;  // colours of this display value have half of their saturation
 CONST float kTurn = 0.2f;         // of a hue, in sixths of the circle
-CONST float kBlueTone = 0.25f;     // brightness of a saturated surface's cool tone, relative to `blue`
+CONST float kBlueTone = 0.25f;    // brightness of a saturated surface's cool tone, relative to `blue`
 
 // Returns the surface's colour as display values, 0 to 1.
 FN Vec3 display_albedo() {
