@@ -28,11 +28,17 @@ bool is_of_ground(const Scene& scene, const Mesh& mesh) {
   return scene.ground_object >= 0 && mesh.object == scene.ground_object;
 }
 
-/// Returns a name of a part with its last `side` left out, or none if it has no such word. `side`: left or right.
-std::optional<std::string> without_side(const std::string& name, const std::string& side) {
-  const auto at = name.rfind(side);
-  if (at == std::string::npos) return {};
-  return name.substr(0, at) + "*" + name.substr(at + side.size());
+/// Returns a name of a part without the side that it names, or none if it names none: its last "left" or "right", or
+/// else an L or R at its end, in either case, after one of "_.- " and before digits at most: "arm.L", "leg_r.001".
+std::optional<std::string> without_side(const std::string& name, bool left) {
+  const std::string lower = lowercase(name), side = left ? "left" : "right";
+  if (const auto at = lower.rfind(side); at != std::string::npos)
+    return lower.substr(0, at) + "*" + lower.substr(at + side.size());
+  constexpr const char* kSeparators = "_.- ";
+  const auto at = lower.find_last_not_of("0123456789_.- ");
+  if (at == std::string::npos || at < 2 || lower[at] != side[0]) return {};
+  if (lower.find_last_of(kSeparators, at) != at - 1) return {};
+  return lower.substr(0, at) + "*" + lower.substr(at + 1);
 }
 
 /// Returns the direction that named parts face.
@@ -47,9 +53,8 @@ std::optional<glm::dvec3> front_of_parts(const Scene& scene, const Level& level)
     if (mesh.positions.empty() || is_of_ground(scene, mesh)) continue;
     glm::vec3 low = mesh.positions[0], high = low;
     for (const glm::vec3& p : mesh.positions) low = glm::min(low, p), high = glm::max(high, p);
-    const std::string name = lowercase(mesh.name);
     for (const bool left : {true, false})
-      if (const auto part = without_side(name, left ? "left" : "right")) {
+      if (const auto part = without_side(mesh.name, left)) {
         Middles& middles = left ? parts[*part].first : parts[*part].second;
         middles.sum += 0.5 * glm::dvec3(low + high);
         ++middles.count;

@@ -8,7 +8,9 @@ namespace umbrage {
 glm::vec3 usual_front(const glm::vec3& up);
 
 /// Returns the direction that a model faces, unit and perpendicular to `up`; `up` is unit. In this order:
-/// 1. that of its parts, where meshes have names that differ only by "left" and "right", such as armLeft and armRight:
+/// 1. that of its parts, where meshes have names that differ only by "left" and "right" or by an L and an R at their
+/// ends, such
+///    as armLeft and armRight, or arm.L and arm.R:
 ///    to the horizontal axis from which the left parts are on the right side;
 /// 2. usual_front, if the format of the file defines the front: Scene::has_front;
 /// 3. towards the head of an animal: a model is taken for one if it is longer than wide, alike on the left and the

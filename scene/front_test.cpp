@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <string>
+#include <utility>
 
 #include "scene/finish.h"
 #include "scene/framing.h"
@@ -97,6 +98,25 @@ TEST(Front, FollowsPartsNamedLeftAndRight) {
   sideways.meshes = with_axes(sideways.meshes, {kZ, kY, -kX});
   finish_scene(sideways);
   expect_front(sideways, kX, "-z turned to +x");
+}
+
+TEST(Front, FollowsPartsNamedByALastLetter) {
+  const auto figure = [](const std::string& at_minus_x, const std::string& at_plus_x) {
+    return scene_of({box({-0.2f, 0, -0.2f}, {0.2f, 2, 0.2f}, "Body"),
+                     box({-0.4f, 1, 0}, {-0.2f, 1.2f, 0.1f}, at_minus_x),
+                     box({0.2f, 1, 0}, {0.4f, 1.2f, 0.1f}, at_plus_x)});
+  };
+  for (const auto& [left, right] :
+       {std::pair{"_L", "_R"}, {".L", ".R"}, {"_l", "_r"}, {"-L", "-R"}, {".L.001", ".R.001"}})
+    expect_front(figure(std::string("arm") + left, std::string("arm") + right), -kZ, left);
+  expect_front(figure("arm_R", "arm_L"), kZ, "its left is on the right as seen from +z");
+  // Each would be a pair that faces -z.
+  expect_front(figure("arm_L", "leg_R"), kZ, "two stems");
+  expect_front(figure("arm_L", "arm_L"), kZ, "one side alone");
+  expect_front(figure("wheel", "wheer"), kZ, "letters of a word");
+  expect_front(figure("_L", "_R"), kZ, "no stem");
+  expect_front(figure("arm_L", "arm-R"), kZ, "two separators");
+  expect_front(figure("arm_L1", "arm_R2"), kZ, "two numbers");
 }
 
 }  // namespace
