@@ -632,7 +632,8 @@ Scene build(const Materials& m, const Detail& d) {
 
 Scene make_room(int triangles) {
   Scene scene = build_with_materials("room", triangles, add_materials, build);
-  // The sun through the window, and lights without shadows for indirect light of the window and the lamp.
+  // The sun through the window, and lights without shadows for indirect light of the window and the lamp. The latter is
+  // as far from the walls as its reach: closer, it would be a bright disc on a wall.
   constexpr float kGlow = 0.18f;  // metres: radius of the lamp's shade, which glows as a whole
   scene.lights = {{.direction = glm::normalize(vec3(-0.80f, 0.47f, 0.07f)),
                    .color = {1.60f, 1.38f, 1.08f},
@@ -642,7 +643,7 @@ Scene make_room(int triangles) {
                    .color = {0.24f, 0.25f, 0.27f},
                    .angle_deg = kFillAngleDeg},
                   {.kind = LightKind::kPoint,
-                   .position = kFloorLamp + vec3(0.0f, 1.55f, 0.2f),
+                   .position = kFloorLamp + vec3(0.5f, 1.55f, 0.65f),
                    .color = {0.13f, 0.095f, 0.05f},
                    .reach = 1.2f,
                    .radius = kGlow}};
