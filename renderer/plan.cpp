@@ -194,7 +194,11 @@ Margin GivenPlanes::needed(const Margins& margins) const {
 bool needs_ground(const Scene& scene, const Recipe& recipe) {
   if (!recipe.look->ground || recipe.ground == Ground::kOff) return false;
   if (recipe.ground == Ground::kOn) return true;
-  const Camera camera = frame_scene(scene, recipe.framing, recipe.width, recipe.height);
+  // An orbit around a model, and a ground that was added, change nothing.
+  Framing framing = recipe.framing;
+  framing.centers_shadow = false;
+  if (is_fitted(scene, framing)) framing.azimuth_deg = 0.0f;
+  const Camera camera = frame_scene(scene, framing, recipe.width, recipe.height);
   const glm::vec3 eye = camera.eye();
   // A ground would hide a model that is seen from below.
   const glm::vec3 looks_along = -glm::vec3(glm::transpose(camera.view_from_world)[2]);
@@ -267,15 +271,14 @@ Plan turned(const Plan& first, const Scene& scene, float angle_deg) {
   Plan plan = first;
   if (angle_deg == 0.0f) return plan;
   Recipe& recipe = plan.recipe;
-  recipe.framing.turn_deg += angle_deg;
   recipe.hdri.rotation_deg += angle_deg;
-  plan.camera = frame_scene(scene, recipe.framing, recipe.width, recipe.height);
+  const glm::vec3 center = turn_center(scene, recipe.framing);
+  plan.camera = turned_around(first.camera, center, scene.up, angle_deg);
   if (recipe.hdri.lights()) {
     plan.lighting() = image_lighting(recipe.hdri, scene.up, first.lighting().reflections != nullptr);
     adjust_lights(recipe, plan.camera, false, plan.lighting().lights);
   } else if (plan.lit_from_camera) {
     const glm::mat3 turn(glm::rotate(glm::mat4(1.0f), glm::radians(angle_deg), glm::normalize(scene.up)));
-    const glm::vec3 center = turn_center(scene, first.recipe.framing);
     for (Light& light : plan.lighting().lights) {
       light.direction = glm::normalize(turn * light.direction);
       light.position = center + turn * (light.position - center);

@@ -287,7 +287,9 @@ glm::vec3 target_of(const Scene& scene, const Framing& framing) {
          (to_center > 0.0f ? to_center : std::max(scene.radius(), 1.0f)) * glm::normalize(*framing.direction);
 }
 
-Camera camera_before_turn(const Scene& scene, const Framing& framing, int width, int height) {
+}  // namespace
+
+Camera frame_scene(const Scene& scene, const Framing& framing, int width, int height) {
   const float aspect = float(std::max(width, 1)) / float(std::max(height, 1));
   const bool by_view = uses_scene_view(scene, framing);
   const glm::vec3 up =
@@ -314,21 +316,20 @@ Camera camera_before_turn(const Scene& scene, const Framing& framing, int width,
   return camera;
 }
 
-}  // namespace
-
 glm::vec3 turn_center(const Scene& scene, const Framing& framing) {
   if (uses_scene_view(scene, framing)) return scene.views[0].target;
   return framing.position ? target_of(scene, framing) : focal_point_of(scene, framing);
 }
 
-Camera frame_scene(const Scene& scene, const Framing& framing, int width, int height) {
-  Camera camera = camera_before_turn(scene, framing, width, height);
-  if (framing.turn_deg == 0.0f) return camera;
-  const glm::dvec3 center(turn_center(scene, framing)), axis(unit_or(std::nullopt, scene.up));
+bool is_fitted(const Scene& scene, const Framing& framing) {
+  return !framing.position && !uses_scene_view(scene, framing);
+}
+
+Camera turned_around(Camera camera, const glm::vec3& center, const glm::vec3& up, float angle_deg) {
   // Rotating the camera is rotating the world backwards.
-  glm::dmat4 turn = glm::translate(glm::dmat4(1.0), center);
-  turn = glm::rotate(turn, -glm::radians(double(framing.turn_deg)), axis);
-  turn = glm::translate(turn, -center);
+  glm::dmat4 turn = glm::translate(glm::dmat4(1.0), glm::dvec3(center));
+  turn = glm::rotate(turn, -glm::radians(double(angle_deg)), glm::dvec3(unit_or(std::nullopt, up)));
+  turn = glm::translate(turn, -glm::dvec3(center));
   camera.view_from_world = glm::mat4(glm::dmat4(camera.view_from_world) * turn);
   return camera;
 }

@@ -25,18 +25,21 @@ struct Framing {
   float azimuth_deg = 0.0f, elevation_deg = 0.0f;
   float zoom = 1.0f;  ///< above 1: the model fills more of the picture
   bool orthographic = false;
-  /// Rotates the camera that the other members define, without a new fit, about the scene's up axis through
-  /// turn_center. Counterclockwise as seen from above.
-  float turn_deg = 0.0f;
 };
 
-/// Returns a point on the axis of Framing::turn_deg, whose direction is Scene::up: the point the camera looks at, or
-/// the scene's center if the camera was fitted without a focal point.
+/// Returns a point on the axis of an orbit, whose direction is Scene::up: the point the camera looks at, or the scene's
+/// center if the camera was fitted without a focal point.
 glm::vec3 turn_center(const Scene& scene, const Framing& framing);
 
 /// Returns the camera for a picture of width x height pixels. By default: the scene's first suggested view, or else the
 /// whole scene from slightly above and to the side, fitted to the picture with a small margin.
 Camera frame_scene(const Scene& scene, const Framing& framing, int width, int height);
+
+/// Returns whether frame_scene fits the camera to the scene: it has no position, neither of the request nor of a view.
+bool is_fitted(const Scene& scene, const Framing& framing);
+
+/// Rotates a camera about the axis through `center` in the direction `up`, counterclockwise as seen from above.
+Camera turned_around(Camera camera, const glm::vec3& center, const glm::vec3& up, float angle_deg);
 
 /// Returns the direction towards a light, in world space, from its azimuth and elevation in degrees as seen from the
 /// camera: 0, 0 is the direction towards the camera; positive azimuths are to the right.

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/lowercase.h"
+#include "scene/shape_facts.h"
 #include "scene/strays.h"
 
 namespace umbrage {
@@ -135,11 +136,12 @@ glm::vec3 usual_front(const glm::vec3& up) {
 }
 
 glm::vec3 front_of(const Scene& scene, const glm::vec3& up) {
-  const Level level = level_of(up);
-  if (const auto named = front_of_parts(scene, level)) return glm::vec3(*named);
-  if (!scene.has_front)
-    if (const auto head = front_of_animal(scene, level)) return glm::vec3(*head);
-  return glm::vec3(level.front);
+  return scene.shape_facts->front.of(up, [&] {
+    const Level level = level_of(up);
+    std::optional<glm::dvec3> found = front_of_parts(scene, level);
+    if (!found && !scene.has_front) found = front_of_animal(scene, level);
+    return glm::vec3(found.value_or(level.front));
+  });
 }
 
 }  // namespace umbrage

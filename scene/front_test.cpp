@@ -7,10 +7,12 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "scene/finish.h"
 #include "scene/framing.h"
+#include "scene/shape_facts.h"
 
 namespace umbrage {
 namespace {
@@ -117,6 +119,21 @@ TEST(Front, FollowsPartsNamedByALastLetter) {
   expect_front(figure("_L", "_R"), kZ, "no stem");
   expect_front(figure("arm_L", "arm-R"), kZ, "two separators");
   expect_front(figure("arm_L1", "arm_R2"), kZ, "two numbers");
+}
+
+TEST(Front, IsFoundOncePerScene) {
+  Scene scene = scene_of(with_axes(animal(), {-kX, kY, -kZ}));
+  std::vector<std::thread> threads;
+  for (int k = 0; k < 4; ++k) threads.emplace_back([&] { EXPECT_GT(glm::dot(front_of(scene, kY), -kZ), 0.999f); });
+  for (std::thread& thread : threads) thread.join();
+  const Scene copy = scene;
+  front_of(copy, kY);
+  EXPECT_EQ(scene.shape_facts->front.found(), 1);
+  scene.meshes = animal();
+  finish_scene(scene);
+  EXPECT_GT(glm::dot(front_of(scene, kY), kZ), 0.999f) << "a new shape";
+  EXPECT_GT(glm::dot(front_of(copy, kY), -kZ), 0.999f) << "the copy keeps its own";
+  EXPECT_GT(glm::dot(front_of(scene, kX), kZ), 0.999f) << "another up direction";
 }
 
 }  // namespace

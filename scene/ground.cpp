@@ -1,15 +1,17 @@
-// Ground: detection of a scene's own ground at the foot of a picture, and the disc below models.
+// Ground: detection of a scene's own ground by its relief, and the disc below models.
 #include "scene/ground.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/mat3x3.hpp>
 #include <glm/trigonometric.hpp>
 #include <limits>
 #include <utility>
 
+#include "scene/shape_facts.h"
 #include "scene/strays.h"
 
 namespace umbrage {
@@ -46,96 +48,111 @@ Extent extent_of(const Scene& scene, const GroundAxes& axes) {
   return extent;
 }
 
-/// The nearest surfaces along the lower border of a picture, in columns.
-class Foot {
- public:
-  Foot(const Camera& camera, const glm::vec3& up) : camera_(camera), up_(up) {}
+constexpr float kNothing = -std::numeric_limits<float>::infinity();
 
+/// The heights of a scene above its centre as seen from above: the highest surface in each cell of a square grid around
+/// the centre, kNothing where there is none.
+struct Relief {
+  static constexpr int kCells = 64;  // per side
+  glm::vec3 center;
+  GroundAxes axes;
+  float half;  // of a side, scene units
+  std::vector<float> heights;
+
+  explicit Relief(const Scene& scene) : center(scene.center()), axes(axes_of(scene)) {
+    const glm::vec3 size = 0.5f * (scene.bounds_max - scene.bounds_min);
+    half = std::max(glm::dot(size, glm::abs(axes.right)), glm::dot(size, glm::abs(axes.front)));
+  }
+  float cell() const { return 2.0f * half / float(kCells); }
+  /// Returns a position as its components right, up and front of the centre.
+  glm::vec3 local(const glm::vec3& p) const { return rotated(p - center); }
+  glm::vec3 rotated(const glm::vec3& v) const {
+    return {glm::dot(v, axes.right), glm::dot(v, axes.up), glm::dot(v, axes.front)};
+  }
+  /// Returns the index of the cell at a position; empty outside of the grid.
+  std::optional<std::size_t> index_at(const glm::vec3& p) const {
+    const float x = std::floor((p.x + half) / cell()), y = std::floor((p.z + half) / cell());
+    if (!(std::min(x, y) >= 0.0f && std::max(x, y) < float(kCells))) return {};
+    return std::size_t(y) * kCells + std::size_t(x);
+  }
+  float height_at(const glm::vec3& p) const {
+    const auto index = index_at(p);
+    return index ? heights[*index] : kNothing;
+  }
+  void add(const glm::vec3& p) {
+    if (const auto index = index_at(p)) heights[*index] = std::max(heights[*index], p.y);
+  }
+  /// Adds points of a triangle that are at most half a cell apart.
   void add_triangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
-    const glm::vec3 corners[] = {view_of(a), view_of(b), view_of(c)};
-    glm::vec3 ends[2];
-    int count = 0;
-    for (int k = 0; k < 3 && count < 2; ++k) {
-      const glm::vec3 &p = corners[k], &q = corners[(k + 1) % 3];
-      const float from = above(p), to = above(q);
-      if ((from < 0.0f) != (to < 0.0f)) ends[count++] = p + (q - p) * (from / (from - to));
-    }
-    if (count < 2) return;
-    const glm::vec3 normal = glm::cross(b - a, c - a);
-    add_segment(ends[0], ends[1], std::fabs(glm::dot(normal, up_)) > kMinCosine * glm::length(normal));
-  }
-
-  void add_disc(const glm::vec3& center, float radius, bool level) {
-    const glm::vec3 p = view_of(center);
-    const float distance = above(p) / (is_perspective() ? std::hypot(1.0f, camera_.bottom) : 1.0f);
-    const float half = std::sqrt(std::max(radius * radius - distance * distance, 0.0f));
-    if (half > 0.0f) add_segment(p - glm::vec3(half, 0, 0), p + glm::vec3(half, 0, 0), level);
-  }
-
-  /// Returns the fraction of the columns whose nearest surface is level.
-  float level_fraction() const {
-    return float(std::count_if(columns_.begin(), columns_.end(), [](const Column& c) { return c.level; })) / kColumns;
-  }
-
- private:
-  static constexpr int kColumns = 64;
-  static constexpr float kMinCosine = 0.7f;  // of the slope of a level surface: below 45 degrees
-  struct Column {
-    float inverse_depth = -std::numeric_limits<float>::infinity();
-    bool level = false;
-  };
-
-  bool is_perspective() const { return camera_.projection == Projection::kPerspective; }
-  glm::vec3 view_of(const glm::vec3& p) const { return glm::vec3(camera_.view_from_world * glm::vec4(p, 1.0f)); }
-  /// Returns a multiple of the height of a point in view space above the plane through the lower border.
-  float above(const glm::vec3& p) const { return p.y - camera_.bottom * (is_perspective() ? -p.z : 1.0f); }
-
-  /// Adds a segment in that plane.
-  void add_segment(glm::vec3 a, glm::vec3 b, bool level) {
-    constexpr float kNear = 1e-4f;  // nearest depth, relative to that of the other end
-    if (a.z < b.z) std::swap(a, b);
-    if (is_perspective()) {
-      if (!(b.z < 0.0f)) return;
-      if (const float near = kNear * b.z; a.z > near) a += (b - a) * ((a.z - near) / (a.z - b.z));
-    }
-    // Along the border, columns and inverse depth are linear functions of each other; with a parallel projection,
-    // depth.
-    const auto column_of = [&](const glm::vec3& p) {
-      return float(kColumns) * ((is_perspective() ? -p.x / p.z : p.x) - camera_.left) / (camera_.right - camera_.left);
+    const auto steps = [&](const glm::vec3& edge) {
+      constexpr float kMaxSteps = 8.0f * kCells;  // for strays
+      return std::ceil(std::clamp(2.0f * std::hypot(edge.x, edge.z) / cell(), 1.0f, kMaxSteps));
     };
-    const auto inverse_depth_of = [&](const glm::vec3& p) { return is_perspective() ? -1.0f / p.z : p.z; };
-    float x0 = column_of(a), x1 = column_of(b), n0 = inverse_depth_of(a), n1 = inverse_depth_of(b);
-    if (x0 > x1) std::swap(x0, x1), std::swap(n0, n1);
-    if (!(x1 > x0)) return;
-    const int end = int(std::ceil(std::clamp(x1 - 0.5f, 0.0f, float(kColumns))));
-    for (int k = int(std::ceil(std::clamp(x0 - 0.5f, 0.0f, float(kColumns)))); k < end; ++k) {
-      const float inverse_depth = n0 + (n1 - n0) * (float(k) + 0.5f - x0) / (x1 - x0);
-      if (inverse_depth > columns_[std::size_t(k)].inverse_depth) columns_[std::size_t(k)] = {inverse_depth, level};
+    const float rows = steps(b - a), columns = steps(c - a);
+    for (float i = 0.0f; i <= rows; ++i) {
+      const glm::vec3 from = a + (b - a) * (i / rows), to = c + (b - c) * (i / rows);
+      const float count = std::ceil(columns * (1.0f - i / rows));
+      for (float j = 0.0f; j <= count; ++j) add(from + (to - from) * (j / std::max(count, 1.0f)));
     }
   }
-
-  const Camera& camera_;
-  glm::vec3 up_;
-  std::array<Column, kColumns> columns_;
 };
+
+std::vector<float> heights_of(const Scene& scene, Relief relief) {
+  relief.heights.assign(Relief::kCells * Relief::kCells, kNothing);
+  for (const Mesh& mesh : scene.meshes) {
+    if (mesh.object == scene.ground_object) continue;
+    for (std::size_t i = 0; i < mesh.radii.size(); ++i) {
+      const glm::vec3 p = relief.local(mesh.positions[i]);
+      const float r = mesh.radii[i];
+      relief.add_triangle(p + glm::vec3(-r, 0, -r), p + glm::vec3(r, 0, -r), p + glm::vec3(-r, 0, r));
+      relief.add_triangle(p + glm::vec3(r, 0, r), p + glm::vec3(r, 0, -r), p + glm::vec3(-r, 0, r));
+    }
+    for (std::size_t k = 0; k + 2 < mesh.indices.size(); k += 3)
+      relief.add_triangle(relief.local(mesh.positions[mesh.indices[k]]),
+                          relief.local(mesh.positions[mesh.indices[k + 1]]),
+                          relief.local(mesh.positions[mesh.indices[k + 2]]));
+  }
+  return std::move(relief.heights);
+}
+
+/// Returns whether a ray, in components of the relief, comes to a surface less steep than 45 degrees first.
+bool meets_level(const Relief& relief, const glm::vec3& origin, const glm::vec3& direction, bool starts_there) {
+  const glm::vec2 from(origin.x, origin.z), along(direction.x, direction.z);
+  const float speed = std::max(glm::length(along), 1e-4f), reach = glm::root_two<float>() * relief.half;
+  // From where the ray enters the circle around the grid, in steps of half a cell.
+  const float nearest = -glm::dot(from, along) / (speed * speed), aside = glm::length(from + nearest * along);
+  if (!(aside <= reach)) return false;
+  const float chord = std::sqrt(reach * reach - aside * aside) / speed, step = 0.5f * relief.cell() / speed;
+  const float first = starts_there ? std::max(nearest - chord, 0.0f) : nearest - chord;
+  const int steps = int(std::ceil((nearest + chord - first) / step));
+  for (int k = 0; k <= steps; ++k) {
+    const glm::vec3 p = origin + (first + float(k) * step) * direction;
+    const float height = relief.height_at(p), before = std::max(p.y, p.y - step * direction.y);
+    if (p.y < height) return height - before <= relief.cell();
+  }
+  return false;
+}
 
 }  // namespace
 
 bool shows_own_ground(const Scene& scene, const Camera& camera) {
-  constexpr float kMinLevelFraction = 0.5f;
-  constexpr float kMinDiscCosine = 0.7f;
-  const glm::vec3 up = glm::normalize(scene.up);
-  Foot foot(camera, up);
-  for (const Mesh& mesh : scene.meshes) {
-    if (mesh.object == scene.ground_object) continue;
-    for (std::size_t i = 0; i < mesh.radii.size(); ++i)
-      foot.add_disc(mesh.positions[i], mesh.radii[i],
-                    !mesh.spheres && std::fabs(glm::dot(mesh.normals[i], up)) > kMinDiscCosine);
-    for (std::size_t k = 0; k + 2 < mesh.indices.size(); k += 3)
-      foot.add_triangle(mesh.positions[mesh.indices[k]], mesh.positions[mesh.indices[k + 1]],
-                        mesh.positions[mesh.indices[k + 2]]);
+  constexpr int kAzimuths = 32;
+  Relief relief(scene);
+  if (!(relief.half > 0.0f)) return false;
+  relief.heights = scene.shape_facts->relief.of(scene.up, [&] { return heights_of(scene, relief); });
+  // The ray through the middle of the lower border.
+  const bool perspective = camera.projection == Projection::kPerspective;
+  const glm::mat3 world_from_view = glm::transpose(glm::mat3(camera.view_from_world));
+  const glm::vec3 on_border(0.5f * (camera.left + camera.right), camera.bottom, 0.0f);
+  const glm::vec3 ahead(0, 0, -1);
+  const glm::vec3 origin = relief.local(camera.eye() + (perspective ? glm::vec3(0.0f) : world_from_view * on_border));
+  const glm::vec3 direction = relief.rotated(world_from_view * (perspective ? on_border + ahead : ahead));
+  int level = 0;
+  for (int k = 0; k < kAzimuths; ++k) {
+    const glm::mat3 turn(glm::rotate(glm::mat4(1.0f), glm::two_pi<float>() * float(k) / kAzimuths, glm::vec3(0, 1, 0)));
+    level += meets_level(relief, turn * origin, turn * direction, perspective);
   }
-  return foot.level_fraction() > kMinLevelFraction;
+  return 2 * level > kAzimuths;
 }
 
 void add_ground(Scene& scene, std::optional<float> lowest_light_deg) {

@@ -7,9 +7,10 @@
 
 namespace umbrage {
 
-/// Returns whether the foot of a picture, the lower border, shows mostly ground of the scene's own: surfaces that are
-/// nearest to the camera there and not steep. A model that ends above the border, such as a house on its slab, shows
-/// none, and neither does one whose walls reach to it. Scene::ground_object does not count.
+/// Returns whether the foot of a picture, the middle of its lower border, shows ground of the scene's own: from most
+/// azimuths around the vertical axis through the scene's centre, the first surface there is less steep than 45 degrees.
+/// So the answer is the same all along an orbit. A model that ends above the border, such as a house on its slab, shows
+/// none, and neither does one whose walls reach to it. Surfaces below others, and Scene::ground_object, do not count.
 bool shows_own_ground(const Scene& scene, const Camera& camera);
 
 /// Adds a white diffuse disc under the scene, several times wider than the scene, as a separate object

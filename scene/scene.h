@@ -92,6 +92,9 @@ struct View {
   std::string name;
 };
 
+struct ShapeFacts;
+std::shared_ptr<ShapeFacts> new_shape_facts();
+
 struct Scene {
   std::string name;
   std::vector<Mesh> meshes;
@@ -120,6 +123,9 @@ struct Scene {
   /// Distance from the centre of the disc at which shadows on the disc have faded out; 0: they do not fade.
   float ground_fade_distance = 0.0f;
   std::vector<std::string> warnings;  ///< one sentence each, shown to the user
+  /// Found on demand (scene/shape_facts.h) and shared by copies of the scene, which differ in materials, lights and the
+  /// ground. New after finish_scene and whatever else changes the model's shape.
+  std::shared_ptr<ShapeFacts> shape_facts = new_shape_facts();
 
   glm::vec3 center() const { return 0.5f * (bounds_min + bounds_max); }
   /// Returns half the diagonal of the bounding box, scene units.

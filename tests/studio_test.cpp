@@ -3,20 +3,24 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 #include <limits>
+#include <utility>
 
 #include "devices/cpu/cpu_device.h"
 #include "draw_picture.h"
 #include "generators/builtin.h"
 #include "looks/metering.h"
 #include "renderer/accumulation.h"
+#include "renderer/completed_scene.h"
 #include "renderer/draw.h"
 #include "renderer/models.h"
 #include "scene/finish.h"
 #include "scene/ground.h"
+#include "scene/shape_facts.h"
 #include "support.h"
 
 namespace umbrage {
@@ -385,6 +389,68 @@ TEST(GroundUnderModels, IsAddedUnlessTheModelsOwnFillsTheFootOfThePicture) {
   outside.camera.direction = {-1.0f, -0.4f, -1.0f};
   for (const char* name : {"scene:room", "scene:atrium"})
     EXPECT_TRUE(gets_ground(*make_builtin_scene(std::string(name) + "?detail=8000"), outside)) << name;
+}
+
+TEST(GroundUnderModels, IsTheSameAllAlongAnOrbit) {
+  Scene house = box_scene({10, 0.5f, 6});
+  house.meshes.push_back(box_scene({3, 3, 3}).meshes[0]);
+  finish_scene(house);
+  const Scene room = *make_builtin_scene("scene:room?detail=8000");
+  std::array<int, 2> answers{};
+  for (const Scene* scene : {&std::as_const(house), &room}) {
+    for (const float zoom : {1.0f, 1.5f, 2.0f, 2.5f, 3.0f, 4.0f, 6.0f}) {
+      Request request;
+      request.look = "studio";
+      request.camera.zoom = zoom;
+      for (const bool fitted : {true, false}) {
+        const auto answer = [&](int k) {
+          const float angle = glm::radians(30.0f * float(k)), distance = 3.0f * scene->radius();
+          const glm::vec3 away(std::sin(angle), 0.5f, std::cos(angle)), eye = scene->center() + distance * away;
+          request.camera.azimuth_deg = fitted ? 30.0f * float(k) : 0.0f;
+          request.camera.direction = {-1.0f, -0.5f, 0.0f};
+          if (!fitted) {
+            request.camera.direction.reset();
+            request.camera.position = {eye.x, eye.y, eye.z};
+          }
+          return needs_ground(*scene, *make_recipe(request));
+        };
+        const bool first = answer(0);
+        ++answers[first];
+        for (int k = 1; k < 12; ++k)
+          EXPECT_EQ(answer(k), first) << scene->name << ", zoom " << zoom << ", " << 30 * k << " degrees, " << fitted;
+        request.camera.position.reset();
+      }
+    }
+    EXPECT_EQ(scene->shape_facts->relief.found(), 1) << "one pass over the triangles";
+  }
+  EXPECT_GT(std::min(answers[0], answers[1]), 3) << "the answers depend on what is at the foot of the picture";
+}
+
+TEST(GroundUnderModels, IsDecidedWithoutAPassPerPicture) {
+  const Scene house = box_scene({10, 0.5f, 6});
+  Request request;
+  request.look = "studio";
+  auto kept = completed(house, *make_recipe(request), 0);
+  ASSERT_TRUE(kept);
+  for (int k = 0; k < 12; ++k) {
+    request.camera.azimuth_deg = 30.0f * float(k);
+    const auto recipe = make_recipe(request);
+    EXPECT_TRUE(*kept->serves(*recipe, 0)) << k;
+    ASSERT_TRUE(make_plan(*recipe, *kept->scene, 1));
+  }
+  EXPECT_EQ(kept->scene->shape_facts->relief.found(), 1);
+  EXPECT_EQ(kept->scene->shape_facts->front.found(), 1);
+}
+
+TEST(GroundUnderModels, IsUnderFlatPartsInAnyUnit) {
+  for (const float unit : {0.001f, 1.0f, 25.4f, 1000.0f})
+    for (const glm::vec3& size : {glm::vec3(1, 0.02f, 1), {1, 0.1f, 0.6f}}) {
+      Scene part = box_scene(unit * size);
+      EXPECT_TRUE(gets_ground(part)) << unit;
+      part.meshes.push_back(box_scene(unit * glm::vec3(0.3f, 0.4f, 0.3f)).meshes[0]);
+      finish_scene(part);
+      EXPECT_TRUE(gets_ground(part)) << unit << ", on a base plate";
+    }
 }
 
 TEST(GroundUnderModels, LeavesTheBoundsAndTheFraming) {
