@@ -8,6 +8,7 @@
 #include "reference/reference.h"
 #include "renderer/average.h"
 #include "renderer/drawing.h"
+#include "renderer/exposure.h"
 #include "renderer/marked_samples.h"
 
 namespace umbrage {
@@ -74,11 +75,9 @@ Result<void> add_picture(const Frame& frame, Samples& s) {
 
 /// Draws all samples of the plan.
 Result<void> draw_samples(Samples& s) {
-  if (s.plan.marked && s.plan.has_blended) {
-    const auto stops = metered_with_blended(s.drawing, s.plan);
-    if (!stops) return stops.error();
-    if (*stops) s.drawing.run.stops = *stops;
-  }
+  const auto stops = metered_exposure(s.drawing, s.plan);
+  if (!stops) return stops.error();
+  s.drawing.run.stops = *stops;
   if (s.plan.averages() && !s.plan.marked) s.average = Average(s.drawing.device, s.plan, {0, s.plan.recipe.height});
   double done = 0.0;
   for (const PictureIndex& index : pictures_of(s.plan)) {

@@ -107,40 +107,6 @@ void add_margins_for_further(const Plan& plan, const PictureInfo& info, Margins&
   after["marks"] = {margin - 1, margin - 1};
 }
 
-Result<std::optional<float>> metered_with_blended(const Drawing& drawing, const Plan& plan) {
-  constexpr int kMaxSide = 256;
-  const DrawProgress::Part part(drawing.progress, 0.0, 1.0 / plan.pictures());
-  Plan small = plan;
-  small.marked = false;
-  const Camera camera = begin_picture(small, {.blended = true});
-  int& width = small.capture.width;
-  int& height = small.capture.height;
-  const double scale = std::min(1.0, double(kMaxSide) / std::max(width, height));
-  width = std::max(int(width * scale), 1);
-  height = std::max(int(height * scale), 1);
-  small.capture.guard = 0;
-  auto frame = drawing.capture(small, camera);
-  if (!frame) return frame.error();
-  std::optional<float> stops;
-  LookRun run = drawing.run;
-  run.settings = &small.recipe.settings;
-  run.kept.reset();
-  run.after = [](std::string_view) {};
-  run.meter = [&](Device& of, const Frame& lit) -> Result<std::optional<float>> {
-    const auto metered = metered_stops(of, lit);
-    if (!metered) return metered.error();
-    stops = *metered;
-    return std::optional<float>();  // ends the run
-  };
-  const Program program = compile(run, 1 + int(frame->info.more_layers.size()), &frame->info);
-  const bool meters = std::any_of(program.operations.begin(), program.operations.end(), [](const Operation& operation) {
-    return operation.kind == OperationKind::kMeter && operation.exposure != Exposure::kLights;
-  });
-  if (!meters || run.stops) return stops;
-  const auto state = run_look(run, drawing.device, *frame);
-  return state ? Result<std::optional<float>>(stops) : state.error();
-}
-
 namespace {
 
 /// The first sample, whose frames have the planes that further samples borrow; of a strip, if the plan is of one.

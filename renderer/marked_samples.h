@@ -4,7 +4,6 @@
 // since these vary slowly along a surface: see effects/resample. Of blended surfaces, each sample draws the picture in
 // front only where they show. Internal to renderer/.
 #pragma once
-#include <optional>
 #include <string_view>
 
 #include "renderer/average.h"
@@ -25,10 +24,6 @@ bool follows_from_samples(std::string_view parameter);
 EffectStep marking_step(const Plan& plan, const PictureInfo& info);
 /// Adds to `after` the margins around its own pixels at which the first sample needs planes for further samples.
 void add_margins_for_further(const Plan& plan, const PictureInfo& info, Margins& after);
-
-/// Returns the exposure that metering adds to a picture with blended surfaces, metered on a small picture that shows
-/// them as if they were opaque, since what is behind them may be dark. Empty if nothing is metered so.
-Result<std::optional<float>> metered_with_blended(const Drawing& drawing, const Plan& plan);
 
 /// Returns the average of a plan's samples, or of the strip of them to which the plan is set. `behind`: the first
 /// sample without blended surfaces, captured by Drawing::capture, on which the look has run; drawing.run has its stops.

@@ -18,6 +18,7 @@
 #include "rays/interior_lights.h"
 #include "reference/reference.h"
 #include "renderer/accumulation.h"
+#include "renderer/exposure.h"
 #include "renderer/marked_samples.h"
 #include "renderer/passes.h"
 #include "scene/ground.h"
@@ -223,7 +224,10 @@ void complete_scene(Scene& scene, const Recipe& recipe) {
   if (needs_ground(scene, recipe)) add_ground(scene, recipe.hdri.lights() ? lowest_light_deg(scene) : std::nullopt);
 }
 
-Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, const ProgressMonitor& monitor) {
+namespace {
+
+/// Returns the plan of a recipe, without Plan::metered.
+Result<Plan> plan_of_view(const Recipe& recipe, const Scene& scene, int threads, const ProgressMonitor& monitor) {
   Plan plan{.recipe = recipe,
             .camera = frame_scene(scene, recipe.framing, recipe.width, recipe.height),
             .capture = recipe.capture,
@@ -264,6 +268,33 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
     plan.capture.shadow_rays =
         std::max(plan.capture.shadow_rays, std::min(plan.capture.shadow_rays * recipe.frames, kMaxShadowRays));
   set_given(scene, plan);
+  return plan;
+}
+
+/// Returns a request for the usual view of the whole model, in the projection of the given one.
+Framing usual_view(const Framing& given) {
+  Framing framing;
+  framing.view_up = given.view_up;
+  framing.usual_view_angle_deg = given.usual_view_angle_deg;
+  framing.shows_horizon = given.shows_horizon;
+  framing.margin = given.margin;
+  framing.centers_shadow = given.centers_shadow;
+  framing.light_deg = given.light_deg;
+  framing.orthographic = given.orthographic;
+  return framing;
+}
+
+}  // namespace
+
+Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, const ProgressMonitor& monitor) {
+  auto plan = plan_of_view(recipe, scene, threads, monitor);
+  if (!plan || !meters_picture(*plan) || is_inside_scene(plan->camera, scene)) return plan;
+  Recipe usual = recipe;
+  usual.framing = usual_view(recipe.framing);
+  usual.width = usual.height = usual.capture.width = usual.capture.height = kMeteredSide;
+  auto metered = plan_of_view(usual, scene, threads, monitor);
+  if (!metered) return metered;
+  if (!is_inside_scene(metered->camera, scene)) plan->metered = std::make_shared<Plan>(std::move(*metered));
   return plan;
 }
 

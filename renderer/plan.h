@@ -1,6 +1,7 @@
 // Plan: a recipe resolved for one scene. Camera, lights and all effect parameters are fixed, lengths are in scene
 // units, the requested passes exist, and all errors of the request are reported. Drawing depends on the plan only.
 #pragma once
+#include <memory>
 #include <vector>
 
 #include "renderer/recipe.h"
@@ -36,6 +37,9 @@ struct Plan {
   /// Samples beyond the first are drawn only at the pixels that the first one marks: see marked_samples.h. Then sample
   /// 0 is drawn first.
   bool marked = false;
+  /// The view of the whole model whose exposure the picture has, so that it does not change with the camera. Null if
+  /// nothing is metered on a picture, or the camera is inside the scene: the picture's own view is metered.
+  std::shared_ptr<const Plan> metered;
 
   Lighting& lighting() { return *capture.lighting; }
   const Lighting& lighting() const { return *capture.lighting; }

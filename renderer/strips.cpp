@@ -6,6 +6,7 @@
 
 #include "core/lists.h"
 #include "renderer/drawing.h"
+#include "renderer/exposure.h"
 #include "renderer/marked_samples.h"
 #include "renderer/strip_drawer.h"
 #include "renderer/strokes.h"
@@ -42,6 +43,7 @@ StripSource source_of(const Plan& plan) {
                      .lines = plan.lines.empty() ? stroke_parameters_or_none(plan.recipe) : plan.lines,
                      .given = plan.given};
   source.run.lines = plan.lines;
+  if (meters_picture(plan)) source.run.stops = 0.0f;  // draw_strips has it before the first strip
   if (!plan.marked) return source;
   source.before.push_back(marking_step(plan, plan.info));
   add_margins_for_further(plan, plan.info, source.after);
@@ -92,11 +94,9 @@ Result<Strokes> draw_strips(Device& device, const Plan& planned, int rows, const
     plan.capture.strip = strip;
     return drawing.capture(plan, camera);
   };
-  if (plan.marked && plan.has_blended) {
-    auto stops = metered_with_blended(drawing, plan);
-    if (!stops) return stops.error();
-    source.run.stops = *stops;
-  }
+  const auto stops = metered_exposure(drawing, plan);
+  if (!stops) return stops.error();
+  drawing.run.stops = source.run.stops = *stops;
   StripDrawer drawer(device, std::move(source), rows, progress, times);
   Average average;
   std::vector<std::string> wanted = planes;  // planes of the last picture
@@ -115,7 +115,6 @@ Result<Strokes> draw_strips(Device& device, const Plan& planned, int rows, const
     if (plan.averages()) {
       PictureSum sum;
       if (plan.marked) {
-        drawing.run.stops = drawer.stops();
         auto of_strip = marked_average(drawing, plan, frame);
         if (!of_strip) return of_strip.error();
         sum = of_strip->take_sum();
