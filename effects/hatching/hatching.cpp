@@ -22,7 +22,7 @@ namespace umbrage {
 namespace {
 
 constexpr double kMaxSpacing = 64.0, kMaxSmoothness = 200.0;  // pixels
-constexpr int kTaps = 8;  // of the filter on each side; see hatching_filter.kernel.h
+constexpr int kTaps = 12;  // of the filter on each side; see hatching_filter.kernel.h
 
 const std::vector<Parameter> kHatchingTable = {
     length_row("spacing", &HatchingParams::spacing,
@@ -44,7 +44,7 @@ const std::vector<Parameter> kHatchingTable = {
                "direction of lines: around the surface where it is curved, or in parallel planes"),
     real_row("tilt", &HatchingParams::tilt_deg, {.initial = 25, .min = -90, .max = 90, .unit = "deg"},
              "angle of the fixed direction, also of that on flat surfaces and spheres: 0 are horizontal planes"),
-    length_row("smoothness", &HatchingParams::smoothness, {.initial_percent = 3.2, .max = kMaxSmoothness, .unit = "px"},
+    length_row("smoothness", &HatchingParams::smoothness, {.initial_percent = 4.5, .max = kMaxSmoothness, .unit = "px"},
                "radius over which directions are averaged, in pixels or in percent of the picture's height"),
     choice_row("strokes", &HatchingParams::strokes, kHatchingShade, {"shade", "light"},
                "what lines draw: shade, with dark ink on light paper, or light, with light ink on dark paper, as in "

@@ -8,7 +8,7 @@ IN_REAL(depth)
 IN_VECTOR(normal)
 #include "kernel/surface.kernel.h"
 
-CONST int kTaps = 8;            // on each side
+CONST int kTaps = 12;           // on each side
 CONST float kMinCosine = 0.8f;  // taps have a weight if their normals differ by less than 37 degrees
 CONST float kCurved = 0.25f;    // distance from the plane that a tap may have, relative to its distance
 

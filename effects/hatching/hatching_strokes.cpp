@@ -23,7 +23,7 @@ using Point = HatchingLine::Point;
 constexpr int kPointsPerSpacing = 2;  // points of finished lines
 constexpr int kTracedPerSpacing = 6;  // points of traced lines
 constexpr std::size_t kStride = kTracedPerSpacing / kPointsPerSpacing;
-constexpr std::size_t kMinPoints = 4;  // of a part of a line that is drawn
+constexpr std::size_t kMinPoints = 7;  // of a part of a line that is drawn
 constexpr int kCorrections = 3;        // rounds in which widths are corrected
 constexpr float kTaperPoints = 5.0f;   // traced points over which a free end gets thinner
 constexpr float kFullInk = 0.6f;       // from which on ends are as wide as the line
@@ -124,8 +124,9 @@ struct Ink {
   float at(int x, int y) const {
     const float light = 1.0f - total.row(y)[x], limit = 1.0f - cross;
     if (light >= limit) return second ? 0.0f : 1.0f - light;
-    // The light that the two sets leave is the product of theirs.
-    return 1.0f - std::sqrt(second ? light / limit : light * limit);
+    // The light that the two sets leave is the product of theirs. The first remains until the second is as dark.
+    const float crossing = std::max(light / limit, std::sqrt(light));
+    return 1.0f - (second ? crossing : light / std::max(crossing, 1e-6f));
   }
 };
 
@@ -202,6 +203,8 @@ std::vector<float> ink_along(const HatchingLine& line, const Ink& ink, int width
 Strokes with_widths(const std::vector<HatchingLine>& traced, const Ink& ink, const HostPlane& objects,
                     const Correction& correction, const HatchingConstants& c, int width, int height) {
   Strokes lines{width, height, {}};
+  // The crossing lines of all ranks begin together, since single ones would look like scratches.
+  const float width_px = ink.second ? 0.0f : c.width_px;
   for (const HatchingLine& line : traced) {
     Stroke part{.kind = ink.second ? StrokeKind::kCrossHatch : StrokeKind::kHatch};
     const auto finish = [&] {
@@ -219,7 +222,7 @@ Strokes with_widths(const std::vector<HatchingLine>& traced, const Ink& ink, con
       const float thinness = std::min({line.free_start ? from_start : 1.0f, line.free_end ? from_end : 1.0f, 1.0f});
       const float taper = 1.0f + light * (thinness - 1.0f);
       const float w =
-          hatching_width(line.rank, along[n], c.spacing_px, c.width_px) * fill * taper * correction.at(p.x, p.y);
+          hatching_width(line.level[k], along[n], c.spacing_px, width_px) * fill * taper * correction.at(p.x, p.y);
       if (w < kMinWidth) {
         finish();
         continue;
@@ -260,13 +263,14 @@ Strokes lines_of_set(const HostFrame& frame, const HatchingConstants& c, const H
 
 }  // namespace
 
-float hatching_width(int rank, float ink, float spacing_px, float width_px) {
+float hatching_width(float level, float ink, float spacing_px, float width_px) {
   // The widths of the lines of rank 0, 1 and 2 within four spacings add up to this: there are 1, 1 and 2 of them.
   const float sum = float(1 << (kHatchingRanks - 1)) * spacing_px * ink;
   if (sum >= 4.0f * width_px) return 0.25f * sum;
-  if (rank == 0) return std::min(sum, width_px);
-  if (rank == 1) return std::clamp(sum - width_px, 0.0f, width_px);
-  return std::clamp(0.5f * (sum - 2.0f * width_px), 0.0f, width_px);
+  const float width[] = {std::min(sum, width_px), std::clamp(sum - width_px, 0.0f, width_px),
+                         std::clamp(0.5f * (sum - 2.0f * width_px), 0.0f, width_px)};
+  const int rank = std::min(int(level), kHatchingRanks - 2);
+  return width[rank] + (level - float(rank)) * (width[rank + 1] - width[rank]);
 }
 
 Strokes hatching_lines(const HostFrame& frame) {

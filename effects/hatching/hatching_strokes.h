@@ -19,15 +19,16 @@ struct HatchingField {
 
 /// A line of a set, before it has a width.
 struct HatchingLine {
-  /// Lines of rank 0 are 4 spacings apart; those of ranks 0 and 1 together 2, and all of them 1.
+  /// Lines of rank 0 start 4 spacings apart; those of ranks 0 and 1 together 2, and all of them 1.
   int rank = 0;
   bool free_start = false, free_end = false;  ///< it ends beside another line, not where the surface ends
   struct Point {
     float x, y;  ///< pixels
   };
   std::vector<Point> points;
-  std::vector<float>
-      room;  ///< at each point: width of the strip to the middle between it and the lines beside it, pixels
+  // At each point:
+  std::vector<float> room;   ///< width of the strip to the middle between it and the lines beside it, pixels
+  std::vector<float> level;  ///< `rank`, or more where lines of lower rank are nearer than that rank permits
 };
 inline constexpr int kHatchingRanks = 3;
 using HatchingSeeds = std::array<std::vector<HatchingLine::Point>, kHatchingRanks>;
@@ -36,9 +37,9 @@ using HatchingSeeds = std::array<std::vector<HatchingLine::Point>, kHatchingRank
 /// points in pixels from which lines start where there are none yet, in order.
 std::vector<HatchingLine> trace_hatching(const HatchingField& field, const HatchingSeeds& seeds);
 
-/// Returns the width in pixels of a line of that rank where the fraction `ink` of the area is to be covered, by lines
+/// Returns the width in pixels of a line of that level where the fraction `ink` of the area is to be covered, by lines
 /// of `width_px` that are wider only where all ranks together need it.
-float hatching_width(int rank, float ink, float spacing_px, float width_px);
+float hatching_width(float level, float ink, float spacing_px, float width_px);
 
 /// Returns the lines of a picture from the inputs of the host step, with widths.
 Strokes hatching_lines(const HostFrame& frame);

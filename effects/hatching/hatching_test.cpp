@@ -50,7 +50,7 @@ TEST(Hatching, WidthsOfAllRanksAddUpToTheInk) {
   for (int k = 0; k <= 22; ++k) {
     const float ink = float(k) / 22.0f;
     std::array<float, 3> width{};
-    for (int rank = 0; rank < kHatchingRanks; ++rank) width[rank] = hatching_width(rank, ink, kSpacing, kWidth);
+    for (int rank = 0; rank < kHatchingRanks; ++rank) width[rank] = hatching_width(float(rank), ink, kSpacing, kWidth);
     // Four spacings contain one line of rank 0, one of rank 1 and two of rank 2.
     EXPECT_NEAR((width[0] + width[1] + 2.0f * width[2]) / (4.0f * kSpacing), ink, 1e-6) << ink;
     for (int rank = 0; rank < kHatchingRanks; ++rank) EXPECT_GE(width[rank], before[rank]) << ink;
@@ -329,6 +329,32 @@ TEST(Hatching, RanksHalveTheirDistance) {
   EXPECT_NEAR(lengths[0] * 24.0 / (384.0 * 384.0), 1.0, 0.05);
   EXPECT_NEAR(lengths[1] / lengths[0], 1.0, 0.05);
   EXPECT_NEAR(lengths[2] / lengths[0], 2.0, 0.1);
+}
+
+// Lines that meet in the distance go on with a higher level, so that each level keeps its distance.
+TEST(Hatching, LevelsKeepTheirDistanceAndLinesGoOn) {
+  const OwnField own = field_of(256, 6.0f, [](double x, double y) { return std::atan2(y - 128.0, x + 64.0); });
+  const auto lines = trace_hatching(own.field, {{{{250.0f, 128.0f}}, {}, {}}});
+  long pairs = 0, near = 0, raised = 0, ends = 0, wide = 0;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (lines[i].rank == 0) ++wide, ends += lines[i].free_start, raised += lines[i].level.front() > 0.5f;
+    ASSERT_EQ(lines[i].level.size(), lines[i].points.size());
+    for (std::size_t k = 0; k < lines[i].points.size(); k += 3) {
+      const float level = lines[i].level[k], min = 12.0f * std::exp2(-level);
+      for (std::size_t j = 0; j < i; ++j)
+        for (std::size_t m = 0; m < lines[j].points.size(); m += 3) {
+          if (lines[j].level[m] > level) continue;
+          const float dx = lines[j].points[m].x - lines[i].points[k].x,
+                      dy = lines[j].points[m].y - lines[i].points[k].y;
+          ++pairs, near += dx * dx + dy * dy < 0.7f * min * min;
+        }
+    }
+  }
+  EXPECT_GT(pairs, 100000);
+  EXPECT_LE(near, 4) << "of millions";
+  EXPECT_GT(wide, 6);
+  EXPECT_GT(raised, wide / 4);
+  EXPECT_LE(ends, wide / 4);
 }
 
 TEST(Hatching, LinesEndWhereTheSurfaceEnds) {

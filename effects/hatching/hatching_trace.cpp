@@ -1,7 +1,8 @@
 // Implements trace_hatching: evenly spaced streamlines [Jobard and Lefer 1997].
 //
 // Differs: there are three ranks, each with half the distance of the one before, so that the lines of a light tone are
-// among those of a darker one, as in [Praun et al. 2001].
+// among those of a darker one, as in [Praun et al. 2001]. Where lines of a rank come too near, one of them goes on with
+// a higher one: it would end there in a light tone only.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,10 +17,10 @@ namespace {
 using Point = HatchingLine::Point;
 
 constexpr float kStepFraction = 1.0f / 6.0f;  // length of a step, in spacings
-constexpr float kStopFraction = 0.5f;         // a line ends within this fraction of the distance to another one
+constexpr float kStopFraction = 0.5f;         // of the distance of a rank that its lines keep
 constexpr float kSeedFraction = 0.75f;        // of the distance that a seed keeps
 constexpr float kAhead = 0.5f;                // of two lines that meet end to end, in spacings
-constexpr float kMinLength = 2.5f;            // of a line, in spacings
+constexpr float kMinLength = 1.5f;            // of a line, in the distance of its rank, and that of rank 1
 constexpr float kMinTurnCosine = 0.7f;        // between two steps: a line does not turn by 45 degrees at once
 constexpr int kOwnSteps = 18;                 // nearby points of the same line that are no obstacle: three spacings
 constexpr int kMaxSteps = 20000;
@@ -116,19 +117,17 @@ class Points {
     return false;
   }
 
-  /// Returns the distances from a point to the nearest other lines on both sides of the direction, at most `max`.
-  std::array<float, 2> gaps(Point p, float max, Vector direction, float ahead, int line) const {
-    std::array<float, 2> nearest = {max, max};
+  /// Calls `visit(line, step, side)` with points of other lines beside a point; `side` is their distance to the right
+  /// of the direction. Those within `max` are among them.
+  template <class Visit>
+  void for_points_beside(Point p, float max, Vector direction, float ahead, int line, const Visit& visit) const {
     for (int r = row(p.y - max); r <= row(p.y + max); ++r)
       for (int c = column(p.x - max); c <= column(p.x + max); ++c)
         for (const Entry& e : cells_[index(c, r)]) {
           const Vector way = {e.at.x - p.x, e.at.y - p.y};
-          if (e.line == line || std::abs(dot(way, direction)) > ahead) continue;
-          const float side = dot(way, {-direction.y, direction.x});
-          float& gap = nearest[side > 0.0f ? 1 : 0];
-          gap = std::min(gap, std::abs(side));
+          if (e.line != line && std::abs(dot(way, direction)) <= ahead)
+            visit(e.line, e.step, dot(way, {-direction.y, direction.x}));
         }
-    return nearest;
   }
 
  private:
@@ -164,23 +163,32 @@ class Tracer {
   }
 
   std::vector<HatchingLine> take() {
-    for (std::size_t k = 0; k < lines_.size(); ++k) find_room(int(k), lines_[k]);
+    for (std::size_t k = 0; k < lines_.size(); ++k) look_beside(int(k), lines_[k]);
     return std::move(lines_);
   }
 
  private:
-  void find_room(int index, HatchingLine& line) const {
-    const float max = kMaxGap * spacing_;
+  /// Finds room and level of a line from the lines beside it. The levels of those before it are known.
+  void look_beside(int index, HatchingLine& line) const {
+    const float max = kMaxGap * spacing_, widest = kStopFraction * spacing_ * float(1 << (kHatchingRanks - 1));
     for (std::size_t k = 0; k < line.points.size(); ++k) {
       if (k % kRoomSteps != 0) {
-        line.room.push_back(line.room.back());
+        line.room.push_back(line.room.back()), line.level.push_back(line.level.back());
         continue;
       }
       const Vector d = directions_.at(line.points[k], {1.0f, 0.0f});
+      std::array<float, 2> gaps = {max, max};
+      auto level = float(line.rank);
+      points_.for_points_beside(line.points[k], max, d, 0.5f * spacing_, index, [&](int other, int step, float side) {
+        float& gap = gaps[side > 0.0f ? 1 : 0];
+        gap = std::min(gap, std::abs(side));
+        if (other > index || std::abs(side) * std::exp2(level) >= widest) return;
+        if (lines_[std::size_t(other)].level[std::size_t(step + seeds_[std::size_t(other)])] <= level)
+          level = std::min(std::log2(widest / std::max(std::abs(side), 1e-3f)), float(kHatchingRanks - 1));
+      });
       float room = 0.0f;
-      for (const float gap : points_.gaps(line.points[k], max, d, 0.5f * spacing_, index))
-        room += 0.5f * (gap < max ? gap : spacing_);
-      line.room.push_back(room);
+      for (const float gap : gaps) room += 0.5f * (gap < max ? gap : spacing_);
+      line.room.push_back(room), line.level.push_back(level);
     }
   }
 
@@ -203,13 +211,14 @@ class Tracer {
     const Vector forward = directions_.at(seed, {1.0f, 0.0f});
     const auto [after, free_end] = half_line(seed, forward, line, 1);
     const auto [before, free_start] = half_line(seed, {-forward.x, -forward.y}, line, -1);
-    if (float(after.size() + before.size()) * step_ < kMinLength * spacing_) {
+    if (float(after.size() + before.size()) * step_ < kMinLength * std::max(distance_, 2.0f * spacing_)) {
       for (auto p = before.rbegin(); p != before.rend(); ++p) points_.remove_last(*p);
       for (auto p = after.rbegin(); p != after.rend(); ++p) points_.remove_last(*p);
       points_.remove_last(seed);
       return;
     }
-    HatchingLine added{rank, free_start, free_end, {before.rbegin(), before.rend()}};
+    HatchingLine added{rank, free_start, free_end, {before.rbegin(), before.rend()}, {}, {}};
+    seeds_.push_back(int(before.size()));
     added.points.push_back(seed);
     added.points.insert(added.points.end(), after.begin(), after.end());
     queue.push_back(lines_.size());
@@ -226,7 +235,7 @@ class Tracer {
       const Vector along = directions_.at(middle, start);
       const Point next = {p.x + step_ * along.x, p.y + step_ * along.y};
       if (dot(along, d) < kMinTurnCosine || !directions_.is_surface(next) || !directions_.connects(p, next)) break;
-      if (points_.is_near(next, distance_ * kStopFraction, along, kAhead * spacing_, line, sign * k))
+      if (points_.is_near(next, spacing_ * kStopFraction, along, kAhead * spacing_, line, sign * k))
         return {points, true};
       points_.add(next, line, sign * k);
       points.push_back(next);
@@ -240,6 +249,7 @@ class Tracer {
   Points points_;
   float spacing_, step_, distance_ = 0.0f;
   std::vector<HatchingLine> lines_;
+  std::vector<int> seeds_;  // of each line, the index of the point from which it was traced
 };
 
 }  // namespace
