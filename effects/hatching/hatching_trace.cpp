@@ -17,7 +17,7 @@ namespace {
 using Point = HatchingLine::Point;
 
 constexpr float kStepFraction = 1.0f / 6.0f;  // length of a step, in spacings
-constexpr float kStopFraction = 0.5f;         // of the distance of a rank that its lines keep
+constexpr float kStopFraction = 0.55f;        // of the distance of a rank that its lines keep
 constexpr float kSeedFraction = 0.75f;        // of the distance that a seed keeps
 constexpr float kAhead = 0.5f;                // of two lines that meet end to end, in spacings
 constexpr float kMinLength = 1.5f;            // of a line, in the distance of its rank, and that of rank 1
