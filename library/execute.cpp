@@ -93,7 +93,9 @@ Request JobObject::full_request() const {
   for (const auto& [name, value] : settings_) request.settings.push_back(name + "=" + value);
   for (const Output& output : outputs_) {
     if (output.pass == "color")
-      request.eight_bits = (output.image.data ? output.image.type : output.own_type) == PixelType::kUint8;
+      request.values = (output.image.data ? output.image.type : output.own_type) == PixelType::kUint8
+                           ? PictureValues::kDisplay8
+                           : PictureValues::kDisplay;
     else
       request.passes.push_back(output.pass);
   }

@@ -243,10 +243,10 @@ Result<std::vector<std::string>> beauty_passes(const Request& request) {
 
 void enable_passes(const Request& request, Recipe& recipe) {
   const auto& words = request.passes;
-  recipe.scene_linear = request.scene_linear;
+  recipe.scene_linear = request.values == PictureValues::kSceneLinear;
   auto& output = params_of<OutputParams>(recipe.settings);
   const bool parts = std::any_of(words.begin(), words.end(), is_part);
-  const bool wanted = request.scene_linear || contains(words, kBeauty) || contains(words, kAll) || parts;
+  const bool wanted = recipe.scene_linear || contains(words, kBeauty) || contains(words, kAll) || parts;
   if (wanted && output.beauty == kBeautyOff)
     output.beauty =
         output.transfer == kTransferNone && has_display_values(*recipe.look) ? kBeautyDisplay : kBeautyLight;

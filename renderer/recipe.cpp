@@ -106,11 +106,11 @@ Result<void> apply_request(const Request& request, Recipe& recipe) {
     output.gradient = 0.0f;  // that colour everywhere
   }
   if (request.transparent) output.transparent = 1;
-  output.dither = request.eight_bits && !recipe.hdri.shown();
+  output.dither = request.values == PictureValues::kDisplay8 && !recipe.hdri.shown();
   apply_strengths(request, recipe.settings);
   if (auto status = apply_settings(request.settings, recipe); !status) return status;
   // A transparent picture is composited later by its viewer, in display values: blend the ground's shadow likewise.
-  if (output.transparent && output.transfer == kTransferSrgb && !request.scene_linear) {
+  if (output.transparent && output.transfer == kTransferSrgb && request.values != PictureValues::kSceneLinear) {
     params_of<GroundParams>(recipe.settings).blend = kGroundBlendDisplay;
     output.blend = kBlendDisplay;
   }

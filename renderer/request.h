@@ -13,6 +13,13 @@
 
 namespace umbrage {
 
+/// How the values of a picture are written.
+enum class PictureValues {
+  kDisplay,
+  kDisplay8,     ///< with 8 bits, for which output.dither is set
+  kSceneLinear,  ///< as `beauty`, scene-linear light that is premultiplied by alpha, in place of `color`
+};
+
 /// The camera. Unset fields default to the model's own view; if it has none, to a view of the whole model from slightly
 /// above and to the side. World space, scene units, degrees.
 struct CameraSettings {
@@ -86,12 +93,7 @@ struct Request {
   std::optional<int> extra_views{};             ///< additional cameras, 0 to 4; default: set by the look
   float guard_band = 0.0f;            ///< border drawn beyond each side, in percent of the longer side; 0 to 100
   std::vector<std::string> passes{};  ///< additional output planes: "depth", "normal", "ao", ...
-  /// The picture is `beauty`, scene-linear light that is premultiplied by alpha, in place of `color`. No option sets
-  /// it: it follows from the format of a file.
-  bool scene_linear = false;
-  /// `color` is written with 8 bits per value, and output.dither is set. No option sets it: it follows from the format
-  /// of a file.
-  bool eight_bits = false;
+  PictureValues values = PictureValues::kDisplay;  ///< no option sets it: it follows from the format of a file
   /// Whether to return the look's lines as curves; `cartoon`, `hatching` and `technical` draw such lines.
   bool strokes = false;
   // For shading the planes of another renderer:

@@ -173,7 +173,7 @@ TEST(StudioLook, BackgroundIsAGradientAndPlainOnRequest) {
 TEST(StudioLook, OnlyTheBackgroundIsDithered) {
   const Scene scene = turned_body([](float, float) { return 0.3f; });
   const Picture plain = studio(scene, {.ground = "off"}),
-                dithered = studio(scene, {.ground = "off", .eight_bits = true});
+                dithered = studio(scene, {.ground = "off", .values = PictureValues::kDisplay8});
   int background = 0;
   for (int y = 1; y < kSide - 1; ++y)
     for (int x = 1; x < kSide - 1; ++x) {

@@ -72,13 +72,17 @@ Result<void> write_picture(const Destination& destination, const Image& image, c
                     [&](const TakeImageRows& take) { return take(image); });
 }
 
-bool is_scene_linear(const RenderOptions& o, std::string_view extension) {
-  return extension == "exr" && std::none_of(o.request.settings.begin(), o.request.settings.end(),
-                                            [](const std::string& s) { return s.starts_with("output.transfer="); });
+PictureValues values_for(const RenderOptions& o, std::string_view extension) {
+  if (extension == "exr" && std::none_of(o.request.settings.begin(), o.request.settings.end(),
+                                         [](const std::string& s) { return s.starts_with("output.transfer="); }))
+    return PictureValues::kSceneLinear;
+  return holds_display_values(extension) && o.bits() == 8 ? PictureValues::kDisplay8 : PictureValues::kDisplay;
 }
 
+bool is_scene_linear(const RenderOptions& o) { return o.request.values == PictureValues::kSceneLinear; }
+
 std::vector<std::string> picture_planes(const RenderOptions& o, const Destination& destination) {
-  const std::string pass = o.request.scene_linear ? "beauty" : "color";
+  const std::string pass = is_scene_linear(o) ? "beauty" : "color";
   std::vector<std::string> names = {pass + ".r", pass + ".g", pass + ".b"};
   if (o.request.transparent || destination.extension() == "exr") names.push_back(pass + ".a");
   return names;
@@ -90,11 +94,10 @@ Image convert_for_file(const RenderOptions& o, const Destination& destination, c
   if (o.writes_only("outline") && display) return picture_of_lines(drawn.plane("outline"), settings);
   if (o.writes_passes() && display) return picture_of_passes(drawn, names, info);
   Image picture(drawn.width, drawn.height);
-  const bool premultiplied = destination.extension() == "exr" && !o.request.scene_linear;
+  const bool premultiplied = destination.extension() == "exr" && !is_scene_linear(o);
   for (const std::string& name : names) {
     const Plane& plane = drawn.plane(name);
-    picture.add(o.request.scene_linear ? color_of_beauty(name) : name) =
-        premultiplied ? Plane(plane) : Plane::view(plane);
+    picture.add(is_scene_linear(o) ? color_of_beauty(name) : name) = premultiplied ? Plane(plane) : Plane::view(plane);
   }
   if (premultiplied) premultiply(picture);
   return picture;

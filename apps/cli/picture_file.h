@@ -38,8 +38,10 @@ Result<void> write_rows(const Destination& destination, const ImageShape& shape,
 /// Writes a picture to the file or to standard output, or adds it to the video as a frame.
 Result<void> write_picture(const Destination& destination, const Image& image, const WriteSettings& settings);
 
-/// Returns whether the picture is written as scene-linear light: to .exr, unless output.transfer is set.
-bool is_scene_linear(const RenderOptions& o, std::string_view extension);
+/// Returns how files of this extension hold the picture: .exr as scene-linear light, unless output.transfer is set.
+PictureValues values_for(const RenderOptions& o, std::string_view extension);
+/// Returns whether the request has such values.
+bool is_scene_linear(const RenderOptions& o);
 
 /// Returns the planes of the picture as the file holds it.
 std::vector<std::string> picture_planes(const RenderOptions& o, const Destination& destination);

@@ -35,13 +35,12 @@ namespace {
 Result<std::vector<std::string>> pass_planes_of(const RenderOptions& o, std::span<const std::string> available,
                                                 const PictureInfo& info) {
   std::vector<std::string> words = o.request.passes;
-  if (o.request.scene_linear) std::replace(words.begin(), words.end(), std::string("color"), std::string("beauty"));
+  if (is_scene_linear(o)) std::replace(words.begin(), words.end(), std::string("color"), std::string("beauty"));
   const auto chosen = chosen_planes(words, available, info);
   if (!chosen) return chosen.error();
   std::vector<std::string> names;
   for (const PassPlanes& pass : *chosen)
-    if (!o.request.scene_linear || pass.name != "color")
-      names.insert(names.end(), pass.planes.begin(), pass.planes.end());
+    if (!is_scene_linear(o) || pass.name != "color") names.insert(names.end(), pass.planes.begin(), pass.planes.end());
   return names;
 }
 
@@ -284,8 +283,7 @@ Result<void> draw_frames(const RenderOptions& o, const RenderJob& job, Device& d
 Result<void> choose_picture(RenderOptions& o) {
   const auto extension =
       is_video(o.output) || o.output == kStandardOutput ? Result<std::string>("png") : extension_of(o.output);
-  o.request.scene_linear = extension && is_scene_linear(o, *extension);
-  o.request.eight_bits = extension && holds_display_values(*extension) && o.bits() == 8;
+  if (extension) o.request.values = values_for(o, *extension);
   auto& passes = o.request.passes;
   const auto preset = std::find(passes.begin(), passes.end(), "beauty");
   if (preset == passes.end()) return {};

@@ -66,7 +66,7 @@ Result<Chosen> chosen_passes(const ShadeOptions& o, const Recipe& recipe, const 
   if (all || words.empty()) {
     words.clear();
     for (const Available& pass : available)
-      if ((all || pass.is_made) && (!o.request.scene_linear || pass.name != "beauty")) words.push_back(pass.name);
+      if ((all || pass.is_made) && (!is_scene_linear(o) || pass.name != "beauty")) words.push_back(pass.name);
   }
   Chosen chosen;
   for (const std::string& word : words) {
@@ -77,7 +77,7 @@ Result<Chosen> chosen_passes(const ShadeOptions& o, const Recipe& recipe, const 
     }
     if (contains(chosen.passes, word)) continue;
     chosen.passes.push_back(word);
-    const std::string name = o.request.scene_linear && word == "color" ? "beauty" : word;
+    const std::string name = is_scene_linear(o) && word == "color" ? "beauty" : word;
     for (const std::string& channel : channels_of(name)) chosen.planes.push_back(name + channel);
   }
   return chosen;
@@ -237,8 +237,7 @@ Result<void> prepare_shading(ShadeOptions& o, const std::string& output) {
   if (!extension) return extension.error();
   if (o.merge && *extension != "exr")
     return field_error("--merge", true, "{0} writes an .exr file, not .{2}", *extension);
-  o.request.scene_linear = is_scene_linear(o, *extension);
-  o.request.eight_bits = holds_display_values(*extension) && o.bits() == 8;
+  o.request.values = values_for(o, *extension);
   if (auto status = check_output(o, *extension); !status) return status;
   // Names of looks, techniques and settings do not depend on the files.
   const auto recipe = make_shading_recipe(o.request);
@@ -278,7 +277,7 @@ Result<SequenceStart> shade_frame(const ShadeOptions& given, const ShadeFrame& f
   } else if (writes) {
     writing.planes = picture_planes(o, destination);
     if (auto status = check_picture(recipe, *file, writing.planes); !status) return status.error();
-    if (keeps_alpha(recipe, *file, destination) && !contains(writing.planes, "color.a") && !o.request.scene_linear)
+    if (keeps_alpha(recipe, *file, destination) && !contains(writing.planes, "color.a") && !is_scene_linear(o))
       writing.planes.emplace_back("color.a");
   }
   SequenceStart used;

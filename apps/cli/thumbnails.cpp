@@ -129,7 +129,7 @@ Result<void> make(const Thumbnail& one, const ThumbnailOptions& o, const Recipe&
 Result<void> thumbnails(const ThumbnailOptions& given) {
   ThumbnailOptions o = given;
   o.request.width = o.request.height = o.size;
-  o.request.eight_bits = true;  // PNG
+  o.request.values = values_for(o, "png");
   if (!o.is_given("anti-aliasing") && !o.is_given("quality")) o.request.anti_aliasing = 4;
   const auto recipe = make_recipe(o.request);
   if (!recipe) return recipe.error();

@@ -41,7 +41,7 @@ Result<Request> request_of(const View& view, int width, int height, bool is_gbuf
   request.width = width;
   request.height = height;
   request.passes.clear();
-  request.eight_bits = true;  // PNG and JPEG
+  request.values = PictureValues::kDisplay8;  // PNG and JPEG
   if (view.show == "reference")
     request.occlusion = "reference";
   else if (view.show != "picture" && view.show != "error")
