@@ -9,11 +9,9 @@ Look look_comp() {
           .summary = "the renderer's own picture, with occlusion in its ambient light; only for files with a beauty",
           .occlusion = "bitmask",
           .effects = {"relight", "occlusion", "denoise", "composite", "outline", "output"},
-          .presets = {"bitmask.slices=2", "bitmask.steps=12", "bitmask.radius=25%", "unsharp.kernel=4%",
-                      "unsharp.threshold=0.15", "unsharp.linearization=extent", "unsharp.strength=12",
-                      "unsharp.background=ignore", "unsharp.white_edge=off", "denoise.rounds=2", "denoise.indirect=1",
-                      "composite.mode=ambient", "outline.opacity=0", "outline.ids=both", "outline.width=0.2%",
-                      "output.sky=on"},
+          .presets = {"bitmask.slices=2", "bitmask.steps=12", "bitmask.radius=25%", "unsharp.strength=12",
+                      "denoise.rounds=2", "denoise.indirect=1", "composite.mode=ambient", "outline.opacity=0",
+                      "outline.ids=both", "outline.width=0.2%", "output.sky=on"},
           .needs_beauty = true};
 }
 

@@ -10,11 +10,9 @@ Look look_hatching() {
           .summary = "a pen drawing: hatching along the surface shows its light",
           .occlusion = "unsharp",
           .effects = {"lighting", "occlusion", "denoise", "composite", "outline", "hatching", "output"},
-          .presets = {"lighting.material=clay", "hatching.material=0.2", "unsharp.kernel=4%", "unsharp.threshold=0.15",
-                      "unsharp.linearization=extent", "unsharp.strength=12", "unsharp.background=ignore",
-                      "unsharp.white_edge=off", "composite.mode=multiply", "outline.width=0.2%", "outline.recede=0.8",
-                      "outline.inner=0.7", "outline.ids=both", "output.background_r=1", "output.background_g=1",
-                      "output.background_b=1"},
+          .presets = {"lighting.material=clay", "hatching.material=0.2", "unsharp.strength=12",
+                      "composite.mode=multiply", "outline.width=0.2%", "outline.recede=0.8", "outline.inner=0.7",
+                      "outline.ids=both", "output.background_r=1", "output.background_g=1", "output.background_b=1"},
           .lit_by = "lighting"};
 }
 

@@ -11,9 +11,10 @@ Look look_unsharp() {
           .occlusion = "unsharp",
           .effects = {"lighting", "occlusion", "composite", "output", "antialias"},
           .presets = {"lighting.material=clay", "lighting.rig=key", "lighting.shadow=0", "unsharp.kernel=3.90625%",
-                      "unsharp.threshold=0.02", "unsharp.linearization=listing", "unsharp.background=far",
-                      "composite.mode=subtract", "output.transfer=none", "output.pivot=0.46",
-                      "output.background_r=0.36", "output.background_g=0.40", "output.background_b=0.45"},
+                      "unsharp.threshold=0.02", "unsharp.strength=20", "unsharp.linearization=listing",
+                      "unsharp.background=far", "unsharp.white_edge=on", "composite.mode=subtract",
+                      "output.transfer=none", "output.pivot=0.46", "output.background_r=0.36",
+                      "output.background_g=0.40", "output.background_b=0.45"},
           .lit_by = "lighting"};
 }
 

@@ -85,16 +85,6 @@ bool is_screen_space(const Effect& effect) {
 Result<Recipe> recipe_of(const CompareSettings& settings) {
   Request draw = settings.draw;
   draw.look = "ao";
-  // Techniques have their defaults in place of the look's settings; scores of `unsharp` do not depend on the distance
-  // of the camera and the size of the scene.
-  const char* kSettings[] = {"traced.rays=1",
-                             "traced.max_rays=8",
-                             "unsharp.threshold=0.15",
-                             "unsharp.strength=16",
-                             "unsharp.background=ignore",
-                             "unsharp.white_edge=off",
-                             "unsharp.linearization=extent"};
-  draw.settings.insert(draw.settings.begin(), std::begin(kSettings), std::end(kSettings));
   draw.anti_aliasing = 1;  // score the technique without averaging
   if (const auto filter = filter_of(settings); !filter)
     return filter.error();
@@ -104,7 +94,14 @@ Result<Recipe> recipe_of(const CompareSettings& settings) {
     draw.settings.push_back("lighting.ambient=0");
     draw.settings.push_back("lighting.specular=0");
   }
-  return make_recipe(draw);
+  auto recipe = make_recipe(draw);
+  if (!recipe) return recipe;
+  // Techniques have their defaults in place of the look's settings.
+  for (const std::string_view preset : recipe->look->presets)
+    if (const Setting set = *parse_setting(preset); set.effect->kind == EffectKind::kOcclusion)
+      copy_parameter(*set.parameter, initial_parameters(set.effect->parameters, set.effect->params_size),
+                     params_of(recipe->settings, set.effect->name));
+  return recipe;
 }
 
 /// Returns the radius as an option value; if none is set, the radius of the reference.

@@ -22,7 +22,13 @@ using Settings = std::vector<std::pair<std::string, std::string>>;
 ParameterBytes parameters(const Settings& settings) {
   const Effect& effect = *find_effect("unsharp");
   ParameterBytes bytes = initial_parameters(effect.parameters, effect.params_size);
-  for (const auto& [name, value] : settings) {
+  Settings all = {{"threshold", "0.02"},
+                  {"strength", "20"},
+                  {"linearization", "linear"},  // of the paper
+                  {"background", "far"},
+                  {"white_edge", "on"}};
+  all.insert(all.end(), settings.begin(), settings.end());
+  for (const auto& [name, value] : all) {
     const Parameter* row = find_parameter(effect, name);
     if (!row) fail_check("no parameter " + name);
     const auto status = set_parameter("unsharp", *row, value, bytes);
