@@ -7,6 +7,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <limits>
+#include <numeric>
 
 #include "core/check.h"
 #include "core/rows.h"
@@ -44,6 +45,12 @@ glm::vec2 r2(int k) {
 glm::vec2 sample_offset(int sample, int count) {
   if (sample >= count) return r2(sample);
   if (sample == 0 || count < 3) return sample == 0 ? glm::vec2(0.0f) : glm::vec2(0.5f, 0.5f) * 0.999f;
+  if (count % 2 == 1) {
+    int step = int(0.618 * count);  // a lattice: any row and column of `count` has one sample
+    while (std::gcd(step, count) > 1) ++step;
+    const auto centred = [&](int k) { return float((k + count / 2) % count - count / 2) / float(count); };
+    return {centred(sample), centred(sample * step)};
+  }
   glm::vec2 mean(0.0f);
   for (int k = 1; k < count; ++k) mean += r2(k) / float(count - 1);
   return glm::clamp(r2(sample) - mean, glm::vec2(-0.4999f), glm::vec2(0.4999f));

@@ -15,7 +15,8 @@ inline constexpr int kMaxAveragedPictures = 256;
 
 /// Returns the offset of the sample positions from the pixel centres for sample index `sample` of `count`, in pixels.
 /// The offsets are well distributed over (-0.5, 0.5)^2; their mean is 0 for `count` >= 3. Index 0 samples the centres.
-/// Indices from `count` on continue the sequence without repeating. Based on [Roberts 2018], R2.
+/// Of an odd `count`, each of as many rows and columns of a pixel has one. Indices from `count` on continue the
+/// sequence without repeating. Based on [Roberts 2018], R2.
 glm::vec2 sample_offset(int sample, int count);
 
 /// Returns a camera whose pixel centres show the points that `camera` shows `offset` pixels to the right of and below

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "devices/cpu/cpu_device.h"
@@ -29,7 +30,7 @@ namespace {
 // --- frames --------------------------------------------------------------------------------------------------------
 
 TEST(Frames, OffsetsAreSpreadOverThePixel) {
-  for (const int count : {1, 2, 3, 4, 8, 16, 64}) {
+  for (const int count : {1, 2, 3, 4, 5, 8, 16, 64}) {
     glm::dvec2 mean(0.0);
     int quarters[2][2] = {};
     for (int k = 0; k < count; ++k) {
@@ -46,6 +47,18 @@ TEST(Frames, OffsetsAreSpreadOverThePixel) {
     if (count < 4) continue;
     for (const auto& row : quarters)
       for (const int n : row) EXPECT_NEAR(n, count / 4, 1) << count;
+  }
+}
+
+TEST(Frames, AnOddNumberOfOffsetsHasOneInEachRowAndColumn) {
+  for (const int count : {3, 5, 7, 9, 15}) {
+    std::set<long> rows, columns;
+    for (int k = 0; k < count; ++k) {
+      columns.insert(std::lround(sample_offset(k, count).x * float(count)));
+      rows.insert(std::lround(sample_offset(k, count).y * float(count)));
+    }
+    EXPECT_EQ(columns.size(), std::size_t(count));
+    EXPECT_EQ(rows.size(), std::size_t(count));
   }
 }
 
