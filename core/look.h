@@ -31,6 +31,8 @@ struct Look {
   /// Number of pictures that are averaged, each with other sample positions within the pixels, unless `anti_aliasing`
   /// or a quality sets it.
   int frames = 1;
+  /// The same if that is 1: of pictures after the first that are drawn at edges only, where the look allows it.
+  int edge_frames = 1;
   bool averages_square_roots = false;  ///< averages square roots of light, like lines
   /// The technique for models in place of `occlusion`, except with a quality of screen space; empty: `occlusion` too.
   std::string_view model_occlusion = {};

@@ -66,7 +66,8 @@ bool draws_marked_samples(const Recipe& recipe) {
   LookRun run = look_run(recipe);
   run.settings = &of_samples;
   run.wanted.reset();  // a pass is the same alone and with others
-  const bool noisy = recipe.occlusion != kNoOcclusion && (!technique || !technique->filters_itself);
+  const bool noisy =
+      !recipe.edges_alone && recipe.occlusion != kNoOcclusion && (!technique || !technique->filters_itself);
   return recipe.frames > 1 && !recipe.hdri.shown() && !noisy && runs_on_marked(run, recipe.averaged);
 }
 

@@ -14,7 +14,8 @@ namespace umbrage {
 
 /// Returns whether a recipe's samples beyond the first are drawn at marked pixels only. Not if effects besides the
 /// technique and its filters read neighbouring pixels, if a sky is shown, which has edges of its own, or with a
-/// technique whose noise the average of all pixels is to reduce: all but those that filter themselves.
+/// technique whose noise the average of all pixels is to reduce: all but those that filter themselves, unless further
+/// samples are for edges alone.
 bool draws_marked_samples(const Recipe& recipe);
 
 /// Returns whether the renderer sets this parameter of `resample` for each sample.

@@ -90,6 +90,23 @@ TEST(MarkedSamples, MarkedPixelsEqualTheAverageOfWholeSamples) {
   EXPECT_LE(sum / (4.0 * kWidth * kHeight - marked), 0.002);
 }
 
+// Look `ao` smooths its edges for the time of one frame and no more, whatever the technique.
+TEST(MarkedSamples, EdgeFramesAreDrawnAtMarksOrNotAtAll) {
+  const auto frames = [](const Request& request) {
+    const Recipe recipe = *make_recipe(request);
+    return std::pair(recipe.frames, draws_marked_samples(recipe));
+  };
+  const std::pair at_marks(5, true), one(1, false);
+  for (const char* technique : {"traced", "bitmask", "unsharp", "none"})
+    EXPECT_EQ(frames({.look = "ao", .occlusion = technique}), at_marks) << technique;
+  EXPECT_EQ(frames({.look = "ao", .quality = "draft"}), at_marks);
+  // Effects that read neighbours, passes that only the technique writes, and what the request asks for.
+  EXPECT_EQ(frames({.look = "ao", .settings = {"antialias.search=8"}}), one);
+  EXPECT_EQ(frames({.look = "ao", .passes = {"traced_confidence"}}), one);
+  EXPECT_EQ(frames({.look = "ao", .anti_aliasing = 1}), one);
+  EXPECT_EQ(frames({.look = "ao", .occlusion = "bitmask", .anti_aliasing = 4}), std::pair(4, false));
+}
+
 // Lines are drawn over the average; without them, the samples of such a look compute each pixel by itself.
 TEST(MarkedSamples, LooksWithLinesKeepWhatFurtherSamplesRead) {
   Request request{.look = "technical", .occlusion = "traced", .anti_aliasing = 4};

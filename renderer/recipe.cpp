@@ -319,14 +319,17 @@ Result<CaptureSettings> capture_of(const Request& request, const Recipe& recipe,
   return capture;
 }
 
-/// `of_model`: the picture shows a model, so that rays can be traced and several pictures averaged.
-Result<Recipe> make_recipe_of(const Request& request, long max_pixels, bool of_model) {
+/// `of_model`: the picture shows a model, so that rays can be traced and several pictures averaged. `at_edges`: also
+/// those that Look::edge_frames adds, if the look runs at marked pixels.
+Result<Recipe> make_recipe_of(const Request& request, long max_pixels, bool of_model, bool at_edges) {
   if (auto status = check_request(request, max_pixels); !status) return status.error();
   Recipe recipe{.width = request.width, .height = request.height};
   if (auto found = resolve_names(request, of_model, recipe); !found) return found.error();
   const Look& look = *recipe.look;
   const Quality* quality = quality_of(request, look);
   if (of_model) recipe.frames = request.anti_aliasing.value_or(quality ? quality->frames : look.frames);
+  recipe.edges_alone = at_edges && !request.anti_aliasing && recipe.frames == 1 && look.edge_frames > 1;
+  if (recipe.edges_alone) recipe.frames = look.edge_frames;
   if (auto status = resolve_scale(request, quality, recipe); !status) return status.error();
   if (!request.occlusion_radius.empty()) recipe.radius = *parse_length("occlusion_radius", request.occlusion_radius);
   recipe.framing = framing_of(request.camera);
@@ -363,6 +366,7 @@ Result<Recipe> make_recipe_of(const Request& request, long max_pixels, bool of_m
   if (!capture) return capture.error();
   recipe.capture = *capture;
   if (auto status = apply_passes(request, recipe); !status) return status.error();
+  if (recipe.edges_alone && !draws_marked_samples(recipe)) return make_recipe_of(request, max_pixels, of_model, false);
   return recipe;
 }
 
@@ -372,14 +376,14 @@ Result<Recipe> make_recipe(const Request& request, long max_pixels) {
   if (const Look* look = find_look(request.look); look && look->needs_beauty)
     return field_error("look", request.look,
                        "the {} '{}' needs the finished picture of another renderer: it cannot draw a model");
-  return make_recipe_of(request, max_pixels, true);
+  return make_recipe_of(request, max_pixels, true, true);
 }
 
 Result<Recipe> make_shading_recipe(const Request& request, long max_pixels) {
   if (!request.effects.empty()) return recipe_of_effects(request, max_pixels);
   Request picture = request;
   picture.passes.clear();  // checked later against the planes of the shaded frame
-  auto recipe = make_recipe_of(picture, max_pixels, false);
+  auto recipe = make_recipe_of(picture, max_pixels, false, false);
   if (!recipe) return recipe;
   const Effect* technique = find_effect(recipe->occlusion);
   if (recipe->occlusion != kNoOcclusion && (!technique || needs_scene(*technique)))
