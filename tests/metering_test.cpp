@@ -5,9 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <limits>
 #include <string>
 #include <vector>
+
+#include "devices/cpu/cpu_device.h"
+#include "renderer/draw.h"
+#include "scene/finish.h"
+#include "support.h"
 
 namespace umbrage {
 namespace {
@@ -107,6 +113,109 @@ TEST(MeteringNumbers, BrightnessOfSurfacesInOnePixelOfThree) {
     for (int x = 1; x <= 28; x += 9) image.planes[c].at(x, 28) = 4.0f;
     EXPECT_NEAR(stops_of(image), applied(half_way(4.0, 1.0)), 1e-4) << c;
   }
+}
+
+float stops_of(float brightness, float surface_fraction) {
+  GBuffer g = test::empty_gbuffer(60, 60);
+  for (const char* name : {"lit.r", "lit.g", "lit.b"}) g.layers[0].add(name) = Plane(60, 60, brightness);
+  Plane& depth = g.layers[0].add("depth") = Plane(60, 60, 1.0f);
+  for (int y = int(60 * surface_fraction); y < 60; ++y)
+    for (int x = 0; x < 60; ++x) depth.at(x, y) = std::numeric_limits<float>::infinity();
+  const auto device = make_cpu_device();
+  auto frame = device->upload(g);
+  return **metered_stops(*device, *frame);
+}
+
+TEST(Metering, ADarkHallWithASunlitFloorIsBrightened) {
+  // A tenth of the picture is white, the rest a hundredth of that.
+  GBuffer g = test::empty_gbuffer(60, 60);
+  for (const char* name : {"lit.r", "lit.g", "lit.b"}) {
+    Plane& plane = g.layers[0].add(name) = Plane(60, 60, 0.01f);
+    for (int y = 0; y < 6; ++y)
+      for (int x = 0; x < 60; ++x) plane.at(x, y) = kMeteredWhite;
+  }
+  g.layers[0].add("depth") = Plane(60, 60, 1.0f);
+  const auto device = make_cpu_device();
+  auto frame = device->upload(g);
+  const float stops = **metered_stops(*device, *frame);
+  EXPECT_GT(stops, 1.5f);
+  EXPECT_LE(stops, 2.3f);
+}
+
+TEST(Metering, BringsSurfacesTowardsMiddleGrey) {
+  EXPECT_NEAR(stops_of(kMeteredMedian, 1.0f), 0.0, 1e-5);
+  EXPECT_GT(stops_of(kMeteredMedian / 4.0f, 1.0f), 1.0f);
+  EXPECT_LT(stops_of(kMeteredMedian / 4.0f, 1.0f), 2.0f) << "what is dark stays darker";
+  EXPECT_LT(stops_of(kMeteredMedian * 4.0f, 1.0f), -1.0f);
+  EXPECT_EQ(stops_of(kMeteredMedian / 4.0f, 0.3f), stops_of(kMeteredMedian / 4.0f, 1.0f))
+      << "the background is left out";
+  EXPECT_EQ(stops_of(0.5f, 0.0f), 0.0f) << "nothing is in view";
+  EXPECT_EQ(stops_of(0.0f, 1.0f), 0.0f) << "no light at all";
+  EXPECT_LT(1e-6f * std::exp2(stops_of(1e-6f, 1.0f)), 1e-3f) << "what is black stays black";
+}
+
+/// Returns a cube of side 2 around the origin with one white wall and grey ones.
+Scene cube_with_a_white_wall() {
+  Scene scene;
+  scene.name = "cube";
+  scene.materials.resize(2);
+  scene.materials[0].albedo = glm::vec3(0.02f);
+  scene.materials[1].albedo = glm::vec3(0.9f);
+  for (int axis = 0; axis < 3; ++axis)
+    for (const float side : {-1.0f, 1.0f}) {
+      glm::vec3 normal(0.0f), right(0.0f);
+      normal[axis] = side;
+      right[(axis + 1) % 3] = 1.0f;
+      const glm::vec3 up = glm::cross(normal, right);
+      Mesh mesh;
+      mesh.object = int(scene.meshes.size());
+      mesh.material = axis == 2 && side > 0.0f;  // to the front
+      mesh.positions = {normal - right - up, normal + right - up, normal + right + up, normal - right + up};
+      mesh.normals.assign(4, normal);
+      mesh.indices = {0, 1, 2, 0, 2, 3};
+      scene.meshes.push_back(mesh);
+    }
+  finish_scene(scene);
+  return scene;
+}
+
+/// Returns the exposure that metering adds to the cube in look studio.
+float stops_of_cube(const CameraSettings& camera, int width, int height) {
+  Request request;
+  request.look = "studio";
+  request.width = width;
+  request.height = height;
+  request.camera = camera;
+  const auto recipe = make_recipe(request);
+  Scene scene = cube_with_a_white_wall();
+  complete_scene(scene, *recipe);
+  const auto device = make_cpu_device();
+  EXPECT_TRUE(device->prepare(scene));
+  const auto plan = make_plan(*recipe, scene, 0);
+  StageTimes times;
+  return *draw(*device, scene, *plan, times)->stops;
+}
+
+TEST(Metering, AModelHasOneExposureFromAllSides) {
+  const float usual = stops_of_cube({}, 64, 64);
+  EXPECT_GT(std::fabs(usual), 0.1f);
+  for (const float azimuth : {60.0f, 180.0f, 270.0f}) {
+    CameraSettings camera;
+    camera.azimuth_deg = azimuth;
+    EXPECT_EQ(stops_of_cube(camera, 64, 64), usual) << azimuth;
+  }
+  CameraSettings close;
+  close.zoom = 4.0f;
+  EXPECT_EQ(stops_of_cube(close, 64, 64), usual);
+  EXPECT_EQ(stops_of_cube({}, 96, 32), usual);
+}
+
+TEST(Metering, InsideASceneTheViewIsMetered) {
+  CameraSettings to_white, to_grey;
+  to_white.position = to_grey.position = {0.0, 0.0, 0.0};
+  to_white.direction = {0.0f, 0.0f, 1.0f};
+  to_grey.direction = {0.0f, 0.0f, -1.0f};
+  EXPECT_LT(stops_of_cube(to_white, 64, 64) + 0.5f, stops_of_cube(to_grey, 64, 64));
 }
 
 }  // namespace

@@ -14,7 +14,6 @@
 #include "devices/cpu/cpu_device.h"
 #include "draw_picture.h"
 #include "generators/builtin.h"
-#include "looks/metering.h"
 #include "renderer/accumulation.h"
 #include "renderer/completed_scene.h"
 #include "renderer/draw.h"
@@ -184,47 +183,6 @@ TEST(Frames, EdgePixelsHaveTheCoveredFraction) {
     }
   EXPECT_GT(partial, 60);
   EXPECT_LT(error_fine, 0.05 * error_coarse);
-}
-
-// --- metering ------------------------------------------------------------------------------------------------------
-
-float stops_of(float brightness, float surface_fraction) {
-  GBuffer g = test::empty_gbuffer(60, 60);
-  for (const char* name : {"lit.r", "lit.g", "lit.b"}) g.layers[0].add(name) = Plane(60, 60, brightness);
-  Plane& depth = g.layers[0].add("depth") = Plane(60, 60, 1.0f);
-  for (int y = int(60 * surface_fraction); y < 60; ++y)
-    for (int x = 0; x < 60; ++x) depth.at(x, y) = std::numeric_limits<float>::infinity();
-  const auto device = make_cpu_device();
-  auto frame = device->upload(g);
-  return **metered_stops(*device, *frame);
-}
-
-TEST(Metering, ADarkHallWithASunlitFloorIsBrightened) {
-  // A tenth of the picture is white, the rest a hundredth of that.
-  GBuffer g = test::empty_gbuffer(60, 60);
-  for (const char* name : {"lit.r", "lit.g", "lit.b"}) {
-    Plane& plane = g.layers[0].add(name) = Plane(60, 60, 0.01f);
-    for (int y = 0; y < 6; ++y)
-      for (int x = 0; x < 60; ++x) plane.at(x, y) = kMeteredWhite;
-  }
-  g.layers[0].add("depth") = Plane(60, 60, 1.0f);
-  const auto device = make_cpu_device();
-  auto frame = device->upload(g);
-  const float stops = **metered_stops(*device, *frame);
-  EXPECT_GT(stops, 1.5f);
-  EXPECT_LE(stops, 2.3f);
-}
-
-TEST(Metering, BringsSurfacesTowardsMiddleGrey) {
-  EXPECT_NEAR(stops_of(kMeteredMedian, 1.0f), 0.0, 1e-5);
-  EXPECT_GT(stops_of(kMeteredMedian / 4.0f, 1.0f), 1.0f);
-  EXPECT_LT(stops_of(kMeteredMedian / 4.0f, 1.0f), 2.0f) << "what is dark stays darker";
-  EXPECT_LT(stops_of(kMeteredMedian * 4.0f, 1.0f), -1.0f);
-  EXPECT_EQ(stops_of(kMeteredMedian / 4.0f, 0.3f), stops_of(kMeteredMedian / 4.0f, 1.0f))
-      << "the background is left out";
-  EXPECT_EQ(stops_of(0.5f, 0.0f), 0.0f) << "nothing is in view";
-  EXPECT_EQ(stops_of(0.0f, 1.0f), 0.0f) << "no light at all";
-  EXPECT_LT(1e-6f * std::exp2(stops_of(1e-6f, 1.0f)), 1e-3f) << "what is black stays black";
 }
 
 // --- soft shadows --------------------------------------------------------------------------------------------------
