@@ -43,7 +43,36 @@ std::string joined_by_or(const Names& names) {
   return text;
 }
 
-/// Returns the closest of `names` if it is close; otherwise "".
+/// What other programs call an option or a parameter, with "-" for "_", and the name that it has here.
+inline constexpr std::pair<std::string_view, std::string_view> kOtherNames[] = {{"background", "background-color"},
+                                                                                {"dpi", "resolution"},
+                                                                                {"dpi", "size"},
+                                                                                {"fov", "camera-view-angle"},
+                                                                                {"fov", "view_angle_deg"},
+                                                                                {"height", "resolution"},
+                                                                                {"height", "size"},
+                                                                                {"levels", "steps"},
+                                                                                {"no-background", "transparent"},
+                                                                                {"samples", "anti-aliasing"},
+                                                                                {"samples", "antialiasing"},
+                                                                                {"size", "resolution"},
+                                                                                {"transparent", "no-background"},
+                                                                                {"width", "resolution"},
+                                                                                {"width", "size"}};
+
+/// Returns whether `word` is a part of `name` between dashes, underscores or dots.
+inline bool is_part_of_name(std::string_view word, std::string_view name) {
+  constexpr std::string_view kSeparators = "-_.";
+  for (std::size_t begin = 0; begin <= name.size();) {
+    const std::size_t end = std::min(name.find_first_of(kSeparators, begin), name.size());
+    if (!word.empty() && name.substr(begin, end - begin) == word) return true;
+    begin = end + 1;
+  }
+  return false;
+}
+
+/// Returns the one of `names` that is meant by a word: the closest if it is close; else a name of kOtherNames; else the
+/// shortest of which the word is a part; otherwise "".
 template <class Names>
 std::string_view nearest_name(std::string_view word, const Names& names) {
   // A larger distance, or 2 for a name of up to four letters, means a different word.
@@ -54,6 +83,14 @@ std::string_view nearest_name(std::string_view word, const Names& names) {
     const int distance = edit_distance(word, name);
     if (distance < best && distance <= std::max(1, (int(name.size()) - 1) / 2)) best = distance, nearest = name;
   }
+  if (!nearest.empty()) return nearest;
+  std::string with_dashes(word);
+  std::replace(with_dashes.begin(), with_dashes.end(), '_', '-');
+  for (const auto& [other, own] : kOtherNames)
+    for (const std::string_view name : names)
+      if (other == with_dashes && own == name) return name;
+  for (const std::string_view name : names)
+    if (is_part_of_name(with_dashes, name) && (nearest.empty() || name.size() < nearest.size())) nearest = name;
   return nearest;
 }
 
@@ -62,7 +99,7 @@ inline std::string did_you_mean(std::string_view name) {
   return name.empty() ? "" : fmt::format(" (did you mean '{}'?)", name);
 }
 
-/// Returns " (did you mean 'x'?)" for the closest of `names` if it is close, otherwise " (available: a, b, c)".
+/// Returns " (did you mean 'x'?)" for the one of `names` that is meant, otherwise " (available: a, b, c)".
 template <class Names>
 std::string suggestion(std::string_view word, const Names& names) {
   if (const std::string_view nearest = nearest_name(word, names); !nearest.empty()) return did_you_mean(nearest);

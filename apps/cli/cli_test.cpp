@@ -37,6 +37,15 @@ TEST_F(Cli, PrintsHelpAndVersion) {
   for (const char* command : {"render", "tune", "help"})
     EXPECT_EQ(good(std::string("help ") + command).out, good(std::string(command) + " --help").out);
   bad("help rendre", 2, {"no command 'rendre'", "did you mean 'render'"});
+  for (const auto& [other, own] : {std::pair{"transparent", "no-background"},
+                                   {"background", "background-color"},
+                                   {"size", "resolution"},
+                                   {"width", "resolution"},
+                                   {"dpi", "resolution"},
+                                   {"fov", "camera-view-angle"},
+                                   {"zoom", "camera-zoom-factor"}})
+    bad(std::string("scene:claw -o claw.png --") + other + " 3", 2, {std::string("did you mean '--") + own + "'"});
+  bad("scene:claw -o claw.png --set toon.levels=3", 2, {"did you mean 'steps'"});
   EXPECT_NE(good("render --help").out.find("--resolution"), std::string::npos);
   const std::string version = good("--version").out;
   EXPECT_EQ(version.rfind(fmt::format("umbrage {}\ncommit ", project_version()), 0), 0u) << version;

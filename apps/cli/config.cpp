@@ -41,7 +41,8 @@ Result<std::string> value_of(std::string_view text) {
       if (is_comment(rest)) return std::string(text.substr(1, end - 1));
       return usage_error("'{}' follows {}; only a comment may follow", rest, text.substr(0, end + 1));
     }
-  return std::string(trimmed(text.substr(0, text.find(" #"))));
+  const std::size_t comment = std::min(text.find(" #"), text.find("\t#"));
+  return std::string(trimmed(text.substr(0, comment)));
 }
 
 /// Returns the last value of --config on a command line.

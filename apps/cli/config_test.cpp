@@ -21,7 +21,8 @@ class Config : public test::ProgramTest {
 
 TEST_F(Config, ConfigurationFileSetsOptions) {
   write("mine",
-        "# a comment\nresolution = 20x10  # at its end\ndevice = cpu\n\n[render] # and here\nlook = \"unsharp\" # "
+        "# a comment\nresolution = 20x10  # at its end\ndevice = cpu\t# after a tab\n\n[render] # and here\nlook = "
+        "\"unsharp\" # "
         "too\nset = "
         "unsharp.kernel=7\n[compare]\nsamples = 16\n");
   good("tri.obj -o a.png --config mine");

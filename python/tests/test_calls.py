@@ -132,9 +132,22 @@ class Progress(unittest.TestCase):
             umbrage.Scene.load(SOLIDS, progress=raises)
 
     def test_a_bar(self) -> None:
-        code = f"import umbrage; umbrage.render('{SOLIDS}', size=(64, 64), device='cpu', progress=True)"
-        ran = subprocess.run([sys.executable, "-c", code], stderr=subprocess.PIPE, check=True)
-        self.assertIn(b"%", ran.stderr)
+        code = (
+            "import sys; sys.modules['tqdm.auto'] = None\n"
+            f"import umbrage; umbrage.render('{SOLIDS}', size=(64, 64), device='cpu', progress=True)"
+        )
+        piped = subprocess.run([sys.executable, "-c", code], stderr=subprocess.PIPE, check=True)
+        self.assertEqual(piped.stderr, b"")
+        ours, theirs = os.openpty()
+        subprocess.run([sys.executable, "-c", code], stderr=theirs, check=True)
+        os.close(theirs)
+        self.assertIn(b"%", os.read(ours, 4096))
+        os.close(ours)
+
+    def test_integers_for_real_parameters(self) -> None:
+        with umbrage.Renderer(SOLIDS, size=(8, 8), device="cpu") as renderer:
+            with self.assertRaisesRegex(umbrage.UsageError, "1e\\+10|10000000000"):
+                renderer.render(exposure=10**10)
 
     def test_no_use_within_its_own_callback(self) -> None:
         with umbrage.Renderer(SOLIDS, size=SIZE, device="cpu") as renderer:

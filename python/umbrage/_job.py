@@ -143,10 +143,10 @@ class Job:
             code = lib.umbSetJobBool(job, key, value)
         elif isinstance(value, str):
             code = lib.umbSetJobString(job, key, native.bytes_of(value, name))
-        elif isinstance(value, int):
+        elif isinstance(value, int) and (row is None or row.type == "int"):
             code = lib.umbSetJobInt(job, key, native.int32(value, name))
-        elif isinstance(value, float):
-            code = lib.umbSetJobFloat(job, key, value)
+        elif isinstance(value, (int, float)):
+            code = lib.umbSetJobFloat(job, key, native.number(value, name))
         else:
             code = self._set_several(key, name, value)
         self._job.check(code)

@@ -19,12 +19,13 @@ def check_progress(progress: Any) -> None:
 
 
 class Bar:
-    """A progress bar on standard error: tqdm's if it is installed, else a line of text."""
+    """A progress bar on standard error: tqdm's if it is installed, else a line of text, on a terminal only."""
 
     def __init__(self) -> None:
         self._bar: Any = None
         self._started = time.monotonic()
         self._percent = -1
+        self._is_terminal = sys.stderr is not None and sys.stderr.isatty()
         try:
             from tqdm.auto import tqdm  # type: ignore[import]
         except ImportError:
@@ -39,14 +40,14 @@ class Bar:
         if self._bar is not None:
             self._bar.n = percent
             self._bar.refresh()
-        elif sys.stderr is not None:
+        elif self._is_terminal:
             sys.stderr.write(f"\rumbrage: {percent:3d} %, {time.monotonic() - self._started:.0f} s")
             sys.stderr.flush()
 
     def close(self) -> None:
         if self._bar is not None:
             self._bar.close()
-        elif sys.stderr is not None and self._percent >= 0:
+        elif self._is_terminal and self._percent >= 0:
             sys.stderr.write("\n")
 
 

@@ -122,7 +122,7 @@ def _size(size: Any) -> Tuple[int, int]:
     try:
         width, height = size
     except (TypeError, ValueError):
-        raise UsageError(f"`size` takes (width, height), not {shown(size)}") from None
+        raise UsageError(f"`size` takes (width, height), such as (1024, 1024), not {shown(size)}") from None
     return native.int32(width, "width"), native.int32(height, "height")
 
 

@@ -1,7 +1,8 @@
 """Texts for messages about invalid names and values."""
 from __future__ import annotations
 
-from typing import Any, Iterable
+import re
+from typing import Any, Iterable, List
 
 _MAX_EDIT_DISTANCE = 2  # max edit distance, in letters; for names of up to 4 letters it is 1
 _MAX_SHOWN = 60  # max number of characters of a value in a message
@@ -31,15 +32,44 @@ def _distance(a: str, b: str) -> int:
     return last[-1]
 
 
-def suggestion(word: str, names: Iterable[str]) -> str:
-    """Returns " (did you mean 'x'?)" for the nearest name if it is close enough, else " (available: a, b)". What is
-    close enough is defined as in core/suggest.h. Used for names that only the Python package knows."""
-    listed = list(dict.fromkeys(names))
+# What other programs call a parameter, and the names that it may have here; as in core/suggest.h.
+_OTHER_NAMES = {
+    "background": ("background-color",),
+    "dpi": ("resolution", "size"),
+    "fov": ("camera-view-angle", "view_angle_deg"),
+    "height": ("resolution", "size"),
+    "levels": ("steps",),
+    "no-background": ("transparent",),
+    "samples": ("anti-aliasing", "antialiasing"),
+    "size": ("resolution",),
+    "transparent": ("no-background",),
+    "width": ("resolution", "size"),
+}
+
+
+def _nearest(word: str, names: List[str]) -> str:
+    """Returns the name that is meant by a word, or "": the nearest by edit distance, one of _OTHER_NAMES, or the
+    shortest name of which the word is a part between dashes, underscores or dots."""
     best, nearest = _MAX_EDIT_DISTANCE + 1, ""
-    for name in listed:
+    for name in names:
         distance = _distance(word, name)
         if distance < best and distance <= max(1, (len(name) - 1) // 2):
             best, nearest = distance, name
+    if nearest:
+        return nearest
+    word = word.replace("_", "-")
+    for other in _OTHER_NAMES.get(word, ()):
+        if other in names:
+            return other
+    parts = [name for name in names if word in re.split(r"[-_.]", name)]
+    return min(parts, key=len, default="")
+
+
+def suggestion(word: str, names: Iterable[str]) -> str:
+    """Returns " (did you mean 'x'?)" for the name that is meant, if one is, else " (available: a, b)". Defined as in
+    core/suggest.h. Used for names that only the Python package knows."""
+    listed = list(dict.fromkeys(names))
+    nearest = _nearest(word, listed)
     if nearest:
         return f" (did you mean '{nearest}'?)"
     return f" (available: {', '.join(listed) or 'none'})"
