@@ -172,6 +172,7 @@ Rendered rendered_solids(bool orthographic) {
                                     .look = "ao",
                                     .occlusion = "bitmask",
                                     .settings = {"bitmask.radius=0.7", "denoise.rounds=0"},
+                                    .anti_aliasing = 1,
                                     .width = 64,
                                     .height = 48,
                                     .device = "cpu",
